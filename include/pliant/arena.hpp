@@ -1,0 +1,110 @@
+#pragma once
+/// \file arena.hpp
+/// One caller-owned block of memory, handed out from the front and never freed.
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "pliant/status.hpp"
+
+namespace pliant {
+
+/// A pointer and a count. Does not own what it points to.
+template <class T>
+struct Span {
+  T* data = nullptr;
+  std::size_t count = 0;
+  constexpr T& operator[](std::size_t i) const { return data[i]; }
+  constexpr T* begin() const { return data; }
+  constexpr T* end() const { return data + count; }
+  constexpr bool empty() const { return count == 0; }
+  constexpr operator Span<const T>() const { return {data, count}; }
+};
+
+/// Bump allocator over one block. An arena without a block only measures: every `take` advances the count and gives
+/// null, so that `required_bytes` runs the very code that later lays the object out, and the two cannot drift apart.
+/// What lives in an arena is trivially destructible. Not copyable. Costs: O(1) a call.
+class Arena {
+ public:
+  /// An arena that only measures.
+  constexpr Arena() = default;
+  /// \param block  aligned to kAlignment; must outlive everything created in it.
+  /// \param bytes  its size.
+  constexpr Arena(void* block, std::size_t bytes) : base_(static_cast<unsigned char*>(block)), size_(bytes) {}
+  Arena(const Arena&) = delete;
+  Arena& operator=(const Arena&) = delete;
+
+  /// Alignment of the block and of everything taken from it.
+  static constexpr std::size_t kAlignment = 16;
+
+  /// Room for `count` values of T, uninitialised. On overflow the arena turns `exhausted` and gives null from then on.
+  template <class T>
+  constexpr T* take(std::size_t count) {
+    static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= kAlignment);
+    const std::size_t start = used_;
+    const std::size_t bytes = (count * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
+    if (base_ != nullptr && (exhausted_ || bytes > size_ - start)) {
+      exhausted_ = true;
+      return nullptr;
+    }
+    used_ = start + bytes;
+    if (used_ > high_water_) high_water_ = used_;
+    return base_ == nullptr ? nullptr : reinterpret_cast<T*>(base_ + start);
+  }
+  template <class T>
+  constexpr Span<T> take_span(std::size_t count) {
+    return {take<T>(count), count};
+  }
+
+  constexpr bool is_measuring() const { return base_ == nullptr; }
+  /// True once something did not fit.
+  constexpr bool exhausted() const { return exhausted_; }
+  constexpr std::size_t used_bytes() const { return used_; }
+  constexpr std::size_t size_bytes() const { return size_; }
+  /// The most that was ever in use at once.
+  constexpr std::size_t high_water_bytes() const { return high_water_; }
+  /// Gives everything back.
+  constexpr void reset() { used_ = 0; exhausted_ = false; }
+
+  /// Gives back, at the end of a scope, what was taken inside it.
+  class Scope {
+   public:
+    explicit Scope(Arena& arena) : arena_(arena), used_(arena.used_), exhausted_(arena.exhausted_) {}
+    ~Scope() { arena_.used_ = used_; arena_.exhausted_ = exhausted_; }
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    Arena& arena_;
+    std::size_t used_;
+    bool exhausted_;
+  };
+
+ private:
+  unsigned char* base_ = nullptr;
+  std::size_t size_ = 0, used_ = 0, high_water_ = 0;
+  bool exhausted_ = false;
+};
+
+/// Lays `object` out in `arena` by `object.lay_out(arena, args...)`: all of it, or nothing and `out_of_memory`.
+template <class T, class... Args>
+Status create_in(Arena& arena, T& object, const Args&... args) {
+  if (arena.is_measuring()) return Status::bad_argument;
+  Arena trial;
+  T probe;
+  probe.lay_out(trial, args...);
+  if (arena.exhausted() || trial.used_bytes() > arena.size_bytes() - arena.used_bytes()) return Status::out_of_memory;
+  object.lay_out(arena, args...);
+  return Status::ok;
+}
+
+/// Bytes that `create_in` will take for the same arguments.
+template <class T, class... Args>
+std::size_t measured_bytes(const Args&... args) {
+  Arena trial;
+  T object;
+  object.lay_out(trial, args...);
+  return trial.used_bytes();
+}
+
+}  // namespace pliant

@@ -1,0 +1,107 @@
+#pragma once
+/// \file geometry.hpp
+/// Plain vectors, quaternions and rigid poses. No Eigen here, so that a consumer needs none.
+/// Everything is float, uses + - * / and sqrt only, and so gives the same bits on every target.
+
+namespace pliant {
+
+/// A 2-vector: an image position in pixels (x right, y down, pixel centres at integers) or a (u,v) in [0,1]^2.
+struct Vec2 {
+  float x = 0, y = 0;
+};
+
+/// A 3-vector, in millimetres unless said otherwise.
+struct Vec3 {
+  float x = 0, y = 0, z = 0;
+};
+
+/// A 2 x 2 matrix by rows: [a b; c d].
+struct Mat2 {
+  float a = 1, b = 0, c = 0, d = 1;
+};
+
+/// A symmetric 2 x 2 matrix: covariance (px^2) or information (1/px^2).
+struct Sym2 {
+  float xx = 0, xy = 0, yy = 0;
+};
+
+/// A 3 x 3 matrix by rows.
+struct Mat3 {
+  float m[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+};
+
+/// A unit quaternion (w,x,y,z); rotates by v' = q v q*.
+struct Quat {
+  float w = 1, x = 0, y = 0, z = 0;
+};
+
+/// A rigid pose of the model in camera coordinates (x right, y down, z forward, millimetres):
+/// p_cam = R(q) diag(1,-1,-1) p_model + t, so that a frontal face has q = (1,0,0,0).
+struct Pose {
+  Quat q;
+  Vec3 t{0, 0, 1000};
+};
+
+/// Square root, correctly rounded on every target. Negative arguments give 0.
+float square_root(float x);
+
+constexpr Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+constexpr Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+constexpr Vec2 operator*(float s, Vec2 a) { return {s * a.x, s * a.y}; }
+constexpr float dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+
+constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+constexpr Vec3 operator*(float s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
+constexpr float dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr Vec3 cross(Vec3 a, Vec3 b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline float length(Vec2 a) { return square_root(dot(a, a)); }
+inline float length(Vec3 a) { return square_root(dot(a, a)); }
+/// a / |a|, or zero where |a| is zero.
+Vec3 normalised(Vec3 a);
+
+constexpr Vec2 operator*(const Mat2& m, Vec2 v) { return {m.a * v.x + m.b * v.y, m.c * v.x + m.d * v.y}; }
+constexpr Mat2 operator*(const Mat2& l, const Mat2& r) {
+  return {l.a * r.a + l.b * r.c, l.a * r.b + l.b * r.d, l.c * r.a + l.d * r.c, l.c * r.b + l.d * r.d};
+}
+constexpr float determinant(const Mat2& m) { return m.a * m.d - m.b * m.c; }
+/// Inverse of m; the identity where the determinant is zero or not finite.
+Mat2 inverse(const Mat2& m);
+
+constexpr Vec3 operator*(const Mat3& m, Vec3 v) {
+  return {m.m[0][0] * v.x + m.m[0][1] * v.y + m.m[0][2] * v.z, m.m[1][0] * v.x + m.m[1][1] * v.y + m.m[1][2] * v.z,
+          m.m[2][0] * v.x + m.m[2][1] * v.y + m.m[2][2] * v.z};
+}
+
+/// Hamilton product: rotate by b first, then by a.
+constexpr Quat operator*(Quat a, Quat b) {
+  return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+          a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+}
+constexpr Quat conjugate(Quat q) { return {q.w, -q.x, -q.y, -q.z}; }
+/// q / |q|, with w >= 0; the identity where |q| is zero or not finite.
+Quat normalised(Quat q);
+/// Rotation matrix of a unit quaternion.
+Mat3 rotation_matrix(Quat q);
+/// Unit quaternion of a rotation matrix.
+Quat quaternion(const Mat3& rotation);
+/// Unit quaternion of the rotation vector w (axis times angle, radians). Rational half-angle form without sin or
+/// cos: exact to 1e-7 for |w| <= 0.5 rad; larger angles are halved until they are below and the result squared.
+Quat exp_rotation(Vec3 w);
+/// Rotation vector of q (shortest way), radians; inverse of exp_rotation to 1e-6.
+Vec3 log_rotation(Quat q);
+
+/// True where every component is a finite number.
+bool is_finite(float x);
+inline bool is_finite(Vec2 v) { return is_finite(v.x) && is_finite(v.y); }
+inline bool is_finite(Vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
+bool is_finite(const Pose& pose);
+
+constexpr float min(float a, float b) { return b < a ? b : a; }
+constexpr float max(float a, float b) { return a < b ? b : a; }
+constexpr float clamp(float x, float lo, float hi) { return x < lo ? lo : (hi < x ? hi : x); }
+constexpr float magnitude(float x) { return x < 0 ? -x : x; }
+
+}  // namespace pliant

@@ -1,0 +1,170 @@
+#pragma once
+/// \file model.hpp
+/// The model table (`.plm`): what a deformable model is, as data. One little-endian block, 4-byte aligned, read in
+/// place from flash. `Model::open` checks every offset, count and range once; after that nothing is checked again.
+///
+/// Layout: a TableHeader, then `section_count` Sections, then their contents, each 4-byte aligned. The records below
+/// are the file format: plain, packed by construction, never reordered.
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/geometry.hpp"
+#include "pliant/status.hpp"
+
+namespace pliant {
+
+namespace table {
+
+constexpr std::uint32_t kMagic = 0x314d4c50;  // "PLM1"
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kNameBytes = 28;  // zero-padded, always ends in a zero
+
+struct Header {
+  std::uint32_t magic, version;
+  std::uint32_t total_bytes;    ///< of the whole table
+  std::uint32_t crc32;          ///< IEEE CRC-32 of everything behind this field, `total_bytes - 16` bytes
+  std::uint32_t section_count;  ///< Sections that follow
+};
+
+/// Section kinds; a table has each at most once. Only `curves` and `albedo` may be missing.
+enum class Kind : std::uint32_t {
+  parameters = 1, fields = 2, samples = 3, cascade = 4, mask = 5, vertices = 6, faces = 7, landmarks = 8, curves = 9,
+  curve_points = 10, albedo = 11,
+};
+
+struct Section {
+  Kind kind;
+  std::uint32_t offset;  ///< from the table's start, a multiple of 4
+  std::uint32_t count;   ///< records, or bytes for samples and images
+};
+
+}  // namespace table
+
+/// What a parameter describes: who the person is, or what the face does.
+enum class Group : std::uint32_t { identity = 0, expression = 1 };
+
+/// One entry of q. Identity is in standard deviations; expression runs from `minimum` to `maximum`, 0 at rest.
+struct Parameter {
+  char name[table::kNameBytes];
+  Group group;
+  float minimum, maximum;  ///< limits, minimum <= 0 <= maximum
+  float sd;                ///< prior standard deviation around 0, in the parameter's own unit, > 0
+};
+
+/// A vector field V(u,v) (three components) or weight field w(u,v) (one), sampled on a grid over a rectangle of the
+/// chart and zero outside it. Sample (i,j) sits at u = u0 + i (u1 - u0) / (width - 1), v likewise; rows from v0 to v1;
+/// components interleaved. Value of component c = offset[c] + scale[c] * integer. A field whose rectangle is not the
+/// whole chart must decode to zero on its rim (offset zero), so that it is continuous.
+struct Field {
+  std::uint16_t width, height;   ///< samples, each at least 2
+  std::uint8_t components;       ///< 1 or 3
+  std::uint8_t bits;             ///< 8 or 16, signed
+  std::uint8_t mirror;           ///< 1: V(u,v) = diag(-1,1,1) V_stored(1-u,v); a weight is w_stored(1-u,v)
+  std::uint8_t reserved;
+  float u0, v0, u1, v1;          ///< support rectangle inside [0,1]^2 of the *stored* samples
+  float scale[3], offset[3];
+  std::uint32_t first_byte;      ///< of its samples within the samples section; a multiple of 2 for 16 bits
+};
+
+/// Operations of the cascade. p is the point of the source record, w the weight field's value (1 without one), q the
+/// parameter(s). Each gives its value and its Jacobian (ALGORITHMS: section 3; the paper: Eq. 1-4, 11).
+enum class Operation : std::uint32_t {
+  constant = 0,    ///< p = V(u,v)                                        (Eq. 2, 3)
+  add_vector = 1,  ///< p + q V(u,v)                                      (Eq. 4)
+  product = 2,     ///< p + q_a q_b V(u,v), a corrective shape
+  one_sided = 3,   ///< p + phi(q) V(u,v), phi a smooth ramp: 0 for q <= -h, q for q >= h, (q+h)^2/(4h) between, h = axis.x
+  scale = 4,       ///< c + (1 + w q) (p - c), c = pivot
+  rotate = 5,      ///< c + R(axis, w q) (p - c): jaw, eyeballs; q in radians, axis a unit vector
+  affine = 6,      ///< p + w q (A p + b - p); A, b from the record's matrix
+  rigid = 7,       ///< c + R(w) (p - c) + t; six parameters: rotation vector, translation
+  lerp = 8,        ///< (1 - q) p_0 + q p_1 of two sources
+};
+
+constexpr std::uint16_t kNone = 0xffff;  ///< "no index" in a table
+
+/// One step of the cascade: reads the results of earlier records only. The last record's result is the surface point.
+struct CascadeRecord {
+  Operation operation;
+  std::uint16_t source[2];      ///< indices of earlier records; kNone where unused (constant uses none)
+  std::uint16_t parameter[6];   ///< indices into q; kNone where unused
+  std::uint16_t field;          ///< three components; kNone where unused
+  std::uint16_t weight;         ///< one component; kNone means w = 1
+  float axis[3];                ///< unit vector (rotate), or axis[0] = h (one_sided)
+  float pivot[3];               ///< millimetres
+  float matrix[12];             ///< affine: A by rows then b; zero otherwise
+};
+
+/// A named place on the surface.
+struct Landmark {
+  char name[table::kNameBytes];
+  float u, v;
+};
+
+enum class CurveKind : std::uint32_t { lid = 0, lip = 1, brow = 2, outline = 3 };
+
+/// A named polyline in (u,v), for the edge tracker and for drawing.
+struct Curve {
+  char name[table::kNameBytes];
+  CurveKind kind;
+  std::uint32_t first_point, point_count;  ///< in curve_points (Vec2)
+};
+
+/// A grey picture over the chart, rows from v = 0 to v = 1, first row at v = 0; also the form of the domain mask, where
+/// 0 is outside the surface (eyes, mouth, beyond the outline) and 1 inside.
+struct ChartImage {
+  std::uint32_t width = 0, height = 0;
+  const std::uint8_t* pixels = nullptr;
+};
+
+/// IEEE CRC-32 (polynomial 0xEDB88320) of `bytes` bytes. `previous` continues an earlier sum.
+std::uint32_t crc32(const void* data, std::size_t bytes, std::uint32_t previous = 0);
+
+/// A validated read-only view on a model table. Copies are cheap; the table must outlive them.
+class Model {
+ public:
+  Model() = default;
+
+  /// Checks all of the table and points into it. Cost: one pass over the bytes for the CRC, then over the records.
+  /// \return bad_argument (null), misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table.
+  static Status open(const void* data, std::size_t bytes, Model* model);
+
+  Span<const Parameter> parameters() const { return parameters_; }
+  Span<const Field> fields() const { return fields_; }
+  const std::uint8_t* samples() const { return samples_; }
+  Span<const CascadeRecord> cascade() const { return cascade_; }
+  /// Base mesh: (u,v) of every vertex, and three corners a face, in basic-block form (mesh.hpp).
+  Span<const Vec2> base_uv() const { return base_uv_; }
+  Span<const std::uint16_t> base_corners() const { return base_corners_; }
+  Span<const Landmark> landmarks() const { return landmarks_; }
+  Span<const Curve> curves() const { return curves_; }
+  Span<const Vec2> curve_points() const { return curve_points_; }
+  ChartImage mask() const { return mask_; }
+  ChartImage albedo() const { return albedo_; }  ///< pixels null when the table has none
+  /// CRC-32 of the table: tells one model from another in result files.
+  std::uint32_t crc() const { return crc_; }
+  std::size_t table_bytes() const { return bytes_; }
+
+  /// Index of the parameter or landmark with that name, or kNone. O(count).
+  std::uint16_t find_parameter(const char* name) const;
+  std::uint16_t find_landmark(const char* name) const;
+  /// True where the mask says that (u,v) lies on the surface (nearest mask sample).
+  bool is_on_surface(Vec2 uv) const;
+
+ private:
+  friend struct ModelOpener;
+  Span<const Parameter> parameters_;
+  Span<const Field> fields_;
+  const std::uint8_t* samples_ = nullptr;
+  Span<const CascadeRecord> cascade_;
+  Span<const Vec2> base_uv_;
+  Span<const std::uint16_t> base_corners_;
+  Span<const Landmark> landmarks_;
+  Span<const Curve> curves_;
+  Span<const Vec2> curve_points_;
+  ChartImage mask_, albedo_;
+  std::uint32_t crc_ = 0;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace pliant

@@ -1,0 +1,1 @@
+target_sources(pliant_host PRIVATE)
