@@ -136,6 +136,7 @@ struct ModelOpener {
     const auto fields = model.fields();
     if (n.field ? (r.field >= fields.count || fields[r.field].components != 3) : r.field != kNone) return false;
     if (r.weight != kNone && (n.field || r.weight >= fields.count || fields[r.weight].components != 1)) return false;
+    if (n.sources == 2 && r.source[0] == r.source[1]) return false;
     if (!all_finite(r.axis, 3) || !all_finite(r.pivot, 3) || !all_finite(r.matrix, 12)) return false;
     if (r.operation == Operation::one_sided && !(r.axis[0] > 0)) return false;
     const float a2 = r.axis[0] * r.axis[0] + r.axis[1] * r.axis[1] + r.axis[2] * r.axis[2];

@@ -10,6 +10,7 @@
 
 #include "pliant/arena.hpp"
 #include "pliant/geometry.hpp"
+#include "pliant/id_set.hpp"
 #include "pliant/status.hpp"
 
 namespace pliant {
@@ -80,8 +81,6 @@ enum class Operation : std::uint32_t {
   rigid = 7,       ///< c + R(w) (p - c) + t; six parameters: rotation vector, translation
   lerp = 8,        ///< (1 - q) p_0 + q p_1 of two sources
 };
-
-constexpr std::uint16_t kNone = 0xffff;  ///< "no index" in a table
 
 /// One step of the cascade: reads the results of earlier records only. The last record's result is the surface point.
 struct CascadeRecord {

@@ -1,0 +1,80 @@
+#pragma once
+/// \file camera.hpp
+/// Pinhole camera and rigid pose, and the form of both that the solver works in (ALGORITHMS: section 4).
+#include "pliant/geometry.hpp"
+
+namespace pliant {
+
+/// Intrinsics in pixels: x_image = f X/Z + cx, y_image = f Y/Z + cy. Square pixels.
+struct Camera {
+  float f = 0, cx = 0, cy = 0;
+};
+
+/// The camera of a picture with its principal point in the middle, ((W-1)/2, (H-1)/2).
+constexpr Camera centred_camera(int width, int height, float f) {
+  return {f, 0.5f * static_cast<float>(width - 1), 0.5f * static_cast<float>(height - 1)};
+}
+
+/// Pose and focal length as "scaled perspective": with p' = R(q) diag(1,-1,-1) p,
+///   x = c + s (p'_xy + tau) / (1 + rho p'_z).
+/// s (px per mm) is image scale, tau (mm) offset, rho (1/mm) perspective strength; rho = 0 is weak perspective. It is
+/// the pinhole camera with t = (tau, 1/rho) and f = s/rho, but stays well conditioned when f and depth are not
+/// separately known.
+struct View {
+  Quat q;
+  float s = 1;
+  Vec2 tau;
+  float rho = 1e-3f;
+  Vec2 c;
+};
+
+/// rho is kept in this range (distance between 50 mm and 100 m), so that t and f are always finite.
+constexpr float kMinRho = 1e-5f, kMaxRho = 2e-2f;
+/// A point with 1 + rho p'_z below this is too near, or behind, the camera.
+constexpr float kMinDepthRatio = 0.2f;
+
+View view_of(const Pose& pose, const Camera& camera);
+Pose pose_of(const View& view);
+Camera camera_of(const View& view);
+
+/// Unknowns of a view, in the order of the pose block of every solver: rotation increment (rad, applied on the left,
+/// in camera axes), log s, tau (mm), log rho. When the focal length is known, log rho follows log s and is left out.
+enum PoseUnknown { kTurnX = 0, kTurnY, kTurnZ, kLogScale, kShiftX, kShiftY, kLogRho };
+constexpr int kPoseUnknowns = 6;           ///< with known focal length
+constexpr int kPoseUnknownsWithFocal = 7;
+
+/// `view` moved by `step`, of kPoseUnknowns values (rho follows s: f stays) or kPoseUnknownsWithFocal.
+View moved(const View& view, const float* step, int unknowns);
+
+/// A view with its rotation as a matrix, ready to project many points.
+class Projector {
+ public:
+  /// \param focal_is_known  whether rho follows s in the derivatives.
+  Projector(const View& view, bool focal_is_known);
+
+  /// Image position (px) of a model point (mm). False when it is too near or behind the camera; x is then untouched.
+  bool project(Vec3 p, Vec2* x) const;
+
+  /// Derivatives of an image position: `pose[k]` along pose unknown k, `m` (2 x 3 by rows) along the model point.
+  struct Derivatives {
+    Vec2 pose[kPoseUnknownsWithFocal];
+    float m[2][3];
+    Vec2 along(Vec3 d) const {
+      return {m[0][0] * d.x + m[0][1] * d.y + m[0][2] * d.z, m[1][0] * d.x + m[1][1] * d.y + m[1][2] * d.z};
+    }
+  };
+  /// The same with derivatives: B_i of Eq. 10 is m J_i.
+  bool project(Vec3 p, Vec2* x, Derivatives* d) const;
+
+  /// A model direction or point in camera axes, without translation.
+  Vec3 rotated(Vec3 p) const { return rotation_ * p; }
+  /// p_cam = R diag(1,-1,-1) p + t, t = (tau, 1/rho).
+  Vec3 to_camera(Vec3 p) const;
+
+ private:
+  View view_;
+  Mat3 rotation_;  // R diag(1,-1,-1)
+  bool focal_is_known_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,51 @@
+#include "pliant/robust.hpp"
+
+namespace pliant {
+
+LossValue evaluate(Loss loss, float u) {
+  constexpr float kHuber = 1.345f, kTukey = 4.685f;
+  switch (loss) {
+    case Loss::squares: break;
+    case Loss::huber:
+      if (u > kHuber) return {kHuber * (u - 0.5f * kHuber), kHuber / u};
+      break;
+    case Loss::tukey: {
+      const float c2 = kTukey * kTukey;
+      const float t = u < kTukey ? 1 - u * u / c2 : 0.0f;
+      return {c2 / 6 * (1 - t * t * t), t * t};
+    }
+  }
+  return {0.5f * u * u, 1};
+}
+
+namespace {
+
+void sift_down(float* heap, std::size_t n, std::size_t i) {  // smallest on top
+  for (;;) {
+    std::size_t least = i;
+    for (std::size_t child = 2 * i + 1; child <= 2 * i + 2 && child < n; ++child)
+      if (heap[child] < heap[least]) least = child;
+    if (least == i) return;
+    const float other = heap[i];
+    heap[i] = heap[least];
+    heap[least] = other;
+    i = least;
+  }
+}
+
+}  // namespace
+
+float select(float* value, std::size_t n, std::size_t k) {
+  for (std::size_t i = n / 2; i-- > 0;) sift_down(value, n, i);
+  for (; k > 0; --k) {
+    value[0] = value[--n];
+    sift_down(value, n, 0);
+  }
+  return value[0];
+}
+
+float robust_scale(float* length, std::size_t n) {
+  return n == 0 ? 0.0f : select(length, n, n / 2) / 1.1774f;
+}
+
+}  // namespace pliant
