@@ -1,1 +1,6 @@
-target_sources(pliant_platform PRIVATE)
+target_sources(pliant_platform PRIVATE
+  ${CMAKE_CURRENT_LIST_DIR}/pyramid.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/patch.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/patch_align.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/patch_kernels.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/patch_template.cpp)

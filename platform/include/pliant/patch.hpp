@@ -1,0 +1,129 @@
+#pragma once
+/// \file patch.hpp
+/// The patch tracker: where has the small piece of picture around a point gone, how well is that known, and
+/// is it still the same piece?
+///
+/// Pyramidal, inverse compositional (Baker and Matthews 2004): translation is solved for, a gain and a bias
+/// of the light are projected out, and the change of shape (rotation, scale, shear) comes predicted, as a 2 x
+/// 2 warp. Kernels are integers; the bits are the same on every target.
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/geometry.hpp"
+#include "pliant/pyramid.hpp"
+#include "pliant/status.hpp"
+
+namespace pliant {
+
+namespace patch {
+struct Anchor;
+struct Surround;
+struct Work;
+}  // namespace patch
+
+/// Why a patch was found, or not.
+enum class PatchStatus : std::uint8_t {
+  ok = 0,
+  bad_argument = 1,     ///< NaN, no such slot, or a pyramid that was never built
+  empty_slot = 2,       ///< nothing was captured in this slot
+  outside_image = 3,    ///< part of the window lies, or went, outside the picture
+  flat = 4,             ///< too little texture in one direction, or too few pixels that are not clipped
+  diverged = 5,         ///< moved farther than allowed at the finest level
+  low_correlation = 6,  ///< ended somewhere that does not look like the template
+  bad_light = 7,        ///< gain or bias outside their range
+  inconsistent = 8,     ///< tracked back from where it was found, it does not return
+};
+
+/// A short English sentence without a final stop. Never null.
+const char* text(PatchStatus status);
+
+/// Capacities. Bytes: slots * levels * ((window + 2 + 2 * margin)^2 + 20) and about 12 kB of work space.
+struct PatchLimits {
+  int slots = 64;   ///< 0 is allowed: `track_between` needs none
+  int window = 13;  ///< side of the compared square, odd, 7 to 21 px
+  int levels = 3;   ///< 1 to Pyramid::kMaxLevels
+  /// Pixels stored around the window, so that a rotated or stretched window still finds its corners; 0 to 16.
+  /// What falls outside is left out of the comparison.
+  int margin = 4;
+};
+
+/// How to search and what to accept. The defaults suit faces at 320 x 240.
+struct PatchOptions {
+  int first_level = -1;      ///< where the search starts, 0 is full size; -1: the coarsest there is
+  int max_iterations = 10;   ///< on each level, at least 1
+  float epsilon_px = 0.01f;  ///< stops below this step at full size; three times as much on coarser levels
+  float max_move_px = 0;     ///< from the start, in the end; 0: no limit
+  float min_correlation = 0.8f;  ///< normalised cross-correlation with the template
+  float min_eigenvalue = 0.5f;   ///< of the mean structure tensor, light projected out, (grey/px)^2
+  float min_gain = 0.5f, max_gain = 2.0f;
+  float max_bias = 80.0f;           ///< magnitude, grey levels
+  float max_return_px = 0;          ///< forward-backward check of `track_between`; 0: not done
+  bool masks_clipped = true;        ///< leaves out pixels <= 5 and >= 250
+  float noise_floor_grey = 1.0f;    ///< the residual counts as at least this, in the information
+  float position_floor_px = 0.02f;  ///< standard deviation that no result claims to be better than
+};
+
+/// One search. Everything but status, x and iterations is zero unless the search came to an end at full size.
+struct PatchResult {
+  PatchStatus status = PatchStatus::bad_argument;
+  Vec2 x;                    ///< found position in the current picture; the start when the search failed
+  Sym2 information;          ///< inverse covariance of x, 1/px^2
+  float correlation = 0;     ///< NCC with the template (for a slot: with the patch first captured), -1 to 1
+  float gain = 1, bias = 0;  ///< current = gain * template + bias, grey levels
+  float residual = 0;        ///< rms of what gain and bias leave, grey levels
+  float return_px = 0;       ///< forward-backward distance, if it was asked for
+  int iterations = 0;        ///< over all levels
+};
+
+/// Slots of captured patches, and the search for them. All memory in the arena. Not copyable.
+class PatchTracker {
+ public:
+  PatchTracker() = default;
+  PatchTracker(const PatchTracker&) = delete;
+  PatchTracker& operator=(const PatchTracker&) = delete;
+
+  /// `bad_argument` for limits out of range, `out_of_memory`; then nothing has changed. All slots are empty.
+  Status create(Arena& arena, const PatchLimits& limits);
+  void lay_out(Arena& arena, const PatchLimits& limits);
+
+  const PatchLimits& limits() const { return limits_; }
+
+  /// Stores the surroundings of x (pixels of level 0, sub-pixel) on every level as the anchor of `slot`. The
+  /// whole window must lie inside the picture and have texture: otherwise outside_image or flat, and the slot
+  /// is as it was.
+  PatchStatus capture(int slot, const Pyramid& pyramid, Vec2 x, const PatchOptions& options = {});
+  /// Empties the slot.
+  void release(int slot);
+  bool is_captured(int slot) const;
+  /// Where the slot's patch was captured.
+  Vec2 anchor(int slot) const;
+
+  /// Finds the slot's anchor patch in `current`, from `start`.
+  /// \param warp  displacement in the current picture = warp * displacement in the anchor's picture (J_cur
+  /// J_ref^-1).
+  ///              A warp that shrinks or stretches by more than 4, mirrors, or is not finite is a
+  ///              bad_argument.
+  /// Cost: about 1 us a point on a desktop core (window 13, 3 levels).
+  PatchResult track(int slot, const Pyramid& current, Vec2 start, const Mat2& warp = {},
+                    const PatchOptions& options = {});
+
+  /// Finds what is around `x` in `previous` again in `current`, from `start`. With max_return_px, also tracks
+  /// back and compares.
+  PatchResult track_between(const Pyramid& previous, Vec2 x, const Pyramid& current, Vec2 start,
+                            const PatchOptions& options = {});
+
+ private:
+  struct Source;
+
+  bool is_slot(int slot) const { return slot >= 0 && slot < limits_.slots; }
+  Vec2 load_template(const Source& source, int level, const PatchOptions& options);
+  PatchResult search(const Source& source, const Pyramid& current, Vec2 start, const PatchOptions& options);
+
+  PatchLimits limits_{0, 0, 0, 0};
+  patch::Anchor* anchors_ = nullptr;      // one a slot
+  patch::Surround* surrounds_ = nullptr;  // one a slot and level
+  std::uint8_t* pixels_ = nullptr;        // of the surrounds, in the same order
+  patch::Work* work_ = nullptr;           // what one search needs
+};
+
+}  // namespace pliant

@@ -1,0 +1,293 @@
+// Slots, the search from coarse to fine, and what is said about its result.
+#include "pliant/patch.hpp"
+
+#include <cstring>
+
+#include "patch_work.hpp"
+
+namespace pliant {
+
+using patch::Alignment;
+using patch::Anchor;
+using patch::Surround;
+using patch::Work;
+
+namespace {
+
+constexpr int kMaxSlots = 16384, kMaxMargin = 16;
+constexpr std::size_t kReadAhead = 32;  // bytes past the last square that kernels may read and do not use
+
+bool is_valid(const PatchLimits& l) {
+  return l.slots >= 0 && l.slots <= kMaxSlots && l.window >= patch::kMinWindow &&
+         l.window <= patch::kMaxWindow && l.window % 2 == 1 && l.levels >= 1 &&
+         l.levels <= Pyramid::kMaxLevels && l.margin >= 0 && l.margin <= kMaxMargin;
+}
+
+std::size_t square_bytes(const PatchLimits& l) {
+  return static_cast<std::size_t>(patch::surround_side(l)) *
+         static_cast<std::size_t>(patch::surround_side(l));
+}
+
+bool contains(const ImageView& image, Vec2 x, int margin) {
+  const auto m = static_cast<float>(margin);
+  return x.x >= m && x.y >= m && x.x <= static_cast<float>(image.width - 1) - m &&
+         x.y <= static_cast<float>(image.height - 1) - m;
+}
+
+// A warp that is finite, keeps orientation and changes lengths by no more than four.
+bool is_plausible(const Mat2& w) {
+  constexpr float kMost = 4.0f;
+  const float det = determinant(w);
+  return det >= 1.0f / (kMost * kMost) && det <= kMost * kMost && magnitude(w.a) <= kMost &&
+         magnitude(w.b) <= kMost && magnitude(w.c) <= kMost && magnitude(w.d) <= kMost;
+}
+
+float level_scale(int level) {
+  return 1.0f / static_cast<float>(1 << level);
+}
+
+Sym2 inverse_of(const Sym2& s) {
+  const float det = s.xx * s.yy - s.xy * s.xy;
+  return {s.yy / det, -s.xy / det, s.xx / det};
+}
+
+// Share of white noise's variance that bilinear sampling at phase f leaves.
+float noise_left(int f) {
+  const float t = static_cast<float>(f) / patch::kSubpixel;
+  return (1 - t) * (1 - t) + t * t;
+}
+
+// Gain, bias, correlation, residual and information from the sums of the last sampling.
+void describe(const Alignment& a, const Work& work, const PatchOptions& o, PatchResult& r) {
+  constexpr float kUnit = 1.0f / patch::kGreyScale;
+  const patch::Normal& t = a.normal;
+  const std::int64_t n = t.sums.n;
+  const auto centred = [n](std::int32_t ab, std::int32_t a_sum, std::int32_t b_sum) {
+    return static_cast<float>(n * ab - std::int64_t{a_sum} * b_sum) / static_cast<float>(n);
+  };
+  const float ii = centred(patch::sum_squares(work.image, a.mask, work.count), a.image.i, a.image.i);
+  const float ti = centred(a.image.ti, t.sums.t, a.image.i);
+  r.gain = ti / t.variance_sum;
+  const float mean_image = static_cast<float>(a.image.i) / t.n + patch::kGreyOffset;
+  r.bias = kUnit * (mean_image - r.gain * (t.mean + patch::kGreyOffset));
+  r.correlation = ii > 0 ? ti / square_root(ii * t.variance_sum) : 0;
+  const float left = max(ii - r.gain * ti, 0);
+  r.residual = kUnit * square_root(left / t.n);
+  // Sampling between pixels averages noise away in the residual, but not in the sums with the smooth
+  // gradient.
+  const float unsmoothed = 2.0f / (1.0f + noise_left(a.fx) * noise_left(a.fy));
+  const float noise =
+      max(kUnit * kUnit * unsmoothed * left / max(t.n - 4, 1), o.noise_floor_grey * o.noise_floor_grey);
+  const float scale = r.gain * r.gain * kUnit * kUnit / noise;
+  Sym2 covariance = inverse_of({scale * t.tensor.xx, scale * t.tensor.xy, scale * t.tensor.yy});
+  covariance.xx += o.position_floor_px * o.position_floor_px;
+  covariance.yy += o.position_floor_px * o.position_floor_px;
+  r.information = inverse_of(covariance);
+}
+
+PatchStatus judge(const PatchResult& r, Vec2 start, const PatchOptions& o) {
+  if (r.correlation < o.min_correlation) return PatchStatus::low_correlation;
+  if (r.gain < o.min_gain || r.gain > o.max_gain || magnitude(r.bias) > o.max_bias)
+    return PatchStatus::bad_light;
+  if (o.max_move_px > 0 && length(r.x - start) > o.max_move_px) return PatchStatus::diverged;
+  return PatchStatus::ok;
+}
+
+}  // namespace
+
+const char* text(PatchStatus status) {
+  switch (status) {
+    case PatchStatus::ok:
+      return "found";
+    case PatchStatus::bad_argument:
+      return "bad argument";
+    case PatchStatus::empty_slot:
+      return "nothing was captured in this slot";
+    case PatchStatus::outside_image:
+      return "the window leaves the picture";
+    case PatchStatus::flat:
+      return "too little texture";
+    case PatchStatus::diverged:
+      return "moved too far";
+    case PatchStatus::low_correlation:
+      return "does not look like the template";
+    case PatchStatus::bad_light:
+      return "gain or bias out of range";
+    case PatchStatus::inconsistent:
+      return "does not return when tracked back";
+  }
+  return "unknown";
+}
+
+namespace patch {
+
+void Work::lay_out(Arena& arena, int window_side) {
+  window = window_side;
+  count = padded(window);
+  const auto n = static_cast<std::size_t>(count);
+  std::int16_t* arrays[10];
+  for (auto& array : arrays) {
+    array = arena.take<std::int16_t>(n);
+    if (array != nullptr) std::memset(array, 0, n * sizeof(std::int16_t));
+  }
+  plain = {arrays[0], arrays[1], arrays[2], arrays[3]};
+  masked = {arrays[4], arrays[5], arrays[6], arrays[7]};
+  image = arrays[8];
+  all = arrays[9];
+  block = arena.take<std::int16_t>(static_cast<std::size_t>(block_size(window)));
+  bytes = arena.take<std::uint8_t>(static_cast<std::size_t>(block_size(window)));
+  if (all == nullptr) return;
+  for (int y = 0; y < window; ++y)
+    for (int x = 0; x < window; ++x) all[y * lanes(window) + x] = 1;
+}
+
+}  // namespace patch
+
+// Where a template comes from: around x in a pyramid, or from a slot, perhaps warped.
+struct PatchTracker::Source {
+  const Pyramid* pyramid;  // null: the slot
+  Vec2 x;
+  int slot;
+  Mat2 warp, to_anchor;
+  bool is_warped;
+};
+
+Status PatchTracker::create(Arena& arena, const PatchLimits& limits) {
+  return is_valid(limits) ? create_in(arena, *this, limits) : Status::bad_argument;
+}
+
+void PatchTracker::lay_out(Arena& arena, const PatchLimits& limits) {
+  limits_ = limits;
+  const auto slots = static_cast<std::size_t>(limits.slots);
+  const auto squares = slots * static_cast<std::size_t>(limits.levels);
+  anchors_ = arena.take<Anchor>(slots);
+  surrounds_ = arena.take<Surround>(squares);
+  pixels_ = arena.take<std::uint8_t>(squares * square_bytes(limits) + kReadAhead);
+  work_ = arena.take<Work>(1);
+  Work measured;
+  Work& work = work_ != nullptr ? *work_ : measured;
+  work.lay_out(arena, limits.window);
+  if (work_ == nullptr) return;
+  std::memset(pixels_, 0, squares * square_bytes(limits) + kReadAhead);
+  for (std::size_t s = 0; s < slots; ++s) anchors_[s] = {{}, 0};
+}
+
+PatchStatus PatchTracker::capture(int slot, const Pyramid& pyramid, Vec2 x, const PatchOptions& options) {
+  if (!is_slot(slot) || pyramid.levels() == 0 || !is_finite(x)) return PatchStatus::bad_argument;
+  const ImageView& full = pyramid.level(0);
+  if (!contains(full, x, limits_.window / 2)) return PatchStatus::outside_image;
+  const Source here{&pyramid, x, -1, {}, {}, false};
+  load_template(here, 0, options);
+  const patch::Normal normal = patch::normal_of(patch::sum_template(work_->plain, work_->count));
+  if (!patch::is_usable(normal, limits_.window, options.min_eigenvalue)) return PatchStatus::flat;
+  const int levels = limits_.levels < pyramid.levels() ? limits_.levels : pyramid.levels();
+  for (int l = 0; l < levels; ++l) {
+    const auto square = static_cast<std::size_t>(slot * limits_.levels + l);
+    patch::store_surround(pyramid.level(l), level_scale(l) * x, patch::surround_side(limits_),
+                          surrounds_[square], pixels_ + square * square_bytes(limits_));
+  }
+  anchors_[slot] = {x, levels};
+  return PatchStatus::ok;
+}
+
+void PatchTracker::release(int slot) {
+  if (is_slot(slot)) anchors_[slot].levels = 0;
+}
+
+bool PatchTracker::is_captured(int slot) const {
+  return is_slot(slot) && anchors_[slot].levels > 0;
+}
+
+Vec2 PatchTracker::anchor(int slot) const {
+  return is_captured(slot) ? anchors_[slot].x : Vec2{};
+}
+
+// Makes the template of one level; gives the vector from its centre to the point, in current pixels of that
+// level.
+Vec2 PatchTracker::load_template(const Source& source, int level, const PatchOptions& options) {
+  const patch::GreyRange range = patch::usable_range(options.masks_clipped);
+  if (source.pyramid != nullptr) {
+    const Vec2 p = level_scale(level) * source.x;
+    const int cx = static_cast<int>(p.x + 0.5f), cy = static_cast<int>(p.y + 0.5f);
+    const int radius = limits_.window / 2;
+    patch::load_template(source.pyramid->level(level), cx - radius, cy - radius, range, *work_);
+    return {p.x - static_cast<float>(cx), p.y - static_cast<float>(cy)};
+  }
+  const auto square = static_cast<std::size_t>(source.slot * limits_.levels + level);
+  patch::load_template(surrounds_[square], pixels_ + square * square_bytes(limits_),
+                       patch::surround_side(limits_), source.is_warped ? &source.to_anchor : nullptr, range,
+                       *work_);
+  return source.warp * surrounds_[square].offset;
+}
+
+PatchResult PatchTracker::search(const Source& source, const Pyramid& current, Vec2 start,
+                                 const PatchOptions& o) {
+  PatchResult result;
+  result.x = start;
+  const int there = source.pyramid != nullptr ? source.pyramid->levels() : anchors_[source.slot].levels;
+  int top = there < current.levels() ? there : current.levels();
+  if (o.first_level >= 0 && o.first_level < top) top = o.first_level + 1;
+  if (!is_finite(start) || top == 0 || o.max_iterations < 1) return result;
+  result.status = PatchStatus::outside_image;
+  if (!contains(current.level(0), start, 0)) return result;
+  Vec2 x = start;
+  Alignment a;
+  for (int l = top - 1; l >= 0; --l) {
+    const Vec2 offset = load_template(source, l, o);
+    a.y = level_scale(l) * x - offset;
+    const patch::AlignOptions ao{o.max_iterations, l == 0 ? o.epsilon_px : 3 * o.epsilon_px,
+                                 o.min_eigenvalue, patch::usable_range(o.masks_clipped),
+                                 o.masks_clipped,  l == 0};
+    a.iterations = 0;
+    result.status = patch::align(current.level(l), ao, *work_, a);
+    result.iterations += a.iterations;
+    // A level that shows nothing is passed over; the finest decides.
+    if (result.status == PatchStatus::ok) x = static_cast<float>(1 << l) * (a.y + offset);
+  }
+  if (result.status != PatchStatus::ok) return result;
+  result.x = x;
+  describe(a, *work_, o, result);
+  result.status = judge(result, start, o);
+  if (result.status != PatchStatus::ok) result.x = start;
+  return result;
+}
+
+PatchResult PatchTracker::track(int slot, const Pyramid& current, Vec2 start, const Mat2& warp,
+                                const PatchOptions& options) {
+  PatchResult failure;
+  failure.x = start;
+  if (!is_slot(slot) || !is_plausible(warp)) return failure;
+  failure.status = PatchStatus::empty_slot;
+  if (!is_captured(slot)) return failure;
+  constexpr float kNegligible = 0.1f;  // px, at the edge of the window
+  const float shear =
+      max(max(magnitude(warp.a - 1), magnitude(warp.d - 1)), max(magnitude(warp.b), magnitude(warp.c)));
+  const bool is_warped = shear * static_cast<float>(limits_.window / 2) > kNegligible;
+  const Source source{nullptr, {}, slot, warp, inverse(warp), is_warped};
+  return search(source, current, start, options);
+}
+
+PatchResult PatchTracker::track_between(const Pyramid& previous, Vec2 x, const Pyramid& current, Vec2 start,
+                                        const PatchOptions& options) {
+  PatchResult failure;
+  failure.x = start;
+  if (work_ == nullptr || previous.levels() == 0 || !is_finite(x)) return failure;
+  failure.status = PatchStatus::outside_image;
+  if (!contains(previous.level(0), x, limits_.window / 2)) return failure;
+  const Source forward{&previous, x, -1, {}, {}, false};
+  PatchResult result = search(forward, current, start, options);
+  if (result.status != PatchStatus::ok || !(options.max_return_px > 0)) return result;
+  if (!contains(current.level(0), result.x, limits_.window / 2)) {
+    result.status = PatchStatus::outside_image;
+    return result;
+  }
+  const Source backward{&current, result.x, -1, {}, {}, false};
+  const PatchResult back = search(backward, previous, result.x - (start - x), options);
+  result.iterations += back.iterations;
+  result.return_px = length(back.x - x);
+  if (back.status != PatchStatus::ok || result.return_px > options.max_return_px)
+    result.status = PatchStatus::inconsistent;
+  return result;
+}
+
+}  // namespace pliant
