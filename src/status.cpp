@@ -30,6 +30,7 @@ const char* text(Status status) {
     case Status::non_orientable: return "the surface cannot be oriented";
     case Status::not_basic_blocks: return "the mesh is not a union of basic blocks";
     case Status::not_ready: return "the operator does not apply here";
+    case Status::isolated_vertex: return "a vertex belongs to no face";
   }
   return "unknown status";
 }

@@ -34,6 +34,7 @@ enum class [[nodiscard]] Status : std::uint8_t {
   non_orientable = 23,      ///< base mesh: no consistent winding exists
   not_basic_blocks = 24,    ///< base mesh: neighbours disagree about their subdivision edge
   not_ready = 25,           ///< mesh: the operator's precondition does not hold here
+  isolated_vertex = 26,     ///< base mesh: a vertex that no face uses
 };
 
 /// A short English sentence without a final stop, for messages and logs. Never null.

@@ -1,0 +1,88 @@
+#pragma once
+/// \file id_set.hpp
+/// A pool of 16-bit ids: which are free, which is the lowest free one, and a walk over those in use.
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+
+namespace pliant {
+
+/// An id or index that is none: no vertex, no face, no half-edge, no entry of a table.
+constexpr std::uint16_t kNone = 0xFFFF;
+
+/// Ids 0 ... capacity - 1, each free or in use. `take` always gives the lowest free id, so that the pool has
+/// no memory of its history: what is in use alone decides which ids come next, and ids stay dense. Two levels
+/// of bits, capacity / 8 bytes. `take` costs two bit scans and at most 16 word reads; everything else is
+/// O(1).
+class IdSet {
+ public:
+  /// \param capacity  at most 65,535.
+  void lay_out(Arena& arena, std::size_t capacity);
+  /// Ids below `used` are in use, all others free. O(capacity / 64).
+  void reset(std::size_t used);
+  /// Takes over the state of a set of the same capacity.
+  void copy_from(const IdSet& other);
+
+  std::size_t capacity() const { return capacity_; }
+  std::size_t used_count() const { return used_; }
+  std::size_t free_count() const { return capacity_ - used_; }
+  bool is_used(std::uint16_t id) const { return id < capacity_ && (free_[id >> 6] >> (id & 63) & 1) == 0; }
+
+  /// The lowest free id, now in use. Precondition: free_count() > 0.
+  std::uint16_t take() {
+    std::size_t group = 0;
+    while (groups_[group] == 0) ++group;
+    const std::size_t word = group << 6 | lowest_bit(groups_[group]);
+    const std::uint64_t bits = free_[word];
+    const unsigned bit = lowest_bit(bits);
+    free_[word] = bits & (bits - 1);
+    if (free_[word] == 0) groups_[group] &= groups_[group] - 1;
+    ++used_;
+    return static_cast<std::uint16_t>(word << 6 | bit);
+  }
+  /// Frees an id in use.
+  void put_back(std::uint16_t id) {
+    const std::size_t word = id >> 6;
+    free_[word] |= std::uint64_t{1} << (id & 63);
+    groups_[word >> 6] |= std::uint64_t{1} << (word & 63);
+    --used_;
+  }
+  /// The lowest id in use that is at least `from`, or the capacity where there is none.
+  std::size_t next_used(std::size_t from) const {
+    if (from >= capacity_) return capacity_;
+    std::size_t word = from >> 6;
+    std::uint64_t bits = ~free_[word] >> (from & 63) << (from & 63);
+    for (const std::size_t last = (capacity_ - 1) >> 6; bits == 0 && word < last;) bits = ~free_[++word];
+    if (bits == 0) return capacity_;
+    const std::size_t id = word << 6 | lowest_bit(bits);
+    return id < capacity_ ? id : capacity_;
+  }
+
+  /// Walks the ids in use in rising order. An id taken or freed during the walk is seen if it lies ahead.
+  class Iterator {
+   public:
+    Iterator(const IdSet& set, std::size_t id) : set_(&set), id_(id) {}
+    std::uint16_t operator*() const { return static_cast<std::uint16_t>(id_); }
+    Iterator& operator++() {
+      id_ = set_->next_used(id_ + 1);
+      return *this;
+    }
+    bool operator!=(const Iterator& other) const { return id_ != other.id_; }
+
+   private:
+    const IdSet* set_;
+    std::size_t id_;
+  };
+  Iterator begin() const { return {*this, next_used(0)}; }
+  Iterator end() const { return {*this, capacity_}; }
+
+ private:
+  static unsigned lowest_bit(std::uint64_t bits) { return static_cast<unsigned>(__builtin_ctzll(bits)); }
+
+  std::uint64_t* free_ = nullptr;    // bit set: id is free
+  std::uint64_t* groups_ = nullptr;  // bit set: that word of free_ is not zero
+  std::size_t capacity_ = 0, used_ = 0;
+};
+
+}  // namespace pliant

@@ -1,0 +1,659 @@
+#include "pliant/mesh.hpp"
+
+#include <doctest/doctest.h>
+
+#include <map>
+#include <set>
+
+#include "mesh_shapes.hpp"
+
+using namespace pliant;
+using shapes::limits;
+using shapes::MeshBox;
+using shapes::Random;
+using shapes::Triangles;
+
+namespace pliant {
+// Breaks meshes on purpose.
+struct MeshSurgeon {
+  Mesh& mesh;
+  VertexId& corner(int f, int k) { return mesh.faces_[f].corner[k]; }
+  HalfEdgeId& twin(int f, int k) { return mesh.faces_[f].twin[k]; }
+  HalfEdgeId& out(int v) { return mesh.vertices_[v].out; }
+  std::uint8_t& level(int v) { return mesh.vertices_[v].level; }
+  Vec2& uv(int v) { return mesh.vertices_[v].uv; }
+  int& boundary_edges() { return mesh.boundary_edges_; }
+  int& base_euler() { return mesh.base_euler_; }
+};
+}  // namespace pliant
+
+namespace {
+
+#define CHECK_VALID(mesh)                                                                 \
+  do {                                                                                    \
+    const MeshFault fault = (mesh).validate();                                            \
+    CHECK_MESSAGE(fault.invariant == 0, "invariant ", fault.invariant, " at ", fault.id); \
+  } while (false)
+
+std::vector<FaceId> faces_of(const Mesh& mesh) {
+  std::vector<FaceId> all;
+  for (const FaceId f : mesh.faces()) all.push_back(f);
+  return all;
+}
+
+void refine_all(Mesh& mesh, int levels) {
+  for (int level = 0; level < levels; ++level)
+    for (const FaceId f : faces_of(mesh))
+      if (mesh.face_level(f) == level) REQUIRE(mesh.refine(f) == Status::ok);
+}
+
+std::vector<Triangles> bases() {
+  Random random{7};
+  return {shapes::block_grid(1),
+          shapes::block_grid(4),
+          shapes::block_grid(5, &random),
+          shapes::fan(1 + 2),
+          shapes::fan(9),
+          shapes::torus(4),
+          shapes::grid_with_holes(5, [](int i, int j) { return i % 2 == 1 && j % 2 == 1; }),
+          shapes::grid_with_holes(5, [](int i, int) { return i == 2; })};
+}
+
+// Ids are dense, so this is close to uniform.
+FaceId random_face(const Mesh& mesh, Random& random) {
+  return static_cast<FaceId>(mesh.faces().next_used(random.below(mesh.faces().used_count())));
+}
+
+VertexId random_vertex(const Mesh& mesh, Random& random) {
+  return static_cast<VertexId>(mesh.vertices().next_used(random.below(mesh.vertices().used_count())));
+}
+
+}  // namespace
+
+TEST_CASE("every base is accepted, valid and has the Euler number of its kind") {
+  const int euler[] = {1, 1, 1, 1, 1, 0, -3, 2};
+  const int loops[] = {1, 1, 1, 1, 1, 0, 5, 2};
+  int i = 0;
+  for (const Triangles& base : bases()) {
+    MeshBox box(limits(200, 400), base);
+    REQUIRE(box.status == Status::ok);
+    CHECK_VALID(box.mesh);
+    const MeshStatistics s = box.mesh.compute_statistics();
+    CHECK(s.euler == euler[i]);
+    CHECK(s.boundary_loops == loops[i]);
+    CHECK(s.faces == static_cast<int>(base.face_count()));
+    CHECK(s.vertices == static_cast<int>(base.uv.size()));
+    ++i;
+  }
+}
+
+TEST_CASE("twins, stars and boundary loops of a grid are what they should be") {
+  MeshBox box(limits(100, 100), shapes::block_grid(4));
+  const Mesh& mesh = box.mesh;
+  int edges = 0, star_total = 0;
+  for (const FaceId f : mesh.faces())
+    for (int k = 0; k < 3; ++k) {
+      const HalfEdgeId h = Mesh::half_edge(f, k);
+      CHECK(Mesh::next(Mesh::next(Mesh::next(h))) == h);
+      CHECK(Mesh::previous(Mesh::next(h)) == h);
+      CHECK(mesh.find_half_edge(mesh.origin(h), mesh.destination(h)) == h);
+      if (!mesh.is_boundary_edge(h)) CHECK(mesh.twin(mesh.twin(h)) == h);
+      if (mesh.represents_edge(h)) ++edges;
+    }
+  CHECK(edges == mesh.edge_count());
+  for (const VertexId v : mesh.vertices()) {
+    star_total += mesh.find_valence(v);
+    const Vec2 p = mesh.uv(v);
+    CHECK(mesh.is_boundary_vertex(v) == (p.x <= 0 || p.x >= 1 || p.y <= 0 || p.y >= 1));
+  }
+  CHECK(star_total == 2 * edges);
+  HalfEdgeId loop[2] = {kNone, kNone};
+  REQUIRE(mesh.find_boundary_loops({loop, 2}) == 1);
+  int length = 0;
+  HalfEdgeId h = loop[0];
+  do {
+    CHECK(mesh.is_boundary_edge(h));
+    h = mesh.next_on_boundary(h);
+    ++length;
+  } while (h != loop[0] && length < 100);
+  CHECK(length == 16);
+}
+
+TEST_CASE("a mesh fits what required bytes say, and no smaller arena") {
+  const MeshLimits l = limits(1024, 2048);
+  const std::size_t bytes = measured_bytes<Mesh>(l);
+  CHECK(bytes <= 20 * 2048);  // 20 bytes a triangle
+  shapes::Block block(bytes);
+  for (std::size_t less = 16; less <= bytes; less += 16 * 97) {
+    Arena arena(block.data(), bytes - less);
+    Mesh mesh;
+    CHECK(create_in(arena, mesh, l) == Status::out_of_memory);
+    CHECK(arena.used_bytes() == 0);
+  }
+  Arena arena(block.data(), bytes);
+  Mesh mesh;
+  CHECK(create_in(arena, mesh, l) == Status::ok);
+}
+
+TEST_CASE("a split edge bears its midpoint and weld gives back every byte") {
+  for (const Triangles& base : bases()) {
+    MeshBox box(limits(200, 400), base);
+    Mesh& mesh = box.mesh;
+    refine_all(mesh, 1);
+    mesh.clear_changes();
+    for (const FaceId f : faces_of(mesh)) {
+      const auto before = box.block.bytes();
+      const HalfEdgeId h = Mesh::half_edge(f, 0);
+      const Vec2 a = mesh.uv(mesh.origin(h)), b = mesh.uv(mesh.destination(h));
+      const int faces = mesh.face_count(), vertices = mesh.vertex_count();
+      const bool at_boundary = mesh.is_boundary_edge(h);
+      VertexId v = kNone;
+      if (!mesh.is_ready(f)) {
+        CHECK(mesh.split_edge(h, v) == Status::not_ready);
+        continue;
+      }
+      REQUIRE(mesh.split_edge(h, v) == Status::ok);
+      CHECK_VALID(mesh);
+      CHECK(mesh.uv(v).x == 0.5f * (a.x + b.x));
+      CHECK(mesh.uv(v).y == 0.5f * (a.y + b.y));
+      CHECK(mesh.vertex_count() == vertices + 1);
+      CHECK(mesh.face_count() == faces + (at_boundary ? 1 : 2));
+      REQUIRE(mesh.changes().count == 1);
+      CHECK(mesh.changes()[0] == v);
+      CHECK(mesh.is_weldable(v));
+      CHECK(mesh.weld_edge(v) == Status::ok);
+      CHECK(mesh.changes().count == 1);
+      mesh.clear_changes();
+      CHECK(box.block.bytes() == before);
+    }
+  }
+}
+
+TEST_CASE("what a weld would bring back is the faces that the split took away") {
+  MeshBox box(limits(400, 800), shapes::block_grid(4));
+  Mesh& mesh = box.mesh;
+  Random random{3};
+  for (int i = 0; i < 60; ++i) REQUIRE(mesh.refine(random_face(mesh, random)) == Status::ok);
+  for (const FaceId f : faces_of(mesh)) {
+    if (!mesh.is_ready(f)) continue;
+    std::vector<Triangle> before = {mesh.triangle(f)};
+    const HalfEdgeId t = mesh.twin(Mesh::half_edge(f, 0));
+    if (t != kNone) before.push_back(mesh.triangle(Mesh::face_of(t)));
+    VertexId v = kNone;
+    REQUIRE(mesh.split_edge(Mesh::half_edge(f, 0), v) == Status::ok);
+    Triangle parents[2];
+    REQUIRE(mesh.find_parents(v, parents) == static_cast<int>(before.size()));
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      CHECK(parents[i].level == before[i].level);
+      for (int k = 0; k < 3; ++k) {
+        CHECK(parents[i].corner[k] == before[i].corner[k]);
+        CHECK(parents[i].across[k] == before[i].across[k]);
+      }
+    }
+    REQUIRE(mesh.weld_edge(v) == Status::ok);
+  }
+}
+
+TEST_CASE("refining everything n times multiplies the faces by two to the n") {
+  for (const Triangles& base : bases()) {
+    MeshBox box(limits(2000, 4000), base);
+    Mesh& mesh = box.mesh;
+    const int faces = mesh.face_count(), euler = mesh.compute_statistics().euler;
+    for (int n = 1; n <= 5; ++n) {
+      refine_all(mesh, n);
+      CHECK(mesh.face_count() == faces << n);
+      const MeshStatistics s = mesh.compute_statistics();
+      CHECK(s.faces_at_level[n] == mesh.face_count());
+      CHECK(s.euler == euler);
+      CHECK_VALID(mesh);
+    }
+  }
+}
+
+TEST_CASE("refinement is restricted: it splits at most level + 1 edges, each of them needed") {
+  MeshBox box(limits(2000, 4000, 14), shapes::block_grid(2));
+  Mesh& mesh = box.mesh;
+  Random random{11};
+  int longest = 0;
+  for (int i = 0; i < 400; ++i) {
+    FaceId f = random_face(mesh, random);
+    if (random.below(2) == 0) f = Mesh::face_of(mesh.out(0));  // dig at a corner
+    const int level = mesh.face_level(f);
+    const int before = mesh.vertex_count();
+    FaceId chain[MeshLimits::kDeepest + 1];
+    int new_faces = 0;
+    const int count = mesh.find_refinement_chain(f, chain, &new_faces);
+    const int faces = mesh.face_count();
+    const Status status = mesh.refine(f);
+    if (level == 14) {
+      CHECK(status == Status::not_ready);
+      continue;
+    }
+    REQUIRE(status == Status::ok);
+    CHECK(mesh.vertex_count() == before + count);
+    CHECK(mesh.face_count() == faces + new_faces);
+    CHECK(count <= level + 1);
+    longest = std::max(longest, count);
+    CHECK_VALID(mesh);
+  }
+  CHECK(longest >= 5);
+}
+
+TEST_CASE(
+    "a storm of refine, simplify, split and weld keeps every invariant and ends in the base to the byte") {
+  int seed = 100;
+  for (const Triangles& base : bases()) {
+    MeshBox box(limits(160, 300, 9), base);
+    Mesh& mesh = box.mesh;
+    const auto before = box.block.bytes();
+    Random random{static_cast<std::uint64_t>(++seed)};
+    int full = 0, wide = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const auto op = random.below(16);
+      if (op < 9) {
+        if (mesh.refine(random_face(mesh, random)) == Status::capacity) ++full;
+      } else if (op < 11) {
+        VertexId v = kNone;
+        (void)mesh.split_edge(Mesh::half_edge(random_face(mesh, random), static_cast<int>(random.below(3))),
+                              v);
+      } else if (op < 15) {
+        (void)mesh.weld_edge(random_vertex(mesh, random));
+      } else {
+        (void)mesh.simplify(random_vertex(mesh, random));
+      }
+      const MeshFault fault = mesh.validate();
+      REQUIRE_MESSAGE(fault.invariant == 0, "invariant ", fault.invariant, " at ", fault.id);
+      wide = std::max(wide, mesh.compute_statistics().largest_valence);
+    }
+    CHECK(full > 0);
+    CHECK(wide >= 8);
+    mesh.simplify_all();
+    CHECK(mesh.face_count() == static_cast<int>(base.face_count()));
+    mesh.clear_changes();
+    CHECK(box.block.bytes() == before);
+  }
+}
+
+TEST_CASE("a million operations leave no trace") {
+  Random shake{5};
+  MeshBox box(limits(1200, 2200, 12), shapes::block_grid(6, &shake));
+  Mesh& mesh = box.mesh;
+  const auto before = box.block.bytes();
+  Random random{6};
+  for (int i = 0; i < 1000000; ++i) {
+    if (random.below(2) == 0)
+      (void)mesh.refine(random_face(mesh, random));
+    else
+      (void)mesh.weld_edge(random_vertex(mesh, random));
+    if (i % 16384 == 0) CHECK_VALID(mesh);
+  }
+  CHECK(mesh.face_count() > 500);
+  CHECK_VALID(mesh);
+  mesh.simplify_all();
+  mesh.clear_changes();
+  CHECK(box.block.bytes() == before);
+}
+
+TEST_CASE("simplify removes a vertex with all that stands on it, and nothing else changes level") {
+  MeshBox box(limits(2000, 4000), shapes::block_grid(2));
+  Mesh& mesh = box.mesh;
+  refine_all(mesh, 6);
+  CHECK(mesh.simplify(0) == Status::not_ready);
+  VertexId first = kNone;
+  for (const VertexId v : mesh.vertices())
+    if (mesh.level(v) == 1 && first == kNone) first = v;
+  const int before = mesh.vertex_count();
+  REQUIRE(mesh.simplify(first) == Status::ok);
+  CHECK(!mesh.is_live_vertex(first));
+  CHECK(mesh.vertex_count() < before - 20);
+  CHECK(mesh.compute_statistics().deepest == 6);
+  CHECK_VALID(mesh);
+}
+
+TEST_CASE("the mesh of a predicate does not depend on the order of refinement nor of the base's faces") {
+  const auto wants = [](const Mesh& mesh, FaceId f) {
+    const Vec2 p = mesh.uv(mesh.corner(f, 2)) - Vec2{0.31f, 0.62f};
+    return static_cast<float>(mesh.face_level(f)) < 11.0f - 14.0f * length(p);
+  };
+  Random shake{21};
+  const Triangles base = shapes::block_grid(3, &shake);
+  std::vector<shapes::Face> first;
+  for (int round = 0; round < 12; ++round) {
+    Random random{static_cast<std::uint64_t>(1000 + round)};
+    MeshBox box(limits(3000, 6000, 12), round == 0 ? base : shapes::shuffled(base, random));
+    Mesh& mesh = box.mesh;
+    for (bool again = true; again;) {
+      again = false;
+      std::vector<FaceId> faces = faces_of(mesh);
+      for (std::size_t i = faces.size(); i > 1; --i) std::swap(faces[i - 1], faces[random.below(i)]);
+      for (const FaceId f : faces)
+        if (wants(mesh, f)) {
+          REQUIRE(mesh.refine(f) == Status::ok);
+          again = true;
+        }
+    }
+    CHECK(mesh.face_count() > 200);
+    CHECK_VALID(mesh);
+    if (round == 0) first = shapes::sorted_faces(mesh);
+    CHECK(shapes::sorted_faces(mesh) == first);
+  }
+}
+
+TEST_CASE("at every capacity from the base to full, running out leaves the mesh as it was") {
+  const Triangles base = shapes::grid_with_holes(3, [](int i, int j) { return i == 1 && j == 1; });
+  const auto faces = static_cast<int>(base.face_count());
+  const auto vertices = static_cast<int>(base.uv.size());
+  for (int extra = 0; extra <= 60; ++extra) {
+    // Short of vertices, then short of faces.
+    for (const MeshLimits& l : {limits(vertices + extra, 500), limits(500, faces + extra)}) {
+      MeshBox box(l, base);
+      REQUIRE(box.status == Status::ok);
+      Mesh& mesh = box.mesh;
+      Random random{static_cast<std::uint64_t>(extra)};
+      int refused = 0;
+      for (int i = 0; i < 200; ++i) {
+        const FaceId f = random_face(mesh, random);
+        mesh.clear_changes();
+        const auto before = box.block.bytes();
+        const Status status = mesh.refine(f);
+        if (status == Status::ok) continue;
+        ++refused;
+        REQUIRE(status == Status::capacity);
+        REQUIRE(box.block.bytes() == before);
+      }
+      CHECK(refused > 0);
+      CHECK_VALID(mesh);
+      CHECK(mesh.vertex_count() <= l.vertices);
+      CHECK(mesh.face_count() <= l.faces);
+    }
+  }
+}
+
+// A reference that knows nothing of half-edges: triangles by coordinates, neighbours by search.
+namespace {
+struct NaiveMesh {
+  using Point = std::pair<float, float>;
+  using Tri = std::array<Point, 3>;  // subdivision edge from 0 to 1
+  std::set<Tri> faces;
+
+  explicit NaiveMesh(const Triangles& t) {
+    for (std::size_t f = 0; f < t.face_count(); ++f) {
+      Tri tri;
+      for (std::size_t k = 0; k < 3; ++k)
+        tri[k] = {t.uv[t.corners[3 * f + k]].x, t.uv[t.corners[3 * f + k]].y};
+      faces.insert(tri);
+    }
+  }
+  static Point middle(Point a, Point b) { return {0.5f * (a.first + b.first), 0.5f * (a.second + b.second)}; }
+  const Tri* find(Point a, Point b) const {  // the face that runs from a to b
+    for (const Tri& t : faces)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (t[k] == a && t[(k + 1) % 3] == b) return &t;
+    return nullptr;
+  }
+  void bisect(Tri t) {
+    const Point m = middle(t[0], t[1]);
+    faces.erase(t);
+    faces.insert({t[2], t[0], m});
+    faces.insert({t[1], t[2], m});
+  }
+  void refine(Tri t) {
+    const Tri* mate = find(t[1], t[0]);
+    if (mate != nullptr && !((*mate)[0] == t[1] && (*mate)[1] == t[0])) {
+      refine(*mate);
+      mate = find(t[1], t[0]);
+    }
+    if (mate != nullptr) bisect(*mate);
+    bisect(t);
+  }
+  std::vector<shapes::Face> sorted() const {
+    std::vector<shapes::Face> all;
+    for (const Tri& t : faces)
+      all.push_back({t[0].first, t[0].second, t[1].first, t[1].second, t[2].first, t[2].second});
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+};
+}  // namespace
+
+TEST_CASE("refinement agrees with a naive mesh without half-edges") {
+  for (const Triangles& base : {shapes::block_grid(2), shapes::fan(5)}) {
+    for (int seed = 0; seed < 20; ++seed) {
+      MeshBox box(limits(500, 1000), base);
+      NaiveMesh naive(base);
+      Random random{static_cast<std::uint64_t>(seed)};
+      for (int i = 0; i < 25; ++i) {
+        const FaceId f = random_face(box.mesh, random);
+        NaiveMesh::Tri t;
+        for (int k = 0; k < 3; ++k) {
+          const Vec2 p = box.mesh.uv(box.mesh.corner(f, k));
+          t[static_cast<std::size_t>(k)] = {p.x, p.y};
+        }
+        REQUIRE(box.mesh.refine(f) == Status::ok);
+        naive.refine(t);
+      }
+      CHECK(shapes::sorted_faces(box.mesh) == naive.sorted());
+    }
+  }
+}
+
+TEST_CASE("changes name each vertex once, whatever happened to it") {
+  MeshBox box(limits(300, 600), shapes::block_grid(3));
+  Mesh& mesh = box.mesh;
+  Random random{31};
+  std::map<VertexId, Vec2> seen;
+  for (const VertexId v : mesh.vertices()) seen[v] = mesh.uv(v);
+  for (int round = 0; round < 200; ++round) {
+    for (int i = 0; i < 20; ++i)
+      if (random.below(2) == 0)
+        (void)mesh.refine(random_face(mesh, random));
+      else
+        (void)mesh.weld_edge(random_vertex(mesh, random));
+    std::set<VertexId> once;
+    for (const VertexId v : mesh.changes()) {
+      CHECK(once.insert(v).second);
+      if (mesh.is_live_vertex(v))
+        seen[v] = mesh.uv(v);
+      else
+        seen.erase(v);
+    }
+    mesh.clear_changes();
+    REQUIRE(static_cast<int>(seen.size()) == mesh.vertex_count());
+    for (const auto& [v, p] : seen) {
+      REQUIRE(mesh.is_live_vertex(v));
+      CHECK(mesh.uv(v).x == p.x);
+      CHECK(mesh.uv(v).y == p.y);
+    }
+  }
+}
+
+TEST_CASE("copies are equal and independent") {
+  MeshBox a(limits(300, 600), shapes::block_grid(3)), b(limits(300, 600)), c(limits(301, 600));
+  Random random{41};
+  for (int i = 0; i < 50; ++i) (void)a.mesh.refine(random_face(a.mesh, random));
+  CHECK(c.mesh.copy_from(a.mesh) == Status::bad_argument);
+  REQUIRE(b.mesh.copy_from(a.mesh) == Status::ok);
+  CHECK(b.block.bytes() == a.block.bytes());
+  CHECK(b.mesh.compute_digest() == a.mesh.compute_digest());
+  REQUIRE(b.mesh.refine(0) == Status::ok);
+  CHECK(b.mesh.compute_digest() != a.mesh.compute_digest());
+  CHECK_VALID(b.mesh);
+  b.mesh.simplify_all();
+  CHECK(b.mesh.face_count() == 18);
+}
+
+TEST_CASE("a bad base is refused by name and leaves the mesh empty") {
+  const auto status_of = [](const Triangles& t, const MeshLimits& l = limits(50, 50)) {
+    MeshBox box(l, t);
+    if (box.status != Status::ok) {
+      CHECK(box.mesh.face_count() == 0);
+      CHECK(box.mesh.vertex_count() == 0);
+      MeshBox fresh(l);
+      CHECK(box.block.bytes() == fresh.block.bytes());
+    }
+    return box.status;
+  };
+  const Triangles square = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {2, 0, 1, 0, 2, 3}};
+  REQUIRE(status_of(square) == Status::ok);
+  Triangles t = square;
+  t.corners[5] = 4;
+  CHECK(status_of(t) == Status::bad_index);
+  t = square;
+  t.corners.pop_back();
+  CHECK(status_of(t) == Status::bad_argument);
+  t = square;
+  t.uv[2].x = 0.0f / (t.uv[0].x * 0.0f);
+  CHECK(status_of(t) == Status::bad_argument);
+  CHECK(status_of({{{0, 0}}, {}}) == Status::bad_argument);
+  t = square;
+  t.corners[5] = 2;
+  CHECK(status_of(t) == Status::degenerate_face);
+  t = square;
+  t.uv[3] = {0.5f, 0.5f};
+  CHECK(status_of(t) == Status::degenerate_face);
+  t = square;
+  t.uv.push_back({2, 2});
+  CHECK(status_of(t) == Status::isolated_vertex);
+  t = square;
+  t.add(3, 0, 2);
+  CHECK(status_of(t) == Status::duplicate_face);
+  t = square;
+  t.add(0, 3, 2);
+  CHECK(status_of(t) == Status::duplicate_face);
+  t = square;  // three pages on one edge
+  t.uv.push_back({2, 0.5f});
+  t.add(0, 2, 4);
+  CHECK(status_of(t) == Status::non_manifold_edge);
+  t = square;
+  std::swap(t.corners[3], t.corners[4]);
+  CHECK(status_of(t) == Status::non_orientable);
+  t = square;  // a bow-tie
+  t.uv.insert(t.uv.end(), {{2, 1}, {2, 2}});
+  t.add(2, 4, 5);
+  CHECK(status_of(t) == Status::non_manifold_vertex);
+  t = square;
+  std::rotate(t.corners.begin(), t.corners.begin() + 1, t.corners.begin() + 3);
+  CHECK(status_of(t) == Status::not_basic_blocks);
+  CHECK(status_of(square, limits(3, 50)) == Status::capacity);
+  CHECK(status_of(square, limits(50, 1)) == Status::capacity);
+}
+
+TEST_CASE("each invariant is seen when it is broken") {
+  const auto broken = [](auto harm) {
+    MeshBox box(limits(100, 200), shapes::block_grid(2));
+    VertexId v = kNone;
+    REQUIRE(box.mesh.split_edge(0, v) == Status::ok);
+    REQUIRE(v == 9);
+    MeshSurgeon surgeon{box.mesh};
+    harm(surgeon, box.mesh);
+    return box.mesh.validate().invariant;
+  };
+  CHECK(broken([](MeshSurgeon&, Mesh&) {}) == 0);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) { s.corner(2, 1) = s.corner(2, 0); }) == 1);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) { s.corner(2, 1) = 90; }) == 1);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) { s.twin(2, 0) = Mesh::half_edge(2, 0); }) == 2);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) { s.twin(2, 0) = 500; }) == 2);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) { std::swap(s.corner(2, 0), s.corner(2, 1)); }) == 3);
+  CHECK(broken([](MeshSurgeon& s, Mesh& m) { s.out(0) = m.out(1); }) == 4);
+  CHECK(broken([](MeshSurgeon& s, Mesh& m) {  // a boundary vertex that starts inside its fan
+          s.out(1) = m.next_in_star(m.out(1));
+        }) == 4);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) {  // a vertex shared by two separate fans
+          s.corner(0, 0) = s.corner(7, 0);
+        }) != 0);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) { ++s.base_euler(); }) == 6);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) { s.boundary_edges() += 2; }) == 7);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) { s.corner(100, 0) = 3; }) == 8);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) { s.level(50) = 3; }) == 8);
+  CHECK(broken([](MeshSurgeon& s, Mesh& m) { s.uv(9) = m.uv(m.corner(0, 0)); }) == 9);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) { s.level(3) = 1; }) == 10);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) { s.level(9) = 2; }) == 11);
+  CHECK(broken([](MeshSurgeon& s, Mesh&) { s.uv(9).x += 1e-3f; }) == 13);
+}
+
+TEST_CASE("an inserted vertex with more than eight faces is seen") {
+  MeshBox box(limits(100, 200));
+  const Triangles t = shapes::fan(9);
+  REQUIRE(box.mesh.set_triangles(t.uv_span(), t.corner_span()) == Status::ok);
+  REQUIRE(box.mesh.make_base() == Status::ok);
+  CHECK_VALID(box.mesh);
+  MeshBox big(limits(500, 800), shapes::torus(5));
+  refine_all(big.mesh, 4);
+  for (const VertexId v : big.mesh.vertices())
+    if (big.mesh.level(v) > 0) CHECK(big.mesh.find_valence(v) <= 8);
+}
+
+TEST_CASE("on a free mesh every edge and face can be split, and welds undo it") {
+  for (const Triangles& base : bases()) {
+    MeshBox box(limits(200, 400));
+    Mesh& mesh = box.mesh;
+    REQUIRE(mesh.set_triangles(base.uv_span(), base.corner_span()) == Status::ok);
+    CHECK(!mesh.is_restricted());
+    CHECK(mesh.refine(0) == Status::not_ready);
+    for (const FaceId f : faces_of(mesh)) {
+      mesh.clear_changes();
+      const auto before = box.block.bytes();
+      VertexId m = kNone;
+      REQUIRE(mesh.split_face(f, m) == Status::ok);
+      CHECK(mesh.find_valence(m) == 3);
+      CHECK_VALID(mesh);
+      CHECK(mesh.weld_edge(m) == Status::not_ready);
+      REQUIRE(mesh.weld_face(m) == Status::ok);
+      mesh.clear_changes();
+      CHECK(box.block.bytes() == before);
+      for (int k = 0; k < 3; ++k) {
+        const auto faces = mesh.face_count();
+        REQUIRE(mesh.split_edge(Mesh::half_edge(f, k), m) == Status::ok);
+        CHECK_VALID(mesh);
+        CHECK(mesh.weld_face(m) == Status::not_ready);
+        REQUIRE(mesh.weld_edge(m) == Status::ok);
+        CHECK(mesh.face_count() == faces);
+        CHECK_VALID(mesh);
+      }
+    }
+  }
+}
+
+TEST_CASE("the face operators are refused on a restricted mesh and out of capacity") {
+  MeshBox box(limits(9, 8), shapes::block_grid(2));
+  VertexId v = kNone;
+  CHECK(box.mesh.split_face(0, v) == Status::not_ready);
+  CHECK(box.mesh.weld_face(4) == Status::not_ready);
+  CHECK(box.mesh.split_edge(0, v) == Status::capacity);
+  const Triangles t = shapes::block_grid(2);
+  REQUIRE(box.mesh.set_triangles(t.uv_span(), t.corner_span()) == Status::ok);
+  CHECK(box.mesh.split_face(0, v) == Status::capacity);
+  CHECK(v == kNone);
+}
+
+TEST_CASE("a random free mesh stays valid through all four operators") {
+  Random random{77};
+  MeshBox box(limits(200, 400));
+  Mesh& mesh = box.mesh;
+  const Triangles t = shapes::block_grid(3);
+  REQUIRE(mesh.set_triangles(t.uv_span(), t.corner_span()) == Status::ok);
+  int welded_faces = 0, welded_edges = 0;
+  for (int i = 0; i < 5000; ++i) {
+    VertexId v = kNone;
+    switch (random.below(4)) {
+      case 0:
+        (void)mesh.split_edge(Mesh::half_edge(random_face(mesh, random), static_cast<int>(random.below(3))),
+                              v);
+        break;
+      case 1:
+        (void)mesh.split_face(random_face(mesh, random), v);
+        break;
+      case 2:
+        welded_edges += mesh.weld_edge(random_vertex(mesh, random)) == Status::ok;
+        break;
+      default:
+        welded_faces += mesh.weld_face(random_vertex(mesh, random)) == Status::ok;
+        break;
+    }
+    const MeshFault fault = mesh.validate();
+    if (fault.invariant == 9) break;  // random splits may end in slivers
+    REQUIRE_MESSAGE(fault.invariant == 0, "invariant ", fault.invariant, " at ", fault.id, " step ", i);
+  }
+  CHECK(welded_edges > 20);
+  CHECK(welded_faces > 20);
+}
