@@ -1,0 +1,117 @@
+// See corner_scores.hpp.
+#include "corner_scores.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace pliant::corners {
+namespace {
+
+using i16 = std::int16_t;
+using i32 = std::int32_t;
+
+// 1 / (gain^2 * pixels): from sums to the mean squared gradient.
+constexpr float kMean = 1.0f / (32.0f * 32.0f * kWindow * kWindow);
+
+// Gradients of `n` pixels; a, b, c point at the pixel left of the first one in three rows. `down` has room
+// for n + 2.
+void scharr(const std::uint8_t* __restrict a, const std::uint8_t* __restrict b,
+            const std::uint8_t* __restrict c, int n, i16* __restrict down, i16* __restrict gx,
+            i16* __restrict gy) {
+  for (int x = 0; x < n + 2; ++x) down[x] = static_cast<i16>(3 * (a[x] + c[x]) + 10 * b[x]);
+  for (int x = 0; x < n; ++x) gx[x] = static_cast<i16>(down[x + 2] - down[x]);
+  for (int x = 0; x < n; ++x)
+    gy[x] = static_cast<i16>(3 * ((c[x] - a[x]) + (c[x + 2] - a[x + 2])) + 10 * (c[x + 1] - a[x + 1]));
+}
+
+void accumulate(const i16* __restrict gx, const i16* __restrict gy, int n, i32 sign, i32* __restrict xx,
+                i32* __restrict xy, i32* __restrict yy) {
+  for (int x = 0; x < n; ++x) {
+    xx[x] += sign * (i32{gx[x]} * gx[x]);
+    xy[x] += sign * (i32{gx[x]} * gy[x]);
+    yy[x] += sign * (i32{gy[x]} * gy[x]);
+  }
+}
+
+void sum_window(const i32* __restrict in, int n, i32* __restrict out) {
+  for (int x = 0; x < n; ++x)
+    out[x] = in[x] + in[x + 1] + in[x + 2] + in[x + 3] + in[x + 4] + in[x + 5] + in[x + 6];
+}
+
+float smallest_eigenvalue(float xx, float xy, float yy) {
+  const float difference = xx - yy;
+  const float smallest = 0.5f * (xx + yy - std::sqrt(difference * difference + 4.0f * xy * xy));
+  return smallest > 0 ? smallest : 0;
+}
+
+}  // namespace
+
+CornerScore score_of(const Tensor& t) {
+  const auto xx = static_cast<float>(t.xx), xy = static_cast<float>(t.xy), yy = static_cast<float>(t.yy);
+  const float smallest = smallest_eigenvalue(xx, xy, yy), largest = xx + yy - smallest;
+  CornerScore s;
+  s.lambda_min = kMean * smallest;
+  s.lambda_max = kMean * largest;
+  // Both rows of (S - smallest I) point along the eigenvector of `largest`; the longer one is the exacter.
+  const Vec2 u{xx - smallest, xy}, v{xy, yy - smallest};
+  const Vec2 w = dot(u, u) >= dot(v, v) ? u : v;
+  const float norm = length(w);
+  if (norm > 0) s.direction = ((w.x < 0 ? -1.0f : 1.0f) / norm) * w;
+  return s;
+}
+
+void RowScorer::lay_out(Arena& arena, int columns) {
+  const auto wide = static_cast<std::size_t>(columns + 2 * kRadius + 2);
+  for (int k = 0; k < kWindow; ++k) {
+    gx_[k] = arena.take<i16>(wide);
+    gy_[k] = arena.take<i16>(wide);
+  }
+  xx_ = arena.take<i32>(wide);
+  xy_ = arena.take<i32>(wide);
+  yy_ = arena.take<i32>(wide);
+  wxx_ = arena.take<i32>(wide);
+  wxy_ = arena.take<i32>(wide);
+  wyy_ = arena.take<i32>(wide);
+  smooth_ = arena.take<i16>(wide);
+}
+
+void RowScorer::start(const ImageView& image, int first, int end, int y) {
+  image_ = &image;
+  first_ = first;
+  columns_ = end - first;
+  y_ = y;
+  const std::size_t bytes = static_cast<std::size_t>(columns_ + 2 * kRadius) * sizeof(i32);
+  std::memset(xx_, 0, bytes);
+  std::memset(xy_, 0, bytes);
+  std::memset(yy_, 0, bytes);
+  for (int row = y - kRadius; row < y + kRadius; ++row) add_row(row, 1);
+}
+
+void RowScorer::add_row(int y, int sign) {
+  const int n = columns_ + 2 * kRadius;
+  i16 *gx = gx_[y % kWindow], *gy = gy_[y % kWindow];
+  if (sign > 0) {
+    const std::uint8_t* p =
+        image_->data + static_cast<std::ptrdiff_t>(y) * image_->stride + first_ - kRadius - 1;
+    scharr(p - image_->stride, p, p + image_->stride, n, smooth_, gx, gy);
+  }
+  accumulate(gx, gy, n, sign, xx_, xy_, yy_);
+}
+
+void RowScorer::next(float min_ratio, float* scores) {
+  add_row(y_ + kRadius, 1);
+  sum_window(xx_, columns_, wxx_);
+  sum_window(xy_, columns_, wxy_);
+  sum_window(yy_, columns_, wyy_);
+  const i32* __restrict wxx = wxx_, * __restrict wxy = wxy_, * __restrict wyy = wyy_;
+  float* __restrict out = scores;
+  for (int x = 0; x < columns_; ++x) {
+    const auto xx = static_cast<float>(wxx[x]), yy = static_cast<float>(wyy[x]);
+    const float smallest = smallest_eigenvalue(xx, static_cast<float>(wxy[x]), yy);
+    out[x] = smallest >= min_ratio * (xx + yy - smallest) ? kMean * smallest : 0.0f;
+  }
+  add_row(y_ - kRadius, -1);
+  ++y_;
+}
+
+}  // namespace pliant::corners

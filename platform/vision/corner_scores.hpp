@@ -1,0 +1,42 @@
+#pragma once
+// The Shi-Tomasi measure, a row of pixels at a time: gradients once a pixel, running sums down the columns, a
+// window sum along the row. Only integers until the eigenvalue, so a row's scores do not depend on where the
+// scan started.
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/corners.hpp"
+
+namespace pliant::corners {
+
+constexpr int kRadius = 3, kWindow = 2 * kRadius + 1;  // of the window of summation
+static_assert(kCornerMargin == kRadius + 1, "a gradient takes one pixel more");
+
+/// Sums of products of Scharr gradients over the window: gain 32 each, so at most 49 * 4080^2 < 2^30.
+struct Tensor {
+  std::int32_t xx, xy, yy;
+};
+CornerScore score_of(const Tensor& t);
+
+/// Scores of the columns [first, end), which keep kCornerMargin from the border, for one row after the other.
+class RowScorer {
+ public:
+  void lay_out(Arena& arena, int columns);
+  /// The first call of `next` will give row y.
+  void start(const ImageView& image, int first, int end, int y);
+  /// Scores of the next row, one a column, 0 where lambda_min / lambda_max is below min_ratio.
+  void next(float min_ratio, float* scores);
+
+ private:
+  void add_row(int y, int sign);
+
+  const ImageView* image_ = nullptr;
+  int first_ = 0, columns_ = 0, y_ = 0;
+  std::int16_t* gx_[kWindow] = {};  // of the rows in the window; row y is at y % kWindow
+  std::int16_t* gy_[kWindow] = {};
+  std::int32_t *xx_ = nullptr, *xy_ = nullptr, *yy_ = nullptr;  // sums down the columns
+  std::int32_t *wxx_ = nullptr, *wxy_ = nullptr, *wyy_ = nullptr;
+  std::int16_t* smooth_ = nullptr;  // one row, smoothed down its columns
+};
+
+}  // namespace pliant::corners

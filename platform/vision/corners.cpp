@@ -1,0 +1,229 @@
+// Corner selection: the best local maximum of each cell, then from the best downwards with a minimum
+// distance.
+#include "pliant/corners.hpp"
+
+#include <cstring>
+
+#include "corner_scores.hpp"
+
+namespace pliant {
+namespace {
+
+constexpr int kMaxSide = 16384;
+
+// The best corner of one cell; score 0: none.
+struct Cell {
+  float score;
+  std::uint16_t x, y;
+};
+
+// Whether a comes before b: better, or as good and higher up, or as high and farther left.
+bool is_before(const Cell& a, const Cell& b) {
+  if (a.score != b.score) return a.score > b.score;
+  return a.y != b.y ? a.y < b.y : a.x < b.x;
+}
+
+bool is_valid(const CornerOptions& o) {
+  return o.cell_px >= 2 && o.cell_px <= 128 && o.quality >= 0 && o.quality <= 1 && o.min_score >= 0 &&
+         o.min_ratio >= 0 && o.min_ratio <= 1 && o.min_distance_px >= 0 && o.min_distance_px <= 256;
+}
+
+struct Box {
+  int left, top, right, bottom;  // pixels; right and bottom excluded
+};
+
+struct Grid {
+  int cell_px, width, height;  // cells
+  Cell* cells;
+  std::int32_t* order;     // cells that have a corner, best first
+  std::uint8_t* is_taken;  // the cell's corner was chosen
+  float* rows[3];          // scores of three rows of pixels
+
+  int count() const { return width * height; }
+  Cell& at(int x, int y) const { return cells[(y / cell_px) * width + x / cell_px]; }
+};
+
+void lay_out(Arena& arena, int width, int height, int cell_px, Grid& g, corners::RowScorer& scorer) {
+  g.cell_px = cell_px;
+  g.width = corner_cells(width, cell_px);
+  g.height = corner_cells(height, cell_px);
+  const auto n = static_cast<std::size_t>(g.count());
+  g.cells = arena.take<Cell>(n);
+  g.order = arena.take<std::int32_t>(n);
+  g.is_taken = arena.take<std::uint8_t>(n);
+  for (auto& row : g.rows) row = arena.take<float>(static_cast<std::size_t>(width));
+  scorer.lay_out(arena, width);
+}
+
+// What of the picture has to be looked at: the allowed cells, less the margin.
+Box box_of(const ImageView& image, const Grid& g, Span<const std::uint8_t> allowed) {
+  Box b{image.width, image.height, 0, 0};
+  for (int cy = 0; cy < g.height; ++cy)
+    for (int cx = 0; cx < g.width; ++cx) {
+      if (!allowed.empty() && allowed[static_cast<std::size_t>(cy * g.width + cx)] == 0) continue;
+      const int x = cx * g.cell_px, y = cy * g.cell_px;
+      b = {x < b.left ? x : b.left, y < b.top ? y : b.top, x + g.cell_px > b.right ? x + g.cell_px : b.right,
+           y + g.cell_px > b.bottom ? y + g.cell_px : b.bottom};
+    }
+  const int low = kCornerMargin, right = image.width - low, bottom = image.height - low;
+  return {b.left < low ? low : b.left, b.top < low ? low : b.top, b.right > right ? right : b.right,
+          b.bottom > bottom ? bottom : b.bottom};
+}
+
+// Strictly more than what comes before in reading order, no less than what comes after: of equals, the first.
+bool is_local_maximum(const float* above, const float* here, const float* below, int x, int last) {
+  const float s = here[x];
+  for (int k = x > 0 ? x - 1 : 0; k <= (x < last ? x + 1 : last); ++k)
+    if (above[k] >= s || below[k] > s) return false;
+  return (x == 0 || here[x - 1] < s) && (x == last || here[x + 1] <= s);
+}
+
+void keep_best(const Grid& g, const Box& box, int y, const float* above, const float* here,
+               const float* below, float min_score) {
+  const int last = box.right - box.left - 1;
+  for (int x = 0; x <= last; ++x) {
+    if (here[x] < min_score || here[x] <= 0 || !is_local_maximum(above, here, below, x, last)) continue;
+    Cell& cell = g.at(box.left + x, y);
+    if (here[x] > cell.score)
+      cell = {here[x], static_cast<std::uint16_t>(box.left + x), static_cast<std::uint16_t>(y)};
+  }
+}
+
+// Fills the cells. Beyond the box scores count as zero.
+void scan(const ImageView& image, const CornerOptions& o, const Box& box, corners::RowScorer& scorer,
+          Grid& g) {
+  const auto bytes = static_cast<std::size_t>(box.right - box.left) * sizeof(float);
+  float *above = g.rows[0], *here = g.rows[1], *below = g.rows[2];
+  std::memset(above, 0, bytes);
+  scorer.start(image, box.left, box.right, box.top);
+  scorer.next(o.min_ratio, here);
+  for (int y = box.top; y < box.bottom; ++y) {
+    if (y + 1 < box.bottom) {
+      scorer.next(o.min_ratio, below);
+    } else {
+      std::memset(below, 0, bytes);
+    }
+    keep_best(g, box, y, above, here, below, o.min_score);
+    float* const oldest = above;
+    above = here;
+    here = below;
+    below = oldest;
+  }
+}
+
+// Lists the cells that are good enough; gives their number.
+int list_candidates(const Grid& g, Span<const std::uint8_t> allowed, float quality) {
+  float best = 0;
+  int n = 0;
+  for (int i = 0; i < g.count(); ++i) {
+    if (!allowed.empty() && allowed[static_cast<std::size_t>(i)] == 0) g.cells[i].score = 0;
+    best = max(best, g.cells[i].score);
+  }
+  for (int i = 0; i < g.count(); ++i)
+    if (g.cells[i].score > 0 && g.cells[i].score >= quality * best) g.order[n++] = i;
+  return n;
+}
+
+// Lets order[i] sink to its place in a heap whose root comes last.
+void sift_down(const Grid& g, int i, int n) {
+  for (int child = 2 * i + 1; child < n; child = 2 * i + 1) {
+    if (child + 1 < n && is_before(g.cells[g.order[child]], g.cells[g.order[child + 1]])) ++child;
+    if (!is_before(g.cells[g.order[i]], g.cells[g.order[child]])) return;
+    const std::int32_t t = g.order[i];
+    g.order[i] = g.order[child];
+    g.order[child] = t;
+    i = child;
+  }
+}
+
+void sort_candidates(const Grid& g, int n) {
+  for (int i = n / 2 - 1; i >= 0; --i) sift_down(g, i, n);
+  for (int end = n - 1; end > 0; --end) {
+    const std::int32_t t = g.order[0];
+    g.order[0] = g.order[end];
+    g.order[end] = t;
+    sift_down(g, 0, end);
+  }
+}
+
+bool has_room_around(const Grid& g, const Cell& c, float distance) {
+  const int reach = static_cast<int>(distance) / g.cell_px + 1;
+  const int cx = c.x / g.cell_px, cy = c.y / g.cell_px;
+  for (int y = cy < reach ? 0 : cy - reach; y <= cy + reach && y < g.height; ++y)
+    for (int x = cx < reach ? 0 : cx - reach; x <= cx + reach && x < g.width; ++x) {
+      const int i = y * g.width + x;
+      if (g.is_taken[i] == 0) continue;
+      const auto dx = static_cast<float>(g.cells[i].x - c.x), dy = static_cast<float>(g.cells[i].y - c.y);
+      if (dx * dx + dy * dy < distance * distance) return false;
+    }
+  return true;
+}
+
+int choose(const Grid& g, int candidates, float min_distance, Span<Corner> out) {
+  int count = 0;
+  for (int k = 0; k < candidates && static_cast<std::size_t>(count) < out.count; ++k) {
+    const Cell& c = g.cells[g.order[k]];
+    if (!has_room_around(g, c, min_distance)) continue;
+    g.is_taken[g.order[k]] = 1;
+    out[static_cast<std::size_t>(count++)] = {{static_cast<float>(c.x), static_cast<float>(c.y)}, c.score};
+  }
+  return count;
+}
+
+}  // namespace
+
+CornerScore corner_score(const ImageView& image, Vec2 x) {
+  if (check(image) != Status::ok || !is_finite(x)) return {};
+  const float m = kCornerMargin - 0.5f;
+  if (x.x < m || x.y < m || x.x >= static_cast<float>(image.width) - 1 - m ||
+      x.y >= static_cast<float>(image.height) - 1 - m)
+    return {};
+  const int cx = static_cast<int>(x.x + 0.5f), cy = static_cast<int>(x.y + 0.5f);
+  corners::Tensor t{};
+  const std::ptrdiff_t s = image.stride;
+  for (int dy = -corners::kRadius; dy <= corners::kRadius; ++dy)
+    for (int dx = -corners::kRadius; dx <= corners::kRadius; ++dx) {
+      const std::uint8_t* p = image.data + (cy + dy) * s + cx + dx;
+      const int gx = 3 * (p[1 - s] - p[-1 - s] + p[1 + s] - p[-1 + s]) + 10 * (p[1] - p[-1]);
+      const int gy = 3 * (p[s - 1] - p[-s - 1] + p[s + 1] - p[-s + 1]) + 10 * (p[s] - p[-s]);
+      t.xx += gx * gx;
+      t.xy += gx * gy;
+      t.yy += gy * gy;
+    }
+  return corners::score_of(t);
+}
+
+std::size_t corner_scratch_bytes(int width, int height, const CornerOptions& options) {
+  if (width <= 0 || height <= 0 || !is_valid(options)) return 0;
+  Arena measuring;
+  Grid grid;
+  corners::RowScorer scorer;
+  lay_out(measuring, width, height, options.cell_px, grid, scorer);
+  return measuring.used_bytes();
+}
+
+Status find_corners(const ImageView& image, const CornerOptions& options, Span<const std::uint8_t> allowed,
+                    Arena& scratch, Span<Corner> out, int& count) {
+  if (check(image) != Status::ok || image.width > kMaxSide || image.height > kMaxSide || !is_valid(options))
+    return Status::bad_argument;
+  const std::size_t cells = static_cast<std::size_t>(corner_cells(image.width, options.cell_px)) *
+                            static_cast<std::size_t>(corner_cells(image.height, options.cell_px));
+  if (!allowed.empty() && allowed.count != cells) return Status::bad_argument;
+  const Arena::Scope scope(scratch);
+  Grid grid;
+  corners::RowScorer scorer;
+  lay_out(scratch, image.width, image.height, options.cell_px, grid, scorer);
+  if (scratch.is_measuring() || scratch.exhausted()) return Status::out_of_memory;
+  std::memset(grid.is_taken, 0, cells);
+  for (std::size_t i = 0; i < cells; ++i) grid.cells[i] = {0, 0, 0};
+  const Box box = box_of(image, grid, allowed);
+  count = 0;
+  if (box.left >= box.right || box.top >= box.bottom) return Status::ok;
+  scan(image, options, box, scorer, grid);
+  const int candidates = list_candidates(grid, allowed, options.quality);
+  sort_candidates(grid, candidates);
+  count = choose(grid, candidates, options.min_distance_px, out);
+  return Status::ok;
+}
+
+}  // namespace pliant

@@ -1,0 +1,225 @@
+#include "pliant/corners.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "texture.hpp"
+
+using namespace pliant;
+using texture::Picture;
+
+namespace {
+
+struct Found {
+  Status status = Status::ok;
+  std::vector<Corner> corners;
+};
+
+Found find(const ImageView& image, const CornerOptions& options,
+           const std::vector<std::uint8_t>& allowed = {}, std::size_t room = 1000) {
+  std::vector<std::uint8_t> block(corner_scratch_bytes(image.width, image.height, options) + 16);
+  Arena scratch(block.data(), block.size());
+  Found f;
+  f.corners.resize(room);
+  int count = -1;
+  f.status = find_corners(image, options, {allowed.data(), allowed.size()}, scratch, {f.corners.data(), room},
+                          count);
+  f.corners.resize(count < 0 ? 0 : static_cast<std::size_t>(count));
+  CHECK(scratch.used_bytes() == 0);
+  return f;
+}
+
+Picture checkerboard(int width, int height, int square) {
+  Picture p(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) p.at(x, y) = (x / square + y / square) % 2 == 0 ? 60 : 200;
+  return p;
+}
+
+Picture textured(int width, int height) {
+  return render(texture::Texture(5), {}, width, height);
+}
+
+// The smaller eigenvalue by the definition, in double.
+double plain_score(const ImageView& v, int cx, int cy) {
+  double xx = 0, xy = 0, yy = 0;
+  for (int y = cy - 3; y <= cy + 3; ++y)
+    for (int x = cx - 3; x <= cx + 3; ++x) {
+      const auto at = [&](int i, int j) { return double{1} * v.data[(y + j) * v.stride + x + i]; };
+      double gx = 0, gy = 0;
+      const double w[3] = {3 / 32.0, 10 / 32.0, 3 / 32.0};
+      for (int k = -1; k <= 1; ++k) {
+        gx += w[k + 1] * (at(1, k) - at(-1, k));
+        gy += w[k + 1] * (at(k, 1) - at(k, -1));
+      }
+      xx += gx * gx / 49;
+      xy += gx * gy / 49;
+      yy += gy * gy / 49;
+    }
+  return 0.5 * (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4 * xy * xy));
+}
+
+}  // namespace
+
+TEST_CASE("a checkerboard has its corners where its squares meet") {
+  const Picture p = checkerboard(128, 96, 16);
+  const Found f = find(p.view(), {});
+  REQUIRE(f.status == Status::ok);
+  CHECK(f.corners.size() == 7 * 5);
+  for (const Corner& c : f.corners) {
+    // A meeting point lies between pixels 16 k - 1 and 16 k. The window is a plain box: while the whole of a
+    // perfect corner is in it, the score stays the same, and the first of the equals is taken.
+    const double dx = std::fabs(std::remainder(double{c.x.x} + 0.5, 16)),
+                 dy = std::fabs(std::remainder(double{c.x.y} + 0.5, 16));
+    CHECK(dx <= 2.5);
+    CHECK(dy <= 2.5);
+  }
+}
+
+TEST_CASE("scores are the smaller eigenvalue of the mean structure tensor") {
+  const Picture p = textured(80, 60);
+  for (int y = 4; y < 56; y += 3)
+    for (int x = 4; x < 76; x += 3) {
+      const CornerScore s = corner_score(p.view(), {static_cast<float>(x), static_cast<float>(y)});
+      CHECK(double{s.lambda_min} == doctest::Approx(plain_score(p.view(), x, y)).epsilon(1e-4));
+    }
+}
+
+TEST_CASE("the scan and the score of a single point agree to the bit") {
+  const Picture p = textured(120, 90);
+  const Found f = find(p.view(), {});
+  REQUIRE(f.corners.size() > 20);
+  for (const Corner& c : f.corners) CHECK(c.score == corner_score(p.view(), c.x).lambda_min);
+}
+
+TEST_CASE("every corner is the best within its neighbourhood") {
+  const Picture p = textured(120, 90);
+  for (const Corner& c : find(p.view(), {}).corners)
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx)
+        CHECK(corner_score(p.view(), {c.x.x + static_cast<float>(dx), c.x.y + static_cast<float>(dy)})
+                  .lambda_min <= c.score);
+}
+
+TEST_CASE("corners come best first, keep their distance, and fewer are the first of more") {
+  const Picture p = textured(160, 120);
+  CornerOptions o;
+  o.cell_px = 4;
+  o.min_distance_px = 11;
+  const Found all = find(p.view(), o), few = find(p.view(), o, {}, 10);
+  REQUIRE(all.corners.size() > 20);
+  REQUIRE(few.corners.size() == 10);
+  for (std::size_t i = 0; i < all.corners.size(); ++i) {
+    const Corner& c = all.corners[i];
+    if (i > 0) CHECK(all.corners[i - 1].score >= c.score);
+    if (i < 10) CHECK((few.corners[i].x.x == c.x.x && few.corners[i].x.y == c.x.y));
+    for (std::size_t k = 0; k < i; ++k) CHECK(length(all.corners[k].x - c.x) >= 11);
+  }
+}
+
+TEST_CASE("the direction is across an edge, whatever its angle") {
+  for (int degrees = -85; degrees <= 90; degrees += 5) {
+    const double angle = degrees * 3.14159265 / 180, nx = std::cos(angle), ny = std::sin(angle);
+    Picture p(40, 40);
+    for (int y = 0; y < 40; ++y)
+      for (int x = 0; x < 40; ++x)
+        p.at(x, y) = static_cast<std::uint8_t>(120 + 80 * std::tanh(0.4 * ((x - 20) * nx + (y - 20) * ny)));
+    const CornerScore s = corner_score(p.view(), {20, 20});
+    CHECK(s.lambda_max > 30);
+    CHECK(s.lambda_min < 0.02f * s.lambda_max);
+    CHECK(std::fabs(double{s.direction.x} * nx + double{s.direction.y} * ny) > 0.999);
+    CHECK(s.direction.x >= 0);
+  }
+}
+
+TEST_CASE("pure edges are no corners") {
+  Picture p(64, 64, 40);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 32; x < 64; ++x) p.at(x, y) = 210;
+  CHECK(find(p.view(), {}).corners.empty());
+}
+
+TEST_CASE("a mask keeps corners out of forbidden cells, and a mask of everything is none") {
+  const Picture p = textured(100, 70);
+  const CornerOptions o;
+  const int w = corner_cells(100, 8), h = corner_cells(70, 8);
+  std::vector<std::uint8_t> allowed(static_cast<std::size_t>(w * h), 1);
+  const Found all = find(p.view(), o), same = find(p.view(), o, allowed);
+  REQUIRE(all.corners.size() == same.corners.size());
+  for (int cy = 0; cy < h; ++cy)
+    for (int cx = 0; cx < w; ++cx)
+      allowed[static_cast<std::size_t>(cy * w + cx)] = cx > 3 && cx < 9 && cy != 4;
+  const Found some = find(p.view(), o, allowed);
+  CHECK(some.corners.size() > 4);
+  for (const Corner& c : some.corners) {
+    const int cx = static_cast<int>(c.x.x) / 8, cy = static_cast<int>(c.x.y) / 8;
+    CHECK((cx > 3 && cx < 9 && cy != 4));
+  }
+  CHECK(find(p.view(), o, std::vector<std::uint8_t>(allowed.size(), 0)).corners.empty());
+  CHECK(find(p.view(), o, std::vector<std::uint8_t>(allowed.size() + 1, 1)).status == Status::bad_argument);
+}
+
+TEST_CASE("equal corners are taken in reading order") {
+  const Picture p = checkerboard(160, 160, 20);
+  const Found f = find(p.view(), {}, {}, 12);
+  REQUIRE(f.corners.size() == 12);
+  for (std::size_t i = 1; i < f.corners.size(); ++i) {
+    const Corner &a = f.corners[i - 1], &b = f.corners[i];
+    CHECK((a.score > b.score || a.x.y < b.x.y || (a.x.y == b.x.y && a.x.x < b.x.x)));
+  }
+}
+
+TEST_CASE("pictures without corners give none, unreadable ones a status") {
+  CHECK(find(Picture(64, 48, 0).view(), {}).corners.empty());
+  CHECK(find(Picture(64, 48, 255).view(), {}).corners.empty());
+  for (int side = 1; side < 12; ++side) {
+    const Found f = find(textured(side, side).view(), {});
+    CHECK(f.status == Status::ok);
+    if (side < 9) CHECK(f.corners.empty());
+  }
+  CHECK(find({nullptr, 64, 48, 64}, {}).status == Status::bad_argument);
+  const Picture p = textured(64, 48);
+  CHECK(find({p.pixels.data(), 64, 48, 63}, {}).status == Status::bad_argument);
+  CornerOptions o;
+  o.cell_px = 1;
+  CHECK(find(p.view(), o).status == Status::bad_argument);
+  o = {};
+  o.min_distance_px = std::numeric_limits<float>::quiet_NaN();
+  CHECK(find(p.view(), o).status == Status::bad_argument);
+}
+
+TEST_CASE("one pixel of noise is found, and nothing else") {
+  Picture p(64, 48, 100);
+  p.at(30, 20) = 180;
+  const Found f = find(p.view(), {});
+  REQUIRE(f.corners.size() == 1);
+  CHECK(length(f.corners[0].x - Vec2{30, 20}) <= 4);
+}
+
+TEST_CASE("points near the border or outside, and NaN, score nothing") {
+  const Picture p = textured(40, 30);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const Vec2 x :
+       {Vec2{3, 15}, Vec2{36, 15}, Vec2{20, 3}, Vec2{20, 26}, Vec2{-5, 5}, Vec2{1e30f, 5}, Vec2{nan, 5}})
+    CHECK(corner_score(p.view(), x).lambda_max == 0);
+  for (const Vec2 x : {Vec2{4, 4}, Vec2{35, 25}, Vec2{3.6f, 25.4f}})
+    CHECK(corner_score(p.view(), x).lambda_max > 0);
+}
+
+TEST_CASE("too little scratch is a status") {
+  const Picture p = textured(64, 48);
+  const CornerOptions o;
+  std::vector<std::uint8_t> block(corner_scratch_bytes(64, 48, o));
+  std::vector<Corner> out(10);
+  int count = 77;
+  Arena small(block.data(), block.size() - 16);
+  CHECK(find_corners(p.view(), o, {}, small, {out.data(), 10}, count) == Status::out_of_memory);
+  CHECK(count == 77);
+  CHECK(small.used_bytes() == 0);
+  Arena exact(block.data(), block.size());
+  CHECK(find_corners(p.view(), o, {}, exact, {out.data(), 10}, count) == Status::ok);
+  CHECK(count > 0);
+}
