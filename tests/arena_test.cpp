@@ -1,0 +1,77 @@
+#include "pliant/arena.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace pliant;
+
+namespace {
+struct Thing {
+  int* numbers = nullptr;
+  double* more = nullptr;
+  void lay_out(Arena& arena, int count) {
+    numbers = arena.take<int>(static_cast<std::size_t>(count));
+    more = arena.take<double>(3);
+  }
+};
+constexpr std::size_t measured() {
+  Arena arena;
+  arena.take<int>(5);
+  arena.take<char>(1);
+  return arena.used_bytes();
+}
+}  // namespace
+
+static_assert(measured() == 48, "measuring works at compile time");
+
+TEST_CASE("an arena that only measures gives null and counts what a real one takes") {
+  alignas(Arena::kAlignment) unsigned char block[256];
+  Arena measuring, real(block, sizeof block);
+  for (std::size_t n : {1u, 7u, 16u, 3u}) {
+    CHECK(measuring.take<short>(n) == nullptr);
+    CHECK(real.take<short>(n) != nullptr);
+    CHECK(measuring.used_bytes() == real.used_bytes());
+  }
+}
+
+TEST_CASE("everything taken is aligned and disjoint") {
+  alignas(Arena::kAlignment) unsigned char block[256];
+  Arena arena(block, sizeof block);
+  char* a = arena.take<char>(3);
+  double* b = arena.take<double>(2);
+  CHECK(reinterpret_cast<std::uintptr_t>(b) % Arena::kAlignment == 0);
+  CHECK(reinterpret_cast<char*>(b) >= a + 3);
+}
+
+TEST_CASE("every smaller block fails cleanly, the measured one succeeds") {
+  const std::size_t need = measured_bytes<Thing>(10);
+  alignas(Arena::kAlignment) unsigned char block[256];
+  REQUIRE(need <= sizeof block);
+  for (std::size_t bytes = 0; bytes <= need; ++bytes) {
+    Arena arena(block, bytes);
+    Thing thing;
+    const Status status = create_in(arena, thing, 10);
+    if (bytes < need) {
+      CHECK(status == Status::out_of_memory);
+      CHECK(thing.numbers == nullptr);
+      CHECK(arena.used_bytes() == 0);
+    } else {
+      CHECK(status == Status::ok);
+      CHECK(arena.used_bytes() == need);
+    }
+  }
+}
+
+TEST_CASE("a scope gives back what was taken inside it, and the high-water mark remembers") {
+  alignas(Arena::kAlignment) unsigned char block[256];
+  Arena arena(block, sizeof block);
+  arena.take<char>(16);
+  {
+    Arena::Scope scope(arena);
+    arena.take<char>(100);
+    CHECK(arena.take<char>(1000) == nullptr);
+    CHECK(arena.exhausted());
+  }
+  CHECK(arena.used_bytes() == 16);
+  CHECK_FALSE(arena.exhausted());
+  CHECK(arena.high_water_bytes() == 128);
+}

@@ -1,0 +1,95 @@
+#include "pliant/camera.hpp"
+
+#include <doctest/doctest.h>
+
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+View random_view(Random& random) {
+  View view;
+  view.q = exp_rotation({random.uniform(-0.8f, 0.8f), random.uniform(-0.8f, 0.8f), random.uniform(-0.8f, 0.8f)});
+  view.s = random.uniform(0.5f, 4);
+  view.tau = {random.uniform(-50, 50), random.uniform(-50, 50)};
+  view.rho = random.uniform(5e-4f, 3e-3f);
+  view.c = {159.5f, 119.5f};
+  return view;
+}
+}  // namespace
+
+TEST_CASE("the pinhole projection with the documented axes") {
+  // A frontal face 1000 mm away: the subject's left is to the right of the picture, up is up.
+  const Camera camera = centred_camera(320, 240, 500);
+  const View view = view_of({{1, 0, 0, 0}, {0, 0, 1000}}, camera);
+  const Projector projector(view, true);
+  Vec2 x;
+  REQUIRE(projector.project({0, 0, 0}, &x));
+  CHECK(x.x == doctest::Approx(159.5));
+  CHECK(x.y == doctest::Approx(119.5));
+  REQUIRE(projector.project({40, 20, 100}, &x));  // 100 mm towards the camera
+  CHECK(x.x == doctest::Approx(159.5 + 500 * 40.0 / 900).epsilon(1e-5));
+  CHECK(x.y == doctest::Approx(119.5 - 500 * 20.0 / 900).epsilon(1e-5));
+}
+
+TEST_CASE("pose and camera survive the solver's form") {
+  const Pose pose{exp_rotation({0.1f, -0.4f, 0.2f}), {12, -30, 640}};
+  const Camera camera{701, 150, 130};
+  const View view = view_of(pose, camera);
+  const Pose back = pose_of(view);
+  CHECK(back.t.z == doctest::Approx(640).epsilon(1e-5));
+  CHECK(back.t.x == doctest::Approx(12));
+  CHECK(camera_of(view).f == doctest::Approx(701).epsilon(1e-5));
+}
+
+TEST_CASE("derivatives of the projection agree with central differences") {
+  Random random(4);
+  for (int trial = 0; trial < 200; ++trial) {
+    const View view = random_view(random);
+    const Vec3 p{random.uniform(-80, 80), random.uniform(-80, 80), random.uniform(-80, 80)};
+    for (int unknowns : {kPoseUnknowns, kPoseUnknownsWithFocal}) {
+      Vec2 x;
+      Projector::Derivatives d;
+      REQUIRE(Projector(view, unknowns == kPoseUnknowns).project(p, &x, &d));
+      for (int k = 0; k < unknowns; ++k) {
+        const float h = k == kShiftX || k == kShiftY ? 0.5f : 5e-3f;
+        float step[kPoseUnknownsWithFocal] = {};
+        Vec2 ahead, behind;
+        step[k] = h;
+        REQUIRE(Projector(moved(view, step, unknowns), true).project(p, &ahead));
+        step[k] = -h;
+        REQUIRE(Projector(moved(view, step, unknowns), true).project(p, &behind));
+        const Vec2 difference = (0.5f / h) * (ahead - behind);
+        CHECK(length(difference - d.pose[k]) < 2e-3f * length(d.pose[k]) + 0.05f);
+      }
+      for (int c = 0; c < 3; ++c) {
+        const Vec3 e{c == 0 ? 0.5f : 0, c == 1 ? 0.5f : 0, c == 2 ? 0.5f : 0};
+        Vec2 ahead, behind;
+        REQUIRE(Projector(view, true).project(p + e, &ahead));
+        REQUIRE(Projector(view, true).project(p - e, &behind));
+        CHECK(length((ahead - behind) - d.along(2 * e)) < 2e-3f);
+      }
+    }
+  }
+}
+
+TEST_CASE("with a known focal length a change of scale keeps it, up to the bounds of the distance") {
+  Random random(6);
+  View view = random_view(random);
+  const float f = camera_of(view).f;
+  float step[kPoseUnknowns] = {};
+  step[kLogScale] = 0.3f;
+  CHECK(camera_of(moved(view, step, kPoseUnknowns)).f == doctest::Approx(f).epsilon(1e-5));
+  CHECK(moved(view, step, kPoseUnknowns).s == doctest::Approx(view.s * 1.3498588f).epsilon(1e-5));
+  for (int i = 0; i < 30; ++i) view = moved(view, step, kPoseUnknowns);
+  CHECK(view.rho == kMaxRho);
+  CHECK(camera_of(view).f == doctest::Approx(f).epsilon(1e-3));
+}
+
+TEST_CASE("a point at or behind the camera is refused") {
+  const Projector projector(view_of({{1, 0, 0, 0}, {0, 0, 100}}, {500, 0, 0}), true);
+  Vec2 x{7, 7};
+  CHECK_FALSE(projector.project({0, 0, 90}, &x));
+  CHECK_FALSE(projector.project({0, 0, 150}, &x));
+  CHECK(x.x == 7);
+}

@@ -1,0 +1,186 @@
+#include "pliant/field.hpp"
+
+#include <doctest/doctest.h>
+
+#include "model_builder.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+/// A directed acyclic graph with every operation, two branches joined by lerp, and every kind of support.
+ModelBuilder every_operation() {
+  ModelBuilder b = egg_model(1);
+  const auto q = [&b](const char* name) { return b.parameter(name, Group::expression, -1, 1, 0.5f); };
+  const auto wavy = [](float u, float v) { return Vec3{4 * u * v, 3 * v * v - 2 * u, 5 * u * u * v}; };
+  const std::uint16_t v1 = b.field(3, 21, 17, wavy), w1 = b.field(1, 15, 15, [](float u, float v) { return Vec3{u * (1 - v), 0, 0}; });
+  const std::uint16_t egg = b.last();
+  const std::uint16_t a = q("a"), c = q("c");
+  b.record(Operation::product, {egg}, {a, c}, v1);
+  b.record(Operation::one_sided, {b.last()}, {q("d")}, v1).axis[0] = 0.3f;
+  CascadeRecord& affine = b.record(Operation::affine, {b.last()}, {q("e")}, kNone, w1);
+  const float m[12] = {1.1f, 0.2f, 0, -0.1f, 0.9f, 0.3f, 0.05f, 0, 1.2f, 3, -2, 1};
+  for (int k = 0; k < 12; ++k) affine.matrix[k] = m[k];
+  const std::uint16_t branch = b.last();
+  CascadeRecord& rigid = b.record(Operation::rigid, {egg}, {q("r0"), q("r1"), q("r2"), q("t0"), q("t1"), q("t2")}, kNone, w1);
+  rigid.pivot[0] = 5;
+  const std::uint16_t other = b.last();
+  b.record(Operation::lerp, {branch, other}, {q("blend")}, kNone, w1);
+  CascadeRecord& turn = b.record(Operation::rotate, {b.last()}, {a}, kNone, w1);  // a parameter used twice
+  turn.axis[1] = 1;
+  return b;
+}
+
+struct Ready {
+  std::vector<std::uint32_t> words;
+  Model model;
+  explicit Ready(const ModelBuilder& b) : words(b.table()) {
+    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  }
+};
+
+std::vector<float> random_q(const Model& model, Random& random) {
+  std::vector<float> q;
+  for (const Parameter& p : model.parameters()) q.push_back(random.uniform(p.minimum, p.maximum));
+  return q;
+}
+
+}  // namespace
+
+TEST_CASE("bilinear sampling reproduces a bilinear field and its gradient, and is zero outside its support") {
+  ModelBuilder b = egg_model(1);
+  const auto f = b.field(3, 9, 7, [](float u, float v) { return Vec3{3 * u - v, 2 + u * v, v}; }, 0.25f, 0.5f, 0.75f, 1);
+  const Ready r(b);
+  const Field& field = r.model.fields()[f];
+  Random random(1);
+  for (int i = 0; i < 500; ++i) {
+    const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
+    Vec3 du, dv;
+    const Vec3 p = sample_with_gradient(r.model, field, uv, &du, &dv);
+    if (uv.x < 0.25f || uv.x > 0.75f || uv.y < 0.5f) {
+      CHECK(length(p) == 0);
+      CHECK(length(du) == 0);
+      continue;
+    }
+    CHECK(length(p - Vec3{3 * uv.x - uv.y, 2 + uv.x * uv.y, uv.y}) < 2e-3f);
+    CHECK(length(du - Vec3{3, uv.y, 0}) < 0.05f);
+    CHECK(length(dv - Vec3{-1, uv.x, 1}) < 0.05f);
+  }
+}
+
+TEST_CASE("a mirrored field is the reflection of the stored one") {
+  const Ready r(egg_model(1));
+  std::size_t mirrored = 0;
+  while (!r.model.fields()[mirrored].mirror) ++mirrored;
+  Random random(2);
+  for (int i = 0; i < 300; ++i) {
+    const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
+    const Vec3 right = sample(r.model, r.model.fields()[mirrored], uv);
+    const Vec3 left = sample(r.model, r.model.fields()[mirrored - 1], {1 - uv.x, uv.y});
+    CHECK(right.x == -left.x);
+    CHECK(right.y == left.y);
+  }
+}
+
+TEST_CASE("Eq. 4: add_vector adds its parameter times its field") {
+  const Ready r(egg_model(1));
+  InArena<Cascade> cascade(r.model);
+  std::vector<float> q(r.model.parameters().count, 0.0f);
+  const Vec2 uv{0.3f, 0.8f};
+  const Vec3 rest = cascade->surface_point(uv, q.data());
+  q[0] = 1.5f;
+  const Vec3 v = sample(r.model, r.model.fields()[r.model.cascade()[1].field], uv);
+  // The later records act on the result, but none of them has a parameter away from zero.
+  CHECK(length(cascade->surface_point(uv, q.data()) - rest - 1.5f * v) < 1e-5f);
+}
+
+TEST_CASE("Eq. 11: the Jacobian of every operation agrees with central differences") {
+  for (const ModelBuilder& b : {egg_model(4), every_operation()}) {
+    const Ready r(b);
+    InArena<Cascade> cascade(r.model);
+    const std::size_t n = r.model.parameters().count;
+    Random random(7);
+    std::vector<Vec3> baked(r.model.cascade().count);
+    for (int trial = 0; trial < 100; ++trial) {
+      const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
+      std::vector<float> q = random_q(r.model, random);
+      cascade->bake(uv, q.data(), baked.data());
+      Jacobian jacobian;
+      cascade->evaluate(baked.data(), q.data(), &jacobian);
+      std::vector<Vec3> column(n);
+      for (std::size_t k = 0; k < jacobian.count; ++k) {
+        column[cascade->parameter_of(jacobian.list[k])] = jacobian.column[jacobian.list[k]];
+        if (k > 0) CHECK(jacobian.list[k] > jacobian.list[k - 1]);
+      }
+      for (std::size_t k = 0; k < n; ++k) {
+        const float at = q[k], h = 4e-3f;
+        q[k] = at + h;
+        const Vec3 ahead = cascade->evaluate(baked.data(), q.data());
+        q[k] = at - h;
+        const Vec3 behind = cascade->evaluate(baked.data(), q.data());
+        q[k] = at;
+        const Vec3 difference = (0.5f / h) * (ahead - behind);
+        CHECK(length(difference - column[k]) < 3e-3f * length(column[k]) + 0.02f);
+      }
+    }
+  }
+}
+
+TEST_CASE("a baked point equals the surface point, whatever is frozen") {
+  const Ready r(every_operation());
+  InArena<Cascade> cascade(r.model);
+  Random random(8);
+  const std::size_t n = r.model.parameters().count;
+  std::vector<Vec3> baked(r.model.cascade().count);
+  for (int trial = 0; trial < 300; ++trial) {
+    std::vector<std::uint8_t> is_free(n);
+    for (auto& f : is_free) f = static_cast<std::uint8_t>(random.below(trial % 3 == 0 ? 6 : 2) == 0);
+    cascade->set_free(is_free.data());
+    REQUIRE(cascade->baked_count() <= baked.size());
+    std::vector<float> q = random_q(r.model, random);
+    const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
+    cascade->bake(uv, q.data(), baked.data());
+    for (std::size_t k = 0; k < n; ++k)
+      if (is_free[k]) q[k] = random.uniform(r.model.parameters()[k].minimum, r.model.parameters()[k].maximum);
+    Jacobian jacobian;
+    const Vec3 exact = cascade->surface_point(uv, q.data());
+    CHECK(length(cascade->evaluate(baked.data(), q.data()) - exact) < 1e-4f);
+    CHECK(length(cascade->evaluate(baked.data(), q.data(), &jacobian) - exact) < 1e-4f);
+    for (std::size_t k = 0; k < jacobian.count; ++k) CHECK(is_free[cascade->parameter_of(jacobian.list[k])] == 1);
+  }
+}
+
+TEST_CASE("a frozen cascade folds to one position a point, and a frozen identity to one and the expressions") {
+  const Ready r(egg_model(6));
+  InArena<Cascade> cascade(r.model);
+  std::vector<std::uint8_t> none(r.model.parameters().count, 0);
+  cascade->set_free(none.data());
+  CHECK(cascade->baked_count() == 1);
+  CHECK(cascade->column_count() == 0);
+  cascade->set_free(Group::expression);
+  CHECK(cascade->baked_count() == 5);
+  CHECK(cascade->column_count() == 4);
+}
+
+TEST_CASE("tangents agree with differences inside a cell, through every operation") {
+  const Ready r(every_operation());
+  InArena<Cascade> cascade(r.model);
+  Random random(9);
+  int compared = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const std::vector<float> q = random_q(r.model, random);
+    const Vec2 uv{random.uniform(0.01f, 0.99f), random.uniform(0.01f, 0.99f)};
+    const float h = 1e-3f;
+    const SurfaceFrame f = cascade->surface_frame(uv, q.data());
+    CHECK(length(f.p - cascade->surface_point(uv, q.data())) < 1e-4f);
+    const Vec3 u0 = cascade->surface_point({uv.x - h, uv.y}, q.data()), u1 = cascade->surface_point({uv.x + h, uv.y}, q.data());
+    const Vec3 v0 = cascade->surface_point({uv.x, uv.y - h}, q.data()), v1 = cascade->surface_point({uv.x, uv.y + h}, q.data());
+    // Sample lines kink; where both one-sided differences agree there is none within h.
+    if (length(u1 - 2 * f.p + u0) > 2e-3f || length(v1 - 2 * f.p + v0) > 2e-3f) continue;
+    ++compared;
+    CHECK(length((0.5f / h) * (u1 - u0) - f.pu) < 2.0f);
+    CHECK(length((0.5f / h) * (v1 - v0) - f.pv) < 2.0f);
+  }
+  CHECK(compared > 60);
+}

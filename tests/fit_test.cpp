@@ -1,0 +1,196 @@
+#include "pliant/fit.hpp"
+
+#include <doctest/doctest.h>
+#include <limits>
+
+#include "model_builder.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+struct Scene {
+  std::vector<std::uint32_t> words;
+  Model model;
+  std::vector<float> truth;
+  View view;
+  std::vector<Correspondence> points;
+
+  explicit Scene(std::uint64_t seed, float noise_px = 0, float turn = 0.5f) : words(egg_model(6).table()) {
+    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+    Random random(seed);
+    for (const Parameter& p : model.parameters())
+      truth.push_back(clamp(p.sd * random.normal(), p.minimum, p.maximum));
+    view = view_of({exp_rotation({random.uniform(-turn, turn), random.uniform(-turn, turn), random.uniform(-turn, turn)}),
+                    {random.uniform(-60, 60), random.uniform(-40, 40), random.uniform(500, 1200)}},
+                   centred_camera(640, 480, 900));
+    InArena<Cascade> cascade(model);
+    for (const Landmark& l : model.landmarks()) {
+      Vec2 x;
+      REQUIRE(Projector(view, true).project(cascade->surface_point({l.u, l.v}, truth.data()), &x));
+      points.push_back({{l.u, l.v}, x + Vec2{noise_px * random.normal(), noise_px * random.normal()}, max(noise_px, 0.1f)});
+    }
+  }
+  Span<const Correspondence> all() const { return {points.data(), points.size()}; }
+  FitOptions options(float focal) const {
+    FitOptions o;
+    o.width = 640;
+    o.height = 480;
+    o.focal_px = focal;
+    return o;
+  }
+  float turn_error(const View& v) const { return length(log_rotation(v.q * conjugate(view.q))); }
+};
+
+FitLimits limits() {
+  FitLimits l;
+  l.points = 100;
+  return l;
+}
+
+}  // namespace
+
+TEST_CASE("exact correspondences give back pose and parameters, with no start") {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const Scene scene(seed);
+    InArena<Fitter> fitter(scene.model, limits());
+    std::vector<float> q(scene.truth.size(), 0), sd(q.size());
+    FitReport report;
+    REQUIRE(fitter->fit(scene.all(), scene.options(900), q.data(), &report, sd.data(), nullptr, nullptr) == Status::ok);
+    CHECK(report.rms_px < 0.1f);
+    CHECK(report.used == scene.points.size());
+    CHECK(scene.turn_error(report.view) < 0.01f);
+    for (std::size_t k = 0; k < q.size(); ++k)
+      CHECK(magnitude(q[k] - scene.truth[k]) < 5 * sd[k] + 0.02f * scene.model.parameters()[k].sd);
+  }
+}
+
+TEST_CASE("errors of a noisy fit are as large as the standard deviations say") {
+  double sum = 0, count = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const Scene scene(seed, 0.5f, 0.4f);
+    InArena<Fitter> fitter(scene.model, limits());
+    std::vector<float> q(scene.truth.size(), 0), sd(q.size());
+    FitReport report;
+    FitOptions options = scene.options(900);
+    REQUIRE(fitter->fit(scene.all(), options, q.data(), &report, sd.data(), nullptr, nullptr) == Status::ok);
+    for (std::size_t k = 0; k < 6; ++k) {
+      const double z = double((q[k] - scene.truth[k]) / sd[k]);
+      sum += z * z;
+      ++count;
+    }
+  }
+  CHECK(sum / count > 0.4);
+  CHECK(sum / count < 2.0);
+}
+
+TEST_CASE("thirty per cent of gross outliers are given no weight and hardly move the pose") {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Scene scene(seed, 0.5f, 0.4f);
+    Random random(100 + seed);
+    std::vector<bool> bad(scene.points.size(), false);
+    for (std::size_t i = 0; i < scene.points.size(); ++i)
+      if (random.below(10) < 3) {
+        bad[i] = true;
+        scene.points[i].x = {random.uniform(200, 440), random.uniform(140, 340)};
+      }
+    InArena<Fitter> fitter(scene.model, limits());
+    std::vector<float> q(scene.truth.size(), 0), weight(scene.points.size());
+    FitReport report;
+    REQUIRE(fitter->fit(scene.all(), scene.options(900), q.data(), &report, nullptr, nullptr, weight.data()) == Status::ok);
+    CHECK(scene.turn_error(report.view) < 0.06f);
+    int kept = 0, lost = 0;
+    for (std::size_t i = 0; i < bad.size(); ++i) {
+      kept += bad[i] && weight[i] > 0.5f;
+      lost += !bad[i] && weight[i] < 0.1f;
+    }
+    CHECK(kept <= 2);
+    CHECK(lost <= 3);
+  }
+}
+
+TEST_CASE("an unknown focal length is found as far as the picture tells it") {
+  const Scene scene(3, 0.1f, 0.3f);
+  InArena<Fitter> fitter(scene.model, limits());
+  std::vector<float> q(scene.truth.size(), 0);
+  FitReport report;
+  REQUIRE(fitter->fit(scene.all(), scene.options(0), q.data(), &report, nullptr, nullptr, nullptr) == Status::ok);
+  CHECK(report.rms_px < 0.3f);
+  CHECK(camera_of(report.view).f > 600);
+  CHECK(camera_of(report.view).f < 1400);
+}
+
+TEST_CASE("frozen parameters stay, limits hold") {
+  Scene scene(4);
+  InArena<Fitter> fitter(scene.model, limits());
+  std::vector<float> q(scene.truth.size(), 0);
+  std::vector<std::uint8_t> is_free(q.size(), 1);
+  is_free[2] = 0;
+  q[2] = 0.75f;
+  for (Correspondence& c : scene.points) c.x = c.x + Vec2{0, 40 * c.uv.y * c.uv.y};  // pulls past every limit
+  FitOptions options = scene.options(900);
+  options.is_free = is_free.data();
+  FitReport report;
+  REQUIRE(fitter->fit(scene.all(), options, q.data(), &report, nullptr, nullptr, nullptr) == Status::ok);
+  CHECK(q[2] == 0.75f);
+  for (std::size_t k = 0; k < q.size(); ++k) {
+    CHECK(q[k] >= scene.model.parameters()[k].minimum);
+    CHECK(q[k] <= scene.model.parameters()[k].maximum);
+  }
+}
+
+TEST_CASE("five points give a pose") {
+  const Scene scene(5, 0, 0.3f);
+  InArena<Fitter> fitter(scene.model, limits());
+  const std::size_t chosen[5] = {20, 24, 40, 57, 59};
+  std::vector<Correspondence> points;
+  for (std::size_t i : chosen) points.push_back(scene.points[i]);
+  std::vector<float> q(scene.truth.size(), 0);
+  FitReport report;
+  REQUIRE(fitter->fit({points.data(), 5}, scene.options(900), q.data(), &report, nullptr, nullptr, nullptr) == Status::ok);
+  CHECK(scene.turn_error(report.view) < 0.25f);
+}
+
+TEST_CASE("bad input is named and changes nothing") {
+  Scene scene(6);
+  InArena<Fitter> fitter(scene.model, limits());
+  std::vector<float> q(scene.truth.size(), 0.25f);
+  FitReport report;
+  const auto fit = [&](Span<const Correspondence> points, const FitOptions& o) {
+    return fitter->fit(points, o, q.data(), &report, nullptr, nullptr, nullptr);
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  CHECK(fit({scene.points.data(), 3}, scene.options(900)) == Status::too_few_points);
+  CHECK(fit(scene.all(), FitOptions{}) == Status::bad_argument);
+  CHECK(fit(scene.all(), scene.options(nan)) == Status::bad_argument);
+  scene.points[7].x.y = nan;
+  CHECK(fit(scene.all(), scene.options(900)) == Status::bad_argument);
+  scene.points[7] = scene.points[6];
+  scene.points[8].sd_px = 0;
+  CHECK(fit(scene.all(), scene.options(900)) == Status::bad_argument);
+  scene.points.resize(200, scene.points[0]);
+  for (auto& p : scene.points) p = scene.points[0];
+  CHECK(fit(scene.all(), scene.options(900)) == Status::capacity);
+  CHECK(fit({scene.points.data(), 50}, scene.options(900)) == Status::underdetermined);  // all the same point
+  for (float v : q) CHECK(v == 0.25f);
+}
+
+TEST_CASE("a box starts a frontal view that fills it") {
+  const Scene scene(7);
+  InArena<Cascade> cascade(scene.model);
+  std::vector<float> q(scene.truth.size(), 0);
+  View view;
+  const Camera camera = centred_camera(640, 480, 900);
+  REQUIRE(view_from_box(scene.model, cascade.object, q.data(), {100, 80}, {150, 200}, camera, &view) == Status::ok);
+  Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
+  for (Vec2 uv : scene.model.base_uv()) {
+    Vec2 x;
+    REQUIRE(Projector(view, true).project(cascade->surface_point(uv, q.data()), &x));
+    low = {min(low.x, x.x), min(low.y, x.y)};
+    high = {max(high.x, x.x), max(high.y, x.y)};
+  }
+  CHECK(low.x == doctest::Approx(100).epsilon(0.1));
+  CHECK(high.y == doctest::Approx(280).epsilon(0.05));
+  CHECK(view_from_box(scene.model, cascade.object, q.data(), {0, 0}, {0, 10}, camera, &view) == Status::bad_argument);
+}

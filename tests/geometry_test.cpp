@@ -1,0 +1,53 @@
+#include "pliant/geometry.hpp"
+
+#include <cmath>
+#include <doctest/doctest.h>
+#include <limits>
+
+#include "random.hpp"
+
+using namespace pliant;
+
+TEST_CASE("the exponential of a rotation vector agrees with sine and cosine in double") {
+  Random random(1);
+  for (int i = 0; i < 2000; ++i) {
+    const float size = i < 1000 ? 0.5f : 3.1f;
+    const Vec3 w{random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
+    const double angle = std::sqrt(double(w.x) * double(w.x) + double(w.y) * double(w.y) + double(w.z) * double(w.z));
+    const double s = angle > 0 ? std::sin(angle / 2) / angle : 0.5;
+    Quat q = exp_rotation(w);
+    const double sign = std::cos(angle / 2) < 0 ? -1 : 1;
+    CHECK(double(q.w) == doctest::Approx(sign * std::cos(angle / 2)).epsilon(2e-6));
+    CHECK(double(q.x) == doctest::Approx(sign * s * double(w.x)).epsilon(2e-6));
+    CHECK(double(q.z) == doctest::Approx(sign * s * double(w.z)).epsilon(2e-6));
+  }
+}
+
+TEST_CASE("log undoes exp, and a matrix and back is the same quaternion") {
+  Random random(2);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 w{random.uniform(-1.7f, 1.7f), random.uniform(-1.7f, 1.7f), random.uniform(-1.7f, 1.7f)};
+    const Vec3 back = log_rotation(exp_rotation(w));
+    CHECK(length(back - w) < 2e-5f);
+    const Quat q = exp_rotation(w), r = quaternion(rotation_matrix(q));
+    CHECK(magnitude(q.w * r.w + q.x * r.x + q.y * r.y + q.z * r.z) > 0.999999f);
+  }
+}
+
+TEST_CASE("the product of quaternions is the product of their matrices") {
+  const Quat a = exp_rotation({0.3f, -0.2f, 0.9f}), b = exp_rotation({-0.7f, 0.1f, 0.4f});
+  const Vec3 v{1, 2, 3};
+  const Vec3 once = rotation_matrix(a * b) * v, twice = rotation_matrix(a) * (rotation_matrix(b) * v);
+  CHECK(length(once - twice) < 1e-5f);
+}
+
+TEST_CASE("what is not finite is told and never spreads") {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  CHECK_FALSE(is_finite(nan));
+  CHECK_FALSE(is_finite(-inf));
+  CHECK(is_finite(3e38f));
+  CHECK(exp_rotation({nan, 0, 0}).w == 1);
+  CHECK(normalised(Quat{0, 0, 0, 0}).w == 1);
+  CHECK(length(normalised(Vec3{})) == 0);
+  CHECK(inverse(Mat2{1, 2, 2, 4}).a == 1);
+}

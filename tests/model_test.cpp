@@ -1,0 +1,122 @@
+#include "pliant/model.hpp"
+
+#include <doctest/doctest.h>
+
+#include "model_builder.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+void reseal(std::vector<std::uint32_t>& words) {
+  words[3] = crc32(words.data() + 4, words.size() * 4 - 16);
+}
+Status open(const std::vector<std::uint32_t>& words, Model* model) {
+  return Model::open(words.data(), words.size() * 4, model);
+}
+}  // namespace
+
+TEST_CASE("the checksum is the well-known CRC-32") {
+  CHECK(crc32("123456789", 9) == 0xcbf43926u);
+  CHECK(crc32("6789", 4, crc32("12345", 5)) == 0xcbf43926u);
+}
+
+TEST_CASE("a table is opened in place and gives back what was put in") {
+  const auto words = egg_model().table();
+  Model model;
+  REQUIRE(open(words, &model) == Status::ok);
+  CHECK(model.parameters().count == 10);
+  CHECK(model.cascade().count == 11);
+  CHECK(model.find_parameter("jawOpen") == 8);
+  CHECK(model.find_parameter("jawope") == kNone);
+  CHECK(model.find_landmark("p88") == 80);
+  CHECK(model.base_uv().count == 81);
+  CHECK(model.base_corners().count == 3 * 128);
+  CHECK(model.is_on_surface({0.3f, 1}));
+  CHECK_FALSE(model.is_on_surface({0.3f, 1.01f}));
+  CHECK(model.crc() == words[3]);
+}
+
+TEST_CASE("every cut of a table is refused and changes nothing") {
+  const auto words = egg_model(1).table();
+  Model model;
+  for (std::size_t bytes = 0; bytes < words.size() * 4; bytes += bytes < 600 ? 1 : 97) {
+    CHECK(Model::open(words.data(), bytes, &model) == Status::truncated);
+    CHECK(model.parameters().count == 0);
+  }
+}
+
+TEST_CASE("every flipped bit is noticed") {
+  auto words = egg_model(1).table();
+  Model model;
+  for (std::size_t bit = 0; bit < words.size() * 32; bit += bit < 4000 ? 1 : 601) {
+    words[bit / 32] ^= 1u << (bit % 32);
+    CHECK(open(words, &model) != Status::ok);
+    words[bit / 32] ^= 1u << (bit % 32);
+  }
+  CHECK(open(words, &model) == Status::ok);
+}
+
+TEST_CASE("a hostile table with a right checksum never gets through with an index out of range") {
+  const auto good = egg_model(2).table();
+  Random random(3);
+  int refused = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    auto words = good;
+    const int changes = 1 + random.below(3);
+    for (int k = 0; k < changes; ++k) {
+      // The directory and the records matter; samples may be anything.
+      const auto at = static_cast<std::size_t>(4 + random.below(random.below(4) == 0 ? static_cast<int>(words.size()) - 4 : 200));
+      words[at] = random.below(2) == 0 ? static_cast<std::uint32_t>(random.bits()) : words[at] ^ (1u << random.below(32));
+    }
+    reseal(words);
+    Model model;
+    if (open(words, &model) != Status::ok) {
+      ++refused;
+      continue;
+    }
+    for (const CascadeRecord& r : model.cascade()) {
+      if (r.field != kNone) CHECK(r.field < model.fields().count);
+      for (std::uint16_t p : r.parameter)
+        if (p != kNone) CHECK(p < model.parameters().count);
+    }
+    for (std::uint16_t c : model.base_corners()) CHECK(c < model.base_uv().count);
+  }
+  CHECK(refused > 1000);
+}
+
+TEST_CASE("null, misaligned, foreign and future tables are told apart") {
+  auto words = egg_model(1).table();
+  Model model;
+  CHECK(Model::open(nullptr, 100, &model) == Status::bad_argument);
+  CHECK(Model::open(words.data(), words.size() * 4, nullptr) == Status::bad_argument);
+  CHECK(Model::open(reinterpret_cast<unsigned char*>(words.data()) + 2, 100, &model) == Status::misaligned);
+  words[1] = 2;
+  CHECK(open(words, &model) == Status::bad_version);
+  words[0] ^= 1;
+  CHECK(open(words, &model) == Status::bad_magic);
+}
+
+TEST_CASE("each broken record is a bad table") {
+  const auto refuse = [](const std::function<void(ModelBuilder&)>& damage) {
+    ModelBuilder b = egg_model(2);
+    damage(b);
+    const auto words = b.table();
+    Model model;
+    CHECK(open(words, &model) == Status::bad_table);
+  };
+  refuse([](ModelBuilder& b) { b.parameters[1].sd = 0; });
+  refuse([](ModelBuilder& b) { b.parameters[1].minimum = 0.5f; });
+  refuse([](ModelBuilder& b) { b.parameters[1] = b.parameters[0]; });
+  refuse([](ModelBuilder& b) { b.fields[0].width = 1; });
+  refuse([](ModelBuilder& b) { b.fields[0].u1 = b.fields[0].u0; });
+  refuse([](ModelBuilder& b) { b.fields[0].first_byte = 1u << 30; });
+  refuse([](ModelBuilder& b) { b.cascade[2].source[0] = 2; });
+  refuse([](ModelBuilder& b) { b.cascade[2].parameter[0] = 99; });
+  refuse([](ModelBuilder& b) { b.cascade[2].operation = static_cast<Operation>(42); });
+  refuse([](ModelBuilder& b) { b.cascade[2].weight = b.cascade[2].field; });
+  refuse([](ModelBuilder& b) { b.cascade.clear(); });
+  refuse([](ModelBuilder& b) { b.corners[5] = 1000; });
+  refuse([](ModelBuilder& b) { b.vertices[5].x = 2; });
+  refuse([](ModelBuilder& b) { b.landmarks[0].name[0] = 0; });
+}

@@ -1,0 +1,179 @@
+#include "pliant/solver.hpp"
+
+#include <Eigen/Dense>
+#include <doctest/doctest.h>
+#include <vector>
+
+#include "pliant/robust.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+struct Equations {
+  std::vector<unsigned char> block;
+  Arena arena;
+  NormalEquations equations;
+  explicit Equations(std::size_t n)
+      : block(measured_bytes<NormalEquations>(n) + 16), arena(aligned(block.data()), measured_bytes<NormalEquations>(n)) {
+    REQUIRE(create_in(arena, equations, n) == Status::ok);
+  }
+  static void* aligned(unsigned char* p) { return p + (16 - reinterpret_cast<std::uintptr_t>(p) % 16) % 16; }
+};
+
+/// Random sparse image observations into `e`, and the same in double.
+void fill(NormalEquations& e, std::size_t n, Random& random, Eigen::MatrixXd& h, Eigen::VectorXd& g) {
+  const auto size = static_cast<Eigen::Index>(n);
+  h = Eigen::MatrixXd::Zero(size, size);
+  g = Eigen::VectorXd::Zero(size);
+  e.reset(n);
+  for (int i = 0; i < 60; ++i) {
+    std::vector<std::uint16_t> unknown;
+    std::vector<Vec2> column;
+    Eigen::MatrixXd b = Eigen::MatrixXd::Zero(2, size);
+    for (std::size_t k = 0; k < n; ++k)
+      if (k < 6 || random.below(3) == 0) {
+        unknown.push_back(static_cast<std::uint16_t>(k));
+        const float unit = k == 0 ? 100.0f : 1.0f;  // badly scaled on purpose
+        column.push_back({unit * random.normal(), unit * random.normal()});
+        b(0, static_cast<Eigen::Index>(k)) = double(column.back().x);
+        b(1, static_cast<Eigen::Index>(k)) = double(column.back().y);
+      }
+    const Vec2 r{random.normal(), random.normal()};
+    const float c = random.normal(), s = random.normal();
+    const Sym2 w{c * c + 0.1f, c * s, s * s + 0.1f};
+    e.add(unknown.data(), column.data(), column.size(), r, w);
+    Eigen::Matrix2d wd;
+    wd << double(w.xx), double(w.xy), double(w.xy), double(w.yy);
+    h += b.transpose() * wd * b;
+    g += b.transpose() * wd * Eigen::Vector2d(double(r.x), double(r.y));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("accumulated equations and their solution agree with double precision") {
+  for (std::size_t n : {1u, 6u, 17u, 40u}) {
+    Equations e(n);
+    Random random(n);
+    Eigen::MatrixXd h;
+    Eigen::VectorXd g;
+    fill(e.equations, n, random, h, g);
+    std::vector<float> step(n), variance(n);
+    e.equations.solve(0, step.data());
+    const Eigen::VectorXd exact = h.ldlt().solve(g);
+    const Eigen::MatrixXd inverse = h.inverse();
+    e.equations.variances(variance.data());
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      CHECK(double(step[k]) == doctest::Approx(exact(i)).epsilon(1e-3));
+      CHECK(double(variance[k]) == doctest::Approx(inverse(i, i)).epsilon(1e-3));
+    }
+  }
+}
+
+TEST_CASE("limits hold, and the other unknowns take the best value given them") {
+  const std::size_t n = 8;
+  Equations e(n);
+  Random random(5);
+  Eigen::MatrixXd h;
+  Eigen::VectorXd g;
+  fill(e.equations, n, random, h, g);
+  std::vector<float> free_step(n), step(n);
+  e.equations.solve(0, free_step.data());
+  const float bound = 0.4f * magnitude(free_step[7]);
+  e.equations.set_limits(7, -bound, bound);
+  e.equations.solve(0, step.data());
+  CHECK(magnitude(step[7]) == doctest::Approx(bound));
+  Eigen::VectorXd x(8);
+  for (int k = 0; k < 8; ++k) x(k) = double(step[static_cast<std::size_t>(k)]);
+  const Eigen::VectorXd gradient = g - h * x;
+  for (int k = 0; k < 7; ++k) CHECK(std::abs(gradient(k)) < 1e-3 * std::sqrt(h(k, k)));
+  CHECK(gradient(7) * x(7) > 0);  // it would still like to go further
+}
+
+TEST_CASE("an unknown that nothing observes stays and is counted") {
+  Equations e(4);
+  e.equations.reset(4);
+  const std::uint16_t unknown[3] = {0, 1, 3};
+  const Vec2 column[3] = {{1, 0}, {0, 1}, {1, 1}};  // unknown 3 is the sum of 0 and 1; 2 is never seen
+  for (int i = 0; i < 5; ++i) e.equations.add(unknown, column, 3, {1, 2}, {1, 0, 1});
+  float step[4];
+  e.equations.solve(0, step);
+  CHECK(e.equations.undetermined_count() == 2);
+  CHECK(step[2] == 0);
+  CHECK(step[3] == 0);
+  CHECK(step[0] == doctest::Approx(1));
+  CHECK(step[1] == doctest::Approx(2));
+}
+
+TEST_CASE("the minimiser finds the bottom of Rosenbrock's valley") {
+  struct Valley {
+    float x[2] = {-1.2f, 1}, trial[2] = {};
+    static float cost(const float* v) {
+      const float a = 10 * (v[1] - v[0] * v[0]), b = 1 - v[0];
+      return 0.5f * (a * a + b * b);
+    }
+  } valley;
+  Equations e(2);
+  const LeastSquaresProblem problem{
+      &valley,
+      [](void* c, NormalEquations& eq) {
+        auto& v = *static_cast<Valley*>(c);
+        eq.reset(2);
+        const std::uint16_t unknown[2] = {0, 1};
+        const Vec2 column[2] = {{-20 * v.x[0], -1}, {10, 0}};
+        eq.add(unknown, column, 2, {-10 * (v.x[1] - v.x[0] * v.x[0]), -(1 - v.x[0])}, {1, 0, 1});
+        return Valley::cost(v.x);
+      },
+      [](void* c, const float* step) {
+        auto& v = *static_cast<Valley*>(c);
+        for (int k = 0; k < 2; ++k) v.trial[k] = v.x[k] + step[k];
+        return Valley::cost(v.trial);
+      },
+      [](void* c) {
+        auto& v = *static_cast<Valley*>(c);
+        for (int k = 0; k < 2; ++k) v.x[k] = v.trial[k];
+      }};
+  SolverOptions options;
+  options.max_iterations = 60;
+  float step[2];
+  const SolverReport report = minimise(problem, options, e.equations, step);
+  CHECK(report.final_cost < 1e-8f);
+  CHECK(valley.x[0] == doctest::Approx(1).epsilon(1e-3));
+  CHECK(valley.x[1] == doctest::Approx(1).epsilon(1e-3));
+  CHECK(report.iterations < 40);
+}
+
+TEST_CASE("robust losses are squares near zero, continuous, and Tukey lets go") {
+  for (Loss loss : {Loss::squares, Loss::huber, Loss::tukey}) {
+    CHECK(evaluate(loss, 0.01f).rho == doctest::Approx(5e-5).epsilon(1e-3));
+    CHECK(evaluate(loss, 0).weight == doctest::Approx(1));
+    float last = 0;
+    for (float u = 0; u < 8; u += 0.01f) {
+      const LossValue v = evaluate(loss, u);
+      CHECK(v.rho >= last - 1e-5f);
+      CHECK(v.rho - last < 0.09f);
+      const float h = 1e-2f;  // weight = rho'(u) / u
+      if (u > 0.1f && u < 4.6f) {
+        const float slope = (evaluate(loss, u + h).rho - evaluate(loss, u - h).rho) / (2 * h);
+        CHECK(v.weight * u == doctest::Approx(slope).epsilon(0.02));
+      }
+      last = v.rho;
+    }
+  }
+  CHECK(evaluate(Loss::tukey, 5).weight == 0);
+}
+
+TEST_CASE("select gives the k-th smallest, and the scale of Rayleigh lengths is one") {
+  Random random(9);
+  std::vector<float> values(101), lengths(4000);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>((i * 37) % 101);
+    CHECK(select(values.data(), values.size(), k) == static_cast<float>(k));
+  }
+  for (float& l : lengths) l = length(Vec2{random.normal(), random.normal()});
+  CHECK(robust_scale(lengths.data(), lengths.size()) == doctest::Approx(1).epsilon(0.05));
+  CHECK(robust_scale(lengths.data(), 0) == 0);
+}
