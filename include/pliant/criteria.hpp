@@ -1,0 +1,128 @@
+#pragma once
+/// \file criteria.hpp
+/// Adaptation criteria (the paper, section 5.2): unconditional, normals, contour error; and, of its future
+/// work, view-dependent and texture-driven ones. Each is a plain struct of options and a rank for a triangle
+/// (error over tolerance, see Criterion); `criterion_of` turns the pair into a Criterion. The options must
+/// outlive it and may change between calls of the Adapter, which then wants a `rerank`.
+#include "pliant/adapt.hpp"
+#include "pliant/geometry.hpp"
+
+namespace pliant {
+
+/// A Criterion from options and a rank for triangles, live or to be brought back by a weld.
+template <class Options, float (*rank)(const Options&, const Shape&, const Triangle&)>
+Criterion criterion_of(const Options& options, bool sees_neighbours = false) {
+  Criterion c;
+  c.context = &options;
+  c.refine_rank = [](const void* context, const Shape& shape, FaceId f) {
+    return rank(*static_cast<const Options*>(context), shape, shape.mesh.triangle(f));
+  };
+  c.weld_rank = [](const void* context, const Shape& shape, VertexId v) {
+    Triangle parents[2];
+    float worst = 0;
+    for (int i = shape.mesh.find_parents(v, parents) - 1; i >= 0; --i)
+      worst = max(worst, rank(*static_cast<const Options*>(context), shape, parents[i]));
+    return worst;
+  };
+  c.ranks_triangles = true;
+  c.sees_neighbours = sees_neighbours;
+  return c;
+}
+
+// --- Tests of the application's own ---
+
+/// The paper's two tests: which faces to refine, which vertices may go.
+struct AdaptTests {
+  void* context = nullptr;
+  bool (*should_refine)(void* context, const Shape& shape, FaceId face) = nullptr;
+  bool (*should_simplify)(void* context, const Shape& shape, VertexId vertex) = nullptr;
+};
+Criterion criterion_of(const AdaptTests& tests);
+
+// --- Unconditional (5.2.1) ---
+
+/// Every face down to a number of bisections of the base mesh, coarse ones first.
+struct Unconditional {
+  int levels = 3;
+};
+Criterion criterion_of(const Unconditional& options);
+
+// --- Normals (5.2.2) ---
+
+/// Sharp ridges, valleys and jagged boundaries: the angle between the normals of two faces at an edge, or, at
+/// a boundary edge, between the mean normals of the faces around its two ends.
+struct NormalsOptions {
+  float cos_angle = 0.96593f;  ///< cosine of the tolerated angle (15 degrees)
+  float shortest_edge_mm =
+      0.5f;  ///< a triangle whose subdivision edge is shorter is left alone, however sharp
+};
+Criterion criterion_of(const NormalsOptions& options);
+float compute_rank(const NormalsOptions& options, const Shape& shape, const Triangle& triangle);
+
+// --- Contour error (5.2.3) ---
+
+/// How far a triangle is from the surface.
+struct ContourError {
+  float mean_mm = 0;   ///< Eq. 6 over the triangle's area in (u,v)
+  float max_mm = 0;    ///< Eq. 7
+  float area_mm2 = 0;  ///< of the flat triangle
+};
+
+/// Samples the error of Eq. 5 at 7 inner points with equal weights (mean and maximum) and at the 3 midpoints
+/// of the edges (maximum). Cost: 10 samples of the surface.
+ContourError measure_contour(const Shape& shape, const Triangle& triangle);
+/// The same by `cells` x `cells` equal parts of the triangle, sampled at their centres: for reports.
+/// \param cells  1 to 64.
+ContourError measure_contour(const Shape& shape, const Triangle& triangle, int cells);
+/// Of all faces: mean weighted by area, maximum, and area of the whole.
+ContourError compute_contour_error(const Shape& shape, int cells);
+
+/// Tolerances; one that is 0 or less does not count. The rank is the largest ratio of error to tolerance.
+struct ContourOptions {
+  float mean_mm = 0.3f;  ///< of the mean error
+  float max_mm = 1.0f;   ///< of the maximum
+  float volume_mm3 = 0;  ///< of mean error times area, the share of a triangle in the mean error of the
+                         ///< whole: the measure to minimise under a vertex budget
+};
+Criterion criterion_of(const ContourOptions& options);
+float compute_rank(const ContourOptions& options, const Shape& shape, const Triangle& triangle);
+
+// --- View-dependent ---
+
+/// Contour error as a camera sees it, in pixels: only what is across the line of sight counts, more near the
+/// outline, little on the far side and outside the picture. Pinhole, no distortion.
+struct ViewOptions {
+  Pose pose;
+  float focal_px = 500;
+  float cx = 159.5f, cy = 119.5f;  ///< principal point
+  float width_px = 320, height_px = 240;
+  float tolerance_px = 0.5f;
+  float outline_gain = 3;     ///< for triangles turned by 75 to 105 degrees from the camera
+  float hidden_gain = 0.05f;  ///< for those turned further, and those more than margin_px outside the picture
+  float margin_px = 20;
+};
+Criterion criterion_of(const ViewOptions& options);
+float compute_rank(const ViewOptions& options, const Shape& shape, const Triangle& triangle);
+
+// --- Texture-driven ---
+
+/// Vertices where there is something to track: a score for every (u,v) from outside, at least 0, 1 where a
+/// vertex is just worth having. A triangle's rank is its best score times the square of its subdivision edge
+/// in units of twice the shortest one, and 0 below that.
+struct TextureOptions {
+  void* context = nullptr;
+  float (*score)(void* context, Vec2 uv) = nullptr;
+  float shortest_edge_mm = 4;  ///< no edge becomes shorter than this
+};
+Criterion criterion_of(const TextureOptions& options);
+float compute_rank(const TextureOptions& options, const Shape& shape, const Triangle& triangle);
+
+// --- Two at once ---
+
+/// Refines where either wants it, simplifies where both agree.
+struct EitherOf {
+  Criterion first, second;
+};
+Criterion criterion_of(const EitherOf& options);
+
+}  // namespace pliant
