@@ -1,0 +1,75 @@
+#pragma once
+/// \file frame_source.hpp
+/// Where the frames of the host command come from: a folder of pictures, a Y4M file, or a Y4M stream on
+/// standard input.
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "pliant/frame.hpp"
+#include "pliant/status.hpp"
+
+namespace pliant {
+
+/// Frames a second.
+struct FrameRate {
+  int numerator = 25, denominator = 1;
+  double per_second() const { return static_cast<double>(numerator) / denominator; }
+};
+
+/// Luma frames of one size, one after the other.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  FrameSource(const FrameSource&) = delete;
+  FrameSource& operator=(const FrameSource&) = delete;
+
+  /// Reads the next frame. The view holds until the next call. Its sequence counts from 0, its time is
+  /// sequence / rate.
+  /// `end_of_stream` after the last one; `truncated` where the data stop in mid-frame, all frames before it
+  /// having been given; `size_mismatch` for a picture of another size; `io_error` for a failed read or
+  /// malformed data. From then on every call returns the same, and message() says what is wrong, and where.
+  Status next(FrameView& frame);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  /// As the stream says; 25 where it does not, as for a folder.
+  FrameRate rate() const { return rate_; }
+  /// One line without a final stop, naming the file; empty as long as nothing is wrong.
+  const std::string& message() const { return message_; }
+
+ protected:
+  FrameSource() = default;
+  /// Points `luma` at width * height bytes, rows without padding, of frame number `index`.
+  virtual Status read(std::uint32_t index, const std::uint8_t*& luma) = 0;
+  Status fail(Status status, std::string message) {
+    message_ = std::move(message);
+    return status;
+  }
+
+  int width_ = 0, height_ = 0;
+  FrameRate rate_;
+
+ private:
+  std::uint32_t index_ = 0;
+  Status status_ = Status::ok;
+  std::string message_;
+};
+
+/// A source, or why there is none.
+struct OpenedFrames {
+  std::unique_ptr<FrameSource> source;  ///< null on failure
+  std::string message;                  ///< then: one line that names the file and what is wrong with it
+};
+
+/// "-": a Y4M stream on standard input; a folder; a PGM or PPM picture (one frame); anything else is read as
+/// Y4M.
+OpenedFrames open_frames(const std::string& name);
+
+/// All *.pgm, *.ppm and *.pnm of a folder, in the order of their names with numbers in them as numbers (2
+/// before 10).
+OpenedFrames open_folder(const std::string& path);
+/// A Y4M file, or "-" for standard input.
+OpenedFrames open_y4m(const std::string& path);
+
+}  // namespace pliant

@@ -1,0 +1,24 @@
+#pragma once
+// Binary PGM (P5) and PPM (P6) of eight bits, as luma.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pliant/status.hpp"
+
+namespace pliant {
+
+/// Whether a name ends in .pgm, .ppm or .pnm, in any case.
+bool has_pnm_extension(const std::string& path);
+
+struct LumaPicture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> pixels;  ///< rows without padding
+};
+
+/// Reads a picture; colour becomes luma (BT.601: 0.299 R + 0.587 G + 0.114 B, rounded), values are stretched
+/// to 255 where the header gives a smaller maximum. `io_error` or `truncated`, with `message` naming the
+/// file, otherwise.
+Status read_pnm(const std::string& path, LumaPicture& picture, std::string& message);
+
+}  // namespace pliant
