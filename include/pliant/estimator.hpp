@@ -14,26 +14,30 @@
 #include "pliant/mesh.hpp"
 #include "pliant/model.hpp"
 #include "pliant/observation.hpp"
+#include "pliant/robust.hpp"
 #include "pliant/solver.hpp"
+#include "pliant/visibility.hpp"
 
 namespace pliant {
 
 /// Capacities. The defaults track a face at 320 x 240 on a Cortex-M7.
 struct EstimatorLimits {
   std::uint16_t points = 128;     ///< surface points followed at once (anchors and markers); ids are below this
-  std::uint16_t vertices = 512;   ///< of the mesh; faces are twice as many
+  std::uint16_t vertices = 512;   ///< of the mesh, at least those of the model's base mesh; faces are twice as many
 };
 
 struct EstimatorOptions {
-  int iterations = 5;               ///< Gauss-Newton steps a solve, at most
-  float mesh_error_mm = 0.5f;       ///< the mesh is refined by the contour criterion to this mean error, or to its limit
-  float noise_floor_px = 0.3f;      ///< smallest scale of the robust loss
-  float expression_rate = 4.0f;     ///< ranges of a parameter it may cross in a second (one sd of the temporal prior)
+  int iterations = 4;               ///< Gauss-Newton steps in each of the two stages of a solve, at most
+  float mesh_error_mm = 0.3f;       ///< the mesh is refined by the contour criterion to this mean error, or to its limit
+  float model_error_px = 0.5f;      ///< what the model cannot explain, at 320 px of image width: added to every observation
+  float expression_rate = 6.0f;     ///< ranges a parameter may cross in a second (one sd of the temporal prior)
   float prior_strength = 1.0f;      ///< weight of the parameters' own prior
-  float lost_rms_px = 4.0f;         ///< scaled by image width / 320
-  float lost_share = 0.15f;         ///< of the predicted visible points that must be inliers
-  std::uint16_t lost_points = 8;
-  std::uint8_t lost_frames = 3;     ///< bad frames in a row before the state is `lost`
+  float velocity_damping = 0.6f;    ///< share of the last motion that is expected again; 0: none
+  float min_facing = 0.3f;          ///< cosine of surface normal and viewing direction below which a point is not visible
+  float lost_rms_px = 4.0f;         ///< at 320 px of image width
+  float lost_share = 0.15f;         ///< of the observations tried that must be inliers
+  std::uint16_t lost_points = 8;    ///< inliers needed
+  std::uint8_t lost_frames = 3;     ///< bad frames in a row until the state is `lost`
 };
 
 enum class TrackState : std::uint8_t { tracking = 0, degraded = 1, lost = 2 };
@@ -44,34 +48,41 @@ struct FrameResult {
   std::uint16_t tracked = 0;     ///< observations found
   std::uint16_t inliers = 0;     ///< those with weight at the end
   float rms_px = 0;              ///< of the inliers
-  int iterations = 0;
+  std::uint16_t iterations = 0;
   std::uint16_t vertices = 0;    ///< of the mesh
 };
 
 class Estimator {
  public:
+  Estimator() = default;
+  Estimator(const Estimator&) = delete;
+  Estimator& operator=(const Estimator&) = delete;
+
   void lay_out(Arena& arena, const Model& model, const EstimatorLimits& limits);
 
-  /// Starts from a known state in a picture of width x height pixels. `q` holds all parameters; identity is frozen from
-  /// here on. Forgets all surface points. \return bad_argument for a pose, camera, size or q that is not finite.
+  /// Starts from a known state in a picture of width x height pixels. `q` holds all parameters; those whose flag in
+  /// `is_free` is set are estimated, the others stay (null: expressions are free). The mesh is adapted to the person.
+  /// Forgets all surface points.
+  /// \return bad_argument for a pose, camera, size or q that is not finite; the statuses of Mesh::set_base.
   Status start(const Camera& camera, int width, int height, const Pose& pose, const float* q,
-               const EstimatorOptions& options);
+               const std::uint8_t* is_free, const EstimatorOptions& options);
   bool is_started() const { return started_; }
 
-  /// Takes on a surface point. Its id is the lowest free one. \return capacity, bad_argument.
+  /// Takes on a surface point. Its id is the lowest free one. \return not_started, bad_argument, capacity.
   Status add_point(Vec2 uv, std::uint16_t* id);
   void remove_point(std::uint16_t id);
   bool has_point(std::uint16_t id) const { return id < limits_.points && in_use_[id] != 0; }
   Vec2 point_uv(std::uint16_t id) const { return uv_[id]; }
 
-  /// Predicts the state at time t (ns). A time that does not grow counts as one nominal frame.
-  Status begin(std::int64_t time_ns);
+  /// Predicts the state at time t (ns). A time that does not grow counts as 1/30 s.
+  void begin(std::int64_t time_ns);
   /// One prediction a point in use, in order of id, at the state as it is now. Valid until the next call.
   Span<const Prediction> predict();
-  /// Moves the state to fit the observations; may be called more than once a frame. Marks each observation that the
-  /// robust loss gave no weight as `rejected`.
-  Status solve(Span<Observation> observations, SolverReport* report);
-  /// Decides the state and returns the result. While lost the pose is the last one that was trusted.
+  /// Moves the state to fit the observations; may be called more than once a frame. Those that the robust loss gives no
+  /// weight in the end are marked `rejected`. Observations of points not in use, or not finite, are marked
+  /// `not_visible` and ignored. With too few to determine the pose nothing moves.
+  SolverReport solve(Span<Observation> observations);
+  /// Decides the state from the last `solve` and returns the result. While lost the pose is the last one trusted.
   FrameResult end();
 
   const Model& model() const { return cascade_.model(); }
@@ -79,39 +90,62 @@ class Estimator {
   const View& view() const { return view_; }
   /// All parameters.
   Span<const float> parameters() const { return {q_, cascade_.parameter_count()}; }
-  /// Standard deviations of the free parameters by Gauss-Newton; 0 for frozen ones.
-  Span<const float> deviations() const { return {sd_, cascade_.parameter_count()}; }
 
   /// Image position of any (u,v) at the present state; false behind the camera.
   bool project(Vec2 uv, Vec2* x);
-  /// (u,v) on the visible surface under an image position: by the mesh, then refined on the surface itself. Where the
-  /// image position misses the surface, the nearest visible projected surface point, and false.
-  bool surface_at(Vec2 x, Vec2* uv);
-  /// True when the surface itself hides the point p (model coordinates) from the camera.
-  bool is_hidden(Vec3 p) const;
+  /// (u,v) on the visible surface under an image position: by the mesh, then on the surface itself. Where the position
+  /// misses the surface it is the nearest visible point's, and the distance is not 0.
+  /// \return distance in the image between x and the mesh (px); negative when nothing is visible.
+  float surface_at(Vec2 x, Vec2* uv);
 
   const Mesh& mesh() const { return mesh_; }
-  /// Positions of the mesh's vertices at the present state, by vertex id: model millimetres and image pixels.
+  /// The mesh's vertices at the present state, by vertex id: in the model's axes (mm) and in the image (px). Current after
+  /// start, begin and end; not after solve.
   const Vec3* vertex_positions() const { return vertex_; }
   const Vec2* vertex_images() const { return vertex_image_; }
 
  private:
   friend struct EstimatorProblem;
-  // (laid out in estimator.cpp)
+  Vec3* baked_point(std::size_t id) { return baked_points_ + id * baked_stride_; }
+  Vec3* baked_vertex(std::size_t v) { return baked_vertices_ + v * baked_stride_; }
+  void adapt_mesh();
+  void update_vertices();
+  Prediction prediction(std::uint16_t id, const Projector& projector);
+  void note_motion(float seconds);
+  std::size_t gather(Span<Observation> observations);
+  void measure_inliers(Span<Observation> observations, const struct EstimatorProblem& problem);
+
   Cascade cascade_;
   Mesh mesh_;
+  Adapter adapter_;
+  DepthBuffer depth_;
   NormalEquations equations_;
   EstimatorLimits limits_;
   EstimatorOptions options_;
   Camera camera_;
-  View view_;
-  bool started_ = false;
   int width_ = 0, height_ = 0;
+  bool started_ = false;
+
+  View view_, last_view_, trusted_view_;
+  float velocity_[kPoseUnknowns] = {};  // per second, in the solver's unknowns
+  std::int64_t time_ns_ = 0;
+  float seconds_ = 0;                   // since the last frame
+  int bad_frames_ = 0;
+  FrameResult result_;
+  std::size_t looked_for_ = 0;  // observations that the platform tried to make in this frame
+
+  std::size_t baked_stride_ = 0;
   std::uint8_t* in_use_ = nullptr;
   Vec2* uv_ = nullptr;
-  float *q_ = nullptr, *sd_ = nullptr;
-  Vec3* vertex_ = nullptr;
+  Vec3 *baked_points_ = nullptr, *baked_vertices_ = nullptr, *vertex_ = nullptr;
   Vec2* vertex_image_ = nullptr;
+  float* vertex_depth_ = nullptr;
+  Prediction* predictions_ = nullptr;
+  float *q_ = nullptr, *expected_q_ = nullptr, *trial_q_ = nullptr, *sd_ = nullptr, *trusted_q_ = nullptr;
+  float *step_ = nullptr, *lengths_ = nullptr;
+  std::uint16_t* unknown_ = nullptr;
+  Vec2* column_ = nullptr;
+  std::uint16_t* usable_ = nullptr;  // indices of the observations that take part
 };
 
 }  // namespace pliant

@@ -3,7 +3,10 @@
 /// The model table (`.plm`): what a deformable model is, as data. One little-endian block, 4-byte aligned, read in
 /// place from flash. `Model::open` checks every offset, count and range once; after that nothing is checked again.
 ///
-/// Layout: a TableHeader, then `section_count` Sections, then their contents, each 4-byte aligned. The records below
+/// The chart: (u,v) in [0,1]^2. Seen from outside the surface, v points down where u points right; a face has u to the
+/// subject's left and v = 0 at the top of the forehead.
+///
+/// Layout: a Header, then `section_count` Sections, then their contents, each 4-byte aligned. The records below
 /// are the file format: plain, packed by construction, never reordered.
 #include <cstddef>
 #include <cstdint>

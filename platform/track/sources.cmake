@@ -1,1 +1,1 @@
-target_sources(pliant_platform PRIVATE)
+target_sources(pliant_platform PRIVATE ${CMAKE_CURRENT_LIST_DIR}/tracker.cpp)

@@ -1,0 +1,449 @@
+// One tracked model over time (the paper, section 8 and Appendix A). Each observation is an image force f_i on a surface
+// point; instead of the Euler steps of Eq. 13 the generalised force of Eq. 9 meets the Gauss-Newton matrix of the same
+// sum, with the parameters' prior, a temporal prior around the prediction, and a robust weight for outliers.
+#include "pliant/estimator.hpp"
+
+#include "pliant/criteria.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr int kDepthCells = 48;
+constexpr float kHiddenMarginMm = 6;
+
+/// W (I + s^2 W)^-1: the information that is left when an error of deviation s is added. Keeps rank one.
+Sym2 with_added_error(Sym2 w, float s) {
+  const float s2 = s * s;
+  const float a = 1 + s2 * w.xx, b = s2 * w.xy, d = 1 + s2 * w.yy;
+  const float inverse = 1.0f / (a * d - b * b);
+  return {inverse * (w.xx * d - w.xy * b), inverse * (w.xy * a - w.xx * b), inverse * (w.yy * a - w.xy * b)};
+}
+
+float mahalanobis(Sym2 w, Vec2 r) {
+  return square_root(w.xx * r.x * r.x + 2 * w.xy * r.x * r.y + w.yy * r.y * r.y);
+}
+
+}  // namespace
+
+/// One minimisation over the observations of a frame.
+struct EstimatorProblem {
+  Estimator& e;
+  Span<Observation> observations;
+  std::size_t usable;
+  float added_error;     // px
+  View view{}, trial{};
+  Loss loss = Loss::huber;
+  float scale = 1;
+
+  Sym2 information(const Observation& o) const { return with_added_error(o.information, added_error); }
+
+  float prior_cost(const float* q) const {
+    float cost = 0;
+    for (std::size_t k = 0; k < e.cascade_.column_count(); ++k) {
+      const std::uint16_t p = e.cascade_.parameter_of(k);
+      const float z = q[p] / e.cascade_.model().parameters()[p].sd, t = (q[p] - e.expected_q_[p]) / e.sd_[p];
+      cost += 0.5f * (e.options_.prior_strength * z * z + t * t);
+    }
+    return cost;
+  }
+
+  float cost(const View& v, const float* q) const {
+    const Projector projector(v, true);
+    float sum = 0;
+    for (std::size_t k = 0; k < usable; ++k) {
+      const Observation& o = observations[e.usable_[k]];
+      Vec2 x;
+      if (!projector.project(e.cascade_.evaluate(e.baked_point(o.id), q), &x)) return 1e30f;
+      sum += evaluate(loss, mahalanobis(information(o), o.x - x) / scale).rho;
+    }
+    return sum + prior_cost(q);
+  }
+
+  float linearise(NormalEquations& equations) {
+    equations.reset(kPoseUnknowns + e.cascade_.column_count());
+    const Projector projector(view, true);
+    const float share = 1.0f / (scale * scale);
+    float sum = 0;
+    for (std::size_t k = 0; k < usable; ++k) {
+      const Observation& o = observations[e.usable_[k]];
+      Jacobian jacobian;
+      const Vec3 p = e.cascade_.evaluate(e.baked_point(o.id), e.q_, &jacobian);
+      Vec2 x;
+      Projector::Derivatives d;
+      if (!projector.project(p, &x, &d)) continue;
+      const Sym2 w = information(o);
+      const LossValue value = evaluate(loss, mahalanobis(w, o.x - x) / scale);
+      sum += value.rho;
+      if (value.weight <= 0) continue;
+      std::size_t n = 0;
+      for (; n < kPoseUnknowns; ++n) {
+        e.unknown_[n] = static_cast<std::uint16_t>(n);
+        e.column_[n] = d.pose[n];
+      }
+      for (std::size_t c = 0; c < jacobian.count; ++c, ++n) {
+        e.unknown_[n] = static_cast<std::uint16_t>(kPoseUnknowns + jacobian.list[c]);
+        e.column_[n] = d.along(jacobian.column[jacobian.list[c]]);
+      }
+      const float f = value.weight * share;
+      equations.add(e.unknown_, e.column_, n, o.x - x, {f * w.xx, f * w.xy, f * w.yy});
+    }
+    add_priors(equations);
+    return sum + prior_cost(e.q_);
+  }
+
+  void add_priors(NormalEquations& equations) const {
+    for (std::size_t k = 0; k < e.cascade_.column_count(); ++k) {
+      const std::uint16_t p = e.cascade_.parameter_of(k);
+      const Parameter& parameter = e.cascade_.model().parameters()[p];
+      const std::size_t unknown = kPoseUnknowns + k;
+      equations.add_prior(unknown, -e.q_[p], e.options_.prior_strength / (parameter.sd * parameter.sd));
+      equations.add_prior(unknown, e.expected_q_[p] - e.q_[p], 1.0f / (e.sd_[p] * e.sd_[p]));
+      equations.set_limits(unknown, min(parameter.minimum - e.q_[p], 0), max(parameter.maximum - e.q_[p], 0));
+    }
+    for (std::size_t k = 0; k < 3; ++k) equations.set_limits(k, -0.3f, 0.3f);
+    equations.set_limits(kLogScale, -0.3f, 0.3f);
+  }
+
+  float try_step(const float* step) {
+    trial = moved(view, step, kPoseUnknowns);
+    for (std::size_t i = 0; i < e.cascade_.parameter_count(); ++i) e.trial_q_[i] = e.q_[i];
+    for (std::size_t k = 0; k < e.cascade_.column_count(); ++k) {
+      const std::uint16_t p = e.cascade_.parameter_of(k);
+      const Parameter& parameter = e.cascade_.model().parameters()[p];
+      e.trial_q_[p] = clamp(e.q_[p] + step[kPoseUnknowns + k], parameter.minimum, parameter.maximum);
+    }
+    return cost(trial, e.trial_q_);
+  }
+
+  void accept() {
+    view = trial;
+    for (std::size_t i = 0; i < e.cascade_.parameter_count(); ++i) e.q_[i] = e.trial_q_[i];
+  }
+
+  SolverReport minimise(int iterations) {
+    const LeastSquaresProblem problem{
+        this, [](void* p, NormalEquations& n) { return static_cast<EstimatorProblem*>(p)->linearise(n); },
+        [](void* p, const float* s) { return static_cast<EstimatorProblem*>(p)->try_step(s); },
+        [](void* p) { static_cast<EstimatorProblem*>(p)->accept(); }};
+    SolverOptions solver;
+    solver.max_iterations = iterations;
+    return pliant::minimise(problem, solver, e.equations_, e.step_);
+  }
+
+  /// Length of the k-th usable observation's residual, in its own deviations and in pixels.
+  float residual(std::size_t k, float* px) const {
+    const Observation& o = observations[e.usable_[k]];
+    Vec2 x = o.x + Vec2{1e6f, 0};
+    Projector(view, true).project(e.cascade_.evaluate(e.baked_point(o.id), e.q_), &x);
+    *px = length(o.x - x);
+    return mahalanobis(information(o), o.x - x);
+  }
+
+  void update_scale() {
+    float px;
+    for (std::size_t k = 0; k < usable; ++k) e.lengths_[k] = residual(k, &px);
+    scale = clamp(robust_scale(e.lengths_, usable), 1, 8);
+  }
+};
+
+void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits& limits) {
+  limits_ = limits;
+  cascade_.lay_out(arena, model);
+  MeshLimits mesh;
+  mesh.vertices = limits.vertices;
+  const unsigned faces = 2u * limits.vertices;
+  mesh.faces = static_cast<std::uint16_t>(faces < 21845u ? faces : 21845u);
+  mesh_.lay_out(arena, mesh);
+  adapter_.lay_out(arena, mesh);
+  depth_.lay_out(arena, kDepthCells, kDepthCells);
+  const std::size_t parameters = model.parameters().count, unknowns = parameters + kPoseUnknowns;
+  equations_.lay_out(arena, unknowns);
+  baked_stride_ = model.cascade().count;
+  in_use_ = arena.take<std::uint8_t>(limits.points);
+  uv_ = arena.take<Vec2>(limits.points);
+  baked_points_ = arena.take<Vec3>(limits.points * baked_stride_);
+  predictions_ = arena.take<Prediction>(limits.points);
+  lengths_ = arena.take<float>(limits.points);
+  usable_ = arena.take<std::uint16_t>(limits.points);
+  baked_vertices_ = arena.take<Vec3>(limits.vertices * baked_stride_);
+  vertex_ = arena.take<Vec3>(limits.vertices);
+  vertex_image_ = arena.take<Vec2>(limits.vertices);
+  vertex_depth_ = arena.take<float>(limits.vertices);
+  float** const per_parameter[] = {&q_, &expected_q_, &trial_q_, &sd_, &trusted_q_};
+  for (float** vector : per_parameter) *vector = arena.take<float>(parameters);
+  step_ = arena.take<float>(unknowns);
+  unknown_ = arena.take<std::uint16_t>(unknowns);
+  column_ = arena.take<Vec2>(unknowns);
+  started_ = false;
+}
+
+Status Estimator::start(const Camera& camera, int width, int height, const Pose& pose, const float* q,
+                        const std::uint8_t* is_free, const EstimatorOptions& options) {
+  if (q == nullptr || width <= 0 || height <= 0 || !is_finite(pose) || !(pose.t.z > 0) || !(camera.f > 0) ||
+      !is_finite(camera.f) || !is_finite(Vec2{camera.cx, camera.cy}))
+    return Status::bad_argument;
+  const std::size_t parameters = cascade_.parameter_count();
+  for (std::size_t i = 0; i < parameters; ++i)
+    if (!is_finite(q[i])) return Status::bad_argument;
+  const Status status = mesh_.set_base(model().base_uv(), model().base_corners());
+  if (status != Status::ok) return status;
+
+  camera_ = camera;
+  width_ = width;
+  height_ = height;
+  options_ = options;
+  view_ = last_view_ = trusted_view_ = view_of(pose, camera);
+  view_.q = last_view_.q = trusted_view_.q = normalised(pose.q);
+  for (float& v : velocity_) v = 0;
+  for (std::size_t i = 0; i < parameters; ++i) {
+    const Parameter& p = model().parameters()[i];
+    q_[i] = expected_q_[i] = trusted_q_[i] = clamp(q[i], p.minimum, p.maximum);
+  }
+  if (is_free != nullptr) cascade_.set_free(is_free);
+  else cascade_.set_free(Group::expression);
+  baked_stride_ = cascade_.baked_count();  // never more than what was laid out
+  for (std::size_t i = 0; i < limits_.points; ++i) in_use_[i] = 0;
+  time_ns_ = 0;
+  seconds_ = 0;
+  bad_frames_ = 0;
+  looked_for_ = 0;
+  adapt_mesh();
+  started_ = true;
+  update_vertices();
+  result_ = {TrackState::tracking, pose_of(view_), 0, 0, 0, 0, static_cast<std::uint16_t>(mesh_.vertex_count())};
+  return Status::ok;
+}
+
+void Estimator::adapt_mesh() {
+  struct Person {
+    Cascade* cascade;
+    const float* q;
+  } person{&cascade_, q_};
+  const Surface surface{&person, [](void* context, Vec2 uv) {
+                          const auto* p = static_cast<Person*>(context);
+                          return p->cascade->surface_point(uv, p->q);
+                        }};
+  ContourOptions contour;
+  contour.mean_mm = options_.mesh_error_mm;
+  contour.max_mm = 4 * options_.mesh_error_mm;
+  if (adapter_.start(mesh_, surface, criterion_of(contour)) == Status::ok) adapter_.adapt(AdaptOptions{});
+  for (VertexId v : mesh_.vertices()) cascade_.bake(mesh_.uv(v), q_, baked_vertex(v));
+}
+
+void Estimator::update_vertices() {
+  const Projector projector(view_, true);
+  for (VertexId v : mesh_.vertices()) {
+    vertex_[v] = cascade_.evaluate(baked_vertex(v), q_);
+    vertex_depth_[v] = projector.project(vertex_[v], &vertex_image_[v]) ? projector.to_camera(vertex_[v]).z : -1.0f;
+  }
+  depth_.draw(mesh_, vertex_image_, vertex_depth_);
+}
+
+Status Estimator::add_point(Vec2 uv, std::uint16_t* id) {
+  if (!started_) return Status::not_started;
+  if (id == nullptr || !(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1)) return Status::bad_argument;
+  std::uint16_t i = 0;
+  while (i < limits_.points && in_use_[i]) ++i;
+  if (i == limits_.points) return Status::capacity;
+  in_use_[i] = 1;
+  uv_[i] = uv;
+  cascade_.bake(uv, q_, baked_point(i));
+  *id = i;
+  return Status::ok;
+}
+
+void Estimator::remove_point(std::uint16_t id) {
+  if (id < limits_.points) in_use_[id] = 0;
+}
+
+void Estimator::begin(std::int64_t time_ns) {
+  constexpr float kNominal = 1.0f / 30;
+  const std::int64_t elapsed = time_ns - time_ns_;
+  seconds_ = elapsed > 0 && elapsed < 2'000'000'000 ? static_cast<float>(elapsed) * 1e-9f : kNominal;
+  time_ns_ = time_ns;
+  last_view_ = view_;
+  if (bad_frames_ == 0) {
+    float step[kPoseUnknowns];
+    for (int k = 0; k < kPoseUnknowns; ++k) step[k] = options_.velocity_damping * seconds_ * velocity_[k];
+    view_ = moved(view_, step, kPoseUnknowns);
+  }
+  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) {
+    const Parameter& p = model().parameters()[i];
+    expected_q_[i] = q_[i];
+    sd_[i] = options_.expression_rate * (p.maximum - p.minimum) * min(seconds_, 0.5f);
+  }
+  looked_for_ = 0;
+  result_.tracked = result_.inliers = result_.iterations = 0;
+  result_.rms_px = 0;
+  update_vertices();
+}
+
+Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
+  Prediction out;
+  out.id = id;
+  const SurfaceFrame frame = cascade_.surface_frame(uv_[id], q_);
+  Projector::Derivatives d;
+  if (!projector.project(frame.p, &out.x, &d)) return out;
+  const Vec2 along_u = d.along(frame.pu), along_v = d.along(frame.pv);
+  out.jacobian = {along_u.x, along_v.x, along_u.y, along_v.y};
+  const Vec3 to_point = projector.to_camera(frame.p);
+  const Vec3 normal = projector.rotated(normalised(cross(frame.pv, frame.pu)));
+  out.facing = -dot(normal, normalised(to_point));
+  // How far the state may have moved since the last frame: turn, scale and shift, independent.
+  const float sd[kPoseUnknowns] = {0.03f, 0.03f, 0.03f, 0.02f, 4, 4};
+  for (int k = 0; k < kPoseUnknowns; ++k) {
+    const float v = sd[k] * sd[k];
+    out.covariance.xx += v * d.pose[k].x * d.pose[k].x;
+    out.covariance.xy += v * d.pose[k].x * d.pose[k].y;
+    out.covariance.yy += v * d.pose[k].y * d.pose[k].y;
+  }
+  const bool inside = out.x.x >= 0 && out.x.y >= 0 && out.x.x <= static_cast<float>(width_ - 1) &&
+                      out.x.y <= static_cast<float>(height_ - 1);
+  out.visible = inside && out.facing >= options_.min_facing && !depth_.hides(out.x, to_point.z, kHiddenMarginMm);
+  return out;
+}
+
+Span<const Prediction> Estimator::predict() {
+  const Projector projector(view_, true);
+  std::size_t n = 0;
+  for (std::uint16_t i = 0; i < limits_.points; ++i) {
+    if (!in_use_[i]) continue;
+    predictions_[n] = prediction(i, projector);
+    ++n;
+  }
+  return {predictions_, n};
+}
+
+std::size_t Estimator::gather(Span<Observation> observations) {
+  std::size_t n = 0;
+  for (std::size_t k = 0; k < observations.count; ++k) {
+    Observation& o = observations[k];
+    if (o.reason != Reason::found && o.reason != Reason::rejected) continue;
+    const Sym2 w = o.information;
+    const bool good = has_point(o.id) && is_finite(o.x) && is_finite(w.xx) && is_finite(w.xy) && is_finite(w.yy) &&
+                      w.xx >= 0 && w.yy >= 0;
+    o.reason = good ? Reason::found : Reason::not_visible;
+    if (good && n < limits_.points) usable_[n++] = static_cast<std::uint16_t>(k);
+  }
+  return n;
+}
+
+SolverReport Estimator::solve(Span<Observation> observations) {
+  SolverReport report;
+  const std::size_t usable = started_ ? gather(observations) : 0;
+  result_.tracked = static_cast<std::uint16_t>(usable);
+  result_.inliers = 0;
+  looked_for_ = 0;
+  for (const Observation& o : observations) looked_for_ += o.reason != Reason::not_visible;
+  if (usable < 4) return report;
+  const float added = options_.model_error_px * static_cast<float>(width_) / 320;
+  EstimatorProblem problem{*this, observations, usable, added};
+  problem.view = view_;
+  constexpr Loss kStages[2] = {Loss::huber, Loss::tukey};
+  for (Loss loss : kStages) {
+    problem.loss = loss;
+    problem.update_scale();
+    const SolverReport stage = problem.minimise(options_.iterations);
+    report.iterations += stage.iterations;
+    report.stop_reason = stage.stop_reason;
+    report.final_cost = stage.final_cost;
+    report.undetermined = stage.undetermined;
+    if (loss == Loss::huber) report.initial_cost = stage.initial_cost;
+  }
+  view_ = problem.view;
+  result_.iterations = static_cast<std::uint16_t>(result_.iterations + report.iterations);
+  measure_inliers(observations, problem);
+  return report;
+}
+
+void Estimator::measure_inliers(Span<Observation> observations, const EstimatorProblem& problem) {
+  float sum = 0;
+  std::uint16_t inliers = 0;
+  for (std::size_t k = 0; k < problem.usable; ++k) {
+    float px;
+    const float u = problem.residual(k, &px) / problem.scale;
+    if (evaluate(Loss::tukey, u).weight <= 0.1f) {
+      observations[usable_[k]].reason = Reason::rejected;
+      continue;
+    }
+    ++inliers;
+    sum += px * px;
+  }
+  result_.inliers = inliers;
+  result_.rms_px = inliers > 0 ? square_root(sum / static_cast<float>(inliers)) : 0.0f;
+}
+
+void Estimator::note_motion(float seconds) {
+  const Vec3 turn = log_rotation(view_.q * conjugate(last_view_.q));
+  const float motion[kPoseUnknowns] = {turn.x, turn.y, turn.z, view_.s / last_view_.s - 1,
+                                       view_.tau.x - last_view_.tau.x, view_.tau.y - last_view_.tau.y};
+  for (int k = 0; k < kPoseUnknowns; ++k) velocity_[k] = motion[k] / seconds;
+}
+
+FrameResult Estimator::end() {
+  if (!started_) return {};
+  const float per_width = static_cast<float>(width_) / 320;
+  const auto looked_for = static_cast<float>(looked_for_);
+  const bool good = result_.inliers >= options_.lost_points && result_.rms_px <= options_.lost_rms_px * per_width &&
+                    static_cast<float>(result_.inliers) >= options_.lost_share * looked_for;
+  if (good) {
+    bad_frames_ = 0;
+    note_motion(seconds_);
+    trusted_view_ = view_;
+    for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) trusted_q_[i] = q_[i];
+    result_.state = TrackState::tracking;
+  } else {
+    // Nothing is believed of a bad frame: the next one starts from the last that was good.
+    view_ = trusted_view_;
+    for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) q_[i] = trusted_q_[i];
+    for (float& v : velocity_) v = 0;
+    if (bad_frames_ < options_.lost_frames) ++bad_frames_;
+    result_.state = bad_frames_ >= options_.lost_frames ? TrackState::lost : TrackState::degraded;
+  }
+  result_.pose = pose_of(view_);
+  result_.vertices = static_cast<std::uint16_t>(mesh_.vertex_count());
+  update_vertices();
+  return result_;
+}
+
+bool Estimator::project(Vec2 uv, Vec2* x) {
+  return Projector(view_, true).project(cascade_.surface_point(uv, q_), x);
+}
+
+float Estimator::surface_at(Vec2 x, Vec2* uv) {
+  float best = 1e30f, best_depth = 1e30f, distance = -1;
+  for (FaceId f : mesh_.faces()) {
+    const VertexId a = mesh_.corner(f, 0), b = mesh_.corner(f, 1), c = mesh_.corner(f, 2);
+    if (vertex_depth_[a] <= 0 || vertex_depth_[b] <= 0 || vertex_depth_[c] <= 0 || !faces_camera(mesh_, vertex_image_, f)) continue;
+    float w[3];
+    const float d2 = nearest_on_triangle(vertex_image_[a], vertex_image_[b], vertex_image_[c], x, w);
+    const float depth = w[0] * vertex_depth_[a] + w[1] * vertex_depth_[b] + w[2] * vertex_depth_[c];
+    if (d2 > best || (d2 == best && depth >= best_depth)) continue;
+    best = d2;
+    best_depth = depth;
+    *uv = w[0] * mesh_.uv(a) + (w[1] * mesh_.uv(b) + w[2] * mesh_.uv(c));
+    distance = square_root(d2);
+  }
+  if (distance != 0) return distance;
+  // Newton on the surface itself: the mesh is flat between its vertices.
+  const Projector projector(view_, true);
+  Vec2 at = *uv;
+  for (int k = 0; k < 4; ++k) {
+    const SurfaceFrame frame = cascade_.surface_frame(at, q_);
+    Vec2 image;
+    Projector::Derivatives d;
+    if (!projector.project(frame.p, &image, &d)) return distance;
+    const Vec2 along_u = d.along(frame.pu), along_v = d.along(frame.pv), off = x - image;
+    if (dot(off, off) < 1e-6f) break;
+    const Mat2 jacobian{along_u.x, along_v.x, along_u.y, along_v.y};
+    if (magnitude(determinant(jacobian)) < 1e-3f) return distance;
+    const Vec2 step = inverse(jacobian) * off;
+    if (!(dot(step, step) < 1e-2f)) return distance;
+    at = {clamp(at.x + step.x, 0, 1), clamp(at.y + step.y, 0, 1)};
+  }
+  *uv = at;
+  return distance;
+}
+
+}  // namespace pliant
