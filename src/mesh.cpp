@@ -14,6 +14,17 @@ Vec2 midpoint(Vec2 a, Vec2 b) {
   return 0.5f * (a + b);
 }
 
+// The sum of three in rising order, so that it does not depend on which comes first.
+float ordered_sum(float a, float b, float c) {
+  const float low = min(a, min(b, c)), high = max(a, max(b, c));
+  const float middle = max(min(a, b), min(max(a, b), c));
+  return low + middle + high;
+}
+
+Vec2 barycentre(Vec2 a, Vec2 b, Vec2 c) {
+  return (1.0f / 3.0f) * Vec2{ordered_sum(a.x, b.x, c.x), ordered_sum(a.y, b.y, c.y)};
+}
+
 }  // namespace
 
 void Mesh::lay_out(Arena& arena, const MeshLimits& limits) {
@@ -209,7 +220,7 @@ Status Mesh::split_face(FaceId f, VertexId& inserted) {
   if (vertex_ids_.free_count() < 1 || face_ids_.free_count() < 2) return Status::capacity;
   const Face old = faces_[f];
   const VertexId a = old.corner[0], b = old.corner[1], c = old.corner[2];
-  const VertexId m = insert_vertex((1.0f / 3.0f) * (uv(a) + uv(b) + uv(c)), top + 1);
+  const VertexId m = insert_vertex(barycentre(uv(a), uv(b), uv(c)), top + 1);
   const FaceId g = face_ids_.take(), h = face_ids_.take();
   faces_[f] = Face{{a, b, m}, {kNone, kNone, kNone}};
   faces_[g] = Face{{b, c, m}, {kNone, kNone, kNone}};

@@ -17,10 +17,11 @@ void Mesh::clear() {
   restricted_ = false;
 }
 
-Status Mesh::check_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corners) const {
+Status Mesh::check_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corners,
+                             const MeshLimits& limits) {
   if (uv.data == nullptr || corners.data == nullptr || corners.count == 0 || corners.count % 3 != 0)
     return Status::bad_argument;
-  if (uv.count > limits_.vertices || corners.count / 3 > limits_.faces) return Status::capacity;
+  if (uv.count > limits.vertices || corners.count / 3 > limits.faces) return Status::capacity;
   for (const Vec2 p : uv)
     if (!is_finite(p)) return Status::bad_argument;
   for (const std::uint16_t v : corners)
@@ -125,7 +126,7 @@ bool Mesh::is_basic_blocks() const {
 Status Mesh::set_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corners) {
   if (vertices_ == nullptr) return Status::bad_argument;
   clear();
-  Status status = check_triangles(uv, corners);
+  Status status = check_triangles(uv, corners, limits_);
   if (status != Status::ok) return status;
   for (std::size_t i = 0; i < corners.count; ++i) faces_[i / 3].corner[i % 3] = corners[i];
   for (std::size_t v = 0; v < uv.count; ++v) vertices_[v].uv = uv[v];

@@ -77,6 +77,9 @@ class Mesh {
   Status set_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corners);
   /// Makes the present triangles of a free mesh its base (all levels 0), or gives not_basic_blocks.
   Status make_base();
+  /// The defects that can be seen without topology, the first four of set_base's list.
+  static Status check_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corners,
+                                const MeshLimits& limits);
   /// Takes over everything from a mesh of the same limits; bad_argument otherwise.
   Status copy_from(const Mesh& other);
 
@@ -244,7 +247,6 @@ class Mesh {
   void clear();
   void link(HalfEdgeId a, HalfEdgeId b);
   void attach(HalfEdgeId h, HalfEdgeId outer);
-  Status check_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corners) const;
   Status find_twins();
   Status find_twin(HalfEdgeId h);
   bool take_from_bucket(HalfEdgeId h);

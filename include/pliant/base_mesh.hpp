@@ -1,0 +1,100 @@
+#pragma once
+/// \file base_mesh.hpp
+/// From triangles as they come to a base mesh of basic blocks (the paper, 4.2 and 5.1): checks them, winds
+/// them alike, and gives every face a subdivision edge on which its neighbour agrees.
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/geometry.hpp"
+#include "pliant/mesh.hpp"
+#include "pliant/status.hpp"
+
+namespace pliant {
+
+/// Which way faces are to run. Each connected part is turned as a whole, by the sign of its area in (u,v).
+enum class Winding : std::uint8_t {
+  as_given,           ///< as the part's first face does
+  counter_clockwise,  ///< positive area with u to the right and v up
+  clockwise,  ///< negative area: charts whose v points down seen from outside, as those of model tables
+};
+
+/// Sizes of the input, and whether by_splits will be called (which needs room for up to three times the
+/// faces).
+struct BaseMeshLimits {
+  std::uint16_t vertices = 512;
+  std::uint16_t faces = 1024;  ///< at most 7,281 with splits, 21,845 without
+  bool splits = true;
+};
+
+/// Makes base meshes. For host tools, or for boot time on a device: give its arena back when the mesh has
+/// taken the result. Bytes: about 330 a face with splits, 100 without.
+class BaseMeshMaker {
+ public:
+  BaseMeshMaker() = default;
+  BaseMeshMaker(const BaseMeshMaker&) = delete;
+  BaseMeshMaker& operator=(const BaseMeshMaker&) = delete;
+
+  void lay_out(Arena& arena, const BaseMeshLimits& limits);
+
+  /// The paper's way: edges are split once at their midpoints, the longest first, as long as both their faces
+  /// are whole; faces left whole are split at the barycentre. M interior and B boundary splits and U faces
+  /// left give V + M + B + U vertices and 2 F + U faces; the input's vertices keep their indices. Good
+  /// shapes. \param uv, corners  any winding; one connected part or several, with boundary or without. \param
+  /// position     lengths are taken between these, one a vertex; empty: in (u,v). \return ok, or the first
+  /// defect in this order: bad_argument, capacity, bad_index, degenerate_face,
+  ///   duplicate_face or non_manifold_edge, non_orientable, isolated_vertex, non_manifold_vertex.
+  Status by_splits(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
+                   Span<const Vec3> position = {});
+  /// Without any split: neighbours are paired across long edges; a face with an edge on the boundary may stay
+  /// alone, as half a block. Succeeds for every mesh that passes the checks (Petersen's theorem on two copies
+  /// glued along the boundary). Vertices and faces keep their indices. Cost: O(F log F) and the search for
+  /// augmenting paths (Edmonds), O(F^3) at worst, near O(F) on surfaces.
+  Status by_pairing(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
+                    Span<const Vec3> position = {});
+
+  /// The result of the last success, for Mesh::set_base; empty after a failure. Valid until the next call.
+  Span<const Vec2> uv() const { return {uv_, vertex_count_}; }
+  Span<const std::uint16_t> corners() const { return {corners_, 3 * face_count_}; }
+  /// What each vertex beyond the input's was put between: two corners of an edge, or three of a face (else
+  /// kNone).
+  struct Parents {
+    std::uint16_t v[3];
+  };
+  Span<const Parents> parents() const { return {parents_, vertex_count_ - input_vertices_}; }
+
+ private:
+  struct Edge {
+    float length2;
+    HalfEdgeId h;
+  };
+  struct Side {
+    std::uint32_t edge;  // lower end above, higher end below
+    HalfEdgeId h;
+  };
+
+  Status prepare(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding);
+  Status find_neighbours();
+  Status orient(Span<const Vec2> uv, Winding winding);
+  void flip(FaceId f);
+  std::size_t sort_edges(Span<const Vec3> position);
+  void split_edges(std::size_t edge_count);
+  void pair_faces(std::size_t edge_count);
+  HalfEdgeId longest_boundary_edge(FaceId f, Span<const Vec3> position) const;
+  float squared_length(HalfEdgeId h, Span<const Vec3> position) const;
+  void emit_mesh();
+
+  BaseMeshLimits limits_;
+  Mesh mesh_;
+  Edge* edges_ = nullptr;
+  Side* sides_ = nullptr;
+  HalfEdgeId* neighbour_ = nullptr;
+  std::uint16_t *queue_ = nullptr, *mate_ = nullptr;
+  std::uint16_t* search_ = nullptr;  // four more arrays of one entry a face, for the augmenting paths
+  std::uint8_t *flag_ = nullptr, *flip_ = nullptr;
+  Vec2* uv_ = nullptr;
+  std::uint16_t* corners_ = nullptr;
+  Parents* parents_ = nullptr;
+  std::size_t vertex_count_ = 0, face_count_ = 0, input_vertices_ = 0;
+};
+
+}  // namespace pliant
