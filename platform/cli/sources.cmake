@@ -1,1 +1,28 @@
-target_sources(pliant_host PRIVATE)
+target_sources(pliant_host PRIVATE
+  ${CMAKE_CURRENT_LIST_DIR}/args.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bake_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/csv.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/draw.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/files.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/fit_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/fit_file.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/image.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/image_io.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/info_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/json.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/overlay.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/points_file.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/raster.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/render_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/scene.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/sheet.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/start.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/surface_sheet.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/track_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/track_table.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/truth.cpp)
+
+add_executable(pliant ${CMAKE_CURRENT_LIST_DIR}/main.cpp)
+target_link_libraries(pliant PRIVATE pliant_host pliant_warnings)
+set_target_properties(pliant PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})

@@ -1,0 +1,52 @@
+#pragma once
+/// \file args.hpp
+/// The words of a command line, checked against what a command accepts.
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pliant/geometry.hpp"
+
+namespace pliant::cli {
+
+struct Option {
+  const char* name;     ///< with its dashes: "-o", "--size"
+  const char* value;    ///< what the help calls its value; null for a flag
+  const char* help;
+  bool in_this_build = true;  ///< false: known, but refused by name
+};
+
+struct ImageSize {
+  int width = 0, height = 0;
+};
+
+/// A command line split into positional words and options. Every fault is bad usage (failure.hpp).
+class Args {
+ public:
+  /// \param words    behind the name of the command; "--name value" and "--name=value" mean the same.
+  /// \param operands how many positional words there must be.
+  Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands);
+
+  const std::string& operand(std::size_t i) const { return operands_[i]; }
+  bool has(const char* name) const { return values_.count(name) != 0; }
+  std::optional<std::string> text(const char* name) const;
+  /// The value of an option that must be there.
+  std::string required(const char* name) const;
+  /// A finite number in [low, high]; `otherwise` when the option is not there.
+  double number(const char* name, double otherwise, double low, double high) const;
+  int integer(const char* name, int otherwise, int low, int high) const;
+  /// "WxH", 16 to 8192 pixels a side.
+  std::optional<ImageSize> size(const char* name) const;
+  /// Exactly `count` finite numbers with commas between.
+  std::optional<std::vector<float>> numbers(const char* name, std::size_t count) const;
+
+ private:
+  std::vector<std::string> operands_;
+  std::map<std::string, std::string> values_;
+};
+
+/// The finite number that `text` spells, whole and in decimal; nothing otherwise.
+std::optional<double> parse_number(const std::string& text);
+
+}  // namespace pliant::cli

@@ -1,0 +1,40 @@
+#pragma once
+/// \file csv.hpp
+/// Tables of text: a header line, then rows; commas between, quotes allowed, blank lines skipped.
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pliant::cli {
+
+/// A CSV file in memory. Every complaint names the file, the line and the column.
+class CsvTable {
+ public:
+  /// Bad input when there is no header, a header is repeated, or a row has another number of cells than the header.
+  CsvTable(std::string source, std::string_view text);
+
+  const std::string& source() const { return source_; }
+  const std::vector<std::string>& columns() const { return columns_; }
+  std::size_t row_count() const { return rows_.size(); }
+  std::optional<std::size_t> find_column(std::string_view name) const;
+  /// The column of that name; bad input when there is none.
+  std::size_t column(std::string_view name) const;
+
+  const std::string& cell(std::size_t row, std::size_t column) const { return rows_[row].cells[column]; }
+  /// A finite number; bad input, with line and column, for anything else.
+  float number(std::size_t row, std::size_t column) const;
+  /// "FILE: line N", for messages about a row.
+  std::string where(std::size_t row) const;
+
+ private:
+  struct Row {
+    std::size_t line;
+    std::vector<std::string> cells;
+  };
+  std::string source_;
+  std::vector<std::string> columns_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace pliant::cli

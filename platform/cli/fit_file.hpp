@@ -1,0 +1,46 @@
+#pragma once
+/// \file fit_file.hpp
+/// `fit.json`: one model fitted to one picture, as `pliant fit` writes it and `pliant track` starts from it.
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pliant/camera.hpp"
+#include "pliant/model.hpp"
+
+namespace pliant::cli {
+
+using NamedValues = std::vector<std::pair<std::string, float>>;
+
+struct FitPoint {
+  std::string landmark;
+  Vec2 x;         ///< where it was given, px
+  Vec2 residual;  ///< projected minus given, px
+  bool used = false;
+};
+
+struct FitFile {
+  std::uint32_t model_crc = 0;
+  int width = 0, height = 0;
+  Camera camera;
+  Pose pose;
+  NamedValues parameters, sd;
+  std::vector<std::string> unseen;  ///< parameters that the points say (next to) nothing about
+  float rms_px = 0;
+  std::size_t inliers = 0;
+  std::vector<FitPoint> points;
+};
+
+/// Bad input, naming the member, for anything but a complete file of version 1 with finite numbers and a valid pose.
+FitFile parse_fit(const std::string& source, const std::string& text);
+std::string fit_text(const FitFile& fit);
+
+/// The parameters of a model that a name drives: the one so called, or, where a file has one name for a pair
+/// (`browInnerUp`), its Left and Right. Empty when there is none.
+std::vector<std::uint16_t> parameters_named(const Model& model, const std::string& name);
+
+/// Sets the named values in q (all parameters). \return the names that the model does not have.
+std::vector<std::string> apply(const NamedValues& values, const Model& model, float* q);
+
+}  // namespace pliant::cli

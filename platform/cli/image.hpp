@@ -1,0 +1,53 @@
+#pragma once
+/// \file image.hpp
+/// Pictures of the host tools: 8 bits a channel, grey or colour, rows from the top without padding.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pliant/frame.hpp"
+
+namespace pliant::cli {
+
+struct Colour {
+  std::uint8_t r = 0, g = 0, b = 0;
+};
+
+/// One channel (grey) or three (red, green, blue, interleaved).
+struct Image {
+  int width = 0, height = 0, channels = 1;
+  std::vector<std::uint8_t> pixels;
+
+  Image() = default;
+  Image(int w, int h, int c, std::uint8_t value = 0)
+      : width(w), height(h), channels(c),
+        pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c), value) {}
+
+  std::uint8_t* at(int x, int y) { return pixels.data() + offset(x, y); }
+  const std::uint8_t* at(int x, int y) const { return pixels.data() + offset(x, y); }
+  bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
+
+ private:
+  std::size_t offset(int x, int y) const {
+    return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
+           static_cast<std::size_t>(channels);
+  }
+};
+
+/// A grey copy of a frame.
+Image image_of(const FrameView& frame);
+/// Luma (Rec. 601) of a colour picture; a copy of a grey one.
+Image to_grey(const Image& image);
+/// Three equal channels of a grey picture; a copy of a colour one.
+Image to_colour(const Image& image);
+/// Every pixel as a block of factor x factor, smoothed bilinearly: what lines are drawn on without hiding the picture.
+Image enlarged(const Image& image, int factor);
+/// Averages down to at most `width` x `height` pixels, keeping the proportions; a copy where it fits already.
+Image shrunk_to(const Image& image, int width, int height);
+
+/// JPEG, PNG, PGM, PPM and what else stb_image reads, as colour. Bad input, with the reason, otherwise.
+Image read_image(const std::string& path);
+/// The bytes of a PNG file.
+std::string encode_png(const Image& image);
+
+}  // namespace pliant::cli

@@ -1,0 +1,25 @@
+#include "cli/points_file.hpp"
+
+#include "cli/csv.hpp"
+#include "cli/failure.hpp"
+#include "cli/files.hpp"
+
+namespace pliant::cli {
+
+std::vector<NamedPoint> parse_points(const std::string& source, const std::string& text) {
+  const CsvTable table(source, text);
+  const std::size_t name = table.column("landmark"), x = table.column("x"), y = table.column("y");
+  std::vector<NamedPoint> points;
+  for (std::size_t row = 0; row < table.row_count(); ++row) {
+    NamedPoint point{table.cell(row, name), {table.number(row, x), table.number(row, y)}, table.where(row)};
+    if (point.name.empty()) fail_input(point.where, "a landmark without a name");
+    for (const NamedPoint& earlier : points)
+      if (earlier.name == point.name) fail_input(point.where, "landmark '" + point.name + "' appears twice");
+    points.push_back(std::move(point));
+  }
+  return points;
+}
+
+std::vector<NamedPoint> read_points(const std::string& path) { return parse_points(path, read_file(path)); }
+
+}  // namespace pliant::cli

@@ -1,0 +1,83 @@
+#pragma once
+/// \file raster.hpp
+/// A small software rasteriser: perspective-correct triangles with a depth buffer, supersampled.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "pliant/geometry.hpp"
+
+namespace pliant::cli {
+
+/// A corner of a triangle: where it is seen, 1 / depth (any unit, > 0), and what is interpolated over the surface.
+struct RasterVertex {
+  Vec2 x;               ///< image px, pixel centres at integers
+  float inverse_depth = 0;
+  Vec2 uv;
+  float light = 0;
+};
+
+/// Grey picture of `width` x `height` pixels with `samples` x `samples` samples in each.
+class Raster {
+ public:
+  Raster(int width, int height, int samples);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  /// Empties the picture: nothing covered.
+  void clear();
+
+  /// Draws one triangle of either winding: at each sample that it covers and where nothing nearer was drawn,
+  /// `shade(uv, light, &grey)` says whether there is surface, and how bright.
+  template <class Shade>
+  void draw(const RasterVertex& a, const RasterVertex& b, const RasterVertex& c, const Shade& shade);
+
+  /// Mean grey value of a pixel, uncovered samples taken from `background`.
+  float value(int x, int y, float background) const;
+  /// Share of the pixel's samples that are covered.
+  float coverage(int x, int y) const;
+
+ private:
+  Vec2 to_samples(Vec2 x) const {
+    const auto s = static_cast<float>(samples_);
+    return {(x.x + 0.5f) * s - 0.5f, (x.y + 0.5f) * s - 0.5f};
+  }
+  std::size_t index(int i, int j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(width_ * samples_) + static_cast<std::size_t>(i);
+  }
+
+  int width_, height_, samples_;
+  std::vector<float> inverse_depth_;  // 0: not covered
+  std::vector<float> grey_;
+};
+
+template <class Shade>
+void Raster::draw(const RasterVertex& a, const RasterVertex& b, const RasterVertex& c, const Shade& shade) {
+  const Vec2 p = to_samples(a.x), q = to_samples(b.x), r = to_samples(c.x);
+  const auto cross = [](Vec2 d, Vec2 e) { return d.x * e.y - d.y * e.x; };
+  const float area = cross(q - p, r - p);
+  if (!(magnitude(area) > 1e-12f)) return;
+  const auto columns = static_cast<float>(width_ * samples_ - 1), rows = static_cast<float>(height_ * samples_ - 1);
+  const int i0 = static_cast<int>(std::ceil(clamp(std::min({p.x, q.x, r.x}), 0, columns + 1)));
+  const int i1 = static_cast<int>(std::floor(clamp(std::max({p.x, q.x, r.x}), -1, columns)));
+  const int j0 = static_cast<int>(std::ceil(clamp(std::min({p.y, q.y, r.y}), 0, rows + 1)));
+  const int j1 = static_cast<int>(std::floor(clamp(std::max({p.y, q.y, r.y}), -1, rows)));
+  for (int j = j0; j <= j1; ++j)
+    for (int i = i0; i <= i1; ++i) {
+      const Vec2 s{static_cast<float>(i), static_cast<float>(j)};
+      // Barycentric in the image; dividing by depth makes them barycentric on the surface.
+      const float wa = cross(q - s, r - s) / area, wb = cross(r - s, p - s) / area, wc = 1 - wa - wb;
+      if (wa < 0 || wb < 0 || wc < 0) continue;
+      const float za = wa * a.inverse_depth, zb = wb * b.inverse_depth, zc = wc * c.inverse_depth, z = za + zb + zc;
+      if (!(z > inverse_depth_[index(i, j)])) continue;
+      const float share = 1 / z;
+      const Vec2 uv = share * (za * a.uv + zb * b.uv + zc * c.uv);
+      float grey = 0;
+      if (!shade(uv, share * (za * a.light + zb * b.light + zc * c.light), &grey)) continue;
+      inverse_depth_[index(i, j)] = z;
+      grey_[index(i, j)] = grey;
+    }
+}
+
+}  // namespace pliant::cli

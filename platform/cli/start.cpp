@@ -1,0 +1,126 @@
+#include "cli/start.hpp"
+
+#include <algorithm>
+
+#include "cli/failure.hpp"
+#include "cli/owned.hpp"
+#include "pliant/fit.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+/// How exact a landmark is taken to be, as a share of the points' spread: people and detectors err with the size of the
+/// face, not with the size of the picture.
+constexpr float kPointSdShare = 0.005f;
+/// A parameter counts as unseen when the points leave this much of its prior's standard deviation.
+constexpr float kUnseenShare = 0.95f;
+
+std::vector<Correspondence> correspondences(const ModelFile& file, const std::vector<NamedPoint>& points) {
+  Vec2 low{1e30f, 1e30f}, high{-1e30f, -1e30f};
+  for (const NamedPoint& p : points) {
+    low = {min(low.x, p.x.x), min(low.y, p.x.y)};
+    high = {max(high.x, p.x.x), max(high.y, p.x.y)};
+  }
+  const float sd = max(kPointSdShare * length(high - low), 0.05f);
+  std::vector<Correspondence> out;
+  for (const NamedPoint& p : points) {
+    const std::uint16_t k = file.model().find_landmark(p.name.c_str());
+    if (k == kNone) fail_input(p.where, "landmark '" + p.name + "' is not in " + file.path());
+    const Landmark& landmark = file.model().landmarks()[k];
+    out.push_back({{landmark.u, landmark.v}, p.x, sd});
+  }
+  return out;
+}
+
+NamedValues by_name(const Model& model, const std::vector<float>& values) {
+  NamedValues out;
+  for (std::size_t k = 0; k < values.size(); ++k) out.emplace_back(model.parameters()[k].name, values[k]);
+  return out;
+}
+
+}  // namespace
+
+float default_focal(const ImageSize& size) {
+  return FitOptions{}.default_focal_ratio * static_cast<float>(std::max(size.width, size.height));
+}
+
+View with_focal(const View& view, float focal_px) {
+  View out = view;
+  if (focal_px > 0) out.rho = clamp(view.s / focal_px, kMinRho, kMaxRho);
+  if (focal_px > 0) out.s = out.rho * focal_px;
+  return out;
+}
+
+void list_unmatched(const std::vector<std::string>& names, const std::string& source, std::ostream& err) {
+  if (names.empty()) return;
+  err << source << ": the model has no parameter";
+  for (std::size_t i = 0; i < names.size(); ++i) err << (i > 0 ? ", " : " ") << names[i];
+  err << "\n";
+}
+
+FitFile describe(const Model& model, const ImageSize& size, const View& view, const std::vector<float>& q) {
+  FitFile fit;
+  fit.model_crc = model.crc();
+  fit.width = size.width;
+  fit.height = size.height;
+  fit.camera = camera_of(view);
+  fit.pose = pose_of(view);
+  fit.parameters = by_name(model, q);
+  std::vector<float> prior_sd;
+  for (const Parameter& p : model.parameters()) {
+    prior_sd.push_back(p.sd);
+    fit.unseen.push_back(p.name);
+  }
+  fit.sd = by_name(model, prior_sd);
+  return fit;
+}
+
+FitFile fit_to_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points,
+                      const FitSetup& setup) {
+  const Model& model = file.model();
+  const auto pairs = correspondences(file, points);
+  if (pairs.size() < 4)
+    fail_input(source, "too few points: " + std::to_string(pairs.size()) + ", at least 4 are needed");
+  if (pairs.size() > 2048) fail_input(source, "more than 2048 points");
+
+  std::vector<float> q = setup.q, sd(model.parameters().count), weight(pairs.size());
+  q.resize(model.parameters().count, 0.0f);
+  std::vector<Vec2> residual(pairs.size());
+  FitOptions options;
+  options.width = setup.size.width;
+  options.height = setup.size.height;
+  options.focal_px = setup.focal_px;
+  options.start = setup.view ? &*setup.view : nullptr;
+  options.is_free = setup.is_free.empty() ? nullptr : setup.is_free.data();
+  FitReport report;
+  Owned<Fitter> fitter(model, FitLimits{static_cast<std::uint16_t>(pairs.size())});
+  require(fitter->fit({pairs.data(), pairs.size()}, options, q.data(), &report, sd.data(), residual.data(),
+                      weight.data()), source);
+
+  FitFile fit = describe(model, setup.size, report.view, q);
+  fit.sd = by_name(model, sd);
+  fit.unseen.clear();
+  for (std::size_t k = 0; k < sd.size(); ++k)
+    if ((setup.is_free.empty() || setup.is_free[k] != 0) && sd[k] > kUnseenShare * model.parameters()[k].sd)
+      fit.unseen.push_back(model.parameters()[k].name);
+  fit.rms_px = report.rms_px;
+  fit.inliers = report.used;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    fit.points.push_back({points[i].name, pairs[i].x, residual[i], weight[i] > 0});
+  return fit;
+}
+
+FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const FitSetup& setup) {
+  std::vector<float> q = setup.q;
+  q.resize(file.model().parameters().count, 0.0f);
+  const float f = setup.focal_px > 0 ? setup.focal_px : default_focal(setup.size);
+  Owned<Cascade> cascade(file.model());
+  View view;
+  const Status status = view_from_box(file.model(), *cascade, q.data(), {box[0], box[1]}, {box[2], box[3]},
+                                      centred_camera(setup.size.width, setup.size.height, f), &view);
+  if (status != Status::ok) fail_usage("--box: width and height must be positive");
+  return describe(file.model(), setup.size, view, q);
+}
+
+}  // namespace pliant::cli

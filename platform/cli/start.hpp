@@ -1,0 +1,43 @@
+#pragma once
+/// \file start.hpp
+/// Where a model is in one picture: fitted to named points, put into a box, or taken from an earlier fit.
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "cli/args.hpp"
+#include "cli/files.hpp"
+#include "cli/fit_file.hpp"
+#include "cli/points_file.hpp"
+
+namespace pliant::cli {
+
+struct FitSetup {
+  ImageSize size;
+  float focal_px = 0;                    ///< 0: unknown
+  std::optional<View> view;              ///< a rough pose, else found from the points
+  std::vector<float> q;                  ///< where the parameters start; empty: all 0
+  std::vector<std::uint8_t> is_free;     ///< a flag a parameter; empty: all free
+};
+
+/// Fits pose, focal length and parameters. Bad input: a landmark that the model does not have, fewer than four points,
+/// points that do not determine the pose.
+FitFile fit_to_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points,
+                      const FitSetup& setup);
+
+/// The neutral model, frontal, in a face detector's box: x, y of the upper left corner, width, height (px).
+FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const FitSetup& setup);
+
+/// Parameters by name and everything else of a fit without points.
+FitFile describe(const Model& model, const ImageSize& size, const View& view, const std::vector<float>& q);
+
+/// The focal length that is assumed when none is given.
+float default_focal(const ImageSize& size);
+/// The view that looks the same at its depth, of a camera with another focal length; unchanged for 0.
+View with_focal(const View& view, float focal_px);
+
+/// One line that names the parameters of `source` which the model does not have; nothing when there are none.
+void list_unmatched(const std::vector<std::string>& names, const std::string& source, std::ostream& err);
+
+}  // namespace pliant::cli

@@ -1,0 +1,42 @@
+#pragma once
+/// \file truth.hpp
+/// Compares a track with the truth that `pliant render` wrote.
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pliant/geometry.hpp"
+#include "pliant/model.hpp"
+
+namespace pliant::cli {
+
+class TruthComparison {
+ public:
+  /// Reads a track CSV with pose and landmark columns. Bad input when it has no frame, pose or landmarks of the model.
+  TruthComparison(const std::string& path, const Model& model);
+
+  /// Compares one frame that was not lost; `landmarks` in the model's order.
+  void add(std::size_t frame, const Pose& pose, const std::vector<std::optional<Vec2>>& landmarks);
+
+  /// Over all landmarks of all frames, px.
+  double mean_landmark_px() const;
+  /// Median over the frames of the angle between the two rotations, degrees.
+  double median_rotation_deg() const;
+  std::size_t frame_count() const { return rotation_deg_.size(); }
+
+ private:
+  struct Row {
+    Quat q;
+    std::vector<std::optional<Vec2>> landmarks;
+  };
+  std::map<std::size_t, Row> rows_;
+  std::vector<double> rotation_deg_;
+  double distance_sum_ = 0;
+  std::size_t distance_count_ = 0;
+};
+
+/// The middle value, the mean of the middle two; 0 without any.
+double median(std::vector<double> values);
+
+}  // namespace pliant::cli
