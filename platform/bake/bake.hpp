@@ -1,0 +1,41 @@
+#pragma once
+/// \file bake.hpp
+/// Makes a model table (`.plm`) from a readable source on a host.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bake/source.hpp"
+
+namespace pliant::bake {
+
+struct BakeOptions {
+  std::string source;  ///< the folder of the source
+  int size =
+      128;  ///< samples a side of a field over the whole chart, 16 to 512; the rest shape has twice that
+  int bits = 16;               ///< a sample: 16 or 8; the rest shape always has 16
+  float tolerance_mm = 0.05f;  ///< fields are sampled more coarsely where that costs no more than this
+};
+
+/// How faithful a table is: distances at the mesh's skin vertices, in millimetres. A shape is measured at its
+/// parameter's largest value, or at two standard deviations if that is less.
+struct BakeReport {
+  float neutral_mean_mm = 0, neutral_max_mm = 0;
+  float shape_mean_mm = 0, shape_max_mm = 0;  ///< mean over all shapes and vertices, and the worst
+  std::string worst_shape;
+  std::size_t field_count = 0, table_bytes = 0;
+};
+
+/// Bakes the built-in face's tables (points.txt and others) in a folder. False, with one line that names the
+/// file and line, when anything is wrong with them; `table` is untouched then. `report` may be null.
+bool bake(const BakeOptions& options, std::vector<std::uint8_t>& table, std::string& error,
+          BakeReport* report = nullptr);
+
+/// Bakes what is in memory already. The source must be complete and consistent.
+std::vector<std::uint8_t> bake_source(const Source& source, const BakeOptions& options,
+                                      BakeReport* report = nullptr);
+
+/// The table as a C++ source file: a 4-byte aligned constant array `name` and its size `name`_bytes.
+std::string embedded(const std::vector<std::uint8_t>& table, const std::string& name);
+
+}  // namespace pliant::bake

@@ -1,0 +1,268 @@
+#include "bake/face_source.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+#include "bake/chart_raster.hpp"
+#include "bake/moves.hpp"
+#include "bake/paint.hpp"
+#include "bake/source_error.hpp"
+#include "bake/subdivision.hpp"
+#include "bake/text_table.hpp"
+
+namespace pliant::bake {
+
+namespace {
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// A row of parameters.txt. A sided one becomes two parameters, NAMELeft and NAMERight.
+struct FaceParameter {
+  std::string name;
+  bool is_sided;
+  SourceParameter limits;
+};
+
+class FaceReader {
+ public:
+  explicit FaceReader(const std::string& folder)
+      : folder_(folder),
+        cage_(read_cage(folder)),
+        fine_(subdivide(cage_, kLevels)),
+        groups_(read_groups(folder, cage_)),
+        followers_(read_followers(folder, cage_)) {}
+
+  Source run() {
+    make_surface();
+    read_parameters();
+    make_shapes("identity.txt", Group::identity);
+    make_shapes("expressions.txt", Group::expression);
+    read_landmarks();
+    read_curves();
+    make_base_mesh();
+    source_.albedo =
+        paint(folder_, {cage_, fine_, source_.uv, source_.neutral, source_.triangles, source_.is_hole});
+    return std::move(source_);
+  }
+
+ private:
+  static constexpr int kLevels = 3;  // 64 quads a cage quad: half a millimetre at the lips
+  static constexpr int kPositionRounds = 10;
+  static constexpr int kMoveRounds = 3;  // few, so that a motion stays near the points that it moves
+
+  void make_surface() {
+    source_.uv = fine_values(fine_, cage_.uv);
+    source_.neutral = fine_values(fine_, controls_through(fine_, cage_.position, kPositionRounds));
+    for (std::size_t q = 0; q < fine_.quads.size(); ++q) {
+      const auto& c = fine_.quads[q];
+      source_.triangles.push_back({c[0], c[1], c[2]});
+      source_.triangles.push_back({c[0], c[2], c[3]});
+      const bool hole = cage_.faces[at(fine_.cage_face[q])].is_hole;
+      source_.is_hole.insert(source_.is_hole.end(), 2, hole);
+    }
+    check_chart();
+  }
+
+  /// Every point of the chart must belong to one place of the surface.
+  void check_chart() const {
+    const auto areas = chart_areas(source_.uv, source_.triangles);
+    for (std::size_t f = 0; f < areas.size(); ++f) {
+      if (areas[f] < 0) continue;
+      const int v = source_.triangles[f][0];
+      const auto& s = fine_.stencils[at(v)];
+      const auto heaviest =
+          std::max_element(s.begin(), s.end(), [](auto a, auto b) { return a.second < b.second; });
+      throw SourceError(folder_ + "/points.txt", 0,
+                        "the chart (u,v) folds over near point '" + cage_.names[at(heaviest->first)] + "'");
+    }
+  }
+
+  void read_parameters() {
+    const TextTable table(folder_ + "/parameters.txt",
+                          {"parameter", "group", "sided", "minimum", "maximum", "sd"});
+    for (const TextRow& row : table.rows()) {
+      if (row.cells[1] != "identity" && row.cells[1] != "expression")
+        table.fail(row, "group '" + row.cells[1] + "' is neither identity nor expression");
+      if (row.cells[2] != "yes" && row.cells[2] != "no")
+        table.fail(row, "sided is yes or no, not '" + row.cells[2] + "'");
+      FaceParameter p{row.cells[0],
+                      row.cells[2] == "yes",
+                      {row.cells[0], row.cells[1] == "identity" ? Group::identity : Group::expression,
+                       table.number(row, 3), table.number(row, 4), table.number(row, 5)}};
+      if (!(p.limits.minimum <= 0 && p.limits.maximum >= 0 && p.limits.sd > 0))
+        table.fail(row, "needs minimum <= 0 <= maximum and sd > 0");
+      if (p.name.size() + (p.is_sided ? 5 : 0) >= table::kNameBytes)
+        table.fail(row, "the name is longer than 27 letters");
+      for (const FaceParameter& other : parameters_)
+        if (other.name == p.name) table.fail(row, "parameter '" + p.name + "' is given twice");
+      parameters_.push_back(p);
+    }
+  }
+
+  void make_shapes(const std::string& file, Group group) {
+    std::vector<std::string> names;
+    for (const FaceParameter& p : parameters_)
+      if (p.limits.group == group) names.push_back(p.name);
+    const auto moves = read_moves(folder_, file, cage_, groups_, names);
+    const auto hinges = group == Group::expression ? read_hinges() : std::vector<Hinge>{};
+    // Hinges first: the motions that follow are added in the head's frame and need not turn with the jaw.
+    const std::size_t first = source_.parameters.size();
+    for (const FaceParameter& p : parameters_) {
+      if (p.limits.group != group) continue;
+      for (const char* side : {p.is_sided ? "Left" : "", "Right"}) {
+        if (!p.is_sided && side[0] != 0) break;
+        source_.parameters.push_back(p.limits);
+        source_.parameters.back().name += side;
+      }
+    }
+    std::size_t k = first;
+    for (const FaceParameter& p : parameters_) {
+      if (p.limits.group != group) continue;
+      add_hinge(k, p, hinges, moves);
+      k += p.is_sided ? 2 : 1;
+    }
+    k = first;
+    for (const FaceParameter& p : parameters_) {
+      if (p.limits.group != group) continue;
+      add_displacement(k, p, moves, file);
+      k += p.is_sided ? 2 : 1;
+    }
+  }
+
+  struct Hinge {
+    std::string parameter;
+    Vec3 axis, pivot;
+  };
+
+  std::vector<Hinge> read_hinges() const {
+    const TextTable table(folder_ + "/hinges.txt",
+                          {"parameter", "axis_x", "axis_y", "axis_z", "pivot_x", "pivot_y", "pivot_z"});
+    std::vector<Hinge> hinges;
+    for (const TextRow& row : table.rows()) {
+      const Vec3 axis = table.vector(row, 1);
+      if (magnitude(length(axis) - 1) > 1e-3f) table.fail(row, "the axis is no unit vector");
+      hinges.push_back({row.cells[0], axis, table.vector(row, 4)});
+    }
+    return hinges;
+  }
+
+  void add_hinge(std::size_t parameter, const FaceParameter& p, const std::vector<Hinge>& hinges,
+                 const std::vector<Move>& moves) {
+    const auto weights = hinge_of(moves, p.name, cage_, followers_);
+    if (weights.empty()) return;
+    for (const Hinge& h : hinges)
+      if (h.parameter == p.name) {
+        source_.shapes.push_back({parameter, {}, fine_values(fine_, weights), h.axis, h.pivot, -1});
+        return;
+      }
+    throw SourceError(folder_ + "/hinges.txt", 0, "no row for parameter '" + p.name + "'");
+  }
+
+  void add_displacement(std::size_t parameter, const FaceParameter& p, const std::vector<Move>& moves,
+                        const std::string& file) {
+    const auto has_row = [&p](const Move& m) { return m.parameter == p.name && m.kind != MoveKind::hinge; };
+    if (std::none_of(moves.begin(), moves.end(), has_row)) {
+      if (std::none_of(moves.begin(), moves.end(), [&p](const Move& m) { return m.parameter == p.name; }))
+        throw SourceError(folder_ + "/" + file, 0, "no row for parameter '" + p.name + "'");
+      return;
+    }
+    const auto cage_moves = displacement_of(moves, p.name, p.is_sided, cage_, followers_);
+    SourceShape shape{
+        parameter, fine_values(fine_, controls_through(fine_, cage_moves, kMoveRounds)), {}, {}, {}, -1};
+    source_.shapes.push_back(shape);
+    if (!p.is_sided) return;
+    shape.mirror_of = static_cast<int>(source_.shapes.size()) - 1;
+    ++shape.parameter;
+    for (Vec3& d : shape.displacement)
+      d.x = -d.x;  // the vertices' order is not mirrored: only the table is read from it
+    source_.shapes.push_back(std::move(shape));
+  }
+
+  int point(const TextTable& table, const TextRow& row, std::size_t column) const {
+    try {
+      const auto points = points_of(cage_, row.cells[column]);
+      if (points.size() == 1) return points[0];
+    } catch (const std::invalid_argument& error) {
+      table.fail(row, error.what());
+    }
+    table.fail(row, "'" + row.cells[column] + "' is more than one point");
+  }
+
+  void read_landmarks() {
+    const TextTable table(folder_ + "/landmarks.txt", {"landmark", "from", "to", "share"});
+    for (const TextRow& row : table.rows()) {
+      const Vec2 from = source_.uv[at(point(table, row, 1))], to = source_.uv[at(point(table, row, 2))];
+      source_.landmarks.push_back({row.cells[0], from + table.number(row, 3) * (to - from)});
+    }
+  }
+
+  void read_curves() {
+    const TextTable table(folder_ + "/curves.txt", {"curve", "kind", "points..."});
+    constexpr const char* kKinds[] = {"lid", "lip", "brow", "outline"};
+    for (const TextRow& row : table.rows()) {
+      const auto kind = std::find(std::begin(kKinds), std::end(kKinds), row.cells[1]);
+      if (kind == std::end(kKinds))
+        table.fail(row, "kind '" + row.cells[1] + "' is none of lid, lip, brow, outline");
+      std::vector<int> points;
+      for (const std::string& word : table.words(row, 2)) try {
+          for (int p : points_of(cage_, word)) points.push_back(p);
+        } catch (const std::invalid_argument& error) {
+          table.fail(row, error.what());
+        }
+      SourceCurve curve{row.cells[0], static_cast<CurveKind>(kind - std::begin(kKinds)), {}};
+      for (int v : path_through(fine_, points)) curve.points.push_back(source_.uv[at(v)]);
+      if (curve.points.size() < 2) table.fail(row, "a curve has at least two points");
+      source_.curves.push_back(std::move(curve));
+    }
+  }
+
+  /// The skin's cage as basic blocks: a quad is two triangles, and their diagonal, the shorter, the
+  /// subdivision edge.
+  void make_base_mesh() {
+    std::vector<int> id(cage_.size(), -1);
+    const auto vertex = [&](int point) {
+      if (id[at(point)] < 0) {
+        id[at(point)] = static_cast<int>(source_.base_uv.size());
+        source_.base_uv.push_back(source_.uv[at(point)]);
+      }
+      return static_cast<std::uint16_t>(id[at(point)]);
+    };
+    for (const CageFace& face : cage_.faces) {
+      if (face.is_hole) continue;
+      const auto& c = face.corners;
+      if (c.size() != 4)
+        throw SourceError(folder_ + "/patches.txt", 0,
+                          "a patch of the skin has a triangle at '" + cage_.names[at(c[0])] + "'");
+      const auto apart = [&](std::size_t a, std::size_t b) {
+        return length(cage_.position[at(c[a])] - cage_.position[at(c[b])]);
+      };
+      const std::size_t s = apart(0, 2) <= apart(1, 3) ? 0 : 1;
+      for (const std::size_t k : {s, s + 2})
+        for (const std::size_t corner : {k, k + 2, k + 3})
+          source_.base_corners.push_back(vertex(c[corner % 4]));
+    }
+  }
+
+  const std::string folder_;
+  const Cage cage_;
+  const SubdividedCage fine_;
+  const Groups groups_;
+  const std::vector<Follower> followers_;
+  std::vector<FaceParameter> parameters_;
+  Source source_;
+};
+
+}  // namespace
+
+Source read_face(const std::string& folder) {
+  return FaceReader(folder).run();
+}
+
+bool is_face_folder(const std::string& folder) {
+  return std::filesystem::exists(folder + "/points.txt");
+}
+
+}  // namespace pliant::bake

@@ -1,0 +1,17 @@
+#pragma once
+/// \file source_error.hpp
+/// What is wrong with a source of a model, and where: one line that names the file.
+#include <stdexcept>
+#include <string>
+
+namespace pliant::bake {
+
+/// "`file`:`line`: `what`", or "`file`: `what`" where no line is to blame (line 0). Thrown while a source is
+/// read and caught by `bake` (bake.hpp); nothing of it leaves the baker.
+class SourceError : public std::runtime_error {
+ public:
+  SourceError(const std::string& file, int line, const std::string& what)
+      : std::runtime_error(file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what) {}
+};
+
+}  // namespace pliant::bake
