@@ -11,6 +11,9 @@ namespace {
 
 constexpr int kDepthCells = 48;
 constexpr float kHiddenMarginMm = 6;
+// Depths are compared at a nominal distance: what hides what depends on the model's shape and turn, and hardly on how
+// far away the next solve finds it.
+constexpr float kNominalDepthMm = 1000;
 
 /// W (I + s^2 W)^-1: the information that is left when an error of deviation s is added. Keeps rank one.
 Sym2 with_added_error(Sym2 w, float s) {
@@ -162,6 +165,8 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   baked_stride_ = model.cascade().count;
   in_use_ = arena.take<std::uint8_t>(limits.points);
   uv_ = arena.take<Vec2>(limits.points);
+  tangent_u_ = arena.take<Vec3>(limits.points);
+  tangent_v_ = arena.take<Vec3>(limits.points);
   baked_points_ = arena.take<Vec3>(limits.points * baked_stride_);
   predictions_ = arena.take<Prediction>(limits.points);
   lengths_ = arena.take<float>(limits.points);
@@ -193,9 +198,9 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   width_ = width;
   height_ = height;
   options_ = options;
-  view_ = last_view_ = trusted_view_ = view_of(pose, camera);
-  view_.q = last_view_.q = trusted_view_.q = normalised(pose.q);
-  for (float& v : velocity_) v = 0;
+  view_ = view_of(pose, camera);
+  view_.q = normalised(pose.q);
+  trusted_view_ = view_;
   for (std::size_t i = 0; i < parameters; ++i) {
     const Parameter& p = model().parameters()[i];
     q_[i] = expected_q_[i] = trusted_q_[i] = clamp(q[i], p.minimum, p.maximum);
@@ -206,6 +211,7 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   for (std::size_t i = 0; i < limits_.points; ++i) in_use_[i] = 0;
   time_ns_ = 0;
   seconds_ = 0;
+  frame_ = 0;
   bad_frames_ = 0;
   looked_for_ = 0;
   adapt_mesh();
@@ -235,7 +241,8 @@ void Estimator::update_vertices() {
   const Projector projector(view_, true);
   for (VertexId v : mesh_.vertices()) {
     vertex_[v] = cascade_.evaluate(baked_vertex(v), q_);
-    vertex_depth_[v] = projector.project(vertex_[v], &vertex_image_[v]) ? projector.to_camera(vertex_[v]).z : -1.0f;
+    vertex_depth_[v] =
+        projector.project(vertex_[v], &vertex_image_[v]) ? kNominalDepthMm + projector.rotated(vertex_[v]).z : -1.0f;
   }
   depth_.draw(mesh_, vertex_image_, vertex_depth_);
 }
@@ -249,6 +256,7 @@ Status Estimator::add_point(Vec2 uv, std::uint16_t* id) {
   in_use_[i] = 1;
   uv_[i] = uv;
   cascade_.bake(uv, q_, baked_point(i));
+  update_tangents(i);
   *id = i;
   return Status::ok;
 }
@@ -262,12 +270,6 @@ void Estimator::begin(std::int64_t time_ns) {
   const std::int64_t elapsed = time_ns - time_ns_;
   seconds_ = elapsed > 0 && elapsed < 2'000'000'000 ? static_cast<float>(elapsed) * 1e-9f : kNominal;
   time_ns_ = time_ns;
-  last_view_ = view_;
-  if (bad_frames_ == 0) {
-    float step[kPoseUnknowns];
-    for (int k = 0; k < kPoseUnknowns; ++k) step[k] = options_.velocity_damping * seconds_ * velocity_[k];
-    view_ = moved(view_, step, kPoseUnknowns);
-  }
   for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) {
     const Parameter& p = model().parameters()[i];
     expected_q_[i] = q_[i];
@@ -276,19 +278,41 @@ void Estimator::begin(std::int64_t time_ns) {
   looked_for_ = 0;
   result_.tracked = result_.inliers = result_.iterations = 0;
   result_.rms_px = 0;
+  ++frame_;
+  const std::uint32_t share = options_.tangent_share > 0 ? options_.tangent_share : 1;
+  for (std::uint16_t i = 0; i < limits_.points; ++i)
+    if (in_use_[i] && (i + frame_) % share == 0) update_tangents(i);
   update_vertices();
+}
+
+void Estimator::shift(Vec2 px) {
+  if (!is_finite(px)) return;
+  view_.tau = view_.tau + (1.0f / view_.s) * px;
+  update_vertices();
+}
+
+void Estimator::propose(const View& view) {
+  view_ = view;
+  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) q_[i] = trusted_q_[i];
+  update_vertices();
+}
+
+void Estimator::update_tangents(std::uint16_t id) {
+  const SurfaceFrame frame = cascade_.surface_frame(uv_[id], q_);
+  tangent_u_[id] = frame.pu;
+  tangent_v_[id] = frame.pv;
 }
 
 Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
   Prediction out;
   out.id = id;
-  const SurfaceFrame frame = cascade_.surface_frame(uv_[id], q_);
+  const Vec3 p = cascade_.evaluate(baked_point(id), q_);
   Projector::Derivatives d;
-  if (!projector.project(frame.p, &out.x, &d)) return out;
-  const Vec2 along_u = d.along(frame.pu), along_v = d.along(frame.pv);
+  if (!projector.project(p, &out.x, &d)) return out;
+  const Vec2 along_u = d.along(tangent_u_[id]), along_v = d.along(tangent_v_[id]);
   out.jacobian = {along_u.x, along_v.x, along_u.y, along_v.y};
-  const Vec3 to_point = projector.to_camera(frame.p);
-  const Vec3 normal = projector.rotated(normalised(cross(frame.pv, frame.pu)));
+  const Vec3 to_point = projector.to_camera(p);
+  const Vec3 normal = projector.rotated(normalised(cross(tangent_v_[id], tangent_u_[id])));
   out.facing = -dot(normal, normalised(to_point));
   // How far the state may have moved since the last frame: turn, scale and shift, independent.
   const float sd[kPoseUnknowns] = {0.03f, 0.03f, 0.03f, 0.02f, 4, 4};
@@ -300,7 +324,7 @@ Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
   }
   const bool inside = out.x.x >= 0 && out.x.y >= 0 && out.x.x <= static_cast<float>(width_ - 1) &&
                       out.x.y <= static_cast<float>(height_ - 1);
-  out.visible = inside && out.facing >= options_.min_facing && !depth_.hides(out.x, to_point.z, kHiddenMarginMm);
+  out.visible = inside && out.facing >= options_.min_facing && !depth_.hides(out.x, kNominalDepthMm + projector.rotated(p).z, kHiddenMarginMm);
   return out;
 }
 
@@ -314,6 +338,8 @@ Span<const Prediction> Estimator::predict() {
   }
   return {predictions_, n};
 }
+
+Prediction Estimator::predict(std::uint16_t id) { return prediction(id, Projector(view_, true)); }
 
 std::size_t Estimator::gather(Span<Observation> observations) {
   std::size_t n = 0;
@@ -374,13 +400,6 @@ void Estimator::measure_inliers(Span<Observation> observations, const EstimatorP
   result_.rms_px = inliers > 0 ? square_root(sum / static_cast<float>(inliers)) : 0.0f;
 }
 
-void Estimator::note_motion(float seconds) {
-  const Vec3 turn = log_rotation(view_.q * conjugate(last_view_.q));
-  const float motion[kPoseUnknowns] = {turn.x, turn.y, turn.z, view_.s / last_view_.s - 1,
-                                       view_.tau.x - last_view_.tau.x, view_.tau.y - last_view_.tau.y};
-  for (int k = 0; k < kPoseUnknowns; ++k) velocity_[k] = motion[k] / seconds;
-}
-
 FrameResult Estimator::end() {
   if (!started_) return {};
   const float per_width = static_cast<float>(width_) / 320;
@@ -389,7 +408,6 @@ FrameResult Estimator::end() {
                     static_cast<float>(result_.inliers) >= options_.lost_share * looked_for;
   if (good) {
     bad_frames_ = 0;
-    note_motion(seconds_);
     trusted_view_ = view_;
     for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) trusted_q_[i] = q_[i];
     result_.state = TrackState::tracking;
@@ -397,7 +415,6 @@ FrameResult Estimator::end() {
     // Nothing is believed of a bad frame: the next one starts from the last that was good.
     view_ = trusted_view_;
     for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) q_[i] = trusted_q_[i];
-    for (float& v : velocity_) v = 0;
     if (bad_frames_ < options_.lost_frames) ++bad_frames_;
     result_.state = bad_frames_ >= options_.lost_frames ? TrackState::lost : TrackState::degraded;
   }

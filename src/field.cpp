@@ -360,7 +360,9 @@ Vec3 Cascade::evaluate(const Vec3* baked, const float* q) {
     const CascadeRecord& r = records[i];
     const Vec3 s = *baked++;
     const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point_[r.source[0]];
-    if (is_zero(s) && passes_through_at_zero(r)) {
+    if (r.operation == Operation::add_vector) {  // nearly all records; `step` would give the same
+      point_[i] = p0 + q[r.parameter[0]] * s;
+    } else if (is_zero(s) && passes_through_at_zero(r)) {
       point_[i] = p0;
     } else {
       point_[i] = step(r, q, p0, r.source[1] == kNone ? Vec3{} : point_[r.source[1]], s).p;

@@ -1,6 +1,6 @@
 // Shape and pose from correspondences (the paper, section 6; ALGORITHMS 4.4, 5.2, 5.6). Minimises, over pose, focal
 // length when unknown, and the free parameters,
-//   sum_i sigma^2 rho(|x_i - Proj(F(q,u_i,v_i))| / (sd_i sigma)) / sigma^2 + sum_k (q_k / sd_k)^2 / 2
+//   sum_i sigma^2 rho(|x_i - Proj(F(q,u_i,v_i))| / (sd_i sigma)) + sum_k (q_k / sd_k)^2 / 2
 // i.e. Eq. 8 with a robust loss and the parameters' prior, without which 80 points do not determine 100 parameters.
 #include "pliant/fit.hpp"
 
@@ -66,7 +66,7 @@ struct FitProblem {
       if (!projector.project(p, &x)) return 1e30f;
       sum += point_loss(points[i], points[i].x - x).rho;
     }
-    return sum + prior_cost(parameters, v);
+    return scale * scale * sum + prior_cost(parameters, v);
   }
 
   float linearise(NormalEquations& equations) {
@@ -95,12 +95,11 @@ struct FitProblem {
         unknown[n] = static_cast<std::uint16_t>(pose + jacobian.list[k]);
         column[n] = d.along(jacobian.column[jacobian.list[k]]);
       }
-      const float sd = points[i].sd_px * scale;
-      const float w = value.weight / (sd * sd);
+      const float w = value.weight / (points[i].sd_px * points[i].sd_px);
       equations.add(unknown, column, n, residual, {w, 0, w});
     }
     add_priors(equations, pose);
-    return sum + prior_cost(q, view);
+    return scale * scale * sum + prior_cost(q, view);
   }
 
   void add_priors(NormalEquations& equations, std::size_t pose) {
@@ -148,15 +147,19 @@ struct FitProblem {
     return pliant::minimise(problem, solver, fitter.equations_, fitter.step_);
   }
 
-  /// Residual lengths in standard deviations give the robust scale at the present state.
-  void update_scale(float floor) {
+  /// Residual lengths in standard deviations give the robust scale at the present state, but never less than the noise
+  /// and the model's own misfit.
+  void update_scale() {
     const Projector projector(view, focal_is_known);
+    float mean_sd = 0;
     for (std::size_t i = 0; i < points.count; ++i) {
       Vec2 x = points[i].x + Vec2{1e6f, 0};
       projector.project(fitter.cascade_.evaluate(fitter.baked_at(i), q), &x);
       fitter.sorted_[i] = length(points[i].x - x) / points[i].sd_px;
+      mean_sd += points[i].sd_px / static_cast<float>(points.count);
     }
-    scale = max(robust_scale(fitter.sorted_, points.count), floor);
+    const float misfit = options.misfit_mm * view.s / mean_sd;
+    scale = max(robust_scale(fitter.sorted_, points.count), square_root(1 + misfit * misfit));
   }
 };
 
@@ -250,11 +253,11 @@ void find_start(FitProblem& problem, Vec3* position, Vec2 centre) {
                          : turned_view(first, kYaw[k - 2], mean, mean_x);
     // A wide robust scale first, so that the basin is wide.
     problem.loss = Loss::huber;
-    problem.update_scale(1);
+    problem.update_scale();
     problem.minimise(6);
-    problem.update_scale(1);
+    problem.update_scale();
     problem.minimise(4);
-    const float cost = problem.cost(problem.q, problem.view) * problem.scale * problem.scale;
+    const float cost = problem.cost(problem.q, problem.view);
     if (cost < best_cost) {
       best_cost = cost;
       best = problem.view;
@@ -310,12 +313,12 @@ Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options,
   problem.shape_is_free = true;
   problem.focal_is_known = options.focal_px > 0;
 
-  const Loss stages[3] = {options.robust ? Loss::huber : Loss::squares, options.robust ? Loss::tukey : Loss::squares,
+  const Loss stages[3] = {options.robust ? Loss::huber : Loss::squares, options.robust ? Loss::huber : Loss::squares,
                           options.robust ? Loss::tukey : Loss::squares};
   int iterations = 0;
   for (Loss loss : stages) {
     problem.loss = loss;
-    if (options.robust) problem.update_scale(options.noise_floor_px);
+    if (options.robust) problem.update_scale();
     iterations += problem.minimise(options.iterations / 3).iterations;
   }
   return conclude(problem, q, report, sd, residuals, weights, iterations);

@@ -30,9 +30,10 @@ struct EstimatorOptions {
   int iterations = 4;               ///< Gauss-Newton steps in each of the two stages of a solve, at most
   float mesh_error_mm = 0.3f;       ///< the mesh is refined by the contour criterion to this mean error, or to its limit
   float model_error_px = 0.5f;      ///< what the model cannot explain, at 320 px of image width: added to every observation
-  float expression_rate = 6.0f;     ///< ranges a parameter may cross in a second (one sd of the temporal prior)
+  float expression_rate = 3.0f;     ///< ranges a parameter may cross in a second (one sd of the temporal prior)
   float prior_strength = 1.0f;      ///< weight of the parameters' own prior
-  float velocity_damping = 0.6f;    ///< share of the last motion that is expected again; 0: none
+  std::uint8_t tangent_share = 4;   ///< the tangents of one point in so many are computed anew each frame; they turn with
+                                    ///< the pose in every frame, and lag the expression by so many frames at most
   float min_facing = 0.3f;          ///< cosine of surface normal and viewing direction below which a point is not visible
   float lost_rms_px = 4.0f;         ///< at 320 px of image width
   float lost_share = 0.15f;         ///< of the observations tried that must be inliers
@@ -76,8 +77,14 @@ class Estimator {
 
   /// Predicts the state at time t (ns). A time that does not grow counts as 1/30 s.
   void begin(std::int64_t time_ns);
+  /// Moves the predicted view so that the model moves by about `px` in the image: a motion the platform has seen.
+  void shift(Vec2 px);
+  /// Makes `view` the predicted one, with the parameters of the last trusted frame: a place to look for a lost model.
+  void propose(const View& view);
   /// One prediction a point in use, in order of id, at the state as it is now. Valid until the next call.
   Span<const Prediction> predict();
+  /// That of one point in use.
+  Prediction predict(std::uint16_t id);
   /// Moves the state to fit the observations; may be called more than once a frame. Those that the robust loss gives no
   /// weight in the end are marked `rejected`. Observations of points not in use, or not finite, are marked
   /// `not_visible` and ignored. With too few to determine the pose nothing moves.
@@ -110,8 +117,8 @@ class Estimator {
   Vec3* baked_vertex(std::size_t v) { return baked_vertices_ + v * baked_stride_; }
   void adapt_mesh();
   void update_vertices();
+  void update_tangents(std::uint16_t id);
   Prediction prediction(std::uint16_t id, const Projector& projector);
-  void note_motion(float seconds);
   std::size_t gather(Span<Observation> observations);
   void measure_inliers(Span<Observation> observations, const struct EstimatorProblem& problem);
 
@@ -126,8 +133,7 @@ class Estimator {
   int width_ = 0, height_ = 0;
   bool started_ = false;
 
-  View view_, last_view_, trusted_view_;
-  float velocity_[kPoseUnknowns] = {};  // per second, in the solver's unknowns
+  View view_, trusted_view_;
   std::int64_t time_ns_ = 0;
   float seconds_ = 0;                   // since the last frame
   int bad_frames_ = 0;
@@ -137,6 +143,8 @@ class Estimator {
   std::size_t baked_stride_ = 0;
   std::uint8_t* in_use_ = nullptr;
   Vec2* uv_ = nullptr;
+  Vec3 *tangent_u_ = nullptr, *tangent_v_ = nullptr;  // of the surface points, in the model's axes
+  std::uint32_t frame_ = 0;
   Vec3 *baked_points_ = nullptr, *baked_vertices_ = nullptr, *vertex_ = nullptr;
   Vec2* vertex_image_ = nullptr;
   float* vertex_depth_ = nullptr;

@@ -30,7 +30,8 @@ struct FitOptions {
   float focal_log_sd = 0.3f;      ///< prior of log f when unknown
   const View* start = nullptr;    ///< a rough pose; null: found from the points
   const std::uint8_t* is_free = nullptr;  ///< flag a parameter; null: all free. The others keep their value in q
-  float noise_floor_px = 1.0f;    ///< smallest scale of the robust loss
+  float misfit_mm = 3.0f;         ///< what neither noise nor prior explains (a landmark annotated elsewhere than the model
+                                  ///< has it): the robust loss lets go only of what is several times further off
   bool robust = true;             ///< Huber, then Tukey on the residual length; false: plain squares
   int iterations = 30;            ///< at most, over all stages
 };

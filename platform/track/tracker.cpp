@@ -70,6 +70,13 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
                                     static_cast<std::size_t>(corner_cells(limits.height, corners.cell_px)));
   scratch_bytes_ = corner_scratch_bytes(limits.width, limits.height, corners);
   scratch_ = arena.take<std::uint8_t>(scratch_bytes_);
+  std::size_t small_width = limits.width, small_height = limits.height;
+  for (int l = 1; l < limits.pyramid_levels; ++l) {
+    small_width = (small_width + 1) / 2;
+    small_height = (small_height + 1) / 2;
+  }
+  first_small_ = arena.take<std::uint8_t>(small_width * small_height);
+  last_small_ = arena.take<std::uint8_t>(small_width * small_height);
   started_ = false;
 }
 
@@ -97,6 +104,11 @@ Status Tracker::start(const FrameView& frame, const Camera& camera, const Pose& 
   if (patch_count_ < 6) return Status::too_few_points;
   result_ = {TrackState::tracking, pose_of(estimator_.view()), static_cast<std::uint16_t>(patch_count_),
              static_cast<std::uint16_t>(patch_count_), 0, 0, static_cast<std::uint16_t>(estimator_.mesh().vertex_count())};
+  first_view_ = estimator_.view();
+  first_box_ = last_box_ = model_box();
+  keep_small(first_small_);
+  keep_small(last_small_);
+  bad_frames_ = 0;
   started_ = true;
   return Status::ok;
 }
@@ -155,9 +167,7 @@ bool Tracker::seed(Vec2 x, float min_distance) {
   if (estimator_.surface_at(x, &uv) != 0 || !estimator_.model().is_on_surface(uv)) return false;
   std::uint16_t id;
   if (estimator_.add_point(uv, &id) != Status::ok) return false;
-  Prediction p;
-  for (const Prediction& each : estimator_.predict())
-    if (each.id == id) p = each;
+  const Prediction p = estimator_.predict(id);
   const int slot = static_cast<int>(patch_count_);
   if (!p.visible || patches_.capture(slot, current_, x) != PatchStatus::ok) {
     estimator_.remove_point(id);
@@ -199,11 +209,55 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
     return built;
   }
   estimator_.begin(frame.time_ns);
+  expect_motion();
   for (int round = 0; round < options_.rounds; ++round) look_and_solve(round);
   result_ = estimator_.end();
   note_seen();
+  if (result_.state == TrackState::tracking) {
+    bad_frames_ = 0;
+    last_box_ = model_box();
+    keep_small(last_small_);
+  } else {
+    ++bad_frames_;
+  }
   *result = result_;
   return Status::ok;
+}
+
+/// The model's bounding box in the pyramid's top level.
+PixelBox Tracker::model_box() const {
+  const int top = current_.levels() - 1;
+  const float share = 1.0f / static_cast<float>(1 << top);
+  const Vec2* image = estimator_.vertex_images();
+  Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
+  for (VertexId v : estimator_.mesh().vertices()) {
+    low = {min(low.x, image[v].x), min(low.y, image[v].y)};
+    high = {max(high.x, image[v].x), max(high.y, image[v].y)};
+  }
+  const auto pixel = [share](float x) { return static_cast<int>(clamp(share * x, -1e4f, 1e4f)); };
+  return {pixel(low.x), pixel(low.y), pixel(high.x) + 1, pixel(high.y) + 1};
+}
+
+void Tracker::keep_small(std::uint8_t* pixels) const {
+  const ImageView& top = current_.level(current_.levels() - 1);
+  for (int y = 0; y < top.height; ++y)
+    for (int x = 0; x < top.width; ++x) pixels[y * top.width + x] = top.data[y * top.stride + x];
+}
+
+/// Moves the prediction by what the small pictures show: from the last trusted frame, or, every other frame after a
+/// while without one, from the first frame over the whole picture.
+void Tracker::expect_motion() {
+  const int top = current_.levels() - 1;
+  const ImageView& now = current_.level(top);
+  const auto grow = static_cast<float>(1 << top);
+  const bool from_first = bad_frames_ >= 2 && bad_frames_ % 2 == 0;
+  const ImageView before{from_first ? first_small_ : last_small_, now.width, now.height, now.width};
+  const int side = now.width > now.height ? now.width : now.height;
+  const int range = from_first ? side / 2 : (bad_frames_ > 0 ? side / 8 : side / 16) + 1;
+  const Shift shift = find_shift(before, from_first ? first_box_ : last_box_, now, range);
+  if (shift.correlation < 0.5f) return;
+  if (from_first) estimator_.propose(first_view_);
+  estimator_.shift(grow * shift.by);
 }
 
 void Tracker::look_and_solve(int round) {
@@ -225,9 +279,10 @@ Observation Tracker::look(std::size_t k, const Prediction& p, int round) {
   if (!p.visible) return o;
   const Slot& slot = slots_[k];
   PatchOptions options;
-  options.min_correlation = options_.min_correlation;
+  const bool last = round + 1 == options_.rounds;
+  options.min_correlation = last ? options_.min_correlation : options_.min_correlation - 0.1f;
   options.first_level = round == 0 ? -1 : 0;
-  options.max_move_px = (round == 0 ? 12.0f : 3.0f) * static_cast<float>(limits_.width) / 320;
+  options.max_move_px = (round == 0 ? 16.0f : 3.0f) * static_cast<float>(limits_.width) / 320;
   const Mat2 warp = p.jacobian * inverse(slot.reference);
   const PatchResult found = patches_.track(static_cast<int>(k), current_, p.x, warp, options);
   o.reason = reason_of(found.status);

@@ -11,6 +11,7 @@
 #include "pliant/model.hpp"
 #include "pliant/patch.hpp"
 #include "pliant/pyramid.hpp"
+#include "pliant/shift.hpp"
 
 namespace pliant {
 
@@ -28,7 +29,7 @@ struct TrackerOptions {
   EstimatorOptions estimator;
   const std::uint8_t* is_free = nullptr;  ///< flag a parameter; null: the expressions
   float marker_exclusion_px = 8;      ///< no patch is centred within this distance of a marker in the first frame
-  float min_correlation = 0.75f;      ///< with the patch of the first frame
+  float min_correlation = 0.55f;      ///< with the patch of the first frame, in the last round; 0.1 less before
   float forward_backward_px = 0.7f;   ///< at 320 px of width, for the steps from frame to frame
   std::uint8_t rounds = 2;            ///< of predicting, looking and solving a frame
 };
@@ -81,6 +82,9 @@ class Tracker {
   Observation look(std::size_t k, const Prediction& p, int round);
   Observation follow(std::size_t k, const Prediction& p);
   void look_and_solve(int round);
+  void expect_motion();
+  PixelBox model_box() const;
+  void keep_small(std::uint8_t* pixels) const;
   void note_seen();
 
   Estimator estimator_;
@@ -93,6 +97,11 @@ class Tracker {
   Observation* observations_ = nullptr;
   std::uint16_t* marker_ids_ = nullptr;
   Corner* corners_ = nullptr;
+  // Small pictures (the pyramid's top level) of the first and of the last trusted frame, and the model's place in them.
+  std::uint8_t *first_small_ = nullptr, *last_small_ = nullptr;
+  PixelBox first_box_, last_box_;
+  View first_view_;
+  int bad_frames_ = 0;
   std::uint8_t *cells_ = nullptr, *scratch_ = nullptr;
   std::size_t scratch_bytes_ = 0, patch_count_ = 0, marker_count_ = 0;
   bool started_ = false;
