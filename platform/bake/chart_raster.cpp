@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace pliant::bake {
 
@@ -46,52 +47,92 @@ class Rasteriser {
       for (int i = static_cast<int>(std::ceil(left * w - kSlack)); i <= static_cast<int>(right * w + kSlack);
            ++i) {
         ChartSample& s = raster_.samples[at(j * raster_.width + i)];
-        if (s.triangle >= 0) continue;
+        if (s.triangle != kFree) continue;
         const auto weight = barycentric(t, {static_cast<float>(i) / w, static_cast<float>(j) / h});
         if (std::min({weight[0], weight[1], weight[2]}) < -kSlack) continue;
         s = {triangles_[f], weight, static_cast<std::int32_t>(f)};
       }
   }
 
-  /// Gives every sample outside the mesh the triangle of the nearest sample inside, continued linearly for a
-  /// short way and held after that.
-  void extend() {
-    struct Seed {
-      int i, j;
-    };
-    std::vector<Seed> from(raster_.samples.size(), Seed{-1, -1});
-    std::vector<Seed> front;
+  /// Continues the skin over its boundary: what lies within one sample of it takes the value of the nearest
+  /// triangle on the boundary, continued linearly, so that a bilinear cell which the boundary cuts is as true
+  /// to the skin as others.
+  void continue_skin(const std::vector<char>& is_hole) {
+    const std::vector<std::size_t> rim = boundary_triangles(is_hole);
+    std::vector<std::pair<int, int>> beside;
     for (int j = 0; j < raster_.height; ++j)
       for (int i = 0; i < raster_.width; ++i)
-        if (raster_.at(i, j).triangle >= 0) {
-          from[at(j * raster_.width + i)] = {i, j};
-          front.push_back({i, j});
-        }
-    for (std::size_t next = 0; next < front.size(); ++next) {
-      const Seed s = front[next];
-      constexpr int kStep[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-      for (const auto& step : kStep) {
-        const int i = s.i + step[0], j = s.j + step[1];
-        if (i < 0 || j < 0 || i >= raster_.width || j >= raster_.height) continue;
-        Seed& origin = from[at(j * raster_.width + i)];
-        if (origin.i >= 0) continue;
-        origin = from[at(s.j * raster_.width + s.i)];
-        front.push_back({i, j});
-        continue_to(i, j, origin.i, origin.j);
+        if (raster_.at(i, j).triangle < 0 && touches_covered(i, j)) beside.push_back({i, j});
+    for (const auto& [i, j] : beside) {
+      const Vec2 p = place(i, j);
+      float least = 1e9f;
+      for (std::size_t f : rim) {
+        const Corners t = corners(uv_, triangles_[f]);
+        const Vec2 d = p - (1.0f / 3) * (t.a + t.b + t.c);
+        if (dot(d, d) >= least) continue;
+        least = dot(d, d);
+        raster_.samples[at(j * raster_.width + i)] = {triangles_[f], barycentric(t, p), kBeside};
       }
     }
   }
 
+  /// Gives every sample that is still free the value of the nearest one, which makes it constant away from
+  /// the mesh.
+  void extend() {
+    std::vector<std::pair<int, int>> front;
+    std::vector<char> done(raster_.samples.size(), 0);
+    for (int j = 0; j < raster_.height; ++j)
+      for (int i = 0; i < raster_.width; ++i)
+        if (raster_.at(i, j).triangle != kFree) {
+          done[at(j * raster_.width + i)] = 1;
+          front.push_back({i, j});
+        }
+    for (std::size_t next = 0; next < front.size(); ++next) {
+      const auto [i, j] = front[next];
+      constexpr int kStep[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+      for (const auto& step : kStep) {
+        const int k = i + step[0], l = j + step[1];
+        if (k < 0 || l < 0 || k >= raster_.width || l >= raster_.height || done[at(l * raster_.width + k)])
+          continue;
+        done[at(l * raster_.width + k)] = 1;
+        ChartSample copy = raster_.at(i, j);
+        copy.triangle = kBeside;
+        raster_.samples[at(l * raster_.width + k)] = copy;
+        front.push_back({k, l});
+      }
+    }
+    for (ChartSample& s : raster_.samples) s.triangle = std::max(s.triangle, -1);
+  }
+
+  static constexpr std::int32_t kFree = -2;  // while samples are being claimed
+  static constexpr std::int32_t kBeside = -1;
+
  private:
-  void continue_to(int i, int j, int from_i, int from_j) {
-    const ChartSample source = raster_.at(from_i, from_j);
-    constexpr float kReach = 3;  // samples
-    const float di = static_cast<float>(i - from_i), dj = static_cast<float>(j - from_j);
-    const float distance = std::sqrt(di * di + dj * dj), share = std::min(1.0f, kReach / distance);
-    const Vec2 p{(static_cast<float>(from_i) + share * di) / static_cast<float>(raster_.width - 1),
-                 (static_cast<float>(from_j) + share * dj) / static_cast<float>(raster_.height - 1)};
-    const auto weight = barycentric(corners(uv_, source.vertex), p);
-    raster_.samples[at(j * raster_.width + i)] = {source.vertex, weight, -1};
+  Vec2 place(int i, int j) const {
+    return {static_cast<float>(i) / static_cast<float>(raster_.width - 1),
+            static_cast<float>(j) / static_cast<float>(raster_.height - 1)};
+  }
+
+  bool touches_covered(int i, int j) const {
+    for (int l = std::max(j - 1, 0); l <= std::min(j + 1, raster_.height - 1); ++l)
+      for (int k = std::max(i - 1, 0); k <= std::min(i + 1, raster_.width - 1); ++k)
+        if (raster_.at(k, l).triangle >= 0) return true;
+    return false;
+  }
+
+  /// Triangles of the skin with an edge on its boundary.
+  std::vector<std::size_t> boundary_triangles(const std::vector<char>& is_hole) const {
+    std::map<std::pair<int, int>, int> uses;
+    const auto edge = [](const std::array<int, 3>& t, std::size_t k) {
+      return std::minmax(t[k], t[(k + 1) % 3]);
+    };
+    for (std::size_t f = 0; f < triangles_.size(); ++f)
+      for (std::size_t k = 0; k < 3 && !is_hole[f]; ++k) ++uses[edge(triangles_[f], k)];
+    std::vector<std::size_t> rim;
+    for (std::size_t f = 0; f < triangles_.size(); ++f)
+      for (std::size_t k = 0; k < 3 && !is_hole[f]; ++k)
+        if (uses[edge(triangles_[f], k)] == 1 && (rim.empty() || rim.back() != f)) rim.push_back(f);
+    return rim;
   }
 
   const std::vector<Vec2>& uv_;
@@ -104,11 +145,13 @@ class Rasteriser {
 ChartRaster rasterise(const std::vector<Vec2>& uv, const std::vector<std::array<int, 3>>& triangles,
                       const std::vector<char>& is_hole, int width, int height) {
   ChartRaster raster{width, height, {}};
-  raster.samples.assign(at(width) * at(height), ChartSample{{0, 0, 0}, {1, 0, 0}, -1});
+  raster.samples.assign(at(width) * at(height), ChartSample{{0, 0, 0}, {1, 0, 0}, Rasteriser::kFree});
   Rasteriser work(uv, triangles, raster);
-  for (const int hole : {0, 1})
-    for (std::size_t f = 0; f < triangles.size(); ++f)
-      if (is_hole[f] == hole) work.cover(f);
+  for (std::size_t f = 0; f < triangles.size(); ++f)
+    if (!is_hole[f]) work.cover(f);
+  work.continue_skin(is_hole);
+  for (std::size_t f = 0; f < triangles.size(); ++f)
+    if (is_hole[f]) work.cover(f);
   work.extend();
   return raster;
 }

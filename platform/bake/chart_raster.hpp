@@ -14,7 +14,7 @@ namespace pliant::bake {
 struct ChartSample {
   std::array<int, 3> vertex;
   std::array<float, 3> weight;
-  std::int32_t triangle;  ///< under the sample, or -1 outside the mesh
+  std::int32_t triangle;  ///< under the sample, or -1 beside the skin and outside the mesh
 };
 
 /// A grid with sample (i,j) at u = i / (width - 1), v = j / (height - 1); rows from v = 0.
@@ -24,7 +24,7 @@ struct ChartRaster {
   const ChartSample& at(int i, int j) const { return samples[static_cast<std::size_t>(j * width + i)]; }
 };
 
-/// Where triangles meet, those with `is_hole` 0 come first. Cost: proportional to triangles plus samples.
+/// The triangles of the skin come first; those of holes take what is more than a sample away from it.
 ChartRaster rasterise(const std::vector<Vec2>& uv, const std::vector<std::array<int, 3>>& triangles,
                       const std::vector<char>& is_hole, int width, int height);
 
