@@ -1,6 +1,7 @@
 #include "pliant/camera.hpp"
 
 #include <doctest/doctest.h>
+#include <initializer_list>
 
 #include "random.hpp"
 

@@ -1,6 +1,7 @@
 #include "pliant/field.hpp"
 
 #include <doctest/doctest.h>
+#include <initializer_list>
 
 #include "model_builder.hpp"
 #include "random.hpp"

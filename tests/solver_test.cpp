@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <doctest/doctest.h>
+#include <initializer_list>
 #include <vector>
 
 #include "pliant/robust.hpp"
