@@ -72,8 +72,8 @@ TEST_CASE("a checkerboard has its corners where its squares meet") {
   for (const Corner& c : f.corners) {
     // A meeting point lies between pixels 16 k - 1 and 16 k. The window is a plain box: while the whole of a
     // perfect corner is in it, the score stays the same, and the first of the equals is taken.
-    const double dx = std::fabs(std::remainder(double{c.x.x} + 0.5, 16)),
-                 dy = std::fabs(std::remainder(double{c.x.y} + 0.5, 16));
+    const double dx = std::fabs(std::remainder(double(c.x.x) + 0.5, 16)),
+                 dy = std::fabs(std::remainder(double(c.x.y) + 0.5, 16));
     CHECK(dx <= 2.5);
     CHECK(dy <= 2.5);
   }
@@ -84,7 +84,7 @@ TEST_CASE("scores are the smaller eigenvalue of the mean structure tensor") {
   for (int y = 4; y < 56; y += 3)
     for (int x = 4; x < 76; x += 3) {
       const CornerScore s = corner_score(p.view(), {static_cast<float>(x), static_cast<float>(y)});
-      CHECK(double{s.lambda_min} == doctest::Approx(plain_score(p.view(), x, y)).epsilon(1e-4));
+      CHECK(double(s.lambda_min) == doctest::Approx(plain_score(p.view(), x, y)).epsilon(1e-4));
     }
 }
 
@@ -130,7 +130,7 @@ TEST_CASE("the direction is across an edge, whatever its angle") {
     const CornerScore s = corner_score(p.view(), {20, 20});
     CHECK(s.lambda_max > 30);
     CHECK(s.lambda_min < 0.02f * s.lambda_max);
-    CHECK(std::fabs(double{s.direction.x} * nx + double{s.direction.y} * ny) > 0.999);
+    CHECK(std::fabs(double(s.direction.x) * nx + double(s.direction.y) * ny) > 0.999);
     CHECK(s.direction.x >= 0);
   }
 }

@@ -84,8 +84,8 @@ struct Picture {
 };
 
 inline pliant::Vec2 moved(const Motion& m, const Picture& p, pliant::Vec2 x) {
-  const double cx = 0.5 * (p.width - 1), cy = 0.5 * (p.height - 1), u = double{x.x} - cx,
-               v = double{x.y} - cy;
+  const double cx = 0.5 * (p.width - 1), cy = 0.5 * (p.height - 1), u = double(x.x) - cx,
+               v = double(x.y) - cy;
   return {static_cast<float>(cx + m.a * u + m.b * v + m.tx),
           static_cast<float>(cy + m.c * u + m.d * v + m.ty)};
 }

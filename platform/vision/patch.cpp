@@ -7,7 +7,6 @@
 
 namespace pliant {
 
-using patch::Alignment;
 using patch::Anchor;
 using patch::Surround;
 using patch::Work;
@@ -42,6 +41,8 @@ bool is_plausible(const Mat2& w) {
          magnitude(w.b) <= kMost && magnitude(w.c) <= kMost && magnitude(w.d) <= kMost;
 }
 
+constexpr float kCoarseStep = 10;  // how much sooner all but the last steps stop
+
 float level_scale(int level) {
   return 1.0f / static_cast<float>(1 << level);
 }
@@ -51,35 +52,14 @@ Sym2 inverse_of(const Sym2& s) {
   return {s.yy / det, -s.xy / det, s.xx / det};
 }
 
-// Share of white noise's variance that bilinear sampling at phase f leaves.
-float noise_left(int f) {
-  const float t = static_cast<float>(f) / patch::kSubpixel;
-  return (1 - t) * (1 - t) + t * t;
-}
-
-// Gain, bias, correlation, residual and information from the sums of the last sampling.
-void describe(const Alignment& a, const Work& work, const PatchOptions& o, PatchResult& r) {
-  constexpr float kUnit = 1.0f / patch::kGreyScale;
-  const patch::Normal& t = a.normal;
-  const std::int64_t n = t.sums.n;
-  const auto centred = [n](std::int32_t ab, std::int32_t a_sum, std::int32_t b_sum) {
-    return static_cast<float>(n * ab - std::int64_t{a_sum} * b_sum) / static_cast<float>(n);
-  };
-  const float ii = centred(patch::sum_squares(work.image, a.mask, work.count), a.image.i, a.image.i);
-  const float ti = centred(a.image.ti, t.sums.t, a.image.i);
-  r.gain = ti / t.variance_sum;
-  const float mean_image = static_cast<float>(a.image.i) / t.n + patch::kGreyOffset;
-  r.bias = kUnit * (mean_image - r.gain * (t.mean + patch::kGreyOffset));
-  r.correlation = ii > 0 ? ti / square_root(ii * t.variance_sum) : 0;
-  const float left = max(ii - r.gain * ti, 0);
-  r.residual = kUnit * square_root(left / t.n);
-  // Sampling between pixels averages noise away in the residual, but not in the sums with the smooth
-  // gradient.
-  const float unsmoothed = 2.0f / (1.0f + noise_left(a.fx) * noise_left(a.fy));
-  const float noise =
-      max(kUnit * kUnit * unsmoothed * left / max(t.n - 4, 1), o.noise_floor_grey * o.noise_floor_grey);
-  const float scale = r.gain * r.gain * kUnit * kUnit / noise;
-  Sym2 covariance = inverse_of({scale * t.tensor.xx, scale * t.tensor.xy, scale * t.tensor.yy});
+void describe(const patch::Measurement& m, const PatchOptions& o, PatchResult& r) {
+  r.gain = m.gain;
+  r.bias = m.bias;
+  r.correlation = m.correlation;
+  r.residual = square_root(m.residual_square);
+  const float noise = max(m.noise_square, o.noise_floor_grey * o.noise_floor_grey);
+  Sym2 covariance = inverse_of(m.information);
+  covariance = {noise * covariance.xx, noise * covariance.xy, noise * covariance.yy};
   covariance.xx += o.position_floor_px * o.position_floor_px;
   covariance.yy += o.position_floor_px * o.position_floor_px;
   r.information = inverse_of(covariance);
@@ -124,17 +104,21 @@ namespace patch {
 void Work::lay_out(Arena& arena, int window_side) {
   window = window_side;
   count = padded(window);
-  const auto n = static_cast<std::size_t>(count);
-  std::int16_t* arrays[10];
-  for (auto& array : arrays) {
-    array = arena.take<std::int16_t>(n);
+  const auto cleared = [&](int elements) {
+    const auto n = static_cast<std::size_t>(elements);
+    auto* array = arena.take<std::int16_t>(n);
     if (array != nullptr) std::memset(array, 0, n * sizeof(std::int16_t));
-  }
-  plain = {arrays[0], arrays[1], arrays[2], arrays[3]};
-  masked = {arrays[4], arrays[5], arrays[6], arrays[7]};
-  image = arrays[8];
-  all = arrays[9];
-  block = arena.take<std::int16_t>(static_cast<std::size_t>(block_size(window)));
+    return array;
+  };
+  plain = {cleared(count), cleared(count), cleared(count), cleared(count)};
+  for (auto& array : stretch) array = cleared(count);
+  for (auto& array : masked) array = cleared(count);
+  unclipped = cleared(count);
+  image = cleared(count);
+  all = cleared(count);
+  part = cleared(count);
+  block = cleared(block_size(window));
+  scratch = cleared(scratch_size(window));
   bytes = arena.take<std::uint8_t>(static_cast<std::size_t>(block_size(window)));
   if (all == nullptr) return;
   for (int y = 0; y < window; ++y)
@@ -178,8 +162,7 @@ PatchStatus PatchTracker::capture(int slot, const Pyramid& pyramid, Vec2 x, cons
   if (!contains(full, x, limits_.window / 2)) return PatchStatus::outside_image;
   const Source here{&pyramid, x, -1, {}, {}, false};
   load_template(here, 0, options);
-  const patch::Normal normal = patch::normal_of(patch::sum_template(work_->plain, work_->count));
-  if (!patch::is_usable(normal, limits_.window, options.min_eigenvalue)) return PatchStatus::flat;
+  if (!patch::has_texture(*work_, options.min_eigenvalue)) return PatchStatus::flat;
   const int levels = limits_.levels < pyramid.levels() ? limits_.levels : pyramid.levels();
   for (int l = 0; l < levels; ++l) {
     const auto square = static_cast<std::size_t>(slot * limits_.levels + l);
@@ -230,23 +213,28 @@ PatchResult PatchTracker::search(const Source& source, const Pyramid& current, V
   if (!is_finite(start) || top == 0 || o.max_iterations < 1) return result;
   result.status = PatchStatus::outside_image;
   if (!contains(current.level(0), start, 0)) return result;
+  patch::SearchOptions so{o.max_iterations, kCoarseStep * o.epsilon_px, o.min_eigenvalue,
+                          patch::usable_range(o.masks_clipped), false};
   Vec2 x = start;
-  Alignment a;
+  patch::Measurement measured;
   for (int l = top - 1; l >= 0; --l) {
     const Vec2 offset = load_template(source, l, o);
-    a.y = level_scale(l) * x - offset;
-    const patch::AlignOptions ao{o.max_iterations, l == 0 ? o.epsilon_px : 3 * o.epsilon_px,
-                                 o.min_eigenvalue, patch::usable_range(o.masks_clipped),
-                                 o.masks_clipped,  l == 0};
-    a.iterations = 0;
-    result.status = patch::align(current.level(l), ao, *work_, a);
-    result.iterations += a.iterations;
+    patch::Position p{level_scale(l) * x - offset};
+    so.needs_whole_window = l == 0;
+    result.status = patch::align(current.level(l), so, *work_, p);
+    result.iterations += p.iterations;
+    if (l == 0 && result.status == PatchStatus::ok) {
+      so.epsilon_px = o.epsilon_px;
+      p.iterations = 0;
+      result.status = patch::refine(current.level(0), so, o.warp_sd, *work_, p, measured);
+      result.iterations += p.iterations;
+    }
     // A level that shows nothing is passed over; the finest decides.
-    if (result.status == PatchStatus::ok) x = static_cast<float>(1 << l) * (a.y + offset);
+    if (result.status == PatchStatus::ok) x = static_cast<float>(1 << l) * (p.y + offset);
   }
   if (result.status != PatchStatus::ok) return result;
   result.x = x;
-  describe(a, *work_, o, result);
+  describe(measured, o, result);
   result.status = judge(result, start, o);
   if (result.status != PatchStatus::ok) result.x = start;
   return result;

@@ -12,118 +12,119 @@
 namespace pliant::patch {
 namespace {
 
-// Sum of (a - mean a)(b - mean b) from plain sums; exact before the division.
-float centred(std::int64_t n, std::int32_t ab, std::int32_t a, std::int32_t b) {
-  return static_cast<float>(n * ab - std::int64_t{a} * b) / static_cast<float>(n);
-}
-
-Vec2 solve(const Normal& t, const ImageSums& s) {
-  const float ti = centred(t.sums.n, s.ti, t.sums.t, s.i);
-  const float bx = centred(t.sums.n, s.xi, t.sums.gx, s.i) - t.light.x * ti;
-  const float by = centred(t.sums.n, s.yi, t.sums.gy, s.i) - t.light.y * ti;
-  const float gain = clamp(ti / t.variance_sum, 0.5f, 2.0f);
-  const float scale = 1.0f / (gain * (t.tensor.xx * t.tensor.yy - t.tensor.xy * t.tensor.xy));
-  return {scale * (t.tensor.xy * by - t.tensor.yy * bx), scale * (t.tensor.xy * bx - t.tensor.xx * by)};
-}
-
-// A position on the sampling grid.
-struct GridPosition {
-  int x, y;  // 1/128 px
+// What is constant while the same pixels count: the template's moments, light projected out.
+struct Normal {
+  Template arrays;
+  std::int64_t n;
+  std::int32_t t, gx, gy;  // sums
+  float variance_sum;
+  Vec2 light;   // of each gradient image, the multiple of the template that is taken out
+  Sym2 tensor;  // sum of products of the gradient images, light taken out
 };
+
+Normal normal_of(const Template& a, int count) {
+  const Sums4 m = dot4(a.m, a.m, a.t, a.gx, a.gy, count), t = dot4(a.t, a.t, a.gx, a.gy, a.m, count);
+  const Sums4 g = dot4(a.gx, a.gx, a.gy, a.m, a.m, count);
+  Normal s{a, m.a, m.b, m.c, m.d, 0, {}, {}};
+  if (s.n == 0) return s;
+  s.variance_sum = centred(s.n, t.a, s.t, s.t);
+  if (!(s.variance_sum > 0)) return s;
+  const Vec2 tg{centred(s.n, t.b, s.t, s.gx), centred(s.n, t.c, s.t, s.gy)};
+  s.light = (1.0f / s.variance_sum) * tg;
+  s.tensor.xx = centred(s.n, g.a, s.gx, s.gx) - s.light.x * tg.x;
+  s.tensor.xy = centred(s.n, g.b, s.gx, s.gy) - s.light.x * tg.y;
+  s.tensor.yy = centred(s.n, dot(a.gy, a.gy, count), s.gy, s.gy) - s.light.y * tg.y;
+  return s;
+}
+
+// Whether the search can be solved: enough pixels, and texture in both directions.
+bool is_usable(const Normal& s, int window, float min_eigenvalue) {
+  constexpr float kScale = kGreyScale * kGreyScale;
+  constexpr float kMinVariance = 4.0f * kScale;  // grey^2
+  constexpr float kMinRatio = 1e-4f;  // of the eigenvalues; below it the system is singular in float
+  const auto pixels = static_cast<float>(s.n);
+  if (2 * s.n < window * window || s.variance_sum < kMinVariance * pixels) return false;
+  const Sym2& t = s.tensor;
+  const float half_sum = 0.5f * (t.xx + t.yy), half_difference = 0.5f * (t.xx - t.yy);
+  const float root = square_root(half_difference * half_difference + t.xy * t.xy);
+  const float smallest = half_sum - root;
+  return smallest > kMinRatio * (half_sum + root) && smallest >= min_eigenvalue * kScale * pixels;
+}
+
+// The step from where `image` was sampled.
+Vec2 solve(const Normal& s, const std::int16_t* image, int count) {
+  const Sums4 i = dot4(image, s.arrays.m, s.arrays.t, s.arrays.gx, s.arrays.gy, count);
+  const float ti = centred(s.n, i.b, s.t, i.a);
+  const float bx = centred(s.n, i.c, s.gx, i.a) - s.light.x * ti;
+  const float by = centred(s.n, i.d, s.gy, i.a) - s.light.y * ti;
+  const float gain = clamp(ti / s.variance_sum, 0.5f, 2.0f);
+  const float scale = 1.0f / (gain * (s.tensor.xx * s.tensor.yy - s.tensor.xy * s.tensor.xy));
+  return {scale * (s.tensor.xy * by - s.tensor.yy * bx), scale * (s.tensor.xy * bx - s.tensor.xx * by)};
+}
+
+void sample_at(const ImageView& image, GridPosition p, Work& work) {
+  const int w = work.window, fx = p.x & (kSubpixel - 1), fy = p.y & (kSubpixel - 1);
+  const int left = (p.x - fx) / kSubpixel - w / 2, top = (p.y - fy) / kSubpixel - w / 2;
+  const Pixels pixels = readable(image, left, top, w + 1, lanes(w) + 1, work.bytes);
+  sample_linear(pixels, fx, fy, w, work.scratch, work.image);
+}
+
+// The template without the pixels that are clipped in the image.
+Normal normal_without_clipped(Work& work) {
+  const Template out{work.masked[kLight], work.masked[kShift], work.masked[kShift + 1], work.unclipped};
+  apply_mask(work.plain.t, out.m, work.count, out.t);
+  apply_mask(work.plain.gx, out.m, work.count, out.gx);
+  apply_mask(work.plain.gy, out.m, work.count, out.gy);
+  return normal_of(out, work.count);
+}
+
+}  // namespace
+
+bool has_texture(const Work& work, float min_eigenvalue) {
+  return is_usable(normal_of(work.plain, work.count), work.window, min_eigenvalue);
+}
+
 GridPosition on_grid(Vec2 p) {
-  constexpr float kShift = 64.0f;  // keeps the conversion, which cuts towards zero, on the positive side
+  constexpr int kMargin = 64;  // px; keeps the conversion, which cuts towards zero, on the positive side
   const auto fixed = [](float v) {
-    return static_cast<int>((v + kShift) * kSubpixel + 0.5f) - static_cast<int>(kShift) * kSubpixel;
+    return static_cast<int>((v + kMargin) * kSubpixel + 0.5f) - kMargin * kSubpixel;
   };
   return {fixed(p.x), fixed(p.y)};
 }
-Vec2 position(GridPosition p) {
-  return {static_cast<float>(p.x) / kSubpixel, static_cast<float>(p.y) / kSubpixel};
-}
 
-// Whether the window (or its centre alone) lies inside the image.
 bool is_inside(const ImageView& image, GridPosition p, int radius) {
   const int lo = radius * kSubpixel;
   return p.x >= lo && p.y >= lo && p.x <= (image.width - 1) * kSubpixel - lo &&
          p.y <= (image.height - 1) * kSubpixel - lo;
 }
 
-void sample_at(const ImageView& image, GridPosition p, Work& work, Alignment& a) {
-  const int w = work.window;
-  a.fx = p.x & (kSubpixel - 1);
-  a.fy = p.y & (kSubpixel - 1);
-  const int left = (p.x - a.fx) / kSubpixel - w / 2, top = (p.y - a.fy) / kSubpixel - w / 2;
-  sample(readable(image, left, top, w + 1, lanes(w) + 1, work.bytes), a.fx, a.fy, w, work.image);
-}
-
-// Sums the sampled image against the template, without the pixels that are clipped in either. False if too
-// few are left.
-bool compare(const Normal& whole, const AlignOptions& o, Work& work, Alignment& a) {
-  const Template* used = &work.plain;
-  a.normal = whole;
-  if (o.masks_clipped &&
-      has_extremes(work.image, work.plain.m, work.count, o.range.lowest, o.range.highest)) {
-    mask_template(work.plain, work.image, work.count, o.range.lowest, o.range.highest, work.masked);
-    used = &work.masked;
-    a.normal = normal_of(sum_template(*used, work.count));
-    if (!is_usable(a.normal, work.window, o.min_eigenvalue)) return false;
-  }
-  a.mask = used->m;
-  a.image = sum_image(*used, work.image, work.count);
-  return true;
-}
-
-}  // namespace
-
-Normal normal_of(const TemplateSums& s) {
-  Normal t;
-  t.sums = s;
-  if (s.n == 0) return t;
-  t.n = static_cast<float>(s.n);
-  t.mean = static_cast<float>(s.t) / t.n;
-  t.variance_sum = centred(s.n, s.tt, s.t, s.t);
-  if (!(t.variance_sum > 0)) return t;
-  const Vec2 tg{centred(s.n, s.tx, s.t, s.gx), centred(s.n, s.ty, s.t, s.gy)};
-  t.light = (1.0f / t.variance_sum) * tg;
-  t.tensor.xx = centred(s.n, s.xx, s.gx, s.gx) - t.light.x * tg.x;
-  t.tensor.xy = centred(s.n, s.xy, s.gx, s.gy) - t.light.x * tg.y;
-  t.tensor.yy = centred(s.n, s.yy, s.gy, s.gy) - t.light.y * tg.y;
-  return t;
-}
-
-bool is_usable(const Normal& t, int window, float min_eigenvalue) {
-  constexpr float kScale = kGreyScale * kGreyScale;
-  constexpr float kMinVariance = 4.0f * kScale;  // grey^2
-  if (2 * t.sums.n < window * window || t.variance_sum < kMinVariance * t.n) return false;
-  constexpr float kMinRatio = 1e-4f;  // of the eigenvalues; below it the system is singular in float
-  const float half_sum = 0.5f * (t.tensor.xx + t.tensor.yy),
-              half_difference = 0.5f * (t.tensor.xx - t.tensor.yy);
-  const float root = square_root(half_difference * half_difference + t.tensor.xy * t.tensor.xy);
-  const float smallest = half_sum - root;
-  return smallest > kMinRatio * (half_sum + root) && smallest >= min_eigenvalue * kScale * t.n;
-}
-
-PatchStatus align(const ImageView& image, const AlignOptions& o, Work& work, Alignment& a) {
-  const Normal whole = normal_of(sum_template(work.plain, work.count));
+PatchStatus align(const ImageView& image, const SearchOptions& o, Work& work, Position& p) {
+  const Normal whole = normal_of(work.plain, work.count);
   if (!is_usable(whole, work.window, o.min_eigenvalue)) return PatchStatus::flat;
-  const Vec2 start = a.y;
+  const Vec2 start = p.y;
   const auto reach = static_cast<float>(work.window / 2 + 1);
   Vec2 previous_move;
-  for (a.iterations = 1;; ++a.iterations) {
-    const GridPosition p = on_grid(a.y);
-    if (!is_inside(image, p, o.needs_whole_window ? work.window / 2 : 0)) return PatchStatus::outside_image;
-    sample_at(image, p, work, a);
-    if (!compare(whole, o, work, a)) return PatchStatus::flat;
-    const Vec2 step = solve(a.normal, a.image);
+  for (p.iterations = 1;; ++p.iterations) {
+    const GridPosition at = on_grid(p.y);
+    if (!is_inside(image, at, o.needs_whole_window ? work.window / 2 : 0)) return PatchStatus::outside_image;
+    sample_at(image, at, work);
+    Normal now = whole;
+    const int left =
+        mask_extremes(work.image, work.plain.m, work.count, o.range.lowest, o.range.highest, work.unclipped);
+    if (left < whole.n) {
+      now = normal_without_clipped(work);
+      if (!is_usable(now, work.window, o.min_eigenvalue)) return PatchStatus::flat;
+    }
+    const Vec2 step = solve(now, work.image, work.count);
     const Vec2 limited{clamp(step.x, -reach, reach), clamp(step.y, -reach, reach)};
-    const Vec2 move = position(p) + limited - a.y;
-    a.y = a.y + move;
-    if (magnitude(a.y.x - start.x) > reach || magnitude(a.y.y - start.y) > reach)
+    const Vec2 move = position(at) + limited - p.y;
+    p.y = p.y + move;
+    if (magnitude(p.y.x - start.x) > reach || magnitude(p.y.y - start.y) > reach)
       return PatchStatus::diverged;
     const Vec2 turn = move + previous_move;
     const bool oscillates = magnitude(turn.x) < o.epsilon_px && magnitude(turn.y) < o.epsilon_px;
-    if (oscillates) a.y = a.y - 0.5f * move;
-    if (oscillates || dot(move, move) < o.epsilon_px * o.epsilon_px || a.iterations >= o.max_iterations)
+    if (oscillates) p.y = p.y - 0.5f * move;
+    if (oscillates || dot(move, move) < o.epsilon_px * o.epsilon_px || p.iterations >= o.max_iterations)
       return PatchStatus::ok;
     previous_move = move;
   }

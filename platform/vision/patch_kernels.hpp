@@ -1,6 +1,6 @@
 #pragma once
-// The inner loops of the patch tracker: short loops over 16-bit integers in rows of a fixed number of lanes,
-// which compilers turn into vector code without intrinsics. Every sum is of integers and cannot overflow (the
+// The inner loops of the patch tracker: flat loops over 16-bit integers in rows of whole vectors, which
+// compilers turn into vector code without intrinsics. Every sum is of integers and cannot overflow (the
 // bounds are given), so its value does not depend on the order in which lanes are added: the bits are the
 // same everywhere.
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace pliant::patch {
 
-/// Grey levels are kept as 16 * grey - 2048: 12 bits with sign, four of them fractional.
+/// Grey levels are kept as 16 * (grey - 128): 12 bits with sign, four of them fractional.
 constexpr int kGreyScale = 16, kGreyOffset = 2048;
 /// Positions are sampled on a grid of 1/128 px; what is left over is solved for, not thrown away.
 constexpr int kSubpixel = 128;
 
 constexpr int kMinWindow = 7, kMaxWindow = 21;
-/// Row length of a window in lanes: a multiple of 8. Lanes past the window hold zeros.
+/// Row length of a window in lanes: a multiple of 8. Lanes past the window hold zeros where they are summed.
 constexpr int lanes(int window) {
   return (window + 7) / 8 * 8;
 }
@@ -22,15 +22,17 @@ constexpr int lanes(int window) {
 constexpr int padded(int window) {
   return (window * lanes(window) + 31) / 32 * 32;
 }
-constexpr int kMaxPadded = padded(kMaxWindow);
 /// A block is a window with one more pixel on each side, for gradients.
 constexpr int block_stride(int window) {
   return lanes(window) + 8;
 }
 constexpr int block_size(int window) {
-  return (window + 2) * block_stride(window);
+  return ((window + 2) * block_stride(window) + 31) / 32 * 32;
 }
-constexpr int kMaxBlock = block_size(kMaxWindow);
+/// Elements that the kernels may use as they like.
+constexpr int scratch_size(int window) {
+  return 2 * block_size(window);
+}
 
 /// Pixels in rows of `stride` bytes.
 struct Pixels {
@@ -38,43 +40,47 @@ struct Pixels {
   std::ptrdiff_t stride;
 };
 
-/// Bilinear samples of `window` rows at the phase (fx, fy) / 128 in 0 .. 127, into rows of lanes(window).
-/// Reads (window + 1) rows of lanes(window) + 1 bytes.
-void sample(Pixels in, int fx, int fy, int window, std::int16_t* out);
+/// Bilinear samples of a window whose upper left pixel is in.data, at the phase (fx, fy) / 128 in 0 .. 127,
+/// into rows of lanes(window). Reads window + 1 rows of lanes(window) + 1 bytes.
+void sample_linear(Pixels in, int fx, int fy, int window, std::int16_t* scratch, std::int16_t* out);
+
+/// The same by cubic convolution. Reads window + 3 rows of lanes(window) + 3 bytes, from one row and column
+/// before in.data.
+void sample_cubic(Pixels in, int fx, int fy, int window, std::int16_t* scratch, std::int16_t* out);
 
 /// The (window + 2) rows of whole pixels, into rows of block_stride(window). Reads that many bytes a row.
 void load_block(Pixels in, int window, std::int16_t* block);
 
-/// What is compared: grey levels, their gradient (1/16 grey a pixel) and 1 or 0 where they count or not; g, x
-/// and y are zero where m is. Each of padded(window) elements.
+/// What is compared: grey levels, their gradient (1/16 grey a pixel) and 1 or 0 where they count or not; t,
+/// gx and gy are zero where m is. Each of padded(window) elements.
 struct Template {
   std::int16_t *t, *gx, *gy, *m;
 };
 
-/// Fills `out` from a block: Scharr gradients (3 10 3), masked by out.m as it stands, and to pixels within
-/// (lowest, highest).
-void make_template(const std::int16_t* block, int window, int lowest, int highest, Template out);
+/// Fills `out` from a block: Scharr gradients (3 10 3), where `mask` is 1 and the pixel within (lowest,
+/// highest).
+void make_template(const std::int16_t* block, const std::int16_t* mask, int window, int lowest, int highest,
+                   std::int16_t* scratch, Template out);
 
-/// `in` masked further to where `image` lies within (lowest, highest).
-void mask_template(const Template& in, const std::int16_t* image, int count, int lowest, int highest,
-                   Template out);
+/// out = 1 where m is and the image lies within (lowest, highest). Gives the number of ones.
+int mask_extremes(const std::int16_t* image, const std::int16_t* m, int count, int lowest, int highest,
+                  std::int16_t* out);
+/// out = in * m.
+void apply_mask(const std::int16_t* in, const std::int16_t* m, int count, std::int16_t* out);
 
-/// True if any of the pixels that count lies outside (lowest, highest).
-bool has_extremes(const std::int16_t* image, const std::int16_t* m, int count, int lowest, int highest);
+/// out = (x * g) / 16 and (y * g) / 16 over a window, x and y from its middle: how the image changes when it
+/// is stretched or turned. At most 1280 in magnitude.
+void multiply_by_position(const std::int16_t* g, int window, std::int16_t* by_x, std::int16_t* by_y);
 
-/// Sums over a template. |t|, |g| <= 2048 and count <= 441, so that 441 * 2048^2 < 2^31 bounds each of them.
-struct TemplateSums {
-  std::int32_t n, t, gx, gy, tt, tx, ty, xx, xy, yy;
+/// Sums of products of one array with others. |elements| <= 2048 and at most 441 of them are not zero:
+/// 441 * 2048^2 < 2^31 bounds every sum.
+struct Sums4 {
+  std::int32_t a, b, c, d;
 };
-TemplateSums sum_template(const Template& in, int count);
-
-/// Sums of an image patch against a template, over the pixels that count.
-struct ImageSums {
-  std::int32_t i, ti, xi, yi;
-};
-ImageSums sum_image(const Template& in, const std::int16_t* image, int count);
-
-/// Sum of the squares of an image patch over the pixels that count.
-std::int32_t sum_squares(const std::int16_t* image, const std::int16_t* m, int count);
+Sums4 dot4(const std::int16_t* v, const std::int16_t* a, const std::int16_t* b, const std::int16_t* c,
+           const std::int16_t* d, int count);
+std::int32_t dot(const std::int16_t* v, const std::int16_t* a, int count);
+/// Sum of the squares of v where m is 1.
+std::int32_t sum_squares(const std::int16_t* v, const std::int16_t* m, int count);
 
 }  // namespace pliant::patch

@@ -16,73 +16,103 @@ int rounded(float x) {
   return static_cast<int>(x + 16384.5f) - 16384;
 }
 
-// Rows and columns [left, right) x [top, bottom) of the window count.
-void set_mask(int left, int top, int right, int bottom, Work& work) {
-  const int w = work.window, stride = lanes(w);
-  std::memcpy(work.plain.m, work.all, static_cast<std::size_t>(w * stride) * sizeof(std::int16_t));
-  if (left <= 0 && top <= 0 && right >= w && bottom >= w) return;
-  for (int y = 0; y < w; ++y)
-    for (int x = 0; x < w; ++x)
-      if (x < left || x >= right || y < top || y >= bottom) work.plain.m[y * stride + x] = 0;
+// Copies `columns` pixels of a row from column `left` on, its ends repeated beyond them.
+void copy_row(const std::uint8_t* row, int width, int left, int columns, std::uint8_t* out) {
+  const int before = left < 0 ? (-left < columns ? -left : columns) : 0;
+  const int end = width - left < columns ? (width - left > before ? width - left : before) : columns;
+  std::memset(out, row[0], static_cast<std::size_t>(before));
+  std::memcpy(out + before, row + left + before, static_cast<std::size_t>(end - before));
+  std::memset(out + end, row[width - 1], static_cast<std::size_t>(columns - end));
 }
 
-// Samples a stored square along straight lines, in 16.16 fixed point.
-class Resampler {
- public:
-  Resampler(const Surround& around, const std::uint8_t* pixels, int side, const Mat2& m)
-      : around_(around),
-        pixels_(pixels),
-        side_(side),
-        a_(fixed(m.a)),
-        b_(fixed(m.b)),
-        c_(fixed(m.c)),
-        d_(fixed(m.d)) {}
+void copy_square(const ImageView& image, int left, int top, int rows, int columns, std::uint8_t* out) {
+  for (int y = 0; y < rows; ++y, out += columns)
+    copy_row(image.data + std::ptrdiff_t{clamped(top + y, image.height)} * image.stride, image.width, left,
+             columns, out);
+}
 
-  // Position of the block's pixel (i, j) from the centre; true if all four pixels around it are inside the
-  // image.
-  bool seek(int i, int j) {
-    const int half = side_ / 2 << kBits;
-    x_ = half + a_ * i + b_ * j;
-    y_ = half + c_ * i + d_ * j;
-    const bool is_inside_x = clamp_to(around_.left, around_.right, x_);
-    const bool is_inside_y = clamp_to(around_.top, around_.bottom, y_);
-    return is_inside_x && is_inside_y;
-  }
-  std::int16_t value() const {
-    const std::uint8_t* p = pixels_ + (y_ >> kBits) * side_ + (x_ >> kBits);
-    const int fx = (x_ >> (kBits - 8)) & 255, fy = (y_ >> (kBits - 8)) & 255;
-    const int upper = p[0] * (256 - fx) + p[1] * fx;
-    const int lower = p[side_] * (256 - fx) + p[side_ + 1] * fx;
-    return static_cast<std::int16_t>(((upper * (256 - fy) + lower * fy + 2048) >> 12) - kGreyOffset);
-  }
+// The mask of [left, right) x [top, bottom) of the window.
+const std::int16_t* mask_of(int left, int top, int right, int bottom, Work& work) {
+  const int w = work.window, stride = lanes(w);
+  if (left <= 0 && top <= 0 && right >= w && bottom >= w) return work.all;
+  for (int y = 0; y < w; ++y)
+    for (int x = 0; x < w; ++x)
+      work.part[y * stride + x] = x >= left && x < right && y >= top && y < bottom ? 1 : 0;
+  return work.part;
+}
 
- private:
-  static constexpr int kBits = 16;
-  static int fixed(float v) { return static_cast<int>(v * (1 << kBits)); }
-  static bool clamp_to(int low, int end, int& v) {
-    const int lo = low << kBits, hi = ((end - 1) << kBits) - 1;
-    const int inside = v < lo ? lo : v > hi ? hi : v;
-    const bool was_inside = inside == v;
-    v = inside;
-    return was_inside;
-  }
+constexpr int kBits = 16;  // fractional bits of positions in a stored square
 
-  const Surround& around_;
-  const std::uint8_t* pixels_;
-  int side_, a_, b_, c_, d_, x_ = 0, y_ = 0;
+struct FixedPosition {
+  int x, y;
 };
 
-void load_warped(const Surround& around, const std::uint8_t* pixels, int side, const Mat2& to_anchor,
-                 Work& work) {
-  const int w = work.window, r = w / 2, stride = block_stride(w);
-  set_mask(0, 0, w, w, work);
-  Resampler from(around, pixels, side, to_anchor);
+std::int16_t bilinear(const std::uint8_t* pixels, int side, FixedPosition at) {
+  const std::uint8_t* p = pixels + (at.y >> kBits) * side + (at.x >> kBits);
+  const int fx = (at.x >> (kBits - 8)) & 255, fy = (at.y >> (kBits - 8)) & 255;
+  const int upper = p[0] * 256 + (p[1] - p[0]) * fx;
+  const int lower = p[side] * 256 + (p[side + 1] - p[side]) * fx;
+  return static_cast<std::int16_t>(((upper * 256 + (lower - upper) * fy + 2048) >> 12) - kGreyOffset);
+}
+
+// The block's pixels lie on straight lines in the stored square, at equal distances.
+struct Lines {
+  FixedPosition first, across, down;
+
+  FixedPosition at(int i, int j) const {
+    return {first.x + across.x * i + down.x * j, first.y + across.y * i + down.y * j};
+  }
+};
+
+Lines lines_of(const Mat2& m, int side, int radius) {
+  const auto fixed = [](float v) { return static_cast<int>(v * (1 << kBits)); };
+  const FixedPosition across{fixed(m.a), fixed(m.c)}, down{fixed(m.b), fixed(m.d)};
+  const int half = side / 2 << kBits;
+  return {{half - (across.x + down.x) * radius, half - (across.y + down.y) * radius}, across, down};
+}
+
+// Where all four pixels around a position lie inside the image: [low, high] either way.
+struct Bounds {
+  FixedPosition low, high;
+
+  bool contains(FixedPosition p) const {
+    return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y;
+  }
+  FixedPosition clamped(FixedPosition p) const {
+    const auto within = [](int v, int lo, int hi) { return v < lo ? lo : v > hi ? hi : v; };
+    return {within(p.x, low.x, high.x), within(p.y, low.y, high.y)};
+  }
+};
+
+// Whatever leaves the stored square is masked out; its place is taken by the nearest stored value.
+const std::int16_t* load_ragged(const Lines& lines, const Bounds& bounds, const std::uint8_t* pixels,
+                                int side, Work& work) {
+  const int w = work.window, stride = block_stride(w);
   for (int y = 0; y < w + 2; ++y)
     for (int x = 0; x < w + 2; ++x) {
-      const bool is_inside = from.seek(x - r - 1, y - r - 1);
-      work.block[y * stride + x] = from.value();
-      if (!is_inside && x > 0 && x <= w && y > 0 && y <= w) work.plain.m[(y - 1) * lanes(w) + x - 1] = 0;
+      const FixedPosition at = lines.at(x, y);
+      work.block[y * stride + x] = bilinear(pixels, side, bounds.clamped(at));
+      if (x > 0 && x <= w && y > 0 && y <= w)
+        work.part[(y - 1) * lanes(w) + x - 1] = bounds.contains(at) ? 1 : 0;
     }
+  return work.part;
+}
+
+const std::int16_t* load_warped(const Surround& around, const std::uint8_t* pixels, int side,
+                                const Mat2& to_anchor, Work& work) {
+  const int w = work.window, last = w + 1, stride = block_stride(w);
+  const Lines lines = lines_of(to_anchor, side, w / 2 + 1);
+  const Bounds bounds{{around.left << kBits, around.top << kBits},
+                      {((around.right - 1) << kBits) - 1, ((around.bottom - 1) << kBits) - 1}};
+  if (!bounds.contains(lines.at(0, 0)) || !bounds.contains(lines.at(last, 0)) ||
+      !bounds.contains(lines.at(0, last)) || !bounds.contains(lines.at(last, last)))
+    return load_ragged(lines, bounds, pixels, side, work);
+  for (int y = 0; y <= last; ++y) {
+    FixedPosition at = lines.at(0, y);
+    for (int x = 0; x <= last; ++x, at.x += lines.across.x, at.y += lines.across.y)
+      work.block[y * stride + x] = bilinear(pixels, side, at);
+  }
+  return work.all;
 }
 
 }  // namespace
@@ -93,43 +123,40 @@ Pixels readable(const ImageView& image, int left, int top, int rows, int columns
   const std::ptrdiff_t end = (top + rows - 1) * stride + left + columns;
   if (left >= 0 && top >= 0 && top + rows <= image.height && end <= (image.height - 1) * stride + image.width)
     return {image.data + top * stride + left, stride};
-  for (int y = 0; y < rows; ++y) {
-    const std::uint8_t* row = image.data + clamped(top + y, image.height) * stride;
-    for (int x = 0; x < columns; ++x) scratch[y * columns + x] = row[clamped(left + x, image.width)];
-  }
+  copy_square(image, left, top, rows, columns, scratch);
   return {scratch, columns};
 }
 
 void load_template(const ImageView& image, int left, int top, GreyRange range, Work& work) {
   const int w = work.window;
-  set_mask(-left, -top, image.width - left, image.height - top, work);
+  const std::int16_t* mask = mask_of(-left, -top, image.width - left, image.height - top, work);
   load_block(readable(image, left - 1, top - 1, w + 2, block_stride(w), work.bytes), w, work.block);
-  make_template(work.block, w, range.lowest, range.highest, work.plain);
+  make_template(work.block, mask, w, range.lowest, range.highest, work.scratch, work.plain);
 }
 
 void load_template(const Surround& around, const std::uint8_t* pixels, int side, const Mat2* to_anchor,
                    GreyRange range, Work& work) {
   const int w = work.window, first = side / 2 - w / 2;
+  const std::int16_t* mask;
   if (to_anchor != nullptr) {
-    load_warped(around, pixels, side, *to_anchor, work);
+    mask = load_warped(around, pixels, side, *to_anchor, work);
   } else {
-    set_mask(around.left - first, around.top - first, around.right - first, around.bottom - first, work);
+    mask =
+        mask_of(around.left - first, around.top - first, around.right - first, around.bottom - first, work);
     load_block({pixels + (first - 1) * side + first - 1, side}, w, work.block);
   }
-  make_template(work.block, w, range.lowest, range.highest, work.plain);
+  make_template(work.block, mask, w, range.lowest, range.highest, work.scratch, work.plain);
 }
 
 void store_surround(const ImageView& image, Vec2 x, int side, Surround& around, std::uint8_t* pixels) {
   const int cx = rounded(x.x), cy = rounded(x.y), left = cx - side / 2, top = cy - side / 2;
+  const auto inside = [side](int v) { return static_cast<std::int16_t>(v < 0 ? 0 : v > side ? side : v); };
   around.offset = {x.x - static_cast<float>(cx), x.y - static_cast<float>(cy)};
-  around.left = static_cast<std::int16_t>(left < 0 ? -left : 0);
-  around.top = static_cast<std::int16_t>(top < 0 ? -top : 0);
-  around.right = static_cast<std::int16_t>(image.width - left < side ? image.width - left : side);
-  around.bottom = static_cast<std::int16_t>(image.height - top < side ? image.height - top : side);
-  for (int y = 0; y < side; ++y) {
-    const std::uint8_t* row = image.data + std::ptrdiff_t{clamped(top + y, image.height)} * image.stride;
-    for (int k = 0; k < side; ++k) pixels[y * side + k] = row[clamped(left + k, image.width)];
-  }
+  around.left = inside(-left);
+  around.top = inside(-top);
+  around.right = inside(image.width - left);
+  around.bottom = inside(image.height - top);
+  copy_square(image, left, top, side, side, pixels);
 }
 
 }  // namespace pliant::patch

@@ -1,6 +1,6 @@
 #pragma once
-// What one search of the patch tracker works on, and its two steps: making a template, and aligning an image
-// with it.
+// What one search of the patch tracker works on, and its three steps: making a template, finding where the
+// image is like it, and measuring where exactly.
 #include "patch_kernels.hpp"
 #include "pliant/patch.hpp"
 
@@ -23,14 +23,21 @@ constexpr int surround_side(const PatchLimits& l) {
   return l.window + 2 + 2 * l.margin;
 }
 
+/// The image changes by a multiple of each of these: light, a stretch or turn of the window, and a shift.
+constexpr int kLight = 0, kStretch = 1, kShift = 5, kMotions = 7;
+
 /// Arrays of one search, sized for the window.
 struct Work {
-  int window, count;       ///< side; elements of an array
-  std::int16_t* block;     ///< the template with one pixel more on each side
-  std::int16_t* all;       ///< a mask with the whole window in it
-  Template plain, masked;  ///< the template; and without the pixels that are clipped in the current image
-  std::int16_t* image;     ///< the current image, sampled
-  std::uint8_t* bytes;     ///< pixels near the border, collected with their edge repeated
+  int window, count;         ///< side; elements of an array
+  std::int16_t* block;       ///< the template with one pixel more on each side
+  std::int16_t* scratch;     ///< for the kernels
+  std::int16_t *all, *part;  ///< masks: the whole window, and what of it lies inside the source
+  Template plain;
+  std::int16_t* stretch[4];        ///< x gx, y gx, x gy, y gy of the template
+  std::int16_t* masked[kMotions];  ///< all of these without the pixels that are clipped in the current image
+  std::int16_t* unclipped;         ///< the mask of those
+  std::int16_t* image;             ///< the current image, sampled
+  std::uint8_t* bytes;             ///< pixels near the border, collected with their edge repeated
 
   void lay_out(Arena& arena, int window_side);
 };
@@ -57,38 +64,54 @@ void load_template(const Surround& around, const std::uint8_t* pixels, int side,
 /// Fills a surround and its pixels from the image; x is in the level's pixels.
 void store_surround(const ImageView& image, Vec2 x, int side, Surround& around, std::uint8_t* pixels);
 
-/// What is constant in a search: the template's moments, light projected out.
-struct Normal {
-  float n = 0;                       ///< pixels that count
-  float mean = 0, variance_sum = 0;  ///< of the template
-  Vec2 light;   ///< of each gradient image, the multiple of the template that is taken out
-  Sym2 tensor;  ///< sum of products of the gradient images, both light terms taken out
-  TemplateSums sums;
-};
-Normal normal_of(const TemplateSums& sums);
-/// False when the search could not be solved with it: too few pixels or texture in one direction only.
-bool is_usable(const Normal& normal, int window, float min_eigenvalue);
+/// Sum of (a - mean a) (b - mean b) from plain sums over n pixels: exact but for one rounding.
+inline float centred(std::int64_t n, std::int32_t ab, std::int32_t a, std::int32_t b) {
+  return static_cast<float>(n * ab - std::int64_t{a} * b) / static_cast<float>(n);
+}
 
-/// One search on one level.
-struct Alignment {
-  Vec2 y;  ///< centre of the window in the image; start, then result
-  int iterations = 0;
-  Normal normal;    ///< of the template as last used
-  ImageSums image;  ///< of the last sampling
-  const std::int16_t* mask = nullptr;
-  int fx = 0, fy = 0;  ///< phase of the last sampling, 1/128 px
-};
+/// Whether work.plain can be searched for: enough pixels, and texture in both directions.
+bool has_texture(const Work& work, float min_eigenvalue);
 
-struct AlignOptions {
+struct SearchOptions {
   int max_iterations;
   float epsilon_px;
   float min_eigenvalue;
   GreyRange range;
-  bool masks_clipped;
   bool needs_whole_window;  ///< the window may not leave the image; otherwise only its centre
 };
 
-/// Moves a.y until the image there, but for light, matches work.plain.
-PatchStatus align(const ImageView& image, const AlignOptions& options, Work& work, Alignment& a);
+/// The middle of the window in the image, and how often it was compared.
+struct Position {
+  Vec2 y;
+  int iterations = 0;
+};
+
+/// Moves p until the image there, but for light, is like work.plain: to about a tenth of a pixel, from up to
+/// half a window away.
+PatchStatus align(const ImageView& image, const SearchOptions& options, Work& work, Position& p);
+
+/// What `refine` says about the place that it found. Greys and pixels.
+struct Measurement {
+  Sym2 information;  ///< for a noise of one grey level
+  float gain = 0, bias = 0, correlation = 0;
+  float residual_square = 0;  ///< mean
+  float noise_square = 0;     ///< variance of the noise that would leave this residual
+};
+
+/// Measures p to a hundredth of a pixel, from up to half a pixel away. Besides light, it allows for a warp
+/// that was not predicted, of standard deviation `warp_sd` in each entry; 0: for none.
+PatchStatus refine(const ImageView& image, const SearchOptions& options, float warp_sd, Work& work,
+                   Position& p, Measurement& m);
+
+/// A position on the sampling grid, 1/128 px.
+struct GridPosition {
+  int x, y;
+};
+GridPosition on_grid(Vec2 p);
+inline Vec2 position(GridPosition p) {
+  return {static_cast<float>(p.x) / kSubpixel, static_cast<float>(p.y) / kSubpixel};
+}
+/// Whether the window (or its middle alone) lies inside the image.
+bool is_inside(const ImageView& image, GridPosition p, int radius);
 
 }  // namespace pliant::patch

@@ -52,7 +52,11 @@ struct PatchOptions {
   int first_level = -1;      ///< where the search starts, 0 is full size; -1: the coarsest there is
   int max_iterations = 10;   ///< on each level, at least 1
   float epsilon_px = 0.01f;  ///< stops below this step at full size; three times as much on coarser levels
-  float max_move_px = 0;     ///< from the start, in the end; 0: no limit
+  /// Standard deviation of the entries of a warp that was not predicted, which the last steps allow for; 0:
+  /// none is allowed for, which is a tenth more precise where the prediction is exact, and many times less
+  /// where it is not.
+  float warp_sd = 0.05f;
+  float max_move_px = 0;         ///< from the start, in the end; 0: no limit
   float min_correlation = 0.8f;  ///< normalised cross-correlation with the template
   float min_eigenvalue = 0.5f;   ///< of the mean structure tensor, light projected out, (grey/px)^2
   float min_gain = 0.5f, max_gain = 2.0f;

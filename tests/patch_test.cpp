@@ -1,0 +1,478 @@
+#include "pliant/patch.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "pliant/corners.hpp"
+#include "texture.hpp"
+
+using namespace pliant;
+using texture::Motion;
+using texture::Picture;
+using texture::Texture;
+
+namespace {
+
+constexpr int kWidth = 240, kHeight = 180;
+
+// Two pyramids and a tracker in one block.
+struct Rig {
+  std::vector<std::uint8_t> block = std::vector<std::uint8_t>(1 << 21);
+  Arena arena{block.data(), block.size()};
+  Pyramid before, after;
+  PatchTracker tracker;
+
+  explicit Rig(PatchLimits limits = {200, 11, 3, 5}, int width = kWidth, int height = kHeight) {
+    REQUIRE(before.create(arena, {width, height, limits.levels, true}) == Status::ok);
+    REQUIRE(after.create(arena, {width, height, limits.levels, true}) == Status::ok);
+    REQUIRE(tracker.create(arena, limits) == Status::ok);
+  }
+  void show(const Picture& a, const Picture& b) {
+    REQUIRE(before.build(a.frame()) == Status::ok);
+    REQUIRE(after.build(b.frame()) == Status::ok);
+  }
+};
+
+std::vector<Vec2> corners_of(const Picture& p, std::size_t most = 150, int margin = 40) {
+  CornerOptions o;
+  std::vector<std::uint8_t> scratch(corner_scratch_bytes(p.width, p.height, o));
+  Arena arena(scratch.data(), scratch.size());
+  std::vector<Corner> found(most);
+  int count = 0;
+  REQUIRE(find_corners(p.view(), o, {}, arena, {found.data(), most}, count) == Status::ok);
+  std::vector<Vec2> out;
+  for (int i = 0; i < count; ++i) {
+    const Vec2 x = found[static_cast<std::size_t>(i)].x;
+    const float m = static_cast<float>(margin), w = static_cast<float>(p.width),
+                h = static_cast<float>(p.height);
+    if (x.x >= m && x.y >= m && x.x < w - m && x.y < h - m) out.push_back(x);
+  }
+  REQUIRE(out.size() > 5);
+  return out;
+}
+
+struct Errors {
+  std::vector<double> all;
+  int lost = 0, wrong = 0;  // wrong: found, but more than half a pixel off
+  double chi2 = 0;          // mean of e' information e
+
+  void add(const PatchResult& r, Vec2 truth) {
+    if (r.status != PatchStatus::ok) {
+      ++lost;
+      return;
+    }
+    const Vec2 e = r.x - truth;
+    all.push_back(double(length(e)));
+    wrong += length(e) > 0.5f;
+    chi2 += double(r.information.xx * e.x * e.x + 2 * r.information.xy * e.x * e.y +
+                   r.information.yy * e.y * e.y);
+  }
+  double rms() const {
+    double s = 0;
+    for (const double e : all) s += e * e;
+    return std::sqrt(s / static_cast<double>(all.size()));
+  }
+  double max() const { return *std::max_element(all.begin(), all.end()); }
+  double mean_chi2() const { return chi2 / static_cast<double>(all.size()); }
+};
+
+Motion shift(double tx, double ty) {
+  Motion m;
+  m.tx = tx;
+  m.ty = ty;
+  return m;
+}
+
+Motion similarity(double degrees, double scale, double tx = 0, double ty = 0) {
+  const double a = degrees * 3.14159265358979 / 180;
+  Motion m;
+  m.a = m.d = scale * std::cos(a);
+  m.c = scale * std::sin(a);
+  m.b = -m.c;
+  m.tx = tx;
+  m.ty = ty;
+  return m;
+}
+
+Mat2 warp_of(const Motion& m) {
+  return {static_cast<float>(m.a), static_cast<float>(m.b), static_cast<float>(m.c), static_cast<float>(m.d)};
+}
+
+// Anchors in the unmoved picture, tracked into the moved one from where they were.
+Errors track_anchors(const Motion& m, const Mat2& warp = {}, const PatchOptions& options = {},
+                     double contrast = 22, PatchLimits limits = {200, 11, 3, 5}) {
+  const Texture texture(11, contrast);
+  Motion still;
+  still.noise = m.noise;
+  const Picture a = render(texture, still, kWidth, kHeight, 5), b = render(texture, m, kWidth, kHeight, 6);
+  Rig rig(limits);
+  rig.show(a, b);
+  Errors errors;
+  int slot = 0;
+  for (const Vec2 x : corners_of(a)) {
+    REQUIRE(rig.tracker.capture(slot, rig.before, x) == PatchStatus::ok);
+    errors.add(rig.tracker.track(slot++, rig.after, x, warp, options), moved(m, a, x));
+  }
+  return errors;
+}
+
+}  // namespace
+
+TEST_CASE("shifts of 0.1 to 9 pixels are found to a fiftieth of a pixel") {
+  for (const double s : {0.1, 0.3, 0.5, 0.77, 1.4, 2.25, 4.6, 6.3, 9.0}) {
+    CAPTURE(s);
+    const Errors e = track_anchors(shift(s, -0.6 * s));
+    CHECK(e.lost == 0);
+    CHECK(e.rms() < 0.02);
+    CHECK(e.max() < 0.06);
+  }
+}
+
+TEST_CASE("every window size tracks") {
+  for (int window = 7; window <= 21; window += 2) {
+    CAPTURE(window);
+    const Errors e = track_anchors(shift(1.3, 2.1), {}, {}, 22, {200, window, 3, 2});
+    CHECK(e.lost <= 1);
+    CHECK(e.rms() < 0.03);
+    CHECK(e.wrong == 0);
+  }
+}
+
+TEST_CASE("a change of light is found and does no harm") {
+  Motion darker = shift(2.3, 1.7), brighter = darker;
+  darker.gain = 0.7;
+  darker.bias = 30;
+  brighter.gain = 1.2;
+  brighter.bias = -20;
+  for (const Motion& m : {darker, brighter}) {
+    CAPTURE(m.gain);
+    const Errors e = track_anchors(m);
+    CHECK(e.lost == 0);
+    CHECK(e.rms() < 0.025);
+  }
+  const Texture texture(3);
+  const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, darker, kWidth, kHeight);
+  Rig rig;
+  rig.show(a, b);
+  for (const Vec2 x : corners_of(a, 30)) {
+    const PatchResult r = rig.tracker.track_between(rig.before, x, rig.after, x);
+    CHECK(r.gain == doctest::Approx(0.7).epsilon(0.02));
+    CHECK(double(r.bias) == doctest::Approx(30).epsilon(0.08));
+    CHECK(r.correlation > 0.99f);
+    CHECK(r.residual < 1.5f);
+  }
+}
+
+TEST_CASE("with noise of three grey levels the error stays below 0.15 px, and the covariance is honest") {
+  Motion m = shift(2.3, -1.1);
+  m.noise = 3;
+  const Errors e = track_anchors(m);
+  CHECK(e.lost == 0);
+  CHECK(e.rms() < 0.15);
+  // e' information e has the mean 2 when the covariance is right. It is never claimed to be better than it
+  // is.
+  CHECK(e.mean_chi2() < 3.0);
+  CHECK(e.mean_chi2() > 0.7);
+}
+
+TEST_CASE("highlights and shadows that are clipped do little harm") {
+  Motion m = shift(3.2, 1.4);
+  m.gain = 1.3;
+  m.bias = -40;
+  const Errors masked = track_anchors(m, {}, {}, 45);
+  PatchOptions blind;
+  blind.masks_clipped = false;
+  const Errors unmasked = track_anchors(m, {}, blind, 45);
+  CHECK(masked.rms() < 0.04);
+  CHECK(masked.wrong == 0);
+  CHECK(masked.rms() < unmasked.rms());
+}
+
+TEST_CASE("with the right warp, rotation and scale cost little") {
+  for (const Motion& m :
+       {similarity(20, 1.08, 2, -3), similarity(-18, 0.85, 1, 1), similarity(25, 1.2, 0, 0)}) {
+    CAPTURE(m.c);
+    const Texture texture(11);
+    const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, m, kWidth, kHeight);
+    Rig rig({200, 13, 3, 6});
+    rig.show(a, b);
+    Errors warped, plain;
+    for (const Vec2 x : corners_of(a, 150, 50)) {
+      REQUIRE(rig.tracker.capture(0, rig.before, x) == PatchStatus::ok);
+      const Vec2 truth = moved(m, a, x), start{truth.x + 1.2f, truth.y - 0.9f};
+      warped.add(rig.tracker.track(0, rig.after, start, warp_of(m)), truth);
+      plain.add(rig.tracker.track(0, rig.after, start), truth);
+    }
+    CHECK(warped.lost == 0);
+    CHECK(warped.rms() < 0.03);
+    CHECK(plain.lost + plain.wrong > 0);
+  }
+}
+
+TEST_CASE("an anchor at a position between pixels is found there") {
+  const Texture texture(21);
+  const Motion m = similarity(6, 1.05, 1.3, 0.4);
+  const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, m, kWidth, kHeight);
+  Rig rig({10, 13, 3, 6});
+  rig.show(a, b);
+  Errors errors;
+  texture::Random random(4);
+  for (const Vec2 c : corners_of(a)) {
+    const Vec2 x{c.x + static_cast<float>(random.uniform(-1.5, 1.5)),
+                 c.y + static_cast<float>(random.uniform(-1.5, 1.5))};
+    REQUIRE(rig.tracker.capture(3, rig.before, x) == PatchStatus::ok);
+    CHECK(rig.tracker.anchor(3).x == x.x);
+    errors.add(rig.tracker.track(3, rig.after, moved(m, a, x), warp_of(m)), moved(m, a, x));
+  }
+  CHECK(errors.lost == 0);
+  CHECK(errors.rms() < 0.025);
+}
+
+TEST_CASE("anchors near the border use what there is of their surroundings") {
+  const Texture texture(8);
+  const Motion m = similarity(5, 1.1, 0, 0);
+  const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, m, kWidth, kHeight);
+  Rig rig({1, 11, 3, 8});
+  rig.show(a, b);
+  int tried = 0;
+  for (float x = 5; x <= 12; x += 0.7f)
+    for (float y = 6; y < 170; y += 5) {
+      if (rig.tracker.capture(0, rig.before, {x, y}) != PatchStatus::ok) continue;
+      const Vec2 truth = moved(m, a, {x, y});
+      const PatchResult r = rig.tracker.track(0, rig.after, truth, warp_of(m));
+      if (r.status != PatchStatus::ok) continue;
+      ++tried;
+      CHECK(length(r.x - truth) < 0.25f);
+    }
+  CHECK(tried >= 8);
+}
+
+TEST_CASE("frame to frame, there and back again, agrees with itself") {
+  const Texture texture(2);
+  const Motion m = shift(4.4, -2.2);
+  const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, m, kWidth, kHeight);
+  Rig rig;
+  rig.show(a, b);
+  PatchOptions o;
+  o.max_return_px = 0.5f;
+  Errors errors;
+  for (const Vec2 x : corners_of(a)) {
+    const PatchResult r = rig.tracker.track_between(rig.before, x, rig.after, x, o);
+    errors.add(r, moved(m, a, x));
+    CHECK(r.return_px < 0.05f);
+  }
+  CHECK(errors.lost == 0);
+  CHECK(errors.rms() < 0.02);
+}
+
+TEST_CASE("what is no longer there is not found") {
+  const Picture a = render(Texture(2), {}, kWidth, kHeight), other = render(Texture(77), {}, kWidth, kHeight);
+  Rig rig({1, 15, 3, 4});
+  rig.show(a, other);
+  PatchOptions o;
+  o.min_correlation = 0.9f;
+  int kept = 0, kept_back = 0, points = 0;
+  for (const Vec2 x : corners_of(a)) {
+    ++points;
+    kept += rig.tracker.track_between(rig.before, x, rig.after, x, o).status == PatchStatus::ok;
+    o.max_return_px = 0.5f;
+    kept_back += rig.tracker.track_between(rig.before, x, rig.after, x, o).status == PatchStatus::ok;
+    o.max_return_px = 0;
+  }
+  CHECK(kept * 33 <= points);
+  CHECK(kept_back <= kept);
+}
+
+TEST_CASE("an anchor is followed for two hundred frames without drift") {
+  const Texture texture(6);
+  Rig rig({200, 11, 3, 5});
+  Picture first = render(texture, {}, kWidth, kHeight);
+  rig.show(first, first);
+  const std::vector<Vec2> points = corners_of(first, 25);
+  std::vector<Vec2> now = points;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    REQUIRE(rig.tracker.capture(static_cast<int>(i), rig.before, points[i]) == PatchStatus::ok);
+  Motion m;
+  for (int k = 1; k <= 200; ++k) {
+    m = similarity(8 * std::sin(0.07 * k), 1 + 0.08 * std::sin(0.09 * k), 15 * std::sin(0.1 * k),
+                   10 * std::sin(0.08 * k));
+    m.noise = 2;
+    if (k % 10 != 0) continue;  // motion between two looks is then up to 20 px
+    const Picture p = render(texture, m, kWidth, kHeight, static_cast<std::uint64_t>(k));
+    REQUIRE(rig.after.build(p.frame()) == Status::ok);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec2 guess = moved(m, first, points[i]) + Vec2{1.5f, -1};
+      const PatchResult r = rig.tracker.track(static_cast<int>(i), rig.after, guess, warp_of(m));
+      if (r.status == PatchStatus::ok) now[i] = r.x;
+    }
+  }
+  Errors errors;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    PatchResult r;
+    r.status = PatchStatus::ok;
+    r.x = now[i];
+    errors.add(r, moved(m, first, points[i]));
+  }
+  CHECK(errors.rms() < 0.1);
+  CHECK(errors.wrong == 0);
+}
+
+TEST_CASE("a search may start at any level, and needs the coarse ones for long ways") {
+  PatchOptions fine;
+  fine.first_level = 0;
+  CHECK(track_anchors(shift(0.8, 0.5), {}, fine).rms() < 0.02);
+  const Errors e = track_anchors(shift(9, 7), {}, fine);
+  CHECK(e.lost + e.wrong > 10);
+  fine.first_level = 99;
+  CHECK(track_anchors(shift(9, 7), {}, fine).lost == 0);
+}
+
+TEST_CASE("the same call gives the same bits, whatever was tracked before") {
+  const Texture texture(2);
+  const Picture a = render(texture, {}, kWidth, kHeight),
+                b = render(texture, similarity(3, 1.02, 2, 1), kWidth, kHeight);
+  Rig one, two;
+  one.show(a, b);
+  two.show(a, b);
+  const std::vector<Vec2> points = corners_of(a);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const PatchResult r = one.tracker.track_between(one.before, points[i], one.after, points[i]);
+    const Vec2 elsewhere = points[points.size() - 1 - i];
+    (void)two.tracker.track_between(two.after, elsewhere, two.before, elsewhere);
+    const PatchResult s = two.tracker.track_between(two.before, points[i], two.after, points[i]);
+    CHECK(r.status == s.status);
+    CHECK(std::memcmp(&r.x, &s.x, sizeof r.x) == 0);
+    CHECK(std::memcmp(&r.information, &s.information, sizeof r.information) == 0);
+    CHECK(r.correlation == s.correlation);
+    CHECK(r.iterations == s.iterations);
+  }
+}
+
+TEST_CASE("windows that leave the picture are dropped with that reason") {
+  const Texture texture(2);
+  const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, shift(-20, 0), kWidth, kHeight);
+  Rig rig;
+  rig.show(a, b);
+  for (const Vec2 x :
+       {Vec2{4, 90}, Vec2{235.5f, 90}, Vec2{120, 4.9f}, Vec2{120, 174.5f}, Vec2{-50, 90}, Vec2{1e9f, 3}}) {
+    CHECK(rig.tracker.capture(0, rig.before, x) == PatchStatus::outside_image);
+    CHECK(rig.tracker.track_between(rig.before, x, rig.after, {100, 100}).status ==
+          PatchStatus::outside_image);
+    CHECK(!rig.tracker.is_captured(0));
+  }
+  REQUIRE(rig.tracker.capture(0, rig.before, {5, 90}) == PatchStatus::ok);
+  for (const Vec2 start : {Vec2{-1, 90}, Vec2{300, 90}, Vec2{1e30f, -1e30f}})
+    CHECK(rig.tracker.track(0, rig.after, start).status == PatchStatus::outside_image);
+  int inside = 0, found = 0;
+  for (float y = 30; y < 150; y += 4)
+    for (float x = 6; x < 30; x += 4) {
+      const PatchResult r = rig.tracker.track_between(rig.before, {x, y}, rig.after, {max(x - 19, 0), y});
+      const bool stays = x - 20 >= 5;
+      inside += stays && r.status == PatchStatus::ok;
+      found += !stays && r.status == PatchStatus::ok && magnitude(r.x.x - (x - 20)) < 1;
+    }
+  CHECK(inside > 20);
+  CHECK(found == 0);
+}
+
+TEST_CASE("pictures without texture are flat: black, white, grey, an edge") {
+  Picture edge(kWidth, kHeight, 60);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 120; x < kWidth; ++x) edge.at(x, y) = 180;
+  const Picture textured = render(Texture(2), {}, kWidth, kHeight);
+  Rig rig;
+  for (const Picture& p :
+       {Picture(kWidth, kHeight, 0), Picture(kWidth, kHeight, 255), Picture(kWidth, kHeight, 128), edge}) {
+    rig.show(p, textured);
+    CHECK(rig.tracker.capture(0, rig.before, {120, 90}) == PatchStatus::flat);
+    CHECK(rig.tracker.track_between(rig.before, {120, 90}, rig.after, {120, 90}).status == PatchStatus::flat);
+  }
+  for (const int grey : {0, 128, 255}) {
+    rig.show(textured, Picture(kWidth, kHeight, static_cast<std::uint8_t>(grey)));
+    REQUIRE(rig.tracker.capture(0, rig.before, {120, 90}) == PatchStatus::ok);
+    const PatchResult r = rig.tracker.track(0, rig.after, {120, 90});
+    CHECK(r.status != PatchStatus::ok);
+    CHECK(is_finite(r.x));
+  }
+}
+
+TEST_CASE("bad arguments are named and change nothing") {
+  const Picture a = render(Texture(2), {}, kWidth, kHeight);
+  Rig rig;
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const Pyramid empty;
+  CHECK(rig.tracker.capture(0, rig.before, {100, 90}) == PatchStatus::bad_argument);  // never built
+  rig.show(a, a);
+  REQUIRE(rig.tracker.capture(0, rig.before, {100, 90}) == PatchStatus::ok);
+  for (const int slot : {-1, 200, 1 << 30}) {
+    CHECK(rig.tracker.capture(slot, rig.before, {100, 90}) == PatchStatus::bad_argument);
+    CHECK(rig.tracker.track(slot, rig.after, {100, 90}).status == PatchStatus::bad_argument);
+    CHECK(!rig.tracker.is_captured(slot));
+    rig.tracker.release(slot);
+  }
+  for (const Vec2 x : {Vec2{nan, 90}, Vec2{100, nan}, Vec2{inf, 90}}) {
+    CHECK(rig.tracker.capture(1, rig.before, x) == PatchStatus::bad_argument);
+    CHECK(rig.tracker.track(0, rig.after, x).status == PatchStatus::bad_argument);
+    CHECK(rig.tracker.track_between(rig.before, x, rig.after, {100, 90}).status == PatchStatus::bad_argument);
+    CHECK(rig.tracker.track_between(rig.before, {100, 90}, rig.after, x).status == PatchStatus::bad_argument);
+  }
+  for (const Mat2& w :
+       {Mat2{nan, 0, 0, 1}, Mat2{1, 0, 0, -1}, Mat2{0, 0, 0, 0}, Mat2{5, 0, 0, 1}, Mat2{1, inf, 0, 1}})
+    CHECK(rig.tracker.track(0, rig.after, {100, 90}, w).status == PatchStatus::bad_argument);
+  CHECK(rig.tracker.track(0, empty, {100, 90}).status == PatchStatus::bad_argument);
+  CHECK(rig.tracker.track_between(empty, {100, 90}, rig.after, {100, 90}).status ==
+        PatchStatus::bad_argument);
+  CHECK(rig.tracker.track(1, rig.after, {100, 90}).status == PatchStatus::empty_slot);
+  CHECK(rig.tracker.track(0, rig.after, {100, 90}).status == PatchStatus::ok);
+  rig.tracker.release(0);
+  CHECK(rig.tracker.track(0, rig.after, {100, 90}).status == PatchStatus::empty_slot);
+  PatchTracker never_made;
+  CHECK(never_made.track_between(rig.before, {100, 90}, rig.after, {100, 90}).status ==
+        PatchStatus::bad_argument);
+  CHECK(never_made.capture(0, rig.before, {100, 90}) == PatchStatus::bad_argument);
+}
+
+TEST_CASE("pictures hardly larger than the window are tracked or refused, never misread") {
+  const Texture texture(2);
+  for (int side = 8; side < 40; side += 3) {
+    CAPTURE(side);
+    const Picture a = render(texture, {}, side, side + 2),
+                  b = render(texture, shift(0.5, 0.4), side, side + 2);
+    Rig rig({1, 15, 3, 8}, side, side + 2);
+    rig.show(a, b);
+    const float middle = static_cast<float>(side) / 2;
+    const PatchStatus s = rig.tracker.capture(0, rig.before, {middle, middle});
+    if (side < 15) CHECK(s == PatchStatus::outside_image);
+    const PatchResult r = rig.tracker.track(0, rig.after, {middle, middle});
+    if (r.status == PatchStatus::ok) CHECK(length(r.x - Vec2{middle + 0.5f, middle + 0.4f}) < 0.2f);
+  }
+}
+
+TEST_CASE("limits out of range are refused, and every smaller arena fails cleanly") {
+  std::vector<std::uint8_t> block(1 << 20);
+  Arena arena(block.data(), block.size());
+  PatchTracker t;
+  for (const PatchLimits& l :
+       {PatchLimits{-1, 11, 3, 4}, PatchLimits{4, 12, 3, 4}, PatchLimits{4, 5, 3, 4},
+        PatchLimits{4, 23, 3, 4}, PatchLimits{4, 11, 0, 4}, PatchLimits{4, 11, 7, 4},
+        PatchLimits{4, 11, 3, -1}, PatchLimits{4, 11, 3, 17}, PatchLimits{1 << 20, 11, 3, 4}})
+    CHECK(t.create(arena, l) == Status::bad_argument);
+  CHECK(arena.used_bytes() == 0);
+  const PatchLimits limits{3, 9, 2, 1};
+  const std::size_t bytes = measured_bytes<PatchTracker>(limits);
+  for (std::size_t n = 0; n <= bytes; n += 16) {
+    Arena small(block.data(), n);
+    PatchTracker u;
+    REQUIRE(u.create(small, limits) == (n < bytes ? Status::out_of_memory : Status::ok));
+    REQUIRE(small.used_bytes() == (n < bytes ? 0 : bytes));
+  }
+}
+
+TEST_CASE("every status has a text") {
+  for (int s = 0; s <= 8; ++s) CHECK(std::strlen(text(static_cast<PatchStatus>(s))) > 4);
+}
