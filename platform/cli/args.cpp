@@ -62,7 +62,8 @@ double Args::number(const char* name, double otherwise, double low, double high)
   const auto value = text(name);
   if (!value) return otherwise;
   const auto parsed = parse_number(*value);
-  if (!parsed || *parsed < low || *parsed > high) fail_usage(std::string(name) + ": not a number in range: " + *value);
+  if (!parsed || *parsed < low || *parsed > high)
+    fail_usage(std::string(name) + ": not a number in range: " + *value);
   return *parsed;
 }
 
@@ -96,7 +97,8 @@ std::optional<std::vector<float>> Args::numbers(const char* name, std::size_t co
     parsed.push_back(static_cast<float>(*number));
     start = comma + 1;
   }
-  if (parsed.size() != count) fail_usage(std::string(name) + " needs " + std::to_string(count) + " numbers: " + *value);
+  if (parsed.size() != count)
+    fail_usage(std::string(name) + " needs " + std::to_string(count) + " numbers: " + *value);
   return parsed;
 }
 

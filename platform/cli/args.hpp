@@ -11,8 +11,8 @@
 namespace pliant::cli {
 
 struct Option {
-  const char* name;     ///< with its dashes: "-o", "--size"
-  const char* value;    ///< what the help calls its value; null for a flag
+  const char* name;   ///< with its dashes: "-o", "--size"
+  const char* value;  ///< what the help calls its value; null for a flag
   const char* help;
   bool in_this_build = true;  ///< false: known, but refused by name
 };

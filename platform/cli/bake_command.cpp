@@ -31,12 +31,13 @@ int run_bake(const Args& args, Console& console) {
   bake::BakeReport report;
   if (!bake::bake(options, table, error, &report)) throw Failure(kBadInput, error);
   write_file(output, {reinterpret_cast<const char*>(table.data()), table.size()});
-  if (const auto source = args.text("--embed")) write_file(*source, bake::embedded(table, array_name(*source)));
+  if (const auto source = args.text("--embed"))
+    write_file(*source, bake::embedded(table, array_name(*source)));
 
-  console.out << output << ": " << report.table_bytes << " bytes, " << report.field_count << " fields; rest shape to "
-              << report.neutral_mean_mm << " mm mean, " << report.neutral_max_mm << " mm worst; shapes to "
-              << report.shape_mean_mm << " mm mean, " << report.shape_max_mm << " mm worst (" << report.worst_shape
-              << ")\n";
+  console.out << output << ": " << report.table_bytes << " bytes, " << report.field_count
+              << " fields; rest shape to " << report.neutral_mean_mm << " mm mean, " << report.neutral_max_mm
+              << " mm worst; shapes to " << report.shape_mean_mm << " mm mean, " << report.shape_max_mm
+              << " mm worst (" << report.worst_shape << ")\n";
   return 0;
 }
 

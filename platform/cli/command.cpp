@@ -18,7 +18,8 @@ std::vector<Command> commands() {
 
 void print_help(std::ostream& out) {
   out << "usage: pliant COMMAND ...\n";
-  for (const Command& c : commands()) out << "  pliant " << c.name << " " << c.usage << "\n      " << c.summary << "\n";
+  for (const Command& c : commands())
+    out << "  pliant " << c.name << " " << c.usage << "\n      " << c.summary << "\n";
   out << "`pliant COMMAND --help` explains one.\n";
 }
 
@@ -60,18 +61,22 @@ int run(const std::vector<std::string>& words, Console& console) {
     return 0;
   }
   if (words[0] == "--version") {
-    console.out << "pliant " << PLIANT_VERSION_MAJOR << "." << PLIANT_VERSION_MINOR << "." << PLIANT_VERSION_PATCH << "\n";
+    console.out << "pliant " << PLIANT_VERSION_MAJOR << "." << PLIANT_VERSION_MINOR << "."
+                << PLIANT_VERSION_PATCH << "\n";
     return 0;
   }
   const std::vector<std::string> rest(words.begin() + 1, words.end());
   for (const Command& command : commands()) {
     if (words[0] != command.name) continue;
-    if (std::find(rest.begin(), rest.end(), "--help") == rest.end()) return run_command(command, rest, console);
+    if (std::find(rest.begin(), rest.end(), "--help") == rest.end())
+      return run_command(command, rest, console);
     print_help(command, console.out);
     return 0;
   }
-  const bool is_elsewhere = std::find(std::begin(kElsewhere), std::end(kElsewhere), words[0]) != std::end(kElsewhere);
-  console.err << "pliant: " << (is_elsewhere ? "not available in this build: " : "no such command: ") << words[0] << "\n";
+  const bool is_elsewhere =
+      std::find(std::begin(kElsewhere), std::end(kElsewhere), words[0]) != std::end(kElsewhere);
+  console.err << "pliant: " << (is_elsewhere ? "not available in this build: " : "no such command: ")
+              << words[0] << "\n";
   return kBadUsage;
 }
 

@@ -19,9 +19,9 @@ struct Console {
 struct Command {
   const char* name;
   const char* summary;
-  const char* usage;             ///< what follows "pliant NAME"
+  const char* usage;  ///< what follows "pliant NAME"
   std::vector<Option> options;
-  std::size_t operands;          ///< positional words
+  std::size_t operands;                            ///< positional words
   int (*run)(const Args& args, Console& console);  ///< \return the exit code; throws Failure
 };
 
@@ -31,8 +31,8 @@ Command fit_command();
 Command track_command();
 Command render_command();
 
-/// Runs a whole command line (without the program's name). \return 0 on success, 2 on bad usage, 1 on bad input; then
-/// one line on `err` says what is wrong and where. Never throws.
+/// Runs a whole command line (without the program's name). \return 0 on success, 2 on bad usage, 1 on bad
+/// input; then one line on `err` says what is wrong and where. Never throws.
 int run(const std::vector<std::string>& words, Console& console);
 
 /// A counter that overwrites itself on a terminal, and is silent elsewhere.

@@ -43,7 +43,8 @@ std::vector<std::string> split(std::string_view line) {
 }  // namespace
 
 CsvTable::CsvTable(std::string source, std::string_view text) : source_(std::move(source)) {
-  if (text.substr(0, 3) == "\xef\xbb\xbf") text.remove_prefix(3);  // a byte order mark, as spreadsheets write it
+  if (text.substr(0, 3) == "\xef\xbb\xbf")
+    text.remove_prefix(3);  // a byte order mark, as spreadsheets write it
   std::size_t line_number = 0;
   while (!text.empty()) {
     const std::size_t end = text.find('\n');
@@ -58,7 +59,8 @@ CsvTable::CsvTable(std::string source, std::string_view text) : source_(std::mov
     }
     rows_.push_back({line_number, split(line)});
     if (rows_.back().cells.size() != columns_.size())
-      fail_input(where(rows_.size() - 1), std::to_string(rows_.back().cells.size()) + " cells where the header has " +
+      fail_input(where(rows_.size() - 1), std::to_string(rows_.back().cells.size()) +
+                                              " cells where the header has " +
                                               std::to_string(columns_.size()));
   }
   if (columns_.empty()) fail_input(source_, "is empty: a header line is expected");

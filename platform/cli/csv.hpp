@@ -11,7 +11,8 @@ namespace pliant::cli {
 /// A CSV file in memory. Every complaint names the file, the line and the column.
 class CsvTable {
  public:
-  /// Bad input when there is no header, a header is repeated, or a row has another number of cells than the header.
+  /// Bad input when there is no header, a header is repeated, or a row has another number of cells than the
+  /// header.
   CsvTable(std::string source, std::string_view text);
 
   const std::string& source() const { return source_; }

@@ -21,8 +21,10 @@ void fill_box(Image& image, int x, int y, int width, int height, Colour colour, 
 /// A frame along the rim of the picture.
 void draw_border(Image& image, int thickness, Colour colour);
 
-/// Text in a 5 x 7 pixel font, each dot `scale` pixels; `x`, `y` is its upper left corner. Letters are shown as capitals.
-void draw_text(Image& image, int x, int y, std::string_view text, int scale, Colour colour, float opacity = 1);
+/// Text in a 5 x 7 pixel font, each dot `scale` pixels; `x`, `y` is its upper left corner. Letters are shown
+/// as capitals.
+void draw_text(Image& image, int x, int y, std::string_view text, int scale, Colour colour,
+               float opacity = 1);
 /// Width of such a text in pixels.
 int text_width(std::string_view text, int scale);
 constexpr int kTextHeight = 7;

@@ -1,6 +1,7 @@
 #pragma once
 /// \file failure.hpp
-/// How a command ends early. Host code throws it; `run` (command.hpp) turns it into one line and an exit code.
+/// How a command ends early. Host code throws it; `run` (command.hpp) turns it into one line and an exit
+/// code.
 #include <stdexcept>
 #include <string>
 
@@ -24,7 +25,9 @@ class Failure : public std::runtime_error {
 [[noreturn]] inline void fail_input(const std::string& where, const std::string& what) {
   throw Failure(kBadInput, where + ": " + what);
 }
-[[noreturn]] inline void fail_usage(const std::string& what) { throw Failure(kBadUsage, what); }
+[[noreturn]] inline void fail_usage(const std::string& what) {
+  throw Failure(kBadUsage, what);
+}
 
 /// Passes `ok`; anything else is bad input at `where`.
 inline void require(Status status, const std::string& where) {

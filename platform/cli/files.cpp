@@ -16,7 +16,8 @@ std::string read_file(const std::string& path, std::size_t limit_bytes) {
   std::string bytes;
   char block[65536];
   std::size_t got = 0;
-  while ((got = std::fread(block, 1, sizeof block, file)) > 0 && bytes.size() <= limit_bytes) bytes.append(block, got);
+  while ((got = std::fread(block, 1, sizeof block, file)) > 0 && bytes.size() <= limit_bytes)
+    bytes.append(block, got);
   const bool failed = std::ferror(file) != 0;
   std::fclose(file);
   if (failed) fail_input(path, "reading failed");
@@ -82,7 +83,7 @@ ModelFile::ModelFile(const std::string& path) : path_(path) {
 
 std::string number_text(double value) {
   char text[40];
-  std::snprintf(text, sizeof text, "%.9g", value);
+  std::snprintf(text, sizeof text, "%.9g", value + 0.0);  // no "-0"
   return text;
 }
 

@@ -14,9 +14,9 @@ namespace pliant::cli {
 /// All bytes of a file. Bad input when it cannot be read, is a directory, or is larger than `limit_bytes`.
 std::string read_file(const std::string& path, std::size_t limit_bytes = std::size_t{1} << 28);
 
-/// A file that appears under its name only when it is complete: whoever makes it writes to `working_path()`, `commit`
-/// gives it its name, and what was not committed is removed. A path that exists and is no regular file (a device, a
-/// pipe) is its own working path.
+/// A file that appears under its name only when it is complete: whoever makes it writes to `working_path()`,
+/// `commit` gives it its name, and what was not committed is removed. A path that exists and is no regular
+/// file (a device, a pipe) is its own working path.
 class PendingFile {
  public:
   /// Creates the working file, empty. Bad input when that cannot be done.
@@ -69,7 +69,8 @@ class ModelFile {
   Model model_;
 };
 
-/// A number as it is written into files that are read again: nine significant digits, the shortest that keep a float.
+/// A number as it is written into files that are read again: nine significant digits, the shortest that keep
+/// a float.
 std::string number_text(double value);
 
 }  // namespace pliant::cli

@@ -49,8 +49,8 @@ void draw_overlay(const std::string& path, const Model& model, const FitFile& fi
   for (const auto& x : project_landmarks(model, *cascade, view_of(fit.pose, fit.camera), q.data()))
     if (x) overlay.draw_landmark(*x);
   char caption[64];
-  std::snprintf(caption, sizeof caption, "RMS %.2f PX, %zu OF %zu POINTS", static_cast<double>(fit.rms_px), fit.inliers,
-                fit.points.size());
+  std::snprintf(caption, sizeof caption, "RMS %.2f PX, %zu OF %zu POINTS", static_cast<double>(fit.rms_px),
+                fit.inliers, fit.points.size());
   if (!fit.points.empty()) overlay.draw_caption(caption);
   write_file(path, encode_png(overlay.image()));
 }
@@ -83,7 +83,8 @@ int run_fit(const Args& args, Console& console) {
     fit = fit_to_box(file, *box, setup);
     setup.view = view_of(fit.pose, fit.camera);
   }
-  if (const auto points = args.text("--points")) fit = fit_to_points(file, *points, read_points(*points), setup);
+  if (const auto points = args.text("--points"))
+    fit = fit_to_points(file, *points, read_points(*points), setup);
 
   write_file(output, fit_text(fit));
   if (const auto path = args.text("--overlay")) draw_overlay(*path, model, fit, picture);
@@ -96,21 +97,23 @@ int run_fit(const Args& args, Console& console) {
 }  // namespace
 
 Command fit_command() {
-  return {"fit",
-          "Fits a model to one picture: pose, focal length and parameters.",
-          "face.plm (--points points.csv | --box x,y,w,h | --pose fit.json) --size WxH [--image picture] [--focal PX] "
-          "[--parameters GROUP|COUNT] -o fit.json [--overlay picture.png]",
-          {{"--points", "CSV", "landmark,x,y: landmarks of the model by name, at least four"},
-           {"--box", "X,Y,W,H", "a face detector's box; with --points, the start of the fit"},
-           {"--pose", "JSON", "an earlier fit; with --points, the start of the fit"},
-           {"--size", "WxH", "of the picture, where no --image tells"},
-           {"--image", "FILE", "the picture, to draw on"},
-           {"--focal", "PX", "focal length, when it is known"},
-           {"--parameters", "CHOICE", "free ones: identity, expression, all (default), none, or the first COUNT"},
-           {"-o", "JSON", "the fit to write"},
-           {"--overlay", "PNG", "a picture of the fit"}},
-          1,
-          run_fit};
+  return {
+      "fit",
+      "Fits a model to one picture: pose, focal length and parameters.",
+      "face.plm (--points points.csv | --box x,y,w,h | --pose fit.json) --size WxH [--image picture] "
+      "[--focal PX] "
+      "[--parameters GROUP|COUNT] -o fit.json [--overlay picture.png]",
+      {{"--points", "CSV", "landmark,x,y: landmarks of the model by name, at least four"},
+       {"--box", "X,Y,W,H", "a face detector's box; with --points, the start of the fit"},
+       {"--pose", "JSON", "an earlier fit; with --points, the start of the fit"},
+       {"--size", "WxH", "of the picture, where no --image tells"},
+       {"--image", "FILE", "the picture, to draw on"},
+       {"--focal", "PX", "focal length, when it is known"},
+       {"--parameters", "CHOICE", "free ones: identity, expression, all (default), none, or the first COUNT"},
+       {"-o", "JSON", "the fit to write"},
+       {"--overlay", "PNG", "a picture of the fit"}},
+      1,
+      run_fit};
 }
 
 }  // namespace pliant::cli

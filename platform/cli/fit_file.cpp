@@ -35,7 +35,8 @@ class Members {
   NamedValues named_values(const char* name) const {
     NamedValues out;
     const Json* value = find(name);
-    if (value == nullptr || value->object() == nullptr) fail_input(where(name), "is missing or not an object");
+    if (value == nullptr || value->object() == nullptr)
+      fail_input(where(name), "is missing or not an object");
     for (const auto& [key, item] : *value->object()) out.emplace_back(key, number_of(&item, key));
     return out;
   }
@@ -68,9 +69,7 @@ Pose parse_pose(const Members& pose) {
   const float squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   if (!(squared > 0.9f && squared < 1.1f)) fail_input(pose.where("q"), "is not a unit quaternion");
   if (!(t[2] > 0)) fail_input(pose.where("t"), "lies behind the camera");
-  // A unit quaternion passes unchanged: normalising it would cost its last bit.
-  const Quat given{q[0], q[1], q[2], q[3]};
-  return {magnitude(squared - 1) < 1e-6f ? given : normalised(given), {t[0], t[1], t[2]}};
+  return {unit_of({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}};
 }
 
 void parse_points(const Members& root, const std::string& source, FitFile* fit) {
@@ -80,7 +79,8 @@ void parse_points(const Members& root, const std::string& source, FitFile* fit) 
   for (const Json& item : *points->array()) {
     const Members point(source + ": 'points'", &item);
     const Json* used = point.find("used");
-    fit->points.push_back({point.string("landmark"), {point.number("x"), point.number("y")},
+    fit->points.push_back({point.string("landmark"),
+                           {point.number("x"), point.number("y")},
                            {point.number("dx"), point.number("dy")},
                            used != nullptr && used->boolean() != nullptr && *used->boolean()});
   }
@@ -92,9 +92,16 @@ Json::Object object_of(const NamedValues& values) {
   return out;
 }
 
-Json number(float value) { return Json(static_cast<double>(value)); }
+Json number(float value) {
+  return Json(static_cast<double>(value));
+}
 
 }  // namespace
+
+Quat unit_of(Quat q) {
+  const float squared = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+  return magnitude(squared - 1) < 1e-6f ? q : normalised(q);
+}
 
 FitFile parse_fit(const std::string& source, const std::string& text) {
   const Json json = Json::parse(source, text);
@@ -110,7 +117,8 @@ FitFile parse_fit(const std::string& source, const std::string& text) {
   fit.parameters = root.named_values("parameters");
   if (root.find("sd") != nullptr) fit.sd = root.named_values("sd");
   if (root.find("rms_px") != nullptr) fit.rms_px = root.number("rms_px");
-  if (root.find("inliers") != nullptr) fit.inliers = static_cast<std::size_t>(root.number("inliers", 0, 65535));
+  if (root.find("inliers") != nullptr)
+    fit.inliers = static_cast<std::size_t>(root.number("inliers", 0, 65535));
   if (const Json* unseen = root.find("unseen"); unseen != nullptr && unseen->array() != nullptr)
     for (const Json& name : *unseen->array())
       if (name.string() != nullptr) fit.unseen.push_back(*name.string());
@@ -138,8 +146,9 @@ std::string fit_text(const FitFile& fit) {
                   {"camera", Json(Json::Object{{"f", number(fit.camera.f)},
                                                {"cx", number(fit.camera.cx)},
                                                {"cy", number(fit.camera.cy)}})},
-                  {"pose", Json(Json::Object{{"q", Json(Json::Array{number(q.w), number(q.x), number(q.y), number(q.z)})},
-                                             {"t", Json(Json::Array{number(t.x), number(t.y), number(t.z)})}})},
+                  {"pose", Json(Json::Object{
+                               {"q", Json(Json::Array{number(q.w), number(q.x), number(q.y), number(q.z)})},
+                               {"t", Json(Json::Array{number(t.x), number(t.y), number(t.z)})}})},
                   {"parameters", Json(object_of(fit.parameters))},
                   {"sd", Json(object_of(fit.sd))},
                   {"unseen", Json(unseen)},

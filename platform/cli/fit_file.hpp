@@ -32,9 +32,13 @@ struct FitFile {
   std::vector<FitPoint> points;
 };
 
-/// Bad input, naming the member, for anything but a complete file of version 1 with finite numbers and a valid pose.
+/// Bad input, naming the member, for anything but a complete file of version 1 with finite numbers and a
+/// valid pose.
 FitFile parse_fit(const std::string& source, const std::string& text);
 std::string fit_text(const FitFile& fit);
+
+/// A quaternion from a file, normalised only where it needs it: doing so again would cost its last bit.
+Quat unit_of(Quat q);
 
 /// The parameters of a model that a name drives: the one so called, or, where a file has one name for a pair
 /// (`browInnerUp`), its Left and Right. Empty when there is none.

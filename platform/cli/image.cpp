@@ -9,8 +9,9 @@ Image image_of(const FrameView& frame) {
   Image image(frame.width, frame.height, 1);
   for (int y = 0; y < frame.height; ++y)
     for (int x = 0; x < frame.width; ++x)
-      *image.at(x, y) = frame.data[static_cast<std::size_t>(y) * frame.stride_bytes +
-                                   static_cast<std::size_t>(x) * static_cast<std::size_t>(frame.pixel_step_bytes)];
+      *image.at(x, y) =
+          frame.data[static_cast<std::size_t>(y) * frame.stride_bytes +
+                     static_cast<std::size_t>(x) * static_cast<std::size_t>(frame.pixel_step_bytes)];
   return image;
 }
 
@@ -43,8 +44,10 @@ Image enlarged(const Image& image, int factor) {
       const int x1 = std::min(x0 + 1, image.width - 1), y1 = std::min(y0 + 1, image.height - 1);
       const float fx = sx - static_cast<float>(x0), fy = sy - static_cast<float>(y0);
       for (int c = 0; c < image.channels; ++c) {
-        const float top = static_cast<float>(image.at(x0, y0)[c]) * (1 - fx) + static_cast<float>(image.at(x1, y0)[c]) * fx;
-        const float low = static_cast<float>(image.at(x0, y1)[c]) * (1 - fx) + static_cast<float>(image.at(x1, y1)[c]) * fx;
+        const float top =
+            static_cast<float>(image.at(x0, y0)[c]) * (1 - fx) + static_cast<float>(image.at(x1, y0)[c]) * fx;
+        const float low =
+            static_cast<float>(image.at(x0, y1)[c]) * (1 - fx) + static_cast<float>(image.at(x1, y1)[c]) * fx;
         out.at(x, y)[c] = static_cast<std::uint8_t>(top * (1 - fy) + low * fy + 0.5f);
       }
     }
@@ -52,14 +55,16 @@ Image enlarged(const Image& image, int factor) {
 }
 
 Image shrunk_to(const Image& image, int width, int height) {
-  const double scale = std::min({1.0, static_cast<double>(width) / image.width, static_cast<double>(height) / image.height});
+  const double scale =
+      std::min({1.0, static_cast<double>(width) / image.width, static_cast<double>(height) / image.height});
   if (scale >= 1.0) return image;
-  Image out(std::max(1, static_cast<int>(image.width * scale)), std::max(1, static_cast<int>(image.height * scale)),
-            image.channels);
+  Image out(std::max(1, static_cast<int>(image.width * scale)),
+            std::max(1, static_cast<int>(image.height * scale)), image.channels);
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
       const int x0 = x * image.width / out.width, x1 = std::max(x0 + 1, (x + 1) * image.width / out.width);
-      const int y0 = y * image.height / out.height, y1 = std::max(y0 + 1, (y + 1) * image.height / out.height);
+      const int y0 = y * image.height / out.height,
+                y1 = std::max(y0 + 1, (y + 1) * image.height / out.height);
       for (int c = 0; c < image.channels; ++c) {
         int sum = 0;
         for (int j = y0; j < y1; ++j)

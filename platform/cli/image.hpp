@@ -20,8 +20,11 @@ struct Image {
 
   Image() = default;
   Image(int w, int h, int c, std::uint8_t value = 0)
-      : width(w), height(h), channels(c),
-        pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c), value) {}
+      : width(w),
+        height(h),
+        channels(c),
+        pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c),
+               value) {}
 
   std::uint8_t* at(int x, int y) { return pixels.data() + offset(x, y); }
   const std::uint8_t* at(int x, int y) const { return pixels.data() + offset(x, y); }
@@ -40,7 +43,8 @@ Image image_of(const FrameView& frame);
 Image to_grey(const Image& image);
 /// Three equal channels of a grey picture; a copy of a colour one.
 Image to_colour(const Image& image);
-/// Every pixel as a block of factor x factor, smoothed bilinearly: what lines are drawn on without hiding the picture.
+/// Every pixel as a block of factor x factor, smoothed bilinearly: what lines are drawn on without hiding the
+/// picture.
 Image enlarged(const Image& image, int factor);
 /// Averages down to at most `width` x `height` pixels, keeping the proportions; a copy where it fits already.
 Image shrunk_to(const Image& image, int width, int height);

@@ -48,7 +48,8 @@ Image read_image(const std::string& path) {
 std::string encode_png(const Image& image) {
   std::string bytes;
   const auto append = [](void* context, void* data, int size) {
-    static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+    static_cast<std::string*>(context)->append(static_cast<const char*>(data),
+                                               static_cast<std::size_t>(size));
   };
   stbi_write_png_to_func(append, &bytes, image.width, image.height, image.channels, image.pixels.data(),
                          image.width * image.channels);

@@ -20,15 +20,24 @@ void print(std::ostream& out, const char* format, Values... values) {
 
 const char* name_of(Operation operation) {
   switch (operation) {
-    case Operation::constant: return "constant";
-    case Operation::add_vector: return "add_vector";
-    case Operation::product: return "product";
-    case Operation::one_sided: return "one_sided";
-    case Operation::scale: return "scale";
-    case Operation::rotate: return "rotate";
-    case Operation::affine: return "affine";
-    case Operation::rigid: return "rigid";
-    case Operation::lerp: return "lerp";
+    case Operation::constant:
+      return "constant";
+    case Operation::add_vector:
+      return "add_vector";
+    case Operation::product:
+      return "product";
+    case Operation::one_sided:
+      return "one_sided";
+    case Operation::scale:
+      return "scale";
+    case Operation::rotate:
+      return "rotate";
+    case Operation::affine:
+      return "affine";
+    case Operation::rigid:
+      return "rigid";
+    case Operation::lerp:
+      return "lerp";
   }
   return "?";
 }
@@ -52,13 +61,14 @@ void print_fields(const Model& model, std::ostream& out) {
     bytes8 += f.bits == 8 ? 1 : 0;
     whole += f.u0 == 0 && f.v0 == 0 && f.u1 == 1 && f.v1 == 1 ? 1 : 0;
   }
-  print(out, "fields: %zu vector, %zu weight; %zu over the whole chart, %zu mirrored, %zu of 8 bits\n", vectors, weights,
-        whole, mirrored, bytes8);
+  print(out, "fields: %zu vector, %zu weight; %zu over the whole chart, %zu mirrored, %zu of 8 bits\n",
+        vectors, weights, whole, mirrored, bytes8);
   for (std::size_t k = 0; k < model.fields().count; ++k) {
     const Field& f = model.fields()[k];
     print(out, "  %3zu %4u x %-4u %s %2u bits  u %.3f..%.3f  v %.3f..%.3f%s\n", k, f.width, f.height,
-          f.components == 3 ? "vector" : "weight", f.bits, static_cast<double>(f.u0), static_cast<double>(f.u1),
-          static_cast<double>(f.v0), static_cast<double>(f.v1), f.mirror != 0 ? "  mirrored" : "");
+          f.components == 3 ? "vector" : "weight", f.bits, static_cast<double>(f.u0),
+          static_cast<double>(f.u1), static_cast<double>(f.v0), static_cast<double>(f.v1),
+          f.mirror != 0 ? "  mirrored" : "");
   }
 }
 
@@ -79,7 +89,8 @@ int run_info(const Args& args, Console& console) {
   const ModelFile file(args.operand(0));
   const Model& model = file.model();
   std::ostream& out = console.out;
-  print(out, "%s: %zu bytes, crc %08x\n", file.path().c_str(), model.table_bytes(), static_cast<unsigned>(model.crc()));
+  print(out, "%s: %zu bytes, crc %08x\n", file.path().c_str(), model.table_bytes(),
+        static_cast<unsigned>(model.crc()));
   print_parameters(model, Group::identity, "identity", out);
   print_parameters(model, Group::expression, "expression", out);
   print_fields(model, out);
@@ -91,7 +102,8 @@ int run_info(const Args& args, Console& console) {
   for (const Landmark& l : model.landmarks()) out << " " << l.name;
   out << "\nmemory at run time:\n";
   print(out, "  cascade               %8zu bytes\n", measured_bytes<Cascade>(model));
-  print(out, "  fit, %3u points       %8zu bytes\n", FitLimits{}.points, measured_bytes<Fitter>(model, FitLimits{}));
+  print(out, "  fit, %3u points       %8zu bytes\n", FitLimits{}.points,
+        measured_bytes<Fitter>(model, FitLimits{}));
   const TrackerLimits limits;
   print(out, "  tracker, %3u x %-3u    %8zu bytes (%u patches, %u vertices)\n", limits.width, limits.height,
         measured_bytes<Tracker>(model, limits), limits.patches, limits.vertices);
@@ -101,7 +113,8 @@ int run_info(const Args& args, Console& console) {
 }  // namespace
 
 Command info_command() {
-  return {"info", "Prints what is in a model table, and what it costs at run time.", "face.plm", {}, 1, run_info};
+  return {"info",  "Prints what is in a model table, and what it costs at run time.", "face.plm", {}, 1,
+          run_info};
 }
 
 }  // namespace pliant::cli

@@ -35,7 +35,8 @@ class Parser {
 
   char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
   void skip_space() {
-    while (at_ < text_.size() && std::string_view(" \t\r\n").find(text_[at_]) != std::string_view::npos) ++at_;
+    while (at_ < text_.size() && std::string_view(" \t\r\n").find(text_[at_]) != std::string_view::npos)
+      ++at_;
   }
   bool take(char c) {
     skip_space();
@@ -53,10 +54,14 @@ class Parser {
     if (depth > Json::kMaxDepth) fail("nested too deeply");
     skip_space();
     switch (peek()) {
-      case '{': return parse_object(depth);
-      case '[': return parse_array(depth);
-      case '"': return Json(parse_string());
-      default: break;
+      case '{':
+        return parse_object(depth);
+      case '[':
+        return parse_array(depth);
+      case '"':
+        return Json(parse_string());
+      default:
+        break;
     }
     if (take_word("true")) return Json(true);
     if (take_word("false")) return Json(false);
@@ -100,7 +105,8 @@ class Parser {
       return at_ != first;
     };
     if (peek() == '-') ++at_;
-    const bool leading_zero = peek() == '0' && at_ + 1 < text_.size() && text_[at_ + 1] >= '0' && text_[at_ + 1] <= '9';
+    const bool leading_zero =
+        peek() == '0' && at_ + 1 < text_.size() && text_[at_ + 1] >= '0' && text_[at_ + 1] <= '9';
     bool valid = !leading_zero && digits();
     if (valid && peek() == '.') {
       ++at_;
@@ -135,9 +141,12 @@ class Parser {
       ++at_;
       static constexpr std::string_view kFrom = "\"\\/bfnrt", kTo = "\"\\/\b\f\n\r\t";
       const std::size_t plain = kFrom.find(escape);
-      if (plain != std::string_view::npos && escape != '\0') out += kTo[plain];
-      else if (escape == 'u') append_utf8(out, parse_code_point());
-      else fail("an unknown escape");
+      if (plain != std::string_view::npos && escape != '\0')
+        out += kTo[plain];
+      else if (escape == 'u')
+        append_utf8(out, parse_code_point());
+      else
+        fail("an unknown escape");
     }
   }
 
@@ -203,12 +212,18 @@ std::string json_number(double value) {
   return std::to_string(static_cast<long long>(value));
 }
 
-bool is_plain(const Json& value) { return value.array() == nullptr && value.object() == nullptr; }
-bool is_plain(const std::pair<std::string, Json>& member) { return is_plain(member.second); }
+bool is_plain(const Json& value) {
+  return value.array() == nullptr && value.object() == nullptr;
+}
+bool is_plain(const std::pair<std::string, Json>& member) {
+  return is_plain(member.second);
+}
 
 }  // namespace
 
-void Json::write_item(std::string& out, const Json& item, int indent) { item.write(out, indent); }
+void Json::write_item(std::string& out, const Json& item, int indent) {
+  item.write(out, indent);
+}
 void Json::write_item(std::string& out, const std::pair<std::string, Json>& member, int indent) {
   write_string(out, member.first);
   out += ": ";
@@ -238,7 +253,9 @@ const Json* Json::find(std::string_view name) const {
   return nullptr;
 }
 
-Json Json::parse(const std::string& source, std::string_view text) { return Parser(source, text).whole(); }
+Json Json::parse(const std::string& source, std::string_view text) {
+  return Parser(source, text).whole();
+}
 
 std::string Json::text() const {
   std::string out;
@@ -247,12 +264,18 @@ std::string Json::text() const {
 }
 
 void Json::write(std::string& out, int indent) const {
-  if (const bool* b = boolean()) out += *b ? "true" : "false";
-  else if (const double* n = number()) out += json_number(*n);
-  else if (const std::string* s = string()) write_string(out, *s);
-  else if (const Array* items = array()) write_members(out, '[', *items, ']', indent);
-  else if (const Object* members = object()) write_members(out, '{', *members, '}', indent);
-  else out += "null";
+  if (const bool* b = boolean())
+    out += *b ? "true" : "false";
+  else if (const double* n = number())
+    out += json_number(*n);
+  else if (const std::string* s = string())
+    write_string(out, *s);
+  else if (const Array* items = array())
+    write_members(out, '[', *items, ']', indent);
+  else if (const Object* members = object())
+    write_members(out, '{', *members, '}', indent);
+  else
+    out += "null";
 }
 
 }  // namespace pliant::cli

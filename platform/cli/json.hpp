@@ -35,11 +35,12 @@ class Json {
 
   /// Containers deeper than this are refused, so that no input can exhaust the stack.
   static constexpr int kMaxDepth = 32;
-  /// The one value that `text` holds. Bad input, with `source`, line and column, for anything that is not strict JSON:
-  /// no comments, no trailing commas, no NaN, no repeated members, nothing behind the value.
+  /// The one value that `text` holds. Bad input, with `source`, line and column, for anything that is not
+  /// strict JSON: no comments, no trailing commas, no NaN, no repeated members, nothing behind the value.
   static Json parse(const std::string& source, std::string_view text);
 
-  /// Indented text with a final newline; short containers of plain values on one line; numbers with nine digits.
+  /// Indented text with a final newline; short containers of plain values on one line; numbers with nine
+  /// digits.
   std::string text() const;
 
  private:

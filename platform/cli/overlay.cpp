@@ -29,7 +29,8 @@ WireMesh wire_of(const Model& model, const FitFile& fit, const std::vector<float
   const Vec2* uv = model.base_uv().data;
   for (std::size_t i = 0; i + 2 < corners.count; i += 3) {
     const std::uint16_t a = corners[i], b = corners[i + 1], c = corners[i + 2];
-    if (doubled_area(mesh.x[a], mesh.x[b], mesh.x[c]) * doubled_area(uv[a], uv[b], uv[c]) > 0) mesh.faces.push_back({a, b, c});
+    if (doubled_area(mesh.x[a], mesh.x[b], mesh.x[c]) * doubled_area(uv[a], uv[b], uv[c]) > 0)
+      mesh.faces.push_back({a, b, c});
   }
   return mesh;
 }
@@ -61,7 +62,8 @@ std::vector<std::optional<Vec2>> project_landmarks(const Model& model, Cascade& 
   return out;
 }
 
-Overlay::Overlay(const Image& grey) : scale_(grey.width < 480 ? 2 : 1), image_(to_colour(enlarged(grey, scale_))) {}
+Overlay::Overlay(const Image& grey)
+    : scale_(grey.width < 480 ? 2 : 1), image_(to_colour(enlarged(grey, scale_))) {}
 
 Vec2 Overlay::scaled(Vec2 x) const {
   const auto s = static_cast<float>(scale_);
@@ -71,13 +73,17 @@ Vec2 Overlay::scaled(Vec2 x) const {
 void Overlay::draw_mesh(const WireMesh& mesh) {
   std::vector<std::array<std::uint16_t, 2>> edges;
   for (const auto& f : mesh.faces)
-    for (std::size_t k = 0; k < 3; ++k) edges.push_back({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});
+    for (std::size_t k = 0; k < 3; ++k)
+      edges.push_back({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  for (const auto& [a, b] : edges) draw_line(image_, scaled(mesh.x[a]), scaled(mesh.x[b]), line(), kMesh, 0.42f);
+  for (const auto& [a, b] : edges)
+    draw_line(image_, scaled(mesh.x[a]), scaled(mesh.x[b]), line(), kMesh, 0.42f);
 }
 
-void Overlay::draw_landmark(Vec2 x) { draw_dot(image_, scaled(x), 0.8f * static_cast<float>(scale_), kLandmark, 0.9f); }
+void Overlay::draw_landmark(Vec2 x) {
+  draw_dot(image_, scaled(x), 0.8f * static_cast<float>(scale_), kLandmark, 0.9f);
+}
 
 void Overlay::draw_marker(Vec2 x) {
   draw_ring(image_, scaled(x), 1.8f * static_cast<float>(scale_), line(), kMarker, 0.9f);
@@ -98,14 +104,20 @@ void Overlay::draw_caption(const std::string& text) {
 }
 
 void Overlay::draw_state(TrackState state) {
-  draw_border(image_, 4, state == TrackState::tracking ? kGood : state == TrackState::degraded ? kFair : kBad);
+  draw_border(image_, 4,
+              state == TrackState::tracking   ? kGood
+              : state == TrackState::degraded ? kFair
+                                              : kBad);
 }
 
 const char* state_text(TrackState state) {
   switch (state) {
-    case TrackState::tracking: return "tracking";
-    case TrackState::degraded: return "degraded";
-    case TrackState::lost: return "lost";
+    case TrackState::tracking:
+      return "tracking";
+    case TrackState::degraded:
+      return "degraded";
+    case TrackState::lost:
+      return "lost";
   }
   return "lost";
 }

@@ -13,7 +13,8 @@ class Owned {
  public:
   /// Lays the object out for these limits, in a block of just the size it asks for.
   template <class... Limits>
-  explicit Owned(const Limits&... limits) : block_(measured_bytes<T>(limits...) / sizeof(Line) + 1),
+  explicit Owned(const Limits&... limits)
+      : block_(measured_bytes<T>(limits...) / sizeof(Line) + 1),
         arena_(block_.data(), block_.size() * sizeof(Line)) {
     require(create_in(arena_, object_, limits...), "memory");
   }

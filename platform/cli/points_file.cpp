@@ -20,6 +20,8 @@ std::vector<NamedPoint> parse_points(const std::string& source, const std::strin
   return points;
 }
 
-std::vector<NamedPoint> read_points(const std::string& path) { return parse_points(path, read_file(path)); }
+std::vector<NamedPoint> read_points(const std::string& path) {
+  return parse_points(path, read_file(path));
+}
 
 }  // namespace pliant::cli

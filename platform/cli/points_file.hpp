@@ -14,8 +14,8 @@ struct NamedPoint {
   std::string where;  ///< "FILE: line N"
 };
 
-/// The points of a file, in its order; further columns are ignored. Bad input, with line and column: a missing column,
-/// a coordinate that is not a finite number, an empty or repeated name.
+/// The points of a file, in its order; further columns are ignored. Bad input, with line and column: a
+/// missing column, a coordinate that is not a finite number, an empty or repeated name.
 std::vector<NamedPoint> read_points(const std::string& path);
 std::vector<NamedPoint> parse_points(const std::string& source, const std::string& text);
 

@@ -8,7 +8,9 @@ Raster::Raster(int width, int height, int samples) : width_(width), height_(heig
   grey_.resize(count);
 }
 
-void Raster::clear() { std::fill(inverse_depth_.begin(), inverse_depth_.end(), 0.0f); }
+void Raster::clear() {
+  std::fill(inverse_depth_.begin(), inverse_depth_.end(), 0.0f);
+}
 
 float Raster::value(int x, int y, float background) const {
   float sum = 0;
@@ -21,7 +23,8 @@ float Raster::value(int x, int y, float background) const {
 float Raster::coverage(int x, int y) const {
   int covered = 0;
   for (int j = y * samples_; j < (y + 1) * samples_; ++j)
-    for (int i = x * samples_; i < (x + 1) * samples_; ++i) covered += inverse_depth_[index(i, j)] > 0 ? 1 : 0;
+    for (int i = x * samples_; i < (x + 1) * samples_; ++i)
+      covered += inverse_depth_[index(i, j)] > 0 ? 1 : 0;
   return static_cast<float>(covered) / static_cast<float>(samples_ * samples_);
 }
 

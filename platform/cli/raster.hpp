@@ -10,9 +10,10 @@
 
 namespace pliant::cli {
 
-/// A corner of a triangle: where it is seen, 1 / depth (any unit, > 0), and what is interpolated over the surface.
+/// A corner of a triangle: where it is seen, 1 / depth (any unit, > 0), and what is interpolated over the
+/// surface.
 struct RasterVertex {
-  Vec2 x;               ///< image px, pixel centres at integers
+  Vec2 x;  ///< image px, pixel centres at integers
   float inverse_depth = 0;
   Vec2 uv;
   float light = 0;
@@ -44,7 +45,8 @@ class Raster {
     return {(x.x + 0.5f) * s - 0.5f, (x.y + 0.5f) * s - 0.5f};
   }
   std::size_t index(int i, int j) const {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(width_ * samples_) + static_cast<std::size_t>(i);
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(width_ * samples_) +
+           static_cast<std::size_t>(i);
   }
 
   int width_, height_, samples_;
@@ -58,7 +60,8 @@ void Raster::draw(const RasterVertex& a, const RasterVertex& b, const RasterVert
   const auto cross = [](Vec2 d, Vec2 e) { return d.x * e.y - d.y * e.x; };
   const float area = cross(q - p, r - p);
   if (!(magnitude(area) > 1e-12f)) return;
-  const auto columns = static_cast<float>(width_ * samples_ - 1), rows = static_cast<float>(height_ * samples_ - 1);
+  const auto columns = static_cast<float>(width_ * samples_ - 1),
+             rows = static_cast<float>(height_ * samples_ - 1);
   const int i0 = static_cast<int>(std::ceil(clamp(std::min({p.x, q.x, r.x}), 0, columns + 1)));
   const int i1 = static_cast<int>(std::floor(clamp(std::max({p.x, q.x, r.x}), -1, columns)));
   const int j0 = static_cast<int>(std::ceil(clamp(std::min({p.y, q.y, r.y}), 0, rows + 1)));
@@ -69,7 +72,8 @@ void Raster::draw(const RasterVertex& a, const RasterVertex& b, const RasterVert
       // Barycentric in the image; dividing by depth makes them barycentric on the surface.
       const float wa = cross(q - s, r - s) / area, wb = cross(r - s, p - s) / area, wc = 1 - wa - wb;
       if (wa < 0 || wb < 0 || wc < 0) continue;
-      const float za = wa * a.inverse_depth, zb = wb * b.inverse_depth, zc = wc * c.inverse_depth, z = za + zb + zc;
+      const float za = wa * a.inverse_depth, zb = wb * b.inverse_depth, zc = wc * c.inverse_depth,
+                  z = za + zb + zc;
       if (!(z > inverse_depth_[index(i, j)])) continue;
       const float share = 1 / z;
       const Vec2 uv = share * (za * a.uv + zb * b.uv + zc * c.uv);

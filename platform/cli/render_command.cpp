@@ -45,8 +45,9 @@ class Truth {
     if (rows_) rows_->write(track_line(row));
     for (std::size_t k = 0; points_ && k < names_.size(); ++k)
       if (row.points[k])
-        points_->write(std::to_string(frame) + "," + names_[k] + "," + number_text(static_cast<double>(row.points[k]->x)) +
-                       "," + number_text(static_cast<double>(row.points[k]->y)) + "\n");
+        points_->write(std::to_string(frame) + "," + names_[k] + "," +
+                       number_text(static_cast<double>(row.points[k]->x)) + "," +
+                       number_text(static_cast<double>(row.points[k]->y)) + "\n");
   }
   void commit() {
     if (rows_) rows_->commit();
@@ -65,13 +66,13 @@ Image background_of(const Args& args, const ImageSize& size, std::uint32_t seed)
   if (!path) return make_background(size.width, size.height, seed);
   Image image = to_grey(read_image(*path));
   if (image.width != size.width || image.height != size.height)
-    fail_input(*path, "is of " + std::to_string(image.width) + "x" + std::to_string(image.height) + " pixels, not " +
-                          std::to_string(size.width) + "x" + std::to_string(size.height));
+    fail_input(*path, "is of " + std::to_string(image.width) + "x" + std::to_string(image.height) +
+                          " pixels, not " + std::to_string(size.width) + "x" + std::to_string(size.height));
   return image;
 }
 
-std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, const Camera& camera, int height,
-                                       Console& console) {
+std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, const Camera& camera,
+                                       int height, Console& console) {
   const Model& model = file.model();
   PosedParameters neutral;
   neutral.q.assign(model.parameters().count, 0.0f);
@@ -124,23 +125,25 @@ int run_render(const Args& args, Console& console) {
 }  // namespace
 
 Command render_command() {
-  return {"render",
-          "Draws a model with known pose and parameters, frame by frame, and writes the truth beside it.",
-          "face.plm --params q.csv -o frames.y4m [--identity fit.json] [--truth truth.csv] [--truth-points points.csv] "
-          "[--size WxH] [--focal PX] [--noise SD] [--seed N] [--rate FPS] [--background PICTURE]",
-          {{"--params", "CSV", "a row a frame, columns as in a track; those not there stay neutral and frontal"},
-           {"-o", "Y4M", "the video to write, grey"},
-           {"--identity", "JSON", "a fit whose identity is used where --params has no such columns"},
-           {"--truth", "CSV", "what was drawn, as a track with landmarks"},
-           {"--truth-points", "CSV", "frame,landmark,x,y"},
-           {"--size", "WxH", "320x240"},
-           {"--focal", "PX", "1.4 times the larger side"},
-           {"--noise", "SD", "of the sensor, in grey levels (2)"},
-           {"--seed", "N", "of noise and background (1)"},
-           {"--rate", "FPS", "frames a second (30)"},
-           {"--background", "PICTURE", "behind the model, of the frames' size; else soft blotches"}},
-          1,
-          run_render};
+  return {
+      "render",
+      "Draws a model with known pose and parameters, frame by frame, and writes the truth beside it.",
+      "face.plm --params q.csv -o frames.y4m [--identity fit.json] [--truth truth.csv] [--truth-points "
+      "points.csv] "
+      "[--size WxH] [--focal PX] [--noise SD] [--seed N] [--rate FPS] [--background PICTURE]",
+      {{"--params", "CSV", "a row a frame, columns as in a track; those not there stay neutral and frontal"},
+       {"-o", "Y4M", "the video to write, grey"},
+       {"--identity", "JSON", "a fit whose identity is used where --params has no such columns"},
+       {"--truth", "CSV", "what was drawn, as a track with landmarks"},
+       {"--truth-points", "CSV", "frame,landmark,x,y"},
+       {"--size", "WxH", "320x240"},
+       {"--focal", "PX", "1.4 times the larger side"},
+       {"--noise", "SD", "of the sensor, in grey levels (2)"},
+       {"--seed", "N", "of noise and background (1)"},
+       {"--rate", "FPS", "frames a second (30)"},
+       {"--background", "PICTURE", "behind the model, of the frames' size; else soft blotches"}},
+      1,
+      run_render};
 }
 
 }  // namespace pliant::cli

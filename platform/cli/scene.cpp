@@ -7,10 +7,11 @@ namespace pliant::cli {
 
 namespace {
 
-/// Brightness of a surface with unit normal n (camera axes: x right, y down, z away). Wrapped diffuse light, so that
-/// the shadow side still shows its shape.
+/// Brightness of a surface with unit normal n (camera axes: x right, y down, z away). Wrapped diffuse light,
+/// so that the shadow side still shows its shape.
 float light_on(Vec3 n) {
-  static const Vec3 key = normalised(Vec3{-0.55f, -0.65f, -0.85f}), fill = normalised(Vec3{0.8f, 0.1f, -0.6f});
+  static const Vec3 key = normalised(Vec3{-0.55f, -0.65f, -0.85f}),
+                    fill = normalised(Vec3{0.8f, 0.1f, -0.6f});
   const float k = std::max(0.0f, (dot(n, key) + 0.2f) / 1.2f), f = std::max(0.0f, dot(n, fill));
   return 0.22f + 0.78f * k + 0.16f * f;
 }
@@ -23,13 +24,16 @@ std::uint32_t hash(std::uint32_t a, std::uint32_t b) {
   return h ^ h >> 15;
 }
 
-float uniform(std::uint32_t bits) { return static_cast<float>(bits >> 8) * (1.0f / 16777216.0f); }
+float uniform(std::uint32_t bits) {
+  return static_cast<float>(bits >> 8) * (1.0f / 16777216.0f);
+}
 
 /// Smooth noise in [0,1] with one random value a unit square.
 float value_noise(float x, float y, std::uint32_t seed) {
   const float i = std::floor(x), j = std::floor(y);
   const auto corner = [&](float a, float b) {
-    return uniform(hash(hash(static_cast<std::uint32_t>(static_cast<int>(a)), seed), static_cast<std::uint32_t>(static_cast<int>(b))));
+    return uniform(hash(hash(static_cast<std::uint32_t>(static_cast<int>(a)), seed),
+                        static_cast<std::uint32_t>(static_cast<int>(b))));
   };
   const auto ease = [](float t) { return t * t * (3 - 2 * t); };
   const float fx = ease(x - i), fy = ease(y - j);
@@ -72,7 +76,8 @@ Image Scene::draw(const float* q, const Pose& pose, const Camera& camera, const 
   Image image(raster_.width(), raster_.height(), 1);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
-      *image.at(x, y) = static_cast<std::uint8_t>(raster_.value(x, y, static_cast<float>(*background.at(x, y))) + 0.5f);
+      *image.at(x, y) =
+          static_cast<std::uint8_t>(raster_.value(x, y, static_cast<float>(*background.at(x, y))) + 0.5f);
   return image;
 }
 
@@ -94,7 +99,8 @@ void add_noise(Image& image, float sd, std::uint32_t seed) {
   for (std::size_t i = 0; i < image.pixels.size(); i += 2) {
     // Box and Muller: two uniform numbers give two normal ones.
     const auto k = static_cast<std::uint32_t>(i);
-    const float u = uniform(hash(seed, k)) + 1.0f / 33554432.0f, angle = 6.2831853f * uniform(hash(seed, k + 1));
+    const float u = uniform(hash(seed, k)) + 1.0f / 33554432.0f,
+                angle = 6.2831853f * uniform(hash(seed, k + 1));
     const float radius = sd * std::sqrt(-2 * std::log(u));
     const float noise[2] = {radius * std::cos(angle), radius * std::sin(angle)};
     for (std::size_t c = 0; c < 2 && i + c < image.pixels.size(); ++c) {
@@ -112,7 +118,8 @@ Pose frontal_pose(const Model& model, const float* q, const Camera& camera, int 
     low = min(low, y);
     high = max(high, y);
   }
-  return {{}, {0, 0.5f * (low + high), camera.f * max(high - low, 1.0f) / (share * static_cast<float>(height))}};
+  return {{},
+          {0, 0.5f * (low + high), camera.f * max(high - low, 1.0f) / (share * static_cast<float>(height))}};
 }
 
 }  // namespace pliant::cli

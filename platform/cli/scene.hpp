@@ -17,8 +17,8 @@ class Scene {
   /// \param samples  a pixel and side.
   Scene(const Model& model, int width, int height, int cells = 224, int samples = 2);
 
-  /// A grey picture of the model with the parameters q, over `background` (grey, of the same size). The light stands
-  /// still beside the camera: a soft key from the upper left, a weak fill from the right.
+  /// A grey picture of the model with the parameters q, over `background` (grey, of the same size). The light
+  /// stands still beside the camera: a soft key from the upper left, a weak fill from the right.
   Image draw(const float* q, const Pose& pose, const Camera& camera, const Image& background);
 
  private:
@@ -29,7 +29,8 @@ class Scene {
   std::vector<RasterVertex> corners_;
 };
 
-/// A soft, blotchy backdrop, different for each seed: texture behind the face that must not mislead a tracker.
+/// A soft, blotchy backdrop, different for each seed: texture behind the face that must not mislead a
+/// tracker.
 Image make_background(int width, int height, std::uint32_t seed);
 
 /// Adds normally distributed noise of `sd` grey levels; equal seeds give equal noise.

@@ -17,8 +17,9 @@ void ContactSheet::add(const Image& image) {
   ++next_;
   if (kept_.size() <= kMost) return;
   stride_ *= 2;
-  kept_.erase(std::remove_if(kept_.begin(), kept_.end(), [this](const Kept& k) { return k.number % stride_ != 0; }),
-              kept_.end());
+  kept_.erase(
+      std::remove_if(kept_.begin(), kept_.end(), [this](const Kept& k) { return k.number % stride_ != 0; }),
+      kept_.end());
 }
 
 std::vector<ContactSheet::Kept> ContactSheet::chosen_pictures() const {

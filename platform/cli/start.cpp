@@ -10,25 +10,33 @@ namespace pliant::cli {
 
 namespace {
 
-/// How exact a landmark is taken to be, as a share of the points' spread: people and detectors err with the size of the
-/// face, not with the size of the picture.
+/// How exact a landmark is taken to be, as a share of the points' spread: people and detectors err with the
+/// size of the face, not with the size of the picture.
 constexpr float kPointSdShare = 0.005f;
+/// Points closer together than this (px) are one point.
+constexpr float kLeastSpread = 4;
 /// A parameter counts as unseen when the points leave this much of its prior's standard deviation.
 constexpr float kUnseenShare = 0.95f;
 
-std::vector<Correspondence> correspondences(const ModelFile& file, const std::vector<NamedPoint>& points) {
+std::vector<Correspondence> correspondences(const ModelFile& file, const std::string& source,
+                                            const std::vector<NamedPoint>& points) {
+  if (points.size() < 4)
+    fail_input(source, "too few points: " + std::to_string(points.size()) + ", at least 4 are needed");
+  if (points.size() > 2048) fail_input(source, "more than 2048 points");
   Vec2 low{1e30f, 1e30f}, high{-1e30f, -1e30f};
   for (const NamedPoint& p : points) {
     low = {min(low.x, p.x.x), min(low.y, p.x.y)};
     high = {max(high.x, p.x.x), max(high.y, p.x.y)};
   }
-  const float sd = max(kPointSdShare * length(high - low), 0.05f);
+  const float spread = length(high - low);
+  if (!(spread >= kLeastSpread))
+    fail_input(source, "the points do not determine the pose: they lie on one spot");
   std::vector<Correspondence> out;
   for (const NamedPoint& p : points) {
     const std::uint16_t k = file.model().find_landmark(p.name.c_str());
     if (k == kNone) fail_input(p.where, "landmark '" + p.name + "' is not in " + file.path());
     const Landmark& landmark = file.model().landmarks()[k];
-    out.push_back({{landmark.u, landmark.v}, p.x, sd});
+    out.push_back({{landmark.u, landmark.v}, p.x, kPointSdShare * spread});
   }
   return out;
 }
@@ -79,11 +87,7 @@ FitFile describe(const Model& model, const ImageSize& size, const View& view, co
 FitFile fit_to_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points,
                       const FitSetup& setup) {
   const Model& model = file.model();
-  const auto pairs = correspondences(file, points);
-  if (pairs.size() < 4)
-    fail_input(source, "too few points: " + std::to_string(pairs.size()) + ", at least 4 are needed");
-  if (pairs.size() > 2048) fail_input(source, "more than 2048 points");
-
+  const auto pairs = correspondences(file, source, points);
   std::vector<float> q = setup.q, sd(model.parameters().count), weight(pairs.size());
   q.resize(model.parameters().count, 0.0f);
   std::vector<Vec2> residual(pairs.size());
@@ -96,7 +100,8 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   FitReport report;
   Owned<Fitter> fitter(model, FitLimits{static_cast<std::uint16_t>(pairs.size())});
   require(fitter->fit({pairs.data(), pairs.size()}, options, q.data(), &report, sd.data(), residual.data(),
-                      weight.data()), source);
+                      weight.data()),
+          source);
 
   FitFile fit = describe(model, setup.size, report.view, q);
   fit.sd = by_name(model, sd);

@@ -15,14 +15,14 @@ namespace pliant::cli {
 
 struct FitSetup {
   ImageSize size;
-  float focal_px = 0;                    ///< 0: unknown
-  std::optional<View> view;              ///< a rough pose, else found from the points
-  std::vector<float> q;                  ///< where the parameters start; empty: all 0
-  std::vector<std::uint8_t> is_free;     ///< a flag a parameter; empty: all free
+  float focal_px = 0;                 ///< 0: unknown
+  std::optional<View> view;           ///< a rough pose, else found from the points
+  std::vector<float> q;               ///< where the parameters start; empty: all 0
+  std::vector<std::uint8_t> is_free;  ///< a flag a parameter; empty: all free
 };
 
-/// Fits pose, focal length and parameters. Bad input: a landmark that the model does not have, fewer than four points,
-/// points that do not determine the pose.
+/// Fits pose, focal length and parameters. Bad input: a landmark that the model does not have, fewer than
+/// four points, points that do not determine the pose.
 FitFile fit_to_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points,
                       const FitSetup& setup);
 

@@ -8,11 +8,14 @@ namespace {
 
 /// Bilinear value at (u,v) of an image over the chart, first and last pixels at 0 and 1.
 float bilinear(const std::uint8_t* pixels, std::uint32_t width, std::uint32_t height, Vec2 uv) {
-  const float x = clamp(uv.x, 0, 1) * static_cast<float>(width - 1), y = clamp(uv.y, 0, 1) * static_cast<float>(height - 1);
+  const float x = clamp(uv.x, 0, 1) * static_cast<float>(width - 1),
+              y = clamp(uv.y, 0, 1) * static_cast<float>(height - 1);
   const auto i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
   const std::uint32_t i1 = i + 1 < width ? i + 1 : i, j1 = j + 1 < height ? j + 1 : j;
   const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
-  const auto at = [&](std::uint32_t a, std::uint32_t b) { return static_cast<float>(pixels[std::size_t{b} * width + a]); };
+  const auto at = [&](std::uint32_t a, std::uint32_t b) {
+    return static_cast<float>(pixels[std::size_t{b} * width + a]);
+  };
   const float top = at(i, j) * (1 - fx) + at(i1, j) * fx;
   return top * (1 - fy) + (at(i, j1) * (1 - fx) + at(i1, j1) * fx) * fy;
 }
@@ -20,7 +23,9 @@ float bilinear(const std::uint8_t* pixels, std::uint32_t width, std::uint32_t he
 /// Zeros that are joined to the rim are outside; any other zero is a hole, and inside.
 std::vector<std::uint8_t> fill_holes(const ChartImage& mask) {
   const int width = static_cast<int>(mask.width), height = static_cast<int>(mask.height);
-  const auto index = [&](int x, int y) { return static_cast<std::size_t>(y) * mask.width + static_cast<std::size_t>(x); };
+  const auto index = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * mask.width + static_cast<std::size_t>(x);
+  };
   std::vector<std::uint8_t> inside(index(0, height), 1);
   std::vector<std::pair<int, int>> stack;
   const auto visit = [&](int x, int y) {
@@ -40,9 +45,12 @@ std::vector<std::uint8_t> fill_holes(const ChartImage& mask) {
 }
 
 /// Mean over 5 x 5 pixels of 0 and 255: its half-way line is the outline without the stairs of the mask.
-std::vector<std::uint8_t> smoothed(const std::vector<std::uint8_t>& inside, std::uint32_t width, std::uint32_t height) {
+std::vector<std::uint8_t> smoothed(const std::vector<std::uint8_t>& inside, std::uint32_t width,
+                                   std::uint32_t height) {
   std::vector<std::uint8_t> out(inside.size());
-  const auto limited = [](int x, std::uint32_t size) { return static_cast<std::size_t>(std::clamp(x, 0, static_cast<int>(size) - 1)); };
+  const auto limited = [](int x, std::uint32_t size) {
+    return static_cast<std::size_t>(std::clamp(x, 0, static_cast<int>(size) - 1));
+  };
   for (int y = 0; y < static_cast<int>(height); ++y)
     for (int x = 0; x < static_cast<int>(width); ++x) {
       int sum = 0;
@@ -56,14 +64,18 @@ std::vector<std::uint8_t> smoothed(const std::vector<std::uint8_t>& inside, std:
 }  // namespace
 
 ChartTexture::ChartTexture(const Model& model)
-    : albedo_(model.albedo()), mask_width_(model.mask().width), mask_height_(model.mask().height),
+    : albedo_(model.albedo()),
+      mask_width_(model.mask().width),
+      mask_height_(model.mask().height),
       cover_(smoothed(fill_holes(model.mask()), mask_width_, mask_height_)) {}
 
 float ChartTexture::albedo(Vec2 uv) const {
   return albedo_.pixels == nullptr ? 190.0f : bilinear(albedo_.pixels, albedo_.width, albedo_.height, uv);
 }
 
-float ChartTexture::cover(Vec2 uv) const { return bilinear(cover_.data(), mask_width_, mask_height_, uv) / 255; }
+float ChartTexture::cover(Vec2 uv) const {
+  return bilinear(cover_.data(), mask_width_, mask_height_, uv) / 255;
+}
 
 SurfaceSheet::SurfaceSheet(const Model& model, const ChartTexture& texture, int cells)
     : cascade_(model), cells_(cells) {
@@ -111,7 +123,8 @@ void SurfaceSheet::compute_normals() {
     const int a = i + di, b = j + dj, c = i - di, d = j - dj;
     const bool has_next = a <= cells_ && b <= cells_ && is_used(index(a, b));
     const bool has_previous = c >= 0 && d >= 0 && is_used(index(c, d));
-    return position_[has_next ? index(a, b) : index(i, j)] - position_[has_previous ? index(c, d) : index(i, j)];
+    return position_[has_next ? index(a, b) : index(i, j)] -
+           position_[has_previous ? index(c, d) : index(i, j)];
   };
   for (int j = 0; j <= cells_; ++j)
     for (int i = 0; i <= cells_; ++i)

@@ -1,7 +1,7 @@
 #pragma once
 /// \file surface_sheet.hpp
-/// A model's whole chart as a dense grid of surface points, for drawing: holes of the mask (eyes, mouth) included, as
-/// the fields are defined there too.
+/// A model's whole chart as a dense grid of surface points, for drawing: holes of the mask (eyes, mouth)
+/// included, as the fields are defined there too.
 #include <vector>
 
 #include "cli/owned.hpp"

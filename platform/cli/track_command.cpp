@@ -46,7 +46,8 @@ class Frames {
  private:
   void mirror(FrameView* frame) {
     flipped_ = image_of(*frame);
-    for (int y = 0; y < flipped_.height; ++y) std::reverse(flipped_.at(0, y), flipped_.at(0, y) + flipped_.width);
+    for (int y = 0; y < flipped_.height; ++y)
+      std::reverse(flipped_.at(0, y), flipped_.at(0, y) + flipped_.width);
     frame->data = flipped_.pixels.data();
     frame->stride_bytes = static_cast<std::size_t>(flipped_.width);
     frame->pixel_step_bytes = 1;
@@ -71,10 +72,11 @@ FitFile read_start(const Args& args, const ModelFile& file, ImageSize size, cons
     return fit_to_points(file, path, parse_points(path, text), setup);
   }
   FitFile fit = parse_fit(path, text);
-  if (fit.model_crc != file.model().crc()) fail_input(path, "was fitted with another model than " + file.path());
+  if (fit.model_crc != file.model().crc())
+    fail_input(path, "was fitted with another model than " + file.path());
   if (fit.width != size.width || fit.height != size.height)
-    fail_input(path, "is for " + std::to_string(fit.width) + "x" + std::to_string(fit.height) + " pixels, " + frames +
-                         " has " + std::to_string(size.width) + "x" + std::to_string(size.height));
+    fail_input(path, "is for " + std::to_string(fit.width) + "x" + std::to_string(fit.height) + " pixels, " +
+                         frames + " has " + std::to_string(size.width) + "x" + std::to_string(size.height));
   const View view = with_focal(view_of(fit.pose, fit.camera), focal);
   fit.pose = pose_of(view);
   fit.camera = camera_of(view);
@@ -84,7 +86,8 @@ FitFile read_start(const Args& args, const ModelFile& file, ImageSize size, cons
 /// A flag a parameter: the expressions, unless frozen; the identity only when it is to be refined.
 std::vector<std::uint8_t> free_parameters(const Args& args, const Model& model) {
   const std::string freeze = args.text("--freeze").value_or("identity");
-  if (freeze != "identity" && freeze != "expression") fail_usage("--freeze: identity or expression, not " + freeze);
+  if (freeze != "identity" && freeze != "expression")
+    fail_usage("--freeze: identity or expression, not " + freeze);
   std::vector<std::uint8_t> is_free;
   for (const Parameter& p : model.parameters())
     is_free.push_back(p.group == Group::identity ? args.has("--refine-identity") : freeze != "expression");
@@ -122,8 +125,11 @@ TrackerLimits limits_for(ImageSize size, std::size_t markers) {
 class TrackOutput {
  public:
   TrackOutput(const Args& args, const Model& model, const Markers& markers, FrameRate rate)
-      : model_(model), table_(args.required("--out")), with_landmarks_(args.has("--landmarks")),
-        marker_count_(markers.x.size()), rate_(rate) {
+      : model_(model),
+        table_(args.required("--out")),
+        with_landmarks_(args.has("--landmarks")),
+        marker_count_(markers.x.size()),
+        rate_(rate) {
     if (const auto path = args.text("--overlay")) overlay_ = std::make_unique<Y4mOutput>(*path, rate);
     if (const auto path = args.text("--sheet")) sheet_file_ = std::make_unique<OutputFile>(*path);
     if (const auto path = args.text("--truth")) truth_ = std::make_unique<TruthComparison>(*path, model);
@@ -175,12 +181,13 @@ class TrackOutput {
   void print_summary(std::ostream& out, std::size_t arena_bytes, float focal_px) const {
     char line[256];
     const double rms = known_ == 0 ? 0 : std::sqrt(squared_sum_ / static_cast<double>(known_));
-    std::snprintf(line, sizeof line, "frames=%zu tracked=%zu rms_px=%.3f median_ms=%.3f arena_bytes=%zu f_px=%.6g", frames_,
+    std::snprintf(line, sizeof line,
+                  "frames=%zu tracked=%zu rms_px=%.3f median_ms=%.3f arena_bytes=%zu f_px=%.6g", frames_,
                   tracked_, rms, median(milliseconds_), arena_bytes, static_cast<double>(focal_px));
     out << line;
     if (truth_) {
-      std::snprintf(line, sizeof line, " landmark_px=%.3f rotation_deg=%.3f compared=%zu", truth_->mean_landmark_px(),
-                    truth_->median_rotation_deg(), truth_->frame_count());
+      std::snprintf(line, sizeof line, " landmark_px=%.3f rotation_deg=%.3f compared=%zu",
+                    truth_->mean_landmark_px(), truth_->median_rotation_deg(), truth_->frame_count());
       out << line;
     }
     out << "\n";
@@ -204,7 +211,8 @@ class TrackOutput {
     return out;
   }
   void draw(const TrackRow& row, const FrameView& frame, Tracker& tracker,
-            const std::vector<std::optional<Vec2>>& landmarks, const std::vector<std::optional<Vec2>>& markers) {
+            const std::vector<std::optional<Vec2>>& landmarks,
+            const std::vector<std::optional<Vec2>>& markers) {
     Overlay overlay(image_of(frame));
     if (row.state != TrackState::lost) {
       overlay.draw_mesh(wire_of(tracker.estimator()));
@@ -249,9 +257,11 @@ int run_track(const Args& args, Console& console) {
   list_unmatched(apply(start.parameters, model, q.data()), args.required("--init"), console.err);
 
   FrameView frame;
-  if (!frames.next(&frame)) throw Failure(kBadInput, frames.message().empty() ? frames.name() + ": has no frames" : frames.message());
+  if (!frames.next(&frame))
+    throw Failure(kBadInput, frames.message().empty() ? frames.name() + ": has no frames" : frames.message());
   Owned<Tracker> tracker(model, limits_for(frames.size(), markers.x.size()));
-  require(tracker->start(frame, start.camera, start.pose, q.data(), {markers.x.data(), markers.x.size()}, options),
+  require(tracker->start(frame, start.camera, start.pose, q.data(), {markers.x.data(), markers.x.size()},
+                         options),
           frames.name() + ": frame 0");
   TrackOutput output(args, model, markers, frames.rate());
   output.add(0, frame, *tracker, 0);
@@ -277,7 +287,8 @@ Command track_command() {
   return {"track",
           "Follows a model through a video, from a start in its first frame.",
           "face.plm --frames VIDEO.y4m|FOLDER|- --init fit.json|points.csv --out track.csv [--landmarks] "
-          "[--markers points.csv] [--marker-exclusion-px R] [--focal PX] [--mirror] [--freeze GROUP] [--refine-identity] "
+          "[--markers points.csv] [--marker-exclusion-px R] [--focal PX] [--mirror] [--freeze GROUP] "
+          "[--refine-identity] "
           "[--overlay out.y4m] [--sheet out.png] [--truth truth.csv]",
           {{"--frames", "SOURCE", "a Y4M file, a folder of PGM or PPM, or - for Y4M on standard input"},
            {"--init", "FILE", "frame 0: a fit.json, or a points.csv that is fitted first"},
@@ -286,7 +297,8 @@ Command track_command() {
            {"--markers", "CSV", "landmark,x,y in frame 0: points to follow and report, never to look at"},
            {"--marker-exclusion-px", "R", "how far from a marker patches keep (8)"},
            {"--focal", "PX", "focal length, when it is known"},
-           {"--mirror", nullptr, "flip every frame first; start, markers and results are those of the flipped picture"},
+           {"--mirror", nullptr,
+            "flip every frame first; start, markers and results are those of the flipped picture"},
            {"--freeze", "GROUP", "identity (default), or expression: follow the head only"},
            {"--refine-identity", nullptr, "let the identity move as well"},
            {"--overlay", "Y4M", "the video with the mesh on it"},

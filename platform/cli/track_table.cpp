@@ -13,7 +13,8 @@ namespace pliant::cli {
 
 namespace {
 
-constexpr const char* kFirstColumns[] = {"frame", "time_s", "state", "tracked", "inliers", "rms_px", "vertices"};
+constexpr const char* kFirstColumns[] = {"frame",   "time_s", "state",   "tracked",
+                                         "inliers", "rms_px", "vertices"};
 constexpr const char* kPoseColumns[] = {"qw", "qx", "qy", "qz", "tx", "ty", "tz"};
 
 float* pose_member(Pose& pose, std::size_t column) {
@@ -28,7 +29,9 @@ std::string pixel_text(float x) {
   return text;
 }
 
-std::string text_of(float x) { return number_text(static_cast<double>(is_finite(x) ? x : 0)); }
+std::string text_of(float x) {
+  return number_text(static_cast<double>(is_finite(x) ? x : 0));
+}
 
 /// What the columns of a table drive.
 struct Target {
@@ -42,11 +45,15 @@ std::vector<Target> targets(const CsvTable& table, const Model& model, std::vect
   for (std::size_t c = 0; c < table.columns().size(); ++c) {
     const std::string& name = table.columns()[c];
     const auto pose = std::find(std::begin(kPoseColumns), std::end(kPoseColumns), name);
-    const bool is_first = std::find(std::begin(kFirstColumns), std::end(kFirstColumns), name) != std::end(kFirstColumns);
+    const bool is_first =
+        std::find(std::begin(kFirstColumns), std::end(kFirstColumns), name) != std::end(kFirstColumns);
     const auto parameters = parameters_named(model, name);
-    if (pose != std::end(kPoseColumns)) out.push_back({c, {}, static_cast<std::size_t>(pose - std::begin(kPoseColumns))});
-    else if (!parameters.empty()) out.push_back({c, parameters});
-    else if (!is_first && name.rfind("x_", 0) != 0 && name.rfind("y_", 0) != 0) unmatched->push_back(name);
+    if (pose != std::end(kPoseColumns))
+      out.push_back({c, {}, static_cast<std::size_t>(pose - std::begin(kPoseColumns))});
+    else if (!parameters.empty())
+      out.push_back({c, parameters});
+    else if (!is_first && name.rfind("x_", 0) != 0 && name.rfind("y_", 0) != 0)
+      unmatched->push_back(name);
   }
   return out;
 }
@@ -63,12 +70,13 @@ std::string track_header(const Model& model, const std::vector<std::string>& poi
 }
 
 std::string track_line(const TrackRow& row) {
-  std::string line = std::to_string(row.frame) + "," + number_text(row.time_s) + "," + state_text(row.state) + "," +
-                     std::to_string(row.tracked) + "," + std::to_string(row.inliers) + "," + text_of(row.rms_px) + "," +
-                     std::to_string(row.vertices);
+  std::string line = std::to_string(row.frame) + "," + number_text(row.time_s) + "," + state_text(row.state) +
+                     "," + std::to_string(row.tracked) + "," + std::to_string(row.inliers) + "," +
+                     text_of(row.rms_px) + "," + std::to_string(row.vertices);
   const bool is_known = row.state != TrackState::lost;
   Pose pose = row.pose;
-  for (std::size_t k = 0; k < std::size(kPoseColumns); ++k) line += "," + (is_known ? text_of(*pose_member(pose, k)) : "");
+  for (std::size_t k = 0; k < std::size(kPoseColumns); ++k)
+    line += "," + (is_known ? text_of(*pose_member(pose, k)) : "");
   for (const float value : row.q) line += "," + (is_known ? text_of(value) : "");
   for (const auto& x : row.points) {
     const bool is_seen = is_known && x && is_finite(*x);
@@ -78,7 +86,8 @@ std::string track_line(const TrackRow& row) {
 }
 
 std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const Model& model,
-                                                   const PosedParameters& neutral, std::vector<std::string>* unmatched) {
+                                                   const PosedParameters& neutral,
+                                                   std::vector<std::string>* unmatched) {
   const auto columns = targets(table, model, unmatched);
   std::vector<PosedParameters> rows;
   PosedParameters now = neutral;
@@ -90,9 +99,10 @@ std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const 
       for (const std::uint16_t k : target.parameters) now.q[k] = value;
     }
     const Quat& q = now.pose.q;
-    if (!(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z > 0.25f)) fail_input(table.where(r), "the quaternion is not of unit length");
+    if (!(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z > 0.25f))
+      fail_input(table.where(r), "the quaternion is not of unit length");
     if (!(now.pose.t.z > 0)) fail_input(table.where(r), "column 'tz': the model lies behind the camera");
-    now.pose.q = normalised(now.pose.q);
+    now.pose.q = unit_of(now.pose.q);
     rows.push_back(now);
   }
   return rows;

@@ -1,6 +1,7 @@
 #pragma once
 /// \file track_table.hpp
-/// Track CSV: a row a frame with state, pose and parameters. What `track` writes, `render` reads, and both compare.
+/// Track CSV: a row a frame with state, pose and parameters. What `track` writes, `render` reads, and both
+/// compare.
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,8 +20,8 @@ struct TrackRow {
   float rms_px = 0;
   int vertices = 0;
   Pose pose;
-  std::vector<float> q;                      ///< all parameters
-  std::vector<std::optional<Vec2>> points;   ///< landmarks and markers; empty cells where there is none
+  std::vector<float> q;                     ///< all parameters
+  std::vector<std::optional<Vec2>> points;  ///< landmarks and markers; empty cells where there is none
 };
 
 /// The header: the fixed columns, a parameter each, then x_NAME,y_NAME for each point name.
@@ -34,10 +35,11 @@ struct PosedParameters {
   std::vector<float> q;
 };
 
-/// Reads any CSV with columns of those names. A missing column keeps the value of `neutral`, an empty cell that of the
-/// row before. Columns that are neither parameters nor of the track CSV go to `unmatched`.
-/// Bad input for a cell that is no finite number, or a quaternion without length.
+/// Reads any CSV with columns of those names. A missing column keeps the value of `neutral`, an empty cell
+/// that of the row before. Columns that are neither parameters nor of the track CSV go to `unmatched`. Bad
+/// input for a cell that is no finite number, or a quaternion without length.
 std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const Model& model,
-                                                   const PosedParameters& neutral, std::vector<std::string>* unmatched);
+                                                   const PosedParameters& neutral,
+                                                   std::vector<std::string>* unmatched);
 
 }  // namespace pliant::cli

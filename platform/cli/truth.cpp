@@ -18,17 +18,20 @@ TruthComparison::TruthComparison(const std::string& path, const Model& model) {
   std::vector<Columns> landmarks;
   bool has_landmarks = false;
   for (const Landmark& l : model.landmarks()) {
-    landmarks.push_back({table.find_column(std::string("x_") + l.name), table.find_column(std::string("y_") + l.name)});
+    landmarks.push_back(
+        {table.find_column(std::string("x_") + l.name), table.find_column(std::string("y_") + l.name)});
     has_landmarks = has_landmarks || (landmarks.back().x && landmarks.back().y);
   }
   if (!has_landmarks) fail_input(path, "has no columns x_NAME,y_NAME of the model's landmarks");
   for (std::size_t r = 0; r < table.row_count(); ++r) {
     Row row;
     if (table.cell(r, q[0]).empty()) continue;
-    row.q = normalised(Quat{table.number(r, q[0]), table.number(r, q[1]), table.number(r, q[2]), table.number(r, q[3])});
+    row.q = normalised(
+        Quat{table.number(r, q[0]), table.number(r, q[1]), table.number(r, q[2]), table.number(r, q[3])});
     for (const Columns& c : landmarks) {
       const bool is_there = c.x && c.y && !table.cell(r, *c.x).empty() && !table.cell(r, *c.y).empty();
-      row.landmarks.push_back(is_there ? std::optional<Vec2>({table.number(r, *c.x), table.number(r, *c.y)}) : std::nullopt);
+      row.landmarks.push_back(is_there ? std::optional<Vec2>({table.number(r, *c.x), table.number(r, *c.y)})
+                                       : std::nullopt);
     }
     const float number = table.number(r, frame);
     if (!(number >= 0 && number < 1e7f)) fail_input(table.where(r), "column 'frame': not a frame number");
@@ -36,7 +39,8 @@ TruthComparison::TruthComparison(const std::string& path, const Model& model) {
   }
 }
 
-void TruthComparison::add(std::size_t frame, const Pose& pose, const std::vector<std::optional<Vec2>>& landmarks) {
+void TruthComparison::add(std::size_t frame, const Pose& pose,
+                          const std::vector<std::optional<Vec2>>& landmarks) {
   const auto found = rows_.find(frame);
   if (found == rows_.end()) return;
   const Row& truth = found->second;
@@ -53,7 +57,9 @@ double TruthComparison::mean_landmark_px() const {
   return distance_count_ == 0 ? 0 : distance_sum_ / static_cast<double>(distance_count_);
 }
 
-double TruthComparison::median_rotation_deg() const { return median(rotation_deg_); }
+double TruthComparison::median_rotation_deg() const {
+  return median(rotation_deg_);
+}
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;

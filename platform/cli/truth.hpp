@@ -13,7 +13,8 @@ namespace pliant::cli {
 
 class TruthComparison {
  public:
-  /// Reads a track CSV with pose and landmark columns. Bad input when it has no frame, pose or landmarks of the model.
+  /// Reads a track CSV with pose and landmark columns. Bad input when it has no frame, pose or landmarks of
+  /// the model.
   TruthComparison(const std::string& path, const Model& model);
 
   /// Compares one frame that was not lost; `landmarks` in the model's order.

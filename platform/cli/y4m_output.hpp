@@ -32,7 +32,8 @@ class Y4mOutput {
 
  private:
   void check(Status status) const {
-    if (status != Status::ok) fail_input(pending_.path(), writer_.message().empty() ? text(status) : writer_.message());
+    if (status != Status::ok)
+      fail_input(pending_.path(), writer_.message().empty() ? text(status) : writer_.message());
   }
   PendingFile pending_;
   FrameRate rate_;
