@@ -27,7 +27,7 @@ Moments moments_of(const std::int16_t* const* images, const std::int16_t* mask, 
   s.mask = mask;
   s.n = dot(mask, mask, count);
   for (int i = 0; i < m; ++i) s.images[i] = images[i];
-  std::int32_t raw[kMotions + 1][kMotions];  // row m: the sums
+  std::int32_t raw[kMotions + 1][kMotions] = {};  // row m: the sums
   for (int i = 0; i < m; ++i) {
     // Four at a time: the images from i on, then the mask, repeated to fill up.
     for (int k = i; k <= m; k += 4) {
@@ -80,7 +80,7 @@ struct Explained {
 
 Explained explain(const Moments& s, const float l[kMotions][kMotions], const std::int16_t* image, int count) {
   Explained e;
-  std::int32_t raw[kMotions + 1];
+  std::int32_t raw[kMotions + 1] = {};
   for (int k = 0; k <= s.m; k += 4) {
     const auto at = [&](int j) { return j < s.m ? s.images[j] : s.mask; };
     const Sums4 d = dot4(image, at(k), at(k + 1), at(k + 2), at(k + 3), count);
