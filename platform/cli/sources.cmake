@@ -20,6 +20,7 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/start.cpp
   ${CMAKE_CURRENT_LIST_DIR}/surface_sheet.cpp
   ${CMAKE_CURRENT_LIST_DIR}/track_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/track_output.cpp
   ${CMAKE_CURRENT_LIST_DIR}/track_table.cpp
   ${CMAKE_CURRENT_LIST_DIR}/truth.cpp)
 

@@ -1,0 +1,114 @@
+#include "cli/track_output.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include "cli/overlay.hpp"
+
+namespace pliant::cli {
+
+TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
+                         FrameRate rate)
+    : model_(model),
+      table_(args.required("--out")),
+      with_landmarks_(args.has("--landmarks")),
+      marker_count_(marker_names.size()),
+      rate_(rate) {
+  if (const auto path = args.text("--overlay")) overlay_ = std::make_unique<Y4mOutput>(*path, rate);
+  if (const auto path = args.text("--sheet")) sheet_file_ = std::make_unique<OutputFile>(*path);
+  if (const auto path = args.text("--truth")) truth_ = std::make_unique<TruthComparison>(*path, model);
+  std::vector<std::string> names;
+  if (with_landmarks_)
+    for (const Landmark& l : model.landmarks()) names.push_back(l.name);
+  names.insert(names.end(), marker_names.begin(), marker_names.end());
+  table_.write(track_header(model, names));
+}
+
+void TrackOutput::add(std::size_t number, const FrameView& frame, Tracker& tracker, double milliseconds) {
+  const FrameResult& result = tracker.result();
+  TrackRow row;
+  row.frame = number;
+  row.time_s = static_cast<double>(number) / rate_.per_second();
+  row.state = result.state;
+  row.tracked = result.tracked;
+  row.inliers = result.inliers;
+  row.rms_px = result.rms_px;
+  row.vertices = result.vertices;
+  row.pose = result.pose;
+  for (const float value : tracker.estimator().parameters()) row.q.push_back(value);
+  const auto landmarks = project_landmarks(tracker.estimator());
+  if (with_landmarks_) row.points = landmarks;
+  const auto markers = project_markers(tracker);
+  row.points.insert(row.points.end(), markers.begin(), markers.end());
+  table_.write(track_line(row));
+
+  if (number > 0) milliseconds_.push_back(milliseconds);
+  ++frames_;
+  if (row.state == TrackState::tracking) ++tracked_;
+  if (row.state != TrackState::lost) {
+    squared_sum_ += static_cast<double>(row.rms_px) * static_cast<double>(row.rms_px);
+    ++known_;
+    if (truth_) truth_->add(number, row.pose, landmarks);
+  }
+  if (overlay_ || sheet_file_) draw(row, frame, tracker.estimator(), landmarks, markers);
+}
+
+void TrackOutput::commit() {
+  table_.commit();
+  if (overlay_) overlay_->commit();
+  if (sheet_file_) {
+    sheet_file_->write(encode_png(sheet_.image()));
+    sheet_file_->commit();
+  }
+}
+
+void TrackOutput::print_summary(std::ostream& out, std::size_t arena_bytes, float focal_px) const {
+  char line[256];
+  const double rms = known_ == 0 ? 0 : std::sqrt(squared_sum_ / static_cast<double>(known_));
+  std::snprintf(line, sizeof line,
+                "frames=%zu tracked=%zu rms_px=%.3f median_ms=%.3f arena_bytes=%zu f_px=%.6g", frames_,
+                tracked_, rms, median(milliseconds_), arena_bytes, static_cast<double>(focal_px));
+  out << line;
+  if (truth_) {
+    std::snprintf(line, sizeof line, " landmark_px=%.3f rotation_deg=%.3f compared=%zu",
+                  truth_->mean_landmark_px(), truth_->median_rotation_deg(), truth_->frame_count());
+    out << line;
+  }
+  out << "\n";
+}
+
+TrackOutput::Points TrackOutput::project_landmarks(Estimator& estimator) const {
+  Points out;
+  for (const Landmark& l : model_.landmarks()) {
+    Vec2 x;
+    out.push_back(estimator.project({l.u, l.v}, &x) ? std::optional<Vec2>(x) : std::nullopt);
+  }
+  return out;
+}
+
+TrackOutput::Points TrackOutput::project_markers(Tracker& tracker) const {
+  Points out;
+  for (std::size_t k = 0; k < marker_count_; ++k) {
+    Vec2 x;
+    out.push_back(tracker.marker(k, &x) ? std::optional<Vec2>(x) : std::nullopt);
+  }
+  return out;
+}
+
+void TrackOutput::draw(const TrackRow& row, const FrameView& frame, const Estimator& estimator,
+                       const Points& landmarks, const Points& markers) {
+  Overlay overlay(image_of(frame));
+  if (row.state != TrackState::lost) {
+    overlay.draw_mesh(wire_of(estimator));
+    for (const auto& x : landmarks)
+      if (x) overlay.draw_landmark(*x);
+    for (const auto& x : markers)
+      if (x) overlay.draw_marker(*x);
+  }
+  overlay.draw_caption(std::to_string(row.frame) + "  " + state_text(row.state));
+  overlay.draw_state(row.state);
+  if (overlay_) overlay_->write(overlay.image());
+  if (sheet_file_) sheet_.add(overlay.image());
+}
+
+}  // namespace pliant::cli

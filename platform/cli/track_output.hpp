@@ -1,0 +1,58 @@
+#pragma once
+/// \file track_output.hpp
+/// What one run of `pliant track` writes, and counts.
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "cli/args.hpp"
+#include "cli/files.hpp"
+#include "cli/sheet.hpp"
+#include "cli/track_table.hpp"
+#include "cli/truth.hpp"
+#include "cli/y4m_output.hpp"
+#include "pliant/tracker.hpp"
+
+namespace pliant::cli {
+
+class TrackOutput {
+ public:
+  /// Opens what --out, --overlay, --sheet and --truth name, and writes the table's header.
+  TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
+              FrameRate rate);
+
+  /// Takes on the tracker's present result. `milliseconds` is what the frame took; frame 0 is not counted.
+  void add(std::size_t number, const FrameView& frame, Tracker& tracker, double milliseconds);
+
+  /// Gives all files their names.
+  void commit();
+
+  /// One line of key=value: frames, tracked (in state `tracking`), rms_px (root mean square over the frames),
+  /// median_ms, arena_bytes, f_px; with a truth landmark_px (mean), rotation_deg (median) and compared
+  /// (frames).
+  void print_summary(std::ostream& out, std::size_t arena_bytes, float focal_px) const;
+
+ private:
+  using Points = std::vector<std::optional<Vec2>>;
+  Points project_landmarks(Estimator& estimator) const;
+  Points project_markers(Tracker& tracker) const;
+  void draw(const TrackRow& row, const FrameView& frame, const Estimator& estimator, const Points& landmarks,
+            const Points& markers);
+
+  Model model_;
+  OutputFile table_;
+  bool with_landmarks_;
+  std::size_t marker_count_;
+  FrameRate rate_;
+  std::unique_ptr<Y4mOutput> overlay_;
+  std::unique_ptr<OutputFile> sheet_file_;
+  std::unique_ptr<TruthComparison> truth_;
+  ContactSheet sheet_;
+  std::vector<double> milliseconds_;
+  std::size_t frames_ = 0, tracked_ = 0, known_ = 0;
+  double squared_sum_ = 0;
+};
+
+}  // namespace pliant::cli
