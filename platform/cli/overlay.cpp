@@ -78,25 +78,25 @@ void Overlay::draw_mesh(const WireMesh& mesh) {
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   for (const auto& [a, b] : edges)
-    draw_line(image_, scaled(mesh.x[a]), scaled(mesh.x[b]), line(), kMesh, 0.42f);
+    draw_line(image_, scaled(mesh.x[a]), scaled(mesh.x[b]), unit(), kMesh, 0.42f);
 }
 
 void Overlay::draw_landmark(Vec2 x) {
-  draw_dot(image_, scaled(x), 0.8f * static_cast<float>(scale_), kLandmark, 0.9f);
+  draw_dot(image_, scaled(x), 1.3f * unit(), kLandmark, 0.9f);
 }
 
 void Overlay::draw_marker(Vec2 x) {
-  draw_ring(image_, scaled(x), 1.8f * static_cast<float>(scale_), line(), kMarker, 0.9f);
+  draw_ring(image_, scaled(x), 3.5f * unit(), unit(), kMarker, 0.9f);
 }
 
 void Overlay::draw_residual(Vec2 given, Vec2 residual, bool used) {
   const Colour colour = used ? kGiven : kUnused;
-  draw_ring(image_, scaled(given), 1.6f * static_cast<float>(scale_), line(), colour, 0.8f);
-  draw_line(image_, scaled(given), scaled(given + residual), line(), colour, 0.8f);
+  draw_ring(image_, scaled(given), 3.2f * unit(), unit(), colour, 0.8f);
+  draw_line(image_, scaled(given), scaled(given + residual), unit(), colour, 0.8f);
 }
 
 void Overlay::draw_caption(const std::string& text) {
-  const int scale = image_.width >= 960 ? 2 : 1, margin = 4 * scale, border = 5;
+  const int scale = std::max(1, (image_.width + 160) / 320), margin = 2 * scale, border = 4;
   const int height = kTextHeight * scale + 2 * margin;
   const int y = image_.height - border - height;
   fill_box(image_, border, y, text_width(text, scale) + 2 * margin, height, {0, 0, 0}, 0.55f);

@@ -46,7 +46,8 @@ class Overlay {
 
  private:
   Vec2 scaled(Vec2 x) const;
-  float line() const { return 0.5f * static_cast<float>(scale_); }
+  /// Width of a thin line: a pixel in a picture of 640.
+  float unit() const { return static_cast<float>(image_.width) / 640; }
   int scale_;
   Image image_;
 };
