@@ -1,0 +1,255 @@
+#include "pliant/estimator.hpp"
+
+#include <doctest/doctest.h>
+#include <limits>
+
+#include "model_builder.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kWidth = 640, kHeight = 480;
+
+/// An estimator on the egg, and a second one, posed by hand, that says what would be seen.
+struct Scene {
+  std::vector<std::uint32_t> words = egg_model(3).table();
+  Model model;
+  EstimatorLimits limits;
+  Camera camera = centred_camera(kWidth, kHeight, 800);
+  std::vector<float> q;
+  std::vector<Vec2> uv;
+  std::vector<std::uint16_t> ids;
+  Random random{11};
+
+  Scene() {
+    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+    q.assign(model.parameters().count, 0);
+    q[0] = 0.8f;
+    limits.points = 60;
+    limits.vertices = 300;
+    for (int i = 0; i < 49; ++i)
+      uv.push_back({0.14f + 0.12f * static_cast<float>(i % 7), 0.14f + 0.12f * static_cast<float>(i / 7)});
+  }
+
+  static Pose pose(float turn) { return {exp_rotation({0.3f * turn, turn, 0.2f * turn}), {20 * turn, 5, 700}}; }
+
+  void start(Estimator& e, float turn) {
+    REQUIRE(e.start(camera, kWidth, kHeight, pose(turn), q.data(), nullptr, {}) == Status::ok);
+    ids.resize(uv.size());
+    for (std::size_t i = 0; i < uv.size(); ++i) REQUIRE(e.add_point(uv[i], &ids[i]) == Status::ok);
+  }
+
+  /// What a camera would see of the points at a pose and parameters.
+  std::vector<Observation> observe(float turn, const std::vector<float>& truth, float noise_px) {
+    InArena<Cascade> cascade(model);
+    const Projector projector(view_of(pose(turn), camera), true);
+    std::vector<Observation> out;
+    for (std::size_t i = 0; i < uv.size(); ++i) {
+      Observation o;
+      o.id = ids[i];
+      REQUIRE(projector.project(cascade->surface_point(uv[i], truth.data()), &o.x));
+      o.x = o.x + Vec2{noise_px * random.normal(), noise_px * random.normal()};
+      o.information = {25, 0, 25};
+      out.push_back(o);
+    }
+    return out;
+  }
+};
+
+Span<Observation> span(std::vector<Observation>& o) { return {o.data(), o.size()}; }
+
+float turn_error(const Estimator& e, float turn) {
+  return length(log_rotation(e.view().q * conjugate(normalised(Scene::pose(turn).q))));
+}
+
+}  // namespace
+
+TEST_CASE("pose and expressions are followed through a motion, the identity stays") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0);
+  std::vector<float> truth = scene.q;
+  for (int frame = 1; frame <= 40; ++frame) {
+    const float turn = 0.01f * static_cast<float>(frame);
+    truth[5] = 0.4f * static_cast<float>(frame % 20) / 20;  // jawOpen
+    truth[3] = 0.5f;                                         // bumpLeft jumps at once
+    e->begin(frame * std::int64_t{40'000'000});
+    auto seen = scene.observe(turn, truth, 0.1f);
+    e->solve(span(seen));
+    const FrameResult result = e->end();
+    CHECK(result.state == TrackState::tracking);
+    CHECK(result.inliers > 40);
+    CHECK(turn_error(e.object, turn) < 0.02f);
+    if (frame > 2) CHECK(e->parameters()[5] == doctest::Approx(truth[5]).epsilon(0.05).scale(1));
+    CHECK(e->parameters()[0] == 0.8f);
+  }
+  CHECK(e->parameters()[3] == doctest::Approx(0.5).epsilon(0.1).scale(1));
+}
+
+TEST_CASE("a third of wild observations is rejected and named") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0.1f);
+  e->begin(1);
+  auto seen = scene.observe(0.13f, scene.q, 0.1f);
+  for (std::size_t i = 0; i < seen.size(); i += 3) seen[i].x = seen[i].x + Vec2{30, -25};
+  e->solve(span(seen));
+  CHECK(e->end().state == TrackState::tracking);
+  CHECK(turn_error(e.object, 0.13f) < 0.02f);
+  for (std::size_t i = 0; i < seen.size(); ++i) CHECK(seen[i].reason == (i % 3 == 0 ? Reason::rejected : Reason::found));
+}
+
+TEST_CASE("a prediction is the projection of its point, and its Jacobian is that of the image along u and v") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0.2f);
+  for (const Prediction& p : e->predict()) {
+    Vec2 x;
+    const Vec2 uv = e->point_uv(p.id);
+    REQUIRE(e->project(uv, &x));
+    CHECK(length(x - p.x) < 1e-3f);
+    const float h = 2e-3f;
+    Vec2 a, b, c, d;
+    REQUIRE(e->project({uv.x - h, uv.y}, &a));
+    REQUIRE(e->project({uv.x + h, uv.y}, &b));
+    REQUIRE(e->project({uv.x, uv.y - h}, &c));
+    REQUIRE(e->project({uv.x, uv.y + h}, &d));
+    CHECK(length((0.5f / h) * (b - a) - Vec2{p.jacobian.a, p.jacobian.c}) < 12);  // of about 170 px
+    CHECK(length((0.5f / h) * (d - c) - Vec2{p.jacobian.b, p.jacobian.d}) < 12);
+    CHECK(p.visible);
+    CHECK(p.covariance.xx > 0);
+  }
+}
+
+TEST_CASE("what turns away from the camera or leaves the picture is not visible") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0);
+  // A strong turn: x to the right of the picture turns away.
+  REQUIRE(e->start(scene.camera, kWidth, kHeight, {exp_rotation({0, 1.2f, 0}), {0, 0, 700}}, scene.q.data(), nullptr, {}) == Status::ok);
+  std::uint16_t near_side, far_side;
+  REQUIRE(e->add_point({0.95f, 0.5f}, &near_side) == Status::ok);
+  REQUIRE(e->add_point({0.05f, 0.5f}, &far_side) == Status::ok);
+  const Prediction a = e->predict(near_side), b = e->predict(far_side);
+  CHECK(a.visible != b.visible);
+  CHECK(a.facing * b.facing < 0);
+  REQUIRE(e->start(scene.camera, kWidth, kHeight, {{}, {400, 0, 700}}, scene.q.data(), nullptr, {}) == Status::ok);
+  REQUIRE(e->add_point({0.5f, 0.5f}, &near_side) == Status::ok);
+  CHECK_FALSE(e->predict(near_side).visible);
+}
+
+TEST_CASE("surface_at gives back the point that was projected, and the nearest one beside the surface") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0.25f);
+  Random random(5);
+  for (int i = 0; i < 200; ++i) {
+    const Vec2 uv{random.uniform(0.1f, 0.9f), random.uniform(0.1f, 0.9f)};
+    Vec2 x, back, again;
+    REQUIRE(e->project(uv, &x));
+    REQUIRE(e->surface_at(x, &back) == 0);
+    REQUIRE(e->project(back, &again));
+    CHECK(length(again - x) < 0.05f);
+    CHECK(length(back - uv) < 0.01f);
+  }
+  Vec2 uv;
+  CHECK(e->surface_at({5, 5}, &uv) > 50);
+  CHECK(e->surface_at({-1e6f, 200}, &uv) > 1e5f);
+}
+
+TEST_CASE("without observations the state is degraded, then lost, and nothing is claimed; with them it comes back") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0.1f);
+  const Quat before = e->view().q;
+  TrackState expected[5] = {TrackState::degraded, TrackState::degraded, TrackState::lost, TrackState::lost, TrackState::lost};
+  std::vector<Observation> none;
+  for (int frame = 0; frame < 5; ++frame) {
+    e->begin(frame * std::int64_t{40'000'000});
+    e->solve(span(none));
+    CHECK(e->end().state == expected[frame]);
+  }
+  CHECK(e->view().q.y == before.y);
+  e->begin(1'000'000'000);
+  auto seen = scene.observe(0.12f, scene.q, 0.1f);
+  e->solve(span(seen));
+  CHECK(e->end().state == TrackState::tracking);
+  CHECK(turn_error(e.object, 0.12f) < 0.02f);
+}
+
+TEST_CASE("contradictory observations do not pass for tracking") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0.1f);
+  e->begin(1);
+  auto seen = scene.observe(0.1f, scene.q, 0);
+  for (Observation& o : seen) o.x = {scene.random.uniform(0, 640), scene.random.uniform(0, 480)};
+  e->solve(span(seen));
+  CHECK(e->end().state != TrackState::tracking);
+  CHECK(turn_error(e.object, 0.1f) < 1e-3f);
+}
+
+TEST_CASE("hostile observations are ignored: NaN, unknown points, negative information") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0.1f);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  e->begin(1);
+  auto seen = scene.observe(0.1f, scene.q, 0);
+  seen[0].x.x = nan;
+  seen[1].id = 59;
+  seen[2].id = 6000;
+  seen[3].information.xx = -1;
+  seen[4].information.xy = nan;
+  e->solve(span(seen));
+  const FrameResult result = e->end();
+  CHECK(result.tracked == seen.size() - 5);
+  CHECK(result.state == TrackState::tracking);
+  for (int i = 0; i < 5; ++i) CHECK(seen[static_cast<std::size_t>(i)].reason == Reason::not_visible);
+  CHECK(is_finite(result.pose));
+}
+
+TEST_CASE("calls before a start, bad starts and full capacities are named") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  std::uint16_t id = 0;
+  CHECK(e->add_point({0.5f, 0.5f}, &id) == Status::not_started);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<float> q = scene.q;
+  const auto start = [&](Camera c, int w, Pose p, const float* values) { return e->start(c, w, kHeight, p, values, nullptr, {}); };
+  CHECK(start(scene.camera, 0, Scene::pose(0), q.data()) == Status::bad_argument);
+  CHECK(start({0, 1, 1}, kWidth, Scene::pose(0), q.data()) == Status::bad_argument);
+  CHECK(start(scene.camera, kWidth, {{}, {0, 0, nan}}, q.data()) == Status::bad_argument);
+  CHECK(start(scene.camera, kWidth, {{}, {0, 0, -5}}, q.data()) == Status::bad_argument);
+  CHECK(start(scene.camera, kWidth, Scene::pose(0), nullptr) == Status::bad_argument);
+  q[2] = nan;
+  CHECK(start(scene.camera, kWidth, Scene::pose(0), q.data()) == Status::bad_argument);
+  CHECK_FALSE(e->is_started());
+  scene.start(e.object, 0);
+  CHECK(e->add_point({1.5f, 0.5f}, &id) == Status::bad_argument);
+  for (std::size_t i = scene.uv.size(); i < scene.limits.points; ++i) CHECK(e->add_point({0.5f, 0.5f}, &id) == Status::ok);
+  CHECK(e->add_point({0.5f, 0.5f}, &id) == Status::capacity);
+  e->remove_point(17);
+  REQUIRE(e->add_point({0.5f, 0.5f}, &id) == Status::ok);
+  CHECK(id == 17);
+}
+
+TEST_CASE("two runs give the same bits") {
+  Scene scene;
+  float turn[2] = {};
+  for (float& t : turn) {
+    Scene fresh;
+    InArena<Estimator> e(fresh.model, fresh.limits);
+    fresh.start(e.object, 0);
+    for (int frame = 1; frame < 6; ++frame) {
+      e->begin(frame * std::int64_t{33'000'000});
+      auto seen = fresh.observe(0.02f * static_cast<float>(frame), fresh.q, 0.3f);
+      e->solve(span(seen));
+      e->end();
+    }
+    t = e->view().q.y;
+  }
+  CHECK(turn[0] == turn[1]);
+}

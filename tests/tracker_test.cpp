@@ -1,0 +1,233 @@
+// The whole tracker on rendered pictures of the built-in face, whose pose, expression and landmarks are known.
+#include "pliant/tracker.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "baked_face.hpp"
+#include "cli/scene.hpp"
+#include "heap_trap.hpp"
+#include "model_builder.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240, kFrames = 24;
+
+/// The built-in face, baked once.
+BakedModel& face() {
+  static BakedModel* baked = [] {
+    bake::BakeOptions options;
+    options.source = PLIANT_FIXTURES "/face";
+    std::vector<std::uint8_t> table;
+    std::string error;
+    REQUIRE_MESSAGE(bake::bake(options, table, error), error);
+    return new BakedModel(table);
+  }();
+  return *baked;
+}
+
+/// A short film: the head turns and moves, the mouth opens, the brows rise.
+struct Film {
+  Camera camera = centred_camera(kWidth, kHeight, 400);
+  std::vector<std::vector<std::uint8_t>> frames;
+  std::vector<Pose> poses;
+  std::vector<std::vector<float>> parameters;
+
+  Film() {
+    BakedModel& model = face();
+    cli::Scene scene(model.model, kWidth, kHeight, 160, 2);
+    const cli::Image background = cli::make_background(kWidth, kHeight, 5);
+    const Pose rest = cli::frontal_pose(model.model, model.rest().data(), camera, kHeight, 0.7f);
+    for (int k = 0; k < kFrames; ++k) {
+      const float s = static_cast<float>(k) / static_cast<float>(kFrames - 1);
+      Pose pose = rest;
+      pose.q = exp_rotation({0.08f * s, 0.35f * s, -0.06f * s});
+      pose.t = pose.t + Vec3{25 * s, -8 * s, 40 * s};
+      std::vector<float> q = model.rest();
+      q[model.model.find_parameter("jawOpen")] = 0.25f * (s < 0.5f ? 2 * s : 2 - 2 * s);
+      q[model.model.find_parameter("browInnerUpLeft")] = q[model.model.find_parameter("browInnerUpRight")] = 0.8f * s;
+      cli::Image picture = scene.draw(q.data(), pose, camera, background);
+      cli::add_noise(picture, 2, static_cast<std::uint32_t>(k));
+      frames.push_back(picture.pixels);
+      poses.push_back(pose);
+      parameters.push_back(q);
+    }
+  }
+  FrameView view(std::size_t k) const {
+    return {frames[k].data(), kWidth, kHeight, kWidth, 1, static_cast<std::int64_t>(k) * 33'333'333,
+            static_cast<std::uint32_t>(k)};
+  }
+  /// Image position of a landmark in frame k.
+  Vec2 truth(const char* landmark, std::size_t k) const {
+    Vec2 x;
+    REQUIRE(Projector(view_of(poses[k], camera), true).project(face().at(landmark, parameters[k]), &x));
+    return x;
+  }
+};
+
+const Film& film() {
+  static const Film* one = new Film;
+  return *one;
+}
+
+Status start(Tracker& tracker, Span<const Vec2> markers = {}, TrackerOptions options = {}) {
+  return tracker.start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), markers, options);
+}
+
+}  // namespace
+
+TEST_CASE("pose, expression and landmarks of a rendered face are followed") {
+  InArena<Tracker> tracker(face().model, TrackerLimits{});
+  REQUIRE(start(tracker.object) == Status::ok);
+  for (std::size_t k = 1; k < kFrames; ++k) {
+    FrameResult result;
+    REQUIRE(tracker->update(film().view(k), &result) == Status::ok);
+    CHECK(result.state == TrackState::tracking);
+    const Vec3 off = log_rotation(result.pose.q * conjugate(normalised(film().poses[k].q)));
+    CHECK(length(off) < 0.035f);  // 2 degrees
+    float sum = 0;
+    for (int l = 17; l < 68; ++l) {
+      const std::string name = "ibug" + std::to_string(l);
+      Vec2 x;
+      REQUIRE(tracker->estimator().project(face().uv(name), &x));
+      sum += length(x - film().truth(name.c_str(), k));
+    }
+    CHECK(sum / 51 < 1.0f);
+  }
+  const std::uint16_t brow = face().model.find_parameter("browInnerUpLeft");
+  CHECK(tracker->estimator().parameters()[brow] > 0.4f);
+}
+
+TEST_CASE("no heap call is made from the first frame on, in a block of exactly the stated size") {
+  const TrackerLimits limits;
+  const std::size_t bytes = measured_bytes<Tracker>(face().model, limits);
+  std::vector<unsigned char> memory(bytes + 16);
+  Arena arena(memory.data() + (16 - reinterpret_cast<std::uintptr_t>(memory.data()) % 16) % 16, bytes);
+  static Tracker tracker;
+  film();
+  Status status = Status::ok;
+  bool tracked = true;
+  {
+    const heap_trap::Armed armed;
+    status = create_in(arena, tracker, face().model, limits);
+    if (status == Status::ok) status = tracker.start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {}, {});
+    for (std::size_t k = 1; k < kFrames && status == Status::ok; ++k) {
+      FrameResult result;
+      status = tracker.update(film().view(k), &result);
+      tracked = tracked && result.state == TrackState::tracking;
+    }
+  }
+  CHECK(heap_trap::calls == 0);
+  CHECK(status == Status::ok);
+  CHECK(tracked);
+  CHECK(arena.used_bytes() == bytes);
+  {
+    const heap_trap::Armed armed;  // and the trap does catch one
+    ::operator delete(::operator new(4));  // called as functions: a new-expression may be optimised away
+  }
+  CHECK(heap_trap::calls > 0);
+}
+
+TEST_CASE("markers are followed though nothing near them is looked at") {
+  TrackerLimits limits;
+  limits.markers = 3;
+  InArena<Tracker> tracker(face().model, limits);
+  const char* names[3] = {"ibug30", "ibug48", "ibug19"};
+  Vec2 markers[3];
+  for (int k = 0; k < 3; ++k) markers[k] = film().truth(names[k], 0);
+  TrackerOptions options;
+  options.marker_exclusion_px = 10;
+  REQUIRE(start(tracker.object, {markers, 3}, options) == Status::ok);
+  for (std::size_t p = 0; p < tracker->patch_count(); ++p) {
+    Vec2 x;
+    REQUIRE(tracker->patch(p, &x));
+    for (Vec2 m : markers) CHECK(length(x - m) >= 10);
+  }
+  FrameResult result;
+  for (std::size_t k = 1; k < kFrames; ++k) {
+    REQUIRE(tracker->update(film().view(k), &result) == Status::ok);
+    for (std::size_t m = 0; m < 3; ++m) {
+      Vec2 x;
+      REQUIRE(tracker->marker(m, &x));
+      CHECK(length(x - film().truth(names[m], k)) < 2.5f);
+    }
+  }
+  Vec2 x;
+  CHECK_FALSE(tracker->marker(3, &x));
+}
+
+TEST_CASE("a frame repeated moves nothing by more than noise") {
+  InArena<Tracker> tracker(face().model, TrackerLimits{});
+  REQUIRE(start(tracker.object) == Status::ok);
+  FrameResult result;
+  REQUIRE(tracker->update(film().view(0), &result) == Status::ok);
+  CHECK(length(log_rotation(result.pose.q * conjugate(film().poses[0].q))) < 0.004f);
+}
+
+TEST_CASE("black frames lose the face within three, and it is found again when it returns") {
+  InArena<Tracker> tracker(face().model, TrackerLimits{});
+  REQUIRE(start(tracker.object) == Status::ok);
+  const std::vector<std::uint8_t> black(kWidth * kHeight, 0);
+  FrameResult result;
+  for (int k = 1; k <= 6; ++k) {
+    FrameView v = film().view(0);
+    v.data = black.data();
+    v.time_ns = k * std::int64_t{33'333'333};
+    REQUIRE(tracker->update(v, &result) == Status::ok);
+    CHECK(result.state == (k < 3 ? TrackState::degraded : TrackState::lost));
+  }
+  int needed = 0;
+  for (; needed < 10 && result.state != TrackState::tracking; ++needed) REQUIRE(tracker->update(film().view(2), &result) == Status::ok);
+  CHECK(result.state == TrackState::tracking);
+  CHECK(length(log_rotation(result.pose.q * conjugate(normalised(film().poses[2].q)))) < 0.05f);
+}
+
+TEST_CASE("frames that cannot be used are named and leave everything as it was") {
+  InArena<Tracker> tracker(face().model, TrackerLimits{});
+  FrameResult result;
+  CHECK(tracker->update(film().view(0), &result) == Status::not_started);
+  FrameView v = film().view(0);
+  v.width = 319;
+  CHECK(tracker->start(v, film().camera, film().poses[0], film().parameters[0].data(), {}, {}) == Status::size_mismatch);
+  v.data = nullptr;
+  CHECK(tracker->start(v, film().camera, film().poses[0], film().parameters[0].data(), {}, {}) == Status::bad_argument);
+  const Vec2 marker{160, 120};
+  CHECK(start(tracker.object, {&marker, 1}) == Status::capacity);
+  const std::vector<std::uint8_t> grey(kWidth * kHeight, 128);
+  v = film().view(0);
+  v.data = grey.data();
+  CHECK(tracker->start(v, film().camera, film().poses[0], film().parameters[0].data(), {}, {}) == Status::too_few_points);
+  CHECK(tracker->update(film().view(1), &result) == Status::not_started);
+
+  REQUIRE(start(tracker.object) == Status::ok);
+  const Quat before = tracker->estimator().view().q;
+  v = film().view(1);
+  v.stride_bytes = 100;
+  CHECK(tracker->update(v, &result) == Status::bad_argument);
+  v.stride_bytes = kWidth;
+  v.height = 120;
+  CHECK(tracker->update(v, &result) == Status::size_mismatch);
+  CHECK(tracker->update(film().view(1), nullptr) == Status::bad_argument);
+  CHECK(tracker->estimator().view().q.y == before.y);
+  CHECK(tracker->update(film().view(1), &result) == Status::ok);
+  CHECK(result.state == TrackState::tracking);
+}
+
+TEST_CASE("two trackers on the same frames give the same bits") {
+  Quat q[2];
+  for (Quat& each : q) {
+    InArena<Tracker> tracker(face().model, TrackerLimits{});
+    REQUIRE(start(tracker.object) == Status::ok);
+    FrameResult result;
+    for (std::size_t k = 1; k < 6; ++k) REQUIRE(tracker->update(film().view(k), &result) == Status::ok);
+    each = result.pose.q;
+  }
+  CHECK(q[0].w == q[1].w);
+  CHECK(q[0].x == q[1].x);
+  CHECK(q[0].y == q[1].y);
+  CHECK(q[0].z == q[1].z);
+}

@@ -1,0 +1,63 @@
+#include "pliant/visibility.hpp"
+
+#include <doctest/doctest.h>
+
+#include "model_builder.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+TEST_CASE("the nearest point of a triangle is inside it, and no sampled point of it is nearer") {
+  Random random(3);
+  for (int trial = 0; trial < 300; ++trial) {
+    const auto point = [&] { return Vec2{random.uniform(0, 10), random.uniform(0, 10)}; };
+    const Vec2 a = point(), b = point(), c = trial % 10 == 0 ? a : point(), x = point();
+    float w[3];
+    const float d2 = nearest_on_triangle(a, b, c, x, w);
+    CHECK(w[0] + w[1] + w[2] == doctest::Approx(1));
+    for (float each : w) CHECK(each >= -1e-5f);
+    const Vec2 at = w[0] * a + (w[1] * b + w[2] * c);
+    CHECK(dot(at - x, at - x) == doctest::Approx(d2).epsilon(1e-3).scale(1));
+    for (int i = 0; i <= 10; ++i)
+      for (int k = 0; i + k <= 10; ++k) {
+        const float u = 0.1f * static_cast<float>(i), v = 0.1f * static_cast<float>(k);
+        const Vec2 s = u * a + (v * b + (1 - u - v) * c);
+        CHECK(dot(s - x, s - x) >= d2 - 1e-3f);
+      }
+  }
+}
+
+TEST_CASE("a mesh that faces the camera hides what lies behind it and nothing else") {
+  ModelBuilder b;
+  b.grid_mesh(4);
+  InArena<Mesh> mesh(MeshLimits{});
+  REQUIRE(mesh->set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) == Status::ok);
+  std::vector<Vec2> image;
+  std::vector<float> depth;
+  for (Vec2 uv : b.vertices) {
+    image.push_back({50 + 100 * uv.x, 20 + 80 * uv.y});
+    depth.push_back(500 + 100 * uv.x);
+  }
+  InArena<DepthBuffer> buffer(32, 32);
+  buffer->draw(mesh.object, image.data(), depth.data());
+  CHECK(buffer->hides({60, 60}, 600, 5));
+  CHECK_FALSE(buffer->hides({60, 60}, 505, 5));
+  CHECK_FALSE(buffer->hides({140, 60}, 585, 5));
+  CHECK(buffer->hides({140, 60}, 620, 5));
+  CHECK_FALSE(buffer->hides({10, 60}, 900, 5));
+  for (Vec2& x : image) x.x = 200 - x.x;  // mirrored in the image: now every face turns away
+  buffer->draw(mesh.object, image.data(), depth.data());
+  CHECK_FALSE(buffer->hides({100, 60}, 900, 5));
+}
+
+TEST_CASE("a mesh behind the camera is not drawn") {
+  ModelBuilder b;
+  b.grid_mesh(2);
+  InArena<Mesh> mesh(MeshLimits{});
+  REQUIRE(mesh->set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) == Status::ok);
+  const std::vector<Vec2> image(b.vertices.size());
+  const std::vector<float> depth(b.vertices.size(), -1.0f);
+  InArena<DepthBuffer> buffer(8, 8);
+  buffer->draw(mesh.object, image.data(), depth.data());
+  CHECK_FALSE(buffer->hides({0, 0}, 100, 0));
+}
