@@ -60,7 +60,7 @@ class Baker {
 
   void add_shape(std::size_t k) {
     const SourceShape& shape = source_.shapes[k];
-    const bool turns = shape.displacement.empty();
+    const bool turns = !shape.weight.empty();
     CascadeRecord r = empty_record(turns ? Operation::rotate : Operation::add_vector);
     r.source[0] = last_;
     r.parameter[0] = static_cast<std::uint16_t>(shape.parameter);
@@ -84,13 +84,13 @@ class Baker {
     // A weight turns points that are some 80 mm away from the axis.
     const float effect =
         std::min(std::max(p.maximum, -p.minimum), p.group == Group::identity ? 2 * p.sd : p.maximum) *
-        (shape.displacement.empty() ? 80.0f : 1.0f);
+        (shape.weight.empty() ? 1.0f : 80.0f);
     const float threshold = 0.004f / effect;
-    FieldGrid best = cropped(grid_of(rasters_[0], values), threshold);
+    FieldGrid best = sampled(rasters_[0], values, threshold);
     const std::vector<float> finest = deviations(best, values);
     std::vector<float> chosen = finest;
     for (std::size_t level = rasters_.size(); level-- > 1;) {
-      FieldGrid grid = cropped(grid_of(rasters_[level], values), threshold);
+      FieldGrid grid = sampled(rasters_[level], values, threshold);
       std::vector<float> coarse = deviations(grid, values);
       if (largest_excess(coarse, finest) * effect > options_.tolerance_mm) continue;
       best = std::move(grid);
@@ -99,6 +99,13 @@ class Baker {
     }
     note(chosen, effect, p.name);
     return best;
+  }
+
+  template <class T>
+  static FieldGrid sampled(const ChartRaster& raster, const std::vector<T>& values, float threshold) {
+    FieldGrid grid = grid_of(raster, values);
+    clear_border(grid, raster);
+    return cropped(grid, threshold);
   }
 
   void note(const std::vector<float>& deviations, float effect, const std::string& name) {

@@ -51,7 +51,7 @@ class FaceReader {
  private:
   static constexpr int kLevels = 3;  // 64 quads a cage quad: half a millimetre at the lips
   static constexpr int kPositionRounds = 10;
-  static constexpr int kMoveRounds = 3;  // few, so that a motion stays near the points that it moves
+  static constexpr int kMoveRounds = 4;
 
   void make_surface() {
     source_.uv = fine_values(fine_, cage_.uv);
@@ -170,15 +170,13 @@ class FaceReader {
       return;
     }
     const auto cage_moves = displacement_of(moves, p.name, p.is_sided, cage_, followers_);
-    SourceShape shape{
-        parameter, fine_values(fine_, controls_through(fine_, cage_moves, kMoveRounds)), {}, {}, {}, -1};
-    source_.shapes.push_back(shape);
+    std::vector<char> is_still;
+    for (Vec3 d : cage_moves) is_still.push_back(d.x == 0 && d.y == 0 && d.z == 0);
+    const auto controls = controls_through(fine_, cage_moves, kMoveRounds, is_still);
+    source_.shapes.push_back({parameter, fine_values(fine_, controls), {}, {}, {}, -1});
     if (!p.is_sided) return;
-    shape.mirror_of = static_cast<int>(source_.shapes.size()) - 1;
-    ++shape.parameter;
-    for (Vec3& d : shape.displacement)
-      d.x = -d.x;  // the vertices' order is not mirrored: only the table is read from it
-    source_.shapes.push_back(std::move(shape));
+    const int left = static_cast<int>(source_.shapes.size()) - 1;
+    source_.shapes.push_back({parameter + 1, {}, {}, {}, {}, left});
   }
 
   int point(const TextTable& table, const TextRow& row, std::size_t column) const {

@@ -40,10 +40,20 @@ FieldGrid grid_of(const ChartRaster& raster, const std::vector<float>& values) {
   return grid;
 }
 
+void clear_border(FieldGrid& grid, const ChartRaster& raster) {
+  const auto n = at(grid.components);
+  for (int j = 0; j < grid.height; ++j)
+    for (int i = 0; i < grid.width; ++i) {
+      const bool border = i == 0 || j == 0 || i == grid.width - 1 || j == grid.height - 1;
+      if (border && raster.at(i, j).triangle < 0)
+        std::fill_n(grid.samples.begin() + static_cast<std::ptrdiff_t>(at(j * grid.width + i) * n), n, 0.0f);
+    }
+}
+
 FieldGrid cropped(const FieldGrid& grid, float threshold) {
   int left = grid.width, right = -1, top = grid.height, bottom = -1;
-  for (int j = 1; j + 1 < grid.height; ++j)
-    for (int i = 1; i + 1 < grid.width; ++i)
+  for (int j = 0; j < grid.height; ++j)
+    for (int i = 0; i < grid.width; ++i)
       for (int c = 0; c < grid.components; ++c)
         if (std::fabs(grid.samples[at((j * grid.width + i) * grid.components + c)]) > threshold) {
           left = std::min(left, i);
@@ -51,6 +61,7 @@ FieldGrid cropped(const FieldGrid& grid, float threshold) {
           top = std::min(top, j);
           bottom = std::max(bottom, j);
         }
+  if (left == 0 || top == 0 || right == grid.width - 1 || bottom == grid.height - 1) return grid;
   if (right < 0) left = right = top = bottom = 1;
   FieldGrid cut = empty_grid(right - left + 3, bottom - top + 3, grid.components);
   const float w = static_cast<float>(grid.width - 1), h = static_cast<float>(grid.height - 1);

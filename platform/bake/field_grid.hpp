@@ -20,8 +20,11 @@ struct FieldGrid {
 FieldGrid grid_of(const ChartRaster& raster, const std::vector<Vec3>& values);
 FieldGrid grid_of(const ChartRaster& raster, const std::vector<float>& values);
 
-/// The grid cut to where it is larger than `threshold`, with a rim of zeros around; all its rim where it
-/// reaches the end of the chart is made zero as well. Two by two zeros when nothing is left.
+/// Makes the samples on the border of the chart zero that do not lie on the mesh.
+void clear_border(FieldGrid& grid, const ChartRaster& raster);
+
+/// The grid cut to where it is larger than `threshold`, with a rim of zeros around it; the whole grid when it
+/// is larger than that on the border of the chart. Three by three zeros when nothing is left.
 FieldGrid cropped(const FieldGrid& grid, float threshold);
 
 /// Bilinear value of component c at (u,v), zero outside the rectangle.

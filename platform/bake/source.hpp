@@ -24,7 +24,8 @@ struct SourceShape {
   std::vector<Vec3> displacement;
   std::vector<float> weight;
   Vec3 axis, pivot;
-  int mirror_of = -1;  ///< an earlier shape whose mirror image this is: its samples are shared
+  int mirror_of =
+      -1;  ///< the earlier shape of displacements whose mirror image this is, with which it shares samples
 };
 
 struct SourceLandmark {

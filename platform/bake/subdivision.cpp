@@ -206,7 +206,8 @@ std::vector<T> fine_values(const SubdividedCage& fine, const std::vector<T>& con
 }
 
 template <class T>
-std::vector<T> controls_through(const SubdividedCage& fine, const std::vector<T>& targets, int rounds) {
+std::vector<T> controls_through(const SubdividedCage& fine, const std::vector<T>& targets, int rounds,
+                                const std::vector<char>& is_still) {
   std::vector<T> controls = targets;
   for (int round = 0; round < rounds; ++round) {
     std::vector<T> residual;
@@ -215,7 +216,8 @@ std::vector<T> controls_through(const SubdividedCage& fine, const std::vector<T>
       for (const auto& [point, weight] : fine.stencils[i]) value = value + weight * controls[at(point)];
       residual.push_back(targets[i] + -1.0f * value);
     }
-    for (std::size_t i = 0; i < targets.size(); ++i) controls[i] = controls[i] + residual[i];
+    for (std::size_t i = 0; i < targets.size(); ++i)
+      if (is_still.empty() || !is_still[i]) controls[i] = controls[i] + residual[i];
   }
   return controls;
 }
@@ -223,7 +225,9 @@ std::vector<T> controls_through(const SubdividedCage& fine, const std::vector<T>
 template std::vector<float> fine_values(const SubdividedCage&, const std::vector<float>&);
 template std::vector<Vec2> fine_values(const SubdividedCage&, const std::vector<Vec2>&);
 template std::vector<Vec3> fine_values(const SubdividedCage&, const std::vector<Vec3>&);
-template std::vector<float> controls_through(const SubdividedCage&, const std::vector<float>&, int);
-template std::vector<Vec3> controls_through(const SubdividedCage&, const std::vector<Vec3>&, int);
+template std::vector<float> controls_through(const SubdividedCage&, const std::vector<float>&, int,
+                                             const std::vector<char>&);
+template std::vector<Vec3> controls_through(const SubdividedCage&, const std::vector<Vec3>&, int,
+                                            const std::vector<char>&);
 
 }  // namespace pliant::bake

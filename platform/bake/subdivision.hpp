@@ -27,9 +27,11 @@ struct SubdividedCage {
 SubdividedCage subdivide(const Cage& cage, int levels);
 
 /// Control values for which the surface passes through `targets` at the cage points, to the accuracy of
-/// `rounds` of residual correction. T is float, Vec2 or Vec3.
+/// `rounds` of residual correction. Points with `is_still` keep their target, so that what does not move
+/// stays exactly where it is; empty: none. T is float or Vec3.
 template <class T>
-std::vector<T> controls_through(const SubdividedCage& fine, const std::vector<T>& targets, int rounds);
+std::vector<T> controls_through(const SubdividedCage& fine, const std::vector<T>& targets, int rounds,
+                                const std::vector<char>& is_still = {});
 
 /// Fine vertices along the surface through cage points, straight where no edge of the cage joins two of them.
 std::vector<int> path_through(const SubdividedCage& fine, const std::vector<int>& points);
