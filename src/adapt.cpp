@@ -23,6 +23,8 @@ float rank_of(std::uint32_t bits) {
   return rank;
 }
 
+constexpr std::uint32_t kToleranceBits = 0x3f800000;  // a rank of 1
+
 float face_rank(std::uint64_t key) {
   return rank_of(static_cast<std::uint32_t>(key >> 32));
 }
@@ -59,7 +61,7 @@ Status Adapter::start(Mesh& mesh, const Surface& surface, const Criterion& crite
   chart_origin_ = low;
   chart_scale_ = {high.x > low.x ? 65535.0f / (high.x - low.x) : 0,
                   high.y > low.y ? 65535.0f / (high.y - low.y) : 0};
-  faces_.clear();
+  faces_.clear(std::uint64_t{kToleranceBits + 1} << 32);
   vertices_.clear();
   resample();
   rerank();
@@ -81,41 +83,46 @@ void Adapter::rerank(int part, int parts) {
 
 // --- Keys ---
 
+// (u,v) lies within the chart's extent, so both steps fit 16 bits.
 std::uint32_t Adapter::place_key(Vec2 uv) const {
   const float x = (uv.x - chart_origin_.x) * chart_scale_.x, y = (uv.y - chart_origin_.y) * chart_scale_.y;
-  return static_cast<std::uint32_t>(clamp(y, 0, 65535)) << 16 |
-         static_cast<std::uint32_t>(clamp(x, 0, 65535));
+  return static_cast<std::uint32_t>(y) << 16 | static_cast<std::uint32_t>(x);
 }
 
 // Both faces of a block have the same place, the vertex that splitting them would insert, which is also what
-// is done first whichever of them comes first.
-std::uint64_t Adapter::face_key(FaceId f) const {
-  float rank = 0;
-  if (mesh_->face_level(f) < limits_.max_level) rank = criterion_.refine_rank(criterion_.context, shape(), f);
+// is done first whichever of them comes first. A face within tolerance needs no place in the order.
+std::uint64_t Adapter::face_key(const Shape& shape, FaceId f) const {
+  const std::uint32_t bits = rank_bits(criterion_.refine_rank(criterion_.context, shape, f));
+  if (bits <= kToleranceBits) return std::uint64_t{bits} << 32;
   const Vec2 middle = 0.5f * (mesh_->uv(mesh_->corner(f, 0)) + mesh_->uv(mesh_->corner(f, 1)));
-  return std::uint64_t{rank_bits(rank)} << 32 | place_key(middle);
+  return std::uint64_t{bits} << 32 | place_key(middle);
+}
+
+std::uint32_t Adapter::face_bits(FaceId f) const {
+  return static_cast<std::uint32_t>(faces_.key(f) >> 32);
+}
+
+void Adapter::rank_face(FaceId f) {
+  faces_.set(f, mesh_->face_level(f) < limits_.max_level ? face_key(shape(), f) : 0);
+}
+
+// A vertex that is not weldable any more may stay in the queue until it comes to the top; its key then means
+// nothing.
+void Adapter::rank_vertex(VertexId v) {
+  if (!mesh_->is_weldable(v)) return;
+  set_cost(v, rank_bits(criterion_.weld_rank(criterion_.context, shape(), v)));
 }
 
 // Where the faces around v rank higher than what would come back, the samples of the latter have missed
 // something: v is worth at least as much as they are, or it would be welded to make room for them, and split
 // again.
-std::uint64_t Adapter::weld_key(VertexId v, std::uint32_t bits) const {
-  for (const HalfEdgeId h : mesh_->star(v)) {
-    const auto around = static_cast<std::uint32_t>(faces_.key(Mesh::face_of(h)) >> 32);
-    if (around > bits) bits = around;
+void Adapter::set_cost(VertexId v, std::uint32_t bits) {
+  FaceId faces[4];
+  for (int i = mesh_->find_star_faces(v, faces); i > 0; --i) {
+    const std::uint32_t around = face_bits(faces[i - 1]);
+    bits = around > bits ? around : bits;
   }
-  return std::uint64_t{~bits} << 32 | place_key(mesh_->uv(v));
-}
-
-void Adapter::rank_face(FaceId f) {
-  faces_.set(f, face_key(f));
-}
-
-void Adapter::rank_vertex(VertexId v) {
-  if (mesh_->is_weldable(v))
-    vertices_.set(v, weld_key(v, rank_bits(criterion_.weld_rank(criterion_.context, shape(), v))));
-  else
-    vertices_.remove(v);
+  vertices_.set(v, std::uint64_t{~bits} << 32 | place_key(mesh_->uv(v)));
 }
 
 // After a change of the star of v: whatever looks across an edge into it.
@@ -124,9 +131,15 @@ void Adapter::rank_around(VertexId v) {
     const HalfEdgeId outer = mesh_->twin(Mesh::next(h));
     if (outer == kNone) continue;
     rank_face(Mesh::face_of(outer));
-    const VertexId apex = mesh_->corner(Mesh::face_of(outer), 2);
-    if (vertices_.contains(apex)) rank_vertex(apex);
+    rank_vertex(mesh_->corner(Mesh::face_of(outer), 2));
   }
+}
+
+// The weldable vertex that costs least, or kNone.
+VertexId Adapter::cheapest_vertex() {
+  VertexId v = vertices_.top();
+  for (; v != kNone && !mesh_->is_weldable(v); v = vertices_.top()) vertices_.remove(v);
+  return v;
 }
 
 // --- Operations ---
@@ -134,104 +147,95 @@ void Adapter::rank_around(VertexId v) {
 // f is ready and there is room.
 void Adapter::split(FaceId f) {
   const HalfEdgeId t = mesh_->twin(Mesh::half_edge(f, 0));
-  const VertexId apex = mesh_->corner(f, 2), other = t == kNone ? kNone : mesh_->corner(Mesh::face_of(t), 2);
-  std::uint32_t bits = static_cast<std::uint32_t>(faces_.key(f) >> 32);
-  if (t != kNone) {
-    const auto mate = static_cast<std::uint32_t>(faces_.key(Mesh::face_of(t)) >> 32);
-    if (mate > bits) bits = mate;
-  }
-  VertexId v = kNone;
-  if (mesh_->split_edge(Mesh::half_edge(f, 0), v) != Status::ok) return;
+  std::uint32_t bits = face_bits(f);
+  if (t != kNone && face_bits(Mesh::face_of(t)) > bits) bits = face_bits(Mesh::face_of(t));
+  const VertexId v = mesh_->split(Mesh::half_edge(f, 0));
   position_[v] = surface_(mesh_->uv(v));
-  for (const HalfEdgeId h : mesh_->star(v)) rank_face(Mesh::face_of(h));
+  const Shape now = shape();
+  const bool is_deepest = mesh_->level(v) >= limits_.max_level;
+  FaceId faces[4];
+  const int count = mesh_->find_star_faces(v, faces);
+  for (int i = 0; i < count; ++i) {
+    const std::uint64_t key = is_deepest ? 0 : face_key(now, faces[i]);
+    faces_.set(faces[i], key);
+    const auto around = static_cast<std::uint32_t>(key >> 32);
+    bits = around > bits ? around : bits;
+  }
   if (criterion_.ranks_triangles)
-    vertices_.set(v, weld_key(v, bits));
+    vertices_.set(v, std::uint64_t{~bits} << 32 | place_key(mesh_->uv(v)));
   else
     rank_vertex(v);
-  vertices_.remove(apex);
-  if (other != kNone) vertices_.remove(other);
   if (criterion_.sees_neighbours) rank_around(v);
 }
 
+// v is weldable.
 void Adapter::weld(VertexId v) {
   FaceId faces[4];
-  int count = 0;
-  for (const HalfEdgeId h : mesh_->star(v)) faces[count++] = Mesh::face_of(h);
+  const int count = mesh_->find_star_faces(v, faces);
   vertices_.remove(v);
-  if (mesh_->weld_edge(v) != Status::ok) return;
-  for (int i = 0; i < count; ++i)
-    if (!mesh_->is_live_face(faces[i])) faces_.remove(faces[i]);
-  for (int i = 0; i < count; ++i) {
-    if (!mesh_->is_live_face(faces[i])) continue;
+  mesh_->weld_star(v);
+  for (int i = 0; i < count; i += 2) {
+    faces_.remove(faces[i + 1]);
     rank_face(faces[i]);
     rank_vertex(mesh_->corner(faces[i], 2));
     if (criterion_.sees_neighbours) rank_around(mesh_->corner(faces[i], 2));
   }
 }
 
-void Adapter::refine(FaceId f, AdaptReport& report) {
-  FaceId chain[MeshLimits::kDeepest + 1];
-  int new_faces = 0;
-  const int count = mesh_->find_refinement_chain(f, chain, &new_faces);
-  for (int i = count - 1; i >= 0; --i) split(chain[i]);
-  report.splits += count;
-}
-
-bool Adapter::fits(FaceId f, int vertex_room, int* splits) const {
-  FaceId chain[MeshLimits::kDeepest + 1];
-  int new_faces = 0;
-  *splits = mesh_->find_refinement_chain(f, chain, &new_faces);
-  return *splits <= vertex_room && mesh_->face_count() + new_faces <= limits_.faces;
+bool Adapter::fits(FaceId f, int vertex_room, Chain& chain) const {
+  int new_faces = 2;
+  chain.face[0] = f;
+  chain.count = 1;
+  if (!mesh_->is_ready(f)) chain.count = mesh_->find_refinement_chain(f, chain.face, &new_faces);
+  return chain.count <= vertex_room && mesh_->face_count() + new_faces <= limits_.faces;
 }
 
 // The worst face that fits; only looked for when the worst of all does not fit.
 FaceId Adapter::find_fitting(int vertex_room, float lowest_rank) const {
   FaceId best = kNone;
+  Chain chain;
   if (vertex_room < 1) return best;
-  for (const FaceId f : mesh_->faces()) {
-    int splits = 0;
+  for (const FaceId f : mesh_->faces())
     if (face_rank(faces_.key(f)) > lowest_rank && (best == kNone || faces_.key(f) > faces_.key(best)) &&
-        fits(f, vertex_room, &splits))
+        fits(f, vertex_room, chain))
       best = f;
-  }
   return best;
 }
 
 // One refinement or one weld; false when there is nothing to do, and why is in the report.
 bool Adapter::step(const AdaptOptions& options, int budget, int operations_left, AdaptReport& report) {
-  const bool can_weld = options.may_weld && vertices_.count() > 0;
-  const float cheapest = can_weld ? vertex_rank(vertices_.top_key()) : 0;
-  FaceId worst = faces_.top();
-  const float worst_rank = face_rank(faces_.top_key());
   const int room = budget - mesh_->vertex_count();
-  report.stop = room < 0 ? AdaptStop::no_room : AdaptStop::converged;
+  FaceId worst = faces_.top();
+  const bool wants_split = options.may_split && worst != kNone;
+  const float worst_rank = wants_split ? face_rank(faces_.key(worst)) : 1;
+  Chain chain;
+  bool do_split = wants_split && room > 0 && fits(worst, room, chain);
 
-  bool do_weld = can_weld && room < 0;
-  bool do_split = false;
-  if (!do_weld && options.may_split && worst_rank > 1) {
-    int splits = 0;
-    do_split = fits(worst, room, &splits);
-    do_weld = !do_split && can_weld && worst_rank > options.hysteresis * cheapest;
-    if (!do_split && !do_weld) {
-      // Nothing lower than this may be put in: it would be the next to go.
-      report.stop = AdaptStop::no_room;
-      worst = find_fitting(room, max(1, worst_rank / options.hysteresis));
-      do_split = worst != kNone && fits(worst, room, &splits);
-    }
-    if (do_split && splits > operations_left) {
-      report.stop = AdaptStop::operations;
-      return false;
-    }
-  } else if (!do_weld) {
-    do_weld = can_weld && cheapest * options.hysteresis < 1;
+  VertexId cheapest = kNone;
+  if (!do_split && options.may_weld) cheapest = cheapest_vertex();
+  if (cheapest != kNone && room >= 0) {
+    const float cost = vertex_rank(vertices_.key(cheapest)) * options.hysteresis;
+    if (cost >= worst_rank) cheapest = kNone;
   }
-  if (do_weld) {
-    weld(vertices_.top());
+  if (cheapest != kNone) {
+    weld(cheapest);
     ++report.welds;
-  } else if (do_split) {
-    refine(worst, report);
+    return true;
   }
-  return do_weld || do_split;
+
+  report.stop = room < 0 || (wants_split && !do_split) ? AdaptStop::no_room : AdaptStop::converged;
+  if (wants_split && !do_split) {  // nothing lower than this may be put in: it would be the next to go
+    worst = find_fitting(room, max(1, worst_rank / options.hysteresis));
+    do_split = worst != kNone && fits(worst, room, chain);
+  }
+  if (do_split && chain.count > operations_left) {
+    report.stop = AdaptStop::operations;
+    do_split = false;
+  }
+  if (!do_split) return false;
+  report.splits += chain.count;
+  while (chain.count > 0) split(chain.face[--chain.count]);
+  return true;
 }
 
 AdaptReport Adapter::adapt(const AdaptOptions& options) {
@@ -259,7 +263,7 @@ AdaptReport Adapter::adapt(const AdaptOptions& options) {
       break;
     rerank();
   }
-  report.worst_rank = face_rank(faces_.top_key());
+  report.worst_rank = face_rank(faces_.find_highest_key());
   return report;
 }
 

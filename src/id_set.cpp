@@ -33,12 +33,23 @@ void IdSet::reset(std::size_t used) {
     groups_[g] = bits;
   }
   used_ = used;
+  lowest_ = used / 64;
+}
+
+// The first word with a free id, after the last one of `emptied` was taken. No word before it has any.
+void IdSet::find_lowest(std::size_t emptied) {
+  const std::size_t groups = words_for(words_for(capacity_));
+  std::size_t group = emptied >> 6;
+  groups_[group] &= ~(std::uint64_t{1} << (emptied & 63));
+  while (group < groups && groups_[group] == 0) ++group;
+  lowest_ = group < groups ? group << 6 | lowest_bit(groups_[group]) : words_for(capacity_);
 }
 
 void IdSet::copy_from(const IdSet& other) {
   for (std::size_t w = 0; w < words_for(capacity_); ++w) free_[w] = other.free_[w];
   for (std::size_t g = 0; g < words_for(words_for(capacity_)); ++g) groups_[g] = other.groups_[g];
   used_ = other.used_;
+  lowest_ = other.lowest_;
 }
 
 }  // namespace pliant

@@ -10,6 +10,10 @@
 namespace pliant {
 namespace {
 
+VertexId narrow(std::uint32_t id) {
+  return static_cast<VertexId>(id);
+}
+
 Vec2 midpoint(Vec2 a, Vec2 b) {
   return 0.5f * (a + b);
 }
@@ -32,7 +36,8 @@ void Mesh::lay_out(Arena& arena, const MeshLimits& limits) {
   if (limits_.vertices > 65534) limits_.vertices = 65534;
   if (limits_.faces > 21845) limits_.faces = 21845;
   if (limits_.max_level > MeshLimits::kDeepest) limits_.max_level = MeshLimits::kDeepest;
-  faces_ = arena.take<Face>(limits_.faces);
+  corner_ = arena.take<VertexId>(3 * std::size_t{limits_.faces});
+  twin_ = arena.take<HalfEdgeId>(3 * std::size_t{limits_.faces});
   vertices_ = arena.take<Vertex>(limits_.vertices);
   changes_ = arena.take<VertexId>(limits_.vertices);
   face_ids_.lay_out(arena, limits_.faces);
@@ -42,15 +47,30 @@ void Mesh::lay_out(Arena& arena, const MeshLimits& limits) {
 
 // --- Records ---
 
-void Mesh::link(HalfEdgeId a, HalfEdgeId b) {
-  faces_[face_of(a)].twin[corner_of(a)] = b;
-  faces_[face_of(b)].twin[corner_of(b)] = a;
+// Inside, ids are 32 bits wide: compilers do better with them.
+
+void Mesh::set_face(Wide f, Wide a, Wide b, Wide c) {
+  VertexId* corner = corner_ + 3 * f;
+  corner[0] = narrow(a);
+  corner[1] = narrow(b);
+  corner[2] = narrow(c);
+}
+
+void Mesh::link(Wide a, Wide b) {
+  twin_[a] = narrow(b);
+  twin_[b] = narrow(a);
 }
 
 // Makes `outer` (or the boundary) the twin of h.
-void Mesh::attach(HalfEdgeId h, HalfEdgeId outer) {
-  faces_[face_of(h)].twin[corner_of(h)] = outer;
-  if (outer != kNone) faces_[face_of(outer)].twin[corner_of(outer)] = h;
+void Mesh::attach(Wide h, Wide outer) {
+  twin_[h] = narrow(outer);
+  if (outer != kNone) twin_[outer] = narrow(h);
+}
+
+// Half-edge `from` is half-edge `to` from now on.
+void Mesh::move_out(Wide v, Wide from, Wide to) {
+  const Wide out = vertices_[v].out;
+  vertices_[v].out = narrow(out == from ? to : out);
 }
 
 void Mesh::note_change(VertexId v) {
@@ -82,97 +102,85 @@ void Mesh::remove_vertex(VertexId v) {
   vertex_ids_.put_back(v);
 }
 
-void Mesh::remove_face(FaceId f) {
-  faces_[f] = Face{{kNone, kNone, kNone}, {kNone, kNone, kNone}};
-  face_ids_.put_back(f);
+void Mesh::remove_face(Wide f) {
+  set_face(f, kNone, kNone, kNone);
+  for (Wide k = 0; k < 3; ++k) twin_[3 * f + k] = kNone;
+  face_ids_.put_back(narrow(f));
 }
 
 // --- Edge split and weld ---
 
-// f = (x,y,z) becomes (z,x,m); the new face is (y,z,m). The halves of the split edge, 3f+1 and 3g+2, are left
-// open.
-FaceId Mesh::bisect(FaceId f, VertexId middle) {
-  const FaceId g = face_ids_.take();
-  Face& face = faces_[f];
-  const VertexId x = face.corner[0], y = face.corner[1], z = face.corner[2];
-  const HalfEdgeId yz = face.twin[1], zx = face.twin[2];
-  const HalfEdgeId f0 = half_edge(f, 0), g0 = half_edge(g, 0);
-  face = Face{{z, x, middle}, {zx, kNone, static_cast<HalfEdgeId>(g0 + 1)}};
-  faces_[g] = Face{{y, z, middle}, {yz, static_cast<HalfEdgeId>(f0 + 2), kNone}};
-  if (zx != kNone) faces_[face_of(zx)].twin[corner_of(zx)] = f0;
-  if (yz != kNone) faces_[face_of(yz)].twin[corner_of(yz)] = g0;
-  if (vertices_[z].out == f0 + 2) vertices_[z].out = f0;
-  if (vertices_[x].out == f0) vertices_[x].out = static_cast<HalfEdgeId>(f0 + 1);
-  if (vertices_[y].out == f0 + 1) vertices_[y].out = g0;
+// Half-edge h of face f runs from x to y, and z is opposite: f becomes (z,x,m); the new face is (y,z,m). The
+// halves of the split edge, 3f+1 and 3g+2, are left open.
+Mesh::Wide Mesh::bisect(Wide h, Wide m) {
+  const Wide f0 = h / 3 * 3, g = face_ids_.take(), g0 = 3 * g;
+  const Wide n = h == f0 + 2 ? f0 : h + 1, p = h == f0 ? f0 + 2 : h - 1;
+  const Wide x = corner_[h], y = corner_[n], z = corner_[p], yz = twin_[n], zx = twin_[p];
+  set_face(h / 3, z, x, m);
+  set_face(g, y, z, m);
+  attach(f0, zx);
+  attach(g0, yz);
+  link(f0 + 2, g0 + 1);
+  move_out(z, p, f0);
+  move_out(x, h, f0 + 1);
+  move_out(y, n, g0);
   return g;
 }
 
 // The reverse of bisect: f = (z,x,m) and g = (y,z,m) become f = (x,y,z); its subdivision edge is left open.
-void Mesh::join(FaceId f, FaceId g) {
-  Face& face = faces_[f];
-  const VertexId z = face.corner[0], x = face.corner[1], y = faces_[g].corner[0];
-  const HalfEdgeId yz = faces_[g].twin[0], zx = face.twin[0];
-  const HalfEdgeId f0 = half_edge(f, 0), g0 = half_edge(g, 0);
-  face = Face{{x, y, z}, {kNone, yz, zx}};
-  if (zx != kNone) faces_[face_of(zx)].twin[corner_of(zx)] = static_cast<HalfEdgeId>(f0 + 2);
-  if (yz != kNone) faces_[face_of(yz)].twin[corner_of(yz)] = static_cast<HalfEdgeId>(f0 + 1);
-  if (vertices_[z].out == f0) vertices_[z].out = static_cast<HalfEdgeId>(f0 + 2);
-  if (vertices_[x].out == f0 + 1) vertices_[x].out = f0;
-  if (vertices_[y].out == g0) vertices_[y].out = static_cast<HalfEdgeId>(f0 + 1);
+void Mesh::join(Wide f, Wide g) {
+  const Wide f0 = 3 * f, g0 = 3 * g;
+  const Wide z = corner_[f0], x = corner_[f0 + 1], y = corner_[g0];
+  const Wide yz = twin_[g0], zx = twin_[f0];
+  set_face(f, x, y, z);
+  attach(f0 + 1, yz);
+  attach(f0 + 2, zx);
+  move_out(z, f0, f0 + 2);
+  move_out(x, f0 + 1, f0);
+  move_out(y, g0, f0 + 1);
   remove_face(g);
 }
 
-// Splits the subdivision edge of f, which is ready; there is room.
-VertexId Mesh::split_ready(FaceId f) {
-  const HalfEdgeId t = faces_[f].twin[0];
-  const Vec2 middle = midpoint(uv(faces_[f].corner[0]), uv(faces_[f].corner[1]));
-  int top = face_level(f);
-  if (!restricted_)  // the levels of a free mesh follow no rule but that a new vertex is the newest
-    for (int k = 0; k < 2; ++k) top = level(corner(f, k)) > top ? level(corner(f, k)) : top;
-  const VertexId m = insert_vertex(middle, top + 1);
-  const FaceId g = bisect(f, m);
+// Splits the edge of h, and there is room. On a restricted mesh the edge is ready.
+VertexId Mesh::split(Wide h) {
+  const Wide f = h / 3, t = twin_[h], y = corner_[next(narrow(h))];
+  const VertexId m = insert_vertex(midpoint(vertices_[corner_[h]].uv, vertices_[y].uv), newest_level(f) + 1);
+  const Wide g = bisect(h, m);
   if (t == kNone) {
+    twin_[3 * f + 1] = twin_[3 * g + 2] = kNone;
     ++boundary_edges_;
   } else {
-    const FaceId b = face_of(t);
-    const FaceId nb = bisect(b, m);
-    link(half_edge(f, 1), half_edge(nb, 2));
-    link(half_edge(g, 2), half_edge(b, 1));
+    const Wide b = t / 3, nb = bisect(t, m);
+    link(3 * f + 1, 3 * nb + 2);
+    link(3 * g + 2, 3 * b + 1);
   }
-  vertices_[m].out = half_edge(g, 2);
+  vertices_[m].out = narrow(3 * g + 2);
   return m;
 }
 
+// The inverse. v is weldable.
 void Mesh::weld_star(VertexId v) {
-  const FaceId g = face_of(out(v));
-  const FaceId f = face_of(faces_[g].twin[1]);
-  const HalfEdgeId t = faces_[g].twin[2];
+  const Wide g = vertices_[v].out / 3u, f = twin_[3 * g + 1] / 3u, t = twin_[3 * g + 2];
   if (t == kNone) {
     join(f, g);
+    twin_[3 * f] = kNone;
     --boundary_edges_;
   } else {
-    const FaceId b = face_of(t);
-    join(b, face_of(faces_[b].twin[2]));
+    const Wide b = t / 3;
+    join(b, twin_[3 * b + 2] / 3u);
     join(f, g);
-    link(half_edge(f, 0), half_edge(b, 0));
+    link(3 * f, 3 * b);
   }
   remove_vertex(v);
 }
 
-// Turns the corners of a face so that h becomes its half-edge 0.
-void Mesh::rotate_to_front(HalfEdgeId h) {
-  const FaceId f = face_of(h);
-  const int k = corner_of(h);
-  if (k == 0) return;
-  const Face old = faces_[f];
-  bool is_out[3];
-  for (int i = 0; i < 3; ++i) is_out[i] = vertices_[old.corner[i]].out == half_edge(f, i);
-  for (int i = 0; i < 3; ++i) {
-    const int from = (i + k) % 3;
-    faces_[f].corner[i] = old.corner[from];
-    attach(half_edge(f, i), old.twin[from]);
-    if (is_out[from]) vertices_[old.corner[from]].out = half_edge(f, i);
-  }
+// Corner 2 is the newest on a restricted mesh; the levels of a free one follow no rule but that new vertices
+// are newest.
+int Mesh::newest_level(Wide f) const {
+  int newest = vertices_[corner_[3 * f + 2]].level;
+  for (Wide k = 0; !restricted_ && k < 2; ++k)
+    if (vertices_[corner_[3 * f + k]].level > newest) newest = vertices_[corner_[3 * f + k]].level;
+  return newest;
 }
 
 Status Mesh::split_edge(HalfEdgeId h, VertexId& inserted) {
@@ -182,17 +190,11 @@ Status Mesh::split_edge(HalfEdgeId h, VertexId& inserted) {
   if (restricted_) {
     if (corner_of(h) != 0 || !is_ready(f) || face_level(f) >= limits_.max_level) return Status::not_ready;
   } else {
-    for (int k = 0; k < 3; ++k)
-      if (level(corner(f, k)) == 255 || (t != kNone && level(corner(face_of(t), k)) == 255))
-        return Status::not_ready;
+    if (newest_level(f) == 255) return Status::not_ready;
   }
   if (vertex_ids_.free_count() < 1 || face_ids_.free_count() < (t == kNone ? 1u : 2u))
     return Status::capacity;
-  if (!restricted_) {
-    rotate_to_front(h);
-    if (t != kNone) rotate_to_front(faces_[f].twin[0]);
-  }
-  inserted = split_ready(f);
+  inserted = split(h);
   return Status::ok;
 }
 
@@ -214,20 +216,18 @@ Status Mesh::weld_edge(VertexId v) {
 
 Status Mesh::split_face(FaceId f, VertexId& inserted) {
   if (restricted_ || !is_live_face(f)) return Status::not_ready;
-  int top = 0;
-  for (int k = 0; k < 3; ++k) top = level(corner(f, k)) > top ? level(corner(f, k)) : top;
+  const int top = newest_level(f);
   if (top == 255) return Status::not_ready;
   if (vertex_ids_.free_count() < 1 || face_ids_.free_count() < 2) return Status::capacity;
-  const Face old = faces_[f];
-  const VertexId a = old.corner[0], b = old.corner[1], c = old.corner[2];
+  const VertexId a = corner(f, 0), b = corner(f, 1), c = corner(f, 2);
+  const HalfEdgeId bc = twin(half_edge(f, 1)), ca = twin(half_edge(f, 2));
   const VertexId m = insert_vertex(barycentre(uv(a), uv(b), uv(c)), top + 1);
   const FaceId g = face_ids_.take(), h = face_ids_.take();
-  faces_[f] = Face{{a, b, m}, {kNone, kNone, kNone}};
-  faces_[g] = Face{{b, c, m}, {kNone, kNone, kNone}};
-  faces_[h] = Face{{c, a, m}, {kNone, kNone, kNone}};
-  attach(half_edge(f, 0), old.twin[0]);
-  attach(half_edge(g, 0), old.twin[1]);
-  attach(half_edge(h, 0), old.twin[2]);
+  set_face(f, a, b, m);
+  set_face(g, b, c, m);
+  set_face(h, c, a, m);
+  attach(half_edge(g, 0), bc);
+  attach(half_edge(h, 0), ca);
   link(half_edge(f, 1), half_edge(g, 2));
   link(half_edge(g, 1), half_edge(h, 2));
   link(half_edge(h, 1), half_edge(f, 2));
@@ -244,13 +244,11 @@ Status Mesh::weld_face(VertexId v) {
   for (const HalfEdgeId e : star(v))
     if (corner_of(e) != 2 || ++faces > 3) return Status::not_ready;
   if (faces != 3) return Status::not_ready;
-  const FaceId f = face_of(out(v)), g = face_of(faces_[f].twin[1]), h = face_of(faces_[f].twin[2]);
+  const FaceId f = face_of(out(v)), g = face_of(twin(half_edge(f, 1))), h = face_of(twin(half_edge(f, 2)));
   const VertexId a = corner(f, 0), b = corner(g, 0), c = corner(h, 0);
-  const HalfEdgeId ab = faces_[f].twin[0], bc = faces_[g].twin[0], ca = faces_[h].twin[0];
-  faces_[f] = Face{{a, b, c}, {kNone, kNone, kNone}};
-  attach(half_edge(f, 0), ab);
-  attach(half_edge(f, 1), bc);
-  attach(half_edge(f, 2), ca);
+  set_face(f, a, b, c);
+  attach(half_edge(f, 1), twin(half_edge(g, 0)));
+  attach(half_edge(f, 2), twin(half_edge(h, 0)));
   if (vertices_[b].out == half_edge(g, 0)) vertices_[b].out = half_edge(f, 1);
   if (vertices_[c].out == half_edge(h, 0)) vertices_[c].out = half_edge(f, 2);
   remove_face(h);
@@ -268,7 +266,7 @@ int Mesh::find_refinement_chain(FaceId f, FaceId* chain, int* new_faces) const {
   *new_faces = 0;
   for (;;) {
     chain[count++] = f;
-    const HalfEdgeId t = faces_[f].twin[0];
+    const HalfEdgeId t = twin_[3 * f];
     *new_faces += t == kNone ? 1 : 2;
     if (t == kNone || corner_of(t) == 0) return count;
     f = face_of(t);
@@ -284,7 +282,7 @@ Status Mesh::refine(FaceId f) {
   if (vertex_ids_.free_count() < static_cast<std::size_t>(count) ||
       face_ids_.free_count() < static_cast<std::size_t>(new_faces))
     return Status::capacity;
-  while (count > 0) split_ready(chain[--count]);
+  while (count > 0) split(half_edge(chain[--count], 0));
   return Status::ok;
 }
 

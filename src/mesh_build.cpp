@@ -4,8 +4,7 @@
 namespace pliant {
 
 void Mesh::clear() {
-  for (std::size_t f = 0; f < limits_.faces; ++f)
-    faces_[f] = Face{{kNone, kNone, kNone}, {kNone, kNone, kNone}};
+  for (std::size_t h = 0; h < 3 * std::size_t{limits_.faces}; ++h) corner_[h] = twin_[h] = kNone;
   for (std::size_t v = 0; v < limits_.vertices; ++v) {
     vertices_[v] = Vertex{kNone, 0, 0, {0, 0}};
     changes_[v] = 0;
@@ -41,7 +40,7 @@ Status Mesh::check_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corn
 // answer.
 bool Mesh::take_from_bucket(HalfEdgeId h) {
   HalfEdgeId* at = &vertices_[origin(h)].out;
-  while (*at != kNone && *at != h) at = &faces_[face_of(*at)].twin[corner_of(*at)];
+  while (*at != kNone && *at != h) at = &twin_[*at];
   if (*at == kNone) return false;
   *at = twin(h);
   return true;
@@ -68,7 +67,7 @@ Status Mesh::find_twin(HalfEdgeId h) {
   if (count > 1) return Status::non_manifold_edge;
   if (winds_alike) return Status::non_orientable;
   if (count == 0) {
-    faces_[face_of(h)].twin[corner_of(h)] = kNone;
+    twin_[h] = kNone;
     ++boundary_edges_;
   } else {
     (void)take_from_bucket(others[0]);
@@ -81,7 +80,7 @@ Status Mesh::find_twins() {
   const int half_edges = 3 * face_count();
   for (int h = half_edges - 1; h >= 0; --h) {
     const auto id = static_cast<HalfEdgeId>(h);
-    faces_[face_of(id)].twin[corner_of(id)] = vertices_[origin(id)].out;
+    twin_[id] = vertices_[origin(id)].out;
     vertices_[origin(id)].out = id;
   }
   for (int h = 0; h < half_edges; ++h) {
@@ -117,7 +116,7 @@ Status Mesh::find_fans() {
 bool Mesh::is_basic_blocks() const {
   for (const FaceId f : faces())
     for (int k = 0; k < 3; ++k) {
-      const HalfEdgeId t = faces_[f].twin[k];
+      const HalfEdgeId t = twin(half_edge(f, k));
       if (t != kNone && (k == 0) != (corner_of(t) == 0)) return false;
     }
   return true;
@@ -128,7 +127,7 @@ Status Mesh::set_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corner
   clear();
   Status status = check_triangles(uv, corners, limits_);
   if (status != Status::ok) return status;
-  for (std::size_t i = 0; i < corners.count; ++i) faces_[i / 3].corner[i % 3] = corners[i];
+  for (std::size_t i = 0; i < corners.count; ++i) corner_[i] = corners[i];
   for (std::size_t v = 0; v < uv.count; ++v) vertices_[v].uv = uv[v];
   face_ids_.reset(corners.count / 3);
   vertex_ids_.reset(uv.count);
@@ -171,7 +170,10 @@ Status Mesh::copy_from(const Mesh& other) {
   if (vertices_ == nullptr || other.limits_.vertices != limits_.vertices ||
       other.limits_.faces != limits_.faces || other.limits_.max_level != limits_.max_level)
     return Status::bad_argument;
-  for (std::size_t f = 0; f < limits_.faces; ++f) faces_[f] = other.faces_[f];
+  for (std::size_t h = 0; h < 3 * std::size_t{limits_.faces}; ++h) {
+    corner_[h] = other.corner_[h];
+    twin_[h] = other.twin_[h];
+  }
   for (std::size_t v = 0; v < limits_.vertices; ++v) {
     vertices_[v] = other.vertices_[v];
     changes_[v] = other.changes_[v];

@@ -37,8 +37,8 @@ int Mesh::find_boundary_loops(Span<HalfEdgeId> loops) const {
 Triangle Mesh::triangle(FaceId f) const {
   Triangle t;
   for (int k = 0; k < 3; ++k) {
-    const HalfEdgeId outer = faces_[f].twin[k];
-    t.corner[k] = faces_[f].corner[k];
+    const HalfEdgeId outer = twin(half_edge(f, k));
+    t.corner[k] = corner(f, k);
     t.across[k] = outer == kNone ? kNone : origin(previous(outer));
   }
   t.level = face_level(f);
@@ -47,21 +47,15 @@ Triangle Mesh::triangle(FaceId f) const {
 
 int Mesh::find_parents(VertexId v, Triangle parents[2]) const {
   // On either side of the split edge: faces (z,x,v) and (y,z,v) of parent (x,y,z).
-  const FaceId g = face_of(out(v)), f = face_of(faces_[g].twin[1]);
-  const HalfEdgeId t = faces_[g].twin[2];
-  const FaceId b = t == kNone ? kNone : face_of(t);
-  const FaceId first[2] = {f, b};
-  const FaceId second[2] = {g, b == kNone ? kNone : face_of(faces_[b].twin[2])};
-  const int count = b == kNone ? 1 : 2;
+  FaceId faces[4];
+  const int count = find_star_faces(v, faces) / 2;
+  const auto across = [this](HalfEdgeId outer) { return outer == kNone ? kNone : origin(previous(outer)); };
   for (int i = 0; i < count; ++i) {
-    const Face& low = faces_[first[i]];
-    const Face& high = faces_[second[i]];
-    const HalfEdgeId yz = high.twin[0], zx = low.twin[0];
-    parents[i] =
-        Triangle{{low.corner[1], high.corner[0], low.corner[0]},
-                 {count == 1 ? kNone : corner(first[1 - i], 0), yz == kNone ? kNone : origin(previous(yz)),
-                  zx == kNone ? kNone : origin(previous(zx))},
-                 level(v) - 1};
+    const FaceId low = faces[2 * i], high = faces[2 * i + 1];
+    parents[i] = Triangle{{corner(low, 1), corner(high, 0), corner(low, 0)},
+                          {count == 1 ? kNone : corner(faces[2 - 2 * i], 0), across(twin(half_edge(high, 0))),
+                           across(twin(half_edge(low, 0)))},
+                          level(v) - 1};
   }
   return count;
 }

@@ -31,7 +31,7 @@ MeshFault Mesh::check_half_edges() const {
         return {1, half_edge(f, k)};
   for (const FaceId f : faces())
     for (int k = 0; k < 3; ++k) {
-      const HalfEdgeId h = half_edge(f, k), t = faces_[f].twin[k];
+      const HalfEdgeId h = half_edge(f, k), t = twin(half_edge(f, k));
       const VertexId a = corner(f, k), b = corner(f, (k + 1) % 3);
       if (t == kNone) continue;
       if (t == h || !is_live_face(face_of(t)) || twin(t) != h) return {2, h};
@@ -44,7 +44,7 @@ MeshFault Mesh::check_stars() const {
   int met = 0, boundary = 0;
   for (const FaceId f : faces())
     for (int k = 0; k < 3; ++k)
-      if (faces_[f].twin[k] == kNone) {
+      if (twin(half_edge(f, k)) == kNone) {
         ++boundary;
         if (out(corner(f, k)) != half_edge(f, k)) return {4, corner(f, k)};
       }
@@ -65,7 +65,9 @@ MeshFault Mesh::check_dead() const {
   for (std::size_t i = 0; i < face_ids_.capacity(); ++i)
     if (!is_live_face(static_cast<FaceId>(i)))
       for (int k = 0; k < 3; ++k)
-        if (faces_[i].corner[k] != kNone || faces_[i].twin[k] != kNone) return {8, static_cast<int>(i)};
+        if (corner_[3 * i + static_cast<std::size_t>(k)] != kNone ||
+            twin_[3 * i + static_cast<std::size_t>(k)] != kNone)
+          return {8, static_cast<int>(i)};
   for (std::size_t i = 0; i < vertex_ids_.capacity(); ++i) {
     const Vertex& v = vertices_[i];
     if (!is_live_vertex(static_cast<VertexId>(i)) &&
@@ -90,7 +92,7 @@ MeshFault Mesh::check_levels() const {
     const int top = face_level(f);
     if (level(corner(f, 0)) > top || level(corner(f, 1)) > top) return {10, f};
     for (int k = 0; k < 3; ++k) {
-      const HalfEdgeId t = faces_[f].twin[k];
+      const HalfEdgeId t = twin(half_edge(f, k));
       if (t == kNone) continue;
       const int other = face_level(face_of(t)), subdivided = (k == 0 ? 1 : 0) + (corner_of(t) == 0 ? 1 : 0);
       const bool fits = subdivided == 1 ? top - other == (k == 0 ? 1 : -1) : top == other;
@@ -142,7 +144,7 @@ std::uint32_t Mesh::compute_digest() const {
   }
   for (const FaceId f : faces()) {
     digest.add(std::uint32_t{f});
-    for (int k = 0; k < 3; ++k) digest.add(std::uint32_t{faces_[f].corner[k]} << 16 | faces_[f].twin[k]);
+    for (int k = 0; k < 3; ++k) digest.add(std::uint32_t{corner(f, k)} << 16 | twin(half_edge(f, k)));
   }
   return digest.value;
 }

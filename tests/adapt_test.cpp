@@ -83,26 +83,31 @@ TEST_CASE("the rank queue gives what a sorted set gives") {
   Arena arena(block.data(), block.size());
   RankQueue queue;
   REQUIRE(create_in(arena, queue, std::size_t{300}) == Status::ok);
-  queue.clear();
-  Random random{1};
-  std::set<std::pair<std::uint64_t, std::uint16_t>> reference;
-  std::vector<std::uint64_t> key(300, 0);
-  for (int i = 0; i < 20000; ++i) {
-    const auto id = static_cast<std::uint16_t>(random.below(300));
-    if (queue.contains(id)) reference.erase({key[id], id});
-    if (random.below(3) == 0) {
-      queue.remove(id);
-      CHECK(!queue.contains(id));
-    } else {
-      key[id] = random.next() << 16 | id;
-      queue.set(id, key[id]);
-      reference.insert({key[id], id});
-      CHECK(queue.key(id) == key[id]);
-    }
-    REQUIRE(queue.count() == reference.size());
-    if (!reference.empty()) {
-      CHECK(queue.top() == reference.rbegin()->second);
-      CHECK(queue.top_key() == reference.rbegin()->first);
+  for (const std::uint64_t floor : {std::uint64_t{0}, std::uint64_t{1} << 63, ~std::uint64_t{0}}) {
+    queue.clear(floor);
+    Random random{1};
+    std::set<std::pair<std::uint64_t, std::uint16_t>> reference;
+    std::vector<std::uint64_t> key(300, 0);
+    for (int i = 0; i < 20000; ++i) {
+      const auto id = static_cast<std::uint16_t>(random.below(300));
+      if (queue.contains(id)) reference.erase({key[id], id});
+      if (random.below(3) == 0) {
+        queue.remove(id);
+        CHECK(!queue.contains(id));
+      } else {
+        key[id] = random.next() >> 16 << 16 | id;
+        queue.set(id, key[id]);
+        reference.insert({key[id], id});
+      }
+      if (!reference.empty()) {
+        const auto& any = *reference.begin();
+        REQUIRE(queue.contains(any.second));
+        CHECK(queue.key(any.second) == any.first);
+      }
+      if (random.below(4) != 0) continue;
+      CHECK(queue.find_highest_key() == (reference.empty() ? 0 : reference.rbegin()->first));
+      const bool has_top = !reference.empty() && reference.rbegin()->first >= floor;
+      CHECK(queue.top() == (has_top ? reference.rbegin()->second : kNone));
     }
   }
 }

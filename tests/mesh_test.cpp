@@ -17,8 +17,8 @@ namespace pliant {
 // Breaks meshes on purpose.
 struct MeshSurgeon {
   Mesh& mesh;
-  VertexId& corner(int f, int k) { return mesh.faces_[f].corner[k]; }
-  HalfEdgeId& twin(int f, int k) { return mesh.faces_[f].twin[k]; }
+  VertexId& corner(int f, int k) { return mesh.corner_[3 * f + k]; }
+  HalfEdgeId& twin(int f, int k) { return mesh.twin_[3 * f + k]; }
   HalfEdgeId& out(int v) { return mesh.vertices_[v].out; }
   std::uint8_t& level(int v) { return mesh.vertices_[v].level; }
   Vec2& uv(int v) { return mesh.vertices_[v].uv; }

@@ -105,18 +105,25 @@ class Adapter {
   Shape shape() const { return {*mesh_, surface_, position_}; }
 
  private:
-  std::uint64_t face_key(FaceId f) const;
-  std::uint64_t weld_key(VertexId v, std::uint32_t bits) const;
+  /// Splits that refining a face takes, the last one first.
+  struct Chain {
+    FaceId face[MeshLimits::kDeepest + 1];
+    int count = 0;
+  };
+
   std::uint32_t place_key(Vec2 uv) const;
+  std::uint64_t face_key(const Shape& shape, FaceId f) const;
+  std::uint32_t face_bits(FaceId f) const;
   void rank_face(FaceId f);
   void rank_vertex(VertexId v);
+  void set_cost(VertexId v, std::uint32_t bits);
   void rank_around(VertexId v);
+  VertexId cheapest_vertex();
   void split(FaceId f);
   void weld(VertexId v);
-  bool fits(FaceId f, int vertex_room, int* splits) const;
+  bool fits(FaceId f, int vertex_room, Chain& chain) const;
   FaceId find_fitting(int vertex_room, float lowest_rank) const;
   bool step(const AdaptOptions& options, int budget, int operations_left, AdaptReport& report);
-  void refine(FaceId f, AdaptReport& report);
 
   Mesh* mesh_ = nullptr;
   Surface surface_;

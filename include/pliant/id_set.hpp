@@ -31,21 +31,19 @@ class IdSet {
 
   /// The lowest free id, now in use. Precondition: free_count() > 0.
   std::uint16_t take() {
-    std::size_t group = 0;
-    while (groups_[group] == 0) ++group;
-    const std::size_t word = group << 6 | lowest_bit(groups_[group]);
+    const std::size_t word = lowest_;
     const std::uint64_t bits = free_[word];
-    const unsigned bit = lowest_bit(bits);
     free_[word] = bits & (bits - 1);
-    if (free_[word] == 0) groups_[group] &= groups_[group] - 1;
+    if (free_[word] == 0) find_lowest(word);
     ++used_;
-    return static_cast<std::uint16_t>(word << 6 | bit);
+    return static_cast<std::uint16_t>(word << 6 | lowest_bit(bits));
   }
   /// Frees an id in use.
   void put_back(std::uint16_t id) {
     const std::size_t word = id >> 6;
+    if (free_[word] == 0) groups_[word >> 6] |= std::uint64_t{1} << (word & 63);
     free_[word] |= std::uint64_t{1} << (id & 63);
-    groups_[word >> 6] |= std::uint64_t{1} << (word & 63);
+    if (word < lowest_) lowest_ = word;
     --used_;
   }
   /// The lowest id in use that is at least `from`, or the capacity where there is none.
@@ -80,9 +78,11 @@ class IdSet {
  private:
   static unsigned lowest_bit(std::uint64_t bits) { return static_cast<unsigned>(__builtin_ctzll(bits)); }
 
-  std::uint64_t* free_ = nullptr;    // bit set: id is free
-  std::uint64_t* groups_ = nullptr;  // bit set: that word of free_ is not zero
-  std::size_t capacity_ = 0, used_ = 0;
+  void find_lowest(std::size_t emptied);
+
+  std::uint64_t* free_ = nullptr;                     // bit set: id is free
+  std::uint64_t* groups_ = nullptr;                   // bit set: that word of free_ is not zero
+  std::size_t capacity_ = 0, used_ = 0, lowest_ = 0;  // lowest_: the first word with a free id, or words
 };
 
 }  // namespace pliant

@@ -109,10 +109,10 @@ class Mesh {
     return static_cast<HalfEdgeId>(corner_of(h) == 0 ? h + 2 : h - 1);
   }
   /// The other half of the edge; kNone on the boundary.
-  HalfEdgeId twin(HalfEdgeId h) const { return faces_[face_of(h)].twin[corner_of(h)]; }
-  VertexId origin(HalfEdgeId h) const { return faces_[face_of(h)].corner[corner_of(h)]; }
+  HalfEdgeId twin(HalfEdgeId h) const { return twin_[h]; }
+  VertexId origin(HalfEdgeId h) const { return corner_[h]; }
   VertexId destination(HalfEdgeId h) const { return origin(next(h)); }
-  VertexId corner(FaceId f, int k) const { return faces_[f].corner[k]; }
+  VertexId corner(FaceId f, int k) const { return corner_[3 * f + k]; }
   /// One half-edge that leaves v; at a boundary vertex the one without a twin.
   HalfEdgeId out(VertexId v) const { return vertices_[v].out; }
   bool is_boundary_edge(HalfEdgeId h) const { return twin(h) == kNone; }
@@ -125,7 +125,7 @@ class Mesh {
   bool represents_edge(HalfEdgeId h) const { return h < twin(h); }
   Vec2 uv(VertexId v) const { return vertices_[v].uv; }
   int level(VertexId v) const { return vertices_[v].level; }
-  int face_level(FaceId f) const { return level(faces_[f].corner[2]); }
+  int face_level(FaceId f) const { return level(corner_[3 * f + 2]); }
   Triangle triangle(FaceId f) const;
 
   /// The half-edges that leave a vertex, counter-clockwise: for (HalfEdgeId h : mesh.star(v)).
@@ -173,7 +173,7 @@ class Mesh {
   /// True where f's subdivision edge can be split at once: its neighbour's is the same edge, or there is
   /// none.
   bool is_ready(FaceId f) const {
-    const HalfEdgeId t = faces_[f].twin[0];
+    const HalfEdgeId t = twin_[3 * f];
     return t == kNone || corner_of(t) == 0;
   }
   /// True where v was inserted and nothing was bisected around it since.
@@ -202,6 +202,18 @@ class Mesh {
   /// The triangles that welding v brings back, one at the boundary and two elsewhere. Precondition:
   /// is_weldable(v).
   int find_parents(VertexId v, Triangle parents[2]) const;
+  /// The faces around v, two at the boundary and four elsewhere. Of each pair the first is what keeps its id
+  /// when v is welded. Precondition: is_weldable(v).
+  int find_star_faces(VertexId v, FaceId faces[4]) const {
+    const HalfEdgeId h = vertices_[v].out;
+    faces[1] = face_of(h);
+    faces[0] = face_of(twin_[3 * faces[1] + 1]);
+    const HalfEdgeId t = twin_[h];
+    if (t == kNone) return 2;
+    faces[2] = face_of(t);
+    faces[3] = face_of(twin_[3 * faces[2] + 2]);
+    return 4;
+  }
 
   // --- Changes ---
   /// Vertices inserted, removed, or both since the last clear_changes (or base), each once, oldest first.
@@ -233,10 +245,7 @@ class Mesh {
   std::uint32_t compute_digest() const;
 
  private:
-  struct Face {
-    VertexId corner[3];
-    HalfEdgeId twin[3];
-  };
+  using Wide = std::uint32_t;  // an id in a register
   struct Vertex {
     HalfEdgeId out;
     std::uint8_t level;
@@ -245,8 +254,10 @@ class Mesh {
   };
 
   void clear();
-  void link(HalfEdgeId a, HalfEdgeId b);
-  void attach(HalfEdgeId h, HalfEdgeId outer);
+  void set_face(Wide f, Wide a, Wide b, Wide c);
+  void link(Wide a, Wide b);
+  void attach(Wide h, Wide outer);
+  void move_out(Wide v, Wide from, Wide to);
   Status find_twins();
   Status find_twin(HalfEdgeId h);
   bool take_from_bucket(HalfEdgeId h);
@@ -261,18 +272,20 @@ class Mesh {
 
   VertexId insert_vertex(Vec2 uv, int level);
   void remove_vertex(VertexId v);
-  void remove_face(FaceId f);
+  void remove_face(Wide f);
   void note_change(VertexId v);
-  void rotate_to_front(HalfEdgeId h);
-  FaceId bisect(FaceId f, VertexId middle);
-  void join(FaceId f, FaceId g);
-  VertexId split_ready(FaceId f);
+  int newest_level(Wide f) const;
+  Wide bisect(Wide h, Wide m);
+  void join(Wide f, Wide g);
+  VertexId split(Wide h);
   void weld_star(VertexId v);
 
+  friend class Adapter;       // operates where it has checked already
   friend struct MeshSurgeon;  // a test breaks invariants with it
 
   MeshLimits limits_;
-  Face* faces_ = nullptr;
+  VertexId* corner_ = nullptr;  // by half-edge: its origin
+  HalfEdgeId* twin_ = nullptr;
   Vertex* vertices_ = nullptr;
   VertexId* changes_ = nullptr;
   IdSet face_ids_, vertex_ids_;
