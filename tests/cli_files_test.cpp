@@ -166,7 +166,7 @@ TEST_CASE("a track row keeps every float, and an unknown one is empty and never 
   CHECK(unmatched.empty());
   CHECK(read[0].q == row.q);
   CHECK(read[0].pose.t.x == row.pose.t.x);
-  CHECK(read[0].pose.q.y == doctest::Approx(row.pose.q.y).epsilon(1e-6));
+  CHECK(read[0].pose.q.y == doctest::Approx(static_cast<double>(row.pose.q.y)).epsilon(1e-6));
   CHECK(contains(track_line(row), "12.3400,5.0000,,\n"));
   row.state = TrackState::lost;
   row.rms_px = std::numeric_limits<float>::quiet_NaN();

@@ -151,8 +151,8 @@ TEST_CASE(
   raster.clear();
   const auto v = [](float x, float y) { return RasterVertex{{x, y}, 0.01f, {1, 0}, 1}; };
   raster.draw(v(-50, -50), v(20, -50), v(20, 90), kPaintU);  // its right edge cuts pixel 20 in half
-  CHECK(raster.coverage(20, 20) == doctest::Approx(0.5f));
-  CHECK(raster.value(20, 20, 40) == doctest::Approx(0.5f * 200 + 0.5f * 40));
+  CHECK(raster.coverage(20, 20) == doctest::Approx(0.5));
+  CHECK(raster.value(20, 20, 40) == doctest::Approx(0.5 * 200 + 0.5 * 40));
 }
 
 TEST_CASE("a painted spot is seen where the projector says, to a twentieth of a pixel") {
@@ -307,8 +307,8 @@ TEST_CASE("enlarging keeps positions: the centre of a spot moves with the pictur
   const Image twice = enlarged(image, 2);
   CHECK(twice.width == 80);
   const Vec2 centre = bright_centre(twice, {25, 19}, 6, 0);
-  CHECK(centre.x == doctest::Approx(2 * 12.5f - 0.5f));
-  CHECK(centre.y == doctest::Approx(2 * 9.5f - 0.5f));
+  CHECK(centre.x == doctest::Approx(2 * 12.5 - 0.5));
+  CHECK(centre.y == doctest::Approx(2 * 9.5 - 0.5));
   CHECK(shrunk_to(twice, 40, 400).width == 40);
   CHECK(shrunk_to(image, 80, 80).width == 40);
 }

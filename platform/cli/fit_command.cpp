@@ -41,7 +41,7 @@ ImageSize picture_size(const Args& args, const Image& picture, const std::option
 
 void draw_overlay(const std::string& path, const Model& model, const FitFile& fit, const Image& picture) {
   std::vector<float> q(model.parameters().count, 0.0f);
-  apply(fit.parameters, model, q.data());
+  apply(fit.parameters, path, model, q.data());
   Overlay overlay(picture.pixels.empty() ? Image(fit.width, fit.height, 1, 96) : to_grey(picture));
   overlay.draw_mesh(wire_of(model, fit, q));
   for (const FitPoint& p : fit.points) overlay.draw_residual(p.x, p.residual, p.used);
@@ -75,7 +75,8 @@ int run_fit(const Args& args, Console& console) {
   setup.q.assign(model.parameters().count, 0.0f);
   FitFile fit;
   if (start) {
-    list_unmatched(apply(start->parameters, model, setup.q.data()), args.required("--pose"), console.err);
+    list_unmatched(apply(start->parameters, args.required("--pose"), model, setup.q.data()),
+                   args.required("--pose"), console.err);
     setup.view = with_focal(view_of(start->pose, start->camera), setup.focal_px);
     fit = describe(model, setup.size, *setup.view, setup.q);
   }

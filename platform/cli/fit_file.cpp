@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "cli/failure.hpp"
+#include "cli/files.hpp"
 #include "cli/json.hpp"
 
 namespace pliant::cli {
@@ -167,11 +168,19 @@ std::vector<std::uint16_t> parameters_named(const Model& model, const std::strin
   return {left, right};
 }
 
-std::vector<std::string> apply(const NamedValues& values, const Model& model, float* q) {
+std::vector<std::string> apply(const NamedValues& values, const std::string& source, const Model& model,
+                               float* q) {
   std::vector<std::string> unmatched;
   for (const auto& [name, value] : values) {
     const auto found = parameters_named(model, name);
-    for (const std::uint16_t k : found) q[k] = value;
+    for (const std::uint16_t k : found) {
+      const Parameter& p = model.parameters()[k];
+      if (!(value >= p.minimum && value <= p.maximum))
+        fail_input(source, "'" + name + "' is outside its limits " +
+                               number_text(static_cast<double>(p.minimum)) + " and " +
+                               number_text(static_cast<double>(p.maximum)));
+      q[k] = value;
+    }
     if (found.empty()) unmatched.push_back(name);
   }
   return unmatched;

@@ -44,7 +44,9 @@ Quat unit_of(Quat q);
 /// (`browInnerUp`), its Left and Right. Empty when there is none.
 std::vector<std::uint16_t> parameters_named(const Model& model, const std::string& name);
 
-/// Sets the named values in q (all parameters). \return the names that the model does not have.
-std::vector<std::string> apply(const NamedValues& values, const Model& model, float* q);
+/// Sets the named values in q (all parameters). Bad input in `source` for a value outside its parameter's
+/// limits. \return the names that the model does not have.
+std::vector<std::string> apply(const NamedValues& values, const std::string& source, const Model& model,
+                               float* q);
 
 }  // namespace pliant::cli

@@ -78,7 +78,7 @@ std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, 
   neutral.q.assign(model.parameters().count, 0.0f);
   if (const auto path = args.text("--identity")) {
     const FitFile fit = parse_fit(*path, read_file(*path));
-    list_unmatched(apply(fit.parameters, model, neutral.q.data()), *path, console.err);
+    list_unmatched(apply(fit.parameters, *path, model, neutral.q.data()), *path, console.err);
     for (std::size_t k = 0; k < neutral.q.size(); ++k)
       if (model.parameters()[k].group != Group::identity) neutral.q[k] = 0;
   }

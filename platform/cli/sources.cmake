@@ -1,3 +1,8 @@
+# Pictures are read and written by stb (Debian: libstb-dev), a header that only image_io.cpp includes.
+find_path(PLIANT_STB_INCLUDE_DIR stb/stb_image.h REQUIRED)
+set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/image_io.cpp PROPERTIES
+  INCLUDE_DIRECTORIES ${PLIANT_STB_INCLUDE_DIR})
+
 target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/args.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bake_command.cpp

@@ -129,7 +129,8 @@ int run_track(const Args& args, Console& console) {
   const FitFile start = read_start(args, file, frames.size(), frames.name());
   const Markers markers = read_markers(args, model);
   std::vector<float> q(model.parameters().count, 0.0f);
-  list_unmatched(apply(start.parameters, model, q.data()), args.required("--init"), console.err);
+  list_unmatched(apply(start.parameters, args.required("--init"), model, q.data()), args.required("--init"),
+                 console.err);
 
   FrameView frame;
   if (!frames.next(&frame))

@@ -8,6 +8,7 @@
 #include "cli/files.hpp"
 #include "cli/fit_file.hpp"
 #include "cli/overlay.hpp"
+#include "pliant/camera.hpp"
 
 namespace pliant::cli {
 
@@ -101,7 +102,8 @@ std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const 
     const Quat& q = now.pose.q;
     if (!(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z > 0.25f))
       fail_input(table.where(r), "the quaternion is not of unit length");
-    if (!(now.pose.t.z > 0)) fail_input(table.where(r), "column 'tz': the model lies behind the camera");
+    if (!(now.pose.t.z * kMaxRho > 0.999f && now.pose.t.z * kMinRho < 1.001f))
+      fail_input(table.where(r), "column 'tz': not between 50 mm and 100 m in front of the camera");
     now.pose.q = unit_of(now.pose.q);
     rows.push_back(now);
   }
