@@ -14,7 +14,7 @@ using patch::Work;
 namespace {
 
 constexpr int kMaxSlots = 16384, kMaxMargin = 16;
-constexpr std::size_t kReadAhead = 32;  // bytes past the last square that kernels may read and do not use
+constexpr std::size_t kReadAhead = 64;  // bytes past the last square that kernels may read and do not use
 
 bool is_valid(const PatchLimits& l) {
   return l.slots >= 0 && l.slots <= kMaxSlots && l.window >= patch::kMinWindow &&
@@ -41,7 +41,10 @@ bool is_plausible(const Mat2& w) {
          magnitude(w.b) <= kMost && magnitude(w.c) <= kMost && magnitude(w.d) <= kMost;
 }
 
-constexpr float kCoarseStep = 10;  // how much sooner all but the last steps stop
+constexpr float kCoarseStep = 20;  // by how much larger a step ends all but the last searches
+
+// Warps that move the edge of the window by less, in pixels of a level, are left out.
+constexpr float kNegligible = 0.1f, kNegligibleCoarse = 0.5f;
 
 float level_scale(int level) {
   return 1.0f / static_cast<float>(1 << level);
@@ -133,7 +136,7 @@ struct PatchTracker::Source {
   Vec2 x;
   int slot;
   Mat2 warp, to_anchor;
-  bool is_warped;
+  float strain_px;  // how far the warp moves the edge of the window
 };
 
 Status PatchTracker::create(Arena& arena, const PatchLimits& limits) {
@@ -160,7 +163,7 @@ PatchStatus PatchTracker::capture(int slot, const Pyramid& pyramid, Vec2 x, cons
   if (!is_slot(slot) || pyramid.levels() == 0 || !is_finite(x)) return PatchStatus::bad_argument;
   const ImageView& full = pyramid.level(0);
   if (!contains(full, x, limits_.window / 2)) return PatchStatus::outside_image;
-  const Source here{&pyramid, x, -1, {}, {}, false};
+  const Source here{&pyramid, x, -1, {}, {}, 0};
   load_template(here, 0, options);
   if (!patch::has_texture(*work_, options.min_eigenvalue)) return PatchStatus::flat;
   const int levels = limits_.levels < pyramid.levels() ? limits_.levels : pyramid.levels();
@@ -197,9 +200,11 @@ Vec2 PatchTracker::load_template(const Source& source, int level, const PatchOpt
     return {p.x - static_cast<float>(cx), p.y - static_cast<float>(cy)};
   }
   const auto square = static_cast<std::size_t>(source.slot * limits_.levels + level);
+  // A small warp is cheaper, and better, left to the last steps than resampled into the template.
+  const float allowed_for = options.warp_sd * static_cast<float>(limits_.window / 2);
+  const bool is_warped = source.strain_px > (level == 0 ? max(kNegligible, allowed_for) : kNegligibleCoarse);
   patch::load_template(surrounds_[square], pixels_ + square * square_bytes(limits_),
-                       patch::surround_side(limits_), source.is_warped ? &source.to_anchor : nullptr, range,
-                       *work_);
+                       patch::surround_side(limits_), is_warped ? &source.to_anchor : nullptr, range, *work_);
   return source.warp * surrounds_[square].offset;
 }
 
@@ -247,11 +252,10 @@ PatchResult PatchTracker::track(int slot, const Pyramid& current, Vec2 start, co
   if (!is_slot(slot) || !is_plausible(warp)) return failure;
   failure.status = PatchStatus::empty_slot;
   if (!is_captured(slot)) return failure;
-  constexpr float kNegligible = 0.1f;  // px, at the edge of the window
-  const float shear =
+  const float change =
       max(max(magnitude(warp.a - 1), magnitude(warp.d - 1)), max(magnitude(warp.b), magnitude(warp.c)));
-  const bool is_warped = shear * static_cast<float>(limits_.window / 2) > kNegligible;
-  const Source source{nullptr, {}, slot, warp, inverse(warp), is_warped};
+  const Source source{
+      nullptr, {}, slot, warp, inverse(warp), change * static_cast<float>(limits_.window / 2)};
   return search(source, current, start, options);
 }
 
@@ -262,14 +266,14 @@ PatchResult PatchTracker::track_between(const Pyramid& previous, Vec2 x, const P
   if (work_ == nullptr || previous.levels() == 0 || !is_finite(x)) return failure;
   failure.status = PatchStatus::outside_image;
   if (!contains(previous.level(0), x, limits_.window / 2)) return failure;
-  const Source forward{&previous, x, -1, {}, {}, false};
+  const Source forward{&previous, x, -1, {}, {}, 0};
   PatchResult result = search(forward, current, start, options);
   if (result.status != PatchStatus::ok || !(options.max_return_px > 0)) return result;
   if (!contains(current.level(0), result.x, limits_.window / 2)) {
     result.status = PatchStatus::outside_image;
     return result;
   }
-  const Source backward{&current, result.x, -1, {}, {}, false};
+  const Source backward{&current, result.x, -1, {}, {}, 0};
   const PatchResult back = search(backward, previous, result.x - (start - x), options);
   result.iterations += back.iterations;
   result.return_px = length(back.x - x);

@@ -16,6 +16,7 @@ namespace {
 struct Normal {
   Template arrays;
   std::int64_t n;
+  float inverse_n;
   std::int32_t t, gx, gy;  // sums
   float variance_sum;
   Vec2 light;   // of each gradient image, the multiple of the template that is taken out
@@ -25,15 +26,14 @@ struct Normal {
 Normal normal_of(const Template& a, int count) {
   const Sums4 m = dot4(a.m, a.m, a.t, a.gx, a.gy, count), t = dot4(a.t, a.t, a.gx, a.gy, a.m, count);
   const Sums4 g = dot4(a.gx, a.gx, a.gy, a.m, a.m, count);
-  Normal s{a, m.a, m.b, m.c, m.d, 0, {}, {}};
-  if (s.n == 0) return s;
-  s.variance_sum = centred(s.n, t.a, s.t, s.t);
+  Normal s{a, m.a, 1.0f / static_cast<float>(m.a > 0 ? m.a : 1), m.b, m.c, m.d, 0, {}, {}};
+  s.variance_sum = centred(s.n, s.inverse_n, t.a, s.t, s.t);
   if (!(s.variance_sum > 0)) return s;
-  const Vec2 tg{centred(s.n, t.b, s.t, s.gx), centred(s.n, t.c, s.t, s.gy)};
+  const Vec2 tg{centred(s.n, s.inverse_n, t.b, s.t, s.gx), centred(s.n, s.inverse_n, t.c, s.t, s.gy)};
   s.light = (1.0f / s.variance_sum) * tg;
-  s.tensor.xx = centred(s.n, g.a, s.gx, s.gx) - s.light.x * tg.x;
-  s.tensor.xy = centred(s.n, g.b, s.gx, s.gy) - s.light.x * tg.y;
-  s.tensor.yy = centred(s.n, dot(a.gy, a.gy, count), s.gy, s.gy) - s.light.y * tg.y;
+  s.tensor.xx = centred(s.n, s.inverse_n, g.a, s.gx, s.gx) - s.light.x * tg.x;
+  s.tensor.xy = centred(s.n, s.inverse_n, g.b, s.gx, s.gy) - s.light.x * tg.y;
+  s.tensor.yy = centred(s.n, s.inverse_n, dot(a.gy, a.gy, count), s.gy, s.gy) - s.light.y * tg.y;
   return s;
 }
 
@@ -54,19 +54,12 @@ bool is_usable(const Normal& s, int window, float min_eigenvalue) {
 // The step from where `image` was sampled.
 Vec2 solve(const Normal& s, const std::int16_t* image, int count) {
   const Sums4 i = dot4(image, s.arrays.m, s.arrays.t, s.arrays.gx, s.arrays.gy, count);
-  const float ti = centred(s.n, i.b, s.t, i.a);
-  const float bx = centred(s.n, i.c, s.gx, i.a) - s.light.x * ti;
-  const float by = centred(s.n, i.d, s.gy, i.a) - s.light.y * ti;
+  const float ti = centred(s.n, s.inverse_n, i.b, s.t, i.a);
+  const float bx = centred(s.n, s.inverse_n, i.c, s.gx, i.a) - s.light.x * ti;
+  const float by = centred(s.n, s.inverse_n, i.d, s.gy, i.a) - s.light.y * ti;
   const float gain = clamp(ti / s.variance_sum, 0.5f, 2.0f);
   const float scale = 1.0f / (gain * (s.tensor.xx * s.tensor.yy - s.tensor.xy * s.tensor.xy));
   return {scale * (s.tensor.xy * by - s.tensor.yy * bx), scale * (s.tensor.xy * bx - s.tensor.xx * by)};
-}
-
-void sample_at(const ImageView& image, GridPosition p, Work& work) {
-  const int w = work.window, fx = p.x & (kSubpixel - 1), fy = p.y & (kSubpixel - 1);
-  const int left = (p.x - fx) / kSubpixel - w / 2, top = (p.y - fy) / kSubpixel - w / 2;
-  const Pixels pixels = readable(image, left, top, w + 1, lanes(w) + 1, work.bytes);
-  sample_linear(pixels, fx, fy, w, work.scratch, work.image);
 }
 
 // The template without the pixels that are clipped in the image.
@@ -92,6 +85,13 @@ GridPosition on_grid(Vec2 p) {
   return {fixed(p.x), fixed(p.y)};
 }
 
+const std::int16_t* load_at(const ImageView& image, GridPosition p, Work& work) {
+  const int w = work.window, fx = p.x & kPhase, fy = p.y & kPhase;
+  const int left = (p.x - fx) / kSubpixel - w / 2, top = (p.y - fy) / kSubpixel - w / 2;
+  load_block(image, left - 1, top - 1, work);
+  return work.block;
+}
+
 bool is_inside(const ImageView& image, GridPosition p, int radius) {
   const int lo = radius * kSubpixel;
   return p.x >= lo && p.y >= lo && p.x <= (image.width - 1) * kSubpixel - lo &&
@@ -107,7 +107,8 @@ PatchStatus align(const ImageView& image, const SearchOptions& o, Work& work, Po
   for (p.iterations = 1;; ++p.iterations) {
     const GridPosition at = on_grid(p.y);
     if (!is_inside(image, at, o.needs_whole_window ? work.window / 2 : 0)) return PatchStatus::outside_image;
-    sample_at(image, at, work);
+    sample_linear(load_at(image, at, work), at.x & kPhase, at.y & kPhase, work.window, work.scratch,
+                  work.image);
     Normal now = whole;
     const int left =
         mask_extremes(work.image, work.plain.m, work.count, o.range.lowest, o.range.highest, work.unclipped);
@@ -115,7 +116,7 @@ PatchStatus align(const ImageView& image, const SearchOptions& o, Work& work, Po
       now = normal_without_clipped(work);
       if (!is_usable(now, work.window, o.min_eigenvalue)) return PatchStatus::flat;
     }
-    const Vec2 step = solve(now, work.image, work.count);
+    const Vec2 step = kStepScale * solve(now, work.image, work.count);
     const Vec2 limited{clamp(step.x, -reach, reach), clamp(step.y, -reach, reach)};
     const Vec2 move = position(at) + limited - p.y;
     p.y = p.y + move;

@@ -22,34 +22,31 @@ constexpr int lanes(int window) {
 constexpr int padded(int window) {
   return (window * lanes(window) + 31) / 32 * 32;
 }
-/// A block is a window with one more pixel on each side, for gradients.
+/// A block is a window with one more pixel to the left and above, and two to the right and below, in rows of
+/// block_stride(window). What kernels read and write past its last row is theirs.
 constexpr int block_stride(int window) {
   return lanes(window) + 8;
 }
+constexpr int block_rows(int window) {
+  return window + 3;
+}
 constexpr int block_size(int window) {
-  return ((window + 2) * block_stride(window) + 31) / 32 * 32;
+  return (block_rows(window) + 2) * block_stride(window) + 64;
 }
 /// Elements that the kernels may use as they like.
 constexpr int scratch_size(int window) {
   return 2 * block_size(window);
 }
 
-/// Pixels in rows of `stride` bytes.
-struct Pixels {
-  const std::uint8_t* data;
-  std::ptrdiff_t stride;
-};
+/// Takes block_stride(window) pixels from each of block_rows(window) rows, `stride` bytes apart.
+void load_block(const std::uint8_t* pixels, std::ptrdiff_t stride, int window, std::int16_t* block);
 
-/// Bilinear samples of a window whose upper left pixel is in.data, at the phase (fx, fy) / 128 in 0 .. 127,
-/// into rows of lanes(window). Reads window + 1 rows of lanes(window) + 1 bytes.
-void sample_linear(Pixels in, int fx, int fy, int window, std::int16_t* scratch, std::int16_t* out);
-
-/// The same by cubic convolution. Reads window + 3 rows of lanes(window) + 3 bytes, from one row and column
-/// before in.data.
-void sample_cubic(Pixels in, int fx, int fy, int window, std::int16_t* scratch, std::int16_t* out);
-
-/// The (window + 2) rows of whole pixels, into rows of block_stride(window). Reads that many bytes a row.
-void load_block(Pixels in, int window, std::int16_t* block);
+/// Samples of the window in a block, moved by (fx, fy) / 128 px, 0 .. 127, in rows of lanes(window):
+/// bilinear, or by cubic convolution.
+void sample_linear(const std::int16_t* block, int fx, int fy, int window, std::int16_t* scratch,
+                   std::int16_t* out);
+void sample_cubic(const std::int16_t* block, int fx, int fy, int window, std::int16_t* scratch,
+                  std::int16_t* out);
 
 /// What is compared: grey levels, their gradient (1/16 grey a pixel) and 1 or 0 where they count or not; t,
 /// gx and gy are zero where m is. Each of padded(window) elements.

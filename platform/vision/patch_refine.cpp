@@ -17,6 +17,7 @@ struct Moments {
   const std::int16_t* mask;
   int m;
   std::int64_t n;
+  float inverse_n;
   std::int32_t sums[kMotions];
   float products[kMotions][kMotions];  // centred, lower triangle
 };
@@ -26,6 +27,7 @@ Moments moments_of(const std::int16_t* const* images, const std::int16_t* mask, 
   s.m = m;
   s.mask = mask;
   s.n = dot(mask, mask, count);
+  s.inverse_n = 1.0f / static_cast<float>(s.n > 0 ? s.n : 1);
   for (int i = 0; i < m; ++i) s.images[i] = images[i];
   std::int32_t raw[kMotions + 1][kMotions] = {};  // row m: the sums
   for (int i = 0; i < m; ++i) {
@@ -38,37 +40,51 @@ Moments moments_of(const std::int16_t* const* images, const std::int16_t* mask, 
     }
     s.sums[i] = raw[m][i];
   }
-  if (s.n == 0) return s;
   for (int i = 0; i < m; ++i)
-    for (int k = 0; k <= i; ++k) s.products[i][k] = centred(s.n, raw[i][k], s.sums[i], s.sums[k]);
+    for (int k = 0; k <= i; ++k)
+      s.products[i][k] = centred(s.n, s.inverse_n, raw[i][k], s.sums[i], s.sums[k]);
   return s;
 }
 
-// Lower triangular L with L L' = products + prior. False where that is not positive definite.
-bool factorise(const Moments& s, float prior, float l[kMotions][kMotions]) {
+// Lower triangular L with L L' = products + prior.
+struct Factor {
+  float l[kMotions][kMotions];
+  float inverse[kMotions];  // of the diagonal
+  bool is_regular;
+};
+
+Factor factorise(const Moments& s, float prior) {
   constexpr float kLeast = 1e-4f;  // of the diagonal
+  Factor f;
+  f.is_regular = false;
   for (int i = 0; i < s.m; ++i)
     for (int k = 0; k <= i; ++k) {
       const bool is_stretch = i > kLight && i < s.m - 2;
       const float full = s.products[i][k] + (i == k && is_stretch ? prior : 0);
       float v = full;
-      for (int j = 0; j < k; ++j) v -= l[i][j] * l[k][j];
-      if (i == k && !(v > kLeast * full)) return false;
-      l[i][k] = i == k ? square_root(v) : v / l[k][k];
+      for (int j = 0; j < k; ++j) v -= f.l[i][j] * f.l[k][j];
+      if (i != k) {
+        f.l[i][k] = v * f.inverse[k];
+        continue;
+      }
+      if (!(v > kLeast * full)) return f;
+      f.l[i][i] = square_root(v);
+      f.inverse[i] = 1.0f / f.l[i][i];
     }
-  return true;
+  f.is_regular = true;
+  return f;
 }
 
-void substitute(const float l[kMotions][kMotions], int m, const float* b, float* x) {
+void substitute(const Factor& f, int m, const float* b, float* x) {
   for (int i = 0; i < m; ++i) {
     float v = b[i];
-    for (int j = 0; j < i; ++j) v -= l[i][j] * x[j];
-    x[i] = v / l[i][i];
+    for (int j = 0; j < i; ++j) v -= f.l[i][j] * x[j];
+    x[i] = v * f.inverse[i];
   }
   for (int i = m - 1; i >= 0; --i) {
     float v = x[i];
-    for (int j = i + 1; j < m; ++j) v -= l[j][i] * x[j];
-    x[i] = v / l[i][i];
+    for (int j = i + 1; j < m; ++j) v -= f.l[j][i] * x[j];
+    x[i] = v * f.inverse[i];
   }
 }
 
@@ -78,7 +94,7 @@ struct Explained {
   float b[kMotions], x[kMotions];
 };
 
-Explained explain(const Moments& s, const float l[kMotions][kMotions], const std::int16_t* image, int count) {
+Explained explain(const Moments& s, const Factor& f, const std::int16_t* image, int count) {
   Explained e;
   std::int32_t raw[kMotions + 1] = {};
   for (int k = 0; k <= s.m; k += 4) {
@@ -88,17 +104,9 @@ Explained explain(const Moments& s, const float l[kMotions][kMotions], const std
     for (int j = 0; j < 4 && k + j <= s.m; ++j) raw[k + j] = values[j];
   }
   e.sum = raw[s.m];
-  for (int i = 0; i < s.m; ++i) e.b[i] = centred(s.n, raw[i], s.sums[i], e.sum);
-  substitute(l, s.m, e.b, e.x);
+  for (int i = 0; i < s.m; ++i) e.b[i] = centred(s.n, s.inverse_n, raw[i], s.sums[i], e.sum);
+  substitute(f, s.m, e.b, e.x);
   return e;
-}
-
-void sample_at(const ImageView& image, GridPosition p, Work& work) {
-  const int w = work.window, fx = p.x & (kSubpixel - 1), fy = p.y & (kSubpixel - 1);
-  const int left = (p.x - fx) / kSubpixel - w / 2, top = (p.y - fy) / kSubpixel - w / 2;
-  Pixels pixels = readable(image, left - 1, top - 1, w + 3, lanes(w) + 3, work.bytes);
-  pixels.data += pixels.stride + 1;
-  sample_cubic(pixels, fx, fy, w, work.scratch, work.image);
 }
 
 // Share of white noise's variance that cubic sampling at phase f leaves: a fit to the sum of its squared
@@ -108,12 +116,13 @@ float noise_left(int f) {
   return 1 - 5.76f * p * p;
 }
 
-Measurement measure(const Moments& s, const float l[kMotions][kMotions], const Explained& e, GridPosition at,
+Measurement measure(const Moments& s, const Factor& f, const Explained& e, GridPosition at,
                     const Work& work) {
   constexpr float kUnit = 1.0f / kGreyScale;
   Measurement r;
   const auto n = static_cast<float>(s.n);
-  const float variance_sum = centred(s.n, sum_squares(work.image, s.mask, work.count), e.sum, e.sum);
+  const float variance_sum =
+      centred(s.n, s.inverse_n, sum_squares(work.image, s.mask, work.count), e.sum, e.sum);
   float explained = 0;
   for (int i = 0; i < s.m; ++i) {
     float hx = 0;
@@ -135,18 +144,27 @@ Measurement measure(const Moments& s, const float l[kMotions][kMotions], const E
   // transpose.
   const int x = s.m - 2, y = s.m - 1;
   const float scale = r.gain * r.gain * kUnit * kUnit;
-  r.information = {scale * l[x][x] * l[x][x], scale * l[x][x] * l[y][x],
-                   scale * (l[y][x] * l[y][x] + l[y][y] * l[y][y])};
+  r.information = {scale * f.l[x][x] * f.l[x][x], scale * f.l[x][x] * f.l[y][x],
+                   scale * (f.l[y][x] * f.l[y][x] + f.l[y][y] * f.l[y][y])};
   return r;
 }
 
-// The template's images, as they are or without what is clipped in the current image.
-Moments choose_moments(const Moments& whole, const SearchOptions& o, Work& work) {
-  const int left =
-      mask_extremes(work.image, work.plain.m, work.count, o.range.lowest, o.range.highest, work.unclipped);
-  if (left == whole.n) return whole;
+// The system to be solved while the same pixels count.
+struct System {
+  Moments moments;
+  Factor factor;
+
+  bool is_solvable(int window) const { return 2 * moments.n >= window * window && factor.is_regular; }
+};
+
+System system_of(const Moments& moments, float prior) {
+  return {moments, factorise(moments, prior)};
+}
+
+// The same without what is clipped in the current image.
+System system_without_clipped(const Moments& whole, float prior, Work& work) {
   for (int i = 0; i < whole.m; ++i) apply_mask(whole.images[i], work.unclipped, work.count, work.masked[i]);
-  return moments_of(work.masked, work.unclipped, whole.m, work.count);
+  return system_of(moments_of(work.masked, work.unclipped, whole.m, work.count), prior);
 }
 
 Moments whole_moments(bool has_stretch, Work& work) {
@@ -169,26 +187,32 @@ PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd
   // An error of the gradient makes each step a fraction too long or too short; what is left is a third at
   // most.
   const float last_move = 3 * o.epsilon_px;
-  const Moments whole = whole_moments(warp_sd > 0, work);
   const float prior = warp_sd > 0 ? (kPriorNoise / warp_sd) * (kPriorNoise / warp_sd) : 0;
+  const System whole = system_of(whole_moments(warp_sd > 0, work), prior);
+  System partial;
   const Vec2 start = p.y;
   for (int step = 1;; ++step) {
     const GridPosition at = on_grid(p.y);
     if (!is_inside(image, at, work.window / 2)) return PatchStatus::outside_image;
-    sample_at(image, at, work);
+    sample_cubic(load_at(image, at, work), at.x & kPhase, at.y & kPhase, work.window, work.scratch,
+                 work.image);
     ++p.iterations;
-    const Moments now = choose_moments(whole, o, work);
-    float l[kMotions][kMotions];
-    if (2 * now.n < work.window * work.window || !factorise(now, prior, l)) return PatchStatus::flat;
-    const Explained e = explain(now, l, work.image, work.count);
+    const int left =
+        mask_extremes(work.image, work.plain.m, work.count, o.range.lowest, o.range.highest, work.unclipped);
+    const bool is_whole = left == whole.moments.n;
+    if (!is_whole) partial = system_without_clipped(whole.moments, prior, work);
+    const System& now = is_whole ? whole : partial;
+    if (!now.is_solvable(work.window)) return PatchStatus::flat;
+    const Explained e = explain(now.moments, now.factor, work.image, work.count);
     const float gain = clamp(e.x[kLight], 0.5f, 2.0f);
-    const Vec2 moved = position(at) - (1.0f / gain) * Vec2{e.x[now.m - 2], e.x[now.m - 1]};
+    const int m = now.moments.m;
+    const Vec2 moved = position(at) - (kStepScale / gain) * Vec2{e.x[m - 2], e.x[m - 1]};
     const Vec2 move = moved - p.y;
     p.y = moved;
     const Vec2 way = p.y - start;
     if (!(dot(way, way) < 1)) return PatchStatus::diverged;
     if (step == kMaxSteps || dot(move, move) < last_move * last_move) {
-      result = measure(now, l, e, at, work);
+      result = measure(now.moments, now.factor, e, at, work);
       return PatchStatus::ok;
     }
   }

@@ -26,18 +26,24 @@ void copy_row(const std::uint8_t* row, int width, int left, int columns, std::ui
 }
 
 void copy_square(const ImageView& image, int left, int top, int rows, int columns, std::uint8_t* out) {
-  for (int y = 0; y < rows; ++y, out += columns)
-    copy_row(image.data + std::ptrdiff_t{clamped(top + y, image.height)} * image.stride, image.width, left,
-             columns, out);
+  const bool is_whole = left >= 0 && left + columns <= image.width;
+  for (int y = 0; y < rows; ++y, out += columns) {
+    const std::uint8_t* row = image.data + std::ptrdiff_t{clamped(top + y, image.height)} * image.stride;
+    if (is_whole) std::memcpy(out, row + left, static_cast<std::size_t>(columns));
+    if (!is_whole) copy_row(row, image.width, left, columns, out);
+  }
 }
 
 // The mask of [left, right) x [top, bottom) of the window.
 const std::int16_t* mask_of(int left, int top, int right, int bottom, Work& work) {
   const int w = work.window, stride = lanes(w);
   if (left <= 0 && top <= 0 && right >= w && bottom >= w) return work.all;
-  for (int y = 0; y < w; ++y)
-    for (int x = 0; x < w; ++x)
-      work.part[y * stride + x] = x >= left && x < right && y >= top && y < bottom ? 1 : 0;
+  std::int16_t row[kMaxWindow + 7] = {};
+  for (int x = left < 0 ? 0 : left; x < (right < w ? right : w); ++x) row[x] = 1;
+  for (int y = 0; y < w; ++y) {
+    std::int16_t* out = work.part + y * stride;
+    for (int x = 0; x < stride; ++x) out[x] = y >= top && y < bottom ? row[x] : std::int16_t{0};
+  }
   return work.part;
 }
 
@@ -47,9 +53,9 @@ struct FixedPosition {
   int x, y;
 };
 
-std::int16_t bilinear(const std::uint8_t* pixels, int side, FixedPosition at) {
-  const std::uint8_t* p = pixels + (at.y >> kBits) * side + (at.x >> kBits);
-  const int fx = (at.x >> (kBits - 8)) & 255, fy = (at.y >> (kBits - 8)) & 255;
+std::int16_t bilinear(const std::uint8_t* pixels, int side, int x, int y) {
+  const std::uint8_t* p = pixels + (y >> kBits) * side + (x >> kBits);
+  const int fx = (x >> (kBits - 8)) & 255, fy = (y >> (kBits - 8)) & 255;
   const int upper = p[0] * 256 + (p[1] - p[0]) * fx;
   const int lower = p[side] * 256 + (p[side + 1] - p[side]) * fx;
   return static_cast<std::int16_t>(((upper * 256 + (lower - upper) * fy + 2048) >> 12) - kGreyOffset);
@@ -91,7 +97,8 @@ const std::int16_t* load_ragged(const Lines& lines, const Bounds& bounds, const 
   for (int y = 0; y < w + 2; ++y)
     for (int x = 0; x < w + 2; ++x) {
       const FixedPosition at = lines.at(x, y);
-      work.block[y * stride + x] = bilinear(pixels, side, bounds.clamped(at));
+      const FixedPosition nearest = bounds.clamped(at);
+      work.block[y * stride + x] = bilinear(pixels, side, nearest.x, nearest.y);
       if (x > 0 && x <= w && y > 0 && y <= w)
         work.part[(y - 1) * lanes(w) + x - 1] = bounds.contains(at) ? 1 : 0;
     }
@@ -107,30 +114,32 @@ const std::int16_t* load_warped(const Surround& around, const std::uint8_t* pixe
   if (!bounds.contains(lines.at(0, 0)) || !bounds.contains(lines.at(last, 0)) ||
       !bounds.contains(lines.at(0, last)) || !bounds.contains(lines.at(last, last)))
     return load_ragged(lines, bounds, pixels, side, work);
+  const int dx = lines.across.x, dy = lines.across.y;
   for (int y = 0; y <= last; ++y) {
-    FixedPosition at = lines.at(0, y);
-    for (int x = 0; x <= last; ++x, at.x += lines.across.x, at.y += lines.across.y)
-      work.block[y * stride + x] = bilinear(pixels, side, at);
+    const FixedPosition first = lines.at(0, y);
+    int px = first.x, py = first.y;
+    std::int16_t* out = work.block + y * stride;
+    for (int x = 0; x <= last; ++x, px += dx, py += dy) out[x] = bilinear(pixels, side, px, py);
   }
   return work.all;
 }
 
 }  // namespace
 
-Pixels readable(const ImageView& image, int left, int top, int rows, int columns, std::uint8_t* scratch) {
-  const std::ptrdiff_t stride = image.stride;
-  // Columns past a row's end are read only where they do not count; so they need only be memory of the image.
-  const std::ptrdiff_t end = (top + rows - 1) * stride + left + columns;
-  if (left >= 0 && top >= 0 && top + rows <= image.height && end <= (image.height - 1) * stride + image.width)
-    return {image.data + top * stride + left, stride};
-  copy_square(image, left, top, rows, columns, scratch);
-  return {scratch, columns};
+void load_block(const ImageView& image, int left, int top, Work& work) {
+  const int rows = block_rows(work.window), columns = block_stride(work.window);
+  const bool is_whole = left >= 0 && top >= 0 && left + columns <= image.width && top + rows <= image.height;
+  if (is_whole)
+    return load_block(image.data + std::ptrdiff_t{top} * image.stride + left, image.stride, work.window,
+                      work.block);
+  copy_square(image, left, top, rows, columns, work.bytes);
+  load_block(work.bytes, columns, work.window, work.block);
 }
 
 void load_template(const ImageView& image, int left, int top, GreyRange range, Work& work) {
   const int w = work.window;
   const std::int16_t* mask = mask_of(-left, -top, image.width - left, image.height - top, work);
-  load_block(readable(image, left - 1, top - 1, w + 2, block_stride(w), work.bytes), w, work.block);
+  load_block(image, left - 1, top - 1, work);
   make_template(work.block, mask, w, range.lowest, range.highest, work.scratch, work.plain);
 }
 
@@ -143,7 +152,7 @@ void load_template(const Surround& around, const std::uint8_t* pixels, int side,
   } else {
     mask =
         mask_of(around.left - first, around.top - first, around.right - first, around.bottom - first, work);
-    load_block({pixels + (first - 1) * side + first - 1, side}, w, work.block);
+    load_block(pixels + (first - 1) * side + first - 1, side, w, work.block);
   }
   make_template(work.block, mask, w, range.lowest, range.highest, work.scratch, work.plain);
 }

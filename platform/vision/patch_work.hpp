@@ -51,9 +51,8 @@ constexpr GreyRange usable_range(bool masks_clipped) {
                        : GreyRange{-kGreyOffset - 1, kGreyOffset};
 }
 
-/// `rows` x `columns` readable pixels at (left, top): in place, or where the image ends, a copy with its edge
-/// repeated.
-Pixels readable(const ImageView& image, int left, int top, int rows, int columns, std::uint8_t* scratch);
+/// Loads work.block with pixels from (left, top) on; beyond the image its edge is repeated.
+void load_block(const ImageView& image, int left, int top, Work& work);
 
 /// Makes work.plain from the window at (left, top) of an image.
 void load_template(const ImageView& image, int left, int top, GreyRange range, Work& work);
@@ -64,9 +63,13 @@ void load_template(const Surround& around, const std::uint8_t* pixels, int side,
 /// Fills a surround and its pixels from the image; x is in the level's pixels.
 void store_surround(const ImageView& image, Vec2 x, int side, Surround& around, std::uint8_t* pixels);
 
-/// Sum of (a - mean a) (b - mean b) from plain sums over n pixels: exact but for one rounding.
-inline float centred(std::int64_t n, std::int32_t ab, std::int32_t a, std::int32_t b) {
-  return static_cast<float>(n * ab - std::int64_t{a} * b) / static_cast<float>(n);
+/// Scharr's gradients smooth, and so fall short of the slope by about a tenth on most textures; steps
+/// computed from them are too long by as much.
+constexpr float kStepScale = 0.9f;
+
+/// Sum of (a - mean a) (b - mean b) from plain sums over n pixels: exact but for two roundings at the end.
+inline float centred(std::int64_t n, float inverse_n, std::int32_t ab, std::int32_t a, std::int32_t b) {
+  return static_cast<float>(n * ab - std::int64_t{a} * b) * inverse_n;
 }
 
 /// Whether work.plain can be searched for: enough pixels, and texture in both directions.
@@ -107,10 +110,13 @@ PatchStatus refine(const ImageView& image, const SearchOptions& options, float w
 struct GridPosition {
   int x, y;
 };
+constexpr int kPhase = kSubpixel - 1;  ///< mask of the part of a pixel
 GridPosition on_grid(Vec2 p);
 inline Vec2 position(GridPosition p) {
   return {static_cast<float>(p.x) / kSubpixel, static_cast<float>(p.y) / kSubpixel};
 }
+/// Loads work.block with the image around p; gives it.
+const std::int16_t* load_at(const ImageView& image, GridPosition p, Work& work);
 /// Whether the window (or its middle alone) lies inside the image.
 bool is_inside(const ImageView& image, GridPosition p, int radius);
 
