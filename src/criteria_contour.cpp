@@ -2,6 +2,7 @@
 // area: it cancels. Samples are barycentric, so that a triangle's error is the same whatever its place in the
 // chart.
 #include "pliant/criteria.hpp"
+#include "triangle_samples.hpp"
 
 namespace pliant {
 namespace {
@@ -30,25 +31,19 @@ float area_of(const Corners& t) {
   return 0.5f * length(cross(t.p[1] - t.p[0], t.p[2] - t.p[0]));
 }
 
-// The centre, and two triples of points nearer the corners and nearer the edges.
-constexpr float kInner[7][3] = {
-    {1.0f / 3, 1.0f / 3, 1.0f / 3}, {0.6f, 0.2f, 0.2f},   {0.2f, 0.6f, 0.2f},  {0.2f, 0.2f, 0.6f},
-    {0.45f, 0.45f, 0.1f},           {0.1f, 0.45f, 0.45f}, {0.45f, 0.1f, 0.45f}};
-constexpr float kMiddles[3][3] = {{0.5f, 0.5f, 0}, {0, 0.5f, 0.5f}, {0.5f, 0, 0.5f}};
-
 }  // namespace
 
 ContourError measure_contour(const Shape& shape, const Triangle& triangle) {
   const Corners t = corners_of(shape, triangle);
   ContourError e;
   float sum = 0;
-  for (const auto& w : kInner) {
+  for (int i = 0; i < kSamples; ++i) {
+    const float* w = kTriangleSamples[i];
     const float error = error_at(shape.surface, t, w[0], w[1], w[2]);
-    sum += error;
+    if (i < kInnerSamples) sum += error;
     e.max_mm = max(e.max_mm, error);
   }
-  for (const auto& w : kMiddles) e.max_mm = max(e.max_mm, error_at(shape.surface, t, w[0], w[1], w[2]));
-  e.mean_mm = sum / 7;
+  e.mean_mm = sum / kInnerSamples;
   e.area_mm2 = area_of(t);
   return e;
 }

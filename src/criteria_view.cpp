@@ -1,18 +1,12 @@
 // Criteria for tracking, which the paper leaves to future work: contour error as seen by a camera, and
 // texture.
 #include "pliant/criteria.hpp"
+#include "triangle_samples.hpp"
 
 namespace pliant {
 namespace {
 
 constexpr float kCos75 = 0.258819045f;
-constexpr float kPoints[7][3] = {{1.0f / 3, 1.0f / 3, 1.0f / 3},
-                                 {0.6f, 0.2f, 0.2f},
-                                 {0.2f, 0.6f, 0.2f},
-                                 {0.2f, 0.2f, 0.6f},
-                                 {0.5f, 0.5f, 0},
-                                 {0, 0.5f, 0.5f},
-                                 {0.5f, 0, 0.5f}};
 
 Vec3 to_camera(const Mat3& r, Vec3 t, Vec3 p) {
   return r * Vec3{p.x, -p.y, -p.z} + t;
@@ -36,7 +30,7 @@ float compute_rank(const ViewOptions& o, const Shape& s, const Triangle& t) {
   const float gain = outside || facing < -kCos75 ? o.hidden_gain : facing < kCos75 ? o.outline_gain : 1.0f;
 
   float worst = 0;
-  for (const auto& w : kPoints) {
+  for (const auto& w : kTriangleSamples) {
     const Vec2 uv =
         w[0] * s.mesh.uv(t.corner[0]) + w[1] * s.mesh.uv(t.corner[1]) + w[2] * s.mesh.uv(t.corner[2]);
     const Vec3 p = to_camera(r, o.pose.t, s.surface(uv));
@@ -56,7 +50,7 @@ float compute_rank(const TextureOptions& o, const Shape& s, const Triangle& t) {
   const float edge = length(s.position[t.corner[1]] - s.position[t.corner[0]]);
   if (o.score == nullptr || !(o.shortest_edge_mm > 0) || edge < 2 * o.shortest_edge_mm) return 0;
   float best = 0;
-  for (const auto& w : kPoints)
+  for (const auto& w : kTriangleSamples)
     best = max(best, o.score(o.context, w[0] * s.mesh.uv(t.corner[0]) + w[1] * s.mesh.uv(t.corner[1]) +
                                             w[2] * s.mesh.uv(t.corner[2])));
   const float sizes = edge / (2 * o.shortest_edge_mm);

@@ -369,12 +369,14 @@ TEST_CASE("at every capacity from the base to full, running out leaves the mesh 
   }
 }
 
-// A reference that knows nothing of half-edges: triangles by coordinates, neighbours by search.
+// A reference that knows nothing of half-edges: triangles by coordinates, neighbours by search, and a record
+// of which edge every point was put on.
 namespace {
 struct NaiveMesh {
   using Point = std::pair<float, float>;
   using Tri = std::array<Point, 3>;  // subdivision edge from 0 to 1
   std::set<Tri> faces;
+  std::map<Point, std::pair<Point, Point>> split_edge;
 
   explicit NaiveMesh(const Triangles& t) {
     for (std::size_t f = 0; f < t.face_count(); ++f) {
@@ -393,6 +395,7 @@ struct NaiveMesh {
   }
   void bisect(Tri t) {
     const Point m = middle(t[0], t[1]);
+    split_edge[m] = {t[0], t[1]};
     faces.erase(t);
     faces.insert({t[2], t[0], m});
     faces.insert({t[1], t[2], m});
@@ -406,6 +409,22 @@ struct NaiveMesh {
     if (mate != nullptr) bisect(*mate);
     bisect(t);
   }
+  bool weld(Point v) {
+    if (split_edge.count(v) == 0) return false;
+    std::vector<Tri> around;
+    for (const Tri& t : faces) {
+      if (t[0] == v || t[1] == v) return false;
+      if (t[2] == v) around.push_back(t);
+    }
+    const auto [a, b] = split_edge[v];
+    for (const auto& [x, y] : {std::make_pair(a, b), std::make_pair(b, a)})
+      for (const Tri& first : around)
+        for (const Tri& second : around)
+          if (first[1] == x && second[0] == y && first[0] == second[1]) faces.insert({x, y, first[0]});
+    for (const Tri& t : around) faces.erase(t);
+    split_edge.erase(v);
+    return true;
+  }
   std::vector<shapes::Face> sorted() const {
     std::vector<shapes::Face> all;
     for (const Tri& t : faces)
@@ -416,25 +435,34 @@ struct NaiveMesh {
 };
 }  // namespace
 
-TEST_CASE("refinement agrees with a naive mesh without half-edges") {
+TEST_CASE("refinement and welds agree with a naive mesh without half-edges") {
+  int welds = 0;
   for (const Triangles& base : {shapes::block_grid(2), shapes::fan(5)}) {
     for (int seed = 0; seed < 20; ++seed) {
       MeshBox box(limits(500, 1000), base);
       NaiveMesh naive(base);
       Random random{static_cast<std::uint64_t>(seed)};
-      for (int i = 0; i < 25; ++i) {
-        const FaceId f = random_face(box.mesh, random);
-        NaiveMesh::Tri t;
-        for (int k = 0; k < 3; ++k) {
-          const Vec2 p = box.mesh.uv(box.mesh.corner(f, k));
-          t[static_cast<std::size_t>(k)] = {p.x, p.y};
+      for (int i = 0; i < 80; ++i) {
+        if (random.below(5) < 2) {
+          const FaceId f = random_face(box.mesh, random);
+          NaiveMesh::Tri t;
+          for (int k = 0; k < 3; ++k) {
+            const Vec2 p = box.mesh.uv(box.mesh.corner(f, k));
+            t[static_cast<std::size_t>(k)] = {p.x, p.y};
+          }
+          if (box.mesh.refine(f) == Status::ok) naive.refine(t);
+        } else {
+          const VertexId v = random_vertex(box.mesh, random);
+          const Vec2 p = box.mesh.uv(v);
+          const bool done = box.mesh.weld_edge(v) == Status::ok;
+          CHECK(naive.weld({p.x, p.y}) == done);
+          welds += done ? 1 : 0;
         }
-        REQUIRE(box.mesh.refine(f) == Status::ok);
-        naive.refine(t);
+        REQUIRE(shapes::sorted_faces(box.mesh) == naive.sorted());
       }
-      CHECK(shapes::sorted_faces(box.mesh) == naive.sorted());
     }
   }
+  CHECK(welds > 300);
 }
 
 TEST_CASE("changes name each vertex once, whatever happened to it") {

@@ -68,8 +68,8 @@ struct ContourError {
   float area_mm2 = 0;  ///< of the flat triangle
 };
 
-/// Samples the error of Eq. 5 at 7 inner points with equal weights (mean and maximum) and at the 3 midpoints
-/// of the edges (maximum). Cost: 10 samples of the surface.
+/// Samples the error of Eq. 5 at 4 inner points with equal weights (mean and maximum; the mean is exact for
+/// quadratic surfaces) and in the middle of the subdivision edge (maximum). Cost: 5 samples of the surface.
 ContourError measure_contour(const Shape& shape, const Triangle& triangle);
 /// The same by `cells` x `cells` equal parts of the triangle, sampled at their centres: for reports.
 /// \param cells  1 to 64.
