@@ -7,6 +7,9 @@
 namespace pliant::corners {
 namespace {
 
+// Loops that read neighbours are without __restrict: told that nothing overlaps, Clang keeps values from one
+// turn to the next and then finds no vectors.
+
 using i16 = std::int16_t;
 using i32 = std::int32_t;
 
@@ -15,9 +18,8 @@ constexpr float kMean = 1.0f / (32.0f * 32.0f * kWindow * kWindow);
 
 // Gradients of `n` pixels; a, b, c point at the pixel left of the first one in three rows. `down` has room
 // for n + 2.
-void scharr(const std::uint8_t* __restrict a, const std::uint8_t* __restrict b,
-            const std::uint8_t* __restrict c, int n, i16* __restrict down, i16* __restrict gx,
-            i16* __restrict gy) {
+void scharr(const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c, int n, i16* down, i16* gx,
+            i16* gy) {
   for (int x = 0; x < n + 2; ++x) down[x] = static_cast<i16>(3 * (a[x] + c[x]) + 10 * b[x]);
   for (int x = 0; x < n; ++x) gx[x] = static_cast<i16>(down[x + 2] - down[x]);
   for (int x = 0; x < n; ++x)
@@ -33,7 +35,7 @@ void accumulate(const i16* __restrict gx, const i16* __restrict gy, int n, i32 s
   }
 }
 
-void sum_window(const i32* __restrict in, int n, i32* __restrict out) {
+void sum_window(const i32* in, int n, i32* out) {
   for (int x = 0; x < n; ++x)
     out[x] = in[x] + in[x + 1] + in[x + 2] + in[x + 3] + in[x + 4] + in[x + 5] + in[x + 6];
 }

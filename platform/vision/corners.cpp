@@ -35,9 +35,10 @@ struct Box {
 struct Grid {
   int cell_px, width, height;  // cells
   Cell* cells;
-  std::int32_t* order;     // cells that have a corner, best first
+  std::int32_t* order;     // cells that have a corner, a heap
   std::uint8_t* is_taken;  // the cell's corner was chosen
-  float* rows[3];          // scores of three rows of pixels
+  float* rows[3];          // scores of three rows of pixels, and a zero at either end
+  float* peaks;            // of one row
 
   int count() const { return width * height; }
   Cell& at(int x, int y) const { return cells[(y / cell_px) * width + x / cell_px]; }
@@ -51,7 +52,8 @@ void lay_out(Arena& arena, int width, int height, int cell_px, Grid& g, corners:
   g.cells = arena.take<Cell>(n);
   g.order = arena.take<std::int32_t>(n);
   g.is_taken = arena.take<std::uint8_t>(n);
-  for (auto& row : g.rows) row = arena.take<float>(static_cast<std::size_t>(width));
+  for (auto& row : g.rows) row = arena.take<float>(static_cast<std::size_t>(width) + 2);
+  g.peaks = arena.take<float>(static_cast<std::size_t>(width));
   scorer.lay_out(arena, width);
 }
 
@@ -70,40 +72,46 @@ Box box_of(const ImageView& image, const Grid& g, Span<const std::uint8_t> allow
           b.bottom > bottom ? bottom : b.bottom};
 }
 
-// Strictly more than what comes before in reading order, no less than what comes after: of equals, the first.
-bool is_local_maximum(const float* above, const float* here, const float* below, int x, int last) {
-  const float s = here[x];
-  for (int k = x > 0 ? x - 1 : 0; k <= (x < last ? x + 1 : last); ++k)
-    if (above[k] >= s || below[k] > s) return false;
-  return (x == 0 || here[x - 1] < s) && (x == last || here[x + 1] <= s);
+// peak[x] = here[x] where that is a maximum over 3 x 3 pixels and at least `least`, otherwise 0. Strictly
+// more than what comes before in reading order, no less than what comes after: of equals, the first. Reads
+// one pixel beyond the ends, and is without __restrict for the reason given in corner_scores.cpp.
+void find_peaks(const float* above, const float* here, const float* below, int n, float least, float* peak) {
+  for (int x = 0; x < n; ++x) {
+    const float before = max(max(above[x - 1], above[x]), max(above[x + 1], here[x - 1]));
+    const float after = max(max(below[x - 1], below[x]), max(below[x + 1], here[x + 1]));
+    const float s = here[x];
+    const bool is_peak = (s > before) & (s >= max(after, least));
+    peak[x] = is_peak ? s : 0.0f;
+  }
 }
 
-void keep_best(const Grid& g, const Box& box, int y, const float* above, const float* here,
-               const float* below, float min_score) {
-  const int last = box.right - box.left - 1;
-  for (int x = 0; x <= last; ++x) {
-    if (here[x] < min_score || here[x] <= 0 || !is_local_maximum(above, here, below, x, last)) continue;
-    Cell& cell = g.at(box.left + x, y);
-    if (here[x] > cell.score)
-      cell = {here[x], static_cast<std::uint16_t>(box.left + x), static_cast<std::uint16_t>(y)};
+void keep_best(const Grid& g, const Box& box, int y) {
+  const float* peaks = g.peaks;
+  for (int x = box.left; x < box.right; ++x) {
+    const float score = peaks[x - box.left];
+    if (score <= 0) continue;
+    Cell& cell = g.at(x, y);
+    if (score > cell.score) cell = {score, static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y)};
   }
 }
 
 // Fills the cells. Beyond the box scores count as zero.
 void scan(const ImageView& image, const CornerOptions& o, const Box& box, corners::RowScorer& scorer,
           Grid& g) {
-  const auto bytes = static_cast<std::size_t>(box.right - box.left) * sizeof(float);
-  float *above = g.rows[0], *here = g.rows[1], *below = g.rows[2];
-  std::memset(above, 0, bytes);
+  const int width = box.right - box.left;
+  const auto bytes = static_cast<std::size_t>(width + 2) * sizeof(float);
+  for (float* row : g.rows) std::memset(row, 0, bytes);
+  float *above = g.rows[0] + 1, *here = g.rows[1] + 1, *below = g.rows[2] + 1;
   scorer.start(image, box.left, box.right, box.top);
   scorer.next(o.min_ratio, here);
   for (int y = box.top; y < box.bottom; ++y) {
     if (y + 1 < box.bottom) {
       scorer.next(o.min_ratio, below);
     } else {
-      std::memset(below, 0, bytes);
+      std::memset(below - 1, 0, bytes);
     }
-    keep_best(g, box, y, above, here, below, o.min_score);
+    find_peaks(above, here, below, width, o.min_score, g.peaks);
+    keep_best(g, box, y);
     float* const oldest = above;
     above = here;
     here = below;
@@ -124,11 +132,11 @@ int list_candidates(const Grid& g, Span<const std::uint8_t> allowed, float quali
   return n;
 }
 
-// Lets order[i] sink to its place in a heap whose root comes last.
+// Lets order[i] sink to its place in a heap with the best at its root.
 void sift_down(const Grid& g, int i, int n) {
   for (int child = 2 * i + 1; child < n; child = 2 * i + 1) {
-    if (child + 1 < n && is_before(g.cells[g.order[child]], g.cells[g.order[child + 1]])) ++child;
-    if (!is_before(g.cells[g.order[i]], g.cells[g.order[child]])) return;
+    if (child + 1 < n && is_before(g.cells[g.order[child + 1]], g.cells[g.order[child]])) ++child;
+    if (!is_before(g.cells[g.order[child]], g.cells[g.order[i]])) return;
     const std::int32_t t = g.order[i];
     g.order[i] = g.order[child];
     g.order[child] = t;
@@ -136,14 +144,12 @@ void sift_down(const Grid& g, int i, int n) {
   }
 }
 
-void sort_candidates(const Grid& g, int n) {
-  for (int i = n / 2 - 1; i >= 0; --i) sift_down(g, i, n);
-  for (int end = n - 1; end > 0; --end) {
-    const std::int32_t t = g.order[0];
-    g.order[0] = g.order[end];
-    g.order[end] = t;
-    sift_down(g, 0, end);
-  }
+// Takes the best off a heap of n candidates.
+std::int32_t pop(const Grid& g, int n) {
+  const std::int32_t best = g.order[0];
+  g.order[0] = g.order[n - 1];
+  sift_down(g, 0, n - 1);
+  return best;
 }
 
 bool has_room_around(const Grid& g, const Cell& c, float distance) {
@@ -160,11 +166,13 @@ bool has_room_around(const Grid& g, const Cell& c, float distance) {
 }
 
 int choose(const Grid& g, int candidates, float min_distance, Span<Corner> out) {
+  for (int i = candidates / 2 - 1; i >= 0; --i) sift_down(g, i, candidates);
   int count = 0;
-  for (int k = 0; k < candidates && static_cast<std::size_t>(count) < out.count; ++k) {
-    const Cell& c = g.cells[g.order[k]];
+  for (int n = candidates; n > 0 && static_cast<std::size_t>(count) < out.count; --n) {
+    const std::int32_t i = pop(g, n);
+    const Cell& c = g.cells[i];
     if (!has_room_around(g, c, min_distance)) continue;
-    g.is_taken[g.order[k]] = 1;
+    g.is_taken[i] = 1;
     out[static_cast<std::size_t>(count++)] = {{static_cast<float>(c.x), static_cast<float>(c.y)}, c.score};
   }
   return count;
@@ -221,7 +229,6 @@ Status find_corners(const ImageView& image, const CornerOptions& options, Span<c
   if (box.left >= box.right || box.top >= box.bottom) return Status::ok;
   scan(image, options, box, scorer, grid);
   const int candidates = list_candidates(grid, allowed, options.quality);
-  sort_candidates(grid, candidates);
   count = choose(grid, candidates, options.min_distance_px, out);
   return Status::ok;
 }
