@@ -34,12 +34,9 @@ struct EstimatorProblem {
   Estimator& e;
   Span<Observation> observations;
   std::size_t usable;
-  float added_error;     // px
   View view{}, trial{};
   Loss loss = Loss::huber;
   float scale = 1;
-
-  Sym2 information(const Observation& o) const { return with_added_error(o.information, added_error); }
 
   float prior_cost(const float* q) const {
     float cost = 0;
@@ -58,7 +55,7 @@ struct EstimatorProblem {
       const Observation& o = observations[e.usable_[k]];
       Vec2 x;
       if (!projector.project(e.cascade_.evaluate(e.baked_point(o.id), q), &x)) return 1e30f;
-      sum += evaluate(loss, mahalanobis(information(o), o.x - x) / scale).rho;
+      sum += evaluate(loss, mahalanobis(e.information_[k], o.x - x) / scale).rho;
     }
     return sum + prior_cost(q);
   }
@@ -75,7 +72,7 @@ struct EstimatorProblem {
       Vec2 x;
       Projector::Derivatives d;
       if (!projector.project(p, &x, &d)) continue;
-      const Sym2 w = information(o);
+      const Sym2 w = e.information_[k];
       const LossValue value = evaluate(loss, mahalanobis(w, o.x - x) / scale);
       sum += value.rho;
       if (value.weight <= 0) continue;
@@ -131,6 +128,7 @@ struct EstimatorProblem {
         [](void* p) { static_cast<EstimatorProblem*>(p)->accept(); }};
     SolverOptions solver;
     solver.max_iterations = iterations;
+    solver.relative_decrease = e.options_.relative_decrease;
     return pliant::minimise(problem, solver, e.equations_, e.step_);
   }
 
@@ -140,7 +138,7 @@ struct EstimatorProblem {
     Vec2 x = o.x + Vec2{1e6f, 0};
     Projector(view, true).project(e.cascade_.evaluate(e.baked_point(o.id), e.q_), &x);
     *px = length(o.x - x);
-    return mahalanobis(information(o), o.x - x);
+    return mahalanobis(e.information_[k], o.x - x);
   }
 
   void update_scale() {
@@ -171,6 +169,7 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   predictions_ = arena.take<Prediction>(limits.points);
   lengths_ = arena.take<float>(limits.points);
   usable_ = arena.take<std::uint16_t>(limits.points);
+  information_ = arena.take<Sym2>(limits.points);
   baked_vertices_ = arena.take<Vec3>(limits.vertices * baked_stride_);
   vertex_ = arena.take<Vec3>(limits.vertices);
   vertex_image_ = arena.take<Vec2>(limits.vertices);
@@ -238,13 +237,18 @@ void Estimator::adapt_mesh() {
 }
 
 void Estimator::update_vertices() {
+  for (VertexId v : mesh_.vertices()) vertex_[v] = cascade_.evaluate(baked_vertex(v), q_);
+  project_vertices();
+}
+
+/// Image and depth of the vertices where they are, and what they hide.
+void Estimator::project_vertices() {
   const Projector projector(view_, true);
-  for (VertexId v : mesh_.vertices()) {
-    vertex_[v] = cascade_.evaluate(baked_vertex(v), q_);
+  for (VertexId v : mesh_.vertices())
     vertex_depth_[v] =
         projector.project(vertex_[v], &vertex_image_[v]) ? kNominalDepthMm + projector.rotated(vertex_[v]).z : -1.0f;
-  }
   depth_.draw(mesh_, vertex_image_, vertex_depth_);
+  vertices_are_current_ = true;
 }
 
 Status Estimator::add_point(Vec2 uv, std::uint16_t* id) {
@@ -282,13 +286,12 @@ void Estimator::begin(std::int64_t time_ns) {
   const std::uint32_t share = options_.tangent_share > 0 ? options_.tangent_share : 1;
   for (std::uint16_t i = 0; i < limits_.points; ++i)
     if (in_use_[i] && (i + frame_) % share == 0) update_tangents(i);
-  update_vertices();
 }
 
 void Estimator::shift(Vec2 px) {
   if (!is_finite(px)) return;
   view_.tau = view_.tau + (1.0f / view_.s) * px;
-  update_vertices();
+  vertices_are_current_ = false;
 }
 
 void Estimator::propose(const View& view) {
@@ -329,6 +332,7 @@ Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
 }
 
 Span<const Prediction> Estimator::predict() {
+  if (!vertices_are_current_) project_vertices();
   const Projector projector(view_, true);
   std::size_t n = 0;
   for (std::uint16_t i = 0; i < limits_.points; ++i) {
@@ -364,7 +368,9 @@ SolverReport Estimator::solve(Span<Observation> observations) {
   for (const Observation& o : observations) looked_for_ += o.reason != Reason::not_visible;
   if (usable < 4) return report;
   const float added = options_.model_error_px * static_cast<float>(width_) / 320;
-  EstimatorProblem problem{*this, observations, usable, added};
+  for (std::size_t k = 0; k < usable; ++k)
+    information_[k] = with_added_error(observations[usable_[k]].information, added);
+  EstimatorProblem problem{*this, observations, usable};
   problem.view = view_;
   constexpr Loss kStages[2] = {Loss::huber, Loss::tukey};
   for (Loss loss : kStages) {

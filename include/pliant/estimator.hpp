@@ -27,7 +27,8 @@ struct EstimatorLimits {
 };
 
 struct EstimatorOptions {
-  int iterations = 4;               ///< Gauss-Newton steps in each of the two stages of a solve, at most
+  int iterations = 4;               ///< Gauss-Newton steps in each of the two stages (Huber, Tukey) of a solve, at most
+  float relative_decrease = 1e-3f;  ///< a stage ends when a step lowers the cost by less than this share
   float mesh_error_mm = 0.3f;       ///< the mesh is refined by the contour criterion to this mean error, or to its limit
   float model_error_px = 0.5f;      ///< what the model cannot explain, at 320 px of image width: added to every observation
   float expression_rate = 3.0f;     ///< ranges a parameter may cross in a second (one sd of the temporal prior)
@@ -106,8 +107,8 @@ class Estimator {
   float surface_at(Vec2 x, Vec2* uv);
 
   const Mesh& mesh() const { return mesh_; }
-  /// The mesh's vertices at the present state, by vertex id: in the model's axes (mm) and in the image (px). Current after
-  /// start, begin and end; not after solve.
+  /// The mesh's vertices, by vertex id: in the model's axes (mm) and in the image (px). Those of the last `start` or `end`,
+  /// or, between `begin` and `end`, of the last round's prediction.
   const Vec3* vertex_positions() const { return vertex_; }
   const Vec2* vertex_images() const { return vertex_image_; }
 
@@ -117,6 +118,7 @@ class Estimator {
   Vec3* baked_vertex(std::size_t v) { return baked_vertices_ + v * baked_stride_; }
   void adapt_mesh();
   void update_vertices();
+  void project_vertices();
   void update_tangents(std::uint16_t id);
   Prediction prediction(std::uint16_t id, const Projector& projector);
   std::size_t gather(Span<Observation> observations);
@@ -153,6 +155,8 @@ class Estimator {
   float *step_ = nullptr, *lengths_ = nullptr;
   std::uint16_t* unknown_ = nullptr;
   Vec2* column_ = nullptr;
+  Sym2* information_ = nullptr;      // of those, with the model's own error added
+  bool vertices_are_current_ = false;
   std::uint16_t* usable_ = nullptr;  // indices of the observations that take part
 };
 
