@@ -11,13 +11,16 @@
 #include <functional>
 #include <sstream>
 
+#include "bake/base_mesh.hpp"
 #include "bake/chart_raster.hpp"
 #include "bake/field_grid.hpp"
 #include "bake/source_error.hpp"
 #include "bake/subdivision.hpp"
 #include "bake/table_writer.hpp"
 #include "bake/text_table.hpp"
+#include "bake/triangulation.hpp"
 #include "baked_face.hpp"
+#include "pliant/mesh.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -296,6 +299,84 @@ TEST_CASE("eight bits and a smaller size make a smaller table that is still clos
   CHECK(bake_source(source, fine, &a).size() > 3 * bake_source(source, coarse, &b).size());
   CHECK(a.shape_max_mm <= b.shape_max_mm);
   CHECK(b.shape_max_mm < 0.3f);
+}
+
+TEST_CASE("a triangulation keeps to its loops, covers the domain once and turns no triangle over") {
+  Random random(7);
+  for (int trial = 0; trial < 20; ++trial) {
+    Domain domain;
+    const auto circle = [&](int n, float radius) {
+      std::vector<int> loop;
+      for (int k = 0; k < n; ++k) {
+        const float a = 6.2831853f * static_cast<float>(k) / static_cast<float>(n),
+                    r = radius * random.uniform(0.8f, 1);
+        loop.push_back(static_cast<int>(domain.points.size()));
+        domain.points.push_back({0.5f + r * std::cos(a), 0.5f + r * std::sin(a)});
+      }
+      domain.loops.push_back(loop);
+    };
+    circle(25, 0.45f);
+    circle(9 + trial % 7, 0.15f);
+    for (int k = 0; k < 60; ++k) {
+      const float a = random.uniform(0, 6.28f), r = random.uniform(0.17f, 0.35f);
+      domain.points.push_back({0.5f + r * std::cos(a), 0.5f + r * std::sin(a)});
+    }
+    Triangles triangles = triangulate(domain);
+    std::vector<Vec3> position;
+    for (Vec2 p : domain.points) position.push_back({p.x, 3 * p.y, p.x * p.y});
+    const auto check = [&] {
+      const std::size_t n = domain.points.size();
+      CHECK(triangles.size() == n + n - domain.loops[0].size() - domain.loops[1].size());  // Euler, one hole
+      double area = 0, wanted = 0;
+      for (float a : chart_areas(domain.points, triangles)) {
+        CHECK(a > 0);
+        area += static_cast<double>(a);
+      }
+      for (std::size_t l = 0; l < 2; ++l)
+        for (std::size_t k = 0; k < domain.loops[l].size(); ++k) {
+          const Vec2 a = domain.points[static_cast<std::size_t>(domain.loops[l][k])];
+          const Vec2 b =
+              domain.points[static_cast<std::size_t>(domain.loops[l][(k + 1) % domain.loops[l].size()])];
+          wanted += (l == 0 ? 1.0 : -1.0) * static_cast<double>(a.x * b.y - a.y * b.x);
+        }
+      CHECK(area == doctest::Approx(wanted).epsilon(1e-4));
+    };
+    check();
+    flip_by_shape(triangles, domain.points, position);
+    check();
+  }
+  Domain crossing{{{0, 0}, {1, 1}, {1, 0}, {0, 1}}, {{0, 1, 2, 3}}};
+  CHECK(triangulate(crossing).empty());
+}
+
+TEST_CASE("a base mesh has about the vertices asked for, follows an opening and is of basic blocks") {
+  Source source = sheet(65, dome);
+  for (std::size_t f = 0; f < source.triangles.size(); ++f)
+    source.is_hole[f] =
+        length(source.uv[static_cast<std::size_t>(source.triangles[f][0])] - Vec2{0.5f, 0.5f}) < 0.15f;
+  source.landmarks = {{"one", {0.21f, 0.3f}}, {"near it", {0.22f, 0.3f}}, {"in the hole", {0.5f, 0.5f}}};
+  for (const bool symmetric : {false, true})
+    for (const int wanted : {100, 300}) {
+      const BaseMesh mesh = make_base_mesh(source, wanted, symmetric);
+      CHECK(mesh.uv.size() > 0.8 * wanted);
+      CHECK(mesh.uv.size() < 1.25 * wanted);
+      const auto closest = [&](Vec2 p) {
+        float least = 1;
+        for (Vec2 q : mesh.uv) least = min(least, length(p - q));
+        return least;
+      };
+      if (!symmetric) CHECK(closest({0.21f, 0.3f}) < 1e-6f);
+      CHECK(closest({0.5f, 0.5f}) > 0.1f);
+      MeshLimits limits;
+      std::vector<std::max_align_t> memory(measured_bytes<Mesh>(limits) / sizeof(std::max_align_t) + 1);
+      Arena arena(memory.data(), memory.size() * sizeof(std::max_align_t));
+      Mesh checked;
+      REQUIRE(create_in(arena, checked, limits) == Status::ok);
+      REQUIRE(checked.set_base({mesh.uv.data(), mesh.uv.size()},
+                               {mesh.corners.data(), mesh.corners.size()}) == Status::ok);
+      CHECK(checked.compute_statistics().boundary_loops == 2);
+      CHECK(checked.compute_statistics().euler == 0);
+    }
 }
 
 TEST_CASE("an embedded table is the table") {

@@ -1,4 +1,6 @@
 // The built-in face: is it a face, do its expressions do what their names say, and nothing else?
+#include <algorithm>
+
 #include "baked_face.hpp"
 #include "pliant/mesh.hpp"
 #include "random.hpp"
@@ -314,6 +316,30 @@ TEST_CASE("the base mesh is one of basic blocks with a hole for each eye and the
   CHECK(s.euler == -2);
   CHECK(s.vertices > 300);
   CHECK(s.vertices < 700);
+}
+
+TEST_CASE(
+    "the base mesh is its own mirror image, of nearly equal edges, and most landmarks are its vertices") {
+  BakedModel& face = baked_face();
+  const auto uv = face.model.base_uv();
+  const auto corners = face.model.base_corners();
+  const auto nearest = [&](Vec2 p) {
+    float least = 1;
+    for (Vec2 q : uv) least = min(least, length(p - q));
+    return least;
+  };
+  for (Vec2 p : uv) CHECK(nearest({1 - p.x, p.y}) < 1e-5f);
+  int landmarks = 0;
+  for (int k = 0; k < 68; ++k) landmarks += nearest(face.uv(ibug(k))) < 0.004f;
+  CHECK(landmarks > 50);
+  std::vector<float> lengths;
+  for (std::size_t f = 0; f < corners.count; f += 3)
+    for (std::size_t k = 0; k < 3; ++k)
+      lengths.push_back(length(face.at(uv[corners[f + k]], face.rest()) -
+                               face.at(uv[corners[f + (k + 1) % 3]], face.rest())));
+  std::sort(lengths.begin(), lengths.end());
+  CHECK(lengths[lengths.size() * 95 / 100] < 4 * lengths[lengths.size() * 5 / 100]);
+  CHECK(lengths.back() < 25);
 }
 
 TEST_CASE("base faces are counter-clockwise seen from outside, as the surface is") {

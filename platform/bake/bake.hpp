@@ -14,6 +14,7 @@ struct BakeOptions {
   int size =
       128;  ///< samples a side of a field over the whole chart, 16 to 512; the rest shape has twice that
   int bits = 16;               ///< a sample: 16 or 8; the rest shape always has 16
+  int base_vertices = 480;     ///< of the base mesh, about; 60 to 5000
   float tolerance_mm = 0.05f;  ///< fields are sampled more coarsely where that costs no more than this
 };
 
@@ -23,7 +24,7 @@ struct BakeReport {
   float neutral_mean_mm = 0, neutral_max_mm = 0;
   float shape_mean_mm = 0, shape_max_mm = 0;  ///< mean over all shapes and vertices, and the worst
   std::string worst_shape;
-  std::size_t field_count = 0, table_bytes = 0;
+  std::size_t field_count = 0, base_vertices = 0, table_bytes = 0;
 };
 
 /// Bakes the built-in face's tables (points.txt and others) in a folder. False, with one line that names the
@@ -31,7 +32,8 @@ struct BakeReport {
 bool bake(const BakeOptions& options, std::vector<std::uint8_t>& table, std::string& error,
           BakeReport* report = nullptr);
 
-/// Bakes what is in memory already. The source must be complete and consistent.
+/// Bakes what is in memory already, which must be consistent. A source without a base mesh gets one; the
+/// result is empty when there can be none, because the skin's boundary crosses itself in the chart.
 std::vector<std::uint8_t> bake_source(const Source& source, const BakeOptions& options,
                                       BakeReport* report = nullptr);
 

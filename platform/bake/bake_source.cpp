@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "bake/bake.hpp"
+#include "bake/base_mesh.hpp"
 #include "bake/field_grid.hpp"
 #include "bake/table_writer.hpp"
 
@@ -27,12 +28,12 @@ class Baker {
   }
 
   std::vector<std::uint8_t> run(BakeReport* report) {
+    if (!add_base_mesh()) return {};
     for (const SourceParameter& p : source_.parameters) writer_.add_parameter(p);
     add_neutral();
     for (std::size_t k = 0; k < source_.shapes.size(); ++k) add_shape(k);
     for (const SourceLandmark& l : source_.landmarks) writer_.add_landmark(l);
     for (const SourceCurve& c : source_.curves) writer_.add_curve(c);
-    writer_.set_base_mesh(source_.base_uv, source_.base_corners);
     writer_.set_mask(mask());
     writer_.set_albedo(source_.albedo);
     auto bytes = writer_.bytes();
@@ -46,6 +47,14 @@ class Baker {
  private:
   ChartRaster raster(int side) const {
     return rasterise(source_.uv, source_.triangles, source_.is_hole, side, side);
+  }
+
+  bool add_base_mesh() {
+    BaseMesh mesh{source_.base_uv, source_.base_corners};
+    if (mesh.corners.empty()) mesh = make_base_mesh(source_, options_.base_vertices, source_.is_symmetric);
+    report_.base_vertices = mesh.uv.size();
+    writer_.set_base_mesh(mesh.uv, mesh.corners);
+    return !mesh.corners.empty();
   }
 
   void add_neutral() {

@@ -42,7 +42,7 @@ class FaceReader {
     make_shapes("expressions.txt", Group::expression);
     read_landmarks();
     read_curves();
-    make_base_mesh();
+    source_.is_symmetric = true;
     source_.albedo =
         paint(folder_, {cage_, fine_, source_.uv, source_.neutral, source_.triangles, source_.is_hole});
     return std::move(source_);
@@ -214,33 +214,6 @@ class FaceReader {
       for (int v : path_through(fine_, points)) curve.points.push_back(source_.uv[at(v)]);
       if (curve.points.size() < 2) table.fail(row, "a curve has at least two points");
       source_.curves.push_back(std::move(curve));
-    }
-  }
-
-  /// The skin's cage as basic blocks: a quad is two triangles, and their diagonal, the shorter, the
-  /// subdivision edge.
-  void make_base_mesh() {
-    std::vector<int> id(cage_.size(), -1);
-    const auto vertex = [&](int point) {
-      if (id[at(point)] < 0) {
-        id[at(point)] = static_cast<int>(source_.base_uv.size());
-        source_.base_uv.push_back(source_.uv[at(point)]);
-      }
-      return static_cast<std::uint16_t>(id[at(point)]);
-    };
-    for (const CageFace& face : cage_.faces) {
-      if (face.is_hole) continue;
-      const auto& c = face.corners;
-      if (c.size() != 4)
-        throw SourceError(folder_ + "/patches.txt", 0,
-                          "a patch of the skin has a triangle at '" + cage_.names[at(c[0])] + "'");
-      const auto apart = [&](std::size_t a, std::size_t b) {
-        return length(cage_.position[at(c[a])] - cage_.position[at(c[b])]);
-      };
-      const std::size_t s = apart(0, 2) <= apart(1, 3) ? 0 : 1;
-      for (const std::size_t k : {s, s + 2})
-        for (const std::size_t corner : {k, k + 2, k + 3})
-          source_.base_corners.push_back(vertex(c[corner % 4]));
     }
   }
 

@@ -54,8 +54,9 @@ struct Source {
   std::vector<SourceShape> shapes;  ///< in the order of the cascade
   std::vector<SourceLandmark> landmarks;
   std::vector<SourceCurve> curves;
-  std::vector<Vec2> base_uv;
+  std::vector<Vec2> base_uv;                ///< may be empty: then a base mesh is made
   std::vector<std::uint16_t> base_corners;  ///< three a face, in basic-block form
+  bool is_symmetric = false;                ///< its own mirror image, u to 1 - u, with vertices on u = 0.5
   GreyImage albedo;                         ///< may be empty
 };
 
