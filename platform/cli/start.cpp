@@ -13,6 +13,9 @@ namespace {
 /// How exact a landmark is taken to be, as a share of the points' spread: people and detectors err with the
 /// size of the face, not with the size of the picture.
 constexpr float kPointSdShare = 0.005f;
+/// How much further off a landmark must be before a face is taken to make a face: that a person's lips are thinner
+/// than the model's, or a landmark annotated elsewhere, is no expression.
+constexpr float kExpressionCaution = 6;
 /// Points closer together than this (px) are one point.
 constexpr float kLeastSpread = 4;
 /// A parameter counts as unseen when the points leave this much of its prior's standard deviation.
@@ -99,9 +102,23 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   options.is_free = setup.is_free.empty() ? nullptr : setup.is_free.data();
   FitReport report;
   Owned<Fitter> fitter(model, FitLimits{static_cast<std::uint16_t>(pairs.size())});
-  require(fitter->fit({pairs.data(), pairs.size()}, options, q.data(), &report, sd.data(), residual.data(),
-                      weight.data()),
-          source);
+  const auto fit_with = [&](const std::vector<Correspondence>& used) {
+    require(fitter->fit({used.data(), used.size()}, options, q.data(), &report, sd.data(), residual.data(), weight.data()),
+            source);
+  };
+  std::vector<std::uint8_t> identity;
+  if (setup.is_free.empty()) {
+    // First what only an expression can explain; then, with that held, who it is.
+    std::vector<Correspondence> cautious = pairs;
+    for (Correspondence& c : cautious) c.sd_px *= kExpressionCaution;
+    fit_with(cautious);
+    for (const Parameter& p : model.parameters()) identity.push_back(p.group == Group::identity);
+    options.is_free = identity.data();
+  }
+  const std::vector<float> expression_sd = sd;
+  fit_with(pairs);
+  for (std::size_t k = 0; k < identity.size(); ++k)
+    if (identity[k] == 0) sd[k] = expression_sd[k];
 
   FitFile fit = describe(model, setup.size, report.view, q);
   fit.sd = by_name(model, sd);
