@@ -102,8 +102,23 @@ std::uint32_t Adapter::face_bits(FaceId f) const {
   return static_cast<std::uint32_t>(faces_.key(f) >> 32);
 }
 
+// Refining either face of a block splits both: only the one that ranks higher takes part in the queue.
+void Adapter::queue_face(FaceId f, std::uint64_t key) {
+  const HalfEdgeId t = mesh_->twin(Mesh::half_edge(f, 0));
+  const FaceId mate = Mesh::face_of(t);
+  if (t == kNone || Mesh::corner_of(t) != 0 || !faces_.contains(mate)) {
+    faces_.set(f, key);
+  } else if (faces_.key(mate) >= key) {
+    faces_.hold(f, key);
+    faces_.set(mate, faces_.key(mate));
+  } else {
+    faces_.set(f, key);
+    faces_.hold(mate, faces_.key(mate));
+  }
+}
+
 void Adapter::rank_face(FaceId f) {
-  faces_.set(f, mesh_->face_level(f) < limits_.max_level ? face_key(shape(), f) : 0);
+  queue_face(f, mesh_->face_level(f) < limits_.max_level ? face_key(shape(), f) : 0);
 }
 
 // A vertex that is not weldable any more may stay in the queue until it comes to the top; its key then means
@@ -157,7 +172,7 @@ void Adapter::split(FaceId f) {
   const int count = mesh_->find_star_faces(v, faces);
   for (int i = 0; i < count; ++i) {
     const std::uint64_t key = is_deepest ? 0 : face_key(now, faces[i]);
-    faces_.set(faces[i], key);
+    queue_face(faces[i], key);
     const auto around = static_cast<std::uint32_t>(key >> 32);
     bits = around > bits ? around : bits;
   }
@@ -172,10 +187,16 @@ void Adapter::split(FaceId f) {
 void Adapter::weld(VertexId v) {
   FaceId faces[4];
   const int count = mesh_->find_star_faces(v, faces);
+  HalfEdgeId outer[4];
+  for (int i = 0; i < count; ++i) outer[i] = mesh_->twin(Mesh::half_edge(faces[i], 0));
   vertices_.remove(v);
   mesh_->weld_star(v);
+  for (int i = 1; i < count; i += 2) faces_.remove(faces[i]);
+  for (int i = 0; i < count; ++i) {  // whoever was in one block with a face that went is now on its own
+    const FaceId f = Mesh::face_of(outer[i]);
+    if (outer[i] != kNone && Mesh::corner_of(outer[i]) == 0) faces_.set(f, faces_.key(f));
+  }
   for (int i = 0; i < count; i += 2) {
-    faces_.remove(faces[i + 1]);
     rank_face(faces[i]);
     rank_vertex(mesh_->corner(faces[i], 2));
     if (criterion_.sees_neighbours) rank_around(mesh_->corner(faces[i], 2));

@@ -74,13 +74,24 @@ std::uint64_t RankQueue::find_highest_key() const {
 
 void RankQueue::move(std::uint16_t id, std::uint64_t key) {
   const std::size_t at = place_[id];
-  if ((key < floor_) != (at >= low_)) {
+  if (key < floor_) {
+    hold(id, key);
+  } else if (at >= low_) {
     remove(id);
     insert(id, key);
   } else if (at >= sorted_) {
     key_[at] = key;
-  } else {
+  } else if (key != key_[at]) {
     sift(at, id, key);
+  }
+}
+
+void RankQueue::hold(std::uint16_t id, std::uint64_t key) {
+  if (place_[id] != kNone && place_[id] >= low_) {
+    key_[place_[id]] = key;
+  } else {
+    remove(id);
+    place(--low_, id, key);
   }
 }
 

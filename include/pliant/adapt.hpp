@@ -114,6 +114,7 @@ class Adapter {
   std::uint32_t place_key(Vec2 uv) const;
   std::uint64_t face_key(const Shape& shape, FaceId f) const;
   std::uint32_t face_bits(FaceId f) const;
+  void queue_face(FaceId f, std::uint64_t key);
   void rank_face(FaceId f);
   void rank_vertex(VertexId v);
   void set_cost(VertexId v, std::uint32_t bits);

@@ -41,6 +41,8 @@ class RankQueue {
     else
       move(id, key);
   }
+  /// Keeps id with its key, as if that were below the floor. O(log n).
+  void hold(std::uint16_t id, std::uint64_t key);
   /// Takes id out if it is in. O(log n).
   void remove(std::uint16_t id);
 
@@ -57,13 +59,14 @@ class RankQueue {
   void sift_up(std::size_t hole, std::uint16_t id, std::uint64_t key);
   void sift_down(std::size_t hole, std::uint16_t id, std::uint64_t key);
 
-  // The heap and those that wait are at the front of the arrays, those below the floor at the back.
+  // The heap and those that wait are at the front of the arrays, those below the floor or on hold at the
+  // back.
   std::uint64_t* key_ = nullptr;
   std::uint16_t* id_ = nullptr;
   std::uint16_t* place_ = nullptr;  // of an id in key_ and id_, or kNone
   std::size_t capacity_ = 0;
   std::size_t sorted_ = 0, heap_ = 0;  // heap, and heap with those that wait
-  std::size_t low_ = 0;                // where those below the floor begin
+  std::size_t low_ = 0;                // where the latter begin
   std::uint64_t floor_ = 0;
 };
 
