@@ -102,7 +102,7 @@ PatchStatus align(const ImageView& image, const SearchOptions& o, Work& work, Po
   const Normal whole = normal_of(work.plain, work.count);
   if (!is_usable(whole, work.window, o.min_eigenvalue)) return PatchStatus::flat;
   const Vec2 start = p.y;
-  const auto reach = static_cast<float>(work.window / 2 + 1);
+  const auto reach = static_cast<float>(work.window);
   Vec2 previous_move;
   for (p.iterations = 1;; ++p.iterations) {
     const GridPosition at = on_grid(p.y);

@@ -53,9 +53,9 @@ struct PatchOptions {
   int max_iterations = 10;   ///< on each level, at least 1
   float epsilon_px = 0.01f;  ///< stops below this step at full size; three times as much on coarser levels
   /// Standard deviation of the entries of a warp that was not predicted, which the last steps allow for; 0:
-  /// none is allowed for, which is a tenth more precise where the prediction is exact, and many times less
+  /// none is allowed for, which is a tenth to a fifth more precise where the prediction is exact, and many times less
   /// where it is not.
-  float warp_sd = 0.05f;
+  float warp_sd = 0.03f;
   float max_move_px = 0;         ///< from the start, in the end; 0: no limit
   float min_correlation = 0.8f;  ///< normalised cross-correlation with the template
   float min_eigenvalue = 0.5f;   ///< of the mean structure tensor, light projected out, (grey/px)^2
