@@ -61,7 +61,7 @@ TEST_CASE("a hostile table with a right checksum never gets through with an inde
   const auto good = egg_model(2).table();
   Random random(3);
   int refused = 0;
-  for (int trial = 0; trial < 20000; ++trial) {
+  for (int trial = 0; trial < 3000; ++trial) {
     auto words = good;
     const int changes = 1 + random.below(3);
     for (int k = 0; k < changes; ++k) {
@@ -82,7 +82,7 @@ TEST_CASE("a hostile table with a right checksum never gets through with an inde
     }
     for (std::uint16_t c : model.base_corners()) CHECK(c < model.base_uv().count);
   }
-  CHECK(refused > 1000);
+  CHECK(refused > 300);
 }
 
 TEST_CASE("null, misaligned, foreign and future tables are told apart") {
