@@ -31,15 +31,15 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
       if (name == o.name) option = &o;
     if (option == nullptr) fail_usage("unknown option " + name);
     if (!option->in_this_build) fail_usage(name + " is not available in this build");
-    if (values_.count(name) != 0) fail_usage(name + " is given twice");
+    if (values_.count(name) != 0 && !option->may_repeat) fail_usage(name + " is given twice");
     if (option->value == nullptr) {
       if (equals != std::string::npos) fail_usage(name + " takes no value");
-      values_[name] = "";
+      values_[name] = {""};
     } else if (equals != std::string::npos) {
-      values_[name] = word.substr(equals + 1);
+      values_[name].push_back(word.substr(equals + 1));
     } else {
       if (i + 1 == words.size()) fail_usage(name + " needs a value: " + option->value);
-      values_[name] = words[++i];
+      values_[name].push_back(words[++i]);
     }
   }
   if (operands_.size() < operands) fail_usage("a file name is missing");
@@ -49,7 +49,12 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
 std::optional<std::string> Args::text(const char* name) const {
   const auto found = values_.find(name);
   if (found == values_.end()) return std::nullopt;
-  return found->second;
+  return found->second.back();
+}
+
+std::vector<std::string> Args::texts(const char* name) const {
+  const auto found = values_.find(name);
+  return found == values_.end() ? std::vector<std::string>{} : found->second;
 }
 
 std::string Args::required(const char* name) const {

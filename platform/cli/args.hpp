@@ -15,6 +15,7 @@ struct Option {
   const char* value;  ///< what the help calls its value; null for a flag
   const char* help;
   bool in_this_build = true;  ///< false: known, but refused by name
+  bool may_repeat = false;
 };
 
 struct ImageSize {
@@ -31,6 +32,8 @@ class Args {
   const std::string& operand(std::size_t i) const { return operands_[i]; }
   bool has(const char* name) const { return values_.count(name) != 0; }
   std::optional<std::string> text(const char* name) const;
+  /// All values of an option that may repeat, in the order given.
+  std::vector<std::string> texts(const char* name) const;
   /// The value of an option that must be there.
   std::string required(const char* name) const;
   /// A finite number in [low, high]; `otherwise` when the option is not there.
@@ -43,7 +46,7 @@ class Args {
 
  private:
   std::vector<std::string> operands_;
-  std::map<std::string, std::string> values_;
+  std::map<std::string, std::vector<std::string>> values_;
 };
 
 /// The finite number that `text` spells, whole and in decimal; nothing otherwise.

@@ -27,6 +27,7 @@ struct Command {
 
 Command bake_command();
 Command info_command();
+Command mesh_command();
 Command fit_command();
 Command track_command();
 Command render_command();

@@ -17,6 +17,9 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/info_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/json.cpp
   ${CMAKE_CURRENT_LIST_DIR}/overlay.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/mesh_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/model_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/points_file.cpp
   ${CMAKE_CURRENT_LIST_DIR}/raster.cpp
   ${CMAKE_CURRENT_LIST_DIR}/render_command.cpp

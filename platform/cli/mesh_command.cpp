@@ -1,0 +1,180 @@
+// `pliant mesh`: a model's mesh, adapted at given parameters, into files; its error; a figure and a curve of
+// what the criteria do.
+#include <cmath>
+
+#include "cli/command.hpp"
+#include "cli/failure.hpp"
+#include "cli/files.hpp"
+#include "cli/fit_file.hpp"
+#include "cli/image.hpp"
+#include "cli/mesh_files.hpp"
+#include "cli/model_mesh.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+constexpr int kMostVertices = 21845;
+
+MeshCriterion criterion_named(const std::string& name) {
+  if (name == "none") return MeshCriterion::none;
+  if (name == "uniform") return MeshCriterion::uniform;
+  if (name == "normals") return MeshCriterion::normals;
+  if (name == "contour") return MeshCriterion::contour;
+  fail_usage("--criterion is none, uniform, normals or contour, not " + name);
+}
+
+/// Options that a criterion does not read would be dropped in silence, so they are refused.
+void refuse(const Args& args, const char* option, const std::string& criterion) {
+  if (args.has(option)) fail_usage(std::string(option) + " means nothing to the criterion " + criterion);
+}
+
+MeshRequest request_of(const Args& args) {
+  const std::string name = args.text("--criterion").value_or("contour");
+  MeshRequest request;
+  request.criterion = criterion_named(name);
+  const bool is_none = request.criterion == MeshCriterion::none;
+  const bool is_uniform = request.criterion == MeshCriterion::uniform;
+  if (is_none || is_uniform) refuse(args, "--threshold", name);
+  if (is_none) refuse(args, "--depth", name);
+  if (is_none) refuse(args, "--budget", name);
+  request.depth = args.integer("--depth", is_uniform ? 3 : request.depth, 0, MeshLimits::kDeepest);
+  request.budget = args.integer("--budget", 0, 1, kMostVertices);
+  const bool is_contour = request.criterion == MeshCriterion::contour;
+  const double otherwise = args.has("--budget") ? 0 : is_contour ? 0.3 : 30;
+  request.threshold =
+      static_cast<float>(args.number("--threshold", otherwise, 0.001, is_contour ? 1000 : 180));
+  return request;
+}
+
+std::vector<float> parameters_of(const Args& args, const ModelFile& file) {
+  NamedValues values;
+  for (const std::string& word : args.texts("--param")) {
+    const std::size_t equals = word.find('=');
+    const auto value = equals == std::string::npos ? std::nullopt : parse_number(word.substr(equals + 1));
+    if (!value) fail_usage("--param is NAME=VALUE, not " + word);
+    values.push_back({word.substr(0, equals), static_cast<float>(*value)});
+  }
+  std::vector<float> q(file.model().parameters().count, 0.0f);
+  const auto unmatched = apply(values, "--param", file.model(), q.data());
+  if (!unmatched.empty()) fail_input(file.path(), "has no parameter '" + unmatched[0] + "'");
+  return q;
+}
+
+/// Without the gaps that welds leave between ids.
+MeshData data_of(const ModelMesh& adapted) {
+  const Mesh& mesh = adapted.mesh();
+  MeshData data;
+  std::vector<std::uint16_t> number(mesh.limits().vertices, 0);
+  for (const VertexId v : mesh.vertices()) {
+    number[v] = static_cast<std::uint16_t>(data.position.size());
+    data.position.push_back(adapted.position(v));
+    data.normal.push_back(adapted.surface().normal(mesh.uv(v)));
+    data.uv.push_back(mesh.uv(v));
+  }
+  for (const FaceId f : mesh.faces()) {
+    data.faces.push_back({number[mesh.corner(f, 0)], number[mesh.corner(f, 1)], number[mesh.corner(f, 2)]});
+    data.level.push_back(mesh.face_level(f));
+  }
+  return data;
+}
+
+/// The albedo as a picture; nothing for a model without one.
+std::string albedo_png(const Model& model) {
+  const ChartImage albedo = model.albedo();
+  if (albedo.pixels == nullptr) return {};
+  Image image(static_cast<int>(albedo.width), static_cast<int>(albedo.height), 1);
+  image.pixels.assign(albedo.pixels, albedo.pixels + image.pixels.size());
+  return encode_png(image);
+}
+
+enum class MeshFormat { obj, ply, glb };
+
+MeshFormat format_of(const std::string& path) {
+  const std::size_t dot = path.find_last_of('.');
+  const std::string ending = dot == std::string::npos ? "" : path.substr(dot);
+  if (ending == ".obj") return MeshFormat::obj;
+  if (ending == ".ply") return MeshFormat::ply;
+  if (ending == ".glb") return MeshFormat::glb;
+  fail_usage("-o ends in .obj, .ply or .glb, not as " + path);
+}
+
+std::string bytes_of(const MeshData& data, MeshFormat format, const Model& model) {
+  switch (format) {
+    case MeshFormat::obj:
+      return obj_text(data);
+    case MeshFormat::ply:
+      return ply_bytes(data);
+    case MeshFormat::glb:
+      break;
+  }
+  return glb_bytes(data, albedo_png(model));
+}
+
+const char* reason(AdaptStop stop) {
+  switch (stop) {
+    case AdaptStop::converged:
+      return "within tolerance";
+    case AdaptStop::no_room:
+      return "no room for more";
+    case AdaptStop::operations:
+      break;
+  }
+  return "too many operations";
+}
+
+void print_report(const ModelMesh& mesh, const std::string& path, std::ostream& out) {
+  const MeshStatistics size = mesh.mesh().compute_statistics();
+  const ContourError error = mesh.measure();
+  char line[256];
+  std::snprintf(line, sizeof line,
+                "%s: %d vertices, %d faces, deepest level %d (base: %d vertices, %d faces)\n", path.c_str(),
+                size.vertices, size.faces, size.deepest, mesh.mesh().base_vertex_count(),
+                mesh.mesh().base_face_count());
+  out << line;
+  std::snprintf(line, sizeof line, "error: mean %.4f mm, maximum %.3f mm, over %.0f mm2\n",
+                static_cast<double>(error.mean_mm), static_cast<double>(error.max_mm),
+                static_cast<double>(error.area_mm2));
+  out << line;
+  std::snprintf(line, sizeof line, "adapted in %.1f ms: %d splits, %d welds, %s\n", mesh.milliseconds(),
+                mesh.report().splits, mesh.report().welds, reason(mesh.report().stop));
+  out << line;
+}
+
+int run_mesh(const Args& args, Console& console) {
+  const MeshRequest request = request_of(args);
+  const auto output = args.text("-o");
+  const MeshFormat format = output ? format_of(*output) : MeshFormat::obj;
+  const ModelFile file(args.operand(0));
+  ModelSurface surface(file.model(), parameters_of(args, file));
+  const ModelMesh mesh(file.model(), surface, request);
+  if (request.budget != 0 && request.budget < mesh.mesh().vertex_count())
+    console.err << "note: --budget " << request.budget
+                << " is less than the base mesh has; nothing was refined\n";
+  const MeshData data = data_of(mesh);
+  if (output) write_file(*output, bytes_of(data, format, file.model()));
+  if (const auto chart = args.text("--uv-svg")) write_file(*chart, chart_svg(data));
+  print_report(mesh, output.value_or(file.path()), console.out);
+  return 0;
+}
+
+}  // namespace
+
+Command mesh_command() {
+  return {"mesh",
+          "Adapts a model's mesh to its surface, writes it, and tells how far it is from the surface.",
+          "face.plm [--criterion none|uniform|normals|contour] [--depth N] [--threshold X] [--budget N] "
+          "[--param NAME=VALUE ...] [-o mesh.obj|.ply|.glb] [--uv-svg chart.svg]",
+          {{"--criterion", "NAME", "where to refine: none, uniform, normals, contour (contour)"},
+           {"--depth", "N", "bisections: those of uniform (3), the most of any other (12)"},
+           {"--threshold", "X",
+            "normals: degrees between faces (30); contour: mean error of a triangle in mm (0.3)"},
+           {"--budget", "N", "most vertices; without a threshold, the best mesh of so many"},
+           {"--param", "NAME=VALUE", "a parameter of the model; may be given several times", true, true},
+           {"-o", "FILE", "the mesh to write: OBJ, PLY or GLB by its ending"},
+           {"--uv-svg", "SVG", "the mesh over the chart, tinted by level"}},
+          1,
+          run_mesh};
+}
+
+}  // namespace pliant::cli
