@@ -27,47 +27,46 @@ Cell locate(const Field& f, Vec2 uv) {
   return {i, j, x - static_cast<float>(i), y - static_cast<float>(j), true};
 }
 
-/// Component c of the four samples around a cell, decoded to integers held as float.
+/// One component of the four samples around a cell, decoded to integers held as float.
 struct Corners {
   float s00, s10, s01, s11;
+  float at(const Cell& cell) const {
+    const float top = s00 + cell.a * (s10 - s00), bottom = s01 + cell.a * (s11 - s01);
+    return top + cell.b * (bottom - top);
+  }
+  float along_u(const Cell& cell) const { return (s10 - s00) + cell.b * ((s11 - s01) - (s10 - s00)); }
+  float along_v(const Cell& cell) const { return (s01 - s00) + cell.a * ((s11 - s10) - (s01 - s00)); }
 };
 
 template <class Integer>
-Corners corners(const std::uint8_t* samples, const Field& f, const Cell& cell, std::size_t c) {
+void read_corners(const std::uint8_t* samples, const Field& f, const Cell& cell, Corners (&out)[3]) {
   const std::size_t n = f.components, row = std::size_t{f.width} * n;
-  const std::uint8_t* p = samples + f.first_byte + (cell.j * row + cell.i * n + c) * sizeof(Integer);
+  const std::uint8_t* p = samples + f.first_byte + (cell.j * row + cell.i * n) * sizeof(Integer);
   const auto read = [p](std::size_t k) {
     Integer value;
     std::memcpy(&value, p + k * sizeof(Integer), sizeof value);
     return static_cast<float>(value);
   };
-  return {read(0), read(n), read(row), read(row + n)};
+  for (std::size_t c = 0; c < n; ++c) out[c] = {read(c), read(n + c), read(row + c), read(row + n + c)};
 }
 
 Vec3 sample_cell(const Model& model, const Field& f, Vec2 uv, Vec3* du, Vec3* dv) {
   const Cell cell = locate(f, uv);
-  float value[3] = {}, along_u[3] = {}, along_v[3] = {};
-  if (cell.inside) {
+  if (du != nullptr) *du = *dv = {};
+  if (!cell.inside) return {};
+  Corners s[3] = {};
+  if (f.bits == 16) read_corners<std::int16_t>(model.samples(), f, cell, s);
+  else read_corners<std::int8_t>(model.samples(), f, cell, s);
+  const bool flips = f.mirror && f.components == 3;
+  const float sx = flips ? -f.scale[0] : f.scale[0], ox = flips ? -f.offset[0] : f.offset[0];
+  if (du != nullptr) {
     const float per_u = static_cast<float>(f.width - 1) / (f.u1 - f.u0) * (f.mirror ? -1.0f : 1.0f);
     const float per_v = static_cast<float>(f.height - 1) / (f.v1 - f.v0);
-    for (std::size_t c = 0; c < f.components; ++c) {
-      const Corners s = f.bits == 16 ? corners<std::int16_t>(model.samples(), f, cell, c)
-                                     : corners<std::int8_t>(model.samples(), f, cell, c);
-      const float top = s.s00 + cell.a * (s.s10 - s.s00), bottom = s.s01 + cell.a * (s.s11 - s.s01);
-      const float sign = f.mirror && f.components == 3 && c == 0 ? -1.0f : 1.0f;
-      value[c] = sign * (f.offset[c] + f.scale[c] * (top + cell.b * (bottom - top)));
-      if (du != nullptr) {
-        const float across = (s.s10 - s.s00) + cell.b * ((s.s11 - s.s01) - (s.s10 - s.s00));
-        along_u[c] = sign * f.scale[c] * across * per_u;
-        along_v[c] = sign * f.scale[c] * (bottom - top) * per_v;
-      }
-    }
+    *du = {sx * s[0].along_u(cell) * per_u, f.scale[1] * s[1].along_u(cell) * per_u, f.scale[2] * s[2].along_u(cell) * per_u};
+    *dv = {sx * s[0].along_v(cell) * per_v, f.scale[1] * s[1].along_v(cell) * per_v, f.scale[2] * s[2].along_v(cell) * per_v};
   }
-  if (du != nullptr) {
-    *du = {along_u[0], along_u[1], along_u[2]};
-    *dv = {along_v[0], along_v[1], along_v[2]};
-  }
-  return {value[0], value[1], value[2]};
+  if (f.components == 1) return {f.offset[0] + f.scale[0] * s[0].at(cell), 0, 0};
+  return {ox + sx * s[0].at(cell), f.offset[1] + f.scale[1] * s[1].at(cell), f.offset[2] + f.scale[2] * s[2].at(cell)};
 }
 
 }  // namespace
@@ -212,6 +211,19 @@ bool passes_through_at_zero(const CascadeRecord& r) {
   return r.source[1] == kNone && (r.field != kNone ? r.operation != Operation::constant : r.weight != kNone);
 }
 
+/// True where a record leaves its source as it is because its parameters are 0.
+bool passes_through(const CascadeRecord& r, const float* q) {
+  switch (r.operation) {
+    case Operation::constant: case Operation::one_sided: case Operation::lerp: return false;
+    case Operation::product: return q[r.parameter[0]] * q[r.parameter[1]] == 0;
+    case Operation::rigid:
+      for (std::uint16_t p : r.parameter)
+        if (q[p] != 0) return false;
+      return true;
+    default: return q[r.parameter[0]] == 0;
+  }
+}
+
 Vec3 record_sample(const Model& model, const CascadeRecord& r, Vec2 uv) {
   const std::uint16_t field = r.field != kNone ? r.field : r.weight;
   return field == kNone ? Vec3{} : sample(model, model.fields()[field], uv);
@@ -305,6 +317,10 @@ Vec3 Cascade::surface_point(Vec2 uv, const float* q) {
   for (std::size_t i = 0; i < records.count; ++i) {
     const CascadeRecord& r = records[i];
     const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point_[r.source[0]];
+    if (passes_through(r, q)) {
+      point_[i] = p0;
+      continue;
+    }
     const Vec3 p1 = r.source[1] == kNone ? Vec3{} : point_[r.source[1]];
     point_[i] = step(r, q, p0, p1, record_sample(model_, r, uv)).p;
   }
@@ -315,6 +331,12 @@ SurfaceFrame Cascade::surface_frame(Vec2 uv, const float* q) {
   const auto records = model_.cascade();
   for (std::size_t i = 0; i < records.count; ++i) {
     const CascadeRecord& r = records[i];
+    if (passes_through(r, q)) {
+      point_[i] = point_[r.source[0]];
+      tangent_u_[i] = tangent_u_[r.source[0]];
+      tangent_v_[i] = tangent_v_[r.source[0]];
+      continue;
+    }
     const std::uint16_t field = r.field != kNone ? r.field : r.weight;
     Vec3 su, sv, s;
     if (field != kNone) s = sample_with_gradient(model_, model_.fields()[field], uv, &su, &sv);
