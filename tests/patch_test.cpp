@@ -1,3 +1,4 @@
+// How exactly the patch tracker finds patches, and how well it knows.
 #include "pliant/patch.hpp"
 
 #include <doctest/doctest.h>
@@ -5,56 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <vector>
 
-#include "pliant/corners.hpp"
-#include "texture.hpp"
+#include "patch_rig.hpp"
 
-using namespace pliant;
-using texture::Motion;
-using texture::Picture;
-using texture::Texture;
+using namespace patch_rig;
 
 namespace {
-
-constexpr int kWidth = 240, kHeight = 180;
-
-// Two pyramids and a tracker in one block.
-struct Rig {
-  std::vector<std::uint8_t> block = std::vector<std::uint8_t>(1 << 21);
-  Arena arena{block.data(), block.size()};
-  Pyramid before, after;
-  PatchTracker tracker;
-
-  explicit Rig(PatchLimits limits = {200, 11, 3, 5}, int width = kWidth, int height = kHeight) {
-    REQUIRE(before.create(arena, {width, height, limits.levels, true}) == Status::ok);
-    REQUIRE(after.create(arena, {width, height, limits.levels, true}) == Status::ok);
-    REQUIRE(tracker.create(arena, limits) == Status::ok);
-  }
-  void show(const Picture& a, const Picture& b) {
-    REQUIRE(before.build(a.frame()) == Status::ok);
-    REQUIRE(after.build(b.frame()) == Status::ok);
-  }
-};
-
-std::vector<Vec2> corners_of(const Picture& p, std::size_t most = 150, int margin = 40) {
-  CornerOptions o;
-  std::vector<std::uint8_t> scratch(corner_scratch_bytes(p.width, p.height, o));
-  Arena arena(scratch.data(), scratch.size());
-  std::vector<Corner> found(most);
-  int count = 0;
-  REQUIRE(find_corners(p.view(), o, {}, arena, {found.data(), most}, count) == Status::ok);
-  std::vector<Vec2> out;
-  for (int i = 0; i < count; ++i) {
-    const Vec2 x = found[static_cast<std::size_t>(i)].x;
-    const float m = static_cast<float>(margin), w = static_cast<float>(p.width),
-                h = static_cast<float>(p.height);
-    if (x.x >= m && x.y >= m && x.x < w - m && x.y < h - m) out.push_back(x);
-  }
-  REQUIRE(out.size() > 5);
-  return out;
-}
 
 struct Errors {
   std::vector<double> all;
@@ -80,28 +38,6 @@ struct Errors {
   double max() const { return *std::max_element(all.begin(), all.end()); }
   double mean_chi2() const { return chi2 / static_cast<double>(all.size()); }
 };
-
-Motion shift(double tx, double ty) {
-  Motion m;
-  m.tx = tx;
-  m.ty = ty;
-  return m;
-}
-
-Motion similarity(double degrees, double scale, double tx = 0, double ty = 0) {
-  const double a = degrees * 3.14159265358979 / 180;
-  Motion m;
-  m.a = m.d = scale * std::cos(a);
-  m.c = scale * std::sin(a);
-  m.b = -m.c;
-  m.tx = tx;
-  m.ty = ty;
-  return m;
-}
-
-Mat2 warp_of(const Motion& m) {
-  return {static_cast<float>(m.a), static_cast<float>(m.b), static_cast<float>(m.c), static_cast<float>(m.d)};
-}
 
 // Anchors in the unmoved picture, tracked into the moved one from where they were.
 Errors track_anchors(const Motion& m, const Mat2& warp = {}, const PatchOptions& options = {},
@@ -351,128 +287,4 @@ TEST_CASE("the same call gives the same bits, whatever was tracked before") {
     CHECK(r.correlation == s.correlation);
     CHECK(r.iterations == s.iterations);
   }
-}
-
-TEST_CASE("windows that leave the picture are dropped with that reason") {
-  const Texture texture(2);
-  const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, shift(-20, 0), kWidth, kHeight);
-  Rig rig;
-  rig.show(a, b);
-  for (const Vec2 x :
-       {Vec2{4, 90}, Vec2{235.5f, 90}, Vec2{120, 4.9f}, Vec2{120, 174.5f}, Vec2{-50, 90}, Vec2{1e9f, 3}}) {
-    CHECK(rig.tracker.capture(0, rig.before, x) == PatchStatus::outside_image);
-    CHECK(rig.tracker.track_between(rig.before, x, rig.after, {100, 100}).status ==
-          PatchStatus::outside_image);
-    CHECK(!rig.tracker.is_captured(0));
-  }
-  REQUIRE(rig.tracker.capture(0, rig.before, {5, 90}) == PatchStatus::ok);
-  for (const Vec2 start : {Vec2{-1, 90}, Vec2{300, 90}, Vec2{1e30f, -1e30f}})
-    CHECK(rig.tracker.track(0, rig.after, start).status == PatchStatus::outside_image);
-  int inside = 0, found = 0;
-  for (float y = 30; y < 150; y += 4)
-    for (float x = 6; x < 30; x += 4) {
-      const PatchResult r = rig.tracker.track_between(rig.before, {x, y}, rig.after, {max(x - 19, 0), y});
-      const bool stays = x - 20 >= 5;
-      inside += stays && r.status == PatchStatus::ok;
-      found += !stays && r.status == PatchStatus::ok && magnitude(r.x.x - (x - 20)) < 1;
-    }
-  CHECK(inside > 20);
-  CHECK(found == 0);
-}
-
-TEST_CASE("pictures without texture are flat: black, white, grey, an edge") {
-  Picture edge(kWidth, kHeight, 60);
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 120; x < kWidth; ++x) edge.at(x, y) = 180;
-  const Picture textured = render(Texture(2), {}, kWidth, kHeight);
-  Rig rig;
-  for (const Picture& p :
-       {Picture(kWidth, kHeight, 0), Picture(kWidth, kHeight, 255), Picture(kWidth, kHeight, 128), edge}) {
-    rig.show(p, textured);
-    CHECK(rig.tracker.capture(0, rig.before, {120, 90}) == PatchStatus::flat);
-    CHECK(rig.tracker.track_between(rig.before, {120, 90}, rig.after, {120, 90}).status == PatchStatus::flat);
-  }
-  for (const int grey : {0, 128, 255}) {
-    rig.show(textured, Picture(kWidth, kHeight, static_cast<std::uint8_t>(grey)));
-    REQUIRE(rig.tracker.capture(0, rig.before, {120, 90}) == PatchStatus::ok);
-    const PatchResult r = rig.tracker.track(0, rig.after, {120, 90});
-    CHECK(r.status != PatchStatus::ok);
-    CHECK(is_finite(r.x));
-  }
-}
-
-TEST_CASE("bad arguments are named and change nothing") {
-  const Picture a = render(Texture(2), {}, kWidth, kHeight);
-  Rig rig;
-  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-  const Pyramid empty;
-  CHECK(rig.tracker.capture(0, rig.before, {100, 90}) == PatchStatus::bad_argument);  // never built
-  rig.show(a, a);
-  REQUIRE(rig.tracker.capture(0, rig.before, {100, 90}) == PatchStatus::ok);
-  for (const int slot : {-1, 200, 1 << 30}) {
-    CHECK(rig.tracker.capture(slot, rig.before, {100, 90}) == PatchStatus::bad_argument);
-    CHECK(rig.tracker.track(slot, rig.after, {100, 90}).status == PatchStatus::bad_argument);
-    CHECK(!rig.tracker.is_captured(slot));
-    rig.tracker.release(slot);
-  }
-  for (const Vec2 x : {Vec2{nan, 90}, Vec2{100, nan}, Vec2{inf, 90}}) {
-    CHECK(rig.tracker.capture(1, rig.before, x) == PatchStatus::bad_argument);
-    CHECK(rig.tracker.track(0, rig.after, x).status == PatchStatus::bad_argument);
-    CHECK(rig.tracker.track_between(rig.before, x, rig.after, {100, 90}).status == PatchStatus::bad_argument);
-    CHECK(rig.tracker.track_between(rig.before, {100, 90}, rig.after, x).status == PatchStatus::bad_argument);
-  }
-  for (const Mat2& w :
-       {Mat2{nan, 0, 0, 1}, Mat2{1, 0, 0, -1}, Mat2{0, 0, 0, 0}, Mat2{5, 0, 0, 1}, Mat2{1, inf, 0, 1}})
-    CHECK(rig.tracker.track(0, rig.after, {100, 90}, w).status == PatchStatus::bad_argument);
-  CHECK(rig.tracker.track(0, empty, {100, 90}).status == PatchStatus::bad_argument);
-  CHECK(rig.tracker.track_between(empty, {100, 90}, rig.after, {100, 90}).status ==
-        PatchStatus::bad_argument);
-  CHECK(rig.tracker.track(1, rig.after, {100, 90}).status == PatchStatus::empty_slot);
-  CHECK(rig.tracker.track(0, rig.after, {100, 90}).status == PatchStatus::ok);
-  rig.tracker.release(0);
-  CHECK(rig.tracker.track(0, rig.after, {100, 90}).status == PatchStatus::empty_slot);
-  PatchTracker never_made;
-  CHECK(never_made.track_between(rig.before, {100, 90}, rig.after, {100, 90}).status ==
-        PatchStatus::bad_argument);
-  CHECK(never_made.capture(0, rig.before, {100, 90}) == PatchStatus::bad_argument);
-}
-
-TEST_CASE("pictures hardly larger than the window are tracked or refused, never misread") {
-  const Texture texture(2);
-  for (int side = 8; side < 40; side += 3) {
-    CAPTURE(side);
-    const Picture a = render(texture, {}, side, side + 2),
-                  b = render(texture, shift(0.5, 0.4), side, side + 2);
-    Rig rig({1, 15, 3, 8}, side, side + 2);
-    rig.show(a, b);
-    const float middle = static_cast<float>(side) / 2;
-    const PatchStatus s = rig.tracker.capture(0, rig.before, {middle, middle});
-    if (side < 15) CHECK(s == PatchStatus::outside_image);
-    const PatchResult r = rig.tracker.track(0, rig.after, {middle, middle});
-    if (r.status == PatchStatus::ok) CHECK(length(r.x - Vec2{middle + 0.5f, middle + 0.4f}) < 0.2f);
-  }
-}
-
-TEST_CASE("limits out of range are refused, and every smaller arena fails cleanly") {
-  std::vector<std::uint8_t> block(1 << 20);
-  Arena arena(block.data(), block.size());
-  PatchTracker t;
-  for (const PatchLimits& l :
-       {PatchLimits{-1, 11, 3, 4}, PatchLimits{4, 12, 3, 4}, PatchLimits{4, 5, 3, 4},
-        PatchLimits{4, 23, 3, 4}, PatchLimits{4, 11, 0, 4}, PatchLimits{4, 11, 7, 4},
-        PatchLimits{4, 11, 3, -1}, PatchLimits{4, 11, 3, 17}, PatchLimits{1 << 20, 11, 3, 4}})
-    CHECK(t.create(arena, l) == Status::bad_argument);
-  CHECK(arena.used_bytes() == 0);
-  const PatchLimits limits{3, 9, 2, 1};
-  const std::size_t bytes = measured_bytes<PatchTracker>(limits);
-  for (std::size_t n = 0; n <= bytes; n += 16) {
-    Arena small(block.data(), n);
-    PatchTracker u;
-    REQUIRE(u.create(small, limits) == (n < bytes ? Status::out_of_memory : Status::ok));
-    REQUIRE(small.used_bytes() == (n < bytes ? 0 : bytes));
-  }
-}
-
-TEST_CASE("every status has a text") {
-  for (int s = 0; s <= 8; ++s) CHECK(std::strlen(text(static_cast<PatchStatus>(s))) > 4);
 }

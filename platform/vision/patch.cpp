@@ -50,22 +50,24 @@ float level_scale(int level) {
   return 1.0f / static_cast<float>(1 << level);
 }
 
-Sym2 inverse_of(const Sym2& s) {
-  const float det = s.xx * s.yy - s.xy * s.xy;
-  return {s.yy / det, -s.xy / det, s.xx / det};
+// (S^-1 noise + floor^2 I)^-1, of which S = information for a noise of one: S (noise I + floor^2 S)^-1, which
+// needs no inverse of S.
+Sym2 floored(const Sym2& s, float noise, float floor_px) {
+  const float f = floor_px * floor_px;
+  const Sym2 m{noise + f * s.xx, f * s.xy, noise + f * s.yy};
+  const float scale = 1.0f / (m.xx * m.yy - m.xy * m.xy);
+  return {scale * (s.xx * m.yy - s.xy * m.xy), scale * (s.xy * m.xx - s.xx * m.xy),
+          scale * (s.yy * m.xx - s.xy * m.xy)};
 }
 
 void describe(const patch::Measurement& m, const PatchOptions& o, PatchResult& r) {
+  constexpr float kLeastNoise = 1e-3f;  // grey^2, should an option say that there is none
   r.gain = m.gain;
   r.bias = m.bias;
   r.correlation = m.correlation;
   r.residual = square_root(m.residual_square);
-  const float noise = max(m.noise_square, o.noise_floor_grey * o.noise_floor_grey);
-  Sym2 covariance = inverse_of(m.information);
-  covariance = {noise * covariance.xx, noise * covariance.xy, noise * covariance.yy};
-  covariance.xx += o.position_floor_px * o.position_floor_px;
-  covariance.yy += o.position_floor_px * o.position_floor_px;
-  r.information = inverse_of(covariance);
+  const float noise = max(max(m.noise_square, o.noise_floor_grey * o.noise_floor_grey), kLeastNoise);
+  r.information = floored(m.information, noise, o.position_floor_px);
 }
 
 PatchStatus judge(const PatchResult& r, Vec2 start, const PatchOptions& o) {

@@ -1,0 +1,190 @@
+// The patch tracker at its limits: nothing to see, nothing to hold, and arguments that make no sense.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "patch_rig.hpp"
+#include "pliant/patch.hpp"
+
+using namespace patch_rig;
+
+TEST_CASE("windows that leave the picture are dropped with that reason") {
+  const Texture texture(2);
+  const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, shift(-20, 0), kWidth, kHeight);
+  Rig rig;
+  rig.show(a, b);
+  for (const Vec2 x :
+       {Vec2{4, 90}, Vec2{235.5f, 90}, Vec2{120, 4.9f}, Vec2{120, 174.5f}, Vec2{-50, 90}, Vec2{1e9f, 3}}) {
+    CHECK(rig.tracker.capture(0, rig.before, x) == PatchStatus::outside_image);
+    CHECK(rig.tracker.track_between(rig.before, x, rig.after, {100, 100}).status ==
+          PatchStatus::outside_image);
+    CHECK(!rig.tracker.is_captured(0));
+  }
+  REQUIRE(rig.tracker.capture(0, rig.before, {5, 90}) == PatchStatus::ok);
+  for (const Vec2 start : {Vec2{-1, 90}, Vec2{300, 90}, Vec2{1e30f, -1e30f}})
+    CHECK(rig.tracker.track(0, rig.after, start).status == PatchStatus::outside_image);
+  int inside = 0, found = 0;
+  for (float y = 30; y < 150; y += 4)
+    for (float x = 6; x < 30; x += 4) {
+      const PatchResult r = rig.tracker.track_between(rig.before, {x, y}, rig.after, {max(x - 19, 0), y});
+      const bool stays = x - 20 >= 5;
+      inside += stays && r.status == PatchStatus::ok;
+      found += !stays && r.status == PatchStatus::ok && magnitude(r.x.x - (x - 20)) < 1;
+    }
+  CHECK(inside > 20);
+  CHECK(found == 0);
+}
+
+TEST_CASE("pictures without texture are flat: black, white, grey, an edge") {
+  Picture edge(kWidth, kHeight, 60);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 120; x < kWidth; ++x) edge.at(x, y) = 180;
+  const Picture textured = render(Texture(2), {}, kWidth, kHeight);
+  Rig rig;
+  for (const Picture& p :
+       {Picture(kWidth, kHeight, 0), Picture(kWidth, kHeight, 255), Picture(kWidth, kHeight, 128), edge}) {
+    rig.show(p, textured);
+    CHECK(rig.tracker.capture(0, rig.before, {120, 90}) == PatchStatus::flat);
+    CHECK(rig.tracker.track_between(rig.before, {120, 90}, rig.after, {120, 90}).status == PatchStatus::flat);
+  }
+  for (const int grey : {0, 128, 255}) {
+    rig.show(textured, Picture(kWidth, kHeight, static_cast<std::uint8_t>(grey)));
+    REQUIRE(rig.tracker.capture(0, rig.before, {120, 90}) == PatchStatus::ok);
+    const PatchResult r = rig.tracker.track(0, rig.after, {120, 90});
+    CHECK(r.status != PatchStatus::ok);
+    CHECK(is_finite(r.x));
+  }
+}
+
+TEST_CASE("bad arguments are named and change nothing") {
+  const Picture a = render(Texture(2), {}, kWidth, kHeight);
+  Rig rig;
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const Pyramid empty;
+  CHECK(rig.tracker.capture(0, rig.before, {100, 90}) == PatchStatus::bad_argument);  // never built
+  rig.show(a, a);
+  REQUIRE(rig.tracker.capture(0, rig.before, {100, 90}) == PatchStatus::ok);
+  for (const int slot : {-1, 200, 1 << 30}) {
+    CHECK(rig.tracker.capture(slot, rig.before, {100, 90}) == PatchStatus::bad_argument);
+    CHECK(rig.tracker.track(slot, rig.after, {100, 90}).status == PatchStatus::bad_argument);
+    CHECK(!rig.tracker.is_captured(slot));
+    rig.tracker.release(slot);
+  }
+  for (const Vec2 x : {Vec2{nan, 90}, Vec2{100, nan}, Vec2{inf, 90}}) {
+    CHECK(rig.tracker.capture(1, rig.before, x) == PatchStatus::bad_argument);
+    CHECK(rig.tracker.track(0, rig.after, x).status == PatchStatus::bad_argument);
+    CHECK(rig.tracker.track_between(rig.before, x, rig.after, {100, 90}).status == PatchStatus::bad_argument);
+    CHECK(rig.tracker.track_between(rig.before, {100, 90}, rig.after, x).status == PatchStatus::bad_argument);
+  }
+  for (const Mat2& w :
+       {Mat2{nan, 0, 0, 1}, Mat2{1, 0, 0, -1}, Mat2{0, 0, 0, 0}, Mat2{5, 0, 0, 1}, Mat2{1, inf, 0, 1}})
+    CHECK(rig.tracker.track(0, rig.after, {100, 90}, w).status == PatchStatus::bad_argument);
+  CHECK(rig.tracker.track(0, empty, {100, 90}).status == PatchStatus::bad_argument);
+  CHECK(rig.tracker.track_between(empty, {100, 90}, rig.after, {100, 90}).status ==
+        PatchStatus::bad_argument);
+  CHECK(rig.tracker.track(1, rig.after, {100, 90}).status == PatchStatus::empty_slot);
+  CHECK(rig.tracker.track(0, rig.after, {100, 90}).status == PatchStatus::ok);
+  rig.tracker.release(0);
+  CHECK(rig.tracker.track(0, rig.after, {100, 90}).status == PatchStatus::empty_slot);
+  PatchTracker never_made;
+  CHECK(never_made.track_between(rig.before, {100, 90}, rig.after, {100, 90}).status ==
+        PatchStatus::bad_argument);
+  CHECK(never_made.capture(0, rig.before, {100, 90}) == PatchStatus::bad_argument);
+}
+
+TEST_CASE("pictures hardly larger than the window are tracked or refused, never misread") {
+  const Texture texture(2);
+  for (int side = 8; side < 40; side += 3) {
+    CAPTURE(side);
+    const Picture a = render(texture, {}, side, side + 2),
+                  b = render(texture, shift(0.5, 0.4), side, side + 2);
+    Rig rig({1, 15, 3, 8}, side, side + 2);
+    rig.show(a, b);
+    const float middle = static_cast<float>(side) / 2;
+    const PatchStatus s = rig.tracker.capture(0, rig.before, {middle, middle});
+    if (side < 15) CHECK(s == PatchStatus::outside_image);
+    const PatchResult r = rig.tracker.track(0, rig.after, {middle, middle});
+    if (r.status == PatchStatus::ok) CHECK(length(r.x - Vec2{middle + 0.5f, middle + 0.4f}) < 0.2f);
+  }
+}
+
+TEST_CASE("limits out of range are refused, and every smaller arena fails cleanly") {
+  std::vector<std::uint8_t> block(1 << 20);
+  Arena arena(block.data(), block.size());
+  PatchTracker t;
+  for (const PatchLimits& l :
+       {PatchLimits{-1, 11, 3, 4}, PatchLimits{4, 12, 3, 4}, PatchLimits{4, 5, 3, 4},
+        PatchLimits{4, 23, 3, 4}, PatchLimits{4, 11, 0, 4}, PatchLimits{4, 11, 7, 4},
+        PatchLimits{4, 11, 3, -1}, PatchLimits{4, 11, 3, 17}, PatchLimits{1 << 20, 11, 3, 4}})
+    CHECK(t.create(arena, l) == Status::bad_argument);
+  CHECK(arena.used_bytes() == 0);
+  const PatchLimits limits{3, 9, 2, 1};
+  const std::size_t bytes = measured_bytes<PatchTracker>(limits);
+  for (std::size_t n = 0; n <= bytes; n += 16) {
+    Arena small(block.data(), n);
+    PatchTracker u;
+    REQUIRE(u.create(small, limits) == (n < bytes ? Status::out_of_memory : Status::ok));
+    REQUIRE(small.used_bytes() == (n < bytes ? 0 : bytes));
+  }
+}
+
+TEST_CASE("whatever the picture, the place and the options, there is a status and no NaN") {
+  texture::Random random(99);
+  const auto pick = [&](int low, int high) { return static_cast<int>(random.uniform(low, high + 1)); };
+  int found = 0;
+  for (int round = 0; round < 300; ++round) {
+    Picture a(pick(8, 60), pick(8, 60));
+    const int kind = pick(0, 3);
+    for (int y = 0; y < a.height; ++y)
+      for (int x = 0; x < a.width; ++x)
+        a.at(x, y) =
+            static_cast<std::uint8_t>(kind == 0   ? random.uniform(0, 256)
+                                      : kind == 1 ? 255 * ((x / 3 + y / 3) % 2)
+                                      : kind == 2 ? 2 * x + y
+                                                  : 128 + 100 * std::sin(0.7 * x) * std::sin(0.9 * y));
+    // Blocks of their own, just large enough, so that a sanitizer sees every byte read outside.
+    const PyramidLimits size{a.width, a.height, pick(1, 4), round % 2 == 0};
+    const PatchLimits limits{1, 7 + 2 * pick(0, 7), pick(1, 4), pick(0, 16)};
+    std::vector<std::uint8_t> p(measured_bytes<Pyramid>(size)), t(measured_bytes<PatchTracker>(limits));
+    Arena pyramid_arena(p.data(), p.size()), tracker_arena(t.data(), t.size());
+    Pyramid pyramid;
+    PatchTracker tracker;
+    REQUIRE(pyramid.create(pyramid_arena, size) == Status::ok);
+    REQUIRE(tracker.create(tracker_arena, limits) == Status::ok);
+    REQUIRE(pyramid.build(a.frame()) == Status::ok);
+    PatchOptions o;
+    o.min_correlation = -2;
+    o.min_eigenvalue = pick(0, 1) == 0 ? 0.0f : 0.5f;
+    o.masks_clipped = pick(0, 1) == 0;
+    o.warp_sd = static_cast<float>(random.uniform(-0.1, 0.3));
+    o.noise_floor_grey = o.position_floor_px = static_cast<float>(pick(0, 1)) * 0.1f;
+    o.min_gain = -100;
+    for (int k = 0; k < 20; ++k) {
+      const auto place = [&] {
+        return Vec2{static_cast<float>(random.uniform(-4, a.width + 4)),
+                    static_cast<float>(random.uniform(-4, a.height + 4))};
+      };
+      const Mat2 warp =
+          k % 2 == 0 ? Mat2{} : warp_of(similarity(random.uniform(-180, 180), random.uniform(0.3, 3)));
+      const Vec2 x = place();
+      (void)tracker.capture(0, pyramid, x, o);
+      for (const PatchResult& r :
+           {tracker.track(0, pyramid, place(), warp, o), tracker.track(0, pyramid, x, warp, o),
+            tracker.track_between(pyramid, x, pyramid, x, o)}) {
+        REQUIRE(is_finite(r.x));
+        REQUIRE((is_finite(r.information.xx) && is_finite(r.information.xy) && is_finite(r.information.yy)));
+        REQUIRE((r.information.xx >= 0 && magnitude(r.correlation) < 1.001f && is_finite(r.gain) &&
+                 is_finite(r.bias)));
+        found += r.status == PatchStatus::ok;
+      }
+    }
+  }
+  CHECK(found > 1000);
+}
+
+TEST_CASE("every status has a text") {
+  for (int s = 0; s <= 8; ++s) CHECK(std::strlen(text(static_cast<PatchStatus>(s))) > 4);
+}
