@@ -25,9 +25,13 @@ View view_of(const Pose& pose, const Camera& camera) {
   return view;
 }
 
-Pose pose_of(const View& view) { return {view.q, {view.tau.x, view.tau.y, 1.0f / view.rho}}; }
+Pose pose_of(const View& view) {
+  return {view.q, {view.tau.x, view.tau.y, 1.0f / view.rho}};
+}
 
-Camera camera_of(const View& view) { return {view.s / view.rho, view.c.x, view.c.y}; }
+Camera camera_of(const View& view) {
+  return {view.s / view.rho, view.c.x, view.c.y};
+}
 
 View moved(const View& view, const float* step, int unknowns) {
   View out = view;

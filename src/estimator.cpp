@@ -204,8 +204,10 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
     const Parameter& p = model().parameters()[i];
     q_[i] = expected_q_[i] = trusted_q_[i] = clamp(q[i], p.minimum, p.maximum);
   }
-  if (is_free != nullptr) cascade_.set_free(is_free);
-  else cascade_.set_free(Group::expression);
+  if (is_free != nullptr)
+    cascade_.set_free(is_free);
+  else
+    cascade_.set_free(Group::expression);
   baked_stride_ = cascade_.baked_count();  // never more than what was laid out
   for (std::size_t i = 0; i < limits_.points; ++i) in_use_[i] = 0;
   time_ns_ = 0;
@@ -216,7 +218,8 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   adapt_mesh();
   started_ = true;
   update_vertices();
-  result_ = {TrackState::tracking, pose_of(view_), 0, 0, 0, 0, static_cast<std::uint16_t>(mesh_.vertex_count())};
+  result_ = {
+      TrackState::tracking, pose_of(view_), 0, 0, 0, 0, static_cast<std::uint16_t>(mesh_.vertex_count())};
   return Status::ok;
 }
 
@@ -245,8 +248,9 @@ void Estimator::update_vertices() {
 void Estimator::project_vertices() {
   const Projector projector(view_, true);
   for (VertexId v : mesh_.vertices())
-    vertex_depth_[v] =
-        projector.project(vertex_[v], &vertex_image_[v]) ? kNominalDepthMm + projector.rotated(vertex_[v]).z : -1.0f;
+    vertex_depth_[v] = projector.project(vertex_[v], &vertex_image_[v])
+                           ? kNominalDepthMm + projector.rotated(vertex_[v]).z
+                           : -1.0f;
   depth_.draw(mesh_, vertex_image_, vertex_depth_);
   vertices_are_current_ = true;
 }
@@ -327,7 +331,8 @@ Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
   }
   const bool inside = out.x.x >= 0 && out.x.y >= 0 && out.x.x <= static_cast<float>(width_ - 1) &&
                       out.x.y <= static_cast<float>(height_ - 1);
-  out.visible = inside && out.facing >= options_.min_facing && !depth_.hides(out.x, kNominalDepthMm + projector.rotated(p).z, kHiddenMarginMm);
+  out.visible = inside && out.facing >= options_.min_facing &&
+                !depth_.hides(out.x, kNominalDepthMm + projector.rotated(p).z, kHiddenMarginMm);
   return out;
 }
 
@@ -343,7 +348,9 @@ Span<const Prediction> Estimator::predict() {
   return {predictions_, n};
 }
 
-Prediction Estimator::predict(std::uint16_t id) { return prediction(id, Projector(view_, true)); }
+Prediction Estimator::predict(std::uint16_t id) {
+  return prediction(id, Projector(view_, true));
+}
 
 std::size_t Estimator::gather(Span<Observation> observations) {
   std::size_t n = 0;
@@ -351,8 +358,8 @@ std::size_t Estimator::gather(Span<Observation> observations) {
     Observation& o = observations[k];
     if (o.reason != Reason::found && o.reason != Reason::rejected) continue;
     const Sym2 w = o.information;
-    const bool good = has_point(o.id) && is_finite(o.x) && is_finite(w.xx) && is_finite(w.xy) && is_finite(w.yy) &&
-                      w.xx >= 0 && w.yy >= 0;
+    const bool good = has_point(o.id) && is_finite(o.x) && is_finite(w.xx) && is_finite(w.xy) &&
+                      is_finite(w.yy) && w.xx >= 0 && w.yy >= 0;
     o.reason = good ? Reason::found : Reason::not_visible;
     if (good && n < limits_.points) usable_[n++] = static_cast<std::uint16_t>(k);
   }
@@ -410,7 +417,8 @@ FrameResult Estimator::end() {
   if (!started_) return {};
   const float per_width = static_cast<float>(width_) / 320;
   const auto looked_for = static_cast<float>(looked_for_);
-  const bool good = result_.inliers >= options_.lost_points && result_.rms_px <= options_.lost_rms_px * per_width &&
+  const bool good = result_.inliers >= options_.lost_points &&
+                    result_.rms_px <= options_.lost_rms_px * per_width &&
                     static_cast<float>(result_.inliers) >= options_.lost_share * looked_for;
   if (good) {
     bad_frames_ = 0;
@@ -438,7 +446,9 @@ float Estimator::surface_at(Vec2 x, Vec2* uv) {
   float best = 1e30f, best_depth = 1e30f, distance = -1;
   for (FaceId f : mesh_.faces()) {
     const VertexId a = mesh_.corner(f, 0), b = mesh_.corner(f, 1), c = mesh_.corner(f, 2);
-    if (vertex_depth_[a] <= 0 || vertex_depth_[b] <= 0 || vertex_depth_[c] <= 0 || !faces_camera(mesh_, vertex_image_, f)) continue;
+    if (vertex_depth_[a] <= 0 || vertex_depth_[b] <= 0 || vertex_depth_[c] <= 0 ||
+        !faces_camera(mesh_, vertex_image_, f))
+      continue;
     float w[3];
     const float d2 = nearest_on_triangle(vertex_image_[a], vertex_image_[b], vertex_image_[c], x, w);
     const float depth = w[0] * vertex_depth_[a] + w[1] * vertex_depth_[b] + w[2] * vertex_depth_[c];

@@ -55,23 +55,30 @@ Vec3 sample_cell(const Model& model, const Field& f, Vec2 uv, Vec3* du, Vec3* dv
   if (du != nullptr) *du = *dv = {};
   if (!cell.inside) return {};
   Corners s[3] = {};
-  if (f.bits == 16) read_corners<std::int16_t>(model.samples(), f, cell, s);
-  else read_corners<std::int8_t>(model.samples(), f, cell, s);
+  if (f.bits == 16)
+    read_corners<std::int16_t>(model.samples(), f, cell, s);
+  else
+    read_corners<std::int8_t>(model.samples(), f, cell, s);
   const bool flips = f.mirror && f.components == 3;
   const float sx = flips ? -f.scale[0] : f.scale[0], ox = flips ? -f.offset[0] : f.offset[0];
   if (du != nullptr) {
     const float per_u = static_cast<float>(f.width - 1) / (f.u1 - f.u0) * (f.mirror ? -1.0f : 1.0f);
     const float per_v = static_cast<float>(f.height - 1) / (f.v1 - f.v0);
-    *du = {sx * s[0].along_u(cell) * per_u, f.scale[1] * s[1].along_u(cell) * per_u, f.scale[2] * s[2].along_u(cell) * per_u};
-    *dv = {sx * s[0].along_v(cell) * per_v, f.scale[1] * s[1].along_v(cell) * per_v, f.scale[2] * s[2].along_v(cell) * per_v};
+    *du = {sx * s[0].along_u(cell) * per_u, f.scale[1] * s[1].along_u(cell) * per_u,
+           f.scale[2] * s[2].along_u(cell) * per_u};
+    *dv = {sx * s[0].along_v(cell) * per_v, f.scale[1] * s[1].along_v(cell) * per_v,
+           f.scale[2] * s[2].along_v(cell) * per_v};
   }
   if (f.components == 1) return {f.offset[0] + f.scale[0] * s[0].at(cell), 0, 0};
-  return {ox + sx * s[0].at(cell), f.offset[1] + f.scale[1] * s[1].at(cell), f.offset[2] + f.scale[2] * s[2].at(cell)};
+  return {ox + sx * s[0].at(cell), f.offset[1] + f.scale[1] * s[1].at(cell),
+          f.offset[2] + f.scale[2] * s[2].at(cell)};
 }
 
 }  // namespace
 
-Vec3 sample(const Model& model, const Field& field, Vec2 uv) { return sample_cell(model, field, uv, nullptr, nullptr); }
+Vec3 sample(const Model& model, const Field& field, Vec2 uv) {
+  return sample_cell(model, field, uv, nullptr, nullptr);
+}
 
 Vec3 sample_with_gradient(const Model& model, const Field& field, Vec2 uv, Vec3* du, Vec3* dv) {
   return sample_cell(model, field, uv, du, dv);
@@ -79,14 +86,14 @@ Vec3 sample_with_gradient(const Model& model, const Field& field, Vec2 uv, Vec3*
 
 /// One record applied to one point.
 struct FieldStep {
-  Vec3 p;                            ///< the result
-  Mat3 map;                          ///< dp/dp_source; only read when `maps`
-  float keep = 1;                    ///< otherwise dp/dp_source = keep * I
+  Vec3 p;          ///< the result
+  Mat3 map;        ///< dp/dp_source; only read when `maps`
+  float keep = 1;  ///< otherwise dp/dp_source = keep * I
   bool maps = false;
-  float keep_second = 0;             ///< dp/dp of the second source (lerp)
-  Vec3 along_parameter[6];           ///< dp/dq of the record's own parameters
-  float along_field = 0;             ///< dp/dV = along_field * I
-  Vec3 along_weight;                 ///< dp/dw
+  float keep_second = 0;    ///< dp/dp of the second source (lerp)
+  Vec3 along_parameter[6];  ///< dp/dq of the record's own parameters
+  float along_field = 0;    ///< dp/dV = along_field * I
+  Vec3 along_weight;        ///< dp/dw
 };
 
 namespace {
@@ -102,8 +109,14 @@ Mat3 blend_with_identity(const Mat3& a, float s) {  // I + s (A - I)
 
 /// Smooth ramp: 0 below -h, the identity above h, a parabola between.
 float ramp(float x, float h, float* slope) {
-  if (x <= -h) { *slope = 0; return 0; }
-  if (x >= h) { *slope = 1; return x; }
+  if (x <= -h) {
+    *slope = 0;
+    return 0;
+  }
+  if (x >= h) {
+    *slope = 1;
+    return x;
+  }
   *slope = (x + h) / (2 * h);
   return (x + h) * (x + h) / (4 * h);
 }
@@ -204,7 +217,9 @@ FieldStep step(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s)
   return out;
 }
 
-bool is_zero(Vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
+bool is_zero(Vec3 v) {
+  return v.x == 0 && v.y == 0 && v.z == 0;
+}
 
 /// True where a record whose sample is zero leaves its source as it is, so that it can be skipped.
 bool passes_through_at_zero(const CascadeRecord& r) {
@@ -214,13 +229,18 @@ bool passes_through_at_zero(const CascadeRecord& r) {
 /// True where a record leaves its source as it is because its parameters are 0.
 bool passes_through(const CascadeRecord& r, const float* q) {
   switch (r.operation) {
-    case Operation::constant: case Operation::one_sided: case Operation::lerp: return false;
-    case Operation::product: return q[r.parameter[0]] * q[r.parameter[1]] == 0;
+    case Operation::constant:
+    case Operation::one_sided:
+    case Operation::lerp:
+      return false;
+    case Operation::product:
+      return q[r.parameter[0]] * q[r.parameter[1]] == 0;
     case Operation::rigid:
       for (std::uint16_t p : r.parameter)
         if (q[p] != 0) return false;
       return true;
-    default: return q[r.parameter[0]] == 0;
+    default:
+      return q[r.parameter[0]] == 0;
   }
 }
 
@@ -249,7 +269,8 @@ void Cascade::lay_out(Arena& arena, const Model& model) {
     for (std::uint16_t s : model.cascade()[i].source)
       if (s != kNone && s + 1u != i && register_count_ < kMaxRegisters) ++register_count_;
   for (std::size_t k = 0; k < register_count_; ++k)
-    register_[k] = {arena.take<Vec3>(parameters), arena.take<std::uint16_t>(parameters), arena.take<std::uint8_t>(parameters), 0};
+    register_[k] = {arena.take<Vec3>(parameters), arena.take<std::uint16_t>(parameters),
+                    arena.take<std::uint8_t>(parameters), 0};
   if (!arena.is_measuring()) set_all_free();
 }
 
@@ -341,7 +362,8 @@ SurfaceFrame Cascade::surface_frame(Vec2 uv, const float* q) {
     Vec3 su, sv, s;
     if (field != kNone) s = sample_with_gradient(model_, model_.fields()[field], uv, &su, &sv);
     const bool first = r.source[0] != kNone, second = r.source[1] != kNone;
-    const FieldStep f = step(r, q, first ? point_[r.source[0]] : Vec3{}, second ? point_[r.source[1]] : Vec3{}, s);
+    const FieldStep f =
+        step(r, q, first ? point_[r.source[0]] : Vec3{}, second ? point_[r.source[1]] : Vec3{}, s);
     const auto carry = [&](const Vec3* tangent, Vec3 along) {
       Vec3 t = first ? (f.maps ? f.map * tangent[r.source[0]] : f.keep * tangent[r.source[0]]) : Vec3{};
       if (second) t = t + f.keep_second * tangent[r.source[1]];
@@ -450,8 +472,10 @@ Vec3 Cascade::evaluate(const Vec3* baked, const float* q, Jacobian* jacobian) {
     const CascadeRecord& r = records[i];
     const Vec3 s = *baked++;
     const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point_[r.source[0]];
-    const bool same_register = r.source[0] != kNone && is_live(r.source[0]) && register_of_[r.source[0]] == register_of_[i];
-    const bool nothing_yet = (r.source[0] == kNone || !is_live(r.source[0])) && register_[register_of_[i]].count == 0;
+    const bool same_register =
+        r.source[0] != kNone && is_live(r.source[0]) && register_of_[r.source[0]] == register_of_[i];
+    const bool nothing_yet =
+        (r.source[0] == kNone || !is_live(r.source[0])) && register_[register_of_[i]].count == 0;
     if (is_zero(s) && passes_through_at_zero(r) && (same_register || nothing_yet)) {
       point_[i] = p0;
       continue;

@@ -28,10 +28,10 @@ struct FitProblem {
   Fitter& fitter;
   Span<const Correspondence> points;
   const FitOptions& options;
-  float* q;                 // accepted parameters
-  View view{}, trial{};     // accepted and trial view
+  float* q;              // accepted parameters
+  View view{}, trial{};  // accepted and trial view
   Loss loss = Loss::huber;
-  float scale = 1;          // robust scale, in standard deviations of a point
+  float scale = 1;  // robust scale, in standard deviations of a point
   bool shape_is_free = true;
   bool focal_is_known = true;
   float prior_focal = 0;
@@ -107,7 +107,8 @@ struct FitProblem {
     for (std::size_t k = 0; k < columns(); ++k) {
       const std::uint16_t p = fitter.cascade_.parameter_of(k);
       equations.add_prior(pose + k, -q[p], 1.0f / (parameters[p].sd * parameters[p].sd));
-      equations.set_limits(pose + k, min(parameters[p].minimum - q[p], 0), max(parameters[p].maximum - q[p], 0));
+      equations.set_limits(pose + k, min(parameters[p].minimum - q[p], 0),
+                           max(parameters[p].maximum - q[p], 0));
     }
     for (std::size_t k = 0; k < 3; ++k) equations.set_limits(k, -0.5f, 0.5f);
     equations.set_limits(kLogScale, -0.7f, 0.7f);
@@ -127,7 +128,8 @@ struct FitProblem {
     for (std::size_t k = 0; k < columns(); ++k) {
       const std::uint16_t p = fitter.cascade_.parameter_of(k);
       const Parameter& limits = fitter.cascade_.model().parameters()[p];
-      next[p] = clamp(q[p] + step[static_cast<std::size_t>(pose_unknowns()) + k], limits.minimum, limits.maximum);
+      next[p] =
+          clamp(q[p] + step[static_cast<std::size_t>(pose_unknowns()) + k], limits.minimum, limits.maximum);
     }
     return cost(next, trial);
   }
@@ -167,7 +169,8 @@ namespace {
 
 /// Weak-perspective pose (POS): image = s R_12 p + offset by least squares, then the nearest rotation.
 /// `mirrored` gives the other solution of a nearly flat object, tilted the other way.
-View weak_perspective(Span<const Correspondence> points, const Vec3* p, bool mirrored, Vec2 centre, float focal) {
+View weak_perspective(Span<const Correspondence> points, const Vec3* p, bool mirrored, Vec2 centre,
+                      float focal) {
   Vec3 mean;
   Vec2 mean_x;
   const float share = 1.0f / static_cast<float>(points.count);
@@ -228,7 +231,8 @@ Status check_points(Span<const Correspondence> points, const FitOptions& options
   if (options.width <= 0 || options.height <= 0 || !is_finite(options.focal_px) || options.focal_px < 0)
     return Status::bad_argument;
   for (const Correspondence& c : points) {
-    if (!is_finite(c.x) || !is_finite(c.uv) || !is_finite(c.sd_px) || !(c.sd_px > 0)) return Status::bad_argument;
+    if (!is_finite(c.x) || !is_finite(c.uv) || !is_finite(c.sd_px) || !(c.sd_px > 0))
+      return Status::bad_argument;
     if (c.uv.x < 0 || c.uv.x > 1 || c.uv.y < 0 || c.uv.y > 1) return Status::bad_argument;
   }
   return Status::ok;
@@ -283,8 +287,8 @@ void Fitter::lay_out(Arena& arena, const Model& model, const FitLimits& limits) 
   column_ = arena.take<Vec2>(unknowns);
 }
 
-Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report, float* sd,
-                   Vec2* residuals, float* weights) {
+Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
+                   float* sd, Vec2* residuals, float* weights) {
   if (q == nullptr || report == nullptr) return Status::bad_argument;
   const Status checked = check_points(points, options);
   if (checked != Status::ok) return checked;
@@ -294,8 +298,10 @@ Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options,
   for (std::size_t i = 0; i < parameters; ++i)
     if (!is_finite(q[i])) return Status::bad_argument;
 
-  if (options.is_free != nullptr) cascade_.set_free(options.is_free);
-  else cascade_.set_all_free();
+  if (options.is_free != nullptr)
+    cascade_.set_free(options.is_free);
+  else
+    cascade_.set_all_free();
   for (std::size_t i = 0; i < parameters; ++i) start_q_[i] = q[i];
   for (std::size_t i = 0; i < points.count; ++i) {
     cascade_.bake(points[i].uv, q, baked_at(i));
@@ -308,12 +314,15 @@ Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options,
   const Camera camera = centred_camera(options.width, options.height, problem.prior_focal);
 
   problem.shape_is_free = false;
-  if (options.start != nullptr) problem.view = *options.start;
-  else find_start(problem, position_, {camera.cx, camera.cy});
+  if (options.start != nullptr)
+    problem.view = *options.start;
+  else
+    find_start(problem, position_, {camera.cx, camera.cy});
   problem.shape_is_free = true;
   problem.focal_is_known = options.focal_px > 0;
 
-  const Loss stages[3] = {options.robust ? Loss::huber : Loss::squares, options.robust ? Loss::huber : Loss::squares,
+  const Loss stages[3] = {options.robust ? Loss::huber : Loss::squares,
+                          options.robust ? Loss::huber : Loss::squares,
                           options.robust ? Loss::tukey : Loss::squares};
   int iterations = 0;
   for (Loss loss : stages) {
@@ -324,8 +333,8 @@ Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options,
   return conclude(problem, q, report, sd, residuals, weights, iterations);
 }
 
-Status Fitter::conclude(FitProblem& problem, float* q, FitReport* report, float* sd, Vec2* residuals, float* weights,
-                        int iterations) {
+Status Fitter::conclude(FitProblem& problem, float* q, FitReport* report, float* sd, Vec2* residuals,
+                        float* weights, int iterations) {
   const auto pose = static_cast<std::size_t>(problem.pose_unknowns());
   problem.linearise(equations_);
   equations_.variances(step_);
@@ -363,7 +372,8 @@ Status Fitter::conclude(FitProblem& problem, float* q, FitReport* report, float*
 
 Status view_from_box(const Model& model, Cascade& cascade, const float* q, Vec2 corner, Vec2 size,
                      const Camera& camera, View* view) {
-  if (!is_finite(corner) || !is_finite(size) || !(size.x > 0 && size.y > 0) || !(camera.f > 0)) return Status::bad_argument;
+  if (!is_finite(corner) || !is_finite(size) || !(size.x > 0 && size.y > 0) || !(camera.f > 0))
+    return Status::bad_argument;
   Vec3 low{1e9f, 1e9f, 1e9f}, high{-1e9f, -1e9f, -1e9f};
   const auto include = [&](Vec3 p) {
     low = {min(low.x, p.x), min(low.y, p.y), min(low.z, p.z)};

@@ -6,7 +6,9 @@
 
 namespace pliant {
 
-float square_root(float x) { return x > 0 ? std::sqrt(x) : 0.0f; }
+float square_root(float x) {
+  return x > 0 ? std::sqrt(x) : 0.0f;
+}
 
 Vec3 normalised(Vec3 a) {
   const float n = length(a);
@@ -51,18 +53,22 @@ Quat quaternion(const Mat3& r) {
   const float xx = r.m[0][0], yy = r.m[1][1], zz = r.m[2][2];
   if (xx + yy + zz > 0) {
     const float s = 2 * square_root(1 + xx + yy + zz);
-    return normalised(Quat{0.25f * s, (r.m[2][1] - r.m[1][2]) / s, (r.m[0][2] - r.m[2][0]) / s, (r.m[1][0] - r.m[0][1]) / s});
+    return normalised(Quat{0.25f * s, (r.m[2][1] - r.m[1][2]) / s, (r.m[0][2] - r.m[2][0]) / s,
+                           (r.m[1][0] - r.m[0][1]) / s});
   }
   if (xx >= yy && xx >= zz) {
     const float s = 2 * square_root(1 + xx - yy - zz);
-    return normalised(Quat{(r.m[2][1] - r.m[1][2]) / s, 0.25f * s, (r.m[0][1] + r.m[1][0]) / s, (r.m[0][2] + r.m[2][0]) / s});
+    return normalised(Quat{(r.m[2][1] - r.m[1][2]) / s, 0.25f * s, (r.m[0][1] + r.m[1][0]) / s,
+                           (r.m[0][2] + r.m[2][0]) / s});
   }
   if (yy >= zz) {
     const float s = 2 * square_root(1 + yy - xx - zz);
-    return normalised(Quat{(r.m[0][2] - r.m[2][0]) / s, (r.m[0][1] + r.m[1][0]) / s, 0.25f * s, (r.m[1][2] + r.m[2][1]) / s});
+    return normalised(Quat{(r.m[0][2] - r.m[2][0]) / s, (r.m[0][1] + r.m[1][0]) / s, 0.25f * s,
+                           (r.m[1][2] + r.m[2][1]) / s});
   }
   const float s = 2 * square_root(1 + zz - xx - yy);
-  return normalised(Quat{(r.m[1][0] - r.m[0][1]) / s, (r.m[0][2] + r.m[2][0]) / s, (r.m[1][2] + r.m[2][1]) / s, 0.25f * s});
+  return normalised(
+      Quat{(r.m[1][0] - r.m[0][1]) / s, (r.m[0][2] + r.m[2][0]) / s, (r.m[1][2] + r.m[2][1]) / s, 0.25f * s});
 }
 
 Quat exp_rotation(Vec3 w) {

@@ -37,9 +37,13 @@ bool is_name(const char* name) {
   return name[0] != 0 && std::memchr(name, 0, table::kNameBytes) != nullptr;
 }
 
-bool same_name(const char* a, const char* b) { return std::strncmp(a, b, table::kNameBytes) == 0; }
+bool same_name(const char* a, const char* b) {
+  return std::strncmp(a, b, table::kNameBytes) == 0;
+}
 
-bool in_unit(float x) { return x >= 0 && x <= 1; }  // false for NaN
+bool in_unit(float x) {
+  return x >= 0 && x <= 1;
+}  // false for NaN
 
 bool all_finite(const float* x, int n) {
   for (int i = 0; i < n; ++i)
@@ -75,17 +79,28 @@ struct ModelOpener {
 
   bool section(const table::Section& s, Span<const std::uint8_t>* samples) {
     switch (s.kind) {
-      case table::Kind::parameters: return records(s, &model.parameters_);
-      case table::Kind::fields: return records(s, &model.fields_);
-      case table::Kind::samples: return records(s, samples);
-      case table::Kind::cascade: return records(s, &model.cascade_);
-      case table::Kind::mask: return image(s, &model.mask_);
-      case table::Kind::vertices: return records(s, &model.base_uv_);
-      case table::Kind::faces: return records(s, &model.base_corners_);
-      case table::Kind::landmarks: return records(s, &model.landmarks_);
-      case table::Kind::curves: return records(s, &model.curves_);
-      case table::Kind::curve_points: return records(s, &model.curve_points_);
-      case table::Kind::albedo: return image(s, &model.albedo_);
+      case table::Kind::parameters:
+        return records(s, &model.parameters_);
+      case table::Kind::fields:
+        return records(s, &model.fields_);
+      case table::Kind::samples:
+        return records(s, samples);
+      case table::Kind::cascade:
+        return records(s, &model.cascade_);
+      case table::Kind::mask:
+        return image(s, &model.mask_);
+      case table::Kind::vertices:
+        return records(s, &model.base_uv_);
+      case table::Kind::faces:
+        return records(s, &model.base_corners_);
+      case table::Kind::landmarks:
+        return records(s, &model.landmarks_);
+      case table::Kind::curves:
+        return records(s, &model.curves_);
+      case table::Kind::curve_points:
+        return records(s, &model.curve_points_);
+      case table::Kind::albedo:
+        return image(s, &model.albedo_);
     }
     return false;
   }
@@ -106,11 +121,13 @@ struct ModelOpener {
   bool check_fields(std::size_t sample_bytes) const {
     for (const Field& f : model.fields()) {
       const bool shape = f.width >= 2 && f.width <= kMaxSide && f.height >= 2 && f.height <= kMaxSide &&
-                         (f.components == 1 || f.components == 3) && (f.bits == 8 || f.bits == 16) && f.mirror <= 1;
+                         (f.components == 1 || f.components == 3) && (f.bits == 8 || f.bits == 16) &&
+                         f.mirror <= 1;
       if (!shape || !in_unit(f.u0) || !in_unit(f.v0) || !in_unit(f.u1) || !in_unit(f.v1)) return false;
       if (!(f.u0 < f.u1 && f.v0 < f.v1) || !all_finite(f.scale, 3) || !all_finite(f.offset, 3)) return false;
       const std::size_t need = std::size_t{f.width} * f.height * f.components * (f.bits / 8u);
-      if (f.first_byte % (f.bits / 8u) != 0 || f.first_byte > sample_bytes || need > sample_bytes - f.first_byte)
+      if (f.first_byte % (f.bits / 8u) != 0 || f.first_byte > sample_bytes ||
+          need > sample_bytes - f.first_byte)
         return false;
     }
     return true;
@@ -118,24 +135,45 @@ struct ModelOpener {
 
   bool check_record(std::size_t i) const {
     const CascadeRecord& r = model.cascade()[i];
-    struct Needs { int sources, parameters; bool field; };
+    struct Needs {
+      int sources, parameters;
+      bool field;
+    };
     Needs n{1, 1, false};
     switch (r.operation) {
-      case Operation::constant: n = {0, 0, true}; break;
-      case Operation::add_vector: case Operation::one_sided: n = {1, 1, true}; break;
-      case Operation::product: n = {1, 2, true}; break;
-      case Operation::scale: case Operation::rotate: case Operation::affine: break;
-      case Operation::rigid: n = {1, 6, false}; break;
-      case Operation::lerp: n = {2, 1, false}; break;
-      default: return false;
+      case Operation::constant:
+        n = {0, 0, true};
+        break;
+      case Operation::add_vector:
+      case Operation::one_sided:
+        n = {1, 1, true};
+        break;
+      case Operation::product:
+        n = {1, 2, true};
+        break;
+      case Operation::scale:
+      case Operation::rotate:
+      case Operation::affine:
+        break;
+      case Operation::rigid:
+        n = {1, 6, false};
+        break;
+      case Operation::lerp:
+        n = {2, 1, false};
+        break;
+      default:
+        return false;
     }
     for (int k = 0; k < 2; ++k)
       if (k < n.sources ? r.source[k] >= i : r.source[k] != kNone) return false;
     for (int k = 0; k < 6; ++k)
-      if (k < n.parameters ? r.parameter[k] >= model.parameters().count : r.parameter[k] != kNone) return false;
+      if (k < n.parameters ? r.parameter[k] >= model.parameters().count : r.parameter[k] != kNone)
+        return false;
     const auto fields = model.fields();
-    if (n.field ? (r.field >= fields.count || fields[r.field].components != 3) : r.field != kNone) return false;
-    if (r.weight != kNone && (n.field || r.weight >= fields.count || fields[r.weight].components != 1)) return false;
+    if (n.field ? (r.field >= fields.count || fields[r.field].components != 3) : r.field != kNone)
+      return false;
+    if (r.weight != kNone && (n.field || r.weight >= fields.count || fields[r.weight].components != 1))
+      return false;
     if (n.sources == 2 && r.source[0] == r.source[1]) return false;
     if (!all_finite(r.axis, 3) || !all_finite(r.pivot, 3) || !all_finite(r.matrix, 12)) return false;
     if (r.operation == Operation::one_sided && !(r.axis[0] > 0)) return false;
@@ -154,7 +192,9 @@ struct ModelOpener {
   bool check_mesh() const {
     const auto uv = model.base_uv();
     const auto corners = model.base_corners();
-    if (uv.count < 3 || uv.count >= kNone || corners.count < 3 || corners.count % 3 != 0 || corners.count >= kNone) return false;
+    if (uv.count < 3 || uv.count >= kNone || corners.count < 3 || corners.count % 3 != 0 ||
+        corners.count >= kNone)
+      return false;
     for (Vec2 p : uv)
       if (!in_unit(p.x) || !in_unit(p.y)) return false;
     for (std::uint16_t c : corners)
@@ -185,7 +225,8 @@ struct ModelOpener {
     if (h.total_bytes < sizeof h) return Status::bad_table;
     bytes = h.total_bytes;
     if (crc32(base + 16, bytes - 16) != h.crc32) return Status::bad_checksum;
-    if (h.section_count > 64 || sizeof h + h.section_count * sizeof(table::Section) > bytes) return Status::bad_table;
+    if (h.section_count > 64 || sizeof h + h.section_count * sizeof(table::Section) > bytes)
+      return Status::bad_table;
     Span<const std::uint8_t> samples;
     std::uint32_t seen = 0;
     for (std::uint32_t i = 0; i < h.section_count; ++i) {
@@ -197,7 +238,8 @@ struct ModelOpener {
     }
     constexpr std::uint32_t kRequired = 0x1feu;  // sections 1 to 8
     if ((seen & kRequired) != kRequired) return Status::bad_table;
-    if (!check_parameters() || !check_fields(samples.count) || !check_cascade() || !check_mesh() || !check_names())
+    if (!check_parameters() || !check_fields(samples.count) || !check_cascade() || !check_mesh() ||
+        !check_names())
       return Status::bad_table;
     model.samples_ = samples.data;
     model.crc_ = h.crc32;

@@ -5,7 +5,8 @@ namespace pliant {
 LossValue evaluate(Loss loss, float u) {
   constexpr float kHuber = 1.345f, kTukey = 4.685f;
   switch (loss) {
-    case Loss::squares: break;
+    case Loss::squares:
+      break;
     case Loss::huber:
       if (u > kHuber) return {kHuber * (u - 0.5f * kHuber), kHuber / u};
       break;

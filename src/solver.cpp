@@ -31,8 +31,8 @@ void NormalEquations::reset(std::size_t count) {
   }
 }
 
-void NormalEquations::add(const std::uint16_t* unknown, const Vec2* column, std::size_t columns, Vec2 residual,
-                          Sym2 w) {
+void NormalEquations::add(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
+                          Vec2 residual, Sym2 w) {
   for (std::size_t i = 0; i < columns; ++i) {
     const Vec2 b = column[i];
     const float wx = w.xx * b.x + w.xy * b.y, wy = w.xy * b.x + w.yy * b.y;
@@ -158,8 +158,8 @@ void NormalEquations::variances(float* variance) {
   }
 }
 
-SolverReport minimise(const LeastSquaresProblem& problem, const SolverOptions& options, NormalEquations& equations,
-                      float* step) {
+SolverReport minimise(const LeastSquaresProblem& problem, const SolverOptions& options,
+                      NormalEquations& equations, float* step) {
   SolverReport report;
   float damping = options.initial_damping;
   float cost = problem.linearise(problem.context, equations);

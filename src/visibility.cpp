@@ -50,13 +50,16 @@ void DepthBuffer::draw_face(const Vec2 (&x)[3], const float (&z)[3]) {
   const auto cell = [](float value, int count) {
     return static_cast<int>(clamp(value, 0, static_cast<float>(count - 1)));
   };
-  const int i0 = cell(min(x[0].x, min(x[1].x, x[2].x)), across_), i1 = cell(max(x[0].x, max(x[1].x, x[2].x)), across_);
-  const int j0 = cell(min(x[0].y, min(x[1].y, x[2].y)), down_), j1 = cell(max(x[0].y, max(x[1].y, x[2].y)), down_);
+  const int i0 = cell(min(x[0].x, min(x[1].x, x[2].x)), across_),
+            i1 = cell(max(x[0].x, max(x[1].x, x[2].x)), across_);
+  const int j0 = cell(min(x[0].y, min(x[1].y, x[2].y)), down_),
+            j1 = cell(max(x[0].y, max(x[1].y, x[2].y)), down_);
   const float inverse = 1.0f / area;
   for (int j = j0; j <= j1; ++j)
     for (int i = i0; i <= i1; ++i) {
       const Vec2 centre{static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f};
-      const float a = doubled_area(centre, x[1], x[2]) * inverse, b = doubled_area(x[0], centre, x[2]) * inverse;
+      const float a = doubled_area(centre, x[1], x[2]) * inverse,
+                  b = doubled_area(x[0], centre, x[2]) * inverse;
       const float c = 1 - a - b;
       if (a < 0 || b < 0 || c < 0) continue;
       float& nearest = depth_[j * across_ + i];
@@ -66,7 +69,8 @@ void DepthBuffer::draw_face(const Vec2 (&x)[3], const float (&z)[3]) {
 
 bool DepthBuffer::hides(Vec2 x, float depth, float margin) const {
   const Vec2 at = cells_per_px_ * (x - origin_);
-  if (!(at.x >= 0 && at.y >= 0 && at.x < static_cast<float>(across_) && at.y < static_cast<float>(down_))) return false;
+  if (!(at.x >= 0 && at.y >= 0 && at.x < static_cast<float>(across_) && at.y < static_cast<float>(down_)))
+    return false;
   return depth_[static_cast<int>(at.y) * across_ + static_cast<int>(at.x)] < depth - margin;
 }
 

@@ -1,6 +1,7 @@
 #include "pliant/arena.hpp"
 
 #include <doctest/doctest.h>
+
 #include <initializer_list>
 
 using namespace pliant;

@@ -1,6 +1,7 @@
 #include "pliant/camera.hpp"
 
 #include <doctest/doctest.h>
+
 #include <initializer_list>
 
 #include "random.hpp"
@@ -10,7 +11,8 @@ using namespace pliant;
 namespace {
 View random_view(Random& random) {
   View view;
-  view.q = exp_rotation({random.uniform(-0.8f, 0.8f), random.uniform(-0.8f, 0.8f), random.uniform(-0.8f, 0.8f)});
+  view.q =
+      exp_rotation({random.uniform(-0.8f, 0.8f), random.uniform(-0.8f, 0.8f), random.uniform(-0.8f, 0.8f)});
   view.s = random.uniform(0.5f, 4);
   view.tau = {random.uniform(-50, 50), random.uniform(-50, 50)};
   view.rho = random.uniform(5e-4f, 3e-3f);

@@ -1,3 +1,4 @@
+cmake_minimum_required(VERSION 3.22)
 # Installs the build into a folder of its own and builds a user's project against it: by find_package, as a
 # subdirectory, and with the flags of pkg-config. Run as: cmake -DBUILD=... -DSOURCE=... -DCXX=... -P consumer.cmake
 set(work ${BUILD}/consumer)

@@ -25,7 +25,10 @@ struct Digest {
     std::memcpy(&bits, &x, sizeof bits);
     for (int k = 0; k < 4; ++k) value = (value ^ ((bits >> (8 * k)) & 255u)) * 16777619u;
   }
-  void add(Vec2 v) { add(v.x); add(v.y); }
+  void add(Vec2 v) {
+    add(v.x);
+    add(v.y);
+  }
   void add(const View& v) {
     for (float x : {v.q.w, v.q.x, v.q.y, v.q.z, v.s, v.tau.x, v.tau.y, v.rho}) add(x);
   }
@@ -37,7 +40,8 @@ float paint(Vec2 uv) {
     t = t - static_cast<float>(static_cast<int>(t));
     return 16 * t * t * (1 - t) * (1 - t);
   };
-  return 40 + 90 * wave(4 * uv.x + uv.y + 1) * wave(5 * uv.y + 1) + 80 * wave(9 * uv.x + 3) * wave(11 * uv.y + 2 * uv.x);
+  return 40 + 90 * wave(4 * uv.x + uv.y + 1) * wave(5 * uv.y + 1) +
+         80 * wave(9 * uv.x + 3) * wave(11 * uv.y + 2 * uv.x);
 }
 
 /// Draws the model as a grid of 96 x 96 squares, each two triangles, front ones only, flat grey in 3 x 3 sub-samples.
@@ -47,8 +51,9 @@ std::vector<std::uint8_t> draw(Cascade& cascade, const float* q, const View& vie
   const Projector projector(view, true);
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i <= n; ++i)
-      REQUIRE(projector.project(cascade.surface_point({static_cast<float>(i) / n, static_cast<float>(j) / n}, q),
-                                &x[static_cast<std::size_t>(j * (n + 1) + i)]));
+      REQUIRE(
+          projector.project(cascade.surface_point({static_cast<float>(i) / n, static_cast<float>(j) / n}, q),
+                            &x[static_cast<std::size_t>(j * (n + 1) + i)]));
   std::vector<std::uint8_t> picture(kWidth * kHeight, 20);
   const auto triangle = [&](int i, int j, int a, int b, int c) {
     const int corner[4][2] = {{i, j}, {i + 1, j}, {i + 1, j + 1}, {i, j + 1}};
@@ -60,13 +65,19 @@ std::vector<std::uint8_t> draw(Cascade& cascade, const float* q, const View& vie
     }
     const float area = doubled_area(p[0], p[1], p[2]);
     if (!(area > 1e-4f)) return;
-    const auto pixel = [](float v, int most) { return static_cast<int>(clamp(v, 0, static_cast<float>(most))); };
-    for (int y = pixel(min(p[0].y, min(p[1].y, p[2].y)), kHeight - 1); y <= pixel(max(p[0].y, max(p[1].y, p[2].y)) + 1, kHeight - 1); ++y)
-      for (int c0 = pixel(min(p[0].x, min(p[1].x, p[2].x)), kWidth - 1); c0 <= pixel(max(p[0].x, max(p[1].x, p[2].x)) + 1, kWidth - 1); ++c0) {
+    const auto pixel = [](float v, int most) {
+      return static_cast<int>(clamp(v, 0, static_cast<float>(most)));
+    };
+    for (int y = pixel(min(p[0].y, min(p[1].y, p[2].y)), kHeight - 1);
+         y <= pixel(max(p[0].y, max(p[1].y, p[2].y)) + 1, kHeight - 1); ++y)
+      for (int c0 = pixel(min(p[0].x, min(p[1].x, p[2].x)), kWidth - 1);
+           c0 <= pixel(max(p[0].x, max(p[1].x, p[2].x)) + 1, kWidth - 1); ++c0) {
         const Vec2 at{static_cast<float>(c0), static_cast<float>(y)};
-        const float wa = doubled_area(at, p[1], p[2]) / area, wb = doubled_area(p[0], at, p[2]) / area, wc = 1 - wa - wb;
+        const float wa = doubled_area(at, p[1], p[2]) / area, wb = doubled_area(p[0], at, p[2]) / area,
+                    wc = 1 - wa - wb;
         if (wa < 0 || wb < 0 || wc < 0) continue;
-        picture[static_cast<std::size_t>(y * kWidth + c0)] = static_cast<std::uint8_t>(clamp(paint(wa * t[0] + (wb * t[1] + wc * t[2])), 0, 255));
+        picture[static_cast<std::size_t>(y * kWidth + c0)] =
+            static_cast<std::uint8_t>(clamp(paint(wa * t[0] + (wb * t[1] + wc * t[2])), 0, 255));
       }
   };
   for (int j = 0; j < n; ++j)
@@ -110,7 +121,8 @@ TEST_CASE("a fit and a tracking run give the one digest") {
   options.height = kHeight;
   std::vector<float> q(truth.size(), 0), sd(truth.size());
   FitReport report;
-  REQUIRE(fitter->fit({points.data(), points.size()}, options, q.data(), &report, sd.data(), nullptr, nullptr) == Status::ok);
+  REQUIRE(fitter->fit({points.data(), points.size()}, options, q.data(), &report, sd.data(), nullptr,
+                      nullptr) == Status::ok);
   digest.add(report.view);
   for (float v : q) digest.add(v);
   for (float v : sd) digest.add(v);
@@ -127,12 +139,19 @@ TEST_CASE("a fit and a tracking run give the one digest") {
   for (int k = 0; k < kFrames; ++k) {
     const float s = static_cast<float>(k) / kFrames;
     truth[6] = 0.2f * s;
-    const Pose moved_pose{normalised(exp_rotation({0.1f * s, 0.25f * s, -0.1f * s}) * pose.q), pose.t + Vec3{6 * s, 4 * s, 20 * s}};
+    const Pose moved_pose{normalised(exp_rotation({0.1f * s, 0.25f * s, -0.1f * s}) * pose.q),
+                          pose.t + Vec3{6 * s, 4 * s, 20 * s}};
     auto picture = draw(cascade.object, truth.data(), view_of(moved_pose, camera));
     if (k > 5 && k < 9)
       for (std::size_t i = 0; i < picture.size(); ++i)
         if (i % kWidth < 90 && i / kWidth > 90) picture[i] = 0;
-    const FrameView frame{picture.data(), kWidth, kHeight, kWidth, 1, k * std::int64_t{40'000'000}, static_cast<std::uint32_t>(k)};
+    const FrameView frame{picture.data(),
+                          kWidth,
+                          kHeight,
+                          kWidth,
+                          1,
+                          k * std::int64_t{40'000'000},
+                          static_cast<std::uint32_t>(k)};
     FrameResult result;
     const Vec2 marker{100, 70};
     if (k == 0) {
@@ -148,7 +167,8 @@ TEST_CASE("a fit and a tracking run give the one digest") {
     REQUIRE(tracker->marker(0, &x));
     digest.add(x);
     digest.add(static_cast<float>(result.inliers));
-    for (VertexId v : tracker->estimator().mesh().vertices()) digest.add(tracker->estimator().vertex_images()[v]);
+    for (VertexId v : tracker->estimator().mesh().vertices())
+      digest.add(tracker->estimator().vertex_images()[v]);
   }
   CHECK(tracking == kFrames);
   CHECK(magnitude(tracker->estimator().parameters()[6] - truth[6]) < 0.05f);

@@ -1,6 +1,7 @@
 #include "pliant/estimator.hpp"
 
 #include <doctest/doctest.h>
+
 #include <limits>
 
 #include "model_builder.hpp"
@@ -33,7 +34,9 @@ struct Scene {
       uv.push_back({0.14f + 0.12f * static_cast<float>(i % 7), 0.14f + 0.12f * static_cast<float>(i / 7)});
   }
 
-  static Pose pose(float turn) { return {exp_rotation({0.3f * turn, turn, 0.2f * turn}), {20 * turn, 5, 700}}; }
+  static Pose pose(float turn) {
+    return {exp_rotation({0.3f * turn, turn, 0.2f * turn}), {20 * turn, 5, 700}};
+  }
 
   void start(Estimator& e, float turn) {
     REQUIRE(e.start(camera, kWidth, kHeight, pose(turn), q.data(), nullptr, {}) == Status::ok);
@@ -58,7 +61,9 @@ struct Scene {
   }
 };
 
-Span<Observation> span(std::vector<Observation>& o) { return {o.data(), o.size()}; }
+Span<Observation> span(std::vector<Observation>& o) {
+  return {o.data(), o.size()};
+}
 
 float turn_error(const Estimator& e, float turn) {
   return length(log_rotation(e.view().q * conjugate(normalised(Scene::pose(turn).q))));
@@ -74,7 +79,7 @@ TEST_CASE("pose and expressions are followed through a motion, the identity stay
   for (int frame = 1; frame <= 40; ++frame) {
     const float turn = 0.01f * static_cast<float>(frame);
     truth[5] = 0.4f * static_cast<float>(frame % 20) / 20;  // jawOpen
-    truth[3] = 0.5f;                                         // bumpLeft jumps at once
+    truth[3] = 0.5f;                                        // bumpLeft jumps at once
     e->begin(frame * std::int64_t{40'000'000});
     auto seen = scene.observe(turn, truth, 0.1f);
     e->solve(span(seen));
@@ -98,10 +103,12 @@ TEST_CASE("a third of wild observations is rejected and named") {
   e->solve(span(seen));
   CHECK(e->end().state == TrackState::tracking);
   CHECK(turn_error(e.object, 0.13f) < 0.02f);
-  for (std::size_t i = 0; i < seen.size(); ++i) CHECK(seen[i].reason == (i % 3 == 0 ? Reason::rejected : Reason::found));
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    CHECK(seen[i].reason == (i % 3 == 0 ? Reason::rejected : Reason::found));
 }
 
-TEST_CASE("a prediction is the projection of its point, and its Jacobian is that of the image along u and v") {
+TEST_CASE(
+    "a prediction is the projection of its point, and its Jacobian is that of the image along u and v") {
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, 0.2f);
@@ -128,14 +135,16 @@ TEST_CASE("what turns away from the camera or leaves the picture is not visible"
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, 0);
   // A strong turn: x to the right of the picture turns away.
-  REQUIRE(e->start(scene.camera, kWidth, kHeight, {exp_rotation({0, 1.2f, 0}), {0, 0, 700}}, scene.q.data(), nullptr, {}) == Status::ok);
+  REQUIRE(e->start(scene.camera, kWidth, kHeight, {exp_rotation({0, 1.2f, 0}), {0, 0, 700}}, scene.q.data(),
+                   nullptr, {}) == Status::ok);
   std::uint16_t near_side, far_side;
   REQUIRE(e->add_point({0.95f, 0.5f}, &near_side) == Status::ok);
   REQUIRE(e->add_point({0.05f, 0.5f}, &far_side) == Status::ok);
   const Prediction a = e->predict(near_side), b = e->predict(far_side);
   CHECK(a.visible != b.visible);
   CHECK(a.facing * b.facing < 0);
-  REQUIRE(e->start(scene.camera, kWidth, kHeight, {{}, {400, 0, 700}}, scene.q.data(), nullptr, {}) == Status::ok);
+  REQUIRE(e->start(scene.camera, kWidth, kHeight, {{}, {400, 0, 700}}, scene.q.data(), nullptr, {}) ==
+          Status::ok);
   REQUIRE(e->add_point({0.5f, 0.5f}, &near_side) == Status::ok);
   CHECK_FALSE(e->predict(near_side).visible);
 }
@@ -159,12 +168,15 @@ TEST_CASE("surface_at gives back the point that was projected, and the nearest o
   CHECK(e->surface_at({-1e6f, 200}, &uv) > 1e5f);
 }
 
-TEST_CASE("without observations the state is degraded, then lost, and nothing is claimed; with them it comes back") {
+TEST_CASE(
+    "without observations the state is degraded, then lost, and nothing is claimed; with them it comes "
+    "back") {
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, 0.1f);
   const Quat before = e->view().q;
-  TrackState expected[5] = {TrackState::degraded, TrackState::degraded, TrackState::lost, TrackState::lost, TrackState::lost};
+  TrackState expected[5] = {TrackState::degraded, TrackState::degraded, TrackState::lost, TrackState::lost,
+                            TrackState::lost};
   std::vector<Observation> none;
   for (int frame = 0; frame < 5; ++frame) {
     e->begin(frame * std::int64_t{40'000'000});
@@ -218,7 +230,9 @@ TEST_CASE("calls before a start, bad starts and full capacities are named") {
   CHECK(e->add_point({0.5f, 0.5f}, &id) == Status::not_started);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::vector<float> q = scene.q;
-  const auto start = [&](Camera c, int w, Pose p, const float* values) { return e->start(c, w, kHeight, p, values, nullptr, {}); };
+  const auto start = [&](Camera c, int w, Pose p, const float* values) {
+    return e->start(c, w, kHeight, p, values, nullptr, {});
+  };
   CHECK(start(scene.camera, 0, Scene::pose(0), q.data()) == Status::bad_argument);
   CHECK(start({0, 1, 1}, kWidth, Scene::pose(0), q.data()) == Status::bad_argument);
   CHECK(start(scene.camera, kWidth, {{}, {0, 0, nan}}, q.data()) == Status::bad_argument);
@@ -229,7 +243,8 @@ TEST_CASE("calls before a start, bad starts and full capacities are named") {
   CHECK_FALSE(e->is_started());
   scene.start(e.object, 0);
   CHECK(e->add_point({1.5f, 0.5f}, &id) == Status::bad_argument);
-  for (std::size_t i = scene.uv.size(); i < scene.limits.points; ++i) CHECK(e->add_point({0.5f, 0.5f}, &id) == Status::ok);
+  for (std::size_t i = scene.uv.size(); i < scene.limits.points; ++i)
+    CHECK(e->add_point({0.5f, 0.5f}, &id) == Status::ok);
   CHECK(e->add_point({0.5f, 0.5f}, &id) == Status::capacity);
   e->remove_point(17);
   REQUIRE(e->add_point({0.5f, 0.5f}, &id) == Status::ok);

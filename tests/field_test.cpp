@@ -1,6 +1,7 @@
 #include "pliant/field.hpp"
 
 #include <doctest/doctest.h>
+
 #include <initializer_list>
 
 #include "model_builder.hpp"
@@ -15,7 +16,9 @@ ModelBuilder every_operation() {
   ModelBuilder b = egg_model(1);
   const auto q = [&b](const char* name) { return b.parameter(name, Group::expression, -1, 1, 0.5f); };
   const auto wavy = [](float u, float v) { return Vec3{4 * u * v, 3 * v * v - 2 * u, 5 * u * u * v}; };
-  const std::uint16_t v1 = b.field(3, 21, 17, wavy), w1 = b.field(1, 15, 15, [](float u, float v) { return Vec3{u * (1 - v), 0, 0}; });
+  const std::uint16_t v1 = b.field(3, 21, 17, wavy), w1 = b.field(1, 15, 15, [](float u, float v) {
+    return Vec3{u * (1 - v), 0, 0};
+  });
   const std::uint16_t egg = b.last();
   const std::uint16_t a = q("a"), c = q("c");
   b.record(Operation::product, {egg}, {a, c}, v1);
@@ -24,7 +27,8 @@ ModelBuilder every_operation() {
   const float m[12] = {1.1f, 0.2f, 0, -0.1f, 0.9f, 0.3f, 0.05f, 0, 1.2f, 3, -2, 1};
   for (int k = 0; k < 12; ++k) affine.matrix[k] = m[k];
   const std::uint16_t branch = b.last();
-  CascadeRecord& rigid = b.record(Operation::rigid, {egg}, {q("r0"), q("r1"), q("r2"), q("t0"), q("t1"), q("t2")}, kNone, w1);
+  CascadeRecord& rigid =
+      b.record(Operation::rigid, {egg}, {q("r0"), q("r1"), q("r2"), q("t0"), q("t1"), q("t2")}, kNone, w1);
   rigid.pivot[0] = 5;
   const std::uint16_t other = b.last();
   b.record(Operation::lerp, {branch, other}, {q("blend")}, kNone, w1);
@@ -51,7 +55,12 @@ std::vector<float> random_q(const Model& model, Random& random) {
 
 TEST_CASE("bilinear sampling reproduces a bilinear field and its gradient, and is zero outside its support") {
   ModelBuilder b = egg_model(1);
-  const auto f = b.field(3, 9, 7, [](float u, float v) { return Vec3{3 * u - v, 2 + u * v, v}; }, 0.25f, 0.5f, 0.75f, 1);
+  const auto f = b.field(
+      3, 9, 7,
+      [](float u, float v) {
+        return Vec3{3 * u - v, 2 + u * v, v};
+      },
+      0.25f, 0.5f, 0.75f, 1);
   const Ready r(b);
   const Field& field = r.model.fields()[f];
   Random random(1);
@@ -148,11 +157,13 @@ TEST_CASE("a baked point equals the surface point, whatever is frozen") {
     const Vec3 exact = cascade->surface_point(uv, q.data());
     CHECK(length(cascade->evaluate(baked.data(), q.data()) - exact) < 1e-4f);
     CHECK(length(cascade->evaluate(baked.data(), q.data(), &jacobian) - exact) < 1e-4f);
-    for (std::size_t k = 0; k < jacobian.count; ++k) CHECK(is_free[cascade->parameter_of(jacobian.list[k])] == 1);
+    for (std::size_t k = 0; k < jacobian.count; ++k)
+      CHECK(is_free[cascade->parameter_of(jacobian.list[k])] == 1);
   }
 }
 
-TEST_CASE("a frozen cascade folds to one position a point, and a frozen identity to one and the expressions") {
+TEST_CASE(
+    "a frozen cascade folds to one position a point, and a frozen identity to one and the expressions") {
   const Ready r(egg_model(6));
   InArena<Cascade> cascade(r.model);
   std::vector<std::uint8_t> none(r.model.parameters().count, 0);
@@ -175,8 +186,10 @@ TEST_CASE("tangents agree with differences inside a cell, through every operatio
     const float h = 1e-3f;
     const SurfaceFrame f = cascade->surface_frame(uv, q.data());
     CHECK(length(f.p - cascade->surface_point(uv, q.data())) < 1e-4f);
-    const Vec3 u0 = cascade->surface_point({uv.x - h, uv.y}, q.data()), u1 = cascade->surface_point({uv.x + h, uv.y}, q.data());
-    const Vec3 v0 = cascade->surface_point({uv.x, uv.y - h}, q.data()), v1 = cascade->surface_point({uv.x, uv.y + h}, q.data());
+    const Vec3 u0 = cascade->surface_point({uv.x - h, uv.y}, q.data()),
+               u1 = cascade->surface_point({uv.x + h, uv.y}, q.data());
+    const Vec3 v0 = cascade->surface_point({uv.x, uv.y - h}, q.data()),
+               v1 = cascade->surface_point({uv.x, uv.y + h}, q.data());
     // Sample lines kink; where both one-sided differences agree there is none within h.
     if (length(u1 - 2 * f.p + u0) > 2e-3f || length(v1 - 2 * f.p + v0) > 2e-3f) continue;
     ++compared;

@@ -1,6 +1,7 @@
 #include "pliant/fit.hpp"
 
 #include <doctest/doctest.h>
+
 #include <limits>
 
 #include "model_builder.hpp"
@@ -22,14 +23,17 @@ struct Scene {
     Random random(seed);
     for (const Parameter& p : model.parameters())
       truth.push_back(clamp(p.sd * random.normal(), p.minimum, p.maximum));
-    view = view_of({exp_rotation({random.uniform(-turn, turn), random.uniform(-turn, turn), random.uniform(-turn, turn)}),
+    view = view_of({exp_rotation({random.uniform(-turn, turn), random.uniform(-turn, turn),
+                                  random.uniform(-turn, turn)}),
                     {random.uniform(-60, 60), random.uniform(-40, 40), random.uniform(500, 1200)}},
                    centred_camera(640, 480, 900));
     InArena<Cascade> cascade(model);
     for (const Landmark& l : model.landmarks()) {
       Vec2 x;
       REQUIRE(Projector(view, true).project(cascade->surface_point({l.u, l.v}, truth.data()), &x));
-      points.push_back({{l.u, l.v}, x + Vec2{noise_px * random.normal(), noise_px * random.normal()}, max(noise_px, 0.1f)});
+      points.push_back({{l.u, l.v},
+                        x + Vec2{noise_px * random.normal(), noise_px * random.normal()},
+                        max(noise_px, 0.1f)});
     }
   }
   Span<const Correspondence> all() const { return {points.data(), points.size()}; }
@@ -57,7 +61,8 @@ TEST_CASE("exact correspondences give back pose and parameters, with no start") 
     InArena<Fitter> fitter(scene.model, limits());
     std::vector<float> q(scene.truth.size(), 0), sd(q.size());
     FitReport report;
-    REQUIRE(fitter->fit(scene.all(), scene.options(900), q.data(), &report, sd.data(), nullptr, nullptr) == Status::ok);
+    REQUIRE(fitter->fit(scene.all(), scene.options(900), q.data(), &report, sd.data(), nullptr, nullptr) ==
+            Status::ok);
     CHECK(report.rms_px < 0.1f);
     CHECK(report.used == scene.points.size());
     CHECK(scene.turn_error(report.view) < 0.01f);
@@ -98,7 +103,8 @@ TEST_CASE("thirty per cent of gross outliers are given no weight and hardly move
     InArena<Fitter> fitter(scene.model, limits());
     std::vector<float> q(scene.truth.size(), 0), weight(scene.points.size());
     FitReport report;
-    REQUIRE(fitter->fit(scene.all(), scene.options(900), q.data(), &report, nullptr, nullptr, weight.data()) == Status::ok);
+    REQUIRE(fitter->fit(scene.all(), scene.options(900), q.data(), &report, nullptr, nullptr,
+                        weight.data()) == Status::ok);
     CHECK(scene.turn_error(report.view) < 0.06f);
     int kept = 0, lost = 0;
     for (std::size_t i = 0; i < bad.size(); ++i) {
@@ -115,7 +121,8 @@ TEST_CASE("an unknown focal length is found as far as the picture tells it") {
   InArena<Fitter> fitter(scene.model, limits());
   std::vector<float> q(scene.truth.size(), 0);
   FitReport report;
-  REQUIRE(fitter->fit(scene.all(), scene.options(0), q.data(), &report, nullptr, nullptr, nullptr) == Status::ok);
+  REQUIRE(fitter->fit(scene.all(), scene.options(0), q.data(), &report, nullptr, nullptr, nullptr) ==
+          Status::ok);
   CHECK(report.rms_px < 0.3f);
   CHECK(camera_of(report.view).f > 600);
   CHECK(camera_of(report.view).f < 1400);
@@ -148,7 +155,8 @@ TEST_CASE("five points give a pose") {
   for (std::size_t i : chosen) points.push_back(scene.points[i]);
   std::vector<float> q(scene.truth.size(), 0);
   FitReport report;
-  REQUIRE(fitter->fit({points.data(), 5}, scene.options(900), q.data(), &report, nullptr, nullptr, nullptr) == Status::ok);
+  REQUIRE(fitter->fit({points.data(), 5}, scene.options(900), q.data(), &report, nullptr, nullptr, nullptr) ==
+          Status::ok);
   CHECK(scene.turn_error(report.view) < 0.25f);
 }
 
@@ -182,7 +190,8 @@ TEST_CASE("a box starts a frontal view that fills it") {
   std::vector<float> q(scene.truth.size(), 0);
   View view;
   const Camera camera = centred_camera(640, 480, 900);
-  REQUIRE(view_from_box(scene.model, cascade.object, q.data(), {100, 80}, {150, 200}, camera, &view) == Status::ok);
+  REQUIRE(view_from_box(scene.model, cascade.object, q.data(), {100, 80}, {150, 200}, camera, &view) ==
+          Status::ok);
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
   for (Vec2 uv : scene.model.base_uv()) {
     Vec2 x;
@@ -192,5 +201,6 @@ TEST_CASE("a box starts a frontal view that fills it") {
   }
   CHECK(low.x == doctest::Approx(100).epsilon(0.1));
   CHECK(high.y == doctest::Approx(280).epsilon(0.05));
-  CHECK(view_from_box(scene.model, cascade.object, q.data(), {0, 0}, {0, 10}, camera, &view) == Status::bad_argument);
+  CHECK(view_from_box(scene.model, cascade.object, q.data(), {0, 0}, {0, 10}, camera, &view) ==
+        Status::bad_argument);
 }

@@ -1,7 +1,8 @@
 #include "pliant/geometry.hpp"
 
-#include <cmath>
 #include <doctest/doctest.h>
+
+#include <cmath>
 #include <limits>
 
 #include "random.hpp"
@@ -13,7 +14,8 @@ TEST_CASE("the exponential of a rotation vector agrees with sine and cosine in d
   for (int i = 0; i < 2000; ++i) {
     const float size = i < 1000 ? 0.5f : 3.1f;
     const Vec3 w{random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
-    const double angle = std::sqrt(double(w.x) * double(w.x) + double(w.y) * double(w.y) + double(w.z) * double(w.z));
+    const double angle =
+        std::sqrt(double(w.x) * double(w.x) + double(w.y) * double(w.y) + double(w.z) * double(w.z));
     const double s = angle > 0 ? std::sin(angle / 2) / angle : 0.5;
     Quat q = exp_rotation(w);
     const double sign = std::cos(angle / 2) < 0 ? -1 : 1;

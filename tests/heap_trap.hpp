@@ -21,7 +21,10 @@ inline void note() {
 }
 /// Armed for its lifetime.
 struct Armed {
-  Armed() { calls = 0; armed = true; }
+  Armed() {
+    calls = 0;
+    armed = true;
+  }
   ~Armed() { armed = false; }
 };
 }  // namespace heap_trap
@@ -33,12 +36,30 @@ void* __libc_calloc(std::size_t, std::size_t);
 void* __libc_realloc(void*, std::size_t);
 void* __libc_memalign(std::size_t, std::size_t);
 void __libc_free(void*);
-void* malloc(std::size_t n) { heap_trap::note(); return __libc_malloc(n); }
-void* calloc(std::size_t n, std::size_t m) { heap_trap::note(); return __libc_calloc(n, m); }
-void* realloc(void* p, std::size_t n) { heap_trap::note(); return __libc_realloc(p, n); }
-void* memalign(std::size_t a, std::size_t n) { heap_trap::note(); return __libc_memalign(a, n); }
-void* aligned_alloc(std::size_t a, std::size_t n) { heap_trap::note(); return __libc_memalign(a, n); }
-void free(void* p) { heap_trap::note(); __libc_free(p); }
+void* malloc(std::size_t n) {
+  heap_trap::note();
+  return __libc_malloc(n);
+}
+void* calloc(std::size_t n, std::size_t m) {
+  heap_trap::note();
+  return __libc_calloc(n, m);
+}
+void* realloc(void* p, std::size_t n) {
+  heap_trap::note();
+  return __libc_realloc(p, n);
+}
+void* memalign(std::size_t a, std::size_t n) {
+  heap_trap::note();
+  return __libc_memalign(a, n);
+}
+void* aligned_alloc(std::size_t a, std::size_t n) {
+  heap_trap::note();
+  return __libc_memalign(a, n);
+}
+void free(void* p) {
+  heap_trap::note();
+  __libc_free(p);
+}
 }
 #else
 void* operator new(std::size_t n) {
@@ -47,6 +68,12 @@ void* operator new(std::size_t n) {
   if (p == nullptr) std::abort();
   return p;
 }
-void operator delete(void* p) noexcept { heap_trap::note(); std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { heap_trap::note(); std::free(p); }
+void operator delete(void* p) noexcept {
+  heap_trap::note();
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  heap_trap::note();
+  std::free(p);
+}
 #endif

@@ -30,8 +30,8 @@ struct ModelBuilder {
   }
 
   /// Samples `f` on a grid over the rectangle, 16 bits.
-  std::uint16_t field(int components, int width, int height, const Function& f, float u0 = 0, float v0 = 0, float u1 = 1,
-                      float v1 = 1, bool mirror = false) {
+  std::uint16_t field(int components, int width, int height, const Function& f, float u0 = 0, float v0 = 0,
+                      float u1 = 1, float v1 = 1, bool mirror = false) {
     std::vector<float> value;
     float most[3] = {1e-6f, 1e-6f, 1e-6f};
     for (int j = 0; j < height; ++j)
@@ -50,7 +50,10 @@ struct ModelBuilder {
     out.components = static_cast<std::uint8_t>(components);
     out.bits = 16;
     out.mirror = mirror;
-    out.u0 = u0; out.v0 = v0; out.u1 = u1; out.v1 = v1;
+    out.u0 = u0;
+    out.v0 = v0;
+    out.u1 = u1;
+    out.v1 = v1;
     for (int k = 0; k < 3; ++k) out.scale[k] = most[k] / 32767;
     out.first_byte = static_cast<std::uint32_t>(samples.size());
     for (std::size_t i = 0; i < value.size(); ++i) {
@@ -93,11 +96,13 @@ struct ModelBuilder {
     corners.clear();
     for (int j = 0; j <= n; ++j)
       for (int i = 0; i <= n; ++i)
-        vertices.push_back({static_cast<float>(i) / static_cast<float>(n), static_cast<float>(j) / static_cast<float>(n)});
+        vertices.push_back(
+            {static_cast<float>(i) / static_cast<float>(n), static_cast<float>(j) / static_cast<float>(n)});
     const auto at = [n](int i, int j) { return static_cast<std::uint16_t>(j * (n + 1) + i); };
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i)  // the diagonal is half-edge 0 of both
-        for (std::uint16_t c : {at(i + 1, j + 1), at(i, j), at(i + 1, j), at(i, j), at(i + 1, j + 1), at(i, j + 1)})
+        for (std::uint16_t c :
+             {at(i + 1, j + 1), at(i, j), at(i + 1, j), at(i, j), at(i + 1, j + 1), at(i, j + 1)})
           corners.push_back(c);
   }
 
@@ -109,7 +114,8 @@ struct ModelBuilder {
     const std::size_t directory = sizeof(pliant::table::Header) + 9 * sizeof(pliant::table::Section);
     const auto add = [&](Kind kind, const void* data, std::size_t count, std::size_t size) {
       while (body.size() % 4 != 0) body.push_back(0);
-      sections.push_back({kind, static_cast<std::uint32_t>(directory + body.size()), static_cast<std::uint32_t>(count)});
+      sections.push_back(
+          {kind, static_cast<std::uint32_t>(directory + body.size()), static_cast<std::uint32_t>(count)});
       const auto* p = static_cast<const unsigned char*>(data);
       body.insert(body.end(), p, p + count * size);
     };
@@ -168,8 +174,12 @@ inline ModelBuilder egg_model(int identities = 6) {
   for (int k = 0; k < identities; ++k) {
     const float a = 1 + static_cast<float>(k % 3), c = 1 + static_cast<float>(k / 3);
     const auto wave = [=](float u, float v) {
-      const auto bump = [](float t) { t = t - static_cast<float>(static_cast<int>(t)); return 16 * t * t * (1 - t) * (1 - t) - 0.5f; };
-      return Vec3{2 * bump(a * u * 0.5f + 0.2f), 3 * bump(c * v * 0.5f + 0.1f), 4 * bump(a * u * 0.7f) * bump(c * v * 0.7f)};
+      const auto bump = [](float t) {
+        t = t - static_cast<float>(static_cast<int>(t));
+        return 16 * t * t * (1 - t) * (1 - t) - 0.5f;
+      };
+      return Vec3{2 * bump(a * u * 0.5f + 0.2f), 3 * bump(c * v * 0.5f + 0.1f),
+                  4 * bump(a * u * 0.7f) * bump(c * v * 0.7f)};
     };
     const std::uint16_t q = b.parameter("identity" + std::to_string(k), Group::identity, -3, 3, 1);
     b.record(Operation::add_vector, {b.last()}, {q}, b.field(3, 33, 33, wave));
@@ -182,7 +192,8 @@ inline ModelBuilder egg_model(int identities = 6) {
   };
   const std::uint16_t left = b.parameter("bumpLeft", Group::expression, 0, 1, 0.4f);
   const std::uint16_t right = b.parameter("bumpRight", Group::expression, 0, 1, 0.4f);
-  b.record(Operation::add_vector, {b.last()}, {left}, b.field(3, 33, 33, bump(0.7f, 0.4f, 0.2f), 0.5f, 0.2f, 0.9f, 0.6f));
+  b.record(Operation::add_vector, {b.last()}, {left},
+           b.field(3, 33, 33, bump(0.7f, 0.4f, 0.2f), 0.5f, 0.2f, 0.9f, 0.6f));
   Field mirrored = b.fields.back();
   mirrored.mirror = 1;
   b.fields.push_back(mirrored);
@@ -197,11 +208,14 @@ inline ModelBuilder egg_model(int identities = 6) {
   hinge.pivot[1] = -20;
   hinge.pivot[2] = -60;
   const std::uint16_t stretch = b.parameter("stretch", Group::expression, -0.2f, 0.2f, 0.1f);
-  const std::uint16_t all = b.field(1, 9, 9, [](float u, float v) { return Vec3{16 * u * (1 - u) * v * (1 - v), 0, 0}; });
+  const std::uint16_t all = b.field(1, 9, 9, [](float u, float v) {
+    return Vec3{16 * u * (1 - u) * v * (1 - v), 0, 0};
+  });
   b.record(Operation::scale, {b.last()}, {stretch}, kNone, all);
   b.grid_mesh(8);
   for (int j = 0; j < 9; ++j)
     for (int i = 0; i < 9; ++i)
-      b.landmark("p" + std::to_string(i) + std::to_string(j), 0.1f + 0.1f * static_cast<float>(i), 0.1f + 0.1f * static_cast<float>(j));
+      b.landmark("p" + std::to_string(i) + std::to_string(j), 0.1f + 0.1f * static_cast<float>(i),
+                 0.1f + 0.1f * static_cast<float>(j));
   return b;
 }

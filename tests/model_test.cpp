@@ -66,8 +66,10 @@ TEST_CASE("a hostile table with a right checksum never gets through with an inde
     const int changes = 1 + random.below(3);
     for (int k = 0; k < changes; ++k) {
       // The directory and the records matter; samples may be anything.
-      const auto at = static_cast<std::size_t>(4 + random.below(random.below(4) == 0 ? static_cast<int>(words.size()) - 4 : 200));
-      words[at] = random.below(2) == 0 ? static_cast<std::uint32_t>(random.bits()) : words[at] ^ (1u << random.below(32));
+      const auto at = static_cast<std::size_t>(
+          4 + random.below(random.below(4) == 0 ? static_cast<int>(words.size()) - 4 : 200));
+      words[at] = random.below(2) == 0 ? static_cast<std::uint32_t>(random.bits())
+                                       : words[at] ^ (1u << random.below(32));
     }
     reseal(words);
     Model model;

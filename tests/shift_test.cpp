@@ -1,6 +1,7 @@
 #include "pliant/shift.hpp"
 
 #include <doctest/doctest.h>
+
 #include <vector>
 
 #include "random.hpp"
@@ -35,12 +36,15 @@ struct Texture {
     std::vector<std::uint8_t> out;
     for (int y = 0; y < 60; ++y)
       for (int x = 0; x < 80; ++x)
-        out.push_back(static_cast<std::uint8_t>(clamp(gain * at(left + static_cast<float>(x), top + static_cast<float>(y)) + 0.5f, 0, 255)));
+        out.push_back(static_cast<std::uint8_t>(
+            clamp(gain * at(left + static_cast<float>(x), top + static_cast<float>(y)) + 0.5f, 0, 255)));
     return out;
   }
 };
 
-ImageView view(const std::vector<std::uint8_t>& p) { return {p.data(), 80, 60, 80}; }
+ImageView view(const std::vector<std::uint8_t>& p) {
+  return {p.data(), 80, 60, 80};
+}
 
 }  // namespace
 

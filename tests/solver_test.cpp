@@ -1,7 +1,8 @@
 #include "pliant/solver.hpp"
 
-#include <Eigen/Dense>
 #include <doctest/doctest.h>
+
+#include <Eigen/Dense>
 #include <initializer_list>
 #include <vector>
 
@@ -17,7 +18,8 @@ struct Equations {
   Arena arena;
   NormalEquations equations;
   explicit Equations(std::size_t n)
-      : block(measured_bytes<NormalEquations>(n) + 16), arena(aligned(block.data()), measured_bytes<NormalEquations>(n)) {
+      : block(measured_bytes<NormalEquations>(n) + 16),
+        arena(aligned(block.data()), measured_bytes<NormalEquations>(n)) {
     REQUIRE(create_in(arena, equations, n) == Status::ok);
   }
   static void* aligned(unsigned char* p) { return p + (16 - reinterpret_cast<std::uintptr_t>(p) % 16) % 16; }

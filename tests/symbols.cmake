@@ -1,3 +1,4 @@
+cmake_minimum_required(VERSION 3.22)
 # The portable libraries must not reach a heap, exceptions, RTTI or libm: no such symbol is left undefined in them.
 # Run as: cmake -DNM=... -DLIBRARIES="a;b" -P symbols.cmake
 set(forbidden

@@ -37,7 +37,8 @@ struct Annotation {
     const cli::CsvTable table("points", cli::read_file(folder + "/points_original.csv"));
     for (std::size_t row = 0; row < kFrames; ++row) {
       points.emplace_back();
-      for (std::size_t i = 0; i < 68; ++i) points.back().push_back({table.number(row, 1 + 2 * i), table.number(row, 2 + 2 * i)});
+      for (std::size_t i = 0; i < 68; ++i)
+        points.back().push_back({table.number(row, 1 + 2 * i), table.number(row, 2 + 2 * i)});
     }
     std::string names = cli::read_file(folder + "/fgnet68_to_ict.csv");
     for (std::size_t at = 0; at < names.size(); at = names.find('\n', at) + 1) {
@@ -55,7 +56,10 @@ struct Annotation {
 float correlation(const std::vector<float>& a, const std::vector<float>& b) {
   double ma = 0, mb = 0, aa = 0, bb = 0, ab = 0;
   const auto n = static_cast<double>(a.size());
-  for (std::size_t i = 0; i < a.size(); ++i) { ma += double(a[i]) / n; mb += double(b[i]) / n; }
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ma += double(a[i]) / n;
+    mb += double(b[i]) / n;
+  }
   for (std::size_t i = 0; i < a.size(); ++i) {
     aa += (double(a[i]) - ma) * (double(a[i]) - ma);
     bb += (double(b[i]) - mb) * (double(b[i]) - mb);
@@ -65,7 +69,8 @@ float correlation(const std::vector<float>& a, const std::vector<float>& b) {
 }
 
 struct Result {
-  float landmark_nme = 0, marker_nme = 0, mouth_correlation = 0;  // percent of the outer eye corners' distance
+  float landmark_nme = 0, marker_nme = 0,
+        mouth_correlation = 0;  // percent of the outer eye corners' distance
   std::size_t tracking = 0;
 };
 
@@ -106,10 +111,15 @@ Result track(const std::string& folder, const Annotation& truth, bool with_marke
     char name[64];
     std::snprintf(name, sizeof name, "/frames/franck_%05d.jpg", static_cast<int>(k));
     const cli::Image grey = cli::to_grey(cli::read_image(folder + name));
-    const FrameView frame{grey.pixels.data(), kWidth, kHeight, kWidth, 1, static_cast<std::int64_t>(k) * 40'000'000, static_cast<std::uint32_t>(k)};
+    const FrameView frame{
+        grey.pixels.data(),           kWidth, kHeight, kWidth, 1, static_cast<std::int64_t>(k) * 40'000'000,
+        static_cast<std::uint32_t>(k)};
     FrameResult r = tracker->result();
-    if (k == 0) REQUIRE(tracker->start(frame, fit.camera, fit.pose, q.data(), {marker_x.data(), marker_x.size()}, {}) == Status::ok);
-    else REQUIRE(tracker->update(frame, &r) == Status::ok);
+    if (k == 0)
+      REQUIRE(tracker->start(frame, fit.camera, fit.pose, q.data(), {marker_x.data(), marker_x.size()}, {}) ==
+              Status::ok);
+    else
+      REQUIRE(tracker->update(frame, &r) == Status::ok);
     result.tracking += tracker->result().state == TrackState::tracking;
     const auto at = [&](const std::string& landmark) {
       const Landmark& l = file.model().landmarks()[file.model().find_landmark(landmark.c_str())];
@@ -119,7 +129,8 @@ Result track(const std::string& folder, const Annotation& truth, bool with_marke
     };
     const auto& t = truth.points[k];
     eye_distance += double(length(t[27] - t[32]));
-    for (const auto& [landmark, index] : truth.ibug) landmark_sum += double(length(at(landmark) - t[index])) / double(truth.ibug.size());
+    for (const auto& [landmark, index] : truth.ibug)
+      landmark_sum += double(length(at(landmark) - t[index])) / double(truth.ibug.size());
     for (std::size_t m = 0; m < markers.size(); ++m) {
       Vec2 x;
       REQUIRE(tracker->marker(m, &x));

@@ -49,7 +49,8 @@ struct Film {
       pose.t = pose.t + Vec3{25 * s, -8 * s, 40 * s};
       std::vector<float> q = model.rest();
       q[model.model.find_parameter("jawOpen")] = 0.25f * (s < 0.5f ? 2 * s : 2 - 2 * s);
-      q[model.model.find_parameter("browInnerUpLeft")] = q[model.model.find_parameter("browInnerUpRight")] = 0.8f * s;
+      q[model.model.find_parameter("browInnerUpLeft")] = q[model.model.find_parameter("browInnerUpRight")] =
+          0.8f * s;
       cli::Image picture = scene.draw(q.data(), pose, camera, background);
       cli::add_noise(picture, 2, static_cast<std::uint32_t>(k));
       frames.push_back(picture.pixels);
@@ -58,7 +59,12 @@ struct Film {
     }
   }
   FrameView view(std::size_t k) const {
-    return {frames[k].data(), kWidth, kHeight, kWidth, 1, static_cast<std::int64_t>(k) * 33'333'333,
+    return {frames[k].data(),
+            kWidth,
+            kHeight,
+            kWidth,
+            1,
+            static_cast<std::int64_t>(k) * 33'333'333,
             static_cast<std::uint32_t>(k)};
   }
   /// Image position of a landmark in frame k.
@@ -75,7 +81,8 @@ const Film& film() {
 }
 
 Status start(Tracker& tracker, Span<const Vec2> markers = {}, TrackerOptions options = {}) {
-  return tracker.start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), markers, options);
+  return tracker.start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), markers,
+                       options);
 }
 
 }  // namespace
@@ -114,7 +121,9 @@ TEST_CASE("no heap call is made from the first frame on, in a block of exactly t
   {
     const heap_trap::Armed armed;
     status = create_in(arena, tracker, face().model, limits);
-    if (status == Status::ok) status = tracker.start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {}, {});
+    if (status == Status::ok)
+      status =
+          tracker.start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {}, {});
     for (std::size_t k = 1; k < kFrames && status == Status::ok; ++k) {
       FrameResult result;
       status = tracker.update(film().view(k), &result);
@@ -126,7 +135,7 @@ TEST_CASE("no heap call is made from the first frame on, in a block of exactly t
   CHECK(tracked);
   CHECK(arena.used_bytes() == bytes);
   {
-    const heap_trap::Armed armed;  // and the trap does catch one
+    const heap_trap::Armed armed;          // and the trap does catch one
     ::operator delete(::operator new(4));  // called as functions: a new-expression may be optimised away
   }
   CHECK(heap_trap::calls > 0);
@@ -181,7 +190,8 @@ TEST_CASE("black frames lose the face within three, and it is found again when i
     CHECK(result.state == (k < 3 ? TrackState::degraded : TrackState::lost));
   }
   int needed = 0;
-  for (; needed < 10 && result.state != TrackState::tracking; ++needed) REQUIRE(tracker->update(film().view(2), &result) == Status::ok);
+  for (; needed < 10 && result.state != TrackState::tracking; ++needed)
+    REQUIRE(tracker->update(film().view(2), &result) == Status::ok);
   CHECK(result.state == TrackState::tracking);
   CHECK(length(log_rotation(result.pose.q * conjugate(normalised(film().poses[2].q)))) < 0.05f);
 }
@@ -192,15 +202,18 @@ TEST_CASE("frames that cannot be used are named and leave everything as it was")
   CHECK(tracker->update(film().view(0), &result) == Status::not_started);
   FrameView v = film().view(0);
   v.width = 319;
-  CHECK(tracker->start(v, film().camera, film().poses[0], film().parameters[0].data(), {}, {}) == Status::size_mismatch);
+  CHECK(tracker->start(v, film().camera, film().poses[0], film().parameters[0].data(), {}, {}) ==
+        Status::size_mismatch);
   v.data = nullptr;
-  CHECK(tracker->start(v, film().camera, film().poses[0], film().parameters[0].data(), {}, {}) == Status::bad_argument);
+  CHECK(tracker->start(v, film().camera, film().poses[0], film().parameters[0].data(), {}, {}) ==
+        Status::bad_argument);
   const Vec2 marker{160, 120};
   CHECK(start(tracker.object, {&marker, 1}) == Status::capacity);
   const std::vector<std::uint8_t> grey(kWidth * kHeight, 128);
   v = film().view(0);
   v.data = grey.data();
-  CHECK(tracker->start(v, film().camera, film().poses[0], film().parameters[0].data(), {}, {}) == Status::too_few_points);
+  CHECK(tracker->start(v, film().camera, film().poses[0], film().parameters[0].data(), {}, {}) ==
+        Status::too_few_points);
   CHECK(tracker->update(film().view(1), &result) == Status::not_started);
 
   REQUIRE(start(tracker.object) == Status::ok);

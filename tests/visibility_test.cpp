@@ -31,7 +31,8 @@ TEST_CASE("a mesh that faces the camera hides what lies behind it and nothing el
   ModelBuilder b;
   b.grid_mesh(4);
   InArena<Mesh> mesh(MeshLimits{});
-  REQUIRE(mesh->set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) == Status::ok);
+  REQUIRE(mesh->set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) ==
+          Status::ok);
   std::vector<Vec2> image;
   std::vector<float> depth;
   for (Vec2 uv : b.vertices) {
@@ -54,7 +55,8 @@ TEST_CASE("a mesh behind the camera is not drawn") {
   ModelBuilder b;
   b.grid_mesh(2);
   InArena<Mesh> mesh(MeshLimits{});
-  REQUIRE(mesh->set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) == Status::ok);
+  REQUIRE(mesh->set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) ==
+          Status::ok);
   const std::vector<Vec2> image(b.vertices.size());
   const std::vector<float> depth(b.vertices.size(), -1.0f);
   InArena<DepthBuffer> buffer(8, 8);

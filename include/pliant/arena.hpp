@@ -64,13 +64,19 @@ class Arena {
   /// The most that was ever in use at once.
   constexpr std::size_t high_water_bytes() const { return high_water_; }
   /// Gives everything back.
-  constexpr void reset() { used_ = 0; exhausted_ = false; }
+  constexpr void reset() {
+    used_ = 0;
+    exhausted_ = false;
+  }
 
   /// Gives back, at the end of a scope, what was taken inside it.
   class Scope {
    public:
     explicit Scope(Arena& arena) : arena_(arena), used_(arena.used_), exhausted_(arena.exhausted_) {}
-    ~Scope() { arena_.used_ = used_; arena_.exhausted_ = exhausted_; }
+    ~Scope() {
+      arena_.used_ = used_;
+      arena_.exhausted_ = exhausted_;
+    }
     Scope(const Scope&) = delete;
     Scope& operator=(const Scope&) = delete;
 
@@ -93,7 +99,8 @@ Status create_in(Arena& arena, T& object, const Args&... args) {
   Arena trial;
   T probe;
   probe.lay_out(trial, args...);
-  if (arena.exhausted() || trial.used_bytes() > arena.size_bytes() - arena.used_bytes()) return Status::out_of_memory;
+  if (arena.exhausted() || trial.used_bytes() > arena.size_bytes() - arena.used_bytes())
+    return Status::out_of_memory;
   object.lay_out(arena, args...);
   return Status::ok;
 }

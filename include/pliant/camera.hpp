@@ -40,7 +40,7 @@ Camera camera_of(const View& view);
 /// Unknowns of a view, in the order of the pose block of every solver: rotation increment (rad, applied on the left,
 /// in camera axes), log s, tau (mm), log rho. When the focal length is known, log rho follows log s and is left out.
 enum PoseUnknown { kTurnX = 0, kTurnY, kTurnZ, kLogScale, kShiftX, kShiftY, kLogRho };
-constexpr int kPoseUnknowns = 6;           ///< with known focal length
+constexpr int kPoseUnknowns = 6;  ///< with known focal length
 constexpr int kPoseUnknownsWithFocal = 7;
 
 /// `view` moved by `step`, of kPoseUnknowns values (rho follows s: f stays) or kPoseUnknownsWithFocal.

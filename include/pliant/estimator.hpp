@@ -22,36 +22,41 @@ namespace pliant {
 
 /// Capacities. The defaults track a face at 320 x 240 on a Cortex-M7.
 struct EstimatorLimits {
-  std::uint16_t points = 128;     ///< surface points followed at once (anchors and markers); ids are below this
-  std::uint16_t vertices = 512;   ///< of the mesh, at least those of the model's base mesh; faces are twice as many
+  std::uint16_t points = 128;  ///< surface points followed at once (anchors and markers); ids are below this
+  std::uint16_t vertices =
+      512;  ///< of the mesh, at least those of the model's base mesh; faces are twice as many
 };
 
 struct EstimatorOptions {
-  int iterations = 4;               ///< Gauss-Newton steps in each of the two stages (Huber, Tukey) of a solve, at most
+  int iterations = 4;  ///< Gauss-Newton steps in each of the two stages (Huber, Tukey) of a solve, at most
   float relative_decrease = 1e-3f;  ///< a stage ends when a step lowers the cost by less than this share
-  float mesh_error_mm = 0.3f;       ///< the mesh is refined by the contour criterion to this mean error, or to its limit
-  float model_error_px = 0.5f;      ///< what the model cannot explain, at 320 px of image width: added to every observation
-  float expression_rate = 3.0f;     ///< ranges a parameter may cross in a second (one sd of the temporal prior)
-  float prior_strength = 1.0f;      ///< weight of the parameters' own prior
-  std::uint8_t tangent_share = 4;   ///< the tangents of one point in so many are computed anew each frame; they turn with
-                                    ///< the pose in every frame, and lag the expression by so many frames at most
-  float min_facing = 0.3f;          ///< cosine of surface normal and viewing direction below which a point is not visible
-  float lost_rms_px = 4.0f;         ///< at 320 px of image width
-  float lost_share = 0.15f;         ///< of the observations tried that must be inliers
-  std::uint16_t lost_points = 8;    ///< inliers needed
-  std::uint8_t lost_frames = 3;     ///< bad frames in a row until the state is `lost`
+  float mesh_error_mm =
+      0.3f;  ///< the mesh is refined by the contour criterion to this mean error, or to its limit
+  float model_error_px =
+      0.5f;  ///< what the model cannot explain, at 320 px of image width: added to every observation
+  float expression_rate = 3.0f;  ///< ranges a parameter may cross in a second (one sd of the temporal prior)
+  float prior_strength = 1.0f;   ///< weight of the parameters' own prior
+  std::uint8_t tangent_share =
+      4;  ///< the tangents of one point in so many are computed anew each frame; they turn with
+          ///< the pose in every frame, and lag the expression by so many frames at most
+  float min_facing =
+      0.3f;  ///< cosine of surface normal and viewing direction below which a point is not visible
+  float lost_rms_px = 4.0f;       ///< at 320 px of image width
+  float lost_share = 0.15f;       ///< of the observations tried that must be inliers
+  std::uint16_t lost_points = 8;  ///< inliers needed
+  std::uint8_t lost_frames = 3;   ///< bad frames in a row until the state is `lost`
 };
 
 enum class TrackState : std::uint8_t { tracking = 0, degraded = 1, lost = 2 };
 
 struct FrameResult {
   TrackState state = TrackState::lost;
-  Pose pose;                     ///< meaningful unless lost
-  std::uint16_t tracked = 0;     ///< observations found
-  std::uint16_t inliers = 0;     ///< those with weight at the end
-  float rms_px = 0;              ///< of the inliers
+  Pose pose;                  ///< meaningful unless lost
+  std::uint16_t tracked = 0;  ///< observations found
+  std::uint16_t inliers = 0;  ///< those with weight at the end
+  float rms_px = 0;           ///< of the inliers
   std::uint16_t iterations = 0;
-  std::uint16_t vertices = 0;    ///< of the mesh
+  std::uint16_t vertices = 0;  ///< of the mesh
 };
 
 class Estimator {
@@ -137,7 +142,7 @@ class Estimator {
 
   View view_, trusted_view_;
   std::int64_t time_ns_ = 0;
-  float seconds_ = 0;                   // since the last frame
+  float seconds_ = 0;  // since the last frame
   int bad_frames_ = 0;
   FrameResult result_;
   std::size_t looked_for_ = 0;  // observations that the platform tried to make in this frame
@@ -155,7 +160,7 @@ class Estimator {
   float *step_ = nullptr, *lengths_ = nullptr;
   std::uint16_t* unknown_ = nullptr;
   Vec2* column_ = nullptr;
-  Sym2* information_ = nullptr;      // of those, with the model's own error added
+  Sym2* information_ = nullptr;  // of those, with the model's own error added
   bool vertices_are_current_ = false;
   std::uint16_t* usable_ = nullptr;  // indices of the observations that take part
 };

@@ -20,9 +20,9 @@ Vec3 sample_with_gradient(const Model& model, const Field& field, Vec2 uv, Vec3*
 
 /// J_i = dp/dq, 3 x n, of one surface point (Eq. 11), by the columns that are not zero.
 struct Jacobian {
-  const Vec3* column = nullptr;          ///< indexed by column number; only those listed are meaningful
-  const std::uint16_t* list = nullptr;   ///< numbers of the non-zero columns, ascending
-  std::size_t count = 0;                 ///< of the list
+  const Vec3* column = nullptr;         ///< indexed by column number; only those listed are meaningful
+  const std::uint16_t* list = nullptr;  ///< numbers of the non-zero columns, ascending
+  std::size_t count = 0;                ///< of the list
 };
 
 /// A surface point and its tangents dp/du, dp/dv in millimetres per unit of u, v.
@@ -89,7 +89,7 @@ class Cascade {
   std::uint8_t* folded_ = nullptr;       // a frozen record that a live one (or the end) reads
   std::uint8_t* register_of_ = nullptr;  // a record
   std::uint16_t* last_reader_ = nullptr;
-  Vec3* point_ = nullptr;                // a record's value in the running evaluation
+  Vec3* point_ = nullptr;  // a record's value in the running evaluation
   Vec3 *tangent_u_ = nullptr, *tangent_v_ = nullptr;
   static constexpr std::size_t kMaxRegisters = 8;
   Register register_[kMaxRegisters] = {};

@@ -15,8 +15,8 @@ namespace pliant {
 /// One surface point seen in the image.
 struct Correspondence {
   Vec2 uv;
-  Vec2 x;               ///< px
-  float sd_px = 1.0f;   ///< standard deviation of x, > 0
+  Vec2 x;              ///< px
+  float sd_px = 1.0f;  ///< standard deviation of x, > 0
 };
 
 struct FitLimits {
@@ -24,22 +24,24 @@ struct FitLimits {
 };
 
 struct FitOptions {
-  int width = 0, height = 0;      ///< of the picture; sets the principal point
-  float focal_px = 0;             ///< 0: unknown, estimated around `default_focal_ratio` of the larger side
+  int width = 0, height = 0;  ///< of the picture; sets the principal point
+  float focal_px = 0;         ///< 0: unknown, estimated around `default_focal_ratio` of the larger side
   float default_focal_ratio = 1.4f;
-  float focal_log_sd = 0.3f;      ///< prior of log f when unknown
-  const View* start = nullptr;    ///< a rough pose; null: found from the points
-  const std::uint8_t* is_free = nullptr;  ///< flag a parameter; null: all free. The others keep their value in q
-  float misfit_mm = 3.0f;         ///< what neither noise nor prior explains (a landmark annotated elsewhere than the model
-                                  ///< has it): the robust loss lets go only of what is several times further off
-  bool robust = true;             ///< Huber, then Tukey on the residual length; false: plain squares
-  int iterations = 30;            ///< at most, over all stages
+  float focal_log_sd = 0.3f;    ///< prior of log f when unknown
+  const View* start = nullptr;  ///< a rough pose; null: found from the points
+  const std::uint8_t* is_free =
+      nullptr;  ///< flag a parameter; null: all free. The others keep their value in q
+  float misfit_mm =
+      3.0f;  ///< what neither noise nor prior explains (a landmark annotated elsewhere than the model
+             ///< has it): the robust loss lets go only of what is several times further off
+  bool robust = true;   ///< Huber, then Tukey on the residual length; false: plain squares
+  int iterations = 30;  ///< at most, over all stages
 };
 
 struct FitReport {
-  View view;                ///< pose and camera
-  float rms_px = 0;         ///< over the points used
-  std::size_t used = 0;     ///< points with weight at the end (inliers)
+  View view;             ///< pose and camera
+  float rms_px = 0;      ///< over the points used
+  std::size_t used = 0;  ///< points with weight at the end (inliers)
   int iterations = 0;
   std::size_t undetermined = 0;
 };
@@ -56,16 +58,16 @@ class Fitter {
   /// \param residuals  projected minus observed (px), a point.
   /// \param weights    robust weight in [0,1], a point.
   /// \return bad_argument (NaN, sd <= 0, uv outside [0,1], no size), capacity, too_few_points, underdetermined.
-  Status fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report, float* sd,
-             Vec2* residuals, float* weights);
+  Status fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
+             float* sd, Vec2* residuals, float* weights);
 
   Cascade& cascade() { return cascade_; }
 
  private:
   friend struct FitProblem;
   Vec3* baked_at(std::size_t point) { return baked_ + point * cascade_.model().cascade().count; }
-  Status conclude(struct FitProblem& problem, float* q, FitReport* report, float* sd, Vec2* residuals, float* weights,
-                  int iterations);
+  Status conclude(struct FitProblem& problem, float* q, FitReport* report, float* sd, Vec2* residuals,
+                  float* weights, int iterations);
 
   Cascade cascade_;
   NormalEquations equations_;

@@ -45,33 +45,58 @@ struct Pose {
 /// Square root, correctly rounded on every target. Negative arguments give 0.
 float square_root(float x);
 
-constexpr Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
-constexpr Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
-constexpr Vec2 operator*(float s, Vec2 a) { return {s * a.x, s * a.y}; }
-constexpr float dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+constexpr Vec2 operator+(Vec2 a, Vec2 b) {
+  return {a.x + b.x, a.y + b.y};
+}
+constexpr Vec2 operator-(Vec2 a, Vec2 b) {
+  return {a.x - b.x, a.y - b.y};
+}
+constexpr Vec2 operator*(float s, Vec2 a) {
+  return {s * a.x, s * a.y};
+}
+constexpr float dot(Vec2 a, Vec2 b) {
+  return a.x * b.x + a.y * b.y;
+}
 
-constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-constexpr Vec3 operator*(float s, Vec3 a) { return {s * a.x, s * a.y, s * a.z}; }
-constexpr float dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr Vec3 operator+(Vec3 a, Vec3 b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+constexpr Vec3 operator-(Vec3 a, Vec3 b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+constexpr Vec3 operator*(float s, Vec3 a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+constexpr float dot(Vec3 a, Vec3 b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 constexpr Vec3 cross(Vec3 a, Vec3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline float length(Vec2 a) { return square_root(dot(a, a)); }
-inline float length(Vec3 a) { return square_root(dot(a, a)); }
+inline float length(Vec2 a) {
+  return square_root(dot(a, a));
+}
+inline float length(Vec3 a) {
+  return square_root(dot(a, a));
+}
 /// a / |a|, or zero where |a| is zero.
 Vec3 normalised(Vec3 a);
 
-constexpr Vec2 operator*(const Mat2& m, Vec2 v) { return {m.a * v.x + m.b * v.y, m.c * v.x + m.d * v.y}; }
+constexpr Vec2 operator*(const Mat2& m, Vec2 v) {
+  return {m.a * v.x + m.b * v.y, m.c * v.x + m.d * v.y};
+}
 constexpr Mat2 operator*(const Mat2& l, const Mat2& r) {
   return {l.a * r.a + l.b * r.c, l.a * r.b + l.b * r.d, l.c * r.a + l.d * r.c, l.c * r.b + l.d * r.d};
 }
-constexpr float determinant(const Mat2& m) { return m.a * m.d - m.b * m.c; }
+constexpr float determinant(const Mat2& m) {
+  return m.a * m.d - m.b * m.c;
+}
 /// Inverse of m; the identity where the determinant is zero or not finite.
 Mat2 inverse(const Mat2& m);
 
 constexpr Vec3 operator*(const Mat3& m, Vec3 v) {
-  return {m.m[0][0] * v.x + m.m[0][1] * v.y + m.m[0][2] * v.z, m.m[1][0] * v.x + m.m[1][1] * v.y + m.m[1][2] * v.z,
+  return {m.m[0][0] * v.x + m.m[0][1] * v.y + m.m[0][2] * v.z,
+          m.m[1][0] * v.x + m.m[1][1] * v.y + m.m[1][2] * v.z,
           m.m[2][0] * v.x + m.m[2][1] * v.y + m.m[2][2] * v.z};
 }
 
@@ -80,7 +105,9 @@ constexpr Quat operator*(Quat a, Quat b) {
   return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
           a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
-constexpr Quat conjugate(Quat q) { return {q.w, -q.x, -q.y, -q.z}; }
+constexpr Quat conjugate(Quat q) {
+  return {q.w, -q.x, -q.y, -q.z};
+}
 /// q / |q|, with w >= 0; the identity where |q| is zero or not finite.
 Quat normalised(Quat q);
 /// Rotation matrix of a unit quaternion.
@@ -95,13 +122,25 @@ Vec3 log_rotation(Quat q);
 
 /// True where every component is a finite number.
 bool is_finite(float x);
-inline bool is_finite(Vec2 v) { return is_finite(v.x) && is_finite(v.y); }
-inline bool is_finite(Vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
+inline bool is_finite(Vec2 v) {
+  return is_finite(v.x) && is_finite(v.y);
+}
+inline bool is_finite(Vec3 v) {
+  return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
+}
 bool is_finite(const Pose& pose);
 
-constexpr float min(float a, float b) { return b < a ? b : a; }
-constexpr float max(float a, float b) { return a < b ? b : a; }
-constexpr float clamp(float x, float lo, float hi) { return x < lo ? lo : (hi < x ? hi : x); }
-constexpr float magnitude(float x) { return x < 0 ? -x : x; }
+constexpr float min(float a, float b) {
+  return b < a ? b : a;
+}
+constexpr float max(float a, float b) {
+  return a < b ? b : a;
+}
+constexpr float clamp(float x, float lo, float hi) {
+  return x < lo ? lo : (hi < x ? hi : x);
+}
+constexpr float magnitude(float x) {
+  return x < 0 ? -x : x;
+}
 
 }  // namespace pliant

@@ -33,8 +33,17 @@ struct Header {
 
 /// Section kinds; a table has each at most once. Only `curves` and `albedo` may be missing.
 enum class Kind : std::uint32_t {
-  parameters = 1, fields = 2, samples = 3, cascade = 4, mask = 5, vertices = 6, faces = 7, landmarks = 8, curves = 9,
-  curve_points = 10, albedo = 11,
+  parameters = 1,
+  fields = 2,
+  samples = 3,
+  cascade = 4,
+  mask = 5,
+  vertices = 6,
+  faces = 7,
+  landmarks = 8,
+  curves = 9,
+  curve_points = 10,
+  albedo = 11,
 };
 
 struct Section {
@@ -61,14 +70,14 @@ struct Parameter {
 /// components interleaved. Value of component c = offset[c] + scale[c] * integer. A field whose rectangle is not the
 /// whole chart must decode to zero on its rim (offset zero), so that it is continuous.
 struct Field {
-  std::uint16_t width, height;   ///< samples, each at least 2
-  std::uint8_t components;       ///< 1 or 3
-  std::uint8_t bits;             ///< 8 or 16, signed
-  std::uint8_t mirror;           ///< 1: V(u,v) = diag(-1,1,1) V_stored(1-u,v); a weight is w_stored(1-u,v)
+  std::uint16_t width, height;  ///< samples, each at least 2
+  std::uint8_t components;      ///< 1 or 3
+  std::uint8_t bits;            ///< 8 or 16, signed
+  std::uint8_t mirror;          ///< 1: V(u,v) = diag(-1,1,1) V_stored(1-u,v); a weight is w_stored(1-u,v)
   std::uint8_t reserved;
-  float u0, v0, u1, v1;          ///< support rectangle inside [0,1]^2 of the *stored* samples
+  float u0, v0, u1, v1;  ///< support rectangle inside [0,1]^2 of the *stored* samples
   float scale[3], offset[3];
-  std::uint32_t first_byte;      ///< of its samples within the samples section; a multiple of 2 for 16 bits
+  std::uint32_t first_byte;  ///< of its samples within the samples section; a multiple of 2 for 16 bits
 };
 
 /// Operations of the cascade. p is the point of the source record, w the weight field's value (1 without one), q the
@@ -77,24 +86,25 @@ enum class Operation : std::uint32_t {
   constant = 0,    ///< p = V(u,v)                                        (Eq. 2, 3)
   add_vector = 1,  ///< p + q V(u,v)                                      (Eq. 4)
   product = 2,     ///< p + q_a q_b V(u,v), a corrective shape
-  one_sided = 3,   ///< p + phi(q) V(u,v), phi a smooth ramp: 0 for q <= -h, q for q >= h, (q+h)^2/(4h) between, h = axis.x
-  scale = 4,       ///< c + (1 + w q) (p - c), c = pivot
-  rotate = 5,      ///< c + R(axis, w q) (p - c): jaw, eyeballs; q in radians, axis a unit vector
-  affine = 6,      ///< p + w q (A p + b - p); A, b from the record's matrix
-  rigid = 7,       ///< c + R(w) (p - c) + t; six parameters: rotation vector, translation
-  lerp = 8,        ///< (1 - q) p_0 + q p_1 of two sources
+  one_sided =
+      3,  ///< p + phi(q) V(u,v), phi a smooth ramp: 0 for q <= -h, q for q >= h, (q+h)^2/(4h) between, h = axis.x
+  scale = 4,   ///< c + (1 + w q) (p - c), c = pivot
+  rotate = 5,  ///< c + R(axis, w q) (p - c): jaw, eyeballs; q in radians, axis a unit vector
+  affine = 6,  ///< p + w q (A p + b - p); A, b from the record's matrix
+  rigid = 7,   ///< c + R(w) (p - c) + t; six parameters: rotation vector, translation
+  lerp = 8,    ///< (1 - q) p_0 + q p_1 of two sources
 };
 
 /// One step of the cascade: reads the results of earlier records only. The last record's result is the surface point.
 struct CascadeRecord {
   Operation operation;
-  std::uint16_t source[2];      ///< indices of earlier records; kNone where unused (constant uses none)
-  std::uint16_t parameter[6];   ///< indices into q; kNone where unused
-  std::uint16_t field;          ///< three components; kNone where unused
-  std::uint16_t weight;         ///< one component; kNone means w = 1
-  float axis[3];                ///< unit vector (rotate), or axis[0] = h (one_sided)
-  float pivot[3];               ///< millimetres
-  float matrix[12];             ///< affine: A by rows then b; zero otherwise
+  std::uint16_t source[2];     ///< indices of earlier records; kNone where unused (constant uses none)
+  std::uint16_t parameter[6];  ///< indices into q; kNone where unused
+  std::uint16_t field;         ///< three components; kNone where unused
+  std::uint16_t weight;        ///< one component; kNone means w = 1
+  float axis[3];               ///< unit vector (rotate), or axis[0] = h (one_sided)
+  float pivot[3];              ///< millimetres
+  float matrix[12];            ///< affine: A by rows then b; zero otherwise
 };
 
 /// A named place on the surface.

@@ -9,12 +9,12 @@ namespace pliant {
 
 /// Where the model expects a surface point in the next image, and how it will look.
 struct Prediction {
-  std::uint16_t id = 0;      ///< stable name of the surface point
-  Vec2 x;                    ///< px
-  Sym2 covariance;           ///< of x (px^2), from the uncertainty of the predicted state
-  Mat2 jacobian;             ///< dx/d(u,v), px per unit; a patch warps by J J_ref^-1
-  float facing = 0;          ///< cosine between the surface normal and the direction to the camera; <= 0 faces away
-  bool visible = false;      ///< faces the camera, is inside the image and not hidden by the surface itself
+  std::uint16_t id = 0;  ///< stable name of the surface point
+  Vec2 x;                ///< px
+  Sym2 covariance;       ///< of x (px^2), from the uncertainty of the predicted state
+  Mat2 jacobian;         ///< dx/d(u,v), px per unit; a patch warps by J J_ref^-1
+  float facing = 0;  ///< cosine between the surface normal and the direction to the camera; <= 0 faces away
+  bool visible = false;  ///< faces the camera, is inside the image and not hidden by the surface itself
 };
 
 /// What an observation comes from.
@@ -22,18 +22,24 @@ enum class Cue : std::uint8_t { patch = 0, flow = 1, edge = 2, landmark = 3 };
 
 /// Why a surface point has no observation in a frame.
 enum class Reason : std::uint8_t {
-  found = 0, not_visible = 1, outside_image = 2, no_texture = 3, diverged = 4, low_correlation = 5,
-  forward_backward = 6, rejected = 7,
+  found = 0,
+  not_visible = 1,
+  outside_image = 2,
+  no_texture = 3,
+  diverged = 4,
+  low_correlation = 5,
+  forward_backward = 6,
+  rejected = 7,
 };
 
 /// One thing seen of a surface point.
 struct Observation {
   std::uint16_t id = 0;
-  Vec2 x;              ///< px
-  Sym2 information;    ///< 1/px^2; of rank one for edges and normal flow
+  Vec2 x;            ///< px
+  Sym2 information;  ///< 1/px^2; of rank one for edges and normal flow
   Cue cue = Cue::patch;
   Reason reason = Reason::found;  ///< anything else: not used, kept for the counts
-  float score = 0;     ///< normalised correlation or contrast, in [-1,1]
+  float score = 0;                ///< normalised correlation or contrast, in [-1,1]
 };
 
 }  // namespace pliant

@@ -24,7 +24,8 @@ class NormalEquations {
   /// Adds one image observation: residual f = observed - projected (px), information W (1/px^2, may be of rank one),
   /// and the 2 x n derivative of the projection by its non-zero columns: unknown numbers ascending.
   /// Cost: k(k+1) multiply-adds for k columns.
-  void add(const std::uint16_t* unknown, const Vec2* column, std::size_t columns, Vec2 residual, Sym2 information);
+  void add(const std::uint16_t* unknown, const Vec2* column, std::size_t columns, Vec2 residual,
+           Sym2 information);
 
   /// Adds the scalar observation x_k = `residual` (relative to where the unknown is now) with weight 1/sd^2: a prior.
   void add_prior(std::size_t unknown, float residual, float weight);
@@ -56,7 +57,8 @@ class NormalEquations {
   void back_substitute(const float* right, float* x);
 
   float *h_ = nullptr, *factor_ = nullptr;
-  float *g_ = nullptr, *scale_ = nullptr, *lower_ = nullptr, *upper_ = nullptr, *right_ = nullptr, *solution_ = nullptr;
+  float *g_ = nullptr, *scale_ = nullptr, *lower_ = nullptr, *upper_ = nullptr, *right_ = nullptr,
+        *solution_ = nullptr;
   std::uint8_t* pinned_ = nullptr;
   std::size_t capacity_ = 0, count_ = 0, undetermined_ = 0;
 };
@@ -74,8 +76,8 @@ struct LeastSquaresProblem {
 };
 
 struct SolverOptions {
-  int max_iterations = 8;        ///< linearisations
-  int max_tries = 4;             ///< dampings tried an iteration
+  int max_iterations = 8;  ///< linearisations
+  int max_tries = 4;       ///< dampings tried an iteration
   float initial_damping = 1e-4f;
   float relative_decrease = 1e-5f;  ///< stop when an iteration lowers the cost by less than this share
 };
@@ -91,7 +93,7 @@ struct SolverReport {
 
 /// Levenberg-Marquardt: at most max_iterations x max_tries factorisations. The equations of the last accepted state
 /// remain in `equations`.
-SolverReport minimise(const LeastSquaresProblem& problem, const SolverOptions& options, NormalEquations& equations,
-                      float* step_scratch);
+SolverReport minimise(const LeastSquaresProblem& problem, const SolverOptions& options,
+                      NormalEquations& equations, float* step_scratch);
 
 }  // namespace pliant

@@ -39,12 +39,21 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
 
 Reason reason_of(PatchStatus status) {
   switch (status) {
-    case PatchStatus::ok: return Reason::found;
-    case PatchStatus::outside_image: return Reason::outside_image;
-    case PatchStatus::flat: case PatchStatus::empty_slot: return Reason::no_texture;
-    case PatchStatus::low_correlation: case PatchStatus::bad_light: return Reason::low_correlation;
-    case PatchStatus::inconsistent: return Reason::forward_backward;
-    case PatchStatus::bad_argument: case PatchStatus::diverged: break;
+    case PatchStatus::ok:
+      return Reason::found;
+    case PatchStatus::outside_image:
+      return Reason::outside_image;
+    case PatchStatus::flat:
+    case PatchStatus::empty_slot:
+      return Reason::no_texture;
+    case PatchStatus::low_correlation:
+    case PatchStatus::bad_light:
+      return Reason::low_correlation;
+    case PatchStatus::inconsistent:
+      return Reason::forward_backward;
+    case PatchStatus::bad_argument:
+    case PatchStatus::diverged:
+      break;
   }
   return Reason::diverged;
 }
@@ -102,8 +111,13 @@ Status Tracker::start(const FrameView& frame, const Camera& camera, const Pose& 
   if (status != Status::ok) return status;
   seed_patches();
   if (patch_count_ < 6) return Status::too_few_points;
-  result_ = {TrackState::tracking, pose_of(estimator_.view()), static_cast<std::uint16_t>(patch_count_),
-             static_cast<std::uint16_t>(patch_count_), 0, 0, static_cast<std::uint16_t>(estimator_.mesh().vertex_count())};
+  result_ = {TrackState::tracking,
+             pose_of(estimator_.view()),
+             static_cast<std::uint16_t>(patch_count_),
+             static_cast<std::uint16_t>(patch_count_),
+             0,
+             0,
+             static_cast<std::uint16_t>(estimator_.mesh().vertex_count())};
   first_view_ = estimator_.view();
   first_box_ = last_box_ = model_box();
   keep_small(first_small_);
@@ -156,7 +170,9 @@ void Tracker::mark_visible_cells(int cell_px) {
 
 /// Takes on the surface under x as a patch, if it is far enough from the others and from the markers.
 bool Tracker::seed(Vec2 x, float min_distance) {
-  const auto nearer = [x](Vec2 other, float distance) { return dot(x - other, x - other) < distance * distance; };
+  const auto nearer = [x](Vec2 other, float distance) {
+    return dot(x - other, x - other) < distance * distance;
+  };
   for (std::size_t k = 0; k < patch_count_; ++k)
     if (nearer(slots_[k].seen, min_distance)) return false;
   for (std::size_t k = 0; k < marker_count_; ++k) {
@@ -192,7 +208,9 @@ void Tracker::seed_patches() {
     options.min_distance_px = clamp(spacing, 2, 256);
     Arena scratch(scratch_, scratch_bytes_);
     int found = 0;
-    if (find_corners(current_.level(0), options, {cells_, cells}, scratch, {corners_, limits_.patches}, found) != Status::ok) return;
+    if (find_corners(current_.level(0), options, {cells_, cells}, scratch, {corners_, limits_.patches},
+                     found) != Status::ok)
+      return;
     for (int i = 0; i < found && patch_count_ < limits_.patches; ++i) seed(corners_[i].x, spacing);
   }
 }
@@ -320,8 +338,10 @@ void Tracker::note_seen() {
     slot.was_seen = o.reason == Reason::found && result_.state == TrackState::tracking;
     if (!slot.was_seen) continue;
     slot.seen = o.x;
-    if (o.cue == Cue::patch) slot.frames_apart = 0;
-    else if (slot.frames_apart < kMostFramesApart) ++slot.frames_apart;
+    if (o.cue == Cue::patch)
+      slot.frames_apart = 0;
+    else if (slot.frames_apart < kMostFramesApart)
+      ++slot.frames_apart;
   }
 }
 

@@ -13,18 +13,19 @@ namespace pliant {
 /// used in place; any other (2: packed YUYV) is copied into the first pyramid level.
 struct FrameView {
   const std::uint8_t* data = nullptr;
-  int width = 0, height = 0;      ///< pixels
-  std::size_t stride_bytes = 0;   ///< from one row to the next; at least (width - 1) * pixel_step_bytes + 1
-  int pixel_step_bytes = 1;       ///< from one pixel to the next; 1 or 2
-  std::int64_t time_ns = 0;       ///< of exposure; any origin, never falling
-  std::uint32_t sequence = 0;     ///< number of the frame; gaps tell of dropped frames
+  int width = 0, height = 0;     ///< pixels
+  std::size_t stride_bytes = 0;  ///< from one row to the next; at least (width - 1) * pixel_step_bytes + 1
+  int pixel_step_bytes = 1;      ///< from one pixel to the next; 1 or 2
+  std::int64_t time_ns = 0;      ///< of exposure; any origin, never falling
+  std::uint32_t sequence = 0;    ///< number of the frame; gaps tell of dropped frames
 };
 
 /// `ok` when the view can be read; `bad_argument` for a null pointer, an empty size or a stride that is too small.
 inline Status check(const FrameView& f) {
   if (f.data == nullptr || f.width <= 0 || f.height <= 0 || f.pixel_step_bytes < 1 || f.pixel_step_bytes > 2)
     return Status::bad_argument;
-  const std::size_t row = static_cast<std::size_t>(f.width - 1) * static_cast<std::size_t>(f.pixel_step_bytes) + 1;
+  const std::size_t row =
+      static_cast<std::size_t>(f.width - 1) * static_cast<std::size_t>(f.pixel_step_bytes) + 1;
   return f.stride_bytes >= row ? Status::ok : Status::bad_argument;
 }
 

@@ -13,8 +13,8 @@ struct PixelBox {
 };
 
 struct Shift {
-  Vec2 by;                 ///< px of the pictures compared; sub-pixel by a parabola through the best
-  float correlation = 0;   ///< normalised, -1 to 1; 0 when nothing could be compared
+  Vec2 by;                ///< px of the pictures compared; sub-pixel by a parabola through the best
+  float correlation = 0;  ///< normalised, -1 to 1; 0 when nothing could be compared
 };
 
 /// Finds the shift of `box` from `reference` to `current` that correlates best, within `range_px` each way. Only pixels that

@@ -22,16 +22,16 @@ struct TrackerLimits {
   std::uint16_t markers = 0;                ///< followed but never observed
   std::uint16_t vertices = 512;
   std::uint8_t pyramid_levels = 3;
-  std::uint8_t patch_window = 11;           ///< px, odd
+  std::uint8_t patch_window = 11;  ///< px, odd
 };
 
 struct TrackerOptions {
   EstimatorOptions estimator;
   const std::uint8_t* is_free = nullptr;  ///< flag a parameter; null: the expressions
-  float marker_exclusion_px = 8;      ///< no patch is centred within this distance of a marker in the first frame
-  float min_correlation = 0.55f;      ///< with the patch of the first frame, in the last round; 0.1 less before
-  float forward_backward_px = 0.7f;   ///< at 320 px of width, for the steps from frame to frame
-  std::uint8_t rounds = 2;            ///< of predicting, looking and solving a frame
+  float marker_exclusion_px = 8;  ///< no patch is centred within this distance of a marker in the first frame
+  float min_correlation = 0.55f;  ///< with the patch of the first frame, in the last round; 0.1 less before
+  float forward_backward_px = 0.7f;  ///< at 320 px of width, for the steps from frame to frame
+  std::uint8_t rounds = 2;           ///< of predicting, looking and solving a frame
 };
 
 /// Follows one model through a stream of frames of one size. All memory is taken at creation. Each surface patch is
@@ -49,8 +49,8 @@ class Tracker {
   /// frame, at most limits.markers of them, cast onto the posed mesh; one that misses takes the nearest surface point.
   /// \return bad_argument, size_mismatch, capacity (markers), too_few_points (no texture to hold on to), or a status of
   ///         Estimator::start. The tracker is then not started.
-  Status start(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q, Span<const Vec2> markers,
-               const TrackerOptions& options);
+  Status start(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
+               Span<const Vec2> markers, const TrackerOptions& options);
 
   /// The next frame. \return not_started, bad_argument, size_mismatch; the state is then as before.
   Status update(const FrameView& frame, FrameResult* result);
@@ -67,11 +67,11 @@ class Tracker {
 
  private:
   struct Slot {
-    std::uint16_t id;             // of its surface point
-    Mat2 reference;               // dx/d(u,v) where the patch was captured
-    Vec2 seen, expected;          // last frame: where it was found, where it was predicted
+    std::uint16_t id;     // of its surface point
+    Mat2 reference;       // dx/d(u,v) where the patch was captured
+    Vec2 seen, expected;  // last frame: where it was found, where it was predicted
     bool was_seen;
-    std::uint8_t frames_apart;    // since it last matched the first frame's patch
+    std::uint8_t frames_apart;  // since it last matched the first frame's patch
   };
 
   Status check_frame(const FrameView& frame) const;
