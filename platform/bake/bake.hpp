@@ -2,6 +2,7 @@
 /// \file bake.hpp
 /// Makes a model table (`.plm`) from a readable source on a host.
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,9 +14,17 @@ struct BakeOptions {
   std::string source;  ///< the folder of the source
   int size =
       128;  ///< samples a side of a field over the whole chart, 16 to 512; the rest shape has twice that
-  int bits = 16;               ///< a sample: 16 or 8; the rest shape always has 16
-  int base_vertices = 480;     ///< of the base mesh, about; 60 to 5000
+  int bits = 16;       ///< a sample: 16 or 8; the rest shape always has 16
+  float unit_mm = 1;   ///< of OBJ files
+  int components = 0;  ///< above 0: the OBJ files are scans, of which so many principal components are kept
+  std::function<void(std::size_t done, std::size_t of)> progress;  ///< called an OBJ file; may be empty
+  int base_vertices = 480;                                         ///< of the base mesh, about; 60 to 5000
   float tolerance_mm = 0.05f;  ///< fields are sampled more coarsely where that costs no more than this
+};
+
+struct ShapeReport {
+  std::string name;  ///< of the parameter
+  float mean_mm, max_mm;
 };
 
 /// How faithful a table is: distances at the mesh's skin vertices, in millimetres. A shape is measured at its
@@ -24,11 +33,14 @@ struct BakeReport {
   float neutral_mean_mm = 0, neutral_max_mm = 0;
   float shape_mean_mm = 0, shape_max_mm = 0;  ///< mean over all shapes and vertices, and the worst
   std::string worst_shape;
+  std::vector<ShapeReport> shapes;     ///< all but mirror images
+  std::vector<std::string> unmatched;  ///< expressions that bear none of ARKit's names
   std::size_t field_count = 0, base_vertices = 0, table_bytes = 0;
 };
 
-/// Bakes the built-in face's tables (points.txt and others) in a folder. False, with one line that names the
-/// file and line, when anything is wrong with them; `table` is untouched then. `report` may be null.
+/// Bakes a folder with the tables of a face (points.txt and others), or with OBJ files (obj_source.hpp).
+/// False, with one line that names the file and line, when anything is wrong with them; `table` is untouched
+/// then. `report` may be null.
 bool bake(const BakeOptions& options, std::vector<std::uint8_t>& table, std::string& error,
           BakeReport* report = nullptr);
 

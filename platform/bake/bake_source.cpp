@@ -7,6 +7,7 @@
 #include "bake/bake.hpp"
 #include "bake/base_mesh.hpp"
 #include "bake/field_grid.hpp"
+#include "bake/grid_fit.hpp"
 #include "bake/table_writer.hpp"
 
 namespace pliant::bake {
@@ -19,7 +20,10 @@ std::size_t at(int i) {
 
 class Baker {
  public:
-  Baker(const Source& source, const BakeOptions& options) : source_(source), options_(options) {
+  Baker(const Source& source, const BakeOptions& options)
+      : source_(source),
+        options_(options),
+        places_(fit_places(source.uv, source.triangles, source.is_hole, options.size)) {
     for (int side = options.size; side >= 16; side = (side + 1) / 2) rasters_.push_back(raster(side));
     on_skin_.assign(source.uv.size(), 0);
     for (std::size_t f = 0; f < source.triangles.size(); ++f)
@@ -39,7 +43,12 @@ class Baker {
     auto bytes = writer_.bytes();
     report_.field_count = fields_.size() + 1;
     report_.table_bytes = bytes.size();
-    if (moved_ > 0) report_.shape_mean_mm = static_cast<float>(sum_ / static_cast<double>(moved_));
+    for (const ShapeReport& shape : report_.shapes) {
+      report_.shape_mean_mm += shape.mean_mm / static_cast<float>(report_.shapes.size());
+      if (shape.max_mm <= report_.shape_max_mm) continue;
+      report_.shape_max_mm = shape.max_mm;
+      report_.worst_shape = shape.name;
+    }
     if (report != nullptr) *report = report_;
     return bytes;
   }
@@ -58,7 +67,8 @@ class Baker {
   }
 
   void add_neutral() {
-    const FieldGrid grid = grid_of(raster(2 * options_.size), source_.neutral);
+    FieldGrid grid = grid_of(raster(2 * options_.size), source_.neutral);
+    fit_grid(grid, places_, source_.neutral, 0);
     CascadeRecord r = empty_record(Operation::constant);
     r.field = writer_.add_field(grid, 16);
     last_ = writer_.add_record(r);
@@ -76,7 +86,7 @@ class Baker {
     const std::uint16_t field =
         shape.mirror_of >= 0
             ? writer_.add_mirrored(fields_[at(shape.mirror_of)])
-            : writer_.add_field(turns ? fit(shape.weight, shape) : fit(shape.displacement, shape),
+            : writer_.add_field(turns ? grid_for(shape.weight, shape) : grid_for(shape.displacement, shape),
                                 options_.bits);
     fields_.push_back(field);
     (turns ? r.weight : r.field) = field;
@@ -86,45 +96,55 @@ class Baker {
     last_ = writer_.add_record(r);
   }
 
-  /// The coarsest grid that is as good as the finest, or good enough.
+  /// The coarsest grid that is good enough; where none is, the finest fitted to the mesh, or a coarser that
+  /// is as good.
   template <class T>
-  FieldGrid fit(const std::vector<T>& values, const SourceShape& shape) {
+  FieldGrid grid_for(const std::vector<T>& values, const SourceShape& shape) {
     const SourceParameter& p = source_.parameters[shape.parameter];
     // A weight turns points that are some 80 mm away from the axis.
-    const float effect =
-        std::min(std::max(p.maximum, -p.minimum), p.group == Group::identity ? 2 * p.sd : p.maximum) *
-        (shape.weight.empty() ? 1.0f : 80.0f);
+    const float most = p.group == Group::identity ? std::min(2 * p.sd, p.maximum) : p.maximum;
+    const float effect = std::max(most, 1e-6f) * (shape.weight.empty() ? 1.0f : 80.0f);
     const float threshold = 0.004f / effect;
-    FieldGrid best = sampled(rasters_[0], values, threshold);
-    const std::vector<float> finest = deviations(best, values);
-    std::vector<float> chosen = finest;
-    for (std::size_t level = rasters_.size(); level-- > 1;) {
-      FieldGrid grid = sampled(rasters_[level], values, threshold);
-      std::vector<float> coarse = deviations(grid, values);
-      if (largest_excess(coarse, finest) * effect > options_.tolerance_mm) continue;
-      best = std::move(grid);
-      chosen = std::move(coarse);
-      break;
+    for (std::size_t level = rasters_.size(); level-- > 0;) {
+      FieldGrid grid = cropped(sampled(level, values), threshold);
+      const std::vector<float> off = deviations(grid, values);
+      if (*std::max_element(off.begin(), off.end()) * effect > options_.tolerance_mm) continue;
+      note(off, effect, p.name);
+      return grid;
     }
-    note(chosen, effect, p.name);
+    FieldGrid best = cropped(fitted(0, values, threshold), threshold);
+    std::vector<float> off = deviations(best, values);
+    const std::vector<float> finest = off;
+    for (std::size_t level = 1; level < rasters_.size(); ++level) {
+      FieldGrid grid = cropped(fitted(level, values, threshold), threshold);
+      std::vector<float> coarse = deviations(grid, values);
+      if (largest_excess(coarse, finest) * effect > options_.tolerance_mm) break;
+      best = std::move(grid);
+      off = std::move(coarse);
+    }
+    note(off, effect, p.name);
     return best;
   }
 
   template <class T>
-  static FieldGrid sampled(const ChartRaster& raster, const std::vector<T>& values, float threshold) {
-    FieldGrid grid = grid_of(raster, values);
-    clear_border(grid, raster);
-    return cropped(grid, threshold);
+  FieldGrid sampled(std::size_t level, const std::vector<T>& values) const {
+    FieldGrid grid = grid_of(rasters_[level], values);
+    clear_border(grid, rasters_[level]);
+    return grid;
   }
 
-  void note(const std::vector<float>& deviations, float effect, const std::string& name) {
-    for (float d : deviations) {
-      sum_ += static_cast<double>(d * effect);
-      if (d * effect <= report_.shape_max_mm) continue;
-      report_.shape_max_mm = d * effect;
-      report_.worst_shape = name;
-    }
-    moved_ += deviations.size();
+  template <class T>
+  FieldGrid fitted(std::size_t level, const std::vector<T>& values, float still) const {
+    FieldGrid grid = grid_of(rasters_[level], values);
+    fit_grid(grid, places_, values, still);
+    clear_border(grid, rasters_[level]);
+    return grid;
+  }
+
+  void note(const std::vector<float>& off, float effect, const std::string& name) {
+    ShapeReport shape{name, 0, effect * *std::max_element(off.begin(), off.end())};
+    shape.mean_mm = effect * std::accumulate(off.begin(), off.end(), 0.0f) / static_cast<float>(off.size());
+    report_.shapes.push_back(shape);
   }
 
   static float largest_excess(const std::vector<float>& of, const std::vector<float>& over) {
@@ -163,12 +183,11 @@ class Baker {
   const BakeOptions& options_;
   std::vector<ChartRaster> rasters_;  // from fine to coarse
   std::vector<char> on_skin_;
+  std::vector<FitPlace> places_;
   TableWriter writer_;
   std::vector<std::uint16_t> fields_;  // of each shape
   std::uint16_t last_ = kNone;
   BakeReport report_;
-  double sum_ = 0;
-  std::size_t moved_ = 0;
 };
 
 }  // namespace

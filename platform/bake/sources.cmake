@@ -1,4 +1,5 @@
 target_sources(pliant_host PRIVATE
+  ${CMAKE_CURRENT_LIST_DIR}/arkit_names.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bake.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bake_source.cpp
   ${CMAKE_CURRENT_LIST_DIR}/base_mesh.cpp
@@ -6,8 +7,12 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/chart_raster.cpp
   ${CMAKE_CURRENT_LIST_DIR}/face_source.cpp
   ${CMAKE_CURRENT_LIST_DIR}/field_grid.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/grid_fit.cpp
   ${CMAKE_CURRENT_LIST_DIR}/moves.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/obj_file.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/obj_source.cpp
   ${CMAKE_CURRENT_LIST_DIR}/paint.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/principal_components.cpp
   ${CMAKE_CURRENT_LIST_DIR}/skin_boundary.cpp
   ${CMAKE_CURRENT_LIST_DIR}/subdivision.cpp
   ${CMAKE_CURRENT_LIST_DIR}/table_writer.cpp
