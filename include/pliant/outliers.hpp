@@ -1,0 +1,159 @@
+#pragma once
+/// \file outliers.hpp
+/// Minimum covariance determinant: centre and covariance of the bulk of a point cloud, and the rows that do
+/// not belong to it (Rousseeuw & Van Driessen 1999; Hubert, Rousseeuw & Verdonck 2012).
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+
+namespace pliant {
+
+namespace mcd {
+struct Scratch;
+struct Search;
+}  // namespace mcd
+
+/// Most columns of any data.
+inline constexpr std::size_t kMcdMaxColumns = 24;
+/// Most rows of any data: row numbers are 16-bit.
+inline constexpr std::size_t kMcdMaxRows = 4096;
+/// Squared distance of a row that lies off a subspace which holds all the good ones.
+inline constexpr float kMcdOffSubspace = 1e30f;
+
+/// Largest data an `Mcd` takes. Bytes for p columns: 8 a value, 24 a row, 768 a column, 240 (p + p(p + 1) / 2), and 9 kB:
+/// 39 kB for 256 x 6, 1 MB for 4096 x 24. It needs about 10 kB of stack besides.
+struct McdLimits {
+  std::size_t rows = 512;   ///< at most kMcdMaxRows
+  std::size_t columns = 6;  ///< at most kMcdMaxColumns
+};
+
+struct McdOptions {
+  float alpha = 0.5f;  ///< size of the subset, in [0.5, 1]: 0.5 stands most outliers (half), 0.75 a quarter
+  float cutoff = 0.975f;       ///< in (0,1): a row is flagged beyond this quantile of chi-square
+  bool small_sample = true;    ///< apply the small-sample correction of Pison, Van Aelst & Willems (2002)
+  std::uint32_t starts = 500;  ///< random starts of `fast`, in [1, 100000]
+  std::uint32_t exchanges =
+      0;  ///< most exchanges of single rows after the C-steps: 50 finds lower determinants than
+          ///< thousands of starts do, for about the cost of two C-steps each
+  std::uint64_t seed = 1;  ///< of the generator of `fast`: equal seeds give equal bits
+};
+
+/// Which deterministic starts to try. One is almost always as good as six, and many times cheaper.
+enum class McdStarts : std::uint8_t { median_ball, all_six };
+
+/// A positive number mantissa * 2^exponent, mantissa in [0.5, 1): a determinant that can't overflow.
+struct ScaledNumber {
+  double mantissa = 0.5;
+  int exponent = 1;
+};
+
+/// Centre (`columns` values) and covariance (columns x columns, by rows, symmetric, semi-definite).
+struct McdEstimate {
+  double center[kMcdMaxColumns];
+  double covariance[kMcdMaxColumns * kMcdMaxColumns];
+};
+
+/// Finds the h of n rows whose covariance has the smallest determinant, as far as a search can; from it the
+/// raw estimate (scaled to be consistent for Gaussian data); then the reweighted one from all rows near the
+/// raw one. Results stay until the next call. Points into its arena.
+///
+/// Rows with a NaN or an infinity are left out of everything: weight 0, squared distance kMcdOffSubspace.
+/// Values further than 1e9 scales (median absolute deviations) from the median count as that far.
+///
+/// `fast` and `deterministic` return
+/// - ok;
+/// - degenerate_data: h or more rows share a subspace (a constant column, a plane). The answer is that
+/// subspace: rows
+///   off it are flagged, distances are those within it, the covariance is singular (or as good as);
+/// - too_few_points: no more than columns + 1 finite rows. Nothing finite is flagged; centre = medians,
+/// covariance 0;
+/// - capacity: more rows or columns than the limits; bad_argument: null data, no column, an option out of
+/// range.
+///   Results are as they were.
+class Mcd {
+ public:
+  void lay_out(Arena& arena, const McdLimits& limits);
+
+  /// FAST-MCD on `rows` x `columns` values by rows: `starts` random subsets, each followed by two C-steps,
+  /// the ten best to convergence. Above 600 rows the starts work on at most five groups of about 300 rows
+  /// first. Cost: about starts x min(rows, 600) x columns^2 x 2 multiply-adds.
+  Status fast(const float* data, std::size_t rows, std::size_t columns, const McdOptions& options = {});
+
+  /// DetMCD on the same: no randomness; the answer does not depend on the order of the rows, up to rounding
+  /// and ties. Cost a start: about rows x columns^2 x 12 multiply-adds.
+  Status deterministic(const float* data, std::size_t rows, std::size_t columns, McdStarts starts,
+                       const McdOptions& options = {});
+
+  std::size_t rows() const { return rows_; }
+  std::size_t columns() const { return columns_; }
+  /// Size h of the best subset, and its rows in ascending order.
+  Span<const std::uint16_t> best_subset() const { return {best_, best_count_}; }
+  /// Determinant of the plain covariance (divided by h - 1) of the best subset, over the columns that vary.
+  ScaledNumber determinant() const { return determinant_; }
+  /// The best subset's mean and covariance times both corrections.
+  const McdEstimate& raw() const { return raw_; }
+  /// Mean and corrected covariance of the rows that `raw` does not flag.
+  const McdEstimate& reweighted() const { return reweighted_; }
+  /// Consistency factor times small-sample factor that went into each.
+  double raw_correction() const { return raw_correction_; }
+  double reweighted_correction() const { return reweighted_correction_; }
+  /// chi-square quantile beyond which rows are flagged.
+  double cutoff() const { return cutoff_; }
+  /// Squared Mahalanobis distances of all rows, finite and not negative.
+  Span<const float> raw_squared_distances() const { return {raw_distance_, rows_}; }
+  Span<const float> squared_distances() const { return {distance_, rows_}; }
+  bool is_flagged(std::size_t row) const { return !(distance_[row] <= static_cast<float>(cutoff_)); }
+  bool is_flagged_raw(std::size_t row) const { return !(raw_distance_[row] <= static_cast<float>(cutoff_)); }
+  /// C-steps on all rows that the last call took.
+  std::size_t full_steps() const { return full_steps_; }
+
+ private:
+  Status prepare(const float* data, std::size_t rows, std::size_t columns, const McdOptions& options);
+  bool standardise(const float* data);
+  bool standardise_column(const float* data, std::size_t column);
+  void keep_rows_at(const float* data, std::size_t column, float value);
+  void answer_too_few(const float* data);
+  Status finish(const McdOptions& options);
+  bool estimate_from(const std::uint16_t* row, std::size_t count, double correction, float* distance,
+                     McdEstimate& estimate, ScaledNumber& determinant);
+  mcd::Scratch scratch() const;
+  mcd::Search begin_search();
+
+  std::size_t row_capacity_ = 0, column_capacity_ = 0, stride_ = 0;
+  float *z_ = nullptr, *other_ = nullptr;  // standardised data by columns, and room for as much again
+  float *work_ = nullptr, *distance_ = nullptr, *raw_distance_ = nullptr;
+  float* block_float_ = nullptr;
+  double* block_double_ = nullptr;
+  float* candidate_pool_ = nullptr;
+  std::uint32_t* key_ = nullptr;
+  std::uint16_t *row_of_ = nullptr, *subset_ = nullptr, *best_ = nullptr, *order_ = nullptr,
+                *histogram_ = nullptr;
+
+  std::size_t rows_ = 0, columns_ = 0, finite_rows_ = 0, used_rows_ = 0, active_columns_ = 0;
+  std::size_t subset_size_ = 0, best_count_ = 0,
+              full_steps_ = 0;  // used rows: finite, and in the subspace of constant columns
+  std::uint8_t active_[kMcdMaxColumns] = {};
+  double median_[kMcdMaxColumns] = {}, scale_[kMcdMaxColumns] = {};
+  ScaledNumber determinant_;
+  McdEstimate raw_ = {}, reweighted_ = {};
+  double raw_correction_ = 1, reweighted_correction_ = 1, cutoff_ = 0;
+};
+
+/// Size h of the subset for n rows, p columns: floor(2m - n + 2(n - m) alpha), m = floor((n + p + 1) / 2).
+std::size_t mcd_subset_size(std::size_t rows, std::size_t columns, double alpha);
+
+/// Quantile of chi-square with `freedom` in [1, 26] degrees of freedom, probability in (0,1), to 1e-9
+/// relative. No libm.
+double chi_square_quantile(std::size_t freedom, double probability);
+/// P(chi-square with `freedom` degrees <= x), to 1e-12.
+double chi_square_probability(std::size_t freedom, double x);
+/// Factor that makes the covariance of the central `share` of Gaussian data consistent: share / P(chi2_{p+2}
+/// <= chi2_{p;share}). 1 for share >= 1.
+double mcd_consistency_factor(std::size_t columns, double share);
+/// Small-sample factors of the raw and the reweighted covariance (Pison, Van Aelst & Willems 2002), alpha in
+/// [0.5, 1].
+double mcd_small_sample_raw(std::size_t rows, std::size_t columns, double alpha);
+double mcd_small_sample_reweighted(std::size_t rows, std::size_t columns, double alpha);
+
+}  // namespace pliant

@@ -1,0 +1,117 @@
+// DetMCD (Hubert, Rousseeuw & Verdonck 2012; ALGORITHMS 6.3). Each start gives axes only: scales along them
+// and the centre are found anew, robustly, and half of the rows nearest in that metric begin the C-steps.
+#include "mcd_search.hpp"
+#include "mcd_starts.hpp"
+
+namespace pliant {
+
+namespace mcd {
+
+namespace {
+
+constexpr int kSweeps = 12;
+constexpr double kSmallestScale = 1e-6;  // of standardised data
+
+/// One Jacobi rotation that clears m(j,k); the columns of `axes` turn with it.
+void rotate(Matrix& m, Matrix& axes, std::size_t p, std::size_t j, std::size_t k) {
+  const double off = m.a[j][k];
+  if (off == 0) return;
+  const double theta = (m.a[k][k] - m.a[j][j]) / (2 * off), size = theta < 0 ? -theta : theta;
+  const double root = size > 1e150 ? size : square_root(1 + theta * theta);
+  const double t = (theta < 0 ? -1 : 1) / (size + root);
+  const double c = 1 / square_root(1 + t * t), s = t * c;
+  for (std::size_t i = 0; i < p; ++i) {
+    const double a = m.a[i][j], b = m.a[i][k];
+    m.a[i][j] = c * a - s * b;
+    m.a[i][k] = s * a + c * b;
+  }
+  for (std::size_t i = 0; i < p; ++i) {
+    const double a = m.a[j][i], b = m.a[k][i];
+    m.a[j][i] = c * a - s * b;
+    m.a[k][i] = s * a + c * b;
+  }
+  for (std::size_t i = 0; i < p; ++i) {
+    const double a = axes.a[i][j], b = axes.a[i][k];
+    axes.a[i][j] = c * a - s * b;
+    axes.a[i][k] = s * a + c * b;
+  }
+}
+
+/// Columns of `axes`: eigenvectors of m, which is overwritten.
+void find_axes(Matrix& m, std::size_t p, Matrix& axes) {
+  for (std::size_t i = 0; i < p; ++i)
+    for (std::size_t j = 0; j < p; ++j) axes.a[i][j] = i == j ? 1.0 : 0.0;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    double off = 0, all = 0;
+    for (std::size_t j = 0; j < p; ++j)
+      for (std::size_t k = 0; k < p; ++k) (j == k ? all : off) += m.a[j][k] * m.a[j][k];
+    if (!(off > 1e-24 * all)) return;
+    for (std::size_t j = 0; j + 1 < p; ++j)
+      for (std::size_t k = j + 1; k < p; ++k) rotate(m, axes, p, j, k);
+  }
+}
+
+/// sum over j of axes_j f_j axes_j^T, one entry.
+double entry(const Matrix& axes, const double* f, std::size_t p, std::size_t row, std::size_t column) {
+  double sum = 0;
+  for (std::size_t j = 0; j < p; ++j) sum += axes.a[row][j] * f[j] * axes.a[column][j];
+  return sum;
+}
+
+/// Scales along the axes by median absolute deviation, and the centre by medians of sphered data.
+void refit(const Cloud& cloud, const Matrix& axes, const Scratch& scratch, float* line, Moments& out) {
+  const std::size_t p = cloud.columns;
+  double scale[kMcdMaxColumns], inverse[kMcdMaxColumns], square[kMcdMaxColumns], direction[kMcdMaxColumns];
+  for (std::size_t j = 0; j < p; ++j) {
+    for (std::size_t i = 0; i < p; ++i) direction[i] = axes.a[i][j];
+    combine(cloud, direction, line);
+    const double s = median_deviation(line, cloud.rows, scratch);
+    scale[j] = s > kSmallestScale ? s : kSmallestScale;
+    inverse[j] = 1 / scale[j];
+    square[j] = scale[j] * scale[j];
+  }
+  double center[kMcdMaxColumns];
+  for (std::size_t j = 0; j < p; ++j) {
+    for (std::size_t i = 0; i < p; ++i) direction[i] = entry(axes, inverse, p, j, i);
+    combine(cloud, direction, line);
+    center[j] = static_cast<double>(median(line, cloud.rows, scratch));
+  }
+  for (std::size_t j = 0; j < p; ++j) {
+    out.mean[j] = 0;
+    for (std::size_t i = 0; i < p; ++i) out.mean[j] += entry(axes, scale, p, j, i) * center[i];
+    for (std::size_t k = 0; k <= j; ++k) out.covariance[packed(j, k)] = entry(axes, square, p, j, k);
+  }
+}
+
+void converge_from(StartKind kind, const StartRoom& room, Search& search) {
+  const Cloud& cloud = search.cloud;
+  Matrix m, axes;
+  start_matrix(kind, cloud, search.scratch, room, m);
+  find_axes(m, cloud.columns, axes);
+  Moments sphere;
+  refit(cloud, axes, search.scratch, room.line, sphere);
+  Shape<double> shape;
+  make_shape(sphere, cloud.columns, shape);
+  c_step(cloud, (cloud.rows + 1) / 2, search.scratch, shape);
+  search.converge(shape);
+}
+
+}  // namespace
+}  // namespace mcd
+
+Status Mcd::deterministic(const float* data, std::size_t rows, std::size_t columns, McdStarts starts,
+                          const McdOptions& options) {
+  const Status status = prepare(data, rows, columns, options);
+  if (status != Status::ok || active_columns_ == 0) return status == Status::ok ? finish(options) : status;
+  mcd::Search search = begin_search();
+  const mcd::StartRoom room{other_, work_, order_};
+  if (starts == McdStarts::median_ball)
+    mcd::converge_from(mcd::StartKind::median_ball, room, search);
+  else
+    for (mcd::StartKind kind : mcd::kAllStarts) mcd::converge_from(kind, room, search);
+  search.exchange(options.exchanges);
+  full_steps_ = search.steps;
+  return finish(options);
+}
+
+}  // namespace pliant
