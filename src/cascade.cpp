@@ -27,6 +27,9 @@ void Cascade::lay_out(Arena& arena, const Model& model) {
   folded_ = arena.take<std::uint8_t>(records);
   register_of_ = arena.take<std::uint8_t>(records);
   last_reader_ = arena.take<std::uint16_t>(records);
+  selected_ = arena.take<std::uint16_t>(records);
+  stands_for_ = arena.take<std::uint16_t>(records);
+  selected_count_ = 0;
   point_ = arena.take<Vec3>(records);
   tangent_u_ = arena.take<Vec3>(records);
   tangent_v_ = arena.take<Vec3>(records);
@@ -101,18 +104,33 @@ void Cascade::assign_registers() {
 }
 
 Vec3 Cascade::surface_point(Vec2 uv, const float* q) {
+  select(q);
+  return selected_point(uv);
+}
+
+void Cascade::select(const float* q) {
   const auto records = model_.cascade();
+  selected_q_ = q;
+  selected_count_ = 0;
   for (std::size_t i = 0; i < records.count; ++i) {
-    const CascadeRecord& r = records[i];
-    const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point_[r.source[0]];
-    if (passes_through(r, q)) {
-      point_[i] = p0;
-      continue;
-    }
-    const Vec3 p1 = r.source[1] == kNone ? Vec3{} : point_[r.source[1]];
-    point_[i] = apply(r, q, p0, p1, record_sample(model_, r, uv)).p;
+    const bool does_nothing = passes_through(records[i], q);
+    stands_for_[i] = does_nothing ? stands_for_[records[i].source[0]] : static_cast<std::uint16_t>(i);
+    if (!does_nothing) selected_[selected_count_++] = static_cast<std::uint16_t>(i);
   }
-  return point_[records.count - 1];
+}
+
+Vec3 Cascade::selected_point(Vec2 uv) {
+  const auto records = model_.cascade();
+  for (std::size_t k = 0; k < selected_count_; ++k) {
+    const CascadeRecord& r = records[selected_[k]];
+    const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point_[stands_for_[r.source[0]]];
+    const Vec3 p1 = r.source[1] == kNone ? Vec3{} : point_[stands_for_[r.source[1]]];
+    const Vec3 s = record_sample(model_, r, uv);
+    point_[selected_[k]] = r.operation == Operation::add_vector ? p0 + selected_q_[r.parameter[0]] * s
+                           : r.operation == Operation::constant ? s
+                                                                : apply(r, selected_q_, p0, p1, s).p;
+  }
+  return point_[stands_for_[records.count - 1]];
 }
 
 SurfaceFrame Cascade::surface_frame(Vec2 uv, const float* q) {

@@ -102,14 +102,9 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
 }
 
 void Estimator::adapt_mesh() {
-  struct Person {
-    Cascade* cascade;
-    const float* q;
-  } person{&cascade_, q_};
-  const Surface surface{&person, [](void* context, Vec2 uv) {
-                          const auto* p = static_cast<Person*>(context);
-                          return p->cascade->surface_point(uv, p->q);
-                        }};
+  cascade_.select(q_);
+  const Surface surface{
+      &cascade_, [](void* context, Vec2 uv) { return static_cast<Cascade*>(context)->selected_point(uv); }};
   ContourOptions contour;
   contour.mean_mm = options_.mesh_error_mm;
   contour.max_mm = 4 * options_.mesh_error_mm;

@@ -68,6 +68,11 @@ class Cascade {
 
   /// Position straight from the tables, whatever is free. Cost: one sample a record.
   Vec3 surface_point(Vec2 uv, const float* q);
+  /// Lists the records that do anything at q (most leave their source as it is where their parameter is 0), so that the
+  /// `selected_point`s that follow visit only those. `q` must stay where and as it is meanwhile.
+  void select(const float* q);
+  /// Position at the selected q, straight from the tables. Cost: one sample a listed record.
+  Vec3 selected_point(Vec2 uv);
   /// Position and tangents straight from the tables.
   SurfaceFrame surface_frame(Vec2 uv, const float* q);
 
@@ -89,6 +94,9 @@ class Cascade {
   std::uint8_t* folded_ = nullptr;       // a frozen record that a live one (or the end) reads
   std::uint8_t* register_of_ = nullptr;  // a record
   std::uint16_t* last_reader_ = nullptr;
+  std::uint16_t *selected_ = nullptr, *stands_for_ = nullptr;  // listed records; whose value a record has
+  std::size_t selected_count_ = 0;
+  const float* selected_q_ = nullptr;
   Vec3* point_ = nullptr;  // a record's value in the running evaluation
   Vec3 *tangent_u_ = nullptr, *tangent_v_ = nullptr;
   static constexpr std::size_t kMaxRegisters = 8;
