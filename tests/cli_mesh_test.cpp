@@ -3,6 +3,7 @@
 #include <cstring>
 #include <set>
 
+#include "cli/image.hpp"
 #include "cli/json.hpp"
 #include "cli_run.hpp"
 
@@ -313,6 +314,18 @@ TEST_CASE("parameters move the mesh, one name drives a pair, and refinement foll
   CHECK(m.vertices({"--threshold", "0.1", "--param", "jawOpen=1"}) > m.vertices({"--threshold", "0.1"}));
 }
 
+TEST_CASE("one command makes a picture and a table of all criteria") {
+  const MeshFolder m;
+  const Ran r = m.mesh({"--figure", m / "f.png", "--curve", "--param", "jawOpen=1"});
+  const Image figure = read_image(m / "f.png");
+  CHECK(figure.width > figure.height);
+  CHECK(contains(r.out, "| criterion | setting | vertices | faces | mean mm | max mm |\n"));
+  CHECK(contains(r.out, "| base mesh |  | 49 | 72 |"));
+  for (const char* row :
+       {"| unconditional | 4 levels |", "| normals | 45 degrees |", "| contour | 0.12 mm |", "| budget | "})
+    CHECK(contains(r.out, row));
+}
+
 TEST_CASE("the same words give the same bytes") {
   const MeshFolder m;
   for (const char* name : {"a.glb", "b.glb"}) m.mesh({"--budget", "300", "-o", m / name});
@@ -341,6 +354,8 @@ TEST_CASE("bad words and bad files are refused by name, and nothing is written")
   refused({"--param", "jawOpen"}, "NAME=VALUE");
   refused({"--param", "jawOpen=wide"}, "NAME=VALUE");
   refused({"--budget", "9", "--budget", "9"}, "twice");
+  refused({"--figure", m / "f.png"}, "-o means nothing to --figure");
+  refused({"--curve"}, "-o means nothing to --figure and --curve");
   CHECK(run_words({"mesh", m.path, "-o", m / "out.stl"}).code == 2);
   CHECK(run_words({"mesh"}).code == 2);
 

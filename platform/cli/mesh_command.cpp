@@ -7,6 +7,8 @@
 #include "cli/files.hpp"
 #include "cli/fit_file.hpp"
 #include "cli/image.hpp"
+#include "cli/mesh_curve.hpp"
+#include "cli/mesh_figure.hpp"
 #include "cli/mesh_files.hpp"
 #include "cli/model_mesh.hpp"
 
@@ -141,7 +143,22 @@ void print_report(const ModelMesh& mesh, const std::string& path, std::ostream& 
   out << line;
 }
 
+/// All criteria side by side, as a picture, a table or both.
+int compare_criteria(const Args& args, Console& console) {
+  for (const char* option : {"--criterion", "--depth", "--threshold", "--budget", "-o", "--uv-svg"})
+    if (args.has(option))
+      fail_usage(std::string(option) + " means nothing to --figure and --curve, which show all criteria");
+  const ModelFile file(args.operand(0));
+  ModelSurface surface(file.model(), parameters_of(args, file));
+  if (const auto path = args.text("--figure"))
+    write_file(*path, encode_png(draw_mesh_figure(file.model(), surface)));
+  const std::vector<float> tolerances_mm{1.0f, 0.7f, 0.5f, 0.35f, 0.25f, 0.18f, 0.12f};
+  if (args.has("--curve")) console.out << mesh_curve(file.model(), surface, tolerances_mm);
+  return 0;
+}
+
 int run_mesh(const Args& args, Console& console) {
+  if (args.has("--figure") || args.has("--curve")) return compare_criteria(args, console);
   const MeshRequest request = request_of(args);
   const auto output = args.text("-o");
   const MeshFormat format = output ? format_of(*output) : MeshFormat::obj;
@@ -164,7 +181,9 @@ Command mesh_command() {
   return {"mesh",
           "Adapts a model's mesh to its surface, writes it, and tells how far it is from the surface.",
           "face.plm [--criterion none|uniform|normals|contour] [--depth N] [--threshold X] [--budget N] "
-          "[--param NAME=VALUE ...] [-o mesh.obj|.ply|.glb] [--uv-svg chart.svg]",
+          "[--param NAME=VALUE ...] [-o mesh.obj|.ply|.glb] [--uv-svg chart.svg] | face.plm [--figure "
+          "figure.png] "
+          "[--curve] [--param NAME=VALUE ...]",
           {{"--criterion", "NAME", "where to refine: none, uniform, normals, contour (contour)"},
            {"--depth", "N", "bisections: those of uniform (3), the most of any other (12)"},
            {"--threshold", "X",
@@ -172,7 +191,9 @@ Command mesh_command() {
            {"--budget", "N", "most vertices; without a threshold, the best mesh of so many"},
            {"--param", "NAME=VALUE", "a parameter of the model; may be given several times", true, true},
            {"-o", "FILE", "the mesh to write: OBJ, PLY or GLB by its ending"},
-           {"--uv-svg", "SVG", "the mesh over the chart, tinted by level"}},
+           {"--uv-svg", "SVG", "the mesh over the chart, tinted by level"},
+           {"--figure", "PNG", "all criteria side by side: chart, surface, texture"},
+           {"--curve", nullptr, "all criteria as a Markdown table: vertices, faces, errors"}},
           1,
           run_mesh};
 }

@@ -68,8 +68,8 @@ void ModelMesh::adapt(const MeshRequest& request) {
 
 ContourError ModelMesh::measure() const {
   const int faces = std::max(mesh().face_count(), 1);
-  const int cells = std::clamp(static_cast<int>(std::sqrt(400000.0 / faces)), 4, 32);
-  return compute_contour_error(adapter_->shape(), cells);
+  const int cells = std::clamp(static_cast<int>(std::sqrt(200000.0 / faces)), 4, 32);
+  return compute_contour_error(shape(), cells);
 }
 
 }  // namespace pliant::cli

@@ -45,10 +45,11 @@ class ModelMesh {
 
   const Mesh& mesh() const { return *mesh_.operator->(); }
   Vec3 position(VertexId v) const { return adapter_->position(v); }
+  Shape shape() const { return adapter_->shape(); }
   ModelSurface& surface() const { return surface_; }
   const AdaptReport& report() const { return report_; }
   double milliseconds() const { return milliseconds_; }
-  /// Against the surface, by area: some 400,000 samples.
+  /// Against the surface, by area: some 200,000 samples.
   ContourError measure() const;
 
  private:

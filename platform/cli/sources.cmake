@@ -18,6 +18,8 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/json.cpp
   ${CMAKE_CURRENT_LIST_DIR}/overlay.cpp
   ${CMAKE_CURRENT_LIST_DIR}/mesh_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/mesh_curve.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/mesh_figure.cpp
   ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
   ${CMAKE_CURRENT_LIST_DIR}/model_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/points_file.cpp
