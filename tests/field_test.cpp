@@ -175,6 +175,24 @@ TEST_CASE(
   CHECK(cascade->column_count() == 4);
 }
 
+TEST_CASE("selecting the records that do something changes nothing, whichever parameters are zero") {
+  const Ready r(every_operation());
+  InArena<Cascade> cascade(r.model), baking(r.model);
+  Random random(12);
+  std::vector<Vec3> baked(r.model.cascade().count);
+  for (int trial = 0; trial < 300; ++trial) {
+    std::vector<float> q = random_q(r.model, random);
+    for (float& v : q)
+      if (random.below(3) > 0) v = 0;
+    cascade->select(q.data());
+    for (int k = 0; k < 4; ++k) {
+      const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
+      baking->bake(uv, q.data(), baked.data());  // visits every record
+      CHECK(length(cascade->selected_point(uv) - baking->evaluate(baked.data(), q.data())) < 1e-4f);
+    }
+  }
+}
+
 TEST_CASE("tangents agree with differences inside a cell, through every operation") {
   const Ready r(every_operation());
   InArena<Cascade> cascade(r.model);
