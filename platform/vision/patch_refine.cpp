@@ -184,9 +184,8 @@ Moments whole_moments(bool has_stretch, Work& work) {
 PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd, Work& work, Position& p,
                    Measurement& result) {
   constexpr int kMaxSteps = 4;
-  // An error of the gradient makes each step a fraction too long or too short; what is left is a third at
-  // most.
-  const float last_move = 3 * o.epsilon_px;
+  // What a step leaves is about a tenth of it.
+  const float last_move = 10 * o.epsilon_px;
   const float prior = warp_sd > 0 ? (kPriorNoise / warp_sd) * (kPriorNoise / warp_sd) : 0;
   const System whole = system_of(whole_moments(warp_sd > 0, work), prior);
   System partial;

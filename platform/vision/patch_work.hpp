@@ -14,9 +14,8 @@ struct Anchor {
 
 /// One slot on one level: a square of stored pixels around the pixel nearest to the captured point.
 struct Surround {
-  Vec2 offset;  ///< from that pixel to the point, within half a pixel
-  std::int16_t left, top, right,
-      bottom;  ///< the part of the square, [left, right) x [top, bottom), inside the image
+  Vec2 offset;                            ///< from that pixel to the point, within half a pixel
+  std::int16_t left, top, right, bottom;  ///< what of it lies in the image, [left, right) x [top, bottom)
 };
 
 constexpr int surround_side(const PatchLimits& l) {
@@ -24,12 +23,12 @@ constexpr int surround_side(const PatchLimits& l) {
 }
 
 /// The image changes by a multiple of each of these: light, a stretch or turn of the window, and a shift.
-constexpr int kLight = 0, kStretch = 1, kShift = 5, kMotions = 7;
+constexpr int kLight = 0, kShift = 5, kMotions = 7;  // 1 to 4: stretch
 
 /// Arrays of one search, sized for the window.
 struct Work {
   int window, count;         ///< side; elements of an array
-  std::int16_t* block;       ///< the template with one pixel more on each side
+  std::int16_t* block;       ///< pixels around a window
   std::int16_t* scratch;     ///< for the kernels
   std::int16_t *all, *part;  ///< masks: the whole window, and what of it lies inside the source
   Template plain;
@@ -89,8 +88,8 @@ struct Position {
   int iterations = 0;
 };
 
-/// Moves p until the image there, but for light, is like work.plain: to about a tenth of a pixel, from up to
-/// half a window away.
+/// Moves p until the image there, but for light, is like work.plain. On success p is right to about the
+/// options' epsilon; it may start half a window away.
 PatchStatus align(const ImageView& image, const SearchOptions& options, Work& work, Position& p);
 
 /// What `refine` says about the place that it found. Greys and pixels.

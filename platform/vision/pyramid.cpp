@@ -26,7 +26,7 @@ void smooth_columns(const ImageView& src, int y, std::uint16_t* __restrict line)
   const std::uint8_t* row[5];
   for (int k = 0; k < 5; ++k)
     row[k] = src.data + static_cast<std::ptrdiff_t>(reflected(y + k - kBorder, src.height)) * src.stride;
-  const std::uint8_t* __restrict a = row[0], * __restrict b = row[1], * __restrict c = row[2], * __restrict d = row[3], * __restrict e = row[4];
+  const std::uint8_t *a = row[0], *b = row[1], *c = row[2], *d = row[3], *e = row[4];
   for (int x = 0; x < src.width; ++x)
     line[x] = static_cast<std::uint16_t>(a[x] + e[x] + 4 * (b[x] + d[x]) + 6 * c[x]);
 }

@@ -16,10 +16,9 @@ namespace pliant {
 
 /// Texture around one point.
 struct CornerScore {
-  float lambda_min = 0,
-        lambda_max = 0;  ///< eigenvalues of the mean structure tensor, (grey/px)^2; 0 when unknown
-  Vec2 direction;  ///< unit, of the strongest gradient (eigenvector of lambda_max), x >= 0; zero where it is
-                   ///< flat
+  float lambda_min = 0;  ///< eigenvalues of the mean structure tensor, (grey/px)^2; 0 when unknown
+  float lambda_max = 0;
+  Vec2 direction;  ///< unit, of the strongest gradient (eigenvector of lambda_max), x >= 0; zero where flat
 };
 
 /// Pixels between a scored point and the border of the picture, at least.
@@ -51,11 +50,12 @@ constexpr int corner_cells(int pixels, int cell_px) {
 std::size_t corner_scratch_bytes(int width, int height, const CornerOptions& options);
 
 /// The best corners: local maxima of lambda_min over 3 x 3 pixels, the best of each cell, taken from the best
-/// downwards where no better one is within min_distance_px. Equal scores: lower y first, then lower x. At
-/// most out.count; `count` says how many. \param allowed  empty, or one byte a cell, row by row (corner_cells
-/// wide and high): 0 forbids the cell. `bad_argument` for an unreadable view, options out of range or a mask
-/// of another size; `out_of_memory` when `scratch` is too small. A picture too small for a single point gives
-/// none. Cost: about 60 operations a pixel of the box around the allowed cells.
+/// downwards where no better one is within min_distance_px. Equal scores: lower y first, then lower x.
+/// \param allowed  empty, or one byte a cell, row by row (corner_cells wide and high): 0 forbids the cell.
+/// \param out      room for the corners; `count` says how many there are.
+/// \return bad_argument for an unreadable view, options out of range or a mask of another size; out_of_memory
+///         when `scratch` is too small; then `count` is as it was. A picture too small for a point gives none.
+/// Cost: about 60 operations a pixel of the box around the allowed cells.
 Status find_corners(const ImageView& image, const CornerOptions& options, Span<const std::uint8_t> allowed,
                     Arena& scratch, Span<Corner> out, int& count);
 

@@ -37,7 +37,8 @@ enum class PatchStatus : std::uint8_t {
 /// A short English sentence without a final stop. Never null.
 const char* text(PatchStatus status);
 
-/// Capacities. Bytes: slots * levels * ((window + 2 + 2 * margin)^2 + 20) and about 12 kB of work space.
+/// Capacities. Bytes: slots * levels * ((window + 2 + 2 * margin)^2 + 20), and 10 kB (window 11) to 26 kB
+/// (window 21) of work space.
 struct PatchLimits {
   int slots = 64;   ///< 0 is allowed: `track_between` needs none
   int window = 13;  ///< side of the compared square, odd, 7 to 21 px
@@ -51,10 +52,10 @@ struct PatchLimits {
 struct PatchOptions {
   int first_level = -1;      ///< where the search starts, 0 is full size; -1: the coarsest there is
   int max_iterations = 10;   ///< on each level, at least 1
-  float epsilon_px = 0.01f;  ///< stops below this step at full size; three times as much on coarser levels
-  /// Standard deviation of the entries of a warp that was not predicted, which the last steps allow for; 0:
-  /// none is allowed for, which is a tenth to a fifth more precise where the prediction is exact, and many times less
-  /// where it is not.
+  float epsilon_px = 0.01f;  ///< how close to its end the search is brought, at full size
+  /// Standard deviation of the entries of a warp that was not predicted, which the last steps allow for. 0:
+  /// none is allowed for; a tenth to a fifth more precise where the prediction is exact, many times less
+  /// where not.
   float warp_sd = 0.03f;
   float max_move_px = 0;         ///< from the start, in the end; 0: no limit
   float min_correlation = 0.8f;  ///< normalised cross-correlation with the template
@@ -74,7 +75,7 @@ struct PatchResult {
   Sym2 information;          ///< inverse covariance of x, 1/px^2
   float correlation = 0;     ///< NCC with the template (for a slot: with the patch first captured), -1 to 1
   float gain = 1, bias = 0;  ///< current = gain * template + bias, grey levels
-  float residual = 0;        ///< rms of what gain and bias leave, grey levels
+  float residual = 0;        ///< rms of what light and an allowed warp leave, grey levels
   float return_px = 0;       ///< forward-backward distance, if it was asked for
   int iterations = 0;        ///< over all levels
 };
@@ -103,11 +104,10 @@ class PatchTracker {
   Vec2 anchor(int slot) const;
 
   /// Finds the slot's anchor patch in `current`, from `start`.
-  /// \param warp  displacement in the current picture = warp * displacement in the anchor's picture (J_cur
-  /// J_ref^-1).
-  ///              A warp that shrinks or stretches by more than 4, mirrors, or is not finite is a
-  ///              bad_argument.
-  /// Cost: about 1 us a point on a desktop core (window 13, 3 levels).
+  /// \param warp  displacement in the current picture = warp * displacement in the anchor's (J_cur J_ref^-1).
+  ///              One that shrinks or stretches by more than 4, mirrors, or is not finite is a bad_argument.
+  /// Cost: about 2 us a point on a desktop core (window 13, 3 levels), 1 us more where the template is
+  /// warped.
   PatchResult track(int slot, const Pyramid& current, Vec2 start, const Mat2& warp = {},
                     const PatchOptions& options = {});
 
