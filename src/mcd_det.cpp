@@ -13,38 +13,38 @@ constexpr int kSweeps = 12;
 constexpr double kSmallestScale = 1e-6;  // of standardised data
 
 /// One Jacobi rotation that clears m(j,k); the columns of `axes` turn with it.
-void rotate(Matrix& m, Matrix& axes, std::size_t p, std::size_t j, std::size_t k) {
-  const double off = m.a[j][k];
+void rotate(Matrix m, Matrix axes, std::size_t p, std::size_t j, std::size_t k) {
+  const double off = m[j][k];
   if (off == 0) return;
-  const double theta = (m.a[k][k] - m.a[j][j]) / (2 * off), size = theta < 0 ? -theta : theta;
+  const double theta = (m[k][k] - m[j][j]) / (2 * off), size = theta < 0 ? -theta : theta;
   const double root = size > 1e150 ? size : square_root(1 + theta * theta);
   const double t = (theta < 0 ? -1 : 1) / (size + root);
   const double c = 1 / square_root(1 + t * t), s = t * c;
   for (std::size_t i = 0; i < p; ++i) {
-    const double a = m.a[i][j], b = m.a[i][k];
-    m.a[i][j] = c * a - s * b;
-    m.a[i][k] = s * a + c * b;
+    const double a = m[i][j], b = m[i][k];
+    m[i][j] = c * a - s * b;
+    m[i][k] = s * a + c * b;
   }
   for (std::size_t i = 0; i < p; ++i) {
-    const double a = m.a[j][i], b = m.a[k][i];
-    m.a[j][i] = c * a - s * b;
-    m.a[k][i] = s * a + c * b;
+    const double a = m[j][i], b = m[k][i];
+    m[j][i] = c * a - s * b;
+    m[k][i] = s * a + c * b;
   }
   for (std::size_t i = 0; i < p; ++i) {
-    const double a = axes.a[i][j], b = axes.a[i][k];
-    axes.a[i][j] = c * a - s * b;
-    axes.a[i][k] = s * a + c * b;
+    const double a = axes[i][j], b = axes[i][k];
+    axes[i][j] = c * a - s * b;
+    axes[i][k] = s * a + c * b;
   }
 }
 
 /// Columns of `axes`: eigenvectors of m, which is overwritten.
-void find_axes(Matrix& m, std::size_t p, Matrix& axes) {
+void find_axes(Matrix m, std::size_t p, Matrix axes) {
   for (std::size_t i = 0; i < p; ++i)
-    for (std::size_t j = 0; j < p; ++j) axes.a[i][j] = i == j ? 1.0 : 0.0;
+    for (std::size_t j = 0; j < p; ++j) axes[i][j] = i == j ? 1.0 : 0.0;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     double off = 0, all = 0;
     for (std::size_t j = 0; j < p; ++j)
-      for (std::size_t k = 0; k < p; ++k) (j == k ? all : off) += m.a[j][k] * m.a[j][k];
+      for (std::size_t k = 0; k < p; ++k) (j == k ? all : off) += m[j][k] * m[j][k];
     if (!(off > 1e-24 * all)) return;
     for (std::size_t j = 0; j + 1 < p; ++j)
       for (std::size_t k = j + 1; k < p; ++k) rotate(m, axes, p, j, k);
@@ -52,18 +52,18 @@ void find_axes(Matrix& m, std::size_t p, Matrix& axes) {
 }
 
 /// sum over j of axes_j f_j axes_j^T, one entry.
-double entry(const Matrix& axes, const double* f, std::size_t p, std::size_t row, std::size_t column) {
+double entry(Matrix axes, const double* f, std::size_t p, std::size_t row, std::size_t column) {
   double sum = 0;
-  for (std::size_t j = 0; j < p; ++j) sum += axes.a[row][j] * f[j] * axes.a[column][j];
+  for (std::size_t j = 0; j < p; ++j) sum += axes[row][j] * f[j] * axes[column][j];
   return sum;
 }
 
 /// Scales along the axes by median absolute deviation, and the centre by medians of sphered data.
-void refit(const Cloud& cloud, const Matrix& axes, const Scratch& scratch, float* line, Moments& out) {
+void refit(const Cloud& cloud, Matrix axes, const Scratch& scratch, float* line, Moments& out) {
   const std::size_t p = cloud.columns;
   double scale[kMcdMaxColumns], inverse[kMcdMaxColumns], square[kMcdMaxColumns], direction[kMcdMaxColumns];
   for (std::size_t j = 0; j < p; ++j) {
-    for (std::size_t i = 0; i < p; ++i) direction[i] = axes.a[i][j];
+    for (std::size_t i = 0; i < p; ++i) direction[i] = axes[i][j];
     combine(cloud, direction, line);
     const double s = median_deviation(line, cloud.rows, scratch);
     scale[j] = s > kSmallestScale ? s : kSmallestScale;
@@ -85,13 +85,14 @@ void refit(const Cloud& cloud, const Matrix& axes, const Scratch& scratch, float
 
 void converge_from(StartKind kind, const StartRoom& room, Search& search) {
   const Cloud& cloud = search.cloud;
-  Matrix m, axes;
+  const std::size_t p = cloud.columns;
+  const Matrix m{room.matrices, p}, axes{room.matrices + p * p, p};
   start_matrix(kind, cloud, search.scratch, room, m);
-  find_axes(m, cloud.columns, axes);
+  find_axes(m, p, axes);
   Moments sphere;
   refit(cloud, axes, search.scratch, room.line, sphere);
   Shape<double> shape;
-  make_shape(sphere, cloud.columns, shape);
+  make_shape(sphere, p, shape);
   c_step(cloud, (cloud.rows + 1) / 2, search.scratch, shape);
   search.converge(shape);
 }
@@ -104,7 +105,7 @@ Status Mcd::deterministic(const float* data, std::size_t rows, std::size_t colum
   const Status status = prepare(data, rows, columns, options);
   if (status != Status::ok || active_columns_ == 0) return status == Status::ok ? finish(options) : status;
   mcd::Search search = begin_search();
-  const mcd::StartRoom room{other_, work_, order_};
+  const mcd::StartRoom room{other_, work_, order_, matrices_};
   if (starts == McdStarts::median_ball)
     mcd::converge_from(mcd::StartKind::median_ball, room, search);
   else

@@ -29,9 +29,9 @@ double median_deviation(float* value, std::size_t n, const Scratch& scratch) {
 
 namespace {
 
-void unpack(const Moments& moments, std::size_t p, Matrix& out) {
+void unpack(const Moments& moments, std::size_t p, Matrix out) {
   for (std::size_t j = 0; j < p; ++j)
-    for (std::size_t k = 0; k <= j; ++k) out.a[j][k] = out.a[k][j] = moments.covariance[packed(j, k)];
+    for (std::size_t k = 0; k <= j; ++k) out[j][k] = out[k][j] = moments.covariance[packed(j, k)];
 }
 
 void moments_of_all(const Cloud& cloud, const Scratch& scratch, Moments& out) {
@@ -40,11 +40,11 @@ void moments_of_all(const Cloud& cloud, const Scratch& scratch, Moments& out) {
   moments(cloud, scratch.subset, cloud.rows, zero, scratch.block_float, out);
 }
 
-void make_correlation(std::size_t p, Matrix& m) {
+void make_correlation(std::size_t p, Matrix m) {
   double inverse[kMcdMaxColumns];
-  for (std::size_t j = 0; j < p; ++j) inverse[j] = m.a[j][j] > 0 ? 1 / square_root(m.a[j][j]) : 0.0;
+  for (std::size_t j = 0; j < p; ++j) inverse[j] = m[j][j] > 0 ? 1 / square_root(m[j][j]) : 0.0;
   for (std::size_t j = 0; j < p; ++j)
-    for (std::size_t k = 0; k < p; ++k) m.a[j][k] = j == k ? 1.0 : m.a[j][k] * inverse[j] * inverse[k];
+    for (std::size_t k = 0; k < p; ++k) m[j][k] = j == k ? 1.0 : m[j][k] * inverse[j] * inverse[k];
 }
 
 /// Ranks from 1, ties sharing their mean, or the normal scores of these.
@@ -69,7 +69,7 @@ void squared_lengths(const Cloud& cloud, float* out) {
 }
 
 /// Sum of z z^T / |z|^2; a row in the middle has no direction.
-void spatial_sign_matrix(const Cloud& cloud, const Scratch& scratch, const StartRoom& room, Matrix& out) {
+void spatial_sign_matrix(const Cloud& cloud, const Scratch& scratch, const StartRoom& room, Matrix out) {
   squared_lengths(cloud, room.line);
   for (std::size_t i = 0; i < cloud.rows; ++i)
     room.line[i] =
@@ -82,13 +82,13 @@ void spatial_sign_matrix(const Cloud& cloud, const Scratch& scratch, const Start
   unpack(m, cloud.columns, out);
   const double n = static_cast<double>(cloud.rows);
   for (std::size_t j = 0; j < cloud.columns; ++j)
-    for (std::size_t k = 0; k < cloud.columns; ++k) out.a[j][k] += m.mean[j] * m.mean[k] * n / (n - 1);
+    for (std::size_t k = 0; k < cloud.columns; ++k) out[j][k] += m.mean[j] * m.mean[k] * n / (n - 1);
 }
 
 /// Gnanadesikan and Kettenring: covariances from the scales of sums and differences.
-void pairwise_scale_matrix(const Cloud& cloud, const Scratch& scratch, const StartRoom& room, Matrix& out) {
+void pairwise_scale_matrix(const Cloud& cloud, const Scratch& scratch, const StartRoom& room, Matrix out) {
   for (std::size_t j = 0; j < cloud.columns; ++j) {
-    out.a[j][j] = 1;
+    out[j][j] = 1;
     for (std::size_t k = 0; k < j; ++k) {
       double squares[2];
       for (int sign = 0; sign < 2; ++sign) {
@@ -99,7 +99,7 @@ void pairwise_scale_matrix(const Cloud& cloud, const Scratch& scratch, const Sta
         const double scale = median_deviation(room.line, cloud.rows, scratch);
         squares[sign] = scale * scale;
       }
-      out.a[j][k] = out.a[k][j] = 0.25 * (squares[0] - squares[1]);
+      out[j][k] = out[k][j] = 0.25 * (squares[0] - squares[1]);
     }
   }
 }
@@ -118,7 +118,7 @@ void transform_columns(StartKind kind, const Cloud& cloud, const StartRoom& room
 }  // namespace
 
 void start_matrix(StartKind kind, const Cloud& cloud, const Scratch& scratch, const StartRoom& room,
-                  Matrix& out) {
+                  Matrix out) {
   Moments m;
   switch (kind) {
     case StartKind::spatial_signs:

@@ -16,21 +16,24 @@ inline constexpr StartKind kAllStarts[] = {StartKind::median_ball,      StartKin
                                            StartKind::rank_correlation, StartKind::normal_scores,
                                            StartKind::spatial_signs,    StartKind::pairwise_scales};
 
-/// A symmetric matrix by rows, columns x columns used.
+/// A square matrix by rows, in memory of the arena's.
 struct Matrix {
-  double a[kMcdMaxColumns][kMcdMaxColumns];
+  double* value;
+  std::size_t columns;
+  double* operator[](std::size_t row) const { return value + row * columns; }
 };
 
-/// Room for a start: `other` for as many values as the cloud has, `line` and `order` for one a row.
+/// Room for a start: `other` for as many values as the cloud has, `line` and `order` for one a row, `matrices` for two.
 struct StartRoom {
   float* other;
   float* line;
   std::uint16_t* order;
+  double* matrices;
 };
 
 /// One of the six, up to a factor.
 void start_matrix(StartKind kind, const Cloud& cloud, const Scratch& scratch, const StartRoom& room,
-                  Matrix& out);
+                  Matrix out);
 
 /// out[i] = sum over j of coefficient[j] z_j[i].
 void combine(const Cloud& cloud, const double* coefficient, float* out);

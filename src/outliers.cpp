@@ -48,6 +48,7 @@ void Mcd::lay_out(Arena& arena, const McdLimits& limits) {
   key_ = arena.take<std::uint32_t>(stride_);
   block_float_ = arena.take<float>(mcd::kBlock * p);
   block_double_ = arena.take<double>(mcd::kBlock * p);
+  matrices_ = arena.take<double>(2 * p * p);
   candidate_pool_ = arena.take<float>(mcd::kCandidates * (p + mcd::packed_size(p)));
   histogram_ = arena.take<std::uint16_t>(mcd::kHistogram);
   if (histogram_ != nullptr && !arena.exhausted())

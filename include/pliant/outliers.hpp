@@ -21,8 +21,8 @@ inline constexpr std::size_t kMcdMaxRows = 4096;
 /// Squared distance of a row that lies off a subspace which holds all the good ones.
 inline constexpr float kMcdOffSubspace = 1e30f;
 
-/// Largest data an `Mcd` takes. Bytes for p columns: 8 a value, 24 a row, 768 a column, 240 (p + p(p + 1) / 2), and 9 kB:
-/// 39 kB for 256 x 6, 1 MB for 4096 x 24. It needs about 10 kB of stack besides.
+/// Largest data an `Mcd` takes. Bytes for p columns: 8 a value, 24 a row, 768 a column, 136 p^2, and 9 kB: 40 kB for
+/// 256 x 6, 1 MB for 4096 x 24. About 16 kB of stack besides.
 struct McdLimits {
   std::size_t rows = 512;   ///< at most kMcdMaxRows
   std::size_t columns = 6;  ///< at most kMcdMaxColumns
@@ -124,7 +124,7 @@ class Mcd {
   float *z_ = nullptr, *other_ = nullptr;  // standardised data by columns, and room for as much again
   float *work_ = nullptr, *distance_ = nullptr, *raw_distance_ = nullptr;
   float* block_float_ = nullptr;
-  double* block_double_ = nullptr;
+  double *block_double_ = nullptr, *matrices_ = nullptr;
   float* candidate_pool_ = nullptr;
   std::uint32_t* key_ = nullptr;
   std::uint16_t *row_of_ = nullptr, *subset_ = nullptr, *best_ = nullptr, *order_ = nullptr,
