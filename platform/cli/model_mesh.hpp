@@ -24,9 +24,11 @@ struct MeshRequest {
 class ModelSurface {
  public:
   /// \param q  all parameters.
-  ModelSurface(const Model& model, std::vector<float> q) : cascade_(model), q_(std::move(q)) {}
+  ModelSurface(const Model& model, std::vector<float> q) : cascade_(model), q_(std::move(q)) {
+    cascade_->select(q_.data());
+  }
 
-  Vec3 sample(Vec2 uv) { return cascade_->surface_point(uv, q_.data()); }
+  Vec3 sample(Vec2 uv) { return cascade_->selected_point(uv); }
   /// Unit length, outwards, smoothed over a few cells of a field; zero where the surface has no extent.
   Vec3 normal(Vec2 uv);
   /// For the core; valid as long as this object.
