@@ -31,6 +31,7 @@ Command mesh_command();
 Command fit_command();
 Command track_command();
 Command render_command();
+Command bench_command();
 
 /// Runs a whole command line (without the program's name). \return 0 on success, 2 on bad usage, 1 on bad
 /// input; then one line on `err` says what is wrong and where. Never throws.

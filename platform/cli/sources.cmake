@@ -6,6 +6,8 @@ set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/image_io.cpp PROPERTIES
 target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/args.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bake_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bench_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bench_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/csv.cpp
   ${CMAKE_CURRENT_LIST_DIR}/draw.cpp

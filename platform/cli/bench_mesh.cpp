@@ -1,19 +1,17 @@
 // Time and memory of the adaptive mesh: bare stellar operators, restricted refinement and simplification with
-// queues, refinement by the contour criterion, one budgeted pass. Prints topic,peer,variant,metric,value;
-// times are medians. The base is a grid of basic blocks, squares cut by alternating diagonals, on a gently
-// curved patch.
+// queues, refinement by the contour criterion, one budgeted pass. The base is a grid of basic blocks, squares cut by
+// alternating diagonals, on a gently curved patch.
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <cstdio>
-#include <string>
-#include <vector>
+#include <cstdlib>
 
-#include "../mesh_shapes.hpp"
+#include "cli/bench.hpp"
+#include "cli/model_mesh.hpp"
+#include "cli/owned.hpp"
 #include "pliant/adapt.hpp"
 #include "pliant/criteria.hpp"
 
-using namespace pliant;
+namespace pliant::cli {
 
 namespace {
 
@@ -30,8 +28,10 @@ struct Times {
   }
 };
 
+std::ostream* rows;  // where the rows go; set once a run
+
 void row(const std::string& variant, const char* metric, double value) {
-  std::printf("mesh,pliant,%s,%s,%.6g\n", variant.c_str(), metric, value);
+  *rows << "mesh,pliant," << variant << "," << metric << "," << value << "\n";
 }
 
 std::string span(int from, int to) {
@@ -42,13 +42,45 @@ constexpr MeshLimits kLarge{12000, 21845, 20};
 
 struct Bench {
   explicit Bench(const MeshLimits& l)
-      : block(measured_bytes<Mesh>(l) + measured_bytes<Adapter>(l)), arena(block.data(), block.size()) {
-    if (create_in(arena, mesh, l) != Status::ok || create_in(arena, adapter, l) != Status::ok) std::abort();
+      : mesh_memory(l), adapter_memory(l), mesh(*mesh_memory), adapter(*adapter_memory) {}
+  Owned<Mesh> mesh_memory;
+  Owned<Adapter> adapter_memory;
+  Mesh& mesh;
+  Adapter& adapter;
+};
+
+/// Squares cut by alternating diagonals, each a basic block.
+struct Grid {
+  std::vector<Vec2> uv;
+  std::vector<std::uint16_t> corners;
+
+  explicit Grid(int n) {
+    const auto share = 1.0f / static_cast<float>(n);
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i)
+        uv.push_back({share * static_cast<float>(i), share * static_cast<float>(j)});
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const auto at = [&](int x, int y) { return static_cast<std::uint16_t>((j + y) * (n + 1) + i + x); };
+        const bool falls = (i + j) % 2 == 0;
+        const std::uint16_t a = falls ? at(0, 0) : at(1, 0), b = falls ? at(1, 1) : at(0, 1);
+        const std::uint16_t c = falls ? at(0, 1) : at(0, 0), d = falls ? at(1, 0) : at(1, 1);
+        for (const std::uint16_t corner : {a, b, c, b, a, d}) corners.push_back(corner);
+      }
   }
-  shapes::Block block;
-  Arena arena;
-  Mesh mesh;
-  Adapter adapter;
+  Span<const Vec2> uv_span() const { return {uv.data(), uv.size()}; }
+  Span<const std::uint16_t> corner_span() const { return {corners.data(), corners.size()}; }
+};
+
+/// xorshift: the same edges everywhere.
+struct Random {
+  std::uint32_t state;
+  std::size_t below(std::size_t n) {
+    state ^= state << 13;
+    state ^= state >> 17;
+    state ^= state << 5;
+    return state % n;
+  }
 };
 
 Vec3 patch(void*, Vec2 uv) {
@@ -75,7 +107,7 @@ Vec3 relief(void*, Vec2 uv) {
 // Random edges whatever they are (a free mesh), or random ones that are ready (a restricted mesh), and back,
 // newest first. Which edges is decided in a trial run, so that only the operators are timed.
 void bare_operators(int n, int target, bool restricted) {
-  const shapes::Triangles base = shapes::block_grid(n);
+  const Grid base(n);
   Bench b(kLarge);
   const auto begin = [&] {
     if (b.mesh.set_triangles(base.uv_span(), base.corner_span()) != Status::ok) std::abort();
@@ -83,7 +115,7 @@ void bare_operators(int n, int target, bool restricted) {
   };
   begin();
   const std::uint32_t digest = b.mesh.compute_digest();
-  shapes::Random random{5};
+  Random random{5};
   std::vector<HalfEdgeId> edges;
   std::vector<VertexId> made;
   VertexId v;
@@ -116,7 +148,7 @@ void bare_operators(int n, int target, bool restricted) {
 
 // Uniform refinement by a level test through the queues, and simplification back.
 void restricted_adaptation(int n, int levels) {
-  const shapes::Triangles base = shapes::block_grid(n);
+  const Grid base(n);
   Unconditional depth;
   Times refine, simplify;
   int faces = 0, splits = 0;
@@ -146,7 +178,7 @@ void restricted_adaptation(int n, int levels) {
 }
 
 void contour(int n, int vertices) {
-  const shapes::Triangles base = shapes::block_grid(n);
+  const Grid base(n);
   ContourOptions fine;
   fine.mean_mm = 0.001f;
   fine.max_mm = 0.003f;
@@ -172,7 +204,7 @@ void contour(int n, int vertices) {
 
 // What a tracker does between two frames: 64 splits and welds on a mesh at its budget, ranks as they are.
 void budgeted_pass() {
-  const shapes::Triangles base = shapes::block_grid(8);
+  const Grid base(8);
   ContourOptions fine;
   fine.mean_mm = fine.max_mm = 0;
   fine.volume_mm3 = 1e-4f;
@@ -211,9 +243,35 @@ void memory(int faces) {
       static_cast<double>(measured_bytes<Adapter>(l)) / faces);
 }
 
+/// The built-in face, or whichever model is given, from its base to so many vertices by the contour criterion.
+void model_contour(const ModelFile& file, int vertices) {
+  const Model& model = file.model();
+  ModelSurface surface(model, std::vector<float>(model.parameters().count, 0.0f));
+  ContourOptions least;
+  least.mean_mm = least.max_mm = 0;
+  least.volume_mm3 = 1e-6f;
+  Times whole;
+  Bench b(kLarge);
+  for (int repeat = 0; repeat < 15; ++repeat) {
+    require(b.mesh.set_base(model.base_uv(), model.base_corners()), file.path());
+    const double t0 = now_ns();
+    require(b.adapter.start(b.mesh, surface.surface(), criterion_of(least)), file.path());
+    AdaptOptions options;
+    options.vertex_budget = vertices;
+    options.may_weld = false;
+    (void)b.adapter.adapt(options);
+    whole.ns.push_back(now_ns() - t0);
+  }
+  const std::string v = "model_" + std::to_string(b.mesh.base_vertex_count()) + "_to_" +
+                        std::to_string(b.mesh.vertex_count()) + "_vertices";
+  row(v, "ms_whole", 1e-6 * whole.median());
+  row(v, "mean_error_mm", static_cast<double>(compute_contour_error(b.adapter.shape(), 4).mean_mm));
+}
+
 }  // namespace
 
-int main() {
+void bench_mesh(std::ostream& out, const ModelFile* model) {
+  rows = &out;
   for (const bool restricted : {false, true}) {
     bare_operators(22, 10000, restricted);
     bare_operators(71, 20000, restricted);
@@ -221,6 +279,9 @@ int main() {
   restricted_adaptation(8, 7);
   restricted_adaptation(22, 4);
   contour(8, 1900);
+  if (model != nullptr) model_contour(*model, 1900);
   budgeted_pass();
   for (const int faces : {968, 3528, 10082, 16384}) memory(faces);
 }
+
+}  // namespace pliant::cli
