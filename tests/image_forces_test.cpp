@@ -1,0 +1,329 @@
+// Rejection of image forces: the table of occlusion experiments on a synthetic face-like surface, and the edges.
+#include "pliant/image_forces.hpp"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "mcd_runner.hpp"
+#include "pliant/robust.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr std::size_t kPoints = 120, kRigid = 6, kUnknowns = 14;
+using Parameters = Eigen::Matrix<double, kUnknowns, 1>;
+using Block = Eigen::Matrix<double, 2, kUnknowns>;
+
+/// A shallow dome, 140 x 180 px, seen from the front: rotation, log scale and translation, then eight smooth local fields.
+struct Scene {
+  std::vector<Block> b;
+  std::vector<Vec2> at;
+
+  explicit Scene(Random& random) {
+    while (at.size() < kPoints) {
+      const float x = random.uniform(-70, 70), y = random.uniform(-90, 90);
+      const float z = 60 * (1 - x * x / 8000 - y * y / 13000);
+      if (x * x / 4900 + y * y / 8100 > 1) continue;
+      at.push_back({x, y});
+      Block j = Block::Zero();
+      j.leftCols<6>() << 0, static_cast<double>(z), static_cast<double>(-y), static_cast<double>(x), 1, 0,
+          static_cast<double>(-z), 0, static_cast<double>(x), static_cast<double>(y), 0, 1;
+      const float center[8][2] = {{-30, -40}, {30, -40}, {-30, -20}, {30, -20},
+                                  {-25, 45},  {25, 45},  {0, 60},    {0, 20}};
+      for (int k = 0; k < 8; ++k) {
+        const double dx = static_cast<double>(x - center[k][0]), dy = static_cast<double>(y - center[k][1]);
+        const double r2 = (dx * dx + dy * dy) / (28.0 * 28.0);
+        if (r2 < 1) j(k % 2 == 0 || k > 5 ? 1 : 0, 6 + k) = (1 - r2) * (1 - r2);
+      }
+      b.push_back(j);
+    }
+  }
+};
+
+enum class Outliers { none, random, moving, standing };
+
+/// Forces at the old state, and at a predicted one that knows four fifths of the motion.
+struct Trial {
+  std::vector<Vec2> force;
+  Parameters truth;
+};
+
+Vec2 to_vec(const Eigen::Vector2d& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y())};
+}
+
+Parameters random_motion(Random& random) {
+  Parameters q;
+  const double sd[6] = {0.03, 0.03, 0.03, 0.015, 4, 4};
+  for (std::size_t k = 0; k < kUnknowns; ++k)
+    q[static_cast<Eigen::Index>(k)] = (k < 6 ? sd[k] : 1.5) * static_cast<double>(random.normal());
+  return q;
+}
+
+Trial make_trial(const Scene& scene, Outliers kind, double share, bool at_prediction, Random& random) {
+  const Parameters motion = random_motion(random);
+  Parameters predicted = Parameters::Zero();
+  if (at_prediction)
+    for (Eigen::Index k = 0; k < predicted.size(); ++k)
+      predicted[k] = motion[k] * (0.8 + 0.1 * static_cast<double>(random.normal()));
+  Parameters foreign = random_motion(random);
+  foreign.tail<8>().setZero();
+  foreign.segment<2>(4) *= 3;
+  std::vector<std::size_t> order(kPoints);
+  const Vec2 middle = scene.at[static_cast<std::size_t>(random.below(kPoints))];
+  std::vector<float> key(kPoints);
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    order[i] = i;
+    key[i] = kind == Outliers::random ? random.uniform(0, 1) : length(scene.at[i] - middle);
+  }
+  std::sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) { return key[x] < key[y]; });
+  std::vector<bool> bad(kPoints, false);
+  for (std::size_t i = 0; kind != Outliers::none && i < static_cast<std::size_t>(share * kPoints); ++i)
+    bad[order[i]] = true;
+  Trial trial{std::vector<Vec2>(kPoints), motion - predicted};
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const Eigen::Vector2d noise(0.4 * static_cast<double>(random.normal()),
+                                0.4 * static_cast<double>(random.normal()));
+    Eigen::Vector2d moved = scene.b[i] * motion;
+    const Vec2 wild{random.uniform(-12, 12), random.uniform(-12, 12)};
+    if (bad[i] && kind == Outliers::random)
+      moved += Eigen::Vector2d(static_cast<double>(wild.x), static_cast<double>(wild.y));
+    if (bad[i] && kind == Outliers::moving) moved = scene.b[i] * foreign;
+    if (bad[i] && kind == Outliers::standing) moved.setZero();
+    trial.force[i] = to_vec(moved + noise - scene.b[i] * predicted);
+  }
+  return trial;
+}
+
+std::vector<Vec2> residuals(const Scene& scene, const Trial& trial, const Parameters& q) {
+  std::vector<Vec2> r(kPoints);
+  for (std::size_t i = 0; i < kPoints; ++i) r[i] = trial.force[i] - to_vec(scene.b[i] * q);
+  return r;
+}
+
+/// Weighted least squares with weak priors; `rounds` of robust weights (Huber, then Tukey) on the points kept.
+Parameters solve(const Scene& scene, const Trial& trial, const std::vector<std::uint8_t>& keep, int rounds,
+                 Parameters q = Parameters::Zero(), bool starts_robust = false) {
+  for (int round = 0; round <= rounds; ++round) {
+    std::vector<Vec2> r = residuals(scene, trial, q);
+    std::vector<float> lengths;
+    for (std::size_t i = 0; i < kPoints; ++i)
+      if (keep[i] != 0) lengths.push_back(length(r[i]));
+    const float scale = std::max(robust_scale(lengths.data(), lengths.size()), 0.1f);
+    Eigen::Matrix<double, kUnknowns, kUnknowns> h = Eigen::Matrix<double, kUnknowns, kUnknowns>::Zero();
+    h.diagonal().tail<8>().setConstant(0.05);
+    Parameters g = Parameters::Zero();
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      if (keep[i] == 0) continue;
+      const Loss loss = round == 0 && !starts_robust
+                            ? Loss::squares
+                            : (round < 4 && !starts_robust ? Loss::huber : Loss::tukey);
+      const double w = static_cast<double>(evaluate(loss, length(r[i]) / scale).weight);
+      h += w * scene.b[i].transpose() * scene.b[i];
+      g += w * scene.b[i].transpose() *
+           Eigen::Vector2d(static_cast<double>(trial.force[i].x), static_cast<double>(trial.force[i].y));
+    }
+    q = h.ldlt().solve(g);
+  }
+  return q;
+}
+
+struct Result {
+  double least_squares = 0, robust = 0, rejection = 0, rejection_six = 0, readmission = 0;
+};
+
+double error_px(const Scene& scene, const Parameters& q, const Parameters& truth) {
+  double sum = 0;
+  for (std::size_t i = 0; i < kPoints; ++i) sum += (scene.b[i] * (q - truth)).norm() / kPoints;
+  return sum;
+}
+
+struct RejectorRunner {
+  RejectorRunner()
+      : block(measured_bytes<ForceRejector>(limits) / sizeof(McdRunner::Line) + 1),
+        arena(block.data(), block.size() * sizeof(McdRunner::Line)) {
+    REQUIRE(create_in(arena, rejector, limits) == Status::ok);
+  }
+  std::vector<std::uint8_t> reject(const Scene& scene, const Trial& trial, McdStarts starts) {
+    std::vector<float> jacobian;
+    for (const Block& b : scene.b)
+      for (Eigen::Index row = 0; row < 2; ++row)
+        for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(kRigid); ++k)
+          jacobian.push_back(static_cast<float>(b(row, k)));
+    std::vector<std::uint8_t> keep(kPoints);
+    ForceOptions options;
+    options.starts = starts;
+    REQUIRE(rejector.reject(jacobian.data(), trial.force.data(), kPoints, kRigid, options, keep.data()) ==
+            Status::ok);
+    return keep;
+  }
+  McdLimits limits{kPoints, kRigid};
+  std::vector<McdRunner::Line> block;
+  Arena arena;
+  ForceRejector rejector;
+};
+
+Result experiment(Outliers kind, double share, bool at_prediction, int trials = 40) {
+  Random random(2024);
+  RejectorRunner runner;
+  Result mean;
+  const std::vector<std::uint8_t> all(kPoints, 1);
+  for (int k = 0; k < trials; ++k) {
+    const Scene scene(random);
+    const Trial trial = make_trial(scene, kind, share, at_prediction, random);
+    const auto add = [&](double& sum, const Parameters& q) {
+      sum += error_px(scene, q, trial.truth) / trials;
+    };
+    add(mean.least_squares, solve(scene, trial, all, 0));
+    add(mean.robust, solve(scene, trial, all, 10));
+    add(mean.rejection_six, solve(scene, trial, runner.reject(scene, trial, McdStarts::all_six), 10));
+    std::vector<std::uint8_t> keep = runner.reject(scene, trial, McdStarts::median_ball);
+    Parameters q = solve(scene, trial, keep, 10);
+    add(mean.rejection, q);
+    std::vector<float> scratch(kPoints);
+    readmit(residuals(scene, trial, q).data(), kPoints, 3.5f, 0.1f, scratch.data(), keep.data());
+    add(mean.readmission, solve(scene, trial, keep, 3, q, true));
+  }
+  return mean;
+}
+
+void print(const std::string& name, const Result& r) {
+  MESSAGE(name, ": least squares ", r.least_squares, ", robust weights ", r.robust, ", rejection ",
+          r.rejection, " (six starts ", r.rejection_six, "), re-admission ", r.readmission, " px");
+}
+
+}  // namespace
+
+TEST_CASE("without outliers re-admission costs next to nothing") {
+  const Result r = experiment(Outliers::none, 0, true);
+  print("none", r);
+  CHECK(r.rejection > r.least_squares);
+  CHECK(r.readmission < r.rejection);
+  CHECK(r.readmission < 1.25 * r.least_squares);
+}
+
+TEST_CASE("random outliers: robust weights do, rejection and re-admission do better") {
+  for (double share : {0.20, 0.35}) {
+    const Result r = experiment(Outliers::random, share, true);
+    print(share < 0.3 ? "random 20 %" : "random 35 %", r);
+    CHECK(r.robust < 0.5 * r.least_squares);
+    CHECK(r.readmission < r.robust * 1.05);
+    CHECK(r.readmission < 0.4);
+  }
+}
+
+TEST_CASE("an occluder that moves: weights alone lose the object, rejection does not") {
+  for (double share : {0.20, 0.35}) {
+    const Result old = experiment(Outliers::moving, share, false),
+                 r = experiment(Outliers::moving, share, true);
+    print(share < 0.3 ? "moving 20 %, at the old state" : "moving 35 %, at the old state", old);
+    print(share < 0.3 ? "moving 20 %, at the prediction" : "moving 35 %, at the prediction", r);
+    CHECK(r.robust < r.least_squares);
+    CHECK(r.rejection < (share < 0.3 ? 0.8 : 0.1) * r.robust);
+    CHECK(r.readmission < (share < 0.3 ? 0.8 : 0.1) * r.robust);
+    CHECK(r.readmission <= old.readmission);
+    CHECK(r.rejection < 1.3 * r.rejection_six);
+  }
+}
+
+TEST_CASE("an occluder that stands: rejection needs forces at the predicted state") {
+  for (double share : {0.20, 0.35}) {
+    const Result old = experiment(Outliers::standing, share, false),
+                 r = experiment(Outliers::standing, share, true);
+    print(share < 0.3 ? "standing 20 %, at the old state" : "standing 35 %, at the old state", old);
+    print(share < 0.3 ? "standing 20 %, at the prediction" : "standing 35 %, at the prediction", r);
+    CHECK(old.rejection > old.robust);
+    CHECK(r.rejection < (share < 0.3 ? 0.8 : 0.25) * r.robust);
+    CHECK(r.readmission < (share < 0.3 ? 0.8 : 0.25) * r.robust);
+    CHECK(r.readmission < 0.25 * old.readmission);
+  }
+}
+
+TEST_CASE("at rest nothing is rejected, whatever the noise below the floor looks like") {
+  Random random(5);
+  const Scene scene(random);
+  Trial trial{std::vector<Vec2>(kPoints), Parameters::Zero()};
+  RejectorRunner runner;
+  const auto count = [](const std::vector<std::uint8_t>& keep) {
+    return std::count(keep.begin(), keep.end(), 1);
+  };
+  CHECK(count(runner.reject(scene, trial, McdStarts::median_ball)) == static_cast<long>(kPoints));
+  for (Vec2& f : trial.force)
+    f = {0.0625f * static_cast<float>(random.below(2)), 0.0625f * static_cast<float>(random.below(2))};
+  CHECK(count(runner.reject(scene, trial, McdStarts::median_ball)) == static_cast<long>(kPoints));
+  trial.force[7] = {20, -20};
+  CHECK(runner.reject(scene, trial, McdStarts::median_ball)[7] == 0);
+}
+
+TEST_CASE("a parameter that no point sees, and values that are not finite") {
+  Random random(6);
+  Scene scene(random);
+  Trial trial = make_trial(scene, Outliers::random, 0.2, true, random);
+  RejectorRunner runner;
+  trial.force[3].y = std::numeric_limits<float>::quiet_NaN();
+  scene.b[5](1, 2) = std::numeric_limits<double>::infinity();
+  std::vector<std::uint8_t> keep = runner.reject(scene, trial, McdStarts::median_ball);
+  CHECK(keep[3] == 0);
+  CHECK(keep[5] == 0);
+  const auto kept = std::count(keep.begin(), keep.end(), 1);
+  CHECK((kept > 70 && kept < 100));
+  for (Block& b : scene.b) b.col(2).setZero();
+  keep = runner.reject(scene, trial, McdStarts::all_six);
+  const auto still = std::count(keep.begin(), keep.end(), 1);
+  CHECK((still > 70 && still < 100));
+}
+
+TEST_CASE("few points are all kept, and bad arguments change nothing") {
+  RejectorRunner runner;
+  const std::vector<float> jacobian(kPoints * 2 * kRigid, 1.0f);
+  std::vector<Vec2> force(kPoints + 1, Vec2{1, 0});
+  std::vector<std::uint8_t> keep(kPoints + 1, 7);
+  ForceOptions options;
+  const auto reject = [&](std::size_t rows, std::size_t columns) {
+    return runner.rejector.reject(jacobian.data(), force.data(), rows, columns, options, keep.data());
+  };
+  CHECK(reject(kPoints + 1, 1) == Status::capacity);
+  CHECK(reject(10, kRigid + 1) == Status::capacity);
+  CHECK(reject(10, 0) == Status::bad_argument);
+  CHECK(runner.rejector.reject(nullptr, force.data(), 40, 6, options, keep.data()) == Status::bad_argument);
+  options.cutoff = 1;
+  CHECK(reject(40, 6) == Status::bad_argument);
+  options = {};
+  options.noise_px = std::numeric_limits<float>::quiet_NaN();
+  CHECK(reject(40, 6) == Status::bad_argument);
+  CHECK(keep == std::vector<std::uint8_t>(kPoints + 1, 7));
+  options = {};
+  force[2].x = std::numeric_limits<float>::quiet_NaN();
+  CHECK(reject(29, 6) == Status::too_few_points);
+  for (std::size_t i = 0; i < 29; ++i) CHECK(keep[i] == (i == 2 ? 0 : 1));
+  for (std::size_t bytes = 0; bytes < runner.arena.used_bytes(); bytes += 97) {
+    Arena arena(runner.block.data(), bytes);
+    ForceRejector other;
+    CHECK(create_in(arena, other, runner.limits) == Status::out_of_memory);
+  }
+}
+
+TEST_CASE("re-admission: by the scale of those kept, and never below the noise") {
+  std::vector<Vec2> residual(20, Vec2{0.3f, 0.4f});
+  std::vector<float> scratch(20);
+  std::vector<std::uint8_t> keep(20, 1);
+  keep[4] = keep[5] = keep[6] = 0;
+  residual[5] = {3, 0};
+  residual[6].x = std::numeric_limits<float>::quiet_NaN();
+  residual[7] = {0, -2};
+  CHECK(readmit(residual.data(), 20, 3.5f, 0.1f, scratch.data(), keep.data()) == 17);
+  CHECK(keep[4] == 1);
+  CHECK((keep[5] == 0 && keep[6] == 0 && keep[7] == 0));
+  std::vector<Vec2> still(20);
+  still[9] = {0.2f, 0};
+  CHECK(readmit(still.data(), 20, 3.5f, 0.1f, scratch.data(), keep.data()) == 20);
+  CHECK(readmit(still.data(), 20, 3.5f, 0.0f, scratch.data(), keep.data()) == 19);
+}
