@@ -322,7 +322,7 @@ TEST_CASE("one command makes a picture and a table of all criteria") {
   CHECK(contains(r.out, "| criterion | setting | vertices | faces | mean mm | max mm |\n"));
   CHECK(contains(r.out, "| base mesh |  | 49 | 72 |"));
   for (const char* row :
-       {"| unconditional | 4 levels |", "| normals | 45 degrees |", "| contour | 0.12 mm |", "| budget | "})
+       {"| unconditional | depth 4 |", "| normals | 45 degrees |", "| contour | 0.12 mm |", "| budget | "})
     CHECK(contains(r.out, row));
 }
 

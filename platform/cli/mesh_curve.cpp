@@ -39,7 +39,7 @@ std::string mesh_curve(const Model& model, ModelSurface& surface, const std::vec
   constexpr int kDeepest = 12;
   table.add("base mesh", "", 0, {});
   for (const int depth : {1, 2, 3, 4})
-    table.add("unconditional", "%.0f levels", depth, {MeshCriterion::uniform, depth, 0, 0});
+    table.add("unconditional", "depth %.0f", depth, {MeshCriterion::uniform, depth, 0, 0});
   for (const float degrees : {60.0f, 45.0f, 30.0f, 20.0f})
     table.add("normals", "%.0f degrees", static_cast<double>(degrees),
               {MeshCriterion::normals, kDeepest, degrees, 0});
