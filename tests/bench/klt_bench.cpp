@@ -32,7 +32,7 @@ void print(const std::string& variant, const char* metric, double value) {
 }
 
 double quantile(std::vector<double> v, double q) {
-  if (v.empty()) return NAN;
+  if (v.empty()) return std::nan("");
   std::sort(v.begin(), v.end());
   const double at = q * static_cast<double>(v.size() - 1);
   const auto i = static_cast<std::size_t>(at);
