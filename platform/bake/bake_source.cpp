@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "bake/at.hpp"
 #include "bake/bake.hpp"
 #include "bake/base_mesh.hpp"
 #include "bake/field_grid.hpp"
@@ -13,10 +14,6 @@
 namespace pliant::bake {
 
 namespace {
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 class Baker {
  public:

@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 
+#include "bake/at.hpp"
 #include "bake/chart_raster.hpp"
 #include "bake/field_grid.hpp"
 #include "bake/skin_boundary.hpp"
@@ -17,10 +18,6 @@
 namespace pliant::bake {
 
 namespace {
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 class BaseMesher {
  public:

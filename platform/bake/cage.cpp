@@ -1,5 +1,7 @@
 #include "bake/cage.hpp"
 
+#include <algorithm>
+#include <cstdlib>
 #include <deque>
 #include <map>
 #include <stdexcept>
@@ -36,6 +38,34 @@ void read_points(Cage& cage, const std::string& folder) {
     cage.mirror[static_cast<std::size_t>(left)] = right;
     cage.mirror[static_cast<std::size_t>(right)] = left;
   }
+}
+
+/// A word without commas.
+std::vector<int> points_of_word(const Cage& cage, const std::string& word) {
+  const auto find = [&cage](const std::string& name) {
+    const auto found = cage.index.find(name);
+    if (found != cage.index.end()) return found->second;
+    // A point in the middle is its own mirror image.
+    const auto middle = name[0] == '-' ? cage.index.find(name.substr(1)) : cage.index.end();
+    if (middle == cage.index.end()) throw std::invalid_argument("unknown point '" + name + "'");
+    return middle->second;
+  };
+  const std::size_t dot = word.rfind('.'), dash = dot == std::string::npos ? dot : word.find('-', dot);
+  if (dash == std::string::npos) return {find(word)};
+  const std::string stem = word.substr(0, dot + 1);
+  char* end = nullptr;
+  const long first = std::strtol(word.c_str() + dot + 1, &end, 10);
+  const bool has_first = end == word.c_str() + dash;
+  const long last = std::strtol(word.c_str() + dash + 1, &end, 10);
+  if (!has_first || *end != 0 || end == word.c_str() + dash + 1 || first < 0 || last < 0 || first > 999 ||
+      last > 999)
+    throw std::invalid_argument("'" + word + "' is no range of points");
+  std::vector<int> points;
+  for (long k = first;; k += first <= last ? 1 : -1) {
+    points.push_back(find(stem + std::to_string(k)));
+    if (k == last) break;
+  }
+  return points;
 }
 
 std::vector<int> row_points(const Cage& cage, const TextTable& table, const TextRow& row, std::size_t first) {
@@ -144,29 +174,12 @@ void wind_faces(Cage& cage, const std::string& file) {
 
 }  // namespace
 
-std::vector<int> points_of(const Cage& cage, const std::string& word) {
-  const auto find = [&cage](const std::string& name) {
-    const auto found = cage.index.find(name);
-    if (found != cage.index.end()) return found->second;
-    // A point in the middle is its own mirror image.
-    const auto middle = name[0] == '-' ? cage.index.find(name.substr(1)) : cage.index.end();
-    if (middle == cage.index.end()) throw std::invalid_argument("unknown point '" + name + "'");
-    return middle->second;
-  };
-  const std::size_t dot = word.rfind('.'), dash = dot == std::string::npos ? dot : word.find('-', dot);
-  if (dash == std::string::npos) return {find(word)};
-  const std::string stem = word.substr(0, dot + 1);
-  char* end = nullptr;
-  const long first = std::strtol(word.c_str() + dot + 1, &end, 10);
-  const bool has_first = end == word.c_str() + dash;
-  const long last = std::strtol(word.c_str() + dash + 1, &end, 10);
-  if (!has_first || *end != 0 || end == word.c_str() + dash + 1 || first < 0 || last < 0 || first > 999 ||
-      last > 999)
-    throw std::invalid_argument("'" + word + "' is no range of points");
+std::vector<int> points_of(const Cage& cage, const std::string& words) {
   std::vector<int> points;
-  for (long k = first;; k += first <= last ? 1 : -1) {
-    points.push_back(find(stem + std::to_string(k)));
-    if (k == last) break;
+  for (std::size_t first = 0; first <= words.size();) {
+    const std::size_t comma = std::min(words.find(',', first), words.size());
+    for (int p : points_of_word(cage, words.substr(first, comma - first))) points.push_back(p);
+    first = comma + 1;
   }
   return points;
 }

@@ -30,9 +30,9 @@ struct Cage {
   bool is_left(int point) const { return names[static_cast<std::size_t>(point)][0] != '-'; }
 };
 
-/// The points that a word stands for: "name", "-name", or "stem.3-7" and "stem.7-3", from the first to the
-/// last. Throws std::invalid_argument naming a point that does not exist.
-std::vector<int> points_of(const Cage& cage, const std::string& word);
+/// The points that words with commas between them stand for: "name", "-name", or "stem.3-7" and "stem.7-3", from the first
+/// to the last. Throws std::invalid_argument naming a point that does not exist.
+std::vector<int> points_of(const Cage& cage, const std::string& words);
 
 /// Reads `folder`/points.txt and patches.txt, mirrors and winds the faces. Throws SourceError.
 Cage read_cage(const std::string& folder);

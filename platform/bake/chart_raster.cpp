@@ -4,13 +4,11 @@
 #include <cmath>
 #include <map>
 
+#include "bake/at.hpp"
+
 namespace pliant::bake {
 
 namespace {
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 struct Corners {
   Vec2 a, b, c;

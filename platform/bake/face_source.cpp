@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "bake/at.hpp"
 #include "bake/chart_raster.hpp"
 #include "bake/moves.hpp"
 #include "bake/paint.hpp"
@@ -14,10 +15,6 @@
 namespace pliant::bake {
 
 namespace {
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// A row of parameters.txt. A sided one becomes two parameters, NAMELeft and NAMERight.
 struct FaceParameter {

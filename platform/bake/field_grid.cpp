@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/at.hpp"
+
 namespace pliant::bake {
 
 namespace {
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 FieldGrid empty_grid(int width, int height, int components) {
   FieldGrid grid;

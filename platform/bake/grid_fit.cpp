@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/at.hpp"
+
 namespace pliant::bake {
 
 namespace {
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 class GridFit {
  public:

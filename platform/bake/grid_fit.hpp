@@ -21,8 +21,7 @@ std::vector<FitPlace> fit_places(const std::vector<Vec2>& uv,
                                  const std::vector<char>& is_hole, int side);
 
 /// Moves the samples of a grid over the whole chart so that its bilinear values come closest to `values` (one
-/// a vertex, or three components of one) at the places, and otherwise as smoothly as can be (ALGORITHMS: 3.7,
-/// step 5). Samples that were zero and would stay below `still` remain zero. Cost: 24 rounds over samples and
+/// a vertex, or three components of one) at the places, and otherwise as smoothly as can be. Samples that were zero and would stay below `still` remain zero. Cost: 24 rounds over samples and
 /// places a component.
 void fit_grid(FieldGrid& grid, const std::vector<FitPlace>& places, const std::vector<Vec3>& values,
               float still);

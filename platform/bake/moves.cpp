@@ -4,15 +4,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "bake/at.hpp"
 #include "bake/text_table.hpp"
 
 namespace pliant::bake {
 
 namespace {
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 std::vector<int> points_in(const Cage& cage, const TextTable& table, const TextRow& row,
                            const std::string& word) {
@@ -21,18 +18,6 @@ std::vector<int> points_in(const Cage& cage, const TextTable& table, const TextR
   } catch (const std::invalid_argument& error) {
     table.fail(row, error.what());
   }
-}
-
-/// Points of the words in a cell, separated by commas.
-std::vector<int> points_in_cell(const Cage& cage, const TextTable& table, const TextRow& row,
-                                const std::string& cell) {
-  std::vector<int> points;
-  for (std::size_t first = 0; first <= cell.size();) {
-    const std::size_t comma = std::min(cell.find(',', first), cell.size());
-    for (int p : points_in(cage, table, row, cell.substr(first, comma - first))) points.push_back(p);
-    first = comma + 1;
-  }
-  return points;
 }
 
 float falloff(const Move& move, const Cage& cage, std::size_t point) {
@@ -107,7 +92,7 @@ std::vector<Move> read_moves(const std::string& folder, const std::string& file,
       table.fail(row, "unknown parameter '" + row.cells[0] + "'");
     const auto group = groups.find(row.cells[4]);
     if (group == groups.end()) table.fail(row, "unknown group '" + row.cells[4] + "'");
-    Move move{row.cells[0],         kind_of(table, row), points_in_cell(cage, table, row, row.cells[2]),
+    Move move{row.cells[0],         kind_of(table, row), points_in(cage, table, row, row.cells[2]),
               table.number(row, 3), group->second,       table.vector(row, 5)};
     if (move.radius < 0) table.fail(row, "a radius is not negative");
     moves.push_back(std::move(move));

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 
+#include "bake/at.hpp"
 #include "bake/chart_raster.hpp"
 #include "bake/obj_file.hpp"
 #include "bake/principal_components.hpp"
@@ -16,10 +17,6 @@ namespace pliant::bake {
 namespace {
 
 namespace fs = std::filesystem;
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 /// Names of the OBJ files, sorted, without their ending.
 std::vector<std::string> obj_names(const std::string& folder) {
   std::vector<std::string> names;

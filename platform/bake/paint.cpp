@@ -5,6 +5,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "bake/at.hpp"
 #include "bake/chart_raster.hpp"
 #include "bake/source_error.hpp"
 #include "bake/text_table.hpp"
@@ -15,10 +16,6 @@ namespace {
 
 constexpr int kSide = 384;        // of the result
 constexpr int kOversampling = 2;  // each way
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 struct Layer {
   std::string kind, region;
@@ -254,15 +251,10 @@ Layer layer_of(const TextTable& table, const TextRow& row, const Painter& painte
       table.fail(row, "needs points");
     return layer;
   }
-  const std::string& cell = row.cells[2];
-  for (std::size_t first = 0; first <= cell.size();) {
-    const std::size_t comma = std::min(cell.find(',', first), cell.size());
-    try {
-      for (int p : points_of(cage, cell.substr(first, comma - first))) layer.points.push_back(p);
-    } catch (const std::invalid_argument& error) {
-      table.fail(row, error.what());
-    }
-    first = comma + 1;
+  try {
+    layer.points = points_of(cage, row.cells[2]);
+  } catch (const std::invalid_argument& error) {
+    table.fail(row, error.what());
   }
   if (layer.kind == "hairs" && layer.points.size() < 2)
     table.fail(row, "hairs need a line of two points or more");

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "bake/at.hpp"
+
 namespace pliant::bake {
 
 namespace {
@@ -11,10 +13,6 @@ using Edge = std::pair<int, int>;
 Edge edge_of(int a, int b) {
   return {std::min(a, b), std::max(a, b)};
 }
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 struct Level {
   std::vector<Stencil> stencils;
   std::vector<std::vector<int>> faces;

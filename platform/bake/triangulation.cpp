@@ -7,14 +7,13 @@
 #include <map>
 #include <set>
 
+#include "bake/at.hpp"
+
 namespace pliant::bake {
 
 namespace {
 
 using Edge = std::pair<int, int>;
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 Edge edge_of(int a, int b) {
   return {std::min(a, b), std::max(a, b)};
 }
