@@ -61,7 +61,7 @@ struct BaseMeshCase {
 const std::vector<std::unique_ptr<BaseMeshCase>>& cases() {
   static const auto all = [] {
     std::vector<std::unique_ptr<BaseMeshCase>> made;
-    for (const int vertices : {150, 300, 480, 1000, 2500})
+    for (const int vertices : {150, 480, 1000, 2000})
       made.push_back(std::make_unique<BaseMeshCase>(vertices));
     return made;
   }();
@@ -100,7 +100,8 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "landmarks on the skin are vertices, all of them where the mesh is fine enough to tell them apart") {
+    "landmarks on the skin are vertices, to a millimetre, all of them where the mesh is fine enough to tell "
+    "them apart") {
   for (const auto& c : cases()) {
     CAPTURE(c->wanted);
     const float edge = std::sqrt(4 / 1.732f * at_share(c->areas(), 0.5));
@@ -112,7 +113,7 @@ TEST_CASE(
       float nearest_mm = 1e9f;
       for (const Vec3 p : c->position) nearest_mm = min(nearest_mm, length(p - place));
       CHECK_MESSAGE(nearest_mm < 0.6f * edge, name);
-      kept += nearest_mm < 0.75f;
+      kept += nearest_mm < 1;
       ++count;
     }
     CAPTURE(kept);
