@@ -20,8 +20,8 @@ struct ForceOptions {
 /// Three things that the mathematics asks for, and the caller keeps to:
 /// - B_i holds the columns of the rigid block only (5 or 6): a local parameter moves few points, and a column that is
 ///   zero in most rows has no spread;
-/// - forces are formed at the *predicted* state: there the true ones are the tight cluster near zero. At the old state a
-///   thing that stands still is, and is preferred;
+/// - forces are formed at the *predicted* state: there the true ones are the tight cluster near zero. At the old state
+///   a thing that stands still is, and is preferred;
 /// - the quantile is nominal, for the rows are a mixture of planes: about one true force in six goes. `readmit` brings
 ///   these back after the first solve.
 class ForceRejector {
@@ -30,7 +30,8 @@ class ForceRejector {
   void lay_out(Arena& arena, const McdLimits& limits);
 
   /// \param jacobian  rows x 2 x columns: of each point the row of x, then that of y (px per unit of the parameter).
-  /// \param force     observed minus predicted position, px. One that is not finite, or whose jacobian isn't, is rejected.
+  /// \param force     observed minus predicted position, px. One that is not finite, or whose jacobian isn't, is
+  ///                  rejected.
   /// \param keep      out: 1 where the force is kept, 0 where it is rejected.
   /// - ok; - too_few_points: fewer than 5 finite forces a column: all of them are kept;
   /// - capacity, bad_argument (null, no column, an option out of range): `keep` is as it was.
@@ -51,8 +52,8 @@ class ForceRejector {
 };
 
 /// After the first solve: keeps every point whose residual (px) is finite and at most `factor` times the scale of the
-/// residuals kept so far (their median length / 1.1774, at least `noise_px`), be it one kept before or not. Gives how many
-/// that are. `scratch`: a float a point. Follow it by two or three more robust iterations.
+/// residuals kept so far (their median length / 1.1774, at least `noise_px`), be it one kept before or not. Gives how
+/// many that are. `scratch`: a float a point. Follow it by two or three more robust iterations.
 std::size_t readmit(const Vec2* residual, std::size_t rows, float factor, float noise_px, float* scratch,
                     std::uint8_t* keep);
 

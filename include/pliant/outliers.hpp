@@ -29,18 +29,23 @@ struct McdLimits {
 };
 
 struct McdOptions {
-  float alpha = 0.5f;  ///< size of the subset, in [0.5, 1]: 0.5 stands most outliers (half), 0.75 a quarter
-  float cutoff = 0.975f;       ///< in (0,1): a row is flagged beyond this quantile of chi-square
-  bool small_sample = true;    ///< apply the small-sample correction of Pison, Van Aelst & Willems (2002)
-  std::uint32_t starts = 500;  ///< random starts of `fast`, in [1, 100000]
-  std::uint32_t exchanges =
-      0;  ///< most exchanges of single rows after the C-steps: 50 finds lower determinants than
-          ///< thousands of starts do, for about the cost of two C-steps each
-  std::uint64_t seed = 1;  ///< of the generator of `fast`: equal seeds give equal bits
+  /// Size of the subset, in [0.5, 1]: 0.5 stands most outliers (half of the rows), 0.75 a quarter.
+  float alpha = 0.5f;
+  /// In (0,1): a row is flagged beyond this quantile of chi-square.
+  float cutoff = 0.975f;
+  /// Apply the small-sample correction of Pison, Van Aelst & Willems (2002).
+  bool small_sample = true;
+  /// Random starts of `fast`, in [1, 100000].
+  std::uint32_t starts = 500;
+  /// Most exchanges of single rows after the C-steps. 50 find lower determinants than thousands of starts do; each costs
+  /// about three C-steps on all rows. 0 is the algorithm as published.
+  std::uint32_t exchanges = 0;
+  /// Of the generator of `fast`: equal seeds give equal bits.
+  std::uint64_t seed = 1;
 };
 
-/// Which deterministic starts to try. With hundreds of rows one is about as good as six, and many times cheaper; with a few
-/// dozen six find lower determinants, and so does one followed by exchanges.
+/// Which deterministic starts to try. With hundreds of rows one is about as good as six, and many times cheaper; with
+/// a few dozen six find lower determinants, and so does one followed by exchanges.
 enum class McdStarts : std::uint8_t { median_ball, all_six };
 
 /// A positive number mantissa * 2^exponent, mantissa in [0.5, 1): a determinant that can't overflow.
