@@ -82,11 +82,11 @@ TEST_CASE("with a known focal length a change of scale keeps it, up to the bound
   const float f = camera_of(view).f;
   float step[kPoseUnknowns] = {};
   step[kLogScale] = 0.3f;
-  CHECK(camera_of(moved(view, step, kPoseUnknowns)).f == doctest::Approx(f).epsilon(1e-5));
-  CHECK(moved(view, step, kPoseUnknowns).s == doctest::Approx(view.s * 1.3498588f).epsilon(1e-5));
+  CHECK(camera_of(moved(view, step, kPoseUnknowns)).f == doctest::Approx(double(f)).epsilon(1e-5));
+  CHECK(moved(view, step, kPoseUnknowns).s == doctest::Approx(double(view.s * 1.3498588f)).epsilon(1e-5));
   for (int i = 0; i < 30; ++i) view = moved(view, step, kPoseUnknowns);
   CHECK(view.rho == kMaxRho);
-  CHECK(camera_of(view).f == doctest::Approx(f).epsilon(1e-3));
+  CHECK(camera_of(view).f == doctest::Approx(double(f)).epsilon(1e-3));
 }
 
 TEST_CASE("a point at or behind the camera is refused") {

@@ -87,7 +87,7 @@ TEST_CASE("pose and expressions are followed through a motion, the identity stay
     CHECK(result.state == TrackState::tracking);
     CHECK(result.inliers > 40);
     CHECK(turn_error(e.object, turn) < 0.02f);
-    if (frame > 2) CHECK(e->parameters()[5] == doctest::Approx(truth[5]).epsilon(0.05).scale(1));
+    if (frame > 2) CHECK(e->parameters()[5] == doctest::Approx(double(truth[5])).epsilon(0.05).scale(1));
     CHECK(e->parameters()[0] == 0.8f);
   }
   CHECK(e->parameters()[3] == doctest::Approx(0.5).epsilon(0.1).scale(1));

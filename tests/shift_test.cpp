@@ -56,8 +56,8 @@ TEST_CASE("a moved picture gives its shift, whole and half pixels, whatever the 
     for (float dy : {-6.0f, 0.0f, 2.5f}) {
       const auto now = texture.picture(40 - dx, 40 - dy, 0.8f);
       const Shift s = find_shift(view(before), box, view(now), 8);
-      CHECK(s.by.x == doctest::Approx(dx).epsilon(0.05).scale(4));
-      CHECK(s.by.y == doctest::Approx(dy).epsilon(0.05).scale(4));
+      CHECK(s.by.x == doctest::Approx(double(dx)).epsilon(0.05).scale(4));
+      CHECK(s.by.y == doctest::Approx(double(dy)).epsilon(0.05).scale(4));
       CHECK(s.correlation > 0.9f);
     }
 }

@@ -88,7 +88,7 @@ TEST_CASE("limits hold, and the other unknowns take the best value given them") 
   const float bound = 0.4f * magnitude(free_step[7]);
   e.equations.set_limits(7, -bound, bound);
   e.equations.solve(0, step.data());
-  CHECK(magnitude(step[7]) == doctest::Approx(bound));
+  CHECK(magnitude(step[7]) == doctest::Approx(double(bound)));
   Eigen::VectorXd x(8);
   for (int k = 0; k < 8; ++k) x(k) = double(step[static_cast<std::size_t>(k)]);
   const Eigen::VectorXd gradient = g - h * x;
@@ -161,7 +161,7 @@ TEST_CASE("robust losses are squares near zero, continuous, and Tukey lets go") 
       const float h = 1e-2f;  // weight = rho'(u) / u
       if (u > 0.1f && u < 4.6f) {
         const float slope = (evaluate(loss, u + h).rho - evaluate(loss, u - h).rho) / (2 * h);
-        CHECK(v.weight * u == doctest::Approx(slope).epsilon(0.02));
+        CHECK(v.weight * u == doctest::Approx(double(slope)).epsilon(0.02));
       }
       last = v.rho;
     }

@@ -17,7 +17,7 @@ TEST_CASE("the nearest point of a triangle is inside it, and no sampled point of
     CHECK(w[0] + w[1] + w[2] == doctest::Approx(1));
     for (float each : w) CHECK(each >= -1e-5f);
     const Vec2 at = w[0] * a + (w[1] * b + w[2] * c);
-    CHECK(dot(at - x, at - x) == doctest::Approx(d2).epsilon(1e-3).scale(1));
+    CHECK(dot(at - x, at - x) == doctest::Approx(double(d2)).epsilon(1e-3).scale(1));
     for (int i = 0; i <= 10; ++i)
       for (int k = 0; i + k <= 10; ++k) {
         const float u = 0.1f * static_cast<float>(i), v = 0.1f * static_cast<float>(k);
