@@ -1,6 +1,6 @@
 #include "elementary.hpp"
 
-#include <cmath>
+#include <cmath>  // std::sqrt, correctly rounded everywhere; nothing else of it is used
 #include <cstring>
 
 namespace pliant {

@@ -1,6 +1,6 @@
 #include "pliant/geometry.hpp"
 
-#include <cmath>
+#include <cmath>  // std::sqrt, correctly rounded everywhere; nothing else of it is used
 #include <cstdint>
 #include <cstring>
 
