@@ -20,6 +20,8 @@ class DepthBuffer {
 
   /// True where something drawn at x lies nearer than depth - margin. False outside the grid.
   bool hides(Vec2 x, float depth, float margin) const;
+  /// Side of a cell in the image as last drawn, px; 0 before.
+  float cell_px() const { return cells_per_px_ > 0 ? 1.0f / cells_per_px_ : 0.0f; }
 
  private:
   void draw_face(const Vec2 (&x)[3], const float (&z)[3]);
