@@ -36,19 +36,23 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   mesh_.lay_out(arena, mesh);
   adapter_.lay_out(arena, mesh);
   depth_.lay_out(arena, kDepthCells, kDepthCells);
-  const std::size_t parameters = model.parameters().count, unknowns = parameters + kPoseUnknowns;
+  const std::size_t parameters = model.parameters().count, records = model.cascade().count;
+  const auto at_most = [](std::size_t limit, std::size_t all) {
+    return limit > 0 && limit < all ? limit : all;
+  };
+  const std::size_t unknowns = at_most(limits.free_parameters, parameters) + kPoseUnknowns;
   equations_.lay_out(arena, unknowns);
-  baked_stride_ = model.cascade().count;
+  baked_capacity_ = at_most(limits.baked_samples, records);
   in_use_ = arena.take<std::uint8_t>(limits.points);
   uv_ = arena.take<Vec2>(limits.points);
   tangent_u_ = arena.take<Vec3>(limits.points);
   tangent_v_ = arena.take<Vec3>(limits.points);
-  baked_points_ = arena.take<Vec3>(limits.points * baked_stride_);
+  baked_points_ = arena.take<Vec3>(limits.points * baked_capacity_);
   predictions_ = arena.take<Prediction>(limits.points);
   lengths_ = arena.take<float>(limits.points);
   usable_ = arena.take<std::uint16_t>(limits.points);
   information_ = arena.take<Sym2>(limits.points);
-  baked_vertices_ = arena.take<Vec3>(limits.vertices * baked_stride_);
+  baked_vertices_ = arena.take<Vec3>(limits.bakes_vertices ? limits.vertices * baked_capacity_ : 0);
   vertex_ = arena.take<Vec3>(limits.vertices);
   vertex_image_ = arena.take<Vec2>(limits.vertices);
   vertex_depth_ = arena.take<float>(limits.vertices);
@@ -68,7 +72,9 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   const std::size_t parameters = cascade_.parameter_count();
   for (std::size_t i = 0; i < parameters; ++i)
     if (!is_finite(q[i])) return Status::bad_argument;
-  const Status status = mesh_.set_base(model().base_uv(), model().base_corners());
+  started_ = false;
+  Status status = choose_free(is_free);
+  if (status == Status::ok) status = mesh_.set_base(model().base_uv(), model().base_corners());
   if (status != Status::ok) return status;
 
   camera_ = camera;
@@ -82,11 +88,6 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
     const Parameter& p = model().parameters()[i];
     q_[i] = expected_q_[i] = trusted_q_[i] = clamp(q[i], p.minimum, p.maximum);
   }
-  if (is_free != nullptr)
-    cascade_.set_free(is_free);
-  else
-    cascade_.set_free(Group::expression);
-  baked_stride_ = cascade_.baked_count();  // never more than what was laid out
   for (std::size_t i = 0; i < limits_.points; ++i) in_use_[i] = 0;
   time_ns_ = 0;
   seconds_ = 0;
@@ -95,10 +96,21 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   looked_for_ = 0;
   adapt_mesh();
   started_ = true;
-  update_vertices();
+  update_vertices(1);
   result_ = {
       TrackState::tracking, pose_of(view_), 0, 0, 0, 0, static_cast<std::uint16_t>(mesh_.vertex_count())};
   return Status::ok;
+}
+
+Status Estimator::choose_free(const std::uint8_t* is_free) {
+  if (is_free != nullptr)
+    cascade_.set_free(is_free);
+  else
+    cascade_.set_free(Group::expression);
+  baked_stride_ = cascade_.baked_count();
+  const bool fits =
+      baked_stride_ <= baked_capacity_ && cascade_.column_count() + kPoseUnknowns <= equations_.capacity();
+  return fits ? Status::ok : Status::capacity;
 }
 
 void Estimator::adapt_mesh() {
@@ -109,12 +121,23 @@ void Estimator::adapt_mesh() {
   contour.mean_mm = options_.mesh_error_mm;
   contour.max_mm = 4 * options_.mesh_error_mm;
   if (adapter_.start(mesh_, surface, criterion_of(contour)) == Status::ok) adapter_.adapt(AdaptOptions{});
+  if (!limits_.bakes_vertices) return;
   for (VertexId v : mesh_.vertices()) cascade_.bake(mesh_.uv(v), q_, baked_vertex(v));
 }
 
-void Estimator::update_vertices() {
-  for (VertexId v : mesh_.vertices()) vertex_[v] = cascade_.evaluate(baked_vertex(v), q_);
+/// Moves one vertex in `share`.
+void Estimator::update_vertices(std::uint32_t share) {
+  if (!limits_.bakes_vertices) cascade_.select(q_);
+  for (VertexId v : mesh_.vertices()) {
+    if (share > 1 && (v + frame_) % share != 0) continue;
+    vertex_[v] = limits_.bakes_vertices ? cascade_.evaluate(baked_vertex(v), q_)
+                                        : cascade_.selected_point(mesh_.uv(v));
+  }
   project_vertices();
+}
+
+void Estimator::refresh_vertices() {
+  if (started_) update_vertices(1);
 }
 
 /// Image and depth of the vertices where they are, and what they hide.
@@ -174,7 +197,7 @@ void Estimator::shift(Vec2 px) {
 void Estimator::propose(const View& view) {
   view_ = view;
   for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) q_[i] = trusted_q_[i];
-  update_vertices();
+  update_vertices(1);
 }
 
 void Estimator::update_tangents(std::uint16_t id) {
@@ -307,7 +330,7 @@ FrameResult Estimator::end() {
   }
   result_.pose = pose_of(view_);
   result_.vertices = static_cast<std::uint16_t>(mesh_.vertex_count());
-  update_vertices();
+  update_vertices(good ? options_.vertex_share : 1);
   return result_;
 }
 

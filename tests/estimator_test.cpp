@@ -251,6 +251,39 @@ TEST_CASE("calls before a start, bad starts and full capacities are named") {
   CHECK(id == 17);
 }
 
+TEST_CASE("with vertices from the tables and just room enough it tracks the same, in less memory") {
+  Scene scene;
+  InArena<Estimator> full(scene.model, scene.limits);
+  scene.limits.bakes_vertices = false;
+  scene.limits.free_parameters = 1;
+  InArena<Estimator> none(scene.model, scene.limits);
+  CHECK(none->start(scene.camera, kWidth, kHeight, Scene::pose(0), scene.q.data(), nullptr, {}) ==
+        Status::capacity);
+  InArena<Cascade> cascade(scene.model);
+  cascade->set_free(Group::expression);
+  scene.limits.free_parameters = static_cast<std::uint16_t>(cascade->column_count());
+  scene.limits.baked_samples = static_cast<std::uint16_t>(cascade->baked_count());
+  InArena<Estimator> small(scene.model, scene.limits);
+  CHECK(small.arena.used_bytes() < full.arena.used_bytes());
+  for (Estimator* e : {&full.object, &small.object}) {
+    scene.random = Random{5};
+    scene.start(*e, 0);
+    for (int k = 1; k < 4; ++k) {
+      auto seen = scene.observe(0.03f * static_cast<float>(k), scene.q, 0.2f);
+      e->begin(k * std::int64_t{33'000'000});
+      e->predict();
+      e->solve(span(seen));
+      CHECK(e->end().state == TrackState::tracking);
+    }
+    e->refresh_vertices();
+  }
+  CHECK(full->view().q.y == small->view().q.y);
+  float most = 0;
+  for (VertexId v : full->mesh().vertices())
+    most = max(most, length(full->vertex_positions()[v] - small->vertex_positions()[v]));
+  CHECK(most < 1e-3f);
+}
+
 TEST_CASE("two runs give the same bits") {
   Scene scene;
   float turn[2] = {};

@@ -25,6 +25,13 @@ struct EstimatorLimits {
   std::uint16_t points = 128;  ///< surface points followed at once (anchors and markers); ids are below this
   std::uint16_t vertices =
       512;  ///< of the mesh, at least those of the model's base mesh; faces are twice as many
+  std::uint16_t free_parameters = 0;  ///< estimated at once, at most; 0: all that the model has
+  /// Samples kept a surface point (Cascade::baked_count under the free parameters chosen), 12 bytes each; 0: as many as
+  /// any choice needs. `start` gives capacity when they do not suffice.
+  std::uint16_t baked_samples = 0;
+  /// Whether the vertices keep theirs too (12 bytes times samples times vertices). If not, their positions come
+  /// from the tables, which takes a few times longer.
+  bool bakes_vertices = true;
 };
 
 struct EstimatorOptions {
@@ -39,6 +46,7 @@ struct EstimatorOptions {
   std::uint8_t tangent_share =
       4;  ///< the tangents of one point in so many are computed anew each frame; they turn with
           ///< the pose in every frame, and lag the expression by so many frames at most
+  std::uint8_t vertex_share = 4;  ///< so for the mesh's vertices, which only tell what hides what
   float min_facing =
       0.3f;  ///< cosine of surface normal and viewing direction below which a point is not visible
   float lost_rms_px = 4.0f;       ///< at 320 px of image width
@@ -70,7 +78,8 @@ class Estimator {
   /// Starts from a known state in a picture of width x height pixels. `q` holds all parameters; those whose flag in
   /// `is_free` is set are estimated, the others stay (null: expressions are free). The mesh is adapted to the person.
   /// Forgets all surface points.
-  /// \return bad_argument for a pose, camera, size or q that is not finite; the statuses of Mesh::set_base.
+  /// \return bad_argument for a pose, camera, size or q that is not finite; capacity for more free parameters or samples
+  ///         than the limits allow; the statuses of Mesh::set_base.
   Status start(const Camera& camera, int width, int height, const Pose& pose, const float* q,
                const std::uint8_t* is_free, const EstimatorOptions& options);
   bool is_started() const { return started_; }
@@ -114,15 +123,18 @@ class Estimator {
   const Mesh& mesh() const { return mesh_; }
   /// The mesh's vertices, by vertex id: in the model's axes (mm) and in the image (px). Those of the last `start` or `end`,
   /// or, between `begin` and `end`, of the last round's prediction.
+  /// A vertex in options.vertex_share follows the expression in each frame; `refresh_vertices` brings up all.
   const Vec3* vertex_positions() const { return vertex_; }
   const Vec2* vertex_images() const { return vertex_image_; }
+  void refresh_vertices();
 
  private:
   friend struct EstimatorProblem;
   Vec3* baked_point(std::size_t id) { return baked_points_ + id * baked_stride_; }
   Vec3* baked_vertex(std::size_t v) { return baked_vertices_ + v * baked_stride_; }
   void adapt_mesh();
-  void update_vertices();
+  Status choose_free(const std::uint8_t* is_free);
+  void update_vertices(std::uint32_t share);
   void project_vertices();
   void update_tangents(std::uint16_t id);
   Prediction prediction(std::uint16_t id, const Projector& projector);
@@ -147,7 +159,7 @@ class Estimator {
   FrameResult result_;
   std::size_t looked_for_ = 0;  // observations that the platform tried to make in this frame
 
-  std::size_t baked_stride_ = 0;
+  std::size_t baked_stride_ = 0, baked_capacity_ = 0;
   std::uint8_t* in_use_ = nullptr;
   Vec2* uv_ = nullptr;
   Vec3 *tangent_u_ = nullptr, *tangent_v_ = nullptr;  // of the surface points, in the model's axes

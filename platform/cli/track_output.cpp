@@ -50,7 +50,9 @@ void TrackOutput::add(std::size_t number, const FrameView& frame, Tracker& track
     ++known_;
     if (truth_) truth_->add(number, row.pose, landmarks);
   }
-  if (overlay_ || sheet_file_) draw(row, frame, tracker.estimator(), landmarks, markers);
+  if (!overlay_ && !sheet_file_) return;
+  tracker.estimator().refresh_vertices();
+  draw(row, frame, tracker.estimator(), landmarks, markers);
 }
 
 void TrackOutput::commit() {
