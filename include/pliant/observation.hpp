@@ -30,6 +30,7 @@ enum class Reason : std::uint8_t {
   low_correlation = 5,
   forward_backward = 6,
   rejected = 7,
+  ambiguous = 8,  ///< more edges alike than alternatives may be given
 };
 
 /// One thing seen of a surface point.
