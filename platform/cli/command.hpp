@@ -30,6 +30,7 @@ Command info_command();
 Command mesh_command();
 Command fit_command();
 Command track_command();
+Command animate_command();
 Command render_command();
 Command bench_command();
 

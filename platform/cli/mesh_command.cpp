@@ -10,7 +10,7 @@
 #include "cli/mesh_curve.hpp"
 #include "cli/mesh_figure.hpp"
 #include "cli/mesh_files.hpp"
-#include "cli/model_mesh.hpp"
+#include "cli/shown_mesh.hpp"
 
 namespace pliant::cli {
 
@@ -61,33 +61,6 @@ std::vector<float> parameters_of(const Args& args, const ModelFile& file) {
   const auto unmatched = apply(values, "--param", file.model(), q.data());
   if (!unmatched.empty()) fail_input(file.path(), "has no parameter '" + unmatched[0] + "'");
   return q;
-}
-
-/// Without the gaps that welds leave between ids.
-MeshData data_of(const ModelMesh& adapted) {
-  const Mesh& mesh = adapted.mesh();
-  MeshData data;
-  std::vector<std::uint16_t> number(mesh.limits().vertices, 0);
-  for (const VertexId v : mesh.vertices()) {
-    number[v] = static_cast<std::uint16_t>(data.position.size());
-    data.position.push_back(adapted.position(v));
-    data.normal.push_back(adapted.surface().normal(mesh.uv(v)));
-    data.uv.push_back(mesh.uv(v));
-  }
-  for (const FaceId f : mesh.faces()) {
-    data.faces.push_back({number[mesh.corner(f, 0)], number[mesh.corner(f, 1)], number[mesh.corner(f, 2)]});
-    data.level.push_back(mesh.face_level(f));
-  }
-  return data;
-}
-
-/// The albedo as a picture; nothing for a model without one.
-std::string albedo_png(const Model& model) {
-  const ChartImage albedo = model.albedo();
-  if (albedo.pixels == nullptr) return {};
-  Image image(static_cast<int>(albedo.width), static_cast<int>(albedo.height), 1);
-  image.pixels.assign(albedo.pixels, albedo.pixels + image.pixels.size());
-  return encode_png(image);
 }
 
 enum class MeshFormat { obj, ply, glb };
@@ -168,7 +141,7 @@ int run_mesh(const Args& args, Console& console) {
   if (request.budget != 0 && request.budget < mesh.mesh().vertex_count())
     console.err << "note: --budget " << request.budget
                 << " is less than the base mesh has; nothing was refined\n";
-  const MeshData data = data_of(mesh);
+  const MeshData data = mesh_data(mesh);
   if (output) write_file(*output, bytes_of(data, format, file.model()));
   if (const auto chart = args.text("--uv-svg")) write_file(*chart, chart_svg(data));
   print_report(mesh, output.value_or(file.path()), console.out);

@@ -23,8 +23,9 @@ std::string obj_text(const MeshData& mesh);
 /// PLY, binary little endian: x y z nx ny nz s t, and faces of three. Origin of s, t as in OBJ.
 std::string ply_bytes(const MeshData& mesh);
 /// glTF 2.0 in one binary file: one primitive with normals, u,v and indices. glTF has metres: a node scales.
-/// \param png  a picture over the chart, v = 0 in its first row; empty for a plain surface.
-std::string glb_bytes(const MeshData& mesh, const std::string& png);
+/// \param picture  PNG or JPEG that u,v refer to, v = 0 in its first row; empty for a plain surface.
+/// \param is_lit   false for a photograph, which has its light in it already.
+std::string glb_bytes(const MeshData& mesh, const std::string& picture, bool is_lit = true);
 /// The chart as a picture of lines, faces tinted by their level.
 std::string chart_svg(const MeshData& mesh);
 

@@ -4,6 +4,8 @@ set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/image_io.cpp PROPERTIES
   INCLUDE_DIRECTORIES ${PLIANT_STB_INCLUDE_DIR})
 
 target_sources(pliant_host PRIVATE
+  ${CMAKE_CURRENT_LIST_DIR}/animate_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/animation_file.cpp
   ${CMAKE_CURRENT_LIST_DIR}/args.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bake_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_command.cpp
@@ -14,21 +16,25 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/files.cpp
   ${CMAKE_CURRENT_LIST_DIR}/fit_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/fit_file.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/glb.cpp
   ${CMAKE_CURRENT_LIST_DIR}/image.cpp
   ${CMAKE_CURRENT_LIST_DIR}/image_io.cpp
   ${CMAKE_CURRENT_LIST_DIR}/info_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/json.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/overlay.cpp
   ${CMAKE_CURRENT_LIST_DIR}/mesh_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/mesh_curve.cpp
   ${CMAKE_CURRENT_LIST_DIR}/mesh_figure.cpp
   ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
   ${CMAKE_CURRENT_LIST_DIR}/model_mesh.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/morph.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/overlay.cpp
   ${CMAKE_CURRENT_LIST_DIR}/points_file.cpp
   ${CMAKE_CURRENT_LIST_DIR}/raster.cpp
   ${CMAKE_CURRENT_LIST_DIR}/render_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/retarget.cpp
   ${CMAKE_CURRENT_LIST_DIR}/scene.cpp
   ${CMAKE_CURRENT_LIST_DIR}/sheet.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/shown_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/start.cpp
   ${CMAKE_CURRENT_LIST_DIR}/surface_sheet.cpp
   ${CMAKE_CURRENT_LIST_DIR}/track_command.cpp
