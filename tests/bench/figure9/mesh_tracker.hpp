@@ -1,0 +1,80 @@
+#pragma once
+/// \file mesh_tracker.hpp
+/// Tracks an experiment with what one mesh gives: patches at its vertices, markers carried by its flat triangles.
+#include <memory>
+
+#include "adapted_mesh.hpp"
+#include "experiment.hpp"
+#include "pliant/estimator.hpp"
+#include "pliant/patch.hpp"
+#include "pliant/pyramid.hpp"
+
+namespace pliant::figure9 {
+
+struct Outcome {
+  double error_px = 0;  ///< mean distance of the markers seen
+  TrackState state = TrackState::tracking;
+  double milliseconds = 0;
+  int vertices = 0;  ///< of the mesh
+};
+
+/// Every vertex that frame 0 shows, with texture around it and no marker near, is compared with what it looked like there. With anchors, corners of frame 0 are followed too,
+/// on the surface itself. Twice a frame: predict, look, solve.
+class MeshTracker {
+ public:
+  MeshTracker(const Model& model, const Experiment& experiment, const MeshSetting& setting, bool has_anchors);
+
+  /// Frames in order, from 1.
+  Outcome update(std::size_t frame);
+  int vertices() const { return mesh_->mesh().vertex_count(); }
+  /// Patches there are.
+  int followed() const;
+
+ private:
+  struct Followed {
+    bool is_used = false;
+    Vec2 uv;
+    std::uint16_t id = 0;
+    Mat2 reference;
+  };
+  struct Marker {
+    Vec2 uv;
+    bool is_on_mesh = false;
+    FaceId face = 0;
+  };
+  struct Sight {
+    Vec2 x;
+    Mat2 jacobian;
+    float facing = -1;
+  };
+
+  Sight sight_in_frame_0(Vec2 uv);
+  void score_chart();
+  void cast_markers();
+  void follow_vertices();
+  void follow_corners();
+  void follow(std::size_t slot, Vec2 uv);
+  void drop(std::size_t slot);
+  bool is_near_marker(Vec2 x) const;
+  void expect_motion();
+  void look_and_solve(int round);
+  Observation look(std::size_t slot, const Prediction& p, int round);
+  bool find_face(Marker& marker) const;
+  bool project_marker(Marker& marker, Vec2* x);
+  double marker_error(std::size_t frame);
+
+  const Experiment& experiment_;
+  ChartScore score_;
+  cli::Owned<Cascade> cascade_;
+  cli::Owned<Estimator> estimator_;
+  cli::Owned<Pyramid> first_, current_, previous_;
+  cli::Owned<PatchTracker> patches_;
+  std::unique_ptr<AdaptedMesh> mesh_;
+  std::vector<Followed> followed_;
+  std::vector<std::size_t> slot_of_;  // of a surface point
+  std::vector<Marker> markers_;
+  std::vector<Observation> observations_;
+  FrameResult result_;
+};
+
+}  // namespace pliant::figure9
