@@ -17,6 +17,8 @@ struct ModelBuilder {
   std::vector<pliant::Vec2> vertices;
   std::vector<std::uint16_t> corners;
   std::vector<pliant::Landmark> landmarks;
+  std::vector<pliant::Curve> curves;
+  std::vector<pliant::Vec2> curve_points;
 
   std::uint16_t parameter(const std::string& name, pliant::Group group, float lo, float hi, float sd) {
     pliant::Parameter p{};
@@ -90,6 +92,16 @@ struct ModelBuilder {
     landmarks.push_back(l);
   }
 
+  void curve(const std::string& name, pliant::CurveKind kind, const std::vector<pliant::Vec2>& points) {
+    pliant::Curve c{};
+    std::strncpy(c.name, name.c_str(), sizeof c.name - 1);
+    c.kind = kind;
+    c.first_point = static_cast<std::uint32_t>(curve_points.size());
+    c.point_count = static_cast<std::uint32_t>(points.size());
+    curves.push_back(c);
+    curve_points.insert(curve_points.end(), points.begin(), points.end());
+  }
+
   /// A base mesh of n x n squares over the chart, each a basic block.
   void grid_mesh(int n) {
     vertices.clear();
@@ -111,7 +123,9 @@ struct ModelBuilder {
     using pliant::table::Kind;
     std::vector<unsigned char> body;
     std::vector<pliant::table::Section> sections;
-    const std::size_t directory = sizeof(pliant::table::Header) + 9 * sizeof(pliant::table::Section);
+    const std::size_t section_count = curves.empty() ? 9 : 10;
+    const std::size_t directory =
+        sizeof(pliant::table::Header) + section_count * sizeof(pliant::table::Section);
     const auto add = [&](Kind kind, const void* data, std::size_t count, std::size_t size) {
       while (body.size() % 4 != 0) body.push_back(0);
       sections.push_back(
@@ -128,7 +142,9 @@ struct ModelBuilder {
     add(Kind::vertices, vertices.data(), vertices.size(), sizeof(pliant::Vec2));
     add(Kind::faces, corners.data(), corners.size(), sizeof(std::uint16_t));
     add(Kind::landmarks, landmarks.data(), landmarks.size(), sizeof(pliant::Landmark));
-    add(Kind::curves, nullptr, 0, sizeof(pliant::Curve));
+    add(Kind::curves, curves.data(), curves.size(), sizeof(pliant::Curve));
+    if (!curves.empty())
+      add(Kind::curve_points, curve_points.data(), curve_points.size(), sizeof(pliant::Vec2));
     while (body.size() % 4 != 0) body.push_back(0);
     pliant::table::Header h{pliant::table::kMagic, pliant::table::kVersion,
                             static_cast<std::uint32_t>(directory + body.size()), 0,

@@ -14,6 +14,7 @@
 #include "pliant/mesh.hpp"
 #include "pliant/model.hpp"
 #include "pliant/observation.hpp"
+#include "pliant/outline.hpp"
 #include "pliant/robust.hpp"
 #include "pliant/solver.hpp"
 #include "pliant/visibility.hpp"
@@ -22,7 +23,9 @@ namespace pliant {
 
 /// Capacities. The defaults track a face at 320 x 240 on a Cortex-M7.
 struct EstimatorLimits {
-  std::uint16_t points = 128;  ///< surface points followed at once (anchors and markers); ids are below this
+  std::uint16_t points =
+      128;  ///< surface points followed at once (anchors, markers, edge points); ids are below this
+  std::uint16_t outline_points = 0;  ///< of those, that slide along the outline; 304 bytes each, 16 a vertex
   std::uint16_t vertices =
       512;  ///< of the mesh, at least those of the model's base mesh; faces are twice as many
   std::uint16_t free_parameters = 0;  ///< estimated at once, at most; 0: all that the model has
@@ -67,6 +70,15 @@ struct FrameResult {
   std::uint16_t vertices = 0;  ///< of the mesh
 };
 
+/// A state on its own: of a key frame, of a session. The arrays are the caller's, a value for each of the model's
+/// parameters.
+struct State {
+  Pose pose;
+  float pose_sd[kPoseUnknowns] = {};  ///< of the last solve, in PoseUnknown's order and units
+  float* q = nullptr;
+  float* sd = nullptr;  ///< 0 where a parameter is not estimated; may be null
+};
+
 class Estimator {
  public:
   Estimator() = default;
@@ -86,8 +98,20 @@ class Estimator {
 
   /// Takes on a surface point. Its id is the lowest free one. \return not_started, bad_argument, capacity.
   Status add_point(Vec2 uv, std::uint16_t* id);
+  /// The same for a point of a curve on the surface where the image has an edge: `along` is the curve's direction in
+  /// (u,v), of any length but zero. The normal of its predictions is that direction's in the image, a quarter turn on
+  /// (clockwise as one sees it).
+  Status add_edge_point(Vec2 uv, Vec2 along, std::uint16_t* id);
+  /// Edge points along one of the model's curves (model().curves(): lids, lips, brows), `spacing_mm` apart on the
+  /// surface as it is now, the first after half of that. `count` is how many there are: with the status capacity those
+  /// that ids and points had room for.
+  Status add_curve(std::size_t curve, float spacing_mm, Span<std::uint16_t> ids, std::size_t* count);
+  /// A point that is put on the outline of the predicted view in each `begin` (and `propose`, `restore`), within its own
+  /// sector of it as seen from the middle; all such points share the full turn evenly. Its normals point away from
+  /// the surface. Not visible where its sector has no outline. Statuses: not_started, bad_argument, capacity.
+  Status add_outline_point(std::uint16_t* id);
   void remove_point(std::uint16_t id);
-  bool has_point(std::uint16_t id) const { return id < limits_.points && in_use_[id] != 0; }
+  bool has_point(std::uint16_t id) const { return id < limits_.points && kind_[id] != PointKind::none; }
   Vec2 point_uv(std::uint16_t id) const { return uv_[id]; }
 
   /// Predicts the state at time t (ns). A time that does not grow counts as 1/30 s.
@@ -96,6 +120,11 @@ class Estimator {
   void shift(Vec2 px);
   /// Makes `view` the predicted one, with the parameters of the last trusted frame: a place to look for a lost model.
   void propose(const View& view);
+  /// Copies the present state out; arrays that are null are left out.
+  void save(State* state) const;
+  /// Makes a saved one the predicted state. Parameters that are not free keep their value.
+  /// \return not_started, bad_argument (no q, or not finite): nothing has changed.
+  Status restore(const State& state);
   /// One prediction a point in use, in order of id, at the state as it is now. Valid until the next call.
   Span<const Prediction> predict();
   /// That of one point in use.
@@ -130,6 +159,10 @@ class Estimator {
 
  private:
   friend struct EstimatorProblem;
+  enum class PointKind : std::uint8_t { none, surface, curve, outline };
+  Status take_id(PointKind kind, std::uint16_t* id);
+  void place(std::uint16_t id, Vec2 uv);
+  void place_outline();
   Vec3* baked_point(std::size_t id) { return baked_points_ + id * baked_stride_; }
   Vec3* baked_vertex(std::size_t v) { return baked_vertices_ + v * baked_stride_; }
   void adapt_mesh();
@@ -160,8 +193,12 @@ class Estimator {
   std::size_t looked_for_ = 0;  // observations that the platform tried to make in this frame
 
   std::size_t baked_stride_ = 0, baked_capacity_ = 0;
-  std::uint8_t* in_use_ = nullptr;
-  Vec2* uv_ = nullptr;
+  PointKind* kind_ = nullptr;
+  Vec2 *uv_ = nullptr,
+       *along_ = nullptr;  // along: a curve's direction in (u,v), or the outline's image normal
+  OutlineFinder finder_;
+  OutlinePoint* outline_ = nullptr;
+  std::size_t outline_count_ = 0;
   Vec3 *tangent_u_ = nullptr, *tangent_v_ = nullptr;  // of the surface points, in the model's axes
   std::uint32_t frame_ = 0;
   Vec3 *baked_points_ = nullptr, *baked_vertices_ = nullptr, *vertex_ = nullptr;
@@ -169,7 +206,7 @@ class Estimator {
   float* vertex_depth_ = nullptr;
   Prediction* predictions_ = nullptr;
   float *q_ = nullptr, *expected_q_ = nullptr, *trial_q_ = nullptr, *sd_ = nullptr, *trusted_q_ = nullptr;
-  float *step_ = nullptr, *lengths_ = nullptr;
+  float *step_ = nullptr, *lengths_ = nullptr, *variance_ = nullptr;
   std::uint16_t* unknown_ = nullptr;
   Vec2* column_ = nullptr;
   Sym2* information_ = nullptr;  // of those, with the model's own error added

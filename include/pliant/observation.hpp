@@ -13,6 +13,7 @@ struct Prediction {
   Vec2 x;                ///< px
   Sym2 covariance;       ///< of x (px^2), from the uncertainty of the predicted state
   Mat2 jacobian;         ///< dx/d(u,v), px per unit; a patch warps by J J_ref^-1
+  Vec2 normal;           ///< unit, in the image, where an edge is expected; zero for points of the surface
   float facing = 0;  ///< cosine between the surface normal and the direction to the camera; <= 0 faces away
   bool visible = false;  ///< faces the camera, is inside the image and not hidden by the surface itself
 };
@@ -33,7 +34,8 @@ enum class Reason : std::uint8_t {
   ambiguous = 8,  ///< more edges alike than alternatives may be given
 };
 
-/// One thing seen of a surface point.
+/// One thing seen of a surface point. Several with one id that stand next to each other are alternatives, of which one
+/// is true.
 struct Observation {
   std::uint16_t id = 0;
   Vec2 x;            ///< px

@@ -1,0 +1,87 @@
+// The estimator's mesh: what it is adapted to, where its vertices are, and which surface lies under a pixel.
+#include "estimator_depth.hpp"
+#include "pliant/criteria.hpp"
+#include "pliant/estimator.hpp"
+
+namespace pliant {
+
+void Estimator::adapt_mesh() {
+  cascade_.select(q_);
+  const Surface surface{
+      &cascade_, [](void* context, Vec2 uv) { return static_cast<Cascade*>(context)->selected_point(uv); }};
+  ContourOptions contour;
+  contour.mean_mm = options_.mesh_error_mm;
+  contour.max_mm = 4 * options_.mesh_error_mm;
+  if (adapter_.start(mesh_, surface, criterion_of(contour)) == Status::ok) adapter_.adapt(AdaptOptions{});
+  if (!limits_.bakes_vertices) return;
+  for (VertexId v : mesh_.vertices()) cascade_.bake(mesh_.uv(v), q_, baked_vertex(v));
+}
+
+/// Moves one vertex in `share`.
+void Estimator::update_vertices(std::uint32_t share) {
+  if (!limits_.bakes_vertices) cascade_.select(q_);
+  for (VertexId v : mesh_.vertices()) {
+    if (share > 1 && (v + frame_) % share != 0) continue;
+    vertex_[v] = limits_.bakes_vertices ? cascade_.evaluate(baked_vertex(v), q_)
+                                        : cascade_.selected_point(mesh_.uv(v));
+  }
+  project_vertices();
+}
+
+void Estimator::refresh_vertices() {
+  if (started_) update_vertices(1);
+}
+
+/// Image and depth of the vertices where they are, and what they hide.
+void Estimator::project_vertices() {
+  const Projector projector(view_, true);
+  for (VertexId v : mesh_.vertices())
+    vertex_depth_[v] = projector.project(vertex_[v], &vertex_image_[v])
+                           ? kNominalDepthMm + projector.rotated(vertex_[v]).z
+                           : -1.0f;
+  depth_.draw(mesh_, vertex_image_, vertex_depth_);
+  vertices_are_current_ = true;
+}
+
+bool Estimator::project(Vec2 uv, Vec2* x) {
+  return Projector(view_, true).project(cascade_.surface_point(uv, q_), x);
+}
+
+float Estimator::surface_at(Vec2 x, Vec2* uv) {
+  float best = 1e30f, best_depth = 1e30f, distance = -1;
+  for (FaceId f : mesh_.faces()) {
+    const VertexId a = mesh_.corner(f, 0), b = mesh_.corner(f, 1), c = mesh_.corner(f, 2);
+    if (vertex_depth_[a] <= 0 || vertex_depth_[b] <= 0 || vertex_depth_[c] <= 0 ||
+        !faces_camera(mesh_, vertex_image_, f))
+      continue;
+    float w[3];
+    const float d2 = nearest_on_triangle(vertex_image_[a], vertex_image_[b], vertex_image_[c], x, w);
+    const float depth = w[0] * vertex_depth_[a] + w[1] * vertex_depth_[b] + w[2] * vertex_depth_[c];
+    if (d2 > best || (d2 == best && depth >= best_depth)) continue;
+    best = d2;
+    best_depth = depth;
+    *uv = w[0] * mesh_.uv(a) + (w[1] * mesh_.uv(b) + w[2] * mesh_.uv(c));
+    distance = square_root(d2);
+  }
+  if (distance != 0) return distance;
+  // Newton on the surface itself: the mesh is flat between its vertices.
+  const Projector projector(view_, true);
+  Vec2 at = *uv;
+  for (int k = 0; k < 4; ++k) {
+    const SurfaceFrame frame = cascade_.surface_frame(at, q_);
+    Vec2 image;
+    Projector::Derivatives d;
+    if (!projector.project(frame.p, &image, &d)) return distance;
+    const Vec2 along_u = d.along(frame.pu), along_v = d.along(frame.pv), off = x - image;
+    if (dot(off, off) < 1e-6f) break;
+    const Mat2 jacobian{along_u.x, along_v.x, along_u.y, along_v.y};
+    if (magnitude(determinant(jacobian)) < 1e-3f) return distance;
+    const Vec2 step = inverse(jacobian) * off;
+    if (!(dot(step, step) < 1e-2f)) return distance;
+    at = {clamp(at.x + step.x, 0, 1), clamp(at.y + step.y, 0, 1)};
+  }
+  *uv = at;
+  return distance;
+}
+
+}  // namespace pliant
