@@ -121,6 +121,9 @@ TEST_CASE("a points file with a fault is one line that says which line, column o
       {head + good + ",1,2\n", {"p.csv: line 5", "without a name"}},
       {"landmark,x,x\na,1,2\n", {"p.csv", "two columns"}},
       {head + "ibug00,5,5\nibug01,5,5\nibug02,5,5\nibug03,5,5\n", {"p.csv", "determine"}},
+      {"landmark,x,y,u,v\na,1,2,0.5,\n", {"p.csv: line 2", "together"}},
+      {"landmark,x,y,u,v\na,1,2,0.5,1.5\n", {"p.csv: line 2", "between 0 and 1"}},
+      {"landmark,x,y,u,v\na,1,2,0.5,nan\n", {"p.csv: line 2", "'v'"}},
       {std::string(300, '\0'), {"p.csv"}},
   };
   for (const auto& c : cases) {
@@ -165,6 +168,23 @@ TEST_CASE(
       {"--points", s.put("five.csv", five), "--size", "200x160", "--focal", "330", "--parameters", "none"});
   CHECK(few.points.size() == 5);
   CHECK(few.parameters[0].second == 0);
+
+  // The same points by (u,v) and under other names, but for one.
+  const ModelFile model(s.model);
+  std::string by_uv = "landmark,x,y,u,v\n";
+  std::istringstream rows(s.first_points());
+  std::getline(rows, line);
+  for (int n = 0; std::getline(rows, line); ++n) {
+    const std::string name = line.substr(0, line.find(','));
+    const Landmark& l = model.model().landmarks()[model.model().find_landmark(name.c_str())];
+    by_uv += n == 0 ? line + ",,\n"
+                    : "p" + std::to_string(n) + line.substr(line.find(',')) + "," + std::to_string(l.u) +
+                          "," + std::to_string(l.v) + "\n";
+  }
+  const FitFile same = fit_of({"--points", s.put("uv.csv", by_uv), "--size", "200x160", "--focal", "330"});
+  CHECK(same.points[1].landmark == "p1");
+  CHECK(same.pose.t.z == doctest::Approx(static_cast<double>(all.pose.t.z)).epsilon(1e-4));
+  CHECK(same.rms_px == doctest::Approx(static_cast<double>(all.rms_px)).epsilon(0.01));
 
   const FitFile boxed = fit_of({"--box", "50,40,100,80", "--size", "200x160"});
   CHECK(boxed.points.empty());

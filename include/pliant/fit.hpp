@@ -7,8 +7,11 @@
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/field.hpp"
+#include "pliant/mesh.hpp"
 #include "pliant/model.hpp"
+#include "pliant/outline.hpp"
 #include "pliant/solver.hpp"
+#include "pliant/visibility.hpp"
 
 namespace pliant {
 
@@ -17,10 +20,14 @@ struct Correspondence {
   Vec2 uv;
   Vec2 x;              ///< px
   float sd_px = 1.0f;  ///< standard deviation of x, > 0
+  /// x lies on the edge of the face in the picture, near where (u,v) was before it turned away: a landmark of the jaw or
+  /// cheek as people and detectors annotate it. Needs FitLimits::outline.
+  bool is_outline = false;
 };
 
 struct FitLimits {
   std::uint16_t points = 160;
+  bool outline = false;  ///< room to match outline points: the base mesh and 16 bytes a vertex more, 9 KiB
 };
 
 struct FitOptions {
@@ -46,7 +53,9 @@ struct FitReport {
   std::size_t undetermined = 0;
 };
 
-/// Fits one model. Lives in an arena; bytes grow with points x cascade records (baked points) and the square of the
+/// Fits one model. Outline points are matched to the model's silhouette (outline.hpp) at the present pose, three times
+/// a stage: while the own place of one faces the camera it stays there; once that turns away it becomes the
+/// nearest point of the apparent contour within reach on the chart, and only its distance across the contour counts. Lives in an arena; bytes grow with points x cascade records (baked points) and the square of the
 /// free unknowns.
 class Fitter {
  public:
@@ -55,9 +64,10 @@ class Fitter {
   /// Estimates pose, camera and the free parameters from `points`; with no start given the pose is found
   /// from the points themselves. At least four points. `q` (all parameters) is start and result. Null `sd` or `residuals` are allowed.
   /// \param sd         a-posteriori standard deviation a parameter; a frozen one gets 0, an unseen one its prior's.
-  /// \param residuals  projected minus observed (px), a point.
+  /// \param residuals  projected minus observed (px), a point; of a matched outline point the part across the outline.
   /// \param weights    robust weight in [0,1], a point.
-  /// \return bad_argument (NaN, sd <= 0, uv outside [0,1], no size), capacity, too_few_points, underdetermined.
+  /// \return bad_argument (NaN, sd <= 0, uv outside [0,1], no size, outline
+  /// points without room for them), capacity, too_few_points, underdetermined.
   Status fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
              float* sd, Vec2* residuals, float* weights);
 
@@ -66,6 +76,13 @@ class Fitter {
  private:
   friend struct FitProblem;
   Vec3* baked_at(std::size_t point) { return baked_ + point * cascade_.model().cascade().count; }
+  void lay_out_outline(Arena& arena, const Model& model);
+  Status start_outline();
+  std::size_t find_contour(const float* q, const Projector& projector);
+  void match(const struct FitProblem& problem, std::size_t point, const Projector& projector,
+             std::size_t found);
+  void match_outline(const struct FitProblem& problem);
+  int minimise_in_stages(struct FitProblem& problem, bool has_outline);
   Status conclude(struct FitProblem& problem, float* q, FitReport* report, float* sd, Vec2* residuals,
                   float* weights, int iterations);
 
@@ -76,6 +93,16 @@ class Fitter {
   float *sorted_ = nullptr, *step_ = nullptr, *trial_q_ = nullptr, *start_q_ = nullptr;
   std::uint16_t* unknown_ = nullptr;
   Vec2* column_ = nullptr;
+
+  // With FitLimits::outline:
+  Mesh mesh_;
+  DepthBuffer depth_;
+  OutlineFinder finder_;
+  Vec3* vertex_ = nullptr;  // of the base mesh, and its image
+  Vec2* vertex_image_ = nullptr;
+  float* vertex_depth_ = nullptr;
+  Span<OutlinePoint> contour_;
+  Vec2* outline_normal_ = nullptr;  // a point: across the outline where it is matched to it, else 0
 };
 
 /// A frontal view that puts the model's landmarks (all that the model names ibugNN, else its base mesh) into the box

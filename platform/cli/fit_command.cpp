@@ -72,6 +72,9 @@ int run_fit(const Args& args, Console& console) {
   setup.size = picture_size(args, picture, start);
   setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
   setup.is_free = free_parameters(model, args.text("--parameters"));
+  const std::string outline = args.text("--outline").value_or("match");
+  if (outline != "match" && outline != "fixed") fail_usage("--outline: match or fixed, not " + outline);
+  setup.match_outline = outline == "match";
   setup.q.assign(model.parameters().count, 0.0f);
   FitFile fit;
   if (start) {
@@ -103,14 +106,19 @@ Command fit_command() {
       "Fits a model to one picture: pose, focal length and parameters.",
       "face.plm (--points points.csv | --box x,y,w,h | --pose fit.json) --size WxH [--image picture] "
       "[--focal PX] "
-      "[--parameters GROUP|COUNT] -o fit.json [--overlay picture.png]",
-      {{"--points", "CSV", "landmark,x,y: landmarks of the model by name, at least four"},
+      "[--parameters GROUP|COUNT] [--outline match|fixed] -o fit.json [--overlay picture.png]",
+      {{"--points", "CSV",
+        "landmark,x,y: landmarks of the model by name, at least four; with columns u,v any points of the "
+        "surface"},
        {"--box", "X,Y,W,H", "a face detector's box; with --points, the start of the fit"},
        {"--pose", "JSON", "an earlier fit; with --points, the start of the fit"},
        {"--size", "WxH", "of the picture, where no --image tells"},
        {"--image", "FILE", "the picture, to draw on"},
        {"--focal", "PX", "focal length, when it is known"},
        {"--parameters", "CHOICE", "free ones: identity, expression, all (default), none, or the first COUNT"},
+       {"--outline", "HOW",
+        "ibug00 to ibug16: match them to the silhouette (default), or take them as fixed places of the "
+        "surface"},
        {"-o", "JSON", "the fit to write"},
        {"--overlay", "PNG", "a picture of the fit"}},
       1,

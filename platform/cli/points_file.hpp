@@ -1,6 +1,8 @@
 #pragma once
 /// \file points_file.hpp
-/// Points CSV: `landmark,x,y`, a named image point a line.
+/// Points CSV: `landmark,x,y`, a named image point a line. Two more columns, `u,v`, put a point anywhere on the
+/// surface; where a line leaves them empty the name is a landmark of the model.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,12 +12,13 @@ namespace pliant::cli {
 
 struct NamedPoint {
   std::string name;
-  Vec2 x;             ///< px
-  std::string where;  ///< "FILE: line N"
+  Vec2 x;                    ///< px
+  std::string where;         ///< "FILE: line N"
+  std::optional<Vec2> uv{};  ///< in [0,1]^2; none: where the model has the landmark of that name
 };
 
 /// The points of a file, in its order; further columns are ignored. Bad input, with line and column: a
-/// missing column, a coordinate that is not a finite number, an empty or repeated name.
+/// missing column, a coordinate that is not a finite number, only one of u and v or outside [0,1], an empty or repeated name.
 std::vector<NamedPoint> read_points(const std::string& path);
 std::vector<NamedPoint> parse_points(const std::string& source, const std::string& text);
 

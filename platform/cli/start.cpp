@@ -21,8 +21,20 @@ constexpr float kLeastSpread = 4;
 /// A parameter counts as unseen when the points leave this much of its prior's standard deviation.
 constexpr float kUnseenShare = 0.95f;
 
+/// The iBUG points 0 to 16 run along the jaw from ear to ear.
+bool is_outline_landmark(const std::string& name) {
+  return name.size() == 6 && name.compare(0, 4, "ibug") == 0 && name.substr(4) <= "16";
+}
+
+Vec2 landmark_uv(const ModelFile& file, const NamedPoint& p) {
+  const std::uint16_t k = file.model().find_landmark(p.name.c_str());
+  if (k == kNone) fail_input(p.where, "landmark '" + p.name + "' is not in " + file.path());
+  const Landmark& landmark = file.model().landmarks()[k];
+  return {landmark.u, landmark.v};
+}
+
 std::vector<Correspondence> correspondences(const ModelFile& file, const std::string& source,
-                                            const std::vector<NamedPoint>& points) {
+                                            const std::vector<NamedPoint>& points, bool match_outline) {
   if (points.size() < 4)
     fail_input(source, "too few points: " + std::to_string(points.size()) + ", at least 4 are needed");
   if (points.size() > 2048) fail_input(source, "more than 2048 points");
@@ -36,10 +48,8 @@ std::vector<Correspondence> correspondences(const ModelFile& file, const std::st
     fail_input(source, "the points do not determine the pose: they lie on one spot");
   std::vector<Correspondence> out;
   for (const NamedPoint& p : points) {
-    const std::uint16_t k = file.model().find_landmark(p.name.c_str());
-    if (k == kNone) fail_input(p.where, "landmark '" + p.name + "' is not in " + file.path());
-    const Landmark& landmark = file.model().landmarks()[k];
-    out.push_back({{landmark.u, landmark.v}, p.x, kPointSdShare * spread});
+    const bool is_outline = match_outline && !p.uv && is_outline_landmark(p.name);
+    out.push_back({p.uv ? *p.uv : landmark_uv(file, p), p.x, kPointSdShare * spread, is_outline});
   }
   return out;
 }
@@ -90,7 +100,7 @@ FitFile describe(const Model& model, const ImageSize& size, const View& view, co
 FitFile fit_to_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points,
                       const FitSetup& setup) {
   const Model& model = file.model();
-  const auto pairs = correspondences(file, source, points);
+  const auto pairs = correspondences(file, source, points, setup.match_outline);
   std::vector<float> q = setup.q, sd(model.parameters().count), weight(pairs.size());
   q.resize(model.parameters().count, 0.0f);
   std::vector<Vec2> residual(pairs.size());
@@ -101,9 +111,13 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   options.start = setup.view ? &*setup.view : nullptr;
   options.is_free = setup.is_free.empty() ? nullptr : setup.is_free.data();
   FitReport report;
-  Owned<Fitter> fitter(model, FitLimits{static_cast<std::uint16_t>(pairs.size())});
+  FitLimits limits;
+  limits.points = static_cast<std::uint16_t>(pairs.size());
+  for (const Correspondence& c : pairs) limits.outline = limits.outline || c.is_outline;
+  Owned<Fitter> fitter(model, limits);
   const auto fit_with = [&](const std::vector<Correspondence>& used) {
-    require(fitter->fit({used.data(), used.size()}, options, q.data(), &report, sd.data(), residual.data(), weight.data()),
+    require(fitter->fit({used.data(), used.size()}, options, q.data(), &report, sd.data(), residual.data(),
+                        weight.data()),
             source);
   };
   std::vector<std::uint8_t> identity;

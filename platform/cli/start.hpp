@@ -19,6 +19,7 @@ struct FitSetup {
   std::optional<View> view;           ///< a rough pose, else found from the points
   std::vector<float> q;               ///< where the parameters start; empty: all 0
   std::vector<std::uint8_t> is_free;  ///< a flag a parameter; empty: all free
+  bool match_outline = true;          ///< ibug00 to ibug16 are where the face ends in the picture
 };
 
 /// Fits pose, focal length and parameters. Bad input: a landmark that the model does not have, fewer than
