@@ -1,0 +1,125 @@
+// The example: a face followed on a microcontroller. The model's table lies in flash, all memory of the tracker is one
+// static block, frames come as a camera's DMA hands them over. The pose of every frame is printed; so is what it took.
+#include <cstring>
+
+#include "board.hpp"
+#include "camera_buffers.hpp"
+#include "film.hpp"
+#include "line.hpp"
+#include "pliant/tracker.hpp"
+#include "start.hpp"  // where the face is in the first frame
+
+extern const unsigned char face[];
+extern const std::size_t face_bytes;
+
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+constexpr std::int64_t kFrameNs = 33'333'333;
+
+[[gnu::section(".external")]] alignas(pliant::Arena::kAlignment) unsigned char memory[2 << 20];
+[[gnu::section(".frames")]] alignas(32) std::uint8_t frames[2][kWidth * kHeight];
+pliant::Tracker tracker;
+
+/// FNV-1a of everything a frame gives: two runs with the same line agree in every bit.
+std::uint32_t hash_of(const pliant::Estimator& estimator, const pliant::FrameResult& result) {
+  std::uint32_t hash = 2166136261u;
+  const auto add = [&hash](float x) {
+    std::uint32_t bits;
+    std::memcpy(&bits, &x, sizeof bits);
+    for (int k = 0; k < 4; ++k) hash = (hash ^ ((bits >> (8 * k)) & 255u)) * 16777619u;
+  };
+  const pliant::Pose& p = result.pose;
+  const float pose[] = {
+      p.q.w, p.q.x, p.q.y, p.q.z, p.t.x, p.t.y, p.t.z, result.rms_px, static_cast<float>(result.inliers)};
+  for (float x : pose) add(x);
+  for (float x : estimator.parameters()) add(x);
+  for (pliant::VertexId v : estimator.mesh().vertices()) {
+    add(estimator.vertex_images()[v].x);
+    add(estimator.vertex_images()[v].y);
+  }
+  return hash;
+}
+
+void print(int frame, const pliant::FrameResult& r, std::uint32_t hash) {
+  Line line;
+  line.add("frame ").add(frame).add(" state ").add(static_cast<int>(r.state)).add(" q");
+  line.add(" ").add(r.pose.q.w).add(" ").add(r.pose.q.x).add(" ").add(r.pose.q.y).add(" ").add(r.pose.q.z);
+  line.add(" t ").add(r.pose.t.x).add(" ").add(r.pose.t.y).add(" ").add(r.pose.t.z);
+  line.add(" inliers ").add(int{r.inliers}).add(" bits ").add_hex(hash).add("\n");
+  board::write(line.text());
+}
+
+/// Ends the program with the status's text when it is not ok.
+void require(pliant::Status status, const char* what) {
+  if (status == pliant::Status::ok) return;
+  board::write(Line().add(what).add(": ").add(pliant::text(status)).add("\n").text());
+  board::exit(1);
+}
+
+/// Model and tracker, once; the model may be forgotten afterwards, the table not.
+void set_up() {
+  pliant::Model model;
+  require(pliant::Model::open(face, face_bytes, &model), "model");
+  pliant::Arena arena(memory, sizeof memory);
+  require(pliant::create_in(arena, tracker, model, pliant::TrackerLimits{}), "arena");
+  Line line;
+  line.add("table ").add(static_cast<int>(face_bytes)).add(" bytes, arena ");
+  board::write(line.add(static_cast<int>(arena.used_bytes())).add(" bytes\n").text());
+}
+
+struct Cost {
+  std::uint32_t worst = 0, sum = 0;  // ticks
+  int frames = 0;
+  void add(std::uint32_t ticks) {
+    if (ticks > worst) worst = ticks;
+    sum += ticks;
+    ++frames;
+  }
+  void print() const {
+    if (frames == 0 || worst == 0) return;
+    const auto thousands = [](std::uint32_t t) {
+      return static_cast<int>(t / (1000 / board::kInstructionsPerTick));
+    };
+    Line line;
+    line.add("thousand instructions a frame: mean ").add(thousands(sum / static_cast<std::uint32_t>(frames)));
+    board::write(line.add(", worst ").add(thousands(worst)).add("\n").text());
+  }
+};
+
+}  // namespace
+
+int main() {
+  set_up();
+  CameraBuffers buffers(frames[0], frames[1], kWidth, kHeight, kWidth);
+  Film film(buffers, kWidth, kHeight, kFrameNs);
+  if (!film.open("frames.y4m")) {
+    board::write("no frames.y4m here\n");
+    return 1;
+  }
+  int frame = 0, tracked = 0;
+  Cost cost;
+  for (; film.expose(); ++frame) {
+    pliant::FrameView view;
+    if (!buffers.take(&view)) continue;
+    pliant::FrameResult result;
+    const std::uint32_t begin = board::ticks();
+    if (frame == 0) {
+      require(tracker.start(view, kStartCamera, kStartPose, kStartParameters, {}, {}), "start");
+      result = tracker.result();
+    } else {
+      require(tracker.update(view, &result), "update");
+      cost.add((board::ticks() - begin) & board::kTickMask);
+    }
+    buffers.give_back();
+    tracked += result.state == pliant::TrackState::tracking;
+    print(frame, result, hash_of(tracker.estimator(), result));
+  }
+  cost.print();
+  if (board::stack_bytes() > 0) {
+    Line line;
+    line.add("stack ").add(static_cast<int>(board::worst_stack_bytes())).add(" of ");
+    board::write(line.add(static_cast<int>(board::stack_bytes())).add(" bytes\n").text());
+  }
+  return frame > 1 && tracked == frame && board::worst_stack_bytes() <= board::stack_bytes() ? 0 : 1;
+}

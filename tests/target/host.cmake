@@ -1,0 +1,31 @@
+# The host's side: its board, the prepared files, and the programs' output on this host.
+set(prepared ${CMAKE_CURRENT_BINARY_DIR})
+add_library(pliant_board OBJECT ${cortex_m}/host/board.cpp)
+target_compile_features(pliant_board PUBLIC cxx_std_17)
+target_compile_options(pliant_board PUBLIC ${pliant_same_bits})
+target_include_directories(pliant_board PUBLIC ${cortex_m})
+target_link_libraries(pliant_board PUBLIC pliant_warnings)
+
+add_executable(egg_table egg_table.cpp)
+target_link_libraries(egg_table PRIVATE pliant_host pliant_warnings)
+add_custom_command(OUTPUT egg.cpp DEPENDS egg_table COMMAND egg_table egg.cpp)
+
+# The face as firmware keeps it, and a person who turns the head, talks and blinks.
+set(fixtures ${PROJECT_SOURCE_DIR}/fixtures)
+set(start_awk ${CMAKE_CURRENT_SOURCE_DIR}/start.awk)
+file(GLOB face_tables CONFIGURE_DEPENDS ${fixtures}/face/*.txt)
+add_custom_command(OUTPUT face.plm face.cpp DEPENDS pliant ${face_tables}
+  COMMAND pliant bake ${fixtures}/face -o face.plm --embed face.cpp --bits 8 --size 64)
+add_custom_command(OUTPUT frames.y4m start.hpp DEPENDS pliant face.plm ${fixtures}/frames/motion.awk ${start_awk}
+  COMMAND awk -v frames=40 -f ${fixtures}/frames/motion.awk > motion.csv
+  COMMAND pliant render face.plm --params motion.csv --size 320x240 --focal 448 -o frames.y4m --truth truth.csv
+  COMMAND awk -F, -v f=448 -v width=320 -v height=240 -f ${start_awk} truth.csv > start.hpp)
+
+pliant_program(firmware ${cortex_m}/firmware.cpp face.cpp start.hpp)
+
+set(outputs "")
+foreach(program IN LISTS compared)
+  add_custom_command(OUTPUT ${program}.txt DEPENDS ${program} frames.y4m COMMAND ${program} > ${program}.txt)
+  list(APPEND outputs ${program}.txt)
+endforeach()
+add_custom_target(pliant_prepared ALL DEPENDS egg.cpp face.cpp start.hpp frames.y4m ${outputs})

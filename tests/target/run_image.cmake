@@ -1,0 +1,18 @@
+cmake_minimum_required(VERSION 3.22)
+# Runs a program, shows and keeps what it prints, and compares the lines that begin with "frame" or "case" with those of
+# another run, to the character. Run as: cmake -DPROGRAM="emulator;arguments;image" -DEXPECTED=file -DOUTPUT=file -P ...
+execute_process(COMMAND ${PROGRAM} OUTPUT_VARIABLE printed RESULT_VARIABLE result)
+file(WRITE ${OUTPUT} "${printed}")
+message("${printed}")
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "exit code ${result}")
+endif()
+if(EXPECTED)
+  file(STRINGS ${OUTPUT} found REGEX "^(frame|case) ")
+  file(STRINGS ${EXPECTED} expected REGEX "^(frame|case) ")
+  list(LENGTH found count)
+  if(count LESS 2 OR NOT found STREQUAL expected)
+    message(FATAL_ERROR "not what the host prints, ${EXPECTED}")
+  endif()
+  message("${count} lines equal to the host's")
+endif()
