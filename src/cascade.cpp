@@ -1,5 +1,5 @@
-// The cascade: runs the operations of a model over one point (the paper, section 3; Eq. 1-4), and carries their
-// derivatives along (Eq. 11).
+// The cascade: which records matter under a choice of free parameters, and the evaluation of baked points with their
+// derivatives (the paper, section 3; Eq. 1-4 and 11).
 #include "field_step.hpp"
 #include "pliant/field.hpp"
 
@@ -11,193 +11,153 @@ bool is_zero(Vec3 v) {
   return v.x == 0 && v.y == 0 && v.z == 0;
 }
 
-Vec3 record_sample(const Model& model, const CascadeRecord& r, Vec2 uv) {
-  const std::uint16_t field = r.field != kNone ? r.field : r.weight;
-  return field == kNone ? Vec3{} : sample(model, model.fields()[field], uv);
+bool is_read_after(Span<const CascadeRecord> records, std::size_t source, std::size_t i) {
+  for (std::size_t k = i + 1; k < records.count; ++k)
+    if (records[k].source[0] == source || records[k].source[1] == source) return true;
+  return false;
+}
+
+/// The most values that are wanted at once while the records run in order. Freezing parameters only takes some of them
+/// away, so that this many registers are enough for any choice.
+std::size_t most_values_at_once(Span<const CascadeRecord> records) {
+  std::size_t waiting = 0, most = 1;
+  for (std::size_t i = 0; i < records.count; ++i) {
+    for (const std::uint16_t s : records[i].source)
+      if (s != kNone && !is_read_after(records, s, i)) --waiting;
+    if (waiting + 1 > most) most = waiting + 1;
+    if (is_read_after(records, i, i)) ++waiting;
+  }
+  return most;
 }
 
 }  // namespace
 
-void Cascade::lay_out(Arena& arena, const Model& model) {
+void Cascade::lay_out(Arena& arena, const Model& model, const FoldLimits& fold) {
   model_ = model;
+  interpolation_ = Interpolation::bilinear;
+  fold_limits_ = fold;
   const std::size_t records = model.cascade().count, parameters = model.parameters().count;
   parameter_of_ = arena.take<std::uint16_t>(parameters);
   column_of_ = arena.take<std::uint16_t>(parameters);
-  live_ = arena.take<std::uint8_t>(records);
-  folded_ = arena.take<std::uint8_t>(records);
-  register_of_ = arena.take<std::uint8_t>(records);
-  last_reader_ = arena.take<std::uint16_t>(records);
-  selected_ = arena.take<std::uint16_t>(records);
-  stands_for_ = arena.take<std::uint16_t>(records);
-  selected_count_ = 0;
+  role_ = arena.take<Role>(records);
+  needed_ = arena.take<std::uint8_t>(records);
+  std::uint16_t** const per_record[] = {&visited_,     &emitted_,  &register_of_,
+                                        &last_reader_, &selected_, &stands_for_};
+  for (std::uint16_t** list : per_record) *list = arena.take<std::uint16_t>(records);
   point_ = arena.take<Vec3>(records);
   tangent_u_ = arena.take<Vec3>(records);
   tangent_v_ = arena.take<Vec3>(records);
-  // As many registers as records that a later one reads out of turn, and one: enough for any choice of free ones.
-  register_count_ = 1;
-  for (std::size_t i = 0; i < records; ++i)
-    for (std::uint16_t s : model.cascade()[i].source)
-      if (s != kNone && s + 1u != i && register_count_ < kMaxRegisters) ++register_count_;
-  for (std::size_t k = 0; k < register_count_; ++k)
-    register_[k] = {arena.take<Vec3>(parameters), arena.take<std::uint16_t>(parameters),
-                    arena.take<std::uint8_t>(parameters), 0};
+  register_count_ = most_values_at_once(model.cascade());
+  register_ = arena.take<Register>(register_count_);
+  for (std::size_t k = 0; k < register_count_; ++k) {
+    const Register empty{arena.take<Vec3>(parameters), arena.take<std::uint16_t>(parameters),
+                         arena.take<std::uint8_t>(parameters), 0, 0};
+    if (register_ != nullptr) register_[k] = empty;
+  }
+  const bool has_room = fold.width >= 2 && fold.height >= 2 && fold.width <= 256 && fold.height <= 256;
+  neutral_samples_ = has_room ? arena.take<std::int16_t>(std::size_t{3} * fold.width * fold.height) : nullptr;
+  selected_count_ = 0;
   if (!arena.is_measuring()) set_all_free();
 }
 
-void Cascade::set_all_free() {
-  for (std::size_t i = 0; i < parameter_count(); ++i) parameter_of_[i] = 0;
+template <class Predicate>
+void Cascade::choose(const Predicate& is_free) {
   column_count_ = 0;
   for (std::size_t i = 0; i < parameter_count(); ++i) {
-    column_of_[i] = static_cast<std::uint16_t>(i);
-    parameter_of_[i] = static_cast<std::uint16_t>(i);
+    const bool free = is_free(i);
+    column_of_[i] = free ? static_cast<std::uint16_t>(column_count_) : kNone;
+    if (free) parameter_of_[column_count_++] = static_cast<std::uint16_t>(i);
   }
-  column_count_ = parameter_count();
-  assign_registers();
+  unfold();
+}
+
+void Cascade::set_all_free() {
+  choose([](std::size_t) { return true; });
 }
 
 void Cascade::set_free(const std::uint8_t* is_free) {
-  column_count_ = 0;
-  for (std::size_t i = 0; i < parameter_count(); ++i) {
-    column_of_[i] = is_free[i] ? static_cast<std::uint16_t>(column_count_) : kNone;
-    if (is_free[i]) parameter_of_[column_count_++] = static_cast<std::uint16_t>(i);
-  }
-  assign_registers();
+  choose([is_free](std::size_t i) { return is_free[i] != 0; });
 }
 
 void Cascade::set_free(Group group) {
-  column_count_ = 0;
-  for (std::size_t i = 0; i < parameter_count(); ++i) {
-    const bool is_free = model_.parameters()[i].group == group;
-    column_of_[i] = is_free ? static_cast<std::uint16_t>(column_count_) : kNone;
-    if (is_free) parameter_of_[column_count_++] = static_cast<std::uint16_t>(i);
+  choose([this, group](std::size_t i) { return model_.parameters()[i].group == group; });
+}
+
+void Cascade::unfold() {
+  neutral_ = kNone;
+  plan();
+}
+
+/// Marks what `result` reads, at first or second hand; what the folded neutral stands for is not read.
+void Cascade::mark_needed(std::size_t result) {
+  const auto records = model_.cascade();
+  for (std::size_t i = 0; i < records.count; ++i) needed_[i] = i == result;
+  for (std::size_t i = result + 1; i-- > 0;) {
+    if (!needed_[i] || i == neutral_) continue;
+    for (const std::uint16_t s : records[i].source)
+      if (s != kNone) needed_[s] = 1;
   }
+  result_ = static_cast<std::uint16_t>(result);
+  visited_count_ = 0;
+  for (std::size_t i = 0; i <= result; ++i)
+    if (needed_[i]) visited_[visited_count_++] = static_cast<std::uint16_t>(i);
+}
+
+/// Gives every record its role, and lists those that bakes and evaluations visit.
+void Cascade::plan() {
+  const auto records = model_.cascade();
+  mark_needed(records.count - 1);
+  for (std::size_t i = 0; i < records.count; ++i) role_[i] = Role::unused;
+  for (std::size_t n = 0; n < visited_count_; ++n) {
+    const std::size_t i = visited_[n];
+    role_[i] = Role::frozen;
+    if (i == neutral_) continue;
+    for (const std::uint16_t p : records[i].parameter)
+      if (p != kNone && column_of_[p] != kNone) role_[i] = Role::live;
+    for (const std::uint16_t s : records[i].source)
+      if (s != kNone && is_live(s)) role_[i] = Role::live;
+  }
+  if (!is_live(result_)) role_[result_] = Role::folded;
+  for (std::size_t n = 0; n < visited_count_; ++n)
+    for (const std::uint16_t s : records[visited_[n]].source)
+      if (is_live(visited_[n]) && s != kNone && !is_live(s)) role_[s] = Role::folded;
+  emitted_count_ = 0;
+  for (std::size_t n = 0; n < visited_count_; ++n)
+    if (role_[visited_[n]] != Role::frozen) emitted_[emitted_count_++] = visited_[n];
   assign_registers();
 }
 
+/// A live record takes the first register whose value nobody reads after it; a source's own comes free that way.
 void Cascade::assign_registers() {
   const auto records = model_.cascade();
-  for (std::size_t i = 0; i < records.count; ++i) {
-    live_[i] = folded_[i] = 0;
-    last_reader_[i] = static_cast<std::uint16_t>(i + 1 == records.count ? records.count : i);
-    for (std::uint16_t p : records[i].parameter)
-      if (p != kNone && column_of_[p] != kNone) live_[i] = 1;
-    for (std::uint16_t s : records[i].source) {
-      if (s == kNone) continue;
-      if (live_[s]) live_[i] = 1;
-      last_reader_[s] = static_cast<std::uint16_t>(i);
-    }
+  for (std::size_t n = 0; n < emitted_count_; ++n) {
+    const std::uint16_t i = emitted_[n];
+    last_reader_[i] = i == result_ ? kNone : i;
+    if (is_live(i))
+      for (const std::uint16_t s : records[i].source)
+        if (s != kNone) last_reader_[s] = i;
   }
-  baked_count_ = 0;
-  std::uint16_t busy_until[kMaxRegisters] = {};
-  for (std::size_t i = 0; i < records.count; ++i) {
-    if (i + 1 == records.count && !is_live(i)) folded_[i] = 1;
+  for (std::size_t k = 0; k < register_count_; ++k) {
+    register_[k].count = register_[k].busy_until = 0;
+    for (std::size_t c = 0; c < column_count_; ++c) register_[k].touched[c] = 0;
+  }
+  for (std::size_t n = 0; n < emitted_count_; ++n) {
+    const std::uint16_t i = emitted_[n];
     if (!is_live(i)) continue;
-    for (std::uint16_t s : records[i].source)
-      if (s != kNone && !is_live(s)) folded_[s] = 1;
-    // The first register whose value nobody reads after this record; the source's own comes free here too.
-    std::size_t k = 0;
-    while (k + 1 < register_count_ && busy_until[k] > i) ++k;
-    register_of_[i] = static_cast<std::uint8_t>(k);
-    busy_until[k] = last_reader_[i];
-  }
-  for (std::size_t i = 0; i < records.count; ++i) baked_count_ += is_live(i) || folded_[i];
-}
-
-Vec3 Cascade::surface_point(Vec2 uv, const float* q) {
-  select(q);
-  return selected_point(uv);
-}
-
-void Cascade::select(const float* q) {
-  const auto records = model_.cascade();
-  selected_q_ = q;
-  selected_count_ = 0;
-  for (std::size_t i = 0; i < records.count; ++i) {
-    const bool does_nothing = passes_through(records[i], q);
-    stands_for_[i] = does_nothing ? stands_for_[records[i].source[0]] : static_cast<std::uint16_t>(i);
-    if (!does_nothing) selected_[selected_count_++] = static_cast<std::uint16_t>(i);
+    std::uint16_t k = 0;
+    while (register_[k].busy_until > i) ++k;
+    register_of_[i] = k;
+    register_[k].busy_until = last_reader_[i];
   }
 }
 
-Vec3 Cascade::selected_point(Vec2 uv) {
-  const auto records = model_.cascade();
-  for (std::size_t k = 0; k < selected_count_; ++k) {
-    const CascadeRecord& r = records[selected_[k]];
-    const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point_[stands_for_[r.source[0]]];
-    const Vec3 p1 = r.source[1] == kNone ? Vec3{} : point_[stands_for_[r.source[1]]];
-    const Vec3 s = record_sample(model_, r, uv);
-    point_[selected_[k]] = r.operation == Operation::add_vector ? p0 + selected_q_[r.parameter[0]] * s
-                           : r.operation == Operation::constant ? s
-                                                                : apply(r, selected_q_, p0, p1, s).p;
+std::size_t Cascade::sample_count() const {
+  std::size_t count = 0;
+  for (std::size_t n = 0; n < visited_count_; ++n) {
+    const CascadeRecord& r = model_.cascade()[visited_[n]];
+    count += visited_[n] == neutral_ ? 2 : r.field != kNone || r.weight != kNone ? 1 : 0;
   }
-  return point_[stands_for_[records.count - 1]];
-}
-
-SurfaceFrame Cascade::surface_frame(Vec2 uv, const float* q) {
-  const auto records = model_.cascade();
-  for (std::size_t i = 0; i < records.count; ++i) {
-    const CascadeRecord& r = records[i];
-    if (passes_through(r, q)) {
-      point_[i] = point_[r.source[0]];
-      tangent_u_[i] = tangent_u_[r.source[0]];
-      tangent_v_[i] = tangent_v_[r.source[0]];
-      continue;
-    }
-    const std::uint16_t field = r.field != kNone ? r.field : r.weight;
-    Vec3 su, sv, s;
-    if (field != kNone) s = sample_with_gradient(model_, model_.fields()[field], uv, &su, &sv);
-    const bool first = r.source[0] != kNone, second = r.source[1] != kNone;
-    const FieldStep f =
-        apply(r, q, first ? point_[r.source[0]] : Vec3{}, second ? point_[r.source[1]] : Vec3{}, s);
-    const auto carry = [&](const Vec3* tangent, Vec3 along) {
-      Vec3 t = first ? (f.maps ? f.map * tangent[r.source[0]] : f.keep * tangent[r.source[0]]) : Vec3{};
-      if (second) t = t + f.keep_second * tangent[r.source[1]];
-      return r.field != kNone ? t + f.along_field * along : t + along.x * f.along_weight;
-    };
-    const Vec3 tu = carry(tangent_u_, su), tv = carry(tangent_v_, sv);
-    point_[i] = f.p;
-    tangent_u_[i] = tu;
-    tangent_v_[i] = tv;
-  }
-  const std::size_t last = records.count - 1;
-  return {point_[last], tangent_u_[last], tangent_v_[last]};
-}
-
-void Cascade::bake(Vec2 uv, const float* q, Vec3* baked) {
-  const auto records = model_.cascade();
-  for (std::size_t i = 0; i < records.count; ++i) {
-    const CascadeRecord& r = records[i];
-    const Vec3 s = record_sample(model_, r, uv);
-    if (is_live(i)) {
-      *baked++ = s;
-      continue;
-    }
-    const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point_[r.source[0]];
-    const Vec3 p1 = r.source[1] == kNone ? Vec3{} : point_[r.source[1]];
-    point_[i] = apply(r, q, p0, p1, s).p;
-    if (folded_[i]) *baked++ = point_[i];
-  }
-}
-
-Vec3 Cascade::evaluate(const Vec3* baked, const float* q) {
-  const auto records = model_.cascade();
-  for (std::size_t i = 0; i < records.count; ++i) {
-    if (!is_live(i)) {
-      if (folded_[i]) point_[i] = *baked++;
-      continue;
-    }
-    const CascadeRecord& r = records[i];
-    const Vec3 s = *baked++;
-    const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point_[r.source[0]];
-    if (r.operation == Operation::add_vector) {  // nearly all records; `step` would give the same
-      point_[i] = p0 + q[r.parameter[0]] * s;
-    } else if (is_zero(s) && passes_through_at_zero(r)) {
-      point_[i] = p0;
-    } else {
-      point_[i] = apply(r, q, p0, r.source[1] == kNone ? Vec3{} : point_[r.source[1]], s).p;
-    }
-  }
-  return point_[records.count - 1];
+  return count;
 }
 
 void Cascade::add_column(Register& reg, std::uint16_t parameter, Vec3 derivative) {
@@ -243,36 +203,47 @@ void Cascade::propagate(std::size_t record, const FieldStep& f) {
     if (r.parameter[k] != kNone) add_column(out, r.parameter[k], f.along_parameter[k]);
 }
 
-Vec3 Cascade::evaluate(const Vec3* baked, const float* q, Jacobian* jacobian) {
+template <bool kDerive>
+Vec3 Cascade::run(const Vec3* baked, const float* q) {
   const auto records = model_.cascade();
-  for (std::size_t k = 0; k < register_count_; ++k) {
-    register_[k].count = 0;
-    for (std::size_t c = 0; c < column_count_; ++c) register_[k].touched[c] = 0;
-  }
-  for (std::size_t i = 0; i < records.count; ++i) {
+  for (std::size_t n = 0; n < emitted_count_; ++n) {
+    const std::size_t i = emitted_[n];
+    const Vec3 s = baked[n];
     if (!is_live(i)) {
-      if (folded_[i]) point_[i] = *baked++;
+      point_[i] = s;
       continue;
     }
     const CascadeRecord& r = records[i];
-    const Vec3 s = *baked++;
-    const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point_[r.source[0]];
-    const bool same_register =
-        r.source[0] != kNone && is_live(r.source[0]) && register_of_[r.source[0]] == register_of_[i];
-    const bool nothing_yet =
-        (r.source[0] == kNone || !is_live(r.source[0])) && register_[register_of_[i]].count == 0;
-    if (is_zero(s) && passes_through_at_zero(r) && (same_register || nothing_yet)) {
+    const Vec3 p0 = point_of_source(r, 0);
+    const bool in_place = kDerive && is_live(r.source[0]) && register_of_[r.source[0]] == register_of_[i];
+    if (r.operation == Operation::add_vector && (!kDerive || in_place)) {  // nearly all records
+      point_[i] = p0 + q[r.parameter[0]] * s;
+      if (kDerive && !is_zero(s)) add_column(register_[register_of_[i]], r.parameter[0], s);
+    } else if (is_zero(s) && passes_through_at_zero(r) && (!kDerive || in_place)) {
       point_[i] = p0;
-      continue;
+    } else {
+      const FieldStep f = apply(r, q, p0, point_of_source(r, 1), s);
+      point_[i] = f.p;
+      if (kDerive) propagate(i, f);
     }
-    const FieldStep f = apply(r, q, p0, r.source[1] == kNone ? Vec3{} : point_[r.source[1]], s);
-    point_[i] = f.p;
-    propagate(i, f);
   }
-  const std::size_t last = records.count - 1;
+  return point_[result_];
+}
+
+Vec3 Cascade::evaluate(const Vec3* baked, const float* q) {
+  return run<false>(baked, q);
+}
+
+Vec3 Cascade::evaluate(const Vec3* baked, const float* q, Jacobian* jacobian) {
+  for (std::size_t k = 0; k < register_count_; ++k) {
+    Register& reg = register_[k];
+    for (std::size_t c = 0; c < reg.count; ++c) reg.touched[reg.list[c]] = 0;
+    reg.count = 0;
+  }
+  const Vec3 p = run<true>(baked, q);
   *jacobian = {};
-  if (is_live(last)) {
-    Register& out = register_[register_of_[last]];
+  if (is_live(result_)) {
+    Register& out = register_[register_of_[result_]];
     for (std::size_t k = 1; k < out.count; ++k)  // insertion sort: the list is short and nearly sorted
       for (std::size_t m = k; m > 0 && out.list[m] < out.list[m - 1]; --m) {
         const std::uint16_t other = out.list[m];
@@ -281,7 +252,7 @@ Vec3 Cascade::evaluate(const Vec3* baked, const float* q, Jacobian* jacobian) {
       }
     *jacobian = {out.column, out.list, out.count};
   }
-  return point_[last];
+  return p;
 }
 
 }  // namespace pliant

@@ -4,8 +4,7 @@
 
 #include <initializer_list>
 
-#include "model_builder.hpp"
-#include "random.hpp"
+#include "random_model.hpp"
 
 using namespace pliant;
 
@@ -37,64 +36,10 @@ ModelBuilder every_operation() {
   return b;
 }
 
-struct Ready {
-  std::vector<std::uint32_t> words;
-  Model model;
-  explicit Ready(const ModelBuilder& b) : words(b.table()) {
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
-  }
-};
-
-std::vector<float> random_q(const Model& model, Random& random) {
-  std::vector<float> q;
-  for (const Parameter& p : model.parameters()) q.push_back(random.uniform(p.minimum, p.maximum));
-  return q;
-}
-
 }  // namespace
 
-TEST_CASE("bilinear sampling reproduces a bilinear field and its gradient, and is zero outside its support") {
-  ModelBuilder b = egg_model(1);
-  const auto f = b.field(
-      3, 9, 7,
-      [](float u, float v) {
-        return Vec3{3 * u - v, 2 + u * v, v};
-      },
-      0.25f, 0.5f, 0.75f, 1);
-  const Ready r(b);
-  const Field& field = r.model.fields()[f];
-  Random random(1);
-  for (int i = 0; i < 500; ++i) {
-    const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
-    Vec3 du, dv;
-    const Vec3 p = sample_with_gradient(r.model, field, uv, &du, &dv);
-    if (uv.x < 0.25f || uv.x > 0.75f || uv.y < 0.5f) {
-      CHECK(length(p) == 0);
-      CHECK(length(du) == 0);
-      continue;
-    }
-    CHECK(length(p - Vec3{3 * uv.x - uv.y, 2 + uv.x * uv.y, uv.y}) < 2e-3f);
-    CHECK(length(du - Vec3{3, uv.y, 0}) < 0.05f);
-    CHECK(length(dv - Vec3{-1, uv.x, 1}) < 0.05f);
-  }
-}
-
-TEST_CASE("a mirrored field is the reflection of the stored one") {
-  const Ready r(egg_model(1));
-  std::size_t mirrored = 0;
-  while (!r.model.fields()[mirrored].mirror) ++mirrored;
-  Random random(2);
-  for (int i = 0; i < 300; ++i) {
-    const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
-    const Vec3 right = sample(r.model, r.model.fields()[mirrored], uv);
-    const Vec3 left = sample(r.model, r.model.fields()[mirrored - 1], {1 - uv.x, uv.y});
-    CHECK(right.x == -left.x);
-    CHECK(right.y == left.y);
-  }
-}
-
 TEST_CASE("Eq. 4: add_vector adds its parameter times its field") {
-  const Ready r(egg_model(1));
+  const OpenModel r(egg_model(1));
   InArena<Cascade> cascade(r.model);
   std::vector<float> q(r.model.parameters().count, 0.0f);
   const Vec2 uv{0.3f, 0.8f};
@@ -107,7 +52,7 @@ TEST_CASE("Eq. 4: add_vector adds its parameter times its field") {
 
 TEST_CASE("Eq. 11: the Jacobian of every operation agrees with central differences") {
   for (const ModelBuilder& b : {egg_model(4), every_operation()}) {
-    const Ready r(b);
+    const OpenModel r(b);
     InArena<Cascade> cascade(r.model);
     const std::size_t n = r.model.parameters().count;
     Random random(7);
@@ -138,7 +83,7 @@ TEST_CASE("Eq. 11: the Jacobian of every operation agrees with central differenc
 }
 
 TEST_CASE("a baked point equals the surface point, whatever is frozen") {
-  const Ready r(every_operation());
+  const OpenModel r(every_operation());
   InArena<Cascade> cascade(r.model);
   Random random(8);
   const std::size_t n = r.model.parameters().count;
@@ -164,7 +109,7 @@ TEST_CASE("a baked point equals the surface point, whatever is frozen") {
 
 TEST_CASE(
     "a frozen cascade folds to one position a point, and a frozen identity to one and the expressions") {
-  const Ready r(egg_model(6));
+  const OpenModel r(egg_model(6));
   InArena<Cascade> cascade(r.model);
   std::vector<std::uint8_t> none(r.model.parameters().count, 0);
   cascade->set_free(none.data());
@@ -176,7 +121,7 @@ TEST_CASE(
 }
 
 TEST_CASE("selecting the records that do something changes nothing, whichever parameters are zero") {
-  const Ready r(every_operation());
+  const OpenModel r(every_operation());
   InArena<Cascade> cascade(r.model), baking(r.model);
   Random random(12);
   std::vector<Vec3> baked(r.model.cascade().count);
@@ -194,7 +139,7 @@ TEST_CASE("selecting the records that do something changes nothing, whichever pa
 }
 
 TEST_CASE("tangents agree with differences inside a cell, through every operation") {
-  const Ready r(every_operation());
+  const OpenModel r(every_operation());
   InArena<Cascade> cascade(r.model);
   Random random(9);
   int compared = 0;

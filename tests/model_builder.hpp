@@ -31,9 +31,9 @@ struct ModelBuilder {
     return static_cast<std::uint16_t>(parameters.size() - 1);
   }
 
-  /// Samples `f` on a grid over the rectangle, 16 bits.
+  /// Samples `f` on a grid over the rectangle, to half a quantisation step.
   std::uint16_t field(int components, int width, int height, const Function& f, float u0 = 0, float v0 = 0,
-                      float u1 = 1, float v1 = 1, bool mirror = false) {
+                      float u1 = 1, float v1 = 1, bool mirror = false, int bits = 16) {
     std::vector<float> value;
     float most[3] = {1e-6f, 1e-6f, 1e-6f};
     for (int j = 0; j < height; ++j)
@@ -50,19 +50,21 @@ struct ModelBuilder {
     out.width = static_cast<std::uint16_t>(width);
     out.height = static_cast<std::uint16_t>(height);
     out.components = static_cast<std::uint8_t>(components);
-    out.bits = 16;
+    out.bits = static_cast<std::uint8_t>(bits);
     out.mirror = mirror;
     out.u0 = u0;
     out.v0 = v0;
     out.u1 = u1;
     out.v1 = v1;
-    for (int k = 0; k < 3; ++k) out.scale[k] = most[k] / 32767;
+    for (int k = 0; k < 3; ++k) out.scale[k] = most[k] / (bits == 16 ? 32767 : 127);
+    samples.resize((samples.size() + 1) / 2 * 2);
     out.first_byte = static_cast<std::uint32_t>(samples.size());
     for (std::size_t i = 0; i < value.size(); ++i) {
       const float x = value[i] / out.scale[i % static_cast<std::size_t>(components)];
       const auto q = static_cast<std::int16_t>(x < 0 ? x - 0.5f : x + 0.5f);
-      samples.resize(samples.size() + 2);
-      std::memcpy(samples.data() + samples.size() - 2, &q, 2);
+      const auto bytes = static_cast<std::size_t>(bits / 8);
+      samples.resize(samples.size() + bytes);
+      std::memcpy(samples.data() + samples.size() - bytes, &q, bytes);  // the low byte comes first
     }
     fields.push_back(out);
     return static_cast<std::uint16_t>(fields.size() - 1);

@@ -11,12 +11,21 @@
 
 namespace pliant {
 
-/// Value of a field at (u,v), bilinear, zero outside its support; a weight field's value is in x.
-/// (u,v) is clamped to [0,1]^2. Cost: 4 samples.
-Vec3 sample(const Model& model, const Field& field, Vec2 uv);
+/// How a field's value between its samples follows from them. Any table can be read either way.
+enum class Interpolation : std::uint8_t {
+  bilinear = 0,  ///< 4 samples; continuous, its gradient jumps across sample lines
+  /// 16 samples: cubic convolution (Catmull-Rom). It passes through the samples, reproduces quadratics, and is
+  /// continuously differentiable, also over the rim of a support rectangle inside the chart.
+  bicubic = 1,
+};
 
-/// The same and its derivatives along u and v, those of the cell that holds (u,v).
-Vec3 sample_with_gradient(const Model& model, const Field& field, Vec2 uv, Vec3* du, Vec3* dv);
+/// Value of a field at (u,v), zero outside its support; a weight field's value is in x. (u,v) is clamped to [0,1]^2.
+Vec3 sample(const Model& model, const Field& field, Vec2 uv,
+            Interpolation interpolation = Interpolation::bilinear);
+
+/// The same and its exact derivatives along u and v; on a sample line, bilinear, those of the cell it opens.
+Vec3 sample_with_gradient(const Model& model, const Field& field, Vec2 uv, Vec3* du, Vec3* dv,
+                          Interpolation interpolation = Interpolation::bilinear);
 
 /// J_i = dp/dq, 3 x n, of one surface point (Eq. 11), by the columns that are not zero.
 struct Jacobian {
@@ -30,20 +39,31 @@ struct SurfaceFrame {
   Vec3 p, pu, pv;
 };
 
+/// Room for a person's folded neutral (Cascade::fold): samples of one field over the chart, 6 bytes each. 64 x 64 costs
+/// 24 KiB. None by default.
+struct FoldLimits {
+  std::uint16_t width = 0, height = 0;  ///< both 0, or 2 to 256
+};
+
 /// The cascade of a model, ready to run. Some parameters are free: they are the columns of the Jacobian. The others
 /// are frozen, and what depends on frozen ones only (a person's identity, usually) is folded into each baked point.
 ///
 /// A baked point is the cascade's samples at one (u,v): evaluating it touches no table. Not copyable in spirit: the
-/// scratch it works in is its own, so one Cascade serves one thread. Bytes: about 44 a record and 14 a parameter for
-/// each register (a plain chain needs one).
+/// scratch it works in is its own, so one Cascade serves one thread. Bytes: about 50 a record and 15 a parameter for
+/// each register (a plain chain needs one), and the folded neutral's.
 class Cascade {
  public:
-  /// Arena layout (create_in, measured_bytes). All parameters start free.
-  void lay_out(Arena& arena, const Model& model);
+  /// Arena layout (create_in, measured_bytes). All parameters start free, interpolation bilinear, nothing folded.
+  void lay_out(Arena& arena, const Model& model, const FoldLimits& fold = {});
 
   const Model& model() const { return model_; }
 
-  /// Chooses the free parameters: `is_free` holds one flag a parameter. Baked points made before are void.
+  /// How every field is sampled from now on. Baked points, and a folded neutral, made before are void.
+  void set_interpolation(Interpolation interpolation);
+  Interpolation interpolation() const { return interpolation_; }
+
+  /// Chooses the free parameters: `is_free` holds one flag a parameter. Baked points made before are void, and so is a
+  /// folded neutral.
   void set_free(const std::uint8_t* is_free);
   /// Frees one group and freezes the other.
   void set_free(Group group);
@@ -56,8 +76,26 @@ class Cascade {
   /// Column of a parameter, or kNone when it is frozen.
   std::uint16_t column_of(std::size_t parameter) const { return column_of_[parameter]; }
 
+  /// Folds the frozen part, with the values in q, into one field of the arena (int16, the limits' size), so that a new
+  /// (u,v) costs two samples for a person where it cost one for each identity field. What can be folded is a record
+  /// that no free parameter has touched, with all it reads; of several such that free ones build on, the one with most
+  /// samples. The field holds what they add to the constant at their root, which stays as sharp as the table has it;
+  /// with few samples a side, fine detail of the identity fields is lost (bake and compare to see how much).
+  ///
+  /// From then on frozen parameters that only the folded part reads are not read from any q. Freezing others, or
+  /// `unfold`, ends it; baked points made before keep their values. Where nothing is worth folding (two samples or
+  /// fewer) nothing changes; `is_folded` tells.
+  /// Cost: the frozen part at width x height points, twice.
+  /// \return capacity when the limits left no room, bad_argument when q gives a surface that is not finite; then
+  ///         nothing is folded.
+  Status fold(const float* q);
+  void unfold();
+  bool is_folded() const { return neutral_ != kNone; }
+  /// Fields that one new (u,v) samples, all parameters away from zero.
+  std::size_t sample_count() const;
+
   /// Vec3 values in a baked point under the present choice; never more than model().cascade().count.
-  std::size_t baked_count() const { return baked_count_; }
+  std::size_t baked_count() const { return emitted_count_; }
   /// Samples the fields at (u,v) and folds the frozen part with the values in q (all parameters).
   void bake(Vec2 uv, const float* q, Vec3* baked);
 
@@ -66,7 +104,7 @@ class Cascade {
   /// The same with its Jacobian; the Jacobian is valid until the next call on this object.
   Vec3 evaluate(const Vec3* baked, const float* q, Jacobian* jacobian);
 
-  /// Position straight from the tables, whatever is free. Cost: one sample a record.
+  /// Position straight from the tables (and the folded neutral, if there is one). Cost: one sample a record.
   Vec3 surface_point(Vec2 uv, const float* q);
   /// Lists the records that do anything at q (most leave their source as it is where their parameter is 0), so that the
   /// `selected_point`s that follow visit only those. `q` must stay where and as it is meanwhile.
@@ -81,27 +119,50 @@ class Cascade {
     Vec3* column;
     std::uint16_t* list;
     std::uint8_t* touched;
-    std::size_t count;
+    std::uint16_t count, busy_until;  // columns listed; the last record that reads the value
   };
+  enum class Role : std::uint8_t {
+    unused,  // nothing that the result needs
+    frozen,  // depends on frozen parameters only
+    folded,  // the same, and a live record (or the end) reads it: part of a baked point
+    live,    // depends on a free parameter
+  };
+  template <class Predicate>
+  void choose(const Predicate& is_free);
+  void plan();
+  void mark_needed(std::size_t result);
   void assign_registers();
-  bool is_live(std::size_t record) const { return live_[record] != 0; }
+  std::uint16_t find_neutral();
+  Status fill_neutral(std::size_t record, const float* q);
+  std::uint16_t root_field(std::size_t record) const;
+  bool is_live(std::size_t record) const { return role_[record] == Role::live; }
+  Vec3 point_of_source(const CascadeRecord& r, int k) const;
+  Vec3 record_sample(std::size_t record, Vec2 uv, Vec3* du, Vec3* dv) const;
+  Vec3 neutral_sample(Vec2 uv, Vec3* du, Vec3* dv) const;
+  template <bool kDerive>
+  Vec3 run(const Vec3* baked, const float* q);
   void propagate(std::size_t record, const struct FieldStep& step);
   void add_column(Register& reg, std::uint16_t parameter, Vec3 derivative);
 
   Model model_;
+  Interpolation interpolation_ = Interpolation::bilinear;
   std::uint16_t *parameter_of_ = nullptr, *column_of_ = nullptr;
-  std::uint8_t* live_ = nullptr;         // a record: depends on a free parameter
-  std::uint8_t* folded_ = nullptr;       // a frozen record that a live one (or the end) reads
-  std::uint8_t* register_of_ = nullptr;  // a record
-  std::uint16_t* last_reader_ = nullptr;
+  Role* role_ = nullptr;            // a record
+  std::uint8_t* needed_ = nullptr;  // a record: the result reads it, at first or second hand
+  std::uint16_t *visited_ = nullptr, *emitted_ = nullptr;  // records needed; those of them in a baked point
+  std::uint16_t *register_of_ = nullptr, *last_reader_ = nullptr;
   std::uint16_t *selected_ = nullptr, *stands_for_ = nullptr;  // listed records; whose value a record has
-  std::size_t selected_count_ = 0;
+  std::size_t visited_count_ = 0, emitted_count_ = 0, selected_count_ = 0;
+  std::uint16_t result_ = 0;       // the record whose value is the surface point
+  std::uint16_t neutral_ = kNone;  // the record that is read from the folded neutral
+  Field neutral_field_ = {};       // what it adds to its root
+  FoldLimits fold_limits_;
+  std::int16_t* neutral_samples_ = nullptr;
   const float* selected_q_ = nullptr;
   Vec3* point_ = nullptr;  // a record's value in the running evaluation
   Vec3 *tangent_u_ = nullptr, *tangent_v_ = nullptr;
-  static constexpr std::size_t kMaxRegisters = 8;
-  Register register_[kMaxRegisters] = {};
-  std::size_t register_count_ = 0, column_count_ = 0, baked_count_ = 0;
+  Register* register_ = nullptr;
+  std::size_t register_count_ = 0, column_count_ = 0;
 };
 
 }  // namespace pliant

@@ -1,0 +1,206 @@
+// A person's neutral as one field: what it stands for, how true it is, and when it ends.
+#include <doctest/doctest.h>
+
+#include "pliant/field.hpp"
+#include "random_model.hpp"
+
+using namespace pliant;
+
+namespace {
+
+/// Arena, and a cascade with room for a neutral.
+InArena<Cascade> with_room(const Model& model, std::uint16_t side) {
+  return InArena<Cascade>(model, FoldLimits{side, side});
+}
+
+/// egg_model with an identity field behind the expressions as well, whose source an expression has touched.
+ModelBuilder late_identity() {
+  ModelBuilder b = egg_model(6);
+  const auto q = b.parameter("late", Group::identity, -1, 1, 1);
+  b.record(Operation::add_vector, {b.last()}, {q}, b.cascade[1].field);
+  return b;
+}
+
+float worst_difference(Cascade& folded, Cascade& exact, const std::vector<float>& q, Random& random,
+                       int points) {
+  float worst = 0;
+  for (int k = 0; k < points; ++k) {
+    const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
+    worst = max(worst, length(folded.surface_point(uv, q.data()) - exact.surface_point(uv, q.data())));
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("a folded person costs two samples and the expressions, and is the same surface") {
+  const OpenModel m(egg_model(6));
+  InArena<Cascade> folded = with_room(m.model, 65), exact(m.model);  // twice as fine as its fields
+  Random random(31);
+  folded->set_free(Group::expression);
+  CHECK(folded->sample_count() == 11);  // the rest shape, six of identity, four of expression
+  std::vector<float> q = random_q(m.model, random);
+  REQUIRE(folded->fold(q.data()) == Status::ok);
+  CHECK(folded->is_folded());
+  CHECK(folded->sample_count() == 6);
+  CHECK(folded->baked_count() == 5);
+  CHECK(worst_difference(folded.object, exact.object, q, random, 2000) < 2e-3f);
+
+  SUBCASE("what was folded is no longer read") {
+    std::vector<float> other = q;
+    for (std::size_t k = 0; k < 6; ++k) other[k] = 0;
+    for (std::size_t k = 6; k < q.size(); ++k) q[k] = other[k] = 0.3f * m.model.parameters()[k].maximum;
+    CHECK(worst_difference(folded.object, exact.object, q, random, 500) < 2e-3f);
+    CHECK(length(folded->surface_point({0.4f, 0.6f}, other.data()) -
+                 folded->surface_point({0.4f, 0.6f}, q.data())) == 0);
+  }
+  SUBCASE("baked points, selected points, frames and Jacobians agree with it") {
+    exact->set_free(Group::expression);
+    for (int trial = 0; trial < 200; ++trial) {
+      const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
+      std::vector<Vec3> a(folded->baked_count()), b(exact->baked_count());
+      folded->bake(uv, q.data(), a.data());
+      exact->bake(uv, q.data(), b.data());
+      Jacobian ja, jb;
+      const Vec3 p = folded->evaluate(a.data(), q.data(), &ja);
+      CHECK(length(p - folded->surface_point(uv, q.data())) < 1e-4f);
+      CHECK(length(p - folded->surface_frame(uv, q.data()).p) < 1e-4f);
+      CHECK(length(p - exact->evaluate(b.data(), q.data(), &jb)) < 2e-3f);
+      REQUIRE(ja.count == jb.count);
+      for (std::size_t k = 0; k < ja.count; ++k) {
+        CHECK(ja.list[k] == jb.list[k]);
+        CHECK(length(ja.column[ja.list[k]] - jb.column[jb.list[k]]) < 0.05f);
+      }
+      const SurfaceFrame f = folded->surface_frame(uv, q.data()), g = exact->surface_frame(uv, q.data());
+      CHECK(length(f.pu - g.pu) < 0.5f);  // of some 150 mm a unit
+      CHECK(length(f.pv - g.pv) < 0.5f);
+    }
+  }
+  SUBCASE("choosing the free parameters ends it, and so does unfold") {
+    folded->set_free(Group::expression);
+    CHECK_FALSE(folded->is_folded());
+    REQUIRE(folded->fold(q.data()) == Status::ok);
+    folded->unfold();
+    CHECK_FALSE(folded->is_folded());
+    CHECK(folded->sample_count() == 11);
+    CHECK(worst_difference(folded.object, exact.object, q, random, 500) == 0);
+  }
+}
+
+TEST_CASE(
+    "at its own samples a folded neutral is exact to its quantisation, for any composition and any choice") {
+  Random random(32);
+  int folded_count = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const OpenModel m(RandomModel(random).run());
+    InArena<Cascade> folded = with_room(m.model, 9), exact(m.model);
+    std::vector<std::uint8_t> is_free(m.model.parameters().count);
+    for (auto& f : is_free) f = static_cast<std::uint8_t>(random.below(4) == 0);
+    folded->set_free(is_free.data());
+    exact->set_free(is_free.data());
+    std::vector<float> q = random_q(m.model, random);
+    REQUIRE(folded->fold(q.data()) == Status::ok);
+    if (!folded->is_folded()) continue;
+    ++folded_count;
+    CHECK(folded->sample_count() < exact->sample_count());
+    CHECK(folded->baked_count() == exact->baked_count());
+    for (std::size_t k = 0; k < q.size(); ++k)
+      if (is_free[k]) q[k] = random.uniform(-1, 1);
+    float most = 1;  // of what the field holds, and so of its quantisation
+    for (int k = 0; k < 81; ++k) {
+      const Vec2 uv{static_cast<float>(k % 9) / 8, static_cast<float>(k / 9) / 8};
+      const Vec3 p = exact->surface_point(uv, q.data());
+      most = max(most, length(p));
+      CHECK(length(folded->surface_point(uv, q.data()) - p) < 1e-3f * most);
+      CHECK(length(folded->surface_frame(uv, q.data()).p - p) < 1e-3f * most);
+      std::vector<Vec3> baked(folded->baked_count());
+      folded->bake(uv, q.data(), baked.data());
+      CHECK(length(folded->evaluate(baked.data(), q.data()) - p) < 1e-3f * most);
+    }
+  }
+  CHECK(folded_count > 50);
+}
+
+TEST_CASE("an identity field behind an expression stays what it is: it is read from its own field") {
+  const OpenModel m(late_identity());
+  InArena<Cascade> folded = with_room(m.model, 65), exact(m.model);  // twice as fine as its fields
+  folded->set_free(Group::expression);
+  Random random(33);
+  const std::vector<float> q = random_q(m.model, random);
+  REQUIRE(folded->fold(q.data()) == Status::ok);
+  CHECK(folded->sample_count() == 7);
+  CHECK(worst_difference(folded.object, exact.object, q, random, 1000) < 2e-3f);
+}
+
+TEST_CASE("more samples a side make a truer neutral, and cost six bytes each") {
+  const OpenModel m(egg_model(9));
+  Random random(34);
+  std::vector<float> q = random_q(m.model, random);
+  float last = 1e9f;
+  for (std::uint16_t side = 8; side <= 64; side = static_cast<std::uint16_t>(2 * side)) {
+    InArena<Cascade> folded = with_room(m.model, side), exact(m.model);
+    CHECK(measured_bytes<Cascade>(m.model, FoldLimits{side, side}) ==
+          measured_bytes<Cascade>(m.model) + 6u * side * side);
+    folded->set_free(Group::expression);
+    REQUIRE(folded->fold(q.data()) == Status::ok);
+    const float off = worst_difference(folded.object, exact.object, q, random, 2000);
+    CHECK(off < 0.6f * last);
+    last = off;
+  }
+}
+
+TEST_CASE("folding twice folds anew: the second person, not a fold of the first") {
+  const OpenModel m(egg_model(6));
+  InArena<Cascade> once = with_room(m.model, 32), twice = with_room(m.model, 32);
+  Random random(35);
+  const std::vector<float> first = random_q(m.model, random), second = random_q(m.model, random);
+  once->set_free(Group::expression);
+  twice->set_free(Group::expression);
+  REQUIRE(once->fold(second.data()) == Status::ok);
+  REQUIRE(twice->fold(first.data()) == Status::ok);
+  REQUIRE(twice->fold(second.data()) == Status::ok);
+  CHECK(worst_difference(once.object, twice.object, second, random, 200) == 0);
+}
+
+TEST_CASE("a fold that cannot be is refused by name, and everything goes on unfolded") {
+  const OpenModel m(egg_model(3));
+  InArena<Cascade> none(m.model), folded = with_room(m.model, 16), exact(m.model);
+  Random random(36);
+  std::vector<float> q = random_q(m.model, random);
+  none->set_free(Group::expression);
+  CHECK(none->fold(q.data()) == Status::capacity);
+  for (const FoldLimits odd : {FoldLimits{1, 16}, FoldLimits{16, 0}, FoldLimits{300, 300}}) {
+    InArena<Cascade> cascade(m.model, odd);
+    CHECK(cascade->fold(q.data()) == Status::capacity);
+  }
+  folded->set_free(Group::expression);
+  CHECK(folded->fold(nullptr) == Status::bad_argument);
+  for (const float bad : {0.0f / (q[0] - q[0]), 1e30f}) {
+    std::vector<float> broken = q;
+    broken[1] = bad;
+    REQUIRE(folded->fold(q.data()) == Status::ok);
+    CHECK(folded->fold(broken.data()) == Status::bad_argument);
+    CHECK_FALSE(folded->is_folded());
+    CHECK(worst_difference(folded.object, exact.object, q, random, 100) == 0);
+  }
+  SUBCASE("with everything free there is nothing to fold") {
+    folded->set_all_free();
+    CHECK(folded->fold(q.data()) == Status::ok);
+    CHECK_FALSE(folded->is_folded());
+  }
+  SUBCASE("with everything frozen the whole surface is the neutral") {
+    const std::vector<std::uint8_t> nothing(q.size(), 0);
+    folded->set_free(nothing.data());
+    CHECK(folded->fold(q.data()) == Status::ok);
+    CHECK(folded->sample_count() == 2);
+    CHECK(folded->baked_count() == 1);
+  }
+  SUBCASE("a smaller arena is refused, and the next size fits") {
+    const std::size_t bytes = measured_bytes<Cascade>(m.model, FoldLimits{16, 16});
+    std::vector<std::max_align_t> block(bytes / sizeof(std::max_align_t) + 1);
+    Cascade cascade;
+    Arena small(block.data(), bytes - 16), enough(block.data(), bytes);
+    CHECK(create_in(small, cascade, m.model, FoldLimits{16, 16}) == Status::out_of_memory);
+    CHECK(create_in(enough, cascade, m.model, FoldLimits{16, 16}) == Status::ok);
+  }
+}
