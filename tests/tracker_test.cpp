@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <string>
 
-#include "baked_face.hpp"
-#include "cli/scene.hpp"
+#include "face_film.hpp"
 #include "heap_trap.hpp"
 #include "model_builder.hpp"
 
@@ -17,66 +16,19 @@ namespace {
 
 constexpr int kWidth = 320, kHeight = 240, kFrames = 24;
 
-/// The built-in face, baked once.
 BakedModel& face() {
-  static BakedModel* baked = [] {
-    bake::BakeOptions options;
-    options.source = PLIANT_FIXTURES "/face";
-    std::vector<std::uint8_t> table;
-    std::string error;
-    REQUIRE_MESSAGE(bake::bake(options, table, error), error);
-    return new BakedModel(table);
-  }();
-  return *baked;
+  return baked_face();
 }
 
 /// A short film: the head turns and moves, the mouth opens, the brows rise.
-struct Film {
-  Camera camera = centred_camera(kWidth, kHeight, 400);
-  std::vector<std::vector<std::uint8_t>> frames;
-  std::vector<Pose> poses;
-  std::vector<std::vector<float>> parameters;
-
-  Film() {
-    BakedModel& model = face();
-    cli::Scene scene(model.model, kWidth, kHeight, 160, 2);
-    const cli::Image background = cli::make_background(kWidth, kHeight, 5);
-    const Pose rest = cli::frontal_pose(model.model, model.rest().data(), camera, kHeight, 0.7f);
-    for (int k = 0; k < kFrames; ++k) {
-      const float s = static_cast<float>(k) / static_cast<float>(kFrames - 1);
-      Pose pose = rest;
-      pose.q = exp_rotation({0.08f * s, 0.35f * s, -0.06f * s});
-      pose.t = pose.t + Vec3{25 * s, -8 * s, 40 * s};
-      std::vector<float> q = model.rest();
-      q[model.model.find_parameter("jawOpen")] = 0.25f * (s < 0.5f ? 2 * s : 2 - 2 * s);
-      q[model.model.find_parameter("browInnerUpLeft")] = q[model.model.find_parameter("browInnerUpRight")] =
-          0.8f * s;
-      cli::Image picture = scene.draw(q.data(), pose, camera, background);
-      cli::add_noise(picture, 2, static_cast<std::uint32_t>(k));
-      frames.push_back(picture.pixels);
-      poses.push_back(pose);
-      parameters.push_back(q);
-    }
-  }
-  FrameView view(std::size_t k) const {
-    return {frames[k].data(),
-            kWidth,
-            kHeight,
-            kWidth,
-            1,
-            static_cast<std::int64_t>(k) * 33'333'333,
-            static_cast<std::uint32_t>(k)};
-  }
-  /// Image position of a landmark in frame k.
-  Vec2 truth(const char* landmark, std::size_t k) const {
-    Vec2 x;
-    REQUIRE(Projector(view_of(poses[k], camera), true).project(face().at(landmark, parameters[k]), &x));
-    return x;
-  }
-};
-
-const Film& film() {
-  static const Film* one = new Film;
+const FaceFilm& film() {
+  static const FaceFilm* one = new FaceFilm(kWidth, kHeight, kFrames, [](float s, Pose& pose, auto& q) {
+    pose.q = exp_rotation({0.08f * s, 0.35f * s, -0.06f * s});
+    pose.t = pose.t + Vec3{25 * s, -8 * s, 40 * s};
+    FaceFilm::set(q, "jawOpen", 0.25f * (s < 0.5f ? 2 * s : 2 - 2 * s));
+    FaceFilm::set(q, "browInnerUpLeft", 0.8f * s);
+    FaceFilm::set(q, "browInnerUpRight", 0.8f * s);
+  });
   return *one;
 }
 
@@ -94,16 +46,8 @@ TEST_CASE("pose, expression and landmarks of a rendered face are followed") {
     FrameResult result;
     REQUIRE(tracker->update(film().view(k), &result) == Status::ok);
     CHECK(result.state == TrackState::tracking);
-    const Vec3 off = log_rotation(result.pose.q * conjugate(normalised(film().poses[k].q)));
-    CHECK(length(off) < 0.035f);  // 2 degrees
-    float sum = 0;
-    for (int l = 17; l < 68; ++l) {
-      const std::string name = "ibug" + std::to_string(l);
-      Vec2 x;
-      REQUIRE(tracker->estimator().project(face().uv(name), &x));
-      sum += length(x - film().truth(name.c_str(), k));
-    }
-    CHECK(sum / 51 < 1.0f);
+    CHECK(film().turn_error(result.pose, k) < 2);
+    CHECK(film().landmark_error(tracker.object, k) < 1);
   }
   const std::uint16_t brow = face().model.find_parameter("browInnerUpLeft");
   CHECK(tracker->estimator().parameters()[brow] > 0.4f);
@@ -151,11 +95,14 @@ TEST_CASE("markers are followed though nothing near them is looked at") {
   TrackerOptions options;
   options.marker_exclusion_px = 10;
   REQUIRE(start(tracker.object, {markers, 3}, options) == Status::ok);
+  std::size_t patches = 0;
   for (std::size_t p = 0; p < tracker->patch_count(); ++p) {
     Vec2 x;
-    REQUIRE(tracker->patch(p, &x));
+    if (!tracker->patch(p, &x)) continue;
+    ++patches;
     for (Vec2 m : markers) CHECK(length(x - m) >= 10);
   }
+  CHECK(patches > 60);
   FrameResult result;
   for (std::size_t k = 1; k < kFrames; ++k) {
     REQUIRE(tracker->update(film().view(k), &result) == Status::ok);

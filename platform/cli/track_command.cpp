@@ -108,8 +108,13 @@ Markers read_markers(const Args& args, const Model& model) {
   return markers;
 }
 
-TrackerLimits limits_for(ImageSize size, std::size_t markers) {
+/// The profile asked for, else what suits the size of the picture.
+TrackerLimits limits_for(const Args& args, ImageSize size, std::size_t markers) {
+  const auto profile = args.text("--profile");
+  if (profile && *profile != "s" && *profile != "l") fail_usage("--profile: s or l, not " + *profile);
   TrackerLimits limits;
+  if (profile) limits = *profile == "s" ? profile_s() : profile_l();
+  if (!profile && size.width >= 480) limits = profile_l();
   limits.width = static_cast<std::uint16_t>(size.width);
   limits.height = static_cast<std::uint16_t>(size.height);
   limits.markers = static_cast<std::uint16_t>(markers);
@@ -135,7 +140,7 @@ int run_track(const Args& args, Console& console) {
   FrameView frame;
   if (!frames.next(&frame))
     throw Failure(kBadInput, frames.message().empty() ? frames.name() + ": has no frames" : frames.message());
-  Owned<Tracker> tracker(model, limits_for(frames.size(), markers.x.size()));
+  Owned<Tracker> tracker(model, limits_for(args, frames.size(), markers.x.size()));
   require(tracker->start(frame, start.camera, start.pose, q.data(), {markers.x.data(), markers.x.size()},
                          options),
           frames.name() + ": frame 0");
@@ -164,7 +169,7 @@ Command track_command() {
           "Follows a model through a video, from a start in its first frame.",
           "face.plm --frames VIDEO.y4m|FOLDER|- --init fit.json|points.csv --out track.csv [--landmarks] "
           "[--markers points.csv] [--marker-exclusion-px R] [--focal PX] [--mirror] [--freeze GROUP] "
-          "[--refine-identity] "
+          "[--refine-identity] [--profile s|l] "
           "[--overlay out.y4m] [--sheet out.png] [--truth truth.csv]",
           {{"--frames", "SOURCE", "a Y4M file, a folder of PGM or PPM, or - for Y4M on standard input"},
            {"--init", "FILE", "frame 0: a fit.json, or a points.csv that is fitted first"},
@@ -177,6 +182,7 @@ Command track_command() {
             "flip every frame first; start, markers and results are those of the flipped picture"},
            {"--freeze", "GROUP", "identity (default), or expression: follow the head only"},
            {"--refine-identity", nullptr, "let the identity move as well"},
+           {"--profile", "s|l", "capacities of a small or a large device; else by the size of the picture"},
            {"--overlay", "Y4M", "the video with the mesh on it"},
            {"--sheet", "PNG", "nine frames of that on one picture"},
            {"--truth", "CSV", "the truth of a rendered video, to compare with"},

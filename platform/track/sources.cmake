@@ -1,1 +1,6 @@
-target_sources(pliant_platform PRIVATE ${CMAKE_CURRENT_LIST_DIR}/tracker.cpp)
+target_sources(pliant_platform PRIVATE
+  ${CMAKE_CURRENT_LIST_DIR}/key_frames.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/looking.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/seeding.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/small_picture.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/tracker.cpp)

@@ -18,25 +18,74 @@ namespace pliant {
 /// Capacities; they fix the arena's size. The defaults suit 320 x 240.
 struct TrackerLimits {
   std::uint16_t width = 320, height = 240;  ///< of the frames, px
-  std::uint16_t patches = 128;              ///< tracked surface patches
-  std::uint16_t markers = 0;                ///< followed but never observed
+  /// Part of the frame that is looked at, px; it follows the model. 0: all of it. Otherwise at least 64 a side.
+  std::uint16_t region_width = 0, region_height = 0;
+  std::uint16_t patches = 128;     ///< surface patches captured in frame 0
+  std::uint16_t key_patches = 64;  ///< captured in later key frames, all together
+  std::uint8_t key_frames = 4;     ///< later key frames kept at a time, at most kMostKeyFrames
+  std::uint16_t markers = 0;       ///< followed but never observed
   std::uint16_t vertices = 512;
   std::uint8_t pyramid_levels = 3;
   std::uint8_t patch_window = 11;  ///< px, odd
+  std::uint8_t patch_margin = 4;   ///< px kept around it
+  /// Keeps the frame before, in which a patch that no longer looks as it did is followed.
+  bool keeps_previous = true;
+  /// Keeps a copy of the frame; without it (and with keeps_previous off) the frame is read during `update` only, and
+  /// must be planar.
+  bool copies_frame = true;
+  std::uint16_t small_columns =
+      96;  ///< of the small pictures in which a fast or a lost head is found, at most
+  std::uint16_t free_parameters = 0, baked_samples = 0;  ///< as in EstimatorLimits
+  bool bakes_vertices = true;                            ///< as in EstimatorLimits
+
+  static constexpr int kMostKeyFrames = 8;
 };
+
+/// For a microcontroller: 320 x 240, looked at through a moving region of 192 x 192 that is read from the caller's
+/// frame during `update`, 64 patches. With the built-in face and its expressions free: less than 240 KiB.
+constexpr TrackerLimits profile_s() {
+  TrackerLimits l;
+  l.region_width = l.region_height = 192;
+  l.patches = 48;
+  l.key_patches = 16;
+  l.key_frames = 2;
+  l.patch_margin = 2;
+  l.keeps_previous = l.copies_frame = false;
+  l.small_columns = 48;
+  l.free_parameters = 40;
+  l.baked_samples = 44;
+  l.bakes_vertices = false;
+  return l;
+}
+
+/// For a desktop or a fast board: 640 x 480, 300 patches, 2,048 vertices.
+constexpr TrackerLimits profile_l() {
+  TrackerLimits l;
+  l.width = 640;
+  l.height = 480;
+  l.patches = 220;
+  l.key_patches = 80;
+  l.vertices = 2048;
+  return l;
+}
 
 struct TrackerOptions {
   EstimatorOptions estimator;
   const std::uint8_t* is_free = nullptr;  ///< flag a parameter; null: the expressions
-  float marker_exclusion_px = 8;  ///< no patch is centred within this distance of a marker in the first frame
-  float min_correlation = 0.55f;  ///< with the patch of the first frame, in the last round; 0.1 less before
-  float forward_backward_px = 0.7f;  ///< at 320 px of width, for the steps from frame to frame
-  std::uint8_t rounds = 2;           ///< of predicting, looking and solving a frame
+  float marker_exclusion_px = 8;          ///< no patch is captured within this distance of a marker
+  float min_correlation = 0.55f;          ///< with the captured patch, in the last round; 0.1 less before
+  float forward_backward_px = 0.7f;       ///< at 320 px of width, for the steps from frame to frame
+  std::uint8_t rounds = 2;                ///< of predicting, looking and solving a frame
+  float key_angle_rad = 0.35f;  ///< a key frame is kept when the head has turned so far from all others
 };
 
 /// Follows one model through a stream of frames of one size. All memory is taken at creation. Each surface patch is
-/// compared with what it looked like in the first frame, as the model predicts it to be warped, so that it does not
-/// drift; where that fails it is followed from the frame before, for a while and with less weight.
+/// compared with what it looked like in the frame it was captured in, as the model predicts it to be warped, so that it
+/// does not drift; where that fails it is followed from the frame before, for a while and with less weight.
+///
+/// Patches are captured in frame 0 and in key frames: whenever the head has turned away from all of them and the track
+/// is good, newly visible surface gets patches, and points that are still found by their first template get a second
+/// one, taken where the first one put it. Frame 0's patches stay for ever.
 class Tracker {
  public:
   Tracker() = default;
@@ -55,37 +104,79 @@ class Tracker {
   /// The next frame. \return not_started, bad_argument, size_mismatch; the state is then as before.
   Status update(const FrameView& frame, FrameResult* result);
 
+  const TrackerLimits& limits() const { return limits_; }
   /// Of the last frame; after `start` that of frame 0: tracking, at the pose given.
   const FrameResult& result() const { return result_; }
   Estimator& estimator() { return estimator_; }
   /// Image position of marker k at the present state; false when it is behind the camera.
   bool marker(std::size_t k, Vec2* x);
 
-  std::size_t patch_count() const { return patch_count_; }
+  /// Patches there may be, used or not.
+  std::size_t patch_count() const { return slot_count_; }
   /// Where patch k was seen in the last frame; false when it was not, or was rejected.
   bool patch(std::size_t k, Vec2* x) const;
+  /// Key frames kept, frame 0 included.
+  std::size_t key_frame_count() const;
+  /// What was looked at in the last frame.
+  PixelBox region() const;
 
  private:
+  static constexpr std::uint16_t kNoSlot = 0xFFFF;
+
+  /// A template, and, if it is the first of its surface point, what was seen of that point.
   struct Slot {
-    std::uint16_t id;     // of its surface point
-    Mat2 reference;       // dx/d(u,v) where the patch was captured
-    Vec2 seen, expected;  // last frame: where it was found, where it was predicted
-    bool was_seen;
-    std::uint8_t frames_apart;  // since it last matched the first frame's patch
+    std::uint16_t id;           // of its surface point
+    std::uint16_t owner;        // the first template of the same point: this slot, unless it is a second one
+    std::uint16_t second;       // of an owner: its second template, or kNoSlot
+    Mat2 reference;             // dx/d(u,v) where the template was captured
+    Vec2 seen, expected;        // last frame: where it was found, where it was predicted
+    Mat2 looked_with;           // the prediction's dx/d(u,v) when it was last looked for
+    std::uint16_t observation;  // of this round
+    bool is_used, was_seen;
+    std::uint8_t frames_apart;  // since it last matched a template
   };
 
-  Status check_frame(const FrameView& frame) const;
+  struct KeyFrame {
+    View view;
+    Vec3 direction;           // to the camera, in the model's axes
+    PixelBox box;             // of the model, in the small picture
+    std::uint32_t last_near;  // the frame in which it was last the nearest
+    bool is_used;
+  };
+
+  // seeding.cpp
   Status place_markers(Span<const Vec2> markers);
-  void seed_patches();
   void mark_visible_cells(int cell_px);
-  bool seed(Vec2 x, float min_distance);
+  void clear_cells_in_use(int cell_px);
+  bool is_far_from_others(Vec2 x, float min_distance);
+  bool seed(Vec2 x, float min_distance, std::size_t slot);
+  void seed_patches(std::size_t first, std::size_t end);
+  void release_slot(std::size_t slot);
+
+  // key_frames.cpp
+  void keep_key_frame();
+  bool is_worth_keeping() const;
+  std::size_t nearest_key(Vec3 direction, float* cosine) const;
+  std::size_t free_key();
+  void capture_key(std::size_t key);
+  std::size_t refresh_templates(std::size_t first, std::size_t end);
+  void describe_key(std::size_t key);
+  std::uint8_t* small_of(std::size_t key) const;
+  PixelBox model_box() const;
+  void expect_motion();
+
+  // looking.cpp
+  bool needs_look(const Slot& slot, const Prediction& p, int round) const;
+  std::size_t look_and_solve(int round);
   Observation look(std::size_t k, const Prediction& p, int round);
   Observation follow(std::size_t k, const Prediction& p);
-  void look_and_solve(int round);
-  void expect_motion();
-  PixelBox model_box() const;
-  void keep_small(std::uint8_t* pixels) const;
+  PatchResult match(std::size_t k, const Prediction& p, int round);
+  bool is_in_region(Vec2 x) const;
+  int first_level() const;
   void note_seen();
+
+  Status check_frame(const FrameView& frame) const;
+  Status look_at_region(const FrameView& frame);
 
   Estimator estimator_;
   Pyramid current_, previous_;
@@ -94,16 +185,27 @@ class Tracker {
   TrackerOptions options_;
   FrameResult result_;
   Slot* slots_ = nullptr;
+  std::size_t slot_count_ = 0;
   Observation* observations_ = nullptr;
+  std::size_t observation_count_ = 0;
+  std::uint16_t* prediction_of_ = nullptr;  // by id of a surface point
   std::uint16_t* marker_ids_ = nullptr;
+  std::size_t marker_count_ = 0;
   Corner* corners_ = nullptr;
-  // Small pictures (the pyramid's top level) of the first and of the last trusted frame, and the model's place in them.
-  std::uint8_t *first_small_ = nullptr, *last_small_ = nullptr;
-  PixelBox first_box_, last_box_;
-  View first_view_;
-  int bad_frames_ = 0;
   std::uint8_t *cells_ = nullptr, *scratch_ = nullptr;
-  std::size_t scratch_bytes_ = 0, patch_count_ = 0, marker_count_ = 0;
+  std::size_t scratch_bytes_ = 0;
+  Vec2 expected_shift_;            // of the model since the last frame, or since the view proposed
+  Vec2 origin_, previous_origin_;  // of the region in the frame, whole pixels
+  int small_factor_ = 1, small_width_ = 0, small_height_ = 0;
+  std::uint16_t* small_line_ = nullptr;
+  // Small pictures of the whole frame: this one, the last that could be trusted, and the key frames'.
+  std::uint8_t *small_now_ = nullptr, *small_last_ = nullptr, *small_keys_ = nullptr;
+  PixelBox last_box_;
+  KeyFrame keys_[TrackerLimits::kMostKeyFrames + 1] = {};
+  std::uint32_t frame_ = 0;
+  int bad_frames_ = 0;
+  float moved_px_ = 0;  // how far the last prediction was off at most
+  float shift_px_ = 0;  // how far the small pictures say the model has moved
   bool started_ = false;
 };
 

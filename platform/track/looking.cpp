@@ -1,0 +1,156 @@
+// Where the tracked points are in this frame: by their templates, and failing that from the frame before.
+#include "tracker_sizes.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr std::uint8_t kMostFramesApart = 20;
+constexpr float kFollowedShare = 0.25f;  // weight of a patch that was only followed from the frame before
+
+Reason reason_of(PatchStatus status) {
+  switch (status) {
+    case PatchStatus::ok:
+      return Reason::found;
+    case PatchStatus::outside_image:
+      return Reason::outside_image;
+    case PatchStatus::flat:
+    case PatchStatus::empty_slot:
+      return Reason::no_texture;
+    case PatchStatus::low_correlation:
+    case PatchStatus::bad_light:
+      return Reason::low_correlation;
+    case PatchStatus::inconsistent:
+      return Reason::forward_backward;
+    case PatchStatus::bad_argument:
+    case PatchStatus::diverged:
+      break;
+  }
+  return Reason::diverged;
+}
+
+/// Largest entry of W - I, W the warp from `reference` to `now`.
+float strain(const Mat2& now, const Mat2& reference) {
+  const Mat2 w = now * inverse(reference);
+  return max(max(magnitude(w.a - 1), magnitude(w.d - 1)), max(magnitude(w.b), magnitude(w.c)));
+}
+
+}  // namespace
+
+bool Tracker::is_in_region(Vec2 x) const {
+  const Vec2 at = x - origin_;
+  return at.x >= 0 && at.y >= 0 && at.x <= static_cast<float>(region_width(limits_) - 1) &&
+         at.y <= static_cast<float>(region_height(limits_) - 1);
+}
+
+/// The finest pyramid level from which the search reaches as far as the prediction is likely to be off.
+int Tracker::first_level() const {
+  const float off = moved_px_ + 0.25f * shift_px_;
+  return off < 1.5f ? 0 : off < 3 ? 1 : -1;
+}
+
+/// Whether a later round can see more of a point than the one before did: it was not found, or is not where it is now
+/// expected, or would be compared with a template that is warped in another way.
+bool Tracker::needs_look(const Slot& slot, const Prediction& p, int round) const {
+  if (round == 0) return true;
+  const Observation& o = observations_[slot.observation];
+  if (o.reason != Reason::found && o.reason != Reason::rejected) return p.visible;
+  if (!p.visible || o.score < options_.min_correlation) return true;
+  const Vec2 off = o.x - p.x;
+  const float far_px = scaled_px(limits_, 3);
+  const float edge_px = strain(p.jacobian, slot.looked_with) * static_cast<float>(limits_.patch_window / 2);
+  return dot(off, off) > far_px * far_px || edge_px > 0.3f;
+}
+
+/// \return how many points were looked at.
+std::size_t Tracker::look_and_solve(int round) {
+  const Span<const Prediction> predictions = estimator_.predict();
+  for (std::size_t i = 0; i < predictions.count; ++i)
+    prediction_of_[predictions[i].id] = static_cast<std::uint16_t>(i);
+  std::size_t n = 0, looks = 0;
+  for (std::size_t k = 0; k < slot_count_; ++k) {
+    Slot& slot = slots_[k];
+    if (!slot.is_used || slot.owner != k) continue;
+    const Prediction& p = predictions[prediction_of_[slot.id]];
+    if (needs_look(slot, p, round)) {
+      observations_[n] = look(k, p, round);
+      slot.looked_with = p.jacobian;
+      ++looks;
+    }
+    if (round == 0) slot.expected = p.x;
+    slot.observation = static_cast<std::uint16_t>(n++);
+  }
+  observation_count_ = n;
+  if (looks > 0) estimator_.solve({observations_, n});
+  return looks;
+}
+
+PatchResult Tracker::match(std::size_t k, const Prediction& p, int round) {
+  PatchOptions options;
+  const bool last = round + 1 == options_.rounds;
+  options.min_correlation = last ? options_.min_correlation : options_.min_correlation - 0.1f;
+  options.first_level = round == 0 ? first_level() : 0;
+  options.max_move_px = scaled_px(limits_, round == 0 ? 16.0f : 3.0f);
+  const Slot& slot = slots_[k];
+  std::size_t which = k;
+  if (slot.second != kNoSlot &&
+      strain(p.jacobian, slots_[slot.second].reference) < strain(p.jacobian, slot.reference))
+    which = slot.second;
+  return patches_.track(static_cast<int>(which), current_, p.x - origin_,
+                        p.jacobian * inverse(slots_[which].reference), options);
+}
+
+Observation Tracker::look(std::size_t k, const Prediction& p, int round) {
+  Observation o;
+  o.id = p.id;
+  o.reason = Reason::not_visible;
+  if (!p.visible || !is_in_region(p.x)) return o;
+  const PatchResult found = match(k, p, round);
+  o.reason = reason_of(found.status);
+  if (found.status != PatchStatus::ok) return round + 1 == options_.rounds ? follow(k, p) : o;
+  o.x = found.x + origin_;
+  o.information = found.information;
+  o.score = found.correlation;
+  return o;
+}
+
+/// From the frame before, when the patch no longer looks as it did (a mouth that opens, a highlight).
+Observation Tracker::follow(std::size_t k, const Prediction& p) {
+  const Slot& slot = slots_[k];
+  Observation o;
+  o.id = p.id;
+  o.reason = Reason::low_correlation;
+  if (!limits_.keeps_previous || !slot.was_seen || slot.frames_apart >= kMostFramesApart) return o;
+  PatchOptions options;
+  options.max_return_px = scaled_px(limits_, options_.forward_backward_px);
+  const PatchResult found =
+      patches_.track_between(previous_, slot.seen - previous_origin_, current_, p.x - origin_, options);
+  o.reason = reason_of(found.status);
+  if (found.status != PatchStatus::ok) return o;
+  o.x = found.x + origin_;
+  o.information = {kFollowedShare * found.information.xx, kFollowedShare * found.information.xy,
+                   kFollowedShare * found.information.yy};
+  o.cue = Cue::flow;
+  o.score = found.correlation;
+  return o;
+}
+
+void Tracker::note_seen() {
+  const bool good = result_.state == TrackState::tracking;
+  moved_px_ = good ? 0 : 1e9f;
+  for (std::size_t k = 0; k < slot_count_; ++k) {
+    Slot& slot = slots_[k];
+    if (!slot.is_used || slot.owner != k) continue;
+    const Observation& o = observations_[slot.observation];
+    slot.was_seen = good && o.reason == Reason::found;
+    if (!slot.was_seen) continue;
+    slot.seen = o.x;
+    moved_px_ = max(moved_px_, length(o.x - slot.expected));
+    if (o.cue == Cue::patch)
+      slot.frames_apart = 0;
+    else if (slot.frames_apart < kMostFramesApart)
+      ++slot.frames_apart;
+  }
+}
+
+}  // namespace pliant

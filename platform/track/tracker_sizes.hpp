@@ -1,0 +1,45 @@
+#pragma once
+// What follows from a tracker's limits.
+#include "pliant/tracker.hpp"
+
+namespace pliant {
+
+/// Side of a corner cell, px: 8 at 320 x 240.
+constexpr int cell_px_of(const TrackerLimits& limits) {
+  const int side = (limits.width + 20) / 40;
+  return side < 4 ? 4 : side > 64 ? 64 : side;
+}
+
+constexpr int region_width(const TrackerLimits& limits) {
+  return limits.region_width > 0 && limits.region_width < limits.width ? limits.region_width : limits.width;
+}
+constexpr int region_height(const TrackerLimits& limits) {
+  return limits.region_height > 0 && limits.region_height < limits.height ? limits.region_height
+                                                                          : limits.height;
+}
+
+/// Pixels at 320 px of image width, in the frame's own.
+constexpr float scaled_px(const TrackerLimits& limits, float px) {
+  return px * static_cast<float>(limits.width) / 320;
+}
+
+/// First slot of key frame k; that of k + 1 ends it. Frame 0 is key frame 0.
+constexpr std::size_t first_slot(const TrackerLimits& limits, std::size_t k) {
+  if (k == 0) return 0;
+  const std::size_t each = limits.key_frames > 0 ? limits.key_patches / limits.key_frames : 0;
+  return limits.patches + (k - 1) * each;
+}
+constexpr std::size_t all_slots(const TrackerLimits& limits) {
+  return first_slot(limits, std::size_t{limits.key_frames} + 1);
+}
+
+constexpr CornerOptions corner_options(const TrackerLimits& limits) {
+  CornerOptions o;
+  o.cell_px = cell_px_of(limits);
+  o.min_score = 1;
+  o.quality = 0;
+  o.min_ratio = 0.02f;
+  return o;
+}
+
+}  // namespace pliant

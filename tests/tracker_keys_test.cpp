@@ -1,0 +1,168 @@
+// Key frames, and the small profile: the head turns so far that what frame 0 showed is mostly gone.
+#include <doctest/doctest.h>
+#include <pthread.h>
+
+#include "face_film.hpp"
+#include "model_builder.hpp"
+#include "pliant/tracker.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+#if defined(__SANITIZE_ADDRESS__)
+constexpr std::size_t kFrames = 49;
+#else
+constexpr std::size_t kFrames = 97;
+#endif
+
+/// 40 degrees to the left and back, then to the right and back, with a nod.
+const FaceFilm& film() {
+  static const FaceFilm* one = new FaceFilm(
+      kWidth, kHeight, kFrames,
+      [](float s, Pose& pose, auto& q) {
+        const float swing = s < 0.25f ? 4 * s : s < 0.75f ? 2 - 4 * s : 4 * s - 4;
+        pose.q = exp_rotation({0.1f * s * (1 - s), 0.7f * swing, 0});
+        pose.t = pose.t + Vec3{30 * swing, 0, 0};
+        FaceFilm::set(q, "jawOpen", 0.1f * swing * swing);
+      },
+      0.55f);
+  return *one;
+}
+
+struct Run {
+  float worst_turn = 0, mean_turn = 0, mean_turn_when_turned = 0, last_turn = 0, mean_landmark = 0;
+  std::size_t tracking = 0, key_frames = 0, patches_at_end = 0;
+};
+
+Run run(const TrackerLimits& limits, std::size_t rounds = 1) {
+  InArena<Tracker> tracker(baked_face().model, limits);
+  REQUIRE(tracker->start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {},
+                         {}) == Status::ok);
+  Run r;
+  float turned = 0;
+  for (std::size_t n = 1; n < rounds * kFrames; ++n) {
+    const std::size_t k = n % kFrames;
+    FrameView view = film().view(k);
+    view.time_ns = static_cast<std::int64_t>(n) * 33'333'333;
+    FrameResult result;
+    REQUIRE(tracker->update(view, &result) == Status::ok);
+    const float error = film().turn_error(result.pose, k);
+    r.tracking += result.state == TrackState::tracking;
+    r.worst_turn = max(r.worst_turn, error);
+    r.mean_turn += error / static_cast<float>(rounds * kFrames - 1);
+    r.mean_landmark += film().landmark_error(tracker.object, k) / static_cast<float>(rounds * kFrames - 1);
+    if (magnitude(film().poses[k].q.y) > 0.25f) {  // 29 degrees
+      r.mean_turn_when_turned += error;
+      ++turned;
+    }
+    r.last_turn = error;
+  }
+  r.mean_turn_when_turned /= turned;
+  r.key_frames = tracker->key_frame_count();
+  for (std::size_t k = 0; k < limits.patches; ++k) {
+    Vec2 x;
+    r.patches_at_end += tracker->patch(k, &x);
+  }
+  return r;
+}
+
+}  // namespace
+
+TEST_CASE("a head that turns far gets key frames, which hold the far views, and frame 0's patches stay") {
+  const Run with = run({});
+  TrackerLimits limits;
+  limits.key_patches = 0;
+  limits.key_frames = 0;
+  const Run without = run(limits);
+  CHECK(with.tracking == kFrames - 1);
+  CHECK(with.key_frames >= 4);
+  CHECK(without.key_frames == 1);
+  CHECK(with.mean_turn_when_turned < without.mean_turn_when_turned);
+  CHECK(with.worst_turn < 2);
+  CHECK(with.last_turn < 0.5f);
+  CHECK(with.patches_at_end > 90);
+}
+
+TEST_CASE("key frames beyond the limit replace each other, never frame 0") {
+  TrackerLimits limits;
+  limits.key_frames = 1;
+  limits.key_patches = 24;
+  const Run r = run(limits, 2);
+  CHECK(r.tracking == 2 * kFrames - 1);
+  CHECK(r.key_frames == 2);
+  CHECK(r.last_turn < 0.5f);
+  CHECK(r.patches_at_end > 90);
+}
+
+TEST_CASE("the small profile tracks the same turns") {
+  const Run r = run(profile_s());
+  CHECK(r.tracking == kFrames - 1);
+  CHECK(r.worst_turn < 3);
+  CHECK(r.mean_landmark < 0.8f);
+}
+
+TEST_CASE("the region of the small profile goes with the face, and its bytes are read from the frame alone") {
+  const TrackerLimits limits = profile_s();
+  InArena<Tracker> tracker(baked_face().model, limits);
+  REQUIRE(tracker->start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {},
+                         {}) == Status::ok);
+  std::vector<std::uint8_t> pixels;
+  int least = 1000, most = -1000;
+  for (std::size_t k = 1; k < kFrames; ++k) {
+    pixels = film().frames[k];
+    FrameView view = film().view(k);
+    view.data = pixels.data();
+    FrameResult result;
+    REQUIRE(tracker->update(view, &result) == Status::ok);
+    CHECK(result.state == TrackState::tracking);
+    const PixelBox box = tracker->region();
+    CHECK(box.x1 - box.x0 == 192);
+    CHECK(box.y1 - box.y0 == 192);
+    CHECK(box.x0 >= 0);
+    CHECK(box.x1 <= kWidth);
+    least = box.x0 < least ? box.x0 : least;
+    most = box.x0 > most ? box.x0 : most;
+    for (std::uint8_t& p : pixels) p = 0;  // the frame is the caller's again
+  }
+  CHECK(most - least > 20);
+  FrameView packed = film().view(1);
+  packed.pixel_step_bytes = 2;
+  packed.stride_bytes = 2 * kWidth;
+  FrameResult result;
+  CHECK(tracker->update(packed, &result) == Status::bad_argument);
+}
+
+#if !defined(__SANITIZE_ADDRESS__)
+TEST_CASE("the small profile: arena, the object itself and the worst stack are within 256 KiB") {
+  static unsigned char stack[1 << 17];
+  for (unsigned char& byte : stack) byte = 0xA5;
+  static InArena<Tracker> tracker(baked_face().model, profile_s());
+  static Status status;
+  film();
+  pthread_attr_t attributes;
+  pthread_t thread;
+  REQUIRE(pthread_attr_init(&attributes) == 0);
+  REQUIRE(pthread_attr_setstack(&attributes, stack, sizeof stack) == 0);
+  const auto body = [](void*) -> void* {
+    status =
+        tracker->start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {}, {});
+    FrameResult result;
+    for (std::size_t k = 1; k < kFrames && status == Status::ok; ++k)
+      status = tracker->update(film().view(k), &result);
+    return nullptr;
+  };
+  REQUIRE(pthread_create(&thread, &attributes, body, nullptr) == 0);
+  REQUIRE(pthread_join(thread, nullptr) == 0);
+  REQUIRE(status == Status::ok);
+  CHECK(tracker->key_frame_count() > 1);
+  std::size_t untouched = 0;
+  while (untouched < sizeof stack && stack[untouched] == 0xA5) ++untouched;
+  const std::size_t stack_bytes = sizeof stack - untouched;  // what a thread needs for itself included
+  const std::size_t all = tracker.arena.used_bytes() + sizeof(Tracker) + stack_bytes;
+  MESSAGE("arena " << tracker.arena.used_bytes() << ", object " << sizeof(Tracker) << ", stack "
+                   << stack_bytes);
+  CHECK(all <= 256 * 1024);
+}
+#endif
