@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "tensor.hpp"
+
 namespace pliant::corners {
 namespace {
 
@@ -54,11 +56,7 @@ CornerScore score_of(const Tensor& t) {
   CornerScore s;
   s.lambda_min = kMean * smallest;
   s.lambda_max = kMean * largest;
-  // Both rows of (S - smallest I) point along the eigenvector of `largest`; the longer one is the exacter.
-  const Vec2 u{xx - smallest, xy}, v{xy, yy - smallest};
-  const Vec2 w = dot(u, u) >= dot(v, v) ? u : v;
-  const float norm = length(w);
-  if (norm > 0) s.direction = ((w.x < 0 ? -1.0f : 1.0f) / norm) * w;
+  s.direction = strongest_direction({xx, xy, yy}, smallest);
   return s;
 }
 

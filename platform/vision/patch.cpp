@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "patch_work.hpp"
+#include "tensor.hpp"
 
 namespace pliant {
 
@@ -60,17 +61,50 @@ Sym2 floored(const Sym2& s, float noise, float floor_px) {
           scale * (s.yy * m.xx - s.xy * m.xy)};
 }
 
-void describe(const patch::Measurement& m, const PatchOptions& o, PatchResult& r) {
+// The rank of what was measured, its information for a noise of one, and where it is an edge its direction. Part of the
+// gradients is noise of the template, of which Scharr's operator leaves 0.23; it says nothing about where the image is.
+int rank_of(const patch::Measurement& m, Sym2& information, Vec2& along) {
+  constexpr float kGradientNoise = 0.23f, kLeast = 2;
+  const float false_part =
+      kGradientNoise * 0.5f * m.noise_square * m.pixels;  // half of the noise is the template's
+  const Eigenvalues e = eigenvalues(m.information);
+  if (e.largest < kLeast * false_part) return 0;
+  information = {m.information.xx - false_part, m.information.xy, m.information.yy - false_part};
+  if (patch::is_edge(along)) return 1;
+  if (e.smallest >= kLeast * false_part && e.smallest > patch::kEdgeRatio * e.largest) return 2;
+  along = strongest_direction(m.information, e.smallest);
+  return 1;
+}
+
+// (s^-1 noise + floor^2)^-1 in one direction.
+Sym2 along_alone(const Sym2& s, Vec2 n, float noise, float floor_px) {
+  const float v = s.xx * n.x * n.x + 2 * s.xy * n.x * n.y + s.yy * n.y * n.y;
+  const float w = v / (noise + floor_px * floor_px * v);
+  return {w * n.x * n.x, w * n.x * n.y, w * n.y * n.y};
+}
+
+void describe(const patch::Measurement& m, Vec2 along, const PatchOptions& o, PatchResult& r) {
   constexpr float kLeastNoise = 1e-3f;  // grey^2, should an option say that there is none
   r.gain = m.gain;
   r.bias = m.bias;
   r.correlation = m.correlation;
   r.residual = square_root(m.residual_square);
   const float noise = max(max(m.noise_square, o.noise_floor_grey * o.noise_floor_grey), kLeastNoise);
-  r.information = floored(m.information, noise, o.position_floor_px);
+  Sym2 s = m.information;
+  r.rank = o.takes_edges ? rank_of(m, s, along) : 2;
+  if (r.rank == 2) r.information = floored(s, noise, o.position_floor_px);
+  if (r.rank == 1) r.information = along_alone(s, along, noise, o.position_floor_px);
+}
+
+// How far apart two places are, as far as the information goes.
+float distance_seen(Vec2 d, const PatchResult& r) {
+  const Sym2& s = r.information;
+  if (r.rank == 2) return length(d);
+  return square_root((s.xx * d.x * d.x + 2 * s.xy * d.x * d.y + s.yy * d.y * d.y) / (s.xx + s.yy));
 }
 
 PatchStatus judge(const PatchResult& r, Vec2 start, const PatchOptions& o) {
+  if (r.rank == 0) return PatchStatus::flat;
   if (r.correlation < o.min_correlation) return PatchStatus::low_correlation;
   if (r.gain < o.min_gain || r.gain > o.max_gain || magnitude(r.bias) > o.max_bias)
     return PatchStatus::bad_light;
@@ -167,7 +201,7 @@ PatchStatus PatchTracker::capture(int slot, const Pyramid& pyramid, Vec2 x, cons
   if (!contains(full, x, limits_.window / 2)) return PatchStatus::outside_image;
   const Source here{&pyramid, x, -1, {}, {}, 0};
   load_template(here, 0, options);
-  if (!patch::has_texture(*work_, options.min_eigenvalue)) return PatchStatus::flat;
+  if (!patch::has_texture(*work_, {options.min_eigenvalue, options.takes_edges})) return PatchStatus::flat;
   const int levels = limits_.levels < pyramid.levels() ? limits_.levels : pyramid.levels();
   for (int l = 0; l < levels; ++l) {
     const auto square = static_cast<std::size_t>(slot * limits_.levels + l);
@@ -220,13 +254,16 @@ PatchResult PatchTracker::search(const Source& source, const Pyramid& current, V
   if (!is_finite(start) || top == 0 || o.max_iterations < 1) return result;
   result.status = PatchStatus::outside_image;
   if (!contains(current.level(0), start, 0)) return result;
-  patch::SearchOptions so{o.max_iterations, kCoarseStep * o.epsilon_px, o.min_eigenvalue,
-                          patch::usable_range(o.masks_clipped), false};
-  Vec2 x = start;
+  patch::SearchOptions so{o.max_iterations,
+                          kCoarseStep * o.epsilon_px,
+                          {o.min_eigenvalue, o.takes_edges},
+                          patch::usable_range(o.masks_clipped),
+                          false};
+  Vec2 x = start, along;
   patch::Measurement measured;
   for (int l = top - 1; l >= 0; --l) {
     const Vec2 offset = load_template(source, l, o);
-    patch::Position p{level_scale(l) * x - offset};
+    patch::Position p{level_scale(l) * x - offset, 0, {}};
     so.needs_whole_window = l == 0;
     result.status = patch::align(current.level(l), so, *work_, p);
     result.iterations += p.iterations;
@@ -238,10 +275,11 @@ PatchResult PatchTracker::search(const Source& source, const Pyramid& current, V
     }
     // A level that shows nothing is passed over; the finest decides.
     if (result.status == PatchStatus::ok) x = static_cast<float>(1 << l) * (p.y + offset);
+    along = p.along;
   }
   if (result.status != PatchStatus::ok) return result;
   result.x = x;
-  describe(measured, o, result);
+  describe(measured, along, o, result);
   result.status = judge(result, start, o);
   if (result.status != PatchStatus::ok) result.x = start;
   return result;
@@ -278,7 +316,7 @@ PatchResult PatchTracker::track_between(const Pyramid& previous, Vec2 x, const P
   const Source backward{&current, result.x, -1, {}, {}, 0};
   const PatchResult back = search(backward, previous, result.x - (start - x), options);
   result.iterations += back.iterations;
-  result.return_px = length(back.x - x);
+  result.return_px = distance_seen(back.x - x, result);
   if (back.status != PatchStatus::ok || result.return_px > options.max_return_px)
     result.status = PatchStatus::inconsistent;
   return result;

@@ -8,6 +8,7 @@
 // n sum(ab) - sum(a) sum(b) in 64 bits, exactly; neither means nor G* are ever rounded. And the image is
 // sampled on a grid of 1/128 px, the rest of the position being part of what the step solves for.
 #include "patch_work.hpp"
+#include "tensor.hpp"
 
 namespace pliant::patch {
 namespace {
@@ -21,12 +22,13 @@ struct Normal {
   float variance_sum;
   Vec2 light;   // of each gradient image, the multiple of the template that is taken out
   Sym2 tensor;  // sum of products of the gradient images, light taken out
+  Vec2 along;   // the only direction in which there is texture; zero: there is in both
 };
 
 Normal normal_of(const Template& a, int count) {
   const Sums4 m = dot4(a.m, a.m, a.t, a.gx, a.gy, count), t = dot4(a.t, a.t, a.gx, a.gy, a.m, count);
   const Sums4 g = dot4(a.gx, a.gx, a.gy, a.m, a.m, count);
-  Normal s{a, m.a, 1.0f / static_cast<float>(m.a > 0 ? m.a : 1), m.b, m.c, m.d, 0, {}, {}};
+  Normal s{a, m.a, 1.0f / static_cast<float>(m.a > 0 ? m.a : 1), m.b, m.c, m.d, 0, {}, {}, {}};
   s.variance_sum = centred(s.n, s.inverse_n, t.a, s.t, s.t);
   if (!(s.variance_sum > 0)) return s;
   const Vec2 tg{centred(s.n, s.inverse_n, t.b, s.t, s.gx), centred(s.n, s.inverse_n, t.c, s.t, s.gy)};
@@ -37,29 +39,37 @@ Normal normal_of(const Template& a, int count) {
   return s;
 }
 
-// Whether the search can be solved: enough pixels, and texture in both directions.
-bool is_usable(const Normal& s, int window, float min_eigenvalue) {
+// Whether the search can be solved: enough pixels, and texture in both directions. Where an edge will do, texture in
+// one is enough, and steps are confined to it.
+bool is_usable(Normal& s, int window, const TextureNeeded& needed) {
   constexpr float kScale = kGreyScale * kGreyScale;
   constexpr float kMinVariance = 4.0f * kScale;  // grey^2
-  constexpr float kMinRatio = 1e-4f;  // of the eigenvalues; below it the system is singular in float
+  // Of the eigenvalues: below it the system is singular in float, or the patch an edge.
+  const float min_ratio = needed.edge_will_do ? kEdgeRatio : 1e-4f;
   const auto pixels = static_cast<float>(s.n);
   if (2 * s.n < window * window || s.variance_sum < kMinVariance * pixels) return false;
-  const Sym2& t = s.tensor;
-  const float half_sum = 0.5f * (t.xx + t.yy), half_difference = 0.5f * (t.xx - t.yy);
-  const float root = square_root(half_difference * half_difference + t.xy * t.xy);
-  const float smallest = half_sum - root;
-  return smallest > kMinRatio * (half_sum + root) && smallest >= min_eigenvalue * kScale * pixels;
+  const float least = needed.min_eigenvalue * kScale * pixels;
+  const Eigenvalues e = eigenvalues(s.tensor);
+  if (e.smallest > min_ratio * e.largest && e.smallest >= least) return true;
+  if (!needed.edge_will_do || !(e.largest > 0) || e.largest < least) return false;
+  s.along = strongest_direction(s.tensor, e.smallest);
+  // As if there were as much texture in the other direction: the system can be solved, and gives no step there.
+  s.tensor.xx += e.largest * s.along.y * s.along.y;
+  s.tensor.xy -= e.largest * s.along.x * s.along.y;
+  s.tensor.yy += e.largest * s.along.x * s.along.x;
+  return true;
 }
 
 // The step from where `image` was sampled.
 Vec2 solve(const Normal& s, const std::int16_t* image, int count) {
   const Sums4 i = dot4(image, s.arrays.m, s.arrays.t, s.arrays.gx, s.arrays.gy, count);
   const float ti = centred(s.n, s.inverse_n, i.b, s.t, i.a);
-  const float bx = centred(s.n, s.inverse_n, i.c, s.gx, i.a) - s.light.x * ti;
-  const float by = centred(s.n, s.inverse_n, i.d, s.gy, i.a) - s.light.y * ti;
+  Vec2 b{centred(s.n, s.inverse_n, i.c, s.gx, i.a) - s.light.x * ti,
+         centred(s.n, s.inverse_n, i.d, s.gy, i.a) - s.light.y * ti};
+  if (is_edge(s.along)) b = dot(b, s.along) * s.along;
   const float gain = clamp(ti / s.variance_sum, 0.5f, 2.0f);
   const float scale = 1.0f / (gain * (s.tensor.xx * s.tensor.yy - s.tensor.xy * s.tensor.xy));
-  return {scale * (s.tensor.xy * by - s.tensor.yy * bx), scale * (s.tensor.xy * bx - s.tensor.xx * by)};
+  return {scale * (s.tensor.xy * b.y - s.tensor.yy * b.x), scale * (s.tensor.xy * b.x - s.tensor.xx * b.y)};
 }
 
 // The template without the pixels that are clipped in the image.
@@ -73,8 +83,9 @@ Normal normal_without_clipped(Work& work) {
 
 }  // namespace
 
-bool has_texture(const Work& work, float min_eigenvalue) {
-  return is_usable(normal_of(work.plain, work.count), work.window, min_eigenvalue);
+bool has_texture(const Work& work, const TextureNeeded& needed) {
+  Normal s = normal_of(work.plain, work.count);
+  return is_usable(s, work.window, needed);
 }
 
 GridPosition on_grid(Vec2 p) {
@@ -99,8 +110,9 @@ bool is_inside(const ImageView& image, GridPosition p, int radius) {
 }
 
 PatchStatus align(const ImageView& image, const SearchOptions& o, Work& work, Position& p) {
-  const Normal whole = normal_of(work.plain, work.count);
-  if (!is_usable(whole, work.window, o.min_eigenvalue)) return PatchStatus::flat;
+  Normal whole = normal_of(work.plain, work.count);
+  if (!is_usable(whole, work.window, o.texture)) return PatchStatus::flat;
+  p.along = whole.along;
   const Vec2 start = p.y;
   const auto reach = static_cast<float>(work.window);
   Vec2 previous_move;
@@ -114,7 +126,7 @@ PatchStatus align(const ImageView& image, const SearchOptions& o, Work& work, Po
         mask_extremes(work.image, work.plain.m, work.count, o.range.lowest, o.range.highest, work.unclipped);
     if (left < whole.n) {
       now = normal_without_clipped(work);
-      if (!is_usable(now, work.window, o.min_eigenvalue)) return PatchStatus::flat;
+      if (!is_usable(now, work.window, o.texture)) return PatchStatus::flat;
     }
     const Vec2 step = kStepScale * solve(now, work.image, work.count);
     const Vec2 limited{clamp(step.x, -reach, reach), clamp(step.y, -reach, reach)};

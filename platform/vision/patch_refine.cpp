@@ -46,6 +46,21 @@ Moments moments_of(const std::int16_t* const* images, const std::int16_t* mask, 
   return s;
 }
 
+// What is known beforehand: stretches are small (the weight of that), and along an edge there is no shift.
+struct Prior {
+  float stretch;
+  Vec2 along;  // the one direction in which there is a shift; zero: in both
+};
+
+// What the prior adds to the product of two motions.
+float added(const Moments& s, const Prior& prior, int i, int k) {
+  const int x = s.m - 2, y = s.m - 1;
+  if (i < x) return i == k && i > kLight ? prior.stretch : 0;
+  if (k < x || !is_edge(prior.along)) return 0;
+  const Vec2 across = (s.products[x][x] + s.products[y][y]) * Vec2{-prior.along.y, prior.along.x};
+  return (k == x ? -prior.along.y : prior.along.x) * (i == x ? across.x : across.y);
+}
+
 // Lower triangular L with L L' = products + prior.
 struct Factor {
   float l[kMotions][kMotions];
@@ -53,14 +68,13 @@ struct Factor {
   bool is_regular;
 };
 
-Factor factorise(const Moments& s, float prior) {
+Factor factorise(const Moments& s, const Prior& prior) {
   constexpr float kLeast = 1e-4f;  // of the diagonal
   Factor f;
   f.is_regular = false;
   for (int i = 0; i < s.m; ++i)
     for (int k = 0; k <= i; ++k) {
-      const bool is_stretch = i > kLight && i < s.m - 2;
-      const float full = s.products[i][k] + (i == k && is_stretch ? prior : 0);
+      const float full = s.products[i][k] + added(s, prior, i, k);
       float v = full;
       for (int j = 0; j < k; ++j) v -= f.l[i][j] * f.l[k][j];
       if (i != k) {
@@ -135,6 +149,7 @@ Measurement measure(const Moments& s, const Factor& f, const Explained& e, GridP
                     r.gain * (static_cast<float>(s.sums[kLight]) / n + kGreyOffset));
   const float both = variance_sum * s.products[kLight][kLight];
   r.correlation = both > 0 ? e.b[kLight] / square_root(both) : 0;
+  r.pixels = n;
   r.residual_square = kUnit * kUnit * left / n;
   // Sampling between pixels averages noise away in the residual, but not in the sums with the smooth
   // gradient.
@@ -157,12 +172,12 @@ struct System {
   bool is_solvable(int window) const { return 2 * moments.n >= window * window && factor.is_regular; }
 };
 
-System system_of(const Moments& moments, float prior) {
+System system_of(const Moments& moments, const Prior& prior) {
   return {moments, factorise(moments, prior)};
 }
 
 // The same without what is clipped in the current image.
-System system_without_clipped(const Moments& whole, float prior, Work& work) {
+System system_without_clipped(const Moments& whole, const Prior& prior, Work& work) {
   for (int i = 0; i < whole.m; ++i) apply_mask(whole.images[i], work.unclipped, work.count, work.masked[i]);
   return system_of(moments_of(work.masked, work.unclipped, whole.m, work.count), prior);
 }
@@ -186,7 +201,7 @@ PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd
   constexpr int kMaxSteps = 4;
   // What a step leaves is about a tenth of it.
   const float last_move = 10 * o.epsilon_px;
-  const float prior = warp_sd > 0 ? (kPriorNoise / warp_sd) * (kPriorNoise / warp_sd) : 0;
+  const Prior prior{warp_sd > 0 ? (kPriorNoise / warp_sd) * (kPriorNoise / warp_sd) : 0, p.along};
   const System whole = system_of(whole_moments(warp_sd > 0, work), prior);
   System partial;
   const Vec2 start = p.y;
@@ -205,7 +220,9 @@ PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd
     const Explained e = explain(now.moments, now.factor, work.image, work.count);
     const float gain = clamp(e.x[kLight], 0.5f, 2.0f);
     const int m = now.moments.m;
-    const Vec2 moved = position(at) - (kStepScale / gain) * Vec2{e.x[m - 2], e.x[m - 1]};
+    const Vec2 shift{e.x[m - 2], e.x[m - 1]};
+    const Vec2 moved =
+        position(at) - (kStepScale / gain) * (is_edge(p.along) ? dot(shift, p.along) * p.along : shift);
     const Vec2 move = moved - p.y;
     p.y = moved;
     const Vec2 way = p.y - start;

@@ -71,13 +71,22 @@ inline float centred(std::int64_t n, float inverse_n, std::int32_t ab, std::int3
   return static_cast<float>(n * ab - std::int64_t{a} * b) * inverse_n;
 }
 
-/// Whether work.plain can be searched for: enough pixels, and texture in both directions.
-bool has_texture(const Work& work, float min_eigenvalue);
+/// Texture without which there is no search: this smaller eigenvalue of the mean structure tensor, light projected out,
+/// in (grey/px)^2; where an edge will do, the larger one.
+struct TextureNeeded {
+  float min_eigenvalue;
+  bool edge_will_do;
+};
+/// Ratio of the eigenvalues from which on a patch has texture in one direction only, where that is asked.
+constexpr float kEdgeRatio = 0.05f;
+
+/// Whether work.plain can be searched for: enough pixels, and the texture.
+bool has_texture(const Work& work, const TextureNeeded& needed);
 
 struct SearchOptions {
   int max_iterations;
   float epsilon_px;
-  float min_eigenvalue;
+  TextureNeeded texture;
   GreyRange range;
   bool needs_whole_window;  ///< the window may not leave the image; otherwise only its centre
 };
@@ -86,7 +95,13 @@ struct SearchOptions {
 struct Position {
   Vec2 y;
   int iterations = 0;
+  Vec2 along;  ///< unit direction to which an edge confines the search; zero: a corner
 };
+
+/// Whether a direction was set.
+inline bool is_edge(Vec2 along) {
+  return along.x != 0 || along.y != 0;
+}
 
 /// Moves p until the image there, but for light, is like work.plain. On success p is right to about the
 /// options' epsilon; it may start half a window away.
@@ -96,6 +111,7 @@ PatchStatus align(const ImageView& image, const SearchOptions& options, Work& wo
 struct Measurement {
   Sym2 information;  ///< for a noise of one grey level
   float gain = 0, bias = 0, correlation = 0;
+  float pixels = 0;           ///< compared
   float residual_square = 0;  ///< mean
   float noise_square = 0;     ///< variance of the noise that would leave this residual
 };

@@ -5,7 +5,8 @@
 ///
 /// Pyramidal, inverse compositional (Baker and Matthews 2004): translation is solved for, a gain and a bias
 /// of the light are projected out, and the change of shape (rotation, scale, shear) comes predicted, as a 2 x
-/// 2 warp. Kernels are integers; the bits are the same on every target.
+/// 2 warp. Kernels are integers; the bits are the same on every target. Between two pictures (`track_between`
+/// with `takes_edges`) it is optical flow at a point: of rank two at a corner, one at an edge, none elsewhere.
 #include <cstdint>
 
 #include "pliant/arena.hpp"
@@ -60,6 +61,9 @@ struct PatchOptions {
   float max_move_px = 0;         ///< from the start, in the end; 0: no limit
   float min_correlation = 0.8f;  ///< normalised cross-correlation with the template
   float min_eigenvalue = 0.5f;   ///< of the mean structure tensor, light projected out, (grey/px)^2
+  /// A patch with texture in one direction only, or nothing but noise in the other, is followed along that one: normal
+  /// flow, of rank one. min_eigenvalue then holds for the larger one. False: it is `flat`.
+  bool takes_edges = false;
   float min_gain = 0.5f, max_gain = 2.0f;
   float max_bias = 80.0f;           ///< magnitude, grey levels
   float max_return_px = 0;          ///< forward-backward check of `track_between`; 0: not done
@@ -72,7 +76,8 @@ struct PatchOptions {
 struct PatchResult {
   PatchStatus status = PatchStatus::bad_argument;
   Vec2 x;                    ///< found position in the current picture; the start when the search failed
-  Sym2 information;          ///< inverse covariance of x, 1/px^2
+  Sym2 information;          ///< inverse covariance of x, 1/px^2; of rank one along the gradient of an edge
+  int rank = 0;              ///< of the information: 2, or 1 for an edge
   float correlation = 0;     ///< NCC with the template (for a slot: with the patch first captured), -1 to 1
   float gain = 1, bias = 0;  ///< current = gain * template + bias, grey levels
   float residual = 0;        ///< rms of what light and an allowed warp leave, grey levels
