@@ -1,0 +1,234 @@
+// What cameras really deliver: frames dropped, doubled, half written, black, white, over-exposed, with wrong times, and
+// hands before the face. The tracker must neither crash nor lie about it.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "face_film.hpp"
+#include "model_builder.hpp"
+#include "pliant/tracker.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kWidth = 256, kHeight = 192;
+#if defined(__SANITIZE_ADDRESS__)
+constexpr std::size_t kUnique = 20, kFrames = 61;
+#else
+constexpr std::size_t kUnique = 60, kFrames = 300;
+#endif
+constexpr std::int64_t kTick = 33'333'333;
+
+/// Half a swing of the head with speech; played to and fro it makes a sequence of any length.
+const FaceFilm& film() {
+  static const FaceFilm* one = new FaceFilm(kWidth, kHeight, kUnique, [](float s, Pose& pose, auto& q) {
+    const float wave = std::sin(3.14159f * (s - 0.5f)), slow = 0.05f * static_cast<float>(kUnique) / 3;
+    pose.q = exp_rotation({0.05f * slow * wave, 0.3f * slow * wave, 0.05f * slow * s});
+    pose.t = pose.t + Vec3{20 * slow * wave, 6 * slow * s, 0};
+    FaceFilm::set(q, "jawOpen", 0.12f * slow * (1 - std::cos(12.566f * s)) / 2);
+  });
+  return *one;
+}
+
+std::size_t shown(std::size_t n) {
+  const std::size_t m = n % (2 * kUnique - 2);
+  return m < kUnique ? m : 2 * kUnique - 2 - m;
+}
+
+using Pixels = std::vector<std::uint8_t>;
+
+/// The square around the face in frame k.
+PixelBox face_box(std::size_t k) {
+  const Vec2 left = film().truth("ibug00", k), right = film().truth("ibug16", k),
+             chin = film().truth("ibug08", k);
+  const Vec2 brow = film().truth("ibug19", k);
+  return {static_cast<int>(left.x), static_cast<int>(brow.y) - 20, static_cast<int>(right.x) + 1,
+          static_cast<int>(chin.y) + 1};
+}
+
+/// Something with texture of its own before the pixels of a box, `slide` pixels along.
+void cover(Pixels& pixels, const PixelBox& box, int slide) {
+  static const cli::Image skin = cli::make_background(kWidth, kHeight, 77);
+  for (int y = box.y0 < 0 ? 0 : box.y0; y < box.y1 && y < kHeight; ++y)
+    for (int x = box.x0 < 0 ? 0 : box.x0; x < box.x1 && x < kWidth; ++x)
+      pixels[static_cast<std::size_t>(y * kWidth + x)] =
+          static_cast<std::uint8_t>(60 + *skin.at((x + 5 * kWidth - slide) % kWidth, y));
+}
+
+struct Sequence {
+  InArena<Tracker> tracker{baked_face().model, limits()};
+  FrameResult result;
+  std::int64_t time = 0;
+  float normal_px = 0;  // mean landmark error of frames that nothing was done to
+  std::size_t normal_frames = 0;
+
+  static TrackerLimits limits() {
+    TrackerLimits l;
+    l.width = kWidth;
+    l.height = kHeight;
+    l.patches = 80;
+    l.key_patches = 32;
+    return l;
+  }
+  Sequence() {
+    REQUIRE(tracker->start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {},
+                           {}) == Status::ok);
+  }
+  /// Gives the tracker these pixels; whatever they are, it must say something that holds together.
+  TrackState give(const Pixels& pixels, std::int64_t time_ns) {
+    FrameView view{pixels.data(), kWidth, kHeight, kWidth, 1, time_ns, 0};
+    REQUIRE(tracker->update(view, &result) == Status::ok);
+    CHECK(is_finite(result.pose));
+    CHECK(is_finite(result.rms_px));
+    CHECK(result.inliers <= result.tracked);
+    for (const float q : tracker->estimator().parameters()) CHECK(is_finite(q));
+    return result.state;
+  }
+  TrackState give(const Pixels& pixels) { return give(pixels, time += kTick); }
+  float error(std::size_t n) { return film().landmark_error(tracker.object, shown(n)); }
+  /// A frame that nothing is wrong with.
+  TrackState give_good(std::size_t n) { return give(film().frames[shown(n)]); }
+};
+
+/// Plays the sequence with `spoil` in every tenth frame. \return the worst landmark error of any frame that was said
+/// to be tracked.
+template <class Spoil>
+float play(Sequence& s, std::size_t most_frames_to_recover, const Spoil& spoil) {
+  float worst = 0;
+  std::size_t since = 100;
+  for (std::size_t n = 1; n < kFrames; ++n) {
+    const bool is_spoilt = n % 10 == 0;
+    const TrackState state = is_spoilt ? spoil(s, n) : s.give_good(n);
+    since = is_spoilt ? 0 : since + 1;
+    if (since > most_frames_to_recover) CHECK(state == TrackState::tracking);
+    if (state != TrackState::tracking) continue;
+    const float px = s.error(n);
+    worst = max(worst, px);
+    if (since <= 1) continue;
+    s.normal_px += px;
+    ++s.normal_frames;
+  }
+  s.normal_px /= static_cast<float>(s.normal_frames);
+  CHECK(s.normal_px < 0.8f);
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("dropped frames: every tenth is missing") {
+  Sequence s;
+  const float worst = play(s, 0, [](Sequence& q, std::size_t n) {
+    q.time += kTick;
+    return q.give_good(n + 1);
+  });
+  CHECK(worst < 2);
+}
+
+TEST_CASE("doubled frames: every tenth comes twice, with one time") {
+  Sequence s;
+  const float worst = play(s, 0, [](Sequence& q, std::size_t n) {
+    q.give_good(n);
+    return q.give(film().frames[shown(n)], q.time);
+  });
+  CHECK(worst < 2);
+}
+
+TEST_CASE("half-written frames: the lower half is that of five frames ago") {
+  Sequence s;
+  const float worst = play(s, 1, [](Sequence& q, std::size_t n) {
+    Pixels pixels = film().frames[shown(n)];
+    const Pixels& old = film().frames[shown(n - 5)];
+    std::copy(old.begin() + kWidth * kHeight / 2, old.end(), pixels.begin() + kWidth * kHeight / 2);
+    return q.give(pixels);
+  });
+  CHECK(worst < 3);
+}
+
+TEST_CASE("black and white frames are never said to be tracked") {
+  for (const std::uint8_t grey : {std::uint8_t{0}, std::uint8_t{255}}) {
+    Sequence s;
+    const float worst = play(s, 1, [grey](Sequence& q, std::size_t) {
+      const TrackState state = q.give(Pixels(kWidth * kHeight, grey));
+      CHECK(state == TrackState::degraded);
+      return state;
+    });
+    CHECK(worst < 2);
+  }
+}
+
+TEST_CASE("over-exposed frames: three times the light") {
+  Sequence s;
+  const float worst = play(s, 1, [](Sequence& q, std::size_t n) {
+    Pixels pixels = film().frames[shown(n)];
+    for (std::uint8_t& p : pixels) p = static_cast<std::uint8_t>(p < 85 ? 3 * p : 255);
+    return q.give(pixels);
+  });
+  CHECK(worst < 3);
+}
+
+TEST_CASE("times that jump, stand still or run backward") {
+  const std::int64_t jumps[] = {5'000'000'000, -2'000'000'000, 7'200'000'000'000, -7'300'000'000'000, 0,
+                                INT64_MAX / 2, INT64_MIN / 2};
+  Sequence s;
+  std::size_t jump = 0;
+  const float worst = play(s, 0, [&](Sequence& q, std::size_t n) {
+    const TrackState state = q.give(film().frames[shown(n)], q.time + jumps[jump++ % 7]);
+    return state;
+  });
+  CHECK(worst < 2);
+}
+
+TEST_CASE("a hand over half of the face in every tenth frame") {
+  Sequence s;
+  const float worst = play(s, 1, [](Sequence& q, std::size_t n) {
+    Pixels pixels = film().frames[shown(n)];
+    PixelBox box = face_box(shown(n));
+    (n / 10 % 2 ? box.x0 : box.x1) = (box.x0 + box.x1) / 2;
+    cover(pixels, box, static_cast<int>(n));
+    return q.give(pixels);
+  });
+  CHECK(worst < 3);
+}
+
+TEST_CASE(
+    "35 % of the face behind a moving thing for sixty frames: never lost, and as good as before five frames "
+    "on") {
+  Sequence s;
+  float before = 0, after = 0;
+  for (std::size_t n = 1; n < 100; ++n) {
+    Pixels pixels = film().frames[shown(n)];
+    if (n >= 20 && n < 80) {
+      PixelBox box = face_box(shown(n));  // over its whole height, to and fro across it
+      const int width = (box.x1 - box.x0) * 35 / 100, way = box.x1 - box.x0 - width;
+      const int step = static_cast<int>(n - 20) % 40;
+      box.x0 += (step < 20 ? step : 40 - step) * way / 20;
+      box.x1 = box.x0 + width;
+      cover(pixels, box, box.x0);
+    }
+    CHECK(s.give(pixels) != TrackState::lost);
+    const float px = s.error(n);
+    if (n >= 10 && n < 20) before += px / 10;
+    if (n >= 85 && n < 95) after += px / 10;
+    if (n < 20 || n >= 85) CHECK(s.result.state == TrackState::tracking);
+    if (s.result.state == TrackState::tracking) CHECK(px < 4);
+  }
+  MESSAGE("landmark error before " << before << " px, after " << after << " px");
+  CHECK(after < max(1.5f * before, 0.4f));
+}
+
+TEST_CASE("total occlusion for thirty frames: lost is told within three, and found again within ten") {
+  const cli::Image empty = cli::make_background(kWidth, kHeight, 5);
+  Sequence s;
+  for (std::size_t n = 1; n < 20; ++n) CHECK(s.give_good(n) == TrackState::tracking);
+  for (std::size_t n = 20; n < 50; ++n) {
+    const TrackState state = s.give(empty.pixels);
+    CHECK(state != TrackState::tracking);
+    if (n >= 22) CHECK(state == TrackState::lost);
+  }
+  std::size_t n = 50;
+  while (n < 60 && s.give_good(n) != TrackState::tracking) ++n;
+  MESSAGE("found again in frame " << n - 50 << " after the return");
+  CHECK(n < 60);
+  CHECK(s.error(n) < 1.5f);
+}
