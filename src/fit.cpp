@@ -10,6 +10,8 @@ namespace {
 constexpr int kStages = 3;
 /// Matches of the outline a stage; between two of them the points it gave are held.
 constexpr int kMatches = 3;
+/// Times that a folded state is moved back: with rotations in the cascade the first may not be enough.
+constexpr int kUnfoldings = 6;
 
 Status check_points(Span<const Correspondence> points, const FitOptions& options) {
   if (options.width <= 0 || options.height <= 0 || !is_finite(options.focal_px) || options.focal_px < 0)
@@ -37,6 +39,10 @@ void Fitter::lay_out(Arena& arena, const Model& model, const FitLimits& limits) 
   start_q_ = arena.take<float>(parameters);
   unknown_ = arena.take<std::uint16_t>(unknowns);
   column_ = arena.take<Vec2>(unknowns);
+  folding_.lay_out(arena, model);
+  unfolded_ = arena.take<Vec3>(model.base_uv().count);
+  folded_ = arena.take<Vec3>(model.base_uv().count);
+  unfolded_q_ = arena.take<float>(parameters);
   outline_normal_ = nullptr;
   if (limits.outline) lay_out_outline(arena, model);
 }
@@ -63,6 +69,7 @@ Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options,
     cascade_.set_free(options.is_free);
   else
     cascade_.set_all_free();
+  if (!folding_.is_started()) folding_.start(cascade_);
   for (std::size_t i = 0; i < parameters; ++i) start_q_[i] = q[i];
   for (std::size_t i = 0; i < points.count; ++i) {
     cascade_.bake(points[i].uv, q, baked_at(i));
@@ -85,16 +92,45 @@ Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options,
   return conclude(problem, q, report, sd, residuals, weights, iterations);
 }
 
+/// Moves the free parameters back, where they fold the surface, towards where it was last known not to be folded.
+/// \return whether it had to.
+bool Fitter::unfold(FitProblem& problem) {
+  const std::size_t parameters = cascade_.parameter_count();
+  bool moved_back = false;
+  for (int k = 0; k < kUnfoldings; ++k) {
+    folding_.compute_positions(cascade_, problem.q, folded_);
+    float share = folding_.step_fraction(unfolded_, folded_);
+    if (share == 1) break;
+    if (k + 1 == kUnfoldings) share = 0;
+    for (std::size_t i = 0; i < parameters; ++i)
+      problem.q[i] = unfolded_q_[i] + share * (problem.q[i] - unfolded_q_[i]);
+    moved_back = true;
+  }
+  for (std::size_t i = 0; i < parameters; ++i) unfolded_q_[i] = problem.q[i];
+  folding_.compute_positions(cascade_, unfolded_q_, unfolded_);
+  return moved_back;
+}
+
 int Fitter::minimise_in_stages(FitProblem& problem, bool has_outline) {
   const FitOptions& options = problem.options;
   const int matches = has_outline ? kMatches : 1;
   int iterations = 0;
+  // The frozen parameters are what they are; a start that the free ones fold goes back towards the model at rest.
+  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i)
+    unfolded_q_[i] = cascade_.column_of(i) == kNone ? problem.q[i] : 0.0f;
+  folding_.compute_positions(cascade_, unfolded_q_, unfolded_);
+  unfold(problem);
   for (int stage = 0; stage < kStages; ++stage)
     for (int k = 0; k < matches; ++k) {
       if (has_outline) match_outline(problem);
       problem.loss = !options.robust ? Loss::squares : stage == kStages - 1 ? Loss::tukey : Loss::huber;
       if (options.robust) problem.update_scale();
-      iterations += problem.minimise(options.iterations / (kStages * matches)).iterations;
+      const int most = options.iterations / (kStages * matches);
+      iterations += problem.minimise(most).iterations;
+      if (!unfold(problem)) continue;
+      problem.shape_is_free = false;  // the pose follows
+      iterations += problem.minimise(most).iterations;
+      problem.shape_is_free = true;
     }
   return iterations;
 }

@@ -117,6 +117,59 @@ TEST_CASE(
   CHECK(median(shape[1]) < 0.5 * median(shape[0]));
 }
 
+TEST_CASE("the built-in face never folds in a fit, however mad the points, and hardly within its limits") {
+  BakedModel& face = baked_face();
+  InArena<FoldTest> test(face.model);
+  test->start(face.cascade);
+  std::vector<Vec3> position(test->vertex_count()), rest(position);
+  test->compute_positions(face.cascade, face.rest().data(), rest.data());
+  CHECK(test->watched_count() + 5 >
+        face.model.base_corners().count / 3);  // only what its own limits fold is left out
+  Random random(8);
+  int folded = 0;
+  for (int trial = 0; trial < 40; ++trial) {  // every parameter at one of its limits at once
+    std::vector<float> q = face.rest();
+    for (std::size_t k = 0; k < q.size(); ++k) {
+      const Parameter& p = face.model.parameters()[k];
+      q[k] = random.below(2) == 0 ? p.minimum : p.maximum;
+    }
+    test->compute_positions(face.cascade, q.data(), position.data());
+    folded += test->count_folded(position.data()) > 0;
+    float share = 1;
+    for (int k = 0; k < 8; ++k) {
+      const float f = test->step_fraction(rest.data(), position.data());
+      if (f == 1) break;
+      share *= f;
+      std::vector<float> part(q);
+      for (float& v : part) v *= share;
+      test->compute_positions(face.cascade, part.data(), position.data());
+    }
+    CHECK(test->count_folded(position.data()) == 0);
+    CHECK(share > 0.1f);
+  }
+  std::printf("all parameters at random limits: %d of 40 fold the built-in face\n", folded);
+  CHECK(folded > 0);
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Portrait portrait(seed, 0.2f);
+    for (Correspondence& c : portrait.points) c.x = c.x + Vec2{60 * random.normal(), 60 * random.normal()};
+    FitLimits limits;
+    limits.outline = true;
+    InArena<Fitter> fitter(face.model, limits);
+    FitOptions options;
+    options.width = 640;
+    options.height = 480;
+    options.misfit_mm = 0.1f;
+    options.robust = seed % 2 == 0;
+    std::vector<float> q = face.rest();
+    FitReport report;
+    if (fitter->fit({portrait.points.data(), portrait.points.size()}, options, q.data(), &report, nullptr,
+                    nullptr, nullptr) != Status::ok)
+      continue;
+    test->compute_positions(face.cascade, q.data(), position.data());
+    CHECK(test->count_folded(position.data()) == 0);
+  }
+}
+
 TEST_CASE("outline points need room for them") {
   Portrait portrait(1, 0);
   InArena<Fitter> fitter(portrait.face.model, FitLimits{});

@@ -7,6 +7,7 @@
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/field.hpp"
+#include "pliant/folding.hpp"
 #include "pliant/mesh.hpp"
 #include "pliant/model.hpp"
 #include "pliant/outline.hpp"
@@ -53,7 +54,8 @@ struct FitReport {
   std::size_t undetermined = 0;
 };
 
-/// Fits one model. Outline points are matched to the model's silhouette (outline.hpp) at the present pose, three times
+/// Fits one model. The result never folds the surface over (folding.hpp): where a stage leads beyond, the parameters go
+/// back towards where it began, and the pose follows. Outline points are matched to the model's silhouette (outline.hpp) at the present pose, three times
 /// a stage: while the own place of one faces the camera it stays there; once that turns away it becomes the
 /// nearest point of the apparent contour within reach on the chart, and only its distance across the contour counts. Lives in an arena; bytes grow with points x cascade records (baked points) and the square of the
 /// free unknowns.
@@ -82,6 +84,7 @@ class Fitter {
   void match(const struct FitProblem& problem, std::size_t point, const Projector& projector,
              std::size_t found);
   void match_outline(const struct FitProblem& problem);
+  bool unfold(struct FitProblem& problem);
   int minimise_in_stages(struct FitProblem& problem, bool has_outline);
   Status conclude(struct FitProblem& problem, float* q, FitReport* report, float* sd, Vec2* residuals,
                   float* weights, int iterations);
@@ -93,6 +96,10 @@ class Fitter {
   float *sorted_ = nullptr, *step_ = nullptr, *trial_q_ = nullptr, *start_q_ = nullptr;
   std::uint16_t* unknown_ = nullptr;
   Vec2* column_ = nullptr;
+
+  FoldTest folding_;
+  Vec3 *unfolded_ = nullptr, *folded_ = nullptr;  // the base mesh at unfolded_q_ and at a trial
+  float* unfolded_q_ = nullptr;
 
   // With FitLimits::outline:
   Mesh mesh_;
