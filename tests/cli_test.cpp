@@ -56,7 +56,7 @@ TEST_CASE("bad usage exits with 2 and says which word is wrong") {
 TEST_CASE("help names every command, and every option of one") {
   const Ran all = run_words({"--help"});
   CHECK(all.code == 0);
-  for (const char* name : {"bake", "info", "fit", "track", "render"})
+  for (const char* name : {"bake", "info", "mesh", "points", "fit", "track", "animate", "render", "bench"})
     CHECK(contains(all.out, std::string("pliant ") + name));
   const Ran one = run_words({"track", "--help"});
   CHECK(one.code == 0);

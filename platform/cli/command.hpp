@@ -28,6 +28,7 @@ struct Command {
 Command bake_command();
 Command info_command();
 Command mesh_command();
+Command points_command();
 Command fit_command();
 Command track_command();
 Command animate_command();

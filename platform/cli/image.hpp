@@ -53,5 +53,7 @@ Image shrunk_to(const Image& image, int width, int height);
 Image read_image(const std::string& path);
 /// The bytes of a PNG file.
 std::string encode_png(const Image& image);
+/// The bytes of a JPEG file. \param quality  1 to 100.
+std::string encode_jpeg(const Image& image, int quality);
 
 }  // namespace pliant::cli

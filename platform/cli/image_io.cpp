@@ -29,6 +29,14 @@
 
 namespace pliant::cli {
 
+namespace {
+
+void append(void* context, void* data, int size) {
+  static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+}
+
+}  // namespace
+
 Image read_image(const std::string& path) {
   const std::string bytes = read_file(path);
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
@@ -47,12 +55,14 @@ Image read_image(const std::string& path) {
 
 std::string encode_png(const Image& image) {
   std::string bytes;
-  const auto append = [](void* context, void* data, int size) {
-    static_cast<std::string*>(context)->append(static_cast<const char*>(data),
-                                               static_cast<std::size_t>(size));
-  };
   stbi_write_png_to_func(append, &bytes, image.width, image.height, image.channels, image.pixels.data(),
                          image.width * image.channels);
+  return bytes;
+}
+
+std::string encode_jpeg(const Image& image, int quality) {
+  std::string bytes;
+  stbi_write_jpg_to_func(append, &bytes, image.width, image.height, image.channels, image.pixels.data(), quality);
   return bytes;
 }
 

@@ -3,6 +3,20 @@ find_path(PLIANT_STB_INCLUDE_DIR stb/stb_image.h REQUIRED)
 set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/image_io.cpp PROPERTIES
   INCLUDE_DIRECTORIES ${PLIANT_STB_INCLUDE_DIR})
 
+# The pages that commands write are templates in pages/, each compiled in as a string.
+foreach(page Points)
+  string(TOLOWER ${page} page_file)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/pages/${page_file}.html)
+  file(READ ${CMAKE_CURRENT_LIST_DIR}/pages/${page_file}.html page_text)
+  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/page_${page_file}.cpp @ONLY CONTENT [[
+#include "cli/page.hpp"
+namespace pliant::cli {
+const char* const k@page@Page = R"page(@page_text@)page";
+}
+]])
+  target_sources(pliant_host PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/page_${page_file}.cpp)
+endforeach()
+
 target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/animate_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/animation_file.cpp
@@ -28,6 +42,8 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/model_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/morph.cpp
   ${CMAKE_CURRENT_LIST_DIR}/overlay.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/page.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/points_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/points_file.cpp
   ${CMAKE_CURRENT_LIST_DIR}/raster.cpp
   ${CMAKE_CURRENT_LIST_DIR}/render_command.cpp

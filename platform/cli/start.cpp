@@ -147,6 +147,32 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   return fit;
 }
 
+bool is_fit(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && text[first] == '{';
+}
+
+FitFile read_start(const std::string& path, const ModelFile& file, const ImageSize& size,
+                   const std::string& picture, float focal_px) {
+  const std::string text = read_file(path);
+  if (!is_fit(text)) {
+    FitSetup setup;
+    setup.size = size;
+    setup.focal_px = focal_px;
+    return fit_to_points(file, path, parse_points(path, text), setup);
+  }
+  FitFile fit = parse_fit(path, text);
+  if (fit.model_crc != file.model().crc())
+    fail_input(path, "was fitted with another model than " + file.path());
+  if (fit.width != size.width || fit.height != size.height)
+    fail_input(path, "is for " + std::to_string(fit.width) + "x" + std::to_string(fit.height) + " pixels, " +
+                         picture + " has " + std::to_string(size.width) + "x" + std::to_string(size.height));
+  const View view = with_focal(view_of(fit.pose, fit.camera), focal_px);
+  fit.pose = pose_of(view);
+  fit.camera = camera_of(view);
+  return fit;
+}
+
 FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const FitSetup& setup) {
   std::vector<float> q = setup.q;
   q.resize(file.model().parameters().count, 0.0f);

@@ -30,6 +30,13 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
 /// The neutral model, frontal, in a face detector's box: x, y of the upper left corner, width, height (px).
 FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const FitSetup& setup);
 
+/// Whether a start's text is that of a fit.json; else it is that of points.
+bool is_fit(const std::string& text);
+/// The start that a file holds: a fit.json, or points that are fitted. Bad input: a fit of another model, or of another
+/// size than that of `picture`.
+FitFile read_start(const std::string& path, const ModelFile& file, const ImageSize& size,
+                   const std::string& picture, float focal_px);
+
 /// Parameters by name and everything else of a fit without points.
 FitFile describe(const Model& model, const ImageSize& size, const View& view, const std::vector<float>& q);
 

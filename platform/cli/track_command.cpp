@@ -53,29 +53,11 @@ class Frames {
   Image flipped_;
 };
 
-/// The state in frame 0, from a fit or by fitting points.
-FitFile read_start(const Args& args, const ModelFile& file, ImageSize size, const std::string& frames) {
+/// The state in frame 0.
+FitFile read_init(const Args& args, const ModelFile& file, ImageSize size, const std::string& frames) {
   const std::string path = args.required("--init");
   if (path == "outline") fail_usage("--init outline is not available in this build");
-  const std::string text = read_file(path);
-  const auto focal = static_cast<float>(args.number("--focal", 0, 1, 1e6));
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string::npos || text[first] != '{') {
-    FitSetup setup;
-    setup.size = size;
-    setup.focal_px = focal;
-    return fit_to_points(file, path, parse_points(path, text), setup);
-  }
-  FitFile fit = parse_fit(path, text);
-  if (fit.model_crc != file.model().crc())
-    fail_input(path, "was fitted with another model than " + file.path());
-  if (fit.width != size.width || fit.height != size.height)
-    fail_input(path, "is for " + std::to_string(fit.width) + "x" + std::to_string(fit.height) + " pixels, " +
-                         frames + " has " + std::to_string(size.width) + "x" + std::to_string(size.height));
-  const View view = with_focal(view_of(fit.pose, fit.camera), focal);
-  fit.pose = pose_of(view);
-  fit.camera = camera_of(view);
-  return fit;
+  return read_start(path, file, size, frames, static_cast<float>(args.number("--focal", 0, 1, 1e6)));
 }
 
 /// A flag a parameter: the expressions, unless frozen; the identity only when it is to be refined.
@@ -131,7 +113,7 @@ int run_track(const Args& args, Console& console) {
   const auto is_free = free_parameters(args, model);
   options.is_free = is_free.data();
   Frames frames(args.required("--frames"), args.has("--mirror"));
-  const FitFile start = read_start(args, file, frames.size(), frames.name());
+  const FitFile start = read_init(args, file, frames.size(), frames.name());
   const Markers markers = read_markers(args, model);
   std::vector<float> q(model.parameters().count, 0.0f);
   list_unmatched(apply(start.parameters, args.required("--init"), model, q.data()), args.required("--init"),

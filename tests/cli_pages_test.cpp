@@ -1,0 +1,148 @@
+// The pages that the command writes: what is in them, that they need nothing else, and what is refused. How they behave in a
+// browser is tried by tests/pages.
+#include "cli/fit_file.hpp"
+#include "cli/image.hpp"
+#include "cli/json.hpp"
+#include "cli/page.hpp"
+#include "cli_run.hpp"
+
+using namespace cli_run;
+
+namespace {
+
+/// The JSON that a page holds for its script.
+Json data_of(const std::string& page) {
+  const std::string open = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t at = page.find(open);
+  REQUIRE(at != std::string::npos);
+  const std::size_t first = at + open.size();
+  return Json::parse("page", page.substr(first, page.find("</script>", first) - first));
+}
+
+const Json& point(const Json& data, const std::string& name) {
+  for (const Json& p : *data.find("points")->array())
+    if (*p.find("name")->string() == name) return p;
+  FAIL("no point " << name);
+  return data;
+}
+
+double number(const Json& of, const char* name) {
+  REQUIRE(of.find(name) != nullptr);
+  return *of.find(name)->number();
+}
+
+std::string grey_pgm(int width, int height) {
+  return "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n" +
+         std::string(static_cast<std::size_t>(width * height), '\x7f');
+}
+
+std::string address_bytes(const std::string& address) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  std::uint32_t group = 0;
+  int bits = 0;
+  for (std::size_t i = address.find(',') + 1; i < address.size() && address[i] != '='; ++i) {
+    group = group << 6 | static_cast<std::uint32_t>(digits.find(address[i]));
+    bits += 6;
+    if (bits >= 8) out += static_cast<char>(group >> (bits -= 8) & 255u);
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("the points page holds the picture and every landmark where the start has it") {
+  const Sequence s;
+  const std::string picture = s.put("a <b> & \"c\".pgm", grey_pgm(200, 160));
+  REQUIRE(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "-o", s / "fit.json"}).code ==
+          0);
+  const Ran r =
+      run_words({"points", s.model, "--image", picture, "--start", s / "fit.json", "-o", s / "p.html"});
+  CHECK(r.err == "");
+  REQUIRE(r.code == 0);
+  const std::string page = read_file(s / "p.html");
+  CHECK(contains(page, "<title>a &lt;b&gt; &amp; &quot;c&quot;.pgm: points</title>"));
+  CHECK_FALSE(contains(page, "{{"));
+  const Json data = data_of(page);
+  CHECK(number(data, "width") == 200);
+  CHECK(number(data, "height") == 160);
+  CHECK(data.find("points")->array()->size() == 15);
+  const FitFile fit = parse_fit("fit", read_file(s / "fit.json"));
+  for (const FitPoint& p : fit.points) {
+    CHECK(number(point(data, p.landmark), "x") ==
+          doctest::Approx(static_cast<double>(p.x.x + p.residual.x)).epsilon(1e-4));
+    CHECK(number(point(data, p.landmark), "y") ==
+          doctest::Approx(static_cast<double>(p.x.y + p.residual.y)).epsilon(1e-4));
+    CHECK(*point(data, p.landmark).find("on")->boolean());
+  }
+  const std::string png = address_bytes(*data.find("picture")->string());
+  s.put("back.png", png);
+  CHECK(read_image(s / "back.png").pixels == read_image(picture).pixels);
+}
+
+TEST_CASE("points that were given stay where they were given, and only they are on") {
+  const Sequence s;
+  const std::string picture = s.put("g.pgm", grey_pgm(200, 160));
+  const std::string given = s.put(
+      "four.csv", "landmark,x,y\neye_right,40,50\neye_left,150,52\nmouth_left,120,99\nnose_tip,99,70\n");
+  REQUIRE(run_words({"points", s.model, "--image", picture, "--start", given, "-o", s / "p.html"}).code == 0);
+  const Json data = data_of(read_file(s / "p.html"));
+  CHECK(number(point(data, "eye_right"), "x") == 40);
+  CHECK(number(point(data, "mouth_left"), "y") == 99);
+  int on = 0;
+  for (const Json& p : *data.find("points")->array()) on += *p.find("on")->boolean();
+  CHECK(on == 4);
+  for (const char* start : {"20,10,120,130", ""}) {
+    std::vector<std::string> words{"points", s.model, "--image", picture, "-o", s / "p.html"};
+    if (*start != '\0') words.insert(words.end(), {"--start", start});
+    REQUIRE(run_words(words).code == 0);
+    const Json box = data_of(read_file(s / "p.html"));
+    const double left = number(point(box, "eye_left"), "x"), right = number(point(box, "eye_right"), "x");
+    CHECK(left > right + 10);  // the subject's left is on the picture's right
+    CHECK(right > 0);
+    CHECK(left < 200);
+  }
+}
+
+TEST_CASE("a JPEG goes into a page as it is, but without its EXIF") {
+  const Folder f;
+  Image image(48, 32, 3);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] = static_cast<std::uint8_t>(i * 7 % 251);
+  const std::string plain = encode_jpeg(image, 90);
+  std::string exif(
+      "\xff\xe1\x00\x14"
+      "Exif",
+      8);
+  exif += std::string("\0\0GPS home add", 14);
+  const std::string marked = plain.substr(0, 2) + exif + plain.substr(2);
+  CHECK(address_bytes(picture_address(f.put("m.jpg", marked))) == plain);
+  CHECK(address_bytes(picture_address(f.put("p.jpg", plain))) == plain);
+  const std::string png = encode_png(image);
+  CHECK(address_bytes(picture_address(f.put("p.png", png))) == png);
+}
+
+TEST_CASE("points refuses bad words with 2 and bad input with 1 and a line that names it") {
+  const Sequence s;
+  const std::string picture = s.put("g.pgm", grey_pgm(200, 160));
+  CHECK(run_words({"points", s.model, "-o", s / "p.html"}).code == 2);
+  CHECK(run_words({"points", s.model, "--image", picture}).code == 2);
+  CHECK(run_words({"points", "--image", picture, "-o", s / "p.html"}).code == 2);
+  CHECK(run_words({"points", s.model, "--image", picture, "-o", s / "p.html", "--start", "1,2,3,4,5"}).code ==
+        1);
+  CHECK(run_words({"points", s.model, "--image", picture, "-o", s / "p.html", "--start", "1,2,-3,4"}).code ==
+        2);
+  const auto words = [&](const std::string& image, const std::string& start) {
+    return std::vector<std::string>{"points",  s.model, "--image", image,
+                                    "--start", start,   "-o",      s / "p.html"};
+  };
+  check_refused(words(s / "none.jpg", s.points), {"none.jpg", "No such file"});
+  check_refused(words(s.points, s.points), {"p.csv", "not a picture"});
+  check_refused(words(picture, s / "none.json"), {"none.json", "No such file"});
+  check_refused(words(picture, s.put("bad.csv", "landmark,x,y\near,1,2\n")), {"bad.csv"});
+  REQUIRE(
+      run_words({"fit", s.model, "--points", s.points, "--size", "320x240", "-o", s / "large.json"}).code ==
+      0);
+  check_refused(words(picture, s / "large.json"), {"large.json", "320x240", "200x160", "g.pgm"});
+  CHECK_FALSE(s.has("p.html"));
+}
