@@ -32,8 +32,13 @@ const char* text(Status status) {
     case Status::not_ready: return "the operator does not apply here";
     case Status::isolated_vertex: return "a vertex belongs to no face";
     case Status::degenerate_data: return "most rows lie in a subspace";
+    case Status::stale_frame: return "the frame came twice, or late";
   }
   return "unknown status";
+}
+
+Version version() {
+  return {PLIANT_VERSION_MAJOR, PLIANT_VERSION_MINOR, PLIANT_VERSION_PATCH};
 }
 
 }  // namespace pliant

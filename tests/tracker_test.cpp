@@ -116,11 +116,13 @@ TEST_CASE("markers are followed though nothing near them is looked at") {
   CHECK_FALSE(tracker->marker(3, &x));
 }
 
-TEST_CASE("a frame repeated moves nothing by more than noise") {
+TEST_CASE("a picture repeated moves nothing by more than noise") {
   InArena<Tracker> tracker(face().model, TrackerLimits{});
   REQUIRE(start(tracker.object) == Status::ok);
   FrameResult result;
-  REQUIRE(tracker->update(film().view(0), &result) == Status::ok);
+  FrameView again = film().view(0);
+  again.time_ns = film().view(1).time_ns;
+  REQUIRE(tracker->update(again, &result) == Status::ok);
   CHECK(length(log_rotation(result.pose.q * conjugate(film().poses[0].q))) < 0.004f);
 }
 
@@ -137,8 +139,11 @@ TEST_CASE("black frames lose the face within three, and it is found again when i
     CHECK(result.state == (k < 3 ? TrackState::degraded : TrackState::lost));
   }
   int needed = 0;
-  for (; needed < 10 && result.state != TrackState::tracking; ++needed)
-    REQUIRE(tracker->update(film().view(2), &result) == Status::ok);
+  for (; needed < 10 && result.state != TrackState::tracking; ++needed) {
+    FrameView v = film().view(2);
+    v.sequence = static_cast<std::uint32_t>(7 + needed);
+    REQUIRE(tracker->update(v, &result) == Status::ok);
+  }
   CHECK(result.state == TrackState::tracking);
   CHECK(length(log_rotation(result.pose.q * conjugate(normalised(film().poses[2].q)))) < 0.05f);
 }
@@ -175,6 +180,25 @@ TEST_CASE("frames that cannot be used are named and leave everything as it was")
   CHECK(tracker->estimator().view().q.y == before.y);
   CHECK(tracker->update(film().view(1), &result) == Status::ok);
   CHECK(result.state == TrackState::tracking);
+}
+
+TEST_CASE("a frame that comes twice or late is refused; a clock set back or a missing number is not") {
+  InArena<Tracker> tracker(face().model, TrackerLimits{});
+  REQUIRE(start(tracker.object) == Status::ok);
+  FrameResult result;
+  REQUIRE(tracker->update(film().view(2), &result) == Status::ok);
+  const Quat before = tracker->estimator().view().q;
+  CHECK(tracker->update(film().view(2), &result) == Status::stale_frame);
+  CHECK(tracker->update(film().view(1), &result) == Status::stale_frame);
+  CHECK(tracker->estimator().view().q.y == before.y);
+  FrameView v = film().view(3);
+  v.time_ns = 5;
+  CHECK(tracker->update(v, &result) == Status::ok);
+  v.time_ns = 6;
+  CHECK(tracker->update(v, &result) == Status::ok);
+  v.time_ns = 1;
+  v.sequence = 0xffffffffu;  // before 0, and so before 3
+  CHECK(tracker->update(v, &result) == Status::stale_frame);
 }
 
 TEST_CASE("two trackers on the same frames give the same bits") {

@@ -3,6 +3,8 @@
 /// What can go wrong, as values. Nothing in the library throws or aborts.
 #include <cstdint>
 
+#include "pliant/version.h"
+
 namespace pliant {
 
 /// Result of an operation that can fail. Numbers are stable: values are only ever appended.
@@ -36,6 +38,7 @@ enum class [[nodiscard]] Status : std::uint8_t {
   not_ready = 25,           ///< mesh: the operator's precondition does not hold here
   isolated_vertex = 26,     ///< base mesh: a vertex that no face uses
   degenerate_data = 27,     ///< outliers: most rows lie in a subspace; the answer given is within it
+  stale_frame = 29,         ///< a frame no newer than the one before: it came twice, or late
 };
 
 /// A short English sentence without a final stop, for messages and logs. Never null.
@@ -48,10 +51,6 @@ const char* text(Status status);
 #ifndef PLIANT_ASSERT
 #define PLIANT_ASSERT(condition) ((void)0)
 #endif
-
-#define PLIANT_VERSION_MAJOR 0
-#define PLIANT_VERSION_MINOR 1
-#define PLIANT_VERSION_PATCH 0
 
 #if defined(__FAST_MATH__)
 #error "pliant promises the same bits on every target: do not compile it with -ffast-math"

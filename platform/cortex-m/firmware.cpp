@@ -17,7 +17,9 @@ namespace {
 constexpr int kWidth = 320, kHeight = 240;
 constexpr std::int64_t kFrameNs = 33'333'333;
 
-[[gnu::section(".external")]] alignas(pliant::Arena::kAlignment) unsigned char memory[2 << 20];
+constexpr std::size_t kArenaBytes = 244 * 1024;
+
+alignas(pliant::Arena::kAlignment) unsigned char memory[kArenaBytes];
 [[gnu::section(".frames")]] alignas(32) std::uint8_t frames[2][kWidth * kHeight];
 pliant::Tracker tracker;
 
@@ -62,7 +64,7 @@ void set_up() {
   pliant::Model model;
   require(pliant::Model::open(face, face_bytes, &model), "model");
   pliant::Arena arena(memory, sizeof memory);
-  require(pliant::create_in(arena, tracker, model, pliant::TrackerLimits{}), "arena");
+  require(pliant::create_in(arena, tracker, model, pliant::profile_s()), "arena");
   Line line;
   line.add("table ").add(static_cast<int>(face_bytes)).add(" bytes, arena ");
   board::write(line.add(static_cast<int>(arena.used_bytes())).add(" bytes\n").text());

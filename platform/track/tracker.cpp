@@ -111,6 +111,12 @@ PixelBox Tracker::region() const {
   return {x, y, x + region_width(limits_), y + region_height(limits_)};
 }
 
+/// A clock may be set back and a sequence number may be left out, but not both.
+bool Tracker::is_stale(const FrameView& frame) const {
+  const bool is_next = frame.sequence != last_sequence_ && frame.sequence - last_sequence_ < 0x80000000u;
+  return frame.time_ns <= last_time_ns_ && !is_next;
+}
+
 Status Tracker::start(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
                       Span<const Vec2> markers, const TrackerOptions& options) {
   started_ = false;
@@ -141,6 +147,8 @@ Status Tracker::start(const FrameView& frame, const Camera& camera, const Pose& 
              0,
              0,
              static_cast<std::uint16_t>(estimator_.mesh().vertex_count())};
+  last_time_ns_ = frame.time_ns;
+  last_sequence_ = frame.sequence;
   frame_ = 0;
   describe_key(0);
   last_box_ = keys_[0].box;
@@ -158,6 +166,9 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   if (result == nullptr) return Status::bad_argument;
   Status status = check_frame(frame);
   if (status != Status::ok) return status;
+  if (is_stale(frame)) return Status::stale_frame;
+  last_time_ns_ = frame.time_ns;
+  last_sequence_ = frame.sequence;
   ++frame_;
   shrink(frame, small_factor_, small_line_, small_now_);
   estimator_.begin(frame.time_ns);

@@ -101,7 +101,8 @@ class Tracker {
   Status start(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
                Span<const Vec2> markers, const TrackerOptions& options);
 
-  /// The next frame. \return not_started, bad_argument, size_mismatch; the state is then as before.
+  /// The next frame. \return not_started, bad_argument, size_mismatch, stale_frame (neither its time nor its sequence
+  ///         number is beyond the last frame's: it came twice, or late); the state is then as before.
   Status update(const FrameView& frame, FrameResult* result);
 
   const TrackerLimits& limits() const { return limits_; }
@@ -176,6 +177,7 @@ class Tracker {
   void note_seen();
 
   Status check_frame(const FrameView& frame) const;
+  bool is_stale(const FrameView& frame) const;
   Status look_at_region(const FrameView& frame);
 
   Estimator estimator_;
@@ -206,6 +208,8 @@ class Tracker {
   int bad_frames_ = 0;
   float moved_px_ = 0;  // how far the last prediction was off at most
   float shift_px_ = 0;  // how far the small pictures say the model has moved
+  std::int64_t last_time_ns_ = 0;
+  std::uint32_t last_sequence_ = 0;
   bool started_ = false;
 };
 
