@@ -1,9 +1,13 @@
 // The pages that the command writes: what is in them, that they need nothing else, and what is refused. How they behave in a
 // browser is tried by tests/pages.
+#include <map>
+
+#include "cli/csv.hpp"
 #include "cli/fit_file.hpp"
 #include "cli/image.hpp"
 #include "cli/json.hpp"
 #include "cli/page.hpp"
+#include "cli/svg_chart.hpp"
 #include "cli_run.hpp"
 
 using namespace cli_run;
@@ -47,6 +51,48 @@ std::string address_bytes(const std::string& address) {
     if (bits >= 8) out += static_cast<char>(group >> (bits -= 8) & 255u);
   }
   return out;
+}
+
+/// Every element that opens closes, in order; \return how many there were of each name.
+std::map<std::string, int> check_well_formed(const std::string& page) {
+  std::vector<std::string> open;
+  std::map<std::string, int> count;
+  const auto is_empty = [](const std::string& name) {
+    return name == "meta" || name == "img" || name == "!DOCTYPE";
+  };
+  for (std::size_t at = page.find('<'); at != std::string::npos; at = page.find('<', at + 1)) {
+    if (!open.empty() && open.back() == "style" && page.compare(at, 8, "</style>") != 0) continue;
+    const std::size_t end = page.find('>', at);
+    REQUIRE(end != std::string::npos);
+    CHECK(page.find('<', at + 1) > end);
+    const bool closes = page[at + 1] == '/';
+    const std::size_t first = at + (closes ? 2 : 1);
+    const std::string name = page.substr(first, page.find_first_of(" />\n", first) - first);
+    if (closes) {
+      REQUIRE(!open.empty());
+      CHECK(open.back() == name);
+      open.pop_back();
+      continue;
+    }
+    ++count[name];
+    if (page[end - 1] != '/' && !is_empty(name)) open.push_back(name);
+  }
+  CHECK(open.empty());
+  return count;
+}
+
+int count_of(const std::string& text, const std::string& part) {
+  int count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+/// The d attribute of the line with this title.
+std::string path_titled(const std::string& page, const std::string& title) {
+  const std::size_t end = page.find("\"><title>" + title + "</title></path>");
+  REQUIRE(end != std::string::npos);
+  const std::size_t first = page.rfind("d=\"", end) + 3;
+  return page.substr(first, end - first);
 }
 
 }  // namespace
@@ -145,4 +191,86 @@ TEST_CASE("points refuses bad words with 2 and bad input with 1 and a line that 
       0);
   check_refused(words(picture, s / "large.json"), {"large.json", "320x240", "200x160", "g.pgm"});
   CHECK_FALSE(s.has("p.html"));
+}
+
+TEST_CASE("a report holds nine frames and the numbers of the run, and lost frames leave gaps") {
+  const Sequence s;
+  std::string video = read_file(s.video);
+  const std::size_t head = video.find('\n') + 1, frame = 6 + 200 * 160;
+  for (std::size_t k = 4; k < 9; ++k)
+    std::fill_n(video.begin() + static_cast<std::ptrdiff_t>(head + k * frame + 6), 200 * 160, '\x10');
+  auto words = s.track_words();
+  words[3] = s.put("b<r>eak.y4m", video);
+  words.insert(words.end(), {"--report", s / "r.html"});
+  const Ran r = run_words(words);
+  REQUIRE(r.code == 0);
+  const std::string page = read_file(s / "r.html");
+  const auto elements = check_well_formed(page);
+  CHECK(elements.at("img") == 9);
+  CHECK(count_of(page, "src=\"data:image/jpeg;base64,/9j/") == 9);
+  CHECK(contains(page, r.out.substr(0, r.out.size() - 1)));  // the summary line
+  CHECK(contains(page, "b&lt;r&gt;eak.y4m"));
+  for (const char* part : {"://", "{{", "nan", "inf\"", "<script"}) {
+    CAPTURE(part);
+    CHECK_FALSE(contains(page, part));
+  }
+  const CsvTable table("t", read_file(s / "t.csv"));
+  int count[3] = {};
+  const char* names[] = {"tracking", "degraded", "lost"};
+  for (std::size_t k = 0; k < table.row_count(); ++k)
+    for (int c = 0; c < 3; ++c) count[c] += table.cell(k, table.column("state")) == names[c];
+  CHECK(count[2] >= 2);
+  for (int c = 0; c < 3; ++c) CHECK(contains(page, "<b>" + std::to_string(count[c]) + "</b>" + names[c]));
+  CHECK(contains(page, "<rect x=\""));
+  CHECK(contains(page, "class=\"state-lost\""));
+  // One place on the line for each frame that is known.
+  const std::string yaw = path_titled(page, "yaw");
+  CHECK(count_of(yaw, "M") + count_of(yaw, "L") == count[0] + count[1]);
+  const std::string arena = std::to_string(static_cast<long>(value_after(r.out, "arena_bytes")));
+  CHECK(contains(page, arena.substr(arena.size() - 3) + " bytes"));
+  CHECK(contains(page, "model table"));
+}
+
+TEST_CASE("a line leaves a gap where there is no value, and columns keep their extremes") {
+  ChartStyle style;
+  style.width = 300;
+  style.has_axes = false;
+  Series series{"s", {}};
+  for (int k = 0; k < 100; ++k)
+    series.values.push_back(k >= 40 && k < 50 ? std::nullopt : std::optional<double>(0.01 * k));
+  const std::string gap = path_titled(line_chart({series}, 0, 1, style), "s");
+  CHECK(count_of(gap, "M") == 2);
+  CHECK(count_of(gap, "M") + count_of(gap, "L") == 90);
+  series.values.assign(30000, 0.5);
+  series.values[12345] = 9;
+  series.values[20000] = std::nullopt;
+  const std::string chart = line_chart({series}, 0, 1, style), path = path_titled(chart, "s");
+  CHECK(count_of(path, "M") == 2);
+  CHECK(path.size() < 8000);
+  double highest = 1e9;  // of the picture: y points down
+  for (std::size_t at = path.find(' '); at != std::string::npos; at = path.find(' ', at + 1))
+    highest = std::min(highest, std::stod(path.substr(at + 1)));
+  CHECK(highest < 12);
+  for (const auto& values : {std::vector<std::optional<double>>{}, {std::nullopt}, {1.0}, {2.0, 2.0}}) {
+    CHECK(check_well_formed(line_chart({{"a<b", values}}, 0, 0, ChartStyle{})).at("svg") == 1);
+  }
+}
+
+TEST_CASE("a ribbon shows the worst state of a column, a histogram counts every frame") {
+  ChartStyle style;
+  std::vector<int> states(20000, 0);
+  states[7777] = 2;
+  const std::string band = ribbon(states, {"good", "fair", "bad"}, style);
+  CHECK(count_of(band, "class=\"state-good\"") == 2);
+  CHECK(count_of(band, "class=\"state-bad\"") == 1);
+  std::vector<double> times;
+  for (int k = 0; k < 500; ++k) times.push_back(k == 250 ? 1000 : 2 + 0.001 * k);
+  const std::string bars = histogram(times, {{"median", 2.25}}, style);
+  check_well_formed(bars);
+  int sum = 0;
+  for (std::size_t at = bars.find("<title>"); at != std::string::npos; at = bars.find("<title>", at + 1))
+    sum += std::stoi(bars.substr(at + 7));
+  CHECK(sum == 500);
+  CHECK(contains(bars, "1 frames above"));
+  check_well_formed(histogram({}, {}, style));
 }

@@ -11,6 +11,7 @@ namespace pliant::cli {
 
 /// Templates, from the files in pages/.
 extern const char* const kPointsPage;
+extern const char* const kReportPage;
 
 /// Puts each value in the place of its {{name}}. Every place of the template must have one.
 std::string fill_page(const std::string& page,

@@ -18,31 +18,25 @@ void ContactSheet::add(const Image& image) {
   if (kept_.size() <= kMost) return;
   stride_ *= 2;
   kept_.erase(
-      std::remove_if(kept_.begin(), kept_.end(), [this](const Kept& k) { return k.number % stride_ != 0; }),
+      std::remove_if(kept_.begin(), kept_.end(), [this](const Picture& k) { return k.number % stride_ != 0; }),
       kept_.end());
 }
 
-std::vector<ContactSheet::Kept> ContactSheet::chosen_pictures() const {
+std::vector<ContactSheet::Picture> ContactSheet::pictures() const {
   constexpr int kCells = kColumns * kRows;
-  std::vector<Kept> chosen;
+  std::vector<Picture> chosen;
   for (int cell = 0; cell < kCells; ++cell) {
     const int wanted = (next_ - 1) * cell / (kCells - 1);
-    const Kept* best = &last_;
-    for (const Kept& k : kept_)
+    const Picture* best = &last_;
+    for (const Picture& k : kept_)
       if (std::abs(k.number - wanted) < std::abs(best->number - wanted)) best = &k;
     if (chosen.empty() || chosen.back().number != best->number) chosen.push_back(*best);
   }
   return chosen;
 }
 
-std::vector<int> ContactSheet::chosen() const {
-  std::vector<int> numbers;
-  for (const Kept& k : chosen_pictures()) numbers.push_back(k.number);
-  return numbers;
-}
-
 Image ContactSheet::image() const {
-  const auto cells = chosen_pictures();
+  const auto cells = pictures();
   const int width = last_.image.width, height = last_.image.height;
   Image sheet(kColumns * (width + kGap) + kGap, kRows * (height + kGap) + kGap, 3, 24);
   for (std::size_t k = 0; k < cells.size(); ++k) {

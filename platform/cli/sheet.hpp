@@ -15,20 +15,19 @@ class ContactSheet {
   /// Takes picture number k, k = 0, 1, 2, ... All have one size and three channels.
   void add(const Image& image);
   bool is_empty() const { return kept_.empty(); }
-  /// Numbers of the pictures that the sheet will show, first and last included.
-  std::vector<int> chosen() const;
+  struct Picture {
+    int number;
+    Image image;  ///< shrunk to a cell of the sheet
+  };
+  /// The pictures that the sheet will show, first and last included.
+  std::vector<Picture> pictures() const;
   /// The sheet: at most 1,600 pixels wide, cells with a thin gap.
   Image image() const;
 
  private:
-  struct Kept {
-    int number;
-    Image image;
-  };
-  std::vector<Kept> chosen_pictures() const;
   static constexpr std::size_t kMost = 4 * kColumns * kRows;
-  std::vector<Kept> kept_;  // numbers 0, stride_, 2 stride_, ...
-  Kept last_{0, {}};
+  std::vector<Picture> kept_;  // numbers 0, stride_, 2 stride_, ...
+  Picture last_{0, {}};
   int next_ = 0, stride_ = 1;
 };
 

@@ -4,7 +4,7 @@ set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/image_io.cpp PROPERTIES
   INCLUDE_DIRECTORIES ${PLIANT_STB_INCLUDE_DIR})
 
 # The pages that commands write are templates in pages/, each compiled in as a string.
-foreach(page Points)
+foreach(page Points Report)
   string(TOLOWER ${page} page_file)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/pages/${page_file}.html)
   file(READ ${CMAKE_CURRENT_LIST_DIR}/pages/${page_file}.html page_text)
@@ -53,8 +53,10 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/shown_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/start.cpp
   ${CMAKE_CURRENT_LIST_DIR}/surface_sheet.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/svg_chart.cpp
   ${CMAKE_CURRENT_LIST_DIR}/track_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/track_output.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/track_report.cpp
   ${CMAKE_CURRENT_LIST_DIR}/track_table.cpp
   ${CMAKE_CURRENT_LIST_DIR}/truth.cpp)
 

@@ -138,8 +138,8 @@ int run_track(const Args& args, Console& console) {
     progress.show(number + 1);
   }
   // A stream that breaks off leaves what came before it.
-  output.commit();
-  output.print_summary(console.out, tracker.used_bytes(), start.camera.f);
+  output.commit(tracker.used_bytes(), start.camera.f);
+  console.out << output.summary(tracker.used_bytes(), start.camera.f) << "\n";
   if (frames.message().empty()) return 0;
   throw Failure(kBadInput, frames.message());
 }
@@ -152,7 +152,7 @@ Command track_command() {
           "face.plm --frames VIDEO.y4m|FOLDER|- --init fit.json|points.csv --out track.csv [--landmarks] "
           "[--markers points.csv] [--marker-exclusion-px R] [--focal PX] [--mirror] [--freeze GROUP] "
           "[--refine-identity] [--profile s|l] "
-          "[--overlay out.y4m] [--sheet out.png] [--truth truth.csv]",
+          "[--overlay out.y4m] [--sheet out.png] [--report report.html] [--truth truth.csv]",
           {{"--frames", "SOURCE", "a Y4M file, a folder of PGM or PPM, or - for Y4M on standard input"},
            {"--init", "FILE", "frame 0: a fit.json, or a points.csv that is fitted first"},
            {"--out", "CSV", "the track to write: a row a frame"},
@@ -168,7 +168,7 @@ Command track_command() {
            {"--overlay", "Y4M", "the video with the mesh on it"},
            {"--sheet", "PNG", "nine frames of that on one picture"},
            {"--truth", "CSV", "the truth of a rendered video, to compare with"},
-           {"--report", "HTML", "", false}},
+           {"--report", "HTML", "a page with nine frames, and state, pose, parameters, times and memory as charts"}},
           1,
           run_track};
 }

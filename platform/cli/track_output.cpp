@@ -16,6 +16,12 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
       rate_(rate) {
   if (const auto path = args.text("--overlay")) overlay_ = std::make_unique<Y4mOutput>(*path, rate);
   if (const auto path = args.text("--sheet")) sheet_file_ = std::make_unique<OutputFile>(*path);
+  if (const auto path = args.text("--report")) {
+    report_file_ = std::make_unique<OutputFile>(*path);
+    report_ = std::make_unique<TrackReport>(model);
+    facts_.title = args.required("--frames");
+    facts_.table_bytes = model.table_bytes();
+  }
   if (const auto path = args.text("--truth")) truth_ = std::make_unique<TruthComparison>(*path, model);
   std::vector<std::string> names;
   if (with_landmarks_)
@@ -50,33 +56,42 @@ void TrackOutput::add(std::size_t number, const FrameView& frame, Tracker& track
     ++known_;
     if (truth_) truth_->add(number, row.pose, landmarks);
   }
-  if (!overlay_ && !sheet_file_) return;
+  facts_.width = frame.width;
+  facts_.height = frame.height;
+  facts_.vertices = result.vertices;
+  if (!overlay_ && !sheet_file_ && !report_) return;
   tracker.estimator().refresh_vertices();
-  draw(row, frame, tracker.estimator(), landmarks, markers);
+  draw(row, frame, tracker.estimator(), landmarks, markers, milliseconds);
 }
 
-void TrackOutput::commit() {
+void TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
   table_.commit();
   if (overlay_) overlay_->commit();
   if (sheet_file_) {
     sheet_file_->write(encode_png(sheet_.image()));
     sheet_file_->commit();
   }
+  if (report_) {
+    facts_.arena_bytes = arena_bytes;
+    facts_.summary = summary(arena_bytes, focal_px);
+    report_file_->write(report_->page(facts_));
+    report_file_->commit();
+  }
 }
 
-void TrackOutput::print_summary(std::ostream& out, std::size_t arena_bytes, float focal_px) const {
+std::string TrackOutput::summary(std::size_t arena_bytes, float focal_px) const {
   char line[256];
   const double rms = known_ == 0 ? 0 : std::sqrt(squared_sum_ / static_cast<double>(known_));
   std::snprintf(line, sizeof line,
                 "frames=%zu tracked=%zu rms_px=%.3f median_ms=%.3f arena_bytes=%zu f_px=%.6g", frames_,
                 tracked_, rms, median(milliseconds_), arena_bytes, static_cast<double>(focal_px));
-  out << line;
+  std::string out = line;
   if (truth_) {
     std::snprintf(line, sizeof line, " landmark_px=%.3f rotation_deg=%.3f compared=%zu",
                   truth_->mean_landmark_px(), truth_->median_rotation_deg(), truth_->frame_count());
-    out << line;
+    out += line;
   }
-  out << "\n";
+  return out;
 }
 
 TrackOutput::Points TrackOutput::project_landmarks(Estimator& estimator) const {
@@ -98,7 +113,7 @@ TrackOutput::Points TrackOutput::project_markers(Tracker& tracker) const {
 }
 
 void TrackOutput::draw(const TrackRow& row, const FrameView& frame, const Estimator& estimator,
-                       const Points& landmarks, const Points& markers) {
+                       const Points& landmarks, const Points& markers, double milliseconds) {
   Overlay overlay(image_of(frame));
   if (row.state != TrackState::lost) {
     overlay.draw_mesh(wire_of(estimator));
@@ -111,6 +126,7 @@ void TrackOutput::draw(const TrackRow& row, const FrameView& frame, const Estima
   overlay.draw_state(row.state);
   if (overlay_) overlay_->write(overlay.image());
   if (sheet_file_) sheet_.add(overlay.image());
+  if (report_) report_->add(row, overlay.image(), milliseconds);
 }
 
 }  // namespace pliant::cli

@@ -10,6 +10,7 @@
 #include "cli/args.hpp"
 #include "cli/files.hpp"
 #include "cli/sheet.hpp"
+#include "cli/track_report.hpp"
 #include "cli/track_table.hpp"
 #include "cli/truth.hpp"
 #include "cli/y4m_output.hpp"
@@ -19,27 +20,27 @@ namespace pliant::cli {
 
 class TrackOutput {
  public:
-  /// Opens what --out, --overlay, --sheet and --truth name, and writes the table's header.
+  /// Opens what --out, --overlay, --sheet, --report and --truth name, and writes the table's header.
   TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
               FrameRate rate);
 
   /// Takes on the tracker's present result. `milliseconds` is what the frame took; frame 0 is not counted.
   void add(std::size_t number, const FrameView& frame, Tracker& tracker, double milliseconds);
 
-  /// Gives all files their names.
-  void commit();
+  /// Gives all files their names. \param arena_bytes, focal_px  for the summary.
+  void commit(std::size_t arena_bytes, float focal_px);
 
   /// One line of key=value: frames, tracked (in state `tracking`), rms_px (root mean square over the frames),
   /// median_ms, arena_bytes, f_px; with a truth landmark_px (mean), rotation_deg (median) and compared
   /// (frames).
-  void print_summary(std::ostream& out, std::size_t arena_bytes, float focal_px) const;
+  std::string summary(std::size_t arena_bytes, float focal_px) const;
 
  private:
   using Points = std::vector<std::optional<Vec2>>;
   Points project_landmarks(Estimator& estimator) const;
   Points project_markers(Tracker& tracker) const;
   void draw(const TrackRow& row, const FrameView& frame, const Estimator& estimator, const Points& landmarks,
-            const Points& markers);
+            const Points& markers, double milliseconds);
 
   Model model_;
   OutputFile table_;
@@ -50,6 +51,9 @@ class TrackOutput {
   std::unique_ptr<OutputFile> sheet_file_;
   std::unique_ptr<TruthComparison> truth_;
   ContactSheet sheet_;
+  std::unique_ptr<OutputFile> report_file_;
+  std::unique_ptr<TrackReport> report_;
+  ReportFacts facts_;
   std::vector<double> milliseconds_;
   std::size_t frames_ = 0, tracked_ = 0, known_ = 0;
   double squared_sum_ = 0;

@@ -7,6 +7,7 @@ const os = require("os");
 const path = require("path");
 const { Chromium } = require("./chromium");
 const { checkPoints } = require("./points");
+const { checkReport } = require("./report");
 
 const names = ["chromium", "chromium-browser", "google-chrome"];
 const program = (process.env.PATH || "").split(":").flatMap(dir => names.map(name => path.join(dir, name))).find(p => fs.existsSync(p));
@@ -20,7 +21,7 @@ const pliant = (...words) => execFileSync(command, words, { cwd: folder, encodin
 
 (async () => {
   pliant("bake", path.join(fixtures, "face"), "-o", "face.plm");
-  for (const check of [checkPoints]) {
+  for (const check of [checkPoints, checkReport]) {
     const browser = new Chromium(program);
     try {
       await check({ browser, folder, pliant });
