@@ -2,7 +2,10 @@
 /// \file bench.hpp
 /// The topics of `pliant bench`. Each prints rows `topic,peer,variant,metric,value`; times are medians over repeats in one
 /// process, to be compared with another program's of the same run.
+#include <optional>
 #include <ostream>
+#include <string>
+#include <vector>
 
 #include "cli/files.hpp"
 
@@ -10,5 +13,18 @@ namespace pliant::cli {
 
 /// Stellar operators, restricted adaptation, criteria, memory. With a model also its own mesh.
 void bench_mesh(std::ostream& out, const ModelFile* model);
+
+/// Corner selection and patch tracking against known motions. `pairs`: a folder of pairs of pictures with truth.csv;
+/// `motions`: folders of 00001.pgm ... with motion.csv, for the drift; `frames`: a recording, of which `count` are used.
+struct KltInputs {
+  std::optional<std::string> pairs;
+  std::vector<std::string> motions;
+  std::optional<std::string> frames;
+  int count = 480;
+};
+void bench_klt(std::ostream& out, const KltInputs& inputs);
+
+/// The minimum covariance determinant on generated data.
+void bench_mcd(std::ostream& out);
 
 }  // namespace pliant::cli

@@ -9,25 +9,58 @@ namespace pliant::cli {
 
 namespace {
 
-int run_bench(const Args& args, Console& console) {
-  const std::string topic = args.operand(0);
+int run_mesh(const Args& args, Console& console) {
   std::unique_ptr<ModelFile> model;
   if (const auto path = args.text("--model")) model = std::make_unique<ModelFile>(*path);
-  if (topic != "mesh") fail_usage("no such topic: " + topic + "; there is mesh");
-  console.out << "topic,peer,variant,metric,value\n";
   bench_mesh(console.out, model.get());
   return 0;
+}
+
+int run_klt(const Args& args, Console& console) {
+  const KltInputs inputs{args.text("--pairs"), args.texts("--motion"), args.text("--frames"),
+                         args.integer("--count", 480, 2, 1000000)};
+  if (!inputs.pairs && inputs.motions.empty() && !inputs.frames)
+    fail_usage("klt needs --pairs, --motion or --frames");
+  bench_klt(console.out, inputs);
+  return 0;
+}
+
+int run_mcd(const Args&, Console& console) {
+  bench_mcd(console.out);
+  return 0;
+}
+
+struct Topic {
+  const char* name;
+  int (*run)(const Args& args, Console& console);
+};
+constexpr Topic kTopics[] = {{"mesh", run_mesh}, {"klt", run_klt}, {"mcd", run_mcd}};
+
+int run_bench(const Args& args, Console& console) {
+  std::string names;
+  for (const Topic& topic : kTopics) {
+    names += std::string(names.empty() ? "" : ", ") + topic.name;
+    if (args.operand(0) != topic.name) continue;
+    console.out << "topic,peer,variant,metric,value\n";
+    return topic.run(args, console);
+  }
+  fail_usage("no such topic: " + args.operand(0) + "; there are " + names);
 }
 
 }  // namespace
 
 Command bench_command() {
-  return {"bench",
-          "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
-          "mesh [--model face.plm]",
-          {{"--model", "PLM", "a model to measure with as well"}},
-          1,
-          run_bench};
+  return {
+      "bench",
+      "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
+      "mesh [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | mcd",
+      {{"--model", "PLM", "a model to measure with as well"},
+       {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
+       {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", true, true},
+       {"--frames", "VIDEO", "a Y4M file or folder of pictures, to time tracking on"},
+       {"--count", "N", "of its frames, at most; 480"}},
+      1,
+      run_bench};
 }
 
 }  // namespace pliant::cli

@@ -23,7 +23,11 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/args.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bake_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bench_klt.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bench_klt_motion.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bench_mcd.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_mesh.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bench_rows.cpp
   ${CMAKE_CURRENT_LIST_DIR}/command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/csv.cpp
   ${CMAKE_CURRENT_LIST_DIR}/draw.cpp

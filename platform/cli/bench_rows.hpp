@@ -1,0 +1,43 @@
+#pragma once
+/// \file bench_rows.hpp
+/// What the topics of `pliant bench` share: rows, quantiles, timing.
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace pliant::cli {
+
+/// Prints rows "topic,pliant,variant,metric,value", each as soon as it is known.
+class BenchRows {
+ public:
+  BenchRows(std::ostream& out, const char* topic) : out_(out), topic_(topic) {}
+  void operator()(const std::string& variant, const char* metric, double value) const {
+    out_ << topic_ << ",pliant," << variant << "," << metric << "," << value << std::endl;
+  }
+
+ private:
+  std::ostream& out_;
+  const char* topic_;
+};
+
+/// Between the two nearest values; NaN of none.
+double quantile(std::vector<double> values, double share);
+
+/// Milliseconds since some moment, of the wall and of this process.
+double wall_ms();
+double process_ms();
+
+/// Median time of a call, of at least `runs` calls and 0.4 s, after three that do not count.
+template <class Call>
+double median_microseconds(Call&& call, int runs) {
+  for (int i = 0; i < 3; ++i) call();
+  std::vector<double> times;
+  for (const double start = wall_ms(); static_cast<int>(times.size()) < runs || wall_ms() - start < 400;) {
+    const double before = wall_ms();
+    call();
+    times.push_back(1e3 * (wall_ms() - before));
+  }
+  return quantile(times, 0.5);
+}
+
+}  // namespace pliant::cli
