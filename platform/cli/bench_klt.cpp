@@ -67,6 +67,13 @@ PatchOptions strict() {
   return o;
 }
 
+// Half a window away from where the model predicts it, it is something else.
+PatchOptions strict_near(int window) {
+  PatchOptions o = strict();
+  o.max_move_px = 0.5f * static_cast<float>(window);
+  return o;
+}
+
 struct Region {
   double x0, y0, x1, y1;
   Region grown(double by) const { return {x0 - by, y0 - by, x1 + by, y1 + by}; }
@@ -115,9 +122,10 @@ KltOutcome run_case(KltRig& rig, const std::vector<Vec2>& points, const Case& c,
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec2 x = points[i], truth = c.motion(x);
     if (!inner.contains(x) || !inner.contains(truth)) continue;
-    const PatchResult r =
-        is_predicted ? rig.tracker->track(static_cast<int>(i), *rig.after, truth, c.motion.matrix(), strict())
-                     : rig.tracker->track_between(*rig.before, x, *rig.after, x, strict());
+    const PatchResult r = is_predicted
+                              ? rig.tracker->track(static_cast<int>(i), *rig.after, truth, c.motion.matrix(),
+                                                   strict_near(rig.tracker->limits().window))
+                              : rig.tracker->track_between(*rig.before, x, *rig.after, x, strict());
     const bool is_kept = r.status == PatchStatus::ok;
     if (c.is_occluded && hidden.contains(truth)) {
       ++o.hidden;
