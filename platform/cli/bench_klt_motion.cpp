@@ -1,4 +1,6 @@
-// The patch tracker over many frames: its drift over a known motion, and its time on a recording.
+// The patch tracker over many frames: its drift over a known motion, and its time on a recording. The folder of a motion
+// holds 00001.pgm ... and motion.csv without a header: frame, a, b, c, d, tx, ty, a point (x, y) of the first frame being
+// at (a x + b y + tx, c x + d y + ty).
 #include <cstdio>
 
 #include "cli/bench_klt.hpp"
@@ -81,7 +83,7 @@ struct Drift {
 
 void bench_drift(const BenchRows& row, const std::string& folder, int window) {
   const std::string path = folder + "/motion.csv";
-  const CsvTable motions(path, read_file(path));
+  const CsvTable motions(path, "frame,a,b,c,d,tx,ty\n" + read_file(path));
   const int count = static_cast<int>(motions.row_count());
   const std::string name = folder.substr(folder.find_last_of('/') + 1);
   Drift drift(read_luma(frame_path(folder, 1)), window);
