@@ -60,6 +60,7 @@ struct Sequence {
   InArena<Tracker> tracker{baked_face().model, limits()};
   FrameResult result;
   std::int64_t time = 0;
+  std::uint32_t number = 0;
   float normal_px = 0;  // mean landmark error of frames that nothing was done to
   std::size_t normal_frames = 0;
 
@@ -77,7 +78,7 @@ struct Sequence {
   }
   /// Gives the tracker these pixels; whatever they are, it must say something that holds together.
   TrackState give(const Pixels& pixels, std::int64_t time_ns) {
-    FrameView view{pixels.data(), kWidth, kHeight, kWidth, 1, time_ns, 0};
+    FrameView view{pixels.data(), kWidth, kHeight, kWidth, 1, time_ns, ++number};
     REQUIRE(tracker->update(view, &result) == Status::ok);
     CHECK(is_finite(result.pose));
     CHECK(is_finite(result.rms_px));
