@@ -37,14 +37,22 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   tangent_v_ = arena.take<Vec3>(limits.points);
   baked_points_ = arena.take<Vec3>(limits.points * baked_capacity_);
   predictions_ = arena.take<Prediction>(limits.points);
-  lengths_ = arena.take<float>(limits.points);
-  usable_ = arena.take<std::uint16_t>(limits.points);
+  rows_ = arena.take<Row>(limits.points);
   information_ = arena.take<Sym2>(limits.points);
+  residuals_ = arena.take<Vec2>(limits.points);
+  lengths_ = arena.take<float>(limits.points);
+  sorted_ = arena.take<float>(limits.points);
+  was_let_go_ = arena.take<std::uint8_t>(limits.points);
+  sample_capacity_ = limits.rejection_sample < limits.points ? limits.rejection_sample : limits.points;
+  sample_ = arena.take<float>(2 * kPoseUnknowns * sample_capacity_);
+  sample_force_ = arena.take<Vec2>(sample_capacity_);
+  sample_keep_ = arena.take<std::uint8_t>(sample_capacity_);
+  if (sample_capacity_ > 0) rejector_.lay_out(arena, {sample_capacity_, kPoseUnknowns});
   baked_vertices_ = arena.take<Vec3>(limits.bakes_vertices ? limits.vertices * baked_capacity_ : 0);
   vertex_ = arena.take<Vec3>(limits.vertices);
   vertex_image_ = arena.take<Vec2>(limits.vertices);
   vertex_depth_ = arena.take<float>(limits.vertices);
-  float** const per_parameter[] = {&q_, &expected_q_, &trial_q_, &sd_, &trusted_q_};
+  float** const per_parameter[] = {&q_, &expected_q_, &trial_q_, &rival_q_, &sd_, &trusted_q_};
   for (float** vector : per_parameter) *vector = arena.take<float>(parameters);
   step_ = arena.take<float>(unknowns);
   variance_ = arena.take<float>(unknowns);
@@ -72,7 +80,8 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   options_ = options;
   view_ = view_of(pose, camera);
   view_.q = normalised(pose.q);
-  trusted_view_ = view_;
+  trusted_view_ = expected_view_ = view_;
+  for (float& scale : cue_scale_) scale = 1;
   for (std::size_t i = 0; i < parameters; ++i) {
     const Parameter& p = model().parameters()[i];
     q_[i] = expected_q_[i] = trusted_q_[i] = clamp(q[i], p.minimum, p.maximum);
@@ -83,12 +92,17 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   seconds_ = 0;
   frame_ = 0;
   bad_frames_ = 0;
-  looked_for_ = 0;
+  row_count_ = looked_for_ = patches_looked_for_ = patch_inliers_ = 0;
+  solves_ = 0;
+  rejected_forces_ = false;
+  expect_motion();
   adapt_mesh();
   started_ = true;
   update_vertices(1);
-  result_ = {
-      TrackState::tracking, pose_of(view_), 0, 0, 0, 0, static_cast<std::uint16_t>(mesh_.vertex_count())};
+  result_ = {};
+  result_.state = TrackState::tracking;
+  result_.pose = pose_of(view_);
+  result_.vertices = static_cast<std::uint16_t>(mesh_.vertex_count());
   return Status::ok;
 }
 
@@ -113,9 +127,14 @@ void Estimator::begin(std::int64_t time_ns) {
     expected_q_[i] = q_[i];
     sd_[i] = options_.expression_rate * (p.maximum - p.minimum) * min(seconds_, 0.5f);
   }
-  looked_for_ = 0;
+  expected_view_ = view_;
+  expect_motion();
+  row_count_ = looked_for_ = patches_looked_for_ = patch_inliers_ = 0;
+  solves_ = 0;
+  rejected_forces_ = false;
   result_.tracked = result_.inliers = result_.iterations = 0;
-  result_.rms_px = 0;
+  result_.rms_px = result_.score = 0;
+  result_.pose_is_observed = false;
   ++frame_;
   const std::uint32_t share = options_.tangent_share > 0 ? options_.tangent_share : 1;
   for (std::uint16_t i = 0; i < limits_.points; ++i)
@@ -123,14 +142,22 @@ void Estimator::begin(std::int64_t time_ns) {
   place_outline();
 }
 
+/// How far the view may have moved since the last trusted frame: turn, scale and shift, independent.
+void Estimator::expect_motion() {
+  const float sd[kPoseUnknowns] = {0.03f, 0.03f, 0.03f, 0.02f, 4, 4};
+  const auto frames = static_cast<float>(1 + bad_frames_);
+  for (int k = 0; k < kPoseUnknowns; ++k) pose_variance_[k] = frames * sd[k] * frames * sd[k];
+}
+
 void Estimator::shift(Vec2 px) {
   if (!is_finite(px)) return;
   view_.tau = view_.tau + (1.0f / view_.s) * px;
+  expected_view_.tau = view_.tau;
   vertices_are_current_ = false;
 }
 
 void Estimator::propose(const View& view) {
-  view_ = view;
+  view_ = expected_view_ = view;
   for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) q_[i] = trusted_q_[i];
   update_vertices(1);
   place_outline();
@@ -155,6 +182,7 @@ Status Estimator::restore(const State& state) {
   if (!good) return Status::bad_argument;
   view_ = view_of(state.pose, camera_);
   view_.q = normalised(state.pose.q);
+  expected_view_ = view_;
   for (std::size_t k = 0; k < cascade_.column_count(); ++k) {
     const std::uint16_t i = cascade_.parameter_of(k);
     const Parameter& p = model().parameters()[i];
@@ -165,14 +193,26 @@ Status Estimator::restore(const State& state) {
   return Status::ok;
 }
 
+/// What the last solve found: enough of what was looked for, near enough, alike enough, and seeing the whole pose.
+bool Estimator::is_good() const {
+  const float per_width = static_cast<float>(width_) / 320;
+  const auto reaches = [](float share, std::size_t part, std::size_t all) {
+    return static_cast<float>(part) >= share * static_cast<float>(all);
+  };
+  const float scale = view_.s / trusted_view_.s;
+  return result_.inliers >= options_.lost_points && result_.rms_px <= options_.lost_rms_px * per_width &&
+         reaches(options_.lost_share, result_.inliers, looked_for_) &&
+         reaches(options_.lost_share, patch_inliers_, patches_looked_for_) &&
+         (result_.score == 0 || result_.score >= options_.lost_score) && result_.pose_is_observed &&
+         scale <= 1 + options_.lost_scale_change && scale * (1 + options_.lost_scale_change) >= 1;
+}
+
 FrameResult Estimator::end() {
   if (!started_) return {};
-  const float per_width = static_cast<float>(width_) / 320;
-  const auto looked_for = static_cast<float>(looked_for_);
-  const bool good = result_.inliers >= options_.lost_points &&
-                    result_.rms_px <= options_.lost_rms_px * per_width &&
-                    static_cast<float>(result_.inliers) >= options_.lost_share * looked_for;
+  const bool good = is_good();
   if (good) {
+    equations_.variances(variance_);
+    update_cue_scales();
     bad_frames_ = 0;
     trusted_view_ = view_;
     for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) trusted_q_[i] = q_[i];

@@ -35,6 +35,7 @@ Status Estimator::take_id(PointKind kind, std::uint16_t* id) {
   if (i == limits_.points) return Status::capacity;
   kind_[i] = kind;
   along_[i] = {};
+  was_let_go_[i] = 0;
   *id = i;
   return Status::ok;
 }
@@ -170,10 +171,8 @@ Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
     out.facing = -dot(normal, normalised(projector.to_camera(p)));
     if (kind_[id] == PointKind::curve) out.normal = across(out.jacobian * along_[id]);
   }
-  // How far the state may have moved since the last frame: turn, scale and shift, independent.
-  const float sd[kPoseUnknowns] = {0.03f, 0.03f, 0.03f, 0.02f, 4, 4};
   for (int k = 0; k < kPoseUnknowns; ++k) {
-    const float v = sd[k] * sd[k];
+    const float v = pose_variance_[k];
     out.covariance.xx += v * d.pose[k].x * d.pose[k].x;
     out.covariance.xy += v * d.pose[k].x * d.pose[k].y;
     out.covariance.yy += v * d.pose[k].y * d.pose[k].y;

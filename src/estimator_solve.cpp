@@ -1,9 +1,16 @@
-// The estimator's solve: observations become image forces f_i on surface points (Eq. 9), with robust weights.
+// The estimator's solve: which observations take part, in which order losses and rejection are applied (ALGORITHMS 6.5),
+// and what is left of them in the end.
 #include "estimator_problem.hpp"
 
 namespace pliant {
 
 namespace {
+
+constexpr std::size_t kFewestEquations = kPoseUnknowns + 4;
+constexpr float kLeastWeight = 0.1f;  // of an inlier
+constexpr int kIterationsAfter = 3;
+constexpr float kLeastPivot = 1e-4f;
+constexpr float kMostCueScale = 4;
 
 /// W (I + s^2 W)^-1: the information that is left when an error of deviation s is added. Keeps rank one.
 Sym2 with_added_error(Sym2 w, float s) {
@@ -13,68 +20,194 @@ Sym2 with_added_error(Sym2 w, float s) {
   return {inverse * (w.xx * d - w.xy * b), inverse * (w.xy * a - w.xx * b), inverse * (w.yy * a - w.xy * b)};
 }
 
+/// Rank one, or so near to it that one direction weighs less than a thousandth of the other.
+bool is_line(Sym2 w) {
+  const float trace = w.xx + w.yy;
+  return w.xx * w.yy - w.xy * w.xy <= 1e-3f * trace * trace;
+}
+
 }  // namespace
 
-std::size_t Estimator::gather(Span<Observation> observations) {
-  std::size_t n = 0;
-  for (std::size_t k = 0; k < observations.count; ++k) {
-    Observation& o = observations[k];
-    if (o.reason != Reason::found && o.reason != Reason::rejected) continue;
-    const Sym2 w = o.information;
-    const bool good = has_point(o.id) && is_finite(o.x) && is_finite(w.xx) && is_finite(w.xy) &&
-                      is_finite(w.yy) && w.xx >= 0 && w.yy >= 0;
-    o.reason = good ? Reason::found : Reason::not_visible;
-    if (good && n < limits_.points) usable_[n++] = static_cast<std::uint16_t>(k);
+/// An observation's information with the cue's own error added, in the cue's scale.
+Sym2 Estimator::informed(const Observation& o) const {
+  const auto cue = static_cast<std::size_t>(o.cue);
+  const float px = o.cue == Cue::edge ? options_.edge_error_px : options_.model_error_px;
+  const Sym2 w = with_added_error(o.information, px * static_cast<float>(width_) / 320);
+  const float share = 1.0f / (cue_scale_[cue] * cue_scale_[cue]);
+  return {share * w.xx, share * w.xy, share * w.yy};
+}
+
+bool Estimator::is_usable(const Observation& o) const {
+  const Sym2 w = o.information;
+  return has_point(o.id) && static_cast<std::size_t>(o.cue) < kCueCount && is_finite(o.x) &&
+         is_finite(w.xx) && is_finite(w.xy) && is_finite(w.yy) && w.xx >= 0 && w.yy >= 0 && w.xx + w.yy > 0;
+}
+
+/// Makes rows of the observations that take part: neighbours with one id are one row. Counts what was looked for.
+void Estimator::gather(Span<Observation> observations) {
+  row_count_ = 0;
+  looked_for_ = patches_looked_for_ = 0;
+  std::size_t equations = 0;
+  for (std::size_t k = 0; k < observations.count && k < kNone;) {
+    const std::size_t first = k;
+    bool was_looked_for = false, is_patch = false;
+    std::uint16_t good = 0;
+    Observation* alternative = nullptr;
+    for (; k < observations.count && observations[k].id == observations[first].id && k - first < 255; ++k) {
+      Observation& o = observations[k];
+      was_looked_for = was_looked_for || o.reason != Reason::not_visible;
+      is_patch = is_patch || (o.reason != Reason::not_visible && o.cue == Cue::patch);
+      if (o.reason != Reason::found && o.reason != Reason::rejected) continue;
+      o.reason = is_usable(o) && row_count_ < limits_.points ? Reason::found : Reason::not_visible;
+      if (o.reason == Reason::found && !options_.uses(o.cue)) o.reason = Reason::rejected;
+      if (o.reason != Reason::found) continue;
+      ++good;
+      alternative = &o;
+    }
+    looked_for_ += was_looked_for;
+    patches_looked_for_ += is_patch;
+    if (good == 0) continue;
+    Row& row = rows_[row_count_];
+    row = {alternative->id,
+           static_cast<std::uint16_t>(first),
+           static_cast<std::uint8_t>(k - first),
+           0,
+           alternative->cue,
+           true,
+           is_line(alternative->information)};
+    information_[row_count_++] = informed(*alternative);
+    equations += row.is_line ? 1 : 2;
   }
-  return n;
+  has_enough_ = equations >= kFewestEquations;
 }
 
 SolverReport Estimator::solve(Span<Observation> observations) {
   SolverReport report;
-  const std::size_t usable = started_ ? gather(observations) : 0;
-  result_.tracked = static_cast<std::uint16_t>(usable);
+  row_count_ = 0;
+  if (started_) gather(observations);
+  result_.tracked = static_cast<std::uint16_t>(row_count_);
   result_.inliers = 0;
-  looked_for_ = 0;
-  for (const Observation& o : observations) looked_for_ += o.reason != Reason::not_visible;
-  if (usable < 4) return report;
-  const float added = options_.model_error_px * static_cast<float>(width_) / 320;
-  for (std::size_t k = 0; k < usable; ++k)
-    information_[k] = with_added_error(observations[usable_[k]].information, added);
-  EstimatorProblem problem{*this, observations, usable};
-  problem.view = view_;
-  constexpr Loss kStages[2] = {Loss::huber, Loss::tukey};
-  for (Loss loss : kStages) {
-    problem.loss = loss;
-    problem.update_scale();
-    const SolverReport stage = problem.minimise(options_.iterations);
-    report.iterations += stage.iterations;
-    report.stop_reason = stage.stop_reason;
-    report.final_cost = stage.final_cost;
-    report.undetermined = stage.undetermined;
-    if (loss == Loss::huber) report.initial_cost = stage.initial_cost;
+  if (row_count_ == 0 || !has_enough_) {
+    row_count_ = 0;
+    return report;
   }
+  EstimatorProblem problem(*this, observations, view_);
+  problem.measure();
+  if (options_.rejection == Rejection::none)
+    problem.minimise(options_.iterations, &report);
+  else
+    solve_robustly(problem, &report);
   view_ = problem.view;
-  equations_.variances(variance_);
   result_.iterations = static_cast<std::uint16_t>(result_.iterations + report.iterations);
-  measure_inliers(observations, problem);
+  conclude(problem);
   return report;
 }
 
-void Estimator::measure_inliers(Span<Observation> observations, const EstimatorProblem& problem) {
-  float sum = 0;
-  std::uint16_t inliers = 0;
-  for (std::size_t k = 0; k < problem.usable; ++k) {
-    float px;
-    const float u = problem.residual(k, &px) / problem.scale;
-    if (evaluate(Loss::tukey, u).weight <= 0.1f) {
-      observations[usable_[k]].reason = Reason::rejected;
-      continue;
-    }
+void Estimator::solve_robustly(EstimatorProblem& problem, SolverReport* report) {
+  const Rejection rejection = options_.rejection;
+  if (solves_++ > 0) {
+    if (rejected_forces_) keep_as_before(problem);
+    problem.settle(Loss::tukey, options_.iterations, report);
+  } else if (rejection == Rejection::forces || rejection == Rejection::forces_readmitted) {
+    solve_by_forces(problem, report);
+  } else {
+    problem.settle(Loss::huber, options_.iterations, report);
+    problem.settle(Loss::tukey, options_.iterations, report);
+    if (rejection == Rejection::on_doubt && is_doubtful(problem)) problem.challenge(report);
+  }
+}
+
+void Estimator::solve_by_forces(EstimatorProblem& problem, SolverReport* report) {
+  rejected_forces_ = true;
+  problem.reject_forces();
+  problem.settle(Loss::huber, options_.iterations, report);
+  problem.settle(Loss::tukey, options_.iterations, report);
+  if (options_.rejection == Rejection::forces) return;
+  problem.readmit();
+  problem.minimise(kIterationsAfter, report);
+}
+
+/// Residuals well above what the cues have had lately, or much without weight: coherent things on the surface look so.
+bool Estimator::is_doubtful(const EstimatorProblem& problem) const {
+  std::size_t far = 0;
+  for (std::size_t k = 0; k < row_count_; ++k)
+    far += evaluate(Loss::tukey, lengths_[k] / problem.scale).weight <= kLeastWeight;
+  return problem.scale > options_.doubt_scale ||
+         static_cast<float>(far) > options_.doubt_share * static_cast<float>(row_count_);
+}
+
+/// In a later round: points that the round before let go have to fit first.
+void Estimator::keep_as_before(EstimatorProblem& problem) {
+  for (std::size_t k = 0; k < row_count_; ++k) rows_[k].is_kept = was_let_go_[rows_[k].id] == 0;
+  problem.readmit();
+}
+
+/// Counts and marks what has weight at the end.
+void Estimator::conclude(const EstimatorProblem& problem) {
+  float square_sum = 0, score_sum = 0;
+  std::uint16_t inliers = 0, scored = 0;
+  patch_inliers_ = 0;
+  for (std::size_t k = 0; k < row_count_; ++k) {
+    const Row& row = rows_[k];
+    const float u = lengths_[k] / problem.scale;
+    const bool fits =
+        row.is_kept && (problem.loss == Loss::squares || evaluate(Loss::tukey, u).weight > kLeastWeight);
+    was_let_go_[row.id] = fits ? 0 : 1;
+    Observation* const alternatives = &problem.observations[row.first];
+    for (std::uint8_t i = 0; i < row.count; ++i)
+      if (alternatives[i].reason == Reason::found && !(fits && i == row.chosen))
+        alternatives[i].reason = Reason::rejected;
+    if (!fits) continue;
     ++inliers;
-    sum += px * px;
+    square_sum += squared_px(k);
+    if (row.cue != Cue::patch) continue;
+    ++patch_inliers_;
+    score_sum += alternatives[row.chosen].score;
+    scored = static_cast<std::uint16_t>(scored + (alternatives[row.chosen].score != 0));
   }
   result_.inliers = inliers;
-  result_.rms_px = inliers > 0 ? square_root(sum / static_cast<float>(inliers)) : 0.0f;
+  result_.rms_px = inliers > 0 ? square_root(square_sum / static_cast<float>(inliers)) : 0.0f;
+  result_.score = scored > 0 ? score_sum / static_cast<float>(scored) : 0.0f;
+  result_.pose_is_observed = pose_is_observed();
+}
+
+/// Squared residual of a row, px^2: of a line's, what is across it.
+float Estimator::squared_px(std::size_t row) const {
+  const Sym2 w = information_[row];
+  const Vec2 r = residuals_[row];
+  if (!rows_[row].is_line) return dot(r, r);
+  return (w.xx * r.x * r.x + 2 * w.xy * r.x * r.y + w.yy * r.y * r.y) / (w.xx + w.yy);
+}
+
+/// Whether the observations alone determine the rigid block: pivots of its scaled Cholesky, priors taken out.
+bool Estimator::pose_is_observed() const {
+  float l[kPoseUnknowns][kPoseUnknowns];
+  for (std::size_t j = 0; j < kPoseUnknowns; ++j) {
+    const float diagonal = equations_.h(j, j) - 1.0f / pose_variance_[j];
+    float pivot = diagonal;
+    for (std::size_t k = 0; k < j; ++k) {
+      l[j][k] = equations_.h(j, k);
+      for (std::size_t m = 0; m < k; ++m) l[j][k] -= l[j][m] * l[k][m];
+      l[j][k] /= l[k][k];
+      pivot -= l[j][k] * l[j][k];
+    }
+    if (!(diagonal > 0) || !(pivot > kLeastPivot * diagonal)) return false;
+    l[j][j] = square_root(pivot);
+  }
+  return true;
+}
+
+/// How far each cue's residuals really are from their own deviations, for the next frame (ALGORITHMS 7.6).
+void Estimator::update_cue_scales() {
+  constexpr std::size_t kFewestRows = 8;
+  for (std::size_t c = 0; c < kCueCount; ++c) {
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < row_count_; ++k)
+      if (rows_[k].is_kept && rows_[k].cue == static_cast<Cue>(c)) sorted_[n++] = lengths_[k];
+    if (n < kFewestRows) continue;
+    const float seen = clamp(cue_scale_[c] * robust_scale(sorted_, n), 1, kMostCueScale);
+    cue_scale_[c] += options_.cue_scale_rate * (seen - cue_scale_[c]);
+  }
 }
 
 }  // namespace pliant

@@ -15,6 +15,33 @@ constexpr std::size_t kRowsPerColumn = 5;
 constexpr float kNotFinite = std::numeric_limits<float>::infinity();
 constexpr double kSmallestPivot =
     1e-6;  // relative: below, no point sees the parameter apart from those before it
+
+constexpr std::size_t packed(std::size_t row, std::size_t column) {  // of a lower triangle, column <= row
+  return row * (row + 1) / 2 + column;
+}
+
+/// A = L L^T in place; the diagonal gets 1 / pivot, or 0 where there is none.
+void factorise_lower(double* l, std::size_t p) {
+  for (std::size_t j = 0; j < p; ++j) {
+    const double all = l[packed(j, j)];
+    double pivot = all;
+    for (std::size_t k = 0; k < j; ++k) {
+      for (std::size_t m = 0; m < k; ++m) l[packed(j, k)] -= l[packed(j, m)] * l[packed(k, m)];
+      l[packed(j, k)] *= l[packed(k, k)];
+      pivot -= l[packed(j, k)] * l[packed(j, k)];
+    }
+    l[packed(j, j)] = pivot > kSmallestPivot * all ? 1 / square_root(pivot) : 0.0;
+  }
+}
+
+/// y = L^-1 y.
+void solve_lower(const double* l, std::size_t p, double* y) {
+  for (std::size_t j = 0; j < p; ++j) {
+    for (std::size_t k = 0; k < j; ++k) y[j] -= l[packed(j, k)] * y[k];
+    y[j] *= l[packed(j, j)];
+  }
+}
+
 bool is_finite_row(const float* jacobian, Vec2 force, std::size_t p) {
   bool finite = is_finite(force);
   for (std::size_t j = 0; j < 2 * p; ++j) finite = finite && is_finite(jacobian[j]);
@@ -23,46 +50,59 @@ bool is_finite_row(const float* jacobian, Vec2 force, std::size_t p) {
 }  // namespace
 
 void ForceRejector::lay_out(Arena& arena, const McdLimits& limits) {
-  row_capacity_ = limits.rows < kMcdMaxRows ? limits.rows : kMcdMaxRows;
-  column_capacity_ = limits.columns < kMcdMaxColumns ? limits.columns : kMcdMaxColumns;
+  McdLimits within = limits;
+  within.rows = limits.rows < kMcdMaxRows ? limits.rows : kMcdMaxRows;
+  within.columns = limits.columns < kForceMaxColumns ? limits.columns : kForceMaxColumns;
+  row_capacity_ = within.rows;
+  column_capacity_ = within.columns;
   row_ = arena.take<float>(row_capacity_ * column_capacity_);
-  mcd_.lay_out(arena, limits);
+  mcd_.lay_out(arena, within);
+  columns_ = 0;
 }
 
-/// row_i = L^-1 B_i^T f_i, where L L^T = sum of B^T B / rows. An unseen parameter gives a column of zeros.
-void ForceRejector::whiten(const float* jacobian, const Vec2* force, std::size_t rows, std::size_t p,
+/// L of sum of B^T B / rows = L L^T. An unseen parameter gets an inverse pivot of zero, so that its column is zeros.
+void ForceRejector::whiten(const float* jacobian, std::size_t rows, std::size_t p,
                            const std::uint8_t* finite) {
-  double l[kMcdMaxColumns][kMcdMaxColumns] = {};
+  for (double& value : whiten_) value = 0;
   for (std::size_t i = 0; i < rows; ++i) {
     if (finite[i] == 0) continue;
     const float *bx = jacobian + i * 2 * p, *by = bx + p;
     for (std::size_t j = 0; j < p; ++j)
       for (std::size_t k = 0; k <= j; ++k)
-        l[j][k] += static_cast<double>(bx[j]) * static_cast<double>(bx[k]) +
-                   static_cast<double>(by[j]) * static_cast<double>(by[k]);
+        whiten_[packed(j, k)] += static_cast<double>(bx[j]) * static_cast<double>(bx[k]) +
+                                 static_cast<double>(by[j]) * static_cast<double>(by[k]);
   }
-  double inverse[kMcdMaxColumns];
-  for (std::size_t j = 0; j < p; ++j) {
-    double pivot = l[j][j];
-    for (std::size_t k = 0; k < j; ++k) {
-      for (std::size_t m = 0; m < k; ++m) l[j][k] -= l[j][m] * l[k][m];
-      l[j][k] *= inverse[k];
-      pivot -= l[j][k] * l[j][k];
-    }
-    inverse[j] = pivot > kSmallestPivot * l[j][j] ? 1 / square_root(pivot) : 0.0;
-  }
-  const double unit = square_root(static_cast<double>(rows));
-  for (std::size_t i = 0; i < rows; ++i) {
-    const float *bx = jacobian + i * 2 * p, *by = bx + p;
-    double y[kMcdMaxColumns];
-    for (std::size_t j = 0; j < p; ++j) {
-      y[j] = static_cast<double>(bx[j]) * static_cast<double>(force[i].x) +
-             static_cast<double>(by[j]) * static_cast<double>(force[i].y);
-      for (std::size_t k = 0; k < j; ++k) y[j] -= l[j][k] * y[k];
-      y[j] *= inverse[j];
-      row_[i * p + j] = finite[i] != 0 ? static_cast<float>(unit * y[j]) : kNotFinite;
-    }
-  }
+  unit_ = square_root(static_cast<double>(rows));
+  factorise_lower(whiten_, p);
+}
+
+/// row = L^-1 B^T f.
+void ForceRejector::project(const float* jacobian, Vec2 force, double* row) const {
+  const float *bx = jacobian, *by = bx + columns_;
+  for (std::size_t j = 0; j < columns_; ++j)
+    row[j] = unit_ * (static_cast<double>(bx[j]) * static_cast<double>(force.x) +
+                      static_cast<double>(by[j]) * static_cast<double>(force.y));
+  solve_lower(whiten_, columns_, row);
+}
+
+/// Prepares `agrees`.
+void ForceRejector::factorise() {
+  for (std::size_t j = 0; j < columns_; ++j)
+    for (std::size_t k = 0; k <= j; ++k)
+      factor_[packed(j, k)] = mcd_.reweighted().covariance[j * columns_ + k];
+  factorise_lower(factor_, columns_);
+}
+
+bool ForceRejector::agrees(const float* jacobian, Vec2 force) const {
+  if (columns_ == 0 || !is_finite_row(jacobian, force, columns_)) return false;
+  if (dot(force, force) <= least_) return true;
+  double row[kForceMaxColumns];
+  project(jacobian, force, row);
+  for (std::size_t j = 0; j < columns_; ++j) row[j] -= mcd_.reweighted().center[j];
+  solve_lower(factor_, columns_, row);
+  double square = 0;
+  for (std::size_t j = 0; j < columns_; ++j) square += row[j] * row[j];
+  return square <= mcd_.cutoff();
 }
 
 Status ForceRejector::reject(const float* jacobian, const Vec2* force, std::size_t rows, std::size_t columns,
@@ -71,20 +111,32 @@ Status ForceRejector::reject(const float* jacobian, const Vec2* force, std::size
       !(options.noise_px >= 0.0f) || !(options.cutoff > 0.0f && options.cutoff < 1.0f))
     return Status::bad_argument;
   if (rows > row_capacity_ || columns > column_capacity_) return Status::capacity;
+  columns_ = 0;
   std::size_t finite = 0;
   for (std::size_t i = 0; i < rows; ++i) {
     keep[i] = is_finite_row(jacobian + i * 2 * columns, force[i], columns) ? 1 : 0;
     finite += keep[i];
   }
   if (finite < kRowsPerColumn * columns) return Status::too_few_points;
-  whiten(jacobian, force, rows, columns, keep);
+  whiten(jacobian, rows, columns, keep);
+  columns_ = columns;
+  for (std::size_t i = 0; i < rows; ++i) {
+    double row[kForceMaxColumns];
+    project(jacobian + i * 2 * columns, force[i], row);
+    for (std::size_t j = 0; j < columns; ++j)
+      row_[i * columns + j] = keep[i] != 0 ? static_cast<float>(row[j]) : kNotFinite;
+  }
   McdOptions mcd;
   mcd.cutoff = options.cutoff;
   const Status status = mcd_.deterministic(row_, rows, columns, options.starts, mcd);
-  if (status != Status::ok && status != Status::degenerate_data) return status;
-  const float least = options.noise_px * options.noise_px;
+  if (status != Status::ok && status != Status::degenerate_data) {
+    columns_ = 0;
+    return status;
+  }
+  factorise();
+  least_ = options.noise_px * options.noise_px;
   for (std::size_t i = 0; i < rows; ++i)
-    if (keep[i] != 0 && mcd_.is_flagged(i) && dot(force[i], force[i]) > least) keep[i] = 0;
+    if (keep[i] != 0 && mcd_.is_flagged(i) && dot(force[i], force[i]) > least_) keep[i] = 0;
   return Status::ok;
 }
 

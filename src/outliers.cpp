@@ -51,6 +51,8 @@ void Mcd::lay_out(Arena& arena, const McdLimits& limits) {
   matrices_ = arena.take<double>(2 * p * p);
   candidate_pool_ = arena.take<float>(mcd::kCandidates * (p + mcd::packed_size(p)));
   histogram_ = arena.take<std::uint16_t>(mcd::kHistogram);
+  estimates_ = arena.take<McdEstimate>(2);
+  if (estimates_ != nullptr) estimates_[0] = estimates_[1] = {};
   if (histogram_ != nullptr && !arena.exhausted())
     for (std::size_t i = 0; i < mcd::kHistogram; ++i) histogram_[i] = 0;
   rows_ = columns_ = best_count_ = 0;
@@ -72,7 +74,7 @@ Status Mcd::prepare(const float* data, std::size_t rows, std::size_t columns, co
   full_steps_ = best_count_ = 0;
   determinant_ = {};
   raw_correction_ = reweighted_correction_ = 1;
-  raw_ = reweighted_ = {};
+  estimates_[0] = estimates_[1] = {};
   finite_rows_ = 0;
   for (std::size_t i = 0; i < rows; ++i) {
     bool finite = true;
@@ -98,10 +100,10 @@ Status Mcd::prepare(const float* data, std::size_t rows, std::size_t columns, co
 void Mcd::answer_too_few(const float* data) {
   for (std::size_t j = 0; j < columns_ && used_rows_ > 0; ++j) {
     for (std::size_t i = 0; i < used_rows_; ++i) work_[i] = data[row_of_[i] * columns_ + j];
-    raw_.center[j] =
+    estimates_[0].center[j] =
         static_cast<double>(mcd::kth_smallest(work_, used_rows_, (used_rows_ + 1) / 2, scratch()));
   }
-  reweighted_ = raw_;
+  estimates_[1] = estimates_[0];
 }
 
 /// False where a column turned out constant: it is off then, rows are fewer, and everything has to be done
@@ -194,14 +196,15 @@ Status Mcd::finish(const McdOptions& options) {
   if (p == 0) {  // all good rows are one point
     best_count_ = subset_size_;
     for (std::size_t i = 0; i < best_count_; ++i) best_[i] = row_of_[i];
-    for (std::size_t j = 0; j < columns_; ++j) raw_.center[j] = reweighted_.center[j] = median_[j];
+    for (std::size_t j = 0; j < columns_; ++j) estimates_[0].center[j] = estimates_[1].center[j] = median_[j];
     return Status::degenerate_data;
   }
   cutoff_ = chi_square_quantile(p, static_cast<double>(options.cutoff));
   const double share = static_cast<double>(subset_size_) / static_cast<double>(n);
   raw_correction_ =
       mcd_consistency_factor(p, share) * (options.small_sample ? mcd_small_sample_raw(n, p, alpha) : 1.0);
-  const bool regular = estimate_from(best_, subset_size_, raw_correction_, raw_distance_, raw_, determinant_);
+  const bool regular =
+      estimate_from(best_, subset_size_, raw_correction_, raw_distance_, estimates_[0], determinant_);
   std::size_t good = 0;
   for (std::size_t i = 0; i < used_rows_; ++i) {
     subset_[good] = static_cast<std::uint16_t>(i);
@@ -213,7 +216,7 @@ Status Mcd::finish(const McdOptions& options) {
   reweighted_correction_ = mcd_consistency_factor(p, static_cast<double>(good) / static_cast<double>(n)) *
                            (options.small_sample ? mcd_small_sample_reweighted(n, p, alpha) : 1.0);
   ScaledNumber unused;
-  estimate_from(subset_, good, reweighted_correction_, distance_, reweighted_, unused);
+  estimate_from(subset_, good, reweighted_correction_, distance_, estimates_[1], unused);
   best_count_ = subset_size_;
   for (std::size_t i = 0; i < best_count_; ++i) best_[i] = row_of_[best_[i]];
   return regular && p == columns_ ? Status::ok : Status::degenerate_data;

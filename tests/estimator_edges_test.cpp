@@ -187,6 +187,19 @@ TEST_CASE("edges alone give the pose, wherever along its tangent each was found"
   }
 }
 
+TEST_CASE("edges determine nothing along themselves: curves down the surface leave its height as predicted") {
+  Scene scene(lined_egg());
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, Scene::pose(0));
+  scene.add_curves(e.object, "down1", 8);  // a straight line in the image
+  const Pose there = Scene::pose(0, {3, 4});
+  e->begin(1);
+  std::vector<Observation> seen = scene.edges_at(e.object, there, 0);
+  e->solve(span(seen));
+  CHECK(e->view().tau.x == doctest::Approx(3).epsilon(0.15));
+  CHECK(magnitude(e->view().tau.y - 5) < 0.3f);
+}
+
 TEST_CASE("outline points lie where the surface turns away, each in its sector, with normals outwards") {
   Scene scene(ellipsoid());
   InArena<Estimator> e(scene.model, scene.limits);

@@ -11,6 +11,7 @@
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/field.hpp"
+#include "pliant/image_forces.hpp"
 #include "pliant/mesh.hpp"
 #include "pliant/model.hpp"
 #include "pliant/observation.hpp"
@@ -26,6 +27,9 @@ struct EstimatorLimits {
   std::uint16_t points =
       128;  ///< surface points followed at once (anchors, markers, edge points); ids are below this
   std::uint16_t outline_points = 0;  ///< of those, that slide along the outline; 304 bytes each, 16 a vertex
+  /// Observations that the rejection of image forces looks at: of more, a sample. 0: none, and no memory for it (else 25
+  /// kB and 200 bytes each).
+  std::uint16_t rejection_sample = 256;
   std::uint16_t vertices =
       512;  ///< of the mesh, at least those of the model's base mesh; faces are twice as many
   std::uint16_t free_parameters = 0;  ///< estimated at once, at most; 0: all that the model has
@@ -37,13 +41,34 @@ struct EstimatorLimits {
   bool bakes_vertices = true;
 };
 
+/// What is done about observations that are false (ALGORITHMS: section 6.5).
+enum class Rejection : std::uint8_t {
+  none = 0,     ///< least squares
+  weights = 1,  ///< robust weights on residuals: Huber, then Tukey
+  forces =
+      2,  ///< and before, in a frame's first solve, by image forces in parameter space (image_forces.hpp)
+  forces_readmitted = 3,  ///< and after it, what fits the result is taken back
+  /// Weights; where they leave doubt (large residuals, much without weight) the solve is done again with
+  /// forces_readmitted, and the one that explains more is kept.
+  on_doubt = 4,
+};
+
 struct EstimatorOptions {
   int iterations = 4;  ///< Gauss-Newton steps in each of the two stages (Huber, Tukey) of a solve, at most
-  float relative_decrease = 1e-3f;  ///< a stage ends when a step lowers the cost by less than this share
+  float relative_decrease = 1e-3f;  ///< a stage ends when a step would lower the cost by less than this share
+  Rejection rejection = Rejection::on_doubt;
+  float doubt_scale = 2;      ///< residuals over those that the cues usually have
+  float doubt_share = 0.15f;  ///< of the observations, without weight
+  float readmission = 3.5f;   ///< scales of the residuals kept within which an observation is taken back
+  std::uint8_t cues = 0x0f;   ///< bit k: cue k takes part
+  bool uses(Cue cue) const { return (cues >> static_cast<unsigned>(cue) & 1u) != 0; }
+  float cue_scale_rate =
+      0.1f;  ///< how fast the scale of a cue's errors follows the residuals, a frame; 0: never
   float mesh_error_mm =
       0.3f;  ///< the mesh is refined by the contour criterion to this mean error, or to its limit
   float model_error_px =
       0.5f;  ///< what the model cannot explain, at 320 px of image width: added to every observation
+  float edge_error_px = 0.7f;    ///< the same of edges
   float expression_rate = 3.0f;  ///< ranges a parameter may cross in a second (one sd of the temporal prior)
   float prior_strength = 1.0f;   ///< weight of the parameters' own prior
   std::uint8_t tangent_share =
@@ -52,10 +77,12 @@ struct EstimatorOptions {
   std::uint8_t vertex_share = 4;  ///< so for the mesh's vertices, which only tell what hides what
   float min_facing =
       0.3f;  ///< cosine of surface normal and viewing direction below which a point is not visible
-  float lost_rms_px = 4.0f;       ///< at 320 px of image width
-  float lost_share = 0.15f;       ///< of the observations tried that must be inliers
-  std::uint16_t lost_points = 8;  ///< inliers needed
-  std::uint8_t lost_frames = 3;   ///< bad frames in a row until the state is `lost`
+  float lost_rms_px = 4.0f;  ///< at 320 px of image width
+  float lost_share = 0.15f;  ///< of the points looked for that must be inliers; and of those of cue patch
+  float lost_score = 0.5f;   ///< mean correlation of the inliers of cue patch
+  float lost_scale_change = 0.2f;  ///< of the image scale, from one frame to the next
+  std::uint16_t lost_points = 8;   ///< inliers needed
+  std::uint8_t lost_frames = 3;    ///< bad frames in a row until the state is `lost`
 };
 
 enum class TrackState : std::uint8_t { tracking = 0, degraded = 1, lost = 2 };
@@ -65,9 +92,11 @@ struct FrameResult {
   Pose pose;                  ///< meaningful unless lost
   std::uint16_t tracked = 0;  ///< observations found
   std::uint16_t inliers = 0;  ///< those with weight at the end
-  float rms_px = 0;           ///< of the inliers
+  float rms_px = 0;           ///< of the inliers; of an edge, across it
   std::uint16_t iterations = 0;
-  std::uint16_t vertices = 0;  ///< of the mesh
+  std::uint16_t vertices = 0;     ///< of the mesh
+  float score = 0;                ///< mean of the inliers of cue patch: correlation
+  bool pose_is_observed = false;  ///< the observations alone determine all of the pose
 };
 
 /// A state on its own: of a key frame, of a session. The arrays are the caller's, a value for each of the model's
@@ -163,6 +192,7 @@ class Estimator {
   Status take_id(PointKind kind, std::uint16_t* id);
   void place(std::uint16_t id, Vec2 uv);
   void place_outline();
+  void expect_motion();
   Vec3* baked_point(std::size_t id) { return baked_points_ + id * baked_stride_; }
   Vec3* baked_vertex(std::size_t v) { return baked_vertices_ + v * baked_stride_; }
   void adapt_mesh();
@@ -171,8 +201,25 @@ class Estimator {
   void project_vertices();
   void update_tangents(std::uint16_t id);
   Prediction prediction(std::uint16_t id, const Projector& projector);
-  std::size_t gather(Span<Observation> observations);
-  void measure_inliers(Span<Observation> observations, const struct EstimatorProblem& problem);
+  /// The observations of one point: one, or alternatives.
+  struct Row {
+    std::uint16_t id, first;     // first observation
+    std::uint8_t count, chosen;  // neighbours from there on, some perhaps not usable; the one that counts
+    Cue cue;
+    bool is_kept, is_line;
+  };
+  void gather(Span<Observation> observations);
+  bool is_usable(const Observation& o) const;
+  Sym2 informed(const Observation& o) const;
+  void solve_robustly(struct EstimatorProblem& problem, SolverReport* report);
+  void solve_by_forces(EstimatorProblem& problem, SolverReport* report);
+  bool is_doubtful(const EstimatorProblem& problem) const;
+  void keep_as_before(EstimatorProblem& problem);
+  void conclude(const EstimatorProblem& problem);
+  float squared_px(std::size_t row) const;
+  bool pose_is_observed() const;
+  void update_cue_scales();
+  bool is_good() const;
 
   Cascade cascade_;
   Mesh mesh_;
@@ -185,12 +232,18 @@ class Estimator {
   int width_ = 0, height_ = 0;
   bool started_ = false;
 
-  View view_, trusted_view_;
+  View view_, trusted_view_, expected_view_;
+  float pose_variance_[kPoseUnknowns] = {};  // of the expected view
   std::int64_t time_ns_ = 0;
   float seconds_ = 0;  // since the last frame
   int bad_frames_ = 0;
   FrameResult result_;
-  std::size_t looked_for_ = 0;  // observations that the platform tried to make in this frame
+  // Of the last solve: points that the platform looked for, those by a patch, and patches among the inliers.
+  std::size_t looked_for_ = 0, patches_looked_for_ = 0, patch_inliers_ = 0;
+  int solves_ = 0;                // in this frame
+  bool rejected_forces_ = false;  // in its first solve
+  static constexpr std::size_t kCueCount = 4;
+  float cue_scale_[kCueCount] = {1, 1, 1, 1};
 
   std::size_t baked_stride_ = 0, baked_capacity_ = 0;
   PointKind* kind_ = nullptr;
@@ -205,13 +258,25 @@ class Estimator {
   Vec2* vertex_image_ = nullptr;
   float* vertex_depth_ = nullptr;
   Prediction* predictions_ = nullptr;
-  float *q_ = nullptr, *expected_q_ = nullptr, *trial_q_ = nullptr, *sd_ = nullptr, *trusted_q_ = nullptr;
-  float *step_ = nullptr, *lengths_ = nullptr, *variance_ = nullptr;
+  float *q_ = nullptr, *expected_q_ = nullptr, *trial_q_ = nullptr, *rival_q_ = nullptr, *sd_ = nullptr,
+        *trusted_q_ = nullptr;
+  float *step_ = nullptr, *variance_ = nullptr;
   std::uint16_t* unknown_ = nullptr;
   Vec2* column_ = nullptr;
-  Sym2* information_ = nullptr;  // of those, with the model's own error added
+
+  Row* rows_ = nullptr;
+  std::size_t row_count_ = 0;
+  bool has_enough_ = false;
+  Sym2* information_ = nullptr;  // of the rows, with the cue's own error added
+  Vec2* residuals_ = nullptr;    // px
+  float *lengths_ = nullptr, *sorted_ = nullptr;
+  std::uint8_t* was_let_go_ = nullptr;  // by id: in the last solve
+  ForceRejector rejector_;
+  std::size_t sample_capacity_ = 0;
+  float* sample_ = nullptr;
+  Vec2* sample_force_ = nullptr;
+  std::uint8_t* sample_keep_ = nullptr;
   bool vertices_are_current_ = false;
-  std::uint16_t* usable_ = nullptr;  // indices of the observations that take part
 };
 
 }  // namespace pliant

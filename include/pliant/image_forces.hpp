@@ -6,6 +6,9 @@
 
 namespace pliant {
 
+/// Largest block of parameters: the rigid ones with the focal length, and one more.
+inline constexpr std::size_t kForceMaxColumns = 8;
+
 struct ForceOptions {
   float cutoff = 0.999f;  ///< in (0,1): quantile of chi-square beyond which a force is rejected
   float noise_px =
@@ -26,7 +29,7 @@ struct ForceOptions {
 ///   these back after the first solve.
 class ForceRejector {
  public:
-  /// `limits.columns` is the size of the block. Bytes: those of `Mcd` and 4 a value.
+  /// `limits.columns` is the size of the block, at most kForceMaxColumns. Bytes: those of `Mcd` and 4 a value.
   void lay_out(Arena& arena, const McdLimits& limits);
 
   /// \param jacobian  rows x 2 x columns: of each point the row of x, then that of y (px per unit of the parameter).
@@ -39,14 +42,27 @@ class ForceRejector {
   Status reject(const float* jacobian, const Vec2* force, std::size_t rows, std::size_t columns,
                 const ForceOptions& options, std::uint8_t* keep);
 
+  /// The same decision about a force that was not among those of the last `reject`, by their centre and covariance: with
+  /// very many, a sample of them is enough to estimate from. Cost: columns^2 multiply-adds.
+  /// \param jacobian  2 x columns, as before.
+  bool agrees(const float* jacobian, Vec2 force) const;
+
   /// The estimate behind the last decision, in whitened parameters.
   const Mcd& mcd() const { return mcd_; }
 
  private:
-  void whiten(const float* jacobian, const Vec2* force, std::size_t rows, std::size_t columns,
-              const std::uint8_t* finite);
+  void whiten(const float* jacobian, std::size_t rows, std::size_t columns, const std::uint8_t* finite);
+
+  void project(const float* jacobian, Vec2 force, double* row) const;
+  void factorise();
 
   Mcd mcd_;
+  double whiten_[kForceMaxColumns * (kForceMaxColumns + 1) / 2] = {};  // L by rows, its pivots inverted
+  double factor_[kForceMaxColumns * (kForceMaxColumns + 1) / 2] =
+      {};  // the same of the estimate's covariance
+  double unit_ = 1;
+  float least_ = 0;  // squared length of a force that is never rejected
+  std::size_t columns_ = 0;
   float* row_ = nullptr;
   std::size_t row_capacity_ = 0, column_capacity_ = 0;
 };

@@ -21,7 +21,7 @@ inline constexpr std::size_t kMcdMaxRows = 4096;
 /// Squared distance of a row that lies off a subspace which holds all the good ones.
 inline constexpr float kMcdOffSubspace = 1e30f;
 
-/// Largest data an `Mcd` takes. Bytes for p columns: 8 a value, 24 a row, 768 a column, 136 p^2, and 9 kB: 40 kB for
+/// Largest data an `Mcd` takes. Bytes for p columns: 8 a value, 24 a row, 768 a column, 136 p^2, and 19 kB: 50 kB for
 /// 256 x 6, 1 MB for 4096 x 24. About 16 kB of stack besides.
 struct McdLimits {
   std::size_t rows = 512;   ///< at most kMcdMaxRows
@@ -98,9 +98,9 @@ class Mcd {
   /// Determinant of the plain covariance (divided by h - 1) of the best subset, over the columns that vary.
   ScaledNumber determinant() const { return determinant_; }
   /// The best subset's mean and covariance times both corrections.
-  const McdEstimate& raw() const { return raw_; }
+  const McdEstimate& raw() const { return estimates_[0]; }
   /// Mean and corrected covariance of the rows that `raw` does not flag.
-  const McdEstimate& reweighted() const { return reweighted_; }
+  const McdEstimate& reweighted() const { return estimates_[1]; }
   /// Consistency factor times small-sample factor that went into each.
   double raw_correction() const { return raw_correction_; }
   double reweighted_correction() const { return reweighted_correction_; }
@@ -142,7 +142,7 @@ class Mcd {
   std::uint8_t active_[kMcdMaxColumns] = {};
   double median_[kMcdMaxColumns] = {}, scale_[kMcdMaxColumns] = {};
   ScaledNumber determinant_;
-  McdEstimate raw_ = {}, reweighted_ = {};
+  McdEstimate* estimates_ = nullptr;  // raw, reweighted
   double raw_correction_ = 1, reweighted_correction_ = 1, cutoff_ = 0;
 };
 
