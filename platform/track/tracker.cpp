@@ -35,6 +35,7 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   e.free_parameters = limits.free_parameters;
   e.baked_samples = limits.baked_samples;
   e.bakes_vertices = limits.bakes_vertices;
+  e.rejection_sample = limits.rejection_sample;
   return e;
 }
 

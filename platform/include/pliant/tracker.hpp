@@ -37,6 +37,7 @@ struct TrackerLimits {
       96;  ///< of the small pictures in which a fast or a lost head is found, at most
   std::uint16_t free_parameters = 0, baked_samples = 0;  ///< as in EstimatorLimits
   bool bakes_vertices = true;                            ///< as in EstimatorLimits
+  std::uint16_t rejection_sample = 256;                  ///< as in EstimatorLimits
 
   static constexpr int kMostKeyFrames = 8;
 };
@@ -55,6 +56,7 @@ constexpr TrackerLimits profile_s() {
   l.free_parameters = 40;
   l.baked_samples = 44;
   l.bakes_vertices = false;
+  l.rejection_sample = 0;
   return l;
 }
 
