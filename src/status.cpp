@@ -32,6 +32,7 @@ const char* text(Status status) {
     case Status::not_ready: return "the operator does not apply here";
     case Status::isolated_vertex: return "a vertex belongs to no face";
     case Status::degenerate_data: return "most rows lie in a subspace";
+    case Status::camera_lost: return "the camera was unplugged or gives no frames";
     case Status::stale_frame: return "the frame came twice, or late";
   }
   return "unknown status";

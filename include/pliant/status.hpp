@@ -38,6 +38,7 @@ enum class [[nodiscard]] Status : std::uint8_t {
   not_ready = 25,           ///< mesh: the operator's precondition does not hold here
   isolated_vertex = 26,     ///< base mesh: a vertex that no face uses
   degenerate_data = 27,     ///< outliers: most rows lie in a subspace; the answer given is within it
+  camera_lost = 28,         ///< a camera was unplugged, or gives nothing any more
   stale_frame = 29,         ///< a frame no newer than the one before: it came twice, or late
 };
 

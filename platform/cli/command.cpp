@@ -10,11 +10,11 @@ namespace pliant::cli {
 namespace {
 
 /// Sub-commands of the interface that other builds have.
-constexpr const char* kElsewhere[] = {"plan", "camera"};
+constexpr const char* kElsewhere[] = {"plan"};
 
 std::vector<Command> commands() {
-  return {bake_command(), info_command(), mesh_command(), points_command(), fit_command(), track_command(), animate_command(),
-          render_command(), bench_command()};
+  return {bake_command(),  info_command(),    mesh_command(),   points_command(), fit_command(),
+          track_command(), animate_command(), render_command(), camera_command(), bench_command()};
 }
 
 void print_help(std::ostream& out) {

@@ -33,6 +33,7 @@ Command fit_command();
 Command track_command();
 Command animate_command();
 Command render_command();
+Command camera_command();
 Command bench_command();
 
 /// Runs a whole command line (without the program's name). \return 0 on success, 2 on bad usage, 1 on bad

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include "cli/command.hpp"
 #include "cli/failure.hpp"
 #include "cli/files.hpp"
+#include "cli/interrupt.hpp"
 #include "cli/owned.hpp"
 #include "cli/start.hpp"
 #include "cli/track_output.hpp"
@@ -20,7 +22,6 @@ namespace {
 class Frames {
  public:
   Frames(const std::string& name, bool is_mirrored) : name_(name), is_mirrored_(is_mirrored) {
-    if (name.rfind("camera:", 0) == 0) fail_usage("--frames camera: is not available in this build");
     OpenedFrames opened = open_frames(name);
     if (opened.source == nullptr) throw Failure(kBadInput, opened.message);
     source_ = std::move(opened.source);
@@ -28,6 +29,7 @@ class Frames {
   const std::string& name() const { return name_; }
   ImageSize size() const { return {source_->width(), source_->height()}; }
   FrameRate rate() const { return source_->rate(); }
+  bool is_live() const { return source_->is_live(); }
   /// Why `next` gave no frame; empty at the regular end.
   const std::string& message() const { return source_->message(); }
 
@@ -35,7 +37,14 @@ class Frames {
     const Status status = source_->next(*frame);
     if (status != Status::ok) return false;
     if (is_mirrored_) mirror(frame);
+    if (!first_) first_ = *frame;
     return true;
+  }
+  /// Counted from the first one. A camera's frames keep its numbers, so that those that were missed leave gaps.
+  std::size_t number(const FrameView& frame) const { return frame.sequence - first_->sequence; }
+  double time_s(const FrameView& frame) const {
+    if (is_live()) return 1e-9 * static_cast<double>(frame.time_ns - first_->time_ns);
+    return static_cast<double>(number(frame)) / rate().per_second();
   }
 
  private:
@@ -50,6 +59,7 @@ class Frames {
   std::string name_;
   bool is_mirrored_;
   std::unique_ptr<FrameSource> source_;
+  std::optional<FrameView> first_;
   Image flipped_;
 };
 
@@ -127,15 +137,19 @@ int run_track(const Args& args, Console& console) {
                          options),
           frames.name() + ": frame 0");
   TrackOutput output(args, model, markers.names, frames.rate());
-  output.add(0, frame, *tracker, 0);
+  output.add(0, 0, frame, *tracker, 0);
   Progress progress(console, "frame");
-  for (std::size_t number = 1; frames.next(&frame); ++number) {
+  // A camera has no end of its own: Ctrl-C ends it, and what was tracked is kept.
+  const InterruptWatch watch(frames.is_live());
+  const int last = args.integer("--count", 0, 1, 1 << 30);
+  for (int count = 1; count != last && !watch.was_interrupted() && frames.next(&frame); ++count) {
+    const std::size_t number = frames.number(frame);
     FrameResult result;
     const auto before = std::chrono::steady_clock::now();
     require(tracker->update(frame, &result), frames.name() + ": frame " + std::to_string(number));
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - before;
-    output.add(number, frame, *tracker, elapsed.count());
-    progress.show(number + 1);
+    output.add(number, frames.time_s(frame), frame, *tracker, elapsed.count());
+    progress.show(static_cast<std::size_t>(count) + 1);
   }
   // A stream that breaks off leaves what came before it.
   output.commit(tracker.used_bytes(), start.camera.f);
@@ -149,11 +163,12 @@ int run_track(const Args& args, Console& console) {
 Command track_command() {
   return {"track",
           "Follows a model through a video, from a start in its first frame.",
-          "face.plm --frames VIDEO.y4m|FOLDER|- --init fit.json|points.csv --out track.csv [--landmarks] "
+          "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv --out track.csv [--landmarks] "
           "[--markers points.csv] [--marker-exclusion-px R] [--focal PX] [--mirror] [--freeze GROUP] "
-          "[--refine-identity] [--profile s|l] "
+          "[--refine-identity] [--profile s|l] [--count N] "
           "[--overlay out.y4m] [--sheet out.png] [--report report.html] [--truth truth.csv]",
-          {{"--frames", "SOURCE", "a Y4M file, a folder of PGM or PPM, or - for Y4M on standard input"},
+          {{"--frames", "SOURCE",
+            "a Y4M file, a folder of PGM or PPM, - for Y4M on standard input, or camera:[ID|INDEX][@WxH]"},
            {"--init", "FILE", "frame 0: a fit.json, or a points.csv that is fitted first"},
            {"--out", "CSV", "the track to write: a row a frame"},
            {"--landmarks", nullptr, "columns with the model's landmarks as well"},
@@ -165,6 +180,7 @@ Command track_command() {
            {"--freeze", "GROUP", "identity (default), or expression: follow the head only"},
            {"--refine-identity", nullptr, "let the identity move as well"},
            {"--profile", "s|l", "capacities of a small or a large device; else by the size of the picture"},
+           {"--count", "N", "stop after so many frames"},
            {"--overlay", "Y4M", "the video with the mesh on it"},
            {"--sheet", "PNG", "nine frames of that on one picture"},
            {"--truth", "CSV", "the truth of a rendered video, to compare with"},

@@ -30,11 +30,12 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
   table_.write(track_header(model, names));
 }
 
-void TrackOutput::add(std::size_t number, const FrameView& frame, Tracker& tracker, double milliseconds) {
+void TrackOutput::add(std::size_t number, double time_s, const FrameView& frame, Tracker& tracker,
+                      double milliseconds) {
   const FrameResult& result = tracker.result();
   TrackRow row;
   row.frame = number;
-  row.time_s = static_cast<double>(number) / rate_.per_second();
+  row.time_s = time_s;
   row.state = result.state;
   row.tracked = result.tracked;
   row.inliers = result.inliers;

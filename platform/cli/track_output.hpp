@@ -24,8 +24,9 @@ class TrackOutput {
   TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
               FrameRate rate);
 
-  /// Takes on the tracker's present result. `milliseconds` is what the frame took; frame 0 is not counted.
-  void add(std::size_t number, const FrameView& frame, Tracker& tracker, double milliseconds);
+  /// Takes on the tracker's present result for the frame of that number and time (since frame 0). `milliseconds` is what
+  /// it took; frame 0 is not counted.
+  void add(std::size_t number, double time_s, const FrameView& frame, Tracker& tracker, double milliseconds);
 
   /// Gives all files their names. \param arena_bytes, focal_px  for the summary.
   void commit(std::size_t arena_bytes, float focal_px);

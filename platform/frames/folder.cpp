@@ -18,7 +18,7 @@ class PictureSource : public FrameSource {
   }
 
  private:
-  Status read(std::uint32_t index, const std::uint8_t*& luma) override {
+  Status read(std::uint32_t index, FrameView& frame) override {
     if (index >= paths_.size()) return Status::end_of_stream;
     // The first picture was read to know the size.
     if (index > 0) {
@@ -31,7 +31,7 @@ class PictureSource : public FrameSource {
                                                ", but the first picture is " + std::to_string(width_) + "x" +
                                                std::to_string(height_));
     }
-    luma = picture_.pixels.data();
+    frame.data = picture_.pixels.data();
     return Status::ok;
   }
 

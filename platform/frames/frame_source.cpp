@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "frames/camera_spec.hpp"
 #include "frames/pnm.hpp"
 #include "frames/sources.hpp"
 
@@ -9,22 +10,22 @@ namespace pliant {
 
 Status FrameSource::next(FrameView& frame) {
   if (status_ != Status::ok) return status_;
-  const std::uint8_t* luma = nullptr;
-  status_ = read(index_, luma);
+  FrameView next;
+  next.width = width_;
+  next.height = height_;
+  next.stride_bytes = static_cast<std::size_t>(width_);
+  next.sequence = index_;
+  next.time_ns = static_cast<std::int64_t>(1e9 * index_ / rate_.per_second() + 0.5);
+  status_ = read(index_, next);
   if (status_ != Status::ok) return status_;
-  frame = FrameView{};
-  frame.data = luma;
-  frame.width = width_;
-  frame.height = height_;
-  frame.stride_bytes = static_cast<std::size_t>(width_);
-  frame.sequence = index_;
-  frame.time_ns = static_cast<std::int64_t>(1e9 * index_ / rate_.per_second() + 0.5);
+  frame = next;
   ++index_;
   return Status::ok;
 }
 
 OpenedFrames open_frames(const std::string& name) {
   if (name == "-") return open_y4m(name);
+  if (CameraSpec camera; parse_camera_spec(name, &camera)) return open_camera(camera);
   std::error_code error;
   const auto status = std::filesystem::status(name, error);
   if (status.type() == std::filesystem::file_type::not_found)

@@ -61,7 +61,7 @@ class Y4mSource : public FrameSource {
   }
 
  private:
-  Status read(std::uint32_t index, const std::uint8_t*& luma) override {
+  Status read(std::uint32_t index, FrameView& frame) override {
     bool is_whole = false;
     const std::string line = stream_->line(is_whole);
     if (stream_->has_failed()) return fail(Status::io_error, at(index) + ": " + std::strerror(errno));
@@ -75,7 +75,7 @@ class Y4mSource : public FrameSource {
     if (const Status s = read_plane(index, luma_, header_.luma_bytes, header_.chroma_bytes); s != Status::ok)
       return s;
     if (const Status s = read_plane(index, chroma_, header_.chroma_bytes, 0); s != Status::ok) return s;
-    luma = luma_.data();
+    frame.data = luma_.data();
     return Status::ok;
   }
 

@@ -1,0 +1,37 @@
+#pragma once
+/// \file interrupt.hpp
+/// Ctrl-C as a wish to end in good order.
+#include <csignal>
+
+namespace pliant::cli {
+
+/// While one lives, SIGINT and SIGTERM only raise a flag. One at a time.
+class InterruptWatch {
+ public:
+  /// \param is_on  false: the signals do what they always do.
+  explicit InterruptWatch(bool is_on) : is_on_(is_on) {
+    if (!is_on_) return;
+    flag() = 0;
+    before_[0] = std::signal(SIGINT, [](int) { flag() = 1; });
+    before_[1] = std::signal(SIGTERM, [](int) { flag() = 1; });
+  }
+  ~InterruptWatch() {
+    if (!is_on_) return;
+    std::signal(SIGINT, before_[0]);
+    std::signal(SIGTERM, before_[1]);
+  }
+  InterruptWatch(const InterruptWatch&) = delete;
+  InterruptWatch& operator=(const InterruptWatch&) = delete;
+
+  bool was_interrupted() const { return is_on_ && flag() != 0; }
+
+ private:
+  static volatile std::sig_atomic_t& flag() {
+    static volatile std::sig_atomic_t raised = 0;
+    return raised;
+  }
+  bool is_on_;
+  void (*before_[2])(int) = {};
+};
+
+}  // namespace pliant::cli
