@@ -118,6 +118,7 @@ int run_track(const Args& args, Console& console) {
   args.required("--init");
   TrackerOptions options;
   options.marker_exclusion_px = static_cast<float>(args.number("--marker-exclusion-px", 8, 0, 1000));
+  const int last = args.integer("--count", 0, 1, 1 << 30);
   const ModelFile file(args.operand(0));
   const Model& model = file.model();
   const auto is_free = free_parameters(args, model);
@@ -141,12 +142,13 @@ int run_track(const Args& args, Console& console) {
   Progress progress(console, "frame");
   // A camera has no end of its own: Ctrl-C ends it, and what was tracked is kept.
   const InterruptWatch watch(frames.is_live());
-  const int last = args.integer("--count", 0, 1, 1 << 30);
   for (int count = 1; count != last && !watch.was_interrupted() && frames.next(&frame); ++count) {
     const std::size_t number = frames.number(frame);
     FrameResult result;
     const auto before = std::chrono::steady_clock::now();
-    require(tracker->update(frame, &result), frames.name() + ": frame " + std::to_string(number));
+    const Status status = tracker->update(frame, &result);
+    if (frames.is_live() && status == Status::stale_frame) continue;  // a camera's clock may stumble
+    require(status, frames.name() + ": frame " + std::to_string(number));
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - before;
     output.add(number, frames.time_s(frame), frame, *tracker, elapsed.count());
     progress.show(static_cast<std::size_t>(count) + 1);
