@@ -14,7 +14,8 @@ constexpr int kMatches = 3;
 constexpr int kUnfoldings = 6;
 
 Status check_points(Span<const Correspondence> points, const FitOptions& options) {
-  if (options.width <= 0 || options.height <= 0 || !is_finite(options.focal_px) || options.focal_px < 0)
+  if (options.width <= 0 || options.height <= 0 || !is_finite(options.focal_px) || options.focal_px < 0 ||
+      !(options.stiffness >= 0))
     return Status::bad_argument;
   for (const Correspondence& c : points) {
     if (!is_finite(c.x) || !is_finite(c.uv) || !is_finite(c.sd_px) || !(c.sd_px > 0))
@@ -34,7 +35,7 @@ void Fitter::lay_out(Arena& arena, const Model& model, const FitLimits& limits) 
   baked_ = arena.take<Vec3>(std::size_t{limits.points} * model.cascade().count);
   position_ = arena.take<Vec3>(limits.points);
   sorted_ = arena.take<float>(limits.points);
-  step_ = arena.take<float>(unknowns);
+  step_ = arena.take<float>(3 * unknowns);  // the scratch of `integrate`
   trial_q_ = arena.take<float>(parameters);
   start_q_ = arena.take<float>(parameters);
   unknown_ = arena.take<std::uint16_t>(unknowns);

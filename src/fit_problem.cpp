@@ -26,7 +26,7 @@ float FitProblem::prior_cost(const float* parameters, const View& v) const {
   float cost = 0;
   for (std::size_t k = 0; k < columns(); ++k) {
     const float z = parameters[fitter.cascade_.parameter_of(k)] / parameter(k).sd;
-    cost += 0.5f * z * z;
+    cost += 0.5f * options.stiffness * z * z;
   }
   if (!focal_is_known) {
     const float z = focal_log(v) / options.focal_log_sd;
@@ -88,7 +88,7 @@ void FitProblem::add_priors(NormalEquations& equations) {
   for (std::size_t k = 0; k < columns(); ++k) {
     const Parameter& p = parameter(k);
     const float value = q[fitter.cascade_.parameter_of(k)];
-    equations.add_prior(pose + k, -value, 1.0f / (p.sd * p.sd));
+    equations.add_prior(pose + k, -value, options.stiffness / (p.sd * p.sd));
     equations.set_limits(pose + k, min(p.minimum - value, 0), max(p.maximum - value, 0));
   }
   for (std::size_t k = 0; k < 3; ++k) equations.set_limits(k, -0.5f, 0.5f);
@@ -124,8 +124,11 @@ SolverReport FitProblem::minimise(int iterations) {
       this, [](void* p, NormalEquations& e) { return static_cast<FitProblem*>(p)->linearise(e); },
       [](void* p, const float* s) { return static_cast<FitProblem*>(p)->try_step(s); },
       [](void* p) { static_cast<FitProblem*>(p)->accept(); }};
+  if (shape_is_free && options.method == FitMethod::euler)
+    return integrate(problem, options.euler, fitter.equations_, fitter.step_);
   SolverOptions solver;
   solver.max_iterations = iterations;
+  solver.leave_equations = false;
   return pliant::minimise(problem, solver, fitter.equations_, fitter.step_);
 }
 

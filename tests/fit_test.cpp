@@ -203,6 +203,52 @@ TEST_CASE("points that pull the surface over itself are followed only as far as 
   }
 }
 
+TEST_CASE(
+    "the preconditioned dynamics reaches the fit of Gauss-Newton; the published step, in pixels, does not") {
+  const Scene scene(9, 0.3f, 0.3f);
+  InArena<Fitter> fitter(scene.model, limits());
+  FitOptions options = scene.options(900);
+  options.robust = false;
+  std::vector<float> q(scene.truth.size(), 0), best(q), published(q);
+  FitReport report, exact;
+  REQUIRE(fitter->fit(scene.all(), options, best.data(), &exact, nullptr, nullptr, nullptr) == Status::ok);
+  options.method = FitMethod::euler;
+  options.euler.step = EulerStep::barzilai_borwein;
+  REQUIRE(fitter->fit(scene.all(), options, q.data(), &report, nullptr, nullptr, nullptr) == Status::ok);
+  CHECK(report.rms_px == doctest::Approx(double(exact.rms_px)).epsilon(0.02));
+  for (std::size_t k = 0; k < q.size(); ++k)
+    CHECK(magnitude(q[k] - best[k]) < 0.1f * scene.model.parameters()[k].sd);
+  options.euler.step = EulerStep::published;
+  REQUIRE(fitter->fit(scene.all(), options, published.data(), &report, nullptr, nullptr, nullptr) ==
+          Status::ok);
+  CHECK(report.rms_px > 1.2f * exact.rms_px);
+}
+
+TEST_CASE("without stiffness the prior does not hold the parameters back") {
+  const Scene scene(10, 0, 0.3f);
+  InArena<Fitter> fitter(scene.model, limits());
+  FitOptions options = scene.options(900);
+  options.robust = false;
+  double size[2];
+  for (int free = 0; free < 2; ++free) {
+    options.stiffness = free == 1 ? 0.0f : 1e6f;
+    std::vector<float> q(scene.truth.size(), 0);
+    FitReport report;
+    REQUIRE(fitter->fit(scene.all(), options, q.data(), &report, nullptr, nullptr, nullptr) == Status::ok);
+    size[free] = 0;
+    for (std::size_t k = 0; k < q.size(); ++k) {
+      size[free] += double(magnitude(q[k]));
+      if (free == 1) CHECK(magnitude(q[k] - scene.truth[k]) < 0.05f * scene.model.parameters()[k].sd);
+    }
+  }
+  CHECK(size[0] < 0.1 * size[1]);
+  options.stiffness = -1;
+  std::vector<float> q(scene.truth.size(), 0);
+  FitReport report;
+  CHECK(fitter->fit(scene.all(), options, q.data(), &report, nullptr, nullptr, nullptr) ==
+        Status::bad_argument);
+}
+
 TEST_CASE("five points give a pose") {
   const Scene scene(5, 0, 0.3f);
   InArena<Fitter> fitter(scene.model, limits());

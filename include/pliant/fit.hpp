@@ -31,6 +31,9 @@ struct FitLimits {
   bool outline = false;  ///< room to match outline points: the base mesh and 16 bytes a vertex more, 9 KiB
 };
 
+/// How the cost is brought down: damped Gauss-Newton, or the published dynamics (solver.hpp).
+enum class FitMethod : std::uint8_t { gauss_newton, euler };
+
 struct FitOptions {
   int width = 0, height = 0;  ///< of the picture; sets the principal point
   float focal_px = 0;         ///< 0: unknown, estimated around `default_focal_ratio` of the larger side
@@ -44,6 +47,10 @@ struct FitOptions {
              ///< has it): the robust loss lets go only of what is several times further off
   bool robust = true;   ///< Huber, then Tukey on the residual length; false: plain squares
   int iterations = 30;  ///< at most, over all stages
+  /// Weight of the parameters' prior; the stiffness of Eq. 12 is K = -stiffness / sd^2. 0: Eq. 8 alone.
+  float stiffness = 1;
+  FitMethod method = FitMethod::gauss_newton;
+  EulerOptions euler;  ///< of FitMethod::euler, a stage; the start is found by Gauss-Newton all the same
 };
 
 struct FitReport {
@@ -68,7 +75,7 @@ class Fitter {
   /// \param sd         a-posteriori standard deviation a parameter; a frozen one gets 0, an unseen one its prior's.
   /// \param residuals  projected minus observed (px), a point; of a matched outline point the part across the outline.
   /// \param weights    robust weight in [0,1], a point.
-  /// \return bad_argument (NaN, sd <= 0, uv outside [0,1], no size, outline
+  /// \return bad_argument (NaN, sd <= 0, uv outside [0,1], no size, stiffness < 0, outline
   /// points without room for them), capacity, too_few_points, underdetermined.
   Status fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
              float* sd, Vec2* residuals, float* weights);

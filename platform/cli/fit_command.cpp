@@ -55,6 +55,24 @@ void draw_overlay(const std::string& path, const Model& model, const FitFile& fi
   write_file(path, encode_png(overlay.image()));
 }
 
+/// --method and what goes with it.
+void read_method(const Args& args, FitSetup& setup) {
+  const std::string method = args.text("--method").value_or("gauss-newton");
+  setup.stiffness = static_cast<float>(args.number("--stiffness", 1, 0, 1e6));
+  setup.euler.delta = static_cast<float>(args.number("--delta", 1e-3, 1e-12, 1e3));
+  setup.euler.steps = static_cast<int>(args.number("--steps", 600, 1, 1e6));
+  if (method == "gauss-newton") return;
+  setup.method = FitMethod::euler;
+  if (method == "euler")
+    setup.euler.step = EulerStep::published;
+  else if (method == "preconditioned")
+    setup.euler.step = EulerStep::preconditioned;
+  else if (method == "barzilai-borwein")
+    setup.euler.step = EulerStep::barzilai_borwein;
+  else
+    fail_usage("--method: gauss-newton, euler, preconditioned or barzilai-borwein, not " + method);
+}
+
 int run_fit(const Args& args, Console& console) {
   const std::string output = args.required("-o");
   if (!args.has("--points") && !args.has("--box") && !args.has("--pose"))
@@ -75,6 +93,7 @@ int run_fit(const Args& args, Console& console) {
   const std::string outline = args.text("--outline").value_or("match");
   if (outline != "match" && outline != "fixed") fail_usage("--outline: match or fixed, not " + outline);
   setup.match_outline = outline == "match";
+  read_method(args, setup);
   setup.q.assign(model.parameters().count, 0.0f);
   FitFile fit;
   if (start) {
@@ -119,6 +138,13 @@ Command fit_command() {
        {"--outline", "HOW",
         "ibug00 to ibug16: match them to the silhouette (default), or take them as fixed places of the "
         "surface"},
+       {"--method", "NAME",
+        "gauss-newton (default); euler, the published dynamics; preconditioned or barzilai-borwein, the same "
+        "with steps "
+        "that converge at any resolution"},
+       {"--delta", "STEP", "step of --method euler; 0.001"},
+       {"--steps", "N", "steps of the dynamics, a stage; 600"},
+       {"--stiffness", "K", "weight of the prior on the parameters; 1; 0: the points alone"},
        {"-o", "JSON", "the fit to write"},
        {"--overlay", "PNG", "a picture of the fit"}},
       1,

@@ -110,6 +110,9 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   options.focal_px = setup.focal_px;
   options.start = setup.view ? &*setup.view : nullptr;
   options.is_free = setup.is_free.empty() ? nullptr : setup.is_free.data();
+  options.method = setup.method;
+  options.euler = setup.euler;
+  options.stiffness = setup.stiffness;
   FitReport report;
   FitLimits limits;
   limits.points = static_cast<std::uint16_t>(pairs.size());

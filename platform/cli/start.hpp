@@ -10,6 +10,7 @@
 #include "cli/files.hpp"
 #include "cli/fit_file.hpp"
 #include "cli/points_file.hpp"
+#include "pliant/fit.hpp"
 
 namespace pliant::cli {
 
@@ -19,7 +20,10 @@ struct FitSetup {
   std::optional<View> view;           ///< a rough pose, else found from the points
   std::vector<float> q;               ///< where the parameters start; empty: all 0
   std::vector<std::uint8_t> is_free;  ///< a flag a parameter; empty: all free
-  bool match_outline = true;          ///< ibug00 to ibug16 are where the face ends in the picture
+  FitMethod method = FitMethod::gauss_newton;
+  EulerOptions euler;
+  float stiffness = 1;
+  bool match_outline = true;  ///< ibug00 to ibug16 are where the face ends in the picture
 };
 
 /// Fits pose, focal length and parameters. Bad input: a landmark that the model does not have, fewer than

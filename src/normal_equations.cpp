@@ -1,0 +1,325 @@
+// Packed normal equations (ALGORITHMS 5.2-5.5): accumulation, scaled Cholesky within limits, variances.
+#include "lanes.hpp"
+#include "pliant/solver.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr float kSmallestPivot = 1e-6f;  // of the unit-diagonal matrix
+constexpr int kLimitRounds = 8;
+
+constexpr std::size_t kGatheredRows = 16;
+constexpr std::size_t kTileRows = 4, kTileColumns = 8;
+/// Columns of an observation, as a share of the unknowns, from which the dense product is the cheaper one.
+constexpr std::size_t kDenseNumerator = 3, kDenseDenominator = 4;
+/// Pivots whose rows are applied to the rest at once.
+constexpr std::size_t kPanel = 4;
+
+/// y -= f x over [0, n).
+void subtract_scaled(float* y, float f, const float* x, std::size_t n) {
+  std::size_t j = 0;
+  for (; j + kLanes <= n; j += kLanes) store(load(y + j) - splat(f) * load(x + j), y + j);
+  for (; j < n; ++j) y[j] -= f * x[j];
+}
+
+/// The same with four rows one after the other: the same bits as four calls, a quarter of the loads and stores.
+void subtract_scaled(float* y, const float (&f)[kPanel], const float* const (&x)[kPanel], std::size_t n) {
+  const Lanes f0 = splat(f[0]), f1 = splat(f[1]), f2 = splat(f[2]), f3 = splat(f[3]);
+  std::size_t j = 0;
+  for (; j + kLanes <= n; j += kLanes) {
+    Lanes v = load(y + j);
+    v -= f0 * load(x[0] + j);
+    v -= f1 * load(x[1] + j);
+    v -= f2 * load(x[2] + j);
+    v -= f3 * load(x[3] + j);
+    store(v, y + j);
+  }
+  for (; j < n; ++j)
+    for (std::size_t k = 0; k < kPanel; ++k) y[j] -= f[k] * x[k][j];
+}
+
+float dot_product(const float* a, const float* b, std::size_t n) {
+  Lanes first = splat(0), second = splat(0);
+  std::size_t j = 0;
+  for (; j + 2 * kLanes <= n; j += 2 * kLanes) {
+    first += load(a + j) * load(b + j);
+    second += load(a + j + kLanes) * load(b + j + kLanes);
+  }
+  float total = sum(first + second);
+  for (; j < n; ++j) total += a[j] * b[j];
+  return total;
+}
+
+}  // namespace
+
+void NormalEquations::lay_out(Arena& arena, std::size_t unknowns) {
+  const std::size_t packed = unknowns * (unknowns + 1) / 2;
+  h_ = arena.take<float>(packed);
+  factor_ = arena.take<float>(packed);
+  stride_ = unknowns + kTileColumns;  // a tile may reach beyond the last unknown, into zeros
+  rows_ = arena.take<float>(kGatheredRows * stride_);
+  row_residual_ = arena.take<float>(kGatheredRows);
+  float** const vectors[] = {&g_, &scale_, &lower_, &upper_, &right_, &solution_};
+  for (float** vector : vectors) *vector = arena.take<float>(unknowns);
+  pinned_ = arena.take<std::uint8_t>(unknowns);
+  capacity_ = unknowns;
+  count_ = gathered_ = 0;
+}
+
+void NormalEquations::reset(std::size_t count) {
+  PLIANT_ASSERT(count <= capacity_);
+  count_ = count;
+  gathered_ = 0;
+  for (std::size_t i = 0; i < count * (count + 1) / 2; ++i) h_[i] = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    g_[i] = 0;
+    lower_[i] = -1e30f;
+    upper_[i] = 1e30f;
+  }
+}
+
+void NormalEquations::add(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
+                          Vec2 residual, Sym2 w) {
+  if (gradient_only_ || kDenseDenominator * columns < kDenseNumerator * count_) {
+    add_sparse(unknown, column, columns, residual, w);
+    return;
+  }
+  // W = L L^T with L = [a 0; b c]; the rows of L^T B.
+  const float a = square_root(w.xx), b = a > 0 ? w.xy / a : 0.0f, c = square_root(w.yy - b * b);
+  float* first = gathered_row(a * residual.x + b * residual.y);
+  float* second = gathered_row(c * residual.y);
+  if (columns != count_)
+    for (std::size_t j = 0; j < count_; ++j) first[j] = second[j] = 0;
+  for (std::size_t j = 0; j < columns; ++j) {
+    first[unknown[j]] = a * column[j].x + b * column[j].y;
+    second[unknown[j]] = c * column[j].y;
+  }
+  if (gathered_ == kGatheredRows) flush();
+}
+
+void NormalEquations::add_dense(const float* along_x, const float* along_y, Vec2 residual, Sym2 w) {
+  if (gradient_only_) {
+    for (std::size_t j = 0; j < count_; ++j) {
+      const float wx = w.xx * along_x[j] + w.xy * along_y[j], wy = w.xy * along_x[j] + w.yy * along_y[j];
+      g_[j] += wx * residual.x + wy * residual.y;
+      h_[index(j, j)] += wx * along_x[j] + wy * along_y[j];
+    }
+    return;
+  }
+  const float a = square_root(w.xx), b = a > 0 ? w.xy / a : 0.0f, c = square_root(w.yy - b * b);
+  float* first = gathered_row(a * residual.x + b * residual.y);
+  float* second = gathered_row(c * residual.y);
+  for (std::size_t j = 0; j < count_; ++j) {
+    first[j] = a * along_x[j] + b * along_y[j];
+    second[j] = c * along_y[j];
+  }
+  if (gathered_ == kGatheredRows) flush();
+}
+
+/// The next gathered row, zero beyond the unknowns.
+float* NormalEquations::gathered_row(float residual) {
+  float* row = rows_ + gathered_ * stride_;
+  row_residual_[gathered_] = residual;
+  ++gathered_;
+  for (std::size_t j = count_; j < count_ + kTileColumns; ++j) row[j] = 0;
+  return row;
+}
+
+void NormalEquations::add_sparse(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
+                                 Vec2 residual, Sym2 w) {
+  for (std::size_t i = 0; i < columns; ++i) {
+    const Vec2 b = column[i];
+    const float wx = w.xx * b.x + w.xy * b.y, wy = w.xy * b.x + w.yy * b.y;
+    g_[unknown[i]] += wx * residual.x + wy * residual.y;
+    float* row = h_ + index(unknown[i], 0);  // h_(i, j) = row[j]; only j >= i is stored
+    const std::size_t end = gradient_only_ ? i + 1 : columns;
+    for (std::size_t j = i; j < end; ++j) row[unknown[j]] += wx * column[j].x + wy * column[j].y;
+  }
+}
+
+/// H and g plus what the gathered rows give.
+void NormalEquations::flush() {
+  for (std::size_t r = 0; r < gathered_; ++r)
+    subtract_scaled(g_, -row_residual_[r], rows_ + r * stride_, count_);
+  if (gathered_ > 0)
+    for (std::size_t i = 0; i < count_; i += kTileRows)
+      for (std::size_t j = i; j < count_; j += kTileColumns) add_tile(i, j);
+  gathered_ = 0;
+}
+
+/// Four rows of H by eight columns, summed over the gathered rows in registers.
+void NormalEquations::add_tile(std::size_t row, std::size_t column) {
+  Lanes left[kTileRows] = {}, right[kTileRows] = {};
+  const float *a = rows_ + row, *b = rows_ + column;
+  for (std::size_t r = 0; r < gathered_; ++r, a += stride_, b += stride_) {
+    const Lanes b0 = load(b), b1 = load(b + kLanes);
+    for (std::size_t i = 0; i < kTileRows; ++i) {
+      const Lanes f = splat(a[i]);
+      left[i] += f * b0;
+      right[i] += f * b1;
+    }
+  }
+  for (std::size_t i = 0; i < kTileRows && row + i < count_; ++i) {
+    float* target = h_ + index(row + i, 0);
+    if (row + i <= column && column + kTileColumns <= count_) {
+      store(load(target + column) + left[i], target + column);
+      store(load(target + column + kLanes) + right[i], target + column + kLanes);
+      continue;
+    }
+    float part[kTileColumns];
+    store(left[i], part);
+    store(right[i], part + kLanes);
+    for (std::size_t j = 0; j < kTileColumns; ++j)
+      if (column + j >= row + i && column + j < count_) target[column + j] += part[j];
+  }
+}
+
+void NormalEquations::add_prior(std::size_t unknown, float residual, float weight) {
+  h_[index(unknown, unknown)] += weight;
+  g_[unknown] += weight * residual;
+}
+
+void NormalEquations::set_limits(std::size_t unknown, float lower, float upper) {
+  lower_[unknown] = lower;
+  upper_[unknown] = upper;
+}
+
+/// The upper triangle of S H S + damping I, with identity rows for pinned and undetermined unknowns.
+void NormalEquations::copy_scaled(float damping) {
+  const std::size_t n = count_;
+  const float *from = h_, *scale = scale_;
+  float* to = factor_;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float s = scale[i];
+    for (std::size_t j = i; j < n; ++j) to[j - i] = from[j - i] * s * scale[j];
+    to[0] += damping;
+    from += n - i;
+    to += n - i;
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    if (pinned_[k] == 0) continue;
+    for (std::size_t i = 0; i < k; ++i) factor_[index(i, k)] = 0;
+    factor_[index(k, k)] = 1;
+    for (std::size_t j = k + 1; j < n; ++j) factor_[index(k, j)] = 0;
+  }
+}
+
+/// Not seen by any observation, given the unknowns before it.
+void NormalEquations::pin_undetermined(std::size_t k) {
+  float* row = factor_ + index(k, k) - k;
+  pinned_[k] = 2;
+  row[k] = 1;
+  for (std::size_t j = k + 1; j < count_; ++j) row[j] = 0;
+}
+
+/// U^T U = S H S + damping I in outer-product form, four pivots at a time: the inner loops run along packed rows.
+void NormalEquations::factorise(float damping) {
+  copy_scaled(damping);
+  const std::size_t n = count_;
+  const auto row_at = [this](std::size_t i) { return factor_ + index(i, i) - i; };
+  for (std::size_t first = 0; first < n; first += kPanel) {
+    const std::size_t end = first + kPanel < n ? first + kPanel : n;
+    for (std::size_t k = first; k < end; ++k) {
+      float* row = row_at(k);
+      for (std::size_t above = first; above < k; ++above) {
+        const float* pivot_row = row_at(above);
+        subtract_scaled(row + k, pivot_row[k], pivot_row + k, n - k);
+      }
+      if (row[k] < kSmallestPivot) {
+        pin_undetermined(k);
+        continue;
+      }
+      const float pivot = square_root(row[k]), inverse = 1.0f / pivot;
+      row[k] = pivot;
+      for (std::size_t j = k + 1; j < n; ++j) row[j] *= inverse;
+    }
+    if (end == n) return;
+    const float* const panel[kPanel] = {row_at(first), row_at(first + 1), row_at(first + 2),
+                                        row_at(first + 3)};
+    for (std::size_t i = end; i < n; ++i) {
+      const float f[kPanel] = {panel[0][i], panel[1][i], panel[2][i], panel[3][i]};
+      const float* const from[kPanel] = {panel[0] + i, panel[1] + i, panel[2] + i, panel[3] + i};
+      subtract_scaled(row_at(i) + i, f, from, n - i);
+    }
+  }
+}
+
+/// x = (U^T U)^-1 right. Undetermined unknowns come out zero.
+void NormalEquations::back_substitute(const float* right, float* x) {
+  const std::size_t n = count_;
+  for (std::size_t i = 0; i < n; ++i) x[i] = right[i];
+  for (std::size_t k = 0; k < n; ++k) {
+    const float* row = factor_ + index(k, k) - k;
+    x[k] = pinned_[k] == 2 ? 0.0f : x[k] / row[k];
+    subtract_scaled(x + k + 1, x[k], row + k + 1, n - k - 1);
+  }
+  for (std::size_t k = n; k-- > 0;) {
+    const float* row = factor_ + index(k, k) - k;
+    const float rest = x[k] - dot_product(row + k + 1, x + k + 1, n - k - 1);
+    x[k] = pinned_[k] == 2 ? 0.0f : rest / row[k];
+  }
+}
+
+/// Scales to a unit diagonal; what has none is undetermined.
+void NormalEquations::start_scaled() {
+  flush();
+  for (std::size_t i = 0; i < count_; ++i) {
+    const float d = h_[index(i, i)];
+    scale_[i] = d > 0 ? 1.0f / square_root(d) : 1.0f;
+    pinned_[i] = d > 0 ? 0 : 2;
+  }
+}
+
+void NormalEquations::solve(float damping, float* step) {
+  const std::size_t n = count_;
+  start_scaled();
+  for (std::size_t i = 0; i < n; ++i) step[i] = 0;
+  for (int round = 0; round < kLimitRounds; ++round) {
+    for (std::size_t i = 0; i < n; ++i) right_[i] = g_[i];
+    for (std::size_t k = 0; k < n; ++k)  // what is pinned to a limit moves to the right-hand side
+      if (pinned_[k] == 1)
+        for (std::size_t i = 0; i < n; ++i) right_[i] -= h(i, k) * step[k];
+    for (std::size_t i = 0; i < n; ++i) right_[i] = pinned_[i] != 0 ? 0.0f : right_[i] * scale_[i];
+    factorise(damping);
+    back_substitute(right_, solution_);
+    bool changed = false;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (pinned_[i] == 1) continue;
+      step[i] = pinned_[i] == 2 ? 0.0f : solution_[i] * scale_[i];
+      if (step[i] < lower_[i] || step[i] > upper_[i]) {
+        step[i] = clamped(i, step[i]);
+        pinned_[i] = 1;
+        changed = true;
+      }
+    }
+    if (!changed) break;
+  }
+  undetermined_ = 0;
+  for (std::size_t i = 0; i < n; ++i) undetermined_ += pinned_[i] == 2;
+}
+
+void NormalEquations::variances(float* variance) {
+  const std::size_t n = count_;
+  start_scaled();
+  factorise(0);
+  undetermined_ = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    undetermined_ += pinned_[k] == 2;
+    variance[k] = 0;
+    if (pinned_[k] == 2) continue;
+    // |U^-T e_k|^2, by forward substitution from k on.
+    for (std::size_t j = k; j < n; ++j) solution_[j] = 0;
+    solution_[k] = 1;
+    float total = 0;
+    for (std::size_t i = k; i < n; ++i) {
+      const float* row = factor_ + index(i, i) - i;
+      const float y = pinned_[i] == 2 ? 0.0f : solution_[i] / row[i];
+      total += y * y;
+      subtract_scaled(solution_ + i + 1, y, row + i + 1, n - i - 1);
+    }
+    variance[k] = total * scale_[k] * scale_[k];
+  }
+}
+
+}  // namespace pliant
