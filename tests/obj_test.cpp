@@ -115,7 +115,8 @@ TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places a
   options.unit_mm = 10;
   options.base_vertices = 120;
   std::size_t calls = 0, last = 0;
-  options.progress = [&](std::size_t done, std::size_t of) {
+  options.progress = [&](const char* stage, std::size_t done, std::size_t of) {
+    if (std::string(stage) != "files") return;
     ++calls;
     last = done;
     CHECK(of == 5);
@@ -128,9 +129,9 @@ TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places a
   CHECK(calls == 4);
   CHECK(last == 5);
   CHECK(report.unmatched == std::vector<std::string>{"wiggleRight"});
-  CHECK(report.neutral_max_mm < 0.05f);
-  CHECK(report.shape_max_mm < 0.1f);
-  CHECK(report.shapes.size() == 4);
+  CHECK(report.errors.rest.max_mm < 0.05f);
+  CHECK(report.errors.expression.max_mm < 0.1f);
+  CHECK(report.errors.parameters.size() == 4);
 
   const Model& model = baked.model;
   CHECK(model.parameters().count == 4);

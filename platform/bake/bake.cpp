@@ -1,5 +1,6 @@
 #include "bake/bake.hpp"
 
+#include "bake/arkit_names.hpp"
 #include "bake/face_source.hpp"
 #include "bake/obj_source.hpp"
 #include "bake/source_error.hpp"
@@ -18,7 +19,7 @@ void check(const BakeOptions& options) {
   if (options.components < 0 || options.components > 192) throw SourceError("--pca", 0, "is from 1 to 192");
 }
 
-Source read(const BakeOptions& options) {
+Source read_all(const BakeOptions& options) {
   if (is_face_folder(options.source)) return read_face(options.source);
   if (is_obj_folder(options.source))
     return read_obj_folder(options.source, {options.unit_mm, options.components, options.progress});
@@ -28,11 +29,17 @@ Source read(const BakeOptions& options) {
 
 }  // namespace
 
+Source read_source(const BakeOptions& options) {
+  check(options);
+  Source source = read_all(options);
+  choose_parameters(source, options.choice);
+  return source;
+}
+
 bool bake(const BakeOptions& options, std::vector<std::uint8_t>& table, std::string& error,
           BakeReport* report) {
   try {
-    check(options);
-    const Source source = read(options);
+    const Source source = read_source(options);
     auto bytes = bake_source(source, options, report);
     if (bytes.empty())
       throw SourceError(options.source, 0, "the skin's boundary crosses itself in the chart");

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "bake/parameter_choice.hpp"
+#include "bake/reconstruction.hpp"
 #include "bake/source.hpp"
 
 namespace pliant::bake {
@@ -17,23 +19,15 @@ struct BakeOptions {
   int bits = 16;       ///< a sample: 16 or 8; the rest shape always has 16
   float unit_mm = 1;   ///< of OBJ files
   int components = 0;  ///< above 0: the OBJ files are scans, of which so many principal components are kept
-  std::function<void(std::size_t done, std::size_t of)> progress;  ///< called an OBJ file; may be empty
-  int base_vertices = 480;                                         ///< of the base mesh, about; 60 to 5000
+  ParameterChoice choice;  ///< of what the source has
+  /// Called for each OBJ file read and each shape baked, with which of the two it is; may be empty.
+  std::function<void(const char* stage, std::size_t done, std::size_t of)> progress;
+  int base_vertices = 480;     ///< of the base mesh, about; 60 to 5000
   float tolerance_mm = 0.05f;  ///< fields are sampled more coarsely where that costs no more than this
 };
 
-struct ShapeReport {
-  std::string name;  ///< of the parameter
-  float mean_mm, max_mm;
-};
-
-/// How faithful a table is: distances at the mesh's skin vertices, in millimetres. A shape is measured at its
-/// parameter's largest value, or at two standard deviations if that is less.
 struct BakeReport {
-  float neutral_mean_mm = 0, neutral_max_mm = 0;
-  float shape_mean_mm = 0, shape_max_mm = 0;  ///< mean over all shapes and vertices, and the worst
-  std::string worst_shape;
-  std::vector<ShapeReport> shapes;     ///< all but mirror images
+  Reconstruction errors;
   std::vector<std::string> unmatched;  ///< expressions that bear none of ARKit's names
   std::size_t field_count = 0, base_vertices = 0, table_bytes = 0;
 };
@@ -43,6 +37,9 @@ struct BakeReport {
 /// then. `report` may be null.
 bool bake(const BakeOptions& options, std::vector<std::uint8_t>& table, std::string& error,
           BakeReport* report = nullptr);
+
+/// Reads what `options.source` holds and keeps the parameters chosen. Throws SourceError.
+Source read_source(const BakeOptions& options);
 
 /// Bakes what is in memory already, which must be consistent. A source without a base mesh gets one; the
 /// result is empty when there can be none, because the skin's boundary crosses itself in the chart.

@@ -2,7 +2,6 @@
 // quantise.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "bake/at.hpp"
 #include "bake/bake.hpp"
@@ -32,7 +31,10 @@ class Baker {
     if (!add_base_mesh()) return {};
     for (const SourceParameter& p : source_.parameters) writer_.add_parameter(p);
     add_neutral();
-    for (std::size_t k = 0; k < source_.shapes.size(); ++k) add_shape(k);
+    for (std::size_t k = 0; k < source_.shapes.size(); ++k) {
+      add_shape(k);
+      if (options_.progress) options_.progress("shapes", k + 1, source_.shapes.size());
+    }
     for (const SourceLandmark& l : source_.landmarks) writer_.add_landmark(l);
     for (const SourceCurve& c : source_.curves) writer_.add_curve(c);
     writer_.set_mask(mask());
@@ -40,13 +42,10 @@ class Baker {
     auto bytes = writer_.bytes();
     report_.field_count = fields_.size() + 1;
     report_.table_bytes = bytes.size();
-    for (const ShapeReport& shape : report_.shapes) {
-      report_.shape_mean_mm += shape.mean_mm / static_cast<float>(report_.shapes.size());
-      if (shape.max_mm <= report_.shape_max_mm) continue;
-      report_.shape_max_mm = shape.max_mm;
-      report_.worst_shape = shape.name;
+    if (report != nullptr) {
+      report_.errors = reconstruct(bytes, source_);
+      *report = report_;
     }
-    if (report != nullptr) *report = report_;
     return bytes;
   }
 
@@ -69,9 +68,6 @@ class Baker {
     CascadeRecord r = empty_record(Operation::constant);
     r.field = writer_.add_field(grid, 16);
     last_ = writer_.add_record(r);
-    const auto off = deviations(grid, source_.neutral);
-    report_.neutral_max_mm = *std::max_element(off.begin(), off.end());
-    report_.neutral_mean_mm = std::accumulate(off.begin(), off.end(), 0.0f) / static_cast<float>(off.size());
   }
 
   void add_shape(std::size_t k) {
@@ -106,20 +102,15 @@ class Baker {
       FieldGrid grid = cropped(sampled(level, values), threshold);
       const std::vector<float> off = deviations(grid, values);
       if (*std::max_element(off.begin(), off.end()) * effect > options_.tolerance_mm) continue;
-      note(off, effect, p.name);
       return grid;
     }
     FieldGrid best = cropped(fitted(0, values, threshold), threshold);
-    std::vector<float> off = deviations(best, values);
-    const std::vector<float> finest = off;
+    const std::vector<float> finest = deviations(best, values);
     for (std::size_t level = 1; level < rasters_.size(); ++level) {
       FieldGrid grid = cropped(fitted(level, values, threshold), threshold);
-      std::vector<float> coarse = deviations(grid, values);
-      if (largest_excess(coarse, finest) * effect > options_.tolerance_mm) break;
+      if (largest_excess(deviations(grid, values), finest) * effect > options_.tolerance_mm) break;
       best = std::move(grid);
-      off = std::move(coarse);
     }
-    note(off, effect, p.name);
     return best;
   }
 
@@ -136,12 +127,6 @@ class Baker {
     fit_grid(grid, places_, values, still);
     clear_border(grid, rasters_[level]);
     return grid;
-  }
-
-  void note(const std::vector<float>& off, float effect, const std::string& name) {
-    ShapeReport shape{name, 0, effect * *std::max_element(off.begin(), off.end())};
-    shape.mean_mm = effect * std::accumulate(off.begin(), off.end(), 0.0f) / static_cast<float>(off.size());
-    report_.shapes.push_back(shape);
   }
 
   static float largest_excess(const std::vector<float>& of, const std::vector<float>& over) {

@@ -64,7 +64,7 @@ class FolderReader {
  private:
   std::string path(const std::string& name) const { return folder_ + "/" + name + ".obj"; }
   void report_progress(std::size_t done) const {
-    if (options_.progress) options_.progress(done, names_.size());
+    if (options_.progress) options_.progress("files", done, names_.size());
   }
 
   /// One vertex for each pair of position and texture coordinate: where the chart is cut, a position has

@@ -13,7 +13,8 @@ struct ObjOptions {
   float unit_mm = 1;  ///< of the files' coordinates
   int components =
       0;  ///< more than 0: all files are registered scans, of which so many principal components are kept
-  std::function<void(std::size_t done, std::size_t of)> progress;  ///< called a file; may be empty
+  /// Called with "files" for each one read; may be empty.
+  std::function<void(const char* stage, std::size_t done, std::size_t of)> progress;
 };
 
 /// Reads neutral.obj (with texture coordinates, v upwards), identity*.obj, and every other NAME.obj as an
@@ -25,9 +26,5 @@ Source read_obj_folder(const std::string& folder, const ObjOptions& options);
 
 /// True where the folder holds OBJ files.
 bool is_obj_folder(const std::string& folder);
-
-/// The expressions of a source that bear none of ARKit's names (nor one side of a pair that ARKit has one
-/// name for).
-std::vector<std::string> names_unknown_to_arkit(const Source& source);
 
 }  // namespace pliant::bake

@@ -12,7 +12,10 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/obj_file.cpp
   ${CMAKE_CURRENT_LIST_DIR}/obj_source.cpp
   ${CMAKE_CURRENT_LIST_DIR}/paint.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/parameter_choice.cpp
   ${CMAKE_CURRENT_LIST_DIR}/principal_components.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/reconstruction.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/size_table.cpp
   ${CMAKE_CURRENT_LIST_DIR}/skin_boundary.cpp
   ${CMAKE_CURRENT_LIST_DIR}/subdivision.cpp
   ${CMAKE_CURRENT_LIST_DIR}/table_writer.cpp

@@ -1,5 +1,8 @@
 // `pliant bake`: a readable source becomes a model table.
+#include <memory>
+
 #include "bake/bake.hpp"
+#include "cli/bake_sizes.hpp"
 #include "cli/command.hpp"
 #include "cli/failure.hpp"
 #include "cli/files.hpp"
@@ -18,8 +21,40 @@ std::string array_name(const std::string& path) {
   return name.empty() || (name[0] >= '0' && name[0] <= '9') ? "model_" + name : name;
 }
 
-int run_bake(const Args& args, Console& console) {
-  const std::string output = args.required("-o");
+std::vector<std::string> words_of(const std::string& list) {
+  std::vector<std::string> words{""};
+  for (const char c : list)
+    if (c == ',')
+      words.emplace_back();
+    else
+      words.back() += c;
+  return words;
+}
+
+bake::ParameterChoice choice_of(const Args& args) {
+  bake::ParameterChoice choice;
+  choice.identities = args.integer("--identities", choice.identities, 0, 192);
+  const auto expressions = args.text("--expressions");
+  if (!expressions) return choice;
+  if (parse_number(*expressions))
+    choice.expressions = args.integer("--expressions", 0, 0, 192);
+  else
+    choice.named = words_of(*expressions);
+  return choice;
+}
+
+std::vector<int> sizes_of(const std::string& list) {
+  std::vector<int> sizes;
+  for (const std::string& word : words_of(list)) {
+    const auto number = parse_number(word);
+    if (!number || *number < 16 || *number > 512 || *number != static_cast<int>(*number))
+      fail_usage("--sizes takes whole numbers from 16 to 512 with commas between, not '" + list + "'");
+    sizes.push_back(static_cast<int>(*number));
+  }
+  return sizes;
+}
+
+bake::BakeOptions options_of(const Args& args) {
   bake::BakeOptions options;
   options.source = args.operand(0);
   options.size = args.integer("--size", options.size, 16, 512);
@@ -28,26 +63,52 @@ int run_bake(const Args& args, Console& console) {
   options.unit_mm = static_cast<float>(args.number("--unit", 1, 1e-6, 1e6));
   options.base_vertices = args.integer("--base-mesh", options.base_vertices, 60, 5000);
   options.components = args.integer("--pca", 0, 1, 192);
-  Progress progress(console, "files");
-  options.progress = [&progress](std::size_t done, std::size_t) { progress.show(done); };
+  options.choice = choice_of(args);
+  return options;
+}
 
+void print_report(const std::string& output, const bake::BakeReport& report, bool all, Console& console) {
+  const auto print = [&](const char* what, const bake::Distances& d) {
+    console.out << what << " to " << d.mean_mm << " mm mean, " << d.p95_mm << " at 95 %, " << d.max_mm
+                << " worst";
+  };
+  console.out << output << ": " << report.table_bytes << " bytes, " << report.field_count << " fields; ";
+  print("rest shape", report.errors.rest);
+  print("; identities", report.errors.identity);
+  print("; expressions", report.errors.expression);
+  console.out << "; base mesh of " << report.base_vertices << " vertices\n";
+  for (const bake::ParameterError& error : report.errors.parameters) {
+    if (!all) break;
+    print(error.name.c_str(), error.off);
+    console.out << "\n";
+  }
+  for (const std::string& name : report.unmatched) console.out << "not a name of ARKit's: " << name << '\n';
+}
+
+int run_bake(const Args& args, Console& console) {
+  bake::BakeOptions options = options_of(args);
+  std::unique_ptr<Progress> progress;
+  std::string stage;
+  options.progress = [&](const char* now, std::size_t done, std::size_t) {
+    if (stage != now) progress = std::make_unique<Progress>(console, now);
+    stage = now;
+    progress->show(done);
+  };
+  if (const auto sizes = args.text("--sizes")) {
+    const int flash_kib = args.integer("--flash", 512, 1, 1 << 20);
+    print_sizes(options, sizes_of(*sizes), std::size_t{1024} * static_cast<std::size_t>(flash_kib), console);
+    return 0;
+  }
+  const std::string output = args.required("-o");
   std::vector<std::uint8_t> table;
   std::string error;
   bake::BakeReport report;
   if (!bake::bake(options, table, error, &report)) throw Failure(kBadInput, error);
+  progress.reset();
   write_file(output, {reinterpret_cast<const char*>(table.data()), table.size()});
   if (const auto source = args.text("--embed"))
     write_file(*source, bake::embedded(table, array_name(*source)));
-
-  console.out << output << ": " << report.table_bytes << " bytes, " << report.field_count
-              << " fields; rest shape to " << report.neutral_mean_mm << " mm mean, " << report.neutral_max_mm
-              << " mm worst; shapes to " << report.shape_mean_mm << " mm mean, " << report.shape_max_mm
-              << " mm worst" << (report.worst_shape.empty() ? "" : " (" + report.worst_shape + ")")
-              << "; base mesh of " << report.base_vertices << " vertices\n";
-  if (args.has("--errors"))
-    for (const bake::ShapeReport& shape : report.shapes)
-      console.out << shape.name << ": " << shape.mean_mm << " mm mean, " << shape.max_mm << " mm worst\n";
-  for (const std::string& name : report.unmatched) console.out << "not a name of ARKit's: " << name << '\n';
+  print_report(output, report, args.has("--errors"), console);
   return 0;
 }
 
@@ -58,7 +119,7 @@ Command bake_command() {
       "bake",
       "Makes a model table from a folder of readable tables, such as fixtures/face, or of OBJ files.",
       "SOURCE -o face.plm [--embed face.cpp] [--size N] [--bits 16|8] [--unit MM] [--base-mesh N] [--pca N] "
-      "[--errors]",
+      "[--identities N] [--expressions N|NAME,...] [--errors] | SOURCE --sizes N,... [--flash KIB]",
       {{"-o", "FILE", "the model table to write"},
        {"--embed", "FILE", "write it as a C++ array as well, for firmware"},
        {"--size", "N", "samples a side of a field over the whole chart (128)"},
@@ -66,7 +127,11 @@ Command bake_command() {
        {"--unit", "MM", "of the OBJ files' coordinates, in millimetres (1)"},
        {"--base-mesh", "N", "vertices of the base mesh, about (480)"},
        {"--pca", "N", "take all OBJ files as scans, and keep so many principal components"},
-       {"--errors", nullptr, "list how far each parameter's shape is from the source"}},
+       {"--identities", "N", "keep the first so many (all)"},
+       {"--expressions", "N|NAMES", "keep the so many most useful, or those named with commas between (all)"},
+       {"--errors", nullptr, "list how far each parameter's shape is from the source"},
+       {"--sizes", "N,N,...", "write nothing: bytes and errors at these sizes, and of a small profile"},
+       {"--flash", "KIB", "that the small profile has to fit (512)"}},
       1,
       run_bake};
 }

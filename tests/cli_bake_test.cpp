@@ -1,0 +1,97 @@
+// `pliant bake` as a user runs it: what it keeps, what it says, and what it shows while it works.
+#include "cli_run.hpp"
+
+using namespace cli_run;
+
+namespace {
+
+const std::string kFace = PLIANT_FIXTURES "/face";
+
+/// Six OBJ files: a square, three identities and two expressions.
+struct ObjFolder : Folder {
+  std::string folder;
+  ObjFolder() : folder(*this / "obj") {
+    fs::create_directories(folder);
+    for (const char* name : {"neutral", "identity000", "identity001", "identity002", "jawOpen", "flap"}) {
+      std::string text;
+      for (int k = 0; k < 9; ++k)
+        text += "v " + std::to_string(k % 3) + " " + std::to_string(k / 3) + " " +
+                std::to_string(k == 4 ? name[0] - 'a' : 0) + "\n";
+      for (int k = 0; k < 9; ++k)
+        text += "vt " + std::to_string(0.5 * (k % 3)) + " " + std::to_string(0.5 * (k / 3)) + "\n";
+      for (const int a : {1, 2, 4, 5}) {
+        text += "f";
+        for (const int v : {a, a + 1, a + 4, a + 3})
+          text += " " + std::to_string(v) + "/" + std::to_string(v);
+        text += "\n";
+      }
+      std::ofstream(folder + "/" + name + ".obj") << text;
+    }
+  }
+};
+
+}  // namespace
+
+TEST_CASE("bake keeps the identities and expressions asked for") {
+  const Folder folder;
+  const std::string table = folder / "m.plm";
+  const Ran r =
+      run_words({"bake", kFace, "-o", table, "--size", "16", "--identities", "2", "--expressions", "3"});
+  REQUIRE(r.code == 0);
+  const ModelFile file(table);
+  CHECK(file.model().parameters().count == 5);
+  for (const char* name : {"jawOpen", "mouthSmileLeft", "mouthSmileRight"})
+    CHECK(file.model().find_parameter(name) != kNone);
+  REQUIRE(run_words({"bake", kFace, "-o", table, "--size", "16", "--identities", "0", "--expressions",
+                     "jawOpen,eyeBlinkLeft"})
+              .code == 0);
+  const ModelFile named(table);
+  CHECK(named.model().parameters().count == 2);
+  check_refused({"bake", kFace, "-o", folder / "x.plm", "--expressions", "jawOpen,nod"},
+                {"--expressions", "there is no expression 'nod'"});
+  CHECK_FALSE(folder.has("x.plm"));
+}
+
+TEST_CASE(
+    "bake --sizes prints a row for each size and bits, and a small profile within the flash, and writes "
+    "nothing") {
+  const ObjFolder folder;
+  const std::size_t before = folder.file_count();
+  const Ran r = run_words({"bake", folder.folder, "--unit", "10", "--base-mesh", "60", "--sizes", "16,32"});
+  REQUIRE(r.code == 0);
+  CHECK(folder.file_count() == before);
+  for (const char* row : {"\n   16   16          3           2 ", "\n   32   16          3           2 ",
+                          "\n   16    8          3           2 ", "\n   32    8          3           2 "})
+    CHECK(contains(r.out, row));
+  CHECK(contains(r.out, "small profile, finest within 524288 bytes"));
+  CHECK(contains(r.out, "its expressions: flap jawOpen\n"));
+  CHECK(contains(run_words({"bake", folder.folder, "--base-mesh", "60", "--sizes", "16", "--flash", "1"}).out,
+                 "no small profile fits 1024 bytes"));
+  for (const char* bad : {"8", "16,", "x", "16,1000", "16.5", ""})
+    CHECK(run_words({"bake", folder.folder, "--sizes", bad}).code == 2);
+  check_refused({"bake", folder / "none", "--sizes", "16"}, {"none"});
+}
+
+TEST_CASE("bake says how far the table is from its source, and of each parameter when asked") {
+  const ObjFolder folder;
+  const Ran r = run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--errors"});
+  REQUIRE(r.code == 0);
+  for (const char* part : {"; rest shape to ", "; identities to ", "; expressions to ", "\nidentity001 to ",
+                           "\njawOpen to ", "\nnot a name of ARKit's: flap\n"})
+    CHECK(contains(r.out, part));
+}
+
+TEST_CASE("bake counts files, then shapes, on a terminal, and is silent elsewhere") {
+  const ObjFolder folder;
+  const std::vector<std::string> words{"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60"};
+  std::ostringstream out, err;
+  Console terminal{out, err, true};
+  REQUIRE(run(words, terminal) == 0);
+  const std::size_t files = err.str().find("\rfiles 5"), shapes = err.str().find("\rshapes 5");
+  CHECK(files != std::string::npos);
+  CHECK(shapes != std::string::npos);
+  CHECK(files < shapes);
+  const std::string wiped = "\r\x1b[K";
+  CHECK(err.str().substr(err.str().size() - wiped.size()) == wiped);
+  CHECK(run_words(words).err == "");
+}
