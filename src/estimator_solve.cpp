@@ -180,7 +180,7 @@ float Estimator::squared_px(std::size_t row) const {
 }
 
 /// Whether the observations alone determine the rigid block: pivots of its scaled Cholesky, priors taken out.
-bool Estimator::pose_is_observed() const {
+bool Estimator::pose_is_observed() {
   float l[kPoseUnknowns][kPoseUnknowns];
   for (std::size_t j = 0; j < kPoseUnknowns; ++j) {
     const float diagonal = equations_.h(j, j) - 1.0f / pose_variance_[j];

@@ -217,7 +217,7 @@ class Estimator {
   void keep_as_before(EstimatorProblem& problem);
   void conclude(const EstimatorProblem& problem);
   float squared_px(std::size_t row) const;
-  bool pose_is_observed() const;
+  bool pose_is_observed();
   void update_cue_scales();
   bool is_good() const;
 
