@@ -1,6 +1,6 @@
 #pragma once
 // A camera made of a file: what stands in for the sensor on a board that has none.
-#include "board.hpp"
+#include "board.h"
 #include "camera_buffers.hpp"
 
 /// Plays a grey Y4M file of a known size into the buffers, frame after frame.
@@ -12,13 +12,13 @@ class Film {
         frame_ns_(frame_ns) {}
 
   bool open(const char* path) {
-    file_ = board::open(path);
+    file_ = board_open(path);
     return file_ >= 0 && skip_line();
   }
 
   /// What the DMA and its interrupt do. False at the end of the film.
   bool expose() {
-    if (!skip_line() || board::read(file_, buffers_.filling(), bytes_) != bytes_) return false;
+    if (!skip_line() || board_read(file_, buffers_.filling(), bytes_) != bytes_) return false;
     buffers_.on_frame_complete(frame_ns_ * frame_++);
     return true;
   }
@@ -28,7 +28,7 @@ class Film {
   bool skip_line() {
     char c = 0;
     for (int k = 0; k < 200; ++k)
-      if (board::read(file_, &c, 1) != 1 || c == '\n') break;
+      if (board_read(file_, &c, 1) != 1 || c == '\n') break;
     return c == '\n';
   }
 

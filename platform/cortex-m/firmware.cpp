@@ -2,7 +2,7 @@
 // static block, frames come as a camera's DMA hands them over. The pose of every frame is printed; so is what it took.
 #include <cstring>
 
-#include "board.hpp"
+#include "board.h"
 #include "camera_buffers.hpp"
 #include "film.hpp"
 #include "line.hpp"
@@ -49,14 +49,14 @@ void print(int frame, const pliant::FrameResult& r, std::uint32_t hash) {
   line.add(" ").add(r.pose.q.w).add(" ").add(r.pose.q.x).add(" ").add(r.pose.q.y).add(" ").add(r.pose.q.z);
   line.add(" t ").add(r.pose.t.x).add(" ").add(r.pose.t.y).add(" ").add(r.pose.t.z);
   line.add(" inliers ").add(int{r.inliers}).add(" bits ").add_hex(hash).add("\n");
-  board::write(line.text());
+  board_write(line.text());
 }
 
 /// Ends the program with the status's text when it is not ok.
 void require(pliant::Status status, const char* what) {
   if (status == pliant::Status::ok) return;
-  board::write(Line().add(what).add(": ").add(pliant::text(status)).add("\n").text());
-  board::exit(1);
+  board_write(Line().add(what).add(": ").add(pliant::text(status)).add("\n").text());
+  board_exit(1);
 }
 
 /// Model and tracker, once; the model may be forgotten afterwards, the table not.
@@ -67,7 +67,7 @@ void set_up() {
   require(pliant::create_in(arena, tracker, model, pliant::profile_s()), "arena");
   Line line;
   line.add("table ").add(static_cast<int>(face_bytes)).add(" bytes, arena ");
-  board::write(line.add(static_cast<int>(arena.used_bytes())).add(" bytes\n").text());
+  board_write(line.add(static_cast<int>(arena.used_bytes())).add(" bytes\n").text());
 }
 
 struct Cost {
@@ -81,11 +81,11 @@ struct Cost {
   void print() const {
     if (frames == 0 || worst == 0) return;
     const auto thousands = [](std::uint32_t t) {
-      return static_cast<int>(t / (1000 / board::kInstructionsPerTick));
+      return static_cast<int>(t / (1000 / BOARD_INSTRUCTIONS_PER_TICK));
     };
     Line line;
     line.add("thousand instructions a frame: mean ").add(thousands(sum / static_cast<std::uint32_t>(frames)));
-    board::write(line.add(", worst ").add(thousands(worst)).add("\n").text());
+    board_write(line.add(", worst ").add(thousands(worst)).add("\n").text());
   }
 };
 
@@ -96,7 +96,7 @@ int main() {
   CameraBuffers buffers(frames[0], frames[1], kWidth, kHeight, kWidth);
   Film film(buffers, kWidth, kHeight, kFrameNs);
   if (!film.open("frames.y4m")) {
-    board::write("no frames.y4m here\n");
+    board_write("no frames.y4m here\n");
     return 1;
   }
   int frame = 0, tracked = 0;
@@ -105,23 +105,23 @@ int main() {
     pliant::FrameView view;
     if (!buffers.take(&view)) continue;
     pliant::FrameResult result;
-    const std::uint32_t begin = board::ticks();
+    const std::uint32_t begin = board_ticks();
     if (frame == 0) {
       require(tracker.start(view, kStartCamera, kStartPose, kStartParameters, {}, {}), "start");
       result = tracker.result();
     } else {
       require(tracker.update(view, &result), "update");
-      cost.add((board::ticks() - begin) & board::kTickMask);
+      cost.add((board_ticks() - begin) & BOARD_TICK_MASK);
     }
     buffers.give_back();
     tracked += result.state == pliant::TrackState::tracking;
     print(frame, result, hash_of(tracker.estimator(), result));
   }
   cost.print();
-  if (board::stack_bytes() > 0) {
+  if (board_stack_bytes() > 0) {
     Line line;
-    line.add("stack ").add(static_cast<int>(board::worst_stack_bytes())).add(" of ");
-    board::write(line.add(static_cast<int>(board::stack_bytes())).add(" bytes\n").text());
+    line.add("stack ").add(static_cast<int>(board_worst_stack_bytes())).add(" of ");
+    board_write(line.add(static_cast<int>(board_stack_bytes())).add(" bytes\n").text());
   }
-  return frame > 1 && tracked == frame && board::worst_stack_bytes() <= board::stack_bytes() ? 0 : 1;
+  return frame > 1 && tracked == frame && board_worst_stack_bytes() <= board_stack_bytes() ? 0 : 1;
 }

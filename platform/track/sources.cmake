@@ -1,5 +1,7 @@
 target_sources(pliant_platform PRIVATE
+  ${CMAKE_CURRENT_LIST_DIR}/c_api.cpp
   ${CMAKE_CURRENT_LIST_DIR}/key_frames.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/landmark_fit.cpp
   ${CMAKE_CURRENT_LIST_DIR}/looking.cpp
   ${CMAKE_CURRENT_LIST_DIR}/seeding.cpp
   ${CMAKE_CURRENT_LIST_DIR}/small_picture.cpp

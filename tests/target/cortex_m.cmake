@@ -9,7 +9,8 @@ else()
   ExternalProject_Add(pliant_prepared SOURCE_DIR ${PROJECT_SOURCE_DIR} BINARY_DIR ${PROJECT_BINARY_DIR}/host
     CMAKE_ARGS -DCMAKE_BUILD_TYPE=Release BUILD_COMMAND ${CMAKE_COMMAND} --build . --target pliant_prepared
     INSTALL_COMMAND "" BUILD_ALWAYS ON
-    BUILD_BYPRODUCTS ${prepared}/egg.cpp ${prepared}/face.cpp ${prepared}/start.hpp)
+    BUILD_BYPRODUCTS ${prepared}/egg.cpp ${prepared}/face.cpp ${prepared}/start.hpp
+      ${prepared}/points.h)
 endif()
 
 # pliant_image(NAME sources...): a program and its run in the emulator, in the folder of the prepared files. Where the host
@@ -31,6 +32,8 @@ endfunction()
 
 pliant_image(digest digest_board.cpp ../digest_run.cpp ${prepared}/egg.cpp)
 pliant_image(firmware ${cortex_m}/firmware.cpp ${prepared}/face.cpp)
+pliant_image(bad_input bad_input.cpp ${prepared}/face.cpp)
+pliant_image(c_example ${cortex_m}/c_example.c ${prepared}/face.cpp)
 
 add_test(NAME symbols COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} "-DIMAGES=${images}"
   "-DLIBRARIES=$<TARGET_FILE:pliant_core>;$<TARGET_FILE:pliant_platform>" -P ${PROJECT_SOURCE_DIR}/tests/symbols.cmake)

@@ -1,6 +1,6 @@
 // The digest's run from flash.
 #include "../digest_run.hpp"
-#include "board.hpp"
+#include "board.h"
 #include "line.hpp"
 
 extern const unsigned char egg_table[];
@@ -21,7 +21,7 @@ int main() {
       .add(", ")
       .add(pliant::text(run.status));
   line.add(", frames tracked ").add(run.frames_tracked).add("\n");
-  board::write(line.text());
+  board_write(line.text());
   return run.status == pliant::Status::ok && run.frames_tracked == kDigestFrames && run.digest == kDigest ? 0
                                                                                                           : 1;
 }

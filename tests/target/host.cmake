@@ -13,19 +13,25 @@ add_custom_command(OUTPUT egg.cpp DEPENDS egg_table COMMAND egg_table egg.cpp)
 # The face as firmware keeps it, and a person who turns the head, talks and blinks.
 set(fixtures ${PROJECT_SOURCE_DIR}/fixtures)
 set(start_awk ${CMAKE_CURRENT_SOURCE_DIR}/start.awk)
+set(points_awk ${CMAKE_CURRENT_SOURCE_DIR}/points.awk)
 file(GLOB face_tables CONFIGURE_DEPENDS ${fixtures}/face/*.txt)
 add_custom_command(OUTPUT face.plm face.cpp DEPENDS pliant ${face_tables}
   COMMAND pliant bake ${fixtures}/face -o face.plm --embed face.cpp --bits 8 --size 64)
-add_custom_command(OUTPUT frames.y4m start.hpp DEPENDS pliant face.plm ${fixtures}/frames/motion.awk ${start_awk}
+add_custom_command(OUTPUT frames.y4m start.hpp points.h DEPENDS pliant face.plm ${fixtures}/frames/motion.awk ${start_awk}
+    ${points_awk}
   COMMAND awk -v frames=40 -f ${fixtures}/frames/motion.awk > motion.csv
   COMMAND pliant render face.plm --params motion.csv --size 320x240 --focal 448 -o frames.y4m --truth truth.csv
-  COMMAND awk -F, -v f=448 -v width=320 -v height=240 -f ${start_awk} truth.csv > start.hpp)
+    --truth-points truth_points.csv
+  COMMAND awk -F, -v f=448 -v width=320 -v height=240 -f ${start_awk} truth.csv > start.hpp
+  COMMAND awk -F, -f ${points_awk} truth_points.csv > points.h)
 
 pliant_program(firmware ${cortex_m}/firmware.cpp face.cpp start.hpp)
+pliant_program(bad_input bad_input.cpp face.cpp start.hpp)
+pliant_program(c_example ${cortex_m}/c_example.c face.cpp points.h)
 
 set(outputs "")
 foreach(program IN LISTS compared)
   add_custom_command(OUTPUT ${program}.txt DEPENDS ${program} frames.y4m COMMAND ${program} > ${program}.txt)
   list(APPEND outputs ${program}.txt)
 endforeach()
-add_custom_target(pliant_prepared ALL DEPENDS egg.cpp face.cpp start.hpp frames.y4m ${outputs})
+add_custom_target(pliant_prepared ALL DEPENDS egg.cpp face.cpp start.hpp points.h frames.y4m ${outputs})

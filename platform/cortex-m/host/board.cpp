@@ -1,6 +1,7 @@
 // The board's log and files on a host.
-#include "board.hpp"
+#include "board.h"
 
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 
@@ -8,15 +9,15 @@ namespace {
 std::FILE* files[8];
 }
 
-void board::write(const char* text) {
+void board_write(const char* text) {
   std::fputs(text, stdout);
 }
 
-void board::exit(int code) {
+void board_exit(int code) {
   std::exit(code);
 }
 
-int board::open(const char* path) {
+int board_open(const char* path) {
   for (int k = 0; k < 8; ++k)
     if (files[k] == nullptr) {
       files[k] = std::fopen(path, "rb");
@@ -25,18 +26,18 @@ int board::open(const char* path) {
   return -1;
 }
 
-std::size_t board::read(int file, void* to, std::size_t bytes) {
+std::size_t board_read(int file, void* to, std::size_t bytes) {
   return std::fread(to, 1, bytes, files[file]);
 }
 
-std::uint32_t board::ticks() {
+std::uint32_t board_ticks() {
   return 0;
 }
 
-std::size_t board::stack_bytes() {
+std::size_t board_stack_bytes() {
   return 0;
 }
 
-std::size_t board::worst_stack_bytes() {
+std::size_t board_worst_stack_bytes() {
   return 0;
 }

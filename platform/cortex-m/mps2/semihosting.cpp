@@ -1,7 +1,8 @@
 // The board's log and files, by ARM semihosting: a debugger or an emulator carries them out on its host.
+#include <cstdint>
 #include <cstring>
 
-#include "board.hpp"
+#include "board.h"
 
 namespace {
 
@@ -16,11 +17,11 @@ std::uintptr_t call(Operation operation, const void* argument) {
 
 }  // namespace
 
-void board::write(const char* text) {
+void board_write(const char* text) {
   call(kWrite0, text);
 }
 
-void board::exit(int code) {
+void board_exit(int code) {
   constexpr std::uintptr_t kApplicationExit = 0x20026;
   const std::uintptr_t block[2] = {kApplicationExit, static_cast<std::uintptr_t>(code)};
   call(kExitExtended, block);
@@ -28,13 +29,13 @@ void board::exit(int code) {
   }
 }
 
-int board::open(const char* path) {
+int board_open(const char* path) {
   constexpr std::uintptr_t kReadBinary = 1;
   const std::uintptr_t block[3] = {reinterpret_cast<std::uintptr_t>(path), kReadBinary, std::strlen(path)};
   return static_cast<int>(call(kOpen, block));
 }
 
-std::size_t board::read(int file, void* to, std::size_t bytes) {
+std::size_t board_read(int file, void* to, std::size_t bytes) {
   const std::uintptr_t block[3] = {static_cast<std::uintptr_t>(file), reinterpret_cast<std::uintptr_t>(to),
                                    bytes};
   return bytes - call(kRead, block);  // the call gives what was not read

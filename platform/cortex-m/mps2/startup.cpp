@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "board.hpp"
+#include "board.h"
 
 int main();
 
@@ -33,7 +33,7 @@ void enable_floating_point() {
 
 void start_ticks() {
   constexpr std::uintptr_t kControl = 0xe000e010, kReload = 0xe000e014, kValue = 0xe000e018;
-  memory_register(kReload) = board::kTickMask;
+  memory_register(kReload) = BOARD_TICK_MASK;
   memory_register(kValue) = 0;
   memory_register(kControl) = 5;  // on, processor clock, no interrupt
 }
@@ -72,23 +72,23 @@ void reset() {
   std::memset(bss_begin, 0, bytes_between(bss_begin, bss_end));
   for (const Constructor* c = init_array_begin; c < init_array_end; ++c) (*c)();
   start_ticks();
-  board::exit(main());
+  board_exit(main());
 }
 
 void fault() {
-  board::write("fault\n");
-  board::exit(3);
+  board_write("fault\n");
+  board_exit(3);
 }
 
-std::uint32_t board::ticks() {
-  return kTickMask - memory_register(0xe000e018);
+std::uint32_t board_ticks() {
+  return BOARD_TICK_MASK - memory_register(0xe000e018);
 }
 
-std::size_t board::stack_bytes() {
+std::size_t board_stack_bytes() {
   return bytes_between(stack_bottom, stack_top);
 }
 
-std::size_t board::worst_stack_bytes() {
+std::size_t board_worst_stack_bytes() {
   const std::uint32_t* p = stack_bottom;
   while (p < stack_top && *p == kPaint) ++p;
   return bytes_between(p, stack_top);
