@@ -7,6 +7,9 @@ namespace pliant {
 
 namespace {
 
+constexpr float kSkip =
+    3e38f;  // in the place of a sample's x, which is millimetres: nothing to do for a while
+
 bool is_zero(Vec3 v) {
   return v.x == 0 && v.y == 0 && v.z == 0;
 }
@@ -40,6 +43,7 @@ void Cascade::lay_out(Arena& arena, const Model& model, const FoldLimits& fold) 
   parameter_of_ = arena.take<std::uint16_t>(parameters);
   column_of_ = arena.take<std::uint16_t>(parameters);
   role_ = arena.take<Role>(records);
+  link_ = arena.take<std::uint8_t>(records);
   needed_ = arena.take<std::uint8_t>(records);
   std::uint16_t** const per_record[] = {&visited_,     &emitted_,  &register_of_,
                                         &last_reader_, &selected_, &stands_for_};
@@ -125,6 +129,39 @@ void Cascade::plan() {
   for (std::size_t n = 0; n < visited_count_; ++n)
     if (role_[visited_[n]] != Role::frozen) emitted_[emitted_count_++] = visited_[n];
   assign_registers();
+  link();
+}
+
+/// Most records of a face add a vector to the record before, and most vectors are zero at any one point: `run` carries
+/// the value along in a chain of such records, and passes over the zeros.
+void Cascade::link() {
+  const auto records = model_.cascade();
+  for (std::size_t n = 0; n < emitted_count_; ++n) {
+    const std::size_t i = emitted_[n];
+    const CascadeRecord& r = records[i];
+    const bool follows = n > 0 && is_live(i) && r.source[0] == emitted_[n - 1] && r.source[1] == kNone;
+    const bool in_place = follows && is_live(r.source[0]) && register_of_[r.source[0]] == register_of_[i];
+    bool stores = n + 1 == emitted_count_;
+    for (std::size_t m = n + 1; m < emitted_count_ && !stores; ++m) {
+      const CascadeRecord& reader = records[emitted_[m]];
+      const bool is_follower = m == n + 1 && reader.source[1] == kNone;
+      stores = is_live(emitted_[m]) && !is_follower && (reader.source[0] == i || reader.source[1] == i);
+    }
+    const bool adds = r.operation == Operation::add_vector;
+    const bool skips = in_place && !stores && (adds || passes_through_at_zero(r));
+    link_[n] = static_cast<std::uint8_t>((follows ? kFollows : 0) | (in_place && adds ? kPlain : 0) |
+                                         (stores ? kStores : 0) | (skips ? kSkips : 0));
+  }
+}
+
+/// A run of zeros that may be skipped becomes a mark with its length.
+void Cascade::skip_zeros(Vec3* baked) const {
+  for (std::size_t n = 0; n < emitted_count_;) {
+    std::size_t end = n;
+    while (end < emitted_count_ && (link_[end] & kSkips) != 0 && is_zero(baked[end])) ++end;
+    if (end > n) baked[n] = {kSkip, static_cast<float>(end - n), 0};
+    n = end > n ? end : n + 1;
+  }
 }
 
 /// A live record takes the first register whose value nobody reads after it; a source's own comes free that way.
@@ -206,26 +243,27 @@ void Cascade::propagate(std::size_t record, const FieldStep& f) {
 template <bool kDerive>
 Vec3 Cascade::run(const Vec3* baked, const float* q) {
   const auto records = model_.cascade();
+  Vec3 p;  // of the record before
   for (std::size_t n = 0; n < emitted_count_; ++n) {
-    const std::size_t i = emitted_[n];
     const Vec3 s = baked[n];
-    if (!is_live(i)) {
-      point_[i] = s;
+    if (s.x == kSkip) {
+      n += static_cast<std::size_t>(s.y) - 1;
       continue;
     }
+    const std::size_t i = emitted_[n];
     const CascadeRecord& r = records[i];
-    const Vec3 p0 = point_of_source(r, 0);
-    const bool in_place = kDerive && is_live(r.source[0]) && register_of_[r.source[0]] == register_of_[i];
-    if (r.operation == Operation::add_vector && (!kDerive || in_place)) {  // nearly all records
-      point_[i] = p0 + q[r.parameter[0]] * s;
+    if ((link_[n] & kPlain) != 0) {
+      p = p + q[r.parameter[0]] * s;
       if (kDerive && !is_zero(s)) add_column(register_[register_of_[i]], r.parameter[0], s);
-    } else if (is_zero(s) && passes_through_at_zero(r) && (!kDerive || in_place)) {
-      point_[i] = p0;
+    } else if (!is_live(i)) {
+      p = s;
     } else {
+      const Vec3 p0 = (link_[n] & kFollows) != 0 ? p : point_of_source(r, 0);
       const FieldStep f = apply(r, q, p0, point_of_source(r, 1), s);
-      point_[i] = f.p;
+      p = f.p;
       if (kDerive) propagate(i, f);
     }
+    if ((link_[n] & kStores) != 0) point_[i] = p;
   }
   return point_[result_];
 }

@@ -67,6 +67,7 @@ void Cascade::set_interpolation(Interpolation interpolation) {
 }
 
 void Cascade::bake(Vec2 uv, const float* q, Vec3* baked) {
+  Vec3* const first = baked;
   for (std::size_t n = 0; n < visited_count_; ++n) {
     const std::size_t i = visited_[n];
     if (is_live(i)) {
@@ -80,6 +81,7 @@ void Cascade::bake(Vec2 uv, const float* q, Vec3* baked) {
                                     .p;
     if (role_[i] == Role::folded) *baked++ = point_[i];
   }
+  skip_zeros(first);
 }
 
 Vec3 Cascade::surface_point(Vec2 uv, const float* q) {

@@ -132,6 +132,8 @@ class Cascade {
   void plan();
   void mark_needed(std::size_t result);
   void assign_registers();
+  void link();
+  void skip_zeros(Vec3* baked) const;
   std::uint16_t find_neutral();
   Status fill_neutral(std::size_t record, const float* q);
   std::uint16_t root_field(std::size_t record) const;
@@ -142,6 +144,12 @@ class Cascade {
   template <bool kDerive>
   Vec3 run(const Vec3* baked, const float* q);
   void propagate(std::size_t record, const struct FieldStep& step);
+  enum Link : std::uint8_t {
+    kFollows = 1,  // its only source is the record emitted before
+    kPlain = 2,    // follows, adds a vector, and its derivative goes into its source's register
+    kStores = 4,   // its value is wanted by another than the record emitted after
+    kSkips = 8,    // does nothing at a sample of zero, and nobody misses it
+  };
   void add_column(Register& reg, std::uint16_t parameter, Vec3 derivative);
 
   Model model_;
@@ -151,6 +159,7 @@ class Cascade {
   std::uint8_t* needed_ = nullptr;  // a record: the result reads it, at first or second hand
   std::uint16_t *visited_ = nullptr, *emitted_ = nullptr;  // records needed; those of them in a baked point
   std::uint16_t *register_of_ = nullptr, *last_reader_ = nullptr;
+  std::uint8_t* link_ = nullptr;  // an emitted record: how it hangs on the one before
   std::uint16_t *selected_ = nullptr, *stands_for_ = nullptr;  // listed records; whose value a record has
   std::size_t visited_count_ = 0, emitted_count_ = 0, selected_count_ = 0;
   std::uint16_t result_ = 0;       // the record whose value is the surface point
