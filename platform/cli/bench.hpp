@@ -27,4 +27,10 @@ void bench_klt(std::ostream& out, const KltInputs& inputs);
 /// The minimum covariance determinant on generated data.
 void bench_mcd(std::ostream& out);
 
+/// The tracker's whole step on rendered frames: time, against points, vertices, parameters and pixels, and error in the
+/// same runs.
+void bench_track(std::ostream& out, const ModelFile& file);
+/// The error at the end of 5,000 frames, against that at the 50th.
+void bench_drift(std::ostream& out, const ModelFile& file);
+
 }  // namespace pliant::cli

@@ -30,11 +30,22 @@ int run_mcd(const Args&, Console& console) {
   return 0;
 }
 
+int run_track(const Args& args, Console& console) {
+  bench_track(console.out, ModelFile(args.required("--model")));
+  return 0;
+}
+
+int run_drift(const Args& args, Console& console) {
+  bench_drift(console.out, ModelFile(args.required("--model")));
+  return 0;
+}
+
 struct Topic {
   const char* name;
   int (*run)(const Args& args, Console& console);
 };
-constexpr Topic kTopics[] = {{"mesh", run_mesh}, {"klt", run_klt}, {"mcd", run_mcd}};
+constexpr Topic kTopics[] = {
+    {"mesh", run_mesh}, {"klt", run_klt}, {"mcd", run_mcd}, {"track", run_track}, {"drift", run_drift}};
 
 int run_bench(const Args& args, Console& console) {
   std::string names;
@@ -53,8 +64,9 @@ Command bench_command() {
   return {
       "bench",
       "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
-      "mesh [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | mcd",
-      {{"--model", "PLM", "a model to measure with as well"},
+      "mesh [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | mcd | "
+      "track --model face.plm | drift --model face.plm",
+      {{"--model", "PLM", "a model to measure with (mesh: as well)"},
        {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
        {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", true, true},
        {"--frames", "VIDEO", "a Y4M file or folder of pictures, to time tracking on"},

@@ -30,6 +30,7 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/bench_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_rows.cpp
   ${CMAKE_CURRENT_LIST_DIR}/camera_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bench_track.cpp
   ${CMAKE_CURRENT_LIST_DIR}/command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/csv.cpp
   ${CMAKE_CURRENT_LIST_DIR}/draw.cpp

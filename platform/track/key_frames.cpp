@@ -128,8 +128,12 @@ std::size_t Tracker::refresh_templates(std::size_t first, std::size_t end) {
     if (!p.visible ||
         patches_.capture(static_cast<int>(first), current_, slot.seen - origin_) != PatchStatus::ok)
       continue;
-    slots_[first] = {slot.id, static_cast<std::uint16_t>(k), kNoSlot, p.jacobian, {}, {}, {}, 0, true, false,
-                     0};
+    Slot fresh;
+    fresh.id = slot.id;
+    fresh.owner = static_cast<std::uint16_t>(k);
+    fresh.reference = p.jacobian;
+    fresh.is_used = true;
+    slots_[first] = fresh;
     slot.second = static_cast<std::uint16_t>(first++);
   }
   return first;

@@ -5,7 +5,7 @@ namespace pliant {
 
 namespace {
 
-constexpr std::uint8_t kMostFramesApart = 20;
+constexpr std::uint8_t kMostFramesApart = 20, kMostMisses = 6;
 constexpr float kFollowedShare = 0.25f;  // weight of a patch that was only followed from the frame before
 
 Reason reason_of(PatchStatus status) {
@@ -29,6 +29,13 @@ Reason reason_of(PatchStatus status) {
   return Reason::diverged;
 }
 
+Observation unseen(std::uint16_t id) {
+  Observation o;
+  o.id = id;
+  o.reason = Reason::not_visible;
+  return o;
+}
+
 /// Largest entry of W - I, W the warp from `reference` to `now`.
 float strain(const Mat2& now, const Mat2& reference) {
   const Mat2 w = now * inverse(reference);
@@ -45,21 +52,27 @@ bool Tracker::is_in_region(Vec2 x) const {
 
 /// The finest pyramid level from which the search reaches as far as the prediction is likely to be off.
 int Tracker::first_level() const {
-  const float off = moved_px_ + 0.25f * shift_px_;
-  return off < 1.5f ? 0 : off < 3 ? 1 : -1;
+  const float off = 2 * moved_px_ + 0.25f * shift_px_;
+  return off < 2 ? 0 : off < 4 ? 1 : -1;
+}
+
+/// What has not been found for a while is looked for in one frame of four: it is hidden, or has changed for good.
+bool Tracker::is_resting(std::size_t k) const {
+  return slots_[k].misses >= kMostMisses && (k + frame_) % 4 != 0;
 }
 
 /// Whether a later round can see more of a point than the one before did: it was not found, or is not where it is now
 /// expected, or would be compared with a template that is warped in another way.
-bool Tracker::needs_look(const Slot& slot, const Prediction& p, int round) const {
-  if (round == 0) return true;
+Tracker::Look Tracker::needed_look(const Slot& slot, const Prediction& p, int round) const {
+  if (round == 0) return Look::full;
   const Observation& o = observations_[slot.observation];
-  if (o.reason != Reason::found && o.reason != Reason::rejected) return p.visible;
-  if (!p.visible || o.score < options_.min_correlation) return true;
-  const Vec2 off = o.x - p.x;
-  const float far_px = scaled_px(limits_, 3);
+  if (!p.visible) return o.reason == Reason::not_visible ? Look::none : Look::full;
   const float edge_px = strain(p.jacobian, slot.looked_with) * static_cast<float>(limits_.patch_window / 2);
-  return dot(off, off) > far_px * far_px || edge_px > 0.3f;
+  if (edge_px > 0.3f) return Look::full;
+  if (o.reason != Reason::found && o.reason != Reason::rejected)
+    return length(p.x - slot.looked_at) > 1 ? Look::full : Look::follow_only;
+  const bool is_elsewhere = length(o.x - p.x) > scaled_px(limits_, 3);
+  return is_elsewhere || o.score < options_.min_correlation ? Look::full : Look::none;
 }
 
 /// \return how many points were looked at.
@@ -72,8 +85,13 @@ std::size_t Tracker::look_and_solve(int round) {
     Slot& slot = slots_[k];
     if (!slot.is_used || slot.owner != k) continue;
     const Prediction& p = predictions[prediction_of_[slot.id]];
-    if (needs_look(slot, p, round)) {
-      observations_[n] = look(k, p, round);
+    const bool rests = is_resting(k);
+    const Look needed = rests ? Look::none : needed_look(slot, p, round);
+    if (rests) observations_[n] = unseen(p.id);
+    if (needed == Look::full) observations_[n] = look(k, p, round);
+    if (needed == Look::follow_only) observations_[n] = follow(k, p);
+    if (needed != Look::none) {
+      slot.looked_at = p.x;
       slot.looked_with = p.jacobian;
       ++looks;
     }
@@ -101,9 +119,7 @@ PatchResult Tracker::match(std::size_t k, const Prediction& p, int round) {
 }
 
 Observation Tracker::look(std::size_t k, const Prediction& p, int round) {
-  Observation o;
-  o.id = p.id;
-  o.reason = Reason::not_visible;
+  Observation o = unseen(p.id);
   if (!p.visible || !is_in_region(p.x)) return o;
   const PatchResult found = match(k, p, round);
   o.reason = reason_of(found.status);
@@ -137,20 +153,26 @@ Observation Tracker::follow(std::size_t k, const Prediction& p) {
 
 void Tracker::note_seen() {
   const bool good = result_.state == TrackState::tracking;
-  moved_px_ = good ? 0 : 1e9f;
+  float sum = 0, count = 0;
   for (std::size_t k = 0; k < slot_count_; ++k) {
     Slot& slot = slots_[k];
     if (!slot.is_used || slot.owner != k) continue;
     const Observation& o = observations_[slot.observation];
     slot.was_seen = good && o.reason == Reason::found;
+    if (good && o.reason != Reason::not_visible && slot.misses < kMostMisses) ++slot.misses;
+    if (!good) slot.misses = 0;
     if (!slot.was_seen) continue;
+    slot.misses = 0;
     slot.seen = o.x;
-    moved_px_ = max(moved_px_, length(o.x - slot.expected));
+    const Vec2 off = o.x - slot.expected;
+    sum += dot(off, off);
+    ++count;
     if (o.cue == Cue::patch)
       slot.frames_apart = 0;
     else if (slot.frames_apart < kMostFramesApart)
       ++slot.frames_apart;
   }
+  moved_px_ = good && count > 0 ? square_root(sum / count) : 1e9f;
 }
 
 }  // namespace pliant

@@ -72,8 +72,13 @@ bool Tracker::seed(Vec2 x, float min_distance, std::size_t slot) {
     estimator_.remove_point(id);
     return false;
   }
-  slots_[slot] = {id, static_cast<std::uint16_t>(slot), kNoSlot, p.jacobian, x, x, p.jacobian, 0, true, true,
-                  0};
+  Slot fresh;
+  fresh.id = id;
+  fresh.owner = static_cast<std::uint16_t>(slot);
+  fresh.reference = fresh.looked_with = p.jacobian;
+  fresh.seen = fresh.expected = fresh.looked_at = x;
+  fresh.is_used = fresh.was_seen = true;
+  slots_[slot] = fresh;
   return true;
 }
 
@@ -88,7 +93,7 @@ void Tracker::seed_patches(std::size_t first, std::size_t end) {
   for (std::size_t i = 0; i < cells; ++i) marked += cells_[i];
   const float area = static_cast<float>(marked) * static_cast<float>(options.cell_px * options.cell_px);
   float spacing = square_root(area / static_cast<float>(end - first));
-  for (int round = 0; round < 4 && first < end; ++round, spacing *= 0.7f) {
+  for (int round = 0; round < 6 && first < end; ++round, spacing *= 0.7f) {
     options.min_distance_px = clamp(spacing, 2, 256);
     Arena scratch(scratch_, scratch_bytes_);
     int found = 0;

@@ -4,9 +4,10 @@
 
 namespace pliant {
 
-/// Side of a corner cell, px: 8 at 320 x 240.
+/// Side of a corner cell, px: 8 at 320 x 240, less where more patches are wanted than a face has such cells.
 constexpr int cell_px_of(const TrackerLimits& limits) {
-  const int side = (limits.width + 20) / 40;
+  int side = (limits.width + 20) / 40;
+  while (side > 4 && 9 * side * side * limits.patches > limits.width * limits.height) --side;
   return side < 4 ? 4 : side > 64 ? 64 : side;
 }
 

@@ -128,15 +128,17 @@ class Tracker {
 
   /// A template, and, if it is the first of its surface point, what was seen of that point.
   struct Slot {
-    std::uint16_t id;           // of its surface point
-    std::uint16_t owner;        // the first template of the same point: this slot, unless it is a second one
-    std::uint16_t second;       // of an owner: its second template, or kNoSlot
-    Mat2 reference;             // dx/d(u,v) where the template was captured
-    Vec2 seen, expected;        // last frame: where it was found, where it was predicted
-    Mat2 looked_with;           // the prediction's dx/d(u,v) when it was last looked for
-    std::uint16_t observation;  // of this round
-    bool is_used, was_seen;
-    std::uint8_t frames_apart;  // since it last matched a template
+    std::uint16_t id = 0;            // of its surface point
+    std::uint16_t owner = 0;         // the first template of the same point: this slot, or it is a second one
+    std::uint16_t second = kNoSlot;  // of an owner: its second template
+    std::uint16_t observation = 0;   // of this round
+    Mat2 reference;                  // dx/d(u,v) where the template was captured
+    Vec2 seen, expected;             // last frame: where it was found, where it was predicted
+    Vec2 looked_at;                  // the prediction when it was last looked for
+    Mat2 looked_with;                // and its dx/d(u,v)
+    bool is_used = false, was_seen = false;
+    std::uint8_t frames_apart = 0;  // since it last matched a template
+    std::uint8_t misses = 0;        // frames in a row in which it was looked for and not found
   };
 
   struct KeyFrame {
@@ -169,9 +171,11 @@ class Tracker {
   void expect_motion();
 
   // looking.cpp
-  bool needs_look(const Slot& slot, const Prediction& p, int round) const;
+  enum class Look : std::uint8_t { none, full, follow_only };
+  Look needed_look(const Slot& slot, const Prediction& p, int round) const;
   std::size_t look_and_solve(int round);
   Observation look(std::size_t k, const Prediction& p, int round);
+  bool is_resting(std::size_t k) const;
   Observation follow(std::size_t k, const Prediction& p);
   PatchResult match(std::size_t k, const Prediction& p, int round);
   bool is_in_region(Vec2 x) const;
