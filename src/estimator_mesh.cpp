@@ -39,8 +39,15 @@ void Estimator::project_vertices() {
     vertex_depth_[v] = projector.project(vertex_[v], &vertex_image_[v])
                            ? kNominalDepthMm + projector.rotated(vertex_[v]).z
                            : -1.0f;
-  depth_.draw(mesh_, vertex_image_, vertex_depth_);
   vertices_are_current_ = true;
+  depth_is_current_ = false;
+}
+
+/// What hides what is drawn when somebody asks.
+void Estimator::draw_depth() {
+  if (!vertices_are_current_) project_vertices();
+  if (!depth_is_current_) depth_.draw(mesh_, vertex_image_, vertex_depth_);
+  depth_is_current_ = true;
 }
 
 bool Estimator::project(Vec2 uv, Vec2* x) {

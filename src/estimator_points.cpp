@@ -117,7 +117,7 @@ void Estimator::place_outline() {
       ++sectors;
     }
   if (sectors == 0) return;
-  if (!vertices_are_current_) project_vertices();
+  draw_depth();
   const Projector projector(view_, true);
   const std::size_t all = finder_.find({mesh_, vertex_, vertex_image_, vertex_depth_}, projector, &depth_,
                                        kHiddenMarginMm, {outline_, outline_count_});
@@ -188,7 +188,7 @@ Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
 }
 
 Span<const Prediction> Estimator::predict() {
-  if (!vertices_are_current_) project_vertices();
+  draw_depth();
   const Projector projector(view_, true);
   std::size_t n = 0;
   for (std::uint16_t i = 0; i < limits_.points; ++i) {
@@ -200,6 +200,7 @@ Span<const Prediction> Estimator::predict() {
 }
 
 Prediction Estimator::predict(std::uint16_t id) {
+  draw_depth();
   return prediction(id, Projector(view_, true));
 }
 

@@ -199,6 +199,7 @@ class Estimator {
   Status choose_free(const std::uint8_t* is_free);
   void update_vertices(std::uint32_t share);
   void project_vertices();
+  void draw_depth();
   void update_tangents(std::uint16_t id);
   Prediction prediction(std::uint16_t id, const Projector& projector);
   /// The observations of one point: one, or alternatives.
@@ -276,7 +277,7 @@ class Estimator {
   float* sample_ = nullptr;
   Vec2* sample_force_ = nullptr;
   std::uint8_t* sample_keep_ = nullptr;
-  bool vertices_are_current_ = false;
+  bool vertices_are_current_ = false, depth_is_current_ = false;
 };
 
 }  // namespace pliant
