@@ -6,6 +6,7 @@
 #include "cli/command.hpp"
 #include "cli/failure.hpp"
 #include "cli/files.hpp"
+#include "cli/photo_texture.hpp"
 #include "cli/retarget.hpp"
 #include "cli/shown_mesh.hpp"
 #include "cli/start.hpp"
@@ -21,8 +22,24 @@ bool ends_with(const std::string& text, const std::string& ending) {
 
 struct Input {
   Retargeted track;
-  std::string who;  // whose face it is, for the summary
+  std::string who;      // whose face it is, for the summary
+  std::string picture;  // what is on the surface, as glb_bytes takes it
+  bool is_lit = true;
 };
+
+/// The photograph that the identity was fitted in, taken off the face.
+std::string picture_of(const std::string& path, const std::string& identity, const FitFile& fit,
+                       const ModelFile& file) {
+  const Image photo = read_image(path);
+  if (fit.model_crc != file.model().crc())
+    fail_input(identity, "was fitted with another model than " + file.path());
+  if (photo.width != fit.width || photo.height != fit.height)
+    fail_input(path, "is not the picture of " + identity + ": that has " + std::to_string(fit.width) + "x" +
+                         std::to_string(fit.height) + " pixels");
+  std::vector<float> q(file.model().parameters().count, 0.0f);
+  (void)apply(fit.parameters, identity, file.model(), q.data());
+  return encode_jpeg(photo_texture(file.model(), fit, q, photo, kPhotoTextureSide), kPhotoTextureQuality);
+}
 
 Input read_input(const Args& args, const ModelFile& file, Console& console) {
   const std::string path = args.required("--params");
@@ -33,6 +50,7 @@ Input read_input(const Args& args, const ModelFile& file, Console& console) {
   std::optional<ModelFile> source;
   if (const auto from = args.text("--from")) source.emplace(*from);
   if (source) setup.source = &source->model();
+  input.picture = albedo_png(file.model());
   FitFile fit;
   if (const auto identity = args.text("--identity")) {
     fit = parse_fit(*identity, read_file(*identity));
@@ -41,6 +59,10 @@ Input read_input(const Args& args, const ModelFile& file, Console& console) {
     setup.identity = &fit.parameters;
     setup.identity_path = *identity;
     input.who = *identity;
+    if (const auto photo = args.text("--image")) {
+      input.picture = picture_of(*photo, *identity, fit, file);
+      input.is_lit = false;
+    }
   }
   input.track = retarget(table, file.model(), setup);
   if (input.who.empty()) input.who = input.track.has_identity ? "the track's" : "the mean";
@@ -74,6 +96,8 @@ int run_animate(const Args& args, Console& console) {
   const bool is_folder = ends_with(output, "/") || std::filesystem::is_directory(output);
   if (!is_folder && !ends_with(output, ".glb"))
     fail_usage("-o ends in .glb, or in / for a folder of OBJ files, not as " + output);
+  if (args.has("--image") && !args.has("--identity"))
+    fail_usage("--image needs the fit in that picture: --identity");
   const int vertices = args.integer("--vertices", 2000, 16, 21000);
   const auto tolerance = static_cast<float>(args.number("--tolerance", 0.1, 0, 1000));
   const ModelFile file(args.operand(0));
@@ -93,7 +117,7 @@ int run_animate(const Args& args, Console& console) {
     std::vector<std::vector<float>> q;
     for (const RetargetFrame& frame : frames) q.push_back(frame.state.q);
     const Morphs morphs = make_morphs(animated, mesh.faces, q, input.track.driven, tolerance);
-    write_file(output, animation_glb(mesh, morphs, file.model(), input.track));
+    write_file(output, animation_glb(mesh, morphs, file.model(), input.track, input.picture, input.is_lit));
     print_summary(morphs, console.out);
   }
   console.out << output << ": " << frames.size() << " frames, "
@@ -108,11 +132,13 @@ Command animate_command() {
   return {
       "animate",
       "Puts a track's expressions and head motion on any person and any model, for other programs to play.",
-      "face.plm --params track.csv [--identity fit.json] [--from tracked.plm] [--vertices N] [--tolerance "
+      "face.plm --params track.csv [--identity fit.json [--image picture]] [--from tracked.plm] [--vertices "
+      "N] [--tolerance "
       "MM] "
       "[--rate FPS] -o animation.glb|FOLDER/",
       {{"--params", "CSV", "a track, or any table with its columns; expressions are matched by name"},
        {"--identity", "JSON", "a fit: whose face it is; else the track's own identity, or the mean"},
+       {"--image", "FILE", "the picture of that fit: its photograph goes onto the face"},
        {"--from", "PLM", "the model that was tracked: values keep their share of its ranges"},
        {"--vertices", "N", "of the mesh, about (2000)"},
        {"--tolerance", "MM", "leave out corrective targets that never move a vertex this far (0.1)"},

@@ -12,8 +12,6 @@ namespace pliant::cli {
 
 namespace {
 
-constexpr const char* kStep = "LINEAR";
-
 /// A pose in glTF's axes, metres: the camera's axes turned half round x, which the model's already are.
 Vec3 translation_of(const Pose& pose) {
   return 0.001f * Vec3{pose.t.x, -pose.t.y, -pose.t.z};
@@ -30,7 +28,7 @@ Json::Array list(Quat q) {
           static_cast<double>(q.w)};
 }
 
-Json::Object mesh_of(GlbFile& file, const MeshData& mesh, const Morphs& morphs, const Model& model) {
+Json::Object mesh_of(GlbFile& file, const MeshData& mesh, const Morphs& morphs, int material) {
   Json::Array targets, names, weights;
   for (const MorphTarget& target : morphs.targets) {
     const int position = file.add(target.position, GlbFile::Use::vertices);
@@ -43,7 +41,7 @@ Json::Object mesh_of(GlbFile& file, const MeshData& mesh, const Morphs& morphs, 
                                 {"NORMAL", file.add(morphs.normal, GlbFile::Use::vertices)},
                                 {"TEXCOORD_0", file.add(mesh.uv)}};
   Json::Object primitive{{"attributes", attributes}, {"indices", file.add(mesh.faces)}};
-  primitive.push_back({"material", file.add_material(albedo_png(model), true)});
+  primitive.push_back({"material", material});
   if (targets.empty()) return {{"primitives", Json::Array{primitive}}};
   primitive.push_back({"targets", targets});
   return {{"primitives", Json::Array{primitive}},
@@ -57,7 +55,7 @@ struct Channels {
   void add(int input, int output, const char* path) {
     channels.push_back(Json::Object{{"sampler", static_cast<int>(samplers.size())},
                                     {"target", Json::Object{{"node", 0}, {"path", path}}}});
-    samplers.push_back(Json::Object{{"input", input}, {"output", output}, {"interpolation", kStep}});
+    samplers.push_back(Json::Object{{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
   }
 };
 
@@ -91,9 +89,9 @@ Json::Object animation_of(GlbFile& file, const Morphs& morphs, const Model& mode
 }  // namespace
 
 std::string animation_glb(const MeshData& mesh, const Morphs& morphs, const Model& model,
-                          const Retargeted& track) {
+                          const Retargeted& track, const std::string& picture, bool is_lit) {
   GlbFile file;
-  const Json::Object shape = mesh_of(file, mesh, morphs, model),
+  const Json::Object shape = mesh_of(file, mesh, morphs, file.add_material(picture, is_lit)),
                      animation = animation_of(file, morphs, model, track);
   Json::Object node{{"name", "head"}, {"mesh", 0}, {"scale", metres_per_millimetre()}};
   if (track.has_pose) {  // what a viewer that plays nothing shows

@@ -4,6 +4,7 @@
 #include "cli/files.hpp"
 #include "cli/overlay.hpp"
 #include "cli/owned.hpp"
+#include "cli/photo_texture.hpp"
 #include "cli/start.hpp"
 
 namespace pliant::cli {
@@ -73,11 +74,18 @@ void read_method(const Args& args, FitSetup& setup) {
     fail_usage("--method: gauss-newton, euler, preconditioned or barzilai-borwein, not " + method);
 }
 
+void write_textured(const std::string& path, const Model& model, const FitFile& fit, const Image& picture) {
+  std::vector<float> q(model.parameters().count, 0.0f);
+  apply(fit.parameters, path, model, q.data());
+  write_file(path, textured_glb(model, fit, q, picture));
+}
+
 int run_fit(const Args& args, Console& console) {
   const std::string output = args.required("-o");
   if (!args.has("--points") && !args.has("--box") && !args.has("--pose"))
     fail_usage("one of --points, --box and --pose is needed");
   if (args.has("--box") && args.has("--pose")) fail_usage("--box and --pose exclude each other");
+  if (args.has("--texture") && !args.has("--image")) fail_usage("--texture needs the photograph: --image");
   const auto box = args.numbers("--box", 4);
   const ModelFile file(args.operand(0));
   const Model& model = file.model();
@@ -111,6 +119,7 @@ int run_fit(const Args& args, Console& console) {
 
   write_file(output, fit_text(fit));
   if (const auto path = args.text("--overlay")) draw_overlay(*path, model, fit, picture);
+  if (const auto path = args.text("--texture")) write_textured(*path, model, fit, picture);
   console.out << output << ": " << fit.inliers << " of " << fit.points.size() << " points, rms "
               << number_text(static_cast<double>(fit.rms_px)) << " px, f "
               << number_text(static_cast<double>(fit.camera.f)) << " px\n";
@@ -125,7 +134,7 @@ Command fit_command() {
       "Fits a model to one picture: pose, focal length and parameters.",
       "face.plm (--points points.csv | --box x,y,w,h | --pose fit.json) --size WxH [--image picture] "
       "[--focal PX] "
-      "[--parameters GROUP|COUNT] [--outline match|fixed] -o fit.json [--overlay picture.png]",
+      "[--parameters GROUP|COUNT] [--outline match|fixed] -o fit.json [--overlay picture.png] [--texture face.glb]",
       {{"--points", "CSV",
         "landmark,x,y: landmarks of the model by name, at least four; with columns u,v any points of the "
         "surface"},
@@ -146,7 +155,8 @@ Command fit_command() {
        {"--steps", "N", "steps of the dynamics, a stage; 600"},
        {"--stiffness", "K", "weight of the prior on the parameters; 1; 0: the points alone"},
        {"-o", "JSON", "the fit to write"},
-       {"--overlay", "PNG", "a picture of the fit"}},
+       {"--overlay", "PNG", "a picture of the fit"},
+       {"--texture", "GLB", "the fitted model with the photograph on it"}},
       1,
       run_fit};
 }

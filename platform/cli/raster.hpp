@@ -36,6 +36,8 @@ class Raster {
 
   /// Mean grey value of a pixel, uncovered samples taken from `background`.
   float value(int x, int y, float background) const;
+  /// 1 / depth of what is nearest at a pixel's first sample; 0 where nothing is.
+  float inverse_depth(int x, int y) const { return inverse_depth_[index(x * samples_, y * samples_)]; }
   /// Share of the pixel's samples that are covered.
   float coverage(int x, int y) const;
 

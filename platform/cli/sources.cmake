@@ -50,6 +50,7 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/morph.cpp
   ${CMAKE_CURRENT_LIST_DIR}/overlay.cpp
   ${CMAKE_CURRENT_LIST_DIR}/page.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/photo_texture.cpp
   ${CMAKE_CURRENT_LIST_DIR}/points_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/points_file.cpp
   ${CMAKE_CURRENT_LIST_DIR}/raster.cpp
