@@ -286,6 +286,22 @@ void continue_smoothly(Layer& layer) {
     }
 }
 
+/// Behind lips and lids that are closed in the photograph: darkened as the model's own paint is there.
+void add_shade(Layer& layer, const std::vector<Texel>& seen, const Model& model) {
+  const ChartTexture texture(model);
+  float skin = 0;
+  for (const Vec2 uv : model.base_uv())
+    skin += texture.albedo(uv) / static_cast<float>(model.base_uv().count);
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    const auto side = static_cast<std::size_t>(layer.side);
+    const Vec2 uv{(static_cast<float>(k % side) + 0.5f) / static_cast<float>(side),
+                  (static_cast<float>(k / side) + 0.5f) / static_cast<float>(side)};
+    if (model.is_on_surface(uv) || !texture.covers(uv)) continue;
+    const float shade = min(1, texture.albedo(uv) / max(skin, 1)), unseen = clamp(1 - seen[k].weight, 0, 1);
+    layer.texels[k].colour = (1 - unseen + unseen * shade) * layer.texels[k].colour;
+  }
+}
+
 }  // namespace
 
 std::string textured_glb(const Model& model, const FitFile& fit, const std::vector<float>& q,
@@ -308,7 +324,9 @@ Image photo_texture(const Model& model, const FitFile& fit, const std::vector<fl
       if (sight.weight > 0) layer.at(i, j) = {sight.weight * sample(photo, sight.x), sight.weight};
     }
   if (is_symmetric(model)) add_mirrored(layer);
+  const std::vector<Texel> seen = layer.texels;
   continue_smoothly(layer);
+  if (model.albedo().pixels != nullptr) add_shade(layer, seen, model);
   Image out(side, side, 3);
   for (int j = 0; j < side; ++j)
     for (int i = 0; i < side; ++i) {
