@@ -69,12 +69,16 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   const std::size_t parameters = cascade_.parameter_count();
   for (std::size_t i = 0; i < parameters; ++i)
     if (!is_finite(q[i])) return Status::bad_argument;
+  Lens lens;
+  Status status = Lens::make(camera, width, height, &lens);
+  if (status != Status::ok) return status;
   started_ = false;
-  Status status = choose_free(is_free);
+  status = choose_free(is_free);
   if (status == Status::ok) status = mesh_.set_base(model().base_uv(), model().base_corners());
   if (status != Status::ok) return status;
 
   camera_ = camera;
+  lens_ = lens;
   width_ = width;
   height_ = height;
   options_ = options;

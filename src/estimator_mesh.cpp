@@ -51,10 +51,14 @@ void Estimator::draw_depth() {
 }
 
 bool Estimator::project(Vec2 uv, Vec2* x) {
-  return Projector(view_, true).project(cascade_.surface_point(uv, q_), x);
+  Vec2 ideal;
+  if (!Projector(view_, true).project(cascade_.surface_point(uv, q_), &ideal)) return false;
+  *x = lens_.distort(ideal);
+  return true;
 }
 
-float Estimator::surface_at(Vec2 x, Vec2* uv) {
+float Estimator::surface_at(Vec2 seen, Vec2* uv) {
+  const Vec2 x = lens_.undistort(seen);
   float best = 1e30f, best_depth = 1e30f, distance = -1;
   for (FaceId f : mesh_.faces()) {
     const VertexId a = mesh_.corner(f, 0), b = mesh_.corner(f, 1), c = mesh_.corner(f, 2);

@@ -177,13 +177,15 @@ Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
     out.covariance.xy += v * d.pose[k].x * d.pose[k].y;
     out.covariance.yy += v * d.pose[k].y * d.pose[k].y;
   }
-  const bool inside = out.x.x >= 0 && out.x.y >= 0 && out.x.x <= static_cast<float>(width_ - 1) &&
-                      out.x.y <= static_cast<float>(height_ - 1);
+  const Vec2 seen = lens_.distort(out.x);
+  const bool inside = seen.x >= 0 && seen.y >= 0 && seen.x <= static_cast<float>(width_ - 1) &&
+                      seen.y <= static_cast<float>(height_ - 1);
   if (kind_[id] == PointKind::outline)  // the finder has left out what is hidden
     out.visible = inside && dot(out.normal, out.normal) > 0;
   else
     out.visible = inside && out.facing >= options_.min_facing &&
                   !depth_.hides(out.x, kNominalDepthMm + projector.rotated(p).z, kHiddenMarginMm);
+  if (!lens_.is_none()) see_through_lens(&out);
   return out;
 }
 

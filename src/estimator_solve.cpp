@@ -82,6 +82,14 @@ void Estimator::gather(Span<Observation> observations) {
 }
 
 SolverReport Estimator::solve(Span<Observation> observations) {
+  if (lens_.is_none()) return solve_ideal(observations);
+  undistort(observations);
+  const SolverReport report = solve_ideal(observations);
+  distort(observations);
+  return report;
+}
+
+SolverReport Estimator::solve_ideal(Span<Observation> observations) {
   SolverReport report;
   row_count_ = 0;
   if (started_) gather(observations);

@@ -34,6 +34,7 @@ void Fitter::lay_out(Arena& arena, const Model& model, const FitLimits& limits) 
   equations_.lay_out(arena, unknowns);
   baked_ = arena.take<Vec3>(std::size_t{limits.points} * model.cascade().count);
   position_ = arena.take<Vec3>(limits.points);
+  ideal_ = arena.take<Correspondence>(limits.points);
   sorted_ = arena.take<float>(limits.points);
   step_ = arena.take<float>(3 * unknowns);  // the scratch of `integrate`
   trial_q_ = arena.take<float>(parameters);
@@ -48,8 +49,8 @@ void Fitter::lay_out(Arena& arena, const Model& model, const FitLimits& limits) 
   if (limits.outline) lay_out_outline(arena, model);
 }
 
-Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
-                   float* sd, Vec2* residuals, float* weights) {
+Status Fitter::fit_ideal(Span<const Correspondence> points, const FitOptions& options, float* q,
+                         FitReport* report, float* sd, Vec2* residuals, float* weights) {
   if (q == nullptr || report == nullptr) return Status::bad_argument;
   const Status checked = check_points(points, options);
   if (checked != Status::ok) return checked;
@@ -80,7 +81,9 @@ Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options,
   FitProblem problem{*this, points, options, start_q_};
   const auto larger = static_cast<float>(options.width > options.height ? options.width : options.height);
   problem.prior_focal = options.focal_px > 0 ? options.focal_px : options.default_focal_ratio * larger;
-  const Camera camera = centred_camera(options.width, options.height, problem.prior_focal);
+  const Camera camera = options.camera != nullptr
+                            ? *options.camera
+                            : centred_camera(options.width, options.height, problem.prior_focal);
   if (options.start != nullptr) {
     problem.view = *options.start;
   } else {

@@ -5,9 +5,12 @@
 
 namespace pliant {
 
-/// Intrinsics in pixels: x_image = f X/Z + cx, y_image = f Y/Z + cy. Square pixels.
+/// Intrinsics in pixels: x_image = f X/Z + cx, y_image = f Y/Z + cy. Projection is always this pinhole; what the lens and
+/// pixels that are not square do to a point is lens.hpp's.
 struct Camera {
   float f = 0, cx = 0, cy = 0;
+  float k1 = 0, k2 = 0;  ///< radial distortion, OpenCV's first two coefficients
+  float aspect = 1;      ///< focal length along y over that along x
 };
 
 /// The camera of a picture with its principal point in the middle, ((W-1)/2, (H-1)/2).

@@ -12,6 +12,7 @@
 #include "pliant/camera.hpp"
 #include "pliant/field.hpp"
 #include "pliant/image_forces.hpp"
+#include "pliant/lens.hpp"
 #include "pliant/mesh.hpp"
 #include "pliant/model.hpp"
 #include "pliant/observation.hpp"
@@ -119,7 +120,9 @@ class Estimator {
   /// Starts from a known state in a picture of width x height pixels. `q` holds all parameters; those whose flag in
   /// `is_free` is set are estimated, the others stay (null: expressions are free). The mesh is adapted to the person.
   /// Forgets all surface points.
-  /// \return bad_argument for a pose, camera, size or q that is not finite; capacity for more free parameters or samples
+  /// The camera's lens stays at the door: predictions and image positions are as seen through it, observations are taken
+  /// to be, and inside there is only the pinhole.
+  /// \return bad_argument for a pose, camera, size or q that is not finite, or a lens that Lens::make refuses; capacity for more free parameters or samples
   ///         than the limits allow; the statuses of Mesh::set_base.
   Status start(const Camera& camera, int width, int height, const Pose& pose, const float* q,
                const std::uint8_t* is_free, const EstimatorOptions& options);
@@ -182,8 +185,10 @@ class Estimator {
   /// The mesh's vertices, by vertex id: in the model's axes (mm) and in the image (px). Those of the last `start` or `end`,
   /// or, between `begin` and `end`, of the last round's prediction.
   /// A vertex in options.vertex_share follows the expression in each frame; `refresh_vertices` brings up all.
+  /// The images are the pinhole's; `vertex_seen` is where the lens puts one.
   const Vec3* vertex_positions() const { return vertex_; }
   const Vec2* vertex_images() const { return vertex_image_; }
+  Vec2 vertex_seen(VertexId v) const { return lens_.distort(vertex_image_[v]); }
   void refresh_vertices();
 
  private:
@@ -202,6 +207,10 @@ class Estimator {
   void draw_depth();
   void update_tangents(std::uint16_t id);
   Prediction prediction(std::uint16_t id, const Projector& projector);
+  void see_through_lens(Prediction* p) const;
+  SolverReport solve_ideal(Span<Observation> observations);
+  void undistort(Span<Observation> observations) const;
+  void distort(Span<Observation> observations) const;
   /// The observations of one point: one, or alternatives.
   struct Row {
     std::uint16_t id, first;     // first observation
@@ -230,6 +239,7 @@ class Estimator {
   EstimatorLimits limits_;
   EstimatorOptions options_;
   Camera camera_;
+  Lens lens_;
   int width_ = 0, height_ = 0;
   bool started_ = false;
 

@@ -37,6 +37,8 @@ enum class FitMethod : std::uint8_t { gauss_newton, euler };
 struct FitOptions {
   int width = 0, height = 0;  ///< of the picture; sets the principal point
   float focal_px = 0;         ///< 0: unknown, estimated around `default_focal_ratio` of the larger side
+  /// Known intrinsics, with the lens that the points were seen through; null: `focal_px` and the middle of the picture.
+  const Camera* camera = nullptr;
   float default_focal_ratio = 1.4f;
   float focal_log_sd = 0.3f;    ///< prior of log f when unknown
   const View* start = nullptr;  ///< a rough pose; null: found from the points
@@ -91,6 +93,8 @@ class Fitter {
   void match(const struct FitProblem& problem, std::size_t point, const Projector& projector,
              std::size_t found);
   void match_outline(const struct FitProblem& problem);
+  Status fit_ideal(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
+                   float* sd, Vec2* residuals, float* weights);
   bool unfold(struct FitProblem& problem);
   int minimise_in_stages(struct FitProblem& problem, bool has_outline);
   Status conclude(struct FitProblem& problem, float* q, FitReport* report, float* sd, Vec2* residuals,
@@ -100,6 +104,7 @@ class Fitter {
   NormalEquations equations_;
   FitLimits limits_;
   Vec3 *baked_ = nullptr, *position_ = nullptr;
+  Correspondence* ideal_ = nullptr;  // the points as a pinhole would have seen them
   float *sorted_ = nullptr, *step_ = nullptr, *trial_q_ = nullptr, *start_q_ = nullptr;
   std::uint16_t* unknown_ = nullptr;
   Vec2* column_ = nullptr;

@@ -1,4 +1,5 @@
 // `pliant fit`: shape and pose of a model in one picture.
+#include "cli/calibration.hpp"
 #include "cli/command.hpp"
 #include "cli/failure.hpp"
 #include "cli/files.hpp"
@@ -47,7 +48,8 @@ void draw_overlay(const std::string& path, const Model& model, const FitFile& fi
   overlay.draw_mesh(wire_of(model, fit, q));
   for (const FitPoint& p : fit.points) overlay.draw_residual(p.x, p.residual, p.used);
   Owned<Cascade> cascade(model);
-  for (const auto& x : project_landmarks(model, *cascade, view_of(fit.pose, fit.camera), q.data()))
+  for (const auto& x :
+       project_landmarks(model, *cascade, fit.pose, fit.camera, {fit.width, fit.height}, q.data()))
     if (x) overlay.draw_landmark(*x);
   char caption[64];
   std::snprintf(caption, sizeof caption, "RMS %.2f PX, %zu OF %zu POINTS", static_cast<double>(fit.rms_px),
@@ -97,6 +99,7 @@ int run_fit(const Args& args, Console& console) {
   FitSetup setup;
   setup.size = picture_size(args, picture, start);
   setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
+  setup.camera = calibration_of(args, setup.size, console.err);
   setup.is_free = free_parameters(model, args.text("--parameters"));
   const std::string outline = args.text("--outline").value_or("match");
   if (outline != "match" && outline != "fixed") fail_usage("--outline: match or fixed, not " + outline);
@@ -107,8 +110,10 @@ int run_fit(const Args& args, Console& console) {
   if (start) {
     list_unmatched(apply(start->parameters, args.required("--pose"), model, setup.q.data()),
                    args.required("--pose"), console.err);
-    setup.view = with_focal(view_of(start->pose, start->camera), setup.focal_px);
+    const View view = view_of(start->pose, start->camera);
+    setup.view = setup.camera ? with_camera(view, *setup.camera) : with_focal(view, setup.focal_px);
     fit = describe(model, setup.size, *setup.view, setup.q);
+    fit.camera = setup.camera.value_or(fit.camera);
   }
   if (box) {
     fit = fit_to_box(file, *box, setup);
@@ -133,7 +138,7 @@ Command fit_command() {
       "fit",
       "Fits a model to one picture: pose, focal length and parameters.",
       "face.plm (--points points.csv | --box x,y,w,h | --pose fit.json) --size WxH [--image picture] "
-      "[--focal PX] "
+      "[--focal PX|--calibration camera.yml] "
       "[--parameters GROUP|COUNT] [--outline match|fixed] -o fit.json [--overlay picture.png] [--texture face.glb]",
       {{"--points", "CSV",
         "landmark,x,y: landmarks of the model by name, at least four; with columns u,v any points of the "
@@ -143,6 +148,7 @@ Command fit_command() {
        {"--size", "WxH", "of the picture, where no --image tells"},
        {"--image", "FILE", "the picture, to draw on"},
        {"--focal", "PX", "focal length, when it is known"},
+       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
        {"--parameters", "CHOICE", "free ones: identity, expression, all (default), none, or the first COUNT"},
        {"--outline", "HOW",
         "ibug00 to ibug16: match them to the silhouette (default), or take them as fixed places of the "

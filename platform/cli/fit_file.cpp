@@ -5,6 +5,7 @@
 #include "cli/failure.hpp"
 #include "cli/files.hpp"
 #include "cli/json.hpp"
+#include "pliant/lens.hpp"
 
 namespace pliant::cli {
 
@@ -114,6 +115,12 @@ FitFile parse_fit(const std::string& source, const std::string& text) {
   fit.height = static_cast<int>(root.number("height", 1, 65535));
   const Members camera(root.where("camera"), root.find("camera"));
   fit.camera = {camera.number("f", 1e-3f, 1e7f), camera.number("cx"), camera.number("cy")};
+  if (camera.find("k1") != nullptr) fit.camera.k1 = camera.number("k1");
+  if (camera.find("k2") != nullptr) fit.camera.k2 = camera.number("k2");
+  if (camera.find("aspect") != nullptr) fit.camera.aspect = camera.number("aspect", 0.5f, 2);
+  Lens lens;
+  if (Lens::make(fit.camera, fit.width, fit.height, &lens) != Status::ok)
+    fail_input(root.where("camera"), "has a lens that cannot be undone over the whole picture");
   fit.pose = parse_pose(Members(root.where("pose"), root.find("pose")));
   fit.parameters = root.named_values("parameters");
   if (root.find("sd") != nullptr) fit.sd = root.named_values("sd");
@@ -146,7 +153,10 @@ std::string fit_text(const FitFile& fit) {
                   {"height", Json(fit.height)},
                   {"camera", Json(Json::Object{{"f", number(fit.camera.f)},
                                                {"cx", number(fit.camera.cx)},
-                                               {"cy", number(fit.camera.cy)}})},
+                                               {"cy", number(fit.camera.cy)},
+                                               {"k1", number(fit.camera.k1)},
+                                               {"k2", number(fit.camera.k2)},
+                                               {"aspect", number(fit.camera.aspect)}})},
                   {"pose", Json(Json::Object{
                                {"q", Json(Json::Array{number(q.w), number(q.x), number(q.y), number(q.z)})},
                                {"t", Json(Json::Array{number(t.x), number(t.y), number(t.z)})}})},

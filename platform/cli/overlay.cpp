@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cli/calibration.hpp"
 #include "cli/owned.hpp"
 #include "pliant/visibility.hpp"
 
@@ -19,10 +20,11 @@ constexpr Vec2 kNowhere{-1e9f, -1e9f};
 WireMesh wire_of(const Model& model, const FitFile& fit, const std::vector<float>& q) {
   Owned<Cascade> cascade(model);
   const Projector projector(view_of(fit.pose, fit.camera), true);
+  const Lens lens = lens_of(fit.camera, {fit.width, fit.height});
   WireMesh mesh;
   for (const Vec2 uv : model.base_uv()) {
     Vec2 x = kNowhere;
-    projector.project(cascade->surface_point(uv, q.data()), &x);
+    if (projector.project(cascade->surface_point(uv, q.data()), &x)) x = lens.distort(x);
     mesh.x.push_back(x);
   }
   const auto corners = model.base_corners();
@@ -43,21 +45,23 @@ WireMesh wire_of(const Estimator& estimator) {
     const std::array<std::uint16_t, 3> corners{mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2)};
     for (const std::uint16_t v : corners) {
       if (v >= wire.x.size()) wire.x.resize(v + std::size_t{1}, kNowhere);
-      wire.x[v] = estimator.vertex_images()[v];
+      wire.x[v] = estimator.vertex_seen(v);
     }
     wire.faces.push_back(corners);
   }
   return wire;
 }
 
-std::vector<std::optional<Vec2>> project_landmarks(const Model& model, Cascade& cascade, const View& view,
+std::vector<std::optional<Vec2>> project_landmarks(const Model& model, Cascade& cascade, const Pose& pose,
+                                                   const Camera& camera, const ImageSize& size,
                                                    const float* q) {
-  const Projector projector(view, true);
+  const Projector projector(view_of(pose, camera), true);
+  const Lens lens = lens_of(camera, size);
   std::vector<std::optional<Vec2>> out;
   for (const Landmark& landmark : model.landmarks()) {
     Vec2 x;
     const bool is_seen = projector.project(cascade.surface_point({landmark.u, landmark.v}, q), &x);
-    out.push_back(is_seen ? std::optional<Vec2>(x) : std::nullopt);
+    out.push_back(is_seen ? std::optional<Vec2>(lens.distort(x)) : std::nullopt);
   }
   return out;
 }

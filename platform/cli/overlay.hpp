@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/args.hpp"
 #include "cli/draw.hpp"
 #include "cli/fit_file.hpp"
 #include "pliant/estimator.hpp"
@@ -23,7 +24,8 @@ WireMesh wire_of(const Model& model, const FitFile& fit, const std::vector<float
 WireMesh wire_of(const Estimator& estimator);
 
 /// Projected landmarks, in the model's order; nothing for one behind the camera.
-std::vector<std::optional<Vec2>> project_landmarks(const Model& model, Cascade& cascade, const View& view,
+std::vector<std::optional<Vec2>> project_landmarks(const Model& model, Cascade& cascade, const Pose& pose,
+                                                   const Camera& camera, const ImageSize& size,
                                                    const float* q);
 
 /// A grey picture in colour and large enough to draw on: doubled when it is less than 480 pixels wide.

@@ -3,6 +3,7 @@
 #include <memory>
 #include <numeric>
 
+#include "cli/calibration.hpp"
 #include "cli/command.hpp"
 #include "cli/failure.hpp"
 #include "cli/files.hpp"
@@ -28,7 +29,8 @@ FrameRate rate_of(double per_second) {
 /// The truth of a rendered sequence: pose, parameters and landmarks a frame, as two tables.
 class Truth {
  public:
-  Truth(const Args& args, const Model& model) : model_(model), cascade_(model) {
+  Truth(const Args& args, const Model& model, const ImageSize& size)
+      : model_(model), cascade_(model), size_(size) {
     for (const Landmark& l : model.landmarks()) names_.push_back(l.name);
     if (const auto path = args.text("--truth")) rows_ = std::make_unique<OutputFile>(*path);
     if (const auto path = args.text("--truth-points")) points_ = std::make_unique<OutputFile>(*path);
@@ -41,7 +43,7 @@ class Truth {
     row.time_s = time_s;
     row.pose = state.pose;
     row.q = state.q;
-    row.points = project_landmarks(model_, *cascade_, view_of(state.pose, camera), state.q.data());
+    row.points = project_landmarks(model_, *cascade_, state.pose, camera, size_, state.q.data());
     if (rows_) rows_->write(track_line(row));
     for (std::size_t k = 0; points_ && k < names_.size(); ++k)
       if (row.points[k])
@@ -57,6 +59,7 @@ class Truth {
  private:
   Model model_;
   Owned<Cascade> cascade_;
+  ImageSize size_;
   std::vector<std::string> names_;
   std::unique_ptr<OutputFile> rows_, points_;
 };
@@ -100,12 +103,13 @@ int run_render(const Args& args, Console& console) {
   const auto seed = static_cast<std::uint32_t>(args.integer("--seed", 1, 0, 1 << 30));
   const FrameRate rate = rate_of(args.number("--rate", 30, 0.001, 1000));
   const ModelFile file(args.operand(0));
-  const Camera camera = centred_camera(size.width, size.height, f);
+  const Camera camera =
+      calibration_of(args, size, console.err).value_or(centred_camera(size.width, size.height, f));
   const auto rows = read_rows(args, file, camera, size.height, console);
   const Image background = background_of(args, size, seed);
 
   Scene scene(file.model(), size.width, size.height);
-  Truth truth(args, file.model());
+  Truth truth(args, file.model(), size);
   Y4mOutput video(output, rate);
   Progress progress(console, "frame");
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -118,7 +122,7 @@ int run_render(const Args& args, Console& console) {
   video.commit();
   truth.commit();
   console.out << output << ": " << rows.size() << " frames of " << size.width << "x" << size.height << ", f "
-              << number_text(static_cast<double>(f)) << " px\n";
+              << number_text(static_cast<double>(camera.f)) << " px\n";
   return 0;
 }
 
@@ -130,7 +134,8 @@ Command render_command() {
       "Draws a model with known pose and parameters, frame by frame, and writes the truth beside it.",
       "face.plm --params q.csv -o frames.y4m [--identity fit.json] [--truth truth.csv] [--truth-points "
       "points.csv] "
-      "[--size WxH] [--focal PX] [--noise SD] [--seed N] [--rate FPS] [--background PICTURE]",
+      "[--size WxH] [--focal PX|--calibration camera.yml] [--noise SD] [--seed N] [--rate FPS] [--background "
+      "PICTURE]",
       {{"--params", "CSV", "a row a frame, columns as in a track; those not there stay neutral and frontal"},
        {"-o", "Y4M", "the video to write, grey"},
        {"--identity", "JSON", "a fit whose identity is used where --params has no such columns"},
@@ -138,6 +143,7 @@ Command render_command() {
        {"--truth-points", "CSV", "frame,landmark,x,y"},
        {"--size", "WxH", "320x240"},
        {"--focal", "PX", "1.4 times the larger side"},
+       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
        {"--noise", "SD", "of the sensor, in grey levels (2)"},
        {"--seed", "N", "of noise and background (1)"},
        {"--rate", "FPS", "frames a second (30)"},

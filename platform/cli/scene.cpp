@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cli/calibration.hpp"
+
 namespace pliant::cli {
 
 namespace {
@@ -49,11 +51,13 @@ Scene::Scene(const Model& model, int width, int height, int cells, int samples)
 Image Scene::draw(const float* q, const Pose& pose, const Camera& camera, const Image& background) {
   sheet_.set(q);
   const Projector projector(view_of(pose, camera), true);
+  const Lens lens = lens_of(camera, {raster_.width(), raster_.height()});
   const int n = sheet_.cells();
   corners_.assign(sheet_.index(0, n + 1), {});
   for (std::size_t k = 0; k < corners_.size(); ++k) {
     RasterVertex& corner = corners_[k];
     if (!sheet_.is_used(k) || !projector.project(sheet_.position(k), &corner.x)) continue;
+    corner.x = lens.distort(corner.x);
     corner.inverse_depth = 1 / projector.to_camera(sheet_.position(k)).z;
     corner.uv = sheet_.uv(k);
     corner.light = light_on(projector.rotated(sheet_.normal(k)));

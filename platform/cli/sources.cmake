@@ -29,6 +29,7 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/bench_mcd.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_rows.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/calibration.cpp
   ${CMAKE_CURRENT_LIST_DIR}/camera_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_track.cpp
   ${CMAKE_CURRENT_LIST_DIR}/command.cpp

@@ -73,6 +73,14 @@ View with_focal(const View& view, float focal_px) {
   return out;
 }
 
+View with_camera(const View& view, const Camera& camera) {
+  View out = with_focal(view, camera.f);
+  const Vec2 moved = view.c - Vec2{camera.cx, camera.cy};
+  out.c = {camera.cx, camera.cy};
+  out.tau = view.tau + (1.0f / out.s) * moved;
+  return out;
+}
+
 void list_unmatched(const std::vector<std::string>& names, const std::string& source, std::ostream& err) {
   if (names.empty()) return;
   err << source << ": the model has no parameter";
@@ -108,6 +116,7 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   options.width = setup.size.width;
   options.height = setup.size.height;
   options.focal_px = setup.focal_px;
+  options.camera = setup.camera ? &*setup.camera : nullptr;
   options.start = setup.view ? &*setup.view : nullptr;
   options.is_free = setup.is_free.empty() ? nullptr : setup.is_free.data();
   options.method = setup.method;
@@ -138,6 +147,7 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
     if (identity[k] == 0) sd[k] = expression_sd[k];
 
   FitFile fit = describe(model, setup.size, report.view, q);
+  if (setup.camera) fit.camera = *setup.camera;
   fit.sd = by_name(model, sd);
   fit.unseen.clear();
   for (std::size_t k = 0; k < sd.size(); ++k)
@@ -156,12 +166,13 @@ bool is_fit(const std::string& text) {
 }
 
 FitFile read_start(const std::string& path, const ModelFile& file, const ImageSize& size,
-                   const std::string& picture, float focal_px) {
+                   const std::string& picture, float focal_px, const std::optional<Camera>& camera) {
   const std::string text = read_file(path);
   if (!is_fit(text)) {
     FitSetup setup;
     setup.size = size;
     setup.focal_px = focal_px;
+    setup.camera = camera;
     return fit_to_points(file, path, parse_points(path, text), setup);
   }
   FitFile fit = parse_fit(path, text);
@@ -170,9 +181,14 @@ FitFile read_start(const std::string& path, const ModelFile& file, const ImageSi
   if (fit.width != size.width || fit.height != size.height)
     fail_input(path, "is for " + std::to_string(fit.width) + "x" + std::to_string(fit.height) + " pixels, " +
                          picture + " has " + std::to_string(size.width) + "x" + std::to_string(size.height));
-  const View view = with_focal(view_of(fit.pose, fit.camera), focal_px);
+  if (!camera && !(focal_px > 0)) return fit;
+  const View fitted = view_of(fit.pose, fit.camera);
+  const View view = camera ? with_camera(fitted, *camera) : with_focal(fitted, focal_px);
   fit.pose = pose_of(view);
-  fit.camera = camera_of(view);
+  if (camera)
+    fit.camera = *camera;
+  else
+    fit.camera.f = camera_of(view).f;
   return fit;
 }
 
@@ -180,12 +196,15 @@ FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const F
   std::vector<float> q = setup.q;
   q.resize(file.model().parameters().count, 0.0f);
   const float f = setup.focal_px > 0 ? setup.focal_px : default_focal(setup.size);
+  const Camera camera = setup.camera ? *setup.camera : centred_camera(setup.size.width, setup.size.height, f);
   Owned<Cascade> cascade(file.model());
   View view;
-  const Status status = view_from_box(file.model(), *cascade, q.data(), {box[0], box[1]}, {box[2], box[3]},
-                                      centred_camera(setup.size.width, setup.size.height, f), &view);
+  const Status status =
+      view_from_box(file.model(), *cascade, q.data(), {box[0], box[1]}, {box[2], box[3]}, camera, &view);
   if (status != Status::ok) fail_usage("--box: width and height must be positive");
-  return describe(file.model(), setup.size, view, q);
+  FitFile fit = describe(file.model(), setup.size, view, q);
+  if (setup.camera) fit.camera = camera;
+  return fit;
 }
 
 }  // namespace pliant::cli

@@ -17,6 +17,7 @@ namespace pliant::cli {
 struct FitSetup {
   ImageSize size;
   float focal_px = 0;                 ///< 0: unknown
+  std::optional<Camera> camera;       ///< known intrinsics and lens, instead of `focal_px`
   std::optional<View> view;           ///< a rough pose, else found from the points
   std::vector<float> q;               ///< where the parameters start; empty: all 0
   std::vector<std::uint8_t> is_free;  ///< a flag a parameter; empty: all free
@@ -39,13 +40,17 @@ bool is_fit(const std::string& text);
 /// The start that a file holds: a fit.json, or points that are fitted. Bad input: a fit of another model, or of another
 /// size than that of `picture`.
 FitFile read_start(const std::string& path, const ModelFile& file, const ImageSize& size,
-                   const std::string& picture, float focal_px);
+                   const std::string& picture, float focal_px,
+                   const std::optional<Camera>& camera = std::nullopt);
 
 /// Parameters by name and everything else of a fit without points.
 FitFile describe(const Model& model, const ImageSize& size, const View& view, const std::vector<float>& q);
 
 /// The focal length that is assumed when none is given.
 float default_focal(const ImageSize& size);
+/// The same model in the same place of the picture, seen by a known camera: another focal length and principal point. The
+/// lens is not looked at.
+View with_camera(const View& view, const Camera& camera);
 /// The view that looks the same at its depth, of a camera with another focal length; unchanged for 0.
 View with_focal(const View& view, float focal_px);
 

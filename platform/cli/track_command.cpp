@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "cli/calibration.hpp"
 #include "cli/command.hpp"
 #include "cli/failure.hpp"
 #include "cli/files.hpp"
@@ -64,10 +65,13 @@ class Frames {
 };
 
 /// The state in frame 0.
-FitFile read_init(const Args& args, const ModelFile& file, ImageSize size, const std::string& frames) {
+FitFile read_init(const Args& args, const ModelFile& file, ImageSize size, const std::string& frames,
+                  std::ostream& err) {
   const std::string path = args.required("--init");
   if (path == "outline") fail_usage("--init outline is not available in this build");
-  return read_start(path, file, size, frames, static_cast<float>(args.number("--focal", 0, 1, 1e6)));
+  auto camera = calibration_of(args, size, err);
+  if (camera && args.has("--mirror")) camera->cx = static_cast<float>(size.width - 1) - camera->cx;
+  return read_start(path, file, size, frames, static_cast<float>(args.number("--focal", 0, 1, 1e6)), camera);
 }
 
 /// A flag a parameter: the expressions, unless frozen; the identity only when it is to be refined.
@@ -124,7 +128,7 @@ int run_track(const Args& args, Console& console) {
   const auto is_free = free_parameters(args, model);
   options.is_free = is_free.data();
   Frames frames(args.required("--frames"), args.has("--mirror"));
-  const FitFile start = read_init(args, file, frames.size(), frames.name());
+  const FitFile start = read_init(args, file, frames.size(), frames.name(), console.err);
   const Markers markers = read_markers(args, model);
   std::vector<float> q(model.parameters().count, 0.0f);
   list_unmatched(apply(start.parameters, args.required("--init"), model, q.data()), args.required("--init"),
@@ -163,32 +167,36 @@ int run_track(const Args& args, Console& console) {
 }  // namespace
 
 Command track_command() {
-  return {"track",
-          "Follows a model through a video, from a start in its first frame.",
-          "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv --out track.csv [--landmarks] "
-          "[--markers points.csv] [--marker-exclusion-px R] [--focal PX] [--mirror] [--freeze GROUP] "
-          "[--refine-identity] [--profile s|l] [--count N] "
-          "[--overlay out.y4m] [--sheet out.png] [--report report.html] [--truth truth.csv]",
-          {{"--frames", "SOURCE",
-            "a Y4M file, a folder of PGM or PPM, - for Y4M on standard input, or camera:[ID|INDEX][@WxH]"},
-           {"--init", "FILE", "frame 0: a fit.json, or a points.csv that is fitted first"},
-           {"--out", "CSV", "the track to write: a row a frame"},
-           {"--landmarks", nullptr, "columns with the model's landmarks as well"},
-           {"--markers", "CSV", "landmark,x,y in frame 0: points to follow and report, never to look at"},
-           {"--marker-exclusion-px", "R", "how far from a marker patches keep (8)"},
-           {"--focal", "PX", "focal length, when it is known"},
-           {"--mirror", nullptr,
-            "flip every frame first; start, markers and results are those of the flipped picture"},
-           {"--freeze", "GROUP", "identity (default), or expression: follow the head only"},
-           {"--refine-identity", nullptr, "let the identity move as well"},
-           {"--profile", "s|l", "capacities of a small or a large device; else by the size of the picture"},
-           {"--count", "N", "stop after so many frames"},
-           {"--overlay", "Y4M", "the video with the mesh on it"},
-           {"--sheet", "PNG", "nine frames of that on one picture"},
-           {"--truth", "CSV", "the truth of a rendered video, to compare with"},
-           {"--report", "HTML", "a page with nine frames, and state, pose, parameters, times and memory as charts"}},
-          1,
-          run_track};
+  return {
+      "track",
+      "Follows a model through a video, from a start in its first frame.",
+      "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv --out track.csv [--landmarks] "
+      "[--markers points.csv] [--marker-exclusion-px R] [--focal PX|--calibration camera.yml] [--mirror] "
+      "[--freeze GROUP] "
+      "[--refine-identity] [--profile s|l] [--count N] "
+      "[--overlay out.y4m] [--sheet out.png] [--report report.html] [--truth truth.csv]",
+      {{"--frames", "SOURCE",
+        "a Y4M file, a folder of PGM or PPM, - for Y4M on standard input, or camera:[ID|INDEX][@WxH]"},
+       {"--init", "FILE", "frame 0: a fit.json, or a points.csv that is fitted first"},
+       {"--out", "CSV", "the track to write: a row a frame"},
+       {"--landmarks", nullptr, "columns with the model's landmarks as well"},
+       {"--markers", "CSV", "landmark,x,y in frame 0: points to follow and report, never to look at"},
+       {"--marker-exclusion-px", "R", "how far from a marker patches keep (8)"},
+       {"--focal", "PX", "focal length, when it is known"},
+       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
+       {"--mirror", nullptr,
+        "flip every frame first; start, markers and results are those of the flipped picture"},
+       {"--freeze", "GROUP", "identity (default), or expression: follow the head only"},
+       {"--refine-identity", nullptr, "let the identity move as well"},
+       {"--profile", "s|l", "capacities of a small or a large device; else by the size of the picture"},
+       {"--count", "N", "stop after so many frames"},
+       {"--overlay", "Y4M", "the video with the mesh on it"},
+       {"--sheet", "PNG", "nine frames of that on one picture"},
+       {"--truth", "CSV", "the truth of a rendered video, to compare with"},
+       {"--report", "HTML",
+        "a page with nine frames, and state, pose, parameters, times and memory as charts"}},
+      1,
+      run_track};
 }
 
 }  // namespace pliant::cli

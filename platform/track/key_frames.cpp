@@ -35,11 +35,11 @@ std::size_t Tracker::key_frame_count() const {
 /// The model's bounding box in the small picture.
 PixelBox Tracker::model_box() const {
   const float share = 1.0f / static_cast<float>(small_factor_);
-  const Vec2* image = estimator_.vertex_images();
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
   for (VertexId v : estimator_.mesh().vertices()) {
-    low = {min(low.x, image[v].x), min(low.y, image[v].y)};
-    high = {max(high.x, image[v].x), max(high.y, image[v].y)};
+    const Vec2 x = estimator_.vertex_seen(v);
+    low = {min(low.x, x.x), min(low.y, x.y)};
+    high = {max(high.x, x.x), max(high.y, x.y)};
   }
   const auto pixel = [share](float x) { return static_cast<int>(clamp(share * x, -1e4f, 1e4f)); };
   return {pixel(low.x), pixel(low.y), pixel(high.x) + 1, pixel(high.y) + 1};

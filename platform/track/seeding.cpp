@@ -28,8 +28,9 @@ void Tracker::mark_visible_cells(int cell_px) {
   };
   for (FaceId f : mesh.faces()) {
     if (!faces_camera(mesh, image, f)) continue;
-    const Vec2 a = image[mesh.corner(f, 0)] - origin_, b = image[mesh.corner(f, 1)] - origin_,
-               c = image[mesh.corner(f, 2)] - origin_;
+    const Vec2 a = estimator_.vertex_seen(mesh.corner(f, 0)) - origin_,
+               b = estimator_.vertex_seen(mesh.corner(f, 1)) - origin_,
+               c = estimator_.vertex_seen(mesh.corner(f, 2)) - origin_;
     const int i1 = cell(max(a.x, max(b.x, c.x)), across), j1 = cell(max(a.y, max(b.y, c.y)), down);
     for (int j = cell(min(a.y, min(b.y, c.y)), down); j <= j1; ++j)
       for (int i = cell(min(a.x, min(b.x, c.x)), across); i <= i1; ++i) cells_[j * across + i] = 1;

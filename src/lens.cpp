@@ -1,0 +1,102 @@
+// Radial distortion (Brown's polynomial with two coefficients, as in OpenCV) and its inverse.
+#include "pliant/lens.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr int kNewtonSteps = 16;
+constexpr float kBeyondCorners = 1.05f;  // the polynomial is used a little further than the picture reaches
+constexpr float kLeastSlope = 0.05f,
+                kMostSlope = 20;  // of the distorted radius: beyond, a pixel stands for twenty
+
+}  // namespace
+
+/// r L(r), continued along its tangent, and its derivative.
+float Lens::radius(float r, float* slope) const {
+  if (r >= end_) {
+    *slope = end_slope_;
+    return end_radius_ + end_slope_ * (r - end_);
+  }
+  const float s = r * r;
+  *slope = 1 + s * (3 * camera_.k1 + 5 * camera_.k2 * s);
+  return r * (1 + s * (camera_.k1 + camera_.k2 * s));
+}
+
+/// Newton inside an interval that shrinks from both ends; a step that leaves it is replaced by its middle.
+float Lens::undistorted_radius(float seen) const {
+  if (seen >= end_radius_) return end_ + (seen - end_radius_) / end_slope_;
+  float low = 0, high = end_, r = min(seen, end_);
+  for (int k = 0; k < kNewtonSteps; ++k) {
+    float slope;
+    const float off = radius(r, &slope) - seen;
+    if (off > 0)
+      high = r;
+    else
+      low = r;
+    const float next = r - off / slope;
+    const float inside = next >= low && next <= high ? next : 0.5f * (low + high);
+    if (inside == r) break;
+    r = inside;
+  }
+  return r;
+}
+
+Status Lens::make(const Camera& camera, int width, int height, Lens* lens) {
+  if (lens == nullptr || width <= 0 || height <= 0 || !(camera.f > 0) || !is_finite(camera.f) ||
+      !is_finite(Vec2{camera.cx, camera.cy}) || !is_finite(Vec2{camera.k1, camera.k2}) ||
+      !(camera.aspect >= 0.5f && camera.aspect <= 2))
+    return Status::bad_argument;
+  Lens made;
+  made.camera_ = camera;
+  made.is_none_ = camera.k1 == 0 && camera.k2 == 0 && camera.aspect == 1;
+  const auto right = static_cast<float>(width) - 0.5f, bottom = static_cast<float>(height) - 0.5f;
+  const float x = max(magnitude(camera.cx + 0.5f), magnitude(right - camera.cx)) / camera.f;
+  const float y =
+      max(magnitude(camera.cy + 0.5f), magnitude(bottom - camera.cy)) / (camera.aspect * camera.f);
+  const float corner = kBeyondCorners * length(Vec2{x, y});
+  // Outwards in small steps, for as long as the radius grows, until it reaches the corner.
+  constexpr int kSteps = 1024;
+  made.end_ = 1e30f;
+  const float step = 4 * corner / kSteps;
+  float reached = 0, r = 0, slope = 1;
+  for (int k = 1; k <= kSteps && reached < corner; ++k) {
+    r = static_cast<float>(k) * step;
+    reached = made.radius(r, &slope);
+    if (!(slope >= kLeastSlope && slope <= kMostSlope)) return Status::bad_argument;
+  }
+  if (!(reached >= corner)) return Status::bad_argument;
+  made.end_ = r;
+  made.end_radius_ = reached;
+  made.end_slope_ = slope;
+  *lens = made;
+  return Status::ok;
+}
+
+/// With (u,v) = r (cos, sin): the map is radial, so its derivative has the slope along the radius and L across it.
+Vec2 Lens::distorted(Vec2 ideal, Mat2* derivative) const {
+  const float per_f = 1.0f / camera_.f;
+  const Vec2 n{per_f * (ideal.x - camera_.cx), per_f * (ideal.y - camera_.cy)};
+  const float r = length(n);
+  float slope;
+  const float seen = radius(r, &slope);
+  const float grow = r > 1e-9f ? seen / r : 1.0f;
+  if (derivative != nullptr) {
+    const Vec2 u = r > 1e-9f ? (1.0f / r) * n : Vec2{1, 0};
+    const float extra = r > 1e-9f ? slope - grow : 0.0f;
+    *derivative = {grow + extra * u.x * u.x, extra * u.x * u.y, camera_.aspect * extra * u.x * u.y,
+                   camera_.aspect * (grow + extra * u.y * u.y)};
+  }
+  return {camera_.cx + camera_.f * grow * n.x, camera_.cy + camera_.aspect * camera_.f * grow * n.y};
+}
+
+Vec2 Lens::undistorted(Vec2 seen) const {
+  const float per_f = 1.0f / camera_.f;
+  const Vec2 d{per_f * (seen.x - camera_.cx), per_f * (seen.y - camera_.cy) / camera_.aspect};
+  const float distance = length(d);
+  if (!(distance > 1e-9f)) return {camera_.cx, camera_.cy};
+  const float grow = camera_.f * undistorted_radius(distance) / distance;
+  return {camera_.cx + grow * d.x, camera_.cy + grow * d.y};
+}
+
+}  // namespace pliant
