@@ -257,7 +257,7 @@ void EstimatorProblem::challenge(SolverReport* report) {
   const float fair = min(scale, other_scale), challenger = total_cost(fair);
   exchange(&other, &other_scale);
   measure();
-  if (challenger < total_cost(fair)) {
+  if (challenger < e.options_.challenge_margin * total_cost(fair)) {
     exchange(&other, &other_scale);
   } else {
     for (std::size_t k = 0; k < e.row_count_; ++k) e.rows_[k].is_kept = true;

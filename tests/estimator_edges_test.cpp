@@ -106,6 +106,12 @@ struct Scene {
   }
 };
 
+/// The direction that an information of rank one measures along.
+Vec2 normalised_rank_one(Sym2 w) {
+  const Vec2 n = w.xx > w.yy ? Vec2{w.xx, w.xy} : Vec2{w.xy, w.yy};
+  return (1 / length(n)) * n;
+}
+
 Span<Observation> span(std::vector<Observation>& o) {
   return {o.data(), o.size()};
 }
@@ -198,6 +204,97 @@ TEST_CASE("edges determine nothing along themselves: curves down the surface lea
   e->solve(span(seen));
   CHECK(e->view().tau.x == doctest::Approx(3).epsilon(0.15));
   CHECK(magnitude(e->view().tau.y - 5) < 0.3f);
+}
+
+TEST_CASE("of alternatives the one that fits is taken, whichever stands first") {
+  Scene scene(lined_egg());
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, Scene::pose(0.1f));
+  scene.add_curves(e.object, "", 11);
+  const Pose there = Scene::pose(0.13f, {2, -1});
+  e->begin(1);
+  const std::vector<Observation> right = scene.edges_at(e.object, there, 3);
+  std::vector<Observation> seen;
+  Random random(8);
+  for (const Observation& o : right) {  // a second edge beside it, now on this, now on that side
+    Observation wrong = o;
+    const Sym2 w = o.information;
+    const Vec2 n = normalised_rank_one(w);
+    wrong.x = o.x + (random.uniform(0, 1) < 0.5f ? -9.0f : 9.0f) * n;
+    const bool first = random.uniform(0, 1) < 0.5f;
+    seen.push_back(first ? wrong : o);
+    seen.push_back(first ? o : wrong);
+  }
+  e->solve(span(seen));
+  const FrameResult result = e->end();
+  CHECK(result.state == TrackState::tracking);
+  CHECK(result.tracked == right.size());  // rows, not observations
+  CHECK(length(log_rotation(e->view().q * conjugate(normalised(there.q)))) < 0.01f);
+  std::size_t correct = 0, found = 0;
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    if (seen[k].reason != Reason::found) continue;
+    ++found;
+    correct += length(seen[k].x - right[k / 2].x) == 0;
+  }
+  CHECK(found <= right.size());
+  CHECK(correct > right.size() * 9 / 10);
+  CHECK(correct == found);
+}
+
+TEST_CASE("a cue that is switched off takes no part, and a noisy one loses weight as its residuals show") {
+  Scene scene(lined_egg());
+  EstimatorOptions options;
+  options.cues = 1u << static_cast<unsigned>(Cue::patch);
+  InArena<Estimator> e(scene.model, scene.limits);
+  const auto patches_at = [&](const Pose& pose, float noise, std::vector<Observation>* out) {
+    Random random(4);
+    for (std::uint16_t id = 0; id < 36; ++id) {
+      Observation o;
+      o.id = id;
+      o.x = scene.image_at(pose, e->point_uv(id)) + Vec2{noise * random.normal(), noise * random.normal()};
+      o.information = {4, 0, 4};
+      out->push_back(o);
+    }
+  };
+  const auto start = [&] {
+    REQUIRE(e->start(scene.camera, kWidth, kHeight, Scene::pose(0), scene.q.data(), nullptr, options) ==
+            Status::ok);
+    scene.ids.clear();
+    for (int k = 0; k < 36; ++k) {
+      std::uint16_t id;
+      REQUIRE(e->add_point({0.2f + 0.12f * float(k % 6), 0.2f + 0.12f * float(k / 6)}, &id) == Status::ok);
+    }
+    scene.add_curves(e.object, "", 11);
+  };
+  start();
+  e->begin(1);
+  std::vector<Observation> seen;
+  patches_at(Scene::pose(0), 0.2f, &seen);
+  const std::vector<Observation> elsewhere = scene.edges_at(e.object, Scene::pose(0, {12, 0}), 0);
+  seen.insert(seen.end(), elsewhere.begin(), elsewhere.end());
+  e->solve(span(seen));
+  CHECK(e->end().tracked == 36);
+  CHECK(magnitude(e->view().tau.x) < 0.3f);
+  for (std::size_t k = 36; k < seen.size(); ++k) CHECK(seen[k].reason == Reason::rejected);
+
+  // Edges right, patches noisy far beyond their own word.
+  options.cues = 0x0f;
+  for (bool learns : {false, true}) {
+    options.cue_scale_rate = learns ? 0.5f : 0.0f;
+    start();
+    for (int frame = 1; frame < 8; ++frame) {
+      e->begin(frame * std::int64_t{33'000'000});
+      seen.clear();
+      patches_at(Scene::pose(0), 4, &seen);
+      e->solve(span(seen));
+      REQUIRE(e->end().state == TrackState::tracking);
+    }
+    CHECK(e->cue_scale(Cue::edge) == 1);
+    if (learns)
+      CHECK(e->cue_scale(Cue::patch) > 2);
+    else
+      CHECK(e->cue_scale(Cue::patch) == 1);
+  }
 }
 
 TEST_CASE("outline points lie where the surface turns away, each in its sector, with normals outwards") {

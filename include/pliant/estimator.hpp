@@ -58,10 +58,11 @@ struct EstimatorOptions {
   int iterations = 4;  ///< Gauss-Newton steps in each of the two stages (Huber, Tukey) of a solve, at most
   float relative_decrease = 1e-3f;  ///< a stage ends when a step would lower the cost by less than this share
   Rejection rejection = Rejection::on_doubt;
-  float doubt_scale = 2;      ///< residuals over those that the cues usually have
-  float doubt_share = 0.15f;  ///< of the observations, without weight
-  float readmission = 3.5f;   ///< scales of the residuals kept within which an observation is taken back
-  std::uint8_t cues = 0x0f;   ///< bit k: cue k takes part
+  float doubt_scale = 1.6f;       ///< residuals over those that the cues usually have
+  float doubt_share = 0.15f;      ///< of the observations, without weight
+  float challenge_margin = 0.8f;  ///< what the second solve may cost at most, of the first
+  float readmission = 3.5f;       ///< scales of the residuals kept within which an observation is taken back
+  std::uint8_t cues = 0x0f;       ///< bit k: cue k takes part
   bool uses(Cue cue) const { return (cues >> static_cast<unsigned>(cue) & 1u) != 0; }
   float cue_scale_rate =
       0.1f;  ///< how fast the scale of a cue's errors follows the residuals, a frame; 0: never
@@ -173,6 +174,9 @@ class Estimator {
   const View& view() const { return view_; }
   /// All parameters.
   Span<const float> parameters() const { return {q_, cascade_.parameter_count()}; }
+
+  /// How far residuals of a cue have been from the deviations that its observations claim, at least 1.
+  float cue_scale(Cue cue) const { return cue_scale_[static_cast<std::size_t>(cue)]; }
 
   /// Image position of any (u,v) at the present state; false behind the camera.
   bool project(Vec2 uv, Vec2* x);

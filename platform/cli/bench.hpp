@@ -32,5 +32,7 @@ void bench_mcd(std::ostream& out);
 void bench_track(std::ostream& out, const ModelFile& file);
 /// The error at the end of 5,000 frames, against that at the 50th.
 void bench_drift(std::ostream& out, const ModelFile& file);
+/// One frame's error with false observations, by each way to deal with them.
+void bench_occlusion(std::ostream& out, const ModelFile& model);
 
 }  // namespace pliant::cli

@@ -40,12 +40,17 @@ int run_drift(const Args& args, Console& console) {
   return 0;
 }
 
+int run_occlusion(const Args& args, Console& console) {
+  bench_occlusion(console.out, ModelFile(args.required("--model")));
+  return 0;
+}
+
 struct Topic {
   const char* name;
   int (*run)(const Args& args, Console& console);
 };
-constexpr Topic kTopics[] = {
-    {"mesh", run_mesh}, {"klt", run_klt}, {"mcd", run_mcd}, {"track", run_track}, {"drift", run_drift}};
+constexpr Topic kTopics[] = {{"mesh", run_mesh},   {"klt", run_klt},     {"mcd", run_mcd},
+                             {"track", run_track}, {"drift", run_drift}, {"occlusion", run_occlusion}};
 
 int run_bench(const Args& args, Console& console) {
   std::string names;
@@ -65,7 +70,7 @@ Command bench_command() {
       "bench",
       "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
       "mesh [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | mcd | "
-      "track --model face.plm | drift --model face.plm",
+      "track --model face.plm | drift --model face.plm | occlusion --model face.plm",
       {{"--model", "PLM", "a model to measure with (mesh: as well)"},
        {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
        {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", true, true},

@@ -28,6 +28,7 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/bench_klt_motion.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_mcd.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_mesh.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bench_occlusion.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_rows.cpp
   ${CMAKE_CURRENT_LIST_DIR}/calibration.cpp
   ${CMAKE_CURRENT_LIST_DIR}/camera_command.cpp
@@ -49,6 +50,7 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
   ${CMAKE_CURRENT_LIST_DIR}/model_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/morph.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/occlusion.cpp
   ${CMAKE_CURRENT_LIST_DIR}/overlay.cpp
   ${CMAKE_CURRENT_LIST_DIR}/page.cpp
   ${CMAKE_CURRENT_LIST_DIR}/photo_texture.cpp
