@@ -8,6 +8,7 @@
 #include "cli/failure.hpp"
 #include "cli/files.hpp"
 #include "cli/overlay.hpp"
+#include "cli/render_grid.hpp"
 #include "cli/scene.hpp"
 #include "cli/start.hpp"
 #include "cli/track_table.hpp"
@@ -95,7 +96,26 @@ std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, 
   return rows;
 }
 
+/// People by expressions on one picture, instead of a video.
+int run_grid(const Args& args, Console& console) {
+  for (const char* option : {"-o", "--identity", "--truth", "--truth-points", "--focal", "--calibration",
+                             "--noise", "--seed", "--rate", "--background"})
+    if (args.has(option)) fail_usage(std::string(option) + " means nothing to --grid");
+  const std::string output = args.required("--grid"), people = args.required("--people"),
+                    expressions = args.required("--params");
+  const ImageSize cell = args.size("--size").value_or(ImageSize{84, 112});
+  if (cell.width > 1024 || cell.height > 1024)
+    fail_usage("--size: at most 1024x1024 for a picture of --grid");
+  const ModelFile file(args.operand(0));
+  const Image grid = draw_grid(file, people, expressions, cell, console);
+  write_file(output, encode_png(grid));
+  console.out << output << ": " << grid.width << "x" << grid.height << " pixels\n";
+  return 0;
+}
+
 int run_render(const Args& args, Console& console) {
+  if (args.has("--grid")) return run_grid(args, console);
+  if (args.has("--people")) fail_usage("--people goes with --grid");
   const std::string output = args.required("-o");
   const ImageSize size = args.size("--size").value_or(ImageSize{320, 240});
   const auto f = static_cast<float>(args.number("--focal", static_cast<double>(default_focal(size)), 1, 1e6));
@@ -135,7 +155,7 @@ Command render_command() {
       "face.plm --params q.csv -o frames.y4m [--identity fit.json] [--truth truth.csv] [--truth-points "
       "points.csv] "
       "[--size WxH] [--focal PX|--calibration camera.yml] [--noise SD] [--seed N] [--rate FPS] [--background "
-      "PICTURE]",
+      "PICTURE] | face.plm --grid grid.png --people people.csv --params expressions.csv [--size WxH]",
       {{"--params", "CSV", "a row a frame, columns as in a track; those not there stay neutral and frontal"},
        {"-o", "Y4M", "the video to write, grey"},
        {"--identity", "JSON", "a fit whose identity is used where --params has no such columns"},
@@ -147,7 +167,11 @@ Command render_command() {
        {"--noise", "SD", "of the sensor, in grey levels (2)"},
        {"--seed", "N", "of noise and background (1)"},
        {"--rate", "FPS", "frames a second (30)"},
-       {"--background", "PICTURE", "behind the model, of the frames' size; else soft blotches"}},
+       {"--background", "PICTURE", "behind the model, of the frames' size; else soft blotches"},
+       {"--grid", "PNG",
+        "instead: people side by side, an expression a row, each picture of --size (84x112)"},
+       {"--people", "CSV",
+        "name, identity parameters and, if wanted, tone (brightness of the skin) of each person"}},
       1,
       run_render};
 }

@@ -48,7 +48,8 @@ float value_noise(float x, float y, std::uint32_t seed) {
 Scene::Scene(const Model& model, int width, int height, int cells, int samples)
     : model_(model), texture_(model), sheet_(model, texture_, cells), raster_(width, height, samples) {}
 
-Image Scene::draw(const float* q, const Pose& pose, const Camera& camera, const Image& background) {
+Image Scene::draw(const float* q, const Pose& pose, const Camera& camera, const Image& background,
+                  float tone) {
   sheet_.set(q);
   const Projector projector(view_of(pose, camera), true);
   const Lens lens = lens_of(camera, {raster_.width(), raster_.height()});
@@ -60,7 +61,7 @@ Image Scene::draw(const float* q, const Pose& pose, const Camera& camera, const 
     corner.x = lens.distort(corner.x);
     corner.inverse_depth = 1 / projector.to_camera(sheet_.position(k)).z;
     corner.uv = sheet_.uv(k);
-    corner.light = light_on(projector.rotated(sheet_.normal(k)));
+    corner.light = tone * light_on(projector.rotated(sheet_.normal(k)));
   }
   raster_.clear();
   const auto shade = [this](Vec2 uv, float light, float* grey) {

@@ -19,7 +19,8 @@ class Scene {
 
   /// A grey picture of the model with the parameters q, over `background` (grey, of the same size). The light
   /// stands still beside the camera: a soft key from the upper left, a weak fill from the right.
-  Image draw(const float* q, const Pose& pose, const Camera& camera, const Image& background);
+  /// \param tone  brightness of the surface.
+  Image draw(const float* q, const Pose& pose, const Camera& camera, const Image& background, float tone = 1);
 
  private:
   Model model_;
