@@ -32,8 +32,10 @@ Cell locate(const Field& f, Vec2 uv) {
   return {i, j, x - static_cast<float>(i), y - static_cast<float>(j), true};
 }
 
-/// Interpolated integers of a field, held as float, and their derivatives a cell's side along each axis.
+/// Interpolated integers of a field, held as float, and, where they are asked for, their derivatives a cell's side along
+/// each axis.
 struct Interpolated {
+  bool with_gradient = false;
   float value[3] = {}, along_u[3] = {}, along_v[3] = {};
 };
 
@@ -44,9 +46,9 @@ float read(const std::uint8_t* p) {
   return static_cast<float>(value);
 }
 
-template <class Integer>
+template <class Integer, std::size_t n>
 void interpolate_bilinear(const std::uint8_t* samples, const Field& f, const Cell& cell, Interpolated& out) {
-  const std::size_t n = f.components, row = std::size_t{f.width} * n;
+  const std::size_t row = std::size_t{f.width} * n;
   const std::uint8_t* p = samples + f.first_byte + (cell.j * row + cell.i * n) * sizeof(Integer);
   for (std::size_t c = 0; c < n; ++c, p += sizeof(Integer)) {
     const float s00 = read<Integer>(p), s10 = read<Integer>(p + n * sizeof(Integer)),
@@ -54,6 +56,7 @@ void interpolate_bilinear(const std::uint8_t* samples, const Field& f, const Cel
                 s11 = read<Integer>(p + (row + n) * sizeof(Integer));
     const float top = s00 + cell.a * (s10 - s00), bottom = s01 + cell.a * (s11 - s01);
     out.value[c] = top + cell.b * (bottom - top);
+    if (!out.with_gradient) continue;
     out.along_u[c] = (s10 - s00) + cell.b * ((s11 - s01) - (s10 - s00));
     out.along_v[c] = (s01 - s00) + cell.a * ((s11 - s10) - (s01 - s00));
   }
@@ -100,33 +103,39 @@ CubicTaps cubic_taps(std::size_t cell, float a, std::size_t count, bool first_is
   return t;
 }
 
-template <class Integer>
+template <class Integer, std::size_t n>
 void interpolate_bicubic(const std::uint8_t* samples, const Field& f, const Cell& cell, Interpolated& out) {
-  const std::size_t n = f.components, row = std::size_t{f.width} * n;
+  const std::size_t row = std::size_t{f.width} * n;
   const CubicTaps tu = cubic_taps(cell.i, cell.a, f.width, f.u0 > 0, f.u1 < 1);
   const CubicTaps tv = cubic_taps(cell.j, cell.b, f.height, f.v0 > 0, f.v1 < 1);
-  for (std::size_t c = 0; c < n; ++c)
-    for (std::size_t l = 0; l < 4; ++l) {
-      const std::uint8_t* p = samples + f.first_byte + (tv.at[l] * row + c) * sizeof(Integer);
-      float value = 0, along = 0;
-      for (std::size_t k = 0; k < 4; ++k) {
-        const float s = read<Integer>(p + tu.at[k] * n * sizeof(Integer));
-        value += tu.weight[k] * s;
-        along += tu.slope[k] * s;
+  for (std::size_t l = 0; l < 4; ++l) {
+    float value[3] = {}, along[3] = {};
+    const std::uint8_t* start = samples + f.first_byte + tv.at[l] * row * sizeof(Integer);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::uint8_t* p = start + tu.at[k] * n * sizeof(Integer);
+      for (std::size_t c = 0; c < n; ++c, p += sizeof(Integer)) {
+        const float s = read<Integer>(p);
+        value[c] += tu.weight[k] * s;
+        along[c] += tu.slope[k] * s;
       }
-      out.value[c] += tv.weight[l] * value;
-      out.along_u[c] += tv.weight[l] * along;
-      out.along_v[c] += tv.slope[l] * value;
     }
+    for (std::size_t c = 0; c < n; ++c) {
+      out.value[c] += tv.weight[l] * value[c];
+      out.along_u[c] += tv.weight[l] * along[c];
+      out.along_v[c] += tv.slope[l] * value[c];
+    }
+  }
 }
 
-template <class Integer>
-Interpolated interpolate(const std::uint8_t* samples, const Field& f, const Cell& cell, Interpolation how) {
+template <class Integer, std::size_t n>
+Interpolated interpolate(const std::uint8_t* samples, const Field& f, const Cell& cell, Interpolation how,
+                         bool with_gradient) {
   Interpolated s;
+  s.with_gradient = with_gradient;
   if (how == Interpolation::bicubic)
-    interpolate_bicubic<Integer>(samples, f, cell, s);
+    interpolate_bicubic<Integer, n>(samples, f, cell, s);
   else
-    interpolate_bilinear<Integer>(samples, f, cell, s);
+    interpolate_bilinear<Integer, n>(samples, f, cell, s);
   return s;
 }
 
@@ -137,8 +146,11 @@ Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpol
   const Cell cell = locate(f, uv);
   if (du != nullptr) *du = *dv = {};
   if (!cell.inside) return {};
-  const Interpolated s = f.bits == 16 ? interpolate<std::int16_t>(samples, f, cell, interpolation)
-                                      : interpolate<std::int8_t>(samples, f, cell, interpolation);
+  const bool with_gradient = du != nullptr;
+  const auto run = f.bits == 16
+                       ? (f.components == 3 ? interpolate<std::int16_t, 3> : interpolate<std::int16_t, 1>)
+                       : (f.components == 3 ? interpolate<std::int8_t, 3> : interpolate<std::int8_t, 1>);
+  const Interpolated s = run(samples, f, cell, interpolation, with_gradient);
   const bool flips = f.mirror && f.components == 3;
   const float sx = flips ? -f.scale[0] : f.scale[0], ox = flips ? -f.offset[0] : f.offset[0];
   if (du != nullptr) {

@@ -35,4 +35,7 @@ void bench_drift(std::ostream& out, const ModelFile& file);
 /// One frame's error with false observations, by each way to deal with them.
 void bench_occlusion(std::ostream& out, const ModelFile& model);
 
+/// Fields and Jacobians a second, baked and from the tables; what folding an identity saves, of the model if there is one.
+void bench_fields(std::ostream& out, const ModelFile* model);
+
 }  // namespace pliant::cli

@@ -9,10 +9,11 @@ namespace pliant::cli {
 
 namespace {
 
-int run_mesh(const Args& args, Console& console) {
+template <void (*bench)(std::ostream&, const ModelFile*)>
+int run_with_model(const Args& args, Console& console) {
   std::unique_ptr<ModelFile> model;
   if (const auto path = args.text("--model")) model = std::make_unique<ModelFile>(*path);
-  bench_mesh(console.out, model.get());
+  bench(console.out, model.get());
   return 0;
 }
 
@@ -49,8 +50,13 @@ struct Topic {
   const char* name;
   int (*run)(const Args& args, Console& console);
 };
-constexpr Topic kTopics[] = {{"mesh", run_mesh},   {"klt", run_klt},     {"mcd", run_mcd},
-                             {"track", run_track}, {"drift", run_drift}, {"occlusion", run_occlusion}};
+constexpr Topic kTopics[] = {{"mesh", run_with_model<bench_mesh>},
+                             {"fields", run_with_model<bench_fields>},
+                             {"klt", run_klt},
+                             {"mcd", run_mcd},
+                             {"track", run_track},
+                             {"drift", run_drift},
+                             {"occlusion", run_occlusion}};
 
 int run_bench(const Args& args, Console& console) {
   std::string names;
@@ -69,8 +75,8 @@ Command bench_command() {
   return {
       "bench",
       "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
-      "mesh [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | mcd | "
-      "track --model face.plm | drift --model face.plm | occlusion --model face.plm",
+      "mesh|fields [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | "
+      "mcd | track|drift|occlusion --model face.plm",
       {{"--model", "PLM", "a model to measure with (mesh: as well)"},
        {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
        {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", true, true},

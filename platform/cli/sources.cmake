@@ -24,6 +24,7 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/bake_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bake_sizes.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_command.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bench_fields.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_klt.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_klt_motion.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_mcd.cpp
