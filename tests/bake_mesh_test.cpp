@@ -1,4 +1,4 @@
-// What the baker does with meshes: subdivision, triangulation of a domain, base meshes, rasters.
+// What the baker does with meshes: subdivision, triangulation of a domain, base meshes, rasters, relaxed charts.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -6,6 +6,7 @@
 
 #include "bake/base_mesh.hpp"
 #include "bake/chart_raster.hpp"
+#include "bake/chart_relaxation.hpp"
 #include "bake/subdivision.hpp"
 #include "bake/triangulation.hpp"
 #include "bake_sheet.hpp"
@@ -156,4 +157,68 @@ TEST_CASE("a base mesh has about the vertices asked for, follows an opening and 
       CHECK(checked.compute_statistics().boundary_loops == 2);
       CHECK(checked.compute_statistics().euler == 0);
     }
+}
+
+namespace {
+
+/// A flat square of 20 x 20 mm whose chart crushes a disc in its middle to a twentieth, with a hole beside it.
+Source crushed_sheet() {
+  Source source = sheet(41, [](Vec2 uv) { return Vec3{20 * uv.x, -20 * uv.y, 0}; });
+  for (Vec2& uv : source.uv) {
+    const Vec2 arm = uv - Vec2{0.5f, 0.5f};
+    const float r = length(arm);
+    const float crushed = r < 0.2f ? 0.05f * r : r < 0.4f ? 0.01f + (r - 0.2f) * 0.39f / 0.2f : r;
+    uv = Vec2{0.5f, 0.5f} + (r > 0 ? crushed / r : 0.0f) * arm;
+    uv = Vec2{0.3f, 0.2f} + 0.5f * uv;
+  }
+  std::vector<std::array<int, 3>> kept;
+  for (const auto& t : source.triangles) {
+    const Vec3 p = source.neutral[static_cast<std::size_t>(t[0])];
+    if (p.x < 1.4f || p.x > 3.1f || p.y > -1.4f || p.y < -3.1f) kept.push_back(t);
+  }
+  source.triangles = kept;
+  return source;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "relaxing a chart gives crushed parts room, turns no triangle over and leaves boundaries in their "
+    "place") {
+  Source source = crushed_sheet();
+  const auto before = source.uv;
+  const double crushed = chart_stretch(source.uv, source.neutral, source.triangles);
+  relax_chart(source.uv, source.neutral, source.triangles);
+  const double relaxed = chart_stretch(source.uv, source.neutral, source.triangles);
+  const double least = 20 / (1 - 2.0 / 64);  // a square of 20 mm evenly over the chart
+  CHECK(crushed > 5 * least);
+  CHECK(relaxed < 1.05 * least);
+  CHECK(relaxed > 0.99 * least);
+  float smallest = 1;
+  for (const float area : chart_areas(source.uv, source.triangles)) {
+    CHECK(area < 0);
+    smallest = min(smallest, -area);
+  }
+  CHECK(smallest > 0.2f / (40 * 40));
+  for (const std::size_t corner : {0u, 40u, 1640u, 1680u}) {
+    const Vec2 was = before[corner], is = source.uv[corner];
+    CHECK(length(is - Vec2{(was.x - 0.3f) / 0.5f, (was.y - 0.2f) / 0.5f}) < 0.03f);
+  }
+  const auto inside_hole = [](Vec2 p) { return p.x > 0.1f && p.x < 0.17f && p.y > 0.1f && p.y < 0.17f; };
+  for (const auto& t : source.triangles) {
+    const Vec2 centre =
+        (1.0f / 3) * (source.uv[static_cast<std::size_t>(t[0])] + source.uv[static_cast<std::size_t>(t[1])] +
+                      source.uv[static_cast<std::size_t>(t[2])]);
+    CHECK_FALSE(inside_hole(centre));
+  }
+}
+
+TEST_CASE("a chart that is even already stays as it is") {
+  Source source = sheet(21, [](Vec2 uv) { return Vec3{10 * uv.x, -10 * uv.y, 0}; });
+  relax_chart(source.uv, source.neutral, source.triangles);
+  for (std::size_t v = 0; v < source.uv.size(); ++v) {
+    const Vec3 p = source.neutral[v];
+    const Vec2 even{1.0f / 64 + 0.1f * p.x * (1 - 2.0f / 64), 1.0f / 64 - 0.1f * p.y * (1 - 2.0f / 64)};
+    CHECK(length(source.uv[v] - even) < 1e-3f);
+  }
 }

@@ -22,7 +22,8 @@ void check(const BakeOptions& options) {
 Source read_all(const BakeOptions& options) {
   if (is_face_folder(options.source)) return read_face(options.source);
   if (is_obj_folder(options.source))
-    return read_obj_folder(options.source, {options.unit_mm, options.components, options.progress});
+    return read_obj_folder(options.source,
+                           {options.unit_mm, options.components, options.relaxes_chart, options.progress});
   throw SourceError(options.source, 0,
                     "is no folder with the tables of a face (points.txt and others) nor with OBJ files");
 }

@@ -16,8 +16,9 @@ struct BakeOptions {
   std::string source;  ///< the folder of the source
   int size =
       128;  ///< samples a side of a field over the whole chart, 16 to 512; the rest shape has twice that
-  int bits = 16;       ///< a sample: 16 or 8; the rest shape always has 16
-  float unit_mm = 1;   ///< of OBJ files
+  int bits = 16;               ///< a sample: 16 or 8; the rest shape always has 16
+  float unit_mm = 1;           ///< of OBJ files
+  bool relaxes_chart = false;  ///< of OBJ files (chart_relaxation.hpp)
   int components = 0;  ///< above 0: the OBJ files are scans, of which so many principal components are kept
   ParameterChoice choice;  ///< of what the source has
   /// Called for each OBJ file read and each shape baked, with which of the two it is; may be empty.

@@ -8,6 +8,7 @@
 
 #include "bake/at.hpp"
 #include "bake/chart_raster.hpp"
+#include "bake/chart_relaxation.hpp"
 #include "bake/obj_file.hpp"
 #include "bake/principal_components.hpp"
 #include "bake/source_error.hpp"
@@ -55,6 +56,7 @@ class FolderReader {
       read_scans();
     else
       read_shapes();
+    if (options_.relaxes_chart) relax_chart(source_.uv, source_.neutral, source_.triangles);
     read_landmarks();
     set_origin();
     add_curves();

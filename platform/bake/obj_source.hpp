@@ -13,6 +13,7 @@ struct ObjOptions {
   float unit_mm = 1;  ///< of the files' coordinates
   int components =
       0;  ///< more than 0: all files are registered scans, of which so many principal components are kept
+  bool relaxes_chart = false;  ///< chart_relaxation.hpp: (u,v) are then no longer those of the files
   /// Called with "files" for each one read; may be empty.
   std::function<void(const char* stage, std::size_t done, std::size_t of)> progress;
 };

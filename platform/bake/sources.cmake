@@ -5,6 +5,7 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/base_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/cage.cpp
   ${CMAKE_CURRENT_LIST_DIR}/chart_raster.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/chart_relaxation.cpp
   ${CMAKE_CURRENT_LIST_DIR}/face_source.cpp
   ${CMAKE_CURRENT_LIST_DIR}/field_grid.cpp
   ${CMAKE_CURRENT_LIST_DIR}/grid_fit.cpp

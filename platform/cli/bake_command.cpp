@@ -63,6 +63,7 @@ bake::BakeOptions options_of(const Args& args) {
   options.unit_mm = static_cast<float>(args.number("--unit", 1, 1e-6, 1e6));
   options.base_vertices = args.integer("--base-mesh", options.base_vertices, 60, 5000);
   options.components = args.integer("--pca", 0, 1, 192);
+  options.relaxes_chart = args.has("--relax-chart");
   options.choice = choice_of(args);
   return options;
 }
@@ -119,6 +120,7 @@ Command bake_command() {
       "bake",
       "Makes a model table from a folder of readable tables, such as fixtures/face, or of OBJ files.",
       "SOURCE -o face.plm [--embed face.cpp] [--size N] [--bits 16|8] [--unit MM] [--base-mesh N] [--pca N] "
+      "[--relax-chart] "
       "[--identities N] [--expressions N|NAME,...] [--errors] | SOURCE --sizes N,... [--flash KIB]",
       {{"-o", "FILE", "the model table to write"},
        {"--embed", "FILE", "write it as a C++ array as well, for firmware"},
@@ -127,6 +129,8 @@ Command bake_command() {
        {"--unit", "MM", "of the OBJ files' coordinates, in millimetres (1)"},
        {"--base-mesh", "N", "vertices of the base mesh, about (480)"},
        {"--pca", "N", "take all OBJ files as scans, and keep so many principal components"},
+       {"--relax-chart", nullptr,
+        "move the OBJ files' u,v so that no part of the surface is crushed in the chart"},
        {"--identities", "N", "keep the first so many (all)"},
        {"--expressions", "N|NAMES", "keep the so many most useful, or those named with commas between (all)"},
        {"--errors", nullptr, "list how far each parameter's shape is from the source"},
