@@ -150,6 +150,33 @@ TEST_CASE("points that were given stay where they were given, and only they are 
   }
 }
 
+TEST_CASE("points lie where a calibrated lens shows them") {
+  const Sequence s;
+  const std::string picture = s.put("g.pgm", grey_pgm(200, 160));
+  const std::string camera =
+      s.put("camera.yml",
+            "%YAML:1.0\n---\nimage_width: 200\nimage_height: 160\ncamera_matrix: !!opencv-matrix\n"
+            "   rows: 3\n   cols: 3\n   dt: d\n   data: [ 200., 0., 90., 0., 200., 80., 0., 0., 1. ]\n"
+            "distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n"
+            "   data: [ -0.2, 0., 0., 0., 0. ]\n");
+  std::vector<std::string> words{"points", s.model,      "--image",       picture,
+                                 "-o",     s / "p.html", "--calibration", camera};
+  const Ran r = run_words(words);
+  CAPTURE(r.err);
+  REQUIRE(r.code == 0);
+  const Json bent = data_of(read_file(s / "p.html"));
+  // The model stands in the middle of the camera's axis, whose principal point is (90, 80).
+  const double left = number(point(bent, "eye_left"), "x"), right = number(point(bent, "eye_right"), "x");
+  CHECK(number(point(bent, "nose_tip"), "x") == doctest::Approx(90).epsilon(0.01));
+  words.back() = s.put("straight.yml", [&] {
+    std::string text = read_file(camera);
+    return text.replace(text.find("-0.2"), 4, "0.00");
+  }());
+  REQUIRE(run_words(words).code == 0);
+  const Json straight = data_of(read_file(s / "p.html"));
+  CHECK(left - right < number(point(straight, "eye_left"), "x") - number(point(straight, "eye_right"), "x"));
+}
+
 TEST_CASE("a JPEG goes into a page as it is, but without its EXIF") {
   const Folder f;
   Image image(48, 32, 3);

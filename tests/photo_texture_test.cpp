@@ -5,6 +5,7 @@
 #include "baked_face.hpp"
 #include "cli_run.hpp"
 #include "mesh_reader.hpp"
+#include "pliant/lens.hpp"
 
 using namespace cli_run;
 using namespace mesh_reader;
@@ -59,6 +60,19 @@ TEST_CASE("what faces the camera has the photograph's colour at its place") {
     CHECK(magnitude(static_cast<float>(texel(texture, uv)[0]) - (150 + 0.2f * x.x)) < 3);
     CHECK(magnitude(static_cast<float>(texel(texture, uv)[1]) - (90 + 0.2f * x.y)) < 3);
   }
+}
+
+TEST_CASE("a lens that bends the picture is bent back") {
+  Shot shot({0, 0, 0});
+  shot.fit.camera.k1 = -0.5f;
+  Lens lens;
+  REQUIRE(Lens::make(shot.fit.camera, 400, 400, &lens) == Status::ok);
+  const Image texture = shot.texture();
+  const Vec2 uv = shot.face.uv("ibug57"), ideal = shot.seen_at(uv), x = lens.distort(ideal);
+  CHECK(length(x - ideal) > 0.2f);
+  const Vec2 brow = shot.face.uv("ibug19"), there = lens.distort(shot.seen_at(brow));
+  CHECK(magnitude(static_cast<float>(texel(texture, uv)[1]) - (90 + 0.2f * x.y)) < 1.5f);
+  CHECK(magnitude(static_cast<float>(texel(texture, brow)[1]) - (90 + 0.2f * there.y)) < 1.5f);
 }
 
 TEST_CASE("the side that turns away is the mirror image of the other") {

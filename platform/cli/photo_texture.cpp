@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cli/calibration.hpp"
 #include "cli/raster.hpp"
 #include "cli/shown_mesh.hpp"
 #include "cli/surface_sheet.hpp"
@@ -73,10 +74,11 @@ Vec2 chroma(Vec3 colour) {
 /// Where each point of the sheet is seen.
 class Sights {
  public:
-  Sights(const Model& model, const View& view, const std::vector<float>& q, int width, int height)
+  Sights(const Model& model, const FitFile& fit, const std::vector<float>& q, int width, int height)
       : texture_(model),
         sheet_(model, texture_, kCells),
-        projector_(view, true),
+        projector_(view_of(fit.pose, fit.camera), true),
+        lens_(lens_of(fit.camera, {fit.width, fit.height})),
         scale_(std::min(1.0f, static_cast<float>(kDepthSide) / static_cast<float>(std::max(width, height)))),
         raster_(std::max(1, static_cast<int>(static_cast<float>(width) * scale_)),
                 std::max(1, static_cast<int>(static_cast<float>(height) * scale_)), 1) {
@@ -169,7 +171,8 @@ class Sights {
     for (std::size_t k = 0; k < corners.size(); ++k) {
       Vec2 x;
       if (!sheet_.is_used(k) || !projector_.project(sheet_.position(k), &x)) continue;
-      corners[k] = {to_depth(x), 1 / projector_.to_camera(sheet_.position(k)).z, sheet_.uv(k), 0};
+      corners[k] = {to_depth(lens_.distort(x)), 1 / projector_.to_camera(sheet_.position(k)).z, sheet_.uv(k),
+                    0};
     }
     raster_.clear();
     const auto shade = [this](Vec2 uv, float, float*) { return texture_.covers(uv); };
@@ -188,6 +191,7 @@ class Sights {
     Sight sight;
     const Vec3 p = projector_.to_camera(sheet_.position(k));
     if (!projector_.project(sheet_.position(k), &sight.x)) return {};
+    sight.x = lens_.distort(sight.x);
     if (!(sight.x.x >= 0 && sight.x.y >= 0 && sight.x.x <= static_cast<float>(width - 1) &&
           sight.x.y <= static_cast<float>(height - 1)))
       return {};
@@ -204,6 +208,7 @@ class Sights {
   ChartTexture texture_;
   SurfaceSheet sheet_;
   Projector projector_;
+  Lens lens_;
   float scale_;
   Raster raster_;
   std::vector<Sight> sights_;
@@ -314,7 +319,7 @@ std::string textured_glb(const Model& model, const FitFile& fit, const std::vect
 
 Image photo_texture(const Model& model, const FitFile& fit, const std::vector<float>& q, const Image& photo,
                     int side) {
-  Sights sights(model, view_of(fit.pose, fit.camera), q, photo.width, photo.height);
+  Sights sights(model, fit, q, photo.width, photo.height);
   sights.reject_background(photo);
   Layer layer(side);
   for (int j = 0; j < side; ++j)

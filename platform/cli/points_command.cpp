@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "cli/calibration.hpp"
 #include "cli/command.hpp"
 #include "cli/failure.hpp"
 #include "cli/files.hpp"
@@ -39,22 +40,26 @@ bool is_box(const std::string& text) {
          text.find_first_not_of("0123456789.,-+eE ") == std::string::npos;
 }
 
-FitFile start_of(const Args& args, const ModelFile& file, const Image& image, const std::string& path) {
+FitFile start_of(const Args& args, const ModelFile& file, const Image& image, const std::string& path,
+                 std::ostream& err) {
   FitSetup setup;
   setup.size = {image.width, image.height};
   setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
+  setup.camera = calibration_of(args, setup.size, err);
   const auto start = args.text("--start");
   if (start && is_box(*start)) return fit_to_box(file, *args.numbers("--start", 4), setup);
   if (start) {
-    FitFile fit = read_start(*start, file, setup.size, path, setup.focal_px);
+    FitFile fit = read_start(*start, file, setup.size, path, setup.focal_px, setup.camera);
     if (is_fit(read_file(*start))) fit.points.clear();  // what it was fitted to is done with
     return fit;
   }
   const std::vector<float> q(file.model().parameters().count, 0.0f);
   const float f = setup.focal_px > 0 ? setup.focal_px : default_focal(setup.size);
-  const Camera camera = centred_camera(image.width, image.height, f);
+  const Camera camera = setup.camera.value_or(centred_camera(image.width, image.height, f));
   const Pose pose = frontal_pose(file.model(), q.data(), camera, image.height, kFilledShare);
-  return describe(file.model(), setup.size, view_of(pose, camera), q);
+  FitFile fit = describe(file.model(), setup.size, view_of(pose, camera), q);
+  fit.camera = camera;
+  return fit;
 }
 
 /// Landmarks at the start: where they are, and whether the camera sees their side of the surface.
@@ -64,6 +69,7 @@ Json::Array points_at(const Model& model, const FitFile& start, std::size_t* on_
   Owned<Cascade> cascade(model);
   cascade->select(q.data());
   const Projector projector(view_of(start.pose, start.camera), true);
+  const Lens lens = lens_of(start.camera, {start.width, start.height});
   const bool has_68 = model.find_landmark("ibug00") != kNone && model.find_landmark("ibug67") != kNone;
   Json::Array points;
   for (const Landmark& landmark : model.landmarks()) {
@@ -75,6 +81,7 @@ Json::Array points_at(const Model& model, const FitFile& start, std::size_t* on_
     const Vec3 normal = projector.rotated(normalised(cross(at(0, 1) - at(0, -1), at(1, 0) - at(-1, 0))));
     Vec2 x{-100, -100};
     bool is_on = projector.project(p, &x) && dot(normal, normalised(projector.to_camera(p))) < kTurnedAway;
+    x = lens.distort(x);
     // Eyes, nose and mouth by five points lie on or among the 68, and say no more than those.
     if (has_68 && std::strncmp(landmark.name, "ibug", 4) != 0) is_on = false;
     // Points that somebody gave are where they were given; then the others are only proposals.
@@ -105,7 +112,7 @@ int run_points(const Args& args, Console& console) {
   const std::string output = args.required("-o"), path = args.required("--image");
   const ModelFile file(args.operand(0));
   const Image image = read_image(path);
-  const FitFile start = start_of(args, file, image, path);
+  const FitFile start = start_of(args, file, image, path, console.err);
   std::size_t on_count = 0;
   const Json data(Json::Object{{"width", image.width},
                                {"height", image.height},
@@ -126,11 +133,13 @@ Command points_command() {
   return {
       "points",
       "Writes a page with the model's landmarks over a picture, to drag, switch off and save as points.csv.",
-      "face.plm --image picture [--start fit.json|points.csv|X,Y,W,H] [--focal PX] -o points.html",
+      "face.plm --image picture [--start fit.json|points.csv|X,Y,W,H] [--focal PX|--calibration camera.yml] "
+      "-o points.html",
       {{"--image", "FILE", "the photograph; the page holds it"},
        {"--start", "START",
         "a fit.json, a points.csv that is fitted first, or a face detector's box; else the middle"},
        {"--focal", "PX", "focal length, when it is known"},
+       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
        {"-o", "HTML", "the page to write; it needs no network"}},
       1,
       run_points};
