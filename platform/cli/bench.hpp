@@ -38,4 +38,8 @@ void bench_occlusion(std::ostream& out, const ModelFile& model);
 /// Fields and Jacobians a second, baked and from the tables; what folding an identity saves, of the model if there is one.
 void bench_fields(std::ostream& out, const ModelFile* model);
 
+/// The solver on the fitting problems of `folder` (bench_fit_problem.hpp tells their form), with solutions.csv beside them:
+/// `problem,prior,cost`. Times are of the minimisation alone, of the median problem; cost is measured in double.
+void bench_fit(std::ostream& out, const std::string& folder);
+
 }  // namespace pliant::cli

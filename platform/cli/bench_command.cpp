@@ -46,6 +46,11 @@ int run_occlusion(const Args& args, Console& console) {
   return 0;
 }
 
+int run_fit_bench(const Args& args, Console& console) {
+  bench_fit(console.out, args.required("--problems"));
+  return 0;
+}
+
 struct Topic {
   const char* name;
   int (*run)(const Args& args, Console& console);
@@ -56,7 +61,8 @@ constexpr Topic kTopics[] = {{"mesh", run_with_model<bench_mesh>},
                              {"mcd", run_mcd},
                              {"track", run_track},
                              {"drift", run_drift},
-                             {"occlusion", run_occlusion}};
+                             {"occlusion", run_occlusion},
+                             {"fit", run_fit_bench}};
 
 int run_bench(const Args& args, Console& console) {
   std::string names;
@@ -76,11 +82,12 @@ Command bench_command() {
       "bench",
       "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
       "mesh|fields [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | "
-      "mcd | track|drift|occlusion --model face.plm",
+      "mcd | track|drift|occlusion --model face.plm | fit --problems FOLDER",
       {{"--model", "PLM", "a model to measure with (mesh: as well)"},
        {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
        {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", true, true},
        {"--frames", "VIDEO", "a Y4M file or folder of pictures, to time tracking on"},
+       {"--problems", "FOLDER", "fitting problems as text, and solutions.csv with the optimum of each"},
        {"--count", "N", "of its frames, at most; 480"}},
       1,
       run_bench};

@@ -28,6 +28,8 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/bench_klt.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_klt_motion.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_mcd.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bench_fit.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/bench_fit_problem.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_occlusion.cpp
   ${CMAKE_CURRENT_LIST_DIR}/bench_rows.cpp
