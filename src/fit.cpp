@@ -8,6 +8,9 @@ namespace pliant {
 namespace {
 
 constexpr int kStages = 3;
+/// Points whose distances from one line are no larger than this, in their own deviations or as a share of their spread along it,
+/// are on it.
+constexpr float kLineSds = 2, kLineShare = 0.005f;
 /// Matches of the outline a stage; between two of them the points it gave are held.
 constexpr int kMatches = 3;
 /// Times that a folded state is moved back: with rotations in the cascade the first may not be enough.
@@ -23,6 +26,29 @@ Status check_points(Span<const Correspondence> points, const FitOptions& options
     if (c.uv.x < 0 || c.uv.x > 1 || c.uv.y < 0 || c.uv.y > 1) return Status::bad_argument;
   }
   return Status::ok;
+}
+
+/// True where the points lie on one line of the picture, as far as their noise lets one tell: it could be the image of the
+/// surface from any side around that line.
+bool lie_on_a_line(Span<const Correspondence> points) {
+  const float share = 1.0f / static_cast<float>(points.count);
+  Vec2 mean;
+  float sd = 0;
+  for (const Correspondence& c : points) {
+    mean = mean + share * c.x;
+    sd += share * c.sd_px;
+  }
+  Sym2 spread;
+  for (const Correspondence& c : points) {
+    const Vec2 d = c.x - mean;
+    spread.xx += share * d.x * d.x;
+    spread.xy += share * d.x * d.y;
+    spread.yy += share * d.y * d.y;
+  }
+  const float half = 0.5f * (spread.xx + spread.yy), off = 0.5f * (spread.xx - spread.yy);
+  const float root = square_root(off * off + spread.xy * spread.xy);
+  const float least = max(kLineSds * sd, kLineShare * square_root(half + root));
+  return half - root <= least * least;
 }
 
 }  // namespace
@@ -56,6 +82,7 @@ Status Fitter::fit_ideal(Span<const Correspondence> points, const FitOptions& op
   if (checked != Status::ok) return checked;
   if (points.count > limits_.points) return Status::capacity;
   if (points.count < 4) return Status::too_few_points;
+  if (lie_on_a_line(points)) return Status::underdetermined;
   const std::size_t parameters = cascade_.parameter_count();
   for (std::size_t i = 0; i < parameters; ++i)
     if (!is_finite(q[i])) return Status::bad_argument;
@@ -153,6 +180,7 @@ Status Fitter::conclude(FitProblem& problem, float* q, FitReport* report, float*
       sd[p] = k == kNone ? 0.0f : min(square_root(step_[pose + k]), model.parameters()[p].sd);
     }
   FitReport out;
+  for (std::size_t k = 0; k < pose; ++k) out.pose_sd[k] = square_root(step_[k]);
   out.view = problem.view;
   out.iterations = iterations;
   out.undetermined = equations_.undetermined_count();

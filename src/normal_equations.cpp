@@ -7,12 +7,13 @@ namespace pliant {
 namespace {
 
 constexpr float kSmallestPivot = 1e-6f;  // of the unit-diagonal matrix
-constexpr int kLimitRounds = 8;
+constexpr int kLimitRounds = 12;
+constexpr float kReleasingForce = 1e-3f;  // of the largest scaled force
 
 constexpr std::size_t kGatheredRows = 16;
 constexpr std::size_t kTileRows = 4, kTileColumns = 8;
 /// Columns of an observation, as a share of the unknowns, from which the dense product is the cheaper one.
-constexpr std::size_t kDenseNumerator = 3, kDenseDenominator = 4;
+constexpr std::size_t kDenseNumerator = 5, kDenseDenominator = 8;
 /// Pivots whose rows are applied to the rest at once.
 constexpr std::size_t kPanel = 4;
 
@@ -271,6 +272,37 @@ void NormalEquations::start_scaled() {
   }
 }
 
+/// Puts what leaves its limits on them. \return whether anything did.
+bool NormalEquations::pin_to_limits(float* step) {
+  bool changed = false;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (pinned_[i] == 1) continue;
+    step[i] = pinned_[i] == 2 ? 0.0f : solution_[i] * scale_[i];
+    if (step[i] >= lower_[i] && step[i] <= upper_[i]) continue;
+    step[i] = clamped(i, step[i]);
+    pinned_[i] = 1;
+    changed = true;
+  }
+  return changed;
+}
+
+/// Frees what is on a limit and, now that others are on theirs, pulled back inside. \return whether anything is.
+bool NormalEquations::release_from_limits(float damping, const float* step) {
+  float largest = 0;
+  for (std::size_t i = 0; i < count_; ++i) largest = max(largest, magnitude(g_[i]) * scale_[i]);
+  bool changed = false;
+  for (std::size_t k = 0; k < count_; ++k) {
+    if (pinned_[k] != 1 || !(lower_[k] < upper_[k])) continue;
+    float force = g_[k] - damping * h(k, k) * step[k];
+    for (std::size_t i = 0; i < count_; ++i) force -= h(k, i) * step[i];
+    const float inside = step[k] >= upper_[k] ? -force : force;
+    if (inside * scale_[k] <= kReleasingForce * largest) continue;
+    pinned_[k] = 0;
+    changed = true;
+  }
+  return changed;
+}
+
 void NormalEquations::solve(float damping, float* step) {
   const std::size_t n = count_;
   start_scaled();
@@ -283,17 +315,7 @@ void NormalEquations::solve(float damping, float* step) {
     for (std::size_t i = 0; i < n; ++i) right_[i] = pinned_[i] != 0 ? 0.0f : right_[i] * scale_[i];
     factorise(damping);
     back_substitute(right_, solution_);
-    bool changed = false;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (pinned_[i] == 1) continue;
-      step[i] = pinned_[i] == 2 ? 0.0f : solution_[i] * scale_[i];
-      if (step[i] < lower_[i] || step[i] > upper_[i]) {
-        step[i] = clamped(i, step[i]);
-        pinned_[i] = 1;
-        changed = true;
-      }
-    }
-    if (!changed) break;
+    if (!pin_to_limits(step) && !release_from_limits(damping, step)) break;
   }
   undetermined_ = 0;
   for (std::size_t i = 0; i < n; ++i) undetermined_ += pinned_[i] == 2;

@@ -76,7 +76,7 @@ TEST_CASE("a truncated or odd problem is one line with the file's name") {
   const Folder folder;
   const std::string text = problem_text(5);
   for (std::size_t cut :
-       {std::size_t{0}, std::size_t{20}, std::size_t{90}, text.size() / 2, text.size() - 12}) {
+       {std::size_t{0}, std::size_t{20}, std::size_t{90}, text.size() / 2, text.rfind(' ')}) {
     const std::string path = folder.put("cut.txt", text.substr(0, cut));
     try {
       LinearShapeFit fit(path);

@@ -21,15 +21,15 @@ struct DoubleFit {
 
   Eigen::Vector2d centre;
   double log_f_prior = 0, log_f_sd = 0.3;
-  Vector sd, low, high;        // of the parameters
-  std::vector<Matrix> basis;   // a point: 3 x parameters
+  Vector sd, low, high;       // of the parameters
+  std::vector<Matrix> basis;  // a point: 3 x parameters
   std::vector<Eigen::Vector3d> mean;
   std::vector<Eigen::Vector2d> x;
   std::vector<double> point_sd;
 
   /// Points of a model whose free parameters act linearly on them (checked by the caller).
-  DoubleFit(const pliant::Model& model, pliant::Cascade& cascade, const std::vector<pliant::Correspondence>& points,
-            const pliant::FitOptions& options) {
+  DoubleFit(const pliant::Model& model, pliant::Cascade& cascade,
+            const std::vector<pliant::Correspondence>& points, const pliant::FitOptions& options) {
     const auto columns = static_cast<Eigen::Index>(cascade.column_count());
     const double larger = double(options.width > options.height ? options.width : options.height);
     centre = {0.5 * (options.width - 1), 0.5 * (options.height - 1)};
@@ -61,10 +61,12 @@ struct DoubleFit {
     }
   }
 
-  State state_of(const pliant::View& view, const pliant::Cascade& cascade, const std::vector<float>& q) const {
+  State state_of(const pliant::View& view, const pliant::Cascade& cascade,
+                 const std::vector<float>& q) const {
     const pliant::Pose pose = pliant::pose_of(view);
     State s;
-    s.turn = Eigen::Quaterniond(double(pose.q.w), double(pose.q.x), double(pose.q.y), double(pose.q.z)).normalized();
+    s.turn = Eigen::Quaterniond(double(pose.q.w), double(pose.q.x), double(pose.q.y), double(pose.q.z))
+                 .normalized();
     s.t = {double(pose.t.x), double(pose.t.y), double(pose.t.z)};
     s.log_f = std::log(double(pliant::camera_of(view).f));
     s.q.resize(sd.size());

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "model_builder.hpp"
@@ -73,7 +74,7 @@ TEST_CASE("exact correspondences give back pose and parameters, with no start") 
 }
 
 TEST_CASE("errors of a noisy fit are as large as the standard deviations say") {
-  double sum = 0, count = 0;
+  double sum = 0, count = 0, pose_sum = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const Scene scene(seed, 0.5f, 0.4f);
     InArena<Fitter> fitter(scene.model, limits());
@@ -86,7 +87,16 @@ TEST_CASE("errors of a noisy fit are as large as the standard deviations say") {
       sum += z * z;
       ++count;
     }
+    const Vec3 turn = log_rotation(scene.view.q * conjugate(report.view.q));
+    const float off[3] = {turn.x, turn.y, turn.z};
+    for (int k = 0; k < 3; ++k) {
+      CHECK(report.pose_sd[k] > 0);
+      pose_sum += double(off[k] * off[k] / (report.pose_sd[k] * report.pose_sd[k])) / 90;
+    }
+    CHECK(report.pose_sd[kLogRho] == 0);
   }
+  CHECK(pose_sum > 0.5);
+  CHECK(pose_sum < 1.8);
   CHECK(sum / count > 0.4);
   CHECK(sum / count < 2.0);
 }
@@ -247,6 +257,80 @@ TEST_CASE("without stiffness the prior does not hold the parameters back") {
   FitReport report;
   CHECK(fitter->fit(scene.all(), options, q.data(), &report, nullptr, nullptr, nullptr) ==
         Status::bad_argument);
+}
+
+TEST_CASE("points on one line of the picture do not determine a pose, in any direction and with any noise") {
+  Scene scene(11, 0, 0.2f);
+  InArena<Fitter> fitter(scene.model, limits());
+  Random random(4);
+  for (int trial = 0; trial < 20; ++trial) {
+    const float angle = 0.3f * static_cast<float>(trial), noise = trial % 2 == 0 ? 0.0f : 1.0f;
+    const Vec2 along{1 - 0.05f * angle * angle, angle}, across{-angle, 1 - 0.05f * angle * angle};
+    auto points = scene.points;
+    for (Correspondence& c : points) {
+      c.sd_px = 1;
+      c.x = Vec2{320, 240} + random.uniform(-100, 100) * along +
+            noise / length(across) * random.normal() * across;
+    }
+    std::vector<float> q(scene.truth.size(), 0.25f);
+    FitReport report;
+    CHECK(fitter->fit({points.data(), points.size()}, scene.options(900), q.data(), &report, nullptr, nullptr,
+                      nullptr) == Status::underdetermined);
+    for (float v : q) CHECK(v == 0.25f);
+  }
+}
+
+TEST_CASE("192 parameters fit at once") {
+  const auto words = egg_model(188).table();
+  Model model;
+  REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  REQUIRE(model.parameters().count == 192);
+  Random random(12);
+  std::vector<float> truth;
+  for (const Parameter& p : model.parameters())
+    truth.push_back(clamp(0.3f * p.sd * random.normal(), p.minimum, p.maximum));
+  InArena<Cascade> cascade(model);
+  const View view = view_of({exp_rotation({0.1f, 0.3f, 0}), {0, 0, 800}}, centred_camera(640, 480, 900));
+  std::vector<Correspondence> points;
+  while (points.size() < 160) {
+    Correspondence c{{random.uniform(0, 1), random.uniform(0, 1)}, {}, 0.2f};
+    REQUIRE(Projector(view, true).project(cascade->surface_point(c.uv, truth.data()), &c.x));
+    points.push_back(c);
+  }
+  InArena<Fitter> fitter(model, FitLimits{});
+  FitOptions options;
+  options.width = 640;
+  options.height = 480;
+  options.misfit_mm = 0;
+  std::vector<float> q(192, 0.0f), sd(192);
+  FitReport report;
+  REQUIRE(fitter->fit({points.data(), points.size()}, options, q.data(), &report, sd.data(), nullptr,
+                      nullptr) == Status::ok);
+  CHECK(report.rms_px < 0.3f);
+  CHECK(report.used == 160);
+  for (std::size_t k = 0; k < 192; ++k) {
+    CHECK(sd[k] > 0);
+    CHECK(sd[k] <= model.parameters()[k].sd);
+  }
+}
+
+TEST_CASE("a parameter that no point sees stays at rest and keeps its prior's deviation") {
+  Scene scene(13, 0.2f, 0.3f);
+  auto points = scene.points;
+  points.erase(
+      std::remove_if(points.begin(), points.end(), [](const Correspondence& c) { return c.uv.x < 0.5f; }),
+      points.end());
+  InArena<Fitter> fitter(scene.model, limits());
+  std::vector<float> q(scene.truth.size(), 0), sd(q.size());
+  FitReport report;
+  REQUIRE(fitter->fit({points.data(), points.size()}, scene.options(900), q.data(), &report, sd.data(),
+                      nullptr, nullptr) == Status::ok);
+  const std::size_t left = scene.model.find_parameter("bumpLeft"),
+                    right = scene.model.find_parameter("bumpRight");
+  CHECK(sd[right] == doctest::Approx(double(scene.model.parameters()[right].sd)));
+  CHECK(magnitude(q[right]) < 1e-4f);
+  CHECK(sd[left] < 0.2f * scene.model.parameters()[left].sd);
+  CHECK(report.used + 5 > points.size());
 }
 
 TEST_CASE("five points give a pose") {

@@ -41,7 +41,8 @@ struct Errors {
 
 class Study {
  public:
-  Study(BakedModel& face, std::size_t points) : face_(face), fitter_(face.model, limits(points)), most_(points) {
+  Study(BakedModel& face, std::size_t points)
+      : face_(face), fitter_(face.model, limits(points)), most_(points) {
     for (const Parameter& p : face.model.parameters()) is_free_.push_back(p.group == Group::identity);
     face.cascade.set_free(is_free_.data());
   }
@@ -86,8 +87,8 @@ class Study {
   FitReport fit(const std::vector<Correspondence>& points, const FitOptions& options, std::vector<float>& q) {
     FitReport report;
     q = face_.rest();
-    REQUIRE(fitter_->fit({points.data(), points.size()}, options, q.data(), &report, nullptr, nullptr, nullptr) ==
-            Status::ok);
+    REQUIRE(fitter_->fit({points.data(), points.size()}, options, q.data(), &report, nullptr, nullptr,
+                         nullptr) == Status::ok);
     return report;
   }
   /// The mean face under the pose that fits it best.
@@ -103,8 +104,9 @@ class Study {
     face_.cascade.set_free(is_free_.data());
     const DoubleFit exact(face_.model, face_.cascade, person.points, options());
     const auto reached = exact.state_of(report.view, face_.cascade, q);
-    const double best = std::min(exact.cost(exact.minimise(reached)),
-                                 exact.cost(exact.minimise(exact.state_of(person.view, face_.cascade, person.q))));
+    const double best =
+        std::min(exact.cost(exact.minimise(reached)),
+                 exact.cost(exact.minimise(exact.state_of(person.view, face_.cascade, person.q))));
     return exact.cost(reached) / best - 1;
   }
   Errors errors(const Person& person, const View& view, const std::vector<float>& q) {
@@ -157,8 +159,7 @@ inline std::vector<Correspondence> with_outliers(const Person& person, std::uint
   Random random(seed);
   auto points = person.points;
   for (Correspondence& c : points)
-    if (random.below(10) < 3)
-      c.x = {320 + random.uniform(-150, 150), 240 + random.uniform(-150, 150)};
+    if (random.below(10) < 3) c.x = {320 + random.uniform(-150, 150), 240 + random.uniform(-150, 150)};
   return points;
 }
 
@@ -197,17 +198,20 @@ inline void print(const Summary& s, const std::string& name, std::size_t points)
   const auto line = [&](const char* what, const std::vector<Errors>& e) {
     const auto turn = Summary::of(e, &Errors::turn_deg), px = Summary::of(e, &Errors::rms_px),
                mm = Summary::of(e, &Errors::surface_mm);
-    std::printf("%s, %zu points, %-9s pose %.2f (95 %%: %.2f) degrees, 200 held-out points %.2f (%.2f) px rms, "
-                "surface %.2f (%.2f) mm rms\n",
-                name.c_str(), points, what, quantile(turn, 0.5), quantile(turn, 0.95), quantile(px, 0.5),
-                quantile(px, 0.95), quantile(mm, 0.5), quantile(mm, 0.95));
+    std::printf(
+        "%s, %zu points, %-9s pose %.2f (95 %%: %.2f) degrees, 200 held-out points %.2f (%.2f) px rms, "
+        "surface %.2f (%.2f) mm rms\n",
+        name.c_str(), points, what, quantile(turn, 0.5), quantile(turn, 0.95), quantile(px, 0.5),
+        quantile(px, 0.95), quantile(mm, 0.5), quantile(mm, 0.95));
   };
   line("fit:", s.fit);
   line("mean face:", s.null);
-  std::printf("%s, %zu points: cost above the double-precision optimum %.5f %% median, %.4f %% worst; pose with 30 %% gross "
-              "outliers %.2f degrees\n",
-              name.c_str(), points, 100 * quantile(s.excess, 0.5), 100 * quantile(s.excess, 1),
-              quantile(s.outlier_turn, 0.5));
+  std::printf(
+      "%s, %zu points: cost above the double-precision optimum %.5f %% median, %.4f %% worst; pose with 30 "
+      "%% gross "
+      "outliers %.2f degrees\n",
+      name.c_str(), points, 100 * quantile(s.excess, 0.5), 100 * quantile(s.excess, 1),
+      quantile(s.outlier_turn, 0.5));
 }
 
 }  // namespace fit_truth

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <initializer_list>
 #include <vector>
 
@@ -94,6 +95,36 @@ TEST_CASE("limits hold, and the other unknowns take the best value given them") 
   const Eigen::VectorXd gradient = g - h * x;
   for (int k = 0; k < 7; ++k) CHECK(std::abs(gradient(k)) < 1e-3 * std::sqrt(h(k, k)));
   CHECK(gradient(7) * x(7) > 0);  // it would still like to go further
+}
+
+TEST_CASE("with many limits the step is the best within them: forces at each push outwards or not at all") {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const std::size_t n = 20;
+    Equations e(n);
+    Random random(seed);
+    Eigen::MatrixXd h;
+    Eigen::VectorXd g;
+    fill(e.equations, n, random, h, g);
+    std::vector<float> free_step(n), step(n);
+    e.equations.solve(0, free_step.data());
+    for (std::size_t k = 6; k < n; ++k) {  // some start on a limit, as parameters at rest do
+      const float size = 0.5f * magnitude(free_step[k]);
+      e.equations.set_limits(k, random.below(2) == 0 ? 0.0f : -size, random.below(2) == 0 ? 0.0f : size);
+    }
+    e.equations.solve(0, step.data());
+    Eigen::VectorXd x(20);
+    for (std::size_t k = 0; k < n; ++k) x(Eigen::Index(k)) = double(step[k]);
+    const Eigen::VectorXd force = g - h * x;
+    const double largest = (g.array() / h.diagonal().array().sqrt()).abs().maxCoeff();
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto i = Eigen::Index(k);
+      const double scaled = force(i) / std::sqrt(h(i, i));
+      const bool may_grow = e.equations.clamped(k, step[k] + 1e-3f * magnitude(free_step[k])) > step[k];
+      const bool may_shrink = e.equations.clamped(k, step[k] - 1e-3f * magnitude(free_step[k])) < step[k];
+      if (may_grow) CHECK(scaled < 3e-3 * largest);
+      if (may_shrink) CHECK(scaled > -3e-3 * largest);
+    }
+  }
 }
 
 TEST_CASE("an unknown that nothing observes stays and is counted") {

@@ -61,6 +61,9 @@ struct FitReport {
   std::size_t used = 0;  ///< points with weight at the end (inliers)
   int iterations = 0;
   std::size_t undetermined = 0;
+  /// A-posteriori standard deviations of the view in the order of PoseUnknown: turn (rad), log s, shift (mm), log rho; the
+  /// last is 0 with a known focal length.
+  float pose_sd[kPoseUnknownsWithFocal] = {};
 };
 
 /// Fits one model. The result never folds the surface over (folding.hpp): where a stage leads beyond, the parameters go
@@ -78,7 +81,8 @@ class Fitter {
   /// \param residuals  projected minus observed (px), a point; of a matched outline point the part across the outline.
   /// \param weights    robust weight in [0,1], a point.
   /// \return bad_argument (NaN, sd <= 0, uv outside [0,1], no size, stiffness < 0, outline
-  /// points without room for them), capacity, too_few_points, underdetermined.
+  /// points without room for them), capacity, too_few_points, underdetermined
+  /// (all points on one line or spot of the picture, or a pose that they leave open).
   Status fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
              float* sd, Vec2* residuals, float* weights);
 

@@ -46,7 +46,8 @@ class NormalEquations {
   }
 
   /// Solves (H + damping diag(H)) x = g for the step, by scaled Cholesky, within the limits: an unknown that would
-  /// leave its limits is put on them and the others are solved again (at most 8 rounds).
+  /// leave its limits is put on them and the others are solved again, one that they then pull back inside is set free
+  /// (at most 12 rounds).
   /// An unknown whose scaled pivot falls below 1e-6 is not determined by the observations: it stays, and is counted.
   /// Cost: n^3/6 a round.
   void solve(float damping, float* step);
@@ -79,6 +80,8 @@ class NormalEquations {
   void copy_scaled(float damping);
   void factorise(float damping);
   void pin_undetermined(std::size_t k);
+  bool pin_to_limits(float* step);
+  bool release_from_limits(float damping, const float* step);
   void back_substitute(const float* right, float* x);
 
   float *h_ = nullptr, *factor_ = nullptr, *rows_ = nullptr, *row_residual_ = nullptr;
