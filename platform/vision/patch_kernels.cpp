@@ -17,6 +17,11 @@ constexpr i16 mulhi(i16 a, i16 b) {
   return narrow((i32{a} * b) >> 16);
 }
 
+template <int L, int S>
+struct Sizes {
+  static constexpr int kLanes = L, kStride = S;
+};
+
 // Whole vectors: what is computed too much lies in the slack of the arrays.
 constexpr int whole(int count) {
   return (count + 31) & ~31;
@@ -50,10 +55,60 @@ void linear_down(const i16* __restrict h0, const i16* __restrict h1, i16 t, i16*
   }
 }
 
-template <int L>
+template <int L, int S>
 void linear_rows(const i16* h, int window, i16 t, i16* out) {
-  constexpr int S = L + 8;
   for (int y = 0; y < window; ++y) linear_down<L>(h + y * S, h + (y + 1) * S, t, out + y * L);
+}
+
+// --- on a lattice: scalar code fetches the four pixels of each sample, as two pairs; vectors do the rest ---
+
+using u16 = std::uint16_t;
+
+void fetch_pairs(const std::uint8_t* pixels, int stride, const Lattice& at, int columns, int row_length,
+                 u16* __restrict upper, u16* __restrict lower) {
+  for (int j = 0; j < columns; ++j) {
+    i32 x = at.x + j * at.down_x, y = at.y + j * at.down_y;
+    u16 *u = upper + j * row_length, *l = lower + j * row_length;
+    for (int i = 0; i < columns; ++i, x += at.across_x, y += at.across_y) {
+      const std::uint8_t *p = pixels + (y >> kLatticeBits) * stride + (x >> kLatticeBits), *q = p + stride;
+      u[i] = static_cast<u16>(p[0] | p[1] << 8);
+      l[i] = static_cast<u16>(q[0] | q[1] << 8);
+    }
+  }
+}
+
+// A pair blended, in 1/64 grey; t is a fraction times 2^15, less 2^15: it is never positive, which keeps GCC from taking
+// it for an unsigned number and multiplying in 32 bits.
+inline i16 blend(u16 pair, i16 t) {
+  const i16 first = narrow(pair & 255), second = narrow(pair >> 8);
+  return narrow(64 * second + mulhi(narrow(128 * narrow(second - first)), t));
+}
+
+// Fractions of positions are their lower fifteen bits, whatever runs over: those of a row's start and, in the ramps, what
+// is added along it.
+template <int S>
+void blend_row(const u16* __restrict upper, const u16* __restrict lower, i16 x, i16 y,
+               const i16* __restrict ramp_x, const i16* __restrict ramp_y, i16* __restrict out) {
+  constexpr i32 kLess = -(1 << kLatticeBits);
+  for (int k = 0; k < S; ++k) {
+    const i16 tx = narrow(narrow(x + ramp_x[k]) | kLess), ty = narrow(narrow(y + ramp_y[k]) | kLess);
+    const i16 h0 = blend(upper[k], tx), h1 = blend(lower[k], tx);
+    const i16 v = narrow(h1 + 2 * mulhi(narrow(h1 - h0), ty));
+    out[k] = narrow((narrow(v + 2) >> 2) - kGreyOffset);
+  }
+}
+
+template <int S>
+void blend_rows(const u16* upper, const u16* lower, const Lattice& at, int rows, i16* out) {
+  const auto fraction = [](i32 v) { return narrow(v & ((1 << kLatticeBits) - 1)); };
+  i16 ramp_x[S], ramp_y[S];
+  for (int k = 0; k < S; ++k) {
+    ramp_x[k] = fraction(k * at.across_x);
+    ramp_y[k] = fraction(k * at.across_y);
+  }
+  for (int j = 0; j < rows; ++j)
+    blend_row<S>(upper + j * S, lower + j * S, fraction(at.x + j * at.down_x), fraction(at.y + j * at.down_y),
+                 ramp_x, ramp_y, out + j * S);
 }
 
 // --- cubic ---
@@ -88,9 +143,8 @@ void cubic_across(const i16* v, int count, CubicPhase t, i16* out) {
 
 // Back to 1/16 grey. Curvature is taken from values of 1/16 grey, which keeps its differences within 16 bits.
 // Overshoot is cut off: it would not fit the bounds of the sums.
-template <int L>
+template <int L, int S>
 void cubic_down(const i16* __restrict h, CubicPhase t, i16* __restrict out) {
-  constexpr int S = L + 8;
   for (int k = 0; k < L; ++k) {
     const i16 h1 = h[k + S], h2 = h[k + 2 * S];
     const i16 a = narrow(h[k] >> 2), b = narrow(h1 >> 2), c = narrow(h2 >> 2), d = narrow(h[k + 3 * S] >> 2);
@@ -103,9 +157,9 @@ void cubic_down(const i16* __restrict h, CubicPhase t, i16* __restrict out) {
   }
 }
 
-template <int L>
+template <int L, int S>
 void cubic_rows(const i16* h, int window, CubicPhase t, i16* out) {
-  for (int y = 0; y < window; ++y) cubic_down<L>(h + y * (L + 8), t, out + y * L);
+  for (int y = 0; y < window; ++y) cubic_down<L, S>(h + y * S, t, out + y * L);
 }
 
 // --- templates ---
@@ -133,13 +187,12 @@ void template_row(const i16* __restrict v, const i16* __restrict down, const i16
   }
 }
 
-template <int L>
+template <int L, int S>
 void template_rows(const i16* block, const i16* down, const i16* across, const i16* mask, int window,
                    i16 lowest, i16 highest, Template out) {
-  constexpr int S = L + 8;
-  for (int y = 0; y < window; ++y)
-    template_row<L>(block + (y + 1) * S + 1, down + y * S, across + y * S, across + (y + 2) * S, mask + y * L,
-                    lowest, highest, out.t + y * L, out.gx + y * L, out.gy + y * L, out.m + y * L);
+  for (int y = 0, k = 0; y < window; ++y, k += L)
+    template_row<L>(block + (y + 1) * S + 1, down + y * S, across + y * S, across + (y + 2) * S, mask + k,
+                    lowest, highest, out.t + k, out.gx + k, out.gy + k, out.m + k);
 }
 
 template <int L>
@@ -157,43 +210,55 @@ void position_rows(const i16* g, int window, i16* by_x, i16* by_y) {
     position_row<L>(g + y * L, narrow(half), narrow(y - half), by_x + y * L, by_y + y * L);
 }
 
+// Calls f with the lanes and the block's stride of a window as constants.
+template <class F>
+void with_sizes(int window, F&& f) {
+  const int l = lanes(window);
+  if (l == 8) f(Sizes<8, 16>{});
+  if (l == 16 && block_stride(window) == 16) f(Sizes<16, 16>{});
+  if (l == 16 && block_stride(window) == 24) f(Sizes<16, 24>{});
+  if (l == 24) f(Sizes<24, 24>{});
+}
+
 }  // namespace
 
 void load_block(const std::uint8_t* pixels, std::ptrdiff_t stride, int window, i16* block) {
-  const int l = lanes(window), count = block_rows(window);
-  if (l == 8) load_rows<16>(pixels, stride, count, block);
-  if (l == 16) load_rows<24>(pixels, stride, count, block);
-  if (l == 24) load_rows<32>(pixels, stride, count, block);
+  const int count = block_rows(window);
+  if (block_stride(window) == 16) load_rows<16>(pixels, stride, count, block);
+  if (block_stride(window) == 24) load_rows<24>(pixels, stride, count, block);
 }
 
 void sample_linear(const i16* block, int fx, int fy, int window, i16* scratch, i16* out) {
-  const int l = lanes(window), stride = block_stride(window);
+  const int stride = block_stride(window);
   linear_across(block + stride + 1, (window + 1) * stride, narrow(fx * 256), scratch);
-  const i16 t = narrow(fy * 256);
-  if (l == 8) linear_rows<8>(scratch, window, t, out);
-  if (l == 16) linear_rows<16>(scratch, window, t, out);
-  if (l == 24) linear_rows<24>(scratch, window, t, out);
+  with_sizes(window,
+             [&](auto s) { linear_rows<s.kLanes, s.kStride>(scratch, window, narrow(fy * 256), out); });
+}
+
+void sample_lattice(const std::uint8_t* pixels, int stride, const Lattice& at, int window, i16* scratch,
+                    i16* block) {
+  const int rows = window + 2, row_length = block_stride(window);
+  u16 *upper = reinterpret_cast<u16*>(scratch), *lower = upper + block_size(window);
+  fetch_pairs(pixels, stride, at, rows, row_length, upper, lower);
+  with_sizes(window, [&](auto s) { blend_rows<s.kStride>(upper, lower, at, rows, block); });
 }
 
 void sample_cubic(const i16* block, int fx, int fy, int window, i16* scratch, i16* out) {
-  const int l = lanes(window), stride = block_stride(window);
-  cubic_across(block, (window + 3) * stride, cubic_phase(fx), scratch);
+  cubic_across(block, (window + 3) * block_stride(window), cubic_phase(fx), scratch);
   const CubicPhase t = cubic_phase(fy);
-  if (l == 8) cubic_rows<8>(scratch, window, t, out);
-  if (l == 16) cubic_rows<16>(scratch, window, t, out);
-  if (l == 24) cubic_rows<24>(scratch, window, t, out);
+  with_sizes(window, [&](auto s) { cubic_rows<s.kLanes, s.kStride>(scratch, window, t, out); });
 }
 
 void make_template(const i16* block, const i16* mask, int window, int lowest, int highest, i16* scratch,
                    Template out) {
-  const int l = lanes(window), stride = block_stride(window);
+  const int stride = block_stride(window);
   i16 *down = scratch, *across = scratch + block_size(window);
   smooth3(block, stride, window * stride, down);
   smooth3(block, 1, (window + 2) * stride, across);
   const i16 lo = narrow(lowest), hi = narrow(highest);
-  if (l == 8) template_rows<8>(block, down, across, mask, window, lo, hi, out);
-  if (l == 16) template_rows<16>(block, down, across, mask, window, lo, hi, out);
-  if (l == 24) template_rows<24>(block, down, across, mask, window, lo, hi, out);
+  with_sizes(window, [&](auto s) {
+    template_rows<s.kLanes, s.kStride>(block, down, across, mask, window, lo, hi, out);
+  });
 }
 
 int mask_extremes(const i16* __restrict image, const i16* __restrict m, int count, int lowest, int highest,
@@ -214,9 +279,7 @@ void apply_mask(const i16* __restrict in, const i16* __restrict m, int count, i1
 }
 
 void multiply_by_position(const i16* g, int window, i16* by_x, i16* by_y) {
-  if (lanes(window) == 8) position_rows<8>(g, window, by_x, by_y);
-  if (lanes(window) == 16) position_rows<16>(g, window, by_x, by_y);
-  if (lanes(window) == 24) position_rows<24>(g, window, by_x, by_y);
+  with_sizes(window, [&](auto s) { position_rows<s.kLanes>(g, window, by_x, by_y); });
 }
 
 Sums4 dot4(const i16* __restrict v, const i16* __restrict a, const i16* __restrict b, const i16* __restrict c,

@@ -25,7 +25,7 @@ constexpr int padded(int window) {
 /// A block is a window with one more pixel to the left and above, and two to the right and below, in rows of
 /// block_stride(window). What kernels read and write past its last row is theirs.
 constexpr int block_stride(int window) {
-  return lanes(window) + 8;
+  return (window + 3 + 7) / 8 * 8;
 }
 constexpr int block_rows(int window) {
   return window + 3;
@@ -40,6 +40,17 @@ constexpr int scratch_size(int window) {
 
 /// Takes block_stride(window) pixels from each of block_rows(window) rows, `stride` bytes apart.
 void load_block(const std::uint8_t* pixels, std::ptrdiff_t stride, int window, std::int16_t* block);
+
+/// Positions in a picture at equal distances on parallel lines, in 1/32768 px.
+constexpr int kLatticeBits = 15;
+struct Lattice {
+  std::int32_t x, y;  ///< of its first point
+  std::int32_t across_x, across_y, down_x, down_y;
+};
+/// Fills a block's first window + 2 rows and columns with bilinear samples on a lattice. The pixels that they are made of
+/// must all be there.
+void sample_lattice(const std::uint8_t* pixels, int stride, const Lattice& at, int window,
+                    std::int16_t* scratch, std::int16_t* block);
 
 /// Samples of the window in a block, moved by (fx, fy) / 128 px, 0 .. 127, in rows of lanes(window):
 /// bilinear, or by cubic convolution.

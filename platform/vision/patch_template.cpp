@@ -47,7 +47,7 @@ const std::int16_t* mask_of(int left, int top, int right, int bottom, Work& work
   return work.part;
 }
 
-constexpr int kBits = 16;  // fractional bits of positions in a stored square
+constexpr int kBits = kLatticeBits;
 
 struct FixedPosition {
   int x, y;
@@ -61,20 +61,18 @@ std::int16_t bilinear(const std::uint8_t* pixels, int side, int x, int y) {
   return static_cast<std::int16_t>(((upper * 256 + (lower - upper) * fy + 2048) >> 12) - kGreyOffset);
 }
 
-// The block's pixels lie on straight lines in the stored square, at equal distances.
-struct Lines {
-  FixedPosition first, across, down;
+FixedPosition at(const Lattice& l, int i, int j) {
+  return {l.x + l.across_x * i + l.down_x * j, l.y + l.across_y * i + l.down_y * j};
+}
 
-  FixedPosition at(int i, int j) const {
-    return {first.x + across.x * i + down.x * j, first.y + across.y * i + down.y * j};
-  }
-};
-
-Lines lines_of(const Mat2& m, int side, int radius) {
+// Where the block's pixels come from in a stored square.
+Lattice lattice_of(const Mat2& m, int side, int radius) {
   const auto fixed = [](float v) { return static_cast<int>(v * (1 << kBits)); };
-  const FixedPosition across{fixed(m.a), fixed(m.c)}, down{fixed(m.b), fixed(m.d)};
   const int half = side / 2 << kBits;
-  return {{half - (across.x + down.x) * radius, half - (across.y + down.y) * radius}, across, down};
+  Lattice l{half, half, fixed(m.a), fixed(m.c), fixed(m.b), fixed(m.d)};
+  l.x -= (l.across_x + l.down_x) * radius;
+  l.y -= (l.across_y + l.down_y) * radius;
+  return l;
 }
 
 // Where all four pixels around a position lie inside the image: [low, high] either way.
@@ -91,36 +89,29 @@ struct Bounds {
 };
 
 // Whatever leaves the stored square is masked out; its place is taken by the nearest stored value.
-const std::int16_t* load_ragged(const Lines& lines, const Bounds& bounds, const std::uint8_t* pixels,
+const std::int16_t* load_ragged(const Lattice& lattice, const Bounds& bounds, const std::uint8_t* pixels,
                                 int side, Work& work) {
   const int w = work.window, stride = block_stride(w);
   for (int y = 0; y < w + 2; ++y)
     for (int x = 0; x < w + 2; ++x) {
-      const FixedPosition at = lines.at(x, y);
-      const FixedPosition nearest = bounds.clamped(at);
+      const FixedPosition exact = at(lattice, x, y), nearest = bounds.clamped(exact);
       work.block[y * stride + x] = bilinear(pixels, side, nearest.x, nearest.y);
       if (x > 0 && x <= w && y > 0 && y <= w)
-        work.part[(y - 1) * lanes(w) + x - 1] = bounds.contains(at) ? 1 : 0;
+        work.part[(y - 1) * lanes(w) + x - 1] = bounds.contains(exact) ? 1 : 0;
     }
   return work.part;
 }
 
 const std::int16_t* load_warped(const Surround& around, const std::uint8_t* pixels, int side,
                                 const Mat2& to_anchor, Work& work) {
-  const int w = work.window, last = w + 1, stride = block_stride(w);
-  const Lines lines = lines_of(to_anchor, side, w / 2 + 1);
+  const int w = work.window, last = w + 1;
+  const Lattice l = lattice_of(to_anchor, side, w / 2 + 1);
   const Bounds bounds{{around.left << kBits, around.top << kBits},
                       {((around.right - 1) << kBits) - 1, ((around.bottom - 1) << kBits) - 1}};
-  if (!bounds.contains(lines.at(0, 0)) || !bounds.contains(lines.at(last, 0)) ||
-      !bounds.contains(lines.at(0, last)) || !bounds.contains(lines.at(last, last)))
-    return load_ragged(lines, bounds, pixels, side, work);
-  const int dx = lines.across.x, dy = lines.across.y;
-  for (int y = 0; y <= last; ++y) {
-    const FixedPosition first = lines.at(0, y);
-    int px = first.x, py = first.y;
-    std::int16_t* out = work.block + y * stride;
-    for (int x = 0; x <= last; ++x, px += dx, py += dy) out[x] = bilinear(pixels, side, px, py);
-  }
+  if (!bounds.contains(at(l, 0, 0)) || !bounds.contains(at(l, last, 0)) || !bounds.contains(at(l, 0, last)) ||
+      !bounds.contains(at(l, last, last)))
+    return load_ragged(l, bounds, pixels, side, work);
+  sample_lattice(pixels, side, l, w, work.scratch, work.block);
   return work.all;
 }
 
