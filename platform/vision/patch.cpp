@@ -47,6 +47,19 @@ constexpr float kCoarseStep = 20;  // by how much larger a step ends all but the
 // Warps that move the edge of the window by less, in pixels of a level, are left out.
 constexpr float kNegligible = 0.1f, kNegligibleCoarse = 0.5f;
 
+// Starts as good as this are measured at once.
+constexpr float kNear = 0.5f;
+
+// Where the search starts, of `levels` that there are: as asked, or on the finest level on which three deviations of the
+// start are within reach, a pixel and a half.
+int first_level(const PatchOptions& o, int levels) {
+  if (o.first_level >= 0) return o.first_level < levels ? o.first_level : levels - 1;
+  if (!(o.start_sd_px > 0)) return levels - 1;
+  int l = 0;
+  while (l + 1 < levels && o.start_sd_px > kNear * static_cast<float>(1 << l)) ++l;
+  return l;
+}
+
 float level_scale(int level) {
   return 1.0f / static_cast<float>(1 << level);
 }
@@ -244,14 +257,33 @@ Vec2 PatchTracker::load_template(const Source& source, int level, const PatchOpt
   return source.warp * surrounds_[square].offset;
 }
 
+// The finest level: measured straight away where the start is good enough for that; where it is not, or that leads too
+// far, found first.
+PatchStatus PatchTracker::measure(const ImageView& image, patch::SearchOptions so, bool is_near,
+                                  const PatchOptions& o, patch::Position& p, patch::Measurement& measured) {
+  const Vec2 start = p.y;
+  PatchStatus status = PatchStatus::diverged;
+  int iterations = 0;
+  for (int attempt = is_near ? 0 : 1; attempt < 2 && status == PatchStatus::diverged; ++attempt) {
+    p = {start, 0, {}};
+    status = PatchStatus::ok;
+    so.epsilon_px = kCoarseStep * o.epsilon_px;
+    if (attempt == 1) status = patch::align(image, so, *work_, p);
+    so.epsilon_px = o.epsilon_px;
+    if (status == PatchStatus::ok) status = patch::refine(image, so, o.warp_sd, *work_, p, measured);
+    iterations += p.iterations;
+  }
+  p.iterations = iterations;
+  return status;
+}
+
 PatchResult PatchTracker::search(const Source& source, const Pyramid& current, Vec2 start,
                                  const PatchOptions& o) {
   PatchResult result;
   result.x = start;
   const int there = source.pyramid != nullptr ? source.pyramid->levels() : anchors_[source.slot].levels;
-  int top = there < current.levels() ? there : current.levels();
-  if (o.first_level >= 0 && o.first_level < top) top = o.first_level + 1;
-  if (!is_finite(start) || top == 0 || o.max_iterations < 1) return result;
+  const int top = first_level(o, there < current.levels() ? there : current.levels());
+  if (!is_finite(start) || top < 0 || o.max_iterations < 1) return result;
   result.status = PatchStatus::outside_image;
   if (!contains(current.level(0), start, 0)) return result;
   patch::SearchOptions so{o.max_iterations,
@@ -261,21 +293,19 @@ PatchResult PatchTracker::search(const Source& source, const Pyramid& current, V
                           false};
   Vec2 x = start, along;
   patch::Measurement measured;
-  for (int l = top - 1; l >= 0; --l) {
+  bool is_near = o.start_sd_px > 0 && o.start_sd_px <= kNear;
+  for (int l = top; l >= 0; --l) {
     const Vec2 offset = load_template(source, l, o);
     patch::Position p{level_scale(l) * x - offset, 0, {}};
     so.needs_whole_window = l == 0;
-    result.status = patch::align(current.level(l), so, *work_, p);
+    result.status = l == 0 ? measure(current.level(0), so, is_near, o, p, measured)
+                           : patch::align(current.level(l), so, *work_, p);
     result.iterations += p.iterations;
-    if (l == 0 && result.status == PatchStatus::ok) {
-      so.epsilon_px = o.epsilon_px;
-      p.iterations = 0;
-      result.status = patch::refine(current.level(0), so, o.warp_sd, *work_, p, measured);
-      result.iterations += p.iterations;
-    }
-    // A level that shows nothing is passed over; the finest decides.
-    if (result.status == PatchStatus::ok) x = static_cast<float>(1 << l) * (p.y + offset);
     along = p.along;
+    // A level that shows nothing is passed over; the finest decides.
+    if (result.status != PatchStatus::ok) continue;
+    x = static_cast<float>(1 << l) * (p.y + offset);
+    is_near = true;
   }
   if (result.status != PatchStatus::ok) return result;
   result.x = x;

@@ -39,24 +39,19 @@ Normal normal_of(const Template& a, int count) {
   return s;
 }
 
-// Whether the search can be solved: enough pixels, and texture in both directions. Where an edge will do, texture in
-// one is enough, and steps are confined to it.
+// The same for a search along an edge: as if there were as much texture across it, which gives no step there.
+void confine(Normal& s) {
+  if (!is_edge(s.along)) return;
+  const float largest = s.tensor.xx * s.along.x * s.along.x + 2 * s.tensor.xy * s.along.x * s.along.y +
+                        s.tensor.yy * s.along.y * s.along.y;
+  s.tensor.xx += largest * s.along.y * s.along.y;
+  s.tensor.xy -= largest * s.along.x * s.along.y;
+  s.tensor.yy += largest * s.along.x * s.along.x;
+}
+
 bool is_usable(Normal& s, int window, const TextureNeeded& needed) {
-  constexpr float kScale = kGreyScale * kGreyScale;
-  constexpr float kMinVariance = 4.0f * kScale;  // grey^2
-  // Of the eigenvalues: below it the system is singular in float, or the patch an edge.
-  const float min_ratio = needed.edge_will_do ? kEdgeRatio : 1e-4f;
-  const auto pixels = static_cast<float>(s.n);
-  if (2 * s.n < window * window || s.variance_sum < kMinVariance * pixels) return false;
-  const float least = needed.min_eigenvalue * kScale * pixels;
-  const Eigenvalues e = eigenvalues(s.tensor);
-  if (e.smallest > min_ratio * e.largest && e.smallest >= least) return true;
-  if (!needed.edge_will_do || !(e.largest > 0) || e.largest < least) return false;
-  s.along = strongest_direction(s.tensor, e.smallest);
-  // As if there were as much texture in the other direction: the system can be solved, and gives no step there.
-  s.tensor.xx += e.largest * s.along.y * s.along.y;
-  s.tensor.xy -= e.largest * s.along.x * s.along.y;
-  s.tensor.yy += e.largest * s.along.x * s.along.x;
+  if (!is_usable({s.n, s.variance_sum, s.tensor}, window, needed, s.along)) return false;
+  confine(s);
   return true;
 }
 
@@ -82,6 +77,22 @@ Normal normal_without_clipped(Work& work) {
 }
 
 }  // namespace
+
+bool is_usable(const Texture& t, int window, const TextureNeeded& needed, Vec2& along) {
+  constexpr float kScale = kGreyScale * kGreyScale;
+  constexpr float kMinVariance = 4.0f * kScale;  // grey^2
+  // Of the eigenvalues: below it the system is singular in float, or the patch an edge.
+  const float min_ratio = needed.edge_will_do ? kEdgeRatio : 1e-4f;
+  const auto pixels = static_cast<float>(t.pixels);
+  along = {};
+  if (2 * t.pixels < window * window || t.variance_sum < kMinVariance * pixels) return false;
+  const float least = needed.min_eigenvalue * kScale * pixels;
+  const Eigenvalues e = eigenvalues(t.tensor);
+  if (e.smallest > min_ratio * e.largest && e.smallest >= least) return true;
+  if (!needed.edge_will_do || !(e.largest > 0) || e.largest < least) return false;
+  along = strongest_direction(t.tensor, e.smallest);
+  return true;
+}
 
 bool has_texture(const Work& work, const TextureNeeded& needed) {
   Normal s = normal_of(work.plain, work.count);

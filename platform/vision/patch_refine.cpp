@@ -164,24 +164,6 @@ Measurement measure(const Moments& s, const Factor& f, const Explained& e, GridP
   return r;
 }
 
-// The system to be solved while the same pixels count.
-struct System {
-  Moments moments;
-  Factor factor;
-
-  bool is_solvable(int window) const { return 2 * moments.n >= window * window && factor.is_regular; }
-};
-
-System system_of(const Moments& moments, const Prior& prior) {
-  return {moments, factorise(moments, prior)};
-}
-
-// The same without what is clipped in the current image.
-System system_without_clipped(const Moments& whole, const Prior& prior, Work& work) {
-  for (int i = 0; i < whole.m; ++i) apply_mask(whole.images[i], work.unclipped, work.count, work.masked[i]);
-  return system_of(moments_of(work.masked, work.unclipped, whole.m, work.count), prior);
-}
-
 Moments whole_moments(bool has_stretch, Work& work) {
   if (!has_stretch) {
     const std::int16_t* const images[] = {work.plain.t, work.plain.gx, work.plain.gy};
@@ -194,15 +176,47 @@ Moments whole_moments(bool has_stretch, Work& work) {
   return moments_of(images, work.plain.m, kMotions, work.count);
 }
 
+Texture texture_of(const Moments& s) {
+  const int x = s.m - 2, y = s.m - 1;
+  const float tt = s.products[kLight][kLight], tx = s.products[x][kLight], ty = s.products[y][kLight];
+  Texture t{s.n, tt, {}};
+  if (!(tt > 0)) return t;
+  t.tensor = {s.products[x][x] - tx * tx / tt, s.products[y][x] - tx * ty / tt,
+              s.products[y][y] - ty * ty / tt};
+  return t;
+}
+
+// The system to be solved while the same pixels count.
+struct System {
+  Moments moments;
+  Factor factor;
+  Vec2 along;
+  bool is_solvable;
+};
+
+System system_of(const Moments& moments, float warp_sd, const TextureNeeded& needed, int window) {
+  System s{moments, {}, {}, false};
+  if (!is_usable(texture_of(moments), window, needed, s.along)) return s;
+  s.factor =
+      factorise(moments, {warp_sd > 0 ? (kPriorNoise / warp_sd) * (kPriorNoise / warp_sd) : 0, s.along});
+  s.is_solvable = s.factor.is_regular;
+  return s;
+}
+
+// The moments without what is clipped in the current image.
+Moments moments_without_clipped(const Moments& whole, Work& work) {
+  for (int i = 0; i < whole.m; ++i) apply_mask(whole.images[i], work.unclipped, work.count, work.masked[i]);
+  return moments_of(work.masked, work.unclipped, whole.m, work.count);
+}
+
 }  // namespace
 
 PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd, Work& work, Position& p,
                    Measurement& result) {
   constexpr int kMaxSteps = 4;
   // What a step leaves is about a tenth of it.
-  const float last_move = 10 * o.epsilon_px;
-  const Prior prior{warp_sd > 0 ? (kPriorNoise / warp_sd) * (kPriorNoise / warp_sd) : 0, p.along};
-  const System whole = system_of(whole_moments(warp_sd > 0, work), prior);
+  const float last_move = 10 * o.epsilon_px, most_left = 3 * last_move;
+  const System whole = system_of(whole_moments(warp_sd > 0, work), warp_sd, o.texture, work.window);
   System partial;
   const Vec2 start = p.y;
   for (int step = 1;; ++step) {
@@ -214,19 +228,21 @@ PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd
     const int left =
         mask_extremes(work.image, work.plain.m, work.count, o.range.lowest, o.range.highest, work.unclipped);
     const bool is_whole = left == whole.moments.n;
-    if (!is_whole) partial = system_without_clipped(whole.moments, prior, work);
+    if (!is_whole)
+      partial = system_of(moments_without_clipped(whole.moments, work), warp_sd, o.texture, work.window);
     const System& now = is_whole ? whole : partial;
-    if (!now.is_solvable(work.window)) return PatchStatus::flat;
+    if (!now.is_solvable) return PatchStatus::flat;
+    p.along = now.along;
     const Explained e = explain(now.moments, now.factor, work.image, work.count);
     const float gain = clamp(e.x[kLight], 0.5f, 2.0f);
     const int m = now.moments.m;
-    const Vec2 shift{e.x[m - 2], e.x[m - 1]};
-    const Vec2 moved =
-        position(at) - (kStepScale / gain) * (is_edge(p.along) ? dot(shift, p.along) * p.along : shift);
-    const Vec2 move = moved - p.y;
+    Vec2 shift{e.x[m - 2], e.x[m - 1]};
+    if (is_edge(p.along)) shift = dot(shift, p.along) * p.along;
+    const Vec2 moved = position(at) - (kStepScale / gain) * shift;
+    const Vec2 move = moved - p.y, way = moved - start;
     p.y = moved;
-    const Vec2 way = p.y - start;
-    if (!(dot(way, way) < 1)) return PatchStatus::diverged;
+    if (!(dot(way, way) < 1) || (step == kMaxSteps && dot(move, move) > most_left * most_left))
+      return PatchStatus::diverged;
     if (step == kMaxSteps || dot(move, move) < last_move * last_move) {
       result = measure(now.moments, now.factor, e, at, work);
       return PatchStatus::ok;

@@ -80,7 +80,19 @@ struct TextureNeeded {
 /// Ratio of the eigenvalues from which on a patch has texture in one direction only, where that is asked.
 constexpr float kEdgeRatio = 0.05f;
 
-/// Whether work.plain can be searched for: enough pixels, and the texture.
+/// What a patch offers: its pixels, and the sums of its squared grey levels (centred) and of the products of its gradients
+/// (light projected out), in the kernels' units.
+struct Texture {
+  std::int64_t pixels;
+  float variance_sum;
+  Sym2 tensor;
+};
+
+/// Whether it can be searched for: enough pixels, and texture in both directions. Where an edge will do, texture in one
+/// is enough; `along` is then its unit direction, and zero otherwise.
+bool is_usable(const Texture& texture, int window, const TextureNeeded& needed, Vec2& along);
+
+/// Whether work.plain can.
 bool has_texture(const Work& work, const TextureNeeded& needed);
 
 struct SearchOptions {

@@ -20,6 +20,9 @@ namespace patch {
 struct Anchor;
 struct Surround;
 struct Work;
+struct Position;
+struct SearchOptions;
+struct Measurement;
 }  // namespace patch
 
 /// Why a patch was found, or not.
@@ -51,7 +54,10 @@ struct PatchLimits {
 
 /// How to search and what to accept. The defaults suit faces at 320 x 240.
 struct PatchOptions {
-  int first_level = -1;      ///< where the search starts, 0 is full size; -1: the coarsest there is
+  int first_level = -1;  ///< where the search starts, 0 is full size; -1: as start_sd_px says
+  /// Standard deviation of the start, px, as far as it is known: coarse levels are left out that are not needed to find a
+  /// point so near, and up to half a pixel all of the search but its last steps. 0: unknown, all levels are searched.
+  float start_sd_px = 0;
   int max_iterations = 10;   ///< on each level, at least 1
   float epsilon_px = 0.01f;  ///< how close to its end the search is brought, at full size
   /// Standard deviation of the entries of a warp that was not predicted, which the last steps allow for. 0:
@@ -127,6 +133,8 @@ class PatchTracker {
   bool is_slot(int slot) const { return slot >= 0 && slot < limits_.slots; }
   Vec2 load_template(const Source& source, int level, const PatchOptions& options);
   PatchResult search(const Source& source, const Pyramid& current, Vec2 start, const PatchOptions& options);
+  PatchStatus measure(const ImageView& image, patch::SearchOptions search, bool is_near,
+                      const PatchOptions& options, patch::Position& p, patch::Measurement& measured);
 
   PatchLimits limits_{0, 0, 0, 0};
   patch::Anchor* anchors_ = nullptr;      // one a slot
