@@ -49,6 +49,8 @@ constexpr float kNegligible = 0.1f, kNegligibleCoarse = 0.5f;
 
 // Starts as good as this are measured at once.
 constexpr float kNear = 0.5f;
+// Starts as good as this take one step.
+constexpr float kOneStep = 0.1f;
 
 // Where the search starts, of `levels` that there are: as asked, or on the finest level on which three deviations of the
 // start are within reach, a pixel and a half.
@@ -268,7 +270,10 @@ PatchStatus PatchTracker::measure(const ImageView& image, patch::SearchOptions s
     p = {start, 0, {}};
     status = PatchStatus::ok;
     so.epsilon_px = kCoarseStep * o.epsilon_px;
-    if (attempt == 1) status = patch::align(image, so, *work_, p);
+    if (attempt == 1) {
+      so.starts_cheaply = false;
+      status = patch::align(image, so, *work_, p);
+    }
     so.epsilon_px = o.epsilon_px;
     if (status == PatchStatus::ok) status = patch::refine(image, so, o.warp_sd, *work_, p, measured);
     iterations += p.iterations;
@@ -290,10 +295,12 @@ PatchResult PatchTracker::search(const Source& source, const Pyramid& current, V
                           kCoarseStep * o.epsilon_px,
                           {o.min_eigenvalue, o.takes_edges},
                           patch::usable_range(o.masks_clipped),
-                          false};
+                          false,
+                          true};
   Vec2 x = start, along;
   patch::Measurement measured;
   bool is_near = o.start_sd_px > 0 && o.start_sd_px <= kNear;
+  so.starts_cheaply = o.start_sd_px > kOneStep;
   for (int l = top; l >= 0; --l) {
     const Vec2 offset = load_template(source, l, o);
     patch::Position p{level_scale(l) * x - offset, 0, {}};
@@ -306,6 +313,7 @@ PatchResult PatchTracker::search(const Source& source, const Pyramid& current, V
     if (result.status != PatchStatus::ok) continue;
     x = static_cast<float>(1 << l) * (p.y + offset);
     is_near = true;
+    so.starts_cheaply = false;
   }
   if (result.status != PatchStatus::ok) return result;
   result.x = x;

@@ -114,6 +114,12 @@ const std::int16_t* load_at(const ImageView& image, GridPosition p, Work& work) 
   return work.block;
 }
 
+bool all_count(GreyRange range, int pixels, Work& work) {
+  if (is_within(work.image, work.count, range.lowest, range.highest)) return true;
+  return mask_extremes(work.image, work.plain.m, work.count, range.lowest, range.highest, work.unclipped) ==
+         pixels;
+}
+
 bool is_inside(const ImageView& image, GridPosition p, int radius) {
   const int lo = radius * kSubpixel;
   return p.x >= lo && p.y >= lo && p.x <= (image.width - 1) * kSubpixel - lo &&
@@ -133,9 +139,7 @@ PatchStatus align(const ImageView& image, const SearchOptions& o, Work& work, Po
     sample_linear(load_at(image, at, work), at.x & kPhase, at.y & kPhase, work.window, work.scratch,
                   work.image);
     Normal now = whole;
-    const int left =
-        mask_extremes(work.image, work.plain.m, work.count, o.range.lowest, o.range.highest, work.unclipped);
-    if (left < whole.n) {
+    if (!all_count(o.range, static_cast<int>(whole.n), work)) {
       now = normal_without_clipped(work);
       if (!is_usable(now, work.window, o.texture)) return PatchStatus::flat;
     }

@@ -24,7 +24,7 @@ struct Sizes {
 
 // Whole vectors: what is computed too much lies in the slack of the arrays.
 constexpr int whole(int count) {
-  return (count + 31) & ~31;
+  return (count + 15) & ~15;
 }
 
 template <int S>
@@ -64,10 +64,11 @@ void linear_rows(const i16* h, int window, i16 t, i16* out) {
 
 using u16 = std::uint16_t;
 
-void fetch_pairs(const std::uint8_t* pixels, int stride, const Lattice& at, int columns, int row_length,
-                 u16* __restrict upper, u16* __restrict lower) {
+void fetch_pairs(const std::uint8_t* pixels, std::ptrdiff_t stride, const Lattice& at, int columns,
+                 int row_length, u16* __restrict upper, u16* __restrict lower) {
   for (int j = 0; j < columns; ++j) {
-    i32 x = at.x + j * at.down_x, y = at.y + j * at.down_y;
+    // As wide as addresses, so that nothing need be widened for each sample.
+    std::ptrdiff_t x = at.x + j * at.down_x, y = at.y + j * at.down_y;
     u16 *u = upper + j * row_length, *l = lower + j * row_length;
     for (int i = 0; i < columns; ++i, x += at.across_x, y += at.across_y) {
       const std::uint8_t *p = pixels + (y >> kLatticeBits) * stride + (x >> kLatticeBits), *q = p + stride;
@@ -261,10 +262,20 @@ void make_template(const i16* block, const i16* mask, int window, int lowest, in
   });
 }
 
+bool is_within(const i16* __restrict v, int count, int lowest, int highest) {
+  const int n = count & ~15;
+  i16 low = narrow(highest), high = narrow(lowest);
+  for (int k = 0; k < n; ++k) {
+    low = v[k] < low ? v[k] : low;
+    high = v[k] > high ? v[k] : high;
+  }
+  return low > lowest && high < highest;
+}
+
 int mask_extremes(const i16* __restrict image, const i16* __restrict m, int count, int lowest, int highest,
                   i16* __restrict out) {
   const i16 lo = narrow(lowest), hi = narrow(highest);
-  const int n = count & ~31;
+  const int n = count & ~15;
   i32 left = 0;
   for (int k = 0; k < n; ++k) {
     const i16 use = narrow(m[k] & (image[k] > lo) & (image[k] < hi));
@@ -284,7 +295,7 @@ void multiply_by_position(const i16* g, int window, i16* by_x, i16* by_y) {
 
 Sums4 dot4(const i16* __restrict v, const i16* __restrict a, const i16* __restrict b, const i16* __restrict c,
            const i16* __restrict d, int count) {
-  const int n = count & ~31;
+  const int n = count & ~15;
   i32 va = 0, vb = 0, vc = 0, vd = 0;
   for (int k = 0; k < n; ++k) {
     va += i32{v[k]} * i32{a[k]};
@@ -296,14 +307,14 @@ Sums4 dot4(const i16* __restrict v, const i16* __restrict a, const i16* __restri
 }
 
 i32 dot(const i16* __restrict v, const i16* __restrict a, int count) {
-  const int n = count & ~31;
+  const int n = count & ~15;
   i32 s = 0;
   for (int k = 0; k < n; ++k) s += i32{v[k]} * i32{a[k]};
   return s;
 }
 
 i32 sum_squares(const i16* __restrict v, const i16* __restrict m, int count) {
-  const int n = count & ~31;
+  const int n = count & ~15;
   i32 s = 0;
   for (int k = 0; k < n; ++k) {
     const i16 used = narrow(v[k] * m[k]);

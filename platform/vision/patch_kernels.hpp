@@ -20,7 +20,7 @@ constexpr int lanes(int window) {
 }
 /// Elements of a patch array: rows * lanes, rounded up to whole vectors; the rest holds zeros.
 constexpr int padded(int window) {
-  return (window * lanes(window) + 31) / 32 * 32;
+  return (window * lanes(window) + 15) / 16 * 16;
 }
 /// A block is a window with one more pixel to the left and above, and two to the right and below, in rows of
 /// block_stride(window). What kernels read and write past its last row is theirs.
@@ -69,6 +69,9 @@ struct Template {
 /// highest).
 void make_template(const std::int16_t* block, const std::int16_t* mask, int window, int lowest, int highest,
                    std::int16_t* scratch, Template out);
+
+/// Whether all elements lie within (lowest, highest).
+bool is_within(const std::int16_t* v, int count, int lowest, int highest);
 
 /// out = 1 where m is and the image lies within (lowest, highest). Gives the number of ones.
 int mask_extremes(const std::int16_t* image, const std::int16_t* m, int count, int lowest, int highest,

@@ -9,6 +9,7 @@
 namespace pliant::patch {
 namespace {
 
+constexpr int kWithoutStretch = 3;   // motions
 constexpr float kPriorNoise = 2.0f;  // grey levels, for the weight of the prior on the warp
 
 // Sums over the template's images, `m` of them, shift last: [light, stretch..., shift] or [light, shift].
@@ -52,54 +53,57 @@ struct Prior {
   Vec2 along;  // the one direction in which there is a shift; zero: in both
 };
 
-// What the prior adds to the product of two motions.
-float added(const Moments& s, const Prior& prior, int i, int k) {
-  const int x = s.m - 2, y = s.m - 1;
-  if (i < x) return i == k && i > kLight ? prior.stretch : 0;
-  if (k < x || !is_edge(prior.along)) return 0;
-  const Vec2 across = (s.products[x][x] + s.products[y][y]) * Vec2{-prior.along.y, prior.along.x};
-  return (k == x ? -prior.along.y : prior.along.x) * (i == x ? across.x : across.y);
-}
-
-// Lower triangular L with L L' = products + prior.
+// L, unit lower triangular, and d with L diag(d) L' = products + prior. Both this and the substitution take a finished
+// unknown out of all others at once: the shorter chain of dependent steps is what their time depends on.
 struct Factor {
   float l[kMotions][kMotions];
-  float inverse[kMotions];  // of the diagonal
+  float d[kMotions], inverse[kMotions];  // inverse: of d
   bool is_regular;
 };
 
+template <int M>
+void add_prior(const Prior& prior, float (&a)[kMotions][kMotions]) {
+  constexpr int x = M - 2, y = M - 1;
+  for (int i = kLight + 1; i < x; ++i) a[i][i] += prior.stretch;
+  if (!is_edge(prior.along)) return;
+  const float most = a[x][x] + a[y][y];
+  a[x][x] += most * prior.along.y * prior.along.y;
+  a[y][x] -= most * prior.along.x * prior.along.y;
+  a[y][y] += most * prior.along.x * prior.along.x;
+}
+
+template <int M>
 Factor factorise(const Moments& s, const Prior& prior) {
   constexpr float kLeast = 1e-4f;  // of the diagonal
+  float a[kMotions][kMotions], full[M];
+  for (int i = 0; i < M; ++i)
+    for (int k = 0; k <= i; ++k) a[i][k] = s.products[i][k];
+  add_prior<M>(prior, a);
+  for (int i = 0; i < M; ++i) full[i] = a[i][i];
   Factor f;
   f.is_regular = false;
-  for (int i = 0; i < s.m; ++i)
-    for (int k = 0; k <= i; ++k) {
-      const float full = s.products[i][k] + added(s, prior, i, k);
-      float v = full;
-      for (int j = 0; j < k; ++j) v -= f.l[i][j] * f.l[k][j];
-      if (i != k) {
-        f.l[i][k] = v * f.inverse[k];
-        continue;
-      }
-      if (!(v > kLeast * full)) return f;
-      f.l[i][i] = square_root(v);
-      f.inverse[i] = 1.0f / f.l[i][i];
-    }
+  for (int j = 0; j < M; ++j) {
+    if (!(a[j][j] > kLeast * full[j])) return f;
+    f.d[j] = a[j][j];
+    f.inverse[j] = 1.0f / a[j][j];
+    for (int i = j + 1; i < M; ++i) f.l[i][j] = a[i][j] * f.inverse[j];
+    for (int i = j + 1; i < M; ++i)
+      for (int k = j + 1; k <= i; ++k) a[i][k] -= f.l[i][j] * a[k][j];
+  }
   f.is_regular = true;
   return f;
 }
 
-void substitute(const Factor& f, int m, const float* b, float* x) {
-  for (int i = 0; i < m; ++i) {
-    float v = b[i];
-    for (int j = 0; j < i; ++j) v -= f.l[i][j] * x[j];
-    x[i] = v * f.inverse[i];
-  }
-  for (int i = m - 1; i >= 0; --i) {
-    float v = x[i];
-    for (int j = i + 1; j < m; ++j) v -= f.l[j][i] * x[j];
-    x[i] = v * f.inverse[i];
-  }
+template <int M>
+void substitute(const Factor& f, const float* b, float* x) {
+  float v[M];
+  for (int i = 0; i < M; ++i) v[i] = b[i];
+  for (int j = 0; j < M; ++j)
+    for (int i = j + 1; i < M; ++i) v[i] -= f.l[i][j] * v[j];
+  for (int i = 0; i < M; ++i) v[i] *= f.inverse[i];
+  for (int j = M - 1; j > 0; --j)
+    for (int i = 0; i < j; ++i) v[i] -= f.l[j][i] * v[j];
+  for (int i = 0; i < M; ++i) x[i] = v[i];
 }
 
 // The image's sums with the template's images, and the fit to them.
@@ -119,7 +123,10 @@ Explained explain(const Moments& s, const Factor& f, const std::int16_t* image, 
   }
   e.sum = raw[s.m];
   for (int i = 0; i < s.m; ++i) e.b[i] = centred(s.n, s.inverse_n, raw[i], s.sums[i], e.sum);
-  substitute(f, s.m, e.b, e.x);
+  if (s.m == kMotions)
+    substitute<kMotions>(f, e.b, e.x);
+  else
+    substitute<kWithoutStretch>(f, e.b, e.x);
   return e;
 }
 
@@ -155,19 +162,18 @@ Measurement measure(const Moments& s, const Factor& f, const Explained& e, GridP
   // gradient.
   const float smoothing = 2.0f / (1.0f + noise_left(at.x) * noise_left(at.y));
   r.noise_square = kUnit * kUnit * smoothing * left / max(n - static_cast<float>(s.m) - 1, 1);
-  // The Schur complement of everything but the shift is the product of the last block of L with its
-  // transpose.
+  // The Schur complement of everything but the shift is made of the last blocks of L and d.
   const int x = s.m - 2, y = s.m - 1;
   const float scale = r.gain * r.gain * kUnit * kUnit;
-  r.information = {scale * f.l[x][x] * f.l[x][x], scale * f.l[x][x] * f.l[y][x],
-                   scale * (f.l[y][x] * f.l[y][x] + f.l[y][y] * f.l[y][y])};
+  const float l = f.l[y][x], d = f.d[x];
+  r.information = {scale * d, scale * d * l, scale * (d * l * l + f.d[y])};
   return r;
 }
 
 Moments whole_moments(bool has_stretch, Work& work) {
   if (!has_stretch) {
     const std::int16_t* const images[] = {work.plain.t, work.plain.gx, work.plain.gy};
-    return moments_of(images, work.plain.m, 3, work.count);
+    return moments_of(images, work.plain.m, kWithoutStretch, work.count);
   }
   multiply_by_position(work.plain.gx, work.window, work.stretch[0], work.stretch[1]);
   multiply_by_position(work.plain.gy, work.window, work.stretch[2], work.stretch[3]);
@@ -197,8 +203,9 @@ struct System {
 System system_of(const Moments& moments, float warp_sd, const TextureNeeded& needed, int window) {
   System s{moments, {}, {}, false};
   if (!is_usable(texture_of(moments), window, needed, s.along)) return s;
-  s.factor =
-      factorise(moments, {warp_sd > 0 ? (kPriorNoise / warp_sd) * (kPriorNoise / warp_sd) : 0, s.along});
+  const Prior prior{warp_sd > 0 ? (kPriorNoise / warp_sd) * (kPriorNoise / warp_sd) : 0, s.along};
+  s.factor = moments.m == kMotions ? factorise<kMotions>(moments, prior)
+                                   : factorise<kWithoutStretch>(moments, prior);
   s.is_solvable = s.factor.is_regular;
   return s;
 }
@@ -222,12 +229,11 @@ PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd
   for (int step = 1;; ++step) {
     const GridPosition at = on_grid(p.y);
     if (!is_inside(image, at, work.window / 2)) return PatchStatus::outside_image;
-    sample_cubic(load_at(image, at, work), at.x & kPhase, at.y & kPhase, work.window, work.scratch,
-                 work.image);
+    const bool is_cheap = step == 1 && o.starts_cheaply;
+    (is_cheap ? sample_linear : sample_cubic)(load_at(image, at, work), at.x & kPhase, at.y & kPhase,
+                                              work.window, work.scratch, work.image);
     ++p.iterations;
-    const int left =
-        mask_extremes(work.image, work.plain.m, work.count, o.range.lowest, o.range.highest, work.unclipped);
-    const bool is_whole = left == whole.moments.n;
+    const bool is_whole = all_count(o.range, static_cast<int>(whole.moments.n), work);
     if (!is_whole)
       partial = system_of(moments_without_clipped(whole.moments, work), warp_sd, o.texture, work.window);
     const System& now = is_whole ? whole : partial;
@@ -243,7 +249,7 @@ PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd
     p.y = moved;
     if (!(dot(way, way) < 1) || (step == kMaxSteps && dot(move, move) > most_left * most_left))
       return PatchStatus::diverged;
-    if (step == kMaxSteps || dot(move, move) < last_move * last_move) {
+    if (step == kMaxSteps || (!is_cheap && dot(move, move) < last_move * last_move)) {
       result = measure(now.moments, now.factor, e, at, work);
       return PatchStatus::ok;
     }

@@ -101,6 +101,7 @@ struct SearchOptions {
   TextureNeeded texture;
   GreyRange range;
   bool needs_whole_window;  ///< the window may not leave the image; otherwise only its centre
+  bool starts_cheaply;      ///< a first step of `refine` with linear samples: it is not going to be the last
 };
 
 /// The middle of the window in the image, and how often it was compared.
@@ -144,6 +145,8 @@ inline Vec2 position(GridPosition p) {
 }
 /// Loads work.block with the image around p; gives it.
 const std::int16_t* load_at(const ImageView& image, GridPosition p, Work& work);
+/// Whether none of the template's pixels is clipped in work.image; where some are, the others' mask is work.unclipped.
+bool all_count(GreyRange range, int pixels, Work& work);
 /// Whether the window (or its middle alone) lies inside the image.
 bool is_inside(const ImageView& image, GridPosition p, int radius);
 
