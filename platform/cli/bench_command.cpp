@@ -36,6 +36,11 @@ int run_track(const Args& args, Console& console) {
   return 0;
 }
 
+int run_cues(const Args& args, Console& console) {
+  bench_cues(console.out, ModelFile(args.required("--model")));
+  return 0;
+}
+
 int run_drift(const Args& args, Console& console) {
   bench_drift(console.out, ModelFile(args.required("--model")));
   return 0;
@@ -60,6 +65,7 @@ constexpr Topic kTopics[] = {{"mesh", run_with_model<bench_mesh>},
                              {"klt", run_klt},
                              {"mcd", run_mcd},
                              {"track", run_track},
+                             {"cues", run_cues},
                              {"drift", run_drift},
                              {"occlusion", run_occlusion},
                              {"fit", run_fit_bench}};
@@ -82,7 +88,7 @@ Command bench_command() {
       "bench",
       "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
       "mesh|fields [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | "
-      "mcd | track|drift|occlusion --model face.plm | fit --problems FOLDER",
+      "mcd | track|cues|drift|occlusion --model face.plm | fit --problems FOLDER",
       {{"--model", "PLM", "a model to measure with (mesh: as well)"},
        {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
        {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", true, true},

@@ -25,13 +25,16 @@ struct Film {
   std::vector<Pose> poses;
   std::vector<std::vector<float>> q;
 
-  Film(const Model& model, ImageSize picture)
+  /// \param flat_step_grey  of Scene::flatten_half.
+  Film(const Model& model, ImageSize picture, float flat_step_grey = 0)
       : size(picture), camera(centred_camera(size.width, size.height, default_focal(size))) {
     Scene scene(model, size.width, size.height);
+    scene.flatten_half(flat_step_grey);
     const Image background = make_background(size.width, size.height, 5);
     const std::vector<float> rest(model.parameters().count, 0.0f);
     const Pose frontal = frontal_pose(model, rest.data(), camera, size.height, 0.6f);
-    const std::uint16_t jaw = model.find_parameter("jawOpen");
+    const std::uint16_t jaw = model.find_parameter("jawOpen"), brow = model.find_parameter("browInnerUpLeft"),
+                        smile = model.find_parameter("mouthSmileLeft");
     for (std::size_t k = 0; k < kUnique; ++k) {
       const float s = static_cast<float>(k) / (kUnique - 1), wave = std::sin(3.14159f * (s - 0.5f));
       Pose pose = frontal;
@@ -39,6 +42,8 @@ struct Film {
       pose.t = pose.t + Vec3{20 * wave, 5 * s, -30 * s};
       auto now = rest;
       if (jaw != kNone) now[jaw] = 0.1f * (1 - std::cos(12.566f * s));
+      if (brow != kNone) now[brow] = 0.8f * s * s;
+      if (smile != kNone) now[smile] = 0.3f * (1 + wave);
       frames.push_back(scene.draw(now.data(), pose, camera, background));
       add_noise(frames.back(), 2, static_cast<std::uint32_t>(k));
       poses.push_back(pose);
@@ -164,6 +169,27 @@ void bench_track(std::ostream& out, const ModelFile& file) {
   std::fill(is_free.begin(), is_free.end(), std::uint8_t{1});
   print(out, "500 points 1900 vertices 360x288 all parameters",
         measure(model, small, sized(500, 1900), options));
+}
+
+void bench_cues(std::ostream& out, const ModelFile& file) {
+  const Film flat(file.model(), {320, 240}, 64), whole(file.model(), {320, 240});
+  TrackerLimits limits;
+  limits.curve_points = 96;
+  limits.outline_points = 24;
+  const auto bit = [](Cue cue) { return static_cast<std::uint8_t>(1u << static_cast<unsigned>(cue)); };
+  const std::uint8_t corners = bit(Cue::patch), edges = bit(Cue::edge), flow = bit(Cue::flow);
+  struct Variant {
+    const char* name;
+    unsigned cues;
+  };
+  for (const Variant v : {Variant{"corners", corners}, Variant{"corners edges", corners | unsigned{edges}},
+                          Variant{"corners flow", corners | unsigned{flow}},
+                          Variant{"corners edges flow", corners | unsigned{edges} | flow}}) {
+    TrackerOptions options;
+    options.estimator.cues = static_cast<std::uint8_t>(v.cues);
+    print(out, std::string("half flat ") + v.name, measure(file.model(), flat, limits, options));
+    print(out, std::string("whole texture ") + v.name, measure(file.model(), whole, limits, options));
+  }
 }
 
 void bench_drift(std::ostream& out, const ModelFile& file) {

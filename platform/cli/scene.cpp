@@ -66,7 +66,9 @@ Image Scene::draw(const float* q, const Pose& pose, const Camera& camera, const 
   raster_.clear();
   const auto shade = [this](Vec2 uv, float light, float* grey) {
     if (!texture_.covers(uv)) return false;
-    *grey = std::min(255.0f, texture_.albedo(uv) * light);
+    float albedo = texture_.albedo(uv);
+    if (flat_step_ > 0 && uv.x < 0.5f) albedo = flat_step_ * (0.5f + std::floor(albedo / flat_step_));
+    *grey = std::min(255.0f, albedo * light);
     return true;
   };
   const auto triangle = [&](std::size_t a, std::size_t b, std::size_t c) {

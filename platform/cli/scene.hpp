@@ -22,7 +22,12 @@ class Scene {
   /// \param tone  brightness of the surface.
   Image draw(const float* q, const Pose& pose, const Camera& camera, const Image& background, float tone = 1);
 
+  /// Takes the texture from the half of the chart with u below 0.5: its albedo comes in steps of so many grey levels,
+  /// so that only the outlines of what is darker or lighter are left. 0: none of it.
+  void flatten_half(float step_grey) { flat_step_ = step_grey; }
+
  private:
+  float flat_step_ = 0;
   Model model_;
   ChartTexture texture_;
   SurfaceSheet sheet_;

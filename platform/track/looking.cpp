@@ -1,4 +1,5 @@
 // Where the tracked points are in this frame: by their templates, and failing that from the frame before.
+#include "edge_search.hpp"
 #include "tracker_sizes.hpp"
 
 namespace pliant {
@@ -98,6 +99,15 @@ std::size_t Tracker::look_and_solve(int round) {
     if (round == 0) slot.expected = p.x;
     slot.observation = static_cast<std::uint16_t>(n++);
   }
+  point_observation_count_ = n;
+  if (round + 1 == options_.rounds && options_.estimator.uses(Cue::edge)) {
+    constexpr float kAfterPatches =
+        1.5f;  // px at 320 of width: how far off curves are when patches have been heard
+    const std::size_t room = EdgeSearch::kAlternatives * edge_points(limits_);
+    n += edges_->look(predictions, prediction_of_, current_, origin_, estimator_.view().s,
+                      scaled_px(limits_, kAfterPatches), {observations_ + n, room});
+    looks += n - point_observation_count_;
+  }
   observation_count_ = n;
   if (looks > 0) estimator_.solve({observations_, n});
   return looks;
@@ -136,9 +146,11 @@ Observation Tracker::follow(std::size_t k, const Prediction& p) {
   Observation o;
   o.id = p.id;
   o.reason = Reason::low_correlation;
-  if (!limits_.keeps_previous || !slot.was_seen || slot.frames_apart >= kMostFramesApart) return o;
+  const bool is_wanted = limits_.keeps_previous && options_.estimator.uses(Cue::flow);
+  if (!is_wanted || !slot.was_seen || slot.frames_apart >= kMostFramesApart) return o;
   PatchOptions options;
   options.max_return_px = scaled_px(limits_, options_.forward_backward_px);
+  options.takes_edges = true;
   const PatchResult found =
       patches_.track_between(previous_, slot.seen - previous_origin_, current_, p.x - origin_, options);
   o.reason = reason_of(found.status);
@@ -172,6 +184,8 @@ void Tracker::note_seen() {
     else if (slot.frames_apart < kMostFramesApart)
       ++slot.frames_apart;
   }
+  if (good)
+    edges_->note({observations_ + point_observation_count_, observation_count_ - point_observation_count_});
   moved_px_ = good && count > 0 ? square_root(sum / count) : 1e9f;
 }
 

@@ -1,4 +1,5 @@
 target_sources(pliant_platform PRIVATE
+  ${CMAKE_CURRENT_LIST_DIR}/edge_search.cpp
   ${CMAKE_CURRENT_LIST_DIR}/c_api.cpp
   ${CMAKE_CURRENT_LIST_DIR}/key_frames.cpp
   ${CMAKE_CURRENT_LIST_DIR}/landmark_fit.cpp

@@ -1,6 +1,7 @@
 // The life of a tracker: memory, start, and what is done with a frame.
 #include "pliant/tracker.hpp"
 
+#include "edge_search.hpp"
 #include "small_picture.hpp"
 #include "tracker_sizes.hpp"
 
@@ -30,7 +31,8 @@ PyramidLimits pyramid_limits(const TrackerLimits& limits) {
 
 EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   EstimatorLimits e;
-  e.points = static_cast<std::uint16_t>(all_slots(limits) + limits.markers);
+  e.points = static_cast<std::uint16_t>(all_points(limits));
+  e.outline_points = limits.outline_points;
   e.vertices = limits.vertices;
   e.free_parameters = limits.free_parameters;
   e.baked_samples = limits.baked_samples;
@@ -57,8 +59,11 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   if (limits_.keeps_previous) previous_.lay_out(arena, pyramid_limits(limits_));
   patches_.lay_out(arena, patch_limits(limits_));
   slots_ = arena.take<Slot>(slot_count_);
-  observations_ = arena.take<Observation>(slot_count_);
-  prediction_of_ = arena.take<std::uint16_t>(slot_count_ + limits_.markers);
+  observations_ = arena.take<Observation>(slot_count_ + EdgeSearch::kAlternatives * edge_points(limits_));
+  prediction_of_ = arena.take<std::uint16_t>(all_points(limits_));
+  EdgeSearch measured;
+  edges_ = arena.take<EdgeSearch>(1);
+  (edges_ != nullptr ? *edges_ : measured).lay_out(arena, edge_points(limits_));
   marker_ids_ = arena.take<std::uint16_t>(limits_.markers);
   corners_ = arena.take<Corner>(limits_.patches);
   const CornerOptions corners = corner_options(limits_);
@@ -150,6 +155,8 @@ Status Tracker::start(const FrameView& frame, const Camera& camera, const Pose& 
              static_cast<std::uint16_t>(estimator_.mesh().vertex_count())};
   last_time_ns_ = frame.time_ns;
   last_sequence_ = frame.sequence;
+  edges_->place(estimator_, options.curve_spacing_mm, limits_.outline_points);
+  edges_->anchor(estimator_, current_, origin_);
   frame_ = 0;
   describe_key(0);
   last_box_ = keys_[0].box;

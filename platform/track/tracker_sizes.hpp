@@ -34,6 +34,13 @@ constexpr std::size_t all_slots(const TrackerLimits& limits) {
   return first_slot(limits, std::size_t{limits.key_frames} + 1);
 }
 
+constexpr std::size_t edge_points(const TrackerLimits& limits) {
+  return std::size_t{limits.curve_points} + limits.outline_points;
+}
+constexpr std::size_t all_points(const TrackerLimits& limits) {
+  return all_slots(limits) + limits.markers + edge_points(limits);
+}
+
 constexpr CornerOptions corner_options(const TrackerLimits& limits) {
   CornerOptions o;
   o.cell_px = cell_px_of(limits);

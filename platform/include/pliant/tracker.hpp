@@ -15,6 +15,8 @@
 
 namespace pliant {
 
+class EdgeSearch;
+
 /// Capacities; they fix the arena's size. The defaults suit 320 x 240.
 struct TrackerLimits {
   std::uint16_t width = 320, height = 240;  ///< of the frames, px
@@ -24,6 +26,8 @@ struct TrackerLimits {
   std::uint16_t key_patches = 64;  ///< captured in later key frames, all together
   std::uint8_t key_frames = 4;     ///< later key frames kept at a time, at most kMostKeyFrames
   std::uint16_t markers = 0;       ///< followed but never observed
+  std::uint16_t curve_points = 0,
+                outline_points = 0;  ///< at which edges are looked for: of curves, of the outline
   std::uint16_t vertices = 512;
   std::uint8_t pyramid_levels = 3;
   std::uint8_t patch_window = 11;  ///< px, odd
@@ -74,6 +78,7 @@ constexpr TrackerLimits profile_l() {
 struct TrackerOptions {
   EstimatorOptions estimator;
   const std::uint8_t* is_free = nullptr;  ///< flag a parameter; null: the expressions
+  float curve_spacing_mm = 4;             ///< of edge points along lids, lips and brows
   float marker_exclusion_px = 8;          ///< no patch is captured within this distance of a marker
   float min_correlation = 0.55f;          ///< with the captured patch, in the last round; 0.1 less before
   float forward_backward_px = 0.7f;       ///< at 320 px of width, for the steps from frame to frame
@@ -195,7 +200,9 @@ class Tracker {
   Slot* slots_ = nullptr;
   std::size_t slot_count_ = 0;
   Observation* observations_ = nullptr;
-  std::size_t observation_count_ = 0;
+  std::size_t observation_count_ = 0,
+              point_observation_count_ = 0;  // all; those of patches, which come first
+  EdgeSearch* edges_ = nullptr;
   std::uint16_t* prediction_of_ = nullptr;  // by id of a surface point
   std::uint16_t* marker_ids_ = nullptr;
   std::size_t marker_count_ = 0;
