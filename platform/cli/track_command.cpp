@@ -3,6 +3,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <sstream>
 
 #include "cli/calibration.hpp"
 #include "cli/command.hpp"
@@ -111,16 +112,35 @@ TrackerLimits limits_for(const Args& args, ImageSize size, std::size_t markers) 
   TrackerLimits limits;
   if (profile) limits = *profile == "s" ? profile_s() : profile_l();
   if (!profile && size.width >= 480) limits = profile_l();
+  if (!profile || *profile == "l") {
+    limits.curve_points = 96;
+    limits.outline_points = 24;
+  }
   limits.width = static_cast<std::uint16_t>(size.width);
   limits.height = static_cast<std::uint16_t>(size.height);
   limits.markers = static_cast<std::uint16_t>(markers);
   return limits;
 }
 
+/// The cues named, as the estimator's bits; all without the option.
+std::uint8_t cues_of(const Args& args) {
+  const auto text = args.text("--cues");
+  if (!text) return EstimatorOptions{}.cues;
+  std::uint8_t bits = 0;
+  std::istringstream names(*text);
+  for (std::string name; std::getline(names, name, ',');) {
+    const Cue cue = name == "flow" ? Cue::flow : name == "edge" ? Cue::edge : Cue::patch;
+    if (name != "patch" && cue == Cue::patch) fail_usage("--cues: patch, flow, edge, not " + name);
+    bits = static_cast<std::uint8_t>(bits | 1u << static_cast<unsigned>(cue));
+  }
+  return bits;
+}
+
 int run_track(const Args& args, Console& console) {
   args.required("--out");
   args.required("--init");
   TrackerOptions options;
+  options.estimator.cues = cues_of(args);
   options.marker_exclusion_px = static_cast<float>(args.number("--marker-exclusion-px", 8, 0, 1000));
   const int last = args.integer("--count", 0, 1, 1 << 30);
   const ModelFile file(args.operand(0));
@@ -173,7 +193,7 @@ Command track_command() {
       "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv --out track.csv [--landmarks] "
       "[--markers points.csv] [--marker-exclusion-px R] [--focal PX|--calibration camera.yml] [--mirror] "
       "[--freeze GROUP] "
-      "[--refine-identity] [--profile s|l] [--count N] "
+      "[--refine-identity] [--profile s|l] [--cues LIST] [--count N] "
       "[--overlay out.y4m] [--sheet out.png] [--report report.html] [--truth truth.csv]",
       {{"--frames", "SOURCE",
         "a Y4M file, a folder of PGM or PPM, - for Y4M on standard input, or camera:[ID|INDEX][@WxH]"},
@@ -190,6 +210,7 @@ Command track_command() {
        {"--refine-identity", nullptr, "let the identity move as well"},
        {"--profile", "s|l", "capacities of a small or a large device; else by the size of the picture"},
        {"--count", "N", "stop after so many frames"},
+       {"--cues", "LIST", "what is looked at: patch,flow,edge (all)"},
        {"--overlay", "Y4M", "the video with the mesh on it"},
        {"--sheet", "PNG", "nine frames of that on one picture"},
        {"--truth", "CSV", "the truth of a rendered video, to compare with"},
