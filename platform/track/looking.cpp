@@ -6,7 +6,7 @@ namespace pliant {
 
 namespace {
 
-constexpr std::uint8_t kMostFramesApart = 20, kMostMisses = 6;
+constexpr std::uint8_t kMostFramesApart = 20;
 constexpr float kFollowedShare = 0.25f;  // weight of a patch that was only followed from the frame before
 
 Reason reason_of(PatchStatus status) {
@@ -30,13 +30,6 @@ Reason reason_of(PatchStatus status) {
   return Reason::diverged;
 }
 
-Observation unseen(std::uint16_t id) {
-  Observation o;
-  o.id = id;
-  o.reason = Reason::not_visible;
-  return o;
-}
-
 /// Largest entry of W - I, W the warp from `reference` to `now`.
 float strain(const Mat2& now, const Mat2& reference) {
   const Mat2 w = now * inverse(reference);
@@ -55,11 +48,6 @@ bool Tracker::is_in_region(Vec2 x) const {
 int Tracker::first_level() const {
   const float off = 2 * moved_px_ + 0.25f * shift_px_;
   return off < 2 ? 0 : off < 4 ? 1 : -1;
-}
-
-/// What has not been found for a while is looked for in one frame of four: it is hidden, or has changed for good.
-bool Tracker::is_resting(std::size_t k) const {
-  return slots_[k].misses >= kMostMisses && (k + frame_) % 4 != 0;
 }
 
 /// Whether a later round can see more of a point than the one before did: it was not found, or is not where it is now
@@ -86,9 +74,7 @@ std::size_t Tracker::look_and_solve(int round) {
     Slot& slot = slots_[k];
     if (!slot.is_used || slot.owner != k) continue;
     const Prediction& p = predictions[prediction_of_[slot.id]];
-    const bool rests = is_resting(k);
-    const Look needed = rests ? Look::none : needed_look(slot, p, round);
-    if (rests) observations_[n] = unseen(p.id);
+    const Look needed = needed_look(slot, p, round);
     if (needed == Look::full) observations_[n] = look(k, p, round);
     if (needed == Look::follow_only) observations_[n] = follow(k, p);
     if (needed != Look::none) {
@@ -129,7 +115,9 @@ PatchResult Tracker::match(std::size_t k, const Prediction& p, int round) {
 }
 
 Observation Tracker::look(std::size_t k, const Prediction& p, int round) {
-  Observation o = unseen(p.id);
+  Observation o;
+  o.id = p.id;
+  o.reason = Reason::not_visible;
   if (!p.visible || !is_in_region(p.x)) return o;
   const PatchResult found = match(k, p, round);
   o.reason = reason_of(found.status);
@@ -171,10 +159,7 @@ void Tracker::note_seen() {
     if (!slot.is_used || slot.owner != k) continue;
     const Observation& o = observations_[slot.observation];
     slot.was_seen = good && o.reason == Reason::found;
-    if (good && o.reason != Reason::not_visible && slot.misses < kMostMisses) ++slot.misses;
-    if (!good) slot.misses = 0;
     if (!slot.was_seen) continue;
-    slot.misses = 0;
     slot.seen = o.x;
     const Vec2 off = o.x - slot.expected;
     sum += dot(off, off);

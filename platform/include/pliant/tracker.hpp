@@ -143,7 +143,6 @@ class Tracker {
     Mat2 looked_with;                // and its dx/d(u,v)
     bool is_used = false, was_seen = false;
     std::uint8_t frames_apart = 0;  // since it last matched a template
-    std::uint8_t misses = 0;        // frames in a row in which it was looked for and not found
   };
 
   struct KeyFrame {
@@ -180,7 +179,6 @@ class Tracker {
   Look needed_look(const Slot& slot, const Prediction& p, int round) const;
   std::size_t look_and_solve(int round);
   Observation look(std::size_t k, const Prediction& p, int round);
-  bool is_resting(std::size_t k) const;
   Observation follow(std::size_t k, const Prediction& p);
   PatchResult match(std::size_t k, const Prediction& p, int round);
   bool is_in_region(Vec2 x) const;
