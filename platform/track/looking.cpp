@@ -138,7 +138,6 @@ Observation Tracker::follow(std::size_t k, const Prediction& p) {
   if (!is_wanted || !slot.was_seen || slot.frames_apart >= kMostFramesApart) return o;
   PatchOptions options;
   options.max_return_px = scaled_px(limits_, options_.forward_backward_px);
-  options.takes_edges = true;
   const PatchResult found =
       patches_.track_between(previous_, slot.seen - previous_origin_, current_, p.x - origin_, options);
   o.reason = reason_of(found.status);
