@@ -59,27 +59,27 @@ double entry(Matrix axes, const double* f, std::size_t p, std::size_t row, std::
 }
 
 /// Scales along the axes by median absolute deviation, and the centre by medians of sphered data.
-void refit(const Cloud& cloud, Matrix axes, const Scratch& scratch, float* line, Moments& out) {
+void refit(const Cloud& cloud, Matrix axes, const Scratch& scratch, float* line, const Moments& out) {
   const std::size_t p = cloud.columns;
-  double scale[kMcdMaxColumns], inverse[kMcdMaxColumns], square[kMcdMaxColumns], direction[kMcdMaxColumns];
+  double scale[kMcdMaxColumns], factor[kMcdMaxColumns], direction[kMcdMaxColumns];
   for (std::size_t j = 0; j < p; ++j) {
     for (std::size_t i = 0; i < p; ++i) direction[i] = axes[i][j];
     combine(cloud, direction, line);
     const double s = median_deviation(line, cloud.rows, scratch);
     scale[j] = s > kSmallestScale ? s : kSmallestScale;
-    inverse[j] = 1 / scale[j];
-    square[j] = scale[j] * scale[j];
+    factor[j] = 1 / scale[j];
   }
   double center[kMcdMaxColumns];
   for (std::size_t j = 0; j < p; ++j) {
-    for (std::size_t i = 0; i < p; ++i) direction[i] = entry(axes, inverse, p, j, i);
+    for (std::size_t i = 0; i < p; ++i) direction[i] = entry(axes, factor, p, j, i);
     combine(cloud, direction, line);
     center[j] = static_cast<double>(median(line, cloud.rows, scratch));
   }
+  for (std::size_t j = 0; j < p; ++j) factor[j] = scale[j] * scale[j];
   for (std::size_t j = 0; j < p; ++j) {
     out.mean[j] = 0;
     for (std::size_t i = 0; i < p; ++i) out.mean[j] += entry(axes, scale, p, j, i) * center[i];
-    for (std::size_t k = 0; k <= j; ++k) out.covariance[packed(j, k)] = entry(axes, square, p, j, k);
+    for (std::size_t k = 0; k <= j; ++k) out.covariance[packed(j, k)] = entry(axes, factor, p, j, k);
   }
 }
 
@@ -89,10 +89,10 @@ void converge_from(StartKind kind, const StartRoom& room, Search& search) {
   const Matrix m{room.matrices, p}, axes{room.matrices + p * p, p};
   start_matrix(kind, cloud, search.scratch, room, m);
   find_axes(m, p, axes);
-  Moments sphere;
+  const Moments sphere = search.scratch.moments(p);
   refit(cloud, axes, search.scratch, room.line, sphere);
-  Shape<double> shape;
-  make_shape(sphere, p, shape);
+  Shape<double> shape = search.scratch.shape(p);
+  make_shape(sphere, p, search.scratch, shape);
   c_step(cloud, (cloud.rows + 1) / 2, search.scratch, shape);
   search.converge(shape);
 }

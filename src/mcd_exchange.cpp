@@ -82,9 +82,9 @@ Pair best_pair(const Cloud& cloud, const Shape<double>& shape, const Border& ins
 
 void Search::exchange(std::size_t rounds) {
   for (std::size_t round = 0; round < rounds && subset_size < cloud.rows; ++round) {
-    Shape<double> shape;
+    Shape<double> shape = scratch.shape(cloud.columns);
     fit_shape(cloud, best, subset_size, scratch, shape);
-    squared_distances(cloud, shape, scratch.distance);
+    squared_distances(cloud, shape, scratch.block_double, scratch.distance);
     Border inside, outside;
     for (std::size_t i = 0, next = 0; i < cloud.rows; ++i) {
       const bool is_inside = next < subset_size && best[next] == i;

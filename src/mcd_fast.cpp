@@ -60,7 +60,7 @@ class Candidates {
   }
 
   template <class Real>
-  void get(std::size_t i, Shape<Real>& shape) const {
+  void get(std::size_t i, const Shape<Real>& shape) const {
     for (std::size_t j = 0; j < columns_; ++j) shape.mean[j] = static_cast<Real>(values_[i][j]);
     for (std::size_t k = 0; k < packed_size(columns_); ++k)
       shape.whitener[k] = static_cast<Real>(values_[i][columns_ + k]);
@@ -94,7 +94,7 @@ void try_starts(const Cloud& cloud, std::size_t h, std::size_t starts, Generator
                 std::uint16_t* order, const Scratch& scratch, Candidates& candidates) {
   for (std::size_t i = 0; i < cloud.rows; ++i) order[i] = static_cast<std::uint16_t>(i);
   for (std::size_t start = 0; start < starts; ++start) {
-    Shape<float> shape;
+    Shape<float> shape = scratch.float_shape(cloud.columns);
     draw_shape(cloud, generator, order, scratch, shape);
     two_steps(cloud, h, scratch, shape);
     candidates.offer(shape);
@@ -122,7 +122,7 @@ void try_groups(const Cloud& cloud, std::size_t h, std::size_t starts, Generator
     Candidates of_group(pool + (g + 1) * kKept * Candidates::slot_size(cloud.columns), cloud.columns);
     try_starts(group, share(count), (starts + groups - 1) / groups, generator, order, scratch, of_group);
     for (std::size_t i = 0; i < of_group.count(); ++i) {
-      Shape<float> shape;
+      Shape<float> shape = scratch.float_shape(merged.columns);
       of_group.get(i, shape);
       two_steps(merged, share(rows), scratch, shape);
       candidates.offer(shape);
@@ -146,7 +146,7 @@ Status Mcd::fast(const float* data, std::size_t rows, std::size_t columns, const
     mcd::try_groups(search.cloud, subset_size_, options.starts, generator, order_, other_, candidate_pool_,
                     search.scratch, candidates);
   for (std::size_t i = 0; i < candidates.count(); ++i) {
-    mcd::Shape<double> shape;
+    mcd::Shape<double> shape = search.scratch.shape(active_columns_);
     candidates.get(i, shape);
     search.converge(shape);
   }

@@ -30,6 +30,13 @@ Vector<Real> load(const Real* at) {
   return v;
 }
 
+void store(Vector<float> v, float* at) {
+  std::memcpy(at, &v, sizeof v);
+}
+void store(Vector<double> v, double* at) {
+  std::memcpy(at, &v, sizeof v);
+}
+
 Vector<float> load_as(const float* at, float) {
   return load(at);
 }
@@ -38,7 +45,7 @@ Vector<double> load_as(const float* at, double) {
 }
 
 void store_as_float(Vector<float> v, float* at) {
-  std::memcpy(at, &v, sizeof v);
+  store(v, at);
 }
 void store_as_float(Vector<double> v, float* at) {
   at[0] = static_cast<float>(v[0]);
@@ -76,19 +83,21 @@ bool is_close(ScaledNumber a, ScaledNumber b, double tolerance) {
 }
 
 template <class Real>
-void squared_distances(const Cloud& cloud, const Shape<Real>& shape, float* out) {
+void squared_distances(const Cloud& cloud, const Shape<Real>& shape, Real* block, float* out) {
   constexpr std::size_t kVectors = 4, kStep = kVectors * kLanes<Real>;
+  static_assert(kStep <= kBlock);
   const std::size_t p = cloud.columns;
   for (std::size_t row = 0; row < cloud.rows; row += kStep) {
-    Vector<Real> c[kMcdMaxColumns][kVectors], d[kVectors] = {};
+    Vector<Real> d[kVectors] = {};
     const Real* w = shape.whitener;
     for (std::size_t k = 0; k < p; ++k) {
       const float* column = cloud.z + k * cloud.stride + row;
       for (std::size_t v = 0; v < kVectors; ++v)
-        c[k][v] = load_as(column + v * kLanes<Real>, Real()) - shape.mean[k];
+        store(load_as(column + v * kLanes<Real>, Real()) - shape.mean[k],
+              block + k * kStep + v * kLanes<Real>);
       Vector<Real> a[kVectors] = {};
       for (std::size_t j = 0; j <= k; ++j)
-        for (std::size_t v = 0; v < kVectors; ++v) a[v] += w[j] * c[j][v];
+        for (std::size_t v = 0; v < kVectors; ++v) a[v] += w[j] * load(block + j * kStep + v * kLanes<Real>);
       w += k + 1;
       for (std::size_t v = 0; v < kVectors; ++v) d[v] += a[v] * a[v];
     }
@@ -141,7 +150,7 @@ void add_block(const Real* block, std::size_t count, std::size_t p, double* sum,
 
 template <class Real>
 void moments(const Cloud& cloud, const std::uint16_t* row, std::size_t count, const Real* shift, Real* block,
-             Moments& out) {
+             const Moments& out) {
   const std::size_t p = cloud.columns;
   for (std::size_t j = 0; j < p; ++j) out.mean[j] = 0;
   for (std::size_t k = 0; k < packed_size(p); ++k) out.covariance[k] = 0;
@@ -195,8 +204,8 @@ bool factorise(double* a, std::size_t p, double relative_floor, ScaledNumber& de
 }  // namespace
 
 template <class Real>
-void make_shape(const Moments& from, std::size_t p, Shape<Real>& shape) {
-  double l[kPacked];
+void make_shape(const Moments& from, std::size_t p, const Scratch& scratch, Shape<Real>& shape) {
+  double* const l = scratch.factor_room;
   for (std::size_t k = 0; k < packed_size(p); ++k) l[k] = from.covariance[k];
   shape.singular = !factorise(l, p, kPivotFloor<Real>, shape.determinant);
   for (std::size_t j = 0; j < p; ++j) {  // in place: row j of L^-1 needs rows of L^-1 above and row j of L
@@ -213,11 +222,12 @@ void make_shape(const Moments& from, std::size_t p, Shape<Real>& shape) {
   for (std::size_t j = 0; j < p; ++j) shape.mean[j] = static_cast<Real>(from.mean[j]);
 }
 
-template void squared_distances(const Cloud&, const Shape<float>&, float*);
-template void squared_distances(const Cloud&, const Shape<double>&, float*);
-template void moments(const Cloud&, const std::uint16_t*, std::size_t, const float*, float*, Moments&);
-template void moments(const Cloud&, const std::uint16_t*, std::size_t, const double*, double*, Moments&);
-template void make_shape(const Moments&, std::size_t, Shape<float>&);
-template void make_shape(const Moments&, std::size_t, Shape<double>&);
+template void squared_distances(const Cloud&, const Shape<float>&, float*, float*);
+template void squared_distances(const Cloud&, const Shape<double>&, double*, float*);
+template void moments(const Cloud&, const std::uint16_t*, std::size_t, const float*, float*, const Moments&);
+template void moments(const Cloud&, const std::uint16_t*, std::size_t, const double*, double*,
+                      const Moments&);
+template void make_shape(const Moments&, std::size_t, const Scratch&, Shape<float>&);
+template void make_shape(const Moments&, std::size_t, const Scratch&, Shape<double>&);
 
 }  // namespace pliant::mcd

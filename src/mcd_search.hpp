@@ -13,10 +13,10 @@ struct Search {
   std::size_t subset_size;
   Scratch scratch;
   std::uint16_t* best;
+  ScaledNumber* seen;  // the last kRemembered determinants
   bool found = false;
   ScaledNumber best_determinant = {};
   std::size_t steps = 0;
-  ScaledNumber seen[kRemembered] = {};
   std::size_t seen_count = 0;
 
   /// C-steps from `shape` until the determinant is one seen before: on this path, which has converged, or on

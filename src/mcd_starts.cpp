@@ -34,7 +34,7 @@ void unpack(const Moments& moments, std::size_t p, Matrix out) {
     for (std::size_t k = 0; k <= j; ++k) out[j][k] = out[k][j] = moments.covariance[packed(j, k)];
 }
 
-void moments_of_all(const Cloud& cloud, const Scratch& scratch, Moments& out) {
+void moments_of_all(const Cloud& cloud, const Scratch& scratch, const Moments& out) {
   for (std::size_t i = 0; i < cloud.rows; ++i) scratch.subset[i] = static_cast<std::uint16_t>(i);
   const float zero[kMcdMaxColumns] = {};
   moments(cloud, scratch.subset, cloud.rows, zero, scratch.block_float, out);
@@ -77,7 +77,7 @@ void spatial_sign_matrix(const Cloud& cloud, const Scratch& scratch, const Start
   for (std::size_t j = 0; j < cloud.columns; ++j)
     for (std::size_t i = 0; i < cloud.rows; ++i)
       room.other[j * cloud.stride + i] = cloud.z[j * cloud.stride + i] * room.line[i];
-  Moments m;
+  const Moments m = scratch.moments(cloud.columns);
   moments_of_all({room.other, cloud.stride, cloud.rows, cloud.columns}, scratch, m);
   unpack(m, cloud.columns, out);
   const double n = static_cast<double>(cloud.rows);
@@ -119,7 +119,7 @@ void transform_columns(StartKind kind, const Cloud& cloud, const StartRoom& room
 
 void start_matrix(StartKind kind, const Cloud& cloud, const Scratch& scratch, const StartRoom& room,
                   Matrix out) {
-  Moments m;
+  const Moments m = scratch.moments(cloud.columns);
   switch (kind) {
     case StartKind::spatial_signs:
       spatial_sign_matrix(cloud, scratch, room, out);

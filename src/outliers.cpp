@@ -49,6 +49,11 @@ void Mcd::lay_out(Arena& arena, const McdLimits& limits) {
   block_float_ = arena.take<float>(mcd::kBlock * p);
   block_double_ = arena.take<double>(mcd::kBlock * p);
   matrices_ = arena.take<double>(2 * p * p);
+  moments_room_ = arena.take<double>(p + mcd::packed_size(p));
+  factor_room_ = arena.take<double>(mcd::packed_size(p));
+  shape_room_ = arena.take<double>(p + mcd::packed_size(p));
+  float_shape_room_ = arena.take<float>(p + mcd::packed_size(p));
+  seen_ = arena.take<ScaledNumber>(mcd::kRemembered);
   candidate_pool_ = arena.take<float>(mcd::kCandidates * (p + mcd::packed_size(p)));
   histogram_ = arena.take<std::uint16_t>(mcd::kHistogram);
   estimates_ = arena.take<McdEstimate>(2);
@@ -59,11 +64,12 @@ void Mcd::lay_out(Arena& arena, const McdLimits& limits) {
 }
 
 mcd::Scratch Mcd::scratch() const {
-  return {work_, subset_, key_, histogram_, block_float_, block_double_};
+  return {work_,         subset_,       key_,         histogram_,  block_float_,
+          block_double_, moments_room_, factor_room_, shape_room_, float_shape_room_};
 }
 
 mcd::Search Mcd::begin_search() {
-  return {{z_, stride_, used_rows_, active_columns_}, subset_size_, scratch(), best_};
+  return {{z_, stride_, used_rows_, active_columns_}, subset_size_, scratch(), best_, seen_};
 }
 
 Status Mcd::prepare(const float* data, std::size_t rows, std::size_t columns, const McdOptions& options) {
@@ -165,11 +171,12 @@ bool Mcd::estimate_from(const std::uint16_t* row, std::size_t count, double corr
   const mcd::Cloud cloud{z_, stride_, used_rows_, active_columns_};
   double shift[kMcdMaxColumns];
   for (std::size_t j = 0; j < active_columns_; ++j) shift[j] = static_cast<double>(z_[j * stride_ + row[0]]);
-  mcd::Moments moments;
+  const mcd::Scratch room = scratch();
+  const mcd::Moments moments = room.moments(active_columns_);
   mcd::moments(cloud, row, count, shift, block_double_, moments);
-  mcd::Shape<double> shape;
-  mcd::make_shape(moments, active_columns_, shape);
-  mcd::squared_distances(cloud, shape, work_);
+  mcd::Shape<double> shape = room.shape(active_columns_);
+  mcd::make_shape(moments, active_columns_, room, shape);
+  mcd::squared_distances(cloud, shape, block_double_, work_);
   const float inverse = static_cast<float>(1 / correction);
   for (std::size_t i = 0; i < used_rows_; ++i) distance[row_of_[i]] = work_[i] * inverse;
   determinant = shape.determinant;

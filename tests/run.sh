@@ -19,8 +19,7 @@ for preset in release clang sanitize; do run_tests "$preset"; done
 if [ "${1:-}" = "--targets" ]; then
   sh toolchains/packages.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf g++-riscv64-linux-gnu qemu-user-static \
     gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm
-  for preset in aarch64 armhf riscv64; do run_tests "$preset"; done
-  run_tests cortex-m7 "-DPLIANT_HOST_BUILD=$PWD/build/release"
+  for preset in aarch64 armhf riscv64 cortex-m7; do run_tests "$preset" "-DPLIANT_HOST_BUILD=$PWD/build/release"; done
   echo "== a camera"
   if [ "$(uname -m)" = x86_64 ]; then sh toolchains/packages.sh qemu-system-x86 busybox-static cpio kmod python3; fi
   sh tests/target/camera_vm.sh build/release/pliant build/camera-vm

@@ -3,6 +3,7 @@
 /// One caller-owned block of memory, handed out from the front and never freed.
 #include <cstddef>
 #include <cstdint>
+#include <new>
 #include <type_traits>
 
 #include "pliant/status.hpp"
@@ -92,15 +93,18 @@ class Arena {
   bool exhausted_ = false;
 };
 
-/// Lays `object` out in `arena` by `object.lay_out(arena, args...)`: all of it, or nothing and `out_of_memory`.
+/// Lays `object` out in `arena` by `object.lay_out(arena, args...)`: all of it, or nothing and `out_of_memory`; the object
+/// is then as newly constructed. What it was before is gone either way. Needs no room for a second object, which some
+/// stacks do not have.
 template <class T, class... Args>
 Status create_in(Arena& arena, T& object, const Args&... args) {
   if (arena.is_measuring()) return Status::bad_argument;
   Arena trial;
-  T probe;
-  probe.lay_out(trial, args...);
-  if (arena.exhausted() || trial.used_bytes() > arena.size_bytes() - arena.used_bytes())
+  object.lay_out(trial, args...);
+  if (arena.exhausted() || trial.used_bytes() > arena.size_bytes() - arena.used_bytes()) {
+    new (&object) T();
     return Status::out_of_memory;
+  }
   object.lay_out(arena, args...);
   return Status::ok;
 }

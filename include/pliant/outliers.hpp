@@ -131,6 +131,9 @@ class Mcd {
   float *work_ = nullptr, *distance_ = nullptr, *raw_distance_ = nullptr;
   float* block_float_ = nullptr;
   double *block_double_ = nullptr, *matrices_ = nullptr;
+  double *moments_room_ = nullptr, *factor_room_ = nullptr, *shape_room_ = nullptr;
+  float* float_shape_room_ = nullptr;
+  ScaledNumber* seen_ = nullptr;
   float* candidate_pool_ = nullptr;
   std::uint32_t* key_ = nullptr;
   std::uint16_t *row_of_ = nullptr, *subset_ = nullptr, *best_ = nullptr, *order_ = nullptr,

@@ -11,7 +11,7 @@
 extern const unsigned char face[];
 extern const size_t face_bytes;
 
-enum { kWidth = 320, kHeight = 240, kMemoryBytes = 246 * 1024 };
+enum { kWidth = 320, kHeight = 240, kMemoryBytes = 249 * 1024 };
 
 static _Alignas(16) unsigned char memory[kMemoryBytes];
 __attribute__((section(".frames"))) static uint8_t pixels[kWidth * kHeight];

@@ -58,32 +58,28 @@ std::size_t larger(std::size_t a, std::size_t b) {
   return a > b ? a : b;
 }
 
-/// The handle's own parts, and room that fit and tracker use by turns.
-void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::uint16_t start_points,
-             pliant_tracker* handle) {
+/// The handle's own parts, and room that fit and tracker use by turns. `tracker` is laid out for measuring only.
+void lay_out(Arena& arena, Tracker& tracker, pliant_tracker* handle, const Model& model,
+             const TrackerLimits& limits, std::uint16_t start_points) {
+  arena.take<unsigned char>(sizeof(pliant_tracker));
   float* const parameters = arena.take<float>(model.parameters().count);
   Correspondence* const points = arena.take<Correspondence>(start_points);
-  const std::size_t shared_bytes =
-      larger(measured_bytes<Tracker>(model, limits), landmark_fit_bytes(model, start_points));
+  Arena trial;
+  tracker.lay_out(trial, model, limits);
+  const std::size_t shared_bytes = larger(trial.used_bytes(), landmark_fit_bytes(model, start_points));
   unsigned char* const shared = arena.take<unsigned char>(shared_bytes);
-  if (handle == nullptr) return;
+  if (handle == nullptr || arena.exhausted()) return;
   handle->parameters = parameters;
   handle->points = points;
   handle->shared = shared;
   handle->shared_bytes = shared_bytes;
 }
 
-/// Opens the table and measures: what creating and asking for the size have in common.
-Status measure(const void* table, std::size_t table_bytes, const pliant_limits* from, Model* model,
-               TrackerLimits* limits, std::size_t* bytes) {
-  if (from == nullptr || bytes == nullptr || !read_limits(*from, limits)) return Status::bad_argument;
-  const Status status = Model::open(table, table_bytes, model);
-  if (status != Status::ok) return status;
-  Arena trial;
-  trial.take<unsigned char>(sizeof(pliant_tracker));
-  lay_out(trial, *model, *limits, from->start_points, nullptr);
-  *bytes = trial.used_bytes();
-  return Status::ok;
+/// What creating and asking for the size have in common.
+Status read(const void* table, std::size_t table_bytes, const pliant_limits* from, Model* model,
+            TrackerLimits* limits) {
+  if (from == nullptr || !read_limits(*from, limits)) return Status::bad_argument;
+  return Model::open(table, table_bytes, model);
 }
 
 FrameView view_of(const pliant_frame& f) {
@@ -154,9 +150,16 @@ pliant_limits pliant_profile(char name) {
 
 pliant_status pliant_required_bytes(const void* table, size_t table_bytes, const pliant_limits* limits,
                                     size_t* bytes) {
+  if (bytes == nullptr) return PLIANT_BAD_ARGUMENT;
   Model model;
   TrackerLimits own;
-  return plain(measure(table, table_bytes, limits, &model, &own, bytes));
+  const Status status = read(table, table_bytes, limits, &model, &own);
+  if (status != Status::ok) return plain(status);
+  Arena trial;
+  Tracker tracker;  // asked once, where there is stack for it; creating needs none
+  lay_out(trial, tracker, nullptr, model, own, limits->start_points);
+  *bytes = trial.used_bytes();
+  return PLIANT_OK;
 }
 
 pliant_status pliant_create(void* memory, size_t bytes, const void* table, size_t table_bytes,
@@ -165,16 +168,16 @@ pliant_status pliant_create(void* memory, size_t bytes, const void* table, size_
   if (memory == nullptr || tracker == nullptr || address % Arena::kAlignment != 0) return PLIANT_BAD_ARGUMENT;
   Model model;
   TrackerLimits own;
-  std::size_t needed;
-  const Status status = measure(table, table_bytes, limits, &model, &own, &needed);
+  const Status status = read(table, table_bytes, limits, &model, &own);
   if (status != Status::ok) return plain(status);
-  if (needed > bytes) return PLIANT_OUT_OF_MEMORY;
-  Arena arena(memory, bytes);
-  auto* const handle = new (arena.take<unsigned char>(sizeof(pliant_tracker))) pliant_tracker{};
+  if (bytes < sizeof(pliant_tracker)) return PLIANT_OUT_OF_MEMORY;
+  auto* const handle = new (memory) pliant_tracker();
   handle->model = model;
   handle->limits = own;
   handle->start_points = limits->start_points;
-  lay_out(arena, model, own, limits->start_points, handle);
+  Arena arena(memory, bytes);
+  lay_out(arena, handle->tracker, handle, model, own, limits->start_points);
+  if (arena.exhausted()) return PLIANT_OUT_OF_MEMORY;
   *tracker = handle;
   return PLIANT_OK;
 }

@@ -1,11 +1,5 @@
-# The host's side: its board, the prepared files, and the programs' output on this host.
+# The host's side: the prepared files, and the programs' output on this host.
 set(prepared ${CMAKE_CURRENT_BINARY_DIR})
-add_library(pliant_board OBJECT ${cortex_m}/host/board.cpp)
-target_compile_features(pliant_board PUBLIC cxx_std_17)
-target_compile_options(pliant_board PUBLIC ${pliant_same_bits})
-target_include_directories(pliant_board PUBLIC ${cortex_m})
-target_link_libraries(pliant_board PUBLIC pliant_warnings)
-
 add_executable(egg_table egg_table.cpp)
 target_link_libraries(egg_table PRIVATE pliant_host pliant_warnings)
 add_custom_command(OUTPUT egg.cpp DEPENDS egg_table COMMAND egg_table egg.cpp)
