@@ -337,9 +337,10 @@ TEST_CASE("whatever the picture and the point, there is a reason and no NaN") {
       const auto within = [&](double low, double high) {
         return static_cast<float>(random.uniform(low, high));
       };
-      const EdgePoint q =
-          point_at({within(-3, p.width + 3), within(-3, p.height + 3)}, {within(-1, 1), within(-1, 1)},
-                   within(0, 9), k % 3 == 0 ? within(-0.5, 0.5) : 0);
+      // One after the other: arguments are evaluated in any order.
+      const Vec2 x{within(-3, p.width + 3), within(-3, p.height + 3)}, normal{within(-1, 1), within(-1, 1)};
+      const float sd = within(0, 9), contrast = k % 3 == 0 ? within(-0.5, 0.5) : 0;
+      const EdgePoint q = point_at(x, normal, sd, contrast);
       for (const Observation& o : look(shown.pyramid, q)) {
         REQUIRE(is_finite(o.x));
         REQUIRE((is_finite(o.information.xx) && is_finite(o.information.xy) && is_finite(o.information.yy)));

@@ -38,14 +38,16 @@ TEST_CASE("windows that leave the picture are dropped with that reason") {
   CHECK(found == 0);
 }
 
-TEST_CASE("pictures without texture are flat: black, white, grey, an edge") {
+TEST_CASE("pictures without texture are flat: black, white, grey, an edge, one pixel of noise") {
   Picture edge(kWidth, kHeight, 60);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 120; x < kWidth; ++x) edge.at(x, y) = 180;
+  Picture dot(kWidth, kHeight, 128);
+  dot.at(120, 90) = 129;
   const Picture textured = render(Texture(2), {}, kWidth, kHeight);
   Rig rig;
-  for (const Picture& p :
-       {Picture(kWidth, kHeight, 0), Picture(kWidth, kHeight, 255), Picture(kWidth, kHeight, 128), edge}) {
+  for (const Picture& p : {Picture(kWidth, kHeight, 0), Picture(kWidth, kHeight, 255),
+                           Picture(kWidth, kHeight, 128), edge, dot}) {
     rig.show(p, textured);
     CHECK(rig.tracker.capture(0, rig.before, {120, 90}) == PatchStatus::flat);
     CHECK(rig.tracker.track_between(rig.before, {120, 90}, rig.after, {120, 90}).status == PatchStatus::flat);
@@ -131,6 +133,60 @@ TEST_CASE("limits out of range are refused, and every smaller arena fails cleanl
   }
 }
 
+TEST_CASE("a slot takes the bytes that are stated, and one of 500 bytes still follows its patch") {
+  for (const PatchLimits& l :
+       {PatchLimits{64, 13, 3, 4}, PatchLimits{64, 11, 2, 1}, PatchLimits{64, 9, 2, 2}}) {
+    PatchLimits none = l;
+    none.slots = 0;
+    const auto bytes = static_cast<int>(measured_bytes<PatchTracker>(l) - measured_bytes<PatchTracker>(none));
+    CHECK(std::abs(bytes - 64 * patch_slot_bytes(l)) <= 64);  // alignment of the arrays
+  }
+  const PatchLimits small{200, 11, 2, 1};
+  CHECK(patch_slot_bytes(small) <= 512);
+  const Texture texture(11);
+  const Picture a = render(texture, {}, kWidth, kHeight);
+  for (const double degrees : {0.0, 8.0, 14.0}) {
+    CAPTURE(degrees);
+    const Motion m = similarity(degrees, 1.03, 1.3, -0.8);
+    Rig rig(small);
+    rig.show(a, render(texture, m, kWidth, kHeight));
+    int slot = 0, found = 0;
+    for (const Vec2 x : corners_of(a)) {
+      REQUIRE(rig.tracker.capture(slot, rig.before, x) == PatchStatus::ok);
+      const Vec2 truth = moved(m, a, x);
+      const PatchResult r = rig.tracker.track(slot++, rig.after, truth + Vec2{0.7f, -0.5f}, warp_of(m));
+      found += r.status == PatchStatus::ok && length(r.x - truth) < 0.1f;
+    }
+    CHECK(found > 0.97 * slot);
+  }
+}
+
+TEST_CASE("a start of known deviation leads to the same place as one without, wherever it is within that") {
+  const Texture texture(11);
+  const Motion m = similarity(4, 1.02, 2.1, -1.6);
+  const Picture a = render(texture, {}, kWidth, kHeight);
+  Rig rig;
+  rig.show(a, render(texture, m, kWidth, kHeight));
+  texture::Random random(8);
+  int slot = 0;
+  for (const Vec2 x : corners_of(a)) {
+    REQUIRE(rig.tracker.capture(slot, rig.before, x) == PatchStatus::ok);
+    const Vec2 truth = moved(m, a, x);
+    for (const float sd : {0.05f, 0.3f, 1.0f, 2.0f}) {
+      CAPTURE(sd);
+      PatchOptions known;
+      known.start_sd_px = sd;
+      const auto off = [&] { return sd * static_cast<float>(random.uniform(-2, 2)); };
+      const float dx = off(), dy = off();
+      const PatchResult r = rig.tracker.track(slot, rig.after, truth + Vec2{dx, dy}, warp_of(m), known);
+      REQUIRE(r.status == PatchStatus::ok);
+      CHECK(length(r.x - truth) < 0.06f);
+      CHECK(r.iterations <= (sd < 0.1f ? 2 : 12));
+    }
+    ++slot;
+  }
+}
+
 TEST_CASE("whatever the picture, the place and the options, there is a status and no NaN") {
   texture::Random random(99);
   const auto pick = [&](int low, int high) { return static_cast<int>(random.uniform(low, high + 1)); };
@@ -160,6 +216,8 @@ TEST_CASE("whatever the picture, the place and the options, there is a status an
     o.min_eigenvalue = pick(0, 1) == 0 ? 0.0f : 0.5f;
     o.masks_clipped = pick(0, 1) == 0;
     o.warp_sd = static_cast<float>(random.uniform(-0.1, 0.3));
+    o.takes_edges = pick(0, 1) == 0;
+    o.start_sd_px = static_cast<float>(random.uniform(-0.5, 1.5));
     o.noise_floor_grey = o.position_floor_px = static_cast<float>(pick(0, 1)) * 0.1f;
     o.min_gain = -100;
     for (int k = 0; k < 20; ++k) {
