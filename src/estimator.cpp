@@ -6,7 +6,9 @@
 namespace pliant {
 
 namespace {
-constexpr int kDepthCells = 48;
+int depth_cells(const EstimatorLimits& limits) {  // a side; about two faces of a full mesh a cell
+  return limits.vertices <= 512 ? 40 : 48;
+}
 constexpr std::size_t kOutlineCandidates = 8;  // for each outline point: the contour of a fine mesh has many
 }  // namespace
 
@@ -19,11 +21,14 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   mesh.faces = static_cast<std::uint16_t>(faces < 21845u ? faces : 21845u);
   mesh_.lay_out(arena, mesh);
   adapter_.lay_out(arena, mesh);
-  depth_.lay_out(arena, kDepthCells, kDepthCells);
+  depth_.lay_out(arena, depth_cells(limits), depth_cells(limits));
   const std::size_t parameters = model.parameters().count, records = model.cascade().count;
   const auto at_most = [](std::size_t limit, std::size_t all) {
     return limit > 0 && limit < all ? limit : all;
   };
+  motion_.lay_out(arena, parameters);
+  smoother_.lay_out(arena, parameters);
+  range_ = arena.take<float>(parameters);
   const std::size_t unknowns = at_most(limits.free_parameters, parameters) + kPoseUnknowns;
   equations_.lay_out(arena, unknowns);
   baked_capacity_ = at_most(limits.baked_samples, records);
@@ -99,7 +104,14 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   row_count_ = looked_for_ = patches_looked_for_ = patch_inliers_ = 0;
   solves_ = 0;
   rejected_forces_ = false;
-  expect_motion();
+  for (std::size_t i = 0; i < parameters; ++i) {
+    const Parameter& p = model().parameters()[i];
+    range_[i] = cascade_.column_of(i) == kNone ? 0.0f : p.maximum - p.minimum;
+  }
+  status = motion_.start(view_, q_, range_, parameters, options.motion);
+  if (status != Status::ok) return status;
+  smoother_.restart();
+  expect_motion(1.0f / 30);
   adapt_mesh();
   started_ = true;
   update_vertices(1);
@@ -119,52 +131,6 @@ Status Estimator::choose_free(const std::uint8_t* is_free) {
   const bool fits =
       baked_stride_ <= baked_capacity_ && cascade_.column_count() + kPoseUnknowns <= equations_.capacity();
   return fits ? Status::ok : Status::capacity;
-}
-
-void Estimator::begin(std::int64_t time_ns) {
-  constexpr float kNominal = 1.0f / 30;
-  const std::int64_t elapsed = time_ns - time_ns_;
-  seconds_ = elapsed > 0 && elapsed < 2'000'000'000 ? static_cast<float>(elapsed) * 1e-9f : kNominal;
-  time_ns_ = time_ns;
-  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) {
-    const Parameter& p = model().parameters()[i];
-    expected_q_[i] = q_[i];
-    sd_[i] = options_.expression_rate * (p.maximum - p.minimum) * min(seconds_, 0.5f);
-  }
-  expected_view_ = view_;
-  expect_motion();
-  row_count_ = looked_for_ = patches_looked_for_ = patch_inliers_ = 0;
-  solves_ = 0;
-  rejected_forces_ = false;
-  result_.tracked = result_.inliers = result_.iterations = 0;
-  result_.rms_px = result_.score = 0;
-  result_.pose_is_observed = false;
-  ++frame_;
-  const std::uint32_t share = options_.tangent_share > 0 ? options_.tangent_share : 1;
-  for (std::uint16_t i = 0; i < limits_.points; ++i)
-    if (kind_[i] != PointKind::none && (i + frame_) % share == 0) update_tangents(i);
-  place_outline();
-}
-
-/// How far the view may have moved since the last trusted frame: turn, scale and shift, independent.
-void Estimator::expect_motion() {
-  const float sd[kPoseUnknowns] = {0.03f, 0.03f, 0.03f, 0.02f, 4, 4};
-  const auto frames = static_cast<float>(1 + bad_frames_);
-  for (int k = 0; k < kPoseUnknowns; ++k) pose_variance_[k] = frames * sd[k] * frames * sd[k];
-}
-
-void Estimator::shift(Vec2 px) {
-  if (!is_finite(px)) return;
-  view_.tau = view_.tau + (1.0f / view_.s) * px;
-  expected_view_.tau = view_.tau;
-  vertices_are_current_ = false;
-}
-
-void Estimator::propose(const View& view) {
-  view_ = expected_view_ = view;
-  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) q_[i] = trusted_q_[i];
-  update_vertices(1);
-  place_outline();
 }
 
 void Estimator::save(State* state) const {
@@ -195,43 +161,6 @@ Status Estimator::restore(const State& state) {
   update_vertices(1);
   place_outline();
   return Status::ok;
-}
-
-/// What the last solve found: enough of what was looked for, near enough, alike enough, and seeing the whole pose.
-bool Estimator::is_good() const {
-  const float per_width = static_cast<float>(width_) / 320;
-  const auto reaches = [](float share, std::size_t part, std::size_t all) {
-    return static_cast<float>(part) >= share * static_cast<float>(all);
-  };
-  const float scale = view_.s / trusted_view_.s;
-  return result_.inliers >= options_.lost_points && result_.rms_px <= options_.lost_rms_px * per_width &&
-         reaches(options_.lost_share, result_.inliers, looked_for_) &&
-         reaches(options_.lost_share, patch_inliers_, patches_looked_for_) &&
-         (result_.score == 0 || result_.score >= options_.lost_score) && result_.pose_is_observed &&
-         scale <= 1 + options_.lost_scale_change && scale * (1 + options_.lost_scale_change) >= 1;
-}
-
-FrameResult Estimator::end() {
-  if (!started_) return {};
-  const bool good = is_good();
-  if (good) {
-    equations_.variances(variance_);
-    update_cue_scales();
-    bad_frames_ = 0;
-    trusted_view_ = view_;
-    for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) trusted_q_[i] = q_[i];
-    result_.state = TrackState::tracking;
-  } else {
-    // Nothing is believed of a bad frame: the next one starts from the last that was good.
-    view_ = trusted_view_;
-    for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) q_[i] = trusted_q_[i];
-    if (bad_frames_ < options_.lost_frames) ++bad_frames_;
-    result_.state = bad_frames_ >= options_.lost_frames ? TrackState::lost : TrackState::degraded;
-  }
-  result_.pose = pose_of(view_);
-  result_.vertices = static_cast<std::uint16_t>(mesh_.vertex_count());
-  update_vertices(good ? options_.vertex_share : 1);
-  return result_;
 }
 
 }  // namespace pliant

@@ -180,7 +180,7 @@ TEST_CASE("edges alone give the pose, wherever along its tangent each was found"
   scene.start(e.object, Scene::pose(0.1f));
   scene.add_curves(e.object, "", 11);
   const Pose there = Scene::pose(0.13f, {2, -1});
-  e->begin(1);
+  e->begin(33'000'000);
   std::vector<Observation> seen = scene.edges_at(e.object, there, 6);
   e->solve(span(seen));
   const FrameResult result = e->end();
@@ -199,7 +199,7 @@ TEST_CASE("edges determine nothing along themselves: curves down the surface lea
   scene.start(e.object, Scene::pose(0));
   scene.add_curves(e.object, "down1", 8);  // a straight line in the image
   const Pose there = Scene::pose(0, {3, 4});
-  e->begin(1);
+  e->begin(33'000'000);
   std::vector<Observation> seen = scene.edges_at(e.object, there, 0);
   e->solve(span(seen));
   CHECK(e->view().tau.x == doctest::Approx(3).epsilon(0.15));
@@ -212,7 +212,7 @@ TEST_CASE("of alternatives the one that fits is taken, whichever stands first") 
   scene.start(e.object, Scene::pose(0.1f));
   scene.add_curves(e.object, "", 11);
   const Pose there = Scene::pose(0.13f, {2, -1});
-  e->begin(1);
+  e->begin(33'000'000);
   const std::vector<Observation> right = scene.edges_at(e.object, there, 3);
   std::vector<Observation> seen;
   Random random(8);
@@ -267,7 +267,7 @@ TEST_CASE("a cue that is switched off takes no part, and a noisy one loses weigh
     scene.add_curves(e.object, "", 11);
   };
   start();
-  e->begin(1);
+  e->begin(33'000'000);
   std::vector<Observation> seen;
   patches_at(Scene::pose(0), 0.2f, &seen);
   const std::vector<Observation> elsewhere = scene.edges_at(e.object, Scene::pose(0, {12, 0}), 0);
@@ -346,7 +346,7 @@ TEST_CASE("a state that was saved is restored; one that is not finite changes no
   scene.q[4] = 0.2f;
   scene.start(e.object, Scene::pose(0.1f));
   scene.add_curves(e.object, "", 11);
-  e->begin(1);
+  e->begin(33'000'000);
   std::vector<Observation> seen = scene.edges_at(e.object, Scene::pose(0.12f), 0);
   e->solve(span(seen));
   e->end();
@@ -360,7 +360,7 @@ TEST_CASE("a state that was saved is restored; one that is not finite changes no
   CHECK(sd[4] > 0);
   CHECK((state.pose_sd[kTurnY] > 0 && state.pose_sd[kTurnY] < 0.05f));
   const View there = e->view();
-  e->begin(2);
+  e->begin(66'000'000);
   e->shift({40, 30});
   REQUIRE(e->restore(state) == Status::ok);
   CHECK(e->view().tau.x == doctest::Approx(double(there.tau.x)));

@@ -38,8 +38,8 @@ struct Scene {
     return {exp_rotation({0.3f * turn, turn, 0.2f * turn}), {20 * turn, 5, 700}};
   }
 
-  void start(Estimator& e, float turn) {
-    REQUIRE(e.start(camera, kWidth, kHeight, pose(turn), q.data(), nullptr, {}) == Status::ok);
+  void start(Estimator& e, float turn, const EstimatorOptions& options = {}) {
+    REQUIRE(e.start(camera, kWidth, kHeight, pose(turn), q.data(), nullptr, options) == Status::ok);
     ids.resize(uv.size());
     for (std::size_t i = 0; i < uv.size(); ++i) REQUIRE(e.add_point(uv[i], &ids[i]) == Status::ok);
   }
@@ -300,4 +300,86 @@ TEST_CASE("two runs give the same bits") {
     t = e->view().q.y;
   }
   CHECK(turn[0] == turn[1]);
+}
+
+TEST_CASE("time that repeats, jumps or runs backwards: the state stays sound, with and without prediction") {
+  for (bool predicts : {false, true}) {
+    Scene scene;
+    InArena<Estimator> e(scene.model, scene.limits);
+    EstimatorOptions options;
+    options.predicts_motion = predicts;
+    options.smooths = true;
+    scene.start(e.object, 0, options);
+    const std::int64_t ms[] = {40, 80, 120, 120, 120, 160, 5000, 5040, 40, 80, 81, 120, 3000000};
+    float turn = 0;
+    std::int64_t before = 0;
+    for (std::int64_t t : ms) {
+      if (t - before >= 40 && t - before < 1000) turn += 0.012f;
+      before = t;
+      e->begin(t * 1'000'000);
+      auto seen = scene.observe(turn, scene.q, 0.1f);
+      e->solve(span(seen));
+      const FrameResult result = e->end();
+      CHECK(result.state == TrackState::tracking);
+      CHECK(turn_error(e.object, turn) < 0.01f);
+      CHECK(is_finite(result.smoothed_pose));
+      CHECK(length(log_rotation(result.smoothed_pose.q * conjugate(result.pose.q))) < 0.03f);
+      CHECK(e->smoothed_parameters().count == scene.q.size());
+    }
+    e->begin(std::numeric_limits<std::int64_t>::min());
+    e->begin(std::numeric_limits<std::int64_t>::max());
+    CHECK(is_finite(pose_of(e->view())));
+  }
+}
+
+TEST_CASE("the covariance of predictions grows with time since the last frame and with frames lost") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0);
+  std::int64_t t = 0;
+  const auto frame = [&](std::int64_t step) {
+    t += step;
+    e->begin(t);
+    const float variance = e->predict(scene.ids[24]).covariance.xx;
+    auto seen = scene.observe(0, scene.q, 0.1f);
+    e->solve(span(seen));
+    e->end();
+    return variance;
+  };
+  for (int k = 0; k < 20; ++k) frame(33'000'000);
+  const float usual = frame(33'000'000), late = frame(200'000'000);
+  CHECK(late > 4 * usual);
+  for (int k = 0; k < 10; ++k) frame(33'000'000);
+  t += 33'000'000;
+  e->begin(t);
+  std::vector<Observation> none;
+  e->solve(span(none));
+  CHECK(e->end().state == TrackState::degraded);
+  CHECK(frame(33'000'000) > 3 * usual);
+}
+
+TEST_CASE("a frame is not tracked by few patches, by low correlation, or by edges that leave the pose open") {
+  Scene scene;
+  const auto state_of = [&](auto change) {
+    InArena<Estimator> e(scene.model, scene.limits);
+    scene.start(e.object, 0.1f);
+    e->begin(33'000'000);
+    auto seen = scene.observe(0.1f, scene.q, 0.1f);
+    for (std::size_t i = 0; i < seen.size(); ++i) change(i, seen[i]);
+    e->solve(span(seen));
+    return e->end();
+  };
+  CHECK(state_of([](std::size_t, Observation&) {}).state == TrackState::tracking);
+  // Followed from frame to frame, but no patch looks as it did: an occluder would do that.
+  CHECK(state_of([](std::size_t i, Observation& o) {
+          if (i < 30)
+            o.cue = Cue::flow;
+          else
+            o.reason = Reason::low_correlation;
+        }).state == TrackState::degraded);
+  CHECK(state_of([](std::size_t, Observation& o) { o.score = 0.3f; }).state == TrackState::degraded);
+  CHECK(state_of([](std::size_t, Observation& o) { o.score = 0.9f; }).score == doctest::Approx(0.9));
+  const FrameResult open = state_of([](std::size_t, Observation& o) { o.information = {25, 0, 0}; });
+  CHECK_FALSE(open.pose_is_observed);
+  CHECK(open.state == TrackState::degraded);
 }

@@ -11,6 +11,7 @@
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/field.hpp"
+#include "pliant/filter.hpp"
 #include "pliant/image_forces.hpp"
 #include "pliant/lens.hpp"
 #include "pliant/mesh.hpp"
@@ -73,6 +74,11 @@ struct EstimatorOptions {
   float edge_error_px = 0.7f;    ///< the same of edges
   float expression_rate = 3.0f;  ///< ranges a parameter may cross in a second (one sd of the temporal prior)
   float prior_strength = 1.0f;   ///< weight of the parameters' own prior
+  bool predicts_motion =
+      false;             ///< begins a frame where the motion filter expects it, not where the last one was
+  MotionOptions motion;  ///< of that filter; the covariance of predictions is its own either way
+  bool smooths = false;  ///< gives a smoothed output besides
+  OneEuroOptions smoothing;
   std::uint8_t tangent_share =
       4;  ///< the tangents of one point in so many are computed anew each frame; they turn with
           ///< the pose in every frame, and lag the expression by so many frames at most
@@ -96,8 +102,10 @@ struct FrameResult {
   std::uint16_t inliers = 0;  ///< those with weight at the end
   float rms_px = 0;           ///< of the inliers; of an edge, across it
   std::uint16_t iterations = 0;
-  std::uint16_t vertices = 0;     ///< of the mesh
-  float score = 0;                ///< mean of the inliers of cue patch: correlation
+  std::uint16_t vertices = 0;  ///< of the mesh
+  float score = 0;             ///< mean of the inliers of cue patch: correlation
+  Pose smoothed_pose =
+      {};  ///< One-Euro, where options ask for it; parameters in Estimator::smoothed_parameters
   bool pose_is_observed = false;  ///< the observations alone determine all of the pose
 };
 
@@ -147,7 +155,8 @@ class Estimator {
   bool has_point(std::uint16_t id) const { return id < limits_.points && kind_[id] != PointKind::none; }
   Vec2 point_uv(std::uint16_t id) const { return uv_[id]; }
 
-  /// Predicts the state at time t (ns). A time that does not grow counts as 1/30 s.
+  /// Predicts the state at time t (ns). A time that grows by less than 1 ms is a frame delivered twice: nothing moves
+  /// meanwhile. One that runs backwards or jumps by 2 s or more forgets all velocities. Both count as 1/30 s otherwise.
   void begin(std::int64_t time_ns);
   /// Moves the predicted view so that the model moves by about `px` in the image: a motion the platform has seen.
   void shift(Vec2 px);
@@ -175,6 +184,12 @@ class Estimator {
   /// All parameters.
   Span<const float> parameters() const { return {q_, cascade_.parameter_count()}; }
 
+  /// The parameters smoothed, where options ask for it.
+  Span<const float> smoothed_parameters() const {
+    return {smoother_.parameters(), cascade_.parameter_count()};
+  }
+  const MotionFilter& motion() const { return motion_; }
+
   /// How far residuals of a cue have been from the deviations that its observations claim, at least 1.
   float cue_scale(Cue cue) const { return cue_scale_[static_cast<std::size_t>(cue)]; }
 
@@ -201,7 +216,8 @@ class Estimator {
   Status take_id(PointKind kind, std::uint16_t* id);
   void place(std::uint16_t id, Vec2 uv);
   void place_outline();
-  void expect_motion();
+  void expect_motion(float seconds);
+  void note_motion();
   Vec3* baked_point(std::size_t id) { return baked_points_ + id * baked_stride_; }
   Vec3* baked_vertex(std::size_t v) { return baked_vertices_ + v * baked_stride_; }
   void adapt_mesh();
@@ -247,6 +263,9 @@ class Estimator {
   int width_ = 0, height_ = 0;
   bool started_ = false;
 
+  MotionFilter motion_;
+  Smoother smoother_;
+  float* range_ = nullptr;  // of the free parameters; 0 for the others
   View view_, trusted_view_, expected_view_;
   float pose_variance_[kPoseUnknowns] = {};  // of the expected view
   std::int64_t time_ns_ = 0;

@@ -1,0 +1,186 @@
+// Constant-velocity Kalman and One-Euro filters (ALGORITHMS 7.10). Pairs of value and velocity are independent of each
+// other: what couples the parameters is in the solver, which has their full normal equations.
+#include "pliant/filter.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr float kLongestStep = 1;    // s
+constexpr float kStartSpeed = 0.3f;  // of the acceleration that may have acted for a second
+
+bool is_finite_view(const View& v) {
+  return is_finite(Vec3{v.q.x, v.q.y, v.q.z}) && is_finite(v.q.w) && is_finite(v.s) && v.s > 0 &&
+         is_finite(v.tau) && is_finite(v.rho) && v.rho > 0;
+}
+
+MotionState at_rest(float acceleration) {
+  const float speed = kStartSpeed * acceleration;
+  return {0, 0, 0, speed * speed};
+}
+
+/// x += T v, v fades; the acceleration adds its part (ALGORITHMS 7.10: Q).
+void predict_state(MotionState& s, float t, float fade, float acceleration) {
+  const float q = acceleration * acceleration * t * t;
+  s.xx += t * (2 * s.xv + t * s.vv) + 0.25f * q * t * t;
+  s.xv = fade * (s.xv + t * s.vv) + 0.5f * q * t;
+  s.vv = fade * fade * s.vv + q;
+  s.velocity *= fade;
+}
+
+/// Gives the part of the innovation that the value takes.
+float correct_state(MotionState& s, float innovation, float variance, float gate, float acceleration) {
+  const float all = s.xx + variance;
+  if (!(all > 0)) return innovation;
+  if (innovation * innovation >
+      gate * gate * all) {  // a jump: where it came from says nothing about where it goes
+    s = at_rest(acceleration);
+    s.xx = variance;
+    return innovation;
+  }
+  const float gain = s.xx / all, speed_gain = s.xv / all;
+  s.velocity += speed_gain * innovation;
+  s.vv = max(s.vv - speed_gain * s.xv, 0);
+  s.xv *= 1 - gain;
+  s.xx *= 1 - gain;
+  return gain * innovation;
+}
+
+float low_pass_share(float cutoff_hz, float seconds) {
+  constexpr float kTwoPi = 6.2831853f;
+  const float x = kTwoPi * cutoff_hz * seconds;
+  return x / (1 + x);
+}
+
+}  // namespace
+
+void MotionFilter::lay_out(Arena& arena, std::size_t parameters) {
+  q_ = arena.take<float>(parameters);
+  range_ = arena.take<float>(parameters);
+  states_ = arena.take<MotionState>(parameters);
+  capacity_ = parameters;
+  count_ = 0;
+}
+
+float MotionFilter::acceleration(int unknown) const {
+  return unknown < kLogScale    ? options_.turn_rad
+         : unknown == kLogScale ? options_.log_scale
+                                : options_.shift_mm;
+}
+
+Status MotionFilter::start(const View& view, const float* q, const float* range, std::size_t parameters,
+                           const MotionOptions& options) {
+  if (parameters > capacity_) return Status::capacity;
+  bool good = q != nullptr && range != nullptr && is_finite_view(view);
+  for (std::size_t i = 0; good && i < parameters; ++i) good = is_finite(q[i]) && is_finite(range[i]);
+  if (!good) return Status::bad_argument;
+  options_ = options;
+  count_ = parameters;
+  for (std::size_t i = 0; i < count_; ++i) range_[i] = range[i];
+  move_to(view, q);
+  return Status::ok;
+}
+
+void MotionFilter::move_to(const View& view, const float* q) {
+  view_ = view;
+  for (int k = 0; k < kPoseUnknowns; ++k) pose_[k] = at_rest(acceleration(k));
+  for (std::size_t i = 0; i < count_; ++i) {
+    q_[i] = q[i];
+    states_[i] = at_rest(options_.ranges * range_[i]);
+  }
+}
+
+void MotionFilter::forget_velocities() {
+  for (int k = 0; k < kPoseUnknowns; ++k) {
+    const float variance = pose_[k].xx;
+    pose_[k] = at_rest(acceleration(k));
+    pose_[k].xx = variance;
+  }
+  for (std::size_t i = 0; i < count_; ++i) {
+    const float variance = states_[i].xx;
+    states_[i] = at_rest(options_.ranges * range_[i]);
+    states_[i].xx = variance;
+  }
+}
+
+void MotionFilter::predict(float seconds) {
+  if (!(seconds > 0)) return;
+  const float t = min(seconds, kLongestStep);
+  const float fade = options_.pose_memory_s / (options_.pose_memory_s + t);
+  float step[kPoseUnknowns];
+  for (int k = 0; k < kPoseUnknowns; ++k) {
+    step[k] = t * pose_[k].velocity;
+    predict_state(pose_[k], t, fade, acceleration(k));
+  }
+  view_ = moved(view_, step, kPoseUnknowns);
+  const float fade_expression = options_.expression_memory_s / (options_.expression_memory_s + t);
+  for (std::size_t i = 0; i < count_; ++i) {
+    q_[i] += t * states_[i].velocity;
+    predict_state(states_[i], t, fade_expression, options_.ranges * range_[i]);
+  }
+}
+
+Status MotionFilter::correct(const View& view, const float* q, const float* pose_variance,
+                             const float* variance) {
+  bool good = q != nullptr && pose_variance != nullptr && variance != nullptr && is_finite_view(view);
+  for (int k = 0; good && k < kPoseUnknowns; ++k) good = is_finite(pose_variance[k]) && pose_variance[k] >= 0;
+  for (std::size_t i = 0; good && i < count_; ++i)
+    good = is_finite(q[i]) && is_finite(variance[i]) && variance[i] >= 0;
+  if (!good) return Status::bad_argument;
+  const Vec3 turn = log_rotation(view.q * conjugate(view_.q));
+  const float innovation[kPoseUnknowns] = {turn.x,
+                                           turn.y,
+                                           turn.z,
+                                           2 * (view.s - view_.s) / (view.s + view_.s),
+                                           view.tau.x - view_.tau.x,
+                                           view.tau.y - view_.tau.y};
+  float step[kPoseUnknowns];
+  for (int k = 0; k < kPoseUnknowns; ++k)
+    step[k] = correct_state(pose_[k], innovation[k], pose_variance[k], options_.gate_sd, acceleration(k));
+  view_ = moved(view_, step, kPoseUnknowns);
+  for (std::size_t i = 0; i < count_; ++i)
+    q_[i] +=
+        correct_state(states_[i], q[i] - q_[i], variance[i], options_.gate_sd, options_.ranges * range_[i]);
+  return Status::ok;
+}
+
+void Smoother::lay_out(Arena& arena, std::size_t parameters) {
+  q_ = arena.take<float>(parameters);
+  speed_ = arena.take<float>(parameters);
+  capacity_ = parameters;
+  is_fresh_ = true;
+}
+
+Status Smoother::add(const Pose& pose, const float* q, const float* range, std::size_t parameters,
+                     float seconds, const OneEuroOptions& o) {
+  if (parameters > capacity_) return Status::capacity;
+  bool good = q != nullptr && range != nullptr && is_finite(pose) && is_finite(seconds);
+  for (std::size_t i = 0; good && i < parameters; ++i) good = is_finite(q[i]);
+  if (!good || (!is_fresh_ && !(seconds > 0))) return Status::bad_argument;
+  if (is_fresh_) {
+    pose_ = pose;
+    turn_speed_ = shift_speed_ = {};
+    for (std::size_t i = 0; i < parameters; ++i) {
+      q_[i] = q[i];
+      speed_[i] = 0;
+    }
+    is_fresh_ = false;
+    return Status::ok;
+  }
+  const float slow = low_pass_share(o.speed_cutoff_hz, seconds), rate = 1.0f / seconds;
+  const Vec3 turn = log_rotation(pose.q * conjugate(pose_.q)), shift = pose.t - pose_.t;
+  turn_speed_ = turn_speed_ + slow * (rate * turn - turn_speed_);
+  shift_speed_ = shift_speed_ + slow * (rate * shift - shift_speed_);
+  const float a = low_pass_share(o.min_cutoff_hz + o.turn_hz_per_rad_s * length(turn_speed_), seconds);
+  const float b = low_pass_share(o.min_cutoff_hz + o.shift_hz_per_mm_s * length(shift_speed_), seconds);
+  pose_ = {normalised(exp_rotation(a * turn) * pose_.q), pose_.t + b * shift};
+  for (std::size_t i = 0; i < parameters; ++i) {
+    const float off = q[i] - q_[i];
+    speed_[i] += slow * (rate * off - speed_[i]);
+    const float ranges = range[i] > 0 ? magnitude(speed_[i]) / range[i] : 0.0f;
+    q_[i] += low_pass_share(o.min_cutoff_hz + o.parameter_hz_per_range * ranges, seconds) * off;
+  }
+  return Status::ok;
+}
+
+}  // namespace pliant

@@ -1,0 +1,188 @@
+#include "pliant/filter.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "model_builder.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr float kRange[2] = {1, 0.5f};
+constexpr float kPoseVariance[kPoseUnknowns] = {1e-6f, 1e-6f, 1e-6f, 1e-6f, 1e-2f, 1e-2f};
+constexpr float kVariance[2] = {1e-4f, 1e-4f};
+
+struct Motion {
+  View view;
+  float q[2];
+};
+
+View view_at(float turn, Vec2 shift, float z) {
+  return view_of({exp_rotation({0.2f * turn, turn, 0}), {shift.x, shift.y, z}},
+                 centred_camera(320, 240, 400));
+}
+
+/// A steady motion: 0.6 rad/s, 90 mm/s, an expression that opens at half a range a second.
+Motion steady(float t) {
+  return {view_at(0.6f * t, {90 * t, -40 * t}, 600), {0.5f * t, 0.1f}};
+}
+
+struct Rig {
+  InArena<MotionFilter> filter{std::size_t{2}};
+  explicit Rig(const Motion& m, const MotionOptions& options = {}) {
+    REQUIRE(filter->start(m.view, m.q, kRange, 2, options) == Status::ok);
+  }
+  void see(const Motion& m) { REQUIRE(filter->correct(m.view, m.q, kPoseVariance, kVariance) == Status::ok); }
+  float turn_off(const Motion& m) const {
+    return length(log_rotation(filter.object.view().q * conjugate(m.view.q)));
+  }
+  float shift_off(const Motion& m) const { return length(filter.object.view().tau - m.view.tau); }
+};
+
+}  // namespace
+
+TEST_CASE("a steady motion is predicted, much better than by standing still, at any frame rate") {
+  for (const float mean_step : {1.0f / 60, 1.0f / 15}) {
+    Rig rig(steady(0));
+    Random random(2);
+    float t = 0;
+    for (int k = 0; k < 60; ++k) {
+      const float step = mean_step * random.uniform(0.5f, 1.5f);  // no two frames alike
+      t += step;
+      rig.filter->predict(step);
+      if (k > 20) {
+        CHECK(rig.turn_off(steady(t)) < 0.2f * 0.6f * step);
+        CHECK(rig.shift_off(steady(t)) < 0.2f * 98 * step);
+        CHECK(std::fabs(rig.filter->parameters()[0] - 0.5f * t) < 0.5f * 0.5f * step);
+      }
+      rig.see(steady(t));
+    }
+  }
+}
+
+TEST_CASE("the covariance holds what happens: noise at rest stays within three deviations") {
+  Rig rig(steady(0));
+  Random random(3);
+  int beyond = 0;
+  for (int k = 0; k < 200; ++k) {
+    rig.filter->predict(1.0f / 30);
+    Motion seen = steady(0);
+    seen.view.tau.x += 0.1f * random.normal();
+    const float sd = std::sqrt(rig.filter->pose(kShiftX).xx + kPoseVariance[kShiftX]);
+    beyond += std::fabs(seen.view.tau.x - rig.filter->view().tau.x) > 3 * sd;
+    if (k > 10) CHECK(sd < 8);
+    rig.see(seen);
+  }
+  CHECK(beyond <= 4);
+}
+
+TEST_CASE("frames that are dropped widen the prediction, and it comes to rest") {
+  Rig rig(steady(0));
+  float t = 0;
+  for (int k = 0; k < 30; ++k, t += 1.0f / 30) {
+    rig.filter->predict(k == 0 ? 0 : 1.0f / 30);
+    rig.see(steady(t));
+  }
+  float before = rig.filter->pose(kTurnY).xx, speed = rig.filter->pose(kTurnY).velocity;
+  for (int k = 0; k < 20; ++k) {
+    rig.filter->predict(1.0f / 30);
+    CHECK(rig.filter->pose(kTurnY).xx > before);
+    CHECK(std::fabs(rig.filter->pose(kTurnY).velocity) < std::fabs(speed));
+    before = rig.filter->pose(kTurnY).xx;
+    speed = rig.filter->pose(kTurnY).velocity;
+  }
+}
+
+TEST_CASE("after a jump it is where the jump went, without the speed of the jump") {
+  Rig rig(steady(0));
+  for (int k = 0; k < 20; ++k) {
+    rig.filter->predict(1.0f / 30);
+    rig.see(steady(0));
+  }
+  Motion far = steady(0);
+  far.view.tau.x += 400;
+  rig.filter->predict(1.0f / 30);
+  rig.see(far);
+  CHECK(rig.shift_off(far) < 1);
+  rig.filter->predict(1.0f / 30);
+  CHECK(rig.shift_off(far) < 5);
+}
+
+TEST_CASE("no time, negative time and endless time: nothing, nothing, and a second") {
+  Rig rig(steady(0));
+  rig.see(steady(0.1f));
+  const View before = rig.filter->view();
+  const float variance = rig.filter->pose(kTurnX).xx;
+  for (float t : {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN()}) rig.filter->predict(t);
+  CHECK(rig.filter->view().tau.x == before.tau.x);
+  CHECK(rig.filter->pose(kTurnX).xx == variance);
+  rig.filter->predict(std::numeric_limits<float>::infinity());
+  CHECK(is_finite(rig.filter->view().tau));
+  CHECK(rig.filter->view().s > 0);
+}
+
+TEST_CASE("what is not finite is refused and changes nothing; a state taken over is at rest") {
+  Rig rig(steady(0));
+  rig.see(steady(0.05f));
+  const View before = rig.filter->view();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  Motion bad = steady(0.1f);
+  bad.q[1] = nan;
+  CHECK(rig.filter->correct(bad.view, bad.q, kPoseVariance, kVariance) == Status::bad_argument);
+  bad = steady(0.1f);
+  bad.view.q.x = nan;
+  CHECK(rig.filter->correct(bad.view, bad.q, kPoseVariance, kVariance) == Status::bad_argument);
+  float negative[kPoseUnknowns] = {-1};
+  CHECK(rig.filter->correct(steady(0).view, steady(0).q, negative, kVariance) == Status::bad_argument);
+  CHECK(rig.filter->correct(steady(0).view, nullptr, kPoseVariance, kVariance) == Status::bad_argument);
+  CHECK(rig.filter->view().tau.x == before.tau.x);
+  CHECK(rig.filter->start(before, bad.q, kRange, 3, {}) == Status::capacity);
+  CHECK(rig.filter->start(before, nullptr, kRange, 2, {}) == Status::bad_argument);
+  const Motion there = steady(2);
+  rig.filter->move_to(there.view, there.q);
+  rig.filter->predict(0.1f);
+  CHECK(rig.shift_off(there) == 0);
+  rig.see(steady(2.1f));
+  rig.filter->forget_velocities();
+  CHECK(rig.filter->pose(kShiftX).velocity == 0);
+}
+
+TEST_CASE("smoothing takes the tremble out of rest and leaves motion without much lag") {
+  InArena<Smoother> smooth(std::size_t{2});
+  Random random(5);
+  const float dt = 1.0f / 30;
+  float raw = 0, shown = 0, lag = 0;
+  Pose last = pose_of(steady(0).view), last_raw = last;
+  for (int k = 0; k < 200; ++k) {
+    const bool moves = k >= 120;
+    const Motion m = steady(moves ? dt * static_cast<float>(k - 120) : 0);
+    Pose noisy = pose_of(m.view);
+    noisy.t.x += random.normal();
+    const float q[2] = {m.q[0] + 0.01f * random.normal(), m.q[1]};
+    REQUIRE(smooth->add(noisy, q, kRange, 2, dt, {}) == Status::ok);
+    if (k > 10 && !moves) {
+      raw += std::fabs(noisy.t.x - last_raw.t.x);
+      shown += std::fabs(smooth->pose().t.x - last.t.x);
+    }
+    if (k > 150) lag = max(lag, std::fabs(smooth->pose().t.x - m.view.tau.x));
+    last = smooth->pose();
+    last_raw = noisy;
+  }
+  CHECK(shown < 0.4f * raw);
+  CHECK(lag < 90 * 0.12f);  // an eighth of a second
+  const Pose before = smooth->pose();
+  const float bad[2] = {std::numeric_limits<float>::infinity(), 0};
+  CHECK(smooth->add(before, bad, kRange, 2, dt, {}) == Status::bad_argument);
+  CHECK(smooth->add(before, kRange, kRange, 2, 0, {}) == Status::bad_argument);
+  CHECK(smooth->add(before, kRange, kRange, 3, dt, {}) == Status::capacity);
+  CHECK(smooth->pose().t.x == before.t.x);
+  smooth->restart();
+  Pose far = before;
+  far.t.x += 500;
+  REQUIRE(smooth->add(far, kRange, kRange, 2, 0, {}) == Status::ok);
+  CHECK(smooth->pose().t.x == far.t.x);
+}
