@@ -95,3 +95,24 @@ TEST_CASE("bake counts files, then shapes, on a terminal, and is silent elsewher
   CHECK(err.str().substr(err.str().size() - wiped.size()) == wiped);
   CHECK(run_words(words).err == "");
 }
+
+TEST_CASE("info says where the bytes of a table go, and what its operations and curves are") {
+  const Folder folder;
+  const std::string table = folder / "m.plm";
+  REQUIRE(run_words({"bake", kFace, "-o", table, "--size", "16"}).code == 0);
+  const Ran r = run_words({"info", table});
+  REQUIRE(r.code == 0);
+  for (const char* part : {"rotate     weight", " jawOpen about 1 0 0 through ", "\n  outline ", " outline ",
+                           " points\n", "person folded, 64x64     24576 bytes"})
+    CHECK(contains(r.out, part));
+  const std::size_t from = r.out.find("\nbytes:\n"), to = r.out.find("identity parameters");
+  REQUIRE(from < to);
+  std::istringstream rows(r.out.substr(from + 8, to - from - 8));
+  std::size_t sum = 0, count = 0;
+  for (std::string line; std::getline(rows, line); ++count)
+    sum += std::stoul(line.substr(line.find_last_of(' ') + 1));
+  const std::size_t bytes = fs::file_size(table);
+  CHECK(count == 6);
+  CHECK(sum < bytes);
+  CHECK(sum + 20 + 11 * (12 + 3 + 8) >= bytes);  // header, directory, padding, sizes of pictures
+}

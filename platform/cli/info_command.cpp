@@ -1,5 +1,7 @@
 // `pliant info`: what is in a model table, and what it costs at run time.
+#include <algorithm>
 #include <cstdio>
+#include <set>
 
 #include "cli/command.hpp"
 #include "cli/files.hpp"
@@ -42,6 +44,46 @@ const char* name_of(Operation operation) {
   return "?";
 }
 
+const char* name_of(CurveKind kind) {
+  constexpr const char* kNames[] = {"lid", "lip", "brow", "outline"};
+  const auto k = static_cast<std::size_t>(kind);
+  return k < std::size(kNames) ? kNames[k] : "?";
+}
+
+std::size_t sample_bytes(const Field& f) {
+  return std::size_t{f.width} * f.height * f.components * (f.bits / 8u);
+}
+
+/// Where the table's bytes go. Fields that are mirror images share their samples.
+void print_bytes(const Model& model, std::ostream& out) {
+  std::set<std::uint32_t> seen;
+  std::size_t rest = 0, moving = 0;
+  for (const CascadeRecord& r : model.cascade()) {
+    const std::uint16_t k = r.field != kNone ? r.field : r.weight;
+    if (k == kNone || !seen.insert(model.fields()[k].first_byte).second) continue;
+    (r.operation == Operation::constant ? rest : moving) += sample_bytes(model.fields()[k]);
+  }
+  const auto row = [&](const char* what, std::size_t bytes) { print(out, "  %-22s%10zu\n", what, bytes); };
+  const auto pixels = [](ChartImage image) { return std::size_t{image.width} * image.height; };
+  out << "bytes:\n";
+  row("samples, rest shape", rest);
+  row("samples, deformations", moving);
+  row("fields and cascade",
+      model.fields().count * sizeof(Field) + model.cascade().count * sizeof(CascadeRecord));
+  row("mask and albedo",
+      pixels(model.mask()) + (model.albedo().pixels != nullptr ? pixels(model.albedo()) : 0));
+  row("base mesh", model.base_uv().count * sizeof(Vec2) + model.base_corners().count * sizeof(std::uint16_t));
+  row("names, marks, curves",
+      model.parameters().count * sizeof(Parameter) + model.landmarks().count * sizeof(Landmark) +
+          model.curves().count * sizeof(Curve) + model.curve_points().count * sizeof(Vec2));
+}
+
+void print_curves(const Model& model, std::ostream& out) {
+  print(out, "curves: %zu\n", model.curves().count);
+  for (const Curve& c : model.curves())
+    print(out, "  %-28s %-7s %3u points\n", c.name, name_of(c.kind), c.point_count);
+}
+
 void print_parameters(const Model& model, Group group, const char* title, std::ostream& out) {
   std::size_t count = 0;
   for (const Parameter& p : model.parameters()) count += p.group == group ? 1 : 0;
@@ -72,17 +114,43 @@ void print_fields(const Model& model, std::ostream& out) {
   }
 }
 
+/// A record; its sources only where they are not simply the record before.
+void print_record(const Model& model, std::size_t k, std::ostream& out) {
+  const CascadeRecord& r = model.cascade()[k];
+  print(out, "  %3zu %-10s", k, name_of(r.operation));
+  if (r.source[1] != kNone)
+    print(out, " of %u and %u", r.source[0], r.source[1]);
+  else if (r.source[0] != kNone && r.source[0] + 1u != k)
+    print(out, " of %u", r.source[0]);
+  if (r.field != kNone) print(out, " field %u", r.field);
+  if (r.weight != kNone) print(out, " weight %u", r.weight);
+  for (const std::uint16_t p : r.parameter)
+    if (p != kNone) print(out, " %s", model.parameters()[p].name);
+  const auto vector = [&](const char* what, const float* v) {
+    print(out, " %s %g %g %g", what, static_cast<double>(v[0]), static_cast<double>(v[1]),
+          static_cast<double>(v[2]));
+  };
+  if (r.operation == Operation::rotate) vector("about", r.axis);
+  if (r.operation == Operation::rotate || r.operation == Operation::rigid || r.operation == Operation::scale)
+    vector("through", r.pivot);
+  out << "\n";
+}
+
 void print_cascade(const Model& model, std::ostream& out) {
   print(out, "cascade: %zu records\n", model.cascade().count);
-  for (std::size_t k = 0; k < model.cascade().count; ++k) {
-    const CascadeRecord& r = model.cascade()[k];
-    print(out, "  %3zu %-10s", k, name_of(r.operation));
-    if (r.field != kNone) print(out, " field %u", r.field);
-    if (r.weight != kNone) print(out, " weight %u", r.weight);
-    for (const std::uint16_t p : r.parameter)
-      if (p != kNone) print(out, " %s", model.parameters()[p].name);
-    out << "\n";
-  }
+  for (std::size_t k = 0; k < model.cascade().count; ++k) print_record(model, k, out);
+}
+
+void print_memory(const Model& model, std::ostream& out) {
+  out << "memory at run time:\n";
+  print(out, "  cascade               %8zu bytes\n", measured_bytes<Cascade>(model));
+  print(out, "  person folded, 64x64  %8zu bytes\n",
+        measured_bytes<Cascade>(model, FoldLimits{64, 64}) - measured_bytes<Cascade>(model));
+  print(out, "  fit, %3u points       %8zu bytes\n", FitLimits{}.points,
+        measured_bytes<Fitter>(model, FitLimits{}));
+  const TrackerLimits limits;
+  print(out, "  tracker, %3u x %-3u    %8zu bytes (%u patches, %u vertices)\n", limits.width, limits.height,
+        measured_bytes<Tracker>(model, limits), limits.patches, limits.vertices);
 }
 
 int run_info(const Args& args, Console& console) {
@@ -91,22 +159,19 @@ int run_info(const Args& args, Console& console) {
   std::ostream& out = console.out;
   print(out, "%s: %zu bytes, crc %08x\n", file.path().c_str(), model.table_bytes(),
         static_cast<unsigned>(model.crc()));
+  print_bytes(model, out);
   print_parameters(model, Group::identity, "identity", out);
   print_parameters(model, Group::expression, "expression", out);
   print_fields(model, out);
   print_cascade(model, out);
   print(out, "base mesh: %zu vertices, %zu faces\n", model.base_uv().count, model.base_corners().count / 3);
-  print(out, "mask: %u x %u; albedo: %u x %u; curves: %zu\n", model.mask().width, model.mask().height,
-        model.albedo().width, model.albedo().height, model.curves().count);
+  print(out, "mask: %u x %u; albedo: %u x %u\n", model.mask().width, model.mask().height,
+        model.albedo().width, model.albedo().height);
+  print_curves(model, out);
   print(out, "landmarks: %zu\n ", model.landmarks().count);
   for (const Landmark& l : model.landmarks()) out << " " << l.name;
-  out << "\nmemory at run time:\n";
-  print(out, "  cascade               %8zu bytes\n", measured_bytes<Cascade>(model));
-  print(out, "  fit, %3u points       %8zu bytes\n", FitLimits{}.points,
-        measured_bytes<Fitter>(model, FitLimits{}));
-  const TrackerLimits limits;
-  print(out, "  tracker, %3u x %-3u    %8zu bytes (%u patches, %u vertices)\n", limits.width, limits.height,
-        measured_bytes<Tracker>(model, limits), limits.patches, limits.vertices);
+  out << "\n";
+  print_memory(model, out);
   return 0;
 }
 
