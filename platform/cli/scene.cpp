@@ -53,8 +53,7 @@ Image Scene::draw(const float* q, const Pose& pose, const Camera& camera, const 
   sheet_.set(q);
   const Projector projector(view_of(pose, camera), true);
   const Lens lens = lens_of(camera, {raster_.width(), raster_.height()});
-  const int n = sheet_.cells();
-  corners_.assign(sheet_.index(0, n + 1), {});
+  corners_.assign(sheet_.index(0, sheet_.cells() + 1), {});
   for (std::size_t k = 0; k < corners_.size(); ++k) {
     RasterVertex& corner = corners_[k];
     if (!sheet_.is_used(k) || !projector.project(sheet_.position(k), &corner.x)) continue;
@@ -75,11 +74,7 @@ Image Scene::draw(const float* q, const Pose& pose, const Camera& camera, const 
     const RasterVertex &p = corners_[a], &q3 = corners_[b], &r = corners_[c];
     if (p.inverse_depth > 0 && q3.inverse_depth > 0 && r.inverse_depth > 0) raster_.draw(p, q3, r, shade);
   };
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      triangle(sheet_.index(i, j), sheet_.index(i + 1, j), sheet_.index(i, j + 1));
-      triangle(sheet_.index(i + 1, j), sheet_.index(i + 1, j + 1), sheet_.index(i, j + 1));
-    }
+  sheet_.for_each_triangle(triangle);
   Image image(raster_.width(), raster_.height(), 1);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)

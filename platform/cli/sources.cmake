@@ -56,6 +56,7 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/occlusion.cpp
   ${CMAKE_CURRENT_LIST_DIR}/overlay.cpp
   ${CMAKE_CURRENT_LIST_DIR}/page.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/photo_sights.cpp
   ${CMAKE_CURRENT_LIST_DIR}/photo_texture.cpp
   ${CMAKE_CURRENT_LIST_DIR}/points_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/points_file.cpp

@@ -39,6 +39,15 @@ class SurfaceSheet {
   std::size_t index(int i, int j) const {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(cells_ + 1) + static_cast<std::size_t>(i);
   }
+  /// Calls `triangle(a, b, c)` with the point numbers of both halves of each cell.
+  template <class Triangle>
+  void for_each_triangle(const Triangle& triangle) const {
+    for (int j = 0; j < cells_; ++j)
+      for (int i = 0; i < cells_; ++i) {
+        triangle(index(i, j), index(i + 1, j), index(i, j + 1));
+        triangle(index(i + 1, j), index(i + 1, j + 1), index(i, j + 1));
+      }
+  }
   /// False where the point and its neighbours lie beyond the outline: not evaluated, not to be drawn.
   bool is_used(std::size_t k) const { return used_[k] != 0; }
   Vec2 uv(std::size_t k) const { return uv_[k]; }
