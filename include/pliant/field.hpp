@@ -15,7 +15,9 @@ namespace pliant {
 enum class Interpolation : std::uint8_t {
   bilinear = 0,  ///< 4 samples; continuous, its gradient jumps across sample lines
   /// 16 samples: cubic convolution (Catmull-Rom). It passes through the samples, reproduces quadratics, and is
-  /// continuously differentiable, also over the rim of a support rectangle inside the chart.
+  /// continuously differentiable, also over the rim of a support rectangle inside the chart. For normals: on the
+  /// built-in face they are a third closer to the truth. Positions are no better, as the baker fits the samples for
+  /// bilinear reading. Costs 6 to 10 times as much.
   bicubic = 1,
 };
 
