@@ -35,6 +35,33 @@ TEST_CASE("the pinhole projection with the documented axes") {
   CHECK(x.y == doctest::Approx(119.5 - 500 * 20.0 / 900).epsilon(1e-5));
 }
 
+TEST_CASE("the signs of turns: yaw to the subject's right, pitch down, roll clockwise as one sees it") {
+  // fixtures/pictures/axes.svg shows these: a nose 100 mm in front of the origin, the subject's left ear, a chin.
+  const Camera camera = centred_camera(320, 240, 500);
+  const auto seen = [&](Vec3 turn, Vec3 p) {
+    Vec2 x;
+    REQUIRE(Projector(view_of({exp_rotation(turn), {0, 0, 1000}}, camera), true).project(p, &x));
+    return x - Vec2{camera.cx, camera.cy};
+  };
+  const Vec3 nose{0, 0, 100}, left_ear{80, 0, 0}, chin{0, -100, 0};
+  const Vec3 pitch{0.3f, 0, 0}, yaw{0, 0.3f, 0}, roll{0, 0, 0.3f};
+  CHECK(seen({}, left_ear).x > 30);  // the subject's left is on the right of the picture
+  CHECK(seen({}, chin).y > 40);      // y of the picture runs down
+  CHECK(seen(yaw, nose).x < -10);
+  CHECK(magnitude(seen(yaw, nose).y) < 1e-3f);
+  CHECK(seen(pitch, nose).y > 10);
+  CHECK(magnitude(seen(pitch, nose).x) < 1e-3f);
+  CHECK(seen(roll, left_ear).y > 10);  // the right of the picture goes down
+  CHECK(seen(roll, chin).x < -10);
+  CHECK(length(seen(roll, nose)) < 1e-3f);
+  // R = Rz(roll) Ry(yaw) Rx(pitch): what is turned first stands on the right.
+  const Quat all = exp_rotation(roll) * exp_rotation(yaw) * exp_rotation(pitch);
+  const Mat3 r = rotation_matrix(all);
+  const Vec3 forward = r * Vec3{0, 0, -1};
+  CHECK(forward.x < 0);
+  CHECK(forward.y > 0);
+}
+
 TEST_CASE("pose and camera survive the solver's form") {
   const Pose pose{exp_rotation({0.1f, -0.4f, 0.2f}), {12, -30, 640}};
   const Camera camera{701, 150, 130};
