@@ -156,7 +156,8 @@ TEST_CASE("a tolerance decides about correctives, and the error printed is the o
   float worst = 0;
   for (std::size_t k = 0; k < 3; ++k)
     worst = max(worst, f.error(without, k, f.q({{"jawOpen", std::vector<float>{0, 0.2f, 0.45f}[k]}})));
-  CHECK(std::stof(r.out.substr(r.out.find("max ") + 4)) == doctest::Approx(worst).epsilon(0.01));
+  CHECK(std::stof(r.out.substr(r.out.find("max ") + 4)) ==
+        doctest::Approx(static_cast<double>(worst)).epsilon(0.01));
 }
 
 TEST_CASE("the head moves as the pose says, in axes with y up and z towards the viewer") {

@@ -113,7 +113,7 @@ std::string path_of(const Series& s, const Area& area) {
     const double x = area.x(count > 1 ? static_cast<double>(first) / static_cast<double>(count - 1) : 0.5);
     append(path, "%s%.1f %.1f", is_open ? "L" : "M", x, area.y(low));
     if (high > low) append(path, "L%.1f %.1f", x, area.y(high));
-    if (!is_open && high <= low) append(path, "h.1");  // a single frame is a dot
+    if (!is_open && high <= low) path += "h.1";  // a single frame is a dot
     is_open = true;
   }
   return path;
