@@ -55,6 +55,8 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   if (sample_capacity_ > 0) rejector_.lay_out(arena, {sample_capacity_, kPoseUnknowns});
   baked_vertices_ = arena.take<Vec3>(limits.bakes_vertices ? limits.vertices * baked_capacity_ : 0);
   vertex_ = arena.take<Vec3>(limits.vertices);
+  vertex_uv_ = arena.take<Vec2>(limits.bakes_vertices ? limits.vertices : 0);
+  mesh_q_ = arena.take<float>(parameters);
   vertex_image_ = arena.take<Vec2>(limits.vertices);
   vertex_depth_ = arena.take<float>(limits.vertices);
   float** const per_parameter[] = {&q_, &expected_q_, &trial_q_, &rival_q_, &sd_, &trusted_q_};

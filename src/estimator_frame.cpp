@@ -105,6 +105,7 @@ FrameResult Estimator::end() {
     equations_.variances(variance_);
     update_cue_scales();
     note_motion();
+    follow_view();
     bad_frames_ = 0;
     trusted_view_ = view_;
     for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) trusted_q_[i] = q_[i];

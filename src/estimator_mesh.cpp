@@ -6,15 +6,60 @@
 namespace pliant {
 
 void Estimator::adapt_mesh() {
-  cascade_.select(q_);
+  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) mesh_q_[i] = q_[i];
+  cascade_.select(mesh_q_);
   const Surface surface{
       &cascade_, [](void* context, Vec2 uv) { return static_cast<Cascade*>(context)->selected_point(uv); }};
-  ContourOptions contour;
-  contour.mean_mm = options_.mesh_error_mm;
-  contour.max_mm = 4 * options_.mesh_error_mm;
-  if (adapter_.start(mesh_, surface, criterion_of(contour)) == Status::ok) adapter_.adapt(AdaptOptions{});
+  contour_ = {};
+  contour_.mean_mm = options_.mesh_error_mm;
+  contour_.max_mm = 4 * options_.mesh_error_mm;
+  Criterion criterion = criterion_of(contour_);
+  AdaptOptions options;
+  if (options_.mesh_operations > 0) {
+    options.vertex_budget = options_.vertex_budget;
+    view_criterion_.pose = pose_of(view_);
+    view_criterion_.focal_px = camera_.f;
+    view_criterion_.cx = camera_.cx;
+    view_criterion_.cy = camera_.cy;
+    view_criterion_.width_px = static_cast<float>(width_);
+    view_criterion_.height_px = static_cast<float>(height_);
+    view_criterion_.tolerance_px = options_.mesh_error_px;
+    criterion = criterion_of(view_criterion_);
+    if (options_.texture.score != nullptr) {
+      view_and_texture_ = {criterion, criterion_of(options_.texture)};
+      criterion = criterion_of(view_and_texture_);
+    }
+  }
+  if (adapter_.start(mesh_, surface, criterion) == Status::ok) adapter_.adapt(options);
   if (!limits_.bakes_vertices) return;
-  for (VertexId v : mesh_.vertices()) cascade_.bake(mesh_.uv(v), q_, baked_vertex(v));
+  for (VertexId v : mesh_.vertices()) place_vertex(v);
+}
+
+/// Ranks a share of the mesh for the view as it is now, and moves some vertices to where they are worth more. The surface
+/// is that of the start: its errors turn with the pose, and no expression makes ranks of different times contradict.
+void Estimator::follow_view() {
+  if (options_.mesh_operations == 0) return;
+  cascade_.select(mesh_q_);
+  view_criterion_.pose = pose_of(view_);
+  const int share = options_.rank_share > 0 ? options_.rank_share : 1;
+  adapter_.rerank(static_cast<int>(frame_ % static_cast<std::uint32_t>(share)), share);
+  AdaptOptions options;
+  options.vertex_budget = options_.vertex_budget;
+  options.max_operations = options_.mesh_operations;
+  const AdaptReport report = adapter_.adapt(options);
+  if (report.splits + report.welds == 0) return;
+  if (!limits_.bakes_vertices) return update_vertices(1);
+  for (VertexId v : mesh_.vertices()) {
+    const Vec2 uv = mesh_.uv(v);
+    if (uv.x != vertex_uv_[v].x || uv.y != vertex_uv_[v].y) place_vertex(v);
+  }
+}
+
+/// Bakes a vertex that is new, or whose id is.
+void Estimator::place_vertex(VertexId v) {
+  vertex_uv_[v] = mesh_.uv(v);
+  cascade_.bake(vertex_uv_[v], q_, baked_vertex(v));
+  vertex_[v] = cascade_.evaluate(baked_vertex(v), q_);
 }
 
 /// Moves one vertex in `share`.

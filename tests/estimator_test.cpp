@@ -383,3 +383,45 @@ TEST_CASE("a frame is not tracked by few patches, by low correlation, or by edge
   CHECK_FALSE(open.pose_is_observed);
   CHECK(open.state == TrackState::degraded);
 }
+
+TEST_CASE("a mesh that follows the view keeps to its budget and changes nothing of what is tracked") {
+  Scene scenes[2];
+  EstimatorOptions options;
+  InArena<Estimator> still(scenes[0].model, scenes[0].limits), adapts(scenes[1].model, scenes[1].limits);
+  scenes[0].start(still.object, 0, options);
+  options.mesh_operations = 12;
+  options.vertex_budget = 180;
+  options.mesh_error_px = 0.1f;
+  options.rank_share = 4;
+  scenes[1].start(adapts.object, 0, options);
+  int changes = 0, vertices = adapts->mesh().vertex_count();
+  for (int frame = 1; frame <= 30; ++frame) {
+    const float turn = 0.02f * static_cast<float>(frame);
+    for (int k = 0; k < 2; ++k) {
+      Estimator& e = k == 0 ? still.object : adapts.object;
+      std::vector<float> truth = scenes[k].q;
+      truth[5] = 0.01f * static_cast<float>(frame);
+      e.begin(frame * std::int64_t{33'000'000});
+      auto seen = scenes[k].observe(turn, truth, 0.1f);
+      e.solve(span(seen));
+      CHECK(e.end().state == TrackState::tracking);
+    }
+    for (const Vec2 uv : scenes[0].uv) {
+      Vec2 a, b;
+      REQUIRE(still->project(uv, &a));
+      REQUIRE(adapts->project(uv, &b));
+      CHECK(length(a - b) < 0.01f);
+    }
+    const Mesh& mesh = adapts->mesh();
+    CHECK(mesh.vertex_count() <= 180);
+    changes += mesh.vertex_count() != vertices;
+    vertices = mesh.vertex_count();
+  }
+  CHECK(adapts->mesh().validate().invariant == 0);
+  InArena<Cascade> cascade(scenes[1].model);
+  adapts->refresh_vertices();
+  for (VertexId v : adapts->mesh().vertices())
+    CHECK(length(adapts->vertex_positions()[v] -
+                 cascade->surface_point(adapts->mesh().uv(v), adapts->parameters().data)) < 0.01f);
+  CHECK(changes > 3);
+}

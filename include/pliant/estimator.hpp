@@ -10,6 +10,7 @@
 #include "pliant/adapt.hpp"
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
+#include "pliant/criteria.hpp"
 #include "pliant/field.hpp"
 #include "pliant/filter.hpp"
 #include "pliant/image_forces.hpp"
@@ -69,6 +70,13 @@ struct EstimatorOptions {
       0.1f;  ///< how fast the scale of a cue's errors follows the residuals, a frame; 0: never
   float mesh_error_mm =
       0.3f;  ///< the mesh is refined by the contour criterion to this mean error, or to its limit
+  /// Splits and welds a good frame may end with, to keep the mesh to what the view needs; 0: the mesh of the start
+  /// stays. What is tracked does not depend on it: pose and parameters are the observations'.
+  std::uint16_t mesh_operations = 0;
+  std::uint16_t vertex_budget = 0;  ///< hard limit while it adapts; 0: the limits' vertices
+  float mesh_error_px = 0.5f;       ///< tolerance across the line of sight (criteria.hpp: ViewOptions)
+  TextureOptions texture;           ///< with a score: vertices where there is something to track, as well
+  std::uint8_t rank_share = 32;     ///< one face and vertex in so many is ranked anew a frame
   float model_error_px =
       0.5f;  ///< what the model cannot explain, at 320 px of image width: added to every observation
   float edge_error_px = 0.7f;    ///< the same of edges
@@ -221,6 +229,8 @@ class Estimator {
   Vec3* baked_point(std::size_t id) { return baked_points_ + id * baked_stride_; }
   Vec3* baked_vertex(std::size_t v) { return baked_vertices_ + v * baked_stride_; }
   void adapt_mesh();
+  void follow_view();
+  void place_vertex(VertexId v);
   Status choose_free(const std::uint8_t* is_free);
   void update_vertices(std::uint32_t share);
   void project_vertices();
@@ -254,6 +264,11 @@ class Estimator {
   Cascade cascade_;
   Mesh mesh_;
   Adapter adapter_;
+  ContourOptions contour_;
+  ViewOptions view_criterion_;
+  EitherOf view_and_texture_;
+  float* mesh_q_ = nullptr;    // parameters of the surface that the mesh is adapted to: those of the start
+  Vec2* vertex_uv_ = nullptr;  // where each vertex was placed: ids are used again
   DepthBuffer depth_;
   NormalEquations equations_;
   EstimatorLimits limits_;
