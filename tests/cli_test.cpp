@@ -15,7 +15,7 @@ TEST_CASE("bad usage exits with 2 and says which word is wrong") {
   } cases[] = {
       {{}, "usage"},
       {{"dance"}, "no such command: dance"},
-      {{"plan", "m.plm"}, "not available in this build: plan"},
+      {{"plan", "m.plm", "b"}, "one word too many: b"},
       {{"info"}, "a file name is missing"},
       {{"info", "a", "b"}, "one word too many: b"},
       {{"fit", "m.plm", "--points", "p.csv"}, "-o is missing"},

@@ -22,6 +22,26 @@ struct Span {
   constexpr operator Span<const T>() const { return {data, count}; }
 };
 
+/// What memory is for; an owner of many parts tells with `Arena::count_as` while it lays them out.
+enum class Purpose : std::uint8_t {
+  other,
+  fields,          ///< evaluation of the model
+  mesh,            ///< its faces and vertices
+  adaptation,      ///< queues and positions of refining it
+  visibility,      ///< depth buffer, outline, projected vertices
+  solver,          ///< normal equations and their factor
+  points,          ///< surface points, predictions, observations
+  baked_points,    ///< samples of the fields kept a surface point
+  baked_vertices,  ///< and a vertex
+  rejection,       ///< of false observations
+  state,           ///< parameters, as they are, were and are expected
+  pyramid,         ///< pictures
+  patches,         ///< captured patches, and the search for them
+  corners,         ///< finding where to capture
+  small_pictures,  ///< finding a fast or a lost head
+};
+constexpr std::size_t kPurposeCount = 15;
+
 /// Bump allocator over one block. An arena without a block only measures: every `take` advances the count and gives
 /// null, so that `required_bytes` runs the very code that later lays the object out, and the two cannot drift apart.
 /// What lives in an arena is trivially destructible. Not copyable. Costs: O(1) a call.
@@ -29,6 +49,8 @@ class Arena {
  public:
   /// An arena that only measures.
   constexpr Arena() = default;
+  /// The same, adding the bytes taken to the count of their purpose.
+  explicit constexpr Arena(std::size_t (&by_purpose)[kPurposeCount]) : by_purpose_(by_purpose) {}
   /// \param block  aligned to kAlignment; must outlive everything created in it.
   /// \param bytes  its size.
   constexpr Arena(void* block, std::size_t bytes) : base_(static_cast<unsigned char*>(block)), size_(bytes) {}
@@ -49,9 +71,12 @@ class Arena {
       return nullptr;
     }
     used_ = start + bytes;
+    if (by_purpose_ != nullptr) by_purpose_[static_cast<std::size_t>(purpose_)] += bytes;
     if (used_ > high_water_) high_water_ = used_;
     return base_ == nullptr ? nullptr : reinterpret_cast<T*>(base_ + start);
   }
+  /// What is taken from now on is for this.
+  constexpr void count_as(Purpose purpose) { purpose_ = purpose; }
   template <class T>
   constexpr Span<T> take_span(std::size_t count) {
     return {take<T>(count), count};
@@ -91,6 +116,8 @@ class Arena {
   unsigned char* base_ = nullptr;
   std::size_t size_ = 0, used_ = 0, high_water_ = 0;
   bool exhausted_ = false;
+  Purpose purpose_ = Purpose::other;
+  std::size_t* by_purpose_ = nullptr;
 };
 
 /// Lays `object` out in `arena` by `object.lay_out(arena, args...)`: all of it, or nothing and `out_of_memory`; the object

@@ -17,7 +17,8 @@ std::optional<double> parse_number(const std::string& text) {
   return value;
 }
 
-Args::Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands) {
+Args::Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands,
+           std::size_t optional) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
     if (word.size() < 2 || word[0] != '-') {
@@ -43,7 +44,8 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
     }
   }
   if (operands_.size() < operands) fail_usage("a file name is missing");
-  if (operands_.size() > operands) fail_usage("one word too many: " + operands_[operands]);
+  if (operands_.size() > operands + optional)
+    fail_usage("one word too many: " + operands_[operands + optional]);
 }
 
 std::optional<std::string> Args::text(const char* name) const {

@@ -27,9 +27,12 @@ class Args {
  public:
   /// \param words    behind the name of the command; "--name value" and "--name=value" mean the same.
   /// \param operands how many positional words there must be.
-  Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands);
+  /// \param optional how many more there may be.
+  Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands,
+       std::size_t optional = 0);
 
   const std::string& operand(std::size_t i) const { return operands_[i]; }
+  std::size_t operand_count() const { return operands_.size(); }
   bool has(const char* name) const { return values_.count(name) != 0; }
   std::optional<std::string> text(const char* name) const;
   /// All values of an option that may repeat, in the order given.

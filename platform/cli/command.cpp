@@ -9,12 +9,10 @@ namespace pliant::cli {
 
 namespace {
 
-/// Sub-commands of the interface that other builds have.
-constexpr const char* kElsewhere[] = {"plan"};
-
 std::vector<Command> commands() {
-  return {bake_command(),  info_command(),    mesh_command(),   points_command(), fit_command(),
-          track_command(), animate_command(), render_command(), camera_command(), bench_command()};
+  return {bake_command(),   info_command(),  mesh_command(),    points_command(),
+          fit_command(),    track_command(), animate_command(), render_command(),
+          camera_command(), plan_command(),  bench_command()};
 }
 
 void print_help(std::ostream& out) {
@@ -37,7 +35,7 @@ void print_help(const Command& command, std::ostream& out) {
 int run_command(const Command& command, const std::vector<std::string>& words, Console& console) {
   const std::string name = std::string("pliant ") + command.name;
   try {
-    return command.run(Args(words, command.options, command.operands), console);
+    return command.run(Args(words, command.options, command.operands, command.optional_operands), console);
   } catch (const Failure& failure) {
     console.err << name << ": " << failure.what() << "\n";
     if (failure.exit_code() == kBadUsage) console.err << "usage: " << name << " " << command.usage << "\n";
@@ -74,10 +72,7 @@ int run(const std::vector<std::string>& words, Console& console) {
     print_help(command, console.out);
     return 0;
   }
-  const bool is_elsewhere =
-      std::find(std::begin(kElsewhere), std::end(kElsewhere), words[0]) != std::end(kElsewhere);
-  console.err << "pliant: " << (is_elsewhere ? "not available in this build: " : "no such command: ")
-              << words[0] << "\n";
+  console.err << "pliant: no such command: " << words[0] << "\n";
   return kBadUsage;
 }
 

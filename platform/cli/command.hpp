@@ -23,6 +23,7 @@ struct Command {
   std::vector<Option> options;
   std::size_t operands;                            ///< positional words
   int (*run)(const Args& args, Console& console);  ///< \return the exit code; throws Failure
+  std::size_t optional_operands = 0;               ///< and so many more may follow
 };
 
 Command bake_command();
@@ -34,6 +35,7 @@ Command track_command();
 Command animate_command();
 Command render_command();
 Command camera_command();
+Command plan_command();
 Command bench_command();
 
 /// Runs a whole command line (without the program's name). \return 0 on success, 2 on bad usage, 1 on bad

@@ -58,6 +58,8 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/page.cpp
   ${CMAKE_CURRENT_LIST_DIR}/photo_sights.cpp
   ${CMAKE_CURRENT_LIST_DIR}/photo_texture.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/plan.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/plan_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/points_command.cpp
   ${CMAKE_CURRENT_LIST_DIR}/points_file.cpp
   ${CMAKE_CURRENT_LIST_DIR}/raster.cpp

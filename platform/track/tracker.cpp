@@ -55,9 +55,12 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   if (limits_.key_frames > TrackerLimits::kMostKeyFrames) limits_.key_frames = TrackerLimits::kMostKeyFrames;
   slot_count_ = all_slots(limits_);
   estimator_.lay_out(arena, model, estimator_limits(limits_));
+  arena.count_as(Purpose::pyramid);
   current_.lay_out(arena, pyramid_limits(limits_));
   if (limits_.keeps_previous) previous_.lay_out(arena, pyramid_limits(limits_));
+  arena.count_as(Purpose::patches);
   patches_.lay_out(arena, patch_limits(limits_));
+  arena.count_as(Purpose::points);
   slots_ = arena.take<Slot>(slot_count_);
   observations_ = arena.take<Observation>(slot_count_ + EdgeSearch::kAlternatives * edge_points(limits_));
   prediction_of_ = arena.take<std::uint16_t>(all_points(limits_));
@@ -65,6 +68,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   edges_ = arena.take<EdgeSearch>(1);
   (edges_ != nullptr ? *edges_ : measured).lay_out(arena, edge_points(limits_));
   marker_ids_ = arena.take<std::uint16_t>(limits_.markers);
+  arena.count_as(Purpose::corners);
   corners_ = arena.take<Corner>(limits_.patches);
   const CornerOptions corners = corner_options(limits_);
   cells_ = arena.take<std::uint8_t>(
@@ -76,6 +80,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   small_width_ = limits_.width / small_factor_;
   small_height_ = limits_.height / small_factor_;
   const std::size_t small = static_cast<std::size_t>(small_width_) * static_cast<std::size_t>(small_height_);
+  arena.count_as(Purpose::small_pictures);
   small_line_ = arena.take<std::uint16_t>(static_cast<std::size_t>(small_width_ * small_factor_));
   small_now_ = arena.take<std::uint8_t>(small);
   small_last_ = arena.take<std::uint8_t>(small);
