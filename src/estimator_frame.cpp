@@ -44,7 +44,7 @@ void Estimator::begin(std::int64_t time_ns) {
 /// How far the view may be from where it is expected: the filter's word, held within what heads do, and more after every
 /// bad frame. Where its velocity is not used, that motion is uncertain as well.
 void Estimator::expect_motion(float seconds) {
-  constexpr float kLeast[kPoseUnknowns] = {0.01f, 0.01f, 0.01f, 0.007f, 1.5f, 1.5f};
+  constexpr float kLeast[kPoseUnknowns] = {0.03f, 0.03f, 0.03f, 0.02f, 4, 4};
   constexpr float kMost[kPoseUnknowns] = {0.1f, 0.1f, 0.1f, 0.1f, 20, 20};
   const auto frames = static_cast<float>(1 + bad_frames_);
   for (int k = 0; k < kPoseUnknowns; ++k) {

@@ -35,6 +35,14 @@ double number(const Json& of, const char* name) {
   return *of.find(name)->number();
 }
 
+/// A page without the letters of its pictures, which may spell anything.
+std::string without_pictures(std::string page) {
+  const std::string open = ";base64,";
+  for (std::size_t at = page.find(open); at != std::string::npos; at = page.find(open, at + open.size()))
+    page.erase(at + open.size(), page.find('"', at) - at - open.size());
+  return page;
+}
+
 std::string grey_pgm(int width, int height) {
   return "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n" +
          std::string(static_cast<std::size_t>(width * height), '\x7f');
@@ -238,8 +246,8 @@ TEST_CASE("a report holds nine frames and the numbers of the run, and lost frame
   CHECK(contains(page, r.out.substr(0, r.out.size() - 1)));  // the summary line
   CHECK(contains(page, "b&lt;r&gt;eak.y4m"));
   for (const char* part : {"://", "{{", "nan", "inf\"", "<script"}) {
-    CAPTURE(part);
-    CHECK_FALSE(contains(page, part));
+    CAPTURE(std::string(part));
+    CHECK_FALSE(contains(without_pictures(page), part));
   }
   const CsvTable table("t", read_file(s / "t.csv"));
   int count[3] = {};

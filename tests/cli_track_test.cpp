@@ -30,7 +30,7 @@ TEST_CASE("track follows what was drawn, and its table says so in the columns th
   REQUIRE(table.row_count() == 12);
   CHECK(table.columns()[13] == "tz");
   CHECK(table.columns()[14] == "width");
-  CHECK(table.columns()[18] == "x_eye_right");
+  CHECK(table.columns()[18] == "x_ibug00");
   CHECK(table.columns().back() == "y_chin");
   CHECK(table.cell(0, 2) == "tracking");
   CHECK(table.number(0, table.column("x_cheek")) == doctest::Approx(70).epsilon(0.01));

@@ -48,10 +48,17 @@ struct TexturedModel {
     };
   }
 
-  /// Landmarks in three rows and five columns, of which the first five bear the names of a five-point start.
+  /// Landmarks in three rows and five columns; five of them bear the names of a five-point start, where a face has those.
   static std::vector<std::string> landmark_names() {
-    std::vector<std::string> names{"eye_right", "eye_left", "nose_tip", "mouth_right", "mouth_left"};
-    for (int k = 0; k < 10; ++k) names.push_back("ibug0" + std::to_string(k));
+    std::vector<std::string> names(15);
+    names[1] = "eye_right";
+    names[3] = "eye_left";
+    names[7] = "nose_tip";
+    names[11] = "mouth_right";
+    names[13] = "mouth_left";
+    int number = 0;
+    for (std::string& name : names)
+      if (name.empty()) name = "ibug0" + std::to_string(number++);
     return names;
   }
 
