@@ -15,7 +15,7 @@ constexpr std::size_t kOutlineCandidates = 8;  // for each outline point: the co
 void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits& limits) {
   limits_ = limits;
   arena.count_as(Purpose::fields);
-  cascade_.lay_out(arena, model);
+  cascade_.lay_out(arena, model, limits.fold);
   MeshLimits mesh;
   mesh.vertices = limits.vertices;
   const unsigned faces = 2u * limits.vertices;
@@ -128,6 +128,11 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   }
   status = motion_.start(view_, q_, range_, parameters, options.motion);
   if (status != Status::ok) return status;
+  if (limits_.fold.width > 0) {
+    status = cascade_.fold(q_);
+    if (status != Status::ok) return status;
+    baked_stride_ = cascade_.baked_count();
+  }
   smoother_.restart();
   expect_motion(1.0f / 30);
   adapt_mesh();

@@ -425,3 +425,27 @@ TEST_CASE("a mesh that follows the view keeps to its budget and changes nothing 
                  cascade->surface_point(adapts->mesh().uv(v), adapts->parameters().data)) < 0.01f);
   CHECK(changes > 3);
 }
+
+TEST_CASE("a person folded into one field is tracked to the same state, and costs what the limits say") {
+  Scene scene;
+  scene.q[0] = 1.2f;
+  Vec3 truth[2];
+  std::size_t bytes[2];
+  for (int folded = 0; folded < 2; ++folded) {
+    EstimatorLimits limits = scene.limits;
+    if (folded) limits.fold = {64, 64};
+    bytes[folded] = measured_bytes<Estimator>(scene.model, limits);
+    InArena<Estimator> e(scene.model, limits);
+    scene.random = Random{11};
+    scene.start(e.object, 0);
+    e->begin(33'000'000);
+    auto observations = scene.observe(0.05f, scene.q, 0.1f);
+    e->predict();
+    e->solve({observations.data(), observations.size()});
+    CHECK(e->end().state == TrackState::tracking);
+    truth[folded] = e->vertex_positions()[5];
+    CHECK(length(log_rotation(e->view().q * conjugate(Scene::pose(0.05f).q))) < 0.005f);
+  }
+  CHECK(length(truth[1] - truth[0]) < 0.2f);
+  CHECK(bytes[1] >= bytes[0] + 64 * 64 * 6);
+}

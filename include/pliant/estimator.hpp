@@ -42,6 +42,9 @@ struct EstimatorLimits {
   /// Whether the vertices keep theirs too (12 bytes times samples times vertices). If not, their positions come
   /// from the tables, which takes a few times longer.
   bool bakes_vertices = true;
+  /// Of the field that `start` folds the person into (Cascade::fold), 6 bytes a sample; none: no such field. Points taken
+  /// on while tracking, tangents and adaptation then cost the expressions alone: for many identity parameters.
+  FoldLimits fold;
 };
 
 /// What is done about observations that are false (ALGORITHMS: section 6.5).

@@ -113,6 +113,7 @@ TrackerLimits limits_for(const Args& args, ImageSize size, std::size_t markers) 
   if (profile) limits = *profile == "s" ? profile_s() : profile_l();
   if (!profile && size.width >= 480) limits = profile_l();
   if (!profile || *profile == "l") limits.curve_points = 96;
+  if (!profile || *profile == "l") limits.fold = {64, 64};
   limits.width = static_cast<std::uint16_t>(size.width);
   limits.height = static_cast<std::uint16_t>(size.height);
   limits.markers = static_cast<std::uint16_t>(markers);

@@ -38,6 +38,7 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   e.baked_samples = limits.baked_samples;
   e.bakes_vertices = limits.bakes_vertices;
   e.rejection_sample = limits.rejection_sample;
+  e.fold = limits.fold;
   return e;
 }
 

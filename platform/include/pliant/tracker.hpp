@@ -42,6 +42,7 @@ struct TrackerLimits {
   std::uint16_t free_parameters = 0, baked_samples = 0;  ///< as in EstimatorLimits
   bool bakes_vertices = true;                            ///< as in EstimatorLimits
   std::uint16_t rejection_sample = 256;                  ///< as in EstimatorLimits
+  FoldLimits fold;                                       ///< as in EstimatorLimits
 
   static constexpr int kMostKeyFrames = 8;
 };
