@@ -8,6 +8,7 @@
 #include "cli/failure.hpp"
 #include "cli/files.hpp"
 #include "cli/plan.hpp"
+#include "cli/tracker_limits.hpp"
 
 namespace pliant::cli {
 
@@ -48,13 +49,10 @@ std::vector<std::uint32_t> stand_in_table(int parameters) {
 }
 
 TrackerLimits limits_from(const Args& args) {
-  const auto profile = args.text("--profile");
-  if (profile && *profile != "s" && *profile != "l") fail_usage("--profile: s or l, not " + *profile);
-  TrackerLimits l;
-  if (profile) l = *profile == "s" ? profile_s() : profile_l();
-  if (!profile || *profile == "l") l.curve_points = 96;  // as `pliant track` has it
-  l.width = static_cast<std::uint16_t>(args.integer("--width", l.width, 64, 8192));
-  l.height = static_cast<std::uint16_t>(args.integer("--height", l.height, 64, 8192));
+  const TrackerLimits of_profile = tracker_limits(args, std::nullopt);
+  const ImageSize size{args.integer("--width", of_profile.width, 64, 8192),
+                       args.integer("--height", of_profile.height, 64, 8192)};
+  TrackerLimits l = tracker_limits(args, size);
   l.vertices = static_cast<std::uint16_t>(args.integer("--vertices", l.vertices, 4, 10000));
   l.markers = static_cast<std::uint16_t>(args.integer("--markers", l.markers, 0, 4096));
   if (args.has("--points")) {

@@ -1,7 +1,9 @@
 # Pictures are read and written by stb (Debian: libstb-dev), a header that only image_io.cpp includes.
 find_path(PLIANT_STB_INCLUDE_DIR stb/stb_image.h REQUIRED)
 set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/image_io.cpp PROPERTIES
-  INCLUDE_DIRECTORIES ${PLIANT_STB_INCLUDE_DIR})
+  INCLUDE_DIRECTORIES ${PLIANT_STB_INCLUDE_DIR}
+  # Its JPEG writer shifts negative numbers.
+  COMPILE_OPTIONS -fno-sanitize=shift)
 
 # The pages that commands write are templates in pages/, each compiled in as a string.
 foreach(page Points Report)
@@ -76,6 +78,7 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/track_output.cpp
   ${CMAKE_CURRENT_LIST_DIR}/track_report.cpp
   ${CMAKE_CURRENT_LIST_DIR}/track_table.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/tracker_limits.cpp
   ${CMAKE_CURRENT_LIST_DIR}/truth.cpp)
 
 add_executable(pliant ${CMAKE_CURRENT_LIST_DIR}/main.cpp)

@@ -13,6 +13,7 @@
 #include "cli/owned.hpp"
 #include "cli/start.hpp"
 #include "cli/track_output.hpp"
+#include "cli/tracker_limits.hpp"
 #include "frames/frame_source.hpp"
 #include "pliant/tracker.hpp"
 
@@ -105,21 +106,6 @@ Markers read_markers(const Args& args, const Model& model) {
   return markers;
 }
 
-/// The profile asked for, else what suits the size of the picture.
-TrackerLimits limits_for(const Args& args, ImageSize size, std::size_t markers) {
-  const auto profile = args.text("--profile");
-  if (profile && *profile != "s" && *profile != "l") fail_usage("--profile: s or l, not " + *profile);
-  TrackerLimits limits;
-  if (profile) limits = *profile == "s" ? profile_s() : profile_l();
-  if (!profile && size.width >= 480) limits = profile_l();
-  if (!profile || *profile == "l") limits.curve_points = 96;
-  if (!profile || *profile == "l") limits.fold = {64, 64};
-  limits.width = static_cast<std::uint16_t>(size.width);
-  limits.height = static_cast<std::uint16_t>(size.height);
-  limits.markers = static_cast<std::uint16_t>(markers);
-  return limits;
-}
-
 /// The cues named, as the estimator's bits; all without the option.
 std::uint8_t cues_of(const Args& args) {
   const auto text = args.text("--cues");
@@ -155,7 +141,9 @@ int run_track(const Args& args, Console& console) {
   FrameView frame;
   if (!frames.next(&frame))
     throw Failure(kBadInput, frames.message().empty() ? frames.name() + ": has no frames" : frames.message());
-  Owned<Tracker> tracker(model, limits_for(args, frames.size(), markers.x.size()));
+  TrackerLimits limits = tracker_limits(args, frames.size());
+  limits.markers = static_cast<std::uint16_t>(markers.x.size());
+  Owned<Tracker> tracker(model, limits);
   require(tracker->start(frame, start.camera, start.pose, q.data(), {markers.x.data(), markers.x.size()},
                          options),
           frames.name() + ": frame 0");
