@@ -18,11 +18,16 @@ struct FaceFilm {
   std::vector<pliant::Pose> poses;
   std::vector<std::vector<float>> parameters;
 
-  FaceFilm(int w, int h, std::size_t count, const Motion& motion, float share = 0.7f)
+  /// \param share           of the picture's height that the face fills.
+  /// \param flat_step_grey  of Scene::flatten_half.
+  /// \param cells           of Scene; with fewer than 224 lids and lips are not quite where the model has them.
+  FaceFilm(int w, int h, std::size_t count, const Motion& motion, float share = 0.7f,
+           float flat_step_grey = 0, int cells = 160)
       : width(w), height(h), camera(pliant::centred_camera(w, h, 1.25f * static_cast<float>(w))) {
     using namespace pliant;
     BakedModel& face = baked_face();
-    cli::Scene scene(face.model, w, h, 160, 2);
+    cli::Scene scene(face.model, w, h, cells, 2);
+    scene.flatten_half(flat_step_grey);
     const cli::Image background = cli::make_background(w, h, 5);
     const Pose rest = cli::frontal_pose(face.model, face.rest().data(), camera, h, share);
     for (std::size_t k = 0; k < count; ++k) {

@@ -6,4 +6,5 @@ target_sources(pliant_platform PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/looking.cpp
   ${CMAKE_CURRENT_LIST_DIR}/seeding.cpp
   ${CMAKE_CURRENT_LIST_DIR}/small_picture.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/surface_texture.cpp
   ${CMAKE_CURRENT_LIST_DIR}/tracker.cpp)

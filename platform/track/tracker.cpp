@@ -9,6 +9,7 @@ namespace pliant {
 
 namespace {
 
+constexpr std::uint32_t kTextureShare = 32;    // one face in so many is looked at for texture, a frame
 constexpr std::size_t kLongestRow = 1u << 24;  // bytes, of a frame that is used in place
 
 PatchLimits patch_limits(const TrackerLimits& limits) {
@@ -77,6 +78,8 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
       static_cast<std::size_t>(corner_cells(region_height(limits_), corners.cell_px)));
   scratch_bytes_ = corner_scratch_bytes(region_width(limits_), region_height(limits_), corners);
   scratch_ = arena.take<std::uint8_t>(scratch_bytes_);
+  arena.count_as(Purpose::adaptation);
+  texture_ = arena.take<std::uint8_t>(std::size_t{limits_.texture_cells} * limits_.texture_cells);
   small_factor_ = small_factor(limits_.width, limits_.small_columns);
   small_width_ = limits_.width / small_factor_;
   small_height_ = limits_.height / small_factor_;
@@ -135,13 +138,15 @@ Status Tracker::start(const FrameView& frame, const Camera& camera, const Pose& 
   Status status = check_frame(frame);
   if (status != Status::ok) return status;
   if (markers.count > limits_.markers) return Status::capacity;
-  status = estimator_.start(camera, frame.width, frame.height, pose, q, options.is_free, options.estimator);
+  options_ = options;
+  start_texture();
+  status = estimator_.start(camera, frame.width, frame.height, pose, q, options.is_free, options_.estimator);
   if (status != Status::ok) return status;
   expected_shift_ = {};
   status = look_at_region(frame);
   if (status != Status::ok) return status;
   shrink(frame, small_factor_, small_line_, small_now_);
-  options_ = options;
+  if (notes_texture_) note_texture(0, 1);
   estimator_.begin(frame.time_ns);
   status = place_markers(markers);
   if (status != Status::ok) return status;
@@ -200,6 +205,7 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   if (result_.state == TrackState::tracking) {
     bad_frames_ = 0;
     last_box_ = model_box();
+    if (notes_texture_) note_texture(frame_ % kTextureShare, kTextureShare);
     keep_key_frame();
     std::uint8_t* const old = small_last_;
     small_last_ = small_now_;

@@ -43,6 +43,9 @@ struct TrackerLimits {
   bool bakes_vertices = true;                            ///< as in EstimatorLimits
   std::uint16_t rejection_sample = 256;                  ///< as in EstimatorLimits
   FoldLimits fold;                                       ///< as in EstimatorLimits
+  /// A side, over the chart, in which texture is noted for a mesh that follows the view (EstimatorOptions::mesh_operations);
+  /// a byte each. 0: it follows the view alone.
+  std::uint8_t texture_cells = 0;
 
   static constexpr int kMostKeyFrames = 8;
 };
@@ -186,6 +189,12 @@ class Tracker {
   int first_level() const;
   void note_seen();
 
+  // surface_texture.cpp
+  void start_texture();
+  std::uint8_t& texture_at(Vec2 uv) const;
+  static float texture_score(void* context, Vec2 uv);
+  void note_texture(std::uint32_t part, std::uint32_t parts);
+
   Status check_frame(const FrameView& frame) const;
   bool is_stale(const FrameView& frame) const;
   Status look_at_region(const FrameView& frame);
@@ -206,7 +215,7 @@ class Tracker {
   std::uint16_t* marker_ids_ = nullptr;
   std::size_t marker_count_ = 0;
   Corner* corners_ = nullptr;
-  std::uint8_t *cells_ = nullptr, *scratch_ = nullptr;
+  std::uint8_t *cells_ = nullptr, *scratch_ = nullptr, *texture_ = nullptr;
   std::size_t scratch_bytes_ = 0;
   Vec2 expected_shift_;            // of the model since the last frame, or since the view proposed
   Vec2 origin_, previous_origin_;  // of the region in the frame, whole pixels
@@ -222,7 +231,7 @@ class Tracker {
   float shift_px_ = 0;  // how far the small pictures say the model has moved
   std::int64_t last_time_ns_ = 0;
   std::uint32_t last_sequence_ = 0;
-  bool started_ = false;
+  bool started_ = false, notes_texture_ = false;
 };
 
 }  // namespace pliant
