@@ -60,11 +60,12 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   sorted_ = arena.take<float>(limits.points);
   was_let_go_ = arena.take<std::uint8_t>(limits.points);
   sample_capacity_ = limits.rejection_sample < limits.points ? limits.rejection_sample : limits.points;
+  if (limits.rejection == nullptr) sample_capacity_ = 0;
   arena.count_as(Purpose::rejection);
   sample_ = arena.take<float>(2 * kPoseUnknowns * sample_capacity_);
   sample_force_ = arena.take<Vec2>(sample_capacity_);
   sample_keep_ = arena.take<std::uint8_t>(sample_capacity_);
-  if (sample_capacity_ > 0) rejector_.lay_out(arena, {sample_capacity_, kPoseUnknowns});
+  if (sample_capacity_ > 0) limits.rejection->lay_out(arena, rejector_, sample_capacity_);
   arena.count_as(Purpose::baked_vertices);
   baked_vertices_ = arena.take<Vec3>(limits.bakes_vertices ? limits.vertices * baked_capacity_ : 0);
   arena.count_as(Purpose::visibility);

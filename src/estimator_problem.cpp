@@ -184,38 +184,6 @@ void EstimatorProblem::minimise(int iterations, SolverReport* report) {
   report->undetermined = e.equations_.undetermined_count();
 }
 
-void EstimatorProblem::reject_forces() {
-  const Projector projector(view, true);
-  std::size_t planes = 0;
-  for (std::size_t k = 0; k < e.row_count_; ++k) planes += !e.rows_[k].is_line;
-  const std::size_t most = e.sample_capacity_;
-  if (planes == 0 || most == 0) return;
-  const std::size_t stride = (planes + most - 1) / most;
-  float jacobian[2 * kPoseUnknowns];
-  const auto rigid = [&](std::size_t row, float* b) {
-    Vec2 x;
-    Projector::Derivatives d{};
-    if (!projector.project(e.cascade_.evaluate(e.baked_point(e.rows_[row].id), e.q_), &x, &d)) return false;
-    for (int k = 0; k < kPoseUnknowns; ++k) {
-      b[k] = d.pose[k].x;
-      b[kPoseUnknowns + k] = d.pose[k].y;
-    }
-    return true;
-  };
-  std::size_t sampled = 0, seen = 0;
-  for (std::size_t k = 0; k < e.row_count_; ++k)
-    if (!e.rows_[k].is_line && seen++ % stride == 0 && rigid(k, e.sample_ + sampled * 2 * kPoseUnknowns))
-      e.sample_force_[sampled++] = e.residuals_[k];
-  ForceOptions options;
-  options.noise_px = 0.1f;
-  if (e.rejector_.reject(e.sample_, e.sample_force_, sampled, kPoseUnknowns, options, e.sample_keep_) !=
-      Status::ok)
-    return;
-  for (std::size_t k = 0; k < e.row_count_; ++k)
-    if (!e.rows_[k].is_line)
-      e.rows_[k].is_kept = rigid(k, jacobian) && e.rejector_.agrees(jacobian, e.residuals_[k]);
-}
-
 std::size_t EstimatorProblem::readmit() {
   update_scale();
   std::size_t kept = 0;

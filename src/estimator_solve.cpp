@@ -127,7 +127,7 @@ void Estimator::solve_robustly(EstimatorProblem& problem, SolverReport* report) 
 
 void Estimator::solve_by_forces(EstimatorProblem& problem, SolverReport* report) {
   rejected_forces_ = true;
-  problem.reject_forces();
+  if (sample_capacity_ > 0) limits_.rejection->reject(problem);
   problem.settle(Loss::huber, options_.iterations, report);
   problem.settle(Loss::tukey, options_.iterations, report);
   if (options_.rejection == Rejection::forces) return;

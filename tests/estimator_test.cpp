@@ -284,6 +284,33 @@ TEST_CASE("with vertices from the tables and just room enough it tracks the same
   CHECK(most < 1e-3f);
 }
 
+TEST_CASE(
+    "limits without rejection of forces do as those with a sample of none: the same memory, the same bits") {
+  float turn[2] = {};
+  std::size_t bytes[2] = {};
+  for (int named = 0; named < 2; ++named) {
+    Scene scene;
+    const std::size_t with_room = measured_bytes<Estimator>(scene.model, scene.limits);
+    scene.limits.rejection_sample = 0;
+    if (!named) scene.limits = without_rejection(scene.limits);
+    InArena<Estimator> e(scene.model, scene.limits);
+    bytes[named] = e.arena.used_bytes();
+    CHECK(bytes[named] < with_room);
+    EstimatorOptions options;
+    options.rejection = Rejection::forces_readmitted;
+    scene.start(e.object, 0, options);
+    for (int frame = 1; frame < 4; ++frame) {
+      e->begin(frame * std::int64_t{33'000'000});
+      auto seen = scene.observe(0.02f * static_cast<float>(frame), scene.q, 0.3f);
+      e->solve(span(seen));
+      CHECK(e->end().state == TrackState::tracking);
+    }
+    turn[named] = e->view().q.y;
+  }
+  CHECK(bytes[0] == bytes[1]);
+  CHECK(turn[0] == turn[1]);
+}
+
 TEST_CASE("two runs give the same bits") {
   Scene scene;
   float turn[2] = {};

@@ -64,16 +64,8 @@ class Arena {
   template <class T>
   constexpr T* take(std::size_t count) {
     static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= kAlignment);
-    const std::size_t start = used_;
-    const std::size_t bytes = (count * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
-    if (base_ != nullptr && (exhausted_ || bytes > size_ - start)) {
-      exhausted_ = true;
-      return nullptr;
-    }
-    used_ = start + bytes;
-    if (by_purpose_ != nullptr) by_purpose_[static_cast<std::size_t>(purpose_)] += bytes;
-    if (used_ > high_water_) high_water_ = used_;
-    return base_ == nullptr ? nullptr : reinterpret_cast<T*>(base_ + start);
+    unsigned char* const room = take_bytes(count * sizeof(T));
+    return room == nullptr ? nullptr : reinterpret_cast<T*>(room);
   }
   /// What is taken from now on is for this.
   constexpr void count_as(Purpose purpose) { purpose_ = purpose; }
@@ -113,6 +105,19 @@ class Arena {
   };
 
  private:
+  // Apart and never inlined: one copy for all types, there are some forty.
+  [[gnu::noinline]] constexpr unsigned char* take_bytes(std::size_t wanted) {
+    const std::size_t start = used_, bytes = (wanted + kAlignment - 1) / kAlignment * kAlignment;
+    if (base_ != nullptr && (exhausted_ || bytes > size_ - start)) {
+      exhausted_ = true;
+      return nullptr;
+    }
+    used_ = start + bytes;
+    if (by_purpose_ != nullptr) by_purpose_[static_cast<std::size_t>(purpose_)] += bytes;
+    if (used_ > high_water_) high_water_ = used_;
+    return base_ == nullptr ? nullptr : base_ + start;
+  }
+
   unsigned char* base_ = nullptr;
   std::size_t size_ = 0, used_ = 0, high_water_ = 0;
   bool exhausted_ = false;

@@ -25,6 +25,16 @@
 
 namespace pliant {
 
+struct EstimatorProblem;
+
+/// The rejection of false image forces (image_forces.hpp), apart from the estimator: its code comes into a program by
+/// limits that name it, and only so.
+struct ForceRejection {
+  void (*lay_out)(Arena& arena, ForceRejector& rejector, std::size_t sample);
+  void (*reject)(EstimatorProblem& problem);
+};
+extern const ForceRejection kForceRejection;
+
 /// Capacities. The defaults track a face at 320 x 240 on a Cortex-M7.
 struct EstimatorLimits {
   std::uint16_t points =
@@ -33,6 +43,8 @@ struct EstimatorLimits {
   /// Observations that the rejection of image forces looks at: of more, a sample. 0: none, and no memory for it (else 25
   /// kB and 200 bytes each).
   std::uint16_t rejection_sample = 256;
+  /// Null does as a sample of 0 does, and saves 15 kB of code where no other limits name it.
+  const ForceRejection* rejection = &kForceRejection;
   std::uint16_t vertices =
       512;  ///< of the mesh, at least those of the model's base mesh; faces are twice as many
   std::uint16_t free_parameters = 0;  ///< estimated at once, at most; 0: all that the model has
@@ -46,6 +58,14 @@ struct EstimatorLimits {
   /// on while tracking, tangents and adaptation then cost the expressions alone: for many identity parameters.
   FoldLimits fold;
 };
+
+/// The same limits, without rejection of image forces.
+template <class Limits>
+constexpr Limits without_rejection(Limits limits) {
+  limits.rejection_sample = 0;
+  limits.rejection = nullptr;
+  return limits;
+}
 
 /// What is done about observations that are false (ALGORITHMS: section 6.5).
 enum class Rejection : std::uint8_t {
@@ -274,7 +294,8 @@ class Estimator {
   Vec2* vertex_uv_ = nullptr;  // where each vertex was placed: ids are used again
   DepthBuffer depth_;
   NormalEquations equations_;
-  EstimatorLimits limits_;
+  EstimatorLimits limits_ =
+      without_rejection(EstimatorLimits{});  // nothing that needs linking, until laid out
   EstimatorOptions options_;
   Camera camera_;
   Lens lens_;

@@ -59,24 +59,16 @@ void require(pliant::Status status, const char* what) {
   board_exit(1);
 }
 
-/// Bytes of an arena for these limits, asked of the tracker that is there: a second one is too large for this stack.
-int arena_bytes(const pliant::Model& model, const pliant::TrackerLimits& limits) {
-  pliant::Arena measuring;
-  tracker.lay_out(measuring, model, limits);
-  return static_cast<int>(measuring.used_bytes());
-}
-
 /// Model and tracker, once; the model may be forgotten afterwards, the table not.
 void set_up() {
   pliant::Model model;
   require(pliant::Model::open(face, face_bytes, &model), "model");
-  Line line;
-  line.add("sizes: object ").add(static_cast<int>(sizeof tracker));
-  line.add(", arena S ").add(arena_bytes(model, pliant::profile_s()));
-  line.add(", arena L ").add(arena_bytes(model, pliant::profile_l())).add("\n");
-  board_write(line.text());
   pliant::Arena arena(memory, sizeof memory);
   require(pliant::create_in(arena, tracker, model, pliant::profile_s()), "arena");
+  Line line;
+  line.add("sizes: object ").add(static_cast<int>(sizeof tracker));
+  line.add(", arena ").add(static_cast<int>(arena.used_bytes())).add("\n");
+  board_write(line.text());
 }
 
 struct Cost {

@@ -31,7 +31,7 @@ PyramidLimits pyramid_limits(const TrackerLimits& limits) {
 }
 
 EstimatorLimits estimator_limits(const TrackerLimits& limits) {
-  EstimatorLimits e;
+  EstimatorLimits e = without_rejection(EstimatorLimits{});
   e.points = static_cast<std::uint16_t>(all_points(limits));
   e.outline_points = limits.outline_points;
   e.vertices = limits.vertices;
@@ -39,6 +39,7 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   e.baked_samples = limits.baked_samples;
   e.bakes_vertices = limits.bakes_vertices;
   e.rejection_sample = limits.rejection_sample;
+  e.rejection = limits.rejection;
   e.fold = limits.fold;
   return e;
 }

@@ -74,6 +74,13 @@ void arenas(const Model& model) {
   check("arena of just its size", create_in(arena, tracker, model, profile_s()), Status::ok);
 }
 
+/// What profile L takes here, for the table of sizes.
+void print_large(const Model& model) {
+  Arena measuring;
+  tracker.lay_out(measuring, model, profile_l());
+  board_write(Line().add("sizes: arena ").add(static_cast<int>(measuring.used_bytes())).add("\n").text());
+}
+
 void starts() {
   FrameResult result;
   check("update before start", tracker.update(view_of_frame(0), &result), Status::not_started);
@@ -158,6 +165,7 @@ int main() {
   }
   Model model;
   tables(model);
+  print_large(model);
   arenas(model);
   starts();
   Pose plain[2], disturbed[2], strided[2];

@@ -38,4 +38,6 @@ if(CMAKE_SYSTEM_NAME STREQUAL "Generic")  # elsewhere the test programs do this
   add_test(NAME symbols COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} "-DIMAGES=${images}"
     "-DLIBRARIES=$<TARGET_FILE:pliant_core>;$<TARGET_FILE:pliant_platform>"
     -P ${PROJECT_SOURCE_DIR}/tests/symbols.cmake)
+  add_test(NAME code_size COMMAND ${CMAKE_COMMAND} -DMAP=$<TARGET_FILE:firmware>.map -DLIMIT=98304
+    -P ${CMAKE_CURRENT_SOURCE_DIR}/code_size.cmake)
 endif()

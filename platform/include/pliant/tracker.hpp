@@ -42,6 +42,7 @@ struct TrackerLimits {
   std::uint16_t free_parameters = 0, baked_samples = 0;  ///< as in EstimatorLimits
   bool bakes_vertices = true;                            ///< as in EstimatorLimits
   std::uint16_t rejection_sample = 256;                  ///< as in EstimatorLimits
+  const ForceRejection* rejection = &kForceRejection;    ///< as in EstimatorLimits
   FoldLimits fold;                                       ///< as in EstimatorLimits
   /// A side, over the chart, in which texture is noted for a mesh that follows the view (EstimatorOptions::mesh_operations);
   /// a byte each. 0: it follows the view alone.
@@ -64,8 +65,7 @@ constexpr TrackerLimits profile_s() {
   l.free_parameters = 40;
   l.baked_samples = 44;
   l.bakes_vertices = false;
-  l.rejection_sample = 0;
-  return l;
+  return without_rejection(l);
 }
 
 /// For a desktop or a fast board: 640 x 480, 300 patches, 2,048 vertices.
@@ -202,7 +202,7 @@ class Tracker {
   Estimator estimator_;
   Pyramid current_, previous_;
   PatchTracker patches_;
-  TrackerLimits limits_;
+  TrackerLimits limits_ = without_rejection(TrackerLimits{});
   TrackerOptions options_;
   FrameResult result_;
   Slot* slots_ = nullptr;

@@ -1,0 +1,10 @@
+cmake_minimum_required(VERSION 3.22)
+# The portable libraries' code in the example of profile S. Run as: cmake -DMAP=image.map -DLIMIT=bytes -P code_size.cmake
+execute_process(COMMAND awk -f ${CMAKE_CURRENT_LIST_DIR}/map.awk ${MAP} OUTPUT_VARIABLE sizes RESULT_VARIABLE result)
+if(NOT result EQUAL 0 OR NOT sizes MATCHES "^([0-9]+) ([0-9]+)" OR CMAKE_MATCH_1 EQUAL 0)
+  message(FATAL_ERROR "${MAP} tells no size: ${sizes}")
+endif()
+message(STATUS "code ${CMAKE_MATCH_1} bytes, constants ${CMAKE_MATCH_2} bytes")
+if(CMAKE_MATCH_1 GREATER LIMIT)
+  message(FATAL_ERROR "the code is larger than ${LIMIT} bytes")
+endif()
