@@ -69,7 +69,8 @@ void refit(const Cloud& cloud, Matrix axes, const Scratch& scratch, float* line,
     scale[j] = s > kSmallestScale ? s : kSmallestScale;
     factor[j] = 1 / scale[j];
   }
-  double center[kMcdMaxColumns];
+  double* const center =
+      out.covariance;  // until that is filled: a fourth array would be too much for a stack
   for (std::size_t j = 0; j < p; ++j) {
     for (std::size_t i = 0; i < p; ++i) direction[i] = entry(axes, factor, p, j, i);
     combine(cloud, direction, line);
@@ -79,8 +80,9 @@ void refit(const Cloud& cloud, Matrix axes, const Scratch& scratch, float* line,
   for (std::size_t j = 0; j < p; ++j) {
     out.mean[j] = 0;
     for (std::size_t i = 0; i < p; ++i) out.mean[j] += entry(axes, scale, p, j, i) * center[i];
-    for (std::size_t k = 0; k <= j; ++k) out.covariance[packed(j, k)] = entry(axes, factor, p, j, k);
   }
+  for (std::size_t j = 0; j < p; ++j)
+    for (std::size_t k = 0; k <= j; ++k) out.covariance[packed(j, k)] = entry(axes, factor, p, j, k);
 }
 
 void converge_from(StartKind kind, const StartRoom& room, Search& search) {

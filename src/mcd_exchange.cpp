@@ -58,8 +58,9 @@ struct Pair {
   double ratio;
 };
 
-Pair best_pair(const Cloud& cloud, const Shape<double>& shape, const Border& inside, const Border& outside,
-               double h, double* room) {
+// Not inlined, nor are the loops of FAST-MCD: their arrays would lie on the stack all at once.
+[[gnu::noinline]] Pair best_pair(const Cloud& cloud, const Shape<double>& shape, const Border& inside,
+                                 const Border& outside, double h, double* room) {
   const std::size_t p = cloud.columns;
   double* const u = room;
   double* const v = room + kBorder * p;

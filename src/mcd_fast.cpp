@@ -90,8 +90,8 @@ void two_steps(const Cloud& cloud, std::size_t h, const Scratch& scratch, Shape<
   c_step(cloud, h, scratch, shape);
 }
 
-void try_starts(const Cloud& cloud, std::size_t h, std::size_t starts, Generator& generator,
-                std::uint16_t* order, const Scratch& scratch, Candidates& candidates) {
+[[gnu::noinline]] void try_starts(const Cloud& cloud, std::size_t h, std::size_t starts, Generator& generator,
+                                  std::uint16_t* order, const Scratch& scratch, Candidates& candidates) {
   for (std::size_t i = 0; i < cloud.rows; ++i) order[i] = static_cast<std::uint16_t>(i);
   for (std::size_t start = 0; start < starts; ++start) {
     Shape<float> shape = scratch.float_shape(cloud.columns);
@@ -102,9 +102,9 @@ void try_starts(const Cloud& cloud, std::size_t h, std::size_t starts, Generator
 }
 
 /// Starts on up to five random groups of about 300 rows, their best on all these rows together.
-void try_groups(const Cloud& cloud, std::size_t h, std::size_t starts, Generator& generator,
-                std::uint16_t* order, float* room, float* pool, const Scratch& scratch,
-                Candidates& candidates) {
+[[gnu::noinline]] void try_groups(const Cloud& cloud, std::size_t h, std::size_t starts, Generator& generator,
+                                  std::uint16_t* order, float* room, float* pool, const Scratch& scratch,
+                                  Candidates& candidates) {
   const std::size_t groups = cloud.rows / kGroupRows < kGroups ? cloud.rows / kGroupRows : kGroups;
   const std::size_t rows =
       groups < kGroups || cloud.rows < kGroups * kGroupRows ? cloud.rows : kGroups * kGroupRows;

@@ -40,7 +40,9 @@ struct Rig {
       REQUIRE(Projector(view_of(pose, camera), true).project(face.at(name, rest), &x));
       points.push_back({name.c_str(), x.x, x.y});
     }
-    REQUIRE(pliant_required_bytes(table(), table_bytes(), &limits, &bytes) == PLIANT_OK);
+    block.resize(PLIANT_SCRATCH_BYTES + 16);
+    REQUIRE(pliant_required_bytes(memory(), PLIANT_SCRATCH_BYTES, table(), table_bytes(), &limits, &bytes) ==
+            PLIANT_OK);
     block.resize(bytes + 32);
   }
   const void* table() const { return face.words.data(); }
@@ -111,8 +113,9 @@ TEST_CASE("memory: just enough will do, a byte less or a crooked address will no
 
 TEST_CASE("limits that nothing can be made for are refused") {
   size_t bytes = 7;
+  alignas(16) unsigned char scratch[PLIANT_SCRATCH_BYTES];
   const auto ask = [&](const pliant_limits& l) {
-    return pliant_required_bytes(rig().table(), rig().table_bytes(), &l, &bytes);
+    return pliant_required_bytes(scratch, sizeof scratch, rig().table(), rig().table_bytes(), &l, &bytes);
   };
   CHECK(ask(pliant_profile('X')) == PLIANT_BAD_ARGUMENT);
   pliant_limits l = pliant_profile('S');
@@ -121,6 +124,11 @@ TEST_CASE("limits that nothing can be made for are refused") {
   l = pliant_profile('S');
   l.start_points = 3;
   CHECK(ask(l) == PLIANT_BAD_ARGUMENT);
+  l = pliant_profile('S');
+  CHECK(pliant_required_bytes(scratch, sizeof scratch - 1, rig().table(), rig().table_bytes(), &l, &bytes) ==
+        PLIANT_OUT_OF_MEMORY);
+  CHECK(pliant_required_bytes(nullptr, sizeof scratch, rig().table(), rig().table_bytes(), &l, &bytes) ==
+        PLIANT_BAD_ARGUMENT);
   CHECK(bytes == 7);
   CHECK(ask(pliant_profile('L')) == PLIANT_OK);
   CHECK(bytes > rig().bytes);

@@ -54,19 +54,31 @@ bool read_limits(const pliant_limits& from, TrackerLimits* to) {
          from.start_points >= 4 && from.start_points <= kMostStartPoints;
 }
 
+bool is_aligned(const void* memory) {
+  return memory != nullptr && reinterpret_cast<std::uintptr_t>(memory) % Arena::kAlignment == 0;
+}
+
 std::size_t larger(std::size_t a, std::size_t b) {
   return a > b ? a : b;
 }
 
-/// The handle's own parts, and room that fit and tracker use by turns. `tracker` is laid out for measuring only.
-void lay_out(Arena& arena, Tracker& tracker, pliant_tracker* handle, const Model& model,
-             const TrackerLimits& limits, std::uint16_t start_points) {
+constexpr std::size_t kScratchBytes = PLIANT_SCRATCH_BYTES;
+static_assert(sizeof(Tracker) <= kScratchBytes && sizeof(Fitter) <= kScratchBytes);
+
+/// What the larger of fit and tracker takes. Each is made in `scratch` to be measured: they are too large for a stack.
+std::size_t measure_shared(void* scratch, const Model& model, const TrackerLimits& limits,
+                           std::uint16_t start_points) {
+  Arena trial;
+  (new (scratch) Tracker())->lay_out(trial, model, limits);
+  return larger(trial.used_bytes(), landmark_fit_bytes(model, start_points, *new (scratch) Fitter()));
+}
+
+/// The handle's own parts, and room that fit and tracker use by turns.
+void lay_out(Arena& arena, pliant_tracker* handle, const Model& model, std::size_t shared_bytes,
+             std::uint16_t start_points) {
   arena.take<unsigned char>(sizeof(pliant_tracker));
   float* const parameters = arena.take<float>(model.parameters().count);
   Correspondence* const points = arena.take<Correspondence>(start_points);
-  Arena trial;
-  tracker.lay_out(trial, model, limits);
-  const std::size_t shared_bytes = larger(trial.used_bytes(), landmark_fit_bytes(model, start_points));
   unsigned char* const shared = arena.take<unsigned char>(shared_bytes);
   if (handle == nullptr || arena.exhausted()) return;
   handle->parameters = parameters;
@@ -148,35 +160,36 @@ pliant_limits pliant_profile(char name) {
           l.vertices,      68,        static_cast<std::uint16_t>(name)};
 }
 
-pliant_status pliant_required_bytes(const void* table, size_t table_bytes, const pliant_limits* limits,
-                                    size_t* bytes) {
-  if (bytes == nullptr) return PLIANT_BAD_ARGUMENT;
+pliant_status pliant_required_bytes(void* scratch, size_t scratch_bytes, const void* table,
+                                    size_t table_bytes, const pliant_limits* limits, size_t* bytes) {
+  if (bytes == nullptr || !is_aligned(scratch)) return PLIANT_BAD_ARGUMENT;
+  if (scratch_bytes < kScratchBytes) return PLIANT_OUT_OF_MEMORY;
   Model model;
   TrackerLimits own;
   const Status status = read(table, table_bytes, limits, &model, &own);
   if (status != Status::ok) return plain(status);
   Arena trial;
-  Tracker tracker;  // asked once, where there is stack for it; creating needs none
-  lay_out(trial, tracker, nullptr, model, own, limits->start_points);
+  lay_out(trial, nullptr, model, measure_shared(scratch, model, own, limits->start_points),
+          limits->start_points);
   *bytes = trial.used_bytes();
   return PLIANT_OK;
 }
 
 pliant_status pliant_create(void* memory, size_t bytes, const void* table, size_t table_bytes,
                             const pliant_limits* limits, pliant_tracker** tracker) {
-  const auto address = reinterpret_cast<std::uintptr_t>(memory);
-  if (memory == nullptr || tracker == nullptr || address % Arena::kAlignment != 0) return PLIANT_BAD_ARGUMENT;
+  if (!is_aligned(memory) || tracker == nullptr) return PLIANT_BAD_ARGUMENT;
   Model model;
   TrackerLimits own;
   const Status status = read(table, table_bytes, limits, &model, &own);
   if (status != Status::ok) return plain(status);
   if (bytes < sizeof(pliant_tracker)) return PLIANT_OUT_OF_MEMORY;
+  const std::size_t shared_bytes = measure_shared(memory, model, own, limits->start_points);
   auto* const handle = new (memory) pliant_tracker();
   handle->model = model;
   handle->limits = own;
   handle->start_points = limits->start_points;
   Arena arena(memory, bytes);
-  lay_out(arena, handle->tracker, handle, model, own, limits->start_points);
+  lay_out(arena, handle, model, shared_bytes, limits->start_points);
   if (arena.exhausted()) return PLIANT_OUT_OF_MEMORY;
   *tracker = handle;
   return PLIANT_OK;

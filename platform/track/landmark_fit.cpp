@@ -1,5 +1,7 @@
 #include "landmark_fit.hpp"
 
+#include <new>
+
 namespace pliant {
 
 namespace {
@@ -27,9 +29,9 @@ float spread_of(Span<const Correspondence> points) {
 
 }  // namespace
 
-std::size_t landmark_fit_bytes(const Model& model, std::uint16_t points) {
+std::size_t landmark_fit_bytes(const Model& model, std::uint16_t points, Fitter& fitter) {
   Arena trial;
-  Fitter fitter;
+  trial.take<Fitter>(1);
   fitter.lay_out(trial, model, limits_for(points));
   trial.take<std::uint8_t>(model.parameters().count);
   return trial.used_bytes();
@@ -39,7 +41,9 @@ Status fit_landmarks(Arena& arena, const Model& model, Span<Correspondence> poin
                      float* q, FitReport* report) {
   const float spread = spread_of(points);
   if (!(spread > 0)) return Status::underdetermined;
-  Fitter fitter;
+  void* const room = arena.take<Fitter>(1);
+  if (room == nullptr) return Status::out_of_memory;
+  Fitter& fitter = *new (room) Fitter();
   Status status = create_in(arena, fitter, model, limits_for(points.count));
   if (status != Status::ok) return status;
   const auto is_identity = arena.take_span<std::uint8_t>(model.parameters().count);

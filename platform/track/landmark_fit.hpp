@@ -10,8 +10,9 @@
 
 namespace pliant {
 
-/// Bytes of an arena that fit_landmarks takes for so many points.
-std::size_t landmark_fit_bytes(const Model& model, std::uint16_t points);
+/// Bytes of an arena that fit_landmarks takes for so many points. `fitter` is laid out for measuring: it may be
+/// anywhere, a small stack has no room for one.
+std::size_t landmark_fit_bytes(const Model& model, std::uint16_t points, Fitter& fitter);
 
 /// Fits pose, person and expression to `points`, whose sd_px is set here; iBUG's jaw is taken as the outline. First
 /// what only an expression can explain; then, with that held, who it is. \param q  all parameters, result.

@@ -174,6 +174,8 @@ void Work::lay_out(Arena& arena, int window_side) {
   block = cleared(block_size(window));
   scratch = cleared(scratch_size(window));
   bytes = arena.take<std::uint8_t>(static_cast<std::size_t>(block_size(window)));
+  whole = take_system(arena);
+  partial = take_system(arena);
   if (all == nullptr) return;
   for (int y = 0; y < window; ++y)
     for (int x = 0; x < window; ++x) all[y * lanes(window) + x] = 1;

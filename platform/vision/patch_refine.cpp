@@ -4,6 +4,8 @@
 // by least squares, the c under a prior of zero; the shift is then -a / gain. Leaving the c free costs a
 // tenth of the precision and removes nearly all of the error that a rotation of 1.5 degrees or a stretch of 1
 // % makes, which would be larger than that of noise of three grey levels.
+#include <new>
+
 #include "patch_work.hpp"
 
 namespace pliant::patch {
@@ -23,8 +25,8 @@ struct Moments {
   float products[kMotions][kMotions];  // centred, lower triangle
 };
 
-Moments moments_of(const std::int16_t* const* images, const std::int16_t* mask, int m, int count) {
-  Moments s;
+void compute_moments(const std::int16_t* const* images, const std::int16_t* mask, int m, int count,
+                     Moments& s) {
   s.m = m;
   s.mask = mask;
   s.n = dot(mask, mask, count);
@@ -44,7 +46,6 @@ Moments moments_of(const std::int16_t* const* images, const std::int16_t* mask, 
   for (int i = 0; i < m; ++i)
     for (int k = 0; k <= i; ++k)
       s.products[i][k] = centred(s.n, s.inverse_n, raw[i][k], s.sums[i], s.sums[k]);
-  return s;
 }
 
 // What is known beforehand: stretches are small (the weight of that), and along an edge there is no shift.
@@ -73,17 +74,16 @@ void add_prior(const Prior& prior, float (&a)[kMotions][kMotions]) {
 }
 
 template <int M>
-Factor factorise(const Moments& s, const Prior& prior) {
+void factorise(const Moments& s, const Prior& prior, Factor& f) {
   constexpr float kLeast = 1e-4f;  // of the diagonal
   float a[kMotions][kMotions], full[M];
   for (int i = 0; i < M; ++i)
     for (int k = 0; k <= i; ++k) a[i][k] = s.products[i][k];
   add_prior<M>(prior, a);
   for (int i = 0; i < M; ++i) full[i] = a[i][i];
-  Factor f;
   f.is_regular = false;
   for (int j = 0; j < M; ++j) {
-    if (!(a[j][j] > kLeast * full[j])) return f;
+    if (!(a[j][j] > kLeast * full[j])) return;
     f.d[j] = a[j][j];
     f.inverse[j] = 1.0f / a[j][j];
     for (int i = j + 1; i < M; ++i) f.l[i][j] = a[i][j] * f.inverse[j];
@@ -91,7 +91,6 @@ Factor factorise(const Moments& s, const Prior& prior) {
       for (int k = j + 1; k <= i; ++k) a[i][k] -= f.l[i][j] * a[k][j];
   }
   f.is_regular = true;
-  return f;
 }
 
 template <int M>
@@ -170,16 +169,17 @@ Measurement measure(const Moments& s, const Factor& f, const Explained& e, GridP
   return r;
 }
 
-Moments whole_moments(bool has_stretch, Work& work) {
+void compute_whole_moments(bool has_stretch, Work& work, Moments& moments) {
   if (!has_stretch) {
     const std::int16_t* const images[] = {work.plain.t, work.plain.gx, work.plain.gy};
-    return moments_of(images, work.plain.m, kWithoutStretch, work.count);
+    compute_moments(images, work.plain.m, kWithoutStretch, work.count, moments);
+    return;
   }
   multiply_by_position(work.plain.gx, work.window, work.stretch[0], work.stretch[1]);
   multiply_by_position(work.plain.gy, work.window, work.stretch[2], work.stretch[3]);
   const std::int16_t* const images[] = {work.plain.t,    work.stretch[0], work.stretch[1], work.stretch[2],
                                         work.stretch[3], work.plain.gx,   work.plain.gy};
-  return moments_of(images, work.plain.m, kMotions, work.count);
+  compute_moments(images, work.plain.m, kMotions, work.count, moments);
 }
 
 Texture texture_of(const Moments& s) {
@@ -192,39 +192,48 @@ Texture texture_of(const Moments& s) {
   return t;
 }
 
+// The moments without what is clipped in the current image.
+void compute_moments_without_clipped(const Moments& whole, Work& work, Moments& moments) {
+  for (int i = 0; i < whole.m; ++i) apply_mask(whole.images[i], work.unclipped, work.count, work.masked[i]);
+  compute_moments(work.masked, work.unclipped, whole.m, work.count, moments);
+}
+
+}  // namespace
+
 // The system to be solved while the same pixels count.
 struct System {
   Moments moments;
   Factor factor;
   Vec2 along;
   bool is_solvable;
+
+  // From its moments; what a warp is expected to be, and the texture needed.
+  void prepare(float warp_sd, const TextureNeeded& needed, int window) {
+    is_solvable = false;
+    along = {};
+    if (!is_usable(texture_of(moments), window, needed, along)) return;
+    const Prior prior{warp_sd > 0 ? (kPriorNoise / warp_sd) * (kPriorNoise / warp_sd) : 0, along};
+    if (moments.m == kMotions)
+      factorise<kMotions>(moments, prior, factor);
+    else
+      factorise<kWithoutStretch>(moments, prior, factor);
+    is_solvable = factor.is_regular;
+  }
 };
 
-System system_of(const Moments& moments, float warp_sd, const TextureNeeded& needed, int window) {
-  System s{moments, {}, {}, false};
-  if (!is_usable(texture_of(moments), window, needed, s.along)) return s;
-  const Prior prior{warp_sd > 0 ? (kPriorNoise / warp_sd) * (kPriorNoise / warp_sd) : 0, s.along};
-  s.factor = moments.m == kMotions ? factorise<kMotions>(moments, prior)
-                                   : factorise<kWithoutStretch>(moments, prior);
-  s.is_solvable = s.factor.is_regular;
-  return s;
+System* take_system(Arena& arena) {
+  void* const room = arena.take<System>(1);
+  return room == nullptr ? nullptr : new (room) System();
 }
-
-// The moments without what is clipped in the current image.
-Moments moments_without_clipped(const Moments& whole, Work& work) {
-  for (int i = 0; i < whole.m; ++i) apply_mask(whole.images[i], work.unclipped, work.count, work.masked[i]);
-  return moments_of(work.masked, work.unclipped, whole.m, work.count);
-}
-
-}  // namespace
 
 PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd, Work& work, Position& p,
                    Measurement& result) {
   constexpr int kMaxSteps = 4;
   // What a step leaves is about a tenth of it.
   const float last_move = 10 * o.epsilon_px, most_left = 3 * last_move;
-  const System whole = system_of(whole_moments(warp_sd > 0, work), warp_sd, o.texture, work.window);
-  System partial;
+  System &whole = *work.whole, &partial = *work.partial;
+  compute_whole_moments(warp_sd > 0, work, whole.moments);
+  whole.prepare(warp_sd, o.texture, work.window);
   const Vec2 start = p.y;
   for (int step = 1;; ++step) {
     const GridPosition at = on_grid(p.y);
@@ -234,8 +243,10 @@ PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd
                                               work.window, work.scratch, work.image);
     ++p.iterations;
     const bool is_whole = all_count(o.range, static_cast<int>(whole.moments.n), work);
-    if (!is_whole)
-      partial = system_of(moments_without_clipped(whole.moments, work), warp_sd, o.texture, work.window);
+    if (!is_whole) {
+      compute_moments_without_clipped(whole.moments, work, partial.moments);
+      partial.prepare(warp_sd, o.texture, work.window);
+    }
     const System& now = is_whole ? whole : partial;
     if (!now.is_solvable) return PatchStatus::flat;
     p.along = now.along;

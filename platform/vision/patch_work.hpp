@@ -25,6 +25,8 @@ constexpr int surround_side(const PatchLimits& l) {
 /// The image changes by a multiple of each of these: light, a stretch or turn of the window, and a shift.
 constexpr int kLight = 0, kShift = 5, kMotions = 7;  // 1 to 4: stretch
 
+struct System;  // of patch_refine.cpp
+
 /// Arrays of one search, sized for the window.
 struct Work {
   int window, count;         ///< side; elements of an array
@@ -37,6 +39,7 @@ struct Work {
   std::int16_t* unclipped;         ///< the mask of those
   std::int16_t* image;             ///< the current image, sampled
   std::uint8_t* bytes;             ///< pixels near the border, collected with their edge repeated
+  System *whole, *partial;         ///< equations of `refine`: of all pixels, of those that are not clipped
 
   void lay_out(Arena& arena, int window_side);
 };
@@ -49,6 +52,9 @@ constexpr GreyRange usable_range(bool masks_clipped) {
   return masks_clipped ? GreyRange{5 * kGreyScale - kGreyOffset, 250 * kGreyScale - kGreyOffset}
                        : GreyRange{-kGreyOffset - 1, kGreyOffset};
 }
+
+/// Room for one.
+System* take_system(Arena& arena);
 
 /// Loads work.block with pixels from (left, top) on; beyond the image its edge is repeated.
 void load_block(const ImageView& image, int left, int top, Work& work);

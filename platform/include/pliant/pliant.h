@@ -107,8 +107,14 @@ const char *pliant_status_text(pliant_status status);
 /** 'S': 320 x 240 on a microcontroller; 'L': 640 x 480. Anything else gives all zero, which no call accepts. */
 pliant_limits pliant_profile(char name);
 
-/** Bytes that pliant_create needs for this model and these limits. Faults of the table as pliant_create. */
-pliant_status pliant_required_bytes(const void *table, size_t table_bytes, const pliant_limits *limits, size_t *bytes);
+/**
+ * Bytes that pliant_create needs for this model and these limits. Asking takes PLIANT_SCRATCH_BYTES, at a multiple of 16
+ * bytes' address, which are free again afterwards: the stack of a small device has no room for them, but the block that
+ * is going to be the tracker's has. Faults of the table as pliant_create; too little scratch: PLIANT_OUT_OF_MEMORY.
+ */
+enum { PLIANT_SCRATCH_BYTES = 6144 };
+pliant_status pliant_required_bytes(void *scratch, size_t scratch_bytes, const void *table, size_t table_bytes,
+                                    const pliant_limits *limits, size_t *bytes);
 
 /** Makes a tracker in `memory`, a multiple of 16 bytes' address, which must stay, as must the table. */
 pliant_status pliant_create(void *memory, size_t bytes, const void *table, size_t table_bytes,
