@@ -33,13 +33,17 @@ void EstimatorProblem::choose(std::size_t row, Vec2 x) {
   e.lengths_[row] = best;
 }
 
-void EstimatorProblem::measure() {
-  const Projector projector(view, true);
+void EstimatorProblem::measure(const View& v, const float* q) {
+  const Projector projector(v, true);
   for (std::size_t k = 0; k < e.row_count_; ++k) {
     Vec2 x{-kFarPx, -kFarPx};
-    projector.project(e.cascade_.evaluate(e.baked_point(e.rows_[k].id), e.q_), &x);
+    projector.project(e.cascade_.evaluate(e.baked_point(e.rows_[k].id), q), &x);
     choose(k, x);
   }
+}
+
+void EstimatorProblem::measure() {
+  measure(view, e.q_);
 }
 
 void EstimatorProblem::update_scale() {
@@ -103,8 +107,10 @@ void EstimatorProblem::add_row(const Projector::Derivatives& d, const Jacobian& 
                    {weight * w.xx, weight * w.xy, weight * w.yy});
 }
 
-/// Cost, residuals and normal equations at a state.
-float EstimatorProblem::linearise(const View& v, const float* q) {
+/// Cost, residuals and normal equations at the accepted state.
+float EstimatorProblem::linearise() {
+  const View& v = view;
+  const float* const q = e.q_;
   e.equations_.reset(kPoseUnknowns + e.cascade_.column_count());
   for (std::size_t n = 0; n < kPoseUnknowns; ++n) e.unknown_[n] = static_cast<std::uint16_t>(n);
   const Projector projector(v, true);
@@ -144,42 +150,52 @@ void EstimatorProblem::accept() {
   }
 }
 
-void EstimatorProblem::minimise(int iterations, SolverReport* report) {
+/// Cost of a state; residuals, lengths and chosen alternatives are then its own.
+float EstimatorProblem::cost_of(const View& v, const float* q) {
+  measure(v, q);
+  const float per_scale = 1.0f / scale;
+  float sum = prior_cost(v, q);
+  for (std::size_t k = 0; k < e.row_count_; ++k)
+    if (e.rows_[k].is_kept) sum += evaluate(loss, e.lengths_[k] * per_scale).rho;
+  return sum;
+}
+
+void EstimatorProblem::minimise(int iterations, float relative_decrease, SolverReport* report) {
   constexpr int kMaxTries = 4;
-  float damping = 1e-4f;
-  float cost = linearise(view, e.q_);
+  float damping = 1e-4f, cost = linearise();
   if (report->iterations == 0) report->initial_cost = cost;
   report->stop_reason = StopReason::iteration_limit;
-  bool stale = false;  // the equations are those of a state that was not accepted
+  bool is_elsewhere = false;  // the residuals are those of a state that was not accepted
   for (int tries = 0; iterations > 0;) {
     e.equations_.solve(damping, e.step_);
-    float promised = 0;  // twice the decrease that the equations foresee
-    for (std::size_t k = 0; k < e.equations_.count(); ++k) promised += e.equations_.g(k) * e.step_[k];
-    if (0.5f * promised <= e.options_.relative_decrease * cost) {
+    float foreseen = 0;  // decrease, by the equations
+    for (std::size_t k = 0; k < e.equations_.count(); ++k) foreseen += 0.5f * e.equations_.g(k) * e.step_[k];
+    if (foreseen <= relative_decrease * cost) {
       report->stop_reason = StopReason::converged;
       break;
     }
     move(e.step_);
     --iterations;
     ++report->iterations;
-    const float there = linearise(trial_, e.trial_q_);
-    stale = !(there < cost);  // true for NaN
-    if (!stale) {
-      accept();
-      damping = max(0.1f * damping, 1e-7f);
-      tries = 0;
-      cost = there;
-      continue;
-    }
-    damping = max(10 * damping, 1e-3f);
-    if (++tries == kMaxTries) {
+    const float there = cost_of(trial_, e.trial_q_), surprise = magnitude(cost - there - foreseen);
+    is_elsewhere = !(there < cost);  // true for NaN
+    if (is_elsewhere) {
+      damping = max(10 * damping, 1e-3f);
+      if (++tries < kMaxTries) continue;
       report->stop_reason = StopReason::no_decrease;
       break;
     }
-    cost = linearise(view, e.q_);
-    stale = false;
+    accept();
+    cost = there;
+    damping = max(0.1f * damping, 1e-7f);
+    tries = 0;
+    if (surprise <= relative_decrease * cost) {
+      report->stop_reason = StopReason::converged;
+      break;
+    }
+    if (iterations > 0) cost = linearise();
   }
-  if (stale) cost = linearise(view, e.q_);
+  if (is_elsewhere) measure();
   report->final_cost = cost;
   report->undetermined = e.equations_.undetermined_count();
 }
@@ -231,7 +247,7 @@ void EstimatorProblem::challenge(SolverReport* report) {
     for (std::size_t k = 0; k < e.row_count_; ++k) e.rows_[k].is_kept = true;
     e.rejected_forces_ = false;
   }
-  report->final_cost = linearise(view, e.q_);
+  report->final_cost = linearise();
 }
 
 }  // namespace pliant

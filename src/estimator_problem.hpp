@@ -21,15 +21,15 @@ struct EstimatorProblem {
   void measure();
   /// Sets the scale of the robust loss to that of the rows kept.
   void update_scale();
-  /// Levenberg-Marquardt from the accepted state with one pass over the rows a step; adds to the report. What a step
-  /// would still bring is told from the equations before it is tried, so that no pass is spent on convergence. Residuals
-  /// are those of the accepted state afterwards.
-  void minimise(int iterations, SolverReport* report);
+  /// Levenberg-Marquardt from the accepted state; adds to the report. It ends where the equations foresee a decrease by
+  /// less than the given share of the cost, or where a step brought what they foresaw up to so much: another one would
+  /// bring no more. Residuals are those of the accepted state afterwards, the equations those of the step before.
+  void minimise(int iterations, float relative_decrease, SolverReport* report);
   /// The same with a loss, in the scale of what residuals are now.
-  void settle(Loss new_loss, int iterations, SolverReport* report) {
+  void settle(Loss new_loss, int iterations, float relative_decrease, SolverReport* report) {
     loss = new_loss;
     update_scale();
-    minimise(iterations, report);
+    minimise(iterations, relative_decrease, report);
   }
   /// Generalised forces of the rows of rank two in the rigid block, at the accepted state: some are rejected.
   void reject_forces();
@@ -41,7 +41,9 @@ struct EstimatorProblem {
   void challenge(SolverReport* report);
 
  private:
-  float linearise(const View& v, const float* q);
+  void measure(const View& v, const float* q);
+  float cost_of(const View& v, const float* q);
+  float linearise();
   void add_row(const Projector::Derivatives& d, const Jacobian& jacobian, std::size_t row, float weight);
   void choose(std::size_t row, Vec2 x);
   float prior_cost(const View& v, const float* q) const;

@@ -9,6 +9,7 @@ namespace {
 constexpr std::size_t kFewestEquations = kPoseUnknowns + 4;
 constexpr float kLeastWeight = 0.1f;  // of an inlier
 constexpr int kIterationsAfter = 3;
+constexpr float kNearEnough = 0.02f;  // decrease left, in shares of the cost, at which Huber's loss gives way to Tukey's
 constexpr float kLeastPivot = 1e-4f;
 constexpr float kMostCueScale = 4;
 
@@ -102,7 +103,7 @@ SolverReport Estimator::solve_ideal(Span<Observation> observations) {
   EstimatorProblem problem(*this, observations, view_);
   problem.measure();
   if (options_.rejection == Rejection::none)
-    problem.minimise(options_.iterations, &report);
+    problem.minimise(options_.iterations, options_.relative_decrease, &report);
   else
     solve_robustly(problem, &report);
   view_ = problem.view;
@@ -115,12 +116,12 @@ void Estimator::solve_robustly(EstimatorProblem& problem, SolverReport* report) 
   const Rejection rejection = options_.rejection;
   if (solves_++ > 0) {
     if (rejected_forces_) keep_as_before(problem);
-    problem.settle(Loss::tukey, options_.iterations, report);
+    problem.settle(Loss::tukey, options_.iterations, options_.relative_decrease, report);
   } else if (rejection == Rejection::forces || rejection == Rejection::forces_readmitted) {
     solve_by_forces(problem, report);
   } else {
-    problem.settle(Loss::huber, options_.iterations, report);
-    problem.settle(Loss::tukey, options_.iterations, report);
+    problem.settle(Loss::huber, options_.iterations, kNearEnough, report);
+    problem.settle(Loss::tukey, options_.iterations, options_.relative_decrease, report);
     if (rejection == Rejection::on_doubt && is_doubtful(problem)) problem.challenge(report);
   }
 }
@@ -128,11 +129,11 @@ void Estimator::solve_robustly(EstimatorProblem& problem, SolverReport* report) 
 void Estimator::solve_by_forces(EstimatorProblem& problem, SolverReport* report) {
   rejected_forces_ = true;
   if (sample_capacity_ > 0) limits_.rejection->reject(problem);
-  problem.settle(Loss::huber, options_.iterations, report);
-  problem.settle(Loss::tukey, options_.iterations, report);
+  problem.settle(Loss::huber, options_.iterations, kNearEnough, report);
+  problem.settle(Loss::tukey, options_.iterations, options_.relative_decrease, report);
   if (options_.rejection == Rejection::forces) return;
   problem.readmit();
-  problem.minimise(kIterationsAfter, report);
+  problem.minimise(kIterationsAfter, options_.relative_decrease, report);
 }
 
 /// Residuals well above what the cues have had lately, or much without weight: coherent things on the surface look so.

@@ -48,6 +48,14 @@ float value_noise(float x, float y, std::uint32_t seed) {
 Scene::Scene(const Model& model, int width, int height, int cells, int samples)
     : model_(model), texture_(model), sheet_(model, texture_, cells), raster_(width, height, samples) {}
 
+float Scene::albedo(Vec2 uv) const {
+  constexpr float kBlotches = 56;  // along the chart
+  float grey = texture_.albedo(uv);
+  if (flat_step_ > 0 && uv.x < 0.5f) grey = flat_step_ * (0.5f + std::floor(grey / flat_step_));
+  if (speckle_ > 0) grey *= 1 + speckle_ * (2 * value_noise(kBlotches * uv.x, kBlotches * uv.y, 11) - 1);
+  return grey;
+}
+
 Image Scene::draw(const float* q, const Pose& pose, const Camera& camera, const Image& background,
                   float tone) {
   sheet_.set(q);
@@ -65,9 +73,7 @@ Image Scene::draw(const float* q, const Pose& pose, const Camera& camera, const 
   raster_.clear();
   const auto shade = [this](Vec2 uv, float light, float* grey) {
     if (!texture_.covers(uv)) return false;
-    float albedo = texture_.albedo(uv);
-    if (flat_step_ > 0 && uv.x < 0.5f) albedo = flat_step_ * (0.5f + std::floor(albedo / flat_step_));
-    *grey = std::min(255.0f, albedo * light);
+    *grey = std::min(255.0f, albedo(uv) * light);
     return true;
   };
   const auto triangle = [&](std::size_t a, std::size_t b, std::size_t c) {

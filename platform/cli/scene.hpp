@@ -25,9 +25,14 @@ class Scene {
   /// Takes the texture from the half of the chart with u below 0.5: its albedo comes in steps of so many grey levels,
   /// so that only the outlines of what is darker or lighter are left. 0: none of it.
   void flatten_half(float step_grey) { flat_step_ = step_grey; }
+  /// Sprays blotches of a few millimetres on the skin, as an actor's for motion capture: there are corners everywhere.
+  /// \param share  of the albedo that they add or take away, 0 to 1.
+  void speckle(float share) { speckle_ = share; }
 
  private:
-  float flat_step_ = 0;
+  float albedo(Vec2 uv) const;
+
+  float flat_step_ = 0, speckle_ = 0;
   Model model_;
   ChartTexture texture_;
   SurfaceSheet sheet_;
