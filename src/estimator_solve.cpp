@@ -166,6 +166,7 @@ void Estimator::conclude(const EstimatorProblem& problem) {
     for (std::uint8_t i = 0; i < row.count; ++i)
       if (alternatives[i].reason == Reason::found && !(fits && i == row.chosen))
         alternatives[i].reason = Reason::rejected;
+    alternatives[row.chosen].residual = residuals_[k];
     if (!fits) continue;
     ++inliers;
     square_sum += squared_px(k);

@@ -43,6 +43,7 @@ struct Observation {
   Cue cue = Cue::patch;
   Reason reason = Reason::found;  ///< anything else: not used, kept for the counts
   float score = 0;                ///< normalised correlation or contrast, in [-1,1]
+  Vec2 residual;                  ///< what the last solve has left: x less where the surface point is then
 };
 
 }  // namespace pliant

@@ -7,6 +7,9 @@ namespace pliant {
 namespace {
 
 constexpr std::uint8_t kMostFramesApart = 20;
+/// Of what the model could not explain of a point in the last frame, the share by which it is searched for elsewhere: as
+/// much as stays, and less than would let a point that slips go on slipping.
+constexpr float kRemembered = 0.7f;
 constexpr float kFollowedShare = 0.25f;  // weight of a patch that was only followed from the frame before
 
 Reason reason_of(PatchStatus status) {
@@ -46,7 +49,7 @@ bool Tracker::is_in_region(Vec2 x) const {
 
 /// The finest pyramid level from which the search reaches as far as the prediction is likely to be off.
 int Tracker::first_level() const {
-  const float off = 2 * moved_px_ + 0.25f * shift_px_;
+  const float off = 2 * moved_px_ + 0.1f * shift_px_;
   return off < 2 ? 0 : off < 4 ? 1 : -1;
 }
 
@@ -82,7 +85,7 @@ std::size_t Tracker::look_and_solve(int round) {
       slot.looked_with = p.jacobian;
       ++looks;
     }
-    if (round == 0) slot.expected = p.x;
+    if (round == 0) slot.expected = p.x + kRemembered * slot.residual;
     slot.observation = static_cast<std::uint16_t>(n++);
   }
   point_observation_count_ = n;
@@ -99,18 +102,20 @@ std::size_t Tracker::look_and_solve(int round) {
   return looks;
 }
 
+/// Searches from where the model expects the point, about as far off as it was last time.
 PatchResult Tracker::match(std::size_t k, const Prediction& p, int round) {
   PatchOptions options;
   const bool last = round + 1 == options_.rounds;
   options.min_correlation = last ? options_.min_correlation : options_.min_correlation - 0.1f;
   options.first_level = round == 0 ? first_level() : 0;
+  options.start_sd_px = 0.7f * moved_px_;  // along either axis
   options.max_move_px = scaled_px(limits_, round == 0 ? 16.0f : 3.0f);
   const Slot& slot = slots_[k];
   std::size_t which = k;
   if (slot.second != kNoSlot &&
       strain(p.jacobian, slots_[slot.second].reference) < strain(p.jacobian, slot.reference))
     which = slot.second;
-  return patches_.track(static_cast<int>(which), current_, p.x - origin_,
+  return patches_.track(static_cast<int>(which), current_, p.x + kRemembered * slot.residual - origin_,
                         p.jacobian * inverse(slots_[which].reference), options);
 }
 
@@ -158,6 +163,7 @@ void Tracker::note_seen() {
     if (!slot.is_used || slot.owner != k) continue;
     const Observation& o = observations_[slot.observation];
     slot.was_seen = good && o.reason == Reason::found;
+    slot.residual = slot.was_seen ? o.residual : Vec2{};
     if (!slot.was_seen) continue;
     slot.seen = o.x;
     const Vec2 off = o.x - slot.expected;

@@ -142,7 +142,8 @@ class Tracker {
     std::uint16_t second = kNoSlot;  // of an owner: its second template
     std::uint16_t observation = 0;   // of this round
     Mat2 reference;                  // dx/d(u,v) where the template was captured
-    Vec2 seen, expected;             // last frame: where it was found, where it was predicted
+    Vec2 seen, expected;             // last frame: where it was found, where the search for it began
+    Vec2 residual;                   // what the model could not explain of that
     Vec2 looked_at;                  // the prediction when it was last looked for
     Mat2 looked_with;                // and its dx/d(u,v)
     bool is_used = false, was_seen = false;
