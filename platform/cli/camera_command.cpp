@@ -1,6 +1,7 @@
 // `pliant camera list`: the cameras that `--frames camera:` can take.
 #include "cli/command.hpp"
 #include "cli/failure.hpp"
+#include "frames/camera_module.hpp"
 
 #if PLIANT_HAS_LIBCAMERA
 #include "pliant/libcamera.hpp"
@@ -14,7 +15,10 @@ int run_camera(const Args& args, Console& console) {
   if (args.operand(0) != "list") fail_usage("no such action: " + args.operand(0) + "; there is list");
 #if PLIANT_HAS_LIBCAMERA
   std::vector<CameraInfo> cameras;
-  if (list_cameras(&cameras) != Status::ok) throw Failure(kBadInput, "libcamera does not start");
+  std::string wrong;
+  const CameraModule* const module = load_camera_module(&wrong);
+  if (module == nullptr) throw Failure(kBadInput, wrong);
+  if (module->list(&cameras) != Status::ok) throw Failure(kBadInput, "libcamera does not start");
   if (cameras.empty()) throw Failure(kBadInput, "no camera");
   for (std::size_t k = 0; k < cameras.size(); ++k)
     console.out << k << "\t" << cameras[k].id << "\t" << cameras[k].model << "\n";

@@ -1,9 +1,9 @@
-// A camera as a source of frames for the command; only the message where the build has no libcamera.
+// Cameras by name, and the library that opens them; only the message where the build has no libcamera.
+#include "frames/camera_module.hpp"
 #include "frames/camera_spec.hpp"
-#include "frames/sources.hpp"
 
 #if PLIANT_HAS_LIBCAMERA
-#include "pliant/libcamera.hpp"
+#include <dlfcn.h>
 #endif
 
 namespace pliant {
@@ -16,34 +16,6 @@ int side_of(const std::string& text) {
   const int side = std::stoi(text);
   return side >= 16 && side <= 8192 ? side : 0;
 }
-
-#if PLIANT_HAS_LIBCAMERA
-
-class CameraSource : public FrameSource {
- public:
-  /// Empty on success, else what is wrong.
-  std::string open(const CameraSpec& spec) {
-    CameraOptions options;
-    options.camera = spec.camera;
-    options.width = spec.width;
-    options.height = spec.height;
-    if (stream_.open(options) != Status::ok || stream_.start() != Status::ok) return stream_.message();
-    width_ = stream_.width();
-    height_ = stream_.height();
-    rate_ = {30, 1};
-    is_live_ = true;
-    return {};
-  }
-
- private:
-  Status read(std::uint32_t, FrameView& frame) override {
-    const Status status = stream_.next(&frame);
-    return status == Status::ok ? status : fail(status, "camera: " + stream_.message());
-  }
-  CameraStream stream_;
-};
-
-#endif
 
 }  // namespace
 
@@ -65,16 +37,35 @@ bool parse_camera_spec(const std::string& name, CameraSpec* spec) {
   return true;
 }
 
-OpenedFrames open_camera(const CameraSpec& spec) {
 #if PLIANT_HAS_LIBCAMERA
-  auto source = std::make_unique<CameraSource>();
-  const std::string wrong = source->open(spec);
-  if (!wrong.empty()) return {nullptr, "camera: " + wrong};
-  return {std::move(source), {}};
+
+const CameraModule* load_camera_module(std::string* wrong) {
+  // Beside the program, beside its folder (the tests are in one of their own), and where it is installed.
+  constexpr const char* kPlaces[] = {"$ORIGIN/pliant-camera.so", "$ORIGIN/../pliant-camera.so",
+                                     "$ORIGIN/" PLIANT_CAMERA_MODULE_DIR "/pliant-camera.so"};
+  void* library = nullptr;
+  for (const char* place : kPlaces) {
+    if (library == nullptr) library = ::dlopen(place, RTLD_NOW | RTLD_LOCAL);
+  }
+  void* const module = library != nullptr ? ::dlsym(library, "pliant_camera_module") : nullptr;
+  if (module == nullptr) *wrong = std::string("no camera support: ") + ::dlerror();
+  return static_cast<const CameraModule*>(module);
+}
+
 #else
-  static_cast<void>(spec);
-  return {nullptr, "camera: this program was built without libcamera"};
+
+const CameraModule* load_camera_module(std::string* wrong) {
+  *wrong = "this program was built without libcamera";
+  return nullptr;
+}
+
 #endif
+
+OpenedFrames open_camera(const CameraSpec& spec) {
+  std::string wrong;
+  const CameraModule* const module = load_camera_module(&wrong);
+  if (module == nullptr) return {nullptr, "camera: " + wrong};
+  return module->open(spec);
 }
 
 }  // namespace pliant
