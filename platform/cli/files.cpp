@@ -1,5 +1,10 @@
 #include "cli/files.hpp"
 
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -73,12 +78,29 @@ void write_file(const std::string& path, std::string_view bytes) {
   file.commit();
 }
 
-ModelFile::ModelFile(const std::string& path) : path_(path) {
+MappedFile::MappedFile(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  struct stat facts = {};
+  if (file >= 0 && ::fstat(file, &facts) == 0 && S_ISREG(facts.st_mode) && facts.st_size > 0) {
+    size_bytes_ = static_cast<std::size_t>(facts.st_size);
+    mapped_ = ::mmap(nullptr, size_bytes_, PROT_READ, MAP_PRIVATE, file, 0);
+    if (mapped_ == MAP_FAILED) mapped_ = nullptr;
+  }
+  if (file >= 0) ::close(file);
+  if (mapped_ != nullptr) return;
   const std::string bytes = read_file(path);
-  words_.resize((bytes.size() + 3) / 4);
-  if (!bytes.empty()) std::memcpy(words_.data(), bytes.data(), bytes.size());
-  if (bytes.size() < sizeof(table::Header)) fail_input(path, text(Status::truncated));
-  require(Model::open(words_.data(), bytes.size(), &model_), path);
+  size_bytes_ = bytes.size();
+  words_.resize((size_bytes_ + 3) / 4);
+  if (!bytes.empty()) std::memcpy(words_.data(), bytes.data(), size_bytes_);
+}
+
+MappedFile::~MappedFile() {
+  if (mapped_ != nullptr) ::munmap(mapped_, size_bytes_);
+}
+
+ModelFile::ModelFile(const std::string& path) : path_(path), bytes_(path) {
+  if (bytes_.size_bytes() < sizeof(table::Header)) fail_input(path, text(Status::truncated));
+  require(Model::open(bytes_.data(), bytes_.size_bytes(), &model_), path);
 }
 
 std::string number_text(double value) {

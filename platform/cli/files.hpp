@@ -52,7 +52,26 @@ class OutputFile {
 /// Writes a whole file in one go.
 void write_file(const std::string& path, std::string_view bytes);
 
-/// A model table in memory of its own, aligned, with the view on it.
+/// A whole file as aligned memory: mapped, so that what nobody reads takes no memory and what is read is shared, or,
+/// where that is impossible (a pipe), read.
+class MappedFile {
+ public:
+  /// Bad input as for `read_file`.
+  explicit MappedFile(const std::string& path);
+  ~MappedFile();
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  const void* data() const { return mapped_ != nullptr ? mapped_ : words_.data(); }
+  std::size_t size_bytes() const { return size_bytes_; }
+
+ private:
+  void* mapped_ = nullptr;
+  std::size_t size_bytes_ = 0;
+  std::vector<std::uint32_t> words_;
+};
+
+/// A model table in a file, with the view on it. The file must not be written to meanwhile; replacing it is harmless.
 class ModelFile {
  public:
   /// Bad input, with the reason, for anything but a valid table.
@@ -65,7 +84,7 @@ class ModelFile {
 
  private:
   std::string path_;
-  std::vector<std::uint32_t> words_;
+  MappedFile bytes_;
   Model model_;
 };
 

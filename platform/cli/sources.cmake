@@ -84,3 +84,11 @@ target_sources(pliant_host PRIVATE
 add_executable(pliant ${CMAKE_CURRENT_LIST_DIR}/main.cpp)
 target_link_libraries(pliant PRIVATE pliant_host pliant_warnings)
 set_target_properties(pliant PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+# What the program uses of the C++ library, in the program: the whole of it costs a megabyte of memory more. A sanitizer wants
+# the shared one.
+include(CheckLinkerFlag)
+set(pliant_lean "-static-libstdc++;-static-libgcc;-Wl,--gc-sections")
+check_linker_flag(CXX "${pliant_lean}" PLIANT_CAN_LINK_LEAN)
+if(PLIANT_CAN_LINK_LEAN AND NOT CMAKE_CXX_FLAGS MATCHES "sanitize")
+  target_link_options(pliant PRIVATE ${pliant_lean})
+endif()

@@ -2,10 +2,24 @@
 
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 
 #include "cli/overlay.hpp"
 
 namespace pliant::cli {
+
+namespace {
+
+/// The most memory that this process has had so far, as the kernel counts pages; 0 where it does not say. A rusage would
+/// count the parent's as well.
+std::size_t peak_memory_kib() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind("VmHWM:", 0) == 0) return std::stoul(line.substr(6));
+  return 0;
+}
+
+}  // namespace
 
 TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
                          FrameRate rate)
@@ -87,6 +101,7 @@ std::string TrackOutput::summary(std::size_t arena_bytes, float focal_px) const 
                 "frames=%zu tracked=%zu rms_px=%.3f median_ms=%.3f arena_bytes=%zu f_px=%.6g", frames_,
                 tracked_, rms, median(milliseconds_), arena_bytes, static_cast<double>(focal_px));
   std::string out = line;
+  if (const std::size_t peak = peak_memory_kib(); peak > 0) out += " peak_kib=" + std::to_string(peak);
   if (truth_) {
     std::snprintf(line, sizeof line, " landmark_px=%.3f rotation_deg=%.3f compared=%zu",
                   truth_->mean_landmark_px(), truth_->median_rotation_deg(), truth_->frame_count());

@@ -32,7 +32,7 @@ class TrackOutput {
   void commit(std::size_t arena_bytes, float focal_px);
 
   /// One line of key=value: frames, tracked (in state `tracking`), rms_px (root mean square over the frames),
-  /// median_ms, arena_bytes, f_px; with a truth landmark_px (mean), rotation_deg (median) and compared
+  /// median_ms, arena_bytes, f_px, peak_kib (memory of the process); with a truth landmark_px (mean), rotation_deg (median) and compared
   /// (frames).
   std::string summary(std::size_t arena_bytes, float focal_px) const;
 
