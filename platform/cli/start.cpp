@@ -5,17 +5,12 @@
 #include "cli/failure.hpp"
 #include "cli/owned.hpp"
 #include "pliant/fit.hpp"
+#include "track/landmark_fit.hpp"
 
 namespace pliant::cli {
 
 namespace {
 
-/// How exact a landmark is taken to be, as a share of the points' spread: people and detectors err with the
-/// size of the face, not with the size of the picture.
-constexpr float kPointSdShare = 0.005f;
-/// How much further off a landmark must be before a face is taken to make a face: that a person's lips are thinner
-/// than the model's, or a landmark annotated elsewhere, is no expression.
-constexpr float kExpressionCaution = 6;
 /// Points closer together than this (px) are one point.
 constexpr float kLeastSpread = 4;
 /// A parameter counts as unseen when the points leave this much of its prior's standard deviation.
@@ -38,19 +33,15 @@ std::vector<Correspondence> correspondences(const ModelFile& file, const std::st
   if (points.size() < 4)
     fail_input(source, "too few points: " + std::to_string(points.size()) + ", at least 4 are needed");
   if (points.size() > 2048) fail_input(source, "more than 2048 points");
-  Vec2 low{1e30f, 1e30f}, high{-1e30f, -1e30f};
-  for (const NamedPoint& p : points) {
-    low = {min(low.x, p.x.x), min(low.y, p.x.y)};
-    high = {max(high.x, p.x.x), max(high.y, p.x.y)};
-  }
-  const float spread = length(high - low);
-  if (!(spread >= kLeastSpread))
-    fail_input(source, "the points do not determine the pose: they lie on one spot");
   std::vector<Correspondence> out;
   for (const NamedPoint& p : points) {
     const bool is_outline = match_outline && !p.uv && is_outline_landmark(p.name);
-    out.push_back({p.uv ? *p.uv : landmark_uv(file, p), p.x, kPointSdShare * spread, is_outline});
+    out.push_back({p.uv ? *p.uv : landmark_uv(file, p), p.x, 1, is_outline});
   }
+  const float spread = spread_of({out.data(), out.size()});
+  if (!(spread >= kLeastSpread))
+    fail_input(source, "the points do not determine the pose: they lie on one spot");
+  for (Correspondence& c : out) c.sd_px = kPointSdShare * spread;
   return out;
 }
 
@@ -108,7 +99,7 @@ FitFile describe(const Model& model, const ImageSize& size, const View& view, co
 FitFile fit_to_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points,
                       const FitSetup& setup) {
   const Model& model = file.model();
-  const auto pairs = correspondences(file, source, points, setup.match_outline);
+  auto pairs = correspondences(file, source, points, setup.match_outline);
   std::vector<float> q = setup.q, sd(model.parameters().count), weight(pairs.size());
   q.resize(model.parameters().count, 0.0f);
   std::vector<Vec2> residual(pairs.size());
@@ -127,24 +118,20 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   limits.points = static_cast<std::uint16_t>(pairs.size());
   for (const Correspondence& c : pairs) limits.outline = limits.outline || c.is_outline;
   Owned<Fitter> fitter(model, limits);
-  const auto fit_with = [&](const std::vector<Correspondence>& used) {
-    require(fitter->fit({used.data(), used.size()}, options, q.data(), &report, sd.data(), residual.data(),
-                        weight.data()),
-            source);
+  std::vector<float> sd_before;  // in the stage that estimates expressions
+  const auto fit_with = [&](const FitOptions& stage) {
+    sd_before = sd;
+    return fitter->fit({pairs.data(), pairs.size()}, stage, q.data(), &report, sd.data(), residual.data(),
+                       weight.data());
   };
-  std::vector<std::uint8_t> identity;
-  if (setup.is_free.empty()) {
-    // First what only an expression can explain; then, with that held, who it is.
-    std::vector<Correspondence> cautious = pairs;
-    for (Correspondence& c : cautious) c.sd_px *= kExpressionCaution;
-    fit_with(cautious);
-    for (const Parameter& p : model.parameters()) identity.push_back(p.group == Group::identity);
-    options.is_free = identity.data();
-  }
-  const std::vector<float> expression_sd = sd;
-  fit_with(pairs);
-  for (std::size_t k = 0; k < identity.size(); ++k)
-    if (identity[k] == 0) sd[k] = expression_sd[k];
+  std::vector<std::uint8_t> is_identity(setup.is_free.empty() ? sd.size() : 0);
+  require(setup.is_free.empty()
+              ? fit_expression_then_identity(model, {pairs.data(), pairs.size()}, pairs[0].sd_px, options,
+                                             {is_identity.data(), is_identity.size()}, fit_with)
+              : fit_with(options),
+          source);
+  for (std::size_t k = 0; k < is_identity.size(); ++k)
+    if (is_identity[k] == 0) sd[k] = sd_before[k];
 
   FitFile fit = describe(model, setup.size, report.view, q);
   if (setup.camera) fit.camera = *setup.camera;

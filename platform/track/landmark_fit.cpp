@@ -6,17 +6,14 @@ namespace pliant {
 
 namespace {
 
-/// How exact a landmark is taken to be, as a share of the points' spread.
-constexpr float kPointSdShare = 0.005f;
-/// How much further off a landmark must be before a face is taken to make a face.
-constexpr float kExpressionCaution = 6;
-
 FitLimits limits_for(std::size_t points) {
   FitLimits limits;
   limits.points = static_cast<std::uint16_t>(points);
   limits.outline = true;
   return limits;
 }
+
+}  // namespace
 
 float spread_of(Span<const Correspondence> points) {
   Vec2 low{1e30f, 1e30f}, high{-1e30f, -1e30f};
@@ -26,8 +23,6 @@ float spread_of(Span<const Correspondence> points) {
   }
   return length(high - low);
 }
-
-}  // namespace
 
 std::size_t landmark_fit_bytes(const Model& model, std::uint16_t points, Fitter& fitter) {
   Arena trial;
@@ -48,17 +43,11 @@ Status fit_landmarks(Arena& arena, const Model& model, Span<Correspondence> poin
   if (status != Status::ok) return status;
   const auto is_identity = arena.take_span<std::uint8_t>(model.parameters().count);
   if (arena.exhausted()) return Status::out_of_memory;
-  for (std::size_t k = 0; k < is_identity.count; ++k) {
-    is_identity[k] = model.parameters()[k].group == Group::identity;
-    q[k] = 0;
-  }
-  for (Correspondence& c : points) c.sd_px = kExpressionCaution * kPointSdShare * spread;
-  status = fitter.fit(points, options, q, report, nullptr, nullptr, nullptr);
-  if (status != Status::ok) return status;
-  for (Correspondence& c : points) c.sd_px = kPointSdShare * spread;
-  FitOptions second = options;
-  second.is_free = is_identity.data;
-  return fitter.fit(points, second, q, report, nullptr, nullptr, nullptr);
+  for (std::size_t k = 0; k < is_identity.count; ++k) q[k] = 0;
+  return fit_expression_then_identity(
+      model, points, kPointSdShare * spread, options, is_identity, [&](const FitOptions& stage) {
+        return fitter.fit(points, stage, q, report, nullptr, nullptr, nullptr);
+      });
 }
 
 }  // namespace pliant

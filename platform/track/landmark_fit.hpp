@@ -10,12 +10,37 @@
 
 namespace pliant {
 
+/// How exact a landmark is taken to be, as a share of the points' spread: people and detectors err with the size of the
+/// face, not with the size of the picture.
+constexpr float kPointSdShare = 0.005f;
+/// How much further off a landmark must be before a face is taken to make a face: that a person's lips are thinner
+/// than the model's, or a landmark annotated elsewhere, is no expression.
+constexpr float kExpressionCaution = 6;
+
+/// Diagonal of the points' box, px; of no points not a number to use.
+float spread_of(Span<const Correspondence> points);
+
+/// First what only an expression can explain; then, with that held, who it is. `fit(options)` is called twice and fits
+/// all of `points`, whose sd_px is set here to `sd_px` in the end. \param is_identity  room for a flag a parameter.
+template <class Fit>
+Status fit_expression_then_identity(const Model& model, Span<Correspondence> points, float sd_px,
+                                    FitOptions options, Span<std::uint8_t> is_identity, Fit&& fit) {
+  for (Correspondence& c : points) c.sd_px = kExpressionCaution * sd_px;
+  const Status status = fit(options);
+  if (status != Status::ok) return status;
+  for (Correspondence& c : points) c.sd_px = sd_px;
+  for (std::size_t k = 0; k < is_identity.count; ++k)
+    is_identity[k] = model.parameters()[k].group == Group::identity;
+  options.is_free = is_identity.data;
+  return fit(options);
+}
+
 /// Bytes of an arena that fit_landmarks takes for so many points. `fitter` is laid out for measuring: it may be
 /// anywhere, a small stack has no room for one.
 std::size_t landmark_fit_bytes(const Model& model, std::uint16_t points, Fitter& fitter);
 
 /// Fits pose, person and expression to `points`, whose sd_px is set here; iBUG's jaw is taken as the outline. First
-/// what only an expression can explain; then, with that held, who it is. \param q  all parameters, result.
+/// the expression, then the identity, as above. \param q  all parameters, result.
 /// \return out_of_memory, and the statuses of Fitter::fit.
 Status fit_landmarks(Arena& arena, const Model& model, Span<Correspondence> points, const FitOptions& options,
                      float* q, FitReport* report);
