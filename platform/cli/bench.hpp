@@ -30,6 +30,8 @@ void bench_mcd(std::ostream& out);
 /// The tracker's whole step on rendered frames: time, against points, vertices, parameters and pixels, and error in the
 /// same runs.
 void bench_track(std::ostream& out, const ModelFile& file);
+/// The same against points, vertices, pixels and parameters, one of them changed at a time: to plan with.
+void bench_cost(std::ostream& out, const ModelFile& file);
 /// The error with corners only, with edges, with flow, and with all three, on a face without texture on one half.
 void bench_cues(std::ostream& out, const ModelFile& file);
 /// The error at the end of 5,000 frames, against that at the 50th.

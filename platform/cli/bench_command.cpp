@@ -31,23 +31,9 @@ int run_mcd(const Args&, Console& console) {
   return 0;
 }
 
-int run_track(const Args& args, Console& console) {
-  bench_track(console.out, ModelFile(args.required("--model")));
-  return 0;
-}
-
-int run_cues(const Args& args, Console& console) {
-  bench_cues(console.out, ModelFile(args.required("--model")));
-  return 0;
-}
-
-int run_drift(const Args& args, Console& console) {
-  bench_drift(console.out, ModelFile(args.required("--model")));
-  return 0;
-}
-
-int run_occlusion(const Args& args, Console& console) {
-  bench_occlusion(console.out, ModelFile(args.required("--model")));
+template <void (*bench)(std::ostream&, const ModelFile&)>
+int run_on_model(const Args& args, Console& console) {
+  bench(console.out, ModelFile(args.required("--model")));
   return 0;
 }
 
@@ -64,10 +50,11 @@ constexpr Topic kTopics[] = {{"mesh", run_with_model<bench_mesh>},
                              {"fields", run_with_model<bench_fields>},
                              {"klt", run_klt},
                              {"mcd", run_mcd},
-                             {"track", run_track},
-                             {"cues", run_cues},
-                             {"drift", run_drift},
-                             {"occlusion", run_occlusion},
+                             {"track", run_on_model<bench_track>},
+                             {"cost", run_on_model<bench_cost>},
+                             {"cues", run_on_model<bench_cues>},
+                             {"drift", run_on_model<bench_drift>},
+                             {"occlusion", run_on_model<bench_occlusion>},
                              {"fit", run_fit_bench}};
 
 int run_bench(const Args& args, Console& console) {
@@ -88,7 +75,7 @@ Command bench_command() {
       "bench",
       "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
       "mesh|fields [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | "
-      "mcd | track|cues|drift|occlusion --model face.plm | fit --problems FOLDER",
+      "mcd | track|cost|cues|drift|occlusion --model face.plm | fit --problems FOLDER",
       {{"--model", "PLM", "a model to measure with (mesh: as well)"},
        {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
        {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", true, true},

@@ -119,9 +119,9 @@ Measured measure(const Model& model, const Film& film, TrackerLimits limits, con
   return out;
 }
 
-void print(std::ostream& out, const std::string& variant, const Measured& m) {
+void print(std::ostream& out, const std::string& variant, const Measured& m, const char* topic = "track") {
   const auto row = [&](const char* metric, double value) {
-    out << "track,pliant," << variant << "," << metric << "," << value << "\n";
+    out << topic << ",pliant," << variant << "," << metric << "," << value << "\n";
   };
   row("median_ms", m.milliseconds);
   row("worst_ms", m.worst_milliseconds);
@@ -169,6 +169,41 @@ void bench_track(std::ostream& out, const ModelFile& file) {
   std::fill(is_free.begin(), is_free.end(), std::uint8_t{1});
   print(out, "500 points 1900 vertices 360x288 all parameters",
         measure(model, small, sized(500, 1900), options));
+}
+
+/// From 200 points, 512 vertices, the expressions and 320 x 240 pixels one thing at a time is changed.
+void bench_cost(std::ostream& out, const ModelFile& file) {
+  const Model& model = file.model();
+  const Film film(model, {320, 240});
+  TrackerOptions options;
+  options.estimator.mesh_error_mm = 0.02f;
+  const auto row = [&](const std::string& variant, const Film& shown, const TrackerLimits& limits) {
+    print(out, variant, measure(model, shown, limits, options), "cost");
+  };
+  for (const int points : {50, 100, 200, 400, 800})
+    row("points " + std::to_string(points), film, sized(static_cast<std::uint16_t>(points), 512));
+  for (const int vertices : {512, 1000, 2000, 4000})
+    row("vertices " + std::to_string(vertices), film, sized(200, static_cast<std::uint16_t>(vertices)));
+  for (const ImageSize size : {ImageSize{160, 120}, ImageSize{640, 480}, ImageSize{1280, 960}})
+    row("pixels " + text_of(size), Film(model, size), sized(200, 512));
+  // Expressions first, as many as asked for; then the identity as well.
+  std::vector<std::uint8_t> is_free(model.parameters().count, 0);
+  options.is_free = is_free.data();
+  std::size_t count = 0, next = 0;
+  for (const Group group : {Group::expression, Group::identity})
+    for (std::size_t k = 0; k < is_free.size(); ++k) {
+      if (model.parameters()[k].group != group) continue;
+      if (count == next) row("parameters " + std::to_string(count), film, sized(200, 512));
+      if (count == next) next = next == 0 ? 10 : 2 * next;
+      is_free[k] = 1;
+      ++count;
+    }
+  row("parameters " + std::to_string(count), film, sized(200, 512));
+  options.is_free = nullptr;
+  TrackerLimits limits = sized(200, 512);
+  limits.texture_cells = 32;
+  options.estimator.mesh_operations = 16;
+  row("mesh 16 operations a frame", film, limits);
 }
 
 void bench_cues(std::ostream& out, const ModelFile& file) {
