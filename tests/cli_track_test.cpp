@@ -85,6 +85,23 @@ TEST_CASE("frozen expressions stay at rest, and the identity stays as fitted unl
   CHECK(frozen.cell(11, frozen.column("qy")) != frozen.cell(0, frozen.column("qy")));
 }
 
+TEST_CASE("a mesh that follows the view has other vertices, and the track hardly knows") {
+  const Sequence s;
+  auto words = s.track_words();
+  REQUIRE(run_words(words).code == 0);
+  const CsvTable still(s / "t.csv", read_file(s / "t.csv"));
+  words.insert(words.end(), {"--mesh-operations", "6"});
+  REQUIRE(run_words(words).code == 0);
+  const CsvTable adaptive(s / "t.csv", read_file(s / "t.csv"));
+  bool differs = false;
+  for (std::size_t k = 0; k < 12; ++k) {
+    differs =
+        differs || adaptive.cell(k, adaptive.column("vertices")) != still.cell(k, still.column("vertices"));
+    CHECK(std::abs(adaptive.number(k, adaptive.column("qy")) - still.number(k, still.column("qy"))) < 0.002f);
+  }
+  CHECK(differs);
+}
+
 TEST_CASE("track refuses the fit of another model or of another size, by name") {
   const Sequence s;
   REQUIRE(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "-o", s / "fit.json"}).code ==

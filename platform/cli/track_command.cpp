@@ -125,6 +125,8 @@ int run_track(const Args& args, Console& console) {
   args.required("--init");
   TrackerOptions options;
   options.estimator.cues = cues_of(args);
+  options.estimator.mesh_operations =
+      static_cast<std::uint16_t>(args.integer("--mesh-operations", 0, 0, 1000));
   options.marker_exclusion_px = static_cast<float>(args.number("--marker-exclusion-px", 8, 0, 1000));
   const int last = args.integer("--count", 0, 1, 1 << 30);
   const ModelFile file(args.operand(0));
@@ -143,6 +145,7 @@ int run_track(const Args& args, Console& console) {
     throw Failure(kBadInput, frames.message().empty() ? frames.name() + ": has no frames" : frames.message());
   TrackerLimits limits = tracker_limits(args, frames.size());
   limits.markers = static_cast<std::uint16_t>(markers.x.size());
+  if (options.estimator.mesh_operations > 0) limits.texture_cells = 32;
   Owned<Tracker> tracker(model, limits);
   require(tracker->start(frame, start.camera, start.pose, q.data(), {markers.x.data(), markers.x.size()},
                          options),
@@ -179,7 +182,7 @@ Command track_command() {
       "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv --out track.csv [--landmarks] "
       "[--markers points.csv] [--marker-exclusion-px R] [--focal PX|--calibration camera.yml] [--mirror] "
       "[--freeze GROUP] "
-      "[--refine-identity] [--profile s|l] [--cues LIST] [--count N] "
+      "[--refine-identity] [--profile s|l] [--cues LIST] [--mesh-operations N] [--count N] "
       "[--overlay out.y4m] [--sheet out.png] [--report report.html] [--truth truth.csv]",
       {{"--frames", "SOURCE",
         "a Y4M file, a folder of PGM or PPM, - for Y4M on standard input, or camera:[ID|INDEX][@WxH]"},
@@ -197,6 +200,7 @@ Command track_command() {
        {"--profile", "s|l", "capacities of a small or a large device; else by the size of the picture"},
        {"--count", "N", "stop after so many frames"},
        {"--cues", "LIST", "what is looked at: patch,flow,edge (all)"},
+       {"--mesh-operations", "N", "splits and welds a frame, so that the mesh follows view and texture (0)"},
        {"--overlay", "Y4M", "the video with the mesh on it"},
        {"--sheet", "PNG", "nine frames of that on one picture"},
        {"--truth", "CSV", "the truth of a rendered video, to compare with"},
