@@ -62,17 +62,20 @@ std::string error_plot(const std::string& title, const std::vector<Curve>& curve
   std::ostringstream svg;
   svg << "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 " << kWidth << " " << kHeight
       << "' font-family='sans-serif' font-size='12'>\n<rect width='100%' height='100%' fill='white'/>\n";
-  for (std::size_t k = 0; k < is_hidden.size(); ++k)
-    if (is_hidden[k])
-      svg << "<rect x='" << axes.x(static_cast<double>(k)) << "' y='" << kTop << "' width='"
-          << axes.x(1) - axes.x(0) + 0.1 << "' height='" << kHeight - kTop - kBottom
-          << "' fill='#f2f0e6'/>\n";
+  for (std::size_t k = 0, end = 0; k < is_hidden.size(); k = end) {
+    for (end = k + 1; end < is_hidden.size() && is_hidden[end] == is_hidden[k];) ++end;
+    if (is_hidden[k] == 0) continue;
+    const double from = axes.x(static_cast<double>(k));
+    svg << "<rect x='" << from << "' y='" << kTop << "' width='" << axes.x(static_cast<double>(end)) - from
+        << "' height='" << kHeight - kTop - kBottom << "' fill='#f2f0e6'/>\n";
+  }
   draw_axes(svg, axes, title);
   for (std::size_t c = 0; c < lines.size(); ++c) {
     const char* colour = kColours[c % (sizeof kColours / sizeof *kColours)];
     svg << "<polyline fill='none' stroke='" << colour << "' stroke-width='1.6' points='";
-    svg.precision(6);
-    for (std::size_t k = 0; k < lines[c].size(); ++k)
+    svg.precision(4);
+    const std::size_t step = std::max<std::size_t>(1, lines[c].size() / 360);  // two pixels
+    for (std::size_t k = 0; k < lines[c].size(); k += step)
       svg << axes.x(static_cast<double>(k)) << "," << axes.y(lines[c][k]) << " ";
     const double y = kTop + 16 + 20 * static_cast<double>(c);
     svg << "'/>\n<path d='M" << kWidth - kRight + 10 << " " << y - 4 << "h22' stroke='" << colour
