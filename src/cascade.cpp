@@ -46,7 +46,8 @@ void Cascade::lay_out(Arena& arena, const Model& model, const FoldLimits& fold) 
   link_ = arena.take<std::uint8_t>(records);
   needed_ = arena.take<std::uint8_t>(records);
   std::uint16_t** const per_record[] = {&visited_,     &emitted_,  &register_of_,
-                                        &last_reader_, &selected_, &stands_for_};
+                                        &last_reader_, &selected_, &stands_for_,
+                                        &plain_parameter_};
   for (std::uint16_t** list : per_record) *list = arena.take<std::uint16_t>(records);
   point_ = arena.take<Vec3>(records);
   tangent_u_ = arena.take<Vec3>(records);
@@ -149,6 +150,7 @@ void Cascade::link() {
     }
     const bool adds = r.operation == Operation::add_vector;
     const bool skips = in_place && !stores && (adds || passes_through_at_zero(r));
+    plain_parameter_[n] = r.parameter[0];
     link_[n] = static_cast<std::uint8_t>((follows ? kFollows : 0) | (in_place && adds ? kPlain : 0) |
                                          (stores ? kStores : 0) | (skips ? kSkips : 0));
   }
@@ -244,26 +246,32 @@ template <bool kDerive>
 Vec3 Cascade::run(const Vec3* baked, const float* q) {
   const auto records = model_.cascade();
   Vec3 p;  // of the record before
+  Register* reg = register_;  // and where its columns are
   for (std::size_t n = 0; n < emitted_count_; ++n) {
-    const Vec3 s = baked[n];
+    const Vec3& s = baked[n];
     if (s.x == kSkip) {
       n += static_cast<std::size_t>(s.y) - 1;
       continue;
     }
+    const unsigned link = link_[n];
+    if ((link & kPlain) != 0) {
+      const std::uint16_t parameter = plain_parameter_[n];
+      p = p + q[parameter] * s;
+      if (kDerive && !is_zero(s)) add_column(*reg, parameter, s);
+      if ((link & kStores) == 0) continue;
+    }
     const std::size_t i = emitted_[n];
-    const CascadeRecord& r = records[i];
-    if ((link_[n] & kPlain) != 0) {
-      p = p + q[r.parameter[0]] * s;
-      if (kDerive && !is_zero(s)) add_column(register_[register_of_[i]], r.parameter[0], s);
-    } else if (!is_live(i)) {
+    if ((link & kPlain) == 0 && !is_live(i)) {
       p = s;
-    } else {
-      const Vec3 p0 = (link_[n] & kFollows) != 0 ? p : point_of_source(r, 0);
+    } else if ((link & kPlain) == 0) {
+      const CascadeRecord& r = records[i];
+      const Vec3 p0 = (link & kFollows) != 0 ? p : point_of_source(r, 0);
       const FieldStep f = apply(r, q, p0, point_of_source(r, 1), s);
       p = f.p;
+      reg = &register_[register_of_[i]];
       if (kDerive) propagate(i, f);
     }
-    if ((link_[n] & kStores) != 0) point_[i] = p;
+    if ((link & kStores) != 0) point_[i] = p;
   }
   return point_[result_];
 }

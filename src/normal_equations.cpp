@@ -56,11 +56,13 @@ float dot_product(const float* a, const float* b, std::size_t n) {
 
 void NormalEquations::lay_out(Arena& arena, std::size_t unknowns) {
   const std::size_t packed = unknowns * (unknowns + 1) / 2;
-  h_ = arena.take<float>(packed);
+  h_ = arena.take<float>(packed + kLanes);  // the last row's lanes may reach beyond it, with zeros to add
   factor_ = arena.take<float>(packed);
   stride_ = unknowns + kTileColumns;  // a tile may reach beyond the last unknown, into zeros
   rows_ = arena.take<float>(kGatheredRows * stride_);
   row_residual_ = arena.take<float>(kGatheredRows);
+  spread_x_ = arena.take<float>(stride_);
+  spread_y_ = arena.take<float>(stride_);
   float** const vectors[] = {&g_, &scale_, &lower_, &upper_, &right_, &solution_};
   for (float** vector : vectors) *vector = arena.take<float>(unknowns);
   pinned_ = arena.take<std::uint8_t>(unknowns);
@@ -72,6 +74,7 @@ void NormalEquations::reset(std::size_t count) {
   PLIANT_ASSERT(count <= capacity_);
   count_ = count;
   gathered_ = 0;
+  for (std::size_t j = count; j < count + kLanes; ++j) spread_x_[j] = spread_y_[j] = 0;
   for (std::size_t i = 0; i < count * (count + 1) / 2; ++i) h_[i] = 0;
   for (std::size_t i = 0; i < count; ++i) {
     g_[i] = 0;
@@ -127,15 +130,31 @@ float* NormalEquations::gathered_row(float residual) {
   return row;
 }
 
+/// The columns are spread out into rows, zero elsewhere, so that every row of H takes one sweep of lanes. What reaches
+/// beyond the row's end adds zeros to the next.
 void NormalEquations::add_sparse(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
                                  Vec2 residual, Sym2 w) {
+  const std::size_t n = count_;
+  float *const h = h_, *const g = g_, *const along_x = spread_x_, *const along_y = spread_y_;
+  const bool whole = !gradient_only_;
+  for (std::size_t j = 0; whole && j < n; j += kLanes) {
+    store(splat(0), along_x + j);
+    store(splat(0), along_y + j);
+  }
+  for (std::size_t i = 0; whole && i < columns; ++i) {
+    along_x[unknown[i]] = column[i].x;
+    along_y[unknown[i]] = column[i].y;
+  }
   for (std::size_t i = 0; i < columns; ++i) {
     const Vec2 b = column[i];
+    const std::size_t k = unknown[i];
     const float wx = w.xx * b.x + w.xy * b.y, wy = w.xy * b.x + w.yy * b.y;
-    g_[unknown[i]] += wx * residual.x + wy * residual.y;
-    float* row = h_ + index(unknown[i], 0);  // h_(i, j) = row[j]; only j >= i is stored
-    const std::size_t end = gradient_only_ ? i + 1 : columns;
-    for (std::size_t j = i; j < end; ++j) row[unknown[j]] += wx * column[j].x + wy * column[j].y;
+    g[k] += wx * residual.x + wy * residual.y;
+    float* row = h + (k * n - k * (k + 1) / 2);  // h_(k, j) = row[j]; only j >= k is stored
+    if (!whole) row[k] += wx * b.x + wy * b.y;
+    const Lanes x = splat(wx), y = splat(wy);
+    for (std::size_t j = k; whole && j < n; j += kLanes)
+      store(load(row + j) + (x * load(along_x + j) + y * load(along_y + j)), row + j);
   }
 }
 

@@ -14,7 +14,7 @@ namespace pliant {
 ///
 /// Observations with most of the columns are gathered, eight at a time, as rows of L^T B (W = L L^T), and added as one
 /// product in tiles that stay in registers; sparse ones are added one by one. The bits depend on the order of the calls alone.
-/// Bytes: 2 x 4 x n(n+1)/2, 16 rows of n + 8 floats, and 7 floats an unknown.
+/// Bytes: 2 x 4 x n(n+1)/2, 18 rows of n + 8 floats, and 7 floats an unknown.
 class NormalEquations {
  public:
   void lay_out(Arena& arena, std::size_t unknowns);
@@ -59,11 +59,11 @@ class NormalEquations {
 
   /// An element of H; g = f_g. Only the diagonal while keep_gradient_only.
   float h(std::size_t row, std::size_t column) {
-    flush();
+    if (gathered_ > 0) flush();
     return row <= column ? h_[index(row, column)] : h_[index(column, row)];
   }
   float g(std::size_t unknown) {
-    flush();
+    if (gathered_ > 0) flush();
     return g_[unknown];
   }
 
@@ -85,6 +85,7 @@ class NormalEquations {
   void back_substitute(const float* right, float* x);
 
   float *h_ = nullptr, *factor_ = nullptr, *rows_ = nullptr, *row_residual_ = nullptr;
+  float *spread_x_ = nullptr, *spread_y_ = nullptr;  // the rows of one sparse observation
   float *g_ = nullptr, *scale_ = nullptr, *lower_ = nullptr, *upper_ = nullptr, *right_ = nullptr,
         *solution_ = nullptr;
   std::uint8_t* pinned_ = nullptr;
