@@ -18,6 +18,7 @@ PatchLimits patch_limits(const TrackerLimits& limits) {
   p.window = limits.patch_window;
   p.levels = limits.pyramid_levels;
   p.margin = limits.patch_margin;
+  p.keeps_templates = limits.keeps_templates;
   return p;
 }
 

@@ -9,6 +9,7 @@
 namespace pliant {
 
 using patch::Anchor;
+using patch::Kept;
 using patch::Surround;
 using patch::Work;
 
@@ -155,16 +156,27 @@ const char* text(PatchStatus status) {
 
 namespace patch {
 
+namespace {
+
+std::int16_t* take_cleared(Arena& arena, int elements) {
+  const auto n = static_cast<std::size_t>(elements);
+  auto* array = arena.take<std::int16_t>(n);
+  if (array != nullptr) std::memset(array, 0, n * sizeof(std::int16_t));
+  return array;
+}
+
+}  // namespace
+
+Template take_template(Arena& arena, int window) {
+  const auto cleared = [&] { return take_cleared(arena, padded(window)); };
+  return {cleared(), cleared(), cleared(), cleared()};
+}
+
 void Work::lay_out(Arena& arena, int window_side) {
   window = window_side;
   count = padded(window);
-  const auto cleared = [&](int elements) {
-    const auto n = static_cast<std::size_t>(elements);
-    auto* array = arena.take<std::int16_t>(n);
-    if (array != nullptr) std::memset(array, 0, n * sizeof(std::int16_t));
-    return array;
-  };
-  plain = {cleared(count), cleared(count), cleared(count), cleared(count)};
+  const auto cleared = [&](int elements) { return take_cleared(arena, elements); };
+  own = plain = take_template(arena, window);
   for (auto& array : stretch) array = cleared(count);
   for (auto& array : masked) array = cleared(count);
   unclipped = cleared(count);
@@ -174,8 +186,9 @@ void Work::lay_out(Arena& arena, int window_side) {
   block = cleared(block_size(window));
   scratch = cleared(scratch_size(window));
   bytes = arena.take<std::uint8_t>(static_cast<std::size_t>(block_size(window)));
-  whole = take_system(arena);
+  own_whole = whole = take_system(arena);
   partial = take_system(arena);
+  is_prepared = false;
   if (all == nullptr) return;
   for (int y = 0; y < window; ++y)
     for (int x = 0; x < window; ++x) all[y * lanes(window) + x] = 1;
@@ -192,6 +205,23 @@ struct PatchTracker::Source {
   float strain_px;  // how far the warp moves the edge of the window
 };
 
+namespace {
+
+// How far W moves the edge of a window, px.
+float strain_of(const Mat2& w, int window) {
+  const float change = max(max(magnitude(w.a - 1), magnitude(w.d - 1)), max(magnitude(w.b), magnitude(w.c)));
+  return change * static_cast<float>(window / 2);
+}
+
+// Whether what is kept serves a search under this warp.
+bool serves(const Kept& kept, const Mat2& warp, const PatchOptions& o, int window, float allowed_px) {
+  return kept.is_made && kept.warp_sd == o.warp_sd && kept.min_eigenvalue == o.min_eigenvalue &&
+         kept.takes_edges == o.takes_edges && kept.masks_clipped == o.masks_clipped &&
+         strain_of(warp * inverse(kept.warp), window) <= allowed_px;
+}
+
+}  // namespace
+
 Status PatchTracker::create(Arena& arena, const PatchLimits& limits) {
   return is_valid(limits) ? create_in(arena, *this, limits) : Status::bad_argument;
 }
@@ -203,6 +233,14 @@ void PatchTracker::lay_out(Arena& arena, const PatchLimits& limits) {
   anchors_ = arena.take<Anchor>(slots);
   surrounds_ = arena.take<Surround>(squares);
   pixels_ = arena.take<std::uint8_t>(squares * square_bytes(limits) + kReadAhead);
+  kept_ = limits.keeps_templates ? arena.take<Kept>(slots) : nullptr;
+  Kept measured_kept;
+  for (std::size_t s = 0; limits.keeps_templates && s < slots; ++s) {
+    Kept& kept = kept_ != nullptr ? kept_[s] : measured_kept;
+    kept = {};
+    kept.images = patch::take_template(arena, limits.window);
+    kept.whole = patch::take_system(arena);
+  }
   work_ = arena.take<Work>(1);
   Work measured;
   Work& work = work_ != nullptr ? *work_ : measured;
@@ -226,6 +264,7 @@ PatchStatus PatchTracker::capture(int slot, const Pyramid& pyramid, Vec2 x, cons
                           surrounds_[square], pixels_ + square * square_bytes(limits_));
   }
   anchors_[slot] = {x, levels};
+  if (kept_ != nullptr) kept_[slot].is_made = false;
   return PatchStatus::ok;
 }
 
@@ -245,20 +284,40 @@ Vec2 PatchTracker::anchor(int slot) const {
 // level.
 Vec2 PatchTracker::load_template(const Source& source, int level, const PatchOptions& options) {
   const patch::GreyRange range = patch::usable_range(options.masks_clipped);
+  Work& work = *work_;
+  work.plain = work.own;
+  work.whole = work.own_whole;
+  work.is_prepared = false;
   if (source.pyramid != nullptr) {
     const Vec2 p = level_scale(level) * source.x;
     const int cx = static_cast<int>(p.x + 0.5f), cy = static_cast<int>(p.y + 0.5f);
     const int radius = limits_.window / 2;
-    patch::load_template(source.pyramid->level(level), cx - radius, cy - radius, range, *work_);
+    patch::load_template(source.pyramid->level(level), cx - radius, cy - radius, range, work);
     return {p.x - static_cast<float>(cx), p.y - static_cast<float>(cy)};
   }
   const auto square = static_cast<std::size_t>(source.slot * limits_.levels + level);
+  const Vec2 offset = source.warp * surrounds_[square].offset;
   // A small warp is cheaper, and better, left to the last steps than resampled into the template.
-  const float allowed_for = options.warp_sd * static_cast<float>(limits_.window / 2);
-  const bool is_warped = source.strain_px > (level == 0 ? max(kNegligible, allowed_for) : kNegligibleCoarse);
+  const float allowed_px = level == 0
+                               ? max(kNegligible, options.warp_sd * static_cast<float>(limits_.window / 2))
+                               : kNegligibleCoarse;
+  const bool is_warped = source.strain_px > allowed_px;
+  if (kept_ != nullptr && level == 0) {
+    Kept& kept = kept_[source.slot];
+    work.plain = kept.images;
+    work.whole = kept.whole;
+    work.is_prepared = serves(kept, source.warp, options, limits_.window, allowed_px);
+    if (work.is_prepared) return offset;
+    kept.warp = is_warped ? source.warp : Mat2{};
+    kept.warp_sd = options.warp_sd;
+    kept.min_eigenvalue = options.min_eigenvalue;
+    kept.takes_edges = options.takes_edges;
+    kept.masks_clipped = options.masks_clipped;
+    kept.is_made = false;  // nor is it before its equations are
+  }
   patch::load_template(surrounds_[square], pixels_ + square * square_bytes(limits_),
-                       patch::surround_side(limits_), is_warped ? &source.to_anchor : nullptr, range, *work_);
-  return source.warp * surrounds_[square].offset;
+                       patch::surround_side(limits_), is_warped ? &source.to_anchor : nullptr, range, work);
+  return offset;
 }
 
 // The finest level: measured straight away where the start is good enough for that; where it is not, or that leads too
@@ -309,6 +368,8 @@ PatchResult PatchTracker::search(const Source& source, const Pyramid& current, V
     so.needs_whole_window = l == 0;
     result.status = l == 0 ? measure(current.level(0), so, is_near, o, p, measured)
                            : patch::align(current.level(l), so, *work_, p);
+    if (l == 0 && kept_ != nullptr && source.pyramid == nullptr)
+      kept_[source.slot].is_made = work_->is_prepared;
     result.iterations += p.iterations;
     along = p.along;
     // A level that shows nothing is passed over; the finest decides.
@@ -332,10 +393,7 @@ PatchResult PatchTracker::track(int slot, const Pyramid& current, Vec2 start, co
   if (!is_slot(slot) || !is_plausible(warp)) return failure;
   failure.status = PatchStatus::empty_slot;
   if (!is_captured(slot)) return failure;
-  const float change =
-      max(max(magnitude(warp.a - 1), magnitude(warp.d - 1)), max(magnitude(warp.b), magnitude(warp.c)));
-  const Source source{
-      nullptr, {}, slot, warp, inverse(warp), change * static_cast<float>(limits_.window / 2)};
+  const Source source{nullptr, {}, slot, warp, inverse(warp), strain_of(warp, limits_.window)};
   return search(source, current, start, options);
 }
 

@@ -169,14 +169,17 @@ Measurement measure(const Moments& s, const Factor& f, const Explained& e, GridP
   return r;
 }
 
+void compute_stretch(Work& work) {
+  multiply_by_position(work.plain.gx, work.window, work.stretch[0], work.stretch[1]);
+  multiply_by_position(work.plain.gy, work.window, work.stretch[2], work.stretch[3]);
+}
+
 void compute_whole_moments(bool has_stretch, Work& work, Moments& moments) {
   if (!has_stretch) {
     const std::int16_t* const images[] = {work.plain.t, work.plain.gx, work.plain.gy};
     compute_moments(images, work.plain.m, kWithoutStretch, work.count, moments);
     return;
   }
-  multiply_by_position(work.plain.gx, work.window, work.stretch[0], work.stretch[1]);
-  multiply_by_position(work.plain.gy, work.window, work.stretch[2], work.stretch[3]);
   const std::int16_t* const images[] = {work.plain.t,    work.stretch[0], work.stretch[1], work.stretch[2],
                                         work.stretch[3], work.plain.gx,   work.plain.gy};
   compute_moments(images, work.plain.m, kMotions, work.count, moments);
@@ -232,8 +235,12 @@ PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd
   // What a step leaves is about a tenth of it.
   const float last_move = 10 * o.epsilon_px, most_left = 3 * last_move;
   System &whole = *work.whole, &partial = *work.partial;
-  compute_whole_moments(warp_sd > 0, work, whole.moments);
-  whole.prepare(warp_sd, o.texture, work.window);
+  if (warp_sd > 0) compute_stretch(work);
+  if (!work.is_prepared) {
+    compute_whole_moments(warp_sd > 0, work, whole.moments);
+    whole.prepare(warp_sd, o.texture, work.window);
+    work.is_prepared = true;
+  }
   const Vec2 start = p.y;
   for (int step = 1;; ++step) {
     const GridPosition at = on_grid(p.y);

@@ -33,13 +33,16 @@ struct Work {
   std::int16_t* block;       ///< pixels around a window
   std::int16_t* scratch;     ///< for the kernels
   std::int16_t *all, *part;  ///< masks: the whole window, and what of it lies inside the source
-  Template plain;
+  Template plain;            ///< in use: `own`, or a slot's
+  Template own;
   std::int16_t* stretch[4];        ///< x gx, y gx, x gy, y gy of the template
   std::int16_t* masked[kMotions];  ///< all of these without the pixels that are clipped in the current image
   std::int16_t* unclipped;         ///< the mask of those
   std::int16_t* image;             ///< the current image, sampled
   std::uint8_t* bytes;             ///< pixels near the border, collected with their edge repeated
-  System *whole, *partial;         ///< equations of `refine`: of all pixels, of those that are not clipped
+  /// Equations of `refine`: of all pixels (`own_whole`, or a slot's), of those that are not clipped.
+  System *whole, *own_whole, *partial;
+  bool is_prepared;                ///< `whole` are those of `plain`
 
   void lay_out(Arena& arena, int window_side);
 };
@@ -55,6 +58,17 @@ constexpr GreyRange usable_range(bool masks_clipped) {
 
 /// Room for one.
 System* take_system(Arena& arena);
+/// Room for a template, zero.
+Template take_template(Arena& arena, int window);
+
+/// A slot's template at full size and its equations, as long as they will do.
+struct Kept {
+  Template images;
+  System* whole;
+  Mat2 warp;  ///< for which they were made
+  float warp_sd, min_eigenvalue;
+  bool takes_edges, masks_clipped, is_made;
+};
 
 /// Loads work.block with pixels from (left, top) on; beyond the image its edge is repeated.
 void load_block(const ImageView& image, int left, int top, Work& work);

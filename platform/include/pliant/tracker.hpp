@@ -32,6 +32,7 @@ struct TrackerLimits {
   std::uint8_t pyramid_levels = 3;
   std::uint8_t patch_window = 11;  ///< px, odd
   std::uint8_t patch_margin = 4;   ///< px kept around it
+  bool keeps_templates = true;     ///< as in PatchLimits: 2 kB a patch for a shorter search
   /// Keeps the frame before, in which a patch that no longer looks as it did is followed.
   bool keeps_previous = true;
   /// Keeps a copy of the frame; without it (and with keeps_previous off) the frame is read during `update` only, and
@@ -60,7 +61,7 @@ constexpr TrackerLimits profile_s() {
   l.key_patches = 16;
   l.key_frames = 2;
   l.patch_margin = 2;
-  l.keeps_previous = l.copies_frame = false;
+  l.keeps_previous = l.copies_frame = l.keeps_templates = false;
   l.small_columns = 48;
   l.free_parameters = 40;
   l.baked_samples = 44;
