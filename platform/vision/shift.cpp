@@ -78,18 +78,24 @@ Shift find_shift(const ImageView& reference, const PixelBox& asked, const ImageV
   const std::int64_t all = std::int64_t{(width + spacing - 1) / spacing} * ((height + spacing - 1) / spacing);
   const Search search{reference, current, box, spacing, all / 2};
 
+  // Every other offset, then those between around the best: no picture this small has peaks as narrow as a pixel.
   int best_x = 0, best_y = 0;
   float best = search.at(0, 0);
-  for (int dy = -range_px; dy <= range_px; ++dy)
-    for (int dx = -range_px; dx <= range_px; ++dx) {
-      const float value = search.at(dx, dy);
-      const bool smaller = dx * dx + dy * dy < best_x * best_x + best_y * best_y;
-      if (value > best || (value == best && smaller)) {
-        best = value;
-        best_x = dx;
-        best_y = dy;
+  const auto try_around = [&](int x, int y, int range, int step) {
+    for (int dy = y - range; dy <= y + range; dy += step)
+      for (int dx = x - range; dx <= x + range; dx += step) {
+        if (dx > range_px || -dx > range_px || dy > range_px || -dy > range_px) continue;
+        const float value = search.at(dx, dy);
+        const bool smaller = dx * dx + dy * dy < best_x * best_x + best_y * best_y;
+        if (value > best || (value == best && smaller)) {
+          best = value;
+          best_x = dx;
+          best_y = dy;
+        }
       }
-    }
+  };
+  try_around(0, 0, range_px / 2 * 2, 2);
+  try_around(best_x, best_y, 1, 1);
   Shift shift;
   shift.correlation = best;
   shift.by = {static_cast<float>(best_x) +
