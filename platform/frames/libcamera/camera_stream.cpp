@@ -1,7 +1,7 @@
 // One camera through libcamera. A request carries one buffer for one picture: it goes to the camera, comes back filled on
 // libcamera's thread, waits in the queue, is looked at, and goes to the camera again.
 // Written for libcamera 0.0.3 to 0.7: whatever changed in between (the transform of a configuration, the constness of a
-// request's metadata, the type of the list of roles) is either not used or spelt so that both read it.
+// request's metadata, the type of the list of roles and of texts) is either not used or spelt so that both read it.
 #include <fcntl.h>
 #include <libcamera/libcamera.h>
 #include <linux/dma-buf.h>
@@ -345,7 +345,8 @@ Status list_cameras(std::vector<CameraInfo>* cameras) {
   if (manager == nullptr) return Status::io_error;
   cameras->clear();
   for (const auto& camera : manager->cameras())
-    cameras->push_back({camera->id(), camera->properties().get(lc::properties::Model).value_or("")});
+    cameras->push_back(
+        {camera->id(), std::string(camera->properties().get(lc::properties::Model).value_or(""))});
   return Status::ok;
 }
 
