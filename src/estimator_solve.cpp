@@ -32,8 +32,8 @@ bool is_line(Sym2 w) {
 /// An observation's information with the cue's own error added, in the cue's scale.
 Sym2 Estimator::informed(const Observation& o) const {
   const auto cue = static_cast<std::size_t>(o.cue);
-  const float px = o.cue == Cue::edge ? options_.edge_error_px : options_.model_error_px;
-  const Sym2 w = with_added_error(o.information, px * static_cast<float>(width_) / 320);
+  const float mm = o.cue == Cue::edge ? options_.edge_error_mm : options_.model_error_mm;
+  const Sym2 w = with_added_error(o.information, mm * expected_view_.s);
   const float share = 1.0f / (cue_scale_[cue] * cue_scale_[cue]);
   return {share * w.xx, share * w.xy, share * w.yy};
 }
