@@ -83,7 +83,7 @@ struct EstimatorOptions {
   int iterations = 4;  ///< Gauss-Newton steps in each of the two stages (Huber, Tukey) of a solve, at most
   float relative_decrease = 1e-3f;  ///< a stage ends when a step would lower the cost by less than this share
   Rejection rejection = Rejection::on_doubt;
-  float doubt_scale = 1.6f;       ///< residuals over those that the cues usually have
+  float doubt_scale = 1.2f;       ///< residuals over those that the cues usually have
   float doubt_share = 0.15f;      ///< of the observations, without weight
   float challenge_margin = 0.8f;  ///< what the second solve may cost at most, of the first
   float readmission = 3.5f;       ///< scales of the residuals kept within which an observation is taken back

@@ -58,6 +58,7 @@ class Scene {
       estimators_.push_back(std::make_unique<Owned<Estimator>>(model, limits));
       EstimatorOptions options;
       options.mesh_error_mm = 100;
+      options.model_error_mm = 0.6f;  // the points are the model's own
       options.rejection = rejection_of(static_cast<Defence>(d));
       Estimator& e = **estimators_.back();
       require(e.start(camera, kWidth, kHeight, pose, before_.q.data(), nullptr, options), "occlusion");

@@ -3,6 +3,11 @@
 
 namespace pliant {
 
+namespace {
+/// Of the surface to the camera, where a patch is captured: near the outline there is background in its window.
+constexpr float kLeastFacing = 0.4f;
+}  // namespace
+
 Status Tracker::place_markers(Span<const Vec2> markers) {
   marker_count_ = 0;
   for (Vec2 x : markers) {
@@ -69,7 +74,8 @@ bool Tracker::seed(Vec2 x, float min_distance, std::size_t slot) {
   std::uint16_t id;
   if (estimator_.add_point(uv, &id) != Status::ok) return false;
   const Prediction p = estimator_.predict(id);
-  if (!p.visible || patches_.capture(static_cast<int>(slot), current_, x - origin_) != PatchStatus::ok) {
+  if (!p.visible || p.facing < kLeastFacing ||
+      patches_.capture(static_cast<int>(slot), current_, x - origin_) != PatchStatus::ok) {
     estimator_.remove_point(id);
     return false;
   }
