@@ -44,7 +44,7 @@ void Estimator::begin(std::int64_t time_ns) {
 /// How far the view may be from where it is expected: the filter's word, held within what heads do, and more after every
 /// bad frame. Where its velocity is not used, that motion is uncertain as well.
 void Estimator::expect_motion(float seconds) {
-  constexpr float kLeast[kPoseUnknowns] = {0.06f, 0.06f, 0.06f, 0.04f, 8, 8};
+  constexpr float kLeast[kPoseUnknowns] = {0.03f, 0.03f, 0.03f, 0.02f, 4, 4};
   constexpr float kMost[kPoseUnknowns] = {0.2f, 0.2f, 0.2f, 0.2f, 40, 40};
   const auto frames = static_cast<float>(1 + bad_frames_);
   for (int k = 0; k < kPoseUnknowns; ++k) {
