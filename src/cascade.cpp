@@ -45,9 +45,8 @@ void Cascade::lay_out(Arena& arena, const Model& model, const FoldLimits& fold) 
   role_ = arena.take<Role>(records);
   link_ = arena.take<std::uint8_t>(records);
   needed_ = arena.take<std::uint8_t>(records);
-  std::uint16_t** const per_record[] = {&visited_,     &emitted_,  &register_of_,
-                                        &last_reader_, &selected_, &stands_for_,
-                                        &plain_parameter_};
+  std::uint16_t** const per_record[] = {&visited_,  &emitted_,    &register_of_,    &last_reader_,
+                                        &selected_, &stands_for_, &plain_parameter_};
   for (std::uint16_t** list : per_record) *list = arena.take<std::uint16_t>(records);
   point_ = arena.take<Vec3>(records);
   tangent_u_ = arena.take<Vec3>(records);
@@ -245,7 +244,7 @@ void Cascade::propagate(std::size_t record, const FieldStep& f) {
 template <bool kDerive>
 Vec3 Cascade::run(const Vec3* baked, const float* q) {
   const auto records = model_.cascade();
-  Vec3 p;  // of the record before
+  Vec3 p;                     // of the record before
   Register* reg = register_;  // and where its columns are
   for (std::size_t n = 0; n < emitted_count_; ++n) {
     const Vec3& s = baked[n];

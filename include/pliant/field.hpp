@@ -161,7 +161,7 @@ class Cascade {
   std::uint8_t* needed_ = nullptr;  // a record: the result reads it, at first or second hand
   std::uint16_t *visited_ = nullptr, *emitted_ = nullptr;  // records needed; those of them in a baked point
   std::uint16_t *register_of_ = nullptr, *last_reader_ = nullptr;
-  std::uint8_t* link_ = nullptr;  // an emitted record: how it hangs on the one before
+  std::uint8_t* link_ = nullptr;              // an emitted record: how it hangs on the one before
   std::uint16_t* plain_parameter_ = nullptr;  // and the first of its parameters
   std::uint16_t *selected_ = nullptr, *stands_for_ = nullptr;  // listed records; whose value a record has
   std::size_t visited_count_ = 0, emitted_count_ = 0, selected_count_ = 0;

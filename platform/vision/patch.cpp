@@ -177,6 +177,8 @@ void Work::lay_out(Arena& arena, int window_side) {
   count = padded(window);
   const auto cleared = [&](int elements) { return take_cleared(arena, elements); };
   own = plain = take_template(arena, window);
+  x = cleared(count);
+  y = cleared(count);
   for (auto& array : stretch) array = cleared(count);
   for (auto& array : masked) array = cleared(count);
   unclipped = cleared(count);
@@ -190,8 +192,11 @@ void Work::lay_out(Arena& arena, int window_side) {
   partial = take_system(arena);
   is_prepared = false;
   if (all == nullptr) return;
-  for (int y = 0; y < window; ++y)
-    for (int x = 0; x < window; ++x) all[y * lanes(window) + x] = 1;
+  for (int k = 0; k < window * window; ++k) {
+    all[k] = 1;
+    x[k] = static_cast<std::int16_t>(k % window - window / 2);
+    y[k] = static_cast<std::int16_t>(k / window - window / 2);
+  }
 }
 
 }  // namespace patch

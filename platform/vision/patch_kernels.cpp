@@ -48,7 +48,8 @@ void linear_across(const i16* __restrict v, int count, i16 t, i16* __restrict ou
 
 // Back to 1/16 grey.
 template <int L>
-void linear_down(const i16* __restrict h0, const i16* __restrict h1, i16 t, i16* __restrict out) {
+__attribute__((noinline)) void linear_down(const i16* __restrict h0, const i16* __restrict h1, i16 t,
+                                           i16* __restrict out) {
   for (int k = 0; k < L; ++k) {
     const i16 v = narrow(h0[k] + 2 * mulhi(narrow(h1[k] - h0[k]), t));
     out[k] = narrow(narrow(v + 2) >> 2);
@@ -57,7 +58,7 @@ void linear_down(const i16* __restrict h0, const i16* __restrict h1, i16 t, i16*
 
 template <int L, int S>
 void linear_rows(const i16* h, int window, i16 t, i16* out) {
-  for (int y = 0; y < window; ++y) linear_down<L>(h + y * S, h + (y + 1) * S, t, out + y * L);
+  for (int y = 0; y < window; ++y) linear_down<L>(h + y * S, h + (y + 1) * S, t, out + y * window);
 }
 
 // --- on a lattice: scalar code fetches the four pixels of each sample, as two pairs; vectors do the rest ---
@@ -160,7 +161,7 @@ void cubic_down(const i16* __restrict h, CubicPhase t, i16* __restrict out) {
 
 template <int L, int S>
 void cubic_rows(const i16* h, int window, CubicPhase t, i16* out) {
-  for (int y = 0; y < window; ++y) cubic_down<L, S>(h + y * S, t, out + y * L);
+  for (int y = 0; y < window; ++y) cubic_down<L, S>(h + y * S, t, out + y * window);
 }
 
 // --- templates ---
@@ -191,24 +192,9 @@ void template_row(const i16* __restrict v, const i16* __restrict down, const i16
 template <int L, int S>
 void template_rows(const i16* block, const i16* down, const i16* across, const i16* mask, int window,
                    i16 lowest, i16 highest, Template out) {
-  for (int y = 0, k = 0; y < window; ++y, k += L)
+  for (int y = 0, k = 0; y < window; ++y, k += window)
     template_row<L>(block + (y + 1) * S + 1, down + y * S, across + y * S, across + (y + 2) * S, mask + k,
                     lowest, highest, out.t + k, out.gx + k, out.gy + k, out.m + k);
-}
-
-template <int L>
-void position_row(const i16* __restrict g, i16 half, i16 dy, i16* __restrict by_x, i16* __restrict by_y) {
-  for (int k = 0; k < L; ++k) {
-    by_x[k] = narrow(narrow(narrow(k - half) * g[k]) >> 4);
-    by_y[k] = narrow(narrow(dy * g[k]) >> 4);
-  }
-}
-
-template <int L>
-void position_rows(const i16* g, int window, i16* by_x, i16* by_y) {
-  const int half = window / 2;
-  for (int y = 0; y < window; ++y)
-    position_row<L>(g + y * L, narrow(half), narrow(y - half), by_x + y * L, by_y + y * L);
 }
 
 // Calls f with the lanes and the block's stride of a window as constants.
@@ -289,8 +275,13 @@ void apply_mask(const i16* __restrict in, const i16* __restrict m, int count, i1
   for (int k = 0; k < count; ++k) out[k] = narrow(in[k] * m[k]);
 }
 
-void multiply_by_position(const i16* g, int window, i16* by_x, i16* by_y) {
-  with_sizes(window, [&](auto s) { position_rows<s.kLanes>(g, window, by_x, by_y); });
+void multiply_by_position(const i16* __restrict g, const i16* __restrict x, const i16* __restrict y,
+                          int count, i16* __restrict by_x, i16* __restrict by_y) {
+  const int n = count & ~15;
+  for (int k = 0; k < n; ++k) {
+    by_x[k] = narrow(narrow(x[k] * g[k]) >> 4);
+    by_y[k] = narrow(narrow(y[k] * g[k]) >> 4);
+  }
 }
 
 Sums4 dot4(const i16* __restrict v, const i16* __restrict a, const i16* __restrict b, const i16* __restrict c,

@@ -14,13 +14,14 @@ constexpr int kGreyScale = 16, kGreyOffset = 2048;
 constexpr int kSubpixel = 128;
 
 constexpr int kMinWindow = 7, kMaxWindow = 21;
-/// Row length of a window in lanes: a multiple of 8. Lanes past the window hold zeros where they are summed.
+/// What a row of a window is worked on in: a multiple of 8.
 constexpr int lanes(int window) {
   return (window + 7) / 8 * 8;
 }
-/// Elements of a patch array: rows * lanes, rounded up to whole vectors; the rest holds zeros.
+/// Elements of a patch array: the window's rows one right after the other, rounded up to whole vectors. A row is written
+/// in lanes, and what reaches beyond it is overwritten by the next; where sums are taken the rest holds zeros.
 constexpr int padded(int window) {
-  return (window * lanes(window) + 15) / 16 * 16;
+  return (window * window + 15) / 16 * 16;
 }
 /// A block is a window with one more pixel to the left and above, and two to the right and below, in rows of
 /// block_stride(window). What kernels read and write past its last row is theirs.
@@ -52,7 +53,7 @@ struct Lattice {
 void sample_lattice(const std::uint8_t* pixels, int stride, const Lattice& at, int window,
                     std::int16_t* scratch, std::int16_t* block);
 
-/// Samples of the window in a block, moved by (fx, fy) / 128 px, 0 .. 127, in rows of lanes(window):
+/// Samples of the window in a block, moved by (fx, fy) / 128 px, 0 .. 127, row by row:
 /// bilinear, or by cubic convolution.
 void sample_linear(const std::int16_t* block, int fx, int fy, int window, std::int16_t* scratch,
                    std::int16_t* out);
@@ -81,7 +82,8 @@ void apply_mask(const std::int16_t* in, const std::int16_t* m, int count, std::i
 
 /// out = (x * g) / 16 and (y * g) / 16 over a window, x and y from its middle: how the image changes when it
 /// is stretched or turned. At most 1280 in magnitude.
-void multiply_by_position(const std::int16_t* g, int window, std::int16_t* by_x, std::int16_t* by_y);
+void multiply_by_position(const std::int16_t* g, const std::int16_t* x, const std::int16_t* y, int count,
+                          std::int16_t* by_x, std::int16_t* by_y);
 
 /// Sums of products of one array with others. |elements| <= 2048 and at most 441 of them are not zero:
 /// 441 * 2048^2 < 2^31 bounds every sum.

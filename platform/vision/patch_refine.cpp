@@ -170,8 +170,8 @@ Measurement measure(const Moments& s, const Factor& f, const Explained& e, GridP
 }
 
 void compute_stretch(Work& work) {
-  multiply_by_position(work.plain.gx, work.window, work.stretch[0], work.stretch[1]);
-  multiply_by_position(work.plain.gy, work.window, work.stretch[2], work.stretch[3]);
+  multiply_by_position(work.plain.gx, work.x, work.y, work.count, work.stretch[0], work.stretch[1]);
+  multiply_by_position(work.plain.gy, work.x, work.y, work.count, work.stretch[2], work.stretch[3]);
 }
 
 void compute_whole_moments(bool has_stretch, Work& work, Moments& moments) {

@@ -36,13 +36,13 @@ void copy_square(const ImageView& image, int left, int top, int rows, int column
 
 // The mask of [left, right) x [top, bottom) of the window.
 const std::int16_t* mask_of(int left, int top, int right, int bottom, Work& work) {
-  const int w = work.window, stride = lanes(w);
+  const int w = work.window;
   if (left <= 0 && top <= 0 && right >= w && bottom >= w) return work.all;
-  std::int16_t row[kMaxWindow + 7] = {};
+  std::int16_t row[kMaxWindow] = {};
   for (int x = left < 0 ? 0 : left; x < (right < w ? right : w); ++x) row[x] = 1;
   for (int y = 0; y < w; ++y) {
-    std::int16_t* out = work.part + y * stride;
-    for (int x = 0; x < stride; ++x) out[x] = y >= top && y < bottom ? row[x] : std::int16_t{0};
+    std::int16_t* out = work.part + y * w;
+    for (int x = 0; x < w; ++x) out[x] = y >= top && y < bottom ? row[x] : std::int16_t{0};
   }
   return work.part;
 }
@@ -96,8 +96,7 @@ const std::int16_t* load_ragged(const Lattice& lattice, const Bounds& bounds, co
     for (int x = 0; x < w + 2; ++x) {
       const FixedPosition exact = at(lattice, x, y), nearest = bounds.clamped(exact);
       work.block[y * stride + x] = bilinear(pixels, side, nearest.x, nearest.y);
-      if (x > 0 && x <= w && y > 0 && y <= w)
-        work.part[(y - 1) * lanes(w) + x - 1] = bounds.contains(exact) ? 1 : 0;
+      if (x > 0 && x <= w && y > 0 && y <= w) work.part[(y - 1) * w + x - 1] = bounds.contains(exact) ? 1 : 0;
     }
   return work.part;
 }

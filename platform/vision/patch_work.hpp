@@ -35,6 +35,7 @@ struct Work {
   std::int16_t *all, *part;  ///< masks: the whole window, and what of it lies inside the source
   Template plain;            ///< in use: `own`, or a slot's
   Template own;
+  std::int16_t *x, *y;             ///< of each pixel of the window, from its middle
   std::int16_t* stretch[4];        ///< x gx, y gx, x gy, y gy of the template
   std::int16_t* masked[kMotions];  ///< all of these without the pixels that are clipped in the current image
   std::int16_t* unclipped;         ///< the mask of those
@@ -42,7 +43,7 @@ struct Work {
   std::uint8_t* bytes;             ///< pixels near the border, collected with their edge repeated
   /// Equations of `refine`: of all pixels (`own_whole`, or a slot's), of those that are not clipped.
   System *whole, *own_whole, *partial;
-  bool is_prepared;                ///< `whole` are those of `plain`
+  bool is_prepared;  ///< `whole` are those of `plain`
 
   void lay_out(Arena& arena, int window_side);
 };

@@ -52,7 +52,7 @@ struct PatchLimits {
   int margin = 4;
   /// Keeps of each slot the warped template at full size, and the equations that follow from it, until the predicted warp
   /// moves the window's edge by more than warp_sd allows for: searches then take a third less time where the warp
-  /// changes slowly, for 2 kB more a slot (window 11). Results differ by less than their own deviation.
+  /// changes slowly, for 1.6 kB more a slot (window 11). Results differ by less than their own deviation.
   bool keeps_templates = false;
 };
 

@@ -32,7 +32,7 @@ struct TrackerLimits {
   std::uint8_t pyramid_levels = 3;
   std::uint8_t patch_window = 11;  ///< px, odd
   std::uint8_t patch_margin = 4;   ///< px kept around it
-  bool keeps_templates = true;     ///< as in PatchLimits: 2 kB a patch for a shorter search
+  bool keeps_templates = true;     ///< as in PatchLimits: 1.6 kB a patch for a shorter search
   /// Keeps the frame before, in which a patch that no longer looks as it did is followed.
   bool keeps_previous = true;
   /// Keeps a copy of the frame; without it (and with keeps_previous off) the frame is read during `update` only, and
