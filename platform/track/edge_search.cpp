@@ -12,6 +12,15 @@ float bright(const ChartImage& albedo, Vec2 uv) {
       albedo.pixels[index(uv.y, albedo.height) * albedo.width + index(uv.x, albedo.width)]);
 }
 
+/// The finest level on which edges are looked for. Lids and lips are soft: what is a step at a pixel a millimetre is a
+/// slope with noise on it at two.
+int finest_level(float px_per_mm) {
+  constexpr float kMostPxPerMm = 1.4f;
+  int level = 0;
+  for (; px_per_mm > kMostPxPerMm && level < 4; px_per_mm *= 0.5f) ++level;
+  return level;
+}
+
 EdgePoint edge_point(const Prediction& p, Vec2 x, float sd_px) {
   EdgePoint point;
   point.id = p.id;
@@ -60,6 +69,7 @@ void EdgeSearch::anchor(Estimator& estimator, const Pyramid& pyramid, Vec2 origi
     const Prediction p = estimator.predict(edge.id);
     EdgeOptions options;
     options.hypotheses = 1;
+    options.finest_level = finest_level(estimator.view().s);
     Observation seen;
     edge.is_used = p.visible &&
                    find_edge(pyramid, edge_point(p, p.x - origin, 1), options, {&seen, 1}) == 1 &&
@@ -101,6 +111,7 @@ std::size_t EdgeSearch::look(Span<const Prediction> predictions, const std::uint
     point.contrast = edge.contrast;
     EdgeOptions options;
     options.hypotheses = kAlternatives;
+    options.finest_level = finest_level(image_scale);
     if (edge.any_contrast) {  // its sign counts, if that is known, and not its size
       options.min_ratio = 0;
       options.max_ratio = 1e6f;

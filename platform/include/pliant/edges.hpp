@@ -33,6 +33,7 @@ struct EdgeOptions {
   float min_ratio = 0.5f, max_ratio = 2;  ///< of an edge's contrast to the one remembered
   /// Edges so near to the prediction are all alike: added (in squares) to its deviation for the preference of near edges.
   float indifference_px = 1;
+  int finest_level = 0;     ///< of the pyramid, on which to look at all
   int hypotheses = 2;       ///< alternatives given at most, 1 to kMaxEdgeHypotheses
   float keep_share = 0.5f;  ///< of the best one's preference, that an alternative must reach
   float ambiguous_share =
