@@ -69,6 +69,7 @@ target_sources(pliant_host PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/render_grid.cpp
   ${CMAKE_CURRENT_LIST_DIR}/retarget.cpp
   ${CMAKE_CURRENT_LIST_DIR}/scene.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/self_start.cpp
   ${CMAKE_CURRENT_LIST_DIR}/sheet.cpp
   ${CMAKE_CURRENT_LIST_DIR}/shown_mesh.cpp
   ${CMAKE_CURRENT_LIST_DIR}/start.cpp

@@ -11,6 +11,7 @@
 #include "cli/files.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/owned.hpp"
+#include "cli/self_start.hpp"
 #include "cli/start.hpp"
 #include "cli/track_output.hpp"
 #include "cli/tracker_limits.hpp"
@@ -66,14 +67,40 @@ class Frames {
   Image flipped_;
 };
 
-/// The state in frame 0.
-FitFile read_init(const Args& args, const ModelFile& file, ImageSize size, const std::string& frames,
-                  std::ostream& err) {
-  const std::string path = args.required("--init");
-  if (path == "outline") fail_usage("--init outline is not available in this build");
+/// The camera that --calibration or --focal tells of.
+std::optional<Camera> camera_of_frames(const Args& args, ImageSize size, std::ostream& err) {
   auto camera = calibration_of(args, size, err);
   if (camera && args.has("--mirror")) camera->cx = static_cast<float>(size.width - 1) - camera->cx;
-  return read_start(path, file, size, frames, static_cast<float>(args.number("--focal", 0, 1, 1e6)), camera);
+  return camera;
+}
+
+/// The state in frame 0, from a file.
+Beginning read_init(const Args& args, const ModelFile& file, ImageSize size, const std::string& frames,
+                    std::ostream& err) {
+  const std::string path = args.required("--init");
+  const auto camera = camera_of_frames(args, size, err);
+  const FitFile fit =
+      read_start(path, file, size, frames, static_cast<float>(args.number("--focal", 0, 1, 1e6)), camera);
+  Beginning start{fit.camera, fit.pose, std::vector<float>(file.model().parameters().count, 0.0f)};
+  list_unmatched(apply(fit.parameters, path, file.model(), start.q.data()), path, err);
+  return start;
+}
+
+/// Null unless the track is to start by itself.
+std::unique_ptr<SelfStart> self_start(const Args& args, const ModelFile& file, const Frames& frames,
+                                      std::ostream& err) {
+  if (args.required("--init") != "outline") {
+    if (args.has("--search-frames")) fail_usage("--search-frames is for --init outline");
+    return nullptr;
+  }
+  if (args.has("--markers")) fail_usage("--markers are of frame 0, which --init outline may not start in");
+  const ImageSize size = frames.size();
+  const auto focal =
+      static_cast<float>(args.number("--focal", static_cast<double>(default_focal(size)), 1, 1e6));
+  const auto known = camera_of_frames(args, size, err);
+  const int most = args.integer("--search-frames", 300, 1, 1 << 30);
+  return std::make_unique<SelfStart>(
+      file, size, known ? *known : centred_camera(size.width, size.height, focal), frames.name(), most, err);
 }
 
 /// A flag a parameter: the expressions, unless frozen; the identity only when it is to be refined.
@@ -120,6 +147,68 @@ std::uint8_t cues_of(const Args& args) {
   return bits;
 }
 
+/// One run: starts the tracker, feeds it, and starts it again where it started wrongly by itself.
+class Run {
+ public:
+  Run(Frames& frames, Tracker& tracker, const TrackerOptions& options, const Markers& markers,
+      TrackOutput& output, SelfStart* self)
+      : frames_(frames),
+        tracker_(tracker),
+        options_(options),
+        markers_(markers),
+        output_(output),
+        self_(self) {}
+
+  void start(const FrameView& frame, const Beginning& from) {
+    require(tracker_.start(frame, from.camera, from.pose, from.q.data(),
+                           {markers_.x.data(), markers_.x.size()}, options_),
+            where(frame));
+    camera_ = from.camera;
+    is_started_ = true;
+    output_.add(frames_.number(frame), frames_.time_s(frame), frame, tracker_, 0);
+  }
+  void take(const FrameView& frame) {
+    if (is_started_)
+      follow(frame);
+    else
+      look(frame);
+  }
+  float focal_px() const { return camera_.f; }
+
+ private:
+  std::string where(const FrameView& frame) const {
+    return frames_.name() + ": frame " + std::to_string(frames_.number(frame));
+  }
+  void look(const FrameView& frame) {
+    if (const auto found = self_->find(frame, frames_.number(frame)))
+      start(frame, *found);
+    else
+      output_.add_lost(frames_.number(frame), frames_.time_s(frame), frame);
+  }
+  void follow(const FrameView& frame) {
+    FrameResult result;
+    const auto before = std::chrono::steady_clock::now();
+    const Status status = tracker_.update(frame, &result);
+    if (frames_.is_live() && status == Status::stale_frame) return;  // a camera's clock may stumble
+    require(status, where(frame));
+    const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - before;
+    is_started_ = self_ == nullptr || self_->holds(frame, frames_.number(frame), tracker_);
+    if (is_started_)
+      output_.add(frames_.number(frame), frames_.time_s(frame), frame, tracker_, elapsed.count());
+    else
+      output_.add_lost(frames_.number(frame), frames_.time_s(frame), frame);
+  }
+
+  Frames& frames_;
+  Tracker& tracker_;
+  const TrackerOptions& options_;
+  const Markers& markers_;
+  TrackOutput& output_;
+  SelfStart* self_;
+  Camera camera_;
+  bool is_started_ = false;
+};
+
 int run_track(const Args& args, Console& console) {
   args.required("--out");
   args.required("--init");
@@ -134,11 +223,10 @@ int run_track(const Args& args, Console& console) {
   const auto is_free = free_parameters(args, model);
   options.is_free = is_free.data();
   Frames frames(args.required("--frames"), args.has("--mirror"));
-  const FitFile start = read_init(args, file, frames.size(), frames.name(), console.err);
+  const auto self = self_start(args, file, frames, console.err);
+  std::optional<Beginning> start;
+  if (self == nullptr) start = read_init(args, file, frames.size(), frames.name(), console.err);
   const Markers markers = read_markers(args, model);
-  std::vector<float> q(model.parameters().count, 0.0f);
-  list_unmatched(apply(start.parameters, args.required("--init"), model, q.data()), args.required("--init"),
-                 console.err);
 
   FrameView frame;
   if (!frames.next(&frame))
@@ -147,28 +235,23 @@ int run_track(const Args& args, Console& console) {
   limits.markers = static_cast<std::uint16_t>(markers.x.size());
   if (options.estimator.mesh_operations > 0) limits.texture_cells = 32;
   Owned<Tracker> tracker(model, limits);
-  require(tracker->start(frame, start.camera, start.pose, q.data(), {markers.x.data(), markers.x.size()},
-                         options),
-          frames.name() + ": frame 0");
   TrackOutput output(args, model, markers.names, frames.rate());
-  output.add(0, 0, frame, *tracker, 0);
+  Run run(frames, *tracker, options, markers, output, self.get());
+  if (start)
+    run.start(frame, *start);
+  else
+    run.take(frame);
   Progress progress(console, "frame");
   // A camera has no end of its own: Ctrl-C ends it, and what was tracked is kept.
   const InterruptWatch watch(frames.is_live());
   for (int count = 1; count != last && !watch.was_interrupted() && frames.next(&frame); ++count) {
-    const std::size_t number = frames.number(frame);
-    FrameResult result;
-    const auto before = std::chrono::steady_clock::now();
-    const Status status = tracker->update(frame, &result);
-    if (frames.is_live() && status == Status::stale_frame) continue;  // a camera's clock may stumble
-    require(status, frames.name() + ": frame " + std::to_string(number));
-    const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - before;
-    output.add(number, frames.time_s(frame), frame, *tracker, elapsed.count());
+    run.take(frame);
     progress.show(static_cast<std::size_t>(count) + 1);
   }
+  if (self != nullptr) self->conclude();
   // A stream that breaks off leaves what came before it.
-  output.commit(tracker.used_bytes(), start.camera.f);
-  console.out << output.summary(tracker.used_bytes(), start.camera.f) << "\n";
+  output.commit(tracker.used_bytes(), run.focal_px());
+  console.out << output.summary(tracker.used_bytes(), run.focal_px()) << "\n";
   if (frames.message().empty()) return 0;
   throw Failure(kBadInput, frames.message());
 }
@@ -179,14 +262,19 @@ Command track_command() {
   return {
       "track",
       "Follows a model through a video, from a start in its first frame.",
-      "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv --out track.csv [--landmarks] "
+      "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv|outline --out track.csv "
+      "[--landmarks] "
       "[--markers points.csv] [--marker-exclusion-px R] [--focal PX|--calibration camera.yml] [--mirror] "
       "[--freeze GROUP] "
-      "[--refine-identity] [--profile s|l] [--cues LIST] [--mesh-operations N] [--count N] "
+      "[--refine-identity] [--search-frames N] [--profile s|l] [--cues LIST] [--mesh-operations N] [--count "
+      "N] "
       "[--overlay out.y4m] [--sheet out.png] [--report report.html] [--truth truth.csv]",
       {{"--frames", "SOURCE",
         "a Y4M file, a folder of PGM or PPM, - for Y4M on standard input, or camera:[ID|INDEX][@WxH]"},
-       {"--init", "FILE", "frame 0: a fit.json, or a points.csv that is fitted first"},
+       {"--init", "START",
+        "frame 0: a fit.json, or a points.csv that is fitted first; outline: where a face is found, by "
+        "itself"},
+       {"--search-frames", "N", "with --init outline: give up after so many frames without a face (300)"},
        {"--out", "CSV", "the track to write: a row a frame"},
        {"--landmarks", nullptr, "columns with the model's landmarks as well"},
        {"--markers", "CSV", "landmark,x,y in frame 0: points to follow and report, never to look at"},

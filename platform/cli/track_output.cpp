@@ -61,22 +61,34 @@ void TrackOutput::add(std::size_t number, double time_s, const FrameView& frame,
   if (with_landmarks_) row.points = landmarks;
   const auto markers = project_markers(tracker);
   row.points.insert(row.points.end(), markers.begin(), markers.end());
-  table_.write(track_line(row));
-
   if (number > 0) milliseconds_.push_back(milliseconds);
+  if (row.state != TrackState::lost && truth_) truth_->add(number, row.pose, landmarks);
+  write(row, frame);
+  draw(row, frame, &tracker.estimator(), landmarks, markers, milliseconds);
+}
+
+void TrackOutput::add_lost(std::size_t number, double time_s, const FrameView& frame) {
+  TrackRow row;
+  row.frame = number;
+  row.time_s = time_s;
+  row.state = TrackState::lost;
+  row.q.resize(model_.parameters().count);
+  row.points.resize((with_landmarks_ ? model_.landmarks().count : 0) + marker_count_);
+  write(row, frame);
+  draw(row, frame, nullptr, {}, {}, 0);
+}
+
+void TrackOutput::write(const TrackRow& row, const FrameView& frame) {
+  table_.write(track_line(row));
   ++frames_;
   if (row.state == TrackState::tracking) ++tracked_;
   if (row.state != TrackState::lost) {
     squared_sum_ += static_cast<double>(row.rms_px) * static_cast<double>(row.rms_px);
     ++known_;
-    if (truth_) truth_->add(number, row.pose, landmarks);
   }
   facts_.width = frame.width;
   facts_.height = frame.height;
-  facts_.vertices = result.vertices;
-  if (!overlay_ && !sheet_file_ && !report_) return;
-  tracker.estimator().refresh_vertices();
-  draw(row, frame, tracker.estimator(), landmarks, markers, milliseconds);
+  facts_.vertices = row.vertices;
 }
 
 void TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
@@ -128,11 +140,13 @@ TrackOutput::Points TrackOutput::project_markers(Tracker& tracker) const {
   return out;
 }
 
-void TrackOutput::draw(const TrackRow& row, const FrameView& frame, const Estimator& estimator,
+void TrackOutput::draw(const TrackRow& row, const FrameView& frame, Estimator* estimator,
                        const Points& landmarks, const Points& markers, double milliseconds) {
+  if (!overlay_ && !sheet_file_ && !report_) return;
   Overlay overlay(image_of(frame));
-  if (row.state != TrackState::lost) {
-    overlay.draw_mesh(wire_of(estimator));
+  if (estimator != nullptr) estimator->refresh_vertices();
+  if (row.state != TrackState::lost && estimator != nullptr) {
+    overlay.draw_mesh(wire_of(*estimator));
     for (const auto& x : landmarks)
       if (x) overlay.draw_landmark(*x);
     for (const auto& x : markers)

@@ -28,6 +28,9 @@ class TrackOutput {
   /// it took; frame 0 is not counted.
   void add(std::size_t number, double time_s, const FrameView& frame, Tracker& tracker, double milliseconds);
 
+  /// A frame without a model, as before a start is found: state lost.
+  void add_lost(std::size_t number, double time_s, const FrameView& frame);
+
   /// Gives all files their names. \param arena_bytes, focal_px  for the summary.
   void commit(std::size_t arena_bytes, float focal_px);
 
@@ -40,7 +43,8 @@ class TrackOutput {
   using Points = std::vector<std::optional<Vec2>>;
   Points project_landmarks(Estimator& estimator) const;
   Points project_markers(Tracker& tracker) const;
-  void draw(const TrackRow& row, const FrameView& frame, const Estimator& estimator, const Points& landmarks,
+  void write(const TrackRow& row, const FrameView& frame);
+  void draw(const TrackRow& row, const FrameView& frame, Estimator* estimator, const Points& landmarks,
             const Points& markers, double milliseconds);
 
   Model model_;
