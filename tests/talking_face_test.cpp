@@ -15,6 +15,7 @@
 #include "cli/image.hpp"
 #include "cli/owned.hpp"
 #include "cli/start.hpp"
+#include "pliant/model_finder.hpp"
 #include "pliant/tracker.hpp"
 
 using namespace pliant;
@@ -68,13 +69,25 @@ float correlation(const std::vector<float>& a, const std::vector<float>& b) {
   return static_cast<float>(ab / std::sqrt(aa * bb));
 }
 
+cli::Image frame_picture(const std::string& folder, std::size_t k) {
+  char name[64];
+  std::snprintf(name, sizeof name, "/frames/franck_%05d.jpg", static_cast<int>(k));
+  return cli::to_grey(cli::read_image(folder + name));
+}
+
+FrameView view_on(const cli::Image& grey, std::size_t k) {
+  return {grey.pixels.data(),           kWidth, kHeight, kWidth, 1, static_cast<std::int64_t>(k) * 40'000'000,
+          static_cast<std::uint32_t>(k)};
+}
+
 struct Result {
   float landmark_nme = 0, marker_nme = 0,
         mouth_correlation = 0;  // percent of the outer eye corners' distance
   std::size_t tracking = 0;
 };
 
-Result track(const std::string& folder, const Annotation& truth, bool with_markers) {
+/// The built-in face as a file.
+std::string model_path() {
   bake::BakeOptions options;
   options.source = PLIANT_FIXTURES "/face";
   std::vector<std::uint8_t> table;
@@ -82,7 +95,11 @@ Result track(const std::string& folder, const Annotation& truth, bool with_marke
   REQUIRE_MESSAGE(bake::bake(options, table, error), error);
   const std::string path = std::string(PLIANT_SCRATCH) + "/talking_face.plm";
   cli::write_file(path, std::string(table.begin(), table.end()));
-  const cli::ModelFile file(path);
+  return path;
+}
+
+Result track(const std::string& folder, const Annotation& truth, bool with_markers) {
+  const cli::ModelFile file(model_path());
 
   std::vector<cli::NamedPoint> points;
   for (const auto& [name, index] : truth.ibug) points.push_back({name, truth.points[0][index], name});
@@ -108,12 +125,8 @@ Result track(const std::string& folder, const Annotation& truth, bool with_marke
   std::vector<float> mouth, mouth_truth;
   double eye_distance = 0, landmark_sum = 0, marker_sum = 0;
   for (std::size_t k = 0; k < kFrames; ++k) {
-    char name[64];
-    std::snprintf(name, sizeof name, "/frames/franck_%05d.jpg", static_cast<int>(k));
-    const cli::Image grey = cli::to_grey(cli::read_image(folder + name));
-    const FrameView frame{
-        grey.pixels.data(),           kWidth, kHeight, kWidth, 1, static_cast<std::int64_t>(k) * 40'000'000,
-        static_cast<std::uint32_t>(k)};
+    const cli::Image grey = frame_picture(folder, k);
+    const FrameView frame = view_on(grey, k);
     FrameResult r = tracker->result();
     if (k == 0)
       REQUIRE(tracker->start(frame, fit.camera, fit.pose, q.data(), {marker_x.data(), marker_x.size()}, {}) ==
@@ -171,4 +184,60 @@ TEST_CASE("51 points of his skin are followed without being looked at") {
   MESSAGE("markers " << r.marker_nme << " %");
   CHECK(r.tracking == kFrames);
   CHECK(r.marker_nme < 4);
+}
+
+TEST_CASE("he is found without a point within the first second, and followed from there") {
+  const std::string folder = data_folder();
+  if (folder.empty()) return;
+  const Annotation truth(folder);
+  const cli::ModelFile file(model_path());
+  FinderLimits limits;
+  limits.width = kWidth;
+  limits.height = kHeight;
+  cli::Owned<ModelFinder> finder(file.model(), limits);
+  const Camera camera = centred_camera(kWidth, kHeight, cli::default_focal({kWidth, kHeight}));
+  REQUIRE(finder->begin(camera, {}) == Status::ok);
+  TrackerLimits of_tracker;
+  of_tracker.width = kWidth;
+  of_tracker.height = kHeight;
+  cli::Owned<Tracker> tracker(file.model(), of_tracker);
+  bool is_started = false;
+  double error = 0, eyes = 0, likeness = 0;
+  std::size_t first = 0;
+  const std::size_t frames = kFrames < 200 ? kFrames : 200;
+  for (std::size_t k = 0; k < frames; ++k) {
+    const cli::Image grey = frame_picture(folder, k);
+    FrameResult r;
+    if (!is_started) {
+      FinderReport report;
+      REQUIRE(finder->find(view_on(grey, k), &report) == Status::ok);
+      if (!report.is_found) continue;
+      REQUIRE(tracker->start(view_on(grey, k), camera, report.pose, finder->parameters().data, {}, {}) ==
+              Status::ok);
+      is_started = true;
+      first = k;
+    } else {
+      REQUIRE(tracker->update(view_on(grey, k), &r) == Status::ok);
+      CHECK(r.state == TrackState::tracking);
+    }
+    if (k < first + 10) {
+      float now;
+      REQUIRE(finder->compare(view_on(grey, k), tracker->result().pose,
+                              tracker->estimator().parameters().data, &now) == Status::ok);
+      likeness += 0.1 * double(now);
+    }
+    eyes += double(length(truth.points[k][27] - truth.points[k][32]));
+    for (const auto& [name, index] : truth.ibug) {
+      const Landmark& l = file.model().landmarks()[file.model().find_landmark(name.c_str())];
+      Vec2 x;
+      REQUIRE(tracker->estimator().project({l.u, l.v}, &x));
+      error += double(length(x - truth.points[k][index])) / double(truth.ibug.size());
+    }
+  }
+  REQUIRE(is_started);
+  MESSAGE("found in frame " << first << ", landmarks " << 100 * error / eyes
+                            << " %, likeness over ten frames " << likeness);
+  CHECK(first < 25);
+  CHECK(100 * error / eyes < 11);
+  CHECK(likeness > 0.43);
 }
