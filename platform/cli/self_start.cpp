@@ -60,12 +60,19 @@ std::optional<Beginning> SelfStart::find(const FrameView& frame, std::size_t num
   return Beginning{camera_, report.pose, {q.begin(), q.end()}};
 }
 
+void SelfStart::refuse(std::size_t number) {
+  is_on_ = false;
+  err_ << frames_ << ": frame " << number << ": too little to track there, looking on\n";
+  if (looked_ >= most_frames_) give_up();
+}
+
 bool SelfStart::holds(const FrameView& frame, std::size_t number, Tracker& tracker) {
   if (followed_ == kTrialFrames) return true;
   float likeness = 0;
-  if (tracker.result().state != TrackState::lost)
-    require(finder_->compare(frame, tracker.result().pose, tracker.estimator().parameters().data, &likeness),
-            frames_ + ": frame " + std::to_string(number));
+  const bool is_compared = tracker.result().state != TrackState::lost &&
+                           finder_->compare(frame, tracker.result().pose,
+                                            tracker.estimator().parameters().data, &likeness) == Status::ok;
+  if (!is_compared) likeness = 0;
   sum_ += likeness;
   if (++followed_ < kTrialFrames) return true;
   const float mean = sum_ / kTrialFrames;

@@ -30,6 +30,8 @@ class SelfStart {
 
   /// Looks for the model in one frame. Bad input when nothing was found in `most_frames` one after the other.
   std::optional<Beginning> find(const FrameView& frame, std::size_t number);
+  /// The tracker could not start where the model was found.
+  void refuse(std::size_t number);
   /// To be asked for each frame tracked. False when ten frames after the start the tracker is not on a face: then
   /// the start was wrong.
   bool holds(const FrameView& frame, std::size_t number, Tracker& tracker);

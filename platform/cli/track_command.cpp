@@ -159,13 +159,14 @@ class Run {
         output_(output),
         self_(self) {}
 
-  void start(const FrameView& frame, const Beginning& from) {
-    require(tracker_.start(frame, from.camera, from.pose, from.q.data(),
-                           {markers_.x.data(), markers_.x.size()}, options_),
-            where(frame));
+  Status start(const FrameView& frame, const Beginning& from) {
+    const Status status = tracker_.start(frame, from.camera, from.pose, from.q.data(),
+                                         {markers_.x.data(), markers_.x.size()}, options_);
+    if (status != Status::ok) return status;
     camera_ = from.camera;
     is_started_ = true;
     output_.add(frames_.number(frame), frames_.time_s(frame), frame, tracker_, 0);
+    return status;
   }
   void take(const FrameView& frame) {
     if (is_started_)
@@ -180,10 +181,11 @@ class Run {
     return frames_.name() + ": frame " + std::to_string(frames_.number(frame));
   }
   void look(const FrameView& frame) {
-    if (const auto found = self_->find(frame, frames_.number(frame)))
-      start(frame, *found);
-    else
-      output_.add_lost(frames_.number(frame), frames_.time_s(frame), frame);
+    const std::size_t number = frames_.number(frame);
+    const auto found = self_->find(frame, number);
+    if (found && start(frame, *found) == Status::ok) return;
+    if (found) self_->refuse(number);
+    output_.add_lost(number, frames_.time_s(frame), frame);
   }
   void follow(const FrameView& frame) {
     FrameResult result;
@@ -238,7 +240,7 @@ int run_track(const Args& args, Console& console) {
   TrackOutput output(args, model, markers.names, frames.rate());
   Run run(frames, *tracker, options, markers, output, self.get());
   if (start)
-    run.start(frame, *start);
+    require(run.start(frame, *start), frames.name() + ": frame 0");
   else
     run.take(frame);
   Progress progress(console, "frame");
