@@ -88,7 +88,7 @@ void TrackOutput::write(const TrackRow& row, const FrameView& frame) {
   }
   facts_.width = frame.width;
   facts_.height = frame.height;
-  facts_.vertices = row.vertices;
+  facts_.vertices = static_cast<std::size_t>(row.vertices);
 }
 
 void TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
