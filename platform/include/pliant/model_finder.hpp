@@ -35,7 +35,7 @@ struct FinderLimits {
 struct FinderOptions {
   float largest_share = 0.65f;  ///< largest inner face, of the frame's height; least_share to 1
   /// Cosine between the directions of the fitted model and of the picture from which it counts as found. Measured: of
-  /// 465 pictures of clutter and 55 photographs without an upright face none reaches 0.46; of drawn faces 98 in a hundred
+  /// 615 pictures of clutter and 55 of other things without an upright face none reaches 0.46; of drawn faces 98 in a hundred
   /// exceed 0.53; the one real face there was to try, 0.5 in every third frame of a film.
   float min_likeness = 0.5f;
 };
@@ -62,7 +62,8 @@ class ModelFinder {
   Status begin(const Camera& camera, const FinderOptions& options);
 
   /// Looks at one frame, without regard to any before.
-  /// \return not_started, bad_argument, size_mismatch; nothing has changed then. Cost: some ten milliseconds on a PC.
+  /// \return not_started, bad_argument, size_mismatch; nothing has changed then. Cost: a tenth of a second
+  /// of a busy PC at any size of frame, most of it in sampling the fields for the fits.
   Status find(const FrameView& frame, FinderReport* report);
   /// Of the last `find`, all of the model's; meaningful when it found the model.
   Span<const float> parameters() const { return {best_q_, parameter_count_}; }
