@@ -120,33 +120,43 @@ Vec3 Cascade::selected_point(Vec2 uv) {
 }
 
 SurfaceFrame Cascade::surface_frame(Vec2 uv, const float* q) {
-  for (std::size_t n = 0; n < visited_count_; ++n) {
-    const std::size_t i = visited_[n];
-    const CascadeRecord& r = model_.cascade()[i];
+  select(q);
+  return selected_frame(uv);
+}
+
+SurfaceFrame Cascade::selected_frame(Vec2 uv) {
+  for (std::size_t n = 0; n < selected_count_; ++n) {
+    const std::size_t i = selected_[n];
     if (i == neutral_) {
       point_[i] = neutral_sample(uv, &tangent_u_[i], &tangent_v_[i]);
       continue;
     }
-    if (passes_through(r, q)) {
-      point_[i] = point_[r.source[0]];
-      tangent_u_[i] = tangent_u_[r.source[0]];
-      tangent_v_[i] = tangent_v_[r.source[0]];
-      continue;
-    }
+    const CascadeRecord& r = model_.cascade()[i];
+    const std::size_t first = r.source[0] == kNone ? kNone : stands_for_[r.source[0]];
+    const std::size_t second = r.source[1] == kNone ? kNone : stands_for_[r.source[1]];
     Vec3 su, sv;
     const Vec3 s = record_sample(i, uv, &su, &sv);
-    const FieldStep f = apply(r, q, point_of_source(r, 0), point_of_source(r, 1), s);
+    if (r.operation == Operation::add_vector) {
+      const float amount = selected_q_[r.parameter[0]];
+      point_[i] = point_[first] + amount * s;
+      tangent_u_[i] = tangent_u_[first] + amount * su;
+      tangent_v_[i] = tangent_v_[first] + amount * sv;
+      continue;
+    }
+    const FieldStep f = apply(r, selected_q_, first == kNone ? Vec3{} : point_[first],
+                              second == kNone ? Vec3{} : point_[second], s);
     const auto carry = [&](const Vec3* tangent, Vec3 along) {
       Vec3 t;
-      if (r.source[0] != kNone) t = f.maps ? f.map * tangent[r.source[0]] : f.keep * tangent[r.source[0]];
-      if (r.source[1] != kNone) t = t + f.keep_second * tangent[r.source[1]];
+      if (first != kNone) t = f.maps ? f.map * tangent[first] : f.keep * tangent[first];
+      if (second != kNone) t = t + f.keep_second * tangent[second];
       return r.field != kNone ? t + f.along_field * along : t + along.x * f.along_weight;
     };
     point_[i] = f.p;
     tangent_u_[i] = carry(tangent_u_, su);
     tangent_v_[i] = carry(tangent_v_, sv);
   }
-  return {point_[result_], tangent_u_[result_], tangent_v_[result_]};
+  const std::size_t last = stands_for_[result_];
+  return {point_[last], tangent_u_[last], tangent_v_[last]};
 }
 
 /// The part of a baked point whose folding saves most samples, or kNone when none saves any.

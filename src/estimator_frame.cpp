@@ -36,6 +36,7 @@ void Estimator::begin(std::int64_t time_ns) {
   result_.pose_is_observed = false;
   ++frame_;
   const std::uint32_t share = options_.tangent_share > 0 ? options_.tangent_share : 1;
+  cascade_.select(q_);
   for (std::uint16_t i = 0; i < limits_.points; ++i)
     if (kind_[i] != PointKind::none && (i + frame_) % share == 0) update_tangents(i);
   place_outline();

@@ -51,6 +51,7 @@ Status Estimator::add_point(Vec2 uv, std::uint16_t* id) {
   const Status status = take_id(PointKind::surface, id);
   if (status != Status::ok) return status;
   place(*id, uv);
+  cascade_.select(q_);
   update_tangents(*id);
   return Status::ok;
 }
@@ -62,6 +63,7 @@ Status Estimator::add_edge_point(Vec2 uv, Vec2 along, std::uint16_t* id) {
   if (status != Status::ok) return status;
   along_[*id] = along;
   place(*id, uv);
+  cascade_.select(q_);
   update_tangents(*id);
   return Status::ok;
 }
@@ -149,9 +151,10 @@ void Estimator::place_outline() {
   }
 }
 
+/// At the parameters that the cascade has selected.
 void Estimator::update_tangents(std::uint16_t id) {
   if (kind_[id] == PointKind::outline) return;
-  const SurfaceFrame frame = cascade_.surface_frame(uv_[id], q_);
+  const SurfaceFrame frame = cascade_.selected_frame(uv_[id]);
   tangent_u_[id] = frame.pu;
   tangent_v_[id] = frame.pv;
 }

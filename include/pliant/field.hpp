@@ -109,12 +109,13 @@ class Cascade {
   /// Position straight from the tables (and the folded neutral, if there is one). Cost: one sample a record.
   Vec3 surface_point(Vec2 uv, const float* q);
   /// Lists the records that do anything at q (most leave their source as it is where their parameter is 0), so that the
-  /// `selected_point`s that follow visit only those. `q` must stay where and as it is meanwhile.
+  /// `selected_point`s and `selected_frame`s that follow visit only those. `q` must stay where and as it is meanwhile.
   void select(const float* q);
   /// Position at the selected q, straight from the tables. Cost: one sample a listed record.
   Vec3 selected_point(Vec2 uv);
-  /// Position and tangents straight from the tables.
+  /// Position and tangents straight from the tables; and at the selected q.
   SurfaceFrame surface_frame(Vec2 uv, const float* q);
+  SurfaceFrame selected_frame(Vec2 uv);
 
  private:
   struct Register {
