@@ -35,8 +35,8 @@ struct FinderLimits {
 struct FinderOptions {
   float largest_share = 0.65f;  ///< largest inner face, of the frame's height; least_share to 1
   /// Cosine between the directions of the fitted model and of the picture from which it counts as found. Measured: of
-  /// 615 pictures of clutter and 55 of other things without an upright face none reaches 0.46; of drawn faces 98 in a hundred
-  /// exceed 0.53; the one real face there was to try, 0.5 in every third frame of a film.
+  /// 300 pictures of clutter and some fifty of other things, faces upside down among them, none reaches 0.46; of drawn
+  /// faces 98 in a hundred exceed 0.53; the one real face there was to try, 0.5 in every third frame of a film.
   float min_likeness = 0.5f;
 };
 
