@@ -102,8 +102,8 @@ struct EstimatorOptions {
   std::uint8_t rank_share = 32;     ///< one face and vertex in so many is ranked anew a frame
   /// How far the real surface is from the model's at its best, mm: added to every observation, at the scale at which the
   /// model is seen. Neighbours err alike, so that many points are no better a word than a few: on a real face residuals
-  /// are 1.2 mm, where the picture would allow a tenth of that.
-  float model_error_mm = 1.2f;
+  /// are a millimetre, where the picture would allow a tenth of that.
+  float model_error_mm = 1.0f;
   float edge_error_mm = 1.7f;    ///< the same of edges
   float expression_rate = 3.0f;  ///< ranges a parameter may cross in a second (one sd of the temporal prior)
   float prior_strength = 1.0f;   ///< weight of the parameters' own prior
