@@ -252,8 +252,7 @@ int run_track(const Args& args, Console& console) {
   }
   if (self != nullptr) self->conclude();
   // A stream that breaks off leaves what came before it.
-  output.commit(tracker.used_bytes(), run.focal_px());
-  console.out << output.summary(tracker.used_bytes(), run.focal_px()) << "\n";
+  console.out << output.commit(tracker.used_bytes(), run.focal_px()) << "\n";
   if (frames.message().empty()) return 0;
   throw Failure(kBadInput, frames.message());
 }

@@ -91,7 +91,8 @@ void TrackOutput::write(const TrackRow& row, const FrameView& frame) {
   facts_.vertices = static_cast<std::size_t>(row.vertices);
 }
 
-void TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
+std::string TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
+  const std::string line = summary(arena_bytes, focal_px);  // once: the peak of memory goes on growing
   table_.commit();
   if (overlay_) overlay_->commit();
   if (sheet_file_) {
@@ -100,10 +101,11 @@ void TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
   }
   if (report_) {
     facts_.arena_bytes = arena_bytes;
-    facts_.summary = summary(arena_bytes, focal_px);
+    facts_.summary = line;
     report_file_->write(report_->page(facts_));
     report_file_->commit();
   }
+  return line;
 }
 
 std::string TrackOutput::summary(std::size_t arena_bytes, float focal_px) const {

@@ -32,15 +32,14 @@ class TrackOutput {
   void add_lost(std::size_t number, double time_s, const FrameView& frame);
 
   /// Gives all files their names. \param arena_bytes, focal_px  for the summary.
-  void commit(std::size_t arena_bytes, float focal_px);
-
-  /// One line of key=value: frames, tracked (in state `tracking`), rms_px (root mean square over the frames),
-  /// median_ms, arena_bytes, f_px, peak_kib (memory of the process); with a truth landmark_px (mean), rotation_deg (median) and compared
-  /// (frames).
-  std::string summary(std::size_t arena_bytes, float focal_px) const;
+  /// \returns the summary, one line of key=value: frames, tracked (in state `tracking`), rms_px (root mean square over the
+  /// frames), median_ms, arena_bytes, f_px, peak_kib (memory of the process); with a truth landmark_px (mean),
+  /// rotation_deg (median) and compared (frames).
+  std::string commit(std::size_t arena_bytes, float focal_px);
 
  private:
   using Points = std::vector<std::optional<Vec2>>;
+  std::string summary(std::size_t arena_bytes, float focal_px) const;
   Points project_landmarks(Estimator& estimator) const;
   Points project_markers(Tracker& tracker) const;
   void write(const TrackRow& row, const FrameView& frame);
