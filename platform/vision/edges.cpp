@@ -190,8 +190,8 @@ bool plan(const Pyramid& pyramid, const EdgePoint& point, const EdgeOptions& o, 
   if (!is_finite(variance)) return false;
   s.deviation = square_root(variance);
   s.range = max(min(max(o.range_sd * s.deviation, o.min_range_px), o.max_range_px), 0);
-  s.level = o.finest_level > 0 ? o.finest_level : 0;
-  if (s.level >= pyramid.levels()) s.level = pyramid.levels() - 1;
+  s.level = 0;
+  while (s.level < o.finest_level && s.level + 1 < pyramid.levels()) ++s.level;
   while (s.level + 1 < pyramid.levels() && s.range > kReach * s.scale()) ++s.level;
   return true;
 }
