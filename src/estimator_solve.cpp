@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t kFewestEquations = kPoseUnknowns + 4;
 constexpr float kLeastWeight = 0.1f;  // of an inlier
 constexpr int kIterationsAfter = 3;
-constexpr float kNearEnough = 0.02f;  // decrease left, of the cost, at which Huber's loss gives way to Tukey's
+constexpr float kNearEnough = 0.02f;  // of the cost: a decrease at which Huber's loss gives way to Tukey's
 constexpr float kLeastPivot = 1e-4f;
 constexpr float kMostCueScale = 4;
 
