@@ -226,6 +226,10 @@ class Estimator {
   /// How far residuals of a cue have been from the deviations that its observations claim, at least 1.
   float cue_scale(Cue cue) const { return cue_scale_[static_cast<std::size_t>(cue)]; }
 
+  /// Position of any (u,v) at the present parameters, mm.
+  Vec3 surface_point(Vec2 uv) { return cascade_.surface_point(uv, q_); }
+  /// What is between `view`'s pinhole and the picture.
+  const Lens& lens() const { return lens_; }
   /// Image position of any (u,v) at the present state; false behind the camera.
   bool project(Vec2 uv, Vec2* x);
   /// (u,v) on the visible surface under an image position: by the mesh, then on the surface itself. Where the position

@@ -1,4 +1,5 @@
 // Which surface points are tracked: corners of the picture that lie on the visible surface.
+#include "surface_offset.hpp"
 #include "tracker_sizes.hpp"
 
 namespace pliant {
@@ -13,6 +14,8 @@ Status Tracker::place_markers(Span<const Vec2> markers) {
   for (Vec2 x : markers) {
     Vec2 uv;
     if (!is_finite(x) || estimator_.surface_at(x, &uv) < 0) return Status::bad_argument;
+    // Not only beside the mesh: in an eye or a mouth it may span what the surface does not.
+    if (!find_offset(estimator_, uv, x, &marker_offsets_[marker_count_])) return Status::bad_argument;
     const Status status = estimator_.add_point(uv, &marker_ids_[marker_count_]);
     if (status != Status::ok) return status;
     ++marker_count_;

@@ -10,5 +10,6 @@ target_sources(pliant_platform PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/picture_search.cpp
   ${CMAKE_CURRENT_LIST_DIR}/seeding.cpp
   ${CMAKE_CURRENT_LIST_DIR}/small_picture.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/surface_offset.cpp
   ${CMAKE_CURRENT_LIST_DIR}/surface_texture.cpp
   ${CMAKE_CURRENT_LIST_DIR}/tracker.cpp)

@@ -3,6 +3,7 @@
 
 #include "edge_search.hpp"
 #include "small_picture.hpp"
+#include "surface_offset.hpp"
 #include "tracker_sizes.hpp"
 
 namespace pliant {
@@ -72,6 +73,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   edges_ = arena.take<EdgeSearch>(1);
   (edges_ != nullptr ? *edges_ : measured).lay_out(arena, edge_points(limits_));
   marker_ids_ = arena.take<std::uint16_t>(limits_.markers);
+  marker_offsets_ = arena.take<Vec3>(limits_.markers);
   arena.count_as(Purpose::corners);
   corners_ = arena.take<Corner>(limits_.patches);
   const CornerOptions corners = corner_options(limits_);
@@ -220,7 +222,8 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
 }
 
 bool Tracker::marker(std::size_t k, Vec2* x) {
-  return k < marker_count_ && estimator_.project(estimator_.point_uv(marker_ids_[k]), x);
+  return k < marker_count_ &&
+         project_beside(estimator_, estimator_.point_uv(marker_ids_[k]), marker_offsets_[k], x);
 }
 
 bool Tracker::patch(std::size_t k, Vec2* x) const {

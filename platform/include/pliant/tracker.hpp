@@ -107,7 +107,8 @@ class Tracker {
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
 
   /// Starts on `frame` (frame 0) from a known state; patches are captured in it. Markers are image points (px) of this
-  /// frame, at most limits.markers of them, cast onto the posed mesh; one that misses takes the nearest surface point.
+  /// frame, at most limits.markers of them, cast onto the posed mesh; one that misses keeps its distance from the
+  /// nearest surface point.
   /// \return bad_argument, size_mismatch, capacity (markers), too_few_points (no texture to hold on to), or a status of
   ///         Estimator::start. The tracker is then not started.
   Status start(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
@@ -215,6 +216,7 @@ class Tracker {
   EdgeSearch* edges_ = nullptr;
   std::uint16_t* prediction_of_ = nullptr;  // by id of a surface point
   std::uint16_t* marker_ids_ = nullptr;
+  Vec3* marker_offsets_ = nullptr;  // from the surface, mm
   std::size_t marker_count_ = 0;
   Corner* corners_ = nullptr;
   std::uint8_t *cells_ = nullptr, *scratch_ = nullptr, *texture_ = nullptr;
