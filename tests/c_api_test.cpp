@@ -155,6 +155,36 @@ TEST_CASE("a start from landmarks, from a box and from a pose each follow the fa
   check_follows(t, 6);
 }
 
+TEST_CASE("landmarks given beside the model's are told of where they were given, until another start") {
+  pliant_tracker* t = rig().create();
+  const pliant_frame first = rig().frame(0), next = rig().frame(1);
+  const auto place = [t](const char* name) {
+    Vec2 x;
+    REQUIRE(pliant_get_landmark(t, name, &x.x, &x.y) == PLIANT_OK);
+    return x;
+  };
+  // Up and down by turns, all over the face: no person, pose or expression of the model is like that.
+  std::vector<pliant_point> points(rig().points.begin() + 17, rig().points.begin() + 60);
+  for (size_t k = 0; k < points.size(); ++k) points[k].y += k % 2 == 0 ? 5.0f : -5.0f;
+  REQUIRE(pliant_start_points(t, &first, 0, points.data(), points.size()) == PLIANT_OK);
+  const auto error = [&] {
+    float sum = 0;
+    for (const pliant_point& p : points) sum += length(place(p.landmark) - Vec2{p.x, p.y});
+    return sum / static_cast<float>(points.size());
+  };
+  CHECK(error() < 1);
+  pliant_result result;
+  REQUIRE(pliant_update(t, &next, &result) == PLIANT_OK);
+  CHECK(result.state == PLIANT_TRACKING);
+  CHECK(error() < 2);
+  const pliant_camera camera{rig().camera.f, rig().camera.cx, rig().camera.cy};
+  const Pose& p = rig().pose;
+  const pliant_pose pose{{p.q.w, p.q.x, p.q.y, p.q.z}, {p.t.x, p.t.y, p.t.z}};
+  REQUIRE(pliant_start_pose(t, &first, &camera, &pose, nullptr) == PLIANT_OK);
+  for (size_t k = 17; k < 60; ++k)
+    CHECK(length(place(rig().points[k].landmark) - Vec2{rig().points[k].x, rig().points[k].y}) < 0.01f);
+}
+
 TEST_CASE("what is asked before a start, or asked wrongly, has a status") {
   pliant_tracker* t = rig().create();
   const pliant_frame first = rig().frame(0);

@@ -86,6 +86,11 @@ class Fitter {
   Status fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
              float* sd, Vec2* residuals, float* weights);
 
+  /// Whether the last fit has slid an outline point away from its own place, to the silhouette.
+  bool has_slid(std::size_t point) const {
+    return outline_normal_ != nullptr && dot(outline_normal_[point], outline_normal_[point]) > 0;
+  }
+
   Cascade& cascade() { return cascade_; }
 
  private:

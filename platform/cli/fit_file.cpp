@@ -80,11 +80,15 @@ void parse_points(const Members& root, const std::string& source, FitFile* fit) 
   if (points->array() == nullptr) fail_input(root.where("points"), "is not a list");
   for (const Json& item : *points->array()) {
     const Members point(source + ": 'points'", &item);
-    const Json* used = point.find("used");
+    const auto is_set = [&point](const char* name) {
+      const Json* flag = point.find(name);
+      return flag != nullptr && flag->boolean() != nullptr && *flag->boolean();
+    };
     fit->points.push_back({point.string("landmark"),
                            {point.number("x"), point.number("y")},
                            {point.number("dx"), point.number("dy")},
-                           used != nullptr && used->boolean() != nullptr && *used->boolean()});
+                           is_set("used"),
+                           is_set("at_landmark")});
   }
 }
 
@@ -145,7 +149,8 @@ std::string fit_text(const FitFile& fit) {
                                        {"y", number(p.x.y)},
                                        {"dx", number(p.residual.x)},
                                        {"dy", number(p.residual.y)},
-                                       {"used", Json(p.used)}}));
+                                       {"used", Json(p.used)},
+                                       {"at_landmark", Json(p.is_landmark)}}));
   return Json(Json::Object{
                   {"version", Json(1)},
                   {"model_crc", Json(static_cast<double>(fit.model_crc))},

@@ -18,6 +18,8 @@ struct FitPoint {
   Vec2 x;         ///< where it was given, px
   Vec2 residual;  ///< projected minus given, px
   bool used = false;
+  bool is_landmark =
+      false;  ///< at the landmark's own place, not at (u,v) given for it, nor slid along the outline
 };
 
 struct FitFile {

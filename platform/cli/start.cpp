@@ -6,6 +6,7 @@
 #include "cli/owned.hpp"
 #include "pliant/fit.hpp"
 #include "track/landmark_fit.hpp"
+#include "track/personal_landmarks.hpp"
 
 namespace pliant::cli {
 
@@ -118,20 +119,17 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   limits.points = static_cast<std::uint16_t>(pairs.size());
   for (const Correspondence& c : pairs) limits.outline = limits.outline || c.is_outline;
   Owned<Fitter> fitter(model, limits);
-  std::vector<float> sd_before;  // in the stage that estimates expressions
-  const auto fit_with = [&](const FitOptions& stage) {
-    sd_before = sd;
-    return fitter->fit({pairs.data(), pairs.size()}, stage, q.data(), &report, sd.data(), residual.data(),
+  const auto fit_with = [&](const FitOptions& stage, float* stage_sd) {
+    return fitter->fit({pairs.data(), pairs.size()}, stage, q.data(), &report, stage_sd, residual.data(),
                        weight.data());
   };
-  std::vector<std::uint8_t> is_identity(setup.is_free.empty() ? sd.size() : 0);
+  std::vector<std::uint8_t> is_identity(sd.size());
+  std::vector<float> stage_sd(sd.size());
   require(setup.is_free.empty()
               ? fit_expression_then_identity(model, {pairs.data(), pairs.size()}, pairs[0].sd_px, options,
-                                             {is_identity.data(), is_identity.size()}, fit_with)
-              : fit_with(options),
+                                             is_identity.data(), stage_sd.data(), sd.data(), fit_with)
+              : fit_with(options, sd.data()),
           source);
-  for (std::size_t k = 0; k < is_identity.size(); ++k)
-    if (is_identity[k] == 0) sd[k] = sd_before[k];
 
   FitFile fit = describe(model, setup.size, report.view, q);
   if (setup.camera) fit.camera = *setup.camera;
@@ -143,8 +141,31 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   fit.rms_px = report.rms_px;
   fit.inliers = report.used;
   for (std::size_t i = 0; i < pairs.size(); ++i)
-    fit.points.push_back({points[i].name, pairs[i].x, residual[i], weight[i] > 0});
+    fit.points.push_back(
+        {points[i].name, pairs[i].x, residual[i], weight[i] > 0, !points[i].uv && !fitter->has_slid(i)});
   return fit;
+}
+
+std::vector<Correspondence> personal_landmarks(const Model& model, const FitFile& fit) {
+  std::vector<Correspondence> points;
+  std::vector<Vec2> residuals;
+  std::vector<std::uint8_t> is_landmark;
+  for (const FitPoint& p : fit.points) {
+    const std::uint16_t k = model.find_landmark(p.landmark.c_str());
+    const Landmark at = k == kNone ? Landmark{} : model.landmarks()[k];
+    points.push_back({{at.u, at.v}, p.x});
+    residuals.push_back(p.residual);
+    is_landmark.push_back(k != kNone && p.used && p.is_landmark);
+  }
+  if (points.empty()) return points;
+  for (Correspondence& c : points) c.sd_px = kPointSdShare * spread_of({points.data(), points.size()});
+  std::vector<float> sd(model.parameters().count);
+  for (const auto& [name, value] : fit.sd)
+    if (const std::uint16_t k = model.find_parameter(name.c_str()); k != kNone) sd[k] = value;
+  points.resize(
+      find_personal(model, {points.data(), points.size()}, residuals.data(), is_landmark.data(), sd.data())
+          .count);
+  return points;
 }
 
 bool is_fit(const std::string& text) {

@@ -43,6 +43,9 @@ FitFile read_start(const std::string& path, const ModelFile& file, const ImageSi
                    const std::string& picture, float focal_px,
                    const std::optional<Camera>& camera = std::nullopt);
 
+/// Where the person has the landmarks that a fit was given points of (track/personal_landmarks.hpp).
+std::vector<Correspondence> personal_landmarks(const Model& model, const FitFile& fit);
+
 /// Parameters by name and everything else of a fit without points.
 FitFile describe(const Model& model, const ImageSize& size, const View& view, const std::vector<float>& q);
 

@@ -83,6 +83,7 @@ Beginning read_init(const Args& args, const ModelFile& file, ImageSize size, con
       read_start(path, file, size, frames, static_cast<float>(args.number("--focal", 0, 1, 1e6)), camera);
   Beginning start{fit.camera, fit.pose, std::vector<float>(file.model().parameters().count, 0.0f)};
   list_unmatched(apply(fit.parameters, path, file.model(), start.q.data()), path, err);
+  if (!args.has("--model-landmarks")) start.landmarks = personal_landmarks(file.model(), fit);
   return start;
 }
 
@@ -124,8 +125,8 @@ Markers read_markers(const Args& args, const Model& model) {
   const auto path = args.text("--markers");
   if (!path) return markers;
   for (const NamedPoint& p : read_points(*path)) {
-    if (args.has("--landmarks") && model.find_landmark(p.name.c_str()) != kNone)
-      fail_input(p.where, "marker '" + p.name + "' has the name of a landmark, which --landmarks reports");
+    if (has_landmarks(args) && model.find_landmark(p.name.c_str()) != kNone)
+      fail_input(p.where, "marker '" + p.name + "' has the name of a landmark, which is reported itself");
     markers.names.push_back(p.name);
     markers.x.push_back(p.x);
   }
@@ -165,6 +166,7 @@ class Run {
     if (status != Status::ok) return status;
     camera_ = from.camera;
     is_started_ = true;
+    output_.place_landmarks(tracker_.estimator(), from.landmarks);
     output_.add(frames_.number(frame), frames_.time_s(frame), frame, tracker_, 0);
     return status;
   }
@@ -264,7 +266,7 @@ Command track_command() {
       "track",
       "Follows a model through a video, from a start in its first frame.",
       "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv|outline --out track.csv "
-      "[--landmarks] "
+      "[--landmarks|--model-landmarks] "
       "[--markers points.csv] [--marker-exclusion-px R] [--focal PX|--calibration camera.yml] [--mirror] "
       "[--freeze GROUP] "
       "[--refine-identity] [--search-frames N] [--profile s|l] [--cues LIST] [--mesh-operations N] [--count "
@@ -277,7 +279,11 @@ Command track_command() {
         "itself"},
        {"--search-frames", "N", "with --init outline: give up after so many frames without a face (300)"},
        {"--out", "CSV", "the track to write: a row a frame"},
-       {"--landmarks", nullptr, "columns with the model's landmarks as well"},
+       {"--landmarks", nullptr,
+        "columns with the landmarks as well; those that START gave stay where it gave them on this face, as "
+        "far "
+        "as they were off the fitted model by more than noise"},
+       {"--model-landmarks", nullptr, "the same columns, all where the model has them"},
        {"--markers", "CSV", "landmark,x,y in frame 0: points to follow and report, never to look at"},
        {"--marker-exclusion-px", "R", "how far from a marker patches keep (8)"},
        {"--focal", "PX", "focal length, when it is known"},

@@ -5,6 +5,8 @@
 #include <fstream>
 
 #include "cli/overlay.hpp"
+#include "track/personal_landmarks.hpp"
+#include "track/surface_offset.hpp"
 
 namespace pliant::cli {
 
@@ -21,11 +23,16 @@ std::size_t peak_memory_kib() {
 
 }  // namespace
 
+bool has_landmarks(const Args& args) {
+  return args.has("--landmarks") || args.has("--model-landmarks");
+}
+
 TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
                          FrameRate rate)
     : model_(model),
       table_(args.required("--out")),
-      with_landmarks_(args.has("--landmarks")),
+      with_landmarks_(has_landmarks(args)),
+      landmark_offsets_(model.landmarks().count),
       marker_count_(marker_names.size()),
       rate_(rate) {
   if (const auto path = args.text("--overlay")) overlay_ = std::make_unique<Y4mOutput>(*path, rate);
@@ -42,6 +49,10 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
     for (const Landmark& l : model.landmarks()) names.push_back(l.name);
   names.insert(names.end(), marker_names.begin(), marker_names.end());
   table_.write(track_header(model, names));
+}
+
+void TrackOutput::place_landmarks(Estimator& estimator, const std::vector<Correspondence>& personal) {
+  pliant::place_landmarks(estimator, {personal.data(), personal.size()}, landmark_offsets_.data());
 }
 
 void TrackOutput::add(std::size_t number, double time_s, const FrameView& frame, Tracker& tracker,
@@ -126,9 +137,11 @@ std::string TrackOutput::summary(std::size_t arena_bytes, float focal_px) const 
 
 TrackOutput::Points TrackOutput::project_landmarks(Estimator& estimator) const {
   Points out;
-  for (const Landmark& l : model_.landmarks()) {
+  for (std::size_t k = 0; k < landmark_offsets_.size(); ++k) {
+    const Landmark& l = model_.landmarks()[k];
     Vec2 x;
-    out.push_back(estimator.project({l.u, l.v}, &x) ? std::optional<Vec2>(x) : std::nullopt);
+    const bool is_seen = project_beside(estimator, {l.u, l.v}, landmark_offsets_[k], &x);
+    out.push_back(is_seen ? std::optional<Vec2>(x) : std::nullopt);
   }
   return out;
 }

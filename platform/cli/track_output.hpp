@@ -14,15 +14,22 @@
 #include "cli/track_table.hpp"
 #include "cli/truth.hpp"
 #include "cli/y4m_output.hpp"
+#include "pliant/fit.hpp"
 #include "pliant/tracker.hpp"
 
 namespace pliant::cli {
+
+/// Whether landmarks are asked for.
+bool has_landmarks(const Args& args);
 
 class TrackOutput {
  public:
   /// Opens what --out, --overlay, --sheet, --report and --truth name, and writes the table's header.
   TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
               FrameRate rate);
+
+  /// Of a start in which landmarks were given: from now on they are where `personal` has them.
+  void place_landmarks(Estimator& estimator, const std::vector<Correspondence>& personal);
 
   /// Takes on the tracker's present result for the frame of that number and time (since frame 0). `milliseconds` is what
   /// it took; frame 0 is not counted.
@@ -49,6 +56,7 @@ class TrackOutput {
   Model model_;
   OutputFile table_;
   bool with_landmarks_;
+  std::vector<Vec3> landmark_offsets_;
   std::size_t marker_count_;
   FrameRate rate_;
   std::unique_ptr<Y4mOutput> overlay_;

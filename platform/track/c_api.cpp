@@ -4,8 +4,10 @@
 #include <new>
 
 #include "landmark_fit.hpp"
+#include "personal_landmarks.hpp"
 #include "pliant/pliant.h"
 #include "pliant/tracker.hpp"
+#include "surface_offset.hpp"
 
 using namespace pliant;
 
@@ -14,6 +16,7 @@ struct pliant_tracker {
   TrackerLimits limits;
   std::uint16_t start_points;
   float* parameters;
+  Vec3* landmark_offsets;
   Correspondence* points;
   unsigned char* shared;
   std::size_t shared_bytes;
@@ -78,10 +81,12 @@ void lay_out(Arena& arena, pliant_tracker* handle, const Model& model, std::size
              std::uint16_t start_points) {
   arena.take<unsigned char>(sizeof(pliant_tracker));
   float* const parameters = arena.take<float>(model.parameters().count);
+  Vec3* const landmark_offsets = arena.take<Vec3>(model.landmarks().count);
   Correspondence* const points = arena.take<Correspondence>(start_points);
   unsigned char* const shared = arena.take<unsigned char>(shared_bytes);
   if (handle == nullptr || arena.exhausted()) return;
   handle->parameters = parameters;
+  handle->landmark_offsets = landmark_offsets;
   handle->points = points;
   handle->shared = shared;
   handle->shared_bytes = shared_bytes;
@@ -108,12 +113,14 @@ Status check(const pliant_tracker* t, const pliant_frame* frame) {
 }
 
 /// Lays the tracker out anew, over whatever was there, and starts it with the handle's parameters.
-Status start(pliant_tracker* t, const pliant_frame& frame, const Camera& camera, const Pose& pose) {
+Status start(pliant_tracker* t, const pliant_frame& frame, const Camera& camera, const Pose& pose,
+             Span<const Correspondence> personal) {
   Arena arena(t->shared, t->shared_bytes);
   Status status = create_in(arena, t->tracker, t->model, t->limits);
   if (status == Status::ok) status = t->tracker.start(view_of(frame), camera, pose, t->parameters, {}, {});
   t->camera = camera;
   t->is_started = status == Status::ok;
+  if (t->is_started) place_landmarks(t->tracker.estimator(), personal, t->landmark_offsets);
   return status;
 }
 
@@ -202,9 +209,9 @@ pliant_status pliant_start_pose(pliant_tracker* t, const pliant_frame* frame, co
   if (camera == nullptr || pose == nullptr) return PLIANT_BAD_ARGUMENT;
   for (std::size_t k = 0; k < t->model.parameters().count; ++k)
     t->parameters[k] = parameters == nullptr ? 0 : parameters[k];
-  return plain(
-      start(t, *frame, {camera->f, camera->cx, camera->cy},
-            {{pose->q[0], pose->q[1], pose->q[2], pose->q[3]}, {pose->t[0], pose->t[1], pose->t[2]}}));
+  return plain(start(t, *frame, {camera->f, camera->cx, camera->cy},
+                     {{pose->q[0], pose->q[1], pose->q[2], pose->q[3]}, {pose->t[0], pose->t[1], pose->t[2]}},
+                     {}));
 }
 
 pliant_status pliant_start_points(pliant_tracker* t, const pliant_frame* frame, float focal_px,
@@ -228,8 +235,9 @@ pliant_status pliant_start_points(pliant_tracker* t, const pliant_frame* frame, 
   options.focal_px = focal_px;
   FitReport report;
   Arena arena(t->shared, t->shared_bytes);
-  status = fit_landmarks(arena, t->model, {t->points, count}, options, t->parameters, &report);
-  if (status == Status::ok) status = start(t, *frame, camera_of(report.view), pose_of(report.view));
+  Span<Correspondence> personal;
+  status = fit_landmarks(arena, t->model, {t->points, count}, options, t->parameters, &report, &personal);
+  if (status == Status::ok) status = start(t, *frame, camera_of(report.view), pose_of(report.view), personal);
   return plain(status);
 }
 
@@ -247,7 +255,7 @@ pliant_status pliant_start_box(pliant_tracker* t, const pliant_frame* frame, flo
   const Camera camera = centred_camera(frame->width, frame->height, focal_or_default(t, focal_px));
   View view;
   status = view_from_box(t->model, cascade, t->parameters, {x, y}, {width, height}, camera, &view);
-  if (status == Status::ok) status = start(t, *frame, camera, pose_of(view));
+  if (status == Status::ok) status = start(t, *frame, camera, pose_of(view), {});
   return plain(status);
 }
 
@@ -291,7 +299,8 @@ pliant_status pliant_get_landmark(pliant_tracker* t, const char* name, float* x,
   if (k == kNone) return PLIANT_NOT_FOUND;
   Vec2 at;
   const Landmark& l = t->model.landmarks()[k];
-  if (!t->tracker.estimator().project({l.u, l.v}, &at)) return PLIANT_UNDERDETERMINED;
+  if (!project_beside(t->tracker.estimator(), {l.u, l.v}, t->landmark_offsets[k], &at))
+    return PLIANT_UNDERDETERMINED;
   *x = at.x;
   *y = at.y;
   return PLIANT_OK;

@@ -2,6 +2,8 @@
 
 #include <new>
 
+#include "personal_landmarks.hpp"
+
 namespace pliant {
 
 namespace {
@@ -12,6 +14,21 @@ FitLimits limits_for(std::size_t points) {
   limits.outline = true;
   return limits;
 }
+
+/// What a fit is told of besides the points, and tells of them.
+struct Work {
+  std::uint8_t *is_identity, *is_landmark;
+  float *sd, *fit_sd, *weights;
+  Vec2* residuals;
+
+  Work(Arena& arena, std::size_t parameters, std::size_t points)
+      : is_identity(arena.take<std::uint8_t>(parameters)),
+        is_landmark(arena.take<std::uint8_t>(points)),
+        sd(arena.take<float>(parameters)),
+        fit_sd(arena.take<float>(parameters)),
+        weights(arena.take<float>(points)),
+        residuals(arena.take<Vec2>(points)) {}
+};
 
 }  // namespace
 
@@ -28,12 +45,12 @@ std::size_t landmark_fit_bytes(const Model& model, std::uint16_t points, Fitter&
   Arena trial;
   trial.take<Fitter>(1);
   fitter.lay_out(trial, model, limits_for(points));
-  trial.take<std::uint8_t>(model.parameters().count);
+  Work(trial, model.parameters().count, points);
   return trial.used_bytes();
 }
 
 Status fit_landmarks(Arena& arena, const Model& model, Span<Correspondence> points, const FitOptions& options,
-                     float* q, FitReport* report) {
+                     float* q, FitReport* report, Span<Correspondence>* personal) {
   const float spread = spread_of(points);
   if (!(spread > 0)) return Status::underdetermined;
   void* const room = arena.take<Fitter>(1);
@@ -41,13 +58,20 @@ Status fit_landmarks(Arena& arena, const Model& model, Span<Correspondence> poin
   Fitter& fitter = *new (room) Fitter();
   Status status = create_in(arena, fitter, model, limits_for(points.count));
   if (status != Status::ok) return status;
-  const auto is_identity = arena.take_span<std::uint8_t>(model.parameters().count);
+  const std::size_t parameters = model.parameters().count;
+  const Work work(arena, parameters, points.count);
   if (arena.exhausted()) return Status::out_of_memory;
-  for (std::size_t k = 0; k < is_identity.count; ++k) q[k] = 0;
-  return fit_expression_then_identity(
-      model, points, kPointSdShare * spread, options, is_identity, [&](const FitOptions& stage) {
-        return fitter.fit(points, stage, q, report, nullptr, nullptr, nullptr);
-      });
+  for (std::size_t k = 0; k < parameters; ++k) q[k] = 0;
+  status = fit_expression_then_identity(model, points, kPointSdShare * spread, options, work.is_identity,
+                                        work.fit_sd, work.sd, [&](const FitOptions& stage, float* sd) {
+                                          return fitter.fit(points, stage, q, report, sd, work.residuals,
+                                                            work.weights);
+                                        });
+  if (status != Status::ok || personal == nullptr) return status;
+  for (std::size_t i = 0; i < points.count; ++i)
+    work.is_landmark[i] = work.weights[i] > 0 && !fitter.has_slid(i);
+  *personal = find_personal(model, points, work.residuals, work.is_landmark, work.sd);
+  return status;
 }
 
 }  // namespace pliant

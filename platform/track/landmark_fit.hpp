@@ -20,19 +20,25 @@ constexpr float kExpressionCaution = 6;
 /// Diagonal of the points' box, px; of no points not a number to use.
 float spread_of(Span<const Correspondence> points);
 
-/// First what only an expression can explain; then, with that held, who it is. `fit(options)` is called twice and fits
-/// all of `points`, whose sd_px is set here to `sd_px` in the end. \param is_identity  room for a flag a parameter.
+/// First what only an expression can explain; then, with that held, who it is. `fit(options, sd)` is called twice and fits
+/// all of `points`, whose sd_px is set here to `sd_px` in the end. \param sd  deviation a parameter, each of the fit that
+/// has estimated it. \param is_identity, fit_sd  room for a flag and a deviation a parameter.
 template <class Fit>
 Status fit_expression_then_identity(const Model& model, Span<Correspondence> points, float sd_px,
-                                    FitOptions options, Span<std::uint8_t> is_identity, Fit&& fit) {
+                                    FitOptions options, std::uint8_t* is_identity, float* fit_sd, float* sd,
+                                    Fit&& fit) {
+  const std::size_t parameters = model.parameters().count;
   for (Correspondence& c : points) c.sd_px = kExpressionCaution * sd_px;
-  const Status status = fit(options);
+  Status status = fit(options, sd);
   if (status != Status::ok) return status;
   for (Correspondence& c : points) c.sd_px = sd_px;
-  for (std::size_t k = 0; k < is_identity.count; ++k)
+  for (std::size_t k = 0; k < parameters; ++k)
     is_identity[k] = model.parameters()[k].group == Group::identity;
-  options.is_free = is_identity.data;
-  return fit(options);
+  options.is_free = is_identity;
+  status = fit(options, fit_sd);
+  for (std::size_t k = 0; k < parameters; ++k)
+    if (is_identity[k] != 0) sd[k] = fit_sd[k];
+  return status;
 }
 
 /// Bytes of an arena that fit_landmarks takes for so many points. `fitter` is laid out for measuring: it may be
@@ -41,8 +47,9 @@ std::size_t landmark_fit_bytes(const Model& model, std::uint16_t points, Fitter&
 
 /// Fits pose, person and expression to `points`, whose sd_px is set here; iBUG's jaw is taken as the outline. First
 /// the expression, then the identity, as above. \param q  all parameters, result.
+/// \param personal  where the person has the landmarks, as of find_personal: `points` is rearranged. Null: not asked for.
 /// \return out_of_memory, and the statuses of Fitter::fit.
 Status fit_landmarks(Arena& arena, const Model& model, Span<Correspondence> points, const FitOptions& options,
-                     float* q, FitReport* report);
+                     float* q, FitReport* report, Span<Correspondence>* personal = nullptr);
 
 }  // namespace pliant

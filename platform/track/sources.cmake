@@ -7,6 +7,7 @@ target_sources(pliant_platform PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/model_finder.cpp
   ${CMAKE_CURRENT_LIST_DIR}/model_picture.cpp
   ${CMAKE_CURRENT_LIST_DIR}/part_search.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/personal_landmarks.cpp
   ${CMAKE_CURRENT_LIST_DIR}/picture_search.cpp
   ${CMAKE_CURRENT_LIST_DIR}/seeding.cpp
   ${CMAKE_CURRENT_LIST_DIR}/small_picture.cpp

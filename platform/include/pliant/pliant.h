@@ -125,7 +125,8 @@ pliant_status pliant_start_pose(pliant_tracker *tracker, const pliant_frame *fra
                                 const pliant_pose *pose, const float *parameters);
 
 /** Starts on a frame where at least four landmarks are known: person, pose and, where focal_px is 0, focal length are
- *  fitted to them. PLIANT_NOT_FOUND names a landmark that the model does not have. */
+ *  fitted to them. PLIANT_NOT_FOUND names a landmark that the model does not have. What of the offsets that the fit leaves
+ *  is more than noise is the person's: pliant_get_landmark then tells of the places that were given. */
 pliant_status pliant_start_points(pliant_tracker *tracker, const pliant_frame *frame, float focal_px,
                                   const pliant_point *points, size_t count);
 
@@ -145,7 +146,8 @@ pliant_status pliant_get_parameters(pliant_tracker *tracker, const float **value
 /** Index of a parameter by its name (`jawOpen`, ...). */
 pliant_status pliant_find_parameter(const pliant_tracker *tracker, const char *name, size_t *index);
 
-/** Image position of a landmark at the present state, px. */
+/** Image position of a landmark at the present state, px: after a start from points where the person has it, as far as
+ *  it was among them and there were enough to tell; else where the model has it. */
 pliant_status pliant_get_landmark(pliant_tracker *tracker, const char *name, float *x, float *y);
 
 #ifdef __cplusplus

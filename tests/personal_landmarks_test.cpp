@@ -1,0 +1,298 @@
+// Landmarks where the person has them: places given beside the model's own are kept and carried along, noise is not.
+#include "track/personal_landmarks.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "baked_face.hpp"
+#include "model_builder.hpp"
+#include "random.hpp"
+#include "track/landmark_fit.hpp"
+#include "track/surface_offset.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kWidth = 640, kHeight = 480;
+
+/// Somebody: the built-in face with another identity, whose landmarks may be elsewhere than the model's, seen from the front.
+struct Person {
+  BakedModel& face = baked_face();
+  const Model& model = face.model;
+  std::vector<float> q = face.rest();
+  std::vector<std::string> names;  // of the landmarks that are given
+  std::vector<Vec3> beside;        // mm, a name
+  Camera camera = centred_camera(kWidth, kHeight, 900);
+  Pose pose{exp_rotation({0.05f, 0.1f, -0.03f}), {5, -10, 500}};
+
+  Person(Random& random, float elsewhere_mm) {
+    for (std::size_t k = 0; k < q.size(); ++k) {
+      const Parameter& p = model.parameters()[k];
+      if (p.group == Group::identity) q[k] = clamp(0.7f * random.normal(), p.minimum, p.maximum);
+    }
+    for (int k = 17; k < 60; ++k) {  // no outline, no inner lips
+      names.push_back("ibug" + std::to_string(k));
+      beside.push_back(elsewhere_mm * Vec3{random.normal(), random.normal(), random.normal()});
+    }
+  }
+  /// Where landmark k really is in the picture, the head turned by `turn` and the expression moved to `now`.
+  Vec2 truth(std::size_t k, const Quat& turn, const std::vector<float>& now) const {
+    Vec2 x;
+    const Pose turned{turn * pose.q, pose.t};
+    REQUIRE(Projector(view_of(turned, camera), true).project(face.at(names[k], now) + beside[k], &x));
+    return x;
+  }
+};
+
+/// The model fitted to points of a person, and an estimator that starts there.
+struct Start {
+  std::vector<Correspondence> points;
+  std::vector<float> q;
+  FitReport report;
+  Span<Correspondence> personal;
+  std::vector<unsigned char> memory;
+  InArena<Estimator> estimator;
+  std::vector<Vec3> offsets;
+
+  Start(const Person& person, const std::vector<Vec2>& given)
+      : q(person.q.size()),
+        estimator(person.model, EstimatorLimits{}),
+        offsets(person.model.landmarks().count) {
+    for (std::size_t k = 0; k < given.size(); ++k)
+      points.push_back({person.face.uv(person.names[k]), given[k]});
+    REQUIRE(fit(person) == Status::ok);
+    REQUIRE(estimator->start(camera_of(report.view), kWidth, kHeight, pose_of(report.view), q.data(), nullptr,
+                             {}) == Status::ok);
+    place_landmarks(estimator.object, personal, offsets.data());
+  }
+  Status fit(const Person& person) {
+    Fitter measured;
+    memory.resize(landmark_fit_bytes(person.model, static_cast<std::uint16_t>(points.size()), measured) + 16);
+    Arena arena(memory.data() + (16 - reinterpret_cast<std::uintptr_t>(memory.data()) % 16) % 16,
+                memory.size() - 16);
+    FitOptions options;
+    options.width = kWidth;
+    options.height = kHeight;
+    options.focal_px = person.camera.f;
+    return fit_landmarks(arena, person.model, {points.data(), points.size()}, options, q.data(), &report,
+                         &personal);
+  }
+  Vec2 landmark(const std::string& name, bool is_personal) {
+    const auto k = baked_face().model.find_landmark(name.c_str());
+    const Landmark& l = baked_face().model.landmarks()[k];
+    Vec2 x;
+    REQUIRE(project_beside(estimator.object, {l.u, l.v}, is_personal ? offsets[k] : Vec3{}, &x));
+    return x;
+  }
+  /// Mean error of the landmarks given, px.
+  float error(const Person& person, const Quat& turn, const std::vector<float>& now, bool is_personal) {
+    float sum = 0;
+    for (std::size_t k = 0; k < person.names.size(); ++k)
+      sum += length(landmark(person.names[k], is_personal) - person.truth(k, turn, now)) /
+             static_cast<float>(person.names.size());
+    return sum;
+  }
+};
+
+std::vector<Vec2> given_by(const Person& person, Random& random, float noise_px) {
+  std::vector<Vec2> given;
+  for (std::size_t k = 0; k < person.names.size(); ++k)
+    given.push_back(person.truth(k, {}, person.q) + noise_px * Vec2{random.normal(), random.normal()});
+  return given;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "an offset leads to the place it was made for, and none is the surface itself, with a lens as without") {
+  const BakedModel& face = baked_face();
+  Camera camera = centred_camera(kWidth, kHeight, 700);
+  for (const float k1 : {0.0f, -0.15f}) {
+    camera.k1 = k1;
+    InArena<Estimator> e(face.model, EstimatorLimits{});
+    const auto rest = face.rest();
+    REQUIRE(e->start(camera, kWidth, kHeight, {exp_rotation({0.2f, -0.4f, 0.3f}), {60, 30, 500}}, rest.data(),
+                     nullptr, {}) == Status::ok);
+    Random random(3);
+    for (int i = 0; i < 100; ++i) {
+      const Vec2 uv{random.uniform(0.1f, 0.9f), random.uniform(0.1f, 0.9f)};
+      Vec2 own, again;
+      REQUIRE(e->project(uv, &own));
+      REQUIRE(project_beside(e.object, uv, {}, &again));
+      CHECK(length(own - again) == 0);
+      const Vec2 x = own + Vec2{random.uniform(-20, 20), random.uniform(-20, 20)};
+      Vec3 offset;
+      REQUIRE(find_offset(e.object, uv, x, &offset));
+      REQUIRE(project_beside(e.object, uv, offset, &again));
+      CHECK(length(again - x) < 0.02f);
+    }
+    Vec3 offset{1, 2, 3};
+    CHECK_FALSE(find_offset(e.object, {0.5f, 0.5f}, {std::numeric_limits<float>::quiet_NaN(), 3}, &offset));
+    CHECK(offset.z == 3);
+  }
+}
+
+TEST_CASE("an offset turns and grows with the head, and goes with the surface below it") {
+  const BakedModel& face = baked_face();
+  const Camera camera = centred_camera(kWidth, kHeight, 700);
+  InArena<Estimator> e(face.model, EstimatorLimits{});
+  auto q = face.rest();
+  REQUIRE(e->start(camera, kWidth, kHeight, {{}, {0, 0, 500}}, q.data(), nullptr, {}) == Status::ok);
+  const Vec2 uv = face.uv("ibug57");
+  const Vec3 beside{2, -3, 0};  // seen from the front
+  Vec2 x;
+  REQUIRE(Projector(e->view(), true).project(baked_face().at(uv, q) + beside, &x));
+  Vec3 offset;
+  REQUIRE(find_offset(e.object, uv, x, &offset));
+  CHECK(length(offset - beside) < 1e-3f);
+  q = face.posed("jawOpen");
+  State state;
+  state.pose = {exp_rotation({0.3f, 0.5f, -0.6f}), {40, -20, 400}};
+  state.q = q.data();
+  REQUIRE(e->restore(state) == Status::ok);
+  Vec2 followed;
+  REQUIRE(project_beside(e.object, uv, offset, &followed));
+  REQUIRE(Projector(e->view(), true).project(baked_face().at(uv, q) + beside, &x));
+  CHECK(length(followed - x) < 0.01f);
+}
+
+TEST_CASE("the person's share of the residuals is what noise does not explain") {
+  const float noise =
+      30 + std::sqrt(60.0f);  // 30 coordinates left free: their squares' sum, and its deviation
+  CHECK(person_share(0, 50, 20, 1) == 0);
+  CHECK(person_share(noise, 50, 20, 1) == 0);
+  CHECK(person_share(4 * noise, 50, 20, 1) == doctest::Approx(0.75f));
+  CHECK(person_share(16 * noise, 50, 20, 2) == doctest::Approx(0.75f));
+  CHECK(person_share(1e9f, 10, 10, 1) == 0);  // nothing is left to tell by
+  CHECK(person_share(1e9f, 10, 11, 1) == 0);
+  CHECK(person_share(std::numeric_limits<float>::quiet_NaN(), 10, 6, 1) == 0);
+}
+
+TEST_CASE("a fit takes a coordinate for each unknown of the pose and each parameter that it determines") {
+  const Model& model = baked_face().model;
+  std::vector<float> sd(model.parameters().count, 0.0f);
+  CHECK(coordinates_taken(model, sd.data()) == kPoseUnknowns);  // all frozen
+  for (std::size_t k = 0; k < sd.size(); ++k) sd[k] = model.parameters()[k].sd;
+  CHECK(coordinates_taken(model, sd.data()) == kPoseUnknowns);  // nothing learnt
+  sd[0] *= 0.001f;
+  sd[1] *= 0.5f;
+  CHECK(coordinates_taken(model, sd.data()) == doctest::Approx(kPoseUnknowns + 1 + 0.75f));
+}
+
+TEST_CASE("exact points of somebody whose landmarks are the model's: nothing moves") {
+  Random random(11);
+  for (int trial = 0; trial < 4; ++trial) {
+    const Person person(random, 0);
+    Start start(person, given_by(person, random, 0));
+    CHECK(start.personal.empty());
+    for (const Vec3& offset : start.offsets) CHECK(length(offset) == 0);
+  }
+}
+
+TEST_CASE("landmarks that are elsewhere on this person are kept, and followed as head and mouth move") {
+  Random random(21);
+  float own = 0, model = 0, own_later = 0, model_later = 0;
+  constexpr int kTrials = 6;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Person person(random, 2.5f);
+    const auto given = given_by(person, random, 0);
+    Start start(person, given);
+    REQUIRE(start.personal.count > 30);  // the fit may refuse some
+    own += start.error(person, {}, person.q, true);
+    model += start.error(person, {}, person.q, false);
+    const Quat turn = exp_rotation({0.15f, 0.3f, 0.1f});
+    std::vector<float> now = person.q, fitted = start.q;
+    const auto jaw = person.model.find_parameter("jawOpen");
+    now[jaw] += 0.25f;
+    fitted[jaw] = min(fitted[jaw] + 0.25f, person.model.parameters()[jaw].maximum);
+    State state;
+    state.pose = pose_of(start.report.view);
+    state.pose.q = turn * state.pose.q;
+    state.q = fitted.data();
+    REQUIRE(start.estimator->restore(state) == Status::ok);
+    own_later += start.error(person, turn, now, true);
+    model_later += start.error(person, turn, now, false);
+  }
+  MESSAGE("px, where it started: " << own / kTrials << " (the model's " << model / kTrials
+                                   << "); turned and talking: " << own_later / kTrials << " ("
+                                   << model_later / kTrials << ")");
+  CHECK(own < 0.3f * model);
+  CHECK(own_later < 0.6f * model_later);
+}
+
+TEST_CASE(
+    "points as noisy as they are taken to be, of an exact model: no worse than the model's own landmarks") {
+  Random random(31);
+  float own = 0, model = 0;
+  for (int trial = 0; trial < 16; ++trial) {
+    const Person person(random, 0);
+    auto given = given_by(person, random, 0);
+    Vec2 low = given[0], high = given[0];
+    for (const Vec2 x : given) {
+      low = {min(low.x, x.x), min(low.y, x.y)};
+      high = {max(high.x, x.x), max(high.y, x.y)};
+    }
+    const float sd = kPointSdShare * length(high - low);
+    for (Vec2& x : given) x = x + sd * Vec2{random.normal(), random.normal()};
+    Start start(person, given);
+    own += start.error(person, {}, person.q, true);
+    model += start.error(person, {}, person.q, false);
+  }
+  MESSAGE("mean error, px: " << own / 16 << ", the model's " << model / 16);
+  CHECK(own < 1.02f * model);
+}
+
+TEST_CASE("what the fit lets go, an outline that slid and a place of no landmark are not the person's") {
+  const Model& model = baked_face().model;
+  const Vec2 uv[] = {
+      baked_face().uv("ibug30"), baked_face().uv("ibug08"), baked_face().uv("ibug51"), {0.31f, 0.37f}};
+  std::vector<Correspondence> points;
+  for (const Vec2 at : uv) points.push_back({at, {100, 100}, 1});
+  const std::vector<Vec2> residuals(4, Vec2{6, -8});
+  const std::vector<float> sd(model.parameters().count, 0.0f);
+  const std::uint8_t is_landmark[] = {1, 0, 1, 0};
+  const Span<Correspondence> personal =
+      find_personal(model, {points.data(), points.size()}, residuals.data(), is_landmark, sd.data());
+  REQUIRE(personal.count == 2);
+  CHECK(length(personal[1].uv - uv[2]) == 0);
+  // Eight coordinates, six of them the pose's: half of them are of the two landmarks, one is free, of 200 px^2.
+  const float share = 1 - (1 + std::sqrt(2.0f)) / 200;
+  CHECK(personal[1].x.x == doctest::Approx(100 + (1 - share) * 6));
+  CHECK(personal[1].x.y == doctest::Approx(100 - (1 - share) * 8));
+  const std::uint8_t none[] = {0, 0, 0, 0};
+  CHECK(find_personal(model, {points.data(), points.size()}, residuals.data(), none, sd.data()).empty());
+  CHECK(find_personal(model, {}, nullptr, nullptr, sd.data()).empty());
+}
+
+TEST_CASE("one click far off is no landmark of the person's") {
+  Random random(41);
+  const Person person(random, 0.8f);
+  auto given = given_by(person, random, 0);
+  const std::size_t k = 20;
+  given[k] = given[k] + Vec2{0, 120};
+  Start start(person, given);
+  CHECK(length(start.landmark(person.names[k], true) - person.truth(k, {}, person.q)) < 20);
+}
+
+TEST_CASE("a landmark at another's place goes with it; one that nobody gave stays the model's") {
+  Random random(51);
+  const Person person(random, 2.5f);
+  Start start(person, given_by(person, random, 0));
+  const Model& model = person.model;
+  for (std::size_t k = 0; k < model.landmarks().count; ++k) {
+    const Landmark& l = model.landmarks()[k];
+    bool is_given = false;
+    for (const Correspondence& c : start.personal) is_given = is_given || length(c.uv - Vec2{l.u, l.v}) == 0;
+    CAPTURE(l.name);
+    CHECK(is_given == (length(start.offsets[k]) > 0));
+  }
+  // Given twice: the later one counts.
+  std::vector<Correspondence> twice{{person.face.uv("ibug30"), {300, 200}},
+                                    {person.face.uv("ibug30"), {310, 215}}};
+  place_landmarks(start.estimator.object, {twice.data(), 2}, start.offsets.data());
+  CHECK(length(start.landmark("ibug30", true) - Vec2{310, 215}) < 0.02f);
+  CHECK(length(start.offsets[model.find_landmark("ibug48")]) == 0);
+}
