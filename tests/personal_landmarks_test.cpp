@@ -52,7 +52,6 @@ struct Start {
   std::vector<Correspondence> points;
   std::vector<float> q;
   FitReport report;
-  Span<Correspondence> personal;
   std::vector<unsigned char> memory;
   InArena<Estimator> estimator;
   std::vector<Vec3> offsets;
@@ -66,7 +65,6 @@ struct Start {
     REQUIRE(fit(person) == Status::ok);
     REQUIRE(estimator->start(camera_of(report.view), kWidth, kHeight, pose_of(report.view), q.data(), nullptr,
                              {}) == Status::ok);
-    place_landmarks(estimator.object, personal, offsets.data());
   }
   Status fit(const Person& person) {
     Fitter measured;
@@ -78,7 +76,7 @@ struct Start {
     options.height = kHeight;
     options.focal_px = person.camera.f;
     return fit_landmarks(arena, person.model, {points.data(), points.size()}, options, q.data(), &report,
-                         &personal);
+                         offsets.data());
   }
   Vec2 landmark(const std::string& name, bool is_personal) {
     const auto k = baked_face().model.find_landmark(name.c_str());
@@ -125,12 +123,12 @@ TEST_CASE(
       CHECK(length(own - again) == 0);
       const Vec2 x = own + Vec2{random.uniform(-20, 20), random.uniform(-20, 20)};
       Vec3 offset;
-      REQUIRE(find_offset(e.object, uv, x, &offset));
+      REQUIRE(find_offset(e->view(), e->lens(), e->surface_point(uv), x, &offset));
       REQUIRE(project_beside(e.object, uv, offset, &again));
       CHECK(length(again - x) < 0.02f);
     }
     Vec3 offset{1, 2, 3};
-    CHECK_FALSE(find_offset(e.object, {0.5f, 0.5f}, {std::numeric_limits<float>::quiet_NaN(), 3}, &offset));
+    CHECK_FALSE(find_offset(e->view(), e->lens(), {}, {std::numeric_limits<float>::quiet_NaN(), 3}, &offset));
     CHECK(offset.z == 3);
   }
 }
@@ -146,7 +144,7 @@ TEST_CASE("an offset turns and grows with the head, and goes with the surface be
   Vec2 x;
   REQUIRE(Projector(e->view(), true).project(baked_face().at(uv, q) + beside, &x));
   Vec3 offset;
-  REQUIRE(find_offset(e.object, uv, x, &offset));
+  REQUIRE(find_offset(e->view(), e->lens(), e->surface_point(uv), x, &offset));
   CHECK(length(offset - beside) < 1e-3f);
   q = face.posed("jawOpen");
   State state;
@@ -187,7 +185,6 @@ TEST_CASE("exact points of somebody whose landmarks are the model's: nothing mov
   for (int trial = 0; trial < 4; ++trial) {
     const Person person(random, 0);
     Start start(person, given_by(person, random, 0));
-    CHECK(start.personal.empty());
     for (const Vec3& offset : start.offsets) CHECK(length(offset) == 0);
   }
 }
@@ -200,7 +197,6 @@ TEST_CASE("landmarks that are elsewhere on this person are kept, and followed as
     const Person person(random, 2.5f);
     const auto given = given_by(person, random, 0);
     Start start(person, given);
-    REQUIRE(start.personal.count > 30);  // the fit may refuse some
     own += start.error(person, {}, person.q, true);
     model += start.error(person, {}, person.q, false);
     const Quat turn = exp_rotation({0.15f, 0.3f, 0.1f});
@@ -285,14 +281,16 @@ TEST_CASE("a landmark at another's place goes with it; one that nobody gave stay
   for (std::size_t k = 0; k < model.landmarks().count; ++k) {
     const Landmark& l = model.landmarks()[k];
     bool is_given = false;
-    for (const Correspondence& c : start.personal) is_given = is_given || length(c.uv - Vec2{l.u, l.v}) == 0;
+    for (const std::string& name : person.names)
+      is_given = is_given || length(person.face.uv(name) - Vec2{l.u, l.v}) == 0;
     CAPTURE(l.name);
     CHECK(is_given == (length(start.offsets[k]) > 0));
   }
   // Given twice: the later one counts.
   std::vector<Correspondence> twice{{person.face.uv("ibug30"), {300, 200}},
                                     {person.face.uv("ibug30"), {310, 215}}};
-  place_landmarks(start.estimator.object, {twice.data(), 2}, start.offsets.data());
+  place_landmarks(baked_face().cascade, start.q.data(), start.report.view, {}, {twice.data(), 2},
+                  start.offsets.data());
   CHECK(length(start.landmark("ibug30", true) - Vec2{310, 215}) < 0.02f);
   CHECK(length(start.offsets[model.find_landmark("ibug48")]) == 0);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "cli/calibration.hpp"
 #include "cli/failure.hpp"
 #include "cli/owned.hpp"
 #include "pliant/fit.hpp"
@@ -146,7 +147,7 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   return fit;
 }
 
-std::vector<Correspondence> personal_landmarks(const Model& model, const FitFile& fit) {
+std::vector<Vec3> personal_offsets(const Model& model, const FitFile& fit, const std::vector<float>& q) {
   std::vector<Correspondence> points;
   std::vector<Vec2> residuals;
   std::vector<std::uint8_t> is_landmark;
@@ -157,15 +158,18 @@ std::vector<Correspondence> personal_landmarks(const Model& model, const FitFile
     residuals.push_back(p.residual);
     is_landmark.push_back(k != kNone && p.used && p.is_landmark);
   }
-  if (points.empty()) return points;
+  std::vector<Vec3> offsets(model.landmarks().count);
+  if (points.empty()) return offsets;
   for (Correspondence& c : points) c.sd_px = kPointSdShare * spread_of({points.data(), points.size()});
   std::vector<float> sd(model.parameters().count);
   for (const auto& [name, value] : fit.sd)
     if (const std::uint16_t k = model.find_parameter(name.c_str()); k != kNone) sd[k] = value;
-  points.resize(
-      find_personal(model, {points.data(), points.size()}, residuals.data(), is_landmark.data(), sd.data())
-          .count);
-  return points;
+  Owned<Cascade> cascade(model);
+  place_landmarks(
+      *cascade, q.data(), view_of(fit.pose, fit.camera), lens_of(fit.camera, {fit.width, fit.height}),
+      find_personal(model, {points.data(), points.size()}, residuals.data(), is_landmark.data(), sd.data()),
+      offsets.data());
+  return offsets;
 }
 
 bool is_fit(const std::string& text) {

@@ -4,7 +4,6 @@
 #include <new>
 
 #include "landmark_fit.hpp"
-#include "personal_landmarks.hpp"
 #include "pliant/pliant.h"
 #include "pliant/tracker.hpp"
 #include "surface_offset.hpp"
@@ -17,7 +16,6 @@ struct pliant_tracker {
   std::uint16_t start_points;
   float* parameters;
   Vec3* landmark_offsets;
-  Correspondence* points;
   unsigned char* shared;
   std::size_t shared_bytes;
   Camera camera;
@@ -68,26 +66,26 @@ std::size_t larger(std::size_t a, std::size_t b) {
 constexpr std::size_t kScratchBytes = PLIANT_SCRATCH_BYTES;
 static_assert(sizeof(Tracker) <= kScratchBytes && sizeof(Fitter) <= kScratchBytes);
 
-/// What the larger of fit and tracker takes. Each is made in `scratch` to be measured: they are too large for a stack.
+/// What the larger of fit, with the points before it, and tracker takes. Each is made in `scratch` to be measured: they are too large for a stack.
 std::size_t measure_shared(void* scratch, const Model& model, const TrackerLimits& limits,
                            std::uint16_t start_points) {
   Arena trial;
   (new (scratch) Tracker())->lay_out(trial, model, limits);
-  return larger(trial.used_bytes(), landmark_fit_bytes(model, start_points, *new (scratch) Fitter()));
+  Arena points;
+  points.take<Correspondence>(start_points);
+  return larger(trial.used_bytes(), points.used_bytes() + Arena::kAlignment +
+                                        landmark_fit_bytes(model, start_points, *new (scratch) Fitter()));
 }
 
 /// The handle's own parts, and room that fit and tracker use by turns.
-void lay_out(Arena& arena, pliant_tracker* handle, const Model& model, std::size_t shared_bytes,
-             std::uint16_t start_points) {
+void lay_out(Arena& arena, pliant_tracker* handle, const Model& model, std::size_t shared_bytes) {
   arena.take<unsigned char>(sizeof(pliant_tracker));
   float* const parameters = arena.take<float>(model.parameters().count);
   Vec3* const landmark_offsets = arena.take<Vec3>(model.landmarks().count);
-  Correspondence* const points = arena.take<Correspondence>(start_points);
   unsigned char* const shared = arena.take<unsigned char>(shared_bytes);
   if (handle == nullptr || arena.exhausted()) return;
   handle->parameters = parameters;
   handle->landmark_offsets = landmark_offsets;
-  handle->points = points;
   handle->shared = shared;
   handle->shared_bytes = shared_bytes;
 }
@@ -113,15 +111,19 @@ Status check(const pliant_tracker* t, const pliant_frame* frame) {
 }
 
 /// Lays the tracker out anew, over whatever was there, and starts it with the handle's parameters.
-Status start(pliant_tracker* t, const pliant_frame& frame, const Camera& camera, const Pose& pose,
-             Span<const Correspondence> personal) {
+Status start(pliant_tracker* t, const pliant_frame& frame, const Camera& camera, const Pose& pose) {
   Arena arena(t->shared, t->shared_bytes);
   Status status = create_in(arena, t->tracker, t->model, t->limits);
   if (status == Status::ok) status = t->tracker.start(view_of(frame), camera, pose, t->parameters, {}, {});
   t->camera = camera;
   t->is_started = status == Status::ok;
-  if (t->is_started) place_landmarks(t->tracker.estimator(), personal, t->landmark_offsets);
   return status;
+}
+
+/// The same, with the landmarks where the model has them.
+Status start_as_model(pliant_tracker* t, const pliant_frame& frame, const Camera& camera, const Pose& pose) {
+  for (std::size_t k = 0; k < t->model.landmarks().count; ++k) t->landmark_offsets[k] = {};
+  return start(t, frame, camera, pose);
 }
 
 /// iBUG's points 00 to 16 run along the jaw, where the face ends in the picture.
@@ -176,8 +178,7 @@ pliant_status pliant_required_bytes(void* scratch, size_t scratch_bytes, const v
   const Status status = read(table, table_bytes, limits, &model, &own);
   if (status != Status::ok) return plain(status);
   Arena trial;
-  lay_out(trial, nullptr, model, measure_shared(scratch, model, own, limits->start_points),
-          limits->start_points);
+  lay_out(trial, nullptr, model, measure_shared(scratch, model, own, limits->start_points));
   *bytes = trial.used_bytes();
   return PLIANT_OK;
 }
@@ -196,7 +197,7 @@ pliant_status pliant_create(void* memory, size_t bytes, const void* table, size_
   handle->limits = own;
   handle->start_points = limits->start_points;
   Arena arena(memory, bytes);
-  lay_out(arena, handle, model, shared_bytes, limits->start_points);
+  lay_out(arena, handle, model, shared_bytes);
   if (arena.exhausted()) return PLIANT_OUT_OF_MEMORY;
   *tracker = handle;
   return PLIANT_OK;
@@ -209,9 +210,9 @@ pliant_status pliant_start_pose(pliant_tracker* t, const pliant_frame* frame, co
   if (camera == nullptr || pose == nullptr) return PLIANT_BAD_ARGUMENT;
   for (std::size_t k = 0; k < t->model.parameters().count; ++k)
     t->parameters[k] = parameters == nullptr ? 0 : parameters[k];
-  return plain(start(t, *frame, {camera->f, camera->cx, camera->cy},
-                     {{pose->q[0], pose->q[1], pose->q[2], pose->q[3]}, {pose->t[0], pose->t[1], pose->t[2]}},
-                     {}));
+  return plain(start_as_model(
+      t, *frame, {camera->f, camera->cx, camera->cy},
+      {{pose->q[0], pose->q[1], pose->q[2], pose->q[3]}, {pose->t[0], pose->t[1], pose->t[2]}}));
 }
 
 pliant_status pliant_start_points(pliant_tracker* t, const pliant_frame* frame, float focal_px,
@@ -221,23 +222,23 @@ pliant_status pliant_start_points(pliant_tracker* t, const pliant_frame* frame, 
   if (points == nullptr || !(focal_px >= 0)) return PLIANT_BAD_ARGUMENT;
   if (count > t->start_points) return PLIANT_CAPACITY;
   if (count < 4) return PLIANT_TOO_FEW_POINTS;
+  t->is_started = false;
+  Arena arena(t->shared, t->shared_bytes);
+  const auto given = arena.take_span<Correspondence>(count);
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint16_t index =
         points[k].landmark == nullptr ? kNone : t->model.find_landmark(points[k].landmark);
     if (index == kNone) return PLIANT_NOT_FOUND;
     const Landmark& l = t->model.landmarks()[index];
-    t->points[k] = {{l.u, l.v}, {points[k].x, points[k].y}, 1, is_outline(l.name)};
+    given[k] = {{l.u, l.v}, {points[k].x, points[k].y}, 1, is_outline(l.name)};
   }
-  t->is_started = false;
   FitOptions options;
   options.width = frame->width;
   options.height = frame->height;
   options.focal_px = focal_px;
   FitReport report;
-  Arena arena(t->shared, t->shared_bytes);
-  Span<Correspondence> personal;
-  status = fit_landmarks(arena, t->model, {t->points, count}, options, t->parameters, &report, &personal);
-  if (status == Status::ok) status = start(t, *frame, camera_of(report.view), pose_of(report.view), personal);
+  status = fit_landmarks(arena, t->model, given, options, t->parameters, &report, t->landmark_offsets);
+  if (status == Status::ok) status = start(t, *frame, camera_of(report.view), pose_of(report.view));
   return plain(status);
 }
 
@@ -255,7 +256,7 @@ pliant_status pliant_start_box(pliant_tracker* t, const pliant_frame* frame, flo
   const Camera camera = centred_camera(frame->width, frame->height, focal_or_default(t, focal_px));
   View view;
   status = view_from_box(t->model, cascade, t->parameters, {x, y}, {width, height}, camera, &view);
-  if (status == Status::ok) status = start(t, *frame, camera, pose_of(view), {});
+  if (status == Status::ok) status = start_as_model(t, *frame, camera, pose_of(view));
   return plain(status);
 }
 

@@ -50,7 +50,7 @@ std::size_t landmark_fit_bytes(const Model& model, std::uint16_t points, Fitter&
 }
 
 Status fit_landmarks(Arena& arena, const Model& model, Span<Correspondence> points, const FitOptions& options,
-                     float* q, FitReport* report, Span<Correspondence>* personal) {
+                     float* q, FitReport* report, Vec3* offsets) {
   const float spread = spread_of(points);
   if (!(spread > 0)) return Status::underdetermined;
   void* const room = arena.take<Fitter>(1);
@@ -67,10 +67,13 @@ Status fit_landmarks(Arena& arena, const Model& model, Span<Correspondence> poin
                                           return fitter.fit(points, stage, q, report, sd, work.residuals,
                                                             work.weights);
                                         });
-  if (status != Status::ok || personal == nullptr) return status;
+  if (status != Status::ok || offsets == nullptr) return status;
   for (std::size_t i = 0; i < points.count; ++i)
     work.is_landmark[i] = work.weights[i] > 0 && !fitter.has_slid(i);
-  *personal = find_personal(model, points, work.residuals, work.is_landmark, work.sd);
+  Lens lens;
+  if (options.camera != nullptr) status = Lens::make(*options.camera, options.width, options.height, &lens);
+  place_landmarks(fitter.cascade(), q, report->view, lens,
+                  find_personal(model, points, work.residuals, work.is_landmark, work.sd), offsets);
   return status;
 }
 

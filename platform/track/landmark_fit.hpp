@@ -47,9 +47,10 @@ std::size_t landmark_fit_bytes(const Model& model, std::uint16_t points, Fitter&
 
 /// Fits pose, person and expression to `points`, whose sd_px is set here; iBUG's jaw is taken as the outline. First
 /// the expression, then the identity, as above. \param q  all parameters, result.
-/// \param personal  where the person has the landmarks, as of find_personal: `points` is rearranged. Null: not asked for.
+/// \param offsets  where the person has the landmarks (place_landmarks): one for each of the model's; `points` is
+/// rearranged. Null: not asked for.
 /// \return out_of_memory, and the statuses of Fitter::fit.
 Status fit_landmarks(Arena& arena, const Model& model, Span<Correspondence> points, const FitOptions& options,
-                     float* q, FitReport* report, Span<Correspondence>* personal = nullptr);
+                     float* q, FitReport* report, Vec3* offsets = nullptr);
 
 }  // namespace pliant

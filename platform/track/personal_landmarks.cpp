@@ -45,13 +45,14 @@ Span<Correspondence> find_personal(const Model& model, Span<Correspondence> poin
   return {points.data, kept};
 }
 
-void place_landmarks(Estimator& estimator, Span<const Correspondence> personal, Vec3* offsets) {
-  const auto landmarks = estimator.model().landmarks();
+void place_landmarks(Cascade& cascade, const float* q, const View& view, const Lens& lens,
+                     Span<const Correspondence> personal, Vec3* offsets) {
+  const auto landmarks = cascade.model().landmarks();
   for (std::size_t k = 0; k < landmarks.count; ++k) {
     offsets[k] = {};
     for (const Correspondence& c : personal)
       if (c.uv.x == landmarks[k].u && c.uv.y == landmarks[k].v)
-        find_offset(estimator, c.uv, c.x, &offsets[k]);
+        find_offset(view, lens, cascade.surface_point(c.uv, q), c.x, &offsets[k]);
   }
 }
 

@@ -6,8 +6,9 @@
 #include <cstdint>
 
 #include "pliant/arena.hpp"
-#include "pliant/estimator.hpp"
+#include "pliant/field.hpp"
 #include "pliant/fit.hpp"
+#include "pliant/lens.hpp"
 #include "pliant/model.hpp"
 
 namespace pliant {
@@ -32,8 +33,9 @@ float coordinates_taken(const Model& model, const float* sd);
 Span<Correspondence> find_personal(const Model& model, Span<Correspondence> points, const Vec2* residuals,
                                    const std::uint8_t* is_landmark, const float* sd);
 
-/// Offsets of all of the model's landmarks for a track that has just started where `personal` was found; 0 for others.
-/// A landmark with another's (u,v) goes with it. \param offsets  a landmark each.
-void place_landmarks(Estimator& estimator, Span<const Correspondence> personal, Vec3* offsets);
+/// Offsets (mm) of all of the model's landmarks in the view and at the parameters q in which `personal` was found; 0 for
+/// others. A landmark with another's (u,v) goes with it. \param offsets  a landmark each.
+void place_landmarks(Cascade& cascade, const float* q, const View& view, const Lens& lens,
+                     Span<const Correspondence> personal, Vec3* offsets);
 
 }  // namespace pliant

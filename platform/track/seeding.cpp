@@ -15,7 +15,9 @@ Status Tracker::place_markers(Span<const Vec2> markers) {
     Vec2 uv;
     if (!is_finite(x) || estimator_.surface_at(x, &uv) < 0) return Status::bad_argument;
     // Not only beside the mesh: in an eye or a mouth it may span what the surface does not.
-    if (!find_offset(estimator_, uv, x, &marker_offsets_[marker_count_])) return Status::bad_argument;
+    if (!find_offset(estimator_.view(), estimator_.lens(), estimator_.surface_point(uv), x,
+                     &marker_offsets_[marker_count_]))
+      return Status::bad_argument;
     const Status status = estimator_.add_point(uv, &marker_ids_[marker_count_]);
     if (status != Status::ok) return status;
     ++marker_count_;

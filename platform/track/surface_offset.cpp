@@ -2,14 +2,12 @@
 
 namespace pliant {
 
-bool find_offset(Estimator& estimator, Vec2 uv, Vec2 x, Vec3* offset) {
-  const View& view = estimator.view();
+bool find_offset(const View& view, const Lens& lens, Vec3 p, Vec2 x, Vec3* offset) {
   const Projector projector(view, true);
-  const Vec3 p = estimator.surface_point(uv);
   Vec2 own;
   if (!is_finite(x) || !projector.project(p, &own)) return false;
   const float mm_per_px = projector.to_camera(p).z * view.rho / view.s;
-  const Vec2 across = mm_per_px * (estimator.lens().undistort(x) - own);
+  const Vec2 across = mm_per_px * (lens.undistort(x) - own);
   const Vec3 in_camera{across.x, across.y, 0};
   *offset = {dot(projector.rotated({1, 0, 0}), in_camera), dot(projector.rotated({0, 1, 0}), in_camera),
              dot(projector.rotated({0, 0, 1}), in_camera)};
