@@ -289,8 +289,9 @@ TEST_CASE("a landmark at another's place goes with it; one that nobody gave stay
   // Given twice: the later one counts.
   std::vector<Correspondence> twice{{person.face.uv("ibug30"), {300, 200}},
                                     {person.face.uv("ibug30"), {310, 215}}};
-  place_landmarks(baked_face().cascade, start.q.data(), start.report.view, {}, {twice.data(), 2},
-                  start.offsets.data());
+  place_landmarks(
+      model, [&](Vec2 uv) { return start.estimator->surface_point(uv); }, start.estimator->view(),
+      start.estimator->lens(), {twice.data(), 2}, start.offsets.data());
   CHECK(length(start.landmark("ibug30", true) - Vec2{310, 215}) < 0.02f);
   CHECK(length(start.offsets[model.find_landmark("ibug48")]) == 0);
 }

@@ -9,6 +9,7 @@
 #include "cli/args.hpp"
 #include "cli/files.hpp"
 #include "cli/owned.hpp"
+#include "pliant/fit.hpp"
 #include "pliant/model_finder.hpp"
 #include "pliant/tracker.hpp"
 
@@ -18,8 +19,8 @@ namespace pliant::cli {
 struct Beginning {
   Camera camera;
   Pose pose;
-  std::vector<float> q;            ///< all parameters
-  std::vector<Vec3> offsets = {};  ///< of the landmarks, where the person has them elsewhere than the model
+  std::vector<float> q;                        ///< all parameters
+  std::vector<Correspondence> landmarks = {};  ///< where the person has them, not the model
 };
 
 class SelfStart {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "cli/calibration.hpp"
 #include "cli/failure.hpp"
 #include "cli/owned.hpp"
 #include "pliant/fit.hpp"
@@ -147,7 +146,7 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   return fit;
 }
 
-std::vector<Vec3> personal_offsets(const Model& model, const FitFile& fit, const std::vector<float>& q) {
+std::vector<Correspondence> personal_landmarks(const Model& model, const FitFile& fit) {
   std::vector<Correspondence> points;
   std::vector<Vec2> residuals;
   std::vector<std::uint8_t> is_landmark;
@@ -158,18 +157,15 @@ std::vector<Vec3> personal_offsets(const Model& model, const FitFile& fit, const
     residuals.push_back(p.residual);
     is_landmark.push_back(k != kNone && p.used && p.is_landmark);
   }
-  std::vector<Vec3> offsets(model.landmarks().count);
-  if (points.empty()) return offsets;
+  if (points.empty()) return points;
   for (Correspondence& c : points) c.sd_px = kPointSdShare * spread_of({points.data(), points.size()});
   std::vector<float> sd(model.parameters().count);
   for (const auto& [name, value] : fit.sd)
     if (const std::uint16_t k = model.find_parameter(name.c_str()); k != kNone) sd[k] = value;
-  Owned<Cascade> cascade(model);
-  place_landmarks(
-      *cascade, q.data(), view_of(fit.pose, fit.camera), lens_of(fit.camera, {fit.width, fit.height}),
-      find_personal(model, {points.data(), points.size()}, residuals.data(), is_landmark.data(), sd.data()),
-      offsets.data());
-  return offsets;
+  points.resize(
+      find_personal(model, {points.data(), points.size()}, residuals.data(), is_landmark.data(), sd.data())
+          .count);
+  return points;
 }
 
 bool is_fit(const std::string& text) {

@@ -43,9 +43,8 @@ FitFile read_start(const std::string& path, const ModelFile& file, const ImageSi
                    const std::string& picture, float focal_px,
                    const std::optional<Camera>& camera = std::nullopt);
 
-/// How far (mm) the person has each of the model's landmarks from the model's own place, by the points that a fit was given
-/// (track/personal_landmarks.hpp). `q` are its parameters.
-std::vector<Vec3> personal_offsets(const Model& model, const FitFile& fit, const std::vector<float>& q);
+/// Where the person has the landmarks that a fit was given points of (track/personal_landmarks.hpp).
+std::vector<Correspondence> personal_landmarks(const Model& model, const FitFile& fit);
 
 /// Parameters by name and everything else of a fit without points.
 FitFile describe(const Model& model, const ImageSize& size, const View& view, const std::vector<float>& q);

@@ -83,7 +83,7 @@ Beginning read_init(const Args& args, const ModelFile& file, ImageSize size, con
       read_start(path, file, size, frames, static_cast<float>(args.number("--focal", 0, 1, 1e6)), camera);
   Beginning start{fit.camera, fit.pose, std::vector<float>(file.model().parameters().count, 0.0f)};
   list_unmatched(apply(fit.parameters, path, file.model(), start.q.data()), path, err);
-  if (!args.has("--model-landmarks")) start.offsets = personal_offsets(file.model(), fit, start.q);
+  if (!args.has("--model-landmarks")) start.landmarks = personal_landmarks(file.model(), fit);
   return start;
 }
 
@@ -166,7 +166,7 @@ class Run {
     if (status != Status::ok) return status;
     camera_ = from.camera;
     is_started_ = true;
-    if (!from.offsets.empty()) output_.place_landmarks(from.offsets);
+    output_.place_landmarks(tracker_.estimator(), from.landmarks);
     output_.add(frames_.number(frame), frames_.time_s(frame), frame, tracker_, 0);
     return status;
   }

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "cli/overlay.hpp"
+#include "track/personal_landmarks.hpp"
 #include "track/surface_offset.hpp"
 
 namespace pliant::cli {
@@ -48,6 +49,12 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
     for (const Landmark& l : model.landmarks()) names.push_back(l.name);
   names.insert(names.end(), marker_names.begin(), marker_names.end());
   table_.write(track_header(model, names));
+}
+
+void TrackOutput::place_landmarks(Estimator& estimator, const std::vector<Correspondence>& personal) {
+  pliant::place_landmarks(
+      model_, [&](Vec2 uv) { return estimator.surface_point(uv); }, estimator.view(), estimator.lens(),
+      {personal.data(), personal.size()}, landmark_offsets_.data());
 }
 
 void TrackOutput::add(std::size_t number, double time_s, const FrameView& frame, Tracker& tracker,

@@ -14,6 +14,7 @@
 #include "cli/track_table.hpp"
 #include "cli/truth.hpp"
 #include "cli/y4m_output.hpp"
+#include "pliant/fit.hpp"
 #include "pliant/tracker.hpp"
 
 namespace pliant::cli {
@@ -27,8 +28,8 @@ class TrackOutput {
   TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
               FrameRate rate);
 
-  /// From now on each of the model's landmarks is reported so far (mm) from the model's own place.
-  void place_landmarks(const std::vector<Vec3>& offsets) { landmark_offsets_ = offsets; }
+  /// Of a start in which landmarks were given: from now on they are where `personal` has them.
+  void place_landmarks(Estimator& estimator, const std::vector<Correspondence>& personal);
 
   /// Takes on the tracker's present result for the frame of that number and time (since frame 0). `milliseconds` is what
   /// it took; frame 0 is not counted.

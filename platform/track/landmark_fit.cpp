@@ -72,8 +72,9 @@ Status fit_landmarks(Arena& arena, const Model& model, Span<Correspondence> poin
     work.is_landmark[i] = work.weights[i] > 0 && !fitter.has_slid(i);
   Lens lens;
   if (options.camera != nullptr) status = Lens::make(*options.camera, options.width, options.height, &lens);
-  place_landmarks(fitter.cascade(), q, report->view, lens,
-                  find_personal(model, points, work.residuals, work.is_landmark, work.sd), offsets);
+  place_landmarks(
+      model, [&](Vec2 uv) { return fitter.cascade().surface_point(uv, q); }, report->view, lens,
+      find_personal(model, points, work.residuals, work.is_landmark, work.sd), offsets);
   return status;
 }
 

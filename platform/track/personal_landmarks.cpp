@@ -1,7 +1,5 @@
 #include "personal_landmarks.hpp"
 
-#include "surface_offset.hpp"
-
 namespace pliant {
 
 float person_share(float squared_px2, float coordinates, float taken, float sd_px) {
@@ -43,17 +41,6 @@ Span<Correspondence> find_personal(const Model& model, Span<Correspondence> poin
     ++kept;
   }
   return {points.data, kept};
-}
-
-void place_landmarks(Cascade& cascade, const float* q, const View& view, const Lens& lens,
-                     Span<const Correspondence> personal, Vec3* offsets) {
-  const auto landmarks = cascade.model().landmarks();
-  for (std::size_t k = 0; k < landmarks.count; ++k) {
-    offsets[k] = {};
-    for (const Correspondence& c : personal)
-      if (c.uv.x == landmarks[k].u && c.uv.y == landmarks[k].v)
-        find_offset(view, lens, cascade.surface_point(c.uv, q), c.x, &offsets[k]);
-  }
 }
 
 }  // namespace pliant

@@ -6,10 +6,10 @@
 #include <cstdint>
 
 #include "pliant/arena.hpp"
-#include "pliant/field.hpp"
 #include "pliant/fit.hpp"
 #include "pliant/lens.hpp"
 #include "pliant/model.hpp"
+#include "surface_offset.hpp"
 
 namespace pliant {
 
@@ -33,9 +33,19 @@ float coordinates_taken(const Model& model, const float* sd);
 Span<Correspondence> find_personal(const Model& model, Span<Correspondence> points, const Vec2* residuals,
                                    const std::uint8_t* is_landmark, const float* sd);
 
-/// Offsets (mm) of all of the model's landmarks in the view and at the parameters q in which `personal` was found; 0 for
-/// others. A landmark with another's (u,v) goes with it. \param offsets  a landmark each.
-void place_landmarks(Cascade& cascade, const float* q, const View& view, const Lens& lens,
-                     Span<const Correspondence> personal, Vec3* offsets);
+/// Offsets (mm) of all of the model's landmarks in the view in which `personal` was found; 0 for others. A landmark with
+/// another's (u,v) goes with it. \param surface_point  (u,v) -> mm, of what is going to be tracked: a person folded to a
+/// coarser grid is not quite where it was fitted. \param offsets  a landmark each.
+template <class Surface>
+void place_landmarks(const Model& model, Surface&& surface_point, const View& view, const Lens& lens,
+                     Span<const Correspondence> personal, Vec3* offsets) {
+  const auto landmarks = model.landmarks();
+  for (std::size_t k = 0; k < landmarks.count; ++k) {
+    offsets[k] = {};
+    for (const Correspondence& c : personal)
+      if (c.uv.x == landmarks[k].u && c.uv.y == landmarks[k].v)
+        find_offset(view, lens, surface_point(c.uv), c.x, &offsets[k]);
+  }
+}
 
 }  // namespace pliant
