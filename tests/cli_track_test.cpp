@@ -77,12 +77,13 @@ TEST_CASE("landmarks given beside the model's stay there on this face, unless th
     REQUIRE(r.code == 0);
     const CsvTable table(s / "t.csv", read_file(s / "t.csv"));
     *first = *last = 0;
-    for (const auto& [name, x] : given) {
+    for (const auto& point : given) {
+      const std::string& name = point.first;
       const auto place = [&](std::size_t row) {
         return Vec2{table.number(row, table.column(("x_" + name).c_str())),
                     table.number(row, table.column(("y_" + name).c_str()))};
       };
-      *first += length(place(0) - x) / 15;
+      *first += length(place(0) - point.second) / 15;
       *last += length(place(11) - place(0)) / 15;
     }
     return read_file(s / "t.csv");
@@ -115,7 +116,10 @@ TEST_CASE("a marker beside the model keeps its distance from it") {
   const auto x = [&](std::size_t row, const char* name) { return table.number(row, table.column(name)); };
   CHECK(x(0, "x_beside") == doctest::Approx(12).epsilon(0.001));
   CHECK(x(0, "y_beside") == doctest::Approx(80).epsilon(0.001));
-  CHECK(x(11, "x_beside") - 12 == doctest::Approx(x(11, "x_ibug02") - x(0, "x_ibug02")).epsilon(0.5));
+  const float moved =
+      x(11, "x_ibug03") - x(0, "x_ibug03");  // the nearest landmark, a third of the face further in
+  CHECK(moved > 12);
+  CHECK(std::abs(x(11, "x_beside") - 12 - moved) < 10);
 }
 
 TEST_CASE("two runs write the same bytes") {

@@ -162,8 +162,8 @@ TEST_CASE("the person's share of the residuals is what noise does not explain") 
       30 + std::sqrt(60.0f);  // 30 coordinates left free: their squares' sum, and its deviation
   CHECK(person_share(0, 50, 20, 1) == 0);
   CHECK(person_share(noise, 50, 20, 1) == 0);
-  CHECK(person_share(4 * noise, 50, 20, 1) == doctest::Approx(0.75f));
-  CHECK(person_share(16 * noise, 50, 20, 2) == doctest::Approx(0.75f));
+  CHECK(person_share(4 * noise, 50, 20, 1) == doctest::Approx(0.75));
+  CHECK(person_share(16 * noise, 50, 20, 2) == doctest::Approx(0.75));
   CHECK(person_share(1e9f, 10, 10, 1) == 0);  // nothing is left to tell by
   CHECK(person_share(1e9f, 10, 11, 1) == 0);
   CHECK(person_share(std::numeric_limits<float>::quiet_NaN(), 10, 6, 1) == 0);
@@ -177,7 +177,7 @@ TEST_CASE("a fit takes a coordinate for each unknown of the pose and each parame
   CHECK(coordinates_taken(model, sd.data()) == kPoseUnknowns);  // nothing learnt
   sd[0] *= 0.001f;
   sd[1] *= 0.5f;
-  CHECK(coordinates_taken(model, sd.data()) == doctest::Approx(kPoseUnknowns + 1 + 0.75f));
+  CHECK(coordinates_taken(model, sd.data()) == doctest::Approx(kPoseUnknowns + 1.75));
 }
 
 TEST_CASE("exact points of somebody whose landmarks are the model's: nothing moves") {
@@ -255,7 +255,7 @@ TEST_CASE("what the fit lets go, an outline that slid and a place of no landmark
   REQUIRE(personal.count == 2);
   CHECK(length(personal[1].uv - uv[2]) == 0);
   // Eight coordinates, six of them the pose's: half of them are of the two landmarks, one is free, of 200 px^2.
-  const float share = 1 - (1 + std::sqrt(2.0f)) / 200;
+  const double share = 1 - (1 + std::sqrt(2.0)) / 200;
   CHECK(personal[1].x.x == doctest::Approx(100 + (1 - share) * 6));
   CHECK(personal[1].x.y == doctest::Approx(100 - (1 - share) * 8));
   const std::uint8_t none[] = {0, 0, 0, 0};
