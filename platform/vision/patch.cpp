@@ -45,8 +45,9 @@ bool is_plausible(const Mat2& w) {
 
 constexpr float kCoarseStep = 20;  // by how much larger a step ends all but the last searches
 
-// Warps that move the edge of the window by less, in pixels of a level, are left out.
-constexpr float kNegligible = 0.1f, kNegligibleCoarse = 0.5f;
+// Warps that move the edge of the window by less, in pixels of a level, are left out; or at full size left to the last
+// steps, where these allow for a warp.
+constexpr float kNegligible = 0.1f, kNegligibleCoarse = 0.5f, kLeftToLastSteps = 0.5f;
 
 // Starts as good as this are measured at once.
 constexpr float kNear = 0.5f;
@@ -212,6 +213,10 @@ struct PatchTracker::Source {
 
 namespace {
 
+Mat2 less_identity(const Mat2& m) {
+  return {m.a - 1, m.b, m.c, m.d - 1};
+}
+
 // How far W moves the edge of a window, px.
 float strain_of(const Mat2& w, int window) {
   const float change = max(max(magnitude(w.a - 1), magnitude(w.d - 1)), max(magnitude(w.b), magnitude(w.c)));
@@ -293,6 +298,7 @@ Vec2 PatchTracker::load_template(const Source& source, int level, const PatchOpt
   work.plain = work.own;
   work.whole = work.own_whole;
   work.is_prepared = false;
+  work.warp_left = {0, 0, 0, 0};
   if (source.pyramid != nullptr) {
     const Vec2 p = level_scale(level) * source.x;
     const int cx = static_cast<int>(p.x + 0.5f), cy = static_cast<int>(p.y + 0.5f);
@@ -303,15 +309,17 @@ Vec2 PatchTracker::load_template(const Source& source, int level, const PatchOpt
   const auto square = static_cast<std::size_t>(source.slot * limits_.levels + level);
   const Vec2 offset = source.warp * surrounds_[square].offset;
   // A small warp is cheaper, and better, left to the last steps than resampled into the template.
-  const float allowed_px = level == 0
-                               ? max(kNegligible, options.warp_sd * static_cast<float>(limits_.window / 2))
-                               : kNegligibleCoarse;
+  const float allowed_px = level > 0             ? kNegligibleCoarse
+                           : options.warp_sd > 0 ? kLeftToLastSteps
+                                                 : kNegligible;
   const bool is_warped = source.strain_px > allowed_px;
+  if (!is_warped) work.warp_left = less_identity(source.to_anchor);
   if (kept_ != nullptr && level == 0) {
     Kept& kept = kept_[source.slot];
     work.plain = kept.images;
     work.whole = kept.whole;
     work.is_prepared = serves(kept, source.warp, options, limits_.window, allowed_px);
+    if (work.is_prepared) work.warp_left = less_identity(kept.warp * source.to_anchor);
     if (work.is_prepared) return offset;
     kept.warp = is_warped ? source.warp : Mat2{};
     kept.warp_sd = options.warp_sd;

@@ -111,7 +111,9 @@ struct Explained {
   float b[kMotions], x[kMotions];
 };
 
-Explained explain(const Moments& s, const Factor& f, const std::int16_t* image, int count) {
+// The warp that is left is expected to be `warp`, with this weight.
+Explained explain(const Moments& s, const Factor& f, float weight, const Mat2& warp,
+                  const std::int16_t* image, int count) {
   Explained e;
   std::int32_t raw[kMotions + 1] = {};
   for (int k = 0; k <= s.m; k += 4) {
@@ -122,10 +124,15 @@ Explained explain(const Moments& s, const Factor& f, const std::int16_t* image, 
   }
   e.sum = raw[s.m];
   for (int i = 0; i < s.m; ++i) e.b[i] = centred(s.n, s.inverse_n, raw[i], s.sums[i], e.sum);
-  if (s.m == kMotions)
-    substitute<kMotions>(f, e.b, e.x);
-  else
+  if (s.m == kWithoutStretch) {
     substitute<kWithoutStretch>(f, e.b, e.x);
+    return e;
+  }
+  const float known[] = {warp.a, warp.b, warp.c, warp.d};
+  float b[kMotions];
+  for (int i = 0; i < kMotions; ++i) b[i] = e.b[i];
+  for (int i = 0; i < 4; ++i) b[kLight + 1 + i] += weight * known[i];
+  substitute<kMotions>(f, b, e.x);
   return e;
 }
 
@@ -208,6 +215,7 @@ struct System {
   Moments moments;
   Factor factor;
   Vec2 along;
+  float warp_weight;
   bool is_solvable;
 
   // From its moments; what a warp is expected to be, and the texture needed.
@@ -215,7 +223,8 @@ struct System {
     is_solvable = false;
     along = {};
     if (!is_usable(texture_of(moments), window, needed, along)) return;
-    const Prior prior{warp_sd > 0 ? (kPriorNoise / warp_sd) * (kPriorNoise / warp_sd) : 0, along};
+    warp_weight = warp_sd > 0 ? (kPriorNoise / warp_sd) * (kPriorNoise / warp_sd) : 0;
+    const Prior prior{warp_weight, along};
     if (moments.m == kMotions)
       factorise<kMotions>(moments, prior, factor);
     else
@@ -241,6 +250,10 @@ PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd
     whole.prepare(warp_sd, o.texture, work.window);
     work.is_prepared = true;
   }
+  // In the units of the stretched gradients, which fall short of the slope.
+  constexpr float kUnits = 16 / kStepScale;
+  const Mat2& left = work.warp_left;
+  const Mat2 warp{kUnits * left.a, kUnits * left.b, kUnits * left.c, kUnits * left.d};
   const Vec2 start = p.y;
   for (int step = 1;; ++step) {
     const GridPosition at = on_grid(p.y);
@@ -257,7 +270,7 @@ PatchStatus refine(const ImageView& image, const SearchOptions& o, float warp_sd
     const System& now = is_whole ? whole : partial;
     if (!now.is_solvable) return PatchStatus::flat;
     p.along = now.along;
-    const Explained e = explain(now.moments, now.factor, work.image, work.count);
+    const Explained e = explain(now.moments, now.factor, now.warp_weight, warp, work.image, work.count);
     const float gain = clamp(e.x[kLight], 0.5f, 2.0f);
     const int m = now.moments.m;
     Vec2 shift{e.x[m - 2], e.x[m - 1]};

@@ -44,6 +44,7 @@ struct Work {
   /// Equations of `refine`: of all pixels (`own_whole`, or a slot's), of those that are not clipped.
   System *whole, *own_whole, *partial;
   bool is_prepared;  ///< `whole` are those of `plain`
+  Mat2 warp_left;    ///< of the warp predicted, what `plain` has not been put through, less the identity
 
   void lay_out(Arena& arena, int window_side);
 };
