@@ -90,6 +90,29 @@ SolverReport Estimator::solve(Span<Observation> observations) {
   return report;
 }
 
+bool Estimator::approach(Span<Observation> observations) {
+  if (!lens_.is_none()) undistort(observations);
+  has_approached_ = started_ && approach_ideal(observations);
+  if (!lens_.is_none()) distort(observations);
+  return has_approached_;
+}
+
+bool Estimator::approach_ideal(Span<Observation> observations) {
+  gather(observations);
+  if (!has_enough_ || 2 * row_count_ < looked_for_) return false;
+  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) rival_q_[i] = q_[i];
+  EstimatorProblem problem(*this, observations, view_);
+  SolverReport report;
+  problem.measure();
+  settle_by_weights(problem, &report);
+  if (!is_doubtful(problem) && pose_is_observed()) {
+    view_ = problem.view;
+    return true;
+  }
+  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) q_[i] = rival_q_[i];
+  return false;
+}
+
 SolverReport Estimator::solve_ideal(Span<Observation> observations) {
   SolverReport report;
   row_count_ = 0;
@@ -112,6 +135,13 @@ SolverReport Estimator::solve_ideal(Span<Observation> observations) {
   return report;
 }
 
+/// Huber's loss finds the way from where Tukey's would hold on to what happens to be near; nothing of it is needed where
+/// the state has come near already.
+void Estimator::settle_by_weights(EstimatorProblem& problem, SolverReport* report) {
+  if (!has_approached_) problem.settle(Loss::huber, options_.iterations, kNearEnough, report);
+  problem.settle(Loss::tukey, options_.iterations, options_.relative_decrease, report);
+}
+
 void Estimator::solve_robustly(EstimatorProblem& problem, SolverReport* report) {
   const Rejection rejection = options_.rejection;
   if (solves_++ > 0) {
@@ -120,8 +150,7 @@ void Estimator::solve_robustly(EstimatorProblem& problem, SolverReport* report) 
   } else if (rejection == Rejection::forces || rejection == Rejection::forces_readmitted) {
     solve_by_forces(problem, report);
   } else {
-    problem.settle(Loss::huber, options_.iterations, kNearEnough, report);
-    problem.settle(Loss::tukey, options_.iterations, options_.relative_decrease, report);
+    settle_by_weights(problem, report);
     if (rejection == Rejection::on_doubt && is_doubtful(problem)) problem.challenge(report);
   }
 }

@@ -291,6 +291,14 @@ void NormalEquations::start_scaled() {
   }
 }
 
+/// What is on a limit and pushed out of it most likely stays there: a factorisation less to find that out.
+void NormalEquations::pin_pushed_out() {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const bool is_pushed_out = (g_[i] > 0 && upper_[i] == 0) || (g_[i] < 0 && lower_[i] == 0);
+    if (pinned_[i] == 0 && is_pushed_out) pinned_[i] = 1;
+  }
+}
+
 /// Puts what leaves its limits on them. \return whether anything did.
 bool NormalEquations::pin_to_limits(float* step) {
   bool changed = false;
@@ -326,6 +334,7 @@ void NormalEquations::solve(float damping, float* step) {
   const std::size_t n = count_;
   start_scaled();
   for (std::size_t i = 0; i < n; ++i) step[i] = 0;
+  pin_pushed_out();
   for (int round = 0; round < kLimitRounds; ++round) {
     for (std::size_t i = 0; i < n; ++i) right_[i] = g_[i];
     for (std::size_t k = 0; k < n; ++k)  // what is pinned to a limit moves to the right-hand side

@@ -204,6 +204,10 @@ class Estimator {
   Span<const Prediction> predict();
   /// That of one point in use.
   Prediction predict(std::uint16_t id);
+  /// A look ahead: moves the state to fit observations of a few points, so that the others are predicted nearer to where
+  /// they are. Call it between `begin` and the first `solve`. By weights alone (Rejection); \return false, and nothing has
+  /// moved, where those leave doubt, or with too few to determine the pose. Cost: as `solve`.
+  bool approach(Span<Observation> observations);
   /// Moves the state to fit the observations; may be called more than once a frame. Those that the robust loss gives no
   /// weight in the end are marked `rejected`. Observations of points not in use, or not finite, are marked
   /// `not_visible` and ignored. With too few to determine the pose nothing moves.
@@ -267,6 +271,7 @@ class Estimator {
   void update_tangents(std::uint16_t id);
   Prediction prediction(std::uint16_t id, const Projector& projector);
   void see_through_lens(Prediction* p) const;
+  bool approach_ideal(Span<Observation> observations);
   SolverReport solve_ideal(Span<Observation> observations);
   void undistort(Span<Observation> observations) const;
   void distort(Span<Observation> observations) const;
@@ -280,7 +285,8 @@ class Estimator {
   void gather(Span<Observation> observations);
   bool is_usable(const Observation& o) const;
   Sym2 informed(const Observation& o) const;
-  void solve_robustly(struct EstimatorProblem& problem, SolverReport* report);
+  void settle_by_weights(struct EstimatorProblem& problem, SolverReport* report);
+  void solve_robustly(EstimatorProblem& problem, SolverReport* report);
   void solve_by_forces(EstimatorProblem& problem, SolverReport* report);
   bool is_doubtful(const EstimatorProblem& problem) const;
   void keep_as_before(EstimatorProblem& problem);
@@ -320,6 +326,7 @@ class Estimator {
   // Of the last solve: points that the platform looked for, those by a patch, and patches among the inliers.
   std::size_t looked_for_ = 0, patches_looked_for_ = 0, patch_inliers_ = 0;
   int solves_ = 0;                // in this frame
+  bool has_approached_ = false;   // before the first of them
   bool rejected_forces_ = false;  // in its first solve
   static constexpr std::size_t kCueCount = 4;
   float cue_scale_[kCueCount] = {1, 1, 1, 1};

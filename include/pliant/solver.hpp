@@ -80,6 +80,7 @@ class NormalEquations {
   void copy_scaled(float damping);
   void factorise(float damping);
   void pin_undetermined(std::size_t k);
+  void pin_pushed_out();
   bool pin_to_limits(float* step);
   bool release_from_limits(float damping, const float* step);
   void back_substitute(const float* right, float* x);

@@ -47,16 +47,45 @@ bool Tracker::is_in_region(Vec2 x) const {
          at.y <= static_cast<float>(region_height(limits_) - 1);
 }
 
+/// Scouts: some of the points, spread over the surface and others in each frame, are looked at ahead of the rest, which
+/// are then looked for much nearer to where they are. \return false where there are too few points for it to be worth its
+/// while, or the scouts leave doubt.
+bool Tracker::look_ahead() {
+  constexpr std::size_t kScouts = 40, kLeastShare = 3;
+  std::size_t seen = 0, n = 0;
+  for (std::size_t k = 0; k < slot_count_; ++k) {
+    Slot& slot = slots_[k];
+    slot.is_awaited = true;
+    slot.is_scout = false;
+    seen += slot.is_used && slot.owner == k && slot.was_seen;
+  }
+  const std::size_t share = seen / kScouts;
+  if (share < kLeastShare || bad_frames_ > 0 || options_.rounds < 2) return false;
+  std::size_t candidate = frame_ % share;
+  for (std::size_t k = 0; k < slot_count_; ++k) {
+    Slot& slot = slots_[k];
+    if (!slot.is_used || slot.owner != k) continue;
+    slot.observation = static_cast<std::uint16_t>(n++);
+    observations_[slot.observation] = {};
+    observations_[slot.observation].id = slot.id;
+    observations_[slot.observation].reason = Reason::not_visible;
+    slot.is_scout = slot.was_seen && candidate++ % share == 0;
+    if (slot.is_scout) look_at(k, estimator_.predict(slot.id), 0);
+  }
+  return estimator_.approach({observations_, n});
+}
+
 /// The finest pyramid level from which the search reaches as far as the prediction is likely to be off.
 int Tracker::first_level() const {
   const float off = 2 * moved_px_ + 0.1f * shift_px_;
   return off < 2 ? 0 : off < 4 ? 1 : -1;
 }
 
-/// Whether a later round can see more of a point than the one before did: it was not found, or is not where it is now
+/// Whether another look can see more of a point than the last one did: it was not found, or is not where it is now
 /// expected, or would be compared with a template that is warped in another way.
 Tracker::Look Tracker::needed_look(const Slot& slot, const Prediction& p, int round) const {
-  if (round == 0) return Look::full;
+  if (slot.is_awaited) return Look::full;
+  if (round == 0) return Look::none;
   const Observation& o = observations_[slot.observation];
   if (!p.visible) return o.reason == Reason::not_visible ? Look::none : Look::full;
   const float edge_px = strain(p.jacobian, slot.looked_with) * static_cast<float>(limits_.patch_window / 2);
@@ -77,16 +106,12 @@ std::size_t Tracker::look_and_solve(int round) {
     Slot& slot = slots_[k];
     if (!slot.is_used || slot.owner != k) continue;
     const Prediction& p = predictions[prediction_of_[slot.id]];
-    const Look needed = needed_look(slot, p, round);
-    if (needed == Look::full) observations_[n] = look(k, p, round);
-    if (needed == Look::follow_only) observations_[n] = follow(k, p);
-    if (needed != Look::none) {
-      slot.looked_at = p.x;
-      slot.looked_with = p.jacobian;
-      ++looks;
-    }
-    if (round == 0) slot.expected = p.x + kRemembered * slot.residual;
     slot.observation = static_cast<std::uint16_t>(n++);
+    const Look needed = needed_look(slot, p, round);
+    if (needed == Look::none) continue;
+    if (needed == Look::full) look_at(k, p, round);
+    if (needed == Look::follow_only) observations_[slot.observation] = follow(k, p);
+    ++looks;
   }
   point_observation_count_ = n;
   if (round + 1 == options_.rounds && options_.estimator.uses(Cue::edge)) {
@@ -102,15 +127,25 @@ std::size_t Tracker::look_and_solve(int round) {
   return looks;
 }
 
+void Tracker::look_at(std::size_t k, const Prediction& p, int round) {
+  Slot& slot = slots_[k];
+  if (slot.is_awaited) slot.expected = p.x + kRemembered * slot.residual;
+  observations_[slot.observation] = look(k, p, round);
+  slot.looked_at = p.x;
+  slot.looked_with = p.jacobian;
+  slot.is_awaited = false;
+}
+
 /// Searches from where the model expects the point, about as far off as it was last time.
 PatchResult Tracker::match(std::size_t k, const Prediction& p, int round) {
   PatchOptions options;
   const bool last = round + 1 == options_.rounds;
   options.min_correlation = last ? options_.min_correlation : options_.min_correlation - 0.1f;
-  options.first_level = round == 0 ? first_level() : 0;
-  options.start_sd_px = 0.7f * moved_px_;  // along either axis
-  options.max_move_px = scaled_px(limits_, round == 0 ? 16.0f : 3.0f);
   const Slot& slot = slots_[k];
+  const bool after_scouts = slot.is_awaited && round > 0;
+  options.first_level = round == 0 ? first_level() : after_scouts ? -1 : 0;
+  options.start_sd_px = 0.7f * (after_scouts ? left_px_ : moved_px_);  // along either axis
+  options.max_move_px = scaled_px(limits_, round == 0 ? 16.0f : after_scouts ? 8.0f : 3.0f);
   std::size_t which = k;
   if (slot.second != kNoSlot &&
       strain(p.jacobian, slots_[slot.second].reference) < strain(p.jacobian, slot.reference))
@@ -157,7 +192,7 @@ Observation Tracker::follow(std::size_t k, const Prediction& p) {
 
 void Tracker::note_seen() {
   const bool good = result_.state == TrackState::tracking;
-  float sum = 0, count = 0;
+  float sum[2] = {}, count[2] = {};  // scouts, or all where there are none; others
   for (std::size_t k = 0; k < slot_count_; ++k) {
     Slot& slot = slots_[k];
     if (!slot.is_used || slot.owner != k) continue;
@@ -167,8 +202,9 @@ void Tracker::note_seen() {
     if (!slot.was_seen) continue;
     slot.seen = o.x;
     const Vec2 off = o.x - slot.expected;
-    sum += dot(off, off);
-    ++count;
+    const bool after_scouts = has_scouts_ && !slot.is_scout;
+    sum[after_scouts] += dot(off, off);
+    ++count[after_scouts];
     if (o.cue == Cue::patch)
       slot.frames_apart = 0;
     else if (slot.frames_apart < kMostFramesApart)
@@ -176,7 +212,8 @@ void Tracker::note_seen() {
   }
   if (good)
     edges_->note({observations_ + point_observation_count_, observation_count_ - point_observation_count_});
-  moved_px_ = good && count > 0 ? square_root(sum / count) : 1e9f;
+  moved_px_ = good && count[0] > 0 ? square_root(sum[0] / count[0]) : 1e9f;
+  if (has_scouts_ || !good) left_px_ = good && count[1] > 0 ? square_root(sum[1] / count[1]) : 1e9f;
 }
 
 }  // namespace pliant

@@ -179,7 +179,7 @@ Status Tracker::start(const FrameView& frame, const Camera& camera, const Pose& 
   small_last_ = small_now_;
   small_now_ = empty;
   bad_frames_ = 0;
-  moved_px_ = shift_px_ = 1e9f;
+  moved_px_ = left_px_ = shift_px_ = 1e9f;
   started_ = true;
   return Status::ok;
 }
@@ -202,7 +202,8 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   }
   status = look_at_region(frame);
   if (status != Status::ok) return status;
-  for (int round = 0; round < options_.rounds; ++round)
+  has_scouts_ = look_ahead();
+  for (int round = has_scouts_ ? 1 : 0; round < options_.rounds; ++round)
     if (look_and_solve(round) == 0) break;
   result_ = estimator_.end();
   note_seen();

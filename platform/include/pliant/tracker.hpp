@@ -149,6 +149,8 @@ class Tracker {
     Vec2 looked_at;                  // the prediction when it was last looked for
     Mat2 looked_with;                // and its dx/d(u,v)
     bool is_used = false, was_seen = false;
+    bool is_awaited = false,
+         is_scout = false;          // not looked at in this frame yet; looked at ahead of the others
     std::uint8_t frames_apart = 0;  // since it last matched a template
   };
 
@@ -183,8 +185,10 @@ class Tracker {
 
   // looking.cpp
   enum class Look : std::uint8_t { none, full, follow_only };
+  bool look_ahead();
   Look needed_look(const Slot& slot, const Prediction& p, int round) const;
   std::size_t look_and_solve(int round);
+  void look_at(std::size_t k, const Prediction& p, int round);
   Observation look(std::size_t k, const Prediction& p, int round);
   Observation follow(std::size_t k, const Prediction& p);
   PatchResult match(std::size_t k, const Prediction& p, int round);
@@ -231,7 +235,9 @@ class Tracker {
   KeyFrame keys_[TrackerLimits::kMostKeyFrames + 1] = {};
   std::uint32_t frame_ = 0;
   int bad_frames_ = 0;
-  float moved_px_ = 0;  // how far the last prediction was off at most
+  // How far points were from where they were looked for in the last frame: by the prediction, and after scouts.
+  float moved_px_ = 0, left_px_ = 0;
+  bool has_scouts_ = false;
   float shift_px_ = 0;  // how far the small pictures say the model has moved
   std::int64_t last_time_ns_ = 0;
   std::uint32_t last_sequence_ = 0;
