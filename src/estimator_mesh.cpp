@@ -70,6 +70,7 @@ void Estimator::update_vertices(std::uint32_t share) {
     vertex_[v] = limits_.bakes_vertices ? cascade_.evaluate(baked_vertex(v), q_)
                                         : cascade_.selected_point(mesh_.uv(v));
   }
+  if (share <= 1) depth_is_drawn_ = false;
   project_vertices();
 }
 
@@ -85,14 +86,25 @@ void Estimator::project_vertices() {
                            ? kNominalDepthMm + projector.rotated(vertex_[v]).z
                            : -1.0f;
   vertices_are_current_ = true;
-  depth_is_current_ = false;
 }
 
-/// What hides what is drawn when somebody asks.
+/// What hides what is drawn when somebody asks; while the view is nearly the one that it was drawn for, it moves along.
 void Estimator::draw_depth() {
+  constexpr std::uint32_t kMostFrames = 3;
+  constexpr float kTurn = 0.03f, kGrowth = 0.03f;  // rad; of the scale: less than a cell at the outline
   if (!vertices_are_current_) project_vertices();
-  if (!depth_is_current_) depth_.draw(mesh_, vertex_image_, vertex_depth_);
-  depth_is_current_ = true;
+  const Vec3 turn = log_rotation(view_.q * conjugate(depth_view_.q));
+  const bool is_near =
+      dot(turn, turn) < kTurn * kTurn && magnitude(view_.s - depth_view_.s) < kGrowth * view_.s;
+  if (depth_is_drawn_ && is_near && frame_ - depth_frame_ < kMostFrames) {
+    depth_.move(view_.s * (view_.tau - depth_view_.tau));
+    depth_view_.tau = view_.tau;
+    return;
+  }
+  depth_.draw(mesh_, vertex_image_, vertex_depth_);
+  depth_view_ = view_;
+  depth_frame_ = frame_;
+  depth_is_drawn_ = true;
 }
 
 bool Estimator::project(Vec2 uv, Vec2* x) {

@@ -362,7 +362,9 @@ class Estimator {
   float* sample_ = nullptr;
   Vec2* sample_force_ = nullptr;
   std::uint8_t* sample_keep_ = nullptr;
-  bool vertices_are_current_ = false, depth_is_current_ = false;
+  bool vertices_are_current_ = false, depth_is_drawn_ = false;
+  View depth_view_;  // for which it is
+  std::uint32_t depth_frame_ = 0;
 };
 
 }  // namespace pliant

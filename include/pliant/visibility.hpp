@@ -18,6 +18,8 @@ class DepthBuffer {
   /// that is not in front of the camera) are indexed by vertex id. Cost: the cells under each face.
   void draw(const Mesh& mesh, const Vec2* image, const float* depth);
 
+  /// What was drawn is now to be found that much (px) further on.
+  void move(Vec2 way) { origin_ = origin_ + way; }
   /// True where something drawn at x lies nearer than depth - margin. False outside the grid.
   bool hides(Vec2 x, float depth, float margin) const;
   /// Side of a cell in the image as last drawn, px; 0 before.
