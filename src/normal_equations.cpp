@@ -63,9 +63,10 @@ void NormalEquations::lay_out(Arena& arena, std::size_t unknowns) {
   row_residual_ = arena.take<float>(kGatheredRows);
   spread_x_ = arena.take<float>(stride_);
   spread_y_ = arena.take<float>(stride_);
-  float** const vectors[] = {&g_, &scale_, &lower_, &upper_, &right_, &solution_};
+  float** const vectors[] = {&g_, &scale_, &lower_, &upper_, &right_, &solution_, &compact_};
   for (float** vector : vectors) *vector = arena.take<float>(unknowns);
   pinned_ = arena.take<std::uint8_t>(unknowns);
+  free_ = arena.take<std::uint16_t>(unknowns);
   capacity_ = unknowns;
   count_ = gathered_ = 0;
 }
@@ -205,45 +206,44 @@ void NormalEquations::set_limits(std::size_t unknown, float lower, float upper) 
   upper_[unknown] = upper;
 }
 
-/// The upper triangle of S H S + damping I, with identity rows for pinned and undetermined unknowns.
+/// The upper triangle of S H S + damping I over the unknowns that are free: neither pinned nor undetermined.
 void NormalEquations::copy_scaled(float damping) {
-  const std::size_t n = count_;
-  const float *from = h_, *scale = scale_;
+  free_count_ = 0;
+  for (std::size_t i = 0; i < count_; ++i)
+    if (pinned_[i] == 0) free_[free_count_++] = static_cast<std::uint16_t>(i);
   float* to = factor_;
-  for (std::size_t i = 0; i < n; ++i) {
-    const float s = scale[i];
-    for (std::size_t j = i; j < n; ++j) to[j - i] = from[j - i] * s * scale[j];
+  for (std::size_t k = 0; k < free_count_; ++k, to += free_count_ - k + 1) {
+    const std::size_t i = free_[k];
+    const float* from = h_ + index(i, 0);
+    const float s = scale_[i];
+    for (std::size_t l = k; l < free_count_; ++l) to[l - k] = from[free_[l]] * s * scale_[free_[l]];
     to[0] += damping;
-    from += n - i;
-    to += n - i;
   }
-  for (std::size_t k = 0; k < n; ++k) {
-    if (pinned_[k] == 0) continue;
-    for (std::size_t i = 0; i < k; ++i) factor_[index(i, k)] = 0;
-    factor_[index(k, k)] = 1;
-    for (std::size_t j = k + 1; j < n; ++j) factor_[index(k, j)] = 0;
-  }
+}
+
+/// Row i of the factor, from its column 0 on, of which those below i are not stored.
+float* NormalEquations::factor_row(std::size_t i) {
+  return factor_ + (i * free_count_ - i * (i + 1) / 2);
 }
 
 /// Not seen by any observation, given the unknowns before it.
 void NormalEquations::pin_undetermined(std::size_t k) {
-  float* row = factor_ + index(k, k) - k;
-  pinned_[k] = 2;
+  float* row = factor_row(k);
+  pinned_[free_[k]] = 2;
   row[k] = 1;
-  for (std::size_t j = k + 1; j < count_; ++j) row[j] = 0;
+  for (std::size_t j = k + 1; j < free_count_; ++j) row[j] = 0;
 }
 
 /// U^T U = S H S + damping I in outer-product form, four pivots at a time: the inner loops run along packed rows.
 void NormalEquations::factorise(float damping) {
   copy_scaled(damping);
-  const std::size_t n = count_;
-  const auto row_at = [this](std::size_t i) { return factor_ + index(i, i) - i; };
+  const std::size_t n = free_count_;
   for (std::size_t first = 0; first < n; first += kPanel) {
     const std::size_t end = first + kPanel < n ? first + kPanel : n;
     for (std::size_t k = first; k < end; ++k) {
-      float* row = row_at(k);
+      float* row = factor_row(k);
       for (std::size_t above = first; above < k; ++above) {
-        const float* pivot_row = row_at(above);
+        const float* pivot_row = factor_row(above);
         subtract_scaled(row + k, pivot_row[k], pivot_row + k, n - k);
       }
       if (row[k] < kSmallestPivot) {
@@ -255,30 +255,33 @@ void NormalEquations::factorise(float damping) {
       for (std::size_t j = k + 1; j < n; ++j) row[j] *= inverse;
     }
     if (end == n) return;
-    const float* const panel[kPanel] = {row_at(first), row_at(first + 1), row_at(first + 2),
-                                        row_at(first + 3)};
+    const float* const panel[kPanel] = {factor_row(first), factor_row(first + 1), factor_row(first + 2),
+                                        factor_row(first + 3)};
     for (std::size_t i = end; i < n; ++i) {
       const float f[kPanel] = {panel[0][i], panel[1][i], panel[2][i], panel[3][i]};
       const float* const from[kPanel] = {panel[0] + i, panel[1] + i, panel[2] + i, panel[3] + i};
-      subtract_scaled(row_at(i) + i, f, from, n - i);
+      subtract_scaled(factor_row(i) + i, f, from, n - i);
     }
   }
 }
 
-/// x = (U^T U)^-1 right. Undetermined unknowns come out zero.
+/// Solves U^T U x = right for the free unknowns; the others, and those undetermined, come out zero.
 void NormalEquations::back_substitute(const float* right, float* x) {
-  const std::size_t n = count_;
-  for (std::size_t i = 0; i < n; ++i) x[i] = right[i];
+  const std::size_t n = free_count_;
+  float* y = compact_;
+  for (std::size_t k = 0; k < n; ++k) y[k] = right[free_[k]];
   for (std::size_t k = 0; k < n; ++k) {
-    const float* row = factor_ + index(k, k) - k;
-    x[k] = pinned_[k] == 2 ? 0.0f : x[k] / row[k];
-    subtract_scaled(x + k + 1, x[k], row + k + 1, n - k - 1);
+    const float* row = factor_row(k);
+    y[k] = pinned_[free_[k]] == 2 ? 0.0f : y[k] / row[k];
+    subtract_scaled(y + k + 1, y[k], row + k + 1, n - k - 1);
   }
   for (std::size_t k = n; k-- > 0;) {
-    const float* row = factor_ + index(k, k) - k;
-    const float rest = x[k] - dot_product(row + k + 1, x + k + 1, n - k - 1);
-    x[k] = pinned_[k] == 2 ? 0.0f : rest / row[k];
+    const float* row = factor_row(k);
+    const float rest = y[k] - dot_product(row + k + 1, y + k + 1, n - k - 1);
+    y[k] = pinned_[free_[k]] == 2 ? 0.0f : rest / row[k];
   }
+  for (std::size_t i = 0; i < count_; ++i) x[i] = 0;
+  for (std::size_t k = 0; k < n; ++k) x[free_[k]] = y[k];
 }
 
 /// Scales to a unit diagonal; what has none is undetermined.
@@ -340,7 +343,7 @@ void NormalEquations::solve(float damping, float* step) {
     for (std::size_t k = 0; k < n; ++k)  // what is pinned to a limit moves to the right-hand side
       if (pinned_[k] == 1)
         for (std::size_t i = 0; i < n; ++i) right_[i] -= h(i, k) * step[k];
-    for (std::size_t i = 0; i < n; ++i) right_[i] = pinned_[i] != 0 ? 0.0f : right_[i] * scale_[i];
+    for (std::size_t i = 0; i < n; ++i) right_[i] *= scale_[i];
     factorise(damping);
     back_substitute(right_, solution_);
     if (!pin_to_limits(step) && !release_from_limits(damping, step)) break;
@@ -350,25 +353,27 @@ void NormalEquations::solve(float damping, float* step) {
 }
 
 void NormalEquations::variances(float* variance) {
-  const std::size_t n = count_;
   start_scaled();
   factorise(0);
   undetermined_ = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    undetermined_ += pinned_[i] == 2;
+    variance[i] = 0;
+  }
+  const std::size_t n = free_count_;
   for (std::size_t k = 0; k < n; ++k) {
-    undetermined_ += pinned_[k] == 2;
-    variance[k] = 0;
-    if (pinned_[k] == 2) continue;
+    if (pinned_[free_[k]] == 2) continue;
     // |U^-T e_k|^2, by forward substitution from k on.
-    for (std::size_t j = k; j < n; ++j) solution_[j] = 0;
-    solution_[k] = 1;
+    for (std::size_t j = k; j < n; ++j) compact_[j] = 0;
+    compact_[k] = 1;
     float total = 0;
     for (std::size_t i = k; i < n; ++i) {
-      const float* row = factor_ + index(i, i) - i;
-      const float y = pinned_[i] == 2 ? 0.0f : solution_[i] / row[i];
+      const float* row = factor_row(i);
+      const float y = pinned_[free_[i]] == 2 ? 0.0f : compact_[i] / row[i];
       total += y * y;
-      subtract_scaled(solution_ + i + 1, y, row + i + 1, n - i - 1);
+      subtract_scaled(compact_ + i + 1, y, row + i + 1, n - i - 1);
     }
-    variance[k] = total * scale_[k] * scale_[k];
+    variance[free_[k]] = total * scale_[free_[k]] * scale_[free_[k]];
   }
 }
 

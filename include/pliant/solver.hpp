@@ -79,6 +79,7 @@ class NormalEquations {
   void start_scaled();
   void copy_scaled(float damping);
   void factorise(float damping);
+  float* factor_row(std::size_t i);
   void pin_undetermined(std::size_t k);
   void pin_pushed_out();
   bool pin_to_limits(float* step);
@@ -88,9 +89,10 @@ class NormalEquations {
   float *h_ = nullptr, *factor_ = nullptr, *rows_ = nullptr, *row_residual_ = nullptr;
   float *spread_x_ = nullptr, *spread_y_ = nullptr;  // the rows of one sparse observation
   float *g_ = nullptr, *scale_ = nullptr, *lower_ = nullptr, *upper_ = nullptr, *right_ = nullptr,
-        *solution_ = nullptr;
-  std::uint8_t* pinned_ = nullptr;
-  std::size_t capacity_ = 0, count_ = 0, undetermined_ = 0;
+        *solution_ = nullptr, *compact_ = nullptr;
+  std::uint8_t* pinned_ = nullptr;  // 1: to a limit; 2: undetermined
+  std::uint16_t* free_ = nullptr;   // the others, ascending: of these is the factor
+  std::size_t capacity_ = 0, count_ = 0, free_count_ = 0, undetermined_ = 0;
   std::size_t stride_ = 0, gathered_ = 0;  // of rows_
   bool gradient_only_ = false;
 };
