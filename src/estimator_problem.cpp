@@ -189,7 +189,8 @@ void EstimatorProblem::minimise(int iterations, float relative_decrease, SolverR
     cost = there;
     damping = max(0.1f * damping, 1e-7f);
     tries = 0;
-    if (surprise <= relative_decrease * cost) {
+    // A step that misses what was foreseen by a share leaves about the square of that share to the next one.
+    if (surprise * surprise <= relative_decrease * cost * foreseen) {
       report->stop_reason = StopReason::converged;
       break;
     }

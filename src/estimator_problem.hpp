@@ -22,7 +22,7 @@ struct EstimatorProblem {
   /// Sets the scale of the robust loss to that of the rows kept.
   void update_scale();
   /// Levenberg-Marquardt from the accepted state; adds to the report. It ends where the equations foresee a decrease by
-  /// less than the given share of the cost, or where a step brought what they foresaw up to so much: another one would
+  /// less than the given share of the cost, or where a step brought so nearly what they foresaw that another one would
   /// bring no more. Residuals are those of the accepted state afterwards, the equations those of the step before.
   void minimise(int iterations, float relative_decrease, SolverReport* report);
   /// The same with a loss, in the scale of what residuals are now.
