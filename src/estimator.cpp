@@ -53,6 +53,7 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   baked_points_ = arena.take<Vec3>(limits.points * baked_capacity_);
   arena.count_as(Purpose::points);
   predictions_ = arena.take<Prediction>(limits.points);
+  predicted_at_ = arena.take<Vec2>(limits.points);
   rows_ = arena.take<Row>(limits.points);
   information_ = arena.take<Sym2>(limits.points);
   residuals_ = arena.take<Vec2>(limits.points);
@@ -75,7 +76,7 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   vertex_image_ = arena.take<Vec2>(limits.vertices);
   vertex_depth_ = arena.take<float>(limits.vertices);
   arena.count_as(Purpose::state);
-  float** const per_parameter[] = {&q_, &expected_q_, &trial_q_, &rival_q_, &sd_, &trusted_q_};
+  float** const per_parameter[] = {&q_, &expected_q_, &trial_q_, &rival_q_, &sd_, &trusted_q_, &predicted_q_};
   for (float** vector : per_parameter) *vector = arena.take<float>(parameters);
   arena.count_as(Purpose::solver);
   step_ = arena.take<float>(unknowns);

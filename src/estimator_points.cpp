@@ -1,7 +1,7 @@
 // The estimator's surface points: patches and markers where they are put, edges along curves of the model, and points that
 // slide along the outline; and where each is expected in the image.
 #include "estimator_depth.hpp"
-#include "pliant/estimator.hpp"
+#include "estimator_problem.hpp"
 
 namespace pliant {
 
@@ -42,6 +42,7 @@ Status Estimator::take_id(PointKind kind, std::uint16_t* id) {
 
 /// Puts a point there.
 void Estimator::place(std::uint16_t id, Vec2 uv) {
+  predicted_view_.s = 0;
   uv_[id] = uv;
   cascade_.bake(uv, q_, baked_point(id));
 }
@@ -159,12 +160,15 @@ void Estimator::update_tangents(std::uint16_t id) {
   tangent_v_[id] = frame.pv;
 }
 
-Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
+/// `at`: where it is through the pinhole.
+Prediction Estimator::prediction(std::uint16_t id, const Projector& projector, Vec2* at) {
   Prediction out;
   out.id = id;
   const Vec3 p = cascade_.evaluate(baked_point(id), q_);
   Projector::Derivatives d;
-  if (!projector.project(p, &out.x, &d)) return out;
+  const bool in_front = projector.project(p, &out.x, &d);
+  *at = in_front ? out.x : kBehind;
+  if (!in_front) return out;
   if (kind_[id] == PointKind::outline) {
     out.normal = along_[id];
   } else {
@@ -198,15 +202,27 @@ Span<const Prediction> Estimator::predict() {
   std::size_t n = 0;
   for (std::uint16_t i = 0; i < limits_.points; ++i) {
     if (kind_[i] == PointKind::none) continue;
-    predictions_[n] = prediction(i, projector);
+    predictions_[n] = prediction(i, projector, &predicted_at_[i]);
     ++n;
   }
+  predicted_view_ = view_;
+  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) predicted_q_[i] = q_[i];
   return {predictions_, n};
+}
+
+/// Whether all points have been predicted for the state as it is.
+bool Estimator::is_predicted() const {
+  const View &a = view_, &b = predicted_view_;
+  bool same = a.q.w == b.q.w && a.q.x == b.q.x && a.q.y == b.q.y && a.q.z == b.q.z && a.s == b.s &&
+              a.tau.x == b.tau.x && a.tau.y == b.tau.y && a.rho == b.rho;
+  for (std::size_t i = 0; same && i < cascade_.parameter_count(); ++i) same = predicted_q_[i] == q_[i];
+  return same;
 }
 
 Prediction Estimator::predict(std::uint16_t id) {
   draw_depth();
-  return prediction(id, Projector(view_, true));
+  Vec2 at;
+  return prediction(id, Projector(view_, true), &at);
 }
 
 }  // namespace pliant

@@ -6,7 +6,6 @@ namespace pliant {
 
 namespace {
 
-constexpr float kFarPx = 1e6f;            // residual of a point behind the camera
 constexpr float kLineToPlane = 1.74559f;  // median of a Rayleigh variable over that of a half-normal one
 
 float mahalanobis(Sym2 w, Vec2 r) {
@@ -36,7 +35,7 @@ void EstimatorProblem::choose(std::size_t row, Vec2 x) {
 void EstimatorProblem::measure(const View& v, const float* q) {
   const Projector projector(v, true);
   for (std::size_t k = 0; k < e.row_count_; ++k) {
-    Vec2 x{-kFarPx, -kFarPx};
+    Vec2 x = kBehind;
     projector.project(e.cascade_.evaluate(e.baked_point(e.rows_[k].id), q), &x);
     choose(k, x);
   }
@@ -44,6 +43,11 @@ void EstimatorProblem::measure(const View& v, const float* q) {
 
 void EstimatorProblem::measure() {
   measure(view, e.q_);
+}
+
+void EstimatorProblem::measure_as_predicted() {
+  if (!e.is_predicted()) return measure();
+  for (std::size_t k = 0; k < e.row_count_; ++k) choose(k, e.predicted_at_[e.rows_[k].id]);
 }
 
 void EstimatorProblem::update_scale() {
@@ -120,7 +124,7 @@ float EstimatorProblem::linearise() {
     const Estimator::Row& r = e.rows_[k];
     Jacobian jacobian;
     const Vec3 p = e.cascade_.evaluate(e.baked_point(r.id), q, &jacobian);
-    Vec2 x{-kFarPx, -kFarPx};
+    Vec2 x = kBehind;
     Projector::Derivatives d;
     const bool in_front = projector.project(p, &x, &d);
     choose(k, x);

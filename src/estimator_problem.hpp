@@ -5,6 +5,9 @@
 
 namespace pliant {
 
+/// Where a point behind the camera is taken to be seen, px: far from all observations.
+constexpr Vec2 kBehind{-1e6f, -1e6f};
+
 /// One minimisation over the observations of a frame. Lengths are whitened: in the observation's own deviations, those of
 /// a line (rank one) stretched so that their median stands for the same scale as that of a length in the plane.
 struct EstimatorProblem {
@@ -19,6 +22,8 @@ struct EstimatorProblem {
 
   /// Residuals, lengths and chosen alternatives at the accepted state, without derivatives.
   void measure();
+  /// The same at the estimator's own state, by its predictions where they are of that state.
+  void measure_as_predicted();
   /// Sets the scale of the robust loss to that of the rows kept.
   void update_scale();
   /// Levenberg-Marquardt from the accepted state; adds to the report. It ends where the equations foresee a decrease by

@@ -124,7 +124,7 @@ SolverReport Estimator::solve_ideal(Span<Observation> observations) {
     return report;
   }
   EstimatorProblem problem(*this, observations, view_);
-  problem.measure();
+  problem.measure_as_predicted();
   if (options_.rejection == Rejection::none)
     problem.minimise(options_.iterations, options_.relative_decrease, &report);
   else

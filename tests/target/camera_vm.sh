@@ -49,6 +49,7 @@ boot() {
   cp "$(command -v busybox)" "$root/bin/busybox"
   for name in sh mount insmod sleep cat base64 poweroff; do ln -s busybox "$root/bin/$name"; done
   put_program "$pliant" /bin/pliant
+  put_program "$(dirname "$pliant")/pliant-camera.so" /bin/pliant-camera.so
   put_program "$parts/bin/udevadm" /bin/udevadm
   cp "$root/bin/udevadm" "$root/bin/systemd-udevd"
   for module in xhci_pci uvcvideo; do modprobe -d "$parts" -S "$kernel" --show-depends "$module"; done |
