@@ -30,7 +30,7 @@ void Estimator::begin(std::int64_t time_ns) {
   expect_motion(seconds_);
   row_count_ = looked_for_ = patches_looked_for_ = patch_inliers_ = 0;
   solves_ = 0;
-  has_approached_ = rejected_forces_ = false;
+  has_approached_ = was_surprised_ = rejected_forces_ = false;
   result_.tracked = result_.inliers = result_.iterations = 0;
   result_.rms_px = result_.score = 0;
   result_.pose_is_observed = false;

@@ -9,6 +9,7 @@ namespace {
 constexpr std::size_t kFewestEquations = kPoseUnknowns + 4;
 constexpr float kLeastWeight = 0.1f;  // of an inlier
 constexpr int kIterationsAfter = 3;
+constexpr float kMostFar = 0.03f;     // share of the rows
 constexpr float kNearEnough = 0.02f;  // of the cost: a decrease at which Huber's loss gives way to Tukey's
 constexpr float kLeastPivot = 1e-4f;
 constexpr float kMostCueScale = 4;
@@ -135,10 +136,13 @@ SolverReport Estimator::solve_ideal(Span<Observation> observations) {
   return report;
 }
 
-/// Huber's loss finds the way from where Tukey's would hold on to what happens to be near; nothing of it is needed where
-/// the state has come near already.
+/// Huber's loss finds the way from where Tukey's would hold on to what happens to be near. Nothing of that is needed after
+/// an approach, unless a part has moved by itself of which the few points knew nothing, a jaw that drops.
 void Estimator::settle_by_weights(EstimatorProblem& problem, SolverReport* report) {
-  if (!has_approached_) problem.settle(Loss::huber, options_.iterations, kNearEnough, report);
+  problem.update_scale();
+  was_surprised_ = far_share(problem) > kMostFar;
+  if (!has_approached_ || was_surprised_)
+    problem.settle(Loss::huber, options_.iterations, kNearEnough, report);
   problem.settle(Loss::tukey, options_.iterations, options_.relative_decrease, report);
 }
 
@@ -165,13 +169,17 @@ void Estimator::solve_by_forces(EstimatorProblem& problem, SolverReport* report)
   problem.minimise(kIterationsAfter, options_.relative_decrease, report);
 }
 
-/// Residuals well above what the cues have had lately, or much without weight: coherent things on the surface look so.
-bool Estimator::is_doubtful(const EstimatorProblem& problem) const {
+/// Of the rows, those to which Tukey's loss gives no weight.
+float Estimator::far_share(const EstimatorProblem& problem) const {
   std::size_t far = 0;
   for (std::size_t k = 0; k < row_count_; ++k)
     far += evaluate(Loss::tukey, lengths_[k] / problem.scale).weight <= kLeastWeight;
-  return problem.scale > options_.doubt_scale ||
-         static_cast<float>(far) > options_.doubt_share * static_cast<float>(row_count_);
+  return static_cast<float>(far) / static_cast<float>(row_count_);
+}
+
+/// Residuals well above what the cues have had lately, or much without weight: coherent things on the surface look so.
+bool Estimator::is_doubtful(const EstimatorProblem& problem) const {
+  return problem.scale > options_.doubt_scale || far_share(problem) > options_.doubt_share;
 }
 
 /// In a later round: points that the round before let go have to fit first.

@@ -208,6 +208,9 @@ class Estimator {
   /// they are. Call it between `begin` and the first `solve`. By weights alone (Rejection); \return false, and nothing has
   /// moved, where those leave doubt, or with too few to determine the pose. Cost: as `solve`.
   bool approach(Span<Observation> observations);
+  /// Whether the solve after an approach began with more than a few points far from where they were expected: by the state
+  /// that it gives they are worth another look.
+  bool was_surprised() const { return has_approached_ && was_surprised_; }
   /// Moves the state to fit the observations; may be called more than once a frame. Those that the robust loss gives no
   /// weight in the end are marked `rejected`. Observations of points not in use, or not finite, are marked
   /// `not_visible` and ignored. With too few to determine the pose nothing moves.
@@ -289,6 +292,7 @@ class Estimator {
   void settle_by_weights(struct EstimatorProblem& problem, SolverReport* report);
   void solve_robustly(EstimatorProblem& problem, SolverReport* report);
   void solve_by_forces(EstimatorProblem& problem, SolverReport* report);
+  float far_share(const EstimatorProblem& problem) const;
   bool is_doubtful(const EstimatorProblem& problem) const;
   void keep_as_before(EstimatorProblem& problem);
   void conclude(const EstimatorProblem& problem);
@@ -328,6 +332,7 @@ class Estimator {
   std::size_t looked_for_ = 0, patches_looked_for_ = 0, patch_inliers_ = 0;
   int solves_ = 0;                // in this frame
   bool has_approached_ = false;   // before the first of them
+  bool was_surprised_ = false;    // by what it began with
   bool rejected_forces_ = false;  // in its first solve
   static constexpr std::size_t kCueCount = 4;
   float cue_scale_[kCueCount] = {1, 1, 1, 1};

@@ -205,6 +205,7 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   has_scouts_ = look_ahead();
   for (int round = has_scouts_ ? 1 : 0; round < options_.rounds; ++round)
     if (look_and_solve(round) == 0) break;
+  if (estimator_.was_surprised()) look_and_solve(options_.rounds - 1);
   result_ = estimator_.end();
   note_seen();
   if (result_.state == TrackState::tracking) {
