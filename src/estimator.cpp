@@ -53,7 +53,6 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   baked_points_ = arena.take<Vec3>(limits.points * baked_capacity_);
   arena.count_as(Purpose::points);
   predictions_ = arena.take<Prediction>(limits.points);
-  predicted_at_ = arena.take<Vec2>(limits.points);
   rows_ = arena.take<Row>(limits.points);
   information_ = arena.take<Sym2>(limits.points);
   residuals_ = arena.take<Vec2>(limits.points);

@@ -160,15 +160,15 @@ void Estimator::update_tangents(std::uint16_t id) {
   tangent_v_[id] = frame.pv;
 }
 
-/// `at`: where it is through the pinhole.
-Prediction Estimator::prediction(std::uint16_t id, const Projector& projector, Vec2* at) {
+Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
   Prediction out;
   out.id = id;
   const Vec3 p = cascade_.evaluate(baked_point(id), q_);
   Projector::Derivatives d;
-  const bool in_front = projector.project(p, &out.x, &d);
-  *at = in_front ? out.x : kBehind;
-  if (!in_front) return out;
+  if (!projector.project(p, &out.x, &d)) {
+    out.x = kBehind;
+    return out;
+  }
   if (kind_[id] == PointKind::outline) {
     out.normal = along_[id];
   } else {
@@ -202,16 +202,18 @@ Span<const Prediction> Estimator::predict() {
   std::size_t n = 0;
   for (std::uint16_t i = 0; i < limits_.points; ++i) {
     if (kind_[i] == PointKind::none) continue;
-    predictions_[n] = prediction(i, projector, &predicted_at_[i]);
+    predictions_[n] = prediction(i, projector);
     ++n;
   }
+  prediction_count_ = n;
   predicted_view_ = view_;
   for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) predicted_q_[i] = q_[i];
   return {predictions_, n};
 }
 
-/// Whether all points have been predicted for the state as it is.
+/// Whether `predictions_` are of the state as it is, through the pinhole.
 bool Estimator::is_predicted() const {
+  if (!lens_.is_none()) return false;
   const View &a = view_, &b = predicted_view_;
   bool same = a.q.w == b.q.w && a.q.x == b.q.x && a.q.y == b.q.y && a.q.z == b.q.z && a.s == b.s &&
               a.tau.x == b.tau.x && a.tau.y == b.tau.y && a.rho == b.rho;
@@ -221,8 +223,7 @@ bool Estimator::is_predicted() const {
 
 Prediction Estimator::predict(std::uint16_t id) {
   draw_depth();
-  Vec2 at;
-  return prediction(id, Projector(view_, true), &at);
+  return prediction(id, Projector(view_, true));
 }
 
 }  // namespace pliant

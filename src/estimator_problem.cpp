@@ -47,7 +47,14 @@ void EstimatorProblem::measure() {
 
 void EstimatorProblem::measure_as_predicted() {
   if (!e.is_predicted()) return measure();
-  for (std::size_t k = 0; k < e.row_count_; ++k) choose(k, e.predicted_at_[e.rows_[k].id]);
+  for (std::size_t k = 0; k < e.row_count_; ++k) {
+    std::size_t first = 0, end = e.prediction_count_;  // in order of id
+    while (end - first > 1) {
+      const std::size_t middle = (first + end) / 2;
+      (e.predictions_[middle].id <= e.rows_[k].id ? first : end) = middle;
+    }
+    choose(k, e.predictions_[first].x);
+  }
 }
 
 void EstimatorProblem::update_scale() {

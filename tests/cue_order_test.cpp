@@ -99,5 +99,5 @@ TEST_CASE(
   CHECK(flow.landmark_px < 1.02f * corners.landmark_px);
   CHECK(flow.turn_deg < 1.15f * corners.turn_deg);
   CHECK(all.landmark_px < 0.97f * corners.landmark_px);
-  CHECK(all.turn_deg < 0.6f * flow.turn_deg);
+  CHECK(all.turn_deg < 0.6f * corners.turn_deg);
 }

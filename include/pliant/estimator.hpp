@@ -272,7 +272,7 @@ class Estimator {
   void project_vertices();
   void draw_depth();
   void update_tangents(std::uint16_t id);
-  Prediction prediction(std::uint16_t id, const Projector& projector, Vec2* at);
+  Prediction prediction(std::uint16_t id, const Projector& projector);
   bool is_predicted() const;
   void see_through_lens(Prediction* p) const;
   bool approach_ideal(Span<Observation> observations);
@@ -350,8 +350,8 @@ class Estimator {
   Vec2* vertex_image_ = nullptr;
   float* vertex_depth_ = nullptr;
   Prediction* predictions_ = nullptr;
-  Vec2* predicted_at_ = nullptr;  // by id, through the pinhole, when all were predicted last
-  View predicted_view_;           // for this state
+  std::size_t prediction_count_ = 0;
+  View predicted_view_;  // of these, with predicted_q_
   float *q_ = nullptr, *expected_q_ = nullptr, *trial_q_ = nullptr, *rival_q_ = nullptr, *sd_ = nullptr,
         *trusted_q_ = nullptr, *predicted_q_ = nullptr;
   float *step_ = nullptr, *variance_ = nullptr;
