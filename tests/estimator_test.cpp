@@ -191,6 +191,87 @@ TEST_CASE(
   CHECK(turn_error(e.object, 0.12f) < 0.02f);
 }
 
+TEST_CASE(
+    "an approach by a few points brings the others' predictions near, and then the solve starts there") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0);
+  e->begin(1);
+  auto all = scene.observe(0.05f, scene.q, 0.1f), few = all;
+  for (std::size_t i = 0; i < few.size(); ++i)
+    if (i % 4 != 0) few[i].reason = Reason::not_visible;
+  const auto mean_off = [&] {
+    float sum = 0;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      sum += length(e->predict(all[i].id).x - all[i].x) / static_cast<float>(all.size());
+    return sum;
+  };
+  const float before = mean_off();
+  REQUIRE(before > 1);
+  REQUIRE(e->approach(span(few)));
+  CHECK(mean_off() < 0.3f * before);
+  CHECK_FALSE(e->was_surprised());
+  e->solve(span(all));
+  CHECK_FALSE(e->was_surprised());
+  CHECK(e->end().state == TrackState::tracking);
+  CHECK(turn_error(e.object, 0.05f) < 0.01f);
+}
+
+TEST_CASE("a part that moved by itself surprises the solve after an approach that knew nothing of it") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0);
+  e->begin(1);
+  std::vector<float> truth = scene.q;
+  truth[5] = 0.6f;  // jawOpen
+  auto all = scene.observe(0.02f, truth, 0.1f), few = scene.observe(0.02f, scene.q, 0.1f);
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    const bool is_still = length(few[i].x - all[i].x) < 1;
+    if (!is_still || i % 2 != 0) few[i].reason = Reason::not_visible;
+  }
+  REQUIRE(e->approach(span(few)));
+  REQUIRE(magnitude(e->parameters()[5]) < 0.05f);
+  e->solve(span(all));
+  CHECK(e->was_surprised());
+  CHECK(e->end().state == TrackState::tracking);
+  CHECK(e->parameters()[5] == doctest::Approx(0.6).epsilon(0.1));
+}
+
+TEST_CASE("an approach that leaves doubt, or has too little to go by, moves nothing") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  std::vector<Observation> none;
+  CHECK_FALSE(e->approach(span(none)));  // not started
+  scene.start(e.object, 0);
+  e->begin(1);
+  const auto unmoved = [&] {
+    const View v = e->view();
+    const View start = view_of(Scene::pose(0), scene.camera);
+    bool same = v.s == start.s && v.tau.x == start.tau.x && v.tau.y == start.tau.y && v.q.w == start.q.w;
+    for (std::size_t i = 0; i < scene.q.size(); ++i) same = same && e->parameters()[i] == scene.q[i];
+    return same;
+  };
+  CHECK_FALSE(e->approach(span(none)));
+  CHECK(unmoved());
+  auto wild = scene.observe(0.05f, scene.q, 0.1f);
+  for (std::size_t i = 0; i < wild.size(); i += 3) wild[i].x = wild[i].x + Vec2{30, -25};
+  CHECK_FALSE(e->approach(span(wild)));
+  CHECK(unmoved());
+  auto lost = scene.observe(0.05f, scene.q, 0.1f);
+  for (std::size_t i = 0; i < lost.size(); ++i)
+    if (i % 3 != 0) lost[i].reason = Reason::low_correlation;
+  CHECK_FALSE(e->approach(span(lost)));
+  CHECK(unmoved());
+  auto three = scene.observe(0.05f, scene.q, 0.1f);
+  three.resize(3);
+  CHECK_FALSE(e->approach(span(three)));
+  CHECK(unmoved());
+  auto hostile = scene.observe(0.05f, scene.q, 0.1f);
+  for (Observation& o : hostile) o.x.x = std::numeric_limits<float>::quiet_NaN();
+  CHECK_FALSE(e->approach(span(hostile)));
+  CHECK(unmoved());
+}
+
 TEST_CASE("contradictory observations do not pass for tracking") {
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);

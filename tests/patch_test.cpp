@@ -150,6 +150,32 @@ TEST_CASE("with the right warp, rotation and scale cost little") {
   }
 }
 
+TEST_CASE("a template made for another warp serves, as long as the rest of the warp is known and small") {
+  // One slot, the warp growing from call to call: only now and then is the template made anew.
+  const Texture texture(11);
+  const Picture a = render(texture, {}, kWidth, kHeight);
+  Rig rig;
+  for (double degrees = 0; degrees <= 8; degrees += 0.5) {
+    CAPTURE(degrees);
+    const Motion m = similarity(degrees, 1 + 0.01 * degrees, 0.3, -0.4);
+    rig.show(a, render(texture, m, kWidth, kHeight));
+    Errors known, unknown;
+    int slot = 0;
+    for (const Vec2 x : corners_of(a, 150, 50)) {
+      if (degrees == 0) REQUIRE(rig.tracker.capture(slot, rig.before, x) == PatchStatus::ok);
+      const Vec2 truth = moved(m, a, x), start{truth.x + 0.2f, truth.y - 0.25f};
+      PatchOptions options;
+      options.start_sd_px = 0.3f;
+      known.add(rig.tracker.track(slot, rig.after, start, warp_of(m), options), truth);
+      unknown.add(rig.tracker.track(slot, rig.after, start, {}, options), truth);
+      ++slot;
+    }
+    CHECK(known.lost == 0);
+    CHECK(known.rms() < 0.03);
+    if (degrees >= 4) CHECK(known.rms() < 0.8 * unknown.rms());
+  }
+}
+
 TEST_CASE("an anchor at a position between pixels is found there") {
   const Texture texture(21);
   const Motion m = similarity(6, 1.05, 1.3, 0.4);

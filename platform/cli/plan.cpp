@@ -9,7 +9,7 @@ namespace pliant::cli {
 namespace {
 
 constexpr double kRecordOperations = 24;  // one record of the cascade at one point, with its column
-constexpr double kStepsAfterReadmission = 3, kFineSteps = 4, kLimitRounds = 8;
+constexpr double kStepsAfterReadmission = 3, kFineSteps = 4, kLimitRounds = 12;
 
 /// What the limits come to for a model.
 struct Counts {
@@ -67,11 +67,13 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   // A frame's first solve: Huber and Tukey; and where that leaves doubt the same once more by image forces, with a few
   // steps after readmission (EstimatorProblem::challenge). A later one: Tukey (Estimator::solve_robustly).
   const double first = 4.0 * estimator.iterations + kStepsAfterReadmission, later = estimator.iterations;
-  const double steps = first + (options.rounds - 1) * later;
+  // Scouts' solve before it (Estimator::approach): Huber and Tukey.
+  const double approach = 2.0 * estimator.iterations;
+  const double steps = approach + first + (options.rounds - 1) * later;
   plan.most_iterations = static_cast<int>(steps);
   // Each step is one factorisation and one pass; a refused one takes another pass back; each minimisation starts and may end
-  // with one more (EstimatorProblem::minimise). Limits pin unknowns in at most eight rounds.
-  const double minimisations = 5.0 + (options.rounds - 1);
+  // with one more (EstimatorProblem::minimise). Limits pin unknowns in at most twelve rounds.
+  const double minimisations = 2.0 + 5.0 + (options.rounds - 1);
   const double passes = 2 * steps + 2 * minimisations + 1;
   // One search a patch and round, on each level; the last round may follow what was not found from the frame before, and back.
   const double follows = limits.keeps_previous ? 2 * c.slots : 0;
@@ -86,8 +88,8 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
       {"pixels of the pyramid, all levels", 1.33 * c.region_pixels, 1.34 * c.region_pixels, 10},
       {"shifts of the small picture compared", shifts_within(c.small_side / 16 + 1),
        shifts_within(c.small_side / 2), 600},
-      {"rounds of predicting, looking, solving", 2, static_cast<double>(options.rounds), 0},
-      {"points predicted", 2 * points, options.rounds * points, c.records * kRecordOperations + 100},
+      {"rounds of predicting, looking, solving", 2, 1.0 + options.rounds, 0},
+      {"points predicted", 2 * points, (1.0 + options.rounds) * points, c.records * kRecordOperations + 100},
       {"patch searches", 1.3 * c.slots, searches, 6 * c.window_pixels},
       {"steps of patch searches", 5 * 1.3 * c.slots, searches * search_steps, 6 * c.window_pixels},
       {"Gauss-Newton steps", 5, steps, 0},
