@@ -122,7 +122,7 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   bad_frames_ = 0;
   row_count_ = looked_for_ = patches_looked_for_ = patch_inliers_ = 0;
   solves_ = 0;
-  has_approached_ = rejected_forces_ = false;
+  has_approached_ = was_surprised_ = rejected_forces_ = false;
   for (std::size_t i = 0; i < parameters; ++i) {
     const Parameter& p = model().parameters()[i];
     range_[i] = cascade_.column_of(i) == kNone ? 0.0f : p.maximum - p.minimum;

@@ -101,6 +101,7 @@ void Estimator::draw_depth() {
     depth_view_.tau = view_.tau;
     return;
   }
+  project_vertices();  // a solve may have moved the view
   depth_.draw(mesh_, vertex_image_, vertex_depth_);
   depth_view_ = view_;
   depth_frame_ = frame_;

@@ -244,7 +244,7 @@ void EstimatorProblem::exchange(View* other_view, float* other_scale) {
 }
 
 void EstimatorProblem::challenge(SolverReport* report) {
-  View other = e.view_;
+  View other = e.expected_view_;
   float other_scale = 1;
   for (std::size_t i = 0; i < e.cascade_.parameter_count(); ++i) e.rival_q_[i] = e.expected_q_[i];
   exchange(&other, &other_scale);

@@ -94,6 +94,7 @@ SolverReport Estimator::solve(Span<Observation> observations) {
 bool Estimator::approach(Span<Observation> observations) {
   if (!lens_.is_none()) undistort(observations);
   has_approached_ = started_ && approach_ideal(observations);
+  was_surprised_ = false;
   if (!lens_.is_none()) distort(observations);
   return has_approached_;
 }

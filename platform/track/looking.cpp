@@ -48,10 +48,12 @@ bool Tracker::is_in_region(Vec2 x) const {
 }
 
 /// Scouts: some of the points, spread over the surface and others in each frame, are looked at ahead of the rest, which
-/// are then looked for much nearer to where they are. \return false where there are too few points for it to be worth its
-/// while, or the scouts leave doubt.
+/// are then looked for much nearer to where they are. \return false where there are too few points for that, or the scouts
+/// leave doubt, or do not pay: where the model leaves as much of a face unexplained as it moves, they bring nobody nearer.
 bool Tracker::look_ahead() {
   constexpr std::size_t kScouts = 40, kLeastShare = 3;
+  constexpr float kLeastGain = 1.5f;
+  constexpr std::uint32_t kTryAgain = 16;  // frames
   std::size_t seen = 0, n = 0;
   for (std::size_t k = 0; k < slot_count_; ++k) {
     Slot& slot = slots_[k];
@@ -61,6 +63,7 @@ bool Tracker::look_ahead() {
   }
   const std::size_t share = seen / kScouts;
   if (share < kLeastShare || bad_frames_ > 0 || options_.rounds < 2) return false;
+  if (moved_px_ < kLeastGain * left_px_ && left_px_ < 1e9f && frame_ % kTryAgain != 0) return false;
   std::size_t candidate = frame_ % share;
   for (std::size_t k = 0; k < slot_count_; ++k) {
     Slot& slot = slots_[k];
@@ -142,10 +145,11 @@ PatchResult Tracker::match(std::size_t k, const Prediction& p, int round) {
   const bool last = round + 1 == options_.rounds;
   options.min_correlation = last ? options_.min_correlation : options_.min_correlation - 0.1f;
   const Slot& slot = slots_[k];
-  const bool after_scouts = slot.is_awaited && round > 0;
+  const bool is_first = slot.is_awaited, after_scouts = is_first && round > 0;
   options.first_level = round == 0 ? first_level() : after_scouts ? -1 : 0;
-  options.start_sd_px = 0.7f * (after_scouts ? left_px_ : moved_px_);  // along either axis
-  options.max_move_px = scaled_px(limits_, round == 0 ? 16.0f : after_scouts ? 8.0f : 3.0f);
+  // Along either axis. Where a point is that was not seen in the last frame, scouts cannot tell.
+  options.start_sd_px = !after_scouts ? 0.7f * moved_px_ : slot.was_seen ? 0.7f * left_px_ : 0;
+  options.max_move_px = scaled_px(limits_, is_first ? 16.0f : 3.0f);
   std::size_t which = k;
   if (slot.second != kNoSlot &&
       strain(p.jacobian, slots_[slot.second].reference) < strain(p.jacobian, slot.reference))
