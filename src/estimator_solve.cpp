@@ -107,6 +107,7 @@ bool Estimator::approach_ideal(Span<Observation> observations) {
   SolverReport report;
   problem.measure();
   settle_by_weights(problem, &report);
+  result_.iterations = static_cast<std::uint16_t>(result_.iterations + report.iterations);
   if (!is_doubtful(problem) && pose_is_observed()) {
     view_ = problem.view;
     return true;

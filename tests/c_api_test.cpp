@@ -210,6 +210,9 @@ TEST_CASE("what is asked before a start, or asked wrongly, has a status") {
   CHECK(start(8) == PLIANT_UNDERDETERMINED);
   CHECK(pliant_update(t, &first, &result) == PLIANT_NOT_STARTED);
   REQUIRE(pliant_start_points(t, &first, 448, rig().points.data(), 68) == PLIANT_OK);
+  points.assign(8, rig().points[0]);
+  points[7].landmark = "third eye";
+  CHECK(start(8) == PLIANT_NOT_FOUND);  // what was started goes on
   CHECK(pliant_update(t, &first, &result) == PLIANT_STALE_FRAME);
   CHECK(pliant_update(t, nullptr, &result) == PLIANT_BAD_ARGUMENT);
   CHECK(pliant_update(nullptr, &first, &result) == PLIANT_BAD_ARGUMENT);

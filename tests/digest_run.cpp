@@ -115,7 +115,7 @@ Status Run::set_up(const void* table, std::size_t bytes, Arena& arena) {
   TrackerLimits limits;
   limits.width = kWidth;
   limits.height = kHeight;
-  limits.patches = 60;
+  limits.patches = 200;  // enough of them seen for scouts
   limits.markers = 1;
   limits.vertices = 200;
   status = create_in(arena, cascade, model);

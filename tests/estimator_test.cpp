@@ -4,72 +4,9 @@
 
 #include <limits>
 
-#include "model_builder.hpp"
-#include "random.hpp"
+#include "estimator_scene.hpp"
 
-using namespace pliant;
-
-namespace {
-
-constexpr int kWidth = 640, kHeight = 480;
-
-/// An estimator on the egg, and a second one, posed by hand, that says what would be seen.
-struct Scene {
-  std::vector<std::uint32_t> words = egg_model(3).table();
-  Model model;
-  EstimatorLimits limits;
-  Camera camera = centred_camera(kWidth, kHeight, 800);
-  std::vector<float> q;
-  std::vector<Vec2> uv;
-  std::vector<std::uint16_t> ids;
-  Random random{11};
-
-  Scene() {
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
-    q.assign(model.parameters().count, 0);
-    q[0] = 0.8f;
-    limits.points = 60;
-    limits.vertices = 300;
-    for (int i = 0; i < 49; ++i)
-      uv.push_back({0.14f + 0.12f * static_cast<float>(i % 7), 0.14f + 0.12f * static_cast<float>(i / 7)});
-  }
-
-  static Pose pose(float turn) {
-    return {exp_rotation({0.3f * turn, turn, 0.2f * turn}), {20 * turn, 5, 700}};
-  }
-
-  void start(Estimator& e, float turn, const EstimatorOptions& options = {}) {
-    REQUIRE(e.start(camera, kWidth, kHeight, pose(turn), q.data(), nullptr, options) == Status::ok);
-    ids.resize(uv.size());
-    for (std::size_t i = 0; i < uv.size(); ++i) REQUIRE(e.add_point(uv[i], &ids[i]) == Status::ok);
-  }
-
-  /// What a camera would see of the points at a pose and parameters.
-  std::vector<Observation> observe(float turn, const std::vector<float>& truth, float noise_px) {
-    InArena<Cascade> cascade(model);
-    const Projector projector(view_of(pose(turn), camera), true);
-    std::vector<Observation> out;
-    for (std::size_t i = 0; i < uv.size(); ++i) {
-      Observation o;
-      o.id = ids[i];
-      REQUIRE(projector.project(cascade->surface_point(uv[i], truth.data()), &o.x));
-      o.x = o.x + Vec2{noise_px * random.normal(), noise_px * random.normal()};
-      o.information = {25, 0, 25};
-      out.push_back(o);
-    }
-    return out;
-  }
-};
-
-Span<Observation> span(std::vector<Observation>& o) {
-  return {o.data(), o.size()};
-}
-
-float turn_error(const Estimator& e, float turn) {
-  return length(log_rotation(e.view().q * conjugate(normalised(Scene::pose(turn).q))));
-}
-
-}  // namespace
+using namespace estimator_scene;
 
 TEST_CASE("pose and expressions are followed through a motion, the identity stays") {
   Scene scene;
@@ -189,87 +126,6 @@ TEST_CASE(
   e->solve(span(seen));
   CHECK(e->end().state == TrackState::tracking);
   CHECK(turn_error(e.object, 0.12f) < 0.02f);
-}
-
-TEST_CASE(
-    "an approach by a few points brings the others' predictions near, and then the solve starts there") {
-  Scene scene;
-  InArena<Estimator> e(scene.model, scene.limits);
-  scene.start(e.object, 0);
-  e->begin(1);
-  auto all = scene.observe(0.05f, scene.q, 0.1f), few = all;
-  for (std::size_t i = 0; i < few.size(); ++i)
-    if (i % 4 != 0) few[i].reason = Reason::not_visible;
-  const auto mean_off = [&] {
-    float sum = 0;
-    for (std::size_t i = 0; i < all.size(); ++i)
-      sum += length(e->predict(all[i].id).x - all[i].x) / static_cast<float>(all.size());
-    return sum;
-  };
-  const float before = mean_off();
-  REQUIRE(before > 1);
-  REQUIRE(e->approach(span(few)));
-  CHECK(mean_off() < 0.3f * before);
-  CHECK_FALSE(e->was_surprised());
-  e->solve(span(all));
-  CHECK_FALSE(e->was_surprised());
-  CHECK(e->end().state == TrackState::tracking);
-  CHECK(turn_error(e.object, 0.05f) < 0.01f);
-}
-
-TEST_CASE("a part that moved by itself surprises the solve after an approach that knew nothing of it") {
-  Scene scene;
-  InArena<Estimator> e(scene.model, scene.limits);
-  scene.start(e.object, 0);
-  e->begin(1);
-  std::vector<float> truth = scene.q;
-  truth[5] = 0.6f;  // jawOpen
-  auto all = scene.observe(0.02f, truth, 0.1f), few = scene.observe(0.02f, scene.q, 0.1f);
-  for (std::size_t i = 0; i < few.size(); ++i) {
-    const bool is_still = length(few[i].x - all[i].x) < 1;
-    if (!is_still || i % 2 != 0) few[i].reason = Reason::not_visible;
-  }
-  REQUIRE(e->approach(span(few)));
-  REQUIRE(magnitude(e->parameters()[5]) < 0.05f);
-  e->solve(span(all));
-  CHECK(e->was_surprised());
-  CHECK(e->end().state == TrackState::tracking);
-  CHECK(e->parameters()[5] == doctest::Approx(0.6).epsilon(0.1));
-}
-
-TEST_CASE("an approach that leaves doubt, or has too little to go by, moves nothing") {
-  Scene scene;
-  InArena<Estimator> e(scene.model, scene.limits);
-  std::vector<Observation> none;
-  CHECK_FALSE(e->approach(span(none)));  // not started
-  scene.start(e.object, 0);
-  e->begin(1);
-  const auto unmoved = [&] {
-    const View v = e->view();
-    const View start = view_of(Scene::pose(0), scene.camera);
-    bool same = v.s == start.s && v.tau.x == start.tau.x && v.tau.y == start.tau.y && v.q.w == start.q.w;
-    for (std::size_t i = 0; i < scene.q.size(); ++i) same = same && e->parameters()[i] == scene.q[i];
-    return same;
-  };
-  CHECK_FALSE(e->approach(span(none)));
-  CHECK(unmoved());
-  auto wild = scene.observe(0.05f, scene.q, 0.1f);
-  for (std::size_t i = 0; i < wild.size(); i += 3) wild[i].x = wild[i].x + Vec2{30, -25};
-  CHECK_FALSE(e->approach(span(wild)));
-  CHECK(unmoved());
-  auto lost = scene.observe(0.05f, scene.q, 0.1f);
-  for (std::size_t i = 0; i < lost.size(); ++i)
-    if (i % 3 != 0) lost[i].reason = Reason::low_correlation;
-  CHECK_FALSE(e->approach(span(lost)));
-  CHECK(unmoved());
-  auto three = scene.observe(0.05f, scene.q, 0.1f);
-  three.resize(3);
-  CHECK_FALSE(e->approach(span(three)));
-  CHECK(unmoved());
-  auto hostile = scene.observe(0.05f, scene.q, 0.1f);
-  for (Observation& o : hostile) o.x.x = std::numeric_limits<float>::quiet_NaN();
-  CHECK_FALSE(e->approach(span(hostile)));
-  CHECK(unmoved());
 }
 
 TEST_CASE("contradictory observations do not pass for tracking") {

@@ -3,7 +3,8 @@
 /// One tracked model over time: predicts where its surface points will be seen, and estimates pose and parameters from
 /// what was (the paper, section 8 and Appendix A). Never sees a pixel.
 ///
-/// A frame is `begin(t)`, one or more rounds of predict -> (the platform looks) -> `solve`, and `end()`.
+/// A frame is `begin(t)`, perhaps an `approach` by a few points, one or more rounds of predict -> (the platform looks) ->
+/// `solve`, and `end()`.
 #include <cstddef>
 #include <cstdint>
 

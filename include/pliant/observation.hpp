@@ -10,7 +10,7 @@ namespace pliant {
 /// Where the model expects a surface point in the next image, and how it will look.
 struct Prediction {
   std::uint16_t id = 0;  ///< stable name of the surface point
-  Vec2 x;                ///< px
+  Vec2 x;                ///< px; far outside the image for a point behind the camera
   Sym2 covariance;       ///< of x (px^2), from the uncertainty of the predicted state
   Mat2 jacobian;         ///< dx/d(u,v), px per unit; a patch warps by J J_ref^-1
   Vec2 normal;           ///< unit, in the image, where an edge is expected; zero for points of the surface

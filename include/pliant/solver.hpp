@@ -14,7 +14,7 @@ namespace pliant {
 ///
 /// Observations with most of the columns are gathered, eight at a time, as rows of L^T B (W = L L^T), and added as one
 /// product in tiles that stay in registers; sparse ones are added one by one. The bits depend on the order of the calls alone.
-/// Bytes: 2 x 4 x n(n+1)/2, 18 rows of n + 8 floats, and 7 floats an unknown.
+/// Bytes: 2 x 4 x n(n+1)/2, 18 rows of n + 8 floats, and 7 floats and 3 bytes an unknown.
 class NormalEquations {
  public:
   void lay_out(Arena& arena, std::size_t unknowns);

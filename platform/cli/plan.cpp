@@ -77,8 +77,9 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   const double passes = 2 * steps + 2 * minimisations + 1;
   // One search a patch and round, on each level; the last round may follow what was not found from the frame before, and back.
   const double follows = limits.keeps_previous ? 2 * c.slots : 0;
-  const double searches = options.rounds * c.slots + follows;
-  const double search_steps = limits.pyramid_levels * patch.max_iterations + kFineSteps;
+  // And what surprises after scouts is looked for once more.
+  const double searches = (1.0 + options.rounds) * c.slots + 2 * follows;
+  const double search_steps = limits.pyramid_levels * patch.max_iterations + 2 * kFineSteps;
   const double row = c.records * kRecordOperations + c.unknowns * (c.unknowns + 1);
   const double shares = estimator.vertex_share > 0 ? estimator.vertex_share : 1;
   const double points = c.slots + limits.markers + limits.curve_points + limits.outline_points;
@@ -98,7 +99,7 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
       {"tangents brought up", points / estimator.tangent_share, points / estimator.tangent_share + 1,
        3 * c.records * kRecordOperations},
       {"vertices brought up", limits.vertices / shares, limits.vertices + 0.0, c.records * kRecordOperations},
-      {"vertices projected", 2.0 * limits.vertices, (options.rounds + 2.0) * limits.vertices, 20},
+      {"vertices projected", 3.0 * limits.vertices, (options.rounds + 4.0) * limits.vertices, 20},
       {"patches captured for a key frame", 0.1, static_cast<double>(limits.key_patches),
        40 * c.window_pixels},
   };

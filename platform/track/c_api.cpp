@@ -222,14 +222,16 @@ pliant_status pliant_start_points(pliant_tracker* t, const pliant_frame* frame, 
   if (points == nullptr || !(focal_px >= 0)) return PLIANT_BAD_ARGUMENT;
   if (count > t->start_points) return PLIANT_CAPACITY;
   if (count < 4) return PLIANT_TOO_FEW_POINTS;
-  t->is_started = false;
+  const auto index_of = [t](const pliant_point& p) {
+    return p.landmark == nullptr ? kNone : t->model.find_landmark(p.landmark);
+  };
+  for (std::size_t k = 0; k < count; ++k)
+    if (index_of(points[k]) == kNone) return PLIANT_NOT_FOUND;
+  t->is_started = false;  // the fit takes the tracker's memory
   Arena arena(t->shared, t->shared_bytes);
   const auto given = arena.take_span<Correspondence>(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const std::uint16_t index =
-        points[k].landmark == nullptr ? kNone : t->model.find_landmark(points[k].landmark);
-    if (index == kNone) return PLIANT_NOT_FOUND;
-    const Landmark& l = t->model.landmarks()[index];
+    const Landmark& l = t->model.landmarks()[index_of(points[k])];
     given[k] = {{l.u, l.v}, {points[k].x, points[k].y}, 1, is_outline(l.name)};
   }
   FitOptions options;

@@ -36,7 +36,7 @@ Status fit_expression_then_identity(const Model& model, Span<Correspondence> poi
     is_identity[k] = model.parameters()[k].group == Group::identity;
   options.is_free = is_identity;
   status = fit(options, fit_sd);
-  for (std::size_t k = 0; k < parameters; ++k)
+  for (std::size_t k = 0; status == Status::ok && k < parameters; ++k)
     if (is_identity[k] != 0) sd[k] = fit_sd[k];
   return status;
 }

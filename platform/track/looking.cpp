@@ -119,7 +119,7 @@ std::size_t Tracker::look_and_solve(int round) {
   point_observation_count_ = n;
   if (round + 1 == options_.rounds && options_.estimator.uses(Cue::edge)) {
     constexpr float kAfterPatches =
-        1.5f;  // px at 320 of width: how far off curves are when patches have been heard
+        1.5f;  // px at 320 of width: how far off curves are when patches, or scouts, have been heard
     const std::size_t room = EdgeSearch::kAlternatives * edge_points(limits_);
     n += edges_->look(predictions, prediction_of_, current_, origin_, estimator_.view().s,
                       scaled_px(limits_, kAfterPatches), {observations_ + n, room});

@@ -1,7 +1,8 @@
 // The last steps, at full size: what cheap alignment leaves is the phase error of bilinear sampling and the
 // pull of a warp that nobody predicted. Here the image is sampled by cubic convolution and explained as
 //   I' = gain T' + sum_k c_k X_k' + a . G',        X = (x gx, y gx, x gy, y gy),
-// by least squares, the c under a prior of zero; the shift is then -a / gain. Leaving the c free costs a
+// by least squares; the shift is then -a / gain. The c have a prior: what the template has not been put through of the
+// warp predicted, as if the gain were one. Leaving them free costs a
 // tenth of the precision and removes nearly all of the error that a rotation of 1.5 degrees or a stretch of 1
 // % makes, which would be larger than that of noise of three grey levels.
 #include <new>

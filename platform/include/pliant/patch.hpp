@@ -51,7 +51,7 @@ struct PatchLimits {
   /// What falls outside is left out of the comparison.
   int margin = 4;
   /// Keeps of each slot the warped template at full size, and the equations that follow from it, until the predicted warp
-  /// moves the window's edge by more than warp_sd allows for: searches then take a third less time where the warp
+  /// moves the window's edge by half a pixel more (by a tenth, where warp_sd is 0): searches then take a third less time where the warp
   /// changes slowly, for 1.6 kB more a slot (window 11). Results differ by less than their own deviation.
   bool keeps_templates = false;
 };

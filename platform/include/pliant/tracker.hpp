@@ -53,7 +53,7 @@ struct TrackerLimits {
 };
 
 /// For a microcontroller: 320 x 240, looked at through a moving region of 192 x 192 that is read from the caller's
-/// frame during `update`, 64 patches. With the built-in face and its expressions free: less than 240 KiB.
+/// frame during `update`, 64 patches. With the built-in face and its expressions free: 242 KiB.
 constexpr TrackerLimits profile_s() {
   TrackerLimits l;
   l.region_width = l.region_height = 192;
@@ -87,7 +87,9 @@ struct TrackerOptions {
   float marker_exclusion_px = 8;          ///< no patch is captured within this distance of a marker
   float min_correlation = 0.55f;          ///< with the captured patch, in the last round; 0.1 less before
   float forward_backward_px = 0.7f;       ///< at 320 px of width, for the steps from frame to frame
-  std::uint8_t rounds = 2;                ///< of predicting, looking and solving a frame
+  /// Of predicting, looking and solving a frame. From two on some of many points may go ahead in the first (scouts), with
+  /// one round more where these knew nothing of what the others saw.
+  std::uint8_t rounds = 2;
   float key_angle_rad = 0.35f;  ///< a key frame is kept when the head has turned so far from all others
 };
 
