@@ -100,4 +100,5 @@ TEST_CASE(
   CHECK(flow.turn_deg < 1.15f * corners.turn_deg);
   CHECK(all.landmark_px < 0.97f * corners.landmark_px);
   CHECK(all.turn_deg < 0.6f * corners.turn_deg);
+  CHECK(all.landmark_px < 1.1f * edges.landmark_px);
 }

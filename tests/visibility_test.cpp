@@ -46,6 +46,11 @@ TEST_CASE("a mesh that faces the camera hides what lies behind it and nothing el
   CHECK_FALSE(buffer->hides({140, 60}, 585, 5));
   CHECK(buffer->hides({140, 60}, 620, 5));
   CHECK_FALSE(buffer->hides({10, 60}, 900, 5));
+  buffer->move({7, -9});  // what was drawn has moved: the border with it
+  CHECK(buffer->hides({67, 51}, 600, 5));
+  CHECK_FALSE(buffer->hides({67, 51}, 505, 5));
+  CHECK_FALSE(buffer->hides({55, 51}, 900, 5));
+  CHECK(buffer->hides({155, 51}, 900, 5));
   for (Vec2& x : image) x.x = 200 - x.x;  // mirrored in the image: now every face turns away
   buffer->draw(mesh.object, image.data(), depth.data());
   CHECK_FALSE(buffer->hides({100, 60}, 900, 5));

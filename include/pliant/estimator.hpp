@@ -165,7 +165,8 @@ class Estimator {
   /// Forgets all surface points.
   /// The camera's lens stays at the door: predictions and image positions are as seen through it, observations are taken
   /// to be, and inside there is only the pinhole.
-  /// \return bad_argument for a pose, camera, size or q that is not finite, or a lens that Lens::make refuses; capacity for more free parameters or samples
+  /// \return bad_argument for a pose, camera, size or q that is not finite, or a lens that Lens::make refuses;
+  ///         capacity for more free parameters or samples
   ///         than the limits allow; the statuses of Mesh::set_base.
   Status start(const Camera& camera, int width, int height, const Pose& pose, const float* q,
                const std::uint8_t* is_free, const EstimatorOptions& options);

@@ -67,16 +67,18 @@ struct FitReport {
 };
 
 /// Fits one model. The result never folds the surface over (folding.hpp): where a stage leads beyond, the parameters go
-/// back towards where it began, and the pose follows. Outline points are matched to the model's silhouette (outline.hpp) at the present pose, three times
-/// a stage: while the own place of one faces the camera it stays there; once that turns away it becomes the
-/// nearest point of the apparent contour within reach on the chart, and only its distance across the contour counts. Lives in an arena; bytes grow with points x cascade records (baked points) and the square of the
-/// free unknowns.
+/// back towards where it began, and the pose follows. Outline points are matched to the model's silhouette
+/// (outline.hpp) at the present pose, three times a stage: while the own place of one faces the camera it stays there;
+/// once that turns away it becomes the nearest point of the apparent contour within reach on the chart, and only its
+/// distance across the contour counts. Lives in an arena; bytes grow with points x cascade records (baked points) and
+/// the square of the free unknowns.
 class Fitter {
  public:
   void lay_out(Arena& arena, const Model& model, const FitLimits& limits);
 
-  /// Estimates pose, camera and the free parameters from `points`; with no start given the pose is found
-  /// from the points themselves. At least four points. `q` (all parameters) is start and result. Null `sd` or `residuals` are allowed.
+  /// Estimates pose, camera and the free parameters from `points`; with no start given the pose is found from the
+  /// points themselves. At least four points. `q` (all parameters) is start and result. Null `sd` or `residuals` are
+  /// allowed.
   /// \param sd         a-posteriori standard deviation a parameter; a frozen one gets 0, an unseen one its prior's.
   /// \param residuals  projected minus observed (px), a point; of a matched outline point the part across the outline.
   /// \param weights    robust weight in [0,1], a point.

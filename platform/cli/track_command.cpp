@@ -280,9 +280,8 @@ Command track_command() {
        {"--search-frames", "N", "with --init outline: give up after so many frames without a face (300)"},
        {"--out", "CSV", "the track to write: a row a frame"},
        {"--landmarks", nullptr,
-        "columns with the landmarks as well; those that START gave stay where it gave them on this face, as "
-        "far "
-        "as they were off the fitted model by more than noise"},
+        "columns with the landmarks as well; those that START gave stay where it gave them on this face, "
+        "as far as they were off the fitted model by more than noise"},
        {"--model-landmarks", nullptr, "the same columns, all where the model has them"},
        {"--markers", "CSV", "landmark,x,y in frame 0: points to follow and report, never to look at"},
        {"--marker-exclusion-px", "R", "how far from a marker patches keep (8)"},

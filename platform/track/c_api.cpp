@@ -66,7 +66,8 @@ std::size_t larger(std::size_t a, std::size_t b) {
 constexpr std::size_t kScratchBytes = PLIANT_SCRATCH_BYTES;
 static_assert(sizeof(Tracker) <= kScratchBytes && sizeof(Fitter) <= kScratchBytes);
 
-/// What the larger of fit, with the points before it, and tracker takes. Each is made in `scratch` to be measured: they are too large for a stack.
+/// What the larger of fit, with the points before it, and tracker takes. Each is made in `scratch` to be measured: they are
+/// too large for a stack.
 std::size_t measure_shared(void* scratch, const Model& model, const TrackerLimits& limits,
                            std::uint16_t start_points) {
   Arena trial;

@@ -50,14 +50,15 @@ struct PatchLimits {
   /// Pixels stored around the window, so that a rotated or stretched window still finds its corners; 0 to 16.
   /// What falls outside is left out of the comparison.
   int margin = 4;
-  /// Keeps of each slot the warped template at full size, and the equations that follow from it, until the predicted warp
-  /// moves the window's edge by half a pixel more (by a tenth, where warp_sd is 0): searches then take a third less time where the warp
-  /// changes slowly, for 1.6 kB more a slot (window 11). Results differ by less than their own deviation.
+  /// Keeps of each slot the warped template at full size, and the equations that follow from it, until the predicted
+  /// warp moves the window's edge by half a pixel more (by a tenth, where warp_sd is 0): searches then take a third
+  /// less time where the warp changes slowly, for 1.6 kB more a slot (window 11). Results differ by less than their own
+  /// deviation.
   bool keeps_templates = false;
 };
 
-/// Bytes of one slot that keeps no template: 1,647 as above; 494 with a window of 11, two levels and a margin of 1, which is enough where
-/// windows turn by less than 15 degrees between capture and search.
+/// Bytes of one slot that keeps no template: 1,647 as above; 494 with a window of 11, two levels and a margin of 1,
+/// which is enough where windows turn by less than 15 degrees between capture and search.
 constexpr int patch_slot_bytes(const PatchLimits& l) {
   const int side = l.window + 2 + 2 * l.margin;
   return l.levels * (side * side + 16) + 12;
