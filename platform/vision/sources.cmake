@@ -8,5 +8,6 @@ target_sources(pliant_platform PRIVATE
   ${CMAKE_CURRENT_LIST_DIR}/patch.cpp
   ${CMAKE_CURRENT_LIST_DIR}/patch_align.cpp
   ${CMAKE_CURRENT_LIST_DIR}/patch_refine.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/patch_result.cpp
   ${CMAKE_CURRENT_LIST_DIR}/patch_kernels.cpp
   ${CMAKE_CURRENT_LIST_DIR}/patch_template.cpp)
