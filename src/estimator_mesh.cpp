@@ -92,16 +92,16 @@ void Estimator::project_vertices() {
 void Estimator::draw_depth() {
   constexpr std::uint32_t kMostFrames = 3;
   constexpr float kTurn = 0.03f, kGrowth = 0.03f;  // rad; of the scale: less than a cell at the outline
-  if (!vertices_are_current_) project_vertices();
   const Vec3 turn = log_rotation(view_.q * conjugate(depth_view_.q));
   const bool is_near =
       dot(turn, turn) < kTurn * kTurn && magnitude(view_.s - depth_view_.s) < kGrowth * view_.s;
-  if (depth_is_drawn_ && is_near && frame_ - depth_frame_ < kMostFrames) {
+  const bool serves = depth_is_drawn_ && is_near && frame_ - depth_frame_ < kMostFrames;
+  if (!serves || !vertices_are_current_) project_vertices();  // a solve may have moved the view
+  if (serves) {
     depth_.move(view_.s * (view_.tau - depth_view_.tau));
     depth_view_.tau = view_.tau;
     return;
   }
-  project_vertices();  // a solve may have moved the view
   depth_.draw(mesh_, vertex_image_, vertex_depth_);
   depth_view_ = view_;
   depth_frame_ = frame_;

@@ -92,9 +92,9 @@ SolverReport Estimator::solve(Span<Observation> observations) {
 }
 
 bool Estimator::approach(Span<Observation> observations) {
+  has_approached_ = was_surprised_ = false;
   if (!lens_.is_none()) undistort(observations);
   has_approached_ = started_ && approach_ideal(observations);
-  was_surprised_ = false;
   if (!lens_.is_none()) distort(observations);
   return has_approached_;
 }
@@ -141,8 +141,10 @@ SolverReport Estimator::solve_ideal(Span<Observation> observations) {
 /// Huber's loss finds the way from where Tukey's would hold on to what happens to be near. Nothing of that is needed after
 /// an approach, unless a part has moved by itself of which the few points knew nothing, a jaw that drops.
 void Estimator::settle_by_weights(EstimatorProblem& problem, SolverReport* report) {
-  problem.update_scale();
-  was_surprised_ = far_share(problem) > kMostFar;
+  if (has_approached_) {
+    problem.update_scale();
+    was_surprised_ = far_share(problem) > kMostFar;
+  }
   if (!has_approached_ || was_surprised_)
     problem.settle(Loss::huber, options_.iterations, kNearEnough, report);
   problem.settle(Loss::tukey, options_.iterations, options_.relative_decrease, report);

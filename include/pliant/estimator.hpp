@@ -212,7 +212,7 @@ class Estimator {
   bool approach(Span<Observation> observations);
   /// Whether the solve after an approach began with more than a few points far from where they were expected: by the state
   /// that it gives they are worth another look.
-  bool was_surprised() const { return has_approached_ && was_surprised_; }
+  bool was_surprised() const { return was_surprised_; }
   /// Moves the state to fit the observations; may be called more than once a frame. Those that the robust loss gives no
   /// weight in the end are marked `rejected`. Observations of points not in use, or not finite, are marked
   /// `not_visible` and ignored. With too few to determine the pose nothing moves.
@@ -334,7 +334,7 @@ class Estimator {
   std::size_t looked_for_ = 0, patches_looked_for_ = 0, patch_inliers_ = 0;
   int solves_ = 0;                // in this frame
   bool has_approached_ = false;   // before the first of them
-  bool was_surprised_ = false;    // by what it began with
+  bool was_surprised_ = false;    // the one after it, by what it began with
   bool rejected_forces_ = false;  // in its first solve
   static constexpr std::size_t kCueCount = 4;
   float cue_scale_[kCueCount] = {1, 1, 1, 1};

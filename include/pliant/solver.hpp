@@ -53,7 +53,8 @@ class NormalEquations {
   void solve(float damping, float* step);
   std::size_t undetermined_count() const { return undetermined_; }
 
-  /// Diagonal of H^-1 after the last `solve` with damping 0: the variances of the unknowns. Undetermined or limited ones get 0.
+  /// Diagonal of H^-1 after the last `solve` with damping 0: the variances of the unknowns. Undetermined ones get 0;
+  /// limits count for nothing.
   /// Cost: n^3/6.
   void variances(float* variance);
 
