@@ -149,6 +149,24 @@ TEST_CASE("more samples a side make a truer neutral, and cost six bytes each") {
   }
 }
 
+TEST_CASE("on the grid of its table a folded person is the same surface to the rounding of the samples") {
+  const OpenModel m(egg_model(6));
+  const Field& identity = m.model.fields()[1];
+  InArena<Cascade> folded(m.model, FoldLimits{identity.width, identity.height}),
+      beside(m.model, FoldLimits{identity.width, 40}), exact(m.model);
+  Random random(37);
+  for (int person = 0; person < 5; ++person) {
+    const std::vector<float> q = random_q(m.model, random);
+    for (Cascade* cascade : {&folded.object, &beside.object}) {
+      cascade->set_free(Group::expression);
+      REQUIRE(cascade->fold(q.data()) == Status::ok);
+    }
+    const float off = worst_difference(folded.object, exact.object, q, random, 2000);
+    CHECK(off < 1e-3f);
+    CHECK(worst_difference(beside.object, exact.object, q, random, 2000) > 10 * off);
+  }
+}
+
 TEST_CASE("folding twice folds anew: the second person, not a fold of the first") {
   const OpenModel m(egg_model(6));
   InArena<Cascade> once = with_room(m.model, 32), twice = with_room(m.model, 32);

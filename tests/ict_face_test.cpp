@@ -80,7 +80,7 @@ TEST_CASE(
   }
   BakeReport* report = nullptr;
   BakedModel exact(default_table(&report));
-  cli::Owned<Cascade> folded(exact.model, FoldLimits{64, 64});
+  cli::Owned<Cascade> folded(exact.model, FoldLimits{128, 128});
   folded->set_free(Group::expression);
   exact.cascade.set_free(Group::expression);
   Random random(41);
@@ -103,6 +103,6 @@ TEST_CASE(
     }
   }
   MESSAGE("folded neutral: " << sum / points << " mm mean, " << worst << " mm worst");
-  CHECK(sum / points < 0.1);
-  CHECK(worst < 2);
+  CHECK(sum / points < 0.002);
+  CHECK(worst < 0.05f);
 }

@@ -144,8 +144,8 @@ void print_cascade(const Model& model, std::ostream& out) {
 void print_memory(const Model& model, std::ostream& out) {
   out << "memory at run time:\n";
   print(out, "  cascade               %8zu bytes\n", measured_bytes<Cascade>(model));
-  print(out, "  person folded, 64x64  %8zu bytes\n",
-        measured_bytes<Cascade>(model, FoldLimits{64, 64}) - measured_bytes<Cascade>(model));
+  print(out, "  person folded, 128x128%8zu bytes\n",
+        measured_bytes<Cascade>(model, FoldLimits{128, 128}) - measured_bytes<Cascade>(model));
   print(out, "  fit, %3u points       %8zu bytes\n", FitLimits{}.points,
         measured_bytes<Fitter>(model, FitLimits{}));
   const TrackerLimits limits;
