@@ -62,15 +62,28 @@ void Estimator::place_vertex(VertexId v) {
   vertex_[v] = cascade_.evaluate(baked_vertex(v), q_);
 }
 
-/// Moves one vertex in `share`.
-void Estimator::update_vertices(std::uint32_t share) {
+/// Moves one vertex in `share`. \return how far the farthest went, squared (mm^2).
+float Estimator::move_vertices(std::uint32_t share) {
   if (!limits_.bakes_vertices) cascade_.select(q_);
+  float farthest = 0;
   for (VertexId v : mesh_.vertices()) {
     if (share > 1 && (v + frame_) % share != 0) continue;
-    vertex_[v] = limits_.bakes_vertices ? cascade_.evaluate(baked_vertex(v), q_)
-                                        : cascade_.selected_point(mesh_.uv(v));
+    const Vec3 p = limits_.bakes_vertices ? cascade_.evaluate(baked_vertex(v), q_)
+                                          : cascade_.selected_point(mesh_.uv(v)),
+               way = p - vertex_[v];
+    farthest = max(farthest, dot(way, way));
+    vertex_[v] = p;
   }
-  if (share <= 1) depth_is_drawn_ = false;
+  return farthest;
+}
+
+/// Moves one vertex in `share`; all, with what hides what drawn anew, where a jaw drops so fast that it would be hidden by
+/// where it was.
+void Estimator::update_vertices(std::uint32_t share) {
+  constexpr float kMostMm = 0.5f * kHiddenMarginMm;  // the rest is for the frames that a drawing serves
+  const bool is_fast = move_vertices(share) > kMostMm * kMostMm;
+  if (is_fast && share > 1) move_vertices(1);
+  if (is_fast || share <= 1) depth_is_drawn_ = false;
   project_vertices();
 }
 

@@ -270,6 +270,7 @@ class Estimator {
   void follow_view();
   void place_vertex(VertexId v);
   Status choose_free(const std::uint8_t* is_free);
+  float move_vertices(std::uint32_t share);
   void update_vertices(std::uint32_t share);
   void project_vertices();
   void draw_depth();

@@ -1,0 +1,74 @@
+// A mouth that opens as fast as mouths do: the jaw goes further in a frame than what hides what allows for, and must not
+// be taken for hidden by where it was.
+#include <doctest/doctest.h>
+
+#include "face_film.hpp"
+#include "model_builder.hpp"
+#include "pliant/tracker.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr std::size_t kFrames = 40, kOpens = 5, kOpen = 12, kCloses = 22, kClosed = 32;
+
+float smooth(float x) {
+  const float t = clamp(x, 0, 1);
+  return t * t * (3 - 2 * t);
+}
+
+/// 0 shut, 1 open.
+float opening(std::size_t k) {
+  const auto part = [k](std::size_t from, std::size_t to) {
+    return smooth((static_cast<float>(k) - static_cast<float>(from)) / static_cast<float>(to - from));
+  };
+  return part(kOpens, kOpen) * (1 - part(kCloses, kClosed));
+}
+
+FaceFilm yawn(float jaw) {
+  return FaceFilm(320, 240, kFrames, [jaw](float s, Pose& pose, auto& q) {
+    const float open = opening(static_cast<std::size_t>(s * (kFrames - 1) + 0.5f));
+    pose.q = exp_rotation({0.05f * open, 0.05f * s, 0});
+    FaceFilm::set(q, "jawOpen", jaw * open);
+    FaceFilm::set(q, "mouthFunnel", 0.2f * open);
+  });
+}
+
+struct Heard {
+  float mean_px = 0, worst_px = 0;  // of the mouth's height
+};
+
+Heard follow(const FaceFilm& film) {
+  TrackerLimits limits;
+  limits.curve_points = 96;
+  limits.outline_points = 24;
+  InArena<Tracker> tracker(baked_face().model, limits);
+  REQUIRE(tracker->start(film.view(0), film.camera, film.poses[0], film.parameters[0].data(), {}, {}) ==
+          Status::ok);
+  Heard heard;
+  for (std::size_t k = 1; k < film.count(); ++k) {
+    FrameResult result;
+    REQUIRE(tracker->update(film.view(k), &result) == Status::ok);
+    CHECK(result.state == TrackState::tracking);
+    Vec2 upper, lower;
+    REQUIRE(tracker->estimator().project(baked_face().uv("ibug51"), &upper));
+    REQUIRE(tracker->estimator().project(baked_face().uv("ibug57"), &lower));
+    const float off =
+        magnitude(length(lower - upper) - length(film.truth("ibug57", k) - film.truth("ibug51", k)));
+    heard.mean_px += off / static_cast<float>(film.count() - 1);
+    heard.worst_px = max(heard.worst_px, off);
+  }
+  return heard;
+}
+
+}  // namespace
+
+TEST_CASE("a mouth that opens wide in seven frames is followed all the way, and back") {
+  for (const float jaw : {0.25f, 0.32f, 0.4f}) {
+    const Heard heard = follow(yawn(jaw));
+    MESSAGE("jaw " << jaw << ": height of the mouth off by " << heard.mean_px << " px, at worst "
+                   << heard.worst_px);
+    CHECK(heard.mean_px < 0.6f);
+    CHECK(heard.worst_px < 2.5f);
+  }
+}
