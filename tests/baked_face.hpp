@@ -1,16 +1,16 @@
 #pragma once
-// The built-in face, baked once for a test program.
-#include "bake/bake.hpp"
+// The built-in face as `pliant bake` makes it by default. The build bakes it once for all test programs.
 #include "baked_model.hpp"
+#include "cli/files.hpp"
+
+inline const char* baked_face_path() {
+  return PLIANT_SCRATCH "/face.plm";
+}
 
 inline BakedModel& baked_face() {
   static BakedModel* face = [] {
-    pliant::bake::BakeOptions options;
-    options.source = PLIANT_FIXTURES "/face";
-    std::vector<std::uint8_t> table;
-    std::string error;
-    REQUIRE_MESSAGE(pliant::bake::bake(options, table, error), error);
-    return new BakedModel(table);
+    const std::string table = pliant::cli::read_file(baked_face_path());
+    return new BakedModel(std::vector<std::uint8_t>(table.begin(), table.end()));
   }();
   return *face;
 }

@@ -7,17 +7,14 @@
 #include "face_film.hpp"
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
+#include "sanitized.hpp"
 
 using namespace pliant;
 
 namespace {
 
 constexpr int kWidth = 256, kHeight = 192;
-#if defined(__SANITIZE_ADDRESS__)
-constexpr std::size_t kUnique = 20, kFrames = 61;
-#else
-constexpr std::size_t kUnique = 60, kFrames = 300;
-#endif
+constexpr std::size_t kUnique = kSanitized ? 20 : 60, kFrames = kSanitized ? 61 : 300;
 constexpr std::int64_t kTick = 33'333'333;
 
 /// Half a swing of the head with speech; played to and fro it makes a sequence of any length.

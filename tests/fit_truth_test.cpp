@@ -9,17 +9,14 @@
 #include "cli/files.hpp"
 #include "cli/start.hpp"
 #include "ict_face.hpp"
+#include "sanitized.hpp"
 
 using namespace pliant;
 using namespace fit_truth;
 
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__)
-constexpr int kFaces = 3;
-#else
-constexpr int kFaces = 12;
-#endif
+constexpr int kFaces = kSanitized ? 2 : 12;
 
 void check(BakedModel& face, const char* name) {
   for (std::size_t points : {std::size_t{80}, std::size_t{160}}) {

@@ -12,6 +12,7 @@
 #include "baked_model.hpp"
 #include "cli/owned.hpp"
 #include "random.hpp"
+#include "sanitized.hpp"
 
 using namespace pliant;
 using namespace pliant::bake;
@@ -52,6 +53,7 @@ TEST_CASE("20 identities and 20 expressions in 8 bits fit 512 KiB of flash") {
     return;
   }
   for (const bool relaxed : {false, true}) {
+    if (kSanitized && !relaxed) continue;  // the way of the table above, only smaller
     Source small = narrow_face(relaxed);
     ParameterChoice choice;
     choice.identities = choice.expressions = 20;

@@ -13,6 +13,7 @@
 #include "mcd_runner.hpp"
 #include "pliant/robust.hpp"
 #include "random.hpp"
+#include "sanitized.hpp"
 
 using namespace pliant;
 
@@ -171,16 +172,18 @@ struct RejectorRunner {
   ForceRejector rejector;
 };
 
-Result experiment(Outliers kind, double share, bool at_prediction, int trials = 40) {
+constexpr int kTrials = kSanitized ? 10 : 40;
+
+Result experiment(Outliers kind, double share, bool at_prediction) {
   Random random(2024);
   RejectorRunner runner;
   Result mean;
   const std::vector<std::uint8_t> all(kPoints, 1);
-  for (int k = 0; k < trials; ++k) {
+  for (int k = 0; k < kTrials; ++k) {
     const Scene scene(random);
     const Trial trial = make_trial(scene, kind, share, at_prediction, random);
     const auto add = [&](double& sum, const Parameters& q) {
-      sum += error_px(scene, q, trial.truth) / trials;
+      sum += error_px(scene, q, trial.truth) / kTrials;
     };
     add(mean.least_squares, solve(scene, trial, all, 0));
     add(mean.robust, solve(scene, trial, all, 10));

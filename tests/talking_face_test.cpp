@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/bake.hpp"
+#include "baked_face.hpp"
 #include "cli/csv.hpp"
 #include "cli/files.hpp"
 #include "cli/image.hpp"
@@ -17,17 +17,14 @@
 #include "cli/start.hpp"
 #include "pliant/model_finder.hpp"
 #include "pliant/tracker.hpp"
+#include "sanitized.hpp"
 
 using namespace pliant;
 
 namespace {
 
 constexpr int kWidth = 720, kHeight = 576;
-#if defined(__SANITIZE_ADDRESS__)
-constexpr std::size_t kFrames = 60;  // enough to walk every path under a sanitizer
-#else
-constexpr std::size_t kFrames = 500;
-#endif
+constexpr std::size_t kFrames = kSanitized ? 30 : 500;
 
 /// The annotation: 68 points a frame, and which of them have an iBUG name.
 struct Annotation {
@@ -86,20 +83,8 @@ struct Result {
   std::size_t tracking = 0;
 };
 
-/// The built-in face as a file.
-std::string model_path() {
-  bake::BakeOptions options;
-  options.source = PLIANT_FIXTURES "/face";
-  std::vector<std::uint8_t> table;
-  std::string error;
-  REQUIRE_MESSAGE(bake::bake(options, table, error), error);
-  const std::string path = std::string(PLIANT_SCRATCH) + "/talking_face.plm";
-  cli::write_file(path, std::string(table.begin(), table.end()));
-  return path;
-}
-
 Result track(const std::string& folder, const Annotation& truth, bool with_markers) {
-  const cli::ModelFile file(model_path());
+  const cli::ModelFile file(baked_face_path());
 
   std::vector<cli::NamedPoint> points;
   for (const auto& [name, index] : truth.ibug) points.push_back({name, truth.points[0][index], name});
@@ -190,7 +175,7 @@ TEST_CASE("he is found without a point within the first second, and followed fro
   const std::string folder = data_folder();
   if (folder.empty()) return;
   const Annotation truth(folder);
-  const cli::ModelFile file(model_path());
+  const cli::ModelFile file(baked_face_path());
   FinderLimits limits;
   limits.width = kWidth;
   limits.height = kHeight;

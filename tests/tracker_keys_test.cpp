@@ -5,17 +5,14 @@
 #include "face_film.hpp"
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
+#include "sanitized.hpp"
 
 using namespace pliant;
 
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
-#if defined(__SANITIZE_ADDRESS__)
-constexpr std::size_t kFrames = 49;
-#else
-constexpr std::size_t kFrames = 97;
-#endif
+constexpr std::size_t kFrames = kSanitized ? 49 : 97;
 
 /// 40 degrees to the left and back, then to the right and back, with a nod.
 const FaceFilm& film() {

@@ -8,7 +8,6 @@ add_custom_command(OUTPUT egg.cpp DEPENDS egg_table COMMAND egg_table egg.cpp)
 set(fixtures ${PROJECT_SOURCE_DIR}/fixtures)
 set(start_awk ${CMAKE_CURRENT_SOURCE_DIR}/start.awk)
 set(points_awk ${CMAKE_CURRENT_SOURCE_DIR}/points.awk)
-file(GLOB face_tables CONFIGURE_DEPENDS ${fixtures}/face/*.txt)
 add_custom_command(OUTPUT face.plm face.cpp DEPENDS pliant ${face_tables}
   COMMAND pliant bake ${fixtures}/face -o face.plm --embed face.cpp --bits 8 --size 64)
 add_custom_command(OUTPUT frames.y4m start.hpp points.h DEPENDS pliant face.plm ${fixtures}/frames/motion.awk ${start_awk}
