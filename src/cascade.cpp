@@ -155,12 +155,14 @@ void Cascade::link() {
   }
 }
 
-/// A run of zeros that may be skipped becomes a mark with its length.
+/// A run of zeros that may be skipped becomes a mark with its length, and what follows moves up: what is read of a point
+/// lies together.
 void Cascade::skip_zeros(Vec3* baked) const {
+  Vec3* to = baked;
   for (std::size_t n = 0; n < emitted_count_;) {
     std::size_t end = n;
     while (end < emitted_count_ && (link_[end] & kSkips) != 0 && is_zero(baked[end])) ++end;
-    if (end > n) baked[n] = {kSkip, static_cast<float>(end - n), 0};
+    *to++ = end > n ? Vec3{kSkip, static_cast<float>(end - n), 0} : baked[n];
     n = end > n ? end : n + 1;
   }
 }
@@ -247,7 +249,7 @@ Vec3 Cascade::run(const Vec3* baked, const float* q) {
   Vec3 p;                     // of the record before
   Register* reg = register_;  // and where its columns are
   for (std::size_t n = 0; n < emitted_count_; ++n) {
-    const Vec3& s = baked[n];
+    const Vec3& s = *baked++;
     if (s.x == kSkip) {
       n += static_cast<std::size_t>(s.y) - 1;
       continue;
@@ -265,10 +267,15 @@ Vec3 Cascade::run(const Vec3* baked, const float* q) {
     } else if ((link & kPlain) == 0) {
       const CascadeRecord& r = records[i];
       const Vec3 p0 = (link & kFollows) != 0 ? p : point_of_source(r, 0);
-      const FieldStep f = apply(r, q, p0, point_of_source(r, 1), s);
-      p = f.p;
+      const Vec3 p1 = point_of_source(r, 1);
       reg = &register_[register_of_[i]];
-      if (kDerive) propagate(i, f);
+      if (kDerive) {
+        const FieldStep f = apply(r, q, p0, p1, s);
+        p = f.p;
+        propagate(i, f);
+      } else {
+        p = applied(r, q, p0, p1, s);
+      }
     }
     if ((link & kStores) != 0) point_[i] = p;
   }

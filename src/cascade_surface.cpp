@@ -25,6 +25,14 @@ std::int16_t quantised(float value, float offset, float scale) {
   return static_cast<std::int16_t>(steps < 0 ? steps - 0.5f : steps + 0.5f);
 }
 
+/// No component of a field's vectors is larger.
+float largest_component(const Field& f) {
+  const float steps = f.bits == 16 ? 32768.0f : 128.0f;
+  float largest = 0;
+  for (int k = 0; k < 3; ++k) largest = max(largest, magnitude(f.offset[k]) + steps * magnitude(f.scale[k]));
+  return largest;
+}
+
 }  // namespace
 
 Vec3 Cascade::point_of_source(const CascadeRecord& r, int k) const {
@@ -76,9 +84,8 @@ void Cascade::bake(Vec2 uv, const float* q, Vec3* baked) {
     }
     const CascadeRecord& r = model_.cascade()[i];
     point_[i] = i == neutral_ ? neutral_sample(uv, nullptr, nullptr)
-                              : apply(r, q, point_of_source(r, 0), point_of_source(r, 1),
-                                      record_sample(i, uv, nullptr, nullptr))
-                                    .p;
+                              : applied(r, q, point_of_source(r, 0), point_of_source(r, 1),
+                                        record_sample(i, uv, nullptr, nullptr));
     if (role_[i] == Role::folded) *baked++ = point_[i];
   }
   skip_zeros(first);
@@ -89,13 +96,18 @@ Vec3 Cascade::surface_point(Vec2 uv, const float* q) {
   return selected_point(uv);
 }
 
-void Cascade::select(const float* q) {
+void Cascade::select(const float* q, float slack_mm) {
   const auto records = model_.cascade();
   selected_q_ = q;
   selected_count_ = 0;
   for (std::size_t n = 0; n < visited_count_; ++n) {
     const std::uint16_t i = visited_[n];
-    const bool does_nothing = i != neutral_ && passes_through(records[i], q);
+    const CascadeRecord& r = records[i];
+    const bool does_nothing =
+        i != neutral_ &&
+        (passes_through(r, q) ||
+         (r.operation == Operation::add_vector &&
+          magnitude(q[r.parameter[0]]) * largest_component(model_.fields()[r.field]) < slack_mm));
     stands_for_[i] = does_nothing ? stands_for_[records[i].source[0]] : i;
     if (!does_nothing) selected_[selected_count_++] = i;
   }
@@ -114,7 +126,7 @@ Vec3 Cascade::selected_point(Vec2 uv) {
     const Vec3 s = record_sample(i, uv, nullptr, nullptr);
     point_[i] = r.operation == Operation::add_vector ? p0 + selected_q_[r.parameter[0]] * s
                 : r.operation == Operation::constant ? s
-                                                     : apply(r, selected_q_, p0, p1, s).p;
+                                                     : applied(r, selected_q_, p0, p1, s);
   }
   return point_[stands_for_[result_]];
 }

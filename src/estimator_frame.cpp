@@ -4,6 +4,8 @@
 namespace pliant {
 
 void Estimator::begin(std::int64_t time_ns) {
+  // What turns a tangent by less is nothing to a template, which allows for more of a warp.
+  constexpr float kTangentSlackMm = 0.03f;
   constexpr float kNominal = 1.0f / 30;
   constexpr std::int64_t kLeastStep = 1'000'000, kJump = 2'000'000'000;
   // Times come from outside: their difference may wrap.
@@ -36,7 +38,7 @@ void Estimator::begin(std::int64_t time_ns) {
   result_.pose_is_observed = false;
   ++frame_;
   const std::uint32_t share = options_.tangent_share > 0 ? options_.tangent_share : 1;
-  cascade_.select(q_);
+  cascade_.select(q_, kTangentSlackMm);
   for (std::uint16_t i = 0; i < limits_.points; ++i)
     if (kind_[i] != PointKind::none && (i + frame_) % share == 0) update_tangents(i);
   place_outline();

@@ -64,7 +64,7 @@ void Estimator::place_vertex(VertexId v) {
 
 /// Moves one vertex in `share`. \return how far the farthest went, squared (mm^2).
 float Estimator::move_vertices(std::uint32_t share) {
-  if (!limits_.bakes_vertices) cascade_.select(q_);
+  if (!limits_.bakes_vertices) cascade_.select(q_, share > 1 ? kVertexSlackMm : 0.0f);
   float farthest = 0;
   for (VertexId v : mesh_.vertices()) {
     if (share > 1 && (v + frame_) % share != 0) continue;

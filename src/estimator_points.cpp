@@ -174,8 +174,10 @@ Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
   } else {
     const Vec2 along_u = d.along(tangent_u_[id]), along_v = d.along(tangent_v_[id]);
     out.jacobian = {along_u.x, along_v.x, along_u.y, along_v.y};
-    const Vec3 normal = projector.rotated(normalised(cross(tangent_v_[id], tangent_u_[id])));
-    out.facing = -dot(normal, normalised(projector.to_camera(p)));
+    const Vec3 normal = projector.rotated(cross(tangent_v_[id], tangent_u_[id])),
+               sight = projector.to_camera(p);
+    const float both = dot(normal, normal) * dot(sight, sight);
+    out.facing = both > 0 ? -dot(normal, sight) / square_root(both) : 0.0f;
     if (kind_[id] == PointKind::curve) out.normal = across(out.jacobian * along_[id]);
   }
   for (int k = 0; k < kPoseUnknowns; ++k) {

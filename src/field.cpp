@@ -22,11 +22,10 @@ struct Cell {
 };
 
 Cell locate(const Field& f, Vec2 uv) {
-  const float u = clamp(uv.x, 0, 1), v = clamp(uv.y, 0, 1);
-  const float x = ((f.mirror ? 1 - u : u) - f.u0) * (static_cast<float>(f.width - 1) / (f.u1 - f.u0));
-  const float y = (v - f.v0) * (static_cast<float>(f.height - 1) / (f.v1 - f.v0));
+  const float right = clamp(uv.x, 0, 1), u = f.mirror ? 1 - right : right, v = clamp(uv.y, 0, 1);
+  if (!(u >= f.u0 && u <= f.u1 && v >= f.v0 && v <= f.v1)) return {0, 0, 0, 0, false};
   const float w = static_cast<float>(f.width - 1), h = static_cast<float>(f.height - 1);
-  if (!(x >= 0 && x <= w && y >= 0 && y <= h)) return {0, 0, 0, 0, false};
+  const float x = (u - f.u0) * (w / (f.u1 - f.u0)), y = (v - f.v0) * (h / (f.v1 - f.v0));
   const auto i = x >= w - 1 ? f.width - 2u : static_cast<std::size_t>(x);
   const auto j = y >= h - 1 ? f.height - 2u : static_cast<std::size_t>(y);
   return {i, j, x - static_cast<float>(i), y - static_cast<float>(j), true};

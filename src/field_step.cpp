@@ -55,8 +55,10 @@ Mat3 rotation_by(Vec3 v) {
 
 }  // namespace
 
-FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
-  FieldStep out;
+namespace {
+
+template <bool kDerive>
+void step(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s, FieldStep& out) {
   const Vec3 pivot{r.pivot[0], r.pivot[1], r.pivot[2]}, axis{r.axis[0], r.axis[1], r.axis[2]};
   const auto value = [&](int k) { return q[r.parameter[k]]; };
   const float w = r.weight == kNone ? 1.0f : s.x;
@@ -93,8 +95,10 @@ FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s
     case Operation::rotate: {
       out.map = rotation_by((w * value(0)) * axis);
       out.maps = true;
-      const Vec3 arm = out.map * (p0 - pivot), turn = cross(axis, arm);
+      const Vec3 arm = out.map * (p0 - pivot);
       out.p = pivot + arm;
+      if (!kDerive) break;
+      const Vec3 turn = cross(axis, arm);
       out.along_parameter[0] = w * turn;
       out.along_weight = value(0) * turn;
       break;
@@ -116,6 +120,7 @@ FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s
       out.maps = true;
       const Vec3 arm = out.map * (p0 - pivot);
       out.p = pivot + arm + w * move;
+      if (!kDerive) break;
       const Vec3 unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
       for (int k = 0; k < 3; ++k) {
         out.along_parameter[k] = w * cross(left_jacobian(w * turn, unit[k]), arm);
@@ -134,7 +139,20 @@ FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s
       break;
     }
   }
+}
+
+}  // namespace
+
+FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
+  FieldStep out;
+  step<true>(r, q, p0, p1, s, out);
   return out;
+}
+
+Vec3 applied(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
+  FieldStep out;
+  step<false>(r, q, p0, p1, s, out);
+  return out.p;
 }
 
 bool passes_through_at_zero(const CascadeRecord& r) {

@@ -21,6 +21,23 @@ LossValue evaluate(Loss loss, float u) {
 
 namespace {
 
+float median(float a, float b, float c) {
+  return max(min(a, b), min(max(a, b), c));
+}
+
+/// Values that are chosen go first. \return how many. Without a branch on the values, which nothing could foresee.
+template <class Predicate>
+std::size_t partition(float* value, std::size_t n, const Predicate& is_chosen) {
+  std::size_t chosen = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float v = value[i];
+    value[i] = value[chosen];
+    value[chosen] = v;
+    chosen += is_chosen(v) ? 1u : 0u;
+  }
+  return chosen;
+}
+
 void sift_down(float* heap, std::size_t n, std::size_t i) {  // smallest on top
   for (;;) {
     std::size_t least = i;
@@ -37,9 +54,29 @@ void sift_down(float* heap, std::size_t n, std::size_t i) {  // smallest on top
 }  // namespace
 
 float select(float* value, std::size_t n, std::size_t k) {
+  constexpr std::size_t kFew = 16;
+  constexpr int kMostRounds = 16;  // then the values were chosen to make halves uneven
+  for (int round = 0; round < kMostRounds && n > kFew; ++round) {
+    const float pivot = median(value[0], value[n / 2], value[n - 1]);
+    const std::size_t below = partition(value, n, [pivot](float v) { return v < pivot; });
+    if (k < below) {
+      n = below;
+      continue;
+    }
+    value += below;
+    n -= below;
+    k -= below;
+    const std::size_t equal = partition(value, n, [pivot](float v) { return v <= pivot; });
+    if (k < equal) return pivot;
+    value += equal;
+    n -= equal;
+    k -= equal;
+  }
   for (std::size_t i = n / 2; i-- > 0;) sift_down(value, n, i);
   for (; k > 0; --k) {
+    const float least = value[0];
     value[0] = value[--n];
+    value[n] = least;
     sift_down(value, n, 0);
   }
   return value[0];

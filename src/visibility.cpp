@@ -45,26 +45,33 @@ void DepthBuffer::draw(const Mesh& mesh, const Vec2* image, const float* depth) 
 }
 
 void DepthBuffer::draw_face(const Vec2 (&x)[3], const float (&z)[3]) {
+  // The cells whose middle lies between the least and the largest coordinate: of many a small face, none.
+  const auto first_from = [](float value, int count) {
+    return static_cast<int>(clamp(value + 0.5f, 0, static_cast<float>(count)));
+  };
+  const int i0 = first_from(min(x[0].x, min(x[1].x, x[2].x)), across_),
+            i1 = first_from(max(x[0].x, max(x[1].x, x[2].x)), across_);
+  const int j0 = first_from(min(x[0].y, min(x[1].y, x[2].y)), down_),
+            j1 = first_from(max(x[0].y, max(x[1].y, x[2].y)), down_);
+  if (i0 >= i1 || j0 >= j1) return;
   const float area = doubled_area(x[0], x[1], x[2]);
   if (magnitude(area) < 1e-6f) return;
-  const auto cell = [](float value, int count) {
-    return static_cast<int>(clamp(value, 0, static_cast<float>(count - 1)));
-  };
-  const int i0 = cell(min(x[0].x, min(x[1].x, x[2].x)), across_),
-            i1 = cell(max(x[0].x, max(x[1].x, x[2].x)), across_);
-  const int j0 = cell(min(x[0].y, min(x[1].y, x[2].y)), down_),
-            j1 = cell(max(x[0].y, max(x[1].y, x[2].y)), down_);
+  // Barycentric coordinates are linear in the image.
   const float inverse = 1.0f / area;
-  for (int j = j0; j <= j1; ++j)
-    for (int i = i0; i <= i1; ++i) {
-      const Vec2 centre{static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f};
-      const float a = doubled_area(centre, x[1], x[2]) * inverse,
-                  b = doubled_area(x[0], centre, x[2]) * inverse;
-      const float c = 1 - a - b;
-      if (a < 0 || b < 0 || c < 0) continue;
-      float& nearest = depth_[j * across_ + i];
-      nearest = min(nearest, a * z[0] + b * z[1] + c * z[2]);
+  const Vec2 middle{static_cast<float>(i0) + 0.5f, static_cast<float>(j0) + 0.5f};
+  const Vec2 a_step = inverse * Vec2{x[1].y - x[2].y, x[2].x - x[1].x},
+             b_step = inverse * Vec2{x[2].y - x[0].y, x[0].x - x[2].x};
+  float a_row = doubled_area(middle, x[1], x[2]) * inverse,
+        b_row = doubled_area(x[0], middle, x[2]) * inverse;
+  const float to_a = z[0] - z[2], to_b = z[1] - z[2];
+  for (int j = j0; j < j1; ++j, a_row += a_step.y, b_row += b_step.y) {
+    float a = a_row, b = b_row;
+    for (float* cell = depth_ + j * across_ + i0; cell < depth_ + j * across_ + i1; ++cell) {
+      if (a >= 0 && b >= 0 && a + b <= 1) *cell = min(*cell, z[2] + a * to_a + b * to_b);
+      a += a_step.x;
+      b += b_step.x;
     }
+  }
 }
 
 bool DepthBuffer::hides(Vec2 x, float depth, float margin) const {

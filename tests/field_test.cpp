@@ -138,6 +138,46 @@ TEST_CASE("selecting the records that do something changes nothing, whichever pa
   }
 }
 
+TEST_CASE("with slack, vectors are left out that move no point by more than that, and no others") {
+  const OpenModel r(egg_model(6));
+  InArena<Cascade> exact(r.model), slack(r.model);
+  Random random(13);
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<float> q = random_q(r.model, random);
+    for (float& v : q) v *= trial % 2 == 0 ? 0.02f : 1.0f;
+    const float mm = 0.1f;
+    exact->select(q.data());
+    slack->select(q.data(), mm);
+    const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
+    const Vec3 off = slack->selected_point(uv) - exact->selected_point(uv);
+    const auto left_out = static_cast<float>(q.size());
+    CHECK(length(off) <= 1.74f * mm * left_out);
+  }
+  // The very limit of one field: its largest vector is left out below the slack, and read above it.
+  std::vector<float> q(r.model.parameters().count, 0.0f);
+  for (std::size_t k = 0; k < q.size(); ++k) {
+    q[k] = r.model.parameters()[k].maximum;
+    Vec3 most{};
+    for (float u = 0; u <= 1; u += 0.05f)
+      for (float v = 0; v <= 1; v += 0.05f) {
+        exact->select(q.data());
+        const Vec3 with = exact->selected_point({u, v});
+        const float amount = q[k];
+        q[k] = 0;
+        exact->select(q.data());
+        const Vec3 moved = with - exact->selected_point({u, v});
+        q[k] = amount;
+        if (length(moved) > length(most)) most = moved;
+      }
+    const float seen = max(magnitude(most.x), max(magnitude(most.y), magnitude(most.z)));
+    slack->select(q.data(), 0.5f * seen);  // what moves a point by more than the slack is never left out
+    exact->select(q.data());
+    for (float u = 0; u <= 1; u += 0.1f)
+      CHECK(length(slack->selected_point({u, 0.5f}) - exact->selected_point({u, 0.5f})) == 0);
+    q[k] = 0;
+  }
+}
+
 TEST_CASE("tangents agree with differences inside a cell, through every operation") {
   const OpenModel r(every_operation());
   InArena<Cascade> cascade(r.model);

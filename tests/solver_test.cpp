@@ -3,8 +3,10 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <vector>
 
 #include "pliant/robust.hpp"
@@ -207,6 +209,30 @@ TEST_CASE("select gives the k-th smallest, and the scale of Rayleigh lengths is 
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>((i * 37) % 101);
     CHECK(select(values.data(), values.size(), k) == static_cast<float>(k));
   }
+  // Orders and repetitions that make the halves uneven.
+  for (std::size_t n : {1u, 2u, 16u, 17u, 64u, 1000u})
+    for (int kind = 0; kind < 5; ++kind) {
+      std::vector<float> ordered(n);
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto at = static_cast<float>(i), mirrored = static_cast<float>(i < n / 2 ? i : n - i);
+        ordered[i] = kind == 0   ? at
+                     : kind == 1 ? -at
+                     : kind == 2 ? 3.0f
+                     : kind == 3 ? mirrored
+                                 : static_cast<float>(random.below(4));
+      }
+      std::vector<float> sorted = ordered;
+      std::sort(sorted.begin(), sorted.end());
+      for (std::size_t k = 0; k < n; k += n / 7 + 1) {
+        std::vector<float> shuffled = ordered;
+        CHECK(select(shuffled.data(), n, k) == sorted[k]);
+        std::sort(shuffled.begin(), shuffled.end());
+        CHECK(shuffled == sorted);  // reordered, nothing lost
+      }
+    }
+  std::vector<float> undefined(100, std::numeric_limits<float>::quiet_NaN());
+  undefined[3] = 1;
+  select(undefined.data(), undefined.size(), 50);  // ends
   for (float& l : lengths) l = length(Vec2{random.normal(), random.normal()});
   CHECK(robust_scale(lengths.data(), lengths.size()) == doctest::Approx(1).epsilon(0.05));
   CHECK(robust_scale(lengths.data(), 0) == 0);

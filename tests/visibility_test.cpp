@@ -56,6 +56,34 @@ TEST_CASE("a mesh that faces the camera hides what lies behind it and nothing el
   CHECK_FALSE(buffer->hides({100, 60}, 900, 5));
 }
 
+TEST_CASE("faces much smaller and larger than a cell leave none of the cells between them open") {
+  for (const int side : {2, 9, 40, 100}) {
+    ModelBuilder b;
+    b.grid_mesh(side);
+    MeshLimits limits;
+    limits.vertices = 11000;
+    limits.faces = 21000;
+    InArena<Mesh> mesh(limits);
+    REQUIRE(mesh->set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) ==
+            Status::ok);
+    std::vector<Vec2> image;
+    std::vector<float> depth;
+    for (Vec2 uv : b.vertices) {  // turned and sheared: no edge runs along the cells
+      image.push_back({10 + 83 * uv.x + 21 * uv.y, 40 - 17 * uv.x + 71 * uv.y});
+      depth.push_back(500 + 60 * uv.x - 40 * uv.y);
+    }
+    InArena<DepthBuffer> buffer(32, 32);
+    buffer->draw(mesh.object, image.data(), depth.data());
+    for (float u = 0.08f; u < 0.92f; u += 0.011f)
+      for (float v = 0.08f; v < 0.92f; v += 0.013f) {
+        const Vec2 x{10 + 83 * u + 21 * v, 40 - 17 * u + 71 * v};
+        const float there = 500 + 60 * u - 40 * v;
+        REQUIRE(buffer->hides(x, there + 8, 4));  // a cell is 3 px wide: 3 mm of depth
+        REQUIRE_FALSE(buffer->hides(x, there - 4, 0));
+      }
+  }
+}
+
 TEST_CASE("a mesh behind the camera is not drawn") {
   ModelBuilder b;
   b.grid_mesh(2);

@@ -111,7 +111,8 @@ class Cascade {
   Vec3 surface_point(Vec2 uv, const float* q);
   /// Lists the records that do anything at q (most leave their source as it is where their parameter is 0), so that the
   /// `selected_point`s and `selected_frame`s that follow visit only those. `q` must stay where and as it is meanwhile.
-  void select(const float* q);
+  /// With `slack_mm`, vectors that move no point by more than that are left out as well.
+  void select(const float* q, float slack_mm = 0);
   /// Position at the selected q, straight from the tables. Cost: one sample a listed record.
   Vec3 selected_point(Vec2 uv);
   /// Position and tangents straight from the tables; and at the selected q.

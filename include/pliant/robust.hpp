@@ -17,10 +17,11 @@ struct LossValue {
 LossValue evaluate(Loss loss, float u);
 
 /// Scale of n residual lengths in the plane: their median divided by 1.1774 (that of a Rayleigh variable of unit scale).
-/// Reorders `length`. 0 for n = 0. Cost: O(n) on average, bounded by O(n log n): a heap, no recursion.
+/// Reorders `length`. 0 for n = 0. Cost: as `select`.
 float robust_scale(float* length, std::size_t n);
 
-/// The k-th smallest (from 0) of n values, k < n. Reorders them. Heap-based: O(n + k log n).
+/// The k-th smallest (from 0) of n values, k < n, none of them NaN (any of the values otherwise). Reorders them. Cost:
+/// O(n) on average, bounded by O(n log n): Hoare's quickselect, after a bounded number of rounds a heap.
 float select(float* value, std::size_t n, std::size_t k);
 
 }  // namespace pliant

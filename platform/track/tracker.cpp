@@ -109,12 +109,16 @@ Status Tracker::check_frame(const FrameView& frame) const {
 Status Tracker::look_at_region(const FrameView& frame) {
   const int width = region_width(limits_), height = region_height(limits_);
   const int grid = 1 << (limits_.pyramid_levels - 1);
-  const PixelBox box = model_box();
-  const float half = 0.5f * static_cast<float>(small_factor_);
-  const Vec2 centre =
-      Vec2{half * static_cast<float>(box.x0 + box.x1), half * static_cast<float>(box.y0 + box.y1)} +
-      expected_shift_;
-  const int x = placed(centre.x, width, frame.width, grid), y = placed(centre.y, height, frame.height, grid);
+  int x = 0, y = 0;
+  if (width < frame.width || height < frame.height) {
+    const PixelBox box = model_box();
+    const float half = 0.5f * static_cast<float>(small_factor_);
+    const Vec2 centre =
+        Vec2{half * static_cast<float>(box.x0 + box.x1), half * static_cast<float>(box.y0 + box.y1)} +
+        expected_shift_;
+    x = placed(centre.x, width, frame.width, grid);
+    y = placed(centre.y, height, frame.height, grid);
+  }
   FrameView part = frame;
   part.width = width;
   part.height = height;
