@@ -155,13 +155,22 @@ void Cascade::link() {
   }
 }
 
-/// A run of zeros that may be skipped becomes a mark with its length, and what follows moves up: what is read of a point
-/// lies together.
-void Cascade::skip_zeros(Vec3* baked) const {
+/// Whether the n-th sample of a point may be left out: a zero, or a vector that moves it by less than the slack.
+bool Cascade::is_skipped(std::size_t n, Vec3 s, float slack_mm) const {
+  if ((link_[n] & kSkips) == 0) return false;
+  if (is_zero(s) || (link_[n] & kPlain) == 0) return is_zero(s);
+  const Parameter& p = model_.parameters()[plain_parameter_[n]];
+  const float most = max(magnitude(p.minimum), magnitude(p.maximum));
+  return most * max(magnitude(s.x), max(magnitude(s.y), magnitude(s.z))) < slack_mm;
+}
+
+/// A run of samples that may be left out becomes a mark with its length, and what follows moves up: what is read of a
+/// point lies together.
+void Cascade::compact(Vec3* baked, float slack_mm) const {
   Vec3* to = baked;
   for (std::size_t n = 0; n < emitted_count_;) {
     std::size_t end = n;
-    while (end < emitted_count_ && (link_[end] & kSkips) != 0 && is_zero(baked[end])) ++end;
+    while (end < emitted_count_ && is_skipped(end, baked[end], slack_mm)) ++end;
     *to++ = end > n ? Vec3{kSkip, static_cast<float>(end - n), 0} : baked[n];
     n = end > n ? end : n + 1;
   }

@@ -74,7 +74,7 @@ void Cascade::set_interpolation(Interpolation interpolation) {
   unfold();
 }
 
-void Cascade::bake(Vec2 uv, const float* q, Vec3* baked) {
+void Cascade::bake(Vec2 uv, const float* q, Vec3* baked, float slack_mm) {
   Vec3* const first = baked;
   for (std::size_t n = 0; n < visited_count_; ++n) {
     const std::size_t i = visited_[n];
@@ -88,7 +88,7 @@ void Cascade::bake(Vec2 uv, const float* q, Vec3* baked) {
                                         record_sample(i, uv, nullptr, nullptr));
     if (role_[i] == Role::folded) *baked++ = point_[i];
   }
-  skip_zeros(first);
+  compact(first, slack_mm);
 }
 
 Vec3 Cascade::surface_point(Vec2 uv, const float* q) {

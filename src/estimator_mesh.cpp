@@ -58,7 +58,7 @@ void Estimator::follow_view() {
 /// Bakes a vertex that is new, or whose id is.
 void Estimator::place_vertex(VertexId v) {
   vertex_uv_[v] = mesh_.uv(v);
-  cascade_.bake(vertex_uv_[v], q_, baked_vertex(v));
+  cascade_.bake(vertex_uv_[v], q_, baked_vertex(v), kBakedSlackMm);
   vertex_[v] = cascade_.evaluate(baked_vertex(v), q_);
 }
 
@@ -109,12 +109,12 @@ void Estimator::draw_depth() {
   const bool is_near =
       dot(turn, turn) < kTurn * kTurn && magnitude(view_.s - depth_view_.s) < kGrowth * view_.s;
   const bool serves = depth_is_drawn_ && is_near && frame_ - depth_frame_ < kMostFrames;
-  if (!serves || !vertices_are_current_) project_vertices();  // a solve may have moved the view
   if (serves) {
     depth_.move(view_.s * (view_.tau - depth_view_.tau));
     depth_view_.tau = view_.tau;
     return;
   }
+  project_vertices();  // a solve may have moved the view
   depth_.draw(mesh_, vertex_image_, vertex_depth_);
   depth_view_ = view_;
   depth_frame_ = frame_;

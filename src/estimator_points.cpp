@@ -44,7 +44,7 @@ Status Estimator::take_id(PointKind kind, std::uint16_t* id) {
 void Estimator::place(std::uint16_t id, Vec2 uv) {
   predicted_view_.s = 0;
   uv_[id] = uv;
-  cascade_.bake(uv, q_, baked_point(id));
+  cascade_.bake(uv, q_, baked_point(id), kBakedSlackMm);
 }
 
 Status Estimator::add_point(Vec2 uv, std::uint16_t* id) {
@@ -121,6 +121,7 @@ void Estimator::place_outline() {
     }
   if (sectors == 0) return;
   draw_depth();
+  if (!vertices_are_current_) project_vertices();
   const Projector projector(view_, true);
   const std::size_t all = finder_.find({mesh_, vertex_, vertex_image_, vertex_depth_}, projector, &depth_,
                                        kHiddenMarginMm, {outline_, outline_count_});

@@ -31,42 +31,42 @@ void DepthBuffer::draw(const Mesh& mesh, const Vec2* image, const float* depth) 
   origin_ = low;
   cells_per_px_ = min(static_cast<float>(across_) / width, static_cast<float>(down_) / height);
   for (FaceId f : mesh.faces()) {
+    const VertexId corner[3] = {mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2)};
     Vec2 x[3];
-    float z[3];
-    bool in_front = true;
-    for (int k = 0; k < 3; ++k) {
-      const VertexId v = mesh.corner(f, k);
-      x[k] = cells_per_px_ * (image[v] - origin_);
-      z[k] = depth[v];
-      in_front = in_front && z[k] > 0;
-    }
-    if (in_front && faces_camera(mesh, image, f)) draw_face(x, z);
+    for (int k = 0; k < 3; ++k) x[k] = cells_per_px_ * (image[corner[k]] - origin_);
+    const Cells cells = cells_under(x);
+    if (cells.i0 >= cells.i1 || cells.j0 >= cells.j1) continue;
+    const float z[3] = {depth[corner[0]], depth[corner[1]], depth[corner[2]]};
+    if (z[0] > 0 && z[1] > 0 && z[2] > 0 && faces_camera(mesh, image, f)) draw_face(x, z, cells);
   }
 }
 
-void DepthBuffer::draw_face(const Vec2 (&x)[3], const float (&z)[3]) {
-  // The cells whose middle lies between the least and the largest coordinate: of many a small face, none.
+/// Those whose middle lies between the least and the largest coordinate: of many a small face, none.
+DepthBuffer::Cells DepthBuffer::cells_under(const Vec2 (&x)[3]) const {
   const auto first_from = [](float value, int count) {
     return static_cast<int>(clamp(value + 0.5f, 0, static_cast<float>(count)));
   };
-  const int i0 = first_from(min(x[0].x, min(x[1].x, x[2].x)), across_),
-            i1 = first_from(max(x[0].x, max(x[1].x, x[2].x)), across_);
-  const int j0 = first_from(min(x[0].y, min(x[1].y, x[2].y)), down_),
-            j1 = first_from(max(x[0].y, max(x[1].y, x[2].y)), down_);
-  if (i0 >= i1 || j0 >= j1) return;
+  return {first_from(min(x[0].x, min(x[1].x, x[2].x)), across_),
+          first_from(max(x[0].x, max(x[1].x, x[2].x)), across_),
+          first_from(min(x[0].y, min(x[1].y, x[2].y)), down_),
+          first_from(max(x[0].y, max(x[1].y, x[2].y)), down_)};
+}
+
+void DepthBuffer::draw_face(const Vec2 (&x)[3], const float (&z)[3], const Cells& cells) {
   const float area = doubled_area(x[0], x[1], x[2]);
   if (magnitude(area) < 1e-6f) return;
   // Barycentric coordinates are linear in the image.
   const float inverse = 1.0f / area;
-  const Vec2 middle{static_cast<float>(i0) + 0.5f, static_cast<float>(j0) + 0.5f};
+  const Vec2 middle{static_cast<float>(cells.i0) + 0.5f, static_cast<float>(cells.j0) + 0.5f};
   const Vec2 a_step = inverse * Vec2{x[1].y - x[2].y, x[2].x - x[1].x},
              b_step = inverse * Vec2{x[2].y - x[0].y, x[0].x - x[2].x};
   float a_row = doubled_area(middle, x[1], x[2]) * inverse,
         b_row = doubled_area(x[0], middle, x[2]) * inverse;
   const float to_a = z[0] - z[2], to_b = z[1] - z[2];
-  for (int j = j0; j < j1; ++j, a_row += a_step.y, b_row += b_step.y) {
+  for (int j = cells.j0; j < cells.j1; ++j, a_row += a_step.y, b_row += b_step.y) {
     float a = a_row, b = b_row;
-    for (float* cell = depth_ + j * across_ + i0; cell < depth_ + j * across_ + i1; ++cell) {
+    for (float *cell = depth_ + j * across_ + cells.i0, *end = cell + (cells.i1 - cells.i0); cell < end;
+         ++cell) {
       if (a >= 0 && b >= 0 && a + b <= 1) *cell = min(*cell, z[2] + a * to_a + b * to_b);
       a += a_step.x;
       b += b_step.x;

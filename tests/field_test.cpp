@@ -153,6 +153,22 @@ TEST_CASE("with slack, vectors are left out that move no point by more than that
     const auto left_out = static_cast<float>(q.size());
     CHECK(length(off) <= 1.74f * mm * left_out);
   }
+  // Baked points: no more is left out of one than the slack, times the parameters.
+  std::vector<Vec3> baked(r.model.cascade().count), whole(r.model.cascade().count);
+  std::size_t columns = 0, all = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const std::vector<float> q = random_q(r.model, random);
+    const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
+    slack->bake(uv, q.data(), baked.data(), 0.2f);
+    exact->bake(uv, q.data(), whole.data());
+    Jacobian some, every;
+    const Vec3 off =
+        slack->evaluate(baked.data(), q.data(), &some) - exact->evaluate(whole.data(), q.data(), &every);
+    CHECK(length(off) <= 1.74f * 0.2f * static_cast<float>(every.count - some.count) + 1e-4f);
+    columns += some.count;
+    all += every.count;
+  }
+  CHECK(columns < all);
   // The very limit of one field: its largest vector is left out below the slack, and read above it.
   std::vector<float> q(r.model.parameters().count, 0.0f);
   for (std::size_t k = 0; k < q.size(); ++k) {

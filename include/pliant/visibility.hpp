@@ -26,7 +26,11 @@ class DepthBuffer {
   float cell_px() const { return cells_per_px_ > 0 ? 1.0f / cells_per_px_ : 0.0f; }
 
  private:
-  void draw_face(const Vec2 (&x)[3], const float (&z)[3]);
+  struct Cells {
+    int i0, i1, j0, j1;  // [i0, i1) x [j0, j1)
+  };
+  Cells cells_under(const Vec2 (&x)[3]) const;
+  void draw_face(const Vec2 (&x)[3], const float (&z)[3], const Cells& cells);
 
   float* depth_ = nullptr;
   int across_ = 0, down_ = 0;
