@@ -1,6 +1,7 @@
 #pragma once
 // ICT-FaceKit's narrow face from the folder in PLIANT_DATA, as the baker reads it from OBJ files.
 #include <doctest/doctest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -101,7 +102,8 @@ inline const char* data_folder() {
 }
 
 inline pliant::bake::Source read_narrow_face(bool relaxed) {
-  const Folder folder("ict_face");
+  const Folder folder("ict_face_" +
+                      std::to_string(getpid()));  // two programs read it, perhaps at the same time
   IctFace(std::string(data_folder()) + "/ict").write(folder);
   pliant::bake::BakeOptions options;
   options.source = folder.path.string();
