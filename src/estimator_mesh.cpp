@@ -80,7 +80,7 @@ float Estimator::move_vertices(std::uint32_t share) {
 /// Moves one vertex in `share`; all, with what hides what drawn anew, where a jaw drops so fast that it would be hidden by
 /// where it was.
 void Estimator::update_vertices(std::uint32_t share) {
-  constexpr float kMostMm = 0.5f * kHiddenMarginMm;  // the rest is for the frames that a drawing serves
+  constexpr float kMostMm = 0.75f * kHiddenMarginMm;  // the rest is for the frames that a drawing serves
   const bool is_fast = move_vertices(share) > kMostMm * kMostMm;
   if (is_fast && share > 1) move_vertices(1);
   if (is_fast || share <= 1) depth_is_drawn_ = false;

@@ -146,9 +146,11 @@ PatchResult Tracker::match(std::size_t k, const Prediction& p, int round) {
   options.min_correlation = last ? options_.min_correlation : options_.min_correlation - 0.1f;
   const Slot& slot = slots_[k];
   const bool is_first = slot.is_awaited, after_scouts = is_first && round > 0;
-  options.first_level = round == 0 ? first_level() : after_scouts ? -1 : 0;
-  // Along either axis. Where a point is that was not seen in the last frame, scouts cannot tell.
-  options.start_sd_px = !after_scouts ? 0.7f * moved_px_ : slot.was_seen ? 0.7f * left_px_ : 0;
+  // Where a point is that was not seen in the last frame, neither that frame nor scouts can tell.
+  const bool is_known = slot.was_seen || !is_first;
+  options.first_level = !is_known || after_scouts ? -1 : round == 0 ? first_level() : 0;
+  // Along either axis.
+  options.start_sd_px = is_known ? 0.7f * (after_scouts ? left_px_ : moved_px_) : 0;
   options.max_move_px = scaled_px(limits_, is_first ? 16.0f : 3.0f);
   std::size_t which = k;
   if (slot.second != kNoSlot &&
