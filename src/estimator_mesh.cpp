@@ -129,6 +129,7 @@ bool Estimator::project(Vec2 uv, Vec2* x) {
 }
 
 float Estimator::surface_at(Vec2 seen, Vec2* uv) {
+  if (!vertices_are_current_) project_vertices();
   const Vec2 x = lens_.undistort(seen);
   float best = 1e30f, best_depth = 1e30f, distance = -1;
   for (FaceId f : mesh_.faces()) {

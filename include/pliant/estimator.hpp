@@ -247,9 +247,10 @@ class Estimator {
   float surface_at(Vec2 x, Vec2* uv);
 
   const Mesh& mesh() const { return mesh_; }
-  /// The mesh's vertices, by vertex id: in the model's axes (mm) and in the image (px). Those of the last `start` or `end`,
-  /// or, between `begin` and `end`, of the last round's prediction.
-  /// A vertex in options.vertex_share follows the expression in each frame; `refresh_vertices` brings up all.
+  /// The mesh's vertices, by vertex id: in the model's axes (mm) and in the image (px). Those of the last `start` or `end`;
+  /// between `begin` and `end`, perhaps of a prediction.
+  /// A vertex in options.vertex_share follows the expression in each frame, all where one of them goes far; those that are not
+  /// baked to a millimetre or so. `refresh_vertices` brings up all, exactly.
   /// The images are the pinhole's; `vertex_seen` is where the lens puts one.
   const Vec3* vertex_positions() const { return vertex_; }
   const Vec2* vertex_images() const { return vertex_image_; }
