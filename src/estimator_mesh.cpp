@@ -108,8 +108,7 @@ void Estimator::draw_depth() {
   const Vec3 turn = log_rotation(view_.q * conjugate(depth_view_.q));
   const bool is_near =
       dot(turn, turn) < kTurn * kTurn && magnitude(view_.s - depth_view_.s) < kGrowth * view_.s;
-  const bool serves = depth_is_drawn_ && is_near && frame_ - depth_frame_ < kMostFrames;
-  if (serves) {
+  if (depth_is_drawn_ && is_near && frame_ - depth_frame_ < kMostFrames) {
     depth_.move(view_.s * (view_.tau - depth_view_.tau));
     depth_view_.tau = view_.tau;
     return;

@@ -53,10 +53,7 @@ Mat3 rotation_by(Vec3 v) {
   return {{{1 - yy - zz, xy - z, xz + y}, {xy + z, 1 - xx - zz, yz - x}, {xz - y, yz + x, 1 - xx - yy}}};
 }
 
-}  // namespace
-
-namespace {
-
+/// With `kDerive` all of `out`, else only its p.
 template <bool kDerive>
 void step(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s, FieldStep& out) {
   const Vec3 pivot{r.pivot[0], r.pivot[1], r.pivot[2]}, axis{r.axis[0], r.axis[1], r.axis[2]};

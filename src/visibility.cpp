@@ -34,10 +34,10 @@ void DepthBuffer::draw(const Mesh& mesh, const Vec2* image, const float* depth) 
     const VertexId corner[3] = {mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2)};
     Vec2 x[3];
     for (int k = 0; k < 3; ++k) x[k] = cells_per_px_ * (image[corner[k]] - origin_);
-    const Cells cells = cells_under(x);
-    if (cells.i0 >= cells.i1 || cells.j0 >= cells.j1) continue;
     const float z[3] = {depth[corner[0]], depth[corner[1]], depth[corner[2]]};
-    if (z[0] > 0 && z[1] > 0 && z[2] > 0 && faces_camera(mesh, image, f)) draw_face(x, z, cells);
+    if (!(z[0] > 0 && z[1] > 0 && z[2] > 0)) continue;  // the image of what is behind may be anything
+    const Cells cells = cells_under(x);
+    if (cells.i0 < cells.i1 && cells.j0 < cells.j1 && faces_camera(mesh, image, f)) draw_face(x, z, cells);
   }
 }
 

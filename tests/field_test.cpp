@@ -169,7 +169,7 @@ TEST_CASE("with slack, vectors are left out that move no point by more than that
     all += every.count;
   }
   CHECK(columns < all);
-  // The very limit of one field: its largest vector is left out below the slack, and read above it.
+  // One field alone.
   std::vector<float> q(r.model.parameters().count, 0.0f);
   for (std::size_t k = 0; k < q.size(); ++k) {
     q[k] = r.model.parameters()[k].maximum;
@@ -190,7 +190,14 @@ TEST_CASE("with slack, vectors are left out that move no point by more than that
     exact->select(q.data());
     for (float u = 0; u <= 1; u += 0.1f)
       CHECK(length(slack->selected_point({u, 0.5f}) - exact->selected_point({u, 0.5f})) == 0);
+    const std::vector<float> moved = q;
     q[k] = 0;
+    exact->select(q.data());
+    slack->select(moved.data(), 1e6f);  // and with room for all, every plain vector
+    for (const CascadeRecord& record : r.model.cascade())
+      for (float u = 0; u <= 1 && record.operation == Operation::add_vector && record.parameter[0] == k;
+           u += 0.1f)
+        CHECK(length(slack->selected_point({u, 0.5f}) - exact->selected_point({u, 0.5f})) == 0);
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
+
 #include "model_builder.hpp"
 #include "random.hpp"
 
@@ -81,6 +83,25 @@ TEST_CASE("faces much smaller and larger than a cell leave none of the cells bet
         REQUIRE(buffer->hides(x, there + 8, 4));  // a cell is 3 px wide: 3 mm of depth
         REQUIRE_FALSE(buffer->hides(x, there - 4, 0));
       }
+  }
+}
+
+TEST_CASE("a vertex behind the camera takes its faces with it, wherever its image is said to be") {
+  ModelBuilder b;
+  b.grid_mesh(4);
+  InArena<Mesh> mesh(MeshLimits{});
+  REQUIRE(mesh->set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) ==
+          Status::ok);
+  std::vector<Vec2> image;
+  for (Vec2 uv : b.vertices) image.push_back({50 + 100 * uv.x, 20 + 80 * uv.y});
+  std::vector<float> depth(image.size(), 500.0f);
+  for (const float anywhere : {0.0f, 1e30f, std::numeric_limits<float>::quiet_NaN()}) {
+    image[0] = {anywhere, -anywhere};
+    depth[0] = -1;
+    InArena<DepthBuffer> buffer(16, 16);
+    buffer->draw(mesh.object, image.data(), depth.data());
+    CHECK_FALSE(buffer->hides({55, 25}, 900, 5));
+    CHECK(buffer->hides({120, 80}, 900, 5));
   }
 }
 

@@ -265,8 +265,8 @@ class Estimator {
   void place_outline();
   void expect_motion(float seconds);
   void note_motion();
-  Vec3* baked_point(std::size_t id) { return baked_points_ + id * baked_stride_; }
   static constexpr float kBakedSlackMm = 0.01f;  // a hundredth of what a model is off at its best
+  Vec3* baked_point(std::size_t id) { return baked_points_ + id * baked_stride_; }
   Vec3* baked_vertex(std::size_t v) { return baked_vertices_ + v * baked_stride_; }
   void adapt_mesh();
   void follow_view();
