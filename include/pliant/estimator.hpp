@@ -19,7 +19,7 @@
 #include "pliant/mesh.hpp"
 #include "pliant/model.hpp"
 #include "pliant/observation.hpp"
-#include "pliant/outline.hpp"
+#include "pliant/silhouette.hpp"
 #include "pliant/robust.hpp"
 #include "pliant/solver.hpp"
 #include "pliant/visibility.hpp"

@@ -7,10 +7,10 @@
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/field.hpp"
-#include "pliant/folding.hpp"
+#include "pliant/fold_over.hpp"
 #include "pliant/mesh.hpp"
 #include "pliant/model.hpp"
-#include "pliant/outline.hpp"
+#include "pliant/silhouette.hpp"
 #include "pliant/solver.hpp"
 #include "pliant/visibility.hpp"
 

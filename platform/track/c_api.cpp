@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <new>
 
-#include "landmark_fit.hpp"
+#include "track/landmark_fit.hpp"
 #include "pliant/pliant.h"
 #include "pliant/tracker.hpp"
-#include "surface_offset.hpp"
+#include "track/surface_offset.hpp"
 
 using namespace pliant;
 

@@ -1,4 +1,4 @@
-#include "edge_search.hpp"
+#include "track/edge_search.hpp"
 
 namespace pliant {
 

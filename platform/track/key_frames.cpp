@@ -1,6 +1,6 @@
 // Key frames (ALGORITHMS, section 7.7): views of the head from which it looks different, each with patches of its own
 // and a small picture to find a lost head by.
-#include "tracker_sizes.hpp"
+#include "track/tracker_sizes.hpp"
 
 namespace pliant {
 

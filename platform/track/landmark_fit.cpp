@@ -1,8 +1,8 @@
-#include "landmark_fit.hpp"
+#include "track/landmark_fit.hpp"
 
 #include <new>
 
-#include "personal_landmarks.hpp"
+#include "track/personal_landmarks.hpp"
 
 namespace pliant {
 

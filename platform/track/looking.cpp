@@ -1,6 +1,6 @@
 // Where the tracked points are in this frame: by their templates, and failing that from the frame before.
-#include "edge_search.hpp"
-#include "tracker_sizes.hpp"
+#include "track/edge_search.hpp"
+#include "track/tracker_sizes.hpp"
 
 namespace pliant {
 

@@ -1,4 +1,4 @@
-#include "personal_landmarks.hpp"
+#include "track/personal_landmarks.hpp"
 
 namespace pliant {
 

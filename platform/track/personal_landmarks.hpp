@@ -9,7 +9,7 @@
 #include "pliant/fit.hpp"
 #include "pliant/lens.hpp"
 #include "pliant/model.hpp"
-#include "surface_offset.hpp"
+#include "track/surface_offset.hpp"
 
 namespace pliant {
 

@@ -1,6 +1,6 @@
 // Which surface points are tracked: corners of the picture that lie on the visible surface.
-#include "surface_offset.hpp"
-#include "tracker_sizes.hpp"
+#include "track/surface_offset.hpp"
+#include "track/tracker_sizes.hpp"
 
 namespace pliant {
 

@@ -1,4 +1,4 @@
-#include "surface_offset.hpp"
+#include "track/surface_offset.hpp"
 
 namespace pliant {
 

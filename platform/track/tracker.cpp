@@ -1,10 +1,10 @@
 // The life of a tracker: memory, start, and what is done with a frame.
 #include "pliant/tracker.hpp"
 
-#include "edge_search.hpp"
-#include "small_picture.hpp"
-#include "surface_offset.hpp"
-#include "tracker_sizes.hpp"
+#include "track/edge_search.hpp"
+#include "vision/thumbnail.hpp"
+#include "track/surface_offset.hpp"
+#include "track/tracker_sizes.hpp"
 
 namespace pliant {
 

@@ -1,10 +1,10 @@
 // See corner_scores.hpp.
-#include "corner_scores.hpp"
+#include "vision/corner_scores.hpp"
 
 #include <cmath>
 #include <cstring>
 
-#include "tensor.hpp"
+#include "vision/tensor.hpp"
 
 namespace pliant::corners {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "corner_scores.hpp"
+#include "vision/corner_scores.hpp"
 
 namespace pliant {
 namespace {

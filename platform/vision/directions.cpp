@@ -1,4 +1,4 @@
-#include "directions.hpp"
+#include "vision/directions.hpp"
 
 namespace pliant {
 

@@ -3,8 +3,8 @@
 
 #include <cstring>
 
-#include "patch_result.hpp"
-#include "patch_work.hpp"
+#include "vision/patch_result.hpp"
+#include "vision/patch_work.hpp"
 
 namespace pliant {
 

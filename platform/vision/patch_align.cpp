@@ -7,8 +7,8 @@
 // Where we depart from the usual form: everything is kept as integer sums over T, G and I, and centred by
 // n sum(ab) - sum(a) sum(b) in 64 bits, exactly; neither means nor G* are ever rounded. And the image is
 // sampled on a grid of 1/128 px, the rest of the position being part of what the step solves for.
-#include "patch_work.hpp"
-#include "tensor.hpp"
+#include "vision/patch_work.hpp"
+#include "vision/tensor.hpp"
 
 namespace pliant::patch {
 namespace {

@@ -1,7 +1,7 @@
 // See patch_kernels.hpp. Two rules make compilers vectorise these: the loops are flat, over whole arrays, and
 // every intermediate value is cast back to 16 bits, where it is known to fit. Passes go through `scratch`
 // rather than from row to row, so that no vector is read right after its halves were written.
-#include "patch_kernels.hpp"
+#include "vision/patch_kernels.hpp"
 
 namespace pliant::patch {
 namespace {

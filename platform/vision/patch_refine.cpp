@@ -7,7 +7,7 @@
 // % makes, which would be larger than that of noise of three grey levels.
 #include <new>
 
-#include "patch_work.hpp"
+#include "vision/patch_work.hpp"
 
 namespace pliant::patch {
 namespace {

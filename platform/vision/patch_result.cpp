@@ -1,7 +1,7 @@
 // How sure a measured place is, and whether it is the one that was looked for.
-#include "patch_result.hpp"
+#include "vision/patch_result.hpp"
 
-#include "tensor.hpp"
+#include "vision/tensor.hpp"
 
 namespace pliant {
 

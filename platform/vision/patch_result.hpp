@@ -1,6 +1,6 @@
 #pragma once
 // What is said about the result of a search.
-#include "patch_work.hpp"
+#include "vision/patch_work.hpp"
 
 namespace pliant::patch {
 

@@ -3,7 +3,7 @@
 // interpolation at all; the caller accounts for the rest of the position.
 #include <cstring>
 
-#include "patch_work.hpp"
+#include "vision/patch_work.hpp"
 
 namespace pliant::patch {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 // What one search of the patch tracker works on, and its three steps: making a template, finding where the
 // image is like it, and measuring where exactly.
-#include "patch_kernels.hpp"
+#include "vision/patch_kernels.hpp"
 #include "pliant/patch.hpp"
 
 namespace pliant::patch {

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "../fit_truth.hpp"
+#include "fit_truth.hpp"
 
 int main(int argc, char** argv) {
   doctest::Context context;  // REQUIRE works outside a test case

@@ -5,10 +5,10 @@
 #include <map>
 #include <optional>
 
-#include "cli/csv.hpp"
-#include "cli/failure.hpp"
-#include "cli/owned.hpp"
-#include "cli/start.hpp"
+#include "host/io/csv.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/owned.hpp"
+#include "host/commands/start.hpp"
 #include "pliant/estimator.hpp"
 #include "pliant/fit.hpp"
 

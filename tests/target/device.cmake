@@ -34,10 +34,10 @@ pliant_image(bad_input bad_input.cpp ${prepared}/face.cpp)
 pliant_image(c_example ${cortex_m}/c_example.c ${prepared}/face.cpp)
 
 if(CMAKE_SYSTEM_NAME STREQUAL "Generic")  # elsewhere the test programs do this
-  pliant_image(digest digest_board.cpp ../digest_run.cpp ${prepared}/egg.cpp)
+  pliant_image(digest digest_board.cpp ../support/digest_run.cpp ${prepared}/egg.cpp)
   add_test(NAME symbols COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} "-DIMAGES=${images}"
-    "-DLIBRARIES=$<TARGET_FILE:pliant_core>;$<TARGET_FILE:pliant_platform>"
-    -P ${PROJECT_SOURCE_DIR}/tests/symbols.cmake)
+    "-DLIBRARIES=$<TARGET_FILE:pliant_core>;$<TARGET_FILE:pliant_track>"
+    -P ${PROJECT_SOURCE_DIR}/tests/system/symbols.cmake)
   add_test(NAME code_size COMMAND ${CMAKE_COMMAND} -DMAP=$<TARGET_FILE:firmware>.map -DLIMIT=98304
     -P ${CMAKE_CURRENT_SOURCE_DIR}/code_size.cmake)
 endif()

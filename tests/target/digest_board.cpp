@@ -1,5 +1,5 @@
 // The digest's run from flash.
-#include "../digest_run.hpp"
+#include "digest_run.hpp"
 #include "board.h"
 #include "line.hpp"
 

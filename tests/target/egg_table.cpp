@@ -1,9 +1,9 @@
 // Writes the digest's model table as a C++ array, for programs that have no heap to build it on. usage: egg_table OUT.cpp
 #include <fstream>
 
-#include "../digest_run.hpp"
-#include "../model_builder.hpp"
-#include "bake/bake.hpp"
+#include "digest_run.hpp"
+#include "model_builder.hpp"
+#include "host/bake/bake.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;

@@ -2,7 +2,7 @@ cmake_minimum_required(VERSION 3.22)
 # No function of the portable libraries has a stack frame above LIMIT bytes, by the compiler's own account
 # (PLIANT_CALL_GRAPH). Run as: cmake -DBUILD=build/folder -DLIMIT=bytes -P stack.cmake
 file(GLOB_RECURSE graphs ${BUILD}/src/CMakeFiles/pliant_core.dir/*.ci
-  ${BUILD}/platform/CMakeFiles/pliant_platform.dir/*.ci)
+  ${BUILD}/platform/CMakeFiles/pliant_track.dir/*.ci)
 list(LENGTH graphs count)
 if(count LESS 50)
   message(FATAL_ERROR "${count} call graphs in ${BUILD}")

@@ -4,7 +4,7 @@
 /// frame.
 #include <vector>
 
-#include "cli/model_mesh.hpp"
+#include "host/render/model_mesh.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/corners.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/image.hpp"
+#include "host/io/image.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/model.hpp"
 

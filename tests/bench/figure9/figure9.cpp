@@ -5,8 +5,8 @@
 #include <fstream>
 #include <iostream>
 
-#include "cli/failure.hpp"
-#include "cli/files.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
 #include "error_plot.hpp"
 #include "mesh_tracker.hpp"
 #include "statistics.hpp"

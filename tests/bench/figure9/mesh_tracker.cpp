@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "pliant/shift.hpp"
+#include "pliant/coarse_translation.hpp"
 #include "pliant/visibility.hpp"
 
 namespace pliant::figure9 {

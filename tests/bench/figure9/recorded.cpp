@@ -1,10 +1,10 @@
 #include <map>
 
-#include "cli/csv.hpp"
-#include "cli/failure.hpp"
-#include "cli/start.hpp"
+#include "host/io/csv.hpp"
+#include "host/io/failure.hpp"
+#include "host/commands/start.hpp"
 #include "experiment.hpp"
-#include "frames/frame_source.hpp"
+#include "host/io/frame_source.hpp"
 
 namespace pliant::figure9 {
 

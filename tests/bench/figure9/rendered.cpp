@@ -1,9 +1,9 @@
 #include <cmath>
 #include <random>
 
-#include "cli/owned.hpp"
-#include "cli/scene.hpp"
-#include "cli/start.hpp"
+#include "host/io/owned.hpp"
+#include "host/render/scene.hpp"
+#include "host/commands/start.hpp"
 #include "experiment.hpp"
 
 namespace pliant::figure9 {

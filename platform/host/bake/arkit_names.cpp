@@ -1,0 +1,38 @@
+#include "host/bake/arkit_names.hpp"
+
+#include <algorithm>
+
+namespace pliant::bake {
+
+namespace {
+
+// A "+" ending stands for Left and Right. Most useful first.
+constexpr const char* kNames[] = {
+    "jawOpen",        "mouthSmile+",     "eyeBlink+",       "browInnerUp+", "browDown+",
+    "browOuterUp+",   "mouthPucker",     "mouthFunnel",     "mouthFrown+",  "mouthStretch+",
+    "mouthUpperUp+",  "mouthLowerDown+", "mouthClose",      "mouthLeft",    "mouthRight",
+    "jawLeft",        "jawRight",        "noseSneer+",      "cheekPuff+",   "eyeSquint+",
+    "eyeWide+",       "cheekSquint+",    "mouthPress+",     "mouthDimple+", "mouthShrugLower",
+    "mouthRollLower", "mouthRollUpper",  "mouthShrugUpper", "jawForward",   "tongueOut",
+    "eyeLookDown+",   "eyeLookUp+",      "eyeLookIn+",      "eyeLookOut+"};
+
+}  // namespace
+
+std::size_t usefulness_rank(const std::string& name) {
+  const auto found = std::find_if(std::begin(kNames), std::end(kNames), [&](const std::string& known) {
+    if (known.back() != '+') return name == known;
+    const std::string stem = known.substr(0, known.size() - 1);
+    return name == stem + "Left" || name == stem + "Right";
+  });
+  return static_cast<std::size_t>(found - std::begin(kNames));
+}
+
+std::vector<std::string> names_unknown_to_arkit(const Source& source) {
+  std::vector<std::string> unknown;
+  for (const SourceParameter& p : source.parameters)
+    if (p.group == Group::expression && usefulness_rank(p.name) == std::size(kNames))
+      unknown.push_back(p.name);
+  return unknown;
+}
+
+}  // namespace pliant::bake

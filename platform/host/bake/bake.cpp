@@ -1,0 +1,56 @@
+#include "host/bake/bake.hpp"
+
+#include "host/bake/arkit_names.hpp"
+#include "host/bake/face_source.hpp"
+#include "host/bake/obj_source.hpp"
+#include "host/bake/source_error.hpp"
+
+namespace pliant::bake {
+
+namespace {
+
+void check(const BakeOptions& options) {
+  if (options.bits != 8 && options.bits != 16) throw SourceError("--bits", 0, "is 8 or 16");
+  if (options.size < 16 || options.size > 512) throw SourceError("--size", 0, "is from 16 to 512");
+  if (options.base_vertices < 60 || options.base_vertices > 5000)
+    throw SourceError("--base-mesh", 0, "is from 60 to 5000");
+  if (!(options.unit_mm > 0 && options.unit_mm < 1e6f))
+    throw SourceError("--unit", 0, "is a positive number");
+  if (options.components < 0 || options.components > 192) throw SourceError("--pca", 0, "is from 1 to 192");
+}
+
+Source read_all(const BakeOptions& options) {
+  if (is_face_folder(options.source)) return read_face(options.source);
+  if (is_obj_folder(options.source))
+    return read_obj_folder(options.source,
+                           {options.unit_mm, options.components, options.relaxes_chart, options.progress});
+  throw SourceError(options.source, 0,
+                    "is no folder with the tables of a face (points.txt and others) nor with OBJ files");
+}
+
+}  // namespace
+
+Source read_source(const BakeOptions& options) {
+  check(options);
+  Source source = read_all(options);
+  choose_parameters(source, options.choice);
+  return source;
+}
+
+bool bake(const BakeOptions& options, std::vector<std::uint8_t>& table, std::string& error,
+          BakeReport* report) {
+  try {
+    const Source source = read_source(options);
+    auto bytes = bake_source(source, options, report);
+    if (bytes.empty())
+      throw SourceError(options.source, 0, "the skin's boundary crosses itself in the chart");
+    if (report != nullptr) report->unmatched = names_unknown_to_arkit(source);
+    table = std::move(bytes);
+    return true;
+  } catch (const SourceError& e) {
+    error = e.what();
+    return false;
+  }
+}
+
+}  // namespace pliant::bake

@@ -1,0 +1,196 @@
+// From a mesh over the chart with its shapes to fields and a cascade: sample, crop, choose a resolution,
+// quantise.
+#include <algorithm>
+#include <cmath>
+
+#include "host/bake/at.hpp"
+#include "host/bake/bake.hpp"
+#include "host/bake/base_mesh.hpp"
+#include "host/bake/field_grid.hpp"
+#include "host/bake/grid_fit.hpp"
+#include "host/bake/table_writer.hpp"
+
+namespace pliant::bake {
+
+namespace {
+
+class Baker {
+ public:
+  Baker(const Source& source, const BakeOptions& options)
+      : source_(source),
+        options_(options),
+        places_(fit_places(source.uv, source.triangles, source.is_hole, options.size)) {
+    for (int side = options.size; side >= 16; side = (side + 1) / 2) rasters_.push_back(raster(side));
+    on_skin_.assign(source.uv.size(), 0);
+    for (std::size_t f = 0; f < source.triangles.size(); ++f)
+      if (!source.is_hole[f])
+        for (int v : source.triangles[f]) on_skin_[at(v)] = 1;
+  }
+
+  std::vector<std::uint8_t> run(BakeReport* report) {
+    if (!add_base_mesh()) return {};
+    for (const SourceParameter& p : source_.parameters) writer_.add_parameter(p);
+    add_neutral();
+    for (std::size_t k = 0; k < source_.shapes.size(); ++k) {
+      add_shape(k);
+      if (options_.progress) options_.progress("shapes", k + 1, source_.shapes.size());
+    }
+    for (const SourceLandmark& l : source_.landmarks) writer_.add_landmark(l);
+    for (const SourceCurve& c : source_.curves) writer_.add_curve(c);
+    writer_.set_mask(mask());
+    writer_.set_albedo(source_.albedo);
+    auto bytes = writer_.bytes();
+    report_.field_count = fields_.size() + 1;
+    report_.table_bytes = bytes.size();
+    if (report != nullptr) {
+      report_.errors = reconstruct(bytes, source_);
+      *report = report_;
+    }
+    return bytes;
+  }
+
+ private:
+  ChartRaster raster(int side) const {
+    return rasterise(source_.uv, source_.triangles, source_.is_hole, side, side);
+  }
+
+  bool add_base_mesh() {
+    BaseMesh mesh{source_.base_uv, source_.base_corners};
+    if (mesh.corners.empty()) mesh = make_base_mesh(source_, options_.base_vertices, source_.is_symmetric);
+    report_.base_vertices = mesh.uv.size();
+    writer_.set_base_mesh(mesh.uv, mesh.corners);
+    return !mesh.corners.empty();
+  }
+
+  void add_neutral() {
+    FieldGrid grid = grid_of(raster(2 * options_.size), source_.neutral);
+    fit_grid(grid, places_, source_.neutral, 0);
+    CascadeRecord r = empty_record(Operation::constant);
+    r.field = writer_.add_field(grid, 16);
+    last_ = writer_.add_record(r);
+  }
+
+  void add_shape(std::size_t k) {
+    const SourceShape& shape = source_.shapes[k];
+    const bool turns = !shape.weight.empty();
+    CascadeRecord r = empty_record(turns ? Operation::rotate : Operation::add_vector);
+    r.source[0] = last_;
+    r.parameter[0] = static_cast<std::uint16_t>(shape.parameter);
+    const std::uint16_t field =
+        shape.mirror_of >= 0
+            ? writer_.add_mirrored(fields_[at(shape.mirror_of)])
+            : writer_.add_field(turns ? grid_for(shape.weight, shape) : grid_for(shape.displacement, shape),
+                                options_.bits);
+    fields_.push_back(field);
+    (turns ? r.weight : r.field) = field;
+    const float axis[3] = {shape.axis.x, shape.axis.y, shape.axis.z},
+                pivot[3] = {shape.pivot.x, shape.pivot.y, shape.pivot.z};
+    if (turns) std::copy(axis, axis + 3, r.axis), std::copy(pivot, pivot + 3, r.pivot);
+    last_ = writer_.add_record(r);
+  }
+
+  /// The coarsest grid that is good enough; where none is, the finest fitted to the mesh, or a coarser that
+  /// is as good.
+  template <class T>
+  FieldGrid grid_for(const std::vector<T>& values, const SourceShape& shape) {
+    const SourceParameter& p = source_.parameters[shape.parameter];
+    // A weight turns points that are some 80 mm away from the axis.
+    const float most = p.group == Group::identity ? std::min(2 * p.sd, p.maximum) : p.maximum;
+    const float effect = std::max(most, 1e-6f) * (shape.weight.empty() ? 1.0f : 80.0f);
+    const float threshold = 0.004f / effect;
+    for (std::size_t level = rasters_.size(); level-- > 0;) {
+      FieldGrid grid = cropped(sampled(level, values), threshold);
+      const std::vector<float> off = deviations(grid, values);
+      if (*std::max_element(off.begin(), off.end()) * effect > options_.tolerance_mm) continue;
+      return grid;
+    }
+    FieldGrid best = cropped(fitted(0, values, threshold), threshold);
+    const std::vector<float> finest = deviations(best, values);
+    for (std::size_t level = 1; level < rasters_.size(); ++level) {
+      FieldGrid grid = cropped(fitted(level, values, threshold), threshold);
+      if (largest_excess(deviations(grid, values), finest) * effect > options_.tolerance_mm) break;
+      best = std::move(grid);
+    }
+    return best;
+  }
+
+  template <class T>
+  FieldGrid sampled(std::size_t level, const std::vector<T>& values) const {
+    FieldGrid grid = grid_of(rasters_[level], values);
+    clear_border(grid, rasters_[level]);
+    return grid;
+  }
+
+  template <class T>
+  FieldGrid fitted(std::size_t level, const std::vector<T>& values, float still) const {
+    FieldGrid grid = grid_of(rasters_[level], values);
+    fit_grid(grid, places_, values, still);
+    clear_border(grid, rasters_[level]);
+    return grid;
+  }
+
+  static float largest_excess(const std::vector<float>& of, const std::vector<float>& over) {
+    float excess = 0;
+    for (std::size_t i = 0; i < of.size(); ++i) excess = std::max(excess, of[i] - over[i]);
+    return excess;
+  }
+
+  /// Distances between a grid and the values at the skin's vertices.
+  std::vector<float> deviations(const FieldGrid& grid, const std::vector<Vec3>& values) const {
+    std::vector<float> result;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const Vec2 uv = source_.uv[i];
+      if (on_skin_[i])
+        result.push_back(
+            length(values[i] - Vec3{sample(grid, 0, uv), sample(grid, 1, uv), sample(grid, 2, uv)}));
+    }
+    return result;
+  }
+  std::vector<float> deviations(const FieldGrid& grid, const std::vector<float>& values) const {
+    std::vector<float> result;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (on_skin_[i]) result.push_back(std::fabs(values[i] - sample(grid, 0, source_.uv[i])));
+    return result;
+  }
+
+  GreyImage mask() const {
+    const ChartRaster fine = raster(2 * options_.size);
+    GreyImage image{static_cast<std::uint32_t>(fine.width), static_cast<std::uint32_t>(fine.height), {}};
+    for (const ChartSample& s : fine.samples)
+      image.pixels.push_back(s.triangle >= 0 && !source_.is_hole[at(s.triangle)] ? 1 : 0);
+    return image;
+  }
+
+  const Source& source_;
+  const BakeOptions& options_;
+  std::vector<ChartRaster> rasters_;  // from fine to coarse
+  std::vector<char> on_skin_;
+  std::vector<FitPlace> places_;
+  TableWriter writer_;
+  std::vector<std::uint16_t> fields_;  // of each shape
+  std::uint16_t last_ = kNone;
+  BakeReport report_;
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> bake_source(const Source& source, const BakeOptions& options, BakeReport* report) {
+  return Baker(source, options).run(report);
+}
+
+std::string embedded(const std::vector<std::uint8_t>& table, const std::string& name) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string text =
+      "// A pliant model table, written by `pliant bake`; do not edit.\n#include <cstddef>\n\n";
+  text += "extern const unsigned char " + name + "[];\nextern const std::size_t " + name + "_bytes;\n\n";
+  text += "alignas(4) const unsigned char " + name + "[] = {";
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    text += i % 24 == 0 ? "\n  0x" : " 0x";
+    text += kDigits[table[i] >> 4];
+    text += kDigits[table[i] & 15u];
+    text += ',';
+  }
+  return text + "\n};\nconst std::size_t " + name + "_bytes = sizeof " + name + ";\n";
+}
+
+}  // namespace pliant::bake

@@ -1,0 +1,164 @@
+#include "host/bake/chart_raster.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "host/bake/at.hpp"
+
+namespace pliant::bake {
+
+namespace {
+
+struct Corners {
+  Vec2 a, b, c;
+  float area() const { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
+};
+
+Corners corners(const std::vector<Vec2>& uv, const std::array<int, 3>& t) {
+  return {uv[at(t[0])], uv[at(t[1])], uv[at(t[2])]};
+}
+
+std::array<float, 3> barycentric(const Corners& t, Vec2 p) {
+  const float area = t.area();
+  const float wb = ((p.x - t.a.x) * (t.c.y - t.a.y) - (p.y - t.a.y) * (t.c.x - t.a.x)) / area;
+  const float wc = ((t.b.x - t.a.x) * (p.y - t.a.y) - (t.b.y - t.a.y) * (p.x - t.a.x)) / area;
+  return {1 - wb - wc, wb, wc};
+}
+
+class Rasteriser {
+ public:
+  Rasteriser(const std::vector<Vec2>& uv, const std::vector<std::array<int, 3>>& triangles,
+             ChartRaster& raster)
+      : uv_(uv), triangles_(triangles), raster_(raster) {}
+
+  /// Claims the samples inside triangle f that nobody has claimed yet.
+  void cover(std::size_t f) {
+    const Corners t = corners(uv_, triangles_[f]);
+    if (std::fabs(t.area()) < 1e-12f) return;
+    const float w = static_cast<float>(raster_.width - 1), h = static_cast<float>(raster_.height - 1);
+    const auto [left, right] = std::minmax({t.a.x, t.b.x, t.c.x});
+    const auto [top, bottom] = std::minmax({t.a.y, t.b.y, t.c.y});
+    constexpr float kSlack = 1e-4f;  // so that samples on a shared edge are not lost to rounding
+    for (int j = static_cast<int>(std::ceil(top * h - kSlack)); j <= static_cast<int>(bottom * h + kSlack);
+         ++j)
+      for (int i = static_cast<int>(std::ceil(left * w - kSlack)); i <= static_cast<int>(right * w + kSlack);
+           ++i) {
+        ChartSample& s = raster_.samples[at(j * raster_.width + i)];
+        if (s.triangle != kFree) continue;
+        const auto weight = barycentric(t, {static_cast<float>(i) / w, static_cast<float>(j) / h});
+        if (std::min({weight[0], weight[1], weight[2]}) < -kSlack) continue;
+        s = {triangles_[f], weight, static_cast<std::int32_t>(f)};
+      }
+  }
+
+  /// Continues the skin over its boundary: what lies within one sample of it takes the value of the nearest
+  /// triangle on the boundary, continued linearly, so that a bilinear cell which the boundary cuts is as true
+  /// to the skin as others.
+  void continue_skin(const std::vector<char>& is_hole) {
+    const std::vector<std::size_t> rim = boundary_triangles(is_hole);
+    std::vector<std::pair<int, int>> beside;
+    for (int j = 0; j < raster_.height; ++j)
+      for (int i = 0; i < raster_.width; ++i)
+        if (raster_.at(i, j).triangle < 0 && touches_covered(i, j)) beside.push_back({i, j});
+    for (const auto& [i, j] : beside) {
+      const Vec2 p = place(i, j);
+      float least = 1e9f;
+      for (std::size_t f : rim) {
+        const Corners t = corners(uv_, triangles_[f]);
+        const Vec2 d = p - (1.0f / 3) * (t.a + t.b + t.c);
+        if (dot(d, d) >= least) continue;
+        least = dot(d, d);
+        raster_.samples[at(j * raster_.width + i)] = {triangles_[f], barycentric(t, p), kBeside};
+      }
+    }
+  }
+
+  /// Gives every sample that is still free the value of the nearest one, which makes it constant away from
+  /// the mesh.
+  void extend() {
+    std::vector<std::pair<int, int>> front;
+    std::vector<char> done(raster_.samples.size(), 0);
+    for (int j = 0; j < raster_.height; ++j)
+      for (int i = 0; i < raster_.width; ++i)
+        if (raster_.at(i, j).triangle != kFree) {
+          done[at(j * raster_.width + i)] = 1;
+          front.push_back({i, j});
+        }
+    for (std::size_t next = 0; next < front.size(); ++next) {
+      const auto [i, j] = front[next];
+      constexpr int kStep[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+      for (const auto& step : kStep) {
+        const int k = i + step[0], l = j + step[1];
+        if (k < 0 || l < 0 || k >= raster_.width || l >= raster_.height || done[at(l * raster_.width + k)])
+          continue;
+        done[at(l * raster_.width + k)] = 1;
+        ChartSample copy = raster_.at(i, j);
+        copy.triangle = kBeside;
+        raster_.samples[at(l * raster_.width + k)] = copy;
+        front.push_back({k, l});
+      }
+    }
+    for (ChartSample& s : raster_.samples) s.triangle = std::max(s.triangle, -1);
+  }
+
+  static constexpr std::int32_t kFree = -2;  // while samples are being claimed
+  static constexpr std::int32_t kBeside = -1;
+
+ private:
+  Vec2 place(int i, int j) const {
+    return {static_cast<float>(i) / static_cast<float>(raster_.width - 1),
+            static_cast<float>(j) / static_cast<float>(raster_.height - 1)};
+  }
+
+  bool touches_covered(int i, int j) const {
+    for (int l = std::max(j - 1, 0); l <= std::min(j + 1, raster_.height - 1); ++l)
+      for (int k = std::max(i - 1, 0); k <= std::min(i + 1, raster_.width - 1); ++k)
+        if (raster_.at(k, l).triangle >= 0) return true;
+    return false;
+  }
+
+  /// Triangles of the skin with an edge on its boundary.
+  std::vector<std::size_t> boundary_triangles(const std::vector<char>& is_hole) const {
+    std::map<std::pair<int, int>, int> uses;
+    const auto edge = [](const std::array<int, 3>& t, std::size_t k) {
+      return std::minmax(t[k], t[(k + 1) % 3]);
+    };
+    for (std::size_t f = 0; f < triangles_.size(); ++f)
+      for (std::size_t k = 0; k < 3 && !is_hole[f]; ++k) ++uses[edge(triangles_[f], k)];
+    std::vector<std::size_t> rim;
+    for (std::size_t f = 0; f < triangles_.size(); ++f)
+      for (std::size_t k = 0; k < 3 && !is_hole[f]; ++k)
+        if (uses[edge(triangles_[f], k)] == 1 && (rim.empty() || rim.back() != f)) rim.push_back(f);
+    return rim;
+  }
+
+  const std::vector<Vec2>& uv_;
+  const std::vector<std::array<int, 3>>& triangles_;
+  ChartRaster& raster_;
+};
+
+}  // namespace
+
+ChartRaster rasterise(const std::vector<Vec2>& uv, const std::vector<std::array<int, 3>>& triangles,
+                      const std::vector<char>& is_hole, int width, int height) {
+  ChartRaster raster{width, height, {}};
+  raster.samples.assign(at(width) * at(height), ChartSample{{0, 0, 0}, {1, 0, 0}, Rasteriser::kFree});
+  Rasteriser work(uv, triangles, raster);
+  for (std::size_t f = 0; f < triangles.size(); ++f)
+    if (!is_hole[f]) work.cover(f);
+  work.continue_skin(is_hole);
+  for (std::size_t f = 0; f < triangles.size(); ++f)
+    if (is_hole[f]) work.cover(f);
+  work.extend();
+  return raster;
+}
+
+std::vector<float> chart_areas(const std::vector<Vec2>& uv,
+                               const std::vector<std::array<int, 3>>& triangles) {
+  std::vector<float> areas;
+  for (const auto& t : triangles) areas.push_back(corners(uv, t).area());
+  return areas;
+}
+
+}  // namespace pliant::bake

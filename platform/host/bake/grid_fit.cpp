@@ -1,0 +1,171 @@
+// Minimises |A (T + d) - V|^2 + mu |L d|^2 over the correction d by conjugate gradients: A takes bilinear
+// values at the places, L is the Laplacian of the grid.
+#include "host/bake/grid_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/bake/at.hpp"
+
+namespace pliant::bake {
+
+namespace {
+
+class GridFit {
+ public:
+  GridFit(int width, int height, const std::vector<FitPlace>& places) : width_(width), height_(height) {
+    for (const FitPlace& p : places) {
+      const float x = p.uv.x * static_cast<float>(width - 1), y = p.uv.y * static_cast<float>(height - 1);
+      const int i = std::min(static_cast<int>(x), width - 2), j = std::min(static_cast<int>(y), height - 2);
+      cells_.push_back({j * width + i, x - static_cast<float>(i), y - static_cast<float>(j)});
+    }
+  }
+
+  /// The correction for what the grid lacks at the places.
+  std::vector<float> solve(const std::vector<float>& lack) const {
+    constexpr int kRounds = 24;
+    std::vector<float> d(at(width_ * height_), 0.0f), residual = gather(lack), step = residual;
+    float norm = dot_product(residual, residual);
+    const float enough = 1e-4f * norm;
+    for (int round = 0; round < kRounds && norm > enough; ++round) {
+      const std::vector<float> image = normal_matrix_times(step);
+      const float length = norm / std::max(1e-30f, dot_product(step, image));
+      for (std::size_t k = 0; k < d.size(); ++k) {
+        d[k] += length * step[k];
+        residual[k] -= length * image[k];
+      }
+      const float next = dot_product(residual, residual);
+      for (std::size_t k = 0; k < d.size(); ++k) step[k] = residual[k] + next / norm * step[k];
+      norm = next;
+    }
+    return d;
+  }
+
+  std::vector<float> values_of(const std::vector<float>& grid) const {
+    std::vector<float> values;
+    for (const Cell& c : cells_) {
+      const float* g = &grid[at(c.first)];
+      const float upper = g[0] + c.a * (g[1] - g[0]), lower = g[width_] + c.a * (g[width_ + 1] - g[width_]);
+      values.push_back(upper + c.b * (lower - upper));
+    }
+    return values;
+  }
+
+ private:
+  struct Cell {
+    int first;  // its sample with the lowest indices
+    float a, b;
+  };
+  static constexpr float kSmoothness = 0.02f;
+
+  static float dot_product(const std::vector<float>& x, const std::vector<float>& y) {
+    double sum = 0;
+    for (std::size_t k = 0; k < x.size(); ++k) sum += static_cast<double>(x[k] * y[k]);
+    return static_cast<float>(sum);
+  }
+
+  /// The transpose of values_of.
+  std::vector<float> gather(const std::vector<float>& values) const {
+    std::vector<float> grid(at(width_ * height_), 0.0f);
+    for (std::size_t k = 0; k < cells_.size(); ++k) {
+      const Cell& c = cells_[k];
+      float* g = &grid[at(c.first)];
+      g[0] += (1 - c.a) * (1 - c.b) * values[k];
+      g[1] += c.a * (1 - c.b) * values[k];
+      g[width_] += (1 - c.a) * c.b * values[k];
+      g[width_ + 1] += c.a * c.b * values[k];
+    }
+    return grid;
+  }
+
+  /// Differences to the four neighbours; symmetric, as those beyond the border do not count.
+  std::vector<float> laplacian(const std::vector<float>& grid) const {
+    std::vector<float> result(grid.size(), 0.0f);
+    for (int j = 0; j < height_; ++j)
+      for (int i = 0; i < width_; ++i) {
+        const std::size_t k = at(j * width_ + i);
+        if (i + 1 < width_) {
+          const float step = grid[k + 1] - grid[k];
+          result[k] += step;
+          result[k + 1] -= step;
+        }
+        if (j + 1 < height_) {
+          const float step = grid[k + at(width_)] - grid[k];
+          result[k] += step;
+          result[k + at(width_)] -= step;
+        }
+      }
+    return result;
+  }
+
+  std::vector<float> normal_matrix_times(const std::vector<float>& x) const {
+    std::vector<float> result = gather(values_of(x));
+    const std::vector<float> smooth = laplacian(laplacian(x));
+    for (std::size_t k = 0; k < result.size(); ++k) result[k] += kSmoothness * smooth[k];
+    return result;
+  }
+
+  const int width_, height_;
+  std::vector<Cell> cells_;
+};
+
+void fit_component(FieldGrid& grid, int component, const GridFit& fit, const std::vector<float>& wanted,
+                   float still) {
+  const std::size_t n = at(grid.components);
+  std::vector<float> samples;
+  for (std::size_t k = at(component); k < grid.samples.size(); k += n) samples.push_back(grid.samples[k]);
+  std::vector<float> lack = fit.values_of(samples);
+  for (std::size_t k = 0; k < lack.size(); ++k) lack[k] = wanted[k] - lack[k];
+  const std::vector<float> correction = fit.solve(lack);
+  for (std::size_t k = 0; k < samples.size(); ++k)
+    if (samples[k] != 0 || std::fabs(correction[k]) > still)
+      grid.samples[k * n + at(component)] += correction[k];
+}
+
+}  // namespace
+
+std::vector<FitPlace> fit_places(const std::vector<Vec2>& uv,
+                                 const std::vector<std::array<int, 3>>& triangles,
+                                 const std::vector<char>& is_hole, int side) {
+  std::vector<FitPlace> places;
+  std::vector<char> seen(uv.size(), 0);
+  const std::vector<float> areas = chart_areas(uv, triangles);
+  const float cell = 1 / static_cast<float>(side * side);
+  for (std::size_t f = 0; f < triangles.size(); ++f) {
+    if (is_hole[f]) continue;
+    const auto& t = triangles[f];
+    constexpr float kThird = 1.0f / 3;
+    if (magnitude(areas[f]) > cell)
+      places.push_back({kThird * (uv[at(t[0])] + uv[at(t[1])] + uv[at(t[2])]),
+                        {t, {kThird, kThird, kThird}, static_cast<int>(f)}});
+    for (int v : t)
+      if (!seen[at(v)]) {
+        seen[at(v)] = 1;
+        places.push_back({uv[at(v)], {{v, v, v}, {1, 0, 0}, static_cast<int>(f)}});
+      }
+  }
+  return places;
+}
+
+void fit_grid(FieldGrid& grid, const std::vector<FitPlace>& places, const std::vector<Vec3>& values,
+              float still) {
+  const GridFit fit(grid.width, grid.height, places);
+  for (int c = 0; c < 3; ++c) {
+    std::vector<float> wanted;
+    for (const FitPlace& p : places) {
+      const Vec3 v = value_at(p.source, values);
+      wanted.push_back(c == 0 ? v.x : c == 1 ? v.y : v.z);
+    }
+    fit_component(grid, c, fit, wanted, still);
+  }
+}
+
+void fit_grid(FieldGrid& grid, const std::vector<FitPlace>& places, const std::vector<float>& values,
+              float still) {
+  const GridFit fit(grid.width, grid.height, places);
+  std::vector<float> wanted;
+  for (const FitPlace& p : places) wanted.push_back(value_at(p.source, values));
+  fit_component(grid, 0, fit, wanted, still);
+}
+
+}  // namespace pliant::bake

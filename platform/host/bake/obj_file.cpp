@@ -1,0 +1,134 @@
+#include "host/bake/obj_file.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <string_view>
+
+#include "host/bake/source_error.hpp"
+
+namespace pliant::bake {
+
+namespace {
+
+class ObjReader {
+ public:
+  explicit ObjReader(const std::string& path) : path_(path) {
+    std::ifstream in(path, std::ios::binary | std::ios::ate);
+    const auto size = in ? static_cast<std::streamoff>(in.tellg()) : -1;
+    if (size < 0) throw SourceError(path, 0, "cannot be read");
+    text_.resize(static_cast<std::size_t>(size));
+    in.seekg(0);
+    if (size > 0 && !in.read(text_.data(), size)) throw SourceError(path, 0, "cannot be read");
+    mesh_.path = path;
+  }
+
+  ObjMesh run() {
+    for (std::size_t start = 0; start < text_.size();) {
+      std::size_t end = text_.find('\n', start);
+      if (end == std::string::npos) end = text_.size();
+      ++line_;
+      rest_ = std::string_view(text_).substr(start, end - start);
+      read_line();
+      start = end + 1;
+    }
+    if (mesh_.vertices.empty()) throw SourceError(path_, 0, "holds no vertices");
+    return std::move(mesh_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { throw SourceError(path_, line_, what); }
+
+  std::string_view word() {
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    std::size_t first = 0;
+    while (first < rest_.size() && is_blank(rest_[first])) ++first;
+    std::size_t last = first;
+    while (last < rest_.size() && !is_blank(rest_[last])) ++last;
+    const std::string_view result = rest_.substr(first, last - first);
+    rest_.remove_prefix(last);
+    return result;
+  }
+
+  float number() {
+    const std::string_view text = word();
+    float value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+      fail("'" + std::string(text) + "' is no number");
+    return value;
+  }
+
+  int index(std::string_view text, std::size_t count, const char* of) {
+    int value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size())
+      fail("'" + std::string(text) + "' is no index");
+    const int from_zero = value < 0 ? static_cast<int>(count) + value : value - 1;
+    if (value == 0 || from_zero < 0 || static_cast<std::size_t>(from_zero) >= count)
+      fail("there is no " + std::string(of) + " " + std::string(text));
+    return from_zero;
+  }
+
+  void read_line() {
+    const std::string_view key = word();
+    if (key == "v") {
+      const float x = number(), y = number(), z = number();
+      mesh_.vertices.push_back({x, y, z});
+    } else if (key == "vt") {
+      const float u = number(), v = number();
+      mesh_.texture.push_back({u, v});
+    } else if (key == "f") {
+      read_polygon();
+    }
+  }
+
+  void read_polygon() {
+    const std::size_t first = mesh_.corners.size();
+    for (std::string_view text = word(); !text.empty(); text = word()) {
+      const std::size_t slash = text.find('/');
+      ObjCorner corner{index(text.substr(0, slash), mesh_.vertices.size(), "vertex"), -1};
+      if (slash != std::string_view::npos) {
+        const std::string_view behind = text.substr(slash + 1), texture = behind.substr(0, behind.find('/'));
+        if (!texture.empty()) corner.texture = index(texture, mesh_.texture.size(), "texture coordinate");
+      }
+      mesh_.corners.push_back(corner);
+    }
+    if (mesh_.corners.size() - first < 3) fail("a face has at least three corners");
+    mesh_.polygon_end.push_back(static_cast<int>(mesh_.corners.size()));
+    mesh_.polygon_line.push_back(line_);
+  }
+
+  std::string path_, text_;
+  std::string_view rest_;
+  int line_ = 0;
+  ObjMesh mesh_;
+};
+
+}  // namespace
+
+ObjMesh read_obj(const std::string& path) {
+  return ObjReader(path).run();
+}
+
+std::vector<Vec3> read_obj_positions(const std::string& path, const ObjMesh& like) {
+  ObjMesh mesh = read_obj(path);
+  const auto differ = [&](std::size_t here, std::size_t there, const char* what) {
+    if (here != there)
+      throw SourceError(
+          path, 0,
+          "has " + std::to_string(here) + " " + what + ", not " + std::to_string(there) + " as " + like.path);
+  };
+  differ(mesh.vertices.size(), like.vertices.size(), "vertices");
+  differ(mesh.polygon_end.size(), like.polygon_end.size(), "faces");
+  differ(mesh.corners.size(), like.corners.size(), "corners of faces");
+  for (std::size_t k = 0; k < mesh.corners.size(); ++k)
+    if (mesh.corners[k].vertex != like.corners[k].vertex) {
+      std::size_t polygon = 0;
+      while (static_cast<std::size_t>(mesh.polygon_end[polygon]) <= k) ++polygon;
+      throw SourceError(path, mesh.polygon_line[polygon], "the face is not that of " + like.path);
+    }
+  return std::move(mesh.vertices);
+}
+
+}  // namespace pliant::bake

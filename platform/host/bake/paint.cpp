@@ -1,0 +1,274 @@
+#include "host/bake/paint.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include "host/bake/at.hpp"
+#include "host/bake/chart_raster.hpp"
+#include "host/bake/source_error.hpp"
+#include "host/bake/text_table.hpp"
+
+namespace pliant::bake {
+
+namespace {
+
+constexpr int kSide = 384;        // of the result
+constexpr int kOversampling = 2;  // each way
+
+struct Layer {
+  std::string kind, region;
+  std::vector<int> points;  // of the cage
+  float size, tone, amount, length, lean;
+  unsigned seed;
+};
+
+struct Pixel {
+  Vec3 position;
+  int face;  // of the cage, or -1
+  float tone;
+};
+
+/// A smooth pseudo-random height at a place in space: values at the corners of unit cubes, blended.
+class Noise {
+ public:
+  explicit Noise(unsigned seed) : seed_(seed) {}
+  float operator()(Vec3 p) const {
+    const Vec3 base{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
+    const Vec3 f = p - base;
+    const auto smooth = [](float t) { return t * t * (3 - 2 * t); };
+    float value = 0;
+    for (int k = 0; k < 8; ++k) {
+      const int dx = k & 1, dy = k >> 1 & 1, dz = k >> 2;
+      const float weight = (dx ? smooth(f.x) : 1 - smooth(f.x)) * (dy ? smooth(f.y) : 1 - smooth(f.y)) *
+                           (dz ? smooth(f.z) : 1 - smooth(f.z));
+      value += weight * corner(static_cast<int>(base.x) + dx, static_cast<int>(base.y) + dy,
+                               static_cast<int>(base.z) + dz);
+    }
+    return value;
+  }
+
+ private:
+  float corner(int x, int y, int z) const {
+    unsigned h = seed_ + 0x9e3779b9u * static_cast<unsigned>(x) + 0x85ebca6bu * static_cast<unsigned>(y) +
+                 0xc2b2ae35u * static_cast<unsigned>(z);
+    h ^= h >> 15;
+    h *= 0x2c1b3c6du;
+    h ^= h >> 12;
+    h *= 0x297a2d39u;
+    h ^= h >> 15;
+    return static_cast<float>(h & 0xffffu) / 32767.5f - 1;
+  }
+  unsigned seed_;
+};
+
+class Painter {
+ public:
+  explicit Painter(const Canvas& canvas) : canvas_(canvas), side_(kSide * kOversampling) {
+    const ChartRaster raster = rasterise(canvas.uv, canvas.triangles, canvas.is_hole, side_, side_);
+    for (const ChartSample& s : raster.samples)
+      pixels_.push_back(
+          {value_at(s, canvas.position), s.triangle < 0 ? -1 : canvas.fine.cage_face[at(s.triangle / 2)], 0});
+  }
+
+  void add(const Layer& layer) {
+    random_.seed(layer.seed);
+    mark_region(layer.region);
+    if (layer.kind == "fill")
+      each(0, side_ - 1, 0, side_ - 1, [&](Pixel& p, float) { blend(p, layer.tone, layer.amount); });
+    if (layer.kind == "noise") add_noise(layer);
+    if (layer.kind == "shade" || layer.kind == "disc") add_shade(layer);
+    if (layer.kind == "spots") add_spots(layer);
+    if (layer.kind == "hairs") add_hairs(layer);
+  }
+
+  /// The regions that a layer may name: a patch, "skin", "hole" or "all".
+  bool knows_region(const std::string& name) const {
+    if (name == "all" || name == "skin" || name == "hole") return true;
+    const auto& faces = canvas_.cage.faces;
+    return std::any_of(faces.begin(), faces.end(), [&](const CageFace& f) { return f.patch == name; });
+  }
+
+  GreyImage finish() const {
+    GreyImage image{kSide, kSide, {}};
+    for (int j = 0; j < kSide; ++j)
+      for (int i = 0; i < kSide; ++i) {
+        float sum = 0;
+        for (int dj = 0; dj < kOversampling; ++dj)
+          for (int di = 0; di < kOversampling; ++di)
+            sum += pixels_[at((kOversampling * j + dj) * side_ + kOversampling * i + di)].tone;
+        image.pixels.push_back(static_cast<std::uint8_t>(
+            std::lround(std::clamp(sum / (kOversampling * kOversampling), 0.0f, 255.0f))));
+      }
+    return image;
+  }
+
+ private:
+  static void blend(Pixel& p, float tone, float share) { p.tone += share * (tone - p.tone); }
+
+  void mark_region(const std::string& name) {
+    in_region_.clear();
+    for (const CageFace& f : canvas_.cage.faces)
+      in_region_.push_back(name == "all" || (name == "skin" && !f.is_hole) || (name == "hole" && f.is_hole) ||
+                           f.patch == name);
+    takes_outside_ = name == "all" || name == "skin";
+  }
+
+  template <class F>
+  void each(int left, int right, int top, int bottom, F f) {
+    for (int j = std::max(top, 0); j <= std::min(bottom, side_ - 1); ++j)
+      for (int i = std::max(left, 0); i <= std::min(right, side_ - 1); ++i) {
+        Pixel& p = pixels_[at(j * side_ + i)];
+        if (p.face < 0 ? takes_outside_ : static_cast<bool>(in_region_[at(p.face)])) f(p, 0.0f);
+      }
+  }
+
+  void add_noise(const Layer& layer) {
+    const Noise noise(layer.seed);
+    each(0, side_ - 1, 0, side_ - 1,
+         [&](Pixel& p, float) { p.tone += layer.amount * noise((1 / layer.size) * p.position); });
+  }
+
+  /// Blends towards a tone near a line: softly ("shade"), or up to an edge ("disc").
+  void add_shade(const Layer& layer) {
+    const auto path = path_through(canvas_.fine, layer.points);
+    for (const float side : {1.0f, -1.0f}) {
+      std::vector<Vec3> line;
+      Vec2 least{1, 1}, most{0, 0};
+      for (int v : path) {
+        const Vec3 p = canvas_.position[at(v)];
+        line.push_back({side * p.x, p.y, p.z});
+        const Vec2 uv{side > 0 ? canvas_.uv[at(v)].x : 1 - canvas_.uv[at(v)].x, canvas_.uv[at(v)].y};
+        least = {std::min(least.x, uv.x), std::min(least.y, uv.y)};
+        most = {std::max(most.x, uv.x), std::max(most.y, uv.y)};
+      }
+      if (side < 0 && least.x <= 0.5f && most.x >= 0.5f && symmetric(line)) break;
+      constexpr float kChartPerMm = 0.009f;  // at most
+      const float reach = layer.size * kChartPerMm + 0.004f, n = static_cast<float>(side_ - 1);
+      each(static_cast<int>((least.x - reach) * n), static_cast<int>((most.x + reach) * n),
+           static_cast<int>((least.y - reach) * n), static_cast<int>((most.y + reach) * n),
+           [&](Pixel& p, float) { blend(p, layer.tone, layer.amount * nearness(layer, line, p.position)); });
+    }
+  }
+
+  static bool symmetric(const std::vector<Vec3>& line) {
+    return std::all_of(line.begin(), line.end(), [](Vec3 p) { return p.x == 0; });
+  }
+
+  static float nearness(const Layer& layer, const std::vector<Vec3>& line, Vec3 p) {
+    float nearest = 1e9f;
+    for (std::size_t k = 0; k < line.size(); ++k) {
+      const Vec3 a = line[k], b = line[std::min(k + 1, line.size() - 1)];
+      const float l2 = dot(b - a, b - a), t = l2 > 0 ? std::clamp(dot(p - a, b - a) / l2, 0.0f, 1.0f) : 0;
+      nearest = std::min(nearest, length(p - (a + t * (b - a))));
+    }
+    constexpr float kEdge = 0.5f;  // millimetres
+    if (layer.kind == "disc") return std::clamp((layer.size - nearest) / kEdge + 0.5f, 0.0f, 1.0f);
+    const float f = std::max(0.0f, 1 - (nearest * nearest) / (layer.size * layer.size));
+    return f * f;
+  }
+
+  /// In [0, 1), the same with every standard library, whose distributions are not.
+  float uniform() { return static_cast<float>(random_() >> 8) * 0x1p-24f; }
+
+  /// `amount` spots of up to `size` millimetres at random places of the region.
+  void add_spots(const Layer& layer) {
+    for (int k = 0; k < static_cast<int>(layer.amount); ++k) {
+      const int i = static_cast<int>(uniform() * static_cast<float>(side_)),
+                j = static_cast<int>(uniform() * static_cast<float>(side_));
+      const float size = layer.size * (0.35f + 0.65f * uniform()),
+                  strength = layer.lean * (0.4f + 0.6f * uniform());
+      const Pixel& centre = pixels_[at(std::min(j, side_ - 1) * side_ + std::min(i, side_ - 1))];
+      if (centre.face < 0 || !in_region_[at(centre.face)]) continue;
+      const Vec3 c = centre.position;
+      const int reach = static_cast<int>(size * 0.009f * static_cast<float>(side_)) + 1;
+      each(i - reach, i + reach, j - reach, j + reach, [&](Pixel& p, float) {
+        const float d = length(p.position - c) / size;
+        if (d < 1) blend(p, layer.tone, strength * (1 - d * d));
+      });
+    }
+  }
+
+  /// `amount` hairs that leave a line (within `size` millimetres across it), `length` long, leaning from the
+  /// line's direction (0) towards its left, upwards for a line that runs outwards on the subject's left (1).
+  void add_hairs(const Layer& layer) {
+    const auto path = path_through(canvas_.fine, layer.points);
+    for (const bool mirrored : {false, true})
+      for (int k = 0; k < static_cast<int>(layer.amount); ++k) {
+        const float along = uniform() * static_cast<float>(path.size() - 1);
+        const std::size_t s = std::min(static_cast<std::size_t>(along), path.size() - 2);
+        const Vec2 a = canvas_.uv[at(path[s])], b = canvas_.uv[at(path[s + 1])];
+        const float per_mm =
+            length(b - a) /
+            std::max(0.05f, length(canvas_.position[at(path[s + 1])] - canvas_.position[at(path[s])]));
+        const Vec2 forth = (1 / std::max(1e-6f, length(b - a))) * (b - a), left{forth.y, -forth.x};
+        // Bushy in the middle of the band, thin and short towards both ends of the line.
+        const float share = along / static_cast<float>(path.size() - 1),
+                    full = std::min(1.0f, 6 * share + 0.55f) * std::min(1.0f, 3 * (1 - share) + 0.25f);
+        const float across = layer.size * full * (uniform() + uniform() - 1);
+        const float lean = layer.lean * (1 - 0.75f * share) + 0.25f * (uniform() - 0.5f) -
+                           0.25f * across / std::max(0.5f, layer.size);
+        const Vec2 start = a + (along - static_cast<float>(s)) * (b - a) + (across * per_mm) * left;
+        const Vec2 way = (layer.length * (0.6f + 0.5f * uniform()) * full * per_mm) *
+                         ((1 - magnitude(lean)) * forth + lean * left);
+        draw_hair(layer, start, start + way, mirrored);
+      }
+  }
+
+  void draw_hair(const Layer& layer, Vec2 from, Vec2 to, bool mirrored) {
+    const float n = static_cast<float>(side_ - 1);
+    const int steps = static_cast<int>(length(to - from) * n) + 1;
+    const float strength = 0.35f + 0.4f * uniform();
+    for (int s = 0; s <= steps; ++s) {
+      const float t = static_cast<float>(s) / static_cast<float>(steps);
+      Vec2 p = from + t * (to - from);
+      if (mirrored) p.x = 1 - p.x;
+      const int i = static_cast<int>(std::lround(p.x * n)), j = static_cast<int>(std::lround(p.y * n));
+      each(i, i, j, j, [&](Pixel& q, float) { blend(q, layer.tone, strength * (1 - 0.6f * t)); });
+    }
+  }
+
+  const Canvas& canvas_;
+  const int side_;
+  std::vector<Pixel> pixels_;
+  std::vector<char> in_region_;
+  bool takes_outside_ = false;
+  std::mt19937 random_;
+};
+
+Layer layer_of(const TextTable& table, const TextRow& row, const Painter& painter, const Cage& cage) {
+  Layer layer{row.cells[0],         row.cells[1],         {},
+              table.number(row, 3), table.number(row, 4), table.number(row, 5),
+              table.number(row, 6), table.number(row, 7), static_cast<unsigned>(row.line)};
+  const auto& kinds = {"fill", "noise", "shade", "disc", "spots", "hairs"};
+  if (std::find(kinds.begin(), kinds.end(), layer.kind) == kinds.end())
+    table.fail(row, "unknown layer '" + layer.kind + "'");
+  if (!painter.knows_region(layer.region)) table.fail(row, "unknown region '" + layer.region + "'");
+  if (layer.kind != "fill" && !(layer.size > 0)) table.fail(row, "a size is positive");
+  if (row.cells[2] == "-") {
+    if (layer.kind == "shade" || layer.kind == "disc" || layer.kind == "hairs")
+      table.fail(row, "needs points");
+    return layer;
+  }
+  try {
+    layer.points = points_of(cage, row.cells[2]);
+  } catch (const std::invalid_argument& error) {
+    table.fail(row, error.what());
+  }
+  if (layer.kind == "hairs" && layer.points.size() < 2)
+    table.fail(row, "hairs need a line of two points or more");
+  return layer;
+}
+
+}  // namespace
+
+GreyImage paint(const std::string& folder, const Canvas& canvas) {
+  const TextTable table(folder + "/paint.txt",
+                        {"layer", "region", "where", "size", "tone", "amount", "length", "lean"});
+  Painter painter(canvas);
+  for (const TextRow& row : table.rows()) painter.add(layer_of(table, row, painter, canvas.cage));
+  return painter.finish();
+}
+
+}  // namespace pliant::bake

@@ -1,0 +1,116 @@
+#include "host/bake/reconstruction.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include "host/bake/at.hpp"
+#include "pliant/field.hpp"
+
+namespace pliant::bake {
+
+namespace {
+
+/// A table in aligned memory with its cascade.
+struct OpenTable {
+  std::vector<std::uint32_t> words;
+  std::vector<std::max_align_t> memory;
+  Model model;
+  Cascade cascade;
+  bool is_good;
+
+  explicit OpenTable(const std::vector<std::uint8_t>& table) : words((table.size() + 3) / 4) {
+    std::memcpy(words.data(), table.data(), table.size());
+    is_good = Model::open(words.data(), table.size(), &model) == Status::ok;
+    if (!is_good) return;
+    memory.resize(measured_bytes<Cascade>(model) / sizeof(std::max_align_t) + 1);
+    Arena arena(memory.data(), memory.size() * sizeof(std::max_align_t));
+    is_good = create_in(arena, cascade, model) == Status::ok;
+  }
+};
+
+/// The source's own vertex with one parameter at x.
+Vec3 moved(const Source& source, std::size_t vertex, std::size_t parameter, float x) {
+  Vec3 p = source.neutral[vertex];
+  for (const SourceShape& shape : source.shapes) {
+    if (shape.parameter != parameter) continue;
+    if (shape.weight.empty()) {
+      p = p + x * shape.displacement[vertex];
+      continue;
+    }
+    const float angle = x * shape.weight[vertex], c = std::cos(angle), s = std::sin(angle);
+    const Vec3 arm = p - shape.pivot;  // Rodrigues
+    p = shape.pivot + c * arm + s * cross(shape.axis, arm) + ((1 - c) * dot(shape.axis, arm)) * shape.axis;
+  }
+  return p;
+}
+
+Distances distances(std::vector<float> off) {
+  if (off.empty()) return {};
+  const double sum = std::accumulate(off.begin(), off.end(), 0.0);
+  Distances d;
+  d.mean_mm = static_cast<float>(sum / static_cast<double>(off.size()));
+  d.max_mm = *std::max_element(off.begin(), off.end());
+  const auto p95 = off.begin() + static_cast<std::ptrdiff_t>(off.size() * 95 / 100);
+  std::nth_element(off.begin(), p95, off.end());
+  d.p95_mm = *p95;
+  return d;
+}
+
+std::vector<std::size_t> skin_vertices(const Source& source) {
+  std::vector<char> on_skin(source.uv.size(), 0);
+  for (std::size_t f = 0; f < source.triangles.size(); ++f)
+    if (!source.is_hole[f])
+      for (const int v : source.triangles[f]) on_skin[at(v)] = 1;
+  std::vector<std::size_t> result;
+  for (std::size_t v = 0; v < on_skin.size(); ++v)
+    if (on_skin[v]) result.push_back(v);
+  return result;
+}
+
+/// Parameters with a shape of their own.
+std::vector<std::size_t> measured_parameters(const Source& source) {
+  std::vector<std::size_t> result;
+  for (std::size_t k = 0; k < source.parameters.size(); ++k)
+    if (std::none_of(source.shapes.begin(), source.shapes.end(),
+                     [k](const SourceShape& s) { return s.parameter == k && s.mirror_of >= 0; }))
+      result.push_back(k);
+  return result;
+}
+
+}  // namespace
+
+Reconstruction reconstruct(const std::vector<std::uint8_t>& table, const Source& source) {
+  OpenTable t(table);
+  Reconstruction result;
+  if (!t.is_good) return result;
+  const std::vector<std::size_t> measured = measured_parameters(source);
+  std::vector<std::vector<float>> off(measured.size());
+  std::vector<float> rest, q(source.parameters.size(), 0.0f);
+  std::vector<Vec3> baked(t.cascade.baked_count());
+  for (const std::size_t v : skin_vertices(source)) {
+    t.cascade.bake(source.uv[v], q.data(), baked.data());
+    rest.push_back(length(t.cascade.evaluate(baked.data(), q.data()) - source.neutral[v]));
+    for (std::size_t m = 0; m < measured.size(); ++m) {
+      const std::size_t k = measured[m];
+      const SourceParameter& p = source.parameters[k];
+      q[k] = p.group == Group::identity ? std::min(p.sd, p.maximum) : p.maximum;
+      off[m].push_back(length(t.cascade.evaluate(baked.data(), q.data()) - moved(source, v, k, q[k])));
+      q[k] = 0;
+    }
+  }
+  result.rest = distances(std::move(rest));
+  std::vector<float> all[2];
+  for (std::size_t m = 0; m < measured.size(); ++m) {
+    const SourceParameter& p = source.parameters[measured[m]];
+    std::vector<float>& of_group = all[p.group == Group::identity ? 0 : 1];
+    of_group.insert(of_group.end(), off[m].begin(), off[m].end());
+    result.parameters.push_back({p.name, p.group, distances(std::move(off[m]))});
+  }
+  result.identity = distances(std::move(all[0]));
+  result.expression = distances(std::move(all[1]));
+  return result;
+}
+
+}  // namespace pliant::bake

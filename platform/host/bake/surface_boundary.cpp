@@ -1,0 +1,73 @@
+#include "host/bake/surface_boundary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "host/bake/at.hpp"
+
+namespace pliant::bake {
+
+namespace {
+
+double doubled_area(const Source& source, const BoundaryLoop& loop) {
+  double sum = 0;
+  for (std::size_t k = 0; k < loop.vertices.size(); ++k) {
+    const Vec2 a = source.uv[at(loop.vertices[k])],
+               b = source.uv[at(loop.vertices[(k + 1) % loop.vertices.size()])];
+    sum += static_cast<double>(a.x * b.y - a.y * b.x);
+  }
+  return std::fabs(sum);
+}
+
+}  // namespace
+
+SkinBoundary find_boundary(const Source& source, bool half) {
+  SkinBoundary boundary;
+  for (std::size_t f = 0; f < source.triangles.size(); ++f) {
+    const auto& t = source.triangles[f];
+    const bool right =
+        std::all_of(t.begin(), t.end(), [&](int v) { return source.uv[at(v)].x >= 0.5f - 1e-5f; });
+    boundary.is_inside.push_back(!source.is_hole[f] && (right || !half));
+  }
+  // Directed edges of what is inside, and what has the same edge the other way.
+  struct Use {
+    bool forth = false, back = false, hole = false, other_half = false;
+  };
+  std::map<std::pair<int, int>, Use> uses;
+  for (std::size_t f = 0; f < source.triangles.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = source.triangles[f][k], b = source.triangles[f][(k + 1) % 3];
+      if (boundary.is_inside[f]) {
+        uses[{a, b}].forth = true;
+        uses[{b, a}].back = true;
+      } else {
+        (source.is_hole[f] ? uses[{b, a}].hole : uses[{b, a}].other_half) = true;
+      }
+    }
+  std::map<int, std::pair<int, Side>> next;
+  for (const auto& [edge, use] : uses)
+    if (use.forth && !use.back)
+      next[edge.first] = {edge.second, use.hole         ? Side::opening
+                                       : use.other_half ? Side::other_half
+                                                        : Side::outside};
+  while (!next.empty()) {
+    BoundaryLoop loop;
+    int v = next.begin()->first;
+    for (auto step = next.find(v); step != next.end(); step = next.find(v)) {
+      loop.vertices.push_back(v);
+      loop.sides.push_back(step->second.second);
+      v = step->second.first;
+      next.erase(step);
+    }
+    boundary.loops.push_back(std::move(loop));
+  }
+  std::sort(boundary.loops.begin(), boundary.loops.end(), [&](const BoundaryLoop& a, const BoundaryLoop& b) {
+    return doubled_area(source, a) > doubled_area(source, b);
+  });
+  for (std::size_t k = 1; k < boundary.loops.size(); ++k)
+    for (Side& s : boundary.loops[k].sides) s = Side::opening;
+  return boundary;
+}
+
+}  // namespace pliant::bake

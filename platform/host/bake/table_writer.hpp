@@ -1,0 +1,48 @@
+#pragma once
+/// \file table_writer.hpp
+/// Collects the parts of a model table and writes its bytes (pliant/model.hpp is the format).
+#include <string>
+#include <vector>
+
+#include "host/bake/field_grid.hpp"
+#include "host/bake/source.hpp"
+#include "pliant/model.hpp"
+
+namespace pliant::bake {
+
+class TableWriter {
+ public:
+  /// Names longer than 27 bytes are cut.
+  std::uint16_t add_parameter(const SourceParameter& parameter);
+  /// Quantises to `bits` (8 or 16): one scale a component, error at most half of it; offsets only for a field
+  /// over the whole chart, so that any other decodes to exactly zero on its rim.
+  std::uint16_t add_field(const FieldGrid& grid, int bits);
+  /// The mirror image of an earlier field, sharing its samples.
+  std::uint16_t add_mirrored(std::uint16_t field);
+  std::uint16_t add_record(const CascadeRecord& record);
+  void add_landmark(const SourceLandmark& landmark);
+  void add_curve(const SourceCurve& curve);
+  void set_base_mesh(std::vector<Vec2> uv, std::vector<std::uint16_t> corners);
+  void set_mask(GreyImage mask) { mask_ = std::move(mask); }
+  void set_albedo(GreyImage albedo) { albedo_ = std::move(albedo); }
+
+  /// The whole table, checksum included.
+  std::vector<std::uint8_t> bytes() const;
+
+ private:
+  std::vector<Parameter> parameters_;
+  std::vector<Field> fields_;
+  std::vector<std::uint8_t> samples_;
+  std::vector<CascadeRecord> cascade_;
+  std::vector<Vec2> base_uv_;
+  std::vector<std::uint16_t> base_corners_;
+  std::vector<Landmark> landmarks_;
+  std::vector<Curve> curves_;
+  std::vector<Vec2> curve_points_;
+  GreyImage mask_, albedo_;
+};
+
+/// A record of an operation that uses nothing yet.
+CascadeRecord empty_record(Operation operation);
+
+}  // namespace pliant::bake

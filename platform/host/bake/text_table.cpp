@@ -1,0 +1,76 @@
+#include "host/bake/text_table.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "host/bake/source_error.hpp"
+
+namespace pliant::bake {
+
+namespace {
+
+std::vector<std::string> words_of(const std::string& line) {
+  std::istringstream in(line.substr(0, line.find('#')));
+  std::vector<std::string> words;
+  for (std::string word; in >> word;) words.push_back(word);
+  return words;
+}
+
+bool is_open(const std::vector<std::string>& columns) {
+  const std::string& last = columns.back();
+  return last.size() > 3 && last.compare(last.size() - 3, 3, "...") == 0;
+}
+
+}  // namespace
+
+TextTable::TextTable(const std::string& path, const std::vector<std::string>& columns)
+    : path_(path), columns_(columns) {
+  std::ifstream in(path);
+  if (!in) throw SourceError(path, 0, "cannot be read");
+  bool have_header = false;
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    TextRow row{++number, words_of(line)};
+    if (row.cells.empty()) continue;
+    if (!have_header) {
+      for (std::size_t i = 0; i < columns.size(); ++i)
+        if (i >= row.cells.size() || row.cells[i] != columns[i])
+          fail(row, "expected a column '" + columns[i] + "'");
+      if (row.cells.size() > columns.size()) fail(row, "unknown column '" + row.cells[columns.size()] + "'");
+      have_header = true;
+      continue;
+    }
+    if (row.cells.size() < columns.size())
+      fail(row, "no value for column '" + columns[row.cells.size()] + "'");
+    if (row.cells.size() > columns.size() && !is_open(columns))
+      fail(row, "'" + row.cells[columns.size()] + "' is more than the columns take");
+    rows_.push_back(std::move(row));
+  }
+  if (in.bad()) throw SourceError(path, 0, "cannot be read");
+  if (!have_header) throw SourceError(path, 0, "holds no table");
+}
+
+float TextTable::number(const TextRow& row, std::size_t column) const {
+  const std::string& cell = row.cells[column];
+  char* end = nullptr;
+  const float value = std::strtof(cell.c_str(), &end);
+  if (end == cell.c_str() || *end != 0 || !std::isfinite(value))
+    fail(row, "'" + cell + "' in column '" + columns_[column] + "' is no number");
+  return value;
+}
+
+Vec3 TextTable::vector(const TextRow& row, std::size_t first_column) const {
+  return {number(row, first_column), number(row, first_column + 1), number(row, first_column + 2)};
+}
+
+std::vector<std::string> TextTable::words(const TextRow& row, std::size_t first_column) const {
+  return {row.cells.begin() + static_cast<std::ptrdiff_t>(first_column), row.cells.end()};
+}
+
+void TextTable::fail(const TextRow& row, const std::string& what) const {
+  throw SourceError(path_, row.line, what);
+}
+
+}  // namespace pliant::bake

@@ -1,0 +1,218 @@
+// Bowyer-Watson insertion, then edges of the boundary recovered by flips (Sloan 1993), then the outside
+// peeled off.
+#include "host/bake/triangulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "host/bake/at.hpp"
+
+namespace pliant::bake {
+
+namespace {
+
+using Edge = std::pair<int, int>;
+Edge edge_of(int a, int b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+struct Point {
+  double x, y;
+};
+
+double area(Point a, Point b, Point c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+/// Positive where d lies within the circle through a, b, c (of positive area).
+double in_circle(Point a, Point b, Point c, Point d) {
+  const auto row = [d](Point p) {
+    const double x = p.x - d.x, y = p.y - d.y;
+    return std::array<double, 3>{x, y, x * x + y * y};
+  };
+  const auto p = row(a), q = row(b), r = row(c);
+  return p[0] * (q[1] * r[2] - q[2] * r[1]) - p[1] * (q[0] * r[2] - q[2] * r[0]) +
+         p[2] * (q[0] * r[1] - q[1] * r[0]);
+}
+
+/// The faces on both sides of each edge; -1 where there is none.
+std::map<Edge, std::array<int, 2>> sides_of(const Triangles& triangles) {
+  std::map<Edge, std::array<int, 2>> sides;
+  for (std::size_t f = 0; f < triangles.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) {
+      auto [entry, fresh] =
+          sides.insert({edge_of(triangles[f][k], triangles[f][(k + 1) % 3]), {static_cast<int>(f), -1}});
+      if (!fresh) entry->second[1] = static_cast<int>(f);
+    }
+  return sides;
+}
+
+int opposite(const std::array<int, 3>& t, Edge e) {
+  for (int v : t)
+    if (v != e.first && v != e.second) return v;
+  return -1;
+}
+
+/// Two triangles that share an edge, as a quad: edge a b, the other corners c (left of a -> b) and d.
+struct Quad {
+  int a, b, c, d;
+};
+
+Quad quad_of(const Triangles& triangles, Edge e, std::array<int, 2> faces) {
+  const auto& t = triangles[at(faces[0])];
+  const std::size_t k = static_cast<std::size_t>(std::find(t.begin(), t.end(), e.first) - t.begin());
+  const bool forth = t[(k + 1) % 3] == e.second;
+  const int a = forth ? e.first : e.second, b = forth ? e.second : e.first;
+  return {a, b, opposite(t, e), opposite(triangles[at(faces[1])], e)};
+}
+
+/// Replaces edge a b by c d.
+void flip(Triangles& triangles, std::array<int, 2> faces, const Quad& q) {
+  triangles[at(faces[0])] = {q.a, q.d, q.c};
+  triangles[at(faces[1])] = {q.b, q.c, q.d};
+}
+
+class Triangulator {
+ public:
+  explicit Triangulator(const Domain& domain) : domain_(domain) {
+    for (Vec2 p : domain.points) points_.push_back({static_cast<double>(p.x), static_cast<double>(p.y)});
+    const int n = static_cast<int>(points_.size());
+    for (const Point p : {Point{-20, -20}, Point{41, -20}, Point{-20, 41}}) points_.push_back(p);
+    triangles_.push_back({n, n + 1, n + 2});
+    for (int p = 0; p < n; ++p) insert(p);
+  }
+
+  Triangles run() {
+    for (const auto& loop : domain_.loops)
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        const Edge e = edge_of(loop[k], loop[(k + 1) % loop.size()]);
+        if (!recover(e)) return {};
+        fixed_.insert(e);
+      }
+    peel();
+    return triangles_;
+  }
+
+ private:
+  bool is_positive(const Quad& q) const {
+    constexpr double kLeast = 1e-12;
+    return area(points_[at(q.a)], points_[at(q.d)], points_[at(q.c)]) > kLeast &&
+           area(points_[at(q.b)], points_[at(q.c)], points_[at(q.d)]) > kLeast;
+  }
+
+  void insert(int p) {
+    std::vector<std::array<int, 3>> kept;
+    std::map<Edge, std::pair<int, std::array<int, 2>>> hollow;  // edges of the cavity: uses, direction
+    for (const auto& t : triangles_) {
+      if (in_circle(points_[at(t[0])], points_[at(t[1])], points_[at(t[2])], points_[at(p)]) <= 0) {
+        kept.push_back(t);
+        continue;
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        auto& use = hollow[edge_of(t[k], t[(k + 1) % 3])];
+        ++use.first;
+        use.second = {t[k], t[(k + 1) % 3]};
+      }
+    }
+    for (const auto& [e, use] : hollow)
+      if (use.first == 1) kept.push_back({use.second[0], use.second[1], p});
+    triangles_ = std::move(kept);
+  }
+
+  bool crosses(Edge e, Edge f) const {
+    if (e.first == f.first || e.first == f.second || e.second == f.first || e.second == f.second)
+      return false;
+    const Point a = points_[at(e.first)], b = points_[at(e.second)], c = points_[at(f.first)],
+                d = points_[at(f.second)];
+    return (area(a, b, c) > 0) != (area(a, b, d) > 0) && (area(c, d, a) > 0) != (area(c, d, b) > 0);
+  }
+
+  /// Flips edges that cross e until e is one of them. False when it cannot become one.
+  bool recover(Edge e) {
+    for (int round = 0; round < 400; ++round) {
+      const auto sides = sides_of(triangles_);
+      if (sides.count(e)) return true;
+      bool flipped = false;
+      for (const auto& [f, faces] : sides) {
+        if (faces[1] < 0 || !crosses(e, f)) continue;
+        if (fixed_.count(f)) return false;
+        const Quad q = quad_of(triangles_, f, faces);
+        // A flip that still crosses is only worth it now and then, or the same two edges take turns for ever.
+        if (!is_positive(q) || (crosses(e, edge_of(q.c, q.d)) && round % 3 != 2)) continue;
+        flip(triangles_, faces, q);
+        flipped = true;
+        break;
+      }
+      if (!flipped && round % 3 == 2) return false;
+    }
+    return false;
+  }
+
+  bool is_inside(Point p) const {
+    bool inside = false;  // the outer loop and the holes together, by crossings
+    for (const auto& loop : domain_.loops)
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        const Point a = points_[at(loop[k])], b = points_[at(loop[(k + 1) % loop.size()])];
+        if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x))
+          inside = !inside;
+      }
+    return inside;
+  }
+
+  void peel() {
+    const int n = static_cast<int>(domain_.points.size());
+    const auto outside = [&](const std::array<int, 3>& t) {
+      if (*std::max_element(t.begin(), t.end()) >= n) return true;
+      const Point a = points_[at(t[0])], b = points_[at(t[1])], c = points_[at(t[2])];
+      return !is_inside({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3});
+    };
+    triangles_.erase(std::remove_if(triangles_.begin(), triangles_.end(), outside), triangles_.end());
+  }
+
+  const Domain& domain_;
+  std::vector<Point> points_;
+  Triangles triangles_;
+  std::set<Edge> fixed_;
+};
+
+double cosine(Vec3 apex, Vec3 a, Vec3 b) {
+  const Vec3 p = a - apex, q = b - apex;
+  return static_cast<double>(dot(p, q)) / std::max(1e-9, static_cast<double>(length(p) * length(q)));
+}
+
+}  // namespace
+
+Triangles triangulate(const Domain& domain) {
+  return Triangulator(domain).run();
+}
+
+void flip_by_shape(Triangles& triangles, const std::vector<Vec2>& uv, const std::vector<Vec3>& position) {
+  const auto plane = [&](int v) {
+    return Point{static_cast<double>(uv[at(v)].x), static_cast<double>(uv[at(v)].y)};
+  };
+  const auto space = [&](int v) { return position[at(v)]; };
+  for (int round = 0; round < 20; ++round) {
+    bool flipped = false;
+    std::set<int> touched;
+    for (const auto& [e, faces] : sides_of(triangles)) {
+      if (faces[1] < 0 || touched.count(faces[0]) || touched.count(faces[1])) continue;
+      const Quad q = quad_of(triangles, e, faces);
+      // Both angles that face the edge add up to more than two right ones when the other diagonal is better.
+      const double angles = std::acos(std::clamp(cosine(space(q.c), space(q.a), space(q.b)), -1.0, 1.0)) +
+                            std::acos(std::clamp(cosine(space(q.d), space(q.a), space(q.b)), -1.0, 1.0));
+      if (angles < 3.1416 + 1e-3) continue;
+      const double one = area(plane(q.a), plane(q.d), plane(q.c)),
+                   other = area(plane(q.b), plane(q.c), plane(q.d));
+      if (std::min(one, other) < 0.1 * (one + other)) continue;
+      flip(triangles, faces, q);
+      touched.insert(faces[0]);
+      touched.insert(faces[1]);
+      flipped = true;
+    }
+    if (!flipped) return;
+  }
+}
+
+}  // namespace pliant::bake

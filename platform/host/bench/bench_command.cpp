@@ -1,0 +1,89 @@
+// `pliant bench`: times and bytes of the library on this machine.
+#include <memory>
+
+#include "host/bench/bench.hpp"
+#include "host/commands/command.hpp"
+#include "host/io/failure.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+template <void (*bench)(std::ostream&, const ModelFile*)>
+int run_with_model(const Args& args, Console& console) {
+  std::unique_ptr<ModelFile> model;
+  if (const auto path = args.text("--model")) model = std::make_unique<ModelFile>(*path);
+  bench(console.out, model.get());
+  return 0;
+}
+
+int run_klt(const Args& args, Console& console) {
+  const KltInputs inputs{args.text("--pairs"), args.texts("--motion"), args.text("--frames"),
+                         args.integer("--count", 480, 2, 1000000)};
+  if (!inputs.pairs && inputs.motions.empty() && !inputs.frames)
+    fail_usage("klt needs --pairs, --motion or --frames");
+  bench_klt(console.out, inputs);
+  return 0;
+}
+
+int run_mcd(const Args&, Console& console) {
+  bench_mcd(console.out);
+  return 0;
+}
+
+template <void (*bench)(std::ostream&, const ModelFile&)>
+int run_on_model(const Args& args, Console& console) {
+  bench(console.out, ModelFile(args.required("--model")));
+  return 0;
+}
+
+int run_fit_bench(const Args& args, Console& console) {
+  bench_fit(console.out, args.required("--problems"));
+  return 0;
+}
+
+struct Topic {
+  const char* name;
+  int (*run)(const Args& args, Console& console);
+};
+constexpr Topic kTopics[] = {{"mesh", run_with_model<bench_mesh>},
+                             {"fields", run_with_model<bench_fields>},
+                             {"klt", run_klt},
+                             {"mcd", run_mcd},
+                             {"track", run_on_model<bench_track>},
+                             {"cost", run_on_model<bench_cost>},
+                             {"cues", run_on_model<bench_cues>},
+                             {"drift", run_on_model<bench_drift>},
+                             {"occlusion", run_on_model<bench_occlusion>},
+                             {"fit", run_fit_bench}};
+
+int run_bench(const Args& args, Console& console) {
+  std::string names;
+  for (const Topic& topic : kTopics) {
+    names += std::string(names.empty() ? "" : ", ") + topic.name;
+    if (args.operand(0) != topic.name) continue;
+    console.out << "topic,peer,variant,metric,value\n";
+    return topic.run(args, console);
+  }
+  fail_usage("no such topic: " + args.operand(0) + "; there are " + names);
+}
+
+}  // namespace
+
+Command bench_command() {
+  return {
+      "bench",
+      "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
+      "mesh|fields [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | "
+      "mcd | track|cost|cues|drift|occlusion --model face.plm | fit --problems FOLDER",
+      {{"--model", "PLM", "a model to measure with (mesh: as well)"},
+       {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
+       {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", true, true},
+       {"--frames", "VIDEO", "a Y4M file or folder of pictures, to time tracking on"},
+       {"--problems", "FOLDER", "fitting problems as text, and solutions.csv with the optimum of each"},
+       {"--count", "N", "of its frames, at most; 480"}},
+      1,
+      run_bench};
+}
+
+}  // namespace pliant::cli

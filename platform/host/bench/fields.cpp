@@ -1,0 +1,216 @@
+// Fields and Jacobians a second at 1,900 surface points, from baked samples and from the tables, by how many fields are
+// active at each; and what folding a person's identity saves. The fields are synthetic: each covers the whole chart.
+#include <cmath>
+#include <cstring>
+
+#include "host/bake/table_writer.hpp"
+#include "host/bench/bench.hpp"
+#include "host/bench/rows.hpp"
+#include "host/io/owned.hpp"
+#include "pliant/field.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+constexpr std::size_t kPoints = 1900;
+constexpr int kRuns = 9;
+
+/// The same numbers everywhere.
+struct Random {
+  std::uint32_t state = 2463534242u;
+  float unit() {
+    state ^= state << 13;
+    state ^= state >> 17;
+    state ^= state << 5;
+    return static_cast<float>(state >> 8) * (1.0f / 16777216);
+  }
+};
+
+/// A rest shape and so many vector fields of 128 x 128 samples in 16 bits; the first `identities` are a person's.
+struct SyntheticModel {
+  std::vector<std::uint32_t> words;
+  Model model;
+
+  SyntheticModel(int fields, int identities) {
+    bake::TableWriter writer;
+    CascadeRecord record = bake::empty_record(Operation::constant);
+    record.field = writer.add_field(grid(0, 256), 16);
+    std::uint16_t last = writer.add_record(record);
+    for (int k = 0; k < fields; ++k) {
+      const Group group = k < identities ? Group::identity : Group::expression;
+      record = bake::empty_record(Operation::add_vector);
+      record.source[0] = last;
+      record.parameter[0] = writer.add_parameter({"q" + std::to_string(k), group, -3, 3, 1});
+      record.field = writer.add_field(grid(k + 1, 128), 16);
+      last = writer.add_record(record);
+    }
+    writer.set_base_mesh({{0, 0}, {0, 1}, {1, 1}}, {2, 0, 1});
+    writer.set_mask({1, 1, {1}});
+    const std::vector<std::uint8_t> bytes = writer.bytes();
+    words.resize((bytes.size() + 3) / 4);
+    std::memcpy(words.data(), bytes.data(), bytes.size());
+    require(Model::open(words.data(), bytes.size(), &model), "synthetic model");
+  }
+
+  static bake::FieldGrid grid(int k, int side) {
+    bake::FieldGrid grid;
+    grid.width = grid.height = side;
+    grid.components = 3;
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) {
+        const float u = static_cast<float>(i) / static_cast<float>(side - 1),
+                    v = static_cast<float>(j) / static_cast<float>(side - 1);
+        for (int c = 0; c < 3; ++c)
+          grid.samples.push_back((k == 0 ? 100.0f : 2.0f) * std::sin(static_cast<float>(k % 5 + c + 1) * u +
+                                                                     static_cast<float>(2 * c + k % 7) * v));
+      }
+    return grid;
+  }
+};
+
+struct Setting {
+  std::vector<Vec2> uv;
+  std::vector<float> q;
+
+  explicit Setting(const Model& model) {
+    Random random;
+    while (uv.size() < kPoints) {
+      const Vec2 at{random.unit(), random.unit()};
+      if (model.is_on_surface(at)) uv.push_back(at);
+    }
+    for (std::size_t k = 0; k < model.parameters().count; ++k) q.push_back(random.unit() - 0.4999f);
+  }
+};
+
+// The optimiser must not drop what is measured.
+volatile float sink;
+
+void times(const BenchRows& rows, const std::string& name, int fields, double us, double us_jacobian) {
+  rows(name, "fields_per_s", 1e6 * static_cast<double>(kPoints) * fields / us);
+  rows(name, "us_1900_positions", us);
+  rows(name, "jacobians_per_s", 1e6 * static_cast<double>(kPoints) / us_jacobian);
+  rows(name, "us_1900_jacobians", us_jacobian);
+}
+
+void baked(const BenchRows& rows, Cascade& cascade, const Setting& s, int fields) {
+  const std::size_t stride = cascade.baked_count();
+  std::vector<Vec3> points(kPoints * stride);
+  for (std::size_t i = 0; i < kPoints; ++i) cascade.bake(s.uv[i], s.q.data(), &points[i * stride]);
+  const auto positions = [&] {
+    float sum = 0;
+    for (std::size_t i = 0; i < kPoints; ++i) sum += cascade.evaluate(&points[i * stride], s.q.data()).x;
+    sink = sum;
+  };
+  const auto jacobians = [&] {
+    float sum = 0;
+    Jacobian j;
+    for (std::size_t i = 0; i < kPoints; ++i)
+      sum += cascade.evaluate(&points[i * stride], s.q.data(), &j).x + j.column[j.list[j.count - 1]].x;
+    sink = sum;
+  };
+  times(rows, "baked_" + std::to_string(fields), fields, median_microseconds(positions, kRuns),
+        median_microseconds(jacobians, kRuns));
+}
+
+void resampled(const BenchRows& rows, Cascade& cascade, const Setting& s, int fields, const char* how) {
+  std::vector<Vec3> point(cascade.baked_count());
+  const auto positions = [&] {
+    float sum = 0;
+    cascade.select(s.q.data());
+    for (const Vec2 uv : s.uv) sum += cascade.selected_point(uv).x;
+    sink = sum;
+  };
+  const auto jacobians = [&] {
+    float sum = 0;
+    Jacobian j;
+    for (const Vec2 uv : s.uv) {
+      cascade.bake(uv, s.q.data(), point.data());
+      sum += cascade.evaluate(point.data(), s.q.data(), &j).x + j.column[j.list[j.count - 1]].x;
+    }
+    sink = sum;
+  };
+  const auto frames = [&] {
+    float sum = 0;
+    for (const Vec2 uv : s.uv) sum += cascade.surface_frame(uv, s.q.data()).pu.x;
+    sink = sum;
+  };
+  const std::string name = std::string("resampled_") + how + "_" + std::to_string(fields);
+  times(rows, name, fields, median_microseconds(positions, kRuns), median_microseconds(jacobians, kRuns));
+  rows(name, "us_1900_tangents", median_microseconds(frames, kRuns));
+}
+
+/// Baking a new point and its tangents, with the identity sampled field by field and folded.
+void new_points(const BenchRows& rows, const std::string& name, Cascade& cascade, const Setting& s) {
+  std::vector<Vec3> point(cascade.baked_count());
+  const auto bakes = [&] {
+    for (const Vec2 uv : s.uv) cascade.bake(uv, s.q.data(), point.data());
+    sink = point[0].x;
+  };
+  const auto frames = [&] {
+    float sum = 0;
+    for (const Vec2 uv : s.uv) sum += cascade.surface_frame(uv, s.q.data()).pu.x;
+    sink = sum;
+  };
+  const auto selected = [&] {
+    float sum = 0;
+    cascade.select(s.q.data());
+    for (const Vec2 uv : s.uv) sum += cascade.selected_point(uv).x;
+    sink = sum;
+  };
+  const double share = 1.0 / static_cast<double>(kPoints);
+  rows(name, "samples_a_point", static_cast<double>(cascade.sample_count()));
+  rows(name, "us_bake", share * median_microseconds(bakes, kRuns));
+  rows(name, "us_surface_frame", share * median_microseconds(frames, kRuns));
+  rows(name, "us_selected_point", share * median_microseconds(selected, kRuns));
+}
+
+void folding(const BenchRows& rows, const std::string& model_name, const Model& model) {
+  Setting s(model);
+  Random random;
+  // A person, at rest: where the mesh is adapted and points are taken on.
+  for (std::size_t k = 0; k < s.q.size(); ++k)
+    s.q[k] = model.parameters()[k].group == Group::identity ? 2 * random.unit() - 1 : 0;
+  Owned<Cascade> exact(model);
+  exact->set_free(Group::expression);
+  new_points(rows, model_name + "_identity_unfolded", *exact, s);
+  for (const std::uint16_t side : {std::uint16_t{32}, std::uint16_t{64}, std::uint16_t{128}}) {
+    Owned<Cascade> folded(model, FoldLimits{side, side});
+    folded->set_free(Group::expression);
+    const auto fold = [&] { require(folded->fold(s.q.data()), "fold"); };
+    const std::string name = model_name + "_identity_folded_" + std::to_string(side);
+    rows(name, "ms_fold", 1e-3 * median_microseconds(fold, 3));
+    rows(name, "bytes", static_cast<double>(folded.used_bytes() - exact.used_bytes()));
+    double sum = 0;
+    float worst = 0;
+    for (const Vec2 uv : s.uv) {
+      const float off = length(folded->surface_point(uv, s.q.data()) - exact->surface_point(uv, s.q.data()));
+      sum += static_cast<double>(off);
+      worst = max(worst, off);
+    }
+    rows(name, "mean_error_mm", sum / static_cast<double>(kPoints));
+    rows(name, "max_error_mm", static_cast<double>(worst));
+    new_points(rows, name, *folded, s);
+  }
+}
+
+}  // namespace
+
+void bench_fields(std::ostream& out, const ModelFile* model) {
+  const BenchRows rows(out, "fields");
+  for (const int fields : {12, 50, 100}) {
+    const SyntheticModel synthetic(fields, 0);
+    const Setting s(synthetic.model);
+    Owned<Cascade> cascade(synthetic.model);
+    baked(rows, *cascade, s, fields);
+    resampled(rows, *cascade, s, fields, "bilinear");
+    cascade->set_interpolation(Interpolation::bicubic);
+    resampled(rows, *cascade, s, fields, "bicubic");
+  }
+  if (model == nullptr)
+    folding(rows, "synthetic", SyntheticModel(118, 100).model);
+  else
+    folding(rows, "model", model->model());
+}
+
+}  // namespace pliant::cli

@@ -1,0 +1,58 @@
+#pragma once
+/// \file bench_klt.hpp
+/// What the parts of `pliant bench klt` share: two pyramids and a tracker, motions, and what became of points.
+#include "host/bench/rows.hpp"
+#include "host/io/owned.hpp"
+#include "host/io/pnm.hpp"
+#include "pliant/corners.hpp"
+#include "pliant/patch.hpp"
+
+namespace pliant::cli {
+
+/// Bad input for what is no picture.
+LumaPicture read_luma(const std::string& path);
+FrameView view_of(const LumaPicture& picture);
+
+constexpr int kKltLevels = 3;
+
+struct KltRig {
+  Owned<Pyramid> before, after;
+  Owned<PatchTracker> tracker;
+
+  KltRig(int width, int height, int window, int slots)
+      : before(PyramidLimits{width, height, kKltLevels, true}),
+        after(PyramidLimits{width, height, kKltLevels, true}),
+        tracker(PatchLimits{slots, window, kKltLevels, 5}) {}
+};
+
+/// x -> (a x + b y + tx, c x + d y + ty).
+struct Affinity {
+  double a = 1, b = 0, c = 0, d = 1, tx = 0, ty = 0;
+
+  Vec2 operator()(Vec2 p) const {
+    return {static_cast<float>(a * double(p.x) + b * double(p.y) + tx),
+            static_cast<float>(c * double(p.x) + d * double(p.y) + ty)};
+  }
+  Mat2 matrix() const {
+    return {static_cast<float>(a), static_cast<float>(b), static_cast<float>(c), static_cast<float>(d)};
+  }
+};
+
+/// Errors of the points that were kept, and how many were not.
+struct KltOutcome {
+  std::vector<double> errors;
+  int tried = 0, lost = 0, wrong = 0, hidden = 0, hidden_kept = 0;
+
+  void add(bool is_kept, Vec2 found, Vec2 truth);
+  void print(const BenchRows& row, const std::string& variant) const;
+};
+
+/// Corners, at least `distance` px apart, of the picture's allowed part (as find_corners takes it).
+std::vector<Vec2> best_corners(const ImageView& image, std::size_t most, const CornerOptions& options,
+                               const std::vector<std::uint8_t>& allowed = {});
+
+/// The parts over many frames: drift over a known motion, and a recording.
+void bench_klt_drift(const BenchRows& row, const std::string& folder);
+void bench_klt_sequence(const BenchRows& row, const std::string& frames, int count);
+
+}  // namespace pliant::cli

@@ -1,0 +1,32 @@
+// `pliant bench occlusion`: the table of ALGORITHMS 6.5 on a model of ours, with the estimator as it is.
+#include "host/bench/bench.hpp"
+#include "host/render/occlusion.hpp"
+
+namespace pliant::cli {
+
+void bench_occlusion(std::ostream& out, const ModelFile& model) {
+  struct Case {
+    const char* name;
+    Disturbance disturbance;
+    double share;
+  };
+  constexpr Case kCases[] = {{"none", Disturbance::none, 0},
+                             {"random_20", Disturbance::random, 0.20},
+                             {"random_35", Disturbance::random, 0.35},
+                             {"moving_20", Disturbance::moving, 0.20},
+                             {"moving_35", Disturbance::moving, 0.35},
+                             {"standing_20", Disturbance::standing, 0.20},
+                             {"standing_35", Disturbance::standing, 0.35},
+                             {"jaw_drops", Disturbance::expression, 0}};
+  for (const Case& c : kCases) {
+    const OcclusionResult r = measure_occlusion(model.model(), c.disturbance, c.share, 20, 10);
+    for (int d = 0; d < kDefences; ++d) {
+      const std::string variant = std::string(c.name) + "_" + name_of(static_cast<Defence>(d));
+      out << "occlusion,pliant," << variant << ",mean_px," << r.mean_px[d] << "\n";
+      out << "occlusion,pliant," << variant << ",share_over_3px," << r.share_over_3px[d] << "\n";
+      out << "occlusion,pliant," << variant << ",us_a_solve," << r.us[d] << "\n";
+    }
+  }
+}
+
+}  // namespace pliant::cli

@@ -1,0 +1,151 @@
+// `pliant animate`: one track's expressions and head motion on any person and any model, as a file that other programs
+// play (the paper, section 7).
+#include <filesystem>
+
+#include "host/io/animation_file.hpp"
+#include "host/commands/command.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
+#include "host/render/photo_texture.hpp"
+#include "host/render/retarget.hpp"
+#include "host/render/shown_mesh.hpp"
+#include "host/commands/start.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+bool ends_with(const std::string& text, const std::string& ending) {
+  return text.size() >= ending.size() &&
+         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+struct Input {
+  Retargeted track;
+  std::string who;      // whose face it is, for the summary
+  std::string picture;  // what is on the surface, as glb_bytes takes it
+  bool is_lit = true;
+};
+
+/// The photograph that the identity was fitted in, taken off the face.
+std::string picture_of(const std::string& path, const std::string& identity, const FitFile& fit,
+                       const ModelFile& file) {
+  const Image photo = read_image(path);
+  if (fit.model_crc != file.model().crc())
+    fail_input(identity, "was fitted with another model than " + file.path());
+  if (photo.width != fit.width || photo.height != fit.height)
+    fail_input(path, "is not the picture of " + identity + ": that has " + std::to_string(fit.width) + "x" +
+                         std::to_string(fit.height) + " pixels");
+  std::vector<float> q(file.model().parameters().count, 0.0f);
+  (void)apply(fit.parameters, identity, file.model(), q.data());
+  return encode_jpeg(photo_texture(file.model(), fit, q, photo, kPhotoTextureSide), kPhotoTextureQuality);
+}
+
+Input read_input(const Args& args, const ModelFile& file, Console& console) {
+  const std::string path = args.required("--params");
+  RetargetSetup setup;
+  setup.rate = args.number("--rate", 30, 0.001, 1000);
+  Input input;
+  const CsvTable table(path, read_file(path));
+  std::optional<ModelFile> source;
+  if (const auto from = args.text("--from")) source.emplace(*from);
+  if (source) setup.source = &source->model();
+  input.picture = albedo_png(file.model());
+  FitFile fit;
+  if (const auto identity = args.text("--identity")) {
+    fit = parse_fit(*identity, read_file(*identity));
+    std::vector<float> q(file.model().parameters().count, 0.0f);
+    list_unmatched(apply(fit.parameters, *identity, file.model(), q.data()), *identity, console.err);
+    setup.identity = &fit.parameters;
+    setup.identity_path = *identity;
+    input.who = *identity;
+    if (const auto photo = args.text("--image")) {
+      input.picture = picture_of(*photo, *identity, fit, file);
+      input.is_lit = false;
+    }
+  }
+  input.track = retarget(table, file.model(), setup);
+  if (input.who.empty()) input.who = input.track.has_identity ? "the track's" : "the mean";
+  list_unmatched(input.track.unmatched, path, console.err);
+  if (!input.track.limited.empty()) {
+    console.err << path << ": beyond the model's limits, and held there:";
+    for (const std::string& name : input.track.limited) console.err << " " << name;
+    console.err << (source ? "\n" : " (--from TRACKED.plm keeps shares of the ranges)\n");
+  }
+  if (input.track.lost > 0)
+    console.err << path << ": " << input.track.lost << " of " << input.track.frames.size()
+                << " frames are lost; they hold the pose and expression before them\n";
+  return input;
+}
+
+void print_summary(const Morphs& morphs, std::ostream& out) {
+  char line[256];
+  const std::size_t expressions = morphs.parameters.size(), correctives = morphs.targets.size() - expressions;
+  std::snprintf(
+      line, sizeof line,
+      "targets: %zu expressions, %zu correctives; vertices against the exact surface: mean %.4f mm, max "
+      "%.3f mm (expressions alone: %.4f, %.3f)\n",
+      expressions, correctives, morphs.all.mean_mm, morphs.all.max_mm, morphs.linear.mean_mm,
+      morphs.linear.max_mm);
+  out << line;
+}
+
+int run_animate(const Args& args, Console& console) {
+  const std::string output = args.required("-o");
+  args.required("--params");
+  const bool is_folder = ends_with(output, "/") || std::filesystem::is_directory(output);
+  if (!is_folder && !ends_with(output, ".glb"))
+    fail_usage("-o ends in .glb, or in / for a folder of OBJ files, not as " + output);
+  if (args.has("--image") && !args.has("--identity"))
+    fail_usage("--image needs the fit in that picture: --identity");
+  const int vertices = args.integer("--vertices", 2000, 16, 21000);
+  const auto tolerance = static_cast<float>(args.number("--tolerance", 0.1, 0, 1000));
+  const ModelFile file(args.operand(0));
+  const Input input = read_input(args, file, console);
+
+  std::vector<float> rest = input.track.frames.front().state.q;
+  for (const std::uint16_t k : input.track.driven) rest[k] = 0;
+  ModelSurface surface(file.model(), rest);
+  const MeshData mesh = closed_mesh(
+      ModelMesh(file.model(), surface, {MeshCriterion::contour, MeshLimits::kDeepest / 2, 0, vertices}));
+  MorphSurface animated(file.model(), mesh.uv, rest);
+  Progress progress(console, "frame");
+  const auto& frames = input.track.frames;
+  if (is_folder) {
+    write_obj_frames(output, mesh, animated, input.track, [&](std::size_t k) { progress.show(k); });
+  } else {
+    std::vector<std::vector<float>> q;
+    for (const RetargetFrame& frame : frames) q.push_back(frame.state.q);
+    const Morphs morphs = make_morphs(animated, mesh.faces, q, input.track.driven, tolerance);
+    write_file(output, animation_glb(mesh, morphs, file.model(), input.track, input.picture, input.is_lit));
+    print_summary(morphs, console.out);
+  }
+  console.out << output << ": " << frames.size() << " frames, "
+              << number_text(frames.back().time_s - frames.front().time_s) << " s, " << mesh.position.size()
+              << " vertices, identity: " << input.who << "\n";
+  return 0;
+}
+
+}  // namespace
+
+Command animate_command() {
+  return {
+      "animate",
+      "Puts a track's expressions and head motion on any person and any model, for other programs to play.",
+      "face.plm --params track.csv [--identity fit.json [--image picture]] [--from tracked.plm] [--vertices "
+      "N] [--tolerance "
+      "MM] "
+      "[--rate FPS] -o animation.glb|FOLDER/",
+      {{"--params", "CSV", "a track, or any table with its columns; expressions are matched by name"},
+       {"--identity", "JSON", "a fit: whose face it is; else the track's own identity, or the mean"},
+       {"--image", "FILE", "the picture of that fit: its photograph goes onto the face"},
+       {"--from", "PLM", "the model that was tracked: values keep their share of its ranges"},
+       {"--vertices", "N", "of the mesh, about (2000)"},
+       {"--tolerance", "MM", "leave out corrective targets that never move a vertex this far (0.1)"},
+       {"--rate", "FPS", "frames a second of a table without time_s (30)"},
+       {"-o", "GLB", "glTF with morph targets and head motion; or a folder, for an OBJ a frame at rest"}},
+      1,
+      run_animate};
+}
+
+}  // namespace pliant::cli

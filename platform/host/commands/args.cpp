@@ -1,0 +1,112 @@
+#include "host/commands/args.hpp"
+
+#include <charconv>
+#include <cmath>
+
+#include "host/io/failure.hpp"
+
+namespace pliant::cli {
+
+std::optional<double> parse_number(const std::string& text) {
+  double value = 0;
+  const char* first = text.data();
+  const char* last = first + text.size();
+  if (first != last && *first == '+') ++first;
+  const auto [end, error] = std::from_chars(first, last, value);
+  if (error != std::errc() || end != last || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+Args::Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands,
+           std::size_t optional) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (word.size() < 2 || word[0] != '-') {
+      operands_.push_back(word);
+      continue;
+    }
+    const std::size_t equals = word.rfind("--", 0) == 0 ? word.find('=') : std::string::npos;
+    const std::string name = word.substr(0, equals);
+    const Option* option = nullptr;
+    for (const Option& o : options)
+      if (name == o.name) option = &o;
+    if (option == nullptr) fail_usage("unknown option " + name);
+    if (!option->in_this_build) fail_usage(name + " is not available in this build");
+    if (values_.count(name) != 0 && !option->may_repeat) fail_usage(name + " is given twice");
+    if (option->value == nullptr) {
+      if (equals != std::string::npos) fail_usage(name + " takes no value");
+      values_[name] = {""};
+    } else if (equals != std::string::npos) {
+      values_[name].push_back(word.substr(equals + 1));
+    } else {
+      if (i + 1 == words.size()) fail_usage(name + " needs a value: " + option->value);
+      values_[name].push_back(words[++i]);
+    }
+  }
+  if (operands_.size() < operands) fail_usage("a file name is missing");
+  if (operands_.size() > operands + optional)
+    fail_usage("one word too many: " + operands_[operands + optional]);
+}
+
+std::optional<std::string> Args::text(const char* name) const {
+  const auto found = values_.find(name);
+  if (found == values_.end()) return std::nullopt;
+  return found->second.back();
+}
+
+std::vector<std::string> Args::texts(const char* name) const {
+  const auto found = values_.find(name);
+  return found == values_.end() ? std::vector<std::string>{} : found->second;
+}
+
+std::string Args::required(const char* name) const {
+  const auto value = text(name);
+  if (!value || value->empty()) fail_usage(std::string(name) + " is missing");
+  return *value;
+}
+
+double Args::number(const char* name, double otherwise, double low, double high) const {
+  const auto value = text(name);
+  if (!value) return otherwise;
+  const auto parsed = parse_number(*value);
+  if (!parsed || *parsed < low || *parsed > high)
+    fail_usage(std::string(name) + ": not a number in range: " + *value);
+  return *parsed;
+}
+
+int Args::integer(const char* name, int otherwise, int low, int high) const {
+  const double value = number(name, otherwise, low, high);
+  if (value != std::floor(value)) fail_usage(std::string(name) + " must be a whole number");
+  return static_cast<int>(value);
+}
+
+std::optional<ImageSize> Args::size(const char* name) const {
+  const auto value = text(name);
+  if (!value) return std::nullopt;
+  const std::size_t x = value->find_first_of("xX");
+  const auto side = [&](const std::string& digits) {
+    const double pixels = parse_number(digits).value_or(0);
+    if (pixels < 16 || pixels > 8192 || pixels != std::floor(pixels))
+      fail_usage(std::string(name) + ": not a size like 320x240: " + *value);
+    return static_cast<int>(pixels);
+  };
+  return ImageSize{side(value->substr(0, x)), side(x == std::string::npos ? "" : value->substr(x + 1))};
+}
+
+std::optional<std::vector<float>> Args::numbers(const char* name, std::size_t count) const {
+  const auto value = text(name);
+  if (!value) return std::nullopt;
+  std::vector<float> parsed;
+  for (std::size_t start = 0; start <= value->size();) {
+    const std::size_t comma = std::min(value->find(',', start), value->size());
+    const auto number = parse_number(value->substr(start, comma - start));
+    if (!number) fail_usage(std::string(name) + ": not numbers with commas between: " + *value);
+    parsed.push_back(static_cast<float>(*number));
+    start = comma + 1;
+  }
+  if (parsed.size() != count)
+    fail_usage(std::string(name) + " needs " + std::to_string(count) + " numbers: " + *value);
+  return parsed;
+}
+
+}  // namespace pliant::cli

@@ -1,0 +1,89 @@
+#include "host/commands/command.hpp"
+
+#include <algorithm>
+#include <exception>
+
+#include "host/io/failure.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+std::vector<Command> commands() {
+  return {bake_command(),   info_command(),  mesh_command(),    points_command(),
+          fit_command(),    track_command(), animate_command(), render_command(),
+          camera_command(), plan_command(),  bench_command()};
+}
+
+void print_help(std::ostream& out) {
+  out << "usage: pliant COMMAND ...\n";
+  for (const Command& c : commands())
+    out << "  pliant " << c.name << " " << c.usage << "\n      " << c.summary << "\n";
+  out << "`pliant COMMAND --help` explains one.\n";
+}
+
+void print_help(const Command& command, std::ostream& out) {
+  out << "usage: pliant " << command.name << " " << command.usage << "\n" << command.summary << "\n";
+  for (const Option& o : command.options) {
+    if (!o.in_this_build) continue;
+    std::string left = std::string("  ") + o.name + (o.value == nullptr ? "" : std::string(" ") + o.value);
+    left.resize(std::max<std::size_t>(left.size() + 2, 30), ' ');
+    out << left << o.help << "\n";
+  }
+}
+
+int run_command(const Command& command, const std::vector<std::string>& words, Console& console) {
+  const std::string name = std::string("pliant ") + command.name;
+  try {
+    return command.run(Args(words, command.options, command.operands, command.optional_operands), console);
+  } catch (const Failure& failure) {
+    console.err << name << ": " << failure.what() << "\n";
+    if (failure.exit_code() == kBadUsage) console.err << "usage: " << name << " " << command.usage << "\n";
+    return failure.exit_code();
+  } catch (const std::bad_alloc&) {
+    console.err << name << ": not enough memory\n";
+  } catch (const std::exception& e) {
+    console.err << name << ": " << e.what() << "\n";
+  }
+  return kBadInput;
+}
+
+}  // namespace
+
+int run(const std::vector<std::string>& words, Console& console) {
+  if (words.empty()) {
+    print_help(console.err);
+    return kBadUsage;
+  }
+  if (words[0] == "--help" || words[0] == "-h" || words[0] == "help") {
+    print_help(console.out);
+    return 0;
+  }
+  if (words[0] == "--version") {
+    console.out << "pliant " << PLIANT_VERSION_MAJOR << "." << PLIANT_VERSION_MINOR << "."
+                << PLIANT_VERSION_PATCH << "\n";
+    return 0;
+  }
+  const std::vector<std::string> rest(words.begin() + 1, words.end());
+  for (const Command& command : commands()) {
+    if (words[0] != command.name) continue;
+    if (std::find(rest.begin(), rest.end(), "--help") == rest.end())
+      return run_command(command, rest, console);
+    print_help(command, console.out);
+    return 0;
+  }
+  console.err << "pliant: no such command: " << words[0] << "\n";
+  return kBadUsage;
+}
+
+Progress::~Progress() {
+  if (shown_) console_.err << "\r\x1b[K" << std::flush;
+}
+
+void Progress::show(std::size_t count) {
+  if (!console_.shows_progress || count % 5 != 0) return;
+  console_.err << "\r" << what_ << " " << count << std::flush;
+  shown_ = true;
+}
+
+}  // namespace pliant::cli

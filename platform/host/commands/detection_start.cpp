@@ -1,0 +1,98 @@
+#include "host/commands/detection_start.hpp"
+
+#include <cstdio>
+
+#include "host/io/failure.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+constexpr int kTrialFrames = 10;
+/// Less than at the start: a face that turns and talks looks less like what was fitted.
+constexpr float kHoldShare = 0.85f;
+
+FinderLimits limits_for(const ImageSize& size) {
+  FinderLimits limits;
+  limits.width = static_cast<std::uint16_t>(size.width);
+  limits.height = static_cast<std::uint16_t>(size.height);
+  return limits;
+}
+
+std::string number_of(float likeness) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.2f", static_cast<double>(likeness));
+  return text;
+}
+
+}  // namespace
+
+SelfStart::SelfStart(const ModelFile& file, const ImageSize& size, const Camera& camera,
+                     const std::string& frames, int most_frames, std::ostream& err)
+    : frames_(frames),
+      most_frames_(most_frames),
+      err_(err),
+      finder_(file.model(), limits_for(size)),
+      camera_(camera) {
+  const Status status = finder_->begin(camera, {});
+  if (status == Status::not_found)
+    fail_input(file.path(),
+               "--init outline needs a model with an albedo, curves of lids, brows and lips, and landmarks");
+  require(status, "--init outline");
+}
+
+std::optional<Beginning> SelfStart::find(const FrameView& frame, std::size_t number) {
+  FinderReport report;
+  require(finder_->find(frame, &report), frames_ + ": frame " + std::to_string(number));
+  most_ = max(most_, report.likeness);
+  ++looked_;
+  if (!report.is_found) {
+    if (looked_ == 1) err_ << frames_ << ": frame " << number << ": no face found yet, looking on\n";
+    if (looked_ >= most_frames_) give_up();
+    return std::nullopt;
+  }
+  err_ << frames_ << ": frame " << number << ": found, likeness " << number_of(report.likeness) << "\n";
+  const Span<const float> q = finder_->parameters();
+  followed_ = 0;
+  sum_ = 0;
+  started_at_ = number;
+  is_on_ = true;
+  return Beginning{camera_, report.pose, {q.begin(), q.end()}};
+}
+
+void SelfStart::refuse(std::size_t number) {
+  is_on_ = false;
+  err_ << frames_ << ": frame " << number << ": too little to track there, looking on\n";
+  if (looked_ >= most_frames_) give_up();
+}
+
+bool SelfStart::holds(const FrameView& frame, std::size_t number, Tracker& tracker) {
+  if (followed_ == kTrialFrames) return true;
+  float likeness = 0;
+  const bool is_compared = tracker.result().state != TrackState::lost &&
+                           finder_->compare(frame, tracker.result().pose,
+                                            tracker.estimator().parameters().data, &likeness) == Status::ok;
+  if (!is_compared) likeness = 0;
+  sum_ += likeness;
+  if (++followed_ < kTrialFrames) return true;
+  const float mean = sum_ / kTrialFrames;
+  if (mean >= kHoldShare * FinderOptions{}.min_likeness) return true;
+  is_on_ = false;
+  err_ << frames_ << ": frame " << number << ": the start in frame " << started_at_
+       << " does not hold (likeness " << number_of(mean) << "), looking again\n";
+  return false;
+}
+
+void SelfStart::conclude() const {
+  if (!is_on_) give_up();
+}
+
+void SelfStart::give_up() const {
+  const float needed = FinderOptions{}.min_likeness;
+  const std::string count = std::to_string(looked_) + " frames";
+  if (most_ >= needed) fail_input(frames_, "no start held, " + count + " looked at");
+  fail_input(frames_, "no face found in " + count + ": likeness at most " + number_of(most_) + ", " +
+                          number_of(needed) + " is needed");
+}
+
+}  // namespace pliant::cli

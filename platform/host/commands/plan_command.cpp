@@ -1,0 +1,149 @@
+// `pliant plan`: memory and time of a tracker before it runs. Bytes come from the tracker's own layout, counted by purpose
+// while it measures; so they are what a run takes, whatever becomes of the tracker.
+#include <cstdio>
+#include <memory>
+
+#include "host/bake/table_writer.hpp"
+#include "host/commands/command.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
+#include "host/commands/plan.hpp"
+#include "host/commands/tracker_limits.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+constexpr const char* kPurposeNames[kPurposeCount] = {
+    "other",      "model evaluation", "mesh",         "mesh adaptation", "visibility",
+    "solver",     "surface points",   "baked points", "baked vertices",  "outlier rejection",
+    "parameters", "picture pyramid",  "patches",      "corners",         "small pictures"};
+
+/// A table with nothing but the counts that matter: one record a parameter, after the rest shape.
+std::vector<std::uint32_t> stand_in_table(int parameters) {
+  bake::TableWriter writer;
+  bake::FieldGrid grid;
+  grid.width = grid.height = 3;
+  grid.components = 3;
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) {
+      const float x = 60 * static_cast<float>(i - 1), y = -80 * static_cast<float>(j - 1);
+      grid.samples.insert(grid.samples.end(), {x, y, 10.0f * static_cast<float>(i == 1)});
+    }
+  CascadeRecord record = bake::empty_record(Operation::constant);
+  record.field = writer.add_field(grid, 16);
+  std::uint16_t last = writer.add_record(record);
+  for (int k = 0; k < parameters; ++k) {
+    CascadeRecord next = bake::empty_record(Operation::add_vector);
+    next.field = record.field;
+    next.source[0] = last;
+    next.parameter[0] = writer.add_parameter({"p" + std::to_string(k), Group::expression, -1, 1, 1});
+    last = writer.add_record(next);
+  }
+  writer.set_base_mesh({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {2, 0, 1, 0, 2, 3});
+  writer.set_mask({1, 1, {1}});
+  const auto bytes = writer.bytes();
+  std::vector<std::uint32_t> words((bytes.size() + 3) / 4);
+  std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(words.data()));
+  return words;
+}
+
+TrackerLimits limits_from(const Args& args) {
+  const TrackerLimits of_profile = tracker_limits(args, std::nullopt);
+  const ImageSize size{args.integer("--width", of_profile.width, 64, 8192),
+                       args.integer("--height", of_profile.height, 64, 8192)};
+  TrackerLimits l = tracker_limits(args, size);
+  l.vertices = static_cast<std::uint16_t>(args.integer("--vertices", l.vertices, 4, 10000));
+  l.markers = static_cast<std::uint16_t>(args.integer("--markers", l.markers, 0, 4096));
+  if (args.has("--points")) {
+    // A quarter of the patches is for later key frames, an equal number for each.
+    const int points = args.integer("--points", 0, 8, 4096);
+    const int each = l.key_frames > 0 ? points / 4 / l.key_frames : 0;
+    l.key_patches = static_cast<std::uint16_t>(each * l.key_frames);
+    l.patches = static_cast<std::uint16_t>(points - l.key_patches);
+  }
+  if (args.has("--parameters"))
+    l.free_parameters = static_cast<std::uint16_t>(args.integer("--parameters", 0, 1, 500));
+  return l;
+}
+
+void print_bytes(std::ostream& out, const Plan& plan, std::size_t table_bytes) {
+  char line[128];
+  out << "bytes of the arena, by purpose\n";
+  for (std::size_t p = 0; p < kPurposeCount; ++p) {
+    if (plan.bytes[p] == 0) continue;
+    std::snprintf(line, sizeof line, "  %-22s %10zu\n", kPurposeNames[p], plan.bytes[p]);
+    out << line;
+  }
+  std::snprintf(line, sizeof line, "  %-22s %10zu\n", "arena", plan.arena_bytes);
+  out << line;
+  std::snprintf(line, sizeof line, "the Tracker object       %10zu\n", sizeof(Tracker));
+  out << line;
+  if (table_bytes == 0) return;
+  std::snprintf(line, sizeof line, "the model's table, flash %10zu\n", table_bytes);
+  out << line;
+}
+
+void print_loads(std::ostream& out, const Plan& plan) {
+  char line[160];
+  std::snprintf(line, sizeof line, "\n%-44s %10s %10s %12s\n", "a frame", "usually", "at most", "operations");
+  out << line;
+  for (const Load& load : plan.loads) {
+    std::snprintf(line, sizeof line, "  %-42s %10.0f %10.0f %12.0f\n", load.what, load.usual, load.most,
+                  load.operations);
+    out << line;
+  }
+  std::snprintf(
+      line, sizeof line,
+      "\nabout %.1f million multiply-adds a frame, %.0f million at most (estimated: counts x operations)\n",
+      1e-6 * plan.usual_operations(), 1e-6 * plan.most_operations());
+  out << line;
+}
+
+int run_plan(const Args& args, Console& console) {
+  const TrackerLimits limits = limits_from(args);
+  const bool has_model = args.operand_count() > 0;
+  std::unique_ptr<ModelFile> file;
+  std::vector<std::uint32_t> stand_in;
+  Model model;
+  std::size_t table_bytes = 0;
+  if (has_model) {
+    file = std::make_unique<ModelFile>(args.operand(0));
+    model = file->model();
+    table_bytes = read_file(args.operand(0)).size();
+  } else {
+    stand_in = stand_in_table(args.integer("--parameters", 60, 1, 500));
+    require(Model::open(stand_in.data(), stand_in.size() * 4, &model), "stand-in model");
+  }
+  const Plan plan = make_plan(model, limits);
+  char line[200];
+  std::snprintf(line, sizeof line, "%d x %d pixels, %d patches, %d vertices, %zu parameters of %zu%s\n\n",
+                limits.width, limits.height, limits.patches + limits.key_patches, limits.vertices,
+                plan.free_parameters, model.parameters().count,
+                has_model ? "" : " (no model given: one record a parameter)");
+  console.out << line;
+  print_bytes(console.out, plan, table_bytes);
+  print_loads(console.out, plan);
+  return 0;
+}
+
+}  // namespace
+
+Command plan_command() {
+  return {"plan",
+          "Memory of a tracker to the byte, and the work of a frame, before it runs.",
+          "[face.plm] [--profile s|l] [--width W] [--height H] [--vertices V] [--points N] [--parameters P] "
+          "[--markers M]",
+          {{"--profile", "s|l", "start from the capacities of a small or a large device"},
+           {"--width", "W", "of the frames"},
+           {"--height", "H", "of the frames"},
+           {"--vertices", "V", "of the mesh, at most"},
+           {"--points", "N", "patches, those of later key frames included"},
+           {"--parameters", "P", "estimated at once, at most"},
+           {"--markers", "M", "points followed and never looked at"}},
+          0,
+          run_plan,
+          1};
+}
+
+}  // namespace pliant::cli

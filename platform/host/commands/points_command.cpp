@@ -1,0 +1,148 @@
+// `pliant points`: the semi-automated correspondence tool (the paper, section 6): a page with the model's landmarks over
+// the photograph, where a person puts them right.
+#include <algorithm>
+#include <cstring>
+
+#include "host/io/calibration.hpp"
+#include "host/commands/command.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
+#include "host/io/json.hpp"
+#include "host/render/overlay.hpp"
+#include "host/io/owned.hpp"
+#include "host/io/page.hpp"
+#include "host/render/scene.hpp"
+#include "host/commands/start.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+/// A face that nothing is known about: in the middle, this much of the picture's height.
+constexpr float kFilledShare = 0.6f;
+/// A landmark whose surface turns away by more than this (cosine) starts switched off. Beyond a right angle, because
+/// the face's outline is just there.
+constexpr float kTurnedAway = 0.4f;
+/// Share of the chart that the surface's direction is taken over: wide enough to look beyond the folds of lids and lips.
+constexpr float kNeighbourhood = 0.03f;
+
+/// Landmarks that a curve is drawn through, where the model has them.
+struct Chain {
+  int first, last;  // ibug
+  bool is_closed;
+};
+constexpr Chain kChains[] = {{0, 16, false},  {17, 21, false}, {22, 26, false},
+                             {27, 30, false}, {31, 35, false}, {36, 41, true},
+                             {42, 47, true},  {48, 59, true},  {60, 67, true}};
+
+bool is_box(const std::string& text) {
+  return std::count(text.begin(), text.end(), ',') == 3 &&
+         text.find_first_not_of("0123456789.,-+eE ") == std::string::npos;
+}
+
+FitFile start_of(const Args& args, const ModelFile& file, const Image& image, const std::string& path,
+                 std::ostream& err) {
+  FitSetup setup;
+  setup.size = {image.width, image.height};
+  setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
+  setup.camera = calibration_of(args, setup.size, err);
+  const auto start = args.text("--start");
+  if (start && is_box(*start)) return fit_to_box(file, *args.numbers("--start", 4), setup);
+  if (start) {
+    FitFile fit = read_start(*start, file, setup.size, path, setup.focal_px, setup.camera);
+    if (is_fit(read_file(*start))) fit.points.clear();  // what it was fitted to is done with
+    return fit;
+  }
+  const std::vector<float> q(file.model().parameters().count, 0.0f);
+  const float f = setup.focal_px > 0 ? setup.focal_px : default_focal(setup.size);
+  const Camera camera = setup.camera.value_or(centred_camera(image.width, image.height, f));
+  const Pose pose = frontal_pose(file.model(), q.data(), camera, image.height, kFilledShare);
+  FitFile fit = describe(file.model(), setup.size, view_of(pose, camera), q);
+  fit.camera = camera;
+  return fit;
+}
+
+/// Landmarks at the start: where they are, and whether the camera sees their side of the surface.
+Json::Array points_at(const Model& model, const FitFile& start, std::size_t* on_count) {
+  std::vector<float> q(model.parameters().count, 0.0f);
+  (void)apply(start.parameters, "start", model, q.data());
+  Owned<Cascade> cascade(model);
+  cascade->select(q.data());
+  const Projector projector(view_of(start.pose, start.camera), true);
+  const Lens lens = lens_of(start.camera, {start.width, start.height});
+  const bool has_68 = model.find_landmark("ibug00") != kNone && model.find_landmark("ibug67") != kNone;
+  Json::Array points;
+  for (const Landmark& landmark : model.landmarks()) {
+    const Vec2 uv{landmark.u, landmark.v};
+    const auto at = [&](float du, float dv) {
+      return cascade->selected_point({uv.x + du * kNeighbourhood, uv.y + dv * kNeighbourhood});
+    };
+    const Vec3 p = at(0, 0);
+    const Vec3 normal = projector.rotated(normalised(cross(at(0, 1) - at(0, -1), at(1, 0) - at(-1, 0))));
+    Vec2 x{-100, -100};
+    bool is_on = projector.project(p, &x) && dot(normal, normalised(projector.to_camera(p))) < kTurnedAway;
+    x = lens.distort(x);
+    // Eyes, nose and mouth by five points lie on or among the 68, and say no more than those.
+    if (has_68 && std::strncmp(landmark.name, "ibug", 4) != 0) is_on = false;
+    // Points that somebody gave are where they were given; then the others are only proposals.
+    if (!start.points.empty()) is_on = false;
+    for (const FitPoint& given : start.points)
+      if (given.landmark == landmark.name) x = given.x, is_on = true;
+    *on_count += is_on;
+    points.push_back(Json::Object{{"name", landmark.name},
+                                  {"x", static_cast<double>(x.x)},
+                                  {"y", static_cast<double>(x.y)},
+                                  {"on", is_on}});
+  }
+  return points;
+}
+
+Json::Array chains() {
+  Json::Array out;
+  for (const Chain& chain : kChains) {
+    Json::Array names;
+    for (int k = chain.first; k <= chain.last; ++k)
+      names.push_back((k < 10 ? "ibug0" : "ibug") + std::to_string(k));
+    out.push_back(Json::Object{{"closed", chain.is_closed}, {"names", names}});
+  }
+  return out;
+}
+
+int run_points(const Args& args, Console& console) {
+  const std::string output = args.required("-o"), path = args.required("--image");
+  const ModelFile file(args.operand(0));
+  const Image image = read_image(path);
+  const FitFile start = start_of(args, file, image, path, console.err);
+  std::size_t on_count = 0;
+  const Json data(Json::Object{{"width", image.width},
+                               {"height", image.height},
+                               {"points", points_at(file.model(), start, &on_count)},
+                               {"chains", chains()},
+                               {"picture", picture_address(path)}});
+  const std::string title = path.substr(path.find_last_of('/') + 1);
+  write_file(output,
+             fill_page(kPointsPage, {{"title", html_text(title)}, {"data", script_json(data.text())}}));
+  console.out << output << ": " << file.model().landmarks().count << " landmarks, " << on_count
+              << " switched on; open it in a browser, and save points.csv for `pliant fit --points`\n";
+  return 0;
+}
+
+}  // namespace
+
+Command points_command() {
+  return {
+      "points",
+      "Writes a page with the model's landmarks over a picture, to drag, switch off and save as points.csv.",
+      "face.plm --image picture [--start fit.json|points.csv|X,Y,W,H] [--focal PX|--calibration camera.yml] "
+      "-o points.html",
+      {{"--image", "FILE", "the photograph; the page holds it"},
+       {"--start", "START",
+        "a fit.json, a points.csv that is fitted first, or a face detector's box; else the middle"},
+       {"--focal", "PX", "focal length, when it is known"},
+       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
+       {"-o", "HTML", "the page to write; it needs no network"}},
+      1,
+      run_points};
+}
+
+}  // namespace pliant::cli

@@ -1,0 +1,179 @@
+// `pliant render`: a picture sequence of a model with known parameters, and the truth beside it.
+#include <cmath>
+#include <memory>
+#include <numeric>
+
+#include "host/io/calibration.hpp"
+#include "host/commands/command.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
+#include "host/render/overlay.hpp"
+#include "host/render/render_grid.hpp"
+#include "host/render/scene.hpp"
+#include "host/commands/start.hpp"
+#include "host/io/track_table.hpp"
+#include "host/io/y4m_output.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+/// How much of the picture's height the model fills when no distance is given.
+constexpr float kFilledShare = 0.55f;
+
+FrameRate rate_of(double per_second) {
+  const int thousandths = static_cast<int>(std::lround(per_second * 1000));
+  const int common = std::gcd(thousandths, 1000);
+  return {thousandths / common, 1000 / common};
+}
+
+/// The truth of a rendered sequence: pose, parameters and landmarks a frame, as two tables.
+class Truth {
+ public:
+  Truth(const Args& args, const Model& model, const ImageSize& size)
+      : model_(model), cascade_(model), size_(size) {
+    for (const Landmark& l : model.landmarks()) names_.push_back(l.name);
+    if (const auto path = args.text("--truth")) rows_ = std::make_unique<OutputFile>(*path);
+    if (const auto path = args.text("--truth-points")) points_ = std::make_unique<OutputFile>(*path);
+    if (rows_) rows_->write(track_header(model, names_));
+    if (points_) points_->write("frame,landmark,x,y\n");
+  }
+  void add(std::size_t frame, double time_s, const PosedParameters& state, const Camera& camera) {
+    TrackRow row;
+    row.frame = frame;
+    row.time_s = time_s;
+    row.pose = state.pose;
+    row.q = state.q;
+    row.points = project_landmarks(model_, *cascade_, state.pose, camera, size_, state.q.data());
+    if (rows_) rows_->write(track_line(row));
+    for (std::size_t k = 0; points_ && k < names_.size(); ++k)
+      if (row.points[k])
+        points_->write(std::to_string(frame) + "," + names_[k] + "," +
+                       number_text(static_cast<double>(row.points[k]->x)) + "," +
+                       number_text(static_cast<double>(row.points[k]->y)) + "\n");
+  }
+  void commit() {
+    if (rows_) rows_->commit();
+    if (points_) points_->commit();
+  }
+
+ private:
+  Model model_;
+  Owned<Cascade> cascade_;
+  ImageSize size_;
+  std::vector<std::string> names_;
+  std::unique_ptr<OutputFile> rows_, points_;
+};
+
+Image background_of(const Args& args, const ImageSize& size, std::uint32_t seed) {
+  const auto path = args.text("--background");
+  if (!path) return make_background(size.width, size.height, seed);
+  Image image = to_grey(read_image(*path));
+  if (image.width != size.width || image.height != size.height)
+    fail_input(*path, "is of " + std::to_string(image.width) + "x" + std::to_string(image.height) +
+                          " pixels, not " + std::to_string(size.width) + "x" + std::to_string(size.height));
+  return image;
+}
+
+std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, const Camera& camera,
+                                       int height, Console& console) {
+  const Model& model = file.model();
+  PosedParameters neutral;
+  neutral.q.assign(model.parameters().count, 0.0f);
+  if (const auto path = args.text("--identity")) {
+    const FitFile fit = parse_fit(*path, read_file(*path));
+    list_unmatched(apply(fit.parameters, *path, model, neutral.q.data()), *path, console.err);
+    for (std::size_t k = 0; k < neutral.q.size(); ++k)
+      if (model.parameters()[k].group != Group::identity) neutral.q[k] = 0;
+  }
+  neutral.pose = frontal_pose(model, neutral.q.data(), camera, height, kFilledShare);
+  const std::string path = args.required("--params");
+  const CsvTable table(path, read_file(path));
+  std::vector<std::string> unmatched;
+  auto rows = read_posed_parameters(table, model, neutral, &unmatched);
+  list_unmatched(unmatched, path, console.err);
+  if (rows.empty()) fail_input(path, "has no rows");
+  return rows;
+}
+
+/// People by expressions on one picture, instead of a video.
+int run_grid(const Args& args, Console& console) {
+  for (const char* option : {"-o", "--identity", "--truth", "--truth-points", "--focal", "--calibration",
+                             "--noise", "--seed", "--rate", "--background"})
+    if (args.has(option)) fail_usage(std::string(option) + " means nothing to --grid");
+  const std::string output = args.required("--grid"), people = args.required("--people"),
+                    expressions = args.required("--params");
+  const ImageSize cell = args.size("--size").value_or(ImageSize{84, 112});
+  if (cell.width > 1024 || cell.height > 1024)
+    fail_usage("--size: at most 1024x1024 for a picture of --grid");
+  const ModelFile file(args.operand(0));
+  const Image grid = draw_grid(file, people, expressions, cell, console);
+  write_file(output, encode_png(grid));
+  console.out << output << ": " << grid.width << "x" << grid.height << " pixels\n";
+  return 0;
+}
+
+int run_render(const Args& args, Console& console) {
+  if (args.has("--grid")) return run_grid(args, console);
+  if (args.has("--people")) fail_usage("--people goes with --grid");
+  const std::string output = args.required("-o");
+  const ImageSize size = args.size("--size").value_or(ImageSize{320, 240});
+  const auto f = static_cast<float>(args.number("--focal", static_cast<double>(default_focal(size)), 1, 1e6));
+  const auto noise = static_cast<float>(args.number("--noise", 2, 0, 128));
+  const auto seed = static_cast<std::uint32_t>(args.integer("--seed", 1, 0, 1 << 30));
+  const FrameRate rate = rate_of(args.number("--rate", 30, 0.001, 1000));
+  const ModelFile file(args.operand(0));
+  const Camera camera =
+      calibration_of(args, size, console.err).value_or(centred_camera(size.width, size.height, f));
+  const auto rows = read_rows(args, file, camera, size.height, console);
+  const Image background = background_of(args, size, seed);
+
+  Scene scene(file.model(), size.width, size.height);
+  Truth truth(args, file.model(), size);
+  Y4mOutput video(output, rate);
+  Progress progress(console, "frame");
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    Image image = scene.draw(rows[k].q.data(), rows[k].pose, camera, background);
+    add_noise(image, noise, seed + 0x10001u * static_cast<std::uint32_t>(k));
+    video.write(image);
+    truth.add(k, static_cast<double>(k) / rate.per_second(), rows[k], camera);
+    progress.show(k + 1);
+  }
+  video.commit();
+  truth.commit();
+  console.out << output << ": " << rows.size() << " frames of " << size.width << "x" << size.height << ", f "
+              << number_text(static_cast<double>(camera.f)) << " px\n";
+  return 0;
+}
+
+}  // namespace
+
+Command render_command() {
+  return {
+      "render",
+      "Draws a model with known pose and parameters, frame by frame, and writes the truth beside it.",
+      "face.plm --params q.csv -o frames.y4m [--identity fit.json] [--truth truth.csv] [--truth-points "
+      "points.csv] "
+      "[--size WxH] [--focal PX|--calibration camera.yml] [--noise SD] [--seed N] [--rate FPS] [--background "
+      "PICTURE] | face.plm --grid grid.png --people people.csv --params expressions.csv [--size WxH]",
+      {{"--params", "CSV", "a row a frame, columns as in a track; those not there stay neutral and frontal"},
+       {"-o", "Y4M", "the video to write, grey"},
+       {"--identity", "JSON", "a fit whose identity is used where --params has no such columns"},
+       {"--truth", "CSV", "what was drawn, as a track with landmarks"},
+       {"--truth-points", "CSV", "frame,landmark,x,y"},
+       {"--size", "WxH", "320x240"},
+       {"--focal", "PX", "1.4 times the larger side"},
+       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
+       {"--noise", "SD", "of the sensor, in grey levels (2)"},
+       {"--seed", "N", "of noise and background (1)"},
+       {"--rate", "FPS", "frames a second (30)"},
+       {"--background", "PICTURE", "behind the model, of the frames' size; else soft blotches"},
+       {"--grid", "PNG",
+        "instead: people side by side, an expression a row, each picture of --size (84x112)"},
+       {"--people", "CSV",
+        "name, identity parameters and, if wanted, tone (brightness of the skin) of each person"}},
+      1,
+      run_render};
+}
+
+}  // namespace pliant::cli

@@ -1,0 +1,218 @@
+#include "host/commands/start.hpp"
+
+#include <algorithm>
+
+#include "host/io/failure.hpp"
+#include "host/io/owned.hpp"
+#include "pliant/fit.hpp"
+#include "track/landmark_fit.hpp"
+#include "track/personal_landmarks.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+/// Points closer together than this (px) are one point.
+constexpr float kLeastSpread = 4;
+/// A parameter counts as unseen when the points leave this much of its prior's standard deviation.
+constexpr float kUnseenShare = 0.95f;
+
+/// The iBUG points 0 to 16 run along the jaw from ear to ear.
+bool is_outline_landmark(const std::string& name) {
+  return name.size() == 6 && name.compare(0, 4, "ibug") == 0 && name.substr(4) <= "16";
+}
+
+Vec2 landmark_uv(const ModelFile& file, const NamedPoint& p) {
+  const std::uint16_t k = file.model().find_landmark(p.name.c_str());
+  if (k == kNone) fail_input(p.where, "landmark '" + p.name + "' is not in " + file.path());
+  const Landmark& landmark = file.model().landmarks()[k];
+  return {landmark.u, landmark.v};
+}
+
+std::vector<Correspondence> correspondences(const ModelFile& file, const std::string& source,
+                                            const std::vector<NamedPoint>& points, bool match_outline) {
+  if (points.size() < 4)
+    fail_input(source, "too few points: " + std::to_string(points.size()) + ", at least 4 are needed");
+  if (points.size() > 2048) fail_input(source, "more than 2048 points");
+  std::vector<Correspondence> out;
+  for (const NamedPoint& p : points) {
+    const bool is_outline = match_outline && !p.uv && is_outline_landmark(p.name);
+    out.push_back({p.uv ? *p.uv : landmark_uv(file, p), p.x, 1, is_outline});
+  }
+  const float spread = spread_of({out.data(), out.size()});
+  if (!(spread >= kLeastSpread))
+    fail_input(source, "the points do not determine the pose: they lie on one spot");
+  for (Correspondence& c : out) c.sd_px = kPointSdShare * spread;
+  return out;
+}
+
+NamedValues by_name(const Model& model, const std::vector<float>& values) {
+  NamedValues out;
+  for (std::size_t k = 0; k < values.size(); ++k) out.emplace_back(model.parameters()[k].name, values[k]);
+  return out;
+}
+
+}  // namespace
+
+float default_focal(const ImageSize& size) {
+  return FitOptions{}.default_focal_ratio * static_cast<float>(std::max(size.width, size.height));
+}
+
+View with_focal(const View& view, float focal_px) {
+  View out = view;
+  if (focal_px > 0) out.rho = clamp(view.s / focal_px, kMinRho, kMaxRho);
+  if (focal_px > 0) out.s = out.rho * focal_px;
+  return out;
+}
+
+View with_camera(const View& view, const Camera& camera) {
+  View out = with_focal(view, camera.f);
+  const Vec2 moved = view.c - Vec2{camera.cx, camera.cy};
+  out.c = {camera.cx, camera.cy};
+  out.tau = view.tau + (1.0f / out.s) * moved;
+  return out;
+}
+
+void list_unmatched(const std::vector<std::string>& names, const std::string& source, std::ostream& err) {
+  if (names.empty()) return;
+  err << source << ": the model has no parameter";
+  for (std::size_t i = 0; i < names.size(); ++i) err << (i > 0 ? ", " : " ") << names[i];
+  err << "\n";
+}
+
+FitFile describe(const Model& model, const ImageSize& size, const View& view, const std::vector<float>& q) {
+  FitFile fit;
+  fit.model_crc = model.crc();
+  fit.width = size.width;
+  fit.height = size.height;
+  fit.camera = camera_of(view);
+  fit.pose = pose_of(view);
+  fit.parameters = by_name(model, q);
+  std::vector<float> prior_sd;
+  for (const Parameter& p : model.parameters()) {
+    prior_sd.push_back(p.sd);
+    fit.unseen.push_back(p.name);
+  }
+  fit.sd = by_name(model, prior_sd);
+  return fit;
+}
+
+FitFile fit_to_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points,
+                      const FitSetup& setup) {
+  const Model& model = file.model();
+  auto pairs = correspondences(file, source, points, setup.match_outline);
+  std::vector<float> q = setup.q, sd(model.parameters().count), weight(pairs.size());
+  q.resize(model.parameters().count, 0.0f);
+  std::vector<Vec2> residual(pairs.size());
+  FitOptions options;
+  options.width = setup.size.width;
+  options.height = setup.size.height;
+  options.focal_px = setup.focal_px;
+  options.camera = setup.camera ? &*setup.camera : nullptr;
+  options.start = setup.view ? &*setup.view : nullptr;
+  options.is_free = setup.is_free.empty() ? nullptr : setup.is_free.data();
+  options.method = setup.method;
+  options.euler = setup.euler;
+  options.stiffness = setup.stiffness;
+  FitReport report;
+  FitLimits limits;
+  limits.points = static_cast<std::uint16_t>(pairs.size());
+  for (const Correspondence& c : pairs) limits.outline = limits.outline || c.is_outline;
+  Owned<Fitter> fitter(model, limits);
+  const auto fit_with = [&](const FitOptions& stage, float* stage_sd) {
+    return fitter->fit({pairs.data(), pairs.size()}, stage, q.data(), &report, stage_sd, residual.data(),
+                       weight.data());
+  };
+  std::vector<std::uint8_t> is_identity(sd.size());
+  std::vector<float> stage_sd(sd.size());
+  require(setup.is_free.empty()
+              ? fit_expression_then_identity(model, {pairs.data(), pairs.size()}, pairs[0].sd_px, options,
+                                             is_identity.data(), stage_sd.data(), sd.data(), fit_with)
+              : fit_with(options, sd.data()),
+          source);
+
+  FitFile fit = describe(model, setup.size, report.view, q);
+  if (setup.camera) fit.camera = *setup.camera;
+  fit.sd = by_name(model, sd);
+  fit.unseen.clear();
+  for (std::size_t k = 0; k < sd.size(); ++k)
+    if ((setup.is_free.empty() || setup.is_free[k] != 0) && sd[k] > kUnseenShare * model.parameters()[k].sd)
+      fit.unseen.push_back(model.parameters()[k].name);
+  fit.rms_px = report.rms_px;
+  fit.inliers = report.used;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    fit.points.push_back(
+        {points[i].name, pairs[i].x, residual[i], weight[i] > 0, !points[i].uv && !fitter->has_slid(i)});
+  return fit;
+}
+
+std::vector<Correspondence> personal_landmarks(const Model& model, const FitFile& fit) {
+  std::vector<Correspondence> points;
+  std::vector<Vec2> residuals;
+  std::vector<std::uint8_t> is_landmark;
+  for (const FitPoint& p : fit.points) {
+    const std::uint16_t k = model.find_landmark(p.landmark.c_str());
+    const Landmark at = k == kNone ? Landmark{} : model.landmarks()[k];
+    points.push_back({{at.u, at.v}, p.x});
+    residuals.push_back(p.residual);
+    is_landmark.push_back(k != kNone && p.used && p.is_landmark);
+  }
+  if (points.empty()) return points;
+  for (Correspondence& c : points) c.sd_px = kPointSdShare * spread_of({points.data(), points.size()});
+  std::vector<float> sd(model.parameters().count);
+  for (const auto& [name, value] : fit.sd)
+    if (const std::uint16_t k = model.find_parameter(name.c_str()); k != kNone) sd[k] = value;
+  points.resize(
+      find_personal(model, {points.data(), points.size()}, residuals.data(), is_landmark.data(), sd.data())
+          .count);
+  return points;
+}
+
+bool is_fit(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && text[first] == '{';
+}
+
+FitFile read_start(const std::string& path, const ModelFile& file, const ImageSize& size,
+                   const std::string& picture, float focal_px, const std::optional<Camera>& camera) {
+  const std::string text = read_file(path);
+  if (!is_fit(text)) {
+    FitSetup setup;
+    setup.size = size;
+    setup.focal_px = focal_px;
+    setup.camera = camera;
+    return fit_to_points(file, path, parse_points(path, text), setup);
+  }
+  FitFile fit = parse_fit(path, text);
+  if (fit.model_crc != file.model().crc())
+    fail_input(path, "was fitted with another model than " + file.path());
+  if (fit.width != size.width || fit.height != size.height)
+    fail_input(path, "is for " + std::to_string(fit.width) + "x" + std::to_string(fit.height) + " pixels, " +
+                         picture + " has " + std::to_string(size.width) + "x" + std::to_string(size.height));
+  if (!camera && !(focal_px > 0)) return fit;
+  const View fitted = view_of(fit.pose, fit.camera);
+  const View view = camera ? with_camera(fitted, *camera) : with_focal(fitted, focal_px);
+  fit.pose = pose_of(view);
+  if (camera)
+    fit.camera = *camera;
+  else
+    fit.camera.f = camera_of(view).f;
+  return fit;
+}
+
+FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const FitSetup& setup) {
+  std::vector<float> q = setup.q;
+  q.resize(file.model().parameters().count, 0.0f);
+  const float f = setup.focal_px > 0 ? setup.focal_px : default_focal(setup.size);
+  const Camera camera = setup.camera ? *setup.camera : centred_camera(setup.size.width, setup.size.height, f);
+  Owned<Cascade> cascade(file.model());
+  View view;
+  const Status status =
+      view_from_box(file.model(), *cascade, q.data(), {box[0], box[1]}, {box[2], box[3]}, camera, &view);
+  if (status != Status::ok) fail_usage("--box: width and height must be positive");
+  FitFile fit = describe(file.model(), setup.size, view, q);
+  if (setup.camera) fit.camera = camera;
+  return fit;
+}
+
+}  // namespace pliant::cli

@@ -1,0 +1,179 @@
+#include "host/commands/track_output.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include "host/render/overlay.hpp"
+#include "track/personal_landmarks.hpp"
+#include "track/surface_offset.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+/// The most memory that this process has had so far, as the kernel counts pages; 0 where it does not say. A rusage would
+/// count the parent's as well.
+std::size_t peak_memory_kib() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind("VmHWM:", 0) == 0) return std::stoul(line.substr(6));
+  return 0;
+}
+
+}  // namespace
+
+bool has_landmarks(const Args& args) {
+  return args.has("--landmarks") || args.has("--model-landmarks");
+}
+
+TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
+                         FrameRate rate)
+    : model_(model),
+      table_(args.required("--out")),
+      with_landmarks_(has_landmarks(args)),
+      landmark_offsets_(model.landmarks().count),
+      marker_count_(marker_names.size()),
+      rate_(rate) {
+  if (const auto path = args.text("--overlay")) overlay_ = std::make_unique<Y4mOutput>(*path, rate);
+  if (const auto path = args.text("--sheet")) sheet_file_ = std::make_unique<OutputFile>(*path);
+  if (const auto path = args.text("--report")) {
+    report_file_ = std::make_unique<OutputFile>(*path);
+    report_ = std::make_unique<TrackReport>(model);
+    facts_.title = args.required("--frames");
+    facts_.table_bytes = model.table_bytes();
+  }
+  if (const auto path = args.text("--truth")) truth_ = std::make_unique<TruthComparison>(*path, model);
+  std::vector<std::string> names;
+  if (with_landmarks_)
+    for (const Landmark& l : model.landmarks()) names.push_back(l.name);
+  names.insert(names.end(), marker_names.begin(), marker_names.end());
+  table_.write(track_header(model, names));
+}
+
+void TrackOutput::place_landmarks(Estimator& estimator, const std::vector<Correspondence>& personal) {
+  pliant::place_landmarks(
+      model_, [&](Vec2 uv) { return estimator.surface_point(uv); }, estimator.view(), estimator.lens(),
+      {personal.data(), personal.size()}, landmark_offsets_.data());
+}
+
+void TrackOutput::add(std::size_t number, double time_s, const FrameView& frame, Tracker& tracker,
+                      double milliseconds) {
+  const FrameResult& result = tracker.result();
+  TrackRow row;
+  row.frame = number;
+  row.time_s = time_s;
+  row.state = result.state;
+  row.tracked = result.tracked;
+  row.inliers = result.inliers;
+  row.rms_px = result.rms_px;
+  row.vertices = result.vertices;
+  row.pose = result.pose;
+  for (const float value : tracker.estimator().parameters()) row.q.push_back(value);
+  const auto landmarks = project_landmarks(tracker.estimator());
+  if (with_landmarks_) row.points = landmarks;
+  const auto markers = project_markers(tracker);
+  row.points.insert(row.points.end(), markers.begin(), markers.end());
+  if (number > 0) milliseconds_.push_back(milliseconds);
+  if (row.state != TrackState::lost && truth_) truth_->add(number, row.pose, landmarks);
+  write(row, frame);
+  draw(row, frame, &tracker.estimator(), landmarks, markers, milliseconds);
+}
+
+void TrackOutput::add_lost(std::size_t number, double time_s, const FrameView& frame) {
+  TrackRow row;
+  row.frame = number;
+  row.time_s = time_s;
+  row.state = TrackState::lost;
+  row.q.resize(model_.parameters().count);
+  row.points.resize((with_landmarks_ ? model_.landmarks().count : 0) + marker_count_);
+  write(row, frame);
+  draw(row, frame, nullptr, {}, {}, 0);
+}
+
+void TrackOutput::write(const TrackRow& row, const FrameView& frame) {
+  table_.write(track_line(row));
+  ++frames_;
+  if (row.state == TrackState::tracking) ++tracked_;
+  if (row.state != TrackState::lost) {
+    squared_sum_ += static_cast<double>(row.rms_px) * static_cast<double>(row.rms_px);
+    ++known_;
+  }
+  facts_.width = frame.width;
+  facts_.height = frame.height;
+  facts_.vertices = static_cast<std::size_t>(row.vertices);
+}
+
+std::string TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
+  const std::string line = summary(arena_bytes, focal_px);  // once: the peak of memory goes on growing
+  table_.commit();
+  if (overlay_) overlay_->commit();
+  if (sheet_file_) {
+    sheet_file_->write(encode_png(sheet_.image()));
+    sheet_file_->commit();
+  }
+  if (report_) {
+    facts_.arena_bytes = arena_bytes;
+    facts_.summary = line;
+    report_file_->write(report_->page(facts_));
+    report_file_->commit();
+  }
+  return line;
+}
+
+std::string TrackOutput::summary(std::size_t arena_bytes, float focal_px) const {
+  char line[256];
+  const double rms = known_ == 0 ? 0 : std::sqrt(squared_sum_ / static_cast<double>(known_));
+  std::snprintf(line, sizeof line,
+                "frames=%zu tracked=%zu rms_px=%.3f median_ms=%.3f arena_bytes=%zu f_px=%.6g", frames_,
+                tracked_, rms, median(milliseconds_), arena_bytes, static_cast<double>(focal_px));
+  std::string out = line;
+  if (const std::size_t peak = peak_memory_kib(); peak > 0) out += " peak_kib=" + std::to_string(peak);
+  if (truth_) {
+    std::snprintf(line, sizeof line, " landmark_px=%.3f rotation_deg=%.3f compared=%zu",
+                  truth_->mean_landmark_px(), truth_->median_rotation_deg(), truth_->frame_count());
+    out += line;
+  }
+  return out;
+}
+
+TrackOutput::Points TrackOutput::project_landmarks(Estimator& estimator) const {
+  Points out;
+  for (std::size_t k = 0; k < landmark_offsets_.size(); ++k) {
+    const Landmark& l = model_.landmarks()[k];
+    Vec2 x;
+    const bool is_seen = project_beside(estimator, {l.u, l.v}, landmark_offsets_[k], &x);
+    out.push_back(is_seen ? std::optional<Vec2>(x) : std::nullopt);
+  }
+  return out;
+}
+
+TrackOutput::Points TrackOutput::project_markers(Tracker& tracker) const {
+  Points out;
+  for (std::size_t k = 0; k < marker_count_; ++k) {
+    Vec2 x;
+    out.push_back(tracker.marker(k, &x) ? std::optional<Vec2>(x) : std::nullopt);
+  }
+  return out;
+}
+
+void TrackOutput::draw(const TrackRow& row, const FrameView& frame, Estimator* estimator,
+                       const Points& landmarks, const Points& markers, double milliseconds) {
+  if (!overlay_ && !sheet_file_ && !report_) return;
+  Overlay overlay(image_of(frame));
+  if (estimator != nullptr) estimator->refresh_vertices();
+  if (row.state != TrackState::lost && estimator != nullptr) {
+    overlay.draw_mesh(wire_of(*estimator));
+    for (const auto& x : landmarks)
+      if (x) overlay.draw_landmark(*x);
+    for (const auto& x : markers)
+      if (x) overlay.draw_marker(*x);
+  }
+  overlay.draw_caption(std::to_string(row.frame) + "  " + state_text(row.state));
+  overlay.draw_state(row.state);
+  if (overlay_) overlay_->write(overlay.image());
+  if (sheet_file_) sheet_.add(overlay.image());
+  if (report_) report_->add(row, overlay.image(), milliseconds);
+}
+
+}  // namespace pliant::cli

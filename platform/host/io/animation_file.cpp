@@ -1,0 +1,133 @@
+#include "host/io/animation_file.hpp"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
+#include "host/io/glb.hpp"
+#include "host/render/shown_mesh.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+/// A pose in glTF's axes, metres: the camera's axes turned half round x, which the model's already are.
+Vec3 translation_of(const Pose& pose) {
+  return 0.001f * Vec3{pose.t.x, -pose.t.y, -pose.t.z};
+}
+Quat rotation_of(const Pose& pose) {
+  return {pose.q.w, pose.q.x, -pose.q.y, -pose.q.z};
+}
+
+Json::Array list(Vec3 v) {
+  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+Json::Array list(Quat q) {
+  return {static_cast<double>(q.x), static_cast<double>(q.y), static_cast<double>(q.z),
+          static_cast<double>(q.w)};
+}
+
+Json::Object mesh_of(GlbFile& file, const MeshData& mesh, const Morphs& morphs, int material) {
+  Json::Array targets, names, weights;
+  for (const MorphTarget& target : morphs.targets) {
+    const int position = file.add(target.position, GlbFile::Use::vertices);
+    targets.push_back(
+        Json::Object{{"POSITION", position}, {"NORMAL", file.add(target.normal, GlbFile::Use::vertices)}});
+    names.push_back(target.name);
+    weights.push_back(0);
+  }
+  const Json::Object attributes{{"POSITION", file.add(morphs.position, GlbFile::Use::vertices)},
+                                {"NORMAL", file.add(morphs.normal, GlbFile::Use::vertices)},
+                                {"TEXCOORD_0", file.add(mesh.uv)}};
+  Json::Object primitive{{"attributes", attributes}, {"indices", file.add(mesh.faces)}};
+  primitive.push_back({"material", material});
+  if (targets.empty()) return {{"primitives", Json::Array{primitive}}};
+  primitive.push_back({"targets", targets});
+  return {{"primitives", Json::Array{primitive}},
+          {"weights", weights},
+          {"extras", Json::Object{{"targetNames", names}}}};
+}
+
+/// Samplers and channels of the one node.
+struct Channels {
+  Json::Array samplers, channels;
+  void add(int input, int output, const char* path) {
+    channels.push_back(Json::Object{{"sampler", static_cast<int>(samplers.size())},
+                                    {"target", Json::Object{{"node", 0}, {"path", path}}}});
+    samplers.push_back(Json::Object{{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+  }
+};
+
+Json::Object animation_of(GlbFile& file, const Morphs& morphs, const Model& model, const Retargeted& track) {
+  std::vector<float> times, weights;
+  std::vector<Vec3> translations;
+  std::vector<Quat> rotations;
+  for (const RetargetFrame& frame : track.frames) {
+    times.push_back(static_cast<float>(frame.time_s - track.frames.front().time_s));
+    const auto w = morph_weights(model, morphs, frame.state.q);
+    weights.insert(weights.end(), w.begin(), w.end());
+    translations.push_back(translation_of(frame.state.pose));
+    Quat q = rotation_of(frame.state.pose);
+    if (!rotations.empty()) {  // of the two quaternions of a rotation the one nearer to the last
+      const Quat& p = rotations.back();
+      if (p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z < 0) q = {-q.w, -q.x, -q.y, -q.z};
+    }
+    rotations.push_back(q);
+  }
+  Channels out;
+  const int input = file.add(times);
+  if (!morphs.targets.empty()) out.add(input, file.add(weights), "weights");
+  if (track.has_pose) {
+    out.add(input, file.add(translations, GlbFile::Use::plain), "translation");
+    out.add(input, file.add(rotations), "rotation");
+  }
+  if (out.channels.empty()) return {};
+  return {{"name", "track"}, {"channels", out.channels}, {"samplers", out.samplers}};
+}
+
+}  // namespace
+
+std::string animation_glb(const MeshData& mesh, const Morphs& morphs, const Model& model,
+                          const Retargeted& track, const std::string& picture, bool is_lit) {
+  GlbFile file;
+  const Json::Object shape = mesh_of(file, mesh, morphs, file.add_material(picture, is_lit)),
+                     animation = animation_of(file, morphs, model, track);
+  Json::Object node{{"name", "head"}, {"mesh", 0}, {"scale", metres_per_millimetre()}};
+  if (track.has_pose) {  // what a viewer that plays nothing shows
+    node.push_back({"translation", list(translation_of(track.frames.front().state.pose))});
+    node.push_back({"rotation", list(rotation_of(track.frames.front().state.pose))});
+  }
+  Json::Object root{{"scene", 0},
+                    {"scenes", Json::Array{Json::Object{{"nodes", Json::Array{0}}}}},
+                    {"nodes", Json::Array{node}},
+                    {"meshes", Json::Array{shape}}};
+  if (!animation.empty()) root.push_back({"animations", Json::Array{animation}});
+  return file.bytes(std::move(root));
+}
+
+void write_obj_frames(const std::string& folder, MeshData mesh, MorphSurface& surface,
+                      const Retargeted& track, const std::function<void(std::size_t)>& progress) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) fail_input(folder, "cannot be made: " + error.message());
+  for (std::size_t k = 0; k < track.frames.size(); ++k) {
+    const RetargetFrame& frame = track.frames[k];
+    mesh.position = surface.positions(frame.state.q);
+    mesh.normal = compute_normals(mesh.position, mesh.faces);
+    const Quat& q = frame.state.pose.q;
+    const Vec3& t = frame.state.pose.t;
+    char head[200], name[40];
+    std::snprintf(head, sizeof head,
+                  "# time %.6g s; head qw qx qy qz %.6g %.6g %.6g %.6g tx ty tz %.6g %.6g %.6g\n",
+                  frame.time_s, static_cast<double>(q.w), static_cast<double>(q.x), static_cast<double>(q.y),
+                  static_cast<double>(q.z), static_cast<double>(t.x), static_cast<double>(t.y),
+                  static_cast<double>(t.z));
+    std::snprintf(name, sizeof name, "frame_%05zu.obj", k);
+    write_file((std::filesystem::path(folder) / name).string(),
+               (track.has_pose ? head : "") + obj_text(mesh));
+    progress(k + 1);
+  }
+}
+
+}  // namespace pliant::cli

@@ -1,0 +1,220 @@
+#include "host/io/calibration.hpp"
+
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+constexpr std::size_t kMostLines = 10000, kMostNumbers = 64;
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r");
+  return first == std::string::npos ? std::string()
+                                    : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// The keys of a FileStorage file, those of a nested block as "block.key", with the text behind the colon. A list in
+/// brackets may go on over several lines.
+class YamlKeys {
+ public:
+  YamlKeys(std::string source, const std::string& text) : source_(std::move(source)) {
+    std::string block, open_key;
+    std::size_t line_number = 0;
+    for (std::size_t at = 0; at < text.size() && line_number < kMostLines; ++line_number) {
+      const std::size_t end = std::min(text.find('\n', at), text.size());
+      const std::string line = text.substr(at, end - at);
+      at = end + 1;
+      const std::string content = trimmed(line);
+      if (!open_key.empty()) {
+        std::string& value = values_[open_key];
+        value += " " + content;
+        if (content.find(']') != std::string::npos) open_key.clear();
+        continue;
+      }
+      if (content.empty() || content[0] == '%' || content[0] == '#' || content.rfind("---", 0) == 0) continue;
+      const std::size_t colon = content.find(':');
+      if (colon == std::string::npos) continue;
+      const bool is_nested = line[0] == ' ' || line[0] == '\t';
+      const std::string name = trimmed(content.substr(0, colon)), value = trimmed(content.substr(colon + 1));
+      if (!is_nested) block = name;
+      const std::string key = is_nested ? block + "." + name : name;
+      if (!values_.emplace(key, value).second) fail_input(source_, "'" + key + "' is there twice");
+      if (value.find('[') != std::string::npos && value.find(']') == std::string::npos) open_key = key;
+    }
+    if (!open_key.empty()) fail_input(source_, "'" + open_key + "' has no closing bracket");
+  }
+
+  bool has(const std::string& key) const { return values_.count(key) != 0; }
+  double number(const std::string& key, double low, double high) const {
+    const auto found = values_.find(key);
+    if (found == values_.end()) fail_input(source_, "has no '" + key + "'");
+    return checked(key, found->second, low, high);
+  }
+  std::vector<double> list(const std::string& key) const {
+    const auto found = values_.find(key);
+    if (found == values_.end()) fail_input(source_, "has no '" + key + "'");
+    const std::string& text = found->second;
+    const std::size_t first = text.find('['), last = text.find(']');
+    if (first != 0 || last != text.size() - 1) fail_input(source_, "'" + key + "' is not a list in brackets");
+    std::vector<double> out;
+    for (std::size_t at = 1; at <= last;) {
+      const std::size_t end = std::min(text.find(',', at), last);
+      if (out.size() == kMostNumbers) fail_input(source_, "'" + key + "' has too many numbers");
+      out.push_back(checked(key, trimmed(text.substr(at, end - at)), -1e9, 1e9));
+      at = end + 1;
+    }
+    return out;
+  }
+  /// A matrix of that many rows and columns, row by row.
+  std::vector<double> matrix(const std::string& key) const {
+    const auto rows = static_cast<std::size_t>(number(key + ".rows", 1, 64)),
+               columns = static_cast<std::size_t>(number(key + ".cols", 1, 64));
+    const auto data = list(key + ".data");
+    if (data.size() != rows * columns)
+      fail_input(source_, "'" + key + "' has " + std::to_string(data.size()) + " numbers, not " +
+                              std::to_string(rows) + " x " + std::to_string(columns));
+    return data;
+  }
+
+ private:
+  double checked(const std::string& key, const std::string& text, double low, double high) const {
+    const auto value = parse_number(!text.empty() && text.back() == '.' ? text + "0" : text);
+    if (!value) fail_input(source_, "'" + key + "': not a number: '" + text.substr(0, 40) + "'");
+    if (*value < low || *value > high) fail_input(source_, "'" + key + "' is out of range");
+    return *value;
+  }
+  std::string source_;
+  std::map<std::string, std::string> values_;
+};
+
+/// All of OpenCV's model that radial and tangential coefficients make: where a point in normalised coordinates is seen.
+struct FullLens {
+  std::array<double, 8> c{};  // k1 k2 p1 p2 k3 k4 k5 k6
+
+  std::array<double, 2> seen(double x, double y) const {
+    const double s = x * x + y * y;
+    const double radial = (1 + s * (c[0] + s * (c[1] + s * c[4]))) / (1 + s * (c[5] + s * (c[6] + s * c[7])));
+    return {x * radial + 2 * c[2] * x * y + c[3] * (s + 2 * x * x),
+            y * radial + c[2] * (s + 2 * y * y) + 2 * c[3] * x * y};
+  }
+};
+
+/// Over a grid of the picture's ideal points.
+template <class Visit>
+void for_each_point(const Camera& camera, const ImageSize& size, const Visit& visit) {
+  constexpr int kSide = 40;
+  for (int j = 0; j <= kSide; ++j)
+    for (int i = 0; i <= kSide; ++i)
+      visit((static_cast<double>(i) * size.width / kSide - static_cast<double>(camera.cx)) /
+                static_cast<double>(camera.f),
+            (static_cast<double>(j) * size.height / kSide - static_cast<double>(camera.cy)) /
+                static_cast<double>(camera.f * camera.aspect));
+}
+
+/// The k1 and k2 that come nearest to the whole model: x (k1 s + k2 s^2) = seen - x in the least-squares sense.
+void set_two_coefficients(const FullLens& full, const ImageSize& size, Camera* camera) {
+  double a11 = 0, a12 = 0, a22 = 0, b1 = 0, b2 = 0;
+  for_each_point(*camera, size, [&](double x, double y) {
+    const auto seen = full.seen(x, y);
+    const double s = x * x + y * y, along = x * (seen[0] - x) + y * (seen[1] - y);
+    a11 += s * s * s;
+    a12 += s * s * s * s;
+    a22 += s * s * s * s * s;
+    b1 += s * along;
+    b2 += s * s * along;
+  });
+  const double determinant = a11 * a22 - a12 * a12;
+  camera->k1 = static_cast<float>((a22 * b1 - a12 * b2) / determinant);
+  camera->k2 = static_cast<float>((a11 * b2 - a12 * b1) / determinant);
+}
+
+float worst_off_px(const FullLens& full, const ImageSize& size, const Camera& camera) {
+  double worst = 0;
+  for_each_point(camera, size, [&](double x, double y) {
+    const auto seen = full.seen(x, y);
+    const double s = x * x + y * y;
+    const double grow = 1 + s * (static_cast<double>(camera.k1) + s * static_cast<double>(camera.k2));
+    worst =
+        std::max(worst, std::hypot(seen[0] - grow * x, seen[1] - grow * y) * static_cast<double>(camera.f));
+  });
+  return static_cast<float>(worst);
+}
+
+/// The picture's size over the calibration's.
+double scale_between(const std::string& source, const YamlKeys& keys, const ImageSize& size) {
+  const double width = keys.number("image_width", 16, 65535), height = keys.number("image_height", 16, 65535);
+  const double scale = size.width / width;
+  if (std::fabs(scale * height - size.height) > 0.5 + 0.5 * scale)
+    fail_input(source, "is for " + number_text(width) + "x" + number_text(height) + " pixels; " +
+                           std::to_string(size.width) + "x" + std::to_string(size.height) +
+                           " is no uniform scale of that");
+  return scale;
+}
+
+}  // namespace
+
+Calibration parse_calibration(const std::string& source, const std::string& text, const ImageSize& size) {
+  const YamlKeys keys(source, text);
+  const double scale = scale_between(source, keys, size);
+  const auto m = keys.matrix("camera_matrix");
+  if (m.size() != 9) fail_input(source, "'camera_matrix' is not 3 x 3");
+  if (!(m[0] > 0 && m[4] > 0) || m[1] != 0 || m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1)
+    fail_input(source, "'camera_matrix' is not [fx 0 cx; 0 fy cy; 0 0 1]");
+  Calibration out;
+  Camera& camera = out.camera;
+  camera.f = static_cast<float>(scale * m[0]);
+  camera.aspect = static_cast<float>(m[4] / m[0]);
+  // Pixel centres are at integers, so it is the corner of the picture that stays where it is.
+  camera.cx = static_cast<float>(scale * (m[2] + 0.5) - 0.5);
+  camera.cy = static_cast<float>(scale * (m[5] + 0.5) - 0.5);
+  if (keys.has("distortion_coefficients.data") || keys.has("distortion_coefficients")) {
+    const auto d = keys.matrix("distortion_coefficients");
+    if (d.size() != 4 && d.size() != 5 && d.size() != 8 && d.size() != 12 && d.size() != 14)
+      fail_input(source,
+                 "'distortion_coefficients' are " + std::to_string(d.size()) + ", not 4, 5, 8, 12 or 14");
+    FullLens full;
+    bool has_more = false;
+    for (std::size_t k = 0; k < d.size(); ++k) {
+      if (k < 8) full.c[k] = d[k];
+      if (k >= 8 && d[k] != 0)
+        fail_input(source, "has a thin prism or a tilted sensor, which is not supported");
+      has_more = has_more || (k >= 2 && d[k] != 0);
+    }
+    camera.k1 = static_cast<float>(full.c[0]);
+    camera.k2 = static_cast<float>(full.c[1]);
+    if (has_more) set_two_coefficients(full, size, &camera);
+    out.off_px = has_more ? worst_off_px(full, size, camera) : 0;
+  }
+  if (!(out.off_px <= 0.01f * static_cast<float>(size.width)))
+    fail_input(source, "two radial coefficients cannot stand for this lens: they are " +
+                           number_text(static_cast<double>(out.off_px)) + " px off");
+  Lens lens;
+  if (Lens::make(camera, size.width, size.height, &lens) != Status::ok)
+    fail_input(source, "the distortion cannot be undone over the whole picture");
+  return out;
+}
+
+Lens lens_of(const Camera& camera, const ImageSize& size) {
+  Lens lens;
+  require(Lens::make(camera, size.width, size.height, &lens), "camera");
+  return lens;
+}
+
+std::optional<Camera> calibration_of(const Args& args, const ImageSize& size, std::ostream& err) {
+  const auto path = args.text("--calibration");
+  if (!path) return std::nullopt;
+  if (args.has("--focal")) fail_usage("--calibration and --focal exclude each other");
+  const Calibration calibration = parse_calibration(*path, read_file(*path, std::size_t{1} << 20), size);
+  if (calibration.off_px > 0.1f)
+    err << *path << ": brought down to two radial coefficients; up to "
+        << number_text(static_cast<double>(std::round(100 * calibration.off_px) / 100)) << " px off\n";
+  return calibration.camera;
+}
+
+}  // namespace pliant::cli

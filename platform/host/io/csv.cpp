@@ -1,0 +1,95 @@
+#include "host/io/csv.hpp"
+
+#include "host/commands/args.hpp"
+#include "host/io/failure.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+std::string trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
+}
+
+/// One cell from `at` on, which moves behind the comma, or to npos at the end of the line.
+std::string take_cell(std::string_view line, std::size_t& at) {
+  const std::size_t first = line.find_first_not_of(" \t", at);
+  if (first == std::string_view::npos || line[first] != '"') {
+    const std::size_t comma = line.find(',', at);
+    const std::string cell = trimmed(line.substr(at, comma - at));
+    at = comma == std::string_view::npos ? comma : comma + 1;
+    return cell;
+  }
+  std::string cell;
+  std::size_t i = first + 1;
+  for (; i < line.size(); ++i) {
+    if (line[i] == '"' && (i + 1 == line.size() || line[i + 1] != '"')) break;
+    if (line[i] == '"') ++i;
+    cell += line[i];
+  }
+  const std::size_t comma = line.find(',', i);
+  at = comma == std::string_view::npos ? comma : comma + 1;
+  return cell;
+}
+
+std::vector<std::string> split(std::string_view line) {
+  std::vector<std::string> cells;
+  for (std::size_t at = 0; at != std::string_view::npos;) cells.push_back(take_cell(line, at));
+  return cells;
+}
+
+}  // namespace
+
+CsvTable::CsvTable(std::string source, std::string_view text) : source_(std::move(source)) {
+  if (text.substr(0, 3) == "\xef\xbb\xbf")
+    text.remove_prefix(3);  // a byte order mark, as spreadsheets write it
+  std::size_t line_number = 0;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    ++line_number;
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    if (line.find_first_not_of(" \t") == std::string_view::npos) continue;
+    if (columns_.empty()) {
+      columns_ = split(line);
+      continue;
+    }
+    rows_.push_back({line_number, split(line)});
+    if (rows_.back().cells.size() != columns_.size())
+      fail_input(where(rows_.size() - 1), std::to_string(rows_.back().cells.size()) +
+                                              " cells where the header has " +
+                                              std::to_string(columns_.size()));
+  }
+  if (columns_.empty()) fail_input(source_, "is empty: a header line is expected");
+  for (std::size_t i = 0; i < columns_.size(); ++i)
+    if (find_column(columns_[i]) != i) fail_input(source_, "two columns are called '" + columns_[i] + "'");
+}
+
+std::optional<std::size_t> CsvTable::find_column(std::string_view name) const {
+  for (std::size_t i = 0; i < columns_.size(); ++i)
+    if (columns_[i] == name) return i;
+  return std::nullopt;
+}
+
+std::size_t CsvTable::column(std::string_view name) const {
+  const auto found = find_column(name);
+  if (!found) fail_input(source_, "has no column '" + std::string(name) + "'");
+  return *found;
+}
+
+float CsvTable::number(std::size_t row, std::size_t column) const {
+  const std::string& text = cell(row, column);
+  const auto value = parse_number(text);
+  if (!value || *value > 1e30 || *value < -1e30)
+    fail_input(where(row), "column '" + columns_[column] + "': not a finite number: '" + text + "'");
+  return static_cast<float>(*value);
+}
+
+std::string CsvTable::where(std::size_t row) const {
+  return source_ + ": line " + std::to_string(rows_[row].line);
+}
+
+}  // namespace pliant::cli

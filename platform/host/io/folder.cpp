@@ -1,0 +1,94 @@
+// A folder of pictures as a stream of frames.
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include "host/io/pnm.hpp"
+#include "host/io/sources.hpp"
+
+namespace pliant {
+namespace {
+
+class PictureSource : public FrameSource {
+ public:
+  PictureSource(std::vector<std::string> paths, LumaPicture first)
+      : paths_(std::move(paths)), picture_(std::move(first)) {
+    width_ = picture_.width;
+    height_ = picture_.height;
+  }
+
+ private:
+  Status read(std::uint32_t index, FrameView& frame) override {
+    if (index >= paths_.size()) return Status::end_of_stream;
+    // The first picture was read to know the size.
+    if (index > 0) {
+      std::string message;
+      if (const Status s = read_pnm(paths_[index], picture_, message); s != Status::ok)
+        return fail(s, message);
+      if (picture_.width != width_ || picture_.height != height_)
+        return fail(Status::size_mismatch, paths_[index] + ": is " + std::to_string(picture_.width) + "x" +
+                                               std::to_string(picture_.height) +
+                                               ", but the first picture is " + std::to_string(width_) + "x" +
+                                               std::to_string(height_));
+    }
+    frame.data = picture_.pixels.data();
+    return Status::ok;
+  }
+
+  std::vector<std::string> paths_;
+  LumaPicture picture_;
+};
+
+bool is_digit(char c) {
+  return std::isdigit(static_cast<unsigned char>(c)) != 0;
+}
+
+// The run of digits at `i`, without leading zeros; moves i behind it.
+std::string number_at(const std::string& s, std::size_t& i) {
+  while (i < s.size() && s[i] == '0') ++i;
+  const std::size_t start = i;
+  while (i < s.size() && is_digit(s[i])) ++i;
+  return s.substr(start, i - start);
+}
+
+}  // namespace
+
+bool is_naturally_before(const std::string& a, const std::string& b) {
+  std::size_t i = 0, k = 0;
+  while (i < a.size() && k < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[k])) {
+      const std::string m = number_at(a, i), n = number_at(b, k);
+      if (m.size() != n.size()) return m.size() < n.size();
+      if (m != n) return m < n;
+    } else {
+      if (a[i] != b[k]) return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[k]);
+      ++i, ++k;
+    }
+  }
+  const std::size_t left_a = a.size() - i, left_b = b.size() - k;
+  return left_a != left_b ? left_a < left_b : a < b;
+}
+
+OpenedFrames open_pictures(std::vector<std::string> paths) {
+  LumaPicture first;
+  OpenedFrames opened;
+  if (read_pnm(paths.front(), first, opened.message) != Status::ok) return opened;
+  opened.source = std::make_unique<PictureSource>(std::move(paths), std::move(first));
+  return opened;
+}
+
+OpenedFrames open_folder(const std::string& path) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
+       entry.increment(error))
+    if (has_pnm_extension(entry->path().string()) && !entry->is_directory())
+      names.push_back(entry->path().filename().string());
+  if (error) return {nullptr, path + ": " + error.message()};
+  if (names.empty()) return {nullptr, path + ": no .pgm or .ppm picture in this folder"};
+  std::sort(names.begin(), names.end(), is_naturally_before);
+  for (std::string& name : names) name = (std::filesystem::path(path) / name).string();
+  return open_pictures(std::move(names));
+}
+
+}  // namespace pliant

@@ -1,0 +1,154 @@
+#include "host/io/glb.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace pliant::cli {
+
+namespace {
+
+constexpr int kFloat = 5126, kUint16 = 5123, kVertexData = 34962, kIndices = 34963, kNoTarget = 0;
+
+double wide(float x) {
+  return static_cast<double>(x);
+}
+
+/// A chunk of a GLB: length, kind, contents filled up to a multiple of four bytes.
+std::string chunk(std::uint32_t kind, std::string contents, char filler) {
+  contents.resize((contents.size() + 3) / 4 * 4, filler);
+  std::string out;
+  put(out, static_cast<std::uint32_t>(contents.size()), 4);
+  put(out, kind, 4);
+  return out + contents;
+}
+
+}  // namespace
+
+void put(std::string& out, std::uint32_t value, int bytes) {
+  for (int k = 0; k < bytes; ++k) out += static_cast<char>(value >> (8 * k) & 255u);
+}
+
+void put(std::string& out, float value) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  put(out, bits, 4);
+}
+
+void put(std::string& out, Vec3 v) {
+  put(out, v.x);
+  put(out, v.y);
+  put(out, v.z);
+}
+
+Json::Array metres_per_millimetre() {
+  return {0.001, 0.001, 0.001};
+}
+
+int GlbFile::add_view(const std::string& part, int target) {
+  Json::Object view{{"buffer", 0},
+                    {"byteOffset", static_cast<double>(buffer_.size())},
+                    {"byteLength", static_cast<double>(part.size())}};
+  if (target != kNoTarget) view.push_back({"target", target});
+  views_.push_back(view);
+  buffer_ += part;
+  buffer_.resize((buffer_.size() + 3) / 4 * 4, '\0');
+  return static_cast<int>(views_.size()) - 1;
+}
+
+int GlbFile::add_accessor(int view, int component, std::size_t count, const char* type, Json::Array low,
+                          Json::Array high) {
+  Json::Object accessor{{"bufferView", view},
+                        {"componentType", component},
+                        {"count", static_cast<double>(count)},
+                        {"type", type}};
+  if (!low.empty()) {
+    accessor.push_back({"min", std::move(low)});
+    accessor.push_back({"max", std::move(high)});
+  }
+  accessors_.push_back(accessor);
+  return static_cast<int>(accessors_.size()) - 1;
+}
+
+int GlbFile::add(const std::vector<Vec3>& values, Use use) {
+  std::string bytes;
+  Vec3 low = values.empty() ? Vec3{} : values[0], high = low;
+  for (const Vec3 v : values) {
+    put(bytes, v);
+    low = {min(low.x, v.x), min(low.y, v.y), min(low.z, v.z)};
+    high = {max(high.x, v.x), max(high.y, v.y), max(high.z, v.z)};
+  }
+  const int view = add_view(bytes, use == Use::vertices ? kVertexData : kNoTarget);
+  return add_accessor(view, kFloat, values.size(), "VEC3", {wide(low.x), wide(low.y), wide(low.z)},
+                      {wide(high.x), wide(high.y), wide(high.z)});
+}
+
+int GlbFile::add(const std::vector<Vec2>& values) {
+  std::string bytes;
+  for (const Vec2 v : values) {
+    put(bytes, v.x);
+    put(bytes, v.y);
+  }
+  return add_accessor(add_view(bytes, kVertexData), kFloat, values.size(), "VEC2", {}, {});
+}
+
+int GlbFile::add(const std::vector<Quat>& values) {
+  std::string bytes;
+  for (const Quat& q : values)
+    for (const float component : {q.x, q.y, q.z, q.w}) put(bytes, component);
+  return add_accessor(add_view(bytes, kNoTarget), kFloat, values.size(), "VEC4", {}, {});
+}
+
+int GlbFile::add(const std::vector<float>& values) {
+  std::string bytes;
+  float low = values.empty() ? 0 : values[0], high = low;
+  for (const float v : values) {
+    put(bytes, v);
+    low = min(low, v);
+    high = max(high, v);
+  }
+  return add_accessor(add_view(bytes, kNoTarget), kFloat, values.size(), "SCALAR", {wide(low)}, {wide(high)});
+}
+
+int GlbFile::add(const std::vector<std::array<std::uint16_t, 3>>& faces) {
+  std::string bytes;
+  for (const auto& face : faces)
+    for (const std::uint16_t v : face) put(bytes, v, 2);
+  return add_accessor(add_view(bytes, kIndices), kUint16, 3 * faces.size(), "SCALAR", {}, {});
+}
+
+int GlbFile::add_material(const std::string& picture, bool is_lit) {
+  Json::Object surface{{"metallicFactor", 0}, {"roughnessFactor", 0.8}};
+  if (!picture.empty()) {
+    const bool is_jpeg = picture.compare(0, 2, "\xff\xd8") == 0;
+    images_.push_back(Json::Object{{"bufferView", add_view(picture, kNoTarget)},
+                                   {"mimeType", is_jpeg ? "image/jpeg" : "image/png"}});
+    textures_.push_back(Json::Object{{"source", static_cast<int>(images_.size()) - 1}});
+    surface.push_back({"baseColorTexture", Json::Object{{"index", static_cast<int>(textures_.size()) - 1}}});
+  }
+  Json::Object material{{"pbrMetallicRoughness", surface}, {"doubleSided", true}};
+  if (!is_lit) material.push_back({"extensions", Json::Object{{"KHR_materials_unlit", Json::Object{}}}});
+  has_unlit_ = has_unlit_ || !is_lit;
+  materials_.push_back(material);
+  return static_cast<int>(materials_.size()) - 1;
+}
+
+std::string GlbFile::bytes(Json::Object root) const {
+  root.insert(root.begin(), {"asset", Json::Object{{"version", "2.0"}, {"generator", "pliant"}}});
+  if (has_unlit_) root.push_back({"extensionsUsed", Json::Array{"KHR_materials_unlit"}});
+  const auto add_list = [&root](const char* name, const Json::Array& list) {
+    if (!list.empty()) root.push_back({name, list});
+  };
+  add_list("materials", materials_);
+  add_list("images", images_);
+  add_list("textures", textures_);
+  add_list("accessors", accessors_);
+  add_list("bufferViews", views_);
+  root.push_back({"buffers", Json::Array{Json::Object{{"byteLength", static_cast<double>(buffer_.size())}}}});
+  const std::string chunks = chunk(0x4e4f534a, Json(root).text(), ' ') + chunk(0x004e4942, buffer_, '\0');
+  std::string out = "glTF";
+  put(out, 2, 4);
+  put(out, static_cast<std::uint32_t>(12 + chunks.size()), 4);
+  return out + chunks;
+}
+
+}  // namespace pliant::cli

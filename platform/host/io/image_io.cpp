@@ -1,0 +1,69 @@
+// Reading and writing of picture files, by stb: the one foreign library of the host tools, and only here.
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
+#include "host/io/image.hpp"
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wsign-conversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wdouble-promotion"
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#endif
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#define STBI_NO_HDR
+#define STBI_NO_LINEAR
+#define STBI_NO_STDIO
+#define STBI_NO_GIF
+#include <stb/stb_image.h>
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STBI_WRITE_NO_STDIO
+#include <stb/stb_image_write.h>
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+namespace pliant::cli {
+
+namespace {
+
+void append(void* context, void* data, int size) {
+  static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
+}
+
+}  // namespace
+
+Image read_image(const std::string& path) {
+  const std::string bytes = read_file(path);
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  const int length = static_cast<int>(bytes.size());
+  int width = 0, height = 0, channels = 0;
+  if (stbi_info_from_memory(data, length, &width, &height, &channels) == 0)
+    fail_input(path, std::string("not a picture that can be read: ") + stbi_failure_reason());
+  if (width > 16384 || height > 16384) fail_input(path, "larger than 16384 pixels a side");
+  unsigned char* pixels = stbi_load_from_memory(data, length, &width, &height, &channels, 3);
+  if (pixels == nullptr) fail_input(path, std::string("a damaged picture: ") + stbi_failure_reason());
+  Image image(width, height, 3);
+  image.pixels.assign(pixels, pixels + image.pixels.size());
+  stbi_image_free(pixels);
+  return image;
+}
+
+std::string encode_png(const Image& image) {
+  std::string bytes;
+  stbi_write_png_to_func(append, &bytes, image.width, image.height, image.channels, image.pixels.data(),
+                         image.width * image.channels);
+  return bytes;
+}
+
+std::string encode_jpeg(const Image& image, int quality) {
+  std::string bytes;
+  stbi_write_jpg_to_func(append, &bytes, image.width, image.height, image.channels, image.pixels.data(), quality);
+  return bytes;
+}
+
+}  // namespace pliant::cli

@@ -1,0 +1,38 @@
+#pragma once
+/// \file owned.hpp
+/// An arena object together with the memory it lives in, for host code.
+#include <vector>
+
+#include "host/io/failure.hpp"
+#include "pliant/arena.hpp"
+
+namespace pliant::cli {
+
+template <class T>
+class Owned {
+ public:
+  /// Lays the object out for these limits, in a block of just the size it asks for.
+  template <class... Limits>
+  explicit Owned(const Limits&... limits)
+      : block_(measured_bytes<T>(limits...) / sizeof(Line) + 1),
+        arena_(block_.data(), block_.size() * sizeof(Line)) {
+    require(create_in(arena_, object_, limits...), "memory");
+  }
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
+
+  T& operator*() { return object_; }
+  T* operator->() { return &object_; }
+  const T* operator->() const { return &object_; }
+  std::size_t used_bytes() const { return arena_.used_bytes(); }
+
+ private:
+  struct alignas(Arena::kAlignment) Line {
+    unsigned char bytes[Arena::kAlignment];
+  };
+  std::vector<Line> block_;
+  Arena arena_;
+  T object_;
+};
+
+}  // namespace pliant::cli

@@ -1,0 +1,120 @@
+#include "host/io/pnm.hpp"
+
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "host/io/sources.hpp"
+
+namespace pliant {
+namespace {
+
+struct Close {
+  void operator()(std::FILE* f) const { std::fclose(f); }
+};
+using File = std::unique_ptr<std::FILE, Close>;
+
+struct Header {
+  int channels = 0, width = 0, height = 0, maximum = 0;
+};
+
+// The next character of a header that is no white space; comments run from # to the end of their line.
+int skip_to_token(std::FILE* f) {
+  int c = std::fgetc(f);
+  while (c == '#' || std::isspace(c) != 0) {
+    if (c == '#')
+      while (c != '\n' && c != '\r' && c != EOF) c = std::fgetc(f);
+    c = std::fgetc(f);
+  }
+  return c;
+}
+
+// A number, and the one character after it. -1 if there is none or it is absurd.
+int read_number(std::FILE* f) {
+  int c = skip_to_token(f), value = 0;
+  if (std::isdigit(c) == 0) return -1;
+  for (; std::isdigit(c) != 0; c = std::fgetc(f)) {
+    value = 10 * value + (c - '0');
+    if (value > 1000000) return -1;
+  }
+  // A comment may follow directly; the line's end then ends the number.
+  while (c == '#' || (c != '\n' && c != EOF && std::isspace(c) == 0)) {
+    if (c != '#') return -1;
+    while (c != '\n' && c != EOF) c = std::fgetc(f);
+  }
+  return value;
+}
+
+// Empty, or what is wrong.
+std::string read_header(std::FILE* f, Header& h) {
+  const int p = std::fgetc(f), kind = std::fgetc(f);
+  if (p != 'P' || kind < '1' || kind > '7') return "not a PGM or PPM picture";
+  if (kind != '5' && kind != '6')
+    return std::string("a P") + static_cast<char>(kind) +
+           " picture; only binary PGM (P5) and PPM (P6) are read";
+  h.channels = kind == '5' ? 1 : 3;
+  h.width = read_number(f);
+  h.height = read_number(f);
+  h.maximum = read_number(f);
+  if (h.width < 0 || h.height < 0 || h.maximum < 0) return "its header has no width, height and maximum";
+  if (h.width < 1 || h.height < 1 || h.width > kMaxFrameSide || h.height > kMaxFrameSide)
+    return "its header says " + std::to_string(h.width) + "x" + std::to_string(h.height) +
+           ", but a side is 1 to " + std::to_string(kMaxFrameSide);
+  if (h.maximum < 1 || h.maximum > 255)
+    return "its largest value is " + std::to_string(h.maximum) + "; only 8-bit pictures are read";
+  return {};
+}
+
+std::uint8_t stretched(int value, int maximum) {
+  const int v = value > maximum ? maximum : value;
+  return static_cast<std::uint8_t>((v * 255 + maximum / 2) / maximum);
+}
+
+// One row of samples, as luma.
+void to_luma(const std::uint8_t* row, const Header& h, std::uint8_t* out) {
+  for (int x = 0; x < h.width; ++x, row += h.channels) {
+    const int value = h.channels == 1 ? row[0] : (299 * row[0] + 587 * row[1] + 114 * row[2] + 500) / 1000;
+    out[x] = stretched(value, h.maximum);
+  }
+}
+
+}  // namespace
+
+bool has_pnm_extension(const std::string& path) {
+  if (path.size() < 4) return false;
+  std::string end = path.substr(path.size() - 4);
+  for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return end == ".pgm" || end == ".ppm" || end == ".pnm";
+}
+
+Status read_pnm(const std::string& path, LumaPicture& picture, std::string& message) {
+  const File file(std::fopen(path.c_str(), "rb"));
+  if (!file) {
+    message = path + ": " + std::strerror(errno);
+    return Status::io_error;
+  }
+  Header h;
+  if (const std::string wrong = read_header(file.get(), h); !wrong.empty()) {
+    message = path + ": " + wrong;
+    return Status::io_error;
+  }
+  const auto width = static_cast<std::size_t>(h.width),
+             row_bytes = width * static_cast<std::size_t>(h.channels);
+  std::vector<std::uint8_t> row(row_bytes), pixels;
+  for (int y = 0; y < h.height; ++y) {
+    const std::size_t got = std::fread(row.data(), 1, row_bytes, file.get());
+    if (got < row_bytes) {
+      const std::size_t missing = row_bytes * static_cast<std::size_t>(h.height - y) - got;
+      message = path + ": ends " + std::to_string(missing) + " bytes early";
+      return Status::truncated;
+    }
+    pixels.resize(pixels.size() + width);
+    to_luma(row.data(), h, pixels.data() + pixels.size() - width);
+  }
+  picture = {h.width, h.height, std::move(pixels)};
+  return Status::ok;
+}
+
+}  // namespace pliant

@@ -1,0 +1,49 @@
+#include "host/io/points_file.hpp"
+
+#include "host/io/csv.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
+
+namespace pliant::cli {
+
+namespace {
+constexpr float kFarthest = 1e6f;  // px; nothing in a picture, or near it, is beyond
+
+/// (u,v) of a line, where it has any.
+std::optional<Vec2> parse_uv(const CsvTable& table, std::size_t row) {
+  const auto u = table.find_column("u"), v = table.find_column("v");
+  const bool has_u = u && !table.cell(row, *u).empty(), has_v = v && !table.cell(row, *v).empty();
+  if (has_u != has_v) fail_input(table.where(row), "u and v are given together or not at all");
+  if (!has_u) return std::nullopt;
+  const Vec2 uv{table.number(row, *u), table.number(row, *v)};
+  if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1))
+    fail_input(table.where(row), "u and v lie between 0 and 1");
+  return uv;
+}
+
+}  // namespace
+
+std::vector<NamedPoint> parse_points(const std::string& source, const std::string& text) {
+  const CsvTable table(source, text);
+  const std::size_t name = table.column("landmark"), x = table.column("x"), y = table.column("y");
+  std::vector<NamedPoint> points;
+  for (std::size_t row = 0; row < table.row_count(); ++row) {
+    NamedPoint point{table.cell(row, name),
+                     {table.number(row, x), table.number(row, y)},
+                     table.where(row),
+                     parse_uv(table, row)};
+    if (magnitude(point.x.x) > kFarthest || magnitude(point.x.y) > kFarthest)
+      fail_input(point.where, "a position a million pixels away");
+    if (point.name.empty()) fail_input(point.where, "a landmark without a name");
+    for (const NamedPoint& earlier : points)
+      if (earlier.name == point.name) fail_input(point.where, "landmark '" + point.name + "' appears twice");
+    points.push_back(std::move(point));
+  }
+  return points;
+}
+
+std::vector<NamedPoint> read_points(const std::string& path) {
+  return parse_points(path, read_file(path));
+}
+
+}  // namespace pliant::cli

@@ -1,0 +1,113 @@
+#include "host/io/track_table.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <iterator>
+
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
+#include "host/io/fit_file.hpp"
+#include "host/render/overlay.hpp"
+#include "pliant/camera.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+constexpr const char* kFirstColumns[] = {"frame",   "time_s", "state",   "tracked",
+                                         "inliers", "rms_px", "vertices"};
+constexpr const char* kPoseColumns[] = {"qw", "qx", "qy", "qz", "tx", "ty", "tz"};
+
+float* pose_member(Pose& pose, std::size_t column) {
+  float* const members[] = {&pose.q.w, &pose.q.x, &pose.q.y, &pose.q.z, &pose.t.x, &pose.t.y, &pose.t.z};
+  return members[column];
+}
+
+/// Image positions need no more than a ten-thousandth of a pixel.
+std::string pixel_text(float x) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4f", static_cast<double>(x));
+  return text;
+}
+
+std::string text_of(float x) {
+  return number_text(static_cast<double>(is_finite(x) ? x : 0));
+}
+
+/// What the columns of a table drive.
+struct Target {
+  std::size_t column;
+  std::vector<std::uint16_t> parameters;  // else a member of the pose
+  std::size_t pose_index = 0;
+};
+
+std::vector<Target> targets(const CsvTable& table, const Model& model, std::vector<std::string>* unmatched) {
+  std::vector<Target> out;
+  for (std::size_t c = 0; c < table.columns().size(); ++c) {
+    const std::string& name = table.columns()[c];
+    const auto pose = std::find(std::begin(kPoseColumns), std::end(kPoseColumns), name);
+    const bool is_first =
+        std::find(std::begin(kFirstColumns), std::end(kFirstColumns), name) != std::end(kFirstColumns);
+    const auto parameters = parameters_named(model, name);
+    if (pose != std::end(kPoseColumns))
+      out.push_back({c, {}, static_cast<std::size_t>(pose - std::begin(kPoseColumns))});
+    else if (!parameters.empty())
+      out.push_back({c, parameters});
+    else if (!is_first && name.rfind("x_", 0) != 0 && name.rfind("y_", 0) != 0)
+      unmatched->push_back(name);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string track_header(const Model& model, const std::vector<std::string>& point_names) {
+  std::string line;
+  for (const char* name : kFirstColumns) line += (line.empty() ? "" : ",") + std::string(name);
+  for (const char* name : kPoseColumns) line += "," + std::string(name);
+  for (const Parameter& p : model.parameters()) line += "," + std::string(p.name);
+  for (const std::string& name : point_names) line += ",x_" + name + ",y_" + name;
+  return line + "\n";
+}
+
+std::string track_line(const TrackRow& row) {
+  std::string line = std::to_string(row.frame) + "," + number_text(row.time_s) + "," + state_text(row.state) +
+                     "," + std::to_string(row.tracked) + "," + std::to_string(row.inliers) + "," +
+                     text_of(row.rms_px) + "," + std::to_string(row.vertices);
+  const bool is_known = row.state != TrackState::lost;
+  Pose pose = row.pose;
+  for (std::size_t k = 0; k < std::size(kPoseColumns); ++k)
+    line += "," + (is_known ? text_of(*pose_member(pose, k)) : "");
+  for (const float value : row.q) line += "," + (is_known ? text_of(value) : "");
+  for (const auto& x : row.points) {
+    const bool is_seen = is_known && x && is_finite(*x);
+    line += is_seen ? "," + pixel_text(x->x) + "," + pixel_text(x->y) : ",,";
+  }
+  return line + "\n";
+}
+
+std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const Model& model,
+                                                   const PosedParameters& neutral,
+                                                   std::vector<std::string>* unmatched) {
+  const auto columns = targets(table, model, unmatched);
+  std::vector<PosedParameters> rows;
+  PosedParameters now = neutral;
+  for (std::size_t r = 0; r < table.row_count(); ++r) {
+    for (const Target& target : columns) {
+      if (table.cell(r, target.column).empty()) continue;
+      const float value = table.number(r, target.column);
+      if (target.parameters.empty()) *pose_member(now.pose, target.pose_index) = value;
+      for (const std::uint16_t k : target.parameters) now.q[k] = value;
+    }
+    const Quat& q = now.pose.q;
+    if (!(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z > 0.25f))
+      fail_input(table.where(r), "the quaternion is not of unit length");
+    if (!(now.pose.t.z * kMaxRho > 0.999f && now.pose.t.z * kMinRho < 1.001f))
+      fail_input(table.where(r), "column 'tz': not between 50 mm and 100 m in front of the camera");
+    now.pose.q = unit_of(now.pose.q);
+    rows.push_back(now);
+  }
+  return rows;
+}
+
+}  // namespace pliant::cli

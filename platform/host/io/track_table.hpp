@@ -1,0 +1,45 @@
+#pragma once
+/// \file track_table.hpp
+/// Track CSV: a row a frame with state, pose and parameters. What `track` writes, `render` reads, and both
+/// compare.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/io/csv.hpp"
+#include "pliant/estimator.hpp"
+#include "pliant/model.hpp"
+
+namespace pliant::cli {
+
+struct TrackRow {
+  std::size_t frame = 0;
+  double time_s = 0;
+  TrackState state = TrackState::tracking;
+  int tracked = 0, inliers = 0;
+  float rms_px = 0;
+  int vertices = 0;
+  Pose pose;
+  std::vector<float> q;                     ///< all parameters
+  std::vector<std::optional<Vec2>> points;  ///< landmarks and markers; empty cells where there is none
+};
+
+/// The header: the fixed columns, a parameter each, then x_NAME,y_NAME for each point name.
+std::string track_header(const Model& model, const std::vector<std::string>& point_names);
+/// One row. When lost, pose, parameters and points are empty; nothing is ever NaN.
+std::string track_line(const TrackRow& row);
+
+/// Pose and parameters of one row of a CSV.
+struct PosedParameters {
+  Pose pose;
+  std::vector<float> q;
+};
+
+/// Reads any CSV with columns of those names. A missing column keeps the value of `neutral`, an empty cell
+/// that of the row before. Columns that are neither parameters nor of the track CSV go to `unmatched`. Bad
+/// input for a cell that is no finite number, or a quaternion without length.
+std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const Model& model,
+                                                   const PosedParameters& neutral,
+                                                   std::vector<std::string>* unmatched);
+
+}  // namespace pliant::cli

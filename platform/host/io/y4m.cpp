@@ -1,0 +1,120 @@
+// A Y4M file or pipe as a stream of luma frames.
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+#include "host/io/sources.hpp"
+#include "host/io/y4m_header.hpp"
+
+namespace pliant {
+namespace {
+
+constexpr std::size_t kMaxLine = 4096;  // no header is longer
+
+// A file that is closed, or standard input, which is not.
+class Stream {
+ public:
+  explicit Stream(std::FILE* file) : file_(file) {}
+  ~Stream() {
+    if (file_ != stdin) std::fclose(file_);
+  }
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+
+  // Characters up to a line feed, which is taken and not given; `is_whole` false if the data end or it is too
+  // long.
+  std::string line(bool& is_whole) {
+    std::string text;
+    int c = std::fgetc(file_);
+    for (; c != '\n' && c != EOF && text.size() < kMaxLine; c = std::fgetc(file_))
+      text.push_back(static_cast<char>(c));
+    is_whole = c == '\n';
+    return text;
+  }
+  // Reads up to n bytes, a piece at a time, so that a header that lies about its size costs no memory.
+  std::size_t read(std::vector<std::uint8_t>& out, std::size_t n) {
+    constexpr std::size_t kPiece = std::size_t{1} << 20;
+    std::size_t have = 0;
+    while (have < n) {
+      const std::size_t want = n - have < kPiece ? n - have : kPiece;
+      if (out.size() < have + want) out.resize(have + want);
+      const std::size_t got = std::fread(out.data() + have, 1, want, file_);
+      have += got;
+      if (got < want) break;
+    }
+    return have;
+  }
+  bool has_failed() const { return std::ferror(file_) != 0; }
+
+ private:
+  std::FILE* file_;
+};
+
+class Y4mSource : public FrameSource {
+ public:
+  Y4mSource(std::unique_ptr<Stream> stream, std::string name, const Y4mHeader& header)
+      : stream_(std::move(stream)), name_(std::move(name)), header_(header) {
+    width_ = header.width;
+    height_ = header.height;
+    rate_ = header.rate;
+  }
+
+ private:
+  Status read(std::uint32_t index, FrameView& frame) override {
+    bool is_whole = false;
+    const std::string line = stream_->line(is_whole);
+    if (stream_->has_failed()) return fail(Status::io_error, at(index) + ": " + std::strerror(errno));
+    if (line.empty() && !is_whole) return Status::end_of_stream;
+    const bool is_frame = line.compare(0, 5, "FRAME") == 0 && (line.size() == 5 || line[5] == ' ');
+    if (!is_whole && (is_frame || std::string("FRAME").compare(0, line.size(), line) == 0))
+      return cut(index, (line.size() < 6 ? 6 - line.size() : 1) + header_.luma_bytes + header_.chroma_bytes);
+    if (!is_frame || !is_whole)
+      return fail(Status::io_error, at(index) + ": no FRAME where one must start; is its size not " +
+                                        std::to_string(width_) + "x" + std::to_string(height_) + "?");
+    if (const Status s = read_plane(index, luma_, header_.luma_bytes, header_.chroma_bytes); s != Status::ok)
+      return s;
+    if (const Status s = read_plane(index, chroma_, header_.chroma_bytes, 0); s != Status::ok) return s;
+    frame.data = luma_.data();
+    return Status::ok;
+  }
+
+  // `after`: what would have followed, for the message.
+  Status read_plane(std::uint32_t index, std::vector<std::uint8_t>& plane, std::size_t bytes,
+                    std::size_t after) {
+    const std::size_t got = stream_->read(plane, bytes);
+    if (got == bytes) return Status::ok;
+    if (stream_->has_failed()) return fail(Status::io_error, at(index) + ": " + std::strerror(errno));
+    return cut(index, bytes - got + after);
+  }
+  Status cut(std::uint32_t index, std::size_t missing) {
+    return fail(Status::truncated,
+                at(index) + " is cut off: " + std::to_string(missing) + " bytes are missing");
+  }
+  std::string at(std::uint32_t index) const { return name_ + ": frame " + std::to_string(index); }
+
+  std::unique_ptr<Stream> stream_;
+  std::string name_;
+  Y4mHeader header_;
+  std::vector<std::uint8_t> luma_, chroma_;
+};
+
+}  // namespace
+
+OpenedFrames open_y4m(const std::string& path) {
+  const std::string name = path == "-" ? "standard input" : path;
+  std::FILE* const file = path == "-" ? stdin : std::fopen(path.c_str(), "rb");
+  if (file == nullptr) return {nullptr, name + ": " + std::strerror(errno)};
+  auto stream = std::make_unique<Stream>(file);
+  bool is_whole = false;
+  const std::string line = stream->line(is_whole);
+  if (stream->has_failed()) return {nullptr, name + ": " + std::strerror(errno)};
+  if (line.empty() && !is_whole) return {nullptr, name + ": is empty"};
+  Y4mHeader header;
+  if (const std::string wrong = parse_y4m_header(line, header); !wrong.empty())
+    return {nullptr, name + ": " + wrong};
+  if (!is_whole) return {nullptr, name + ": ends, or goes on without end, in its first line"};
+  return {std::make_unique<Y4mSource>(std::move(stream), name, header), {}};
+}
+
+}  // namespace pliant

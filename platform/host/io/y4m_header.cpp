@@ -1,0 +1,90 @@
+#include "host/io/y4m_header.hpp"
+
+#include <cctype>
+#include <sstream>
+
+#include "host/io/sources.hpp"
+
+namespace pliant {
+namespace {
+
+// A plain number of at most nine digits, all of the text; -1 otherwise.
+int number_of(const std::string& text) {
+  if (text.empty() || text.size() > 9) return -1;
+  int value = 0;
+  for (const char c : text) {
+    if (std::isdigit(static_cast<unsigned char>(c)) == 0) return -1;
+    value = 10 * value + (c - '0');
+  }
+  return value;
+}
+
+bool parse_rate(const std::string& text, FrameRate& rate) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) return false;
+  const int n = number_of(text.substr(0, colon)), d = number_of(text.substr(colon + 1));
+  if (n < 0 || d < 0) return false;
+  rate = n == 0 || d == 0 ? FrameRate{} : FrameRate{n, d};
+  constexpr double kLeast = 1e-3, kMost = 1e6;  // frames a second; keeps times within their type
+  return rate.per_second() >= kLeast && rate.per_second() <= kMost;
+}
+
+// Bytes of both chroma planes (and alpha) for a colour space of eight bits. False for any other.
+bool chroma_bytes_of(const std::string& c, std::size_t w, std::size_t h, std::size_t& bytes) {
+  if (c == "mono") {
+    bytes = 0;
+  } else if (c == "420" || c == "420jpeg" || c == "420mpeg2" || c == "420paldv") {
+    bytes = 2 * ((w + 1) / 2) * ((h + 1) / 2);
+  } else if (c == "422") {
+    bytes = 2 * ((w + 1) / 2) * h;
+  } else if (c == "411") {
+    bytes = 2 * ((w + 3) / 4) * h;
+  } else if (c == "444") {
+    bytes = 2 * w * h;
+  } else if (c == "444alpha") {
+    bytes = 3 * w * h;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+std::string wrong_side(const char* name, int value) {
+  return std::string("its header says ") + name + " is " + std::to_string(value) + ", but a side is 1 to " +
+         std::to_string(kMaxFrameSide);
+}
+
+}  // namespace
+
+std::string parse_y4m_header(const std::string& line, Y4mHeader& h) {
+  std::istringstream words(line);
+  std::string word;
+  words >> word;
+  if (word != "YUV4MPEG2") return "not a Y4M stream (it does not start with YUV4MPEG2)";
+  bool has_width = false, has_height = false;
+  while (words >> word) {
+    const std::string value = word.substr(1);
+    if (word[0] == 'W' || word[0] == 'H') {
+      const int n = number_of(value);
+      if (n < 0) return "its header has no number in " + word;
+      (word[0] == 'W' ? h.width : h.height) = n;
+      (word[0] == 'W' ? has_width : has_height) = true;
+    } else if (word[0] == 'F') {
+      if (!parse_rate(value, h.rate)) return "its header has no possible frame rate in " + word;
+    } else if (word[0] == 'C') {
+      h.chroma = value;
+    }
+  }
+  if (!has_width) return "its header has no width (W)";
+  if (!has_height) return "its header has no height (H)";
+  if (h.width < 1 || h.width > kMaxFrameSide) return wrong_side("the width", h.width);
+  if (h.height < 1 || h.height > kMaxFrameSide) return wrong_side("the height", h.height);
+  const auto w = static_cast<std::size_t>(h.width), rows = static_cast<std::size_t>(h.height);
+  h.luma_bytes = w * rows;
+  if (!chroma_bytes_of(h.chroma, w, rows, h.chroma_bytes))
+    return "its colour space C" + h.chroma +
+           " is not one that is read: mono, 420, 422, 411 or 444 of eight bits";
+  return {};
+}
+
+}  // namespace pliant

@@ -1,0 +1,21 @@
+#pragma once
+// The first line of a Y4M stream.
+#include <cstddef>
+#include <string>
+
+#include "host/io/frame_source.hpp"
+
+namespace pliant {
+
+struct Y4mHeader {
+  int width = 0, height = 0;
+  FrameRate rate;
+  std::string chroma = "420";                    ///< the value of C
+  std::size_t luma_bytes = 0, chroma_bytes = 0;  ///< of one frame; chroma: everything after luma
+};
+
+/// Reads "YUV4MPEG2 W320 H240 F25:1 ...", without its line feed. Interlacing, aspect and X tags are ignored,
+/// as are unknown tags; a missing or zero rate is 25. Empty on success, otherwise what is wrong with it.
+std::string parse_y4m_header(const std::string& line, Y4mHeader& header);
+
+}  // namespace pliant

@@ -1,0 +1,35 @@
+#pragma once
+/// \file draw.hpp
+/// Anti-aliased lines, dots, boxes and small text on a colour picture. Pixel centres are at integers.
+#include <string_view>
+
+#include "host/io/image.hpp"
+#include "pliant/geometry.hpp"
+
+namespace pliant::cli {
+
+/// Mixes `colour` into a pixel; `opacity` in [0,1]. Outside the picture nothing happens.
+void blend(Image& image, int x, int y, Colour colour, float opacity);
+
+/// A line with round ends, `width` pixels wide. Ends that are not finite or far outside draw nothing.
+void draw_line(Image& image, Vec2 a, Vec2 b, float width, Colour colour, float opacity);
+/// A filled disc.
+void draw_dot(Image& image, Vec2 centre, float radius, Colour colour, float opacity);
+/// A circle line, `width` pixels wide.
+void draw_ring(Image& image, Vec2 centre, float radius, float width, Colour colour, float opacity);
+void fill_box(Image& image, int x, int y, int width, int height, Colour colour, float opacity);
+/// A frame along the rim of the picture.
+void draw_border(Image& image, int thickness, Colour colour);
+
+/// Text in a 5 x 7 pixel font, each dot `scale` pixels; `x`, `y` is its upper left corner. Letters are shown
+/// as capitals.
+void draw_text(Image& image, int x, int y, std::string_view text, int scale, Colour colour,
+               float opacity = 1);
+/// Width of such a text in pixels.
+int text_width(std::string_view text, int scale);
+constexpr int kTextHeight = 7;
+
+/// Copies a colour picture to (x, y).
+void paste(Image& image, const Image& part, int x, int y);
+
+}  // namespace pliant::cli

@@ -1,0 +1,12 @@
+#pragma once
+/// \file mesh_figure.hpp
+/// A figure like the paper's Figure 3: base mesh, basic blocks, and refinement by three criteria; over the
+/// chart, on the surface, and with the texture.
+#include "host/io/image.hpp"
+#include "host/render/model_mesh.hpp"
+
+namespace pliant::cli {
+
+Image draw_mesh_figure(const Model& model, ModelSurface& surface);
+
+}  // namespace pliant::cli

@@ -1,0 +1,67 @@
+#pragma once
+/// \file model_mesh.hpp
+/// A model's mesh, adapted to its surface at given parameters.
+#include <string>
+#include <vector>
+
+#include "host/io/owned.hpp"
+#include "pliant/criteria.hpp"
+#include "pliant/field.hpp"
+
+namespace pliant::cli {
+
+enum class MeshCriterion { none, uniform, normals, contour };
+
+/// What a mesh is adapted to. A threshold of 0 stands for "as good as the budget allows".
+struct MeshRequest {
+  MeshCriterion criterion = MeshCriterion::none;
+  int depth = 12;       ///< bisections of the base mesh: those of `uniform`, the most of any other
+  float threshold = 0;  ///< normals: degrees between faces; contour: mean error of a triangle, mm
+  int budget = 0;       ///< most vertices; 0: as many as a mesh can have
+};
+
+/// A surface that is a model at fixed parameters.
+class ModelSurface {
+ public:
+  /// \param q  all parameters.
+  ModelSurface(const Model& model, std::vector<float> q) : cascade_(model), q_(std::move(q)) {
+    cascade_->select(q_.data());
+  }
+
+  Vec3 sample(Vec2 uv) { return cascade_->selected_point(uv); }
+  /// Unit length, outwards, smoothed over a few cells of a field; zero where the surface has no extent.
+  Vec3 normal(Vec2 uv);
+  /// For the core; valid as long as this object.
+  Surface surface();
+
+ private:
+  Owned<Cascade> cascade_;
+  std::vector<float> q_;
+};
+
+/// The base mesh of a model, refined.
+class ModelMesh {
+ public:
+  /// \param surface  of the same model; must outlive the mesh.
+  ModelMesh(const Model& model, ModelSurface& surface, const MeshRequest& request);
+
+  const Mesh& mesh() const { return *mesh_.operator->(); }
+  Vec3 position(VertexId v) const { return adapter_->position(v); }
+  Shape shape() const { return adapter_->shape(); }
+  ModelSurface& surface() const { return surface_; }
+  const AdaptReport& report() const { return report_; }
+  double milliseconds() const { return milliseconds_; }
+  /// Against the surface, by area: some 200,000 samples.
+  ContourError measure() const;
+
+ private:
+  void adapt(const MeshRequest& request);
+
+  ModelSurface& surface_;
+  Owned<Mesh> mesh_;
+  Owned<Adapter> adapter_;
+  AdaptReport report_;
+  double milliseconds_ = 0;
+};
+
+}  // namespace pliant::cli

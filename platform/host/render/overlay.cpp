@@ -1,0 +1,129 @@
+#include "host/render/overlay.hpp"
+
+#include <algorithm>
+
+#include "host/io/calibration.hpp"
+#include "host/io/owned.hpp"
+#include "pliant/visibility.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+constexpr Colour kMesh{96, 232, 214}, kLandmark{255, 206, 92}, kMarker{255, 110, 150}, kGiven{255, 255, 255},
+    kUnused{255, 80, 70}, kGood{70, 190, 90}, kFair{240, 170, 40}, kBad{225, 60, 50};
+
+constexpr Vec2 kNowhere{-1e9f, -1e9f};
+
+}  // namespace
+
+WireMesh wire_of(const Model& model, const FitFile& fit, const std::vector<float>& q) {
+  Owned<Cascade> cascade(model);
+  const Projector projector(view_of(fit.pose, fit.camera), true);
+  const Lens lens = lens_of(fit.camera, {fit.width, fit.height});
+  WireMesh mesh;
+  for (const Vec2 uv : model.base_uv()) {
+    Vec2 x = kNowhere;
+    if (projector.project(cascade->surface_point(uv, q.data()), &x)) x = lens.distort(x);
+    mesh.x.push_back(x);
+  }
+  const auto corners = model.base_corners();
+  const Vec2* uv = model.base_uv().data;
+  for (std::size_t i = 0; i + 2 < corners.count; i += 3) {
+    const std::uint16_t a = corners[i], b = corners[i + 1], c = corners[i + 2];
+    if (doubled_area(mesh.x[a], mesh.x[b], mesh.x[c]) * doubled_area(uv[a], uv[b], uv[c]) > 0)
+      mesh.faces.push_back({a, b, c});
+  }
+  return mesh;
+}
+
+WireMesh wire_of(const Estimator& estimator) {
+  const Mesh& mesh = estimator.mesh();
+  WireMesh wire;
+  for (const FaceId f : mesh.faces()) {
+    if (!faces_camera(mesh, estimator.vertex_images(), f)) continue;
+    const std::array<std::uint16_t, 3> corners{mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2)};
+    for (const std::uint16_t v : corners) {
+      if (v >= wire.x.size()) wire.x.resize(v + std::size_t{1}, kNowhere);
+      wire.x[v] = estimator.vertex_seen(v);
+    }
+    wire.faces.push_back(corners);
+  }
+  return wire;
+}
+
+std::vector<std::optional<Vec2>> project_landmarks(const Model& model, Cascade& cascade, const Pose& pose,
+                                                   const Camera& camera, const ImageSize& size,
+                                                   const float* q) {
+  const Projector projector(view_of(pose, camera), true);
+  const Lens lens = lens_of(camera, size);
+  std::vector<std::optional<Vec2>> out;
+  for (const Landmark& landmark : model.landmarks()) {
+    Vec2 x;
+    const bool is_seen = projector.project(cascade.surface_point({landmark.u, landmark.v}, q), &x);
+    out.push_back(is_seen ? std::optional<Vec2>(lens.distort(x)) : std::nullopt);
+  }
+  return out;
+}
+
+Overlay::Overlay(const Image& grey)
+    : scale_(grey.width < 480 ? 2 : 1), image_(to_colour(enlarged(grey, scale_))) {}
+
+Vec2 Overlay::scaled(Vec2 x) const {
+  const auto s = static_cast<float>(scale_);
+  return {s * (x.x + 0.5f) - 0.5f, s * (x.y + 0.5f) - 0.5f};
+}
+
+void Overlay::draw_mesh(const WireMesh& mesh) {
+  std::vector<std::array<std::uint16_t, 2>> edges;
+  for (const auto& f : mesh.faces)
+    for (std::size_t k = 0; k < 3; ++k)
+      edges.push_back({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  for (const auto& [a, b] : edges)
+    draw_line(image_, scaled(mesh.x[a]), scaled(mesh.x[b]), unit(), kMesh, 0.42f);
+}
+
+void Overlay::draw_landmark(Vec2 x) {
+  draw_dot(image_, scaled(x), 1.3f * unit(), kLandmark, 0.9f);
+}
+
+void Overlay::draw_marker(Vec2 x) {
+  draw_ring(image_, scaled(x), 3.5f * unit(), unit(), kMarker, 0.9f);
+}
+
+void Overlay::draw_residual(Vec2 given, Vec2 residual, bool used) {
+  const Colour colour = used ? kGiven : kUnused;
+  draw_ring(image_, scaled(given), 3.2f * unit(), unit(), colour, 0.8f);
+  draw_line(image_, scaled(given), scaled(given + residual), unit(), colour, 0.8f);
+}
+
+void Overlay::draw_caption(const std::string& text) {
+  const int scale = std::max(1, (image_.width + 160) / 320), margin = 2 * scale, border = 4;
+  const int height = kTextHeight * scale + 2 * margin;
+  const int y = image_.height - border - height;
+  fill_box(image_, border, y, text_width(text, scale) + 2 * margin, height, {0, 0, 0}, 0.55f);
+  draw_text(image_, border + margin, y + margin, text, scale, {255, 255, 255}, 0.95f);
+}
+
+void Overlay::draw_state(TrackState state) {
+  draw_border(image_, 4,
+              state == TrackState::tracking   ? kGood
+              : state == TrackState::degraded ? kFair
+                                              : kBad);
+}
+
+const char* state_text(TrackState state) {
+  switch (state) {
+    case TrackState::tracking:
+      return "tracking";
+    case TrackState::degraded:
+      return "degraded";
+    case TrackState::lost:
+      return "lost";
+  }
+  return "lost";
+}
+
+}  // namespace pliant::cli

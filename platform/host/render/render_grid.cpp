@@ -1,0 +1,93 @@
+#include "host/render/render_grid.hpp"
+
+#include <algorithm>
+
+#include "host/render/draw.hpp"
+#include "host/io/failure.hpp"
+#include "host/render/scene.hpp"
+#include "host/commands/start.hpp"
+#include "host/io/track_table.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+constexpr int kGap = 2, kTextSpace = 4, kOversampling = 3;
+constexpr std::size_t kMostPictures = 64;
+constexpr std::uint8_t kPaper = 236;
+/// How much of a cell's height the mean face fills; all faces have its scale.
+constexpr float kFilledShare = 0.72f;
+
+struct NamedRows {
+  std::vector<std::string> names;
+  std::vector<PosedParameters> rows;
+  std::vector<float> tones;
+};
+
+NamedRows read_rows(const std::string& path, const Model& model, const PosedParameters& neutral,
+                    bool has_tone, Console& console) {
+  const CsvTable table(path, read_file(path));
+  const std::size_t name = table.column("name");
+  NamedRows out;
+  std::vector<std::string> unmatched;
+  out.rows = read_posed_parameters(table, model, neutral, &unmatched);
+  const auto is_ours = [&](const std::string& c) { return c == "name" || (has_tone && c == "tone"); };
+  unmatched.erase(std::remove_if(unmatched.begin(), unmatched.end(), is_ours), unmatched.end());
+  list_unmatched(unmatched, path, console.err);
+  if (out.rows.empty()) fail_input(path, "has no rows");
+  if (out.rows.size() > kMostPictures) fail_input(path, "more than 64 rows");
+  const auto tone = has_tone ? table.find_column("tone") : std::nullopt;
+  for (std::size_t r = 0; r < table.row_count(); ++r) {
+    out.names.push_back(table.cell(r, name));
+    out.tones.push_back(tone ? clamp(table.number(r, *tone), 0, 2) : 1);
+  }
+  return out;
+}
+
+/// The person's identity with the expression of the other, both within their limits.
+std::vector<float> combined(const Model& model, const PosedParameters& person,
+                            const PosedParameters& expression) {
+  std::vector<float> q;
+  for (std::size_t k = 0; k < model.parameters().count; ++k) {
+    const Parameter& p = model.parameters()[k];
+    q.push_back(clamp(p.group == Group::identity ? person.q[k] : expression.q[k], p.minimum, p.maximum));
+  }
+  return q;
+}
+
+}  // namespace
+
+Image draw_grid(const ModelFile& file, const std::string& people, const std::string& expressions,
+                ImageSize cell, Console& console) {
+  const Model& model = file.model();
+  const Camera camera = centred_camera(cell.width, cell.height, 3.0f * static_cast<float>(cell.height));
+  PosedParameters neutral;
+  neutral.q.assign(model.parameters().count, 0.0f);
+  neutral.pose = frontal_pose(model, neutral.q.data(), camera, cell.height, kFilledShare);
+  const NamedRows persons = read_rows(people, model, neutral, true, console),
+                  moods = read_rows(expressions, model, neutral, false, console);
+
+  int margin = 0;
+  for (const std::string& name : moods.names) margin = std::max(margin, text_width(name, 1) + 2 * kTextSpace);
+  const int head = kTextHeight + 2 * kTextSpace, step_x = cell.width + kGap, step_y = cell.height + kGap;
+  Image grid(margin + static_cast<int>(persons.rows.size()) * step_x,
+             head + static_cast<int>(moods.rows.size()) * step_y, 1, kPaper);
+  const Image paper(cell.width, cell.height, 1, kPaper);
+  Scene scene(model, cell.width, cell.height, 224, kOversampling);
+  Progress progress(console, "picture");
+  for (std::size_t c = 0; c < persons.rows.size(); ++c) {
+    const int x = margin + static_cast<int>(c) * step_x;
+    const std::string& name = persons.names[c];
+    draw_text(grid, x + (cell.width - text_width(name, 1)) / 2, kTextSpace, name, 1, {});
+    for (std::size_t r = 0; r < moods.rows.size(); ++r) {
+      const int y = head + static_cast<int>(r) * step_y;
+      if (c == 0) draw_text(grid, kTextSpace, y + (cell.height - kTextHeight) / 2, moods.names[r], 1, {});
+      const auto q = combined(model, persons.rows[c], moods.rows[r]);
+      paste(grid, scene.draw(q.data(), moods.rows[r].pose, camera, paper, persons.tones[c]), x, y);
+      progress.show(c * moods.rows.size() + r);
+    }
+  }
+  return grid;
+}
+
+}  // namespace pliant::cli

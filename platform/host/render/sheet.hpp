@@ -1,0 +1,34 @@
+#pragma once
+/// \file sheet.hpp
+/// A contact sheet: nine pictures of a sequence of unknown length on one.
+#include <vector>
+
+#include "host/io/image.hpp"
+
+namespace pliant::cli {
+
+/// Collects pictures as they come and keeps a bounded, evenly spaced choice of them, and the last.
+class ContactSheet {
+ public:
+  static constexpr int kColumns = 3, kRows = 3;
+
+  /// Takes picture number k, k = 0, 1, 2, ... All have one size and three channels.
+  void add(const Image& image);
+  bool is_empty() const { return kept_.empty(); }
+  struct Picture {
+    int number;
+    Image image;  ///< shrunk to a cell of the sheet
+  };
+  /// The pictures that the sheet will show, first and last included.
+  std::vector<Picture> pictures() const;
+  /// The sheet: at most 1,600 pixels wide, cells with a thin gap.
+  Image image() const;
+
+ private:
+  static constexpr std::size_t kMost = 4 * kColumns * kRows;
+  std::vector<Picture> kept_;  // numbers 0, stride_, 2 stride_, ...
+  Picture last_{0, {}};
+  int next_ = 0, stride_ = 1;
+};
+
+}  // namespace pliant::cli

@@ -1,0 +1,153 @@
+#include "host/render/shown_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/bake/triangulation.hpp"
+#include "host/io/image.hpp"
+#include "pliant/visibility.hpp"
+
+namespace pliant::cli {
+
+namespace {
+
+constexpr float kLatticeShare = 0.5f;
+constexpr std::size_t kMostVertices = 65535;  // 16-bit indices, of which glTF keeps the last
+
+/// Vertex numbers around each opening: all boundary loops but the one with the largest area.
+std::vector<std::vector<std::uint16_t>> find_openings(const MeshData& mesh) {
+  std::vector<std::uint16_t> next(mesh.position.size(), kNone);  // along the boundary
+  std::vector<std::array<std::uint16_t, 2>> edges;
+  for (const auto& f : mesh.faces)
+    for (std::size_t k = 0; k < 3; ++k) edges.push_back({f[k], f[(k + 1) % 3]});
+  std::sort(edges.begin(), edges.end());
+  for (const auto& [a, b] : edges)
+    if (!std::binary_search(edges.begin(), edges.end(), std::array<std::uint16_t, 2>{b, a})) next[a] = b;
+  std::vector<std::vector<std::uint16_t>> loops;
+  std::vector<float> areas;
+  for (std::size_t first = 0; first < next.size(); ++first) {
+    if (next[first] == kNone) continue;
+    std::vector<std::uint16_t> loop;
+    float area = 0;
+    for (auto v = static_cast<std::uint16_t>(first); next[v] != kNone;) {
+      const std::uint16_t after = next[v];
+      loop.push_back(v);
+      area += mesh.uv[v].x * mesh.uv[after].y - mesh.uv[after].x * mesh.uv[v].y;
+      next[v] = kNone;
+      v = after;
+    }
+    loops.push_back(loop);
+    areas.push_back(magnitude(area));
+  }
+  if (loops.empty()) return loops;
+  loops.erase(loops.begin() + (std::max_element(areas.begin(), areas.end()) - areas.begin()));
+  return loops;
+}
+
+bool is_inside(const std::vector<Vec2>& loop, Vec2 x) {
+  bool inside = false;
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    const Vec2 a = loop[k], b = loop[(k + 1) % loop.size()];
+    if ((a.y > x.y) == (b.y > x.y)) continue;
+    inside ^= x.x < a.x + (x.y - a.y) * (b.x - a.x) / (b.y - a.y);
+  }
+  return inside;
+}
+
+/// Points of a lattice inside the loop, closer together than the loop's own: what lies behind lips and lids is curved more
+/// than skin.
+std::vector<Vec2> lattice_within(const std::vector<Vec2>& loop) {
+  Vec2 low{1, 1}, high{0, 0};
+  float spacing = 0;
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    low = {min(low.x, loop[k].x), min(low.y, loop[k].y)};
+    high = {max(high.x, loop[k].x), max(high.y, loop[k].y)};
+    spacing +=
+        kLatticeShare * length(loop[(k + 1) % loop.size()] - loop[k]) / static_cast<float>(loop.size());
+  }
+  std::vector<Vec2> points;
+  if (!(spacing > 1e-4f)) return points;
+  for (float y = low.y + 0.5f * spacing; y < high.y; y += spacing)
+    for (float x = low.x + 0.5f * spacing; x < high.x; x += spacing) {
+      const bool is_close = std::any_of(loop.begin(), loop.end(), [&](Vec2 p) {
+        return length(p - Vec2{x, y}) < 0.6f * spacing;
+      });
+      if (!is_close && is_inside(loop, {x, y})) points.push_back({x, y});
+    }
+  return points;
+}
+
+void close_opening(MeshData& mesh, const std::vector<std::uint16_t>& loop, ModelSurface& surface) {
+  bake::Domain domain;
+  std::vector<std::uint16_t> number = loop;  // of a point of the domain, in the mesh
+  domain.loops.emplace_back();
+  for (const std::uint16_t v : loop) {
+    domain.loops[0].push_back(static_cast<int>(domain.points.size()));
+    domain.points.push_back(mesh.uv[v]);
+  }
+  for (const Vec2 uv : lattice_within(domain.points)) {
+    if (mesh.position.size() + number.size() >= kMostVertices) return;
+    domain.points.push_back(uv);
+    number.push_back(static_cast<std::uint16_t>(mesh.position.size()));
+    mesh.position.push_back(surface.sample(uv));
+    mesh.normal.push_back(surface.normal(uv));
+    mesh.uv.push_back(uv);
+  }
+  const auto& f = mesh.faces.front();
+  const bool turns =
+      doubled_area(mesh.uv[f[0]], mesh.uv[f[1]], mesh.uv[f[2]]) < 0;  // triangulate gives positive areas
+  for (const auto& t : bake::triangulate(domain)) {
+    const std::uint16_t a = number[static_cast<std::size_t>(t[0])],
+                        b = number[static_cast<std::size_t>(t[1])],
+                        c = number[static_cast<std::size_t>(t[2])];
+    mesh.faces.push_back(turns ? std::array<std::uint16_t, 3>{a, c, b}
+                               : std::array<std::uint16_t, 3>{a, b, c});
+    mesh.level.push_back(0);
+  }
+}
+
+}  // namespace
+
+MeshData mesh_data(const ModelMesh& adapted) {
+  const Mesh& mesh = adapted.mesh();
+  MeshData data;
+  std::vector<std::uint16_t> number(mesh.limits().vertices, 0);
+  for (const VertexId v : mesh.vertices()) {
+    number[v] = static_cast<std::uint16_t>(data.position.size());
+    data.position.push_back(adapted.position(v));
+    data.normal.push_back(adapted.surface().normal(mesh.uv(v)));
+    data.uv.push_back(mesh.uv(v));
+  }
+  for (const FaceId f : mesh.faces()) {
+    data.faces.push_back({number[mesh.corner(f, 0)], number[mesh.corner(f, 1)], number[mesh.corner(f, 2)]});
+    data.level.push_back(mesh.face_level(f));
+  }
+  return data;
+}
+
+MeshData closed_mesh(const ModelMesh& adapted) {
+  MeshData mesh = mesh_data(adapted);
+  for (const auto& loop : find_openings(mesh)) close_opening(mesh, loop, adapted.surface());
+  return mesh;
+}
+
+std::vector<Vec3> compute_normals(const std::vector<Vec3>& position,
+                                  const std::vector<std::array<std::uint16_t, 3>>& faces) {
+  std::vector<Vec3> normal(position.size());
+  for (const auto& f : faces) {
+    const Vec3 n = cross(position[f[1]] - position[f[0]], position[f[2]] - position[f[0]]);
+    for (const std::uint16_t v : f) normal[v] = normal[v] + n;
+  }
+  for (Vec3& n : normal) n = normalised(n);
+  return normal;
+}
+
+std::string albedo_png(const Model& model) {
+  const ChartImage albedo = model.albedo();
+  if (albedo.pixels == nullptr) return {};
+  Image image(static_cast<int>(albedo.width), static_cast<int>(albedo.height), 1);
+  image.pixels.assign(albedo.pixels, albedo.pixels + image.pixels.size());
+  return encode_png(image);
+}
+
+}  // namespace pliant::cli

@@ -1,0 +1,148 @@
+#include "fit/fit_problem.hpp"
+
+#include "base/elementary.hpp"
+
+namespace pliant {
+
+namespace {
+
+float log_ratio(float a, float b) {
+  return static_cast<float>(natural_log(static_cast<double>(a) / static_cast<double>(b)));
+}
+
+}  // namespace
+
+Vec2 FitProblem::counted(std::size_t point, Vec2 residual) const {
+  const Vec2 n = fitter.outline_normal_ != nullptr ? fitter.outline_normal_[point] : Vec2{};
+  return n.x == 0 && n.y == 0 ? residual : dot(n, residual) * n;
+}
+
+/// log (f / expected f), with f = s / rho.
+float FitProblem::focal_log(const View& v) const {
+  return log_ratio(v.s, v.rho * prior_focal);
+}
+
+float FitProblem::prior_cost(const float* parameters, const View& v) const {
+  float cost = 0;
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const float z = parameters[fitter.cascade_.parameter_of(k)] / parameter(k).sd;
+    cost += 0.5f * options.stiffness * z * z;
+  }
+  if (!focal_is_known) {
+    const float z = focal_log(v) / options.focal_log_sd;
+    cost += 0.5f * z * z;
+  }
+  return cost;
+}
+
+float FitProblem::cost(const float* parameters, const View& v) const {
+  const Projector projector(v, focal_is_known);
+  float sum = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    Vec2 x;
+    if (!projector.project(fitter.cascade_.evaluate(fitter.baked_at(i), parameters), &x)) return 1e30f;
+    sum += point_loss(i, points[i].x - x).rho;
+  }
+  return scale * scale * sum + prior_cost(parameters, v);
+}
+
+void FitProblem::add_point(NormalEquations& equations, std::size_t point, const Projector::Derivatives& d,
+                           const Jacobian& jacobian, Vec2 residual, float weight) {
+  std::uint16_t* unknown = fitter.unknown_;
+  Vec2* column = fitter.column_;
+  std::size_t n = 0;
+  for (; n < pose_unknowns(); ++n) {
+    unknown[n] = static_cast<std::uint16_t>(n);
+    column[n] = d.pose[n];
+  }
+  for (std::size_t k = 0; shape_is_free && k < jacobian.count; ++k, ++n) {
+    unknown[n] = static_cast<std::uint16_t>(pose_unknowns() + jacobian.list[k]);
+    column[n] = d.along(jacobian.column[jacobian.list[k]]);
+  }
+  const float w = weight / (points[point].sd_px * points[point].sd_px);
+  const Vec2 across = counted(point, {1, 0}), down = counted(point, {0, 1});  // the columns of n n^T, or of I
+  equations.add(unknown, column, n, residual, {w * across.x, w * across.y, w * down.y});
+}
+
+float FitProblem::linearise(NormalEquations& equations) {
+  equations.reset(pose_unknowns() + columns());
+  const Projector projector(view, focal_is_known);
+  float sum = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    Jacobian jacobian;
+    const Vec3 p = fitter.cascade_.evaluate(fitter.baked_at(i), q, &jacobian);
+    Vec2 x;
+    Projector::Derivatives d;
+    if (!projector.project(p, &x, &d)) continue;
+    const Vec2 residual = points[i].x - x;
+    const LossValue value = point_loss(i, residual);
+    sum += value.rho;
+    if (value.weight > 0) add_point(equations, i, d, jacobian, residual, value.weight);
+  }
+  add_priors(equations);
+  return scale * scale * sum + prior_cost(q, view);
+}
+
+void FitProblem::add_priors(NormalEquations& equations) {
+  const std::size_t pose = pose_unknowns();
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const Parameter& p = parameter(k);
+    const float value = q[fitter.cascade_.parameter_of(k)];
+    equations.add_prior(pose + k, -value, options.stiffness / (p.sd * p.sd));
+    equations.set_limits(pose + k, min(p.minimum - value, 0), max(p.maximum - value, 0));
+  }
+  for (std::size_t k = 0; k < 3; ++k) equations.set_limits(k, -0.5f, 0.5f);
+  equations.set_limits(kLogScale, -0.7f, 0.7f);
+  if (focal_is_known) return;
+  equations.set_limits(kLogRho, -0.7f, 0.7f);
+  // log f = log s - log rho, around the default focal length.
+  const std::uint16_t pair[2] = {kLogScale, kLogRho};
+  const Vec2 row[2] = {{1, 0}, {-1, 0}};
+  const float w = 1.0f / (options.focal_log_sd * options.focal_log_sd);
+  equations.add(pair, row, 2, {-focal_log(view), 0}, {w, 0, 0});
+}
+
+float FitProblem::try_step(const float* step) {
+  trial = moved(view, step, static_cast<int>(pose_unknowns()));
+  float* next = fitter.trial_q_;
+  for (std::size_t i = 0; i < fitter.cascade_.parameter_count(); ++i) next[i] = q[i];
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const Parameter& limits = parameter(k);
+    float& value = next[fitter.cascade_.parameter_of(k)];
+    value = clamp(value + step[pose_unknowns() + k], limits.minimum, limits.maximum);
+  }
+  return cost(next, trial);
+}
+
+void FitProblem::accept() {
+  view = trial;
+  for (std::size_t i = 0; i < fitter.cascade_.parameter_count(); ++i) q[i] = fitter.trial_q_[i];
+}
+
+SolverReport FitProblem::minimise(int iterations) {
+  const LeastSquaresProblem problem{
+      this, [](void* p, NormalEquations& e) { return static_cast<FitProblem*>(p)->linearise(e); },
+      [](void* p, const float* s) { return static_cast<FitProblem*>(p)->try_step(s); },
+      [](void* p) { static_cast<FitProblem*>(p)->accept(); }};
+  if (shape_is_free && options.method == FitMethod::euler)
+    return integrate(problem, options.euler, fitter.equations_, fitter.step_);
+  SolverOptions solver;
+  solver.max_iterations = iterations;
+  solver.leave_equations = false;
+  return pliant::minimise(problem, solver, fitter.equations_, fitter.step_);
+}
+
+void FitProblem::update_scale() {
+  const Projector projector(view, focal_is_known);
+  float mean_sd = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    Vec2 x = points[i].x + Vec2{1e6f, 1e6f};
+    projector.project(fitter.cascade_.evaluate(fitter.baked_at(i), q), &x);
+    fitter.sorted_[i] = length(counted(i, points[i].x - x)) / points[i].sd_px;
+    mean_sd += points[i].sd_px / static_cast<float>(points.count);
+  }
+  const float misfit = options.misfit_mm * view.s / mean_sd;
+  scale = max(robust_scale(fitter.sorted_, points.count), square_root(1 + misfit * misfit));
+}
+
+}  // namespace pliant

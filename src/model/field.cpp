@@ -1,0 +1,174 @@
+// Sampling of vector fields on their grids, samples on the rims of the rectangle (ALGORITHMS 3.2): bilinear, or by cubic
+// convolution (Keys 1981, a = -1/2).
+//
+// Where a cubic cell lacks a sample beyond the rim, the missing one follows from those there are: on the border of the
+// chart by the parabola through three of them (Keys' condition, which keeps quadratics exact up to the border); on a
+// rim inside the chart, beyond which the field is zero, by reflection, which makes the slope over the rim zero.
+#include "pliant/field.hpp"
+
+#include <cstring>
+
+#include "model/field_sampling.hpp"
+
+namespace pliant {
+
+namespace {
+
+/// Where (u,v) falls in a field's grid: cell and position within it; `inside` false outside the support.
+struct Cell {
+  std::size_t i, j;
+  float a, b;
+  bool inside;
+};
+
+Cell locate(const Field& f, Vec2 uv) {
+  const float right = clamp(uv.x, 0, 1), u = f.mirror ? 1 - right : right, v = clamp(uv.y, 0, 1);
+  if (!(u >= f.u0 && u <= f.u1 && v >= f.v0 && v <= f.v1)) return {0, 0, 0, 0, false};
+  const float w = static_cast<float>(f.width - 1), h = static_cast<float>(f.height - 1);
+  const float x = (u - f.u0) * (w / (f.u1 - f.u0)), y = (v - f.v0) * (h / (f.v1 - f.v0));
+  const auto i = x >= w - 1 ? f.width - 2u : static_cast<std::size_t>(x);
+  const auto j = y >= h - 1 ? f.height - 2u : static_cast<std::size_t>(y);
+  return {i, j, x - static_cast<float>(i), y - static_cast<float>(j), true};
+}
+
+/// Interpolated integers of a field, held as float, and, where they are asked for, their derivatives a cell's side along
+/// each axis.
+struct Interpolated {
+  bool with_gradient = false;
+  float value[3] = {}, along_u[3] = {}, along_v[3] = {};
+};
+
+template <class Integer>
+float read(const std::uint8_t* p) {
+  Integer value;
+  std::memcpy(&value, p, sizeof value);
+  return static_cast<float>(value);
+}
+
+template <class Integer, std::size_t n>
+void interpolate_bilinear(const std::uint8_t* samples, const Field& f, const Cell& cell, Interpolated& out) {
+  const std::size_t row = std::size_t{f.width} * n;
+  const std::uint8_t* p = samples + f.first_byte + (cell.j * row + cell.i * n) * sizeof(Integer);
+  for (std::size_t c = 0; c < n; ++c, p += sizeof(Integer)) {
+    const float s00 = read<Integer>(p), s10 = read<Integer>(p + n * sizeof(Integer)),
+                s01 = read<Integer>(p + row * sizeof(Integer)),
+                s11 = read<Integer>(p + (row + n) * sizeof(Integer));
+    const float top = s00 + cell.a * (s10 - s00), bottom = s01 + cell.a * (s11 - s01);
+    out.value[c] = top + cell.b * (bottom - top);
+    if (!out.with_gradient) continue;
+    out.along_u[c] = (s10 - s00) + cell.b * ((s11 - s01) - (s10 - s00));
+    out.along_v[c] = (s01 - s00) + cell.a * ((s11 - s10) - (s01 - s00));
+  }
+}
+
+/// Four samples along one axis, their weights and the weights' derivatives.
+struct CubicTaps {
+  std::size_t at[4];
+  float weight[4], slope[4];
+};
+
+/// \param first_is_rim  the first sample lies on a rim inside the chart; `last_is_rim` likewise.
+CubicTaps cubic_taps(std::size_t cell, float a, std::size_t count, bool first_is_rim, bool last_is_rim) {
+  const float a2 = a * a, a3 = a2 * a;
+  CubicTaps t{{cell - 1, cell, cell + 1, cell + 2},
+              {0.5f * (2 * a2 - a - a3), 0.5f * (3 * a3 - 5 * a2 + 2), 0.5f * (4 * a2 + a - 3 * a3),
+               0.5f * (a3 - a2)},
+              {0.5f * (4 * a - 1 - 3 * a2), 0.5f * (9 * a2 - 10 * a), 0.5f * (8 * a + 1 - 9 * a2),
+               0.5f * (3 * a2 - 2 * a)}};
+  // The tap beyond the rim becomes the sample opposite, with the weights that make it stand for the missing one.
+  const auto replace = [&](std::size_t missing, std::size_t rim, std::size_t next, std::size_t opposite,
+                           bool is_rim) {
+    const float w = t.weight[missing], s = t.slope[missing];
+    const bool is_line = count == 2;  // too few for a parabola
+    const float to_rim = is_rim    ? 0
+                         : is_line ? 2
+                                   : 3,
+                to_next = is_rim    ? 1
+                          : is_line ? -1
+                                    : -3,
+                to_opposite = is_rim || is_line ? 0 : 1;
+    t.weight[rim] += to_rim * w;
+    t.slope[rim] += to_rim * s;
+    t.weight[next] += to_next * w;
+    t.slope[next] += to_next * s;
+    t.weight[missing] = to_opposite * w;
+    t.slope[missing] = to_opposite * s;
+    t.at[missing] = opposite;
+  };
+  // With two samples both ends are missing; the first replacement must not feed the second.
+  const std::size_t after = cell + 2 < count ? cell + 2 : cell + 1, before = cell > 0 ? cell - 1 : cell;
+  if (cell == 0) replace(0, 1, 2, after, first_is_rim);
+  if (cell + 2 == count) replace(3, 2, 1, before, last_is_rim);
+  return t;
+}
+
+template <class Integer, std::size_t n>
+void interpolate_bicubic(const std::uint8_t* samples, const Field& f, const Cell& cell, Interpolated& out) {
+  const std::size_t row = std::size_t{f.width} * n;
+  const CubicTaps tu = cubic_taps(cell.i, cell.a, f.width, f.u0 > 0, f.u1 < 1);
+  const CubicTaps tv = cubic_taps(cell.j, cell.b, f.height, f.v0 > 0, f.v1 < 1);
+  for (std::size_t l = 0; l < 4; ++l) {
+    float value[3] = {}, along[3] = {};
+    const std::uint8_t* start = samples + f.first_byte + tv.at[l] * row * sizeof(Integer);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::uint8_t* p = start + tu.at[k] * n * sizeof(Integer);
+      for (std::size_t c = 0; c < n; ++c, p += sizeof(Integer)) {
+        const float s = read<Integer>(p);
+        value[c] += tu.weight[k] * s;
+        along[c] += tu.slope[k] * s;
+      }
+    }
+    for (std::size_t c = 0; c < n; ++c) {
+      out.value[c] += tv.weight[l] * value[c];
+      out.along_u[c] += tv.weight[l] * along[c];
+      out.along_v[c] += tv.slope[l] * value[c];
+    }
+  }
+}
+
+template <class Integer, std::size_t n>
+Interpolated interpolate(const std::uint8_t* samples, const Field& f, const Cell& cell, Interpolation how,
+                         bool with_gradient) {
+  Interpolated s;
+  s.with_gradient = with_gradient;
+  if (how == Interpolation::bicubic)
+    interpolate_bicubic<Integer, n>(samples, f, cell, s);
+  else
+    interpolate_bilinear<Integer, n>(samples, f, cell, s);
+  return s;
+}
+
+}  // namespace
+
+Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,
+                  Vec3* dv) {
+  const Cell cell = locate(f, uv);
+  if (du != nullptr) *du = *dv = {};
+  if (!cell.inside) return {};
+  const bool with_gradient = du != nullptr;
+  const auto run = f.bits == 16
+                       ? (f.components == 3 ? interpolate<std::int16_t, 3> : interpolate<std::int16_t, 1>)
+                       : (f.components == 3 ? interpolate<std::int8_t, 3> : interpolate<std::int8_t, 1>);
+  const Interpolated s = run(samples, f, cell, interpolation, with_gradient);
+  const bool flips = f.mirror && f.components == 3;
+  const float sx = flips ? -f.scale[0] : f.scale[0], ox = flips ? -f.offset[0] : f.offset[0];
+  if (du != nullptr) {
+    const float per_u = static_cast<float>(f.width - 1) / (f.u1 - f.u0) * (f.mirror ? -1.0f : 1.0f);
+    const float per_v = static_cast<float>(f.height - 1) / (f.v1 - f.v0);
+    *du = {sx * s.along_u[0] * per_u, f.scale[1] * s.along_u[1] * per_u, f.scale[2] * s.along_u[2] * per_u};
+    *dv = {sx * s.along_v[0] * per_v, f.scale[1] * s.along_v[1] * per_v, f.scale[2] * s.along_v[2] * per_v};
+  }
+  if (f.components == 1) return {f.offset[0] + f.scale[0] * s.value[0], 0, 0};
+  return {ox + sx * s.value[0], f.offset[1] + f.scale[1] * s.value[1], f.offset[2] + f.scale[2] * s.value[2]};
+}
+
+Vec3 sample(const Model& model, const Field& field, Vec2 uv, Interpolation interpolation) {
+  return sample_field(model.samples(), field, uv, interpolation, nullptr, nullptr);
+}
+
+Vec3 sample_with_gradient(const Model& model, const Field& field, Vec2 uv, Vec3* du, Vec3* dv,
+                          Interpolation interpolation) {
+  return sample_field(model.samples(), field, uv, interpolation, du, dv);
+}
+
+}  // namespace pliant

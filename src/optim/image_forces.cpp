@@ -1,0 +1,157 @@
+// Image forces in parameter space (the paper's Appendix A; ALGORITHMS 6.5). Departs from it in three ways: the rigid
+// block only, rows whitened by the mean of B^T B, and re-admission. Whitening changes no distance, in exact arithmetic;
+// it keeps rotations (hundreds of pixels a radian) and translations (one) apart by nothing that floats would feel.
+#include "pliant/image_forces.hpp"
+
+#include <limits>
+
+#include "base/elementary.hpp"
+#include "pliant/robust.hpp"
+
+namespace pliant {
+
+namespace {
+constexpr std::size_t kRowsPerColumn = 5;
+constexpr float kNotFinite = std::numeric_limits<float>::infinity();
+constexpr double kSmallestPivot =
+    1e-6;  // relative: below, no point sees the parameter apart from those before it
+
+constexpr std::size_t packed(std::size_t row, std::size_t column) {  // of a lower triangle, column <= row
+  return row * (row + 1) / 2 + column;
+}
+
+/// A = L L^T in place; the diagonal gets 1 / pivot, or 0 where there is none.
+void factorise_lower(double* l, std::size_t p) {
+  for (std::size_t j = 0; j < p; ++j) {
+    const double all = l[packed(j, j)];
+    double pivot = all;
+    for (std::size_t k = 0; k < j; ++k) {
+      for (std::size_t m = 0; m < k; ++m) l[packed(j, k)] -= l[packed(j, m)] * l[packed(k, m)];
+      l[packed(j, k)] *= l[packed(k, k)];
+      pivot -= l[packed(j, k)] * l[packed(j, k)];
+    }
+    l[packed(j, j)] = pivot > kSmallestPivot * all ? 1 / square_root(pivot) : 0.0;
+  }
+}
+
+/// y = L^-1 y.
+void solve_lower(const double* l, std::size_t p, double* y) {
+  for (std::size_t j = 0; j < p; ++j) {
+    for (std::size_t k = 0; k < j; ++k) y[j] -= l[packed(j, k)] * y[k];
+    y[j] *= l[packed(j, j)];
+  }
+}
+
+bool is_finite_row(const float* jacobian, Vec2 force, std::size_t p) {
+  bool finite = is_finite(force);
+  for (std::size_t j = 0; j < 2 * p; ++j) finite = finite && is_finite(jacobian[j]);
+  return finite;
+}
+}  // namespace
+
+void ForceRejector::lay_out(Arena& arena, const McdLimits& limits) {
+  McdLimits within = limits;
+  within.rows = limits.rows < kMcdMaxRows ? limits.rows : kMcdMaxRows;
+  within.columns = limits.columns < kForceMaxColumns ? limits.columns : kForceMaxColumns;
+  row_capacity_ = within.rows;
+  column_capacity_ = within.columns;
+  row_ = arena.take<float>(row_capacity_ * column_capacity_);
+  mcd_.lay_out(arena, within);
+  columns_ = 0;
+}
+
+/// L of sum of B^T B / rows = L L^T. An unseen parameter gets an inverse pivot of zero, so that its column is zeros.
+void ForceRejector::whiten(const float* jacobian, std::size_t rows, std::size_t p,
+                           const std::uint8_t* finite) {
+  for (double& value : whiten_) value = 0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (finite[i] == 0) continue;
+    const float *bx = jacobian + i * 2 * p, *by = bx + p;
+    for (std::size_t j = 0; j < p; ++j)
+      for (std::size_t k = 0; k <= j; ++k)
+        whiten_[packed(j, k)] += static_cast<double>(bx[j]) * static_cast<double>(bx[k]) +
+                                 static_cast<double>(by[j]) * static_cast<double>(by[k]);
+  }
+  unit_ = square_root(static_cast<double>(rows));
+  factorise_lower(whiten_, p);
+}
+
+/// row = L^-1 B^T f.
+void ForceRejector::project(const float* jacobian, Vec2 force, double* row) const {
+  const float *bx = jacobian, *by = bx + columns_;
+  for (std::size_t j = 0; j < columns_; ++j)
+    row[j] = unit_ * (static_cast<double>(bx[j]) * static_cast<double>(force.x) +
+                      static_cast<double>(by[j]) * static_cast<double>(force.y));
+  solve_lower(whiten_, columns_, row);
+}
+
+/// Prepares `agrees`.
+void ForceRejector::factorise() {
+  for (std::size_t j = 0; j < columns_; ++j)
+    for (std::size_t k = 0; k <= j; ++k)
+      factor_[packed(j, k)] = mcd_.reweighted().covariance[j * columns_ + k];
+  factorise_lower(factor_, columns_);
+}
+
+bool ForceRejector::agrees(const float* jacobian, Vec2 force) const {
+  if (columns_ == 0 || !is_finite_row(jacobian, force, columns_)) return false;
+  if (dot(force, force) <= least_) return true;
+  double row[kForceMaxColumns];
+  project(jacobian, force, row);
+  for (std::size_t j = 0; j < columns_; ++j) row[j] -= mcd_.reweighted().center[j];
+  solve_lower(factor_, columns_, row);
+  double square = 0;
+  for (std::size_t j = 0; j < columns_; ++j) square += row[j] * row[j];
+  return square <= mcd_.cutoff();
+}
+
+Status ForceRejector::reject(const float* jacobian, const Vec2* force, std::size_t rows, std::size_t columns,
+                             const ForceOptions& options, std::uint8_t* keep) {
+  if (jacobian == nullptr || force == nullptr || keep == nullptr || columns == 0 ||
+      !(options.noise_px >= 0.0f) || !(options.cutoff > 0.0f && options.cutoff < 1.0f))
+    return Status::bad_argument;
+  if (rows > row_capacity_ || columns > column_capacity_) return Status::capacity;
+  columns_ = 0;
+  std::size_t finite = 0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    keep[i] = is_finite_row(jacobian + i * 2 * columns, force[i], columns) ? 1 : 0;
+    finite += keep[i];
+  }
+  if (finite < kRowsPerColumn * columns) return Status::too_few_points;
+  whiten(jacobian, rows, columns, keep);
+  columns_ = columns;
+  for (std::size_t i = 0; i < rows; ++i) {
+    double row[kForceMaxColumns];
+    project(jacobian + i * 2 * columns, force[i], row);
+    for (std::size_t j = 0; j < columns; ++j)
+      row_[i * columns + j] = keep[i] != 0 ? static_cast<float>(row[j]) : kNotFinite;
+  }
+  McdOptions mcd;
+  mcd.cutoff = options.cutoff;
+  const Status status = mcd_.deterministic(row_, rows, columns, options.starts, mcd);
+  if (status != Status::ok && status != Status::degenerate_data) {
+    columns_ = 0;
+    return status;
+  }
+  factorise();
+  least_ = options.noise_px * options.noise_px;
+  for (std::size_t i = 0; i < rows; ++i)
+    if (keep[i] != 0 && mcd_.is_flagged(i) && dot(force[i], force[i]) > least_) keep[i] = 0;
+  return Status::ok;
+}
+
+std::size_t readmit(const Vec2* residual, std::size_t rows, float factor, float noise_px, float* scratch,
+                    std::uint8_t* keep) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < rows; ++i)
+    if (keep[i] != 0 && is_finite(residual[i])) scratch[kept++] = length(residual[i]);
+  const float limit = factor * max(robust_scale(scratch, kept), noise_px);
+  kept = 0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    keep[i] = is_finite(residual[i]) && length(residual[i]) <= limit ? 1 : 0;
+    kept += keep[i];
+  }
+  return kept;
+}
+
+}  // namespace pliant

@@ -1,0 +1,380 @@
+// Packed normal equations (ALGORITHMS 5.2-5.5): accumulation, scaled Cholesky within limits, variances.
+#include "base/lanes.hpp"
+#include "pliant/solver.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr float kSmallestPivot = 1e-6f;  // of the unit-diagonal matrix
+constexpr int kLimitRounds = 12;
+constexpr float kReleasingForce = 1e-3f;  // of the largest scaled force
+
+constexpr std::size_t kGatheredRows = 16;
+constexpr std::size_t kTileRows = 4, kTileColumns = 8;
+/// Columns of an observation, as a share of the unknowns, from which the dense product is the cheaper one.
+constexpr std::size_t kDenseNumerator = 5, kDenseDenominator = 8;
+/// Pivots whose rows are applied to the rest at once.
+constexpr std::size_t kPanel = 4;
+
+/// y -= f x over [0, n).
+void subtract_scaled(float* y, float f, const float* x, std::size_t n) {
+  std::size_t j = 0;
+  for (; j + kLanes <= n; j += kLanes) store(load(y + j) - splat(f) * load(x + j), y + j);
+  for (; j < n; ++j) y[j] -= f * x[j];
+}
+
+/// The same with four rows one after the other: the same bits as four calls, a quarter of the loads and stores.
+void subtract_scaled(float* y, const float (&f)[kPanel], const float* const (&x)[kPanel], std::size_t n) {
+  const Lanes f0 = splat(f[0]), f1 = splat(f[1]), f2 = splat(f[2]), f3 = splat(f[3]);
+  std::size_t j = 0;
+  for (; j + kLanes <= n; j += kLanes) {
+    Lanes v = load(y + j);
+    v -= f0 * load(x[0] + j);
+    v -= f1 * load(x[1] + j);
+    v -= f2 * load(x[2] + j);
+    v -= f3 * load(x[3] + j);
+    store(v, y + j);
+  }
+  for (; j < n; ++j)
+    for (std::size_t k = 0; k < kPanel; ++k) y[j] -= f[k] * x[k][j];
+}
+
+float dot_product(const float* a, const float* b, std::size_t n) {
+  Lanes first = splat(0), second = splat(0);
+  std::size_t j = 0;
+  for (; j + 2 * kLanes <= n; j += 2 * kLanes) {
+    first += load(a + j) * load(b + j);
+    second += load(a + j + kLanes) * load(b + j + kLanes);
+  }
+  float total = sum(first + second);
+  for (; j < n; ++j) total += a[j] * b[j];
+  return total;
+}
+
+}  // namespace
+
+void NormalEquations::lay_out(Arena& arena, std::size_t unknowns) {
+  const std::size_t packed = unknowns * (unknowns + 1) / 2;
+  h_ = arena.take<float>(packed + kLanes);  // the last row's lanes may reach beyond it, with zeros to add
+  factor_ = arena.take<float>(packed);
+  stride_ = unknowns + kTileColumns;  // a tile may reach beyond the last unknown, into zeros
+  rows_ = arena.take<float>(kGatheredRows * stride_);
+  row_residual_ = arena.take<float>(kGatheredRows);
+  spread_x_ = arena.take<float>(stride_);
+  spread_y_ = arena.take<float>(stride_);
+  float** const vectors[] = {&g_, &scale_, &lower_, &upper_, &right_, &solution_, &compact_};
+  for (float** vector : vectors) *vector = arena.take<float>(unknowns);
+  pinned_ = arena.take<std::uint8_t>(unknowns);
+  free_ = arena.take<std::uint16_t>(unknowns);
+  capacity_ = unknowns;
+  count_ = gathered_ = 0;
+}
+
+void NormalEquations::reset(std::size_t count) {
+  PLIANT_ASSERT(count <= capacity_);
+  count_ = count;
+  gathered_ = 0;
+  for (std::size_t j = count; j < count + kLanes; ++j) spread_x_[j] = spread_y_[j] = 0;
+  for (std::size_t i = 0; i < count * (count + 1) / 2; ++i) h_[i] = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    g_[i] = 0;
+    lower_[i] = -1e30f;
+    upper_[i] = 1e30f;
+  }
+}
+
+void NormalEquations::add(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
+                          Vec2 residual, Sym2 w) {
+  if (gradient_only_ || kDenseDenominator * columns < kDenseNumerator * count_) {
+    add_sparse(unknown, column, columns, residual, w);
+    return;
+  }
+  // W = L L^T with L = [a 0; b c]; the rows of L^T B.
+  const float a = square_root(w.xx), b = a > 0 ? w.xy / a : 0.0f, c = square_root(w.yy - b * b);
+  float* first = gathered_row(a * residual.x + b * residual.y);
+  float* second = gathered_row(c * residual.y);
+  if (columns != count_)
+    for (std::size_t j = 0; j < count_; ++j) first[j] = second[j] = 0;
+  for (std::size_t j = 0; j < columns; ++j) {
+    first[unknown[j]] = a * column[j].x + b * column[j].y;
+    second[unknown[j]] = c * column[j].y;
+  }
+  if (gathered_ == kGatheredRows) flush();
+}
+
+void NormalEquations::add_dense(const float* along_x, const float* along_y, Vec2 residual, Sym2 w) {
+  if (gradient_only_) {
+    for (std::size_t j = 0; j < count_; ++j) {
+      const float wx = w.xx * along_x[j] + w.xy * along_y[j], wy = w.xy * along_x[j] + w.yy * along_y[j];
+      g_[j] += wx * residual.x + wy * residual.y;
+      h_[index(j, j)] += wx * along_x[j] + wy * along_y[j];
+    }
+    return;
+  }
+  const float a = square_root(w.xx), b = a > 0 ? w.xy / a : 0.0f, c = square_root(w.yy - b * b);
+  float* first = gathered_row(a * residual.x + b * residual.y);
+  float* second = gathered_row(c * residual.y);
+  for (std::size_t j = 0; j < count_; ++j) {
+    first[j] = a * along_x[j] + b * along_y[j];
+    second[j] = c * along_y[j];
+  }
+  if (gathered_ == kGatheredRows) flush();
+}
+
+/// The next gathered row, zero beyond the unknowns.
+float* NormalEquations::gathered_row(float residual) {
+  float* row = rows_ + gathered_ * stride_;
+  row_residual_[gathered_] = residual;
+  ++gathered_;
+  for (std::size_t j = count_; j < count_ + kTileColumns; ++j) row[j] = 0;
+  return row;
+}
+
+/// The columns are spread out into rows, zero elsewhere, so that every row of H takes one sweep of lanes. What reaches
+/// beyond the row's end adds zeros to the next.
+void NormalEquations::add_sparse(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
+                                 Vec2 residual, Sym2 w) {
+  const std::size_t n = count_;
+  float *const h = h_, *const g = g_, *const along_x = spread_x_, *const along_y = spread_y_;
+  const bool whole = !gradient_only_;
+  for (std::size_t j = 0; whole && j < n; j += kLanes) {
+    store(splat(0), along_x + j);
+    store(splat(0), along_y + j);
+  }
+  for (std::size_t i = 0; whole && i < columns; ++i) {
+    along_x[unknown[i]] = column[i].x;
+    along_y[unknown[i]] = column[i].y;
+  }
+  for (std::size_t i = 0; i < columns; ++i) {
+    const Vec2 b = column[i];
+    const std::size_t k = unknown[i];
+    const float wx = w.xx * b.x + w.xy * b.y, wy = w.xy * b.x + w.yy * b.y;
+    g[k] += wx * residual.x + wy * residual.y;
+    float* row = h + (k * n - k * (k + 1) / 2);  // h_(k, j) = row[j]; only j >= k is stored
+    if (!whole) row[k] += wx * b.x + wy * b.y;
+    const Lanes x = splat(wx), y = splat(wy);
+    for (std::size_t j = k; whole && j < n; j += kLanes)
+      store(load(row + j) + (x * load(along_x + j) + y * load(along_y + j)), row + j);
+  }
+}
+
+/// H and g plus what the gathered rows give.
+void NormalEquations::flush() {
+  for (std::size_t r = 0; r < gathered_; ++r)
+    subtract_scaled(g_, -row_residual_[r], rows_ + r * stride_, count_);
+  if (gathered_ > 0)
+    for (std::size_t i = 0; i < count_; i += kTileRows)
+      for (std::size_t j = i; j < count_; j += kTileColumns) add_tile(i, j);
+  gathered_ = 0;
+}
+
+/// Four rows of H by eight columns, summed over the gathered rows in registers.
+void NormalEquations::add_tile(std::size_t row, std::size_t column) {
+  Lanes left[kTileRows] = {}, right[kTileRows] = {};
+  const float *a = rows_ + row, *b = rows_ + column;
+  for (std::size_t r = 0; r < gathered_; ++r, a += stride_, b += stride_) {
+    const Lanes b0 = load(b), b1 = load(b + kLanes);
+    for (std::size_t i = 0; i < kTileRows; ++i) {
+      const Lanes f = splat(a[i]);
+      left[i] += f * b0;
+      right[i] += f * b1;
+    }
+  }
+  for (std::size_t i = 0; i < kTileRows && row + i < count_; ++i) {
+    float* target = h_ + index(row + i, 0);
+    if (row + i <= column && column + kTileColumns <= count_) {
+      store(load(target + column) + left[i], target + column);
+      store(load(target + column + kLanes) + right[i], target + column + kLanes);
+      continue;
+    }
+    float part[kTileColumns];
+    store(left[i], part);
+    store(right[i], part + kLanes);
+    for (std::size_t j = 0; j < kTileColumns; ++j)
+      if (column + j >= row + i && column + j < count_) target[column + j] += part[j];
+  }
+}
+
+void NormalEquations::add_prior(std::size_t unknown, float residual, float weight) {
+  h_[index(unknown, unknown)] += weight;
+  g_[unknown] += weight * residual;
+}
+
+void NormalEquations::set_limits(std::size_t unknown, float lower, float upper) {
+  lower_[unknown] = lower;
+  upper_[unknown] = upper;
+}
+
+/// The upper triangle of S H S + damping I over the unknowns that are free: neither pinned nor undetermined.
+void NormalEquations::copy_scaled(float damping) {
+  free_count_ = 0;
+  for (std::size_t i = 0; i < count_; ++i)
+    if (pinned_[i] == 0) free_[free_count_++] = static_cast<std::uint16_t>(i);
+  float* to = factor_;
+  for (std::size_t k = 0; k < free_count_; ++k, to += free_count_ - k + 1) {
+    const std::size_t i = free_[k];
+    const float* from = h_ + index(i, 0);
+    const float s = scale_[i];
+    for (std::size_t l = k; l < free_count_; ++l) to[l - k] = from[free_[l]] * s * scale_[free_[l]];
+    to[0] += damping;
+  }
+}
+
+/// Row i of the factor, from its column 0 on, of which those below i are not stored.
+float* NormalEquations::factor_row(std::size_t i) {
+  return factor_ + (i * free_count_ - i * (i + 1) / 2);
+}
+
+/// Not seen by any observation, given the unknowns before it.
+void NormalEquations::pin_undetermined(std::size_t k) {
+  float* row = factor_row(k);
+  pinned_[free_[k]] = 2;
+  row[k] = 1;
+  for (std::size_t j = k + 1; j < free_count_; ++j) row[j] = 0;
+}
+
+/// U^T U = S H S + damping I in outer-product form, four pivots at a time: the inner loops run along packed rows.
+void NormalEquations::factorise(float damping) {
+  copy_scaled(damping);
+  const std::size_t n = free_count_;
+  for (std::size_t first = 0; first < n; first += kPanel) {
+    const std::size_t end = first + kPanel < n ? first + kPanel : n;
+    for (std::size_t k = first; k < end; ++k) {
+      float* row = factor_row(k);
+      for (std::size_t above = first; above < k; ++above) {
+        const float* pivot_row = factor_row(above);
+        subtract_scaled(row + k, pivot_row[k], pivot_row + k, n - k);
+      }
+      if (row[k] < kSmallestPivot) {
+        pin_undetermined(k);
+        continue;
+      }
+      const float pivot = square_root(row[k]), inverse = 1.0f / pivot;
+      row[k] = pivot;
+      for (std::size_t j = k + 1; j < n; ++j) row[j] *= inverse;
+    }
+    if (end == n) return;
+    const float* const panel[kPanel] = {factor_row(first), factor_row(first + 1), factor_row(first + 2),
+                                        factor_row(first + 3)};
+    for (std::size_t i = end; i < n; ++i) {
+      const float f[kPanel] = {panel[0][i], panel[1][i], panel[2][i], panel[3][i]};
+      const float* const from[kPanel] = {panel[0] + i, panel[1] + i, panel[2] + i, panel[3] + i};
+      subtract_scaled(factor_row(i) + i, f, from, n - i);
+    }
+  }
+}
+
+/// Solves U^T U x = right for the free unknowns; the others, and those undetermined, come out zero.
+void NormalEquations::back_substitute(const float* right, float* x) {
+  const std::size_t n = free_count_;
+  float* y = compact_;
+  for (std::size_t k = 0; k < n; ++k) y[k] = right[free_[k]];
+  for (std::size_t k = 0; k < n; ++k) {
+    const float* row = factor_row(k);
+    y[k] = pinned_[free_[k]] == 2 ? 0.0f : y[k] / row[k];
+    subtract_scaled(y + k + 1, y[k], row + k + 1, n - k - 1);
+  }
+  for (std::size_t k = n; k-- > 0;) {
+    const float* row = factor_row(k);
+    const float rest = y[k] - dot_product(row + k + 1, y + k + 1, n - k - 1);
+    y[k] = pinned_[free_[k]] == 2 ? 0.0f : rest / row[k];
+  }
+  for (std::size_t i = 0; i < count_; ++i) x[i] = 0;
+  for (std::size_t k = 0; k < n; ++k) x[free_[k]] = y[k];
+}
+
+/// Scales to a unit diagonal; what has none is undetermined.
+void NormalEquations::start_scaled() {
+  flush();
+  for (std::size_t i = 0; i < count_; ++i) {
+    const float d = h_[index(i, i)];
+    scale_[i] = d > 0 ? 1.0f / square_root(d) : 1.0f;
+    pinned_[i] = d > 0 ? 0 : 2;
+  }
+}
+
+/// What is on a limit and pushed out of it most likely stays there: a factorisation less to find that out.
+void NormalEquations::pin_pushed_out() {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const bool is_pushed_out = (g_[i] > 0 && upper_[i] == 0) || (g_[i] < 0 && lower_[i] == 0);
+    if (pinned_[i] == 0 && is_pushed_out) pinned_[i] = 1;
+  }
+}
+
+/// Puts what leaves its limits on them. \return whether anything did.
+bool NormalEquations::pin_to_limits(float* step) {
+  bool changed = false;
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (pinned_[i] == 1) continue;
+    step[i] = pinned_[i] == 2 ? 0.0f : solution_[i] * scale_[i];
+    if (step[i] >= lower_[i] && step[i] <= upper_[i]) continue;
+    step[i] = clamped(i, step[i]);
+    pinned_[i] = 1;
+    changed = true;
+  }
+  return changed;
+}
+
+/// Frees what is on a limit and, now that others are on theirs, pulled back inside. \return whether anything is.
+bool NormalEquations::release_from_limits(float damping, const float* step) {
+  float largest = 0;
+  for (std::size_t i = 0; i < count_; ++i) largest = max(largest, magnitude(g_[i]) * scale_[i]);
+  bool changed = false;
+  for (std::size_t k = 0; k < count_; ++k) {
+    if (pinned_[k] != 1 || !(lower_[k] < upper_[k])) continue;
+    float force = g_[k] - damping * h(k, k) * step[k];
+    for (std::size_t i = 0; i < count_; ++i) force -= h(k, i) * step[i];
+    const float inside = step[k] >= upper_[k] ? -force : force;
+    if (inside * scale_[k] <= kReleasingForce * largest) continue;
+    pinned_[k] = 0;
+    changed = true;
+  }
+  return changed;
+}
+
+void NormalEquations::solve(float damping, float* step) {
+  const std::size_t n = count_;
+  start_scaled();
+  for (std::size_t i = 0; i < n; ++i) step[i] = 0;
+  pin_pushed_out();
+  for (int round = 0; round < kLimitRounds; ++round) {
+    for (std::size_t i = 0; i < n; ++i) right_[i] = g_[i];
+    for (std::size_t k = 0; k < n; ++k)  // what is pinned to a limit moves to the right-hand side
+      if (pinned_[k] == 1)
+        for (std::size_t i = 0; i < n; ++i) right_[i] -= h(i, k) * step[k];
+    for (std::size_t i = 0; i < n; ++i) right_[i] *= scale_[i];
+    factorise(damping);
+    back_substitute(right_, solution_);
+    if (!pin_to_limits(step) && !release_from_limits(damping, step)) break;
+  }
+  undetermined_ = 0;
+  for (std::size_t i = 0; i < n; ++i) undetermined_ += pinned_[i] == 2;
+}
+
+void NormalEquations::variances(float* variance) {
+  start_scaled();
+  factorise(0);
+  undetermined_ = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    undetermined_ += pinned_[i] == 2;
+    variance[i] = 0;
+  }
+  const std::size_t n = free_count_;
+  for (std::size_t k = 0; k < n; ++k) {
+    if (pinned_[free_[k]] == 2) continue;
+    // |U^-T e_k|^2, by forward substitution from k on.
+    for (std::size_t j = k; j < n; ++j) compact_[j] = 0;
+    compact_[k] = 1;
+    float total = 0;
+    for (std::size_t i = k; i < n; ++i) {
+      const float* row = factor_row(i);
+      const float y = pinned_[free_[i]] == 2 ? 0.0f : compact_[i] / row[i];
+      total += y * y;
+      subtract_scaled(compact_ + i + 1, y, row + i + 1, n - i - 1);
+    }
+    variance[free_[k]] = total * scale_[free_[k]] * scale_[free_[k]];
+  }
+}
+
+}  // namespace pliant

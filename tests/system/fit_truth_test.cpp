@@ -1,0 +1,142 @@
+// Fits with known truth: the built-in face anywhere, ICT-FaceKit's and a real photograph's points with PLIANT_DATA.
+#include "fit_truth.hpp"
+
+#include <doctest/doctest.h>
+
+#include "host/bake/bake.hpp"
+#include "baked_face.hpp"
+#include "host/io/csv.hpp"
+#include "host/io/files.hpp"
+#include "host/commands/start.hpp"
+#include "ict_face.hpp"
+#include "sanitized.hpp"
+
+using namespace pliant;
+using namespace fit_truth;
+
+namespace {
+
+constexpr int kFaces = kSanitized ? 2 : 12;
+
+void check(BakedModel& face, const char* name) {
+  for (std::size_t points : {std::size_t{80}, std::size_t{160}}) {
+    Study study(face, points);
+    const Summary s = run(study, points, kFaces);
+    print(s, name, points);
+    CHECK(quantile(s.excess, 1) < 0.01);
+    CHECK(s.median(s.fit, &Errors::turn_deg) < 1);
+    CHECK(s.median(s.fit, &Errors::turn_deg) < s.median(s.null, &Errors::turn_deg));
+    CHECK(s.median(s.fit, &Errors::rms_px) < 0.5 * s.median(s.null, &Errors::rms_px));
+    CHECK(s.median(s.fit, &Errors::surface_mm) < 0.8 * s.median(s.null, &Errors::surface_mm));
+    CHECK(std::abs(quantile(s.outlier_turn, 0.5) - s.median(s.fit, &Errors::turn_deg)) < 0.5);
+  }
+}
+
+/// ICT-FaceKit's face, coarser than by default so that it bakes in a moment.
+const std::vector<std::uint8_t>& ict_table() {
+  static const std::vector<std::uint8_t> table = [] {
+    bake::BakeOptions options;
+    options.size = 64;
+    return bake::bake_source(narrow_face(), options, nullptr);
+  }();
+  return table;
+}
+
+/// The 25 annotated points of frame 0 that have an iBUG name.
+std::vector<cli::NamedPoint> talking_face_points() {
+  const std::string folder = std::string(data_folder()) + "/franck";
+  const cli::CsvTable table("points", cli::read_file(folder + "/points_original.csv"));
+  std::vector<cli::NamedPoint> out;
+  std::istringstream lines(cli::read_file(folder + "/fgnet68_to_ict.csv"));
+  for (std::string line; std::getline(lines, line);) {
+    unsigned point, ibug;
+    if (std::sscanf(line.c_str(), "%u,%u", &point, &ibug) != 2) continue;
+    char name[16];
+    std::snprintf(name, sizeof name, "ibug%02u", ibug);
+    out.push_back({name, {table.number(0, 1 + 2 * point), table.number(0, 2 + 2 * point)}, name});
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "random people of the built-in face: the optimum is reached, the pose to a degree, and far nearer than "
+    "the mean face") {
+  check(baked_face(), "built-in face");
+}
+
+TEST_CASE(
+    "random people of 100 identities: the optimum is reached, the pose to a degree, and far nearer than the "
+    "mean face") {
+  if (data_folder() == nullptr) {
+    MESSAGE("skipped: PLIANT_DATA is not set");
+    return;
+  }
+  BakedModel face(ict_table());
+  check(face, "ICT face");
+}
+
+TEST_CASE("a real face: 25 points of a photograph give a plausible person") {
+  if (data_folder() == nullptr) {
+    MESSAGE("skipped: PLIANT_DATA is not set");
+    return;
+  }
+  const std::string path = std::string(PLIANT_SCRATCH) + "/fit_truth_ict.plm";
+  cli::write_file(path, std::string(ict_table().begin(), ict_table().end()));
+  const cli::ModelFile file(path);
+  const auto named = talking_face_points();
+  REQUIRE(named.size() == 25);
+  cli::FitSetup setup;
+  setup.size = {720, 576};
+  const cli::FitFile fit = cli::fit_to_points(file, "points", named, setup);
+  std::vector<float> q(file.model().parameters().count, 0.0f);
+  cli::apply(fit.parameters, "fit", file.model(), q.data());
+  double largest = 0, length_of_q = 0;
+  for (std::size_t k = 0; k < q.size(); ++k) {
+    const double z = double(q[k] / file.model().parameters()[k].sd);
+    largest = std::max(largest, std::abs(z));
+    length_of_q += z * z;
+  }
+  CHECK(largest <= 3);
+  CHECK(fit.rms_px < 6);
+  CHECK(fit.inliers >= 20);
+
+  // The same points with plain squares and everything free, by the library and in double precision.
+  BakedModel face(ict_table());
+  std::vector<Correspondence> points;
+  Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
+  for (const cli::NamedPoint& p : named) {
+    low = {min(low.x, p.x.x), min(low.y, p.x.y)};
+    high = {max(high.x, p.x.x), max(high.y, p.x.y)};
+  }
+  for (const cli::NamedPoint& p : named)
+    points.push_back({face.uv(p.name), p.x, 0.005f * length(high - low)});
+  FitOptions options;
+  options.width = 720;
+  options.height = 576;
+  options.robust = false;
+  InArena<Fitter> fitter(face.model, FitLimits{});
+  std::vector<float> plain = face.rest();
+  FitReport report;
+  REQUIRE(fitter->fit({points.data(), points.size()}, options, plain.data(), &report, nullptr, nullptr,
+                      nullptr) == Status::ok);
+  face.cascade.set_all_free();
+  const DoubleFit exact(face.model, face.cascade, points, options);
+  const auto reached = exact.state_of(report.view, face.cascade, plain);
+  const auto best = exact.minimise(reached);
+  double squares = 0;
+  DoubleFit data_alone = exact;  // the cost without priors is half the squares in deviations
+  data_alone.sd.setConstant(1e9);
+  data_alone.log_f_sd = 1e9;
+  squares = 2 * data_alone.cost(best) * std::pow(double(points[0].sd_px), 2);
+  const double best_rms = std::sqrt(squares / double(points.size()));
+  std::printf(
+      "Talking Face, frame 0: rms %.2f px over %zu of 25 points, largest parameter %.2f sd, all together "
+      "%.2f; plain squares %.2f px, "
+      "double-precision bounded optimum %.2f px (cost %.4f %% below)\n",
+      double(fit.rms_px), fit.inliers, largest, std::sqrt(length_of_q), double(report.rms_px), best_rms,
+      100 * (exact.cost(reached) / exact.cost(best) - 1));
+  CHECK(exact.cost(reached) < 1.01 * exact.cost(best));
+  CHECK(best_rms < 6);
+}

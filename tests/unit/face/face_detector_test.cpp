@@ -1,0 +1,214 @@
+// A face is found without a point; what is no face is not, and it is told.
+#include "pliant/face_detector.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "baked_face.hpp"
+#include "host/render/scene.hpp"
+#include "heap_trap.hpp"
+#include "model_builder.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+const Camera kCamera = centred_camera(kWidth, kHeight, 1.4f * kWidth);
+
+FrameView view_on(const cli::Image& image) {
+  return {image.pixels.data(), image.width, image.height, static_cast<std::size_t>(image.width), 1, 0, 0};
+}
+
+/// Boxes and ellipses of all sizes on a blotchy ground.
+cli::Image clutter(Random& random, std::uint32_t seed, int things) {
+  cli::Image image = cli::make_background(kWidth, kHeight, seed);
+  for (int k = 0; k < things; ++k) {
+    const float cx = random.uniform(0, kWidth), cy = random.uniform(0, kHeight);
+    const float a = random.uniform(3, 60), b = random.uniform(2, 40), angle = random.uniform(0, 3.14f);
+    const float c = std::cos(angle), s = std::sin(angle), grey = random.uniform(20, 235);
+    const bool is_box = random.uniform(0, 1) < 0.5f;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const float dx = static_cast<float>(x) - cx, dy = static_cast<float>(y) - cy;
+        const float u = (c * dx + s * dy) / a, v = (c * dy - s * dx) / b;
+        const bool is_in = is_box ? std::fabs(u) < 1 && std::fabs(v) < 1 : u * u + v * v < 1;
+        if (is_in) *image.at(x, y) = static_cast<std::uint8_t>(0.3f * float(*image.at(x, y)) + 0.7f * grey);
+      }
+  }
+  return image;
+}
+
+struct Sitting {
+  std::vector<float> q;
+  Pose pose;
+  cli::Image picture;
+};
+
+/// Anybody, somewhere, before anything, in any light of the camera's.
+Sitting someone(Random& random, std::uint32_t seed, float size) {
+  static cli::Scene scene(baked_face().model, kWidth, kHeight, 120, 2);
+  Sitting s;
+  for (const Parameter& p : baked_face().model.parameters())
+    s.q.push_back(p.group == Group::identity ? std::clamp(random.normal(), -2.0f, 2.0f) : 0.0f);
+  s.pose = cli::frontal_pose(baked_face().model, s.q.data(), kCamera, kHeight, size / kHeight);
+  const float yaw = random.uniform(-0.35f, 0.35f), pitch = random.uniform(-0.26f, 0.26f),
+              roll = random.uniform(-0.35f, 0.35f);
+  s.pose.q = normalised(exp_rotation({0, 0, roll}) * exp_rotation({0, yaw, 0}) * exp_rotation({pitch, 0, 0}));
+  const Vec3 aside{0.5f * (kWidth - size) * random.uniform(-1, 1),
+                   0.5f * (kHeight - size) * random.uniform(-1, 1), 0};
+  s.pose.t = s.pose.t + (s.pose.t.z / kCamera.f) * aside;
+  s.picture = scene.draw(s.q.data(), s.pose, kCamera, clutter(random, seed, 12), random.uniform(0.5f, 1.2f));
+  cli::add_noise(s.picture, random.uniform(1, 4), seed);
+  return s;
+}
+
+/// Mean distance of the 51 inner landmarks, px.
+float landmark_error(const Sitting& truth, const Pose& pose, const float* q) {
+  BakedModel& face = baked_face();
+  const Projector a(view_of(truth.pose, kCamera), true), b(view_of(pose, kCamera), true);
+  float sum = 0;
+  for (int l = 17; l < 68; ++l) {
+    const Vec2 uv = face.uv("ibug" + std::to_string(l));
+    Vec2 x, y;
+    REQUIRE(a.project(face.cascade.surface_point(uv, truth.q.data()), &x));
+    REQUIRE(b.project(face.cascade.surface_point(uv, q), &y));
+    sum += length(x - y);
+  }
+  return sum / 51;
+}
+
+struct Finding {
+  InArena<ModelFinder> finder{baked_face().model, FinderLimits{}};
+  FinderReport report;
+  Finding() { REQUIRE(finder->begin(kCamera, {}) == Status::ok); }
+  void look(const cli::Image& image) { REQUIRE(finder->find(view_on(image), &report) == Status::ok); }
+};
+
+}  // namespace
+
+TEST_CASE("whoever it is, within 20 degrees of yaw and roll and 15 of pitch, 80 to 200 px high, is found") {
+  Finding f;
+  Random random(7);
+  std::vector<float> turns;
+  const int people = 16;
+  int found = 0;
+  for (int k = 0; k < people; ++k) {
+    const float size = random.uniform(80, 200);
+    const Sitting s = someone(random, static_cast<std::uint32_t>(k + 1), size);
+    f.look(s.picture);
+    CAPTURE(k);
+    CAPTURE(size);
+    CAPTURE(f.report.likeness);
+    if (!f.report.is_found) continue;
+    ++found;
+    CHECK(landmark_error(s, f.report.pose, f.finder->parameters().data) < 0.04f * size);
+    turns.push_back(57.29578f * length(log_rotation(f.report.pose.q * conjugate(s.pose.q))));
+  }
+  CHECK(found >= people - 1);
+  std::sort(turns.begin(), turns.end());
+  CHECK(turns[turns.size() / 2] < 8);
+}
+
+TEST_CASE("clutter, black, noise, an upside-down and a far-away face are not taken for one") {
+  Finding f;
+  Random random(3);
+  const auto check_nobody = [&](const cli::Image& image) {
+    f.look(image);
+    CHECK_FALSE(f.report.is_found);
+    CHECK(f.report.likeness < FinderOptions{}.min_likeness);
+  };
+  for (std::uint32_t seed = 1; seed < 8; ++seed) {
+    CAPTURE(seed);
+    cli::Image image = clutter(random, 50 + seed, static_cast<int>(10 * seed));
+    cli::add_noise(image, 3, seed);
+    check_nobody(image);
+  }
+  check_nobody(cli::Image(kWidth, kHeight, 1, 0));
+  check_nobody(cli::Image(kWidth, kHeight, 1, 255));
+  cli::Image noise(kWidth, kHeight, 1, 128);
+  cli::add_noise(noise, 40, 9);
+  check_nobody(noise);
+  Sitting s = someone(random, 5, 160);
+  std::reverse(s.picture.pixels.begin(), s.picture.pixels.end());
+  check_nobody(s.picture);
+  check_nobody(someone(random, 6, 30).picture);
+}
+
+TEST_CASE("the same frame gives the same bits, whatever was looked at before, and takes no heap") {
+  Finding f;
+  Random random(11);
+  const Sitting s = someone(random, 2, 150);
+  f.look(s.picture);
+  REQUIRE(f.report.is_found);
+  const FinderReport first = f.report;
+  const std::vector<float> q(f.finder->parameters().begin(), f.finder->parameters().end());
+  f.look(clutter(random, 9, 20));
+  {
+    const heap_trap::Armed armed;
+    (void)f.finder->find(view_on(s.picture), &f.report);
+  }
+  CHECK(heap_trap::calls == 0);
+  CHECK(f.report.likeness == first.likeness);
+  CHECK(f.report.pose.t.z == first.pose.t.z);
+  CHECK(f.report.pose.q.x == first.pose.q.x);
+  CHECK(std::equal(q.begin(), q.end(), f.finder->parameters().begin()));
+}
+
+TEST_CASE("a pose that somebody else found is judged by what the frame shows there") {
+  Finding f;
+  Random random(13);
+  const Sitting s = someone(random, 4, 140);
+  float there = 0, beside = 0, nowhere = 0;
+  REQUIRE(f.finder->compare(view_on(s.picture), s.pose, s.q.data(), &there) == Status::ok);
+  Pose pose = s.pose;
+  pose.t.x += 40;
+  REQUIRE(f.finder->compare(view_on(s.picture), pose, s.q.data(), &beside) == Status::ok);
+  REQUIRE(f.finder->compare(view_on(clutter(random, 4, 15)), s.pose, s.q.data(), &nowhere) == Status::ok);
+  CHECK(there > 0.6f);
+  CHECK(beside < 0.35f);
+  CHECK(nowhere < 0.35f);
+}
+
+TEST_CASE("what cannot be used is named, and a block a byte too small is refused") {
+  InArena<ModelFinder> finder(baked_face().model, FinderLimits{});
+  FinderReport report;
+  const cli::Image grey(kWidth, kHeight, 1, 90);
+  FrameView frame = view_on(grey);
+  CHECK(finder->find(frame, &report) == Status::not_started);
+  FinderOptions options;
+  options.largest_share = 0.1f;
+  CHECK(finder->begin(kCamera, options) == Status::bad_argument);
+  CHECK(finder->begin(Camera{}, {}) == Status::bad_argument);
+  REQUIRE(finder->begin(kCamera, {}) == Status::ok);
+  CHECK(finder->find(frame, nullptr) == Status::bad_argument);
+  CHECK(finder->compare(frame, Pose{}, nullptr, nullptr) == Status::bad_argument);
+  float likeness;
+  std::vector<float> q = baked_face().rest();
+  for (const float z : {-400.0f, 0.0f, 1e-30f, 1e30f, NAN}) {
+    const Pose pose{{}, {0, 0, z}};
+    CHECK(finder->compare(frame, pose, q.data(), &likeness) == Status::bad_argument);
+  }
+  frame.width = 100;
+  CHECK(finder->find(frame, &report) == Status::size_mismatch);
+  frame.data = nullptr;
+  CHECK(finder->find(frame, &report) == Status::bad_argument);
+
+  const auto words = egg_model(3).table();
+  Model egg;
+  REQUIRE(Model::open(words.data(), words.size() * 4, &egg) == Status::ok);
+  InArena<ModelFinder> none(egg, FinderLimits{});
+  CHECK(none->begin(kCamera, {}) == Status::not_found);
+
+  const std::size_t bytes = measured_bytes<ModelFinder>(baked_face().model, FinderLimits{});
+  MESSAGE("bytes " << bytes);
+  std::vector<std::uint64_t> block(bytes / 8 + 4);
+  auto* memory = reinterpret_cast<unsigned char*>(block.data());
+  memory += (16 - reinterpret_cast<std::uintptr_t>(memory) % 16) % 16;
+  Arena arena(memory, bytes - 1);
+  ModelFinder small;
+  CHECK(create_in(arena, small, baked_face().model, FinderLimits{}) == Status::out_of_memory);
+}

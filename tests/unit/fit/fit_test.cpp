@@ -1,0 +1,392 @@
+#include "pliant/fit.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "model_builder.hpp"
+#include "pliant/fold_over.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+struct Scene {
+  std::vector<std::uint32_t> words;
+  Model model;
+  std::vector<float> truth;
+  View view;
+  std::vector<Correspondence> points;
+
+  explicit Scene(std::uint64_t seed, float noise_px = 0, float turn = 0.5f) : words(egg_model(6).table()) {
+    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+    Random random(seed);
+    for (const Parameter& p : model.parameters())
+      truth.push_back(clamp(p.sd * random.normal(), p.minimum, p.maximum));
+    view = view_of({exp_rotation({random.uniform(-turn, turn), random.uniform(-turn, turn),
+                                  random.uniform(-turn, turn)}),
+                    {random.uniform(-60, 60), random.uniform(-40, 40), random.uniform(500, 1200)}},
+                   centred_camera(640, 480, 900));
+    InArena<Cascade> cascade(model);
+    for (const Landmark& l : model.landmarks()) {
+      Vec2 x;
+      REQUIRE(Projector(view, true).project(cascade->surface_point({l.u, l.v}, truth.data()), &x));
+      points.push_back({{l.u, l.v},
+                        x + Vec2{noise_px * random.normal(), noise_px * random.normal()},
+                        max(noise_px, 0.1f)});
+    }
+  }
+  Span<const Correspondence> all() const { return {points.data(), points.size()}; }
+  FitOptions options(float focal) const {
+    FitOptions o;
+    o.width = 640;
+    o.height = 480;
+    o.focal_px = focal;
+    return o;
+  }
+  float turn_error(const View& v) const { return length(log_rotation(v.q * conjugate(view.q))); }
+};
+
+FitLimits limits() {
+  FitLimits l;
+  l.points = 100;
+  return l;
+}
+
+}  // namespace
+
+TEST_CASE("exact correspondences give back pose and parameters, with no start") {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const Scene scene(seed);
+    InArena<Fitter> fitter(scene.model, limits());
+    std::vector<float> q(scene.truth.size(), 0), sd(q.size());
+    FitReport report;
+    REQUIRE(fitter->fit(scene.all(), scene.options(900), q.data(), &report, sd.data(), nullptr, nullptr) ==
+            Status::ok);
+    CHECK(report.rms_px < 0.1f);
+    CHECK(report.used == scene.points.size());
+    CHECK(scene.turn_error(report.view) < 0.01f);
+    for (std::size_t k = 0; k < q.size(); ++k)
+      CHECK(magnitude(q[k] - scene.truth[k]) < 5 * sd[k] + 0.02f * scene.model.parameters()[k].sd);
+  }
+}
+
+TEST_CASE("errors of a noisy fit are as large as the standard deviations say") {
+  double sum = 0, count = 0, pose_sum = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const Scene scene(seed, 0.5f, 0.4f);
+    InArena<Fitter> fitter(scene.model, limits());
+    std::vector<float> q(scene.truth.size(), 0), sd(q.size());
+    FitReport report;
+    FitOptions options = scene.options(900);
+    REQUIRE(fitter->fit(scene.all(), options, q.data(), &report, sd.data(), nullptr, nullptr) == Status::ok);
+    for (std::size_t k = 0; k < 6; ++k) {
+      const double z = double((q[k] - scene.truth[k]) / sd[k]);
+      sum += z * z;
+      ++count;
+    }
+    const Vec3 turn = log_rotation(scene.view.q * conjugate(report.view.q));
+    const float off[3] = {turn.x, turn.y, turn.z};
+    for (int k = 0; k < 3; ++k) {
+      CHECK(report.pose_sd[k] > 0);
+      pose_sum += double(off[k] * off[k] / (report.pose_sd[k] * report.pose_sd[k])) / 90;
+    }
+    CHECK(report.pose_sd[kLogRho] == 0);
+  }
+  CHECK(pose_sum > 0.5);
+  CHECK(pose_sum < 1.8);
+  CHECK(sum / count > 0.4);
+  CHECK(sum / count < 2.0);
+}
+
+TEST_CASE("thirty per cent of gross outliers are given no weight and hardly move the pose") {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Scene scene(seed, 0.5f, 0.4f);
+    Random random(100 + seed);
+    std::vector<bool> bad(scene.points.size(), false);
+    for (std::size_t i = 0; i < scene.points.size(); ++i)
+      if (random.below(10) < 3) {
+        bad[i] = true;
+        scene.points[i].x = {random.uniform(200, 440), random.uniform(140, 340)};
+      }
+    InArena<Fitter> fitter(scene.model, limits());
+    std::vector<float> q(scene.truth.size(), 0), weight(scene.points.size());
+    FitReport report;
+    REQUIRE(fitter->fit(scene.all(), scene.options(900), q.data(), &report, nullptr, nullptr,
+                        weight.data()) == Status::ok);
+    CHECK(scene.turn_error(report.view) < 0.06f);
+    int kept = 0, lost = 0;
+    for (std::size_t i = 0; i < bad.size(); ++i) {
+      kept += bad[i] && weight[i] > 0.5f;
+      lost += !bad[i] && weight[i] < 0.1f;
+    }
+    CHECK(kept <= 2);
+    CHECK(lost <= 3);
+  }
+}
+
+TEST_CASE("an unknown focal length is found as far as the picture tells it") {
+  const Scene scene(3, 0.1f, 0.3f);
+  InArena<Fitter> fitter(scene.model, limits());
+  std::vector<float> q(scene.truth.size(), 0);
+  FitReport report;
+  REQUIRE(fitter->fit(scene.all(), scene.options(0), q.data(), &report, nullptr, nullptr, nullptr) ==
+          Status::ok);
+  CHECK(report.rms_px < 0.3f);
+  CHECK(camera_of(report.view).f > 600);
+  CHECK(camera_of(report.view).f < 1400);
+}
+
+TEST_CASE("frozen parameters stay, limits hold") {
+  Scene scene(4);
+  InArena<Fitter> fitter(scene.model, limits());
+  std::vector<float> q(scene.truth.size(), 0);
+  std::vector<std::uint8_t> is_free(q.size(), 1);
+  is_free[2] = 0;
+  q[2] = 0.75f;
+  for (Correspondence& c : scene.points) c.x = c.x + Vec2{0, 40 * c.uv.y * c.uv.y};  // pulls past every limit
+  FitOptions options = scene.options(900);
+  options.is_free = is_free.data();
+  FitReport report;
+  REQUIRE(fitter->fit(scene.all(), options, q.data(), &report, nullptr, nullptr, nullptr) == Status::ok);
+  CHECK(q[2] == 0.75f);
+  for (std::size_t k = 0; k < q.size(); ++k) {
+    CHECK(q[k] >= scene.model.parameters()[k].minimum);
+    CHECK(q[k] <= scene.model.parameters()[k].maximum);
+  }
+}
+
+TEST_CASE("points that pull the surface over itself are followed only as far as it does not fold") {
+  // A sheet that folds at a slide of 5, which a parameter's limits alone never reach; two together do.
+  ModelBuilder b;
+  b.record(Operation::constant, {}, {}, b.field(3, 17, 17, [](float u, float v) {
+    return Vec3{100 * u - 50, 50 - 100 * v, 20 * (u - 0.5f) * (v - 0.5f)};
+  }));
+  for (const char* name : {"slide", "more"}) {
+    const std::uint16_t slide = b.parameter(name, Group::expression, -4, 4, 2);
+    b.record(Operation::add_vector, {b.last()}, {slide}, b.field(3, 17, 17, [](float u, float) {
+      return Vec3{10 * (u < 0.5f ? 2 * u : 2 - 2 * u), 0, 0};
+    }));
+  }
+  b.grid_mesh(8);
+  b.landmark("p", 0.5f, 0.5f);
+  const auto words = b.table();
+  Model model;
+  REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  InArena<Cascade> cascade(model);
+  InArena<FoldTest> test(model);
+  test->start(cascade.object);
+  const View view = view_of({exp_rotation({0.3f, 0.4f, 0}), {0, 0, 600}}, centred_camera(640, 480, 900));
+  for (float pull : {2.0f, 3.5f, 7.5f, 20.0f}) {
+    std::vector<Correspondence> points;
+    for (int j = 0; j <= 8; ++j)
+      for (int i = 0; i <= 8; ++i) {
+        Correspondence c{{0.125f * static_cast<float>(i), 0.125f * static_cast<float>(j)}, {}, 0.1f};
+        Vec3 p = cascade->surface_point(c.uv, std::vector<float>(2, 0.0f).data());
+        p.x += pull * 10 * (c.uv.x < 0.5f ? 2 * c.uv.x : 2 - 2 * c.uv.x);
+        REQUIRE(Projector(view, true).project(p, &c.x));
+        points.push_back(c);
+      }
+    InArena<Fitter> fitter(model, limits());
+    FitOptions options;
+    options.width = 640;
+    options.height = 480;
+    options.focal_px = 900;
+    options.start = &view;
+    options.robust = false;
+    std::vector<float> q(2, 0.0f);
+    FitReport report;
+    REQUIRE(fitter->fit({points.data(), points.size()}, options, q.data(), &report, nullptr, nullptr,
+                        nullptr) == Status::ok);
+    std::vector<Vec3> position(test->vertex_count());
+    test->compute_positions(cascade.object, q.data(), position.data());
+    CHECK(test->count_folded(position.data()) == 0);
+    if (pull < 5) CHECK(q[0] + q[1] == doctest::Approx(double(pull)).epsilon(0.02));
+    if (pull > 5) CHECK(q[0] + q[1] > 4.5f);
+    q.assign(2, 3.9f);  // a start that is folded is no excuse
+    REQUIRE(fitter->fit({points.data(), points.size()}, options, q.data(), &report, nullptr, nullptr,
+                        nullptr) == Status::ok);
+    test->compute_positions(cascade.object, q.data(), position.data());
+    CHECK(test->count_folded(position.data()) == 0);
+  }
+}
+
+TEST_CASE(
+    "the preconditioned dynamics reaches the fit of Gauss-Newton; the published step, in pixels, does not") {
+  const Scene scene(9, 0.3f, 0.3f);
+  InArena<Fitter> fitter(scene.model, limits());
+  FitOptions options = scene.options(900);
+  options.robust = false;
+  std::vector<float> q(scene.truth.size(), 0), best(q), published(q);
+  FitReport report, exact;
+  REQUIRE(fitter->fit(scene.all(), options, best.data(), &exact, nullptr, nullptr, nullptr) == Status::ok);
+  options.method = FitMethod::euler;
+  options.euler.step = EulerStep::barzilai_borwein;
+  REQUIRE(fitter->fit(scene.all(), options, q.data(), &report, nullptr, nullptr, nullptr) == Status::ok);
+  CHECK(report.rms_px == doctest::Approx(double(exact.rms_px)).epsilon(0.02));
+  for (std::size_t k = 0; k < q.size(); ++k)
+    CHECK(magnitude(q[k] - best[k]) < 0.1f * scene.model.parameters()[k].sd);
+  options.euler.step = EulerStep::published;
+  REQUIRE(fitter->fit(scene.all(), options, published.data(), &report, nullptr, nullptr, nullptr) ==
+          Status::ok);
+  CHECK(report.rms_px > 1.2f * exact.rms_px);
+}
+
+TEST_CASE("without stiffness the prior does not hold the parameters back") {
+  const Scene scene(10, 0, 0.3f);
+  InArena<Fitter> fitter(scene.model, limits());
+  FitOptions options = scene.options(900);
+  options.robust = false;
+  double size[2];
+  for (int free = 0; free < 2; ++free) {
+    options.stiffness = free == 1 ? 0.0f : 1e6f;
+    std::vector<float> q(scene.truth.size(), 0);
+    FitReport report;
+    REQUIRE(fitter->fit(scene.all(), options, q.data(), &report, nullptr, nullptr, nullptr) == Status::ok);
+    size[free] = 0;
+    for (std::size_t k = 0; k < q.size(); ++k) {
+      size[free] += double(magnitude(q[k]));
+      if (free == 1) CHECK(magnitude(q[k] - scene.truth[k]) < 0.05f * scene.model.parameters()[k].sd);
+    }
+  }
+  CHECK(size[0] < 0.1 * size[1]);
+  options.stiffness = -1;
+  std::vector<float> q(scene.truth.size(), 0);
+  FitReport report;
+  CHECK(fitter->fit(scene.all(), options, q.data(), &report, nullptr, nullptr, nullptr) ==
+        Status::bad_argument);
+}
+
+TEST_CASE("points on one line of the picture do not determine a pose, in any direction and with any noise") {
+  Scene scene(11, 0, 0.2f);
+  InArena<Fitter> fitter(scene.model, limits());
+  Random random(4);
+  for (int trial = 0; trial < 20; ++trial) {
+    const float angle = 0.3f * static_cast<float>(trial), noise = trial % 2 == 0 ? 0.0f : 1.0f;
+    const Vec2 along{1 - 0.05f * angle * angle, angle}, across{-angle, 1 - 0.05f * angle * angle};
+    auto points = scene.points;
+    for (Correspondence& c : points) {
+      c.sd_px = 1;
+      c.x = Vec2{320, 240} + random.uniform(-100, 100) * along +
+            noise / length(across) * random.normal() * across;
+    }
+    std::vector<float> q(scene.truth.size(), 0.25f);
+    FitReport report;
+    CHECK(fitter->fit({points.data(), points.size()}, scene.options(900), q.data(), &report, nullptr, nullptr,
+                      nullptr) == Status::underdetermined);
+    for (float v : q) CHECK(v == 0.25f);
+  }
+}
+
+TEST_CASE("192 parameters fit at once") {
+  const auto words = egg_model(188).table();
+  Model model;
+  REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  REQUIRE(model.parameters().count == 192);
+  Random random(12);
+  std::vector<float> truth;
+  for (const Parameter& p : model.parameters())
+    truth.push_back(clamp(0.3f * p.sd * random.normal(), p.minimum, p.maximum));
+  InArena<Cascade> cascade(model);
+  const View view = view_of({exp_rotation({0.1f, 0.3f, 0}), {0, 0, 800}}, centred_camera(640, 480, 900));
+  std::vector<Correspondence> points;
+  while (points.size() < 160) {
+    Correspondence c{{random.uniform(0, 1), random.uniform(0, 1)}, {}, 0.2f};
+    REQUIRE(Projector(view, true).project(cascade->surface_point(c.uv, truth.data()), &c.x));
+    points.push_back(c);
+  }
+  InArena<Fitter> fitter(model, FitLimits{});
+  FitOptions options;
+  options.width = 640;
+  options.height = 480;
+  options.misfit_mm = 0;
+  std::vector<float> q(192, 0.0f), sd(192);
+  FitReport report;
+  REQUIRE(fitter->fit({points.data(), points.size()}, options, q.data(), &report, sd.data(), nullptr,
+                      nullptr) == Status::ok);
+  CHECK(report.rms_px < 0.3f);
+  CHECK(report.used == 160);
+  for (std::size_t k = 0; k < 192; ++k) {
+    CHECK(sd[k] > 0);
+    CHECK(sd[k] <= model.parameters()[k].sd);
+  }
+}
+
+TEST_CASE("a parameter that no point sees stays at rest and keeps its prior's deviation") {
+  Scene scene(13, 0.2f, 0.3f);
+  auto points = scene.points;
+  points.erase(
+      std::remove_if(points.begin(), points.end(), [](const Correspondence& c) { return c.uv.x < 0.5f; }),
+      points.end());
+  InArena<Fitter> fitter(scene.model, limits());
+  std::vector<float> q(scene.truth.size(), 0), sd(q.size());
+  FitReport report;
+  REQUIRE(fitter->fit({points.data(), points.size()}, scene.options(900), q.data(), &report, sd.data(),
+                      nullptr, nullptr) == Status::ok);
+  const std::size_t left = scene.model.find_parameter("bumpLeft"),
+                    right = scene.model.find_parameter("bumpRight");
+  CHECK(sd[right] == doctest::Approx(double(scene.model.parameters()[right].sd)));
+  CHECK(magnitude(q[right]) < 1e-4f);
+  CHECK(sd[left] < 0.2f * scene.model.parameters()[left].sd);
+  CHECK(report.used + 5 > points.size());
+}
+
+TEST_CASE("five points give a pose") {
+  const Scene scene(5, 0, 0.3f);
+  InArena<Fitter> fitter(scene.model, limits());
+  const std::size_t chosen[5] = {20, 24, 40, 57, 59};
+  std::vector<Correspondence> points;
+  for (std::size_t i : chosen) points.push_back(scene.points[i]);
+  std::vector<float> q(scene.truth.size(), 0);
+  FitReport report;
+  REQUIRE(fitter->fit({points.data(), 5}, scene.options(900), q.data(), &report, nullptr, nullptr, nullptr) ==
+          Status::ok);
+  CHECK(scene.turn_error(report.view) < 0.25f);
+}
+
+TEST_CASE("bad input is named and changes nothing") {
+  Scene scene(6);
+  InArena<Fitter> fitter(scene.model, limits());
+  std::vector<float> q(scene.truth.size(), 0.25f);
+  FitReport report;
+  const auto fit = [&](Span<const Correspondence> points, const FitOptions& o) {
+    return fitter->fit(points, o, q.data(), &report, nullptr, nullptr, nullptr);
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  CHECK(fit({scene.points.data(), 3}, scene.options(900)) == Status::too_few_points);
+  CHECK(fit(scene.all(), FitOptions{}) == Status::bad_argument);
+  CHECK(fit(scene.all(), scene.options(nan)) == Status::bad_argument);
+  scene.points[7].x.y = nan;
+  CHECK(fit(scene.all(), scene.options(900)) == Status::bad_argument);
+  scene.points[7] = scene.points[6];
+  scene.points[8].sd_px = 0;
+  CHECK(fit(scene.all(), scene.options(900)) == Status::bad_argument);
+  scene.points.resize(200, scene.points[0]);
+  for (auto& p : scene.points) p = scene.points[0];
+  CHECK(fit(scene.all(), scene.options(900)) == Status::capacity);
+  CHECK(fit({scene.points.data(), 50}, scene.options(900)) == Status::underdetermined);  // all the same point
+  for (float v : q) CHECK(v == 0.25f);
+}
+
+TEST_CASE("a box starts a frontal view that fills it") {
+  const Scene scene(7);
+  InArena<Cascade> cascade(scene.model);
+  std::vector<float> q(scene.truth.size(), 0);
+  View view;
+  const Camera camera = centred_camera(640, 480, 900);
+  REQUIRE(view_from_box(scene.model, cascade.object, q.data(), {100, 80}, {150, 200}, camera, &view) ==
+          Status::ok);
+  Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
+  for (Vec2 uv : scene.model.base_uv()) {
+    Vec2 x;
+    REQUIRE(Projector(view, true).project(cascade->surface_point(uv, q.data()), &x));
+    low = {min(low.x, x.x), min(low.y, x.y)};
+    high = {max(high.x, x.x), max(high.y, x.y)};
+  }
+  CHECK(low.x == doctest::Approx(100).epsilon(0.1));
+  CHECK(high.y == doctest::Approx(280).epsilon(0.05));
+  CHECK(view_from_box(scene.model, cascade.object, q.data(), {0, 0}, {0, 10}, camera, &view) ==
+        Status::bad_argument);
+}

@@ -1,0 +1,270 @@
+// From a source to the bytes of a model table: fields on grids, quantisation, which parameters, how faithful.
+#include "host/bake/bake.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "host/bake/field_grid.hpp"
+#include "host/bake/size_table.hpp"
+#include "host/bake/source_error.hpp"
+#include "host/bake/table_writer.hpp"
+#include "bake_sheet.hpp"
+#include "baked_model.hpp"
+
+using namespace pliant;
+using namespace pliant::bake;
+
+namespace {
+
+FieldGrid bump(int n, int components) {
+  FieldGrid grid;
+  grid.width = n;
+  grid.height = n;
+  grid.components = components;
+  grid.u0 = 0.25f;
+  grid.u1 = 0.75f;
+  grid.v0 = 0.5f;
+  grid.v1 = 1;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i)
+      for (int c = 0; c < components; ++c) {
+        const bool rim = i == 0 || j == 0 || i == n - 1 || j == n - 1;
+        grid.samples.push_back(rim ? 0
+                                   : static_cast<float>(c + 1) * std::sin(0.3f * static_cast<float>(i * j)));
+      }
+  return grid;
+}
+
+}  // namespace
+
+TEST_CASE("the table holds what was put in, to half a quantisation step") {
+  for (const int bits : {16, 8}) {
+    TableWriter writer;
+    writer.add_parameter({"one", Group::identity, -3, 3, 1});
+    writer.add_parameter({"a_name_of_more_than_27_letters", Group::expression, 0, 1, 0.25f});
+    const FieldGrid vectors = bump(17, 3), weights = bump(9, 1);
+    const auto v = writer.add_field(vectors, bits), w = writer.add_field(weights, bits);
+    const auto mirrored = writer.add_mirrored(v);
+    CascadeRecord r = empty_record(Operation::constant);
+    r.field = v;
+    writer.add_record(r);
+    r = empty_record(Operation::rotate);
+    r.source[0] = 0;
+    r.parameter[0] = 1;
+    r.weight = w;
+    r.axis[1] = 1;
+    writer.add_record(r);
+    writer.add_landmark({"here", {0.25f, 0.75f}});
+    writer.add_curve({"line", CurveKind::brow, {{0, 0}, {0.5f, 0.25f}, {1, 1}}});
+    writer.set_base_mesh({{0, 0}, {0, 1}, {1, 1}}, {2, 0, 1});
+    writer.set_mask({2, 1, {0, 1}});
+    writer.set_albedo({3, 1, {7, 8, 9}});
+    const BakedModel baked(writer.bytes());
+    const Model& model = baked.model;
+
+    CHECK(std::string(model.parameters()[1].name) == "a_name_of_more_than_27_lett");
+    CHECK(model.parameters()[1].sd == 0.25f);
+    CHECK(model.landmarks()[0].v == 0.75f);
+    CHECK(model.curves()[0].point_count == 3);
+    CHECK(model.curve_points()[1].y == 0.25f);
+    CHECK(model.base_uv().count == 3);
+    CHECK(model.mask().pixels[1] == 1);
+    CHECK(model.albedo().width == 3);
+    CHECK(model.albedo().pixels[2] == 9);
+    CHECK(model.cascade()[1].weight == w);
+    CHECK(model.cascade()[1].parameter[1] == kNone);
+
+    const float most = bits == 16 ? 32767.0f : 127.0f;
+    for (int j = 0; j < 17; ++j)
+      for (int i = 0; i < 17; ++i) {
+        const Vec2 uv{0.25f + 0.5f * static_cast<float>(i) / 16, 0.5f + 0.5f * static_cast<float>(j) / 16};
+        const Vec3 p = pliant::sample(model, model.fields()[v], uv);
+        const Vec3 m = pliant::sample(model, model.fields()[mirrored], {1 - uv.x, uv.y});
+        const float* s = &vectors.samples[static_cast<std::size_t>(3 * (17 * j + i))];
+        for (const float off : {p.x - s[0], (p.y - s[1]) / 2, (p.z - s[2]) / 3})
+          CHECK(std::fabs(off) <= 0.51f / most);
+        CHECK(m.x == -p.x);
+        CHECK(m.y == p.y);
+      }
+    const float w7 = pliant::sample(model, model.fields()[w], {0.25f + 0.5f * 3 / 8, 0.5f + 0.5f * 5 / 8}).x;
+    CHECK(std::fabs(w7 - weights.samples[5 * 9 + 3]) <= 0.51f / most);
+  }
+}
+
+TEST_CASE("a field is cut to its support, with a rim of zeros, and coarser where it is smooth") {
+  Source source = sheet(129, dome);
+  source.parameters.push_back({"smooth", Group::expression, 0, 1, 1});
+  source.parameters.push_back({"sharp", Group::expression, 0, 1, 1});
+  SourceShape smooth{0, {}, {}, {}, {}, -1}, sharp{1, {}, {}, {}, {}, -1};
+  for (const Vec2 uv : source.uv) {
+    const float r = 4 * length(uv - Vec2{0.5f, 0.5f});
+    smooth.displacement.push_back({0, 0, r < 1 ? (1 - r * r) * (1 - r * r) : 0});
+    sharp.displacement.push_back(
+        {0, uv.x > 0.3f && uv.x < 0.42f && uv.y > 0.3f && uv.y < 0.4f ? 4.0f : 0.0f, 0});
+  }
+  source.shapes = {smooth, sharp};
+  BakeOptions options;
+  options.size = 128;
+  BakeReport report;
+  BakedModel baked(bake_source(source, options, &report));
+  const Field &neutral = baked.model.fields()[0], &a = baked.model.fields()[1], &b = baked.model.fields()[2];
+  CHECK(neutral.width == 256);
+  CHECK(a.u0 > 0.2f);
+  CHECK(a.u1 < 0.8f);
+  CHECK(a.width < 40);   // of 64 at full resolution
+  CHECK(b.width >= 17);  // of 128, cut to an eighth
+  CHECK(b.width <= 30);
+  CHECK(report.errors.rest.max_mm < 0.01f);
+  CHECK(report.errors.expression.max_mm > 0.5f);  // a step cannot be sampled; the report says so
+  CHECK(report.errors.parameters[0].off.max_mm < 0.07f);
+  const auto at = [&](Vec2 uv, float q0, float q1) { return baked.at(uv, {q0, q1}); };
+  CHECK(length(at({0.5f, 0.5f}, 1, 0) - at({0.5f, 0.5f}, 0, 0) - Vec3{0, 0, 1}) < 0.05f);
+  CHECK(length(at({0.9f, 0.5f}, 1, 1) - at({0.9f, 0.5f}, 0, 0)) == 0);
+}
+
+TEST_CASE("eight bits and a smaller size make a smaller table that is still close") {
+  Source source = sheet(65, dome);
+  source.parameters.push_back({"wave", Group::identity, -3, 3, 1});
+  SourceShape wave{0, {}, {}, {}, {}, -1};
+  for (const Vec2 uv : source.uv)
+    wave.displacement.push_back({0, 0, 5 * std::sin(6 * uv.x) * std::sin(9 * uv.y)});
+  source.shapes = {wave};
+  BakeOptions fine, coarse;
+  coarse.bits = 8;
+  coarse.size = 64;
+  BakeReport a, b;
+  CHECK(bake_source(source, fine, &a).size() > 3 * bake_source(source, coarse, &b).size());
+  CHECK(a.errors.identity.max_mm <= fine.tolerance_mm);
+  CHECK(b.errors.identity.max_mm < 0.3f);
+}
+
+TEST_CASE("an embedded table is the table") {
+  const std::vector<std::uint8_t> table{0x50, 0x4c, 0x0a, 0xff};
+  const std::string source = embedded(table, "face");
+  CHECK(source.find("alignas(4) const unsigned char face[] = {\n  0x50, 0x4c, 0x0a, 0xff,\n};") !=
+        std::string::npos);
+  CHECK(source.find("const std::size_t face_bytes = sizeof face;") != std::string::npos);
+}
+
+TEST_CASE(
+    "the error of a table is measured on its bytes: a source moved by a known distance is that far away") {
+  Source source = sheet(33, dome);
+  source.parameters = {{"wide", Group::identity, -3, 3, 0.5f}, {"turn", Group::expression, 0, 0.6f, 0.2f}};
+  source.shapes = {{0, {}, {}, {}, {}, -1}, {1, {}, {}, {1, 0, 0}, {0, 0, -30}, -1}};
+  for (const Vec2 uv : source.uv) {
+    source.shapes[0].displacement.push_back({10 * (uv.x - 0.5f), 0, 0});
+    source.shapes[1].weight.push_back(uv.y);
+  }
+  BakeReport report;
+  const auto table = bake_source(source, {}, &report);
+  CHECK(report.table_bytes == table.size());
+  CHECK(report.errors.rest.max_mm < 0.01f);
+  CHECK(report.errors.identity.max_mm < 0.02f);
+  CHECK(report.errors.expression.max_mm < 0.05f);
+  REQUIRE(report.errors.parameters.size() == 2);
+  CHECK(report.errors.parameters[1].name == "turn");
+
+  Source moved = source;
+  for (std::size_t v = 0; v < moved.neutral.size() / 2; ++v) moved.neutral[v].z += 0.25f;
+  const Reconstruction off = reconstruct(table, moved);
+  CHECK(off.rest.mean_mm == doctest::Approx(0.125).epsilon(0.02));
+  CHECK(off.rest.p95_mm == doctest::Approx(0.25).epsilon(0.02));
+  CHECK(off.rest.max_mm == doctest::Approx(0.25).epsilon(0.02));
+  Source wider = source;
+  for (Vec3& d : wider.shapes[0].displacement) d = d + Vec3{0, 2, 0};  // one at one sd, which is 0.5
+  CHECK(reconstruct(table, wider).identity.mean_mm == doctest::Approx(1).epsilon(0.02));
+  CHECK(reconstruct(table, wider).expression.max_mm < 0.05f);
+  CHECK(reconstruct({1, 2, 3, 4}, source).parameters.empty());
+}
+
+namespace {
+
+/// A sheet with three identities and the expressions named, each a lift of its own height.
+Source with_expressions(const std::vector<std::string>& names) {
+  Source source = sheet(9, dome);
+  float height = 0;
+  const auto add = [&](const std::string& name, Group group) {
+    height += 1;
+    source.shapes.push_back({source.parameters.size(), {}, {}, {}, {}, -1});
+    for (const Vec2 uv : source.uv) source.shapes.back().displacement.push_back({0, 0, height * uv.x * uv.y});
+    source.parameters.push_back({name, group, 0, 1, 1});
+  };
+  for (const char* name : {"identity000", "identity001", "identity002"}) add(name, Group::identity);
+  for (const std::string& name : names) add(name, Group::expression);
+  return source;
+}
+
+std::vector<std::string> names_after(Source source, const ParameterChoice& choice) {
+  choose_parameters(source, choice);
+  std::vector<std::string> names;
+  for (const SourceParameter& p : source.parameters) names.push_back(p.name);
+  REQUIRE(source.shapes.size() == names.size());
+  for (std::size_t k = 0; k < names.size(); ++k) CHECK(source.shapes[k].parameter == k);
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE(
+    "of a source's parameters the first identities and the most useful expressions can be kept, pairs "
+    "whole") {
+  const Source source = with_expressions(
+      {"eyeLookUpLeft", "mouthSmileLeft", "flap", "wave", "mouthSmileRight", "jawOpen", "eyeLookUpRight"});
+  const auto kept = [&](int identities, int expressions, Names named = {}) {
+    return names_after(source, {identities, expressions, std::move(named)});
+  };
+  CHECK(kept(-1, -1).size() == 10);
+  CHECK(kept(1, -1).size() == 8);
+  CHECK(kept(0, 1) == Names{"jawOpen"});
+  CHECK(kept(0, 2) == Names{"wave", "jawOpen"});  // half a smile is none; "wave" moves more than "flap"
+  CHECK(kept(0, 3) == Names{"mouthSmileLeft", "mouthSmileRight", "jawOpen"});
+  CHECK(kept(2, 5) == Names{"identity000", "identity001", "eyeLookUpLeft", "mouthSmileLeft",
+                            "mouthSmileRight", "jawOpen", "eyeLookUpRight"});
+  CHECK(kept(0, 99).size() == 7);
+  CHECK(kept(1, -1, {"flap", "jawOpen"}) == Names{"identity000", "flap", "jawOpen"});
+  CHECK_THROWS_WITH_AS(kept(0, 0, {"jawopen"}), "--expressions: there is no expression 'jawopen'",
+                       SourceError);
+  CHECK_THROWS_WITH_AS(kept(0, 0, {"identity000"}), "--expressions: there is no expression 'identity000'",
+                       SourceError);
+}
+
+TEST_CASE("a mirror image keeps the side whose samples it shares, or is refused without it") {
+  Source source = with_expressions({"jawOpen", "mouthSmileLeft", "mouthSmileRight"});
+  source.shapes[5].displacement.clear();
+  source.shapes[5].mirror_of = 4;
+  Source both = source;
+  choose_parameters(both, {0, -1, {"mouthSmileLeft", "mouthSmileRight"}});
+  REQUIRE(both.shapes.size() == 2);
+  CHECK(both.shapes[1].mirror_of == 0);
+  CHECK_THROWS_WITH_AS(choose_parameters(source, {0, -1, {"mouthSmileRight"}}),
+                       "--expressions: mouthSmileRight is the mirror image of mouthSmileLeft: name both",
+                       SourceError);
+}
+
+TEST_CASE("tables of several sizes: bytes and errors in one go, and the finest within a number of bytes") {
+  Source source = sheet(65, [](Vec2 uv) {
+    return dome(uv) + Vec3{0, 0, 2 * std::sin(40 * uv.x) * std::sin(30 * uv.y)};
+  });
+  source.parameters = {{"jawOpen", Group::expression, 0, 1, 1}};
+  source.shapes = {{0, {}, {}, {}, {}, -1}};
+  for (const Vec2 uv : source.uv) source.shapes[0].displacement.push_back({0, std::sin(35 * uv.x) * uv.y, 0});
+  const auto rows = compare_sizes(source, {}, {16, 32, 64});
+  REQUIRE(rows.size() == 6);
+  for (std::size_t k = 0; k < 6; ++k) {
+    CHECK(rows[k].bits == (k < 3 ? 16 : 8));
+    CHECK(rows[k].expressions == 1);
+    if (k % 3 == 0) continue;
+    CHECK(rows[k].table_bytes > 2 * rows[k - 1].table_bytes);
+    CHECK(rows[k].errors.rest.mean_mm < rows[k - 1].errors.rest.mean_mm);
+    CHECK(rows[k].errors.expression.mean_mm < rows[k - 1].errors.expression.mean_mm);
+  }
+  const SizeRow fitting = finest_within(source, {}, rows[5].table_bytes);
+  CHECK(fitting.size == 64);
+  CHECK(fitting.bits == 8);
+  CHECK(fitting.table_bytes == rows[5].table_bytes);
+  CHECK(finest_within(source, {}, rows[5].table_bytes - 1).size == 56);
+  CHECK(finest_within(source, {}, 100).size == 0);
+}

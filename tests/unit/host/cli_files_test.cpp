@@ -1,0 +1,200 @@
+// The files of the command: CSV, JSON, fit.json, tracks and their truth.
+#include <cstring>
+#include <limits>
+
+#include "host/io/csv.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/fit_file.hpp"
+#include "host/io/json.hpp"
+#include "host/io/track_table.hpp"
+#include "host/io/truth.hpp"
+#include "cli_run.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+using namespace pliant::cli;
+using namespace cli_run;
+
+TEST_CASE("fit.json keeps every bit, and names what is wrong with it") {
+  FitFile fit;
+  fit.model_crc = 4294967291u;
+  fit.width = 321;
+  fit.height = 243;
+  fit.camera = {333.333344f, 160.1f, 119.7f};
+  fit.pose = {exp_rotation({0.3f, -0.2f, 0.1f}), {1.00000012f, -2.5e-7f, 612.34f}};
+  fit.parameters = {{"a", 0.1f}, {"quote\"d\\name", -1.0f / 3}};
+  fit.sd = {{"a", 1e-20f}};
+  fit.unseen = {"a"};
+  fit.rms_px = 0.7f;
+  fit.inliers = 1;
+  fit.points = {{"p", {1.5f, 2.25f}, {0.1f, -0.2f}, true}};
+  const std::string text = fit_text(fit);
+  const FitFile back = parse_fit("f.json", text);
+  CHECK(back.model_crc == fit.model_crc);
+  CHECK(std::memcmp(&back.pose, &fit.pose, sizeof fit.pose) == 0);
+  CHECK(std::memcmp(&back.camera, &fit.camera, sizeof fit.camera) == 0);
+  CHECK(back.parameters == fit.parameters);
+  CHECK(back.sd == fit.sd);
+  CHECK(back.unseen == fit.unseen);
+  CHECK(back.points[0].used);
+  CHECK(back.points[0].residual.y == fit.points[0].residual.y);
+  CHECK(fit_text(back) == text);
+
+  const auto complaint = [&](const std::string& from, const std::string& to) -> std::string {
+    std::string changed = text;
+    changed.replace(changed.find(from), from.size(), to);
+    try {
+      parse_fit("f.json", changed);
+    } catch (const Failure& failure) {
+      CHECK(failure.exit_code() == 1);
+      return failure.what();
+    }
+    return "accepted";
+  };
+  CHECK(contains(complaint("\"version\": 1", "\"version\": 2"), "'version'"));
+  CHECK(contains(complaint("4294967291", "4294967296"), "'model_crc'"));
+  CHECK(contains(complaint("\"width\": 321", "\"width\": \"321\""), "'width'"));
+  CHECK(contains(complaint("\"width\": 321", "\"width\": 0"), "'width'"));
+  CHECK(contains(complaint("\"f\": 333", "\"f\": -333"), "'f'"));
+  CHECK(contains(complaint("612.34", "-612.34"), "'t'"));
+  CHECK(contains(complaint("\"a\": 0.100000001", "\"a\": null"), "'a'"));
+  CHECK(contains(complaint("\"pose\"", "\"prose\""), "'pose'"));
+  CHECK(contains(complaint("\"q\": [", "\"q\": [1, "), "'q'"));
+  CHECK(contains(complaint("\"dx\"", "\"dz\""), "'dx'"));
+}
+
+TEST_CASE("garbage is never JSON: each fault has its line and column, and no nesting is too deep to refuse") {
+  const struct {
+    const char* text;
+    const char* where;
+  } cases[] = {{"", "line 1, column 1"},
+               {"{", "column 2"},
+               {"{\"a\":1,}", "name is expected"},
+               {"[1 2]", "',' or ']'"},
+               {"{\"a\" 1}", "':'"},
+               {"{\"a\":1,\"a\":2}", "twice"},
+               {"nul", "a value"},
+               {"[01]", "a value"},
+               {"[1.]", "a value"},
+               {"[NaN]", "a value"},
+               {"[+1]", "a value"},
+               {"[1e]", "a value"},
+               {"[1e999]", "a value"},
+               {"\"a", "without end"},
+               {"\"\\q\"", "escape"},
+               {"\"\\u12g4\"", "hexadecimal"},
+               {"\"\\ud800x\"", "surrogate"},
+               {"\"a\nb\"", "control"},
+               {"{}\n\n }", "line 3"},
+               {"// x\n1", "a value"}};
+  for (const auto& c : cases) {
+    CAPTURE(c.text);
+    std::string message = "accepted";
+    try {
+      Json::parse("g.json", c.text);
+    } catch (const Failure& failure) {
+      message = failure.what();
+    }
+    CHECK(contains(message, "g.json: line "));
+    CHECK(contains(message, c.where));
+  }
+  CHECK_THROWS_AS(Json::parse("g", std::string(100000, '[')), Failure);
+  std::string deep;
+  for (int k = 0; k < 50000; ++k) deep += "{\"a\":";
+  CHECK_THROWS_AS(Json::parse("g", deep), Failure);
+  CHECK(*Json::parse("g", R"("\u00e9\ud83d\ude00\n")").string() == "\xc3\xa9\xf0\x9f\x98\x80\n");
+}
+
+TEST_CASE("a fit.json with bytes changed or cut at random is read or refused, never worse") {
+  FitFile fit;
+  fit.width = fit.height = 100;
+  fit.camera = {100, 50, 50};
+  fit.pose.t.z = 500;
+  fit.parameters = {{"width", 1}, {"jawOpen", 0.5f}};
+  fit.points = {{"p", {1, 2}, {}, true}};
+  const std::string text = fit_text(fit);
+  Random random(11);
+  int refused = 0;
+  for (int round = 0; round < 4000; ++round) {
+    std::string changed = text;
+    for (int k = random.below(3); k >= 0; --k)
+      changed[static_cast<std::size_t>(random.below(static_cast<int>(changed.size())))] =
+          static_cast<char>(random.below(256));
+    if (round % 4 == 0)
+      changed.resize(static_cast<std::size_t>(random.below(static_cast<int>(changed.size()))));
+    try {
+      const FitFile read = parse_fit("f", changed);
+      CHECK(is_finite(read.pose));
+      CHECK(read.camera.f > 0);
+    } catch (const Failure&) {
+      ++refused;
+    }
+  }
+  CHECK(refused > 2000);
+}
+
+TEST_CASE("CSV: quotes, spaces, line ends and a byte order mark are taken as they are meant") {
+  const CsvTable table("t.csv",
+                       "\xef\xbb\xbf\"landmark\", x ,y\r\n\n\"a \"\"b\"\", c\",1.5,-2e1\r\n z , +3,0");
+  CHECK(table.columns() == std::vector<std::string>{"landmark", "x", "y"});
+  REQUIRE(table.row_count() == 2);
+  CHECK(table.cell(0, 0) == "a \"b\", c");
+  CHECK(table.number(0, 2) == -20);
+  CHECK(table.cell(1, 0) == "z");
+  CHECK(table.number(1, 1) == 3);
+  CHECK(table.where(1) == "t.csv: line 4");
+}
+
+TEST_CASE("a track row keeps every float, and an unknown one is empty and never NaN") {
+  const Folder folder;
+  const ModelFile file(folder.put("m.plm", model_bytes()));
+  TrackRow row;
+  row.frame = 3;
+  row.time_s = 0.1;
+  row.pose = {exp_rotation({0.1f, 0.2f, 0.3f}), {1.0f / 3, -7.7f, 512.125f}};
+  row.q = {0.1f, 1.0f / 7, 0, -0.3f};
+  row.points = {Vec2{12.34f, 5}, std::nullopt};
+  const std::string header = track_header(file.model(), {"ibug00", "m1"});
+  CHECK(
+      header ==
+      "frame,time_s,state,tracked,inliers,rms_px,vertices,qw,qx,qy,qz,tx,ty,tz,width,browUpLeft,browUpRight,"
+      "jawOpen,x_ibug00,y_ibug00,x_m1,y_m1\n");
+  std::vector<std::string> unmatched;
+  const auto read = read_posed_parameters(CsvTable("t", header + track_line(row)), file.model(),
+                                          {{}, {0, 0, 0, 0}}, &unmatched);
+  REQUIRE(read.size() == 1);
+  CHECK(unmatched.empty());
+  CHECK(read[0].q == row.q);
+  CHECK(read[0].pose.t.x == row.pose.t.x);
+  CHECK(read[0].pose.q.y == doctest::Approx(static_cast<double>(row.pose.q.y)).epsilon(1e-6));
+  CHECK(contains(track_line(row), "12.3400,5.0000,,\n"));
+  row.state = TrackState::lost;
+  row.rms_px = std::numeric_limits<float>::quiet_NaN();
+  CHECK(track_line(row) == "3,0.1,lost,0,0,0,0" + std::string(7 + 4 + 4, ',') + "\n");
+}
+
+TEST_CASE("a comparison with the truth measures what it says") {
+  const Sequence s;
+  const ModelFile file(s.model);
+  TruthComparison same(s.truth, file.model()), off(s.truth, file.model());
+  const CsvTable truth(s.truth, read_file(s.truth));
+  std::vector<std::string> unmatched;
+  const auto rows = read_posed_parameters(truth, file.model(), {{}, {0, 0, 0, 0}}, &unmatched);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    std::vector<std::optional<Vec2>> landmarks, moved;
+    for (const Landmark& l : file.model().landmarks()) {
+      const Vec2 x{truth.number(k, truth.column(std::string("x_") + l.name)),
+                   truth.number(k, truth.column(std::string("y_") + l.name))};
+      landmarks.push_back(x);
+      moved.push_back(x + Vec2{3, 4});
+    }
+    same.add(k, rows[k].pose, landmarks);
+    off.add(k, {normalised(exp_rotation({0, 0.1f, 0}) * rows[k].pose.q), {}}, moved);
+  }
+  CHECK(same.mean_landmark_px() == 0);
+  CHECK(same.median_rotation_deg() < 0.01);
+  CHECK(off.mean_landmark_px() == doctest::Approx(5));
+  CHECK(off.median_rotation_deg() == doctest::Approx(5.7296).epsilon(0.001));
+  CHECK(median({3, 1, 2}) == 2);
+  CHECK(median({4, 1, 2, 3}) == 2.5);
+}

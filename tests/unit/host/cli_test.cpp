@@ -1,0 +1,279 @@
+// The pliant command: what info, fit, render and bake write, and what they say about bad input.
+#include "host/io/csv.hpp"
+#include "host/io/fit_file.hpp"
+#include "host/io/image.hpp"
+#include "cli_run.hpp"
+
+using namespace pliant;
+using namespace pliant::cli;
+using namespace cli_run;
+
+TEST_CASE("bad usage exits with 2 and says which word is wrong") {
+  const struct {
+    std::vector<std::string> words;
+    const char* part;
+  } cases[] = {
+      {{}, "usage"},
+      {{"dance"}, "no such command: dance"},
+      {{"plan", "m.plm", "b"}, "one word too many: b"},
+      {{"info"}, "a file name is missing"},
+      {{"info", "a", "b"}, "one word too many: b"},
+      {{"fit", "m.plm", "--points", "p.csv"}, "-o is missing"},
+      {{"fit", "m.plm", "-o", "f.json"}, "one of --points, --box and --pose"},
+      {{"fit", "m.plm", "-o", "f.json", "--box", "1,2,3"}, "--box needs 4 numbers"},
+      {{"fit", "m.plm", "-o", "f.json", "--box", "1,2,3,x"}, "--box: not numbers"},
+      {{"fit", "m.plm", "-o", "f.json", "--size", "big", "--box", "1,2,3,4"}, ""},
+      {{"track", "m.plm", "--frames"}, "--frames needs a value"},
+      {{"track", "m.plm", "--frames", "a", "--frames", "b"}, "--frames is given twice"},
+      {{"track", "m.plm", "--report"}, "--report needs a value"},
+      {{"track", "m.plm", "--wings"}, "unknown option --wings"},
+      {{"render", "m.plm", "--landmarks"}, "unknown option --landmarks"},
+      {{"render", "m.plm", "-o", "a", "--noise", "loud"}, "--noise: not a number in range: loud"},
+      {{"render", "m.plm", "-o", "a", "--size", "320"}, "--size: not a size like 320x240: 320"},
+      {{"bake", "x", "-o", "y", "--pca", "0"}, "--pca: not a number in range: 0"},
+      {{"bake", "x", "-o", "y", "--bits", "12"}, "--bits must be 8 or 16"},
+  };
+  for (const auto& c : cases) {
+    const Ran r = run_words(c.words);
+    CAPTURE(r.err);
+    CAPTURE(c.part);
+    if (*c.part != '\0') CHECK(r.code == 2);
+    CHECK(r.code != 0);
+    CHECK(contains(r.err, c.part));
+  }
+  const Folder folder;
+  const std::string model = folder.put("m.plm", model_bytes());
+  const std::string video =
+      folder.put("v.y4m", "YUV4MPEG2 W32 H32 F25:1 Cmono\nFRAME\n" + std::string(1024, 'x'));
+  CHECK(run_words({"track", model, "--frames", video, "--init", "outline", "--out", folder / "t", "--markers",
+                   video})
+            .code == 2);
+  CHECK(
+      run_words({"track", model, "--frames", video, "--init", "f", "--out", folder / "t", "--freeze", "hair"})
+          .code == 2);
+  CHECK(folder.file_count() == 2);
+}
+
+TEST_CASE("help names every command, and every option of one") {
+  const Ran all = run_words({"--help"});
+  CHECK(all.code == 0);
+  for (const char* name : {"bake", "info", "mesh", "points", "fit", "track", "animate", "render", "bench"})
+    CHECK(contains(all.out, std::string("pliant ") + name));
+  const Ran one = run_words({"track", "--help"});
+  CHECK(one.code == 0);
+  for (const char* name : {"--markers", "--marker-exclusion-px", "--sheet", "--mirror"})
+    CHECK(contains(one.out, name));
+}
+
+TEST_CASE("a truncated or damaged model is one line, wherever it is cut or flipped") {
+  const Folder folder;
+  const std::string whole = model_bytes();
+  check_refused({"info", folder / "none.plm"}, {"none.plm", "No such file"});
+  check_refused({"info", folder.path.string()}, {"is a directory"});
+  for (std::size_t k = 0; k < 40; ++k) {
+    const std::size_t length = k < 24 ? k : whole.size() * (k - 23) / 17;
+    check_refused({"info", folder.put("cut.plm", whole.substr(0, length))}, {"cut.plm: "});
+  }
+  for (std::size_t at = 0; at < whole.size(); at += at < 260 ? 1 : 977) {
+    std::string flipped = whole;
+    flipped[at] = static_cast<char>(flipped[at] ^ (1 << at % 8));
+    const Ran r = run_words({"info", folder.put("flip.plm", flipped)});
+    CAPTURE(at);
+    CHECK(r.code == 1);
+    CHECK(is_one_line(r.err));
+    CHECK(contains(r.err, "flip.plm: "));
+  }
+  CHECK(run_words({"info", folder.put("whole.plm", whole)}).code == 0);
+}
+
+TEST_CASE("info tells sizes, parameters, fields, landmarks and memory") {
+  const Folder folder;
+  const Ran r = run_words({"info", folder.put("m.plm", model_bytes())});
+  CHECK(r.code == 0);
+  for (const char* part :
+       {"identity parameters: 1", "expression parameters: 3", "jawOpen", "fields: 5", "cascade: 5 records",
+        "base mesh: 49 vertices, 72 faces", "landmarks: 15", "nose_tip", "tracker, 320 x 240"}) {
+    CAPTURE(part);
+    CHECK(contains(r.out, part));
+  }
+}
+
+TEST_CASE("a points file with a fault is one line that says which line, column or landmark") {
+  const Folder folder;
+  const std::string model = folder.put("m.plm", model_bytes());
+  const std::string head = "landmark,x,y\n", good = "ibug00,10,10\nibug01,60,10\nibug02,10,60\n";
+  const struct {
+    std::string text;
+    std::vector<std::string> parts;
+  } cases[] = {
+      {"", {"p.csv", "empty"}},
+      {"x,y\n1,2\n", {"p.csv", "'landmark'"}},
+      {head, {"p.csv", "too few points: 0"}},
+      {head + good, {"p.csv", "too few points: 3"}},
+      {head + good + "ibug77,1,2\n", {"p.csv: line 5", "ibug77", "m.plm"}},
+      {head + good + "ibug03,nan,2\n", {"p.csv: line 5", "'x'", "nan"}},
+      {head + good + "ibug03,1,inf\n", {"p.csv: line 5", "'y'", "inf"}},
+      {head + good + "ibug03,1,1e39\n", {"p.csv: line 5", "'y'"}},
+      {head + good + "ibug03,1,-2e6\n", {"p.csv: line 5", "million"}},
+      {head + good + "ibug03,1,2px\n", {"p.csv: line 5", "'y'", "2px"}},
+      {head + good + "ibug03,,2\n", {"p.csv: line 5", "'x'"}},
+      {head + good + "ibug03,1\n", {"p.csv: line 5", "2 cells"}},
+      {head + good + "ibug01,1,2\n", {"p.csv: line 5", "ibug01", "twice"}},
+      {head + good + ",1,2\n", {"p.csv: line 5", "without a name"}},
+      {"landmark,x,x\na,1,2\n", {"p.csv", "two columns"}},
+      {head + "ibug00,5,5\nibug01,5,5\nibug02,5,5\nibug03,5,5\n", {"p.csv", "determine"}},
+      {"landmark,x,y,u,v\na,1,2,0.5,\n", {"p.csv: line 2", "together"}},
+      {"landmark,x,y,u,v\na,1,2,0.5,1.5\n", {"p.csv: line 2", "between 0 and 1"}},
+      {"landmark,x,y,u,v\na,1,2,0.5,nan\n", {"p.csv: line 2", "'v'"}},
+      {std::string(300, '\0'), {"p.csv"}},
+  };
+  for (const auto& c : cases) {
+    CAPTURE(c.text);
+    folder.put("p.csv", c.text);
+    check_refused({"fit", model, "--points", folder / "p.csv", "--size", "100x100", "-o", folder / "f.json"},
+                  c.parts);
+    CHECK_FALSE(folder.has("f.json"));
+    CHECK_FALSE(folder.has("f.json.part"));
+  }
+}
+
+TEST_CASE(
+    "fit finds the pose and shape that were drawn, from all points, from five, from a box and from a pose") {
+  const Sequence s;
+  const auto fit_of = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"fit", s.model, "-o", s / "fit.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ran r = run_words(words);
+    CAPTURE(r.err);
+    REQUIRE(r.code == 0);
+    return parse_fit("fit.json", read_file(s / "fit.json"));
+  };
+  const FitFile all =
+      fit_of({"--points", s.points, "--size", "200x160", "--focal", "330", "--overlay", s / "o.png"});
+  CHECK(length(log_rotation(all.pose.q)) < 0.02f);
+  CHECK(all.pose.t.z == doctest::Approx(420).epsilon(0.02));
+  CHECK(all.camera.f == doctest::Approx(330));
+  CHECK(all.inliers == 15);
+  CHECK(all.rms_px < 0.2f);
+  CHECK(all.parameters[0].first == "width");
+  CHECK(all.parameters[0].second == doctest::Approx(0.8).epsilon(0.15));
+  CHECK(read_image(s / "o.png").width == 400);
+
+  std::string five = "landmark,x,y\n";
+  std::istringstream in(s.first_points());
+  std::string line;
+  while (std::getline(in, line))
+    for (const char* name : {"eye_", "nose_", "mouth_"})
+      if (line.rfind(name, 0) == 0) five += line + "\n";
+  const FitFile few = fit_of(
+      {"--points", s.put("five.csv", five), "--size", "200x160", "--focal", "330", "--parameters", "none"});
+  CHECK(few.points.size() == 5);
+  CHECK(few.parameters[0].second == 0);
+
+  // The same points by (u,v) and under other names, but for one.
+  const ModelFile model(s.model);
+  std::string by_uv = "landmark,x,y,u,v\n";
+  std::istringstream rows(s.first_points());
+  std::getline(rows, line);
+  for (int n = 0; std::getline(rows, line); ++n) {
+    const std::string name = line.substr(0, line.find(','));
+    const Landmark& l = model.model().landmarks()[model.model().find_landmark(name.c_str())];
+    by_uv += n == 0 ? line + ",,\n"
+                    : "p" + std::to_string(n) + line.substr(line.find(',')) + "," + std::to_string(l.u) +
+                          "," + std::to_string(l.v) + "\n";
+  }
+  const FitFile same = fit_of({"--points", s.put("uv.csv", by_uv), "--size", "200x160", "--focal", "330"});
+  CHECK(same.points[1].landmark == "p1");
+  CHECK(same.pose.t.z == doctest::Approx(static_cast<double>(all.pose.t.z)).epsilon(1e-4));
+  CHECK(same.rms_px == doctest::Approx(static_cast<double>(all.rms_px)).epsilon(0.01));
+
+  const FitFile boxed = fit_of({"--box", "50,40,100,80", "--size", "200x160"});
+  CHECK(boxed.points.empty());
+  CHECK(boxed.unseen.size() == 4);
+  CHECK(boxed.camera.f == doctest::Approx(1.4 * 200));
+
+  s.put("start.json", read_file(s / "fit.json"));
+  const FitFile again = fit_of({"--pose", s / "start.json"});
+  CHECK(again.pose.t.z == doctest::Approx(static_cast<double>(boxed.pose.t.z)));
+  const FitFile from_pose = fit_of({"--pose", s / "start.json", "--points", s.points, "--focal", "330"});
+  CHECK(length(log_rotation(from_pose.pose.q)) < 0.02f);
+  CHECK(from_pose.rms_px < 0.2f);
+
+  check_refused({"fit", s.model, "--pose", s / "start.json", "--size", "320x240", "-o", s / "x.json"},
+                {"start.json", "200x160"});
+  check_refused(
+      {"fit", s.model, "--points", s.points, "--image", s / "o.png", "--size", "320x240", "-o", s / "x.json"},
+      {"o.png", "400x320"});
+  check_refused({"fit", s.model, "--points", s.points, "--image", s.points, "-o", s / "x.json"},
+                {"p.csv", "not a picture"});
+  CHECK(run_words({"fit", s.model, "--points", s.points, "-o", s / "x.json"}).code == 2);
+  CHECK(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "--parameters", "nose", "-o",
+                   s / "x.json"})
+            .code == 2);
+  CHECK_FALSE(s.has("x.json"));
+}
+
+TEST_CASE("a count of parameters frees the first ones of the table, a group its own") {
+  const Sequence s;
+  const auto sd_of = [&](const std::string& choice) {
+    REQUIRE(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "--parameters", choice,
+                       "-o", s / "f.json"})
+                .code == 0);
+    std::string frozen;
+    for (const auto& [name, sd] : parse_fit("f", read_file(s / "f.json")).sd) frozen += sd == 0 ? '0' : '1';
+    return frozen;
+  };
+  CHECK(sd_of("all") == "1111");
+  CHECK(sd_of("none") == "0000");
+  CHECK(sd_of("2") == "1100");
+  CHECK(sd_of("identity") == "1000");
+  CHECK(sd_of("expression") == "0111");
+}
+
+TEST_CASE("render writes the truth as a track, and a track can be rendered again") {
+  const Sequence s;
+  const CsvTable truth(s.truth, read_file(s.truth));
+  CHECK(truth.row_count() == 12);
+  CHECK(truth.columns()[2] == "state");
+  CHECK(truth.find_column("x_nose_tip").has_value());
+  CHECK(truth.number(11, truth.column("time_s")) == doctest::Approx(11.0 / 30));
+  const CsvTable points(s / "tp.csv", read_file(s / "tp.csv"));
+  CHECK(points.row_count() == 12 * 15);
+  CHECK(points.columns() == std::vector<std::string>{"frame", "landmark", "x", "y"});
+
+  const auto render = [&](const std::string& params, const std::string& out) {
+    return run_words({"render", s.model, "--params", params, "-o", s / out, "--size", "200x160", "--focal",
+                      "330", "--truth", s / "again.csv"});
+  };
+  CHECK(render(s.truth, "v2.y4m").err == "");
+  CHECK((read_file(s / "v2.y4m") == read_file(s.video)));
+  CHECK((read_file(s / "again.csv") == read_file(s.truth)));
+
+  // One name for a pair drives both; a name that fits nothing is listed.
+  const Ran pair = render(s.put("pair.csv", "browUp,tailWag\n0.5,1\n"), "v3.y4m");
+  CHECK(pair.code == 0);
+  CHECK(contains(pair.err, "tailWag"));
+  const CsvTable again(s / "again.csv", read_file(s / "again.csv"));
+  CHECK(again.number(0, again.column("browUpLeft")) == 0.5f);
+  CHECK(again.number(0, again.column("browUpRight")) == 0.5f);
+
+  check_refused({"render", s.model, "--params", s.put("bad.csv", "jawOpen\n0.1\nwide\n"), "-o", s / "no.y4m"},
+                {"bad.csv: line 3", "jawOpen", "wide"});
+  check_refused({"render", s.model, "--params", s.put("bad.csv", "qw\n0\n"), "-o", s / "no.y4m"},
+                {"bad.csv: line 2", "quaternion"});
+  check_refused({"render", s.model, "--params", s.put("bad.csv", "tz\n-5\n"), "-o", s / "no.y4m"},
+                {"bad.csv: line 2", "tz"});
+  check_refused({"render", s.model, "--params", s.put("bad.csv", "tz\n"), "-o", s / "no.y4m"},
+                {"bad.csv", "no rows"});
+  check_refused({"render", s.model, "--params", s.truth, "-o", s / "nowhere/no.y4m"},
+                {"nowhere/no.y4m", "cannot be written"});
+  CHECK_FALSE(s.has("no.y4m"));
+  CHECK_FALSE(s.has("no.y4m.part"));
+}
+
+TEST_CASE("bake refuses a folder that is no source in one line, and leaves nothing behind") {
+  const Folder folder;
+  check_refused({"bake", folder.path.string(), "-o", folder / "m.plm"}, {folder.path.string()});
+  check_refused({"bake", folder / "none", "-o", folder / "m.plm"}, {"none"});
+  CHECK(folder.file_count() == 0);
+}

@@ -1,0 +1,130 @@
+// One line that names file and line for every defect of the built-in face's tables, and of options.
+#include <doctest/doctest.h>
+
+#include <functional>
+#include <sstream>
+
+#include "host/bake/bake.hpp"
+#include "scratch_folder.hpp"
+
+using namespace pliant;
+using namespace pliant::bake;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The face's own tables with one file changed by an edit.
+std::string error_after(const std::string& file, const std::function<std::string(std::string)>& edit) {
+  const Folder folder("face");
+  for (const auto& entry : fs::directory_iterator(PLIANT_FIXTURES "/face"))
+    fs::copy(entry.path(), folder.path / entry.path().filename());
+  std::ifstream in(folder.path / file);
+  std::stringstream text;
+  text << in.rdbuf();
+  in.close();
+  const std::string changed = edit(text.str());
+  if (changed == text.str()) return "the edit of " + file + " changed nothing";
+  fs::remove(folder.path / file);
+  if (!changed.empty()) folder.file(file, changed);
+  BakeOptions options;
+  options.source = folder.path.string();
+  options.size = 16;
+  std::vector<std::uint8_t> table{1, 2, 3};
+  std::string error;
+  const bool baked = bake::bake(options, table, error);
+  CHECK(baked == error.empty());
+  if (!baked) CHECK(table == std::vector<std::uint8_t>{1, 2, 3});
+  CHECK(error.find('\n') == std::string::npos);
+  const std::size_t start = error.find(file);
+  return start == std::string::npos ? error : error.substr(start);
+}
+
+/// The first `from` becomes `to`.
+std::function<std::string(std::string)> swap(const std::string& from, const std::string& to) {
+  return [=](std::string text) {
+    const std::size_t at = text.find(from);
+    return at == std::string::npos ? text : text.replace(at, from.size(), to);
+  };
+}
+
+bool is_at_line(const std::string& error, const std::string& file, const std::string& what) {
+  const std::string start = file + ":";
+  return error.compare(0, start.size(), start) == 0 &&
+         std::isdigit(static_cast<unsigned char>(error[start.size()])) &&
+         error.find(what) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "each defect of a face's tables is one line that names file and line, and the table stays as it was") {
+  struct Defect {
+    const char *file, *from, *to, *what;
+  };
+  const Defect defects[] = {
+      {"points.txt", "      u       v", "      u", "expected a column 'v'"},
+      {"points.txt", "16.00", "nan", "'nan' in column 'x' is no number"},
+      {"points.txt", "lid_margin.1 ", "lid_margin.0 ", "given twice"},
+      {"points.txt", "   16.00", "  -16.00", "not in the left half"},
+      {"patches.txt", "orbit.2-15", "orbit.2-16", "unknown point 'orbit.16'"},
+      {"patches.txt", "orbit.2-15", "orbit.2-x", "is no range of points"},
+      {"patches.txt", "orbit.2-15", "orbit.2-14", "not as long as the last"},
+      {"patches.txt", "eye skin", "eye bone", "neither skin nor hole"},
+      {"parameters.txt", "identity   no", "person     no", "neither identity nor expression"},
+      {"parameters.txt", "identity   no", "identity   maybe", "sided is yes or no"},
+      {"parameters.txt", "faceDepth", "faceWidth", "given twice"},
+      {"parameters.txt", "-3      3       1", "1       3       1", "needs minimum <= 0 <= maximum"},
+      {"groups.txt", "lip_line.0-6", "lip_line.0-66", "unknown point"},
+      {"followers.txt", "ball_1.0-15", "ball_1.0-14", "not as many leaders as points"},
+      {"hinges.txt", "1      0      0 ", "1      1      0 ", "the axis is no unit vector"},
+      {"identity.txt", "faceWidth       stretch", "faceWidht       stretch", "unknown parameter 'faceWidht'"},
+      {"identity.txt", "faceWidth       stretch", "faceWidth       twist", "kind 'twist' is none of"},
+      {"identity.txt", "m_nasion", "m_nasian", "unknown point 'm_nasian'"},
+      {"identity.txt", "1000   all", "1000   everyone", "unknown group 'everyone'"},
+      {"identity.txt", " 1000 ", " -1 ", "a radius is not negative"},
+      {"expressions.txt", "lip_line.9-12", "lip_line.9-12,", "unknown point ''"},
+      {"landmarks.txt", "jaw.12", "jaw.11-12", "more than one point"},
+      {"landmarks.txt", "jaw.12 ", "jaw.99 ", "unknown point 'jaw.99'"},
+      {"curves.txt", " lid ", " lit ", "kind 'lit' is none of"},
+      {"curves.txt", "orbit.2-6", "orbit.2", "a curve has at least two points"},
+      {"paint.txt", "fill  all", "fell  all", "unknown layer 'fell'"},
+      {"paint.txt", "fill  all", "fill  ears", "unknown region 'ears'"},
+      {"paint.txt", "orbit.2-6,orbit.7", "orbit.2", "hairs need a line"},
+  };
+  for (const Defect& d : defects) {
+    const std::string error = error_after(d.file, swap(d.from, d.to));
+    CHECK_MESSAGE(is_at_line(error, d.file, d.what), (std::string(d.what) + " expected, got: " + error));
+  }
+}
+
+TEST_CASE("each missing file, and a missing row, is one line that names the file") {
+  const auto remove = [](const std::string&) { return std::string(); };
+  for (const char* file : {"patches.txt", "parameters.txt", "groups.txt", "followers.txt", "hinges.txt",
+                           "identity.txt", "expressions.txt", "landmarks.txt", "curves.txt", "paint.txt"})
+    CHECK(error_after(file, remove) == std::string(file) + ": cannot be read");
+  CHECK(error_after("points.txt", remove) == "points.txt and others) nor with OBJ files");
+  CHECK(error_after("hinges.txt", swap("jawOpen ", "jawShut ")) ==
+        "hinges.txt: no row for parameter 'jawOpen'");
+  CHECK(error_after("identity.txt", swap("\nfaceWidth ", "\n#faceWidth ")) ==
+        "identity.txt: no row for parameter 'faceWidth'");
+  // A point dragged across its neighbours makes the chart fold over.
+  const std::string folded = error_after("points.txt", [](std::string text) {
+    const std::size_t row = text.find("ring_c.4 "), end = text.find('\n', row);
+    return text.replace(row, end - row, "ring_c.4 34 43 13 0.95 0.9");
+  });
+  CHECK_MESSAGE(folded.find("points.txt: the chart (u,v) folds over near point '") == 0, folded);
+}
+
+TEST_CASE("impossible options are refused") {
+  BakeOptions options;
+  options.source = PLIANT_FIXTURES "/face";
+  std::vector<std::uint8_t> table;
+  std::string error;
+  options.bits = 12;
+  CHECK_FALSE(bake::bake(options, table, error));
+  options.bits = 16;
+  options.size = 8;
+  CHECK_FALSE(bake::bake(options, table, error));
+  CHECK(table.empty());
+}

@@ -1,0 +1,347 @@
+// Models from folders of OBJ files: shapes by name, principal components of scans, and one line for every
+// defect.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "host/bake/bake.hpp"
+#include "host/bake/obj_source.hpp"
+#include "host/bake/principal_components.hpp"
+#include "baked_model.hpp"
+#include "pliant/mesh.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+using namespace pliant::bake;
+namespace fs = std::filesystem;
+
+namespace {
+
+using Shape = std::function<Vec3(float s, float t)>;
+
+/// A folder of OBJ files over one grid of quads, n vertices a side, s to the right and t up, gone after the
+/// test.
+struct ObjFolder {
+  fs::path path;
+  int n = 33;
+
+  explicit ObjFolder(const std::string& name)
+      : path(fs::temp_directory_path() / ("pliant_obj_test_" + name)) {
+    fs::remove_all(path);
+    fs::create_directories(path);
+  }
+  ~ObjFolder() { fs::remove_all(path); }
+
+  std::string obj(const Shape& shape) const {
+    std::string text = "# a comment\no sheet\n";
+    const auto line = [&text](const char* key, std::initializer_list<float> values) {
+      text += key;
+      for (float v : values) text += ' ' + std::to_string(v);
+      text += '\n';
+    };
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const Vec3 p = shape(static_cast<float>(i) / static_cast<float>(n - 1),
+                             static_cast<float>(j) / static_cast<float>(n - 1));
+        line("v", {p.x, p.y, p.z});
+      }
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i)
+        line("vt", {0.1f + 0.8f * static_cast<float>(i) / static_cast<float>(n - 1),
+                    0.05f + 0.9f * static_cast<float>(j) / static_cast<float>(n - 1)});
+    for (int j = 0; j + 1 < n; ++j)
+      for (int i = 0; i + 1 < n; ++i) {
+        const int a = j * n + i + 1;
+        text += "f";
+        for (const int v : {a, a + 1, a + n + 1, a + n})
+          text += ' ' + std::to_string(v) + '/' + std::to_string(v) + '/';
+        text += '\n';
+      }
+    return text;
+  }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(path / name) << text; }
+  void write(const std::string& name, const Shape& shape) const { write(name + ".obj", obj(shape)); }
+  std::string file(const std::string& name) const { return (path / name).string(); }
+};
+
+Vec3 sheet(float s, float t) {
+  return {10 * s - 5, 12 * t - 6, 4 * s * (1 - s)};
+}
+float hill(float s, float t) {
+  return std::exp(-20 * ((s - 0.5f) * (s - 0.5f) + (t - 0.4f) * (t - 0.4f)));
+}
+
+/// Where (s,t) lies in the chart of the table: v points down there.
+Vec2 chart(float s, float t) {
+  return {0.1f + 0.8f * s, 0.95f - 0.9f * t};
+}
+
+std::string swapped(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+std::string error_of(const ObjFolder& folder, int components = 0) {
+  BakeOptions options;
+  options.source = folder.path.string();
+  options.size = 32;
+  options.components = components;
+  options.base_vertices = 60;
+  std::vector<std::uint8_t> table;
+  std::string error;
+  const bool baked = bake::bake(options, table, error);
+  CHECK(baked == error.empty());
+  CHECK(table.empty() == !error.empty());
+  return error;
+}
+
+}  // namespace
+
+TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places are kept") {
+  const ObjFolder folder("shapes");
+  folder.write("neutral", sheet);
+  folder.write("identity000", [](float s, float t) { return sheet(s, t) + Vec3{0, 0.5f * s, 0}; });
+  folder.write("mouthSmile_L", [](float s, float t) { return sheet(s, t) + hill(s, t) * Vec3{1, 0, 0.3f}; });
+  folder.write("jawOpen", [](float s, float t) { return sheet(s, t) + Vec3{0, -(1 - t) * (1 - t), 0}; });
+  folder.write("wiggle_R", [](float s, float t) { return sheet(s, t) + Vec3{0, 0, s * t}; });
+  folder.write("landmarks.csv", "landmark,vertex\nibug36,330\nibug45,362\nnose_tip,544\n");
+  BakeOptions options;
+  options.source = folder.path.string();
+  options.unit_mm = 10;
+  options.base_vertices = 120;
+  std::size_t calls = 0, last = 0;
+  options.progress = [&](const char* stage, std::size_t done, std::size_t of) {
+    if (std::string(stage) != "files") return;
+    ++calls;
+    last = done;
+    CHECK(of == 5);
+  };
+  std::vector<std::uint8_t> table;
+  std::string error;
+  BakeReport report;
+  REQUIRE_MESSAGE(bake::bake(options, table, error, &report), error);
+  BakedModel baked(table);
+  CHECK(calls == 4);
+  CHECK(last == 5);
+  CHECK(report.unmatched == std::vector<std::string>{"wiggleRight"});
+  CHECK(report.errors.rest.max_mm < 0.05f);
+  CHECK(report.errors.expression.max_mm < 0.1f);
+  CHECK(report.errors.parameters.size() == 4);
+
+  const Model& model = baked.model;
+  CHECK(model.parameters().count == 4);
+  CHECK(model.parameters()[0].group == Group::identity);
+  CHECK(model.parameters()[0].minimum == -3);
+  for (const char* name : {"identity000", "mouthSmileLeft", "jawOpen", "wiggleRight"})
+    CHECK_MESSAGE(model.find_parameter(name) != kNone, std::string(name));
+  const auto smile = model.find_parameter("mouthSmileLeft");
+  CHECK(model.parameters()[smile].group == Group::expression);
+  CHECK(model.parameters()[smile].maximum == 1);
+
+  // Vertices 330 = (0, 10) and 362 = (32, 10) of the grid are the eye corners: the origin is half way
+  // between.
+  const float eye_t = 10.0f / 32;
+  const Vec3 origin = 10 * (0.5f * (sheet(0, eye_t) + sheet(1, eye_t)));
+  CHECK(length(baked.at("ibug36", baked.rest()) + baked.at("ibug45", baked.rest())) < 0.1f);
+  for (const auto& [s, t] : {std::pair{0.2f, 0.3f}, {0.5f, 0.5f}, {0.7f, 0.9f}}) {
+    auto q = baked.rest();
+    CHECK(length(baked.at(chart(s, t), q) - (10 * sheet(s, t) - origin)) < 0.1f);
+    const Vec3 rest = baked.at(chart(s, t), q);
+    q[smile] = 0.5f;
+    CHECK(length(baked.at(chart(s, t), q) - rest - 5 * hill(s, t) * Vec3{1, 0, 0.3f}) < 0.1f);
+    CHECK(model.is_on_surface(chart(s, t)));
+  }
+  CHECK_FALSE(model.is_on_surface({0.05f, 0.5f}));
+  CHECK(model.landmarks().count == 3);
+  CHECK(length(baked.uv("nose_tip") - chart(16.0f / 32, 16.0f / 32)) < 1e-5f);
+
+  MeshLimits limits;
+  std::vector<std::max_align_t> memory(measured_bytes<Mesh>(limits) / sizeof(std::max_align_t) + 1);
+  Arena arena(memory.data(), memory.size() * sizeof(std::max_align_t));
+  Mesh mesh;
+  REQUIRE(create_in(arena, mesh, limits) == Status::ok);
+  CHECK(mesh.set_base(model.base_uv(), model.base_corners()) == Status::ok);
+  CHECK(mesh.compute_statistics().boundary_loops == 1);
+}
+
+TEST_CASE("a chart of the other hand is turned, so that u right and v down are seen from outside") {
+  const ObjFolder folder("hand");
+  const auto mirrored = [](float s, float t) { return sheet(1 - s, t); };
+  // The faces wind clockwise in the file's (u,v): their outside is the chart's back.
+  folder.write("neutral.obj", [&] {
+    std::string text = folder.obj(mirrored), result;
+    std::size_t start = 0;
+    while (start < text.size()) {
+      const std::size_t end = text.find('\n', start);
+      std::string line = text.substr(start, end - start);
+      if (line[0] == 'f') {
+        const std::size_t b = line.find(' ', 2), c = line.find(' ', b + 1), d = line.find(' ', c + 1);
+        line = "f" + line.substr(d) + line.substr(c, d - c) + line.substr(b, c - b) + " " +
+               line.substr(2, b - 2);
+      }
+      result += line + "\n";
+      start = end + 1;
+    }
+    return result;
+  }());
+  BakeOptions options;
+  options.source = folder.path.string();
+  options.base_vertices = 60;
+  std::vector<std::uint8_t> table;
+  std::string error;
+  REQUIRE_MESSAGE(bake::bake(options, table, error), error);
+  BakedModel baked(table);
+  const SurfaceFrame f = baked.cascade.surface_frame({0.4f, 0.6f}, baked.rest().data());
+  CHECK(f.pu.x > 0);
+  CHECK(f.pv.y < 0);
+}
+
+TEST_CASE("principal components are orthogonal, of the right length, and explain what varies") {
+  Random random(3);
+  const std::size_t vertices = 50;
+  std::vector<Vec3> first, second;
+  for (std::size_t v = 0; v < vertices; ++v) {
+    first.push_back({random.normal(), random.normal(), random.normal()});
+    second.push_back({random.normal(), random.normal(), random.normal()});
+  }
+  std::vector<std::vector<Vec3>> shapes;
+  for (int k = 0; k < 200; ++k) {
+    const float a = 3 * random.normal(), b = random.normal();
+    std::vector<Vec3> shape;
+    for (std::size_t v = 0; v < vertices; ++v) shape.push_back(Vec3{1, 2, 3} + a * first[v] + b * second[v]);
+    shapes.push_back(shape);
+  }
+  const PrincipalComponents pca = find_components(shapes, 2);
+  const auto product = [&](const std::vector<Vec3>& x, const std::vector<Vec3>& y) {
+    double sum = 0;
+    for (std::size_t v = 0; v < vertices; ++v) sum += static_cast<double>(dot(x[v], y[v]));
+    return sum;
+  };
+  CHECK(pca.explained[0] + pca.explained[1] == doctest::Approx(1).epsilon(1e-4));
+  CHECK(pca.explained[0] > 0.8f);
+  CHECK(std::fabs(product(pca.components[0], pca.components[1])) < 1e-2);
+  // Nearly 3 times the first direction, up to sign.
+  const double along = product(pca.components[0], first) / product(first, first);
+  CHECK(std::fabs(along) == doctest::Approx(3).epsilon(0.2));
+  // Every shape is the mean and a sum of the components; its coefficients have unit variance.
+  double squares = 0;
+  for (const auto& shape : shapes) {
+    std::vector<Vec3> rest;
+    for (std::size_t v = 0; v < vertices; ++v) rest.push_back(shape[v] - pca.mean[v]);
+    for (std::size_t c = 0; c < 2; ++c) {
+      const double q = product(rest, pca.components[c]) / product(pca.components[c], pca.components[c]);
+      if (c == 0) squares += q * q / 199;
+      for (std::size_t v = 0; v < vertices; ++v)
+        rest[v] = rest[v] - static_cast<float>(q) * pca.components[c][v];
+    }
+    CHECK(product(rest, rest) < 1e-4);
+  }
+  CHECK(squares == doctest::Approx(1).epsilon(1e-3));
+}
+
+TEST_CASE("scans without names bake into their mean and components") {
+  const ObjFolder folder("scans");
+  for (int k = 0; k < 6; ++k) {
+    const float a = static_cast<float>(k) - 2.5f;
+    folder.write("scan" + std::to_string(k), [a](float s, float t) {
+      return sheet(s, t) + a * Vec3{0, s, 0} + 0.2f * a * a * hill(s, t) * Vec3{0, 0, 1};
+    });
+  }
+  BakeOptions options;
+  options.source = folder.path.string();
+  options.components = 2;
+  options.base_vertices = 60;
+  std::vector<std::uint8_t> table;
+  std::string error;
+  REQUIRE_MESSAGE(bake::bake(options, table, error), error);
+  BakedModel baked(table);
+  REQUIRE(baked.model.parameters().count == 2);
+  CHECK(std::string(baked.model.parameters()[0].name) == "identity000");
+  CHECK(baked.model.parameters()[0].sd == 1);
+  // The first scan is found again among the shapes: a grid of coefficients comes close to it everywhere.
+  float best = 1e9f;
+  for (float q0 = -3; q0 <= 3; q0 += 0.05f)
+    for (float q1 = -3; q1 <= 3; q1 += 0.05f) {
+      float worst = 0;
+      for (const auto& [s, t] : {std::pair{0.2f, 0.3f}, {0.5f, 0.4f}, {0.9f, 0.8f}}) {
+        const Vec3 scan = sheet(s, t) + Vec3{0, -2.5f * s, 0} + 0.2f * 6.25f * hill(s, t) * Vec3{0, 0, 1};
+        worst = max(worst, length(baked.at(chart(s, t), {q0, q1}) - scan));
+      }
+      best = min(best, worst);
+    }
+  CHECK(best < 0.1f);
+  CHECK(error_of(folder, 6) == folder.path.string() + ": 6 scans have at most 5 components");
+}
+
+TEST_CASE("each defect of an OBJ folder is one line that names the file and the line") {
+  const ObjFolder folder("defects");
+  const std::string good = folder.obj(sheet);
+  const std::string neutral = folder.file("neutral.obj"), smile = folder.file("mouthSmile_L.obj"),
+                    csv = folder.file("landmarks.csv");
+  const std::string first_face = "f 1/1/ 2/2/ 35/35/ 34/34/\n";
+  const int face_line =
+      static_cast<int>(
+          std::count(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(good.find("\nf ")), '\n')) +
+      2;
+  const auto at_face = [&](const std::string& what) {
+    return neutral + ":" + std::to_string(face_line) + ": " + what;
+  };
+  const auto neutral_error = [&](const std::string& text) {
+    folder.write("neutral.obj", text);
+    return error_of(folder);
+  };
+  CHECK(neutral_error(good) == "");
+  CHECK(neutral_error("") == neutral + ": holds no vertices");
+  CHECK(neutral_error("v 1 2\n") == neutral + ":1: '' is no number");
+  CHECK(neutral_error("v 1 2 nan\n") == neutral + ":1: 'nan' is no number");
+  CHECK(neutral_error("v 1 2 3\n") == neutral + ": holds no faces");
+  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/\n")) ==
+        at_face("a face has at least three corners"));
+  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 9999/35/ 34/34/\n")) ==
+        at_face("there is no vertex 9999"));
+  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 0/35/ 34/34/\n")) ==
+        at_face("there is no vertex 0"));
+  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ x/35/ 34/34/\n")) == at_face("'x' is no index"));
+  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 35/9999/ 34/34/\n")) ==
+        at_face("there is no texture coordinate 9999"));
+  CHECK(neutral_error(swapped(good, first_face, "f 1 2 35 34\n")) ==
+        at_face("the face has no texture coordinates"));
+  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 35/34/ 34/35/\n")) ==
+        at_face("the chart folds over at this face"));
+  CHECK(neutral_error(swapped(good, "vt 0.100000", "vt -0.10000")) ==
+        at_face("a texture coordinate of the face is outside 0 to 1"));
+
+  folder.write("neutral.obj", good);
+  const auto smile_error = [&](const std::string& text) {
+    folder.write("mouthSmile_L.obj", text);
+    return error_of(folder);
+  };
+  CHECK(smile_error("v 1 2 3\n") == smile + ": has 1 vertices, not 1089 as " + neutral);
+  CHECK(smile_error(swapped(good, first_face, "")) == smile + ": has 1023 faces, not 1024 as " + neutral);
+  CHECK(smile_error(swapped(good, first_face, "f 1/1/ 2/2/ 35/35/\n")) ==
+        smile + ": has 4095 corners of faces, not 4096 as " + neutral);
+  CHECK(smile_error(swapped(good, first_face, "f 1/1/ 2/2/ 36/35/ 34/34/\n")) ==
+        smile + ":" + std::to_string(face_line) + ": the face is not that of " + neutral);
+  fs::remove(folder.path / "mouthSmile_L.obj");
+
+  const auto csv_error = [&](const std::string& text) {
+    folder.write("landmarks.csv", text);
+    return error_of(folder);
+  };
+  CHECK(csv_error("landmark,vertex\nibug30,5\n") == "");
+  CHECK(csv_error("name,vertex\n") == csv + ":1: expected the columns landmark,vertex");
+  CHECK(csv_error("landmark,vertex\nibug30\n") == csv + ":2: 'ibug30' is no landmark and vertex");
+  CHECK(csv_error("landmark,vertex\nibug30,x\n") == csv + ":2: 'ibug30,x' is no landmark and vertex");
+  CHECK(csv_error("landmark,vertex\n\nibug30,1089\n") == csv + ":3: there is no vertex 1089 on a face");
+  fs::remove(folder.path / "landmarks.csv");
+
+  fs::remove(folder.path / "neutral.obj");
+  CHECK(error_of(folder).find("nor with OBJ files") != std::string::npos);
+  folder.write("jawOpen.obj", good);
+  CHECK(error_of(folder) == neutral + ": cannot be read");
+}

@@ -1,0 +1,144 @@
+// `pliant plan`: what it says beforehand is what a run takes.
+#include "host/commands/plan.hpp"
+
+#include "host/io/fit_file.hpp"
+#include "host/io/image.hpp"
+#include "host/io/owned.hpp"
+#include "cli_run.hpp"
+#include "host/io/frame_source.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+using namespace cli_run;
+
+namespace {
+
+/// The number behind a name in the printed plan.
+std::size_t printed(const std::string& plan, const std::string& name) {
+  const std::size_t at = plan.find("\n  " + name + " ");
+  REQUIRE(at != std::string::npos);
+  return std::stoul(plan.substr(at + 3 + name.size()));
+}
+
+std::size_t sum_of(const Plan& plan) {
+  std::size_t sum = 0;
+  for (const std::size_t bytes : plan.bytes) sum += bytes;
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("every byte has a purpose, and their sum is what a tracker takes, for any limits") {
+  const Folder folder;
+  const ModelFile file(folder.put("m.plm", model_bytes()));
+  Random random(4);
+  for (int k = 0; k < 60; ++k) {
+    TrackerLimits limits = k % 3 == 0 ? profile_s() : k % 3 == 1 ? profile_l() : TrackerLimits{};
+    if (k > 2) {
+      const auto among = [&random](int low, int high) {
+        return static_cast<std::uint16_t>(random.uniform(static_cast<float>(low), static_cast<float>(high)));
+      };
+      limits.width = among(64, 900);
+      limits.height = among(64, 700);
+      limits.patches = among(8, 300);
+      limits.key_patches = among(0, 100);
+      limits.key_frames = static_cast<std::uint8_t>(among(0, 8));
+      limits.vertices = among(200, 3000);
+      limits.markers = among(0, 50);
+      limits.keeps_previous = k % 2 == 0;
+      limits.bakes_vertices = k % 5 != 0;
+      if (k % 2 == 0) limits.fold = {among(4, 80), among(4, 80)};
+    }
+    const Plan plan = make_plan(file.model(), limits);
+    CHECK(sum_of(plan) == plan.arena_bytes);
+    CHECK(plan.bytes[static_cast<std::size_t>(Purpose::other)] == 0);
+    CHECK(plan.arena_bytes == measured_bytes<Tracker>(file.model(), limits));
+    const Owned<Tracker> tracker(file.model(), limits);
+    CHECK(tracker.used_bytes() == plan.arena_bytes);
+  }
+}
+
+TEST_CASE("the printed plan has the arena that a run reports, and its parts add up") {
+  const Sequence s;
+  const Ran run = run_words(s.track_words());
+  REQUIRE(run.code == 0);
+  const Ran plan = run_words({"plan", s.model, "--width", "200", "--height", "160"});
+  CAPTURE(plan.err);
+  REQUIRE(plan.code == 0);
+  CHECK(static_cast<float>(printed(plan.out, "arena")) == value_after(run.out, "arena_bytes"));
+  CHECK(printed(plan.out, "picture pyramid") > 2u * 200u * 160u);
+  CHECK(contains(plan.out, "the model's table"));
+  const Ran small = run_words({"plan", s.model, "--profile", "s"});
+  CHECK(printed(small.out, "arena") == measured_bytes<Tracker>(ModelFile(s.model).model(), profile_s()));
+}
+
+TEST_CASE("more of anything is more bytes, and no model is one record a parameter") {
+  const auto arena = [](std::vector<std::string> more) {
+    std::vector<std::string> words = {"plan"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ran r = run_words(words);
+    CAPTURE(r.err);
+    REQUIRE(r.code == 0);
+    return printed(r.out, "arena");
+  };
+  const std::size_t base = arena({"--parameters", "30"});
+  CHECK(arena({"--parameters", "40"}) > base);
+  CHECK(arena({"--parameters", "30", "--width", "640"}) > base);
+  CHECK(arena({"--parameters", "30", "--height", "480"}) > base);
+  CHECK(arena({"--parameters", "30", "--vertices", "600"}) > base);
+  CHECK(arena({"--parameters", "30", "--points", "300"}) > base);
+  CHECK(arena({"--parameters", "30", "--markers", "20"}) > base);
+  CHECK(arena({"--parameters", "30", "--profile", "s"}) < base);
+  CHECK(arena({"--parameters", "30", "--profile", "l"}) > base);
+  CHECK(run_words({"plan", "--profile", "m"}).code == 2);
+  CHECK(run_words({"plan", "--width", "20"}).code == 2);
+  CHECK(run_words({"plan", "nothing.plm"}).code == 1);
+}
+
+TEST_CASE("no frame takes more steps than the plan allows, not even of noise") {
+  const Sequence s;
+  REQUIRE(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "--focal", "330", "-o",
+                     s / "f.json"})
+              .code == 0);
+  const ModelFile file(s.model);
+  const FitFile fit = parse_fit("f", read_file(s / "f.json"));
+  std::vector<float> q(file.model().parameters().count, 0.0f);
+  apply(fit.parameters, "f", file.model(), q.data());
+  TrackerLimits limits;
+  limits.width = 200;
+  limits.height = 160;
+  const Plan plan = make_plan(file.model(), limits);
+  Owned<Tracker> tracker(file.model(), limits);
+  const OpenedFrames video = open_frames(s.video);
+  REQUIRE(video.source != nullptr);
+  Random random(8);
+  FrameView frame;
+  int most = 0, key = 0;
+  for (int k = 0; video.source->next(frame) == Status::ok; ++k) {
+    if (k == 0) {
+      REQUIRE(tracker->start(frame, fit.camera, fit.pose, q.data(), {}, {}) == Status::ok);
+      continue;
+    }
+    // Some frames are half covered with noise, so that rejection has to work.
+    Image picture = image_of(frame);
+    for (int i = 0; k % 3 == 0 && i < 200 * 80; ++i)
+      picture.pixels[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(random.uniform(0, 255));
+    frame.data = picture.pixels.data();
+    frame.stride_bytes = 200;
+    FrameResult result;
+    REQUIRE(tracker->update(frame, &result) == Status::ok);
+    most = std::max<int>(most, result.iterations);
+    CHECK(result.iterations <= plan.most_iterations);
+    CHECK(result.vertices <= limits.vertices);
+    CHECK(result.tracked <= limits.patches + limits.key_patches);
+    ++key;
+  }
+  CHECK(most > 0);
+  CHECK(key == 11);
+  for (const Load& load : plan.loads) {
+    CAPTURE(load.what);
+    CHECK(load.usual <= load.most);
+    CHECK(load.most > 0);
+  }
+  CHECK(plan.usual_operations() < plan.most_operations());
+}

@@ -1,0 +1,334 @@
+// The software rasteriser and the drawing tools of the host command, against pictures that are known.
+#include "host/render/raster.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "host/render/draw.hpp"
+#include "host/io/image.hpp"
+#include "host/render/scene.hpp"
+#include "host/render/sheet.hpp"
+#include "pliant/camera.hpp"
+#include "random.hpp"
+#include "textured_model.hpp"
+
+using namespace pliant;
+using namespace pliant::cli;
+
+namespace {
+
+/// A model table in aligned memory.
+struct Table {
+  std::vector<std::uint32_t> words;
+  Model model;
+  explicit Table(const TexturedModel& source) {
+    const auto bytes = source.bytes();
+    words.resize((bytes.size() + 3) / 4);
+    std::memcpy(words.data(), bytes.data(), bytes.size());
+    REQUIRE(Model::open(words.data(), bytes.size(), &model) == Status::ok);
+  }
+};
+
+RasterVertex corner(const Projector& projector, Vec3 p, Vec2 uv) {
+  RasterVertex v;
+  REQUIRE(projector.project(p, &v.x));
+  v.inverse_depth = 1 / projector.to_camera(p).z;
+  v.uv = uv;
+  v.light = 1;
+  return v;
+}
+
+const auto kPaintU = [](Vec2 uv, float light, float* grey) {
+  *grey = 200 * uv.x * light;
+  return true;
+};
+
+/// Centre of what is brighter than `floor` within `radius` of x, weighted by how much.
+Vec2 bright_centre(const Image& image, Vec2 x, int radius, float floor) {
+  Vec2 sum;
+  float weight = 0;
+  const int cx = static_cast<int>(std::lround(x.x)), cy = static_cast<int>(std::lround(x.y));
+  for (int j = cy - radius; j <= cy + radius; ++j)
+    for (int i = cx - radius; i <= cx + radius; ++i) {
+      if (!image.contains(i, j)) continue;
+      const float w = max(0.0f, static_cast<float>(*image.at(i, j)) - floor);
+      sum = sum + w * Vec2{static_cast<float>(i), static_cast<float>(j)};
+      weight += w;
+    }
+  return (1 / weight) * sum;
+}
+
+}  // namespace
+
+TEST_CASE("a tilted plane shows at each pixel the texture of the point that the pixel's ray meets") {
+  const Camera camera = centred_camera(160, 120, 200);
+  const Pose pose{exp_rotation({0.3f, 0.6f, 0.1f}), {10, -5, 400}};
+  const Projector projector(view_of(pose, camera), true);
+  // The square [-60,60]^2 of the plane z = 0, u and v along x and -y.
+  const auto at = [&](float u, float v) {
+    return corner(projector, {120 * u - 60, 60 - 120 * v, 0}, {u, v});
+  };
+  Raster raster(160, 120, 1);
+  raster.clear();
+  raster.draw(at(0, 0), at(1, 0), at(0, 1), kPaintU);
+  raster.draw(at(1, 0), at(1, 1), at(0, 1), kPaintU);
+  const Vec3 origin = projector.to_camera({}), du = projector.rotated({120, 0, 0}),
+             dv = projector.rotated({0, -120, 0});
+  const Vec3 normal = cross(du, dv), top_left = origin - 0.5f * (du + dv);
+  int inside = 0;
+  float worst = 0;
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) {
+      const Vec3 ray{(static_cast<float>(x) - camera.cx) / camera.f,
+                     (static_cast<float>(y) - camera.cy) / camera.f, 1};
+      const Vec3 hit = (dot(origin, normal) / dot(ray, normal)) * ray - top_left;
+      const float u = dot(hit, du) / dot(du, du), v = dot(hit, dv) / dot(dv, dv);
+      const float margin = 0.01f;
+      if (u < -margin || u > 1 + margin || v < -margin || v > 1 + margin) CHECK(raster.coverage(x, y) == 0);
+      if (u < margin || u > 1 - margin || v < margin || v > 1 - margin) continue;
+      ++inside;
+      REQUIRE(raster.coverage(x, y) == 1);
+      worst = max(worst, magnitude(raster.value(x, y, 0) - 200 * u));
+    }
+  CHECK(inside > 1500);
+  CHECK(worst < 0.05f);  // 1/4000 of the square
+}
+
+TEST_CASE("the nearer surface hides the farther one, whatever is drawn first") {
+  const auto vertex = [](float x, float y, float depth, float grey) {
+    return RasterVertex{{x, y}, 1 / depth, {grey, 0}, 1};
+  };
+  for (const bool near_first : {true, false}) {
+    Raster raster(32, 32, 2);
+    raster.clear();
+    const auto draw = [&](float depth, float u) {
+      raster.draw(vertex(-40, -40, depth, u), vertex(80, -40, depth, u), vertex(-40, 80, depth, u), kPaintU);
+    };
+    draw(near_first ? 100.0f : 200.0f, near_first ? 1.0f : 0.25f);
+    draw(near_first ? 200.0f : 100.0f, near_first ? 0.25f : 1.0f);
+    CHECK(raster.value(10, 10, 0) == doctest::Approx(200));
+  }
+}
+
+TEST_CASE("two planes that cross meet where their depths are equal, not where their edges are") {
+  // Depths 100 + x and 131 - x over a 32 pixel picture: they cross at x = 15.5. 1/depth is what is linear in
+  // the image, so each plane is drawn with its true 1/depth in narrow strips.
+  Raster raster(32, 8, 1);
+  raster.clear();
+  const auto strip = [&](int x, float depth_left, float depth_right, float u) {
+    const auto l = static_cast<float>(x) - 0.5f, r = l + 1;
+    const RasterVertex a{{l, -1}, 1 / depth_left, {u, 0}, 1}, b{{r, -1}, 1 / depth_right, {u, 0}, 1};
+    const RasterVertex c{{l, 9}, 1 / depth_left, {u, 0}, 1}, d{{r, 9}, 1 / depth_right, {u, 0}, 1};
+    raster.draw(a, b, c, kPaintU);
+    raster.draw(b, d, c, kPaintU);
+  };
+  for (int x = 0; x < 32; ++x) {
+    const auto at = static_cast<float>(x);
+    strip(x, 99.5f + at, 100.5f + at, 1);
+    strip(x, 131.5f - at, 130.5f - at, 0.5f);
+  }
+  CHECK(raster.value(14, 4, 0) == doctest::Approx(200));
+  CHECK(raster.value(17, 4, 0) == doctest::Approx(100));
+}
+
+TEST_CASE(
+    "triangles that share an edge leave no gap, and their rim is mixed with the background by its share") {
+  Random random(3);
+  Raster raster(40, 40, 4);
+  for (int round = 0; round < 50; ++round) {
+    raster.clear();
+    const Vec2 m{random.uniform(12, 28), random.uniform(12, 28)};
+    const Vec2 ring[4] = {{4, 5}, {35, 3}, {36, 34}, {3, 36}};
+    for (int k = 0; k < 4; ++k) {
+      const auto v = [](Vec2 x) { return RasterVertex{x, 0.01f, {1, 0}, 1}; };
+      raster.draw(v(ring[k]), v(ring[(k + 1) % 4]), v(m), kPaintU);
+    }
+    for (int y = 7; y < 33; ++y)
+      for (int x = 7; x < 33; ++x) REQUIRE(raster.coverage(x, y) == 1);
+  }
+  raster.clear();
+  const auto v = [](float x, float y) { return RasterVertex{{x, y}, 0.01f, {1, 0}, 1}; };
+  raster.draw(v(-50, -50), v(20, -50), v(20, 90), kPaintU);  // its right edge cuts pixel 20 in half
+  CHECK(raster.coverage(20, 20) == doctest::Approx(0.5));
+  CHECK(raster.value(20, 20, 40) == doctest::Approx(0.5 * 200 + 0.5 * 40));
+}
+
+TEST_CASE("a painted spot is seen where the projector says, to a twentieth of a pixel") {
+  TexturedModel source;
+  const Vec2 spots[] = {{0.3f, 0.3f}, {0.71f, 0.36f}, {0.52f, 0.55f}, {0.27f, 0.74f}, {0.66f, 0.8f}};
+  source.rest = [](float u, float v) { return Vec3{120 * u - 60, 80 - 160 * v, 0}; };
+  source.paint = [&](float u, float v) {
+    float grey = 40;
+    for (const Vec2 s : spots) {
+      // Round on the surface, which is 120 by 160 mm.
+      const float dx = 120 * (u - s.x), dy = 160 * (v - s.y);
+      grey += 180 * std::exp(-(dx * dx + dy * dy) / 18);
+    }
+    return min(grey, 255);
+  };
+  const Table table(source);
+  const Camera camera = centred_camera(320, 240, 450);
+  const std::vector<float> q(table.model.parameters().count, 0.0f);
+  Scene scene(table.model, 320, 240);
+  const Image background(320, 240, 1, 0);
+  Owned<Cascade> cascade(table.model);
+  for (const Vec3 turn : {Vec3{0, 0, 0}, Vec3{0.1f, 0.35f, -0.2f}, Vec3{-0.25f, -0.3f, 0.4f}}) {
+    const Pose pose{exp_rotation(turn), {7.3f, -4.1f, 480}};
+    const Projector projector(view_of(pose, camera), true);
+    const Image image = scene.draw(q.data(), pose, camera, background);
+    for (const Vec2 spot : spots) {
+      Vec2 x;
+      REQUIRE(projector.project(cascade->surface_point(spot, q.data()), &x));
+      // A flat sheet has one brightness: what lies above the darker ground around is the spot.
+      const float ground =
+          static_cast<float>(*image.at(static_cast<int>(x.x) + 11, static_cast<int>(x.y) + 3));
+      CHECK(length(bright_centre(image, x, 8, ground + 2) - x) < 0.05f);
+    }
+  }
+}
+
+TEST_CASE("holes of the mask are drawn, what lies beyond its outline is not") {
+  const Table table{TexturedModel{}};
+  ChartTexture texture(table.model);
+  CHECK(texture.covers({0.5f, 0.5f}));
+  CHECK(texture.covers({0, 0}));
+
+  // A disc with a hole, in a mask of 64 x 64.
+  bake::TableWriter writer;
+  CascadeRecord r = bake::empty_record(Operation::constant);
+  r.field = writer.add_field(TexturedModel::grid(9, [](float u, float v) { return Vec3{u, v, 0}; }), 16);
+  writer.add_record(r);
+  writer.add_parameter({"none", Group::identity, -1, 1, 1});
+  writer.add_landmark({"a", {0.5f, 0.5f}});
+  writer.set_base_mesh({{0, 0}, {1, 0}, {0, 1}}, {0, 1, 2});
+  bake::GreyImage mask{64, 64, {}};
+  for (int j = 0; j < 64; ++j)
+    for (int i = 0; i < 64; ++i) {
+      const float x = static_cast<float>(i) - 31.5f, y = static_cast<float>(j) - 31.5f,
+                  d = std::sqrt(x * x + y * y);
+      mask.pixels.push_back(d < 25 && !(d < 6));
+    }
+  writer.set_mask(mask);
+  const auto bytes = writer.bytes();
+  std::vector<std::uint32_t> words((bytes.size() + 3) / 4);
+  std::memcpy(words.data(), bytes.data(), bytes.size());
+  Model model;
+  REQUIRE(Model::open(words.data(), bytes.size(), &model) == Status::ok);
+  const ChartTexture disc(model);
+  CHECK(disc.covers({0.5f, 0.5f}));
+  CHECK(disc.covers({0.5f, 0.15f}));
+  CHECK_FALSE(disc.covers({0.5f, 0.05f}));
+  CHECK_FALSE(disc.covers({0.02f, 0.02f}));
+}
+
+TEST_CASE("the light comes from the upper left, so that a bump is bright there and dark on the other side") {
+  TexturedModel source;
+  source.paint = [](float, float) { return 180.0f; };
+  source.rest = [](float u, float v) {
+    const float x = 2 * u - 1, y = 1 - 2 * v;
+    return Vec3{60 * x, 60 * y, 60 * std::sqrt(max(0.0f, 1 - 0.5f * (x * x + y * y)))};
+  };
+  const Table table(source);
+  const std::vector<float> q(table.model.parameters().count, 0.0f);
+  Scene scene(table.model, 200, 200);
+  const Image image =
+      scene.draw(q.data(), {{}, {0, 0, 400}}, centred_camera(200, 200, 400), Image(200, 200, 1, 0));
+  CHECK(*image.at(70, 70) > *image.at(100, 100));
+  CHECK(*image.at(100, 100) > *image.at(135, 135) + 20);
+  CHECK(*image.at(5, 5) == 0);
+}
+
+TEST_CASE("noise has the spread asked for, equal seeds give equal noise, and others do not") {
+  Image a(200, 200, 1, 128), b(200, 200, 1, 128), c(200, 200, 1, 128);
+  add_noise(a, 5, 7);
+  add_noise(b, 5, 7);
+  add_noise(c, 5, 8);
+  CHECK(a.pixels == b.pixels);
+  CHECK(a.pixels != c.pixels);
+  double sum = 0, squares = 0;
+  for (const std::uint8_t p : a.pixels) {
+    sum += p;
+    squares += (p - 128.0) * (p - 128.0);
+  }
+  CHECK(sum / 40000 == doctest::Approx(128).epsilon(0.002));
+  CHECK(std::sqrt(squares / 40000) == doctest::Approx(5).epsilon(0.02));
+}
+
+TEST_CASE("the frontal pose fills the share asked for and sits in the middle") {
+  const Table table{TexturedModel{}};
+  const std::vector<float> q(table.model.parameters().count, 0.0f);
+  const Camera camera = centred_camera(320, 240, 450);
+  const Pose pose = frontal_pose(table.model, q.data(), camera, 240, 0.55f);
+  Scene scene(table.model, 320, 240);
+  const Image image = scene.draw(q.data(), pose, camera, Image(320, 240, 1, 0));
+  int first = 240, last = 0;
+  for (int y = 0; y < 240; ++y)
+    if (*image.at(160, y) > 0) {
+      first = std::min(first, y);
+      last = y;
+    }
+  CHECK(last - first == doctest::Approx(0.55 * 240).epsilon(0.06));
+  CHECK(0.5 * (first + last) == doctest::Approx(119.5).epsilon(0.03));
+}
+
+TEST_CASE("a picture survives PNG, and grey becomes colour and back") {
+  Random random(5);
+  Image image(37, 23, 3);
+  for (auto& p : image.pixels) p = static_cast<std::uint8_t>(random.uniform(0, 255.9f));
+  const std::string png = encode_png(image);
+  CHECK(png.substr(1, 3) == "PNG");
+  CHECK(to_grey(to_colour(to_grey(image))).pixels == to_grey(image).pixels);
+}
+
+TEST_CASE("a line covers its length once, a dot its area, and neither leaves the picture") {
+  Image image(64, 64, 3, 0);
+  draw_line(image, {10, 20}, {50, 20}, 1, {255, 255, 255}, 1);
+  double sum = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) sum += image.at(x, y)[0] / 255.0;
+  CHECK(sum == doctest::Approx(41).epsilon(0.04));
+  Image dot(64, 64, 3, 0);
+  draw_dot(dot, {31.5f, 31.5f}, 8, {255, 0, 0}, 1);
+  sum = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) sum += dot.at(x, y)[0] / 255.0;
+  CHECK(sum == doctest::Approx(3.14159 * 8 * 8).epsilon(0.03));
+  draw_line(image, {-1e9f, 3}, {1e9f, 40}, 2, {9, 9, 9}, 1);
+  draw_line(image, {-30, -30}, {90, 95}, 3, {9, 9, 9}, 1);
+  draw_dot(image, {NAN, 4}, 3, {1, 1, 1}, 1);
+  draw_text(image, 55, 60, "outside 0.5%", 2, {1, 1, 1});
+}
+
+TEST_CASE("enlarging keeps positions: the centre of a spot moves with the picture") {
+  Image image(40, 30, 1, 0);
+  *image.at(12, 9) = 200;
+  const Image twice = enlarged(image, 2);
+  CHECK(twice.width == 80);
+  const Vec2 centre = bright_centre(twice, {25, 19}, 6, 0);
+  CHECK(centre.x == doctest::Approx(2 * 12.5 - 0.5));
+  CHECK(centre.y == doctest::Approx(2 * 9.5 - 0.5));
+  CHECK(shrunk_to(twice, 40, 400).width == 40);
+  CHECK(shrunk_to(image, 80, 80).width == 40);
+}
+
+TEST_CASE(
+    "a contact sheet shows at most nine pictures, the first and the last, evenly spaced, of any number") {
+  for (const int count : {1, 2, 5, 9, 10, 36, 37, 38, 150, 200, 500, 2400}) {
+    ContactSheet sheet;
+    Image image(16, 12, 3);
+    for (int k = 0; k < count; ++k) sheet.add(image);
+    std::vector<int> chosen;
+    for (const auto& picture : sheet.pictures()) chosen.push_back(picture.number);
+    CAPTURE(count);
+    CHECK(chosen.size() == static_cast<std::size_t>(std::min(count, 9)));
+    CHECK(chosen.front() == 0);
+    CHECK(chosen.back() == count - 1);
+    for (std::size_t k = 1; k < chosen.size(); ++k) {
+      CHECK(chosen[k] > chosen[k - 1]);
+      if (count > 8) CHECK(std::abs(chosen[k] - chosen[k - 1] - (count - 1) / 8.0) <= 1 + (count - 1) / 16.0);
+    }
+    CHECK(sheet.image().width == 3 * 16 + 4 * 4);
+  }
+}

@@ -1,0 +1,77 @@
+#include "pliant/coarse_translation.hpp"
+
+#include <doctest/doctest.h>
+
+#include <vector>
+
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+/// Smooth random texture, seen through a window that can be moved by whole and half pixels.
+struct Texture {
+  std::vector<float> value;
+  static constexpr int kSide = 160;
+  Texture() : value(kSide * kSide) {
+    Random random(2);
+    std::vector<float> raw(value.size());
+    for (float& v : raw) v = random.uniform(0, 255);
+    for (int y = 3; y < kSide - 3; ++y)
+      for (int x = 3; x < kSide - 3; ++x) {
+        float sum = 0;
+        for (int j = -3; j <= 3; ++j)
+          for (int i = -3; i <= 3; ++i) sum += raw[static_cast<std::size_t>((y + j) * kSide + x + i)];
+        value[static_cast<std::size_t>(y * kSide + x)] = 4 * (sum / 49 - 127) + 127;
+      }
+  }
+  float at(float x, float y) const {
+    const int i = static_cast<int>(x), j = static_cast<int>(y);
+    const float a = x - static_cast<float>(i), b = y - static_cast<float>(j);
+    const auto v = [&](int k, int l) { return value[static_cast<std::size_t>((j + l) * kSide + i + k)]; };
+    return (1 - b) * ((1 - a) * v(0, 0) + a * v(1, 0)) + b * ((1 - a) * v(0, 1) + a * v(1, 1));
+  }
+  std::vector<std::uint8_t> picture(float left, float top, float gain = 1) const {
+    std::vector<std::uint8_t> out;
+    for (int y = 0; y < 60; ++y)
+      for (int x = 0; x < 80; ++x)
+        out.push_back(static_cast<std::uint8_t>(
+            clamp(gain * at(left + static_cast<float>(x), top + static_cast<float>(y)) + 0.5f, 0, 255)));
+    return out;
+  }
+};
+
+ImageView view(const std::vector<std::uint8_t>& p) {
+  return {p.data(), 80, 60, 80};
+}
+
+}  // namespace
+
+TEST_CASE("a moved picture gives its shift, whole and half pixels, whatever the light") {
+  const Texture texture;
+  const auto before = texture.picture(40, 40);
+  const PixelBox box{25, 18, 55, 44};
+  for (float dx : {-7.0f, -0.5f, 0.0f, 3.5f})
+    for (float dy : {-6.0f, 0.0f, 2.5f}) {
+      const auto now = texture.picture(40 - dx, 40 - dy, 0.8f);
+      const Shift s = find_shift(view(before), box, view(now), 8);
+      CHECK(s.by.x == doctest::Approx(double(dx)).epsilon(0.05).scale(4));
+      CHECK(s.by.y == doctest::Approx(double(dy)).epsilon(0.05).scale(4));
+      CHECK(s.correlation > 0.9f);
+    }
+}
+
+TEST_CASE("nothing to compare gives no shift") {
+  const std::vector<std::uint8_t> flat(80 * 60, 90);
+  const Shift s = find_shift(view(flat), {10, 10, 40, 40}, view(flat), 5);
+  CHECK(s.correlation == 0);
+  CHECK(length(s.by) == 0);
+  const Texture texture;
+  const auto p = texture.picture(40, 40);
+  CHECK(find_shift({}, {10, 10, 40, 40}, view(p), 5).correlation == 0);
+  CHECK(find_shift(view(p), {10, 10, 40, 40}, {p.data(), 40, 60, 80}, 5).correlation == 0);
+  CHECK(find_shift(view(p), {40, 10, 10, 40}, view(p), 5).correlation == 0);
+  CHECK(find_shift(view(p), {-100, -100, 500, 500}, view(p), 5).correlation == doctest::Approx(1));
+  CHECK(find_shift(view(p), {10, 10, 40, 40}, view(p), -1).correlation == 0);
+}
