@@ -31,14 +31,14 @@ enum class Purpose : std::uint8_t {
   visibility,      ///< depth buffer, outline, projected vertices
   solver,          ///< normal equations and their factor
   points,          ///< surface points, predictions, observations
-  baked_points,    ///< samples of the fields kept a surface point
-  baked_vertices,  ///< and a vertex
+  sampled_points,    ///< samples of the fields kept a surface point
+  sampled_vertices,  ///< and a vertex
   rejection,       ///< of false observations
   state,           ///< parameters, as they are, were and are expected
   pyramid,         ///< pictures
   patches,         ///< captured patches, and the search for them
   corners,         ///< finding where to capture
-  small_pictures,  ///< finding a fast or a lost head
+  thumbnails,  ///< finding a fast or a lost head
 };
 constexpr std::size_t kPurposeCount = 15;
 

@@ -97,7 +97,7 @@ struct ViewOptions {
   float cx = 159.5f, cy = 119.5f;  ///< principal point
   float width_px = 320, height_px = 240;
   float tolerance_px = 0.5f;
-  float outline_gain = 3;     ///< for triangles turned by 75 to 105 degrees from the camera
+  float silhouette_gain = 3;     ///< for triangles turned by 75 to 105 degrees from the camera
   float hidden_gain = 0.05f;  ///< for those turned further, and those more than margin_px outside the picture
   float margin_px = 20;
 };

@@ -35,8 +35,8 @@ struct EdgeOptions {
   float indifference_px = 1;
   int finest_level = 0;     ///< of the pyramid, on which to look at all
   int hypotheses = 2;       ///< alternatives given at most, 1 to kMaxEdgeHypotheses
-  float keep_share = 0.5f;  ///< of the best one's preference, that an alternative must reach
-  float ambiguous_share =
+  float keep_fraction = 0.5f;  ///< of the best one's preference, that an alternative must reach
+  float ambiguous_fraction =
       0.8f;  ///< more than `hypotheses` edges that reach this share of the best: none is given
   float noise_floor_grey = 1;       ///< the noise of a pixel counts as at least this
   float position_floor_px = 0.05f;  ///< standard deviation that no result claims to be better than

@@ -40,7 +40,7 @@ extern const ForceRejection kForceRejection;
 struct EstimatorLimits {
   std::uint16_t points =
       128;  ///< surface points followed at once (anchors, markers, edge points); ids are below this
-  std::uint16_t outline_points = 0;  ///< of those, that slide along the outline; 304 bytes each, 16 a vertex
+  std::uint16_t silhouette_points = 0;  ///< of those, that slide along the outline; 304 bytes each, 16 a vertex
   /// Observations that the rejection of image forces looks at: of more, a sample. 0: none, and no memory for it (else 25
   /// kB and 200 bytes each).
   std::uint16_t rejection_sample = 256;
@@ -49,15 +49,15 @@ struct EstimatorLimits {
   std::uint16_t vertices =
       512;  ///< of the mesh, at least those of the model's base mesh; faces are twice as many
   std::uint16_t free_parameters = 0;  ///< estimated at once, at most; 0: all that the model has
-  /// Samples kept a surface point (Cascade::baked_count under the free parameters chosen), 12 bytes each; 0: as many as
+  /// Samples kept a surface point (Cascade::samples_per_point under the free parameters chosen), 12 bytes each; 0: as many as
   /// any choice needs. `start` gives capacity when they do not suffice.
-  std::uint16_t baked_samples = 0;
+  std::uint16_t samples_per_point = 0;
   /// Whether the vertices keep theirs too (12 bytes times samples times vertices). If not, their positions come
   /// from the tables, which takes a few times longer.
-  bool bakes_vertices = true;
+  bool samples_vertices = true;
   /// Of the field that `start` folds the person into (Cascade::fold), 6 bytes a sample; none: no such field. Points taken
   /// on while tracking, tangents and adaptation then cost the expressions alone: for many identity parameters.
-  FoldLimits fold;
+  PersonalFieldLimits personal_field;
 };
 
 /// The same limits, without rejection of image forces.
@@ -85,8 +85,8 @@ struct EstimatorOptions {
   float relative_decrease = 1e-3f;  ///< a stage ends when a step would lower the cost by less than this share
   Rejection rejection = Rejection::on_doubt;
   float doubt_scale = 1.2f;       ///< residuals over those that the cues usually have
-  float doubt_share = 0.15f;      ///< of the observations, without weight
-  float challenge_margin = 0.8f;  ///< what the second solve may cost at most, of the first
+  float doubt_fraction = 0.15f;      ///< of the observations, without weight
+  float alternative_margin = 0.8f;  ///< what the second solve may cost at most, of the first
   float readmission = 3.5f;       ///< scales of the residuals kept within which an observation is taken back
   std::uint8_t cues = 0x0f;       ///< bit k: cue k takes part
   bool uses(Cue cue) const { return (cues >> static_cast<unsigned>(cue) & 1u) != 0; }
@@ -100,7 +100,7 @@ struct EstimatorOptions {
   std::uint16_t vertex_budget = 0;  ///< hard limit while it adapts; 0: the limits' vertices
   float mesh_error_px = 0.5f;       ///< tolerance across the line of sight (criteria.hpp: ViewOptions)
   TextureOptions texture;           ///< with a score: vertices where there is something to track, as well
-  std::uint8_t rank_share = 32;     ///< one face and vertex in so many is ranked anew a frame
+  std::uint8_t rank_interval_frames = 32;     ///< one face and vertex in so many is ranked anew a frame
   /// How far the real surface is from the model's at its best, mm: added to every observation, at the scale at which the
   /// model is seen. Neighbours err alike, so that many points are no better a word than a few: on a real face residuals
   /// are a millimetre, where the picture would allow a tenth of that.
@@ -113,14 +113,14 @@ struct EstimatorOptions {
   MotionOptions motion;  ///< of that filter; the covariance of predictions is its own either way
   bool smooths = false;  ///< gives a smoothed output besides
   OneEuroOptions smoothing;
-  std::uint8_t tangent_share =
+  std::uint8_t tangent_interval_frames =
       4;  ///< the tangents of one point in so many are computed anew each frame; they turn with
           ///< the pose in every frame, and lag the expression by so many frames at most
-  std::uint8_t vertex_share = 4;  ///< so for the mesh's vertices, which only tell what hides what
+  std::uint8_t vertex_interval_frames = 4;  ///< so for the mesh's vertices, which only tell what hides what
   float min_facing =
       0.3f;  ///< cosine of surface normal and viewing direction below which a point is not visible
   float lost_rms_px = 4.0f;  ///< at 320 px of image width
-  float lost_share = 0.15f;  ///< of the points looked for that must be inliers; and of those of cue patch
+  float lost_fraction = 0.15f;  ///< of the points looked for that must be inliers; and of those of cue patch
   float lost_score = 0.5f;   ///< mean correlation of the inliers of cue patch
   float lost_scale_change = 0.2f;  ///< of the image scale, from one frame to the next
   std::uint16_t lost_points = 8;   ///< inliers needed
@@ -185,7 +185,7 @@ class Estimator {
   /// A point that is put on the outline of the predicted view in each `begin` (and `propose`, `restore`), within its own
   /// sector of it as seen from the middle; all such points share the full turn evenly. Its normals point away from
   /// the surface. Not visible where its sector has no outline. Statuses: not_started, bad_argument, capacity.
-  Status add_outline_point(std::uint16_t* id);
+  Status add_silhouette_point(std::uint16_t* id);
   void remove_point(std::uint16_t id);
   bool has_point(std::uint16_t id) const { return id < limits_.points && kind_[id] != PointKind::none; }
   Vec2 point_uv(std::uint16_t id) const { return uv_[id]; }
@@ -194,7 +194,7 @@ class Estimator {
   /// meanwhile. One that runs backwards or jumps by 2 s or more forgets all velocities. Both count as 1/30 s otherwise.
   void begin(std::int64_t time_ns);
   /// Moves the predicted view so that the model moves by about `px` in the image: a motion the platform has seen.
-  void shift(Vec2 px);
+  void translate(Vec2 px);
   /// Makes `view` the predicted one, with the parameters of the last trusted frame: a place to look for a lost model.
   void propose(const View& view);
   /// Copies the present state out; arrays that are null are left out.
@@ -209,10 +209,10 @@ class Estimator {
   /// A look ahead: moves the state to fit observations of a few points, so that the others are predicted nearer to where
   /// they are. Call it between `begin` and the first `solve`. By weights alone (Rejection); \return false, and nothing has
   /// moved, where those leave doubt, or with too few to determine the pose. Cost: as `solve`.
-  bool approach(Span<Observation> observations);
+  bool solve_first_pass(Span<Observation> observations);
   /// Whether the solve after an approach began with more than a few points far from where they were expected: by the state
   /// that it gives they are worth another look.
-  bool was_surprised() const { return was_surprised_; }
+  bool needs_another_round() const { return needs_another_round_; }
   /// Moves the state to fit the observations; may be called more than once a frame. Those that the robust loss gives no
   /// weight in the end are marked `rejected`. Observations of points not in use, or not finite, are marked
   /// `not_visible` and ignored. With too few to determine the pose nothing moves.
@@ -249,7 +249,7 @@ class Estimator {
   const Mesh& mesh() const { return mesh_; }
   /// The mesh's vertices, by vertex id: in the model's axes (mm) and in the image (px). Those of the last `start` or `end`;
   /// between `begin` and `end`, perhaps of a prediction.
-  /// A vertex in options.vertex_share follows the expression in each frame, all where one of them goes far; those that are not
+  /// A vertex in options.vertex_interval_frames follows the expression in each frame, all where one of them goes far; those that are not
   /// baked to a millimetre or so. `refresh_vertices` brings up all, exactly.
   /// The images are the pinhole's; `vertex_seen` is where the lens puts one.
   const Vec3* vertex_positions() const { return vertex_; }
@@ -259,15 +259,15 @@ class Estimator {
 
  private:
   friend struct EstimatorProblem;
-  enum class PointKind : std::uint8_t { none, surface, curve, outline };
+  enum class PointKind : std::uint8_t { none, surface, curve, silhouette };
   Status take_id(PointKind kind, std::uint16_t* id);
   void place(std::uint16_t id, Vec2 uv);
-  void place_outline();
+  void place_silhouette();
   void expect_motion(float seconds);
   void note_motion();
-  static constexpr float kBakedSlackMm = 0.01f;  // a hundredth of what a model is off at its best
-  Vec3* baked_point(std::size_t id) { return baked_points_ + id * baked_stride_; }
-  Vec3* baked_vertex(std::size_t v) { return baked_vertices_ + v * baked_stride_; }
+  static constexpr float kSampleSlackMm = 0.01f;  // a hundredth of what a model is off at its best
+  Vec3* samples_of_point(std::size_t id) { return point_samples_ + id * sample_stride_; }
+  Vec3* samples_of_vertex(std::size_t v) { return vertex_samples_ + v * sample_stride_; }
   void adapt_mesh();
   void follow_view();
   void place_vertex(VertexId v);
@@ -280,7 +280,7 @@ class Estimator {
   Prediction prediction(std::uint16_t id, const Projector& projector);
   bool is_predicted() const;
   void see_through_lens(Prediction* p) const;
-  bool approach_ideal(Span<Observation> observations);
+  bool solve_first_pass_ideal(Span<Observation> observations);
   SolverReport solve_ideal(Span<Observation> observations);
   void undistort(Span<Observation> observations) const;
   void distort(Span<Observation> observations) const;
@@ -297,7 +297,7 @@ class Estimator {
   void settle_by_weights(struct EstimatorProblem& problem, SolverReport* report);
   void solve_robustly(EstimatorProblem& problem, SolverReport* report);
   void solve_by_forces(EstimatorProblem& problem, SolverReport* report);
-  float far_share(const EstimatorProblem& problem) const;
+  float far_fraction(const EstimatorProblem& problem) const;
   bool is_doubtful(const EstimatorProblem& problem) const;
   void keep_as_before(EstimatorProblem& problem);
   void conclude(const EstimatorProblem& problem);
@@ -336,28 +336,28 @@ class Estimator {
   // Of the last solve: points that the platform looked for, those by a patch, and patches among the inliers.
   std::size_t looked_for_ = 0, patches_looked_for_ = 0, patch_inliers_ = 0;
   int solves_ = 0;                // in this frame
-  bool has_approached_ = false;   // before the first of them
-  bool was_surprised_ = false;    // the one after it, by what it began with
+  bool had_first_pass_ = false;   // before the first of them
+  bool needs_another_round_ = false;    // the one after it, by what it began with
   bool rejected_forces_ = false;  // in its first solve
   static constexpr std::size_t kCueCount = 4;
   float cue_scale_[kCueCount] = {1, 1, 1, 1};
 
-  std::size_t baked_stride_ = 0, baked_capacity_ = 0;
+  std::size_t sample_stride_ = 0, sample_capacity_points_ = 0;
   PointKind* kind_ = nullptr;
   Vec2 *uv_ = nullptr,
        *along_ = nullptr;  // along: a curve's direction in (u,v), or the outline's image normal
-  OutlineFinder finder_;
-  OutlinePoint* outline_ = nullptr;
-  std::size_t outline_count_ = 0;
+  SilhouetteFinder finder_;
+  SilhouettePoint* silhouette_ = nullptr;
+  std::size_t silhouette_count_ = 0;
   Vec3 *tangent_u_ = nullptr, *tangent_v_ = nullptr;  // of the surface points, in the model's axes
   std::uint32_t frame_ = 0;
-  Vec3 *baked_points_ = nullptr, *baked_vertices_ = nullptr, *vertex_ = nullptr;
+  Vec3 *point_samples_ = nullptr, *vertex_samples_ = nullptr, *vertex_ = nullptr;
   Vec2* vertex_image_ = nullptr;
   float* vertex_depth_ = nullptr;
   Prediction* predictions_ = nullptr;
   std::size_t prediction_count_ = 0;
   View predicted_view_;  // of these, with predicted_q_
-  float *q_ = nullptr, *expected_q_ = nullptr, *trial_q_ = nullptr, *rival_q_ = nullptr, *sd_ = nullptr,
+  float *q_ = nullptr, *expected_q_ = nullptr, *trial_q_ = nullptr, *alternative_q_ = nullptr, *sd_ = nullptr,
         *trusted_q_ = nullptr, *predicted_q_ = nullptr;
   float *step_ = nullptr, *variance_ = nullptr;
   std::uint16_t* unknown_ = nullptr;
@@ -369,7 +369,7 @@ class Estimator {
   Sym2* information_ = nullptr;  // of the rows, with the cue's own error added
   Vec2* residuals_ = nullptr;    // px
   float *lengths_ = nullptr, *sorted_ = nullptr;
-  std::uint8_t* was_let_go_ = nullptr;  // by id: in the last solve
+  std::uint8_t* was_rejected_ = nullptr;  // by id: in the last solve
   ForceRejector rejector_;
   std::size_t sample_capacity_ = 0;
   float* sample_ = nullptr;

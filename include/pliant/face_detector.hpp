@@ -1,5 +1,5 @@
 #pragma once
-/// \file model_finder.hpp
+/// \file face_detector.hpp
 /// Finds a face in a picture without being given a point: how a device with a camera and no detector starts. Nothing in
 /// it is learnt: templates are drawn from the model itself.
 ///
@@ -49,11 +49,11 @@ struct FinderReport {
 /// Needs a model with an albedo, curves (lids, brows, lips) and landmarks. Heads within about 20 degrees of upright
 /// and frontal are found. Lives in an arena; 320 x 240 and the built-in face take about half a megabyte, which a
 /// tracker may have afterwards: what was found is only the pose and the parameters.
-class ModelFinder {
+class FaceDetector {
  public:
-  ModelFinder() = default;
-  ModelFinder(const ModelFinder&) = delete;
-  ModelFinder& operator=(const ModelFinder&) = delete;
+  FaceDetector() = default;
+  FaceDetector(const FaceDetector&) = delete;
+  FaceDetector& operator=(const FaceDetector&) = delete;
 
   void lay_out(Arena& arena, const Model& model, const FinderLimits& limits);
 

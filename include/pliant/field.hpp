@@ -43,7 +43,7 @@ struct SurfaceFrame {
 
 /// Room for a person's folded neutral (Cascade::fold): samples of one field over the chart, 6 bytes each. 128 x 128, as
 /// tables are baked unless told otherwise, cost 96 KiB. None by default.
-struct FoldLimits {
+struct PersonalFieldLimits {
   std::uint16_t width = 0, height = 0;  ///< both 0, or 2 to 256
 };
 
@@ -56,7 +56,7 @@ struct FoldLimits {
 class Cascade {
  public:
   /// Arena layout (create_in, measured_bytes). All parameters start free, interpolation bilinear, nothing folded.
-  void lay_out(Arena& arena, const Model& model, const FoldLimits& fold = {});
+  void lay_out(Arena& arena, const Model& model, const PersonalFieldLimits& fold = {});
 
   const Model& model() const { return model_; }
 
@@ -86,19 +86,19 @@ class Cascade {
   /// and lids, which take little room in (u,v), by up to 2.6 mm on a real face: 0.06 mm on average.
   ///
   /// From then on frozen parameters that only the folded part reads are not read from any q. Freezing others, or
-  /// `unfold`, ends it; baked points made before keep their values. Where nothing is worth folding (two samples or
-  /// fewer) nothing changes; `is_folded` tells.
+  /// `forget_person`, ends it; baked points made before keep their values. Where nothing is worth folding (two samples or
+  /// fewer) nothing changes; `is_personalised` tells.
   /// Cost: the frozen part at width x height points, twice.
   /// \return capacity when the limits left no room, bad_argument when q gives a surface that is not finite; then
   ///         nothing is folded.
-  Status fold(const float* q);
-  void unfold();
-  bool is_folded() const { return neutral_ != kNone; }
+  Status personalise(const float* q);
+  void forget_person();
+  bool is_personalised() const { return neutral_ != kNone; }
   /// Fields that one new (u,v) samples, all parameters away from zero.
   std::size_t sample_count() const;
 
   /// Vec3 values in a baked point under the present choice; never more than model().cascade().count.
-  std::size_t baked_count() const { return emitted_count_; }
+  std::size_t samples_per_point() const { return emitted_count_; }
   /// Samples the fields at (u,v) and folds the frozen part with the values in q (all parameters). With `slack_mm`, vectors
   /// are left out that move the point by less than that however large their parameter: the far ends of fields, a quarter
   /// of what a face's points would read at 0.01 mm.
@@ -174,7 +174,7 @@ class Cascade {
   std::uint16_t result_ = 0;       // the record whose value is the surface point
   std::uint16_t neutral_ = kNone;  // the record that is read from the folded neutral
   Field neutral_field_ = {};       // what it adds to its root
-  FoldLimits fold_limits_;
+  PersonalFieldLimits personal_limits_;
   std::int16_t* neutral_samples_ = nullptr;
   const float* selected_q_ = nullptr;
   Vec3* point_ = nullptr;  // a record's value in the running evaluation

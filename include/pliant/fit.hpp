@@ -22,13 +22,13 @@ struct Correspondence {
   Vec2 x;              ///< px
   float sd_px = 1.0f;  ///< standard deviation of x, > 0
   /// x lies on the edge of the face in the picture, near where (u,v) was before it turned away: a landmark of the jaw or
-  /// cheek as people and detectors annotate it. Needs FitLimits::outline.
-  bool is_outline = false;
+  /// cheek as people and detectors annotate it. Needs FitLimits::silhouette.
+  bool is_silhouette = false;
 };
 
 struct FitLimits {
   std::uint16_t points = 160;
-  bool outline = false;  ///< room to match outline points: the base mesh and 16 bytes a vertex more, 9 KiB
+  bool silhouette = false;  ///< room to match outline points: the base mesh and 16 bytes a vertex more, 9 KiB
 };
 
 /// How the cost is brought down: damped Gauss-Newton, or the published dynamics (solver.hpp).
@@ -90,24 +90,24 @@ class Fitter {
 
   /// Whether the last fit has slid an outline point away from its own place, to the silhouette.
   bool has_slid(std::size_t point) const {
-    return outline_normal_ != nullptr && dot(outline_normal_[point], outline_normal_[point]) > 0;
+    return silhouette_normal_ != nullptr && dot(silhouette_normal_[point], silhouette_normal_[point]) > 0;
   }
 
   Cascade& cascade() { return cascade_; }
 
  private:
   friend struct FitProblem;
-  Vec3* baked_at(std::size_t point) { return baked_ + point * cascade_.model().cascade().count; }
-  void lay_out_outline(Arena& arena, const Model& model);
-  Status start_outline();
+  Vec3* samples_at(std::size_t point) { return baked_ + point * cascade_.model().cascade().count; }
+  void lay_out_silhouette(Arena& arena, const Model& model);
+  Status start_silhouette();
   std::size_t find_contour(const float* q, const Projector& projector);
   void match(const struct FitProblem& problem, std::size_t point, const Projector& projector,
              std::size_t found);
-  void match_outline(const struct FitProblem& problem);
+  void match_silhouette(const struct FitProblem& problem);
   Status fit_ideal(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
                    float* sd, Vec2* residuals, float* weights);
-  bool unfold(struct FitProblem& problem);
-  int minimise_in_stages(struct FitProblem& problem, bool has_outline);
+  bool undo_fold_over(struct FitProblem& problem);
+  int minimise_in_stages(struct FitProblem& problem, bool has_silhouette);
   Status conclude(struct FitProblem& problem, float* q, FitReport* report, float* sd, Vec2* residuals,
                   float* weights, int iterations);
 
@@ -120,19 +120,19 @@ class Fitter {
   std::uint16_t* unknown_ = nullptr;
   Vec2* column_ = nullptr;
 
-  FoldTest folding_;
-  Vec3 *unfolded_ = nullptr, *folded_ = nullptr;  // the base mesh at unfolded_q_ and at a trial
-  float* unfolded_q_ = nullptr;
+  FoldOverTest fold_over_;
+  Vec3 *valid_ = nullptr, *trial_ = nullptr;  // the base mesh at valid_q_ and at a trial
+  float* valid_q_ = nullptr;
 
-  // With FitLimits::outline:
+  // With FitLimits::silhouette:
   Mesh mesh_;
   DepthBuffer depth_;
-  OutlineFinder finder_;
+  SilhouetteFinder finder_;
   Vec3* vertex_ = nullptr;  // of the base mesh, and its image
   Vec2* vertex_image_ = nullptr;
   float* vertex_depth_ = nullptr;
-  Span<OutlinePoint> contour_;
-  Vec2* outline_normal_ = nullptr;  // a point: across the outline where it is matched to it, else 0
+  Span<SilhouettePoint> contour_;
+  Vec2* silhouette_normal_ = nullptr;  // a point: across the outline where it is matched to it, else 0
 };
 
 /// A frontal view that puts the model's landmarks (all that the model names ibugNN, else its base mesh) into the box

@@ -18,7 +18,7 @@ float orientation(const SurfaceFrame& now, const SurfaceFrame& rest);
 /// one it has at rest. Faces that one parameter alone turns that far within its limits (the inside of a lip that
 /// rolls) are the model's own doing and are not watched. What folds between the vertices of a face is not seen.
 /// Bytes: 12 a face, 12 a vertex and 4 a parameter.
-class FoldTest {
+class FoldOverTest {
  public:
   void lay_out(Arena& arena, const Model& model);
 

@@ -113,7 +113,7 @@ struct Landmark {
   float u, v;
 };
 
-enum class CurveKind : std::uint32_t { lid = 0, lip = 1, brow = 2, outline = 3 };
+enum class CurveKind : std::uint32_t { lid = 0, lip = 1, brow = 2, boundary = 3 };
 
 /// A named polyline in (u,v), for the edge tracker and for drawing.
 struct Curve {

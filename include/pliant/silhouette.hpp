@@ -12,7 +12,7 @@
 namespace pliant {
 
 /// One point of the outline, on a mesh edge.
-struct OutlinePoint {
+struct SilhouettePoint {
   Vec2 uv;
   Vec2 x;                  ///< px
   Vec2 normal;             ///< unit, in the image, away from the surface
@@ -36,7 +36,7 @@ struct PosedMesh {
 /// mean of the faces', by area) and the change of sign is placed along each mesh edge by linear interpolation, so
 /// there is one point on every edge that the contour crosses, and faces that it crosses have exactly two. With the
 /// rays of the pinhole camera and the normal n of the surface there, the image normal is (n_x, n_y) up to length.
-class OutlineFinder {
+class SilhouetteFinder {
  public:
   /// \param vertices  ids of the meshes to come are below this.
   void lay_out(Arena& arena, std::size_t vertices);
@@ -47,13 +47,13 @@ class OutlineFinder {
   ///                the surface is steep and shares its cell with nearer parts of its own.
   /// \return how many there are. Cost: O(faces).
   std::size_t find(const PosedMesh& posed, const Projector& projector, const DepthBuffer* hidden,
-                   float margin, Span<OutlinePoint> points);
+                   float margin, Span<SilhouettePoint> points);
 
  private:
   void compute_facing(const PosedMesh& posed, const Projector& projector);
-  bool border_point(const PosedMesh& posed, FaceId f, int k, OutlinePoint* p) const;
+  bool border_point(const PosedMesh& posed, FaceId f, int k, SilhouettePoint* p) const;
   bool contour_point(const PosedMesh& posed, const Projector& projector, VertexId a, VertexId b,
-                     OutlinePoint* p) const;
+                     SilhouettePoint* p) const;
 
   Vec3* normal_ = nullptr;   // a vertex: outward unit normal in camera axes
   float* facing_ = nullptr;  // a vertex: cosine between its normal and the ray to the camera

@@ -27,7 +27,7 @@ struct TrackerLimits {
   std::uint8_t key_frames = 4;     ///< later key frames kept at a time, at most kMostKeyFrames
   std::uint16_t markers = 0;       ///< followed but never observed
   std::uint16_t curve_points = 0,
-                outline_points = 0;  ///< at which edges are looked for: of curves, of the outline
+                silhouette_points = 0;  ///< at which edges are looked for: of curves, of the outline
   std::uint16_t vertices = 512;
   std::uint8_t pyramid_levels = 3;
   std::uint8_t patch_window = 11;  ///< px, odd
@@ -38,13 +38,13 @@ struct TrackerLimits {
   /// Keeps a copy of the frame; without it (and with keeps_previous off) the frame is read during `update` only, and
   /// must be planar.
   bool copies_frame = true;
-  std::uint16_t small_columns =
+  std::uint16_t thumbnail_width =
       96;  ///< of the small pictures in which a fast or a lost head is found, at most
-  std::uint16_t free_parameters = 0, baked_samples = 0;  ///< as in EstimatorLimits
-  bool bakes_vertices = true;                            ///< as in EstimatorLimits
+  std::uint16_t free_parameters = 0, samples_per_point = 0;  ///< as in EstimatorLimits
+  bool samples_vertices = true;                            ///< as in EstimatorLimits
   std::uint16_t rejection_sample = 256;                  ///< as in EstimatorLimits
   const ForceRejection* rejection = &kForceRejection;    ///< as in EstimatorLimits
-  FoldLimits fold;                                       ///< as in EstimatorLimits
+  PersonalFieldLimits personal_field;                                       ///< as in EstimatorLimits
   /// A side, over the chart, in which texture is noted for a mesh that follows the view (EstimatorOptions::mesh_operations);
   /// a byte each. 0: it follows the view alone.
   std::uint8_t texture_cells = 0;
@@ -62,10 +62,10 @@ constexpr TrackerLimits profile_s() {
   l.key_frames = 2;
   l.patch_margin = 2;
   l.keeps_previous = l.copies_frame = l.keeps_templates = false;
-  l.small_columns = 48;
+  l.thumbnail_width = 48;
   l.free_parameters = 40;
-  l.baked_samples = 44;
-  l.bakes_vertices = false;
+  l.samples_per_point = 44;
+  l.samples_vertices = false;
   return without_rejection(l);
 }
 
@@ -152,7 +152,7 @@ class Tracker {
     Mat2 looked_with;                // and its dx/d(u,v)
     bool is_used = false, was_seen = false;
     bool is_awaited = false,
-         is_scout = false;          // not looked at in this frame yet; looked at ahead of the others
+         is_first_pass = false;          // not looked at in this frame yet; looked at ahead of the others
     std::uint8_t frames_apart = 0;  // since it last matched a template
   };
 
@@ -181,7 +181,7 @@ class Tracker {
   void capture_key(std::size_t key);
   std::size_t refresh_templates(std::size_t first, std::size_t end);
   void describe_key(std::size_t key);
-  std::uint8_t* small_of(std::size_t key) const;
+  std::uint8_t* thumbnail_of(std::size_t key) const;
   PixelBox model_box() const;
   void expect_motion();
 
@@ -229,17 +229,17 @@ class Tracker {
   std::size_t scratch_bytes_ = 0;
   Vec2 expected_shift_;            // of the model since the last frame, or since the view proposed
   Vec2 origin_, previous_origin_;  // of the region in the frame, whole pixels
-  int small_factor_ = 1, small_width_ = 0, small_height_ = 0;
-  std::uint16_t* small_line_ = nullptr;
+  int thumbnail_factor_ = 1, thumbnail_width_ = 0, thumbnail_height_ = 0;
+  std::uint16_t* thumbnail_line_ = nullptr;
   // Small pictures of the whole frame: this one, the last that could be trusted, and the key frames'.
-  std::uint8_t *small_now_ = nullptr, *small_last_ = nullptr, *small_keys_ = nullptr;
+  std::uint8_t *thumbnail_ = nullptr, *trusted_thumbnail_ = nullptr, *key_thumbnails_ = nullptr;
   PixelBox last_box_;
   KeyFrame keys_[TrackerLimits::kMostKeyFrames + 1] = {};
   std::uint32_t frame_ = 0;
   int bad_frames_ = 0;
   // How far points were from where they were looked for in the last frame: by the prediction, and after scouts.
   float moved_px_ = 0, left_px_ = 0;
-  bool has_scouts_ = false;
+  bool has_first_pass_ = false;
   float shift_px_ = 0;  // how far the small pictures say the model has moved
   std::int64_t last_time_ns_ = 0;
   std::uint32_t last_sequence_ = 0;

@@ -29,7 +29,7 @@ T* create(Arena& arena, const Args&... args) {
 
 }  // namespace
 
-void ModelFinder::lay_out(Arena& arena, const Model& model, const FinderLimits& limits) {
+void FaceDetector::lay_out(Arena& arena, const Model& model, const FinderLimits& limits) {
   limits_ = limits;
   limits_.least_share = clamp(limits.least_share, 0.15f, 0.6f);
   model_ = model;
@@ -54,7 +54,7 @@ void ModelFinder::lay_out(Arena& arena, const Model& model, const FinderLimits& 
   started_ = false;
 }
 
-Status ModelFinder::begin(const Camera& camera, const FinderOptions& options) {
+Status FaceDetector::begin(const Camera& camera, const FinderOptions& options) {
   started_ = false;
   const bool is_camera = is_finite(camera.f) && camera.f > 0 && is_finite(Vec2{camera.cx, camera.cy});
   if (!is_camera || !(options.largest_share >= limits_.least_share && options.largest_share <= 1) ||
@@ -76,7 +76,7 @@ Status ModelFinder::begin(const Camera& camera, const FinderOptions& options) {
 }
 
 /// Looks where the parts are and moves the model there; q_ are its parameters. The place has the likeness before.
-void ModelFinder::align(Place& place, int round, const std::uint8_t* is_free) {
+void FaceDetector::align(Place& place, int round, const std::uint8_t* is_free) {
   picture_->set(q_);
   parts_->look(pyramid_, *picture_, place.view);
   place.likeness = parts_->likeness();
@@ -95,7 +95,7 @@ void ModelFinder::align(Place& place, int round, const std::uint8_t* is_free) {
 }
 
 /// As the model at rest.
-void ModelFinder::align_roughly(const Candidate& c, Place* place) {
+void FaceDetector::align_roughly(const Candidate& c, Place* place) {
   for (std::size_t k = 0; k < parameter_count_; ++k) q_[k] = 0;
   place->view = view_at(c.x, c.scale, c.turn, picture_->middle(),
                         clamp(c.scale / camera_.f, kMinRho, kMaxRho), {camera_.cx, camera_.cy});
@@ -106,7 +106,7 @@ void ModelFinder::align_roughly(const Candidate& c, Place* place) {
 }
 
 /// With all parameters, into q_.
-void ModelFinder::align_fully(Place& place) {
+void FaceDetector::align_fully(Place& place) {
   for (std::size_t k = 0; k < parameter_count_; ++k) q_[k] = 0;
   for (int round = 0; round < kFullRounds; ++round) align(place, kRoughRounds + round, nullptr);
   picture_->set(q_);
@@ -114,7 +114,7 @@ void ModelFinder::align_fully(Place& place) {
   place.likeness = parts_->likeness();
 }
 
-Status ModelFinder::look_at(const FrameView& frame) {
+Status FaceDetector::look_at(const FrameView& frame) {
   if (!started_) return Status::not_started;
   const Status status = check(frame);
   if (status != Status::ok) return status;
@@ -122,7 +122,7 @@ Status ModelFinder::look_at(const FrameView& frame) {
   return pyramid_.build(frame);
 }
 
-Status ModelFinder::find(const FrameView& frame, FinderReport* report) {
+Status FaceDetector::find(const FrameView& frame, FinderReport* report) {
   if (report == nullptr) return Status::bad_argument;
   const Status status = look_at(frame);
   if (status != Status::ok) return status;
@@ -150,7 +150,7 @@ Status ModelFinder::find(const FrameView& frame, FinderReport* report) {
   return Status::ok;
 }
 
-Status ModelFinder::compare(const FrameView& frame, const Pose& pose, const float* q, float* likeness) {
+Status FaceDetector::compare(const FrameView& frame, const Pose& pose, const float* q, float* likeness) {
   if (q == nullptr || likeness == nullptr || !is_finite(pose)) return Status::bad_argument;
   const float nearest = 1 / kMaxRho, farthest = 1 / kMinRho;
   if (!(pose.t.z > nearest && pose.t.z < farthest && length(pose.t) < 2 * farthest))

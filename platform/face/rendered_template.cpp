@@ -46,7 +46,7 @@ bool ModelPicture::find_region() {
   float front = 0;
   std::size_t count = 0;
   for (const Curve& curve : model.curves()) {
-    if (curve.kind == CurveKind::outline) continue;
+    if (curve.kind == CurveKind::boundary) continue;
     for (std::size_t k = 0; k < curve.point_count; ++k, ++count) {
       const Vec3 p = cascade_.surface_point(model.curve_points()[curve.first_point + k], rest_);
       low = {min(low.x, p.x), min(low.y, p.y)};

@@ -128,7 +128,7 @@ Status start_as_model(pliant_tracker* t, const pliant_frame& frame, const Camera
 }
 
 /// iBUG's points 00 to 16 run along the jaw, where the face ends in the picture.
-bool is_outline(const char* name) {
+bool is_silhouette(const char* name) {
   for (int k = 0; k < 4; ++k)
     if (name[k] != "ibug"[k]) return false;
   return name[4] == '0' || (name[4] == '1' && name[5] <= '6');
@@ -233,7 +233,7 @@ pliant_status pliant_start_points(pliant_tracker* t, const pliant_frame* frame, 
   const auto given = arena.take_span<Correspondence>(count);
   for (std::size_t k = 0; k < count; ++k) {
     const Landmark& l = t->model.landmarks()[index_of(points[k])];
-    given[k] = {{l.u, l.v}, {points[k].x, points[k].y}, 1, is_outline(l.name)};
+    given[k] = {{l.u, l.v}, {points[k].x, points[k].y}, 1, is_silhouette(l.name)};
   }
   FitOptions options;
   options.width = frame->width;

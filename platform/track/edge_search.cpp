@@ -38,15 +38,15 @@ void EdgeSearch::lay_out(Arena& arena, std::size_t capacity) {
   count_ = 0;
 }
 
-void EdgeSearch::place(Estimator& estimator, float spacing_mm, std::size_t outline_points) {
+void EdgeSearch::place(Estimator& estimator, float spacing_mm, std::size_t silhouette_points) {
   constexpr std::size_t kMostOfCurve = 64;
   count_ = 0;
-  const std::size_t of_curves = outline_points < capacity_ ? capacity_ - outline_points : 0;
-  const auto take = [this](std::uint16_t id, bool is_outline) {
-    edges_[count_++] = {id, 0, is_outline, true, true, 0, 0};
+  const std::size_t of_curves = silhouette_points < capacity_ ? capacity_ - silhouette_points : 0;
+  const auto take = [this](std::uint16_t id, bool is_silhouette) {
+    edges_[count_++] = {id, 0, is_silhouette, true, true, 0, 0};
   };
   for (std::size_t c = 0; c < estimator.model().curves().count && count_ < of_curves; ++c) {
-    if (estimator.model().curves()[c].kind == CurveKind::outline) continue;
+    if (estimator.model().curves()[c].kind == CurveKind::boundary) continue;
     std::uint16_t ids[kMostOfCurve];
     const std::size_t room = of_curves - count_;
     std::size_t n = 0;
@@ -55,9 +55,9 @@ void EdgeSearch::place(Estimator& estimator, float spacing_mm, std::size_t outli
     for (std::size_t k = 0; k < n; ++k) take(ids[k], false);
     if (status != Status::ok && status != Status::capacity) return;
   }
-  for (std::size_t k = 0; k < outline_points && count_ < capacity_; ++k) {
+  for (std::size_t k = 0; k < silhouette_points && count_ < capacity_; ++k) {
     std::uint16_t id;
-    if (estimator.add_outline_point(&id) != Status::ok) return;
+    if (estimator.add_silhouette_point(&id) != Status::ok) return;
     take(id, true);
   }
 }
@@ -65,7 +65,7 @@ void EdgeSearch::place(Estimator& estimator, float spacing_mm, std::size_t outli
 void EdgeSearch::anchor(Estimator& estimator, const Pyramid& pyramid, Vec2 origin) {
   for (std::size_t k = 0; k < count_; ++k) {
     Edge& edge = edges_[k];
-    if (edge.is_outline) continue;
+    if (edge.is_silhouette) continue;
     const Prediction p = estimator.predict(edge.id);
     EdgeOptions options;
     options.hypotheses = 1;
@@ -87,7 +87,7 @@ void EdgeSearch::expect_albedo(Estimator& estimator) {
   if (albedo.pixels == nullptr) return;
   for (std::size_t k = 0; k < count_; ++k) {
     Edge& edge = edges_[k];
-    if (edge.is_outline) continue;
+    if (edge.is_silhouette) continue;
     const Prediction p = estimator.predict(edge.id);
     if (magnitude(determinant(p.jacobian)) < 1e-3f) continue;
     const Vec2 aside = inverse(p.jacobian) * (kAsidePx * p.normal), uv = estimator.point_uv(edge.id);
@@ -133,7 +133,7 @@ void EdgeSearch::note(Span<const Observation> out) {
   for (std::size_t k = 0; k < count_; ++k) {
     Edge& edge = edges_[k];
     for (std::size_t i = 0; i < edge.count; ++i, ++n)
-      if (n < out.count && out[n].reason == Reason::found && !edge.any_contrast && !edge.is_outline)
+      if (n < out.count && out[n].reason == Reason::found && !edge.any_contrast && !edge.is_silhouette)
         edge.contrast += kRate * (out[n].score - edge.contrast);
     edge.count = 0;
   }

@@ -17,7 +17,7 @@ class EdgeSearch {
   void lay_out(Arena& arena, std::size_t capacity);
 
   /// Takes on points along all of the model's curves and around its outline, as far as there is room.
-  void place(Estimator& estimator, float spacing_mm, std::size_t outline_points);
+  void place(Estimator& estimator, float spacing_mm, std::size_t silhouette_points);
   /// Edges of curves are asked for from now on with the contrast that they have in this picture, and as far beside the
   /// model's curve; those that it does not show are given up.
   void anchor(Estimator& estimator, const Pyramid& pyramid, Vec2 origin);
@@ -39,7 +39,7 @@ class EdgeSearch {
   struct Edge {
     std::uint16_t id;
     std::uint8_t count;  // of its observations, which follow those of the edge before
-    bool is_outline, is_used, any_contrast;
+    bool is_silhouette, is_used, any_contrast;
     float contrast;
     float offset;  // along the normal, in px at an image scale of one
   };

@@ -22,8 +22,8 @@ float cosine_of(float angle) {
 
 }  // namespace
 
-std::uint8_t* Tracker::small_of(std::size_t key) const {
-  return small_keys_ + key * static_cast<std::size_t>(small_width_ * small_height_);
+std::uint8_t* Tracker::thumbnail_of(std::size_t key) const {
+  return key_thumbnails_ + key * static_cast<std::size_t>(thumbnail_width_ * thumbnail_height_);
 }
 
 std::size_t Tracker::key_frame_count() const {
@@ -34,7 +34,7 @@ std::size_t Tracker::key_frame_count() const {
 
 /// The model's bounding box in the small picture.
 PixelBox Tracker::model_box() const {
-  const float share = 1.0f / static_cast<float>(small_factor_);
+  const float share = 1.0f / static_cast<float>(thumbnail_factor_);
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
   for (VertexId v : estimator_.mesh().vertices()) {
     const Vec2 x = estimator_.vertex_seen(v);
@@ -48,21 +48,21 @@ PixelBox Tracker::model_box() const {
 /// Moves the prediction by what the small pictures show: from the last trusted frame, or, after a while without one,
 /// from the key frames as well, in turn and over the whole picture.
 void Tracker::expect_motion() {
-  const ImageView now{small_now_, small_width_, small_height_, small_width_};
-  const int side = small_width_ > small_height_ ? small_width_ : small_height_;
+  const ImageView now{thumbnail_, thumbnail_width_, thumbnail_height_, thumbnail_width_};
+  const int side = thumbnail_width_ > thumbnail_height_ ? thumbnail_width_ : thumbnail_height_;
   const std::size_t turns = std::size_t{limits_.key_frames} + 2;
   const std::size_t turn = bad_frames_ < 2 ? 0 : static_cast<std::size_t>(bad_frames_ - 1) % turns;
   const bool from_key = turn > 0 && keys_[turn - 1].is_used;
   const int range = from_key ? side / 2 : (bad_frames_ > 0 ? side / 8 : side / 16) + 1;
-  const ImageView before{from_key ? small_of(turn - 1) : small_last_, small_width_, small_height_,
-                         small_width_};
-  const Shift shift = find_shift(before, from_key ? keys_[turn - 1].box : last_box_, now, range);
+  const ImageView before{from_key ? thumbnail_of(turn - 1) : trusted_thumbnail_, thumbnail_width_, thumbnail_height_,
+                         thumbnail_width_};
+  const CoarseTranslation shift = find_coarse_translation(before, from_key ? keys_[turn - 1].box : last_box_, now, range);
   shift_px_ = 1e9f;
   expected_shift_ = {};
   if (shift.correlation < 0.5f) return;
   if (from_key) estimator_.propose(keys_[turn - 1].view);
-  expected_shift_ = static_cast<float>(small_factor_) * shift.by;
-  estimator_.shift(expected_shift_);
+  expected_shift_ = static_cast<float>(thumbnail_factor_) * shift.by;
+  estimator_.translate(expected_shift_);
   if (bad_frames_ == 0) shift_px_ = length(expected_shift_);
 }
 
@@ -102,8 +102,8 @@ void Tracker::keep_key_frame() {
 
 void Tracker::describe_key(std::size_t k) {
   keys_[k] = {estimator_.view(), camera_direction(estimator_.view()), model_box(), frame_, true};
-  std::uint8_t* const pixels = small_of(k);
-  for (int i = 0; i < small_width_ * small_height_; ++i) pixels[i] = small_now_[i];
+  std::uint8_t* const pixels = thumbnail_of(k);
+  for (int i = 0; i < thumbnail_width_ * thumbnail_height_; ++i) pixels[i] = thumbnail_[i];
 }
 
 void Tracker::capture_key(std::size_t k) {

@@ -11,7 +11,7 @@ namespace {
 FitLimits limits_for(std::size_t points) {
   FitLimits limits;
   limits.points = static_cast<std::uint16_t>(points);
-  limits.outline = true;
+  limits.silhouette = true;
   return limits;
 }
 

@@ -51,17 +51,17 @@ bool Tracker::is_in_region(Vec2 x) const {
 /// are then looked for much nearer to where they are. \return false where there are too few points for that, or the scouts
 /// leave doubt, or do not pay: where the model leaves as much of a face unexplained as it moves, they bring nobody nearer.
 bool Tracker::look_ahead() {
-  constexpr std::size_t kScouts = 40, kLeastShare = 3;
+  constexpr std::size_t kFirstPassPoints = 40, kLeastShare = 3;
   constexpr float kLeastGain = 1.5f;
   constexpr std::uint32_t kTryAgain = 16;  // frames
   std::size_t seen = 0, n = 0;
   for (std::size_t k = 0; k < slot_count_; ++k) {
     Slot& slot = slots_[k];
     slot.is_awaited = true;
-    slot.is_scout = false;
+    slot.is_first_pass = false;
     seen += slot.is_used && slot.owner == k && slot.was_seen;
   }
-  const std::size_t share = seen / kScouts;
+  const std::size_t share = seen / kFirstPassPoints;
   if (share < kLeastShare || bad_frames_ > 0 || options_.rounds < 2) return false;
   if (moved_px_ < kLeastGain * left_px_ && left_px_ < 1e9f && frame_ % kTryAgain != 0) return false;
   std::size_t candidate = frame_ % share;
@@ -72,10 +72,10 @@ bool Tracker::look_ahead() {
     observations_[slot.observation] = {};
     observations_[slot.observation].id = slot.id;
     observations_[slot.observation].reason = Reason::not_visible;
-    slot.is_scout = slot.was_seen && candidate++ % share == 0;
-    if (slot.is_scout) look_at(k, estimator_.predict(slot.id), 0);
+    slot.is_first_pass = slot.was_seen && candidate++ % share == 0;
+    if (slot.is_first_pass) look_at(k, estimator_.predict(slot.id), 0);
   }
-  return estimator_.approach({observations_, n});
+  return estimator_.solve_first_pass({observations_, n});
 }
 
 /// The finest pyramid level from which the search reaches as far as the prediction is likely to be off.
@@ -145,12 +145,12 @@ PatchResult Tracker::match(std::size_t k, const Prediction& p, int round) {
   const bool last = round + 1 == options_.rounds;
   options.min_correlation = last ? options_.min_correlation : options_.min_correlation - 0.1f;
   const Slot& slot = slots_[k];
-  const bool is_first = slot.is_awaited, after_scouts = is_first && round > 0;
+  const bool is_first = slot.is_awaited, after_first_pass = is_first && round > 0;
   // Where a point is that was not seen in the last frame, neither that frame nor scouts can tell.
   const bool is_known = slot.was_seen || !is_first;
-  options.first_level = !is_known || after_scouts ? -1 : round == 0 ? first_level() : 0;
+  options.first_level = !is_known || after_first_pass ? -1 : round == 0 ? first_level() : 0;
   // Along either axis.
-  options.start_sd_px = is_known ? 0.7f * (after_scouts ? left_px_ : moved_px_) : 0;
+  options.start_sd_px = is_known ? 0.7f * (after_first_pass ? left_px_ : moved_px_) : 0;
   options.max_move_px = scaled_px(limits_, is_first ? 16.0f : 3.0f);
   std::size_t which = k;
   if (slot.second != kNoSlot &&
@@ -208,9 +208,9 @@ void Tracker::note_seen() {
     if (!slot.was_seen) continue;
     slot.seen = o.x;
     const Vec2 off = o.x - slot.expected;
-    const bool after_scouts = has_scouts_ && !slot.is_scout;
-    sum[after_scouts] += dot(off, off);
-    ++count[after_scouts];
+    const bool after_first_pass = has_first_pass_ && !slot.is_first_pass;
+    sum[after_first_pass] += dot(off, off);
+    ++count[after_first_pass];
     if (o.cue == Cue::patch)
       slot.frames_apart = 0;
     else if (slot.frames_apart < kMostFramesApart)
@@ -219,7 +219,7 @@ void Tracker::note_seen() {
   if (good)
     edges_->note({observations_ + point_observation_count_, observation_count_ - point_observation_count_});
   moved_px_ = good && count[0] > 0 ? square_root(sum[0] / count[0]) : 1e9f;
-  if (has_scouts_ || !good) left_px_ = good && count[1] > 0 ? square_root(sum[1] / count[1]) : 1e9f;
+  if (has_first_pass_ || !good) left_px_ = good && count[1] > 0 ? square_root(sum[1] / count[1]) : 1e9f;
 }
 
 }  // namespace pliant

@@ -35,14 +35,14 @@ PyramidLimits pyramid_limits(const TrackerLimits& limits) {
 EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   EstimatorLimits e = without_rejection(EstimatorLimits{});
   e.points = static_cast<std::uint16_t>(all_points(limits));
-  e.outline_points = limits.outline_points;
+  e.silhouette_points = limits.silhouette_points;
   e.vertices = limits.vertices;
   e.free_parameters = limits.free_parameters;
-  e.baked_samples = limits.baked_samples;
-  e.bakes_vertices = limits.bakes_vertices;
+  e.samples_per_point = limits.samples_per_point;
+  e.samples_vertices = limits.samples_vertices;
   e.rejection_sample = limits.rejection_sample;
   e.rejection = limits.rejection;
-  e.fold = limits.fold;
+  e.personal_field = limits.personal_field;
   return e;
 }
 
@@ -84,15 +84,15 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   scratch_ = arena.take<std::uint8_t>(scratch_bytes_);
   arena.count_as(Purpose::adaptation);
   texture_ = arena.take<std::uint8_t>(std::size_t{limits_.texture_cells} * limits_.texture_cells);
-  small_factor_ = small_factor(limits_.width, limits_.small_columns);
-  small_width_ = limits_.width / small_factor_;
-  small_height_ = limits_.height / small_factor_;
-  const std::size_t small = static_cast<std::size_t>(small_width_) * static_cast<std::size_t>(small_height_);
-  arena.count_as(Purpose::small_pictures);
-  small_line_ = arena.take<std::uint16_t>(static_cast<std::size_t>(small_width_ * small_factor_));
-  small_now_ = arena.take<std::uint8_t>(small);
-  small_last_ = arena.take<std::uint8_t>(small);
-  small_keys_ = arena.take<std::uint8_t>((std::size_t{limits_.key_frames} + 1) * small);
+  thumbnail_factor_ = thumbnail_factor(limits_.width, limits_.thumbnail_width);
+  thumbnail_width_ = limits_.width / thumbnail_factor_;
+  thumbnail_height_ = limits_.height / thumbnail_factor_;
+  const std::size_t small = static_cast<std::size_t>(thumbnail_width_) * static_cast<std::size_t>(thumbnail_height_);
+  arena.count_as(Purpose::thumbnails);
+  thumbnail_line_ = arena.take<std::uint16_t>(static_cast<std::size_t>(thumbnail_width_ * thumbnail_factor_));
+  thumbnail_ = arena.take<std::uint8_t>(small);
+  trusted_thumbnail_ = arena.take<std::uint8_t>(small);
+  key_thumbnails_ = arena.take<std::uint8_t>((std::size_t{limits_.key_frames} + 1) * small);
   started_ = false;
 }
 
@@ -112,7 +112,7 @@ Status Tracker::look_at_region(const FrameView& frame) {
   int x = 0, y = 0;
   if (width < frame.width || height < frame.height) {
     const PixelBox box = model_box();
-    const float half = 0.5f * static_cast<float>(small_factor_);
+    const float half = 0.5f * static_cast<float>(thumbnail_factor_);
     const Vec2 centre =
         Vec2{half * static_cast<float>(box.x0 + box.x1), half * static_cast<float>(box.y0 + box.y1)} +
         expected_shift_;
@@ -153,7 +153,7 @@ Status Tracker::start(const FrameView& frame, const Camera& camera, const Pose& 
   expected_shift_ = {};
   status = look_at_region(frame);
   if (status != Status::ok) return status;
-  shrink(frame, small_factor_, small_line_, small_now_);
+  shrink(frame, thumbnail_factor_, thumbnail_line_, thumbnail_);
   if (notes_texture_) note_texture(0, 1);
   estimator_.begin(frame.time_ns);
   status = place_markers(markers);
@@ -174,14 +174,14 @@ Status Tracker::start(const FrameView& frame, const Camera& camera, const Pose& 
              static_cast<std::uint16_t>(estimator_.mesh().vertex_count())};
   last_time_ns_ = frame.time_ns;
   last_sequence_ = frame.sequence;
-  edges_->place(estimator_, options.curve_spacing_mm, limits_.outline_points);
+  edges_->place(estimator_, options.curve_spacing_mm, limits_.silhouette_points);
   edges_->anchor(estimator_, current_, origin_);
   frame_ = 0;
   describe_key(0);
   last_box_ = keys_[0].box;
-  std::uint8_t* const empty = small_last_;
-  small_last_ = small_now_;
-  small_now_ = empty;
+  std::uint8_t* const empty = trusted_thumbnail_;
+  trusted_thumbnail_ = thumbnail_;
+  thumbnail_ = empty;
   bad_frames_ = 0;
   moved_px_ = left_px_ = shift_px_ = 1e9f;
   started_ = true;
@@ -197,7 +197,7 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   last_time_ns_ = frame.time_ns;
   last_sequence_ = frame.sequence;
   ++frame_;
-  shrink(frame, small_factor_, small_line_, small_now_);
+  shrink(frame, thumbnail_factor_, thumbnail_line_, thumbnail_);
   estimator_.begin(frame.time_ns);
   expect_motion();
   if (limits_.keeps_previous) {
@@ -206,10 +206,10 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   }
   status = look_at_region(frame);
   if (status != Status::ok) return status;
-  has_scouts_ = look_ahead();
-  for (int round = has_scouts_ ? 1 : 0; round < options_.rounds; ++round)
+  has_first_pass_ = look_ahead();
+  for (int round = has_first_pass_ ? 1 : 0; round < options_.rounds; ++round)
     if (look_and_solve(round) == 0) break;
-  if (estimator_.was_surprised()) look_and_solve(options_.rounds - 1);
+  if (estimator_.needs_another_round()) look_and_solve(options_.rounds - 1);
   result_ = estimator_.end();
   note_seen();
   if (result_.state == TrackState::tracking) {
@@ -217,9 +217,9 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
     last_box_ = model_box();
     if (notes_texture_) note_texture(frame_ % kTextureShare, kTextureShare);
     keep_key_frame();
-    std::uint8_t* const old = small_last_;
-    small_last_ = small_now_;
-    small_now_ = old;
+    std::uint8_t* const old = trusted_thumbnail_;
+    trusted_thumbnail_ = thumbnail_;
+    thumbnail_ = old;
   } else {
     ++bad_frames_;
   }

@@ -62,8 +62,8 @@ float parabola_top(float before, float middle, float after) {
 
 }  // namespace
 
-Shift find_shift(const ImageView& reference, const PixelBox& asked, const ImageView& current, int range_px) {
-  Shift none;
+CoarseTranslation find_coarse_translation(const ImageView& reference, const PixelBox& asked, const ImageView& current, int range_px) {
+  CoarseTranslation none;
   if (check(reference) != Status::ok || check(current) != Status::ok || range_px < 0) return none;
   if (reference.width != current.width || reference.height != current.height) return none;
   PixelBox box = asked;
@@ -96,7 +96,7 @@ Shift find_shift(const ImageView& reference, const PixelBox& asked, const ImageV
   };
   try_around(0, 0, range_px / 2 * 2, 2);
   try_around(best_x, best_y, 1, 1);
-  Shift shift;
+  CoarseTranslation shift;
   shift.correlation = best;
   shift.by = {static_cast<float>(best_x) +
                   parabola_top(search.at(best_x - 1, best_y), best, search.at(best_x + 1, best_y)),

@@ -269,7 +269,7 @@ int find_edge(const Pyramid& pyramid, const EdgePoint& point, const EdgeOptions&
   const int most = o.hypotheses < 1                    ? 1
                    : o.hypotheses > kMaxEdgeHypotheses ? kMaxEdgeHypotheses
                                                        : o.hypotheses;
-  if (reason == Reason::found && ranking.count_above(o.ambiguous_share) > most) reason = Reason::ambiguous;
+  if (reason == Reason::found && ranking.count_above(o.ambiguous_fraction) > most) reason = Reason::ambiguous;
   if (reason != Reason::found) {
     out[0] = {};
     out[0].id = point.id;
@@ -278,7 +278,7 @@ int find_edge(const Pyramid& pyramid, const EdgePoint& point, const EdgeOptions&
     out[0].reason = reason;
     return 1;
   }
-  const int kept = ranking.count_above(o.keep_share);
+  const int kept = ranking.count_above(o.keep_fraction);
   int n = 0;
   for (; n < kept && n < most && static_cast<std::size_t>(n) < out.count; ++n)
     out[static_cast<std::size_t>(n)] = observation_of(ranking.best[n], s, point, o);

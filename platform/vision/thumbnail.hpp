@@ -8,7 +8,7 @@
 namespace pliant {
 
 /// By how much a frame of this width is reduced: the least power of two that leaves at most so many columns.
-constexpr int small_factor(int width, int columns) {
+constexpr int thumbnail_factor(int width, int columns) {
   int factor = 1;
   while (width / factor > columns && factor < 64) factor *= 2;
   return factor;

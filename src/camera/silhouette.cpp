@@ -2,13 +2,13 @@
 
 namespace pliant {
 
-void OutlineFinder::lay_out(Arena& arena, std::size_t vertices) {
+void SilhouetteFinder::lay_out(Arena& arena, std::size_t vertices) {
   normal_ = arena.take<Vec3>(vertices);
   facing_ = arena.take<float>(vertices);
   capacity_ = vertices;
 }
 
-void OutlineFinder::compute_facing(const PosedMesh& posed, const Projector& projector) {
+void SilhouetteFinder::compute_facing(const PosedMesh& posed, const Projector& projector) {
   const Mesh& mesh = posed.mesh;
   for (VertexId v : mesh.vertices()) normal_[v] = {};
   for (FaceId f : mesh.faces()) {
@@ -26,7 +26,7 @@ void OutlineFinder::compute_facing(const PosedMesh& posed, const Projector& proj
 }
 
 /// The middle of the open border's edge k of face f, where the face is seen.
-bool OutlineFinder::border_point(const PosedMesh& posed, FaceId f, int k, OutlinePoint* p) const {
+bool SilhouetteFinder::border_point(const PosedMesh& posed, FaceId f, int k, SilhouettePoint* p) const {
   const Mesh& mesh = posed.mesh;
   const HalfEdgeId h = Mesh::half_edge(f, k);
   const VertexId a = mesh.origin(h), b = mesh.destination(h), c = mesh.origin(Mesh::previous(h));
@@ -41,8 +41,8 @@ bool OutlineFinder::border_point(const PosedMesh& posed, FaceId f, int k, Outlin
 }
 
 /// Where the apparent contour crosses the edge from a to b, whose ends face the camera and turn away.
-bool OutlineFinder::contour_point(const PosedMesh& posed, const Projector& projector, VertexId a, VertexId b,
-                                  OutlinePoint* p) const {
+bool SilhouetteFinder::contour_point(const PosedMesh& posed, const Projector& projector, VertexId a, VertexId b,
+                                  SilhouettePoint* p) const {
   const float t = facing_[a] / (facing_[a] - facing_[b]);
   const Vec3 n = normal_[a] + t * (normal_[b] - normal_[a]);
   const float size = length(Vec2{n.x, n.y});
@@ -52,13 +52,13 @@ bool OutlineFinder::contour_point(const PosedMesh& posed, const Projector& proje
   return projector.project(posed.position[a] + t * (posed.position[b] - posed.position[a]), &p->x);
 }
 
-std::size_t OutlineFinder::find(const PosedMesh& posed, const Projector& projector, const DepthBuffer* hidden,
-                                float margin, Span<OutlinePoint> points) {
+std::size_t SilhouetteFinder::find(const PosedMesh& posed, const Projector& projector, const DepthBuffer* hidden,
+                                float margin, Span<SilhouettePoint> points) {
   const Mesh& mesh = posed.mesh;
   PLIANT_ASSERT(mesh.limits().vertices <= capacity_);
   compute_facing(posed, projector);
   std::size_t found = 0;
-  const auto add = [&](const OutlinePoint& p) {
+  const auto add = [&](const SilhouettePoint& p) {
     if (hidden != nullptr && hidden->hides(p.x + hidden->cell_px() * p.normal, p.depth, margin)) return;
     if (found < points.count) points[found] = p;
     ++found;
@@ -68,7 +68,7 @@ std::size_t OutlineFinder::find(const PosedMesh& posed, const Projector& project
       const HalfEdgeId h = Mesh::half_edge(f, k);
       const VertexId a = mesh.origin(h), b = mesh.destination(h);
       if (!mesh.represents_edge(h) || !(posed.depth[a] > 0 && posed.depth[b] > 0)) continue;
-      OutlinePoint p;
+      SilhouettePoint p;
       if (mesh.is_boundary_edge(h) && border_point(posed, f, k, &p)) add(p);
       const bool crosses = (facing_[a] >= 0) != (facing_[b] >= 0);
       if (crosses && contour_point(posed, projector, a, b, &p)) add(p);

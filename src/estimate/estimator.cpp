@@ -9,13 +9,13 @@ namespace {
 int depth_cells(const EstimatorLimits& limits) {  // a side; about two faces of a full mesh a cell
   return limits.vertices <= 512 ? 40 : 48;
 }
-constexpr std::size_t kOutlineCandidates = 8;  // for each outline point: the contour of a fine mesh has many
+constexpr std::size_t kSilhouetteCandidates = 8;  // for each outline point: the contour of a fine mesh has many
 }  // namespace
 
 void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits& limits) {
   limits_ = limits;
   arena.count_as(Purpose::fields);
-  cascade_.lay_out(arena, model, limits.fold);
+  cascade_.lay_out(arena, model, limits.personal_field);
   MeshLimits mesh;
   mesh.vertices = limits.vertices;
   const unsigned faces = 2u * limits.vertices;
@@ -37,20 +37,20 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   const std::size_t unknowns = at_most(limits.free_parameters, parameters) + kPoseUnknowns;
   arena.count_as(Purpose::solver);
   equations_.lay_out(arena, unknowns);
-  baked_capacity_ = at_most(limits.baked_samples, records);
+  sample_capacity_points_ = at_most(limits.samples_per_point, records);
   arena.count_as(Purpose::points);
   kind_ = arena.take<PointKind>(limits.points);
   uv_ = arena.take<Vec2>(limits.points);
   along_ = arena.take<Vec2>(limits.points);
-  outline_count_ = kOutlineCandidates * limits.outline_points;
+  silhouette_count_ = kSilhouetteCandidates * limits.silhouette_points;
   arena.count_as(Purpose::visibility);
-  outline_ = arena.take<OutlinePoint>(outline_count_);
-  finder_.lay_out(arena, limits.outline_points > 0 ? limits.vertices : 0);
+  silhouette_ = arena.take<SilhouettePoint>(silhouette_count_);
+  finder_.lay_out(arena, limits.silhouette_points > 0 ? limits.vertices : 0);
   arena.count_as(Purpose::points);
   tangent_u_ = arena.take<Vec3>(limits.points);
   tangent_v_ = arena.take<Vec3>(limits.points);
-  arena.count_as(Purpose::baked_points);
-  baked_points_ = arena.take<Vec3>(limits.points * baked_capacity_);
+  arena.count_as(Purpose::sampled_points);
+  point_samples_ = arena.take<Vec3>(limits.points * sample_capacity_points_);
   arena.count_as(Purpose::points);
   predictions_ = arena.take<Prediction>(limits.points);
   rows_ = arena.take<Row>(limits.points);
@@ -58,7 +58,7 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   residuals_ = arena.take<Vec2>(limits.points);
   lengths_ = arena.take<float>(limits.points);
   sorted_ = arena.take<float>(limits.points);
-  was_let_go_ = arena.take<std::uint8_t>(limits.points);
+  was_rejected_ = arena.take<std::uint8_t>(limits.points);
   sample_capacity_ = limits.rejection_sample < limits.points ? limits.rejection_sample : limits.points;
   if (limits.rejection == nullptr) sample_capacity_ = 0;
   arena.count_as(Purpose::rejection);
@@ -66,16 +66,16 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   sample_force_ = arena.take<Vec2>(sample_capacity_);
   sample_keep_ = arena.take<std::uint8_t>(sample_capacity_);
   if (sample_capacity_ > 0) limits.rejection->lay_out(arena, rejector_, sample_capacity_);
-  arena.count_as(Purpose::baked_vertices);
-  baked_vertices_ = arena.take<Vec3>(limits.bakes_vertices ? limits.vertices * baked_capacity_ : 0);
+  arena.count_as(Purpose::sampled_vertices);
+  vertex_samples_ = arena.take<Vec3>(limits.samples_vertices ? limits.vertices * sample_capacity_points_ : 0);
   arena.count_as(Purpose::visibility);
   vertex_ = arena.take<Vec3>(limits.vertices);
-  vertex_uv_ = arena.take<Vec2>(limits.bakes_vertices ? limits.vertices : 0);
+  vertex_uv_ = arena.take<Vec2>(limits.samples_vertices ? limits.vertices : 0);
   mesh_q_ = arena.take<float>(parameters);
   vertex_image_ = arena.take<Vec2>(limits.vertices);
   vertex_depth_ = arena.take<float>(limits.vertices);
   arena.count_as(Purpose::state);
-  float** const per_parameter[] = {&q_, &expected_q_, &trial_q_, &rival_q_, &sd_, &trusted_q_, &predicted_q_};
+  float** const per_parameter[] = {&q_, &expected_q_, &trial_q_, &alternative_q_, &sd_, &trusted_q_, &predicted_q_};
   for (float** vector : per_parameter) *vector = arena.take<float>(parameters);
   arena.count_as(Purpose::solver);
   step_ = arena.take<float>(unknowns);
@@ -122,17 +122,17 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   bad_frames_ = 0;
   row_count_ = looked_for_ = patches_looked_for_ = patch_inliers_ = 0;
   solves_ = 0;
-  has_approached_ = was_surprised_ = rejected_forces_ = false;
+  had_first_pass_ = needs_another_round_ = rejected_forces_ = false;
   for (std::size_t i = 0; i < parameters; ++i) {
     const Parameter& p = model().parameters()[i];
     range_[i] = cascade_.column_of(i) == kNone ? 0.0f : p.maximum - p.minimum;
   }
   status = motion_.start(view_, q_, range_, parameters, options.motion);
   if (status != Status::ok) return status;
-  if (limits_.fold.width > 0) {
-    status = cascade_.fold(q_);
+  if (limits_.personal_field.width > 0) {
+    status = cascade_.personalise(q_);
     if (status != Status::ok) return status;
-    baked_stride_ = cascade_.baked_count();
+    sample_stride_ = cascade_.samples_per_point();
   }
   smoother_.restart();
   expect_motion(1.0f / 30);
@@ -151,9 +151,9 @@ Status Estimator::choose_free(const std::uint8_t* is_free) {
     cascade_.set_free(is_free);
   else
     cascade_.set_free(Group::expression);
-  baked_stride_ = cascade_.baked_count();
+  sample_stride_ = cascade_.samples_per_point();
   const bool fits =
-      baked_stride_ <= baked_capacity_ && cascade_.column_count() + kPoseUnknowns <= equations_.capacity();
+      sample_stride_ <= sample_capacity_points_ && cascade_.column_count() + kPoseUnknowns <= equations_.capacity();
   return fits ? Status::ok : Status::capacity;
 }
 
@@ -183,7 +183,7 @@ Status Estimator::restore(const State& state) {
     q_[i] = expected_q_[i] = clamp(state.q[i], p.minimum, p.maximum);
   }
   update_vertices(1);
-  place_outline();
+  place_silhouette();
   return Status::ok;
 }
 

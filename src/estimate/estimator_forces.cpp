@@ -15,7 +15,7 @@ void EstimatorProblem::reject_forces() {
   const auto rigid = [&](std::size_t row, float* b) {
     Vec2 x;
     Projector::Derivatives d{};
-    if (!projector.project(e.cascade_.evaluate(e.baked_point(e.rows_[row].id), e.q_), &x, &d)) return false;
+    if (!projector.project(e.cascade_.evaluate(e.samples_of_point(e.rows_[row].id), e.q_), &x, &d)) return false;
     for (int k = 0; k < kPoseUnknowns; ++k) {
       b[k] = d.pose[k].x;
       b[kPoseUnknowns + k] = d.pose[k].y;

@@ -32,16 +32,16 @@ void Estimator::begin(std::int64_t time_ns) {
   expect_motion(seconds_);
   row_count_ = looked_for_ = patches_looked_for_ = patch_inliers_ = 0;
   solves_ = 0;
-  has_approached_ = was_surprised_ = rejected_forces_ = false;
+  had_first_pass_ = needs_another_round_ = rejected_forces_ = false;
   result_.tracked = result_.inliers = result_.iterations = 0;
   result_.rms_px = result_.score = 0;
   result_.pose_is_observed = false;
   ++frame_;
-  const std::uint32_t share = options_.tangent_share > 0 ? options_.tangent_share : 1;
+  const std::uint32_t share = options_.tangent_interval_frames > 0 ? options_.tangent_interval_frames : 1;
   cascade_.select(q_, kTangentSlackMm);
   for (std::uint16_t i = 0; i < limits_.points; ++i)
     if (kind_[i] != PointKind::none && (i + frame_) % share == 0) update_tangents(i);
-  place_outline();
+  place_silhouette();
 }
 
 /// How far the view may be from where it is expected: the filter's word, held within what heads do, and more after every
@@ -73,7 +73,7 @@ void Estimator::note_motion() {
   if (status == Status::ok) result_.smoothed_pose = smoother_.pose();
 }
 
-void Estimator::shift(Vec2 px) {
+void Estimator::translate(Vec2 px) {
   if (!is_finite(px)) return;
   view_.tau = view_.tau + (1.0f / view_.s) * px;
   expected_view_.tau = view_.tau;
@@ -84,7 +84,7 @@ void Estimator::propose(const View& view) {
   view_ = expected_view_ = view;
   for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) q_[i] = trusted_q_[i];
   update_vertices(1);
-  place_outline();
+  place_silhouette();
 }
 
 /// What the last solve found: enough of what was looked for, near enough, alike enough, and seeing the whole pose.
@@ -95,8 +95,8 @@ bool Estimator::is_good() const {
   };
   const float scale = view_.s / expected_view_.s;
   return result_.inliers >= options_.lost_points && result_.rms_px <= options_.lost_rms_px * per_width &&
-         reaches(options_.lost_share, result_.inliers, looked_for_) &&
-         reaches(options_.lost_share, patch_inliers_, patches_looked_for_) &&
+         reaches(options_.lost_fraction, result_.inliers, looked_for_) &&
+         reaches(options_.lost_fraction, patch_inliers_, patches_looked_for_) &&
          (result_.score == 0 || result_.score >= options_.lost_score) && result_.pose_is_observed &&
          scale <= 1 + options_.lost_scale_change && scale * (1 + options_.lost_scale_change) >= 1;
 }
@@ -126,7 +126,7 @@ FrameResult Estimator::end() {
   }
   result_.pose = pose_of(view_);
   result_.vertices = static_cast<std::uint16_t>(mesh_.vertex_count());
-  update_vertices(good ? options_.vertex_share : 1);
+  update_vertices(good ? options_.vertex_interval_frames : 1);
   return result_;
 }
 

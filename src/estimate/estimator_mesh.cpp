@@ -31,7 +31,7 @@ void Estimator::adapt_mesh() {
     }
   }
   if (adapter_.start(mesh_, surface, criterion) == Status::ok) adapter_.adapt(options);
-  if (!limits_.bakes_vertices) return;
+  if (!limits_.samples_vertices) return;
   for (VertexId v : mesh_.vertices()) place_vertex(v);
 }
 
@@ -41,14 +41,14 @@ void Estimator::follow_view() {
   if (options_.mesh_operations == 0) return;
   cascade_.select(mesh_q_);
   view_criterion_.pose = pose_of(view_);
-  const int share = options_.rank_share > 0 ? options_.rank_share : 1;
+  const int share = options_.rank_interval_frames > 0 ? options_.rank_interval_frames : 1;
   adapter_.rerank(static_cast<int>(frame_ % static_cast<std::uint32_t>(share)), share);
   AdaptOptions options;
   options.vertex_budget = options_.vertex_budget;
   options.max_operations = options_.mesh_operations;
   const AdaptReport report = adapter_.adapt(options);
   if (report.splits + report.welds == 0) return;
-  if (!limits_.bakes_vertices) return update_vertices(1);
+  if (!limits_.samples_vertices) return update_vertices(1);
   for (VertexId v : mesh_.vertices()) {
     const Vec2 uv = mesh_.uv(v);
     if (uv.x != vertex_uv_[v].x || uv.y != vertex_uv_[v].y) place_vertex(v);
@@ -58,17 +58,17 @@ void Estimator::follow_view() {
 /// Bakes a vertex that is new, or whose id is.
 void Estimator::place_vertex(VertexId v) {
   vertex_uv_[v] = mesh_.uv(v);
-  cascade_.bake(vertex_uv_[v], q_, baked_vertex(v), kBakedSlackMm);
-  vertex_[v] = cascade_.evaluate(baked_vertex(v), q_);
+  cascade_.bake(vertex_uv_[v], q_, samples_of_vertex(v), kSampleSlackMm);
+  vertex_[v] = cascade_.evaluate(samples_of_vertex(v), q_);
 }
 
 /// Moves one vertex in `share`. \return how far the farthest went, squared (mm^2).
 float Estimator::move_vertices(std::uint32_t share) {
-  if (!limits_.bakes_vertices) cascade_.select(q_, share > 1 ? kVertexSlackMm : 0.0f);
+  if (!limits_.samples_vertices) cascade_.select(q_, share > 1 ? kVertexSlackMm : 0.0f);
   float farthest = 0;
   for (VertexId v : mesh_.vertices()) {
     if (share > 1 && (v + frame_) % share != 0) continue;
-    const Vec3 p = limits_.bakes_vertices ? cascade_.evaluate(baked_vertex(v), q_)
+    const Vec3 p = limits_.samples_vertices ? cascade_.evaluate(samples_of_vertex(v), q_)
                                           : cascade_.selected_point(mesh_.uv(v)),
                way = p - vertex_[v];
     farthest = max(farthest, dot(way, way));

@@ -35,7 +35,7 @@ Status Estimator::take_id(PointKind kind, std::uint16_t* id) {
   if (i == limits_.points) return Status::capacity;
   kind_[i] = kind;
   along_[i] = {};
-  was_let_go_[i] = 0;
+  was_rejected_[i] = 0;
   *id = i;
   return Status::ok;
 }
@@ -44,7 +44,7 @@ Status Estimator::take_id(PointKind kind, std::uint16_t* id) {
 void Estimator::place(std::uint16_t id, Vec2 uv) {
   predicted_view_.s = 0;
   uv_[id] = uv;
-  cascade_.bake(uv, q_, baked_point(id), kBakedSlackMm);
+  cascade_.bake(uv, q_, samples_of_point(id), kSampleSlackMm);
 }
 
 Status Estimator::add_point(Vec2 uv, std::uint16_t* id) {
@@ -97,11 +97,11 @@ Status Estimator::add_curve(std::size_t curve, float spacing_mm, Span<std::uint1
   return Status::ok;
 }
 
-Status Estimator::add_outline_point(std::uint16_t* id) {
+Status Estimator::add_silhouette_point(std::uint16_t* id) {
   std::size_t there = 0;
-  for (std::size_t i = 0; i < limits_.points; ++i) there += kind_[i] == PointKind::outline;
-  if (started_ && there >= limits_.outline_points) return Status::capacity;
-  const Status status = take_id(PointKind::outline, id);
+  for (std::size_t i = 0; i < limits_.points; ++i) there += kind_[i] == PointKind::silhouette;
+  if (started_ && there >= limits_.silhouette_points) return Status::capacity;
+  const Status status = take_id(PointKind::silhouette, id);
   if (status == Status::ok) place(*id, {0.5f, 0.5f});
   return status;
 }
@@ -112,10 +112,10 @@ void Estimator::remove_point(std::uint16_t id) {
 
 /// Gives each outline point its own sector of the apparent contour as seen from its middle, so that it stays about where
 /// it is from frame to frame; one whose sector has none of the contour gets no normal, and is not visible.
-void Estimator::place_outline() {
+void Estimator::place_silhouette() {
   std::size_t sectors = 0;
   for (std::size_t i = 0; i < limits_.points; ++i)
-    if (kind_[i] == PointKind::outline) {
+    if (kind_[i] == PointKind::silhouette) {
       along_[i] = {};
       ++sectors;
     }
@@ -124,28 +124,28 @@ void Estimator::place_outline() {
   if (!vertices_are_current_) project_vertices();
   const Projector projector(view_, true);
   const std::size_t all = finder_.find({mesh_, vertex_, vertex_image_, vertex_depth_}, projector, &depth_,
-                                       kHiddenMarginMm, {outline_, outline_count_});
+                                       kHiddenMarginMm, {silhouette_, silhouette_count_});
   std::size_t found = 0;
   Vec2 sum{};
-  for (std::size_t k = 0; k < (all < outline_count_ ? all : outline_count_); ++k) {
-    if (outline_[k].is_border) continue;  // where the mesh ends there need not be an edge
-    sum = sum + outline_[k].x;
-    outline_[found++] = outline_[k];
+  for (std::size_t k = 0; k < (all < silhouette_count_ ? all : silhouette_count_); ++k) {
+    if (silhouette_[k].is_border) continue;  // where the mesh ends there need not be an edge
+    sum = sum + silhouette_[k].x;
+    silhouette_[found++] = silhouette_[k];
   }
   if (found == 0) return;
   const Vec2 middle = (1.0f / static_cast<float>(found)) * sum;
   const float per_turn = 0.25f * static_cast<float>(sectors);
   std::size_t sector = 0;
   for (std::uint16_t i = 0; i < limits_.points; ++i) {
-    if (kind_[i] != PointKind::outline) continue;
+    if (kind_[i] != PointKind::silhouette) continue;
     const float centre = static_cast<float>(sector++) + 0.5f;
     float nearest = 0.5f;
-    const OutlinePoint* best = nullptr;
+    const SilhouettePoint* best = nullptr;
     for (std::size_t k = 0; k < found; ++k) {
-      const float off = magnitude(per_turn * diamond_angle(outline_[k].x - middle) - centre);
+      const float off = magnitude(per_turn * diamond_angle(silhouette_[k].x - middle) - centre);
       if (off >= nearest) continue;
       nearest = off;
-      best = &outline_[k];
+      best = &silhouette_[k];
     }
     if (best == nullptr) continue;
     along_[i] = best->normal;
@@ -155,7 +155,7 @@ void Estimator::place_outline() {
 
 /// At the parameters that the cascade has selected.
 void Estimator::update_tangents(std::uint16_t id) {
-  if (kind_[id] == PointKind::outline) return;
+  if (kind_[id] == PointKind::silhouette) return;
   const SurfaceFrame frame = cascade_.selected_frame(uv_[id]);
   tangent_u_[id] = frame.pu;
   tangent_v_[id] = frame.pv;
@@ -164,13 +164,13 @@ void Estimator::update_tangents(std::uint16_t id) {
 Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
   Prediction out;
   out.id = id;
-  const Vec3 p = cascade_.evaluate(baked_point(id), q_);
+  const Vec3 p = cascade_.evaluate(samples_of_point(id), q_);
   Projector::Derivatives d;
   if (!projector.project(p, &out.x, &d)) {
     out.x = kBehind;
     return out;
   }
-  if (kind_[id] == PointKind::outline) {
+  if (kind_[id] == PointKind::silhouette) {
     out.normal = along_[id];
   } else {
     const Vec2 along_u = d.along(tangent_u_[id]), along_v = d.along(tangent_v_[id]);
@@ -190,7 +190,7 @@ Prediction Estimator::prediction(std::uint16_t id, const Projector& projector) {
   const Vec2 seen = lens_.distort(out.x);
   const bool inside = seen.x >= 0 && seen.y >= 0 && seen.x <= static_cast<float>(width_ - 1) &&
                       seen.y <= static_cast<float>(height_ - 1);
-  if (kind_[id] == PointKind::outline)  // the finder has left out what is hidden
+  if (kind_[id] == PointKind::silhouette)  // the finder has left out what is hidden
     out.visible = inside && dot(out.normal, out.normal) > 0;
   else
     out.visible = inside && out.facing >= options_.min_facing &&

@@ -36,7 +36,7 @@ void EstimatorProblem::measure(const View& v, const float* q) {
   const Projector projector(v, true);
   for (std::size_t k = 0; k < e.row_count_; ++k) {
     Vec2 x = kBehind;
-    projector.project(e.cascade_.evaluate(e.baked_point(e.rows_[k].id), q), &x);
+    projector.project(e.cascade_.evaluate(e.samples_of_point(e.rows_[k].id), q), &x);
     choose(k, x);
   }
 }
@@ -130,7 +130,7 @@ float EstimatorProblem::linearise() {
   for (std::size_t k = 0; k < e.row_count_; ++k) {
     const Estimator::Row& r = e.rows_[k];
     Jacobian jacobian;
-    const Vec3 p = e.cascade_.evaluate(e.baked_point(r.id), q, &jacobian);
+    const Vec3 p = e.cascade_.evaluate(e.samples_of_point(r.id), q, &jacobian);
     Vec2 x = kBehind;
     Projector::Derivatives d;
     const bool in_front = projector.project(p, &x, &d);
@@ -238,22 +238,22 @@ void EstimatorProblem::exchange(View* other_view, float* other_scale) {
   *other_scale = scale_of_mine;
   for (std::size_t i = 0; i < e.cascade_.parameter_count(); ++i) {
     const float value = e.q_[i];
-    e.q_[i] = e.rival_q_[i];
-    e.rival_q_[i] = value;
+    e.q_[i] = e.alternative_q_[i];
+    e.alternative_q_[i] = value;
   }
 }
 
-void EstimatorProblem::challenge(SolverReport* report) {
+void EstimatorProblem::try_alternative(SolverReport* report) {
   View other = e.expected_view_;
   float other_scale = 1;
-  for (std::size_t i = 0; i < e.cascade_.parameter_count(); ++i) e.rival_q_[i] = e.expected_q_[i];
+  for (std::size_t i = 0; i < e.cascade_.parameter_count(); ++i) e.alternative_q_[i] = e.expected_q_[i];
   exchange(&other, &other_scale);
   measure();
   e.solve_by_forces(*this, report);
-  const float fair = min(scale, other_scale), challenger = total_cost(fair);
+  const float fair = min(scale, other_scale), alternative = total_cost(fair);
   exchange(&other, &other_scale);
   measure();
-  if (challenger < e.options_.challenge_margin * total_cost(fair)) {
+  if (alternative < e.options_.alternative_margin * total_cost(fair)) {
     exchange(&other, &other_scale);
   } else {
     for (std::size_t k = 0; k < e.row_count_; ++k) e.rows_[k].is_kept = true;

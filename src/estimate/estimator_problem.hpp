@@ -43,7 +43,7 @@ struct EstimatorProblem {
   /// Starts again from the prediction with rejection by forces, and keeps what costs less over all rows: what was found
   /// without, or this. A part of the surface that moves by itself, a jaw that drops, looks to the rigid block as an
   /// occluder does; but the parameters explain it.
-  void challenge(SolverReport* report);
+  void try_alternative(SolverReport* report);
 
  private:
   void measure(const View& v, const float* q);

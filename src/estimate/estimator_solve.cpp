@@ -91,18 +91,18 @@ SolverReport Estimator::solve(Span<Observation> observations) {
   return report;
 }
 
-bool Estimator::approach(Span<Observation> observations) {
-  has_approached_ = was_surprised_ = false;
+bool Estimator::solve_first_pass(Span<Observation> observations) {
+  had_first_pass_ = needs_another_round_ = false;
   if (!lens_.is_none()) undistort(observations);
-  has_approached_ = started_ && approach_ideal(observations);
+  had_first_pass_ = started_ && solve_first_pass_ideal(observations);
   if (!lens_.is_none()) distort(observations);
-  return has_approached_;
+  return had_first_pass_;
 }
 
-bool Estimator::approach_ideal(Span<Observation> observations) {
+bool Estimator::solve_first_pass_ideal(Span<Observation> observations) {
   gather(observations);
   if (!has_enough_ || 2 * row_count_ < looked_for_) return false;
-  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) rival_q_[i] = q_[i];
+  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) alternative_q_[i] = q_[i];
   EstimatorProblem problem(*this, observations, view_);
   SolverReport report;
   problem.measure();
@@ -112,7 +112,7 @@ bool Estimator::approach_ideal(Span<Observation> observations) {
     view_ = problem.view;
     return true;
   }
-  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) q_[i] = rival_q_[i];
+  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) q_[i] = alternative_q_[i];
   return false;
 }
 
@@ -141,11 +141,11 @@ SolverReport Estimator::solve_ideal(Span<Observation> observations) {
 /// Huber's loss finds the way from where Tukey's would hold on to what happens to be near. Nothing of that is needed after
 /// an approach, unless a part has moved by itself of which the few points knew nothing, a jaw that drops.
 void Estimator::settle_by_weights(EstimatorProblem& problem, SolverReport* report) {
-  if (has_approached_) {
+  if (had_first_pass_) {
     problem.update_scale();
-    was_surprised_ = far_share(problem) > kMostFar;
+    needs_another_round_ = far_fraction(problem) > kMostFar;
   }
-  if (!has_approached_ || was_surprised_)
+  if (!had_first_pass_ || needs_another_round_)
     problem.settle(Loss::huber, options_.iterations, kNearEnough, report);
   problem.settle(Loss::tukey, options_.iterations, options_.relative_decrease, report);
 }
@@ -159,7 +159,7 @@ void Estimator::solve_robustly(EstimatorProblem& problem, SolverReport* report) 
     solve_by_forces(problem, report);
   } else {
     settle_by_weights(problem, report);
-    if (rejection == Rejection::on_doubt && is_doubtful(problem)) problem.challenge(report);
+    if (rejection == Rejection::on_doubt && is_doubtful(problem)) problem.try_alternative(report);
   }
 }
 
@@ -174,7 +174,7 @@ void Estimator::solve_by_forces(EstimatorProblem& problem, SolverReport* report)
 }
 
 /// Of the rows, those to which Tukey's loss gives no weight.
-float Estimator::far_share(const EstimatorProblem& problem) const {
+float Estimator::far_fraction(const EstimatorProblem& problem) const {
   std::size_t far = 0;
   for (std::size_t k = 0; k < row_count_; ++k)
     far += evaluate(Loss::tukey, lengths_[k] / problem.scale).weight <= kLeastWeight;
@@ -183,12 +183,12 @@ float Estimator::far_share(const EstimatorProblem& problem) const {
 
 /// Residuals well above what the cues have had lately, or much without weight: coherent things on the surface look so.
 bool Estimator::is_doubtful(const EstimatorProblem& problem) const {
-  return problem.scale > options_.doubt_scale || far_share(problem) > options_.doubt_share;
+  return problem.scale > options_.doubt_scale || far_fraction(problem) > options_.doubt_fraction;
 }
 
 /// In a later round: points that the round before let go have to fit first.
 void Estimator::keep_as_before(EstimatorProblem& problem) {
-  for (std::size_t k = 0; k < row_count_; ++k) rows_[k].is_kept = was_let_go_[rows_[k].id] == 0;
+  for (std::size_t k = 0; k < row_count_; ++k) rows_[k].is_kept = was_rejected_[rows_[k].id] == 0;
   problem.readmit();
 }
 
@@ -202,7 +202,7 @@ void Estimator::conclude(const EstimatorProblem& problem) {
     const float u = lengths_[k] / problem.scale;
     const bool fits =
         row.is_kept && (problem.loss == Loss::squares || evaluate(Loss::tukey, u).weight > kLeastWeight);
-    was_let_go_[row.id] = fits ? 0 : 1;
+    was_rejected_[row.id] = fits ? 0 : 1;
     Observation* const alternatives = &problem.observations[row.first];
     for (std::uint8_t i = 0; i < row.count; ++i)
       if (alternatives[i].reason == Reason::found && !(fits && i == row.chosen))

@@ -67,12 +67,12 @@ void Fitter::lay_out(Arena& arena, const Model& model, const FitLimits& limits) 
   start_q_ = arena.take<float>(parameters);
   unknown_ = arena.take<std::uint16_t>(unknowns);
   column_ = arena.take<Vec2>(unknowns);
-  folding_.lay_out(arena, model);
-  unfolded_ = arena.take<Vec3>(model.base_uv().count);
-  folded_ = arena.take<Vec3>(model.base_uv().count);
-  unfolded_q_ = arena.take<float>(parameters);
-  outline_normal_ = nullptr;
-  if (limits.outline) lay_out_outline(arena, model);
+  fold_over_.lay_out(arena, model);
+  valid_ = arena.take<Vec3>(model.base_uv().count);
+  trial_ = arena.take<Vec3>(model.base_uv().count);
+  valid_q_ = arena.take<float>(parameters);
+  silhouette_normal_ = nullptr;
+  if (limits.silhouette) lay_out_silhouette(arena, model);
 }
 
 Status Fitter::fit_ideal(Span<const Correspondence> points, const FitOptions& options, float* q,
@@ -86,11 +86,11 @@ Status Fitter::fit_ideal(Span<const Correspondence> points, const FitOptions& op
   const std::size_t parameters = cascade_.parameter_count();
   for (std::size_t i = 0; i < parameters; ++i)
     if (!is_finite(q[i])) return Status::bad_argument;
-  bool has_outline = false;
-  for (const Correspondence& c : points) has_outline = has_outline || c.is_outline;
-  if (has_outline && !limits_.outline) return Status::bad_argument;
-  if (limits_.outline) {
-    const Status started = start_outline();
+  bool has_silhouette = false;
+  for (const Correspondence& c : points) has_silhouette = has_silhouette || c.is_silhouette;
+  if (has_silhouette && !limits_.silhouette) return Status::bad_argument;
+  if (limits_.silhouette) {
+    const Status started = start_silhouette();
     if (started != Status::ok) return started;
   }
 
@@ -98,11 +98,11 @@ Status Fitter::fit_ideal(Span<const Correspondence> points, const FitOptions& op
     cascade_.set_free(options.is_free);
   else
     cascade_.set_all_free();
-  if (!folding_.is_started()) folding_.start(cascade_);
+  if (!fold_over_.is_started()) fold_over_.start(cascade_);
   for (std::size_t i = 0; i < parameters; ++i) start_q_[i] = q[i];
   for (std::size_t i = 0; i < points.count; ++i) {
-    cascade_.bake(points[i].uv, q, baked_at(i));
-    position_[i] = cascade_.evaluate(baked_at(i), q);
+    cascade_.bake(points[i].uv, q, samples_at(i));
+    position_[i] = cascade_.evaluate(samples_at(i), q);
   }
 
   FitProblem problem{*this, points, options, start_q_};
@@ -119,46 +119,46 @@ Status Fitter::fit_ideal(Span<const Correspondence> points, const FitOptions& op
     problem.shape_is_free = true;
   }
   problem.focal_is_known = options.focal_px > 0;
-  const int iterations = minimise_in_stages(problem, has_outline);
+  const int iterations = minimise_in_stages(problem, has_silhouette);
   return conclude(problem, q, report, sd, residuals, weights, iterations);
 }
 
 /// Moves the free parameters back, where they fold the surface, towards where it was last known not to be folded.
 /// \return whether it had to.
-bool Fitter::unfold(FitProblem& problem) {
+bool Fitter::undo_fold_over(FitProblem& problem) {
   const std::size_t parameters = cascade_.parameter_count();
   bool moved_back = false;
   for (int k = 0; k < kUnfoldings; ++k) {
-    folding_.compute_positions(cascade_, problem.q, folded_);
-    float share = folding_.step_fraction(unfolded_, folded_);
+    fold_over_.compute_positions(cascade_, problem.q, trial_);
+    float share = fold_over_.step_fraction(valid_, trial_);
     if (share == 1) break;
     if (k + 1 == kUnfoldings) share = 0;
     for (std::size_t i = 0; i < parameters; ++i)
-      problem.q[i] = unfolded_q_[i] + share * (problem.q[i] - unfolded_q_[i]);
+      problem.q[i] = valid_q_[i] + share * (problem.q[i] - valid_q_[i]);
     moved_back = true;
   }
-  for (std::size_t i = 0; i < parameters; ++i) unfolded_q_[i] = problem.q[i];
-  folding_.compute_positions(cascade_, unfolded_q_, unfolded_);
+  for (std::size_t i = 0; i < parameters; ++i) valid_q_[i] = problem.q[i];
+  fold_over_.compute_positions(cascade_, valid_q_, valid_);
   return moved_back;
 }
 
-int Fitter::minimise_in_stages(FitProblem& problem, bool has_outline) {
+int Fitter::minimise_in_stages(FitProblem& problem, bool has_silhouette) {
   const FitOptions& options = problem.options;
-  const int matches = has_outline ? kMatches : 1;
+  const int matches = has_silhouette ? kMatches : 1;
   int iterations = 0;
   // The frozen parameters are what they are; a start that the free ones fold goes back towards the model at rest.
   for (std::size_t i = 0; i < cascade_.parameter_count(); ++i)
-    unfolded_q_[i] = cascade_.column_of(i) == kNone ? problem.q[i] : 0.0f;
-  folding_.compute_positions(cascade_, unfolded_q_, unfolded_);
-  unfold(problem);
+    valid_q_[i] = cascade_.column_of(i) == kNone ? problem.q[i] : 0.0f;
+  fold_over_.compute_positions(cascade_, valid_q_, valid_);
+  undo_fold_over(problem);
   for (int stage = 0; stage < kStages; ++stage)
     for (int k = 0; k < matches; ++k) {
-      if (has_outline) match_outline(problem);
+      if (has_silhouette) match_silhouette(problem);
       problem.loss = !options.robust ? Loss::squares : stage == kStages - 1 ? Loss::tukey : Loss::huber;
       if (options.robust) problem.update_scale();
       const int most = options.iterations / (kStages * matches);
       iterations += problem.minimise(most).iterations;
-      if (!unfold(problem)) continue;
+      if (!undo_fold_over(problem)) continue;
       problem.shape_is_free = false;  // the pose follows
       iterations += problem.minimise(most).iterations;
       problem.shape_is_free = true;
@@ -188,7 +188,7 @@ Status Fitter::conclude(FitProblem& problem, float* q, FitReport* report, float*
   float sum = 0;
   for (std::size_t i = 0; i < problem.points.count; ++i) {
     Vec2 x = problem.points[i].x;
-    projector.project(cascade_.evaluate(baked_at(i), problem.q), &x);
+    projector.project(cascade_.evaluate(samples_at(i), problem.q), &x);
     const Vec2 residual = problem.counted(i, x - problem.points[i].x);
     const float weight = problem.point_loss(i, residual).weight;
     if (residuals != nullptr) residuals[i] = residual;

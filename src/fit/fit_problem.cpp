@@ -13,7 +13,7 @@ float log_ratio(float a, float b) {
 }  // namespace
 
 Vec2 FitProblem::counted(std::size_t point, Vec2 residual) const {
-  const Vec2 n = fitter.outline_normal_ != nullptr ? fitter.outline_normal_[point] : Vec2{};
+  const Vec2 n = fitter.silhouette_normal_ != nullptr ? fitter.silhouette_normal_[point] : Vec2{};
   return n.x == 0 && n.y == 0 ? residual : dot(n, residual) * n;
 }
 
@@ -40,7 +40,7 @@ float FitProblem::cost(const float* parameters, const View& v) const {
   float sum = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     Vec2 x;
-    if (!projector.project(fitter.cascade_.evaluate(fitter.baked_at(i), parameters), &x)) return 1e30f;
+    if (!projector.project(fitter.cascade_.evaluate(fitter.samples_at(i), parameters), &x)) return 1e30f;
     sum += point_loss(i, points[i].x - x).rho;
   }
   return scale * scale * sum + prior_cost(parameters, v);
@@ -70,7 +70,7 @@ float FitProblem::linearise(NormalEquations& equations) {
   float sum = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     Jacobian jacobian;
-    const Vec3 p = fitter.cascade_.evaluate(fitter.baked_at(i), q, &jacobian);
+    const Vec3 p = fitter.cascade_.evaluate(fitter.samples_at(i), q, &jacobian);
     Vec2 x;
     Projector::Derivatives d;
     if (!projector.project(p, &x, &d)) continue;
@@ -137,7 +137,7 @@ void FitProblem::update_scale() {
   float mean_sd = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     Vec2 x = points[i].x + Vec2{1e6f, 1e6f};
-    projector.project(fitter.cascade_.evaluate(fitter.baked_at(i), q), &x);
+    projector.project(fitter.cascade_.evaluate(fitter.samples_at(i), q), &x);
     fitter.sorted_[i] = length(counted(i, points[i].x - x)) / points[i].sd_px;
     mean_sd += points[i].sd_px / static_cast<float>(points.count);
   }

@@ -22,7 +22,7 @@ bool is_within_reach(Vec2 own, Vec2 uv) {
 
 }  // namespace
 
-void Fitter::lay_out_outline(Arena& arena, const Model& model) {
+void Fitter::lay_out_silhouette(Arena& arena, const Model& model) {
   MeshLimits limits;
   limits.vertices = static_cast<std::uint16_t>(model.base_uv().count);
   limits.faces = static_cast<std::uint16_t>(model.base_corners().count / 3);
@@ -32,12 +32,12 @@ void Fitter::lay_out_outline(Arena& arena, const Model& model) {
   vertex_ = arena.take<Vec3>(limits.vertices);
   vertex_image_ = arena.take<Vec2>(limits.vertices);
   vertex_depth_ = arena.take<float>(limits.vertices);
-  contour_ = arena.take_span<OutlinePoint>(limits.vertices);
-  outline_normal_ = arena.take<Vec2>(limits_.points);
+  contour_ = arena.take_span<SilhouettePoint>(limits.vertices);
+  silhouette_normal_ = arena.take<Vec2>(limits_.points);
 }
 
-Status Fitter::start_outline() {
-  for (std::size_t i = 0; i < limits_.points; ++i) outline_normal_[i] = {};
+Status Fitter::start_silhouette() {
+  for (std::size_t i = 0; i < limits_.points; ++i) silhouette_normal_[i] = {};
   return mesh_.set_base(cascade_.model().base_uv(), cascade_.model().base_corners());
 }
 
@@ -64,22 +64,22 @@ void Fitter::match(const FitProblem& problem, std::size_t point, const Projector
   Vec2 uv = c.uv, across;
   float nearest = 1e30f;
   for (std::size_t k = 0; turned_away && k < found; ++k) {
-    const OutlinePoint& o = contour_[k];
+    const SilhouettePoint& o = contour_[k];
     const Vec2 off = o.x - c.x;
     if (o.is_border || !is_within_reach(c.uv, o.uv) || dot(off, off) >= nearest) continue;
     nearest = dot(off, off);
     uv = o.uv;
     across = o.normal;
   }
-  outline_normal_[point] = across;
-  cascade_.bake(uv, problem.q, baked_at(point));
+  silhouette_normal_[point] = across;
+  cascade_.bake(uv, problem.q, samples_at(point));
 }
 
-void Fitter::match_outline(const FitProblem& problem) {
+void Fitter::match_silhouette(const FitProblem& problem) {
   const Projector projector(problem.view, true);
   const std::size_t found = find_contour(problem.q, projector);
   for (std::size_t i = 0; i < problem.points.count; ++i)
-    if (problem.points[i].is_outline) match(problem, i, projector, found);
+    if (problem.points[i].is_silhouette) match(problem, i, projector, found);
 }
 
 }  // namespace pliant

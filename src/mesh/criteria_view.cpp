@@ -27,7 +27,7 @@ float compute_rank(const ViewOptions& o, const Shape& s, const Triangle& t) {
   const float x = o.focal_px * middle.x / middle.z + o.cx, y = o.focal_px * middle.y / middle.z + o.cy;
   const bool outside =
       x < -o.margin_px || y < -o.margin_px || x > o.width_px + o.margin_px || y > o.height_px + o.margin_px;
-  const float gain = outside || facing < -kCos75 ? o.hidden_gain : facing < kCos75 ? o.outline_gain : 1.0f;
+  const float gain = outside || facing < -kCos75 ? o.hidden_gain : facing < kCos75 ? o.silhouette_gain : 1.0f;
 
   float worst = 0;
   for (const auto& w : kTriangleSamples) {

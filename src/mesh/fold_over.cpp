@@ -34,7 +34,7 @@ float orientation(const SurfaceFrame& now, const SurfaceFrame& rest) {
   return dot(normalised(cross(now.pu, now.pv)), normalised(cross(rest.pu, rest.pv)));
 }
 
-void FoldTest::lay_out(Arena& arena, const Model& model) {
+void FoldOverTest::lay_out(Arena& arena, const Model& model) {
   model_ = model;
   rest_normal_ = arena.take<Vec3>(model.base_corners().count / 3);
   position_ = arena.take<Vec3>(model.base_uv().count);
@@ -42,13 +42,13 @@ void FoldTest::lay_out(Arena& arena, const Model& model) {
   vertex_count_ = watched_count_ = 0;
 }
 
-void FoldTest::compute_positions(Cascade& cascade, const float* q, Vec3* position) const {
+void FoldOverTest::compute_positions(Cascade& cascade, const float* q, Vec3* position) const {
   cascade.select(q);
   for (std::size_t v = 0; v < model_.base_uv().count; ++v)
     position[v] = cascade.selected_point(model_.base_uv()[v]);
 }
 
-void FoldTest::start(Cascade& cascade) {
+void FoldOverTest::start(Cascade& cascade) {
   const auto corners = model_.base_corners();
   const auto parameters = model_.parameters();
   const std::size_t faces = corners.count / 3;
@@ -75,7 +75,7 @@ void FoldTest::start(Cascade& cascade) {
   vertex_count_ = model_.base_uv().count;
 }
 
-std::size_t FoldTest::count_folded(const Vec3* position) const {
+std::size_t FoldOverTest::count_folded(const Vec3* position) const {
   const auto corners = model_.base_corners();
   std::size_t folded = 0;
   for (std::size_t f = 0; f < corners.count / 3; ++f) {
@@ -86,7 +86,7 @@ std::size_t FoldTest::count_folded(const Vec3* position) const {
   return folded;
 }
 
-float FoldTest::step_fraction(const Vec3* from, const Vec3* to) const {
+float FoldOverTest::step_fraction(const Vec3* from, const Vec3* to) const {
   const auto corners = model_.base_corners();
   float first = 2;
   for (std::size_t f = 0; f < corners.count / 3; ++f) {

@@ -35,10 +35,10 @@ std::size_t most_values_at_once(Span<const CascadeRecord> records) {
 
 }  // namespace
 
-void Cascade::lay_out(Arena& arena, const Model& model, const FoldLimits& fold) {
+void Cascade::lay_out(Arena& arena, const Model& model, const PersonalFieldLimits& person) {
   model_ = model;
   interpolation_ = Interpolation::bilinear;
-  fold_limits_ = fold;
+  personal_limits_ = person;
   const std::size_t records = model.cascade().count, parameters = model.parameters().count;
   parameter_of_ = arena.take<std::uint16_t>(parameters);
   column_of_ = arena.take<std::uint16_t>(parameters);
@@ -58,8 +58,8 @@ void Cascade::lay_out(Arena& arena, const Model& model, const FoldLimits& fold) 
                          arena.take<std::uint8_t>(parameters), 0, 0};
     if (register_ != nullptr) register_[k] = empty;
   }
-  const bool has_room = fold.width >= 2 && fold.height >= 2 && fold.width <= 256 && fold.height <= 256;
-  neutral_samples_ = has_room ? arena.take<std::int16_t>(std::size_t{3} * fold.width * fold.height) : nullptr;
+  const bool has_room = person.width >= 2 && person.height >= 2 && person.width <= 256 && person.height <= 256;
+  neutral_samples_ = has_room ? arena.take<std::int16_t>(std::size_t{3} * person.width * person.height) : nullptr;
   selected_count_ = 0;
   if (!arena.is_measuring()) set_all_free();
 }
@@ -72,7 +72,7 @@ void Cascade::choose(const Predicate& is_free) {
     column_of_[i] = free ? static_cast<std::uint16_t>(column_count_) : kNone;
     if (free) parameter_of_[column_count_++] = static_cast<std::uint16_t>(i);
   }
-  unfold();
+  forget_person();
 }
 
 void Cascade::set_all_free() {
@@ -87,7 +87,7 @@ void Cascade::set_free(Group group) {
   choose([this, group](std::size_t i) { return model_.parameters()[i].group == group; });
 }
 
-void Cascade::unfold() {
+void Cascade::forget_person() {
   neutral_ = kNone;
   plan();
 }

@@ -71,7 +71,7 @@ Vec3 Cascade::neutral_sample(Vec2 uv, Vec3* du, Vec3* dv) const {
 
 void Cascade::set_interpolation(Interpolation interpolation) {
   interpolation_ = interpolation;
-  unfold();
+  forget_person();
 }
 
 void Cascade::bake(Vec2 uv, const float* q, Vec3* baked, float slack_mm) {
@@ -190,7 +190,7 @@ std::uint16_t Cascade::find_neutral() {
 
 /// Samples what `record` adds to its root: once for the range, once for the samples.
 Status Cascade::fill_neutral(std::size_t record, const float* q) {
-  const std::size_t width = fold_limits_.width, height = fold_limits_.height;
+  const std::size_t width = personal_limits_.width, height = personal_limits_.height;
   const Field& root = model_.fields()[root_field(record)];
   mark_needed(record);
   select(q);
@@ -208,8 +208,8 @@ Status Cascade::fill_neutral(std::size_t record, const float* q) {
     }
   Field& f = neutral_field_;
   f = {};
-  f.width = fold_limits_.width;
-  f.height = fold_limits_.height;
+  f.width = personal_limits_.width;
+  f.height = personal_limits_.height;
   f.components = 3;
   f.bits = 16;
   f.u1 = f.v1 = 1;
@@ -227,10 +227,10 @@ Status Cascade::fill_neutral(std::size_t record, const float* q) {
   return Status::ok;
 }
 
-Status Cascade::fold(const float* q) {
+Status Cascade::personalise(const float* q) {
   if (neutral_samples_ == nullptr) return Status::capacity;
   if (q == nullptr) return Status::bad_argument;
-  unfold();
+  forget_person();
   const std::uint16_t record = find_neutral();
   const Status status = record == kNone ? Status::ok : fill_neutral(record, q);
   if (status == Status::ok) neutral_ = record;

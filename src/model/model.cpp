@@ -209,7 +209,7 @@ struct ModelOpener {
       if (!in_unit(p.x) || !in_unit(p.y)) return false;
     for (const Curve& c : model.curves()) {
       const std::size_t points = model.curve_points().count;
-      if (!is_name(c.name) || c.kind > CurveKind::outline || c.point_count < 2) return false;
+      if (!is_name(c.name) || c.kind > CurveKind::boundary || c.point_count < 2) return false;
       if (c.first_point > points || c.point_count > points - c.first_point) return false;
     }
     return true;

@@ -19,7 +19,7 @@ using Frame = std::map<std::string, Vec2>;
 
 /// Frames in order; a frame without points is left out.
 std::map<int, Frame> read_truth(const std::string& path) {
-  const cli::CsvTable table(path, cli::read_file(path));
+  const host::CsvTable table(path, host::read_file(path));
   const std::size_t frame = table.column("frame"), name = table.column("landmark"), x = table.column("x"),
                     y = table.column("y");
   std::map<int, Frame> out;
@@ -42,12 +42,12 @@ std::vector<Named> landmarks_of(const Model& model) {
 }
 
 /// The surface points under the markers of frame 0.
-std::vector<Named> cast_markers(const Model& model, const cli::FitFile& fit, const std::vector<float>& q,
+std::vector<Named> cast_markers(const Model& model, const host::FitFile& fit, const std::vector<float>& q,
                                 const std::string& path) {
-  cli::Owned<Estimator> estimator(model, EstimatorLimits{});
-  cli::require(estimator->start(fit.camera, fit.width, fit.height, fit.pose, q.data(), nullptr, {}), path);
+  host::Owned<Estimator> estimator(model, EstimatorLimits{});
+  host::require(estimator->start(fit.camera, fit.width, fit.height, fit.pose, q.data(), nullptr, {}), path);
   std::vector<Named> out;
-  for (const cli::NamedPoint& p : cli::read_points(path)) {
+  for (const host::NamedPoint& p : host::read_points(path)) {
     Vec2 uv;
     if (estimator->surface_at(p.x, &uv) >= 0) out.push_back({p.name, uv});
   }
@@ -70,7 +70,7 @@ double eye_distance(const std::map<int, Frame>& truth) {
 
 class FrameFits {
  public:
-  FrameFits(const Model& model, const cli::FitFile& start, std::vector<float> q, std::size_t points)
+  FrameFits(const Model& model, const host::FitFile& start, std::vector<float> q, std::size_t points)
       : fitter_(model, FitLimits{static_cast<std::uint16_t>(points)}),
         q_(std::move(q)),
         view_(view_of(start.pose, start.camera)) {
@@ -96,14 +96,14 @@ class FrameFits {
   }
 
  private:
-  cli::Owned<Fitter> fitter_;
+  host::Owned<Fitter> fitter_;
   std::vector<float> q_;
   View view_;
   std::vector<std::uint8_t> is_free_;
   FitOptions options_;
 };
 
-void print_floor(const char* kind, const Model& model, const cli::FitFile& start, const std::vector<float>& q,
+void print_floor(const char* kind, const Model& model, const host::FitFile& start, const std::vector<float>& q,
                  const std::vector<Named>& points, const std::map<int, Frame>& truth) {
   FrameFits fits(model, start, q, points.size());
   double sum = 0;
@@ -134,13 +134,13 @@ int run(int count, char** words) {
                  "INIT and MARKERS as landmark,x,y in frame 0, TRUTH as frame,landmark,x,y.\n";
     return 2;
   }
-  const cli::ModelFile file(words[1]);
+  const host::ModelFile file(words[1]);
   const Model& model = file.model();
-  cli::FitSetup setup;
+  host::FitSetup setup;
   setup.size = {width, height};
-  const cli::FitFile start = cli::fit_to_points(file, words[3], cli::read_points(words[3]), setup);
+  const host::FitFile start = host::fit_to_points(file, words[3], host::read_points(words[3]), setup);
   std::vector<float> q(model.parameters().count, 0.0f);
-  cli::apply(start.parameters, words[3], model, q.data());
+  host::apply(start.parameters, words[3], model, q.data());
   const std::map<int, Frame> truth = read_truth(words[4]);
   std::vector<Named> landmarks;
   for (const Named& l : landmarks_of(model))
@@ -156,7 +156,7 @@ int run(int count, char** words) {
 int main(int count, char** words) {
   try {
     return pliant::run(count, words);
-  } catch (const pliant::cli::Failure& failure) {
+  } catch (const pliant::host::Failure& failure) {
     std::cerr << "floor: " << failure.what() << "\n";
     return failure.exit_code();
   }

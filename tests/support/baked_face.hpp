@@ -9,7 +9,7 @@ inline const char* baked_face_path() {
 
 inline BakedModel& baked_face() {
   static BakedModel* face = [] {
-    const std::string table = pliant::cli::read_file(baked_face_path());
+    const std::string table = pliant::host::read_file(baked_face_path());
     return new BakedModel(std::vector<std::uint8_t>(table.begin(), table.end()));
   }();
   return *face;

@@ -15,7 +15,7 @@
 namespace cli_run {
 
 using namespace pliant;
-using namespace pliant::cli;
+using namespace pliant::host;
 
 namespace fs = std::filesystem;
 

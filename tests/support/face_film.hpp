@@ -26,16 +26,16 @@ struct FaceFilm {
       : width(w), height(h), camera(pliant::centred_camera(w, h, 1.25f * static_cast<float>(w))) {
     using namespace pliant;
     BakedModel& face = baked_face();
-    cli::Scene scene(face.model, w, h, cells, 2);
+    host::Scene scene(face.model, w, h, cells, 2);
     scene.flatten_half(flat_step_grey);
-    const cli::Image background = cli::make_background(w, h, 5);
-    const Pose rest = cli::frontal_pose(face.model, face.rest().data(), camera, h, share);
+    const host::Image background = host::make_background(w, h, 5);
+    const Pose rest = host::frontal_pose(face.model, face.rest().data(), camera, h, share);
     for (std::size_t k = 0; k < count; ++k) {
       Pose pose = rest;
       std::vector<float> q = face.rest();
       motion(count > 1 ? static_cast<float>(k) / static_cast<float>(count - 1) : 0.0f, pose, q);
-      cli::Image picture = scene.draw(q.data(), pose, camera, background);
-      cli::add_noise(picture, 2, static_cast<std::uint32_t>(k));
+      host::Image picture = scene.draw(q.data(), pose, camera, background);
+      host::add_noise(picture, 2, static_cast<std::uint32_t>(k));
       frames.push_back(picture.pixels);
       poses.push_back(pose);
       parameters.push_back(q);

@@ -24,9 +24,9 @@ struct IctFace {
       n;  // vertices, quads, triangles, identities, expressions, landmarks, narrow v. and q.
   std::vector<std::string> modes;
 
-  explicit IctFace(const std::string& folder) : bytes(pliant::cli::read_file(folder + "/ict_face.bin")) {
+  explicit IctFace(const std::string& folder) : bytes(pliant::host::read_file(folder + "/ict_face.bin")) {
     std::memcpy(n.data(), bytes.data() + 8, sizeof n);
-    std::istringstream lines(pliant::cli::read_file(folder + "/modes.txt"));
+    std::istringstream lines(pliant::host::read_file(folder + "/modes.txt"));
     for (std::string line; std::getline(lines, line);)
       if (!line.empty() && line[0] != '#') modes.push_back(line.substr(0, line.find_first_of(" \t")));
     REQUIRE(modes.size() == n[3] + n[4]);

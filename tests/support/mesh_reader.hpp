@@ -13,7 +13,7 @@ namespace mesh_reader {
 
 using pliant::Vec2;
 using pliant::Vec3;
-using pliant::cli::Json;
+using pliant::host::Json;
 
 /// A mesh as a file has it.
 struct Parsed {

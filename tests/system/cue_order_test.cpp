@@ -56,7 +56,7 @@ float landmark_error(const FaceFilm& film, Tracker& tracker, std::size_t k) {
 Error track(const FaceFilm& film, unsigned cues) {
   TrackerLimits limits;
   limits.curve_points = 96;
-  limits.outline_points = 24;
+  limits.silhouette_points = 24;
   TrackerOptions options;
   options.estimator.cues = static_cast<std::uint8_t>(cues);
   InArena<Tracker> tracker(baked_face().model, limits);

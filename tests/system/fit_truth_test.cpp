@@ -43,11 +43,11 @@ const std::vector<std::uint8_t>& ict_table() {
 }
 
 /// The 25 annotated points of frame 0 that have an iBUG name.
-std::vector<cli::NamedPoint> talking_face_points() {
+std::vector<host::NamedPoint> talking_face_points() {
   const std::string folder = std::string(data_folder()) + "/franck";
-  const cli::CsvTable table("points", cli::read_file(folder + "/points_original.csv"));
-  std::vector<cli::NamedPoint> out;
-  std::istringstream lines(cli::read_file(folder + "/fgnet68_to_ict.csv"));
+  const host::CsvTable table("points", host::read_file(folder + "/points_original.csv"));
+  std::vector<host::NamedPoint> out;
+  std::istringstream lines(host::read_file(folder + "/fgnet68_to_ict.csv"));
   for (std::string line; std::getline(lines, line);) {
     unsigned point, ibug;
     if (std::sscanf(line.c_str(), "%u,%u", &point, &ibug) != 2) continue;
@@ -83,15 +83,15 @@ TEST_CASE("a real face: 25 points of a photograph give a plausible person") {
     return;
   }
   const std::string path = std::string(PLIANT_SCRATCH) + "/fit_truth_ict.plm";
-  cli::write_file(path, std::string(ict_table().begin(), ict_table().end()));
-  const cli::ModelFile file(path);
+  host::write_file(path, std::string(ict_table().begin(), ict_table().end()));
+  const host::ModelFile file(path);
   const auto named = talking_face_points();
   REQUIRE(named.size() == 25);
-  cli::FitSetup setup;
+  host::FitSetup setup;
   setup.size = {720, 576};
-  const cli::FitFile fit = cli::fit_to_points(file, "points", named, setup);
+  const host::FitFile fit = host::fit_to_points(file, "points", named, setup);
   std::vector<float> q(file.model().parameters().count, 0.0f);
-  cli::apply(fit.parameters, "fit", file.model(), q.data());
+  host::apply(fit.parameters, "fit", file.model(), q.data());
   double largest = 0, length_of_q = 0;
   for (std::size_t k = 0; k < q.size(); ++k) {
     const double z = double(q[k] / file.model().parameters()[k].sd);
@@ -106,11 +106,11 @@ TEST_CASE("a real face: 25 points of a photograph give a plausible person") {
   BakedModel face(ict_table());
   std::vector<Correspondence> points;
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
-  for (const cli::NamedPoint& p : named) {
+  for (const host::NamedPoint& p : named) {
     low = {min(low.x, p.x.x), min(low.y, p.x.y)};
     high = {max(high.x, p.x.x), max(high.y, p.x.y)};
   }
-  for (const cli::NamedPoint& p : named)
+  for (const host::NamedPoint& p : named)
     points.push_back({face.uv(p.name), p.x, 0.005f * length(high - low)});
   FitOptions options;
   options.width = 720;

@@ -82,7 +82,7 @@ TEST_CASE(
   }
   BakeReport* report = nullptr;
   BakedModel exact(default_table(&report));
-  cli::Owned<Cascade> folded(exact.model, FoldLimits{128, 128});
+  host::Owned<Cascade> folded(exact.model, PersonalFieldLimits{128, 128});
   folded->set_free(Group::expression);
   exact.cascade.set_free(Group::expression);
   Random random(41);
@@ -92,7 +92,7 @@ TEST_CASE(
   for (int person = 0; person < 5; ++person) {
     std::vector<float> q(exact.model.parameters().count, 0.0f);
     for (std::size_t k = 0; k < 100; ++k) q[k] = clamp(random.normal(), -3, 3);
-    REQUIRE(folded->fold(q.data()) == Status::ok);
+    REQUIRE(folded->personalise(q.data()) == Status::ok);
     CHECK(folded->sample_count() + 99 == exact.cascade.sample_count());
     for (int k = 0; k < 2000; ++k) {
       const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};

@@ -6,7 +6,7 @@
 #include "baked_face.hpp"
 
 using namespace pliant;
-using namespace pliant::cli;
+using namespace pliant::host;
 
 namespace {
 

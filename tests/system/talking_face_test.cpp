@@ -32,13 +32,13 @@ struct Annotation {
   std::map<std::string, std::size_t> ibug;
 
   explicit Annotation(const std::string& folder) {
-    const cli::CsvTable table("points", cli::read_file(folder + "/points_original.csv"));
+    const host::CsvTable table("points", host::read_file(folder + "/points_original.csv"));
     for (std::size_t row = 0; row < kFrames; ++row) {
       points.emplace_back();
       for (std::size_t i = 0; i < 68; ++i)
         points.back().push_back({table.number(row, 1 + 2 * i), table.number(row, 2 + 2 * i)});
     }
-    std::string names = cli::read_file(folder + "/fgnet68_to_ict.csv");
+    std::string names = host::read_file(folder + "/fgnet68_to_ict.csv");
     for (std::size_t at = 0; at < names.size(); at = names.find('\n', at) + 1) {
       int fgnet, index;
       if (std::sscanf(names.c_str() + at, "%d,%d", &fgnet, &index) == 2) {
@@ -66,13 +66,13 @@ float correlation(const std::vector<float>& a, const std::vector<float>& b) {
   return static_cast<float>(ab / std::sqrt(aa * bb));
 }
 
-cli::Image frame_picture(const std::string& folder, std::size_t k) {
+host::Image frame_picture(const std::string& folder, std::size_t k) {
   char name[64];
   std::snprintf(name, sizeof name, "/frames/franck_%05d.jpg", static_cast<int>(k));
-  return cli::to_grey(cli::read_image(folder + name));
+  return host::to_grey(host::read_image(folder + name));
 }
 
-FrameView view_on(const cli::Image& grey, std::size_t k) {
+FrameView view_on(const host::Image& grey, std::size_t k) {
   return {grey.pixels.data(),           kWidth, kHeight, kWidth, 1, static_cast<std::int64_t>(k) * 40'000'000,
           static_cast<std::uint32_t>(k)};
 }
@@ -84,15 +84,15 @@ struct Result {
 };
 
 Result track(const std::string& folder, const Annotation& truth, bool with_markers) {
-  const cli::ModelFile file(baked_face_path());
+  const host::ModelFile file(baked_face_path());
 
-  std::vector<cli::NamedPoint> points;
+  std::vector<host::NamedPoint> points;
   for (const auto& [name, index] : truth.ibug) points.push_back({name, truth.points[0][index], name});
-  cli::FitSetup setup;
+  host::FitSetup setup;
   setup.size = {kWidth, kHeight};
-  const cli::FitFile fit = cli::fit_to_points(file, "points", points, setup);
+  const host::FitFile fit = host::fit_to_points(file, "points", points, setup);
   std::vector<float> q(file.model().parameters().count, 0.0f);
-  cli::apply(fit.parameters, "fit", file.model(), q.data());
+  host::apply(fit.parameters, "fit", file.model(), q.data());
 
   std::vector<std::size_t> markers;
   std::vector<Vec2> marker_x;
@@ -105,12 +105,12 @@ Result track(const std::string& folder, const Annotation& truth, bool with_marke
   limits.width = kWidth;
   limits.height = kHeight;
   limits.markers = static_cast<std::uint16_t>(markers.size());
-  cli::Owned<Tracker> tracker(file.model(), limits);
+  host::Owned<Tracker> tracker(file.model(), limits);
   Result result;
   std::vector<float> mouth, mouth_truth;
   double eye_distance = 0, landmark_sum = 0, marker_sum = 0;
   for (std::size_t k = 0; k < kFrames; ++k) {
-    const cli::Image grey = frame_picture(folder, k);
+    const host::Image grey = frame_picture(folder, k);
     const FrameView frame = view_on(grey, k);
     FrameResult r = tracker->result();
     if (k == 0)
@@ -175,23 +175,23 @@ TEST_CASE("he is found without a point within the first second, and followed fro
   const std::string folder = data_folder();
   if (folder.empty()) return;
   const Annotation truth(folder);
-  const cli::ModelFile file(baked_face_path());
+  const host::ModelFile file(baked_face_path());
   FinderLimits limits;
   limits.width = kWidth;
   limits.height = kHeight;
-  cli::Owned<ModelFinder> finder(file.model(), limits);
-  const Camera camera = centred_camera(kWidth, kHeight, cli::default_focal({kWidth, kHeight}));
+  host::Owned<FaceDetector> finder(file.model(), limits);
+  const Camera camera = centred_camera(kWidth, kHeight, host::default_focal({kWidth, kHeight}));
   REQUIRE(finder->begin(camera, {}) == Status::ok);
   TrackerLimits of_tracker;
   of_tracker.width = kWidth;
   of_tracker.height = kHeight;
-  cli::Owned<Tracker> tracker(file.model(), of_tracker);
+  host::Owned<Tracker> tracker(file.model(), of_tracker);
   bool is_started = false;
   double error = 0, eyes = 0, likeness = 0;
   std::size_t first = 0;
   const std::size_t frames = kFrames < 200 ? kFrames : 200;
   for (std::size_t k = 0; k < frames; ++k) {
-    const cli::Image grey = frame_picture(folder, k);
+    const host::Image grey = frame_picture(folder, k);
     FrameResult r;
     if (!is_started) {
       FinderReport report;

@@ -41,7 +41,7 @@ struct Heard {
 Heard follow(const FaceFilm& film) {
   TrackerLimits limits;
   limits.curve_points = 96;
-  limits.outline_points = 24;
+  limits.silhouette_points = 24;
   InArena<Tracker> tracker(baked_face().model, limits);
   REQUIRE(tracker->start(film.view(0), film.camera, film.poses[0], film.parameters[0].data(), {}, {}) ==
           Status::ok);

@@ -196,11 +196,11 @@ class FaceReader {
 
   void read_curves() {
     const TextTable table(folder_ + "/curves.txt", {"curve", "kind", "points..."});
-    constexpr const char* kKinds[] = {"lid", "lip", "brow", "outline"};
+    constexpr const char* kKinds[] = {"lid", "lip", "brow", "boundary"};
     for (const TextRow& row : table.rows()) {
       const auto kind = std::find(std::begin(kKinds), std::end(kKinds), row.cells[1]);
       if (kind == std::end(kKinds))
-        table.fail(row, "kind '" + row.cells[1] + "' is none of lid, lip, brow, outline");
+        table.fail(row, "kind '" + row.cells[1] + "' is none of lid, lip, brow, boundary");
       std::vector<int> points;
       for (const std::string& word : table.words(row, 2)) try {
           for (int p : points_of(cage_, word)) points.push_back(p);

@@ -203,7 +203,7 @@ class FolderReader {
 
   void add_curves() {
     constexpr IbugCurve kCurves[] = {
-        {"outline", CurveKind::outline, 0, 16, -1},      {"brow_right", CurveKind::brow, 17, 21, -1},
+        {"outline", CurveKind::boundary, 0, 16, -1},      {"brow_right", CurveKind::brow, 17, 21, -1},
         {"brow_left", CurveKind::brow, 22, 26, -1},      {"lid_upper_right", CurveKind::lid, 36, 39, -1},
         {"lid_lower_right", CurveKind::lid, 39, 41, 36}, {"lid_upper_left", CurveKind::lid, 42, 45, -1},
         {"lid_lower_left", CurveKind::lid, 45, 47, 42},  {"lip_outer_upper", CurveKind::lip, 48, 54, -1},

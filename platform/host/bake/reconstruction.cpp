@@ -88,7 +88,7 @@ Reconstruction reconstruct(const std::vector<std::uint8_t>& table, const Source&
   const std::vector<std::size_t> measured = measured_parameters(source);
   std::vector<std::vector<float>> off(measured.size());
   std::vector<float> rest, q(source.parameters.size(), 0.0f);
-  std::vector<Vec3> baked(t.cascade.baked_count());
+  std::vector<Vec3> baked(t.cascade.samples_per_point());
   for (const std::size_t v : skin_vertices(source)) {
     t.cascade.bake(source.uv[v], q.data(), baked.data());
     rest.push_back(length(t.cascade.evaluate(baked.data(), q.data()) - source.neutral[v]));

@@ -1,5 +1,5 @@
 #pragma once
-/// \file skin_boundary.hpp
+/// \file surface_boundary.hpp
 /// Where the skin of a source ends: its outline and its openings.
 #include <vector>
 

@@ -9,7 +9,7 @@
 
 #include "host/io/files.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Stellar operators, restricted adaptation, criteria, memory. With a model also its own mesh.
 void bench_mesh(std::ostream& out, const ModelFile* model);
@@ -46,4 +46,4 @@ void bench_fields(std::ostream& out, const ModelFile* model);
 /// `problem,prior,cost`. Times are of the minimisation alone, of the median problem; cost is measured in double.
 void bench_fit(std::ostream& out, const std::string& folder);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

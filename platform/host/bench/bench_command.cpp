@@ -5,7 +5,7 @@
 #include "host/commands/command.hpp"
 #include "host/io/failure.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -86,4 +86,4 @@ Command bench_command() {
       run_bench};
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -9,7 +9,7 @@
 #include "host/io/owned.hpp"
 #include "pliant/field.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -94,7 +94,7 @@ void times(const BenchRows& rows, const std::string& name, int fields, double us
 }
 
 void baked(const BenchRows& rows, Cascade& cascade, const Setting& s, int fields) {
-  const std::size_t stride = cascade.baked_count();
+  const std::size_t stride = cascade.samples_per_point();
   std::vector<Vec3> points(kPoints * stride);
   for (std::size_t i = 0; i < kPoints; ++i) cascade.bake(s.uv[i], s.q.data(), &points[i * stride]);
   const auto positions = [&] {
@@ -114,7 +114,7 @@ void baked(const BenchRows& rows, Cascade& cascade, const Setting& s, int fields
 }
 
 void resampled(const BenchRows& rows, Cascade& cascade, const Setting& s, int fields, const char* how) {
-  std::vector<Vec3> point(cascade.baked_count());
+  std::vector<Vec3> point(cascade.samples_per_point());
   const auto positions = [&] {
     float sum = 0;
     cascade.select(s.q.data());
@@ -142,7 +142,7 @@ void resampled(const BenchRows& rows, Cascade& cascade, const Setting& s, int fi
 
 /// Baking a new point and its tangents, with the identity sampled field by field and folded.
 void new_points(const BenchRows& rows, const std::string& name, Cascade& cascade, const Setting& s) {
-  std::vector<Vec3> point(cascade.baked_count());
+  std::vector<Vec3> point(cascade.samples_per_point());
   const auto bakes = [&] {
     for (const Vec2 uv : s.uv) cascade.bake(uv, s.q.data(), point.data());
     sink = point[0].x;
@@ -175,9 +175,9 @@ void folding(const BenchRows& rows, const std::string& model_name, const Model& 
   exact->set_free(Group::expression);
   new_points(rows, model_name + "_identity_unfolded", *exact, s);
   for (const std::uint16_t side : {std::uint16_t{32}, std::uint16_t{64}, std::uint16_t{128}}) {
-    Owned<Cascade> folded(model, FoldLimits{side, side});
+    Owned<Cascade> folded(model, PersonalFieldLimits{side, side});
     folded->set_free(Group::expression);
-    const auto fold = [&] { require(folded->fold(s.q.data()), "fold"); };
+    const auto fold = [&] { require(folded->personalise(s.q.data()), "fold"); };
     const std::string name = model_name + "_identity_folded_" + std::to_string(side);
     rows(name, "ms_fold", 1e-3 * median_microseconds(fold, 3));
     rows(name, "bytes", static_cast<double>(folded.used_bytes() - exact.used_bytes()));
@@ -213,4 +213,4 @@ void bench_fields(std::ostream& out, const ModelFile* model) {
     folding(rows, "model", model->model());
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -11,7 +11,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -200,4 +200,4 @@ void bench_fit(std::ostream& out, const std::string& folder) {
   for (int points : {200, 500, 1800}) bench.run_track(points);
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

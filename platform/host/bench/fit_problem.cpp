@@ -6,7 +6,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -195,4 +195,4 @@ double LinearShapeFit::exact_cost() const {
   return total;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -9,7 +9,7 @@
 #include "pliant/robust.hpp"
 #include "pliant/solver.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Unknowns: turn, log s, shift, log rho unless the focal length is known; then the coefficients.
 class LinearShapeFit {
@@ -60,4 +60,4 @@ class LinearShapeFit {
   std::vector<float> coefficients_, trial_, along_x_, along_y_;
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -7,7 +7,7 @@
 #include "host/io/csv.hpp"
 #include "host/io/files.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 LumaPicture read_luma(const std::string& path) {
   LumaPicture picture;
@@ -210,4 +210,4 @@ void bench_klt(std::ostream& out, const KltInputs& inputs) {
   if (inputs.frames) bench_klt_sequence(row, *inputs.frames, inputs.count);
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

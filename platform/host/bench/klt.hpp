@@ -7,7 +7,7 @@
 #include "pliant/corners.hpp"
 #include "pliant/patch.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Bad input for what is no picture.
 LumaPicture read_luma(const std::string& path);
@@ -55,4 +55,4 @@ std::vector<Vec2> best_corners(const ImageView& image, std::size_t most, const C
 void bench_klt_drift(const BenchRows& row, const std::string& folder);
 void bench_klt_sequence(const BenchRows& row, const std::string& frames, int count);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

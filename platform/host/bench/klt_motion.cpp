@@ -8,7 +8,7 @@
 #include "host/io/files.hpp"
 #include "host/io/frame_source.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -178,4 +178,4 @@ void bench_klt_sequence(const BenchRows& row, const std::string& frames, int cou
     for (const int window : {15, 21}) bench_recording(row, frames, count, window, want);
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -6,7 +6,7 @@
 #include "host/io/owned.hpp"
 #include "pliant/outliers.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -86,4 +86,4 @@ void bench_mcd(std::ostream& out) {
   }
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

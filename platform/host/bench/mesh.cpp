@@ -11,7 +11,7 @@
 #include "pliant/adapt.hpp"
 #include "pliant/criteria.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -284,4 +284,4 @@ void bench_mesh(std::ostream& out, const ModelFile* model) {
   for (const int faces : {968, 3528, 10082, 16384}) memory(faces);
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

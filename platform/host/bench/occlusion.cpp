@@ -2,7 +2,7 @@
 #include "host/bench/bench.hpp"
 #include "host/render/occlusion.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 void bench_occlusion(std::ostream& out, const ModelFile& model) {
   struct Case {
@@ -29,4 +29,4 @@ void bench_occlusion(std::ostream& out, const ModelFile& model) {
   }
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

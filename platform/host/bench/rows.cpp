@@ -5,7 +5,7 @@
 #include <cmath>
 #include <ctime>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return std::nan("");
@@ -25,4 +25,4 @@ double process_ms() {
   return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

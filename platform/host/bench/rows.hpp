@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Prints rows "topic,pliant,variant,metric,value", each as soon as it is known.
 class BenchRows {
@@ -40,4 +40,4 @@ double median_microseconds(Call&& call, int runs) {
   return quantile(times, 0.5);
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

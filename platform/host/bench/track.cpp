@@ -11,7 +11,7 @@
 #include "host/commands/start.hpp"
 #include "pliant/tracker.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -225,7 +225,7 @@ void bench_cues(std::ostream& out, const ModelFile& file) {
   const Film flat(file.model(), {320, 240}, {64}), whole(file.model(), {320, 240});
   TrackerLimits limits;
   limits.curve_points = 96;
-  limits.outline_points = 24;
+  limits.silhouette_points = 24;
   const auto bit = [](Cue cue) { return static_cast<std::uint8_t>(1u << static_cast<unsigned>(cue)); };
   const std::uint8_t corners = bit(Cue::patch), edges = bit(Cue::edge), flow = bit(Cue::flow);
   struct Variant {
@@ -263,4 +263,4 @@ void bench_drift(std::ostream& out, const ModelFile& file) {
   }
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -11,7 +11,7 @@
 #include "host/render/shown_mesh.hpp"
 #include "host/commands/start.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -148,4 +148,4 @@ Command animate_command() {
       run_animate};
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -5,7 +5,7 @@
 
 #include "host/io/failure.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 std::optional<double> parse_number(const std::string& text) {
   double value = 0;
@@ -109,4 +109,4 @@ std::optional<std::vector<float>> Args::numbers(const char* name, std::size_t co
   return parsed;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

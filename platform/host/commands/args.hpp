@@ -8,7 +8,7 @@
 
 #include "pliant/geometry.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 struct Option {
   const char* name;   ///< with its dashes: "-o", "--size"
@@ -55,4 +55,4 @@ class Args {
 /// The finite number that `text` spells, whole and in decimal; nothing otherwise.
 std::optional<double> parse_number(const std::string& text);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

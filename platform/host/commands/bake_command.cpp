@@ -7,7 +7,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -140,4 +140,4 @@ Command bake_command() {
       run_bake};
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -6,7 +6,7 @@
 #include "host/bake/source_error.hpp"
 #include "host/io/failure.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -56,4 +56,4 @@ void print_sizes(const bake::BakeOptions& options, const std::vector<int>& sizes
   }
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

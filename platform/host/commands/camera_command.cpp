@@ -7,7 +7,7 @@
 #include "pliant/libcamera.hpp"
 #endif
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -35,4 +35,4 @@ Command camera_command() {
   return {"camera", "Lists the cameras: index, id and model, with tabs between.", "list", {}, 1, run_camera};
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -5,7 +5,7 @@
 
 #include "host/io/failure.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -86,4 +86,4 @@ void Progress::show(std::size_t count) {
   shown_ = true;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

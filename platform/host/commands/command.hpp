@@ -7,7 +7,7 @@
 
 #include "host/commands/args.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Where a command talks to.
 struct Console {
@@ -57,4 +57,4 @@ class Progress {
   bool shown_ = false;
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -4,7 +4,7 @@
 
 #include "host/io/failure.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -27,7 +27,7 @@ std::string number_of(float likeness) {
 
 }  // namespace
 
-SelfStart::SelfStart(const ModelFile& file, const ImageSize& size, const Camera& camera,
+DetectionStart::DetectionStart(const ModelFile& file, const ImageSize& size, const Camera& camera,
                      const std::string& frames, int most_frames, std::ostream& err)
     : frames_(frames),
       most_frames_(most_frames),
@@ -37,11 +37,11 @@ SelfStart::SelfStart(const ModelFile& file, const ImageSize& size, const Camera&
   const Status status = finder_->begin(camera, {});
   if (status == Status::not_found)
     fail_input(file.path(),
-               "--init outline needs a model with an albedo, curves of lids, brows and lips, and landmarks");
-  require(status, "--init outline");
+               "--init detect needs a model with an albedo, curves of lids, brows and lips, and landmarks");
+  require(status, "--init detect");
 }
 
-std::optional<Beginning> SelfStart::find(const FrameView& frame, std::size_t number) {
+std::optional<Beginning> DetectionStart::find(const FrameView& frame, std::size_t number) {
   FinderReport report;
   require(finder_->find(frame, &report), frames_ + ": frame " + std::to_string(number));
   most_ = max(most_, report.likeness);
@@ -60,13 +60,13 @@ std::optional<Beginning> SelfStart::find(const FrameView& frame, std::size_t num
   return Beginning{camera_, report.pose, {q.begin(), q.end()}};
 }
 
-void SelfStart::refuse(std::size_t number) {
+void DetectionStart::refuse(std::size_t number) {
   is_on_ = false;
   err_ << frames_ << ": frame " << number << ": too little to track there, looking on\n";
   if (looked_ >= most_frames_) give_up();
 }
 
-bool SelfStart::holds(const FrameView& frame, std::size_t number, Tracker& tracker) {
+bool DetectionStart::holds(const FrameView& frame, std::size_t number, Tracker& tracker) {
   if (followed_ == kTrialFrames) return true;
   float likeness = 0;
   const bool is_compared = tracker.result().state != TrackState::lost &&
@@ -83,11 +83,11 @@ bool SelfStart::holds(const FrameView& frame, std::size_t number, Tracker& track
   return false;
 }
 
-void SelfStart::conclude() const {
+void DetectionStart::conclude() const {
   if (!is_on_) give_up();
 }
 
-void SelfStart::give_up() const {
+void DetectionStart::give_up() const {
   const float needed = FinderOptions{}.min_likeness;
   const std::string count = std::to_string(looked_) + " frames";
   if (most_ >= needed) fail_input(frames_, "no start held, " + count + " looked at");
@@ -95,4 +95,4 @@ void SelfStart::give_up() const {
                           number_of(needed) + " is needed");
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

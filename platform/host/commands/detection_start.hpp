@@ -1,6 +1,6 @@
 #pragma once
-/// \file self_start.hpp
-/// `--init outline`: a track that starts by itself, and is told when its start does not hold.
+/// \file detection_start.hpp
+/// `--init detect`: a track that starts by itself, and is told when its start does not hold.
 #include <optional>
 #include <ostream>
 #include <string>
@@ -13,7 +13,7 @@
 #include "pliant/face_detector.hpp"
 #include "pliant/tracker.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Where a track starts.
 struct Beginning {
@@ -23,11 +23,11 @@ struct Beginning {
   std::vector<Correspondence> landmarks = {};  ///< where the person has them, not the model
 };
 
-class SelfStart {
+class DetectionStart {
  public:
   /// \param most_frames  how many are looked at before it gives up.
   /// Bad input when the model has not got what it takes.
-  SelfStart(const ModelFile& file, const ImageSize& size, const Camera& camera, const std::string& frames,
+  DetectionStart(const ModelFile& file, const ImageSize& size, const Camera& camera, const std::string& frames,
             int most_frames, std::ostream& err);
 
   /// Looks for the model in one frame. Bad input when nothing was found in `most_frames` one after the other.
@@ -46,7 +46,7 @@ class SelfStart {
   std::string frames_;
   int most_frames_;
   std::ostream& err_;
-  Owned<ModelFinder> finder_;
+  Owned<FaceDetector> finder_;
   Camera camera_;
   int looked_ = 0, followed_ = 0;  // frames looked for a start in, and since the last start
   std::size_t started_at_ = 0;
@@ -54,4 +54,4 @@ class SelfStart {
   bool is_on_ = false;        // a start has not failed since
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

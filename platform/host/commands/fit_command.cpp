@@ -8,7 +8,7 @@
 #include "host/render/photo_texture.hpp"
 #include "host/commands/start.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -101,9 +101,9 @@ int run_fit(const Args& args, Console& console) {
   setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
   setup.camera = calibration_of(args, setup.size, console.err);
   setup.is_free = free_parameters(model, args.text("--parameters"));
-  const std::string outline = args.text("--outline").value_or("match");
-  if (outline != "match" && outline != "fixed") fail_usage("--outline: match or fixed, not " + outline);
-  setup.match_outline = outline == "match";
+  const std::string silhouette = args.text("--silhouette").value_or("match");
+  if (silhouette != "match" && silhouette != "fixed") fail_usage("--silhouette: match or fixed, not " + silhouette);
+  setup.match_silhouette = silhouette == "match";
   read_method(args, setup);
   setup.q.assign(model.parameters().count, 0.0f);
   FitFile fit;
@@ -139,7 +139,7 @@ Command fit_command() {
       "Fits a model to one picture: pose, focal length and parameters.",
       "face.plm (--points points.csv | --box x,y,w,h | --pose fit.json) --size WxH [--image picture] "
       "[--focal PX|--calibration camera.yml] "
-      "[--parameters GROUP|COUNT] [--outline match|fixed] -o fit.json [--overlay picture.png] [--texture face.glb]",
+      "[--parameters GROUP|COUNT] [--silhouette match|fixed] -o fit.json [--overlay picture.png] [--texture face.glb]",
       {{"--points", "CSV",
         "landmark,x,y: landmarks of the model by name, at least four; with columns u,v any points of the "
         "surface"},
@@ -150,7 +150,7 @@ Command fit_command() {
        {"--focal", "PX", "focal length, when it is known"},
        {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
        {"--parameters", "CHOICE", "free ones: identity, expression, all (default), none, or the first COUNT"},
-       {"--outline", "HOW",
+       {"--silhouette", "HOW",
         "ibug00 to ibug16: match them to the silhouette (default), or take them as fixed places of the "
         "surface"},
        {"--method", "NAME",
@@ -167,4 +167,4 @@ Command fit_command() {
       run_fit};
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

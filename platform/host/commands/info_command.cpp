@@ -9,7 +9,7 @@
 #include "pliant/fit.hpp"
 #include "pliant/tracker.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -45,7 +45,7 @@ const char* name_of(Operation operation) {
 }
 
 const char* name_of(CurveKind kind) {
-  constexpr const char* kNames[] = {"lid", "lip", "brow", "outline"};
+  constexpr const char* kNames[] = {"lid", "lip", "brow", "boundary"};
   const auto k = static_cast<std::size_t>(kind);
   return k < std::size(kNames) ? kNames[k] : "?";
 }
@@ -145,7 +145,7 @@ void print_memory(const Model& model, std::ostream& out) {
   out << "memory at run time:\n";
   print(out, "  cascade               %8zu bytes\n", measured_bytes<Cascade>(model));
   print(out, "  person folded, 128x128%8zu bytes\n",
-        measured_bytes<Cascade>(model, FoldLimits{128, 128}) - measured_bytes<Cascade>(model));
+        measured_bytes<Cascade>(model, PersonalFieldLimits{128, 128}) - measured_bytes<Cascade>(model));
   print(out, "  fit, %3u points       %8zu bytes\n", FitLimits{}.points,
         measured_bytes<Fitter>(model, FitLimits{}));
   const TrackerLimits limits;
@@ -182,4 +182,4 @@ Command info_command() {
           run_info};
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -12,7 +12,7 @@
 #include "host/io/mesh_files.hpp"
 #include "host/render/shown_mesh.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -171,4 +171,4 @@ Command mesh_command() {
           run_mesh};
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -51,4 +51,4 @@ std::string mesh_curve(const Model& model, ModelSurface& surface, const std::vec
   return table.text();
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -18,14 +18,14 @@ struct Counts {
     for (const Parameter& p : model.parameters()) expressions += p.group == Group::expression;
     free = l.free_parameters > 0 ? std::min<std::size_t>(l.free_parameters, expressions) : expressions;
     const std::size_t all = model.cascade().count;
-    records = static_cast<double>(l.baked_samples > 0 ? std::min<std::size_t>(l.baked_samples, all) : all);
+    records = static_cast<double>(l.samples_per_point > 0 ? std::min<std::size_t>(l.samples_per_point, all) : all);
     slots = l.patches + l.key_patches;
     unknowns = kPoseUnknowns + static_cast<double>(free);
     region_pixels = static_cast<double>(l.region_width > 0 ? std::min(l.region_width, l.width) : l.width) *
                     (l.region_height > 0 ? std::min(l.region_height, l.height) : l.height);
     frame_pixels = static_cast<double>(l.width) * l.height;
     window_pixels = static_cast<double>(l.patch_window) * l.patch_window;
-    small_side = std::max(l.width, l.height) / std::max(1, (l.width + l.small_columns - 1) / l.small_columns);
+    small_side = std::max(l.width, l.height) / std::max(1, (l.width + l.thumbnail_width - 1) / l.thumbnail_width);
   }
   std::size_t free;
   double records, slots, unknowns, region_pixels, frame_pixels, window_pixels;
@@ -81,8 +81,8 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   const double searches = (1.0 + options.rounds) * c.slots + 2 * follows;
   const double search_steps = limits.pyramid_levels * patch.max_iterations + 2 * kFineSteps;
   const double row = c.records * kRecordOperations + c.unknowns * (c.unknowns + 1);
-  const double shares = estimator.vertex_share > 0 ? estimator.vertex_share : 1;
-  const double points = c.slots + limits.markers + limits.curve_points + limits.outline_points;
+  const double shares = estimator.vertex_interval_frames > 0 ? estimator.vertex_interval_frames : 1;
+  const double points = c.slots + limits.markers + limits.curve_points + limits.silhouette_points;
 
   plan.loads = {
       {"pixels of the small picture", c.frame_pixels, c.frame_pixels, 1},
@@ -96,7 +96,7 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
       {"Gauss-Newton steps", 5, steps, 0},
       {"observations in passes over them", 9 * 0.8 * c.slots, passes * c.slots, row},
       {"factorisations", 8, (steps + minimisations) * kLimitRounds, c.unknowns * c.unknowns * c.unknowns / 6},
-      {"tangents brought up", points / estimator.tangent_share, points / estimator.tangent_share + 1,
+      {"tangents brought up", points / estimator.tangent_interval_frames, points / estimator.tangent_interval_frames + 1,
        3 * c.records * kRecordOperations},
       {"vertices brought up", limits.vertices / shares, limits.vertices * (1 + 1 / shares),
        c.records * kRecordOperations},
@@ -107,4 +107,4 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   return plan;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

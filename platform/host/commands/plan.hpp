@@ -5,7 +5,7 @@
 
 #include "pliant/tracker.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// One kind of work in a frame.
 struct Load {
@@ -29,4 +29,4 @@ struct Plan {
 /// With the default options; the expressions are free.
 Plan make_plan(const Model& model, const TrackerLimits& limits);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -10,7 +10,7 @@
 #include "host/commands/plan.hpp"
 #include "host/commands/tracker_limits.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -146,4 +146,4 @@ Command plan_command() {
           1};
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

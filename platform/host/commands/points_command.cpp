@@ -14,7 +14,7 @@
 #include "host/render/scene.hpp"
 #include "host/commands/start.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -145,4 +145,4 @@ Command points_command() {
       run_points};
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -14,7 +14,7 @@
 #include "host/io/track_table.hpp"
 #include "host/io/y4m_output.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -176,4 +176,4 @@ Command render_command() {
       run_render};
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -8,7 +8,7 @@
 #include "track/landmark_fit.hpp"
 #include "track/personal_landmarks.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -18,7 +18,7 @@ constexpr float kLeastSpread = 4;
 constexpr float kUnseenShare = 0.95f;
 
 /// The iBUG points 0 to 16 run along the jaw from ear to ear.
-bool is_outline_landmark(const std::string& name) {
+bool is_silhouette_landmark(const std::string& name) {
   return name.size() == 6 && name.compare(0, 4, "ibug") == 0 && name.substr(4) <= "16";
 }
 
@@ -30,14 +30,14 @@ Vec2 landmark_uv(const ModelFile& file, const NamedPoint& p) {
 }
 
 std::vector<Correspondence> correspondences(const ModelFile& file, const std::string& source,
-                                            const std::vector<NamedPoint>& points, bool match_outline) {
+                                            const std::vector<NamedPoint>& points, bool match_silhouette) {
   if (points.size() < 4)
     fail_input(source, "too few points: " + std::to_string(points.size()) + ", at least 4 are needed");
   if (points.size() > 2048) fail_input(source, "more than 2048 points");
   std::vector<Correspondence> out;
   for (const NamedPoint& p : points) {
-    const bool is_outline = match_outline && !p.uv && is_outline_landmark(p.name);
-    out.push_back({p.uv ? *p.uv : landmark_uv(file, p), p.x, 1, is_outline});
+    const bool is_silhouette = match_silhouette && !p.uv && is_silhouette_landmark(p.name);
+    out.push_back({p.uv ? *p.uv : landmark_uv(file, p), p.x, 1, is_silhouette});
   }
   const float spread = spread_of({out.data(), out.size()});
   if (!(spread >= kLeastSpread))
@@ -100,7 +100,7 @@ FitFile describe(const Model& model, const ImageSize& size, const View& view, co
 FitFile fit_to_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points,
                       const FitSetup& setup) {
   const Model& model = file.model();
-  auto pairs = correspondences(file, source, points, setup.match_outline);
+  auto pairs = correspondences(file, source, points, setup.match_silhouette);
   std::vector<float> q = setup.q, sd(model.parameters().count), weight(pairs.size());
   q.resize(model.parameters().count, 0.0f);
   std::vector<Vec2> residual(pairs.size());
@@ -117,7 +117,7 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   FitReport report;
   FitLimits limits;
   limits.points = static_cast<std::uint16_t>(pairs.size());
-  for (const Correspondence& c : pairs) limits.outline = limits.outline || c.is_outline;
+  for (const Correspondence& c : pairs) limits.silhouette = limits.silhouette || c.is_silhouette;
   Owned<Fitter> fitter(model, limits);
   const auto fit_with = [&](const FitOptions& stage, float* stage_sd) {
     return fitter->fit({pairs.data(), pairs.size()}, stage, q.data(), &report, stage_sd, residual.data(),
@@ -215,4 +215,4 @@ FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const F
   return fit;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -12,7 +12,7 @@
 #include "host/io/points_file.hpp"
 #include "pliant/fit.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 struct FitSetup {
   ImageSize size;
@@ -24,7 +24,7 @@ struct FitSetup {
   FitMethod method = FitMethod::gauss_newton;
   EulerOptions euler;
   float stiffness = 1;
-  bool match_outline = true;  ///< ibug00 to ibug16 are where the face ends in the picture
+  bool match_silhouette = true;  ///< ibug00 to ibug16 are where the face ends in the picture
 };
 
 /// Fits pose, focal length and parameters. Bad input: a landmark that the model does not have, fewer than
@@ -60,4 +60,4 @@ View with_focal(const View& view, float focal_px);
 /// One line that names the parameters of `source` which the model does not have; nothing when there are none.
 void list_unmatched(const std::vector<std::string>& names, const std::string& source, std::ostream& err);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -18,7 +18,7 @@
 #include "host/io/frame_source.hpp"
 #include "pliant/tracker.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -88,19 +88,19 @@ Beginning read_init(const Args& args, const ModelFile& file, ImageSize size, con
 }
 
 /// Null unless the track is to start by itself.
-std::unique_ptr<SelfStart> self_start(const Args& args, const ModelFile& file, const Frames& frames,
+std::unique_ptr<DetectionStart> detection_start(const Args& args, const ModelFile& file, const Frames& frames,
                                       std::ostream& err) {
-  if (args.required("--init") != "outline") {
-    if (args.has("--search-frames")) fail_usage("--search-frames is for --init outline");
+  if (args.required("--init") != "detect") {
+    if (args.has("--search-frames")) fail_usage("--search-frames is for --init detect");
     return nullptr;
   }
-  if (args.has("--markers")) fail_usage("--markers are of frame 0, which --init outline may not start in");
+  if (args.has("--markers")) fail_usage("--markers are of frame 0, which --init detect may not start in");
   const ImageSize size = frames.size();
   const auto focal =
       static_cast<float>(args.number("--focal", static_cast<double>(default_focal(size)), 1, 1e6));
   const auto known = camera_of_frames(args, size, err);
   const int most = args.integer("--search-frames", 300, 1, 1 << 30);
-  return std::make_unique<SelfStart>(
+  return std::make_unique<DetectionStart>(
       file, size, known ? *known : centred_camera(size.width, size.height, focal), frames.name(), most, err);
 }
 
@@ -152,13 +152,13 @@ std::uint8_t cues_of(const Args& args) {
 class Run {
  public:
   Run(Frames& frames, Tracker& tracker, const TrackerOptions& options, const Markers& markers,
-      TrackOutput& output, SelfStart* self)
+      TrackOutput& output, DetectionStart* detection)
       : frames_(frames),
         tracker_(tracker),
         options_(options),
         markers_(markers),
         output_(output),
-        self_(self) {}
+        detection_(detection) {}
 
   Status start(const FrameView& frame, const Beginning& from) {
     const Status status = tracker_.start(frame, from.camera, from.pose, from.q.data(),
@@ -184,9 +184,9 @@ class Run {
   }
   void look(const FrameView& frame) {
     const std::size_t number = frames_.number(frame);
-    const auto found = self_->find(frame, number);
+    const auto found = detection_->find(frame, number);
     if (found && start(frame, *found) == Status::ok) return;
-    if (found) self_->refuse(number);
+    if (found) detection_->refuse(number);
     output_.add_lost(number, frames_.time_s(frame), frame);
   }
   void follow(const FrameView& frame) {
@@ -196,7 +196,7 @@ class Run {
     if (frames_.is_live() && status == Status::stale_frame) return;  // a camera's clock may stumble
     require(status, where(frame));
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - before;
-    is_started_ = self_ == nullptr || self_->holds(frame, frames_.number(frame), tracker_);
+    is_started_ = detection_ == nullptr || detection_->holds(frame, frames_.number(frame), tracker_);
     if (is_started_)
       output_.add(frames_.number(frame), frames_.time_s(frame), frame, tracker_, elapsed.count());
     else
@@ -208,7 +208,7 @@ class Run {
   const TrackerOptions& options_;
   const Markers& markers_;
   TrackOutput& output_;
-  SelfStart* self_;
+  DetectionStart* detection_;
   Camera camera_;
   bool is_started_ = false;
 };
@@ -227,9 +227,9 @@ int run_track(const Args& args, Console& console) {
   const auto is_free = free_parameters(args, model);
   options.is_free = is_free.data();
   Frames frames(args.required("--frames"), args.has("--mirror"));
-  const auto self = self_start(args, file, frames, console.err);
+  const auto detection = detection_start(args, file, frames, console.err);
   std::optional<Beginning> start;
-  if (self == nullptr) start = read_init(args, file, frames.size(), frames.name(), console.err);
+  if (detection == nullptr) start = read_init(args, file, frames.size(), frames.name(), console.err);
   const Markers markers = read_markers(args, model);
 
   FrameView frame;
@@ -240,7 +240,7 @@ int run_track(const Args& args, Console& console) {
   if (options.estimator.mesh_operations > 0) limits.texture_cells = 32;
   Owned<Tracker> tracker(model, limits);
   TrackOutput output(args, model, markers.names, frames.rate());
-  Run run(frames, *tracker, options, markers, output, self.get());
+  Run run(frames, *tracker, options, markers, output, detection.get());
   if (start)
     require(run.start(frame, *start), frames.name() + ": frame 0");
   else
@@ -252,7 +252,7 @@ int run_track(const Args& args, Console& console) {
     run.take(frame);
     progress.show(static_cast<std::size_t>(count) + 1);
   }
-  if (self != nullptr) self->conclude();
+  if (detection != nullptr) detection->conclude();
   // A stream that breaks off leaves what came before it.
   console.out << output.commit(tracker.used_bytes(), run.focal_px()) << "\n";
   if (frames.message().empty()) return 0;
@@ -265,7 +265,7 @@ Command track_command() {
   return {
       "track",
       "Follows a model through a video, from a start in its first frame.",
-      "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv|outline --out track.csv "
+      "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv|detect --out track.csv "
       "[--landmarks|--model-landmarks] "
       "[--markers points.csv] [--marker-exclusion-px R] [--focal PX|--calibration camera.yml] [--mirror] "
       "[--freeze GROUP] "
@@ -275,9 +275,9 @@ Command track_command() {
       {{"--frames", "SOURCE",
         "a Y4M file, a folder of PGM or PPM, - for Y4M on standard input, or camera:[ID|INDEX][@WxH]"},
        {"--init", "START",
-        "frame 0: a fit.json, or a points.csv that is fitted first; outline: where a face is found, by "
+        "frame 0: a fit.json, or a points.csv that is fitted first; detect: where a face is found, by "
         "itself"},
-       {"--search-frames", "N", "with --init outline: give up after so many frames without a face (300)"},
+       {"--search-frames", "N", "with --init detect: give up after so many frames without a face (300)"},
        {"--out", "CSV", "the track to write: a row a frame"},
        {"--landmarks", nullptr,
         "columns with the landmarks as well; those that START gave stay where it gave them on this face, "
@@ -304,4 +304,4 @@ Command track_command() {
       run_track};
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -8,7 +8,7 @@
 #include "track/personal_landmarks.hpp"
 #include "track/surface_offset.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -176,4 +176,4 @@ void TrackOutput::draw(const TrackRow& row, const FrameView& frame, Estimator* e
   if (report_) report_->add(row, overlay.image(), milliseconds);
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -17,7 +17,7 @@
 #include "pliant/fit.hpp"
 #include "pliant/tracker.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Whether landmarks are asked for.
 bool has_landmarks(const Args& args);
@@ -71,4 +71,4 @@ class TrackOutput {
   double squared_sum_ = 0;
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -9,7 +9,7 @@
 #include "host/render/svg_chart.hpp"
 #include "host/io/truth.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -210,4 +210,4 @@ std::string TrackReport::page(const ReportFacts& facts) const {
                                  {"memory", memory_table(facts)}});
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -7,7 +7,7 @@
 #include "host/render/sheet.hpp"
 #include "host/io/track_table.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// What a report tells beside its frames.
 struct ReportFacts {
@@ -45,4 +45,4 @@ class TrackReport {
   ContactSheet sheet_;
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

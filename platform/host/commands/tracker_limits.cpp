@@ -2,7 +2,7 @@
 
 #include "host/io/failure.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -18,7 +18,7 @@ TrackerLimits tracker_limits(const Args& args, const std::optional<ImageSize>& s
   TrackerLimits limits = small ? profile_s() : large ? profile_l() : TrackerLimits{};
   if (!small) {
     limits.curve_points = 96;
-    limits.fold = {128, 128};  // the grid on which tables are baked unless told otherwise: nothing is lost
+    limits.personal_field = {128, 128};  // the grid on which tables are baked unless told otherwise: nothing is lost
   }
   if (size) {
     limits.width = static_cast<std::uint16_t>(size->width);
@@ -27,4 +27,4 @@ TrackerLimits tracker_limits(const Args& args, const std::optional<ImageSize>& s
   return limits;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

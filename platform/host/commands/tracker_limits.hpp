@@ -4,10 +4,10 @@
 #include "host/commands/args.hpp"
 #include "pliant/tracker.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Those of the profile that `--profile` names, else what suits the size of the frames; without a size, the profile's
 /// own. Raises UsageError for another profile.
 TrackerLimits tracker_limits(const Args& args, const std::optional<ImageSize>& size);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -8,7 +8,7 @@
 #include "host/io/glb.hpp"
 #include "host/render/shown_mesh.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -130,4 +130,4 @@ void write_obj_frames(const std::string& folder, MeshData mesh, MorphSurface& su
   }
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -8,7 +8,7 @@
 #include "host/render/morph.hpp"
 #include "host/render/retarget.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// glTF: one mesh with a morph target a row of `morphs.targets` (named in the mesh's extras), its weights animated
 /// over time_s, and the head as its node's translation and rotation where the track has one. The scene's axes are the
@@ -22,4 +22,4 @@ std::string animation_glb(const MeshData& mesh, const Morphs& morphs, const Mode
 void write_obj_frames(const std::string& folder, MeshData mesh, MorphSurface& surface,
                       const Retargeted& track, const std::function<void(std::size_t)>& progress);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

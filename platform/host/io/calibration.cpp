@@ -7,7 +7,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -217,4 +217,4 @@ std::optional<Camera> calibration_of(const Args& args, const ImageSize& size, st
   return calibration.camera;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

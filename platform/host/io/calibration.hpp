@@ -8,7 +8,7 @@
 #include "host/commands/args.hpp"
 #include "pliant/lens.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// What a calibration comes to with two radial coefficients.
 struct Calibration {
@@ -29,4 +29,4 @@ std::optional<Camera> calibration_of(const Args& args, const ImageSize& size, st
 /// The lens of a camera whose pictures have this size. Bad input when there can be no such lens.
 Lens lens_of(const Camera& camera, const ImageSize& size);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

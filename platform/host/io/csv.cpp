@@ -3,7 +3,7 @@
 #include "host/commands/args.hpp"
 #include "host/io/failure.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -92,4 +92,4 @@ std::string CsvTable::where(std::size_t row) const {
   return source_ + ": line " + std::to_string(rows_[row].line);
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

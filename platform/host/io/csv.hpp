@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// A CSV file in memory. Every complaint names the file, the line and the column.
 class CsvTable {
@@ -38,4 +38,4 @@ class CsvTable {
   std::vector<Row> rows_;
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -7,7 +7,7 @@
 
 #include "pliant/status.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 constexpr int kBadInput = 1;  ///< a file that cannot be read or says something impossible
 constexpr int kBadUsage = 2;  ///< an option that does not exist, or a missing one
@@ -34,4 +34,4 @@ inline void require(Status status, const std::string& where) {
   if (status != Status::ok) fail_input(where, text(status));
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

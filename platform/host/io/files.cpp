@@ -11,7 +11,7 @@
 
 #include "host/io/failure.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 std::string read_file(const std::string& path, std::size_t limit_bytes) {
   std::error_code ignored;
@@ -109,4 +109,4 @@ std::string number_text(double value) {
   return text;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -9,7 +9,7 @@
 
 #include "pliant/model.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// All bytes of a file. Bad input when it cannot be read, is a directory, or is larger than `limit_bytes`.
 std::string read_file(const std::string& path, std::size_t limit_bytes = std::size_t{1} << 28);
@@ -92,4 +92,4 @@ class ModelFile {
 /// a float.
 std::string number_text(double value);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -7,7 +7,7 @@
 #include "host/io/json.hpp"
 #include "pliant/lens.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -201,4 +201,4 @@ std::vector<std::string> apply(const NamedValues& values, const std::string& sou
   return unmatched;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

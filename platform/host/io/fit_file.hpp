@@ -9,7 +9,7 @@
 #include "pliant/camera.hpp"
 #include "pliant/model.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 using NamedValues = std::vector<std::pair<std::string, float>>;
 
@@ -51,4 +51,4 @@ std::vector<std::uint16_t> parameters_named(const Model& model, const std::strin
 std::vector<std::string> apply(const NamedValues& values, const std::string& source, const Model& model,
                                float* q);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

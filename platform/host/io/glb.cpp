@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -151,4 +151,4 @@ std::string GlbFile::bytes(Json::Object root) const {
   return out + chunks;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -9,7 +9,7 @@
 #include "host/io/json.hpp"
 #include "pliant/geometry.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Numbers as the bytes of little-endian files, whatever the host is.
 void put(std::string& out, std::uint32_t value, int bytes);
@@ -50,4 +50,4 @@ class GlbFile {
 /// glTF has metres: the scale of a node whose mesh is in millimetres.
 Json::Array metres_per_millimetre();
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 Image image_of(const FrameView& frame) {
   Image image(frame.width, frame.height, 1);
@@ -76,4 +76,4 @@ Image shrunk_to(const Image& image, int width, int height) {
   return out;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

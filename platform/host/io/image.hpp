@@ -7,7 +7,7 @@
 
 #include "pliant/frame.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 struct Colour {
   std::uint8_t r = 0, g = 0, b = 0;
@@ -56,4 +56,4 @@ std::string encode_png(const Image& image);
 /// The bytes of a JPEG file. \param quality  1 to 100.
 std::string encode_jpeg(const Image& image, int quality);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -27,7 +27,7 @@
 #pragma GCC diagnostic pop
 #endif
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -66,4 +66,4 @@ std::string encode_jpeg(const Image& image, int quality) {
   return bytes;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -3,7 +3,7 @@
 /// Ctrl-C as a wish to end in good order.
 #include <csignal>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// While one lives, SIGINT and SIGTERM only raise a flag. One at a time.
 class InterruptWatch {
@@ -34,4 +34,4 @@ class InterruptWatch {
   void (*before_[2])(int) = {};
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -7,7 +7,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -278,4 +278,4 @@ void Json::write(std::string& out, int indent) const {
     out += "null";
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

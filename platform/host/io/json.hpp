@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// One JSON value. Objects keep the order of their members.
 class Json {
@@ -52,4 +52,4 @@ class Json {
   std::variant<std::monostate, bool, double, std::string, Array, Object> value_;
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

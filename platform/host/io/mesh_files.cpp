@@ -6,7 +6,7 @@
 #include "host/io/glb.hpp"
 #include "host/render/level_tints.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -89,4 +89,4 @@ std::string chart_svg(const MeshData& mesh) {
   return out + "</svg>\n";
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -8,7 +8,7 @@
 
 #include "pliant/geometry.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Vertices and faces without gaps.
 struct MeshData {
@@ -29,4 +29,4 @@ std::string glb_bytes(const MeshData& mesh, const std::string& picture, bool is_
 /// The chart as a picture of lines, faces tinted by their level.
 std::string chart_svg(const MeshData& mesh);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -6,7 +6,7 @@
 #include "host/io/failure.hpp"
 #include "pliant/arena.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 template <class T>
 class Owned {
@@ -35,4 +35,4 @@ class Owned {
   T object_;
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -3,7 +3,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -96,4 +96,4 @@ std::string jpeg_address(const Image& image, int quality) {
   return "data:image/jpeg;base64," + base64(encode_jpeg(image, quality));
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -7,7 +7,7 @@
 
 #include "host/io/image.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Templates, from the files in pages/.
 extern const char* const kPointsPage;
@@ -28,4 +28,4 @@ std::string picture_address(const std::string& path);
 std::string png_address(const Image& image);
 std::string jpeg_address(const Image& image, int quality);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -4,7 +4,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 constexpr float kFarthest = 1e6f;  // px; nothing in a picture, or near it, is beyond
@@ -46,4 +46,4 @@ std::vector<NamedPoint> read_points(const std::string& path) {
   return parse_points(path, read_file(path));
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -8,7 +8,7 @@
 
 #include "pliant/geometry.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 struct NamedPoint {
   std::string name;
@@ -22,4 +22,4 @@ struct NamedPoint {
 std::vector<NamedPoint> read_points(const std::string& path);
 std::vector<NamedPoint> parse_points(const std::string& source, const std::string& text);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -10,7 +10,7 @@
 #include "host/render/overlay.hpp"
 #include "pliant/camera.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -110,4 +110,4 @@ std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const 
   return rows;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

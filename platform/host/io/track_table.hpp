@@ -10,7 +10,7 @@
 #include "pliant/estimator.hpp"
 #include "pliant/model.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 struct TrackRow {
   std::size_t frame = 0;
@@ -42,4 +42,4 @@ std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const 
                                                    const PosedParameters& neutral,
                                                    std::vector<std::string>* unmatched);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -6,7 +6,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 TruthComparison::TruthComparison(const std::string& path, const Model& model) {
   const CsvTable table(path, read_file(path));
@@ -68,4 +68,4 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

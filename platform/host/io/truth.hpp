@@ -9,7 +9,7 @@
 #include "pliant/geometry.hpp"
 #include "pliant/model.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 class TruthComparison {
  public:
@@ -40,4 +40,4 @@ class TruthComparison {
 /// The middle value, the mean of the middle two; 0 without any.
 double median(std::vector<double> values);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

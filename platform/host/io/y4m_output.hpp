@@ -9,7 +9,7 @@
 #include "host/io/image.hpp"
 #include "host/io/y4m_writer.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Takes pictures of one size, grey or colour; the first one decides.
 class Y4mOutput {
@@ -41,4 +41,4 @@ class Y4mOutput {
   bool is_open_ = false;
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <cmath>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -137,4 +137,4 @@ void paste(Image& image, const Image& part, int x, int y) {
       if (image.contains(x + i, y + j)) std::copy_n(part.at(i, j), part.channels, image.at(x + i, y + j));
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

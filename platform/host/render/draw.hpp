@@ -6,7 +6,7 @@
 #include "host/io/image.hpp"
 #include "pliant/geometry.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Mixes `colour` into a pixel; `opacity` in [0,1]. Outside the picture nothing happens.
 void blend(Image& image, int x, int y, Colour colour, float opacity);
@@ -32,4 +32,4 @@ constexpr int kTextHeight = 7;
 /// Copies a colour picture to (x, y).
 void paste(Image& image, const Image& part, int x, int y);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

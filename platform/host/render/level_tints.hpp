@@ -3,7 +3,7 @@
 /// How faces are coloured by how often they were bisected.
 #include "host/io/image.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// From near white through yellow and orange to dark red; the last holds for all deeper levels.
 inline Colour level_tint(int level) {
@@ -13,4 +13,4 @@ inline Colour level_tint(int level) {
   return kTints[level < 0 ? 0 : level >= kCount ? kCount - 1 : level];
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -10,7 +10,7 @@
 #include "host/render/raster.hpp"
 #include "host/render/surface_sheet.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -200,4 +200,4 @@ Image draw_mesh_figure(const Model& model, ModelSurface& surface) {
   return figure;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

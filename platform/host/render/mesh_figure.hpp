@@ -5,8 +5,8 @@
 #include "host/io/image.hpp"
 #include "host/render/model_mesh.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 Image draw_mesh_figure(const Model& model, ModelSurface& surface);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -72,4 +72,4 @@ ContourError ModelMesh::measure() const {
   return compute_contour_error(shape(), cells);
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -8,7 +8,7 @@
 #include "pliant/criteria.hpp"
 #include "pliant/field.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 enum class MeshCriterion { none, uniform, normals, contour };
 
@@ -64,4 +64,4 @@ class ModelMesh {
   double milliseconds_ = 0;
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

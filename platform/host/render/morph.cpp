@@ -5,7 +5,7 @@
 
 #include "host/render/shown_mesh.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -135,7 +135,7 @@ MorphError measure(MorphSurface& surface, const Morphs& morphs, const std::vecto
 MorphSurface::MorphSurface(const Model& model, const std::vector<Vec2>& uv, const std::vector<float>& q)
     : cascade_(model), count_(uv.size()) {
   cascade_->set_free(Group::expression);
-  const std::size_t stride = cascade_->baked_count();
+  const std::size_t stride = cascade_->samples_per_point();
   baked_.resize(count_ * stride);
   for (std::size_t v = 0; v < count_; ++v) cascade_->bake(uv[v], q.data(), baked_.data() + v * stride);
 }
@@ -143,7 +143,7 @@ MorphSurface::MorphSurface(const Model& model, const std::vector<Vec2>& uv, cons
 std::vector<Vec3> MorphSurface::positions(const std::vector<float>& q) {
   std::vector<Vec3> out;
   for (std::size_t v = 0; v < count_; ++v)
-    out.push_back(cascade_->evaluate(baked_.data() + v * cascade_->baked_count(), q.data()));
+    out.push_back(cascade_->evaluate(baked_.data() + v * cascade_->samples_per_point(), q.data()));
   return out;
 }
 
@@ -180,4 +180,4 @@ std::vector<float> morph_weights(const Model& model, const Morphs& morphs, const
   return weights;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

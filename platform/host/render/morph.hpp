@@ -14,7 +14,7 @@
 #include "host/io/owned.hpp"
 #include "pliant/field.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 struct MorphTarget {
   /// "jawOpen"; of a corrective the formula of its weight: "jawOpen*(1-jawOpen)", "jawOpen*mouthSmileLeft".
@@ -62,4 +62,4 @@ Morphs make_morphs(MorphSurface& surface, const Faces& faces, const std::vector<
 /// The weight of each target at q.
 std::vector<float> morph_weights(const Model& model, const Morphs& morphs, const std::vector<float>& q);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -8,7 +8,7 @@
 #include "host/bench/rows.hpp"
 #include "host/io/owned.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -233,4 +233,4 @@ OcclusionResult measure_occlusion(const Model& model, Disturbance disturbance, d
   return result;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

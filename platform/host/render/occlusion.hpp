@@ -4,7 +4,7 @@
 /// with each way to deal with outliers (ALGORITHMS: section 6.5).
 #include "pliant/estimator.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 enum class Disturbance {
   none,
@@ -30,4 +30,4 @@ struct OcclusionResult {
 OcclusionResult measure_occlusion(const Model& model, Disturbance disturbance, double share, int scenes,
                                   int trials_a_scene);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -6,7 +6,7 @@
 #include "host/io/owned.hpp"
 #include "pliant/visibility.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -126,4 +126,4 @@ const char* state_text(TrackState state) {
   return "lost";
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -11,7 +11,7 @@
 #include "host/io/fit_file.hpp"
 #include "pliant/estimator.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Triangles over a picture: projected vertices (px), and the corners of the faces that turn to the camera.
 struct WireMesh {
@@ -56,4 +56,4 @@ class Overlay {
 
 const char* state_text(TrackState state);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -8,7 +8,7 @@
 #include "host/render/shown_mesh.hpp"
 #include "host/render/surface_sheet.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -147,4 +147,4 @@ Image photo_texture(const Model& model, const FitFile& fit, const std::vector<fl
   return out;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -7,7 +7,7 @@
 #include "host/io/fit_file.hpp"
 #include "host/io/image.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Pixels a side, and JPEG quality, that a face in a photograph of a few megapixels is worth.
 constexpr int kPhotoTextureSide = 1024, kPhotoTextureQuality = 90;
@@ -23,4 +23,4 @@ Image photo_texture(const Model& model, const FitFile& fit, const std::vector<fl
 std::string textured_glb(const Model& model, const FitFile& fit, const std::vector<float>& q,
                          const Image& photo);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

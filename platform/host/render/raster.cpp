@@ -1,6 +1,6 @@
 #include "host/render/raster.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 Raster::Raster(int width, int height, int samples) : width_(width), height_(height), samples_(samples) {
   const auto count = static_cast<std::size_t>(width * samples) * static_cast<std::size_t>(height * samples);
@@ -28,4 +28,4 @@ float Raster::coverage(int x, int y) const {
   return static_cast<float>(covered) / static_cast<float>(samples_ * samples_);
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

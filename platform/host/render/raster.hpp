@@ -8,7 +8,7 @@
 
 #include "pliant/geometry.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// A corner of a triangle: where it is seen, 1 / depth (any unit, > 0), and what is interpolated over the
 /// surface.
@@ -86,4 +86,4 @@ void Raster::draw(const RasterVertex& a, const RasterVertex& b, const RasterVert
     }
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -8,7 +8,7 @@
 #include "host/commands/start.hpp"
 #include "host/io/track_table.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -90,4 +90,4 @@ Image draw_grid(const ModelFile& file, const std::string& people, const std::str
   return grid;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

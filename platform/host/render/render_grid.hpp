@@ -6,7 +6,7 @@
 #include "host/io/files.hpp"
 #include "host/io/image.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// One column a row of `people`, one row a row of `expressions`: tables with a column `name` and columns of parameters,
 /// of which the identity is read from the first and expression and pose from the second. `people` may have a column
@@ -15,4 +15,4 @@ namespace pliant::cli {
 Image draw_grid(const ModelFile& file, const std::string& people, const std::string& expressions,
                 ImageSize cell, Console& console);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

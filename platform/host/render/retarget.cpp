@@ -4,7 +4,7 @@
 
 #include "host/io/failure.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -162,4 +162,4 @@ Retargeted retarget(const CsvTable& table, const Model& model, const RetargetSet
   return out;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -8,7 +8,7 @@
 #include "host/io/fit_file.hpp"
 #include "host/io/track_table.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 struct RetargetFrame {
   double time_s = 0;
@@ -41,4 +41,4 @@ struct RetargetSetup {
 /// `read_posed_parameters` calls bad.
 Retargeted retarget(const CsvTable& table, const Model& model, const RetargetSetup& setup);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

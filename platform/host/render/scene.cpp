@@ -5,7 +5,7 @@
 
 #include "host/io/calibration.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -130,4 +130,4 @@ Pose frontal_pose(const Model& model, const float* q, const Camera& camera, int 
           {0, 0.5f * (low + high), camera.f * max(high - low, 1.0f) / (share * static_cast<float>(height))}};
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -8,7 +8,7 @@
 #include "host/render/surface_sheet.hpp"
 #include "pliant/camera.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Draws one model into pictures of one size.
 class Scene {
@@ -50,4 +50,4 @@ void add_noise(Image& image, float sd, std::uint32_t seed);
 /// The frontal pose that puts the model into the middle of the picture, filling `share` of its height.
 Pose frontal_pose(const Model& model, const float* q, const Camera& camera, int height, float share);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -4,7 +4,7 @@
 
 #include "host/render/draw.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 constexpr int kMostWidth = 1600, kGap = 4;
@@ -46,4 +46,4 @@ Image ContactSheet::image() const {
   return sheet;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

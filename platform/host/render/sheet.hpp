@@ -5,7 +5,7 @@
 
 #include "host/io/image.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// Collects pictures as they come and keeps a bounded, evenly spaced choice of them, and the last.
 class ContactSheet {
@@ -31,4 +31,4 @@ class ContactSheet {
   int next_ = 0, stride_ = 1;
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

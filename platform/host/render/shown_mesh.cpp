@@ -7,7 +7,7 @@
 #include "host/io/image.hpp"
 #include "pliant/visibility.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -150,4 +150,4 @@ std::string albedo_png(const Model& model) {
   return encode_png(image);
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

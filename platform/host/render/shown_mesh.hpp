@@ -4,7 +4,7 @@
 #include "host/io/mesh_files.hpp"
 #include "host/render/model_mesh.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// The mesh without the gaps that welds leave between ids.
 MeshData mesh_data(const ModelMesh& adapted);
@@ -20,4 +20,4 @@ std::vector<Vec3> compute_normals(const std::vector<Vec3>& position,
 /// The model's albedo as a PNG; empty for a model without one.
 std::string albedo_png(const Model& model);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -85,7 +85,7 @@ SurfaceSheet::SurfaceSheet(const Model& model, const ChartTexture& texture, int 
   position_.resize(count);
   normal_.resize(count);
   used_.resize(count);
-  baked_.resize(count * cascade_->baked_count());
+  baked_.resize(count * cascade_->samples_per_point());
   const float step = 1.0f / static_cast<float>(cells);
   for (int j = 0; j <= cells; ++j)
     for (int i = 0; i <= cells; ++i)
@@ -105,7 +105,7 @@ void SurfaceSheet::bake(const float* q) {
     if (parameters[k].group == Group::identity) identity.push_back(q[k]);
   if (is_baked_ && identity == baked_for_) return;
   for (std::size_t k = 0; k < uv_.size(); ++k)
-    if (is_used(k)) cascade_->bake(uv_[k], q, baked_.data() + k * cascade_->baked_count());
+    if (is_used(k)) cascade_->bake(uv_[k], q, baked_.data() + k * cascade_->samples_per_point());
   baked_for_ = identity;
   is_baked_ = true;
 }
@@ -113,7 +113,7 @@ void SurfaceSheet::bake(const float* q) {
 void SurfaceSheet::set(const float* q) {
   bake(q);
   for (std::size_t k = 0; k < uv_.size(); ++k)
-    if (is_used(k)) position_[k] = cascade_->evaluate(baked_.data() + k * cascade_->baked_count(), q);
+    if (is_used(k)) position_[k] = cascade_->evaluate(baked_.data() + k * cascade_->samples_per_point(), q);
   compute_normals();
 }
 
@@ -132,4 +132,4 @@ void SurfaceSheet::compute_normals() {
         normal_[index(i, j)] = normalised(cross(difference(i, j, 0, 1), difference(i, j, 1, 0)));
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

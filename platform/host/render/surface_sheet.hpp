@@ -7,7 +7,7 @@
 #include "host/io/owned.hpp"
 #include "pliant/field.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// What is painted on the surface: its albedo, and where there is surface at all.
 class ChartTexture {
@@ -69,4 +69,4 @@ class SurfaceSheet {
   bool is_baked_ = false;
 };
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

@@ -6,7 +6,7 @@
 
 #include "host/io/page.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -204,4 +204,4 @@ std::string histogram(const std::vector<double>& values,
   return out + "</svg>";
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

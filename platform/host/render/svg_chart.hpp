@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace pliant::cli {
+namespace pliant::host {
 
 /// One line of a chart: a value a frame, nothing where there was none. Gaps stay gaps.
 struct Series {
@@ -34,4 +34,4 @@ std::string ribbon(const std::vector<int>& classes, const std::vector<std::strin
 std::string histogram(const std::vector<double>& values,
                       const std::vector<std::pair<std::string, double>>& marks, const ChartStyle& style);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

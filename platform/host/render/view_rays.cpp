@@ -6,7 +6,7 @@
 #include "host/io/calibration.hpp"
 #include "pliant/camera.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 namespace {
 
@@ -181,4 +181,4 @@ Sight Sights::sight_of(std::size_t k, int width, int height) const {
   return sight;
 }
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

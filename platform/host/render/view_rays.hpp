@@ -1,5 +1,5 @@
 #pragma once
-/// \file photo_sights.hpp
+/// \file view_rays.hpp
 /// Where a photograph shows each part of a fitted model's surface.
 #include <vector>
 
@@ -9,7 +9,7 @@
 #include "host/render/surface_sheet.hpp"
 #include "pliant/lens.hpp"
 
-namespace pliant::cli {
+namespace pliant::host {
 
 struct Sight {
   Vec2 x;            ///< in the photograph, px
@@ -49,4 +49,4 @@ class Sights {
 /// Colour of a photograph at a position within it, bilinear.
 Vec3 photo_colour(const Image& photo, Vec2 x);
 
-}  // namespace pliant::cli
+}  // namespace pliant::host

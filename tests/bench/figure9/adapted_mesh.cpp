@@ -56,8 +56,8 @@ AdaptedMesh::AdaptedMesh(const Model& model, const std::vector<float>& q, const 
   seen_.score = &score;
   look_from(pose);
   uniform_.levels = setting.kind == MeshKind::unconditional ? 3 : 0;
-  cli::require(mesh_->set_base(model.base_uv(), model.base_corners()), "base mesh");
-  cli::require(adapter_->start(*mesh_, surface_.surface(), criterion()), "base mesh");
+  host::require(mesh_->set_base(model.base_uv(), model.base_corners()), "base mesh");
+  host::require(adapter_->start(*mesh_, surface_.surface(), criterion()), "base mesh");
   AdaptOptions options;
   options.vertex_budget = setting.vertices;
   adapter_->adapt(options);

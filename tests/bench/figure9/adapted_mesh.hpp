@@ -58,9 +58,9 @@ class AdaptedMesh {
   void look_from(const Pose& pose);
 
   MeshSetting setting_;
-  cli::ModelSurface surface_;
-  cli::Owned<Mesh> mesh_;
-  cli::Owned<Adapter> adapter_;
+  host::ModelSurface surface_;
+  host::Owned<Mesh> mesh_;
+  host::Owned<Adapter> adapter_;
   Unconditional uniform_;
   NormalsOptions normals_;
   ContourOptions contour_;

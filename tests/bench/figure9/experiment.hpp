@@ -14,7 +14,7 @@ namespace pliant::figure9 {
 struct Experiment {
   std::string name;
   double frames_per_second = 15;
-  std::vector<cli::Image> frames;
+  std::vector<host::Image> frames;
   Camera camera;
   Pose pose;             ///< in frame 0
   std::vector<float> q;  ///< all parameters, in frame 0

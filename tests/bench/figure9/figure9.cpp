@@ -95,7 +95,7 @@ void run_setting(const Model& model, const Experiment& e, bool has_anchors, cons
             << e.truth[0].size() << " markers\n";
   print_table(runs);
   compare(runs);
-  cli::write_file(folder + "/figure9_" + e.name + (has_anchors ? "_anchors" : "_vertices") + ".svg",
+  host::write_file(folder + "/figure9_" + e.name + (has_anchors ? "_anchors" : "_vertices") + ".svg",
                   error_plot("Marker error, " + e.name + " sequence, " + setting, curves, e.is_hidden,
                              e.frames_per_second));
 }
@@ -113,7 +113,7 @@ int run(int count, char** words) {
   if (count != 4 && count != 9) return usage();
   const int frames = std::atoi(words[3]);
   if (frames < 2) return usage();
-  const cli::ModelFile file(words[1]);
+  const host::ModelFile file(words[1]);
   Recording recording;
   if (count == 9) {
     recording = {words[4], words[6], words[7], words[8], std::atoi(words[5]), frames};
@@ -131,7 +131,7 @@ int run(int count, char** words) {
 int main(int count, char** words) {
   try {
     return pliant::figure9::run(count, words);
-  } catch (const pliant::cli::Failure& failure) {
+  } catch (const pliant::host::Failure& failure) {
     std::cerr << "figure9: " << failure.what() << "\n";
     return 1;
   }

@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint16_t kVertexSlots = 6000, kAnchors = 128;
 constexpr float kMarkerExclusionPx = 8, kMinFacing = 0.3f;
 
-FrameView view_of_image(const cli::Image& image, double time_s) {
+FrameView view_of_image(const host::Image& image, double time_s) {
   FrameView view;
   view.data = image.pixels.data();
   view.width = image.width;
@@ -58,9 +58,9 @@ MeshTracker::MeshTracker(const Model& model, const Experiment& experiment, const
       slot_of_(kVertexSlots + kAnchors) {
   const Experiment& e = experiment_;
   const FrameView frame = view_of_image(e.frames[0], 0);
-  cli::require(first_->build(frame), "frame 0");
-  cli::require(current_->build(frame), "frame 0");
-  cli::require(estimator_->start(e.camera, frame.width, frame.height, e.pose, e.q.data(), nullptr, {}),
+  host::require(first_->build(frame), "frame 0");
+  host::require(current_->build(frame), "frame 0");
+  host::require(estimator_->start(e.camera, frame.width, frame.height, e.pose, e.q.data(), nullptr, {}),
                "start");
   score_chart();
   mesh_ = std::make_unique<AdaptedMesh>(model, e.q, setting, e.pose, score_);
@@ -147,12 +147,12 @@ void MeshTracker::follow_corners() {
   options.quality = 0;
   options.min_ratio = 0.02f;
   options.min_distance_px = 5;
-  const cli::Image& image = experiment_.frames[0];
+  const host::Image& image = experiment_.frames[0];
   std::vector<std::uint8_t> scratch(corner_scratch_bytes(image.width, image.height, options));
   Arena arena(scratch.data(), scratch.size());
   std::vector<Corner> corners(2000);
   int count = 0;
-  cli::require(find_corners(first_->level(0), options, {}, arena, {corners.data(), corners.size()}, count),
+  host::require(find_corners(first_->level(0), options, {}, arena, {corners.data(), corners.size()}, count),
                "corners");
   std::size_t slot = kVertexSlots;
   for (int k = 0; k < count && slot < followed_.size(); ++k) {
@@ -188,7 +188,7 @@ Outcome MeshTracker::update(std::size_t frame) {
   const double t = static_cast<double>(frame) / experiment_.frames_per_second;
   const auto start = std::chrono::steady_clock::now();
   current_->swap(*previous_);
-  cli::require(current_->build(view_of_image(experiment_.frames[frame], t)), "frame");
+  host::require(current_->build(view_of_image(experiment_.frames[frame], t)), "frame");
   estimator_->begin(static_cast<std::int64_t>(t * 1e9));
   expect_motion();
   for (int round = 0; round < 2; ++round) look_and_solve(round);
@@ -215,10 +215,10 @@ void MeshTracker::expect_motion() {
     high = {max(high.x, x.x), max(high.y, x.y)};
   }
   const auto pixel = [grow](float x) { return static_cast<int>(x / grow); };
-  const Shift shift =
-      find_shift(previous_->level(top), {pixel(low.x), pixel(low.y), pixel(high.x) + 1, pixel(high.y) + 1},
+  const CoarseTranslation shift =
+      find_coarse_translation(previous_->level(top), {pixel(low.x), pixel(low.y), pixel(high.x) + 1, pixel(high.y) + 1},
                  current_->level(top), current_->level(top).width / 10);
-  if (shift.correlation >= 0.5f) estimator_->shift(grow * shift.by);
+  if (shift.correlation >= 0.5f) estimator_->translate(grow * shift.by);
 }
 
 void MeshTracker::look_and_solve(int round) {

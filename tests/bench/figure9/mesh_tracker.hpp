@@ -65,10 +65,10 @@ class MeshTracker {
 
   const Experiment& experiment_;
   ChartScore score_;
-  cli::Owned<Cascade> cascade_;
-  cli::Owned<Estimator> estimator_;
-  cli::Owned<Pyramid> first_, current_, previous_;
-  cli::Owned<PatchTracker> patches_;
+  host::Owned<Cascade> cascade_;
+  host::Owned<Estimator> estimator_;
+  host::Owned<Pyramid> first_, current_, previous_;
+  host::Owned<PatchTracker> patches_;
   std::unique_ptr<AdaptedMesh> mesh_;
   std::vector<Followed> followed_;
   std::vector<std::size_t> slot_of_;  // of a surface point

@@ -12,21 +12,21 @@ namespace {
 
 void read_frames(Experiment& e, const Recording& r) {
   OpenedFrames opened = open_frames(r.video);
-  if (opened.source == nullptr) throw cli::Failure(cli::kBadInput, opened.message);
+  if (opened.source == nullptr) throw host::Failure(host::kBadInput, opened.message);
   e.frames_per_second = opened.source->rate().per_second() / r.every;
   FrameView view;
   for (int k = 0; opened.source->next(view) == Status::ok; ++k) {
-    if (k % r.every == 0) e.frames.push_back(cli::image_of(view));
+    if (k % r.every == 0) e.frames.push_back(host::image_of(view));
     if (r.frames > 0 && static_cast<int>(e.frames.size()) == r.frames) break;
   }
-  if (e.frames.empty()) cli::fail_input(r.video, "has no frames");
+  if (e.frames.empty()) host::fail_input(r.video, "has no frames");
 }
 
 void read_truth(Experiment& e, const Recording& r) {
   std::map<std::string, std::size_t> index;
-  for (const cli::NamedPoint& p : cli::read_points(r.markers)) index.emplace(p.name, index.size());
+  for (const host::NamedPoint& p : host::read_points(r.markers)) index.emplace(p.name, index.size());
   e.truth.assign(e.frames.size(), std::vector<std::optional<Vec2>>(index.size()));
-  const cli::CsvTable table(r.truth, cli::read_file(r.truth));
+  const host::CsvTable table(r.truth, host::read_file(r.truth));
   const std::size_t frame = table.column("frame"), name = table.column("landmark"), x = table.column("x"),
                     y = table.column("y");
   for (std::size_t i = 0; i < table.row_count(); ++i) {
@@ -46,14 +46,14 @@ Experiment read_recorded(const Model& model, const std::string& model_path, cons
   read_frames(e, recording);
   read_truth(e, recording);
   e.is_hidden.assign(e.frames.size(), 0);
-  const cli::ModelFile file(model_path);
-  cli::FitSetup setup;
+  const host::ModelFile file(model_path);
+  host::FitSetup setup;
   setup.size = {e.frames[0].width, e.frames[0].height};
-  const cli::FitFile fit = cli::fit_to_points(file, recording.init, cli::read_points(recording.init), setup);
+  const host::FitFile fit = host::fit_to_points(file, recording.init, host::read_points(recording.init), setup);
   e.camera = fit.camera;
   e.pose = fit.pose;
   e.q.assign(model.parameters().count, 0.0f);
-  cli::apply(fit.parameters, recording.init, model, e.q.data());
+  host::apply(fit.parameters, recording.init, model, e.q.data());
   return e;
 }
 

@@ -84,9 +84,9 @@ class Person {
 /// A blotchy board that crosses the face from left to right for three seconds of every fifteen.
 class Occluder {
  public:
-  Occluder() : texture_(cli::make_background(kSide, kSide, 77)) {}
+  Occluder() : texture_(host::make_background(kSide, kSide, 77)) {}
   bool is_there(double t) const { return phase(t) >= 0 && phase(t) <= 1; }
-  void draw(cli::Image& image, double t) const {
+  void draw(host::Image& image, double t) const {
     if (!is_there(t)) return;
     const int x0 = static_cast<int>(40 + 170 * phase(t)), y0 = static_cast<int>(95 + 25 * wave(t, 1.7));
     for (int y = 0; y < kSide; ++y)
@@ -98,11 +98,11 @@ class Occluder {
  private:
   static constexpr int kSide = 70;
   static double phase(double t) { return (std::fmod(t, 15.0) - 9) / 3; }
-  cli::Image texture_;
+  host::Image texture_;
 };
 
 /// The camera's light control and a cloud: gain and bias.
-void change_light(cli::Image& image, double t) {
+void change_light(host::Image& image, double t) {
   const auto gain = static_cast<float>(1 + 0.2 * wave(t, 13)), bias = static_cast<float>(10 * wave(t, 17));
   for (std::uint8_t& pixel : image.pixels)
     pixel = static_cast<std::uint8_t>(clamp(gain * static_cast<float>(pixel) + bias + 0.5f, 0, 255));
@@ -143,7 +143,7 @@ void fit_start(Experiment& e, const Model& model, const std::string& path, Casca
   std::mt19937 random(5);
   std::normal_distribution<float> noise(0, 0.5f);
   const Projector projector(view_of(state.pose, e.camera), true);
-  std::vector<cli::NamedPoint> points;
+  std::vector<host::NamedPoint> points;
   for (const Landmark& l : model.landmarks()) {
     Vec2 x;
     if (std::string(l.name).rfind("ibug", 0) != 0 ||
@@ -152,14 +152,14 @@ void fit_start(Experiment& e, const Model& model, const std::string& path, Casca
     const Vec2 off{noise(random), noise(random)};
     points.push_back({l.name, x + off, "landmark"});
   }
-  const cli::ModelFile file(path);
-  cli::FitSetup setup;
+  const host::ModelFile file(path);
+  host::FitSetup setup;
   setup.size = {kWidth, kHeight};
-  const cli::FitFile fit = cli::fit_to_points(file, "landmarks", points, setup);
+  const host::FitFile fit = host::fit_to_points(file, "landmarks", points, setup);
   e.camera = fit.camera;
   e.pose = fit.pose;
   e.q.assign(model.parameters().count, 0.0f);
-  cli::apply(fit.parameters, "fit", model, e.q.data());
+  host::apply(fit.parameters, "fit", model, e.q.data());
 }
 
 }  // namespace
@@ -168,30 +168,30 @@ Experiment make_rendered(const Model& model, const std::string& model_path, int 
   Experiment e;
   e.name = "rendered";
   e.frames_per_second = kCameraRate / 4;
-  e.camera = centred_camera(kWidth, kHeight, cli::default_focal({kWidth, kHeight}));
+  e.camera = centred_camera(kWidth, kHeight, host::default_focal({kWidth, kHeight}));
   const Person person(model);
   const Occluder occluder;
-  cli::Owned<Cascade> cascade(model);
+  host::Owned<Cascade> cascade(model);
   const Camera true_camera = e.camera;
   const std::vector<Vec2> markers =
       choose_markers(model, *cascade, person.at(0), view_of(person.at(0).pose, true_camera));
-  const cli::Image background = cli::make_background(kWidth, kHeight, 3);
-  cli::Scene scene(model, kWidth, kHeight, 192, 2);
+  const host::Image background = host::make_background(kWidth, kHeight, 3);
+  host::Scene scene(model, kWidth, kHeight, 192, 2);
   for (int k = 0; k < frames; ++k) {
     const double t = k / e.frames_per_second;
     // The shutter is open for the whole of a frame of 60 Hz, centred on t.
     std::vector<unsigned> sum(static_cast<std::size_t>(kWidth * kHeight));
     for (int i = 0; i < kExposures; ++i) {
       const State s = person.at(t + (i - (kExposures - 1) / 2.0) / (kExposures * kCameraRate));
-      const cli::Image part = scene.draw(s.q.data(), s.pose, true_camera, background);
+      const host::Image part = scene.draw(s.q.data(), s.pose, true_camera, background);
       for (std::size_t p = 0; p < sum.size(); ++p) sum[p] += part.pixels[p];
     }
-    cli::Image image(kWidth, kHeight, 1);
+    host::Image image(kWidth, kHeight, 1);
     for (std::size_t p = 0; p < sum.size(); ++p)
       image.pixels[p] = static_cast<std::uint8_t>((sum[p] + kExposures / 2) / kExposures);
     occluder.draw(image, t);
     change_light(image, t);
-    cli::add_noise(image, 2.5f, 1000u + static_cast<unsigned>(k));
+    host::add_noise(image, 2.5f, 1000u + static_cast<unsigned>(k));
     const State s = person.at(t);
     e.frames.push_back(std::move(image));
     e.truth.push_back(project_markers(*cascade, markers, s, view_of(s.pose, true_camera)));

@@ -16,7 +16,7 @@ namespace {
 struct Ellipsoid {
   ModelBuilder builder;
   InArena<Mesh> mesh;
-  InArena<OutlineFinder> finder;
+  InArena<SilhouetteFinder> finder;
   InArena<DepthBuffer> buffer;
   View view;
   std::vector<Vec3> position;
@@ -45,8 +45,8 @@ struct Ellipsoid {
       depth.push_back(projector.project(position[v], &image[v]) ? projector.to_camera(position[v]).z : -1);
     buffer->draw(mesh.object, image.data(), depth.data());
   }
-  std::vector<OutlinePoint> find(bool with_buffer = true) {
-    std::vector<OutlinePoint> points(3000);
+  std::vector<SilhouettePoint> find(bool with_buffer = true) {
+    std::vector<SilhouettePoint> points(3000);
     const std::size_t n =
         finder->find({mesh.object, position.data(), image.data(), depth.data()}, Projector(view, true),
                      with_buffer ? &buffer.object : nullptr, 6, {points.data(), points.size()});
@@ -83,7 +83,7 @@ TEST_CASE("the contour of an ellipsoid lies on the conic of its tangent rays, an
     int contour = 0;
     double worst_px = 0, worst_turn = 1, covered = 0, last = 0;
     std::vector<double> around;
-    for (const OutlinePoint& p : points) {
+    for (const SilhouettePoint& p : points) {
       if (p.is_border) continue;
       ++contour;
       const Eigen::Vector3d x(double(p.x.x), double(p.x.y), 1), g = c * x;
@@ -120,7 +120,7 @@ TEST_CASE("outward normals leave the surface, and finer meshes are nearer to the
     Vec2 centre;
     Projector(egg.view, true).project({0, 0, 0}, &centre);
     const double inside = value(centre);
-    for (const OutlinePoint& p : egg.find()) {
+    for (const SilhouettePoint& p : egg.find()) {
       if (p.is_border) continue;
       CHECK(value(p.x + 5.0f * p.normal) * inside < 0);
       CHECK(value(p.x - 5.0f * p.normal) * inside > 0);
@@ -134,7 +134,7 @@ TEST_CASE("an open surface has its borders flagged apart, and only those that ar
   Ellipsoid half(32, 2.4);  // ends before it turns away
   half.pose({{}, {0, 0, 700}});
   std::size_t borders = 0, contours = 0;
-  for (const OutlinePoint& p : half.find()) {
+  for (const SilhouettePoint& p : half.find()) {
     if (!p.is_border) {
       contours += p.uv.y > 0.1f && p.uv.y < 0.9f;  // it does turn away at the poles
       continue;
@@ -149,7 +149,7 @@ TEST_CASE("an open surface has its borders flagged apart, and only those that ar
   CHECK(contours == 0);
   half.pose({exp_rotation({0, 0.9f, 0}), {0, 0, 700}});
   std::size_t low = 0, high = 0;
-  for (const OutlinePoint& p : half.find())
+  for (const SilhouettePoint& p : half.find())
     if (p.is_border && p.uv.y > 0.3f && p.uv.y < 0.7f) (p.uv.x == 0 ? low : high) += 1;
   CHECK(low + high > 0);
   CHECK((low == 0 || high == 0));  // the border that turned away is hidden by its own face
@@ -169,7 +169,7 @@ TEST_CASE("what a nearer part of the mesh covers is left out") {
   const auto of_second = [&](float yaw, bool with_buffer) {
     ridges.pose({exp_rotation({0, yaw, 0}), {0, 0, 700}});
     std::size_t n = 0;
-    for (const OutlinePoint& p : ridges.find(with_buffer))
+    for (const SilhouettePoint& p : ridges.find(with_buffer))
       n += !p.is_border && p.uv.x > 0.55f && p.uv.x < 0.75f && p.uv.y > 0.1f && p.uv.y < 0.9f;
     return n;
   };
@@ -185,7 +185,7 @@ TEST_CASE("more points than there is room for are counted, not written") {
   Ellipsoid egg(24);
   egg.pose({{}, {0, 0, 600}});
   const auto all = egg.find();
-  std::vector<OutlinePoint> few(5);
+  std::vector<SilhouettePoint> few(5);
   const PosedMesh posed{egg.mesh.object, egg.position.data(), egg.image.data(), egg.depth.data()};
   CHECK(egg.finder->find(posed, Projector(egg.view, true), &egg.buffer.object, 6, {few.data(), 4}) ==
         all.size());

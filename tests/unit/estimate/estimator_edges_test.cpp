@@ -54,7 +54,7 @@ struct Scene {
     q.assign(model.parameters().count, 0);
     limits.points = 150;
     limits.vertices = 500;
-    limits.outline_points = 32;
+    limits.silhouette_points = 32;
   }
   static Pose pose(float turn, Vec2 shift = {}) {
     return {exp_rotation({0.3f * turn, turn, 0.2f * turn}), {shift.x, 5 + shift.y, 700}};
@@ -171,7 +171,7 @@ TEST_CASE("points of a curve are as far apart on the surface as asked; full list
   InArena<Estimator> fresh(scene.model, scene.limits);
   CHECK(fresh->add_edge_point({0.5f, 0.5f}, {1, 0}, ids) == Status::not_started);
   CHECK(fresh->add_curve(0, 5, {ids, 3}, &n) == Status::not_started);
-  CHECK(fresh->add_outline_point(ids) == Status::not_started);
+  CHECK(fresh->add_silhouette_point(ids) == Status::not_started);
 }
 
 TEST_CASE("edges alone give the pose, wherever along its tangent each was found") {
@@ -302,7 +302,7 @@ TEST_CASE("outline points lie where the surface turns away, each in its sector, 
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, Scene::pose(0));
   std::vector<std::uint16_t> ids(16);
-  for (std::uint16_t& id : ids) REQUIRE(e->add_outline_point(&id) == Status::ok);
+  for (std::uint16_t& id : ids) REQUIRE(e->add_silhouette_point(&id) == Status::ok);
   Vec2 before[16] = {};
   for (int frame = 1; frame <= 4; ++frame) {
     State turned;
@@ -334,10 +334,10 @@ TEST_CASE("outline points lie where the surface turns away, each in its sector, 
     CHECK(visible >= 14);
   }
   std::uint16_t id;
-  for (int k = 16; k < 32; ++k) REQUIRE(e->add_outline_point(&id) == Status::ok);
-  CHECK(e->add_outline_point(&id) == Status::capacity);
+  for (int k = 16; k < 32; ++k) REQUIRE(e->add_silhouette_point(&id) == Status::ok);
+  CHECK(e->add_silhouette_point(&id) == Status::capacity);
   e->remove_point(id);
-  CHECK(e->add_outline_point(&id) == Status::ok);
+  CHECK(e->add_silhouette_point(&id) == Status::ok);
 }
 
 TEST_CASE("a state that was saved is restored; one that is not finite changes nothing") {
@@ -361,7 +361,7 @@ TEST_CASE("a state that was saved is restored; one that is not finite changes no
   CHECK((state.pose_sd[kTurnY] > 0 && state.pose_sd[kTurnY] < 0.05f));
   const View there = e->view();
   e->begin(66'000'000);
-  e->shift({40, 30});
+  e->translate({40, 30});
   REQUIRE(e->restore(state) == Status::ok);
   CHECK(e->view().tau.x == doctest::Approx(double(there.tau.x)));
   CHECK(e->view().s == doctest::Approx(double(there.s)));

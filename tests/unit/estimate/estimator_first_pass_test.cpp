@@ -24,11 +24,11 @@ TEST_CASE(
   };
   const float before = mean_off();
   REQUIRE(before > 1);
-  REQUIRE(e->approach(span(few)));
+  REQUIRE(e->solve_first_pass(span(few)));
   CHECK(mean_off() < 0.3f * before);
-  CHECK_FALSE(e->was_surprised());
+  CHECK_FALSE(e->needs_another_round());
   e->solve(span(all));
-  CHECK_FALSE(e->was_surprised());
+  CHECK_FALSE(e->needs_another_round());
   CHECK(e->end().state == TrackState::tracking);
   CHECK(turn_error(e.object, 0.05f) < 0.01f);
 }
@@ -45,10 +45,10 @@ TEST_CASE("a part that moved by itself surprises the solve after an approach tha
     const bool is_still = length(few[i].x - all[i].x) < 1;
     if (!is_still || i % 2 != 0) few[i].reason = Reason::not_visible;
   }
-  REQUIRE(e->approach(span(few)));
+  REQUIRE(e->solve_first_pass(span(few)));
   REQUIRE(magnitude(e->parameters()[5]) < 0.05f);
   e->solve(span(all));
-  CHECK(e->was_surprised());
+  CHECK(e->needs_another_round());
   CHECK(e->end().state == TrackState::tracking);
   CHECK(e->parameters()[5] == doctest::Approx(0.6).epsilon(0.1));
 }
@@ -57,7 +57,7 @@ TEST_CASE("an approach that leaves doubt, or has too little to go by, moves noth
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);
   std::vector<Observation> none;
-  CHECK_FALSE(e->approach(span(none)));  // not started
+  CHECK_FALSE(e->solve_first_pass(span(none)));  // not started
   scene.start(e.object, 0);
   e->begin(1);
   const auto unmoved = [&] {
@@ -67,24 +67,24 @@ TEST_CASE("an approach that leaves doubt, or has too little to go by, moves noth
     for (std::size_t i = 0; i < scene.q.size(); ++i) same = same && e->parameters()[i] == scene.q[i];
     return same;
   };
-  CHECK_FALSE(e->approach(span(none)));
+  CHECK_FALSE(e->solve_first_pass(span(none)));
   CHECK(unmoved());
   auto wild = scene.observe(0.05f, scene.q, 0.1f);
   for (std::size_t i = 0; i < wild.size(); i += 3) wild[i].x = wild[i].x + Vec2{30, -25};
-  CHECK_FALSE(e->approach(span(wild)));
+  CHECK_FALSE(e->solve_first_pass(span(wild)));
   CHECK(unmoved());
   auto lost = scene.observe(0.05f, scene.q, 0.1f);
   for (std::size_t i = 0; i < lost.size(); ++i)
     if (i % 3 != 0) lost[i].reason = Reason::low_correlation;
-  CHECK_FALSE(e->approach(span(lost)));
+  CHECK_FALSE(e->solve_first_pass(span(lost)));
   CHECK(unmoved());
   auto three = scene.observe(0.05f, scene.q, 0.1f);
   three.resize(3);
-  CHECK_FALSE(e->approach(span(three)));
+  CHECK_FALSE(e->solve_first_pass(span(three)));
   CHECK(unmoved());
   auto hostile = scene.observe(0.05f, scene.q, 0.1f);
   for (Observation& o : hostile) o.x.x = std::numeric_limits<float>::quiet_NaN();
-  CHECK_FALSE(e->approach(span(hostile)));
+  CHECK_FALSE(e->solve_first_pass(span(hostile)));
   CHECK(unmoved());
 }
 
@@ -99,7 +99,7 @@ TEST_CASE("through a lens an approach gets as near, and leaves the observations 
   auto seen = scene.observe(0.05f, scene.q, 0.1f);
   for (Observation& o : seen) o.x = lens.distort(o.x);
   const auto given = seen;
-  REQUIRE(e->approach(span(seen)));
+  REQUIRE(e->solve_first_pass(span(seen)));
   float off = 0;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     CHECK(length(seen[i].x - given[i].x) < 1e-2f);

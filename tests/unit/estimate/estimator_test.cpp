@@ -191,7 +191,7 @@ TEST_CASE("calls before a start, bad starts and full capacities are named") {
 TEST_CASE("with vertices from the tables and just room enough it tracks the same, in less memory") {
   Scene scene;
   InArena<Estimator> full(scene.model, scene.limits);
-  scene.limits.bakes_vertices = false;
+  scene.limits.samples_vertices = false;
   scene.limits.free_parameters = 1;
   InArena<Estimator> none(scene.model, scene.limits);
   CHECK(none->start(scene.camera, kWidth, kHeight, Scene::pose(0), scene.q.data(), nullptr, {}) ==
@@ -199,7 +199,7 @@ TEST_CASE("with vertices from the tables and just room enough it tracks the same
   InArena<Cascade> cascade(scene.model);
   cascade->set_free(Group::expression);
   scene.limits.free_parameters = static_cast<std::uint16_t>(cascade->column_count());
-  scene.limits.baked_samples = static_cast<std::uint16_t>(cascade->baked_count());
+  scene.limits.samples_per_point = static_cast<std::uint16_t>(cascade->samples_per_point());
   InArena<Estimator> small(scene.model, scene.limits);
   CHECK(small.arena.used_bytes() < full.arena.used_bytes());
   for (Estimator* e : {&full.object, &small.object}) {
@@ -356,7 +356,7 @@ TEST_CASE("a mesh that follows the view keeps to its budget and changes nothing 
   options.mesh_operations = 12;
   options.vertex_budget = 180;
   options.mesh_error_px = 0.1f;
-  options.rank_share = 4;
+  options.rank_interval_frames = 4;
   options.texture.score = [](void*, Vec2 uv) { return 0.5f * uv.x; };
   options.texture.shortest_edge_mm = 4;
   scenes[1].start(adapts.object, 0, options);
@@ -405,7 +405,7 @@ TEST_CASE("a person folded into one field is tracked to the same state, and cost
   std::size_t bytes[2];
   for (int folded = 0; folded < 2; ++folded) {
     EstimatorLimits limits = scene.limits;
-    if (folded) limits.fold = {64, 64};
+    if (folded) limits.personal_field = {64, 64};
     bytes[folded] = measured_bytes<Estimator>(scene.model, limits);
     InArena<Estimator> e(scene.model, limits);
     scene.random = Random{11};

@@ -19,13 +19,13 @@ namespace {
 constexpr int kWidth = 320, kHeight = 240;
 const Camera kCamera = centred_camera(kWidth, kHeight, 1.4f * kWidth);
 
-FrameView view_on(const cli::Image& image) {
+FrameView view_on(const host::Image& image) {
   return {image.pixels.data(), image.width, image.height, static_cast<std::size_t>(image.width), 1, 0, 0};
 }
 
 /// Boxes and ellipses of all sizes on a blotchy ground.
-cli::Image clutter(Random& random, std::uint32_t seed, int things) {
-  cli::Image image = cli::make_background(kWidth, kHeight, seed);
+host::Image clutter(Random& random, std::uint32_t seed, int things) {
+  host::Image image = host::make_background(kWidth, kHeight, seed);
   for (int k = 0; k < things; ++k) {
     const float cx = random.uniform(0, kWidth), cy = random.uniform(0, kHeight);
     const float a = random.uniform(3, 60), b = random.uniform(2, 40), angle = random.uniform(0, 3.14f);
@@ -45,16 +45,16 @@ cli::Image clutter(Random& random, std::uint32_t seed, int things) {
 struct Sitting {
   std::vector<float> q;
   Pose pose;
-  cli::Image picture;
+  host::Image picture;
 };
 
 /// Anybody, somewhere, before anything, in any light of the camera's.
 Sitting someone(Random& random, std::uint32_t seed, float size) {
-  static cli::Scene scene(baked_face().model, kWidth, kHeight, 120, 2);
+  static host::Scene scene(baked_face().model, kWidth, kHeight, 120, 2);
   Sitting s;
   for (const Parameter& p : baked_face().model.parameters())
     s.q.push_back(p.group == Group::identity ? std::clamp(random.normal(), -2.0f, 2.0f) : 0.0f);
-  s.pose = cli::frontal_pose(baked_face().model, s.q.data(), kCamera, kHeight, size / kHeight);
+  s.pose = host::frontal_pose(baked_face().model, s.q.data(), kCamera, kHeight, size / kHeight);
   const float yaw = random.uniform(-0.35f, 0.35f), pitch = random.uniform(-0.26f, 0.26f),
               roll = random.uniform(-0.35f, 0.35f);
   s.pose.q = normalised(exp_rotation({0, 0, roll}) * exp_rotation({0, yaw, 0}) * exp_rotation({pitch, 0, 0}));
@@ -62,7 +62,7 @@ Sitting someone(Random& random, std::uint32_t seed, float size) {
                    0.5f * (kHeight - size) * random.uniform(-1, 1), 0};
   s.pose.t = s.pose.t + (s.pose.t.z / kCamera.f) * aside;
   s.picture = scene.draw(s.q.data(), s.pose, kCamera, clutter(random, seed, 12), random.uniform(0.5f, 1.2f));
-  cli::add_noise(s.picture, random.uniform(1, 4), seed);
+  host::add_noise(s.picture, random.uniform(1, 4), seed);
   return s;
 }
 
@@ -82,10 +82,10 @@ float landmark_error(const Sitting& truth, const Pose& pose, const float* q) {
 }
 
 struct Finding {
-  InArena<ModelFinder> finder{baked_face().model, FinderLimits{}};
+  InArena<FaceDetector> finder{baked_face().model, FinderLimits{}};
   FinderReport report;
   Finding() { REQUIRE(finder->begin(kCamera, {}) == Status::ok); }
-  void look(const cli::Image& image) { REQUIRE(finder->find(view_on(image), &report) == Status::ok); }
+  void look(const host::Image& image) { REQUIRE(finder->find(view_on(image), &report) == Status::ok); }
 };
 
 }  // namespace
@@ -116,21 +116,21 @@ TEST_CASE("whoever it is, within 20 degrees of yaw and roll and 15 of pitch, 80 
 TEST_CASE("clutter, black, noise, an upside-down and a far-away face are not taken for one") {
   Finding f;
   Random random(3);
-  const auto check_nobody = [&](const cli::Image& image) {
+  const auto check_nobody = [&](const host::Image& image) {
     f.look(image);
     CHECK_FALSE(f.report.is_found);
     CHECK(f.report.likeness < FinderOptions{}.min_likeness);
   };
   for (std::uint32_t seed = 1; seed < 8; ++seed) {
     CAPTURE(seed);
-    cli::Image image = clutter(random, 50 + seed, static_cast<int>(10 * seed));
-    cli::add_noise(image, 3, seed);
+    host::Image image = clutter(random, 50 + seed, static_cast<int>(10 * seed));
+    host::add_noise(image, 3, seed);
     check_nobody(image);
   }
-  check_nobody(cli::Image(kWidth, kHeight, 1, 0));
-  check_nobody(cli::Image(kWidth, kHeight, 1, 255));
-  cli::Image noise(kWidth, kHeight, 1, 128);
-  cli::add_noise(noise, 40, 9);
+  check_nobody(host::Image(kWidth, kHeight, 1, 0));
+  check_nobody(host::Image(kWidth, kHeight, 1, 255));
+  host::Image noise(kWidth, kHeight, 1, 128);
+  host::add_noise(noise, 40, 9);
   check_nobody(noise);
   Sitting s = someone(random, 5, 160);
   std::reverse(s.picture.pixels.begin(), s.picture.pixels.end());
@@ -174,9 +174,9 @@ TEST_CASE("a pose that somebody else found is judged by what the frame shows the
 }
 
 TEST_CASE("what cannot be used is named, and a block a byte too small is refused") {
-  InArena<ModelFinder> finder(baked_face().model, FinderLimits{});
+  InArena<FaceDetector> finder(baked_face().model, FinderLimits{});
   FinderReport report;
-  const cli::Image grey(kWidth, kHeight, 1, 90);
+  const host::Image grey(kWidth, kHeight, 1, 90);
   FrameView frame = view_on(grey);
   CHECK(finder->find(frame, &report) == Status::not_started);
   FinderOptions options;
@@ -200,15 +200,15 @@ TEST_CASE("what cannot be used is named, and a block a byte too small is refused
   const auto words = egg_model(3).table();
   Model egg;
   REQUIRE(Model::open(words.data(), words.size() * 4, &egg) == Status::ok);
-  InArena<ModelFinder> none(egg, FinderLimits{});
+  InArena<FaceDetector> none(egg, FinderLimits{});
   CHECK(none->begin(kCamera, {}) == Status::not_found);
 
-  const std::size_t bytes = measured_bytes<ModelFinder>(baked_face().model, FinderLimits{});
+  const std::size_t bytes = measured_bytes<FaceDetector>(baked_face().model, FinderLimits{});
   MESSAGE("bytes " << bytes);
   std::vector<std::uint64_t> block(bytes / 8 + 4);
   auto* memory = reinterpret_cast<unsigned char*>(block.data());
   memory += (16 - reinterpret_cast<std::uintptr_t>(memory) % 16) % 16;
   Arena arena(memory, bytes - 1);
-  ModelFinder small;
+  FaceDetector small;
   CHECK(create_in(arena, small, baked_face().model, FinderLimits{}) == Status::out_of_memory);
 }

@@ -176,7 +176,7 @@ TEST_CASE("points that pull the surface over itself are followed only as far as 
   Model model;
   REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
   InArena<Cascade> cascade(model);
-  InArena<FoldTest> test(model);
+  InArena<FoldOverTest> test(model);
   test->start(cascade.object);
   const View view = view_of({exp_rotation({0.3f, 0.4f, 0}), {0, 0, 600}}, centred_camera(640, 480, 900));
   for (float pull : {2.0f, 3.5f, 7.5f, 20.0f}) {

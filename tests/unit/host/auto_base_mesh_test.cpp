@@ -29,7 +29,7 @@ std::vector<std::uint8_t> bake_with(int base_vertices) {
 struct BaseMeshCase {
   int wanted;
   BakedModel face;
-  cli::Owned<Mesh> mesh;
+  host::Owned<Mesh> mesh;
   std::vector<Vec3> position;
 
   explicit BaseMeshCase(int vertices)

@@ -9,7 +9,7 @@
 #include "random.hpp"
 
 using namespace pliant;
-using namespace pliant::cli;
+using namespace pliant::host;
 using namespace cli_run;
 
 namespace {

@@ -1,10 +1,10 @@
-// `pliant track --init outline`: starts by itself, says so, and says when a start does not hold.
+// `pliant track --init detect`: starts by itself, says so, and says when a start does not hold.
 #include "host/io/csv.hpp"
 #include "cli_run.hpp"
 #include "face_film.hpp"
 
 using namespace pliant;
-using namespace pliant::cli;
+using namespace pliant::host;
 using namespace cli_run;
 
 namespace {
@@ -41,7 +41,7 @@ struct Visit : Folder {
     video = put("v.y4m", stream);
   }
   std::vector<std::string> words(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> out{"track", model,           "--frames", video, "--init",     "outline",
+    std::vector<std::string> out{"track", model,           "--frames", video, "--init",     "detect",
                                  "--out", *this / "t.csv", "--focal",  "400", "--landmarks"};
     out.insert(out.end(), more.begin(), more.end());
     return out;
@@ -106,7 +106,7 @@ TEST_CASE("what does not go with it is refused") {
   CHECK(run_words(words).code == 2);
   const Sequence s;
   words = s.track_words();
-  words[5] = "outline";
+  words[5] = "detect";
   const Ran r = run_words(words);
   CAPTURE(r.err);
   CHECK(r.code == 1);

@@ -12,7 +12,7 @@
 #include "random.hpp"
 
 using namespace pliant;
-using namespace pliant::cli;
+using namespace pliant::host;
 using namespace cli_run;
 
 TEST_CASE("fit.json keeps every bit, and names what is wrong with it") {

@@ -5,7 +5,7 @@
 #include "cli_run.hpp"
 
 using namespace pliant;
-using namespace pliant::cli;
+using namespace pliant::host;
 using namespace cli_run;
 
 TEST_CASE("bad usage exits with 2 and says which word is wrong") {
@@ -45,7 +45,7 @@ TEST_CASE("bad usage exits with 2 and says which word is wrong") {
   const std::string model = folder.put("m.plm", model_bytes());
   const std::string video =
       folder.put("v.y4m", "YUV4MPEG2 W32 H32 F25:1 Cmono\nFRAME\n" + std::string(1024, 'x'));
-  CHECK(run_words({"track", model, "--frames", video, "--init", "outline", "--out", folder / "t", "--markers",
+  CHECK(run_words({"track", model, "--frames", video, "--init", "detect", "--out", folder / "t", "--markers",
                    video})
             .code == 2);
   CHECK(

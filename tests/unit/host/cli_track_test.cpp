@@ -6,7 +6,7 @@
 #include "cli_run.hpp"
 
 using namespace pliant;
-using namespace pliant::cli;
+using namespace pliant::host;
 using namespace cli_run;
 
 TEST_CASE("track follows what was drawn, and its table says so in the columns that were promised") {

@@ -9,7 +9,7 @@
 #include "host/render/model_mesh.hpp"
 
 using namespace pliant;
-using namespace pliant::cli;
+using namespace pliant::host;
 
 namespace {
 

@@ -16,7 +16,7 @@ using namespace pliant;
 
 namespace {
 
-bool is_outline_name(const char* name) {
+bool is_jaw_name(const char* name) {
   return std::strncmp(name, "ibug", 4) == 0 && std::atoi(name + 4) <= 16;
 }
 
@@ -40,9 +40,9 @@ struct Portrait {
     const Projector projector(view, true);
     for (const Landmark& l : face.model.landmarks()) {
       if (std::strncmp(l.name, "ibug", 4) != 0) continue;
-      const bool is_outline = is_outline_name(l.name);
-      Correspondence c{{l.u, l.v}, {}, 0.5f, is_outline};
-      const Vec2 seen = is_outline ? where_it_turns_away(projector, c.uv) : c.uv;
+      const bool is_silhouette = is_jaw_name(l.name);
+      Correspondence c{{l.u, l.v}, {}, 0.5f, is_silhouette};
+      const Vec2 seen = is_silhouette ? where_it_turns_away(projector, c.uv) : c.uv;
       REQUIRE(projector.project(face.at(seen, truth), &c.x));
       c.x = c.x + Vec2{0.5f * random.normal(), 0.5f * random.normal()};
       points.push_back(c);
@@ -90,10 +90,10 @@ TEST_CASE(
       identity.push_back(p.group == Group::identity);
     for (int matched = 0; matched < 2; ++matched) {
       FitLimits limits;
-      limits.outline = true;
+      limits.silhouette = true;
       InArena<Fitter> fitter(portrait.face.model, limits);
       auto points = portrait.points;
-      for (Correspondence& c : points) c.is_outline = c.is_outline && matched == 1;
+      for (Correspondence& c : points) c.is_silhouette = c.is_silhouette && matched == 1;
       FitOptions options;
       options.width = 640;
       options.height = 480;
@@ -119,7 +119,7 @@ TEST_CASE(
 
 TEST_CASE("the built-in face never folds in a fit, however mad the points, and hardly within its limits") {
   BakedModel& face = baked_face();
-  InArena<FoldTest> test(face.model);
+  InArena<FoldOverTest> test(face.model);
   test->start(face.cascade);
   std::vector<Vec3> position(test->vertex_count()), rest(position);
   test->compute_positions(face.cascade, face.rest().data(), rest.data());
@@ -153,7 +153,7 @@ TEST_CASE("the built-in face never folds in a fit, however mad the points, and h
     Portrait portrait(seed, 0.2f);
     for (Correspondence& c : portrait.points) c.x = c.x + Vec2{60 * random.normal(), 60 * random.normal()};
     FitLimits limits;
-    limits.outline = true;
+    limits.silhouette = true;
     InArena<Fitter> fitter(face.model, limits);
     FitOptions options;
     options.width = 640;

@@ -46,8 +46,8 @@ TEST_CASE("every byte has a purpose, and their sum is what a tracker takes, for 
       limits.vertices = among(200, 3000);
       limits.markers = among(0, 50);
       limits.keeps_previous = k % 2 == 0;
-      limits.bakes_vertices = k % 5 != 0;
-      if (k % 2 == 0) limits.fold = {among(4, 80), among(4, 80)};
+      limits.samples_vertices = k % 5 != 0;
+      if (k % 2 == 0) limits.personal_field = {among(4, 80), among(4, 80)};
     }
     const Plan plan = make_plan(file.model(), limits);
     CHECK(sum_of(plan) == plan.arena_bytes);

@@ -15,7 +15,7 @@
 #include "textured_model.hpp"
 
 using namespace pliant;
-using namespace pliant::cli;
+using namespace pliant::host;
 
 namespace {
 

@@ -216,9 +216,9 @@ TEST_CASE("view: the outline counts more and the far side less") {
     view.pose.q = {std::cos(half), 0, std::sin(half), 0};
     return compute_rank(view, s.shape(), t);
   };
-  view.outline_gain = view.hidden_gain = 1;
+  view.silhouette_gain = view.hidden_gain = 1;
   const float side = rank_at(85), back = rank_at(150), front = rank_at(30);
-  view.outline_gain = 3;
+  view.silhouette_gain = 3;
   view.hidden_gain = 0.05f;
   CHECK(rank_at(30) == front);
   CHECK(rank_at(85) == doctest::Approx(3 * static_cast<double>(side)));

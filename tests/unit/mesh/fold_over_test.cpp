@@ -38,7 +38,7 @@ struct Sheet {
 
 struct Tested {
   InArena<Cascade> cascade;
-  InArena<FoldTest> test;
+  InArena<FoldOverTest> test;
   explicit Tested(const Model& model) : cascade(model), test(model) { test->start(cascade.object); }
   std::vector<Vec3> at(const std::vector<float>& q) {
     std::vector<Vec3> p(test->vertex_count());

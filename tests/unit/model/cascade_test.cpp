@@ -28,7 +28,7 @@ void compare(const Model& model, Cascade& cascade, Vec2 uv, const std::vector<fl
   double scale = 1;
   std::vector<double> exact_q = doubled(q);
   const reference::Vec exact = reference::surface_point(model, u, v, exact_q, how, &scale);
-  std::vector<Vec3> baked(cascade.baked_count());
+  std::vector<Vec3> baked(cascade.samples_per_point());
   cascade.bake(uv, q.data(), baked.data());
   Jacobian jacobian;
   const Vec3 p = cascade.evaluate(baked.data(), q.data(), &jacobian);
@@ -146,7 +146,7 @@ TEST_CASE("records that the result does not read cost nothing") {
   b.record(Operation::add_vector, {end}, {q}, b.cascade[1].field);
   const OpenModel with(b);
   InArena<Cascade> a(without.model), c(with.model);
-  CHECK(c->baked_count() == a->baked_count() + 1);
+  CHECK(c->samples_per_point() == a->samples_per_point() + 1);
   CHECK(c->sample_count() == a->sample_count() + 1);
   Random random(24);
   compare(with.model, c.object, {0.3f, 0.7f}, random_q(with.model, random), Interpolation::bilinear);

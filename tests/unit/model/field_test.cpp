@@ -92,7 +92,7 @@ TEST_CASE("a baked point equals the surface point, whatever is frozen") {
     std::vector<std::uint8_t> is_free(n);
     for (auto& f : is_free) f = static_cast<std::uint8_t>(random.below(trial % 3 == 0 ? 6 : 2) == 0);
     cascade->set_free(is_free.data());
-    REQUIRE(cascade->baked_count() <= baked.size());
+    REQUIRE(cascade->samples_per_point() <= baked.size());
     std::vector<float> q = random_q(r.model, random);
     const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
     cascade->bake(uv, q.data(), baked.data());
@@ -113,10 +113,10 @@ TEST_CASE(
   InArena<Cascade> cascade(r.model);
   std::vector<std::uint8_t> none(r.model.parameters().count, 0);
   cascade->set_free(none.data());
-  CHECK(cascade->baked_count() == 1);
+  CHECK(cascade->samples_per_point() == 1);
   CHECK(cascade->column_count() == 0);
   cascade->set_free(Group::expression);
-  CHECK(cascade->baked_count() == 5);
+  CHECK(cascade->samples_per_point() == 5);
   CHECK(cascade->column_count() == 4);
 }
 

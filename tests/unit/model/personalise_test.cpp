@@ -10,7 +10,7 @@ namespace {
 
 /// Arena, and a cascade with room for a neutral.
 InArena<Cascade> with_room(const Model& model, std::uint16_t side) {
-  return InArena<Cascade>(model, FoldLimits{side, side});
+  return InArena<Cascade>(model, PersonalFieldLimits{side, side});
 }
 
 /// egg_model with an identity field behind the expressions as well, whose source an expression has touched.
@@ -40,10 +40,10 @@ TEST_CASE("a folded person costs two samples and the expressions, and is the sam
   folded->set_free(Group::expression);
   CHECK(folded->sample_count() == 11);  // the rest shape, six of identity, four of expression
   std::vector<float> q = random_q(m.model, random);
-  REQUIRE(folded->fold(q.data()) == Status::ok);
-  CHECK(folded->is_folded());
+  REQUIRE(folded->personalise(q.data()) == Status::ok);
+  CHECK(folded->is_personalised());
   CHECK(folded->sample_count() == 6);
-  CHECK(folded->baked_count() == 5);
+  CHECK(folded->samples_per_point() == 5);
   CHECK(worst_difference(folded.object, exact.object, q, random, 2000) < 2e-3f);
 
   SUBCASE("what was folded is no longer read") {
@@ -58,7 +58,7 @@ TEST_CASE("a folded person costs two samples and the expressions, and is the sam
     exact->set_free(Group::expression);
     for (int trial = 0; trial < 200; ++trial) {
       const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
-      std::vector<Vec3> a(folded->baked_count()), b(exact->baked_count());
+      std::vector<Vec3> a(folded->samples_per_point()), b(exact->samples_per_point());
       folded->bake(uv, q.data(), a.data());
       exact->bake(uv, q.data(), b.data());
       Jacobian ja, jb;
@@ -76,12 +76,12 @@ TEST_CASE("a folded person costs two samples and the expressions, and is the sam
       CHECK(length(f.pv - g.pv) < 0.5f);
     }
   }
-  SUBCASE("choosing the free parameters ends it, and so does unfold") {
+  SUBCASE("choosing the free parameters ends it, and so does forget_person") {
     folded->set_free(Group::expression);
-    CHECK_FALSE(folded->is_folded());
-    REQUIRE(folded->fold(q.data()) == Status::ok);
-    folded->unfold();
-    CHECK_FALSE(folded->is_folded());
+    CHECK_FALSE(folded->is_personalised());
+    REQUIRE(folded->personalise(q.data()) == Status::ok);
+    folded->forget_person();
+    CHECK_FALSE(folded->is_personalised());
     CHECK(folded->sample_count() == 11);
     CHECK(worst_difference(folded.object, exact.object, q, random, 500) == 0);
   }
@@ -99,11 +99,11 @@ TEST_CASE(
     folded->set_free(is_free.data());
     exact->set_free(is_free.data());
     std::vector<float> q = random_q(m.model, random);
-    REQUIRE(folded->fold(q.data()) == Status::ok);
-    if (!folded->is_folded()) continue;
+    REQUIRE(folded->personalise(q.data()) == Status::ok);
+    if (!folded->is_personalised()) continue;
     ++folded_count;
     CHECK(folded->sample_count() < exact->sample_count());
-    CHECK(folded->baked_count() == exact->baked_count());
+    CHECK(folded->samples_per_point() == exact->samples_per_point());
     for (std::size_t k = 0; k < q.size(); ++k)
       if (is_free[k]) q[k] = random.uniform(-1, 1);
     float most = 1;  // of what the field holds, and so of its quantisation
@@ -113,7 +113,7 @@ TEST_CASE(
       most = max(most, length(p));
       CHECK(length(folded->surface_point(uv, q.data()) - p) < 1e-3f * most);
       CHECK(length(folded->surface_frame(uv, q.data()).p - p) < 1e-3f * most);
-      std::vector<Vec3> baked(folded->baked_count());
+      std::vector<Vec3> baked(folded->samples_per_point());
       folded->bake(uv, q.data(), baked.data());
       CHECK(length(folded->evaluate(baked.data(), q.data()) - p) < 1e-3f * most);
     }
@@ -127,7 +127,7 @@ TEST_CASE("an identity field behind an expression stays what it is: it is read f
   folded->set_free(Group::expression);
   Random random(33);
   const std::vector<float> q = random_q(m.model, random);
-  REQUIRE(folded->fold(q.data()) == Status::ok);
+  REQUIRE(folded->personalise(q.data()) == Status::ok);
   CHECK(folded->sample_count() == 7);
   CHECK(worst_difference(folded.object, exact.object, q, random, 1000) < 2e-3f);
 }
@@ -139,10 +139,10 @@ TEST_CASE("more samples a side make a truer neutral, and cost six bytes each") {
   float last = 1e9f;
   for (std::uint16_t side = 8; side <= 64; side = static_cast<std::uint16_t>(2 * side)) {
     InArena<Cascade> folded = with_room(m.model, side), exact(m.model);
-    CHECK(measured_bytes<Cascade>(m.model, FoldLimits{side, side}) ==
+    CHECK(measured_bytes<Cascade>(m.model, PersonalFieldLimits{side, side}) ==
           measured_bytes<Cascade>(m.model) + 6u * side * side);
     folded->set_free(Group::expression);
-    REQUIRE(folded->fold(q.data()) == Status::ok);
+    REQUIRE(folded->personalise(q.data()) == Status::ok);
     const float off = worst_difference(folded.object, exact.object, q, random, 2000);
     CHECK(off < 0.6f * last);
     last = off;
@@ -152,14 +152,14 @@ TEST_CASE("more samples a side make a truer neutral, and cost six bytes each") {
 TEST_CASE("on the grid of its table a folded person is the same surface to the rounding of the samples") {
   const OpenModel m(egg_model(6));
   const Field& identity = m.model.fields()[1];
-  InArena<Cascade> folded(m.model, FoldLimits{identity.width, identity.height}),
-      beside(m.model, FoldLimits{identity.width, 40}), exact(m.model);
+  InArena<Cascade> folded(m.model, PersonalFieldLimits{identity.width, identity.height}),
+      beside(m.model, PersonalFieldLimits{identity.width, 40}), exact(m.model);
   Random random(37);
   for (int person = 0; person < 5; ++person) {
     const std::vector<float> q = random_q(m.model, random);
     for (Cascade* cascade : {&folded.object, &beside.object}) {
       cascade->set_free(Group::expression);
-      REQUIRE(cascade->fold(q.data()) == Status::ok);
+      REQUIRE(cascade->personalise(q.data()) == Status::ok);
     }
     const float off = worst_difference(folded.object, exact.object, q, random, 2000);
     CHECK(off < 1e-3f);
@@ -174,9 +174,9 @@ TEST_CASE("folding twice folds anew: the second person, not a fold of the first"
   const std::vector<float> first = random_q(m.model, random), second = random_q(m.model, random);
   once->set_free(Group::expression);
   twice->set_free(Group::expression);
-  REQUIRE(once->fold(second.data()) == Status::ok);
-  REQUIRE(twice->fold(first.data()) == Status::ok);
-  REQUIRE(twice->fold(second.data()) == Status::ok);
+  REQUIRE(once->personalise(second.data()) == Status::ok);
+  REQUIRE(twice->personalise(first.data()) == Status::ok);
+  REQUIRE(twice->personalise(second.data()) == Status::ok);
   CHECK(worst_difference(once.object, twice.object, second, random, 200) == 0);
 }
 
@@ -186,39 +186,39 @@ TEST_CASE("a fold that cannot be is refused by name, and everything goes on unfo
   Random random(36);
   std::vector<float> q = random_q(m.model, random);
   none->set_free(Group::expression);
-  CHECK(none->fold(q.data()) == Status::capacity);
-  for (const FoldLimits odd : {FoldLimits{1, 16}, FoldLimits{16, 0}, FoldLimits{300, 300}}) {
+  CHECK(none->personalise(q.data()) == Status::capacity);
+  for (const PersonalFieldLimits odd : {PersonalFieldLimits{1, 16}, PersonalFieldLimits{16, 0}, PersonalFieldLimits{300, 300}}) {
     InArena<Cascade> cascade(m.model, odd);
-    CHECK(cascade->fold(q.data()) == Status::capacity);
+    CHECK(cascade->personalise(q.data()) == Status::capacity);
   }
   folded->set_free(Group::expression);
-  CHECK(folded->fold(nullptr) == Status::bad_argument);
+  CHECK(folded->personalise(nullptr) == Status::bad_argument);
   for (const float bad : {0.0f / (q[0] - q[0]), 1e30f}) {
     std::vector<float> broken = q;
     broken[1] = bad;
-    REQUIRE(folded->fold(q.data()) == Status::ok);
-    CHECK(folded->fold(broken.data()) == Status::bad_argument);
-    CHECK_FALSE(folded->is_folded());
+    REQUIRE(folded->personalise(q.data()) == Status::ok);
+    CHECK(folded->personalise(broken.data()) == Status::bad_argument);
+    CHECK_FALSE(folded->is_personalised());
     CHECK(worst_difference(folded.object, exact.object, q, random, 100) == 0);
   }
   SUBCASE("with everything free there is nothing to fold") {
     folded->set_all_free();
-    CHECK(folded->fold(q.data()) == Status::ok);
-    CHECK_FALSE(folded->is_folded());
+    CHECK(folded->personalise(q.data()) == Status::ok);
+    CHECK_FALSE(folded->is_personalised());
   }
   SUBCASE("with everything frozen the whole surface is the neutral") {
     const std::vector<std::uint8_t> nothing(q.size(), 0);
     folded->set_free(nothing.data());
-    CHECK(folded->fold(q.data()) == Status::ok);
+    CHECK(folded->personalise(q.data()) == Status::ok);
     CHECK(folded->sample_count() == 2);
-    CHECK(folded->baked_count() == 1);
+    CHECK(folded->samples_per_point() == 1);
   }
   SUBCASE("a smaller arena is refused, and the next size fits") {
-    const std::size_t bytes = measured_bytes<Cascade>(m.model, FoldLimits{16, 16});
+    const std::size_t bytes = measured_bytes<Cascade>(m.model, PersonalFieldLimits{16, 16});
     std::vector<std::max_align_t> block(bytes / sizeof(std::max_align_t) + 1);
     Cascade cascade;
     Arena small(block.data(), bytes - 16), enough(block.data(), bytes);
-    CHECK(create_in(small, cascade, m.model, FoldLimits{16, 16}) == Status::out_of_memory);
-    CHECK(create_in(enough, cascade, m.model, FoldLimits{16, 16}) == Status::ok);
+    CHECK(create_in(small, cascade, m.model, PersonalFieldLimits{16, 16}) == Status::out_of_memory);
+    CHECK(create_in(enough, cascade, m.model, PersonalFieldLimits{16, 16}) == Status::ok);
   }
 }

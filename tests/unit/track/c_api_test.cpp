@@ -30,9 +30,9 @@ struct Rig {
 
   Rig() {
     const std::vector<float> rest = face.rest();
-    pose = cli::frontal_pose(face.model, rest.data(), camera, kHeight, 0.7f);
-    cli::Scene scene(face.model, kWidth, kHeight, 160, 2);
-    pixels = scene.draw(rest.data(), pose, camera, cli::make_background(kWidth, kHeight, 5)).pixels;
+    pose = host::frontal_pose(face.model, rest.data(), camera, kHeight, 0.7f);
+    host::Scene scene(face.model, kWidth, kHeight, 160, 2);
+    pixels = scene.draw(rest.data(), pose, camera, host::make_background(kWidth, kHeight, 5)).pixels;
     for (int k = 0; k < 68; ++k)
       names.push_back(std::string("ibug") + (k < 10 ? "0" : "") + std::to_string(k));
     for (const std::string& name : names) {

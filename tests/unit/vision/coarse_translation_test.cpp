@@ -55,7 +55,7 @@ TEST_CASE("a moved picture gives its shift, whole and half pixels, whatever the 
   for (float dx : {-7.0f, -0.5f, 0.0f, 3.5f})
     for (float dy : {-6.0f, 0.0f, 2.5f}) {
       const auto now = texture.picture(40 - dx, 40 - dy, 0.8f);
-      const Shift s = find_shift(view(before), box, view(now), 8);
+      const CoarseTranslation s = find_coarse_translation(view(before), box, view(now), 8);
       CHECK(s.by.x == doctest::Approx(double(dx)).epsilon(0.05).scale(4));
       CHECK(s.by.y == doctest::Approx(double(dy)).epsilon(0.05).scale(4));
       CHECK(s.correlation > 0.9f);
@@ -64,14 +64,14 @@ TEST_CASE("a moved picture gives its shift, whole and half pixels, whatever the 
 
 TEST_CASE("nothing to compare gives no shift") {
   const std::vector<std::uint8_t> flat(80 * 60, 90);
-  const Shift s = find_shift(view(flat), {10, 10, 40, 40}, view(flat), 5);
+  const CoarseTranslation s = find_coarse_translation(view(flat), {10, 10, 40, 40}, view(flat), 5);
   CHECK(s.correlation == 0);
   CHECK(length(s.by) == 0);
   const Texture texture;
   const auto p = texture.picture(40, 40);
-  CHECK(find_shift({}, {10, 10, 40, 40}, view(p), 5).correlation == 0);
-  CHECK(find_shift(view(p), {10, 10, 40, 40}, {p.data(), 40, 60, 80}, 5).correlation == 0);
-  CHECK(find_shift(view(p), {40, 10, 10, 40}, view(p), 5).correlation == 0);
-  CHECK(find_shift(view(p), {-100, -100, 500, 500}, view(p), 5).correlation == doctest::Approx(1));
-  CHECK(find_shift(view(p), {10, 10, 40, 40}, view(p), -1).correlation == 0);
+  CHECK(find_coarse_translation({}, {10, 10, 40, 40}, view(p), 5).correlation == 0);
+  CHECK(find_coarse_translation(view(p), {10, 10, 40, 40}, {p.data(), 40, 60, 80}, 5).correlation == 0);
+  CHECK(find_coarse_translation(view(p), {40, 10, 10, 40}, view(p), 5).correlation == 0);
+  CHECK(find_coarse_translation(view(p), {-100, -100, 500, 500}, view(p), 5).correlation == doctest::Approx(1));
+  CHECK(find_coarse_translation(view(p), {10, 10, 40, 40}, view(p), -1).correlation == 0);
 }
