@@ -1,6 +1,6 @@
 #pragma once
 /// \file status.hpp
-/// What can go wrong, as values. Nothing in the library throws or aborts.
+/// What can go wrong, as values, and the check of programming errors. Nothing in the library throws.
 #include <cstdint>
 
 #include "pliant/version.h"
@@ -47,10 +47,16 @@ const char* text(Status status);
 
 }  // namespace pliant
 
-/// Reports a programming error (a broken precondition), never bad input. A build may define it before including
-/// any header; the default does nothing so that release firmware carries no strings.
+/// Checks a condition that only a programming error can break: a precondition, or an invariant. Bad input is no such
+/// error; it gets a `Status`. The check is on where NDEBUG is not defined (debug and sanitizer builds): a condition that
+/// does not hold stops the program by a trap instruction, without text, heap or C library. Where NDEBUG is defined (release
+/// builds) the condition is compiled but not evaluated. A build may define the macro itself before it includes any header.
 #ifndef PLIANT_ASSERT
-#define PLIANT_ASSERT(condition) ((void)0)
+#ifdef NDEBUG
+#define PLIANT_ASSERT(condition) static_cast<void>(sizeof((condition) ? 1 : 0))
+#else
+#define PLIANT_ASSERT(condition) ((condition) ? static_cast<void>(0) : __builtin_trap())
+#endif
 #endif
 
 #if defined(__FAST_MATH__)
