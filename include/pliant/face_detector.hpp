@@ -25,24 +25,24 @@ class PictureSearch;
 class PartSearch;
 struct Candidate;
 
-struct FinderLimits {
+struct FaceDetectorLimits {
   std::uint16_t width = 320, height = 240;  ///< of the frames, px
   /// Smallest inner face, as a share of the frame's height: brows to lips and as wide as the brows, seven tenths of the
   /// built-in face. Memory and time go with 1 / its square. 0.15 to 0.6.
-  float least_share = 0.22f;
+  float smallest_fraction = 0.22f;
 };
 
-struct FinderOptions {
-  float largest_share = 0.65f;  ///< largest inner face, of the frame's height; least_share to 1
+struct FaceDetectorOptions {
+  float largest_fraction = 0.65f;  ///< largest inner face, of the frame's height; smallest_fraction to 1
   /// Cosine between the directions of the fitted model and of the picture from which it counts as found. Measured: of
   /// 300 pictures of clutter and some fifty of other things, faces upside down among them, none reaches 0.46; of drawn
   /// faces 98 in a hundred exceed 0.53; the one real face there was to try, 0.5 in every third frame of a film.
-  float min_likeness = 0.5f;
+  float min_similarity = 0.5f;
 };
 
-struct FinderReport {
+struct FaceDetectorReport {
   bool is_found = false;
-  float likeness = 0;  ///< of the best place, found or not; -1 to 1
+  float similarity = 0;  ///< of the best place, found or not; -1 to 1
   Pose pose;           ///< there; meaningful when found
 };
 
@@ -55,16 +55,16 @@ class FaceDetector {
   FaceDetector(const FaceDetector&) = delete;
   FaceDetector& operator=(const FaceDetector&) = delete;
 
-  void lay_out(Arena& arena, const Model& model, const FinderLimits& limits);
+  void lay_out(Arena& arena, const Model& model, const FaceDetectorLimits& limits);
 
   /// Draws the templates. Cost: as `find`.
   /// \return not_found when the model lacks what is needed, bad_argument for a camera or options out of range.
-  Status begin(const Camera& camera, const FinderOptions& options);
+  Status begin(const Camera& camera, const FaceDetectorOptions& options);
 
   /// Looks at one frame, without regard to any before.
   /// \return not_started, bad_argument, size_mismatch; nothing has changed then. Cost: a tenth of a second
   /// of a busy PC at any size of frame, most of it in sampling the fields for the fits.
-  Status find(const FrameView& frame, FinderReport* report);
+  Status find(const FrameView& frame, FaceDetectorReport* report);
   /// Of the last `find`, all of the model's; meaningful when it found the model.
   Span<const float> parameters() const { return {best_q_, parameter_count_}; }
 
@@ -84,8 +84,8 @@ class FaceDetector {
   void align_fully(Place& place);
 
   Model model_;
-  FinderLimits limits_;
-  FinderOptions options_;
+  FaceDetectorLimits limits_;
+  FaceDetectorOptions options_;
   Camera camera_;
   Pyramid pyramid_;
   Fitter fitter_;

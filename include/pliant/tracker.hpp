@@ -9,7 +9,7 @@
 #include "pliant/estimator.hpp"
 #include "pliant/frame.hpp"
 #include "pliant/model.hpp"
-#include "pliant/patch.hpp"
+#include "pliant/patch_tracker.hpp"
 #include "pliant/pyramid.hpp"
 #include "pliant/coarse_translation.hpp"
 

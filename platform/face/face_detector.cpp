@@ -29,9 +29,9 @@ T* create(Arena& arena, const Args&... args) {
 
 }  // namespace
 
-void FaceDetector::lay_out(Arena& arena, const Model& model, const FinderLimits& limits) {
+void FaceDetector::lay_out(Arena& arena, const Model& model, const FaceDetectorLimits& limits) {
   limits_ = limits;
-  limits_.least_share = clamp(limits.least_share, 0.15f, 0.6f);
+  limits_.smallest_fraction = clamp(limits.smallest_fraction, 0.15f, 0.6f);
   model_ = model;
   parameter_count_ = model.parameters().count;
   PyramidLimits pyramid;
@@ -44,7 +44,7 @@ void FaceDetector::lay_out(Arena& arena, const Model& model, const FinderLimits&
   fitter_.lay_out(arena, model, fit);
   picture_ = create<ModelPicture>(arena, model);
   search_ = create<PictureSearch>(arena, int{limits.width}, int{limits.height},
-                                  limits_.least_share * static_cast<float>(limits.height));
+                                  limits_.smallest_fraction * static_cast<float>(limits.height));
   parts_ = create<PartSearch>(arena);
   places_ = arena.take<Place>(PictureSearch::kCandidates);
   pairs_ = arena.take<Correspondence>(PartSearch::kParts);
@@ -54,11 +54,11 @@ void FaceDetector::lay_out(Arena& arena, const Model& model, const FinderLimits&
   started_ = false;
 }
 
-Status FaceDetector::begin(const Camera& camera, const FinderOptions& options) {
+Status FaceDetector::begin(const Camera& camera, const FaceDetectorOptions& options) {
   started_ = false;
   const bool is_camera = is_finite(camera.f) && camera.f > 0 && is_finite(Vec2{camera.cx, camera.cy});
-  if (!is_camera || !(options.largest_share >= limits_.least_share && options.largest_share <= 1) ||
-      !(options.min_likeness > 0 && options.min_likeness < 1))
+  if (!is_camera || !(options.largest_fraction >= limits_.smallest_fraction && options.largest_fraction <= 1) ||
+      !(options.min_similarity > 0 && options.min_similarity < 1))
     return Status::bad_argument;
   const Status status = picture_->prepare();
   if (status != Status::ok) return status;
@@ -122,13 +122,13 @@ Status FaceDetector::look_at(const FrameView& frame) {
   return pyramid_.build(frame);
 }
 
-Status FaceDetector::find(const FrameView& frame, FinderReport* report) {
+Status FaceDetector::find(const FrameView& frame, FaceDetectorReport* report) {
   if (report == nullptr) return Status::bad_argument;
   const Status status = look_at(frame);
   if (status != Status::ok) return status;
   const float height = static_cast<float>(limits_.height);
   const Span<const Candidate> found =
-      search_->find(pyramid_, limits_.least_share * height, options_.largest_share * height);
+      search_->find(pyramid_, limits_.smallest_fraction * height, options_.largest_fraction * height);
   for (std::size_t k = 0; k < found.count; ++k) align_roughly(found[k], &places_[k]);
   *report = {};
   float first = 0;
@@ -141,12 +141,12 @@ Status FaceDetector::find(const FrameView& frame, FinderReport* report) {
     if (n == 0) first = place.likeness;
     places_[best] = places_[n];
     align_fully(place);
-    if (place.likeness <= report->likeness) continue;
-    report->likeness = place.likeness;
+    if (place.likeness <= report->similarity) continue;
+    report->similarity = place.likeness;
     report->pose = pose_of(place.view);
     for (std::size_t k = 0; k < parameter_count_; ++k) best_q_[k] = q_[k];
   }
-  report->is_found = report->likeness >= options_.min_likeness;
+  report->is_found = report->similarity >= options_.min_similarity;
   return Status::ok;
 }
 

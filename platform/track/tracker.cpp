@@ -153,7 +153,7 @@ Status Tracker::start(const FrameView& frame, const Camera& camera, const Pose& 
   expected_shift_ = {};
   status = look_at_region(frame);
   if (status != Status::ok) return status;
-  shrink(frame, thumbnail_factor_, thumbnail_line_, thumbnail_);
+  make_thumbnail(frame, thumbnail_factor_, thumbnail_line_, thumbnail_);
   if (notes_texture_) note_texture(0, 1);
   estimator_.begin(frame.time_ns);
   status = place_markers(markers);
@@ -197,7 +197,7 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   last_time_ns_ = frame.time_ns;
   last_sequence_ = frame.sequence;
   ++frame_;
-  shrink(frame, thumbnail_factor_, thumbnail_line_, thumbnail_);
+  make_thumbnail(frame, thumbnail_factor_, thumbnail_line_, thumbnail_);
   estimator_.begin(frame.time_ns);
   expect_motion();
   if (limits_.keeps_previous) {

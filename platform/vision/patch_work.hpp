@@ -2,7 +2,7 @@
 // What one search of the patch tracker works on, and its three steps: making a template, finding where the
 // image is like it, and measuring where exactly.
 #include "vision/patch_kernels.hpp"
-#include "pliant/patch.hpp"
+#include "pliant/patch_tracker.hpp"
 
 namespace pliant::patch {
 

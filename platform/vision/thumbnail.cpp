@@ -10,7 +10,7 @@ void add_row(const std::uint8_t* __restrict row, int width, std::uint16_t* __res
 
 }  // namespace
 
-void shrink(const FrameView& frame, int factor, std::uint16_t* line, std::uint8_t* out) {
+void make_thumbnail(const FrameView& frame, int factor, std::uint16_t* line, std::uint8_t* out) {
   const int across = frame.width / factor, down = frame.height / factor, width = across * factor;
   const int row_step = factor > 1 ? 2 : 1;
   const unsigned pixels = static_cast<unsigned>(factor * (factor / row_step));

@@ -16,6 +16,6 @@ constexpr int thumbnail_factor(int width, int columns) {
 
 /// Means over factor x factor pixels, of every other row; what does not fill a block is left out.
 /// \param line  factor * (width / factor) values of scratch. \param out  (width / factor) x (height / factor).
-void shrink(const FrameView& frame, int factor, std::uint16_t* line, std::uint8_t* out);
+void make_thumbnail(const FrameView& frame, int factor, std::uint16_t* line, std::uint8_t* out);
 
 }  // namespace pliant

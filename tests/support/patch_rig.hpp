@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pliant/corners.hpp"
-#include "pliant/patch.hpp"
+#include "pliant/patch_tracker.hpp"
 #include "texture.hpp"
 
 namespace patch_rig {

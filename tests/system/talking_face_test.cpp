@@ -176,7 +176,7 @@ TEST_CASE("he is found without a point within the first second, and followed fro
   if (folder.empty()) return;
   const Annotation truth(folder);
   const host::ModelFile file(baked_face_path());
-  FinderLimits limits;
+  FaceDetectorLimits limits;
   limits.width = kWidth;
   limits.height = kHeight;
   host::Owned<FaceDetector> finder(file.model(), limits);
@@ -194,7 +194,7 @@ TEST_CASE("he is found without a point within the first second, and followed fro
     const host::Image grey = frame_picture(folder, k);
     FrameResult r;
     if (!is_started) {
-      FinderReport report;
+      FaceDetectorReport report;
       REQUIRE(finder->find(view_on(grey, k), &report) == Status::ok);
       if (!report.is_found) continue;
       REQUIRE(tracker->start(view_on(grey, k), camera, report.pose, finder->parameters().data, {}, {}) ==

@@ -5,7 +5,7 @@
 #include "host/io/owned.hpp"
 #include "host/io/pnm.hpp"
 #include "pliant/corners.hpp"
-#include "pliant/patch.hpp"
+#include "pliant/patch_tracker.hpp"
 
 namespace pliant::host {
 

@@ -12,8 +12,8 @@ constexpr int kTrialFrames = 10;
 /// Less than at the start: a face that turns and talks looks less like what was fitted.
 constexpr float kHoldShare = 0.85f;
 
-FinderLimits limits_for(const ImageSize& size) {
-  FinderLimits limits;
+FaceDetectorLimits limits_for(const ImageSize& size) {
+  FaceDetectorLimits limits;
   limits.width = static_cast<std::uint16_t>(size.width);
   limits.height = static_cast<std::uint16_t>(size.height);
   return limits;
@@ -42,16 +42,16 @@ DetectionStart::DetectionStart(const ModelFile& file, const ImageSize& size, con
 }
 
 std::optional<Beginning> DetectionStart::find(const FrameView& frame, std::size_t number) {
-  FinderReport report;
+  FaceDetectorReport report;
   require(finder_->find(frame, &report), frames_ + ": frame " + std::to_string(number));
-  most_ = max(most_, report.likeness);
+  most_ = max(most_, report.similarity);
   ++looked_;
   if (!report.is_found) {
     if (looked_ == 1) err_ << frames_ << ": frame " << number << ": no face found yet, looking on\n";
     if (looked_ >= most_frames_) give_up();
     return std::nullopt;
   }
-  err_ << frames_ << ": frame " << number << ": found, likeness " << number_of(report.likeness) << "\n";
+  err_ << frames_ << ": frame " << number << ": found, likeness " << number_of(report.similarity) << "\n";
   const Span<const float> q = finder_->parameters();
   followed_ = 0;
   sum_ = 0;
@@ -76,7 +76,7 @@ bool DetectionStart::holds(const FrameView& frame, std::size_t number, Tracker& 
   sum_ += likeness;
   if (++followed_ < kTrialFrames) return true;
   const float mean = sum_ / kTrialFrames;
-  if (mean >= kHoldShare * FinderOptions{}.min_likeness) return true;
+  if (mean >= kHoldShare * FaceDetectorOptions{}.min_similarity) return true;
   is_on_ = false;
   err_ << frames_ << ": frame " << number << ": the start in frame " << started_at_
        << " does not hold (likeness " << number_of(mean) << "), looking again\n";
@@ -88,7 +88,7 @@ void DetectionStart::conclude() const {
 }
 
 void DetectionStart::give_up() const {
-  const float needed = FinderOptions{}.min_likeness;
+  const float needed = FaceDetectorOptions{}.min_similarity;
   const std::string count = std::to_string(looked_) + " frames";
   if (most_ >= needed) fail_input(frames_, "no start held, " + count + " looked at");
   fail_input(frames_, "no face found in " + count + ": likeness at most " + number_of(most_) + ", " +

@@ -6,7 +6,7 @@
 #include "adapted_mesh.hpp"
 #include "experiment.hpp"
 #include "pliant/estimator.hpp"
-#include "pliant/patch.hpp"
+#include "pliant/patch_tracker.hpp"
 #include "pliant/pyramid.hpp"
 
 namespace pliant::figure9 {

@@ -82,8 +82,8 @@ float landmark_error(const Sitting& truth, const Pose& pose, const float* q) {
 }
 
 struct Finding {
-  InArena<FaceDetector> finder{baked_face().model, FinderLimits{}};
-  FinderReport report;
+  InArena<FaceDetector> finder{baked_face().model, FaceDetectorLimits{}};
+  FaceDetectorReport report;
   Finding() { REQUIRE(finder->begin(kCamera, {}) == Status::ok); }
   void look(const host::Image& image) { REQUIRE(finder->find(view_on(image), &report) == Status::ok); }
 };
@@ -102,7 +102,7 @@ TEST_CASE("whoever it is, within 20 degrees of yaw and roll and 15 of pitch, 80 
     f.look(s.picture);
     CAPTURE(k);
     CAPTURE(size);
-    CAPTURE(f.report.likeness);
+    CAPTURE(f.report.similarity);
     if (!f.report.is_found) continue;
     ++found;
     CHECK(landmark_error(s, f.report.pose, f.finder->parameters().data) < 0.04f * size);
@@ -119,7 +119,7 @@ TEST_CASE("clutter, black, noise, an upside-down and a far-away face are not tak
   const auto check_nobody = [&](const host::Image& image) {
     f.look(image);
     CHECK_FALSE(f.report.is_found);
-    CHECK(f.report.likeness < FinderOptions{}.min_likeness);
+    CHECK(f.report.similarity < FaceDetectorOptions{}.min_similarity);
   };
   for (std::uint32_t seed = 1; seed < 8; ++seed) {
     CAPTURE(seed);
@@ -144,7 +144,7 @@ TEST_CASE("the same frame gives the same bits, whatever was looked at before, an
   const Sitting s = someone(random, 2, 150);
   f.look(s.picture);
   REQUIRE(f.report.is_found);
-  const FinderReport first = f.report;
+  const FaceDetectorReport first = f.report;
   const std::vector<float> q(f.finder->parameters().begin(), f.finder->parameters().end());
   f.look(clutter(random, 9, 20));
   {
@@ -152,7 +152,7 @@ TEST_CASE("the same frame gives the same bits, whatever was looked at before, an
     (void)f.finder->find(view_on(s.picture), &f.report);
   }
   CHECK(heap_trap::calls == 0);
-  CHECK(f.report.likeness == first.likeness);
+  CHECK(f.report.similarity == first.similarity);
   CHECK(f.report.pose.t.z == first.pose.t.z);
   CHECK(f.report.pose.q.x == first.pose.q.x);
   CHECK(std::equal(q.begin(), q.end(), f.finder->parameters().begin()));
@@ -174,13 +174,13 @@ TEST_CASE("a pose that somebody else found is judged by what the frame shows the
 }
 
 TEST_CASE("what cannot be used is named, and a block a byte too small is refused") {
-  InArena<FaceDetector> finder(baked_face().model, FinderLimits{});
-  FinderReport report;
+  InArena<FaceDetector> finder(baked_face().model, FaceDetectorLimits{});
+  FaceDetectorReport report;
   const host::Image grey(kWidth, kHeight, 1, 90);
   FrameView frame = view_on(grey);
   CHECK(finder->find(frame, &report) == Status::not_started);
-  FinderOptions options;
-  options.largest_share = 0.1f;
+  FaceDetectorOptions options;
+  options.largest_fraction = 0.1f;
   CHECK(finder->begin(kCamera, options) == Status::bad_argument);
   CHECK(finder->begin(Camera{}, {}) == Status::bad_argument);
   REQUIRE(finder->begin(kCamera, {}) == Status::ok);
@@ -200,15 +200,15 @@ TEST_CASE("what cannot be used is named, and a block a byte too small is refused
   const auto words = egg_model(3).table();
   Model egg;
   REQUIRE(Model::open(words.data(), words.size() * 4, &egg) == Status::ok);
-  InArena<FaceDetector> none(egg, FinderLimits{});
+  InArena<FaceDetector> none(egg, FaceDetectorLimits{});
   CHECK(none->begin(kCamera, {}) == Status::not_found);
 
-  const std::size_t bytes = measured_bytes<FaceDetector>(baked_face().model, FinderLimits{});
+  const std::size_t bytes = measured_bytes<FaceDetector>(baked_face().model, FaceDetectorLimits{});
   MESSAGE("bytes " << bytes);
   std::vector<std::uint64_t> block(bytes / 8 + 4);
   auto* memory = reinterpret_cast<unsigned char*>(block.data());
   memory += (16 - reinterpret_cast<std::uintptr_t>(memory) % 16) % 16;
   Arena arena(memory, bytes - 1);
   FaceDetector small;
-  CHECK(create_in(arena, small, baked_face().model, FinderLimits{}) == Status::out_of_memory);
+  CHECK(create_in(arena, small, baked_face().model, FaceDetectorLimits{}) == Status::out_of_memory);
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// \file patch.hpp
+/// \file patch_tracker.hpp
 /// The patch tracker: where has the small piece of picture around a point gone, how well is that known, and
 /// is it still the same piece?
 ///

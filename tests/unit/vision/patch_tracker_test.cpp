@@ -1,5 +1,5 @@
 // How exactly the patch tracker finds patches, and how well it knows.
-#include "pliant/patch.hpp"
+#include "pliant/patch_tracker.hpp"
 
 #include <doctest/doctest.h>
 

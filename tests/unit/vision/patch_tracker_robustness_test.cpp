@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "patch_rig.hpp"
-#include "pliant/patch.hpp"
+#include "pliant/patch_tracker.hpp"
 
 using namespace patch_rig;
 

@@ -1,5 +1,5 @@
 // Slots, and the search from coarse to fine.
-#include "pliant/patch.hpp"
+#include "pliant/patch_tracker.hpp"
 
 #include <cstring>
 
