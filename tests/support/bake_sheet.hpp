@@ -5,8 +5,8 @@
 #include "host/bake/source.hpp"
 
 /// A square of n x n vertices over the chart, lifted by f, with two triangles a cell.
-inline pliant::bake::Source sheet(int n, const std::function<pliant::Vec3(pliant::Vec2)>& f) {
-  pliant::bake::Source source;
+inline pliant::host::bake::Source sheet(int n, const std::function<pliant::Vec3(pliant::Vec2)>& f) {
+  pliant::host::bake::Source source;
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
       const pliant::Vec2 uv{static_cast<float>(i) / static_cast<float>(n - 1),

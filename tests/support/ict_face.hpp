@@ -101,11 +101,11 @@ inline const char* data_folder() {
   return std::getenv("PLIANT_DATA");
 }
 
-inline pliant::bake::Source read_narrow_face(bool relaxed) {
+inline pliant::host::bake::Source read_narrow_face(bool relaxed) {
   const Folder folder("ict_face_" +
                       std::to_string(getpid()));  // two programs read it, perhaps at the same time
   IctFace(std::string(data_folder()) + "/ict").write(folder);
-  pliant::bake::BakeOptions options;
+  pliant::host::bake::BakeOptions options;
   options.source = folder.path.string();
   options.unit_mm = 10;
   options.relaxes_chart = relaxed;
@@ -113,9 +113,9 @@ inline pliant::bake::Source read_narrow_face(bool relaxed) {
 }
 
 /// Read from its OBJ files once, with the chart as it is or relaxed.
-inline const pliant::bake::Source& narrow_face(bool relaxed = false) {
-  static const pliant::bake::Source as_it_is = read_narrow_face(false);
+inline const pliant::host::bake::Source& narrow_face(bool relaxed = false) {
+  static const pliant::host::bake::Source as_it_is = read_narrow_face(false);
   if (!relaxed) return as_it_is;
-  static const pliant::bake::Source with_relaxed_chart = read_narrow_face(true);
+  static const pliant::host::bake::Source with_relaxed_chart = read_narrow_face(true);
   return with_relaxed_chart;
 }

@@ -28,8 +28,8 @@ struct TexturedModel {
   int albedo_side = 256;
   bool with_expressions = true;
 
-  static pliant::bake::FieldGrid grid(int side, const Shape& shape) {
-    pliant::bake::FieldGrid out;
+  static pliant::host::bake::FieldGrid grid(int side, const Shape& shape) {
+    pliant::host::bake::FieldGrid out;
     out.width = out.height = side;
     out.components = 3;
     for (int j = 0; j < side; ++j)
@@ -64,12 +64,12 @@ struct TexturedModel {
 
   std::vector<std::uint8_t> bytes() const {
     using namespace pliant;
-    bake::TableWriter writer;
-    CascadeRecord first = bake::empty_record(Operation::constant);
+    host::bake::TableWriter writer;
+    CascadeRecord first = host::bake::empty_record(Operation::constant);
     first.field = writer.add_field(grid(65, rest), 16);
     std::uint16_t last = writer.add_record(first);
     const auto add = [&](const char* name, Group group, float low, const Shape& shape) {
-      CascadeRecord r = bake::empty_record(Operation::add_vector);
+      CascadeRecord r = host::bake::empty_record(Operation::add_vector);
       r.source[0] = last;
       r.parameter[0] = writer.add_parameter(
           {name, group, low, group == Group::identity ? 3.0f : 1.0f, group == Group::identity ? 1.0f : 0.4f});
@@ -99,7 +99,7 @@ struct TexturedModel {
                        {at(i, j), at(i + 1, j + 1), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i, j + 1)});
     writer.set_base_mesh(uv, corners);
     writer.set_mask({2, 2, {1, 1, 1, 1}});
-    bake::GreyImage albedo;
+    host::bake::GreyImage albedo;
     albedo.width = albedo.height = static_cast<std::uint32_t>(albedo_side);
     for (int j = 0; j < albedo_side; ++j)
       for (int i = 0; i < albedo_side; ++i)

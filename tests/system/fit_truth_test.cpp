@@ -35,9 +35,9 @@ void check(BakedModel& face, const char* name) {
 /// ICT-FaceKit's face, coarser than by default so that it bakes in a moment.
 const std::vector<std::uint8_t>& ict_table() {
   static const std::vector<std::uint8_t> table = [] {
-    bake::BakeOptions options;
+    host::bake::BakeOptions options;
     options.size = 64;
-    return bake::bake_source(narrow_face(), options, nullptr);
+    return host::bake::bake_source(narrow_face(), options, nullptr);
   }();
   return table;
 }

@@ -15,7 +15,7 @@
 #include "sanitized.hpp"
 
 using namespace pliant;
-using namespace pliant::bake;
+using namespace pliant::host::bake;
 
 namespace {
 

@@ -10,6 +10,6 @@ int main(int argc, char** argv) {
   const auto words = egg_model(kDigestIdentities).table();
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(words.data());
   std::ofstream out(argv[1]);
-  out << pliant::bake::embedded({bytes, bytes + words.size() * 4}, "egg_table");
+  out << pliant::host::bake::embedded({bytes, bytes + words.size() * 4}, "egg_table");
   return out.flush() ? 0 : 1;
 }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -35,4 +35,4 @@ std::vector<std::string> names_unknown_to_arkit(const Source& source) {
   return unknown;
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

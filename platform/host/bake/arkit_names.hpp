@@ -6,7 +6,7 @@
 
 #include "host/bake/source.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// Place of a name in the order in which a small model should have them, from 0: what a camera sees most of in speech
 /// and everyday expression first. Where ARKit has one name for a pair, either side counts. The number of names for one
@@ -17,4 +17,4 @@ std::size_t usefulness_rank(const std::string& name);
 /// name for).
 std::vector<std::string> names_unknown_to_arkit(const Source& source);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

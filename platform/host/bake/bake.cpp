@@ -5,7 +5,7 @@
 #include "host/bake/obj_source.hpp"
 #include "host/bake/source_error.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -53,4 +53,4 @@ bool bake(const BakeOptions& options, std::vector<std::uint8_t>& table, std::str
   }
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -10,7 +10,7 @@
 #include "host/bake/reconstruction.hpp"
 #include "host/bake/source.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 struct BakeOptions {
   std::string source;  ///< the folder of the source
@@ -50,4 +50,4 @@ std::vector<std::uint8_t> bake_source(const Source& source, const BakeOptions& o
 /// The table as a C++ source file: a 4-byte aligned constant array `name` and its size `name`_bytes.
 std::string embedded(const std::vector<std::uint8_t>& table, const std::string& name);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -10,7 +10,7 @@
 #include "host/bake/grid_fit.hpp"
 #include "host/bake/table_writer.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -193,4 +193,4 @@ std::string embedded(const std::vector<std::uint8_t>& table, const std::string& 
   return text + "\n};\nconst std::size_t " + name + "_bytes = sizeof " + name + ";\n";
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -15,7 +15,7 @@
 #include "host/bake/triangulation.hpp"
 #include "pliant/base_mesh.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -267,4 +267,4 @@ BaseMesh make_base_mesh(const Source& source, int vertices, bool is_symmetric) {
   return BaseMesher(source, is_symmetric).run(vertices);
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

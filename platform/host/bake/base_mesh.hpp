@@ -7,7 +7,7 @@
 
 #include "host/bake/source.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 struct BaseMesh {
   std::vector<Vec2> uv;
@@ -20,4 +20,4 @@ struct BaseMesh {
 /// chart.
 BaseMesh make_base_mesh(const Source& source, int vertices, bool is_symmetric);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

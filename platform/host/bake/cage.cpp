@@ -9,7 +9,7 @@
 #include "host/bake/source_error.hpp"
 #include "host/bake/text_table.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -193,4 +193,4 @@ Cage read_cage(const std::string& folder) {
   return cage;
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

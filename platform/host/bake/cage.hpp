@@ -10,7 +10,7 @@
 
 #include "pliant/geometry.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 struct CageFace {
   std::vector<int> corners;  ///< counter-clockwise seen from outside; three or four
@@ -37,4 +37,4 @@ std::vector<int> points_of(const Cage& cage, const std::string& words);
 /// Reads `folder`/points.txt and patches.txt, mirrors and winds the faces. Throws SourceError.
 Cage read_cage(const std::string& folder);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -6,7 +6,7 @@
 
 #include "host/bake/at.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -161,4 +161,4 @@ std::vector<float> chart_areas(const std::vector<Vec2>& uv,
   return areas;
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -7,7 +7,7 @@
 
 #include "pliant/geometry.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// How a sample's value follows from the mesh: three vertices and their weights, which add up to one. Outside
 /// the mesh they continue the nearest triangle.
@@ -40,4 +40,4 @@ T value_at(const ChartSample& s, const std::vector<T>& values) {
   return value;
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

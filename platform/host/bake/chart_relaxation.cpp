@@ -10,7 +10,7 @@
 
 #include "host/bake/at.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -128,4 +128,4 @@ double chart_stretch(const std::vector<Vec2>& uv, const std::vector<Vec3>& posit
   return Relaxation(uv, position, triangles).whole_stretch();
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -6,7 +6,7 @@
 
 #include "pliant/geometry.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// Stretches the chart to the unit square, and moves the vertices inside it so that the surface's stretch over the
 /// chart (Sander, Snyder, Gortler and Hoppe 2001, the L2 norm) becomes less: what was crushed into a few samples gets
@@ -21,4 +21,4 @@ void relax_chart(std::vector<Vec2>& uv, const std::vector<Vec3>& position,
 double chart_stretch(const std::vector<Vec2>& uv, const std::vector<Vec3>& position,
                      const std::vector<std::array<int, 3>>& triangles);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

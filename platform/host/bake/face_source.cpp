@@ -12,7 +12,7 @@
 #include "host/bake/subdivision.hpp"
 #include "host/bake/text_table.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -233,4 +233,4 @@ bool is_face_folder(const std::string& folder) {
   return std::filesystem::exists(folder + "/points.txt");
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

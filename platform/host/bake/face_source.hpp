@@ -6,7 +6,7 @@
 
 #include "host/bake/source.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// Reads all tables of `folder` and builds the surface. Throws SourceError.
 Source read_face(const std::string& folder);
@@ -14,4 +14,4 @@ Source read_face(const std::string& folder);
 /// True where the folder holds such tables.
 bool is_face_folder(const std::string& folder);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

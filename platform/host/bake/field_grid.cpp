@@ -5,7 +5,7 @@
 
 #include "host/bake/at.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -92,4 +92,4 @@ float sample(const FieldGrid& grid, int component, Vec2 uv) {
   return upper + b * (lower - upper);
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

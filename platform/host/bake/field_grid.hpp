@@ -5,7 +5,7 @@
 
 #include "host/bake/chart_raster.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// Samples (i,j), component c at samples[(j * width + i) * components + c], over the rectangle [u0,u1] x
 /// [v0,v1].
@@ -30,4 +30,4 @@ FieldGrid cropped(const FieldGrid& grid, float threshold);
 /// Bilinear value of component c at (u,v), zero outside the rectangle.
 float sample(const FieldGrid& grid, int component, Vec2 uv);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

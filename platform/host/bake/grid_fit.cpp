@@ -7,7 +7,7 @@
 
 #include "host/bake/at.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -168,4 +168,4 @@ void fit_grid(FieldGrid& grid, const std::vector<FitPlace>& places, const std::v
   fit_component(grid, 0, fit, wanted, still);
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -5,7 +5,7 @@
 
 #include "host/bake/field_grid.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// Where a grid over the whole chart is compared with the mesh: places in the chart, and vertices with their
 /// weights there.
@@ -28,4 +28,4 @@ void fit_grid(FieldGrid& grid, const std::vector<FitPlace>& places, const std::v
 void fit_grid(FieldGrid& grid, const std::vector<FitPlace>& places, const std::vector<float>& values,
               float still);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

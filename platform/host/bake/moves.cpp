@@ -7,7 +7,7 @@
 #include "host/bake/at.hpp"
 #include "host/bake/text_table.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -138,4 +138,4 @@ std::vector<float> hinge_of(const std::vector<Move>& moves, const std::string& p
   return weight;
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -8,7 +8,7 @@
 
 #include "host/bake/cage.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// How a row acts on a point p, with f its falloff there.
 enum class MoveKind {
@@ -52,4 +52,4 @@ std::vector<Vec3> displacement_of(const std::vector<Move>& moves, const std::str
 std::vector<float> hinge_of(const std::vector<Move>& moves, const std::string& parameter, const Cage& cage,
                             const std::vector<Follower>& followers);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -7,7 +7,7 @@
 
 #include "host/bake/source_error.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -131,4 +131,4 @@ std::vector<Vec3> read_obj_positions(const std::string& path, const ObjMesh& lik
   return std::move(mesh.vertices);
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -7,7 +7,7 @@
 
 #include "pliant/geometry.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 struct ObjCorner {
   int vertex, texture;  ///< from 0; texture is -1 where the file gives none
@@ -29,4 +29,4 @@ ObjMesh read_obj(const std::string& path);
 /// their number, or that of the polygons and their corners, is not the same as in `like`.
 std::vector<Vec3> read_obj_positions(const std::string& path, const ObjMesh& like);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

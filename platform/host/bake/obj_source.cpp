@@ -13,7 +13,7 @@
 #include "host/bake/principal_components.hpp"
 #include "host/bake/source_error.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -245,4 +245,4 @@ bool is_obj_folder(const std::string& folder) {
   return !obj_names(folder).empty();
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

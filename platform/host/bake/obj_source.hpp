@@ -7,7 +7,7 @@
 
 #include "host/bake/source.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 struct ObjOptions {
   float unit_mm = 1;  ///< of the files' coordinates
@@ -28,4 +28,4 @@ Source read_obj_folder(const std::string& folder, const ObjOptions& options);
 /// True where the folder holds OBJ files.
 bool is_obj_folder(const std::string& folder);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -10,7 +10,7 @@
 #include "host/bake/source_error.hpp"
 #include "host/bake/text_table.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -271,4 +271,4 @@ GreyImage paint(const std::string& folder, const Canvas& canvas) {
   return painter.finish();
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -10,7 +10,7 @@
 #include "host/bake/source.hpp"
 #include "host/bake/subdivision.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// What is painted on.
 struct Canvas {
@@ -25,4 +25,4 @@ struct Canvas {
 /// Reads `folder`/paint.txt, which explains its layers, and paints them. Throws SourceError.
 GreyImage paint(const std::string& folder, const Canvas& canvas);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

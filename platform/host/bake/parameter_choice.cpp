@@ -7,7 +7,7 @@
 #include "host/bake/at.hpp"
 #include "host/bake/source_error.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -112,4 +112,4 @@ void choose_parameters(Source& source, const ParameterChoice& choice) {
   source.shapes = std::move(shapes);
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -6,7 +6,7 @@
 
 #include "host/bake/source.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 struct ParameterChoice {
   int identities = -1;             ///< so many, the first; negative: all
@@ -19,4 +19,4 @@ struct ParameterChoice {
 /// of an expression that is not chosen.
 void choose_parameters(Source& source, const ParameterChoice& choice);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -55,4 +55,4 @@ PrincipalComponents find_components(const std::vector<std::vector<Vec3>>& shapes
   return result;
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

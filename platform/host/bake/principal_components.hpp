@@ -5,7 +5,7 @@
 
 #include "pliant/geometry.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 struct PrincipalComponents {
   std::vector<Vec3> mean;
@@ -19,4 +19,4 @@ struct PrincipalComponents {
 /// vertex weighs the same. Cost: shapes^2 times vertices.
 PrincipalComponents find_components(const std::vector<std::vector<Vec3>>& shapes, int count);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

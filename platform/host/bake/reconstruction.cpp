@@ -8,7 +8,7 @@
 #include "host/bake/at.hpp"
 #include "pliant/field.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -113,4 +113,4 @@ Reconstruction reconstruct(const std::vector<std::uint8_t>& table, const Source&
   return result;
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

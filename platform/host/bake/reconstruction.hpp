@@ -7,7 +7,7 @@
 
 #include "host/bake/source.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// Distances between vertices of the skin and the table's points at their (u,v), in millimetres.
 struct Distances {
@@ -31,4 +31,4 @@ struct Reconstruction {
 /// \param table  as the baker wrote it for this source.
 Reconstruction reconstruct(const std::vector<std::uint8_t>& table, const Source& source);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -1,6 +1,6 @@
 #include "host/bake/size_table.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -41,4 +41,4 @@ SizeRow finest_within(const Source& source, const BakeOptions& options, std::siz
   return {};
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

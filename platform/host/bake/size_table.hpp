@@ -3,7 +3,7 @@
 /// What a table costs and how true it is at several sizes.
 #include "host/bake/bake.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 struct SizeRow {
   int size = 0, bits = 0;
@@ -19,4 +19,4 @@ std::vector<SizeRow> compare_sizes(const Source& source, const BakeOptions& opti
 /// The finest table of these parameters, 8 bits a sample, that takes at most `most_bytes`; size 0 where none does.
 SizeRow finest_within(const Source& source, const BakeOptions& options, std::size_t most_bytes);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -9,7 +9,7 @@
 #include "pliant/geometry.hpp"
 #include "pliant/model.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 struct SourceParameter {
   std::string name;
@@ -60,4 +60,4 @@ struct Source {
   GreyImage albedo;                         ///< may be empty
 };
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// "`file`:`line`: `what`", or "`file`: `what`" where no line is to blame (line 0). Thrown while a source is
 /// read and caught by `bake` (bake.hpp); nothing of it leaves the baker.
@@ -14,4 +14,4 @@ class SourceError : public std::runtime_error {
       : std::runtime_error(file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what) {}
 };
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -5,7 +5,7 @@
 
 #include "host/bake/at.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -228,4 +228,4 @@ template std::vector<float> controls_through(const SubdividedCage&, const std::v
 template std::vector<Vec3> controls_through(const SubdividedCage&, const std::vector<Vec3>&, int,
                                             const std::vector<char>&);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -9,7 +9,7 @@
 
 #include "host/bake/cage.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// Cage points and their weights, in ascending order; the weights add up to one.
 using Stencil = std::vector<std::pair<int, float>>;
@@ -40,4 +40,4 @@ std::vector<int> path_through(const SubdividedCage& fine, const std::vector<int>
 template <class T>
 std::vector<T> fine_values(const SubdividedCage& fine, const std::vector<T>& controls);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

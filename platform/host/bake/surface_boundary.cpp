@@ -6,7 +6,7 @@
 
 #include "host/bake/at.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -70,4 +70,4 @@ SkinBoundary find_boundary(const Source& source, bool half) {
   return boundary;
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -5,7 +5,7 @@
 
 #include "host/bake/source.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// What lies across an edge of the boundary.
 enum class Side { outside, opening, other_half };
@@ -24,4 +24,4 @@ struct SkinBoundary {
 /// whether triangles close it or not.
 SkinBoundary find_boundary(const Source& source, bool half);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

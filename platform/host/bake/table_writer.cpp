@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -183,4 +183,4 @@ std::vector<std::uint8_t> TableWriter::bytes() const {
   return layout.finish();
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -8,7 +8,7 @@
 #include "host/bake/source.hpp"
 #include "pliant/model.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 class TableWriter {
  public:
@@ -45,4 +45,4 @@ class TableWriter {
 /// A record of an operation that uses nothing yet.
 CascadeRecord empty_record(Operation operation);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -7,7 +7,7 @@
 
 #include "host/bake/source_error.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -73,4 +73,4 @@ void TextTable::fail(const TextRow& row, const std::string& what) const {
   throw SourceError(path_, row.line, what);
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -7,7 +7,7 @@
 
 #include "pliant/geometry.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 struct TextRow {
   int line;                        ///< in the file, from 1
@@ -37,4 +37,4 @@ class TextTable {
   std::vector<TextRow> rows_;
 };
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

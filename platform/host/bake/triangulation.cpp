@@ -9,7 +9,7 @@
 
 #include "host/bake/at.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 namespace {
 
@@ -215,4 +215,4 @@ void flip_by_shape(Triangles& triangles, const std::vector<Vec2>& uv, const std:
   }
 }
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

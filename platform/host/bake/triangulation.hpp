@@ -7,7 +7,7 @@
 
 #include "pliant/geometry.hpp"
 
-namespace pliant::bake {
+namespace pliant::host::bake {
 
 /// A planar domain: closed loops of point indices, the outer first, each without its first point repeated. No
 /// two loops touch or cross.
@@ -27,4 +27,4 @@ Triangles triangulate(const Domain& domain);
 /// are kept.
 void flip_by_shape(Triangles& triangles, const std::vector<Vec2>& uv, const std::vector<Vec3>& position);
 
-}  // namespace pliant::bake
+}  // namespace pliant::host::bake

@@ -4,7 +4,7 @@
 #include "host/io/camera_spec.hpp"
 #include "pliant/libcamera.hpp"
 
-namespace pliant {
+namespace pliant::host {
 
 namespace {
 
@@ -41,7 +41,7 @@ OpenedFrames open_source(const CameraSpec& spec) {
 
 }  // namespace
 
-}  // namespace pliant
+}  // namespace pliant::host
 
-extern "C" const pliant::CameraModule pliant_camera_module;
-const pliant::CameraModule pliant_camera_module = {pliant::open_source, pliant::list_cameras};
+extern "C" const pliant::host::CameraModule pliant_camera_module;
+const pliant::host::CameraModule pliant_camera_module = {pliant::host::open_source, pliant::list_cameras};

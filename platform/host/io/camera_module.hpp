@@ -7,8 +7,10 @@
 #include "host/io/sources.hpp"
 
 namespace pliant {
-
 struct CameraInfo;
+}
+
+namespace pliant::host {
 
 /// What that library gives, under the name `pliant_camera_module`.
 struct CameraModule {
@@ -19,4 +21,4 @@ struct CameraModule {
 /// The library, loaded once and for good; null, with the reason, where there is none.
 const CameraModule* load_camera_module(std::string* wrong);
 
-}  // namespace pliant
+}  // namespace pliant::host

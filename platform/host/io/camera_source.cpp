@@ -6,7 +6,7 @@
 #include <dlfcn.h>
 #endif
 
-namespace pliant {
+namespace pliant::host {
 
 namespace {
 
@@ -68,4 +68,4 @@ OpenedFrames open_camera(const CameraSpec& spec) {
   return module->open(spec);
 }
 
-}  // namespace pliant
+}  // namespace pliant::host

@@ -2,7 +2,7 @@
 // "camera:" as the name of a source of frames.
 #include <string>
 
-namespace pliant {
+namespace pliant::host {
 
 /// What stands behind "camera:": [ID or INDEX][@WxH].
 struct CameraSpec {
@@ -14,4 +14,4 @@ struct CameraSpec {
 /// two numbers from 16 to 8192 is a size.
 bool parse_camera_spec(const std::string& name, CameraSpec* spec);
 
-}  // namespace pliant
+}  // namespace pliant::host

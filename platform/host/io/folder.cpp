@@ -6,7 +6,7 @@
 #include "host/io/pnm.hpp"
 #include "host/io/sources.hpp"
 
-namespace pliant {
+namespace pliant::host {
 namespace {
 
 class PictureSource : public FrameSource {
@@ -91,4 +91,4 @@ OpenedFrames open_folder(const std::string& path) {
   return open_pictures(std::move(names));
 }
 
-}  // namespace pliant
+}  // namespace pliant::host

@@ -6,7 +6,7 @@
 #include "host/io/pnm.hpp"
 #include "host/io/sources.hpp"
 
-namespace pliant {
+namespace pliant::host {
 
 Status FrameSource::next(FrameView& frame) {
   if (status_ != Status::ok) return status_;
@@ -35,4 +35,4 @@ OpenedFrames open_frames(const std::string& name) {
   return open_y4m(name);
 }
 
-}  // namespace pliant
+}  // namespace pliant::host

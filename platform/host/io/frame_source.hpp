@@ -9,7 +9,7 @@
 #include "pliant/frame.hpp"
 #include "pliant/status.hpp"
 
-namespace pliant {
+namespace pliant::host {
 
 /// Frames a second.
 struct FrameRate {
@@ -76,4 +76,4 @@ OpenedFrames open_folder(const std::string& path);
 /// A Y4M file, or "-" for standard input.
 OpenedFrames open_y4m(const std::string& path);
 
-}  // namespace pliant
+}  // namespace pliant::host

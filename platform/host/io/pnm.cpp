@@ -8,7 +8,7 @@
 
 #include "host/io/sources.hpp"
 
-namespace pliant {
+namespace pliant::host {
 namespace {
 
 struct Close {
@@ -117,4 +117,4 @@ Status read_pnm(const std::string& path, LumaPicture& picture, std::string& mess
   return Status::ok;
 }
 
-}  // namespace pliant
+}  // namespace pliant::host

@@ -6,7 +6,7 @@
 
 #include "pliant/status.hpp"
 
-namespace pliant {
+namespace pliant::host {
 
 /// Whether a name ends in .pgm, .ppm or .pnm, in any case.
 bool has_pnm_extension(const std::string& path);
@@ -21,4 +21,4 @@ struct LumaPicture {
 /// file, otherwise.
 Status read_pnm(const std::string& path, LumaPicture& picture, std::string& message);
 
-}  // namespace pliant
+}  // namespace pliant::host

@@ -5,7 +5,7 @@
 
 #include "host/io/frame_source.hpp"
 
-namespace pliant {
+namespace pliant::host {
 
 /// These pictures, in this order; at least one. The first one's size is the size.
 OpenedFrames open_pictures(std::vector<std::string> paths);
@@ -20,4 +20,4 @@ bool is_naturally_before(const std::string& a, const std::string& b);
 /// No picture may be larger than this, either way.
 constexpr int kMaxFrameSide = 16384;
 
-}  // namespace pliant
+}  // namespace pliant::host

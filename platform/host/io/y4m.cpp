@@ -7,7 +7,7 @@
 #include "host/io/sources.hpp"
 #include "host/io/y4m_header.hpp"
 
-namespace pliant {
+namespace pliant::host {
 namespace {
 
 constexpr std::size_t kMaxLine = 4096;  // no header is longer
@@ -117,4 +117,4 @@ OpenedFrames open_y4m(const std::string& path) {
   return {std::make_unique<Y4mSource>(std::move(stream), name, header), {}};
 }
 
-}  // namespace pliant
+}  // namespace pliant::host

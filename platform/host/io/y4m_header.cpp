@@ -5,7 +5,7 @@
 
 #include "host/io/sources.hpp"
 
-namespace pliant {
+namespace pliant::host {
 namespace {
 
 // A plain number of at most nine digits, all of the text; -1 otherwise.
@@ -87,4 +87,4 @@ std::string parse_y4m_header(const std::string& line, Y4mHeader& h) {
   return {};
 }
 
-}  // namespace pliant
+}  // namespace pliant::host

@@ -5,7 +5,7 @@
 
 #include "host/io/frame_source.hpp"
 
-namespace pliant {
+namespace pliant::host {
 
 struct Y4mHeader {
   int width = 0, height = 0;
@@ -18,4 +18,4 @@ struct Y4mHeader {
 /// as are unknown tags; a missing or zero rate is 25. Empty on success, otherwise what is wrong with it.
 std::string parse_y4m_header(const std::string& line, Y4mHeader& header);
 
-}  // namespace pliant
+}  // namespace pliant::host

@@ -5,7 +5,7 @@
 
 #include "host/io/sources.hpp"
 
-namespace pliant {
+namespace pliant::host {
 namespace {
 
 struct Sum {
@@ -111,4 +111,4 @@ Status Y4mWriter::close() {
   return is_flushed && is_closed ? Status::ok : fail();
 }
 
-}  // namespace pliant
+}  // namespace pliant::host

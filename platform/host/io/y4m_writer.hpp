@@ -9,7 +9,7 @@
 
 #include "host/io/frame_source.hpp"
 
-namespace pliant {
+namespace pliant::host {
 
 class Y4mWriter {
  public:
@@ -45,4 +45,4 @@ class Y4mWriter {
   std::vector<std::uint8_t> frame_;  // luma, then both chroma planes
 };
 
-}  // namespace pliant
+}  // namespace pliant::host

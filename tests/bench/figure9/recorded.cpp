@@ -11,7 +11,7 @@ namespace pliant::figure9 {
 namespace {
 
 void read_frames(Experiment& e, const Recording& r) {
-  OpenedFrames opened = open_frames(r.video);
+  host::OpenedFrames opened = host::open_frames(r.video);
   if (opened.source == nullptr) throw host::Failure(host::kBadInput, opened.message);
   e.frames_per_second = opened.source->rate().per_second() / r.every;
   FrameView view;

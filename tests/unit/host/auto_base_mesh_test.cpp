@@ -15,14 +15,14 @@ using namespace pliant;
 namespace {
 
 std::vector<std::uint8_t> bake_with(int base_vertices) {
-  bake::BakeOptions options;
+  host::bake::BakeOptions options;
   options.source = PLIANT_FIXTURES "/face";
   options.size = 64;  // the base mesh does not depend on the fields
   options.base_vertices = base_vertices;
   std::vector<std::uint8_t> table;
   std::string error;
-  bake::BakeReport report;
-  REQUIRE_MESSAGE(bake::bake(options, table, error, &report), error);
+  host::bake::BakeReport report;
+  REQUIRE_MESSAGE(host::bake::bake(options, table, error, &report), error);
   return table;
 }
 
@@ -174,12 +174,12 @@ TEST_CASE("the face's base mesh is its own mirror image") {
 
 TEST_CASE("sizes beyond the limits are refused by name, and the table stays as it was") {
   for (const int vertices : {-1, 0, 59, 5001}) {
-    bake::BakeOptions options;
+    host::bake::BakeOptions options;
     options.source = PLIANT_FIXTURES "/face";
     options.base_vertices = vertices;
     std::vector<std::uint8_t> table{1, 2, 3};
     std::string error;
-    CHECK_FALSE(bake::bake(options, table, error));
+    CHECK_FALSE(host::bake::bake(options, table, error));
     CHECK(error.find("--base-mesh") != std::string::npos);
     CHECK(table.size() == 3);
   }

@@ -14,7 +14,7 @@
 #include "random.hpp"
 
 using namespace pliant;
-using namespace pliant::bake;
+using namespace pliant::host::bake;
 
 TEST_CASE("subdivision makes a flat cage flat, and weights that add up to one") {
   Cage cage;

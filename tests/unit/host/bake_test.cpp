@@ -13,7 +13,7 @@
 #include "baked_model.hpp"
 
 using namespace pliant;
-using namespace pliant::bake;
+using namespace pliant::host::bake;
 
 namespace {
 

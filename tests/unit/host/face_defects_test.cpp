@@ -8,7 +8,7 @@
 #include "scratch_folder.hpp"
 
 using namespace pliant;
-using namespace pliant::bake;
+using namespace pliant::host::bake;
 
 namespace fs = std::filesystem;
 
@@ -32,7 +32,7 @@ std::string error_after(const std::string& file, const std::function<std::string
   options.size = 16;
   std::vector<std::uint8_t> table{1, 2, 3};
   std::string error;
-  const bool baked = bake::bake(options, table, error);
+  const bool baked = host::bake::bake(options, table, error);
   CHECK(baked == error.empty());
   if (!baked) CHECK(table == std::vector<std::uint8_t>{1, 2, 3});
   CHECK(error.find('\n') == std::string::npos);
@@ -122,9 +122,9 @@ TEST_CASE("impossible options are refused") {
   std::vector<std::uint8_t> table;
   std::string error;
   options.bits = 12;
-  CHECK_FALSE(bake::bake(options, table, error));
+  CHECK_FALSE(host::bake::bake(options, table, error));
   options.bits = 16;
   options.size = 8;
-  CHECK_FALSE(bake::bake(options, table, error));
+  CHECK_FALSE(host::bake::bake(options, table, error));
   CHECK(table.empty());
 }

@@ -13,6 +13,7 @@
 #include "host/io/y4m_writer.hpp"
 
 using namespace pliant;
+using namespace pliant::host;
 
 namespace {
 

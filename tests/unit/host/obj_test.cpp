@@ -16,7 +16,7 @@
 #include "random.hpp"
 
 using namespace pliant;
-using namespace pliant::bake;
+using namespace pliant::host::bake;
 namespace fs = std::filesystem;
 
 namespace {
@@ -94,7 +94,7 @@ std::string error_of(const ObjFolder& folder, int components = 0) {
   options.base_vertices = 60;
   std::vector<std::uint8_t> table;
   std::string error;
-  const bool baked = bake::bake(options, table, error);
+  const bool baked = host::bake::bake(options, table, error);
   CHECK(baked == error.empty());
   CHECK(table.empty() == !error.empty());
   return error;
@@ -124,7 +124,7 @@ TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places a
   std::vector<std::uint8_t> table;
   std::string error;
   BakeReport report;
-  REQUIRE_MESSAGE(bake::bake(options, table, error, &report), error);
+  REQUIRE_MESSAGE(host::bake::bake(options, table, error, &report), error);
   BakedModel baked(table);
   CHECK(calls == 4);
   CHECK(last == 5);
@@ -194,7 +194,7 @@ TEST_CASE("a chart of the other hand is turned, so that u right and v down are s
   options.base_vertices = 60;
   std::vector<std::uint8_t> table;
   std::string error;
-  REQUIRE_MESSAGE(bake::bake(options, table, error), error);
+  REQUIRE_MESSAGE(host::bake::bake(options, table, error), error);
   BakedModel baked(table);
   const SurfaceFrame f = baked.cascade.surface_frame({0.4f, 0.6f}, baked.rest().data());
   CHECK(f.pu.x > 0);
@@ -258,7 +258,7 @@ TEST_CASE("scans without names bake into their mean and components") {
   options.base_vertices = 60;
   std::vector<std::uint8_t> table;
   std::string error;
-  REQUIRE_MESSAGE(bake::bake(options, table, error), error);
+  REQUIRE_MESSAGE(host::bake::bake(options, table, error), error);
   BakedModel baked(table);
   REQUIRE(baked.model.parameters().count == 2);
   CHECK(std::string(baked.model.parameters()[0].name) == "identity000");

@@ -196,14 +196,14 @@ TEST_CASE("holes of the mask are drawn, what lies beyond its outline is not") {
   CHECK(texture.covers({0, 0}));
 
   // A disc with a hole, in a mask of 64 x 64.
-  bake::TableWriter writer;
-  CascadeRecord r = bake::empty_record(Operation::constant);
+  host::bake::TableWriter writer;
+  CascadeRecord r = host::bake::empty_record(Operation::constant);
   r.field = writer.add_field(TexturedModel::grid(9, [](float u, float v) { return Vec3{u, v, 0}; }), 16);
   writer.add_record(r);
   writer.add_parameter({"none", Group::identity, -1, 1, 1});
   writer.add_landmark({"a", {0.5f, 0.5f}});
   writer.set_base_mesh({{0, 0}, {1, 0}, {0, 1}}, {0, 1, 2});
-  bake::GreyImage mask{64, 64, {}};
+  host::bake::GreyImage mask{64, 64, {}};
   for (int j = 0; j < 64; ++j)
     for (int i = 0; i < 64; ++i) {
       const float x = static_cast<float>(i) - 31.5f, y = static_cast<float>(j) - 31.5f,

@@ -9,7 +9,7 @@
 #include "scratch_folder.hpp"
 
 using namespace pliant;
-using namespace pliant::bake;
+using namespace pliant::host::bake;
 
 namespace {
 
