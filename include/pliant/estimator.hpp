@@ -12,7 +12,7 @@
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/criteria.hpp"
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 #include "pliant/filter.hpp"
 #include "pliant/image_forces.hpp"
 #include "pliant/lens.hpp"

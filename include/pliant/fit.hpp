@@ -6,7 +6,7 @@
 
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 #include "pliant/fold_over.hpp"
 #include "pliant/mesh.hpp"
 #include "pliant/model.hpp"

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "pliant/arena.hpp"
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 
 namespace pliant {
 

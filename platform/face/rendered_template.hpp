@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "pliant/camera.hpp"
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 #include "pliant/model.hpp"
 
 namespace pliant {

@@ -58,7 +58,7 @@ void Estimator::follow_view() {
 /// Bakes a vertex that is new, or whose id is.
 void Estimator::place_vertex(VertexId v) {
   vertex_uv_[v] = mesh_.uv(v);
-  cascade_.bake(vertex_uv_[v], q_, samples_of_vertex(v), kSampleSlackMm);
+  cascade_.sample_point(vertex_uv_[v], q_, samples_of_vertex(v), kSampleSlackMm);
   vertex_[v] = cascade_.evaluate(samples_of_vertex(v), q_);
 }
 

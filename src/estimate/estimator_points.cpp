@@ -44,7 +44,7 @@ Status Estimator::take_id(PointKind kind, std::uint16_t* id) {
 void Estimator::place(std::uint16_t id, Vec2 uv) {
   predicted_view_.s = 0;
   uv_[id] = uv;
-  cascade_.bake(uv, q_, samples_of_point(id), kSampleSlackMm);
+  cascade_.sample_point(uv, q_, samples_of_point(id), kSampleSlackMm);
 }
 
 Status Estimator::add_point(Vec2 uv, std::uint16_t* id) {

@@ -101,7 +101,7 @@ Status Fitter::fit_ideal(Span<const Correspondence> points, const FitOptions& op
   if (!fold_over_.is_started()) fold_over_.start(cascade_);
   for (std::size_t i = 0; i < parameters; ++i) start_q_[i] = q[i];
   for (std::size_t i = 0; i < points.count; ++i) {
-    cascade_.bake(points[i].uv, q, samples_at(i));
+    cascade_.sample_point(points[i].uv, q, samples_at(i));
     position_[i] = cascade_.evaluate(samples_at(i), q);
   }
 

@@ -72,7 +72,7 @@ void Fitter::match(const FitProblem& problem, std::size_t point, const Projector
     across = o.normal;
   }
   silhouette_normal_[point] = across;
-  cascade_.bake(uv, problem.q, samples_at(point));
+  cascade_.sample_point(uv, problem.q, samples_at(point));
 }
 
 void Fitter::match_silhouette(const FitProblem& problem) {

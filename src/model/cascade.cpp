@@ -1,7 +1,7 @@
 // The cascade: which records matter under a choice of free parameters, and the evaluation of baked points with their
 // derivatives (the paper, section 3; Eq. 1-4 and 11).
 #include "model/field_step.hpp"
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 
 namespace pliant {
 

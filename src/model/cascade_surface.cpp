@@ -2,7 +2,7 @@
 // (ALGORITHMS 3.4).
 #include "model/field_sampling.hpp"
 #include "model/field_step.hpp"
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 
 namespace pliant {
 
@@ -74,7 +74,7 @@ void Cascade::set_interpolation(Interpolation interpolation) {
   forget_person();
 }
 
-void Cascade::bake(Vec2 uv, const float* q, Vec3* baked, float slack_mm) {
+void Cascade::sample_point(Vec2 uv, const float* q, Vec3* baked, float slack_mm) {
   Vec3* const first = baked;
   for (std::size_t n = 0; n < visited_count_; ++n) {
     const std::size_t i = visited_[n];

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 
 /// A table in aligned memory, opened, with a cascade to evaluate it.
 struct BakedModel {

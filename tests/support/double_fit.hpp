@@ -46,7 +46,7 @@ struct DoubleFit {
     std::vector<float> rest(model.parameters().count, 0.0f);
     std::vector<pliant::Vec3> baked(model.cascade().count);
     for (const pliant::Correspondence& c : points) {
-      cascade.bake(c.uv, rest.data(), baked.data());
+      cascade.sample_point(c.uv, rest.data(), baked.data());
       pliant::Jacobian j;
       const pliant::Vec3 p = cascade.evaluate(baked.data(), rest.data(), &j);
       mean.push_back({double(p.x), double(p.y), double(p.z)});

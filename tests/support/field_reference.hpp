@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 
 namespace reference {
 

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "host/bake/at.hpp"
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 
 namespace pliant::host::bake {
 
@@ -90,7 +90,7 @@ Reconstruction reconstruct(const std::vector<std::uint8_t>& table, const Source&
   std::vector<float> rest, q(source.parameters.size(), 0.0f);
   std::vector<Vec3> baked(t.cascade.samples_per_point());
   for (const std::size_t v : skin_vertices(source)) {
-    t.cascade.bake(source.uv[v], q.data(), baked.data());
+    t.cascade.sample_point(source.uv[v], q.data(), baked.data());
     rest.push_back(length(t.cascade.evaluate(baked.data(), q.data()) - source.neutral[v]));
     for (std::size_t m = 0; m < measured.size(); ++m) {
       const std::size_t k = measured[m];

@@ -7,7 +7,7 @@
 #include "host/bench/bench.hpp"
 #include "host/bench/rows.hpp"
 #include "host/io/owned.hpp"
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 
 namespace pliant::host {
 
@@ -96,7 +96,7 @@ void times(const BenchRows& rows, const std::string& name, int fields, double us
 void baked(const BenchRows& rows, Cascade& cascade, const Setting& s, int fields) {
   const std::size_t stride = cascade.samples_per_point();
   std::vector<Vec3> points(kPoints * stride);
-  for (std::size_t i = 0; i < kPoints; ++i) cascade.bake(s.uv[i], s.q.data(), &points[i * stride]);
+  for (std::size_t i = 0; i < kPoints; ++i) cascade.sample_point(s.uv[i], s.q.data(), &points[i * stride]);
   const auto positions = [&] {
     float sum = 0;
     for (std::size_t i = 0; i < kPoints; ++i) sum += cascade.evaluate(&points[i * stride], s.q.data()).x;
@@ -125,7 +125,7 @@ void resampled(const BenchRows& rows, Cascade& cascade, const Setting& s, int fi
     float sum = 0;
     Jacobian j;
     for (const Vec2 uv : s.uv) {
-      cascade.bake(uv, s.q.data(), point.data());
+      cascade.sample_point(uv, s.q.data(), point.data());
       sum += cascade.evaluate(point.data(), s.q.data(), &j).x + j.column[j.list[j.count - 1]].x;
     }
     sink = sum;
@@ -144,7 +144,7 @@ void resampled(const BenchRows& rows, Cascade& cascade, const Setting& s, int fi
 void new_points(const BenchRows& rows, const std::string& name, Cascade& cascade, const Setting& s) {
   std::vector<Vec3> point(cascade.samples_per_point());
   const auto bakes = [&] {
-    for (const Vec2 uv : s.uv) cascade.bake(uv, s.q.data(), point.data());
+    for (const Vec2 uv : s.uv) cascade.sample_point(uv, s.q.data(), point.data());
     sink = point[0].x;
   };
   const auto frames = [&] {

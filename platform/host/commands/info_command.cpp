@@ -5,7 +5,7 @@
 
 #include "host/commands/command.hpp"
 #include "host/io/files.hpp"
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 #include "pliant/fit.hpp"
 #include "pliant/tracker.hpp"
 

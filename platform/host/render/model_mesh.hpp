@@ -6,7 +6,7 @@
 
 #include "host/io/owned.hpp"
 #include "pliant/criteria.hpp"
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 
 namespace pliant::host {
 

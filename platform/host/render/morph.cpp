@@ -137,7 +137,7 @@ MorphSurface::MorphSurface(const Model& model, const std::vector<Vec2>& uv, cons
   cascade_->set_free(Group::expression);
   const std::size_t stride = cascade_->samples_per_point();
   baked_.resize(count_ * stride);
-  for (std::size_t v = 0; v < count_; ++v) cascade_->bake(uv[v], q.data(), baked_.data() + v * stride);
+  for (std::size_t v = 0; v < count_; ++v) cascade_->sample_point(uv[v], q.data(), baked_.data() + v * stride);
 }
 
 std::vector<Vec3> MorphSurface::positions(const std::vector<float>& q) {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "host/io/owned.hpp"
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 
 namespace pliant::host {
 

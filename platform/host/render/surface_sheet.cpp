@@ -105,7 +105,7 @@ void SurfaceSheet::bake(const float* q) {
     if (parameters[k].group == Group::identity) identity.push_back(q[k]);
   if (is_baked_ && identity == baked_for_) return;
   for (std::size_t k = 0; k < uv_.size(); ++k)
-    if (is_used(k)) cascade_->bake(uv_[k], q, baked_.data() + k * cascade_->samples_per_point());
+    if (is_used(k)) cascade_->sample_point(uv_[k], q, baked_.data() + k * cascade_->samples_per_point());
   baked_for_ = identity;
   is_baked_ = true;
 }

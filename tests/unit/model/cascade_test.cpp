@@ -29,7 +29,7 @@ void compare(const Model& model, Cascade& cascade, Vec2 uv, const std::vector<fl
   std::vector<double> exact_q = doubled(q);
   const reference::Vec exact = reference::surface_point(model, u, v, exact_q, how, &scale);
   std::vector<Vec3> baked(cascade.samples_per_point());
-  cascade.bake(uv, q.data(), baked.data());
+  cascade.sample_point(uv, q.data(), baked.data());
   Jacobian jacobian;
   const Vec3 p = cascade.evaluate(baked.data(), q.data(), &jacobian);
   CHECK((reference::of(p) - exact).norm() < 1e-5 * scale);

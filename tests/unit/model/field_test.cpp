@@ -1,4 +1,4 @@
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 
 #include <doctest/doctest.h>
 
@@ -60,7 +60,7 @@ TEST_CASE("Eq. 11: the Jacobian of every operation agrees with central differenc
     for (int trial = 0; trial < 100; ++trial) {
       const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
       std::vector<float> q = random_q(r.model, random);
-      cascade->bake(uv, q.data(), baked.data());
+      cascade->sample_point(uv, q.data(), baked.data());
       Jacobian jacobian;
       cascade->evaluate(baked.data(), q.data(), &jacobian);
       std::vector<Vec3> column(n);
@@ -95,7 +95,7 @@ TEST_CASE("a baked point equals the surface point, whatever is frozen") {
     REQUIRE(cascade->samples_per_point() <= baked.size());
     std::vector<float> q = random_q(r.model, random);
     const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
-    cascade->bake(uv, q.data(), baked.data());
+    cascade->sample_point(uv, q.data(), baked.data());
     for (std::size_t k = 0; k < n; ++k)
       if (is_free[k]) q[k] = random.uniform(r.model.parameters()[k].minimum, r.model.parameters()[k].maximum);
     Jacobian jacobian;
@@ -132,7 +132,7 @@ TEST_CASE("selecting the records that do something changes nothing, whichever pa
     cascade->select(q.data());
     for (int k = 0; k < 4; ++k) {
       const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
-      baking->bake(uv, q.data(), baked.data());  // visits every record
+      baking->sample_point(uv, q.data(), baked.data());  // visits every record
       CHECK(length(cascade->selected_point(uv) - baking->evaluate(baked.data(), q.data())) < 1e-4f);
     }
   }
@@ -159,8 +159,8 @@ TEST_CASE("with slack, vectors are left out that move no point by more than that
   for (int trial = 0; trial < 200; ++trial) {
     const std::vector<float> q = random_q(r.model, random);
     const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
-    slack->bake(uv, q.data(), baked.data(), 0.2f);
-    exact->bake(uv, q.data(), whole.data());
+    slack->sample_point(uv, q.data(), baked.data(), 0.2f);
+    exact->sample_point(uv, q.data(), whole.data());
     Jacobian some, every;
     const Vec3 off =
         slack->evaluate(baked.data(), q.data(), &some) - exact->evaluate(whole.data(), q.data(), &every);

@@ -1,7 +1,7 @@
 // A person's neutral as one field: what it stands for, how true it is, and when it ends.
 #include <doctest/doctest.h>
 
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 #include "random_model.hpp"
 
 using namespace pliant;
@@ -59,8 +59,8 @@ TEST_CASE("a folded person costs two samples and the expressions, and is the sam
     for (int trial = 0; trial < 200; ++trial) {
       const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
       std::vector<Vec3> a(folded->samples_per_point()), b(exact->samples_per_point());
-      folded->bake(uv, q.data(), a.data());
-      exact->bake(uv, q.data(), b.data());
+      folded->sample_point(uv, q.data(), a.data());
+      exact->sample_point(uv, q.data(), b.data());
       Jacobian ja, jb;
       const Vec3 p = folded->evaluate(a.data(), q.data(), &ja);
       CHECK(length(p - folded->surface_point(uv, q.data())) < 1e-4f);
@@ -114,7 +114,7 @@ TEST_CASE(
       CHECK(length(folded->surface_point(uv, q.data()) - p) < 1e-3f * most);
       CHECK(length(folded->surface_frame(uv, q.data()).p - p) < 1e-3f * most);
       std::vector<Vec3> baked(folded->samples_per_point());
-      folded->bake(uv, q.data(), baked.data());
+      folded->sample_point(uv, q.data(), baked.data());
       CHECK(length(folded->evaluate(baked.data(), q.data()) - p) < 1e-3f * most);
     }
   }

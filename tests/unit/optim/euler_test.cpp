@@ -8,7 +8,7 @@
 
 #include "model_builder.hpp"
 #include "pliant/camera.hpp"
-#include "pliant/field.hpp"
+#include "pliant/cascade.hpp"
 #include "pliant/solver.hpp"
 #include "random.hpp"
 
@@ -42,7 +42,7 @@ struct EggProblem {
       Vec2 x;
       REQUIRE(Projector(true_view, true).project(cascade->surface_point(uv[i], truth.data()), &x));
       image.push_back(x);
-      cascade->bake(uv[i], truth.data(), &baked[i * model.cascade().count]);
+      cascade->sample_point(uv[i], truth.data(), &baked[i * model.cascade().count]);
     }
     q.assign(truth.size(), 0.0f);
     trial = q;
