@@ -5,80 +5,18 @@
 #include <cstdint>
 
 #include "pliant/arena.hpp"
+#include "pliant/coarse_translation.hpp"
 #include "pliant/corners.hpp"
 #include "pliant/estimator.hpp"
 #include "pliant/frame.hpp"
 #include "pliant/model.hpp"
 #include "pliant/patch_tracker.hpp"
 #include "pliant/pyramid.hpp"
-#include "pliant/coarse_translation.hpp"
+#include "pliant/tracker_limits.hpp"
 
 namespace pliant {
 
 class EdgeSearch;
-
-/// Capacities; they fix the arena's size. The defaults suit 320 x 240.
-struct TrackerLimits {
-  std::uint16_t width = 320, height = 240;  ///< of the frames, px
-  /// Part of the frame that is looked at, px; it follows the model. 0: all of it. Otherwise at least 64 a side.
-  std::uint16_t region_width = 0, region_height = 0;
-  std::uint16_t patches = 128;     ///< surface patches captured in frame 0
-  std::uint16_t key_patches = 64;  ///< captured in later key frames, all together
-  std::uint8_t key_frames = 4;     ///< later key frames kept at a time, at most kMostKeyFrames
-  std::uint16_t markers = 0;       ///< followed but never observed
-  std::uint16_t curve_points = 0,
-                silhouette_points = 0;  ///< at which edges are looked for: of curves, of the outline
-  std::uint16_t vertices = 512;
-  std::uint8_t pyramid_levels = 3;
-  std::uint8_t patch_window = 11;  ///< px, odd
-  std::uint8_t patch_margin = 4;   ///< px kept around it
-  bool keeps_templates = true;     ///< as in PatchLimits: 1.6 kB a patch for a shorter search
-  /// Keeps the frame before, in which a patch that no longer looks as it did is followed.
-  bool keeps_previous = true;
-  /// Keeps a copy of the frame; without it (and with keeps_previous off) the frame is read during `update` only, and
-  /// must be planar.
-  bool copies_frame = true;
-  std::uint16_t thumbnail_width =
-      96;  ///< of the small pictures in which a fast or a lost head is found, at most
-  std::uint16_t free_parameters = 0, samples_per_point = 0;  ///< as in EstimatorLimits
-  bool samples_vertices = true;                            ///< as in EstimatorLimits
-  std::uint16_t rejection_sample = 256;                  ///< as in EstimatorLimits
-  const ForceRejection* rejection = &kForceRejection;    ///< as in EstimatorLimits
-  PersonalFieldLimits personal_field;                                       ///< as in EstimatorLimits
-  /// A side, over the chart, in which texture is noted for a mesh that follows the view (EstimatorOptions::mesh_operations);
-  /// a byte each. 0: it follows the view alone.
-  std::uint8_t texture_cells = 0;
-
-  static constexpr int kMostKeyFrames = 8;
-};
-
-/// For a microcontroller: 320 x 240, looked at through a moving region of 192 x 192 that is read from the caller's
-/// frame during `update`, 64 patches. With the built-in face and its expressions free: 242 KiB.
-constexpr TrackerLimits profile_s() {
-  TrackerLimits l;
-  l.region_width = l.region_height = 192;
-  l.patches = 48;
-  l.key_patches = 16;
-  l.key_frames = 2;
-  l.patch_margin = 2;
-  l.keeps_previous = l.copies_frame = l.keeps_templates = false;
-  l.thumbnail_width = 48;
-  l.free_parameters = 40;
-  l.samples_per_point = 44;
-  l.samples_vertices = false;
-  return without_rejection(l);
-}
-
-/// For a desktop or a fast board: 640 x 480, 300 patches, 2,048 vertices.
-constexpr TrackerLimits profile_l() {
-  TrackerLimits l;
-  l.width = 640;
-  l.height = 480;
-  l.patches = 220;
-  l.key_patches = 80;
-  l.vertices = 2048;
-  return l;
-}
 
 struct TrackerOptions {
   EstimatorOptions estimator;
@@ -93,13 +31,40 @@ struct TrackerOptions {
   float key_angle_rad = 0.35f;  ///< a key frame is kept when the head has turned so far from all others
 };
 
-/// Follows one model through a stream of frames of one size. All memory is taken at creation. Each surface patch is
-/// compared with what it looked like in the frame it was captured in, as the model predicts it to be warped, so that it
-/// does not drift; where that fails it is followed from the frame before, for a while and with less weight.
+/// A landmark by the model's name for it (`ibug30`, `nose_tip`, ...), and where it is seen.
+struct NamedPoint {
+  const char* name = nullptr;
+  Vec2 x;  ///< px
+};
+
+/// What is known of a start besides landmarks or a box.
+struct StartOptions {
+  float focal_px = 0;  ///< focal length, px; 0: unknown, then landmarks fit it and a box assumes it
+  const Camera* camera = nullptr;  ///< intrinsics and lens, if known; they replace focal_px
+  bool keeps_landmark_offsets =
+      true;  ///< false: `landmark` tells where the model has a landmark, not the person
+};
+
+/// A tracker's state for another start: after a pause, or in another process. The arrays are the caller's.
+struct SavedState {
+  Camera camera;
+  Pose pose;
+  Span<float> parameters;       ///< all of the model's, in its order
+  Span<Vec3> landmark_offsets;  ///< mm, one for each of the model's landmarks, in its order
+};
+
+/// Tracks one model through a stream of frames of one size. All memory is taken at creation; `lay_out` is called by
+/// `create_in` and `measured_bytes` (arena.hpp).
 ///
-/// Patches are captured in frame 0 and in key frames: whenever the head has turned away from all of them and the track
-/// is good, newly visible surface gets patches, and points that are still found by their first template get a second
-/// one, taken where the first one put it. Frame 0's patches stay for ever.
+/// Templates are captured at surface points in frame 0 and in key frames. Each is matched in every frame, warped as the
+/// model predicts, so that it does not drift. A point whose template is not found is tracked from the previous frame, for
+/// some frames and with less weight. A key frame is kept when the track is good and the head has turned away from all
+/// key frames: newly visible surface gets templates, and points that are still found get a second one. Frame 0's templates
+/// stay.
+///
+/// Every start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays first: if one of
+/// those is wrong, nothing has changed. If it fails later (the fit, the pose, the texture), the tracker is not started;
+/// `is_started` tells.
 class Tracker {
  public:
   Tracker() = default;
@@ -108,32 +73,72 @@ class Tracker {
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
 
-  /// Starts on `frame` (frame 0) from a known state; patches are captured in it. Markers are image points (px) of this
-  /// frame, at most limits.markers of them, cast onto the posed mesh; one that misses keeps its distance from the
-  /// nearest surface point.
-  /// \return bad_argument, size_mismatch, capacity (markers), too_few_points (no texture to hold on to), or a status of
-  ///         Estimator::start. The tracker is then not started.
-  Status start(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
-               Span<const Vec2> markers, const TrackerOptions& options);
+  /// Starts from a known pose.
+  /// \param q        all parameters, in the model's order; null: all 0.
+  /// \param markers  image positions in `frame`, px, at most TrackerLimits::markers. Each is cast onto the posed mesh;
+  ///                 one that misses it keeps its offset from the nearest surface point.
+  /// \return bad_argument, size_mismatch, capacity (markers), too_few_points (fewer than 6 templates found texture), or a
+  ///         status of Estimator::start.
+  Status start_from_pose(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
+                         const TrackerOptions& options = {}, Span<const Vec2> markers = {});
 
-  /// The next frame. \return not_started, bad_argument, size_mismatch, stale_frame (neither its time nor its sequence
-  ///         number is beyond the last frame's: it came twice, or late); the state is then as before.
+  /// Starts from landmarks, at least 4 and at most TrackerLimits::start_points. Person, pose and, where it is unknown, the
+  /// focal length are fitted to them. Residuals of the fit that noise does not explain become landmark offsets: `landmark`
+  /// then gives the place that this person has.
+  /// \return not_found (a name that the model does not have), capacity, too_few_points, underdetermined (points on one
+  ///         line, or within 4 px), the other statuses of Fitter::fit, and those of start_from_pose.
+  Status start_from_landmarks(const FrameView& frame, Span<const NamedPoint> points,
+                              const StartOptions& start = {}, const TrackerOptions& options = {},
+                              Span<const Vec2> markers = {});
+
+  /// Starts with the neutral model, frontal, in a face detector's box: upper left corner and size, px.
+  /// \return bad_argument (a size that is not positive), and the statuses of start_from_pose.
+  Status start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, const StartOptions& start = {},
+                        const TrackerOptions& options = {}, Span<const Vec2> markers = {});
+
+  /// Starts from what `save` wrote. Without landmark offsets (count 0) landmarks are where the model has them.
+  /// \return bad_argument (arrays of another size than the model's), and the statuses of start_from_pose.
+  Status start_from_state(const FrameView& frame, const SavedState& state, const TrackerOptions& options = {},
+                          Span<const Vec2> markers = {});
+  /// Copies the state of the last frame. While lost it is the last one trusted. An array with count 0 is left out.
+  /// \return not_started, bad_argument (null, or arrays of another size than the model's): nothing is written.
+  Status save(SavedState* state) const;
+
+  /// The next frame.
+  /// \return not_started, bad_argument, size_mismatch, stale_frame (neither its time nor its sequence number is beyond the
+  ///         last frame's: it came twice, or late). Nothing has changed then.
   Status update(const FrameView& frame, FrameResult* result);
 
   const TrackerLimits& limits() const { return limits_; }
-  /// Of the last frame; after `start` that of frame 0: tracking, at the pose given.
+  /// Names of parameters and landmarks, and how many there are.
+  const Model& model() const { return estimator_.model(); }
+  bool is_started() const { return started_; }
+  /// Of the last frame; after a start that of frame 0: tracking, at the pose of the start.
   const FrameResult& result() const { return result_; }
+  /// The camera of the start, with the focal length that it found.
+  const Camera& camera() const { return estimator_.camera(); }
   Estimator& estimator() { return estimator_; }
-  /// Image position of marker k at the present state; false when it is behind the camera.
+
+  /// Parameter at the state of the last frame. \return not_started, not_found.
+  Status parameter(const char* name, float* value) const;
+  /// Image position (px) of a landmark at the state of the last frame, with its offset.
+  /// \return not_started, not_found, underdetermined (behind the camera): x is untouched.
+  Status landmark(const char* name, Vec2* x);
+  Status landmark(std::size_t index, Vec2* x);
+  /// Gives landmarks the offsets that put them at these image positions in the last frame. Landmarks at the same (u,v) get
+  /// the same offset; others keep theirs. \return not_started, not_found, bad_argument: nothing has changed then.
+  Status place_landmarks(Span<const NamedPoint> points);
+
+  /// Image position (px) of marker k at the present state; false when it is behind the camera.
   bool marker(std::size_t k, Vec2* x);
 
-  /// Patches there may be, used or not.
+  /// Templates that there is room for, used or not.
   std::size_t patch_count() const { return slot_count_; }
-  /// Where patch k was seen in the last frame; false when it was not, or was rejected.
+  /// Where template k was found in the last frame, px; false when it was not, or was rejected.
   bool patch(std::size_t k, Vec2* x) const;
   /// Key frames kept, frame 0 included.
   std::size_t key_frame_count() const;
-  /// What was looked at in the last frame.
+  /// Part of the last frame in which templates were matched.
   PixelBox region() const;
 
  private:
@@ -152,7 +157,7 @@ class Tracker {
     Mat2 looked_with;                // and its dx/d(u,v)
     bool is_used = false, was_seen = false;
     bool is_awaited = false,
-         is_first_pass = false;          // not looked at in this frame yet; looked at ahead of the others
+         is_first_pass = false;     // not looked at in this frame yet; looked at ahead of the others
     std::uint8_t frames_apart = 0;  // since it last matched a template
   };
 
@@ -204,9 +209,26 @@ class Tracker {
   static float texture_score(void* context, Vec2 uv);
   void note_texture(std::uint32_t part, std::uint32_t parts);
 
+  // starts.cpp
+  bool fits_model(const SavedState& state) const;
+  Status check_start(const FrameView& frame, Span<const Vec2> markers) const;
+  Status check_landmarks(Span<const NamedPoint> points) const;
+  Status start_tracking(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
+                        const TrackerOptions& options, Span<const Vec2> markers);
+  Status fit_to_landmarks(Span<const NamedPoint> points, const StartOptions& start, Camera* camera,
+                          Pose* pose);
+  void clear_offsets();
+
+  void lay_out_tracking(Arena& arena, const Model& model);
   Status check_frame(const FrameView& frame) const;
   bool is_stale(const FrameView& frame) const;
   Status look_at_region(const FrameView& frame);
+
+  // Last from start to start: what a start gave. The block is used by a start's fit, then by the tracking.
+  float* start_q_ = nullptr;
+  Vec3* landmark_offsets_ = nullptr;  // mm, a landmark
+  unsigned char* block_ = nullptr;
+  std::size_t block_bytes_ = 0;
 
   Estimator estimator_;
   Pyramid current_, previous_;

@@ -1,36 +1,8 @@
 #include "track/landmark_fit.hpp"
 
-#include <new>
-
 #include "track/personal_landmarks.hpp"
 
 namespace pliant {
-
-namespace {
-
-FitLimits limits_for(std::size_t points) {
-  FitLimits limits;
-  limits.points = static_cast<std::uint16_t>(points);
-  limits.silhouette = true;
-  return limits;
-}
-
-/// What a fit is told of besides the points, and tells of them.
-struct Work {
-  std::uint8_t *is_identity, *is_landmark;
-  float *sd, *fit_sd, *weights;
-  Vec2* residuals;
-
-  Work(Arena& arena, std::size_t parameters, std::size_t points)
-      : is_identity(arena.take<std::uint8_t>(parameters)),
-        is_landmark(arena.take<std::uint8_t>(points)),
-        sd(arena.take<float>(parameters)),
-        fit_sd(arena.take<float>(parameters)),
-        weights(arena.take<float>(points)),
-        residuals(arena.take<Vec2>(points)) {}
-};
-
-}  // namespace
 
 float spread_of(Span<const Correspondence> points) {
   Vec2 low{1e30f, 1e30f}, high{-1e30f, -1e30f};
@@ -41,41 +13,62 @@ float spread_of(Span<const Correspondence> points) {
   return length(high - low);
 }
 
-std::size_t landmark_fit_bytes(const Model& model, std::uint16_t points, Fitter& fitter) {
-  Arena trial;
-  trial.take<Fitter>(1);
-  fitter.lay_out(trial, model, limits_for(points));
-  Work(trial, model.parameters().count, points);
-  return trial.used_bytes();
+bool is_silhouette_landmark(const char* name) {
+  for (const char* expected = "ibug"; *expected != '\0'; ++expected, ++name)
+    if (*name != *expected) return false;
+  const bool is_below_10 = name[0] == '0' && name[1] >= '0' && name[1] <= '9';
+  const bool is_10_to_16 = name[0] == '1' && name[1] >= '0' && name[1] <= '6';
+  return (is_below_10 || is_10_to_16) && name[2] == '\0';
 }
 
-Status fit_landmarks(Arena& arena, const Model& model, Span<Correspondence> points, const FitOptions& options,
-                     float* q, FitReport* report, Vec3* offsets) {
-  const float spread = spread_of(points);
-  if (!(spread > 0)) return Status::underdetermined;
-  void* const room = arena.take<Fitter>(1);
-  if (room == nullptr) return Status::out_of_memory;
-  Fitter& fitter = *new (room) Fitter();
-  Status status = create_in(arena, fitter, model, limits_for(points.count));
-  if (status != Status::ok) return status;
+Camera start_camera(const Camera* known, float focal_px, int width, int height) {
+  if (known != nullptr) return *known;
+  const float side = static_cast<float>(width > height ? width : height);
+  return centred_camera(width, height, focal_px > 0 ? focal_px : FitOptions{}.default_focal_ratio * side);
+}
+
+void LandmarkFit::lay_out(Arena& arena, const Model& model, std::size_t points) {
+  FitLimits limits;
+  limits.points = static_cast<std::uint16_t>(points);
+  limits.silhouette = true;
+  fitter_.lay_out(arena, model, limits);
   const std::size_t parameters = model.parameters().count;
-  const Work work(arena, parameters, points.count);
-  if (arena.exhausted()) return Status::out_of_memory;
-  for (std::size_t k = 0; k < parameters; ++k) q[k] = 0;
-  status = fit_expression_then_identity(model, points, kPointSdShare * spread, options, work.is_identity,
-                                        work.fit_sd, work.sd, [&](const FitOptions& stage, float* sd) {
-                                          return fitter.fit(points, stage, q, report, sd, work.residuals,
-                                                            work.weights);
-                                        });
-  if (status != Status::ok || offsets == nullptr) return status;
-  for (std::size_t i = 0; i < points.count; ++i)
-    work.is_landmark[i] = work.weights[i] > 0 && !fitter.has_slid(i);
-  Lens lens;
-  if (options.camera != nullptr) status = Lens::make(*options.camera, options.width, options.height, &lens);
-  place_landmarks(
-      model, [&](Vec2 uv) { return fitter.cascade().surface_point(uv, q); }, report->view, lens,
-      find_personal(model, points, work.residuals, work.is_landmark, work.sd), offsets);
+  is_identity_ = arena.take<std::uint8_t>(parameters);
+  is_landmark_ = arena.take<std::uint8_t>(points);
+  sd_ = arena.take<float>(parameters);
+  stage_sd_ = arena.take<float>(parameters);
+  weights_ = arena.take<float>(points);
+  residuals_ = arena.take<Vec2>(points);
+}
+
+Status LandmarkFit::fit(Span<Correspondence> points, const FitOptions& options, float* q) {
+  if (points.count < kLandmarkFitTuning.least_points) return Status::too_few_points;
+  const float spread = spread_of(points);
+  if (!(spread >= kLandmarkFitTuning.least_spread_px)) return Status::underdetermined;
+  const float sd_px = kLandmarkFitTuning.point_sd_fraction * spread;
+  for (Correspondence& c : points) c.sd_px = sd_px;
+  if (options.is_free == nullptr) return fit_in_stages(points, options, q);
+  return fitter_.fit(points, options, q, &report_, sd_, residuals_, weights_);
+}
+
+Status LandmarkFit::fit_in_stages(Span<Correspondence> points, FitOptions options, float* q) {
+  const float sd_px = points[0].sd_px;
+  for (Correspondence& c : points) c.sd_px = kLandmarkFitTuning.expression_caution * sd_px;
+  Status status = fitter_.fit(points, options, q, &report_, sd_, residuals_, weights_);
+  if (status != Status::ok) return status;
+  for (Correspondence& c : points) c.sd_px = sd_px;
+  const Span<const Parameter> parameters = fitter_.cascade().model().parameters();
+  for (std::size_t k = 0; k < parameters.count; ++k) is_identity_[k] = parameters[k].group == Group::identity;
+  options.is_free = is_identity_;
+  status = fitter_.fit(points, options, q, &report_, stage_sd_, residuals_, weights_);
+  for (std::size_t k = 0; status == Status::ok && k < parameters.count; ++k)
+    if (is_identity_[k] != 0) sd_[k] = stage_sd_[k];
   return status;
+}
+
+Span<Correspondence> LandmarkFit::personal_landmarks(Span<Correspondence> points) {
+  for (std::size_t k = 0; k < points.count; ++k) is_landmark_[k] = weights_[k] > 0 && !has_slid(k);
+  return find_personal(fitter_.cascade().model(), points, residuals_, is_landmark_, sd_);
 }
 
 }  // namespace pliant

@@ -1,6 +1,6 @@
 #pragma once
 /// \file landmark_fit.hpp
-/// Who it is, and where: a model fitted to named points of one picture in memory that the tracker will use later.
+/// The fit that a start from landmarks needs: person, expression, pose and focal length from named points of one image.
 #include <cstddef>
 #include <cstdint>
 
@@ -10,47 +10,60 @@
 
 namespace pliant {
 
-/// How exact a landmark is taken to be, as a share of the points' spread: people and detectors err with the size of the
-/// face, not with the size of the picture.
-constexpr float kPointSdShare = 0.005f;
-/// How much further off a landmark must be before a face is taken to make a face: that a person's lips are thinner
-/// than the model's, or a landmark annotated elsewhere, is no expression.
-constexpr float kExpressionCaution = 6;
+/// Tuning of the fit of landmarks. Each constant: unit, reason, experiment.
+struct LandmarkFitTuning {
+  /// Standard deviation of a landmark, as a fraction of the points' spread. Annotations err with the size of the face, not
+  /// with the size of the image.
+  float point_sd_fraction = 0.005f;
+  /// Factor on that deviation while expressions are fitted: lips thinner than the model's, or a landmark annotated
+  /// elsewhere, are no expression.
+  float expression_caution = 6;
+  /// Points that a fit needs: eight coordinates for the seven unknowns of pose and focal length.
+  std::size_t least_points = 4;
+  /// Spread below which the points count as one spot, px. Round value, not tuned.
+  float least_spread_px = 4;
+};
+inline constexpr LandmarkFitTuning kLandmarkFitTuning{};
 
-/// Diagonal of the points' box, px; of no points not a number to use.
+/// Diagonal of the points' bounding box, px; negative or not a number without points.
 float spread_of(Span<const Correspondence> points);
 
-/// First what only an expression can explain; then, with that held, who it is. `fit(options, sd)` is called twice and fits
-/// all of `points`, whose sd_px is set here to `sd_px` in the end. \param sd  deviation a parameter, each of the fit that
-/// has estimated it. \param is_identity, fit_sd  room for a flag and a deviation a parameter.
-template <class Fit>
-Status fit_expression_then_identity(const Model& model, Span<Correspondence> points, float sd_px,
-                                    FitOptions options, std::uint8_t* is_identity, float* fit_sd, float* sd,
-                                    Fit&& fit) {
-  const std::size_t parameters = model.parameters().count;
-  for (Correspondence& c : points) c.sd_px = kExpressionCaution * sd_px;
-  Status status = fit(options, sd);
-  if (status != Status::ok) return status;
-  for (Correspondence& c : points) c.sd_px = sd_px;
-  for (std::size_t k = 0; k < parameters; ++k)
-    is_identity[k] = model.parameters()[k].group == Group::identity;
-  options.is_free = is_identity;
-  status = fit(options, fit_sd);
-  for (std::size_t k = 0; status == Status::ok && k < parameters; ++k)
-    if (is_identity[k] != 0) sd[k] = fit_sd[k];
-  return status;
-}
+/// Whether a landmark's name is one of `ibug00` to `ibug16`: annotations put those on the silhouette of the face.
+bool is_silhouette_landmark(const char* name);
 
-/// Bytes of an arena that fit_landmarks takes for so many points. `fitter` is laid out for measuring: it may be
-/// anywhere, a small stack has no room for one.
-std::size_t landmark_fit_bytes(const Model& model, std::uint16_t points, Fitter& fitter);
+/// The camera of a start: the one given, else centred with the focal length given, else with the assumed one.
+Camera start_camera(const Camera* known, float focal_px, int width, int height);
 
-/// Fits pose, person and expression to `points`, whose sd_px is set here; iBUG's jaw is taken as the outline. First
-/// the expression, then the identity, as above. \param q  all parameters, result.
-/// \param offsets  where the person has the landmarks (place_landmarks): one for each of the model's; `points` is
-/// rearranged. Null: not asked for.
-/// \return out_of_memory, and the statuses of Fitter::fit.
-Status fit_landmarks(Arena& arena, const Model& model, Span<Correspondence> points, const FitOptions& options,
-                     float* q, FitReport* report, Vec3* offsets = nullptr);
+/// Fits a model to landmarks. First the expression, with cautious deviations; then the identity, with that held.
+class LandmarkFit {
+ public:
+  /// Room for so many points, silhouette points among them.
+  void lay_out(Arena& arena, const Model& model, std::size_t points);
+
+  /// \param points   sd_px is set here. \param options  is_free null: the two stages above; else one fit of those.
+  /// \param q        all parameters, start and result.
+  /// \return underdetermined (points within least_spread_px), and the statuses of Fitter::fit.
+  Status fit(Span<Correspondence> points, const FitOptions& options, float* q);
+
+  /// Of the last fit.
+  const FitReport& report() const { return report_; }
+  const float* sd() const { return sd_; }               ///< a parameter, of the stage that estimated it
+  const Vec2* residuals() const { return residuals_; }  ///< px, a point: projected minus observed
+  const float* weights() const { return weights_; }     ///< in [0,1], a point
+  /// Whether the fit moved silhouette point k away from its own (u,v).
+  bool has_slid(std::size_t k) const { return fitter_.has_slid(k); }
+
+  /// Where the person has the landmarks (find_personal). `points` are those of the fit and are rearranged.
+  Span<Correspondence> personal_landmarks(Span<Correspondence> points);
+
+ private:
+  Status fit_in_stages(Span<Correspondence> points, FitOptions options, float* q);
+
+  Fitter fitter_;
+  FitReport report_;
+  std::uint8_t *is_identity_ = nullptr, *is_landmark_ = nullptr;
+  float *sd_ = nullptr, *stage_sd_ = nullptr, *weights_ = nullptr;
+  Vec2* residuals_ = nullptr;
+};
 
 }  // namespace pliant

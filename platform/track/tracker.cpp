@@ -2,9 +2,9 @@
 #include "pliant/tracker.hpp"
 
 #include "track/edge_search.hpp"
-#include "vision/thumbnail.hpp"
 #include "track/surface_offset.hpp"
 #include "track/tracker_sizes.hpp"
+#include "vision/thumbnail.hpp"
 
 namespace pliant {
 
@@ -55,9 +55,8 @@ int placed(float centre, int size, int all, int grid) {
 
 }  // namespace
 
-void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-  limits_ = limits;
-  if (limits_.key_frames > TrackerLimits::kMostKeyFrames) limits_.key_frames = TrackerLimits::kMostKeyFrames;
+/// Everything that tracking uses; also again after the fit of a start has used the same memory.
+void Tracker::lay_out_tracking(Arena& arena, const Model& model) {
   slot_count_ = all_slots(limits_);
   estimator_.lay_out(arena, model, estimator_limits(limits_));
   arena.count_as(Purpose::pyramid);
@@ -87,13 +86,13 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   thumbnail_factor_ = thumbnail_factor(limits_.width, limits_.thumbnail_width);
   thumbnail_width_ = limits_.width / thumbnail_factor_;
   thumbnail_height_ = limits_.height / thumbnail_factor_;
-  const std::size_t small = static_cast<std::size_t>(thumbnail_width_) * static_cast<std::size_t>(thumbnail_height_);
+  const std::size_t small =
+      static_cast<std::size_t>(thumbnail_width_) * static_cast<std::size_t>(thumbnail_height_);
   arena.count_as(Purpose::thumbnails);
   thumbnail_line_ = arena.take<std::uint16_t>(static_cast<std::size_t>(thumbnail_width_ * thumbnail_factor_));
   thumbnail_ = arena.take<std::uint8_t>(small);
   trusted_thumbnail_ = arena.take<std::uint8_t>(small);
   key_thumbnails_ = arena.take<std::uint8_t>((std::size_t{limits_.key_frames} + 1) * small);
-  started_ = false;
 }
 
 Status Tracker::check_frame(const FrameView& frame) const {
@@ -140,15 +139,23 @@ bool Tracker::is_stale(const FrameView& frame) const {
   return frame.time_ns <= last_time_ns_ && !is_next;
 }
 
-Status Tracker::start(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
-                      Span<const Vec2> markers, const TrackerOptions& options) {
-  started_ = false;
-  Status status = check_frame(frame);
+Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, const Pose& pose,
+                                const float* q, const TrackerOptions& options, Span<const Vec2> markers) {
+  const Status status = check_start(frame, markers);
   if (status != Status::ok) return status;
-  if (markers.count > limits_.markers) return Status::capacity;
+  clear_offsets();
+  for (std::size_t k = 0; q == nullptr && k < model().parameters().count; ++k) start_q_[k] = 0;
+  return start_tracking(frame, camera, pose, q == nullptr ? start_q_ : q, options, markers);
+}
+
+/// Frame 0. Its arguments have been checked.
+Status Tracker::start_tracking(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
+                               const TrackerOptions& options, Span<const Vec2> markers) {
+  started_ = false;
   options_ = options;
   start_texture();
-  status = estimator_.start(camera, frame.width, frame.height, pose, q, options.is_free, options_.estimator);
+  Status status =
+      estimator_.start(camera, frame.width, frame.height, pose, q, options.is_free, options_.estimator);
   if (status != Status::ok) return status;
   expected_shift_ = {};
   status = look_at_region(frame);

@@ -118,6 +118,8 @@ Status Run::set_up(const void* table, std::size_t bytes, Arena& arena) {
   limits.patches = 200;  // enough of them seen for scouts
   limits.markers = 1;
   limits.vertices = 200;
+  limits.curve_points = 0;
+  limits.personal_field = {};
   status = create_in(arena, cascade, model);
   if (status == Status::ok) status = create_in(arena, fitter, model, fit_limits);
   if (status == Status::ok) status = create_in(arena, tracker, model, limits);
@@ -172,8 +174,9 @@ Status Run::frame(int k, DigestRun* out) {
       picture, kWidth, kHeight, kWidth, 1, k * std::int64_t{40'000'000}, static_cast<std::uint32_t>(k)};
   FrameResult result;
   const Vec2 marker{100, 70};
-  const Status status = k == 0 ? tracker.start(view, camera, moved_pose, truth.data, {&marker, 1}, {})
-                               : tracker.update(view, &result);
+  const Status status = k == 0
+                            ? tracker.start_from_pose(view, camera, moved_pose, truth.data, {}, {&marker, 1})
+                            : tracker.update(view, &result);
   if (status != Status::ok) return status;
   result = tracker.result();
   out->frames_tracked += result.state == TrackState::tracking;

@@ -70,8 +70,8 @@ struct Sequence {
     return l;
   }
   Sequence() {
-    REQUIRE(tracker->start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {},
-                           {}) == Status::ok);
+    REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0],
+                                     film().parameters[0].data()) == Status::ok);
   }
   /// Gives the tracker these pixels; whatever they are, it must say something that holds together.
   TrackState give(const Pixels& pixels, std::int64_t time_ns) {

@@ -67,22 +67,15 @@ std::vector<float> landmarks_start(Camera* camera, Pose* pose) {
                         film().truth(l.name, 0) + Vec2{0.5f * random.normal(), 0.5f * random.normal()},
                         1,
                         false});
-  Fitter measured;
-  const std::size_t bytes =
-      landmark_fit_bytes(model, static_cast<std::uint16_t>(points.size()), measured) + 16;
-  std::vector<unsigned char> memory(bytes);
-  Arena arena(memory.data() + (16 - reinterpret_cast<std::uintptr_t>(memory.data()) % 16) % 16,
-              memory.size() - 16);
   FitOptions options;
   options.width = kWidth;
   options.height = kHeight;
   options.focal_px = film().camera.f;
-  FitReport report;
   std::vector<float> q(model.parameters().count);
-  REQUIRE(fit_landmarks(arena, model, {points.data(), points.size()}, options, q.data(), &report) ==
-          Status::ok);
-  *camera = camera_of(report.view);
-  *pose = pose_of(report.view);
+  InArena<LandmarkFit> fit(model, points.size());
+  REQUIRE(fit->fit({points.data(), points.size()}, options, q.data()) == Status::ok);
+  *camera = camera_of(fit->report().view);
+  *pose = pose_of(fit->report().view);
   return q;
 }
 
@@ -91,10 +84,8 @@ Result run() {
   Camera camera;
   Pose pose;
   const std::vector<float> q = landmarks_start(&camera, &pose);
-  TrackerLimits limits = profile_l();
-  limits.curve_points = 96;
-  InArena<Tracker> tracker(model, limits);
-  REQUIRE(tracker->start(film().view(0), camera, pose, q.data(), {}, {}) == Status::ok);
+  InArena<Tracker> tracker(model, profile_l());
+  REQUIRE(tracker->start_from_pose(film().view(0), camera, pose, q.data()) == Status::ok);
   const Quat offset = conjugate(film().poses[0].q) * pose.q;
   Result r;
   r.expression.assign(model.parameters().count, 0.0f);

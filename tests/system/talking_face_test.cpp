@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "baked_face.hpp"
+#include "host/commands/start.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/files.hpp"
 #include "host/io/image.hpp"
 #include "host/io/owned.hpp"
-#include "host/commands/start.hpp"
 #include "pliant/face_detector.hpp"
 #include "pliant/tracker.hpp"
 #include "sanitized.hpp"
@@ -114,8 +114,8 @@ Result track(const std::string& folder, const Annotation& truth, bool with_marke
     const FrameView frame = view_on(grey, k);
     FrameResult r = tracker->result();
     if (k == 0)
-      REQUIRE(tracker->start(frame, fit.camera, fit.pose, q.data(), {marker_x.data(), marker_x.size()}, {}) ==
-              Status::ok);
+      REQUIRE(tracker->start_from_pose(frame, fit.camera, fit.pose, q.data(), {},
+                                       {marker_x.data(), marker_x.size()}) == Status::ok);
     else
       REQUIRE(tracker->update(frame, &r) == Status::ok);
     result.tracking += tracker->result().state == TrackState::tracking;
@@ -197,7 +197,7 @@ TEST_CASE("he is found without a point within the first second, and followed fro
       FaceDetectorReport report;
       REQUIRE(finder->find(view_on(grey, k), &report) == Status::ok);
       if (!report.is_found) continue;
-      REQUIRE(tracker->start(view_on(grey, k), camera, report.pose, finder->parameters().data, {}, {}) ==
+      REQUIRE(tracker->start_from_pose(view_on(grey, k), camera, report.pose, finder->parameters().data) ==
               Status::ok);
       is_started = true;
       first = k;

@@ -43,7 +43,7 @@ Heard follow(const FaceFilm& film) {
   limits.curve_points = 96;
   limits.silhouette_points = 24;
   InArena<Tracker> tracker(baked_face().model, limits);
-  REQUIRE(tracker->start(film.view(0), film.camera, film.poses[0], film.parameters[0].data(), {}, {}) ==
+  REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data()) ==
           Status::ok);
   Heard heard;
   for (std::size_t k = 1; k < film.count(); ++k) {

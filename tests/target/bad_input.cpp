@@ -49,7 +49,7 @@ FrameView view_of_frame(int k) {
 }
 
 Status start(const FrameView& frame) {
-  return tracker.start(frame, kStartCamera, kStartPose, kStartParameters, {}, {});
+  return tracker.start_from_pose(frame, kStartCamera, kStartPose, kStartParameters);
 }
 
 void tables(Model& model) {
@@ -88,8 +88,8 @@ void starts() {
   FrameView frame = view_of_frame(0);
   frame.width = kWidth - 1;
   check("start with a frame of another size", start(frame), Status::size_mismatch);
-  const Status status = tracker.start(view_of_frame(0), kStartCamera, kStartPose, nullptr, {}, {});
-  check("start without parameters", status, Status::bad_argument);
+  const Status status = tracker.start_from_pose(view_of_frame(0), kStartCamera, {}, kStartParameters);
+  check("start at the camera's own place", status, Status::bad_argument);
   check("start", start(view_of_frame(0)), Status::ok);
 }
 

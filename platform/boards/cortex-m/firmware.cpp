@@ -108,7 +108,7 @@ int main() {
     pliant::FrameResult result;
     const std::uint32_t begin = board_ticks();
     if (frame == 0) {
-      require(tracker.start(view, kStartCamera, kStartPose, kStartParameters, {}, {}), "start");
+      require(tracker.start_from_pose(view, kStartCamera, kStartPose, kStartParameters), "start");
       result = tracker.result();
     } else {
       require(tracker.update(view, &result), "update");

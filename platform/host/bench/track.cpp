@@ -5,10 +5,10 @@
 #include <functional>
 
 #include "host/bench/bench.hpp"
+#include "host/commands/start.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
 #include "host/render/scene.hpp"
-#include "host/commands/start.hpp"
 #include "pliant/tracker.hpp"
 
 namespace pliant::host {
@@ -102,7 +102,8 @@ Measured measure(const Model& model, const Film& film, TrackerLimits limits, con
   limits.height = static_cast<std::uint16_t>(film.size.height);
   Owned<Tracker> tracker(model, limits);
   Owned<Cascade> cascade(model);
-  require(tracker->start(film.view(0), film.camera, film.poses[0], film.q[0].data(), {}, options), "start");
+  require(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.q[0].data(), options),
+          "start");
   Measured out;
   std::vector<double> times, turns;
   for (std::size_t n = 1; n <= kTracked; ++n) {
@@ -249,7 +250,7 @@ void bench_drift(std::ostream& out, const ModelFile& file) {
   TrackerLimits limits;
   Owned<Tracker> tracker(model, limits);
   Owned<Cascade> cascade(model);
-  require(tracker->start(film.view(0), film.camera, film.poses[0], film.q[0].data(), {}, {}), "start");
+  require(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.q[0].data()), "start");
   double sum = 0;
   for (std::size_t n = 1; n <= kFrames; ++n) {
     FrameResult result;

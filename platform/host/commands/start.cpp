@@ -12,15 +12,8 @@ namespace pliant::host {
 
 namespace {
 
-/// Points closer together than this (px) are one point.
-constexpr float kLeastSpread = 4;
 /// A parameter counts as unseen when the points leave this much of its prior's standard deviation.
 constexpr float kUnseenShare = 0.95f;
-
-/// The iBUG points 0 to 16 run along the jaw from ear to ear.
-bool is_silhouette_landmark(const std::string& name) {
-  return name.size() == 6 && name.compare(0, 4, "ibug") == 0 && name.substr(4) <= "16";
-}
 
 Vec2 landmark_uv(const ModelFile& file, const NamedPoint& p) {
   const std::uint16_t k = file.model().find_landmark(p.name.c_str());
@@ -31,18 +24,16 @@ Vec2 landmark_uv(const ModelFile& file, const NamedPoint& p) {
 
 std::vector<Correspondence> correspondences(const ModelFile& file, const std::string& source,
                                             const std::vector<NamedPoint>& points, bool match_silhouette) {
-  if (points.size() < 4)
+  if (points.size() < kLandmarkFitTuning.least_points)
     fail_input(source, "too few points: " + std::to_string(points.size()) + ", at least 4 are needed");
   if (points.size() > 2048) fail_input(source, "more than 2048 points");
   std::vector<Correspondence> out;
   for (const NamedPoint& p : points) {
-    const bool is_silhouette = match_silhouette && !p.uv && is_silhouette_landmark(p.name);
+    const bool is_silhouette = match_silhouette && !p.uv && is_silhouette_landmark(p.name.c_str());
     out.push_back({p.uv ? *p.uv : landmark_uv(file, p), p.x, 1, is_silhouette});
   }
-  const float spread = spread_of({out.data(), out.size()});
-  if (!(spread >= kLeastSpread))
+  if (!(spread_of({out.data(), out.size()}) >= kLandmarkFitTuning.least_spread_px))
     fail_input(source, "the points do not determine the pose: they lie on one spot");
-  for (Correspondence& c : out) c.sd_px = kPointSdShare * spread;
   return out;
 }
 
@@ -55,7 +46,7 @@ NamedValues by_name(const Model& model, const std::vector<float>& values) {
 }  // namespace
 
 float default_focal(const ImageSize& size) {
-  return FitOptions{}.default_focal_ratio * static_cast<float>(std::max(size.width, size.height));
+  return start_camera(nullptr, 0, size.width, size.height).f;
 }
 
 View with_focal(const View& view, float focal_px) {
@@ -101,9 +92,8 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
                       const FitSetup& setup) {
   const Model& model = file.model();
   auto pairs = correspondences(file, source, points, setup.match_silhouette);
-  std::vector<float> q = setup.q, sd(model.parameters().count), weight(pairs.size());
+  std::vector<float> q = setup.q;
   q.resize(model.parameters().count, 0.0f);
-  std::vector<Vec2> residual(pairs.size());
   FitOptions options;
   options.width = setup.size.width;
   options.height = setup.size.height;
@@ -114,22 +104,10 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   options.method = setup.method;
   options.euler = setup.euler;
   options.stiffness = setup.stiffness;
-  FitReport report;
-  FitLimits limits;
-  limits.points = static_cast<std::uint16_t>(pairs.size());
-  for (const Correspondence& c : pairs) limits.silhouette = limits.silhouette || c.is_silhouette;
-  Owned<Fitter> fitter(model, limits);
-  const auto fit_with = [&](const FitOptions& stage, float* stage_sd) {
-    return fitter->fit({pairs.data(), pairs.size()}, stage, q.data(), &report, stage_sd, residual.data(),
-                       weight.data());
-  };
-  std::vector<std::uint8_t> is_identity(sd.size());
-  std::vector<float> stage_sd(sd.size());
-  require(setup.is_free.empty()
-              ? fit_expression_then_identity(model, {pairs.data(), pairs.size()}, pairs[0].sd_px, options,
-                                             is_identity.data(), stage_sd.data(), sd.data(), fit_with)
-              : fit_with(options, sd.data()),
-          source);
+  Owned<LandmarkFit> fitter(model, pairs.size());
+  require(fitter->fit({pairs.data(), pairs.size()}, options, q.data()), source);
+  const FitReport& report = fitter->report();
+  const std::vector<float> sd(fitter->sd(), fitter->sd() + q.size());
 
   FitFile fit = describe(model, setup.size, report.view, q);
   if (setup.camera) fit.camera = *setup.camera;
@@ -141,8 +119,8 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   fit.rms_px = report.rms_px;
   fit.inliers = report.used;
   for (std::size_t i = 0; i < pairs.size(); ++i)
-    fit.points.push_back(
-        {points[i].name, pairs[i].x, residual[i], weight[i] > 0, !points[i].uv && !fitter->has_slid(i)});
+    fit.points.push_back({points[i].name, pairs[i].x, fitter->residuals()[i], fitter->weights()[i] > 0,
+                          !points[i].uv && !fitter->has_slid(i)});
   return fit;
 }
 
@@ -158,7 +136,8 @@ std::vector<Correspondence> personal_landmarks(const Model& model, const FitFile
     is_landmark.push_back(k != kNone && p.used && p.is_landmark);
   }
   if (points.empty()) return points;
-  for (Correspondence& c : points) c.sd_px = kPointSdShare * spread_of({points.data(), points.size()});
+  const float sd_px = kLandmarkFitTuning.point_sd_fraction * spread_of({points.data(), points.size()});
+  for (Correspondence& c : points) c.sd_px = sd_px;
   std::vector<float> sd(model.parameters().count);
   for (const auto& [name, value] : fit.sd)
     if (const std::uint16_t k = model.find_parameter(name.c_str()); k != kNone) sd[k] = value;
@@ -203,8 +182,8 @@ FitFile read_start(const std::string& path, const ModelFile& file, const ImageSi
 FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const FitSetup& setup) {
   std::vector<float> q = setup.q;
   q.resize(file.model().parameters().count, 0.0f);
-  const float f = setup.focal_px > 0 ? setup.focal_px : default_focal(setup.size);
-  const Camera camera = setup.camera ? *setup.camera : centred_camera(setup.size.width, setup.size.height, f);
+  const Camera camera = start_camera(setup.camera ? &*setup.camera : nullptr, setup.focal_px,
+                                     setup.size.width, setup.size.height);
   Owned<Cascade> cascade(file.model());
   View view;
   const Status status =

@@ -5,17 +5,17 @@
 #include <optional>
 #include <sstream>
 
-#include "host/io/calibration.hpp"
 #include "host/commands/command.hpp"
-#include "host/io/failure.hpp"
-#include "host/io/files.hpp"
-#include "host/io/interrupt.hpp"
-#include "host/io/owned.hpp"
 #include "host/commands/detection_start.hpp"
 #include "host/commands/start.hpp"
 #include "host/commands/track_output.hpp"
 #include "host/commands/tracker_limits.hpp"
+#include "host/io/calibration.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
 #include "host/io/frame_source.hpp"
+#include "host/io/interrupt.hpp"
+#include "host/io/owned.hpp"
 #include "pliant/tracker.hpp"
 
 namespace pliant::host {
@@ -89,7 +89,7 @@ Beginning read_init(const Args& args, const ModelFile& file, ImageSize size, con
 
 /// Null unless the track is to start by itself.
 std::unique_ptr<DetectionStart> detection_start(const Args& args, const ModelFile& file, const Frames& frames,
-                                      std::ostream& err) {
+                                                std::ostream& err) {
   if (args.required("--init") != "detect") {
     if (args.has("--search-frames")) fail_usage("--search-frames is for --init detect");
     return nullptr;
@@ -161,8 +161,8 @@ class Run {
         detection_(detection) {}
 
   Status start(const FrameView& frame, const Beginning& from) {
-    const Status status = tracker_.start(frame, from.camera, from.pose, from.q.data(),
-                                         {markers_.x.data(), markers_.x.size()}, options_);
+    const Status status = tracker_.start_from_pose(frame, from.camera, from.pose, from.q.data(), options_,
+                                                   {markers_.x.data(), markers_.x.size()});
     if (status != Status::ok) return status;
     camera_ = from.camera;
     is_started_ = true;

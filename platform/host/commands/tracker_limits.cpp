@@ -16,10 +16,6 @@ TrackerLimits tracker_limits(const Args& args, const std::optional<ImageSize>& s
   const bool small = profile == "s",
              large = profile == "l" || (!profile && size && size->width >= kLargeWidth);
   TrackerLimits limits = small ? profile_s() : large ? profile_l() : TrackerLimits{};
-  if (!small) {
-    limits.curve_points = 96;
-    limits.personal_field = {128, 128};  // the grid on which tables are baked unless told otherwise: nothing is lost
-  }
   if (size) {
     limits.width = static_cast<std::uint16_t>(size->width);
     limits.height = static_cast<std::uint16_t>(size->height);

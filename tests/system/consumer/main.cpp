@@ -19,7 +19,7 @@ pliant::Status start(const void* table, std::size_t bytes, const pliant::FrameVi
   pliant::Arena arena(memory, sizeof memory);
   status = pliant::create_in(arena, tracker, model, limits);
   if (status != pliant::Status::ok) return status;
-  return tracker.start(frame, camera, pose, q, {}, {});
+  return tracker.start_from_pose(frame, camera, pose, q);
 }
 
 /// Called for every frame after that.

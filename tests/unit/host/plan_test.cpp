@@ -1,11 +1,11 @@
 // `pliant plan`: what it says beforehand is what a run takes.
 #include "host/commands/plan.hpp"
 
+#include "cli_run.hpp"
 #include "host/io/fit_file.hpp"
+#include "host/io/frame_source.hpp"
 #include "host/io/image.hpp"
 #include "host/io/owned.hpp"
-#include "cli_run.hpp"
-#include "host/io/frame_source.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -116,7 +116,7 @@ TEST_CASE("no frame takes more steps than the plan allows, not even of noise") {
   int most = 0, key = 0;
   for (int k = 0; video.source->next(frame) == Status::ok; ++k) {
     if (k == 0) {
-      REQUIRE(tracker->start(frame, fit.camera, fit.pose, q.data(), {}, {}) == Status::ok);
+      REQUIRE(tracker->start_from_pose(frame, fit.camera, fit.pose, q.data()) == Status::ok);
       continue;
     }
     // Some frames are half covered with noise, so that rejection has to work.

@@ -52,7 +52,6 @@ struct Start {
   std::vector<Correspondence> points;
   std::vector<float> q;
   FitReport report;
-  std::vector<unsigned char> memory;
   InArena<Estimator> estimator;
   std::vector<Vec3> offsets;
 
@@ -67,16 +66,21 @@ struct Start {
                              {}) == Status::ok);
   }
   Status fit(const Person& person) {
-    Fitter measured;
-    memory.resize(landmark_fit_bytes(person.model, static_cast<std::uint16_t>(points.size()), measured) + 16);
-    Arena arena(memory.data() + (16 - reinterpret_cast<std::uintptr_t>(memory.data()) % 16) % 16,
-                memory.size() - 16);
+    InArena<LandmarkFit> fit(person.model, points.size());
     FitOptions options;
     options.width = kWidth;
     options.height = kHeight;
     options.focal_px = person.camera.f;
-    return fit_landmarks(arena, person.model, {points.data(), points.size()}, options, q.data(), &report,
-                         offsets.data());
+    q.assign(q.size(), 0.0f);
+    const Status status = fit->fit({points.data(), points.size()}, options, q.data());
+    if (status != Status::ok) return status;
+    report = fit->report();
+    Lens lens;
+    std::vector<Correspondence> own = points;
+    place_landmarks(
+        person.model, [&](Vec2 uv) { return person.face.cascade.surface_point(uv, q.data()); }, report.view,
+        lens, fit->personal_landmarks({own.data(), own.size()}), offsets.data());
+    return status;
   }
   Vec2 landmark(const std::string& name, bool is_personal) {
     const auto k = baked_face().model.find_landmark(name.c_str());
@@ -231,7 +235,7 @@ TEST_CASE(
       low = {min(low.x, x.x), min(low.y, x.y)};
       high = {max(high.x, x.x), max(high.y, x.y)};
     }
-    const float sd = kPointSdShare * length(high - low);
+    const float sd = kLandmarkFitTuning.point_sd_fraction * length(high - low);
     for (Vec2& x : given) x = x + sd * Vec2{random.normal(), random.normal()};
     Start start(person, given);
     own += start.error(person, {}, person.q, true);

@@ -35,8 +35,8 @@ struct Run {
 
 Run run(const TrackerLimits& limits, std::size_t rounds = 1) {
   InArena<Tracker> tracker(baked_face().model, limits);
-  REQUIRE(tracker->start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {},
-                         {}) == Status::ok);
+  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0],
+                                   film().parameters[0].data()) == Status::ok);
   Run r;
   float turned = 0;
   for (std::size_t n = 1; n < rounds * kFrames; ++n) {
@@ -104,8 +104,8 @@ TEST_CASE("the small profile tracks the same turns") {
 TEST_CASE("the region of the small profile goes with the face, and its bytes are read from the frame alone") {
   const TrackerLimits limits = profile_s();
   InArena<Tracker> tracker(baked_face().model, limits);
-  REQUIRE(tracker->start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {},
-                         {}) == Status::ok);
+  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0],
+                                   film().parameters[0].data()) == Status::ok);
   std::vector<std::uint8_t> pixels;
   int least = 1000, most = -1000;
   for (std::size_t k = 1; k < kFrames; ++k) {
@@ -148,7 +148,7 @@ TEST_CASE("the small profile: arena, the object itself and the worst stack are w
     FrameResult result;
     entry = reinterpret_cast<const unsigned char*>(&result) + sizeof result;
     status =
-        tracker->start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {}, {});
+        tracker->start_from_pose(film().view(0), film().camera, film().poses[0], film().parameters[0].data());
     for (std::size_t k = 1; k < kFrames && status == Status::ok; ++k)
       status = tracker->update(film().view(k), &result);
     return nullptr;

@@ -45,8 +45,8 @@ TrackerOptions options_with(std::uint16_t operations) {
 }
 
 Status start(Tracker& tracker, const TrackerOptions& options) {
-  return tracker.start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {},
-                       options);
+  return tracker.start_from_pose(film().view(0), film().camera, film().poses[0], film().parameters[0].data(),
+                                 options);
 }
 
 using Places = std::set<std::pair<float, float>>;

@@ -33,8 +33,8 @@ const FaceFilm& film() {
 }
 
 Status start(Tracker& tracker, Span<const Vec2> markers = {}, TrackerOptions options = {}) {
-  return tracker.start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), markers,
-                       options);
+  return tracker.start_from_pose(film().view(0), film().camera, film().poses[0], film().parameters[0].data(),
+                                 options, markers);
 }
 
 }  // namespace
@@ -66,8 +66,8 @@ TEST_CASE("no heap call is made from the first frame on, in a block of exactly t
     const heap_trap::Armed armed;
     status = create_in(arena, tracker, face().model, limits);
     if (status == Status::ok)
-      status =
-          tracker.start(film().view(0), film().camera, film().poses[0], film().parameters[0].data(), {}, {});
+      status = tracker.start_from_pose(film().view(0), film().camera, film().poses[0],
+                                       film().parameters[0].data());
     for (std::size_t k = 1; k < kFrames && status == Status::ok; ++k) {
       FrameResult result;
       status = tracker.update(film().view(k), &result);
@@ -154,17 +154,17 @@ TEST_CASE("frames that cannot be used are named and leave everything as it was")
   CHECK(tracker->update(film().view(0), &result) == Status::not_started);
   FrameView v = film().view(0);
   v.width = 319;
-  CHECK(tracker->start(v, film().camera, film().poses[0], film().parameters[0].data(), {}, {}) ==
+  CHECK(tracker->start_from_pose(v, film().camera, film().poses[0], film().parameters[0].data()) ==
         Status::size_mismatch);
   v.data = nullptr;
-  CHECK(tracker->start(v, film().camera, film().poses[0], film().parameters[0].data(), {}, {}) ==
+  CHECK(tracker->start_from_pose(v, film().camera, film().poses[0], film().parameters[0].data()) ==
         Status::bad_argument);
   const Vec2 marker{160, 120};
   CHECK(start(tracker.object, {&marker, 1}) == Status::capacity);
   const std::vector<std::uint8_t> grey(kWidth * kHeight, 128);
   v = film().view(0);
   v.data = grey.data();
-  CHECK(tracker->start(v, film().camera, film().poses[0], film().parameters[0].data(), {}, {}) ==
+  CHECK(tracker->start_from_pose(v, film().camera, film().poses[0], film().parameters[0].data()) ==
         Status::too_few_points);
   CHECK(tracker->update(film().view(1), &result) == Status::not_started);
 

@@ -1,0 +1,89 @@
+#pragma once
+/// \file tracker_limits.hpp
+/// Capacities of a Tracker, which fix its memory, and the three profiles.
+#include <cstdint>
+
+#include "pliant/estimator.hpp"
+#include "pliant/field.hpp"
+
+namespace pliant {
+
+/// Capacities of a Tracker. The defaults are the configuration that the README's figures measure: profile M.
+/// `measured_bytes<Tracker>(model, limits)` gives the bytes that they cost.
+struct TrackerLimits {
+  /// Size of the frames, px. Every frame has exactly this size.
+  std::uint16_t width = 320, height = 240;
+  /// Size of the part of the frame in which templates are matched, px; it moves with the face. 0: the whole frame. Else at
+  /// least 64 a side. A smaller region costs less memory; points outside it are not observed.
+  std::uint16_t region_width = 0, region_height = 0;
+  std::uint16_t patches = 128;      ///< templates captured in frame 0, at least 6
+  std::uint16_t key_patches = 64;   ///< templates captured in later key frames, all key frames together
+  std::uint8_t key_frames = 4;      ///< later key frames kept at a time, at most kMostKeyFrames
+  std::uint16_t markers = 0;        ///< image points that are tracked with the surface and never observed
+  std::uint16_t curve_points = 96;  ///< edge points on lids, lips and brows; 0: edges are not matched there
+  std::uint16_t silhouette_points = 0;  ///< edge points on the silhouette; 304 bytes each
+  std::uint16_t vertices = 512;         ///< of the mesh, at least those of the model's base mesh
+  std::uint8_t pyramid_levels = 3;      ///< of the image pyramid, level 0 included
+  std::uint8_t patch_window = 11;       ///< side of a template, px, odd
+  std::uint8_t patch_margin = 4;  ///< pixels kept around a template, so that a turned window stays inside
+  /// Keeps each template as last warped (PatchLimits::keeps_templates): 1.6 kB a template for a shorter search.
+  bool keeps_templates = true;
+  /// Keeps the previous frame. Frame-to-frame tracking needs it.
+  bool keeps_previous = true;
+  /// Keeps a copy of the frame. False, and keeps_previous false: the frame is read during `update` only, and must be planar.
+  bool copies_frame = true;
+  std::uint16_t thumbnail_width = 96;                  ///< widest thumbnail for coarse search, px
+  std::uint16_t free_parameters = 0;                   ///< as EstimatorLimits::free_parameters
+  std::uint16_t samples_per_point = 0;                 ///< as EstimatorLimits::samples_per_point
+  bool samples_vertices = true;                        ///< as EstimatorLimits::samples_vertices
+  std::uint16_t rejection_sample = 256;                ///< as EstimatorLimits::rejection_sample
+  const ForceRejection* rejection = &kForceRejection;  ///< as EstimatorLimits::rejection
+  /// As EstimatorLimits::personal_field. 128 x 128 is the grid on which tables are baked: the person loses nothing.
+  PersonalFieldLimits personal_field = {128, 128};
+  /// Side of the grid over (u,v) that notes image texture for an adaptive mesh (EstimatorOptions::mesh_operations), cells;
+  /// one byte a cell. 0: the mesh adapts to the view alone.
+  std::uint8_t texture_cells = 0;
+  /// Landmarks that `start_from_landmarks` takes at most. The fit uses the memory of the tracking, before it; where it
+  /// needs more, the block grows.
+  std::uint16_t start_points = 68;
+
+  static constexpr int kMostKeyFrames = 8;
+};
+
+/// Profile M, the default: 320 x 240, 128 + 64 templates, edges, 512 vertices.
+constexpr TrackerLimits profile_m() {
+  return {};
+}
+
+/// Profile S, for a microcontroller: 320 x 240 frames, matched in a moving region of 192 x 192 that is read from the
+/// caller's frame during `update`; 48 + 16 templates, no edges. With the built-in face and its expressions free the block,
+/// the object and the stack fit into 256 KiB.
+constexpr TrackerLimits profile_s() {
+  TrackerLimits l;
+  l.region_width = l.region_height = 192;
+  l.patches = 48;
+  l.key_patches = 16;
+  l.key_frames = 2;
+  l.curve_points = 0;
+  l.patch_margin = 2;
+  l.keeps_previous = l.copies_frame = l.keeps_templates = false;
+  l.thumbnail_width = 48;
+  l.free_parameters = 40;
+  l.samples_per_point = 44;
+  l.samples_vertices = false;
+  l.personal_field = {};
+  return without_rejection(l);
+}
+
+/// Profile L, for a desktop or a fast board: 640 x 480, 220 + 80 templates, edges, 2,048 vertices.
+constexpr TrackerLimits profile_l() {
+  TrackerLimits l;
+  l.width = 640;
+  l.height = 480;
+  l.patches = 220;
+  l.key_patches = 80;
+  l.vertices = 2048;
+  return l;
+}
+
+}  // namespace pliant
