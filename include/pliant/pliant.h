@@ -98,7 +98,7 @@ typedef struct pliant_result {
 } pliant_result;
 PLIANT_ASSERT_SIZE(pliant_result, 52);
 
-/** "0.1.0": the version of the library that is linked. */
+/** "0.2.0": the version of the library that is linked. */
 const char *pliant_version(void);
 
 /** A short English sentence without a final stop. Never null. */

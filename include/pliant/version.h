@@ -7,7 +7,7 @@
 #define PLIANT_VERSION_H
 
 #define PLIANT_VERSION_MAJOR 0
-#define PLIANT_VERSION_MINOR 1
+#define PLIANT_VERSION_MINOR 2
 #define PLIANT_VERSION_PATCH 0
 
 #ifdef __cplusplus

@@ -1,6 +1,11 @@
-# The portable sources, for build systems other than ours: lists of absolute paths in `pliant_sources`, folders of public
-# headers in `pliant_includes` and of the library's own in `pliant_private_includes`, and the flags that keep the bits and the size in `pliant_flags`. Eigen 3.4's folder is the
-# caller's to add.
+# The portable libraries, for build systems other than ours:
+#   pliant_sources           the source files
+#   pliant_includes          the folder of the public headers
+#   pliant_private_includes  the folders of the private headers
+#   pliant_flags             compiler flags that keep the results the same bits everywhere
+#   pliant_cxx_flags         flags without which heap and exceptions would be linked
+#   pliant_definitions       macros for Eigen
+# All paths are absolute. The caller adds the folder of Eigen 3.4 to the private ones.
 get_filename_component(pliant_root ${CMAKE_CURRENT_LIST_DIR}/../.. ABSOLUTE)
 file(GLOB pliant_sources ${pliant_root}/src/*/*.cpp ${pliant_root}/platform/vision/*.cpp
   ${pliant_root}/platform/face/*.cpp ${pliant_root}/platform/track/*.cpp)

@@ -1,7 +1,6 @@
 // See corner_scores.hpp.
 #include "vision/corner_scores.hpp"
 
-#include <cmath>
 #include <cstring>
 
 #include "vision/tensor.hpp"
@@ -44,7 +43,7 @@ void sum_window(const i32* in, int n, i32* out) {
 
 float smallest_eigenvalue(float xx, float xy, float yy) {
   const float difference = xx - yy;
-  const float smallest = 0.5f * (xx + yy - std::sqrt(difference * difference + 4.0f * xy * xy));
+  const float smallest = 0.5f * (xx + yy - __builtin_sqrtf(difference * difference + 4.0f * xy * xy));
   return smallest > 0 ? smallest : 0;
 }
 

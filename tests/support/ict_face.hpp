@@ -97,14 +97,10 @@ struct IctFace {
   }
 };
 
-inline const char* data_folder() {
-  return std::getenv("PLIANT_DATA");
-}
-
 inline pliant::host::bake::Source read_narrow_face(bool relaxed) {
   const Folder folder("ict_face_" +
                       std::to_string(getpid()));  // two programs read it, perhaps at the same time
-  IctFace(std::string(data_folder()) + "/ict").write(folder);
+  IctFace(std::string(std::getenv("PLIANT_DATA")) + "/ict").write(folder);
   pliant::host::bake::BakeOptions options;
   options.source = folder.path.string();
   options.unit_mm = 10;

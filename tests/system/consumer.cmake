@@ -1,7 +1,9 @@
 cmake_minimum_required(VERSION 3.22)
-# Installs the build into a folder of its own and builds a user's project against it: by find_package, as a
-# subdirectory, and with the flags of pkg-config. Run as: cmake -DBUILD=... -DSOURCE=... -DCXX=... -P consumer.cmake
+# Installs the build into a folder of its own and builds a user's project against it, in C++ and in C: by find_package, as
+# a subdirectory, and with the flags of pkg-config. A C program is linked by the C compiler, with nothing named by hand.
+# Run as: cmake -DBUILD=... -DSOURCE=... -DCXX=... -DCC=... [-DLAUNCHER=ccache] -P consumer.cmake
 set(work ${BUILD}/consumer)
+set(project ${SOURCE}/tests/system/consumer)
 file(REMOVE_RECURSE ${work})
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE out)
@@ -11,15 +13,33 @@ function(run)
   message(STATUS "${out}")
 endfunction()
 
-run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/prefix)
-set(common -G Ninja -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_BUILD_TYPE=Release)
-run(${CMAKE_COMMAND} -S ${SOURCE}/tests/system/consumer -B ${work}/package ${common} -DCMAKE_PREFIX_PATH=${work}/prefix)
-run(${CMAKE_COMMAND} --build ${work}/package)
-run(${work}/package/consumer)
+# configure(NAME PROGRAM options...)
+function(configure name program)
+  run(${CMAKE_COMMAND} -S ${project} -B ${work}/${name} -G Ninja -DCONSUMER=${program} -DCMAKE_CXX_COMPILER=${CXX}
+    -DCMAKE_C_COMPILER=${CC} ${ARGN})
+endfunction()
 
-run(${CMAKE_COMMAND} -S ${SOURCE}/tests/system/consumer -B ${work}/subdirectory ${common} -DPLIANT_SOURCE_DIR=${SOURCE})
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/prefix)
+foreach(program main.cpp main.c)
+  configure(package_${program} ${program} -DCMAKE_PREFIX_PATH=${work}/prefix)
+  run(${CMAKE_COMMAND} --build ${work}/package_${program})
+  run(${work}/package_${program}/consumer)
+endforeach()
+
+# As a subdirectory of a project in C that names no build type: the library is optimised all the same.
+configure(subdirectory main.c -DPLIANT_SOURCE_DIR=${SOURCE} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
+  -DCMAKE_EXPORT_COMPILE_COMMANDS=ON)
+file(STRINGS ${work}/subdirectory/compile_commands.json commands REGEX "command.*/pliant_(core|track)\\.dir/")
+foreach(command IN LISTS commands)
+  if(NOT command MATCHES " -O2 ")
+    message(FATAL_ERROR "compiled without optimisation: ${command}")
+  endif()
+endforeach()
 run(${CMAKE_COMMAND} --build ${work}/subdirectory --target consumer)
 run(${work}/subdirectory/consumer)
+# In C++ the program is compiled only: the library would be what it was above.
+configure(subdirectory_cxx main.cpp -DPLIANT_SOURCE_DIR=${SOURCE})
+run(${CMAKE_COMMAND} --build ${work}/subdirectory_cxx --target CMakeFiles/consumer.dir/main.cpp.o)
 
 find_program(pkg_config NAMES pkg-config pkgconf)
 if(pkg_config)
@@ -29,6 +49,8 @@ if(pkg_config)
     --define-variable=prefix=${work}/prefix --cflags --libs pliant
     OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
   separate_arguments(flags UNIX_COMMAND "${flags}")
-  run(${CXX} -std=c++17 ${SOURCE}/tests/system/consumer/main.cpp ${flags} -o ${work}/by_pkg_config)
+  run(${CXX} -std=c++17 ${project}/main.cpp ${flags} -o ${work}/by_pkg_config)
   run(${work}/by_pkg_config)
+  run(${CC} -std=c11 -pedantic ${project}/main.c ${flags} -o ${work}/c_by_pkg_config)
+  run(${work}/c_by_pkg_config)
 endif()

@@ -3,12 +3,15 @@
 
 #include <doctest/doctest.h>
 
+#include <cstdlib>
+
 #include "host/bake/bake.hpp"
 #include "baked_face.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/files.hpp"
 #include "host/commands/start.hpp"
 #include "ict_face.hpp"
+#include "real_data.hpp"
 #include "sanitized.hpp"
 
 using namespace pliant;
@@ -44,7 +47,7 @@ const std::vector<std::uint8_t>& ict_table() {
 
 /// The 25 annotated points of frame 0 that have an iBUG name.
 std::vector<host::NamedPoint> talking_face_points() {
-  const std::string folder = std::string(data_folder()) + "/franck";
+  const std::string folder = std::string(std::getenv("PLIANT_DATA")) + "/franck";
   const host::CsvTable table("points", host::read_file(folder + "/points_original.csv"));
   std::vector<host::NamedPoint> out;
   std::istringstream lines(host::read_file(folder + "/fgnet68_to_ict.csv"));
@@ -69,19 +72,13 @@ TEST_CASE(
 TEST_CASE(
     "random people of 100 identities: the optimum is reached, the pose to a degree, and far nearer than the "
     "mean face") {
-  if (data_folder() == nullptr) {
-    MESSAGE("skipped: PLIANT_DATA is not set");
-    return;
-  }
+  if (require_data() == nullptr) return;
   BakedModel face(ict_table());
   check(face, "ICT face");
 }
 
 TEST_CASE("a real face: 25 points of a photograph give a plausible person") {
-  if (data_folder() == nullptr) {
-    MESSAGE("skipped: PLIANT_DATA is not set");
-    return;
-  }
+  if (require_data() == nullptr) return;
   const std::string path = std::string(PLIANT_SCRATCH) + "/fit_truth_ict.plm";
   host::write_file(path, std::string(ict_table().begin(), ict_table().end()));
   const host::ModelFile file(path);

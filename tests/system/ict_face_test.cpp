@@ -1,17 +1,17 @@
 // A real face of 100 identities and 55 expressions, baked from OBJ files: how true its table is, the profile that fits
-// a small flash, and its folded neutral. Needs the folder in PLIANT_DATA; skips plainly.
+// a small flash, and its folded neutral. Needs the folder in PLIANT_DATA.
 #include "ict_face.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "host/bake/chart_raster.hpp"
 #include "host/bake/size_table.hpp"
 #include "baked_model.hpp"
 #include "host/io/owned.hpp"
 #include "random.hpp"
+#include "real_data.hpp"
 #include "sanitized.hpp"
 
 using namespace pliant;
@@ -29,10 +29,7 @@ const std::vector<std::uint8_t>& default_table(BakeReport** report) {
 }  // namespace
 
 TEST_CASE("the table of a real face at the default size is within 0.3 mm of every mode on average") {
-  if (data_folder() == nullptr) {
-    MESSAGE("skipped: PLIANT_DATA is not set");
-    return;
-  }
+  if (require_data() == nullptr) return;
   BakeReport* report = nullptr;
   const auto& table = default_table(&report);
   CHECK(narrow_face().parameters.size() == 155);
@@ -48,10 +45,7 @@ TEST_CASE("the table of a real face at the default size is within 0.3 mm of ever
 }
 
 TEST_CASE("20 identities and 20 expressions in 8 bits fit 512 KiB of flash") {
-  if (data_folder() == nullptr) {
-    MESSAGE("skipped: PLIANT_DATA is not set");
-    return;
-  }
+  if (require_data() == nullptr) return;
   for (const bool relaxed : {false, true}) {
     if (kSanitized && !relaxed) continue;  // the way of the table above, only smaller
     Source small = narrow_face(relaxed);
@@ -76,10 +70,7 @@ TEST_CASE("20 identities and 20 expressions in 8 bits fit 512 KiB of flash") {
 TEST_CASE(
     "a real person's folded neutral costs two samples for a hundred and one, and is true to hundredths of "
     "mm") {
-  if (data_folder() == nullptr) {
-    MESSAGE("skipped: PLIANT_DATA is not set");
-    return;
-  }
+  if (require_data() == nullptr) return;
   BakeReport* report = nullptr;
   BakedModel exact(default_table(&report));
   host::Owned<Cascade> folded(exact.model, PersonalFieldLimits{128, 128});

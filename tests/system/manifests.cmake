@@ -1,6 +1,7 @@
 cmake_minimum_required(VERSION 3.22)
-# The manifests for other build systems, read with stand-ins for the functions that those systems provide: each names the
-# sources that our own build has, and the version of the headers. Run as: cmake -DSOURCE=... -DSOURCES="a;b" -P manifests.cmake
+# The manifests for other build systems, read from where those systems read them, with stand-ins for the functions that they
+# provide: each names the sources that our own build has, the version of the headers and the licence.
+# Run as: cmake -DSOURCE=... -DSOURCES="a;b" -P manifests.cmake
 set(CONFIG_PLIANT y)
 set(CONFIG_PLIANT_EIGEN_DIR /eigen)
 set(COMPONENT_LIB pliant)
@@ -16,8 +17,13 @@ foreach(ignored target_compile_features target_compile_definitions target_compil
     zephyr_library_compile_options)
   cmake_language(EVAL CODE "function(${ignored})\nendfunction()")
 endforeach()
-include(${SOURCE}/platform/boards/esp-idf/CMakeLists.txt)
-include(${SOURCE}/platform/boards/zephyr/CMakeLists.txt)
+set(ESP_PLATFORM 1)
+include(${SOURCE}/CMakeLists.txt)
+file(READ ${SOURCE}/zephyr/module.yml module)
+if(NOT module MATCHES "\n  cmake: ([^\n]+)\n  kconfig: ([^\n]+)\n" OR NOT EXISTS ${SOURCE}/${CMAKE_MATCH_2})
+  message(FATAL_ERROR "zephyr/module.yml names no folder of CMake, or no file of Kconfig:\n${module}")
+endif()
+include(${SOURCE}/${CMAKE_MATCH_1}/CMakeLists.txt)
 
 list(SORT SOURCES)
 foreach(system esp zephyr)
@@ -36,6 +42,16 @@ string(JSON filters LENGTH "${text}" build srcFilter)
 file(STRINGS ${SOURCE}/idf_component.yml esp_version REGEX "^version: \"${version}\"$")
 if(NOT platformio_version STREQUAL version OR NOT esp_version)
   message(FATAL_ERROR "a manifest of another version than ${version}")
+endif()
+string(JSON platformio_licence GET "${text}" license)
+file(STRINGS ${SOURCE}/idf_component.yml esp_licence REGEX "^license: MIT$")
+if(NOT platformio_licence STREQUAL "MIT" OR NOT esp_licence)
+  message(FATAL_ERROR "a manifest of another licence than MIT")
+endif()
+string(JSON header GET "${text}" headers)
+string(JSON includes GET "${text}" build includeDir)
+if(NOT EXISTS ${SOURCE}/${includes}/${header})
+  message(FATAL_ERROR "library.json: there is no ${includes}/${header}")
 endif()
 foreach(folder src/[*] platform/vision platform/face platform/track)
   if(NOT text MATCHES "\\+<${folder}/\\*\\.cpp>")

@@ -1,10 +1,9 @@
 // A real face: the built-in model fitted to 25 annotated points of frame 0 of the Talking Face sequence and tracked
-// through its original frames, against the annotation of every frame. Needs the folder in PLIANT_DATA; skips plainly.
+// through its original frames, against the annotation of every frame. Needs the folder in PLIANT_DATA.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <string>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "host/io/owned.hpp"
 #include "pliant/face_detector.hpp"
 #include "pliant/tracker.hpp"
+#include "real_data.hpp"
 #include "sanitized.hpp"
 
 using namespace pliant;
@@ -144,10 +144,8 @@ Result track(const std::string& folder, const Annotation& truth, bool with_marke
 }
 
 std::string data_folder() {
-  const char* data = std::getenv("PLIANT_DATA");
-  if (data != nullptr) return std::string(data) + "/franck";
-  MESSAGE("skipped: PLIANT_DATA is not set");
-  return "";
+  const char* data = require_data();
+  return data == nullptr ? "" : std::string(data) + "/franck";
 }
 
 }  // namespace

@@ -2,13 +2,13 @@
 
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <initializer_list>
 #include <sstream>
 #include <string>
 
 #include "mesh_shapes.hpp"
+#include "real_data.hpp"
 
 using namespace pliant;
 using shapes::limits;
@@ -356,9 +356,10 @@ TEST_CASE("a maker fits what required bytes say") {
   }
 }
 
-TEST_CASE("the canonical face of 468 vertices converts both ways" *
-          doctest::skip(std::getenv("PLIANT_DATA") == nullptr)) {
-  std::ifstream file(std::string(std::getenv("PLIANT_DATA")) + "/mediapipe_face/canonical_face_model.obj");
+TEST_CASE("the canonical face of 468 vertices converts both ways") {
+  const char* data = require_data();
+  if (data == nullptr) return;
+  std::ifstream file(std::string(data) + "/mediapipe_face/canonical_face_model.obj");
   REQUIRE(file.good());
   Triangles t;
   std::vector<Vec3> position;

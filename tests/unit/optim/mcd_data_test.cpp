@@ -4,13 +4,13 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <sstream>
 #include <string>
 
 #include "mcd_runner.hpp"
+#include "real_data.hpp"
 
 using namespace pliant;
 
@@ -179,11 +179,8 @@ TEST_CASE("the classical tables: the least determinant known, and the cases flag
 }
 
 TEST_CASE("an independent program's results, every data set") {
-  const char* folder = std::getenv("PLIANT_DATA");
-  if (folder == nullptr) {
-    MESSAGE("PLIANT_DATA is not set: skipped");
-    return;
-  }
+  const char* folder = require_data();
+  if (folder == nullptr) return;
   const std::string data = std::string(folder) + "/mcd/";
   std::map<std::string, double> proven;
   std::ifstream exact(data + "exact.csv"), summary(data + "summary.csv");
