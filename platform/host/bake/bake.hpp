@@ -42,8 +42,9 @@ bool bake(const BakeOptions& options, std::vector<std::uint8_t>& table, std::str
 /// Reads what `options.source` holds and keeps the parameters chosen. Throws SourceError.
 Source read_source(const BakeOptions& options);
 
-/// Bakes what is in memory already, which must be consistent. A source without a base mesh gets one; the
-/// result is empty when there can be none, because the skin's boundary crosses itself in the chart.
+/// Bakes a source that is in memory, and opens the table to check it. A source without a base mesh gets one. Throws
+/// SourceError when the surface's boundary intersects itself in the chart, so that there is no base mesh, or when the
+/// table cannot be opened (two parameters with one name, more of something than a table may hold).
 std::vector<std::uint8_t> bake_source(const Source& source, const BakeOptions& options,
                                       BakeReport* report = nullptr);
 

@@ -8,6 +8,8 @@
 #include "host/bake/base_mesh.hpp"
 #include "host/bake/field_grid.hpp"
 #include "host/bake/grid_fit.hpp"
+#include "host/bake/opened_table.hpp"
+#include "host/bake/source_error.hpp"
 #include "host/bake/table_writer.hpp"
 
 namespace pliant::host::bake {
@@ -28,7 +30,7 @@ class Baker {
   }
 
   std::vector<std::uint8_t> run(BakeReport* report) {
-    if (!add_base_mesh()) return {};
+    add_base_mesh();
     for (const SourceParameter& p : source_.parameters) writer_.add_parameter(p);
     add_neutral();
     for (std::size_t k = 0; k < source_.shapes.size(); ++k) {
@@ -42,8 +44,12 @@ class Baker {
     auto bytes = writer_.bytes();
     report_.field_count = fields_.size() + 1;
     report_.table_bytes = bytes.size();
+    const OpenedTable opened(bytes);
+    if (opened.status() != Status::ok)
+      throw SourceError(options_.source, 0,
+                        std::string("makes a table that cannot be opened: ") + text(opened.status()));
     if (report != nullptr) {
-      report_.errors = reconstruct(bytes, source_);
+      report_.errors = reconstruct(opened.model(), source_);
       *report = report_;
     }
     return bytes;
@@ -54,12 +60,13 @@ class Baker {
     return rasterise(source_.uv, source_.triangles, source_.is_hole, side, side);
   }
 
-  bool add_base_mesh() {
+  void add_base_mesh() {
     BaseMesh mesh{source_.base_uv, source_.base_corners};
     if (mesh.corners.empty()) mesh = make_base_mesh(source_, options_.base_vertices, source_.is_symmetric);
+    if (mesh.corners.empty())
+      throw SourceError(options_.source, 0, "the surface's boundary intersects itself in the chart");
     report_.base_vertices = mesh.uv.size();
     writer_.set_base_mesh(mesh.uv, mesh.corners);
-    return !mesh.corners.empty();
   }
 
   void add_neutral() {

@@ -13,6 +13,7 @@
 #include "host/bake/field_grid.hpp"
 #include "host/bake/surface_boundary.hpp"
 #include "host/bake/triangulation.hpp"
+#include "host/io/owned.hpp"
 #include "pliant/base_mesh.hpp"
 
 namespace pliant::host::bake {
@@ -183,7 +184,7 @@ class BaseMesher {
     for (std::size_t f = 0; f < triangles_.size(); ++f)
       for (int v : triangles_[f]) star[at(v)].push_back(f);
     for (std::size_t v = 0; v < star.size(); ++v) {
-      if (is_fixed_[v]) continue;
+      if (is_fixed_[v] || star[v].empty()) continue;
       Vec2 sum{0, 0};
       float total = 0;
       for (std::size_t f : star[v]) {
@@ -219,16 +220,13 @@ class BaseMesher {
     limits.vertices = static_cast<std::uint16_t>(domain_.points.size());
     limits.faces = static_cast<std::uint16_t>(triangles_.size());
     limits.splits = false;
-    std::vector<std::max_align_t> memory(measured_bytes<BaseMeshMaker>(limits) / sizeof(std::max_align_t) +
-                                         1);
-    Arena arena(memory.data(), memory.size() * sizeof(std::max_align_t));
-    BaseMeshMaker maker;
-    if (create_in(arena, maker, limits) != Status::ok) return {};
+    Owned<BaseMeshMaker> maker(limits);
     const Span<const Vec2> uv{domain_.points.data(), domain_.points.size()};
     const Span<const Vec3> positions{positions_.data(), positions_.size()};
-    if (maker.by_pairing(uv, {corners.data(), corners.size()}, Winding::clockwise, positions) != Status::ok)
+    if (maker->by_pairing(uv, {corners.data(), corners.size()}, Winding::clockwise, positions) != Status::ok)
       return {};
-    BaseMesh mesh{{maker.uv().begin(), maker.uv().end()}, {maker.corners().begin(), maker.corners().end()}};
+    BaseMesh mesh{{maker->uv().begin(), maker->uv().end()},
+                  {maker->corners().begin(), maker->corners().end()}};
     return is_symmetric_ ? doubled(mesh) : mesh;
   }
 

@@ -91,8 +91,7 @@ class FaceReader {
                        table.number(row, 3), table.number(row, 4), table.number(row, 5)}};
       if (!(p.limits.minimum <= 0 && p.limits.maximum >= 0 && p.limits.sd > 0))
         table.fail(row, "needs minimum <= 0 <= maximum and sd > 0");
-      if (p.name.size() + (p.is_sided ? 5 : 0) >= table::kNameBytes)
-        table.fail(row, "the name is longer than 27 letters");
+      check_name(table.path(), row.line, p.name + (p.is_sided ? "Right" : ""));
       for (const FaceParameter& other : parameters_)
         if (other.name == p.name) table.fail(row, "parameter '" + p.name + "' is given twice");
       parameters_.push_back(p);
@@ -190,7 +189,7 @@ class FaceReader {
     const TextTable table(folder_ + "/landmarks.txt", {"landmark", "from", "to", "share"});
     for (const TextRow& row : table.rows()) {
       const Vec2 from = source_.uv[at(point(table, row, 1))], to = source_.uv[at(point(table, row, 2))];
-      source_.landmarks.push_back({row.cells[0], from + table.number(row, 3) * (to - from)});
+      source_.landmarks.push_back({table.name(row, 0), from + table.number(row, 3) * (to - from)});
     }
   }
 
@@ -207,7 +206,7 @@ class FaceReader {
         } catch (const std::invalid_argument& error) {
           table.fail(row, error.what());
         }
-      SourceCurve curve{row.cells[0], static_cast<CurveKind>(kind - std::begin(kKinds)), {}};
+      SourceCurve curve{table.name(row, 0), static_cast<CurveKind>(kind - std::begin(kKinds)), {}};
       for (int v : path_through(fine_, points)) curve.points.push_back(source_.uv[at(v)]);
       if (curve.points.size() < 2) table.fail(row, "a curve has at least two points");
       source_.curves.push_back(std::move(curve));

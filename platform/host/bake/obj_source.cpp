@@ -120,9 +120,12 @@ class FolderReader {
       if (areas[f] > 1e-9f) throw SourceError(rest_.path, line[f], "the chart folds over at this face");
   }
 
-  void add_parameter(const std::string& name, Group group, std::vector<Vec3> displacement) {
-    if (name.size() >= table::kNameBytes)
-      throw SourceError(path(name), 0, "the name is longer than 27 letters");
+  void add_parameter(const std::string& file, const std::string& name, Group group,
+                     std::vector<Vec3> displacement) {
+    check_name(file, 0, name);
+    for (const SourceParameter& p : source_.parameters)
+      if (p.name == name)
+        throw SourceError(file, 0, "another file gives the parameter '" + name + "' as well");
     const bool identity = group == Group::identity;
     source_.shapes.push_back({source_.parameters.size(), std::move(displacement), {}, {}, {}, -1});
     source_.parameters.push_back(
@@ -136,7 +139,8 @@ class FolderReader {
         if (name == "neutral" || (name.compare(0, 8, "identity") == 0) != identity) continue;
         auto moved = placed(read_obj_positions(path(name), rest_));
         for (std::size_t v = 0; v < moved.size(); ++v) moved[v] = moved[v] - source_.neutral[v];
-        add_parameter(parameter_name(name), identity ? Group::identity : Group::expression, std::move(moved));
+        add_parameter(path(name), parameter_name(name), identity ? Group::identity : Group::expression,
+                      std::move(moved));
         report_progress(++done);
       }
   }
@@ -155,7 +159,8 @@ class FolderReader {
     source_.neutral = std::move(pca.mean);
     for (std::size_t k = 0; k < pca.components.size(); ++k) {
       const std::string digits = std::to_string(k);
-      add_parameter("identity" + std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits,
+      add_parameter(folder_,
+                    "identity" + std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits,
                     Group::identity, std::move(pca.components[k]));
     }
   }
@@ -177,9 +182,9 @@ class FolderReader {
       const std::size_t comma = line.find(',');
       char* end = nullptr;
       const long vertex = comma == std::string::npos ? -1 : std::strtol(line.c_str() + comma + 1, &end, 10);
-      if (vertex < 0 || *end != 0 || end == line.c_str() + comma + 1 || comma == 0 ||
-          comma >= table::kNameBytes)
+      if (vertex < 0 || *end != 0 || end == line.c_str() + comma + 1 || comma == 0)
         throw SourceError(file, number, "'" + line + "' is no landmark and vertex");
+      check_name(file, number, line.substr(0, comma));
       const auto id = first_id_.find(static_cast<int>(std::min(vertex, 1L << 30)));
       if (id == first_id_.end())
         throw SourceError(file, number, "there is no vertex " + line.substr(comma + 1) + " on a face");
@@ -203,7 +208,7 @@ class FolderReader {
 
   void add_curves() {
     constexpr IbugCurve kCurves[] = {
-        {"outline", CurveKind::boundary, 0, 16, -1},      {"brow_right", CurveKind::brow, 17, 21, -1},
+        {"outline", CurveKind::boundary, 0, 16, -1},     {"brow_right", CurveKind::brow, 17, 21, -1},
         {"brow_left", CurveKind::brow, 22, 26, -1},      {"lid_upper_right", CurveKind::lid, 36, 39, -1},
         {"lid_lower_right", CurveKind::lid, 39, 41, 36}, {"lid_upper_left", CurveKind::lid, 42, 45, -1},
         {"lid_lower_left", CurveKind::lid, 45, 47, 42},  {"lip_outer_upper", CurveKind::lip, 48, 54, -1},

@@ -9,6 +9,7 @@
 #include "host/bake/chart_raster.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/text_table.hpp"
+#include "host/io/files.hpp"
 
 namespace pliant::host::bake {
 
@@ -245,7 +246,16 @@ Layer layer_of(const TextTable& table, const TextRow& row, const Painter& painte
   if (std::find(kinds.begin(), kinds.end(), layer.kind) == kinds.end())
     table.fail(row, "unknown layer '" + layer.kind + "'");
   if (!painter.knows_region(layer.region)) table.fail(row, "unknown region '" + layer.region + "'");
-  if (layer.kind != "fill" && !(layer.size > 0)) table.fail(row, "a size is positive");
+  const auto check_range = [&](const char* what, float value, float low, float high) {
+    if (!(value >= low && value <= high))
+      table.fail(row, std::string("the ") + what + " is not from " + number_text(static_cast<double>(low)) +
+                          " to " + number_text(static_cast<double>(high)));
+  };
+  // With these no position, reach or count below leaves the range of an int.
+  if (layer.kind != "fill") check_range("size", layer.size, 0.01f, 1000);
+  if (layer.kind == "spots" || layer.kind == "hairs") check_range("amount", layer.amount, 0, 100000);
+  check_range("length", layer.length, 0, 1000);
+  check_range("lean", layer.lean, -10, 10);
   if (row.cells[2] == "-") {
     if (layer.kind == "shade" || layer.kind == "disc" || layer.kind == "hairs")
       table.fail(row, "needs points");

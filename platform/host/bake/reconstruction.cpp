@@ -2,33 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
 #include "host/bake/at.hpp"
+#include "host/io/owned.hpp"
 #include "pliant/cascade.hpp"
 
 namespace pliant::host::bake {
 
 namespace {
-
-/// A table in aligned memory with its cascade.
-struct OpenTable {
-  std::vector<std::uint32_t> words;
-  std::vector<std::max_align_t> memory;
-  Model model;
-  Cascade cascade;
-  bool is_good;
-
-  explicit OpenTable(const std::vector<std::uint8_t>& table) : words((table.size() + 3) / 4) {
-    std::memcpy(words.data(), table.data(), table.size());
-    is_good = Model::open(words.data(), table.size(), &model) == Status::ok;
-    if (!is_good) return;
-    memory.resize(measured_bytes<Cascade>(model) / sizeof(std::max_align_t) + 1);
-    Arena arena(memory.data(), memory.size() * sizeof(std::max_align_t));
-    is_good = create_in(arena, cascade, model) == Status::ok;
-  }
-};
 
 /// The source's own vertex with one parameter at x.
 Vec3 moved(const Source& source, std::size_t vertex, std::size_t parameter, float x) {
@@ -81,22 +63,21 @@ std::vector<std::size_t> measured_parameters(const Source& source) {
 
 }  // namespace
 
-Reconstruction reconstruct(const std::vector<std::uint8_t>& table, const Source& source) {
-  OpenTable t(table);
+Reconstruction reconstruct(const Model& model, const Source& source) {
+  Owned<Cascade> cascade(model);
   Reconstruction result;
-  if (!t.is_good) return result;
   const std::vector<std::size_t> measured = measured_parameters(source);
   std::vector<std::vector<float>> off(measured.size());
   std::vector<float> rest, q(source.parameters.size(), 0.0f);
-  std::vector<Vec3> baked(t.cascade.samples_per_point());
+  std::vector<Vec3> baked(cascade->samples_per_point());
   for (const std::size_t v : skin_vertices(source)) {
-    t.cascade.sample_point(source.uv[v], q.data(), baked.data());
-    rest.push_back(length(t.cascade.evaluate(baked.data(), q.data()) - source.neutral[v]));
+    cascade->sample_point(source.uv[v], q.data(), baked.data());
+    rest.push_back(length(cascade->evaluate(baked.data(), q.data()) - source.neutral[v]));
     for (std::size_t m = 0; m < measured.size(); ++m) {
       const std::size_t k = measured[m];
       const SourceParameter& p = source.parameters[k];
       q[k] = p.group == Group::identity ? std::min(p.sd, p.maximum) : p.maximum;
-      off[m].push_back(length(t.cascade.evaluate(baked.data(), q.data()) - moved(source, v, k, q[k])));
+      off[m].push_back(length(cascade->evaluate(baked.data(), q.data()) - moved(source, v, k, q[k])));
       q[k] = 0;
     }
   }

@@ -1,7 +1,6 @@
 #pragma once
 /// \file reconstruction.hpp
 /// How faithful a model table is to its source: the table itself is opened and evaluated, quantisation and all.
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -28,7 +27,7 @@ struct Reconstruction {
   std::vector<ParameterError> parameters;
 };
 
-/// \param table  as the baker wrote it for this source.
-Reconstruction reconstruct(const std::vector<std::uint8_t>& table, const Source& source);
+/// \param model  the table that the baker made of this source, opened.
+Reconstruction reconstruct(const Model& model, const Source& source);
 
 }  // namespace pliant::host::bake

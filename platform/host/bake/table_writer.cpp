@@ -4,13 +4,16 @@
 #include <cmath>
 #include <cstring>
 
+#include "host/bake/source_error.hpp"
+
 namespace pliant::host::bake {
 
 namespace {
 
 void set_name(char (&target)[table::kNameBytes], const std::string& name) {
+  check_name("table", 0, name);
   std::memset(target, 0, sizeof target);
-  std::memcpy(target, name.data(), std::min(name.size(), sizeof target - 1));
+  std::memcpy(target, name.data(), name.size());
 }
 
 struct Range {

@@ -12,7 +12,7 @@ namespace pliant::host::bake {
 
 class TableWriter {
  public:
-  /// Names longer than 27 bytes are cut.
+  /// Throws SourceError for an empty name and one of more than 27 letters, as add_landmark and add_curve do.
   std::uint16_t add_parameter(const SourceParameter& parameter);
   /// Quantises to `bits` (8 or 16): one scale a component, error at most half of it; offsets only for a field
   /// over the whole chart, so that any other decodes to exactly zero on its rim.

@@ -52,6 +52,11 @@ TextTable::TextTable(const std::string& path, const std::vector<std::string>& co
   if (!have_header) throw SourceError(path, 0, "holds no table");
 }
 
+const std::string& TextTable::name(const TextRow& row, std::size_t column) const {
+  check_name(path_, row.line, row.cells[column]);
+  return row.cells[column];
+}
+
 float TextTable::number(const TextRow& row, std::size_t column) const {
   const std::string& cell = row.cells[column];
   char* end = nullptr;

@@ -23,6 +23,8 @@ class TextTable {
   const std::vector<TextRow>& rows() const { return rows_; }
   const std::string& path() const { return path_; }
 
+  /// Cell `column` of a row as a name in the model table: at most 27 letters.
+  const std::string& name(const TextRow& row, std::size_t column) const;
   /// Cell `column` of a row as a finite number.
   float number(const TextRow& row, std::size_t column) const;
   /// Three adjacent cells as a vector.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <set>
 
@@ -77,7 +78,8 @@ void flip(Triangles& triangles, std::array<int, 2> faces, const Quad& q) {
 class Triangulator {
  public:
   explicit Triangulator(const Domain& domain) : domain_(domain) {
-    for (Vec2 p : domain.points) points_.push_back({static_cast<double>(p.x), static_cast<double>(p.y)});
+    for (Vec2 p : domain.points)
+      points_.push_back(displaced({static_cast<double>(p.x), static_cast<double>(p.y)}));
     const int n = static_cast<int>(points_.size());
     for (const Point p : {Point{-20, -20}, Point{41, -20}, Point{-20, 41}}) points_.push_back(p);
     triangles_.push_back({n, n + 1, n + 2});
@@ -96,8 +98,25 @@ class Triangulator {
   }
 
  private:
+  /// The point, displaced by up to kDisplacement in a fixed pseudo-random direction. Points of a regular grid lie on
+  /// common lines and circles; the in-circle test has no consistent answer there, and the cavity of an inserted point is
+  /// then no star. Displaced points are in general position.
+  Point displaced(Point p) const {
+    std::uint32_t h = 0x9e3779b9u * static_cast<std::uint32_t>(points_.size() + 1);
+    const auto next = [&h] {
+      h ^= h >> 15;
+      h *= 0x2c1b3c6du;
+      h ^= h >> 12;
+      return kDisplacement * (static_cast<double>(h >> 8) / (1 << 23) - 1);
+    };
+    const double dx = next(), dy = next();
+    return {p.x + dx, p.y + dy};
+  }
+  /// Chart units: less than the spacing of floats near 1, more than the rounding errors of the tests in double.
+  static constexpr double kDisplacement = 1e-9;
+
   bool is_positive(const Quad& q) const {
-    constexpr double kLeast = 1e-12;
+    constexpr double kLeast = 1e-12;  // chart units squared
     return area(points_[at(q.a)], points_[at(q.d)], points_[at(q.c)]) > kLeast &&
            area(points_[at(q.b)], points_[at(q.c)], points_[at(q.d)]) > kLeast;
   }
@@ -205,7 +224,7 @@ void flip_by_shape(Triangles& triangles, const std::vector<Vec2>& uv, const std:
       if (angles < 3.1416 + 1e-3) continue;
       const double one = area(plane(q.a), plane(q.d), plane(q.c)),
                    other = area(plane(q.b), plane(q.c), plane(q.d));
-      if (std::min(one, other) < 0.1 * (one + other)) continue;
+      if (!(std::min(one, other) > 0.1 * (one + other))) continue;
       flip(triangles, faces, q);
       touched.insert(faces[0]);
       touched.insert(faces[1]);

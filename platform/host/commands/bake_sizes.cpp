@@ -51,7 +51,7 @@ void print_sizes(const bake::BakeOptions& options, const std::vector<int>& sizes
     for (const bake::SourceParameter& p : small.parameters)
       if (p.group == Group::expression) out << " " << p.name;
     out << "\n";
-  } catch (const bake::SourceError& e) {
+  } catch (const std::runtime_error& e) {
     throw Failure(kBadInput, e.what());
   }
 }

@@ -32,10 +32,19 @@ void print_help(const Command& command, std::ostream& out) {
   }
 }
 
+/// 0 when everything that was printed has arrived.
+int flushed(Console& console) {
+  if (console.out.flush()) return 0;
+  console.err << "pliant: standard output: writing failed\n";
+  return kBadInput;
+}
+
 int run_command(const Command& command, const std::vector<std::string>& words, Console& console) {
   const std::string name = std::string("pliant ") + command.name;
   try {
-    return command.run(Args(words, command.options, command.operands, command.optional_operands), console);
+    const int code =
+        command.run(Args(words, command.options, command.operands, command.optional_operands), console);
+    return code != 0 ? code : flushed(console);
   } catch (const Failure& failure) {
     console.err << name << ": " << failure.what() << "\n";
     if (failure.exit_code() == kBadUsage) console.err << "usage: " << name << " " << command.usage << "\n";
@@ -57,12 +66,12 @@ int run(const std::vector<std::string>& words, Console& console) {
   }
   if (words[0] == "--help" || words[0] == "-h" || words[0] == "help") {
     print_help(console.out);
-    return 0;
+    return flushed(console);
   }
   if (words[0] == "--version") {
     console.out << "pliant " << PLIANT_VERSION_MAJOR << "." << PLIANT_VERSION_MINOR << "."
                 << PLIANT_VERSION_PATCH << "\n";
-    return 0;
+    return flushed(console);
   }
   const std::vector<std::string> rest(words.begin() + 1, words.end());
   for (const Command& command : commands()) {
@@ -70,7 +79,7 @@ int run(const std::vector<std::string>& words, Console& console) {
     if (std::find(rest.begin(), rest.end(), "--help") == rest.end())
       return run_command(command, rest, console);
     print_help(command, console.out);
-    return 0;
+    return flushed(console);
   }
   console.err << "pliant: no such command: " << words[0] << "\n";
   return kBadUsage;

@@ -2,15 +2,16 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstddef>
 
+#include "bake_sheet.hpp"
 #include "host/bake/base_mesh.hpp"
 #include "host/bake/chart_raster.hpp"
 #include "host/bake/chart_relaxation.hpp"
 #include "host/bake/subdivision.hpp"
 #include "host/bake/triangulation.hpp"
-#include "bake_sheet.hpp"
+#include "host/io/owned.hpp"
 #include "pliant/mesh.hpp"
+#include "pliant/visibility.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -147,15 +148,36 @@ TEST_CASE("a base mesh has about the vertices asked for, follows an opening and 
       };
       if (!symmetric) CHECK(closest({0.21f, 0.3f}) < 1e-6f);
       CHECK(closest({0.5f, 0.5f}) > 0.1f);
-      MeshLimits limits;
-      std::vector<std::max_align_t> memory(measured_bytes<Mesh>(limits) / sizeof(std::max_align_t) + 1);
-      Arena arena(memory.data(), memory.size() * sizeof(std::max_align_t));
-      Mesh checked;
-      REQUIRE(create_in(arena, checked, limits) == Status::ok);
-      REQUIRE(checked.set_base({mesh.uv.data(), mesh.uv.size()},
-                               {mesh.corners.data(), mesh.corners.size()}) == Status::ok);
-      CHECK(checked.compute_statistics().boundary_loops == 2);
-      CHECK(checked.compute_statistics().euler == 0);
+      host::Owned<Mesh> checked(MeshLimits{});
+      REQUIRE(checked->set_base({mesh.uv.data(), mesh.uv.size()},
+                                {mesh.corners.data(), mesh.corners.size()}) == Status::ok);
+      CHECK(checked->compute_statistics().boundary_loops == 2);
+      CHECK(checked->compute_statistics().euler == 0);
+    }
+}
+
+TEST_CASE("a plain grid, whose points lie on common lines and circles, gets a base mesh of the whole chart") {
+  for (const int n : {3, 4, 7, 20, 33})
+    for (const int wanted : {60, 150, 480}) {
+      CAPTURE(n);
+      CAPTURE(wanted);
+      Source source = sheet(n, [](Vec2 uv) { return Vec3{190 * uv.x, -190 * uv.y, 0}; });
+      const BaseMesh mesh = make_base_mesh(source, wanted, false);
+      REQUIRE(!mesh.corners.empty());
+      host::Owned<Mesh> checked(MeshLimits{});
+      REQUIRE(checked->set_base({mesh.uv.data(), mesh.uv.size()},
+                                {mesh.corners.data(), mesh.corners.size()}) == Status::ok);
+      CHECK(checked->compute_statistics().boundary_loops == 1);
+      CHECK(checked->compute_statistics().euler == 1);
+      double area = 0;
+      for (std::size_t f = 0; f < mesh.corners.size(); f += 3) {
+        const float twice = -doubled_area(mesh.uv[mesh.corners[f]], mesh.uv[mesh.corners[f + 1]],
+                                          mesh.uv[mesh.corners[f + 2]]);
+        CHECK(twice > 0);
+        area += 0.5 * static_cast<double>(twice);
+      }
+      CHECK(area <= 1.00001);
+      CHECK(area > 0.98);  // the boundary is resampled: points near the corners of the chart cut them off
     }
 }
 

@@ -5,12 +5,13 @@
 
 #include <cmath>
 
+#include "bake_sheet.hpp"
+#include "baked_model.hpp"
 #include "host/bake/field_grid.hpp"
+#include "host/bake/opened_table.hpp"
 #include "host/bake/size_table.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/table_writer.hpp"
-#include "bake_sheet.hpp"
-#include "baked_model.hpp"
 
 using namespace pliant;
 using namespace pliant::host::bake;
@@ -42,7 +43,7 @@ TEST_CASE("the table holds what was put in, to half a quantisation step") {
   for (const int bits : {16, 8}) {
     TableWriter writer;
     writer.add_parameter({"one", Group::identity, -3, 3, 1});
-    writer.add_parameter({"a_name_of_more_than_27_letters", Group::expression, 0, 1, 0.25f});
+    writer.add_parameter({"a_name_of_just_27_letters_x", Group::expression, 0, 1, 0.25f});
     const FieldGrid vectors = bump(17, 3), weights = bump(9, 1);
     const auto v = writer.add_field(vectors, bits), w = writer.add_field(weights, bits);
     const auto mirrored = writer.add_mirrored(v);
@@ -63,7 +64,7 @@ TEST_CASE("the table holds what was put in, to half a quantisation step") {
     const BakedModel baked(writer.bytes());
     const Model& model = baked.model;
 
-    CHECK(std::string(model.parameters()[1].name) == "a_name_of_more_than_27_lett");
+    CHECK(std::string(model.parameters()[1].name) == "a_name_of_just_27_letters_x");
     CHECK(model.parameters()[1].sd == 0.25f);
     CHECK(model.landmarks()[0].v == 0.75f);
     CHECK(model.curves()[0].point_count == 3);
@@ -139,6 +140,28 @@ TEST_CASE("eight bits and a smaller size make a smaller table that is still clos
   CHECK(b.errors.identity.max_mm < 0.3f);
 }
 
+TEST_CASE("a name that does not fit into a table is refused, not cut") {
+  const std::string most(27, 'x'), more(28, 'x');
+  TableWriter writer;
+  CHECK_NOTHROW(writer.add_parameter({most, Group::identity, -1, 1, 1}));
+  CHECK_THROWS_AS(writer.add_parameter({more, Group::identity, -1, 1, 1}), SourceError);
+  CHECK_THROWS_AS(writer.add_landmark({more, {0.5f, 0.5f}}), SourceError);
+  CHECK_THROWS_AS(writer.add_curve({more, CurveKind::lid, {{0, 0}, {1, 1}}}), SourceError);
+  CHECK_THROWS_AS(writer.add_landmark({"", {0.5f, 0.5f}}), SourceError);
+}
+
+TEST_CASE("a table that could not be opened is refused") {
+  Source source = sheet(9, dome);
+  source.parameters = {{"a", Group::expression, 0, 1, 1}};
+  CHECK(!bake_source(source, {}).empty());
+  Source twice = source;
+  twice.parameters.push_back(source.parameters[0]);
+  CHECK_THROWS_WITH_AS(bake_source(twice, {}), doctest::Contains("cannot be opened"), SourceError);
+  Source outside = source;
+  outside.landmarks.push_back({"l", {1.5f, 0.5f}});
+  CHECK_THROWS_AS(bake_source(outside, {}), SourceError);
+}
+
 TEST_CASE("an embedded table is the table") {
   const std::vector<std::uint8_t> table{0x50, 0x4c, 0x0a, 0xff};
   const std::string source = embedded(table, "face");
@@ -167,15 +190,17 @@ TEST_CASE(
 
   Source moved = source;
   for (std::size_t v = 0; v < moved.neutral.size() / 2; ++v) moved.neutral[v].z += 0.25f;
-  const Reconstruction off = reconstruct(table, moved);
+  const OpenedTable opened(table);
+  REQUIRE(opened.status() == Status::ok);
+  const Reconstruction off = reconstruct(opened.model(), moved);
   CHECK(off.rest.mean_mm == doctest::Approx(0.125).epsilon(0.02));
   CHECK(off.rest.p95_mm == doctest::Approx(0.25).epsilon(0.02));
   CHECK(off.rest.max_mm == doctest::Approx(0.25).epsilon(0.02));
   Source wider = source;
   for (Vec3& d : wider.shapes[0].displacement) d = d + Vec3{0, 2, 0};  // one at one sd, which is 0.5
-  CHECK(reconstruct(table, wider).identity.mean_mm == doctest::Approx(1).epsilon(0.02));
-  CHECK(reconstruct(table, wider).expression.max_mm < 0.05f);
-  CHECK(reconstruct({1, 2, 3, 4}, source).parameters.empty());
+  CHECK(reconstruct(opened.model(), wider).identity.mean_mm == doctest::Approx(1).epsilon(0.02));
+  CHECK(reconstruct(opened.model(), wider).expression.max_mm < 0.05f);
+  CHECK(OpenedTable({1, 2, 3, 4}).status() == Status::truncated);
 }
 
 namespace {

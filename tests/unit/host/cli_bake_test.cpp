@@ -72,6 +72,22 @@ TEST_CASE(
   check_refused({"bake", folder / "none", "--sizes", "16"}, {"none"});
 }
 
+TEST_CASE("bake refuses OBJ names that do not fit or are there twice, and writes nothing") {
+  const ObjFolder folder;
+  const std::vector<std::string> words = {"bake",        folder.folder, "-o",     folder / "m.plm",
+                                          "--base-mesh", "60",          "--size", "16"};
+  CHECK(run_words(words).code == 0);
+  fs::remove(fs::path(folder / "m.plm"));
+  fs::copy(folder.folder + "/flap.obj", folder.folder + "/" + std::string(24, 'x') + "_L.obj");
+  check_refused(words, {"_L.obj: the name '", "is longer than 27 letters"});
+  fs::remove(folder.folder + "/" + std::string(24, 'x') + "_L.obj");
+  fs::copy(folder.folder + "/flap.obj", folder.folder + "/side_L.obj");
+  fs::copy(folder.folder + "/flap.obj", folder.folder + "/sideLeft.obj");
+  check_refused(words, {"side", ".obj: another file gives the parameter 'sideLeft' as well"});
+  CHECK_FALSE(folder.has("m.plm"));
+  CHECK_FALSE(folder.has("m.plm.part"));
+}
+
 TEST_CASE("bake says how far the table is from its source, and of each parameter when asked") {
   const ObjFolder folder;
   const Ran r = run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--errors"});

@@ -1,8 +1,8 @@
 // The pliant command: what info, fit, render and bake write, and what they say about bad input.
+#include "cli_run.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/fit_file.hpp"
 #include "host/io/image.hpp"
-#include "cli_run.hpp"
 
 using namespace pliant;
 using namespace pliant::host;
@@ -84,6 +84,22 @@ TEST_CASE("a truncated or damaged model is one line, wherever it is cut or flipp
     CHECK(contains(r.err, "flip.plm: "));
   }
   CHECK(run_words({"info", folder.put("whole.plm", whole)}).code == 0);
+}
+
+TEST_CASE("output that cannot be written is a failure, as on a full disk") {
+  struct Full : std::streambuf {
+    int overflow(int) override { return traits_type::eof(); }
+  } full;
+  const Folder folder;
+  const std::string model = folder.put("m.plm", model_bytes());
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"info", model}, {"plan"}, {"--help"}, {"help"}, {"--version"}, {"info", "--help"}}) {
+    std::ostream out(&full);
+    std::ostringstream err;
+    Console console{out, err};
+    CHECK(run(words, console) == 1);
+    CHECK(err.str() == "pliant: standard output: writing failed\n");
+  }
 }
 
 TEST_CASE("info tells sizes, parameters, fields, landmarks and memory") {

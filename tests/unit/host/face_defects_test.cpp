@@ -91,6 +91,12 @@ TEST_CASE(
       {"paint.txt", "fill  all", "fell  all", "unknown layer 'fell'"},
       {"paint.txt", "fill  all", "fill  ears", "unknown region 'ears'"},
       {"paint.txt", "orbit.2-6,orbit.7", "orbit.2", "hairs need a line"},
+      {"paint.txt", " 900 ", " 9e30 ", "the amount is not from 0 to 100000"},
+      {"paint.txt", " 6.5 ", " 1e30 ", "the length is not from 0 to 1000"},
+      {"points.txt", "16.00", "1e30", "more than 10 m from the origin"},
+      {"parameters.txt", "faceDepth", "faceDepthThatHasAMuchTooLongName", "is longer than 27 letters"},
+      {"landmarks.txt", "\nibug00", "\nibug00ThatHasAMuchTooLongName", "is longer than 27 letters"},
+      {"curves.txt", "lid_upper_left", "lid_upper_left_with_a_long_name", "is longer than 27 letters"},
   };
   for (const Defect& d : defects) {
     const std::string error = error_after(d.file, swap(d.from, d.to));

@@ -1,0 +1,29 @@
+#pragma once
+/// \file opened_table.hpp
+/// A model table in memory of its own.
+#include <cstdint>
+#include <vector>
+
+#include "pliant/model.hpp"
+
+namespace pliant::host::bake {
+
+/// Copies a table into aligned memory and opens it. Its model is valid as long as this object lives.
+class OpenedTable {
+ public:
+  explicit OpenedTable(const std::vector<std::uint8_t>& table);
+  OpenedTable(const OpenedTable&) = delete;
+  OpenedTable& operator=(const OpenedTable&) = delete;
+
+  /// What Model::open returned.
+  Status status() const { return status_; }
+  /// Empty unless the status is ok.
+  const Model& model() const { return model_; }
+
+ private:
+  std::vector<std::uint32_t> words_;
+  Model model_;
+  Status status_;
+};
+
+}  // namespace pliant::host::bake
