@@ -8,7 +8,7 @@
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
-#include "host/commands/start.hpp"
+#include "host/commands/image_fit.hpp"
 #include "pliant/estimator.hpp"
 #include "pliant/fit.hpp"
 

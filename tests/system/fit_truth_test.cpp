@@ -9,7 +9,7 @@
 #include "baked_face.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/files.hpp"
-#include "host/commands/start.hpp"
+#include "host/commands/image_fit.hpp"
 #include "ict_face.hpp"
 #include "real_data.hpp"
 #include "sanitized.hpp"

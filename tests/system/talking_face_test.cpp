@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "baked_face.hpp"
-#include "host/commands/start.hpp"
+#include "host/commands/image_fit.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/files.hpp"
 #include "host/io/image.hpp"

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "host/bench/bench.hpp"
-#include "host/commands/start.hpp"
+#include "host/commands/image_fit.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
 #include "host/render/scene.hpp"

@@ -9,7 +9,7 @@
 #include "host/render/photo_texture.hpp"
 #include "host/render/retarget.hpp"
 #include "host/render/shown_mesh.hpp"
-#include "host/commands/start.hpp"
+#include "host/commands/image_fit.hpp"
 
 namespace pliant::host {
 

@@ -1,12 +1,12 @@
 // `pliant fit`: shape and pose of a model in one picture.
-#include "host/io/calibration.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/image_fit.hpp"
+#include "host/io/calibration.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
-#include "host/render/overlay.hpp"
 #include "host/io/owned.hpp"
+#include "host/render/overlay.hpp"
 #include "host/render/photo_texture.hpp"
-#include "host/commands/start.hpp"
 
 namespace pliant::host {
 
@@ -102,7 +102,8 @@ int run_fit(const Args& args, Console& console) {
   setup.camera = calibration_of(args, setup.size, console.err);
   setup.is_free = free_parameters(model, args.text("--parameters"));
   const std::string silhouette = args.text("--silhouette").value_or("match");
-  if (silhouette != "match" && silhouette != "fixed") fail_usage("--silhouette: match or fixed, not " + silhouette);
+  if (silhouette != "match" && silhouette != "fixed")
+    fail_usage("--silhouette: match or fixed, not " + silhouette);
   setup.match_silhouette = silhouette == "match";
   read_method(args, setup);
   setup.q.assign(model.parameters().count, 0.0f);
@@ -112,7 +113,7 @@ int run_fit(const Args& args, Console& console) {
                    args.required("--pose"), console.err);
     const View view = view_of(start->pose, start->camera);
     setup.view = setup.camera ? with_camera(view, *setup.camera) : with_focal(view, setup.focal_px);
-    fit = describe(model, setup.size, *setup.view, setup.q);
+    fit = fit_of_view(model, setup.size, *setup.view, setup.q);
     fit.camera = setup.camera.value_or(fit.camera);
   }
   if (box) {
@@ -139,7 +140,8 @@ Command fit_command() {
       "Fits a model to one picture: pose, focal length and parameters.",
       "face.plm (--points points.csv | --box x,y,w,h | --pose fit.json) --size WxH [--image picture] "
       "[--focal PX|--calibration camera.yml] "
-      "[--parameters GROUP|COUNT] [--silhouette match|fixed] -o fit.json [--overlay picture.png] [--texture face.glb]",
+      "[--parameters GROUP|COUNT] [--silhouette match|fixed] -o fit.json [--overlay picture.png] [--texture "
+      "face.glb]",
       {{"--points", "CSV",
         "landmark,x,y: landmarks of the model by name, at least four; with columns u,v any points of the "
         "surface"},

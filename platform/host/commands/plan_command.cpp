@@ -132,9 +132,9 @@ int run_plan(const Args& args, Console& console) {
 Command plan_command() {
   return {"plan",
           "Memory of a tracker to the byte, and the work of a frame, before it runs.",
-          "[face.plm] [--profile s|l] [--width W] [--height H] [--vertices V] [--points N] [--parameters P] "
+          "[face.plm] [--profile s|m|l] [--width W] [--height H] [--vertices V] [--points N] [--parameters P] "
           "[--markers M]",
-          {{"--profile", "s|l", "start from the capacities of a small or a large device"},
+          {{"--profile", "s|m|l", "start from the capacities of a small, medium or large device"},
            {"--width", "W", "of the frames"},
            {"--height", "H", "of the frames"},
            {"--vertices", "V", "of the mesh, at most"},

@@ -1,5 +1,5 @@
-// `pliant points`: the semi-automated correspondence tool (the paper, section 6): a page with the model's landmarks over
-// the photograph, where a person puts them right.
+// `pliant points`: the semi-automated correspondence tool (the paper, section 6): a page with the model's landmarks
+// over the photograph, where a person puts them right.
 #include <algorithm>
 #include <cstring>
 
@@ -12,7 +12,7 @@
 #include "host/io/owned.hpp"
 #include "host/io/page.hpp"
 #include "host/render/scene.hpp"
-#include "host/commands/start.hpp"
+#include "host/commands/image_fit.hpp"
 
 namespace pliant::host {
 
@@ -23,7 +23,8 @@ constexpr float kFilledShare = 0.6f;
 /// A landmark whose surface turns away by more than this (cosine) starts switched off. Beyond a right angle, because
 /// the face's outline is just there.
 constexpr float kTurnedAway = 0.4f;
-/// Share of the chart that the surface's direction is taken over: wide enough to look beyond the folds of lids and lips.
+/// Share of the chart that the surface's direction is taken over: wide enough to look beyond the folds of lids and
+/// lips.
 constexpr float kNeighbourhood = 0.03f;
 
 /// Landmarks that a curve is drawn through, where the model has them.
@@ -49,7 +50,7 @@ FitFile start_of(const Args& args, const ModelFile& file, const Image& image, co
   const auto start = args.text("--start");
   if (start && is_box(*start)) return fit_to_box(file, *args.numbers("--start", 4), setup);
   if (start) {
-    FitFile fit = read_start(*start, file, setup.size, path, setup.focal_px, setup.camera);
+    FitFile fit = read_fit(*start, file, setup.size, path, setup.focal_px, setup.camera);
     if (is_fit(read_file(*start))) fit.points.clear();  // what it was fitted to is done with
     return fit;
   }
@@ -57,7 +58,7 @@ FitFile start_of(const Args& args, const ModelFile& file, const Image& image, co
   const float f = setup.focal_px > 0 ? setup.focal_px : default_focal(setup.size);
   const Camera camera = setup.camera.value_or(centred_camera(image.width, image.height, f));
   const Pose pose = frontal_pose(file.model(), q.data(), camera, image.height, kFilledShare);
-  FitFile fit = describe(file.model(), setup.size, view_of(pose, camera), q);
+  FitFile fit = fit_of_view(file.model(), setup.size, view_of(pose, camera), q);
   fit.camera = camera;
   return fit;
 }

@@ -10,7 +10,7 @@
 #include "host/render/overlay.hpp"
 #include "host/render/render_grid.hpp"
 #include "host/render/scene.hpp"
-#include "host/commands/start.hpp"
+#include "host/commands/image_fit.hpp"
 #include "host/io/track_table.hpp"
 #include "host/io/y4m_output.hpp"
 

@@ -5,15 +5,13 @@
 #include <fstream>
 
 #include "host/render/overlay.hpp"
-#include "track/personal_landmarks.hpp"
-#include "track/surface_offset.hpp"
 
 namespace pliant::host {
 
 namespace {
 
-/// The most memory that this process has had so far, as the kernel counts pages; 0 where it does not say. A rusage would
-/// count the parent's as well.
+/// Peak resident memory of this process, KiB; 0 where the system does not tell. getrusage would count the memory of the
+/// parent process from before exec.
 std::size_t peak_memory_kib() {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
@@ -32,7 +30,6 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
     : model_(model),
       table_(args.required("--out")),
       with_landmarks_(has_landmarks(args)),
-      landmark_offsets_(model.landmarks().count),
       marker_count_(marker_names.size()),
       rate_(rate) {
   if (const auto path = args.text("--overlay")) overlay_ = std::make_unique<Y4mOutput>(*path, rate);
@@ -51,12 +48,6 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
   table_.write(track_header(model, names));
 }
 
-void TrackOutput::place_landmarks(Estimator& estimator, const std::vector<Correspondence>& personal) {
-  pliant::place_landmarks(
-      model_, [&](Vec2 uv) { return estimator.surface_point(uv); }, estimator.view(), estimator.lens(),
-      {personal.data(), personal.size()}, landmark_offsets_.data());
-}
-
 void TrackOutput::add(std::size_t number, double time_s, const FrameView& frame, Tracker& tracker,
                       double milliseconds) {
   const FrameResult& result = tracker.result();
@@ -70,9 +61,8 @@ void TrackOutput::add(std::size_t number, double time_s, const FrameView& frame,
   row.vertices = result.vertices;
   row.pose = result.pose;
   for (const float value : tracker.estimator().parameters()) row.q.push_back(value);
-  const auto landmarks = project_landmarks(tracker.estimator());
+  const Points landmarks = project_landmarks(tracker), markers = project_markers(tracker);
   if (with_landmarks_) row.points = landmarks;
-  const auto markers = project_markers(tracker);
   row.points.insert(row.points.end(), markers.begin(), markers.end());
   if (number > 0) milliseconds_.push_back(milliseconds);
   if (row.state != TrackState::lost && truth_) truth_->add(number, row.pose, landmarks);
@@ -105,7 +95,7 @@ void TrackOutput::write(const TrackRow& row, const FrameView& frame) {
 }
 
 std::string TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
-  const std::string line = summary(arena_bytes, focal_px);  // once: the peak of memory goes on growing
+  const std::string line = summary(arena_bytes, focal_px);  // before the files, which add to the peak memory
   table_.commit();
   if (overlay_) overlay_->commit();
   if (sheet_file_) {
@@ -137,13 +127,12 @@ std::string TrackOutput::summary(std::size_t arena_bytes, float focal_px) const 
   return out;
 }
 
-TrackOutput::Points TrackOutput::project_landmarks(Estimator& estimator) const {
+TrackOutput::Points TrackOutput::project_landmarks(Tracker& tracker) const {
   Points out;
-  for (std::size_t k = 0; k < landmark_offsets_.size(); ++k) {
-    const Landmark& l = model_.landmarks()[k];
+  for (std::size_t k = 0; k < model_.landmarks().count; ++k) {
     Vec2 x;
-    const bool is_seen = project_beside(estimator, {l.u, l.v}, landmark_offsets_[k], &x);
-    out.push_back(is_seen ? std::optional<Vec2>(x) : std::nullopt);
+    const bool is_in_front = tracker.landmark(k, &x) == Status::ok;
+    out.push_back(is_in_front ? std::optional<Vec2>(x) : std::nullopt);
   }
   return out;
 }

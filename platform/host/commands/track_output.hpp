@@ -1,6 +1,6 @@
 #pragma once
 /// \file track_output.hpp
-/// What one run of `pliant track` writes, and counts.
+/// The files that one run of `pliant track` writes, and its summary.
 #include <memory>
 #include <optional>
 #include <ostream>
@@ -8,46 +8,45 @@
 #include <vector>
 
 #include "host/commands/args.hpp"
-#include "host/io/files.hpp"
-#include "host/render/sheet.hpp"
 #include "host/commands/track_report.hpp"
+#include "host/io/files.hpp"
 #include "host/io/track_table.hpp"
 #include "host/io/truth.hpp"
 #include "host/io/y4m_output.hpp"
-#include "pliant/fit.hpp"
+#include "host/render/sheet.hpp"
 #include "pliant/tracker.hpp"
 
 namespace pliant::host {
 
-/// Whether landmarks are asked for.
+/// Whether --landmarks or --model-landmarks is given.
 bool has_landmarks(const Args& args);
 
+/// The track table, and the overlay, sheet, report and comparison with a truth where the command line names them.
 class TrackOutput {
  public:
-  /// Opens what --out, --overlay, --sheet, --report and --truth name, and writes the table's header.
+  /// Opens the files that --out, --overlay, --sheet, --report and --truth name, and writes the header of the table.
   TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
               FrameRate rate);
 
-  /// Of a start in which landmarks were given: from now on they are where `personal` has them.
-  void place_landmarks(Estimator& estimator, const std::vector<Correspondence>& personal);
-
-  /// Takes on the tracker's present result for the frame of that number and time (since frame 0). `milliseconds` is what
-  /// it took; frame 0 is not counted.
+  /// Adds the tracker's present result.
+  /// \param number, time_s  of the frame, since frame 0.
+  /// \param milliseconds    that the update took; not counted for frame 0.
   void add(std::size_t number, double time_s, const FrameView& frame, Tracker& tracker, double milliseconds);
 
-  /// A frame without a model, as before a start is found: state lost.
+  /// Adds a frame in which nothing is tracked: state lost, no pose, no parameters, no points.
   void add_lost(std::size_t number, double time_s, const FrameView& frame);
 
-  /// Gives all files their names. \param arena_bytes, focal_px  for the summary.
-  /// \returns the summary, one line of key=value: frames, tracked (in state `tracking`), rms_px (root mean square over the
-  /// frames), median_ms, arena_bytes, f_px, peak_kib (memory of the process); with a truth landmark_px (mean),
+  /// Completes all files: until then they have temporary names.
+  /// \param arena_bytes, focal_px  for the summary.
+  /// \return the summary, one line of key=value: frames, tracked (in state `tracking`), rms_px (root mean square over
+  /// the frames), median_ms, arena_bytes, f_px, peak_kib (memory of the process); with a truth landmark_px (mean),
   /// rotation_deg (median) and compared (frames).
   std::string commit(std::size_t arena_bytes, float focal_px);
 
  private:
   using Points = std::vector<std::optional<Vec2>>;
   std::string summary(std::size_t arena_bytes, float focal_px) const;
-  Points project_landmarks(Estimator& estimator) const;
+  Points project_landmarks(Tracker& tracker) const;
   Points project_markers(Tracker& tracker) const;
   void write(const TrackRow& row, const FrameView& frame);
   void draw(const TrackRow& row, const FrameView& frame, Estimator* estimator, const Points& landmarks,
@@ -56,7 +55,6 @@ class TrackOutput {
   Model model_;
   OutputFile table_;
   bool with_landmarks_;
-  std::vector<Vec3> landmark_offsets_;
   std::size_t marker_count_;
   FrameRate rate_;
   std::unique_ptr<Y4mOutput> overlay_;

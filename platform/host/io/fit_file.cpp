@@ -201,4 +201,11 @@ std::vector<std::string> apply(const NamedValues& values, const std::string& sou
   return unmatched;
 }
 
+void list_unmatched(const std::vector<std::string>& names, const std::string& source, std::ostream& err) {
+  if (names.empty()) return;
+  err << source << ": the model has no parameter";
+  for (std::size_t i = 0; i < names.size(); ++i) err << (i > 0 ? ", " : " ") << names[i];
+  err << "\n";
+}
+
 }  // namespace pliant::host

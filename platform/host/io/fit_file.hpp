@@ -2,6 +2,7 @@
 /// \file fit_file.hpp
 /// `fit.json`: one model fitted to one picture, as `pliant fit` writes it and `pliant track` starts from it.
 #include <cstdint>
+#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,5 +51,9 @@ std::vector<std::uint16_t> parameters_named(const Model& model, const std::strin
 /// limits. \return the names that the model does not have.
 std::vector<std::string> apply(const NamedValues& values, const std::string& source, const Model& model,
                                float* q);
+
+/// Writes one line with the names of parameters that a model does not have; nothing if there are none.
+/// \param source  the file that has them.
+void list_unmatched(const std::vector<std::string>& names, const std::string& source, std::ostream& err);
 
 }  // namespace pliant::host

@@ -5,7 +5,7 @@
 #include "host/render/draw.hpp"
 #include "host/io/failure.hpp"
 #include "host/render/scene.hpp"
-#include "host/commands/start.hpp"
+#include "host/commands/image_fit.hpp"
 #include "host/io/track_table.hpp"
 
 namespace pliant::host {

@@ -2,7 +2,7 @@
 
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
-#include "host/commands/start.hpp"
+#include "host/commands/image_fit.hpp"
 #include "experiment.hpp"
 #include "host/io/frame_source.hpp"
 

@@ -3,7 +3,7 @@
 
 #include "host/io/owned.hpp"
 #include "host/render/scene.hpp"
-#include "host/commands/start.hpp"
+#include "host/commands/image_fit.hpp"
 #include "experiment.hpp"
 
 namespace pliant::figure9 {

@@ -1,4 +1,4 @@
-// `pliant track --init detect`: starts by itself, says so, and says when a start does not hold.
+// `pliant track --init detect`: detects the face to track, says so, and rejects a detection that is not confirmed.
 #include "host/io/csv.hpp"
 #include "cli_run.hpp"
 #include "face_film.hpp"
@@ -56,8 +56,8 @@ TEST_CASE("frames without a face are rows in state lost; the track starts where 
   CAPTURE(r.err);
   REQUIRE(r.code == 0);
   CHECK(contains(r.err, "frame 0: no face found yet"));
-  CHECK(contains(r.err, "frame 4: found"));
-  CHECK_FALSE(contains(r.err, "does not hold"));
+  CHECK(contains(r.err, "frame 4: face found"));
+  CHECK_FALSE(contains(r.err, "is not confirmed"));
   CHECK(value_after(r.out, "frames") == 20);
   CHECK(value_after(r.out, "tracked") == 16);
   const CsvTable table("t", read_file(visit / "t.csv"));
@@ -76,13 +76,13 @@ TEST_CASE("frames without a face are rows in state lost; the track starts where 
   CHECK(sum < 6);
 }
 
-TEST_CASE("a face that is gone before ten frames was no start: that is told, and looked on") {
+TEST_CASE("a detection of a face that is gone before ten frames is rejected, and the search goes on") {
   const Visit visit(30, 2, 5);
   const Ran r = run_words(visit.words());
   CAPTURE(r.err);
-  CHECK(contains(r.err, "frame 2: found"));
-  CHECK(contains(r.err, "the start in frame 2 does not hold"));
-  CHECK(contains(r.err, "no start held"));
+  CHECK(contains(r.err, "frame 2: face found"));
+  CHECK(contains(r.err, "the detection in frame 2 is not confirmed"));
+  CHECK(contains(r.err, "no detection was confirmed"));
   CHECK(r.code == 1);
   CHECK_FALSE(visit.has("t.csv"));
 }
@@ -94,11 +94,11 @@ TEST_CASE("without a face it gives up after the frames it was given, names them,
   CHECK(contains(r.err, "v.y4m: no face found in 8 frames"));
   r = run_words(visit.words({"--search-frames", "3"}));
   CHECK(r.code == 1);
-  CHECK(contains(r.err, "v.y4m: no face found in 3 frames: likeness at most"));
+  CHECK(contains(r.err, "v.y4m: no face found in 3 frames: best similarity"));
   CHECK_FALSE(visit.has("t.csv"));
 }
 
-TEST_CASE("what does not go with it is refused") {
+TEST_CASE("options and models that detection excludes are refused") {
   const Visit visit(1, 0, 1);
   CHECK(run_words(visit.words({"--markers", visit.put("m.csv", "landmark,x,y\na,1,2\n")})).code == 2);
   auto words = visit.words({"--search-frames", "3"});

@@ -90,7 +90,8 @@ TEST_CASE("more of anything is more bytes, and no model is one record a paramete
   CHECK(arena({"--parameters", "30", "--markers", "20"}) > base);
   CHECK(arena({"--parameters", "30", "--profile", "s"}) < base);
   CHECK(arena({"--parameters", "30", "--profile", "l"}) > base);
-  CHECK(run_words({"plan", "--profile", "m"}).code == 2);
+  CHECK(arena({"--parameters", "30", "--profile", "m"}) == base);
+  CHECK(run_words({"plan", "--profile", "x"}).code == 2);
   CHECK(run_words({"plan", "--width", "20"}).code == 2);
   CHECK(run_words({"plan", "nothing.plm"}).code == 1);
 }

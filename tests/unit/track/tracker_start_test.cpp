@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "face_film.hpp"
-#include "host/commands/start.hpp"
+#include "host/commands/image_fit.hpp"
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
 
@@ -66,11 +66,10 @@ TEST_CASE("a start from landmarks gives the bits of the command's fit of the sam
   InArena<Tracker> ours(file.model(), TrackerLimits{}), commands(file.model(), TrackerLimits{});
   REQUIRE(ours->start_from_landmarks(film().view(0), all_points()) == Status::ok);
   REQUIRE(commands->start_from_pose(film().view(0), fit.camera, fit.pose, q.data()) == Status::ok);
-  std::vector<NamedPoint> personal;
   const Span<const Landmark> landmarks = file.model().landmarks();
-  for (const Correspondence& c : host::personal_landmarks(file.model(), fit))
-    for (const Landmark& l : landmarks)
-      if (l.u == c.uv.x && l.v == c.uv.y) personal.push_back({l.name, c.x});
+  const std::vector<host::NamedPoint> person = host::person_landmarks(file.model(), fit);
+  std::vector<NamedPoint> personal;
+  for (const host::NamedPoint& p : person) personal.push_back({p.name.c_str(), p.x});
   REQUIRE(personal.size() > 20);
   REQUIRE(commands->place_landmarks({personal.data(), personal.size()}) == Status::ok);
   CHECK(ours->camera().f == fit.camera.f);

@@ -1,4 +1,4 @@
-#include "host/commands/start.hpp"
+#include "host/commands/image_fit.hpp"
 
 #include <algorithm>
 
@@ -12,8 +12,11 @@ namespace pliant::host {
 
 namespace {
 
-/// A parameter counts as unseen when the points leave this much of its prior's standard deviation.
-constexpr float kUnseenShare = 0.95f;
+/// Points that a fit takes at most, count. Far more than a person or a detector gives.
+constexpr std::size_t kMaxPoints = 2048;
+/// A parameter is reported as unseen if the fit leaves more than this fraction of its prior's standard deviation. Round
+/// value, not tuned.
+constexpr float kUnseenFraction = 0.95f;
 
 Vec2 landmark_uv(const ModelFile& file, const NamedPoint& p) {
   const std::uint16_t k = file.model().find_landmark(p.name.c_str());
@@ -26,14 +29,14 @@ std::vector<Correspondence> correspondences(const ModelFile& file, const std::st
                                             const std::vector<NamedPoint>& points, bool match_silhouette) {
   if (points.size() < kLandmarkFitTuning.least_points)
     fail_input(source, "too few points: " + std::to_string(points.size()) + ", at least 4 are needed");
-  if (points.size() > 2048) fail_input(source, "more than 2048 points");
+  if (points.size() > kMaxPoints) fail_input(source, "more than " + std::to_string(kMaxPoints) + " points");
   std::vector<Correspondence> out;
   for (const NamedPoint& p : points) {
     const bool is_silhouette = match_silhouette && !p.uv && is_silhouette_landmark(p.name.c_str());
     out.push_back({p.uv ? *p.uv : landmark_uv(file, p), p.x, 1, is_silhouette});
   }
   if (!(spread_of({out.data(), out.size()}) >= kLandmarkFitTuning.least_spread_px))
-    fail_input(source, "the points do not determine the pose: they lie on one spot");
+    fail_input(source, "the points do not determine the pose: all lie within a few pixels");
   return out;
 }
 
@@ -64,14 +67,8 @@ View with_camera(const View& view, const Camera& camera) {
   return out;
 }
 
-void list_unmatched(const std::vector<std::string>& names, const std::string& source, std::ostream& err) {
-  if (names.empty()) return;
-  err << source << ": the model has no parameter";
-  for (std::size_t i = 0; i < names.size(); ++i) err << (i > 0 ? ", " : " ") << names[i];
-  err << "\n";
-}
-
-FitFile describe(const Model& model, const ImageSize& size, const View& view, const std::vector<float>& q) {
+FitFile fit_of_view(const Model& model, const ImageSize& size, const View& view,
+                    const std::vector<float>& q) {
   FitFile fit;
   fit.model_crc = model.crc();
   fit.width = size.width;
@@ -86,6 +83,10 @@ FitFile describe(const Model& model, const ImageSize& size, const View& view, co
   }
   fit.sd = by_name(model, prior_sd);
   return fit;
+}
+
+void check_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points) {
+  (void)correspondences(file, source, points, true);
 }
 
 FitFile fit_to_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points,
@@ -109,12 +110,13 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   const FitReport& report = fitter->report();
   const std::vector<float> sd(fitter->sd(), fitter->sd() + q.size());
 
-  FitFile fit = describe(model, setup.size, report.view, q);
+  FitFile fit = fit_of_view(model, setup.size, report.view, q);
   if (setup.camera) fit.camera = *setup.camera;
   fit.sd = by_name(model, sd);
   fit.unseen.clear();
   for (std::size_t k = 0; k < sd.size(); ++k)
-    if ((setup.is_free.empty() || setup.is_free[k] != 0) && sd[k] > kUnseenShare * model.parameters()[k].sd)
+    if ((setup.is_free.empty() || setup.is_free[k] != 0) &&
+        sd[k] > kUnseenFraction * model.parameters()[k].sd)
       fit.unseen.push_back(model.parameters()[k].name);
   fit.rms_px = report.rms_px;
   fit.inliers = report.used;
@@ -124,27 +126,30 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   return fit;
 }
 
-std::vector<Correspondence> personal_landmarks(const Model& model, const FitFile& fit) {
+std::vector<NamedPoint> person_landmarks(const Model& model, const FitFile& fit) {
   std::vector<Correspondence> points;
   std::vector<Vec2> residuals;
   std::vector<std::uint8_t> is_landmark;
+  std::vector<NamedPoint> landmarks;
   for (const FitPoint& p : fit.points) {
     const std::uint16_t k = model.find_landmark(p.landmark.c_str());
     const Landmark at = k == kNone ? Landmark{} : model.landmarks()[k];
     points.push_back({{at.u, at.v}, p.x});
     residuals.push_back(p.residual);
     is_landmark.push_back(k != kNone && p.used && p.is_landmark);
+    if (is_landmark.back() != 0) landmarks.push_back({p.landmark, p.x, ""});
   }
-  if (points.empty()) return points;
+  if (landmarks.empty()) return landmarks;
   const float sd_px = kLandmarkFitTuning.point_sd_fraction * spread_of({points.data(), points.size()});
   for (Correspondence& c : points) c.sd_px = sd_px;
   std::vector<float> sd(model.parameters().count);
   for (const auto& [name, value] : fit.sd)
     if (const std::uint16_t k = model.find_parameter(name.c_str()); k != kNone) sd[k] = value;
-  points.resize(
-      find_personal(model, {points.data(), points.size()}, residuals.data(), is_landmark.data(), sd.data())
-          .count);
-  return points;
+  const Span<const Correspondence> found =
+      find_personal(model, {points.data(), points.size()}, residuals.data(), is_landmark.data(), sd.data());
+  landmarks.resize(found.count);  // all landmarks, in their order, or none
+  for (std::size_t k = 0; k < found.count; ++k) landmarks[k].x = found[k].x;
+  return landmarks;
 }
 
 bool is_fit(const std::string& text) {
@@ -152,8 +157,8 @@ bool is_fit(const std::string& text) {
   return first != std::string::npos && text[first] == '{';
 }
 
-FitFile read_start(const std::string& path, const ModelFile& file, const ImageSize& size,
-                   const std::string& picture, float focal_px, const std::optional<Camera>& camera) {
+FitFile read_fit(const std::string& path, const ModelFile& file, const ImageSize& size,
+                 const std::string& image, float focal_px, const std::optional<Camera>& camera) {
   const std::string text = read_file(path);
   if (!is_fit(text)) {
     FitSetup setup;
@@ -167,7 +172,7 @@ FitFile read_start(const std::string& path, const ModelFile& file, const ImageSi
     fail_input(path, "was fitted with another model than " + file.path());
   if (fit.width != size.width || fit.height != size.height)
     fail_input(path, "is for " + std::to_string(fit.width) + "x" + std::to_string(fit.height) + " pixels, " +
-                         picture + " has " + std::to_string(size.width) + "x" + std::to_string(size.height));
+                         image + " has " + std::to_string(size.width) + "x" + std::to_string(size.height));
   if (!camera && !(focal_px > 0)) return fit;
   const View fitted = view_of(fit.pose, fit.camera);
   const View view = camera ? with_camera(fitted, *camera) : with_focal(fitted, focal_px);
@@ -189,7 +194,7 @@ FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const F
   const Status status =
       view_from_box(file.model(), *cascade, q.data(), {box[0], box[1]}, {box[2], box[3]}, camera, &view);
   if (status != Status::ok) fail_usage("--box: width and height must be positive");
-  FitFile fit = describe(file.model(), setup.size, view, q);
+  FitFile fit = fit_of_view(file.model(), setup.size, view, q);
   if (setup.camera) fit.camera = camera;
   return fit;
 }

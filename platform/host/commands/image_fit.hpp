@@ -1,0 +1,65 @@
+#pragma once
+/// \file image_fit.hpp
+/// A model fitted to one image: to points, to a face detector's box, or as an earlier fit.json says.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/commands/args.hpp"
+#include "host/io/files.hpp"
+#include "host/io/fit_file.hpp"
+#include "host/io/points_file.hpp"
+#include "pliant/fit.hpp"
+
+namespace pliant::host {
+
+struct FitSetup {
+  ImageSize size;
+  float focal_px = 0;                 ///< 0: unknown
+  std::optional<Camera> camera;       ///< intrinsics and lens, if known; they replace focal_px
+  std::optional<View> view;           ///< initial view; none: found from the points
+  std::vector<float> q;               ///< initial parameters; empty: all 0
+  std::vector<std::uint8_t> is_free;  ///< one flag per parameter; empty: all are estimated
+  FitMethod method = FitMethod::gauss_newton;
+  EulerOptions euler;            ///< with FitMethod::euler
+  float stiffness = 1;           ///< weight of the prior on the parameters
+  bool match_silhouette = true;  ///< ibug00 to ibug16 are matched to the silhouette
+};
+
+/// Bad input: fewer than four points, a landmark that the model does not have, or all points within a few pixels.
+/// \param source  name of the points, for messages.
+void check_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points);
+
+/// Fits pose, focal length and parameters to points. Bad input: what `check_points` refuses, and points that do not
+/// determine the pose.
+FitFile fit_to_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points,
+                      const FitSetup& setup);
+
+/// Puts the frontal model with the parameters of `setup` into a face detector's box.
+/// \param box  x and y of the upper left corner, width, height, px. Bad usage: a size that is not positive.
+FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const FitSetup& setup);
+
+/// A fit without points: the view and the parameters given.
+FitFile fit_of_view(const Model& model, const ImageSize& size, const View& view, const std::vector<float>& q);
+
+/// Whether the text of a file is that of a fit.json; else it is that of a points.csv.
+bool is_fit(const std::string& text);
+
+/// Reads a fit.json, or fits the model to a points.csv. Bad input: a fit of another model, or of another image size
+/// than that of `image`. \param focal_px, camera  as in FitSetup; a fit is converted to them.
+FitFile read_fit(const std::string& path, const ModelFile& file, const ImageSize& size,
+                 const std::string& image, float focal_px,
+                 const std::optional<Camera>& camera = std::nullopt);
+
+/// Landmarks that this person has elsewhere than the model, and where, px (track/personal_landmarks.hpp). Empty if
+/// noise explains the residuals of the fit.
+std::vector<NamedPoint> person_landmarks(const Model& model, const FitFile& fit);
+
+/// The focal length that is assumed if none is known, px.
+float default_focal(const ImageSize& size);
+/// The view of a camera with another focal length that has the same image scale; the view itself for 0.
+View with_focal(const View& view, float focal_px);
+/// The view of a known camera that has the same image scale and position. The lens is ignored.
+View with_camera(const View& view, const Camera& camera);
+
+}  // namespace pliant::host

@@ -1,0 +1,58 @@
+#pragma once
+/// \file track_run.hpp
+/// One run of `pliant track`: starts the tracker, gives it every frame, and hands each result to the output.
+#include <string>
+#include <vector>
+
+#include "host/commands/frame_stream.hpp"
+#include "host/commands/initial_detection.hpp"
+#include "host/commands/initial_state.hpp"
+#include "host/commands/track_output.hpp"
+#include "pliant/tracker.hpp"
+
+namespace pliant::host {
+
+/// Image points of the first frame that are tracked with the surface and never observed.
+struct Markers {
+  std::vector<std::string> names;
+  std::vector<Vec2> x;  ///< px
+};
+
+class TrackRun {
+ public:
+  /// \param detection  finds the initial state; null: `start` gets it. All references must outlive the run.
+  TrackRun(FrameStream& frames, Tracker& tracker, const TrackerOptions& options, const Markers& markers,
+           TrackOutput& output, InitialDetection* detection)
+      : frames_(frames),
+        tracker_(tracker),
+        options_(options),
+        markers_(markers),
+        output_(output),
+        detection_(detection) {}
+
+  /// Starts on the first frame. Bad input, with the name of the file: what the tracker does not start on.
+  void start(const FrameView& frame, const Initial& initial, const InitialOptions& options);
+  /// Tracks the next frame, or searches it for a face. Bad input: a frame that the tracker refuses.
+  void take(const FrameView& frame);
+  /// Focal length of the last start, px; 0 before it.
+  float focal_px() const { return focal_px_; }
+
+ private:
+  std::string where(const FrameView& frame) const {
+    return frames_.name() + ": frame " + std::to_string(frames_.number(frame));
+  }
+  Status start_tracking(const FrameView& frame, const Initial& initial, const InitialOptions& options);
+  void track(const FrameView& frame);
+  void search(const FrameView& frame);
+
+  FrameStream& frames_;
+  Tracker& tracker_;
+  const TrackerOptions& options_;
+  const Markers& markers_;
+  TrackOutput& output_;
+  InitialDetection* detection_;
+  float focal_px_ = 0;
+  bool is_tracking_ = false;
+};
+
+}  // namespace pliant::host
