@@ -1,14 +1,17 @@
 #pragma once
-// What is said about the result of a search.
-#include "vision/patch_work.hpp"
+// The result of a match: its uncertainty, and whether it is accepted.
+#include "vision/patch_refine.hpp"
 
 namespace pliant::patch {
 
-/// Light, correlation, noise, rank and information of what was measured; `along`: the direction to which an edge confined it.
-void describe(const Measurement& m, Vec2 along, const PatchOptions& o, PatchResult& r);
-/// How far apart two places are, as far as the information goes, px.
-float distance_seen(Vec2 d, const PatchResult& r);
-/// Whether that can be the patch; `start` is where the search began.
+/// Sets light, correlation, residual, rank and information of a result. \param along  the direction to which an edge confined
+/// the search, or zero.
+void describe(const Measurement& m, Vec2 along, bool accepts_edges, PatchResult& r);
+
+/// Length of d, px; of a result of rank one, only its part in the direction that has information.
+float informed_distance(Vec2 d, const PatchResult& r);
+
+/// Why a result is not accepted, or ok. \param start  where the search started.
 PatchStatus judge(const PatchResult& r, Vec2 start, const PatchOptions& o);
 
 }  // namespace pliant::patch

@@ -1,9 +1,12 @@
-// Where templates come from: a window of an image, or the stored surroundings of an anchor, resampled under a
-// warp. A template's centre is always a whole pixel of its source, so that an unwarped one needs no
-// interpolation at all; the caller accounts for the rest of the position.
+// A template's centre is always a whole pixel of its source, so that an unwarped one needs no interpolation. The caller
+// accounts for the rest of the position.
+#include "vision/patch_template.hpp"
+
 #include <cstring>
 
-#include "vision/patch_work.hpp"
+#include "vision/bilinear.hpp"
+#include "vision/patch_sampling.hpp"
+#include "vision/patch_sums.hpp"
 
 namespace pliant::patch {
 namespace {
@@ -35,17 +38,19 @@ void copy_square(const ImageView& image, int left, int top, int rows, int column
 }
 
 // The mask of [left, right) x [top, bottom) of the window.
-const std::int16_t* mask_of(int left, int top, int right, int bottom, Work& work) {
+const i16* mask_of(int left, int top, int right, int bottom, Workspace& work) {
   const int w = work.window;
   if (left <= 0 && top <= 0 && right >= w && bottom >= w) return work.all;
-  std::int16_t row[kMaxWindow] = {};
+  i16 row[kMaxWindow] = {};
   for (int x = left < 0 ? 0 : left; x < (right < w ? right : w); ++x) row[x] = 1;
   for (int y = 0; y < w; ++y) {
-    std::int16_t* out = work.part + y * w;
-    for (int x = 0; x < w; ++x) out[x] = y >= top && y < bottom ? row[x] : std::int16_t{0};
+    i16* out = work.part + y * w;
+    for (int x = 0; x < w; ++x) out[x] = y >= top && y < bottom ? row[x] : i16{0};
   }
   return work.part;
 }
+
+// --- the stored square, resampled under a warp ---
 
 constexpr int kBits = kLatticeBits;
 
@@ -53,16 +58,14 @@ struct FixedPosition {
   int x, y;
 };
 
-std::int16_t bilinear(const std::uint8_t* pixels, int side, int x, int y) {
-  const std::uint8_t* p = pixels + (y >> kBits) * side + (x >> kBits);
-  const int fx = (x >> (kBits - 8)) & 255, fy = (y >> (kBits - 8)) & 255;
-  const int upper = p[0] * 256 + (p[1] - p[0]) * fx;
-  const int lower = p[side] * 256 + (p[side + 1] - p[side]) * fx;
-  return static_cast<std::int16_t>(((upper * 256 + (lower - upper) * fy + 2048) >> 12) - kGreyOffset);
-}
-
 FixedPosition at(const Lattice& l, int i, int j) {
   return {l.x + l.across_x * i + l.down_x * j, l.y + l.across_y * i + l.down_y * j};
+}
+
+i16 sample(const std::uint8_t* pixels, int side, FixedPosition p) {
+  const int fx = (p.x >> (kBits - 8)) & 255, fy = (p.y >> (kBits - 8)) & 255;
+  return narrow(bilinear_sixteenths(pixels + (p.y >> kBits) * side + (p.x >> kBits), side, fx, fy) -
+                kGreyOffset);
 }
 
 // Where the block's pixels come from in a stored square.
@@ -88,35 +91,85 @@ struct Bounds {
   }
 };
 
-// Whatever leaves the stored square is masked out; its place is taken by the nearest stored value.
-const std::int16_t* load_ragged(const Lattice& lattice, const Bounds& bounds, const std::uint8_t* pixels,
-                                int side, Work& work) {
+// Masks out what leaves the stored square and fills it with the nearest stored value.
+const i16* load_partly_outside(const Lattice& lattice, const Bounds& bounds, const std::uint8_t* pixels,
+                               int side, Workspace& work) {
   const int w = work.window, stride = block_stride(w);
   for (int y = 0; y < w + 2; ++y)
     for (int x = 0; x < w + 2; ++x) {
-      const FixedPosition exact = at(lattice, x, y), nearest = bounds.clamped(exact);
-      work.block[y * stride + x] = bilinear(pixels, side, nearest.x, nearest.y);
+      const FixedPosition exact = at(lattice, x, y);
+      work.block[y * stride + x] = sample(pixels, side, bounds.clamped(exact));
       if (x > 0 && x <= w && y > 0 && y <= w) work.part[(y - 1) * w + x - 1] = bounds.contains(exact) ? 1 : 0;
     }
   return work.part;
 }
 
-const std::int16_t* load_warped(const Surround& around, const std::uint8_t* pixels, int side,
-                                const Mat2& to_anchor, Work& work) {
+// \return the mask.
+const i16* load_warped(const StoredTemplate& stored, const std::uint8_t* pixels, int side,
+                       const Mat2& to_template, Workspace& work) {
   const int w = work.window, last = w + 1;
-  const Lattice l = lattice_of(to_anchor, side, w / 2 + 1);
-  const Bounds bounds{{around.left << kBits, around.top << kBits},
-                      {((around.right - 1) << kBits) - 1, ((around.bottom - 1) << kBits) - 1}};
+  const Lattice l = lattice_of(to_template, side, w / 2 + 1);
+  const Bounds bounds{{stored.left << kBits, stored.top << kBits},
+                      {((stored.right - 1) << kBits) - 1, ((stored.bottom - 1) << kBits) - 1}};
   if (!bounds.contains(at(l, 0, 0)) || !bounds.contains(at(l, last, 0)) || !bounds.contains(at(l, 0, last)) ||
       !bounds.contains(at(l, last, last)))
-    return load_ragged(l, bounds, pixels, side, work);
+    return load_partly_outside(l, bounds, pixels, side, work);
   sample_lattice(pixels, side, l, w, work.scratch, work.block);
   return work.all;
 }
 
+// --- gradients of a block ---
+
+// Half of (3 a + 10 b + 3 c), where b is one `step` on and c two. |3 + 10 + 3| * 2048 = 2^15 at most, just within.
+void smooth3(const i16* __restrict in, int step, int count, i16* __restrict out) {
+  const i16* __restrict b = in + step, * __restrict c = in + 2 * step;
+  const int n = whole_vectors(count);
+  for (int i = 0; i < n; ++i)
+    out[i] = narrow(narrow(narrow(3 * narrow(in[i] + c[i])) + narrow(10 * b[i])) >> 1);
+}
+
+// These two are not inlined: in the caller GCC forgets that nothing overlaps and finds no vectors.
+template <int L>
+[[gnu::noinline]] void mask_row(const i16* __restrict v, const i16* __restrict mask, i16* __restrict t,
+                                i16* __restrict m) {
+  constexpr GreyRange r = kUsableGrey;
+  for (int k = 0; k < L; ++k) {
+    const i16 use = narrow(mask[k] & (v[k] > r.lowest) & (v[k] < r.highest));
+    m[k] = use;
+    t[k] = narrow(v[k] * use);
+  }
+}
+
+// The difference of two smoothed neighbours, where m is 1.
+template <int L>
+[[gnu::noinline]] void gradient_row(const i16* __restrict before, const i16* __restrict after,
+                                    const i16* __restrict m, i16* __restrict out) {
+  for (int k = 0; k < L; ++k) out[k] = narrow(narrow(narrow(after[k] - before[k]) >> 4) * m[k]);
+}
+
+// down and across: the block smoothed along columns and rows, each one pixel up and left of its place.
+template <int L, int S>
+void template_rows(const i16* block, const i16* down, const i16* across, const i16* mask, int window,
+                   Template out) {
+  for (int y = 0, k = 0; y < window; ++y, k += window) {
+    mask_row<L>(block + (y + 1) * S + 1, mask + k, out.t + k, out.m + k);
+    gradient_row<L>(down + y * S, down + y * S + 2, out.m + k, out.gx + k);
+    gradient_row<L>(across + y * S, across + (y + 2) * S, out.m + k, out.gy + k);
+  }
+}
+
 }  // namespace
 
-void load_block(const ImageView& image, int left, int top, Work& work) {
+void make_template(const i16* block, const i16* mask, int window, i16* scratch, Template out) {
+  const int stride = block_stride(window);
+  i16 *down = scratch, *across = scratch + block_size(window);
+  smooth3(block, stride, window * stride, down);
+  smooth3(block, 1, (window + 2) * stride, across);
+  with_sizes(window,
+             [&](auto s) { template_rows<s.kLanes, s.kStride>(block, down, across, mask, window, out); });
+}
+
+void load_block(const ImageView& image, int left, int top, Workspace& work) {
   const int rows = block_rows(work.window), columns = block_stride(work.window);
   const bool is_whole = left >= 0 && top >= 0 && left + columns <= image.width && top + rows <= image.height;
   if (is_whole)
@@ -126,35 +179,34 @@ void load_block(const ImageView& image, int left, int top, Work& work) {
   load_block(work.bytes, columns, work.window, work.block);
 }
 
-void load_template(const ImageView& image, int left, int top, GreyRange range, Work& work) {
-  const int w = work.window;
-  const std::int16_t* mask = mask_of(-left, -top, image.width - left, image.height - top, work);
+void load_template(const ImageView& image, int left, int top, Workspace& work) {
+  const i16* mask = mask_of(-left, -top, image.width - left, image.height - top, work);
   load_block(image, left - 1, top - 1, work);
-  make_template(work.block, mask, w, range.lowest, range.highest, work.scratch, work.plain);
+  make_template(work.block, mask, work.window, work.scratch, work.active);
 }
 
-void load_template(const Surround& around, const std::uint8_t* pixels, int side, const Mat2* to_anchor,
-                   GreyRange range, Work& work) {
+void load_template(const StoredTemplate& stored, const std::uint8_t* pixels, int side,
+                   const Mat2* to_template, Workspace& work) {
   const int w = work.window, first = side / 2 - w / 2;
-  const std::int16_t* mask;
-  if (to_anchor != nullptr) {
-    mask = load_warped(around, pixels, side, *to_anchor, work);
+  const i16* mask;
+  if (to_template != nullptr) {
+    mask = load_warped(stored, pixels, side, *to_template, work);
   } else {
     mask =
-        mask_of(around.left - first, around.top - first, around.right - first, around.bottom - first, work);
+        mask_of(stored.left - first, stored.top - first, stored.right - first, stored.bottom - first, work);
     load_block(pixels + (first - 1) * side + first - 1, side, w, work.block);
   }
-  make_template(work.block, mask, w, range.lowest, range.highest, work.scratch, work.plain);
+  make_template(work.block, mask, w, work.scratch, work.active);
 }
 
-void store_surround(const ImageView& image, Vec2 x, int side, Surround& around, std::uint8_t* pixels) {
+void store_template(const ImageView& image, Vec2 x, int side, StoredTemplate& stored, std::uint8_t* pixels) {
   const int cx = rounded(x.x), cy = rounded(x.y), left = cx - side / 2, top = cy - side / 2;
   const auto inside = [side](int v) { return static_cast<std::int16_t>(v < 0 ? 0 : v > side ? side : v); };
-  around.offset = {x.x - static_cast<float>(cx), x.y - static_cast<float>(cy)};
-  around.left = inside(-left);
-  around.top = inside(-top);
-  around.right = inside(image.width - left);
-  around.bottom = inside(image.height - top);
+  stored.offset = {x.x - static_cast<float>(cx), x.y - static_cast<float>(cy)};
+  stored.left = inside(-left);
+  stored.top = inside(-top);
+  stored.right = inside(image.width - left);
+  stored.bottom = inside(image.height - top);
   copy_square(image, left, top, side, side, pixels);
 }
 

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 
+#include "vision/patch_tuning.hpp"
+
 namespace pliant::host {
 
 namespace {
 
 constexpr double kRecordOperations = 24;  // one record of the cascade at one point, with its column
-constexpr double kStepsAfterReadmission = 3, kFineSteps = 4, kLimitRounds = 12;
+constexpr double kStepsAfterReadmission = 3, kLimitRounds = 12;
 
 /// What the limits come to for a model.
 struct Counts {
@@ -61,7 +63,6 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   const Counts c(model, limits);
   const TrackerOptions options;
   const EstimatorOptions& estimator = options.estimator;
-  const PatchOptions patch;
   plan.free_parameters = c.free;
 
   // A frame's first solve: Huber and Tukey; and where that leaves doubt the same once more by image forces, with a few
@@ -79,7 +80,7 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   const double follows = limits.keeps_previous ? 2 * c.slots : 0;
   // And what surprises after scouts is looked for once more.
   const double searches = (1.0 + options.rounds) * c.slots + 2 * follows;
-  const double search_steps = limits.pyramid_levels * patch.max_iterations + 2 * kFineSteps;
+  const double search_steps = limits.pyramid_levels * patch::kPatchTuning.max_align_steps + 2 * patch::kPatchTuning.max_refine_steps;
   const double row = c.records * kRecordOperations + c.unknowns * (c.unknowns + 1);
   const double shares = estimator.vertex_interval_frames > 0 ? estimator.vertex_interval_frames : 1;
   const double points = c.slots + limits.markers + limits.curve_points + limits.silhouette_points;

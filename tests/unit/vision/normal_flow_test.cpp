@@ -39,7 +39,7 @@ const Vec2 kMiddle{119.5f, 89.5f};
 
 PatchOptions flow() {
   PatchOptions o;
-  o.takes_edges = true;
+  o.accepts_edges = true;
   return o;
 }
 

@@ -213,13 +213,8 @@ TEST_CASE("whatever the picture, the place and the options, there is a status an
     REQUIRE(pyramid.build(a.frame()) == Status::ok);
     PatchOptions o;
     o.min_correlation = -2;
-    o.min_eigenvalue = pick(0, 1) == 0 ? 0.0f : 0.5f;
-    o.masks_clipped = pick(0, 1) == 0;
-    o.warp_sd = static_cast<float>(random.uniform(-0.1, 0.3));
-    o.takes_edges = pick(0, 1) == 0;
+    o.accepts_edges = pick(0, 1) == 0;
     o.start_sd_px = static_cast<float>(random.uniform(-0.5, 1.5));
-    o.noise_floor_grey = o.position_floor_px = static_cast<float>(pick(0, 1)) * 0.1f;
-    o.min_gain = -100;
     for (int k = 0; k < 20; ++k) {
       const auto place = [&] {
         return Vec2{static_cast<float>(random.uniform(-4, a.width + 4)),

@@ -1,0 +1,23 @@
+#pragma once
+// Bilinear interpolation of 8-bit pixels.
+#include <cstddef>
+#include <cstdint>
+
+namespace pliant {
+
+/// Sample in 1/16 grey between p, its right neighbour and the two pixels below, `stride` bytes on. Integers only.
+/// \param fx, fy  fractions of a pixel in 1/256, 0 to 255.
+inline int bilinear_sixteenths(const std::uint8_t* p, std::ptrdiff_t stride, int fx, int fy) {
+  const int upper = p[0] * 256 + (p[1] - p[0]) * fx;
+  const int lower = p[stride] * 256 + (p[stride + 1] - p[stride]) * fx;
+  return (upper * 256 + (lower - upper) * fy + 2048) >> 12;
+}
+
+/// Sample in grey between upper[0], upper[right], lower[0] and lower[right]; fx and fy: 0 to 1.
+inline float bilinear(const std::uint8_t* upper, const std::uint8_t* lower, int right, float fx, float fy) {
+  const float top = static_cast<float>(upper[0]) + fx * static_cast<float>(upper[right] - upper[0]);
+  const float bottom = static_cast<float>(lower[0]) + fx * static_cast<float>(lower[right] - lower[0]);
+  return top + fy * (bottom - top);
+}
+
+}  // namespace pliant

@@ -1,0 +1,73 @@
+#include "vision/patch_sums.hpp"
+
+// count & ~15 tells the compiler that the loops have whole vectors only.
+namespace pliant::patch {
+
+bool is_within(const i16* __restrict v, int count, GreyRange range) {
+  PLIANT_ASSERT(count % 16 == 0);
+  const int n = count & ~15;
+  i16 low = range.highest, high = range.lowest;
+  for (int k = 0; k < n; ++k) {
+    low = v[k] < low ? v[k] : low;
+    high = v[k] > high ? v[k] : high;
+  }
+  return low > range.lowest && high < range.highest;
+}
+
+int mask_extremes(const i16* __restrict image, const i16* __restrict m, int count, GreyRange range,
+                  i16* __restrict out) {
+  const i16 lo = range.lowest, hi = range.highest;
+  const int n = count & ~15;
+  i32 left = 0;
+  for (int k = 0; k < n; ++k) {
+    const i16 use = narrow(m[k] & (image[k] > lo) & (image[k] < hi));
+    out[k] = use;
+    left += i32{use} * i32{use};
+  }
+  return left;
+}
+
+void apply_mask(const i16* __restrict in, const i16* __restrict m, int count, i16* __restrict out) {
+  for (int k = 0; k < count; ++k) out[k] = narrow(in[k] * m[k]);
+}
+
+void multiply_by_position(const i16* __restrict g, const i16* __restrict x, const i16* __restrict y,
+                          int count, i16* __restrict by_x, i16* __restrict by_y) {
+  const int n = count & ~15;
+  for (int k = 0; k < n; ++k) {
+    by_x[k] = narrow(narrow(x[k] * g[k]) >> 4);
+    by_y[k] = narrow(narrow(y[k] * g[k]) >> 4);
+  }
+}
+
+Sums4 dot4(const i16* __restrict v, const i16* __restrict a, const i16* __restrict b, const i16* __restrict c,
+           const i16* __restrict d, int count) {
+  const int n = count & ~15;
+  i32 va = 0, vb = 0, vc = 0, vd = 0;
+  for (int k = 0; k < n; ++k) {
+    va += i32{v[k]} * i32{a[k]};
+    vb += i32{v[k]} * i32{b[k]};
+    vc += i32{v[k]} * i32{c[k]};
+    vd += i32{v[k]} * i32{d[k]};
+  }
+  return {va, vb, vc, vd};
+}
+
+i32 dot(const i16* __restrict v, const i16* __restrict a, int count) {
+  const int n = count & ~15;
+  i32 s = 0;
+  for (int k = 0; k < n; ++k) s += i32{v[k]} * i32{a[k]};
+  return s;
+}
+
+i32 sum_squares(const i16* __restrict v, const i16* __restrict m, int count) {
+  const int n = count & ~15;
+  i32 s = 0;
+  for (int k = 0; k < n; ++k) {
+    const i16 used = narrow(v[k] * m[k]);
+    s += i32{used} * i32{used};
+  }
+  return s;
+}
+
+}  // namespace pliant::patch
