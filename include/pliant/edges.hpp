@@ -1,10 +1,10 @@
 #pragma once
 /// \file edges.hpp
-/// The edge tracker: where, along the normal of an expected edge, is the edge in the picture?
+/// The edge finder: where along the normal of an expected edge the image has an edge.
 ///
-/// The picture is sampled on a strip across the edge, five samples wide, one pixel a step, and differentiated with the
-/// antisymmetric kernel (-1 -2 0 2 1). Edges are the maxima of its magnitude, the zeros of the second derivative, to a
-/// fraction of a step by a parabola. Samples and derivatives are integers; the bits are the same on every target.
+/// The image is sampled on a strip across the edge, five samples wide, in steps of one pixel, and differentiated with the
+/// antisymmetric kernel (-1 -2 0 2 1) (docs/algorithms.md, section 7.4). Edges are the maxima of the derivative's magnitude,
+/// located to a fraction of a step by a parabola. Samples and derivatives are integers: the bits are the same on every target.
 #include <cstdint>
 
 #include "pliant/geometry.hpp"
@@ -14,46 +14,37 @@
 
 namespace pliant {
 
-/// Where an edge is expected: a point of a silhouette, a lid, a lip, a brow.
+/// An expected edge: a point of a silhouette, a lid, a lip or a brow.
 struct EdgePoint {
-  std::uint16_t id = 0;  ///< given to the observations
+  std::uint16_t id = 0;  ///< copied to the observations
   Vec2 x;                ///< predicted image position, px
-  Vec2 normal;           ///< of the edge in the image; of any length but zero
-  Sym2 covariance;       ///< of x, px^2; what of it lies along the normal sets the range of the search
-  /// Score of the observation that was last taken for this edge: its sign and its size are asked for again, the size
-  /// between min_ratio and max_ratio. 0: never seen, any edge will do.
+  Vec2 normal;           ///< of the edge in the image; any length but zero
+  Sym2
+      covariance;  ///< of x, px^2. The search range is three deviations along the normal, at least 2 and at most 24 px
+  /// The `score` of the observation that was last used for this edge. Only edges of the same sign and of a similar size
+  /// (EdgeOptions::min_ratio to max_ratio) are then accepted. 0: any edge is.
   float contrast = 0;
 };
 
 struct EdgeOptions {
-  float range_sd = 3;  ///< how many standard deviations to search to either side
-  float min_range_px = 2, max_range_px = 24;
-  /// A step of so many grey levels, at least. An edge must also stand 4.5 standard deviations out of the local noise.
-  float min_step_grey = 8;
-  float min_ratio = 0.5f, max_ratio = 2;  ///< of an edge's contrast to the one remembered
-  /// Edges so near to the prediction are all alike: added (in squares) to its deviation for the preference of near edges.
-  float indifference_px = 1;
-  int finest_level = 0;     ///< of the pyramid, on which to look at all
-  int hypotheses = 2;       ///< alternatives given at most, 1 to kMaxEdgeHypotheses
-  float keep_fraction = 0.5f;  ///< of the best one's preference, that an alternative must reach
-  float ambiguous_fraction =
-      0.8f;  ///< more than `hypotheses` edges that reach this share of the best: none is given
-  float noise_floor_grey = 1;       ///< the noise of a pixel counts as at least this
-  float position_floor_px = 0.05f;  ///< standard deviation that no result claims to be better than
+  float min_ratio = 0.5f, max_ratio = 2;  ///< accepted ratio of an edge's contrast to the remembered one
+  int finest_level = 0;  ///< pyramid level on which the search starts, at least; 0: full size
+  int hypotheses = 2;    ///< alternatives given, at most; 1 to kMaxEdgeHypotheses
 };
 
 constexpr int kMaxEdgeHypotheses = 4;
 
-/// Looks for the edge. The search runs on the finest level on which its range fits into 16 steps to either side; nearer
-/// edges are preferred by a bell of the prediction's deviation.
-/// \param out  room for at least one observation, which is always written: with reason `found`, or why there is none:
-///             `not_visible` for a normal of no length or anything not finite, `outside_image` where the strip does not
-///             fit around x, `no_texture` where no edge stands out, `low_correlation` where those that do are not like
-///             the one remembered, `ambiguous`. Further ones, with the same id, are alternatives, best first.
-///             `information` is of rank one, along the normal; `score` is the step's height in greys over 255, positive
-///             where the picture is brighter on the side that the normal points to: blur lowers it.
-/// \return the number of observations written; 0 only for no room.
-/// Cost: 5 bilinear samples a step: about 1 us for a range of 6 px on a desktop core. Nothing is allocated.
+/// Finds an edge along the normal of `point`. The search starts on the finest level on which its range fits into 16 steps to
+/// either side, and goes on to coarser ones where the edge is too blurred. Of several edges, nearer and stronger ones are
+/// preferred.
+/// \param out  At least one observation is written: with reason `found`, or with the reason why there is none:
+///             `not_visible` for a normal without length or values that are not finite; `outside_image` if the strip does not
+///             fit around x; `no_texture` if no edge stands out of the noise; `low_correlation` if those that do are not like
+///             the remembered one; `ambiguous` if more edges than `hypotheses` are equally good. Further observations have the
+///             same id and are alternatives, best first. `information` is of rank one, along the normal. `score` is the step
+///             in grey levels over 255, positive if the image is brighter on the side of the normal; blur lowers it.
+/// \return the number of observations written; 0 only if `out` is empty.
+/// Cost: 5 bilinear samples a step, about 1 us for a range of 6 px on a desktop core. Nothing is allocated.
 int find_edge(const Pyramid& pyramid, const EdgePoint& point, const EdgeOptions& options,
               Span<Observation> out);
 

@@ -1,5 +1,4 @@
-// The edge tracker on edges of known position: how exactly it finds them, whether it knows how exactly, and what it
-// refuses.
+// The edge finder on edges of known position: its error, its claimed deviation, and what it refuses.
 #include "pliant/edges.hpp"
 
 #include <doctest/doctest.h>
@@ -211,8 +210,33 @@ TEST_CASE("an edge of another contrast than the one remembered is refused") {
   const auto reason = [&](float contrast) {
     return look(shown.pyramid, point_at(kMiddle, {1, 0}, 2, contrast))[0].reason;
   };
-  for (const float share : {0.55f, 1.0f, 1.9f}) CHECK(reason(share * seen) == Reason::found);
-  for (const float share : {0.4f, 2.2f, -1.0f}) CHECK(reason(share * seen) == Reason::low_correlation);
+  for (const float ratio : {0.55f, 1.0f, 1.9f}) CHECK(reason(ratio * seen) == Reason::found);
+  for (const float ratio : {0.4f, 2.2f, -1.0f}) CHECK(reason(ratio * seen) == Reason::low_correlation);
+  EdgeOptions sign_only;
+  sign_only.min_ratio = 0;
+  sign_only.max_ratio = 1e6f;
+  for (const float ratio : {0.1f, 5.0f})
+    CHECK(look(shown.pyramid, point_at(kMiddle, {1, 0}, 2, ratio * seen), sign_only)[0].reason == Reason::found);
+  CHECK(look(shown.pyramid, point_at(kMiddle, {1, 0}, 2, -seen), sign_only)[0].reason == Reason::low_correlation);
+}
+
+TEST_CASE("a finest level leaves out what only the finer ones show") {
+  Scene s;
+  s.step(-1, 120);
+  s.step(1, -120);
+  const Shown line(s.render());
+  EdgeOptions coarse;
+  coarse.finest_level = 2;
+  CHECK(look(line.pyramid, point_at(kMiddle, {1, 0}))[0].reason == Reason::found);
+  const Observation seen = look(line.pyramid, point_at(kMiddle, {1, 0}), coarse)[0];
+  CHECK((seen.reason != Reason::found || magnitude(seen.score) < 0.2f));
+  coarse.finest_level = 99;  // as if it were the coarsest there is
+  s.steps.clear();
+  s.step(0.3, 90);
+  const Shown edge(s.render());
+  const std::vector<Observation> found = look(edge.pyramid, point_at(kMiddle, {1, 0}), coarse);
+  REQUIRE(found[0].reason == Reason::found);
+  CHECK(std::abs(distance(found[0], {1, 0}) - 0.3) < 0.3);
 }
 
 TEST_CASE("the nearer of two equal edges is preferred, and many alike are ambiguous") {
@@ -228,11 +252,9 @@ TEST_CASE("the nearer of two equal edges is preferred, and many alike are ambigu
   CHECK(look(two.pyramid, point_at({47, 47.5f}, {1, 0}, 3), one)[0].reason == Reason::ambiguous);
   CHECK(look(two.pyramid, point_at({47, 47.5f}, {1, 0}, 3)).size() == 2);
   s.steps.clear();
-  for (int k = -20; k <= 20; ++k) s.step(4.0 * k, k % 2 == 0 ? 80 : -80);
+  for (int k = -20; k <= 20; ++k) s.step(3.0 * k, k % 2 == 0 ? 80 : -80);
   const Shown grating(s.render());
-  EdgeOptions near_only;
-  near_only.max_range_px = 12;
-  CHECK(look(grating.pyramid, point_at(kMiddle, {1, 0}, 10), near_only)[0].reason == Reason::ambiguous);
+  CHECK(look(grating.pyramid, point_at(kMiddle, {1, 0}, 5))[0].reason == Reason::ambiguous);
 }
 
 TEST_CASE("an uncertain prediction is searched for farther away, on a coarser level") {
@@ -309,18 +331,15 @@ TEST_CASE("arguments that make no sense are refused or harmless") {
   CHECK(find_edge(shown.pyramid, p, {}, {}) == 0);
   Observation one;
   CHECK(find_edge(shown.pyramid, p, {}, {&one, 1}) == 1);
-  // No range at all: what is right here.
-  EdgeOptions none;
-  none.min_range_px = none.max_range_px = 0;
-  CHECK(reason(point_at({47.7f, 47.5f}, {1, 0}, 0), none) == Reason::found);
-  CHECK(reason(point_at({49.5f, 47.5f}, {1, 0}, 0), none) == Reason::no_texture);
+  // Without uncertainty the range is two pixels.
+  CHECK(reason(point_at({47.7f, 47.5f}, {1, 0}, 0)) == Reason::found);
+  CHECK(reason(point_at({50.7f, 47.5f}, {1, 0}, 0)) == Reason::no_texture);
   EdgeOptions odd;
   odd.hypotheses = -3;
   CHECK(reason(p, odd) == Reason::found);
   odd.hypotheses = 1000;
   CHECK(reason(p, odd) == Reason::found);
-  odd.max_range_px = 1e30f;
-  CHECK(reason(point_at(kMiddle, {1, 0}, 1e9f), odd) == Reason::found);
+  CHECK(reason(point_at(kMiddle, {1, 0}, 1e9f)) == Reason::found);
 }
 
 TEST_CASE("whatever the picture and the point, there is a reason and no NaN") {
