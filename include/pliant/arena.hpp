@@ -22,37 +22,37 @@ struct Span {
   constexpr operator Span<const T>() const { return {data, count}; }
 };
 
-/// What memory is for; an owner of many parts tells with `Arena::count_as` while it lays them out.
+/// What memory is for. An object with many parts sets it with `Arena::count_as` while it lays them out.
 enum class Purpose : std::uint8_t {
   other,
-  fields,          ///< evaluation of the model
-  mesh,            ///< its faces and vertices
-  adaptation,      ///< queues and positions of refining it
-  visibility,      ///< depth buffer, outline, projected vertices
-  solver,          ///< normal equations and their factor
-  points,          ///< surface points, predictions, observations
-  sampled_points,    ///< samples of the fields kept a surface point
-  sampled_vertices,  ///< and a vertex
-  rejection,       ///< of false observations
-  state,           ///< parameters, as they are, were and are expected
-  pyramid,         ///< pictures
-  patches,         ///< captured patches, and the search for them
-  corners,         ///< finding where to capture
-  thumbnails,  ///< finding a fast or a lost head
+  fields,            ///< evaluation of the model
+  mesh,              ///< faces and vertices
+  adaptation,        ///< queues and positions of refinement
+  visibility,        ///< depth buffer, silhouette, projected vertices
+  solver,            ///< normal equations and their factor
+  points,            ///< surface points, predictions, observations
+  sampled_points,    ///< field samples of surface points
+  sampled_vertices,  ///< field samples of vertices
+  rejection,         ///< of outliers
+  state,             ///< parameters: present, past and predicted
+  pyramid,           ///< image pyramids
+  patches,           ///< templates and the search for them
+  corners,           ///< corner detection
+  thumbnails,        ///< coarse search
 };
 constexpr std::size_t kPurposeCount = 15;
 
-/// Bump allocator over one block. An arena without a block only measures: every `take` advances the count and gives
-/// null, so that `required_bytes` runs the very code that later lays the object out, and the two cannot drift apart.
-/// What lives in an arena is trivially destructible. Not copyable. Costs: O(1) a call.
+/// Bump allocator over one block. An arena without a block only measures: every `take` advances the count and returns
+/// null. The same code thus measures an object and lays it out, so the two cannot differ. Objects in an arena are trivially
+/// destructible. Not copyable. Cost: O(1) a call.
 class Arena {
  public:
   /// An arena that only measures.
   constexpr Arena() = default;
-  /// The same, adding the bytes taken to the count of their purpose.
+  /// The same; adds the bytes taken to the count of their purpose.
   explicit constexpr Arena(std::size_t (&by_purpose)[kPurposeCount]) : by_purpose_(by_purpose) {}
-  /// \param block  aligned to kAlignment; must outlive everything created in it.
-  /// \param bytes  its size.
+  /// \param block  aligned to kAlignment (create_in refuses another), and outlives everything created in it.
+  /// \param bytes  size of the block.
   constexpr Arena(void* block, std::size_t bytes) : base_(static_cast<unsigned char*>(block)), size_(bytes) {}
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
@@ -60,14 +60,14 @@ class Arena {
   /// Alignment of the block and of everything taken from it.
   static constexpr std::size_t kAlignment = 16;
 
-  /// Room for `count` values of T, uninitialised. On overflow the arena turns `exhausted` and gives null from then on.
+  /// Room for `count` values of T, uninitialised. On overflow the arena is `exhausted` and returns null from then on.
   template <class T>
   constexpr T* take(std::size_t count) {
     static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= kAlignment);
     unsigned char* const room = take_bytes(count * sizeof(T));
     return room == nullptr ? nullptr : reinterpret_cast<T*>(room);
   }
-  /// What is taken from now on is for this.
+  /// Sets the purpose of what is taken from now on.
   constexpr void count_as(Purpose purpose) { purpose_ = purpose; }
   template <class T>
   constexpr Span<T> take_span(std::size_t count) {
@@ -75,6 +75,7 @@ class Arena {
   }
 
   constexpr bool is_measuring() const { return base_ == nullptr; }
+  bool is_aligned() const { return reinterpret_cast<std::uintptr_t>(base_) % kAlignment == 0; }
   /// True once something did not fit.
   constexpr bool exhausted() const { return exhausted_; }
   constexpr std::size_t used_bytes() const { return used_; }
@@ -105,7 +106,7 @@ class Arena {
   };
 
  private:
-  // Apart and never inlined: one copy for all types, there are some forty.
+  // Not inlined, for the sake of code size: some forty types share it.
   [[gnu::noinline]] constexpr unsigned char* take_bytes(std::size_t wanted) {
     const std::size_t start = used_, bytes = (wanted + kAlignment - 1) / kAlignment * kAlignment;
     if (base_ != nullptr && (exhausted_ || bytes > size_ - start)) {
@@ -125,12 +126,23 @@ class Arena {
   std::size_t* by_purpose_ = nullptr;
 };
 
-/// Lays `object` out in `arena` by `object.lay_out(arena, args...)`: all of it, or nothing and `out_of_memory`; the object
-/// is then as newly constructed. What it was before is gone either way. Needs no room for a second object, which some
-/// stacks do not have.
+/// Whether an object can be laid out from this argument. A type with values that no object can be made from overloads it
+/// (Model).
+template <class T>
+constexpr bool is_usable(const T&) {
+  return true;
+}
+
+/// Lays `object` out in `arena` by `object.lay_out(arena, args...)`, first without memory to learn whether it fits. Needs
+/// no room for a second object.
+/// \return ok, or:
+///   - bad_argument: the arena only measures, or one of `args` is not usable; nothing has changed.
+///   - misaligned: the arena's block is not aligned to Arena::kAlignment; nothing has changed.
+///   - out_of_memory: `object` is as newly constructed, the arena unchanged.
 template <class T, class... Args>
 Status create_in(Arena& arena, T& object, const Args&... args) {
-  if (arena.is_measuring()) return Status::bad_argument;
+  if (arena.is_measuring() || !(is_usable(args) && ...)) return Status::bad_argument;
+  if (!arena.is_aligned()) return Status::misaligned;
   Arena trial;
   object.lay_out(trial, args...);
   if (arena.exhausted() || trial.used_bytes() > arena.size_bytes() - arena.used_bytes()) {
@@ -138,10 +150,11 @@ Status create_in(Arena& arena, T& object, const Args&... args) {
     return Status::out_of_memory;
   }
   object.lay_out(arena, args...);
+  PLIANT_ASSERT(!arena.exhausted());
   return Status::ok;
 }
 
-/// Bytes that `create_in` will take for the same arguments.
+/// Bytes that `create_in` takes for the same arguments.
 template <class T, class... Args>
 std::size_t measured_bytes(const Args&... args) {
   Arena trial;

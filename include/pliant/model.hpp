@@ -1,13 +1,13 @@
 #pragma once
 /// \file model.hpp
-/// The model table (`.plm`): what a deformable model is, as data. One little-endian block, 4-byte aligned, read in
-/// place from flash. `Model::open` checks every offset, count and range once; after that nothing is checked again.
+/// The model table (`.plm`): a deformable model as data. It is one little-endian block, aligned to 4 bytes, that is read in
+/// place, from flash. `Model::open` checks every offset, count and range once; nothing is checked again later.
 ///
-/// The chart: (u,v) in [0,1]^2. Seen from outside the surface, v points down where u points right; a face has u to the
-/// subject's left and v = 0 at the top of the forehead.
+/// The chart is (u,v) in [0,1]^2. Seen from outside the surface, v points down where u points right. On a face, u points to
+/// the subject's left, and v = 0 is the top of the forehead.
 ///
-/// Layout: a Header, then `section_count` Sections, then their contents, each 4-byte aligned. The records below
-/// are the file format: plain, packed by construction, never reordered.
+/// Layout (docs/model-format.md): a Header, then `section_count` Sections, then their contents, each aligned to 4 bytes. The
+/// records below are the file format: their members are never reordered, and have no padding between them.
 #include <cstddef>
 #include <cstdint>
 
@@ -54,20 +54,20 @@ struct Section {
 
 }  // namespace table
 
-/// What a parameter describes: who the person is, or what the face does.
+/// What a parameter describes: the person (identity), or what the face does (expression).
 enum class Group : std::uint32_t { identity = 0, expression = 1 };
 
 /// One entry of q. Identity is in standard deviations; expression runs from `minimum` to `maximum`, 0 at rest.
 struct Parameter {
   char name[table::kNameBytes];
   Group group;
-  float minimum, maximum;  ///< limits, minimum <= 0 <= maximum
-  float sd;                ///< prior standard deviation around 0, in the parameter's own unit, > 0
+  float minimum, maximum;  ///< limits, -1e6 <= minimum <= 0 <= maximum <= 1e6
+  float sd;                ///< prior standard deviation around 0, in the parameter's own unit, 1e-6 to 1e6
 };
 
 /// A vector field V(u,v) (three components) or weight field w(u,v) (one), sampled on a grid over a rectangle of the
 /// chart and zero outside it. Sample (i,j) sits at u = u0 + i (u1 - u0) / (width - 1), v likewise; rows from v0 to v1;
-/// components interleaved. Value of component c = offset[c] + scale[c] * integer. A field whose rectangle is not the
+/// components interleaved. Value of component c = offset[c] + scale[c] * integer, at most 1e6 in magnitude. A field whose rectangle is not the
 /// whole chart must decode to zero on its rim (offset zero), so that it is continuous.
 struct Field {
   std::uint16_t width, height;  ///< samples, each at least 2
@@ -81,7 +81,7 @@ struct Field {
 };
 
 /// Operations of the cascade. p is the point of the source record, w the weight field's value (1 without one), q the
-/// parameter(s). Each gives its value and its Jacobian (ALGORITHMS: section 3; the paper: Eq. 1-4, 11).
+/// parameter(s). Each gives its value and its Jacobian (docs/algorithms.md, section 3.1; the paper: Eq. 1-4, 11).
 enum class Operation : std::uint32_t {
   constant = 0,    ///< p = V(u,v)                                        (Eq. 2, 3)
   add_vector = 1,  ///< p + q V(u,v)                                      (Eq. 4)
@@ -123,60 +123,80 @@ struct Curve {
 };
 
 /// A grey picture over the chart, rows from v = 0 to v = 1, first row at v = 0; also the form of the domain mask, where
-/// 0 is outside the surface (eyes, mouth, beyond the outline) and 1 inside.
+/// 0 is outside the surface (eyes, mouth, beyond the boundary) and any other value inside.
 struct ChartImage {
   std::uint32_t width = 0, height = 0;
   const std::uint8_t* pixels = nullptr;
 };
 
-/// IEEE CRC-32 (polynomial 0xEDB88320) of `bytes` bytes. `previous` continues an earlier sum.
+namespace table {
+
+/// What the sections of a table hold. All pointers lead into the table.
+struct Contents {
+  Span<const Parameter> parameters;
+  Span<const Field> fields;
+  const std::uint8_t* samples = nullptr;
+  Span<const CascadeRecord> cascade;
+  Span<const Vec2> base_uv;
+  Span<const std::uint16_t> base_corners;
+  Span<const Landmark> landmarks;
+  Span<const Curve> curves;
+  Span<const Vec2> curve_points;
+  ChartImage mask, albedo;
+  std::uint32_t crc = 0;
+  std::size_t bytes = 0;
+};
+
+}  // namespace table
+
+/// IEEE CRC-32 (polynomial 0xEDB88320) of `bytes` bytes. `previous` is the sum of what comes before them. O(bytes).
 std::uint32_t crc32(const void* data, std::size_t bytes, std::uint32_t previous = 0);
 
-/// A validated read-only view on a model table. Copies are cheap; the table must outlive them.
+/// A read-only view of a checked model table. Copies are cheap; the table must outlive them.
 class Model {
  public:
+  /// A model that is not open: all counts are zero.
   Model() = default;
 
-  /// Checks all of the table and points into it. Cost: one pass over the bytes for the CRC, then over the records.
-  /// \return bad_argument (null), misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table.
+  /// Checks the whole table, and points `model` into it. Whatever opens is safe to use: every index is in range, every
+  /// number is finite and at most 1e6 in its unit. Cost: one pass over the bytes for the CRC, then over the records.
+  /// \param data   address, a multiple of 4.
+  /// \param bytes  at least the table's own size.
+  /// \return bad_argument (null), misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table; `model` is then
+  ///         as before.
   static Status open(const void* data, std::size_t bytes, Model* model);
+  bool is_open() const { return contents_.cascade.count > 0; }
 
-  Span<const Parameter> parameters() const { return parameters_; }
-  Span<const Field> fields() const { return fields_; }
-  const std::uint8_t* samples() const { return samples_; }
-  Span<const CascadeRecord> cascade() const { return cascade_; }
+  Span<const Parameter> parameters() const { return contents_.parameters; }
+  Span<const Field> fields() const { return contents_.fields; }
+  const std::uint8_t* samples() const { return contents_.samples; }
+  Span<const CascadeRecord> cascade() const { return contents_.cascade; }
   /// Base mesh: (u,v) of every vertex, and three corners a face, in basic-block form (mesh.hpp).
-  Span<const Vec2> base_uv() const { return base_uv_; }
-  Span<const std::uint16_t> base_corners() const { return base_corners_; }
-  Span<const Landmark> landmarks() const { return landmarks_; }
-  Span<const Curve> curves() const { return curves_; }
-  Span<const Vec2> curve_points() const { return curve_points_; }
-  ChartImage mask() const { return mask_; }
-  ChartImage albedo() const { return albedo_; }  ///< pixels null when the table has none
+  Span<const Vec2> base_uv() const { return contents_.base_uv; }
+  Span<const std::uint16_t> base_corners() const { return contents_.base_corners; }
+  Span<const Landmark> landmarks() const { return contents_.landmarks; }
+  Span<const Curve> curves() const { return contents_.curves; }
+  Span<const Vec2> curve_points() const { return contents_.curve_points; }
+  ChartImage mask() const { return contents_.mask; }
+  ChartImage albedo() const { return contents_.albedo; }  ///< pixels are null when the table has none
   /// CRC-32 of the table: tells one model from another in result files.
-  std::uint32_t crc() const { return crc_; }
-  std::size_t table_bytes() const { return bytes_; }
+  std::uint32_t crc() const { return contents_.crc; }
+  std::size_t table_bytes() const { return contents_.bytes; }
 
   /// Index of the parameter or landmark with that name, or kNone. O(count).
+  /// \pre `name` is not null.
   std::uint16_t find_parameter(const char* name) const;
   std::uint16_t find_landmark(const char* name) const;
-  /// True where the mask says that (u,v) lies on the surface (nearest mask sample).
+  /// Whether (u,v) lies on the surface by the nearest sample of the mask. False outside [0,1]^2, and when not open.
   bool is_on_surface(Vec2 uv) const;
 
  private:
-  friend struct ModelOpener;
-  Span<const Parameter> parameters_;
-  Span<const Field> fields_;
-  const std::uint8_t* samples_ = nullptr;
-  Span<const CascadeRecord> cascade_;
-  Span<const Vec2> base_uv_;
-  Span<const std::uint16_t> base_corners_;
-  Span<const Landmark> landmarks_;
-  Span<const Curve> curves_;
-  Span<const Vec2> curve_points_;
-  ChartImage mask_, albedo_;
-  std::uint32_t crc_ = 0;
-  std::size_t bytes_ = 0;
+  table::Contents contents_;
 };
+
+/// create_in refuses a model that is not open (arena.hpp).
+inline bool is_usable(const Model& model) {
+  return model.is_open();
+}
 
 }  // namespace pliant

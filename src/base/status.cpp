@@ -13,7 +13,7 @@ const char* text(Status status) {
     case Status::bad_version: return "a model table of another version";
     case Status::bad_checksum: return "the checksum does not match: the table is damaged";
     case Status::bad_table: return "a value in the table is out of range";
-    case Status::misaligned: return "the table does not start at a multiple of four bytes";
+    case Status::misaligned: return "the table (4 bytes) or the memory block (16 bytes) is not aligned";
     case Status::too_few_points: return "too few points";
     case Status::underdetermined: return "the points do not determine the pose";
     case Status::size_mismatch: return "a frame of another size";

@@ -4,16 +4,20 @@ namespace pliant {
 
 namespace {
 
+// The functions below are templates on kDerive: without it they compute p alone. They are inlined, so that what nobody reads
+// of a FieldStep is not computed.
+
 constexpr Mat3 kIdentity{};
 
-Mat3 blend_with_identity(const Mat3& a, float s) {  // I + s (A - I)
+/// I + s (A - I)
+Mat3 blend_with_identity(const Mat3& a, float s) {
   Mat3 m;
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) m.m[i][k] = kIdentity.m[i][k] + s * (a.m[i][k] - kIdentity.m[i][k]);
   return m;
 }
 
-/// Smooth ramp: 0 below -h, the identity above h, a parabola between.
+/// phi(x): 0 for x <= -h, x for x >= h, and between them the parabola (x + h)^2 / 4h, which joins both with their slopes.
 float ramp(float x, float h, float* slope) {
   if (x <= -h) {
     *slope = 0;
@@ -27,13 +31,14 @@ float ramp(float x, float h, float* slope) {
   return (x + h) * (x + h) / (4 * h);
 }
 
-/// Left Jacobian of the rotation vector w applied to e: d exp(w) along e, as a rotation of the result.
+/// J_l(w) e = e + b w x e + c w x (w x e), b = (1 - cos t) / t^2, c = (t - sin t) / t^3, t = |w|. Turning the vector w by
+/// a small d along e turns exp(w) by the rotation vector d J_l(w) e, applied after it.
 Vec3 left_jacobian(Vec3 w, Vec3 e) {
   const float t2 = dot(w, w);
   float b = 0.5f - t2 / 24, c = 1.0f / 6 - t2 / 120;
   if (t2 > 1e-2f) {
     const Quat q = exp_rotation(w);
-    const float s2 = (q.x * q.x + q.y * q.y + q.z * q.z) / t2;  // (sin(t/2)/t)^2
+    const float s2 = (q.x * q.x + q.y * q.y + q.z * q.z) / t2;  // (sin(t/2) / t)^2
     b = 2 * s2;
     c = (1 - 2 * square_root(s2) * q.w) / t2;
   }
@@ -41,7 +46,8 @@ Vec3 left_jacobian(Vec3 w, Vec3 e) {
   return e + b * we + c * cross(w, we);
 }
 
-/// exp([v]x) by Rodrigues' formula, with series that leave 1e-8 for turns of up to 0.5 rad, as jaws make them.
+/// R(v) = exp([v]x) = I + s [v]x + c [v]x^2, s = sin a / a, c = (1 - cos a) / a^2, a = |v| (Rodrigues). Up to 0.5 rad,
+/// which covers a jaw, s and c come from their Taylor series, with an error below 1e-8.
 Mat3 rotation_by(Vec3 v) {
   const float a2 = dot(v, v);
   if (!(a2 <= 0.25f)) return rotation_matrix(exp_rotation(v));
@@ -53,88 +59,145 @@ Mat3 rotation_by(Vec3 v) {
   return {{{1 - yy - zz, xy - z, xz + y}, {xy + z, 1 - xx - zz, yz - x}, {xz - y, yz + x, 1 - xx - yy}}};
 }
 
-/// With `kDerive` all of `out`, else only its p.
+/// What a record reads.
+struct Operands {
+  const CascadeRecord& r;
+  const float* q;
+  Vec3 p0, p1, s;
+
+  float parameter(int k) const { return q[r.parameter[k]]; }
+  float w() const { return r.weight == kNone ? 1.0f : s.x; }
+  Vec3 axis() const { return {r.axis[0], r.axis[1], r.axis[2]}; }
+  Vec3 pivot() const { return {r.pivot[0], r.pivot[1], r.pivot[2]}; }
+};
+
+/// p = V (Eq. 2, 3)
 template <bool kDerive>
-void step(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s, FieldStep& out) {
-  const Vec3 pivot{r.pivot[0], r.pivot[1], r.pivot[2]}, axis{r.axis[0], r.axis[1], r.axis[2]};
-  const auto value = [&](int k) { return q[r.parameter[k]]; };
-  const float w = r.weight == kNone ? 1.0f : s.x;
-  switch (r.operation) {
-    case Operation::constant:  // Eq. 2, 3
-      out.p = s;
-      out.keep = 0;
-      out.along_field = 1;
-      break;
-    case Operation::add_vector:  // Eq. 4
-      out.p = p0 + value(0) * s;
-      out.along_parameter[0] = s;
-      out.along_field = value(0);
-      break;
+[[gnu::always_inline]] inline void constant(const Operands& o, FieldStep& out) {
+  out.p = o.s;
+  out.keep = 0;
+  out.along_field = 1;
+}
+
+/// p = p0 + q V (Eq. 4)
+template <bool kDerive>
+[[gnu::always_inline]] inline void add_vector(const Operands& o, FieldStep& out) {
+  const float q = o.parameter(0);
+  out.p = o.p0 + q * o.s;
+  out.along_parameter[0] = o.s;
+  out.along_field = q;
+}
+
+/// p = p0 + q_a q_b V
+template <bool kDerive>
+[[gnu::always_inline]] inline void product(const Operands& o, FieldStep& out) {
+  const float a = o.parameter(0), b = o.parameter(1);
+  out.p = o.p0 + (a * b) * o.s;
+  out.along_parameter[0] = b * o.s;
+  out.along_parameter[1] = a * o.s;
+  out.along_field = a * b;
+}
+
+/// p = p0 + phi(q) V
+template <bool kDerive>
+[[gnu::always_inline]] inline void one_sided(const Operands& o, FieldStep& out) {
+  float slope;
+  out.along_field = ramp(o.parameter(0), o.r.axis[0], &slope);
+  out.p = o.p0 + out.along_field * o.s;
+  out.along_parameter[0] = slope * o.s;
+}
+
+/// p = c + (1 + w q) (p0 - c)
+template <bool kDerive>
+[[gnu::always_inline]] inline void scale(const Operands& o, FieldStep& out) {
+  const float q = o.parameter(0), w = o.w();
+  const Vec3 arm = o.p0 - o.pivot();
+  out.keep = 1 + w * q;
+  out.p = o.pivot() + out.keep * arm;
+  out.along_parameter[0] = w * arm;
+  out.along_weight = q * arm;
+}
+
+/// p = c + R(w q a) (p0 - c), a the axis. A small turn d about a moves p by d a x (p - c).
+template <bool kDerive>
+[[gnu::always_inline]] inline void rotate(const Operands& o, FieldStep& out) {
+  const float q = o.parameter(0), w = o.w();
+  const Vec3 axis = o.axis(), pivot = o.pivot();
+  out.map = rotation_by((w * q) * axis);
+  out.maps = true;
+  const Vec3 arm = out.map * (o.p0 - pivot);
+  out.p = pivot + arm;
+  if (!kDerive) return;
+  const Vec3 turn = cross(axis, arm);
+  out.along_parameter[0] = w * turn;
+  out.along_weight = q * turn;
+}
+
+/// p = p0 + w q (A p0 + b - p0)
+template <bool kDerive>
+[[gnu::always_inline]] inline void affine(const Operands& o, FieldStep& out) {
+  const float q = o.parameter(0), w = o.w();
+  Mat3 a;
+  for (int i = 0; i < 9; ++i) a.m[i / 3][i % 3] = o.r.matrix[i];
+  const Vec3 pull = a * o.p0 + Vec3{o.r.matrix[9], o.r.matrix[10], o.r.matrix[11]} - o.p0;
+  out.map = blend_with_identity(a, w * q);
+  out.maps = true;
+  out.p = o.p0 + (w * q) * pull;
+  out.along_parameter[0] = w * pull;
+  out.along_weight = q * pull;
+}
+
+/// p = c + R(w r) (p0 - c) + w t, with the rotation vector r = (q_0, q_1, q_2) and the translation t = (q_3, q_4, q_5)
+template <bool kDerive>
+[[gnu::always_inline]] inline void rigid(const Operands& o, FieldStep& out) {
+  const Vec3 turn{o.parameter(0), o.parameter(1), o.parameter(2)};
+  const Vec3 move{o.parameter(3), o.parameter(4), o.parameter(5)}, pivot = o.pivot();
+  const float w = o.w();
+  out.map = rotation_by(w * turn);
+  out.maps = true;
+  const Vec3 arm = out.map * (o.p0 - pivot);
+  out.p = pivot + arm + w * move;
+  if (!kDerive) return;
+  const Vec3 unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int k = 0; k < 3; ++k) {
+    out.along_parameter[k] = w * cross(left_jacobian(w * turn, unit[k]), arm);
+    out.along_parameter[3 + k] = w * unit[k];
+  }
+  out.along_weight = cross(turn, arm) + move;
+}
+
+/// p = (1 - w q) p0 + w q p1
+template <bool kDerive>
+[[gnu::always_inline]] inline void lerp(const Operands& o, FieldStep& out) {
+  const float q = o.parameter(0), w = o.w(), t = w * q;
+  out.p = (1 - t) * o.p0 + t * o.p1;
+  out.keep = 1 - t;
+  out.keep_second = t;
+  out.along_parameter[0] = w * (o.p1 - o.p0);
+  out.along_weight = q * (o.p1 - o.p0);
+}
+
+template <bool kDerive>
+[[gnu::always_inline]] inline void step(const Operands& o, FieldStep& out) {
+  switch (o.r.operation) {
+    case Operation::constant:
+      return constant<kDerive>(o, out);
+    case Operation::add_vector:
+      return add_vector<kDerive>(o, out);
     case Operation::product:
-      out.p = p0 + (value(0) * value(1)) * s;
-      out.along_parameter[0] = value(1) * s;
-      out.along_parameter[1] = value(0) * s;
-      out.along_field = value(0) * value(1);
-      break;
-    case Operation::one_sided: {
-      float slope;
-      out.along_field = ramp(value(0), r.axis[0], &slope);
-      out.p = p0 + out.along_field * s;
-      out.along_parameter[0] = slope * s;
-      break;
-    }
+      return product<kDerive>(o, out);
+    case Operation::one_sided:
+      return one_sided<kDerive>(o, out);
     case Operation::scale:
-      out.keep = 1 + w * value(0);
-      out.p = pivot + out.keep * (p0 - pivot);
-      out.along_parameter[0] = w * (p0 - pivot);
-      out.along_weight = value(0) * (p0 - pivot);
-      break;
-    case Operation::rotate: {
-      out.map = rotation_by((w * value(0)) * axis);
-      out.maps = true;
-      const Vec3 arm = out.map * (p0 - pivot);
-      out.p = pivot + arm;
-      if (!kDerive) break;
-      const Vec3 turn = cross(axis, arm);
-      out.along_parameter[0] = w * turn;
-      out.along_weight = value(0) * turn;
-      break;
-    }
-    case Operation::affine: {
-      Mat3 a;
-      for (int i = 0; i < 9; ++i) a.m[i / 3][i % 3] = r.matrix[i];
-      const Vec3 pull = a * p0 + Vec3{r.matrix[9], r.matrix[10], r.matrix[11]} - p0;
-      out.map = blend_with_identity(a, w * value(0));
-      out.maps = true;
-      out.p = p0 + (w * value(0)) * pull;
-      out.along_parameter[0] = w * pull;
-      out.along_weight = value(0) * pull;
-      break;
-    }
-    case Operation::rigid: {
-      const Vec3 turn{value(0), value(1), value(2)}, move{value(3), value(4), value(5)};
-      out.map = rotation_by(w * turn);
-      out.maps = true;
-      const Vec3 arm = out.map * (p0 - pivot);
-      out.p = pivot + arm + w * move;
-      if (!kDerive) break;
-      const Vec3 unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-      for (int k = 0; k < 3; ++k) {
-        out.along_parameter[k] = w * cross(left_jacobian(w * turn, unit[k]), arm);
-        out.along_parameter[3 + k] = w * unit[k];
-      }
-      out.along_weight = cross(turn, arm) + move;
-      break;
-    }
-    case Operation::lerp: {
-      const float t = w * value(0);
-      out.p = (1 - t) * p0 + t * p1;
-      out.keep = 1 - t;
-      out.keep_second = t;
-      out.along_parameter[0] = w * (p1 - p0);
-      out.along_weight = value(0) * (p1 - p0);
-      break;
-    }
+      return scale<kDerive>(o, out);
+    case Operation::rotate:
+      return rotate<kDerive>(o, out);
+    case Operation::affine:
+      return affine<kDerive>(o, out);
+    case Operation::rigid:
+      return rigid<kDerive>(o, out);
+    case Operation::lerp:
+      return lerp<kDerive>(o, out);
   }
 }
 
@@ -142,21 +205,21 @@ void step(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s, Fiel
 
 FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
   FieldStep out;
-  step<true>(r, q, p0, p1, s, out);
+  step<true>({r, q, p0, p1, s}, out);
   return out;
 }
 
-Vec3 applied(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
+Vec3 apply_without_derivatives(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
   FieldStep out;
-  step<false>(r, q, p0, p1, s, out);
+  step<false>({r, q, p0, p1, s}, out);
   return out.p;
 }
 
-bool passes_through_at_zero(const CascadeRecord& r) {
+bool keeps_source_at_zero_sample(const CascadeRecord& r) {
   return r.source[1] == kNone && (r.field != kNone ? r.operation != Operation::constant : r.weight != kNone);
 }
 
-bool passes_through(const CascadeRecord& r, const float* q) {
+bool keeps_source(const CascadeRecord& r, const float* q) {
   switch (r.operation) {
     case Operation::constant:
     case Operation::one_sided:

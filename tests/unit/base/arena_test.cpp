@@ -63,6 +63,17 @@ TEST_CASE("every smaller block fails cleanly, the measured one succeeds") {
   }
 }
 
+TEST_CASE("a block that is not aligned is refused and nothing changes") {
+  alignas(Arena::kAlignment) unsigned char block[256];
+  for (std::size_t off = 1; off < Arena::kAlignment; ++off) {
+    Arena arena(block + off, sizeof block - off);
+    Thing thing;
+    CHECK(create_in(arena, thing, 10) == Status::misaligned);
+    CHECK(thing.numbers == nullptr);
+    CHECK(arena.used_bytes() == 0);
+  }
+}
+
 TEST_CASE("a scope gives back what was taken inside it, and the high-water mark remembers") {
   alignas(Arena::kAlignment) unsigned char block[256];
   Arena arena(block, sizeof block);

@@ -28,12 +28,12 @@ void compare(const Model& model, Cascade& cascade, Vec2 uv, const std::vector<fl
   double scale = 1;
   std::vector<double> exact_q = doubled(q);
   const reference::Vec exact = reference::surface_point(model, u, v, exact_q, how, &scale);
-  std::vector<Vec3> baked(cascade.samples_per_point());
-  cascade.sample_point(uv, q.data(), baked.data());
+  std::vector<Vec3> samples(cascade.samples_per_point());
+  cascade.sample_point(uv, q.data(), samples.data());
   Jacobian jacobian;
-  const Vec3 p = cascade.evaluate(baked.data(), q.data(), &jacobian);
+  const Vec3 p = cascade.evaluate(samples.data(), q.data(), &jacobian);
   CHECK((reference::of(p) - exact).norm() < 1e-5 * scale);
-  CHECK((reference::of(cascade.evaluate(baked.data(), q.data())) - exact).norm() < 1e-5 * scale);
+  CHECK((reference::of(cascade.evaluate(samples.data(), q.data())) - exact).norm() < 1e-5 * scale);
   CHECK((reference::of(cascade.surface_point(uv, q.data())) - exact).norm() < 1e-5 * scale);
   const std::vector<Vec3> column = columns(cascade, jacobian);
   for (std::size_t k = 0; k < q.size(); ++k) {

@@ -1,9 +1,8 @@
-#include "pliant/cascade.hpp"
-
 #include <doctest/doctest.h>
 
 #include <initializer_list>
 
+#include "pliant/cascade.hpp"
 #include "random_model.hpp"
 
 using namespace pliant;
@@ -56,13 +55,13 @@ TEST_CASE("Eq. 11: the Jacobian of every operation agrees with central differenc
     InArena<Cascade> cascade(r.model);
     const std::size_t n = r.model.parameters().count;
     Random random(7);
-    std::vector<Vec3> baked(r.model.cascade().count);
+    std::vector<Vec3> samples(r.model.cascade().count);
     for (int trial = 0; trial < 100; ++trial) {
       const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
       std::vector<float> q = random_q(r.model, random);
-      cascade->sample_point(uv, q.data(), baked.data());
+      cascade->sample_point(uv, q.data(), samples.data());
       Jacobian jacobian;
-      cascade->evaluate(baked.data(), q.data(), &jacobian);
+      cascade->evaluate(samples.data(), q.data(), &jacobian);
       std::vector<Vec3> column(n);
       for (std::size_t k = 0; k < jacobian.count; ++k) {
         column[cascade->parameter_of(jacobian.list[k])] = jacobian.column[jacobian.list[k]];
@@ -71,9 +70,9 @@ TEST_CASE("Eq. 11: the Jacobian of every operation agrees with central differenc
       for (std::size_t k = 0; k < n; ++k) {
         const float at = q[k], h = 4e-3f;
         q[k] = at + h;
-        const Vec3 ahead = cascade->evaluate(baked.data(), q.data());
+        const Vec3 ahead = cascade->evaluate(samples.data(), q.data());
         q[k] = at - h;
-        const Vec3 behind = cascade->evaluate(baked.data(), q.data());
+        const Vec3 behind = cascade->evaluate(samples.data(), q.data());
         q[k] = at;
         const Vec3 difference = (0.5f / h) * (ahead - behind);
         CHECK(length(difference - column[k]) < 3e-3f * length(column[k]) + 0.02f);
@@ -82,33 +81,33 @@ TEST_CASE("Eq. 11: the Jacobian of every operation agrees with central differenc
   }
 }
 
-TEST_CASE("a baked point equals the surface point, whatever is frozen") {
+TEST_CASE("a sampled surface point has the position that the tables give, whatever is frozen") {
   const OpenModel r(every_operation());
   InArena<Cascade> cascade(r.model);
   Random random(8);
   const std::size_t n = r.model.parameters().count;
-  std::vector<Vec3> baked(r.model.cascade().count);
+  std::vector<Vec3> samples(r.model.cascade().count);
   for (int trial = 0; trial < 300; ++trial) {
     std::vector<std::uint8_t> is_free(n);
     for (auto& f : is_free) f = static_cast<std::uint8_t>(random.below(trial % 3 == 0 ? 6 : 2) == 0);
     cascade->set_free(is_free.data());
-    REQUIRE(cascade->samples_per_point() <= baked.size());
+    REQUIRE(cascade->samples_per_point() <= samples.size());
     std::vector<float> q = random_q(r.model, random);
     const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
-    cascade->sample_point(uv, q.data(), baked.data());
+    cascade->sample_point(uv, q.data(), samples.data());
     for (std::size_t k = 0; k < n; ++k)
       if (is_free[k]) q[k] = random.uniform(r.model.parameters()[k].minimum, r.model.parameters()[k].maximum);
     Jacobian jacobian;
     const Vec3 exact = cascade->surface_point(uv, q.data());
-    CHECK(length(cascade->evaluate(baked.data(), q.data()) - exact) < 1e-4f);
-    CHECK(length(cascade->evaluate(baked.data(), q.data(), &jacobian) - exact) < 1e-4f);
+    CHECK(length(cascade->evaluate(samples.data(), q.data()) - exact) < 1e-4f);
+    CHECK(length(cascade->evaluate(samples.data(), q.data(), &jacobian) - exact) < 1e-4f);
     for (std::size_t k = 0; k < jacobian.count; ++k)
       CHECK(is_free[cascade->parameter_of(jacobian.list[k])] == 1);
   }
 }
 
 TEST_CASE(
-    "a frozen cascade folds to one position a point, and a frozen identity to one and the expressions") {
+    "with everything frozen a sampled point is one value; with identity frozen, one and the expressions") {
   const OpenModel r(egg_model(6));
   InArena<Cascade> cascade(r.model);
   std::vector<std::uint8_t> none(r.model.parameters().count, 0);
@@ -122,9 +121,9 @@ TEST_CASE(
 
 TEST_CASE("selecting the records that do something changes nothing, whichever parameters are zero") {
   const OpenModel r(every_operation());
-  InArena<Cascade> cascade(r.model), baking(r.model);
+  InArena<Cascade> cascade(r.model), sampler(r.model);
   Random random(12);
-  std::vector<Vec3> baked(r.model.cascade().count);
+  std::vector<Vec3> samples(r.model.cascade().count);
   for (int trial = 0; trial < 300; ++trial) {
     std::vector<float> q = random_q(r.model, random);
     for (float& v : q)
@@ -132,8 +131,8 @@ TEST_CASE("selecting the records that do something changes nothing, whichever pa
     cascade->select(q.data());
     for (int k = 0; k < 4; ++k) {
       const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
-      baking->sample_point(uv, q.data(), baked.data());  // visits every record
-      CHECK(length(cascade->selected_point(uv) - baking->evaluate(baked.data(), q.data())) < 1e-4f);
+      sampler->sample_point(uv, q.data(), samples.data());  // visits every record
+      CHECK(length(cascade->selected_point(uv) - sampler->evaluate(samples.data(), q.data())) < 1e-4f);
     }
   }
 }
@@ -153,17 +152,17 @@ TEST_CASE("with slack, vectors are left out that move no point by more than that
     const auto left_out = static_cast<float>(q.size());
     CHECK(length(off) <= 1.74f * mm * left_out);
   }
-  // Baked points: no more is left out of one than the slack, times the parameters.
-  std::vector<Vec3> baked(r.model.cascade().count), whole(r.model.cascade().count);
+  // Sampled surface points: no more is left out of one than the slack, times the parameters.
+  std::vector<Vec3> samples(r.model.cascade().count), whole(r.model.cascade().count);
   std::size_t columns = 0, all = 0;
   for (int trial = 0; trial < 200; ++trial) {
     const std::vector<float> q = random_q(r.model, random);
     const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
-    slack->sample_point(uv, q.data(), baked.data(), 0.2f);
+    slack->sample_point(uv, q.data(), samples.data(), 0.2f);
     exact->sample_point(uv, q.data(), whole.data());
     Jacobian some, every;
     const Vec3 off =
-        slack->evaluate(baked.data(), q.data(), &some) - exact->evaluate(whole.data(), q.data(), &every);
+        slack->evaluate(samples.data(), q.data(), &some) - exact->evaluate(whole.data(), q.data(), &every);
     CHECK(length(off) <= 1.74f * 0.2f * static_cast<float>(every.count - some.count) + 1e-4f);
     columns += some.count;
     all += every.count;

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "model_builder.hpp"
+#include "pliant/fit.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -121,4 +122,39 @@ TEST_CASE("each broken record is a bad table") {
   refuse([](ModelBuilder& b) { b.corners[5] = 1000; });
   refuse([](ModelBuilder& b) { b.vertices[5].x = 2; });
   refuse([](ModelBuilder& b) { b.landmarks[0].name[0] = 0; });
+}
+
+TEST_CASE("numbers that would overflow later are refused when the table is opened") {
+  const auto opens = [](const std::function<void(ModelBuilder&)>& change) {
+    ModelBuilder b = egg_model(2);
+    change(b);
+    Model model;
+    const auto words = b.table();
+    const Status status = open(words, &model);
+    CHECK((status == Status::ok || status == Status::bad_table));
+    return status == Status::ok;
+  };
+  CHECK(opens([](ModelBuilder& b) { b.fields[1].scale[0] = 1e6f / 40000; }));
+  CHECK_FALSE(opens([](ModelBuilder& b) { b.fields[1].scale[0] = 1e6f / 32000; }));
+  CHECK_FALSE(opens([](ModelBuilder& b) { b.fields[1].offset[2] = 3e38f; }));
+  CHECK_FALSE(opens([](ModelBuilder& b) { b.parameters[1].maximum = 1e7f; }));
+  CHECK_FALSE(opens([](ModelBuilder& b) { b.parameters[1].sd = 1e-30f; }));
+  CHECK_FALSE(opens([](ModelBuilder& b) { b.cascade[2].pivot[0] = -1e30f; }));
+  CHECK_FALSE(opens([](ModelBuilder& b) { b.fields[1].u1 = b.fields[1].u0 + 1e-7f; }));
+}
+
+TEST_CASE("a model that was never opened is refused where an object is made of it") {
+  alignas(Arena::kAlignment) unsigned char block[4096];
+  Arena arena(block, sizeof block);
+  const Model closed;
+  CHECK_FALSE(closed.is_open());
+  CHECK_FALSE(closed.is_on_surface({0.5f, 0.5f}));
+  CHECK(closed.find_parameter("jawOpen") == kNone);
+  Cascade cascade;
+  Fitter fitter;
+  FoldOverTest fold_over;
+  CHECK(create_in(arena, cascade, closed) == Status::bad_argument);
+  CHECK(create_in(arena, fitter, closed, FitLimits{}) == Status::bad_argument);
+  CHECK(create_in(arena, fold_over, closed) == Status::bad_argument);
+  CHECK(arena.used_bytes() == 0);
 }

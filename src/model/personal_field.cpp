@@ -1,0 +1,66 @@
+#include "model/personal_field.hpp"
+
+#include "model/field_sampling.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr std::uint16_t kMostSide = 256;
+constexpr float kMostSteps = 32767;  // of an int16 sample
+
+std::int16_t quantised(float value, float offset, float scale) {
+  const float steps = scale > 0 ? clamp((value - offset) / scale, -kMostSteps, kMostSteps) : 0.0f;
+  return static_cast<std::int16_t>(steps < 0 ? steps - 0.5f : steps + 0.5f);
+}
+
+}  // namespace
+
+void PersonalField::lay_out(Arena& arena, const PersonalFieldLimits& limits) {
+  limits_ = limits;
+  const bool has_room =
+      limits.width >= 2 && limits.height >= 2 && limits.width <= kMostSide && limits.height <= kMostSide;
+  samples_ = has_room ? arena.take<std::int16_t>(std::size_t{3} * limits.width * limits.height) : nullptr;
+}
+
+void PersonalField::Range::include(Vec3 v) {
+  const float c[3] = {v.x, v.y, v.z};
+  for (int k = 0; k < 3; ++k) {
+    low[k] = min(low[k], c[k]);
+    high[k] = max(high[k], c[k]);
+  }
+}
+
+void PersonalField::set_range(const Range& range) {
+  field_ = {};
+  field_.width = limits_.width;
+  field_.height = limits_.height;
+  field_.components = 3;
+  field_.bits = 16;
+  field_.u1 = field_.v1 = 1;
+  for (int c = 0; c < 3; ++c) {
+    field_.offset[c] = 0.5f * (range.low[c] + range.high[c]);
+    field_.scale[c] = (range.high[c] - field_.offset[c]) / kMostSteps;
+  }
+}
+
+void PersonalField::set_sample(std::size_t i, std::size_t j, Vec3 difference) {
+  std::int16_t* const to = samples_ + 3 * (j * limits_.width + i);
+  const float value[3] = {difference.x, difference.y, difference.z};
+  for (int c = 0; c < 3; ++c) to[c] = quantised(value[c], field_.offset[c], field_.scale[c]);
+}
+
+Vec3 PersonalField::sample(const Model& model, Vec2 uv, Interpolation interpolation, Vec3* du,
+                           Vec3* dv) const {
+  const Vec3 rest = sample_field(model.samples(), model.fields()[root_], uv, interpolation, du, dv);
+  Vec3 added_u, added_v;
+  const Vec3 added = sample_field(reinterpret_cast<const std::uint8_t*>(samples_), field_, uv, interpolation,
+                                  du == nullptr ? nullptr : &added_u, &added_v);
+  if (du != nullptr) {
+    *du = *du + added_u;
+    *dv = *dv + added_v;
+  }
+  return rest + added;
+}
+
+}  // namespace pliant

@@ -1,0 +1,46 @@
+#pragma once
+// Surface points straight from the tables, at one q: visits only the records that change something there.
+#include "model/cascade_plan.hpp"
+#include "model/personal_field.hpp"
+#include "pliant/cascade.hpp"
+
+namespace pliant {
+
+/// One value a record: scratch of an evaluation.
+struct RecordValues {
+  Vec3 *point = nullptr, *tangent_u = nullptr, *tangent_v = nullptr;
+};
+
+/// Where records read their fields.
+struct FieldSource {
+  const Model& model;
+  const PersonalField& person;
+  Interpolation interpolation;
+
+  /// The record's own sample (of its field, or of its weight field in x); zero when it has none.
+  Vec3 sample(const CascadeRecord& r, Vec2 uv, Vec3* du = nullptr, Vec3* dv = nullptr) const;
+};
+
+class RecordSelection {
+ public:
+  void lay_out(Arena& arena, std::size_t records, const RecordValues& values);
+
+  /// Lists, of the records that the plan needs, those that change something at q. `q` must stay unchanged.
+  /// \param slack_mm  vectors that move no point by more than this are not listed.
+  void select(const Model& model, const CascadePlan& plan, const float* q, float slack_mm);
+
+  /// Position, or position and tangents, of the plan's result at the selected q.
+  Vec3 point(const FieldSource& source, const CascadePlan& plan, Vec2 uv);
+  SurfaceFrame frame(const FieldSource& source, const CascadePlan& plan, Vec2 uv);
+
+ private:
+  void compute_frame(const FieldSource& source, std::size_t record, Vec2 uv);
+
+  std::uint16_t* listed_ = nullptr;
+  std::uint16_t* value_of_ = nullptr;  // a record: the listed record that has the same value
+  RecordValues values_;
+  const float* q_ = nullptr;
+  std::size_t count_ = 0;
+};
+
+}  // namespace pliant

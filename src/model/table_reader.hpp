@@ -1,0 +1,19 @@
+#pragma once
+// Reads and checks a model table (docs/model-format.md).
+#include "pliant/model.hpp"
+
+namespace pliant {
+
+/// Fills `contents` with pointers into the table at `data`.
+/// \pre `data` is a multiple of four.
+/// \return truncated, bad_magic, bad_version, bad_checksum, bad_table; `contents` is then as before.
+Status read_table(const void* data, std::size_t bytes, table::Contents* contents);
+
+/// Whether two names of a table are the same.
+bool same_name(const char* a, const char* b);
+
+inline bool in_unit(float x) {  // false for NaN
+  return x >= 0 && x <= 1;
+}
+
+}  // namespace pliant
