@@ -1,5 +1,5 @@
 // The ordering of the occlusion table on the built-in face (ALGORITHMS 6.5).
-#include "host/render/occlusion.hpp"
+#include "host/bench/occlusion_experiment.hpp"
 
 #include <doctest/doctest.h>
 

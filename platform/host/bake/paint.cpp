@@ -10,6 +10,7 @@
 #include "host/bake/source_error.hpp"
 #include "host/bake/text_table.hpp"
 #include "host/io/files.hpp"
+#include "host/io/numbers.hpp"
 
 namespace pliant::host::bake {
 

@@ -1,6 +1,6 @@
 // `pliant bench occlusion`: the table of ALGORITHMS 6.5 on a model of ours, with the estimator as it is.
 #include "host/bench/bench.hpp"
-#include "host/render/occlusion.hpp"
+#include "host/bench/occlusion_experiment.hpp"
 
 namespace pliant::host {
 

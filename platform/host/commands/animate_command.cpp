@@ -2,10 +2,11 @@
 // play (the paper, section 7).
 #include <filesystem>
 
-#include "host/io/animation_file.hpp"
+#include "host/render/animation_file.hpp"
 #include "host/commands/command.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/numbers.hpp"
 #include "host/render/photo_texture.hpp"
 #include "host/render/retarget.hpp"
 #include "host/render/shown_mesh.hpp"

@@ -1,21 +1,11 @@
 #include "host/commands/args.hpp"
 
-#include <charconv>
 #include <cmath>
 
 #include "host/io/failure.hpp"
+#include "host/io/numbers.hpp"
 
 namespace pliant::host {
-
-std::optional<double> parse_number(const std::string& text) {
-  double value = 0;
-  const char* first = text.data();
-  const char* last = first + text.size();
-  if (first != last && *first == '+') ++first;
-  const auto [end, error] = std::from_chars(first, last, value);
-  if (error != std::errc() || end != last || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
 
 Args::Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands,
            std::size_t optional) {

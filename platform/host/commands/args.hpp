@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pliant/geometry.hpp"
+#include "host/io/image.hpp"
 
 namespace pliant::host {
 
@@ -16,10 +16,6 @@ struct Option {
   const char* help;
   bool in_this_build = true;  ///< false: known, but refused by name
   bool may_repeat = false;
-};
-
-struct ImageSize {
-  int width = 0, height = 0;
 };
 
 /// A command line split into positional words and options. Every fault is bad usage (failure.hpp).
@@ -51,8 +47,5 @@ class Args {
   std::vector<std::string> operands_;
   std::map<std::string, std::vector<std::string>> values_;
 };
-
-/// The finite number that `text` spells, whole and in decimal; nothing otherwise.
-std::optional<double> parse_number(const std::string& text);
 
 }  // namespace pliant::host

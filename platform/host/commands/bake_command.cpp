@@ -6,6 +6,7 @@
 #include "host/commands/command.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/numbers.hpp"
 
 namespace pliant::host {
 

@@ -1,9 +1,11 @@
 // `pliant fit`: shape and pose of a model in one picture.
+#include "host/commands/calibration_option.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/image_fit.hpp"
 #include "host/io/calibration.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/numbers.hpp"
 #include "host/io/owned.hpp"
 #include "host/render/overlay.hpp"
 #include "host/render/photo_texture.hpp"

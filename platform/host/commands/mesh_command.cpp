@@ -8,6 +8,7 @@
 #include "host/io/fit_file.hpp"
 #include "host/io/image.hpp"
 #include "host/commands/mesh_curve.hpp"
+#include "host/io/numbers.hpp"
 #include "host/render/mesh_figure.hpp"
 #include "host/io/mesh_files.hpp"
 #include "host/render/shown_mesh.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "host/commands/calibration_option.hpp"
 #include "host/io/calibration.hpp"
 #include "host/commands/command.hpp"
 #include "host/io/failure.hpp"

@@ -3,12 +3,13 @@
 #include <memory>
 #include <numeric>
 
-#include "host/io/calibration.hpp"
+#include "host/commands/calibration_option.hpp"
 #include "host/commands/command.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/numbers.hpp"
 #include "host/render/overlay.hpp"
-#include "host/render/render_grid.hpp"
+#include "host/commands/render_grid.hpp"
 #include "host/render/scene.hpp"
 #include "host/commands/image_fit.hpp"
 #include "host/io/track_table.hpp"

@@ -12,7 +12,7 @@
 #include "host/commands/track_output.hpp"
 #include "host/commands/track_run.hpp"
 #include "host/commands/tracker_limits.hpp"
-#include "host/io/calibration.hpp"
+#include "host/commands/calibration_option.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/interrupt.hpp"

@@ -6,6 +6,7 @@
 
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/numbers.hpp"
 
 namespace pliant::host {
 
@@ -204,17 +205,6 @@ Lens lens_of(const Camera& camera, const ImageSize& size) {
   Lens lens;
   require(Lens::make(camera, size.width, size.height, &lens), "camera");
   return lens;
-}
-
-std::optional<Camera> calibration_of(const Args& args, const ImageSize& size, std::ostream& err) {
-  const auto path = args.text("--calibration");
-  if (!path) return std::nullopt;
-  if (args.has("--focal")) fail_usage("--calibration and --focal exclude each other");
-  const Calibration calibration = parse_calibration(*path, read_file(*path, std::size_t{1} << 20), size);
-  if (calibration.off_px > 0.1f)
-    err << *path << ": brought down to two radial coefficients; up to "
-        << number_text(static_cast<double>(std::round(100 * calibration.off_px) / 100)) << " px off\n";
-  return calibration.camera;
 }
 
 }  // namespace pliant::host

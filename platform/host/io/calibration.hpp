@@ -1,11 +1,9 @@
 #pragma once
 /// \file calibration.hpp
 /// Known intrinsics and lens, as OpenCV's calibration writes them.
-#include <optional>
-#include <ostream>
 #include <string>
 
-#include "host/commands/args.hpp"
+#include "host/io/image.hpp"
 #include "pliant/lens.hpp"
 
 namespace pliant::host {
@@ -21,10 +19,6 @@ struct Calibration {
 /// k2 is brought down to two coefficients by least squares over the picture. Bad input, with the reason, for anything
 /// else; a lens that cannot be undone; or one that two coefficients describe worse than to a hundredth of the width.
 Calibration parse_calibration(const std::string& source, const std::string& text, const ImageSize& size);
-
-/// What --calibration names, if it is there; says on `err` when two coefficients are off by more than a tenth of a pixel. Bad
-/// usage together with --focal.
-std::optional<Camera> calibration_of(const Args& args, const ImageSize& size, std::ostream& err);
 
 /// The lens of a camera whose pictures have this size. Bad input when there can be no such lens.
 Lens lens_of(const Camera& camera, const ImageSize& size);

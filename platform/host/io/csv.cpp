@@ -1,7 +1,7 @@
 #include "host/io/csv.hpp"
 
-#include "host/commands/args.hpp"
 #include "host/io/failure.hpp"
+#include "host/io/numbers.hpp"
 
 namespace pliant::host {
 

@@ -103,10 +103,4 @@ ModelFile::ModelFile(const std::string& path) : path_(path), bytes_(path) {
   require(Model::open(bytes_.data(), bytes_.size_bytes(), &model_), path);
 }
 
-std::string number_text(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.9g", value + 0.0);  // no "-0"
-  return text;
-}
-
 }  // namespace pliant::host

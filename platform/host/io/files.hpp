@@ -88,8 +88,4 @@ class ModelFile {
   Model model_;
 };
 
-/// A number as it is written into files that are read again: nine significant digits, the shortest that keep
-/// a float.
-std::string number_text(double value);
-
 }  // namespace pliant::host

@@ -5,6 +5,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/json.hpp"
+#include "host/io/numbers.hpp"
 #include "pliant/lens.hpp"
 
 namespace pliant::host {

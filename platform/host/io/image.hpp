@@ -9,6 +9,11 @@
 
 namespace pliant::host {
 
+/// Pixels.
+struct ImageSize {
+  int width = 0, height = 0;
+};
+
 struct Colour {
   std::uint8_t r = 0, g = 0, b = 0;
 };

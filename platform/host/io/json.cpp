@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "host/io/failure.hpp"
-#include "host/io/files.hpp"
+#include "host/io/numbers.hpp"
 
 namespace pliant::host {
 

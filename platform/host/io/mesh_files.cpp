@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "host/io/glb.hpp"
-#include "host/render/level_tints.hpp"
+#include "host/io/level_tints.hpp"
 
 namespace pliant::host {
 

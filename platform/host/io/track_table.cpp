@@ -7,7 +7,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/fit_file.hpp"
-#include "host/render/overlay.hpp"
+#include "host/io/numbers.hpp"
 #include "pliant/camera.hpp"
 
 namespace pliant::host {
@@ -60,6 +60,18 @@ std::vector<Target> targets(const CsvTable& table, const Model& model, std::vect
 }
 
 }  // namespace
+
+const char* state_text(TrackState state) {
+  switch (state) {
+    case TrackState::tracking:
+      return "tracking";
+    case TrackState::degraded:
+      return "degraded";
+    case TrackState::lost:
+      return "lost";
+  }
+  return "lost";
+}
 
 std::string track_header(const Model& model, const std::vector<std::string>& point_names) {
   std::string line;

@@ -24,6 +24,9 @@ struct TrackRow {
   std::vector<std::optional<Vec2>> points;  ///< landmarks and markers; empty cells where there is none
 };
 
+/// The state as the table spells it: tracking, degraded or lost.
+const char* state_text(TrackState state);
+
 /// The header: the fixed columns, a parameter each, then x_NAME,y_NAME for each point name.
 std::string track_header(const Model& model, const std::vector<std::string>& point_names);
 /// One row. When lost, pose, parameters and points are empty; nothing is ever NaN.

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "host/render/draw.hpp"
-#include "host/render/level_tints.hpp"
+#include "host/io/level_tints.hpp"
 #include "host/render/raster.hpp"
 #include "host/render/surface_sheet.hpp"
 

@@ -114,16 +114,4 @@ void Overlay::draw_state(TrackState state) {
                                               : kBad);
 }
 
-const char* state_text(TrackState state) {
-  switch (state) {
-    case TrackState::tracking:
-      return "tracking";
-    case TrackState::degraded:
-      return "degraded";
-    case TrackState::lost:
-      return "lost";
-  }
-  return "lost";
-}
-
 }  // namespace pliant::host

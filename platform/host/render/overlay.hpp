@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "host/commands/args.hpp"
 #include "host/render/draw.hpp"
 #include "host/io/fit_file.hpp"
 #include "pliant/estimator.hpp"
@@ -53,7 +52,5 @@ class Overlay {
   int scale_;
   Image image_;
 };
-
-const char* state_text(TrackState state);
 
 }  // namespace pliant::host

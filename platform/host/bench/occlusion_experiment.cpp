@@ -1,4 +1,4 @@
-#include "host/render/occlusion.hpp"
+#include "host/bench/occlusion_experiment.hpp"
 
 #include <algorithm>
 #include <memory>

@@ -1,4 +1,4 @@
-#include "host/render/render_grid.hpp"
+#include "host/commands/render_grid.hpp"
 
 #include <algorithm>
 

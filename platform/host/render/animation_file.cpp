@@ -1,4 +1,4 @@
-#include "host/io/animation_file.hpp"
+#include "host/render/animation_file.hpp"
 
 #include <cstdio>
 #include <filesystem>

@@ -1,0 +1,25 @@
+#include "host/io/numbers.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+namespace pliant::host {
+
+std::optional<double> parse_number(std::string_view text) {
+  double value = 0;
+  const char* first = text.data();
+  const char* last = first + text.size();
+  if (first != last && *first == '+') ++first;
+  const auto [end, error] = std::from_chars(first, last, value);
+  if (error != std::errc() || end != last || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::string number_text(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.9g", value + 0.0);  // + 0.0: no "-0"
+  return text;
+}
+
+}  // namespace pliant::host
