@@ -1,0 +1,464 @@
+#!/usr/bin/env python3
+"""Measures the library and writes the tables of docs/evaluation.md.
+
+usage: python3 tests/bench/evaluate.py [--only SECTION,...] [--long] [--build FOLDER] [--data FOLDER]
+                                       [--klt-pairs FOLDER] [--fit-problems FOLDER] [--list]
+  --only SECTION,...   renew these sections and keep the others (all)
+  --long               also what takes more than a few minutes: Figure 9 on the recorded face, the second model
+  --build FOLDER       a release build (build/release); what is missing in it is built
+  --data FOLDER        recorded faces; else the environment's PLIANT_DATA
+  --klt-pairs FOLDER   pairs of pictures with known motion (pliant bench klt --pairs)
+  --fit-problems FOLDER   fitting problems with their optima (pliant bench fit --problems)
+  --list               print the names of the sections
+
+Python's standard library is enough. A section whose data or tools are missing keeps the table it has, or says what is
+missing. The rest of the document is left as it is: only what stands between <!-- measured: NAME --> and
+<!-- end of NAME --> is replaced. Takes about ten minutes on an idle machine without --long.
+"""
+import argparse
+import csv
+import io
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+import score
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+DOCUMENT = os.path.join(ROOT, 'docs', 'evaluation.md')
+
+
+class Missing(Exception):
+    """Data or a tool that a section needs is not there."""
+
+
+class Setup:
+    def __init__(self, options, work):
+        self.options = options
+        self.work = work
+        self.build = os.path.abspath(os.path.join(ROOT, options.build))
+        self.pliant = os.path.join(self.build, 'pliant')
+        self.data = options.data
+        self.face = os.path.join(work, 'face.plm')
+
+    def path(self, name):
+        return os.path.join(self.work, name)
+
+    def program(self, name):
+        """A program of tests/bench, built when it is not there or older than its source."""
+        path = os.path.join(self.build, 'tests', name)
+        if run(['cmake', '--build', self.build, '--target', name], must=False).returncode != 0 or not os.path.exists(path):
+            raise Missing('the program %s, which this build leaves out' % name)
+        return path
+
+    def pliant_output(self, *words):
+        return run([self.pliant, *words]).stdout
+
+
+def run(command, must=True, stdin=None, cwd=None):
+    result = subprocess.run(command, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=cwd)
+    if must and result.returncode != 0:
+        tail = (result.stderr.strip().splitlines() or ['no message'])[-1]
+        raise Missing('`%s` failed: %s' % (os.path.basename(command[0]) + ' ' + ' '.join(command[1:3]), tail))
+    return result
+
+
+def tool(name):
+    if shutil.which(name) is None:
+        raise Missing('the program %s' % name)
+    return name
+
+
+def folder(path, what):
+    if not path or not os.path.isdir(path):
+        raise Missing(what)
+    return path
+
+
+# --- Tables ---
+
+def number(text):
+    """Four significant digits; words as they are."""
+    try:
+        value = float(text)
+    except ValueError:
+        return text
+    if value == int(value) and abs(value) < 1e15:
+        return str(int(value))
+    return '%.4g' % value if abs(value) < 1000 else '%.0f' % value
+
+
+def table(header, rows, left=1):
+    lines = ['| ' + ' | '.join(header) + ' |',
+             '|' + '|'.join('---' if i < left else '---:' for i in range(len(header))) + '|']
+    lines += ['| ' + ' | '.join(str(cell) for cell in row) + ' |' for row in rows]
+    return '\n'.join(lines)
+
+
+def bench_rows(text):
+    """(variant, metric, value) of the rows that `pliant bench` prints."""
+    return [(r['variant'], r['metric'], r['value']) for r in csv.DictReader(io.StringIO(text))]
+
+
+def pivot(rows, first='variant', keep=None):
+    """A row a variant, a column a metric."""
+    variants = list(dict.fromkeys(v for v, _, _ in rows))
+    metrics = [m for m in dict.fromkeys(m for _, m, _ in rows) if keep is None or m in keep]
+    values = {(v, m): x for v, m, x in rows}
+    variants = [v for v in variants if any((v, m) in values for m in metrics)]
+    return table([first] + [m.replace('_', ' ') for m in metrics],
+                 [[v.replace('_', ' ')] + [number(values.get((v, m), '')) for m in metrics] for v in variants])
+
+
+def pairs_of(line):
+    return dict(word.split('=', 1) for word in line.split() if '=' in word)
+
+
+def command_block(*lines):
+    return '\n'.join('    ' + line for line in lines)
+
+
+# --- Sections ---
+
+def machine(s):
+    model = platform.processor() or platform.machine()
+    try:
+        with open('/proc/cpuinfo') as file:
+            model = re.search(r'model name\s*:\s*(.*)', file.read()).group(1)
+    except (OSError, AttributeError):
+        pass
+    with open(os.path.join(s.build, 'CMakeCache.txt')) as cache:
+        compiler = re.search(r'^CMAKE_CXX_COMPILER:[A-Z]+=(.*)$', cache.read(), re.M).group(1)
+    version = run([compiler, '--version']).stdout.splitlines()[0]
+    load = os.getloadavg()[0] if hasattr(os, 'getloadavg') else 0
+    rows = [['processor', model], ['cores', os.cpu_count()], ['load when this began', '%.1f' % load],
+            ['system', '%s %s' % (platform.system(), platform.machine())], ['compiler', version],
+            ['build', 'CMake preset `release`'], ['library', run([s.pliant, '--version']).stdout.strip()]]
+    return table(['', ''], rows, 2)
+
+
+def demo(s):
+    out = run(['sh', os.path.join(ROOT, 'fixtures', 'demo.sh')]).stdout
+    rows = [re.split(r'\s{2,}', line.strip(), maxsplit=1) for line in out.splitlines()
+            if re.match(r'^[a-z ]+\s{2,}\S', line)]
+    return command_block('sh fixtures/demo.sh') + '\n\n' + table(['', ''], rows)
+
+
+def franck_points(s, kind, first, count):
+    """Writes start, markers and truth of the recorded face; gives their paths."""
+    base = folder(s.data and os.path.join(s.data, 'franck'), 'the recorded face (folder `franck` in PLIANT_DATA)')
+    ibug = {}
+    with open(os.path.join(base, 'fgnet68_to_ict.csv')) as file:
+        for row in csv.reader(file):
+            if row and not row[0].startswith('#'):
+                ibug[int(row[0])] = 'ibug%02d' % int(row[1])
+    paths = {name: s.path('%s_%s.csv' % (kind, name)) for name in ('points', 'markers', 'truth')}
+    with open(os.path.join(base, 'points_%s.csv' % kind)) as file, open(paths['points'], 'w') as points, \
+            open(paths['markers'], 'w') as markers, open(paths['truth'], 'w') as truth:
+        points.write('landmark,x,y\n')
+        markers.write('landmark,x,y\n')
+        truth.write('frame,landmark,x,y\n')
+        for row in list(csv.reader(file))[1:]:
+            k = int(row[0]) - first
+            if not 0 <= k < count:
+                continue
+            for i in range(68):
+                x, y = row[1 + 2 * i], row[2 + 2 * i]
+                truth.write('%d,fgnet%02d,%s,%s\n' % (k, i, x, y))
+                if i in ibug:
+                    truth.write('%d,%s,%s,%s\n' % (k, ibug[i], x, y))
+                if k == 0 and i in ibug:
+                    points.write('%s,%s,%s\n' % (ibug[i], x, y))
+                if k == 0 and i > 14 and i not in (31, 36):  # neither the sliding outline of the cheeks nor the pupils
+                    markers.write('fgnet%02d,%s,%s\n' % (i, x, y))
+    return base, paths
+
+
+def franck_film(s, kind, base, frames):
+    film = s.path(kind + '.y4m')
+    if not os.path.exists(film):
+        source = ['-i', os.path.join(base, 'franck.mp4')] if kind == 'mp4' else \
+            ['-framerate', '25', '-i', os.path.join(base, 'frames', 'franck_%05d.jpg')]
+        run([tool('ffmpeg'), '-loglevel', 'error', '-y', *source, '-frames:v', str(frames), '-f', 'yuv4mpegpipe', '-pix_fmt', 'gray',
+             film])
+    return film
+
+
+SEQUENCES = (('original', 500, 'originals 0-499, 720x576', '8'), ('mp4', 2400, 'video 0-2399, 360x288', '4'))
+
+
+def track_recorded(s, model, kind, frames, exclusion, extra=()):
+    base, paths = franck_points(s, kind, 0, frames)
+    film = franck_film(s, kind, base, frames)
+    out = s.path('track.csv')
+    with_markers = exclusion is not None
+    words = ['track', model, '--frames', film, '--init', paths['points'], '--out', out, *extra]
+    words += ['--markers', paths['markers'], '--marker-exclusion-px', exclusion] if with_markers else ['--landmarks']
+    summary = pairs_of(run([s.pliant, *words]).stdout.strip().splitlines()[-1])
+    measures = score.score(score.read_track(out), score.read_truth(paths['truth']), 'fgnet' if with_markers else 'ibug')
+    return summary, measures
+
+
+def recorded_rows(s, model, label):
+    rows = []
+    for with_markers in (False, True):
+        for kind, frames, name, exclusion in SEQUENCES:
+            summary, m = track_recorded(s, model, kind, frames, exclusion if with_markers else None)
+            rows.append([label, name, '%d %s' % (m['points'], 'markers, exclusion %s px' % exclusion if with_markers else 'landmarks'),
+                         '%d of %d' % (m['tracking'], m['frames']), '%.2f' % m['nme'], '%.2f' % m['nme_p95'], '%.2f' % m['nme_last_100'],
+                         '%.2f' % m['mouth_correlation'] if 'mouth_correlation' in m else '', '%.2f' % m['trembling_px'],
+                         summary.get('median_ms', ''), summary.get('arena_bytes', ''), summary.get('peak_kib', '')])
+    return rows
+
+
+RECORDED_HEADER = ['model', 'sequence', 'points', 'in tracking', 'NME %', 'at 95 %', 'last 100', 'mouth', 'trembling px', 'ms a frame',
+                   'arena bytes', 'process KiB']
+
+
+def recorded(s):
+    rows = recorded_rows(s, s.face, 'built-in')
+    if s.options.long:
+        ict = os.path.join(s.data or '', 'ict')
+        if os.path.exists(os.path.join(ict, 'to_obj.py')):
+            source, model = s.path('ict'), s.path('ict.plm')
+            run([sys.executable, os.path.join(ict, 'to_obj.py'), source], cwd=ict)
+            run([s.pliant, 'bake', source, '-o', model, '--unit', '10'])
+            rows += recorded_rows(s, model, 'ICT-FaceKit, 155 parameters')
+    text = [command_block('ffmpeg -i franck.mp4 -frames:v 2400 -f yuv4mpegpipe -pix_fmt gray - |',
+                          '  pliant track face.plm --frames - --init points.csv --landmarks --out track.csv',
+                          'python3 tests/bench/score.py track.csv truth.csv ibug'),
+            '', table(RECORDED_HEADER, rows, 3), '']
+    try:
+        floor = s.program('tracking_floor')
+        _, paths = franck_points(s, 'mp4', 0, 2400)
+        lines = run([floor, s.face, '360x288', paths['points'], paths['truth'], paths['markers']]).stdout.splitlines()
+        text += ['Lower limit: the model fitted to the annotated points of every frame of the video, identity from frame 0 '
+                 '(`tracking_floor`).', '',
+                 table(['points', 'NME %'], [['%s %s' % (pairs_of(l)['points'], l.split(':')[0]), '%.2f' % float(pairs_of(l)['nme'])]
+                                             for l in lines])]
+    except Missing:
+        pass
+    return '\n'.join(text)
+
+
+def recorded_variants(s):
+    variants = (('default', ()), ('patches only', ('--cues', 'patch')), ('patches and flow', ('--cues', 'patch,flow')),
+                ('patches and edges', ('--cues', 'patch,edge')), ('expression constant', ('--freeze', 'expression')),
+                ('identity estimated too', ('--refine-identity',)))
+    rows = []
+    for name, extra in variants:
+        try:
+            row = [name]
+            for kind, frames, _, _ in SEQUENCES:
+                summary, m = track_recorded(s, s.face, kind, frames, None, extra)
+                row += ['%.2f' % m['nme'], '%.2f' % m['mouth_correlation'], '%.2f' % m['mouth_error_px'], summary.get('median_ms', '')]
+            rows.append(row)
+        except Missing as reason:
+            if not rows:
+                raise
+            print('  left out: %s: %s' % (name, reason), file=sys.stderr)
+    header = ['configuration'] + ['%s, %s' % (size, what) for size in ('720x576', '360x288') for what in ('NME %', 'mouth', 'mouth px', 'ms')]
+    return table(header, rows)
+
+
+def figure9_tables(text):
+    out = []
+    for part in text.split('\n# ')[1:]:
+        title, *lines = part.strip().splitlines()
+        split = next(i for i, line in enumerate(lines) if line.startswith('claim,'))
+        out.append('**%s**\n' % title.capitalize())
+        cells = [line.split(',') for line in lines[:split]]
+        out.append(table([c.replace('_', ' ') for c in cells[0]], [[number(c) for c in row] for row in cells[1:]]) + '\n')
+        claims = [line.split(',') for line in lines[split:] if line.count(',') >= 4 and not line.startswith('contour / ')]
+        ratios = [line for line in lines[split:] if line.startswith('contour / ')]
+        out.append(table([c.replace('_', ' ') for c in claims[0]], [[number(c) for c in row] for row in claims[1:]], 2) + '\n')
+        out += [line + '.\n' for line in ratios]
+    return '\n'.join(out)
+
+
+def figure9(s):
+    program = s.program('figure9')
+    text = command_block('tests/figure9 face.plm FOLDER 900') + '\n\n' + figure9_tables(run([program, s.face, s.work, '900']).stdout)
+    plot = s.path('figure9_rendered_vertices.svg')
+    if os.path.exists(plot):
+        shutil.copy(plot, os.path.join(ROOT, 'fixtures', 'pictures', 'figure9.svg'))
+    return text.rstrip()
+
+
+def figure9_recorded(s):
+    program = s.program('figure9')
+    base, paths = franck_points(s, 'mp4', 0, 1800)
+    film = franck_film(s, 'mp4', base, 2400)
+    out = run([program, s.face, s.work, '900', film, '2', paths['points'], paths['markers'], paths['truth']]).stdout
+    return command_block('tests/figure9 face.plm FOLDER 900 film.y4m 2 points.csv markers.csv truth.csv') + '\n\n' + figure9_tables(out).rstrip()
+
+
+def mesh_table(s):
+    return command_block('pliant mesh face.plm --curve') + '\n\n' + s.pliant_output('mesh', s.face, '--curve').strip()
+
+
+def bench(topic, *words, keep=None, first='variant'):
+    def measure(s):
+        rows = bench_rows(s.pliant_output('bench', topic, *(w.replace('FACE', s.face) for w in words)))
+        shown = ' '.join(w.replace('FACE', 'face.plm') for w in words)
+        return command_block(('pliant bench %s %s' % (topic, shown)).strip()) + '\n\n' + pivot(rows, first, keep)
+    return measure
+
+
+def mesh_operations(s):
+    rows = bench_rows(s.pliant_output('bench', 'mesh', '--model', s.face))
+    lines = [[v.replace('_', ' '), m.replace('_', ' '), number(x)] for v, m, x in rows]
+    return command_block('pliant bench mesh --model face.plm') + '\n\n' + table(['operation', 'measure', 'value'], lines, 2)
+
+
+def klt(s):
+    pairs = folder(s.options.klt_pairs, 'pairs of pictures with known motion (--klt-pairs)')
+    rows = bench_rows(s.pliant_output('bench', 'klt', '--pairs', pairs))
+    return command_block('pliant bench klt --pairs FOLDER') + '\n\n' + pivot(rows)
+
+
+def fit(s):
+    problems = folder(s.options.fit_problems, 'fitting problems with their optima (--fit-problems)')
+    rows = bench_rows(s.pliant_output('bench', 'fit', '--problems', problems))
+    return command_block('pliant bench fit --problems FOLDER') + '\n\n' + pivot(rows)
+
+
+def memory(s):
+    columns, names = {}, []
+    for profile in ('s', 'm', 'l'):
+        result = run([s.pliant, 'plan', s.face, '--profile', profile], must=False)
+        if result.returncode != 0:
+            continue
+        for line in result.stdout.splitlines():
+            found = re.match(r'^(?:  )?(.+?)\s{2,}(\d+)$', line)
+            if found is None:
+                continue
+            name = found.group(1)
+            if name not in names:
+                names.append(name)
+            columns.setdefault(profile, {})[name] = found.group(2)
+    if not columns:
+        raise Missing('`pliant plan`')
+    rows = [[n] + [columns[p].get(n, '') for p in columns] for n in names]
+    return command_block('pliant plan face.plm --profile s') + '\n\n' + \
+        table(['bytes'] + ['profile %s' % p.upper() for p in columns], rows)
+
+
+def work(s):
+    parts = []
+    for profile in ('s', 'l'):
+        lines = s.pliant_output('plan', s.face, '--profile', profile).splitlines()
+        rows = [re.split(r'\s{2,}', line.strip()) for line in lines]
+        rows = [r for r in rows if len(r) == 4 and r[1].isdigit()]
+        parts += ['Profile %s:' % profile.upper(), '', table(['a frame', 'usually', 'at most', 'operations each'], rows), '']
+    return command_block('pliant plan face.plm --profile s') + '\n\n' + '\n'.join(parts).rstrip()
+
+
+def sizes(s):
+    out = run(['sh', os.path.join(ROOT, 'tests', 'target', 'sizes.sh')], must=False).stdout
+    lines = out.splitlines()
+    if sum(line.startswith('| ') for line in lines) < 2:
+        raise Missing('built targets (sh tests/run.sh --targets)')
+    return command_block('sh tests/run.sh --targets', 'sh tests/target/sizes.sh') + '\n\n' + \
+        '\n'.join(l for l in lines if l.startswith('|')) + '\n' + ''.join('\n%s.' % l.rstrip('.') for l in lines if l and not l.startswith('|'))
+
+
+# name -> (function, only with --long)
+SECTIONS = {
+    'machine': (machine, False),
+    'demo': (demo, False),
+    'recorded': (recorded, False),
+    'recorded-variants': (recorded_variants, False),
+    'track': (bench('track', '--model', 'FACE', keep=None), False),
+    'cost': (bench('cost', '--model', 'FACE'), False),
+    'cues': (bench('cues', '--model', 'FACE'), False),
+    'drift': (bench('drift', '--model', 'FACE'), False),
+    'occlusion': (bench('occlusion', '--model', 'FACE'), False),
+    'mcd': (bench('mcd'), False),
+    'fit': (fit, False),
+    'klt': (klt, False),
+    'fields': (bench('fields', '--model', 'FACE'), False),
+    'mesh-table': (mesh_table, False),
+    'mesh-operations': (mesh_operations, False),
+    'figure9': (figure9, False),
+    'figure9-recorded': (figure9_recorded, True),
+    'memory': (memory, False),
+    'work': (work, False),
+    'sizes': (sizes, False),
+}
+
+
+def replace_block(text, name, content):
+    begin, end = '<!-- measured: %s -->' % name, '<!-- end of %s -->' % name
+    first, last = text.find(begin), text.find(end)
+    if first < 0 or last < first:
+        raise SystemExit('evaluate.py: docs/evaluation.md has no place for %s' % name)
+    return text[:first + len(begin)] + '\n\n' + content.strip('\n') + '\n\n' + text[last:]
+
+
+def block(text, name):
+    found = re.search('<!-- measured: %s -->\n*(.*?)\n*<!-- end of %s -->' % (name, name), text, re.S)
+    return found.group(1) if found else ''
+
+
+def revision():
+    result = run(['git', '-C', ROOT, 'rev-parse', '--short', 'HEAD'], must=False)
+    return result.stdout.strip() if result.returncode == 0 else ''
+
+
+def parse(words):
+    parser = argparse.ArgumentParser(usage=__doc__.split('usage: ')[1].split('\n\nPython')[0])
+    parser.add_argument('--only')
+    parser.add_argument('--long', action='store_true')
+    parser.add_argument('--build', default='build/release')
+    parser.add_argument('--data', default=os.environ.get('PLIANT_DATA'))
+    parser.add_argument('--klt-pairs')
+    parser.add_argument('--fit-problems')
+    parser.add_argument('--list', action='store_true')
+    return parser.parse_args(words)
+
+
+def main(words):
+    options = parse(words)
+    if options.list:
+        print('\n'.join(SECTIONS))
+        return 0
+    wanted = options.only.split(',') if options.only else [n for n, (_, is_long) in SECTIONS.items() if options.long or not is_long]
+    unknown = [name for name in wanted if name not in SECTIONS]
+    if unknown:
+        sys.exit('evaluate.py: no such section: %s' % ', '.join(unknown))
+    os.environ['LC_ALL'] = 'C'
+    stamp = 'Measured %s%s.' % (time.strftime('%Y-%m-%d', time.gmtime()), ', revision ' + revision() if revision() else '')
+    with tempfile.TemporaryDirectory() as work:
+        s = Setup(options, work)
+        if not os.path.exists(s.pliant):
+            sys.exit('evaluate.py: no %s; build it first: cmake --preset release && cmake --build --preset release' % s.pliant)
+        run([s.pliant, 'bake', os.path.join(ROOT, 'fixtures', 'face'), '-o', s.face])
+        for k, name in enumerate(wanted):
+            print('%d of %d: %s' % (k + 1, len(wanted), name), file=sys.stderr, flush=True)
+            began = time.time()
+            with open(DOCUMENT) as file:
+                text = file.read()
+            try:
+                content = SECTIONS[name][0](s) + ('\n\n' + stamp if name != 'machine' else '')
+            except Missing as reason:
+                print('  not measured: %s' % reason, file=sys.stderr)
+                if block(text, name) and not block(text, name).startswith('Not measured'):
+                    continue
+                content = 'Not measured: %s is missing.' % str(reason)
+            except (ValueError, KeyError, StopIteration, AttributeError, IndexError) as fault:
+                print('  failed, kept as it is: %s: %s' % (type(fault).__name__, fault), file=sys.stderr)
+                continue
+            with open(DOCUMENT, 'w') as file:
+                file.write(replace_block(text, name, content))
+            print('  %.0f s' % (time.time() - began), file=sys.stderr)
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))
