@@ -90,7 +90,7 @@ def score(track, truth, prefix=''):
         'frames': len(truth), 'tracking': tracking, 'points': len(names), 'failed': len(bad),
         'mean_px': statistics.fmean(error.values()), 'nme': to_nme * statistics.fmean(error.values()),
         'nme_p95': to_nme * percentile(error.values(), 0.95), 'nme_last_100': to_nme * statistics.fmean(last) if last else float('nan'),
-        'trembling_px': trembling(error, names, lambda j: track[j][1]) - trembling(error, names, lambda j: truth[j]),
+        'trembling_px': max(0.0, trembling(error, names, lambda j: track[j][1]) - trembling(error, names, lambda j: truth[j])),
     }
     frames = sorted(error)
     estimated = first_pair(track[frames[0]][1], MOUTH)
