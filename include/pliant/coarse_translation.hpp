@@ -1,6 +1,6 @@
 #pragma once
 /// \file coarse_translation.hpp
-/// Where a whole region of a small picture has gone: the first guess of a fast motion, and the way back after a loss.
+/// The image shift between two thumbnails: a first estimate of a fast motion, and of the position after a loss.
 #include "pliant/geometry.hpp"
 #include "pliant/pyramid.hpp"
 #include "pliant/status.hpp"
@@ -13,14 +13,17 @@ struct PixelBox {
 };
 
 struct CoarseTranslation {
-  Vec2 by;                ///< px of the pictures compared; sub-pixel by a parabola through the best
-  float correlation = 0;  ///< normalised, -1 to 1; 0 when nothing could be compared
+  Vec2 by;                ///< px of the images compared; sub-pixel by a parabola through the best
+  float correlation = 0;  ///< normalised cross-correlation, -1 to 1; 0 if nothing was compared
 };
 
-/// Finds the shift of `box` from `reference` to `current` that correlates best, within `range_px` each way. Only pixels that
-/// both pictures have take part, and a shift where fewer than half do is not considered. Pixels are taken at a
-/// spacing that leaves at most about 600 of them. Ties: the smaller shift. Sums are integers: the same bits everywhere.
-/// Cost: (2 range_px + 1)^2 x 600 multiply-adds. Pictures of different sizes or unreadable ones give no shift.
-CoarseTranslation find_coarse_translation(const ImageView& reference, const PixelBox& box, const ImageView& current, int range_px);
+/// Finds the shift of `box` from `reference` to `current` with the highest correlation, within `range_px` either way. The box is
+/// clipped to the image. Pixels are sampled at a spacing that leaves about 600 of them. A shift for which fewer than half of
+/// them lie in `current` is not considered. Of equal shifts the smaller is taken. Sums are integers: the bits are the same on
+/// every target.
+/// \return correlation 0 for images of different sizes, unreadable views, a box of fewer than 4 x 4 px, or a negative range.
+/// Cost: (range_px + 1)^2 * 600 multiply-adds.
+CoarseTranslation find_coarse_translation(const ImageView& reference, const PixelBox& box,
+                                          const ImageView& current, int range_px);
 
 }  // namespace pliant

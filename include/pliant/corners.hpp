@@ -1,9 +1,10 @@
 #pragma once
 /// \file corners.hpp
-/// Where a picture has texture in two directions: the points worth tracking (Shi and Tomasi, 1994).
+/// Corners: points of an image with texture in two directions, which can be tracked (Shi and Tomasi 1994;
+/// docs/algorithms.md, section 7.1).
 ///
 /// The measure is the smaller eigenvalue of the mean structure tensor over 7 x 7 pixels, in (grey/px)^2, of
-/// Scharr's gradients (3 10 3, divided by 32). Sums are integers; the bits are the same on every target.
+/// Scharr gradients (3 10 3, divided by 32). Sums are integers; the bits are the same on every target.
 #include <cstddef>
 #include <cstdint>
 
@@ -16,16 +17,16 @@ namespace pliant {
 
 /// Texture around one point.
 struct CornerScore {
-  float lambda_min = 0;  ///< eigenvalues of the mean structure tensor, (grey/px)^2; 0 when unknown
+  float lambda_min = 0;  ///< eigenvalues of the mean structure tensor, (grey/px)^2; 0 if unknown
   float lambda_max = 0;
   Vec2 direction;  ///< unit, of the strongest gradient (eigenvector of lambda_max), x >= 0; zero where flat
 };
 
-/// Pixels between a scored point and the border of the picture, at least.
+/// Smallest distance of a scored point from the border of the image, px.
 constexpr int kCornerMargin = 4;
 
-/// Texture around the pixel nearest to x. All zero for an unreadable view, a NaN, or a point nearer to the
-/// border than kCornerMargin. Cost: 49 gradients.
+/// The texture around the pixel nearest to x. All zero for an unreadable view, a NaN, or a point closer to the border than
+/// kCornerMargin. Cost: 49 gradients.
 CornerScore corner_score(const ImageView& image, Vec2 x);
 
 struct Corner {
@@ -33,12 +34,14 @@ struct Corner {
   float score = 0;  ///< lambda_min, (grey/px)^2
 };
 
+/// Which corners are chosen. The defaults are those of docs/algorithms.md, section 7.1, not tuned.
 struct CornerOptions {
-  int cell_px = 8;            ///< at most one corner in each square cell of this side; 2 to 128
-  float min_score = 4;        ///< lambda_min at least this, (grey/px)^2
-  float quality = 0.01f;      ///< and at least this share of the best in the picture; 0 to 1
-  float min_ratio = 0.05f;    ///< lambda_min / lambda_max at least this, so that edges are no corners
-  float min_distance_px = 8;  ///< between any two corners; 0 to 256
+  int cell_px = 8;        ///< side of a square cell with at most one corner, 2 to 128
+  float min_score = 4;    ///< smallest lambda_min, (grey/px)^2
+  float quality = 0.01f;  ///< smallest lambda_min as a fraction of the best in the image, 0 to 1
+  float min_ratio =
+      0.05f;  ///< smallest lambda_min / lambda_max, so that edges are not taken for corners, 0 to 1
+  float min_distance_px = 8;  ///< between any two corners, 0 to 256
 };
 
 /// Number of cells that cover `pixels`.
@@ -46,15 +49,15 @@ constexpr int corner_cells(int pixels, int cell_px) {
   return (pixels + cell_px - 1) / cell_px;
 }
 
-/// Bytes that `find_corners` takes from its scratch arena for a picture of this size, and gives back.
+/// Bytes that `find_corners` takes from its scratch arena for an image of this size and gives back. 0 for a bad argument.
 std::size_t corner_scratch_bytes(int width, int height, const CornerOptions& options);
 
-/// The best corners: local maxima of lambda_min over 3 x 3 pixels, the best of each cell, taken from the best
-/// downwards where no better one is within min_distance_px. Equal scores: lower y first, then lower x.
+/// Finds the best corners: of the local maxima of lambda_min over 3 x 3 pixels the best of each cell, best first, without
+/// those that are closer than min_distance_px to a better one. Of equal scores, lower y comes first, then lower x.
 /// \param allowed  empty, or one byte a cell, row by row (corner_cells wide and high): 0 forbids the cell.
-/// \param out      room for the corners; `count` says how many there are.
-/// \return bad_argument for an unreadable view, options out of range or a mask of another size; out_of_memory
-///         when `scratch` is too small; then `count` is as it was. A picture too small for a point gives none.
+/// \param out      room for the corners. \param count  set to their number; 0 for an image that is too small.
+/// \return `bad_argument` for an unreadable view, options out of range or a mask of another size; `out_of_memory` if
+///         `scratch` is too small; then `count` is as it was.
 /// Cost: about 60 operations a pixel of the box around the allowed cells.
 Status find_corners(const ImageView& image, const CornerOptions& options, Span<const std::uint8_t> allowed,
                     Arena& scratch, Span<Corner> out, int& count);

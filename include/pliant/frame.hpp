@@ -1,6 +1,6 @@
 #pragma once
 /// \file frame.hpp
-/// One camera picture, seen and not owned: the only thing the vision code takes from a camera or a file.
+/// A view of one camera frame: the only input that the vision code takes from a camera or a file.
 #include <cstddef>
 #include <cstdint>
 
@@ -8,7 +8,7 @@
 
 namespace pliant {
 
-/// A luma picture of 8 bits a pixel in somebody else's memory, valid until the `update` that takes it returns.
+/// A luma image of 8 bits a pixel in memory of the caller, which must stay valid until the call that takes the view returns.
 /// Row y, column x is data[y * stride_bytes + x * pixel_step_bytes]. A step of 1 (planar luma: YUV420, NV12, R8) is
 /// used in place; any other (2: packed YUYV) is copied into the first pyramid level.
 struct FrameView {
@@ -16,8 +16,8 @@ struct FrameView {
   int width = 0, height = 0;     ///< pixels
   std::size_t stride_bytes = 0;  ///< from one row to the next; at least (width - 1) * pixel_step_bytes + 1
   int pixel_step_bytes = 1;      ///< from one pixel to the next; 1 or 2
-  std::int64_t time_ns = 0;      ///< of exposure; any origin
-  std::uint32_t sequence = 0;    ///< number of the frame, modulo 2^32; gaps tell of dropped frames
+  std::int64_t time_ns = 0;      ///< time of exposure, from any origin
+  std::uint32_t sequence = 0;    ///< number of the frame, modulo 2^32; a gap means dropped frames
 };
 
 /// `ok` when the view can be read; `bad_argument` for a null pointer, an empty size or a stride that is too small.

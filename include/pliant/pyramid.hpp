@@ -1,6 +1,6 @@
 #pragma once
 /// \file pyramid.hpp
-/// A luma picture at full, half, quarter ... size, in an arena.
+/// A luma image at full, half, quarter ... size, in an arena.
 #include <cstddef>
 #include <cstdint>
 
@@ -10,7 +10,7 @@
 
 namespace pliant {
 
-/// 8-bit luma in somebody else's memory: row y, column x is data[y * stride + x]. Pixel centres at integers.
+/// An 8-bit luma image in memory that it does not own: row y, column x is data[y * stride + x]. Pixel centres at integers.
 struct ImageView {
   const std::uint8_t* data = nullptr;
   int width = 0, height = 0;  ///< pixels
@@ -24,17 +24,16 @@ inline Status check(const ImageView& v) {
                                                                                  : Status::bad_argument;
 }
 
-/// What a pyramid is made for. Its frames have exactly this size.
+/// Size and levels of a pyramid. Every frame has exactly this size.
 struct PyramidLimits {
   int width = 320, height = 240;  ///< pixels, 8 to 16384
   int levels = 3;                 ///< level 0 included, 1 to Pyramid::kMaxLevels
-  /// True: level 0 is a copy of the frame (width * height bytes more), which may then go away, and packed
-  /// frames (pixel_step_bytes 2) are accepted. False: level 0 is the caller's memory, which must outlive the
-  /// use of the pyramid.
+  /// True: level 0 is a copy of the frame (width * height bytes more), and packed frames (pixel_step_bytes 2) are accepted.
+  /// False: level 0 is the frame itself, which must stay valid while the pyramid is used.
   bool copies_frame = true;
 };
 
-/// Level l + 1 is level l smoothed by the binomial [1 4 6 4 1]^2 / 256 (borders reflected about the edge
+/// An image pyramid (docs/algorithms.md, section 7.1). Level l + 1 is level l smoothed by the binomial [1 4 6 4 1]^2 / 256 (borders reflected about the edge
 /// pixel, rounded to nearest) and decimated by 2; its size is half, rounded up, and the point x of level l
 /// lies at x / 2. Levels with a side below kMinSide are left out. Integers only. Bytes: 1.33 * width *
 /// height, without level 0 0.33 of it. Cost of `build`: about 8 operations a pixel of the frame.
@@ -47,19 +46,22 @@ class Pyramid {
   Pyramid(const Pyramid&) = delete;
   Pyramid& operator=(const Pyramid&) = delete;
 
-  /// `bad_argument` for limits out of range, `out_of_memory`; then nothing has changed.
+  /// Makes room. \return `bad_argument` for limits out of range, `out_of_memory`; then nothing has changed.
   Status create(Arena& arena, const PyramidLimits& limits);
+  /// The same without checks; an arena that measures only counts its bytes.
   void lay_out(Arena& arena, const PyramidLimits& limits);
 
-  /// Fills all levels from `frame`. `bad_argument` for an unreadable view (or a packed one, without
-  /// copies_frame), `size_mismatch` for another size, `not_ready` before `create`; then the levels are as
-  /// they were.
+  /// Fills all levels from `frame`. \return `bad_argument` for an unreadable view, or a packed one without copies_frame;
+  /// `size_mismatch` for another size; `not_ready` before `create`; then the levels are as they were.
   Status build(const FrameView& frame);
 
-  /// Levels there are: those asked for, less those that would be too small. 0 before the first `build`.
+  /// Number of levels: those asked for, less those with a side below kMinSide. 0 before the first `build`.
   int levels() const { return is_built_ ? levels_ : 0; }
-  /// Level `l` in 0 .. levels() - 1.
-  const ImageView& level(int l) const { return views_[l]; }
+  /// Level `l`. Precondition: 0 <= l < levels().
+  const ImageView& level(int l) const {
+    PLIANT_ASSERT(l >= 0 && l < levels());
+    return views_[l];
+  }
 
   /// Exchanges contents, memory included, in O(1): the current pyramid becomes the previous one.
   void swap(Pyramid& other);

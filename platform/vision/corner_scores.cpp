@@ -1,4 +1,3 @@
-// See corner_scores.hpp.
 #include "vision/corner_scores.hpp"
 
 #include <cstring>
@@ -8,8 +7,8 @@
 namespace pliant::corners {
 namespace {
 
-// Loops that read neighbours are without __restrict: told that nothing overlaps, Clang keeps values from one
-// turn to the next and then finds no vectors.
+// Loops that read neighbours are without __restrict: if told that nothing overlaps, Clang carries values over from one
+// iteration to the next and finds no vectors.
 
 using i16 = std::int16_t;
 using i32 = std::int32_t;
@@ -17,23 +16,17 @@ using i32 = std::int32_t;
 // 1 / (gain^2 * pixels): from sums to the mean squared gradient.
 constexpr float kMean = 1.0f / (32.0f * 32.0f * kWindow * kWindow);
 
-// Gradients of `n` pixels; a, b, c point at the pixel left of the first one in three rows. `down` has room
-// for n + 2.
-void scharr(const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c, int n, i16* down, i16* gx,
-            i16* gy) {
+// Gradients of `n` pixels. b points at the pixel left of the first one; `down` has room for n + 2.
+void scharr(const std::uint8_t* b, std::ptrdiff_t stride, int n, i16* down, i16* gx, i16* gy) {
+  const std::uint8_t *a = b - stride, *c = b + stride;
   for (int x = 0; x < n + 2; ++x) down[x] = static_cast<i16>(3 * (a[x] + c[x]) + 10 * b[x]);
   for (int x = 0; x < n; ++x) gx[x] = static_cast<i16>(down[x + 2] - down[x]);
   for (int x = 0; x < n; ++x)
     gy[x] = static_cast<i16>(3 * ((c[x] - a[x]) + (c[x + 2] - a[x + 2])) + 10 * (c[x + 1] - a[x + 1]));
 }
 
-void accumulate(const i16* __restrict gx, const i16* __restrict gy, int n, i32 sign, i32* __restrict xx,
-                i32* __restrict xy, i32* __restrict yy) {
-  for (int x = 0; x < n; ++x) {
-    xx[x] += sign * (i32{gx[x]} * gx[x]);
-    xy[x] += sign * (i32{gx[x]} * gy[x]);
-    yy[x] += sign * (i32{gy[x]} * gy[x]);
-  }
+void add_products(const i16* __restrict a, const i16* __restrict b, int n, i32 sign, i32* __restrict sum) {
+  for (int x = 0; x < n; ++x) sum[x] += sign * (i32{a[x]} * b[x]);
 }
 
 void sum_window(const i32* in, int n, i32* out) {
@@ -92,9 +85,11 @@ void RowScorer::add_row(int y, int sign) {
   if (sign > 0) {
     const std::uint8_t* p =
         image_->data + static_cast<std::ptrdiff_t>(y) * image_->stride + first_ - kRadius - 1;
-    scharr(p - image_->stride, p, p + image_->stride, n, smooth_, gx, gy);
+    scharr(p, image_->stride, n, smooth_, gx, gy);
   }
-  accumulate(gx, gy, n, sign, xx_, xy_, yy_);
+  add_products(gx, gx, n, sign, xx_);
+  add_products(gx, gy, n, sign, xy_);
+  add_products(gy, gy, n, sign, yy_);
 }
 
 void RowScorer::next(float min_ratio, float* scores) {

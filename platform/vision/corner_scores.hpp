@@ -1,7 +1,6 @@
 #pragma once
-// The Shi-Tomasi measure, a row of pixels at a time: gradients once a pixel, running sums down the columns, a
-// window sum along the row. Only integers until the eigenvalue, so a row's scores do not depend on where the
-// scan started.
+// The Shi-Tomasi measure, a row of pixels at a time: gradients once a pixel, running sums down the columns, a window sum along
+// the row. All are integers until the eigenvalue, so that a row's scores do not depend on where the scan started.
 #include <cstdint>
 
 #include "pliant/arena.hpp"
@@ -9,22 +8,23 @@
 
 namespace pliant::corners {
 
-constexpr int kRadius = 3, kWindow = 2 * kRadius + 1;  // of the window of summation
-static_assert(kCornerMargin == kRadius + 1, "a gradient takes one pixel more");
+/// The window that is summed over, px.
+constexpr int kRadius = 3, kWindow = 2 * kRadius + 1;
+static_assert(kCornerMargin == kRadius + 1, "a gradient needs one pixel more");
 
-/// Sums of products of Scharr gradients over the window: gain 32 each, so at most 49 * 4080^2 < 2^30.
+/// Sums of products of Scharr gradients over the window. Gradients have a gain of 32: sums are at most 49 * 4080^2 < 2^30.
 struct Tensor {
   std::int32_t xx, xy, yy;
 };
 CornerScore score_of(const Tensor& t);
 
-/// Scores of the columns [first, end), which keep kCornerMargin from the border, for one row after the other.
+/// Scores the columns [first, end) of one row after the other. All scored pixels keep kCornerMargin from the border.
 class RowScorer {
  public:
   void lay_out(Arena& arena, int columns);
-  /// The first call of `next` will give row y.
+  /// The first call of `next` gives row y.
   void start(const ImageView& image, int first, int end, int y);
-  /// Scores of the next row, one a column, 0 where lambda_min / lambda_max is below min_ratio.
+  /// Gives lambda_min of the next row, one value a column; 0 where lambda_min / lambda_max is below min_ratio.
   void next(float min_ratio, float* scores);
 
  private:

@@ -1,5 +1,5 @@
-// Corner selection: the best local maximum of each cell, then from the best downwards with a minimum
-// distance.
+// Corner selection: the best local maximum of each cell, then best first with a minimum distance (docs/algorithms.md,
+// section 7.1).
 #include "pliant/corners.hpp"
 
 #include <cstring>
@@ -11,13 +11,13 @@ namespace {
 
 constexpr int kMaxSide = 16384;
 
-// The best corner of one cell; score 0: none.
+// The best corner of one cell; score 0: there is none.
 struct Cell {
   float score;
   std::uint16_t x, y;
 };
 
-// Whether a comes before b: better, or as good and higher up, or as high and farther left.
+// Whether a comes before b: a higher score; if equal, the lower y; if equal, the lower x.
 bool is_before(const Cell& a, const Cell& b) {
   if (a.score != b.score) return a.score > b.score;
   return a.y != b.y ? a.y < b.y : a.x < b.x;
@@ -36,7 +36,7 @@ struct Grid {
   int cell_px, width, height;  // cells
   Cell* cells;
   std::int32_t* order;     // cells that have a corner, a heap
-  std::uint8_t* is_taken;  // the cell's corner was chosen
+  std::uint8_t* is_taken;  // 1: the cell's corner was chosen
   float* rows[3];          // scores of three rows of pixels, and a zero at either end
   float* peaks;            // of one row
 
@@ -57,7 +57,7 @@ void lay_out(Arena& arena, int width, int height, int cell_px, Grid& g, corners:
   scorer.lay_out(arena, width);
 }
 
-// What of the picture has to be looked at: the allowed cells, less the margin.
+// The pixels to score: the box around the allowed cells, less the margin.
 Box box_of(const ImageView& image, const Grid& g, Span<const std::uint8_t> allowed) {
   Box b{image.width, image.height, 0, 0};
   for (int cy = 0; cy < g.height; ++cy)
@@ -72,9 +72,9 @@ Box box_of(const ImageView& image, const Grid& g, Span<const std::uint8_t> allow
           b.bottom > bottom ? bottom : b.bottom};
 }
 
-// peak[x] = here[x] where that is a maximum over 3 x 3 pixels and at least `least`, otherwise 0. Strictly
-// more than what comes before in reading order, no less than what comes after: of equals, the first. Reads
-// one pixel beyond the ends, and is without __restrict for the reason given in corner_scores.cpp.
+// peak[x] = here[x] where that is a maximum over 3 x 3 pixels and at least `least`, otherwise 0. A maximum is more than the
+// neighbours before it in reading order and no less than those after it, so that the first of equals is taken. Reads one pixel
+// beyond the ends. Without __restrict for the reason given in corner_scores.cpp.
 void find_peaks(const float* above, const float* here, const float* below, int n, float least, float* peak) {
   for (int x = 0; x < n; ++x) {
     const float before = max(max(above[x - 1], above[x]), max(above[x + 1], here[x - 1]));
@@ -95,7 +95,7 @@ void keep_best(const Grid& g, const Box& box, int y) {
   }
 }
 
-// Fills the cells. Beyond the box scores count as zero.
+// Fills the cells. Scores beyond the box count as zero.
 void scan(const ImageView& image, const CornerOptions& o, const Box& box, corners::RowScorer& scorer,
           Grid& g) {
   const int width = box.right - box.left;
@@ -119,7 +119,7 @@ void scan(const ImageView& image, const CornerOptions& o, const Box& box, corner
   }
 }
 
-// Lists the cells that are good enough; gives their number.
+// Lists the cells that are good enough. \return their number.
 int list_candidates(const Grid& g, Span<const std::uint8_t> allowed, float quality) {
   float best = 0;
   int n = 0;
@@ -132,7 +132,7 @@ int list_candidates(const Grid& g, Span<const std::uint8_t> allowed, float quali
   return n;
 }
 
-// Lets order[i] sink to its place in a heap with the best at its root.
+// Moves order[i] down to its place in a heap with the best at its root.
 void sift_down(const Grid& g, int i, int n) {
   for (int child = 2 * i + 1; child < n; child = 2 * i + 1) {
     if (child + 1 < n && is_before(g.cells[g.order[child + 1]], g.cells[g.order[child]])) ++child;
@@ -144,7 +144,7 @@ void sift_down(const Grid& g, int i, int n) {
   }
 }
 
-// Takes the best off a heap of n candidates.
+// Removes the best from a heap of n candidates.
 std::int32_t pop(const Grid& g, int n) {
   const std::int32_t best = g.order[0];
   g.order[0] = g.order[n - 1];

@@ -1,6 +1,6 @@
-// The image pyramid: separable binomial smoothing, first down the columns into one line of 16-bit sums, then
-// along the line at every other pixel. 16 * 16 * 255 + 128 fits 16 bits, so every step is a plain loop over
-// 16-bit integers that a compiler turns into vector code, and the result cannot depend on how it does so.
+// Separable binomial smoothing (docs/algorithms.md, section 7.1): first down the columns into one line of 16-bit sums, then
+// along the line at every other pixel. 16 * 16 * 255 + 128 fits 16 bits, so that every step is a plain loop
+// over 16-bit integers. Compilers turn it into vector code, and the result does not depend on how they do so.
 #include "pliant/pyramid.hpp"
 
 #include <cstring>
@@ -9,8 +9,8 @@ namespace pliant {
 namespace {
 
 constexpr int kMaxSide = 16384;
-constexpr int kBorder = 2;      // taps beyond the edge on either side
-constexpr int kLineOffset = 8;  // where a line starts, so that its own pixels stay aligned
+constexpr int kBorder = 2;      // taps beyond the border on either side
+constexpr int kLineOffset = 8;  // where a line starts, so that its pixels are aligned
 
 bool is_valid(const PyramidLimits& l) {
   return l.width >= Pyramid::kMinSide && l.width <= kMaxSide && l.height >= Pyramid::kMinSide &&

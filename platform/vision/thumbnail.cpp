@@ -4,29 +4,33 @@ namespace pliant {
 
 namespace {
 
+// The usual frame has its pixels side by side; a loop of its own becomes vector code.
 void add_row(const std::uint8_t* __restrict row, int width, std::uint16_t* __restrict line) {
   for (int x = 0; x < width; ++x) line[x] = static_cast<std::uint16_t>(line[x] + row[x]);
+}
+
+void add_packed_row(const std::uint8_t* row, int pixel_step, int width, std::uint16_t* line) {
+  for (int x = 0; x < width; ++x) line[x] = static_cast<std::uint16_t>(line[x] + row[x * pixel_step]);
 }
 
 }  // namespace
 
 void make_thumbnail(const FrameView& frame, int factor, std::uint16_t* line, std::uint8_t* out) {
-  const int across = frame.width / factor, down = frame.height / factor, width = across * factor;
+  PLIANT_ASSERT(check(frame) == Status::ok && factor >= 1 && factor <= 64);
+  const int columns = frame.width / factor, rows = frame.height / factor, width = columns * factor;
   const int row_step = factor > 1 ? 2 : 1;
   const unsigned pixels = static_cast<unsigned>(factor * (factor / row_step));
-  const std::uint8_t* rows = frame.data;
-  for (int y = 0; y < down; ++y, rows += static_cast<std::size_t>(factor) * frame.stride_bytes) {
+  const std::uint8_t* block = frame.data;
+  for (int y = 0; y < rows; ++y, block += static_cast<std::size_t>(factor) * frame.stride_bytes) {
     for (int x = 0; x < width; ++x) line[x] = 0;
     for (int k = 0; k < factor; k += row_step) {
-      const std::uint8_t* row = rows + static_cast<std::size_t>(k) * frame.stride_bytes;
-      if (frame.pixel_step_bytes == 1) {
+      const std::uint8_t* row = block + static_cast<std::size_t>(k) * frame.stride_bytes;
+      if (frame.pixel_step_bytes == 1)
         add_row(row, width, line);
-      } else {
-        for (int x = 0; x < width; ++x)
-          line[x] = static_cast<std::uint16_t>(line[x] + row[x * frame.pixel_step_bytes]);
-      }
+      else
+        add_packed_row(row, frame.pixel_step_bytes, width, line);
     }
-    for (int x = 0; x < across; ++x) {
+    for (int x = 0; x < columns; ++x) {
       unsigned sum = pixels / 2;
       for (int k = 0; k < factor; ++k) sum += line[x * factor + k];
       *out++ = static_cast<std::uint8_t>(sum / pixels);

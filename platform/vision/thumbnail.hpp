@@ -1,5 +1,5 @@
 #pragma once
-// A whole frame in a few thousand pixels: enough to see where the model has gone.
+// Thumbnails: frames reduced to a few thousand pixels for coarse search.
 #include <cstddef>
 #include <cstdint>
 
@@ -7,15 +7,18 @@
 
 namespace pliant {
 
-/// By how much a frame of this width is reduced: the least power of two that leaves at most so many columns.
+/// The factor by which a frame of this width is reduced: the smallest power of two, up to 64, that leaves at most `columns`.
 constexpr int thumbnail_factor(int width, int columns) {
   int factor = 1;
   while (width / factor > columns && factor < 64) factor *= 2;
   return factor;
 }
 
-/// Means over factor x factor pixels, of every other row; what does not fill a block is left out.
-/// \param line  factor * (width / factor) values of scratch. \param out  (width / factor) x (height / factor).
+/// Writes the rounded mean of each block of factor x factor pixels, taken over every other row. Pixels at the right and lower
+/// border that do not fill a block are left out. Integers only.
+/// \param line  scratch, factor * (width / factor) elements.
+/// \param out   (width / factor) x (height / factor) pixels without padding.
+/// Precondition: a readable frame, factor 1 to 64 and not larger than a side of the frame. Cost: half an operation a pixel.
 void make_thumbnail(const FrameView& frame, int factor, std::uint16_t* line, std::uint8_t* out);
 
 }  // namespace pliant

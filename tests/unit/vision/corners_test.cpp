@@ -142,6 +142,24 @@ TEST_CASE("pure edges are no corners") {
   CHECK(find(p.view(), {}).corners.empty());
 }
 
+TEST_CASE("corners below the smallest score, or below a fraction of the best, are left out") {
+  const Picture p = textured(160, 120);
+  CornerOptions all;
+  all.min_score = all.quality = 0;
+  const Found found = find(p.view(), all);
+  REQUIRE(found.corners.size() > 20);
+  const float middle = found.corners[found.corners.size() / 2].score, best = found.corners[0].score;
+  CornerOptions strong = all, relative = all;
+  strong.min_score = middle;
+  relative.quality = middle / best;
+  for (const CornerOptions& o : {strong, relative}) {
+    const Found fewer = find(p.view(), o);
+    CHECK(fewer.corners.size() < found.corners.size());
+    CHECK(fewer.corners.size() > found.corners.size() / 4);
+    for (const Corner& c : fewer.corners) CHECK(c.score >= 0.999f * middle);
+  }
+}
+
 TEST_CASE("a mask keeps corners out of forbidden cells, and a mask of everything is none") {
   const Picture p = textured(100, 70);
   const CornerOptions o;
