@@ -1,68 +1,80 @@
 #!/bin/sh
-# Builds and runs all host tests: GCC optimised, Clang optimised, and GCC with the address and undefined-behaviour
-# sanitizers. With --targets also the portable libraries and their tests on AArch64, ARMv7 and RISC-V under qemu-user, the
-# programs of platform/cortex-m on an emulated Cortex-M7, two builds compared byte by byte, builds without each optional
-# part, and a camera in a virtual machine; a target whose compiler or emulator cannot be had is skipped and named at the end,
-# and so is one that would begin later than PLIANT_MINUTES after the start, where that is set.
-# Tests that need real data read it from the folder in PLIANT_DATA and say so when they skip.
-# usage: sh tests/run.sh [--targets]
+# Builds the project and runs its tests. The presets of CMakePresets.json say with which flags.
+# usage: sh tests/run.sh [--all | --targets]
+#   without an option  the optimised build, by GCC
+#   --all              also the optimised build by Clang, and GCC's with the address and undefined-behaviour sanitizers
+#   --targets          all of that, and the targets: Cortex-M7 on an emulated board; AArch64, ARMv7 and RISC-V under
+#                      qemu-user; two builds compared byte by byte; builds without each optional part; a camera in a
+#                      virtual machine
+# A target is skipped, with a line that says so, when its compiler or emulator cannot be installed, and when it would begin
+# more than PLIANT_MINUTES after the start, where that is set.
+# Tests of real data read it from the folder in PLIANT_DATA. Without it ctest shows them as skipped.
 set -eu
 cd "$(dirname "$0")/.."
-sh toolchains/packages.sh g++ clang cmake ninja-build pkg-config libeigen3-dev doctest-dev libstb-dev libcamera-dev
+scope=${1:-}
+case $scope in "" | --all | --targets) ;; *) echo "usage: sh tests/run.sh [--all | --targets]" >&2; exit 2 ;; esac
 
 begin=$(date +%s)
-# timed NAME COMMAND...: runs it under a heading, with the time that it took.
-timed() {
-  echo "== $1"
-  from=$(date +%s); name=$1; shift
-  "$@"
-  now=$(date +%s)
-  echo "== $name: $((now - from)) s, $((now - begin)) s in all"
-}
+seconds() { echo $(($(date +%s) - begin)); }
+heading() { echo "== $1, after $(seconds) s"; }
+skip() { echo "== $1: skipped, $2"; }
 
 # run_tests PRESET [option of cmake]...
 run_tests() {
+  heading "$1"
   cmake --preset "$@" >/dev/null
   cmake --build --preset "$1" -- --quiet
   ctest --preset "$1" -j "$(nproc)"
 }
 
-# obtain COMMAND... -- PACKAGE...: true when the commands are there, after the packages were asked for if need be.
+# obtain COMMAND... -- PACKAGE...: true when the commands are there, if need be after an attempt to install the packages.
 obtain() {
   commands=""
   while [ "$1" != -- ]; do commands="$commands $1"; shift; done
   shift
   sh toolchains/packages.sh "$@" || true
-  missing=""
-  for command in $commands; do command -v "$command" >/dev/null 2>&1 || missing="$missing $command"; done
-  [ -z "$missing" ] || { echo "there is no$missing"; return 1; }
+  for command in $commands; do command -v "$command" >/dev/null 2>&1 || return 1; done
 }
 
-skipped=""
 # in_time NAME: whether there is time left to begin it.
 in_time() {
-  [ $(($(date +%s) - begin)) -lt $((${PLIANT_MINUTES:-1000} * 60)) ] || { skipped="$skipped $1"; return 1; }
+  [ "$(seconds)" -lt $((${PLIANT_MINUTES:-1000} * 60)) ] || { skip "$1" "too late"; return 1; }
 }
-# target PRESET COMMAND... -- PACKAGE...: the tests of a target, where its tools can be had.
+
+# target PRESET COMMAND... -- PACKAGE...: the tests of a target.
 target() {
   preset=$1; shift
   in_time "$preset" || return 0
   if obtain "$@"; then
-    timed "$preset" run_tests "$preset" "-DPLIANT_HOST_BUILD=$PWD/build/release"
+    run_tests "$preset" "-DPLIANT_HOST_BUILD=$PWD/build/release"
   else
-    skipped="$skipped $preset"
+    skip "$preset" "there are no tools for it"
   fi
 }
 
-for preset in release clang sanitize; do timed "$preset" run_tests "$preset"; done
-[ "${1:-}" = "--targets" ] || exit 0
+# script NAME COMMAND...: a test that is a script of its own.
+script() {
+  in_time "$1" || return 0
+  heading "$1"
+  shift
+  sh "$@"
+}
+
+sh toolchains/packages.sh g++ cmake ninja-build pkg-config libeigen3-dev doctest-dev libstb-dev libcamera-dev
+run_tests release
+[ -n "$scope" ] || exit 0
+
+sh toolchains/packages.sh clang
+run_tests clang
+run_tests sanitize
+[ "$scope" = --targets ] || exit 0
+
+script "the same bytes twice" tests/target/twice.sh build/twice
+script "optional parts" tests/target/parts.sh build/parts
+if [ "$(uname -m)" = x86_64 ]; then sh toolchains/packages.sh qemu-system-x86 busybox-static cpio kmod python3 || true; fi
+script "a camera" tests/target/camera_vm.sh build/release/pliant build/camera-vm
 target cortex-m7 arm-none-eabi-g++ qemu-system-arm -- gcc-arm-none-eabi libnewlib-arm-none-eabi \
   libstdc++-arm-none-eabi-newlib qemu-system-arm
-if in_time twice; then timed "the same bytes twice" sh tests/target/twice.sh build/twice; fi
-target aarch64 aarch64-linux-gnu-g++ qemu-aarch64-static -- g++-aarch64-linux-gnu qemu-user-static
-if [ "$(uname -m)" = x86_64 ]; then sh toolchains/packages.sh qemu-system-x86 busybox-static cpio kmod python3 || true; fi
-if in_time camera; then timed "a camera" sh tests/target/camera_vm.sh build/release/pliant build/camera-vm; fi
 target armhf arm-linux-gnueabihf-g++ qemu-arm-static -- g++-arm-linux-gnueabihf qemu-user-static
-if in_time parts; then timed "optional parts" sh tests/target/parts.sh build/parts; fi
 target riscv64 riscv64-linux-gnu-g++ qemu-riscv64-static -- g++-riscv64-linux-gnu qemu-user-static
-[ -z "$skipped" ] || echo "skipped, for want of tools or time:$skipped"
+target aarch64 aarch64-linux-gnu-g++ qemu-aarch64-static -- g++-aarch64-linux-gnu qemu-user-static
