@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "baked_face.hpp"
-#include "host/render/scene.hpp"
-#include "pliant/frame.hpp"
+#include "renderer.hpp"
 
 struct FaceFilm {
   /// Changes the pose at rest and the parameters for s from 0 to 1.
@@ -18,24 +17,24 @@ struct FaceFilm {
   std::vector<pliant::Pose> poses;
   std::vector<std::vector<float>> parameters;
 
-  /// \param share           of the picture's height that the face fills.
-  /// \param flat_step_grey  of Scene::flatten_half.
-  /// \param cells           of Scene; with fewer than 224 lids and lips are not quite where the model has them.
-  FaceFilm(int w, int h, std::size_t count, const Motion& motion, float share = 0.7f,
+  /// \param fraction        of the picture's height that the face fills.
+  /// \param flat_step_grey  of Renderer::flatten_half.
+  /// \param cells           of Renderer.
+  FaceFilm(int w, int h, std::size_t count, const Motion& motion, float fraction = 0.7f,
            float flat_step_grey = 0, int cells = 160)
       : width(w), height(h), camera(pliant::centred_camera(w, h, 1.25f * static_cast<float>(w))) {
     using namespace pliant;
     BakedModel& face = baked_face();
-    host::Scene scene(face.model, w, h, cells, 2);
-    scene.flatten_half(flat_step_grey);
-    const host::Image background = host::make_background(w, h, 5);
-    const Pose rest = host::frontal_pose(face.model, face.rest().data(), camera, h, share);
+    Renderer renderer(face.cascade, cells);
+    renderer.flatten_half(flat_step_grey);
+    const Picture backdrop = make_backdrop(w, h, 5);
+    const Pose rest = frontal_pose(face.cascade, face.rest().data(), camera, h, fraction);
     for (std::size_t k = 0; k < count; ++k) {
       Pose pose = rest;
       std::vector<float> q = face.rest();
       motion(count > 1 ? static_cast<float>(k) / static_cast<float>(count - 1) : 0.0f, pose, q);
-      host::Image picture = scene.draw(q.data(), pose, camera, background);
-      host::add_noise(picture, 2, static_cast<std::uint32_t>(k));
+      Picture picture = renderer.draw(q.data(), pose, camera, backdrop);
+      add_noise(picture, 2, static_cast<std::uint32_t>(k));
       frames.push_back(picture.pixels);
       poses.push_back(pose);
       parameters.push_back(q);
@@ -46,15 +45,7 @@ struct FaceFilm {
     q[baked_face().model.find_parameter(name)] = value;
   }
   std::size_t count() const { return frames.size(); }
-  pliant::FrameView view(std::size_t k) const {
-    return {frames[k].data(),
-            width,
-            height,
-            static_cast<std::size_t>(width),
-            1,
-            static_cast<std::int64_t>(k) * 33'333'333,
-            static_cast<std::uint32_t>(k)};
-  }
+  pliant::FrameView view(std::size_t k) const { return view_of_pixels(frames[k], width, height, k); }
   /// Image position of a landmark in frame k.
   pliant::Vec2 truth(const std::string& landmark, std::size_t k) const {
     pliant::Vec2 x;

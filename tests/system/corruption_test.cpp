@@ -46,11 +46,11 @@ PixelBox face_box(std::size_t k) {
 
 /// Something with texture of its own before the pixels of a box, `slide` pixels along.
 void cover(Pixels& pixels, const PixelBox& box, int slide) {
-  static const host::Image skin = host::make_background(kWidth, kHeight, 77);
+  static const Picture skin = make_backdrop(kWidth, kHeight, 77);
   for (int y = box.y0 < 0 ? 0 : box.y0; y < box.y1 && y < kHeight; ++y)
     for (int x = box.x0 < 0 ? 0 : box.x0; x < box.x1 && x < kWidth; ++x)
       pixels[static_cast<std::size_t>(y * kWidth + x)] =
-          static_cast<std::uint8_t>(60 + *skin.at((x + 5 * kWidth - slide) % kWidth, y));
+          static_cast<std::uint8_t>(60 + skin.at((x + 5 * kWidth - slide) % kWidth, y));
 }
 
 struct Sequence {
@@ -216,7 +216,7 @@ TEST_CASE(
 }
 
 TEST_CASE("total occlusion for thirty frames: lost is told within three, and found again within ten") {
-  const host::Image empty = host::make_background(kWidth, kHeight, 5);
+  const Picture empty = make_backdrop(kWidth, kHeight, 5);
   Sequence s;
   for (std::size_t n = 1; n < 20; ++n) CHECK(s.give_good(n) == TrackState::tracking);
   for (std::size_t n = 20; n < 50; ++n) {

@@ -13,6 +13,8 @@ else()
       ${prepared}/points.h)
 endif()
 
+set(prepared ${prepared} PARENT_SCOPE)
+
 # pliant_image(NAME sources...): a program and its run on the target, in the folder of the prepared files. Where the host
 # keeps NAME.txt, the output of its own run, the two are compared.
 set(images "")

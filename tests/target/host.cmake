@@ -1,5 +1,6 @@
 # The host's side: the prepared files, and the programs' output on this host.
 set(prepared ${CMAKE_CURRENT_BINARY_DIR})
+set(prepared ${prepared} PARENT_SCOPE)
 add_executable(egg_table egg_table.cpp)
 target_include_directories(egg_table PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
 target_link_libraries(egg_table PRIVATE pliant_host pliant_warnings)

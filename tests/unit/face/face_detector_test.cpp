@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "baked_face.hpp"
-#include "host/render/scene.hpp"
 #include "heap_trap.hpp"
 #include "model_builder.hpp"
 #include "random.hpp"
+#include "renderer.hpp"
 
 using namespace pliant;
 
@@ -19,13 +19,9 @@ namespace {
 constexpr int kWidth = 320, kHeight = 240;
 const Camera kCamera = centred_camera(kWidth, kHeight, 1.4f * kWidth);
 
-FrameView view_on(const host::Image& image) {
-  return {image.pixels.data(), image.width, image.height, static_cast<std::size_t>(image.width), 1, 0, 0};
-}
-
 /// Boxes and ellipses of all sizes on a blotchy ground.
-host::Image clutter(Random& random, std::uint32_t seed, int things) {
-  host::Image image = host::make_background(kWidth, kHeight, seed);
+Picture clutter(Random& random, std::uint32_t seed, int things) {
+  Picture image = make_backdrop(kWidth, kHeight, seed);
   for (int k = 0; k < things; ++k) {
     const float cx = random.uniform(0, kWidth), cy = random.uniform(0, kHeight);
     const float a = random.uniform(3, 60), b = random.uniform(2, 40), angle = random.uniform(0, 3.14f);
@@ -36,7 +32,7 @@ host::Image clutter(Random& random, std::uint32_t seed, int things) {
         const float dx = static_cast<float>(x) - cx, dy = static_cast<float>(y) - cy;
         const float u = (c * dx + s * dy) / a, v = (c * dy - s * dx) / b;
         const bool is_in = is_box ? std::fabs(u) < 1 && std::fabs(v) < 1 : u * u + v * v < 1;
-        if (is_in) *image.at(x, y) = static_cast<std::uint8_t>(0.3f * float(*image.at(x, y)) + 0.7f * grey);
+        if (is_in) image.at(x, y) = static_cast<std::uint8_t>(0.3f * float(image.at(x, y)) + 0.7f * grey);
       }
   }
   return image;
@@ -45,24 +41,24 @@ host::Image clutter(Random& random, std::uint32_t seed, int things) {
 struct Sitting {
   std::vector<float> q;
   Pose pose;
-  host::Image picture;
+  Picture picture;
 };
 
 /// Anybody, somewhere, before anything, in any light of the camera's.
 Sitting someone(Random& random, std::uint32_t seed, float size) {
-  static host::Scene scene(baked_face().model, kWidth, kHeight, 120, 2);
+  static Renderer renderer(baked_face().cascade, 120);
   Sitting s;
   for (const Parameter& p : baked_face().model.parameters())
     s.q.push_back(p.group == Group::identity ? std::clamp(random.normal(), -2.0f, 2.0f) : 0.0f);
-  s.pose = host::frontal_pose(baked_face().model, s.q.data(), kCamera, kHeight, size / kHeight);
+  s.pose = frontal_pose(baked_face().cascade, s.q.data(), kCamera, kHeight, size / kHeight);
   const float yaw = random.uniform(-0.35f, 0.35f), pitch = random.uniform(-0.26f, 0.26f),
               roll = random.uniform(-0.35f, 0.35f);
   s.pose.q = normalised(exp_rotation({0, 0, roll}) * exp_rotation({0, yaw, 0}) * exp_rotation({pitch, 0, 0}));
   const Vec3 aside{0.5f * (kWidth - size) * random.uniform(-1, 1),
                    0.5f * (kHeight - size) * random.uniform(-1, 1), 0};
   s.pose.t = s.pose.t + (s.pose.t.z / kCamera.f) * aside;
-  s.picture = scene.draw(s.q.data(), s.pose, kCamera, clutter(random, seed, 12), random.uniform(0.5f, 1.2f));
-  host::add_noise(s.picture, random.uniform(1, 4), seed);
+  s.picture = renderer.draw(s.q.data(), s.pose, kCamera, clutter(random, seed, 12), random.uniform(0.5f, 1.2f));
+  add_noise(s.picture, random.uniform(1, 4), seed);
   return s;
 }
 
@@ -85,7 +81,7 @@ struct Finding {
   InArena<FaceDetector> finder{baked_face().model, FaceDetectorLimits{}};
   FaceDetectorReport report;
   Finding() { REQUIRE(finder->begin(kCamera, {}) == Status::ok); }
-  void look(const host::Image& image) { REQUIRE(finder->find(view_on(image), &report) == Status::ok); }
+  void look(const Picture& image) { REQUIRE(finder->find(image.view(), &report) == Status::ok); }
 };
 
 }  // namespace
@@ -116,21 +112,21 @@ TEST_CASE("whoever it is, within 20 degrees of yaw and roll and 15 of pitch, 80 
 TEST_CASE("clutter, black, noise, an upside-down and a far-away face are not taken for one") {
   Finding f;
   Random random(3);
-  const auto check_nobody = [&](const host::Image& image) {
+  const auto check_nobody = [&](const Picture& image) {
     f.look(image);
     CHECK_FALSE(f.report.is_found);
     CHECK(f.report.similarity < FaceDetectorOptions{}.min_similarity);
   };
   for (std::uint32_t seed = 1; seed < 8; ++seed) {
     CAPTURE(seed);
-    host::Image image = clutter(random, 50 + seed, static_cast<int>(10 * seed));
-    host::add_noise(image, 3, seed);
+    Picture image = clutter(random, 50 + seed, static_cast<int>(10 * seed));
+    add_noise(image, 3, seed);
     check_nobody(image);
   }
-  check_nobody(host::Image(kWidth, kHeight, 1, 0));
-  check_nobody(host::Image(kWidth, kHeight, 1, 255));
-  host::Image noise(kWidth, kHeight, 1, 128);
-  host::add_noise(noise, 40, 9);
+  check_nobody(Picture(kWidth, kHeight, 0));
+  check_nobody(Picture(kWidth, kHeight, 255));
+  Picture noise(kWidth, kHeight, 128);
+  add_noise(noise, 40, 9);
   check_nobody(noise);
   Sitting s = someone(random, 5, 160);
   std::reverse(s.picture.pixels.begin(), s.picture.pixels.end());
@@ -149,7 +145,7 @@ TEST_CASE("the same frame gives the same bits, whatever was looked at before, an
   f.look(clutter(random, 9, 20));
   {
     const heap_trap::Armed armed;
-    (void)f.finder->find(view_on(s.picture), &f.report);
+    (void)f.finder->find(s.picture.view(), &f.report);
   }
   CHECK(heap_trap::calls == 0);
   CHECK(f.report.similarity == first.similarity);
@@ -163,11 +159,11 @@ TEST_CASE("a pose that somebody else found is judged by what the frame shows the
   Random random(13);
   const Sitting s = someone(random, 4, 140);
   float there = 0, beside = 0, nowhere = 0;
-  REQUIRE(f.finder->compare(view_on(s.picture), s.pose, s.q.data(), &there) == Status::ok);
+  REQUIRE(f.finder->compare(s.picture.view(), s.pose, s.q.data(), &there) == Status::ok);
   Pose pose = s.pose;
   pose.t.x += 40;
-  REQUIRE(f.finder->compare(view_on(s.picture), pose, s.q.data(), &beside) == Status::ok);
-  REQUIRE(f.finder->compare(view_on(clutter(random, 4, 15)), s.pose, s.q.data(), &nowhere) == Status::ok);
+  REQUIRE(f.finder->compare(s.picture.view(), pose, s.q.data(), &beside) == Status::ok);
+  REQUIRE(f.finder->compare(clutter(random, 4, 15).view(), s.pose, s.q.data(), &nowhere) == Status::ok);
   CHECK(there > 0.6f);
   CHECK(beside < 0.35f);
   CHECK(nowhere < 0.35f);
@@ -176,8 +172,8 @@ TEST_CASE("a pose that somebody else found is judged by what the frame shows the
 TEST_CASE("what cannot be used is named, and a block a byte too small is refused") {
   InArena<FaceDetector> finder(baked_face().model, FaceDetectorLimits{});
   FaceDetectorReport report;
-  const host::Image grey(kWidth, kHeight, 1, 90);
-  FrameView frame = view_on(grey);
+  const Picture grey(kWidth, kHeight, 90);
+  FrameView frame = grey.view();
   CHECK(finder->find(frame, &report) == Status::not_started);
   FaceDetectorOptions options;
   options.largest_fraction = 0.1f;

@@ -32,7 +32,7 @@ struct Visit : Folder {
     model = put("face.plm", {reinterpret_cast<const char*>(words.data()), words.size() * 4});
     std::string stream = "YUV4MPEG2 W320 H240 F30:1 Cmono\n";
     for (std::size_t k = 0; k < frames; ++k) {
-      Image room = make_background(kWidth, kHeight, 5);
+      Picture room = make_backdrop(kWidth, kHeight, 5);
       add_noise(room, 2, static_cast<std::uint32_t>(k));
       const bool is_there = k >= from && k < to;
       const auto& pixels = is_there ? film().frames[k - from] : room.pixels;

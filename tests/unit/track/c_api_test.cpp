@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "baked_face.hpp"
-#include "host/render/scene.hpp"
 #include "pliant/pliant.h"
 #include "pliant/status.hpp"
+#include "renderer.hpp"
 
 using namespace pliant;
 
@@ -30,9 +30,9 @@ struct Rig {
 
   Rig() {
     const std::vector<float> rest = face.rest();
-    pose = host::frontal_pose(face.model, rest.data(), camera, kHeight, 0.7f);
-    host::Scene scene(face.model, kWidth, kHeight, 160, 2);
-    pixels = scene.draw(rest.data(), pose, camera, host::make_background(kWidth, kHeight, 5)).pixels;
+    pose = frontal_pose(face.cascade, rest.data(), camera, kHeight, 0.7f);
+    const Picture backdrop = make_backdrop(kWidth, kHeight, 5);
+    pixels = Renderer(face.cascade).draw(rest.data(), pose, camera, backdrop).pixels;
     for (int k = 0; k < 68; ++k)
       names.push_back(std::string("ibug") + (k < 10 ? "0" : "") + std::to_string(k));
     for (const std::string& name : names) {

@@ -1,0 +1,250 @@
+#include "renderer.hpp"
+
+#include <cmath>
+
+#include "pliant/visibility.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kSamples = 2;  // along each side of a pixel
+
+/// A well-mixed 32-bit number from two.
+std::uint32_t hash(std::uint32_t a, std::uint32_t b) {
+  std::uint32_t h = a * 0x9e3779b1u ^ (b + 0x85ebca6bu) * 0xc2b2ae35u;
+  h = (h ^ h >> 15) * 0x2c1b3c6du;
+  h = (h ^ h >> 12) * 0x297a2d39u;
+  return h ^ h >> 15;
+}
+
+/// In [0,1).
+float uniform(std::uint32_t bits) {
+  return static_cast<float>(bits >> 8) * (1.0f / 16777216.0f);
+}
+
+/// Smooth noise in [0,1] with one random value a unit square; x and y are not negative.
+float value_noise(float x, float y, std::uint32_t seed) {
+  const auto i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
+  const auto value = [seed](std::uint32_t a, std::uint32_t b) { return uniform(hash(hash(a, seed), b)); };
+  const auto ease = [](float t) { return t * t * (3 - 2 * t); };
+  const float fx = ease(x - static_cast<float>(i)), fy = ease(y - static_cast<float>(j));
+  const float top = value(i, j) * (1 - fx) + value(i + 1, j) * fx;
+  return top * (1 - fy) + (value(i, j + 1) * (1 - fx) + value(i + 1, j + 1) * fx) * fy;
+}
+
+/// Bilinear value of an image over the chart, whose first and last pixels lie at 0 and 1.
+float bilinear(const std::uint8_t* pixels, std::uint32_t width, std::uint32_t height, Vec2 uv) {
+  const float x = clamp(uv.x, 0, 1) * static_cast<float>(width - 1),
+              y = clamp(uv.y, 0, 1) * static_cast<float>(height - 1);
+  const auto i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
+  const std::uint32_t i1 = i + 1 < width ? i + 1 : i, j1 = j + 1 < height ? j + 1 : j;
+  const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
+  const auto at = [&](std::uint32_t a, std::uint32_t b) {
+    return static_cast<float>(pixels[std::size_t{b} * width + a]);
+  };
+  const float top = at(i, j) * (1 - fx) + at(i1, j) * fx;
+  return top * (1 - fy) + (at(i, j1) * (1 - fx) + at(i1, j1) * fx) * fy;
+}
+
+/// 255 for every pixel of the mask that is not joined to its rim by zeros, else 0.
+std::vector<std::uint8_t> filled(const ChartImage& mask) {
+  const int width = static_cast<int>(mask.width), height = static_cast<int>(mask.height);
+  std::vector<std::uint8_t> inside(static_cast<std::size_t>(width * height), 255);
+  std::vector<int> pending;
+  const auto visit = [&](int x, int y) {
+    const int k = y * width + x;
+    if (x < 0 || y < 0 || x >= width || y >= height || mask.pixels[k] != 0) return;
+    if (inside[static_cast<std::size_t>(k)] == 0) return;
+    inside[static_cast<std::size_t>(k)] = 0;
+    pending.push_back(k);
+  };
+  for (int x = 0; x < width; ++x) visit(x, 0), visit(x, height - 1);
+  for (int y = 0; y < height; ++y) visit(0, y), visit(width - 1, y);
+  while (!pending.empty()) {
+    const int x = pending.back() % width, y = pending.back() / width;
+    pending.pop_back();
+    visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
+  }
+  return inside;
+}
+
+/// Mean over 5 x 5 pixels: its half-way line is a border without the stairs of the mask.
+std::vector<std::uint8_t> smoothed(const std::vector<std::uint8_t>& in, int width, int height) {
+  std::vector<std::uint8_t> out(in.size());
+  const auto limited = [](int x, int size) { return x < 0 ? 0 : x < size ? x : size - 1; };
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      int sum = 0;
+      for (int k = 0; k < 25; ++k)
+        sum += in[static_cast<std::size_t>(limited(y + k / 5 - 2, height) * width +
+                                           limited(x + k % 5 - 2, width))];
+      out[static_cast<std::size_t>(y * width + x)] = static_cast<std::uint8_t>(sum / 25);
+    }
+  return out;
+}
+
+/// Brightness of a surface with unit normal n (camera axes: x right, y down, z away): a key light from the upper left
+/// that reaches a little round the shadow side, a weak one from the right, and light from everywhere.
+float light_on(Vec3 n) {
+  const Vec3 key = normalised(Vec3{-0.55f, -0.65f, -0.85f}), fill = normalised(Vec3{0.8f, 0.1f, -0.6f});
+  return 0.22f + 0.78f * max(0.0f, (dot(n, key) + 0.2f) / 1.2f) + 0.16f * max(0.0f, dot(n, fill));
+}
+
+float least(float a, float b, float c) {
+  return min(a, min(b, c));
+}
+float most(float a, float b, float c) {
+  return max(a, max(b, c));
+}
+
+}  // namespace
+
+Picture make_backdrop(int width, int height, std::uint32_t seed) {
+  Picture picture(width, height);
+  const float unit = 6.0f / static_cast<float>(width > height ? width : height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const float u = static_cast<float>(x) * unit, v = static_cast<float>(y) * unit;
+      const float blotches = 0.6f * value_noise(u, v, seed) + 0.3f * value_noise(3 * u, 3 * v, seed + 1) +
+                             0.1f * value_noise(11 * u, 11 * v, seed + 2);
+      picture.at(x, y) = static_cast<std::uint8_t>(45 + 90 * blotches);
+    }
+  return picture;
+}
+
+void add_noise(Picture& picture, float sd, std::uint32_t seed) {
+  for (std::size_t i = 0; i < picture.pixels.size(); i += 2) {
+    // Box and Muller: two uniform numbers give two normal ones.
+    const auto k = static_cast<std::uint32_t>(i);
+    const float radius = sd * std::sqrt(-2 * std::log(uniform(hash(seed, k)) + 1.0f / 33554432.0f));
+    const float angle = 6.2831853f * uniform(hash(seed, k + 1));
+    const float noise[2] = {radius * std::cos(angle), radius * std::sin(angle)};
+    for (std::size_t c = 0; c < 2 && i + c < picture.pixels.size(); ++c) {
+      const float grey = static_cast<float>(picture.pixels[i + c]) + noise[c];
+      picture.pixels[i + c] = static_cast<std::uint8_t>(clamp(grey + 0.5f, 0, 255));
+    }
+  }
+}
+
+Pose frontal_pose(Cascade& cascade, const float* q, const Camera& camera, int height, float fraction) {
+  float low = 1e9f, high = -1e9f;
+  for (const Vec2 uv : cascade.model().base_uv()) {
+    const float y = cascade.surface_point(uv, q).y;
+    low = min(low, y);
+    high = max(high, y);
+  }
+  const float depth = camera.f * max(high - low, 1.0f) / (fraction * static_cast<float>(height));
+  return {{}, {0, 0.5f * (low + high), depth}};
+}
+
+Renderer::Renderer(Cascade& cascade, int cells)
+    : cascade_(cascade),
+      mask_(cascade.model().mask()),
+      albedo_(cascade.model().albedo()),
+      cells_(cells),
+      cover_(smoothed(filled(mask_), static_cast<int>(mask_.width), static_cast<int>(mask_.height))),
+      corners_(static_cast<std::size_t>((cells + 1) * (cells + 1))) {
+  for (int j = 0; j <= cells; ++j)
+    for (int i = 0; i <= cells; ++i)
+      corner(i, j).uv = {static_cast<float>(i) / static_cast<float>(cells),
+                         static_cast<float>(j) / static_cast<float>(cells)};
+  for (int j = 0; j <= cells; ++j)
+    for (int i = 0; i <= cells; ++i) {
+      if (!(cover(corner(i, j).uv) > 0)) continue;
+      for (int b = j > 0 ? j - 1 : 0; b <= j + 1 && b <= cells; ++b)
+        for (int a = i > 0 ? i - 1 : 0; a <= i + 1 && a <= cells; ++a) corner(a, b).is_used = true;
+    }
+}
+
+float Renderer::cover(Vec2 uv) const {
+  return bilinear(cover_.data(), mask_.width, mask_.height, uv) / 255;
+}
+
+float Renderer::albedo(Vec2 uv) const {
+  if (albedo_.pixels == nullptr) return 190;
+  const float grey = bilinear(albedo_.pixels, albedo_.width, albedo_.height, uv);
+  if (!(flat_step_ > 0) || uv.x >= 0.5f) return grey;
+  return flat_step_ * (0.5f + static_cast<float>(static_cast<int>(grey / flat_step_)));
+}
+
+/// Unit length, outwards, by central differences over the used neighbours; one-sided at the border.
+Vec3 Renderer::normal(int i, int j) {
+  const auto position = [&](int a, int b) {
+    const bool is_there = a >= 0 && b >= 0 && a <= cells_ && b <= cells_ && corner(a, b).is_used;
+    return is_there ? corner(a, b).position : corner(i, j).position;
+  };
+  return normalised(cross(position(i, j + 1) - position(i, j - 1), position(i + 1, j) - position(i - 1, j)));
+}
+
+void Renderer::pose_corners(const float* q, const Pose& pose, const Camera& camera, float tone) {
+  cascade_.select(q);
+  for (Corner& c : corners_)
+    if (c.is_used) c.position = cascade_.selected_point(c.uv);
+  const Projector projector(view_of(pose, camera), true);
+  for (int j = 0; j <= cells_; ++j)
+    for (int i = 0; i <= cells_; ++i) {
+      Corner& c = corner(i, j);
+      c.inverse_depth = 0;
+      if (!c.is_used || !projector.project(c.position, &c.x)) continue;
+      c.x = kSamples * (c.x + Vec2{0.5f, 0.5f}) - Vec2{0.5f, 0.5f};
+      c.inverse_depth = 1 / projector.to_camera(c.position).z;
+      c.light = tone * light_on(projector.rotated(normal(i, j)));
+    }
+}
+
+void Renderer::draw_triangle(const Corner& a, const Corner& b, const Corner& c) {
+  if (!(a.inverse_depth > 0 && b.inverse_depth > 0 && c.inverse_depth > 0)) return;
+  const float area = doubled_area(a.x, b.x, c.x);
+  if (!(magnitude(area) > 1e-12f)) return;
+  const auto right = static_cast<float>(columns_ - 1), bottom = static_cast<float>(rows_ - 1);
+  // Rounded up and down for values from -1.
+  const int i0 = static_cast<int>(clamp(least(a.x.x, b.x.x, c.x.x), 0, right + 1) + 0.9999f);
+  const int i1 = static_cast<int>(clamp(most(a.x.x, b.x.x, c.x.x), -1, right) + 1) - 1;
+  const int j0 = static_cast<int>(clamp(least(a.x.y, b.x.y, c.x.y), 0, bottom + 1) + 0.9999f);
+  const int j1 = static_cast<int>(clamp(most(a.x.y, b.x.y, c.x.y), -1, bottom) + 1) - 1;
+  for (int j = j0; j <= j1; ++j)
+    for (int i = i0; i <= i1; ++i) {
+      // Barycentric in the image; divided by the depth they are barycentric on the surface.
+      const Vec2 s{static_cast<float>(i), static_cast<float>(j)};
+      const float wa = doubled_area(s, b.x, c.x) / area, wb = doubled_area(a.x, s, c.x) / area;
+      if (wa < 0 || wb < 0 || wa + wb > 1) continue;
+      const float za = wa * a.inverse_depth, zb = wb * b.inverse_depth, zc = (1 - wa - wb) * c.inverse_depth;
+      const float z = za + zb + zc;
+      const auto k = static_cast<std::size_t>(j * columns_ + i);
+      if (!(z > inverse_depth_[k])) continue;
+      const Vec2 uv = (1 / z) * (za * a.uv + zb * b.uv + zc * c.uv);
+      if (cover(uv) < 0.5f) continue;
+      inverse_depth_[k] = z;
+      grey_[k] = min(255.0f, albedo(uv) * (za * a.light + zb * b.light + zc * c.light) / z);
+    }
+}
+
+float Renderer::mean_grey(int x, int y, float backdrop) const {
+  float sum = 0;
+  for (int k = 0; k < kSamples * kSamples; ++k) {
+    const auto at =
+        static_cast<std::size_t>((y * kSamples + k / kSamples) * columns_ + x * kSamples + k % kSamples);
+    sum += inverse_depth_[at] > 0 ? grey_[at] : backdrop;
+  }
+  return sum / (kSamples * kSamples);
+}
+
+Picture Renderer::draw(const float* q, const Pose& pose, const Camera& camera, const Picture& backdrop,
+                       float tone) {
+  Picture out = backdrop;
+  columns_ = kSamples * out.width;
+  rows_ = kSamples * out.height;
+  grey_.assign(static_cast<std::size_t>(columns_ * rows_), 0);
+  inverse_depth_.assign(grey_.size(), 0);
+  pose_corners(q, pose, camera, tone);
+  for (int j = 0; j < cells_; ++j)
+    for (int i = 0; i < cells_; ++i) {
+      draw_triangle(corner(i, j), corner(i + 1, j), corner(i, j + 1));
+      draw_triangle(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
+    }
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x)
+      out.at(x, y) = static_cast<std::uint8_t>(mean_grey(x, y, static_cast<float>(out.at(x, y))) + 0.5f);
+  return out;
+}
