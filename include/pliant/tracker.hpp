@@ -100,7 +100,8 @@ class Tracker {
   /// \return bad_argument (arrays of another size than the model's), and the statuses of start_from_pose.
   Status start_from_state(const FrameView& frame, const SavedState& state, const TrackerOptions& options = {},
                           Span<const Vec2> markers = {});
-  /// Copies the state of the last frame. While lost it is the last one trusted. An array with count 0 is left out.
+  /// Copies the state of the last frame; while lost, that of the last trusted frame. The caller gives the arrays;
+  /// landmark_offsets may have count 0 and is then left out.
   /// \return not_started, bad_argument (null, or arrays of another size than the model's): nothing is written.
   Status save(SavedState* state) const;
 
@@ -119,6 +120,8 @@ class Tracker {
   const Camera& camera() const { return estimator_.camera(); }
   Estimator& estimator() { return estimator_; }
 
+  /// All parameters at the state of the last frame, in the model's order. Valid until the next call that changes it.
+  Span<const float> parameters() const { return estimator_.parameters(); }
   /// Parameter at the state of the last frame. \return not_started, not_found.
   Status parameter(const char* name, float* value) const;
   /// Image position (px) of a landmark at the state of the last frame, with its offset.

@@ -5,6 +5,7 @@
 
 #include "pliant/estimator.hpp"
 #include "pliant/field.hpp"
+#include "pliant/status.hpp"
 
 namespace pliant {
 
@@ -84,6 +85,18 @@ constexpr TrackerLimits profile_l() {
   l.key_patches = 80;
   l.vertices = 2048;
   return l;
+}
+
+/// `ok`, or `bad_argument` for limits of which no tracker can be made: frames or a region below 64 px a side, a region that
+/// is larger than the frames, fewer than 6 templates, a start from fewer than 4 landmarks, or more points than ids.
+constexpr Status check(const TrackerLimits& l) {
+  const bool has_region = l.region_width != 0 || l.region_height != 0;
+  const bool region_fits = l.region_width >= 64 && l.region_height >= 64 && l.region_width <= l.width &&
+                           l.region_height <= l.height;
+  const int points = l.patches + l.key_patches + l.markers + l.curve_points + l.silhouette_points;
+  const bool is_possible = l.width >= 64 && l.height >= 64 && (!has_region || region_fits) && l.patches >= 6 &&
+                           (l.start_points == 0 || l.start_points >= 4) && points < 0xFFFF;
+  return is_possible ? Status::ok : Status::bad_argument;
 }
 
 }  // namespace pliant

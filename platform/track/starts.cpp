@@ -161,9 +161,10 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
 }
 
 bool Tracker::fits_model(const SavedState& state) const {
-  const std::size_t offsets = state.landmark_offsets.count;
-  return state.parameters.count == model().parameters().count &&
-         (offsets == 0 || offsets == model().landmarks().count);
+  const Span<float> q = state.parameters;
+  const Span<Vec3> offsets = state.landmark_offsets;
+  return q.count == model().parameters().count && q.data != nullptr &&
+         (offsets.empty() || (offsets.count == model().landmarks().count && offsets.data != nullptr));
 }
 
 Status Tracker::start_from_state(const FrameView& frame, const SavedState& state,

@@ -88,7 +88,7 @@ void starts() {
   FrameView frame = view_of_frame(0);
   frame.width = kWidth - 1;
   check("start with a frame of another size", start(frame), Status::size_mismatch);
-  const Status status = tracker.start_from_pose(view_of_frame(0), kStartCamera, {}, kStartParameters);
+  const Status status = tracker.start_from_pose(view_of_frame(0), kStartCamera, {{}, {0, 0, 0}}, kStartParameters);
   check("start at the camera's own place", status, Status::bad_argument);
   check("start", start(view_of_frame(0)), Status::ok);
 }

@@ -1,12 +1,12 @@
 /*
- * The example once more, in C: the person in the first frame is fitted to 68 landmarks, as a detector gives them, on the
- * device; then followed. Fit and track share one static block.
+ * The example in C. The start fits the model to 68 landmarks of the first frame, as a detector gives them, on the
+ * device. Then every frame is tracked. The fit and the tracking use the same static block, one after the other.
  */
 #include <string.h>
 
 #include "board.h"
 #include "pliant/pliant.h"
-#include "points.h" /* where the landmarks are in the first frame */
+#include "points.h" /* the landmarks of the first frame */
 
 extern const unsigned char face[];
 extern const size_t face_bytes;
@@ -58,11 +58,9 @@ static void print(int frame, pliant_tracker *tracker, const pliant_result *r) {
   require(pliant_get_landmark(tracker, "nose_tip", &x, &y), "nose_tip");
   write_float(x);
   write_float(y);
-  const float *q;
-  size_t jaw;
-  require(pliant_find_parameter(tracker, "jawOpen", &jaw), "jawOpen");
-  require(pliant_get_parameters(tracker, &q, NULL), "parameters");
-  write_float(q[jaw]);
+  float jaw;
+  require(pliant_get_parameter(tracker, "jawOpen", &jaw), "jawOpen");
+  write_float(jaw);
   board_write("\n");
 }
 
@@ -82,7 +80,7 @@ int main(void) {
   while (skip_line(file) && board_read(file, pixels, sizeof pixels) == sizeof pixels) {
     pliant_result result;
     if (frame.sequence == 0) {
-      require(pliant_start_points(tracker, &frame, 0, points, sizeof points / sizeof *points), "start");
+      require(pliant_start_from_landmarks(tracker, &frame, points, sizeof points / sizeof *points, NULL), "start");
       require(pliant_get_result(tracker, &result), "result");
     } else {
       require(pliant_update(tracker, &frame, &result), "update");

@@ -1,0 +1,130 @@
+/**
+ * \file pliant_types.h
+ * The types of the C interface (pliant.h, which has units and axes).
+ */
+#ifndef PLIANT_TYPES_H
+#define PLIANT_TYPES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** The values of pliant::Status. The tracker gives 0 to 14 and 29; pliant_status_text has a text for all. */
+typedef int32_t pliant_status;
+enum {
+  PLIANT_OK = 0,
+  PLIANT_OUT_OF_MEMORY = 1,         /**< the block is smaller than pliant_required_bytes */
+  PLIANT_BAD_ARGUMENT = 2,          /**< null, not finite, or out of range */
+  PLIANT_CAPACITY = 3,              /**< more points than the limits have room for */
+  PLIANT_TRUNCATED = 4,             /**< model table: ends before its stated size */
+  PLIANT_BAD_MAGIC = 5,             /**< model table: something else */
+  PLIANT_BAD_VERSION = 6,           /**< model table: another format version */
+  PLIANT_BAD_CHECKSUM = 7,          /**< model table: the CRC-32 is wrong */
+  PLIANT_BAD_TABLE = 8,             /**< model table: a count, offset, index or value is out of range */
+  PLIANT_MISALIGNED = 9,            /**< model table: its address is not a multiple of four bytes */
+  PLIANT_TOO_FEW_POINTS = 10,       /**< fewer than 4 landmarks, or fewer than 6 surface points with texture */
+  PLIANT_UNDERDETERMINED = 11,      /**< landmarks that do not determine the pose; a landmark behind the camera */
+  PLIANT_SIZE_MISMATCH = 12,        /**< a frame of another size than the limits */
+  PLIANT_NOT_STARTED = 13,          /**< no start has succeeded yet, or the last one failed */
+  PLIANT_NOT_FOUND = 14,            /**< no landmark or parameter of that name or index */
+  PLIANT_END_OF_STREAM = 15,        /**< frame sources: there is no further frame */
+  PLIANT_IO_ERROR = 16,             /**< frame sources: a read failed */
+  PLIANT_NO_ROOM = 17,              /**< 17 to 26: meshes, as status.hpp says */
+  PLIANT_BAD_INDEX = 18,
+  PLIANT_DEGENERATE_FACE = 19,
+  PLIANT_DUPLICATE_FACE = 20,
+  PLIANT_NON_MANIFOLD_EDGE = 21,
+  PLIANT_NON_MANIFOLD_VERTEX = 22,
+  PLIANT_NON_ORIENTABLE = 23,
+  PLIANT_NOT_BASIC_BLOCKS = 24,
+  PLIANT_NOT_READY = 25,
+  PLIANT_ISOLATED_VERTEX = 26,
+  PLIANT_DEGENERATE_DATA = 27,      /**< outlier search: most rows lie in a subspace */
+  PLIANT_CAMERA_LOST = 28,          /**< frame sources: the camera gives nothing any more */
+  PLIANT_STALE_FRAME = 29           /**< a frame that is no newer than the last one */
+};
+
+/** A tracker, in the caller's memory. */
+typedef struct pliant_tracker pliant_tracker;
+
+/** Capacities, which fix the memory. Take them from pliant_profile and change what differs. */
+typedef struct pliant_limits {
+  uint16_t width, height;               /**< of the frames, px; at least 64 */
+  uint16_t region_width, region_height; /**< part of the frame that is matched, px; at least 64; 0 and 0: all of it */
+  uint16_t patches, key_patches;        /**< templates of the first frame, at least 6; of later key frames */
+  uint16_t vertices;                    /**< of the mesh */
+  uint16_t start_points;                /**< landmarks of a start; at least 4, or 0: no start from landmarks */
+  uint16_t profile;                     /**< 'S', 'M' or 'L': every other limit is as there */
+} pliant_limits;
+
+/** A luma image of 8 bits per pixel, read during the call only. Row y, column x is
+ *  pixels[y * stride_bytes + x * pixel_step_bytes]. */
+typedef struct pliant_frame {
+  const uint8_t *pixels;
+  size_t stride_bytes;      /**< from row to row; at least (width - 1) * pixel_step_bytes + 1 */
+  int64_t time_ns;          /**< of exposure, any origin */
+  int32_t width, height;    /**< px */
+  int32_t pixel_step_bytes; /**< 1 planar, 2 packed YUYV (profile S: 1 only) */
+  uint32_t sequence;        /**< number of the frame, modulo 2^32 */
+} pliant_frame;
+
+/** Pinhole camera with radial distortion: focal length and principal point, px; k1 and k2 as OpenCV's; aspect: focal
+ *  length along y over that along x, 0.5 to 2, or 0 for 1. {f, cx, cy} alone is a camera without distortion. */
+typedef struct pliant_camera {
+  float f, cx, cy, k1, k2, aspect;
+} pliant_camera;
+
+/** Unit quaternion (w,x,y,z), and translation, mm; t[2] is above 0. */
+typedef struct pliant_pose {
+  float q[4], t[3];
+} pliant_pose;
+
+/** A landmark by the model's name for it (`ibug30`, `nose_tip`, ...), and its image position, px. */
+typedef struct pliant_point {
+  const char *landmark;
+  float x, y;
+} pliant_point;
+
+/** What is known of a start from landmarks or a box; all 0: nothing. */
+typedef struct pliant_start_options {
+  const pliant_camera *camera; /**< intrinsics and lens, which replace focal_px; null: unknown */
+  float focal_px;              /**< 0: unknown; landmarks estimate it, a box assumes 1.4 x the larger side */
+  uint32_t drops_landmark_offsets; /**< not 0: landmarks are read where the model has them, not this person */
+} pliant_start_options;
+
+/** A state that a later start goes on from. The arrays are the caller's. */
+typedef struct pliant_state {
+  float *parameters;                      /**< all parameters, in the model's order */
+  float *landmark_offsets;                /**< mm, x, y and z for each landmark, in the model's order */
+  size_t parameter_count, landmark_count; /**< those of the model; landmark_count may be 0: no offsets */
+  pliant_camera camera;
+  pliant_pose pose;
+} pliant_state;
+
+enum { PLIANT_TRACKING = 0, PLIANT_DEGRADED = 1, PLIANT_LOST = 2 };
+
+/** The result of a frame. */
+typedef struct pliant_result {
+  pliant_pose pose;          /**< meaningless if lost */
+  pliant_camera camera;      /**< that of the start */
+  float rms_px;              /**< of the inliers' residuals */
+  uint16_t tracked, inliers; /**< observations found; observations used in the end */
+  int32_t state;             /**< PLIANT_TRACKING, PLIANT_DEGRADED or PLIANT_LOST */
+} pliant_result;
+
+/* The layout that the library was compiled with. */
+#ifdef __cplusplus
+#define PLIANT_HAS_SIZE(type, bytes) static_assert(sizeof(type) == (bytes), "not the layout of the library")
+#else
+#define PLIANT_HAS_SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), "not the layout of the library")
+#endif
+PLIANT_HAS_SIZE(pliant_limits, 18);
+PLIANT_HAS_SIZE(pliant_frame, 2 * sizeof(void *) + 24);
+PLIANT_HAS_SIZE(pliant_camera, 24);
+PLIANT_HAS_SIZE(pliant_pose, 28);
+PLIANT_HAS_SIZE(pliant_point, sizeof(void *) + 8);
+PLIANT_HAS_SIZE(pliant_start_options, sizeof(void *) + 8);
+PLIANT_HAS_SIZE(pliant_state, 4 * sizeof(void *) + 52 + (sizeof(void *) == 8 ? 4 : 0));
+PLIANT_HAS_SIZE(pliant_result, 64);
+#undef PLIANT_HAS_SIZE
+
+#endif
