@@ -1,64 +1,69 @@
 #pragma once
 /// \file camera.hpp
-/// Pinhole camera and rigid pose, and the form of both that the solver works in (ALGORITHMS: section 4).
+/// Pinhole camera and rigid pose, and the form of both that the solver works in (docs/algorithms.md, section 4).
 #include "pliant/geometry.hpp"
 
 namespace pliant {
 
-/// Intrinsics in pixels: x_image = f X/Z + cx, y_image = f Y/Z + cy. Projection is always this pinhole; what the lens and
-/// pixels that are not square do to a point is lens.hpp's.
+/// Intrinsics. Projection is a pinhole: x = f X/Z + cx, y = f Y/Z + cy. lens.hpp adds distortion and pixels that are not
+/// square.
 struct Camera {
-  float f = 0, cx = 0, cy = 0;
-  float k1 = 0, k2 = 0;  ///< radial distortion, OpenCV's first two coefficients
-  float aspect = 1;      ///< focal length along y over that along x
+  float f = 0, cx = 0, cy = 0;  ///< focal length and principal point, px
+  float k1 = 0, k2 = 0;         ///< radial distortion, OpenCV's first two coefficients
+  float aspect = 1;             ///< focal length along y over that along x
 };
 
-/// The camera of a picture with its principal point in the middle, ((W-1)/2, (H-1)/2).
+/// Focal length of an unknown camera over the larger side of its image: 40 degrees of view, a webcam's. Not tuned.
+constexpr float kDefaultFocalRatio = 1.4f;
+
+/// The camera of an image with its principal point in the middle, ((W-1)/2, (H-1)/2). f in px.
 constexpr Camera centred_camera(int width, int height, float f) {
   return {f, 0.5f * static_cast<float>(width - 1), 0.5f * static_cast<float>(height - 1)};
 }
 
-/// Pose and focal length as "scaled perspective": with p' = R(q) diag(1,-1,-1) p,
+/// Pose and focal length as scaled perspective: with p' = R(q) diag(1,-1,-1) p,
 ///   x = c + s (p'_xy + tau) / (1 + rho p'_z).
-/// s (px per mm) is image scale, tau (mm) offset, rho (1/mm) perspective strength; rho = 0 is weak perspective. It is
-/// the pinhole camera with t = (tau, 1/rho) and f = s/rho, but stays well conditioned when f and depth are not
-/// separately known.
+/// It is the pinhole camera with t = (tau, 1/rho) and f = s/rho. The form stays well conditioned when f and depth are not
+/// known separately; rho = 0 is weak perspective.
 struct View {
-  Quat q;
-  float s = 1;
-  Vec2 tau;
-  float rho = 1e-3f;
-  Vec2 c;
+  Quat q;             ///< rotation
+  float s = 1;        ///< image scale, px per mm
+  Vec2 tau;           ///< offset, mm
+  float rho = 1e-3f;  ///< perspective strength, 1/mm
+  Vec2 c;             ///< principal point, px
 };
 
-/// rho is kept in this range (distance between 50 mm and 100 m), so that t and f are always finite.
+/// Range of rho: distances between 50 mm and 100 m. It keeps t and f finite.
 constexpr float kMinRho = 1e-5f, kMaxRho = 2e-2f;
 /// A point with 1 + rho p'_z below this is too near, or behind, the camera.
 constexpr float kMinDepthRatio = 0.2f;
 
+/// Conversions between the two forms; rho is clamped to its range.
 View view_of(const Pose& pose, const Camera& camera);
 Pose pose_of(const View& view);
 Camera camera_of(const View& view);
 
 /// Unknowns of a view, in the order of the pose block of every solver: rotation increment (rad, applied on the left,
-/// in camera axes), log s, tau (mm), log rho. When the focal length is known, log rho follows log s and is left out.
+/// in camera axes), log s, tau (mm), log rho. With a known focal length log rho follows log s and is not an unknown.
 enum PoseUnknown { kTurnX = 0, kTurnY, kTurnZ, kLogScale, kShiftX, kShiftY, kLogRho };
 constexpr int kPoseUnknowns = 6;  ///< with known focal length
 constexpr int kPoseUnknownsWithFocal = 7;
 
-/// `view` moved by `step`, of kPoseUnknowns values (rho follows s: f stays) or kPoseUnknownsWithFocal.
+/// `view` moved by `step`.
+/// \param unknowns  kPoseUnknowns (f stays, rho follows s) or kPoseUnknownsWithFocal: values in `step`.
 View moved(const View& view, const float* step, int unknowns);
 
-/// A view with its rotation as a matrix, ready to project many points.
+/// A view with its rotation as a matrix. Projects many points.
 class Projector {
  public:
   /// \param focal_is_known  whether rho follows s in the derivatives.
   Projector(const View& view, bool focal_is_known);
 
-  /// Image position (px) of a model point (mm). False when it is too near or behind the camera; x is then untouched.
+  /// Image position (px) of a model point (mm).
+  /// \return false when the point is too near or behind the camera; x is then unchanged.
   bool project(Vec3 p, Vec2* x) const;
 
-  /// Derivatives of an image position: `pose[k]` along pose unknown k, `m` (2 x 3 by rows) along the model point.
+  /// Derivatives of an image position: `pose[k]` along pose unknown k, `m` (2 x 3, by rows) along the model point.
   struct Derivatives {
     Vec2 pose[kPoseUnknownsWithFocal];
     float m[2][3];

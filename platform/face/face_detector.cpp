@@ -90,7 +90,7 @@ void FaceDetector::align(Place& place, int round, const std::uint8_t* is_free) {
   options.is_free = is_free;
   options.iterations = kIterations;
   FitReport report;
-  if (fitter_.fit({pairs_, n}, options, q_, &report, nullptr, nullptr, nullptr) == Status::ok)
+  if (fitter_.fit({pairs_, n}, options, q_, &report) == Status::ok)
     place.view = report.view;
 }
 

@@ -24,7 +24,7 @@ bool is_silhouette_landmark(const char* name) {
 Camera start_camera(const Camera* known, float focal_px, int width, int height) {
   if (known != nullptr) return *known;
   const float side = static_cast<float>(width > height ? width : height);
-  return centred_camera(width, height, focal_px > 0 ? focal_px : FitOptions{}.default_focal_ratio * side);
+  return centred_camera(width, height, focal_px > 0 ? focal_px : kDefaultFocalRatio * side);
 }
 
 void LandmarkFit::lay_out(Arena& arena, const Model& model, std::size_t points) {
@@ -48,19 +48,19 @@ Status LandmarkFit::fit(Span<Correspondence> points, const FitOptions& options, 
   const float sd_px = kLandmarkFitTuning.point_sd_fraction * spread;
   for (Correspondence& c : points) c.sd_px = sd_px;
   if (options.is_free == nullptr) return fit_in_stages(points, options, q);
-  return fitter_.fit(points, options, q, &report_, sd_, residuals_, weights_);
+  return fitter_.fit(points, options, q, &report_, {sd_, residuals_, weights_});
 }
 
 Status LandmarkFit::fit_in_stages(Span<Correspondence> points, FitOptions options, float* q) {
   const float sd_px = points[0].sd_px;
   for (Correspondence& c : points) c.sd_px = kLandmarkFitTuning.expression_caution * sd_px;
-  Status status = fitter_.fit(points, options, q, &report_, sd_, residuals_, weights_);
+  Status status = fitter_.fit(points, options, q, &report_, {sd_, residuals_, weights_});
   if (status != Status::ok) return status;
   for (Correspondence& c : points) c.sd_px = sd_px;
   const Span<const Parameter> parameters = fitter_.cascade().model().parameters();
   for (std::size_t k = 0; k < parameters.count; ++k) is_identity_[k] = parameters[k].group == Group::identity;
   options.is_free = is_identity_;
-  status = fitter_.fit(points, options, q, &report_, stage_sd_, residuals_, weights_);
+  status = fitter_.fit(points, options, q, &report_, {stage_sd_, residuals_, weights_});
   for (std::size_t k = 0; status == Status::ok && k < parameters.count; ++k)
     if (is_identity_[k] != 0) sd_[k] = stage_sd_[k];
   return status;

@@ -1,4 +1,4 @@
-// Scaled-perspective projection and its derivatives (ALGORITHMS 4.1-4.3; the paper's Eq. 10).
+// Scaled-perspective projection and its derivatives (docs/algorithms.md, sections 4.1 to 4.3; the paper, Eq. 10).
 #include "pliant/camera.hpp"
 
 namespace pliant {

@@ -1,6 +1,7 @@
 #include "fit/fit_problem.hpp"
 
 #include "base/elementary.hpp"
+#include "fit/fit_tuning.hpp"
 
 namespace pliant {
 
@@ -12,12 +13,25 @@ float log_ratio(float a, float b) {
 
 }  // namespace
 
+void FitWorkspace::lay_out(Arena& arena, const Model& model, std::size_t points) {
+  const std::size_t parameters = model.parameters().count, unknowns = parameters + kPoseUnknownsWithFocal;
+  cascade.lay_out(arena, model);
+  equations.lay_out(arena, unknowns);
+  samples = arena.take<Vec3>(points * model.cascade().count);
+  distance = arena.take<float>(points);
+  step = arena.take<float>(3 * unknowns);  // the scratch of `integrate`
+  trial_q = arena.take<float>(parameters);
+  unknown = arena.take<std::uint16_t>(unknowns);
+  column = arena.take<Vec2>(unknowns);
+  contour_normal = nullptr;
+}
+
 Vec2 FitProblem::counted(std::size_t point, Vec2 residual) const {
-  const Vec2 n = fitter.silhouette_normal_ != nullptr ? fitter.silhouette_normal_[point] : Vec2{};
+  const Vec2 n = work.contour_normal != nullptr ? work.contour_normal[point] : Vec2{};
   return n.x == 0 && n.y == 0 ? residual : dot(n, residual) * n;
 }
 
-/// log (f / expected f), with f = s / rho.
+/// log(f / expected f), where f = s / rho.
 float FitProblem::focal_log(const View& v) const {
   return log_ratio(v.s, v.rho * prior_focal);
 }
@@ -25,11 +39,11 @@ float FitProblem::focal_log(const View& v) const {
 float FitProblem::prior_cost(const float* parameters, const View& v) const {
   float cost = 0;
   for (std::size_t k = 0; k < columns(); ++k) {
-    const float z = parameters[fitter.cascade_.parameter_of(k)] / parameter(k).sd;
+    const float z = parameters[work.cascade.parameter_of(k)] / parameter(k).sd;
     cost += 0.5f * options.stiffness * z * z;
   }
   if (!focal_is_known) {
-    const float z = focal_log(v) / options.focal_log_sd;
+    const float z = focal_log(v) / kFitTuning.focal_log_sd;
     cost += 0.5f * z * z;
   }
   return cost;
@@ -40,7 +54,7 @@ float FitProblem::cost(const float* parameters, const View& v) const {
   float sum = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     Vec2 x;
-    if (!projector.project(fitter.cascade_.evaluate(fitter.samples_at(i), parameters), &x)) return 1e30f;
+    if (!projector.project(position(i, parameters), &x)) return 1e30f;
     sum += point_loss(i, points[i].x - x).rho;
   }
   return scale * scale * sum + prior_cost(parameters, v);
@@ -48,8 +62,8 @@ float FitProblem::cost(const float* parameters, const View& v) const {
 
 void FitProblem::add_point(NormalEquations& equations, std::size_t point, const Projector::Derivatives& d,
                            const Jacobian& jacobian, Vec2 residual, float weight) {
-  std::uint16_t* unknown = fitter.unknown_;
-  Vec2* column = fitter.column_;
+  std::uint16_t* unknown = work.unknown;
+  Vec2* column = work.column;
   std::size_t n = 0;
   for (; n < pose_unknowns(); ++n) {
     unknown[n] = static_cast<std::uint16_t>(n);
@@ -70,7 +84,7 @@ float FitProblem::linearise(NormalEquations& equations) {
   float sum = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     Jacobian jacobian;
-    const Vec3 p = fitter.cascade_.evaluate(fitter.samples_at(i), q, &jacobian);
+    const Vec3 p = work.cascade.evaluate(work.samples_of(i), q, &jacobian);
     Vec2 x;
     Projector::Derivatives d;
     if (!projector.project(p, &x, &d)) continue;
@@ -87,28 +101,29 @@ void FitProblem::add_priors(NormalEquations& equations) {
   const std::size_t pose = pose_unknowns();
   for (std::size_t k = 0; k < columns(); ++k) {
     const Parameter& p = parameter(k);
-    const float value = q[fitter.cascade_.parameter_of(k)];
+    const float value = q[work.cascade.parameter_of(k)];
     equations.add_prior(pose + k, -value, options.stiffness / (p.sd * p.sd));
     equations.set_limits(pose + k, min(p.minimum - value, 0), max(p.maximum - value, 0));
   }
-  for (std::size_t k = 0; k < 3; ++k) equations.set_limits(k, -0.5f, 0.5f);
-  equations.set_limits(kLogScale, -0.7f, 0.7f);
+  for (std::size_t k = 0; k < 3; ++k)
+    equations.set_limits(k, -kFitTuning.max_turn_rad, kFitTuning.max_turn_rad);
+  equations.set_limits(kLogScale, -kFitTuning.max_log_step, kFitTuning.max_log_step);
   if (focal_is_known) return;
-  equations.set_limits(kLogRho, -0.7f, 0.7f);
-  // log f = log s - log rho, around the default focal length.
+  equations.set_limits(kLogRho, -kFitTuning.max_log_step, kFitTuning.max_log_step);
+  // A prior on log f = log s - log rho, around the expected focal length.
   const std::uint16_t pair[2] = {kLogScale, kLogRho};
   const Vec2 row[2] = {{1, 0}, {-1, 0}};
-  const float w = 1.0f / (options.focal_log_sd * options.focal_log_sd);
+  const float w = 1.0f / (kFitTuning.focal_log_sd * kFitTuning.focal_log_sd);
   equations.add(pair, row, 2, {-focal_log(view), 0}, {w, 0, 0});
 }
 
 float FitProblem::try_step(const float* step) {
   trial = moved(view, step, static_cast<int>(pose_unknowns()));
-  float* next = fitter.trial_q_;
-  for (std::size_t i = 0; i < fitter.cascade_.parameter_count(); ++i) next[i] = q[i];
+  float* next = work.trial_q;
+  for (std::size_t i = 0; i < work.cascade.parameter_count(); ++i) next[i] = q[i];
   for (std::size_t k = 0; k < columns(); ++k) {
     const Parameter& limits = parameter(k);
-    float& value = next[fitter.cascade_.parameter_of(k)];
+    float& value = next[work.cascade.parameter_of(k)];
     value = clamp(value + step[pose_unknowns() + k], limits.minimum, limits.maximum);
   }
   return cost(next, trial);
@@ -116,7 +131,7 @@ float FitProblem::try_step(const float* step) {
 
 void FitProblem::accept() {
   view = trial;
-  for (std::size_t i = 0; i < fitter.cascade_.parameter_count(); ++i) q[i] = fitter.trial_q_[i];
+  for (std::size_t i = 0; i < work.cascade.parameter_count(); ++i) q[i] = work.trial_q[i];
 }
 
 SolverReport FitProblem::minimise(int iterations) {
@@ -125,11 +140,11 @@ SolverReport FitProblem::minimise(int iterations) {
       [](void* p, const float* s) { return static_cast<FitProblem*>(p)->try_step(s); },
       [](void* p) { static_cast<FitProblem*>(p)->accept(); }};
   if (shape_is_free && options.method == FitMethod::euler)
-    return integrate(problem, options.euler, fitter.equations_, fitter.step_);
+    return integrate(problem, options.euler, work.equations, work.step);
   SolverOptions solver;
   solver.max_iterations = iterations;
   solver.leave_equations = false;
-  return pliant::minimise(problem, solver, fitter.equations_, fitter.step_);
+  return pliant::minimise(problem, solver, work.equations, work.step);
 }
 
 void FitProblem::update_scale() {
@@ -137,12 +152,12 @@ void FitProblem::update_scale() {
   float mean_sd = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     Vec2 x = points[i].x + Vec2{1e6f, 1e6f};
-    projector.project(fitter.cascade_.evaluate(fitter.samples_at(i), q), &x);
-    fitter.sorted_[i] = length(counted(i, points[i].x - x)) / points[i].sd_px;
+    projector.project(position(i, q), &x);
+    work.distance[i] = length(counted(i, points[i].x - x)) / points[i].sd_px;
     mean_sd += points[i].sd_px / static_cast<float>(points.count);
   }
   const float misfit = options.misfit_mm * view.s / mean_sd;
-  scale = max(robust_scale(fitter.sorted_, points.count), square_root(1 + misfit * misfit));
+  scale = max(robust_scale(work.distance, points.count), square_root(1 + misfit * misfit));
 }
 
 }  // namespace pliant

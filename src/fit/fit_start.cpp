@@ -1,25 +1,45 @@
-// Where a fit starts: weak perspective by least squares (ALGORITHMS 4.4), turned views beside it, or a face box.
-#include "fit/fit_problem.hpp"
+#include "fit/fit_start.hpp"
+
+#include "fit/fit_tuning.hpp"
 
 namespace pliant {
 
 namespace {
 
-/// Weak-perspective pose (POS): image = s R_12 p + offset by least squares, then the nearest rotation.
-/// `mirrored` gives the other solution of a nearly flat object, tilted the other way.
-View weak_perspective(Span<const Correspondence> points, const Vec3* p, bool mirrored, Vec2 centre,
-                      float focal) {
-  Vec3 mean;
-  Vec2 mean_x;
-  const float share = 1.0f / static_cast<float>(points.count);
+/// Where the points are on average, on the model (mm) and in the image (px).
+struct Means {
+  Vec3 p;
+  Vec2 x;
+};
+
+Means means_of(Span<const Correspondence> points, const Vec3* p) {
+  Means mean;
+  const float fraction = 1.0f / static_cast<float>(points.count);
   for (std::size_t i = 0; i < points.count; ++i) {
-    mean = mean + share * p[i];
-    mean_x = mean_x + share * points[i].x;
+    mean.p = mean.p + fraction * p[i];
+    mean.x = mean.x + fraction * points[i].x;
   }
-  float a[3][3] = {}, b[2][3] = {};  // normal matrix of the centred points, right-hand sides
+  return mean;
+}
+
+/// Sets the offset of a view so that the mean point is at its mean image position.
+void centre_view(View& view, const Means& mean) {
+  const Vec3 m = Projector(view, true).rotated(mean.p);
+  const Vec2 offset = (1.0f / view.s) * (mean.x - view.c);
+  view.tau = {offset.x - m.x, offset.y - m.y};
+}
+
+/// The rows r_1, r_2 of the weak-perspective image x = s R_12 p + offset by least squares: (sum d d^T) r_k = sum d x_k, with
+/// d and x measured from their means.
+struct WeakPerspectiveRows {
+  Vec3 x, y;
+};
+
+WeakPerspectiveRows solve_rows(Span<const Correspondence> points, const Vec3* p, const Means& mean) {
+  float a[3][3] = {}, b[2][3] = {};
   for (std::size_t i = 0; i < points.count; ++i) {
-    const Vec3 d = p[i] - mean;
-    const Vec2 x = points[i].x - mean_x;
+    const Vec3 d = p[i] - mean.p;
+    const Vec2 x = points[i].x - mean.x;
     const float v[3] = {d.x, d.y, d.z};
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) a[r][c] += v[r] * v[c];
@@ -27,68 +47,64 @@ View weak_perspective(Span<const Correspondence> points, const Vec3* p, bool mir
       b[1][r] += v[r] * x.y;
     }
   }
-  // A ridge in proportion keeps flat sets of points solvable.
-  const float ridge = 1e-3f * (a[0][0] + a[1][1] + a[2][2]) + 1e-6f;
+  const float ridge = kFitTuning.ridge_fraction * (a[0][0] + a[1][1] + a[2][2]) + 1e-6f;
   for (int k = 0; k < 3; ++k) a[k][k] += ridge;
   const Vec3 r0{a[0][0], a[0][1], a[0][2]}, r1{a[1][0], a[1][1], a[1][2]}, r2{a[2][0], a[2][1], a[2][2]};
   const Vec3 c0 = cross(r1, r2), c1 = cross(r2, r0), c2 = cross(r0, r1);
   const float inverse = 1.0f / dot(r0, c0);
   const auto solve = [&](const float* g) { return inverse * (g[0] * c0 + g[1] * c1 + g[2] * c2); };
-  Vec3 x_row = solve(b[0]), y_row = solve(b[1]);
+  return {solve(b[0]), solve(b[1])};
+}
+
+/// The view of the weak-perspective solution, with the rotation nearest to its rows. `mirrored` takes the other solution
+/// that a nearly flat object has: tilted the other way.
+View weak_perspective_view(WeakPerspectiveRows rows, const Means& mean, bool mirrored, Vec2 centre,
+                           float focal) {
   if (mirrored) {
-    x_row.z = -x_row.z;
-    y_row.z = -y_row.z;
+    rows.x.z = -rows.x.z;
+    rows.y.z = -rows.y.z;
   }
   View view;
-  view.s = max(0.5f * (length(x_row) + length(y_row)), 1e-6f);
-  const Vec3 sum = normalised(normalised(x_row) + normalised(y_row));
-  const Vec3 difference = normalised(normalised(x_row) - normalised(y_row));
-  const float h = 0.70710678f;
+  view.s = max(0.5f * (length(rows.x) + length(rows.y)), 1e-6f);
+  const Vec3 sum = normalised(normalised(rows.x) + normalised(rows.y));
+  const Vec3 difference = normalised(normalised(rows.x) - normalised(rows.y));
+  const float h = 0.70710678f;  // sqrt(1/2)
   const Vec3 i = h * (sum + difference), j = h * (sum - difference), k = cross(i, j);
   const Mat3 rotation{{{i.x, -i.y, -i.z}, {j.x, -j.y, -j.z}, {k.x, -k.y, -k.z}}};
   view.q = quaternion(rotation);
   view.c = centre;
   view.rho = clamp(view.s / focal, kMinRho, kMaxRho);
-  const Vec3 m = Projector(view, true).rotated(mean);
-  const Vec2 offset = (1.0f / view.s) * (mean_x - centre);
-  view.tau = {offset.x - m.x, offset.y - m.y};
+  centre_view(view, mean);
   return view;
 }
 
-/// The same scale and offset, but facing the camera turned by `yaw` about the vertical.
-View turned_view(const View& like, float yaw, Vec3 mean, Vec2 mean_x) {
+/// The same scale and mean, with the model turned by `yaw_rad` about the vertical.
+View turned_view(const View& like, float yaw_rad, const Means& mean) {
   View view = like;
-  view.q = exp_rotation({0, yaw, 0});
-  const Vec3 m = Projector(view, true).rotated(mean);
-  const Vec2 offset = (1.0f / view.s) * (mean_x - view.c);
-  view.tau = {offset.x - m.x, offset.y - m.y};
+  view.q = exp_rotation({0, yaw_rad, 0});
+  centre_view(view, mean);
   return view;
 }
 
 }  // namespace
 
-void find_start(FitProblem& problem, const Vec3* position, Vec2 centre) {
-  const auto points = problem.points;
-  Vec3 mean;
-  Vec2 mean_x;
-  const float share = 1.0f / static_cast<float>(points.count);
-  for (std::size_t i = 0; i < points.count; ++i) {
-    mean = mean + share * position[i];
-    mean_x = mean_x + share * points[i].x;
-  }
-  const View first = weak_perspective(points, position, false, centre, problem.prior_focal);
+void find_initial_view(FitProblem& problem, const Vec3* position, Vec2 centre) {
+  const Means mean = means_of(problem.points, position);
+  const WeakPerspectiveRows rows = solve_rows(problem.points, position, mean);
+  const float yaw = kFitTuning.start_yaw_rad;
+  const View first = weak_perspective_view(rows, mean, false, centre, problem.prior_focal);
+  const View candidates[] = {first, weak_perspective_view(rows, mean, true, centre, problem.prior_focal),
+                             turned_view(first, -yaw, mean), turned_view(first, 0, mean),
+                             turned_view(first, yaw, mean)};
   View best = first;
   float best_cost = 1e30f;
-  constexpr float kYaw[3] = {-0.5f, 0, 0.5f};
-  for (int k = 0; k < 5; ++k) {
-    problem.view = k < 2 ? weak_perspective(points, position, k == 1, centre, problem.prior_focal)
-                         : turned_view(first, kYaw[k - 2], mean, mean_x);
-    // A wide robust scale first, so that the basin is wide.
+  for (const View& candidate : candidates) {
+    problem.view = candidate;
     problem.loss = Loss::huber;
+    problem.update_scale();  // wide at first, so that gross errors of the candidate don't stop it
+    problem.minimise(kFitTuning.start_iterations);
     problem.update_scale();
-    problem.minimise(6);
-    problem.update_scale();
-    problem.minimise(4);
+    problem.minimise(kFitTuning.start_iterations_rescaled);
     const float cost = problem.cost(problem.q, problem.view);
     if (cost < best_cost) {
       best_cost = cost;

@@ -86,8 +86,7 @@ class FrameFits {
     std::vector<Vec2> residual(points.size());
     FitReport report;
     options_.start = &view_;
-    if (fitter_->fit({points.data(), points.size()}, options_, q_.data(), &report, nullptr, residual.data(),
-                     nullptr) != Status::ok)
+    if (fitter_->fit({points.data(), points.size()}, options_, q_.data(), &report, {nullptr, residual.data()}) != Status::ok)
       return std::nullopt;
     view_ = report.view;
     double sum = 0;

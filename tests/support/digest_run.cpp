@@ -153,7 +153,7 @@ Status Run::fit() {
   options.width = kWidth;
   options.height = kHeight;
   FitReport report;
-  const Status status = fitter.fit(points, options, q.data, &report, sd.data, nullptr, nullptr);
+  const Status status = fitter.fit(points, options, q.data, &report, {sd.data});
   digest.add(report.view);
   for (float v : q) digest.add(v);
   for (float v : sd) digest.add(v);

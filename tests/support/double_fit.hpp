@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "fit/fit_tuning.hpp"
 #include "pliant/fit.hpp"
 
 struct DoubleFit {
@@ -33,8 +34,8 @@ struct DoubleFit {
     const auto columns = static_cast<Eigen::Index>(cascade.column_count());
     const double larger = double(options.width > options.height ? options.width : options.height);
     centre = {0.5 * (options.width - 1), 0.5 * (options.height - 1)};
-    log_f_prior = std::log(double(options.default_focal_ratio) * larger);
-    log_f_sd = double(options.focal_log_sd);
+    log_f_prior = std::log(double(pliant::kDefaultFocalRatio) * larger);
+    log_f_sd = double(pliant::kFitTuning.focal_log_sd);
     sd.resize(columns);
     low = high = sd;
     for (Eigen::Index k = 0; k < columns; ++k) {

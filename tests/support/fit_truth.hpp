@@ -87,8 +87,7 @@ class Study {
   FitReport fit(const std::vector<Correspondence>& points, const FitOptions& options, std::vector<float>& q) {
     FitReport report;
     q = face_.rest();
-    REQUIRE(fitter_->fit({points.data(), points.size()}, options, q.data(), &report, nullptr, nullptr,
-                         nullptr) == Status::ok);
+    REQUIRE(fitter_->fit({points.data(), points.size()}, options, q.data(), &report) == Status::ok);
     return report;
   }
   /// The mean face under the pose that fits it best.

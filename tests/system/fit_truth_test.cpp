@@ -5,11 +5,11 @@
 
 #include <cstdlib>
 
-#include "host/bake/bake.hpp"
 #include "baked_face.hpp"
+#include "host/bake/bake.hpp"
+#include "host/commands/image_fit.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/files.hpp"
-#include "host/commands/image_fit.hpp"
 #include "ict_face.hpp"
 #include "real_data.hpp"
 #include "sanitized.hpp"
@@ -116,8 +116,7 @@ TEST_CASE("a real face: 25 points of a photograph give a plausible person") {
   InArena<Fitter> fitter(face.model, FitLimits{});
   std::vector<float> plain = face.rest();
   FitReport report;
-  REQUIRE(fitter->fit({points.data(), points.size()}, options, plain.data(), &report, nullptr, nullptr,
-                      nullptr) == Status::ok);
+  REQUIRE(fitter->fit({points.data(), points.size()}, options, plain.data(), &report) == Status::ok);
   face.cascade.set_all_free();
   const DoubleFit exact(face.model, face.cascade, points, options);
   const auto reached = exact.state_of(report.view, face.cascade, plain);

@@ -167,8 +167,8 @@ FitReport fit_with(Scene& scene, const Camera& camera, std::vector<Vec2>* residu
   std::vector<float> q(scene.truth.size(), 0);
   residuals->resize(points.size());
   FitReport report;
-  REQUIRE(fitter->fit({points.data(), points.size()}, options, q.data(), &report, nullptr, residuals->data(),
-                      nullptr) == Status::ok);
+  REQUIRE(fitter->fit({points.data(), points.size()}, options, q.data(), &report,
+                      {nullptr, residuals->data()}) == Status::ok);
   return report;
 }
 
@@ -199,8 +199,7 @@ TEST_CASE("a fit that knows the lens finds the pose; one that does not is far wo
   options.height = kHeight;
   options.camera = &folding;
   FitReport report;
-  CHECK(fitter->fit({points, 4}, options, scene.truth.data(), &report, nullptr, nullptr, nullptr) ==
-        Status::bad_argument);
+  CHECK(fitter->fit({points, 4}, options, scene.truth.data(), &report) == Status::bad_argument);
 }
 
 TEST_CASE("behind a lens an estimator predicts where points are seen, and follows them") {

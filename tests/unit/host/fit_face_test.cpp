@@ -10,6 +10,7 @@
 #include "baked_face.hpp"
 #include "model_builder.hpp"
 #include "pliant/fit.hpp"
+#include "pliant/fold_over.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -101,8 +102,7 @@ TEST_CASE(
       options.is_free = identity.data();
       std::vector<float> q = portrait.face.rest();
       FitReport report;
-      REQUIRE(fitter->fit({points.data(), points.size()}, options, q.data(), &report, nullptr, nullptr,
-                          nullptr) == Status::ok);
+      REQUIRE(fitter->fit({points.data(), points.size()}, options, q.data(), &report) == Status::ok);
       double t, s;
       portrait.errors(report, q, &t, &s);
       turn[matched].push_back(t);
@@ -162,8 +162,8 @@ TEST_CASE("the built-in face never folds in a fit, however mad the points, and h
     options.robust = seed % 2 == 0;
     std::vector<float> q = face.rest();
     FitReport report;
-    if (fitter->fit({portrait.points.data(), portrait.points.size()}, options, q.data(), &report, nullptr,
-                    nullptr, nullptr) != Status::ok)
+    if (fitter->fit({portrait.points.data(), portrait.points.size()}, options, q.data(), &report) !=
+        Status::ok)
       continue;
     test->compute_positions(face.cascade, q.data(), position.data());
     CHECK(test->count_folded(position.data()) == 0);
@@ -178,6 +178,6 @@ TEST_CASE("outline points need room for them") {
   options.height = 480;
   std::vector<float> q = portrait.face.rest();
   FitReport report;
-  CHECK(fitter->fit({portrait.points.data(), portrait.points.size()}, options, q.data(), &report, nullptr,
-                    nullptr, nullptr) == Status::bad_argument);
+  CHECK(fitter->fit({portrait.points.data(), portrait.points.size()}, options, q.data(), &report) ==
+        Status::bad_argument);
 }

@@ -4,6 +4,7 @@
 
 #include "model_builder.hpp"
 #include "pliant/fit.hpp"
+#include "pliant/fold_over.hpp"
 #include "random.hpp"
 
 using namespace pliant;

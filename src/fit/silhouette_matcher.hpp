@@ -1,0 +1,45 @@
+#pragma once
+// Matches landmarks of the face's outline (jaw and cheeks) to the silhouette of the model.
+//
+// People and detectors annotate such a landmark on the edge of the face in the picture, whatever part of the surface makes
+// that edge. While the landmark's own place faces the camera the landmark stays there. Once that turns away, the landmark
+// takes the nearest point of the model's contour within reach, and only its distance across the contour counts.
+#include "pliant/cascade.hpp"
+#include "pliant/fit.hpp"
+#include "pliant/mesh.hpp"
+#include "pliant/silhouette.hpp"
+#include "pliant/visibility.hpp"
+
+namespace pliant {
+
+/// The place of a silhouette landmark at one pose.
+struct SilhouetteMatch {
+  Vec2 uv;
+  Vec2 normal;  ///< of the contour in the image, unit; zero while the landmark is at its own place
+};
+
+class SilhouetteMatcher {
+ public:
+  void lay_out(Arena& arena, const Model& model);
+
+  /// \return the statuses of Mesh::set_base.
+  Status start(const Model& model);
+
+  /// Finds the contour of the base mesh at q. `match` refers to it until the next call. Cost: O(faces).
+  void find_contour(Cascade& cascade, const float* q, const Projector& projector);
+  /// The place of a landmark. Cost: O(contour points).
+  SilhouetteMatch match(Cascade& cascade, const float* q, const Projector& projector,
+                        const Correspondence& landmark) const;
+
+ private:
+  Mesh mesh_;
+  DepthBuffer depth_;
+  SilhouetteFinder finder_;
+  Vec3* position_ = nullptr;  // a vertex
+  Vec2* image_ = nullptr;
+  float* vertex_depth_ = nullptr;
+  Span<SilhouettePoint> contour_;
+  std::size_t found_ = 0;
+};
+
+}  // namespace pliant
