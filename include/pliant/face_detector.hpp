@@ -1,12 +1,11 @@
 #pragma once
 /// \file face_detector.hpp
-/// Finds a face in a picture without being given a point: how a device with a camera and no detector starts. Nothing in
-/// it is learnt: templates are drawn from the model itself.
+/// Finds a face in a frame without a prior. Nothing in it is learnt: the templates are rendered from the model itself.
 ///
-/// Three steps. Small drawings of the model in nine poses are compared with the picture at all places and sizes, by the
-/// directions in which grey values rise. At the likeliest places the model is drawn larger, its landmarks are
-/// looked for around where they are drawn, and pose and parameters are fitted to them, a few times over. In the end
-/// the model as fitted is compared with the picture once more: that likeness tells a face from other things.
+/// Three steps. Small templates of the model in nine poses are compared with the frame at all positions and sizes, by the
+/// directions of their gradients. At the most similar places the model is rendered larger, its landmarks are searched around
+/// their rendered positions, and pose and parameters are fitted to them, several times. The fitted model is compared with the
+/// frame once more: its similarity decides whether it is a face.
 #include <cstddef>
 #include <cstdint>
 
@@ -20,35 +19,35 @@
 
 namespace pliant {
 
-class ModelPicture;
-class PictureSearch;
-class PartSearch;
+class RenderedTemplate;
+class TemplateSearch;
+class LandmarkSearch;
 struct Candidate;
 
 struct FaceDetectorLimits {
   std::uint16_t width = 320, height = 240;  ///< of the frames, px
-  /// Smallest inner face, as a share of the frame's height: brows to lips and as wide as the brows, seven tenths of the
-  /// built-in face. Memory and time go with 1 / its square. 0.15 to 0.6.
+  /// Height of the smallest inner face relative to the frame's height, 0.15 to 0.6. The inner face reaches from the brows to
+  /// the lips, seven tenths of the built-in face. Memory and time are proportional to 1 / its square.
   float smallest_fraction = 0.22f;
 };
 
 struct FaceDetectorOptions {
-  float largest_fraction = 0.65f;  ///< largest inner face, of the frame's height; smallest_fraction to 1
-  /// Cosine between the directions of the fitted model and of the picture from which it counts as found. Measured: of
-  /// 300 pictures of clutter and some fifty of other things, faces upside down among them, none reaches 0.46; of drawn
-  /// faces 98 in a hundred exceed 0.53; the one real face there was to try, 0.5 in every third frame of a film.
+  float largest_fraction = 0.65f;  ///< the same of the largest inner face, smallest_fraction to 1
+  /// Smallest similarity of a face, 0 to 1. Measured: of 300 images of clutter and some fifty of other things, upside-down faces
+  /// included, none reaches 0.46; 98 % of rendered faces exceed 0.53; the one real face that was tried exceeds 0.5 in every
+  /// third frame of a film.
   float min_similarity = 0.5f;
 };
 
 struct FaceDetectorReport {
   bool is_found = false;
-  float similarity = 0;  ///< of the best place, found or not; -1 to 1
-  Pose pose;           ///< there; meaningful when found
+  float similarity = 0;  ///< of the best place, found or not: cosine between gradient directions, -1 to 1
+  Pose pose;             ///< of the face; meaningful if found
 };
 
-/// Needs a model with an albedo, curves (lids, brows, lips) and landmarks. Heads within about 20 degrees of upright
-/// and frontal are found. Lives in an arena; 320 x 240 and the built-in face take about half a megabyte, which a
-/// tracker may have afterwards: what was found is only the pose and the parameters.
+/// Detects faces within about 20 degrees of upright and frontal. Needs a model with an albedo, curves (lids, brows, lips) and
+/// landmarks. Lives in an arena: about half a megabyte for 320 x 240 and the built-in face, which can be reused after the
+/// detection, because its result is only the pose and the parameters.
 class FaceDetector {
  public:
   FaceDetector() = default;
@@ -57,31 +56,31 @@ class FaceDetector {
 
   void lay_out(Arena& arena, const Model& model, const FaceDetectorLimits& limits);
 
-  /// Draws the templates. Cost: as `find`.
-  /// \return not_found when the model lacks what is needed, bad_argument for a camera or options out of range.
+  /// Renders the templates. Cost: as `find`.
+  /// \return `not_found` if the model lacks what is needed, `bad_argument` for a camera or options out of range.
   Status begin(const Camera& camera, const FaceDetectorOptions& options);
 
-  /// Looks at one frame, without regard to any before.
-  /// \return not_started, bad_argument, size_mismatch; nothing has changed then. Cost: a tenth of a second
-  /// of a busy PC at any size of frame, most of it in sampling the fields for the fits.
+  /// Searches one frame, independently of earlier ones.
+  /// \return `not_started`, `bad_argument`, `size_mismatch`; then nothing has changed. Cost: a tenth of a second on a PC for a
+  /// frame of any size, most of it for sampling the fields of the fits.
   Status find(const FrameView& frame, FaceDetectorReport* report);
-  /// Of the last `find`, all of the model's; meaningful when it found the model.
+  /// The parameters of the last `find`, all of the model's; meaningful if it found a face.
   Span<const float> parameters() const { return {best_q_, parameter_count_}; }
 
-  /// How much a frame looks like the model with pose and parameters (all of them) that somebody else found: whether a
-  /// tracker is where it says. Statuses as of `find`, bad_argument also for a pose that is nearer than 50 mm or farther
-  /// than 100 m. Cost: a millisecond on a PC.
-  Status compare(const FrameView& frame, const Pose& pose, const float* q, float* likeness);
+  /// Computes how similar a frame is to the model with this pose and these parameters (all of them): a check of a track.
+  /// \return as `find`; `bad_argument` also for a pose closer than 50 mm or farther than 100 m. Cost: a millisecond on a PC.
+  Status compare(const FrameView& frame, const Pose& pose, const float* q, float* similarity);
 
  private:
   struct Place {
     View view;
-    float likeness;
+    float similarity;
   };
-  Status look_at(const FrameView& frame);
+  Status load(const FrameView& frame);
   void align(Place& place, int round, const std::uint8_t* is_free);
-  void align_roughly(const Candidate& candidate, Place* place);
+  void align_pose(const Candidate& candidate, Place* place);
   void align_fully(Place& place);
+  void measure(Place& place);
 
   Model model_;
   FaceDetectorLimits limits_;
@@ -89,9 +88,9 @@ class FaceDetector {
   Camera camera_;
   Pyramid pyramid_;
   Fitter fitter_;
-  ModelPicture* picture_ = nullptr;
-  PictureSearch* search_ = nullptr;
-  PartSearch* parts_ = nullptr;
+  RenderedTemplate* rendered_ = nullptr;
+  TemplateSearch* search_ = nullptr;
+  LandmarkSearch* landmarks_ = nullptr;
   Place* places_ = nullptr;
   Correspondence* pairs_ = nullptr;
   float *q_ = nullptr, *best_q_ = nullptr;

@@ -1,23 +1,18 @@
-// Templates over the whole picture, then landmarks around where they are drawn, then the likeness of the whole.
 #include "pliant/face_detector.hpp"
 
 #include <new>
 
-#include "face/part_search.hpp"
+#include "face/face_detector_tuning.hpp"
+#include "face/landmark_search.hpp"
 #include "face/template_search.hpp"
 
 namespace pliant {
 
 namespace {
 
-constexpr int kRoughRounds = 2, kFullRounds = 3;
-constexpr std::size_t kRoughStep = 2;  // of the landmarks, one in so many is looked for then
-constexpr std::size_t kFullPlaces = 2;
-constexpr float kWorth = 0.6f;  // of the first place's likeness, for a second to be fitted
-constexpr int kReaches[kRoughRounds + kFullRounds] = {6, 5, 4, 3, 3};  // px of the drawing, a round
-constexpr int kIterations = 12;                                        // of a fit
+constexpr const FaceDetectorTuning& kTuning = kFaceDetectorTuning;
 
-/// An object in the arena, laid out there; null where it only measures.
+// An object laid out in the arena; null if the arena only measures.
 template <class T, class... Args>
 T* create(Arena& arena, const Args&... args) {
   T* object = arena.take<T>(1);
@@ -40,14 +35,14 @@ void FaceDetector::lay_out(Arena& arena, const Model& model, const FaceDetectorL
   pyramid.levels = 4;
   pyramid_.lay_out(arena, pyramid);
   FitLimits fit;
-  fit.points = PartSearch::kParts;
+  fit.points = LandmarkSearch::kMaxLandmarks;
   fitter_.lay_out(arena, model, fit);
-  picture_ = create<ModelPicture>(arena, model);
-  search_ = create<PictureSearch>(arena, int{limits.width}, int{limits.height},
-                                  limits_.smallest_fraction * static_cast<float>(limits.height));
-  parts_ = create<PartSearch>(arena);
-  places_ = arena.take<Place>(PictureSearch::kCandidates);
-  pairs_ = arena.take<Correspondence>(PartSearch::kParts);
+  rendered_ = create<RenderedTemplate>(arena, model);
+  search_ = create<TemplateSearch>(arena, int{limits.width}, int{limits.height},
+                                   limits_.smallest_fraction * static_cast<float>(limits.height));
+  landmarks_ = create<LandmarkSearch>(arena);
+  places_ = arena.take<Place>(TemplateSearch::kCandidates);
+  pairs_ = arena.take<Correspondence>(LandmarkSearch::kMaxLandmarks);
   q_ = arena.take<float>(parameter_count_);
   best_q_ = arena.take<float>(parameter_count_);
   none_free_ = arena.take<std::uint8_t>(parameter_count_);
@@ -57,10 +52,11 @@ void FaceDetector::lay_out(Arena& arena, const Model& model, const FaceDetectorL
 Status FaceDetector::begin(const Camera& camera, const FaceDetectorOptions& options) {
   started_ = false;
   const bool is_camera = is_finite(camera.f) && camera.f > 0 && is_finite(Vec2{camera.cx, camera.cy});
-  if (!is_camera || !(options.largest_fraction >= limits_.smallest_fraction && options.largest_fraction <= 1) ||
+  if (!is_camera ||
+      !(options.largest_fraction >= limits_.smallest_fraction && options.largest_fraction <= 1) ||
       !(options.min_similarity > 0 && options.min_similarity < 1))
     return Status::bad_argument;
-  const Status status = picture_->prepare();
+  const Status status = rendered_->prepare();
   if (status != Status::ok) return status;
   camera_ = camera;
   options_ = options;
@@ -68,53 +64,54 @@ Status FaceDetector::begin(const Camera& camera, const FaceDetectorOptions& opti
     best_q_[k] = 0;
     none_free_[k] = 0;
   }
-  constexpr float kUsualShare = 0.35f;  // how far away a head is taken to be when templates are drawn
-  search_->prepare(*picture_,
-                   camera.f * picture_->inner_size() / (kUsualShare * static_cast<float>(limits_.height)));
+  search_->prepare(*rendered_, camera.f * rendered_->inner_size() /
+                                   (kTuning.usual_fraction * static_cast<float>(limits_.height)));
   started_ = true;
   return Status::ok;
 }
 
-/// Looks where the parts are and moves the model there; q_ are its parameters. The place has the likeness before.
+// The similarity of the model with q_ at the place.
+void FaceDetector::measure(Place& place) {
+  rendered_->set(q_);
+  landmarks_->load(pyramid_, *rendered_, place.view);
+  place.similarity = landmarks_->similarity();
+}
+
+// Finds the landmarks and fits the view and q_ to them. The place keeps the similarity before the fit.
 void FaceDetector::align(Place& place, int round, const std::uint8_t* is_free) {
-  picture_->set(q_);
-  parts_->look(pyramid_, *picture_, place.view);
-  place.likeness = parts_->likeness();
-  const std::size_t n =
-      parts_->find(*picture_, kReaches[round], round < kRoughRounds ? kRoughStep : 1, pairs_);
+  measure(place);
+  const std::size_t step = round < kTuning.pose_rounds ? kTuning.pose_landmark_step : 1;
+  const std::size_t n = landmarks_->find(*rendered_, kTuning.reach_px[round], step, pairs_);
   FitOptions options;
   options.width = limits_.width;
   options.height = limits_.height;
   options.camera = &camera_;
   options.start = &place.view;
   options.is_free = is_free;
-  options.iterations = kIterations;
+  options.iterations = kTuning.fit_iterations;
   FitReport report;
   if (fitter_.fit({pairs_, n}, options, q_, &report) == Status::ok)
     place.view = report.view;
 }
 
-/// As the model at rest.
-void FaceDetector::align_roughly(const Candidate& c, Place* place) {
+// The pose alone, of the model at rest.
+void FaceDetector::align_pose(const Candidate& c, Place* place) {
   for (std::size_t k = 0; k < parameter_count_; ++k) q_[k] = 0;
-  place->view = view_at(c.x, c.scale, c.turn, picture_->middle(),
+  place->view = view_at(c.x, c.scale, c.turn, rendered_->middle(),
                         clamp(c.scale / camera_.f, kMinRho, kMaxRho), {camera_.cx, camera_.cy});
-  for (int round = 0; round < kRoughRounds; ++round) align(*place, round, none_free_);
-  picture_->set(q_);
-  parts_->look(pyramid_, *picture_, place->view);
-  place->likeness = parts_->likeness();
+  for (int round = 0; round < kTuning.pose_rounds; ++round) align(*place, round, none_free_);
+  measure(*place);
 }
 
-/// With all parameters, into q_.
+// With all parameters, into q_.
 void FaceDetector::align_fully(Place& place) {
   for (std::size_t k = 0; k < parameter_count_; ++k) q_[k] = 0;
-  for (int round = 0; round < kFullRounds; ++round) align(place, kRoughRounds + round, nullptr);
-  picture_->set(q_);
-  parts_->look(pyramid_, *picture_, place.view);
-  place.likeness = parts_->likeness();
+  for (int round = 0; round < kTuning.full_rounds; ++round)
+    align(place, kTuning.pose_rounds + round, nullptr);
+  measure(place);
 }
 
-Status FaceDetector::look_at(const FrameView& frame) {
+Status FaceDetector::load(const FrameView& frame) {
   if (!started_) return Status::not_started;
   const Status status = check(frame);
   if (status != Status::ok) return status;
@@ -124,25 +121,25 @@ Status FaceDetector::look_at(const FrameView& frame) {
 
 Status FaceDetector::find(const FrameView& frame, FaceDetectorReport* report) {
   if (report == nullptr) return Status::bad_argument;
-  const Status status = look_at(frame);
+  const Status status = load(frame);
   if (status != Status::ok) return status;
   const float height = static_cast<float>(limits_.height);
   const Span<const Candidate> found =
       search_->find(pyramid_, limits_.smallest_fraction * height, options_.largest_fraction * height);
-  for (std::size_t k = 0; k < found.count; ++k) align_roughly(found[k], &places_[k]);
+  for (std::size_t k = 0; k < found.count; ++k) align_pose(found[k], &places_[k]);
   *report = {};
   float first = 0;
-  for (std::size_t n = 0; n < kFullPlaces && n < found.count; ++n) {
+  for (std::size_t n = 0; n < kTuning.full_candidates && n < found.count; ++n) {
     std::size_t best = n;
     for (std::size_t k = n + 1; k < found.count; ++k)
-      if (places_[k].likeness > places_[best].likeness) best = k;
-    if (n > 0 && places_[best].likeness < kWorth * first) break;
+      if (places_[k].similarity > places_[best].similarity) best = k;
+    if (n > 0 && places_[best].similarity < kTuning.second_candidate_fraction * first) break;
     Place place = places_[best];
-    if (n == 0) first = place.likeness;
+    if (n == 0) first = place.similarity;
     places_[best] = places_[n];
     align_fully(place);
-    if (place.likeness <= report->similarity) continue;
-    report->similarity = place.likeness;
+    if (place.similarity <= report->similarity) continue;
+    report->similarity = place.similarity;
     report->pose = pose_of(place.view);
     for (std::size_t k = 0; k < parameter_count_; ++k) best_q_[k] = q_[k];
   }
@@ -150,16 +147,16 @@ Status FaceDetector::find(const FrameView& frame, FaceDetectorReport* report) {
   return Status::ok;
 }
 
-Status FaceDetector::compare(const FrameView& frame, const Pose& pose, const float* q, float* likeness) {
-  if (q == nullptr || likeness == nullptr || !is_finite(pose)) return Status::bad_argument;
+Status FaceDetector::compare(const FrameView& frame, const Pose& pose, const float* q, float* similarity) {
+  if (q == nullptr || similarity == nullptr || !is_finite(pose)) return Status::bad_argument;
   const float nearest = 1 / kMaxRho, farthest = 1 / kMinRho;
   if (!(pose.t.z > nearest && pose.t.z < farthest && length(pose.t) < 2 * farthest))
     return Status::bad_argument;
-  const Status status = look_at(frame);
+  const Status status = load(frame);
   if (status != Status::ok) return status;
-  picture_->set(q);
-  parts_->look(pyramid_, *picture_, view_of(pose, camera_));
-  *likeness = parts_->likeness();
+  rendered_->set(q);
+  landmarks_->load(pyramid_, *rendered_, view_of(pose, camera_));
+  *similarity = landmarks_->similarity();
   return Status::ok;
 }
 

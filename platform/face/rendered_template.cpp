@@ -1,17 +1,19 @@
 #include "face/rendered_template.hpp"
 
+#include "face/face_detector_tuning.hpp"
 #include "pliant/visibility.hpp"
+#include "vision/bilinear.hpp"
 
 namespace pliant {
 
 namespace {
 
-constexpr float kPadMm[2] = {6, 10};  // around lids, brows and lips: beside and above, below
+constexpr const FaceDetectorTuning& kTuning = kFaceDetectorTuning;
 constexpr float kFar = 1e9f;
 
 }  // namespace
 
-void ModelPicture::lay_out(Arena& arena, const Model& model) {
+void RenderedTemplate::lay_out(Arena& arena, const Model& model) {
   cascade_.lay_out(arena, model);
   albedo_ = arena.take<std::uint8_t>(kAlbedoSide * kAlbedoSide);
   grey_ = arena.take<std::uint8_t>(kPixels);
@@ -25,8 +27,8 @@ void ModelPicture::lay_out(Arena& arena, const Model& model) {
   rest_ = arena.take<float>(model.parameters().count);
 }
 
-/// Means over cells of the chart.
-void ModelPicture::shrink_albedo() {
+// Means over cells of the chart.
+void RenderedTemplate::reduce_albedo() {
   const ChartImage from = cascade_.model().albedo();
   for (std::uint32_t j = 0; j < kAlbedoSide; ++j)
     for (std::uint32_t i = 0; i < kAlbedoSide; ++i) {
@@ -40,7 +42,7 @@ void ModelPicture::shrink_albedo() {
     }
 }
 
-bool ModelPicture::find_region() {
+bool RenderedTemplate::find_region() {
   const Model& model = cascade_.model();
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
   float front = 0;
@@ -55,25 +57,25 @@ bool ModelPicture::find_region() {
     }
   }
   if (count == 0) return false;
-  low = low - Vec2{kPadMm[0], kPadMm[1]};
-  high = high + Vec2{kPadMm[0], kPadMm[0]};
+  low = low - Vec2{kTuning.margin_beside_mm, kTuning.margin_below_mm};
+  high = high + Vec2{kTuning.margin_beside_mm, kTuning.margin_beside_mm};
   half_ = 0.5f * (high - low);
   middle_ = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y), front / static_cast<float>(count)};
   return half_.x > 0 && half_.y > 0;
 }
 
-Status ModelPicture::prepare() {
+Status RenderedTemplate::prepare() {
   const Model& model = cascade_.model();
   for (std::size_t k = 0; k < model.parameters().count; ++k) rest_[k] = 0;
   if (model.albedo().pixels == nullptr || !find_region()) return Status::not_found;
-  shrink_albedo();
+  reduce_albedo();
   set(rest_);
   for (std::size_t v = 0; v < model.base_uv().count; ++v)
     place_[v] = {position_[v].x - middle_.x, position_[v].y - middle_.y};
   return Status::ok;
 }
 
-void ModelPicture::set(const float* q) {
+void RenderedTemplate::set(const float* q) {
   const Model& model = cascade_.model();
   const std::size_t vertices = model.base_uv().count;
   cascade_.select(q);
@@ -86,31 +88,27 @@ void ModelPicture::set(const float* q) {
     const Vec3 a = position_[corners[f]], b = position_[corners[f + 1]], c = position_[corners[f + 2]];
     Vec3 n = cross(b - a, c - a);
     const Vec2* uv = model.base_uv().data;
-    // Seen from outside v points down where u points right: the chart's area tells which way round a face runs.
+    // Seen from outside, v points down and u to the right: the sign of the chart's area is the winding of the face.
     if (doubled_area(uv[corners[f]], uv[corners[f + 1]], uv[corners[f + 2]]) > 0) n = -1.0f * n;
     for (std::size_t k = 0; k < 3; ++k) normal_[corners[f + k]] = normal_[corners[f + k]] + n;
   }
   for (std::size_t v = 0; v < vertices; ++v) normal_[v] = normalised(normal_[v]);
 }
 
-float ModelPicture::albedo_at(Vec2 uv) const {
+float RenderedTemplate::albedo_at(Vec2 uv) const {
   const float x = clamp(uv.x * kAlbedoSide - 0.5f, 0, kAlbedoSide - 1.001f),
               y = clamp(uv.y * kAlbedoSide - 0.5f, 0, kAlbedoSide - 1.001f);
   const int i = static_cast<int>(x), j = static_cast<int>(y);
-  const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
-  const std::uint8_t *a = albedo_ + j * kAlbedoSide + i, *b = a + kAlbedoSide;
-  const float top = static_cast<float>(a[0]) + fx * static_cast<float>(a[1] - a[0]);
-  const float bottom = static_cast<float>(b[0]) + fx * static_cast<float>(b[1] - b[0]);
-  return top + fy * (bottom - top);
+  const std::uint8_t* p = albedo_ + j * kAlbedoSide + i;
+  return bilinear(p, p + kAlbedoSide, 1, x - static_cast<float>(i), y - static_cast<float>(j));
 }
 
-void ModelPicture::draw(const View& view, Vec3 light) {
-  constexpr float kAmbient = 0.4f;
-  constexpr std::uint8_t kBehind = 110;
+void RenderedTemplate::draw(const View& view, Vec3 light) {
+  constexpr float kAmbient = kTuning.ambient_light;
   const Model& model = cascade_.model();
   const Projector projector(view, true);
   for (int k = 0; k < kPixels; ++k) {
-    grey_[k] = kBehind;
+    grey_[k] = std::uint8_t{kTuning.background_grey};
     inner_[k] = 0;
     depth_[k] = kFar;
   }
@@ -124,12 +122,12 @@ void ModelPicture::draw(const View& view, Vec3 light) {
   const Span<const std::uint16_t> corners = model.base_corners();
   for (std::size_t f = 0; f + 2 < corners.count; f += 3)
     draw_face(corner_[corners[f]], corner_[corners[f + 1]], corner_[corners[f + 2]]);
-  leave_out_rim();
+  clear_silhouette();
 }
 
-/// What lies behind the model's edge is not the model's.
-void ModelPicture::leave_out_rim() {
-  constexpr int kReach = 3;
+// Takes pixels close to the silhouette out of the inner face: gradients there depend on the background.
+void RenderedTemplate::clear_silhouette() {
+  constexpr int kReach = kTuning.silhouette_margin_px;
   const auto is_empty = [this](int x, int y) { return depth_[y * kSide + x] >= kFar; };
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x) {
@@ -142,7 +140,7 @@ void ModelPicture::leave_out_rim() {
     }
 }
 
-void ModelPicture::draw_face(const Corner& a, const Corner& b, const Corner& c) {
+void RenderedTemplate::draw_face(const Corner& a, const Corner& b, const Corner& c) {
   if (a.depth <= 0 || b.depth <= 0 || c.depth <= 0) return;
   const float area = doubled_area(a.x, b.x, c.x);
   const bool faces = area * doubled_area(a.uv, b.uv, c.uv) > 0;

@@ -1,5 +1,5 @@
 #pragma once
-// A small lit picture of the model, and which of its pixels tell a face from other things.
+// A small rendering of the model, and which of its pixels tell a face from other things.
 #include <cstdint>
 
 #include "pliant/camera.hpp"
@@ -8,40 +8,40 @@
 
 namespace pliant {
 
-/// Draws the base mesh with the model's albedo into a square of kSide pixels.
-class ModelPicture {
+/// Renders the base mesh with the model's albedo into a square of kSide pixels.
+class RenderedTemplate {
  public:
   static constexpr int kSide = 64;
   static constexpr int kPixels = kSide * kSide;
 
   void lay_out(Arena& arena, const Model& model);
-  /// Takes the albedo and the region of lids, brows and lips from the model. \return not_found where it has none.
+  /// Reads the albedo and the region of lids, brows and lips from the model. \return `not_found` if it lacks one.
   Status prepare();
 
-  /// Who is drawn, and with what expression. Cost: a cascade a vertex.
+  /// Sets the parameters, all of the model's. Cost: a cascade a vertex.
   void set(const float* q);
-  /// Draws at a view in the picture's own pixels. `light` is the unit direction to the lamp in camera axes.
+  /// Renders at a view in px of the square. `light` is the unit direction to the lamp in camera coordinates.
   void draw(const View& view, Vec3 light);
 
   const std::uint8_t* pixels() const { return grey_; }
-  /// Not 0 on the inner face: from above the brows to below the lips, and facing the camera.
+  /// 1 on the inner face, from above the brows to below the lips, where it faces the camera; otherwise 0.
   const std::uint8_t* inner() const { return inner_; }
-  /// Middle of the inner face at rest (mm), and the larger of its width and height.
+  /// Middle of the inner face at rest, and the larger of its width and height; mm.
   Vec3 middle() const { return middle_; }
   float inner_size() const { return 2 * max(half_.x, half_.y); }
-  /// A point of who is drawn; the parameters of `set` must be where and as they were.
+  /// A surface point under the parameters of `set`, which must still be in the same memory and unchanged.
   Vec3 point(Vec2 uv) { return cascade_.selected_point(uv); }
   const Model& model() const { return cascade_.model(); }
 
  private:
   struct Corner {
     Vec2 x, uv;
-    Vec2 place;  // on the face, mm beside `middle`, at rest
+    Vec2 place;  // at rest, mm from `middle`
     float depth, light;
   };
-  void shrink_albedo();
+  void reduce_albedo();
   bool find_region();
-  void leave_out_rim();
+  void clear_silhouette();
   void draw_face(const Corner& a, const Corner& b, const Corner& c);
   float albedo_at(Vec2 uv) const;
 

@@ -1,64 +1,64 @@
 #pragma once
-// Where in a picture something looks like the model: small templates drawn from it, in a few poses, over all places and
-// sizes.
+// Search of a whole frame for places that are similar to the model: small templates rendered from it in a few poses, at all
+// positions and sizes.
 #include <cstdint>
 
-#include "vision/directions.hpp"
 #include "face/rendered_template.hpp"
 #include "pliant/pyramid.hpp"
+#include "vision/gradient_directions.hpp"
 
 namespace pliant {
 
-/// A place that looks like the model. Positions are of the model's middle (ModelPicture::middle).
+/// A place that is similar to the model. The position is that of the model's middle (RenderedTemplate::middle).
 struct Candidate {
   Vec2 x;           // px of the frame
   float scale = 0;  // px per mm
   Quat turn;
-  float likeness = 0;  // cosine between the directions of picture and template
+  float similarity = 0;  // cosine between the gradient directions of frame and template
 };
 
-class PictureSearch {
+/// The templates, and the frame reduced to their size.
+class TemplateSearch {
  public:
-  static constexpr int kSide = ModelPicture::kSide / 2;
-  static constexpr float kInnerPx = 16;  // of a template: the inner face's larger side
-  static constexpr int kTurns = 9;
+  static constexpr int kSide = RenderedTemplate::kSide / 2;
+  static constexpr float kInnerPx = 16;  ///< larger side of the inner face, px of a template
+  static constexpr int kTurns = 9;       ///< poses of the head
   static constexpr std::size_t kCandidates = 6;
-  static constexpr int kReach = 3;  // of the directions
+  static constexpr int kReach = 3;  ///< of the gradient directions, px
 
-  /// For frames of this size, and inner faces of least_px or more.
-  void lay_out(Arena& arena, int width, int height, float least_px);
-  /// Draws the templates. `picture` is prepared and drawn at rest.
-  void prepare(ModelPicture& picture, float distance_mm);
-  /// The most likely places, for inner faces between two sizes in px of the frame, best first.
-  /// Cost: a product a pixel of a template, kTurns times at each place of the frame shrunk to kInnerPx / least_px, and
-  /// twice that for all larger sizes together.
-  Span<const Candidate> find(const Pyramid& pyramid, float least_px, float largest_px);
+  /// For frames of this size and inner faces of smallest_px or more.
+  void lay_out(Arena& arena, int width, int height, float smallest_px);
+  /// Renders the templates as seen from a distance. Precondition: `rendered` is prepared and shows the model at rest.
+  void prepare(RenderedTemplate& rendered, float distance_mm);
+  /// Finds the most similar places for inner faces between two sizes in px of the frame, best first.
+  /// Cost: kTurns times a product for each pixel of a template and each pixel of the frame reduced to kInnerPx / smallest_px of
+  /// its size, and twice that for all larger sizes together.
+  Span<const Candidate> find(const Pyramid& pyramid, float smallest_px, float largest_px);
 
  private:
   struct Template {
-    Direction* direction;
+    GradientDirection* direction;
     Quat turn;
-    int x0, y0, x1, y1;  // what of the square is not zero
+    int x0, y0, x1, y1;  // the part of the square that is not zero
     float length;
   };
-  void draw_template(ModelPicture& picture, Template& t);
-  void add_drawing(const ModelPicture& picture);
+  void render_template(RenderedTemplate& rendered, Template& t);
+  void add_rendering(const RenderedTemplate& rendered);
   void search_scale(const Pyramid& pyramid, float scale);
-  float likeness_at(const Template& t, int x, int y) const;
+  float similarity_at(const Template& t, int x, int y) const;
   void offer(const Candidate& candidate);
-  void shrink_to(const Pyramid& pyramid, float ratio);
-  void sum_energy();
+  void reduce_to(const Pyramid& pyramid, float ratio);
 
-  int width_ = 0, height_ = 0;  // room for the shrunk frame
+  int width_ = 0, height_ = 0;  // room for the reduced frame
   float scale_ = 0, rho_ = 1e-3f;
-  DirectionFinder finder_;
+  GradientDirectionFilter filter_;
   Template* template_ = nullptr;
-  Direction* template_directions_ = nullptr;
+  GradientDirection* template_directions_ = nullptr;
   std::uint8_t* grey_ = nullptr;
-  Direction* direction_ = nullptr;
-  std::uint32_t* energy_ = nullptr;  // sums over all above and to the left
-  std::int32_t* sum_ = nullptr;      // of a template's directions, while it is drawn
-  ImageView shrunk_;
+  GradientDirection* direction_ = nullptr;
+  EnergyTable energy_;
+  std::int32_t* sum_ = nullptr;  // of a template's directions while it is rendered
+  ImageView reduced_;
   Candidate* candidate_ = nullptr;
   std::size_t found_ = 0;
 };
