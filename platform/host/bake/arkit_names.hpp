@@ -1,6 +1,6 @@
 #pragma once
 /// \file arkit_names.hpp
-/// ARKit's names of expressions, and which of them a small model should have.
+/// ARKit's blendshape names, ordered by how useful they are in a small model.
 #include <string>
 #include <vector>
 
@@ -8,13 +8,12 @@
 
 namespace pliant::host::bake {
 
-/// Place of a name in the order in which a small model should have them, from 0: what a camera sees most of in speech
-/// and everyday expression first. Where ARKit has one name for a pair, either side counts. The number of names for one
-/// that is none of ARKit's.
+/// Rank of an expression's name, 0 the most useful: names that matter in speech and everyday expression come first.
+/// Where ARKit has one name for a pair, the names of both sides have its rank. A name that ARKit does not have gets the
+/// number of ARKit's names. The order is a judgement; it was not measured.
 std::size_t usefulness_rank(const std::string& name);
 
-/// The expressions of a source that bear none of ARKit's names (nor one side of a pair that ARKit has one
-/// name for).
+/// The names of a source's expressions that ARKit does not have, neither alone nor as one side of a pair.
 std::vector<std::string> names_unknown_to_arkit(const Source& source);
 
 }  // namespace pliant::host::bake

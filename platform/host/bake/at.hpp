@@ -1,11 +1,15 @@
 #pragma once
 /// \file at.hpp
+/// Conversion of int indices.
 #include <cstddef>
+
+#include "pliant/status.hpp"
 
 namespace pliant::host::bake {
 
-/// An int that is known not to be negative, as the index of a container.
+/// A non-negative int as the index of a container.
 constexpr std::size_t at(int i) {
+  PLIANT_ASSERT(i >= 0);
   return static_cast<std::size_t>(i);
 }
 

@@ -1,7 +1,7 @@
 #include "host/bake/bake.hpp"
 
 #include "host/bake/arkit_names.hpp"
-#include "host/bake/face_source.hpp"
+#include "host/bake/cage_source.hpp"
 #include "host/bake/obj_source.hpp"
 #include "host/bake/source_error.hpp"
 
@@ -10,22 +10,23 @@ namespace pliant::host::bake {
 namespace {
 
 void check(const BakeOptions& options) {
-  if (options.bits != 8 && options.bits != 16) throw SourceError("--bits", 0, "is 8 or 16");
-  if (options.size < 16 || options.size > 512) throw SourceError("--size", 0, "is from 16 to 512");
+  if (options.bits != 8 && options.bits != 16) throw SourceError("--bits", 0, "must be 8 or 16");
+  if (options.size < 16 || options.size > 512) throw SourceError("--size", 0, "must be from 16 to 512");
   if (options.base_vertices < 60 || options.base_vertices > 5000)
-    throw SourceError("--base-mesh", 0, "is from 60 to 5000");
+    throw SourceError("--base-mesh", 0, "must be from 60 to 5000");
   if (!(options.unit_mm > 0 && options.unit_mm < 1e6f))
-    throw SourceError("--unit", 0, "is a positive number");
-  if (options.components < 0 || options.components > 192) throw SourceError("--pca", 0, "is from 1 to 192");
+    throw SourceError("--unit", 0, "must be a positive number");
+  if (options.components < 0 || options.components > 192)
+    throw SourceError("--pca", 0, "must be from 1 to 192");
 }
 
 Source read_all(const BakeOptions& options) {
-  if (is_face_folder(options.source)) return read_face(options.source);
+  if (is_cage_folder(options.source)) return read_cage_source(options.source);
   if (is_obj_folder(options.source))
     return read_obj_folder(options.source,
                            {options.unit_mm, options.components, options.relaxes_chart, options.progress});
   throw SourceError(options.source, 0,
-                    "is no folder with the tables of a face (points.txt and others) nor with OBJ files");
+                    "has neither the tables of a surface (points.txt and others) nor OBJ files");
 }
 
 }  // namespace

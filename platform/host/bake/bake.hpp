@@ -1,6 +1,6 @@
 #pragma once
 /// \file bake.hpp
-/// Makes a model table (`.plm`) from a readable source on a host.
+/// Makes a model table (`.plm`) from readable files.
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -13,33 +13,33 @@
 namespace pliant::host::bake {
 
 struct BakeOptions {
-  std::string source;  ///< the folder of the source
+  std::string source;  ///< folder of the source; errors name it
   int size =
-      128;  ///< samples a side of a field over the whole chart, 16 to 512; the rest shape has twice that
-  int bits = 16;               ///< a sample: 16 or 8; the rest shape always has 16
-  float unit_mm = 1;           ///< of OBJ files
-  bool relaxes_chart = false;  ///< of OBJ files (chart_relaxation.hpp)
-  int components = 0;  ///< above 0: the OBJ files are scans, of which so many principal components are kept
-  ParameterChoice choice;  ///< of what the source has
-  /// Called for each OBJ file read and each shape baked, with which of the two it is; may be empty.
+      128;  ///< samples on each side of a field over the whole chart, 16 to 512; the rest shape has twice that
+  int bits = 16;               ///< bits of a sample: 16 or 8; the rest shape always has 16
+  float unit_mm = 1;           ///< unit of the OBJ files, millimetres
+  bool relaxes_chart = false;  ///< moves the (u,v) of OBJ files (chart_relaxation.hpp)
+  int components = 0;  ///< if positive, the OBJ files are scans, and this many principal components are kept
+  ParameterChoice choice;  ///< which of the source's parameters are kept
+  /// Called after each OBJ file ("files") and each baked shape ("shapes"); may be empty.
   std::function<void(const char* stage, std::size_t done, std::size_t of)> progress;
-  int base_vertices = 480;     ///< of the base mesh, about; 60 to 5000
-  float tolerance_mm = 0.05f;  ///< fields are sampled more coarsely where that costs no more than this
+  int base_vertices = 480;     ///< approximate number of vertices of the base mesh, 60 to 5000
+  float tolerance_mm = 0.05f;  ///< a field gets the coarsest grid whose error at the vertices is at most this
 };
 
 struct BakeReport {
   Reconstruction errors;
-  std::vector<std::string> unmatched;  ///< expressions that bear none of ARKit's names
+  std::vector<std::string> unmatched;  ///< expressions whose names ARKit does not have
   std::size_t field_count = 0, base_vertices = 0, table_bytes = 0;
 };
 
-/// Bakes a folder with the tables of a face (points.txt and others), or with OBJ files (obj_source.hpp).
-/// False, with one line that names the file and line, when anything is wrong with them; `table` is untouched
-/// then. `report` may be null.
+/// Bakes a folder with the tables of a surface (cage_source.hpp) or with OBJ files (obj_source.hpp). On any defect returns
+/// false, sets `error` to one line that names the file and what is wrong, and leaves `table` unchanged. `report` may be
+/// null.
 bool bake(const BakeOptions& options, std::vector<std::uint8_t>& table, std::string& error,
           BakeReport* report = nullptr);
 
-/// Reads what `options.source` holds and keeps the parameters chosen. Throws SourceError.
+/// Reads the folder `options.source` and keeps the chosen parameters. Throws SourceError.
 Source read_source(const BakeOptions& options);
 
 /// Bakes a source that is in memory, and opens the table to check it. A source without a base mesh gets one. Throws

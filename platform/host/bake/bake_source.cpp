@@ -1,5 +1,5 @@
-// From a mesh over the chart with its shapes to fields and a cascade: sample, crop, choose a resolution,
-// quantise.
+// Turns a mesh over the chart and its shapes into fields and a cascade: sample each shape on a grid, crop the grid, choose
+// its resolution, quantise.
 #include <algorithm>
 #include <cmath>
 
@@ -16,17 +16,32 @@ namespace pliant::host::bake {
 
 namespace {
 
+/// Tuning of the fields' resolution. Each constant: unit, reason, experiment.
+struct FieldTuning {
+  /// Samples on a side of the coarsest grid, count. Fewer cannot hold the support of a lip or a lid. Round value, not tuned.
+  int least_side = 16;
+  /// Standard deviations at which the error of an identity is judged. Two cover 95 % of people.
+  float identity_sds = 2;
+  /// Distance from the axis at which the error of a rotation's weight is judged, millimetres: the chin's from the jaw's hinge.
+  float rotation_arm_mm = 80;
+  /// Motion below which a sample counts as zero, millimetres, at the parameter's largest value. Grids are cropped to the
+  /// rest. A tenth of the tolerance, so that the crop stays invisible beside it; not tuned further.
+  float still_mm = 0.004f;
+};
+constexpr FieldTuning kTuning{};
+
 class Baker {
  public:
   Baker(const Source& source, const BakeOptions& options)
       : source_(source),
         options_(options),
         places_(fit_places(source.uv, source.triangles, source.is_hole, options.size)) {
-    for (int side = options.size; side >= 16; side = (side + 1) / 2) rasters_.push_back(raster(side));
-    on_skin_.assign(source.uv.size(), 0);
+    for (int side = options.size; side >= kTuning.least_side; side = (side + 1) / 2)
+      rasters_.push_back(raster(side));
+    is_on_surface_.assign(source.uv.size(), 0);
     for (std::size_t f = 0; f < source.triangles.size(); ++f)
       if (!source.is_hole[f])
-        for (int v : source.triangles[f]) on_skin_[at(v)] = 1;
+        for (int v : source.triangles[f]) is_on_surface_[at(v)] = 1;
   }
 
   std::vector<std::uint8_t> run(BakeReport* report) {
@@ -96,15 +111,15 @@ class Baker {
     last_ = writer_.add_record(r);
   }
 
-  /// The coarsest grid that is good enough; where none is, the finest fitted to the mesh, or a coarser that
-  /// is as good.
+  /// The coarsest grid within the tolerance. If no sampled grid is within it, the finest grid fitted by least squares, or the
+  /// coarsest fitted grid that is as good to within the tolerance.
   template <class T>
   FieldGrid grid_for(const std::vector<T>& values, const SourceShape& shape) {
     const SourceParameter& p = source_.parameters[shape.parameter];
-    // A weight turns points that are some 80 mm away from the axis.
-    const float most = p.group == Group::identity ? std::min(2 * p.sd, p.maximum) : p.maximum;
-    const float effect = std::max(most, 1e-6f) * (shape.weight.empty() ? 1.0f : 80.0f);
-    const float threshold = 0.004f / effect;
+    const float most =
+        p.group == Group::identity ? std::min(kTuning.identity_sds * p.sd, p.maximum) : p.maximum;
+    const float effect = std::max(most, 1e-6f) * (shape.weight.empty() ? 1.0f : kTuning.rotation_arm_mm);
+    const float threshold = kTuning.still_mm / effect;
     for (std::size_t level = rasters_.size(); level-- > 0;) {
       FieldGrid grid = cropped(sampled(level, values), threshold);
       const std::vector<float> off = deviations(grid, values);
@@ -129,9 +144,9 @@ class Baker {
   }
 
   template <class T>
-  FieldGrid fitted(std::size_t level, const std::vector<T>& values, float still) const {
+  FieldGrid fitted(std::size_t level, const std::vector<T>& values, float threshold) const {
     FieldGrid grid = grid_of(rasters_[level], values);
-    fit_grid(grid, places_, values, still);
+    fit_grid(grid, places_, values, threshold);
     clear_border(grid, rasters_[level]);
     return grid;
   }
@@ -142,12 +157,12 @@ class Baker {
     return excess;
   }
 
-  /// Distances between a grid and the values at the skin's vertices.
+  /// Distances between the grid and the values at the vertices of the surface.
   std::vector<float> deviations(const FieldGrid& grid, const std::vector<Vec3>& values) const {
     std::vector<float> result;
     for (std::size_t i = 0; i < values.size(); ++i) {
       const Vec2 uv = source_.uv[i];
-      if (on_skin_[i])
+      if (is_on_surface_[i])
         result.push_back(
             length(values[i] - Vec3{sample(grid, 0, uv), sample(grid, 1, uv), sample(grid, 2, uv)}));
     }
@@ -156,7 +171,7 @@ class Baker {
   std::vector<float> deviations(const FieldGrid& grid, const std::vector<float>& values) const {
     std::vector<float> result;
     for (std::size_t i = 0; i < values.size(); ++i)
-      if (on_skin_[i]) result.push_back(std::fabs(values[i] - sample(grid, 0, source_.uv[i])));
+      if (is_on_surface_[i]) result.push_back(std::fabs(values[i] - sample(grid, 0, source_.uv[i])));
     return result;
   }
 
@@ -171,7 +186,7 @@ class Baker {
   const Source& source_;
   const BakeOptions& options_;
   std::vector<ChartRaster> rasters_;  // from fine to coarse
-  std::vector<char> on_skin_;
+  std::vector<char> is_on_surface_;
   std::vector<FitPlace> places_;
   TableWriter writer_;
   std::vector<std::uint16_t> fields_;  // of each shape

@@ -1,6 +1,6 @@
-// Points first (along the boundary, landmarks, then as far from each other as the number allows), then
-// triangles over them in the chart, then both are relaxed by turns: points towards the middle of their star,
-// edges by shape in space.
+// Three steps. First points are placed: along the boundary, at landmarks, then at vertices of the source that keep a distance
+// from all points so far. Then they are triangulated in the chart. Then points and edges are improved in turn: each point
+// moves towards the centroid of its triangles, and edges are flipped by the triangles' shape in space.
 #include "host/bake/base_mesh.hpp"
 
 #include <algorithm>
@@ -20,11 +20,40 @@ namespace pliant::host::bake {
 
 namespace {
 
+/// Tuning of the base mesh. Each constant: unit, reason, experiment. None was tuned by an experiment; the shapes of the
+/// resulting triangles are tested (auto_base_mesh_test).
+struct BaseMeshTuning {
+  /// Samples on a side of the raster of the rest shape, count: a sample every millimetre of a face.
+  int raster_side = 257;
+  /// Vertices of one half, the middle line included, as a fraction of the whole.
+  double half_fraction = 0.52;
+  /// Range in which the edge length is searched for, millimetres, and halvings of it, count: to within 0.03 %.
+  double least_edge_mm = 1, largest_edge_mm = 100;
+  int bisections = 14;
+  /// Rounds of moving points and flipping edges, count. Later rounds move points by less than a per cent of an edge.
+  int relaxations = 40;
+  /// Length of edges at openings as a fraction of the length elsewhere. Lips and lids need smaller triangles.
+  float opening_fraction = 0.5f;
+  /// Increase of the wanted length per millimetre away from an opening, no unit. Keeps neighbours alike in size.
+  float growth = 0.35f;
+  /// Least distance of a landmark, and of any other point, from its neighbours, in wanted lengths. 0.83 fills the plane with
+  /// a mean distance of one.
+  float landmark_spacing = 0.5f, point_spacing = 0.83f;
+  /// Distance in the chart up to which a landmark lies on a boundary loop, and least distance between anchors there.
+  float on_loop = 0.003f, anchor_spacing = 0.015f;
+  /// Points on a loop without anchors, count, at least. Fewer do not enclose an area in basic blocks.
+  int least_loop_points = 6;
+  /// Twice the area in the chart down to which a triangle counts as inverted: above the rounding of floats.
+  float least_doubled_area = 1e-7f;
+};
+constexpr BaseMeshTuning kTuning{};
+
 class BaseMesher {
  public:
   BaseMesher(const Source& source, bool is_symmetric)
       : source_(source), is_symmetric_(is_symmetric), boundary_(find_boundary(source, is_symmetric)) {
-    const ChartRaster raster = rasterise(source.uv, source.triangles, source.is_hole, kSide, kSide);
+    const ChartRaster raster =
+        rasterise(source.uv, source.triangles, source.is_hole, kTuning.raster_side, kTuning.raster_side);
     shape_ = grid_of(raster, source.neutral);
     for (const BoundaryLoop& loop : boundary_.loops)
       for (std::size_t k = 0; k < loop.vertices.size(); ++k)
@@ -34,31 +63,29 @@ class BaseMesher {
 
   BaseMesh run(int vertices) {
     // Without symmetry the count is of the whole, with it of one half and the middle.
-    const double wanted = is_symmetric_ ? 0.52 * vertices : vertices;
-    double low = 1, high = 100;
-    for (int round = 0; round < 14; ++round) {
+    const double wanted = is_symmetric_ ? kTuning.half_fraction * vertices : vertices;
+    double low = kTuning.least_edge_mm, high = kTuning.largest_edge_mm;
+    for (int round = 0; round < kTuning.bisections; ++round) {
       edge_ = static_cast<float>(std::sqrt(low * high));
       place_points();
       (static_cast<double>(domain_.points.size()) > wanted ? low : high) = static_cast<double>(edge_);
     }
     triangles_ = triangulate(domain_);
     if (triangles_.empty()) return {};
-    for (int round = 0; round < 40; ++round) relax();
+    for (int round = 0; round < kTuning.relaxations; ++round) relax();
     return paired();
   }
 
  private:
-  static constexpr int kSide = 257;
-
   Vec3 position(Vec2 uv) const {
     return {sample(shape_, 0, uv), sample(shape_, 1, uv), sample(shape_, 2, uv)};
   }
 
-  /// Wanted length of edges at a place.
+  /// Wanted length of edges at p, millimetres.
   float edge_at(Vec3 p) const {
     float nearest = 1e9f;
     for (Vec3 o : openings_) nearest = std::min(nearest, dot(p - o, p - o));
-    return std::min(edge_, 0.5f * edge_ + 0.35f * std::sqrt(nearest));
+    return std::min(edge_, kTuning.opening_fraction * edge_ + kTuning.growth * std::sqrt(nearest));
   }
 
   void shuffle_candidates() {
@@ -69,7 +96,7 @@ class BaseMesher {
       for (int v : loop.vertices) usable[at(v)] = 0;
     for (std::size_t v = 0; v < usable.size(); ++v)
       if (usable[v]) candidates_.push_back(static_cast<int>(v));
-    std::uint32_t state = 12345;  // a fixed order that follows nothing on the surface
+    std::uint32_t state = 12345;  // a fixed pseudo-random order
     for (std::size_t k = candidates_.size(); k > 1; --k) {
       state = state * 1664525u + 1013904223u;
       std::swap(candidates_[k - 1], candidates_[(state >> 8) % k]);
@@ -97,15 +124,15 @@ class BaseMesher {
     for (const SourceLandmark& l : source_.landmarks) {
       if (is_symmetric_ && l.uv.x < 0.5f) continue;
       const Vec3 p = position(l.uv);
-      if (is_inside(l.uv) && is_free_at(p, 0.5f * edge_at(p))) add_point(l.uv, true);
+      if (is_inside(l.uv) && is_free_at(p, kTuning.landmark_spacing * edge_at(p))) add_point(l.uv, true);
     }
     for (int v : candidates_) {
       const Vec3 p = source_.neutral[at(v)];
-      if (is_free_at(p, 0.83f * edge_at(p))) add_point(source_.uv[at(v)], false);
+      if (is_free_at(p, kTuning.point_spacing * edge_at(p))) add_point(source_.uv[at(v)], false);
     }
   }
 
-  /// By winding: the place is within the outer loop and in no other.
+  /// True within the outer loop and outside all others, by the parity of crossings.
   bool is_inside(Vec2 p) const {
     bool inside = false;
     for (const BoundaryLoop& loop : boundary_.loops)
@@ -118,7 +145,7 @@ class BaseMesher {
     return inside;
   }
 
-  /// Vertices of the loop that must be kept: where its kind changes, and next to landmarks.
+  /// Vertices of the loop that must be kept: where the kind of its edges changes, and next to landmarks.
   std::vector<char> anchors(const BoundaryLoop& loop) const {
     const std::size_t n = loop.vertices.size();
     std::vector<char> is_anchor(n, 0);
@@ -129,12 +156,12 @@ class BaseMesher {
         if (length(source_.uv[at(loop.vertices[k])] - l.uv) <
             length(source_.uv[at(loop.vertices[best])] - l.uv))
           best = k;
-      constexpr float kOnLoop = 0.003f, kApart = 0.015f;
       const Vec2 here = source_.uv[at(loop.vertices[best])];
       bool is_near_another = false;
       for (std::size_t k = 0; k < n; ++k)
-        is_near_another |= is_anchor[k] && length(source_.uv[at(loop.vertices[k])] - here) < kApart;
-      if (length(here - l.uv) < kOnLoop && !is_near_another) is_anchor[best] = 1;
+        is_near_another |=
+            is_anchor[k] && length(source_.uv[at(loop.vertices[k])] - here) < kTuning.anchor_spacing;
+      if (length(here - l.uv) < kTuning.on_loop && !is_near_another) is_anchor[best] = 1;
     }
     if (std::count(is_anchor.begin(), is_anchor.end(), 1) == 0) is_anchor[0] = 1;
     return is_anchor;
@@ -155,7 +182,7 @@ class BaseMesher {
     domain_.loops.push_back(placed);
   }
 
-  /// Points from one anchor to before the next, spread so that each step is as long as is wanted there.
+  /// Places points from one anchor up to, but not including, the next. Each step has the length wanted there.
   void place_run(const BoundaryLoop& loop, std::size_t start, std::size_t end, std::vector<int>& placed) {
     const std::size_t n = loop.vertices.size();
     const auto vertex = [&](std::size_t k) { return loop.vertices[k % n]; };
@@ -165,20 +192,21 @@ class BaseMesher {
       steps.push_back(steps.back() + length(b - a) / edge_at(0.5f * (a + b)));
     }
     const bool whole_loop = end - start == n;
-    const int pieces = std::max(whole_loop ? 6 : 1, static_cast<int>(std::lround(steps.back())));
+    const int pieces =
+        std::max(whole_loop ? kTuning.least_loop_points : 1, static_cast<int>(std::lround(steps.back())));
     for (int piece = 0; piece < pieces; ++piece) {
       const float wanted = steps.back() * static_cast<float>(piece) / static_cast<float>(pieces);
       const std::size_t k =
           static_cast<std::size_t>(std::upper_bound(steps.begin(), steps.end() - 1, wanted) - steps.begin()) -
           1;
-      const float share = (wanted - steps[k]) / std::max(1e-9f, steps[k + 1] - steps[k]);
+      const float fraction = (wanted - steps[k]) / std::max(1e-9f, steps[k + 1] - steps[k]);
       const Vec2 a = source_.uv[at(vertex(start + k))], b = source_.uv[at(vertex(start + k + 1))];
-      placed.push_back(add_point(a + share * (b - a), true));
+      placed.push_back(add_point(a + fraction * (b - a), true));
     }
   }
 
-  /// Moves each free point to the middle of its star, weighted by area on the surface over the wanted area,
-  /// where that turns no triangle over; then flips edges.
+  /// Moves each free point to the centroid of its triangles, each weighted by its area on the surface over the wanted area,
+  /// unless that inverts a triangle. Then flips edges.
   void relax() {
     std::vector<std::vector<std::size_t>> star(domain_.points.size());
     for (std::size_t f = 0; f < triangles_.size(); ++f)
@@ -198,17 +226,17 @@ class BaseMesher {
       }
       const Vec2 before = domain_.points[v];
       domain_.points[v] = (1 / total) * sum;
-      if (turns_over(star[v])) domain_.points[v] = before;
+      if (inverts_one(star[v])) domain_.points[v] = before;
       positions_[v] = position(domain_.points[v]);
     }
     flip_by_shape(triangles_, domain_.points, positions_);
   }
 
-  bool turns_over(const std::vector<std::size_t>& star) const {
+  bool inverts_one(const std::vector<std::size_t>& star) const {
     return std::any_of(star.begin(), star.end(), [&](std::size_t f) {
       const Vec2 a = domain_.points[at(triangles_[f][0])], b = domain_.points[at(triangles_[f][1])],
                  c = domain_.points[at(triangles_[f][2])];
-      return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) <= 1e-7f;
+      return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) <= kTuning.least_doubled_area;
     });
   }
 
@@ -230,8 +258,8 @@ class BaseMesher {
     return is_symmetric_ ? doubled(mesh) : mesh;
   }
 
-  /// A half with its mirror image. Blocks that end in the middle become whole there: both halves have the
-  /// same subdivision edge.
+  /// Joins a half to its mirror image. Basic blocks that end on the middle line are completed by the mirrored triangle, as
+  /// both halves have the same subdivision edge there.
   static BaseMesh doubled(const BaseMesh& half) {
     BaseMesh whole = half;
     std::vector<std::uint16_t> mirror;
@@ -248,9 +276,9 @@ class BaseMesher {
 
   const Source& source_;
   const bool is_symmetric_;
-  const SkinBoundary boundary_;
+  const SurfaceBoundary boundary_;
   FieldGrid shape_;
-  std::vector<Vec3> openings_;   // places on the edges of openings
+  std::vector<Vec3> openings_;   // vertices around openings
   std::vector<int> candidates_;  // vertices of the source, in random order
   float edge_ = 10;              // wanted length away from openings, millimetres
   Domain domain_;

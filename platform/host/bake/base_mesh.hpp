@@ -1,7 +1,7 @@
 #pragma once
 /// \file base_mesh.hpp
-/// Lays a base mesh of nearly equal triangles over the skin of a source (the paper, 5.1): along its outline
-/// and its openings, through its landmarks, in basic blocks.
+/// Makes a base mesh in basic blocks over the surface of a source (the paper, section 5.1). Its edges lie along the boundary
+/// and the openings, its vertices on landmarks, and its triangles are nearly equal.
 #include <cstdint>
 #include <vector>
 
@@ -14,10 +14,9 @@ struct BaseMesh {
   std::vector<std::uint16_t> corners;  ///< three a face
 };
 
-/// About `vertices` vertices (60 to 5,000). Triangles are of one size on the rest shape, but down to half as
-/// long along openings. With `is_symmetric` the mesh is its own mirror image. Landmarks are vertices where
-/// they are not closer to each other than half an edge. Empty when the skin's boundary crosses itself in the
-/// chart.
+/// Makes about `vertices` vertices (60 to 5,000). All edges have about one length on the rest shape; along openings down to
+/// half of it. With `is_symmetric` the mesh is its own mirror image. A landmark becomes a vertex unless another one is
+/// closer than half an edge. The mesh is empty if the surface's boundary intersects itself in the chart.
 BaseMesh make_base_mesh(const Source& source, int vertices, bool is_symmetric);
 
 }  // namespace pliant::host::bake

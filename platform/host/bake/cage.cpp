@@ -31,7 +31,7 @@ void read_points(Cage& cage, const std::string& folder) {
     const std::string& name = row.cells[0];
     const Vec3 p = table.vector(row, 1);
     const Vec2 uv{table.number(row, 4), table.number(row, 5)};
-    if (name[0] == '-' || cage.index.count(name)) table.fail(row, "point '" + name + "' is given twice");
+    if (name[0] == '-' || cage.index.count(name)) table.fail(row, "point '" + name + "' appears twice");
     if (p.x < 0 || uv.x < 0.5f || uv.x > 1 || uv.y < 0 || uv.y > 1 || (p.x == 0) != (uv.x == 0.5f))
       table.fail(row, "point '" + name + "' is not in the left half (x >= 0, u from 0.5 to 1)");
     const int left = add_point(cage, name, p, uv);
@@ -44,7 +44,7 @@ void read_points(Cage& cage, const std::string& folder) {
   }
 }
 
-/// A word without commas.
+/// A name or a range.
 std::vector<int> points_of_word(const Cage& cage, const std::string& word) {
   const auto find = [&cage](const std::string& name) {
     const auto found = cage.index.find(name);
@@ -63,7 +63,7 @@ std::vector<int> points_of_word(const Cage& cage, const std::string& word) {
   const long last = std::strtol(word.c_str() + dash + 1, &end, 10);
   if (!has_first || *end != 0 || end == word.c_str() + dash + 1 || first < 0 || last < 0 || first > 999 ||
       last > 999)
-    throw std::invalid_argument("'" + word + "' is no range of points");
+    throw std::invalid_argument("'" + word + "' is not a range of points");
   std::vector<int> points;
   for (long k = first;; k += first <= last ? 1 : -1) {
     points.push_back(find(stem + std::to_string(k)));
@@ -91,8 +91,7 @@ void add_face(Cage& cage, std::vector<int> corners, bool is_hole, const std::str
   cage.faces.push_back({std::move(mirrored), is_hole, patch});
 }
 
-/// Two rows of one patch that follow each other, with the quads between them; a triangle where two corners
-/// are one.
+/// Adds the quads between two consecutive rows of a patch; a triangle where two corners are the same point.
 void add_strip(Cage& cage, const std::vector<int>& a, const std::vector<int>& b, bool is_hole,
                const std::string& patch) {
   for (std::size_t i = 0; i + 1 < a.size(); ++i) {
@@ -109,7 +108,8 @@ void read_patches(Cage& cage, const std::string& folder) {
   std::string patch;
   for (const TextRow& row : table.rows()) {
     const std::string& part = row.cells[1];
-    if (part != "skin" && part != "hole") table.fail(row, "part '" + part + "' is neither skin nor hole");
+    if (part != "surface" && part != "hole")
+      table.fail(row, "part '" + part + "' is neither surface nor hole");
     std::vector<int> points = row_points(cage, table, row, 2);
     if (row.cells[0] == patch) {
       if (points.size() != above.size())
@@ -121,8 +121,7 @@ void read_patches(Cage& cage, const std::string& folder) {
   }
 }
 
-/// Gives all faces one winding, by the first, and that winding positive height: (u right, v down) is seen
-/// from outside.
+/// Winds all faces alike, and so that seen from outside u points right and v points down.
 void wind_faces(Cage& cage, const std::string& file) {
   std::map<std::pair<int, int>, std::vector<std::pair<std::size_t, bool>>> edges;
   for (std::size_t f = 0; f < cage.faces.size(); ++f) {
@@ -144,7 +143,7 @@ void wind_faces(Cage& cage, const std::string& file) {
     neighbours[sides[0].first].push_back({sides[1].first, flip});
     neighbours[sides[1].first].push_back({sides[0].first, flip});
   }
-  std::vector<int> turn(cage.faces.size(), 0);  // 1 as it is, -1 reversed, 0 not reached
+  std::vector<int> turn(cage.faces.size(), 0);  // 1: keep, -1: reverse, 0: not reached
   turn[0] = 1;
   std::deque<std::size_t> open{0};
   while (!open.empty()) {
@@ -161,9 +160,9 @@ void wind_faces(Cage& cage, const std::string& file) {
     }
   }
   float area =
-      0;  // twice the area over (u,v); negative is counter-clockwise seen from outside, as v points down
+      0;  // twice the area over (u,v). Counter-clockwise seen from outside is negative, as v points down.
   for (std::size_t f = 0; f < cage.faces.size(); ++f) {
-    if (turn[f] == 0) throw SourceError(file, 0, "the patches fall apart");
+    if (turn[f] == 0) throw SourceError(file, 0, "the patches are not connected");
     auto& c = cage.faces[f].corners;
     if (turn[f] < 0) c = {c.rbegin(), c.rend()};
     for (std::size_t k = 0; k < c.size(); ++k) {

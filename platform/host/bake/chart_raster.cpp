@@ -32,14 +32,14 @@ class Rasteriser {
              ChartRaster& raster)
       : uv_(uv), triangles_(triangles), raster_(raster) {}
 
-  /// Claims the samples inside triangle f that nobody has claimed yet.
+  /// Assigns triangle f to the samples inside it that have no triangle yet.
   void cover(std::size_t f) {
     const Corners t = corners(uv_, triangles_[f]);
     if (std::fabs(t.area()) < 1e-12f) return;
     const float w = static_cast<float>(raster_.width - 1), h = static_cast<float>(raster_.height - 1);
     const auto [left, right] = std::minmax({t.a.x, t.b.x, t.c.x});
     const auto [top, bottom] = std::minmax({t.a.y, t.b.y, t.c.y});
-    constexpr float kSlack = 1e-4f;  // so that samples on a shared edge are not lost to rounding
+    constexpr float kSlack = 1e-4f;  // keeps samples on a shared edge despite rounding
     for (int j = static_cast<int>(std::ceil(top * h - kSlack)); j <= static_cast<int>(bottom * h + kSlack);
          ++j)
       for (int i = static_cast<int>(std::ceil(left * w - kSlack)); i <= static_cast<int>(right * w + kSlack);
@@ -52,11 +52,10 @@ class Rasteriser {
       }
   }
 
-  /// Continues the skin over its boundary: what lies within one sample of it takes the value of the nearest
-  /// triangle on the boundary, continued linearly, so that a bilinear cell which the boundary cuts is as true
-  /// to the skin as others.
-  void continue_skin(const std::vector<char>& is_hole) {
-    const std::vector<std::size_t> rim = boundary_triangles(is_hole);
+  /// Extrapolates the surface beyond its boundary: a sample within one sample of it takes the linear extrapolation of the
+  /// nearest boundary triangle. A bilinear cell that the boundary cuts is then as accurate as the others.
+  void extrapolate_surface(const std::vector<char>& is_hole) {
+    const std::vector<std::size_t> at_boundary = boundary_triangles(is_hole);
     std::vector<std::pair<int, int>> beside;
     for (int j = 0; j < raster_.height; ++j)
       for (int i = 0; i < raster_.width; ++i)
@@ -64,7 +63,7 @@ class Rasteriser {
     for (const auto& [i, j] : beside) {
       const Vec2 p = place(i, j);
       float least = 1e9f;
-      for (std::size_t f : rim) {
+      for (std::size_t f : at_boundary) {
         const Corners t = corners(uv_, triangles_[f]);
         const Vec2 d = p - (1.0f / 3) * (t.a + t.b + t.c);
         if (dot(d, d) >= least) continue;
@@ -74,9 +73,8 @@ class Rasteriser {
     }
   }
 
-  /// Gives every sample that is still free the value of the nearest one, which makes it constant away from
-  /// the mesh.
-  void extend() {
+  /// Gives every sample without a triangle the value of the nearest sample that has one.
+  void fill_remaining() {
     std::vector<std::pair<int, int>> front;
     std::vector<char> done(raster_.samples.size(), 0);
     for (int j = 0; j < raster_.height; ++j)
@@ -102,8 +100,8 @@ class Rasteriser {
     for (ChartSample& s : raster_.samples) s.triangle = std::max(s.triangle, -1);
   }
 
-  static constexpr std::int32_t kFree = -2;  // while samples are being claimed
-  static constexpr std::int32_t kBeside = -1;
+  static constexpr std::int32_t kFree = -2;    // no triangle assigned yet
+  static constexpr std::int32_t kBeside = -1;  // outside the surface
 
  private:
   Vec2 place(int i, int j) const {
@@ -118,7 +116,7 @@ class Rasteriser {
     return false;
   }
 
-  /// Triangles of the skin with an edge on its boundary.
+  /// Triangles of the surface with an edge on its boundary.
   std::vector<std::size_t> boundary_triangles(const std::vector<char>& is_hole) const {
     std::map<std::pair<int, int>, int> uses;
     const auto edge = [](const std::array<int, 3>& t, std::size_t k) {
@@ -126,11 +124,11 @@ class Rasteriser {
     };
     for (std::size_t f = 0; f < triangles_.size(); ++f)
       for (std::size_t k = 0; k < 3 && !is_hole[f]; ++k) ++uses[edge(triangles_[f], k)];
-    std::vector<std::size_t> rim;
+    std::vector<std::size_t> found;
     for (std::size_t f = 0; f < triangles_.size(); ++f)
       for (std::size_t k = 0; k < 3 && !is_hole[f]; ++k)
-        if (uses[edge(triangles_[f], k)] == 1 && (rim.empty() || rim.back() != f)) rim.push_back(f);
-    return rim;
+        if (uses[edge(triangles_[f], k)] == 1 && (found.empty() || found.back() != f)) found.push_back(f);
+    return found;
   }
 
   const std::vector<Vec2>& uv_;
@@ -147,10 +145,10 @@ ChartRaster rasterise(const std::vector<Vec2>& uv, const std::vector<std::array<
   Rasteriser work(uv, triangles, raster);
   for (std::size_t f = 0; f < triangles.size(); ++f)
     if (!is_hole[f]) work.cover(f);
-  work.continue_skin(is_hole);
+  work.extrapolate_surface(is_hole);
   for (std::size_t f = 0; f < triangles.size(); ++f)
     if (is_hole[f]) work.cover(f);
-  work.extend();
+  work.fill_remaining();
   return raster;
 }
 

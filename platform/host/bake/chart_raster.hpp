@@ -9,12 +9,12 @@
 
 namespace pliant::host::bake {
 
-/// How a sample's value follows from the mesh: three vertices and their weights, which add up to one. Outside
-/// the mesh they continue the nearest triangle.
+/// Three vertices and their weights, which give a sample's value. The weights add up to one. Outside the mesh they
+/// extrapolate the nearest triangle or repeat the nearest sample.
 struct ChartSample {
   std::array<int, 3> vertex;
   std::array<float, 3> weight;
-  std::int32_t triangle;  ///< under the sample, or -1 beside the skin and outside the mesh
+  std::int32_t triangle;  ///< under the sample; -1 outside the surface
 };
 
 /// A grid with sample (i,j) at u = i / (width - 1), v = j / (height - 1); rows from v = 0.
@@ -24,14 +24,15 @@ struct ChartRaster {
   const ChartSample& at(int i, int j) const { return samples[static_cast<std::size_t>(j * width + i)]; }
 };
 
-/// The triangles of the skin come first; those of holes take what is more than a sample away from it.
+/// The triangles of the surface cover their samples first. Triangles of holes cover the samples that are more than one
+/// sample away from the surface.
 ChartRaster rasterise(const std::vector<Vec2>& uv, const std::vector<std::array<int, 3>>& triangles,
                       const std::vector<char>& is_hole, int width, int height);
 
-/// Twice the signed area over (u,v) of each triangle: the chart is injective where all have one sign.
+/// Twice the signed area of each triangle over (u,v). The chart is injective only if all have one sign.
 std::vector<float> chart_areas(const std::vector<Vec2>& uv, const std::vector<std::array<int, 3>>& triangles);
 
-/// The value at a sample of what is given at the vertices.
+/// Interpolates values given at the vertices at a sample.
 template <class T>
 T value_at(const ChartSample& s, const std::vector<T>& values) {
   T value{};

@@ -1,5 +1,5 @@
-// Each vertex in turn steps down the gradient of the stretch of the triangles around it. The stretch of a triangle grows
-// without bound as its area in the chart goes to zero, so that a step that lowers it turns none over.
+// Each vertex in turn takes one step down the gradient of the stretch of its triangles. The stretch of a triangle goes to
+// infinity as its area in the chart goes to zero. A step that lowers it therefore inverts no triangle.
 #include "host/bake/chart_relaxation.hpp"
 
 #include <Eigen/Dense>
@@ -47,7 +47,7 @@ class Relaxation {
       if (!is_fixed_[v] && !around_[v].empty()) move(v);
   }
 
-  /// Integral over one triangle of the squared stretch; infinite when it is turned over.
+  /// Integral over one triangle of the squared stretch; infinite for an inverted triangle.
   double stretch(std::size_t f) const {
     const auto& t = triangles_[f];
     const Point &a = chart_[at(t[0])], &b = chart_[at(t[1])], &c = chart_[at(t[2])];
@@ -80,7 +80,7 @@ class Relaxation {
     return sum;
   }
 
-  /// One step down the gradient, no longer than to the nearest neighbour, halved until it helps.
+  /// One step down the gradient, at most half as long as the shortest edge, halved until it lowers the stretch.
   void move(std::size_t v) {
     const Point start = chart_[v];
     double reach = 1;

@@ -1,6 +1,6 @@
 #pragma once
 /// \file field_grid.hpp
-/// A field as floats on a grid, cut to its support, before it is quantised.
+/// A field as floats on a grid over a rectangle of the chart, before it is quantised.
 #include <vector>
 
 #include "host/bake/chart_raster.hpp"
@@ -16,15 +16,15 @@ struct FieldGrid {
   bool is_whole_chart() const { return u0 == 0 && v0 == 0 && u1 == 1 && v1 == 1; }
 };
 
-/// What is given at the vertices, over the whole chart.
+/// Samples values given at the vertices on a grid over the whole chart.
 FieldGrid grid_of(const ChartRaster& raster, const std::vector<Vec3>& values);
 FieldGrid grid_of(const ChartRaster& raster, const std::vector<float>& values);
 
-/// Makes the samples on the border of the chart zero that do not lie on the mesh.
+/// Sets those samples on the border of the chart to zero that no triangle covers.
 void clear_border(FieldGrid& grid, const ChartRaster& raster);
 
-/// The grid cut to where it is larger than `threshold`, with a rim of zeros around it; the whole grid when it
-/// is larger than that on the border of the chart. Three by three zeros when nothing is left.
+/// The smallest part of the grid that holds every sample larger than `threshold`, with a border of zeros around it. The
+/// whole grid if a sample on the border of the chart is larger. 3 x 3 zeros if no sample is.
 FieldGrid cropped(const FieldGrid& grid, float threshold);
 
 /// Bilinear value of component c at (u,v), zero outside the rectangle.

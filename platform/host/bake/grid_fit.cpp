@@ -1,5 +1,5 @@
-// Minimises |A (T + d) - V|^2 + mu |L d|^2 over the correction d by conjugate gradients: A takes bilinear
-// values at the places, L is the Laplacian of the grid.
+// Minimises |A (T + d) - V|^2 + mu |L d|^2 over the correction d by conjugate gradients. T are the samples, A takes bilinear
+// values at the places, V are the mesh's values there, L is the Laplacian of the grid.
 #include "host/bake/grid_fit.hpp"
 
 #include <algorithm>
@@ -11,6 +11,19 @@ namespace pliant::host::bake {
 
 namespace {
 
+/// Tuning of the least-squares fit of a grid. Each constant: unit, reason, experiment.
+struct GridFitTuning {
+  /// Conjugate-gradient iterations, count. Bounds the time. Round value, not tuned.
+  int iterations = 24;
+  /// The iteration stops at this fraction of the first squared residual, i.e. at a hundredth of the residual: below the
+  /// quantisation of a sample.
+  float residual_fraction = 1e-4f;
+  /// Weight mu of the squared Laplacian, no unit. Determines samples that no place sees; small beside the data term, whose
+  /// weights add up to 1 a place. Not tuned further.
+  float smoothness = 0.02f;
+};
+constexpr GridFitTuning kTuning{};
+
 class GridFit {
  public:
   GridFit(int width, int height, const std::vector<FitPlace>& places) : width_(width), height_(height) {
@@ -21,13 +34,12 @@ class GridFit {
     }
   }
 
-  /// The correction for what the grid lacks at the places.
-  std::vector<float> solve(const std::vector<float>& lack) const {
-    constexpr int kRounds = 24;
-    std::vector<float> d(at(width_ * height_), 0.0f), residual = gather(lack), step = residual;
+  /// The correction of the grid for these differences at the places (mesh minus grid).
+  std::vector<float> solve(const std::vector<float>& differences) const {
+    std::vector<float> d(at(width_ * height_), 0.0f), residual = gather(differences), step = residual;
     float norm = dot_product(residual, residual);
-    const float enough = 1e-4f * norm;
-    for (int round = 0; round < kRounds && norm > enough; ++round) {
+    const float enough = kTuning.residual_fraction * norm;
+    for (int round = 0; round < kTuning.iterations && norm > enough; ++round) {
       const std::vector<float> image = normal_matrix_times(step);
       const float length = norm / std::max(1e-30f, dot_product(step, image));
       for (std::size_t k = 0; k < d.size(); ++k) {
@@ -56,8 +68,6 @@ class GridFit {
     int first;  // its sample with the lowest indices
     float a, b;
   };
-  static constexpr float kSmoothness = 0.02f;
-
   static float dot_product(const std::vector<float>& x, const std::vector<float>& y) {
     double sum = 0;
     for (std::size_t k = 0; k < x.size(); ++k) sum += static_cast<double>(x[k] * y[k]);
@@ -78,7 +88,7 @@ class GridFit {
     return grid;
   }
 
-  /// Differences to the four neighbours; symmetric, as those beyond the border do not count.
+  /// Sum of the differences to the four neighbours; neighbours outside the grid are left out, which keeps the matrix symmetric.
   std::vector<float> laplacian(const std::vector<float>& grid) const {
     std::vector<float> result(grid.size(), 0.0f);
     for (int j = 0; j < height_; ++j)
@@ -101,7 +111,7 @@ class GridFit {
   std::vector<float> normal_matrix_times(const std::vector<float>& x) const {
     std::vector<float> result = gather(values_of(x));
     const std::vector<float> smooth = laplacian(laplacian(x));
-    for (std::size_t k = 0; k < result.size(); ++k) result[k] += kSmoothness * smooth[k];
+    for (std::size_t k = 0; k < result.size(); ++k) result[k] += kTuning.smoothness * smooth[k];
     return result;
   }
 
@@ -110,15 +120,15 @@ class GridFit {
 };
 
 void fit_component(FieldGrid& grid, int component, const GridFit& fit, const std::vector<float>& wanted,
-                   float still) {
+                   float threshold) {
   const std::size_t n = at(grid.components);
   std::vector<float> samples;
   for (std::size_t k = at(component); k < grid.samples.size(); k += n) samples.push_back(grid.samples[k]);
-  std::vector<float> lack = fit.values_of(samples);
-  for (std::size_t k = 0; k < lack.size(); ++k) lack[k] = wanted[k] - lack[k];
-  const std::vector<float> correction = fit.solve(lack);
+  std::vector<float> differences = fit.values_of(samples);
+  for (std::size_t k = 0; k < differences.size(); ++k) differences[k] = wanted[k] - differences[k];
+  const std::vector<float> correction = fit.solve(differences);
   for (std::size_t k = 0; k < samples.size(); ++k)
-    if (samples[k] != 0 || std::fabs(correction[k]) > still)
+    if (samples[k] != 0 || std::fabs(correction[k]) > threshold)
       grid.samples[k * n + at(component)] += correction[k];
 }
 
@@ -148,7 +158,7 @@ std::vector<FitPlace> fit_places(const std::vector<Vec2>& uv,
 }
 
 void fit_grid(FieldGrid& grid, const std::vector<FitPlace>& places, const std::vector<Vec3>& values,
-              float still) {
+              float threshold) {
   const GridFit fit(grid.width, grid.height, places);
   for (int c = 0; c < 3; ++c) {
     std::vector<float> wanted;
@@ -156,16 +166,16 @@ void fit_grid(FieldGrid& grid, const std::vector<FitPlace>& places, const std::v
       const Vec3 v = value_at(p.source, values);
       wanted.push_back(c == 0 ? v.x : c == 1 ? v.y : v.z);
     }
-    fit_component(grid, c, fit, wanted, still);
+    fit_component(grid, c, fit, wanted, threshold);
   }
 }
 
 void fit_grid(FieldGrid& grid, const std::vector<FitPlace>& places, const std::vector<float>& values,
-              float still) {
+              float threshold) {
   const GridFit fit(grid.width, grid.height, places);
   std::vector<float> wanted;
   for (const FitPlace& p : places) wanted.push_back(value_at(p.source, values));
-  fit_component(grid, 0, fit, wanted, still);
+  fit_component(grid, 0, fit, wanted, threshold);
 }
 
 }  // namespace pliant::host::bake

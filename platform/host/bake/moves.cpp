@@ -50,11 +50,11 @@ MoveKind kind_of(const TextTable& table, const TextRow& row) {
 Groups read_groups(const std::string& folder, const Cage& cage) {
   Groups groups;
   groups["all"].assign(cage.size(), 1);
-  std::vector<char>& skin = groups["skin"];
-  skin.assign(cage.size(), 0);
+  std::vector<char>& surface = groups["surface"];
+  surface.assign(cage.size(), 0);
   for (const CageFace& face : cage.faces)
     if (!face.is_hole)
-      for (int c : face.corners) skin[at(c)] = 1;
+      for (int c : face.corners) surface[at(c)] = 1;
   const TextTable table(folder + "/groups.txt", {"group", "points..."});
   for (const TextRow& row : table.rows()) {
     std::vector<char>& group = groups[row.cells[0]];
@@ -67,16 +67,16 @@ Groups read_groups(const std::string& folder, const Cage& cage) {
 
 std::vector<Follower> read_followers(const std::string& folder, const Cage& cage) {
   std::vector<Follower> followers;
-  const TextTable table(folder + "/followers.txt", {"points", "leaders", "share"});
+  const TextTable table(folder + "/followers.txt", {"points", "leaders", "fraction"});
   for (const TextRow& row : table.rows()) {
     const auto points = points_in(cage, table, row, row.cells[0]),
                leaders = points_in(cage, table, row, row.cells[1]);
     if (points.size() != leaders.size()) table.fail(row, "there are not as many leaders as points");
-    const float share = table.number(row, 2);
+    const float fraction = table.number(row, 2);
     for (std::size_t k = 0; k < points.size(); ++k) {
-      followers.push_back({points[k], leaders[k], share});
+      followers.push_back({points[k], leaders[k], fraction});
       const int mirrored = cage.mirror[at(points[k])];
-      if (mirrored != points[k]) followers.push_back({mirrored, cage.mirror[at(leaders[k])], share});
+      if (mirrored != points[k]) followers.push_back({mirrored, cage.mirror[at(leaders[k])], fraction});
     }
   }
   return followers;
@@ -108,7 +108,7 @@ std::vector<Vec3> displacement_of(const std::vector<Move>& moves, const std::str
     if (move.parameter != parameter || move.kind == MoveKind::hinge) continue;
     for (std::size_t i = 0; i < cage.size(); ++i) part[i] = effect(move, cage, i);
     for (const Follower& f : followers)
-      if (!move.group[at(f.point)]) part[at(f.point)] = f.share * part[at(f.leader)];
+      if (!move.group[at(f.point)]) part[at(f.point)] = f.fraction * part[at(f.leader)];
     for (std::size_t i = 0; i < cage.size(); ++i) total[i] = total[i] + part[i];
   }
   if (sided) return total;
@@ -134,7 +134,7 @@ std::vector<float> hinge_of(const std::vector<Move>& moves, const std::string& p
       if (falloff(move, cage, i) > 0) weight[i] = weight[at(cage.mirror[i])] = move.amount.x;
   }
   if (!any) return {};
-  for (const Follower& f : followers) weight[at(f.point)] = f.share * weight[at(f.leader)];
+  for (const Follower& f : followers) weight[at(f.point)] = f.fraction * weight[at(f.leader)];
   return weight;
 }
 

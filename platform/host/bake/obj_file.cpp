@@ -55,7 +55,7 @@ class ObjReader {
     float value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (text.empty() || error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-      fail("'" + std::string(text) + "' is no number");
+      fail("'" + std::string(text) + "' is not a number");
     return value;
   }
 
@@ -63,7 +63,7 @@ class ObjReader {
     int value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size())
-      fail("'" + std::string(text) + "' is no index");
+      fail("'" + std::string(text) + "' is not an index");
     const int from_zero = value < 0 ? static_cast<int>(count) + value : value - 1;
     if (value == 0 || from_zero < 0 || static_cast<std::size_t>(from_zero) >= count)
       fail("there is no " + std::string(of) + " " + std::string(text));
@@ -126,7 +126,7 @@ std::vector<Vec3> read_obj_positions(const std::string& path, const ObjMesh& lik
     if (mesh.corners[k].vertex != like.corners[k].vertex) {
       std::size_t polygon = 0;
       while (static_cast<std::size_t>(mesh.polygon_end[polygon]) <= k) ++polygon;
-      throw SourceError(path, mesh.polygon_line[polygon], "the face is not that of " + like.path);
+      throw SourceError(path, mesh.polygon_line[polygon], "the face differs from that of " + like.path);
     }
   return std::move(mesh.vertices);
 }

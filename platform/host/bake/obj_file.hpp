@@ -1,7 +1,7 @@
 #pragma once
 /// \file obj_file.hpp
-/// Meshes in Wavefront OBJ files: positions, texture coordinates and polygons; groups, normals and materials
-/// are skipped.
+/// Reads meshes from Wavefront OBJ files: positions, texture coordinates and polygons. Groups, normals and materials are
+/// skipped.
 #include <string>
 #include <vector>
 
@@ -17,16 +17,15 @@ struct ObjMesh {
   std::string path;
   std::vector<Vec3> vertices;
   std::vector<Vec2> texture;
-  std::vector<ObjCorner> corners;  ///< of all polygons, one behind the other
-  std::vector<int> polygon_end;    ///< a polygon: behind its last corner
-  std::vector<int> polygon_line;   ///< a polygon: its line in the file
+  std::vector<ObjCorner> corners;  ///< the corners of all polygons, in order
+  std::vector<int> polygon_end;    ///< for each polygon, the index after its last corner
+  std::vector<int> polygon_line;   ///< for each polygon, its line in the file
 };
 
-/// Reads a file. A cut line, an index out of range or a number that is none throws SourceError with its line.
+/// Reads a file. Throws SourceError with the line for an incomplete line, an index out of range or a malformed number.
 ObjMesh read_obj(const std::string& path);
 
-/// Only the positions, for a mesh that shares its polygons with one read before; throws SourceError when
-/// their number, or that of the polygons and their corners, is not the same as in `like`.
+/// Reads only the positions of a mesh that has the polygons of `like`. Throws SourceError if the polygons differ.
 std::vector<Vec3> read_obj_positions(const std::string& path, const ObjMesh& like);
 
 }  // namespace pliant::host::bake

@@ -69,8 +69,7 @@ class FolderReader {
     if (options_.progress) options_.progress("files", done, names_.size());
   }
 
-  /// One vertex for each pair of position and texture coordinate: where the chart is cut, a position has
-  /// several.
+  /// Makes one vertex for each pair of position and texture coordinate. A position on a cut of the chart has several.
   void make_vertices() {
     std::map<std::pair<int, int>, int> ids;
     for (std::size_t polygon = 0, k = 0; polygon < rest_.polygon_end.size(); ++polygon)
@@ -99,8 +98,7 @@ class FolderReader {
     return result;
   }
 
-  /// Fans over the polygons; and the chart's handedness: seen from outside, v points down where u points
-  /// right.
+  /// Splits polygons into fans, and mirrors the chart if necessary: seen from outside, u points right and v points down.
   void make_triangles() {
     std::vector<int> line;
     for (std::size_t polygon = 0, k = 0; polygon < rest_.polygon_end.size();
@@ -117,7 +115,7 @@ class FolderReader {
       for (Vec2& uv : source_.uv) uv.x = 1 - uv.x;
     const auto areas = chart_areas(source_.uv, source_.triangles);
     for (std::size_t f = 0; f < areas.size(); ++f)
-      if (areas[f] > 1e-9f) throw SourceError(rest_.path, line[f], "the chart folds over at this face");
+      if (areas[f] > 1e-9f) throw SourceError(rest_.path, line[f], "the chart has a fold-over at this face");
   }
 
   void add_parameter(const std::string& file, const std::string& name, Group group,
@@ -183,7 +181,7 @@ class FolderReader {
       char* end = nullptr;
       const long vertex = comma == std::string::npos ? -1 : std::strtol(line.c_str() + comma + 1, &end, 10);
       if (vertex < 0 || *end != 0 || end == line.c_str() + comma + 1 || comma == 0)
-        throw SourceError(file, number, "'" + line + "' is no landmark and vertex");
+        throw SourceError(file, number, "'" + line + "' is not a landmark and a vertex");
       check_name(file, number, line.substr(0, comma));
       const auto id = first_id_.find(static_cast<int>(std::min(vertex, 1L << 30)));
       if (id == first_id_.end())

@@ -1,6 +1,6 @@
 #pragma once
 /// \file obj_source.hpp
-/// The source of a model as a folder of OBJ files with one topology.
+/// Reads a source from a folder of OBJ files with one topology.
 #include <functional>
 #include <string>
 #include <vector>
@@ -10,22 +10,23 @@
 namespace pliant::host::bake {
 
 struct ObjOptions {
-  float unit_mm = 1;  ///< of the files' coordinates
+  float unit_mm = 1;  ///< unit of the files' coordinates, millimetres
   int components =
-      0;  ///< more than 0: all files are registered scans, of which so many principal components are kept
-  bool relaxes_chart = false;  ///< chart_relaxation.hpp: (u,v) are then no longer those of the files
-  /// Called with "files" for each one read; may be empty.
+      0;  ///< if positive, all files are registered scans, and this many principal components are kept
+  bool relaxes_chart =
+      false;  ///< evens out the chart (chart_relaxation.hpp); (u,v) are then not those of the files
+  /// Called with "files" after each file; may be empty.
   std::function<void(const char* stage, std::size_t done, std::size_t of)> progress;
 };
 
-/// Reads neutral.obj (with texture coordinates, v upwards), identity*.obj, and every other NAME.obj as an
-/// expression; an ending _L or _R becomes Left or Right. With `components`, reads every file as a scan
-/// instead. landmarks.csv (landmark,vertex; vertices from 0), if there, names landmarks; with those of the
-/// outer eye corners (ibug36, ibug45) the origin is moved between them, and lids, lips, brows and outline
-/// become curves. Throws SourceError.
+/// Reads neutral.obj (with texture coordinates, v upwards), identity*.obj as identities, and every other NAME.obj as an
+/// expression. A suffix _L or _R of a name becomes Left or Right. With `components`, every file is a scan instead.
+/// landmarks.csv (columns landmark,vertex; vertices from 0) is optional. If it names the outer eye corners (ibug36, ibug45),
+/// the origin is moved midway between them. If it names iBUG landmarks of lids, lips, brows or the jaw, they become curves.
+/// Throws SourceError.
 Source read_obj_folder(const std::string& folder, const ObjOptions& options);
 
-/// True where the folder holds OBJ files.
+/// True if the folder holds OBJ files.
 bool is_obj_folder(const std::string& folder);
 
 }  // namespace pliant::host::bake

@@ -16,8 +16,19 @@ namespace pliant::host::bake {
 
 namespace {
 
-constexpr int kSide = 384;        // of the result
-constexpr int kOversampling = 2;  // each way
+/// Tuning of the painter. Chosen by eye on the built-in face; no experiment.
+struct PaintTuning {
+  /// Pixels on a side of the result, count: about two a millimetre of a face.
+  int side = 384;
+  /// Painted pixels along each side of a pixel of the result, count. Averages the edges of spots and hairs.
+  int oversampling = 2;
+  /// Upper bound of the chart units per millimetre, and a margin in chart units: the part of the chart that a layer visits.
+  float chart_per_mm = 0.009f, chart_margin = 0.004f;
+  /// Width of the edge of a disc, millimetres.
+  float disc_edge_mm = 0.5f;
+};
+constexpr PaintTuning kTuning{};
+constexpr int kSide = kTuning.side, kOversampling = kTuning.oversampling;
 
 struct Layer {
   std::string kind, region;
@@ -32,7 +43,7 @@ struct Pixel {
   float tone;
 };
 
-/// A smooth pseudo-random height at a place in space: values at the corners of unit cubes, blended.
+/// Smooth pseudo-random value in [-1, 1] at a point in space: values at the corners of unit cubes, interpolated.
 class Noise {
  public:
   explicit Noise(unsigned seed) : seed_(seed) {}
@@ -85,9 +96,9 @@ class Painter {
     if (layer.kind == "hairs") add_hairs(layer);
   }
 
-  /// The regions that a layer may name: a patch, "skin", "hole" or "all".
+  /// True for a patch of the cage, "surface", "hole" and "all".
   bool knows_region(const std::string& name) const {
-    if (name == "all" || name == "skin" || name == "hole") return true;
+    if (name == "all" || name == "surface" || name == "hole") return true;
     const auto& faces = canvas_.cage.faces;
     return std::any_of(faces.begin(), faces.end(), [&](const CageFace& f) { return f.patch == name; });
   }
@@ -107,14 +118,14 @@ class Painter {
   }
 
  private:
-  static void blend(Pixel& p, float tone, float share) { p.tone += share * (tone - p.tone); }
+  static void blend(Pixel& p, float tone, float opacity) { p.tone += opacity * (tone - p.tone); }
 
   void mark_region(const std::string& name) {
     in_region_.clear();
     for (const CageFace& f : canvas_.cage.faces)
-      in_region_.push_back(name == "all" || (name == "skin" && !f.is_hole) || (name == "hole" && f.is_hole) ||
-                           f.patch == name);
-    takes_outside_ = name == "all" || name == "skin";
+      in_region_.push_back(name == "all" || (name == "surface" && !f.is_hole) ||
+                           (name == "hole" && f.is_hole) || f.patch == name);
+    takes_outside_ = name == "all" || name == "surface";
   }
 
   template <class F>
@@ -132,7 +143,7 @@ class Painter {
          [&](Pixel& p, float) { p.tone += layer.amount * noise((1 / layer.size) * p.position); });
   }
 
-  /// Blends towards a tone near a line: softly ("shade"), or up to an edge ("disc").
+  /// Blends towards a tone near a line: with a soft edge ("shade") or a sharp one ("disc").
   void add_shade(const Layer& layer) {
     const auto path = path_through(canvas_.fine, layer.points);
     for (const float side : {1.0f, -1.0f}) {
@@ -146,8 +157,8 @@ class Painter {
         most = {std::max(most.x, uv.x), std::max(most.y, uv.y)};
       }
       if (side < 0 && least.x <= 0.5f && most.x >= 0.5f && symmetric(line)) break;
-      constexpr float kChartPerMm = 0.009f;  // at most
-      const float reach = layer.size * kChartPerMm + 0.004f, n = static_cast<float>(side_ - 1);
+      const float reach = layer.size * kTuning.chart_per_mm + kTuning.chart_margin,
+                  n = static_cast<float>(side_ - 1);
       each(static_cast<int>((least.x - reach) * n), static_cast<int>((most.x + reach) * n),
            static_cast<int>((least.y - reach) * n), static_cast<int>((most.y + reach) * n),
            [&](Pixel& p, float) { blend(p, layer.tone, layer.amount * nearness(layer, line, p.position)); });
@@ -165,16 +176,16 @@ class Painter {
       const float l2 = dot(b - a, b - a), t = l2 > 0 ? std::clamp(dot(p - a, b - a) / l2, 0.0f, 1.0f) : 0;
       nearest = std::min(nearest, length(p - (a + t * (b - a))));
     }
-    constexpr float kEdge = 0.5f;  // millimetres
-    if (layer.kind == "disc") return std::clamp((layer.size - nearest) / kEdge + 0.5f, 0.0f, 1.0f);
+    if (layer.kind == "disc")
+      return std::clamp((layer.size - nearest) / kTuning.disc_edge_mm + 0.5f, 0.0f, 1.0f);
     const float f = std::max(0.0f, 1 - (nearest * nearest) / (layer.size * layer.size));
     return f * f;
   }
 
-  /// In [0, 1), the same with every standard library, whose distributions are not.
+  /// Uniform in [0, 1). The distributions of standard libraries differ; this one is the same with all of them.
   float uniform() { return static_cast<float>(random_() >> 8) * 0x1p-24f; }
 
-  /// `amount` spots of up to `size` millimetres at random places of the region.
+  /// Draws `amount` spots of up to `size` millimetres at random places of the region.
   void add_spots(const Layer& layer) {
     for (int k = 0; k < static_cast<int>(layer.amount); ++k) {
       const int i = static_cast<int>(uniform() * static_cast<float>(side_)),
@@ -184,7 +195,7 @@ class Painter {
       const Pixel& centre = pixels_[at(std::min(j, side_ - 1) * side_ + std::min(i, side_ - 1))];
       if (centre.face < 0 || !in_region_[at(centre.face)]) continue;
       const Vec3 c = centre.position;
-      const int reach = static_cast<int>(size * 0.009f * static_cast<float>(side_)) + 1;
+      const int reach = static_cast<int>(size * kTuning.chart_per_mm * static_cast<float>(side_)) + 1;
       each(i - reach, i + reach, j - reach, j + reach, [&](Pixel& p, float) {
         const float d = length(p.position - c) / size;
         if (d < 1) blend(p, layer.tone, strength * (1 - d * d));
@@ -192,8 +203,8 @@ class Painter {
     }
   }
 
-  /// `amount` hairs that leave a line (within `size` millimetres across it), `length` long, leaning from the
-  /// line's direction (0) towards its left, upwards for a line that runs outwards on the subject's left (1).
+  /// Draws `amount` hairs, `length` millimetres long, that start within `size` millimetres of a line. `lean` turns them from
+  /// the line's direction (0) to its left (1), which is upwards for a line that runs outwards on the subject's left.
   void add_hairs(const Layer& layer) {
     const auto path = path_through(canvas_.fine, layer.points);
     for (const bool mirrored : {false, true})
@@ -205,16 +216,16 @@ class Painter {
             length(b - a) /
             std::max(0.05f, length(canvas_.position[at(path[s + 1])] - canvas_.position[at(path[s])]));
         const Vec2 forth = (1 / std::max(1e-6f, length(b - a))) * (b - a), left{forth.y, -forth.x};
-        // Bushy in the middle of the band, thin and short towards both ends of the line.
-        const float share = along / static_cast<float>(path.size() - 1),
-                    full = std::min(1.0f, 6 * share + 0.55f) * std::min(1.0f, 3 * (1 - share) + 0.25f);
+        // Thick in the middle of the line, thin and short towards its ends.
+        const float part = along / static_cast<float>(path.size() - 1),
+                    full = std::min(1.0f, 6 * part + 0.55f) * std::min(1.0f, 3 * (1 - part) + 0.25f);
         const float across = layer.size * full * (uniform() + uniform() - 1);
-        const float lean = layer.lean * (1 - 0.75f * share) + 0.25f * (uniform() - 0.5f) -
+        const float lean = layer.lean * (1 - 0.75f * part) + 0.25f * (uniform() - 0.5f) -
                            0.25f * across / std::max(0.5f, layer.size);
         const Vec2 start = a + (along - static_cast<float>(s)) * (b - a) + (across * per_mm) * left;
-        const Vec2 way = (layer.length * (0.6f + 0.5f * uniform()) * full * per_mm) *
-                         ((1 - magnitude(lean)) * forth + lean * left);
-        draw_hair(layer, start, start + way, mirrored);
+        const Vec2 hair = (layer.length * (0.6f + 0.5f * uniform()) * full * per_mm) *
+                          ((1 - magnitude(lean)) * forth + lean * left);
+        draw_hair(layer, start, start + hair, mirrored);
       }
   }
 

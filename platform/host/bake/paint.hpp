@@ -1,7 +1,6 @@
 #pragma once
 /// \file paint.hpp
-/// Paints the grey picture over the chart that `render` draws a face with: layers read from a table, one on
-/// the other.
+/// Paints the albedo of a surface: a grey picture over the chart, in layers that a table lists.
 #include <array>
 #include <string>
 #include <vector>
@@ -12,17 +11,17 @@
 
 namespace pliant::host::bake {
 
-/// What is painted on.
+/// The surface that is painted.
 struct Canvas {
   const Cage& cage;
   const SubdividedCage& fine;
   const std::vector<Vec2>& uv;
   const std::vector<Vec3>& position;
-  const std::vector<std::array<int, 3>>& triangles;  ///< two a fine quad
+  const std::vector<std::array<int, 3>>& triangles;  ///< two for each fine quad
   const std::vector<char>& is_hole;
 };
 
-/// Reads `folder`/paint.txt, which explains its layers, and paints them. Throws SourceError.
+/// Reads paint.txt of a folder and paints its layers in order; the file explains them. Throws SourceError.
 GreyImage paint(const std::string& folder, const Canvas& canvas);
 
 }  // namespace pliant::host::bake

@@ -11,7 +11,7 @@ namespace pliant::host::bake {
 
 namespace {
 
-/// The name of the other side's expression; empty for one without sides.
+/// Name of the expression of the other side; empty for a name without a side.
 std::string other_side(const std::string& name) {
   for (const auto& [side, other] : {std::pair<std::string, std::string>{"Left", "Right"}, {"Right", "Left"}})
     if (name.size() > side.size() && name.compare(name.size() - side.size(), side.size(), side) == 0)
@@ -19,7 +19,7 @@ std::string other_side(const std::string& name) {
   return "";
 }
 
-/// How far a parameter's shapes move the vertices on average, at its largest value.
+/// Sum over the vertices of their motion by a parameter at its largest value.
 float reach(const Source& source, std::size_t parameter) {
   double sum = 0;
   for (const SourceShape& shape : source.shapes)
@@ -28,7 +28,7 @@ float reach(const Source& source, std::size_t parameter) {
   return static_cast<float>(sum) * source.parameters[parameter].maximum;
 }
 
-/// One expression, or two that are each other's other side: both or neither.
+/// One expression, or the two sides of one: both are chosen or none.
 struct Unit {
   std::vector<std::size_t> parameters;
   std::size_t rank;

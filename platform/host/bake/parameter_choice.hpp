@@ -1,6 +1,6 @@
 #pragma once
 /// \file parameter_choice.hpp
-/// A part of a source's parameters, for a smaller table.
+/// Chooses some of a source's parameters, for a smaller table.
 #include <string>
 #include <vector>
 
@@ -9,14 +9,15 @@
 namespace pliant::host::bake {
 
 struct ParameterChoice {
-  int identities = -1;             ///< so many, the first; negative: all
-  int expressions = -1;            ///< so many, the most useful (arkit_names.hpp), pairs whole; negative: all
-  std::vector<std::string> named;  ///< these expressions instead, when not empty
+  int identities = -1;  ///< the first so many identities; all if negative
+  int expressions =
+      -1;  ///< the most useful so many expressions (arkit_names.hpp), both of a pair or none; all if negative
+  std::vector<std::string> named;  ///< if not empty, exactly these expressions
 };
 
-/// Drops the parameters not chosen, and their shapes. Order stays. Of expressions without ARKit's names, those that
-/// move most come first. Throws SourceError for a name that is no expression, or one whose samples are the mirror image
-/// of an expression that is not chosen.
+/// Drops all other parameters and their shapes; the order stays. Expressions without a name of ARKit's rank after all others,
+/// by how far they move the vertices. Throws SourceError for a name that is no expression, and for an expression that is the
+/// mirror image of one that is not chosen.
 void choose_parameters(Source& source, const ParameterChoice& choice);
 
 }  // namespace pliant::host::bake

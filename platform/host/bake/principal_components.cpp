@@ -1,4 +1,4 @@
-// Through the Gram matrix of the centred shapes, which is as small as their number (Sirovich 1987).
+// Uses the Gram matrix of the centred shapes, whose size is their number (Sirovich 1987).
 #include "host/bake/principal_components.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -42,9 +42,9 @@ PrincipalComponents find_components(const std::vector<std::vector<Vec3>>& shapes
   PrincipalComponents result;
   result.mean = vectors(mean);
   for (int k = 0; k < count; ++k) {
-    const Eigen::Index column = x.cols() - 1 - k;  // eigenvalues rise
-    // X v has the length sqrt(divisor lambda); its sign is made the one of its largest entry, to be the same
-    // everywhere.
+    const Eigen::Index column = x.cols() - 1 - k;  // eigenvalues ascend
+    // X v has the length sqrt(divisor lambda). Its sign is chosen so that the largest entry is positive, which makes the
+    // result the same on every machine.
     Eigen::VectorXd direction = x * solver.eigenvectors().col(column) / std::sqrt(divisor);
     Eigen::Index largest = 0;
     direction.cwiseAbs().maxCoeff(&largest);

@@ -1,6 +1,6 @@
 #pragma once
 /// \file principal_components.hpp
-/// Deformations learnt from data: the mean of registered shapes and the directions in which they vary most.
+/// Principal components of registered shapes.
 #include <vector>
 
 #include "pliant/geometry.hpp"
@@ -9,14 +9,14 @@ namespace pliant::host::bake {
 
 struct PrincipalComponents {
   std::vector<Vec3> mean;
-  /// Each one standard deviation long: a shape is the mean plus the sum of q_k times component k, q_k of unit
-  /// variance.
+  /// Each component is one standard deviation long: a shape is the mean plus the sum of q_k times component k, with q_k of
+  /// unit variance.
   std::vector<std::vector<Vec3>> components;
-  std::vector<float> explained;  ///< share of the whole variance that each explains, falling
+  std::vector<float> explained;  ///< fraction of the variance that each explains, in descending order
 };
 
-/// The first `count` components of at least two shapes of one size; `count` is less than their number. Every
-/// vertex weighs the same. Cost: shapes^2 times vertices.
+/// Computes the first `count` components of at least two shapes with the same vertices; `count` is less than the number of
+/// shapes. All vertices have the same weight. Cost: shapes^2 times vertices.
 PrincipalComponents find_components(const std::vector<std::vector<Vec3>>& shapes, int count);
 
 }  // namespace pliant::host::bake

@@ -12,7 +12,7 @@ namespace pliant::host::bake {
 
 namespace {
 
-/// The source's own vertex with one parameter at x.
+/// A vertex of the source with one parameter at x, the others at zero.
 Vec3 moved(const Source& source, std::size_t vertex, std::size_t parameter, float x) {
   Vec3 p = source.neutral[vertex];
   for (const SourceShape& shape : source.shapes) {
@@ -40,18 +40,18 @@ Distances distances(std::vector<float> off) {
   return d;
 }
 
-std::vector<std::size_t> skin_vertices(const Source& source) {
-  std::vector<char> on_skin(source.uv.size(), 0);
+std::vector<std::size_t> surface_vertices(const Source& source) {
+  std::vector<char> is_used(source.uv.size(), 0);
   for (std::size_t f = 0; f < source.triangles.size(); ++f)
     if (!source.is_hole[f])
-      for (const int v : source.triangles[f]) on_skin[at(v)] = 1;
+      for (const int v : source.triangles[f]) is_used[at(v)] = 1;
   std::vector<std::size_t> result;
-  for (std::size_t v = 0; v < on_skin.size(); ++v)
-    if (on_skin[v]) result.push_back(v);
+  for (std::size_t v = 0; v < is_used.size(); ++v)
+    if (is_used[v]) result.push_back(v);
   return result;
 }
 
-/// Parameters with a shape of their own.
+/// Parameters whose shapes have samples of their own.
 std::vector<std::size_t> measured_parameters(const Source& source) {
   std::vector<std::size_t> result;
   for (std::size_t k = 0; k < source.parameters.size(); ++k)
@@ -70,7 +70,7 @@ Reconstruction reconstruct(const Model& model, const Source& source) {
   std::vector<std::vector<float>> off(measured.size());
   std::vector<float> rest, q(source.parameters.size(), 0.0f);
   std::vector<Vec3> baked(cascade->samples_per_point());
-  for (const std::size_t v : skin_vertices(source)) {
+  for (const std::size_t v : surface_vertices(source)) {
     cascade->sample_point(source.uv[v], q.data(), baked.data());
     rest.push_back(length(cascade->evaluate(baked.data(), q.data()) - source.neutral[v]));
     for (std::size_t m = 0; m < measured.size(); ++m) {

@@ -1,6 +1,6 @@
 #pragma once
 /// \file reconstruction.hpp
-/// How faithful a model table is to its source: the table itself is opened and evaluated, quantisation and all.
+/// Measures how far a model table is from its source, quantisation included.
 #include <string>
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace pliant::host::bake {
 
-/// Distances between vertices of the skin and the table's points at their (u,v), in millimetres.
+/// Distances between the vertices of the surface and the table's points at their (u,v), millimetres.
 struct Distances {
   float mean_mm = 0, p95_mm = 0, max_mm = 0;
 };
@@ -19,9 +19,9 @@ struct ParameterError {
   Distances off;
 };
 
-/// The whole shape is measured: rest shape plus one parameter, an identity at one standard deviation, an expression at its
-/// maximum. `identity` and `expression` are over all vertices of all such shapes. Mirror images, which share
-/// the samples of the other side, are left out.
+/// Errors of whole shapes: the rest shape plus one parameter, an identity at one standard deviation or an expression at its
+/// maximum. `identity` and `expression` are over all vertices of all such shapes. Mirror images have the samples, and so the
+/// errors, of the other side; they are left out.
 struct Reconstruction {
   Distances rest, identity, expression;
   std::vector<ParameterError> parameters;

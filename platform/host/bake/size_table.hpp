@@ -1,6 +1,6 @@
 #pragma once
 /// \file size_table.hpp
-/// What a table costs and how true it is at several sizes.
+/// Bytes and errors of a model table at several sizes.
 #include "host/bake/bake.hpp"
 
 namespace pliant::host::bake {
@@ -12,11 +12,11 @@ struct SizeRow {
   Reconstruction errors;
 };
 
-/// One row for each size with 16 bits a sample, then for each with 8. Of `options` size and bits do not count.
+/// One row for each size with 16 bits a sample, then one for each size with 8 bits. `options.size` and `.bits` are ignored.
 std::vector<SizeRow> compare_sizes(const Source& source, const BakeOptions& options,
                                    const std::vector<int>& sizes);
 
-/// The finest table of these parameters, 8 bits a sample, that takes at most `most_bytes`; size 0 where none does.
+/// The largest of the usual sizes whose table with 8 bits a sample takes at most `most_bytes`; a row of size 0 if none does.
 SizeRow finest_within(const Source& source, const BakeOptions& options, std::size_t most_bytes);
 
 }  // namespace pliant::host::bake

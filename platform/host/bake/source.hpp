@@ -1,7 +1,7 @@
 #pragma once
 /// \file source.hpp
-/// What every kind of source is brought to before it becomes a table: one triangle mesh over the chart, its
-/// rest shape, and how each parameter moves its vertices.
+/// A surface before it becomes a model table: one triangle mesh over the chart, its rest shape, and how each parameter moves
+/// its vertices. Every kind of input is converted to it.
 #include <array>
 #include <string>
 #include <vector>
@@ -17,15 +17,14 @@ struct SourceParameter {
   float minimum, maximum, sd;
 };
 
-/// A step of the cascade: `displacement` times the parameter is added (Eq. 4), or the vertices turn about an
-/// axis by the parameter times `weight`. Exactly one of the two is filled, a value a vertex.
+/// One step of the cascade. It adds the parameter times `displacement` (Eq. 4), or rotates each vertex about the axis by the
+/// parameter times `weight`. Exactly one of the two vectors is filled, with one value a vertex, unless `mirror_of` is set.
 struct SourceShape {
   std::size_t parameter;
   std::vector<Vec3> displacement;
   std::vector<float> weight;
   Vec3 axis, pivot;
-  int mirror_of =
-      -1;  ///< the earlier shape of displacements whose mirror image this is, with which it shares samples
+  int mirror_of = -1;  ///< index of an earlier shape of displacements whose mirror image this is, or -1
 };
 
 struct SourceLandmark {
@@ -39,25 +38,26 @@ struct SourceCurve {
   std::vector<Vec2> points;
 };
 
-/// Rows from v = 0 to v = 1.
+/// A picture over the chart; rows from v = 0 to v = 1.
 struct GreyImage {
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint8_t> pixels;
 };
 
 struct Source {
-  std::vector<Vec2> uv;                       ///< a vertex
-  std::vector<Vec3> neutral;                  ///< a vertex, millimetres
+  std::vector<Vec2> uv;                       ///< one a vertex
+  std::vector<Vec3> neutral;                  ///< one a vertex, millimetres
   std::vector<std::array<int, 3>> triangles;  ///< counter-clockwise seen from outside
-  std::vector<char> is_hole;                  ///< a triangle: closes an eye or the mouth, is not skin
+  std::vector<char> is_hole;  ///< one a triangle: it fills an opening and is no part of the surface
   std::vector<SourceParameter> parameters;
   std::vector<SourceShape> shapes;  ///< in the order of the cascade
   std::vector<SourceLandmark> landmarks;
   std::vector<SourceCurve> curves;
-  std::vector<Vec2> base_uv;                ///< may be empty: then a base mesh is made
+  std::vector<Vec2> base_uv;                ///< if empty, a base mesh is made
   std::vector<std::uint16_t> base_corners;  ///< three a face, in basic-block form
-  bool is_symmetric = false;                ///< its own mirror image, u to 1 - u, with vertices on u = 0.5
-  GreyImage albedo;                         ///< may be empty
+  bool is_symmetric =
+      false;         ///< the surface is its own mirror image (u to 1 - u) and has vertices on u = 0.5
+  GreyImage albedo;  ///< may be empty
 };
 
 }  // namespace pliant::host::bake

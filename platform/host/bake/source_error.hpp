@@ -1,6 +1,6 @@
 #pragma once
 /// \file source_error.hpp
-/// What is wrong with a source of a model, and where: one line that names the file.
+/// An error in a source: one line that names the file and what is wrong.
 #include <stdexcept>
 #include <string>
 
@@ -8,15 +8,15 @@
 
 namespace pliant::host::bake {
 
-/// "`file`:`line`: `what`", or "`file`: `what`" where no line is to blame (line 0). Thrown while a source is
-/// read and caught by `bake` (bake.hpp); nothing of it leaves the baker.
+/// "`file`:`line`: `what`", or "`file`: `what`" with line 0. Thrown by the functions that read and bake a source; `bake`
+/// (bake.hpp) catches it.
 class SourceError : public std::runtime_error {
  public:
   SourceError(const std::string& file, int line, const std::string& what)
       : std::runtime_error(file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what) {}
 };
 
-/// Throws when a name of a parameter, landmark or curve is empty or does not fit into a table.
+/// Throws if the name of a parameter, landmark or curve is empty or too long for a table.
 inline void check_name(const std::string& file, int line, const std::string& name) {
   if (name.empty()) throw SourceError(file, line, "a name is empty");
   if (name.size() >= table::kNameBytes)

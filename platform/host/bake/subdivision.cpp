@@ -25,7 +25,7 @@ struct EdgeInfo {
   int point = -1;  ///< new vertex on it
 };
 
-/// Adds up weighted stencils without hashing: one dense row, emptied after use.
+/// A sum of weighted stencils in a dense row that is cleared after use.
 class StencilSum {
  public:
   explicit StencilSum(std::size_t points) : sum_(points, 0.0f), touched_(points, 0) {}
@@ -65,7 +65,7 @@ std::map<Edge, EdgeInfo> edges_of(const Level& level, const Cage& cage) {
   return edges;
 }
 
-/// One round. New vertices: the old ones moved, then one an edge, then one a face.
+/// One round of subdivision. Its vertices are the old ones, moved, then one for each edge, then one for each face.
 class Round {
  public:
   Round(const Level& old, const Cage& cage) : old_(old), sum_(cage.size()), edges_(edges_of(old, cage)) {}
@@ -91,9 +91,9 @@ class Round {
 
   void make_edge_points() {
     for (auto& [ends, e] : edges_) {
-      const float share = e.sharp ? 0.5f : 0.25f;
-      sum_.add(old_.stencils[at(ends.first)], share);
-      sum_.add(old_.stencils[at(ends.second)], share);
+      const float weight = e.sharp ? 0.5f : 0.25f;
+      sum_.add(old_.stencils[at(ends.first)], weight);
+      sum_.add(old_.stencils[at(ends.second)], weight);
       if (!e.sharp)
         for (std::size_t f : e.faces) sum_.add(face_points_[f], 0.25f);
       e.point = static_cast<int>(next_.stencils.size());

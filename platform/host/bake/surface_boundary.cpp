@@ -22,15 +22,15 @@ double doubled_area(const Source& source, const BoundaryLoop& loop) {
 
 }  // namespace
 
-SkinBoundary find_boundary(const Source& source, bool half) {
-  SkinBoundary boundary;
+SurfaceBoundary find_boundary(const Source& source, bool half) {
+  SurfaceBoundary boundary;
   for (std::size_t f = 0; f < source.triangles.size(); ++f) {
     const auto& t = source.triangles[f];
     const bool right =
         std::all_of(t.begin(), t.end(), [&](int v) { return source.uv[at(v)].x >= 0.5f - 1e-5f; });
     boundary.is_inside.push_back(!source.is_hole[f] && (right || !half));
   }
-  // Directed edges of what is inside, and what has the same edge the other way.
+  // Directed edges of the triangles inside, and which kinds of triangles have the same edge in the other direction.
   struct Use {
     bool forth = false, back = false, hole = false, other_half = false;
   };

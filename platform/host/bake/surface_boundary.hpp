@@ -1,6 +1,6 @@
 #pragma once
 /// \file surface_boundary.hpp
-/// Where the skin of a source ends: its outline and its openings.
+/// The boundary of a source's surface: one outer loop and its openings.
 #include <vector>
 
 #include "host/bake/source.hpp"
@@ -15,13 +15,13 @@ struct BoundaryLoop {
   std::vector<Side> sides;    ///< of the edge from each vertex to the next
 };
 
-struct SkinBoundary {
-  std::vector<BoundaryLoop> loops;  ///< the outline first
+struct SurfaceBoundary {
+  std::vector<BoundaryLoop> loops;  ///< the outer loop first
   std::vector<char> is_inside;      ///< a triangle of the source
 };
 
-/// The boundary of the skin; of its half with u >= 0.5 when `half`. A loop beside the outline is an opening,
-/// whether triangles close it or not.
-SkinBoundary find_boundary(const Source& source, bool half);
+/// Finds the boundary of the surface; with `half`, of its half with u >= 0.5. The loop with the largest area in the chart is
+/// the outer one. Every other loop is an opening, whether triangles of a hole fill it or not.
+SurfaceBoundary find_boundary(const Source& source, bool half);
 
 }  // namespace pliant::host::bake

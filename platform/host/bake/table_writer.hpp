@@ -1,6 +1,6 @@
 #pragma once
 /// \file table_writer.hpp
-/// Collects the parts of a model table and writes its bytes (pliant/model.hpp is the format).
+/// Collects the parts of a model table and writes its bytes (docs/model-format.md).
 #include <string>
 #include <vector>
 
@@ -14,10 +14,10 @@ class TableWriter {
  public:
   /// Throws SourceError for an empty name and one of more than 27 letters, as add_landmark and add_curve do.
   std::uint16_t add_parameter(const SourceParameter& parameter);
-  /// Quantises to `bits` (8 or 16): one scale a component, error at most half of it; offsets only for a field
-  /// over the whole chart, so that any other decodes to exactly zero on its rim.
+  /// Quantises a field to `bits` (8 or 16) with one scale a component; the error is at most half a scale. Only a field over the
+  /// whole chart has an offset, so that any other decodes to exactly zero on its border.
   std::uint16_t add_field(const FieldGrid& grid, int bits);
-  /// The mirror image of an earlier field, sharing its samples.
+  /// Adds the mirror image of an earlier field with the same samples.
   std::uint16_t add_mirrored(std::uint16_t field);
   std::uint16_t add_record(const CascadeRecord& record);
   void add_landmark(const SourceLandmark& landmark);
@@ -26,7 +26,7 @@ class TableWriter {
   void set_mask(GreyImage mask) { mask_ = std::move(mask); }
   void set_albedo(GreyImage albedo) { albedo_ = std::move(albedo); }
 
-  /// The whole table, checksum included.
+  /// The whole table with its checksum.
   std::vector<std::uint8_t> bytes() const;
 
  private:
@@ -42,7 +42,7 @@ class TableWriter {
   GreyImage mask_, albedo_;
 };
 
-/// A record of an operation that uses nothing yet.
+/// A record without sources, parameters and fields.
 CascadeRecord empty_record(Operation operation);
 
 }  // namespace pliant::host::bake

@@ -45,11 +45,11 @@ TextTable::TextTable(const std::string& path, const std::vector<std::string>& co
     if (row.cells.size() < columns.size())
       fail(row, "no value for column '" + columns[row.cells.size()] + "'");
     if (row.cells.size() > columns.size() && !is_open(columns))
-      fail(row, "'" + row.cells[columns.size()] + "' is more than the columns take");
+      fail(row, "'" + row.cells[columns.size()] + "' is one value too many");
     rows_.push_back(std::move(row));
   }
   if (in.bad()) throw SourceError(path, 0, "cannot be read");
-  if (!have_header) throw SourceError(path, 0, "holds no table");
+  if (!have_header) throw SourceError(path, 0, "has no table");
 }
 
 const std::string& TextTable::name(const TextRow& row, std::size_t column) const {
@@ -62,7 +62,7 @@ float TextTable::number(const TextRow& row, std::size_t column) const {
   char* end = nullptr;
   const float value = std::strtof(cell.c_str(), &end);
   if (end == cell.c_str() || *end != 0 || !std::isfinite(value))
-    fail(row, "'" + cell + "' in column '" + columns_[column] + "' is no number");
+    fail(row, "'" + cell + "' in column '" + columns_[column] + "' is not a number");
   return value;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 /// \file text_table.hpp
-/// Readable tables: words separated by blanks, '#' to the end of a line is a comment, and the first line that
-/// is not empty names the columns. A last column named "NAME..." takes all further words of its line.
+/// Reads text tables: words separated by blanks. '#' starts a comment. The first line that is not empty names the columns. A
+/// last column named "NAME..." takes all further words of its line.
 #include <string>
 #include <vector>
 
@@ -11,13 +11,13 @@ namespace pliant::host::bake {
 
 struct TextRow {
   int line;                        ///< in the file, from 1
-  std::vector<std::string> cells;  ///< one a column, then the further words of an open last column
+  std::vector<std::string> cells;  ///< one for each column, then the further words of an open last column
 };
 
-/// A table file, read whole. Everything that is wrong with it throws SourceError with its line.
+/// A table file, read at once. Every error throws SourceError with the line.
 class TextTable {
  public:
-  /// Reads `path` and checks that it has exactly these columns, in this order.
+  /// Reads `path`, which must have exactly these columns in this order.
   TextTable(const std::string& path, const std::vector<std::string>& columns);
 
   const std::vector<TextRow>& rows() const { return rows_; }
@@ -29,7 +29,7 @@ class TextTable {
   float number(const TextRow& row, std::size_t column) const;
   /// Three adjacent cells as a vector.
   Vec3 vector(const TextRow& row, std::size_t first_column) const;
-  /// The words of the open last column, or of any column and all behind it.
+  /// The words of a column and of all after it.
   std::vector<std::string> words(const TextRow& row, std::size_t first_column) const;
   [[noreturn]] void fail(const TextRow& row, const std::string& what) const;
 

@@ -1,5 +1,5 @@
-// Bowyer-Watson insertion, then edges of the boundary recovered by flips (Sloan 1993), then the outside
-// peeled off.
+// Three steps: insertion of points by Bowyer and Watson, recovery of the boundary's edges by flips (Sloan 1993), removal of the
+// triangles outside.
 #include "host/bake/triangulation.hpp"
 
 #include <algorithm>
@@ -93,7 +93,7 @@ class Triangulator {
         if (!recover(e)) return {};
         fixed_.insert(e);
       }
-    peel();
+    remove_outside();
     return triangles_;
   }
 
@@ -123,19 +123,20 @@ class Triangulator {
 
   void insert(int p) {
     std::vector<std::array<int, 3>> kept;
-    std::map<Edge, std::pair<int, std::array<int, 2>>> hollow;  // edges of the cavity: uses, direction
+    std::map<Edge, std::pair<int, std::array<int, 2>>>
+        cavity;  // edges of removed triangles: count, direction
     for (const auto& t : triangles_) {
       if (in_circle(points_[at(t[0])], points_[at(t[1])], points_[at(t[2])], points_[at(p)]) <= 0) {
         kept.push_back(t);
         continue;
       }
       for (std::size_t k = 0; k < 3; ++k) {
-        auto& use = hollow[edge_of(t[k], t[(k + 1) % 3])];
+        auto& use = cavity[edge_of(t[k], t[(k + 1) % 3])];
         ++use.first;
         use.second = {t[k], t[(k + 1) % 3]};
       }
     }
-    for (const auto& [e, use] : hollow)
+    for (const auto& [e, use] : cavity)
       if (use.first == 1) kept.push_back({use.second[0], use.second[1], p});
     triangles_ = std::move(kept);
   }
@@ -148,9 +149,10 @@ class Triangulator {
     return (area(a, b, c) > 0) != (area(a, b, d) > 0) && (area(c, d, a) > 0) != (area(c, d, b) > 0);
   }
 
-  /// Flips edges that cross e until e is one of them. False when it cannot become one.
+  /// Flips edges that cross e until e is an edge. False if that is impossible.
   bool recover(Edge e) {
-    for (int round = 0; round < 400; ++round) {
+    constexpr int kRounds = 400;  // bounds the time; an edge crosses far fewer others
+    for (int round = 0; round < kRounds; ++round) {
       const auto sides = sides_of(triangles_);
       if (sides.count(e)) return true;
       bool flipped = false;
@@ -158,7 +160,7 @@ class Triangulator {
         if (faces[1] < 0 || !crosses(e, f)) continue;
         if (fixed_.count(f)) return false;
         const Quad q = quad_of(triangles_, f, faces);
-        // A flip that still crosses is only worth it now and then, or the same two edges take turns for ever.
+        // A flipped edge that still crosses e is accepted in every third round only. Otherwise two edges could alternate.
         if (!is_positive(q) || (crosses(e, edge_of(q.c, q.d)) && round % 3 != 2)) continue;
         flip(triangles_, faces, q);
         flipped = true;
@@ -170,7 +172,7 @@ class Triangulator {
   }
 
   bool is_inside(Point p) const {
-    bool inside = false;  // the outer loop and the holes together, by crossings
+    bool inside = false;  // by the parity of crossings with all loops
     for (const auto& loop : domain_.loops)
       for (std::size_t k = 0; k < loop.size(); ++k) {
         const Point a = points_[at(loop[k])], b = points_[at(loop[(k + 1) % loop.size()])];
@@ -180,7 +182,7 @@ class Triangulator {
     return inside;
   }
 
-  void peel() {
+  void remove_outside() {
     const int n = static_cast<int>(domain_.points.size());
     const auto outside = [&](const std::array<int, 3>& t) {
       if (*std::max_element(t.begin(), t.end()) >= n) return true;
@@ -212,19 +214,23 @@ void flip_by_shape(Triangles& triangles, const std::vector<Vec2>& uv, const std:
     return Point{static_cast<double>(uv[at(v)].x), static_cast<double>(uv[at(v)].y)};
   };
   const auto space = [&](int v) { return position[at(v)]; };
-  for (int round = 0; round < 20; ++round) {
+  constexpr int kPasses = 20;  // bounds the time; round value
+  constexpr double kLeastFraction =
+      0.1;  // of the pair's area in the chart, so that no triangle degenerates; round value
+  constexpr double kStraight = 3.1416 + 1e-3;  // 180 degrees and a margin for rounding
+  for (int round = 0; round < kPasses; ++round) {
     bool flipped = false;
     std::set<int> touched;
     for (const auto& [e, faces] : sides_of(triangles)) {
       if (faces[1] < 0 || touched.count(faces[0]) || touched.count(faces[1])) continue;
       const Quad q = quad_of(triangles, e, faces);
-      // Both angles that face the edge add up to more than two right ones when the other diagonal is better.
+      // The other diagonal is better if the two angles opposite the edge add up to more than 180 degrees.
       const double angles = std::acos(std::clamp(cosine(space(q.c), space(q.a), space(q.b)), -1.0, 1.0)) +
                             std::acos(std::clamp(cosine(space(q.d), space(q.a), space(q.b)), -1.0, 1.0));
-      if (angles < 3.1416 + 1e-3) continue;
+      if (angles < kStraight) continue;
       const double one = area(plane(q.a), plane(q.d), plane(q.c)),
                    other = area(plane(q.b), plane(q.c), plane(q.d));
-      if (!(std::min(one, other) > 0.1 * (one + other))) continue;
+      if (!(std::min(one, other) > kLeastFraction * (one + other))) continue;
       flip(triangles, faces, q);
       touched.insert(faces[0]);
       touched.insert(faces[1]);

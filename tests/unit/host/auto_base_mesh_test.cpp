@@ -4,8 +4,8 @@
 #include <cmath>
 #include <memory>
 
-#include "host/bake/bake.hpp"
 #include "baked_model.hpp"
+#include "host/bake/bake.hpp"
 #include "host/io/owned.hpp"
 #include "pliant/mesh.hpp"
 #include "sanitized.hpp"
@@ -85,7 +85,7 @@ TEST_CASE("the base mesh has the number of vertices that was asked for, to 15 %,
 }
 
 TEST_CASE(
-    "it is a disc with three holes, nothing folds over in the chart, and blocks are whole but at the "
+    "it is a disc with three holes, the chart has no fold-over, and blocks are whole but at the "
     "boundary") {
   for (const auto& c : cases()) {
     CAPTURE(c->wanted);
@@ -102,7 +102,8 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "landmarks on the skin are vertices, to a millimetre, all of them where the mesh is fine enough to tell "
+    "landmarks on the surface are vertices, to a millimetre, all of them where the mesh is fine enough to "
+    "tell "
     "them apart") {
   for (const auto& c : cases()) {
     CAPTURE(c->wanted);
@@ -124,13 +125,13 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("the boundary of the mesh follows the boundary of the skin") {
+TEST_CASE("the boundary of the mesh follows the boundary of the surface") {
   for (const auto& c : cases()) {
     CAPTURE(c->wanted);
     const ChartImage mask = c->face.model.mask();
-    double skin = 0, area = 0;
-    for (std::size_t k = 0; k < std::size_t{mask.width} * mask.height; ++k) skin += mask.pixels[k] != 0;
-    skin /= static_cast<double>(mask.width - 1) * (mask.height - 1);
+    double inside = 0, area = 0;
+    for (std::size_t k = 0; k < std::size_t{mask.width} * mask.height; ++k) inside += mask.pixels[k] != 0;
+    inside /= static_cast<double>(mask.width - 1) * (mask.height - 1);
     int outside = 0;
     for (const FaceId f : c->mesh->faces()) {
       const Vec2 a = c->mesh->uv(c->mesh->corner(f, 0)), b = c->mesh->uv(c->mesh->corner(f, 1)),
@@ -138,7 +139,7 @@ TEST_CASE("the boundary of the mesh follows the boundary of the skin") {
       area += 0.5 * static_cast<double>(magnitude((b.x - a.x) * (d.y - a.y) - (b.y - a.y) * (d.x - a.x)));
       outside += !c->face.model.is_on_surface((1.0f / 3) * (a + b + d));
     }
-    CHECK(area == doctest::Approx(skin).epsilon(0.03));
+    CHECK(area == doctest::Approx(inside).epsilon(0.03));
     CHECK(outside <= 0.01 * c->mesh->face_count());
   }
 }

@@ -40,7 +40,8 @@ TEST_CASE("subdivision makes a flat cage flat, and weights that add up to one") 
   for (const Vec3 p : fine_values(fine, cage.position)) CHECK(p.z == 0);
 
   SUBCASE(
-      "surface and openings are separated by a sharp edge: moving the opening's far side leaves the skin") {
+      "surface and openings are separated by a sharp edge: moving the opening's far side leaves the surface "
+      "as it is") {
     // Around the hole (the middle quad) nothing but its own corners counts.
     auto lifted = cage.position;
     lifted[0].z = 1;

@@ -1,9 +1,9 @@
 // `pliant render --grid`: people by expressions on one picture; and the people that come with the built-in face.
 #include "baked_face.hpp"
+#include "cli_run.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/fit_file.hpp"
 #include "host/io/image.hpp"
-#include "cli_run.hpp"
 
 using namespace cli_run;
 
@@ -47,8 +47,8 @@ TEST_CASE("a grid shows each person in a column and each expression in a row") {
   mean_face(cell(grid, 3, 0, 2, 0), &wide);
   const double bright = mean_face(cell(grid, 3, 1, 2, 0), &narrow), dark = mean_face(cell(grid, 3, 2, 2, 0));
   CHECK(narrow > 400);
-  CHECK(wide > 1.1 * narrow);  // the identity is that of the people, whatever the expressions say
-  CHECK(dark < 0.65 * bright);  // not half of it: the brightest skin is white
+  CHECK(wide > 1.1 * narrow);   // the identity is that of the people, whatever the expressions say
+  CHECK(dark < 0.65 * bright);  // not half of it: the brightest surface is white
   for (int c = 0; c < 3; ++c) CHECK(cell(grid, 3, c, 2, 0).pixels != cell(grid, 3, c, 2, 1).pixels);
 }
 

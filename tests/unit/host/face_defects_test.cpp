@@ -64,20 +64,20 @@ TEST_CASE(
   };
   const Defect defects[] = {
       {"points.txt", "      u       v", "      u", "expected a column 'v'"},
-      {"points.txt", "16.00", "nan", "'nan' in column 'x' is no number"},
-      {"points.txt", "lid_margin.1 ", "lid_margin.0 ", "given twice"},
+      {"points.txt", "16.00", "nan", "'nan' in column 'x' is not a number"},
+      {"points.txt", "lid_margin.1 ", "lid_margin.0 ", "appears twice"},
       {"points.txt", "   16.00", "  -16.00", "not in the left half"},
       {"patches.txt", "orbit.2-15", "orbit.2-16", "unknown point 'orbit.16'"},
-      {"patches.txt", "orbit.2-15", "orbit.2-x", "is no range of points"},
+      {"patches.txt", "orbit.2-15", "orbit.2-x", "is not a range of points"},
       {"patches.txt", "orbit.2-15", "orbit.2-14", "not as long as the last"},
-      {"patches.txt", "eye skin", "eye bone", "neither skin nor hole"},
+      {"patches.txt", "eye surface", "eye bone", "neither surface nor hole"},
       {"parameters.txt", "identity   no", "person     no", "neither identity nor expression"},
       {"parameters.txt", "identity   no", "identity   maybe", "sided is yes or no"},
-      {"parameters.txt", "faceDepth", "faceWidth", "given twice"},
+      {"parameters.txt", "faceDepth", "faceWidth", "appears twice"},
       {"parameters.txt", "-3      3       1", "1       3       1", "needs minimum <= 0 <= maximum"},
       {"groups.txt", "lip_line.0-6", "lip_line.0-66", "unknown point"},
       {"followers.txt", "ball_1.0-15", "ball_1.0-14", "not as many leaders as points"},
-      {"hinges.txt", "1      0      0 ", "1      1      0 ", "the axis is no unit vector"},
+      {"hinges.txt", "1      0      0 ", "1      1      0 ", "the axis is not a unit vector"},
       {"identity.txt", "faceWidth       stretch", "faceWidht       stretch", "unknown parameter 'faceWidht'"},
       {"identity.txt", "faceWidth       stretch", "faceWidth       twist", "kind 'twist' is none of"},
       {"identity.txt", "m_nasion", "m_nasian", "unknown point 'm_nasian'"},
@@ -109,7 +109,7 @@ TEST_CASE("each missing file, and a missing row, is one line that names the file
   for (const char* file : {"patches.txt", "parameters.txt", "groups.txt", "followers.txt", "hinges.txt",
                            "identity.txt", "expressions.txt", "landmarks.txt", "curves.txt", "paint.txt"})
     CHECK(error_after(file, remove) == std::string(file) + ": cannot be read");
-  CHECK(error_after("points.txt", remove) == "points.txt and others) nor with OBJ files");
+  CHECK(error_after("points.txt", remove) == "points.txt and others) nor OBJ files");
   CHECK(error_after("hinges.txt", swap("jawOpen ", "jawShut ")) ==
         "hinges.txt: no row for parameter 'jawOpen'");
   CHECK(error_after("identity.txt", swap("\nfaceWidth ", "\n#faceWidth ")) ==
@@ -119,7 +119,7 @@ TEST_CASE("each missing file, and a missing row, is one line that names the file
     const std::size_t row = text.find("ring_c.4 "), end = text.find('\n', row);
     return text.replace(row, end - row, "ring_c.4 34 43 13 0.95 0.9");
   });
-  CHECK_MESSAGE(folded.find("points.txt: the chart (u,v) folds over near point '") == 0, folded);
+  CHECK_MESSAGE(folded.find("points.txt: the chart (u,v) has a fold-over near point '") == 0, folded);
 }
 
 TEST_CASE("impossible options are refused") {

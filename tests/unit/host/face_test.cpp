@@ -19,7 +19,7 @@ Vec3 normal(BakedModel& face, Vec2 uv, const std::vector<float>& q) {
   return normalised(cross(f.pv, f.pu));
 }
 
-/// Places on the skin at least `margin` away from its boundary (in u and v).
+/// Places on the surface at least `margin` away from its boundary (in u and v).
 std::vector<Vec2> places_on_skin(const Model& model, int side, float margin) {
   std::vector<Vec2> places;
   for (int j = 0; j < side; ++j)
@@ -359,7 +359,7 @@ TEST_CASE("base faces are counter-clockwise seen from outside, as the surface is
 }
 
 TEST_CASE(
-    "the skin has texture that a tracker of corners can hold on to, and eyes, lips and brows stand out") {
+    "the surface has texture that a tracker of corners can hold on to, and eyes, lips and brows stand out") {
   BakedModel& face = baked_face();
   const ChartImage albedo = face.model.albedo();
   const auto tone = [&](Vec2 uv) {

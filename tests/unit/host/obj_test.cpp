@@ -8,10 +8,10 @@
 #include <fstream>
 #include <functional>
 
+#include "baked_model.hpp"
 #include "host/bake/bake.hpp"
 #include "host/bake/obj_source.hpp"
 #include "host/bake/principal_components.hpp"
-#include "baked_model.hpp"
 #include "pliant/mesh.hpp"
 #include "random.hpp"
 
@@ -297,8 +297,8 @@ TEST_CASE("each defect of an OBJ folder is one line that names the file and the 
   };
   CHECK(neutral_error(good) == "");
   CHECK(neutral_error("") == neutral + ": holds no vertices");
-  CHECK(neutral_error("v 1 2\n") == neutral + ":1: '' is no number");
-  CHECK(neutral_error("v 1 2 nan\n") == neutral + ":1: 'nan' is no number");
+  CHECK(neutral_error("v 1 2\n") == neutral + ":1: '' is not a number");
+  CHECK(neutral_error("v 1 2 nan\n") == neutral + ":1: 'nan' is not a number");
   CHECK(neutral_error("v 1 2 3\n") == neutral + ": holds no faces");
   CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/\n")) ==
         at_face("a face has at least three corners"));
@@ -306,13 +306,14 @@ TEST_CASE("each defect of an OBJ folder is one line that names the file and the 
         at_face("there is no vertex 9999"));
   CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 0/35/ 34/34/\n")) ==
         at_face("there is no vertex 0"));
-  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ x/35/ 34/34/\n")) == at_face("'x' is no index"));
+  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ x/35/ 34/34/\n")) ==
+        at_face("'x' is not an index"));
   CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 35/9999/ 34/34/\n")) ==
         at_face("there is no texture coordinate 9999"));
   CHECK(neutral_error(swapped(good, first_face, "f 1 2 35 34\n")) ==
         at_face("the face has no texture coordinates"));
   CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 35/34/ 34/35/\n")) ==
-        at_face("the chart folds over at this face"));
+        at_face("the chart has a fold-over at this face"));
   CHECK(neutral_error(swapped(good, "vt 0.100000", "vt -0.10000")) ==
         at_face("a texture coordinate of the face is outside 0 to 1"));
 
@@ -326,7 +327,7 @@ TEST_CASE("each defect of an OBJ folder is one line that names the file and the 
   CHECK(smile_error(swapped(good, first_face, "f 1/1/ 2/2/ 35/35/\n")) ==
         smile + ": has 4095 corners of faces, not 4096 as " + neutral);
   CHECK(smile_error(swapped(good, first_face, "f 1/1/ 2/2/ 36/35/ 34/34/\n")) ==
-        smile + ":" + std::to_string(face_line) + ": the face is not that of " + neutral);
+        smile + ":" + std::to_string(face_line) + ": the face differs from that of " + neutral);
   fs::remove(folder.path / "mouthSmile_L.obj");
 
   const auto csv_error = [&](const std::string& text) {
@@ -335,13 +336,13 @@ TEST_CASE("each defect of an OBJ folder is one line that names the file and the 
   };
   CHECK(csv_error("landmark,vertex\nibug30,5\n") == "");
   CHECK(csv_error("name,vertex\n") == csv + ":1: expected the columns landmark,vertex");
-  CHECK(csv_error("landmark,vertex\nibug30\n") == csv + ":2: 'ibug30' is no landmark and vertex");
-  CHECK(csv_error("landmark,vertex\nibug30,x\n") == csv + ":2: 'ibug30,x' is no landmark and vertex");
+  CHECK(csv_error("landmark,vertex\nibug30\n") == csv + ":2: 'ibug30' is not a landmark and a vertex");
+  CHECK(csv_error("landmark,vertex\nibug30,x\n") == csv + ":2: 'ibug30,x' is not a landmark and a vertex");
   CHECK(csv_error("landmark,vertex\n\nibug30,1089\n") == csv + ":3: there is no vertex 1089 on a face");
   fs::remove(folder.path / "landmarks.csv");
 
   fs::remove(folder.path / "neutral.obj");
-  CHECK(error_of(folder).find("nor with OBJ files") != std::string::npos);
+  CHECK(error_of(folder).find("nor OBJ files") != std::string::npos);
   folder.write("jawOpen.obj", good);
   CHECK(error_of(folder) == neutral + ": cannot be read");
 }

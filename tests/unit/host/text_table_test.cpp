@@ -49,13 +49,13 @@ TEST_CASE("each defect of a text table is one line that names the file and the l
     });
   };
   CHECK(error("name x\na 1\n") == "");
-  CHECK(error("") == path + ": holds no table");
+  CHECK(error("") == path + ": has no table");
   CHECK(error("name\na 1\n") == path + ":1: expected a column 'x'");
   CHECK(error("name x y\na 1 2\n") == path + ":1: unknown column 'y'");
   CHECK(error("name x\n\na\n") == path + ":3: no value for column 'x'");
-  CHECK(error("name x\na 1 2\n") == path + ":2: '2' is more than the columns take");
-  CHECK(error("name x\na nan\n") == path + ":2: 'nan' in column 'x' is no number");
-  CHECK(error("name x\na inf\n") == path + ":2: 'inf' in column 'x' is no number");
-  CHECK(error("name x\na 1,5\n") == path + ":2: '1,5' in column 'x' is no number");
+  CHECK(error("name x\na 1 2\n") == path + ":2: '2' is one value too many");
+  CHECK(error("name x\na nan\n") == path + ":2: 'nan' in column 'x' is not a number");
+  CHECK(error("name x\na inf\n") == path + ":2: 'inf' in column 'x' is not a number");
+  CHECK(error("name x\na 1,5\n") == path + ":2: '1,5' in column 'x' is not a number");
   CHECK(error_of([&] { TextTable(path + "x", {"name"}); }) == path + "x: cannot be read");
 }

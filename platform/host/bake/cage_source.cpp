@@ -1,4 +1,4 @@
-#include "host/bake/face_source.hpp"
+#include "host/bake/cage_source.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -17,15 +17,15 @@ namespace pliant::host::bake {
 namespace {
 
 /// A row of parameters.txt. A sided one becomes two parameters, NAMELeft and NAMERight.
-struct FaceParameter {
+struct CageParameter {
   std::string name;
   bool is_sided;
   SourceParameter limits;
 };
 
-class FaceReader {
+class CageSourceReader {
  public:
-  explicit FaceReader(const std::string& folder)
+  explicit CageSourceReader(const std::string& folder)
       : folder_(folder),
         cage_(read_cage(folder)),
         fine_(subdivide(cage_, kLevels)),
@@ -46,9 +46,11 @@ class FaceReader {
   }
 
  private:
-  static constexpr int kLevels = 3;  // 64 quads a cage quad: half a millimetre at the lips
-  static constexpr int kPositionRounds = 10;
-  static constexpr int kMoveRounds = 4;
+  /// Rounds of subdivision: 64 quads for each of the cage, half a millimetre long at the lips.
+  static constexpr int kLevels = 3;
+  /// Rounds of residual correction of the rest shape, and of each displacement (subdivision.hpp). Displacements are smaller
+  /// and smoother. Round values, not tuned.
+  static constexpr int kPositionRounds = 10, kMoveRounds = 4;
 
   void make_surface() {
     source_.uv = fine_values(fine_, cage_.uv);
@@ -63,7 +65,7 @@ class FaceReader {
     check_chart();
   }
 
-  /// Every point of the chart must belong to one place of the surface.
+  /// The chart must be injective: all triangles have one orientation.
   void check_chart() const {
     const auto areas = chart_areas(source_.uv, source_.triangles);
     for (std::size_t f = 0; f < areas.size(); ++f) {
@@ -72,8 +74,9 @@ class FaceReader {
       const auto& s = fine_.stencils[at(v)];
       const auto heaviest =
           std::max_element(s.begin(), s.end(), [](auto a, auto b) { return a.second < b.second; });
-      throw SourceError(folder_ + "/points.txt", 0,
-                        "the chart (u,v) folds over near point '" + cage_.names[at(heaviest->first)] + "'");
+      throw SourceError(
+          folder_ + "/points.txt", 0,
+          "the chart (u,v) has a fold-over near point '" + cage_.names[at(heaviest->first)] + "'");
     }
   }
 
@@ -85,28 +88,28 @@ class FaceReader {
         table.fail(row, "group '" + row.cells[1] + "' is neither identity nor expression");
       if (row.cells[2] != "yes" && row.cells[2] != "no")
         table.fail(row, "sided is yes or no, not '" + row.cells[2] + "'");
-      FaceParameter p{row.cells[0],
+      CageParameter p{row.cells[0],
                       row.cells[2] == "yes",
                       {row.cells[0], row.cells[1] == "identity" ? Group::identity : Group::expression,
                        table.number(row, 3), table.number(row, 4), table.number(row, 5)}};
       if (!(p.limits.minimum <= 0 && p.limits.maximum >= 0 && p.limits.sd > 0))
         table.fail(row, "needs minimum <= 0 <= maximum and sd > 0");
       check_name(table.path(), row.line, p.name + (p.is_sided ? "Right" : ""));
-      for (const FaceParameter& other : parameters_)
-        if (other.name == p.name) table.fail(row, "parameter '" + p.name + "' is given twice");
+      for (const CageParameter& other : parameters_)
+        if (other.name == p.name) table.fail(row, "parameter '" + p.name + "' appears twice");
       parameters_.push_back(p);
     }
   }
 
   void make_shapes(const std::string& file, Group group) {
     std::vector<std::string> names;
-    for (const FaceParameter& p : parameters_)
+    for (const CageParameter& p : parameters_)
       if (p.limits.group == group) names.push_back(p.name);
     const auto moves = read_moves(folder_, file, cage_, groups_, names);
     const auto hinges = group == Group::expression ? read_hinges() : std::vector<Hinge>{};
-    // Hinges first: the motions that follow are added in the head's frame and need not turn with the jaw.
+    // Rotations first: the displacements that follow are then in the model's axes and do not turn with the jaw.
     const std::size_t first = source_.parameters.size();
-    for (const FaceParameter& p : parameters_) {
+    for (const CageParameter& p : parameters_) {
       if (p.limits.group != group) continue;
       for (const char* side : {p.is_sided ? "Left" : "", "Right"}) {
         if (!p.is_sided && side[0] != 0) break;
@@ -115,13 +118,13 @@ class FaceReader {
       }
     }
     std::size_t k = first;
-    for (const FaceParameter& p : parameters_) {
+    for (const CageParameter& p : parameters_) {
       if (p.limits.group != group) continue;
       add_hinge(k, p, hinges, moves);
       k += p.is_sided ? 2 : 1;
     }
     k = first;
-    for (const FaceParameter& p : parameters_) {
+    for (const CageParameter& p : parameters_) {
       if (p.limits.group != group) continue;
       add_displacement(k, p, moves, file);
       k += p.is_sided ? 2 : 1;
@@ -139,13 +142,13 @@ class FaceReader {
     std::vector<Hinge> hinges;
     for (const TextRow& row : table.rows()) {
       const Vec3 axis = table.vector(row, 1);
-      if (magnitude(length(axis) - 1) > 1e-3f) table.fail(row, "the axis is no unit vector");
+      if (magnitude(length(axis) - 1) > 1e-3f) table.fail(row, "the axis is not a unit vector");
       hinges.push_back({row.cells[0], axis, table.vector(row, 4)});
     }
     return hinges;
   }
 
-  void add_hinge(std::size_t parameter, const FaceParameter& p, const std::vector<Hinge>& hinges,
+  void add_hinge(std::size_t parameter, const CageParameter& p, const std::vector<Hinge>& hinges,
                  const std::vector<Move>& moves) {
     const auto weights = hinge_of(moves, p.name, cage_, followers_);
     if (weights.empty()) return;
@@ -157,7 +160,7 @@ class FaceReader {
     throw SourceError(folder_ + "/hinges.txt", 0, "no row for parameter '" + p.name + "'");
   }
 
-  void add_displacement(std::size_t parameter, const FaceParameter& p, const std::vector<Move>& moves,
+  void add_displacement(std::size_t parameter, const CageParameter& p, const std::vector<Move>& moves,
                         const std::string& file) {
     const auto has_row = [&p](const Move& m) { return m.parameter == p.name && m.kind != MoveKind::hinge; };
     if (std::none_of(moves.begin(), moves.end(), has_row)) {
@@ -186,7 +189,7 @@ class FaceReader {
   }
 
   void read_landmarks() {
-    const TextTable table(folder_ + "/landmarks.txt", {"landmark", "from", "to", "share"});
+    const TextTable table(folder_ + "/landmarks.txt", {"landmark", "from", "to", "fraction"});
     for (const TextRow& row : table.rows()) {
       const Vec2 from = source_.uv[at(point(table, row, 1))], to = source_.uv[at(point(table, row, 2))];
       source_.landmarks.push_back({table.name(row, 0), from + table.number(row, 3) * (to - from)});
@@ -218,17 +221,17 @@ class FaceReader {
   const SubdividedCage fine_;
   const Groups groups_;
   const std::vector<Follower> followers_;
-  std::vector<FaceParameter> parameters_;
+  std::vector<CageParameter> parameters_;
   Source source_;
 };
 
 }  // namespace
 
-Source read_face(const std::string& folder) {
-  return FaceReader(folder).run();
+Source read_cage_source(const std::string& folder) {
+  return CageSourceReader(folder).run();
 }
 
-bool is_face_folder(const std::string& folder) {
+bool is_cage_folder(const std::string& folder) {
   return std::filesystem::exists(folder + "/points.txt");
 }
 
