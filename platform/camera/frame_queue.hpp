@@ -1,5 +1,5 @@
 #pragma once
-// Frames between a camera's thread and ours.
+// The queue of frames between a camera's thread and the application's.
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
@@ -10,14 +10,14 @@
 
 namespace pliant {
 
-/// A queue of at most `capacity` items. A full queue gives up its oldest: who comes late gets the newest pictures, not a
-/// growing delay. Safe between threads.
+/// A queue of at most `capacity` items. A full queue drops its oldest item, so that a slow reader gets the newest frames and
+/// no growing delay. All functions may be called from any thread.
 template <class T>
 class FrameQueue {
  public:
   explicit FrameQueue(std::size_t capacity) : capacity_(capacity > 0 ? capacity : 1) {}
 
-  /// Takes `item`; returns the oldest one where that had to go, or `item` itself when the queue is closed.
+  /// Adds an item. \return the oldest item if it was dropped for it, or `item` itself if the queue is closed.
   std::optional<T> push(T item) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (is_closed_) return item;
@@ -32,7 +32,8 @@ class FrameQueue {
     return dropped;
   }
 
-  /// The oldest item, waited for at most `patience`; nothing when none came, or at once when the queue is closed and empty.
+  /// Removes the oldest item and waits for one for at most `patience`. \return nothing if none came, or at once if the queue is
+  /// closed and empty.
   std::optional<T> pop(std::chrono::milliseconds patience) {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait_for(lock, patience, [this] { return is_closed_ || !items_.empty(); });
@@ -42,13 +43,13 @@ class FrameQueue {
     return item;
   }
 
-  /// From now on nothing is taken; what is inside can still be popped.
+  /// From now on nothing is added; items that are inside can still be popped.
   void close() {
     const std::lock_guard<std::mutex> lock(mutex_);
     is_closed_ = true;
     changed_.notify_all();
   }
-  /// Empty, open, nothing dropped.
+  /// Empties and opens the queue and sets dropped_count to 0.
   void reset() {
     const std::lock_guard<std::mutex> lock(mutex_);
     items_.clear();

@@ -4,7 +4,7 @@ namespace pliant {
 
 namespace {
 
-// In order of preference: luma alone costs the least to carry, then planar luma with less and more chroma, then packed.
+// In order of preference: luma alone needs the least bandwidth, then planar luma with little and more chroma, then packed.
 constexpr LumaLayout kLayouts[] = {
     {fourcc('R', '8', ' ', ' '), 0, 1}, {fourcc('Y', '8', ' ', ' '), 0, 1},
     {fourcc('G', 'R', 'E', 'Y'), 0, 1}, {fourcc('N', 'V', '1', '2'), 0, 1},
@@ -18,7 +18,7 @@ constexpr LumaLayout kLayouts[] = {
     {fourcc('V', 'Y', 'U', 'Y'), 1, 2},
 };
 
-// How far a size is from the one that is wanted; a smaller one loses detail for good, which counts double.
+// How far a size is from the wanted one. A smaller size loses detail and counts double.
 long distance(FormatOffer::Size size, int width, int height) {
   const auto one = [](long have, long want) { return have < want ? 2 * (want - have) : have - want; };
   return one(size.width, width) + one(size.height, height);

@@ -1,6 +1,6 @@
 #pragma once
-// Where the luma of a camera's buffer is, and which of a camera's formats to ask for. Knows formats by their codes only,
-// and needs no libcamera.
+// Where the luma of a camera's buffer is, and which of a camera's formats to ask for. Formats are given by their codes:
+// libcamera is not needed.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -17,7 +17,7 @@ constexpr std::uint32_t fourcc(char a, char b, char c, char d) {
          static_cast<std::uint32_t>(static_cast<unsigned char>(c)) << 16 |
          static_cast<std::uint32_t>(static_cast<unsigned char>(d)) << 24;
 }
-/// "YUYV", for messages; a byte that does not print is a '?'.
+/// A code as text for messages, "YUYV"; a byte that cannot be printed is a '?'.
 std::string fourcc_text(std::uint32_t code);
 
 /// Luma of 8 bits inside the first plane of a format.
@@ -27,22 +27,22 @@ struct LumaLayout {
   int pixel_step_bytes = 1;  ///< 1 planar, 2 packed
 };
 
-/// The layout of a format; null when its luma cannot be read in place (compressed, RGB, Bayer, more than 8 bits).
+/// The layout of a format; null if its luma cannot be read in place (compressed, RGB, Bayer, more than 8 bits).
 const LumaLayout* luma_layout(std::uint32_t format);
 
-/// One picture's plane in memory: `length` readable bytes from `bytes`.
+/// The plane of one frame in memory: `length` readable bytes from `bytes`.
 struct PlaneMemory {
   const std::uint8_t* bytes = nullptr;
   std::size_t length = 0;
 };
 
 /// Points `view` at the luma of a plane, without a copy. A stride of 0 means rows without padding.
-/// \return bad_argument for a null plane, no size or a stride that is shorter than a row; truncated when the plane ends
-///         before the last pixel. The view is then untouched.
+/// \return `bad_argument` for a null plane, an empty size or a stride shorter than a row; `truncated` if the plane ends before
+///         the last pixel; then the view is as it was. Its time and sequence always are.
 Status view_luma(const LumaLayout& layout, PlaneMemory plane, int width, int height, std::size_t stride_bytes,
                  FrameView* view);
 
-/// A format that a camera offers, and the sizes it has it in; no sizes: any.
+/// A format that a camera offers, and its sizes; no sizes: any.
 struct FormatOffer {
   std::uint32_t format = 0;
   struct Size {
@@ -51,8 +51,8 @@ struct FormatOffer {
   std::vector<Size> sizes;
 };
 
-/// What to ask a camera for: the size nearest to width x height that it has in a format whose luma can be read; of several
-/// formats planar ones first, for they are read without a copy. False when there is none.
+/// Chooses what to ask a camera for: the size nearest to width x height in a format whose luma can be read. Of several formats
+/// planar ones are preferred, because they are read without a copy. \return false if there is none.
 bool choose_format(const std::vector<FormatOffer>& offers, int width, int height, std::uint32_t* format,
                    FormatOffer::Size* size);
 

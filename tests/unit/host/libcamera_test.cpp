@@ -1,4 +1,4 @@
-// What stands between a camera's buffers and a FrameView, and between its thread and ours. No camera is needed.
+// The luma of a camera's buffers, and the queue between its thread and the application's. No camera is needed.
 #include <doctest/doctest.h>
 
 #include <thread>
@@ -128,7 +128,7 @@ TEST_CASE("packed luma makes the same pyramid as planar luma") {
     for (int x = 0; x < kWidth; ++x) CHECK(la.data[y * la.stride + x] == lb.data[y * lb.stride + x]);
 }
 
-TEST_CASE("formats without luma of eight bits in place are known as such") {
+TEST_CASE("formats without luma of eight bits in place are recognised") {
   for (const std::uint32_t format : {kMjpeg, fourcc('R', 'G', '2', '4'), fourcc('B', 'G', '1', '0'),
                                      fourcc('R', '1', '0', ' '), std::uint32_t{0}})
     CHECK(luma_layout(format) == nullptr);
@@ -160,7 +160,7 @@ TEST_CASE("of the formats that can be read the nearest size is chosen, planar be
   CHECK_FALSE(choose_format({}, 640, 480, &format, &size));
 }
 
-TEST_CASE("a full queue gives up its oldest, and counts") {
+TEST_CASE("a full queue drops its oldest item and counts it") {
   using namespace std::chrono_literals;
   FrameQueue<int> queue(2);
   CHECK_FALSE(queue.push(1).has_value());
@@ -179,7 +179,7 @@ TEST_CASE("a full queue gives up its oldest, and counts") {
   CHECK(least.push(2) == 1);
 }
 
-TEST_CASE("a closed queue takes nothing, gives what it has, and then answers at once") {
+TEST_CASE("a closed queue accepts nothing, gives the items it has, and then returns at once") {
   using namespace std::chrono_literals;
   FrameQueue<int> queue(3);
   CHECK_FALSE(queue.push(1).has_value());
