@@ -1,7 +1,7 @@
 #pragma once
 /// \file filter.hpp
-/// Prediction and smoothing over time: a constant-velocity Kalman filter over pose and parameters, and the One-Euro filter
-/// for what is shown (ALGORITHMS: section 7.10).
+/// Prediction and smoothing over time: a constant-velocity Kalman filter over pose and parameters, and a One-Euro filter for
+/// display (docs/algorithms.md, section 7.10).
 #include <cstddef>
 #include <cstdint>
 
@@ -12,52 +12,44 @@
 
 namespace pliant {
 
-/// Deviations of the white accelerations that drive the velocities, a second squared.
-struct MotionOptions {
-  float turn_rad = 40;               ///< a head that starts to turn
-  float log_scale = 15;              ///< or to come nearer
-  float shift_mm = 5000;             ///< or to move across
-  float ranges = 60;                 ///< expressions, in ranges of their parameters
-  float pose_memory_s = 0.5f;        ///< a velocity that nothing confirms halves in so long
-  float expression_memory_s = 0.1f;  ///< the same of expressions, which stop as fast as they start
-  float gate_sd = 5;  ///< an innovation beyond so many deviations forgets the velocity: it was a jump
-};
-
-/// One value and its velocity; covariance of both.
+/// One value with its velocity, and the covariance of both.
 struct MotionState {
   float velocity = 0, xx = 0, xv = 0, vv = 0;
 };
 
-/// Constant-velocity Kalman filter of a view and parameters, a pair (value, velocity) each. The rotation's error is a small
-/// turn on the left, in camera axes. Velocities fade, so that what is not seen for long comes to rest.
-/// Bytes: 20 a parameter.
+/// Constant-velocity Kalman filter of a view and parameters.
+///
+/// Each unknown is a pair (value, velocity) that is independent of the others. The error of the rotation is a small turn
+/// applied on the left, in camera axes. Velocities decay, so that a value that is not measured comes to rest.
+/// Bytes: 24 a parameter.
 class MotionFilter {
  public:
   void lay_out(Arena& arena, std::size_t parameters);
 
-  /// Starts at rest. `range` is that of each parameter (maximum - minimum); one of 0 is not filtered.
-  /// \return bad_argument for null or anything not finite, capacity.
-  Status start(const View& view, const float* q, const float* range, std::size_t parameters,
-               const MotionOptions& options);
-  /// Moves the state on by `seconds` (0 or more; more than 1 s counts as 1 s). 0 changes nothing.
+  /// Starts at rest.
+  /// \param range  maximum - minimum of each parameter; a parameter with range 0 is not filtered.
+  /// \return bad_argument for null or anything not finite; capacity.
+  Status start(const View& view, const float* q, const float* range, std::size_t parameters);
+  /// Moves the state on by `seconds`. More than 1 s counts as 1 s; 0, negative values and NaN change nothing.
   void predict(float seconds);
-  /// Takes what was measured, with the variances of the pose's unknowns and of the parameters.
-  /// \return bad_argument for anything not finite or a negative variance: nothing has changed.
+  /// Corrects the state by a measurement.
+  /// \param pose_variance  of the pose unknowns, in PoseUnknown's order.
+  /// \param variance       of each parameter.
+  /// \return bad_argument for null, anything not finite, or a negative variance; then nothing has changed.
   Status correct(const View& view, const float* q, const float* pose_variance, const float* variance);
-  /// At rest where it is: after a cut, or when time has jumped.
+  /// Sets all velocities to zero and their variance to that at rest; values keep theirs.
   void forget_velocities();
   /// Continues from another state, at rest.
   void move_to(const View& view, const float* q);
 
   const View& view() const { return view_; }
   const float* parameters() const { return q_; }
+  /// Range of each parameter, as given to `start`.
+  const float* ranges() const { return range_; }
   const MotionState& pose(int unknown) const { return pose_[unknown]; }
   const MotionState& parameter(std::size_t i) const { return states_[i]; }
 
  private:
-  float acceleration(int unknown) const;
-
-  MotionOptions options_;
   View view_;
   MotionState pose_[kPoseUnknowns];
   float *q_ = nullptr, *range_ = nullptr;
@@ -65,26 +57,19 @@ class MotionFilter {
   std::size_t count_ = 0, capacity_ = 0;
 };
 
-/// One-Euro filter (Casiez, Roussel, Vogel 2012): a low pass whose cut-off rises with speed, so that what rests does not
-/// tremble and what moves does not lag. For output only: never fed back.
-struct OneEuroOptions {
-  float min_cutoff_hz = 1.5f;        ///< at rest
-  float turn_hz_per_rad_s = 4;       ///< how the cut-off rises with the speed of turning,
-  float shift_hz_per_mm_s = 0.02f;   ///< of moving,
-  float parameter_hz_per_range = 3;  ///< and of an expression, in ranges a second
-  float speed_cutoff_hz = 1;
-};
-
-/// Smooths a pose and parameters. Bytes: 8 a parameter.
+/// One-Euro filter of a pose and parameters (Casiez, Roussel, Vogel, CHI 2012): a low pass whose cut-off frequency rises with
+/// speed, so that a resting face does not tremble and a moving one does not lag. For display only: the result must
+/// not be fed back into the tracker. Bytes: 8 a parameter.
 class Smoother {
  public:
   void lay_out(Arena& arena, std::size_t parameters);
-  /// The next sample is taken as it is.
+  /// The next sample is taken unchanged.
   void restart() { is_fresh_ = true; }
-  /// \param range  of each parameter, > 0 where it is smoothed.
-  /// \return bad_argument for anything not finite or no time passed (the result stays), capacity.
-  Status add(const Pose& pose, const float* q, const float* range, std::size_t parameters, float seconds,
-             const OneEuroOptions& options);
+  /// Adds a sample, `seconds` after the one before.
+  /// \param range  of each parameter; greater than 0 where its speed counts.
+  /// \return bad_argument for null, anything not finite, or seconds <= 0 after the first sample; capacity. Then nothing has
+  ///         changed.
+  Status add(const Pose& pose, const float* q, const float* range, std::size_t parameters, float seconds);
   const Pose& pose() const { return pose_; }
   const float* parameters() const { return q_; }
 

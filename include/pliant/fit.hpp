@@ -8,8 +8,8 @@
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/cascade.hpp"
+#include "pliant/euler.hpp"
 #include "pliant/model.hpp"
-#include "pliant/solver.hpp"
 
 namespace pliant {
 

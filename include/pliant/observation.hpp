@@ -19,7 +19,7 @@ struct Prediction {
 };
 
 /// What an observation comes from.
-enum class Cue : std::uint8_t { patch = 0, flow = 1, edge = 2, landmark = 3 };
+enum class Cue : std::uint8_t { patch = 0, flow = 1, edge = 2 };
 
 /// Why a surface point has no observation in a frame.
 enum class Reason : std::uint8_t {

@@ -1,6 +1,6 @@
 #pragma once
 /// \file visibility.hpp
-/// What the camera sees of a mesh: self-occlusion by a coarse depth buffer (ALGORITHMS: section 7.8).
+/// Self-occlusion of a posed mesh by a coarse depth buffer (docs/algorithms.md, section 7.8).
 #include <cstddef>
 
 #include "pliant/arena.hpp"
@@ -9,20 +9,29 @@
 
 namespace pliant {
 
-/// Nearest depth over a coarse grid of cells that covers the projected mesh. Bytes: 4 a cell.
+/// Tuning of visibility.
+struct VisibilityTuning {
+  /// mm. A point is hidden when the surface in its cell is nearer by more than this. It must exceed the depth that a face
+  /// spans within one cell, and stay below the height of a nose. Chosen by hand on rendered faces, not optimised.
+  float hidden_margin_mm = 6;
+};
+inline constexpr VisibilityTuning kVisibilityTuning{};
+
+/// Least depth over a coarse grid of cells that covers the projected mesh. Bytes: 4 a cell.
 class DepthBuffer {
  public:
   void lay_out(Arena& arena, int cells_across, int cells_down);
 
-  /// Draws all faces that turn to the camera. `image` (px) and `depth` (mm along the optical axis; 0 or less for a vertex
-  /// that is not in front of the camera) are indexed by vertex id. Cost: the cells under each face.
+  /// Draws all faces that turn to the camera. Cost: the cells under each face.
+  /// \param image  px, by vertex id.
+  /// \param depth  mm along the optical axis, by vertex id; 0 or less for a vertex that is not in front of the camera.
   void draw(const Mesh& mesh, const Vec2* image, const float* depth);
 
-  /// What was drawn is now to be found that much (px) further on.
-  void move(Vec2 way) { origin_ = origin_ + way; }
-  /// True where something drawn at x lies nearer than depth - margin. False outside the grid.
+  /// Moves the drawing by `offset` px.
+  void move(Vec2 offset) { origin_ = origin_ + offset; }
+  /// True if the depth drawn at x (px) is less than depth - margin (mm). False outside the grid.
   bool hides(Vec2 x, float depth, float margin) const;
-  /// Side of a cell in the image as last drawn, px; 0 before.
+  /// Side of a cell in the image of the last drawing, px; 0 before.
   float cell_px() const { return cells_per_px_ > 0 ? 1.0f / cells_per_px_ : 0.0f; }
 
  private:
@@ -38,16 +47,18 @@ class DepthBuffer {
   float cells_per_px_ = 0;
 };
 
-/// Twice the signed area of a triangle; with y (or v) down, positive is clockwise as one sees it.
+/// Twice the signed area of a triangle. With y (or v) down, a triangle that is clockwise on the screen has a positive area.
 constexpr float doubled_area(Vec2 a, Vec2 b, Vec2 c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// True where the face turns its outer side to the camera: the chart's u and v then run the same way round in the image
-/// (model.hpp: seen from outside, v points down where u points right).
+/// True if the face turns its outer side to the camera: its orientation in the image is that in the chart. Seen from outside,
+/// v points down where u points right (model.hpp).
+/// \param image  px, by vertex id.
 bool faces_camera(const Mesh& mesh, const Vec2* image, FaceId face);
 
-/// The point of triangle (a,b,c) nearest to x, by its barycentric coordinates. Degenerate triangles give a corner or edge.
+/// Finds the point of triangle (a,b,c) nearest to x and writes its barycentric coordinates. A degenerate triangle gives a
+/// point on one of its edges.
 /// \return the squared distance.
 float nearest_on_triangle(Vec2 a, Vec2 b, Vec2 c, Vec2 x, float (&weight)[3]);
 

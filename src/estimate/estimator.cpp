@@ -1,190 +1,487 @@
-// One tracked model over time (the paper, section 8 and Appendix A). Each observation is an image force f_i on a surface
-// point; instead of the Euler steps of Eq. 13 the generalised force of Eq. 9 meets the Gauss-Newton matrix of the same
-// sum, with the parameters' prior, a temporal prior around the prediction, and a robust weight for outliers.
+// The estimator (the paper, section 8 and Appendix A): a composition of surface points, visible surface, frame solver, motion
+// model and track monitor.
 #include "pliant/estimator.hpp"
+
+#include "estimate/frame_solver.hpp"
+#include "estimate/lens_transfer.hpp"
+#include "estimate/motion_model.hpp"
+#include "estimate/surface_points.hpp"
+#include "estimate/track_monitor.hpp"
+#include "estimate/visible_surface.hpp"
 
 namespace pliant {
 
+struct Estimator::Impl {
+  bool started = false;
+  EstimatorLimits limits;
+  EstimatorOptions options;
+  Camera camera;
+  Lens lens;
+  int width = 0, height = 0;
+  std::uint32_t frame = 0;
+
+  Cascade cascade;
+  ModelState state;    // as it is now
+  ModelState trusted;  // of the last good frame
+  SurfacePoints points;
+  VisibleSurface surface;
+  FrameSolver solver;
+  MotionModel motion;
+  TrackMonitor monitor;
+
+  ModelState predicted;  // for which the stored predictions hold
+  Span<const Prediction> predictions;
+  std::size_t sample_capacity = 0;  // a point
+
+  std::size_t parameter_count() const { return cascade.parameter_count(); }
+  SolveInput solve_input() { return {cascade, points, motion.expected()}; }
+  Status choose_free(const std::uint8_t* is_free);
+  void set_state(const Pose& pose, const float* q);
+  Status start_parts();
+  MeshPolicy mesh_policy() const;
+  void update_surface(std::uint32_t interval) { surface.update(cascade, state, frame, interval); }
+  Status add(PointKind kind, Vec2 uv, Vec2 along, std::uint16_t* id);
+  Status add_pieces(const Vec2* polyline, std::uint32_t segments, float spacing_mm, Span<std::uint16_t> ids,
+                    std::size_t* count);
+  void place_silhouette();
+  Prediction predict(std::uint16_t id, const Projector& projector);
+  bool is_visible(const Prediction& p, Vec3 rotated) const;
+  Span<const Prediction> valid_predictions() const;
+};
+
 namespace {
-int depth_cells(const EstimatorLimits& limits) {  // a side; about two faces of a full mesh a cell
-  return limits.vertices <= 512 ? 40 : 48;
+
+std::size_t at_most(std::size_t limit, std::size_t all) {
+  return limit > 0 && limit < all ? limit : all;
 }
-constexpr std::size_t kSilhouetteCandidates = 8;  // for each outline point: the contour of a fine mesh has many
+
+/// Lays out a part; while measuring there is no part, and a temporary one stands for it. Not inlined, so that the stack
+/// holds one temporary at a time.
+template <class T, class... Args>
+[[gnu::noinline]] void lay_out_part(Arena& arena, T* part, const Args&... args) {
+  if (part != nullptr) return part->lay_out(arena, args...);
+  T measured;
+  measured.lay_out(arena, args...);
+}
+
+std::uint32_t interval(std::uint8_t frames) {
+  return frames > 0 ? frames : 1;
+}
+
 }  // namespace
 
 void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits& limits) {
-  limits_ = limits;
+  const std::size_t parameters = model.parameters().count;
+  const std::size_t samples = at_most(limits.samples_per_point, model.cascade().count);
+  arena.count_as(Purpose::state);
+  impl_ = arena.take<Impl>(1);
+  if (impl_ != nullptr) new (impl_) Impl();
+  const auto part = [this](auto Impl::*member) { return impl_ == nullptr ? nullptr : &(impl_->*member); };
+  ModelState Impl::*const states[] = {&Impl::state, &Impl::trusted, &Impl::predicted};
+  for (ModelState Impl::*state : states) lay_out_part(arena, part(state), parameters);
+  lay_out_part(arena, part(&Impl::motion), parameters);
+  lay_out_part(arena, part(&Impl::points), limits.points, limits.silhouette_points, samples);
+  lay_out_part(
+      arena, part(&Impl::surface), parameters,
+      VisibleSurfaceLimits{limits.vertices, limits.samples_vertices ? samples : 0, limits.silhouette_points});
+  FrameSolverLimits solver;
+  solver.points = limits.points;
+  solver.parameters = parameters;
+  solver.unknowns = at_most(limits.free_parameters, parameters) + kPoseUnknowns;
+  solver.rejection_sample = limits.rejection_sample;
+  solver.rejection = limits.rejection;
+  lay_out_part(arena, part(&Impl::solver), solver);
   arena.count_as(Purpose::fields);
-  cascade_.lay_out(arena, model, limits.personal_field);
-  MeshLimits mesh;
-  mesh.vertices = limits.vertices;
-  const unsigned faces = 2u * limits.vertices;
-  mesh.faces = static_cast<std::uint16_t>(faces < 21845u ? faces : 21845u);
-  arena.count_as(Purpose::mesh);
-  mesh_.lay_out(arena, mesh);
-  arena.count_as(Purpose::adaptation);
-  adapter_.lay_out(arena, mesh);
-  arena.count_as(Purpose::visibility);
-  depth_.lay_out(arena, depth_cells(limits), depth_cells(limits));
-  const std::size_t parameters = model.parameters().count, records = model.cascade().count;
-  const auto at_most = [](std::size_t limit, std::size_t all) {
-    return limit > 0 && limit < all ? limit : all;
-  };
-  arena.count_as(Purpose::state);
-  motion_.lay_out(arena, parameters);
-  smoother_.lay_out(arena, parameters);
-  range_ = arena.take<float>(parameters);
-  const std::size_t unknowns = at_most(limits.free_parameters, parameters) + kPoseUnknowns;
-  arena.count_as(Purpose::solver);
-  equations_.lay_out(arena, unknowns);
-  sample_capacity_points_ = at_most(limits.samples_per_point, records);
-  arena.count_as(Purpose::points);
-  kind_ = arena.take<PointKind>(limits.points);
-  uv_ = arena.take<Vec2>(limits.points);
-  along_ = arena.take<Vec2>(limits.points);
-  silhouette_count_ = kSilhouetteCandidates * limits.silhouette_points;
-  arena.count_as(Purpose::visibility);
-  silhouette_ = arena.take<SilhouettePoint>(silhouette_count_);
-  finder_.lay_out(arena, limits.silhouette_points > 0 ? limits.vertices : 0);
-  arena.count_as(Purpose::points);
-  tangent_u_ = arena.take<Vec3>(limits.points);
-  tangent_v_ = arena.take<Vec3>(limits.points);
-  arena.count_as(Purpose::sampled_points);
-  point_samples_ = arena.take<Vec3>(limits.points * sample_capacity_points_);
-  arena.count_as(Purpose::points);
-  predictions_ = arena.take<Prediction>(limits.points);
-  rows_ = arena.take<Row>(limits.points);
-  information_ = arena.take<Sym2>(limits.points);
-  residuals_ = arena.take<Vec2>(limits.points);
-  lengths_ = arena.take<float>(limits.points);
-  sorted_ = arena.take<float>(limits.points);
-  was_rejected_ = arena.take<std::uint8_t>(limits.points);
-  sample_capacity_ = limits.rejection_sample < limits.points ? limits.rejection_sample : limits.points;
-  if (limits.rejection == nullptr) sample_capacity_ = 0;
-  arena.count_as(Purpose::rejection);
-  sample_ = arena.take<float>(2 * kPoseUnknowns * sample_capacity_);
-  sample_force_ = arena.take<Vec2>(sample_capacity_);
-  sample_keep_ = arena.take<std::uint8_t>(sample_capacity_);
-  if (sample_capacity_ > 0) limits.rejection->lay_out(arena, rejector_, sample_capacity_);
-  arena.count_as(Purpose::sampled_vertices);
-  vertex_samples_ = arena.take<Vec3>(limits.samples_vertices ? limits.vertices * sample_capacity_points_ : 0);
-  arena.count_as(Purpose::visibility);
-  vertex_ = arena.take<Vec3>(limits.vertices);
-  vertex_uv_ = arena.take<Vec2>(limits.samples_vertices ? limits.vertices : 0);
-  mesh_q_ = arena.take<float>(parameters);
-  vertex_image_ = arena.take<Vec2>(limits.vertices);
-  vertex_depth_ = arena.take<float>(limits.vertices);
-  arena.count_as(Purpose::state);
-  float** const per_parameter[] = {&q_, &expected_q_, &trial_q_, &alternative_q_, &sd_, &trusted_q_, &predicted_q_};
-  for (float** vector : per_parameter) *vector = arena.take<float>(parameters);
-  arena.count_as(Purpose::solver);
-  step_ = arena.take<float>(unknowns);
-  variance_ = arena.take<float>(unknowns);
-  unknown_ = arena.take<std::uint16_t>(unknowns);
-  column_ = arena.take<Vec2>(unknowns);
-  started_ = false;
+  lay_out_part(arena, part(&Impl::cascade), model, limits.personal_field);
+  if (impl_ == nullptr) return;
+  impl_->limits = limits;
+  impl_->sample_capacity = samples;
 }
 
 Status Estimator::start(const Camera& camera, int width, int height, const Pose& pose, const float* q,
                         const std::uint8_t* is_free, const EstimatorOptions& options) {
+  PLIANT_ASSERT(impl_ != nullptr);
+  Impl& s = *impl_;
   if (q == nullptr || width <= 0 || height <= 0 || !is_finite(pose) || !(pose.t.z > 0) || !(camera.f > 0) ||
       !is_finite(camera.f) || !is_finite(Vec2{camera.cx, camera.cy}))
     return Status::bad_argument;
-  const std::size_t parameters = cascade_.parameter_count();
-  for (std::size_t i = 0; i < parameters; ++i)
+  for (std::size_t i = 0; i < s.parameter_count(); ++i)
     if (!is_finite(q[i])) return Status::bad_argument;
   Lens lens;
   Status status = Lens::make(camera, width, height, &lens);
   if (status != Status::ok) return status;
-  started_ = false;
-  status = choose_free(is_free);
-  if (status == Status::ok) status = mesh_.set_base(model().base_uv(), model().base_corners());
+  s.started = false;
+  status = s.choose_free(is_free);
+  if (status == Status::ok) status = s.surface.start(model());
   if (status != Status::ok) return status;
-
-  camera_ = camera;
-  lens_ = lens;
-  width_ = width;
-  height_ = height;
-  options_ = options;
-  view_ = view_of(pose, camera);
-  view_.q = normalised(pose.q);
-  trusted_view_ = expected_view_ = view_;
-  for (float& scale : cue_scale_) scale = 1;
-  for (std::size_t i = 0; i < parameters; ++i) {
-    const Parameter& p = model().parameters()[i];
-    q_[i] = expected_q_[i] = trusted_q_[i] = clamp(q[i], p.minimum, p.maximum);
-  }
-  for (std::size_t k = 0; k < equations_.capacity(); ++k) variance_[k] = 0;
-  for (std::size_t i = 0; i < limits_.points; ++i) kind_[i] = PointKind::none;
-  time_ns_ = 0;
-  seconds_ = 0;
-  frame_ = 0;
-  bad_frames_ = 0;
-  row_count_ = looked_for_ = patches_looked_for_ = patch_inliers_ = 0;
-  solves_ = 0;
-  had_first_pass_ = needs_another_round_ = rejected_forces_ = false;
-  for (std::size_t i = 0; i < parameters; ++i) {
-    const Parameter& p = model().parameters()[i];
-    range_[i] = cascade_.column_of(i) == kNone ? 0.0f : p.maximum - p.minimum;
-  }
-  status = motion_.start(view_, q_, range_, parameters, options.motion);
-  if (status != Status::ok) return status;
-  if (limits_.personal_field.width > 0) {
-    status = cascade_.personalise(q_);
-    if (status != Status::ok) return status;
-    sample_stride_ = cascade_.samples_per_point();
-  }
-  smoother_.restart();
-  expect_motion(1.0f / 30);
-  adapt_mesh();
-  started_ = true;
-  update_vertices(1);
-  result_ = {};
-  result_.state = TrackState::tracking;
-  result_.pose = pose_of(view_);
-  result_.vertices = static_cast<std::uint16_t>(mesh_.vertex_count());
-  return Status::ok;
+  s.camera = camera;
+  s.lens = lens;
+  s.width = width;
+  s.height = height;
+  s.options = options;
+  s.set_state(pose, q);
+  return s.start_parts();
 }
 
-Status Estimator::choose_free(const std::uint8_t* is_free) {
+Status Estimator::Impl::choose_free(const std::uint8_t* is_free) {
   if (is_free != nullptr)
-    cascade_.set_free(is_free);
+    cascade.set_free(is_free);
   else
-    cascade_.set_free(Group::expression);
-  sample_stride_ = cascade_.samples_per_point();
-  const bool fits =
-      sample_stride_ <= sample_capacity_points_ && cascade_.column_count() + kPoseUnknowns <= equations_.capacity();
+    cascade.set_free(Group::expression);
+  const bool fits = cascade.samples_per_point() <= sample_capacity &&
+                    cascade.column_count() + kPoseUnknowns <= solver.unknown_capacity();
   return fits ? Status::ok : Status::capacity;
 }
 
+void Estimator::Impl::set_state(const Pose& pose, const float* q) {
+  state.view = view_of(pose, camera);
+  state.view.q = normalised(pose.q);
+  for (std::size_t i = 0; i < parameter_count(); ++i) {
+    const Parameter& p = cascade.model().parameters()[i];
+    state.q[i] = clamp(q[i], p.minimum, p.maximum);
+  }
+  copy(state, parameter_count(), &trusted);
+}
+
+Status Estimator::Impl::start_parts() {
+  frame = 0;
+  predictions = {};
+  monitor.start(width);
+  solver.start({options.iterations,
+                options.rejection,
+                {options.cues, options.model_error_mm, options.cue_scale_rate}});
+  Status status = motion.start(cascade, state, options.predicts_motion, options.smooths);
+  if (status == Status::ok && limits.personal_field.width > 0) status = cascade.personalise(state.q);
+  if (status != Status::ok) return status;
+  points.clear(cascade.samples_per_point());
+  surface.adapt(cascade, state, mesh_policy());
+  update_surface(1);
+  started = true;
+  return Status::ok;
+}
+
+MeshPolicy Estimator::Impl::mesh_policy() const {
+  MeshPolicy policy;
+  policy.error_mm = options.mesh_error_mm;
+  policy.operations = options.mesh_operations;
+  policy.vertex_budget = options.vertex_budget;
+  policy.texture = options.texture;
+  policy.view.pose = pose_of(state.view);
+  policy.view.focal_px = camera.f;
+  policy.view.cx = camera.cx;
+  policy.view.cy = camera.cy;
+  policy.view.width_px = static_cast<float>(width);
+  policy.view.height_px = static_cast<float>(height);
+  policy.view.tolerance_px = options.mesh_error_px;
+  return policy;
+}
+
+bool Estimator::is_started() const {
+  return impl_ != nullptr && impl_->started;
+}
+
+// --- Surface points ---
+
+Status Estimator::Impl::add(PointKind kind, Vec2 uv, Vec2 along, std::uint16_t* id) {
+  const Status status = points.add(kind, uv, along, cascade, state.q, id);
+  if (status != Status::ok) return status;
+  predictions = {};
+  solver.forget(*id);
+  return Status::ok;
+}
+
+Status Estimator::add_point(Vec2 uv, std::uint16_t* id) {
+  return is_started() ? impl_->add(PointKind::surface, uv, {}, id) : Status::not_started;
+}
+
+Status Estimator::add_edge_point(Vec2 uv, Vec2 along, std::uint16_t* id) {
+  return is_started() ? impl_->add(PointKind::curve, uv, along, id) : Status::not_started;
+}
+
+Status Estimator::add_silhouette_point(std::uint16_t* id) {
+  return is_started() ? impl_->add(PointKind::silhouette, {0.5f, 0.5f}, {}, id) : Status::not_started;
+}
+
+Status Estimator::add_curve(std::size_t curve, float spacing_mm, Span<std::uint16_t> ids,
+                            std::size_t* count) {
+  if (!is_started()) return Status::not_started;
+  if (count == nullptr || curve >= model().curves().count || !(spacing_mm > 0)) return Status::bad_argument;
+  *count = 0;
+  const Curve& c = model().curves()[curve];
+  return impl_->add_pieces(&model().curve_points()[c.first_point], c.point_count - 1u, spacing_mm, ids,
+                           count);
+}
+
+/// Walks a polyline in (u,v) in short pieces, since the surface is curved between the ends of a segment.
+Status Estimator::Impl::add_pieces(const Vec2* polyline, std::uint32_t segments, float spacing_mm,
+                                   Span<std::uint16_t> ids, std::size_t* count) {
+  constexpr std::uint32_t kPieces = kSurfacePointsTuning.pieces_per_segment;
+  float until_next = 0.5f * spacing_mm;
+  Vec3 before = cascade.surface_point(polyline[0], state.q);
+  for (std::uint32_t k = 1; k < kPieces * segments + 1; ++k) {
+    const Vec2 along = polyline[(k - 1) / kPieces + 1] - polyline[(k - 1) / kPieces];
+    const Vec2 piece = (1.0f / kPieces) * along;
+    const Vec2 a = polyline[(k - 1) / kPieces] + static_cast<float>((k - 1) % kPieces) * piece;
+    const Vec3 here = cascade.surface_point(a + piece, state.q);
+    const float size = length(here - before);
+    before = here;
+    for (; until_next < size; until_next += spacing_mm) {
+      if (*count == ids.count) return Status::capacity;
+      const Status status = add(PointKind::curve, a + (until_next / size) * piece, along, &ids[*count]);
+      if (status != Status::ok) return status;
+      ++*count;
+    }
+    until_next -= size;
+  }
+  return Status::ok;
+}
+
+void Estimator::remove_point(std::uint16_t id) {
+  impl_->points.remove(id);
+}
+
+bool Estimator::has_point(std::uint16_t id) const {
+  return impl_->points.has(id);
+}
+
+Vec2 Estimator::point_uv(std::uint16_t id) const {
+  return impl_->points.uv(id);
+}
+
+void Estimator::Impl::place_silhouette() {
+  if (points.silhouette_count() == 0) return;
+  points.place_silhouette(surface.find_contour(state.view, frame), cascade, state.q);
+  predictions = {};
+}
+
+// --- The frame ---
+
+void Estimator::begin(std::int64_t time_ns) {
+  Impl& s = *impl_;
+  if (s.motion.predict(time_ns, s.monitor.bad_frames(), s.cascade, &s.state)) s.surface.invalidate_images();
+  s.solver.begin();
+  ++s.frame;
+  s.points.update_tangents(s.cascade, s.state.q, s.frame, interval(s.options.tangent_interval_frames));
+  s.place_silhouette();
+}
+
+void Estimator::translate(Vec2 px) {
+  if (!is_finite(px)) return;
+  View& view = impl_->state.view;
+  view.tau = view.tau + (1.0f / view.s) * px;
+  View expected = impl_->motion.expected().mean.view;
+  expected.tau = view.tau;
+  impl_->motion.expect(expected);
+  impl_->surface.invalidate_images();
+}
+
+void Estimator::propose(const View& view) {
+  Impl& s = *impl_;
+  s.state.view = view;
+  s.motion.expect(view);
+  copy(s.trusted.q, s.parameter_count(), s.state.q);
+  s.update_surface(1);
+  s.place_silhouette();
+}
+
+Span<const Prediction> Estimator::predict() {
+  Impl& s = *impl_;
+  s.surface.draw_depth(s.state.view, s.frame);
+  const Projector projector(s.state.view, true);
+  Prediction* const out = s.points.predictions();
+  std::size_t n = 0;
+  for (std::uint16_t i = 0; i < s.points.capacity(); ++i)
+    if (s.points.has(i)) out[n++] = s.predict(i, projector);
+  s.predictions = {out, n};
+  copy(s.state, s.parameter_count(), &s.predicted);
+  return s.predictions;
+}
+
+Prediction Estimator::predict(std::uint16_t id) {
+  impl_->surface.draw_depth(impl_->state.view, impl_->frame);
+  return impl_->predict(id, Projector(impl_->state.view, true));
+}
+
+Prediction Estimator::Impl::predict(std::uint16_t id, const Projector& projector) {
+  Prediction p;
+  Vec3 position;
+  if (!points.predict(id, {cascade, motion.expected(), state, projector}, &p, &position)) return p;
+  p.visible = is_visible(p, projector.rotated(position));
+  if (!lens.is_none()) distort(lens, &p);
+  return p;
+}
+
+/// Precondition: depth is drawn. The silhouette finder has left out hidden points already.
+bool Estimator::Impl::is_visible(const Prediction& p, Vec3 rotated) const {
+  const Vec2 seen = lens.distort(p.x);
+  const bool is_inside = seen.x >= 0 && seen.y >= 0 && seen.x <= static_cast<float>(width - 1) &&
+                         seen.y <= static_cast<float>(height - 1);
+  if (!is_inside || !points.is_turned_to_camera(p)) return false;
+  return points.kind(p.id) == PointKind::silhouette || !surface.hides(p.x, rotated);
+}
+
+/// The stored predictions, if they are of the present state and in the pinhole image.
+Span<const Prediction> Estimator::Impl::valid_predictions() const {
+  const View &a = state.view, &b = predicted.view;
+  bool same = lens.is_none() && a.q.w == b.q.w && a.q.x == b.q.x && a.q.y == b.q.y && a.q.z == b.q.z &&
+              a.s == b.s && a.tau.x == b.tau.x && a.tau.y == b.tau.y && a.rho == b.rho;
+  for (std::size_t i = 0; same && i < parameter_count(); ++i) same = predicted.q[i] == state.q[i];
+  return same ? predictions : Span<const Prediction>{};
+}
+
+bool Estimator::solve_first_pass(Span<Observation> observations) {
+  if (!is_started()) return false;
+  Impl& s = *impl_;
+  if (!s.lens.is_none()) undistort(s.lens, observations);
+  const bool moved = s.solver.solve_first_pass(s.solve_input(), observations, &s.state);
+  if (!s.lens.is_none()) distort(s.lens, observations);
+  return moved;
+}
+
+bool Estimator::needs_another_round() const {
+  return impl_->solver.needs_another_round();
+}
+
+SolverReport Estimator::solve(Span<Observation> observations) {
+  if (!is_started()) return {};
+  Impl& s = *impl_;
+  if (!s.lens.is_none()) undistort(s.lens, observations);
+  const SolverReport report = s.solver.solve(s.solve_input(), observations, s.valid_predictions(), &s.state);
+  if (!s.lens.is_none()) distort(s.lens, observations);
+  return report;
+}
+
+FrameResult Estimator::end() {
+  if (!is_started()) return {};
+  Impl& s = *impl_;
+  const SolveResult& found = s.solver.result();
+  const bool good = s.monitor.is_good(found, s.state.view.s / s.motion.expected().mean.view.s);
+  FrameResult result;
+  result.state = s.monitor.add(good);
+  if (good) {
+    s.solver.conclude_frame();
+    s.motion.correct(s.cascade, s.state, s.solver.variance(), s.trusted);
+    s.surface.follow_view(s.cascade, s.state, s.frame);
+    copy(s.state, s.parameter_count(), &s.trusted);
+  } else {
+    copy(s.trusted, s.parameter_count(), &s.state);
+    if (result.state == TrackState::lost) s.motion.rest(s.state);
+  }
+  s.update_surface(good ? interval(s.options.vertex_interval_frames) : 1);
+  result.pose = pose_of(s.state.view);
+  result.tracked = found.rows;
+  result.inliers = found.inliers;
+  result.rms_px = found.rms_px;
+  result.iterations = found.iterations;
+  result.vertices = static_cast<std::uint16_t>(s.surface.mesh().vertex_count());
+  result.score = found.score;
+  result.smoothed_pose = s.motion.smoothed_pose();
+  result.pose_is_observed = found.pose_is_observed;
+  return result;
+}
+
+// --- The state ---
+
 void Estimator::save(State* state) const {
-  state->pose = pose_of(view_);
-  for (int k = 0; k < kPoseUnknowns; ++k) state->pose_sd[k] = square_root(variance_[k]);
-  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i) {
-    if (state->q != nullptr) state->q[i] = q_[i];
-    const std::uint16_t column = cascade_.column_of(i);
+  const Impl& s = *impl_;
+  const float* const variance = s.solver.variance();
+  state->pose = pose_of(s.state.view);
+  for (int k = 0; k < kPoseUnknowns; ++k) state->pose_sd[k] = square_root(variance[k]);
+  for (std::size_t i = 0; i < s.parameter_count(); ++i) {
+    if (state->q != nullptr) state->q[i] = s.state.q[i];
+    const std::uint16_t column = s.cascade.column_of(i);
     if (state->sd != nullptr)
-      state->sd[i] = column == kNone ? 0.0f : square_root(variance_[kPoseUnknowns + column]);
+      state->sd[i] = column == kNone ? 0.0f : square_root(variance[kPoseUnknowns + column]);
   }
 }
 
 Status Estimator::restore(const State& state) {
-  if (!started_) return Status::not_started;
-  const std::size_t parameters = cascade_.parameter_count();
+  if (!is_started()) return Status::not_started;
+  Impl& s = *impl_;
   bool good = state.q != nullptr && is_finite(state.pose) && state.pose.t.z > 0;
-  for (std::size_t i = 0; good && i < parameters; ++i) good = is_finite(state.q[i]);
+  for (std::size_t i = 0; good && i < s.parameter_count(); ++i) good = is_finite(state.q[i]);
   if (!good) return Status::bad_argument;
-  view_ = view_of(state.pose, camera_);
-  view_.q = normalised(state.pose.q);
-  expected_view_ = view_;
-  for (std::size_t k = 0; k < cascade_.column_count(); ++k) {
-    const std::uint16_t i = cascade_.parameter_of(k);
+  s.state.view = view_of(state.pose, s.camera);
+  s.state.view.q = normalised(state.pose.q);
+  s.motion.expect(s.state.view);
+  for (std::size_t k = 0; k < s.cascade.column_count(); ++k) {
+    const std::uint16_t i = s.cascade.parameter_of(k);
     const Parameter& p = model().parameters()[i];
-    q_[i] = expected_q_[i] = clamp(state.q[i], p.minimum, p.maximum);
+    s.state.q[i] = clamp(state.q[i], p.minimum, p.maximum);
+    s.motion.expect(i, s.state.q[i]);
   }
-  update_vertices(1);
-  place_silhouette();
+  s.update_surface(1);
+  s.place_silhouette();
   return Status::ok;
+}
+
+const Model& Estimator::model() const {
+  return impl_->cascade.model();
+}
+
+const Camera& Estimator::camera() const {
+  return impl_->camera;
+}
+
+const Lens& Estimator::lens() const {
+  return impl_->lens;
+}
+
+const View& Estimator::view() const {
+  return impl_->state.view;
+}
+
+Span<const float> Estimator::parameters() const {
+  return {impl_->state.q, impl_->parameter_count()};
+}
+
+Span<const float> Estimator::smoothed_parameters() const {
+  return {impl_->motion.smoothed_parameters(), impl_->parameter_count()};
+}
+
+const MotionFilter& Estimator::motion() const {
+  return impl_->motion.filter();
+}
+
+float Estimator::cue_scale(Cue cue) const {
+  return impl_->solver.cue_scale(cue);
+}
+
+// --- The surface ---
+
+Vec3 Estimator::surface_point(Vec2 uv) {
+  return impl_->cascade.surface_point(uv, impl_->state.q);
+}
+
+bool Estimator::project(Vec2 uv, Vec2* x) {
+  Vec2 pinhole;
+  if (!Projector(impl_->state.view, true).project(surface_point(uv), &pinhole)) return false;
+  *x = impl_->lens.distort(pinhole);
+  return true;
+}
+
+float Estimator::surface_at(Vec2 x, Vec2* uv) {
+  return impl_->surface.surface_at(impl_->cascade, impl_->state, impl_->lens.undistort(x), uv);
+}
+
+const Mesh& Estimator::mesh() const {
+  return impl_->surface.mesh();
+}
+
+const Vec3* Estimator::vertex_positions() const {
+  return impl_->surface.positions();
+}
+
+const Vec2* Estimator::vertex_images() const {
+  return impl_->surface.images();
+}
+
+Vec2 Estimator::vertex_seen(VertexId v) const {
+  return impl_->lens.distort(vertex_images()[v]);
+}
+
+void Estimator::refresh_vertices() {
+  if (is_started()) impl_->update_surface(1);
 }
 
 }  // namespace pliant

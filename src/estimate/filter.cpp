@@ -1,13 +1,12 @@
-// Constant-velocity Kalman and One-Euro filters (ALGORITHMS 7.10). Pairs of value and velocity are independent of each
-// other: what couples the parameters is in the solver, which has their full normal equations.
+// Constant-velocity Kalman and One-Euro filters (docs/algorithms.md, section 7.10). The pairs (value, velocity) are
+// independent: the coupling of the parameters is in the solver, which has their full normal equations.
 #include "pliant/filter.hpp"
+
+#include "estimate/filter_tuning.hpp"
 
 namespace pliant {
 
 namespace {
-
-constexpr float kLongestStep = 1;    // s
-constexpr float kStartSpeed = 0.3f;  // of the acceleration that may have acted for a second
 
 bool is_finite_view(const View& v) {
   return is_finite(Vec3{v.q.x, v.q.y, v.q.z}) && is_finite(v.q.w) && is_finite(v.s) && v.s > 0 &&
@@ -15,11 +14,11 @@ bool is_finite_view(const View& v) {
 }
 
 MotionState at_rest(float acceleration) {
-  const float speed = kStartSpeed * acceleration;
+  const float speed = kMotionTuning.start_time * acceleration;
   return {0, 0, 0, speed * speed};
 }
 
-/// x += T v, v fades; the acceleration adds its part (ALGORITHMS 7.10: Q).
+/// x += T v, v decays; the acceleration adds the process noise Q (docs/algorithms.md, section 7.10).
 void predict_state(MotionState& s, float t, float fade, float acceleration) {
   const float q = acceleration * acceleration * t * t;
   s.xx += t * (2 * s.xv + t * s.vv) + 0.25f * q * t * t;
@@ -28,12 +27,13 @@ void predict_state(MotionState& s, float t, float fade, float acceleration) {
   s.velocity *= fade;
 }
 
-/// Gives the part of the innovation that the value takes.
-float correct_state(MotionState& s, float innovation, float variance, float gate, float acceleration) {
+/// Corrects one pair. \return the correction of the value: gain times innovation.
+float correct_state(MotionState& s, float innovation, float variance, float acceleration) {
+  constexpr float gate = kMotionTuning.gate_sd;
   const float all = s.xx + variance;
   if (!(all > 0)) return innovation;
   if (innovation * innovation >
-      gate * gate * all) {  // a jump: where it came from says nothing about where it goes
+      gate * gate * all) {  // a jump: the old velocity does not apply to the new place
     s = at_rest(acceleration);
     s.xx = variance;
     return innovation;
@@ -46,7 +46,14 @@ float correct_state(MotionState& s, float innovation, float variance, float gate
   return gain * innovation;
 }
 
-float low_pass_share(float cutoff_hz, float seconds) {
+/// Standard deviation of the acceleration of a pose unknown.
+constexpr float acceleration(int unknown) {
+  return unknown < kLogScale    ? kMotionTuning.turn_acceleration
+         : unknown == kLogScale ? kMotionTuning.log_scale_acceleration
+                                : kMotionTuning.shift_acceleration;
+}
+
+float low_pass_gain(float cutoff_hz, float seconds) {
   constexpr float kTwoPi = 6.2831853f;
   const float x = kTwoPi * cutoff_hz * seconds;
   return x / (1 + x);
@@ -62,19 +69,11 @@ void MotionFilter::lay_out(Arena& arena, std::size_t parameters) {
   count_ = 0;
 }
 
-float MotionFilter::acceleration(int unknown) const {
-  return unknown < kLogScale    ? options_.turn_rad
-         : unknown == kLogScale ? options_.log_scale
-                                : options_.shift_mm;
-}
-
-Status MotionFilter::start(const View& view, const float* q, const float* range, std::size_t parameters,
-                           const MotionOptions& options) {
+Status MotionFilter::start(const View& view, const float* q, const float* range, std::size_t parameters) {
   if (parameters > capacity_) return Status::capacity;
   bool good = q != nullptr && range != nullptr && is_finite_view(view);
   for (std::size_t i = 0; good && i < parameters; ++i) good = is_finite(q[i]) && is_finite(range[i]);
   if (!good) return Status::bad_argument;
-  options_ = options;
   count_ = parameters;
   for (std::size_t i = 0; i < count_; ++i) range_[i] = range[i];
   move_to(view, q);
@@ -86,7 +85,7 @@ void MotionFilter::move_to(const View& view, const float* q) {
   for (int k = 0; k < kPoseUnknowns; ++k) pose_[k] = at_rest(acceleration(k));
   for (std::size_t i = 0; i < count_; ++i) {
     q_[i] = q[i];
-    states_[i] = at_rest(options_.ranges * range_[i]);
+    states_[i] = at_rest(kMotionTuning.parameter_acceleration * range_[i]);
   }
 }
 
@@ -98,25 +97,25 @@ void MotionFilter::forget_velocities() {
   }
   for (std::size_t i = 0; i < count_; ++i) {
     const float variance = states_[i].xx;
-    states_[i] = at_rest(options_.ranges * range_[i]);
+    states_[i] = at_rest(kMotionTuning.parameter_acceleration * range_[i]);
     states_[i].xx = variance;
   }
 }
 
 void MotionFilter::predict(float seconds) {
   if (!(seconds > 0)) return;
-  const float t = min(seconds, kLongestStep);
-  const float fade = options_.pose_memory_s / (options_.pose_memory_s + t);
+  const float t = min(seconds, kMotionTuning.longest_step);
+  const float fade = kMotionTuning.pose_memory / (kMotionTuning.pose_memory + t);
   float step[kPoseUnknowns];
   for (int k = 0; k < kPoseUnknowns; ++k) {
     step[k] = t * pose_[k].velocity;
     predict_state(pose_[k], t, fade, acceleration(k));
   }
   view_ = moved(view_, step, kPoseUnknowns);
-  const float fade_expression = options_.expression_memory_s / (options_.expression_memory_s + t);
+  const float fade_expression = kMotionTuning.expression_memory / (kMotionTuning.expression_memory + t);
   for (std::size_t i = 0; i < count_; ++i) {
     q_[i] += t * states_[i].velocity;
-    predict_state(states_[i], t, fade_expression, options_.ranges * range_[i]);
+    predict_state(states_[i], t, fade_expression, kMotionTuning.parameter_acceleration * range_[i]);
   }
 }
 
@@ -136,11 +135,11 @@ Status MotionFilter::correct(const View& view, const float* q, const float* pose
                                            view.tau.y - view_.tau.y};
   float step[kPoseUnknowns];
   for (int k = 0; k < kPoseUnknowns; ++k)
-    step[k] = correct_state(pose_[k], innovation[k], pose_variance[k], options_.gate_sd, acceleration(k));
+    step[k] = correct_state(pose_[k], innovation[k], pose_variance[k], acceleration(k));
   view_ = moved(view_, step, kPoseUnknowns);
   for (std::size_t i = 0; i < count_; ++i)
-    q_[i] +=
-        correct_state(states_[i], q[i] - q_[i], variance[i], options_.gate_sd, options_.ranges * range_[i]);
+    q_[i] += correct_state(states_[i], q[i] - q_[i], variance[i],
+                           kMotionTuning.parameter_acceleration * range_[i]);
   return Status::ok;
 }
 
@@ -152,7 +151,8 @@ void Smoother::lay_out(Arena& arena, std::size_t parameters) {
 }
 
 Status Smoother::add(const Pose& pose, const float* q, const float* range, std::size_t parameters,
-                     float seconds, const OneEuroOptions& o) {
+                     float seconds) {
+  constexpr SmoothingTuning t = kSmoothingTuning;
   if (parameters > capacity_) return Status::capacity;
   bool good = q != nullptr && range != nullptr && is_finite(pose) && is_finite(seconds);
   for (std::size_t i = 0; good && i < parameters; ++i) good = is_finite(q[i]);
@@ -167,18 +167,18 @@ Status Smoother::add(const Pose& pose, const float* q, const float* range, std::
     is_fresh_ = false;
     return Status::ok;
   }
-  const float slow = low_pass_share(o.speed_cutoff_hz, seconds), rate = 1.0f / seconds;
+  const float slow = low_pass_gain(t.speed_cutoff, seconds), rate = 1.0f / seconds;
   const Vec3 turn = log_rotation(pose.q * conjugate(pose_.q)), shift = pose.t - pose_.t;
   turn_speed_ = turn_speed_ + slow * (rate * turn - turn_speed_);
   shift_speed_ = shift_speed_ + slow * (rate * shift - shift_speed_);
-  const float a = low_pass_share(o.min_cutoff_hz + o.turn_hz_per_rad_s * length(turn_speed_), seconds);
-  const float b = low_pass_share(o.min_cutoff_hz + o.shift_hz_per_mm_s * length(shift_speed_), seconds);
+  const float a = low_pass_gain(t.least_cutoff + t.turn_gain * length(turn_speed_), seconds);
+  const float b = low_pass_gain(t.least_cutoff + t.shift_gain * length(shift_speed_), seconds);
   pose_ = {normalised(exp_rotation(a * turn) * pose_.q), pose_.t + b * shift};
   for (std::size_t i = 0; i < parameters; ++i) {
     const float off = q[i] - q_[i];
     speed_[i] += slow * (rate * off - speed_[i]);
     const float ranges = range[i] > 0 ? magnitude(speed_[i]) / range[i] : 0.0f;
-    q_[i] += low_pass_share(o.min_cutoff_hz + o.parameter_hz_per_range * ranges, seconds) * off;
+    q_[i] += low_pass_gain(t.least_cutoff + t.parameter_gain * ranges, seconds) * off;
   }
   return Status::ok;
 }

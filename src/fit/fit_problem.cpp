@@ -142,8 +142,7 @@ SolverReport FitProblem::minimise(int iterations) {
   if (shape_is_free && options.method == FitMethod::euler)
     return integrate(problem, options.euler, work.equations, work.step);
   SolverOptions solver;
-  solver.max_iterations = iterations;
-  solver.leave_equations = false;
+  solver.max_accepted = iterations;
   return pliant::minimise(problem, solver, work.equations, work.step);
 }
 

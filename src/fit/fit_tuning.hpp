@@ -41,9 +41,6 @@ inline constexpr FitTuning kFitTuning{};
 struct SilhouetteMatchTuning {
   /// Side of the depth buffer that hides parts of the contour, cells. A face covers it whole; its nose has 8 cells.
   int depth_cells = 48;
-  /// A contour point is hidden where something is nearer to the camera by this, mm. More than the depth of a cell on the
-  /// cheek, less than the nose's height above it. Round value.
-  float hidden_margin_mm = 6;
   /// A landmark's own place is turned away where the cosine between its normal and the viewing ray is below this. Just
   /// before the contour (0), so that a landmark does not jump when it gets there. Not tuned.
   float turned_away_cosine = 0.1f;

@@ -49,7 +49,7 @@ void SilhouetteMatcher::find_contour(Cascade& cascade, const float* q, const Pro
   }
   depth_.draw(mesh_, image_, vertex_depth_);
   const std::size_t found = finder_.find({mesh_, position_, image_, vertex_depth_}, projector, &depth_,
-                                         kTuning.hidden_margin_mm, contour_);
+                                         kVisibilityTuning.hidden_margin_mm, contour_);
   found_ = found < contour_.count ? found : contour_.count;
 }
 

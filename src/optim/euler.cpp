@@ -2,7 +2,7 @@
 // found by hand. Departures from the paper: its objective is written as a sum of lengths, but Eq. 9-13 are the gradient of half
 // the sum of their squares, which is what is descended here; and the preconditioned forms scale each parameter by its own
 // diagonal of H, without which the step that is stable goes down with every point and pixel added.
-#include "pliant/solver.hpp"
+#include "pliant/euler.hpp"
 
 namespace pliant {
 

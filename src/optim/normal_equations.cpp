@@ -1,6 +1,6 @@
 // Packed normal equations (ALGORITHMS 5.2-5.5): accumulation, scaled Cholesky within limits, variances.
 #include "base/lanes.hpp"
-#include "pliant/solver.hpp"
+#include "pliant/normal_equations.hpp"
 
 namespace pliant {
 
@@ -375,6 +375,12 @@ void NormalEquations::variances(float* variance) {
     }
     variance[free_[k]] = total * scale_[free_[k]] * scale_[free_[k]];
   }
+}
+
+float NormalEquations::predicted_decrease(const float* step) {
+  float decrease = 0;
+  for (std::size_t k = 0; k < count_; ++k) decrease += 0.5f * g(k) * step[k];
+  return decrease;
 }
 
 }  // namespace pliant

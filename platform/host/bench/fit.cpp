@@ -68,9 +68,8 @@ using Solve = SolverReport (*)(LinearShapeFit& fit, NormalEquations& equations, 
 
 SolverReport gauss_newton(LinearShapeFit& fit, NormalEquations& equations, float* scratch) {
   SolverOptions options;
-  options.max_iterations = 60;
-  options.relative_decrease = 3e-4f;
-  options.leave_equations = false;
+  options.max_accepted = 60;
+  options.measured_decrease = 3e-4f;
   return minimise(fit.problem(), options, equations, scratch);
 }
 

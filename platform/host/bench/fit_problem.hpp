@@ -7,7 +7,7 @@
 
 #include "pliant/camera.hpp"
 #include "pliant/robust.hpp"
-#include "pliant/solver.hpp"
+#include "pliant/euler.hpp"
 
 namespace pliant::host {
 

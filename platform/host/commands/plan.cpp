@@ -66,14 +66,14 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   plan.free_parameters = c.free;
 
   // A frame's first solve: Huber and Tukey; and where that leaves doubt the same once more by image forces, with a few
-  // steps after readmission (EstimatorProblem::challenge). A later one: Tukey (Estimator::solve_robustly).
+  // steps after readmission (FrameSolver::try_alternative). A later one: Tukey (FrameSolver::solve_robustly).
   const double first = 4.0 * estimator.iterations + kStepsAfterReadmission, later = estimator.iterations;
   // Scouts' solve before it (Estimator::approach): Huber and Tukey.
   const double approach = 2.0 * estimator.iterations;
   const double steps = approach + first + (options.rounds - 1) * later;
   plan.most_iterations = static_cast<int>(steps);
   // Each step is one factorisation and one pass; a refused one takes another pass back; each minimisation starts and may end
-  // with one more (EstimatorProblem::minimise). Limits pin unknowns in at most twelve rounds.
+  // with one more (FrameProblem::minimise). Limits pin unknowns in at most twelve rounds.
   const double minimisations = 2.0 + 5.0 + (options.rounds - 1);
   const double passes = 2 * steps + 2 * minimisations + 1;
   // One search a patch and round, on each level; the last round may follow what was not found from the frame before, and back.

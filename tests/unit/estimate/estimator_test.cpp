@@ -356,7 +356,6 @@ TEST_CASE("a mesh that follows the view keeps to its budget and changes nothing 
   options.mesh_operations = 12;
   options.vertex_budget = 180;
   options.mesh_error_px = 0.1f;
-  options.rank_interval_frames = 4;
   options.texture.score = [](void*, Vec2 uv) { return 0.5f * uv.x; };
   options.texture.shortest_edge_mm = 4;
   scenes[1].start(adapts.object, 0, options);

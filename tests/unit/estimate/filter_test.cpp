@@ -33,8 +33,8 @@ Motion steady(float t) {
 
 struct Rig {
   InArena<MotionFilter> filter{std::size_t{2}};
-  explicit Rig(const Motion& m, const MotionOptions& options = {}) {
-    REQUIRE(filter->start(m.view, m.q, kRange, 2, options) == Status::ok);
+  explicit Rig(const Motion& m) {
+    REQUIRE(filter->start(m.view, m.q, kRange, 2) == Status::ok);
   }
   void see(const Motion& m) { REQUIRE(filter->correct(m.view, m.q, kPoseVariance, kVariance) == Status::ok); }
   float turn_off(const Motion& m) const {
@@ -140,8 +140,8 @@ TEST_CASE("what is not finite is refused and changes nothing; a state taken over
   CHECK(rig.filter->correct(steady(0).view, steady(0).q, negative, kVariance) == Status::bad_argument);
   CHECK(rig.filter->correct(steady(0).view, nullptr, kPoseVariance, kVariance) == Status::bad_argument);
   CHECK(rig.filter->view().tau.x == before.tau.x);
-  CHECK(rig.filter->start(before, bad.q, kRange, 3, {}) == Status::capacity);
-  CHECK(rig.filter->start(before, nullptr, kRange, 2, {}) == Status::bad_argument);
+  CHECK(rig.filter->start(before, bad.q, kRange, 3) == Status::capacity);
+  CHECK(rig.filter->start(before, nullptr, kRange, 2) == Status::bad_argument);
   const Motion there = steady(2);
   rig.filter->move_to(there.view, there.q);
   rig.filter->predict(0.1f);
@@ -163,7 +163,7 @@ TEST_CASE("smoothing takes the tremble out of rest and leaves motion without muc
     Pose noisy = pose_of(m.view);
     noisy.t.x += random.normal();
     const float q[2] = {m.q[0] + 0.01f * random.normal(), m.q[1]};
-    REQUIRE(smooth->add(noisy, q, kRange, 2, dt, {}) == Status::ok);
+    REQUIRE(smooth->add(noisy, q, kRange, 2, dt) == Status::ok);
     if (k > 10 && !moves) {
       raw += std::fabs(noisy.t.x - last_raw.t.x);
       shown += std::fabs(smooth->pose().t.x - last.t.x);
@@ -176,13 +176,13 @@ TEST_CASE("smoothing takes the tremble out of rest and leaves motion without muc
   CHECK(lag < 90 * 0.12f);  // an eighth of a second
   const Pose before = smooth->pose();
   const float bad[2] = {std::numeric_limits<float>::infinity(), 0};
-  CHECK(smooth->add(before, bad, kRange, 2, dt, {}) == Status::bad_argument);
-  CHECK(smooth->add(before, kRange, kRange, 2, 0, {}) == Status::bad_argument);
-  CHECK(smooth->add(before, kRange, kRange, 3, dt, {}) == Status::capacity);
+  CHECK(smooth->add(before, bad, kRange, 2, dt) == Status::bad_argument);
+  CHECK(smooth->add(before, kRange, kRange, 2, 0) == Status::bad_argument);
+  CHECK(smooth->add(before, kRange, kRange, 3, dt) == Status::capacity);
   CHECK(smooth->pose().t.x == before.t.x);
   smooth->restart();
   Pose far = before;
   far.t.x += 500;
-  REQUIRE(smooth->add(far, kRange, kRange, 2, 0, {}) == Status::ok);
+  REQUIRE(smooth->add(far, kRange, kRange, 2, 0) == Status::ok);
   CHECK(smooth->pose().t.x == far.t.x);
 }

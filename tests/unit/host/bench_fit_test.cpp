@@ -41,7 +41,7 @@ double solve(LinearShapeFit& fit) {
   Owned<NormalEquations> equations(fit.unknown_count());
   std::vector<float> step(fit.unknown_count());
   SolverOptions options;
-  options.max_iterations = 40;
+  options.max_accepted = 40;
   minimise(fit.problem(), options, *equations, step.data());
   return fit.exact_cost();
 }

@@ -9,7 +9,7 @@
 #include "model_builder.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/cascade.hpp"
-#include "pliant/solver.hpp"
+#include "pliant/euler.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -125,8 +125,8 @@ struct EggProblem {
     InArena<NormalEquations> equations(unknowns());
     std::vector<float> step(unknowns());
     SolverOptions options;
-    options.max_iterations = 30;
-    options.relative_decrease = 1e-7f;
+    options.max_accepted = 30;
+    options.measured_decrease = 1e-7f;
     return minimise(problem(), options, equations.object, step.data()).final_cost;
   }
   double rms(float cost) const { return std::sqrt(2 * double(cost) / double(uv.size())); }

@@ -173,13 +173,13 @@ TEST_CASE("the minimiser finds the bottom of Rosenbrock's valley") {
         for (int k = 0; k < 2; ++k) v.x[k] = v.trial[k];
       }};
   SolverOptions options;
-  options.max_iterations = 60;
+  options.max_accepted = 60;
   float step[2];
   const SolverReport report = minimise(problem, options, e.equations, step);
   CHECK(report.final_cost < 1e-8f);
   CHECK(valley.x[0] == doctest::Approx(1).epsilon(1e-3));
   CHECK(valley.x[1] == doctest::Approx(1).epsilon(1e-3));
-  CHECK(report.iterations < 40);
+  CHECK(report.iterations < 60);  // trial steps, with those refused
 }
 
 TEST_CASE("robust losses are squares near zero, continuous, and Tukey lets go") {

@@ -1,0 +1,99 @@
+#pragma once
+/// \file estimator_options.hpp
+/// Limits and options of the estimator.
+#include <cstdint>
+
+#include "pliant/cascade.hpp"
+#include "pliant/criteria.hpp"
+#include "pliant/observation.hpp"
+
+namespace pliant {
+
+struct ForceRejection;
+/// The rejection of false image forces (image_forces.hpp), by name, so that programs that do not use it do not link it.
+extern const ForceRejection kForceRejection;
+
+/// Capacities: they fix the memory. The defaults suit a face at 320 x 240 on a Cortex-M7.
+struct EstimatorLimits {
+  /// Surface points at once: patches, markers and edge points, count. Ids are below this.
+  std::uint16_t points = 128;
+  /// Of those, points that slide along the silhouette, count. 304 bytes each, and 16 bytes a vertex if there are any.
+  std::uint16_t silhouette_points = 0;
+  /// Observations from which the rejection of image forces estimates, count; of more observations it takes a sample.
+  /// 25 kB and 200 bytes each. 0: no rejection and no memory for it.
+  std::uint16_t rejection_sample = 256;
+  /// If null, rejection is disabled and its 15 kB of code are not linked.
+  const ForceRejection* rejection = &kForceRejection;
+  /// Vertices of the mesh, count: at least those of the model's base mesh. There are twice as many faces.
+  std::uint16_t vertices = 512;
+  /// Free parameters at once, count. 0: all parameters of the model.
+  std::uint16_t free_parameters = 0;
+  /// Samples kept for a surface point (Cascade::samples_per_point), 12 bytes each, count. 0: as many as any choice of free
+  /// parameters needs. `start` returns capacity if they do not suffice.
+  std::uint16_t samples_per_point = 0;
+  /// If true, samples are kept for the vertices as well: 12 bytes times samples times vertices. If false, vertex positions
+  /// are read from the tables, which takes a few times longer.
+  bool samples_vertices = true;
+  /// Size of the field into which `start` personalises the model (Cascade::personalise), 6 bytes a sample. With it,
+  /// new points, tangents and adaptation cost as much as the expressions alone.
+  PersonalFieldLimits personal_field;
+};
+
+/// The same limits without rejection of image forces.
+template <class Limits>
+constexpr Limits without_rejection(Limits limits) {
+  limits.rejection_sample = 0;
+  limits.rejection = nullptr;
+  return limits;
+}
+
+/// How outliers are rejected (docs/algorithms.md, section 6.5).
+enum class Rejection : std::uint8_t {
+  none = 0,               ///< least squares
+  weights = 1,            ///< robust weights on residuals: Huber's loss, then Tukey's
+  forces = 2,             ///< in the first solve of a frame, image forces (image_forces.hpp), then weights
+  forces_readmitted = 3,  ///< the same; then rejected observations that fit the result are taken back
+  /// Weights. If their result is doubtful, the solve is repeated with forces_readmitted, and the result with the lower
+  /// cost is kept.
+  on_doubt = 4,
+};
+
+/// Options: they do not change the memory.
+struct EstimatorOptions {
+  /// Trial steps of each minimisation, at most, count. A solve minimises with Huber's loss and then with Tukey's.
+  int iterations = 4;
+  Rejection rejection = Rejection::on_doubt;
+  /// Bit k: observations of cue k take part.
+  std::uint8_t cues = 0x07;
+  bool uses(Cue cue) const { return (cues >> static_cast<unsigned>(cue) & 1u) != 0; }
+  /// Fraction by which the noise scale of a cue follows its residuals, a frame. 0: never.
+  float cue_scale_rate = 0.1f;
+  /// Standard deviation of the distance between the real surface and the model at its best, mm. It is added to the noise of
+  /// every observation but edges. Model errors are spatially correlated: more points do not reduce them. On a real face the
+  /// residuals are about 1 mm, ten times the noise of the image.
+  float model_error_mm = 1.0f;
+  /// Mean error to which the mesh is refined at the start (contour criterion), mm.
+  float mesh_error_mm = 0.3f;
+  /// Splits and welds after a good frame, at most, count, with which the mesh follows the view. 0: the mesh of the start
+  /// stays. Pose and parameters do not depend on the mesh.
+  std::uint16_t mesh_operations = 0;
+  /// Vertices while the mesh follows the view, count. 0: those of the limits.
+  std::uint16_t vertex_budget = 0;
+  /// Tolerance of the view criterion (ViewOptions), px.
+  float mesh_error_px = 0.5f;
+  /// If its score is not null, the mesh is also refined where there is texture.
+  TextureOptions texture;
+  /// If true, a frame starts from the state that the motion filter predicts; if false, from the state of the last frame. The
+  /// covariance of predictions comes from the filter in both cases.
+  bool predicts_motion = false;
+  /// If true, smoothed results are computed as well.
+  bool smooths = false;
+  /// The tangents of one point in this many are computed in a frame, count. Tangents follow the pose in every frame; their
+  /// change by expressions lags by this many frames at most.
+  std::uint8_t tangent_interval_frames = 4;
+  /// One vertex in this many follows the expression in a frame, count. On fast motion all vertices are updated. Vertices
+  /// serve visibility only.
+  std::uint8_t vertex_interval_frames = 4;
+};
+
+}  // namespace pliant

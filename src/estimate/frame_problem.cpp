@@ -1,0 +1,169 @@
+#include "estimate/frame_problem.hpp"
+
+namespace pliant {
+
+void SolveScratch::lay_out(Arena& arena, std::size_t parameters, std::size_t unknowns) {
+  equations.lay_out(arena, unknowns);
+  trial_q = arena.take<float>(parameters);
+  step = arena.take<float>(unknowns);
+  unknown = arena.take<std::uint16_t>(unknowns);
+  column = arena.take<Vec2>(unknowns);
+}
+
+void FrameProblem::measure(const View& v, const float* q) {
+  const Projector projector(v, true);
+  for (std::size_t k = 0; k < rows.count(); ++k) {
+    Vec2 x = kBehind;
+    projector.project(input.cascade.evaluate(input.points.samples(rows[k].id), q), &x);
+    rows.measure(k, x);
+  }
+}
+
+void FrameProblem::measure(Span<const Prediction> predictions) {
+  for (std::size_t k = 0; k < rows.count(); ++k) {
+    std::size_t first = 0, end = predictions.count;
+    while (end - first > 1) {
+      const std::size_t middle = (first + end) / 2;
+      (predictions[middle].id <= rows[k].id ? first : end) = middle;
+    }
+    PLIANT_ASSERT(predictions[first].id == rows[k].id);
+    rows.measure(k, predictions[first].x);
+  }
+}
+
+/// Expected view minus v, in the pose's unknowns.
+void FrameProblem::pose_offset(const View& v, float (&offset)[kPoseUnknowns]) const {
+  const View& expected = input.expected.mean.view;
+  const Vec3 turn = log_rotation(expected.q * conjugate(v.q));
+  const float out[kPoseUnknowns] = {
+      turn.x, turn.y, turn.z, (expected.s - v.s) / v.s, expected.tau.x - v.tau.x, expected.tau.y - v.tau.y};
+  for (int k = 0; k < kPoseUnknowns; ++k) offset[k] = out[k];
+}
+
+float FrameProblem::prior_cost(const View& v, const float* q) const {
+  const ExpectedState& expected = input.expected;
+  float offset[kPoseUnknowns], cost = 0;
+  pose_offset(v, offset);
+  for (int k = 0; k < kPoseUnknowns; ++k) cost += 0.5f * offset[k] * offset[k] / expected.pose_variance[k];
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const std::uint16_t p = input.cascade.parameter_of(k);
+    const float z = q[p] / parameter(p).sd, t = (q[p] - expected.mean.q[p]) / expected.parameter_sd[p];
+    cost += 0.5f * (z * z + t * t);
+  }
+  return cost;
+}
+
+void FrameProblem::add_priors() {
+  const ExpectedState& expected = input.expected;
+  NormalEquations& equations = scratch.equations;
+  float offset[kPoseUnknowns];
+  pose_offset(state.view, offset);
+  for (std::size_t k = 0; k < kPoseUnknowns; ++k)
+    equations.add_prior(k, offset[k], 1.0f / expected.pose_variance[k]);
+  constexpr float kMostStep = kFrameProblemTuning.most_step;
+  for (std::size_t k = 0; k <= kLogScale; ++k) equations.set_limits(k, -kMostStep, kMostStep);
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const std::uint16_t i = input.cascade.parameter_of(k);
+    const Parameter& p = parameter(i);
+    const float q = state.q[i], sd = expected.parameter_sd[i];
+    const std::size_t unknown = kPoseUnknowns + k;
+    equations.add_prior(unknown, -q, 1.0f / (p.sd * p.sd));
+    equations.add_prior(unknown, expected.mean.q[i] - q, 1.0f / (sd * sd));
+    equations.set_limits(unknown, min(p.minimum - q, 0), max(p.maximum - q, 0));
+  }
+}
+
+void FrameProblem::add_row(const Projector::Derivatives& d, const Jacobian& jacobian, std::size_t row,
+                           float weight) {
+  std::size_t n = 0;
+  for (; n < kPoseUnknowns; ++n) scratch.column[n] = d.pose[n];
+  for (std::size_t c = 0; c < jacobian.count; ++c, ++n) {
+    scratch.unknown[n] = static_cast<std::uint16_t>(kPoseUnknowns + jacobian.list[c]);
+    scratch.column[n] = d.along(jacobian.column[jacobian.list[c]]);
+  }
+  const Sym2 w = rows.information(row);
+  scratch.equations.add(scratch.unknown, scratch.column, n, rows.residual(row),
+                        {weight * w.xx, weight * w.xy, weight * w.yy});
+}
+
+float FrameProblem::linearise() {
+  scratch.equations.reset(kPoseUnknowns + columns());
+  for (std::size_t n = 0; n < kPoseUnknowns; ++n) scratch.unknown[n] = static_cast<std::uint16_t>(n);
+  const Projector projector(state.view, true);
+  const float per_scale = 1.0f / scale, per_square = per_scale * per_scale;
+  float sum = 0;
+  for (std::size_t k = 0; k < rows.count(); ++k) {
+    Jacobian jacobian;
+    const Vec3 p = input.cascade.evaluate(input.points.samples(rows[k].id), state.q, &jacobian);
+    Vec2 x = kBehind;
+    Projector::Derivatives d;
+    const bool in_front = projector.project(p, &x, &d);
+    rows.measure(k, x);
+    if (!rows[k].is_kept) continue;
+    const LossValue value = evaluate(loss, rows.length(k) * per_scale);
+    sum += value.rho;
+    if (in_front && value.weight > 0) add_row(d, jacobian, k, value.weight * per_square);
+  }
+  add_priors();
+  return sum + prior_cost(state.view, state.q);
+}
+
+float FrameProblem::try_step(const float* step) {
+  trial = moved(state.view, step, kPoseUnknowns);
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const std::uint16_t i = input.cascade.parameter_of(k);
+    scratch.trial_q[i] =
+        clamp(state.q[i] + step[kPoseUnknowns + k], parameter(i).minimum, parameter(i).maximum);
+  }
+  measure(trial, scratch.trial_q);
+  const float per_scale = 1.0f / scale;
+  float sum = prior_cost(trial, scratch.trial_q);
+  for (std::size_t k = 0; k < rows.count(); ++k)
+    if (rows[k].is_kept) sum += evaluate(loss, rows.length(k) * per_scale).rho;
+  return sum;
+}
+
+void FrameProblem::accept() {
+  state.view = trial;
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const std::uint16_t i = input.cascade.parameter_of(k);
+    state.q[i] = scratch.trial_q[i];
+  }
+}
+
+void FrameProblem::minimise(int iterations, float relative_decrease, SolverReport* report) {
+  const LeastSquaresProblem problem{
+      this, [](void* p, NormalEquations&) { return static_cast<FrameProblem*>(p)->linearise(); },
+      [](void* p, const float* step) { return static_cast<FrameProblem*>(p)->try_step(step); },
+      [](void* p) { static_cast<FrameProblem*>(p)->accept(); }};
+  SolverOptions options;
+  options.max_accepted = options.max_steps = iterations;
+  options.measured_decrease = 0;
+  options.predicted_decrease = relative_decrease;
+  const SolverReport now = pliant::minimise(problem, options, scratch.equations, scratch.step);
+  if (now.ends_with_refused_step) measure();
+  const SolverReport before = *report;
+  *report = now;
+  report->iterations += before.iterations;
+  if (before.iterations > 0) report->initial_cost = before.initial_cost;
+}
+
+float FrameProblem::total_cost(float in_scale) const {
+  float sum = prior_cost(state.view, state.q);
+  for (std::size_t k = 0; k < rows.count(); ++k) sum += evaluate(Loss::tukey, rows.length(k) / in_scale).rho;
+  return sum;
+}
+
+bool FrameProblem::pose_jacobian(std::size_t row, const Projector& projector, float* b) const {
+  Vec2 x;
+  Projector::Derivatives d{};
+  if (!projector.project(input.cascade.evaluate(input.points.samples(rows[row].id), state.q), &x, &d))
+    return false;
+  for (int k = 0; k < kPoseUnknowns; ++k) {
+    b[k] = d.pose[k].x;
+    b[kPoseUnknowns + k] = d.pose[k].y;
+  }
+  return true;
+}
+
+}  // namespace pliant

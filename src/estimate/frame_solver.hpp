@@ -1,0 +1,109 @@
+#pragma once
+// Observations of a frame -> pose and parameters, with rejection of outliers and an alternative hypothesis
+// (docs/algorithms.md, section 6.5).
+#include "estimate/force_rejection.hpp"
+#include "estimate/frame_problem.hpp"
+#include "estimate/track_monitor.hpp"
+#include "pliant/estimator_options.hpp"
+
+namespace pliant {
+
+/// Tuning of the solve. The thresholds of doubt and of the alternative were chosen on the rendered occlusions of
+/// `pliant bench occlusion`, partly while watching the Talking Face clips; tests/system/occlusion_test.cpp holds the order
+/// of the methods (docs/evaluation.md).
+struct FrameSolverTuning {
+  /// Equations that a solve needs at least: those of the pose and four more.
+  std::size_t least_equations = kPoseUnknowns + 4;
+  /// Fraction of the cost. A minimisation stops at a smaller decrease. Smaller values changed no result.
+  float relative_decrease = 1e-3f;
+  /// The same for Huber's loss, after which Tukey's loss goes on. It only has to come near.
+  float relative_decrease_huber = 0.02f;
+  /// Steps after rejected rows were taken back, count. The two or three of docs/algorithms.md, section 6.5.
+  int readmission_iterations = 3;
+  /// Scales of the residuals within which a rejected row is taken back. The value of docs/algorithms.md, section 6.5.
+  float readmission_scales = 3.5f;
+  /// Robust scale, in the noise that the cues usually have, above which a result is doubtful.
+  float doubt_scale = 1.2f;
+  /// Fraction of outliers above which a result is doubtful.
+  float doubt_fraction = 0.15f;
+  /// The alternative replaces the result if its cost is below this fraction of the result's.
+  float alternative_margin = 0.8f;
+  /// Fraction of outliers, at the state after a first pass, above which Huber's loss is used again and the frame
+  /// wants another round. Set on the yawn of the Talking Face video.
+  float outliers_after_first_pass = 0.03f;
+  /// Scaled Cholesky pivot below which the observations do not determine the pose. The value of docs/algorithms.md, section 5.5.
+  float least_pivot = 1e-4f;
+};
+inline constexpr FrameSolverTuning kFrameSolverTuning{};
+
+struct FrameSolverLimits {
+  std::size_t points = 0, parameters = 0;
+  std::size_t unknowns = 0;  ///< pose and free parameters
+  std::size_t rejection_sample = 0;
+  const ForceRejection* rejection = nullptr;
+};
+
+struct SolvePolicy {
+  int iterations = 0;  ///< trial steps of each minimisation, at most
+  Rejection rejection = Rejection::none;
+  RowPolicy rows;
+};
+
+/// The solves of a frame. `state` is the estimator's: a solve moves it to fit the observations.
+class FrameSolver {
+ public:
+  void lay_out(Arena& arena, const FrameSolverLimits& limits);
+  void start(const SolvePolicy& policy);
+  /// Starts a frame: no solve yet.
+  void begin();
+  /// Forgets that a point was rejected; to be called for a new point.
+  void forget(std::uint16_t id) { was_rejected_[id] = 0; }
+
+  /// Fits a few points before the first `solve` of a frame, by weights alone.
+  /// \return false if the result is doubtful or the points do not determine the pose; then `state` is unchanged.
+  bool solve_first_pass(const SolveInput& input, Span<Observation> observations, ModelState* state);
+  /// True if too many rows did not fit the state after a first pass.
+  bool needs_another_round() const { return needs_another_round_; }
+  /// Fits all points and marks outliers as rejected. With too few observations `state` is unchanged.
+  /// \param predictions  of all points at `state`, or none.
+  SolverReport solve(const SolveInput& input, Span<Observation> observations,
+                     Span<const Prediction> predictions, ModelState* state);
+  /// Of the solves of this frame.
+  const SolveResult& result() const { return result_; }
+
+  /// To be called after a good frame: computes variances and follows the noise of the cues.
+  void conclude_frame();
+  /// Variance of each unknown after the last good frame: pose, then columns.
+  const float* variance() const { return variance_; }
+  std::size_t unknown_capacity() const { return scratch_.equations.capacity(); }
+  float cue_scale(Cue cue) const { return rows_.cue_scale(cue); }
+
+ private:
+  bool has_enough() const { return rows_.equations() >= kFrameSolverTuning.least_equations; }
+  void gather(const SolveInput& input, Span<Observation> observations);
+  void settle(FrameProblem& problem, Loss loss, SolverReport* report);
+  void settle_by_weights(FrameProblem& problem, SolverReport* report);
+  void solve_by_forces(FrameProblem& problem, SolverReport* report);
+  void solve_robustly(FrameProblem& problem, SolverReport* report);
+  void try_alternative(FrameProblem& problem, SolverReport* report);
+  void exchange(FrameProblem& problem, View* view, float* scale) const;
+  void keep_as_before(FrameProblem& problem);
+  bool is_doubtful(const FrameProblem& problem) const;
+  bool pose_is_observed(const ExpectedState& expected);
+  void conclude(const FrameProblem& problem);
+
+  SolvePolicy policy_;
+  ObservationRows rows_;
+  SolveScratch scratch_;
+  float *alternative_q_ = nullptr, *variance_ = nullptr;
+  std::uint8_t* was_rejected_ = nullptr;  // by id, in the last solve
+  const ForceRejection* rejection_ = nullptr;
+  RowForces* forces_ = nullptr;
+  std::size_t parameters_ = 0;
+  SolveResult result_;
+  int solves_ = 0;  // of this frame
+  bool had_first_pass_ = false, needs_another_round_ = false;
+  bool rejected_forces_ = false;  // in the frame's first solve
+};
+
+}  // namespace pliant

@@ -1,0 +1,91 @@
+#include "estimate/motion_model.hpp"
+
+namespace pliant {
+
+void MotionModel::lay_out(Arena& arena, std::size_t parameters) {
+  filter_.lay_out(arena, parameters);
+  smoother_.lay_out(arena, parameters);
+  expected_.mean.lay_out(arena, parameters);
+  expected_.parameter_sd = arena.take<float>(parameters);
+  scratch_ = arena.take<float>(parameters);
+  count_ = parameters;
+}
+
+Status MotionModel::start(const Cascade& cascade, const ModelState& state, bool predicts_motion,
+                          bool smooths) {
+  PLIANT_ASSERT(cascade.parameter_count() == count_);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Parameter& p = cascade.model().parameters()[i];
+    scratch_[i] = cascade.column_of(i) == kNone ? 0.0f : p.maximum - p.minimum;
+  }
+  const Status status = filter_.start(state.view, state.q, scratch_, count_);
+  if (status != Status::ok) return status;
+  copy(state, count_, &expected_.mean);
+  predicts_motion_ = predicts_motion;
+  smooths_ = smooths;
+  smoother_.restart();
+  smoothed_pose_ = {};
+  time_ns_ = 0;
+  seconds_ = kMotionModelTuning.nominal_step;
+  expect_pose_variance(0);
+  return Status::ok;
+}
+
+bool MotionModel::predict(std::int64_t time_ns, int bad_frames, const Cascade& cascade, ModelState* state) {
+  const MotionModelTuning& t = kMotionModelTuning;
+  // Times come from outside: their difference may wrap.
+  const auto elapsed =
+      static_cast<std::int64_t>(static_cast<std::uint64_t>(time_ns) - static_cast<std::uint64_t>(time_ns_));
+  const bool repeats = elapsed >= 0 && elapsed < t.least_step_ns;
+  const bool follows = !repeats && elapsed > 0 && elapsed < t.jump_ns;
+  seconds_ = follows ? static_cast<float>(elapsed) * 1e-9f : t.nominal_step;
+  time_ns_ = time_ns;
+  if (!follows && !repeats) filter_.forget_velocities();
+  filter_.predict(repeats ? 0.0f : seconds_);
+  const bool moves = predicts_motion_ && bad_frames == 0 && follows;
+  if (moves) state->view = filter_.view();
+  expected_.mean.view = state->view;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Parameter& p = cascade.model().parameters()[i];
+    if (moves && filter_.ranges()[i] > 0) state->q[i] = clamp(filter_.parameters()[i], p.minimum, p.maximum);
+    expected_.mean.q[i] = state->q[i];
+    expected_.parameter_sd[i] =
+        t.parameter_rate * (p.maximum - p.minimum) * min(seconds_, t.longest_parameter_time);
+  }
+  expect_pose_variance(bad_frames);
+  return moves;
+}
+
+/// The filter's variance, within the tuning's range, and larger after every bad frame. If the filter's velocity is not used
+/// to predict, the motion that it stands for is uncertainty as well.
+void MotionModel::expect_pose_variance(int bad_frames) {
+  const MotionModelTuning& t = kMotionModelTuning;
+  const auto frames = static_cast<float>(1 + bad_frames);
+  for (int k = 0; k < kPoseUnknowns; ++k) {
+    const MotionState& s = filter_.pose(k);
+    const float motion = predicts_motion_ ? 0.0f : seconds_ * s.velocity;
+    expected_.pose_variance[k] =
+        frames * frames *
+        clamp(s.xx + motion * motion, t.least_sd[k] * t.least_sd[k], t.most_sd[k] * t.most_sd[k]);
+  }
+}
+
+void MotionModel::correct(const Cascade& cascade, const ModelState& state, const float* variance,
+                          const ModelState& trusted) {
+  for (std::size_t i = 0; i < count_; ++i) {
+    const std::uint16_t column = cascade.column_of(i);
+    scratch_[i] = column == kNone ? 0.0f : variance[kPoseUnknowns + column];
+  }
+  if (filter_.correct(state.view, state.q, variance, scratch_) != Status::ok)
+    filter_.move_to(trusted.view, trusted.q);
+  if (!smooths_) return;
+  if (smoother_.add(pose_of(state.view), state.q, filter_.ranges(), count_, seconds_) == Status::ok)
+    smoothed_pose_ = smoother_.pose();
+}
+
+void MotionModel::rest(const ModelState& state) {
+  filter_.move_to(state.view, state.q);
+  smoother_.restart();
+}
+
+}  // namespace pliant

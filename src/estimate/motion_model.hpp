@@ -1,0 +1,83 @@
+#pragma once
+// What the estimator expects of the next frame: state, uncertainty, and smoothed output (docs/algorithms.md, section 7.10).
+#include <cstdint>
+
+#include "estimate/model_state.hpp"
+#include "pliant/cascade.hpp"
+#include "pliant/filter.hpp"
+
+namespace pliant {
+
+/// The expected state of a frame: the mean and standard deviations of the temporal prior.
+struct ExpectedState {
+  ModelState mean;
+  float pose_variance[kPoseUnknowns] = {};  ///< in PoseUnknown's order and units
+  float* parameter_sd = nullptr;            ///< of each parameter
+};
+
+/// Tuning of the temporal prior.
+struct MotionModelTuning {
+  /// Least and largest standard deviation of the expected pose: turns (rad), log scale, shifts (mm). The least values keep
+  /// the prior weak at high frame rates. The largest keep the search ranges bounded after a pause. Chosen by hand from
+  /// what heads do in a thirtieth of a second; not optimised.
+  float least_sd[kPoseUnknowns] = {0.03f, 0.03f, 0.03f, 0.02f, 4, 4};
+  float most_sd[kPoseUnknowns] = {0.2f, 0.2f, 0.2f, 0.2f, 40, 40};
+  /// Ranges per second that a parameter may change by, one standard deviation. A blink crosses its range in a tenth of a
+  /// second, which is three and a half deviations. Round value, not tuned.
+  float parameter_rate = 3;
+  /// s. Longest time over which `parameter_rate` acts. Round value, not tuned.
+  float longest_parameter_time = 0.5f;
+  /// s. Time step of a first frame, and of one whose time does not follow the frame before.
+  float nominal_step = 1.0f / 30;
+  /// ns. A frame that follows by less repeats the frame before.
+  std::int64_t least_step_ns = 1'000'000;
+  /// ns. A frame that follows by this or more is a new scene: velocities are forgotten. Round value, not tuned.
+  std::int64_t jump_ns = 2'000'000'000;
+};
+inline constexpr MotionModelTuning kMotionModelTuning{};
+
+/// Motion filter, expected state and smoothed output. Bytes: 44 a parameter.
+class MotionModel {
+ public:
+  void lay_out(Arena& arena, std::size_t parameters);
+
+  /// Starts at rest at `state`. Parameters without a column in `cascade` are not filtered.
+  /// \return the statuses of MotionFilter::start.
+  Status start(const Cascade& cascade, const ModelState& state, bool predicts_motion, bool smooths);
+  /// Predicts the state at `time_ns`. If the options ask for it and the last frame was good, `state` is moved there;
+  /// otherwise it stays. The expected state is `state` afterwards.
+  /// \param bad_frames  frames since the last good one; widens the uncertainty.
+  /// \return whether `state` moved.
+  bool predict(std::int64_t time_ns, int bad_frames, const Cascade& cascade, ModelState* state);
+  /// Replaces the mean of the expected view, and of one parameter.
+  void expect(const View& view) { expected_.mean.view = view; }
+  void expect(std::size_t parameter, float value) { expected_.mean.q[parameter] = value; }
+  /// Corrects the filter by the result of a good frame.
+  /// \param variance  of each unknown of the solve: pose, then the columns of `cascade`.
+  /// \param trusted   the state to continue from, at rest, if the result is not finite.
+  void correct(const Cascade& cascade, const ModelState& state, const float* variance,
+               const ModelState& trusted);
+  /// Continues from `state` at rest: the track is lost.
+  void rest(const ModelState& state);
+
+  const ExpectedState& expected() const { return expected_; }
+  const MotionFilter& filter() const { return filter_; }
+  /// The smoothed pose, if `start` asked for it; else the default pose.
+  const Pose& smoothed_pose() const { return smoothed_pose_; }
+  const float* smoothed_parameters() const { return smoother_.parameters(); }
+
+ private:
+  void expect_pose_variance(int bad_frames);
+
+  MotionFilter filter_;
+  Smoother smoother_;
+  ExpectedState expected_;
+  Pose smoothed_pose_;
+  std::int64_t time_ns_ = 0;
+  float seconds_ = 0;         // since the last frame
+  float* scratch_ = nullptr;  // a value a parameter
+  std::size_t count_ = 0;
+  bool predicts_motion_ = false, smooths_ = false;
+};
+
+}  // namespace pliant

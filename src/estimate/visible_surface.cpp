@@ -1,0 +1,197 @@
+#include "estimate/visible_surface.hpp"
+
+namespace pliant {
+
+namespace {
+constexpr const VisibleSurfaceTuning& kTuning = kVisibleSurfaceTuning;
+}
+
+void VisibleSurface::lay_out(Arena& arena, std::size_t parameters, const VisibleSurfaceLimits& limits) {
+  MeshLimits mesh;
+  mesh.vertices = limits.vertices;
+  const unsigned faces = 2u * limits.vertices;
+  mesh.faces = static_cast<std::uint16_t>(faces < 21845u ? faces : 21845u);
+  arena.count_as(Purpose::mesh);
+  mesh_.lay_out(arena, mesh);
+  arena.count_as(Purpose::adaptation);
+  adapter_.lay_out(arena, mesh);
+  arena.count_as(Purpose::visibility);
+  const int cells = limits.vertices <= kTuning.small_mesh ? kTuning.cells_small : kTuning.cells_large;
+  depth_buffer_.lay_out(arena, cells, cells);
+  contour_ = arena.take_span<SilhouettePoint>(kTuning.contour_points_per_point * limits.silhouette_points);
+  finder_.lay_out(arena, limits.silhouette_points > 0 ? limits.vertices : 0);
+  position_ = arena.take<Vec3>(limits.vertices);
+  uv_ = arena.take<Vec2>(limits.samples_per_vertex > 0 ? limits.vertices : 0);
+  surface_q_ = arena.take<float>(parameters);
+  image_ = arena.take<Vec2>(limits.vertices);
+  depth_ = arena.take<float>(limits.vertices);
+  arena.count_as(Purpose::sampled_vertices);
+  samples_ = arena.take<Vec3>(limits.vertices * limits.samples_per_vertex);
+  samples_per_vertex_ = limits.samples_per_vertex;
+  parameters_ = parameters;
+}
+
+Status VisibleSurface::start(const Model& model) {
+  images_are_current_ = depth_is_drawn_ = false;
+  return mesh_.set_base(model.base_uv(), model.base_corners());
+}
+
+void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy) {
+  policy_ = policy;
+  copy(state.q, parameters_, surface_q_);
+  cascade.select(surface_q_);
+  const Surface surface{
+      &cascade, [](void* context, Vec2 uv) { return static_cast<Cascade*>(context)->selected_point(uv); }};
+  contour_criterion_ = {};
+  contour_criterion_.mean_mm = policy.error_mm;
+  contour_criterion_.max_mm = 4 * policy.error_mm;
+  Criterion criterion = criterion_of(contour_criterion_);
+  AdaptOptions options;
+  if (policy.operations > 0) {
+    options.vertex_budget = policy.vertex_budget;
+    criterion = criterion_of(policy_.view);
+    if (policy.texture.score != nullptr) {
+      view_and_texture_ = {criterion, criterion_of(policy_.texture)};
+      criterion = criterion_of(view_and_texture_);
+    }
+  }
+  if (adapter_.start(mesh_, surface, criterion) == Status::ok) adapter_.adapt(options);
+  if (!keeps_samples()) return;
+  for (VertexId v : mesh_.vertices()) place_vertex(cascade, state.q, v);
+}
+
+void VisibleSurface::follow_view(Cascade& cascade, const ModelState& state, std::uint32_t frame) {
+  if (policy_.operations == 0) return;
+  cascade.select(surface_q_);
+  policy_.view.pose = pose_of(state.view);
+  constexpr int kParts = kTuning.rank_interval_frames;
+  adapter_.rerank(static_cast<int>(frame % static_cast<std::uint32_t>(kParts)), kParts);
+  AdaptOptions options;
+  options.vertex_budget = policy_.vertex_budget;
+  options.max_operations = policy_.operations;
+  const AdaptReport report = adapter_.adapt(options);
+  if (report.splits + report.welds == 0) return;
+  if (!keeps_samples()) return update(cascade, state, frame, 1);
+  for (VertexId v : mesh_.vertices()) {
+    const Vec2 uv = mesh_.uv(v);
+    if (uv.x != uv_[v].x || uv.y != uv_[v].y) place_vertex(cascade, state.q, v);
+  }
+}
+
+void VisibleSurface::place_vertex(Cascade& cascade, const float* q, VertexId v) {
+  uv_[v] = mesh_.uv(v);
+  cascade.sample_point(uv_[v], q, samples_of(v), kTuning.sample_slack_mm);
+  position_[v] = cascade.evaluate(samples_of(v), q);
+}
+
+/// \return how far the farthest vertex moved, squared (mm^2).
+float VisibleSurface::move_vertices(Cascade& cascade, const float* q, std::uint32_t frame,
+                                    std::uint32_t interval) {
+  if (!keeps_samples()) cascade.select(q, interval > 1 ? kTuning.table_slack_mm : 0.0f);
+  float farthest = 0;
+  for (VertexId v : mesh_.vertices()) {
+    if (interval > 1 && (v + frame) % interval != 0) continue;
+    const Vec3 p = keeps_samples() ? cascade.evaluate(samples_of(v), q) : cascade.selected_point(mesh_.uv(v)),
+               step = p - position_[v];
+    farthest = max(farthest, dot(step, step));
+    position_[v] = p;
+  }
+  return farthest;
+}
+
+void VisibleSurface::update(Cascade& cascade, const ModelState& state, std::uint32_t frame,
+                            std::uint32_t interval) {
+  constexpr float kFastMm = kTuning.fast_fraction * kVisibilityTuning.hidden_margin_mm;
+  const bool is_fast = move_vertices(cascade, state.q, frame, interval) > kFastMm * kFastMm;
+  if (is_fast && interval > 1) move_vertices(cascade, state.q, frame, 1);
+  if (is_fast || interval <= 1) depth_is_drawn_ = false;
+  project(state.view);
+}
+
+void VisibleSurface::project(const View& view) {
+  const Projector projector(view, true);
+  for (VertexId v : mesh_.vertices())
+    depth_[v] = projector.project(position_[v], &image_[v])
+                    ? kTuning.nominal_distance_mm + projector.rotated(position_[v]).z
+                    : -1.0f;
+  images_are_current_ = true;
+}
+
+void VisibleSurface::draw_depth(const View& view, std::uint32_t frame) {
+  const Vec3 turn = log_rotation(view.q * conjugate(drawn_view_.q));
+  constexpr float kTurn = kTuning.drawing_turn_rad;
+  const bool is_near =
+      dot(turn, turn) < kTurn * kTurn && magnitude(view.s - drawn_view_.s) < kTuning.drawing_scale * view.s;
+  if (depth_is_drawn_ && is_near && frame - drawn_frame_ < kTuning.drawing_frames) {
+    depth_buffer_.move(view.s * (view.tau - drawn_view_.tau));
+    drawn_view_.tau = view.tau;
+    return;
+  }
+  project(view);  // a solve may have moved the view
+  depth_buffer_.draw(mesh_, image_, depth_);
+  drawn_view_ = view;
+  drawn_frame_ = frame;
+  depth_is_drawn_ = true;
+}
+
+bool VisibleSurface::hides(Vec2 x, Vec3 rotated) const {
+  PLIANT_ASSERT(depth_is_drawn_);
+  return depth_buffer_.hides(x, kTuning.nominal_distance_mm + rotated.z, kVisibilityTuning.hidden_margin_mm);
+}
+
+Span<const SilhouettePoint> VisibleSurface::find_contour(const View& view, std::uint32_t frame) {
+  draw_depth(view, frame);
+  if (!images_are_current_) project(view);
+  const Projector projector(view, true);
+  const std::size_t all = finder_.find({mesh_, position_, image_, depth_}, projector, &depth_buffer_,
+                                       kVisibilityTuning.hidden_margin_mm, contour_);
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < (all < contour_.count ? all : contour_.count); ++k)
+    if (!contour_[k].is_border)
+      contour_[count++] = contour_[k];  // where the mesh ends there need not be an image edge
+  return {contour_.data, count};
+}
+
+/// The nearest visible point on the flat faces; of several, the one nearest to the camera.
+float VisibleSurface::nearest_on_mesh(Vec2 x, Vec2* uv) const {
+  float best = 1e30f, best_depth = 1e30f, distance = -1;
+  for (FaceId f : mesh_.faces()) {
+    const VertexId a = mesh_.corner(f, 0), b = mesh_.corner(f, 1), c = mesh_.corner(f, 2);
+    if (depth_[a] <= 0 || depth_[b] <= 0 || depth_[c] <= 0 || !faces_camera(mesh_, image_, f)) continue;
+    float w[3];
+    const float d2 = nearest_on_triangle(image_[a], image_[b], image_[c], x, w);
+    const float depth = w[0] * depth_[a] + w[1] * depth_[b] + w[2] * depth_[c];
+    if (d2 > best || (d2 == best && depth >= best_depth)) continue;
+    best = d2;
+    best_depth = depth;
+    *uv = w[0] * mesh_.uv(a) + (w[1] * mesh_.uv(b) + w[2] * mesh_.uv(c));
+    distance = square_root(d2);
+  }
+  return distance;
+}
+
+float VisibleSurface::surface_at(Cascade& cascade, const ModelState& state, Vec2 x, Vec2* uv) {
+  if (!images_are_current_) project(state.view);
+  const float distance = nearest_on_mesh(x, uv);
+  if (distance != 0) return distance;
+  // Newton's method on the surface itself, as the mesh is flat between its vertices.
+  const Projector projector(state.view, true);
+  Vec2 at = *uv;
+  for (int k = 0; k < kTuning.newton_steps; ++k) {
+    const SurfaceFrame frame = cascade.surface_frame(at, state.q);
+    Vec2 image;
+    Projector::Derivatives d;
+    if (!projector.project(frame.p, &image, &d)) return distance;
+    const Vec2 along_u = d.along(frame.pu), along_v = d.along(frame.pv), off = x - image;
+    if (dot(off, off) < 1e-6f) break;
+    const Mat2 jacobian{along_u.x, along_v.x, along_u.y, along_v.y};
+    if (magnitude(determinant(jacobian)) < 1e-3f) return distance;
+    const Vec2 step = inverse(jacobian) * off;
+    if (!(dot(step, step) < 1e-2f)) return distance;
+    at = {clamp(at.x + step.x, 0, 1), clamp(at.y + step.y, 0, 1)};
+  }
+  *uv = at;
+  return distance;
+}
+
+}  // namespace pliant

@@ -1,0 +1,126 @@
+#pragma once
+// The model's surface as the camera sees it: an adaptive mesh, its posed vertices, and a depth buffer.
+#include <cstdint>
+
+#include "estimate/model_state.hpp"
+#include "pliant/adapt.hpp"
+#include "pliant/cascade.hpp"
+#include "pliant/criteria.hpp"
+#include "pliant/mesh.hpp"
+#include "pliant/silhouette.hpp"
+#include "pliant/visibility.hpp"
+
+namespace pliant {
+
+/// Tuning of the visible surface. The slacks and the redraw rule were chosen on a rendered film of 500 points at 360 x 288 and on
+/// the yawn of tests/system/yawn_test.cpp: the largest values that changed no error there.
+struct VisibleSurfaceTuning {
+  /// Cells a side of the depth buffer, count, for meshes up to `small_mesh` vertices and above. About two faces of a full
+  /// mesh fall on a cell.
+  int cells_small = 40, cells_large = 48, small_mesh = 512;
+  /// mm. Depths are compared at this nominal distance of the model's origin: self-occlusion depends on the shape and turn of
+  /// the model, and hardly on its distance, which the next solve changes.
+  float nominal_distance_mm = 1000;
+  /// mm. Vectors that move a vertex by less are left out of its samples. A hundredth of the model's own error.
+  float sample_slack_mm = 0.01f;
+  /// mm. Vectors that move a vertex by less are left out where its position comes from the tables. Several such vectors
+  /// together still move it by less than the margin of visibility.
+  float table_slack_mm = 0.5f;
+  /// Fraction of the margin of visibility. If a vertex moved further since the last update, all vertices are updated and
+  /// depth is drawn again; otherwise a fast jaw would be hidden by its own old place. The rest of the margin is for the
+  /// frames that one drawing serves.
+  float fast_fraction = 0.75f;
+  /// Frames that one drawing of depth serves at most, count; and the turn (rad) and relative change of scale that it allows.
+  /// Such a turn moves the silhouette by less than a cell.
+  std::uint32_t drawing_frames = 3;
+  float drawing_turn_rad = 0.03f, drawing_scale = 0.03f;
+  /// Newton steps that take `surface_at` from the flat face onto the surface, count. Two suffice on a smooth face.
+  int newton_steps = 4;
+  /// Points of the contour kept for each silhouette point, count. The contour of a fine mesh has many.
+  std::size_t contour_points_per_point = 8;
+  /// One face and vertex in this many is ranked again in a frame while the mesh follows the view, count. Round value, not tuned.
+  int rank_interval_frames = 32;
+};
+inline constexpr VisibleSurfaceTuning kVisibleSurfaceTuning{};
+
+/// Capacities of VisibleSurface.
+struct VisibleSurfaceLimits {
+  std::uint16_t vertices = 0;
+  std::size_t samples_per_vertex = 0;  ///< kept for each vertex; 0: vertex positions are read from the tables
+  std::uint16_t silhouette_points = 0;
+};
+
+/// How VisibleSurface adapts its mesh.
+struct MeshPolicy {
+  float error_mm = 0.3f;            ///< mean error of the mesh at the start
+  std::uint16_t operations = 0;     ///< splits and welds a frame; 0: the mesh stays
+  std::uint16_t vertex_budget = 0;  ///< while it adapts; 0: the capacity
+  ViewOptions view;                 ///< the view criterion, where operations > 0
+  TextureOptions texture;           ///< the texture criterion, if its score is not null
+};
+
+/// Mesh, posed vertices and depth buffer.
+///
+/// The positions of vertices follow the expression a few at a time (`update`), since visibility tolerates millimetres. The
+/// images are those of the pinhole. The depth buffer is drawn on demand and reused while the view is nearly the same.
+class VisibleSurface {
+ public:
+  void lay_out(Arena& arena, std::size_t parameters, const VisibleSurfaceLimits& limits);
+
+  /// Starts from the model's base mesh. \return the statuses of Mesh::set_base.
+  Status start(const Model& model);
+  /// Adapts the mesh to the surface at `state`, once. `cascade` must stay.
+  void adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy);
+  /// Makes at most policy.operations splits and welds for the view of `state`. The surface is that of `adapt`, so that
+  /// ranks of different frames are comparable.
+  void follow_view(Cascade& cascade, const ModelState& state, std::uint32_t frame);
+
+  /// Moves one vertex in `interval` to the surface at `state` and projects all; 1: all are exact afterwards.
+  void update(Cascade& cascade, const ModelState& state, std::uint32_t frame, std::uint32_t interval);
+  /// To be called when the view has changed: images are projected again when they are needed.
+  void invalidate_images() { images_are_current_ = false; }
+
+  /// Brings the depth buffer up to date with `view`. `frame` counts frames.
+  void draw_depth(const View& view, std::uint32_t frame);
+  /// True if the surface hides the point with image position x (px, pinhole) and position `rotated` (mm, camera axes, from the
+  /// model's origin). Precondition: draw_depth.
+  bool hides(Vec2 x, Vec3 rotated) const;
+  /// The apparent contour at `view`, without the open boundary of the mesh. Valid until the next call.
+  Span<const SilhouettePoint> find_contour(const View& view, std::uint32_t frame);
+  /// (u,v) of the visible surface under an image position (px, pinhole), or of the nearest visible point.
+  /// \return their distance in the image, px; 0 on the surface; negative when nothing is visible.
+  float surface_at(Cascade& cascade, const ModelState& state, Vec2 x, Vec2* uv);
+
+  const Mesh& mesh() const { return mesh_; }
+  const Vec3* positions() const { return position_; }
+  const Vec2* images() const { return image_; }
+
+ private:
+  bool keeps_samples() const { return samples_per_vertex_ > 0; }
+  Vec3* samples_of(VertexId v) { return samples_ + v * samples_per_vertex_; }
+  void place_vertex(Cascade& cascade, const float* q, VertexId v);
+  float move_vertices(Cascade& cascade, const float* q, std::uint32_t frame, std::uint32_t interval);
+  void project(const View& view);
+  float nearest_on_mesh(Vec2 x, Vec2* uv) const;
+
+  Mesh mesh_;
+  Adapter adapter_;
+  ContourOptions contour_criterion_;
+  MeshPolicy policy_;
+  EitherOf view_and_texture_;
+  float* surface_q_ = nullptr;  // parameters of the surface that the mesh is adapted to
+  std::size_t parameters_ = 0, samples_per_vertex_ = 0;
+  Vec3* samples_ = nullptr;
+  Vec2* uv_ = nullptr;  // where each vertex was placed: ids are used again
+  Vec3* position_ = nullptr;
+  Vec2* image_ = nullptr;
+  float* depth_ = nullptr;
+  bool images_are_current_ = false, depth_is_drawn_ = false;
+  DepthBuffer depth_buffer_;
+  View drawn_view_;
+  std::uint32_t drawn_frame_ = 0;
+  SilhouetteFinder finder_;
+  Span<SilhouettePoint> contour_;
+};
+
+}  // namespace pliant
