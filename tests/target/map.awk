@@ -7,7 +7,7 @@ function hex(s,    k, v) {
 /^Linker script and memory map/ { linked = 1 }
 !linked { next }
 /^ \.[a-zA-Z]/ { section = $1 }
-/libpliant_(core|platform)\.a\(/ {
+/libpliant_(core|track)\.a\(/ {
   for (i = 1; i < NF; ++i) if ($i ~ /^0x/ && $(i + 1) ~ /^0x/) {
     bytes = hex($(i + 1))
     if (section ~ /^\.text/) { text += bytes; file = $NF; sub(/.*\(/, "", file); of[file] += bytes }
