@@ -1,13 +1,14 @@
-// The example: a face followed on a microcontroller. The model's table lies in flash, all memory of the tracker is one
-// static block, frames come as a camera's DMA hands them over. The pose of every frame is printed; so is what it took.
+// The example in C++: tracks a face on a microcontroller. The model table is in flash. The memory of the tracker is one
+// static block. A camera's DMA delivers the frames. Prints the pose of every frame, and instructions and stack at the
+// end.
 #include <cstring>
 
 #include "board.h"
 #include "camera_buffers.hpp"
 #include "film.hpp"
 #include "line.hpp"
-#include "pliant/tracker.hpp"
-#include "start.hpp"  // where the face is in the first frame
+#include "pliant/pliant.hpp"
+#include "start.hpp"  // the pose in the first frame
 
 extern const unsigned char face[];
 extern const std::size_t face_bytes;
@@ -23,7 +24,7 @@ alignas(pliant::Arena::kAlignment) unsigned char memory[kArenaBytes];
 [[gnu::section(".frames")]] alignas(32) std::uint8_t frames[2][kWidth * kHeight];
 pliant::Tracker tracker;
 
-/// FNV-1a of everything a frame gives: two runs with the same line agree in every bit.
+/// FNV-1a of the result of a frame: two runs that print the same hash agree in every bit.
 std::uint32_t hash_of(const pliant::Estimator& estimator, const pliant::FrameResult& result) {
   std::uint32_t hash = 2166136261u;
   const auto add = [&hash](float x) {
@@ -59,7 +60,7 @@ void require(pliant::Status status, const char* what) {
   board_exit(1);
 }
 
-/// Model and tracker, once; the model may be forgotten afterwards, the table not.
+/// Makes the tracker. It keeps what it needs of the Model object; the table must stay.
 void set_up() {
   pliant::Model model;
   require(pliant::Model::open(face, face_bytes, &model), "model");

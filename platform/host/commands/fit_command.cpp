@@ -1,4 +1,4 @@
-// `pliant fit`: shape and pose of a model in one picture.
+// `pliant fit`: fits a model to one image.
 #include "host/commands/calibration_option.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/image_fit.hpp"
@@ -14,7 +14,7 @@ namespace pliant::host {
 
 namespace {
 
-/// A flag a parameter: a group by name, all, none, or the first so many of the table.
+/// Which parameters --parameters selects, one flag each; empty: all.
 std::vector<std::uint8_t> free_parameters(const Model& model, const std::optional<std::string>& choice) {
   if (!choice || *choice == "all") return {};
   std::vector<std::uint8_t> is_free(model.parameters().count, 0);
@@ -28,16 +28,16 @@ std::vector<std::uint8_t> free_parameters(const Model& model, const std::optiona
   return is_free;
 }
 
-/// The size from --size, --image or --pose; those that are there must agree.
-ImageSize picture_size(const Args& args, const Image& picture, const std::optional<FitFile>& pose) {
+/// The image size, from --size, --image or --pose. Bad input: they do not agree.
+ImageSize image_size(const Args& args, const Image& image, const std::optional<FitFile>& pose) {
   std::optional<ImageSize> size = args.size("--size");
   const auto agree = [&](int width, int height, const std::string& path) {
     if (size && (size->width != width || size->height != height))
-      fail_input(path, "is of " + std::to_string(width) + "x" + std::to_string(height) + " pixels, not " +
+      fail_input(path, "has " + std::to_string(width) + "x" + std::to_string(height) + " pixels, not " +
                            std::to_string(size->width) + "x" + std::to_string(size->height));
     size = ImageSize{width, height};
   };
-  if (!picture.pixels.empty()) agree(picture.width, picture.height, args.required("--image"));
+  if (!image.pixels.empty()) agree(image.width, image.height, args.required("--image"));
   if (pose) agree(pose->width, pose->height, args.required("--pose"));
   if (!size) fail_usage("--size or --image is needed");
   return *size;
@@ -60,12 +60,12 @@ void draw_overlay(const std::string& path, const Model& model, const FitFile& fi
   write_file(path, encode_png(overlay.image()));
 }
 
-/// --method and what goes with it.
+/// --method and the options of the methods.
 void read_method(const Args& args, FitSetup& setup) {
   const std::string method = args.text("--method").value_or("gauss-newton");
-  setup.stiffness = static_cast<float>(args.number("--stiffness", 1, 0, 1e6));
-  setup.euler.delta = static_cast<float>(args.number("--delta", 1e-3, 1e-12, 1e3));
-  setup.euler.steps = static_cast<int>(args.number("--steps", 600, 1, 1e6));
+  setup.stiffness = static_cast<float>(args.number("--stiffness", setup.stiffness, 0, 1e6));
+  setup.euler.delta = static_cast<float>(args.number("--delta", setup.euler.delta, 1e-12, 1e3));
+  setup.euler.steps = static_cast<int>(args.number("--steps", setup.euler.steps, 1, 1e6));
   if (method == "gauss-newton") return;
   setup.method = FitMethod::euler;
   if (method == "euler")
@@ -84,40 +84,51 @@ void write_textured(const std::string& path, const Model& model, const FitFile& 
   write_file(path, textured_glb(model, fit, q, picture));
 }
 
-int run_fit(const Args& args, Console& console) {
-  const std::string output = args.required("-o");
+void check_usage(const Args& args) {
   if (!args.has("--points") && !args.has("--box") && !args.has("--pose"))
     fail_usage("one of --points, --box and --pose is needed");
   if (args.has("--box") && args.has("--pose")) fail_usage("--box and --pose exclude each other");
   if (args.has("--texture") && !args.has("--image")) fail_usage("--texture needs the photograph: --image");
+}
+
+bool matches_silhouette(const Args& args) {
+  const std::string how = args.text("--silhouette").value_or("match");
+  if (how != "match" && how != "fixed") fail_usage("--silhouette: match or fixed, not " + how);
+  return how == "match";
+}
+
+/// Takes view and parameters of an earlier fit into the setup. \return the fit, with the camera of the setup.
+FitFile initial_fit(const FitFile& earlier, const std::string& path, const Model& model, FitSetup& setup,
+                    std::ostream& err) {
+  list_unmatched(apply(earlier.parameters, path, model, setup.q.data()), path, err);
+  const View view = view_of(earlier.pose, earlier.camera);
+  setup.view = setup.camera ? with_camera(view, *setup.camera) : with_focal(view, setup.focal_px);
+  FitFile fit = fit_of_view(model, setup.size, *setup.view, setup.q);
+  fit.camera = setup.camera.value_or(fit.camera);
+  return fit;
+}
+
+int run_fit(const Args& args, Console& console) {
+  const std::string output = args.required("-o");
+  check_usage(args);
   const auto box = args.numbers("--box", 4);
   const ModelFile file(args.operand(0));
   const Model& model = file.model();
-  Image picture;
-  if (const auto path = args.text("--image")) picture = read_image(*path);
-  std::optional<FitFile> start;
-  if (const auto path = args.text("--pose")) start = parse_fit(*path, read_file(*path));
+  Image image;
+  if (const auto path = args.text("--image")) image = read_image(*path);
+  std::optional<FitFile> earlier;
+  if (const auto path = args.text("--pose")) earlier = parse_fit(*path, read_file(*path));
 
   FitSetup setup;
-  setup.size = picture_size(args, picture, start);
+  setup.size = image_size(args, image, earlier);
   setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
   setup.camera = calibration_of(args, setup.size, console.err);
   setup.is_free = free_parameters(model, args.text("--parameters"));
-  const std::string silhouette = args.text("--silhouette").value_or("match");
-  if (silhouette != "match" && silhouette != "fixed")
-    fail_usage("--silhouette: match or fixed, not " + silhouette);
-  setup.match_silhouette = silhouette == "match";
+  setup.match_silhouette = matches_silhouette(args);
   read_method(args, setup);
   setup.q.assign(model.parameters().count, 0.0f);
   FitFile fit;
-  if (start) {
-    list_unmatched(apply(start->parameters, args.required("--pose"), model, setup.q.data()),
-                   args.required("--pose"), console.err);
-    const View view = view_of(start->pose, start->camera);
-    setup.view = setup.camera ? with_camera(view, *setup.camera) : with_focal(view, setup.focal_px);
-    fit = fit_of_view(model, setup.size, *setup.view, setup.q);
-    fit.camera = setup.camera.value_or(fit.camera);
-  }
+  if (earlier) fit = initial_fit(*earlier, args.required("--pose"), model, setup, console.err);
   if (box) {
     fit = fit_to_box(file, *box, setup);
     setup.view = view_of(fit.pose, fit.camera);
@@ -126,8 +137,8 @@ int run_fit(const Args& args, Console& console) {
     fit = fit_to_points(file, *points, read_points(*points), setup);
 
   write_file(output, fit_text(fit));
-  if (const auto path = args.text("--overlay")) draw_overlay(*path, model, fit, picture);
-  if (const auto path = args.text("--texture")) write_textured(*path, model, fit, picture);
+  if (const auto path = args.text("--overlay")) draw_overlay(*path, model, fit, image);
+  if (const auto path = args.text("--texture")) write_textured(*path, model, fit, image);
   console.out << output << ": " << fit.inliers << " of " << fit.points.size() << " points, rms "
               << number_text(static_cast<double>(fit.rms_px)) << " px, f "
               << number_text(static_cast<double>(fit.camera.f)) << " px\n";
@@ -139,34 +150,31 @@ int run_fit(const Args& args, Console& console) {
 Command fit_command() {
   return {
       "fit",
-      "Fits a model to one picture: pose, focal length and parameters.",
+      "Fits a model to one image: pose, focal length and parameters.",
       "face.plm (--points points.csv | --box x,y,w,h | --pose fit.json) --size WxH [--image picture] "
-      "[--focal PX|--calibration camera.yml] "
-      "[--parameters GROUP|COUNT] [--silhouette match|fixed] -o fit.json [--overlay picture.png] [--texture "
-      "face.glb]",
+      "[--focal PX|--calibration camera.yml] [--parameters GROUP|COUNT] [--silhouette match|fixed] "
+      "-o fit.json [--overlay picture.png] [--texture face.glb]",
       {{"--points", "CSV",
-        "landmark,x,y: landmarks of the model by name, at least four; with columns u,v any points of the "
-        "surface"},
-       {"--box", "X,Y,W,H", "a face detector's box; with --points, the start of the fit"},
-       {"--pose", "JSON", "an earlier fit; with --points, the start of the fit"},
-       {"--size", "WxH", "of the picture, where no --image tells"},
-       {"--image", "FILE", "the picture, to draw on"},
-       {"--focal", "PX", "focal length, when it is known"},
+        "landmark,x,y: at least four landmarks by name; with columns u,v also other points of the surface"},
+       {"--box", "X,Y,W,H", "the box of a face detector; with --points, where the fit begins"},
+       {"--pose", "JSON", "an earlier fit; with --points, where the fit begins"},
+       {"--size", "WxH", "size of the image, if there is no --image"},
+       {"--image", "FILE", "the image, for --overlay and --texture"},
+       {"--focal", "PX", "focal length, if known"},
        {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
-       {"--parameters", "CHOICE", "free ones: identity, expression, all (default), none, or the first COUNT"},
+       {"--parameters", "CHOICE",
+        "parameters to estimate: identity, expression, all (default), none, or the first COUNT"},
        {"--silhouette", "HOW",
-        "ibug00 to ibug16: match them to the silhouette (default), or take them as fixed places of the "
-        "surface"},
+        "ibug00 to ibug16: match them to the silhouette (default), or keep them at fixed surface points"},
        {"--method", "NAME",
         "gauss-newton (default); euler, the published dynamics; preconditioned or barzilai-borwein, the same "
-        "with steps "
-        "that converge at any resolution"},
+        "dynamics with steps that converge at any resolution"},
        {"--delta", "STEP", "step of --method euler; 0.001"},
-       {"--steps", "N", "steps of the dynamics, a stage; 600"},
-       {"--stiffness", "K", "weight of the prior on the parameters; 1; 0: the points alone"},
+       {"--steps", "N", "steps of the dynamics in each stage; 600"},
+       {"--stiffness", "K", "weight of the prior on the parameters; 1; 0: no prior"},
        {"-o", "JSON", "the fit to write"},
        {"--overlay", "PNG", "a picture of the fit"},
-       {"--texture", "GLB", "the fitted model with the photograph on it"}},
+       {"--texture", "GLB", "the fitted model with the image as its texture"}},
       1,
       run_fit};
 }

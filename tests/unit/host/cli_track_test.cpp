@@ -1,4 +1,4 @@
-// `pliant track`: what it writes, and what it says about bad video and bad starts.
+// `pliant track`: the files that it writes, and its messages for bad videos and bad initial states.
 #include <map>
 
 #include "host/io/csv.hpp"
@@ -9,7 +9,7 @@ using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
 
-TEST_CASE("track follows what was drawn, and its table says so in the columns that were promised") {
+TEST_CASE("track finds the rendered motion, and its table has the documented columns") {
   const Sequence s;
   s.put("marks.csv", "landmark,x,y\ncheek,70,90\nchin,100,115\n");
   auto words = s.track_words();
@@ -45,9 +45,9 @@ TEST_CASE("track follows what was drawn, and its table says so in the columns th
   CHECK(overlay.rfind("YUV4MPEG2 W400 H320 F30:1", 0) == 0);
 }
 
-TEST_CASE("landmarks given beside the model's stay there on this face, unless the model's are asked for") {
+TEST_CASE("landmarks keep their offsets from the model, unless --model-landmarks is given") {
   const Sequence s;
-  // To and fro by turns: what the model can't do. Its own places remain in the video.
+  // Moved up and down alternately, which no person or expression of the model explains. The video is unchanged.
   std::istringstream in(s.first_points());
   std::string line, points = "landmark,x,y\n", owned = "landmark,x,y,u,v\n";
   std::getline(in, line);
@@ -98,16 +98,16 @@ TEST_CASE("landmarks given beside the model's stay there on this face, unless th
   REQUIRE(run_words({"fit", s.model, "--points", s / "b.csv", "--size", "200x160", "--focal", "330", "-o",
                      s / "f.json"})
               .code == 0);
-  words[8] = "--freeze";  // the focal length is that of the fit
+  words[8] = "--freeze";  // fit.json has the focal length
   words[9] = "identity";
   const std::string from_fit = track(s / "f.json", "--landmarks", &first, &moved);
   CHECK(first < 1.5f);
   CHECK(std::count(from_fit.begin(), from_fit.end(), ',') == std::count(beside.begin(), beside.end(), ','));
   track(s.put("o.csv", owned), "--landmarks", &first, &moved);
-  CHECK(first > 4);  // those points are of other places
+  CHECK(first > 4);  // points with u,v of their own are no landmarks
 }
 
-TEST_CASE("a marker beside the model keeps its distance from it") {
+TEST_CASE("a marker beside the model keeps its offset from it") {
   const Sequence s;
   auto words = s.track_words();
   words.insert(words.end(), {"--markers", s.put("marks.csv", "landmark,x,y\nbeside,12,80\n"), "--landmarks"});
@@ -131,7 +131,7 @@ TEST_CASE("two runs write the same bytes") {
   CHECK(read_file(s / "t.csv") == first);
 }
 
-TEST_CASE("a mirrored video gives the mirror image of the track's frames to the tracker") {
+TEST_CASE("--mirror of a mirrored video gives the track of the video") {
   const Sequence s;
   std::string flipped = read_file(s.video);
   const std::size_t head = flipped.find('\n') + 1;
@@ -164,7 +164,7 @@ TEST_CASE("frozen expressions stay at rest, and the identity stays as fitted unl
   CHECK(frozen.cell(11, frozen.column("qy")) != frozen.cell(0, frozen.column("qy")));
 }
 
-TEST_CASE("a mesh that follows the view has other vertices, and the track hardly knows") {
+TEST_CASE("a mesh that adapts to the view has other vertices, and the pose stays within 0.002") {
   const Sequence s;
   auto words = s.track_words();
   REQUIRE(run_words(words).code == 0);
@@ -240,7 +240,7 @@ TEST_CASE("a video that ends in mid-frame gives a row for every whole frame, one
   CHECK_FALSE(s.has("t.csv.part"));
 }
 
-TEST_CASE("a Y4M header that lies about its size, or is none, is one line") {
+TEST_CASE("a Y4M header with a wrong size, or no header, is refused in one line") {
   const Sequence s;
   const std::string whole = read_file(s.video), body = whole.substr(whole.find('\n') + 1);
   auto words = s.track_words();
@@ -275,7 +275,7 @@ TEST_CASE("a picture of another size in a folder stops the track there, in one l
   CHECK(CsvTable("t", read_file(s / "t.csv")).row_count() == 3);
 }
 
-TEST_CASE("what a tracker cannot start on is told, not tracked") {
+TEST_CASE("frames, markers and truths that a track cannot use are refused by name") {
   const Sequence s;
   auto words = s.track_words();
   const std::string flat = "YUV4MPEG2 W200 H160 F30:1 Cmono\nFRAME\n" + std::string(200 * 160, 'g');
