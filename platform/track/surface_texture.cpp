@@ -1,60 +1,65 @@
-// How much texture the picture shows where on the surface, kept over the chart: the mesh that follows the view has more
-// vertices there.
-#include "pliant/tracker.hpp"
+#include "track/surface_texture.hpp"
 
 namespace pliant {
 
 namespace {
 
-constexpr float kSteps = 16;  // stored ones for a score of 1
-constexpr float kMostScore = 4;
-constexpr float kWorthLambda = CornerOptions{}.min_score;  // what is worth a corner is worth a vertex
+constexpr const SurfaceTextureTuning& kTuning = kSurfaceTextureTuning;
 
 constexpr float kSamples[4][3] = {{1.0f / 3, 1.0f / 3, 1.0f / 3},
                                   {2.0f / 3, 1.0f / 6, 1.0f / 6},
                                   {1.0f / 6, 2.0f / 3, 1.0f / 6},
                                   {1.0f / 6, 1.0f / 6, 2.0f / 3}};
 
+float score_in(void* context, Vec2 uv) {
+  return static_cast<const SurfaceTexture*>(context)->score(uv);
+}
+
 }  // namespace
 
-/// Gives the mesh a score to follow, unless the caller has one.
-void Tracker::start_texture() {
-  TextureOptions& texture = options_.estimator.texture;
-  notes_texture_ =
-      limits_.texture_cells > 0 && options_.estimator.mesh_operations > 0 && texture.score == nullptr;
-  if (!notes_texture_) return;
-  for (int i = 0; i < limits_.texture_cells * limits_.texture_cells; ++i) texture_[i] = 0;
-  texture.context = this;
-  texture.score = texture_score;
+void SurfaceTexture::lay_out(Arena& arena, std::uint8_t cells_a_side) {
+  side_ = cells_a_side;
+  is_on_ = false;
+  arena.count_as(Purpose::adaptation);
+  cells_ = arena.take<std::uint8_t>(side_ * side_);
 }
 
-std::uint8_t& Tracker::texture_at(Vec2 uv) const {
-  const std::size_t side = limits_.texture_cells;
-  const auto cell = [side](float t) {
-    return static_cast<std::size_t>(clamp(t * static_cast<float>(side), 0, static_cast<float>(side) - 1));
+void SurfaceTexture::start(EstimatorOptions* options) {
+  is_on_ = side_ > 0 && options->mesh_operations > 0 && options->texture.score == nullptr;
+  if (!is_on_) return;
+  for (std::size_t i = 0; i < side_ * side_; ++i) cells_[i] = 0;
+  options->texture.context = this;
+  options->texture.score = score_in;
+}
+
+std::uint8_t& SurfaceTexture::cell(Vec2 uv) const {
+  const auto index = [this](float t) {
+    return static_cast<std::size_t>(clamp(t * static_cast<float>(side_), 0, static_cast<float>(side_) - 1));
   };
-  return texture_[cell(uv.y) * side + cell(uv.x)];
+  return cells_[index(uv.y) * side_ + index(uv.x)];
 }
 
-float Tracker::texture_score(void* context, Vec2 uv) {
-  return (1 / kSteps) * static_cast<float>(static_cast<const Tracker*>(context)->texture_at(uv));
+float SurfaceTexture::score(Vec2 uv) const {
+  return (1 / kTuning.steps) * static_cast<float>(cell(uv));
 }
 
-/// Looks at the faces that turn to the camera, one in `parts`, beginning at `part`. What is seen now replaces what was.
-void Tracker::note_texture(std::uint32_t part, std::uint32_t parts) {
-  const Mesh& mesh = estimator_.mesh();
+/// The faces f with f modulo `parts` equal to `part`. What is seen now replaces what was noted before.
+void SurfaceTexture::note(const Estimator& estimator, const FrameRegion& region, std::uint32_t part,
+                          std::uint32_t parts) {
+  if (!is_on_) return;
+  const Mesh& mesh = estimator.mesh();
   for (FaceId f : mesh.faces()) {
-    if (f % parts != part || !faces_camera(mesh, estimator_.vertex_images(), f)) continue;
+    if (f % parts != part || !faces_camera(mesh, estimator.vertex_images(), f)) continue;
     Vec2 x[3], uv[3];
     for (int k = 0; k < 3; ++k) {
-      x[k] = estimator_.vertex_seen(mesh.corner(f, k)) - origin_;
+      x[k] = estimator.vertex_seen(mesh.corner(f, k)) - region.origin();
       uv[k] = mesh.uv(mesh.corner(f, k));
     }
     for (const auto& w : kSamples) {
       const float lambda =
-          corner_score(current_.level(0), w[0] * x[0] + w[1] * x[1] + w[2] * x[2]).lambda_min;
-      texture_at(w[0] * uv[0] + w[1] * uv[1] + w[2] * uv[2]) =
-          static_cast<std::uint8_t>(kSteps * min(lambda / kWorthLambda, kMostScore));
+          corner_score(region.pyramid().level(0), w[0] * x[0] + w[1] * x[1] + w[2] * x[2]).lambda_min;
+      cell(w[0] * uv[0] + w[1] * uv[1] + w[2] * uv[2]) =
+          static_cast<std::uint8_t>(kTuning.steps * min(lambda / kTuning.unit_lambda, kTuning.most_score));
     }
   }
 }

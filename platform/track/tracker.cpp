@@ -1,36 +1,23 @@
-// The life of a tracker: memory, start, and what is done with a frame.
+// The tracker: a composition of its parts. `update` is the pipeline: predict, match, solve, conclude.
 #include "pliant/tracker.hpp"
 
-#include "track/edge_search.hpp"
-#include "track/surface_offset.hpp"
+#include "track/edge_tracker.hpp"
+#include "track/frame_region.hpp"
+#include "track/key_frames.hpp"
+#include "track/landmark_fit.hpp"
+#include "track/landmark_offsets.hpp"
+#include "track/markers.hpp"
+#include "track/start_fit.hpp"
+#include "track/surface_texture.hpp"
+#include "track/template_matcher.hpp"
+#include "track/template_placement.hpp"
+#include "track/template_store.hpp"
+#include "track/template_tuning.hpp"
 #include "track/tracker_sizes.hpp"
-#include "vision/thumbnail.hpp"
 
 namespace pliant {
 
 namespace {
-
-constexpr std::uint32_t kTextureShare = 32;    // one face in so many is looked at for texture, a frame
-constexpr std::size_t kLongestRow = 1u << 24;  // bytes, of a frame that is used in place
-
-PatchLimits patch_limits(const TrackerLimits& limits) {
-  PatchLimits p;
-  p.slots = static_cast<int>(all_slots(limits));
-  p.window = limits.patch_window;
-  p.levels = limits.pyramid_levels;
-  p.margin = limits.patch_margin;
-  p.keeps_templates = limits.keeps_templates;
-  return p;
-}
-
-PyramidLimits pyramid_limits(const TrackerLimits& limits) {
-  PyramidLimits p;
-  p.width = region_width(limits);
-  p.height = region_height(limits);
-  p.levels = limits.pyramid_levels;
-  p.copies_frame = limits.copies_frame || limits.keeps_previous;
-  return p;
-}
 
 EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   EstimatorLimits e = without_rejection(EstimatorLimits{});
@@ -46,203 +33,452 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   return e;
 }
 
-/// The nearest place for a window of `size` around `centre` inside 0 .. all, on the grid of the coarsest pyramid level.
-int placed(float centre, int size, int all, int grid) {
-  const float first = centre - 0.5f * static_cast<float>(size);
-  const int at = static_cast<int>(clamp(first, 0, static_cast<float>(all - size)));
-  return at / grid * grid;
+/// Lays a part out; while measuring there is none, and one on the stack does. Not inlined, so that the stack holds one
+/// such part at a time.
+template <class Part, class... Args>
+[[gnu::noinline]] void lay_out_part(Arena& arena, Part* part, const Args&... args) {
+  if (part != nullptr) return part->lay_out(arena, args...);
+  Part measured;
+  measured.lay_out(arena, args...);
 }
 
 }  // namespace
 
-/// Everything that tracking uses; also again after the fit of a start has used the same memory.
-void Tracker::lay_out_tracking(Arena& arena, const Model& model) {
-  slot_count_ = all_slots(limits_);
-  estimator_.lay_out(arena, model, estimator_limits(limits_));
-  arena.count_as(Purpose::pyramid);
-  current_.lay_out(arena, pyramid_limits(limits_));
-  if (limits_.keeps_previous) previous_.lay_out(arena, pyramid_limits(limits_));
-  arena.count_as(Purpose::patches);
-  patches_.lay_out(arena, patch_limits(limits_));
+/// What lasts from start to start comes first; the tracking's parts share their memory with a start's fit, which runs
+/// before them.
+struct Tracker::Impl {
+  TrackerLimits limits = without_rejection(TrackerLimits{});
+  TrackerOptions options;
+  Span<float> start_q;
+  LandmarkOffsets offsets;
+  Span<unsigned char> block;  // of fit and tracking
+
+  Estimator estimator;
+  FrameRegion region;
+  TemplateStore templates;
+  TemplateMatcher matcher;
+  TemplatePlacement placement;
+  EdgeTracker edges;
+  KeyFrames key_frames;
+  SurfaceTexture texture;
+  Markers markers;
+  Span<Observation> observations;
+  std::size_t observation_count = 0;
+  std::uint16_t* prediction_index = nullptr;  // by id of a surface point
+
+  FrameResult result;
+  std::uint32_t frame = 0, last_sequence = 0;
+  std::int64_t last_time_ns = 0;
+  int bad_frames = 0;  // in a row
+  bool is_started = false;
+
+  const Model& model() const { return estimator.model(); }
+  MatchFrame match_frame() { return {templates, region, observations}; }
+
+  /// The tracking's parts, whose memory a start's fit may have used. Null: measures.
+  static void lay_out_tracking(Arena& arena, Impl* impl, const Model& model, const TrackerLimits& limits);
+
+  Status check_start(const FrameView& frame, Span<const Vec2> markers) const;
+  Status check_landmarks(Span<const NamedPoint> points) const;
+  bool fits_model(const SavedState& state) const;
+  template <class Fit>
+  Status fit_before_tracking(Fit&& fit);
+  Status start(const FrameView& frame, const StartPose& from, const float* q, const TrackerOptions& with,
+               Span<const Vec2> marker_places);
+  Status capture_frame_0(const FrameView& frame, Span<const Vec2> marker_places);
+
+  bool is_stale(const FrameView& view) const;
+  Status predict(const FrameView& view);
+  void match_and_solve();
+  std::size_t run_round(int round);
+  void conclude();
+  void keep_key_frame();
+};
+
+// --- Memory ---
+
+void Tracker::Impl::lay_out_tracking(Arena& arena, Impl* impl, const Model& model,
+                                     const TrackerLimits& limits) {
+  lay_out_part(arena, impl == nullptr ? nullptr : &impl->estimator, model, estimator_limits(limits));
+  lay_out_part(arena, impl == nullptr ? nullptr : &impl->region, limits);
+  lay_out_part(arena, impl == nullptr ? nullptr : &impl->templates, limits);
+  lay_out_part(arena, impl == nullptr ? nullptr : &impl->matcher, limits);
+  lay_out_part(arena, impl == nullptr ? nullptr : &impl->placement, limits);
+  lay_out_part(arena, impl == nullptr ? nullptr : &impl->edges, limits);
+  lay_out_part(arena, impl == nullptr ? nullptr : &impl->key_frames, limits);
+  lay_out_part(arena, impl == nullptr ? nullptr : &impl->texture, limits.texture_cells);
+  lay_out_part(arena, impl == nullptr ? nullptr : &impl->markers, std::size_t{limits.markers});
   arena.count_as(Purpose::points);
-  slots_ = arena.take<Slot>(slot_count_);
-  observations_ = arena.take<Observation>(slot_count_ + EdgeSearch::kAlternatives * edge_points(limits_));
-  prediction_of_ = arena.take<std::uint16_t>(all_points(limits_));
-  EdgeSearch measured;
-  edges_ = arena.take<EdgeSearch>(1);
-  (edges_ != nullptr ? *edges_ : measured).lay_out(arena, edge_points(limits_));
-  marker_ids_ = arena.take<std::uint16_t>(limits_.markers);
-  marker_offsets_ = arena.take<Vec3>(limits_.markers);
-  arena.count_as(Purpose::corners);
-  corners_ = arena.take<Corner>(limits_.patches);
-  const CornerOptions corners = corner_options(limits_);
-  cells_ = arena.take<std::uint8_t>(
-      static_cast<std::size_t>(corner_cells(region_width(limits_), corners.cell_px)) *
-      static_cast<std::size_t>(corner_cells(region_height(limits_), corners.cell_px)));
-  scratch_bytes_ = corner_scratch_bytes(region_width(limits_), region_height(limits_), corners);
-  scratch_ = arena.take<std::uint8_t>(scratch_bytes_);
-  arena.count_as(Purpose::adaptation);
-  texture_ = arena.take<std::uint8_t>(std::size_t{limits_.texture_cells} * limits_.texture_cells);
-  thumbnail_factor_ = thumbnail_factor(limits_.width, limits_.thumbnail_width);
-  thumbnail_width_ = limits_.width / thumbnail_factor_;
-  thumbnail_height_ = limits_.height / thumbnail_factor_;
-  const std::size_t small =
-      static_cast<std::size_t>(thumbnail_width_) * static_cast<std::size_t>(thumbnail_height_);
-  arena.count_as(Purpose::thumbnails);
-  thumbnail_line_ = arena.take<std::uint16_t>(static_cast<std::size_t>(thumbnail_width_ * thumbnail_factor_));
-  thumbnail_ = arena.take<std::uint8_t>(small);
-  trusted_thumbnail_ = arena.take<std::uint8_t>(small);
-  key_thumbnails_ = arena.take<std::uint8_t>((std::size_t{limits_.key_frames} + 1) * small);
+  const auto observations =
+      arena.take_span<Observation>(all_slots(limits) + EdgeTracker::kAlternatives * edge_points(limits));
+  std::uint16_t* const index = arena.take<std::uint16_t>(all_points(limits));
+  if (impl == nullptr) return;
+  impl->observations = observations;
+  impl->prediction_index = index;
 }
 
-Status Tracker::check_frame(const FrameView& frame) const {
-  const Status status = check(frame);
+void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
+  TrackerLimits own = limits;
+  if (own.key_frames > TrackerLimits::kMostKeyFrames) own.key_frames = TrackerLimits::kMostKeyFrames;
+  arena.count_as(Purpose::state);
+  void* const room = arena.take<Impl>(1);
+  impl_ = room == nullptr ? nullptr : new (room) Impl();
+  const auto q = arena.take_span<float>(model.parameters().count);
+  lay_out_part(arena, impl_ == nullptr ? nullptr : &impl_->offsets, model);
+  unsigned char* const block = arena.take<unsigned char>(0);
+  const std::size_t before = arena.used_bytes(), fit = start_fit_bytes(model, own.start_points);
+  Impl::lay_out_tracking(arena, impl_, model, own);
+  const std::size_t tracking = arena.used_bytes() - before;
+  arena.count_as(Purpose::solver);
+  if (fit > tracking) arena.take<unsigned char>(fit - tracking);
+  if (impl_ == nullptr) return;
+  impl_->limits = own;
+  impl_->start_q = q;
+  impl_->block = {block, fit > tracking ? fit : tracking};
+}
+
+// --- Starts ---
+
+Status Tracker::Impl::check_start(const FrameView& view, Span<const Vec2> marker_places) const {
+  const Status status = region.check_frame(view);
   if (status != Status::ok) return status;
-  if (frame.width != limits_.width || frame.height != limits_.height) return Status::size_mismatch;
-  const bool is_copied = limits_.copies_frame || limits_.keeps_previous;
-  const bool is_usable = is_copied || (frame.pixel_step_bytes == 1 && frame.stride_bytes <= kLongestRow);
-  return is_usable ? Status::ok : Status::bad_argument;
+  return marker_places.count <= limits.markers ? Status::ok : Status::capacity;
 }
 
-/// Builds the pyramid of the region around where the model is expected.
-Status Tracker::look_at_region(const FrameView& frame) {
-  const int width = region_width(limits_), height = region_height(limits_);
-  const int grid = 1 << (limits_.pyramid_levels - 1);
-  int x = 0, y = 0;
-  if (width < frame.width || height < frame.height) {
-    const PixelBox box = model_box();
-    const float half = 0.5f * static_cast<float>(thumbnail_factor_);
-    const Vec2 centre =
-        Vec2{half * static_cast<float>(box.x0 + box.x1), half * static_cast<float>(box.y0 + box.y1)} +
-        expected_shift_;
-    x = placed(centre.x, width, frame.width, grid);
-    y = placed(centre.y, height, frame.height, grid);
+Status Tracker::Impl::check_landmarks(Span<const NamedPoint> points) const {
+  if (points.count > 0 && points.data == nullptr) return Status::bad_argument;
+  for (const NamedPoint& p : points) {
+    if (p.name == nullptr || model().find_landmark(p.name) == kNone) return Status::not_found;
+    if (!is_finite(p.x)) return Status::bad_argument;
   }
-  FrameView part = frame;
-  part.width = width;
-  part.height = height;
-  part.data += static_cast<std::size_t>(y) * frame.stride_bytes +
-               static_cast<std::size_t>(x) * static_cast<std::size_t>(frame.pixel_step_bytes);
-  const Status status = current_.build(part);
-  if (status == Status::ok) origin_ = {static_cast<float>(x), static_cast<float>(y)};
+  return Status::ok;
+}
+
+bool Tracker::Impl::fits_model(const SavedState& state) const {
+  const std::size_t count = state.landmark_offsets.count;
+  if (state.parameters.data == nullptr || state.parameters.count != start_q.count) return false;
+  return count == 0 || (count == offsets.values().count && state.landmark_offsets.data != nullptr);
+}
+
+/// Runs `fit(arena, model)` in the memory of the tracking, which is laid out anew afterwards.
+template <class Fit>
+Status Tracker::Impl::fit_before_tracking(Fit&& fit) {
+  is_started = false;
+  const Model of_table = model();  // the estimator's own lies in memory that is about to change
+  Arena before(block.data, block.count);
+  const Status status = fit(before, of_table);
+  Arena after(block.data, block.count);
+  lay_out_tracking(after, this, of_table, limits);
   return status;
 }
 
-PixelBox Tracker::region() const {
-  const int x = static_cast<int>(origin_.x), y = static_cast<int>(origin_.y);
-  return {x, y, x + region_width(limits_), y + region_height(limits_)};
+/// Frame 0, of checked arguments.
+Status Tracker::Impl::start(const FrameView& view, const StartPose& from, const float* q,
+                            const TrackerOptions& with, Span<const Vec2> marker_places) {
+  is_started = false;
+  options = with;
+  texture.start(&options.estimator);
+  Status status =
+      estimator.start(from.camera, view.width, view.height, from.pose, q, options.is_free, options.estimator);
+  if (status == Status::ok) status = capture_frame_0(view, marker_places);
+  if (status != Status::ok) return status;
+  last_time_ns = view.time_ns;
+  last_sequence = view.sequence;
+  frame = 0;
+  bad_frames = 0;
+  matcher.start(limits.keeps_previous && options.estimator.uses(Cue::flow));
+  is_started = true;
+  return Status::ok;
 }
 
-/// A clock may be set back and a sequence number may be left out, but not both.
-bool Tracker::is_stale(const FrameView& frame) const {
-  const bool is_next = frame.sequence != last_sequence_ && frame.sequence - last_sequence_ < 0x80000000u;
-  return frame.time_ns <= last_time_ns_ && !is_next;
+/// Templates, edges and thumbnail of frame 0.
+Status Tracker::Impl::capture_frame_0(const FrameView& view, Span<const Vec2> marker_places) {
+  Status status = region.build(view, region.is_whole_frame() ? Vec2{} : key_frames.middle_of(estimator));
+  if (status != Status::ok) return status;
+  key_frames.take(view);
+  texture.note_all(estimator, region);
+  estimator.begin(view.time_ns);
+  status = markers.place(estimator, marker_places, options.marker_exclusion_px);
+  if (status != Status::ok) return status;
+  templates.clear();
+  key_frames.clear();
+  placement.place(templates, estimator, region, markers, 0, limits.patches);
+  std::uint16_t captured = 0;
+  for (std::size_t k = 0; k < limits.patches; ++k)
+    captured = static_cast<std::uint16_t>(captured + templates[k].is_used);
+  if (captured < kTrackerTuning.least_templates) return Status::too_few_points;
+  result = {TrackState::tracking,
+            pose_of(estimator.view()),
+            captured,
+            captured,
+            0,
+            0,
+            static_cast<std::uint16_t>(estimator.mesh().vertex_count())};
+  edges.start(estimator, region);
+  key_frames.trust(estimator);
+  key_frames.keep(0, estimator.view(), 0);
+  return Status::ok;
 }
 
 Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, const Pose& pose,
                                 const float* q, const TrackerOptions& options, Span<const Vec2> markers) {
-  const Status status = check_start(frame, markers);
+  if (impl_ == nullptr) return Status::not_started;
+  const Status status = impl_->check_start(frame, markers);
   if (status != Status::ok) return status;
-  clear_offsets();
-  for (std::size_t k = 0; q == nullptr && k < model().parameters().count; ++k) start_q_[k] = 0;
-  return start_tracking(frame, camera, pose, q == nullptr ? start_q_ : q, options, markers);
+  impl_->offsets.clear();
+  for (std::size_t k = 0; k < impl_->start_q.count; ++k) impl_->start_q[k] = q == nullptr ? 0 : q[k];
+  return impl_->start(frame, {camera, pose}, impl_->start_q.data, options, markers);
 }
 
-/// Frame 0. Its arguments have been checked.
-Status Tracker::start_tracking(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
+Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoint> points,
+                                     const StartOptions& start, const TrackerOptions& options,
+                                     Span<const Vec2> markers) {
+  if (impl_ == nullptr) return Status::not_started;
+  Impl& t = *impl_;
+  Status status = t.check_start(frame, markers);
+  if (status == Status::ok && points.count > t.limits.start_points) status = Status::capacity;
+  if (status == Status::ok && points.count < kLandmarkFitTuning.least_points) status = Status::too_few_points;
+  if (status == Status::ok) status = t.check_landmarks(points);
+  if (status == Status::ok && !(start.focal_px >= 0)) status = Status::bad_argument;
+  if (status != Status::ok) return status;
+  FitOptions fit;
+  fit.width = frame.width;
+  fit.height = frame.height;
+  fit.focal_px = start.focal_px;
+  fit.camera = start.camera;
+  StartPose found;
+  t.offsets.clear();
+  status = t.fit_before_tracking([&](Arena& arena, const Model& model) {
+    return fit_to_landmarks(arena, model, points, fit, t.start_q.data, &found,
+                            start.keeps_landmark_offsets ? &t.offsets : nullptr);
+  });
+  if (status == Status::ok) status = t.start(frame, found, t.start_q.data, options, markers);
+  if (status == Status::ok) t.offsets.place_pending(t.estimator);
+  return status;
+}
+
+Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, const StartOptions& start,
                                const TrackerOptions& options, Span<const Vec2> markers) {
-  started_ = false;
-  options_ = options;
-  start_texture();
-  Status status =
-      estimator_.start(camera, frame.width, frame.height, pose, q, options.is_free, options_.estimator);
+  if (impl_ == nullptr) return Status::not_started;
+  Impl& t = *impl_;
+  Status status = t.check_start(frame, markers);
+  if (status == Status::ok && !(start.focal_px >= 0 && size.x > 0 && size.y > 0))
+    status = Status::bad_argument;
   if (status != Status::ok) return status;
-  expected_shift_ = {};
-  status = look_at_region(frame);
-  if (status != Status::ok) return status;
-  make_thumbnail(frame, thumbnail_factor_, thumbnail_line_, thumbnail_);
-  if (notes_texture_) note_texture(0, 1);
-  estimator_.begin(frame.time_ns);
-  status = place_markers(markers);
-  if (status != Status::ok) return status;
-  for (std::size_t k = 0; k < slot_count_; ++k) slots_[k].is_used = false;
-  for (KeyFrame& key : keys_) key.is_used = false;
-  seed_patches(0, limits_.patches);
-  std::uint16_t seeded = 0;
-  for (std::size_t k = 0; k < limits_.patches; ++k)
-    seeded = static_cast<std::uint16_t>(seeded + slots_[k].is_used);
-  if (seeded < 6) return Status::too_few_points;
-  result_ = {TrackState::tracking,
-             pose_of(estimator_.view()),
-             seeded,
-             seeded,
-             0,
-             0,
-             static_cast<std::uint16_t>(estimator_.mesh().vertex_count())};
-  last_time_ns_ = frame.time_ns;
-  last_sequence_ = frame.sequence;
-  edges_->place(estimator_, options.curve_spacing_mm, limits_.silhouette_points);
-  edges_->anchor(estimator_, current_, origin_);
-  frame_ = 0;
-  describe_key(0);
-  last_box_ = keys_[0].box;
-  std::uint8_t* const empty = trusted_thumbnail_;
-  trusted_thumbnail_ = thumbnail_;
-  thumbnail_ = empty;
-  bad_frames_ = 0;
-  moved_px_ = left_px_ = shift_px_ = 1e9f;
-  started_ = true;
+  t.offsets.clear();
+  for (float& value : t.start_q) value = 0;
+  StartPose found{start_camera(start.camera, start.focal_px, frame.width, frame.height), {}};
+  status = t.fit_before_tracking([&](Arena& arena, const Model& model) {
+    return fit_to_box(arena, model, corner, size, t.start_q.data, &found);
+  });
+  return status == Status::ok ? t.start(frame, found, t.start_q.data, options, markers) : status;
+}
+
+Status Tracker::start_from_state(const FrameView& frame, const SavedState& state,
+                                 const TrackerOptions& options, Span<const Vec2> markers) {
+  if (impl_ == nullptr) return Status::not_started;
+  if (!impl_->fits_model(state)) return Status::bad_argument;
+  for (const Vec3& offset : state.landmark_offsets)
+    if (!is_finite(offset)) return Status::bad_argument;
+  const Status status =
+      start_from_pose(frame, state.camera, state.pose, state.parameters.data, options, markers);
+  if (status == Status::ok && !state.landmark_offsets.empty()) impl_->offsets.set(state.landmark_offsets);
+  return status;
+}
+
+Status Tracker::save(SavedState* state) const {
+  if (!is_started()) return Status::not_started;
+  if (state == nullptr || !impl_->fits_model(*state)) return Status::bad_argument;
+  state->camera = camera();
+  state->pose = impl_->result.pose;
+  for (std::size_t k = 0; k < state->parameters.count; ++k) state->parameters[k] = parameters()[k];
+  for (std::size_t k = 0; k < state->landmark_offsets.count; ++k)
+    state->landmark_offsets[k] = impl_->offsets.values()[k];
   return Status::ok;
 }
 
+// --- A frame ---
+
+/// A clock may be set back and a sequence number may be left out, but not both.
+bool Tracker::Impl::is_stale(const FrameView& view) const {
+  const bool is_next = view.sequence != last_sequence && view.sequence - last_sequence < 0x80000000u;
+  return view.time_ns <= last_time_ns && !is_next;
+}
+
 Status Tracker::update(const FrameView& frame, FrameResult* result) {
-  if (!started_) return Status::not_started;
+  if (!is_started()) return Status::not_started;
   if (result == nullptr) return Status::bad_argument;
-  Status status = check_frame(frame);
+  Status status = impl_->region.check_frame(frame);
+  if (status == Status::ok && impl_->is_stale(frame)) status = Status::stale_frame;
+  if (status == Status::ok) status = impl_->predict(frame);
   if (status != Status::ok) return status;
-  if (is_stale(frame)) return Status::stale_frame;
-  last_time_ns_ = frame.time_ns;
-  last_sequence_ = frame.sequence;
-  ++frame_;
-  make_thumbnail(frame, thumbnail_factor_, thumbnail_line_, thumbnail_);
-  estimator_.begin(frame.time_ns);
-  expect_motion();
-  if (limits_.keeps_previous) {
-    current_.swap(previous_);
-    previous_origin_ = origin_;
+  impl_->match_and_solve();
+  impl_->conclude();
+  *result = impl_->result;
+  return Status::ok;
+}
+
+/// Where the model is expected, and the image there.
+Status Tracker::Impl::predict(const FrameView& view) {
+  last_time_ns = view.time_ns;
+  last_sequence = view.sequence;
+  ++frame;
+  key_frames.take(view);
+  estimator.begin(view.time_ns);
+  const CoarseMotion motion = key_frames.find_motion(bad_frames);
+  if (motion.from != nullptr) estimator.propose(*motion.from);
+  if (motion.is_found) estimator.translate(motion.by_px);
+  const bool is_trusted = bad_frames == 0;
+  matcher.begin_frame(frame, is_trusted, motion.is_found && is_trusted ? length(motion.by_px) : kUnknownPx);
+  region.advance();
+  return region.build(view,
+                      region.is_whole_frame() ? Vec2{} : key_frames.middle_of(estimator) + motion.by_px);
+}
+
+void Tracker::Impl::match_and_solve() {
+  const int rounds = kTemplateMatchTuning.rounds;
+  const bool has_first_pass = matcher.run_first_pass(match_frame(), estimator);
+  for (int round = has_first_pass ? 1 : 0; round < rounds; ++round)
+    if (run_round(round) == 0) break;
+  if (estimator.needs_another_round()) run_round(rounds - 1);
+}
+
+/// Predicts, matches and solves once. \return how many points were searched for.
+std::size_t Tracker::Impl::run_round(int round) {
+  const PredictionTable predictions{estimator.predict(), prediction_index};
+  for (std::size_t i = 0; i < predictions.all.count; ++i)
+    prediction_index[predictions.all[i].id] = static_cast<std::uint16_t>(i);
+  std::size_t searched = matcher.match(match_frame(), predictions, round);
+  observation_count = matcher.observation_count();
+  if (round + 1 == kTemplateMatchTuning.rounds && options.estimator.uses(Cue::edge)) {
+    const std::size_t n =
+        edges.match(predictions, region, estimator.view().s,
+                    {observations.data + observation_count, observations.count - observation_count});
+    observation_count += n;
+    searched += n;
   }
-  status = look_at_region(frame);
+  if (searched > 0) estimator.solve({observations.data, observation_count});
+  return searched;
+}
+
+void Tracker::Impl::conclude() {
+  result = estimator.end();
+  const bool is_good = result.state == TrackState::tracking;
+  matcher.end_frame(match_frame(), is_good);
+  bad_frames = is_good ? 0 : bad_frames + 1;
+  if (!is_good) return;
+  const std::size_t of_templates = matcher.observation_count();
+  edges.end_frame({observations.data + of_templates, observation_count - of_templates});
+  key_frames.trust(estimator);
+  texture.note_frame(estimator, region, frame);
+  keep_key_frame();
+}
+
+/// Keeps this frame as a key frame, if it shows the head from a new side: second templates for points that look different
+/// by now, and new points where the surface was hidden before.
+void Tracker::Impl::keep_key_frame() {
+  const std::size_t key = key_frames.choose(estimator.view(), result, frame);
+  if (key == 0) return;
+  const std::size_t begin = first_slot(limits, key), end = first_slot(limits, key + 1);
+  for (std::size_t slot = begin; slot < end; ++slot) templates.release(slot, estimator);
+  key_frames.keep(key, estimator.view(), frame);
+  const std::size_t free = templates.capture_second(
+      limits.patches, begin, begin + (end - begin) / kTemplateStoreTuning.second_template_divisor, estimator,
+      region);
+  placement.place(templates, estimator, region, markers, free, end);
+}
+
+// --- What it tells ---
+
+const TrackerLimits& Tracker::limits() const {
+  PLIANT_ASSERT(impl_ != nullptr);
+  return impl_->limits;
+}
+
+const Model& Tracker::model() const {
+  PLIANT_ASSERT(impl_ != nullptr);
+  return impl_->model();
+}
+
+bool Tracker::is_started() const {
+  return impl_ != nullptr && impl_->is_started;
+}
+
+const FrameResult& Tracker::result() const {
+  PLIANT_ASSERT(impl_ != nullptr);
+  return impl_->result;
+}
+
+const Camera& Tracker::camera() const {
+  PLIANT_ASSERT(impl_ != nullptr);
+  return impl_->estimator.camera();
+}
+
+Estimator& Tracker::estimator() {
+  PLIANT_ASSERT(impl_ != nullptr);
+  return impl_->estimator;
+}
+
+Span<const float> Tracker::parameters() const {
+  PLIANT_ASSERT(impl_ != nullptr);
+  return impl_->estimator.parameters();
+}
+
+Status Tracker::parameter(const char* name, float* value) const {
+  if (!is_started()) return Status::not_started;
+  const std::uint16_t k = name == nullptr ? kNone : model().find_parameter(name);
+  if (k == kNone) return Status::not_found;
+  *value = parameters()[k];
+  return Status::ok;
+}
+
+Status Tracker::landmark(const char* name, Vec2* x) {
+  if (!is_started()) return Status::not_started;
+  const std::uint16_t k = name == nullptr ? kNone : model().find_landmark(name);
+  return k == kNone ? Status::not_found : landmark(k, x);
+}
+
+Status Tracker::landmark(std::size_t index, Vec2* x) {
+  if (!is_started()) return Status::not_started;
+  if (index >= model().landmarks().count) return Status::not_found;
+  return impl_->offsets.project(index, impl_->estimator, x) ? Status::ok : Status::underdetermined;
+}
+
+Status Tracker::place_landmarks(Span<const NamedPoint> points) {
+  if (!is_started()) return Status::not_started;
+  const Status status = impl_->check_landmarks(points);
   if (status != Status::ok) return status;
-  has_first_pass_ = look_ahead();
-  for (int round = has_first_pass_ ? 1 : 0; round < options_.rounds; ++round)
-    if (look_and_solve(round) == 0) break;
-  if (estimator_.needs_another_round()) look_and_solve(options_.rounds - 1);
-  result_ = estimator_.end();
-  note_seen();
-  if (result_.state == TrackState::tracking) {
-    bad_frames_ = 0;
-    last_box_ = model_box();
-    if (notes_texture_) note_texture(frame_ % kTextureShare, kTextureShare);
-    keep_key_frame();
-    std::uint8_t* const old = trusted_thumbnail_;
-    trusted_thumbnail_ = thumbnail_;
-    thumbnail_ = old;
-  } else {
-    ++bad_frames_;
+  for (const NamedPoint& p : points) {
+    const Landmark& l = model().landmarks()[model().find_landmark(p.name)];
+    impl_->offsets.place({l.u, l.v}, p.x, impl_->estimator);
   }
-  *result = result_;
   return Status::ok;
 }
 
 bool Tracker::marker(std::size_t k, Vec2* x) {
-  return k < marker_count_ &&
-         project_beside(estimator_, estimator_.point_uv(marker_ids_[k]), marker_offsets_[k], x);
+  return is_started() && impl_->markers.position(k, impl_->estimator, x);
+}
+
+std::size_t Tracker::patch_count() const {
+  PLIANT_ASSERT(impl_ != nullptr);
+  return impl_->templates.count();
 }
 
 bool Tracker::patch(std::size_t k, Vec2* x) const {
-  if (k >= slot_count_ || !slots_[k].is_used || !slots_[k].was_seen) return false;
-  *x = slots_[k].seen;
+  if (!is_started() || k >= impl_->templates.count()) return false;
+  const Template& t = impl_->templates[k];
+  if (!t.is_used || !t.was_found) return false;
+  *x = t.found_at;
   return true;
+}
+
+std::size_t Tracker::key_frame_count() const {
+  return is_started() ? impl_->key_frames.count() : 0;
+}
+
+PixelBox Tracker::region() const {
+  PLIANT_ASSERT(impl_ != nullptr);
+  return impl_->region.box();
 }
 
 }  // namespace pliant

@@ -1,6 +1,8 @@
 #pragma once
 // What follows from a tracker's limits.
-#include "pliant/tracker.hpp"
+#include <cstddef>
+
+#include "pliant/tracker_limits.hpp"
 
 namespace pliant {
 
@@ -39,15 +41,6 @@ constexpr std::size_t edge_points(const TrackerLimits& limits) {
 }
 constexpr std::size_t all_points(const TrackerLimits& limits) {
   return all_slots(limits) + limits.markers + edge_points(limits);
-}
-
-constexpr CornerOptions corner_options(const TrackerLimits& limits) {
-  CornerOptions o;
-  o.cell_px = cell_px_of(limits);
-  o.min_score = 1;
-  o.quality = 0;
-  o.min_ratio = 0.02f;
-  return o;
 }
 
 }  // namespace pliant

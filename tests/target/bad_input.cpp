@@ -17,7 +17,7 @@ using namespace pliant;
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240, kPaddedStride = 352;
-constexpr std::size_t kArenaBytes = 248 * 1024;
+constexpr std::size_t kArenaBytes = 249 * 1024;
 
 alignas(Arena::kAlignment) unsigned char memory[kArenaBytes];
 [[gnu::section(".frames")]] std::uint8_t frames[3][kWidth * kHeight];

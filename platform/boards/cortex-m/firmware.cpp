@@ -18,7 +18,7 @@ namespace {
 constexpr int kWidth = 320, kHeight = 240;
 constexpr std::int64_t kFrameNs = 33'333'333;
 
-constexpr std::size_t kArenaBytes = 248 * 1024;
+constexpr std::size_t kArenaBytes = 249 * 1024;
 
 alignas(pliant::Arena::kAlignment) unsigned char memory[kArenaBytes];
 [[gnu::section(".frames")]] alignas(32) std::uint8_t frames[2][kWidth * kHeight];

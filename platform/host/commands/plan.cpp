@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "track/template_tuning.hpp"
 #include "vision/patch_tuning.hpp"
 
 namespace pliant::host {
@@ -61,8 +62,8 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
     plan.arena_bytes = measuring.used_bytes();
   }
   const Counts c(model, limits);
-  const TrackerOptions options;
-  const EstimatorOptions& estimator = options.estimator;
+  const int rounds = kTemplateMatchTuning.rounds;
+  const EstimatorOptions estimator;
   plan.free_parameters = c.free;
 
   // A frame's first solve: Huber and Tukey; and where that leaves doubt the same once more by image forces, with a few
@@ -70,16 +71,16 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   const double first = 4.0 * estimator.iterations + kStepsAfterReadmission, later = estimator.iterations;
   // Scouts' solve before it (Estimator::approach): Huber and Tukey.
   const double approach = 2.0 * estimator.iterations;
-  const double steps = approach + first + (options.rounds - 1) * later;
+  const double steps = approach + first + (rounds - 1) * later;
   plan.most_iterations = static_cast<int>(steps);
   // Each step is one factorisation and one pass; a refused one takes another pass back; each minimisation starts and may end
   // with one more (FrameProblem::minimise). Limits pin unknowns in at most twelve rounds.
-  const double minimisations = 2.0 + 5.0 + (options.rounds - 1);
+  const double minimisations = 2.0 + 5.0 + (rounds - 1);
   const double passes = 2 * steps + 2 * minimisations + 1;
   // One search a patch and round, on each level; the last round may follow what was not found from the frame before, and back.
   const double follows = limits.keeps_previous ? 2 * c.slots : 0;
   // And what surprises after scouts is looked for once more.
-  const double searches = (1.0 + options.rounds) * c.slots + 2 * follows;
+  const double searches = (1.0 + rounds) * c.slots + 2 * follows;
   const double search_steps = limits.pyramid_levels * patch::kPatchTuning.max_align_steps + 2 * patch::kPatchTuning.max_refine_steps;
   const double row = c.records * kRecordOperations + c.unknowns * (c.unknowns + 1);
   const double shares = estimator.vertex_interval_frames > 0 ? estimator.vertex_interval_frames : 1;
@@ -90,8 +91,8 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
       {"pixels of the pyramid, all levels", 1.33 * c.region_pixels, 1.34 * c.region_pixels, 10},
       {"shifts of the small picture compared", shifts_within(c.small_side / 16 + 1),
        shifts_within(c.small_side / 2), 600},
-      {"rounds of predicting, looking, solving", 2, 1.0 + options.rounds, 0},
-      {"points predicted", 2 * points, (1.0 + options.rounds) * points, c.records * kRecordOperations + 100},
+      {"rounds of predicting, looking, solving", 2, 1.0 + rounds, 0},
+      {"points predicted", 2 * points, (1.0 + rounds) * points, c.records * kRecordOperations + 100},
       {"patch searches", 1.3 * c.slots, searches, 6 * c.window_pixels},
       {"steps of patch searches", 5 * 1.3 * c.slots, searches * search_steps, 6 * c.window_pixels},
       {"Gauss-Newton steps", 5, steps, 0},
@@ -101,7 +102,7 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
        3 * c.records * kRecordOperations},
       {"vertices brought up", limits.vertices / shares, limits.vertices * (1 + 1 / shares),
        c.records * kRecordOperations},
-      {"vertices projected", 3.0 * limits.vertices, (options.rounds + 4.0) * limits.vertices, 20},
+      {"vertices projected", 3.0 * limits.vertices, (rounds + 4.0) * limits.vertices, 20},
       {"patches captured for a key frame", 0.1, static_cast<double>(limits.key_patches),
        40 * c.window_pixels},
   };

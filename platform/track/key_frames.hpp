@@ -1,0 +1,90 @@
+#pragma once
+/// \file key_frames.hpp
+/// Key frames and thumbnails: which views of the head are kept, and where a fast or lost head is now
+/// (docs/algorithms.md, sections 7.7 and 7.9).
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/coarse_translation.hpp"
+#include "pliant/estimator.hpp"
+#include "pliant/tracker_limits.hpp"
+
+namespace pliant {
+
+/// Tuning of key frames and of the coarse search. Each constant: unit, reason, experiment.
+struct KeyFrameTuning {
+  /// A key frame is kept when the head has turned so far away from all key frames, rad. Templates hold for about 20
+  /// degrees on either side. Round value, not tuned.
+  float angle_rad = 0.35f;
+  /// Residual of a frame that may become a key frame, at most, px at 320 px of image width. Round value, not tuned.
+  float most_rms_px = 1;
+  /// Inliers of such a frame, percent of what was observed, more than. Round value, not tuned.
+  int least_inlier_percent = 70;
+  /// Normalised cross-correlation of thumbnails, at least, for a coarse translation. Round value, not tuned.
+  float least_correlation = 0.5f;
+  /// Range of the coarse search each way, as divisors of the thumbnail's longer side: after a good frame; after a bad one;
+  /// from a key frame, the whole image. Round values, not tuned.
+  int range_divisor = 16, range_divisor_after_bad = 8, range_divisor_of_key = 2;
+  /// Bad frames in a row before key frames take part in the search: one bad frame is usually a blur.
+  int bad_frames_before_keys = 2;
+};
+inline constexpr KeyFrameTuning kKeyFrameTuning{};
+
+/// What the thumbnails tell of the head's motion.
+struct CoarseMotion {
+  bool is_found = false;
+  Vec2 by_px;                  ///< translation of the model in the image
+  const View* from = nullptr;  ///< the key frame's view that it starts from; null: the last good frame's
+};
+
+/// Key frames, frame 0 among them, and thumbnails: this frame's, the last good one's, and one a key frame.
+class KeyFrames {
+ public:
+  void lay_out(Arena& arena, const TrackerLimits& limits);
+  /// Forgets all key frames.
+  void clear();
+
+  /// Reduces a frame to this frame's thumbnail.
+  void take(const FrameView& frame);
+  /// Compares this frame's thumbnail with the last good one or, after some bad frames, in turn with those of the key
+  /// frames. \param bad_frames  in a row before this frame.
+  CoarseMotion find_motion(int bad_frames) const;
+  /// Makes this frame the last good one.
+  void trust(const Estimator& estimator);
+  /// Middle of the model in the image, px, at the estimator's vertices.
+  Vec2 middle_of(const Estimator& estimator) const;
+
+  /// The key frame to replace by this frame: unused, or the one that was nearest longest ago; never 0, which is frame 0.
+  /// \return 0 where this frame is not to be kept.
+  std::size_t choose(const View& view, const FrameResult& result, std::uint32_t frame);
+  /// Keeps this frame, which has been trusted, as key frame k.
+  void keep(std::size_t k, const View& view, std::uint32_t frame);
+  /// Key frames in use.
+  std::size_t count() const;
+
+ private:
+  struct KeyFrame {
+    View view;
+    Vec3 direction;           // to the camera, in the model's axes; unit
+    PixelBox box;             // of the model in the thumbnail
+    std::uint32_t last_near;  // the frame in which it was last the nearest
+    bool is_used;
+  };
+
+  bool is_good_enough(const FrameResult& result) const;
+  std::size_t nearest(Vec3 direction, float* cosine) const;
+  std::uint8_t* thumbnail_of(std::size_t key) const;
+  ImageView view_of_thumbnail(const std::uint8_t* pixels) const { return {pixels, width_, height_, width_}; }
+  PixelBox box_of(const Estimator& estimator) const;
+
+  KeyFrame* keys_ = nullptr;
+  std::size_t key_count_ = 0;                // used or not, frame 0 included
+  int factor_ = 1, width_ = 0, height_ = 0;  // of thumbnails
+  float most_rms_px_ = 0;
+  bool has_room_ = false;  // for templates of later key frames
+  std::uint16_t* line_ = nullptr;
+  std::uint8_t *current_ = nullptr, *trusted_ = nullptr, *of_keys_ = nullptr;
+  PixelBox trusted_box_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,65 @@
+#include "track/landmark_offsets.hpp"
+
+#include "track/surface_offset.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr float kIsPending = 1;
+
+Vec2 uv_of(const Landmark& landmark) {
+  return {landmark.u, landmark.v};
+}
+
+bool is_at(const Landmark& landmark, Vec2 uv) {
+  return landmark.u == uv.x && landmark.v == uv.y;
+}
+
+}  // namespace
+
+void LandmarkOffsets::lay_out(Arena& arena, const Model& model) {
+  arena.count_as(Purpose::state);
+  values_ = arena.take_span<Vec3>(model.landmarks().count);
+}
+
+void LandmarkOffsets::clear() {
+  for (Vec3& value : values_) value = {};
+}
+
+void LandmarkOffsets::set(Span<const Vec3> offsets) {
+  PLIANT_ASSERT(offsets.count == values_.count);
+  for (std::size_t k = 0; k < values_.count; ++k) values_[k] = offsets[k];
+}
+
+void LandmarkOffsets::place(Vec2 uv, Vec2 x, Estimator& estimator) {
+  const Vec3 surface = estimator.surface_point(uv);
+  for (std::size_t k = 0; k < values_.count; ++k)
+    if (is_at(estimator.model().landmarks()[k], uv))
+      find_offset(estimator.view(), estimator.lens(), surface, x, &values_[k]);
+}
+
+void LandmarkOffsets::set_pending(Span<const Correspondence> places, const Model& model) {
+  clear();
+  for (const Correspondence& place : places)
+    for (std::size_t k = 0; k < values_.count; ++k)
+      if (is_at(model.landmarks()[k], place.uv)) values_[k] = {place.x.x, place.x.y, kIsPending};
+}
+
+void LandmarkOffsets::place_pending(Estimator& estimator) {
+  for (std::size_t k = 0; k < values_.count; ++k) {
+    const Vec3 pending = values_[k];
+    if (pending.z != kIsPending) continue;
+    values_[k] = {};
+    find_offset(estimator.view(), estimator.lens(),
+                estimator.surface_point(uv_of(estimator.model().landmarks()[k])), {pending.x, pending.y},
+                &values_[k]);
+  }
+}
+
+bool LandmarkOffsets::project(std::size_t k, Estimator& estimator, Vec2* x) const {
+  PLIANT_ASSERT(k < values_.count);
+  return project_beside(estimator, uv_of(estimator.model().landmarks()[k]), values_[k], x);
+}
+
+}  // namespace pliant

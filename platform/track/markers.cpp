@@ -1,0 +1,45 @@
+#include "track/markers.hpp"
+
+#include "track/surface_offset.hpp"
+
+namespace pliant {
+
+void Markers::lay_out(Arena& arena, std::size_t capacity) {
+  capacity_ = capacity;
+  count_ = 0;
+  arena.count_as(Purpose::points);
+  ids_ = arena.take<std::uint16_t>(capacity);
+  offsets_ = arena.take<Vec3>(capacity);
+}
+
+Status Markers::place(Estimator& estimator, Span<const Vec2> markers, float exclusion_px) {
+  count_ = 0;
+  exclusion_px_ = exclusion_px;
+  if (markers.count > capacity_) return Status::capacity;
+  for (Vec2 x : markers) {
+    Vec2 uv;
+    if (!is_finite(x) || estimator.surface_at(x, &uv) < 0) return Status::bad_argument;
+    // Also for a marker on the mesh: over an eye or a mouth the mesh may span what the surface leaves open.
+    if (!find_offset(estimator.view(), estimator.lens(), estimator.surface_point(uv), x, &offsets_[count_]))
+      return Status::bad_argument;
+    const Status status = estimator.add_point(uv, &ids_[count_]);
+    if (status != Status::ok) return status;
+    ++count_;
+  }
+  return Status::ok;
+}
+
+bool Markers::position(std::size_t k, Estimator& estimator, Vec2* x) const {
+  return k < count_ && project_beside(estimator, estimator.point_uv(ids_[k]), offsets_[k], x);
+}
+
+bool Markers::are_far_from(Vec2 x, Estimator& estimator) const {
+  for (std::size_t k = 0; k < count_; ++k) {
+    Vec2 at;
+    if (!position(k, estimator, &at)) return false;
+    if (dot(x - at, x - at) < exclusion_px_ * exclusion_px_) return false;
+  }
+  return true;
+}
+
+}  // namespace pliant

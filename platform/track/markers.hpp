@@ -1,0 +1,32 @@
+#pragma once
+/// \file markers.hpp
+/// Image points that go with the surface and are never observed.
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/estimator.hpp"
+
+namespace pliant {
+
+/// Each marker is a surface point of the estimator and an offset from it (surface_offset.hpp).
+class Markers {
+ public:
+  void lay_out(Arena& arena, std::size_t capacity);
+
+  /// Casts image positions (px) of the present view onto the posed mesh. What was placed before is forgotten.
+  /// \param exclusion_px  for `are_far_from`.
+  /// \return bad_argument (not finite, or nothing visible), capacity, and the statuses of Estimator::add_point.
+  Status place(Estimator& estimator, Span<const Vec2> x, float exclusion_px);
+  /// Image position of marker k, px. False for k beyond the markers placed, and behind the camera.
+  bool position(std::size_t k, Estimator& estimator, Vec2* x) const;
+  /// Whether every marker is visible and farther than exclusion_px from x.
+  bool are_far_from(Vec2 x, Estimator& estimator) const;
+
+ private:
+  std::uint16_t* ids_ = nullptr;
+  Vec3* offsets_ = nullptr;  // mm
+  std::size_t capacity_ = 0, count_ = 0;
+  float exclusion_px_ = 0;
+};
+
+}  // namespace pliant

@@ -1,0 +1,38 @@
+#pragma once
+/// \file template_placement.hpp
+/// Chooses surface points for templates: corners of the image on the visible surface.
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/corners.hpp"
+#include "pliant/estimator.hpp"
+#include "track/markers.hpp"
+#include "track/template_store.hpp"
+
+namespace pliant {
+
+/// Works in memory of its own; keeps nothing from call to call.
+class TemplatePlacement {
+ public:
+  void lay_out(Arena& arena, const TrackerLimits& limits);
+
+  /// Captures templates in the free slots [first, end) as far as the region shows texture: at first as far apart as the
+  /// visible surface allows, then closer. Points keep apart from points found in this frame and from markers.
+  void place(TemplateStore& templates, Estimator& estimator, const FrameRegion& region,
+             const Markers& markers, std::size_t first, std::size_t end);
+
+ private:
+  std::size_t mark_free_cells(const TemplateStore& templates, const Estimator& estimator,
+                              const FrameRegion& region);
+  void mark_visible_cells(const Estimator& estimator, const FrameRegion& region);
+  void clear_cells_in_use(const TemplateStore& templates, const FrameRegion& region);
+  float cell_side() const { return static_cast<float>(options_.cell_px); }
+
+  CornerOptions options_;
+  int across_ = 0, down_ = 0;  // cells
+  std::uint8_t* cells_ = nullptr;
+  Span<Corner> corners_;
+  Span<std::uint8_t> scratch_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,70 @@
+#pragma once
+/// \file template_store.hpp
+/// Templates of surface points: captured in a key frame, matched, released.
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/estimator.hpp"
+#include "pliant/patch_tracker.hpp"
+#include "pliant/tracker_limits.hpp"
+#include "track/frame_region.hpp"
+
+namespace pliant {
+
+constexpr std::uint16_t kNoSlot = 0xFFFF;
+
+/// One template. The first template of a surface point also holds where the point was found in the last frame.
+struct Template {
+  std::uint16_t id = 0;            ///< of the surface point
+  std::uint16_t first = 0;         ///< slot of the point's first template: its own, or it is a second one
+  std::uint16_t second = kNoSlot;  ///< of a first template: slot of the second one
+  std::uint8_t frames_apart = 0;   ///< frames since a template of the point was matched
+  bool is_used = false, was_found = false;
+  Mat2 reference;         ///< dx/d(u,v) in the frame of capture
+  Vec2 found_at;          ///< px, in the last frame
+  Vec2 residual;          ///< px, what the last solve left there
+  float correlation = 1;  ///< with the template, in the last frame
+};
+
+/// Slots of templates. A slot holds one template; which key frame it belongs to is the caller's choice. All memory is in
+/// the arena.
+class TemplateStore {
+ public:
+  void lay_out(Arena& arena, const TrackerLimits& limits);
+  /// Empties all slots.
+  void clear();
+
+  std::size_t count() const { return count_; }
+  Template& operator[](std::size_t slot) { return templates_[slot]; }
+  const Template& operator[](std::size_t slot) const { return templates_[slot]; }
+  /// Whether the slot holds the first template of a point.
+  bool is_first(std::size_t slot) const { return templates_[slot].is_used && templates_[slot].first == slot; }
+
+  /// Adds the visible surface point at image position x (px) to the estimator, and captures its template in a free slot.
+  /// \return false, and nothing has changed, where x misses the surface or the surface turns away, or without texture.
+  bool capture(std::size_t slot, Estimator& estimator, const FrameRegion& region, Vec2 x);
+  /// Captures second templates, at the places found, of points in the slots below `points` that were found in this frame
+  /// but look different from their template. Fills the free slots [first, end).
+  /// \return the first slot that is still free.
+  std::size_t capture_second(std::size_t points, std::size_t first, std::size_t end, Estimator& estimator,
+                             const FrameRegion& region);
+  /// Empties a slot. With the first template of a point its second one and the point itself go as well.
+  void release(std::size_t slot, Estimator& estimator);
+
+  /// Searches the region for the point whose first template is in `slot`, from `start` (px), by the template that has to be
+  /// warped less. Positions of the result are those of the region's pyramid.
+  PatchResult match(std::size_t slot, const FrameRegion& region, Vec2 start, const Mat2& jacobian,
+                    const PatchOptions& options);
+  /// Searches the region for what the previous region shows at x (px).
+  PatchResult match_from_previous(Vec2 x, const FrameRegion& region, Vec2 start, const PatchOptions& options);
+
+ private:
+  PatchTracker patches_;
+  Template* templates_ = nullptr;
+  std::size_t count_ = 0;
+};
+
+/// Largest entry of W - I, where W is the warp from `reference` to `now`.
+float strain(const Mat2& now, const Mat2& reference);
+
+}  // namespace pliant
