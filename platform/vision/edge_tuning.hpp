@@ -13,7 +13,7 @@ struct EdgeTuning {
   /// Smallest step, grey levels. Round value, not tuned.
   float min_step_grey = 8;
   /// How far the derivative must stand out of the local noise, standard deviations. 4.5 gives false edges at under 3 % of
-  /// points on noise alone (test "where there is no edge none is found").
+  /// points on noise alone (test "without an edge none is found").
   float min_derivative_sd = 4.5f;
   /// How far the derivative's second difference must stand out, standard deviations. With less, noise chooses among the
   /// positions on a flat maximum, and the claimed variance is too small (test "with noise the claimed deviation is the real

@@ -19,7 +19,7 @@ struct PatchTuning {
   /// A template is used if at least one pixel in so many is not clipped. Round value, not tuned.
   int min_pixel_divisor = 2;
   /// Grey levels at or beyond which a pixel counts as clipped and is left out. Without this the error on clipped
-  /// highlights (gain 1.3, bias -40) was 0.07 px instead of under 0.04 (test "highlights and shadows that are clipped").
+  /// highlights (gain 1.3, bias -40) was 0.07 px instead of under 0.04 (test "clipped highlights and shadows cost little").
   int lowest_grey = 5, highest_grey = 250;
 
   /// Steps of `align` on each level, at most. Round value, not tuned; textures converge in about four.
@@ -65,7 +65,7 @@ struct PatchTuning {
   /// (test "shifts of 0.1 to 9 pixels").
   float position_floor_px = 0.02f;
   /// Gradients must exceed what noise alone makes by this factor for a row of information. 2 gives no rows on noise alone
-  /// (test "where there is nothing there is no flow").
+  /// (test "on even grey, on noise and on one pixel no flow is found").
   float min_gradient_to_noise = 2;
 };
 inline constexpr PatchTuning kPatchTuning{};

@@ -72,7 +72,7 @@ EdgePoint point_at(Vec2 x, Vec2 normal, float sd = 2, float contrast = 0) {
 
 const Vec2 kMiddle{47.5f, 47.5f};
 
-std::vector<Observation> look(const Pyramid& pyramid, const EdgePoint& p, const EdgeOptions& o = {}) {
+std::vector<Observation> find_at(const Pyramid& pyramid, const EdgePoint& p, const EdgeOptions& o = {}) {
   Observation out[kMaxEdgeHypotheses];
   const int n = find_edge(pyramid, p, o, {out, kMaxEdgeHypotheses});
   return std::vector<Observation>(out, out + n);
@@ -112,7 +112,7 @@ Errors measure(double blur, double noise, double height, const EdgeOptions& opti
     for (const float along : {-14.3f, 0.0f, 9.6f}) {
       ++e.tried;
       const Vec2 x = kMiddle + static_cast<float>(random.uniform(-1.5, 1.5)) * n + along * across;
-      const std::vector<Observation> found = look(shown.pyramid, point_at(x, n), options);
+      const std::vector<Observation> found = find_at(shown.pyramid, point_at(x, n), options);
       if (found[0].reason != Reason::found) continue;
       ++e.found;
       const double error = distance(found[0], n) - at;
@@ -160,7 +160,7 @@ TEST_CASE("information is of rank one, along the normal, and x lies on the norma
   s.step(0.4, 90);
   const Shown shown(s.render());
   const Vec2 n = s.normal(), x = kMiddle + 3.0f * Vec2{-n.y, n.x} + 1.5f * n;
-  const std::vector<Observation> found = look(shown.pyramid, point_at(x, 2.5f * n));
+  const std::vector<Observation> found = find_at(shown.pyramid, point_at(x, 2.5f * n));
   REQUIRE(found.size() == 1);
   const Observation& o = found[0];
   CHECK(o.reason == Reason::found);
@@ -182,7 +182,7 @@ TEST_CASE("a thin line has two edges of opposite polarity, and the remembered co
     s.step(width / 2, -100);
     const Shown shown(s.render());
     const Vec2 n = s.normal();
-    const std::vector<Observation> both = look(shown.pyramid, point_at(kMiddle + 0.3f * n, n));
+    const std::vector<Observation> both = find_at(shown.pyramid, point_at(kMiddle + 0.3f * n, n));
     REQUIRE(both.size() == 2);
     CHECK(both[0].id == both[1].id);
     for (const Observation& o : both) {
@@ -191,12 +191,12 @@ TEST_CASE("a thin line has two edges of opposite polarity, and the remembered co
     }
     CHECK(both[0].score * both[1].score < 0);
     for (const float contrast : {0.3f, -0.3f}) {
-      const std::vector<Observation> one = look(shown.pyramid, point_at(kMiddle, n, 2, contrast));
+      const std::vector<Observation> one = find_at(shown.pyramid, point_at(kMiddle, n, 2, contrast));
       REQUIRE(one.size() == 1);
       CHECK(one[0].score * contrast > 0);
     }
     // Seen from the other side all signs turn.
-    const std::vector<Observation> turned = look(shown.pyramid, point_at(kMiddle, -1.0f * n, 2, 0.3f));
+    const std::vector<Observation> turned = find_at(shown.pyramid, point_at(kMiddle, -1.0f * n, 2, 0.3f));
     REQUIRE(turned.size() == 1);
     CHECK(std::abs(distance(turned[0], n) - width / 2) < 0.4);
   }
@@ -206,9 +206,9 @@ TEST_CASE("an edge of another contrast than the one remembered is refused") {
   Scene s;
   s.step(0, 60);
   const Shown shown(s.render());
-  const float seen = look(shown.pyramid, point_at(kMiddle, {1, 0}))[0].score;
+  const float seen = find_at(shown.pyramid, point_at(kMiddle, {1, 0}))[0].score;
   const auto reason = [&](float contrast) {
-    return look(shown.pyramid, point_at(kMiddle, {1, 0}, 2, contrast))[0].reason;
+    return find_at(shown.pyramid, point_at(kMiddle, {1, 0}, 2, contrast))[0].reason;
   };
   for (const float ratio : {0.55f, 1.0f, 1.9f}) CHECK(reason(ratio * seen) == Reason::found);
   for (const float ratio : {0.4f, 2.2f, -1.0f}) CHECK(reason(ratio * seen) == Reason::low_correlation);
@@ -216,8 +216,10 @@ TEST_CASE("an edge of another contrast than the one remembered is refused") {
   sign_only.min_ratio = 0;
   sign_only.max_ratio = 1e6f;
   for (const float ratio : {0.1f, 5.0f})
-    CHECK(look(shown.pyramid, point_at(kMiddle, {1, 0}, 2, ratio * seen), sign_only)[0].reason == Reason::found);
-  CHECK(look(shown.pyramid, point_at(kMiddle, {1, 0}, 2, -seen), sign_only)[0].reason == Reason::low_correlation);
+    CHECK(find_at(shown.pyramid, point_at(kMiddle, {1, 0}, 2, ratio * seen), sign_only)[0].reason ==
+          Reason::found);
+  CHECK(find_at(shown.pyramid, point_at(kMiddle, {1, 0}, 2, -seen), sign_only)[0].reason ==
+        Reason::low_correlation);
 }
 
 TEST_CASE("a finest level leaves out what only the finer ones show") {
@@ -227,34 +229,34 @@ TEST_CASE("a finest level leaves out what only the finer ones show") {
   const Shown line(s.render());
   EdgeOptions coarse;
   coarse.finest_level = 2;
-  CHECK(look(line.pyramid, point_at(kMiddle, {1, 0}))[0].reason == Reason::found);
-  const Observation seen = look(line.pyramid, point_at(kMiddle, {1, 0}), coarse)[0];
+  CHECK(find_at(line.pyramid, point_at(kMiddle, {1, 0}))[0].reason == Reason::found);
+  const Observation seen = find_at(line.pyramid, point_at(kMiddle, {1, 0}), coarse)[0];
   CHECK((seen.reason != Reason::found || magnitude(seen.score) < 0.2f));
   coarse.finest_level = 99;  // as if it were the coarsest there is
   s.steps.clear();
   s.step(0.3, 90);
   const Shown edge(s.render());
-  const std::vector<Observation> found = look(edge.pyramid, point_at(kMiddle, {1, 0}), coarse);
+  const std::vector<Observation> found = find_at(edge.pyramid, point_at(kMiddle, {1, 0}), coarse);
   REQUIRE(found[0].reason == Reason::found);
   CHECK(std::abs(distance(found[0], {1, 0}) - 0.3) < 0.3);
 }
 
-TEST_CASE("the nearer of two equal edges is preferred, and many alike are ambiguous") {
+TEST_CASE("the nearer of two equal edges is preferred, and many similar ones are ambiguous") {
   Scene s;
   s.step(-6, 60);
   s.step(5, 60);
   const Shown two(s.render());
   EdgeOptions one;
   one.hypotheses = 1;
-  const std::vector<Observation> near = look(two.pyramid, point_at({50, 47.5f}, {1, 0}, 3), one);
+  const std::vector<Observation> near = find_at(two.pyramid, point_at({50, 47.5f}, {1, 0}, 3), one);
   REQUIRE(near.size() == 1);
   CHECK(std::abs(distance(near[0], {1, 0}) - 5) < 0.1);
-  CHECK(look(two.pyramid, point_at({47, 47.5f}, {1, 0}, 3), one)[0].reason == Reason::ambiguous);
-  CHECK(look(two.pyramid, point_at({47, 47.5f}, {1, 0}, 3)).size() == 2);
+  CHECK(find_at(two.pyramid, point_at({47, 47.5f}, {1, 0}, 3), one)[0].reason == Reason::ambiguous);
+  CHECK(find_at(two.pyramid, point_at({47, 47.5f}, {1, 0}, 3)).size() == 2);
   s.steps.clear();
   for (int k = -20; k <= 20; ++k) s.step(3.0 * k, k % 2 == 0 ? 80 : -80);
   const Shown grating(s.render());
-  CHECK(look(grating.pyramid, point_at(kMiddle, {1, 0}, 5))[0].reason == Reason::ambiguous);
+  CHECK(find_at(grating.pyramid, point_at(kMiddle, {1, 0}, 5))[0].reason == Reason::ambiguous);
 }
 
 TEST_CASE("an uncertain prediction is searched for farther away, on a coarser level") {
@@ -265,14 +267,14 @@ TEST_CASE("an uncertain prediction is searched for farther away, on a coarser le
     s.step(0.3, 90);
     const Shown shown(s.render());
     const Vec2 n = s.normal(), x = kMiddle - away * n;
-    const std::vector<Observation> found = look(shown.pyramid, point_at(x, n, 8));
+    const std::vector<Observation> found = find_at(shown.pyramid, point_at(x, n, 8));
     REQUIRE(found[0].reason == Reason::found);
     CHECK(std::abs(distance(found[0], n) - 0.3) < 0.15);
-    if (away > 6) CHECK(look(shown.pyramid, point_at(x, n, 1.5f))[0].reason == Reason::no_texture);
+    if (away > 6) CHECK(find_at(shown.pyramid, point_at(x, n, 1.5f))[0].reason == Reason::no_texture);
   }
 }
 
-TEST_CASE("where there is no edge none is found: black, white, grey, a slope, one pixel, noise") {
+TEST_CASE("without an edge none is found: black, white, grey, a slope, one pixel, noise") {
   Picture slope(kSide, kSide), dot(kSide, kSide, 128), noisy(kSide, kSide);
   texture::Random random(5);
   for (int y = 0; y < kSide; ++y)
@@ -285,13 +287,13 @@ TEST_CASE("where there is no edge none is found: black, white, grey, a slope, on
        {Picture(kSide, kSide, 0), Picture(kSide, kSide, 255), Picture(kSide, kSide, 128), slope, dot}) {
     const Shown shown(p);
     for (const float x : {20.0f, 47.3f, 48.0f, 60.7f})
-      CHECK(look(shown.pyramid, point_at({x, 48}, {0.8f, 0.6f}, 4))[0].reason == Reason::no_texture);
+      CHECK(find_at(shown.pyramid, point_at({x, 48}, {0.8f, 0.6f}, 4))[0].reason == Reason::no_texture);
   }
   const Shown shown(noisy);
   int found = 0, tried = 0;
   for (float y = 16; y < 80; y += 3)
     for (float x = 16; x < 80; x += 3, ++tried)
-      found += look(shown.pyramid, point_at({x, y}, {y - 40, x - 30.5f}, 2))[0].reason == Reason::found;
+      found += find_at(shown.pyramid, point_at({x, y}, {y - 40, x - 30.5f}, 2))[0].reason == Reason::found;
   CHECK(100 * found < 3 * tried);
 }
 
@@ -302,23 +304,23 @@ TEST_CASE(
   const Shown shown(s.render());
   for (const Vec2 x : {Vec2{-1, 40}, Vec2{40, -0.5f}, Vec2{95.5f, 40}, Vec2{40, 96}, Vec2{1e9f, 0},
                        Vec2{40, 0.5f}, Vec2{1, 40}})
-    CHECK(look(shown.pyramid, point_at(x, {1, 0}))[0].reason == Reason::outside_image);
+    CHECK(find_at(shown.pyramid, point_at(x, {1, 0}))[0].reason == Reason::outside_image);
   // Near the border what is left of the strip is searched.
-  CHECK(look(shown.pyramid, point_at({47.2f, 3}, {1, 0}))[0].reason == Reason::found);
+  CHECK(find_at(shown.pyramid, point_at({47.2f, 3}, {1, 0}))[0].reason == Reason::found);
   const Shown tiny(Picture(8, 8, 50));
-  CHECK(look(tiny.pyramid, point_at({1, 4}, {1, 0}))[0].reason == Reason::outside_image);
-  CHECK(look(tiny.pyramid, point_at({4, 4}, {1, 0}))[0].reason != Reason::found);
-  CHECK(look(Pyramid{}, point_at(kMiddle, {1, 0}))[0].reason == Reason::outside_image);
+  CHECK(find_at(tiny.pyramid, point_at({1, 4}, {1, 0}))[0].reason == Reason::outside_image);
+  CHECK(find_at(tiny.pyramid, point_at({4, 4}, {1, 0}))[0].reason != Reason::found);
+  CHECK(find_at(Pyramid{}, point_at(kMiddle, {1, 0}))[0].reason == Reason::outside_image);
 }
 
-TEST_CASE("arguments that make no sense are refused or harmless") {
+TEST_CASE("bad arguments are refused or harmless") {
   Scene s;
   s.step(0.2, 90);
   const Shown shown(s.render());
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   EdgePoint p = point_at(kMiddle, {1, 0});
   const auto reason = [&](const EdgePoint& q, const EdgeOptions& o = {}) {
-    return look(shown.pyramid, q, o)[0].reason;
+    return find_at(shown.pyramid, q, o)[0].reason;
   };
   for (const Vec2 v : {Vec2{nan, 1}, Vec2{1, inf}, Vec2{0, 0}}) {
     EdgePoint q = p;
@@ -360,7 +362,7 @@ TEST_CASE("whatever the picture and the point, there is a reason and no NaN") {
       const Vec2 x{within(-3, p.width + 3), within(-3, p.height + 3)}, normal{within(-1, 1), within(-1, 1)};
       const float sd = within(0, 9), contrast = k % 3 == 0 ? within(-0.5, 0.5) : 0;
       const EdgePoint q = point_at(x, normal, sd, contrast);
-      for (const Observation& o : look(shown.pyramid, q)) {
+      for (const Observation& o : find_at(shown.pyramid, q)) {
         REQUIRE(is_finite(o.x));
         REQUIRE((is_finite(o.information.xx) && is_finite(o.information.xy) && is_finite(o.information.yy)));
         REQUIRE((o.information.xx >= 0 && magnitude(o.score) <= 1));

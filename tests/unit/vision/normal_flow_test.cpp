@@ -1,4 +1,4 @@
-// Optical flow at points: two rows at a corner, one along the gradient at an edge, none where there is nothing.
+// Optical flow at points: rank two at a corner, one along the gradient at an edge, none without texture.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -52,7 +52,7 @@ struct Errors {
 };
 
 // Points along edges at all angles that move by t along their normals.
-Errors follow_edges(double t, double noise, double height, double gain = 1, double bias = 0) {
+Errors track_edges(double t, double noise, double height, double gain = 1, double bias = 0) {
   Errors e;
   Rig rig({0, 13, 3, 0});
   for (int k = 0; k < 40; ++k) {
@@ -87,7 +87,7 @@ TEST_CASE("on a straight edge the flow is normal, of rank one, and its deviation
         CAPTURE(t);
         CAPTURE(noise);
         CAPTURE(height);
-        const Errors e = follow_edges(t, noise, height);
+        const Errors e = track_edges(t, noise, height);
         CHECK(e.found > 0.95 * e.tried);
         CHECK(e.of_rank_one == e.found);
         CHECK(e.rms() < 0.015 + 1.2 * noise / height);
@@ -97,13 +97,13 @@ TEST_CASE("on a straight edge the flow is normal, of rank one, and its deviation
 }
 
 TEST_CASE("gain and bias of the light do not matter on an edge") {
-  const Errors e = follow_edges(1.3, 1, 60, 1.15, -20);
+  const Errors e = track_edges(1.3, 1, 60, 1.15, -20);
   CHECK(e.found == e.tried);
   CHECK(e.rms() < 0.03);
   CHECK(e.normalised_rms() < 1.1);
 }
 
-TEST_CASE("information is along the gradient, and nothing moves along the edge") {
+TEST_CASE("information is along the gradient, and the result does not move along the edge") {
   const Edge edge{27, 90, 1.2};
   Rig rig({0, 13, 1, 0});
   rig.show(edge.render(0), edge.render(1.4));
@@ -129,7 +129,9 @@ TEST_CASE("information is along the gradient, and nothing moves along the edge")
   CHECK(r.return_px < 0.05f);
 }
 
-TEST_CASE("in texture the flow is of rank two, as without edges, and honest about what noise hides") {
+TEST_CASE(
+    "in texture the flow is of rank two, and its deviation is the claimed one where noise hides a "
+    "direction") {
   for (const double noise : {1.0, 3.0, 6.0}) {
     CAPTURE(noise);
     Motion m = shift(1.3, -0.8), still;
@@ -157,7 +159,7 @@ TEST_CASE("in texture the flow is of rank two, as without edges, and honest abou
   }
 }
 
-TEST_CASE("where there is nothing there is no flow: grey, noise alone, one pixel") {
+TEST_CASE("on even grey, on noise and on one pixel no flow is found") {
   Rig rig({0, 13, 3, 0});
   Picture dot(kWidth, kHeight, 128), noise[2] = {Picture(kWidth, kHeight), Picture(kWidth, kHeight)};
   dot.at(120, 90) = 129;
@@ -179,7 +181,7 @@ TEST_CASE("where there is nothing there is no flow: grey, noise alone, one pixel
   CHECK(found == 0);
 }
 
-TEST_CASE("slots take edges too, with the predicted warp") {
+TEST_CASE("slots accept edges too, with the predicted warp") {
   const Edge before{30, 80, 1.2}, after{42, 80, 1.2};
   Rig rig({2, 13, 3, 5});
   rig.show(before.render(0), after.render(0.7));

@@ -1,4 +1,4 @@
-// The patch tracker at its limits: nothing to see, nothing to hold, and arguments that make no sense.
+// The patch tracker at its limits: no texture, no room, and bad arguments.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 using namespace patch_rig;
 
-TEST_CASE("windows that leave the picture are dropped with that reason") {
+TEST_CASE("windows that leave the image are refused with that reason") {
   const Texture texture(2);
   const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, shift(-20, 0), kWidth, kHeight);
   Rig rig;
@@ -97,7 +97,7 @@ TEST_CASE("bad arguments are named and change nothing") {
   CHECK(never_made.capture(0, rig.before, {100, 90}) == PatchStatus::bad_argument);
 }
 
-TEST_CASE("pictures hardly larger than the window are tracked or refused, never misread") {
+TEST_CASE("images hardly larger than the window are tracked or refused, never read outside") {
   const Texture texture(2);
   for (int side = 8; side < 40; side += 3) {
     CAPTURE(side);
@@ -133,7 +133,7 @@ TEST_CASE("limits out of range are refused, and every smaller arena fails cleanl
   }
 }
 
-TEST_CASE("a slot takes the bytes that are stated, and one of 500 bytes still follows its patch") {
+TEST_CASE("a slot takes the stated bytes, and one of 500 bytes still finds its template") {
   for (const PatchLimits& l :
        {PatchLimits{64, 13, 3, 4}, PatchLimits{64, 11, 2, 1}, PatchLimits{64, 9, 2, 2}}) {
     PatchLimits none = l;
@@ -161,7 +161,7 @@ TEST_CASE("a slot takes the bytes that are stated, and one of 500 bytes still fo
   }
 }
 
-TEST_CASE("a start of known deviation leads to the same place as one without, wherever it is within that") {
+TEST_CASE("a start of known deviation leads to the same position as one without") {
   const Texture texture(11);
   const Motion m = similarity(4, 1.02, 2.1, -1.6);
   const Picture a = render(texture, {}, kWidth, kHeight);

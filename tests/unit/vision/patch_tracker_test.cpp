@@ -1,4 +1,4 @@
-// How exactly the patch tracker finds patches, and how well it knows.
+// The error of the patch tracker, and whether its claimed deviation is the real one.
 #include "pliant/patch_tracker.hpp"
 
 #include <doctest/doctest.h>
@@ -79,7 +79,7 @@ TEST_CASE("every window size tracks") {
   }
 }
 
-TEST_CASE("a change of light is found and does no harm") {
+TEST_CASE("a change of light is measured and does not change the position") {
   Motion darker = shift(2.3, 1.7), brighter = darker;
   darker.gain = 0.7;
   darker.bias = 30;
@@ -104,19 +104,18 @@ TEST_CASE("a change of light is found and does no harm") {
   }
 }
 
-TEST_CASE("with noise of three grey levels the error stays below 0.15 px, and the covariance is honest") {
+TEST_CASE("with noise of three grey levels the error is below 0.15 px, and the covariance is right") {
   Motion m = shift(2.3, -1.1);
   m.noise = 3;
   const Errors e = track_anchors(m);
   CHECK(e.lost == 0);
   CHECK(e.rms() < 0.15);
-  // e' information e has the mean 2 when the covariance is right. It is never claimed to be better than it
-  // is.
+  // e' information e has the mean 2 if the covariance is right. A smaller mean is a cautious claim.
   CHECK(e.mean_chi2() < 3.0);
   CHECK(e.mean_chi2() > 0.7);
 }
 
-TEST_CASE("highlights and shadows that are clipped do little harm") {
+TEST_CASE("clipped highlights and shadows cost little") {
   Motion m = shift(3.2, 1.4);
   m.gain = 1.3;
   m.bias = -40;
@@ -146,7 +145,7 @@ TEST_CASE("with the right warp, rotation and scale cost little") {
   }
 }
 
-TEST_CASE("a template made for another warp serves, as long as the rest of the warp is known and small") {
+TEST_CASE("a template made for another warp serves while the rest of the warp is known and small") {
   // One slot, the warp growing from call to call: only now and then is the template made anew.
   const Texture texture(11);
   const Picture a = render(texture, {}, kWidth, kHeight);
@@ -191,7 +190,7 @@ TEST_CASE("an anchor at a position between pixels is found there") {
   CHECK(errors.rms() < 0.025);
 }
 
-TEST_CASE("anchors near the border use what there is of their surroundings") {
+TEST_CASE("templates near the border use the part of the margin inside the image") {
   const Texture texture(8);
   const Motion m = similarity(5, 1.1, 0, 0);
   const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, m, kWidth, kHeight);
@@ -210,7 +209,7 @@ TEST_CASE("anchors near the border use what there is of their surroundings") {
   CHECK(tried >= 8);
 }
 
-TEST_CASE("frame to frame, there and back again, agrees with itself") {
+TEST_CASE("frame-to-frame tracking forward and back returns to the start") {
   const Texture texture(2);
   const Motion m = shift(4.4, -2.2);
   const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, m, kWidth, kHeight);
@@ -228,7 +227,7 @@ TEST_CASE("frame to frame, there and back again, agrees with itself") {
   CHECK(errors.rms() < 0.02);
 }
 
-TEST_CASE("what is no longer there is not found") {
+TEST_CASE("a patch that is no longer in the image is not found") {
   const Picture a = render(Texture(2), {}, kWidth, kHeight), other = render(Texture(77), {}, kWidth, kHeight);
   Rig rig({1, 15, 3, 4});
   rig.show(a, other);
@@ -246,7 +245,7 @@ TEST_CASE("what is no longer there is not found") {
   CHECK(kept_back <= kept);
 }
 
-TEST_CASE("an anchor is followed for two hundred frames without drift") {
+TEST_CASE("a template is found for two hundred frames without drift") {
   const Texture texture(6);
   Rig rig({200, 11, 3, 5});
   Picture first = render(texture, {}, kWidth, kHeight);
@@ -260,7 +259,7 @@ TEST_CASE("an anchor is followed for two hundred frames without drift") {
     m = similarity(8 * std::sin(0.07 * k), 1 + 0.08 * std::sin(0.09 * k), 15 * std::sin(0.1 * k),
                    10 * std::sin(0.08 * k));
     m.noise = 2;
-    if (k % 10 != 0) continue;  // motion between two looks is then up to 20 px
+    if (k % 10 != 0) continue;  // motion between two searches is then up to 20 px
     const Picture p = render(texture, m, kWidth, kHeight, static_cast<std::uint64_t>(k));
     REQUIRE(rig.after.build(p.frame()) == Status::ok);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -280,7 +279,7 @@ TEST_CASE("an anchor is followed for two hundred frames without drift") {
   CHECK(errors.wrong == 0);
 }
 
-TEST_CASE("a search may start at any level, and needs the coarse ones for long ways") {
+TEST_CASE("a search may start at any level, and needs the coarse ones for large motions") {
   PatchOptions fine;
   fine.first_level = 0;
   CHECK(track_anchors(shift(0.8, 0.5), {}, fine).rms() < 0.02);
@@ -288,6 +287,59 @@ TEST_CASE("a search may start at any level, and needs the coarse ones for long w
   CHECK(e.lost + e.wrong > 10);
   fine.first_level = 99;
   CHECK(track_anchors(shift(9, 7), {}, fine).lost == 0);
+}
+
+TEST_CASE("kept templates give the same positions to less than their deviation, and take the stated room") {
+  const Texture texture(11);
+  const Picture a = render(texture, {}, kWidth, kHeight);
+  PatchLimits limits{200, 11, 3, 5};
+  Rig plain(limits);
+  limits.keeps_templates = true;
+  Rig keeping(limits);
+  for (double degrees = 0; degrees <= 4; degrees += 0.5) {
+    CAPTURE(degrees);
+    Motion m = similarity(degrees, 1, 0.3, -0.4);
+    m.noise = 2;
+    const Picture b = render(texture, m, kWidth, kHeight, 7);
+    int slot = 0;
+    for (Rig* rig : {&plain, &keeping}) rig->show(a, b);
+    for (const Vec2 x : corners_of(a, 60, 50)) {
+      const Vec2 truth = moved(m, a, x);
+      PatchResult r[2];
+      for (int k = 0; k < 2; ++k) {
+        Rig& rig = k == 0 ? plain : keeping;
+        if (degrees == 0) REQUIRE(rig.tracker.capture(slot, rig.before, x) == PatchStatus::ok);
+        r[k] = rig.tracker.track(slot, rig.after, truth + Vec2{0.2f, -0.1f}, warp_of(m));
+        REQUIRE(r[k].status == PatchStatus::ok);
+      }
+      const Vec2 e = r[1].x - r[0].x;
+      const Sym2& s = r[0].information;
+      CHECK(s.xx * e.x * e.x + 2 * s.xy * e.x * e.y + s.yy * e.y * e.y < 1);
+      ++slot;
+    }
+  }
+  PatchLimits one{1, 11, 2, 1}, two{2, 11, 2, 1};
+  one.keeps_templates = two.keeps_templates = true;
+  const auto bytes = measured_bytes<PatchTracker>(two) - measured_bytes<PatchTracker>(one);
+  CHECK(bytes - static_cast<std::size_t>(patch_slot_bytes(one)) < 2000);
+}
+
+TEST_CASE("a result farther from the start than allowed is refused, and the start is given back") {
+  const Texture texture(11);
+  const Motion m = shift(3, 4);
+  const Picture a = render(texture, {}, kWidth, kHeight);
+  Rig rig;
+  rig.show(a, render(texture, m, kWidth, kHeight));
+  PatchOptions o;
+  for (const Vec2 x : corners_of(a, 20)) {
+    REQUIRE(rig.tracker.capture(0, rig.before, x) == PatchStatus::ok);
+    o.max_move_px = 5.2f;
+    CHECK(rig.tracker.track(0, rig.after, x, {}, o).status == PatchStatus::ok);
+    o.max_move_px = 4.8f;
+    const PatchResult r = rig.tracker.track(0, rig.after, x, {}, o);
+    CHECK(r.status == PatchStatus::diverged);
+    CHECK(length(r.x - x) == 0);
+  }
 }
 
 TEST_CASE("the same call gives the same bits, whatever was tracked before") {

@@ -1,0 +1,146 @@
+// Templates: their gradients, what is stored of them, and what a warp makes of them; and the system that is solved with them.
+#include "vision/patch_template.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "patch_rig.hpp"
+#include "vision/patch_sums.hpp"
+#include "vision/patch_warp_system.hpp"
+
+using namespace pliant;
+using namespace pliant::patch;
+using namespace patch_rig;
+
+namespace {
+
+struct Bench {
+  std::vector<std::uint8_t> block = std::vector<std::uint8_t>(1 << 16);
+  Arena arena{block.data(), block.size()};
+  Workspace work;
+  explicit Bench(int window) { work.lay_out(arena, window); }
+};
+
+struct Stored {
+  StoredTemplate at;
+  int side;
+  std::vector<std::uint8_t> pixels;
+  Stored(const Picture& p, Vec2 x, const PatchLimits& limits)
+      : side(stored_side(limits)), pixels(static_cast<std::size_t>(side * side) + 64) {
+    store_template(p.view(), x, side, at, pixels.data());
+  }
+};
+
+// The arrays of the active template, one after the other.
+std::vector<i16> contents(const Workspace& work) {
+  std::vector<i16> all;
+  const Template& t = work.active;
+  for (const i16* array : {t.t, t.gx, t.gy, t.m})
+    all.insert(all.end(), array, array + work.window * work.window);
+  return all;
+}
+
+const PatchLimits kLimits{1, 11, 1, 4};
+
+}  // namespace
+
+TEST_CASE("a template holds grey levels and their Scharr gradients") {
+  Picture slope(40, 40);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 40; ++x) slope.at(x, y) = static_cast<std::uint8_t>(40 + 3 * x + y);
+  Bench b(11);
+  load_template(slope.view(), 12, 14, b.work);
+  for (int k = 0; k < 121; ++k) {
+    CHECK(b.work.active.t[k] == kGreyScale * (40 + 3 * (12 + k % 11) + 14 + k / 11) - kGreyOffset);
+    CHECK(b.work.active.gx[k] == 3 * kGreyScale);
+    CHECK(b.work.active.gy[k] == kGreyScale);
+    CHECK(b.work.active.m[k] == 1);
+  }
+}
+
+TEST_CASE("clipped pixels and those outside the image are masked out") {
+  Picture p = render(Texture(3), {}, 40, 40);
+  p.at(15, 15) = 255;
+  p.at(16, 15) = 0;
+  Bench b(11);
+  load_template(p.view(), 10, 10, b.work);
+  CHECK(b.work.active.m[5 * 11 + 5] == 0);
+  CHECK(b.work.active.gx[5 * 11 + 6] == 0);
+  CHECK(b.work.active.m[5 * 11 + 7] == 1);
+  load_template(p.view(), -3, 35, b.work);
+  for (int k = 0; k < 121; ++k) CHECK(b.work.active.m[k] == (k % 11 >= 3 && k / 11 < 5));
+}
+
+TEST_CASE("a stored template without a warp, or with the identity, is that of the image") {
+  const Picture p = render(Texture(3), {}, 60, 60);
+  Bench b(11);
+  const Vec2 x{30.3f, 28.8f};
+  const Stored s(p, x, kLimits);
+  CHECK(s.at.offset.x == doctest::Approx(0.3).epsilon(1e-4));
+  CHECK(s.at.offset.y == doctest::Approx(-0.2).epsilon(1e-4));
+  load_template(p.view(), 30 - 5, 29 - 5, b.work);
+  const std::vector<i16> direct = contents(b.work);
+  load_template(s.at, s.pixels.data(), s.side, nullptr, b.work);
+  CHECK(contents(b.work) == direct);
+  const Mat2 identity;
+  load_template(s.at, s.pixels.data(), s.side, &identity, b.work);
+  CHECK(contents(b.work) == direct);
+}
+
+TEST_CASE("a quarter turn exchanges the axes of the grey levels") {
+  const Picture p = render(Texture(3), {}, 60, 60);
+  Bench b(11);
+  const Stored s(p, {30, 30}, kLimits);
+  const Mat2 turn{0, -1, 1, 0};
+  load_template(s.at, s.pixels.data(), s.side, &turn, b.work);
+  for (int j = -5; j <= 5; ++j)
+    for (int i = -5; i <= 5; ++i) {
+      const int here = b.work.active.t[(j + 5) * 11 + i + 5];
+      CHECK(here == kGreyScale * p.pixels[static_cast<std::size_t>((30 + i) * 60 + 30 - j)] - kGreyOffset);
+    }
+}
+
+TEST_CASE("a stretch beyond the template margin masks out what leaves the stored square") {
+  const Picture p = render(Texture(3), {}, 60, 60);
+  Bench b(11);
+  const Stored s(p, {30, 30}, kLimits);
+  const Mat2 stretch{2.5f, 0, 0, 1};
+  load_template(s.at, s.pixels.data(), s.side, &stretch, b.work);
+  for (int j = -5; j <= 5; ++j)
+    for (int i = -5; i <= 5; ++i) {
+      const bool is_stored = 2.5 * i >= -10 && 2.5 * i < 10;  // the square has 21 pixels
+      CHECK(b.work.active.m[(j + 5) * 11 + i + 5] == is_stored);
+    }
+}
+
+TEST_CASE("the fit of an image that is a template with light, a small warp and a shift recovers them") {
+  const Picture p = render(Texture(3), {}, 60, 60);
+  Bench b(13);
+  Workspace& work = b.work;
+  load_template(p.view(), 24, 24, work);
+  const Template& t = work.active;
+  multiply_by_position(t.gx, work.x, work.y, work.count, work.stretch[0], work.stretch[1]);
+  multiply_by_position(t.gy, work.x, work.y, work.count, work.stretch[2], work.stretch[3]);
+  const i16* const images[] = {
+      t.t, work.stretch[0], work.stretch[1], work.stretch[2], work.stretch[3], t.gx, t.gy, t.m};
+  prepare(images, 13, false, *work.system);
+  const WarpSystem& system = *work.system;
+  REQUIRE(system.is_solvable);
+  CHECK(system.n == 169);
+  const float truth[] = {0.8f, 0.2f, -0.3f, 0.1f, 0.25f, 0.4f, -0.3f};
+  for (int k = 0; k < 169; ++k) {
+    float v = 150;  // bias
+    for (int i = 0; i < kUnknowns; ++i) v += truth[i] * static_cast<float>(images[i][k]);
+    work.image[k] = static_cast<i16>(v < 0 ? v - 0.5f : v + 0.5f);
+  }
+  const Mat2 expected{truth[1], truth[2], truth[3], truth[4]};
+  const WarpFit known = fit(system, expected, work.image, work.count);
+  for (int i = 0; i < kUnknowns; ++i) CHECK(known.x[i] == doctest::Approx(double{truth[i]}).epsilon(0.01));
+  // Without knowing the stretch, its prior pulls it towards zero.
+  const WarpFit unknown = fit(system, {0, 0, 0, 0}, work.image, work.count);
+  for (int i = 0; i < 4; ++i) CHECK(magnitude(unknown.x[kStretch + i]) < magnitude(truth[kStretch + i]));
+  const Sym2 s = shift_information(system, 1);
+  CHECK(s.xx * s.yy - s.xy * s.xy > 0);
+}
