@@ -1,0 +1,36 @@
+# What Doxygen reads of a header: members that are deleted or defaulted are left out, and the names of one declaration
+# ("float x = 0, y = 0;") become declarations of their own, each with the comment of all of them.
+function flush_doc() { printf "%s", doc; doc = "" }
+function names_of(list, out,   n, i, depth, c, start) {
+  n = 0; depth = 0; start = 1
+  for (i = 1; i <= length(list); ++i) {
+    c = substr(list, i, 1)
+    if (c ~ /[({\[]/) ++depth
+    if (c ~ /[)}\]]/) --depth
+    if (c == "," && depth == 0) { out[++n] = substr(list, start, i - start); start = i + 1 }
+  }
+  out[++n] = substr(list, start)
+  return n
+}
+/= delete;[ \t]*$/ || /\(\) = default;[ \t]*$/ { doc = ""; next }
+/^[ \t]*\/\/\/[^<]/ || /^[ \t]*\/\/\/$/ { doc = doc $0 "\n"; next }
+held != "" && /^[ \t]*\/\/\/</ { tail = tail "\n" $0; next }
+{ release() }
+/^[ \t]*(const )?[A-Za-z_][A-Za-z_0-9:<>]*( const)? [*]?[A-Za-z_][A-Za-z_0-9]*(\[[^\]]*\])*( = [^;]*)?,.*;[ \t]*(\/\/\/<.*|\/\*\*<.*)?$/ && !/\(/ {
+  held = $0; tail = ""
+  next
+}
+{ flush_doc(); print }
+END { release(); flush_doc() }
+function release(   text, at, declaration, type, list, part, n, i) {
+  if (held == "") return
+  at = match(held, /\/\/\/<|\/\*\*</)
+  text = at ? substr(held, at) tail : tail
+  declaration = at ? substr(held, 1, at - 1) : held
+  sub(/;[ \t]*$/, "", declaration)
+  match(declaration, /^[ \t]*(const )?[A-Za-z_][A-Za-z_0-9:<>]*( const)? /)
+  type = substr(declaration, 1, RLENGTH); list = substr(declaration, RLENGTH + 1)
+  n = names_of(list, part)
+  for (i = 1; i <= n; ++i) { printf "%s", doc; sub(/^[ \t]+/, "", part[i]); print type part[i] ";  " text }
+  doc = ""; held = ""; tail = ""
+}
