@@ -1,7 +1,7 @@
 #pragma once
 /// \file base_mesh.hpp
-/// From triangles as they come to a base mesh of basic blocks (the paper, 4.2 and 5.1): checks them, winds
-/// them alike, and gives every face a subdivision edge on which its neighbour agrees.
+/// Makes a base mesh of basic blocks from any triangles (the paper, 4.2 and 5.1; docs/algorithms.md, section 1.3): checks
+/// them, gives them one winding, and gives every face a subdivision edge that it shares with its neighbour.
 #include <cstdint>
 
 #include "pliant/arena.hpp"
@@ -11,23 +11,22 @@
 
 namespace pliant {
 
-/// Which way faces are to run. Each connected part is turned as a whole, by the sign of its area in (u,v).
+/// Winding of the faces of the result. Each connected part is turned as a whole, by the sign of its area in (u,v).
 enum class Winding : std::uint8_t {
-  as_given,           ///< as the part's first face does
+  as_given,           ///< that of the part's first face
   counter_clockwise,  ///< positive area with u to the right and v up
   clockwise,  ///< negative area: charts whose v points down seen from outside, as those of model tables
 };
 
-/// Sizes of the input, and whether by_splits will be called (which needs room for up to three times the
-/// faces).
+/// Sizes of the input, and whether by_splits may be called, which needs room for up to three times the faces.
 struct BaseMeshLimits {
   std::uint16_t vertices = 512;
   std::uint16_t faces = 1024;  ///< at most 7,281 with splits, 21,845 without
   bool splits = true;
 };
 
-/// Makes base meshes. For host tools, or for boot time on a device: give its arena back when the mesh has
-/// taken the result. Bytes: about 330 a face with splits, 100 without.
+/// Makes base meshes. For host tools, or for the start of a device: its memory can be reused once a mesh has taken the
+/// result. Bytes: about 330 a face with splits, 100 without.
 class BaseMeshMaker {
  public:
   BaseMeshMaker() = default;
@@ -36,27 +35,26 @@ class BaseMeshMaker {
 
   void lay_out(Arena& arena, const BaseMeshLimits& limits);
 
-  /// The paper's way: edges are split once at their midpoints, the longest first, as long as both their faces
-  /// are whole; faces left whole are split at the barycentre. M interior and B boundary splits and U faces
-  /// left give V + M + B + U vertices and 2 F + U faces; the input's vertices keep their indices. Good
-  /// shapes. \param uv, corners  any winding; one connected part or several, with boundary or without. \param
-  /// position     lengths are taken between these, one a vertex; empty: in (u,v). \return ok, or the first
-  /// defect in this order: bad_argument, capacity, bad_index, degenerate_face,
-  ///   duplicate_face or non_manifold_edge, non_orientable, isolated_vertex, non_manifold_vertex.
+  /// The paper's method. Edges are split once at their midpoints, the longest first, as long as neither of their faces has
+  /// been split; faces that remain are split at the barycentre. M interior and B boundary splits and U remaining faces give
+  /// V + M + B + U vertices and 2 F + U faces. The input's vertices keep their indices. Gives good shapes.
+  /// \param uv, corners  any winding; one connected part or several, with boundary or without.
+  /// \param position     lengths are taken between these, one a vertex; empty: in (u,v).
+  /// \return ok, or the first defect in this order: bad_argument, capacity, bad_index, degenerate_face, duplicate_face or
+  ///   non_manifold_edge, non_orientable, isolated_vertex, non_manifold_vertex.
   Status by_splits(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
                    Span<const Vec3> position = {});
-  /// Without any split: neighbours are paired across long edges; a face with an edge on the boundary may stay
-  /// alone, as half a block. Succeeds for every mesh that passes the checks (Petersen's theorem on two copies
-  /// glued along the boundary). Vertices and faces keep their indices. Cost: O(F log F) and the search for
-  /// augmenting paths (Edmonds), O(F^3) at worst, near O(F) on surfaces.
+  /// Without splits: neighbours are paired across long edges. A face with a boundary edge may stay single, as half a block.
+  /// Succeeds for every mesh that passes the checks (Petersen's theorem on two copies joined along the boundary). Vertices
+  /// and faces keep their indices. Cost: O(F log F), and the search for augmenting paths (Edmonds): O(F^3) at worst, near O(F)
+  /// on surfaces. Parameters and statuses: those of by_splits.
   Status by_pairing(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
                     Span<const Vec3> position = {});
 
   /// The result of the last success, for Mesh::set_base; empty after a failure. Valid until the next call.
   Span<const Vec2> uv() const { return {uv_, vertex_count_}; }
   Span<const std::uint16_t> corners() const { return {corners_, 3 * face_count_}; }
-  /// What each vertex beyond the input's was put between: two corners of an edge, or three of a face (else
-  /// kNone).
+  /// The vertices between which each added vertex lies: two ends of an edge and kNone, or three corners of a face.
   struct Parents {
     std::uint16_t v[3];
   };

@@ -13,7 +13,7 @@ struct Camera {
   float aspect = 1;             ///< focal length along y over that along x
 };
 
-/// Focal length of an unknown camera over the larger side of its image: 40 degrees of view, a webcam's. Not tuned.
+/// Focal length of an unknown camera over the larger side of its image: 39 degrees of view. Not tuned.
 constexpr float kDefaultFocalRatio = 1.4f;
 
 /// The camera of an image with its principal point in the middle, ((W-1)/2, (H-1)/2). f in px.

@@ -1,15 +1,15 @@
 #pragma once
 /// \file criteria.hpp
-/// Adaptation criteria (the paper, section 5.2): unconditional, normals, contour error; and, of its future
-/// work, view-dependent and texture-driven ones. Each is a plain struct of options and a rank for a triangle
-/// (error over tolerance, see Criterion); `criterion_of` turns the pair into a Criterion. The options must
-/// outlive it and may change between calls of the Adapter, which then wants a `rerank`.
+/// Adaptation criteria (the paper, section 5.2; docs/algorithms.md, section 2): unconditional, normals, contour error; and,
+/// from its future work, view and texture. Each is a struct of options and a rank of a triangle (error over tolerance, see
+/// Criterion); `criterion_of` makes a Criterion of the two. The options must outlive it. They may change between calls of
+/// the Adapter; call Adapter::rerank after that.
 #include "pliant/adapt.hpp"
 #include "pliant/geometry.hpp"
 
 namespace pliant {
 
-/// A Criterion from options and a rank for triangles, live or to be brought back by a weld.
+/// A Criterion from options and a rank of triangles. These are live, or those that a weld restores.
 template <class Options, float (*rank)(const Options&, const Shape&, const Triangle&)>
 Criterion criterion_of(const Options& options, bool sees_neighbours = false) {
   Criterion c;
@@ -31,7 +31,7 @@ Criterion criterion_of(const Options& options, bool sees_neighbours = false) {
 
 // --- Tests of the application's own ---
 
-/// The paper's two tests: which faces to refine, which vertices may go.
+/// The paper's two tests: which faces to refine, which vertices to remove.
 struct AdaptTests {
   void* context = nullptr;
   bool (*should_refine)(void* context, const Shape& shape, FaceId face) = nullptr;
@@ -49,12 +49,11 @@ Criterion criterion_of(const Unconditional& options);
 
 // --- Normals (5.2.2) ---
 
-/// Sharp ridges, valleys and jagged boundaries: the angle between the normals of two faces at an edge, or, at
-/// a boundary edge, between the mean normals of the faces around its two ends.
+/// Detects ridges, valleys and jagged boundaries: by the angle between the normals of two faces at an edge, or, at a boundary
+/// edge, between the mean normals of the faces around its two ends.
 struct NormalsOptions {
-  float cos_angle = 0.96593f;  ///< cosine of the tolerated angle (15 degrees)
-  float shortest_edge_mm =
-      0.5f;  ///< a triangle whose subdivision edge is shorter is left alone, however sharp
+  float cos_angle = 0.96593f;     ///< cosine of the tolerated angle (15 degrees)
+  float shortest_edge_mm = 0.5f;  ///< a triangle whose subdivision edge is shorter is not refined
 };
 Criterion criterion_of(const NormalsOptions& options);
 float compute_rank(const NormalsOptions& options, const Shape& shape, const Triangle& triangle);
@@ -81,34 +80,34 @@ ContourError compute_contour_error(const Shape& shape, int cells);
 struct ContourOptions {
   float mean_mm = 0.3f;  ///< of the mean error
   float max_mm = 1.0f;   ///< of the maximum
-  float volume_mm3 = 0;  ///< of mean error times area, the share of a triangle in the mean error of the
-                         ///< whole: the measure to minimise under a vertex budget
+  float volume_mm3 =
+      0;  ///< of mean error times area, a triangle's part of the whole surface's mean error: the measure to
+          ///< minimise under a vertex budget
 };
 Criterion criterion_of(const ContourOptions& options);
 float compute_rank(const ContourOptions& options, const Shape& shape, const Triangle& triangle);
 
 // --- View-dependent ---
 
-/// Contour error as a camera sees it, in pixels: only what is across the line of sight counts, more near the
-/// outline, little on the far side and outside the picture. Pinhole, no distortion.
+/// Contour error in the image, px: the part across the viewing ray. It weighs more at the silhouette, and little on the far
+/// side and outside the image. Pinhole, no distortion.
 struct ViewOptions {
   Pose pose;
   float focal_px = 500;
   float cx = 159.5f, cy = 119.5f;  ///< principal point
   float width_px = 320, height_px = 240;
   float tolerance_px = 0.5f;
-  float silhouette_gain = 3;     ///< for triangles turned by 75 to 105 degrees from the camera
-  float hidden_gain = 0.05f;  ///< for those turned further, and those more than margin_px outside the picture
-  float margin_px = 20;
+  float silhouette_gain = 3;  ///< for triangles turned by 75 to 105 degrees from the camera
+  float hidden_gain = 0.05f;  ///< for those turned further, and those more than 20 px outside the image
 };
 Criterion criterion_of(const ViewOptions& options);
 float compute_rank(const ViewOptions& options, const Shape& shape, const Triangle& triangle);
 
 // --- Texture-driven ---
 
-/// Vertices where there is something to track: a score for every (u,v) from outside, at least 0, 1 where a
-/// vertex is just worth having. A triangle's rank is its best score times the square of its subdivision edge
-/// in units of twice the shortest one, and 0 below that.
+/// Puts vertices where there is texture to track. The application gives a score for every (u,v): at least 0, and 1 where a
+/// vertex is just worth having. A triangle's rank is its best score times the square of its subdivision edge's length over
+/// twice the shortest length; 0 for shorter edges.
 struct TextureOptions {
   void* context = nullptr;
   float (*score)(void* context, Vec2 uv) = nullptr;
@@ -119,7 +118,7 @@ float compute_rank(const TextureOptions& options, const Shape& shape, const Tria
 
 // --- Two at once ---
 
-/// Refines where either wants it, simplifies where both agree.
+/// Refines where either criterion does, simplifies where both do.
 struct EitherOf {
   Criterion first, second;
 };

@@ -1,7 +1,7 @@
 #pragma once
 /// \file geometry.hpp
 /// Plain vectors, quaternions and rigid poses. No Eigen here, so that a consumer needs none.
-/// Everything is float, uses + - * / and sqrt only, and so gives the same bits on every target.
+/// All of it is float and uses + - * / and sqrt only, so it gives the same bits on every target.
 
 namespace pliant {
 

@@ -1,6 +1,6 @@
 #pragma once
 /// \file id_set.hpp
-/// A pool of 16-bit ids: which are free, which is the lowest free one, and a walk over those in use.
+/// A pool of 16-bit ids, each free or in use.
 #include <cstddef>
 #include <cstdint>
 
@@ -8,20 +8,19 @@
 
 namespace pliant {
 
-/// An id or index that is none: no vertex, no face, no half-edge, no entry of a table.
+/// The id or index that means none: no vertex, face, half-edge, or entry of a table.
 constexpr std::uint16_t kNone = 0xFFFF;
 
-/// Ids 0 ... capacity - 1, each free or in use. `take` always gives the lowest free id, so that the pool has
-/// no memory of its history: what is in use alone decides which ids come next, and ids stay dense. Two levels
-/// of bits, capacity / 8 bytes. `take` costs two bit scans and at most 16 word reads; everything else is
-/// O(1).
+/// Ids 0 ... capacity - 1, each free or in use. `take` returns the lowest free id, so the next ids depend only on which ids
+/// are in use, not on the history, and ids stay dense. Two levels of bits, capacity / 8 bytes. `take` costs two bit scans and
+/// at most 16 word reads; the rest is O(1) unless said otherwise.
 class IdSet {
  public:
   /// \param capacity  at most 65,535.
   void lay_out(Arena& arena, std::size_t capacity);
   /// Ids below `used` are in use, all others free. O(capacity / 64).
   void reset(std::size_t used);
-  /// Takes over the state of a set of the same capacity.
+  /// Copies the state of a set. Precondition: the same capacity.
   void copy_from(const IdSet& other);
 
   std::size_t capacity() const { return capacity_; }
@@ -29,8 +28,9 @@ class IdSet {
   std::size_t free_count() const { return capacity_ - used_; }
   bool is_used(std::uint16_t id) const { return id < capacity_ && (free_[id >> 6] >> (id & 63) & 1) == 0; }
 
-  /// The lowest free id, now in use. Precondition: free_count() > 0.
+  /// Takes the lowest free id into use. Precondition: free_count() > 0.
   std::uint16_t take() {
+    PLIANT_ASSERT(free_count() > 0);
     const std::size_t word = lowest_;
     const std::uint64_t bits = free_[word];
     free_[word] = bits & (bits - 1);
@@ -38,15 +38,16 @@ class IdSet {
     ++used_;
     return static_cast<std::uint16_t>(word << 6 | lowest_bit(bits));
   }
-  /// Frees an id in use.
+  /// Frees an id. Precondition: it is in use.
   void put_back(std::uint16_t id) {
+    PLIANT_ASSERT(is_used(id));
     const std::size_t word = id >> 6;
     if (free_[word] == 0) groups_[word >> 6] |= std::uint64_t{1} << (word & 63);
     free_[word] |= std::uint64_t{1} << (id & 63);
     if (word < lowest_) lowest_ = word;
     --used_;
   }
-  /// The lowest id in use that is at least `from`, or the capacity where there is none.
+  /// The lowest id in use that is at least `from`; the capacity when there is none. O(capacity / 64).
   std::size_t next_used(std::size_t from) const {
     if (from >= capacity_) return capacity_;
     std::size_t word = from >> 6;
@@ -57,7 +58,7 @@ class IdSet {
     return id < capacity_ ? id : capacity_;
   }
 
-  /// Walks the ids in use in rising order. An id taken or freed during the walk is seen if it lies ahead.
+  /// Walks the ids in use in ascending order. A change during the walk counts for ids that are still ahead.
   class Iterator {
    public:
     Iterator(const IdSet& set, std::size_t id) : set_(&set), id_(id) {}

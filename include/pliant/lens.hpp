@@ -1,31 +1,32 @@
 #pragma once
 /// \file lens.hpp
-/// What a real lens does to points: radial distortion and pixels that are not square. Points only, never images. Fit and
-/// estimator work with an ideal pinhole camera inside; what they are given and give is as seen in the picture.
+/// Lens distortion of points: radial distortion, and pixels that are not square. Images are never resampled: inputs and
+/// outputs of fit and estimator are distorted image positions; internally they are undistorted.
 #include "pliant/camera.hpp"
 #include "pliant/status.hpp"
 
 namespace pliant {
 
 /// With (x,y) = (X/Z, Y/Z), r^2 = x^2 + y^2 and L(r) = 1 + k1 r^2 + k2 r^4 a point is seen at
-///   (f L x + cx, aspect f L y + cy);
-/// ideal is where it would be without: (f x + cx, f y + cy). Beyond the picture's corners the distortion goes on along its
-/// tangent, so that the map is one to one on the whole plane.
+///   (f L x + cx, aspect f L y + cy).
+/// Its ideal position, without lens, is (f x + cx, f y + cy). Beyond the corners of the image the distorted radius continues
+/// along its tangent, so the map is one to one on the whole plane (docs/algorithms.md, section 4.5).
 class Lens {
  public:
-  /// None: seen is ideal.
+  /// No lens: seen and ideal positions are equal.
   Lens() = default;
-  /// \return bad_argument for anything that is not finite, f <= 0, an aspect outside [0.5, 2], or coefficients for which
-  ///         the distorted radius does not grow all the way to the corners of a picture of this size.
+  /// \param width, height  image size, px.
+  /// \return bad_argument for null, anything not finite, f <= 0, an empty image, an aspect outside [0.5, 2], or coefficients
+  ///         for which the distorted radius does not grow up to the corners of the image; `lens` is then as before.
   static Status make(const Camera& camera, int width, int height, Lens* lens);
 
   bool is_none() const { return is_none_; }
 
-  /// Where an ideal point is seen (px).
+  /// The seen position of an ideal one, px.
   Vec2 distort(Vec2 ideal) const { return is_none_ ? ideal : distorted(ideal, nullptr); }
   /// The same, with d(seen)/d(ideal).
   Vec2 distort(Vec2 ideal, Mat2* derivative) const { return distorted(ideal, derivative); }
-  /// The inverse, by at most 16 steps of Newton's method: to 1e-3 px.
+  /// The inverse, by at most 16 steps of Newton's method. Error below 1e-3 px.
   Vec2 undistort(Vec2 seen) const { return is_none_ ? seen : undistorted(seen); }
 
  private:

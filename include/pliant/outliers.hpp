@@ -1,7 +1,7 @@
 #pragma once
 /// \file outliers.hpp
-/// Minimum covariance determinant: centre and covariance of the bulk of a point cloud, and the rows that do
-/// not belong to it (Rousseeuw & Van Driessen 1999; Hubert, Rousseeuw & Verdonck 2012).
+/// Minimum covariance determinant: a robust centre and covariance of a point cloud, and its outliers (Rousseeuw & Van
+/// Driessen 1999; Hubert, Rousseeuw & Verdonck 2012; docs/algorithms.md, sections 6.1 to 6.6).
 #include <cstddef>
 #include <cstdint>
 
@@ -14,14 +14,14 @@ struct Scratch;
 struct Search;
 }  // namespace mcd
 
-/// Most columns of any data.
+/// Largest number of columns.
 inline constexpr std::size_t kMcdMaxColumns = 24;
-/// Most rows of any data: row numbers are 16-bit.
+/// Largest number of rows: row numbers are 16-bit.
 inline constexpr std::size_t kMcdMaxRows = 4096;
-/// Squared distance of a row that lies off a subspace which holds all the good ones.
+/// Squared distance of a row that lies outside a subspace that holds the majority.
 inline constexpr float kMcdOffSubspace = 1e30f;
 
-/// Largest data an `Mcd` takes. Bytes for p columns: 8 a value, 24 a row, 768 a column, 136 p^2, and 19 kB: 50 kB for
+/// Fix the memory of an Mcd: the largest data. Bytes for p columns: 8 a value, 24 a row, 768 a column, 136 p^2, and 19 kB: 50 kB for
 /// 256 x 6, 1 MB for 4096 x 24. About 16 kB of stack besides.
 struct McdLimits {
   std::size_t rows = 512;   ///< at most kMcdMaxRows
@@ -29,26 +29,24 @@ struct McdLimits {
 };
 
 struct McdOptions {
-  /// Size of the subset, in [0.5, 1]: 0.5 stands most outliers (half of the rows), 0.75 a quarter.
+  /// Size of the subset as a fraction of the rows, in [0.5, 1]. 0.5 tolerates outliers in half of the rows, 0.75 in a quarter.
   float alpha = 0.5f;
-  /// In (0,1): a row is flagged beyond this quantile of chi-square.
+  /// Quantile of chi-square beyond which a row is flagged, in (0,1).
   float cutoff = 0.975f;
-  /// Apply the small-sample correction of Pison, Van Aelst & Willems (2002).
-  bool small_sample = true;
   /// Random starts of `fast`, in [1, 100000].
   std::uint32_t starts = 500;
-  /// Most exchanges of single rows after the C-steps. 50 find lower determinants than thousands of starts do; each costs
-  /// about three C-steps on all rows. 0 is the algorithm as published.
+  /// Exchanges of single rows after the C-steps, at most. 50 find lower determinants than thousands of starts; each costs
+  /// about three C-steps on all rows. 0 is the published algorithm.
   std::uint32_t exchanges = 0;
-  /// Of the generator of `fast`: equal seeds give equal bits.
+  /// Seed of the random generator of `fast`. Equal seeds give equal bits.
   std::uint64_t seed = 1;
 };
 
-/// Which deterministic starts to try. With hundreds of rows one is about as good as six, and many times cheaper; with
-/// a few dozen six find lower determinants, and so does one followed by exchanges.
+/// Which deterministic starts to try. With hundreds of rows one is about as good as six, and many times cheaper. With a few
+/// dozen rows six find lower determinants; one start followed by exchanges does too.
 enum class McdStarts : std::uint8_t { median_ball, all_six };
 
-/// A positive number mantissa * 2^exponent, mantissa in [0.5, 1): a determinant that can't overflow.
+/// A positive number mantissa * 2^exponent, mantissa in [0.5, 1): a determinant that cannot overflow.
 struct ScaledNumber {
   double mantissa = 0.5;
   int exponent = 1;
@@ -60,34 +58,31 @@ struct McdEstimate {
   double covariance[kMcdMaxColumns * kMcdMaxColumns];
 };
 
-/// Finds the h of n rows whose covariance has the smallest determinant, as far as a search can; from it the
-/// raw estimate (scaled to be consistent for Gaussian data); then the reweighted one from all rows near the
-/// raw one. Results stay until the next call. Points into its arena.
+/// Searches the h of n rows whose covariance has the smallest determinant. They give the raw estimate, scaled to be
+/// consistent for Gaussian data and corrected for small samples (Pison, Van Aelst & Willems 2002). All rows near the raw
+/// estimate give the reweighted one. Results are valid until the next call.
 ///
-/// Rows with a NaN or an infinity are left out of everything: weight 0, squared distance kMcdOffSubspace.
-/// Values further than 1e9 scales (median absolute deviations) from the median count as that far.
+/// Rows with a NaN or an infinity are ignored: squared distance kMcdOffSubspace. Values further than 1e9 median absolute
+/// deviations from the median count as that far.
 ///
-/// `fast` and `deterministic` return
-/// - ok;
-/// - degenerate_data: h or more rows share a subspace (a constant column, a plane). The answer is that
-/// subspace: rows
-///   off it are flagged, distances are those within it, the covariance is singular (or as good as);
-/// - too_few_points: no more than columns + 1 finite rows. Nothing finite is flagged; centre = medians,
-/// covariance 0;
-/// - capacity: more rows or columns than the limits; bad_argument: null data, no column, an option out of
-/// range.
-///   Results are as they were.
+/// Statuses of `fast` and `deterministic`:
+/// - ok
+/// - degenerate_data: h or more rows share a subspace (a constant column, a plane). The results are those within the
+///   subspace: rows off it are flagged, and the covariance is singular, or nearly so
+/// - too_few_points: at most columns + 1 finite rows. No finite row is flagged; the centre holds medians, the covariance 0
+/// - capacity: more rows or columns than the limits; nothing has changed
+/// - bad_argument: null data, no column, or an option out of range; nothing has changed
 class Mcd {
  public:
   void lay_out(Arena& arena, const McdLimits& limits);
 
-  /// FAST-MCD on `rows` x `columns` values by rows: `starts` random subsets, each followed by two C-steps,
-  /// the ten best to convergence. Above 600 rows the starts work on at most five groups of about 300 rows
-  /// first. Cost: about starts x min(rows, 600) x columns^2 x 2 multiply-adds.
+  /// FAST-MCD on `rows` x `columns` values, by rows. Makes two C-steps from each of `starts` random subsets, and follows the
+  /// ten best to convergence. Above 600 rows the starts run on at most five groups of about 300 rows first.
+  /// Cost: about starts x min(rows, 600) x columns^2 x 2 multiply-adds.
   Status fast(const float* data, std::size_t rows, std::size_t columns, const McdOptions& options = {});
 
-  /// DetMCD on the same: no randomness; the answer does not depend on the order of the rows, up to rounding
-  /// and ties. Cost a start: about rows x columns^2 x 12 multiply-adds.
+  /// DetMCD on the same. Not random; the result does not depend on the order of the rows, up to rounding and ties.
+  /// Cost of a start: about rows x columns^2 x 12 multiply-adds.
   Status deterministic(const float* data, std::size_t rows, std::size_t columns, McdStarts starts,
                        const McdOptions& options = {});
 
@@ -101,17 +96,17 @@ class Mcd {
   const McdEstimate& raw() const { return estimates_[0]; }
   /// Mean and corrected covariance of the rows that `raw` does not flag.
   const McdEstimate& reweighted() const { return estimates_[1]; }
-  /// Consistency factor times small-sample factor that went into each.
+  /// Consistency factor times small-sample factor of each estimate.
   double raw_correction() const { return raw_correction_; }
   double reweighted_correction() const { return reweighted_correction_; }
-  /// chi-square quantile beyond which rows are flagged.
+  /// Squared distance beyond which rows are flagged.
   double cutoff() const { return cutoff_; }
   /// Squared Mahalanobis distances of all rows, finite and not negative.
   Span<const float> raw_squared_distances() const { return {raw_distance_, rows_}; }
   Span<const float> squared_distances() const { return {distance_, rows_}; }
   bool is_flagged(std::size_t row) const { return !(distance_[row] <= static_cast<float>(cutoff_)); }
   bool is_flagged_raw(std::size_t row) const { return !(raw_distance_[row] <= static_cast<float>(cutoff_)); }
-  /// C-steps on all rows that the last call took.
+  /// C-steps on all rows in the last call.
   std::size_t full_steps() const { return full_steps_; }
 
  private:
@@ -157,9 +152,9 @@ std::size_t mcd_subset_size(std::size_t rows, std::size_t columns, double alpha)
 double chi_square_quantile(std::size_t freedom, double probability);
 /// P(chi-square with `freedom` degrees <= x), to 1e-12.
 double chi_square_probability(std::size_t freedom, double x);
-/// Factor that makes the covariance of the central `share` of Gaussian data consistent: share / P(chi2_{p+2}
-/// <= chi2_{p;share}). 1 for share >= 1.
-double mcd_consistency_factor(std::size_t columns, double share);
+/// Factor that makes the covariance of the central fraction of Gaussian data consistent:
+/// fraction / P(chi2_{p+2} <= chi2_{p;fraction}). 1 for fraction >= 1.
+double mcd_consistency_factor(std::size_t columns, double fraction);
 /// Small-sample factors of the raw and the reweighted covariance (Pison, Van Aelst & Willems 2002), alpha in
 /// [0.5, 1].
 double mcd_small_sample_raw(std::size_t rows, std::size_t columns, double alpha);

@@ -9,11 +9,10 @@
 
 namespace pliant {
 
-/// Heap with four children a node over ids 0 ... capacity - 1, highest key first. Keys are 64-bit: a rank
-/// above, a tie-break by content below, so that the order never depends on ids or insertion. 12 bytes an id.
+/// Heap with four children a node over ids 0 ... capacity - 1, highest key first. The upper 32 bits of a key are a rank, the
+/// lower ones break ties by content, so the order does not depend on ids or on the order of insertion. 12 bytes an id.
 ///
-/// Work is put off where it may turn out to be none: new ids wait unsorted until somebody asks for the top,
-/// and ids with keys below a floor are kept with their keys, but outside the heap.
+/// New ids are sorted in when `top` is called. Ids with keys below a floor keep their keys outside the heap.
 class RankQueue {
  public:
   /// \param capacity  at most 65,535.
@@ -24,8 +23,8 @@ class RankQueue {
   bool contains(std::uint16_t id) const { return place_[id] != kNone; }
   /// Precondition: contains(id).
   std::uint64_t key(std::uint16_t id) const { return key_[place_[id]]; }
-  /// The id with the highest key, or kNone where none reaches the floor. O(log n) for each id that has come
-  /// since the last call.
+  /// The id with the highest key, or kNone where no key reaches the floor. O(log n) for each id inserted since the last
+  /// call.
   std::uint16_t top() {
     if (sorted_ < heap_) sort_in();
     return heap_ > 0 ? id_[0] : kNone;
@@ -41,9 +40,9 @@ class RankQueue {
     else
       move(id, key);
   }
-  /// Keeps id with its key, as if that were below the floor. O(log n).
+  /// Inserts or moves id, but outside the heap, as if its key were below the floor. O(log n).
   void hold(std::uint16_t id, std::uint64_t key);
-  /// Takes id out if it is in. O(log n).
+  /// Removes id, if it is there. O(log n).
   void remove(std::uint16_t id);
 
  private:
@@ -59,14 +58,13 @@ class RankQueue {
   void sift_up(std::size_t hole, std::uint16_t id, std::uint64_t key);
   void sift_down(std::size_t hole, std::uint16_t id, std::uint64_t key);
 
-  // The heap and those that wait are at the front of the arrays, those below the floor or on hold at the
-  // back.
+  // The heap and the unsorted ids are at the front of the arrays; ids below the floor or on hold are at the back.
   std::uint64_t* key_ = nullptr;
   std::uint16_t* id_ = nullptr;
   std::uint16_t* place_ = nullptr;  // of an id in key_ and id_, or kNone
   std::size_t capacity_ = 0;
-  std::size_t sorted_ = 0, heap_ = 0;  // heap, and heap with those that wait
-  std::size_t low_ = 0;                // where the latter begin
+  std::size_t sorted_ = 0, heap_ = 0;  // sizes: of the heap; of the heap and the unsorted ids
+  std::size_t low_ = 0;                // where the ids at the back begin
   std::uint64_t floor_ = 0;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Sorting in place, without recursion or a heap of the other kind.
+// Sorting in place, without recursion or dynamic memory.
 #include <cstddef>
 
 namespace pliant {

@@ -1,6 +1,6 @@
 #pragma once
-// Four floats at a time. GCC and Clang turn the vector type into whatever the target has, down to scalars, with the same
-// results: lanes never mix but in `sum`.
+// Four floats at a time. GCC and Clang translate the vector type to what the target has, down to scalars, with the same
+// results: only `sum` adds across lanes.
 #include <cstddef>
 #include <cstring>
 

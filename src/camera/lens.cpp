@@ -5,10 +5,19 @@ namespace pliant {
 
 namespace {
 
-constexpr int kNewtonSteps = 16;
-constexpr float kBeyondCorners = 1.05f;  // the polynomial is used a little further than the picture reaches
-constexpr float kLeastSlope = 0.05f,
-                kMostSlope = 20;  // of the distorted radius: beyond, a pixel stands for twenty
+struct LensTuning {
+  /// Newton steps of the inverse, count, at most. Bisection guards them; the tests' lenses need six. Not tuned.
+  int newton_steps = 16;
+  /// The polynomial is used up to this multiple of the corners' radius. Points just outside the image are then undistorted
+  /// by the polynomial too. Round value.
+  float beyond_corners = 1.05f;
+  /// Smallest and largest slope of the distorted radius. Beyond them a pixel would stand for twenty, or twenty for one. Round
+  /// values.
+  float least_slope = 0.05f, most_slope = 20;
+  /// Steps from the centre to the corner at which the slope is checked, count. Round value.
+  int slope_checks = 1024;
+};
+constexpr LensTuning kLensTuning{};
 
 }  // namespace
 
@@ -23,11 +32,11 @@ float Lens::radius(float r, float* slope) const {
   return r * (1 + s * (camera_.k1 + camera_.k2 * s));
 }
 
-/// Newton inside an interval that shrinks from both ends; a step that leaves it is replaced by its middle.
+/// Newton steps inside an interval that shrinks from both ends. A step that leaves it is replaced by its middle.
 float Lens::undistorted_radius(float seen) const {
   if (seen >= end_radius_) return end_ + (seen - end_radius_) / end_slope_;
   float low = 0, high = end_, r = min(seen, end_);
-  for (int k = 0; k < kNewtonSteps; ++k) {
+  for (int k = 0; k < kLensTuning.newton_steps; ++k) {
     float slope;
     const float off = radius(r, &slope) - seen;
     if (off > 0)
@@ -54,16 +63,15 @@ Status Lens::make(const Camera& camera, int width, int height, Lens* lens) {
   const float x = max(magnitude(camera.cx + 0.5f), magnitude(right - camera.cx)) / camera.f;
   const float y =
       max(magnitude(camera.cy + 0.5f), magnitude(bottom - camera.cy)) / (camera.aspect * camera.f);
-  const float corner = kBeyondCorners * length(Vec2{x, y});
+  const float corner = kLensTuning.beyond_corners * length(Vec2{x, y});
   // Outwards in small steps, for as long as the radius grows, until it reaches the corner.
-  constexpr int kSteps = 1024;
   made.end_ = 1e30f;
-  const float step = 4 * corner / kSteps;
+  const float step = 4 * corner / kLensTuning.slope_checks;
   float reached = 0, r = 0, slope = 1;
-  for (int k = 1; k <= kSteps && reached < corner; ++k) {
+  for (int k = 1; k <= kLensTuning.slope_checks && reached < corner; ++k) {
     r = static_cast<float>(k) * step;
     reached = made.radius(r, &slope);
-    if (!(slope >= kLeastSlope && slope <= kMostSlope)) return Status::bad_argument;
+    if (!(slope >= kLensTuning.least_slope && slope <= kLensTuning.most_slope)) return Status::bad_argument;
   }
   if (!(reached >= corner)) return Status::bad_argument;
   made.end_ = r;

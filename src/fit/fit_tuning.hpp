@@ -9,24 +9,25 @@ struct FitTuning {
   /// which gives gross outliers no weight. The robust scale is renewed before each. Round value, not tuned.
   int stages = 3;
   /// Matches of silhouette landmarks a stage, count. Between two matches the contour points stay fixed, so a match that
-  /// moves needs a few repeats. Chosen on renders of a face turned by 30 degrees (docs/evaluation.md, section Tuning).
+  /// moves needs a few repeats. The experiment that chose 3 is not recorded; with 3, a face rendered at 30 degrees of yaw is
+  /// fitted as well as a frontal one (tests/unit/host/fit_face_test.cpp).
   int silhouette_matches = 3;
   /// Times that a folded state is moved back before the last valid one is taken, count. One is enough where positions are
-  /// linear in the parameters; with rotations the fold may remain. No fit of the tests needs all. Round value.
+  /// linear in the parameters; with rotations the fold may remain. Not tuned.
   int fold_over_tries = 6;
   /// Standard deviation of log(f / expected f) where the focal length is not known. 0.3 spans most cameras of phones and
   /// laptops, whose f is 0.7 to 2 times the larger side. Not tuned.
   float focal_log_sd = 0.3f;
   /// Points are on one line where their spread across it is below this many of their own standard deviations, or below
   /// this fraction of their spread along it. The view then could be turned freely about the line. The fraction stays above
-  /// float's rounding. Chosen on exact and noisy lines of points (fit_test).
+  /// float's rounding. Tested on exact and noisy lines (tests/unit/fit/fit_test.cpp).
   float line_sds = 2;
   float line_fraction = 0.005f;
   /// Iterations of the pose-only fit of each candidate for the initial view, before and after its robust scale is
   /// renewed, count. Enough to tell which candidate has the lowest cost. Not tuned.
   int start_iterations = 6, start_iterations_rescaled = 4;
-  /// Yaw of the turned candidates, rad, either way. With the two weak-perspective candidates every start of the tests
-  /// between -60 and 60 degrees is found. Not tuned.
+  /// Yaw of the turned candidates, rad, either way. They help where the weak-perspective candidates are on the wrong side
+  /// of a nearly flat set of points. Not tuned.
   float start_yaw_rad = 0.5f;
   /// Ridge of the weak-perspective equations, as a fraction of their trace: keeps flat sets of points solvable. The result
   /// is refined afterwards, so the value matters little. Round value.
@@ -39,14 +40,14 @@ inline constexpr FitTuning kFitTuning{};
 
 /// Tuning of the match of silhouette landmarks.
 struct SilhouetteMatchTuning {
-  /// Side of the depth buffer that hides parts of the contour, cells. A face covers it whole; its nose has 8 cells.
+  /// Side of the depth buffer that hides parts of the contour, cells. It covers the image of the base mesh. Not tuned.
   int depth_cells = 48;
   /// A landmark's own place is turned away where the cosine between its normal and the viewing ray is below this. Just
   /// before the contour (0), so that a landmark does not jump when it gets there. Not tuned.
   float turned_away_cosine = 0.1f;
   /// How far a contour point may lie from the landmark's own place: along v, in the chart's unit; along u, the larger of a
-  /// distance and a fraction of the way to the middle of the face. Beyond lies the nose's contour. Chosen on the jaw of
-  /// the built-in face and of ICT-FaceKit.
+  /// distance and a fraction of the way to the middle of the face. Beyond lies the nose's contour. Fits the charts of the
+  /// built-in face and of ICT-FaceKit; the experiment is not recorded.
   float reach_v = 0.12f, reach_u = 0.15f, reach_u_fraction = 0.6f;
 };
 inline constexpr SilhouetteMatchTuning kSilhouetteMatchTuning{};

@@ -1,10 +1,12 @@
-// Worst-error-first adaptation with two queues, after the dual queues of ROAM, on the restricted
-// multitriangulation of the paper's sections 4.2 and 5. Nothing is recomputed but what an operation touched:
-// a split takes two triangles away and brings four; the rank that its vertex's removal would have is the rank
-// those two had.
+// Worst-error-first adaptation with two queues, after the dual queues of ROAM, on the restricted multitriangulation of the
+// paper's sections 4.2 and 5 (docs/algorithms.md, section 1.8). An operation ranks only the triangles that it changes: a
+// split replaces two triangles by four, and the removal of its vertex has the rank of those two.
 #include "pliant/adapt.hpp"
 
 #include <cstring>
+
+#include "mesh/mesh_tuning.hpp"
+#include "pliant/mesh_star.hpp"
 
 namespace pliant {
 namespace {
@@ -89,8 +91,8 @@ std::uint32_t Adapter::place_key(Vec2 uv) const {
   return static_cast<std::uint32_t>(y) << 16 | static_cast<std::uint32_t>(x);
 }
 
-// Both faces of a block have the same place, the vertex that splitting them would insert, which is also what
-// is done first whichever of them comes first. A face within tolerance needs no place in the order.
+// Both faces of a block have the same place: the vertex that splitting them inserts. Either face first gives that split. A
+// face within tolerance needs no place in the order.
 std::uint64_t Adapter::face_key(const Shape& shape, FaceId f) const {
   const std::uint32_t bits = rank_bits(criterion_.refine_rank(criterion_.context, shape, f));
   if (bits <= kToleranceBits) return std::uint64_t{bits} << 32;
@@ -121,15 +123,14 @@ void Adapter::rank_face(FaceId f) {
   queue_face(f, mesh_->face_level(f) < limits_.max_level ? face_key(shape(), f) : 0);
 }
 
-// A vertex that is not weldable any more may stay in the queue until it comes to the top; its key then means
-// nothing.
+// A vertex that is no longer weldable may stay in the queue until it comes to the top; its key is then ignored.
 void Adapter::rank_vertex(VertexId v) {
   if (!mesh_->is_weldable(v)) return;
   set_cost(v, rank_bits(criterion_.weld_rank(criterion_.context, shape(), v)));
 }
 
-// Where the faces around v rank higher than what would come back, the samples of the latter have missed
-// something: v is worth at least as much as they are, or it would be welded to make room for them, and split
+// Where the faces around v rank higher than the triangles that a weld restores, the samples of the latter have missed some
+// error. The cost of v is then at least that rank; otherwise v would be welded to make room for those faces, and inserted
 // again.
 void Adapter::set_cost(VertexId v, std::uint32_t bits) {
   FaceId faces[4];
@@ -140,9 +141,9 @@ void Adapter::set_cost(VertexId v, std::uint32_t bits) {
   vertices_.set(v, std::uint64_t{~bits} << 32 | place_key(mesh_->uv(v)));
 }
 
-// After a change of the star of v: whatever looks across an edge into it.
+// After a change of the star of v: ranks the faces that share an edge with it.
 void Adapter::rank_around(VertexId v) {
-  for (const HalfEdgeId h : mesh_->star(v)) {
+  for (const HalfEdgeId h : star(*mesh_, v)) {
     const HalfEdgeId outer = mesh_->twin(Mesh::next(h));
     if (outer == kNone) continue;
     rank_face(Mesh::face_of(outer));
@@ -164,7 +165,7 @@ void Adapter::split(FaceId f) {
   const HalfEdgeId t = mesh_->twin(Mesh::half_edge(f, 0));
   std::uint32_t bits = face_bits(f);
   if (t != kNone && face_bits(Mesh::face_of(t)) > bits) bits = face_bits(Mesh::face_of(t));
-  const VertexId v = mesh_->split(Mesh::half_edge(f, 0));
+  const VertexId v = mesh_->split_ready_edge(Mesh::half_edge(f, 0));
   position_[v] = surface_(mesh_->uv(v));
   const Shape now = shape();
   const bool is_deepest = mesh_->level(v) >= limits_.max_level;
@@ -190,9 +191,9 @@ void Adapter::weld(VertexId v) {
   HalfEdgeId outer[4];
   for (int i = 0; i < count; ++i) outer[i] = mesh_->twin(Mesh::half_edge(faces[i], 0));
   vertices_.remove(v);
-  mesh_->weld_star(v);
+  mesh_->weld_weldable(v);
   for (int i = 1; i < count; i += 2) faces_.remove(faces[i]);
-  for (int i = 0; i < count; ++i) {  // whoever was in one block with a face that went is now on its own
+  for (int i = 0; i < count; ++i) {  // a face whose block partner is gone stands in the queue by itself
     const FaceId f = Mesh::face_of(outer[i]);
     if (outer[i] != kNone && Mesh::corner_of(outer[i]) == 0) faces_.set(f, faces_.key(f));
   }
@@ -211,7 +212,7 @@ bool Adapter::fits(FaceId f, int vertex_room, Chain& chain) const {
   return chain.count <= vertex_room && mesh_->face_count() + new_faces <= limits_.faces;
 }
 
-// The worst face that fits; only looked for when the worst of all does not fit.
+// The worst face that fits.
 FaceId Adapter::find_fitting(int vertex_room, float lowest_rank) const {
   FaceId best = kNone;
   Chain chain;
@@ -223,7 +224,7 @@ FaceId Adapter::find_fitting(int vertex_room, float lowest_rank) const {
   return best;
 }
 
-// One refinement or one weld; false when there is nothing to do, and why is in the report.
+// Makes one refinement or one weld. False when there is nothing to do; report.stop says why.
 bool Adapter::step(const AdaptOptions& options, int budget, int operations_left, AdaptReport& report) {
   const int room = budget - mesh_->vertex_count();
   FaceId worst = faces_.top();
@@ -235,7 +236,7 @@ bool Adapter::step(const AdaptOptions& options, int budget, int operations_left,
   VertexId cheapest = kNone;
   if (!do_split && options.may_weld) cheapest = cheapest_vertex();
   if (cheapest != kNone && room >= 0) {
-    const float cost = vertex_rank(vertices_.key(cheapest)) * options.hysteresis;
+    const float cost = vertex_rank(vertices_.key(cheapest)) * kAdaptTuning.hysteresis;
     if (cost >= worst_rank) cheapest = kNone;
   }
   if (cheapest != kNone) {
@@ -245,8 +246,8 @@ bool Adapter::step(const AdaptOptions& options, int budget, int operations_left,
   }
 
   report.stop = room < 0 || (wants_split && !do_split) ? AdaptStop::no_room : AdaptStop::converged;
-  if (wants_split && !do_split) {  // nothing lower than this may be put in: it would be the next to go
-    worst = find_fitting(room, max(1, worst_rank / options.hysteresis));
+  if (wants_split && !do_split) {  // a face of a lower rank would be the next to be welded
+    worst = find_fitting(room, max(1, worst_rank / kAdaptTuning.hysteresis));
     do_split = worst != kNone && fits(worst, room, chain);
   }
   if (do_split && chain.count > operations_left) {
@@ -265,8 +266,9 @@ AdaptReport Adapter::adapt(const AdaptOptions& options) {
   const int capacity = limits_.vertices;
   const int budget =
       options.vertex_budget > 0 && options.vertex_budget < capacity ? options.vertex_budget : capacity;
-  const int limit = options.max_operations > 0 ? options.max_operations : 16 * capacity;
-  // A criterion that sees neighbours may find more to do once all of them are as they will be.
+  const int limit =
+      options.max_operations > 0 ? options.max_operations : kAdaptTuning.operations_per_vertex * capacity;
+  // A criterion that sees neighbours may find more to do when their changes are done.
   for (int pass = 0; pass <= limits_.max_level; ++pass) {
     const int before = report.splits + report.welds;
     bool stopped = false;

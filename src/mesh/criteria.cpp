@@ -1,7 +1,8 @@
-// Criteria that look at the mesh only: the application's own tests, unconditional, normals (the
-// paper, 5.2.1, 5.2.2), and combinations. Criteria that sample the surface are in criteria_contour.cpp and
-// criteria_view.cpp.
+// Criteria that need the mesh only: the application's own tests, unconditional, normals (the paper, 5.2.1, 5.2.2), and
+// combinations. Those that sample the surface are in criteria_contour.cpp and criteria_view.cpp.
 #include "pliant/criteria.hpp"
+
+#include "pliant/mesh_star.hpp"
 
 namespace pliant {
 
@@ -49,7 +50,7 @@ Criterion criterion_of(const Unconditional& options) {
 
 namespace {
 
-// Unit normal; zero for a triangle without area, which knows nothing.
+// Unit normal; zero for a triangle without area.
 Vec3 normal(const Shape& s, VertexId a, VertexId b, VertexId c) {
   return normalised(cross(s.position[b] - s.position[a], s.position[c] - s.position[a]));
 }
@@ -57,7 +58,7 @@ Vec3 normal(const Shape& s, VertexId a, VertexId b, VertexId c) {
 // Mean of the normals of the faces around v.
 Vec3 mean_normal(const Shape& s, VertexId v) {
   Vec3 sum;
-  for (const HalfEdgeId h : s.mesh.star(v)) {
+  for (const HalfEdgeId h : star(s.mesh, v)) {
     const FaceId f = Mesh::face_of(h);
     sum = sum + normal(s, s.mesh.corner(f, 0), s.mesh.corner(f, 1), s.mesh.corner(f, 2));
   }

@@ -1,8 +1,7 @@
-// Contour error (the paper, 5.2.3, Eq. 5-7). The mean over a triangle of samples with equal weights needs no
-// area: it cancels. Samples are barycentric, so that a triangle's error is the same whatever its place in the
-// chart.
-#include "pliant/criteria.hpp"
+// Contour error (the paper, 5.2.3, Eq. 5-7; docs/algorithms.md, section 2.3). In the mean of samples with equal weights the
+// triangle's area cancels. Samples are barycentric, so a triangle's error does not depend on its place in the chart.
 #include "mesh/triangle_samples.hpp"
+#include "pliant/criteria.hpp"
 
 namespace pliant {
 namespace {
@@ -57,7 +56,7 @@ ContourError measure_contour(const Shape& shape, const Triangle& triangle, int c
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n - i; ++j)
       for (int down = 0; down < (i + j < n - 1 ? 2 : 1);
-           ++down) {  // the cell that points up, and the one beside it
+           ++down) {  // the cell like the triangle, and the inverted one beside it
         const float b = static_cast<float>(3 * i + 1 + down) * step,
                     c = static_cast<float>(3 * j + 1 + down) * step;
         const float error = error_at(shape.surface, t, 1 - b - c, b, c);

@@ -1,12 +1,11 @@
-// Criteria for tracking, which the paper leaves to future work: contour error as seen by a camera, and
-// texture.
-#include "pliant/criteria.hpp"
+// Criteria for tracking, which the paper leaves to future work: contour error in the image, and texture
+// (docs/algorithms.md, sections 2.4 and 2.5).
+#include "mesh/mesh_tuning.hpp"
 #include "mesh/triangle_samples.hpp"
+#include "pliant/criteria.hpp"
 
 namespace pliant {
 namespace {
-
-constexpr float kCos75 = 0.258819045f;
 
 Vec3 to_camera(const Mat3& r, Vec3 t, Vec3 p) {
   return r * Vec3{p.x, -p.y, -p.z} + t;
@@ -19,15 +18,17 @@ float compute_rank(const ViewOptions& o, const Shape& s, const Triangle& t) {
   Vec3 c[3];
   for (int k = 0; k < 3; ++k) c[k] = to_camera(r, o.pose.t, s.position[t.corner[k]]);
   const Vec3 middle = (1.0f / 3) * (c[0] + c[1] + c[2]);
-  const float nearest = 1e-3f * length(o.pose.t);
+  const float nearest = kViewTuning.nearest_fraction * length(o.pose.t);
   if (!(middle.z > nearest)) return 0;
 
-  // The axes' flip is a half turn about x, so faces keep their winding in camera coordinates.
+  // diag(1,-1,-1) is a half turn about x: faces keep their winding in camera coordinates.
   const float facing = -dot(normalised(cross(c[1] - c[0], c[2] - c[0])), normalised(middle));
   const float x = o.focal_px * middle.x / middle.z + o.cx, y = o.focal_px * middle.y / middle.z + o.cy;
-  const bool outside =
-      x < -o.margin_px || y < -o.margin_px || x > o.width_px + o.margin_px || y > o.height_px + o.margin_px;
-  const float gain = outside || facing < -kCos75 ? o.hidden_gain : facing < kCos75 ? o.silhouette_gain : 1.0f;
+  const float margin = kViewTuning.margin_px;
+  const bool outside = x < -margin || y < -margin || x > o.width_px + margin || y > o.height_px + margin;
+  const float gain = outside || facing < -kViewTuning.silhouette_cosine ? o.hidden_gain
+                     : facing < kViewTuning.silhouette_cosine           ? o.silhouette_gain
+                                                                        : 1.0f;
 
   float worst = 0;
   for (const auto& w : kTriangleSamples) {
@@ -35,8 +36,8 @@ float compute_rank(const ViewOptions& o, const Shape& s, const Triangle& t) {
         w[0] * s.mesh.uv(t.corner[0]) + w[1] * s.mesh.uv(t.corner[1]) + w[2] * s.mesh.uv(t.corner[2]);
     const Vec3 p = to_camera(r, o.pose.t, s.surface(uv));
     if (!(p.z > nearest)) continue;
-    const Vec3 e = p - (w[0] * c[0] + w[1] * c[1] + w[2] * c[2]), sight = normalised(p);
-    const float along = dot(e, sight);
+    const Vec3 e = p - (w[0] * c[0] + w[1] * c[1] + w[2] * c[2]), ray = normalised(p);
+    const float along = dot(e, ray);
     worst = max(worst, o.focal_px / p.z * square_root(dot(e, e) - along * along));
   }
   return o.tolerance_px > 0 ? gain * worst / o.tolerance_px : 0;

@@ -1,12 +1,13 @@
-// Fold-over by faces (ALGORITHMS 3.5b). Along q + a d the corners of a face are p_i + a e_i where the cascade is linear, and
-// its normal dotted with that at rest, g(a) = c0 + c1 a + c2 a^2, is exact; the first root folds it.
+// Fold-over of faces (docs/algorithms.md, section 3.5). Along q + a d the corners of a face are p_i + a e_i when the cascade
+// is linear. The dot product of its normal with that at rest is then exactly g(a) = c0 + c1 a + c2 a^2; the face folds over
+// at the first root.
 #include "pliant/fold_over.hpp"
+
+#include "mesh/mesh_tuning.hpp"
 
 namespace pliant {
 
 namespace {
-
-constexpr float kSafety = 0.9f;
 
 struct Edges {
   Vec3 a, b;
@@ -98,7 +99,7 @@ float FoldOverTest::step_fraction(const Vec3* from, const Vec3* to) const {
     const float c1 = dot(cross(e.a, db) + cross(da, e.b), n), c2 = dot(cross(da, db), n);
     first = min(first, first_root(c0, c1, c2));
   }
-  return first > 1 ? 1.0f : kSafety * first;
+  return first > 1 ? 1.0f : kFoldOverTuning.safe_fraction * first;
 }
 
 }  // namespace pliant

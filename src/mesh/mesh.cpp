@@ -7,6 +7,8 @@
 // diagonal to restore.
 #include "pliant/mesh.hpp"
 
+#include "pliant/mesh_star.hpp"
+
 namespace pliant {
 namespace {
 
@@ -141,8 +143,9 @@ void Mesh::join(Wide f, Wide g) {
   remove_face(g);
 }
 
-// Splits the edge of h, and there is room. On a restricted mesh the edge is ready.
-VertexId Mesh::split(Wide h) {
+VertexId Mesh::split_ready_edge(HalfEdgeId h) {
+  PLIANT_ASSERT(face_ids_.free_count() >= (twin_[h] == kNone ? 1u : 2u) && vertex_ids_.free_count() >= 1);
+  PLIANT_ASSERT(!restricted_ || (corner_of(h) == 0 && is_ready(face_of(h))));
   const Wide f = h / 3, t = twin_[h], y = corner_[next(narrow(h))];
   const VertexId m = insert_vertex(midpoint(vertices_[corner_[h]].uv, vertices_[y].uv), newest_level(f) + 1);
   const Wide g = bisect(h, m);
@@ -158,8 +161,8 @@ VertexId Mesh::split(Wide h) {
   return m;
 }
 
-// The inverse. v is weldable.
-void Mesh::weld_star(VertexId v) {
+void Mesh::weld_weldable(VertexId v) {
+  PLIANT_ASSERT(is_weldable(v));
   const Wide g = vertices_[v].out / 3u, f = twin_[3 * g + 1] / 3u, t = twin_[3 * g + 2];
   if (t == kNone) {
     join(f, g);
@@ -194,21 +197,21 @@ Status Mesh::split_edge(HalfEdgeId h, VertexId& inserted) {
   }
   if (vertex_ids_.free_count() < 1 || face_ids_.free_count() < (t == kNone ? 1u : 2u))
     return Status::capacity;
-  inserted = split(h);
+  inserted = split_ready_edge(h);
   return Status::ok;
 }
 
 bool Mesh::is_weldable(VertexId v) const {
   if (!is_live_vertex(v) || level(v) == 0) return false;
   int faces = 0;
-  for (const HalfEdgeId h : star(v))
+  for (const HalfEdgeId h : star(*this, v))
     if (corner_of(h) != 2 || ++faces > 4) return false;
   return restricted_ || faces == (is_boundary_vertex(v) ? 2 : 4);
 }
 
 Status Mesh::weld_edge(VertexId v) {
   if (!is_weldable(v)) return Status::not_ready;
-  weld_star(v);
+  weld_weldable(v);
   return Status::ok;
 }
 
@@ -241,7 +244,7 @@ Status Mesh::split_face(FaceId f, VertexId& inserted) {
 Status Mesh::weld_face(VertexId v) {
   if (restricted_ || !is_live_vertex(v) || level(v) == 0 || is_boundary_vertex(v)) return Status::not_ready;
   int faces = 0;
-  for (const HalfEdgeId e : star(v))
+  for (const HalfEdgeId e : star(*this, v))
     if (corner_of(e) != 2 || ++faces > 3) return Status::not_ready;
   if (faces != 3) return Status::not_ready;
   const FaceId f = face_of(out(v)), g = face_of(twin(half_edge(f, 1))), h = face_of(twin(half_edge(f, 2)));
@@ -282,7 +285,7 @@ Status Mesh::refine(FaceId f) {
   if (vertex_ids_.free_count() < static_cast<std::size_t>(count) ||
       face_ids_.free_count() < static_cast<std::size_t>(new_faces))
     return Status::capacity;
-  while (count > 0) split(half_edge(chain[--count], 0));
+  while (count > 0) split_ready_edge(half_edge(chain[--count], 0));
   return Status::ok;
 }
 
@@ -297,7 +300,7 @@ Status Mesh::simplify(VertexId v) {
   while (depth > 0) {
     const VertexId w = stack[depth - 1];
     VertexId newer = kNone;
-    for (const HalfEdgeId h : star(w))
+    for (const HalfEdgeId h : star(*this, w))
       if (corner_of(h) != 2) {
         newer = corner(face_of(h), 2);
         break;
@@ -305,7 +308,7 @@ Status Mesh::simplify(VertexId v) {
     if (newer != kNone) {
       stack[depth++] = newer;
     } else {
-      weld_star(w);
+      weld_weldable(w);
       --depth;
     }
   }

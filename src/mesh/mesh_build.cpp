@@ -1,5 +1,6 @@
 // From triangles to a half-edge mesh, checking everything and using no memory but the mesh's own.
 #include "pliant/mesh.hpp"
+#include "pliant/mesh_star.hpp"
 
 namespace pliant {
 
@@ -103,7 +104,7 @@ Status Mesh::find_fans() {
   for (const VertexId v : vertices()) {
     if (changes_[v] == 0) return Status::isolated_vertex;
     int faces_met = 0;
-    for (const HalfEdgeId h : star(v)) {
+    for (const HalfEdgeId h : star(*this, v)) {
       (void)h;
       ++faces_met;
     }

@@ -1,11 +1,12 @@
 // Queries on the half-edge mesh that walk.
 #include "pliant/mesh.hpp"
+#include "pliant/mesh_star.hpp"
 
 namespace pliant {
 
 int Mesh::find_valence(VertexId v) const {
   int edges = is_boundary_vertex(v) ? 1 : 0;  // the fan's last edge leaves no half-edge
-  for (const HalfEdgeId h : star(v)) {
+  for (const HalfEdgeId h : star(*this, v)) {
     (void)h;
     ++edges;
   }
@@ -13,7 +14,7 @@ int Mesh::find_valence(VertexId v) const {
 }
 
 HalfEdgeId Mesh::find_half_edge(VertexId a, VertexId b) const {
-  for (const HalfEdgeId h : star(a))
+  for (const HalfEdgeId h : star(*this, a))
     if (destination(h) == b) return h;
   return kNone;
 }
@@ -58,6 +59,17 @@ int Mesh::find_parents(VertexId v, Triangle parents[2]) const {
                           level(v) - 1};
   }
   return count;
+}
+
+int Mesh::find_star_faces(VertexId v, FaceId faces[4]) const {
+  const HalfEdgeId h = vertices_[v].out;
+  faces[1] = face_of(h);
+  faces[0] = face_of(twin_[3 * faces[1] + 1]);
+  const HalfEdgeId t = twin_[h];
+  if (t == kNone) return 2;
+  faces[2] = face_of(t);
+  faces[3] = face_of(twin_[3 * faces[2] + 2]);
+  return 4;
 }
 
 MeshStatistics Mesh::compute_statistics() const {

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "pliant/mesh.hpp"
+#include "pliant/mesh_star.hpp"
 
 namespace pliant {
 namespace {
@@ -51,7 +52,7 @@ MeshFault Mesh::check_stars() const {
   for (const VertexId v : vertices()) {
     if (out(v) == kNone || !is_live_face(face_of(out(v))) || origin(out(v)) != v) return {4, v};
     int here = 0;
-    for (const HalfEdgeId h : star(v)) {
+    for (const HalfEdgeId h : star(*this, v)) {
       if (origin(h) != v || ++here > face_count()) return {5, v};
     }
     met += here;
@@ -107,7 +108,7 @@ MeshFault Mesh::check_inserted() const {
     const auto v = static_cast<VertexId>(i);
     if (!is_live_vertex(v)) continue;
     int around = 0;
-    for (const HalfEdgeId h : star(v)) {
+    for (const HalfEdgeId h : star(*this, v)) {
       (void)h;
       ++around;
     }

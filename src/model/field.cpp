@@ -1,9 +1,9 @@
-// Sampling of vector fields on their grids, samples on the rims of the rectangle (ALGORITHMS 3.2): bilinear, or by cubic
-// convolution (Keys 1981, a = -1/2).
+// Sampling of fields on their grids (docs/algorithms.md, section 3.2): bilinear, or by cubic convolution (Keys 1981,
+// a = -1/2). Samples lie on the rim of the rectangle too.
 //
-// Where a cubic cell lacks a sample beyond the rim, the missing one follows from those there are: on the border of the
-// chart by the parabola through three of them (Keys' condition, which keeps quadratics exact up to the border); on a
-// rim inside the chart, beyond which the field is zero, by reflection, which makes the slope over the rim zero.
+// A cubic cell at the rim lacks samples beyond it; they are computed from the others. On the border of the chart, by the
+// parabola through three samples (Keys' condition, which keeps quadratics exact up to the border). On a rim inside the chart,
+// beyond which the field is zero, by reflection, which makes the slope across the rim zero.
 #include "pliant/field.hpp"
 
 #include <cstring>
@@ -31,8 +31,7 @@ Cell locate(const Field& f, Vec2 uv) {
   return {i, j, x - static_cast<float>(i), y - static_cast<float>(j), true};
 }
 
-/// Interpolated integers of a field, held as float, and, where they are asked for, their derivatives a cell's side along
-/// each axis.
+/// Interpolated integers of a field as floats, and, if wanted, their derivatives along both axes, per side of a cell.
 struct Interpolated {
   bool with_gradient = false;
   float value[3] = {}, along_u[3] = {}, along_v[3] = {};
@@ -75,7 +74,7 @@ CubicTaps cubic_taps(std::size_t cell, float a, std::size_t count, bool first_is
                0.5f * (a3 - a2)},
               {0.5f * (4 * a - 1 - 3 * a2), 0.5f * (9 * a2 - 10 * a), 0.5f * (8 * a + 1 - 9 * a2),
                0.5f * (3 * a2 - 2 * a)}};
-  // The tap beyond the rim becomes the sample opposite, with the weights that make it stand for the missing one.
+  // The missing sample is a combination of others: its weight moves to them. Its tap becomes the opposite sample.
   const auto replace = [&](std::size_t missing, std::size_t rim, std::size_t next, std::size_t opposite,
                            bool is_rim) {
     const float w = t.weight[missing], s = t.slope[missing];

@@ -1,5 +1,5 @@
-// DetMCD (Hubert, Rousseeuw & Verdonck 2012; ALGORITHMS 6.3). Each start gives axes only: scales along them
-// and the centre are found anew, robustly, and half of the rows nearest in that metric begin the C-steps.
+// DetMCD (Hubert, Rousseeuw & Verdonck 2012; docs/algorithms.md, section 6.3). A start matrix gives axes only. The scales
+// along them and the centre are estimated robustly; the half of the rows that is nearest in that metric starts the C-steps.
 #include "optim/mcd_search.hpp"
 #include "optim/mcd_starts.hpp"
 
@@ -8,9 +8,6 @@ namespace pliant {
 namespace mcd {
 
 namespace {
-
-constexpr int kSweeps = 12;
-constexpr double kSmallestScale = 1e-6;  // of standardised data
 
 /// One Jacobi rotation that clears m(j,k); the columns of `axes` turn with it.
 void rotate(Matrix m, Matrix axes, std::size_t p, std::size_t j, std::size_t k) {
@@ -41,7 +38,7 @@ void rotate(Matrix m, Matrix axes, std::size_t p, std::size_t j, std::size_t k) 
 void find_axes(Matrix m, std::size_t p, Matrix axes) {
   for (std::size_t i = 0; i < p; ++i)
     for (std::size_t j = 0; j < p; ++j) axes[i][j] = i == j ? 1.0 : 0.0;
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kTuning.jacobi_sweeps; ++sweep) {
     double off = 0, all = 0;
     for (std::size_t j = 0; j < p; ++j)
       for (std::size_t k = 0; k < p; ++k) (j == k ? all : off) += m[j][k] * m[j][k];
@@ -66,7 +63,7 @@ void refit(const Cloud& cloud, Matrix axes, const Scratch& scratch, float* line,
     for (std::size_t i = 0; i < p; ++i) direction[i] = axes[i][j];
     combine(cloud, direction, line);
     const double s = median_deviation(line, cloud.rows, scratch);
-    scale[j] = s > kSmallestScale ? s : kSmallestScale;
+    scale[j] = s > kTuning.smallest_scale ? s : kTuning.smallest_scale;
     factor[j] = 1 / scale[j];
   }
   double* const center =

@@ -1,15 +1,13 @@
-// Exchanges of single rows (after Hawkins' feasible solution algorithm, 1994). A subset that C-steps leave
-// alone often is no minimum: the covariance moves with the rows, and a C-step does not foresee that. The
-// determinant after one exchange is known exactly from the old factors, so that the best of all pairs near
-// the border costs little.
+// Exchanges of single rows (after Hawkins' feasible solution algorithm, 1994). A subset at which C-steps stop is often not a
+// minimum: a C-step ignores that the covariance changes with the rows. The determinant after one exchange follows exactly
+// from the old factors, so finding the best pair of rows near the border of the subset is cheap.
 #include "optim/mcd_search.hpp"
 
 namespace pliant::mcd {
 
 namespace {
 
-constexpr std::size_t kBorder = kBlock / 2;  // rows looked at on each side
-constexpr double kLeastGain = 1e-9;
+constexpr std::size_t kBorder = kBlock / 2;  // rows tried on each side
 
 /// The rows of `from` with the `count` largest or smallest keys, by repeated selection into a sorted list.
 struct Border {
@@ -66,7 +64,7 @@ struct Pair {
   double* const v = room + kBorder * p;
   for (std::size_t j = 0; j < inside.count; ++j) whiten(cloud, shape, inside.row[j], u + j * p);
   for (std::size_t i = 0; i < outside.count; ++i) whiten(cloud, shape, outside.row[i], v + i * p);
-  Pair best{0, 0, 1 - kLeastGain};
+  Pair best{0, 0, 1 - kTuning.least_gain};
   for (std::size_t j = 0; j < inside.count; ++j) {
     const double* uj = u + j * p;
     const double uu = dot(uj, uj, p);
@@ -98,7 +96,7 @@ void Search::exchange(std::size_t rounds) {
     }
     const Pair pair =
         best_pair(cloud, shape, inside, outside, static_cast<double>(subset_size), scratch.block_double);
-    if (!(pair.ratio < 1 - kLeastGain)) return;
+    if (!(pair.ratio < 1 - kTuning.least_gain)) return;
     std::size_t place = 0;
     while (best[place] != pair.leaves) ++place;
     const auto comes = static_cast<std::uint16_t>(pair.comes);

@@ -1,5 +1,5 @@
-// FAST-MCD (Rousseeuw & Van Driessen 1999; ALGORITHMS 6.2): many cheap random starts, few of them followed
-// far. Starts only have to be ranked, so they run in float.
+// FAST-MCD (Rousseeuw & Van Driessen 1999; docs/algorithms.md, section 6.2): many cheap random starts, of which few are
+// followed to convergence. Starts only have to be ranked, so they run in float.
 #include "optim/mcd_search.hpp"
 
 namespace pliant {
@@ -8,7 +8,7 @@ namespace mcd {
 
 namespace {
 
-constexpr std::size_t kGroupRows = 300, kMostUngrouped = 2 * kGroupRows;
+constexpr std::size_t kGroupRows = kTuning.group_rows, kMostUngrouped = 2 * kGroupRows;
 
 /// splitmix64.
 struct Generator {

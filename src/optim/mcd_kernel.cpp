@@ -1,5 +1,5 @@
-// Distances and moments in lanes (ALGORITHMS 6.1). Four 16-byte vectors are in flight at a time; GCC and
-// Clang turn vector types into whatever the target has, down to scalars, with the same results.
+// Distances and moments in lanes (docs/algorithms.md, section 6.1), four 16-byte vectors at a time. GCC and Clang translate
+// vector types to what the target has, down to scalars, with the same results.
 #include "optim/mcd_kernel.hpp"
 
 #include <cstring>

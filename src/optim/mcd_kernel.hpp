@@ -1,11 +1,12 @@
 #pragma once
-// The inner loops of the minimum covariance determinant: distances, selection, moments. Columns are stored
-// one after another and rows are taken in fixed lanes, in a fixed order, so that vector code gives the same
-// bits as scalar code. Searches run in float, what is reported in double.
+// The inner loops of the minimum covariance determinant: distances, selection, moments. Columns are stored one after
+// another. Rows are read in fixed lanes and a fixed order, so vector code gives the same bits as scalar code. Searches run
+// in float; reported results are computed in double.
 #include <cstddef>
 #include <cstdint>
 
 #include "base/elementary.hpp"
+#include "optim/mcd_tuning.hpp"
 #include "pliant/outliers.hpp"
 
 namespace pliant::mcd {

@@ -1,24 +1,22 @@
-// C-steps to convergence (ALGORITHMS 6.1): the determinant never increases, and stays the same only where the
+// C-steps to convergence (docs/algorithms.md, section 6.1). The determinant never increases; it stays equal only if the
 // subset does.
 #include "optim/mcd_search.hpp"
 
 namespace pliant::mcd {
 
 namespace {
-constexpr int kMostSteps = 100;  // three to ten is usual
-constexpr double kSame = 1e-11;
-
 bool was_seen(const Search& search) {
   const std::size_t count = search.seen_count < kRemembered ? search.seen_count : kRemembered;
   const ScaledNumber last = search.seen[search.seen_count % kRemembered];
   for (std::size_t i = 0; i < count; ++i)
-    if (i != search.seen_count % kRemembered && is_close(search.seen[i], last, kSame)) return true;
+    if (i != search.seen_count % kRemembered && is_close(search.seen[i], last, kTuning.same_determinant))
+      return true;
   return false;
 }
 }  // namespace
 
 void Search::converge(Shape<double>& shape) {
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kTuning.c_steps; ++step) {
     c_step(cloud, subset_size, scratch, shape);
     ++steps;
     if (!found || is_less(shape.determinant, best_determinant)) {

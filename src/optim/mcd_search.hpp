@@ -4,8 +4,8 @@
 
 namespace pliant::mcd {
 
-inline constexpr std::size_t kRemembered = 64;
-inline constexpr std::size_t kGroups = 5, kKept = 10;
+inline constexpr std::size_t kRemembered = kTuning.remembered;
+inline constexpr std::size_t kGroups = kTuning.groups, kKept = kTuning.kept;
 inline constexpr std::size_t kCandidates = kKept * (kGroups + 1);  // shapes whose room `Mcd` has
 
 struct Search {
@@ -19,12 +19,12 @@ struct Search {
   std::size_t steps = 0;
   std::size_t seen_count = 0;
 
-  /// C-steps from `shape` until the determinant is one seen before: on this path, which has converged, or on
-  /// an earlier one, which this path has joined. Keeps the best subset.
+  /// Makes C-steps from `shape` until the determinant is one seen before: then the path has converged, or has joined an
+  /// earlier path. Keeps the best subset.
   void converge(Shape<double>& shape);
 
-  /// Goes on from the best subset with exchanges of one row near the border inside for one outside, each
-  /// followed by C-steps, until none of them lowers the determinant or `rounds` are used up.
+  /// Exchanges one row of the best subset for one outside, both near the border, and makes C-steps; repeats until no
+  /// exchange lowers the determinant, at most `rounds` times.
   void exchange(std::size_t rounds);
 };
 

@@ -1,5 +1,5 @@
-// Selection by radix: floats in the order of integers, so that the k-th smallest is exact, takes a bounded
-// number of passes and does not depend on the order of the rows.
+// Selection by radix. Floats are compared as integers of the same order, so the k-th smallest is exact, takes a bounded
+// number of passes, and does not depend on the order of the rows.
 #include <cstring>
 
 #include "optim/mcd_kernel.hpp"
@@ -22,7 +22,7 @@ float value_of(std::uint32_t key) {
   return value;
 }
 
-constexpr std::size_t kFew = 48;
+constexpr std::size_t kFew = kTuning.sorted_directly;
 
 /// The keys that share the digit (at `shift`, under `mask`) of the k-th smallest stay, in order; k becomes
 /// its rank among them.

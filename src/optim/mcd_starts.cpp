@@ -1,4 +1,4 @@
-// Scales are median absolute deviations where the authors take Qn or tau: O(n), and they only choose starts.
+// Scales are median absolute deviations, where the authors take Qn or tau: they cost O(n), and only choose starts.
 #include "optim/mcd_starts.hpp"
 
 #include "base/heap_sort.hpp"
@@ -24,7 +24,7 @@ double median_deviation(float* value, std::size_t n, const Scratch& scratch) {
     const float d = value[i] - center;
     value[i] = d < 0 ? -d : d;
   }
-  return 1.4826 * static_cast<double>(median(value, n, scratch));
+  return kMadToDeviation * static_cast<double>(median(value, n, scratch));
 }
 
 namespace {

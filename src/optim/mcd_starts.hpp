@@ -1,5 +1,5 @@
 #pragma once
-// The six scatter matrices that DetMCD starts from (Hubert, Rousseeuw & Verdonck 2012; ALGORITHMS 6.3).
+// The six scatter matrices that DetMCD starts from (Hubert, Rousseeuw & Verdonck 2012; docs/algorithms.md, section 6.3).
 #include "optim/mcd_kernel.hpp"
 
 namespace pliant::mcd {

@@ -1,5 +1,5 @@
-// Chi-square and the correction factors of the minimum covariance determinant (ALGORITHMS 6.4). Computed, not
-// stored: any share h/n of any number of columns, in a few microseconds a call of the estimator.
+// Chi-square and the correction factors of the minimum covariance determinant (docs/algorithms.md, section 6.4). They are
+// computed, not stored: for any fraction h/n and any number of columns, in a few microseconds a call of the estimator.
 #include "base/elementary.hpp"
 #include "pliant/outliers.hpp"
 
@@ -63,9 +63,9 @@ double chi_square_quantile(std::size_t freedom, double probability) {
   return x;
 }
 
-double mcd_consistency_factor(std::size_t columns, double share) {
-  if (share >= 1) return 1;
-  return share / chi_square_probability(columns + 2, chi_square_quantile(columns, share));
+double mcd_consistency_factor(std::size_t columns, double fraction) {
+  if (fraction >= 1) return 1;
+  return fraction / chi_square_probability(columns + 2, chi_square_quantile(columns, fraction));
 }
 
 namespace {

@@ -1,10 +1,9 @@
-// Minimum covariance determinant: what comes before the search (finite rows, columns in units of their own
-// spread) and after it (corrections, reweighting, distances). ALGORITHMS 6.1, 6.4, 6.6.
+// Minimum covariance determinant: the steps before the search (finite rows, columns in units of their own spread) and after
+// it (corrections, reweighting, distances); docs/algorithms.md, sections 6.1, 6.4 and 6.6.
 //
-// Scaling by median absolute deviations changes nothing in exact arithmetic, for the estimate is affine
-// equivariant; in floats it is what makes one pivot floor fit all data. A column whose h central values are
-// all equal spans no volume: it is left out, and with it every row that differs there, instead of failing in
-// the factorisation.
+// Columns are scaled by their median absolute deviations. The estimate is affine equivariant, so this changes nothing in
+// exact arithmetic; in floats it allows one pivot floor for all data. A column whose h central values are equal spans no
+// volume. It is left out, with every row that differs there; the factorisation would fail on it.
 #include "pliant/outliers.hpp"
 
 #include "optim/mcd_search.hpp"
@@ -15,7 +14,6 @@ namespace pliant {
 namespace {
 
 constexpr double kFarthest = 1e9;  // scales
-constexpr double kMadToDeviation = 1.4826;
 
 constexpr std::size_t round_up(std::size_t n) {
   return (n + mcd::kRowPadding - 1) / mcd::kRowPadding * mcd::kRowPadding;
@@ -112,8 +110,8 @@ void Mcd::answer_too_few(const float* data) {
   estimates_[1] = estimates_[0];
 }
 
-/// False where a column turned out constant: it is off then, rows are fewer, and everything has to be done
-/// again.
+/// \return false when a column turned out to be constant. It is then inactive and the rows are fewer, so all columns have
+/// to be standardised again.
 bool Mcd::standardise(const float* data) {
   active_columns_ = 0;
   for (std::size_t j = 0; j < columns_; ++j)
@@ -141,7 +139,7 @@ bool Mcd::standardise_column(const float* data, std::size_t column) {
     keep_rows_at(data, column, center);
     return false;
   }
-  const double scale = kMadToDeviation * static_cast<double>(deviation);
+  const double scale = mcd::kMadToDeviation * static_cast<double>(deviation);
   scale_[column] = scale;
   float* z = z_ + active_columns_ * stride_;
   for (std::size_t i = 0; i < n; ++i) {
@@ -207,9 +205,8 @@ Status Mcd::finish(const McdOptions& options) {
     return Status::degenerate_data;
   }
   cutoff_ = chi_square_quantile(p, static_cast<double>(options.cutoff));
-  const double share = static_cast<double>(subset_size_) / static_cast<double>(n);
-  raw_correction_ =
-      mcd_consistency_factor(p, share) * (options.small_sample ? mcd_small_sample_raw(n, p, alpha) : 1.0);
+  const double fraction = static_cast<double>(subset_size_) / static_cast<double>(n);
+  raw_correction_ = mcd_consistency_factor(p, fraction) * mcd_small_sample_raw(n, p, alpha);
   const bool regular =
       estimate_from(best_, subset_size_, raw_correction_, raw_distance_, estimates_[0], determinant_);
   std::size_t good = 0;
@@ -217,11 +214,11 @@ Status Mcd::finish(const McdOptions& options) {
     subset_[good] = static_cast<std::uint16_t>(i);
     good += is_flagged_raw(row_of_[i]) ? 0u : 1u;
   }
-  if (good <= p) {  // corrections of tiny samples can do that; there is nothing to reweight with
+  if (good <= p) {  // the corrections of tiny samples can flag nearly all rows; reweight from the subset then
     for (good = 0; good < subset_size_; ++good) subset_[good] = best_[good];
   }
   reweighted_correction_ = mcd_consistency_factor(p, static_cast<double>(good) / static_cast<double>(n)) *
-                           (options.small_sample ? mcd_small_sample_reweighted(n, p, alpha) : 1.0);
+                           mcd_small_sample_reweighted(n, p, alpha);
   ScaledNumber unused;
   estimate_from(subset_, good, reweighted_correction_, distance_, estimates_[1], unused);
   best_count_ = subset_size_;

@@ -1,4 +1,5 @@
 #include "pliant/adapt.hpp"
+#include "pliant/mesh_star.hpp"
 
 #include <doctest/doctest.h>
 
@@ -146,7 +147,7 @@ TEST_CASE(
     for (const VertexId v : s.box.mesh.vertices()) {
       if (!s.box.mesh.is_weldable(v)) continue;
       float worth = contour.weld_rank(contour.context, s.adapter.shape(), v);
-      for (const HalfEdgeId h : s.box.mesh.star(v))
+      for (const HalfEdgeId h : star(s.box.mesh, v))
         worth = max(worth, rank(contour, s.adapter, Mesh::face_of(h)));
       REQUIRE(worth * 1.25f >= 1);
       REQUIRE(length(s.adapter.position(v) - surface(s.box.mesh.uv(v))) == 0);

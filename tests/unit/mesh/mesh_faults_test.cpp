@@ -11,19 +11,26 @@ using shapes::MeshBox;
 using shapes::Random;
 using shapes::Triangles;
 
-namespace pliant {
-// Breaks meshes on purpose.
-struct MeshSurgeon {
-  Mesh& mesh;
-  VertexId& corner(int f, int k) { return mesh.corner_[3 * f + k]; }
-  HalfEdgeId& twin(int f, int k) { return mesh.twin_[3 * f + k]; }
-  HalfEdgeId& out(int v) { return mesh.vertices_[v].out; }
-  std::uint8_t& level(int v) { return mesh.vertices_[v].level; }
-  Vec2& uv(int v) { return mesh.vertices_[v].uv; }
-  int& boundary_edges() { return mesh.boundary_edges_; }
-  int& base_euler() { return mesh.base_euler_; }
+namespace {
+
+// Breaks a mesh on purpose.
+class MeshSurgeon : private Mesh {
+ public:
+  explicit MeshSurgeon(Mesh& mesh) : mesh_(mesh) {}
+  VertexId& corner(int f, int k) { return (mesh_.*(&MeshSurgeon::corner_))[3 * f + k]; }
+  HalfEdgeId& twin(int f, int k) { return (mesh_.*(&MeshSurgeon::twin_))[3 * f + k]; }
+  HalfEdgeId& out(int v) { return vertex(v).out; }
+  std::uint8_t& level(int v) { return vertex(v).level; }
+  Vec2& uv(int v) { return vertex(v).uv; }
+  int& boundary_edges() { return mesh_.*(&MeshSurgeon::boundary_edges_); }
+  int& base_euler() { return mesh_.*(&MeshSurgeon::base_euler_); }
+
+ private:
+  Vertex& vertex(int v) { return (mesh_.*(&MeshSurgeon::vertices_))[v]; }
+  Mesh& mesh_;
 };
-}  // namespace pliant
+
+}  // namespace
 
 TEST_CASE("a bad base is refused by name and leaves the mesh empty") {
   const auto status_of = [](const Triangles& t, const MeshLimits& l = limits(50, 50)) {
