@@ -1,53 +1,57 @@
 #pragma once
 /// \file image_forces.hpp
-/// Rejection of false image forces in parameter space (the paper's Appendix A; ALGORITHMS 6.5).
+/// Rejection of false image forces in parameter space (the paper, Appendix A; docs/algorithms.md, section 6.5).
 #include "pliant/geometry.hpp"
 #include "pliant/outliers.hpp"
 
 namespace pliant {
 
-/// Largest block of parameters: the rigid ones with the focal length, and one more.
+/// Largest block of parameters, count: the pose with the focal length, and one more.
 inline constexpr std::size_t kForceMaxColumns = 8;
 
 struct ForceOptions {
-  float cutoff = 0.999f;  ///< in (0,1): quantile of chi-square beyond which a force is rejected
-  float noise_px =
-      0.1f;  ///< forces no longer than this are never rejected: at rest there is nothing to tell apart
-  McdStarts starts = McdStarts::median_ball;  ///< one start is as good as six here
+  /// Quantile of the chi-square distribution beyond which a force is rejected, in (0,1). Three times the quantile of 0.999
+  /// rejects fewer true forces, but misses an occluder at rest (docs/algorithms.md, section 6.5).
+  float cutoff = 0.999f;
+  /// Forces up to this length are never rejected, px: at rest all forces are noise.
+  float noise_px = 0.1f;
+  /// Initial subsets of the MCD estimate. One is as good as six here, and eight times cheaper.
+  McdStarts starts = McdStarts::median_ball;
 };
 
-/// Tells which of n image forces agree about the motion. Each force f_i (px, 2) pulls the parameters by the generalised
-/// force B_i^T f_i (Eq. 9): one row of p values a point. Forces of one motion form one cluster there, whatever their
-/// place on the model; a coherent occluder forms another, which weights on residuals alone don't see.
+/// Finds which of n image forces agree about the motion. Each force f_i (2, px) contributes the generalised force B_i^T f_i
+/// (Eq. 9), a row of p values. The rows of one motion form one cluster, wherever the points lie on the model. A coherent
+/// occluder forms another cluster, which weights on residuals alone do not separate.
 ///
-/// Three things that the mathematics asks for, and the caller keeps to:
-/// - B_i holds the columns of the rigid block only (5 or 6): a local parameter moves few points, and a column that is
-///   zero in most rows has no spread;
-/// - forces are formed at the *predicted* state: there the true ones are the tight cluster near zero. At the old state
-///   a thing that stands still is, and is preferred;
-/// - the quantile is nominal, for the rows are a mixture of planes: about one true force in six goes. `readmit` brings
-///   these back after the first solve.
+/// The caller must observe three rules:
+/// - B_i holds only the 5 or 6 columns of the rigid block. A local parameter moves few points, and a column that is
+///   zero in most rows has no spread.
+/// - Forces are formed at the predicted state, where the true forces are the tight cluster near zero. At the old state an
+///   occluder at rest is that cluster.
+/// - The quantile is nominal, since the rows are a mixture of planes: about one true force in six is rejected. Take
+///   rejected forces back after the first solve, if their residual fits (`readmit`).
 class ForceRejector {
  public:
   /// `limits.columns` is the size of the block, at most kForceMaxColumns. Bytes: those of `Mcd` and 4 a value.
   void lay_out(Arena& arena, const McdLimits& limits);
 
-  /// \param jacobian  rows x 2 x columns: of each point the row of x, then that of y (px per unit of the parameter).
-  /// \param force     observed minus predicted position, px. One that is not finite, or whose jacobian isn't, is
-  ///                  rejected.
-  /// \param keep      out: 1 where the force is kept, 0 where it is rejected.
-  /// - ok; - too_few_points: fewer than 5 finite forces a column: all of them are kept;
-  /// - capacity, bad_argument (null, no column, an option out of range): `keep` is as it was.
-  /// Cost: that of `Mcd::deterministic` and rows x columns^2 multiply-adds.
+  /// Decides about all forces.
+  /// \param jacobian  rows x 2 x columns: for each point the row of x, then that of y (px per unit of the parameter).
+  /// \param force     observed minus predicted position, px. A force is rejected if it or its jacobian is not finite.
+  /// \param keep      out: 1 for a force that is kept, 0 for one that is rejected.
+  /// \return too_few_points for fewer than 5 finite forces a column; then all of them are kept. capacity, or bad_argument for
+  ///         null, no column or an option out of range; then `keep` is unchanged.
+  /// Cost: that of `Mcd::deterministic`, and rows x columns^2 multiply-adds.
   Status reject(const float* jacobian, const Vec2* force, std::size_t rows, std::size_t columns,
                 const ForceOptions& options, std::uint8_t* keep);
 
-  /// The same decision about a force that was not among those of the last `reject`, by their centre and covariance: with
-  /// very many, a sample of them is enough to estimate from. Cost: columns^2 multiply-adds.
+  /// Decides about one more force by the centre and covariance of the last `reject`. Of very many forces, a sample is
+  /// enough for the estimate.
   /// \param jacobian  2 x columns, as before.
+  /// Cost: columns^2 multiply-adds.
   bool agrees(const float* jacobian, Vec2 force) const;
 
-  /// The estimate behind the last decision, in whitened parameters.
+  /// The estimate of the last `reject`, in whitened parameters.
   const Mcd& mcd() const { return mcd_; }
 
  private:
@@ -59,7 +63,7 @@ class ForceRejector {
   Mcd mcd_;
   double whiten_[kForceMaxColumns * (kForceMaxColumns + 1) / 2] = {};  // L by rows, its pivots inverted
   double factor_[kForceMaxColumns * (kForceMaxColumns + 1) / 2] =
-      {};  // the same of the estimate's covariance
+      {};  // of the estimated covariance, likewise
   double unit_ = 1;
   float least_ = 0;  // squared length of a force that is never rejected
   std::size_t columns_ = 0;
@@ -67,9 +71,11 @@ class ForceRejector {
   std::size_t row_capacity_ = 0, column_capacity_ = 0;
 };
 
-/// After the first solve: keeps every point whose residual (px) is finite and at most `factor` times the scale of the
-/// residuals kept so far (their median length / 1.1774, at least `noise_px`), be it one kept before or not. Gives how
-/// many that are. `scratch`: a float a point. Follow it by two or three more robust iterations.
+/// Re-admission after the first solve: keeps exactly the points whose residual (px) is finite and at most `factor` times the
+/// robust scale of the residuals kept so far, which counts as at least `noise_px`. Two or three more robust iterations
+/// should follow.
+/// \param scratch  a float a point.
+/// \return how many points are kept.
 std::size_t readmit(const Vec2* residual, std::size_t rows, float factor, float noise_px, float* scratch,
                     std::uint8_t* keep);
 

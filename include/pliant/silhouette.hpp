@@ -1,7 +1,8 @@
 #pragma once
-/// \file outline.hpp
-/// The outline of a posed mesh: where the surface turns away from the camera, and where the mesh ends (ALGORITHMS:
-/// section 7.4). Edge trackers look there for image edges; a fit matches landmarks of the jaw to it.
+/// \file silhouette.hpp
+/// The silhouette of a posed mesh: the occluding contour, where the surface turns away from the camera, and the open boundary of
+/// the mesh (docs/algorithms.md, section 7.4). The edge tracker searches for image edges there; a fit matches landmarks of the
+/// jaw to it.
 #include <cstddef>
 
 #include "pliant/arena.hpp"
@@ -11,41 +12,41 @@
 
 namespace pliant {
 
-/// One point of the outline, on a mesh edge.
+/// A point of the silhouette. It lies on a mesh edge.
 struct SilhouettePoint {
   Vec2 uv;
-  Vec2 x;                  ///< px
-  Vec2 normal;             ///< unit, in the image, away from the surface
-  float depth = 0;         ///< as in PosedMesh
-  bool is_border = false;  ///< the middle of an open border's edge; else a point of the apparent contour
+  Vec2 x;           ///< px
+  Vec2 normal;      ///< unit, in the image, away from the surface
+  float depth = 0;  ///< as in PosedMesh
+  bool is_border =
+      false;  ///< the middle of a boundary edge of the mesh; otherwise a point of the occluding contour
 };
 
-/// A mesh as a camera sees it; the arrays are indexed by vertex id. The three are what DepthBuffer::draw takes and
-/// Estimator keeps.
+/// A mesh as a camera sees it. The arrays are indexed by vertex id.
 struct PosedMesh {
   const Mesh& mesh;
   const Vec3* position;  ///< mm, model axes
   const Vec2* image;     ///< px
   const float*
-      depth;  ///< mm along the optical axis from any origin; 0 or less where not in front of the camera
+      depth;  ///< mm along the optical axis, from any origin; 0 or less for vertices not in front of the camera
 };
 
-/// Walks a posed mesh for its outline. Bytes: 16 a vertex.
+/// Finds the silhouette of a posed mesh. Bytes: 16 a vertex.
 ///
-/// The apparent contour is where the normal is square to the viewing ray. Both are taken at the vertices (normals as the
-/// mean of the faces', by area) and the change of sign is placed along each mesh edge by linear interpolation, so
-/// there is one point on every edge that the contour crosses, and faces that it crosses have exactly two. With the
-/// rays of the pinhole camera and the normal n of the surface there, the image normal is (n_x, n_y) up to length.
+/// On the occluding contour the normal is perpendicular to the viewing ray. The cosine between them is computed at the vertices,
+/// with the mean of the face normals weighted by area. Its zero on each mesh edge is found by linear interpolation: one
+/// point on each edge that the contour crosses, two on each face. With the normal n of the surface there, in camera axes, the
+/// image normal of a pinhole camera is parallel to (n_x, n_y).
 class SilhouetteFinder {
  public:
-  /// \param vertices  ids of the meshes to come are below this.
+  /// \param vertices  capacity of the meshes to come, count.
   void lay_out(Arena& arena, std::size_t vertices);
 
-  /// Writes the outline's points in rising order of half-edges, as many as fit; those that `hidden` covers are left out.
-  /// \param hidden  the same mesh drawn at the same pose; null: nothing hides anything. A point counts as hidden when a
-  ///                cell further out something lies nearer than the point by `margin` mm: at the point itself
-  ///                the surface is steep and shares its cell with nearer parts of its own.
-  /// \return how many there are. Cost: O(faces).
+  /// Writes the visible points of the silhouette in rising order of half-edges, as many as fit.
+  /// \param hidden  the same mesh drawn at the same pose; null: no point is hidden. A point is hidden if the surface one cell
+  ///                further out is nearer to the camera by `margin` (mm). The point's own cell cannot tell: the surface is
+  ///                steep there, and nearer parts of it lie in the same cell.
+  /// \return how many visible points there are. Cost: O(faces).
   std::size_t find(const PosedMesh& posed, const Projector& projector, const DepthBuffer* hidden,
                    float margin, Span<SilhouettePoint> points);
 

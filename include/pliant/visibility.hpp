@@ -12,7 +12,7 @@ namespace pliant {
 /// Tuning of visibility.
 struct VisibilityTuning {
   /// mm. A point is hidden when the surface in its cell is nearer by more than this. It must exceed the depth that a face
-  /// spans within one cell, and stay below the height of a nose. Chosen by hand on rendered faces, not optimised.
+  /// spans within one cell, and stay below the height of a nose. Round value, not tuned.
   float hidden_margin_mm = 6;
 };
 inline constexpr VisibilityTuning kVisibilityTuning{};

@@ -13,7 +13,7 @@ void SilhouetteFinder::compute_facing(const PosedMesh& posed, const Projector& p
   for (VertexId v : mesh.vertices()) normal_[v] = {};
   for (FaceId f : mesh.faces()) {
     const VertexId c[3] = {mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2)};
-    // Outside is where v points down and u to the right, however the mesh winds its faces.
+    // The outer side is where v points down and u to the right, whatever the orientation of the mesh's faces.
     const Vec3 n =
         cross(posed.position[c[1]] - posed.position[c[0]], posed.position[c[2]] - posed.position[c[0]]);
     const float side = doubled_area(mesh.uv(c[0]), mesh.uv(c[1]), mesh.uv(c[2])) > 0 ? -1.0f : 1.0f;
@@ -25,7 +25,7 @@ void SilhouetteFinder::compute_facing(const PosedMesh& posed, const Projector& p
   }
 }
 
-/// The middle of the open border's edge k of face f, where the face is seen.
+/// The middle of boundary edge k of face f. \return false if the face is not visible.
 bool SilhouetteFinder::border_point(const PosedMesh& posed, FaceId f, int k, SilhouettePoint* p) const {
   const Mesh& mesh = posed.mesh;
   const HalfEdgeId h = Mesh::half_edge(f, k);
@@ -40,9 +40,9 @@ bool SilhouetteFinder::border_point(const PosedMesh& posed, FaceId f, int k, Sil
   return true;
 }
 
-/// Where the apparent contour crosses the edge from a to b, whose ends face the camera and turn away.
-bool SilhouetteFinder::contour_point(const PosedMesh& posed, const Projector& projector, VertexId a, VertexId b,
-                                  SilhouettePoint* p) const {
+/// The point at which the occluding contour crosses the edge from a to b. One end is turned to the camera, the other away.
+bool SilhouetteFinder::contour_point(const PosedMesh& posed, const Projector& projector, VertexId a,
+                                     VertexId b, SilhouettePoint* p) const {
   const float t = facing_[a] / (facing_[a] - facing_[b]);
   const Vec3 n = normal_[a] + t * (normal_[b] - normal_[a]);
   const float size = length(Vec2{n.x, n.y});
@@ -52,8 +52,8 @@ bool SilhouetteFinder::contour_point(const PosedMesh& posed, const Projector& pr
   return projector.project(posed.position[a] + t * (posed.position[b] - posed.position[a]), &p->x);
 }
 
-std::size_t SilhouetteFinder::find(const PosedMesh& posed, const Projector& projector, const DepthBuffer* hidden,
-                                float margin, Span<SilhouettePoint> points) {
+std::size_t SilhouetteFinder::find(const PosedMesh& posed, const Projector& projector,
+                                   const DepthBuffer* hidden, float margin, Span<SilhouettePoint> points) {
   const Mesh& mesh = posed.mesh;
   PLIANT_ASSERT(mesh.limits().vertices <= capacity_);
   compute_facing(posed, projector);

@@ -35,13 +35,14 @@ void DepthBuffer::draw(const Mesh& mesh, const Vec2* image, const float* depth) 
     Vec2 x[3];
     for (int k = 0; k < 3; ++k) x[k] = cells_per_px_ * (image[corner[k]] - origin_);
     const float z[3] = {depth[corner[0]], depth[corner[1]], depth[corner[2]]};
-    if (!(z[0] > 0 && z[1] > 0 && z[2] > 0)) continue;  // the image of what is behind may be anything
+    if (!(z[0] > 0 && z[1] > 0 && z[2] > 0))
+      continue;  // the image of a vertex behind the camera may be anything
     const Cells cells = cells_under(x);
     if (cells.i0 < cells.i1 && cells.j0 < cells.j1 && faces_camera(mesh, image, f)) draw_face(x, z, cells);
   }
 }
 
-/// Those whose middle lies between the least and the largest coordinate: of many a small face, none.
+/// The cells whose centres lie in the bounding box of a triangle. A small triangle may have none.
 DepthBuffer::Cells DepthBuffer::cells_under(const Vec2 (&x)[3]) const {
   const auto first_from = [](float value, int count) {
     return static_cast<int>(clamp(value + 0.5f, 0, static_cast<float>(count)));

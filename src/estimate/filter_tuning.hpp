@@ -20,7 +20,8 @@ struct MotionTuning {
   float pose_memory = 0.5f;
   /// s. The same of expressions, which stop as fast as they start. Round value, not tuned.
   float expression_memory = 0.1f;
-  /// Standard deviations. A larger innovation is a jump and resets the velocity. The value of docs/algorithms.md, section 7.10.
+  /// Standard deviations. A larger innovation is a jump and resets the velocity. The usual
+  /// five deviations, not tuned.
   float gate_sd = 5;
   /// s. Longest time step, so that variances stay finite. Round value, not tuned.
   float longest_step = 1;
@@ -29,8 +30,8 @@ struct MotionTuning {
 };
 inline constexpr MotionTuning kMotionTuning{};
 
-/// Tuning of the One-Euro filter. Cut-off frequency = least + gain x speed. Set by eye on the Talking Face video for a
-/// still picture at rest and a lag below an eighth of a second; tests/unit/estimate/filter_test.cpp holds both.
+/// Tuning of the One-Euro filter. Cut-off frequency = least + gain x speed. Round
+/// values for a still picture at rest and a lag below an eighth of a second; tests/unit/estimate/filter_test.cpp holds both.
 struct SmoothingTuning {
   /// Hz, at rest.
   float least_cutoff = 1.5f;

@@ -15,9 +15,11 @@ inline constexpr Vec2 kBehind{-1e6f, -1e6f};
 /// Tuning of surface points.
 struct SurfacePointsTuning {
   /// mm. Vectors that move a point by less are left out of its samples. A hundredth of the model's own error: it saves a
-  /// quarter of the samples of a face and changed no result on the rendered film (docs/evaluation.md).
+  /// quarter of the samples of a face. Chosen on the
+  /// rendered film with 500 points (docs/evaluation.md, section Tuning).
   float sample_slack_mm = 0.01f;
-  /// mm. Vectors smaller than this are left out of tangents. A tangent only warps a template, which tolerates more.
+  /// mm. Vectors smaller than this are left out of tangents. A tangent only warps a template, which tolerates more. Chosen
+  /// likewise.
   float tangent_slack_mm = 0.03f;
   /// Cosine of surface normal and viewing direction below which a point is not visible. A template seen flatter than 70
   /// degrees has too few pixels. Round value, not tuned.

@@ -20,15 +20,16 @@ struct SolveResult {
   std::size_t patches_searched = 0, patch_inliers = 0;  ///< the same of cue patch
 };
 
-/// Tuning of the loss of a track. The rules and their first values are those of docs/algorithms.md, section 7.9. The
-/// values were then checked on the Talking Face video (docs/evaluation.md); none was optimised.
+/// Tuning of the loss of a track (docs/algorithms.md, section 7.9). Values that suit the recorded face
+/// (docs/evaluation.md); none was optimised.
 struct TrackMonitorTuning {
   /// Inliers that a tracked frame needs at least, count. Fewer can agree by chance.
   std::uint16_t least_inliers = 8;
   /// Fraction of the points searched for that must be inliers; the same fraction applies to those of cue patch alone,
   /// since frame-to-frame tracking (cue flow) would also track an occluder.
   float least_inlier_fraction = 0.15f;
-  /// Largest rms of the inliers, px at an image width of 320; scales with the width.
+  /// Largest rms of the inliers, px at an image width of 320; scales with the width. The model error
+  /// of a real face is part of it.
   float most_rms_px = 4.0f;
   /// Least mean normalised correlation of the inliers of cue patch.
   float least_score = 0.5f;

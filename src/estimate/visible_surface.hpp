@@ -12,8 +12,8 @@
 
 namespace pliant {
 
-/// Tuning of the visible surface. The slacks and the redraw rule were chosen on a rendered film of 500 points at 360 x 288 and on
-/// the yawn of tests/system/yawn_test.cpp: the largest values that changed no error there.
+/// Tuning of the visible surface. The experiments are those of docs/evaluation.md, section Tuning: the rendered film with 500
+/// points for slacks and redrawing, the dropping jaw for the fast fraction.
 struct VisibleSurfaceTuning {
   /// Cells a side of the depth buffer, count, for meshes up to `small_mesh` vertices and above. About two faces of a full
   /// mesh fall on a cell.
@@ -34,7 +34,7 @@ struct VisibleSurfaceTuning {
   /// Such a turn moves the silhouette by less than a cell.
   std::uint32_t drawing_frames = 3;
   float drawing_turn_rad = 0.03f, drawing_scale = 0.03f;
-  /// Newton steps that take `surface_at` from the flat face onto the surface, count. Two suffice on a smooth face.
+  /// Newton steps that take `surface_at` from the flat face onto the surface, count. Round value, not tuned.
   int newton_steps = 4;
   /// Points of the contour kept for each silhouette point, count. The contour of a fine mesh has many.
   std::size_t contour_points_per_point = 8;

@@ -1,20 +1,29 @@
-// The published dynamics, q' = K q + f_g integrated by Euler steps (Eq. 9, 12, 13), and forms of it that need no step size to be
-// found by hand. Departures from the paper: its objective is written as a sum of lengths, but Eq. 9-13 are the gradient of half
-// the sum of their squares, which is what is descended here; and the preconditioned forms scale each parameter by its own
-// diagonal of H, without which the step that is stable goes down with every point and pixel added.
+// The published dynamics q' = K q + f_g, integrated by Euler steps (Eq. 9, 12, 13), and two variants that choose their step
+// length (docs/algorithms.md, section 5.1). Departures from the paper: the paper writes its objective as a sum of lengths, but
+// Eq. 9 to 13 are the gradient of half the sum of squared lengths, which is minimised here. The preconditioned variants
+// divide each parameter's step by its diagonal of H; otherwise the largest stable step falls with the number of points and
+// pixels.
 #include "pliant/euler.hpp"
 
 namespace pliant {
 
 namespace {
 
-constexpr int kMemory =
-    10;  // costs that a Barzilai-Borwein step is measured against, and of the stopping rule
-constexpr int kWindow = 30;  // steps in which the lowest cost must go down
-constexpr int kHalvings = 12;
-constexpr float kLongestShare = 1e3f;  // of the safe step
+/// Tuning of the step length. All values are from `pliant bench fit` (docs/evaluation.md) or round.
+struct EulerTuning {
+  /// Costs with the highest of which a Barzilai-Borwein step is compared, count. The usual value of the non-monotone rule.
+  int memory = 10;
+  /// Steps in which the lowest cost must fall by the relative decrease, count. Round value, not tuned.
+  int window = 30;
+  /// Halvings of a step that raises the cost, count. The step is then 1/4096 of the safe one. Round value, not tuned.
+  int halvings = 12;
+  /// Least and longest Barzilai-Borwein step, in safe steps. Round values, not tuned.
+  float least_step = 0.1f, longest_step = 1e3f;
+};
+constexpr EulerTuning kTuning{};
+constexpr int kMemory = kTuning.memory, kWindow = kTuning.window, kHalvings = kTuning.halvings;
 
-/// Diagonal preconditioner 1 / H_kk; 0 for an unknown that nothing observes.
+/// Diagonal preconditioner 1 / H_kk; 0 for an unobserved unknown.
 float inverse_diagonal(NormalEquations& equations, std::size_t k) {
   const float d = equations.h(k, k);
   return d > 0 ? 1.0f / d : 0.0f;
@@ -33,7 +42,7 @@ float safe_delta(NormalEquations& equations) {
   return 1.0f / largest;
 }
 
-/// The descent in progress: the step last taken, the gradient before it, and the costs of the last steps.
+/// A descent: its last step, the gradient before that step, and the costs of the last steps.
 struct Descent {
   const LeastSquaresProblem& problem;
   const EulerOptions& options;
@@ -54,7 +63,7 @@ struct Descent {
     for (float& c : costs) c = cost;
   }
 
-  /// delta = s^T D s / s^T y, with s the last step and y what it took off the gradient g = -dE/dq.
+  /// delta = s^T D s / s^T y, where s is the last step and y the decrease of the gradient g = -dE/dq by it.
   void choose_delta() {
     if (options.step != EulerStep::barzilai_borwein || taken == 0) return;
     float sds = 0, sy = 0;
@@ -62,13 +71,13 @@ struct Descent {
       sds += last_step[k] * last_step[k] * equations.h(k, k);
       sy += last_step[k] * (last_gradient[k] - equations.g(k));
     }
-    delta = sy > 0 ? clamp(sds / sy, 0.1f * safe, kLongestShare * safe) : safe;
+    delta = sy > 0 ? clamp(sds / sy, kTuning.least_step * safe, kTuning.longest_step * safe) : safe;
   }
 
-  void propose(float share) {
+  void propose(float length) {
     for (std::size_t k = 0; k < count(); ++k) {
       const float scale = is_published() ? 1.0f : inverse_diagonal(equations, k);
-      step[k] = equations.clamped(k, share * scale * equations.g(k));
+      step[k] = equations.clamped(k, length * scale * equations.g(k));
     }
   }
 
@@ -79,7 +88,7 @@ struct Descent {
     return highest;
   }
 
-  /// Takes one step. \return false where no length lowers the cost.
+  /// Takes one step. \return false if no step length lowers the cost.
   bool advance() {
     choose_delta();
     float trial = 0;

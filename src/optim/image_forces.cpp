@@ -1,6 +1,7 @@
-// Image forces in parameter space (the paper's Appendix A; ALGORITHMS 6.5). Departs from it in three ways: the rigid
-// block only, rows whitened by the mean of B^T B, and re-admission. Whitening changes no distance, in exact arithmetic;
-// it keeps rotations (hundreds of pixels a radian) and translations (one) apart by nothing that floats would feel.
+// Image forces in parameter space (the paper, Appendix A; docs/algorithms.md, section 6.5). It departs from the paper in three
+// ways: only the rigid block is used, rows are whitened by the mean of B^T B, and rejected forces may be taken back.
+// Whitening changes no distance in exact arithmetic. It brings rotations (hundreds of pixels a radian) and translations (about
+// one pixel a millimetre) to the same magnitude, which float arithmetic needs.
 #include "pliant/image_forces.hpp"
 
 #include <limits>
@@ -11,16 +12,17 @@
 namespace pliant {
 
 namespace {
-constexpr std::size_t kRowsPerColumn = 5;
+constexpr std::size_t kRowsPerColumn =
+    5;  // fewest forces a column; the rule of docs/algorithms.md, section 6.5
 constexpr float kNotFinite = std::numeric_limits<float>::infinity();
-constexpr double kSmallestPivot =
-    1e-6;  // relative: below, no point sees the parameter apart from those before it
+/// Relative pivot below which the points do not separate a parameter from those before it. Round value, not tuned.
+constexpr double kSmallestPivot = 1e-6;
 
 constexpr std::size_t packed(std::size_t row, std::size_t column) {  // of a lower triangle, column <= row
   return row * (row + 1) / 2 + column;
 }
 
-/// A = L L^T in place; the diagonal gets 1 / pivot, or 0 where there is none.
+/// Factorises A = L L^T in place. The diagonal gets 1 / pivot, or 0 for a pivot that is too small.
 void factorise_lower(double* l, std::size_t p) {
   for (std::size_t j = 0; j < p; ++j) {
     const double all = l[packed(j, j)];
@@ -60,7 +62,7 @@ void ForceRejector::lay_out(Arena& arena, const McdLimits& limits) {
   columns_ = 0;
 }
 
-/// L of sum of B^T B / rows = L L^T. An unseen parameter gets an inverse pivot of zero, so that its column is zeros.
+/// Computes L of sum B^T B / rows = L L^T. An unobserved parameter gets an inverse pivot of zero, so that its column is zero.
 void ForceRejector::whiten(const float* jacobian, std::size_t rows, std::size_t p,
                            const std::uint8_t* finite) {
   for (double& value : whiten_) value = 0;
@@ -85,7 +87,7 @@ void ForceRejector::project(const float* jacobian, Vec2 force, double* row) cons
   solve_lower(whiten_, columns_, row);
 }
 
-/// Prepares `agrees`.
+/// Factorises the estimated covariance for `agrees`.
 void ForceRejector::factorise() {
   for (std::size_t j = 0; j < columns_; ++j)
     for (std::size_t k = 0; k <= j; ++k)

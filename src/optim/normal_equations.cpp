@@ -1,21 +1,33 @@
-// Packed normal equations (ALGORITHMS 5.2-5.5): accumulation, scaled Cholesky within limits, variances.
-#include "base/lanes.hpp"
+// Packed normal equations (docs/algorithms.md, sections 5.3 to 5.5): accumulation, scaled Cholesky within limits, variances.
 #include "pliant/normal_equations.hpp"
+
+#include "base/lanes.hpp"
 
 namespace pliant {
 
 namespace {
 
-constexpr float kSmallestPivot = 1e-6f;  // of the unit-diagonal matrix
-constexpr int kLimitRounds = 12;
-constexpr float kReleasingForce = 1e-3f;  // of the largest scaled force
-
-constexpr std::size_t kGatheredRows = 16;
-constexpr std::size_t kTileRows = 4, kTileColumns = 8;
-/// Columns of an observation, as a share of the unknowns, from which the dense product is the cheaper one.
-constexpr std::size_t kDenseNumerator = 5, kDenseDenominator = 8;
-/// Pivots whose rows are applied to the rest at once.
-constexpr std::size_t kPanel = 4;
+/// Tuning of the solve and of its accumulation.
+struct NormalEquationsTuning {
+  /// Pivot of the matrix with unit diagonal below which an unknown is undetermined. Near
+  /// the rounding error of a float factorisation (docs/algorithms.md, section 5.5). Round value, not tuned.
+  float least_pivot = 1e-6f;
+  /// Rounds of setting unknowns to their limits, count. It bounds the time of a solve. Round value, not tuned.
+  int limit_rounds = 12;
+  /// Fraction of the largest scaled force with which an unknown must be pulled inside before it leaves its limit. Smaller
+  /// forces are rounding errors of the step. Round value, not tuned.
+  float releasing_force = 1e-3f;
+  /// Rows collected before they are added to H, count, and the tile of H that stays in registers meanwhile. The
+  /// tile fills the registers of SSE and NEON. Chosen by the times of `pliant bench fit`.
+  std::size_t gathered_rows = 16, tile_rows = 4, tile_columns = 8;
+  /// An observation with columns for at least 5/8 of the unknowns is added densely. Measured as above.
+  std::size_t dense_numerator = 5, dense_denominator = 8;
+  /// Pivots whose rows are applied to the rest at once, count. Measured as above.
+  std::size_t panel = 4;
+};
+constexpr NormalEquationsTuning kTuning{};
+constexpr std::size_t kGatheredRows = kTuning.gathered_rows, kTileRows = kTuning.tile_rows,
+                      kTileColumns = kTuning.tile_columns, kPanel = kTuning.panel;
 
 /// y -= f x over [0, n).
 void subtract_scaled(float* y, float f, const float* x, std::size_t n) {
@@ -24,7 +36,7 @@ void subtract_scaled(float* y, float f, const float* x, std::size_t n) {
   for (; j < n; ++j) y[j] -= f * x[j];
 }
 
-/// The same with four rows one after the other: the same bits as four calls, a quarter of the loads and stores.
+/// Subtracts four rows in order. Same bits as four calls, with a quarter of the loads and stores.
 void subtract_scaled(float* y, const float (&f)[kPanel], const float* const (&x)[kPanel], std::size_t n) {
   const Lanes f0 = splat(f[0]), f1 = splat(f[1]), f2 = splat(f[2]), f3 = splat(f[3]);
   std::size_t j = 0;
@@ -56,9 +68,10 @@ float dot_product(const float* a, const float* b, std::size_t n) {
 
 void NormalEquations::lay_out(Arena& arena, std::size_t unknowns) {
   const std::size_t packed = unknowns * (unknowns + 1) / 2;
-  h_ = arena.take<float>(packed + kLanes);  // the last row's lanes may reach beyond it, with zeros to add
+  h_ = arena.take<float>(packed +
+                         kLanes);  // the lanes of the last row may end beyond it; they add zeros there
   factor_ = arena.take<float>(packed);
-  stride_ = unknowns + kTileColumns;  // a tile may reach beyond the last unknown, into zeros
+  stride_ = unknowns + kTileColumns;  // a tile may end beyond the last unknown, where the rows are zero
   rows_ = arena.take<float>(kGatheredRows * stride_);
   row_residual_ = arena.take<float>(kGatheredRows);
   spread_x_ = arena.take<float>(stride_);
@@ -86,7 +99,7 @@ void NormalEquations::reset(std::size_t count) {
 
 void NormalEquations::add(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
                           Vec2 residual, Sym2 w) {
-  if (gradient_only_ || kDenseDenominator * columns < kDenseNumerator * count_) {
+  if (gradient_only_ || kTuning.dense_denominator * columns < kTuning.dense_numerator * count_) {
     add_sparse(unknown, column, columns, residual, w);
     return;
   }
@@ -131,8 +144,8 @@ float* NormalEquations::gathered_row(float residual) {
   return row;
 }
 
-/// The columns are spread out into rows, zero elsewhere, so that every row of H takes one sweep of lanes. What reaches
-/// beyond the row's end adds zeros to the next.
+/// The columns are first written into two full rows with zeros elsewhere, so that each row of H is updated by whole lanes.
+/// Lanes beyond the end of a row add zeros to the next row.
 void NormalEquations::add_sparse(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
                                  Vec2 residual, Sym2 w) {
   const std::size_t n = count_;
@@ -159,7 +172,7 @@ void NormalEquations::add_sparse(const std::uint16_t* unknown, const Vec2* colum
   }
 }
 
-/// H and g plus what the gathered rows give.
+/// Adds the gathered rows to H and g.
 void NormalEquations::flush() {
   for (std::size_t r = 0; r < gathered_; ++r)
     subtract_scaled(g_, -row_residual_[r], rows_ + r * stride_, count_);
@@ -169,7 +182,7 @@ void NormalEquations::flush() {
   gathered_ = 0;
 }
 
-/// Four rows of H by eight columns, summed over the gathered rows in registers.
+/// Adds the gathered rows to a tile of H. The sums stay in registers.
 void NormalEquations::add_tile(std::size_t row, std::size_t column) {
   Lanes left[kTileRows] = {}, right[kTileRows] = {};
   const float *a = rows_ + row, *b = rows_ + column;
@@ -206,7 +219,7 @@ void NormalEquations::set_limits(std::size_t unknown, float lower, float upper) 
   upper_[unknown] = upper;
 }
 
-/// The upper triangle of S H S + damping I over the unknowns that are free: neither pinned nor undetermined.
+/// Writes the upper triangle of S H S + damping I over the free unknowns: neither pinned nor undetermined.
 void NormalEquations::copy_scaled(float damping) {
   free_count_ = 0;
   for (std::size_t i = 0; i < count_; ++i)
@@ -221,12 +234,12 @@ void NormalEquations::copy_scaled(float damping) {
   }
 }
 
-/// Row i of the factor, from its column 0 on, of which those below i are not stored.
+/// Row i of the factor. Columns below i are not stored: the pointer is to where column 0 would be.
 float* NormalEquations::factor_row(std::size_t i) {
   return factor_ + (i * free_count_ - i * (i + 1) / 2);
 }
 
-/// Not seen by any observation, given the unknowns before it.
+/// Marks an unknown that the observations do not determine, given the unknowns before it.
 void NormalEquations::pin_undetermined(std::size_t k) {
   float* row = factor_row(k);
   pinned_[free_[k]] = 2;
@@ -246,7 +259,7 @@ void NormalEquations::factorise(float damping) {
         const float* pivot_row = factor_row(above);
         subtract_scaled(row + k, pivot_row[k], pivot_row + k, n - k);
       }
-      if (row[k] < kSmallestPivot) {
+      if (row[k] < kTuning.least_pivot) {
         pin_undetermined(k);
         continue;
       }
@@ -265,7 +278,7 @@ void NormalEquations::factorise(float damping) {
   }
 }
 
-/// Solves U^T U x = right for the free unknowns; the others, and those undetermined, come out zero.
+/// Solves U^T U x = right for the free unknowns. All others get zero.
 void NormalEquations::back_substitute(const float* right, float* x) {
   const std::size_t n = free_count_;
   float* y = compact_;
@@ -284,7 +297,7 @@ void NormalEquations::back_substitute(const float* right, float* x) {
   for (std::size_t k = 0; k < n; ++k) x[free_[k]] = y[k];
 }
 
-/// Scales to a unit diagonal; what has none is undetermined.
+/// Computes the scales that give H a unit diagonal. An unknown with a zero diagonal is undetermined.
 void NormalEquations::start_scaled() {
   flush();
   for (std::size_t i = 0; i < count_; ++i) {
@@ -294,7 +307,7 @@ void NormalEquations::start_scaled() {
   }
 }
 
-/// What is on a limit and pushed out of it most likely stays there: a factorisation less to find that out.
+/// Pins unknowns at a limit whose force points outwards. Most of them stay there, and a factorisation is saved.
 void NormalEquations::pin_pushed_out() {
   for (std::size_t i = 0; i < count_; ++i) {
     const bool is_pushed_out = (g_[i] > 0 && upper_[i] == 0) || (g_[i] < 0 && lower_[i] == 0);
@@ -302,7 +315,7 @@ void NormalEquations::pin_pushed_out() {
   }
 }
 
-/// Puts what leaves its limits on them. \return whether anything did.
+/// Sets unknowns that leave their limits to the limit. \return whether there were any.
 bool NormalEquations::pin_to_limits(float* step) {
   bool changed = false;
   for (std::size_t i = 0; i < count_; ++i) {
@@ -316,7 +329,7 @@ bool NormalEquations::pin_to_limits(float* step) {
   return changed;
 }
 
-/// Frees what is on a limit and, now that others are on theirs, pulled back inside. \return whether anything is.
+/// Frees unknowns at a limit whose force points inside, now that others are at their limits. \return whether there were any.
 bool NormalEquations::release_from_limits(float damping, const float* step) {
   float largest = 0;
   for (std::size_t i = 0; i < count_; ++i) largest = max(largest, magnitude(g_[i]) * scale_[i]);
@@ -326,7 +339,7 @@ bool NormalEquations::release_from_limits(float damping, const float* step) {
     float force = g_[k] - damping * h(k, k) * step[k];
     for (std::size_t i = 0; i < count_; ++i) force -= h(k, i) * step[i];
     const float inside = step[k] >= upper_[k] ? -force : force;
-    if (inside * scale_[k] <= kReleasingForce * largest) continue;
+    if (inside * scale_[k] <= kTuning.releasing_force * largest) continue;
     pinned_[k] = 0;
     changed = true;
   }
@@ -338,9 +351,9 @@ void NormalEquations::solve(float damping, float* step) {
   start_scaled();
   for (std::size_t i = 0; i < n; ++i) step[i] = 0;
   pin_pushed_out();
-  for (int round = 0; round < kLimitRounds; ++round) {
+  for (int round = 0; round < kTuning.limit_rounds; ++round) {
     for (std::size_t i = 0; i < n; ++i) right_[i] = g_[i];
-    for (std::size_t k = 0; k < n; ++k)  // what is pinned to a limit moves to the right-hand side
+    for (std::size_t k = 0; k < n; ++k)  // the columns of pinned unknowns move to the right-hand side
       if (pinned_[k] == 1)
         for (std::size_t i = 0; i < n; ++i) right_[i] -= h(i, k) * step[k];
     for (std::size_t i = 0; i < n; ++i) right_[i] *= scale_[i];

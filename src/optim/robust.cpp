@@ -3,7 +3,8 @@
 namespace pliant {
 
 LossValue evaluate(Loss loss, float u) {
-  constexpr float kHuber = 1.345f, kTukey = 4.685f;
+  constexpr float kHuber = 1.345f,
+                  kTukey = 4.685f;  // 95 % efficiency for normal residuals (Holland, Welsch 1977)
   switch (loss) {
     case Loss::squares:
       break;
@@ -25,7 +26,7 @@ float median(float a, float b, float c) {
   return max(min(a, b), min(max(a, b), c));
 }
 
-/// Values that are chosen go first. \return how many. Without a branch on the values, which nothing could foresee.
+/// Moves the chosen values to the front. \return how many. Without a branch on the values, which a processor could not predict.
 template <class Predicate>
 std::size_t partition(float* value, std::size_t n, const Predicate& is_chosen) {
   std::size_t chosen = 0;
@@ -54,8 +55,9 @@ void sift_down(float* heap, std::size_t n, std::size_t i) {  // smallest on top
 }  // namespace
 
 float select(float* value, std::size_t n, std::size_t k) {
-  constexpr std::size_t kFew = 16;
-  constexpr int kMostRounds = 16;  // then the values were chosen to make halves uneven
+  constexpr std::size_t kFew = 16;  // values from which a heap is as fast; round value, not tuned
+  constexpr int kMostRounds =
+      16;  // more only happen for values that make the pivots bad; then the heap bounds the cost
   for (int round = 0; round < kMostRounds && n > kFew; ++round) {
     const float pivot = median(value[0], value[n / 2], value[n - 1]);
     const std::size_t below = partition(value, n, [pivot](float v) { return v < pivot; });
@@ -83,7 +85,8 @@ float select(float* value, std::size_t n, std::size_t k) {
 }
 
 float robust_scale(float* length, std::size_t n) {
-  return n == 0 ? 0.0f : select(length, n, n / 2) / 1.1774f;
+  constexpr float kRayleighMedian = 1.1774f;  // sqrt(2 ln 2)
+  return n == 0 ? 0.0f : select(length, n, n / 2) / kRayleighMedian;
 }
 
 }  // namespace pliant
