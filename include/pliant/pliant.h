@@ -31,14 +31,10 @@ const char *pliant_status_text(pliant_status status);
  *  All 0 for another name, which pliant_create refuses. */
 pliant_limits pliant_profile(char name);
 
-/** Scratch of pliant_required_bytes. */
-enum { PLIANT_SCRATCH_BYTES = 6144 };
 /** Bytes that pliant_create needs. Cost: below a millisecond, and the check of the table, which reads all of it.
- *  \param scratch  PLIANT_SCRATCH_BYTES at an address that is a multiple of 16, free again afterwards: on a device
- *                  with a small stack the block that will be the tracker's.
- *  \return PLIANT_BAD_ARGUMENT also for limits out of range; PLIANT_OUT_OF_MEMORY (scratch); 4 to 9 (table). */
-pliant_status pliant_required_bytes(void *scratch, size_t scratch_bytes, const void *table, size_t table_bytes,
-                                    const pliant_limits *limits, size_t *bytes);
+ *  \return PLIANT_BAD_ARGUMENT also for limits out of range; 4 to 9 (table). */
+pliant_status pliant_required_bytes(const void *table, size_t table_bytes, const pliant_limits *limits,
+                                    size_t *bytes);
 
 /** Makes a tracker. Cost: as pliant_required_bytes.
  *  \param memory  a block at an address that is a multiple of 16. It and the table must outlive the tracker. It is

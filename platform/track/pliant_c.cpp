@@ -19,7 +19,6 @@ static_assert(static_cast<int>(Status::stale_frame) == PLIANT_STALE_FRAME);
 static_assert(static_cast<int>(Status::isolated_vertex) == PLIANT_ISOLATED_VERTEX);
 static_assert(static_cast<int>(Status::not_found) == PLIANT_NOT_FOUND);
 static_assert(static_cast<int>(TrackState::lost) == PLIANT_LOST);
-static_assert(sizeof(Tracker) <= PLIANT_SCRATCH_BYTES);
 // Arrays of these are handed on as they are.
 static_assert(sizeof(NamedPoint) == sizeof(pliant_point) &&
               offsetof(NamedPoint, x) == offsetof(pliant_point, x));
@@ -143,17 +142,16 @@ pliant_limits pliant_profile(char name) {
           l.key_patches, l.vertices, l.start_points, profile};
 }
 
-pliant_status pliant_required_bytes(void* scratch, size_t scratch_bytes, const void* table,
-                                    size_t table_bytes, const pliant_limits* limits, size_t* bytes) {
-  if (bytes == nullptr || !is_aligned(scratch)) return PLIANT_BAD_ARGUMENT;
-  if (scratch_bytes < PLIANT_SCRATCH_BYTES) return PLIANT_OUT_OF_MEMORY;
+pliant_status pliant_required_bytes(const void* table, size_t table_bytes, const pliant_limits* limits,
+                                    size_t* bytes) {
+  if (bytes == nullptr) return PLIANT_BAD_ARGUMENT;
   Model model;
   TrackerLimits own;
   const Status status = open(table, table_bytes, limits, &model, &own);
   if (status != Status::ok) return plain(status);
   Arena trial;
   trial.take<pliant_tracker>(1);
-  (new (scratch) Tracker())->lay_out(trial, model, own);
+  Tracker().lay_out(trial, model, own);
   *bytes = trial.used_bytes();
   return PLIANT_OK;
 }

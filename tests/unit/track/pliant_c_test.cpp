@@ -43,9 +43,7 @@ struct Rig {
       REQUIRE(Projector(view_of(pose, camera), true).project(face.at(name, rest), &x));
       points.push_back({name.c_str(), x.x, x.y});
     }
-    block.resize(PLIANT_SCRATCH_BYTES + 16);
-    REQUIRE(pliant_required_bytes(memory(), PLIANT_SCRATCH_BYTES, table(), table_bytes(), &limits, &bytes) ==
-            PLIANT_OK);
+    REQUIRE(pliant_required_bytes(table(), table_bytes(), &limits, &bytes) == PLIANT_OK);
     block.resize(bytes + 32);
   }
   const void* table() const { return face.words.data(); }
@@ -173,9 +171,8 @@ TEST_CASE("faults of the table: each has its status, of creating and of asking f
   const auto check = [&](const void* table, size_t table_bytes, pliant_status expected) {
     pliant_tracker* t = nullptr;
     size_t bytes = 7;
-    alignas(16) unsigned char scratch[PLIANT_SCRATCH_BYTES];
     CHECK(pliant_create(r.memory(), r.bytes, table, table_bytes, &r.limits, &t) == expected);
-    CHECK(pliant_required_bytes(scratch, sizeof scratch, table, table_bytes, &r.limits, &bytes) == expected);
+    CHECK(pliant_required_bytes(table, table_bytes, &r.limits, &bytes) == expected);
     CHECK(t == nullptr);
     CHECK(bytes == 7);
   };
@@ -197,9 +194,8 @@ TEST_CASE("faults of the table: each has its status, of creating and of asking f
 
 TEST_CASE("limits that no tracker can be made for are refused") {
   size_t bytes = 7;
-  alignas(16) unsigned char scratch[PLIANT_SCRATCH_BYTES];
   const auto ask = [&](const pliant_limits& l) {
-    return pliant_required_bytes(scratch, sizeof scratch, rig().table(), rig().table_bytes(), &l, &bytes);
+    return pliant_required_bytes(rig().table(), rig().table_bytes(), &l, &bytes);
   };
   const auto refused = [&](auto&& change) {
     pliant_limits l = pliant_profile('S');
@@ -216,14 +212,8 @@ TEST_CASE("limits that no tracker can be made for are refused") {
   CHECK(refused([](pliant_limits& l) { l.patches = l.key_patches = 0x8000; }));
   CHECK(refused([](pliant_limits& l) { l.start_points = 3; }));
   const pliant_limits l = pliant_profile('S');
-  const auto with = [&](void* room, size_t room_bytes, const pliant_limits* limits, size_t* out) {
-    return pliant_required_bytes(room, room_bytes, rig().table(), rig().table_bytes(), limits, out);
-  };
-  CHECK(with(scratch, sizeof scratch - 1, &l, &bytes) == PLIANT_OUT_OF_MEMORY);
-  CHECK(with(nullptr, sizeof scratch, &l, &bytes) == PLIANT_BAD_ARGUMENT);
-  CHECK(with(scratch + 8, sizeof scratch, &l, &bytes) == PLIANT_BAD_ARGUMENT);
-  CHECK(with(scratch, sizeof scratch, nullptr, &bytes) == PLIANT_BAD_ARGUMENT);
-  CHECK(with(scratch, sizeof scratch, &l, nullptr) == PLIANT_BAD_ARGUMENT);
+  CHECK(pliant_required_bytes(rig().table(), rig().table_bytes(), nullptr, &bytes) == PLIANT_BAD_ARGUMENT);
+  CHECK(pliant_required_bytes(rig().table(), rig().table_bytes(), &l, nullptr) == PLIANT_BAD_ARGUMENT);
   CHECK(bytes == 7);
   CHECK(ask(pliant_profile('M')) == PLIANT_OK);
   const size_t medium = bytes;
@@ -449,7 +439,8 @@ TEST_CASE("a start that fails later leaves a tracker that is not started, and th
   check_tracks(t, 1);
 }
 
-TEST_CASE("updates and questions that are wrong have a status, write nothing, and leave the track as it was") {
+TEST_CASE(
+    "updates and questions that are wrong have a status, write nothing, and leave the track as it was") {
   pliant_tracker* t = rig().start();
   const pliant_frame first = rig().frame(0), next = rig().frame(1);
   pliant_result result;
@@ -480,19 +471,30 @@ TEST_CASE("updates and questions that are wrong have a status, write nothing, an
   const pliant_point unknown{"third eye", 1, 2}, not_finite{"nose_tip", kNaN, 2};
   CHECK(pliant_place_landmarks(t, &unknown, 1) == PLIANT_NOT_FOUND);
   CHECK(pliant_place_landmarks(t, &not_finite, 1) == PLIANT_BAD_ARGUMENT);
-  for (const pliant_status status :
-       {pliant_get_landmark(nullptr, "nose_tip", &x, &y), pliant_get_landmark(t, nullptr, &x, &y),
-        pliant_get_landmark(t, "nose_tip", nullptr, &y), pliant_get_landmark(t, "nose_tip", &x, nullptr),
-        pliant_get_landmark_at(nullptr, 0, &x, &y), pliant_get_landmark_at(t, 0, nullptr, &y),
-        pliant_get_landmark_at(t, 0, &x, nullptr), pliant_get_parameter(nullptr, "jawOpen", &x),
-        pliant_get_parameter(t, nullptr, &x), pliant_get_parameter(t, "jawOpen", nullptr),
-        pliant_get_parameters(nullptr, &values), pliant_get_parameters(t, nullptr),
-        pliant_parameter_count(nullptr, &count), pliant_parameter_count(t, nullptr),
-        pliant_landmark_count(nullptr, &count), pliant_landmark_count(t, nullptr),
-        pliant_parameter_name(nullptr, 0, &name), pliant_parameter_name(t, 0, nullptr),
-        pliant_landmark_name(nullptr, 0, &name), pliant_landmark_name(t, 0, nullptr),
-        pliant_place_landmarks(nullptr, &unknown, 1), pliant_place_landmarks(t, nullptr, 1),
-        pliant_save(nullptr, nullptr), pliant_save(t, nullptr)})
+  for (const pliant_status status : {pliant_get_landmark(nullptr, "nose_tip", &x, &y),
+                                     pliant_get_landmark(t, nullptr, &x, &y),
+                                     pliant_get_landmark(t, "nose_tip", nullptr, &y),
+                                     pliant_get_landmark(t, "nose_tip", &x, nullptr),
+                                     pliant_get_landmark_at(nullptr, 0, &x, &y),
+                                     pliant_get_landmark_at(t, 0, nullptr, &y),
+                                     pliant_get_landmark_at(t, 0, &x, nullptr),
+                                     pliant_get_parameter(nullptr, "jawOpen", &x),
+                                     pliant_get_parameter(t, nullptr, &x),
+                                     pliant_get_parameter(t, "jawOpen", nullptr),
+                                     pliant_get_parameters(nullptr, &values),
+                                     pliant_get_parameters(t, nullptr),
+                                     pliant_parameter_count(nullptr, &count),
+                                     pliant_parameter_count(t, nullptr),
+                                     pliant_landmark_count(nullptr, &count),
+                                     pliant_landmark_count(t, nullptr),
+                                     pliant_parameter_name(nullptr, 0, &name),
+                                     pliant_parameter_name(t, 0, nullptr),
+                                     pliant_landmark_name(nullptr, 0, &name),
+                                     pliant_landmark_name(t, 0, nullptr),
+                                     pliant_place_landmarks(nullptr, &unknown, 1),
+                                     pliant_place_landmarks(t, nullptr, 1),
+                                     pliant_save(nullptr, nullptr),
+                                     pliant_save(t, nullptr)})
     CHECK(status == PLIANT_BAD_ARGUMENT);
   CHECK(x == 7);
   CHECK(y == 7);
