@@ -13,7 +13,7 @@ namespace pliant {
 
 struct Estimator::Impl {
   bool started = false;
-  EstimatorLimits limits;
+  EstimatorLimits limits = without_rejection(EstimatorLimits{});  // no code of it is linked unless limits name it
   EstimatorOptions options;
   Camera camera;
   Lens lens;
