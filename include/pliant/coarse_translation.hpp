@@ -17,11 +17,12 @@ struct CoarseTranslation {
   float correlation = 0;  ///< normalised cross-correlation, -1 to 1; 0 if nothing was compared
 };
 
-/// Finds the shift of `box` from `reference` to `current` with the highest correlation, within `range_px` either way. The box is
-/// clipped to the image. Pixels are sampled at a spacing that leaves about 600 of them. A shift for which fewer than half of
-/// them lie in `current` is not considered. Of equal shifts the smaller is taken. Sums are integers: the bits are the same on
-/// every target.
-/// \return correlation 0 for images of different sizes, unreadable views, a box of fewer than 4 x 4 px, or a negative range.
+/// Finds the shift of `box` from `reference` to `current` with the highest correlation, within `range_px` either way.
+/// The box is clipped to the image. Pixels are sampled at a spacing that leaves about 600 of them. A shift for which
+/// fewer than half of them lie in `current` is not considered. Of equal shifts the smaller is taken. Sums are
+/// integers: the bits are the same on every target.
+/// \return correlation 0 for images of different sizes, unreadable views, a box of fewer than 4 x 4 px, or a negative
+///         range.
 /// Cost: (range_px + 1)^2 * 600 multiply-adds.
 CoarseTranslation find_coarse_translation(const ImageView& reference, const PixelBox& box,
                                           const ImageView& current, int range_px);

@@ -25,8 +25,8 @@ struct CornerScore {
 /// Smallest distance of a scored point from the border of the image, px.
 constexpr int kCornerMargin = 4;
 
-/// The texture around the pixel nearest to x. All zero for an unreadable view, a NaN, or a point closer to the border than
-/// kCornerMargin. Cost: 49 gradients.
+/// The texture around the pixel nearest to x. All zero for an unreadable view, a NaN, or a point closer to the border
+/// than kCornerMargin. Cost: 49 gradients.
 CornerScore corner_score(const ImageView& image, Vec2 x);
 
 struct Corner {
@@ -49,11 +49,13 @@ constexpr int corner_cells(int pixels, int cell_px) {
   return (pixels + cell_px - 1) / cell_px;
 }
 
-/// Bytes that `find_corners` takes from its scratch arena for an image of this size and gives back. 0 for a bad argument.
+/// Bytes that `find_corners` takes from its scratch arena for an image of this size and gives back. 0 for a bad
+/// argument.
 std::size_t corner_scratch_bytes(int width, int height, const CornerOptions& options);
 
-/// Finds the best corners: of the local maxima of lambda_min over 3 x 3 pixels the best of each cell, best first, without
-/// those that are closer than min_distance_px to a better one. Of equal scores, lower y comes first, then lower x.
+/// Finds the best corners: of the local maxima of lambda_min over 3 x 3 pixels the best of each cell, best first,
+/// without those that are closer than min_distance_px to a better one. Of equal scores, lower y comes first, then
+/// lower x.
 /// \param allowed  empty, or one byte a cell, row by row (corner_cells wide and high): 0 forbids the cell.
 /// \param out      room for the corners. \param count  set to their number; 0 for an image that is too small.
 /// \return `bad_argument` for an unreadable view, options out of range or a mask of another size; `out_of_memory` if

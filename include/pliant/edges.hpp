@@ -2,9 +2,10 @@
 /// \file edges.hpp
 /// The edge finder: where along the normal of an expected edge the image has an edge.
 ///
-/// The image is sampled on a strip across the edge, five samples wide, in steps of one pixel, and differentiated with the
-/// antisymmetric kernel (-1 -2 0 2 1) (docs/algorithms.md, section 7.4). Edges are the maxima of the derivative's magnitude,
-/// located to a fraction of a step by a parabola. Samples and derivatives are integers: the bits are the same on every target.
+/// The image is sampled on a strip across the edge, five samples wide, in steps of one pixel, and differentiated with
+/// the antisymmetric kernel (-1 -2 0 2 1) (docs/algorithms.md, section 7.4). Edges are the maxima of the derivative's
+/// magnitude, located to a fraction of a step by a parabola. Samples and derivatives are integers: the bits are the
+/// same on every target.
 #include <cstdint>
 
 #include "pliant/geometry.hpp"
@@ -34,15 +35,16 @@ struct EdgeOptions {
 
 constexpr int kMaxEdgeHypotheses = 4;
 
-/// Finds an edge along the normal of `point`. The search starts on the finest level on which its range fits into 16 steps to
-/// either side, and goes on to coarser ones where the edge is too blurred. Of several edges, nearer and stronger ones are
-/// preferred.
+/// Finds an edge along the normal of `point`. The search starts on the finest level on which its range fits into 16
+/// steps to either side, and goes on to coarser ones where the edge is too blurred. Of several edges, nearer and
+/// stronger ones are preferred.
 /// \param out  At least one observation is written: with reason `found`, or with the reason why there is none:
-///             `not_visible` for a normal without length or values that are not finite; `outside_image` if the strip does not
-///             fit around x; `no_texture` if no edge stands out of the noise; `low_correlation` if those that do are not like
-///             the remembered one; `ambiguous` if more edges than `hypotheses` are equally good. Further observations have the
-///             same id and are alternatives, best first. `information` is of rank one, along the normal. `score` is the step
-///             in grey levels over 255, positive if the image is brighter on the side of the normal; blur lowers it.
+///         `not_visible` for a normal without length or values that are not finite; `outside_image` if the strip does
+///         not fit around x; `no_texture` if no edge stands out of the noise; `low_correlation` if those that do are
+///         not like the remembered one; `ambiguous` if more edges than `hypotheses` are equally good. Further
+///         observations have the same id and are alternatives, best first. `information` is of rank one, along the
+///         normal. `score` is the step in grey levels over 255, positive if the image is brighter on the side of the
+///         normal; blur lowers it.
 /// \return the number of observations written; 0 only if `out` is empty.
 /// Cost: 5 bilinear samples a step, about 1 us for a range of 6 px on a desktop core. Nothing is allocated.
 int find_edge(const Pyramid& pyramid, const EdgePoint& point, const EdgeOptions& options,

@@ -1,11 +1,12 @@
 #pragma once
 /// \file face_detector.hpp
-/// Finds a face in a frame without a prior. Nothing in it is learnt: the templates are rendered from the model itself.
+/// Finds a face in a frame without a prior. Nothing in it is learnt: the templates are
+/// rendered from the model itself.
 ///
-/// Three steps. Small templates of the model in nine poses are compared with the frame at all positions and sizes, by the
-/// directions of their gradients. At the most similar places the model is rendered larger, its landmarks are searched around
-/// their rendered positions, and pose and parameters are fitted to them, several times. The fitted model is compared with the
-/// frame once more: its similarity decides whether it is a face.
+/// Three steps. Small templates of the model in nine poses are compared with the frame at all positions and sizes, by
+/// the directions of their gradients. At the most similar places the model is rendered larger, its landmarks are
+/// searched around their rendered positions, and pose and parameters are fitted to them, several times. The fitted
+/// model is compared with the frame once more: its similarity decides whether it is a face.
 #include <cstddef>
 #include <cstdint>
 
@@ -26,16 +27,16 @@ struct Candidate;
 
 struct FaceDetectorLimits {
   std::uint16_t width = 320, height = 240;  ///< of the frames, px
-  /// Height of the smallest inner face relative to the frame's height, 0.15 to 0.6. The inner face reaches from the brows to
-  /// the lips, seven tenths of the built-in face. Memory and time are proportional to 1 / its square.
+  /// Height of the smallest inner face relative to the frame's height, 0.15 to 0.6. The inner face reaches from the
+  /// brows to the lips, seven tenths of the built-in face. Memory and time are proportional to 1 / its square.
   float smallest_fraction = 0.22f;
 };
 
 struct FaceDetectorOptions {
   float largest_fraction = 0.65f;  ///< the same of the largest inner face, smallest_fraction to 1
-  /// Smallest similarity of a face, 0 to 1. Measured: of 300 images of clutter and some fifty of other things, upside-down faces
-  /// included, none reaches 0.46; 98 % of rendered faces exceed 0.53; the one real face that was tried exceeds 0.5 in every
-  /// third frame of a film.
+  /// Smallest similarity of a face, 0 to 1. Measured: of 300 images of clutter and some fifty of other things,
+  /// upside-down faces included, none reaches 0.46; 98 % of rendered faces exceed 0.53; the one real face that was
+  /// tried exceeds 0.5 in every third frame of a film.
   float min_similarity = 0.5f;
 };
 
@@ -45,9 +46,9 @@ struct FaceDetectorReport {
   Pose pose;             ///< of the face; meaningful if found
 };
 
-/// Detects faces within about 20 degrees of upright and frontal. Needs a model with an albedo, curves (lids, brows, lips) and
-/// landmarks. Lives in an arena: about half a megabyte for 320 x 240 and the built-in face, which can be reused after the
-/// detection, because its result is only the pose and the parameters.
+/// Detects faces within about 20 degrees of upright and frontal. Needs a model with an albedo, curves (lids, brows,
+/// lips) and landmarks. Lives in an arena: about half a megabyte for 320 x 240 and the built-in face, which can be
+/// reused after the detection, because its result is only the pose and the parameters.
 class FaceDetector {
  public:
   FaceDetector() = default;
@@ -61,14 +62,16 @@ class FaceDetector {
   Status begin(const Camera& camera, const FaceDetectorOptions& options);
 
   /// Searches one frame, independently of earlier ones.
-  /// \return `not_started`, `bad_argument`, `size_mismatch`; then nothing has changed. Cost: a tenth of a second on a PC for a
-  /// frame of any size, most of it for sampling the fields of the fits.
+  /// \return `not_started`, `bad_argument`, `size_mismatch`; then nothing has changed. Cost: a tenth of a second on a
+  ///         PC for a frame of any size, most of it for sampling the fields of the fits.
   Status find(const FrameView& frame, FaceDetectorReport* report);
   /// The parameters of the last `find`, all of the model's; meaningful if it found a face.
   Span<const float> parameters() const { return {best_q_, parameter_count_}; }
 
-  /// Computes how similar a frame is to the model with this pose and these parameters (all of them): a check of a track.
-  /// \return as `find`; `bad_argument` also for a pose closer than 50 mm or farther than 100 m. Cost: a millisecond on a PC.
+  /// Computes how similar a frame is to the model with this pose and these parameters (all of them): a check of a
+  /// track.
+  /// \return as `find`; `bad_argument` also for a pose closer than 50 mm or farther than 100 m. Cost: a millisecond
+  ///         on a PC.
   Status compare(const FrameView& frame, const Pose& pose, const float* q, float* similarity);
 
  private:

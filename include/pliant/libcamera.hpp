@@ -1,7 +1,8 @@
 #pragma once
 /// \file libcamera.hpp
-/// Frames from any camera that libcamera supports, as `FrameView`s of the camera's own memory. Linux only, in the library
-/// pliant::libcamera, which is built if libcamera is found. It uses the heap and a thread of libcamera.
+/// Frames from any camera that libcamera supports, as `FrameView`s of the camera's own memory.
+/// Linux only, in the library pliant::libcamera, which is built if libcamera is found. It uses the heap and a thread
+/// of libcamera.
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -42,13 +43,13 @@ class CameraStream {
   Status open(const CameraOptions& options);
   /// Starts the flow of frames. \return `not_started` if no camera is open, `io_error`, `camera_lost`.
   Status start();
-  /// Waits for the next frame. The view is of the camera's buffer, without a copy, and is valid until the next call. Its time is
-  /// the camera's (ns, monotonic clock), its sequence the camera's number: a gap means frames that were lost, or dropped because
-  /// two others were waiting already. Damaged frames are skipped and counted.
+  /// Waits for the next frame. The view is of the camera's buffer, without a copy, and is valid until the next call.
+  /// Its time is the camera's (ns, monotonic clock), its sequence the camera's number: a gap means frames that were
+  /// lost, or dropped because two others were waiting already. Damaged frames are skipped and counted.
   /// \return `not_started`; `camera_lost` if the camera was unplugged or gave no frame for three seconds.
   Status next(FrameView* frame);
-  /// Stops the flow of frames; the last view becomes invalid. A lost camera is abandoned, because libcamera 0.0.3 aborts if it is
-  /// stopped.
+  /// Stops the flow of frames; the last view becomes invalid. A lost camera is abandoned, because libcamera 0.0.3
+  /// aborts if it is stopped.
   void stop();
 
   int width() const;

@@ -1,11 +1,13 @@
 #pragma once
 /// \file patch_tracker.hpp
-/// The patch tracker: stores patches of an image as templates and finds them again in another image.
+/// The patch tracker: stores patches of an image as templates and finds them again in another
+/// image.
 ///
-/// The search is pyramidal and inverse compositional (Baker and Matthews 2004; docs/algorithms.md, section 7.2). It solves for
-/// a translation; gain and bias of the light are projected out; rotation, scale and shear are given as a 2 x 2 warp. Pixel
-/// arithmetic is in integers: the bits are the same on every target. Images may be two frames as well (`track_between`),
-/// which is optical flow at a point: of rank two at a corner and, if edges are accepted, of rank one at an edge.
+/// The search is pyramidal and inverse compositional (Baker and Matthews 2004; docs/algorithms.md, section 7.2). It
+/// solves for a translation; gain and bias of the light are projected out; rotation, scale and shear are given as a 2
+/// x 2 warp. Pixel arithmetic is in integers: the bits are the same on every target. Images may be two frames as well
+/// (`track_between`), which is optical flow at a point: of rank two at a corner and, if edges are accepted, of rank
+/// one at an edge.
 #include <cstdint>
 
 #include "pliant/arena.hpp"
@@ -43,14 +45,14 @@ struct PatchLimits {
   /// Template margin: pixels stored around the window, 0 to 16, so that a rotated or stretched window still finds its
   /// corners. Pixels that leave it are not compared.
   int margin = 4;
-  /// True: each slot keeps its warped template at full size and its equations until the predicted warp has moved the window's
-  /// edge by another half pixel. A search then takes a third less time where the warp changes slowly, for 1.6 kB more a slot
-  /// (window 11). Results differ by less than their own deviation.
+  /// True: each slot keeps its warped template at full size and its equations until the predicted warp has moved the
+  /// window's edge by another half pixel. A search then takes a third less time where the warp changes slowly, for
+  /// 1.6 kB more a slot (window 11). Results differ by less than their own deviation.
   bool keeps_templates = false;
 };
 
-/// Bytes of one slot that keeps no template: 1,647 with the default limits. 494 with a window of 11, two levels and a margin
-/// of 1, which is enough where a window turns by less than 15 degrees between capture and search.
+/// Bytes of one slot that keeps no template: 1,647 with the default limits. 494 with a window of 11, two levels and a
+/// margin of 1, which is enough where a window turns by less than 15 degrees between capture and search.
 constexpr int patch_slot_bytes(const PatchLimits& l) {
   const int side = l.window + 2 + 2 * l.margin;
   return l.levels * (side * side + 16) + 12;
@@ -59,8 +61,8 @@ constexpr int patch_slot_bytes(const PatchLimits& l) {
 /// How to search, and which results to accept.
 struct PatchOptions {
   int first_level = -1;  ///< level that the search starts on, 0 is full size; -1: chosen by start_sd_px
-  /// Standard deviation of the start, px along either axis. Coarse levels that such a start does not need are skipped; up to
-  /// half a pixel, only the refinement at full size is done. 0: unknown, all levels are searched.
+  /// Standard deviation of the start, px along either axis. Coarse levels that such a start does not need are
+  /// skipped; up to half a pixel, only the refinement at full size is done. 0: unknown, all levels are searched.
   float start_sd_px = 0;
   float max_move_px = 0;         ///< largest distance of the result from the start; 0: no limit
   float min_correlation = 0.8f;  ///< smallest normalised cross-correlation with the template
@@ -106,14 +108,14 @@ class PatchTracker {
   Vec2 anchor(int slot) const;
 
   /// Finds the slot's template in `current`, from `start` (px of level 0).
-  /// \param warp  displacement in the current image = warp * displacement in the template (J_cur J_ref^-1). `bad_argument` if
-  ///              it mirrors, is not finite, or stretches or shrinks by more than 4.
+  /// \param warp  displacement in the current image = warp * displacement in the template (J_cur J_ref^-1).
+  ///         `bad_argument` if it mirrors, is not finite, or stretches or shrinks by more than 4.
   /// Cost: about 2 us a point on a desktop core (window 13, 3 levels), 1 us more where the template is resampled.
   PatchResult track(int slot, const Pyramid& current, Vec2 start, const Mat2& warp = {},
                     const PatchOptions& options = {});
 
-  /// Finds the patch around `x` of `previous` in `current`, from `start`. With max_return_px, tracks it back as well: the
-  /// status is `inconsistent` if that ends farther from x.
+  /// Finds the patch around `x` of `previous` in `current`, from `start`. With max_return_px, tracks it back as well:
+  /// the status is `inconsistent` if that ends farther from x.
   PatchResult track_between(const Pyramid& previous, Vec2 x, const Pyramid& current, Vec2 start,
                             const PatchOptions& options = {});
 

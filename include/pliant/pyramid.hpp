@@ -10,7 +10,8 @@
 
 namespace pliant {
 
-/// An 8-bit luma image in memory that it does not own: row y, column x is data[y * stride + x]. Pixel centres at integers.
+/// An 8-bit luma image in memory that it does not own: row y, column x is data[y * stride + x]. Pixel centres at
+/// integers.
 struct ImageView {
   const std::uint8_t* data = nullptr;
   int width = 0, height = 0;  ///< pixels
@@ -28,15 +29,16 @@ inline Status check(const ImageView& v) {
 struct PyramidLimits {
   int width = 320, height = 240;  ///< pixels, 8 to 16384
   int levels = 3;                 ///< level 0 included, 1 to Pyramid::kMaxLevels
-  /// True: level 0 is a copy of the frame (width * height bytes more), and packed frames (pixel_step_bytes 2) are accepted.
-  /// False: level 0 is the frame itself, which must stay valid while the pyramid is used.
+  /// True: level 0 is a copy of the frame (width * height bytes more), and packed frames (pixel_step_bytes 2) are
+  /// accepted. False: level 0 is the frame itself, which must stay valid while the pyramid is used.
   bool copies_frame = true;
 };
 
-/// An image pyramid (docs/algorithms.md, section 7.1). Level l + 1 is level l smoothed by the binomial [1 4 6 4 1]^2 / 256 (borders reflected about the edge
-/// pixel, rounded to nearest) and decimated by 2; its size is half, rounded up, and the point x of level l
-/// lies at x / 2. Levels with a side below kMinSide are left out. Integers only. Bytes: 1.33 * width *
-/// height, without level 0 0.33 of it. Cost of `build`: about 8 operations a pixel of the frame.
+/// An image pyramid (docs/algorithms.md, section 7.1). Level l + 1 is level l smoothed by the binomial [1 4 6 4 1]^2
+/// / 256 (borders reflected about the edge pixel, rounded to nearest) and decimated by 2; its size is half, rounded
+/// up, and the point x of level l lies at x / 2. Levels with a side below kMinSide are left out. Integers only.
+/// Bytes: 1.33 * width * height, without level 0 0.33 of it. Cost of `build`: about 8 operations a pixel of the
+/// frame.
 class Pyramid {
  public:
   static constexpr int kMaxLevels = 6;
@@ -51,8 +53,8 @@ class Pyramid {
   /// The same without checks; an arena that measures only counts its bytes.
   void lay_out(Arena& arena, const PyramidLimits& limits);
 
-  /// Fills all levels from `frame`. \return `bad_argument` for an unreadable view, or a packed one without copies_frame;
-  /// `size_mismatch` for another size; `not_ready` before `create`; then the levels are as they were.
+  /// Fills all levels from `frame`. \return `bad_argument` for an unreadable view, or a packed one without
+  /// copies_frame; `size_mismatch` for another size; `not_ready` before `create`; then the levels are as they were.
   Status build(const FrameView& frame);
 
   /// Number of levels: those asked for, less those with a side below kMinSide. 0 before the first `build`.

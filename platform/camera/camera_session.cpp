@@ -10,8 +10,8 @@ namespace lc = libcamera;
 
 namespace {
 
-/// Frames that wait to be read. A further one drops the oldest: more would add delay, fewer would lose frames to jitter.
-/// Round value, not tuned.
+/// Frames that wait to be read. A further one drops the oldest: more would add delay, fewer would lose frames to
+/// jitter. Round value, not tuned.
 constexpr std::size_t kQueueCapacity = 2;
 
 std::vector<FormatOffer> offers_of(const lc::StreamFormats& formats) {

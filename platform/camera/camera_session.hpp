@@ -1,7 +1,7 @@
 #pragma once
-// One acquired camera of libcamera with its buffers. A request carries one buffer for one frame: it goes to the camera, comes
-// back filled on libcamera's thread, waits in the queue, is read, and goes to the camera again.
-// Written for libcamera 0.0.3 to 0.7. What changed in between (the transform of a configuration, the constness of a request's
+// One acquired camera of libcamera with its buffers. A request carries one buffer for one frame: it goes to the
+// camera, comes back filled on libcamera's thread, waits in the queue, is read, and goes to the camera again. Written
+// for libcamera 0.0.3 to 0.7. What changed in between (the transform of a configuration, the constness of a request's
 // metadata, the types of the lists of roles and texts) is not used, or spelt so that both read it.
 #include <libcamera/libcamera.h>
 
@@ -21,9 +21,9 @@ std::shared_ptr<libcamera::CameraManager> shared_camera_manager();
 std::shared_ptr<libcamera::Camera> find_camera(const libcamera::CameraManager& manager,
                                                const std::string& name);
 
-/// An acquired camera. Its members are set up in the order acquire (by the owner), `configure`, `make_requests`, `start`.
-/// If the camera is lost the session must be leaked: libcamera's thread may still be inside it, and neither stopping nor
-/// releasing a lost camera is safe in all versions.
+/// An acquired camera. Its members are set up in the order acquire (by the owner), `configure`, `make_requests`,
+/// `start`. If the camera is lost the session must be leaked: libcamera's thread may still be inside it, and neither
+/// stopping nor releasing a lost camera is safe in all versions.
 struct CameraSession {
   ~CameraSession();
 

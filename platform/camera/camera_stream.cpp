@@ -7,8 +7,8 @@ namespace pliant {
 
 namespace {
 
-/// Time without a frame after which a camera counts as lost. Long enough for a slow sensor's first exposure; round value, not
-/// tuned.
+/// Time without a frame after which a camera counts as lost. Long enough for a slow sensor's first exposure; round
+/// value, not tuned.
 constexpr std::chrono::milliseconds kPatience{3000};
 
 }  // namespace

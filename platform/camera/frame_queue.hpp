@@ -10,8 +10,8 @@
 
 namespace pliant {
 
-/// A queue of at most `capacity` items. A full queue drops its oldest item, so that a slow reader gets the newest frames and
-/// no growing delay. All functions may be called from any thread.
+/// A queue of at most `capacity` items. A full queue drops its oldest item, so that a slow reader gets the newest
+/// frames and no growing delay. All functions may be called from any thread.
 template <class T>
 class FrameQueue {
  public:
@@ -32,8 +32,8 @@ class FrameQueue {
     return dropped;
   }
 
-  /// Removes the oldest item and waits for one for at most `patience`. \return nothing if none came, or at once if the queue is
-  /// closed and empty.
+  /// Removes the oldest item and waits for one for at most `patience`. \return nothing if none came, or at once if
+  /// the queue is closed and empty.
   std::optional<T> pop(std::chrono::milliseconds patience) {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait_for(lock, patience, [this] { return is_closed_ || !items_.empty(); });

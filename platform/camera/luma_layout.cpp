@@ -4,7 +4,8 @@ namespace pliant {
 
 namespace {
 
-// In order of preference: luma alone needs the least bandwidth, then planar luma with little and more chroma, then packed.
+// In order of preference: luma alone needs the least bandwidth, then planar luma with little and more chroma, then
+// packed.
 constexpr LumaLayout kLayouts[] = {
     {fourcc('R', '8', ' ', ' '), 0, 1}, {fourcc('Y', '8', ' ', ' '), 0, 1},
     {fourcc('G', 'R', 'E', 'Y'), 0, 1}, {fourcc('N', 'V', '1', '2'), 0, 1},

@@ -37,8 +37,8 @@ struct PlaneMemory {
 };
 
 /// Points `view` at the luma of a plane, without a copy. A stride of 0 means rows without padding.
-/// \return `bad_argument` for a null plane, an empty size or a stride shorter than a row; `truncated` if the plane ends before
-///         the last pixel; then the view is as it was. Its time and sequence always are.
+/// \return `bad_argument` for a null plane, an empty size or a stride shorter than a row; `truncated` if the plane
+///         ends before the last pixel; then the view is as it was. Its time and sequence always are.
 Status view_luma(const LumaLayout& layout, PlaneMemory plane, int width, int height, std::size_t stride_bytes,
                  FrameView* view);
 
@@ -51,8 +51,8 @@ struct FormatOffer {
   std::vector<Size> sizes;
 };
 
-/// Chooses what to ask a camera for: the size nearest to width x height in a format whose luma can be read. Of several formats
-/// planar ones are preferred, because they are read without a copy. \return false if there is none.
+/// Chooses what to ask a camera for: the size nearest to width x height in a format whose luma can be read. Of
+/// several formats planar ones are preferred, because they are read without a copy. \return false if there is none.
 bool choose_format(const std::vector<FormatOffer>& offers, int width, int height, std::uint32_t* format,
                    FormatOffer::Size* size);
 

@@ -18,7 +18,8 @@ class MappedPlane {
   bool is_valid() const { return start_ != nullptr; }
   /// \param filled  bytes that the camera has written; 0 if it does not say.
   PlaneMemory memory(std::size_t filled) const;
-  /// Bracket reading, for devices whose memory is not coherent with the caches. Buffers that need none refuse, which is fine.
+  /// Bracket reading, for devices whose memory is not coherent with the caches. Buffers that need none refuse, which
+  /// is fine.
   void begin_reading() const;
   void end_reading() const;
 

@@ -6,8 +6,8 @@
 
 namespace pliant {
 
-/// Tuning of the face detector. Each constant: unit, reason. They were set on rendered faces when the detector was first
-/// written (tests/unit/face/face_detector_test.cpp); no sweeps are recorded.
+/// Tuning of the face detector. Each constant: unit, reason. They were set on rendered faces when the detector was
+/// first written (tests/unit/face/face_detector_test.cpp); no sweeps are recorded.
 struct FaceDetectorTuning {
   /// Turns of the head between templates, radians. A template covers about half of it to either side.
   float yaw_step_rad = 0.32f, pitch_step_rad = 0.2f, roll_step_rad = 0.28f;
@@ -20,7 +20,8 @@ struct FaceDetectorTuning {
 
   /// Smallest similarity of a landmark's surroundings.
   float min_landmark_similarity = 0.2f;
-  /// Taken off the similarity for a displacement, times its square, 1/px^2: of equals, the closest to the rendered position.
+  /// Taken off the similarity for a displacement, times its square, 1/px^2: of equals, the closest to the rendered
+  /// position.
   float distance_penalty = 0.002f;
   /// Standard deviation of a landmark whose surroundings are exactly as rendered, px of the rendered template.
   float landmark_sd_px = 0.6f;

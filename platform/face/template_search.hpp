@@ -1,6 +1,6 @@
 #pragma once
-// Search of a whole frame for places that are similar to the model: small templates rendered from it in a few poses, at all
-// positions and sizes.
+// Search of a whole frame for places that are similar to the model: small templates rendered from it in a few poses,
+// at all positions and sizes.
 #include <cstdint>
 
 #include "face/rendered_template.hpp"
@@ -31,8 +31,8 @@ class TemplateSearch {
   /// Renders the templates as seen from a distance. Precondition: `rendered` is prepared and shows the model at rest.
   void prepare(RenderedTemplate& rendered, float distance_mm);
   /// Finds the most similar places for inner faces between two sizes in px of the frame, best first.
-  /// Cost: kTurns times a product for each pixel of a template and each pixel of the frame reduced to kInnerPx / smallest_px of
-  /// its size, and twice that for all larger sizes together.
+  /// Cost: kTurns times a product for each pixel of a template and each pixel of the frame reduced to kInnerPx /
+  /// smallest_px of its size, and twice that for all larger sizes together.
   Span<const Candidate> find(const Pyramid& pyramid, float smallest_px, float largest_px);
 
  private:

@@ -14,8 +14,8 @@ struct CoarseTranslationTuning {
   int min_side_px = 4;
   /// A shift is considered if at least one pixel in so many lies in both images. Round value, not tuned.
   int min_overlap_divisor = 2;
-  /// Step of the first search, px. Correlation peaks of a thumbnail are wider than this; the shifts between are tried around
-  /// the best only.
+  /// Step of the first search, px. Correlation peaks of a thumbnail are wider than this; the shifts between are tried
+  /// around the best only.
   int first_step_px = 2;
 };
 constexpr CoarseTranslationTuning kTuning{};

@@ -1,6 +1,7 @@
 #pragma once
-// The Shi-Tomasi measure, a row of pixels at a time: gradients once a pixel, running sums down the columns, a window sum along
-// the row. All are integers until the eigenvalue, so that a row's scores do not depend on where the scan started.
+// The Shi-Tomasi measure, a row of pixels at a time: gradients once a pixel, running sums down the columns, a window
+// sum along the row. All are integers until the eigenvalue, so that a row's scores do not depend on where the scan
+// started.
 #include <cstdint>
 
 #include "pliant/arena.hpp"
@@ -12,7 +13,8 @@ namespace pliant::corners {
 constexpr int kRadius = 3, kWindow = 2 * kRadius + 1;
 static_assert(kCornerMargin == kRadius + 1, "a gradient needs one pixel more");
 
-/// Sums of products of Scharr gradients over the window. Gradients have a gain of 32: sums are at most 49 * 4080^2 < 2^30.
+/// Sums of products of Scharr gradients over the window. Gradients have a gain of 32: sums are at most 49 * 4080^2 <
+/// 2^30.
 struct Tensor {
   std::int32_t xx, xy, yy;
 };

@@ -72,9 +72,9 @@ Box box_of(const ImageView& image, const Grid& g, Span<const std::uint8_t> allow
           b.bottom > bottom ? bottom : b.bottom};
 }
 
-// peak[x] = here[x] where that is a maximum over 3 x 3 pixels and at least `least`, otherwise 0. A maximum is more than the
-// neighbours before it in reading order and no less than those after it, so that the first of equals is taken. Reads one pixel
-// beyond the ends. Without __restrict for the reason given in corner_scores.cpp.
+// peak[x] = here[x] where that is a maximum over 3 x 3 pixels and at least `least`, otherwise 0. A maximum is more
+// than the neighbours before it in reading order and no less than those after it, so that the first of equals is
+// taken. Reads one pixel beyond the ends. Without __restrict for the reason given in corner_scores.cpp.
 void find_peaks(const float* above, const float* here, const float* below, int n, float least, float* peak) {
   for (int x = 0; x < n; ++x) {
     const float before = max(max(above[x - 1], above[x]), max(above[x + 1], here[x - 1]));

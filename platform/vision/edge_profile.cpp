@@ -1,5 +1,5 @@
-// One line of samples is usual. A strip of five costs little, halves the noise, and its differences across the edge measure the
-// local noise, from which the variance of the edge's position follows.
+// One line of samples is usual. A strip of five costs little, halves the noise, and its differences across the edge
+// measure the local noise, from which the variance of the edge's position follows.
 #include "vision/edge_profile.hpp"
 
 #include "vision/bilinear.hpp"
@@ -36,7 +36,8 @@ int sample(const ImageView& image, Fixed p) {
   return bilinear_sixteenths(q, image.stride, (p.x >> (kBits - 8)) & 255, (p.y >> (kBits - 8)) & 255);
 }
 
-// Steps, up to `most`, that the whole width of the strip stays inside the image on the side of `sign`; -1: not even at 0.
+// Steps, up to `most`, that the whole width of the strip stays inside the image on the side of `sign`; -1: not even
+// at 0.
 int steps_inside(const ImageView& image, const Strip& strip, int sign, int most) {
   int t = 0;
   while (t <= most && is_inside(image, strip.at(-kHalfWidth, sign * t)) &&

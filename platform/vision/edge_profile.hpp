@@ -16,17 +16,17 @@ constexpr int kProfileLines = 5;
 /// Samples are in sixteenths of a grey level.
 constexpr int kProfileGreyScale = 16;
 
-/// Derivatives at the steps [first, first + count) from the expected position, by the antisymmetric kernel (-1 -2 0 2 1)
-/// summed over the strip: a step of h grey levels gives 3 * kProfileLines * kProfileGreyScale * h.
+/// Derivatives at the steps [first, first + count) from the expected position, by the antisymmetric kernel (-1 -2 0 2
+/// 1) summed over the strip: a step of h grey levels gives 3 * kProfileLines * kProfileGreyScale * h.
 struct EdgeProfile {
   int first = 0, count = 0;  ///< count 0: the strip does not fit around the position
   std::int32_t derivative[2 * (kMaxProfileReach + kProfileBorder) + 1];
   float noise = 0;  ///< variance of a sample, by the differences across the strip; samples squared
 };
 
-/// Samples a strip of the image around x (px), `reach` steps to either side along the unit vector `normal`, or as far as the
-/// image goes. Bilinear, integers only. Precondition: x and its right and lower neighbours inside the image, reach at most
-/// kMaxProfileReach.
+/// Samples a strip of the image around x (px), `reach` steps to either side along the unit vector `normal`, or as far
+/// as the image goes. Bilinear, integers only. Precondition: x and its right and lower neighbours inside the image,
+/// reach at most kMaxProfileReach.
 void sample_profile(const ImageView& image, Vec2 x, Vec2 normal, int reach, EdgeProfile& profile);
 
 /// Factors by which the sums over the strip amplify the variance of its samples. Neighbouring samples are correlated.

@@ -3,8 +3,8 @@
 
 namespace pliant {
 
-/// Tuning of the edge search. Each constant: unit, reason, experiment. The experiments are the tests of edges of known position
-/// (tests/unit/vision/edges_test.cpp).
+/// Tuning of the edge search. Each constant: unit, reason, experiment. The experiments are the tests of edges of
+/// known position (tests/unit/vision/edges_test.cpp).
 struct EdgeTuning {
   /// Search range in standard deviations of the prediction. Three hold 99.7 % of normally distributed errors.
   float range_sd = 3;
@@ -12,15 +12,15 @@ struct EdgeTuning {
   float min_range_px = 2, max_range_px = 24;
   /// Smallest step, grey levels. Round value, not tuned.
   float min_step_grey = 8;
-  /// How far the derivative must stand out of the local noise, standard deviations. 4.5 gives false edges at under 3 % of
-  /// points on noise alone (test "without an edge none is found").
+  /// How far the derivative must stand out of the local noise, standard deviations. 4.5 gives false edges at under 3
+  /// % of points on noise alone (test "without an edge none is found").
   float min_derivative_sd = 4.5f;
-  /// How far the derivative's second difference must stand out, standard deviations. With less, noise chooses among the
-  /// positions on a flat maximum, and the claimed variance is too small (test "with noise the claimed deviation is the real
-  /// one", blur 3 px, noise of 10 grey levels).
+  /// How far the derivative's second difference must stand out, standard deviations. With less, noise chooses among
+  /// the positions on a flat maximum, and the claimed variance is too small (test "with noise the claimed deviation
+  /// is the real one", blur 3 px, noise of 10 grey levels).
   float min_bend_sd = 6;
-  /// Added in squares to the prediction's deviation before near edges are preferred, px: edges closer than this are equally
-  /// likely. Round value, not tuned.
+  /// Added in squares to the prediction's deviation before near edges are preferred, px: edges closer than this are
+  /// equally likely. Round value, not tuned.
   float indifference_px = 1;
   /// Preference of an alternative relative to the best edge, at least. Round value, not tuned.
   float min_alternative_fraction = 0.5f;

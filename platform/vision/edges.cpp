@@ -1,5 +1,5 @@
-// One-dimensional search for an edge along its normal (docs/algorithms.md, section 7.4; moving edges; the paper's edge tracker
-// searches for the zeros of the second derivative, which are the maxima of the first).
+// One-dimensional search for an edge along its normal (docs/algorithms.md, section 7.4; moving edges; the paper's
+// edge tracker searches for the zeros of the second derivative, which are the maxima of the first).
 #include "pliant/edges.hpp"
 
 #include "vision/edge_profile.hpp"
@@ -16,8 +16,8 @@ struct Candidate {
   float weight;    // preference
 };
 
-// Where a bell-shaped function has its maximum, from its values at -1, 0 and 1. Parabolas through the values and through
-// their inverses err to opposite sides by nearly the same, up to a twentieth of a step; the mean is taken.
+// Where a bell-shaped function has its maximum, from its values at -1, 0 and 1. Parabolas through the values and
+// through their inverses err to opposite sides by nearly the same, up to a twentieth of a step; the mean is taken.
 float peak_of(float before, float at, float after) {
   const float direct = 0.5f * (after - before) / (2 * at - before - after);
   if (!(before > 0 && after > 0)) return direct;

@@ -6,8 +6,8 @@ namespace {
 
 /// Tuning of gradient directions. Each constant: unit, reason, experiment.
 struct GradientDirectionTuning {
-  /// Added to a gradient's length, grey levels times 8 (the gain of the Sobel gradients): weaker ones count as noise, 3 grey
-  /// levels a pixel. No experiment is recorded.
+  /// Added to a gradient's length, grey levels times 8 (the gain of the Sobel gradients): weaker ones count as noise,
+  /// 3 grey levels a pixel. No experiment is recorded.
   float noise = 24;
   /// Weight of the mean gradient around a pixel in the length that it is divided by. Round value, not tuned.
   float surround_weight = 1;

@@ -1,6 +1,6 @@
 #pragma once
-// Normalised gradients: the direction in which grey levels rise at each pixel, and how clearly. Gain and bias of the light do
-// not change them.
+// Normalised gradients: the direction in which grey levels rise at each pixel, and how clearly. Gain and bias of the
+// light do not change them.
 #include <cstdint>
 
 #include "pliant/arena.hpp"
@@ -23,8 +23,9 @@ class GradientDirectionFilter {
  public:
   void lay_out(Arena& arena, int pixels, int columns);
 
-  /// Writes one direction a pixel, rows without padding; zero along the image's border. A gradient is compared with those up to
-  /// `reach` px around it. Precondition: the image fits the layout. Cost: a square root and about 40 operations a pixel.
+  /// Writes one direction a pixel, rows without padding; zero along the image's border. A gradient is compared with
+  /// those up to `reach` px around it. Precondition: the image fits the layout. Cost: a square root and about 40
+  /// operations a pixel.
   void compute(const ImageView& image, int reach, GradientDirection* out);
 
  private:

@@ -1,11 +1,11 @@
-// Inverse compositional alignment of a translation with gain and bias projected out (Baker and Matthews 2004; Bartoli 2008
-// for the projection; docs/algorithms.md, section 7.2). With template T, its gradient G, and T' and G' less their means,
-// minimise over d, gain and bias: sum (I(y + d) - gain T - bias)^2. Without what T and a constant explain, G is
+// Inverse compositional alignment of a translation with gain and bias projected out (Baker and Matthews 2004; Bartoli
+// 2008 for the projection; docs/algorithms.md, section 7.2). With template T, its gradient G, and T' and G' less
+// their means, minimise over d, gain and bias: sum (I(y + d) - gain T - bias)^2. Without what T and a constant
+// explain, G is
 //   G* = G' - k T',  k = (G'.T') / (T'.T'),
-// and the 2 x 2 system is  (G*.G*) d = -(G*.I') / gain.
-// Departures from the usual form: everything is kept as integer sums over T, G and I and centred by n sum(ab) - sum(a) sum(b)
-// in 64 bits, exactly, so that neither means nor G* are rounded. The image is sampled on a grid of 1/128 px; the rest of the
-// position is part of what the step solves for.
+// and the 2 x 2 system is  (G*.G*) d = -(G*.I') / gain. Departures from the usual form: everything is kept as integer
+// sums over T, G and I and centred by n sum(ab) - sum(a) sum(b) in 64 bits, exactly, so that neither means nor G* are
+// rounded. The image is sampled on a grid of 1/128 px; the rest of the position is part of what the step solves for.
 #include "vision/patch_align.hpp"
 
 #include "vision/patch_sums.hpp"

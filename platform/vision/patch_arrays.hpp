@@ -1,10 +1,10 @@
 #pragma once
 // Units and sizes of the arrays that the kernels of the patch tracker work on, and what their loops share.
 //
-// The kernels are flat loops over 16-bit integers in rows of whole vectors, which compilers turn into vector code without
-// intrinsics. Two rules make them do so: a loop runs over a whole array, and every intermediate value is cast back to 16
-// bits, where it is known to fit. All sums are of integers and cannot overflow, so that their values do not depend on the
-// order of the lanes: the bits are the same on every target.
+// The kernels are flat loops over 16-bit integers in rows of whole vectors, which compilers turn into vector code
+// without intrinsics. Two rules make them do so: a loop runs over a whole array, and every intermediate value is cast
+// back to 16 bits, where it is known to fit. All sums are of integers and cannot overflow, so that their values do
+// not depend on the order of the lanes: the bits are the same on every target.
 #include <cstdint>
 
 #include "pliant/status.hpp"
@@ -25,8 +25,9 @@ constexpr bool is_window(int window) {
 constexpr int lanes(int window) {
   return (window + 7) / 8 * 8;
 }
-/// Elements of an array of a window's pixels: its rows one after the other, rounded up to whole vectors. A row is written in
-/// `lanes`; the next row overwrites what is beyond its end. Behind the last row an array that is summed holds zeros.
+/// Elements of an array of a window's pixels: its rows one after the other, rounded up to whole vectors. A row is
+/// written in `lanes`; the next row overwrites what is beyond its end. Behind the last row an array that is summed
+/// holds zeros.
 constexpr int padded(int window) {
   return (window * window + 15) / 16 * 16;
 }

@@ -1,8 +1,9 @@
-// The last steps, at full size. `align` leaves two errors: the phase error of bilinear sampling, and the shift that a warp
-// that was not predicted causes. Here the image is sampled by cubic convolution and explained by least squares as
+// The last steps, at full size. `align` leaves two errors: the phase error of bilinear sampling, and the shift that a
+// warp that was not predicted causes. Here the image is sampled by cubic convolution and explained by least squares
+// as
 //   I' = gain T' + sum_k c_k X_k' + a . G',        X = (x gx, y gx, x gy, y gy);
-// the shift is -a / gain (docs/algorithms.md, section 7.2). The prior of c is centred on the part of the predicted warp that
-// the template was not resampled by, as if the gain were one.
+// the shift is -a / gain (docs/algorithms.md, section 7.2). The prior of c is centred on the part of the predicted
+// warp that the template was not resampled by, as if the gain were one.
 #include "vision/patch_refine.hpp"
 
 #include "vision/patch_sums.hpp"
@@ -40,8 +41,8 @@ Measurement measure(const WarpSystem& s, const WarpFit& f, GridPosition at, cons
   return r;
 }
 
-// The system of all usable pixels, unless a cached one is there. The stretch images belong to the workspace, so that they
-// are made in either case.
+// The system of all usable pixels, unless a cached one is there. The stretch images belong to the workspace, so that
+// they are made in either case.
 void prepare_whole(Workspace& work, bool accepts_edges) {
   const Template& t = work.active;
   multiply_by_position(t.gx, work.x, work.y, work.count, work.stretch[0], work.stretch[1]);

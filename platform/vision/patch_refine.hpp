@@ -13,8 +13,8 @@ struct Measurement {
   float noise_square = 0;     ///< variance of the noise of a pixel that leaves this residual, grey^2
 };
 
-/// Moves p to the minimum, from up to half a pixel away, to about PatchTuning::epsilon_px. Allows for gain, bias and a warp
-/// that was not predicted. \return flat, outside_image or diverged; `result` is then as it was.
+/// Moves p to the minimum, from up to half a pixel away, to about PatchTuning::epsilon_px. Allows for gain, bias and
+/// a warp that was not predicted. \return flat, outside_image or diverged; `result` is then as it was.
 PatchStatus refine(const ImageView& image, const SearchOptions& options, Workspace& work, SearchPosition& p,
                    Measurement& result);
 

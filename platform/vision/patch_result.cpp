@@ -36,7 +36,8 @@ namespace {
 // The fraction of white noise's variance in Scharr gradients: 2 (3^2 + 10^2 + 3^2) / 32^2.
 constexpr float kScharrNoise = 0.23f;
 
-// (S^-1 noise + floor^2 I)^-1, where S is the information for noise of one: S (noise I + floor^2 S)^-1 needs no inverse of S.
+// (S^-1 noise + floor^2 I)^-1, where S is the information for noise of one: S (noise I + floor^2 S)^-1 needs no
+// inverse of S.
 Sym2 floored(const Sym2& s, float noise) {
   constexpr float kFloor = kPatchTuning.position_floor_px * kPatchTuning.position_floor_px;
   const Sym2 m{noise + kFloor * s.xx, kFloor * s.xy, noise + kFloor * s.yy};
@@ -53,8 +54,8 @@ Sym2 floored_along(const Sym2& s, Vec2 n, float noise) {
   return {w * n.x * n.x, w * n.x * n.y, w * n.y * n.y};
 }
 
-// The rank of the information, where edges are accepted. Part of the gradients is noise of the template, which carries no
-// information about the position: it is taken off `information`. Sets `along` for an edge.
+// The rank of the information, where edges are accepted. Part of the gradients is noise of the template, which
+// carries no information about the position: it is taken off `information`. Sets `along` for an edge.
 int rank_of(const Measurement& m, Sym2& information, Vec2& along) {
   // Half of the noise is the template's.
   const float noise_part = kScharrNoise * 0.5f * m.noise_square * m.pixels;

@@ -4,8 +4,8 @@
 
 namespace pliant::patch {
 
-/// Sets light, correlation, residual, rank and information of a result. \param along  the direction to which an edge confined
-/// the search, or zero.
+/// Sets light, correlation, residual, rank and information of a result. \param along  the direction to which an edge
+/// confined the search, or zero.
 void describe(const Measurement& m, Vec2 along, bool accepts_edges, PatchResult& r);
 
 /// Length of d, px; of a result of rank one, only its part in the direction that has information.

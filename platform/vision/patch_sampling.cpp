@@ -1,7 +1,7 @@
 #include "vision/patch_sampling.hpp"
 
-// Two passes, across and down, go through `scratch` rather than from row to row, so that no vector is read right after its
-// halves were written.
+// Two passes, across and down, go through `scratch` rather than from row to row, so that no vector is read right
+// after its halves were written.
 namespace pliant::patch {
 namespace {
 
@@ -60,8 +60,8 @@ void fetch_pairs(const std::uint8_t* pixels, std::ptrdiff_t stride, const Lattic
   }
 }
 
-// Blends a pair, in 1/64 grey. t is a fraction times 2^15, less 2^15. It is never positive, because GCC would otherwise take
-// it for an unsigned number and multiply in 32 bits.
+// Blends a pair, in 1/64 grey. t is a fraction times 2^15, less 2^15. It is never positive, because GCC would
+// otherwise take it for an unsigned number and multiply in 32 bits.
 inline i16 blend(u16 pair, i16 t) {
   const i16 first = narrow(pair & 255), second = narrow(pair >> 8);
   return narrow(64 * second + mulhi(narrow(128 * narrow(second - first)), t));

@@ -6,7 +6,8 @@
 
 namespace pliant::patch {
 
-/// Copies block_stride(window) pixels of each of block_rows(window) rows into a block, in the units of patch_arrays.hpp.
+/// Copies block_stride(window) pixels of each of block_rows(window) rows into a block, in the units of
+/// patch_arrays.hpp.
 /// \param stride  bytes from one row of pixels to the next.
 void load_block(const std::uint8_t* pixels, std::ptrdiff_t stride, int window, i16* block);
 

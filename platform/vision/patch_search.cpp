@@ -20,8 +20,8 @@ float level_scale(int level) {
   return 1.0f / static_cast<float>(1 << level);
 }
 
-// The level that the search starts on, of `levels`: as asked, or the finest on which three deviations of the start are within
-// reach, 1.5 px.
+// The level that the search starts on, of `levels`: as asked, or the finest on which three deviations of the start
+// are within reach, 1.5 px.
 int first_level(const PatchOptions& o, int levels) {
   if (o.first_level >= 0) return o.first_level < levels ? o.first_level : levels - 1;
   if (!(o.start_sd_px > 0)) return levels - 1;

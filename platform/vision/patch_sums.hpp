@@ -22,8 +22,8 @@ int mask_extremes(const i16* image, const i16* m, int count, GreyRange range, i1
 /// out = in * m.
 void apply_mask(const i16* in, const i16* m, int count, i16* out);
 
-/// by_x = x g / 16 and by_y = y g / 16: how an image of gradient g changes when it is stretched or turned about the point
-/// from which x and y count. At most 1280 in magnitude.
+/// by_x = x g / 16 and by_y = y g / 16: how an image of gradient g changes when it is stretched or turned about the
+/// point from which x and y count. At most 1280 in magnitude.
 void multiply_by_position(const i16* g, const i16* x, const i16* y, int count, i16* by_x, i16* by_y);
 
 // Sums of products. |elements| <= 2048, at most 441 of them not zero: 441 * 2048^2 < 2^31 bounds every sum.

@@ -23,8 +23,8 @@ inline bool is_edge(Vec2 along) {
 /// \param along  set to the unit direction of the texture if there is only one; zero otherwise.
 bool is_usable(const Texture& texture, int window, bool accepts_edges, Vec2& along);
 
-/// Adds to a tensor as much texture along the edge as there is across it, so that a solution of the system does not move
-/// along the edge. \param amount  texture to add.
+/// Adds to a tensor as much texture along the edge as there is across it, so that a solution of the system does not
+/// move along the edge. \param amount  texture to add.
 inline void confine(Sym2& tensor, Vec2 along, float amount) {
   tensor.xx += amount * along.y * along.y;
   tensor.xy -= amount * along.x * along.y;

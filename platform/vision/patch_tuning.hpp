@@ -3,11 +3,12 @@
 
 namespace pliant::patch {
 
-/// Tuning of template matching. Each constant: unit, reason, experiment. The experiments are the unit tests of the patch
-/// tracker (band-limited textures with known motion) and `pliant bench klt` (docs/evaluation.md, section Tuning).
+/// Tuning of template matching. Each constant: unit, reason, experiment. The experiments are the unit tests of the
+/// patch tracker (band-limited textures with known motion) and `pliant bench klt` (docs/evaluation.md, section
+/// Tuning).
 struct PatchTuning {
-  /// Smallest texture that is matched: eigenvalue of the mean structure tensor without light, (grey/px)^2. Usual corners
-  /// have 4 to 100; below 0.5 the noise of a camera dominates. Round value, not tuned.
+  /// Smallest texture that is matched: eigenvalue of the mean structure tensor without light, (grey/px)^2. Usual
+  /// corners have 4 to 100; below 0.5 the noise of a camera dominates. Round value, not tuned.
   float min_eigenvalue = 0.5f;
   /// Smallest variance of a template, grey^2. Below it gain cannot be told from noise. Round value, not tuned.
   float min_variance = 4.0f;
@@ -19,7 +20,8 @@ struct PatchTuning {
   /// A template is used if at least one pixel in so many is not clipped. Round value, not tuned.
   int min_pixel_divisor = 2;
   /// Grey levels at or beyond which a pixel counts as clipped and is left out. Without this the error on clipped
-  /// highlights (gain 1.3, bias -40) was 0.07 px instead of under 0.04 (test "clipped highlights and shadows cost little").
+  /// highlights (gain 1.3, bias -40) was 0.07 px instead of under 0.04 (test "clipped highlights and shadows cost
+  /// little").
   int lowest_grey = 5, highest_grey = 250;
 
   /// Steps of `align` on each level, at most. Round value, not tuned; textures converge in about four.
@@ -34,20 +36,21 @@ struct PatchTuning {
   float refine_stop_ratio = 10;
   /// After the last step of `refine`, a step longer than so many times its stopping step means divergence.
   float diverged_step_ratio = 3;
-  /// Factor on each step. Scharr gradients smooth: they fall short of the slope by about a tenth on most textures, so that
-  /// steps computed from them are too long by as much.
+  /// Factor on each step. Scharr gradients smooth: they fall short of the slope by about a tenth on most textures, so
+  /// that steps computed from them are too long by as much.
   float step_scale = 0.9f;
 
-  /// Standard deviation of a start up to which the full-size level is refined at once, px. `refine` converges from there.
+  /// Standard deviation of a start up to which the full-size level is refined at once, px. `refine` converges from
+  /// there.
   float near_start_px = 0.5f;
   /// Standard deviation of a start up to which one step of `refine` is the rule, px: its first step is then sampled by
   /// cubic convolution, otherwise bilinearly, which is cheaper.
   float one_step_start_px = 0.1f;
-  /// A warp that moves the window's edge by no more is not resampled into the template, px of the level. `refine` allows for
-  /// it, which costs less and is as exact (test "a template made for another warp serves").
+  /// A warp that moves the window's edge by no more is not resampled into the template, px of the level. `refine`
+  /// allows for it, which costs less and is as exact (test "a template made for another warp serves").
   float unwarped_strain_px = 0.5f;
-  /// Standard deviation of the entries of a warp that was not predicted. Allowing for it costs a
-  /// tenth of the precision and removes nearly all of the error of a rotation by 1.5 degrees or a stretch by 1 %, which would
+  /// Standard deviation of the entries of a warp that was not predicted. Allowing for it costs a tenth of the
+  /// precision and removes nearly all of the error of a rotation by 1.5 degrees or a stretch by 1 %, which would
   /// exceed that of noise of three grey levels. No sweep of the value itself is recorded.
   float warp_sd = 0.03f;
   /// Noise of a pixel that the weight of the warp's prior assumes, grey levels.
@@ -61,11 +64,11 @@ struct PatchTuning {
   float max_bias_grey = 80.0f;
   /// Noise of a pixel that the information assumes at least, grey levels: rounding and small model errors.
   float noise_floor_grey = 1.0f;
-  /// Standard deviation that no result claims to be better than, px: the error on textures without noise is 0.01 to 0.02
-  /// (test "shifts of 0.1 to 9 pixels").
+  /// Standard deviation that no result claims to be better than, px: the error on textures without noise is 0.01 to
+  /// 0.02 (test "shifts of 0.1 to 9 pixels").
   float position_floor_px = 0.02f;
-  /// Gradients must exceed what noise alone makes by this factor for a row of information. 2 gives no rows on noise alone
-  /// (test "on even grey, on noise and on one pixel no flow is found").
+  /// Gradients must exceed what noise alone makes by this factor for a row of information. 2 gives no rows on noise
+  /// alone (test "on even grey, on noise and on one pixel no flow is found").
   float min_gradient_to_noise = 2;
 };
 inline constexpr PatchTuning kPatchTuning{};

@@ -26,8 +26,8 @@ enum class Sampling { linear, cubic };
 /// Samples the image around p into work.image. Beyond the image its border is repeated.
 void sample_window(const ImageView& image, GridPosition p, Sampling sampling, Workspace& work);
 
-/// True if none of the `pixels` usable pixels of work.active is clipped in work.image. Otherwise work.unclipped is the mask of
-/// those that are not.
+/// True if none of the `pixels` usable pixels of work.active is clipped in work.image. Otherwise work.unclipped is
+/// the mask of those that are not.
 bool is_all_unclipped(int pixels, Workspace& work);
 
 }  // namespace pliant::patch

@@ -1,6 +1,6 @@
-// Separable binomial smoothing (docs/algorithms.md, section 7.1): first down the columns into one line of 16-bit sums, then
-// along the line at every other pixel. 16 * 16 * 255 + 128 fits 16 bits, so that every step is a plain loop
-// over 16-bit integers. Compilers turn it into vector code, and the result does not depend on how they do so.
+// Separable binomial smoothing (docs/algorithms.md, section 7.1): first down the columns into one line of 16-bit
+// sums, then along the line at every other pixel. 16 * 16 * 255 + 128 fits 16 bits, so that every step is a plain
+// loop over 16-bit integers. Compilers turn it into vector code, and the result does not depend on how they do so.
 #include "pliant/pyramid.hpp"
 
 #include <cstring>

@@ -7,18 +7,20 @@
 
 namespace pliant {
 
-/// The factor by which a frame of this width is reduced: the smallest power of two, up to 64, that leaves at most `columns`.
+/// The factor by which a frame of this width is reduced: the smallest power of two, up to 64, that leaves at most
+/// `columns`.
 constexpr int thumbnail_factor(int width, int columns) {
   int factor = 1;
   while (width / factor > columns && factor < 64) factor *= 2;
   return factor;
 }
 
-/// Writes the rounded mean of each block of factor x factor pixels, taken over every other row. Pixels at the right and lower
-/// border that do not fill a block are left out. Integers only.
+/// Writes the rounded mean of each block of factor x factor pixels, taken over every other row. Pixels at the right
+/// and lower border that do not fill a block are left out. Integers only.
 /// \param line  scratch, factor * (width / factor) elements.
 /// \param out   (width / factor) x (height / factor) pixels without padding.
-/// Precondition: a readable frame, factor 1 to 64 and not larger than a side of the frame. Cost: half an operation a pixel.
+/// Precondition: a readable frame, factor 1 to 64 and not larger than a side of the frame. Cost: half an operation a
+/// pixel.
 void make_thumbnail(const FrameView& frame, int factor, std::uint16_t* line, std::uint8_t* out);
 
 }  // namespace pliant

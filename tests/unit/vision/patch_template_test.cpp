@@ -1,4 +1,5 @@
-// Templates: their gradients, what is stored of them, and what a warp makes of them; and the system that is solved with them.
+// Templates: their gradients, what is stored of them, and what a warp makes of them; and the system that is solved
+// with them.
 #include "vision/patch_template.hpp"
 
 #include <doctest/doctest.h>
