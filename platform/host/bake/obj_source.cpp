@@ -12,6 +12,7 @@
 #include "host/bake/obj_file.hpp"
 #include "host/bake/principal_components.hpp"
 #include "host/bake/source_error.hpp"
+#include "host/io/words.hpp"
 
 namespace pliant::host::bake {
 
@@ -26,10 +27,6 @@ std::vector<std::string> obj_names(const std::string& folder) {
     if (entry.path().extension() == ".obj") names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
-}
-
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 std::string parameter_name(std::string name) {

@@ -5,6 +5,7 @@
 
 #include "host/bake/table_writer.hpp"
 #include "host/bench/bench.hpp"
+#include "host/bench/random.hpp"
 #include "host/bench/rows.hpp"
 #include "host/io/owned.hpp"
 #include "pliant/cascade.hpp"
@@ -15,17 +16,6 @@ namespace {
 
 constexpr std::size_t kPoints = 1900;
 constexpr int kRuns = 9;
-
-/// The same numbers everywhere.
-struct Random {
-  std::uint32_t state = 2463534242u;
-  float unit() {
-    state ^= state << 13;
-    state ^= state >> 17;
-    state ^= state << 5;
-    return static_cast<float>(state >> 8) * (1.0f / 16777216);
-  }
-};
 
 /// A rest shape and so many vector fields of 128 x 128 samples in 16 bits; the first `identities` are a person's.
 struct SyntheticModel {
@@ -74,7 +64,7 @@ struct Setting {
   std::vector<float> q;
 
   explicit Setting(const Model& model) {
-    Random random;
+    BenchRandom random;
     while (uv.size() < kPoints) {
       const Vec2 at{random.unit(), random.unit()};
       if (model.is_on_surface(at)) uv.push_back(at);
@@ -167,7 +157,7 @@ void new_points(const BenchRows& rows, const std::string& name, Cascade& cascade
 
 void folding(const BenchRows& rows, const std::string& model_name, const Model& model) {
   Setting s(model);
-  Random random;
+  BenchRandom random;
   // A person, at rest: where the mesh is adapted and points are taken on.
   for (std::size_t k = 0; k < s.q.size(); ++k)
     s.q[k] = model.parameters()[k].group == Group::identity ? 2 * random.unit() - 1 : 0;

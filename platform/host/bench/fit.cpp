@@ -1,12 +1,12 @@
 // Time, steps and accuracy of the solver on fitting problems written as text, beside the optimum of each.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <map>
 
 #include "host/bench/bench.hpp"
 #include "host/bench/fit_problem.hpp"
+#include "host/bench/rows.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
@@ -17,16 +17,6 @@ namespace {
 
 constexpr int kProblems = 10, kRepeats = 15;
 constexpr std::size_t kProblemsOfDynamics = 3;  // it takes long
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-double quantile(std::vector<double> v, double share) {
-  std::sort(v.begin(), v.end());
-  return v.empty() ? 0 : v[static_cast<std::size_t>(share * static_cast<double>(v.size() - 1))];
-}
 
 /// splitmix64, as the program that wrote the problems draws from it.
 struct Generator {
@@ -163,9 +153,9 @@ class FitBench {
       SolverReport report;
       for (int k = 0; k < repeats; ++k) {
         c.fit.start_at(c.camera, c.coefficients);
-        const double start = now_ms();
+        const double start = wall_ms();
         report = solve(c.fit, *equations, scratch.data());
-        ms.push_back(now_ms() - start);
+        ms.push_back(wall_ms() - start);
       }
       times.push_back(quantile(ms, 0.5));
       best.push_back(quantile(ms, 0));

@@ -6,8 +6,10 @@
 #include <cstdlib>
 
 #include "host/bench/bench.hpp"
-#include "host/render/model_mesh.hpp"
+#include "host/bench/random.hpp"
+#include "host/bench/rows.hpp"
 #include "host/io/owned.hpp"
+#include "host/render/model_mesh.hpp"
 #include "pliant/adapt.hpp"
 #include "pliant/criteria.hpp"
 
@@ -16,16 +18,12 @@ namespace pliant::host {
 namespace {
 
 double now_ns() {
-  return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
+  return 1e6 * wall_ms();
 }
 
 struct Times {
   std::vector<double> ns;
-  double median() {
-    std::sort(ns.begin(), ns.end());
-    return ns.empty() ? 0 : ns[ns.size() / 2];
-  }
+  double median() const { return host::median(ns); }
 };
 
 std::ostream* rows;  // where the rows go; set once a run
@@ -72,17 +70,6 @@ struct Grid {
   Span<const std::uint16_t> corner_span() const { return {corners.data(), corners.size()}; }
 };
 
-/// xorshift: the same edges everywhere.
-struct Random {
-  std::uint32_t state;
-  std::size_t below(std::size_t n) {
-    state ^= state << 13;
-    state ^= state >> 17;
-    state ^= state << 5;
-    return state % n;
-  }
-};
-
 Vec3 patch(void*, Vec2 uv) {
   const float x = 3 * uv.x - 1.5f, y = 2 * uv.y - 1;
   return {100 * uv.x, 100 * uv.y, 25 * x * (1 - 0.3f * x * x) * (1 - 0.4f * y * y)};
@@ -104,7 +91,7 @@ Vec3 relief(void*, Vec2 uv) {
   return {160 * uv.x, 200 * uv.y, z};
 }
 
-// Random edges whatever they are (a free mesh), or random ones that are ready (a restricted mesh), and back,
+// Random edges, any of them (a free mesh), or random ones that are ready (a restricted mesh), and back,
 // newest first. Which edges is decided in a trial run, so that only the operators are timed.
 void bare_operators(int n, int target, bool restricted) {
   const Grid base(n);
@@ -115,7 +102,7 @@ void bare_operators(int n, int target, bool restricted) {
   };
   begin();
   const std::uint32_t digest = b.mesh.compute_digest();
-  Random random{5};
+  BenchRandom random{5};
   std::vector<HalfEdgeId> edges;
   std::vector<VertexId> made;
   VertexId v;

@@ -1,13 +1,15 @@
 #pragma once
-/// \file bench_rows.hpp
-/// What the topics of `pliant bench` share: rows, quantiles, timing.
+/// \file rows.hpp
+/// Rows and times, for all topics of `pliant bench`.
 #include <ostream>
 #include <string>
 #include <vector>
 
+#include "host/io/statistics.hpp"
+
 namespace pliant::host {
 
-/// Prints rows "topic,pliant,variant,metric,value", each as soon as it is known.
+/// Prints rows "topic,pliant,variant,metric,value" and flushes each.
 class BenchRows {
  public:
   BenchRows(std::ostream& out, const char* topic) : out_(out), topic_(topic) {}
@@ -20,14 +22,11 @@ class BenchRows {
   const char* topic_;
 };
 
-/// Between the two nearest values; NaN of none.
-double quantile(std::vector<double> values, double share);
-
-/// Milliseconds since some moment, of the wall and of this process.
+/// Milliseconds since an arbitrary moment: elapsed time, and processor time of this process.
 double wall_ms();
 double process_ms();
 
-/// Median time of a call, of at least `runs` calls and 0.4 s, after three that do not count.
+/// Median time of a call over at least `runs` calls and 0.4 s, after three calls that are not counted.
 template <class Call>
 double median_microseconds(Call&& call, int runs) {
   for (int i = 0; i < 3; ++i) call();

@@ -8,6 +8,7 @@
 #include "host/commands/image_fit.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
+#include "host/io/statistics.hpp"
 #include "host/render/scene.hpp"
 #include "pliant/tracker.hpp"
 
@@ -70,12 +71,6 @@ struct Film {
             static_cast<std::uint32_t>(n)};
   }
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct Measured {
   double milliseconds = 0, worst_milliseconds = 0, rotation_deg = 0, landmark_px = 0;

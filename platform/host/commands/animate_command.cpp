@@ -2,24 +2,20 @@
 // play (the paper, section 7).
 #include <filesystem>
 
-#include "host/render/animation_file.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/image_fit.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
+#include "host/io/words.hpp"
+#include "host/render/animation_file.hpp"
 #include "host/render/photo_texture.hpp"
 #include "host/render/retarget.hpp"
 #include "host/render/shown_mesh.hpp"
-#include "host/commands/image_fit.hpp"
 
 namespace pliant::host {
 
 namespace {
-
-bool ends_with(const std::string& text, const std::string& ending) {
-  return text.size() >= ending.size() &&
-         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
 
 struct Input {
   Retargeted track;

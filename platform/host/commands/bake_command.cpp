@@ -7,6 +7,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
+#include "host/io/words.hpp"
 
 namespace pliant::host {
 
@@ -22,16 +23,6 @@ std::string array_name(const std::string& path) {
   return name.empty() || (name[0] >= '0' && name[0] <= '9') ? "model_" + name : name;
 }
 
-std::vector<std::string> words_of(const std::string& list) {
-  std::vector<std::string> words{""};
-  for (const char c : list)
-    if (c == ',')
-      words.emplace_back();
-    else
-      words.back() += c;
-  return words;
-}
-
 bake::ParameterChoice choice_of(const Args& args) {
   bake::ParameterChoice choice;
   choice.identities = args.integer("--identities", choice.identities, 0, 192);
@@ -40,13 +31,13 @@ bake::ParameterChoice choice_of(const Args& args) {
   if (parse_number(*expressions))
     choice.expressions = args.integer("--expressions", 0, 0, 192);
   else
-    choice.named = words_of(*expressions);
+    choice.named = split_at_commas(*expressions);
   return choice;
 }
 
 std::vector<int> sizes_of(const std::string& list) {
   std::vector<int> sizes;
-  for (const std::string& word : words_of(list)) {
+  for (const std::string& word : split_at_commas(list)) {
     const auto number = parse_number(word);
     if (!number || *number < 16 || *number > 512 || *number != static_cast<int>(*number))
       fail_usage("--sizes takes whole numbers from 16 to 512 with commas between, not '" + list + "'");

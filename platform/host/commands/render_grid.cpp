@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "host/render/draw.hpp"
-#include "host/io/failure.hpp"
-#include "host/render/scene.hpp"
 #include "host/commands/image_fit.hpp"
+#include "host/io/failure.hpp"
 #include "host/io/track_table.hpp"
+#include "host/render/draw.hpp"
+#include "host/render/scene.hpp"
 
 namespace pliant::host {
 
@@ -15,8 +15,8 @@ namespace {
 constexpr int kGap = 2, kTextSpace = 4, kOversampling = 3;
 constexpr std::size_t kMostPictures = 64;
 constexpr std::uint8_t kPaper = 236;
-/// How much of a cell's height the mean face fills; all faces have its scale.
-constexpr float kFilledShare = 0.72f;
+/// Height of the mean face as a fraction of a cell's; all faces have its scale. Leaves room for the widest.
+constexpr float kFilledFraction = 0.72f;
 
 struct NamedRows {
   std::vector<std::string> names;
@@ -35,7 +35,7 @@ NamedRows read_rows(const std::string& path, const Model& model, const PosedPara
   unmatched.erase(std::remove_if(unmatched.begin(), unmatched.end(), is_ours), unmatched.end());
   list_unmatched(unmatched, path, console.err);
   if (out.rows.empty()) fail_input(path, "has no rows");
-  if (out.rows.size() > kMostPictures) fail_input(path, "more than 64 rows");
+  if (out.rows.size() > kMostPictures) fail_input(path, "has more than 64 rows");
   const auto tone = has_tone ? table.find_column("tone") : std::nullopt;
   for (std::size_t r = 0; r < table.row_count(); ++r) {
     out.names.push_back(table.cell(r, name));
@@ -44,7 +44,7 @@ NamedRows read_rows(const std::string& path, const Model& model, const PosedPara
   return out;
 }
 
-/// The person's identity with the expression of the other, both within their limits.
+/// The identity of `person` with the expression of `expression`, clamped to their limits.
 std::vector<float> combined(const Model& model, const PosedParameters& person,
                             const PosedParameters& expression) {
   std::vector<float> q;
@@ -63,7 +63,7 @@ Image draw_grid(const ModelFile& file, const std::string& people, const std::str
   const Camera camera = centred_camera(cell.width, cell.height, 3.0f * static_cast<float>(cell.height));
   PosedParameters neutral;
   neutral.q.assign(model.parameters().count, 0.0f);
-  neutral.pose = frontal_pose(model, neutral.q.data(), camera, cell.height, kFilledShare);
+  neutral.pose = frontal_pose(model, neutral.q.data(), camera, cell.height, kFilledFraction);
   const NamedRows persons = read_rows(people, model, neutral, true, console),
                   moods = read_rows(expressions, model, neutral, false, console);
 

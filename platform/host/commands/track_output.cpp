@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "host/io/statistics.hpp"
 #include "host/render/overlay.hpp"
 
 namespace pliant::host {

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host/render/overlay.hpp"
 #include "host/io/page.hpp"
-#include "host/render/svg_chart.hpp"
+#include "host/io/statistics.hpp"
 #include "host/io/truth.hpp"
+#include "host/render/overlay.hpp"
+#include "host/render/svg_chart.hpp"
 
 namespace pliant::host {
 
@@ -40,12 +41,6 @@ std::string grouped(std::size_t value) {
   std::string digits = std::to_string(value);
   for (std::size_t k = digits.size(); k > 3; k -= 3) digits.insert(k - 3, ",");
   return digits;
-}
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
 std::string tile(const std::string& value, const std::string& name) {
@@ -196,18 +191,19 @@ std::string TrackReport::page(const ReportFacts& facts) const {
   times.unit = "ms";
   const std::vector<std::pair<std::string, double>> marks{{"median", median(milliseconds_)},
                                                           {"95 %", quantile(milliseconds_, 0.95)}};
-  return fill_page(kReportPage, {{"title", html_text(facts.title)},
-                                 {"size", std::to_string(facts.width) + " x " + std::to_string(facts.height)},
-                                 {"tiles", tiles(facts)},
-                                 {"summary", html_text(facts.summary)},
-                                 {"pictures", pictures()},
-                                 {"states", ribbon(states, {"tracking", "degraded", "lost"}, band)},
-                                 {"pose", pose_charts()},
-                                 {"expressions", expression_charts()},
-                                 {"observations", observation_charts()},
-                                 {"times", histogram(milliseconds_, marks, times)},
-                                 {"slowest", fixed(quantile(milliseconds_, 1), 2)},
-                                 {"memory", memory_table(facts)}});
+  return fill_page(kReportPage,
+                   {{"title", html_text(facts.title)},
+                    {"size", std::to_string(facts.width) + " x " + std::to_string(facts.height)},
+                    {"tiles", tiles(facts)},
+                    {"summary", html_text(facts.summary)},
+                    {"pictures", pictures()},
+                    {"states", ribbon(states, {"tracking", "degraded", "lost"}, band)},
+                    {"pose", pose_charts()},
+                    {"expressions", expression_charts()},
+                    {"observations", observation_charts()},
+                    {"times", histogram(milliseconds_, marks, times)},
+                    {"slowest", fixed(milliseconds_.empty() ? 0 : quantile(milliseconds_, 1), 2)},
+                    {"memory", memory_table(facts)}});
 }
 
 }  // namespace pliant::host

@@ -7,18 +7,13 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
+#include "host/io/words.hpp"
 
 namespace pliant::host {
 
 namespace {
 
 constexpr std::size_t kMostLines = 10000, kMostNumbers = 64;
-
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  return first == std::string::npos ? std::string()
-                                    : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
 
 /// The keys of a FileStorage file, those of a nested block as "block.key", with the text behind the colon. A list in
 /// brackets may go on over several lines.

@@ -2,16 +2,11 @@
 
 #include "host/io/failure.hpp"
 #include "host/io/numbers.hpp"
+#include "host/io/words.hpp"
 
 namespace pliant::host {
 
 namespace {
-
-std::string trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
-}
 
 /// One cell from `at` on, which moves behind the comma, or to npos at the end of the line.
 std::string take_cell(std::string_view line, std::size_t& at) {

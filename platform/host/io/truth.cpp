@@ -5,6 +5,7 @@
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/statistics.hpp"
 
 namespace pliant::host {
 
@@ -59,13 +60,6 @@ double TruthComparison::mean_landmark_px() const {
 
 double TruthComparison::median_rotation_deg() const {
   return median(rotation_deg_);
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
 }  // namespace pliant::host

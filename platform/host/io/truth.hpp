@@ -37,7 +37,4 @@ class TruthComparison {
   std::size_t distance_count_ = 0;
 };
 
-/// The middle value, the mean of the middle two; 0 without any.
-double median(std::vector<double> values);
-
 }  // namespace pliant::host

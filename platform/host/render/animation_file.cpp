@@ -12,7 +12,7 @@ namespace pliant::host {
 
 namespace {
 
-/// A pose in glTF's axes, metres: the camera's axes turned half round x, which the model's already are.
+/// A pose in glTF's axes, metres: the camera's axes rotated by 180 degrees about x. The model's axes are glTF's already.
 Vec3 translation_of(const Pose& pose) {
   return 0.001f * Vec3{pose.t.x, -pose.t.y, -pose.t.z};
 }
@@ -69,7 +69,7 @@ Json::Object animation_of(GlbFile& file, const Morphs& morphs, const Model& mode
     weights.insert(weights.end(), w.begin(), w.end());
     translations.push_back(translation_of(frame.state.pose));
     Quat q = rotation_of(frame.state.pose);
-    if (!rotations.empty()) {  // of the two quaternions of a rotation the one nearer to the last
+    if (!rotations.empty()) {  // of the two quaternions of a rotation the one closer to the previous
       const Quat& p = rotations.back();
       if (p.w * q.w + p.x * q.x + p.y * q.y + p.z * q.z < 0) q = {-q.w, -q.x, -q.y, -q.z};
     }
@@ -94,7 +94,7 @@ std::string animation_glb(const MeshData& mesh, const Morphs& morphs, const Mode
   const Json::Object shape = mesh_of(file, mesh, morphs, file.add_material(picture, is_lit)),
                      animation = animation_of(file, morphs, model, track);
   Json::Object node{{"name", "head"}, {"mesh", 0}, {"scale", metres_per_millimetre()}};
-  if (track.has_pose) {  // what a viewer that plays nothing shows
+  if (track.has_pose) {  // for viewers that do not play animations
     node.push_back({"translation", list(translation_of(track.frames.front().state.pose))});
     node.push_back({"rotation", list(rotation_of(track.frames.front().state.pose))});
   }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file animation_file.hpp
-/// A retargeted track as files that other programs play.
+/// Writes a retargeted track to files that other programs play.
 #include <functional>
 #include <string>
 
@@ -10,15 +10,15 @@
 
 namespace pliant::host {
 
-/// glTF: one mesh with a morph target a row of `morphs.targets` (named in the mesh's extras), its weights animated
-/// over time_s, and the head as its node's translation and rotation where the track has one. The scene's axes are the
-/// camera's with y up: x right, z towards the viewer, metres, so that the camera stands in the origin and looks along -z.
+/// glTF: one mesh with a morph target for each of `morphs.targets` (names in the mesh's extras) and weights animated over
+/// time_s. If the track has poses, they animate the node's translation and rotation. Axes of the scene: x right, y up, z to
+/// the viewer, metres; the camera is at the origin and its view direction is -z.
 /// \param picture, is_lit  as of glb_bytes.
 std::string animation_glb(const MeshData& mesh, const Morphs& morphs, const Model& model,
                           const Retargeted& track, const std::string& picture, bool is_lit);
 
-/// FOLDER/frame_00000.obj and so on, in model axes and millimetres, without the head's motion, which stands in a
-/// comment. \param progress  called with the number of files written.
+/// Writes FOLDER/frame_00000.obj and so on, in model axes and millimetres. The pose is not applied; a comment holds it.
+/// \param progress  called with the number of files written.
 void write_obj_frames(const std::string& folder, MeshData mesh, MorphSurface& surface,
                       const Retargeted& track, const std::function<void(std::size_t)>& progress);
 

@@ -51,7 +51,7 @@ bool is_near(const Image& image, Vec2 p) {
   return is_finite(p) && magnitude(p.x) < margin && magnitude(p.y) < margin;
 }
 
-/// Calls `coverage` for the pixels of a box around (low, high) and blends what it says.
+/// Blends the colour into the pixels of the box from `low` to `high`, each by its `coverage`.
 template <class Coverage>
 void paint(Image& image, Vec2 low, Vec2 high, Colour colour, float opacity, Coverage coverage) {
   const int x0 = std::max(0, static_cast<int>(std::floor(low.x))),
@@ -60,8 +60,8 @@ void paint(Image& image, Vec2 low, Vec2 high, Colour colour, float opacity, Cove
   const int y1 = std::min(image.height - 1, static_cast<int>(std::ceil(high.y)));
   for (int y = y0; y <= y1; ++y)
     for (int x = x0; x <= x1; ++x) {
-      const float share = clamp(coverage(Vec2{static_cast<float>(x), static_cast<float>(y)}), 0, 1);
-      if (share > 0) blend(image, x, y, colour, opacity * share);
+      const float fraction = clamp(coverage(Vec2{static_cast<float>(x), static_cast<float>(y)}), 0, 1);
+      if (fraction > 0) blend(image, x, y, colour, opacity * fraction);
     }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 /// \file draw.hpp
-/// Anti-aliased lines, dots, boxes and small text on a colour picture. Pixel centres are at integers.
+/// Anti-aliased lines, dots, boxes and small text. Pixel centres are at integers.
 #include <string_view>
 
 #include "host/io/image.hpp"
@@ -8,7 +8,7 @@
 
 namespace pliant::host {
 
-/// Mixes `colour` into a pixel; `opacity` in [0,1]. Outside the picture nothing happens.
+/// Blends a colour into a pixel; `opacity` from 0 to 1. Pixels outside the picture are ignored.
 void blend(Image& image, int x, int y, Colour colour, float opacity);
 
 /// A line with round ends, `width` pixels wide. Ends that are not finite or far outside draw nothing.
@@ -18,11 +18,11 @@ void draw_dot(Image& image, Vec2 centre, float radius, Colour colour, float opac
 /// A circle line, `width` pixels wide.
 void draw_ring(Image& image, Vec2 centre, float radius, float width, Colour colour, float opacity);
 void fill_box(Image& image, int x, int y, int width, int height, Colour colour, float opacity);
-/// A frame along the rim of the picture.
+/// Draws a border along the edges of the picture.
 void draw_border(Image& image, int thickness, Colour colour);
 
-/// Text in a 5 x 7 pixel font, each dot `scale` pixels; `x`, `y` is its upper left corner. Letters are shown
-/// as capitals.
+/// Draws text in a 5 x 7 font whose dots are `scale` x `scale` pixels; (x, y) is its upper left corner. All letters are
+/// capitals.
 void draw_text(Image& image, int x, int y, std::string_view text, int scale, Colour colour,
                float opacity = 1);
 /// Width of such a text in pixels.

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host/render/draw.hpp"
 #include "host/io/level_tints.hpp"
+#include "host/render/draw.hpp"
 #include "host/render/raster.hpp"
 #include "host/render/surface_sheet.hpp"
 
@@ -17,7 +17,7 @@ namespace {
 constexpr int kWidth = 232, kHeight = 280, kGap = 8, kCaption = 44;
 constexpr Colour kInk{40, 40, 44}, kFaint{215, 60, 60};
 
-/// Where model points are seen: turned a little to one side, without perspective, fitted into a panel.
+/// An orthographic view of the model, turned by 25 degrees and scaled to a panel.
 class Viewpoint {
  public:
   explicit Viewpoint(const ModelMesh& mesh) {
@@ -30,7 +30,7 @@ class Viewpoint {
     centre_ = 0.5f * (low + high);
     scale_ = 0.96f * min(kWidth / (high.x - low.x), kHeight / (high.y - low.y));
   }
-  /// y up, z to the eye.
+  /// View axes: y up, z to the viewer.
   static Vec3 turned(Vec3 p) {
     constexpr float kCos = 0.90630779f, kSin = 0.42261826f;  // 25 degrees
     return {kCos * p.x + kSin * p.z, p.y, kCos * p.z - kSin * p.x};
@@ -39,7 +39,7 @@ class Viewpoint {
     const Vec3 t = turned(p);
     const Vec2 x{0.5f * (kWidth - 1) + scale_ * (t.x - centre_.x),
                  0.5f * (kHeight - 1) - scale_ * (t.y - centre_.y)};
-    return {x, 1 / (10000 - t.z), uv, light};  // so far away that depth is all but linear
+    return {x, 1 / (10000 - t.z), uv, light};  // far away, so that depth is nearly linear
   }
 
  private:
@@ -75,14 +75,14 @@ Corners corners_of(const ModelMesh& mesh, FaceId f) {
   return c;
 }
 
-/// Flat faces with dark edges, hidden ones hidden; `blocks_only` leaves subdivision edges out.
+/// Draws flat faces with dark edges and hidden surfaces removed; with `blocks_only` without subdivision edges.
 Image draw_wire(const ModelMesh& mesh, const Viewpoint& view, bool blocks_only) {
   Raster raster(kWidth, kHeight, 3);
   raster.clear();
   for (const FaceId f : mesh.mesh().faces()) {
     const Corners c = corners_of(mesh, f);
     const float light = light_on(normalised(cross(c.p[1] - c.p[0], c.p[2] - c.p[0])));
-    // What is interpolated instead of (u,v): two barycentric coordinates; the distance to an edge follows.
+    // Two barycentric coordinates take the place of (u,v); they give the distance to each edge.
     const RasterVertex a = view.corner(c.p[0], {1, 0}, light), b = view.corner(c.p[1], {0, 1}, light),
                        d = view.corner(c.p[2], {0, 0}, light);
     const Vec2 ab = b.x - a.x, ad = d.x - a.x;
@@ -100,7 +100,7 @@ Image draw_wire(const ModelMesh& mesh, const Viewpoint& view, bool blocks_only) 
   return picture_of(raster);
 }
 
-/// Smoothly lit, with the model's albedo.
+/// Draws the surface with smooth light and the model's albedo.
 Image draw_textured(const ModelMesh& mesh, const Viewpoint& view, const ChartTexture& texture) {
   std::vector<RasterVertex> corner(mesh.mesh().limits().vertices);
   for (const VertexId v : mesh.mesh().vertices()) {
@@ -133,7 +133,7 @@ void fill_triangle(Image& image, const std::array<Vec2, 3>& x, Colour colour) {
     }
 }
 
-/// The mesh over (u,v), faces tinted by level; with `shows_blocks` the subdivision edges are red.
+/// Draws the mesh over (u,v), each face in the colour of its level; with `shows_blocks` subdivision edges are red.
 Image draw_chart(const ModelMesh& adapted, bool shows_blocks) {
   const Mesh& mesh = adapted.mesh();
   Image image(kWidth, kHeight, 3, 255);

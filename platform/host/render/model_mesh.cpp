@@ -19,8 +19,9 @@ MeshLimits limits_of(const MeshRequest& request) {
 ContourOptions contour_options(const MeshRequest& request) {
   ContourOptions options;
   options.mean_mm = request.threshold;
-  options.max_mm = 3 * request.threshold;  // peaks and troughs that the mean of a triangle hides
-  // Under a budget alone, what a triangle adds to the mean error of the whole is what counts.
+  options.max_mm =
+      3 * request.threshold;  // bounds peaks and troughs, which the mean of a triangle averages out
+  // With a budget alone the rank is the triangle's contribution to the mean error of the whole.
   options.volume_mm3 = request.threshold > 0 ? 0 : 1e-6f;
   return options;
 }
@@ -38,7 +39,7 @@ Vec3 ModelSurface::normal(Vec2 uv) {
   constexpr float kStep = 1.0f / 200;
   const Vec3 du = sample({uv.x + kStep, uv.y}) - sample({uv.x - kStep, uv.y});
   const Vec3 dv = sample({uv.x, uv.y + kStep}) - sample({uv.x, uv.y - kStep});
-  return normalised(cross(dv, du));  // v points down where u points right
+  return normalised(cross(dv, du));  // u points right and v points down
 }
 
 Surface ModelSurface::surface() {

@@ -1,26 +1,26 @@
 #pragma once
 /// \file model_mesh.hpp
-/// A model's mesh, adapted to its surface at given parameters.
+/// A model's mesh, adapted to the surface at given parameters.
 #include <string>
 #include <vector>
 
 #include "host/io/owned.hpp"
-#include "pliant/criteria.hpp"
 #include "pliant/cascade.hpp"
+#include "pliant/criteria.hpp"
 
 namespace pliant::host {
 
 enum class MeshCriterion { none, uniform, normals, contour };
 
-/// What a mesh is adapted to. A threshold of 0 stands for "as good as the budget allows".
+/// How a mesh is adapted. With a threshold of 0 it is as good as the budget allows.
 struct MeshRequest {
   MeshCriterion criterion = MeshCriterion::none;
-  int depth = 12;       ///< bisections of the base mesh: those of `uniform`, the most of any other
+  int depth = 12;  ///< bisections of the base mesh: exactly for `uniform`, at most for the other criteria
   float threshold = 0;  ///< normals: degrees between faces; contour: mean error of a triangle, mm
-  int budget = 0;       ///< most vertices; 0: as many as a mesh can have
+  int budget = 0;       ///< vertices, at most; 0: as many as a mesh can have
 };
 
-/// A surface that is a model at fixed parameters.
+/// The surface of a model at fixed parameters.
 class ModelSurface {
  public:
   /// \param q  all parameters.
@@ -29,9 +29,9 @@ class ModelSurface {
   }
 
   Vec3 sample(Vec2 uv) { return cascade_->selected_point(uv); }
-  /// Unit length, outwards, smoothed over a few cells of a field; zero where the surface has no extent.
+  /// Outward unit normal, smoothed over a few cells of a field; zero where the surface is degenerate.
   Vec3 normal(Vec2 uv);
-  /// For the core; valid as long as this object.
+  /// The interface of the core; valid as long as this object.
   Surface surface();
 
  private:
@@ -51,7 +51,7 @@ class ModelMesh {
   ModelSurface& surface() const { return surface_; }
   const AdaptReport& report() const { return report_; }
   double milliseconds() const { return milliseconds_; }
-  /// Against the surface, by area: some 200,000 samples.
+  /// Error against the surface, weighted by area, from some 200,000 samples.
   ContourError measure() const;
 
  private:

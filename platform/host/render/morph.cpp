@@ -9,29 +9,29 @@ namespace pliant::host {
 
 namespace {
 
-/// An expression whose weight stays below this in every frame does not move.
+/// An expression whose weight stays below this in every frame counts as still. Below the resolution of 8-bit weights.
 constexpr float kLeastWeight = 1e-4f;
-/// Frames at which the error is measured, evenly spread.
+/// Number of frames, evenly spread, at which the error is measured. Bounds the time.
 constexpr std::size_t kMostMeasured = 200;
 
-/// Full range of an expression: its maximum, or its minimum where it only goes down.
+/// Value at the end of an expression's range: its maximum, or its minimum if the maximum is zero.
 float range_of(const Parameter& p) {
   return p.maximum > 0 ? p.maximum : p.minimum;
 }
 
 float weight_of(const Model& model, const Morphs& morphs, const MorphTarget& target,
                 const std::vector<float>& q) {
-  const auto share = [&](std::size_t i) {
+  const auto fraction = [&](std::size_t i) {
     const std::uint16_t k = morphs.parameters[i];
     const float range = range_of(model.parameters()[k]);
     return range != 0 ? q[k] / range : 0;
   };
-  const float w = share(target.first);
+  const float w = fraction(target.first);
   if (!target.is_corrective) return w;
-  return target.first == target.second ? w * (1 - w) : w * share(target.second);
+  return target.first == target.second ? w * (1 - w) : w * fraction(target.second);
 }
 
-/// Positions and normals at some parameters, as displacements from rest.
+/// Displacements of positions and normals from rest.
 class Poser {
  public:
   Poser(MorphSurface& surface, const Faces& faces, std::vector<float> rest)
@@ -42,10 +42,10 @@ class Poser {
   const std::vector<Vec3>& position() const { return position_; }
   const std::vector<Vec3>& normal() const { return normal_; }
 
-  /// The displacement with these parameters at these shares of their ranges.
-  MorphTarget at(const std::vector<std::pair<std::uint16_t, float>>& shares) {
+  /// The displacement with these parameters at these fractions of their ranges.
+  MorphTarget at(const std::vector<std::pair<std::uint16_t, float>>& fractions) {
     std::vector<float> q = rest_;
-    for (const auto& [k, share] : shares) q[k] = share * range_of(surface_.model().parameters()[k]);
+    for (const auto& [k, fraction] : fractions) q[k] = fraction * range_of(surface_.model().parameters()[k]);
     MorphTarget target;
     target.position = surface_.positions(q);
     target.normal = compute_normals(target.position, faces_);
@@ -63,10 +63,10 @@ class Poser {
   std::vector<Vec3> position_, normal_;
 };
 
-void add(MorphTarget& to, float share, const MorphTarget& from) {
+void add(MorphTarget& to, float fraction, const MorphTarget& from) {
   for (std::size_t v = 0; v < to.position.size(); ++v) {
-    to.position[v] = to.position[v] + share * from.position[v];
-    to.normal[v] = to.normal[v] + share * from.normal[v];
+    to.position[v] = to.position[v] + fraction * from.position[v];
+    to.normal[v] = to.normal[v] + fraction * from.normal[v];
   }
 }
 
@@ -76,13 +76,13 @@ float reach(const MorphTarget& target) {
   return square_root(farthest);
 }
 
-/// What one or two expressions do beyond their own targets; without a name.
+/// The second-order term of one or two expressions: what their own targets leave; without a name.
 MorphTarget corrective(Poser& poser, const Morphs& morphs, std::size_t i, std::size_t j) {
   const std::uint16_t a = morphs.parameters[i], b = morphs.parameters[j];
   MorphTarget out = i == j ? poser.at({{a, 0.5f}}) : poser.at({{a, 1.0f}, {b, 1.0f}});
   add(out, i == j ? -0.5f : -1, morphs.targets[i]);
   if (i != j) add(out, -1, morphs.targets[j]);
-  if (i == j) add(out, 3, MorphTarget(out));  // w (1 - w) is 1/4 half-way
+  if (i == j) add(out, 3, MorphTarget(out));  // w (1 - w) is 1/4 at w = 1/2
   out.first = i;
   out.second = j;
   out.is_corrective = true;
@@ -137,7 +137,8 @@ MorphSurface::MorphSurface(const Model& model, const std::vector<Vec2>& uv, cons
   cascade_->set_free(Group::expression);
   const std::size_t stride = cascade_->samples_per_point();
   baked_.resize(count_ * stride);
-  for (std::size_t v = 0; v < count_; ++v) cascade_->sample_point(uv[v], q.data(), baked_.data() + v * stride);
+  for (std::size_t v = 0; v < count_; ++v)
+    cascade_->sample_point(uv[v], q.data(), baked_.data() + v * stride);
 }
 
 std::vector<Vec3> MorphSurface::positions(const std::vector<float>& q) {

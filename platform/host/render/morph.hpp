@@ -1,12 +1,11 @@
 #pragma once
 /// \file morph.hpp
-/// A model's expressions as morph targets: displacements of a fixed mesh that a viewer adds up with weights.
+/// A model's expressions as morph targets: displacements of a fixed mesh that a viewer adds with weights.
 ///
-/// A surface is not linear in its parameters: the jaw turns, lids slide, correctives multiply. Around rest it is, to
-/// second order,
+/// A surface is not linear in its parameters, because rotations and products are not. Around rest it is, to second order,
 ///   p(w) = p_0 + sum_i w_i D_i + sum_i w_i (1 - w_i) D_ii + sum_{i<j} w_i w_j D_ij
-/// with each D taken from the exact surface at w = 1, 1/2 and in pairs, w the share of a parameter's range. So the
-/// terms of second order become targets too ("correctives"), where the animation needs them.
+/// where w is the fraction of a parameter's range, and each D is taken from the exact surface at w = 1, at w = 1/2 and for
+/// pairs at w = 1. The terms of second order become targets too ("correctives"), if the animation needs them.
 #include <array>
 #include <string>
 #include <vector>
@@ -17,10 +16,11 @@
 namespace pliant::host {
 
 struct MorphTarget {
-  /// "jawOpen"; of a corrective the formula of its weight: "jawOpen*(1-jawOpen)", "jawOpen*mouthSmileLeft".
+  /// "jawOpen"; for a corrective the formula of its weight: "jawOpen*(1-jawOpen)", "jawOpen*mouthSmileLeft".
   std::string name;
-  std::vector<Vec3> position, normal;  ///< displacements at weight 1, a vertex; mm, and of the unit normal
-  std::size_t first = 0, second = 0;   ///< of `parameters`: equal for a target of one expression
+  std::vector<Vec3> position,
+      normal;  ///< displacements at weight 1, one a vertex: of the position, mm, and of the unit normal
+  std::size_t first = 0, second = 0;  ///< indices into `parameters`; equal for a target of one expression
   bool is_corrective = false;
 };
 
@@ -28,19 +28,19 @@ struct MorphError {
   double mean_mm = 0, max_mm = 0;
 };
 
-/// The targets that an animation needs, and how well they do.
+/// The targets that an animation needs, and their errors.
 struct Morphs {
-  std::vector<std::uint16_t> parameters;  ///< expressions with a target of their own, ascending
-  std::vector<Vec3> position, normal;     ///< at rest, with the identity
+  std::vector<std::uint16_t> parameters;  ///< expressions that have a target, ascending
+  std::vector<Vec3> position, normal;     ///< of the person at rest
   std::vector<MorphTarget> targets;       ///< those of `parameters` first, in order
-  MorphError linear;                      ///< over frames and vertices, without correctives
-  MorphError all;                         ///< with them
+  MorphError linear;                      ///< error over frames and vertices without correctives
+  MorphError all;                         ///< with correctives
 };
 
 /// One person's surface at the vertices of a mesh.
 class MorphSurface {
  public:
-  /// \param q  all parameters; the identity is read.
+  /// \param q  all parameters; only the identities are read.
   MorphSurface(const Model& model, const std::vector<Vec2>& uv, const std::vector<float>& q);
   std::vector<Vec3> positions(const std::vector<float>& q);
   const Model& model() const { return cascade_->model(); }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file raster.hpp
-/// A small software rasteriser: perspective-correct triangles with a depth buffer, supersampled.
+/// A software rasteriser: perspective-correct triangles, a depth buffer and supersampling.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -10,8 +10,7 @@
 
 namespace pliant::host {
 
-/// A corner of a triangle: where it is seen, 1 / depth (any unit, > 0), and what is interpolated over the
-/// surface.
+/// A corner of a triangle: its image position, 1 / depth (any unit, > 0), and the values that are interpolated.
 struct RasterVertex {
   Vec2 x;  ///< image px, pixel centres at integers
   float inverse_depth = 0;
@@ -19,26 +18,26 @@ struct RasterVertex {
   float light = 0;
 };
 
-/// Grey picture of `width` x `height` pixels with `samples` x `samples` samples in each.
+/// A grey picture of `width` x `height` pixels with `samples` x `samples` samples each.
 class Raster {
  public:
   Raster(int width, int height, int samples);
 
   int width() const { return width_; }
   int height() const { return height_; }
-  /// Empties the picture: nothing covered.
+  /// Removes everything that was drawn.
   void clear();
 
-  /// Draws one triangle of either winding: at each sample that it covers and where nothing nearer was drawn,
-  /// `shade(uv, light, &grey)` says whether there is surface, and how bright.
+  /// Draws a triangle of either winding. At each sample that it covers, and where nothing nearer was drawn, it calls
+  /// `shade(uv, light, &grey)`, which returns whether there is surface and sets its brightness.
   template <class Shade>
   void draw(const RasterVertex& a, const RasterVertex& b, const RasterVertex& c, const Shade& shade);
 
   /// Mean grey value of a pixel, uncovered samples taken from `background`.
   float value(int x, int y, float background) const;
-  /// 1 / depth of what is nearest at a pixel's first sample; 0 where nothing is.
+  /// 1 / depth at a pixel's first sample; 0 where nothing was drawn.
   float inverse_depth(int x, int y) const { return inverse_depth_[index(x * samples_, y * samples_)]; }
-  /// Share of the pixel's samples that are covered.
+  /// Fraction of the pixel's samples that are covered.
   float coverage(int x, int y) const;
 
  private:
@@ -77,10 +76,10 @@ void Raster::draw(const RasterVertex& a, const RasterVertex& b, const RasterVert
       const float za = wa * a.inverse_depth, zb = wb * b.inverse_depth, zc = wc * c.inverse_depth,
                   z = za + zb + zc;
       if (!(z > inverse_depth_[index(i, j)])) continue;
-      const float share = 1 / z;
-      const Vec2 uv = share * (za * a.uv + zb * b.uv + zc * c.uv);
+      const float depth = 1 / z;
+      const Vec2 uv = depth * (za * a.uv + zb * b.uv + zc * c.uv);
       float grey = 0;
-      if (!shade(uv, share * (za * a.light + zb * b.light + zc * c.light), &grey)) continue;
+      if (!shade(uv, depth * (za * a.light + zb * b.light + zc * c.light), &grey)) continue;
       inverse_depth_[index(i, j)] = z;
       grey_[index(i, j)] = grey;
     }

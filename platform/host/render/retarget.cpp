@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/io/failure.hpp"
+#include "host/io/words.hpp"
 
 namespace pliant::host {
 
@@ -12,11 +13,7 @@ bool is_expression(const Model& model, std::uint16_t k) {
   return model.parameters()[k].group == Group::expression;
 }
 
-bool ends_with(const std::string& text, const std::string& ending) {
-  return text.size() > ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
-
-/// Columns and the expression parameters of the model that they drive. A parameter with several takes their mean.
+/// Columns and the expression parameters that they drive. A parameter with several columns takes their mean.
 class Wiring {
  public:
   Wiring(const CsvTable& table, const Model& model, std::vector<std::string>* unmatched)
@@ -24,7 +21,7 @@ class Wiring {
     for (std::size_t c = 0; c < table.columns().size(); ++c)
       for (const std::uint16_t k : parameters_named(model, table.columns()[c]))
         if (is_expression(model, k)) columns_of_[k].push_back(c);
-    // A pair that this model has as one: the table's reader knows no such name.
+    // This model has a single parameter for the pair, which parameters_named does not resolve.
     const auto is_half = [&](const std::string& name) {
       const std::string stem = name.substr(0, name.size() - (ends_with(name, "Left")    ? 4
                                                              : ends_with(name, "Right") ? 5
@@ -42,13 +39,13 @@ class Wiring {
   std::vector<std::vector<std::size_t>> columns_of_;
 };
 
-/// A value of the source's parameter at the same share of the target's range.
+/// Maps a value of the source's parameter to the same fraction of the target's range.
 float rescaled(float value, const Parameter& from, const Parameter& to) {
   const float low = value < 0 ? from.minimum : from.maximum, high = value < 0 ? to.minimum : to.maximum;
   return low != 0 && high != 0 ? value * high / low : value;
 }
 
-/// The values that the columns hold, row by row; an empty cell holds the one above.
+/// The values of the columns, row by row; an empty cell repeats the one above.
 std::vector<std::vector<float>> read_columns(const CsvTable& table, const Model* source, const Model& model,
                                              const Wiring& wiring) {
   std::vector<std::vector<float>> q(table.row_count(), std::vector<float>(model.parameters().count, 0.0f));
@@ -73,7 +70,7 @@ std::vector<std::vector<float>> read_columns(const CsvTable& table, const Model*
   return q;
 }
 
-/// True where the row says nothing of its own about the state.
+/// True if the row has neither pose nor expression.
 bool is_lost(const CsvTable& table, std::size_t row, const std::vector<std::size_t>& used) {
   if (const auto state = table.find_column("state"); state && table.cell(row, *state) == "lost") return true;
   return std::all_of(used.begin(), used.end(), [&](std::size_t c) { return table.cell(row, c).empty(); });
@@ -93,19 +90,19 @@ std::vector<std::size_t> used_columns(const CsvTable& table, const Model& model,
   return used;
 }
 
-/// When each frame is shown. glTF wants times that grow.
+/// Time of each frame, seconds. glTF requires ascending times.
 void set_times(const CsvTable& table, double rate, std::vector<RetargetFrame>* frames) {
   const auto column = table.find_column("time_s");
   for (std::size_t r = 0; r < frames->size(); ++r) {
     const double time =
         column ? static_cast<double>(table.number(r, *column)) : static_cast<double>(r) / rate;
     if (r > 0 && !(static_cast<float>(time) > static_cast<float>((*frames)[r - 1].time_s)))
-      fail_input(table.where(r), "column 'time_s' does not grow");
+      fail_input(table.where(r), "column 'time_s' does not ascend");
     (*frames)[r].time_s = time;
   }
 }
 
-/// Who is animated: the setup's identity, else that of the last row that has one.
+/// The identity: the setup's, or that of the last row that has one.
 std::vector<float> identity_of(const Model& model, const RetargetSetup& setup,
                                const std::vector<PosedParameters>& rows) {
   std::vector<float> q = rows.back().q;

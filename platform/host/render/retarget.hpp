@@ -1,6 +1,6 @@
 #pragma once
 /// \file retarget.hpp
-/// A track's expressions and head motion, by name, on any model (the paper, section 7).
+/// Transfers a track's expressions and head motion to any model by name (the paper, section 7).
 #include <string>
 #include <vector>
 
@@ -12,33 +12,32 @@ namespace pliant::host {
 
 struct RetargetFrame {
   double time_s = 0;
-  PosedParameters state;  ///< all parameters of the model that is driven
+  PosedParameters state;  ///< all parameters of the target model
 };
 
-/// What became of the columns of a track.
+/// The result, and how the columns of the track were used.
 struct Retargeted {
-  std::vector<RetargetFrame> frames;   ///< times grow
-  std::vector<std::uint16_t> driven;   ///< expression parameters of the model that a column drives, ascending
+  std::vector<RetargetFrame> frames;  ///< in ascending time
+  std::vector<std::uint16_t>
+      driven;  ///< expression parameters of the target model that a column drives, ascending
   std::vector<std::string> unmatched;  ///< columns that drive nothing
-  std::vector<std::string>
-      limited;  ///< driven parameters that the track takes beyond their limits, where they stay
+  std::vector<std::string> limited;    ///< driven parameters whose values exceed the limits and are clamped
   bool has_pose = false;
-  bool has_identity = false;  ///< columns that tell who it is
-  std::size_t lost = 0;  ///< frames without a pose or expression of their own: they hold the frame before
+  bool has_identity = false;  ///< the track has columns of identity
+  std::size_t lost = 0;       ///< frames without pose and expression; they repeat the frame before
 };
 
 struct RetargetSetup {
-  const Model* source = nullptr;          ///< the model that was tracked, where its ranges are others
-  const NamedValues* identity = nullptr;  ///< who it is; null: whom the track says, else the mean
+  const Model* source = nullptr;          ///< the model that was tracked, if its ranges differ; else null
+  const NamedValues* identity = nullptr;  ///< the person; null: the track's identity, or the mean
   std::string identity_path;
-  double rate = 30;  ///< frames a second of a table without time_s
+  double rate = 30;  ///< frames per second of a table without time_s
 };
 
-/// Reads any table with the columns of a track. A column drives the parameter of its name; one name for a pair
-/// (`browInnerUp`) drives both sides, and a pair drives one parameter of a model that has one, by its mean. With a
-/// source model, values keep their share of the range. Frames in state lost, and empty cells, hold the value before,
-/// those ahead of the first known one its value. Bad input: no row with values, a time that does not grow, what
-/// `read_posed_parameters` calls bad.
+/// Reads any table with the columns of a track. A column drives the parameter of its name. One name for a pair (`browInnerUp`)
+/// drives both sides. The two sides of a pair drive a single parameter of the target model by their mean. With a source
+/// model, a value keeps its fraction of the range. Frames in state lost and empty cells repeat the value before, those at the
+/// start the first known value. Bad input: no row with values, times that do not ascend, and as read_posed_parameters.
 Retargeted retarget(const CsvTable& table, const Model& model, const RetargetSetup& setup);
 
 }  // namespace pliant::host

@@ -18,7 +18,7 @@ float light_on(Vec3 n) {
   return 0.22f + 0.78f * k + 0.16f * f;
 }
 
-/// A well-mixed 32-bit number from two.
+/// A 32-bit hash of two numbers.
 std::uint32_t hash(std::uint32_t a, std::uint32_t b) {
   std::uint32_t h = a * 0x9e3779b1u ^ (b + 0x85ebca6bu) * 0xc2b2ae35u;
   h = (h ^ h >> 15) * 0x2c1b3c6du;
@@ -30,7 +30,7 @@ float uniform(std::uint32_t bits) {
   return static_cast<float>(bits >> 8) * (1.0f / 16777216.0f);
 }
 
-/// Smooth noise in [0,1] with one random value a unit square.
+/// Smooth noise in [0,1] with one random value for each unit square.
 float value_noise(float x, float y, std::uint32_t seed) {
   const float i = std::floor(x), j = std::floor(y);
   const auto corner = [&](float a, float b) {
@@ -49,7 +49,7 @@ Scene::Scene(const Model& model, int width, int height, int cells, int samples)
     : model_(model), texture_(model), sheet_(model, texture_, cells), raster_(width, height, samples) {}
 
 float Scene::albedo(Vec2 uv) const {
-  constexpr float kBlotches = 56;  // along the chart
+  constexpr float kBlotches = 56;  // along a side of the chart: some 3 mm each; chosen by eye
   float grey = texture_.albedo(uv);
   if (flat_step_ > 0 && uv.x < 0.5f) grey = flat_step_ * (0.5f + std::floor(grey / flat_step_));
   if (speckle_ > 0) grey *= 1 + speckle_ * (2 * value_noise(kBlotches * uv.x, kBlotches * uv.y, 11) - 1);
@@ -118,7 +118,7 @@ void add_noise(Image& image, float sd, std::uint32_t seed) {
   }
 }
 
-Pose frontal_pose(const Model& model, const float* q, const Camera& camera, int height, float share) {
+Pose frontal_pose(const Model& model, const float* q, const Camera& camera, int height, float fraction) {
   Owned<Cascade> cascade(model);
   float low = 1e9f, high = -1e9f;
   for (const Vec2 uv : model.base_uv()) {
@@ -126,8 +126,9 @@ Pose frontal_pose(const Model& model, const float* q, const Camera& camera, int 
     low = min(low, y);
     high = max(high, y);
   }
-  return {{},
-          {0, 0.5f * (low + high), camera.f * max(high - low, 1.0f) / (share * static_cast<float>(height))}};
+  return {
+      {},
+      {0, 0.5f * (low + high), camera.f * max(high - low, 1.0f) / (fraction * static_cast<float>(height))}};
 }
 
 }  // namespace pliant::host

@@ -1,27 +1,27 @@
 #pragma once
 /// \file sheet.hpp
-/// A contact sheet: nine pictures of a sequence of unknown length on one.
+/// A contact sheet: nine pictures of a sequence whose length is not known in advance.
 #include <vector>
 
 #include "host/io/image.hpp"
 
 namespace pliant::host {
 
-/// Collects pictures as they come and keeps a bounded, evenly spaced choice of them, and the last.
+/// Keeps a bounded, evenly spaced selection of the pictures that it is given, and the last one.
 class ContactSheet {
  public:
   static constexpr int kColumns = 3, kRows = 3;
 
-  /// Takes picture number k, k = 0, 1, 2, ... All have one size and three channels.
+  /// Adds picture number k = 0, 1, 2, ... All have one size and three channels.
   void add(const Image& image);
   bool is_empty() const { return kept_.empty(); }
   struct Picture {
     int number;
     Image image;  ///< shrunk to a cell of the sheet
   };
-  /// The pictures that the sheet will show, first and last included.
+  /// The pictures on the sheet; the first and the last of the sequence are among them.
   std::vector<Picture> pictures() const;
-  /// The sheet: at most 1,600 pixels wide, cells with a thin gap.
+  /// The sheet, at most 1,600 pixels wide.
   Image image() const;
 
  private:

@@ -11,8 +11,9 @@ namespace pliant::host {
 
 namespace {
 
-constexpr float kLatticeShare = 0.5f;
-constexpr std::size_t kMostVertices = 65535;  // 16-bit indices, of which glTF keeps the last
+/// Spacing of vertices inside an opening, as a fraction of the spacing around it. Chosen by eye.
+constexpr float kLatticeFraction = 0.5f;
+constexpr std::size_t kMostVertices = 65535;  // 16-bit indices; glTF reserves the last one
 
 /// Vertex numbers around each opening: all boundary loops but the one with the largest area.
 std::vector<std::vector<std::uint16_t>> find_openings(const MeshData& mesh) {
@@ -54,8 +55,8 @@ bool is_inside(const std::vector<Vec2>& loop, Vec2 x) {
   return inside;
 }
 
-/// Points of a lattice inside the loop, closer together than the loop's own: what lies behind lips and lids is curved more
-/// than skin.
+/// Points of a lattice inside the loop, closer together than those of the loop: the surface behind lips and lids is curved
+/// more strongly.
 std::vector<Vec2> lattice_within(const std::vector<Vec2>& loop) {
   Vec2 low{1, 1}, high{0, 0};
   float spacing = 0;
@@ -63,7 +64,7 @@ std::vector<Vec2> lattice_within(const std::vector<Vec2>& loop) {
     low = {min(low.x, loop[k].x), min(low.y, loop[k].y)};
     high = {max(high.x, loop[k].x), max(high.y, loop[k].y)};
     spacing +=
-        kLatticeShare * length(loop[(k + 1) % loop.size()] - loop[k]) / static_cast<float>(loop.size());
+        kLatticeFraction * length(loop[(k + 1) % loop.size()] - loop[k]) / static_cast<float>(loop.size());
   }
   std::vector<Vec2> points;
   if (!(spacing > 1e-4f)) return points;
@@ -79,7 +80,7 @@ std::vector<Vec2> lattice_within(const std::vector<Vec2>& loop) {
 
 void close_opening(MeshData& mesh, const std::vector<std::uint16_t>& loop, ModelSurface& surface) {
   bake::Domain domain;
-  std::vector<std::uint16_t> number = loop;  // of a point of the domain, in the mesh
+  std::vector<std::uint16_t> number = loop;  // index in the mesh of each point of the domain
   domain.loops.emplace_back();
   for (const std::uint16_t v : loop) {
     domain.loops[0].push_back(static_cast<int>(domain.points.size()));

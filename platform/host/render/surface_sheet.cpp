@@ -20,7 +20,7 @@ float bilinear(const std::uint8_t* pixels, std::uint32_t width, std::uint32_t he
   return top * (1 - fy) + (at(i, j1) * (1 - fx) + at(i1, j1) * fx) * fy;
 }
 
-/// Zeros that are joined to the rim are outside; any other zero is a hole, and inside.
+/// Zeros that are connected to the border are outside. All other zeros are holes and count as inside.
 std::vector<std::uint8_t> fill_holes(const ChartImage& mask) {
   const int width = static_cast<int>(mask.width), height = static_cast<int>(mask.height);
   const auto index = [&](int x, int y) {
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> fill_holes(const ChartImage& mask) {
   return inside;
 }
 
-/// Mean over 5 x 5 pixels of 0 and 255: its half-way line is the outline without the stairs of the mask.
+/// Mean over 5 x 5 pixels of 0 and 255. Its contour at 1/2 is the boundary without the steps of the mask.
 std::vector<std::uint8_t> smoothed(const std::vector<std::uint8_t>& inside, std::uint32_t width,
                                    std::uint32_t height) {
   std::vector<std::uint8_t> out(inside.size());
@@ -85,7 +85,7 @@ SurfaceSheet::SurfaceSheet(const Model& model, const ChartTexture& texture, int 
   position_.resize(count);
   normal_.resize(count);
   used_.resize(count);
-  baked_.resize(count * cascade_->samples_per_point());
+  samples_.resize(count * cascade_->samples_per_point());
   const float step = 1.0f / static_cast<float>(cells);
   for (int j = 0; j <= cells; ++j)
     for (int i = 0; i <= cells; ++i)
@@ -103,22 +103,22 @@ void SurfaceSheet::bake(const float* q) {
   std::vector<float> identity;
   for (std::size_t k = 0; k < parameters.count; ++k)
     if (parameters[k].group == Group::identity) identity.push_back(q[k]);
-  if (is_baked_ && identity == baked_for_) return;
+  if (is_baked_ && identity == sampled_for_) return;
   for (std::size_t k = 0; k < uv_.size(); ++k)
-    if (is_used(k)) cascade_->sample_point(uv_[k], q, baked_.data() + k * cascade_->samples_per_point());
-  baked_for_ = identity;
+    if (is_used(k)) cascade_->sample_point(uv_[k], q, samples_.data() + k * cascade_->samples_per_point());
+  sampled_for_ = identity;
   is_baked_ = true;
 }
 
 void SurfaceSheet::set(const float* q) {
   bake(q);
   for (std::size_t k = 0; k < uv_.size(); ++k)
-    if (is_used(k)) position_[k] = cascade_->evaluate(baked_.data() + k * cascade_->samples_per_point(), q);
+    if (is_used(k)) position_[k] = cascade_->evaluate(samples_.data() + k * cascade_->samples_per_point(), q);
   compute_normals();
 }
 
 void SurfaceSheet::compute_normals() {
-  // Central differences over the used neighbours; one-sided at the rim.
+  // Central differences over the used neighbours; one-sided at the boundary.
   const auto difference = [&](int i, int j, int di, int dj) {
     const int a = i + di, b = j + dj, c = i - di, d = j - dj;
     const bool has_next = a <= cells_ && b <= cells_ && is_used(index(a, b));

@@ -10,7 +10,7 @@ namespace pliant::host {
 
 namespace {
 
-/// Room for tick labels, px.
+/// Margins for tick labels, px.
 constexpr int kLeft = 56, kBottom = 18, kTop = 8, kRight = 8;
 
 template <class... Values>
@@ -24,7 +24,7 @@ void append(std::string& out, const char* format, Values... values) {
 struct Area {
   double left, top, right, bottom;
   double low = 0, high = 1;  // values at bottom and top
-  double x(double share) const { return left + share * (right - left); }
+  double x(double fraction) const { return left + fraction * (right - left); }
   double y(double value) const { return bottom - (value - low) / (high - low) * (bottom - top); }
 };
 
@@ -41,11 +41,11 @@ std::string open_svg(const ChartStyle& style) {
   return out;
 }
 
-/// 1, 2 or 5 times a power of ten, so that `range` has some `count` steps of it.
+/// A step of 1, 2 or 5 times a power of ten that divides `range` into about `count` parts.
 double nice_step(double range, int count) {
   const double rough = range / count, power = std::pow(10.0, std::floor(std::log10(rough)));
-  const double share = rough / power;
-  return power * (share < 1.5 ? 1 : share < 3.5 ? 2 : share < 7.5 ? 5 : 10);
+  const double fraction = rough / power;
+  return power * (fraction < 1.5 ? 1 : fraction < 3.5 ? 2 : fraction < 7.5 ? 5 : 10);
 }
 
 std::string tick_text(double value, double step) {
@@ -92,7 +92,7 @@ void set_range(Area& area, const std::vector<Series>& series, const ChartStyle& 
   area.high = style.at_most && high <= *style.at_most ? high : high + margin;
 }
 
-/// One point or two (lowest, highest) a column of pixels; a column with a gap in it is a gap.
+/// One or two points (lowest, highest) for each column of pixels; a column with a gap is a gap.
 std::string path_of(const Series& s, const Area& area) {
   const std::size_t count = s.values.size();
   const auto columns = std::min(count, static_cast<std::size_t>(area.right - area.left));

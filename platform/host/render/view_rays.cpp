@@ -10,24 +10,37 @@ namespace pliant::host {
 
 namespace {
 
-constexpr int kCells = 256;
-/// Cosine of normal and line of sight at which a surface is taken to be seen not at all, and fully: beside the outline a
-/// fit that is a pixel off would take the background for skin.
-constexpr float kUnseen = 0.22f, kSeen = 0.5f;
-/// Where a surface faces the camera like this its colour is the face's own; where it turns aside (kSeen), a colour that is
-/// kStrangeAside standard deviations off is taken to be background, and kStrangeSlope more a unit of the cosine.
-constexpr float kFrontal = 0.8f, kStrangeAside = 3, kStrangeSlope = 20, kLeastSpread = 0.015f;
-/// Cells around background that are given up as well, because both mix there, and up to which they count less.
-constexpr int kMixed = 3, kFaded = 14;
-/// How far (mm) behind the nearest surface a point may lie and still be that surface.
-constexpr float kDepthMargin = 4;
-/// Depth is looked up in a picture no larger than this, px.
-constexpr int kDepthSide = 800;
+/// Tuning of the view rays. Each constant: unit, reason, experiment. Chosen by eye on fitted photographs of faces.
+struct ViewRayTuning {
+  /// Cells on a side of the grid over the chart, count: smaller than a millimetre of a face.
+  int cells = 256;
+  /// Cosines of the angle between normal and ray at which a point counts as not visible, and as fully visible. Near the
+  /// silhouette an error of the fit of one pixel would project background onto the surface.
+  float unseen_cosine = 0.22f, seen_cosine = 0.5f;
+  /// Cosine above which a point's colour belongs to the surface without doubt.
+  float frontal_cosine = 0.8f;
+  /// Standard deviations from the frontal colours beyond which a point at seen_cosine is background, and the increase of that
+  /// limit per unit of the cosine.
+  float background_sds = 3, background_slope = 20;
+  /// Least standard deviation of the frontal colours, fraction of red or green. Even skin would leave no tolerance.
+  float least_spread = 0.015f;
+  /// Cells around background that are removed as well, because both mix there, and cells up to which the weight rises to 1.
+  int mixed_cells = 3, faded_cells = 14;
+  /// Distance behind the nearest surface up to which a point counts as visible, millimetres. Above the error of the depth
+  /// image, below the depth of a lip.
+  float depth_margin_mm = 4;
+  /// Largest side of the depth image, pixels. Bounds the time.
+  int depth_side_px = 800;
+};
+constexpr ViewRayTuning kTuning{};
+constexpr int kCells = kTuning.cells;
 
-/// Median, and the median distance from it as a standard deviation.
+/// Median, and standard deviation estimated from the median absolute deviation.
 struct Spread {
   float middle = 0, sd = 0;
 };
+constexpr float kNormalMad =
+    1.4826f;  // standard deviation over median absolute deviation of a normal variable
 Spread spread_of(std::vector<float> values) {
   if (values.empty()) return {};
   const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -35,11 +48,11 @@ Spread spread_of(std::vector<float> values) {
   Spread out{*half, 0};
   for (float& v : values) v = magnitude(v - out.middle);
   std::nth_element(values.begin(), half, values.end());
-  out.sd = 1.4826f * *half;
+  out.sd = kNormalMad * *half;
   return out;
 }
 
-/// Share of red and green in a colour: what light and shade leave as it is.
+/// Fractions of red and green in a colour, which light and shade do not change.
 Vec2 chroma(Vec3 colour) {
   const float sum = colour.x + colour.y + colour.z + 1;
   return {colour.x / sum, colour.y / sum};
@@ -60,60 +73,62 @@ Vec3 photo_colour(const Image& photo, Vec2 x) {
          b * ((1 - a) * pixel(i, j1) + a * pixel(i1, j1));
 }
 
-Sights::Sights(const Model& model, const FitFile& fit, const std::vector<float>& q, int width, int height)
+ViewRays::ViewRays(const Model& model, const FitFile& fit, const std::vector<float>& q, int width, int height)
     : texture_(model),
       sheet_(model, texture_, kCells),
       projector_(view_of(fit.pose, fit.camera), true),
       lens_(lens_of(fit.camera, {fit.width, fit.height})),
-      scale_(std::min(1.0f, static_cast<float>(kDepthSide) / static_cast<float>(std::max(width, height)))),
+      scale_(std::min(
+          1.0f, static_cast<float>(kTuning.depth_side_px) / static_cast<float>(std::max(width, height)))),
       raster_(std::max(1, static_cast<int>(static_cast<float>(width) * scale_)),
               std::max(1, static_cast<int>(static_cast<float>(height) * scale_)), 1) {
   sheet_.set(q.data());
   draw_depth();
-  sights_.resize(sheet_.index(0, kCells + 1));
-  for (std::size_t k = 0; k < sights_.size(); ++k)
-    if (sheet_.is_used(k)) sights_[k] = sight_of(k, width, height);
+  rays_.resize(sheet_.index(0, kCells + 1));
+  for (std::size_t k = 0; k < rays_.size(); ++k)
+    if (sheet_.is_used(k)) rays_[k] = ray_of(k, width, height);
 }
 
-void Sights::reject_background(const Image& photo) {
+void ViewRays::reject_background(const Image& photo) {
   std::vector<float> red, green;
-  for (const Sight& s : sights_) {
-    if (s.facing < kFrontal || s.weight < 1) continue;
+  for (const ViewRay& s : rays_) {
+    if (s.facing < kTuning.frontal_cosine || s.weight < 1) continue;
     const Vec2 c = chroma(photo_colour(photo, s.x));
     red.push_back(c.x);
     green.push_back(c.y);
   }
   const Spread r = spread_of(red), g = spread_of(green);
-  const auto is_strange = [&](const Sight& s) {
+  const auto is_background = [&](const ViewRay& s) {
     const Vec2 c = chroma(photo_colour(photo, s.x));
-    const float dr = (c.x - r.middle) / max(r.sd, kLeastSpread),
-                dg = (c.y - g.middle) / max(g.sd, kLeastSpread);
-    const float limit = kStrangeAside + kStrangeSlope * max(0, s.facing - kSeen);
+    const float dr = (c.x - r.middle) / max(r.sd, kTuning.least_spread),
+                dg = (c.y - g.middle) / max(g.sd, kTuning.least_spread);
+    const float limit =
+        kTuning.background_sds + kTuning.background_slope * max(0, s.facing - kTuning.seen_cosine);
     return dr * dr + dg * dg > limit * limit;
   };
-  std::vector<std::uint8_t> passable(sights_.size());
-  for (std::size_t k = 0; k < sights_.size(); ++k)
-    passable[k] = !sheet_.is_used(k) || sights_[k].weight <= 0 || is_strange(sights_[k]);
-  fade_around(reached_from_rim(passable));
+  std::vector<std::uint8_t> passable(rays_.size());
+  for (std::size_t k = 0; k < rays_.size(); ++k)
+    passable[k] = !sheet_.is_used(k) || rays_[k].weight <= 0 || is_background(rays_[k]);
+  fade_around(reached_from_border(passable));
 }
 
-Sight Sights::at(Vec2 uv) const {
+ViewRay ViewRays::at(Vec2 uv) const {
   const float x = clamp(uv.x, 0, 1) * kCells, y = clamp(uv.y, 0, 1) * kCells;
   const int i = std::min(static_cast<int>(x), kCells - 1), j = std::min(static_cast<int>(y), kCells - 1);
   const float a = x - static_cast<float>(i), b = y - static_cast<float>(j);
-  Sight out;
+  ViewRay out;
   for (int k = 0; k < 4; ++k) {
-    const Sight& s = sights_[sheet_.index(i + k % 2, j + k / 2)];
-    const float share = (k % 2 ? a : 1 - a) * (k / 2 ? b : 1 - b);
-    if (s.weight <= 0 && share > 0) return {};
-    out.x = out.x + share * s.x;
-    out.weight += share * s.weight;
+    const ViewRay& s = rays_[sheet_.index(i + k % 2, j + k / 2)];
+    const float weight = (k % 2 ? a : 1 - a) * (k / 2 ? b : 1 - b);
+    if (s.weight <= 0 && weight > 0) return {};
+    out.x = out.x + weight * s.x;
+    out.weight += weight * s.weight;
   }
   return out;
 }
 
-/// Points that are joined to the rim of the chart through passable ones.
-std::vector<std::uint8_t> Sights::reached_from_rim(const std::vector<std::uint8_t>& passable) const {
+/// Points that are connected to the border of the chart through passable points.
+std::vector<std::uint8_t> ViewRays::reached_from_border(const std::vector<std::uint8_t>& passable) const {
   std::vector<std::uint8_t> reached(passable.size(), 0);
   std::vector<std::pair<int, int>> stack;
   const auto visit = [&](int i, int j) {
@@ -132,21 +147,24 @@ std::vector<std::uint8_t> Sights::reached_from_rim(const std::vector<std::uint8_
   return reached;
 }
 
-/// Takes the weight from these points, and some from those near them.
-void Sights::fade_around(const std::vector<std::uint8_t>& given_up) {
+/// Sets the weight of these points to zero and lowers it around them.
+void ViewRays::fade_around(const std::vector<std::uint8_t>& removed) {
   for (int j = 0; j <= kCells; ++j)
     for (int i = 0; i <= kCells; ++i) {
-      if (given_up[sheet_.index(i, j)] == 0) continue;
-      for (int b = std::max(0, j - kFaded); b <= std::min(kCells, j + kFaded); ++b)
-        for (int a = std::max(0, i - kFaded); a <= std::min(kCells, i + kFaded); ++a) {
-          Sight& s = sights_[sheet_.index(a, b)];
+      if (removed[sheet_.index(i, j)] == 0) continue;
+      for (int b = std::max(0, j - kTuning.faded_cells); b <= std::min(kCells, j + kTuning.faded_cells); ++b)
+        for (int a = std::max(0, i - kTuning.faded_cells); a <= std::min(kCells, i + kTuning.faded_cells);
+             ++a) {
+          ViewRay& s = rays_[sheet_.index(a, b)];
           const auto distance = std::hypot(static_cast<float>(a - i), static_cast<float>(b - j));
-          s.weight = min(s.weight, clamp((distance - kMixed) / (kFaded - kMixed), 0, 1));
+          s.weight = min(
+              s.weight,
+              clamp((distance - kTuning.mixed_cells) / (kTuning.faded_cells - kTuning.mixed_cells), 0, 1));
         }
     }
 }
 
-void Sights::draw_depth() {
+void ViewRays::draw_depth() {
   std::vector<RasterVertex> corners(sheet_.index(0, kCells + 1));
   for (std::size_t k = 0; k < corners.size(); ++k) {
     Vec2 x;
@@ -163,22 +181,23 @@ void Sights::draw_depth() {
   sheet_.for_each_triangle(triangle);
 }
 
-Sight Sights::sight_of(std::size_t k, int width, int height) const {
-  Sight sight;
+ViewRay ViewRays::ray_of(std::size_t k, int width, int height) const {
+  ViewRay ray;
   const Vec3 p = projector_.to_camera(sheet_.position(k));
-  if (!projector_.project(sheet_.position(k), &sight.x)) return {};
-  sight.x = lens_.distort(sight.x);
-  if (!(sight.x.x >= 0 && sight.x.y >= 0 && sight.x.x <= static_cast<float>(width - 1) &&
-        sight.x.y <= static_cast<float>(height - 1)))
+  if (!projector_.project(sheet_.position(k), &ray.x)) return {};
+  ray.x = lens_.distort(ray.x);
+  if (!(ray.x.x >= 0 && ray.x.y >= 0 && ray.x.x <= static_cast<float>(width - 1) &&
+        ray.x.y <= static_cast<float>(height - 1)))
     return {};
-  const Vec2 d = to_depth(sight.x);
+  const Vec2 d = to_depth(ray.x);
   const float nearest = raster_.inverse_depth(std::min(static_cast<int>(d.x + 0.5f), raster_.width() - 1),
                                               std::min(static_cast<int>(d.y + 0.5f), raster_.height() - 1));
-  if (nearest > 0 && p.z > 1 / nearest + kDepthMargin) return {};
-  sight.facing = -dot(projector_.rotated(sheet_.normal(k)), normalised(p));
-  const float t = clamp((sight.facing - kUnseen) / (kSeen - kUnseen), 0, 1);
-  sight.weight = t * t * (3 - 2 * t);
-  return sight;
+  if (nearest > 0 && p.z > 1 / nearest + kTuning.depth_margin_mm) return {};
+  ray.facing = -dot(projector_.rotated(sheet_.normal(k)), normalised(p));
+  const float t =
+      clamp((ray.facing - kTuning.unseen_cosine) / (kTuning.seen_cosine - kTuning.unseen_cosine), 0, 1);
+  ray.weight = t * t * (3 - 2 * t);
+  return ray;
 }
 
 }  // namespace pliant::host

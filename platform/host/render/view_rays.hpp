@@ -1,6 +1,6 @@
 #pragma once
 /// \file view_rays.hpp
-/// Where a photograph shows each part of a fitted model's surface.
+/// The view rays from a photograph's camera to the surface of a fitted model.
 #include <vector>
 
 #include "host/io/fit_file.hpp"
@@ -11,42 +11,43 @@
 
 namespace pliant::host {
 
-struct Sight {
+/// The ray to one point of the surface.
+struct ViewRay {
   Vec2 x;            ///< in the photograph, px
-  float weight = 0;  ///< 0: not seen; 1: seen well
-  float facing = 0;  ///< cosine of normal and line of sight
+  float weight = 0;  ///< 0: not visible; 1: visible at a good angle
+  float facing = 0;  ///< cosine of the angle between the normal and the ray
 };
 
-/// The surface as a grid over the chart, and where each of its points is seen.
-class Sights {
+/// The surface as a grid over the chart, with the ray to each point of the grid.
+class ViewRays {
  public:
   /// \param fit  the view, in a photograph of width x height pixels. \param q  all parameters of the model in it.
-  Sights(const Model& model, const FitFile& fit, const std::vector<float>& q, int width, int height);
+  ViewRays(const Model& model, const FitFile& fit, const std::vector<float>& q, int width, int height);
 
-  /// Gives up what turns aside, has another colour than the rest of the face, and is joined to the outline: background,
-  /// where the model is wider than the person. Hair over the forehead stays.
+  /// Removes background where the model is wider than the person: points at a slant angle whose colour differs from that of
+  /// the frontal points, if they are connected to the boundary. Hair over the forehead stays.
   void reject_background(const Image& photo);
 
-  /// Interpolated at (u,v).
-  Sight at(Vec2 uv) const;
+  /// The ray to (u,v), interpolated; of weight 0 if a neighbouring point of the grid is not visible.
+  ViewRay at(Vec2 uv) const;
 
  private:
-  std::vector<std::uint8_t> reached_from_rim(const std::vector<std::uint8_t>& passable) const;
-  void fade_around(const std::vector<std::uint8_t>& given_up);
+  std::vector<std::uint8_t> reached_from_border(const std::vector<std::uint8_t>& passable) const;
+  void fade_around(const std::vector<std::uint8_t>& removed);
   void draw_depth();
-  Sight sight_of(std::size_t k, int width, int height) const;
+  ViewRay ray_of(std::size_t k, int width, int height) const;
   Vec2 to_depth(Vec2 x) const { return scale_ * x; }
 
   ChartTexture texture_;
   SurfaceSheet sheet_;
   Projector projector_;
   Lens lens_;
-  float scale_;    // from the photograph to the picture of depths
-  Raster raster_;  // of depths
-  std::vector<Sight> sights_;
+  float scale_;    // from the photograph to the depth image
+  Raster raster_;  // depth image
+  std::vector<ViewRay> rays_;
 };
 
-/// Colour of a photograph at a position within it, bilinear.
+/// Bilinear colour of a photograph at a position inside it.
 Vec3 photo_colour(const Image& photo, Vec2 x);
 
 }  // namespace pliant::host

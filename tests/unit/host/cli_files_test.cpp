@@ -1,4 +1,5 @@
 // The files of the command: CSV, JSON, fit.json, tracks and their truth.
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -7,6 +8,7 @@
 #include "host/io/fit_file.hpp"
 #include "host/io/json.hpp"
 #include "host/io/track_table.hpp"
+#include "host/io/statistics.hpp"
 #include "host/io/truth.hpp"
 #include "cli_run.hpp"
 #include "random.hpp"
@@ -197,4 +199,7 @@ TEST_CASE("a comparison with the truth measures what it says") {
   CHECK(off.median_rotation_deg() == doctest::Approx(5.7296).epsilon(0.001));
   CHECK(median({3, 1, 2}) == 2);
   CHECK(median({4, 1, 2, 3}) == 2.5);
+  CHECK(median({}) == 0);
+  CHECK(quantile({4, 1, 2, 3, 5}, 0.75) == 4);
+  CHECK(std::isnan(quantile({}, 0.5)));
 }

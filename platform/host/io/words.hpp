@@ -1,0 +1,33 @@
+#pragma once
+/// \file words.hpp
+/// Small operations on text.
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pliant::host {
+
+inline bool ends_with(std::string_view text, std::string_view ending) {
+  return text.size() >= ending.size() && text.substr(text.size() - ending.size()) == ending;
+}
+
+/// The text without blanks, tabs and carriage returns at its ends.
+inline std::string trimmed(std::string_view text) {
+  constexpr const char* kBlanks = " \t\r";
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return std::string(text.substr(first, text.find_last_not_of(kBlanks) - first + 1));
+}
+
+/// The parts between commas; one empty part for an empty text.
+inline std::vector<std::string> split_at_commas(std::string_view text) {
+  std::vector<std::string> parts{""};
+  for (const char c : text)
+    if (c == ',')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
+}
+
+}  // namespace pliant::host
