@@ -1,5 +1,5 @@
 # Cortex-M7 bare metal by gcc-arm-none-eabi with newlib. Start-up code and linker script are the board's
-# (platform/cortex-m); programs run on QEMU's mps2-an500 with semihosting.
+# (platform/boards/cortex-m); programs run on QEMU's mps2-an500 with semihosting.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR arm)
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)

@@ -1,6 +1,7 @@
-// Any bytes as triangles and then as operations: nothing may crash, every status must be honest, and what was
-// accepted must stay valid. For libFuzzer: clang++ -std=c++17 -g -O1 -fsanitize=fuzzer,address,undefined
-// -Iinclude tests/fuzz/mesh_fuzz.cpp src/{mesh*,id_set,base_mesh,matching,geometry,status}.cpp
+// For libFuzzer: takes any bytes as the triangles of a base mesh and then as operations on it. No input may crash; the
+// status of each operation must match what the mesh is afterwards; a mesh that was accepted must stay valid. Build:
+//   clang++ -std=c++17 -g -O1 -fsanitize=fuzzer,address,undefined -Iinclude -Isrc -isystem /usr/include/eigen3 \
+//     tests/fuzz/mesh_fuzz.cpp src/*/*.cpp -o mesh_fuzz
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

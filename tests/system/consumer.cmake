@@ -1,7 +1,7 @@
 cmake_minimum_required(VERSION 3.22)
 # Installs the build into a folder of its own and builds a user's project against it, in C++ and in C: by find_package, as
 # a subdirectory, and with the flags of pkg-config. A C program is linked by the C compiler, with nothing named by hand.
-# Run as: cmake -DBUILD=... -DSOURCE=... -DCXX=... -DCC=... [-DLAUNCHER=ccache] -P consumer.cmake
+# Run as: cmake -DBUILD=... -DSOURCE=... -DGENERATOR=... -DCXX=... -DCC=... [-DLAUNCHER=ccache] -P consumer.cmake
 set(work ${BUILD}/consumer)
 set(project ${SOURCE}/tests/system/consumer)
 file(REMOVE_RECURSE ${work})
@@ -15,7 +15,7 @@ endfunction()
 
 # configure(NAME PROGRAM options...)
 function(configure name program)
-  run(${CMAKE_COMMAND} -S ${project} -B ${work}/${name} -G Ninja -DCONSUMER=${program} -DCMAKE_CXX_COMPILER=${CXX}
+  run(${CMAKE_COMMAND} -S ${project} -B ${work}/${name} -G ${GENERATOR} -DCONSUMER=${program} -DCMAKE_CXX_COMPILER=${CXX}
     -DCMAKE_C_COMPILER=${CC} ${ARGN})
 endfunction()
 
@@ -35,11 +35,10 @@ foreach(command IN LISTS commands)
     message(FATAL_ERROR "compiled without optimisation: ${command}")
   endif()
 endforeach()
-run(${CMAKE_COMMAND} --build ${work}/subdirectory --target consumer)
+run(${CMAKE_COMMAND} --build ${work}/subdirectory --target consumer --parallel 2)
 run(${work}/subdirectory/consumer)
-# In C++ the program is compiled only: the library would be what it was above.
+# In C++ it is configured only: the library would be what it was above.
 configure(subdirectory_cxx main.cpp -DPLIANT_SOURCE_DIR=${SOURCE})
-run(${CMAKE_COMMAND} --build ${work}/subdirectory_cxx --target CMakeFiles/consumer.dir/main.cpp.o)
 
 find_program(pkg_config NAMES pkg-config pkgconf)
 if(pkg_config)

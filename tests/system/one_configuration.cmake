@@ -2,7 +2,7 @@ cmake_minimum_required(VERSION 3.22)
 # One configuration: a program in C++ and one in C, which use nothing but the installed headers and the defaults, track the
 # film with the same start as `pliant track`, and print pose, parameters and landmarks of every frame with the same digits.
 # PREPARED is the folder with face.plm, frames.y4m and truth_points.csv.
-# Run as: cmake -DBUILD=... -DSOURCE=... -DPREPARED=... -DCXX=... -DCC=... -P one_configuration.cmake
+# Run as: cmake -DBUILD=... -DSOURCE=... -DPREPARED=... -DGENERATOR=... -DCXX=... -DCC=... -P one_configuration.cmake
 set(work ${BUILD}/one_configuration)
 file(REMOVE_RECURSE ${work})
 file(MAKE_DIRECTORY ${work})
@@ -14,7 +14,7 @@ function(run)
 endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/prefix)
-run(${CMAKE_COMMAND} -S ${SOURCE}/tests/system/one_configuration -B ${work}/programs -G Ninja
+run(${CMAKE_COMMAND} -S ${SOURCE}/tests/system/one_configuration -B ${work}/programs -G ${GENERATOR}
   -DCMAKE_PREFIX_PATH=${work}/prefix -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_C_COMPILER=${CC} -DCMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${work}/programs)
 
