@@ -41,8 +41,7 @@ struct Estimator::Impl {
   MeshPolicy mesh_policy() const;
   void update_surface(std::uint32_t interval) { surface.update(cascade, state, frame, interval); }
   Status add(PointKind kind, Vec2 uv, Vec2 along, std::uint16_t* id);
-  Status add_pieces(const Vec2* polyline, std::uint32_t segments, float spacing_mm, Span<std::uint16_t> ids,
-                    std::size_t* count);
+  void note_new_point(std::uint16_t id);
   void place_silhouette();
   Prediction predict(std::uint16_t id, const Projector& projector);
   bool is_visible(const Prediction& p, Vec3 rotated) const;
@@ -184,10 +183,13 @@ bool Estimator::is_started() const {
 
 Status Estimator::Impl::add(PointKind kind, Vec2 uv, Vec2 along, std::uint16_t* id) {
   const Status status = points.add(kind, uv, along, cascade, state.q, id);
-  if (status != Status::ok) return status;
+  if (status == Status::ok) note_new_point(*id);
+  return status;
+}
+
+void Estimator::Impl::note_new_point(std::uint16_t id) {
   predictions = {};
-  solver.forget(*id);
-  return Status::ok;
+  solver.forget(id);
 }
 
 Status Estimator::add_point(Vec2 uv, std::uint16_t* id) {
@@ -206,34 +208,12 @@ Status Estimator::add_curve(std::size_t curve, float spacing_mm, Span<std::uint1
                             std::size_t* count) {
   if (!is_started()) return Status::not_started;
   if (count == nullptr || curve >= model().curves().count || !(spacing_mm > 0)) return Status::bad_argument;
-  *count = 0;
+  Impl& s = *impl_;
   const Curve& c = model().curves()[curve];
-  return impl_->add_pieces(&model().curve_points()[c.first_point], c.point_count - 1u, spacing_mm, ids,
-                           count);
-}
-
-/// Walks a polyline in (u,v) in short pieces, since the surface is curved between the ends of a segment.
-Status Estimator::Impl::add_pieces(const Vec2* polyline, std::uint32_t segments, float spacing_mm,
-                                   Span<std::uint16_t> ids, std::size_t* count) {
-  constexpr std::uint32_t kPieces = kSurfacePointsTuning.pieces_per_segment;
-  float until_next = 0.5f * spacing_mm;
-  Vec3 before = cascade.surface_point(polyline[0], state.q);
-  for (std::uint32_t k = 1; k < kPieces * segments + 1; ++k) {
-    const Vec2 along = polyline[(k - 1) / kPieces + 1] - polyline[(k - 1) / kPieces];
-    const Vec2 piece = (1.0f / kPieces) * along;
-    const Vec2 a = polyline[(k - 1) / kPieces] + static_cast<float>((k - 1) % kPieces) * piece;
-    const Vec3 here = cascade.surface_point(a + piece, state.q);
-    const float size = length(here - before);
-    before = here;
-    for (; until_next < size; until_next += spacing_mm) {
-      if (*count == ids.count) return Status::capacity;
-      const Status status = add(PointKind::curve, a + (until_next / size) * piece, along, &ids[*count]);
-      if (status != Status::ok) return status;
-      ++*count;
-    }
-    until_next -= size;
-  }
-  return Status::ok;
+  const Status status = s.points.add_curve({&model().curve_points()[c.first_point], c.point_count},
+                                           spacing_mm, s.cascade, s.state.q, ids, count);
+  for (std::size_t k = 0; k < *count; ++k) s.note_new_point(ids[k]);
+  return status;
 }
 
 void Estimator::remove_point(std::uint16_t id) {

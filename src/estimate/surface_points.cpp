@@ -72,6 +72,34 @@ Status SurfacePoints::add(PointKind kind, Vec2 uv, Vec2 along, Cascade& cascade,
   return Status::ok;
 }
 
+Status SurfacePoints::add_curve(Span<const Vec2> polyline, float spacing_mm, Cascade& cascade, const float* q,
+                                Span<std::uint16_t> ids, std::size_t* count) {
+  PLIANT_ASSERT(polyline.count > 0 && spacing_mm > 0);
+  *count = 0;
+  // Segments are walked in short pieces, since the surface is curved between their ends.
+  constexpr std::uint32_t kPieces = kSurfacePointsTuning.pieces_per_segment;
+  float until_next = 0.5f * spacing_mm;
+  Vec3 before = cascade.surface_point(polyline[0], q);
+  for (std::size_t k = 0; k < kPieces * (polyline.count - 1); ++k) {
+    const std::size_t segment = k / kPieces;
+    const Vec2 along = polyline[segment + 1] - polyline[segment];
+    const Vec2 piece = (1.0f / kPieces) * along;
+    const Vec2 a = polyline[segment] + static_cast<float>(k % kPieces) * piece;
+    const Vec3 here = cascade.surface_point(a + piece, q);
+    const float size = length(here - before);
+    before = here;
+    for (; until_next < size; until_next += spacing_mm) {
+      if (*count == ids.count) return Status::capacity;
+      const Status status =
+          add(PointKind::curve, a + (until_next / size) * piece, along, cascade, q, &ids[*count]);
+      if (status != Status::ok) return status;
+      ++*count;
+    }
+    until_next -= size;
+  }
+  return Status::ok;
+}
+
 void SurfacePoints::remove(std::uint16_t id) {
   if (!has(id)) return;
   silhouette_count_ -= kind_[id] == PointKind::silhouette;

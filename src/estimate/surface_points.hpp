@@ -52,6 +52,10 @@ class SurfacePoints {
   /// \param along  of a curve point, the direction of the curve in (u,v), of any length but zero. Ignored otherwise.
   /// \return capacity; bad_argument for a null id, (u,v) outside the chart or a curve point without direction.
   Status add(PointKind kind, Vec2 uv, Vec2 along, Cascade& cascade, const float* q, std::uint16_t* id);
+  /// Adds curve points along a polyline in (u,v), `spacing_mm` apart on the surface, the first after half of that.
+  /// \param count  out: points added; with capacity, those for which there was room.
+  Status add_curve(Span<const Vec2> polyline, float spacing_mm, Cascade& cascade, const float* q,
+                   Span<std::uint16_t> ids, std::size_t* count);
   void remove(std::uint16_t id);
   bool has(std::uint16_t id) const { return id < capacity_ && kind_[id] != PointKind::none; }
   PointKind kind(std::uint16_t id) const { return kind_[id]; }

@@ -33,9 +33,7 @@ Motion steady(float t) {
 
 struct Rig {
   InArena<MotionFilter> filter{std::size_t{2}};
-  explicit Rig(const Motion& m) {
-    REQUIRE(filter->start(m.view, m.q, kRange, 2) == Status::ok);
-  }
+  explicit Rig(const Motion& m) { REQUIRE(filter->start(m.view, m.q, kRange, 2) == Status::ok); }
   void see(const Motion& m) { REQUIRE(filter->correct(m.view, m.q, kPoseVariance, kVariance) == Status::ok); }
   float turn_off(const Motion& m) const {
     return length(log_rotation(filter.object.view().q * conjugate(m.view.q)));

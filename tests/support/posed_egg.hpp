@@ -1,0 +1,49 @@
+#pragma once
+// An egg in front of a camera: what the tests of the estimator's parts work on.
+#include <doctest/doctest.h>
+
+#include <vector>
+
+#include "estimate/motion_model.hpp"
+#include "model_builder.hpp"
+
+/// The model, its cascade with the expressions free, and a state.
+struct PosedEgg {
+  std::vector<std::uint32_t> words = egg_model(3).table();
+  pliant::Model model = opened();
+  InArena<pliant::Cascade> cascade{model};
+  pliant::Camera camera = pliant::centred_camera(640, 480, 800);
+  std::vector<float> q;
+  pliant::ModelState state;
+
+  explicit PosedEgg(float turn = 0) : q(model.parameters().count, 0.0f) {
+    cascade->set_free(pliant::Group::expression);
+    state.q = q.data();
+    pose({pliant::exp_rotation({0, turn, 0}), {0, 5, 700}});
+  }
+  void pose(const pliant::Pose& at) { state.view = pliant::view_of(at, camera); }
+  std::size_t parameters() const { return q.size(); }
+  std::size_t samples() const { return cascade.object.samples_per_point(); }
+  pliant::Vec2 image_of(pliant::Vec2 uv) {
+    pliant::Vec2 x;
+    REQUIRE(pliant::Projector(state.view, true).project(cascade->surface_point(uv, state.q), &x));
+    return x;
+  }
+
+ private:
+  pliant::Model opened() const {
+    pliant::Model m;
+    REQUIRE(pliant::Model::open(words.data(), words.size() * 4, &m) == pliant::Status::ok);
+    return m;
+  }
+};
+
+/// A motion model that expects the egg's state.
+struct ExpectedEgg {
+  InArena<pliant::MotionModel> motion;
+
+  explicit ExpectedEgg(PosedEgg& egg) : motion(egg.parameters()) {
+    REQUIRE(motion->start(egg.cascade.object, egg.state, false, false) == pliant::Status::ok);
+    motion->predict(1, 0, egg.cascade.object, &egg.state);
+  }
+};

@@ -1,0 +1,156 @@
+#include "estimate/observation_rows.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "posed_egg.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+Observation observation(std::uint16_t id, Vec2 x, Sym2 information = {4, 0, 4}, Cue cue = Cue::patch) {
+  Observation o;
+  o.id = id;
+  o.x = x;
+  o.information = information;
+  o.cue = cue;
+  return o;
+}
+
+/// Thirty points, and rows without model error unless asked for.
+struct Rig {
+  PosedEgg egg;
+  InArena<SurfacePoints> points{std::size_t{30}, std::size_t{0}, egg.samples()};
+  InArena<ObservationRows> rows{std::size_t{30}};
+
+  explicit Rig(const RowPolicy& policy = {0x07, 0, 0.5f}) {
+    points->clear(egg.samples());
+    std::uint16_t id;
+    for (int k = 0; k < 30; ++k)
+      REQUIRE(points->add(PointKind::surface, {0.5f, 0.5f}, {}, egg.cascade.object, egg.state.q, &id) ==
+              Status::ok);
+    rows->start(policy);
+  }
+  void gather(std::vector<Observation>& o) { rows->gather({o.data(), o.size()}, points.object, 1); }
+};
+
+}  // namespace
+
+TEST_CASE("consecutive observations of one point are one row; points count twice, lines once") {
+  Rig rig;
+  std::vector<Observation> o = {observation(3, {1, 1}), observation(5, {2, 2}, {4, 0, 0}, Cue::edge),
+                                observation(5, {9, 2}, {4, 0, 0}, Cue::edge), observation(7, {3, 3})};
+  o.push_back(observation(8, {0, 0}));
+  o.back().reason = Reason::low_correlation;
+  o.push_back(observation(9, {0, 0}));
+  o.back().reason = Reason::not_visible;
+  rig.gather(o);
+  REQUIRE(rig.rows->count() == 3);
+  CHECK(rig.rows.object[1].count == 2);
+  CHECK(rig.rows.object[1].is_line);
+  CHECK(rig.rows->equations() == 5);
+  CHECK(rig.rows->searched() == 4);
+  CHECK(rig.rows->patches_searched() == 3);
+}
+
+TEST_CASE("unusable observations are marked, and make no row") {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  Rig rig;
+  std::vector<Observation> o = {observation(1, {nan, 1}), observation(30, {1, 1}),
+                                observation(2, {1, 1}, {-1, 0, 4}), observation(3, {1, 1}, {0, 0, 0}),
+                                observation(4, {1, 1}, {4, nan, 4})};
+  o.push_back(observation(5, {1, 1}));
+  o.back().cue = static_cast<Cue>(200);
+  rig.gather(o);
+  CHECK(rig.rows->count() == 0);
+  for (const Observation& each : o) CHECK(each.reason == Reason::not_visible);
+  Rig without_flow({0x05, 0, 0});
+  std::vector<Observation> flow = {observation(1, {1, 1}, {4, 0, 4}, Cue::flow)};
+  without_flow.gather(flow);
+  CHECK(without_flow.rows->count() == 0);
+  CHECK(flow[0].reason == Reason::rejected);
+}
+
+TEST_CASE("lengths are in standard deviations; of alternatives the nearest counts") {
+  Rig rig;
+  std::vector<Observation> o = {observation(1, {10, 20}), observation(2, {0, 0}, {4, 0, 0}, Cue::edge),
+                                observation(2, {8, 0}, {4, 0, 0}, Cue::edge)};
+  rig.gather(o);
+  rig.rows->measure(0, {13, 24});
+  CHECK(rig.rows->length(0) == doctest::Approx(10));  // 5 px at a deviation of 0.5 px
+  CHECK(rig.rows->residual(0).x == -3);
+  CHECK(rig.rows->squared_px(0) == doctest::Approx(25));
+  rig.rows->measure(1, {7, 50});
+  CHECK(rig.rows.object[1].chosen == 1);
+  CHECK(rig.rows->squared_px(1) == doctest::Approx(1));
+  rig.rows->measure(1, {1, 50});
+  CHECK(rig.rows.object[1].chosen == 0);
+}
+
+TEST_CASE("the model error is added to the noise, and keeps lines lines") {
+  Rig exact, inexact({0x07, 1, 0});
+  std::vector<Observation> o = {observation(1, {0, 0}), observation(2, {0, 0}, {4, 0, 0}, Cue::edge)};
+  exact.gather(o);
+  inexact.gather(o);
+  CHECK(exact.rows->information(0).xx == 4);
+  CHECK(inexact.rows->information(0).xx == doctest::Approx(1 / (1 + 0.25)));
+  CHECK(inexact.rows->information(1).yy == 0);
+}
+
+TEST_CASE("normal residuals have scale 1, as points and as lines; few outliers do not change it") {
+  for (const bool lines : {false, true}) {
+    Rig rig;
+    Random random(6);
+    double sum = 0;
+    for (int trial = 0; trial < 60; ++trial) {
+      std::vector<Observation> o;
+      for (std::uint16_t id = 0; id < 30; ++id)
+        o.push_back(observation(id, {0.5f * random.normal(), 0.5f * random.normal()},
+                                lines ? Sym2{4, 0, 0} : Sym2{4, 0, 4}, lines ? Cue::edge : Cue::patch));
+      for (std::uint16_t id = 0; id < 4; ++id) o[id].x.x += 40;
+      if (lines)
+        for (Observation& each : o) each.information.xx = 4;
+      rig.gather(o);
+      for (std::size_t k = 0; k < rig.rows->count(); ++k) rig.rows->measure(k, {0, 0});
+      sum += double(rig.rows->scale()) / 60;
+      CHECK(rig.rows->outlier_fraction(1.5f) >= 4.0f / 30);
+    }
+    // Edges have a model error of their own, 1.7 px here.
+    CHECK(sum == doctest::Approx(lines ? 1.0 : 1.15).epsilon(0.15));
+  }
+}
+
+TEST_CASE("a cue's scale follows residuals beyond its own word, and needs eight rows") {
+  Rig rig;
+  Random random(7);
+  const auto frame = [&](std::uint16_t rows) {
+    std::vector<Observation> o;
+    for (std::uint16_t id = 0; id < rows; ++id)
+      o.push_back(observation(id, {1.5f * random.normal(), 1.5f * random.normal()}));
+    rig.gather(o);
+    for (std::size_t k = 0; k < rig.rows->count(); ++k) rig.rows->measure(k, {0, 0});
+    rig.rows->update_cue_scales();
+  };
+  frame(7);
+  CHECK(rig.rows->cue_scale(Cue::patch) == 1);
+  for (int k = 0; k < 20; ++k) frame(30);
+  CHECK(rig.rows->cue_scale(Cue::patch) == doctest::Approx(3).epsilon(0.25));
+  CHECK(rig.rows->cue_scale(Cue::edge) == 1);
+  rig.rows->start({0x07, 0, 0.5f});
+  CHECK(rig.rows->cue_scale(Cue::patch) == 1);
+}
+
+TEST_CASE("keep_within keeps exactly the rows that fit, whether they were kept or not") {
+  Rig rig;
+  std::vector<Observation> o = {observation(1, {0, 0}), observation(2, {5, 0}), observation(3, {1, 0})};
+  rig.gather(o);
+  rig.rows.object[0].is_kept = false;
+  for (std::size_t k = 0; k < 3; ++k) rig.rows->measure(k, {0, 0});
+  rig.rows->keep_within(2);
+  CHECK(rig.rows.object[0].is_kept);
+  CHECK_FALSE(rig.rows.object[1].is_kept);
+  CHECK(rig.rows.object[2].is_kept);
+}

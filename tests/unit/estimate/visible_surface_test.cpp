@@ -1,0 +1,160 @@
+#include "estimate/visible_surface.hpp"
+
+#include <doctest/doctest.h>
+
+#include "posed_egg.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+struct Rig {
+  PosedEgg egg;
+  InArena<VisibleSurface> surface;
+
+  explicit Rig(float turn = 0, bool keeps_samples = true)
+      : egg(turn),
+        surface(egg.parameters(),
+                VisibleSurfaceLimits{300, keeps_samples ? egg.samples() : std::size_t{0}, 16}) {
+    REQUIRE(surface->start(egg.model) == Status::ok);
+    surface->adapt(egg.cascade.object, egg.state, {});
+    update(0, 1);
+  }
+  void update(std::uint32_t frame, std::uint32_t interval) {
+    surface->update(egg.cascade.object, egg.state, frame, interval);
+  }
+  /// Vertices that lie where the surface is.
+  std::size_t exact_count() {
+    std::size_t n = 0;
+    for (VertexId v : surface->mesh().vertices())
+      n += length(surface->positions()[v] - egg.cascade->surface_point(surface->mesh().uv(v), egg.state.q)) <
+           0.05f;
+    return n;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("all vertices lie on the surface after a full update, with samples and without") {
+  for (const bool keeps_samples : {true, false}) {
+    Rig rig(0.1f, keeps_samples);
+    rig.egg.q[5] = 0.3f;
+    rig.egg.q[3] = 0.5f;
+    CHECK(rig.exact_count() < rig.surface->mesh().vertex_count());
+    rig.update(1, 1);
+    CHECK(rig.exact_count() == rig.surface->mesh().vertex_count());
+    for (VertexId v : rig.surface->mesh().vertices())
+      CHECK(length(rig.surface->images()[v] - rig.egg.image_of(rig.surface->mesh().uv(v))) < 0.2f);
+  }
+}
+
+TEST_CASE("a slow expression moves one vertex in the interval, a fast one all of them") {
+  Rig rig;
+  const auto moved_by = [&rig](float jaw) {
+    std::vector<Vec3> before(rig.surface->positions(), rig.surface->positions() + 300);
+    rig.egg.q[5] += jaw;
+    rig.update(1, 4);
+    std::size_t moved = 0;
+    for (VertexId v : rig.surface->mesh().vertices())
+      moved += length(rig.surface->positions()[v] - before[v]) > 0;
+    return moved;
+  };
+  const std::size_t slow = moved_by(0.01f), fast = moved_by(0.3f);
+  CHECK(slow > 0);
+  CHECK(fast > 3 * slow);
+  CHECK(rig.exact_count() == rig.surface->mesh().vertex_count());
+}
+
+TEST_CASE("what lies behind the surface is hidden, what lies before it is not") {
+  Rig rig;
+  rig.surface->draw_depth(rig.egg.state.view, 1);
+  const Projector projector(rig.egg.state.view, true);
+  for (VertexId v : rig.surface->mesh().vertices()) {
+    const Vec2 uv = rig.surface->mesh().uv(v);
+    if (magnitude(uv.x - 0.5f) > 0.3f || magnitude(uv.y - 0.5f) > 0.3f) continue;
+    const Vec3 p = projector.rotated(rig.surface->positions()[v]);
+    const Vec2 x = rig.surface->images()[v];
+    CHECK_FALSE(rig.surface->hides(x, p));
+    CHECK(rig.surface->hides(x, p + Vec3{0, 0, 30}));
+    CHECK_FALSE(rig.surface->hides(x, p - Vec3{0, 0, 30}));
+  }
+}
+
+TEST_CASE("a drawing moves along with a small shift, and is made again after a turn") {
+  Rig rig;
+  rig.surface->draw_depth(rig.egg.state.view, 1);
+  const Projector projector(rig.egg.state.view, true);
+  const Vec2 x = rig.egg.image_of({0.5f, 0.5f});
+  const Vec3 behind =
+      projector.rotated(rig.egg.cascade->surface_point({0.5f, 0.5f}, rig.egg.state.q)) + Vec3{0, 0, 30};
+  View shifted = rig.egg.state.view;
+  shifted.tau = shifted.tau + Vec2{300, 0};
+  rig.surface->draw_depth(shifted, 2);
+  CHECK_FALSE(rig.surface->hides(x, behind));
+  CHECK(rig.surface->hides(x + shifted.s * Vec2{300, 0}, behind));
+  Rig turned(0.6f);
+  View view = turned.egg.state.view;
+  rig.surface->draw_depth(view, 2);
+  turned.surface->draw_depth(view, 2);
+  Random random(8);
+  int differ = 0;
+  for (int k = 0; k < 200; ++k) {
+    const Vec2 at{random.uniform(150, 500), random.uniform(100, 400)};
+    const Vec3 p{0, 0, random.uniform(-60, 60)};
+    differ += rig.surface->hides(at, p) != turned.surface->hides(at, p);
+  }
+  CHECK(differ == 0);
+}
+
+TEST_CASE("surface_at inverts the projection") {
+  Rig rig(0.25f);
+  Random random(5);
+  for (int k = 0; k < 100; ++k) {
+    const Vec2 uv{random.uniform(0.2f, 0.8f), random.uniform(0.2f, 0.8f)};
+    Vec2 back;
+    REQUIRE(rig.surface->surface_at(rig.egg.cascade.object, rig.egg.state, rig.egg.image_of(uv), &back) == 0);
+    CHECK(length(back - uv) < 0.01f);
+  }
+  Vec2 uv;
+  CHECK(rig.surface->surface_at(rig.egg.cascade.object, rig.egg.state, {5, 5}, &uv) > 50);
+}
+
+TEST_CASE("the contour has no points of the open boundary") {
+  Rig rig(1.0f);
+  const Span<const SilhouettePoint> contour = rig.surface->find_contour(rig.egg.state.view, 1);
+  REQUIRE(contour.count > 0);
+  for (const SilhouettePoint& p : contour) {
+    CHECK_FALSE(p.is_border);
+    CHECK(length(p.normal) == doctest::Approx(1).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("a finer tolerance gives a finer mesh, and operations follow the view within the budget") {
+  Rig rig;
+  MeshPolicy coarse, fine;
+  coarse.error_mm = 5;
+  fine.error_mm = 0.1f;
+  std::size_t count[2];
+  for (const bool is_fine : {false, true}) {
+    REQUIRE(rig.surface->start(rig.egg.model) == Status::ok);
+    rig.surface->adapt(rig.egg.cascade.object, rig.egg.state, is_fine ? fine : coarse);
+    count[is_fine] = rig.surface->mesh().vertex_count();
+  }
+  CHECK(count[1] > count[0] + 20);
+  MeshPolicy follows;
+  follows.operations = 20;
+  follows.vertex_budget = 150;
+  follows.view.pose = pose_of(rig.egg.state.view);
+  follows.view.focal_px = rig.egg.camera.f;
+  follows.view.tolerance_px = 0.1f;
+  REQUIRE(rig.surface->start(rig.egg.model) == Status::ok);
+  rig.surface->adapt(rig.egg.cascade.object, rig.egg.state, follows);
+  rig.update(0, 1);
+  for (std::uint32_t frame = 1; frame < 80; ++frame) {
+    rig.egg.pose({exp_rotation({0, 0.01f * float(frame), 0}), {0, 5, 700}});
+    rig.surface->follow_view(rig.egg.cascade.object, rig.egg.state, frame);
+    CHECK(rig.surface->mesh().vertex_count() <= 150);
+  }
+  CHECK(rig.surface->mesh().validate().invariant == 0);
+}
