@@ -90,14 +90,13 @@ void FaceDetector::align(Place& place, int round, const std::uint8_t* is_free) {
   options.is_free = is_free;
   options.iterations = kTuning.fit_iterations;
   FitReport report;
-  if (fitter_.fit({pairs_, n}, options, q_, &report) == Status::ok)
-    place.view = report.view;
+  if (fitter_.fit({pairs_, n}, options, q_, &report) == Status::ok) place.view = report.view;
 }
 
 // The pose alone, of the model at rest.
 void FaceDetector::align_pose(const Candidate& c, Place* place) {
   for (std::size_t k = 0; k < parameter_count_; ++k) q_[k] = 0;
-  place->view = view_at(c.x, c.scale, c.turn, rendered_->middle(),
+  place->view = view_at(c.x, c.scale, c.rotation, rendered_->middle(),
                         clamp(c.scale / camera_.f, kMinRho, kMaxRho), {camera_.cx, camera_.cy});
   for (int round = 0; round < kTuning.pose_rounds; ++round) align(*place, round, none_free_);
   measure(*place);

@@ -10,13 +10,13 @@ constexpr const FaceDetectorTuning& kTuning = kFaceDetectorTuning;
 
 }  // namespace
 
-View view_at(Vec2 x, float scale, Quat turn, Vec3 middle, float rho, Vec2 principal) {
+View view_at(Vec2 x, float scale, Quat rotation, Vec3 middle, float rho, Vec2 principal) {
   View view;
-  view.q = turn;
+  view.q = rotation;
   view.s = scale;
   view.rho = rho;
   view.c = principal;
-  const Vec3 p = rotation_matrix(turn) * Vec3{middle.x, -middle.y, -middle.z};
+  const Vec3 p = rotation_matrix(rotation) * Vec3{middle.x, -middle.y, -middle.z};
   // x = c + s (p + tau) / (1 + rho z)
   const float depth = 1 + rho * p.z;
   view.tau = (depth / scale) * (x - principal) - Vec2{p.x, p.y};
@@ -47,7 +47,7 @@ void TemplateSearch::prepare(RenderedTemplate& rendered, float distance_mm) {
     const float yaw = kTuning.yaw_step_rad * static_cast<float>(k % 3 - 1),
                 roll = kTuning.roll_step_rad * static_cast<float>(k / 3 - 1);
     template_[k].direction = template_directions_ + k * kSide * kSide;
-    template_[k].turn = normalised(exp_rotation({0, 0, roll}) * exp_rotation({0, yaw, 0}));
+    template_[k].rotation = normalised(exp_rotation({0, 0, roll}) * exp_rotation({0, yaw, 0}));
     render_template(rendered, template_[k]);
   }
 }
@@ -59,9 +59,9 @@ void TemplateSearch::render_template(RenderedTemplate& rendered, Template& t) {
   const Vec2 middle{0.5f * RenderedTemplate::kSide, 0.5f * RenderedTemplate::kSide};
   for (int tilt = 0; tilt < kTilts; ++tilt)
     for (const Vec3 light : kTuning.lights) {
-      const Quat turn =
-          normalised(t.turn * exp_rotation({kTuning.pitch_step_rad * static_cast<float>(tilt - 1), 0, 0}));
-      rendered.draw(view_at(middle, 2 * scale_, turn, rendered.middle(), rho_, middle), light);
+      const Quat rotation = normalised(
+          t.rotation * exp_rotation({kTuning.pitch_step_rad * static_cast<float>(tilt - 1), 0, 0}));
+      rendered.draw(view_at(middle, 2 * scale_, rotation, rendered.middle(), rho_, middle), light);
       add_rendering(rendered);
     }
   const int renderings = kTilts * 3;
@@ -159,7 +159,7 @@ void TemplateSearch::search_scale(const Pyramid& pyramid, float scale) {
         // The middle of the rendered square lies between four pixels of the template.
         const float half = 0.5f * kSide - 0.25f;
         const Vec2 middle{static_cast<float>(x) + half, static_cast<float>(y) + half};
-        offer({(1 / ratio) * middle, scale, t.turn, here});
+        offer({(1 / ratio) * middle, scale, t.rotation, here});
       }
   }
 }

@@ -13,7 +13,7 @@ namespace pliant {
 struct Candidate {
   Vec2 x;           // px of the frame
   float scale = 0;  // px per mm
-  Quat turn;
+  Quat rotation;
   float similarity = 0;  // cosine between the gradient directions of frame and template
 };
 
@@ -38,7 +38,7 @@ class TemplateSearch {
  private:
   struct Template {
     GradientDirection* direction;
-    Quat turn;
+    Quat rotation;
     int x0, y0, x1, y1;  // the part of the square that is not zero
     float length;
   };
@@ -64,6 +64,6 @@ class TemplateSearch {
 };
 
 /// A view that puts the model point `middle` at x.
-View view_at(Vec2 x, float scale, Quat turn, Vec3 middle, float rho, Vec2 principal);
+View view_at(Vec2 x, float scale, Quat rotation, Vec3 middle, float rho, Vec2 principal);
 
 }  // namespace pliant

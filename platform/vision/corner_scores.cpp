@@ -68,6 +68,7 @@ void RowScorer::lay_out(Arena& arena, int columns) {
 }
 
 void RowScorer::start(const ImageView& image, int first, int end, int y) {
+  PLIANT_ASSERT(first >= kCornerMargin && end <= image.width - kCornerMargin && y >= kCornerMargin);
   image_ = &image;
   first_ = first;
   columns_ = end - first;

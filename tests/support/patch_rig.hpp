@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of the patch tracker share.
+// Helpers of the patch tracker's tests.
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
-// Pictures with known motion: a band-limited texture, a finite sum of plane waves that can be sampled exactly
-// anywhere, so that a moved picture carries no error but rounding and the noise asked for.
+// Images with known motion. The texture is a finite sum of plane waves, which can be sampled exactly anywhere, so
+// that a moved image has no error but rounding and the given noise.
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace texture {
 
-/// xorshift generator: the same pictures everywhere.
+/// xorshift generator: the same images on every target.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed * 2654435769u + 88172645463325252u) {}
@@ -20,7 +20,7 @@ class Random {
     state_ ^= state_ << 17;
     return low + (high - low) * static_cast<double>(state_ >> 11) / 9007199254740992.0;
   }
-  /// Sum of twelve: normal enough, bounded at six.
+  /// Approximately normal: the sum of twelve uniform numbers, bounded at six.
   double normal() {
     double s = -6;
     for (int i = 0; i < 12; ++i) s += uniform();
@@ -59,7 +59,7 @@ class Texture {
   std::vector<Wave> waves_;
 };
 
-/// Point x of the first picture is seen at c + M (x - c) + t in this one.
+/// The point x of the unmoved image lies at c + M (x - c) + t in the moved one; c is the middle.
 struct Motion {
   double a = 1, b = 0, c = 0, d = 1, tx = 0, ty = 0;
   double gain = 1, bias = 0, noise = 0;

@@ -1,4 +1,4 @@
-// A face is found without a point; what is no face is not, and it is told.
+// Detection of rendered faces, and of no face in other images.
 #include "pliant/face_detector.hpp"
 
 #include <doctest/doctest.h>
@@ -19,7 +19,7 @@ namespace {
 constexpr int kWidth = 320, kHeight = 240;
 const Camera kCamera = centred_camera(kWidth, kHeight, 1.4f * kWidth);
 
-/// Boxes and ellipses of all sizes on a blotchy ground.
+/// Boxes and ellipses of all sizes on a textured background.
 Picture clutter(Random& random, std::uint32_t seed, int things) {
   Picture image = make_backdrop(kWidth, kHeight, seed);
   for (int k = 0; k < things; ++k) {
@@ -44,7 +44,7 @@ struct Sitting {
   Picture picture;
 };
 
-/// Anybody, somewhere, before anything, in any light of the camera's.
+/// A random identity at a random place in clutter, with random brightness and noise.
 Sitting someone(Random& random, std::uint32_t seed, float size) {
   static Renderer renderer(baked_face().cascade, 120);
   Sitting s;
@@ -57,7 +57,8 @@ Sitting someone(Random& random, std::uint32_t seed, float size) {
   const Vec3 aside{0.5f * (kWidth - size) * random.uniform(-1, 1),
                    0.5f * (kHeight - size) * random.uniform(-1, 1), 0};
   s.pose.t = s.pose.t + (s.pose.t.z / kCamera.f) * aside;
-  s.picture = renderer.draw(s.q.data(), s.pose, kCamera, clutter(random, seed, 12), random.uniform(0.5f, 1.2f));
+  s.picture =
+      renderer.draw(s.q.data(), s.pose, kCamera, clutter(random, seed, 12), random.uniform(0.5f, 1.2f));
   add_noise(s.picture, random.uniform(1, 4), seed);
   return s;
 }
@@ -78,15 +79,15 @@ float landmark_error(const Sitting& truth, const Pose& pose, const float* q) {
 }
 
 struct Finding {
-  InArena<FaceDetector> finder{baked_face().model, FaceDetectorLimits{}};
+  InArena<FaceDetector> detector{baked_face().model, FaceDetectorLimits{}};
   FaceDetectorReport report;
-  Finding() { REQUIRE(finder->begin(kCamera, {}) == Status::ok); }
-  void look(const Picture& image) { REQUIRE(finder->find(image.view(), &report) == Status::ok); }
+  Finding() { REQUIRE(detector->begin(kCamera, {}) == Status::ok); }
+  void search(const Picture& image) { REQUIRE(detector->find(image.view(), &report) == Status::ok); }
 };
 
 }  // namespace
 
-TEST_CASE("whoever it is, within 20 degrees of yaw and roll and 15 of pitch, 80 to 200 px high, is found") {
+TEST_CASE("rendered faces within 20 degrees of yaw and roll and 15 of pitch, 80 to 200 px high, are found") {
   Finding f;
   Random random(7);
   std::vector<float> turns;
@@ -95,13 +96,13 @@ TEST_CASE("whoever it is, within 20 degrees of yaw and roll and 15 of pitch, 80 
   for (int k = 0; k < people; ++k) {
     const float size = random.uniform(80, 200);
     const Sitting s = someone(random, static_cast<std::uint32_t>(k + 1), size);
-    f.look(s.picture);
+    f.search(s.picture);
     CAPTURE(k);
     CAPTURE(size);
     CAPTURE(f.report.similarity);
     if (!f.report.is_found) continue;
     ++found;
-    CHECK(landmark_error(s, f.report.pose, f.finder->parameters().data) < 0.04f * size);
+    CHECK(landmark_error(s, f.report.pose, f.detector->parameters().data) < 0.04f * size);
     turns.push_back(57.29578f * length(log_rotation(f.report.pose.q * conjugate(s.pose.q))));
   }
   CHECK(found >= people - 1);
@@ -109,11 +110,11 @@ TEST_CASE("whoever it is, within 20 degrees of yaw and roll and 15 of pitch, 80 
   CHECK(turns[turns.size() / 2] < 8);
 }
 
-TEST_CASE("clutter, black, noise, an upside-down and a far-away face are not taken for one") {
+TEST_CASE("no face is found in clutter, black, noise, an upside-down face and one that is too small") {
   Finding f;
   Random random(3);
-  const auto check_nobody = [&](const Picture& image) {
-    f.look(image);
+  const auto check_no_face = [&](const Picture& image) {
+    f.search(image);
     CHECK_FALSE(f.report.is_found);
     CHECK(f.report.similarity < FaceDetectorOptions{}.min_similarity);
   };
@@ -121,77 +122,77 @@ TEST_CASE("clutter, black, noise, an upside-down and a far-away face are not tak
     CAPTURE(seed);
     Picture image = clutter(random, 50 + seed, static_cast<int>(10 * seed));
     add_noise(image, 3, seed);
-    check_nobody(image);
+    check_no_face(image);
   }
-  check_nobody(Picture(kWidth, kHeight, 0));
-  check_nobody(Picture(kWidth, kHeight, 255));
+  check_no_face(Picture(kWidth, kHeight, 0));
+  check_no_face(Picture(kWidth, kHeight, 255));
   Picture noise(kWidth, kHeight, 128);
   add_noise(noise, 40, 9);
-  check_nobody(noise);
+  check_no_face(noise);
   Sitting s = someone(random, 5, 160);
   std::reverse(s.picture.pixels.begin(), s.picture.pixels.end());
-  check_nobody(s.picture);
-  check_nobody(someone(random, 6, 30).picture);
+  check_no_face(s.picture);
+  check_no_face(someone(random, 6, 30).picture);
 }
 
-TEST_CASE("the same frame gives the same bits, whatever was looked at before, and takes no heap") {
+TEST_CASE("the same frame gives the same bits, whatever was searched before, and no heap is used") {
   Finding f;
   Random random(11);
   const Sitting s = someone(random, 2, 150);
-  f.look(s.picture);
+  f.search(s.picture);
   REQUIRE(f.report.is_found);
   const FaceDetectorReport first = f.report;
-  const std::vector<float> q(f.finder->parameters().begin(), f.finder->parameters().end());
-  f.look(clutter(random, 9, 20));
+  const std::vector<float> q(f.detector->parameters().begin(), f.detector->parameters().end());
+  f.search(clutter(random, 9, 20));
   {
     const heap_trap::Armed armed;
-    (void)f.finder->find(s.picture.view(), &f.report);
+    (void)f.detector->find(s.picture.view(), &f.report);
   }
   CHECK(heap_trap::calls == 0);
   CHECK(f.report.similarity == first.similarity);
   CHECK(f.report.pose.t.z == first.pose.t.z);
   CHECK(f.report.pose.q.x == first.pose.q.x);
-  CHECK(std::equal(q.begin(), q.end(), f.finder->parameters().begin()));
+  CHECK(std::equal(q.begin(), q.end(), f.detector->parameters().begin()));
 }
 
-TEST_CASE("a pose that somebody else found is judged by what the frame shows there") {
+TEST_CASE("compare tells a right pose from one beside the face and from a frame without it") {
   Finding f;
   Random random(13);
   const Sitting s = someone(random, 4, 140);
   float there = 0, beside = 0, nowhere = 0;
-  REQUIRE(f.finder->compare(s.picture.view(), s.pose, s.q.data(), &there) == Status::ok);
+  REQUIRE(f.detector->compare(s.picture.view(), s.pose, s.q.data(), &there) == Status::ok);
   Pose pose = s.pose;
   pose.t.x += 40;
-  REQUIRE(f.finder->compare(s.picture.view(), pose, s.q.data(), &beside) == Status::ok);
-  REQUIRE(f.finder->compare(clutter(random, 4, 15).view(), s.pose, s.q.data(), &nowhere) == Status::ok);
+  REQUIRE(f.detector->compare(s.picture.view(), pose, s.q.data(), &beside) == Status::ok);
+  REQUIRE(f.detector->compare(clutter(random, 4, 15).view(), s.pose, s.q.data(), &nowhere) == Status::ok);
   CHECK(there > 0.6f);
   CHECK(beside < 0.35f);
   CHECK(nowhere < 0.35f);
 }
 
-TEST_CASE("what cannot be used is named, and a block a byte too small is refused") {
-  InArena<FaceDetector> finder(baked_face().model, FaceDetectorLimits{});
+TEST_CASE("bad arguments get a named status, and a block that is a byte too small is refused") {
+  InArena<FaceDetector> detector(baked_face().model, FaceDetectorLimits{});
   FaceDetectorReport report;
   const Picture grey(kWidth, kHeight, 90);
   FrameView frame = grey.view();
-  CHECK(finder->find(frame, &report) == Status::not_started);
+  CHECK(detector->find(frame, &report) == Status::not_started);
   FaceDetectorOptions options;
   options.largest_fraction = 0.1f;
-  CHECK(finder->begin(kCamera, options) == Status::bad_argument);
-  CHECK(finder->begin(Camera{}, {}) == Status::bad_argument);
-  REQUIRE(finder->begin(kCamera, {}) == Status::ok);
-  CHECK(finder->find(frame, nullptr) == Status::bad_argument);
-  CHECK(finder->compare(frame, Pose{}, nullptr, nullptr) == Status::bad_argument);
-  float likeness;
+  CHECK(detector->begin(kCamera, options) == Status::bad_argument);
+  CHECK(detector->begin(Camera{}, {}) == Status::bad_argument);
+  REQUIRE(detector->begin(kCamera, {}) == Status::ok);
+  CHECK(detector->find(frame, nullptr) == Status::bad_argument);
+  CHECK(detector->compare(frame, Pose{}, nullptr, nullptr) == Status::bad_argument);
+  float similarity;
   std::vector<float> q = baked_face().rest();
   for (const float z : {-400.0f, 0.0f, 1e-30f, 1e30f, NAN}) {
     const Pose pose{{}, {0, 0, z}};
-    CHECK(finder->compare(frame, pose, q.data(), &likeness) == Status::bad_argument);
+    CHECK(detector->compare(frame, pose, q.data(), &similarity) == Status::bad_argument);
   }
   frame.width = 100;
-  CHECK(finder->find(frame, &report) == Status::size_mismatch);
+  CHECK(detector->find(frame, &report) == Status::size_mismatch);
   frame.data = nullptr;
-  CHECK(finder->find(frame, &report) == Status::bad_argument);
+  CHECK(detector->find(frame, &report) == Status::bad_argument);
 
   const auto words = egg_model(3).table();
   Model egg;

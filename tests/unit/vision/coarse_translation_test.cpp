@@ -32,7 +32,7 @@ struct Texture {
     const auto v = [&](int k, int l) { return value[static_cast<std::size_t>((j + l) * kSide + i + k)]; };
     return (1 - b) * ((1 - a) * v(0, 0) + a * v(1, 0)) + b * ((1 - a) * v(0, 1) + a * v(1, 1));
   }
-  std::vector<std::uint8_t> picture(float left, float top, float gain = 1) const {
+  std::vector<std::uint8_t> image(float left, float top, float gain = 1) const {
     std::vector<std::uint8_t> out;
     for (int y = 0; y < 60; ++y)
       for (int x = 0; x < 80; ++x)
@@ -48,13 +48,13 @@ ImageView view(const std::vector<std::uint8_t>& p) {
 
 }  // namespace
 
-TEST_CASE("a moved picture gives its shift, whole and half pixels, whatever the light") {
+TEST_CASE("a moved image gives its shift, in whole and half pixels and with another gain") {
   const Texture texture;
-  const auto before = texture.picture(40, 40);
+  const auto before = texture.image(40, 40);
   const PixelBox box{25, 18, 55, 44};
   for (float dx : {-7.0f, -0.5f, 0.0f, 3.5f})
     for (float dy : {-6.0f, 0.0f, 2.5f}) {
-      const auto now = texture.picture(40 - dx, 40 - dy, 0.8f);
+      const auto now = texture.image(40 - dx, 40 - dy, 0.8f);
       const CoarseTranslation s = find_coarse_translation(view(before), box, view(now), 8);
       CHECK(s.by.x == doctest::Approx(double(dx)).epsilon(0.05).scale(4));
       CHECK(s.by.y == doctest::Approx(double(dy)).epsilon(0.05).scale(4));
@@ -68,10 +68,11 @@ TEST_CASE("nothing to compare gives no shift") {
   CHECK(s.correlation == 0);
   CHECK(length(s.by) == 0);
   const Texture texture;
-  const auto p = texture.picture(40, 40);
+  const auto p = texture.image(40, 40);
   CHECK(find_coarse_translation({}, {10, 10, 40, 40}, view(p), 5).correlation == 0);
   CHECK(find_coarse_translation(view(p), {10, 10, 40, 40}, {p.data(), 40, 60, 80}, 5).correlation == 0);
   CHECK(find_coarse_translation(view(p), {40, 10, 10, 40}, view(p), 5).correlation == 0);
-  CHECK(find_coarse_translation(view(p), {-100, -100, 500, 500}, view(p), 5).correlation == doctest::Approx(1));
+  CHECK(find_coarse_translation(view(p), {-100, -100, 500, 500}, view(p), 5).correlation ==
+        doctest::Approx(1));
   CHECK(find_coarse_translation(view(p), {10, 10, 40, 40}, view(p), -1).correlation == 0);
 }

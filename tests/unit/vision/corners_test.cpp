@@ -190,7 +190,7 @@ TEST_CASE("equal corners are taken in reading order") {
   }
 }
 
-TEST_CASE("pictures without corners give none, unreadable ones a status") {
+TEST_CASE("images without corners give none, unreadable ones a status") {
   CHECK(find(Picture(64, 48, 0).view(), {}).corners.empty());
   CHECK(find(Picture(64, 48, 255).view(), {}).corners.empty());
   for (int side = 1; side < 12; ++side) {

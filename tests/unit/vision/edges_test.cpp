@@ -17,7 +17,7 @@ namespace {
 constexpr int kSide = 96;
 constexpr double kPi = 3.14159265358979;
 
-// Straight edges across the picture, all at the angle of one normal: steps of so many greys at so many px from the
+// Straight edges across the image, all with one normal: steps of a height in greys at a distance in px from the
 // middle, blurred by a Gaussian.
 struct Scene {
   double degrees = 0, blur = 1, noise = 0, dark = 70;
@@ -195,7 +195,7 @@ TEST_CASE("a thin line has two edges of opposite polarity, and the remembered co
       REQUIRE(one.size() == 1);
       CHECK(one[0].score * contrast > 0);
     }
-    // Seen from the other side all signs turn.
+    // With the opposite normal all signs are opposite.
     const std::vector<Observation> turned = find_at(shown.pyramid, point_at(kMiddle, -1.0f * n, 2, 0.3f));
     REQUIRE(turned.size() == 1);
     CHECK(std::abs(distance(turned[0], n) - width / 2) < 0.4);
@@ -298,7 +298,7 @@ TEST_CASE("without an edge none is found: black, white, grey, a slope, one pixel
 }
 
 TEST_CASE(
-    "a point outside, at the border, or in a picture smaller than the strip is refused with that reason") {
+    "a point outside, at the border, or in an image smaller than the strip is refused with that reason") {
   Scene s;
   s.step(0, 90);
   const Shown shown(s.render());
@@ -344,7 +344,7 @@ TEST_CASE("bad arguments are refused or harmless") {
   CHECK(reason(point_at(kMiddle, {1, 0}, 1e9f)) == Reason::found);
 }
 
-TEST_CASE("whatever the picture and the point, there is a reason and no NaN") {
+TEST_CASE("for random images and points there is a reason and no NaN") {
   texture::Random random(3);
   int found = 0;
   for (int round = 0; round < 200; ++round) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979;
 
-// A straight edge through the middle of the picture, moved by t along its normal and by any amount along itself.
+// A straight edge through the middle of the image, moved by t along its normal and by any amount along itself.
 struct Edge {
   double degrees = 0, height = 60, blur = 1.2;
 

@@ -38,7 +38,7 @@ TEST_CASE("windows that leave the image are refused with that reason") {
   CHECK(found == 0);
 }
 
-TEST_CASE("pictures without texture are flat: black, white, grey, an edge, one pixel of noise") {
+TEST_CASE("images without texture are flat: black, white, grey, an edge, one pixel of noise") {
   Picture edge(kWidth, kHeight, 60);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 120; x < kWidth; ++x) edge.at(x, y) = 180;
@@ -187,7 +187,7 @@ TEST_CASE("a start of known deviation leads to the same position as one without"
   }
 }
 
-TEST_CASE("whatever the picture, the place and the options, there is a status and no NaN") {
+TEST_CASE("for random images, positions and options there is a status and no NaN") {
   texture::Random random(99);
   const auto pick = [&](int low, int high) { return static_cast<int>(random.uniform(low, high + 1)); };
   int found = 0;

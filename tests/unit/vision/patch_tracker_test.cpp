@@ -39,7 +39,7 @@ struct Errors {
   double mean_chi2() const { return chi2 / static_cast<double>(all.size()); }
 };
 
-// Anchors in the unmoved picture, tracked into the moved one from where they were.
+// Templates of the unmoved image, tracked into the moved one from their old positions.
 Errors track_anchors(const Motion& m, const Mat2& warp = {}, const PatchOptions& options = {},
                      double contrast = 22, PatchLimits limits = {200, 11, 3, 5}) {
   const Texture texture(11, contrast);
