@@ -15,19 +15,12 @@
 
 namespace pliant {
 
-/// Texture around one point.
-struct CornerScore {
-  float lambda_min = 0;  ///< eigenvalues of the mean structure tensor, (grey/px)^2; 0 if unknown
-  float lambda_max = 0;
-  Vec2 direction;  ///< unit, of the strongest gradient (eigenvector of lambda_max), x >= 0; zero where flat
-};
-
 /// Smallest distance of a scored point from the border of the image, px.
 constexpr int kCornerMargin = 4;
 
-/// The texture around the pixel nearest to x. All zero for an unreadable view, a NaN, or a point closer to the border
+/// The measure of the pixel nearest to x, (grey/px)^2. 0 for an unreadable view, a NaN, or a point closer to the border
 /// than kCornerMargin. Cost: 49 gradients.
-CornerScore corner_score(const ImageView& image, Vec2 x);
+float corner_score(const ImageView& image, Vec2 x);
 
 struct Corner {
   Vec2 x;           ///< whole pixels

@@ -51,11 +51,11 @@ struct PatchLimits {
   bool keeps_templates = false;
 };
 
-/// Bytes of one slot that keeps no template: 1,647 with the default limits. 494 with a window of 11, two levels and a
+/// Bytes of one slot that keeps no template: 1,639 with the default limits. 486 with a window of 11, two levels and a
 /// margin of 1, which is enough where a window turns by less than 15 degrees between capture and search.
 constexpr int patch_slot_bytes(const PatchLimits& l) {
   const int side = l.window + 2 + 2 * l.margin;
-  return l.levels * (side * side + 16) + 12;
+  return l.levels * (side * side + 16) + 4;
 }
 
 /// How to search, and which results to accept.
@@ -104,8 +104,6 @@ class PatchTracker {
   /// Empties the slot, if there is such a slot.
   void release(int slot);
   bool is_captured(int slot) const;
-  /// The position that the slot's template was captured at; zero for an empty slot.
-  Vec2 anchor(int slot) const;
 
   /// Finds the slot's template in `current`, from `start` (px of level 0).
   /// \param warp  displacement in the current image = warp * displacement in the template (J_cur J_ref^-1).

@@ -57,7 +57,7 @@ void SurfaceTexture::note(const Estimator& estimator, const FrameRegion& region,
     }
     for (const auto& w : kSamples) {
       const float lambda =
-          corner_score(region.pyramid().level(0), w[0] * x[0] + w[1] * x[1] + w[2] * x[2]).lambda_min;
+          corner_score(region.pyramid().level(0), w[0] * x[0] + w[1] * x[1] + w[2] * x[2]);
       cell(w[0] * uv[0] + w[1] * uv[1] + w[2] * uv[2]) =
           static_cast<std::uint8_t>(kTuning.steps * min(lambda / kTuning.unit_lambda, kTuning.most_score));
     }

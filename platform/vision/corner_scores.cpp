@@ -2,8 +2,6 @@
 
 #include <cstring>
 
-#include "vision/tensor.hpp"
-
 namespace pliant::corners {
 namespace {
 
@@ -42,14 +40,9 @@ float smallest_eigenvalue(float xx, float xy, float yy) {
 
 }  // namespace
 
-CornerScore score_of(const Tensor& t) {
-  const auto xx = static_cast<float>(t.xx), xy = static_cast<float>(t.xy), yy = static_cast<float>(t.yy);
-  const float smallest = smallest_eigenvalue(xx, xy, yy), largest = xx + yy - smallest;
-  CornerScore s;
-  s.lambda_min = kMean * smallest;
-  s.lambda_max = kMean * largest;
-  s.direction = strongest_direction({xx, xy, yy}, smallest);
-  return s;
+float score_of(const Tensor& t) {
+  return kMean *
+         smallest_eigenvalue(static_cast<float>(t.xx), static_cast<float>(t.xy), static_cast<float>(t.yy));
 }
 
 void RowScorer::lay_out(Arena& arena, int columns) {

@@ -18,7 +18,8 @@ static_assert(kCornerMargin == kRadius + 1, "a gradient needs one pixel more");
 struct Tensor {
   std::int32_t xx, xy, yy;
 };
-CornerScore score_of(const Tensor& t);
+/// The smaller eigenvalue of the mean structure tensor, (grey/px)^2.
+float score_of(const Tensor& t);
 
 /// Scores the columns [first, end) of one row after the other. All scored pixels keep kCornerMargin from the border.
 class RowScorer {

@@ -180,12 +180,12 @@ int choose(const Grid& g, int candidates, float min_distance, Span<Corner> out) 
 
 }  // namespace
 
-CornerScore corner_score(const ImageView& image, Vec2 x) {
-  if (check(image) != Status::ok || !is_finite(x)) return {};
+float corner_score(const ImageView& image, Vec2 x) {
+  if (check(image) != Status::ok || !is_finite(x)) return 0;
   const float m = kCornerMargin - 0.5f;
   if (x.x < m || x.y < m || x.x >= static_cast<float>(image.width) - 1 - m ||
       x.y >= static_cast<float>(image.height) - 1 - m)
-    return {};
+    return 0;
   const int cx = static_cast<int>(x.x + 0.5f), cy = static_cast<int>(x.y + 0.5f);
   corners::Tensor t{};
   const std::ptrdiff_t s = image.stride;

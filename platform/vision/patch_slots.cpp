@@ -10,7 +10,7 @@ void PatchSlots::lay_out(Arena& arena, const PatchLimits& limits) {
   const auto count = static_cast<std::size_t>(limits.slots);
   const auto squares = count * static_cast<std::size_t>(limits.levels);
   const std::size_t bytes = squares * square_bytes() + kReadAhead;
-  slots_ = arena.take<Slot>(count);
+  levels_ = arena.take<int>(count);
   stored_ = arena.take<StoredTemplate>(squares);
   pixels_ = arena.take<std::uint8_t>(bytes);
   cached_ = limits.keeps_templates ? arena.take<CachedTemplate>(count) : nullptr;
@@ -21,7 +21,7 @@ void PatchSlots::lay_out(Arena& arena, const PatchLimits& limits) {
   }
   if (pixels_ == nullptr) return;
   std::memset(pixels_, 0, bytes);
-  for (std::size_t s = 0; s < count; ++s) slots_[s] = {{}, 0};
+  for (std::size_t s = 0; s < count; ++s) levels_[s] = 0;
 }
 
 void PatchSlots::store(int slot, const Pyramid& pyramid, Vec2 x) {
@@ -32,7 +32,7 @@ void PatchSlots::store(int slot, const Pyramid& pyramid, Vec2 x) {
     store_template(pyramid.level(l), scale * x, side(), stored_[k],
                    pixels_ + static_cast<std::size_t>(k) * square_bytes());
   }
-  slots_[slot] = {x, levels};
+  levels_[slot] = levels;
   if (cached_ != nullptr) cached_[slot].is_made = false;
 }
 

@@ -19,14 +19,20 @@ class PatchSlots {
   void lay_out(Arena& arena, const PatchLimits& limits);
 
   bool is_slot(int slot) const { return slot >= 0 && slot < limits_.slots; }
-  bool is_captured(int slot) const { return is_slot(slot) && slots_[slot].levels > 0; }
-  /// Stored levels, 0 for an empty slot, and the captured point (px of level 0). Precondition: is_slot.
-  int levels(int slot) const { return slots_[slot].levels; }
-  Vec2 anchor(int slot) const { return slots_[slot].x; }
+  bool is_captured(int slot) const { return is_slot(slot) && levels_[slot] > 0; }
+  /// Stored levels, 0 for an empty slot. Precondition: is_slot.
+  int levels(int slot) const {
+    PLIANT_ASSERT(is_slot(slot));
+    return levels_[slot];
+  }
 
   /// Stores the surroundings of x (px of level 0) on each level.
   void store(int slot, const Pyramid& pyramid, Vec2 x);
-  void release(int slot) { slots_[slot].levels = 0; }
+  /// Empties the slot. Precondition: is_slot.
+  void release(int slot) {
+    PLIANT_ASSERT(is_slot(slot));
+    levels_[slot] = 0;
+  }
 
   /// A stored level. Precondition: level < levels(slot).
   const StoredTemplate& stored(int slot, int level) const { return stored_[square(slot, level)]; }
@@ -38,10 +44,6 @@ class PatchSlots {
   CachedTemplate* cached(int slot) const { return cached_ != nullptr ? cached_ + slot : nullptr; }
 
  private:
-  struct Slot {
-    Vec2 x;
-    int levels;  // 0: empty
-  };
   int square(int slot, int level) const {
     PLIANT_ASSERT(is_slot(slot) && level >= 0 && level < limits_.levels);
     return slot * limits_.levels + level;
@@ -51,7 +53,7 @@ class PatchSlots {
   }
 
   PatchLimits limits_{0, 0, 0, 0};
-  Slot* slots_ = nullptr;
+  int* levels_ = nullptr;  // stored, of each slot; 0: empty
   CachedTemplate* cached_ = nullptr;
   StoredTemplate* stored_ = nullptr;  // of each slot and level
   std::uint8_t* pixels_ = nullptr;    // of the stored templates, in the same order

@@ -68,10 +68,6 @@ bool PatchTracker::is_captured(int slot) const {
   return state_ != nullptr && state_->slots.is_captured(slot);
 }
 
-Vec2 PatchTracker::anchor(int slot) const {
-  return is_captured(slot) ? state_->slots.anchor(slot) : Vec2{};
-}
-
 PatchResult PatchTracker::track(int slot, const Pyramid& current, Vec2 start, const Mat2& warp,
                                 const PatchOptions& options) {
   if (state_ == nullptr || !state_->slots.is_slot(slot) || !is_plausible(warp))

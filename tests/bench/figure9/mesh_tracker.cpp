@@ -93,7 +93,7 @@ void MeshTracker::score_chart() {
     for (int i = 0; i < n; ++i) {
       const Vec2 uv{(static_cast<float>(i) + 0.5f) / n, (static_cast<float>(j) + 0.5f) / n};
       const Sight sight = sight_in_frame_0(uv);
-      if (sight.facing >= kMinFacing) score_.set(uv, corner_score(first_->level(0), sight.x).lambda_min);
+      if (sight.facing >= kMinFacing) score_.set(uv, corner_score(first_->level(0), sight.x));
     }
   score_.normalise();
 }

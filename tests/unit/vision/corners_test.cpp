@@ -83,8 +83,8 @@ TEST_CASE("scores are the smaller eigenvalue of the mean structure tensor") {
   const Picture p = textured(80, 60);
   for (int y = 4; y < 56; y += 3)
     for (int x = 4; x < 76; x += 3) {
-      const CornerScore s = corner_score(p.view(), {static_cast<float>(x), static_cast<float>(y)});
-      CHECK(double(s.lambda_min) == doctest::Approx(plain_score(p.view(), x, y)).epsilon(1e-4));
+      const float s = corner_score(p.view(), {static_cast<float>(x), static_cast<float>(y)});
+      CHECK(double(s) == doctest::Approx(plain_score(p.view(), x, y)).epsilon(1e-4));
     }
 }
 
@@ -92,7 +92,7 @@ TEST_CASE("the scan and the score of a single point agree to the bit") {
   const Picture p = textured(120, 90);
   const Found f = find(p.view(), {});
   REQUIRE(f.corners.size() > 20);
-  for (const Corner& c : f.corners) CHECK(c.score == corner_score(p.view(), c.x).lambda_min);
+  for (const Corner& c : f.corners) CHECK(c.score == corner_score(p.view(), c.x));
 }
 
 TEST_CASE("every corner is the best within its neighbourhood") {
@@ -100,8 +100,8 @@ TEST_CASE("every corner is the best within its neighbourhood") {
   for (const Corner& c : find(p.view(), {}).corners)
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx)
-        CHECK(corner_score(p.view(), {c.x.x + static_cast<float>(dx), c.x.y + static_cast<float>(dy)})
-                  .lambda_min <= c.score);
+        CHECK(corner_score(p.view(), {c.x.x + static_cast<float>(dx), c.x.y + static_cast<float>(dy)}) <=
+              c.score);
 }
 
 TEST_CASE("corners come best first, keep their distance, and fewer are the first of more") {
@@ -117,21 +117,6 @@ TEST_CASE("corners come best first, keep their distance, and fewer are the first
     if (i > 0) CHECK(all.corners[i - 1].score >= c.score);
     if (i < 10) CHECK((few.corners[i].x.x == c.x.x && few.corners[i].x.y == c.x.y));
     for (std::size_t k = 0; k < i; ++k) CHECK(length(all.corners[k].x - c.x) >= 11);
-  }
-}
-
-TEST_CASE("the direction is across an edge, whatever its angle") {
-  for (int degrees = -85; degrees <= 90; degrees += 5) {
-    const double angle = degrees * 3.14159265 / 180, nx = std::cos(angle), ny = std::sin(angle);
-    Picture p(40, 40);
-    for (int y = 0; y < 40; ++y)
-      for (int x = 0; x < 40; ++x)
-        p.at(x, y) = static_cast<std::uint8_t>(120 + 80 * std::tanh(0.4 * ((x - 20) * nx + (y - 20) * ny)));
-    const CornerScore s = corner_score(p.view(), {20, 20});
-    CHECK(s.lambda_max > 30);
-    CHECK(s.lambda_min < 0.02f * s.lambda_max);
-    CHECK(std::fabs(double(s.direction.x) * nx + double(s.direction.y) * ny) > 0.999);
-    CHECK(s.direction.x >= 0);
   }
 }
 
@@ -222,9 +207,8 @@ TEST_CASE("points near the border or outside, and NaN, score nothing") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const Vec2 x :
        {Vec2{3, 15}, Vec2{36, 15}, Vec2{20, 3}, Vec2{20, 26}, Vec2{-5, 5}, Vec2{1e30f, 5}, Vec2{nan, 5}})
-    CHECK(corner_score(p.view(), x).lambda_max == 0);
-  for (const Vec2 x : {Vec2{4, 4}, Vec2{35, 25}, Vec2{3.6f, 25.4f}})
-    CHECK(corner_score(p.view(), x).lambda_max > 0);
+    CHECK(corner_score(p.view(), x) == 0);
+  for (const Vec2 x : {Vec2{4, 4}, Vec2{35, 25}, Vec2{3.6f, 25.4f}}) CHECK(corner_score(p.view(), x) > 0);
 }
 
 TEST_CASE("too little scratch is a status") {
