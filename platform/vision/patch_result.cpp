@@ -1,7 +1,7 @@
 #include "vision/patch_result.hpp"
 
 #include "vision/patch_tuning.hpp"
-#include "vision/tensor.hpp"
+#include "vision/structure_tensor.hpp"
 
 namespace pliant {
 

@@ -2,7 +2,7 @@
 
 #include "vision/patch_arrays.hpp"
 #include "vision/patch_tuning.hpp"
-#include "vision/tensor.hpp"
+#include "vision/structure_tensor.hpp"
 
 namespace pliant::patch {
 

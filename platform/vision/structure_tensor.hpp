@@ -1,5 +1,5 @@
 #pragma once
-// Eigenvectors of structure tensors.
+// Eigenvalues and eigenvectors of a structure tensor.
 #include "pliant/geometry.hpp"
 
 namespace pliant {
@@ -16,7 +16,7 @@ inline Eigenvalues eigenvalues(const Sym2& s) {
 
 /// Unit eigenvector of the largest eigenvalue, x >= 0; zero where both are the same.
 inline Vec2 strongest_direction(const Sym2& s, float smallest) {
-  // Both rows of S - smallest I point along it; the longer one is the exacter.
+  // Both rows of S - smallest I are parallel to it; the longer one has the smaller rounding error.
   const Vec2 u{s.xx - smallest, s.xy}, v{s.xy, s.yy - smallest};
   const Vec2 w = dot(u, u) >= dot(v, v) ? u : v;
   const float norm = length(w);
