@@ -1,6 +1,6 @@
 #pragma once
-// Elementary functions in double from + - * / alone: the same bits on every target. For tables made at set-up
-// and for starts of searches, not for inner loops.
+// Elementary functions in double from + - * / only: the same bits on every target. For tables computed at set-up and for
+// initial values, not for inner loops.
 #include <cstdint>
 
 namespace pliant {
@@ -13,7 +13,7 @@ double natural_log(double x);
 double exponential(double x);
 /// Standard normal quantile of p in (0,1), absolute error below 4.5e-4 (Abramowitz & Stegun 26.2.23).
 double normal_quantile(double p);
-/// tanh x, absolute error below 2e-4 (a Pade quotient, held at its limits beyond +-4.9).
+/// tanh x, absolute error below 2e-4 (a Pade quotient; constant beyond +-4.9).
 float hyperbolic_tangent(float x);
 
 /// x = mantissa * 2^exponent, mantissa in [0.5, 1), for normal x > 0.

@@ -85,7 +85,7 @@ Quat exp_rotation(Vec3 w) {
 
 Vec3 log_rotation(Quat q) {
   q = normalised(q);
-  // Square roots of the rotation until the vector part is small, then arcsin's series.
+  // Takes square roots of the rotation until its vector part is small, then the series of the arcsine.
   float scale = 2;
   for (int k = 0; k < 6 && q.x * q.x + q.y * q.y + q.z * q.z > 0.01f; ++k) {
     const float half = square_root(0.5f * (1 + q.w));

@@ -36,7 +36,7 @@ void IdSet::reset(std::size_t used) {
   lowest_ = used / 64;
 }
 
-// The first word with a free id, after the last one of `emptied` was taken. No word before it has any.
+// Finds the first word with a free id, after the last id of word `emptied` was taken. No earlier word has one.
 void IdSet::find_lowest(std::size_t emptied) {
   const std::size_t groups = words_for(words_for(capacity_));
   std::size_t group = emptied >> 6;

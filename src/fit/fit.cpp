@@ -70,7 +70,7 @@ bool has_silhouette_points(Span<const Correspondence> points) {
   return false;
 }
 
-/// The residual of a point at the accepted state, projected minus observed; the part that counts.
+/// The part of a point's residual that counts, projected minus observed, at the accepted state.
 Vec2 residual_of(const FitProblem& problem, const Projector& projector, std::size_t point) {
   const Vec2 observed = problem.points[point].x;
   Vec2 x = observed;
@@ -109,7 +109,7 @@ bool Fitter::has_slid(std::size_t point) const {
   return normal != nullptr && dot(normal[point], normal[point]) > 0;
 }
 
-/// Inside, there is no lens: the points are moved to where a pinhole camera would have seen them, the residuals back.
+/// The fit itself has no lens: points are undistorted before it, residuals distorted after it.
 Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
                    const FitDetails& details) {
   State& s = *state_;

@@ -6,7 +6,7 @@ namespace pliant {
 
 namespace {
 
-/// Where the points are on average, on the model (mm) and in the image (px).
+/// Mean of the points on the model (mm) and in the image (px).
 struct Means {
   Vec3 p;
   Vec2 x;
@@ -78,7 +78,7 @@ View weak_perspective_view(WeakPerspectiveRows rows, const Means& mean, bool mir
   return view;
 }
 
-/// The same scale and mean, with the model turned by `yaw_rad` about the vertical.
+/// A view of the same scale and mean, with the model turned by `yaw_rad` about the vertical.
 View turned_view(const View& like, float yaw_rad, const Means& mean) {
   View view = like;
   view.q = exp_rotation({0, yaw_rad, 0});

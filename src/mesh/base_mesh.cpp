@@ -1,7 +1,8 @@
-// Checks, orientation and the two ways into basic blocks (the paper, 5.1; the second is ours).
+// Checks, orientation, and two methods to make basic blocks: the paper's (5.1), and pairing (docs/algorithms.md, section
+// 1.3).
 //
-// Where a face is split, at an edge or at its middle, each child keeps one of its whole edges as subdivision
-// edge. Two neighbours that share a whole edge then agree on it, which is all that basic blocks ask for.
+// When a face is split, at an edge or at its middle, each child takes one of the face's whole edges as its subdivision edge.
+// Two neighbours that share a whole edge then both have it as subdivision edge: they form a basic block.
 #include "pliant/base_mesh.hpp"
 
 #include "base/heap_sort.hpp"
@@ -50,7 +51,7 @@ void BaseMeshMaker::lay_out(Arena& arena, const BaseMeshLimits& limits) {
 
 // --- Checks and orientation ---
 
-// Finds for each side of each face the side across the edge, whichever way it runs.
+// Finds for each side of each face the side across the edge, of either direction.
 Status BaseMeshMaker::find_neighbours() {
   const std::size_t count = 3 * face_count_;
   for (std::size_t i = 0; i < count; ++i) {
@@ -77,7 +78,7 @@ Status BaseMeshMaker::find_neighbours() {
   return Status::ok;
 }
 
-// Spreads each part's first winding over the part; then turns the part as a whole if asked to.
+// Gives each part the winding of its first face, then turns the part as a whole where the caller wants it.
 Status BaseMeshMaker::orient(Span<const Vec2> uv, Winding winding) {
   for (std::size_t f = 0; f < face_count_; ++f) flag_[f] = flip_[f] = 0;
   for (std::size_t first = 0; first < face_count_; ++first) {
@@ -148,7 +149,7 @@ float BaseMeshMaker::squared_length(HalfEdgeId h, Span<const Vec3> position) con
   return dot(d, d);
 }
 
-// Equal lengths are ordered by the place of their midpoints, so that the order of the input does not show.
+// Equal lengths are ordered by the place of their midpoints: the result does not depend on the order of the input.
 std::size_t BaseMeshMaker::sort_edges(Span<const Vec3> position) {
   std::size_t count = 0;
   for (const FaceId f : mesh_.faces())
@@ -168,7 +169,7 @@ std::size_t BaseMeshMaker::sort_edges(Span<const Vec3> position) {
   return count;
 }
 
-// --- The paper's way ---
+// --- Splits, the paper's method ---
 
 void BaseMeshMaker::split_edges(std::size_t edge_count) {
   const std::size_t whole_faces = face_count_;
@@ -225,7 +226,7 @@ HalfEdgeId BaseMeshMaker::longest_boundary_edge(FaceId f, Span<const Vec3> posit
   return best;
 }
 
-// Long edges first, then whatever exchange it takes.
+// Pairs greedily across long edges, then completes the matching by exchanges.
 void BaseMeshMaker::pair_faces(std::size_t edge_count) {
   for (std::size_t f = 0; f < face_count_; ++f) {
     mate_[f] = kNone;

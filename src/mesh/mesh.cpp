@@ -1,10 +1,9 @@
 // The four stellar operators and restricted refinement on a half-edge mesh (the paper, section 4).
 //
-// One rule makes every split invertible without a history: of the two halves of a bisected face, the one at
-// the origin of the subdivision edge keeps the face's id, and in both halves the new vertex is corner 2. A
-// vertex all of whose faces still have it at corner 2 is therefore exactly as its split left it, and out(v),
-// which the split put on the split edge and which every later operator leaves in its direction, tells which
-// diagonal to restore.
+// One rule makes every split invertible without a history. Of the two halves of a bisected face, the one at the origin of
+// the subdivision edge keeps the face's id, and the new vertex is corner 2 of both halves. So when a vertex is corner 2 of
+// all its faces, these are exactly as its split left them. The split sets out(v) along the split edge, and later operators
+// keep its direction: it gives the edge to restore.
 #include "pliant/mesh.hpp"
 
 #include "pliant/mesh_star.hpp"
@@ -20,7 +19,7 @@ Vec2 midpoint(Vec2 a, Vec2 b) {
   return 0.5f * (a + b);
 }
 
-// The sum of three in rising order, so that it does not depend on which comes first.
+// The sum of three numbers in ascending order, so that it does not depend on the order of the arguments.
 float ordered_sum(float a, float b, float c) {
   const float low = min(a, min(b, c)), high = max(a, max(b, c));
   const float middle = max(min(a, b), min(max(a, b), c));
@@ -49,7 +48,7 @@ void Mesh::lay_out(Arena& arena, const MeshLimits& limits) {
 
 // --- Records ---
 
-// Inside, ids are 32 bits wide: compilers do better with them.
+// Ids are 32 bits wide inside functions: the code is smaller and faster.
 
 void Mesh::set_face(Wide f, Wide a, Wide b, Wide c) {
   VertexId* corner = corner_ + 3 * f;
@@ -69,7 +68,7 @@ void Mesh::attach(Wide h, Wide outer) {
   if (outer != kNone) twin_[outer] = narrow(h);
 }
 
-// Half-edge `from` is half-edge `to` from now on.
+// Half-edge `from` becomes half-edge `to`.
 void Mesh::move_out(Wide v, Wide from, Wide to) {
   const Wide out = vertices_[v].out;
   vertices_[v].out = narrow(out == from ? to : out);
@@ -81,7 +80,7 @@ void Mesh::note_change(VertexId v) {
   changes_[change_count_++] = v;
 }
 
-// Unused entries of the list are zero, so that the same mesh is the same bytes.
+// Unused entries of the list are zero, so that equal meshes have equal bytes.
 void Mesh::clear_changes() {
   for (std::size_t i = 0; i < change_count_; ++i) {
     vertices_[changes_[i]].changed = 0;
@@ -177,8 +176,7 @@ void Mesh::weld_weldable(VertexId v) {
   remove_vertex(v);
 }
 
-// Corner 2 is the newest on a restricted mesh; the levels of a free one follow no rule but that new vertices
-// are newest.
+// Corner 2 has the highest level of a face of a restricted mesh. On a free mesh any corner may have it.
 int Mesh::newest_level(Wide f) const {
   int newest = vertices_[corner_[3 * f + 2]].level;
   for (Wide k = 0; !restricted_ && k < 2; ++k)
@@ -289,9 +287,8 @@ Status Mesh::refine(FaceId f) {
   return Status::ok;
 }
 
-// What stands in the way of a weld is a face around v with a newer vertex at corner 2: that one goes first.
-// Levels rise along the stack, so it is never deeper than the levels there are, and each turn pushes one or
-// removes one.
+// A face around v with a newer vertex at corner 2 prevents the weld: that vertex is welded first. Levels rise along the
+// stack, so it is not deeper than the number of levels. Each turn pushes a vertex or removes one.
 Status Mesh::simplify(VertexId v) {
   if (!restricted_ || !is_live_vertex(v) || level(v) == 0) return Status::not_ready;
   VertexId stack[MeshLimits::kDeepest + 1];

@@ -1,4 +1,4 @@
-// From triangles to a half-edge mesh, checking everything and using no memory but the mesh's own.
+// Makes a half-edge mesh of triangles and checks them, without memory besides the mesh's own.
 #include "pliant/mesh.hpp"
 #include "pliant/mesh_star.hpp"
 
@@ -36,9 +36,8 @@ Status Mesh::check_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corn
   return Status::ok;
 }
 
-// While twins are being found, the half-edges that leave a vertex and have not found theirs form a list:
-// out(v) is its head, twin(h) the next. One that is found leaves the list, which frees its twin entry for the
-// answer.
+// While twins are being found, the half-edges that leave a vertex and have no twin yet form a list: out(v) is its head,
+// twin(h) the next entry. A half-edge whose twin is found leaves the list, so its twin entry can hold the result.
 bool Mesh::take_from_bucket(HalfEdgeId h) {
   HalfEdgeId* at = &vertices_[origin(h)].out;
   while (*at != kNone && *at != h) at = &twin_[*at];
@@ -47,7 +46,7 @@ bool Mesh::take_from_bucket(HalfEdgeId h) {
   return true;
 }
 
-// Looks at all half-edges between the ends of h and gives h its twin, or names the defect.
+// Finds the twin of h among all half-edges between its ends. \return the defect, if there is one.
 Status Mesh::find_twin(HalfEdgeId h) {
   if (!take_from_bucket(h)) return Status::ok;
   const VertexId a = origin(h), b = destination(h);
@@ -91,8 +90,7 @@ Status Mesh::find_twins() {
   return Status::ok;
 }
 
-// Gives every vertex its outgoing half-edge and sees that its faces form one fan. Counts faces a vertex in
-// changes_.
+// Gives every vertex its outgoing half-edge, and checks that its faces form one fan. Counts faces a vertex in changes_.
 Status Mesh::find_fans() {
   for (const FaceId f : faces())
     for (int k = 0; k < 3; ++k) {
@@ -140,8 +138,7 @@ Status Mesh::set_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corner
 
 Status Mesh::make_base() {
   if (restricted_ || face_count() == 0) return Status::not_ready;
-  // Ids of base elements are the lowest, which holds unless something was welded out of order on the free
-  // mesh.
+  // Base ids have to be the lowest ones. They are, unless the free mesh was welded in another order than it was split.
   const auto vertex_total = static_cast<std::size_t>(vertex_count()),
              face_total = static_cast<std::size_t>(face_count());
   if (vertex_ids_.next_used(vertex_total) != vertex_ids_.capacity() ||

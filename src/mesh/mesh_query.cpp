@@ -1,4 +1,4 @@
-// Queries on the half-edge mesh that walk.
+// Queries that walk over the half-edge mesh.
 #include "pliant/mesh.hpp"
 #include "pliant/mesh_star.hpp"
 
@@ -19,7 +19,7 @@ HalfEdgeId Mesh::find_half_edge(VertexId a, VertexId b) const {
   return kNone;
 }
 
-// A loop is counted at its lowest half-edge; a walk that meets a lower one stops, which is soon for most.
+// A loop is counted at its lowest half-edge. A walk stops when it meets a lower one, for most starts soon.
 int Mesh::find_boundary_loops(Span<HalfEdgeId> loops) const {
   int count = 0;
   for (const FaceId f : faces())

@@ -1,5 +1,4 @@
-// The invariants of the half-edge mesh, checked one by one; their numbers are those of Mesh::validate's
-// comment.
+// Checks of the invariants of the half-edge mesh; MeshFault lists their numbers.
 #include <cstring>
 
 #include "pliant/mesh.hpp"

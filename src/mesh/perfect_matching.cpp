@@ -1,7 +1,6 @@
-// Edmonds' search for an augmenting path (1965), with one more way to end: an outer face that may stay
-// single. From the unmatched root, outer faces are those reached by an even alternating path; if one of them
-// can do without a partner, shifting all pairs along its path gives the root a partner and leaves that one
-// single.
+// Edmonds' search for an augmenting path (1965), with one more way to end: at an outer face that may stay single. Outer
+// faces are those that an alternating path of even length connects with the unmatched root. If one of them may stay single,
+// shifting all pairs along its path gives the root a partner and leaves that face single.
 #include "mesh/perfect_matching.hpp"
 
 namespace pliant {
@@ -26,7 +25,7 @@ FaceId FaceMatching::neighbour(FaceId f, int k) const {
   return t == kNone ? kNone : Mesh::face_of(t);
 }
 
-// Everything but the labels of the last search is as new before each one, so that a short search stays short.
+// Only the labels of the last search have to be cleared before the next: a short search stays cheap.
 void FaceMatching::label(FaceId f) {
   m_.visited[visited_count_++] = f;
 }
@@ -46,7 +45,7 @@ void FaceMatching::make_outer(FaceId f) {
   m_.queue[tail_++] = f;
 }
 
-// The first outer face that the ways from a and from b to the root have in common, as bases of blossoms.
+// The first outer face, as base of a blossom, that the paths from a and from b to the root share.
 FaceId FaceMatching::common_base(FaceId a, FaceId b) {
   for (FaceId x = m_.base[a];; x = m_.base[m_.parent[m_.mate[x]]]) {
     m_.flags[x] |= kOnPath;
@@ -79,8 +78,7 @@ void FaceMatching::contract(FaceId v, FaceId to) {
   for (std::size_t i = 0; i < visited_count_; ++i) {
     const FaceId f = m_.visited[i];
     if ((m_.flags[m_.base[f]] & kInBlossom) == 0) continue;
-    // Bases are cleared below: whether f is in the cycle must not depend on whether its base was met before
-    // it.
+    // Bases are cleared below, not here: whether f is in the cycle must not depend on the order of the faces.
     m_.flags[f] |= kOnPath;
   }
   for (std::size_t i = 0; i < visited_count_; ++i) {
@@ -93,7 +91,7 @@ void FaceMatching::contract(FaceId v, FaceId to) {
   }
 }
 
-// Looks at the neighbours of outer face v. True when a path was found: it ends at found_.
+// Visits the neighbours of outer face v. True when a path was found: it ends at found_.
 bool FaceMatching::grow(FaceId v) {
   if (v != root_ && may_stay_single(v)) {
     found_ = m_.mate[v];
@@ -119,7 +117,7 @@ bool FaceMatching::grow(FaceId v) {
   return false;
 }
 
-// Pairs along the path from `end`, which has lost its partner or never had one, back to the root.
+// Shifts the pairs along the path from `end`, a face without partner, back to the root.
 void FaceMatching::flip_path(FaceId end) {
   while (end != kNone) {
     const FaceId outer = m_.parent[end], next = m_.mate[outer];

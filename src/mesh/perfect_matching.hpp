@@ -1,6 +1,6 @@
 #pragma once
-// Pairing the faces of a mesh with neighbours, every one but those that have an edge on the boundary and so
-// may stay alone. Edmonds' blossom algorithm, one augmenting path at a time, in memory given from outside.
+// Pairs the faces of a mesh with neighbours. Faces with an edge on the boundary may stay single. Edmonds' blossom algorithm,
+// one augmenting path at a time, in memory of the caller.
 #include "pliant/mesh.hpp"
 
 namespace pliant {

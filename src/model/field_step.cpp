@@ -4,8 +4,8 @@ namespace pliant {
 
 namespace {
 
-// The functions below are templates on kDerive: without it they compute p alone. They are inlined, so that what nobody reads
-// of a FieldStep is not computed.
+// The functions below are templates on kDerive; without it they compute p only. They are inlined so that the compiler removes
+// what the caller does not read.
 
 constexpr Mat3 kIdentity{};
 

@@ -25,7 +25,8 @@ void JacobianRegisters::propagate(const CascadePlan& plan, const CascadeRecord& 
   };
   JacobianRegister& out = registers_[plan.register_of(record)];
   const JacobianRegister *first = source(0), *second = source(1);
-  // The record's register holds the columns of a source, which stay and are mapped, or old ones, which go.
+  // The record's register holds the columns of one of its sources, which are mapped in place, or old columns, which are
+  // removed.
   const float scale_in_place = first == &out ? f.keep : f.keep_second;
   if (first != &out && second != &out) {
     out.clear();

@@ -6,8 +6,8 @@ namespace pliant {
 
 namespace {
 
-/// Marks, in the place of a sample's x, a run of samples that are left out; y is its length. Model::open bounds samples
-/// far below this. A cached value may be anything, but is never left out: the flag of its record tells.
+/// The x of a marker that replaces a run of samples; its y is the length of the run. No live record's sample has this value,
+/// because Model::open bounds samples. A cached value may have it, but its record lacks the flag kMaySkip.
 constexpr float kLeftOut = 3e38f;
 
 bool is_zero(Vec3 v) {

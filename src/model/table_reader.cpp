@@ -1,4 +1,4 @@
-// The check of a model table: one pass over everything, so that nothing needs checking afterwards.
+// Checks a model table in one pass. Nothing has to be checked again later.
 #include "model/table_reader.hpp"
 
 #include <cstring>
@@ -17,7 +17,7 @@ constexpr std::size_t kMaxRecordCount = 320;
 constexpr std::size_t kMaxSections = 64;
 constexpr std::size_t kMaxSide = 4096;  // samples or pixels
 /// No sample, limit, pivot or matrix element is larger, in its unit (mm for positions: a kilometre). Keeps what is
-/// computed from a table far from overflow, and below the marks that the library puts in the place of samples.
+/// computed from a table far from overflow, and below the marker that replaces samples (sampled_point.cpp).
 constexpr float kMaxMagnitude = 1e6f;
 /// Smallest side of a field's rectangle in (u,v): dividing by it keeps sample positions finite.
 constexpr float kMinSupport = 1e-6f;

@@ -1,5 +1,5 @@
 // A real face of 100 identities and 55 expressions, baked from OBJ files: how true its table is, the profile that fits
-// a small flash, and its folded neutral. Needs the folder in PLIANT_DATA.
+// a small flash, and its personal field. Needs the folder in PLIANT_DATA.
 #include "ict_face.hpp"
 
 #include <doctest/doctest.h>
@@ -68,13 +68,13 @@ TEST_CASE("20 identities and 20 expressions in 8 bits fit 512 KiB of flash") {
 }
 
 TEST_CASE(
-    "a real person's folded neutral costs two samples for a hundred and one, and is true to hundredths of "
+    "a real person's personal field replaces a hundred and one samples by two, to hundredths of "
     "mm") {
   if (require_data() == nullptr) return;
   BakeReport* report = nullptr;
   BakedModel exact(default_table(&report));
-  host::Owned<Cascade> folded(exact.model, PersonalFieldLimits{128, 128});
-  folded->set_free(Group::expression);
+  host::Owned<Cascade> personal(exact.model, PersonalFieldLimits{128, 128});
+  personal->set_free(Group::expression);
   exact.cascade.set_free(Group::expression);
   Random random(41);
   double sum = 0;
@@ -83,13 +83,13 @@ TEST_CASE(
   for (int person = 0; person < 5; ++person) {
     std::vector<float> q(exact.model.parameters().count, 0.0f);
     for (std::size_t k = 0; k < 100; ++k) q[k] = clamp(random.normal(), -3, 3);
-    REQUIRE(folded->personalise(q.data()) == Status::ok);
-    CHECK(folded->sample_count() + 99 == exact.cascade.sample_count());
+    REQUIRE(personal->personalise(q.data()) == Status::ok);
+    CHECK(personal->sample_count() + 99 == exact.cascade.sample_count());
     for (int k = 0; k < 2000; ++k) {
       const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
       if (!exact.model.is_on_surface(uv)) continue;
       const float off =
-          length(folded->surface_point(uv, q.data()) - exact.cascade.surface_point(uv, q.data()));
+          length(personal->surface_point(uv, q.data()) - exact.cascade.surface_point(uv, q.data()));
       sum += static_cast<double>(off);
       worst = max(worst, off);
       ++points;

@@ -47,7 +47,7 @@ TEST_CASE("distortion is OpenCV's polynomial") {
   CHECK(double(seen.y) == doctest::Approx(1.1 * 500 * grow * y + 231).epsilon(1e-6));
 }
 
-TEST_CASE("there and back again is a thousandth of a pixel, over the picture and beyond") {
+TEST_CASE("distort and undistort are inverse to a thousandth of a pixel, inside the image and beyond") {
   for (const Camera& camera : kCameras) {
     CAPTURE(camera.k1);
     const Lens lens = lens_with(camera);
@@ -94,7 +94,7 @@ TEST_CASE("the derivative is that of the map") {
   }
 }
 
-TEST_CASE("a lens that folds the picture over, or no numbers, is refused and changes nothing") {
+TEST_CASE("a lens whose radius does not grow over the image, or NaN, is refused and changes nothing") {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               infinite = std::numeric_limits<float>::infinity();
   Lens lens = lens_with(kCameras[0]);
@@ -152,7 +152,7 @@ float turn_between(const Quat& a, const Quat& b) {
   return length(log_rotation(normalised(a * conjugate(b))));
 }
 
-/// Fits the egg to what is seen at a turn of 0.3 rad, and gives the report.
+/// Fits the egg to its image at a turn of 0.3 rad.
 FitReport fit_with(Scene& scene, const Camera& camera, std::vector<Vec2>* residuals) {
   std::vector<Correspondence> points;
   for (const Landmark& l : scene.model.landmarks())

@@ -126,7 +126,7 @@ TEST_CASE("thirty per cent of gross outliers are given no weight and hardly move
   }
 }
 
-TEST_CASE("an unknown focal length is found as far as the picture tells it") {
+TEST_CASE("an unknown focal length is found within what the image determines") {
   const Scene scene(3, 0.1f, 0.3f);
   InArena<Fitter> fitter(scene.model, limits());
   std::vector<float> q(scene.truth.size(), 0);
@@ -156,8 +156,8 @@ TEST_CASE("frozen parameters stay, limits hold") {
   }
 }
 
-TEST_CASE("points that pull the surface over itself are followed only as far as it does not fold") {
-  // A sheet that folds at a slide of 5, which a parameter's limits alone never reach; two together do.
+TEST_CASE("points that would fold the surface over are followed only up to the fold-over") {
+  // A sheet that folds over at a slide of 5. One parameter alone stays below that within its limits; two together exceed it.
   ModelBuilder b;
   b.record(Operation::constant, {}, {}, b.field(3, 17, 17, [](float u, float v) {
     return Vec3{100 * u - 50, 50 - 100 * v, 20 * (u - 0.5f) * (v - 0.5f)};
@@ -202,7 +202,7 @@ TEST_CASE("points that pull the surface over itself are followed only as far as 
     CHECK(test->count_folded(position.data()) == 0);
     if (pull < 5) CHECK(q[0] + q[1] == doctest::Approx(double(pull)).epsilon(0.02));
     if (pull > 5) CHECK(q[0] + q[1] > 4.5f);
-    q.assign(2, 3.9f);  // a start that is folded is no excuse
+    q.assign(2, 3.9f);  // starts folded over
     REQUIRE(fitter->fit({points.data(), points.size()}, options, q.data(), &report) == Status::ok);
     test->compute_positions(cascade.object, q.data(), position.data());
     CHECK(test->count_folded(position.data()) == 0);
@@ -253,7 +253,7 @@ TEST_CASE("without stiffness the prior does not hold the parameters back") {
   CHECK(fitter->fit(scene.all(), options, q.data(), &report) == Status::bad_argument);
 }
 
-TEST_CASE("points on one line of the picture do not determine a pose, in any direction and with any noise") {
+TEST_CASE("points on one line of the image do not determine a pose, in any direction and with any noise") {
   Scene scene(11, 0, 0.2f);
   InArena<Fitter> fitter(scene.model, limits());
   Random random(4);

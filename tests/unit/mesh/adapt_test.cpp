@@ -324,7 +324,7 @@ TEST_CASE("ranks kept from call to call are those that ranking afresh gives") {
   }
 }
 
-TEST_CASE("two rounds of ranking in shares come to the same as ranking at once") {
+TEST_CASE("two rounds of ranking in parts give the ranks of ranking at once") {
   Bumps bumps;
   ContourOptions tolerance;
   Setup a(limits(900, 1800), shapes::block_grid(4), bumps.surface(), criterion_of(tolerance));

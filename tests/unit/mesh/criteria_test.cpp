@@ -201,11 +201,11 @@ TEST_CASE(
   CHECK(rank(a) == doctest::Approx(static_cast<double>(plain) / 2).epsilon(0.01));
   view.pose.t.z = -1000;  // behind the camera
   CHECK(rank(a) == 0);
-  view.pose.t = {5000, 0, 1000};  // far outside the picture
+  view.pose.t = {5000, 0, 1000};  // far outside the image
   CHECK(rank(a) < 0.2f * plain);
 }
 
-TEST_CASE("view: the outline counts more and the far side less") {
+TEST_CASE("view: the silhouette counts more and the far side less") {
   Sampled s(shapes::block_grid(1), surface_of([](void*, Vec2 uv) {
               return Vec3{100 * uv.x - 50, 100 * uv.y - 50, 30 * uv.x * (1 - uv.x)};
             }));

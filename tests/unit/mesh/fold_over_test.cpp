@@ -66,7 +66,7 @@ TEST_CASE(
         doctest::Approx(0.9 * 0.25).epsilon(1e-3));
   CHECK(t.test->step_fraction(t.at({3, 0}).data(), t.at({7, 0}).data()) ==
         doctest::Approx(0.9 * 0.5).epsilon(1e-3));
-  // Back from a fold is never stopped by the faces that are folded already.
+  // Faces that have folded over already do not limit the step back.
   CHECK(t.test->step_fraction(t.at({6, 0}).data(), rest.data()) == 1);
 }
 
@@ -82,7 +82,7 @@ TEST_CASE("the normals of the surface itself say the same at every point") {
   }
 }
 
-TEST_CASE("faces that a parameter's own limit folds are left to the model") {
+TEST_CASE("faces that a parameter folds over within its own limits are not watched") {
   const Sheet sheet(5.5f);
   Tested t(sheet.model);
   CHECK(t.test->watched_count() == 0);  // to -5.5 one half folds, to 5.5 the other

@@ -1,0 +1,64 @@
+// Parameters that fold the surface over are moved back towards the last valid ones.
+#include "fit/fold_over_guard.hpp"
+
+#include <doctest/doctest.h>
+
+#include "model_builder.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+/// A sheet of 100 x 100 mm whose points slide along u by q * 10 mm * tent(u): half of it folds over at q = 5.
+std::vector<std::uint32_t> sheet() {
+  ModelBuilder b;
+  b.record(Operation::constant, {}, {}, b.field(3, 17, 17, [](float u, float v) {
+    return Vec3{100 * u, -100 * v, 0};
+  }));
+  for (const char* name : {"first", "second"}) {
+    const std::uint16_t q = b.parameter(name, Group::expression, -4, 4, 1);
+    b.record(Operation::add_vector, {b.last()}, {q}, b.field(3, 17, 17, [](float u, float) {
+      return Vec3{10 * (u < 0.5f ? 2 * u : 2 - 2 * u), 0, 0};
+    }));
+  }
+  b.grid_mesh(8);
+  b.landmark("p", 0.5f, 0.5f);
+  return b.table();
+}
+
+struct Guarded {
+  std::vector<std::uint32_t> words = sheet();
+  Model model;
+  Guarded() { REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok); }
+};
+
+}  // namespace
+
+TEST_CASE("a valid state stays, a folded one moves back to nine tenths of the way to the fold") {
+  const Guarded g;
+  InArena<Cascade> cascade(g.model);
+  InArena<FoldOverGuard> guard(g.model);
+  float q[2] = {2, 2};
+  guard->start(cascade.object, q);
+  CHECK_FALSE(guard->move_back(cascade.object, q));
+  CHECK(q[0] == 2);
+  q[0] = q[1] = 4;  // 8 in all; from 4 the fold at 5 is a quarter of the way
+  CHECK(guard->move_back(cascade.object, q));
+  CHECK(q[0] + q[1] == doctest::Approx(4 + 0.9 * 1).epsilon(0.01));
+  CHECK(q[0] == doctest::Approx(q[1]));
+}
+
+TEST_CASE("frozen parameters are part of the valid state; free ones start at rest") {
+  const Guarded g;
+  InArena<Cascade> cascade(g.model);
+  InArena<FoldOverGuard> guard(g.model);
+  const std::uint8_t is_free[] = {0, 1};
+  cascade->set_free(is_free);
+  float q[2] = {3, 4};  // together 7: folded
+  guard->start(cascade.object, q);
+  CHECK(guard->move_back(cascade.object, q));
+  CHECK(q[0] == 3);
+  CHECK(q[1] > 0);
+  CHECK(q[0] + q[1] < 5);
+}
