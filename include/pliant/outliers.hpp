@@ -9,11 +9,6 @@
 
 namespace pliant {
 
-namespace mcd {
-struct Scratch;
-struct Search;
-}  // namespace mcd
-
 /// Largest number of columns.
 inline constexpr std::size_t kMcdMaxColumns = 24;
 /// Largest number of rows: row numbers are 16-bit.
@@ -110,6 +105,8 @@ class Mcd {
   std::size_t full_steps() const { return full_steps_; }
 
  private:
+  struct State;  // in the arena
+
   Status prepare(const float* data, std::size_t rows, std::size_t columns, const McdOptions& options);
   bool standardise(const float* data);
   bool standardise_column(const float* data, std::size_t column);
@@ -118,27 +115,11 @@ class Mcd {
   Status finish(const McdOptions& options);
   bool estimate_from(const std::uint16_t* row, std::size_t count, double correction, float* distance,
                      McdEstimate& estimate, ScaledNumber& determinant);
-  mcd::Scratch scratch() const;
-  mcd::Search begin_search();
 
-  std::size_t row_capacity_ = 0, column_capacity_ = 0, stride_ = 0;
-  float *z_ = nullptr, *other_ = nullptr;  // standardised data by columns, and room for as much again
-  float *work_ = nullptr, *distance_ = nullptr, *raw_distance_ = nullptr;
-  float* block_float_ = nullptr;
-  double *block_double_ = nullptr, *matrices_ = nullptr;
-  double *moments_room_ = nullptr, *factor_room_ = nullptr, *shape_room_ = nullptr;
-  float* float_shape_room_ = nullptr;
-  ScaledNumber* seen_ = nullptr;
-  float* candidate_pool_ = nullptr;
-  std::uint32_t* key_ = nullptr;
-  std::uint16_t *row_of_ = nullptr, *subset_ = nullptr, *best_ = nullptr, *order_ = nullptr,
-                *histogram_ = nullptr;
-
-  std::size_t rows_ = 0, columns_ = 0, finite_rows_ = 0, used_rows_ = 0, active_columns_ = 0;
-  std::size_t subset_size_ = 0, best_count_ = 0,
-              full_steps_ = 0;  // used rows: finite, and in the subspace of constant columns
-  std::uint8_t active_[kMcdMaxColumns] = {};
-  double median_[kMcdMaxColumns] = {}, scale_[kMcdMaxColumns] = {};
+  State* state_ = nullptr;
+  std::uint16_t* best_ = nullptr;
+  float *distance_ = nullptr, *raw_distance_ = nullptr;  // a row
+  std::size_t rows_ = 0, columns_ = 0, best_count_ = 0, full_steps_ = 0;
   ScaledNumber determinant_;
   McdEstimate* estimates_ = nullptr;  // raw, reweighted
   double raw_correction_ = 1, reweighted_correction_ = 1, cutoff_ = 0;

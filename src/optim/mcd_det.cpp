@@ -1,7 +1,7 @@
 // DetMCD (Hubert, Rousseeuw & Verdonck 2012; docs/algorithms.md, section 6.3). A start matrix gives axes only. The scales
 // along them and the centre are estimated robustly; the half of the rows that is nearest in that metric starts the C-steps.
-#include "optim/mcd_search.hpp"
 #include "optim/mcd_starts.hpp"
+#include "optim/mcd_state.hpp"
 
 namespace pliant {
 
@@ -102,9 +102,10 @@ void converge_from(StartKind kind, const StartRoom& room, Search& search) {
 Status Mcd::deterministic(const float* data, std::size_t rows, std::size_t columns, McdStarts starts,
                           const McdOptions& options) {
   const Status status = prepare(data, rows, columns, options);
-  if (status != Status::ok || active_columns_ == 0) return status == Status::ok ? finish(options) : status;
-  mcd::Search search = begin_search();
-  const mcd::StartRoom room{other_, work_, order_, matrices_};
+  if (status != Status::ok || state_->active_columns == 0)
+    return status == Status::ok ? finish(options) : status;
+  mcd::Search search = state_->begin_search(best_);
+  const mcd::StartRoom room{state_->other, state_->scratch.distance, state_->order, state_->matrices};
   if (starts == McdStarts::median_ball)
     mcd::converge_from(mcd::StartKind::median_ball, room, search);
   else

@@ -1,6 +1,6 @@
 // FAST-MCD (Rousseeuw & Van Driessen 1999; docs/algorithms.md, section 6.2): many cheap random starts, of which few are
 // followed to convergence. Starts only have to be ranked, so they run in float.
-#include "optim/mcd_search.hpp"
+#include "optim/mcd_state.hpp"
 
 namespace pliant {
 
@@ -135,18 +135,19 @@ void two_steps(const Cloud& cloud, std::size_t h, const Scratch& scratch, Shape<
 
 Status Mcd::fast(const float* data, std::size_t rows, std::size_t columns, const McdOptions& options) {
   const Status status = prepare(data, rows, columns, options);
-  if (status != Status::ok || active_columns_ == 0) return status == Status::ok ? finish(options) : status;
-  mcd::Search search = begin_search();
+  if (status != Status::ok || state_->active_columns == 0)
+    return status == Status::ok ? finish(options) : status;
+  mcd::Search search = state_->begin_search(best_);
   mcd::Generator generator{options.seed};
-  mcd::Candidates candidates(candidate_pool_, active_columns_);
-  if (used_rows_ <= mcd::kMostUngrouped)
-    mcd::try_starts(search.cloud, subset_size_, options.starts, generator, order_, search.scratch,
-                    candidates);
-  else
-    mcd::try_groups(search.cloud, subset_size_, options.starts, generator, order_, other_, candidate_pool_,
+  mcd::Candidates candidates(state_->candidate_pool, state_->active_columns);
+  if (state_->used_rows <= mcd::kMostUngrouped)
+    mcd::try_starts(search.cloud, state_->subset_size, options.starts, generator, state_->order,
                     search.scratch, candidates);
+  else
+    mcd::try_groups(search.cloud, state_->subset_size, options.starts, generator, state_->order,
+                    state_->other, state_->candidate_pool, search.scratch, candidates);
   for (std::size_t i = 0; i < candidates.count(); ++i) {
-    mcd::Shape<double> shape = search.scratch.shape(active_columns_);
+    mcd::Shape<double> shape = search.scratch.shape(state_->active_columns);
     candidates.get(i, shape);
     search.converge(shape);
   }
