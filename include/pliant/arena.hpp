@@ -82,13 +82,13 @@ class Arena {
   constexpr std::size_t size_bytes() const { return size_; }
   /// The most that was ever in use at once.
   constexpr std::size_t high_water_bytes() const { return high_water_; }
-  /// Gives everything back.
+  /// Empties the arena. What was taken from it is no longer valid.
   constexpr void reset() {
     used_ = 0;
     exhausted_ = false;
   }
 
-  /// Gives back, at the end of a scope, what was taken inside it.
+  /// Releases at the end of a scope what was taken inside it.
   class Scope {
    public:
     explicit Scope(Arena& arena) : arena_(arena), used_(arena.used_), exhausted_(arena.exhausted_) {}
@@ -106,7 +106,7 @@ class Arena {
   };
 
  private:
-  // Not inlined, for the sake of code size: some forty types share it.
+  // Not inlined, for the sake of code size: some forty types use it.
   [[gnu::noinline]] constexpr unsigned char* take_bytes(std::size_t wanted) {
     const std::size_t start = used_, bytes = (wanted + kAlignment - 1) / kAlignment * kAlignment;
     if (base_ != nullptr && (exhausted_ || bytes > size_ - start)) {

@@ -122,7 +122,7 @@ struct Curve {
   std::uint32_t first_point, point_count;  ///< in curve_points (Vec2)
 };
 
-/// A grey picture over the chart, rows from v = 0 to v = 1, first row at v = 0; also the form of the domain mask, where
+/// A grey image over the chart, rows from v = 0 to v = 1, first row at v = 0; also the form of the domain mask, where
 /// 0 is outside the surface (eyes, mouth, beyond the boundary) and any other value inside.
 struct ChartImage {
   std::uint32_t width = 0, height = 0;
@@ -179,7 +179,7 @@ class Model {
   Span<const Vec2> curve_points() const { return contents_.curve_points; }
   ChartImage mask() const { return contents_.mask; }
   ChartImage albedo() const { return contents_.albedo; }  ///< pixels are null when the table has none
-  /// CRC-32 of the table: tells one model from another in result files.
+  /// CRC-32 of the table. Identifies the model in result files.
   std::uint32_t crc() const { return contents_.crc; }
   std::size_t table_bytes() const { return contents_.bytes; }
 

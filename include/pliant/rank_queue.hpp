@@ -20,9 +20,15 @@ class RankQueue {
   /// \param floor  ids with lower keys never come to the top.
   void clear(std::uint64_t floor = 0);
 
-  bool contains(std::uint16_t id) const { return place_[id] != kNone; }
+  bool contains(std::uint16_t id) const {
+    PLIANT_ASSERT(id < capacity_);
+    return place_[id] != kNone;
+  }
   /// Precondition: contains(id).
-  std::uint64_t key(std::uint16_t id) const { return key_[place_[id]]; }
+  std::uint64_t key(std::uint16_t id) const {
+    PLIANT_ASSERT(contains(id));
+    return key_[place_[id]];
+  }
   /// The id with the highest key, or kNone where no key reaches the floor. O(log n) for each id inserted since the last
   /// call.
   std::uint16_t top() {

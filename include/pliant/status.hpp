@@ -9,37 +9,37 @@ namespace pliant {
 
 /// Result of an operation that can fail. Numbers are stable: values are only ever appended.
 /// After any value but `ok` the objects involved are as they were before the call.
-enum class [[nodiscard]] Status : std::uint8_t{
-    ok = 0,
-    out_of_memory = 1,         ///< the arena is too small for the limits given
-    bad_argument = 2,          ///< null pointer, NaN, or a value outside its stated range
-    capacity = 3,              ///< a fixed capacity (points, vertices, faces, ...) is used up
-    truncated = 4,             ///< a table or file ends before its stated size
-    bad_magic = 5,             ///< not a pliant table
-    bad_version = 6,           ///< a table of another format version
-    bad_checksum = 7,          ///< a table whose CRC-32 does not match its bytes
-    bad_table = 8,             ///< a count, offset, index or value in a table is out of range
-    misaligned = 9,            ///< a table not aligned to 4 bytes, or a memory block not aligned to 16
-    too_few_points = 10,       ///< fewer correspondences than the unknowns need
-    underdetermined = 11,      ///< the observations do not determine the rigid pose
-    size_mismatch = 12,        ///< a frame of another size than the tracker was made for
-    not_started = 13,          ///< an operation that needs a start (a pose) came before it
-    not_found = 14,            ///< a name or id that does not exist
-    end_of_stream = 15,        ///< a frame source has no further frame
-    io_error = 16,             ///< a read failed or the data are malformed
-    no_room = 17,              ///< adaptation stopped at the capacity of the mesh
-    bad_index = 18,            ///< base mesh: a face refers to a vertex that does not exist
-    degenerate_face = 19,      ///< base mesh: a repeated corner or no area in (u,v)
-    duplicate_face = 20,       ///< base mesh: the same three corners twice
-    non_manifold_edge = 21,    ///< base mesh: more than two faces share an edge
-    non_manifold_vertex = 22,  ///< base mesh: a vertex whose faces form more than one fan
-    non_orientable = 23,       ///< base mesh: no consistent winding exists
-    not_basic_blocks = 24,     ///< base mesh: neighbours disagree about their subdivision edge
-    not_ready = 25,            ///< mesh: the operator's precondition does not hold here
-    isolated_vertex = 26,      ///< base mesh: a vertex that no face uses
-    degenerate_data = 27,      ///< outliers: most rows lie in a subspace; the answer given is within it
-    camera_lost = 28,          ///< a camera was unplugged, or gives nothing any more
-    stale_frame = 29,          ///< a frame no newer than the one before: it came twice, or late
+enum class [[nodiscard]] Status : std::uint8_t {
+  ok = 0,
+  out_of_memory = 1,         ///< the arena is too small for the limits given
+  bad_argument = 2,          ///< null pointer, NaN, or a value outside its stated range
+  capacity = 3,              ///< a fixed capacity (points, vertices, faces, ...) is used up
+  truncated = 4,             ///< a table or file ends before its stated size
+  bad_magic = 5,             ///< not a pliant table
+  bad_version = 6,           ///< a table of another format version
+  bad_checksum = 7,          ///< a table whose CRC-32 does not match its bytes
+  bad_table = 8,             ///< a count, offset, index or value in a table is out of range
+  misaligned = 9,            ///< a table not aligned to 4 bytes, or a memory block not aligned to 16
+  too_few_points = 10,       ///< fewer correspondences than the unknowns need
+  underdetermined = 11,      ///< the observations do not determine the rigid pose
+  size_mismatch = 12,        ///< a frame of another size than the tracker was made for
+  not_started = 13,          ///< an operation that needs a start (a pose) came before it
+  not_found = 14,            ///< a name or id that does not exist
+  end_of_stream = 15,        ///< a frame source has no further frame
+  io_error = 16,             ///< a read failed or the data are malformed
+  no_room = 17,              ///< adaptation stopped at the capacity of the mesh
+  bad_index = 18,            ///< base mesh: a face refers to a vertex that does not exist
+  degenerate_face = 19,      ///< base mesh: a repeated corner or no area in (u,v)
+  duplicate_face = 20,       ///< base mesh: the same three corners twice
+  non_manifold_edge = 21,    ///< base mesh: more than two faces share an edge
+  non_manifold_vertex = 22,  ///< base mesh: a vertex whose faces form more than one fan
+  non_orientable = 23,       ///< base mesh: no consistent winding exists
+  not_basic_blocks = 24,     ///< base mesh: neighbours disagree about their subdivision edge
+  not_ready = 25,            ///< mesh: the operator's precondition does not hold here
+  isolated_vertex = 26,      ///< base mesh: a vertex that no face uses
+  degenerate_data = 27,      ///< outliers: most rows lie in a subspace; the answer given is within it
+  camera_lost = 28,          ///< a camera was unplugged, or delivers no more frames
+  stale_frame = 29,          ///< a frame no newer than the one before: it came twice, or late
 };
 
 /// A short English sentence without a final stop, for messages and logs. Never null.

@@ -12,8 +12,8 @@ struct FitTuning {
   /// moves needs a few repeats. The experiment that chose 3 is not recorded; with 3, a face rendered at 30 degrees of yaw is
   /// fitted as well as a frontal one (tests/unit/host/fit_face_test.cpp).
   int silhouette_matches = 3;
-  /// Times that a folded state is moved back before the last valid one is taken, count. One is enough where positions are
-  /// linear in the parameters; with rotations the fold may remain. Not tuned.
+  /// Times that a folded-over state is moved back before the last valid one is taken, count. One is enough where positions are
+  /// linear in the parameters; with rotations the fold-over may remain. Not tuned.
   int fold_over_tries = 6;
   /// Standard deviation of log(f / expected f) where the focal length is not known. 0.3 spans most cameras of phones and
   /// laptops, whose f is 0.7 to 2 times the larger side. Not tuned.

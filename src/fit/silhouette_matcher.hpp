@@ -1,7 +1,7 @@
 #pragma once
 // Matches landmarks of the face's outline (jaw and cheeks) to the silhouette of the model.
 //
-// People and detectors annotate such a landmark on the edge of the face in the picture, whatever part of the surface makes
+// People and detectors annotate such a landmark on the edge of the face in the image, whatever part of the surface makes
 // that edge. While the landmark's own place faces the camera the landmark stays there. Once that turns away, the landmark
 // takes the nearest point of the model's contour within reach, and only its distance across the contour counts.
 #include "pliant/cascade.hpp"

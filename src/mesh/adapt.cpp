@@ -85,10 +85,10 @@ void Adapter::rerank(int part, int parts) {
 
 // --- Keys ---
 
-// (u,v) lies within the chart's extent, so both steps fit 16 bits.
+// (u,v) lies within the chart's extent, so both steps fit 16 bits; on a chart so large that they are NaN they are 0.
 std::uint32_t Adapter::place_key(Vec2 uv) const {
-  const float x = (uv.x - chart_origin_.x) * chart_scale_.x, y = (uv.y - chart_origin_.y) * chart_scale_.y;
-  return static_cast<std::uint32_t>(y) << 16 | static_cast<std::uint32_t>(x);
+  const auto steps = [](float x) { return x > 0 ? static_cast<std::uint32_t>(min(x, 65535)) : 0u; };
+  return steps((uv.y - chart_origin_.y) * chart_scale_.y) << 16 | steps((uv.x - chart_origin_.x) * chart_scale_.x);
 }
 
 // Both faces of a block have the same place: the vertex that splitting them inserts. Either face first gives that split. A
@@ -193,7 +193,7 @@ void Adapter::weld(VertexId v) {
   vertices_.remove(v);
   mesh_->weld_weldable(v);
   for (int i = 1; i < count; i += 2) faces_.remove(faces[i]);
-  for (int i = 0; i < count; ++i) {  // a face whose block partner is gone stands in the queue by itself
+  for (int i = 0; i < count; ++i) {  // a face whose block partner is gone is queued by itself
     const FaceId f = Mesh::face_of(outer[i]);
     if (outer[i] != kNone && Mesh::corner_of(outer[i]) == 0) faces_.set(f, faces_.key(f));
   }

@@ -78,7 +78,7 @@ Status BaseMeshMaker::find_neighbours() {
   return Status::ok;
 }
 
-// Gives each part the winding of its first face, then turns the part as a whole where the caller wants it.
+// Gives each part the winding of its first face, then turns the part as a whole where the caller asks for it.
 Status BaseMeshMaker::orient(Span<const Vec2> uv, Winding winding) {
   for (std::size_t f = 0; f < face_count_; ++f) flag_[f] = flip_[f] = 0;
   for (std::size_t first = 0; first < face_count_; ++first) {

@@ -77,6 +77,7 @@ void FoldOverTest::start(Cascade& cascade) {
 }
 
 std::size_t FoldOverTest::count_folded(const Vec3* position) const {
+  PLIANT_ASSERT(is_started());
   const auto corners = model_.base_corners();
   std::size_t folded = 0;
   for (std::size_t f = 0; f < corners.count / 3; ++f) {
@@ -88,6 +89,7 @@ std::size_t FoldOverTest::count_folded(const Vec3* position) const {
 }
 
 float FoldOverTest::step_fraction(const Vec3* from, const Vec3* to) const {
+  PLIANT_ASSERT(is_started());
   const auto corners = model_.base_corners();
   float first = 2;
   for (std::size_t f = 0; f < corners.count / 3; ++f) {

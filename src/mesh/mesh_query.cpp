@@ -62,6 +62,7 @@ int Mesh::find_parents(VertexId v, Triangle parents[2]) const {
 }
 
 int Mesh::find_star_faces(VertexId v, FaceId faces[4]) const {
+  PLIANT_ASSERT(is_weldable(v));
   const HalfEdgeId h = vertices_[v].out;
   faces[1] = face_of(h);
   faces[0] = face_of(twin_[3 * faces[1] + 1]);

@@ -115,16 +115,16 @@ void two_steps(const Cloud& cloud, std::size_t h, const Scratch& scratch, Shape<
     for (std::size_t i = rows; i < cloud.stride; ++i) room[j * cloud.stride + i] = 0;
   }
   const Cloud merged{room, cloud.stride, rows, cloud.columns};
-  const auto share = [&](std::size_t count) { return (count * h + cloud.rows - 1) / cloud.rows; };
+  const auto part_of = [&](std::size_t count) { return (count * h + cloud.rows - 1) / cloud.rows; };
   for (std::size_t g = 0; g < groups; ++g) {
     const std::size_t first = rows * g / groups, count = rows * (g + 1) / groups - first;
     const Cloud group{room + first, cloud.stride, count, cloud.columns};
     Candidates of_group(pool + (g + 1) * kKept * Candidates::slot_size(cloud.columns), cloud.columns);
-    try_starts(group, share(count), (starts + groups - 1) / groups, generator, order, scratch, of_group);
+    try_starts(group, part_of(count), (starts + groups - 1) / groups, generator, order, scratch, of_group);
     for (std::size_t i = 0; i < of_group.count(); ++i) {
       Shape<float> shape = scratch.float_shape(merged.columns);
       of_group.get(i, shape);
-      two_steps(merged, share(rows), scratch, shape);
+      two_steps(merged, part_of(rows), scratch, shape);
       candidates.offer(shape);
     }
   }

@@ -48,7 +48,7 @@ struct Shape {
 template <class Real>
 inline constexpr double kPivotFloor = sizeof(Real) == sizeof(float) ? 1e-6 : 1e-13;
 
-/// Room that the steps share. There is one set of moments and one shape at a time.
+/// Memory that the steps use in turn. There is one set of moments and one shape at a time.
 struct Scratch {
   float* distance;
   std::uint16_t* subset;
