@@ -92,7 +92,7 @@ class Fitter {
   /// \return ok, or with nothing changed:
   ///   - bad_argument: null q or report; NaN; sd_px <= 0; uv outside [0,1]^2; no image size; stiffness < 0; silhouette
   ///     points without room for them; a camera that Lens::make refuses
-  ///   - capacity: more points than the limits
+  ///   - capacity: more points than the limits, or the fitter was never laid out
   ///   - too_few_points
   ///   - underdetermined: all points are on one line of the image, or the pose stays open
   Status fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,

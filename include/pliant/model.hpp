@@ -20,9 +20,8 @@ namespace pliant {
 
 namespace table {
 
-constexpr std::uint32_t kMagic = 0x314d4c50;  // "PLM1"
-constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kNameBytes = 28;  // zero-padded, always ends in a zero
+constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 1;  // "PLM1"
+constexpr std::size_t kNameBytes = 28;                      // zero-padded, always ends in a zero
 
 struct Header {
   std::uint32_t magic, version;
@@ -67,8 +66,8 @@ struct Parameter {
 
 /// A vector field V(u,v) (three components) or weight field w(u,v) (one), sampled on a grid over a rectangle of the
 /// chart and zero outside it. Sample (i,j) sits at u = u0 + i (u1 - u0) / (width - 1), v likewise; rows from v0 to v1;
-/// components interleaved. Value of component c = offset[c] + scale[c] * integer, at most 1e6 in magnitude. A field whose rectangle is not the
-/// whole chart must decode to zero on its rim (offset zero), so that it is continuous.
+/// components interleaved. Value of component c = offset[c] + scale[c] * integer, at most 1e6 in magnitude. A field whose
+/// rectangle is not the whole chart must decode to zero on its rim (offset zero), so that it is continuous.
 struct Field {
   std::uint16_t width, height;  ///< samples, each at least 2
   std::uint8_t components;      ///< 1 or 3

@@ -112,6 +112,7 @@ bool Fitter::has_slid(std::size_t point) const {
 /// The fit itself has no lens: points are undistorted before it, residuals distorted after it.
 Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
                    const FitDetails& details) {
+  if (state_ == nullptr) return Status::capacity;
   State& s = *state_;
   if (options.camera == nullptr) return s.fit(points, options, q, report, details);
   Lens lens;

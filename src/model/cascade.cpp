@@ -135,7 +135,7 @@ Status Cascade::fill_personal_field(std::size_t record, const float* q) {
 }
 
 Status Cascade::personalise(const float* q) {
-  if (!state_->person.has_room()) return Status::capacity;
+  if (state_ == nullptr || !state_->person.has_room()) return Status::capacity;
   if (q == nullptr) return Status::bad_argument;
   const std::uint16_t before = state_->plan.personal_record();
   forget_person();

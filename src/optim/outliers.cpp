@@ -73,7 +73,8 @@ void Mcd::lay_out(Arena& arena, const McdLimits& limits) {
 
 Status Mcd::prepare(const float* data, std::size_t rows, std::size_t columns, const McdOptions& options) {
   if (data == nullptr || columns == 0 || !is_valid(options)) return Status::bad_argument;
-  if (rows > state_->row_capacity || columns > state_->column_capacity) return Status::capacity;
+  if (state_ == nullptr || rows > state_->row_capacity || columns > state_->column_capacity)
+    return Status::capacity;
   rows_ = rows;
   columns_ = columns;
   full_steps_ = best_count_ = 0;
