@@ -4,6 +4,7 @@
 #include <optional>
 #include <sstream>
 
+#include "host/commands/calibration_option.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/frame_stream.hpp"
 #include "host/commands/image_fit.hpp"
@@ -12,7 +13,6 @@
 #include "host/commands/track_output.hpp"
 #include "host/commands/track_run.hpp"
 #include "host/commands/tracker_limits.hpp"
-#include "host/commands/calibration_option.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/interrupt.hpp"
@@ -110,11 +110,10 @@ TrackerOptions tracker_options(const Args& args) {
 }
 
 /// The profile's limits, with room for what this run was given.
-TrackerLimits limits_of_run(const Args& args, ImageSize size, const Markers& markers,
+TrackerLimits limits_of_run(TrackerLimits limits, const TrackerOptions& options, const Markers& markers,
                             const std::optional<Initial>& initial) {
-  TrackerLimits limits = tracker_limits(args, size);
   limits.markers = static_cast<std::uint16_t>(markers.x.size());
-  if (args.integer("--mesh-operations", 0, 0, 1000) > 0) limits.texture_cells = kTextureCells;
+  if (options.estimator.mesh_operations > 0) limits.texture_cells = kTextureCells;
   const auto* landmarks = initial ? std::get_if<InitialLandmarks>(&*initial) : nullptr;
   if (landmarks != nullptr)
     limits.start_points = std::max(limits.start_points, static_cast<std::uint16_t>(landmarks->points.size()));
@@ -142,7 +141,8 @@ int run_track(const Args& args, Console& console) {
   FrameView frame;
   if (!frames.next(&frame))
     throw Failure(kBadInput, frames.message().empty() ? frames.name() + ": has no frames" : frames.message());
-  Owned<Tracker> tracker(model, limits_of_run(args, frames.size(), markers, initial));
+  const TrackerLimits limits = tracker_limits(args, frames.size());
+  Owned<Tracker> tracker(model, limits_of_run(limits, options, markers, initial));
   TrackOutput output(args, model, markers.names, frames.rate());
   TrackRun run(frames, *tracker, options, markers, output, detection.get());
   if (initial)
