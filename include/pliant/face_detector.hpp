@@ -3,10 +3,11 @@
 /// Finds a face in a frame without a prior. Nothing in it is learnt: the templates are
 /// rendered from the model itself.
 ///
-/// Three steps. Small templates of the model in nine poses are compared with the frame at all positions and sizes, by
-/// the directions of their gradients. At the most similar places the model is rendered larger, its landmarks are
-/// searched around their rendered positions, and pose and parameters are fitted to them, several times. The fitted
-/// model is compared with the frame once more: its similarity decides whether it is a face.
+/// Three steps (docs/algorithms.md, section 7.11). Small templates of the model in nine poses are compared with the
+/// frame at all positions and sizes, by the directions of their gradients. At the most similar places the model is
+/// rendered larger, its landmarks are searched around their rendered positions, and pose and parameters are fitted to
+/// them, several times. The fitted model is compared with the frame once more: its similarity decides whether it is a
+/// face.
 #include <cstddef>
 #include <cstdint>
 

@@ -1,13 +1,12 @@
 #pragma once
 /// \file patch_tracker.hpp
-/// The patch tracker: stores patches of an image as templates and finds them again in another
-/// image.
+/// The patch tracker: stores patches of an image as templates and finds them again in another image.
 ///
 /// The search is pyramidal and inverse compositional (Baker and Matthews 2004; docs/algorithms.md, section 7.2). It
-/// solves for a translation; gain and bias of the light are projected out; rotation, scale and shear are given as a 2
-/// x 2 warp. Pixel arithmetic is in integers: the bits are the same on every target. Images may be two frames as well
-/// (`track_between`), which is optical flow at a point: of rank two at a corner and, if edges are accepted, of rank
-/// one at an edge.
+/// solves for a translation. Gain and bias of the light are projected out. Rotation, scale and shear are given, as a
+/// warp of 2 x 2 entries. Pixel arithmetic is in integers: the bits are the same on every target. Matching one frame
+/// with the next (`track_between`) is optical flow at a point: of rank two at a corner and, if edges are accepted, of
+/// rank one at an edge (section 7.5).
 #include <cstdint>
 
 #include "pliant/arena.hpp"
