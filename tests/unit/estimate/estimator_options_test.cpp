@@ -1,0 +1,141 @@
+// Each option of the estimator has an effect.
+#include <doctest/doctest.h>
+
+#include "estimator_scene.hpp"
+
+using namespace estimator_scene;
+
+namespace {
+
+/// The estimator after frames in which the egg turns and opens its jaw.
+struct Tracked {
+  Scene scene;
+  InArena<Estimator> estimator{scene.model, scene.limits};
+  FrameResult result;
+  std::vector<float> truth = scene.q;
+
+  explicit Tracked(const EstimatorOptions& options) { scene.start(estimator.object, 0, options); }
+  void frame(int k, float turn, float jaw, float noise_px = 0.1f) {
+    truth[5] = jaw;
+    estimator->begin(k * std::int64_t{33'000'000});
+    auto seen = scene.observe(turn, truth, noise_px);
+    estimator->solve(span(seen));
+    result = estimator->end();
+    CHECK(result.state == TrackState::tracking);
+  }
+  /// Largest distance of a vertex from the surface, mm.
+  float vertex_error() {
+    float most = 0;
+    for (VertexId v : estimator->mesh().vertices())
+      most = max(
+          most, length(estimator->vertex_positions()[v] - estimator->surface_point(estimator->mesh().uv(v))));
+    return most;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("iterations: a solve takes no more steps a minimisation than it may") {
+  EstimatorOptions options;
+  options.iterations = 1;
+  options.rejection = Rejection::weights;
+  Tracked one(options);
+  one.frame(1, 0.12f, 0.3f);
+  CHECK(one.result.iterations == 2);
+  options.iterations = 4;
+  Tracked four(options);
+  four.frame(1, 0.12f, 0.3f);
+  CHECK(four.result.iterations > 2);
+  CHECK(four.result.iterations <= 8);
+  CHECK(four.result.rms_px <= one.result.rms_px);
+}
+
+TEST_CASE("model_error_mm: the larger it is, the larger are the standard deviations of the result") {
+  float sd[2];
+  for (const bool large : {false, true}) {
+    EstimatorOptions options;
+    options.model_error_mm = large ? 2.0f : 0.2f;
+    Tracked tracked(options);
+    tracked.frame(1, 0, 0);
+    State state;
+    tracked.estimator->save(&state);
+    sd[large] = state.pose_sd[kTurnY];
+  }
+  CHECK(sd[1] > 2 * sd[0]);
+}
+
+TEST_CASE("mesh_error_mm: a smaller error takes more vertices") {
+  EstimatorOptions options;
+  options.mesh_error_mm = 5;
+  Tracked coarse(options);
+  options.mesh_error_mm = 0.3f;
+  Tracked fine(options);
+  CHECK(fine.estimator->mesh().vertex_count() > coarse.estimator->mesh().vertex_count());
+}
+
+TEST_CASE("predicts_motion: a steady motion is predicted where it goes") {
+  float off[2];
+  for (const bool predicts : {false, true}) {
+    EstimatorOptions options;
+    options.predicts_motion = predicts;
+    Tracked tracked(options);
+    for (int k = 1; k < 15; ++k) tracked.frame(k, 0.02f * float(k), 0);
+    tracked.estimator->begin(15 * std::int64_t{33'000'000});
+    off[predicts] = turn_error(tracked.estimator.object, 0.02f * 15);
+  }
+  CHECK(off[1] < 0.4f * off[0]);
+}
+
+TEST_CASE("smooths: the smoothed pose lags behind the pose, and is missing without the option") {
+  EstimatorOptions options;
+  options.smooths = true;
+  Tracked smooth(options), rough({});
+  for (int k = 1; k < 8; ++k) {
+    smooth.frame(k, 0.02f * float(k), 0.02f * float(k));
+    rough.frame(k, 0.02f * float(k), 0.02f * float(k));
+  }
+  const auto turn_of = [](const Pose& p) { return length(log_rotation(p.q)); };
+  CHECK(turn_of(smooth.result.smoothed_pose) < turn_of(smooth.result.pose));
+  CHECK(smooth.estimator->smoothed_parameters()[5] < smooth.estimator->parameters()[5]);
+  CHECK(turn_of(rough.result.smoothed_pose) == 0);
+}
+
+TEST_CASE("vertex_interval_frames: with 1 all vertices are exact in every frame, with 4 some lag") {
+  float error[2];
+  for (const bool all : {false, true}) {
+    EstimatorOptions options;
+    options.vertex_interval_frames = all ? 1 : 4;
+    Tracked tracked(options);
+    for (int k = 1; k < 6; ++k) tracked.frame(k, 0, 0.02f * float(k));
+    error[all] = tracked.vertex_error();
+  }
+  CHECK(error[1] < 0.05f);
+  CHECK(error[0] > 0.2f);
+}
+
+TEST_CASE("tangent_interval_frames: with 1 all tangents follow the jaw in every frame, with 4 some lag") {
+  int changed[2] = {};
+  for (const bool all : {false, true}) {
+    EstimatorOptions options;
+    options.tangent_interval_frames = all ? 1 : 4;
+    Tracked tracked(options), still(options);
+    tracked.frame(1, 0, 0.3f, 0);
+    // The state is now that of the open jaw; the tangents are those of `begin`, one frame later.
+    tracked.estimator->begin(2 * std::int64_t{33'000'000});
+    State state;
+    std::vector<float> q(tracked.truth.size());
+    state.q = q.data();
+    tracked.estimator->save(&state);
+    REQUIRE(still.scene.model.parameters().count == q.size());
+    REQUIRE(still.estimator->start(still.scene.camera, kWidth, kHeight, state.pose, q.data(), nullptr,
+                                   options) == Status::ok);
+    for (std::size_t i = 0; i < tracked.scene.uv.size(); ++i) {
+      std::uint16_t id;
+      REQUIRE(still.estimator->add_point(tracked.scene.uv[i], &id) == Status::ok);
+      const Prediction a = tracked.estimator->predict(tracked.scene.ids[i]), b = still.estimator->predict(id);
+      changed[all] += magnitude(a.jacobian.d - b.jacobian.d) > 1;
+    }
+  }
+  CHECK(changed[1] == 0);
+  CHECK(changed[0] > 5);
+}

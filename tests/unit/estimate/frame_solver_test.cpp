@@ -1,0 +1,188 @@
+#include "estimate/frame_solver.hpp"
+
+#include <doctest/doctest.h>
+
+#include "posed_egg.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr std::size_t kPoints = 49;
+
+FrameSolverLimits limits_of(const PosedEgg& egg, bool rejects) {
+  FrameSolverLimits limits;
+  limits.points = kPoints;
+  limits.parameters = egg.parameters();
+  limits.unknowns = kPoseUnknowns + 4;
+  limits.rejection_sample = rejects ? kPoints : 0;
+  limits.rejection = rejects ? &kForceRejection : nullptr;
+  return limits;
+}
+
+/// A solver on a grid of points, and a second egg that says where they are seen.
+struct Rig {
+  PosedEgg egg, truth;
+  ExpectedEgg expected{egg};
+  InArena<SurfacePoints> points{kPoints, std::size_t{0}, egg.samples()};
+  InArena<FrameSolver> solver;
+  Random random{3};
+
+  explicit Rig(Rejection rejection, bool rejects = true, int iterations = 4)
+      : solver(limits_of(egg, rejects)) {
+    points->clear(egg.samples());
+    std::uint16_t id;
+    for (int i = 0; i < int(kPoints); ++i)
+      REQUIRE(points->add(PointKind::surface, {0.14f + 0.12f * float(i % 7), 0.14f + 0.12f * float(i / 7)},
+                          {}, egg.cascade.object, egg.state.q, &id) == Status::ok);
+    solver->start({4, rejection, {0x07, 1, 0.1f}});
+    solver->begin();
+  }
+  void move_truth(float turn) { truth.pose({exp_rotation({0, turn, 0}), {3, 5, 700}}); }
+  std::vector<Observation> observe(float noise = 0.1f) {
+    std::vector<Observation> out;
+    for (std::uint16_t id = 0; id < kPoints; ++id) {
+      Observation o;
+      o.id = id;
+      o.x = truth.image_of(points->uv(id)) + Vec2{noise * random.normal(), noise * random.normal()};
+      o.information = {25, 0, 25};
+      o.score = 0.9f;
+      out.push_back(o);
+    }
+    return out;
+  }
+  SolverReport solve(std::vector<Observation>& o) {
+    return solver->solve({egg.cascade.object, points.object, expected.motion->expected()},
+                         {o.data(), o.size()}, {}, &egg.state);
+  }
+  bool first_pass(std::vector<Observation>& o) {
+    return solver->solve_first_pass({egg.cascade.object, points.object, expected.motion->expected()},
+                                    {o.data(), o.size()}, &egg.state);
+  }
+  /// Mean distance between the points where they are and where the state puts them, px.
+  float error() {
+    float sum = 0;
+    for (std::uint16_t id = 0; id < kPoints; ++id)
+      sum += length(egg.image_of(points->uv(id)) - truth.image_of(points->uv(id)));
+    return sum / static_cast<float>(kPoints);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("every rejection finds pose and expression from good observations") {
+  for (const Rejection rejection : {Rejection::none, Rejection::weights, Rejection::forces,
+                                    Rejection::forces_readmitted, Rejection::on_doubt}) {
+    CAPTURE(static_cast<int>(rejection));
+    Rig rig(rejection);
+    rig.move_truth(0.03f);
+    // Forces without readmission reject the jaw, which the rigid block does not explain.
+    const float jaw = rejection == Rejection::forces ? 0.0f : 0.1f;
+    rig.truth.q[5] = jaw;
+    REQUIRE(rig.error() > 2.5f);
+    auto seen = rig.observe();
+    const SolverReport report = rig.solve(seen);
+    CHECK(rig.error() < 0.4f);
+    CHECK(rig.egg.q[5] == doctest::Approx(double(jaw)).epsilon(0.15).scale(0.1));
+    CHECK(rig.egg.q[0] == 0);
+    CHECK(report.final_cost < report.initial_cost);
+    CHECK(rig.solver->result().rows == kPoints);
+    CHECK(rig.solver->result().inliers > 35);
+    CHECK(rig.solver->result().pose_is_observed);
+    CHECK(rig.solver->result().score == doctest::Approx(0.9));
+  }
+}
+
+TEST_CASE("a coherent occluder pulls least squares away, weights less, forces least") {
+  float error[3] = {};
+  const Rejection each[3] = {Rejection::none, Rejection::weights, Rejection::forces_readmitted};
+  for (int k = 0; k < 3; ++k) {
+    Rig rig(each[k]);
+    rig.move_truth(0.02f);
+    auto seen = rig.observe();
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      if (i % 7 < 2) seen[i].x = seen[i].x + Vec2{25, 18};
+    rig.solve(seen);
+    error[k] = rig.error();
+    int rejected = 0;
+    for (const Observation& o : seen) rejected += o.reason == Reason::rejected;
+    if (k == 2) CHECK(rejected >= 14);
+  }
+  CHECK(error[2] <= error[1]);
+  CHECK(error[1] < error[0]);
+  CHECK(error[2] < 0.5f);
+}
+
+TEST_CASE("a doubtful result is compared with the alternative: a jaw that drops is no occluder") {
+  Rig rig(Rejection::on_doubt);
+  rig.truth.q[5] = 0.3f;
+  auto seen = rig.observe();
+  rig.solve(seen);
+  CHECK(rig.egg.q[5] == doctest::Approx(0.3).epsilon(0.1));
+  CHECK(rig.solver->result().inliers > 40);
+}
+
+TEST_CASE("too few observations, or none, move nothing and give no inliers") {
+  Rig rig(Rejection::on_doubt);
+  rig.move_truth(0.05f);
+  const float before = rig.error();
+  auto seen = rig.observe();
+  seen.resize(4);
+  rig.solve(seen);
+  std::vector<Observation> none;
+  rig.solve(none);
+  CHECK(rig.error() == before);
+  CHECK(rig.solver->result().inliers == 0);
+  CHECK_FALSE(rig.first_pass(none));
+}
+
+TEST_CASE("edges of one direction do not determine the pose") {
+  Rig rig(Rejection::weights);
+  auto seen = rig.observe();
+  for (Observation& o : seen) o.information = {25, 0, 0};
+  rig.solve(seen);
+  CHECK_FALSE(rig.solver->result().pose_is_observed);
+}
+
+TEST_CASE("a first pass moves the state, or leaves it if the result is doubtful") {
+  Rig rig(Rejection::on_doubt);
+  rig.move_truth(0.03f);
+  auto few = rig.observe();
+  for (Observation& o : few)
+    if (o.id % 3 != 0) o.reason = Reason::not_visible;
+  auto wild = few;
+  for (std::size_t i = 0; i < wild.size(); i += 6) wild[i].x = wild[i].x + Vec2{30, -25};
+  const float before = rig.error();
+  CHECK_FALSE(rig.first_pass(wild));
+  CHECK(rig.error() == before);
+  CHECK(rig.first_pass(few));
+  CHECK(rig.error() < 0.3f * before);
+  auto all = rig.observe();
+  rig.solve(all);
+  CHECK_FALSE(rig.solver->needs_another_round());
+}
+
+TEST_CASE("without a table of rejection, forces are not rejected and the memory is smaller") {
+  Rig with(Rejection::forces), without(Rejection::forces, false);
+  CHECK(without.solver.arena.used_bytes() < with.solver.arena.used_bytes());
+  auto seen = without.observe();
+  without.solve(seen);
+  CHECK(without.error() < 0.3f);
+}
+
+TEST_CASE("variances follow the number of observations after a good frame") {
+  float variance[2];
+  for (const bool half : {false, true}) {
+    Rig rig(Rejection::weights);
+    auto seen = rig.observe();
+    for (Observation& o : seen)
+      if (half && o.id % 2 != 0) o.reason = Reason::not_visible;
+    rig.solve(seen);
+    CHECK(rig.solver->variance()[kShiftX] == 0);
+    rig.solver->conclude_frame();
+    variance[half] = rig.solver->variance()[kShiftX];
+  }
+  CHECK(variance[0] > 0);
+  CHECK(variance[1] > 1.5f * variance[0]);
+}
