@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of the estimator share: an egg, seen by a camera.
+// The scene of the tests of the estimator: an egg, seen by a camera.
 #include <doctest/doctest.h>
 
 #include <vector>

@@ -130,7 +130,7 @@ TEST_CASE("outward normals leave the surface, and finer meshes are nearer to the
   CHECK(error[1] < 0.25 * error[0]);
 }
 
-TEST_CASE("an open surface has its borders flagged apart, and only those that are seen") {
+TEST_CASE("the visible boundary of an open surface is reported and flagged") {
   Ellipsoid half(32, 2.4);  // ends before it turns away
   half.pose({{}, {0, 0, 700}});
   std::size_t borders = 0, contours = 0;
@@ -155,7 +155,7 @@ TEST_CASE("an open surface has its borders flagged apart, and only those that ar
   CHECK((low == 0 || high == 0));  // the border that turned away is hidden by its own face
 }
 
-TEST_CASE("what a nearer part of the mesh covers is left out") {
+TEST_CASE("points hidden by a nearer part of the mesh are left out") {
   Ellipsoid ridges(48);  // two ridges along v, the second half as high
   const auto ridge = [](float u, float at) {
     const float t = max(0.0f, 1 - 60 * (u - at) * (u - at));
@@ -173,7 +173,7 @@ TEST_CASE("what a nearer part of the mesh covers is left out") {
       n += !p.is_border && p.uv.x > 0.55f && p.uv.x < 0.75f && p.uv.y > 0.1f && p.uv.y < 0.9f;
     return n;
   };
-  // Looked at from either side the second ridge has a contour; from one side the first stands before it.
+  // From either side the second ridge has a contour; from one side the first ridge hides it.
   CHECK(of_second(1.1f, false) > 30);
   CHECK(of_second(-1.1f, false) > 30);
   const std::size_t from_left = of_second(1.1f, true), from_right = of_second(-1.1f, true);

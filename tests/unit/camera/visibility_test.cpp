@@ -86,7 +86,7 @@ TEST_CASE("faces much smaller and larger than a cell leave none of the cells bet
   }
 }
 
-TEST_CASE("a vertex behind the camera takes its faces with it, wherever its image is said to be") {
+TEST_CASE("faces with a vertex behind the camera are not drawn, whatever the image of the vertex") {
   ModelBuilder b;
   b.grid_mesh(4);
   InArena<Mesh> mesh(MeshLimits{});

@@ -1,4 +1,4 @@
-// Edge points of the estimator: along curves of the model and along its outline, and what observations of them determine.
+// Edge points of the estimator on curves of the model and on its silhouette, and what their observations determine.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -99,7 +99,7 @@ struct Scene {
     }
     return out;
   }
-  /// Of the curve through uv: they are straight and keep to one coordinate.
+  /// Direction of the curve through uv: each curve has one constant coordinate.
   static Vec2 direction(Vec2 uv) {
     const float across = magnitude(4 * uv.y - static_cast<float>(static_cast<int>(4 * uv.y + 0.5f)));
     return across < 1e-3f ? Vec2{1, 0} : Vec2{0, 1};
@@ -118,7 +118,7 @@ Span<Observation> span(std::vector<Observation>& o) {
 
 }  // namespace
 
-TEST_CASE("an edge point's normal is square to its curve in the image, and keeps its side") {
+TEST_CASE("an edge point's normal is perpendicular to its curve in the image, and stays on its side") {
   Scene scene(lined_egg());
   InArena<Estimator> e(scene.model, scene.limits);
   for (float turn : {0.0f, 0.35f}) {
@@ -143,7 +143,7 @@ TEST_CASE("an edge point's normal is square to its curve in the image, and keeps
   CHECK(length(e->predict(id).normal) == 0);
 }
 
-TEST_CASE("points of a curve are as far apart on the surface as asked; full lists are named") {
+TEST_CASE("points of a curve are as far apart on the surface as asked; full lists return capacity") {
   Scene scene(lined_egg());
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, Scene::pose(0));
@@ -193,7 +193,8 @@ TEST_CASE("edges alone give the pose, wherever along its tangent each was found"
   }
 }
 
-TEST_CASE("edges determine nothing along themselves: curves down the surface leave its height as predicted") {
+TEST_CASE(
+    "edges do not determine motion along themselves: with vertical curves the height stays as predicted") {
   Scene scene(lined_egg());
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, Scene::pose(0));
@@ -277,7 +278,7 @@ TEST_CASE("a cue that is switched off takes no part, and a noisy one loses weigh
   CHECK(magnitude(e->view().tau.x) < 0.3f);
   for (std::size_t k = 36; k < seen.size(); ++k) CHECK(seen[k].reason == Reason::rejected);
 
-  // Edges right, patches noisy far beyond their own word.
+  // Correct edges, and patches whose noise is far above their standard deviation.
   options.cues = 0x0f;
   for (bool learns : {false, true}) {
     options.cue_scale_rate = learns ? 0.5f : 0.0f;
@@ -297,7 +298,7 @@ TEST_CASE("a cue that is switched off takes no part, and a noisy one loses weigh
   }
 }
 
-TEST_CASE("outline points lie where the surface turns away, each in its sector, with normals outwards") {
+TEST_CASE("silhouette points lie where the surface turns away, each in its sector, with normals outwards") {
   Scene scene(ellipsoid());
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, Scene::pose(0));
@@ -316,7 +317,7 @@ TEST_CASE("outline points lie where the surface turns away, each in its sector, 
       if (!p.visible) continue;
       ++visible;
       CHECK(length(p.normal) == doctest::Approx(1).epsilon(1e-4));
-      // The ellipsoid's own normal there, square to the line of sight.
+      // The ellipsoid's own normal there, perpendicular to the viewing ray.
       const Vec2 uv = e->point_uv(ids[k]);
       const double a = 3.5 * (double(uv.x) - 0.5), c = 2.8 * (0.5 - double(uv.y));
       const Vec3 n{float(std::sin(a) * std::cos(c) / 70), float(std::sin(c) / 90),
@@ -324,9 +325,9 @@ TEST_CASE("outline points lie where the surface turns away, each in its sector, 
       const Mat3 turn = rotation_matrix(pose.q);
       const Vec3 at{float(70 * std::sin(a) * std::cos(c)), float(90 * std::sin(c)),
                     float(60 * std::cos(a) * std::cos(c))};
-      const Vec3 sight = turn * Vec3{at.x, -at.y, -at.z} + pose.t;
+      const Vec3 ray = turn * Vec3{at.x, -at.y, -at.z} + pose.t;
       const Vec3 out = turn * normalised(Vec3{n.x, -n.y, -n.z});
-      CHECK(magnitude(dot(out, normalised(sight))) < 0.12f);
+      CHECK(magnitude(dot(out, normalised(ray))) < 0.12f);
       CHECK(dot(Vec2{out.x, out.y}, p.normal) > 0.97f);
       if (frame > 1 && length(before[k]) > 0) CHECK(length(p.x - before[k]) < 25);
       before[k] = p.x;

@@ -1,4 +1,4 @@
-// A look ahead by a few of the points, and what the solve after it makes of it.
+// The first pass with a few points, and the solve after it.
 #include <doctest/doctest.h>
 
 #include <limits>
@@ -8,7 +8,8 @@
 using namespace estimator_scene;
 
 TEST_CASE(
-    "an approach by a few points brings the others' predictions near, and then the solve starts there") {
+    "a first pass with a few points makes the predictions of the others accurate, and the solve starts "
+    "there") {
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, 0);
@@ -33,7 +34,7 @@ TEST_CASE(
   CHECK(turn_error(e.object, 0.05f) < 0.01f);
 }
 
-TEST_CASE("a part that moved by itself surprises the solve after an approach that knew nothing of it") {
+TEST_CASE("after a first pass without points on the jaw, a jaw that moved asks for another round") {
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, 0);
@@ -53,7 +54,7 @@ TEST_CASE("a part that moved by itself surprises the solve after an approach tha
   CHECK(e->parameters()[5] == doctest::Approx(0.6).epsilon(0.1));
 }
 
-TEST_CASE("an approach that leaves doubt, or has too little to go by, moves nothing") {
+TEST_CASE("a first pass with a doubtful result, or with too few points, moves nothing") {
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);
   std::vector<Observation> none;
@@ -88,7 +89,7 @@ TEST_CASE("an approach that leaves doubt, or has too little to go by, moves noth
   CHECK(unmoved());
 }
 
-TEST_CASE("through a lens an approach gets as near, and leaves the observations where they were seen") {
+TEST_CASE("through a lens a first pass is as accurate, and the observations keep their positions") {
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);
   scene.camera.k1 = -0.15f;
@@ -108,8 +109,8 @@ TEST_CASE("through a lens an approach gets as near, and leaves the observations 
   CHECK(off < 0.4f);
 }
 
-TEST_CASE("a turn between two looks is seen in what hides what") {
-  // Turned about by what was solved, the far side is hidden at once, as for an estimator that starts there.
+TEST_CASE("visibility follows a turn between two rounds") {
+  // After the solves have turned the model, the far side is hidden at once, as it is for an estimator that starts there.
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits), fresh(scene.model, scene.limits);
   scene.start(e.object, 0);

@@ -8,7 +8,7 @@
 
 using namespace estimator_scene;
 
-TEST_CASE("pose and expressions are followed through a motion, the identity stays") {
+TEST_CASE("pose and expressions are tracked through a motion, the identity stays") {
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, 0);
@@ -71,7 +71,7 @@ TEST_CASE("what turns away from the camera or leaves the picture is not visible"
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, 0);
-  // A strong turn: x to the right of the picture turns away.
+  // A strong turn: the right side of the surface turns away.
   REQUIRE(e->start(scene.camera, kWidth, kHeight, {exp_rotation({0, 1.2f, 0}), {0, 0, 700}}, scene.q.data(),
                    nullptr, {}) == Status::ok);
   std::uint16_t near_side, far_side;
@@ -160,7 +160,7 @@ TEST_CASE("hostile observations are ignored: NaN, unknown points, negative infor
   CHECK(is_finite(result.pose));
 }
 
-TEST_CASE("calls before a start, bad starts and full capacities are named") {
+TEST_CASE("calls before a start, bad starts and full capacities return their status") {
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);
   std::uint16_t id = 0;
@@ -188,7 +188,9 @@ TEST_CASE("calls before a start, bad starts and full capacities are named") {
   CHECK(id == 17);
 }
 
-TEST_CASE("with vertices from the tables and just room enough it tracks the same, in less memory") {
+TEST_CASE(
+    "with vertices read from the tables and the least capacities, tracking gives the same result in less "
+    "memory") {
   Scene scene;
   InArena<Estimator> full(scene.model, scene.limits);
   scene.limits.samples_vertices = false;
@@ -221,8 +223,7 @@ TEST_CASE("with vertices from the tables and just room enough it tracks the same
   CHECK(most < 1e-3f);
 }
 
-TEST_CASE(
-    "limits without rejection of forces do as those with a sample of none: the same memory, the same bits") {
+TEST_CASE("limits without a table of rejection give the same memory and bits as a sample of 0") {
   float turn[2] = {};
   std::size_t bytes[2] = {};
   for (int named = 0; named < 2; ++named) {
@@ -322,7 +323,8 @@ TEST_CASE("the covariance of predictions grows with time since the last frame an
   CHECK(frame(33'000'000) > 3 * usual);
 }
 
-TEST_CASE("a frame is not tracked by few patches, by low correlation, or by edges that leave the pose open") {
+TEST_CASE(
+    "a frame with few patches, low correlation, or edges that do not determine the pose is not tracked") {
   Scene scene;
   const auto state_of = [&](auto change) {
     InArena<Estimator> e(scene.model, scene.limits);
@@ -334,7 +336,7 @@ TEST_CASE("a frame is not tracked by few patches, by low correlation, or by edge
     return e->end();
   };
   CHECK(state_of([](std::size_t, Observation&) {}).state == TrackState::tracking);
-  // Followed from frame to frame, but no patch looks as it did: an occluder would do that.
+  // Most points are tracked from frame to frame only, and no template is found: an occluder would cause that.
   CHECK(state_of([](std::size_t i, Observation& o) {
           if (i < 30)
             o.cue = Cue::flow;
@@ -348,7 +350,7 @@ TEST_CASE("a frame is not tracked by few patches, by low correlation, or by edge
   CHECK(open.state == TrackState::degraded);
 }
 
-TEST_CASE("a mesh that follows the view keeps to its budget and changes nothing of what is tracked") {
+TEST_CASE("a mesh that follows the view keeps its budget and does not change the result") {
   Scene scenes[2];
   EstimatorOptions options;
   InArena<Estimator> still(scenes[0].model, scenes[0].limits), adapts(scenes[1].model, scenes[1].limits);
@@ -397,15 +399,15 @@ TEST_CASE("a mesh that follows the view keeps to its budget and changes nothing 
   CHECK(changes > 3);
 }
 
-TEST_CASE("a person folded into one field is tracked to the same state, and costs what the limits say") {
+TEST_CASE("a personalised model is tracked to the same state, and costs the memory of its field") {
   Scene scene;
   scene.q[0] = 1.2f;
   Vec3 truth[2];
   std::size_t bytes[2];
-  for (int folded = 0; folded < 2; ++folded) {
+  for (int personalised = 0; personalised < 2; ++personalised) {
     EstimatorLimits limits = scene.limits;
-    if (folded) limits.personal_field = {64, 64};
-    bytes[folded] = measured_bytes<Estimator>(scene.model, limits);
+    if (personalised) limits.personal_field = {64, 64};
+    bytes[personalised] = measured_bytes<Estimator>(scene.model, limits);
     InArena<Estimator> e(scene.model, limits);
     scene.random = Random{11};
     scene.start(e.object, 0);
@@ -414,7 +416,7 @@ TEST_CASE("a person folded into one field is tracked to the same state, and cost
     e->predict();
     e->solve({observations.data(), observations.size()});
     CHECK(e->end().state == TrackState::tracking);
-    truth[folded] = e->vertex_positions()[5];
+    truth[personalised] = e->vertex_positions()[5];
     CHECK(length(log_rotation(e->view().q * conjugate(Scene::pose(0.05f).q))) < 0.005f);
   }
   CHECK(length(truth[1] - truth[0]) < 0.2f);

@@ -43,7 +43,7 @@ struct Rig {
 
 }  // namespace
 
-TEST_CASE("a steady motion is predicted, much better than by standing still, at any frame rate") {
+TEST_CASE("a steady motion is predicted to a fifth of its step, at any frame rate") {
   for (const float mean_step : {1.0f / 60, 1.0f / 15}) {
     Rig rig(steady(0));
     Random random(2);
@@ -62,7 +62,7 @@ TEST_CASE("a steady motion is predicted, much better than by standing still, at 
   }
 }
 
-TEST_CASE("the covariance holds what happens: noise at rest stays within three deviations") {
+TEST_CASE("the covariance is that of the errors: noise at rest stays within three standard deviations") {
   Rig rig(steady(0));
   Random random(3);
   int beyond = 0;
@@ -78,7 +78,7 @@ TEST_CASE("the covariance holds what happens: noise at rest stays within three d
   CHECK(beyond <= 4);
 }
 
-TEST_CASE("frames that are dropped widen the prediction, and it comes to rest") {
+TEST_CASE("without measurements the covariance grows and the velocity decays") {
   Rig rig(steady(0));
   float t = 0;
   for (int k = 0; k < 30; ++k, t += 1.0f / 30) {
@@ -95,7 +95,7 @@ TEST_CASE("frames that are dropped widen the prediction, and it comes to rest") 
   }
 }
 
-TEST_CASE("after a jump it is where the jump went, without the speed of the jump") {
+TEST_CASE("after a jump the filter is at the new place, at rest") {
   Rig rig(steady(0));
   for (int k = 0; k < 20; ++k) {
     rig.filter->predict(1.0f / 30);
@@ -110,7 +110,7 @@ TEST_CASE("after a jump it is where the jump went, without the speed of the jump
   CHECK(rig.shift_off(far) < 5);
 }
 
-TEST_CASE("no time, negative time and endless time: nothing, nothing, and a second") {
+TEST_CASE("time steps of zero, below zero and NaN change nothing, an infinite one counts as a second") {
   Rig rig(steady(0));
   rig.see(steady(0.1f));
   const View before = rig.filter->view();
@@ -149,7 +149,7 @@ TEST_CASE("what is not finite is refused and changes nothing; a state taken over
   CHECK(rig.filter->pose(kShiftX).velocity == 0);
 }
 
-TEST_CASE("smoothing takes the tremble out of rest and leaves motion without much lag") {
+TEST_CASE("smoothing reduces noise at rest and lags little in motion") {
   InArena<Smoother> smooth(std::size_t{2});
   Random random(5);
   const float dt = 1.0f / 30;

@@ -29,8 +29,7 @@ struct Rig {
   InArena<FrameSolver> solver;
   Random random{3};
 
-  explicit Rig(Rejection rejection, bool rejects = true, int iterations = 4)
-      : solver(limits_of(egg, rejects)) {
+  explicit Rig(Rejection rejection, bool rejects = true) : solver(limits_of(egg, rejects)) {
     points->clear(egg.samples());
     std::uint16_t id;
     for (int i = 0; i < int(kPoints); ++i)

@@ -1,4 +1,6 @@
 // The published dynamics and its preconditioned forms (Eq. 9, 12, 13).
+#include "pliant/euler.hpp"
+
 #include <doctest/doctest.h>
 
 #include <Eigen/Dense>
@@ -9,15 +11,13 @@
 #include "model_builder.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/cascade.hpp"
-#include "pliant/euler.hpp"
 #include "random.hpp"
 
 using namespace pliant;
 
 namespace {
 
-/// Points of the egg with pose and parameters unknown, in pixels: the kind of problem the solvers are for. Its units and
-/// number of points are the test's to choose.
+/// Points of the egg, in pixels, with unknown pose and parameters. Each test chooses units and number of points.
 struct EggProblem {
   std::vector<std::uint32_t> words;
   Model model;
@@ -26,7 +26,7 @@ struct EggProblem {
   View view, trial_view;
   float stiffness;
   InArena<Cascade> cascade;
-  std::vector<Vec3> baked;
+  std::vector<Vec3> samples;
 
   EggProblem(std::size_t points, float stiffness_, std::uint64_t seed)
       : words(egg_model(6).table()), model(open(words)), stiffness(stiffness_), cascade(model) {
@@ -36,13 +36,13 @@ struct EggProblem {
       truth.push_back(clamp(p.sd * random.normal(), p.minimum, p.maximum));
     const View true_view =
         view_of({exp_rotation({0.1f, -0.2f, 0.05f}), {5, -8, 700}}, centred_camera(640, 480, 900));
-    baked.resize(points * model.cascade().count);
+    samples.resize(points * model.cascade().count);
     for (std::size_t i = 0; i < points; ++i) {
       uv.push_back({random.uniform(0, 1), random.uniform(0, 1)});
       Vec2 x;
       REQUIRE(Projector(true_view, true).project(cascade->surface_point(uv[i], truth.data()), &x));
       image.push_back(x);
-      cascade->sample_point(uv[i], truth.data(), &baked[i * model.cascade().count]);
+      cascade->sample_point(uv[i], truth.data(), &samples[i * model.cascade().count]);
     }
     q.assign(truth.size(), 0.0f);
     trial = q;
@@ -70,7 +70,7 @@ struct EggProblem {
     std::vector<Vec2> column;
     for (std::size_t i = 0; i < uv.size(); ++i) {
       Jacobian j;
-      const Vec3 p = cascade->evaluate(&baked[i * model.cascade().count], q.data(), &j);
+      const Vec3 p = cascade->evaluate(&samples[i * model.cascade().count], q.data(), &j);
       Vec2 x;
       Projector::Derivatives d;
       if (!projector.project(p, &x, &d)) return 1e30f;
@@ -101,7 +101,7 @@ struct EggProblem {
     for (std::size_t i = 0; i < uv.size(); ++i) {
       Vec2 x;
       if (!Projector(trial_view, true)
-               .project(cascade->evaluate(&baked[i * model.cascade().count], trial.data()), &x))
+               .project(cascade->evaluate(&samples[i * model.cascade().count], trial.data()), &x))
         return 1e30f;
       cost += 0.5f * dot(image[i] - x, image[i] - x);
     }
@@ -227,7 +227,7 @@ TEST_CASE("the preconditioned steps arrive with the same settings for 100 and fo
       const char* name = kind == EulerStep::preconditioned ? "safe step" : "Barzilai-Borwein";
       std::printf("%zu points, %s: %d steps, rms %.3f -> %.4f px, optimum %.4f\n", points, name,
                   report.iterations, egg.rms(report.initial_cost), egg.rms(report.final_cost), egg.rms(best));
-      // Where floats tell no two costs apart any more it has arrived too.
+      // It has also converged where floats no longer distinguish two costs.
       CHECK((report.stop_reason == StopReason::converged || report.stop_reason == StopReason::no_decrease));
       CHECK(egg.rms(report.final_cost) < egg.rms(best) + 0.05);
     }

@@ -51,7 +51,7 @@ struct Scene {
 
 enum class Outliers { none, random, moving, standing };
 
-/// Forces at the old state, and at a predicted one that knows four fifths of the motion.
+/// Forces at the old state, and at a predicted state that includes four fifths of the motion.
 struct Trial {
   std::vector<Vec2> force;
   Parameters truth;
@@ -69,7 +69,7 @@ Parameters random_motion(Random& random) {
   return q;
 }
 
-Trial make_trial(const Scene& scene, Outliers kind, double share, bool at_prediction, Random& random) {
+Trial make_trial(const Scene& scene, Outliers kind, double fraction, bool at_prediction, Random& random) {
   const Parameters motion = random_motion(random);
   Parameters predicted = Parameters::Zero();
   if (at_prediction)
@@ -87,7 +87,7 @@ Trial make_trial(const Scene& scene, Outliers kind, double share, bool at_predic
   }
   std::sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) { return key[x] < key[y]; });
   std::vector<bool> bad(kPoints, false);
-  for (std::size_t i = 0; kind != Outliers::none && i < static_cast<std::size_t>(share * kPoints); ++i)
+  for (std::size_t i = 0; kind != Outliers::none && i < static_cast<std::size_t>(fraction * kPoints); ++i)
     bad[order[i]] = true;
   Trial trial{std::vector<Vec2>(kPoints), motion - predicted};
   for (std::size_t i = 0; i < kPoints; ++i) {
@@ -174,14 +174,14 @@ struct RejectorRunner {
 
 constexpr int kTrials = kSanitized ? 10 : 40;
 
-Result experiment(Outliers kind, double share, bool at_prediction) {
+Result experiment(Outliers kind, double fraction, bool at_prediction) {
   Random random(2024);
   RejectorRunner runner;
   Result mean;
   const std::vector<std::uint8_t> all(kPoints, 1);
   for (int k = 0; k < kTrials; ++k) {
     const Scene scene(random);
-    const Trial trial = make_trial(scene, kind, share, at_prediction, random);
+    const Trial trial = make_trial(scene, kind, fraction, at_prediction, random);
     const auto add = [&](double& sum, const Parameters& q) {
       sum += error_px(scene, q, trial.truth) / kTrials;
     };
@@ -213,10 +213,10 @@ TEST_CASE("without outliers re-admission costs next to nothing") {
   CHECK(r.readmission < 1.25 * r.least_squares);
 }
 
-TEST_CASE("random outliers: robust weights do, rejection and re-admission do better") {
-  for (double share : {0.20, 0.35}) {
-    const Result r = experiment(Outliers::random, share, true);
-    print(share < 0.3 ? "random 20 %" : "random 35 %", r);
+TEST_CASE("random outliers: robust weights suffice, rejection with re-admission is more accurate") {
+  for (double fraction : {0.20, 0.35}) {
+    const Result r = experiment(Outliers::random, fraction, true);
+    print(fraction < 0.3 ? "random 20 %" : "random 35 %", r);
     CHECK(r.robust < 0.5 * r.least_squares);
     CHECK(r.readmission < r.robust * 1.05);
     CHECK(r.readmission < 0.4);
@@ -224,28 +224,28 @@ TEST_CASE("random outliers: robust weights do, rejection and re-admission do bet
 }
 
 TEST_CASE("an occluder that moves: weights alone lose the object, rejection does not") {
-  for (double share : {0.20, 0.35}) {
-    const Result old = experiment(Outliers::moving, share, false),
-                 r = experiment(Outliers::moving, share, true);
-    print(share < 0.3 ? "moving 20 %, at the old state" : "moving 35 %, at the old state", old);
-    print(share < 0.3 ? "moving 20 %, at the prediction" : "moving 35 %, at the prediction", r);
+  for (double fraction : {0.20, 0.35}) {
+    const Result old = experiment(Outliers::moving, fraction, false),
+                 r = experiment(Outliers::moving, fraction, true);
+    print(fraction < 0.3 ? "moving 20 %, at the old state" : "moving 35 %, at the old state", old);
+    print(fraction < 0.3 ? "moving 20 %, at the prediction" : "moving 35 %, at the prediction", r);
     CHECK(r.robust < r.least_squares);
-    CHECK(r.rejection < (share < 0.3 ? 0.8 : 0.1) * r.robust);
-    CHECK(r.readmission < (share < 0.3 ? 0.8 : 0.1) * r.robust);
+    CHECK(r.rejection < (fraction < 0.3 ? 0.8 : 0.1) * r.robust);
+    CHECK(r.readmission < (fraction < 0.3 ? 0.8 : 0.1) * r.robust);
     CHECK(r.readmission <= old.readmission);
     CHECK(r.rejection < 1.3 * r.rejection_six);
   }
 }
 
-TEST_CASE("an occluder that stands: rejection needs forces at the predicted state") {
-  for (double share : {0.20, 0.35}) {
-    const Result old = experiment(Outliers::standing, share, false),
-                 r = experiment(Outliers::standing, share, true);
-    print(share < 0.3 ? "standing 20 %, at the old state" : "standing 35 %, at the old state", old);
-    print(share < 0.3 ? "standing 20 %, at the prediction" : "standing 35 %, at the prediction", r);
+TEST_CASE("an occluder at rest: rejection needs forces at the predicted state") {
+  for (double fraction : {0.20, 0.35}) {
+    const Result old = experiment(Outliers::standing, fraction, false),
+                 r = experiment(Outliers::standing, fraction, true);
+    print(fraction < 0.3 ? "standing 20 %, at the old state" : "standing 35 %, at the old state", old);
+    print(fraction < 0.3 ? "standing 20 %, at the prediction" : "standing 35 %, at the prediction", r);
     CHECK(old.rejection > old.robust);
-    CHECK(r.rejection < (share < 0.3 ? 0.8 : 0.25) * r.robust);
-    CHECK(r.readmission < (share < 0.3 ? 0.8 : 0.25) * r.robust);
+    CHECK(r.rejection < (fraction < 0.3 ? 0.8 : 0.25) * r.robust);
+    CHECK(r.readmission < (fraction < 0.3 ? 0.8 : 0.25) * r.robust);
     CHECK(r.readmission < 0.25 * old.readmission);
   }
 }
@@ -266,7 +266,7 @@ TEST_CASE("at rest nothing is rejected, whatever the noise below the floor looks
   CHECK(runner.reject(scene, trial, McdStarts::median_ball)[7] == 0);
 }
 
-TEST_CASE("a parameter that no point sees, and values that are not finite") {
+TEST_CASE("an unobserved parameter and values that are not finite are handled") {
   Random random(6);
   Scene scene(random);
   Trial trial = make_trial(scene, Outliers::random, 0.2, true, random);

@@ -129,7 +129,7 @@ TEST_CASE("with many limits the step is the best within them: forces at each pus
   }
 }
 
-TEST_CASE("an unknown that nothing observes stays and is counted") {
+TEST_CASE("an unobserved unknown stays and is counted") {
   Equations e(4);
   e.equations.reset(4);
   const std::uint16_t unknown[3] = {0, 1, 3};
@@ -182,7 +182,7 @@ TEST_CASE("the minimiser finds the bottom of Rosenbrock's valley") {
   CHECK(report.iterations < 60);  // trial steps, with those refused
 }
 
-TEST_CASE("robust losses are squares near zero, continuous, and Tukey lets go") {
+TEST_CASE("robust losses are squares near zero and continuous, and Tukey's weight ends at zero") {
   for (Loss loss : {Loss::squares, Loss::huber, Loss::tukey}) {
     CHECK(evaluate(loss, 0.01f).rho == doctest::Approx(5e-5).epsilon(1e-3));
     CHECK(evaluate(loss, 0).weight == doctest::Approx(1));
@@ -209,7 +209,7 @@ TEST_CASE("select gives the k-th smallest, and the scale of Rayleigh lengths is 
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>((i * 37) % 101);
     CHECK(select(values.data(), values.size(), k) == static_cast<float>(k));
   }
-  // Orders and repetitions that make the halves uneven.
+  // Orders and repetitions that make bad pivots.
   for (std::size_t n : {1u, 2u, 16u, 17u, 64u, 1000u})
     for (int kind = 0; kind < 5; ++kind) {
       std::vector<float> ordered(n);
