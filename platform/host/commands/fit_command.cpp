@@ -63,8 +63,10 @@ void draw_overlay(const std::string& path, const Model& model, const FitFile& fi
 /// --method and the options of the methods.
 void read_method(const Args& args, FitSetup& setup) {
   const std::string method = args.text("--method").value_or("gauss-newton");
-  setup.stiffness = static_cast<float>(args.number("--stiffness", setup.stiffness, 0, 1e6));
-  setup.euler.delta = static_cast<float>(args.number("--delta", setup.euler.delta, 1e-12, 1e3));
+  setup.stiffness =
+      static_cast<float>(args.number("--stiffness", static_cast<double>(setup.stiffness), 0, 1e6));
+  setup.euler.delta =
+      static_cast<float>(args.number("--delta", static_cast<double>(setup.euler.delta), 1e-12, 1e3));
   setup.euler.steps = static_cast<int>(args.number("--steps", setup.euler.steps, 1, 1e6));
   if (method == "gauss-newton") return;
   setup.method = FitMethod::euler;

@@ -104,8 +104,8 @@ TrackerOptions tracker_options(const Args& args) {
   options.estimator.cues = cues_of(args);
   options.estimator.mesh_operations =
       static_cast<std::uint16_t>(args.integer("--mesh-operations", 0, 0, 1000));
-  options.marker_exclusion_px =
-      static_cast<float>(args.number("--marker-exclusion-px", options.marker_exclusion_px, 0, 1000));
+  options.marker_exclusion_px = static_cast<float>(
+      args.number("--marker-exclusion-px", static_cast<double>(options.marker_exclusion_px), 0, 1000));
   return options;
 }
 
