@@ -66,6 +66,13 @@ for document in $documents; do
   done
 done >> "$faults"
 
+# Every section that the evaluation script measures has its place, and only those.
+if command -v python3 >/dev/null 2>&1; then
+  sections=$(python3 tests/bench/evaluate.py --list | sort)
+  places=$(sed -n 's/^<!-- measured: \(.*\) -->$/\1/p' docs/evaluation.md | sort)
+  [ "$sections" = "$places" ] || echo "docs/evaluation.md: its sections are not those of tests/bench/evaluate.py" >> "$faults"
+fi
+
 lines=$(wc -l < README.md)
 [ "$lines" -le 150 ] || echo "README.md: $lines lines, at most 150" >> "$faults"
 [ ! -s "$faults" ] || { cat "$faults"; exit 1; }
