@@ -1,4 +1,4 @@
-// The ordering of the occlusion table on the built-in face (ALGORITHMS 6.5).
+// The ordering of the occlusion table on the built-in face (docs/algorithms.md, section 6.5).
 #include "host/bench/occlusion_experiment.hpp"
 
 #include <doctest/doctest.h>

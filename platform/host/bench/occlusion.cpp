@@ -1,4 +1,4 @@
-// `pliant bench occlusion`: the table of ALGORITHMS 6.5 on a model of ours, with the estimator as it is.
+// `pliant bench occlusion`: the table of docs/algorithms.md, section 6.5, on a model of ours, with the estimator as it is.
 #include "host/bench/bench.hpp"
 #include "host/bench/occlusion_experiment.hpp"
 

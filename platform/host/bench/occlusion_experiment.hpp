@@ -1,7 +1,7 @@
 #pragma once
 /// \file occlusion.hpp
 /// The occlusion experiment: observations of a face's points, some of them false, and what the estimator makes of one frame
-/// with each way to deal with outliers (ALGORITHMS: section 6.5).
+/// with each way to deal with outliers (docs/algorithms.md, section 6.5).
 #include "pliant/estimator.hpp"
 
 namespace pliant::host {
