@@ -17,6 +17,8 @@ function names_of(list, out,   n, i, depth, c, start) {
   out[++n] = substr(list, start)
   return n
 }
+# Data members with a trailing underscore are not for users.
+/^[ \t]+[A-Za-z][^(]*[A-Za-z0-9]_( = [^(]*)?;/ { doc = ""; next }
 /^#(define|undef) PLIANT_HAS_SIZE|^PLIANT_HAS_SIZE/ { next }
 /= delete;[ \t]*$/ || /\(\) = default;[ \t]*$/ { doc = ""; next }
 /^[ \t]*\/\/\/[^<]/ || /^[ \t]*\/\/\/$/ { release(); doc = doc $0 "\n"; next }

@@ -15,16 +15,16 @@ namespace pliant {
 /// The application's surface: a position (mm) for every (u,v) of the chart. Between two calls of Adapter::resample the
 /// position at one (u,v) must not change.
 struct Surface {
-  void* context = nullptr;
-  Vec3 (*sample)(void* context, Vec2 uv) = nullptr;
+  void* context = nullptr;                           ///< passed to the functions
+  Vec3 (*sample)(void* context, Vec2 uv) = nullptr;  ///< position at (u,v), mm
 
-  Vec3 operator()(Vec2 uv) const { return sample(context, uv); }
+  Vec3 operator()(Vec2 uv) const { return sample(context, uv); }  ///< Position at (u,v), mm.
 };
 
 /// What a criterion reads.
 struct Shape {
-  const Mesh& mesh;
-  Surface surface;
+  const Mesh& mesh;      ///< what is adapted
+  Surface surface;       ///< what it approximates
   const Vec3* position;  ///< the surface at the vertices, mm; by vertex id
 };
 
@@ -32,7 +32,8 @@ struct Shape {
 /// vertex is removed when the ranks with and without it are below 1 by a margin. Ranks are at least 0; NaN counts as 0.
 /// criteria.hpp has the usual ones, and makes one from a pair of yes-or-no tests.
 struct Criterion {
-  const void* context = nullptr;
+  const void* context = nullptr;  ///< passed to the functions
+  /// Rank of a live face.
   float (*refine_rank)(const void* context, const Shape& shape, FaceId face) = nullptr;
   /// Rank of the worst triangle that welding v brings back. Only called for weldable vertices.
   float (*weld_rank)(const void* context, const Shape& shape, VertexId v) = nullptr;
@@ -42,23 +43,26 @@ struct Criterion {
   bool sees_neighbours = false;
 };
 
+/// Bounds of one call of Adapter::adapt.
 struct AdaptOptions {
   int vertex_budget = 0;   ///< hard limit on vertices; 0: the mesh's capacity
   int max_operations = 0;  ///< splits and welds in this call; 0: until it converges, at most 16 x capacity
-  bool may_split = true;
-  bool may_weld = true;
+  bool may_split = true;   ///< false: no splits
+  bool may_weld = true;    ///< false: no welds
 };
 
+/// Why an adaptation ended.
 enum class AdaptStop : std::uint8_t {
   converged,   ///< every face is within tolerance, and no vertex is superfluous
   no_room,     ///< budget or capacity is used up, and no weld is worth a split
   operations,  ///< max_operations
 };
 
+/// What one call of Adapter::adapt did.
 struct AdaptReport {
-  int splits = 0, welds = 0;
-  AdaptStop stop = AdaptStop::converged;
-  float worst_rank = 0;  ///< of the faces there are now
+  int splits = 0, welds = 0;              ///< operations done
+  AdaptStop stop = AdaptStop::converged;  ///< why it ended
+  float worst_rank = 0;                   ///< of the faces there are now
 };
 
 /// Keeps one mesh adapted to one surface. After `start`, only the adapter may change the mesh.
@@ -97,6 +101,7 @@ class Adapter {
 
   /// Position of a live vertex, mm.
   Vec3 position(VertexId v) const { return position_[v]; }
+  /// The mesh, the surface and the vertices' positions.
   Shape shape() const { return {*mesh_, surface_, position_}; }
 
  private:

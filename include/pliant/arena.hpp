@@ -13,13 +13,13 @@ namespace pliant {
 /// A pointer and a count. Does not own what it points to.
 template <class T>
 struct Span {
-  T* data = nullptr;
-  std::size_t count = 0;
-  constexpr T& operator[](std::size_t i) const { return data[i]; }
-  constexpr T* begin() const { return data; }
-  constexpr T* end() const { return data + count; }
-  constexpr bool empty() const { return count == 0; }
-  constexpr operator Span<const T>() const { return {data, count}; }
+  T* data = nullptr;                                                  ///< first element
+  std::size_t count = 0;                                              ///< number of elements
+  constexpr T& operator[](std::size_t i) const { return data[i]; }    ///< Element i, unchecked.
+  constexpr T* begin() const { return data; }                         ///< First element.
+  constexpr T* end() const { return data + count; }                   ///< One behind the last element.
+  constexpr bool empty() const { return count == 0; }                 ///< True without elements.
+  constexpr operator Span<const T>() const { return {data, count}; }  ///< The same elements, read only.
 };
 
 /// What memory is for. An object with many parts sets it with `Arena::count_as` while it lays them out.
@@ -40,7 +40,7 @@ enum class Purpose : std::uint8_t {
   corners,           ///< corner detection
   thumbnails,        ///< coarse search
 };
-constexpr std::size_t kPurposeCount = 15;
+constexpr std::size_t kPurposeCount = 15;  ///< number of purposes
 
 /// Bump allocator over one block. An arena without a block only measures: every `take` advances the count and returns
 /// null. The same code thus measures an object and lays it out, so the two cannot differ. Objects in an arena are trivially
@@ -69,17 +69,20 @@ class Arena {
   }
   /// Sets the purpose of what is taken from now on.
   constexpr void count_as(Purpose purpose) { purpose_ = purpose; }
+  /// `count` values as a span.
   template <class T>
   constexpr Span<T> take_span(std::size_t count) {
     return {take<T>(count), count};
   }
 
+  /// True without a block: sizes are only counted.
   constexpr bool is_measuring() const { return base_ == nullptr; }
+  /// True where the block is aligned to kAlignment.
   bool is_aligned() const { return reinterpret_cast<std::uintptr_t>(base_) % kAlignment == 0; }
   /// True once something did not fit.
   constexpr bool exhausted() const { return exhausted_; }
-  constexpr std::size_t used_bytes() const { return used_; }
-  constexpr std::size_t size_bytes() const { return size_; }
+  constexpr std::size_t used_bytes() const { return used_; }  ///< Bytes taken, padding included.
+  constexpr std::size_t size_bytes() const { return size_; }  ///< Bytes of the block.
   /// The most that was ever in use at once.
   constexpr std::size_t high_water_bytes() const { return high_water_; }
   /// Empties the arena. What was taken from it is no longer valid.
@@ -91,6 +94,7 @@ class Arena {
   /// Releases at the end of a scope what was taken inside it.
   class Scope {
    public:
+    /// Remembers where the arena is.
     explicit Scope(Arena& arena) : arena_(arena), used_(arena.used_), exhausted_(arena.exhausted_) {}
     ~Scope() {
       arena_.used_ = used_;

@@ -20,9 +20,9 @@ enum class Winding : std::uint8_t {
 
 /// Sizes of the input, and whether by_splits may be called, which needs room for up to three times the faces.
 struct BaseMeshLimits {
-  std::uint16_t vertices = 512;
-  std::uint16_t faces = 1024;  ///< at most 7,281 with splits, 21,845 without
-  bool splits = true;
+  std::uint16_t vertices = 512;  ///< of the input
+  std::uint16_t faces = 1024;    ///< at most 7,281 with splits, 21,845 without
+  bool splits = true;            ///< whether by_splits will be called
 };
 
 /// Makes base meshes. For host tools, or for the start of a device: its memory can be reused once a mesh has taken the
@@ -33,6 +33,7 @@ class BaseMeshMaker {
   BaseMeshMaker(const BaseMeshMaker&) = delete;
   BaseMeshMaker& operator=(const BaseMeshMaker&) = delete;
 
+  /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, const BaseMeshLimits& limits);
 
   /// The paper's method. Edges are split once at their midpoints, the longest first, as long as neither of their faces has
@@ -53,11 +54,13 @@ class BaseMeshMaker {
 
   /// The result of the last success, for Mesh::set_base; empty after a failure. Valid until the next call.
   Span<const Vec2> uv() const { return {uv_, vertex_count_}; }
+  /// Three vertex indices a face.
   Span<const std::uint16_t> corners() const { return {corners_, 3 * face_count_}; }
   /// The vertices between which each added vertex lies: two ends of an edge and kNone, or three corners of a face.
   struct Parents {
-    std::uint16_t v[3];
+    std::uint16_t v[3];  ///< corners; kNone where unused
   };
+  /// One entry a vertex beyond the input's.
   Span<const Parents> parents() const { return {parents_, vertex_count_ - input_vertices_}; }
 
  private:

@@ -40,14 +40,14 @@ constexpr float kMinDepthRatio = 0.2f;
 
 /// Conversions between the two forms; rho is clamped to its range.
 View view_of(const Pose& pose, const Camera& camera);
-Pose pose_of(const View& view);
-Camera camera_of(const View& view);
+Pose pose_of(const View& view);      ///< The pose of a view.
+Camera camera_of(const View& view);  ///< The camera of a view.
 
 /// Unknowns of a view, in the order of the pose block of every solver: rotation increment (rad, applied on the left,
 /// in camera axes), log s, tau (mm), log rho. With a known focal length log rho follows log s and is not an unknown.
 enum PoseUnknown { kTurnX = 0, kTurnY, kTurnZ, kLogScale, kShiftX, kShiftY, kLogRho };
-constexpr int kPoseUnknowns = 6;  ///< with known focal length
-constexpr int kPoseUnknownsWithFocal = 7;
+constexpr int kPoseUnknowns = 6;           ///< with known focal length
+constexpr int kPoseUnknownsWithFocal = 7;  ///< with unknown focal length
 
 /// `view` moved by `step`.
 /// \param unknowns  kPoseUnknowns (f stays, rho follows s) or kPoseUnknownsWithFocal: values in `step`.
@@ -65,8 +65,9 @@ class Projector {
 
   /// Derivatives of an image position: `pose[k]` along pose unknown k, `m` (2 x 3, by rows) along the model point.
   struct Derivatives {
-    Vec2 pose[kPoseUnknownsWithFocal];
-    float m[2][3];
+    Vec2 pose[kPoseUnknownsWithFocal];  ///< along each pose unknown
+    float m[2][3];                      ///< along the model point, by rows
+    /// Derivative of the image position along a change d of the model point.
     Vec2 along(Vec3 d) const {
       return {m[0][0] * d.x + m[0][1] * d.y + m[0][2] * d.z, m[1][0] * d.x + m[1][1] * d.y + m[1][2] * d.z};
     }

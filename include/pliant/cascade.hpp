@@ -21,7 +21,7 @@ struct Jacobian {
 
 /// A surface point (mm, model axes) and its tangents dp/du, dp/dv (mm per unit of u and v).
 struct SurfaceFrame {
-  Vec3 p, pu, pv;
+  Vec3 p, pu, pv;  ///< position, mm
 };
 
 /// Size of the field that Cascade::personalise fills, in samples: 6 bytes each, 128 x 128 are 96 KiB. Fields are baked at
@@ -42,22 +42,24 @@ class Cascade {
   /// \pre `model` is open and its table outlives this object; create_in refuses another with bad_argument.
   void lay_out(Arena& arena, const Model& model, const PersonalFieldLimits& person = {});
 
-  const Model& model() const { return model_; }
+  const Model& model() const { return model_; }  ///< The model of the layout.
 
   /// How every field is sampled from now on. Ends personalisation and invalidates sampled surface points.
   void set_interpolation(Interpolation interpolation);
-  Interpolation interpolation() const;
+  Interpolation interpolation() const;  ///< How fields are sampled.
 
   /// Chooses the free parameters. Ends personalisation and invalidates sampled surface points. O(records^2).
   /// \param is_free  one flag a parameter, not null.
   void set_free(const std::uint8_t* is_free);
   /// Frees one group and freezes the other.
   void set_free(Group group);
-  void set_all_free();
+  void set_all_free();  ///< Frees all parameters.
 
+  /// Number of parameters of the model.
   std::size_t parameter_count() const { return model_.parameters().count; }
   /// Columns of the Jacobian: one a free parameter, in the order of the parameters.
   std::size_t column_count() const { return column_count_; }
+  /// Parameter of a column.
   std::uint16_t parameter_of(std::size_t column) const { return parameter_of_[column]; }
   /// Column of a parameter, or kNone when it is frozen.
   std::uint16_t column_of(std::size_t parameter) const { return column_of_[parameter]; }
@@ -77,8 +79,8 @@ class Cascade {
   /// \return capacity (no room in the limits), bad_argument (q is null, or gives a point further than 1e9 mm from its
   ///         root or not finite).
   Status personalise(const float* q);
-  void forget_person();
-  bool is_personalised() const;
+  void forget_person();          ///< Ends the personalisation.
+  bool is_personalised() const;  ///< True while a personal field is in use.
   /// Fields that a new (u,v) samples when no parameter is zero. O(records).
   std::size_t sample_count() const;
 
@@ -99,7 +101,7 @@ class Cascade {
   /// Position and tangents straight from the tables (and the personal field). `q` holds all parameters.
   /// Cost: one sample for each record whose parameters are not zero.
   Vec3 surface_point(Vec2 uv, const float* q);
-  SurfaceFrame surface_frame(Vec2 uv, const float* q);
+  SurfaceFrame surface_frame(Vec2 uv, const float* q);  ///< Position and tangents straight from the tables.
   /// Prepares many surface points at one q: lists the records whose parameters are not zero. The calls of `selected_point`
   /// and `selected_frame` that follow visit only these.
   /// \param q         all parameters; must stay at its address and unchanged for those calls.

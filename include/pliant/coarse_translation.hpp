@@ -9,9 +9,10 @@ namespace pliant {
 
 /// A rectangle of pixels, [x0, x1) x [y0, y1).
 struct PixelBox {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< px; x1 and y1 are outside
 };
 
+/// Shift between two images.
 struct CoarseTranslation {
   Vec2 by;                ///< px of the images compared; sub-pixel by a parabola through the best
   float correlation = 0;  ///< normalised cross-correlation, -1 to 1; 0 if nothing was compared

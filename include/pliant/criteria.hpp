@@ -33,18 +33,21 @@ Criterion criterion_of(const Options& options, bool sees_neighbours = false) {
 
 /// The paper's two tests: which faces to refine, which vertices to remove.
 struct AdaptTests {
-  void* context = nullptr;
+  void* context = nullptr;  ///< passed to the functions
+  /// true: refine the face
   bool (*should_refine)(void* context, const Shape& shape, FaceId face) = nullptr;
+  /// true: the vertex may go
   bool (*should_simplify)(void* context, const Shape& shape, VertexId vertex) = nullptr;
 };
-Criterion criterion_of(const AdaptTests& tests);
+Criterion criterion_of(const AdaptTests& tests);  ///< The criterion of these options, which must outlive it.
 
 // --- Unconditional (5.2.1) ---
 
 /// Every face down to a number of bisections of the base mesh, coarse ones first.
 struct Unconditional {
-  int levels = 3;
+  int levels = 3;  ///< bisections
 };
+/// The criterion of these options, which must outlive it.
 Criterion criterion_of(const Unconditional& options);
 
 // --- Normals (5.2.2) ---
@@ -55,7 +58,9 @@ struct NormalsOptions {
   float cos_angle = 0.96593f;     ///< cosine of the tolerated angle (15 degrees)
   float shortest_edge_mm = 0.5f;  ///< a triangle whose subdivision edge is shorter is not refined
 };
+/// The criterion of these options, which must outlive it.
 Criterion criterion_of(const NormalsOptions& options);
+/// Rank of one triangle: error over tolerance.
 float compute_rank(const NormalsOptions& options, const Shape& shape, const Triangle& triangle);
 
 // --- Contour error (5.2.3) ---
@@ -84,7 +89,9 @@ struct ContourOptions {
       0;  ///< of mean error times area, a triangle's part of the whole surface's mean error: the measure to
           ///< minimise under a vertex budget
 };
+/// The criterion of these options, which must outlive it.
 Criterion criterion_of(const ContourOptions& options);
+/// Rank of one triangle: error over tolerance.
 float compute_rank(const ContourOptions& options, const Shape& shape, const Triangle& triangle);
 
 // --- View-dependent ---
@@ -92,15 +99,17 @@ float compute_rank(const ContourOptions& options, const Shape& shape, const Tria
 /// Contour error in the image, px: the part across the viewing ray. It weighs more at the silhouette, and little on the far
 /// side and outside the image. Pinhole, no distortion.
 struct ViewOptions {
-  Pose pose;
-  float focal_px = 500;
-  float cx = 159.5f, cy = 119.5f;  ///< principal point
-  float width_px = 320, height_px = 240;
-  float tolerance_px = 0.5f;
-  float silhouette_gain = 3;  ///< for triangles turned by 75 to 105 degrees from the camera
+  Pose pose;                              ///< of the model
+  float focal_px = 500;                   ///< px
+  float cx = 159.5f, cy = 119.5f;         ///< principal point
+  float width_px = 320, height_px = 240;  ///< of the picture
+  float tolerance_px = 0.5f;              ///< error that ranks 1
+  float silhouette_gain = 3;              ///< for triangles turned by 75 to 105 degrees from the camera
   float hidden_gain = 0.05f;  ///< for those turned further, and those more than 20 px outside the image
 };
+/// The criterion of these options, which must outlive it.
 Criterion criterion_of(const ViewOptions& options);
+/// Rank of one triangle: error over tolerance.
 float compute_rank(const ViewOptions& options, const Shape& shape, const Triangle& triangle);
 
 // --- Texture-driven ---
@@ -109,19 +118,21 @@ float compute_rank(const ViewOptions& options, const Shape& shape, const Triangl
 /// vertex is just worth having. A triangle's rank is its best score times the square of its subdivision edge's length over
 /// twice the shortest length; 0 for shorter edges.
 struct TextureOptions {
-  void* context = nullptr;
-  float (*score)(void* context, Vec2 uv) = nullptr;
-  float shortest_edge_mm = 4;  ///< no edge becomes shorter than this
+  void* context = nullptr;                           ///< passed to the functions
+  float (*score)(void* context, Vec2 uv) = nullptr;  ///< at least 0; 1 is worth a vertex
+  float shortest_edge_mm = 4;                        ///< no edge becomes shorter than this
 };
+/// The criterion of these options, which must outlive it.
 Criterion criterion_of(const TextureOptions& options);
+/// Rank of one triangle: error over tolerance.
 float compute_rank(const TextureOptions& options, const Shape& shape, const Triangle& triangle);
 
 // --- Two at once ---
 
 /// Refines where either criterion does, simplifies where both do.
 struct EitherOf {
-  Criterion first, second;
+  Criterion first, second;  ///< one
 };
-Criterion criterion_of(const EitherOf& options);
+Criterion criterion_of(const EitherOf& options);  ///< The criterion of these options, which must outlive it.
 
 }  // namespace pliant

@@ -27,13 +27,14 @@ struct EdgePoint {
   float contrast = 0;
 };
 
+/// Options of find_edge.
 struct EdgeOptions {
   float min_ratio = 0.5f, max_ratio = 2;  ///< accepted ratio of an edge's contrast to the remembered one
   int finest_level = 0;  ///< pyramid level on which the search starts, at least; 0: full size
   int hypotheses = 2;    ///< alternatives given, at most; 1 to kMaxEdgeHypotheses
 };
 
-constexpr int kMaxEdgeHypotheses = 4;
+constexpr int kMaxEdgeHypotheses = 4;  ///< most alternatives of one edge
 
 /// Finds an edge along the normal of `point`. The search starts on the finest level on which its range fits into 16
 /// steps to either side, and goes on to coarser ones where the edge is too blurred. Of several edges, nearer and

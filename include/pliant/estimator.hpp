@@ -21,26 +21,28 @@
 
 namespace pliant {
 
+/// State of a track.
 enum class TrackState : std::uint8_t { tracking = 0, degraded = 1, lost = 2 };
 
+/// Result of one frame.
 struct FrameResult {
-  TrackState state = TrackState::lost;
-  Pose pose;                      ///< of the last good frame
-  std::uint16_t tracked = 0;      ///< points with a usable observation
-  std::uint16_t inliers = 0;      ///< points with weight at the end
-  float rms_px = 0;               ///< of the inliers; of an edge, across it
-  std::uint16_t iterations = 0;   ///< of all solves of the frame
-  std::uint16_t vertices = 0;     ///< of the mesh
-  float score = 0;                ///< mean correlation of the inliers of cue patch
-  Pose smoothed_pose = {};        ///< if options.smooths; parameters in Estimator::smoothed_parameters
-  bool pose_is_observed = false;  ///< the observations determine the whole pose without the priors
+  TrackState state = TrackState::lost;  ///< what the frame is worth
+  Pose pose;                            ///< of the last good frame
+  std::uint16_t tracked = 0;            ///< points with a usable observation
+  std::uint16_t inliers = 0;            ///< points with weight at the end
+  float rms_px = 0;                     ///< of the inliers; of an edge, across it
+  std::uint16_t iterations = 0;         ///< of all solves of the frame
+  std::uint16_t vertices = 0;           ///< of the mesh
+  float score = 0;                      ///< mean correlation of the inliers of cue patch
+  Pose smoothed_pose = {};              ///< if options.smooths; parameters in Estimator::smoothed_parameters
+  bool pose_is_observed = false;        ///< the observations determine the whole pose without the priors
 };
 
 /// A state to save and restore. The arrays are the caller's and hold one value for each of the model's parameters.
 struct State {
-  Pose pose;
+  Pose pose;                          ///< of the model
   float pose_sd[kPoseUnknowns] = {};  ///< standard deviations, in PoseUnknown's order and units
-  float* q = nullptr;
+  float* q = nullptr;                 ///< all parameters
   float* sd = nullptr;  ///< standard deviations; 0 for parameters that are not free; may be null
 };
 
@@ -54,6 +56,7 @@ class Estimator {
   Estimator(const Estimator&) = delete;
   Estimator& operator=(const Estimator&) = delete;
 
+  /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, const Model& model, const EstimatorLimits& limits);
 
   /// Starts from a known state in an image of width x height pixels. All surface points are removed. The mesh is
@@ -65,7 +68,7 @@ class Estimator {
   ///         Cascade::personalise; then the estimator is not started.
   Status start(const Camera& camera, int width, int height, const Pose& pose, const float* q,
                const std::uint8_t* is_free, const EstimatorOptions& options);
-  bool is_started() const;
+  bool is_started() const;  ///< True after a successful start.
 
   /// Adds a surface point under the lowest free id. \return not_started, bad_argument ((u,v) outside the chart), capacity.
   Status add_point(Vec2 uv, std::uint16_t* id);
@@ -81,9 +84,9 @@ class Estimator {
   /// directions from the middle of the silhouette; all such points divide the full turn evenly. Its normal points away from
   /// the surface. It is not visible while its sector has no silhouette. \return not_started, bad_argument, capacity.
   Status add_silhouette_point(std::uint16_t* id);
-  void remove_point(std::uint16_t id);
-  bool has_point(std::uint16_t id) const;
-  Vec2 point_uv(std::uint16_t id) const;
+  void remove_point(std::uint16_t id);  ///< Gives the id back. Nothing happens for an id that is not in use.
+  bool has_point(std::uint16_t id) const;  ///< True where the id is in use.
+  Vec2 point_uv(std::uint16_t id) const;   ///< Where a point lies on the surface.
 
   /// Starts a frame at time `time_ns` (ns). A time that grows by less than 1 ms repeats the last frame: no motion is predicted.
   /// A time that runs backwards or grows by 2 s or more resets all velocities. The time step then counts as 1/30 s.
@@ -117,15 +120,15 @@ class Estimator {
   /// Ends the frame: decides the track's state from the last `solve`. After a bad frame the state is that of the last good one.
   FrameResult end();
 
-  const Model& model() const;
-  const Camera& camera() const;
-  const Lens& lens() const;
-  const View& view() const;
+  const Model& model() const;    ///< The model of the layout.
+  const Camera& camera() const;  ///< The camera of the start.
+  const Lens& lens() const;      ///< The lens of the start's camera.
+  const View& view() const;      ///< The present view.
   /// All parameters.
   Span<const float> parameters() const;
   /// The smoothed parameters, if options.smooths.
   Span<const float> smoothed_parameters() const;
-  const MotionFilter& motion() const;
+  const MotionFilter& motion() const;  ///< The filter over pose and parameters.
   /// Ratio of a cue's residuals to the standard deviations of its observations, followed over time, at least 1.
   float cue_scale(Cue cue) const;
 
@@ -137,7 +140,7 @@ class Estimator {
   /// \return distance in the image between x and that point, px; 0 on the surface; negative when nothing is visible.
   float surface_at(Vec2 x, Vec2* uv);
 
-  const Mesh& mesh() const;
+  const Mesh& mesh() const;  ///< The adapted mesh.
   /// Positions of the mesh's vertices in the model's axes (mm), by vertex id, as of the last `start` or `end`. Vertices follow
   /// the expression a few at a time (options.vertex_interval_frames). On fast motion all vertices are updated. Vertices
   /// without cached samples are accurate to about 1 mm. `refresh_vertices` makes all exact.
@@ -146,7 +149,7 @@ class Estimator {
   const Vec2* vertex_images() const;
   /// Image of one vertex as seen through the lens, px.
   Vec2 vertex_seen(VertexId v) const;
-  void refresh_vertices();
+  void refresh_vertices();  ///< Updates all vertices to the present state.
 
  private:
   struct Impl;

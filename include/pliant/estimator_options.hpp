@@ -62,9 +62,10 @@ enum class Rejection : std::uint8_t {
 struct EstimatorOptions {
   /// Trial steps of each minimisation, at most, count. A solve minimises with Huber's loss and then with Tukey's.
   int iterations = 4;
-  Rejection rejection = Rejection::on_doubt;
+  Rejection rejection = Rejection::on_doubt;  ///< what is done about outliers
   /// Bit k: observations of cue k take part.
   std::uint8_t cues = 0x07;
+  /// Whether a cue takes part.
   bool uses(Cue cue) const { return (cues >> static_cast<unsigned>(cue) & 1u) != 0; }
   /// Fraction by which the noise scale of a cue follows its residuals, a frame. 0: never.
   float cue_scale_rate = 0.1f;

@@ -21,10 +21,11 @@ enum class EulerStep : std::uint8_t {
   barzilai_borwein,
 };
 
+/// Options of integrate.
 struct EulerOptions {
-  EulerStep step = EulerStep::published;
-  float delta = 1e-3f;  ///< step length of `published`, the paper's value
-  int steps = 600;      ///< at most; the paper's value
+  EulerStep step = EulerStep::published;  ///< how its length is chosen
+  float delta = 1e-3f;                    ///< step length of `published`, the paper's value
+  int steps = 600;                        ///< at most; the paper's value
   /// Stop when 30 steps lower the cost by less than this fraction. 0: never.
   float relative_decrease = 0;
 };

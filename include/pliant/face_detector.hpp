@@ -26,6 +26,7 @@ class TemplateSearch;
 class LandmarkSearch;
 struct Candidate;
 
+/// Capacities of a FaceDetector.
 struct FaceDetectorLimits {
   std::uint16_t width = 320, height = 240;  ///< of the frames, px
   /// Height of the smallest inner face relative to the frame's height, 0.15 to 0.6. The inner face reaches from the
@@ -33,6 +34,7 @@ struct FaceDetectorLimits {
   float smallest_fraction = 0.22f;
 };
 
+/// Options of a FaceDetector.
 struct FaceDetectorOptions {
   float largest_fraction = 0.65f;  ///< the same of the largest inner face, smallest_fraction to 1
   /// Smallest similarity of a face, 0 to 1. Measured: of 300 images of clutter and some fifty of other things,
@@ -41,10 +43,11 @@ struct FaceDetectorOptions {
   float min_similarity = 0.5f;
 };
 
+/// Result of FaceDetector::find.
 struct FaceDetectorReport {
-  bool is_found = false;
-  float similarity = 0;  ///< of the best place, found or not: cosine between gradient directions, -1 to 1
-  Pose pose;             ///< of the face; meaningful if found
+  bool is_found = false;  ///< whether similarity reaches the limit
+  float similarity = 0;   ///< of the best place, found or not: cosine between gradient directions, -1 to 1
+  Pose pose;              ///< of the face; meaningful if found
 };
 
 /// Detects faces within about 20 degrees of upright and frontal. Needs a model with an albedo, curves (lids, brows,
@@ -56,6 +59,7 @@ class FaceDetector {
   FaceDetector(const FaceDetector&) = delete;
   FaceDetector& operator=(const FaceDetector&) = delete;
 
+  /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, const Model& model, const FaceDetectorLimits& limits);
 
   /// Renders the templates. Cost: as `find`.

@@ -14,7 +14,7 @@ namespace pliant {
 
 /// One value with its velocity, and the covariance of both.
 struct MotionState {
-  float velocity = 0, xx = 0, xv = 0, vv = 0;
+  float velocity = 0, xx = 0, xv = 0, vv = 0;  ///< a second
 };
 
 /// Constant-velocity Kalman filter of a view and parameters.
@@ -24,6 +24,7 @@ struct MotionState {
 /// Bytes: 24 a parameter.
 class MotionFilter {
  public:
+  /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, std::size_t parameters);
 
   /// Starts at rest.
@@ -42,12 +43,12 @@ class MotionFilter {
   /// Continues from another state, at rest.
   void move_to(const View& view, const float* q);
 
-  const View& view() const { return view_; }
-  const float* parameters() const { return q_; }
+  const View& view() const { return view_; }      ///< The filtered view.
+  const float* parameters() const { return q_; }  ///< The filtered parameters.
   /// Range of each parameter, as given to `start`.
   const float* ranges() const { return range_; }
-  const MotionState& pose(int unknown) const { return pose_[unknown]; }
-  const MotionState& parameter(std::size_t i) const { return states_[i]; }
+  const MotionState& pose(int unknown) const { return pose_[unknown]; }     ///< Filter of a pose unknown.
+  const MotionState& parameter(std::size_t i) const { return states_[i]; }  ///< Filter of a parameter.
 
  private:
   View view_;
@@ -62,6 +63,7 @@ class MotionFilter {
 /// not be fed back into the tracker. Bytes: 8 a parameter.
 class Smoother {
  public:
+  /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, std::size_t parameters);
   /// The next sample is taken unchanged.
   void restart() { is_fresh_ = true; }
@@ -70,8 +72,8 @@ class Smoother {
   /// \return bad_argument for null, anything not finite, or seconds <= 0 after the first sample; capacity. Then nothing has
   ///         changed.
   Status add(const Pose& pose, const float* q, const float* range, std::size_t parameters, float seconds);
-  const Pose& pose() const { return pose_; }
-  const float* parameters() const { return q_; }
+  const Pose& pose() const { return pose_; }      ///< The smoothed pose.
+  const float* parameters() const { return q_; }  ///< The smoothed parameters.
 
  private:
   Pose pose_;

@@ -25,13 +25,14 @@ struct Correspondence {
 
 /// Fix the memory of a Fitter.
 struct FitLimits {
-  std::uint16_t points = 160;
-  bool silhouette = false;  ///< room for silhouette points: about 16 bytes a base vertex and 9 KiB
+  std::uint16_t points = 160;  ///< correspondences at most
+  bool silhouette = false;     ///< room for silhouette points: about 16 bytes a base vertex and 9 KiB
 };
 
 /// How the cost is minimised: damped Gauss-Newton, or the published dynamics (solver.hpp).
 enum class FitMethod : std::uint8_t { gauss_newton, euler };
 
+/// Options of one fit.
 struct FitOptions {
   int width = 0, height = 0;  ///< image size, px, > 0; its middle is the principal point
   /// Focal length, px. 0: unknown; it is estimated around kDefaultFocalRatio times the larger side.
@@ -49,11 +50,12 @@ struct FitOptions {
   int iterations = 30;  ///< of Gauss-Newton, at most, over all stages
   /// Weight of the parameters' prior, >= 0. The stiffness of Eq. 12 is K = -stiffness / sd^2. 0: Eq. 8 alone.
   float stiffness = 1;
-  FitMethod method = FitMethod::gauss_newton;
+  FitMethod method = FitMethod::gauss_newton;  ///< how the cost is brought down
   /// Of FitMethod::euler, for each stage. The initial view is found by Gauss-Newton all the same.
   EulerOptions euler;
 };
 
+/// Result of one fit.
 struct FitReport {
   View view;                     ///< pose and camera
   float rms_px = 0;              ///< over the points used

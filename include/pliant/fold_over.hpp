@@ -27,13 +27,13 @@ class FoldOverTest {
   /// about 10 ms for 150 parameters on a host.
   /// \param cascade  of the same model, with any choice of free parameters.
   void start(Cascade& cascade);
-  bool is_started() const { return vertex_count_ > 0; }
+  bool is_started() const { return vertex_count_ > 0; }  ///< True after a successful start.
 
   /// Positions of the base mesh's vertices at q (mm). Cost: one sample a vertex and active record.
   void compute_positions(Cascade& cascade, const float* q, Vec3* position) const;
 
-  std::size_t vertex_count() const { return vertex_count_; }
-  std::size_t watched_count() const { return watched_count_; }
+  std::size_t vertex_count() const { return vertex_count_; }    ///< Vertices of the base mesh.
+  std::size_t watched_count() const { return watched_count_; }  ///< Faces that are watched.
   /// Watched faces that have folded over.
   /// \param position  by base vertex, mm. Those of a mesh refined from the base do, because base vertices come first there.
   std::size_t count_folded(const Vec3* position) const;

@@ -12,8 +12,8 @@ namespace pliant {
 /// returns. Row y, column x is data[y * stride_bytes + x * pixel_step_bytes]. A step of 1 (planar luma: YUV420, NV12,
 /// R8) is used in place; any other (2: packed YUYV) is copied into the first pyramid level.
 struct FrameView {
-  const std::uint8_t* data = nullptr;
-  int width = 0, height = 0;     ///< pixels
+  const std::uint8_t* data = nullptr;  ///< first pixel
+  int width = 0, height = 0;           ///< pixels
   std::size_t stride_bytes = 0;  ///< from one row to the next; at least (width - 1) * pixel_step_bytes + 1
   int pixel_step_bytes = 1;      ///< from one pixel to the next; 1 or 2
   std::int64_t time_ns = 0;      ///< time of exposure, from any origin

@@ -7,93 +7,108 @@ namespace pliant {
 
 /// A 2-vector: an image position in pixels (x right, y down, pixel centres at integers) or a (u,v) in [0,1]^2.
 struct Vec2 {
-  float x = 0, y = 0;
+  float x = 0, y = 0;  ///< components
 };
 
 /// A 3-vector, in millimetres unless said otherwise.
 struct Vec3 {
-  float x = 0, y = 0, z = 0;
+  float x = 0, y = 0, z = 0;  ///< components
 };
 
 /// A 2 x 2 matrix by rows: [a b; c d].
 struct Mat2 {
-  float a = 1, b = 0, c = 0, d = 1;
+  float a = 1, b = 0, c = 0, d = 1;  ///< by rows
 };
 
 /// A symmetric 2 x 2 matrix: covariance (px^2) or information (1/px^2).
 struct Sym2 {
-  float xx = 0, xy = 0, yy = 0;
+  float xx = 0, xy = 0, yy = 0;  ///< entries
 };
 
 /// A 3 x 3 matrix by rows.
 struct Mat3 {
-  float m[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  float m[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  ///< by rows
 };
 
 /// A unit quaternion (w,x,y,z); rotates by v' = q v q*.
 struct Quat {
-  float w = 1, x = 0, y = 0, z = 0;
+  float w = 1, x = 0, y = 0, z = 0;  ///< components
 };
 
 /// A rigid pose of the model in camera coordinates (x right, y down, z forward, millimetres):
 /// p_cam = R(q) diag(1,-1,-1) p_model + t, so that a frontal face has q = (1,0,0,0).
 struct Pose {
-  Quat q;
-  Vec3 t{0, 0, 1000};
+  Quat q;              ///< rotation
+  Vec3 t{0, 0, 1000};  ///< translation, mm
 };
 
 /// Square root, correctly rounded on every target. Negative arguments give 0.
 float square_root(float x);
 
+/// Sum, by components.
 constexpr Vec2 operator+(Vec2 a, Vec2 b) {
   return {a.x + b.x, a.y + b.y};
 }
+/// Difference, by components.
 constexpr Vec2 operator-(Vec2 a, Vec2 b) {
   return {a.x - b.x, a.y - b.y};
 }
+/// Product.
 constexpr Vec2 operator*(float s, Vec2 a) {
   return {s * a.x, s * a.y};
 }
+/// Scalar product.
 constexpr float dot(Vec2 a, Vec2 b) {
   return a.x * b.x + a.y * b.y;
 }
 
+/// Sum, by components.
 constexpr Vec3 operator+(Vec3 a, Vec3 b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
+/// Difference, by components.
 constexpr Vec3 operator-(Vec3 a, Vec3 b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
+/// Product.
 constexpr Vec3 operator*(float s, Vec3 a) {
   return {s * a.x, s * a.y, s * a.z};
 }
+/// Scalar product.
 constexpr float dot(Vec3 a, Vec3 b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
+/// Vector product.
 constexpr Vec3 cross(Vec3 a, Vec3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+/// Euclidean length.
 inline float length(Vec2 a) {
   return square_root(dot(a, a));
 }
+/// Euclidean length.
 inline float length(Vec3 a) {
   return square_root(dot(a, a));
 }
 /// a / |a|, or zero where |a| is zero.
 Vec3 normalised(Vec3 a);
 
+/// Product.
 constexpr Vec2 operator*(const Mat2& m, Vec2 v) {
   return {m.a * v.x + m.b * v.y, m.c * v.x + m.d * v.y};
 }
+/// Product.
 constexpr Mat2 operator*(const Mat2& l, const Mat2& r) {
   return {l.a * r.a + l.b * r.c, l.a * r.b + l.b * r.d, l.c * r.a + l.d * r.c, l.c * r.b + l.d * r.d};
 }
+/// Determinant.
 constexpr float determinant(const Mat2& m) {
   return m.a * m.d - m.b * m.c;
 }
 /// Inverse of m; the identity where the determinant is zero or not finite.
 Mat2 inverse(const Mat2& m);
 
+/// Product.
 constexpr Vec3 operator*(const Mat3& m, Vec3 v) {
   return {m.m[0][0] * v.x + m.m[0][1] * v.y + m.m[0][2] * v.z,
           m.m[1][0] * v.x + m.m[1][1] * v.y + m.m[1][2] * v.z,
@@ -105,6 +120,7 @@ constexpr Quat operator*(Quat a, Quat b) {
   return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
           a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
+/// The inverse rotation of a unit quaternion.
 constexpr Quat conjugate(Quat q) {
   return {q.w, -q.x, -q.y, -q.z};
 }
@@ -122,23 +138,29 @@ Vec3 log_rotation(Quat q);
 
 /// True where every component is a finite number.
 bool is_finite(float x);
+/// True where no component is NaN or infinite.
 inline bool is_finite(Vec2 v) {
   return is_finite(v.x) && is_finite(v.y);
 }
+/// True where no component is NaN or infinite.
 inline bool is_finite(Vec3 v) {
   return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
 }
-bool is_finite(const Pose& pose);
+bool is_finite(const Pose& pose);  ///< True where no component is NaN or infinite.
 
+/// The smaller one; a if one of them is NaN.
 constexpr float min(float a, float b) {
   return b < a ? b : a;
 }
+/// The larger one; a if one of them is NaN.
 constexpr float max(float a, float b) {
   return a < b ? b : a;
 }
+/// x, or the nearer end of [lo, hi].
 constexpr float clamp(float x, float lo, float hi) {
   return x < lo ? lo : (hi < x ? hi : x);
 }
+/// Absolute value.
 constexpr float magnitude(float x) {
   return x < 0 ? -x : x;
 }

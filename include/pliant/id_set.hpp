@@ -23,9 +23,10 @@ class IdSet {
   /// Copies the state of a set. Precondition: the same capacity.
   void copy_from(const IdSet& other);
 
-  std::size_t capacity() const { return capacity_; }
-  std::size_t used_count() const { return used_; }
-  std::size_t free_count() const { return capacity_ - used_; }
+  std::size_t capacity() const { return capacity_; }            ///< Ids that there are.
+  std::size_t used_count() const { return used_; }              ///< Ids in use.
+  std::size_t free_count() const { return capacity_ - used_; }  ///< Ids that are free.
+  /// True for an id in use.
   bool is_used(std::uint16_t id) const { return id < capacity_ && (free_[id >> 6] >> (id & 63) & 1) == 0; }
 
   /// Takes the lowest free id into use. Precondition: free_count() > 0.
@@ -61,20 +62,23 @@ class IdSet {
   /// Walks the ids in use in ascending order. A change during the walk counts for ids that are still ahead.
   class Iterator {
    public:
+    /// At the first used id from `id` on.
     Iterator(const IdSet& set, std::size_t id) : set_(&set), id_(id) {}
-    std::uint16_t operator*() const { return static_cast<std::uint16_t>(id_); }
+    std::uint16_t operator*() const { return static_cast<std::uint16_t>(id_); }  ///< The id.
+    /// The next used id.
     Iterator& operator++() {
       id_ = set_->next_used(id_ + 1);
       return *this;
     }
+    /// Whether two are at different ids.
     bool operator!=(const Iterator& other) const { return id_ != other.id_; }
 
    private:
     const IdSet* set_;
     std::size_t id_;
   };
-  Iterator begin() const { return {*this, next_used(0)}; }
-  Iterator end() const { return {*this, capacity_}; }
+  Iterator begin() const { return {*this, next_used(0)}; }  ///< The lowest id in use.
+  Iterator end() const { return {*this, capacity_}; }       ///< One behind the last.
 
  private:
   static unsigned lowest_bit(std::uint64_t bits) { return static_cast<unsigned>(__builtin_ctzll(bits)); }

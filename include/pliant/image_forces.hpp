@@ -9,6 +9,7 @@ namespace pliant {
 /// Largest block of parameters, count: the pose with the focal length, and one more.
 inline constexpr std::size_t kForceMaxColumns = 8;
 
+/// Options of ForceRejector::reject.
 struct ForceOptions {
   /// Quantile of the chi-square distribution beyond which a force is rejected, in (0,1). Three times the quantile of 0.999
   /// rejects fewer true forces, but misses an occluder at rest (docs/algorithms.md, section 6.5).

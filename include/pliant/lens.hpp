@@ -20,7 +20,7 @@ class Lens {
   ///         for which the distorted radius does not grow up to the corners of the image; `lens` is then as before.
   static Status make(const Camera& camera, int width, int height, Lens* lens);
 
-  bool is_none() const { return is_none_; }
+  bool is_none() const { return is_none_; }  ///< True without distortion and with square pixels.
 
   /// The seen position of an ideal one, px.
   Vec2 distort(Vec2 ideal) const { return is_none_ ? ideal : distorted(ideal, nullptr); }

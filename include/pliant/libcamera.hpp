@@ -16,6 +16,7 @@ namespace pliant {
 
 struct CameraSession;
 
+/// One camera of the system.
 struct CameraInfo {
   std::string id;     ///< stable name, by the place where it is plugged in
   std::string model;  ///< the name that it reports; may be empty
@@ -24,6 +25,7 @@ struct CameraInfo {
 /// Lists all cameras in libcamera's order. \return `io_error` if libcamera does not start.
 Status list_cameras(std::vector<CameraInfo>* cameras);
 
+/// Which camera to open, and how.
 struct CameraOptions {
   std::string camera;             ///< id, or a number in the order of `list_cameras`; empty: the first one
   int width = 640, height = 480;  ///< wanted size, px; the nearest that the camera offers is used
@@ -52,13 +54,13 @@ class CameraStream {
   /// aborts if it is stopped.
   void stop();
 
-  int width() const;
-  int height() const;
+  int width() const;   ///< Of the frames, px.
+  int height() const;  ///< Of the frames, px.
   /// The format, as four characters.
   std::string format() const;
   /// Frames since `start` that were dropped from the queue, and that the camera marked as damaged.
   std::uint64_t dropped_count() const;
-  std::uint64_t damaged_count() const;
+  std::uint64_t damaged_count() const;  ///< Frames that the camera marked as damaged.
   /// What went wrong: one line without a final stop; empty if nothing did.
   const std::string& message() const { return message_; }
 

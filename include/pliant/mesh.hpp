@@ -2,7 +2,6 @@
 /// \file mesh.hpp
 /// Half-edge triangle mesh over (u,v) in fixed memory, with the four stellar operators and the restricted binary
 /// multitriangulation of the paper's section 4 (docs/algorithms.md, section 1). It stores the current mesh, no history.
-///
 /// Half-edge h = 3f + k runs from corner k of face f to corner k + 1. Half-edge 0 of a face is its *subdivision edge*;
 /// corner 2, opposite, is its *weld vertex*, the newest of the three. Faces are counter-clockwise seen from outside.
 #include <cstdint>
@@ -14,7 +13,7 @@
 #include "pliant/status.hpp"
 
 namespace pliant {
-
+/// Half-edge triangle mesh over (u,v) in fixed memory.
 class Mesh {
  public:
   Mesh() = default;
@@ -45,49 +44,51 @@ class Mesh {
   Status copy_from(const Mesh& other);
 
   // --- Size, O(1) ---
-  const MeshLimits& limits() const { return limits_; }
-  int vertex_count() const { return static_cast<int>(vertex_ids_.used_count()); }
-  int face_count() const { return static_cast<int>(face_ids_.used_count()); }
-  int boundary_edge_count() const { return boundary_edges_; }
-  int edge_count() const { return (3 * face_count() + boundary_edges_) / 2; }
-  int base_vertex_count() const { return base_vertices_; }
-  int base_face_count() const { return base_faces_; }
+  const MeshLimits& limits() const { return limits_; }                             ///< Limits of the layout.
+  int vertex_count() const { return static_cast<int>(vertex_ids_.used_count()); }  ///< Live vertices.
+  int face_count() const { return static_cast<int>(face_ids_.used_count()); }      ///< Live faces.
+  int boundary_edge_count() const { return boundary_edges_; }                      ///< Edges with one face.
+  int edge_count() const { return (3 * face_count() + boundary_edges_) / 2; }      ///< Edges.
+  int base_vertex_count() const { return base_vertices_; }                         ///< Of the base.
+  int base_face_count() const { return base_faces_; }                              ///< Of the base.
   /// False between set_triangles and make_base, and while the mesh is empty.
   bool is_restricted() const { return restricted_; }
 
   // --- Walks in ascending order of ids: for (VertexId v : mesh.vertices()) ---
-  const IdSet& vertices() const { return vertex_ids_; }
-  const IdSet& faces() const { return face_ids_; }
-  bool is_live_vertex(VertexId v) const { return vertex_ids_.is_used(v); }
-  bool is_live_face(FaceId f) const { return face_ids_.is_used(f); }
+  const IdSet& vertices() const { return vertex_ids_; }                     ///< Ids of the live vertices.
+  const IdSet& faces() const { return face_ids_; }                          ///< Ids of the live faces.
+  bool is_live_vertex(VertexId v) const { return vertex_ids_.is_used(v); }  ///< True for a live vertex.
+  bool is_live_face(FaceId f) const { return face_ids_.is_used(f); }        ///< True for a live face.
 
   // --- Topology, O(1). Precondition: ids are live ---
-  static FaceId face_of(HalfEdgeId h) { return static_cast<FaceId>((h * 0xAAABu) >> 17); }  // h / 3
-  static int corner_of(HalfEdgeId h) { return h - 3 * face_of(h); }
-  static HalfEdgeId half_edge(FaceId f, int k) { return static_cast<HalfEdgeId>(3 * f + k); }
+  static FaceId face_of(HalfEdgeId h) { return static_cast<FaceId>((h * 0xAAABu) >> 17); }  ///< h / 3.
+  static int corner_of(HalfEdgeId h) { return h - 3 * face_of(h); }                         ///< h modulo 3.
+  static HalfEdgeId half_edge(FaceId f, int k) { return static_cast<HalfEdgeId>(3 * f + k); }  ///< 3 f + k.
+  /// The next half-edge of the face.
   static HalfEdgeId next(HalfEdgeId h) { return static_cast<HalfEdgeId>(corner_of(h) == 2 ? h - 2 : h + 1); }
+  /// The one before it.
   static HalfEdgeId previous(HalfEdgeId h) {
     return static_cast<HalfEdgeId>(corner_of(h) == 0 ? h + 2 : h - 1);
   }
   /// The other half of the edge; kNone on the boundary.
   HalfEdgeId twin(HalfEdgeId h) const { return twin_[h]; }
-  VertexId origin(HalfEdgeId h) const { return corner_[h]; }
-  VertexId destination(HalfEdgeId h) const { return origin(next(h)); }
-  VertexId corner(FaceId f, int k) const { return corner_[3 * f + k]; }
+  VertexId origin(HalfEdgeId h) const { return corner_[h]; }             ///< Where the half-edge begins.
+  VertexId destination(HalfEdgeId h) const { return origin(next(h)); }   ///< Where the half-edge ends.
+  VertexId corner(FaceId f, int k) const { return corner_[3 * f + k]; }  ///< Corner k of face f.
   /// One half-edge that leaves v; at a boundary vertex the one without a twin.
   HalfEdgeId out(VertexId v) const { return vertices_[v].out; }
-  bool is_boundary_edge(HalfEdgeId h) const { return twin(h) == kNone; }
-  bool is_boundary_vertex(VertexId v) const { return twin(out(v)) == kNone; }
+  bool is_boundary_edge(HalfEdgeId h) const { return twin(h) == kNone; }       ///< With one face.
+  bool is_boundary_vertex(VertexId v) const { return twin(out(v)) == kNone; }  ///< On the boundary.
   /// The next half-edge that leaves the same vertex, counter-clockwise; kNone when the fan ends at the boundary.
   HalfEdgeId next_in_star(HalfEdgeId h) const { return twin(previous(h)); }
   /// The next boundary half-edge after the boundary half-edge h.
   HalfEdgeId next_on_boundary(HalfEdgeId h) const { return out(destination(h)); }
   /// True for one of the two halves of each edge: a walk over half-edges meets every edge once.
   bool represents_edge(HalfEdgeId h) const { return h < twin(h); }
-  Vec2 uv(VertexId v) const { return vertices_[v].uv; }
-  int level(VertexId v) const { return vertices_[v].level; }
-  int face_level(FaceId f) const { return level(corner_[3 * f + 2]); }
-  Triangle triangle(FaceId f) const;
+  Vec2 uv(VertexId v) const { return vertices_[v].uv; }                 ///< Place in the chart.
+  int level(VertexId v) const { return vertices_[v].level; }            ///< Bisections from the base mesh.
+  int face_level(FaceId f) const { return level(corner_[3 * f + 2]); }  ///< Level of the weld vertex.
+  Triangle triangle(FaceId f) const;  ///< Corners and neighbours of a live face.
 
   // --- Topology, O(valence) or more ---
   /// The number of edges at v.
@@ -97,7 +98,7 @@ class Mesh {
   /// One boundary half-edge of each loop, the one with the lowest id; as many as fit. \return the number of loops.
   /// At worst O(boundary edges x length of a loop).
   int find_boundary_loops(Span<HalfEdgeId> loops) const;
-  MeshStatistics compute_statistics() const;
+  MeshStatistics compute_statistics() const;  ///< Counts. O(mesh).
 
   // --- Stellar operators (Figure 2). On a restricted mesh the edge operators keep every invariant, and refuse other calls
   // with not_ready; the face operators are for free meshes only. A weld undoes its split to the byte (on a free mesh up to
@@ -153,11 +154,11 @@ class Mesh {
   std::uint32_t compute_digest() const;
 
  protected:  // for a test that breaks invariants
+  /// What is stored of a vertex.
   struct Vertex {
-    HalfEdgeId out;
-    std::uint8_t level;
-    std::uint8_t changed;
-    Vec2 uv;
+    HalfEdgeId out;               ///< one that leaves it
+    std::uint8_t level, changed;  ///< bisections; whether it is in the list of changes
+    Vec2 uv;                      ///< place in the chart
   };
   MeshLimits limits_;
   VertexId* corner_ = nullptr;  // a half-edge: its origin
@@ -196,5 +197,4 @@ class Mesh {
   Wide bisect(Wide h, Wide m);
   void join(Wide f, Wide g);
 };
-
 }  // namespace pliant

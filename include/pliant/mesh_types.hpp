@@ -7,36 +7,40 @@
 
 namespace pliant {
 
+/// Index of a vertex.
 using VertexId = std::uint16_t;
+/// Index of a face.
 using FaceId = std::uint16_t;
+/// Index of a half-edge, 3 f + k.
 using HalfEdgeId = std::uint16_t;
 
 /// Capacities of a mesh. Bytes: 14 a vertex, 12 a face and a bit for each; 19 a triangle where there are twice as many
 /// faces as vertices.
 struct MeshLimits {
-  std::uint16_t vertices = 1024;  ///< at most 65,534
-  std::uint16_t faces = 2048;     ///< at most 21,845
-  std::uint8_t max_level = 12;    ///< bisections on top of the base mesh; at most kDeepest
-  static constexpr std::uint8_t kDeepest = 24;
+  std::uint16_t vertices = 1024;                ///< at most 65,534
+  std::uint16_t faces = 2048;                   ///< at most 21,845
+  std::uint8_t max_level = 12;                  ///< bisections on top of the base mesh; at most kDeepest
+  static constexpr std::uint8_t kDeepest = 24;  ///< highest level
 };
 
 /// A triangle and its neighbours: a live face, or one that a weld would restore. Edge i runs from corner i to corner i + 1
 /// (modulo 3).
 struct Triangle {
-  VertexId corner[3];
+  VertexId corner[3];  ///< vertices
   VertexId
       across[3];  ///< the neighbour's corner that is not on edge i; kNone where edge i is on the boundary
-  int level = 0;
+  int level = 0;  ///< of its weld vertex
 };
 
+/// Counts of a mesh.
 struct MeshStatistics {
-  int vertices = 0, edges = 0, faces = 0, boundary_edges = 0;
-  int boundary_loops = 0;
-  int euler = 0;    ///< V - E + F
-  int deepest = 0;  ///< highest level of a vertex
-  int faces_at_level[MeshLimits::kDeepest + 1] = {};
-  int largest_valence = 0;
-  int folded_faces = 0;  ///< faces with negative area in (u,v)
+  int vertices = 0, edges = 0, faces = 0, boundary_edges = 0;  ///< live ones
+  int boundary_loops = 0;                                      ///< closed walks along the boundary
+  int euler = 0;                                               ///< V - E + F
+  int deepest = 0;                                             ///< highest level of a vertex
+  int faces_at_level[MeshLimits::kDeepest + 1] = {};           ///< faces of each level
+  int largest_valence = 0;                                     ///< most faces at a vertex
+  int folded_faces = 0;                                        ///< faces with negative area in (u,v)
 };
 
 /// The first invariant that Mesh::validate finds broken:

@@ -17,9 +17,10 @@ namespace pliant {
 /// Bytes for n unknowns: 8 n (n + 1) / 2, 18 rows of n + 8 floats, and 7 floats and 3 bytes an unknown.
 class NormalEquations {
  public:
+  /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, std::size_t unknowns);
-  std::size_t capacity() const { return capacity_; }
-  std::size_t count() const { return count_; }
+  std::size_t capacity() const { return capacity_; }  ///< Most that there is room for.
+  std::size_t count() const { return count_; }        ///< Number in use.
 
   /// Starts over with `count` unknowns and no limits. `count` is at most capacity().
   void reset(std::size_t count);
@@ -44,6 +45,7 @@ class NormalEquations {
 
   /// Restricts the step of one unknown to [lower, upper]. Precondition: lower <= 0 <= upper.
   void set_limits(std::size_t unknown, float lower, float upper);
+  /// The step, or the nearer limit.
   float clamped(std::size_t unknown, float step) const {
     return clamp(step, lower_[unknown], upper_[unknown]);
   }

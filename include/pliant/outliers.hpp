@@ -23,6 +23,7 @@ struct McdLimits {
   std::size_t columns = 6;  ///< at most kMcdMaxColumns
 };
 
+/// Options of an Mcd search.
 struct McdOptions {
   /// Size of the subset as a fraction of the rows, in [0.5, 1]. 0.5 tolerates outliers in half of the rows, 0.75 in a quarter.
   float alpha = 0.5f;
@@ -43,14 +44,14 @@ enum class McdStarts : std::uint8_t { median_ball, all_six };
 
 /// A positive number mantissa * 2^exponent, mantissa in [0.5, 1): a determinant that cannot overflow.
 struct ScaledNumber {
-  double mantissa = 0.5;
-  int exponent = 1;
+  double mantissa = 0.5;  ///< in [0.5, 1)
+  int exponent = 1;       ///< of 2
 };
 
 /// Centre (`columns` values) and covariance (columns x columns, by rows, symmetric, semi-definite).
 struct McdEstimate {
-  double center[kMcdMaxColumns];
-  double covariance[kMcdMaxColumns * kMcdMaxColumns];
+  double center[kMcdMaxColumns];                       ///< a column
+  double covariance[kMcdMaxColumns * kMcdMaxColumns];  ///< columns x columns, by rows
 };
 
 /// Searches the h of n rows whose covariance has the smallest determinant. They give the raw estimate, scaled to be
@@ -69,6 +70,7 @@ struct McdEstimate {
 /// - bad_argument: null data, no column, or an option out of range; nothing has changed
 class Mcd {
  public:
+  /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, const McdLimits& limits);
 
   /// FAST-MCD on `rows` x `columns` values, by rows. Makes two C-steps from each of `starts` random subsets, and follows the
@@ -81,8 +83,8 @@ class Mcd {
   Status deterministic(const float* data, std::size_t rows, std::size_t columns, McdStarts starts,
                        const McdOptions& options = {});
 
-  std::size_t rows() const { return rows_; }
-  std::size_t columns() const { return columns_; }
+  std::size_t rows() const { return rows_; }        ///< Rows of the last data.
+  std::size_t columns() const { return columns_; }  ///< Columns of the last data.
   /// Size h of the best subset, and its rows in ascending order.
   Span<const std::uint16_t> best_subset() const { return {best_, best_count_}; }
   /// Determinant of the plain covariance (divided by h - 1) of the best subset, over the columns that vary.
@@ -93,13 +95,17 @@ class Mcd {
   const McdEstimate& reweighted() const { return estimates_[1]; }
   /// Consistency factor times small-sample factor of each estimate.
   double raw_correction() const { return raw_correction_; }
+  /// The same of the reweighted covariance.
   double reweighted_correction() const { return reweighted_correction_; }
   /// Squared distance beyond which rows are flagged.
   double cutoff() const { return cutoff_; }
   /// Squared Mahalanobis distances of all rows, finite and not negative.
   Span<const float> raw_squared_distances() const { return {raw_distance_, rows_}; }
+  /// Those from the reweighted estimate.
   Span<const float> squared_distances() const { return {distance_, rows_}; }
+  /// Whether a row lies beyond the cutoff of the reweighted estimate.
   bool is_flagged(std::size_t row) const { return !(distance_[row] <= static_cast<float>(cutoff_)); }
+  /// The same of the raw estimate.
   bool is_flagged_raw(std::size_t row) const { return !(raw_distance_[row] <= static_cast<float>(cutoff_)); }
   /// C-steps on all rows in the last call.
   std::size_t full_steps() const { return full_steps_; }
@@ -139,6 +145,7 @@ double mcd_consistency_factor(std::size_t columns, double fraction);
 /// Small-sample factors of the raw and the reweighted covariance (Pison, Van Aelst & Willems 2002), alpha in
 /// [0.5, 1].
 double mcd_small_sample_raw(std::size_t rows, std::size_t columns, double alpha);
+/// The same of the reweighted covariance.
 double mcd_small_sample_reweighted(std::size_t rows, std::size_t columns, double alpha);
 
 }  // namespace pliant

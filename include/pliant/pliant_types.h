@@ -59,7 +59,7 @@ typedef struct pliant_limits {
 /** A luma image of 8 bits per pixel, read during the call only. Row y, column x is
  *  pixels[y * stride_bytes + x * pixel_step_bytes]. */
 typedef struct pliant_frame {
-  const uint8_t *pixels;
+  const uint8_t *pixels;  /**< first pixel */
   size_t stride_bytes;      /**< from row to row; at least (width - 1) * pixel_step_bytes + 1 */
   int64_t time_ns;          /**< of exposure, any origin */
   int32_t width, height;    /**< px */
@@ -70,18 +70,18 @@ typedef struct pliant_frame {
 /** Pinhole camera with radial distortion: focal length and principal point, px; k1 and k2 as OpenCV's; aspect: focal
  *  length along y over that along x, 0.5 to 2, or 0 for 1. {f, cx, cy} alone is a camera without distortion. */
 typedef struct pliant_camera {
-  float f, cx, cy, k1, k2, aspect;
+  float f, cx, cy, k1, k2, aspect;  /**< px */
 } pliant_camera;
 
 /** Unit quaternion (w,x,y,z), and translation, mm; t[2] is above 0. */
 typedef struct pliant_pose {
-  float q[4], t[3];
+  float q[4], t[3];  /**< unit quaternion (w,x,y,z) */
 } pliant_pose;
 
 /** A landmark by the model's name for it (`ibug30`, `nose_tip`, ...), and its image position, px. */
 typedef struct pliant_point {
-  const char *landmark;
-  float x, y;
+  const char *landmark;  /**< name of a landmark */
+  float x, y;  /**< px */
 } pliant_point;
 
 /** What is known of a start from landmarks or a box; all 0: nothing. */
@@ -96,8 +96,8 @@ typedef struct pliant_state {
   float *parameters;                      /**< all parameters, in the model's order */
   float *landmark_offsets;                /**< mm, x, y and z for each landmark, in the model's order */
   size_t parameter_count, landmark_count; /**< those of the model; landmark_count may be 0: no offsets */
-  pliant_camera camera;
-  pliant_pose pose;
+  pliant_camera camera;  /**< intrinsics and lens */
+  pliant_pose pose;  /**< of the model */
 } pliant_state;
 
 enum { PLIANT_TRACKING = 0, PLIANT_DEGRADED = 1, PLIANT_LOST = 2 };

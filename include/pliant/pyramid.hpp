@@ -13,9 +13,9 @@ namespace pliant {
 /// An 8-bit luma image in memory that it does not own: row y, column x is data[y * stride + x]. Pixel centres at
 /// integers.
 struct ImageView {
-  const std::uint8_t* data = nullptr;
-  int width = 0, height = 0;  ///< pixels
-  int stride = 0;             ///< bytes from one row to the next; at least width
+  const std::uint8_t* data = nullptr;  ///< first pixel
+  int width = 0, height = 0;           ///< pixels
+  int stride = 0;                      ///< bytes from one row to the next; at least width
 };
 
 /// `ok` when the view can be read; `bad_argument` for a null pointer, an empty size or a stride that is too
@@ -41,8 +41,8 @@ struct PyramidLimits {
 /// frame.
 class Pyramid {
  public:
-  static constexpr int kMaxLevels = 6;
-  static constexpr int kMinSide = 8;
+  static constexpr int kMaxLevels = 6;  ///< most levels
+  static constexpr int kMinSide = 8;    ///< smallest side of a level, px
 
   Pyramid() = default;
   Pyramid(const Pyramid&) = delete;

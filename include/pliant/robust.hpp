@@ -7,15 +7,16 @@
 
 namespace pliant {
 
+/// Robust losses.
 enum class Loss { squares, huber, tukey };
 
 /// Loss rho(u) and weight rho'(u) / u at u = residual length / scale. Precondition: u >= 0.
 /// rho(u) = u^2 / 2 near 0 in all three. Huber's loss is linear beyond 1.345. Tukey's loss is constant, with weight 0,
 /// beyond 4.685. With these constants both are 95 % efficient for normal residuals.
 struct LossValue {
-  float rho, weight;
+  float rho, weight;  ///< the loss
 };
-LossValue evaluate(Loss loss, float u);
+LossValue evaluate(Loss loss, float u);  ///< Loss and weight at u.
 
 /// Robust scale of n lengths of residuals in the plane: their median divided by the median of a Rayleigh variable of unit scale.
 /// 0 for n = 0. Reorders `length`. Cost: as `select`.

@@ -14,7 +14,7 @@ namespace pliant {
 
 /// A point of the silhouette. It lies on a mesh edge.
 struct SilhouettePoint {
-  Vec2 uv;
+  Vec2 uv;          ///< place on the surface
   Vec2 x;           ///< px
   Vec2 normal;      ///< unit, in the image, away from the surface
   float depth = 0;  ///< as in PosedMesh
@@ -24,7 +24,7 @@ struct SilhouettePoint {
 
 /// A mesh as a camera sees it. The arrays are indexed by vertex id.
 struct PosedMesh {
-  const Mesh& mesh;
+  const Mesh& mesh;      ///< topology and (u,v)
   const Vec3* position;  ///< mm, model axes
   const Vec2* image;     ///< px
   const float*

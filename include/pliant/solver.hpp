@@ -10,7 +10,7 @@ namespace pliant {
 
 /// A nonlinear least-squares problem. The caller holds its state twice: the accepted state and a trial state.
 struct LeastSquaresProblem {
-  void* context;
+  void* context;  ///< passed to the functions
   /// Writes the normal equations of the accepted state, with limits, into `equations`. The callee resets them.
   /// \return the cost: half the weighted sum of squares, with priors and robust loss.
   float (*linearise)(void* context, NormalEquations& equations);
@@ -34,13 +34,15 @@ struct SolverOptions {
   float predicted_decrease = 0;
 };
 
+/// Why a minimisation ended.
 enum class StopReason : std::uint8_t { converged, iteration_limit, no_decrease, diverged };
 
+/// Result of a minimisation.
 struct SolverReport {
-  int iterations = 0;  ///< trial steps
-  StopReason stop_reason = StopReason::iteration_limit;
-  float initial_cost = 0, final_cost = 0;
-  std::size_t undetermined = 0;         ///< unknowns that the observations do not determine
+  int iterations = 0;                                    ///< trial steps
+  StopReason stop_reason = StopReason::iteration_limit;  ///< why it ended
+  float initial_cost = 0, final_cost = 0;                ///< before and after
+  std::size_t undetermined = 0;                          ///< unknowns that the observations do not determine
   bool ends_with_refused_step = false;  ///< the last `try_step` was of a state that was not accepted
 };
 

@@ -16,7 +16,7 @@ namespace pliant {
 
 /// Options of a start. They take no memory.
 struct TrackerOptions {
-  EstimatorOptions estimator;
+  EstimatorOptions estimator;  ///< of the estimator
   /// One flag a parameter of the model: nonzero, it is estimated; else it keeps the start's value. Null: the expression
   /// parameters are estimated. Read during the start only.
   const std::uint8_t* is_free = nullptr;
@@ -25,8 +25,8 @@ struct TrackerOptions {
 
 /// A landmark by the model's name for it (`ibug30`, `nose_tip`, ...), and where it is seen.
 struct NamedPoint {
-  const char* name = nullptr;
-  Vec2 x;  ///< px
+  const char* name = nullptr;  ///< of a landmark
+  Vec2 x;                      ///< px
 };
 
 /// What is known of a start besides landmarks or a box.
@@ -39,8 +39,8 @@ struct StartOptions {
 
 /// A tracker's state for another start: after a pause, or in another process. The arrays are the caller's.
 struct SavedState {
-  Camera camera;
-  Pose pose;
+  Camera camera;                ///< intrinsics and lens
+  Pose pose;                    ///< of the model
   Span<float> parameters;       ///< all of the model's, in its order
   Span<Vec3> landmark_offsets;  ///< mm, one for each of the model's landmarks, in its order
 };
@@ -63,6 +63,7 @@ class Tracker {
   Tracker(const Tracker&) = delete;
   Tracker& operator=(const Tracker&) = delete;
 
+  /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
 
   /// Starts from a known pose.
@@ -103,15 +104,15 @@ class Tracker {
   Status update(const FrameView& frame, FrameResult* result);
 
   // What is read below needs a tracker that was laid out.
-  const TrackerLimits& limits() const;
+  const TrackerLimits& limits() const;  ///< Limits of the layout.
   /// Names of parameters and landmarks, and how many there are.
   const Model& model() const;
-  bool is_started() const;
+  bool is_started() const;  ///< True after a successful start.
   /// Of the last frame; after a start that of frame 0: tracking, at the pose of the start.
   const FrameResult& result() const;
   /// The camera of the start, with the focal length that it found.
   const Camera& camera() const;
-  Estimator& estimator();
+  Estimator& estimator();  ///< The estimator, for what the tracker does not show.
 
   /// All parameters at the state of the last frame, in the model's order. Valid until the next call that changes it.
   Span<const float> parameters() const;
@@ -120,7 +121,7 @@ class Tracker {
   /// Image position (px) of a landmark at the state of the last frame, with its offset.
   /// \return not_started, not_found, underdetermined (behind the camera): x is untouched.
   Status landmark(const char* name, Vec2* x);
-  Status landmark(std::size_t index, Vec2* x);
+  Status landmark(std::size_t index, Vec2* x);  ///< The same by index.
   /// Gives landmarks the offsets that put them at these image positions in the last frame. Landmarks at the same (u,v) get
   /// the same offset; others keep theirs. \return not_started, not_found, bad_argument: nothing has changed then.
   Status place_landmarks(Span<const NamedPoint> points);

@@ -48,7 +48,7 @@ struct TrackerLimits {
   /// needs more, the block grows.
   std::uint16_t start_points = 68;
 
-  static constexpr int kMostKeyFrames = 8;
+  static constexpr int kMostKeyFrames = 8;  ///< most later key frames
 };
 
 /// Profile M, the default: 320 x 240, 128 + 64 templates, edges, 512 vertices.
@@ -94,8 +94,8 @@ constexpr Status check(const TrackerLimits& l) {
   const bool region_fits = l.region_width >= 64 && l.region_height >= 64 && l.region_width <= l.width &&
                            l.region_height <= l.height;
   const int points = l.patches + l.key_patches + l.markers + l.curve_points + l.silhouette_points;
-  const bool is_possible = l.width >= 64 && l.height >= 64 && (!has_region || region_fits) && l.patches >= 6 &&
-                           (l.start_points == 0 || l.start_points >= 4) && points < 0xFFFF;
+  const bool is_possible = l.width >= 64 && l.height >= 64 && (!has_region || region_fits) &&
+                           l.patches >= 6 && (l.start_points == 0 || l.start_points >= 4) && points < 0xFFFF;
   return is_possible ? Status::ok : Status::bad_argument;
 }
 

@@ -6,15 +6,16 @@
 #ifndef PLIANT_VERSION_H
 #define PLIANT_VERSION_H
 
-#define PLIANT_VERSION_MAJOR 0
-#define PLIANT_VERSION_MINOR 2
-#define PLIANT_VERSION_PATCH 0
+#define PLIANT_VERSION_MAJOR 0  /**< of these headers */
+#define PLIANT_VERSION_MINOR 2  /**< of these headers */
+#define PLIANT_VERSION_PATCH 0  /**< of these headers */
 
 #ifdef __cplusplus
 namespace pliant {
 
+/** A version number. */
 struct Version {
-  int major, minor, patch;
+  int major, minor, patch;  /**< major.minor.patch */
 };
 
 /** Of the library that is linked. */

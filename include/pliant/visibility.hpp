@@ -15,11 +15,12 @@ struct VisibilityTuning {
   /// spans within one cell, and stay below the height of a nose. Round value, not tuned.
   float hidden_margin_mm = 6;
 };
-inline constexpr VisibilityTuning kVisibilityTuning{};
+inline constexpr VisibilityTuning kVisibilityTuning{};  ///< the values in use
 
 /// Least depth over a coarse grid of cells that covers the projected mesh. Bytes: 4 a cell.
 class DepthBuffer {
  public:
+  /// Takes cells_across x cells_down cells, 4 bytes each, from the arena.
   void lay_out(Arena& arena, int cells_across, int cells_down);
 
   /// Draws all faces that turn to the camera. Cost: the cells under each face.
