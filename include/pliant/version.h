@@ -6,9 +6,12 @@
 #ifndef PLIANT_VERSION_H
 #define PLIANT_VERSION_H
 
-#define PLIANT_VERSION_MAJOR 0  /**< of these headers */
-#define PLIANT_VERSION_MINOR 2  /**< of these headers */
-#define PLIANT_VERSION_PATCH 0  /**< of these headers */
+/** Of these headers. */
+#define PLIANT_VERSION_MAJOR 0
+/** Of these headers. */
+#define PLIANT_VERSION_MINOR 2
+/** Of these headers. */
+#define PLIANT_VERSION_PATCH 0
 
 #ifdef __cplusplus
 namespace pliant {
