@@ -22,6 +22,7 @@ constexpr int kCornerMargin = 4;
 /// than kCornerMargin. Cost: 49 gradients.
 float corner_score(const ImageView& image, Vec2 x);
 
+/// One corner of an image.
 struct Corner {
   Vec2 x;           ///< whole pixels
   float score = 0;  ///< lambda_min, (grey/px)^2

@@ -17,17 +17,16 @@
 #include "pliant/status.hpp"
 
 namespace pliant {
-
 namespace table {
+constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 1;  ///< "PLM1"
+constexpr std::size_t kNameBytes = 28;                      ///< zero-padded, always ends in a zero
 
-constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 1;  // "PLM1"
-constexpr std::size_t kNameBytes = 28;                      // zero-padded, always ends in a zero
-
+/// First bytes of a table.
 struct Header {
-  std::uint32_t magic, version;
-  std::uint32_t total_bytes;    ///< of the whole table
-  std::uint32_t crc32;          ///< IEEE CRC-32 of everything behind this field, `total_bytes - 16` bytes
-  std::uint32_t section_count;  ///< Sections that follow
+  std::uint32_t magic, version;  ///< kMagic and kVersion
+  std::uint32_t total_bytes;     ///< of the whole table
+  std::uint32_t crc32;           ///< IEEE CRC-32 of everything behind this field, `total_bytes - 16` bytes
+  std::uint32_t section_count;   ///< Sections that follow
 };
 
 /// Section kinds; a table has each at most once. Only `curves` and `albedo` may be missing.
@@ -45,12 +44,12 @@ enum class Kind : std::uint32_t {
   albedo = 11,
 };
 
+/// Where one section lies.
 struct Section {
-  Kind kind;
+  Kind kind;             ///< what it holds
   std::uint32_t offset;  ///< from the table's start, a multiple of 4
   std::uint32_t count;   ///< records, or bytes for samples and images
 };
-
 }  // namespace table
 
 /// What a parameter describes: the person (identity), or what the face does (expression).
@@ -58,10 +57,10 @@ enum class Group : std::uint32_t { identity = 0, expression = 1 };
 
 /// One entry of q. Identity is in standard deviations; expression runs from `minimum` to `maximum`, 0 at rest.
 struct Parameter {
-  char name[table::kNameBytes];
-  Group group;
-  float minimum, maximum;  ///< limits, -1e6 <= minimum <= 0 <= maximum <= 1e6
-  float sd;                ///< prior standard deviation around 0, in the parameter's own unit, 1e-6 to 1e6
+  char name[table::kNameBytes];  ///< ends in a zero
+  Group group;                   ///< identity or expression
+  float minimum, maximum;        ///< limits, -1e6 <= minimum <= 0 <= maximum <= 1e6
+  float sd;  ///< prior standard deviation around 0, in the parameter's own unit, 1e-6 to 1e6
 };
 
 /// A vector field V(u,v) (three components) or weight field w(u,v) (one), sampled on a grid over a rectangle of the
@@ -73,10 +72,10 @@ struct Field {
   std::uint8_t components;      ///< 1 or 3
   std::uint8_t bits;            ///< 8 or 16, signed
   std::uint8_t mirror;          ///< 1: V(u,v) = diag(-1,1,1) V_stored(1-u,v); a weight is w_stored(1-u,v)
-  std::uint8_t reserved;
-  float u0, v0, u1, v1;  ///< support rectangle inside [0,1]^2 of the *stored* samples
-  float scale[3], offset[3];
-  std::uint32_t first_byte;  ///< of its samples within the samples section; a multiple of 2 for 16 bits
+  std::uint8_t reserved;        ///< 0
+  float u0, v0, u1, v1;         ///< support rectangle inside [0,1]^2 of the *stored* samples
+  float scale[3], offset[3];    ///< a component
+  std::uint32_t first_byte;     ///< of its samples within the samples section; a multiple of 2 for 16 bits
 };
 
 /// Operations of the cascade. p is the point of the source record, w the weight field's value (1 without one), q the
@@ -96,7 +95,7 @@ enum class Operation : std::uint32_t {
 
 /// One step of the cascade: reads the results of earlier records only. The last record's result is the surface point.
 struct CascadeRecord {
-  Operation operation;
+  Operation operation;         ///< what it computes
   std::uint16_t source[2];     ///< indices of earlier records; kNone where unused (constant uses none)
   std::uint16_t parameter[6];  ///< indices into q; kNone where unused
   std::uint16_t field;         ///< three components; kNone where unused
@@ -108,44 +107,43 @@ struct CascadeRecord {
 
 /// A named place on the surface.
 struct Landmark {
-  char name[table::kNameBytes];
-  float u, v;
+  char name[table::kNameBytes];  ///< ends in a zero
+  float u, v;                    ///< place on the surface
 };
 
+/// What a curve runs along.
 enum class CurveKind : std::uint32_t { lid = 0, lip = 1, brow = 2, boundary = 3 };
 
 /// A named polyline in (u,v), for the edge tracker and for drawing.
 struct Curve {
-  char name[table::kNameBytes];
-  CurveKind kind;
+  char name[table::kNameBytes];            ///< ends in a zero
+  CurveKind kind;                          ///< what it runs along
   std::uint32_t first_point, point_count;  ///< in curve_points (Vec2)
 };
 
 /// A grey image over the chart, rows from v = 0 to v = 1, first row at v = 0; also the form of the domain mask, where
 /// 0 is outside the surface (eyes, mouth, beyond the boundary) and any other value inside.
 struct ChartImage {
-  std::uint32_t width = 0, height = 0;
-  const std::uint8_t* pixels = nullptr;
+  std::uint32_t width = 0, height = 0;   ///< pixels a row and rows
+  const std::uint8_t* pixels = nullptr;  ///< first row at v = 0; null: no image
 };
 
 namespace table {
-
 /// What the sections of a table hold. All pointers lead into the table.
 struct Contents {
-  Span<const Parameter> parameters;
-  Span<const Field> fields;
-  const std::uint8_t* samples = nullptr;
-  Span<const CascadeRecord> cascade;
-  Span<const Vec2> base_uv;
-  Span<const std::uint16_t> base_corners;
-  Span<const Landmark> landmarks;
-  Span<const Curve> curves;
-  Span<const Vec2> curve_points;
-  ChartImage mask, albedo;
-  std::uint32_t crc = 0;
-  std::size_t bytes = 0;
+  Span<const Parameter> parameters;        ///< as in Model
+  Span<const Field> fields;                ///< as in Model
+  const std::uint8_t* samples = nullptr;   ///< as in Model
+  Span<const CascadeRecord> cascade;       ///< as in Model
+  Span<const Vec2> base_uv;                ///< as in Model
+  Span<const std::uint16_t> base_corners;  ///< as in Model
+  Span<const Landmark> landmarks;          ///< as in Model
+  Span<const Curve> curves;                ///< as in Model
+  Span<const Vec2> curve_points;           ///< as in Model
+  ChartImage mask, albedo;                 ///< as in Model
+  std::uint32_t crc = 0;                   ///< as in Model
+  std::size_t bytes = 0;                   ///< as in Model
 };
-
 }  // namespace table
 
 /// IEEE CRC-32 (polynomial 0xEDB88320) of `bytes` bytes. `previous` is the sum of what comes before them. O(bytes).
@@ -164,28 +162,28 @@ class Model {
   /// \return bad_argument (null), misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table; `model` is then
   ///         as before.
   static Status open(const void* data, std::size_t bytes, Model* model);
-  bool is_open() const { return contents_.cascade.count > 0; }
+  bool is_open() const { return contents_.cascade.count > 0; }  ///< After open.
 
-  Span<const Parameter> parameters() const { return contents_.parameters; }
-  Span<const Field> fields() const { return contents_.fields; }
-  const std::uint8_t* samples() const { return contents_.samples; }
-  Span<const CascadeRecord> cascade() const { return contents_.cascade; }
+  Span<const Parameter> parameters() const { return contents_.parameters; }  ///< In order.
+  Span<const Field> fields() const { return contents_.fields; }              ///< Vector and weight fields.
+  const std::uint8_t* samples() const { return contents_.samples; }  ///< First byte of the samples section.
+  Span<const CascadeRecord> cascade() const { return contents_.cascade; }  ///< Operations, in order.
   /// Base mesh: (u,v) of every vertex, and three corners a face, in basic-block form (mesh.hpp).
   Span<const Vec2> base_uv() const { return contents_.base_uv; }
-  Span<const std::uint16_t> base_corners() const { return contents_.base_corners; }
-  Span<const Landmark> landmarks() const { return contents_.landmarks; }
-  Span<const Curve> curves() const { return contents_.curves; }
-  Span<const Vec2> curve_points() const { return contents_.curve_points; }
-  ChartImage mask() const { return contents_.mask; }
+  Span<const std::uint16_t> base_corners() const { return contents_.base_corners; }  ///< Three a face.
+  Span<const Landmark> landmarks() const { return contents_.landmarks; }             ///< Named places.
+  Span<const Curve> curves() const { return contents_.curves; }                      ///< Named polylines.
+  Span<const Vec2> curve_points() const { return contents_.curve_points; }  ///< Points of all curves.
+  ChartImage mask() const { return contents_.mask; }                        ///< Where the chart is surface.
   ChartImage albedo() const { return contents_.albedo; }  ///< pixels are null when the table has none
   /// CRC-32 of the table. Identifies the model in result files.
   std::uint32_t crc() const { return contents_.crc; }
-  std::size_t table_bytes() const { return contents_.bytes; }
+  std::size_t table_bytes() const { return contents_.bytes; }  ///< Size of the table.
 
   /// Index of the parameter or landmark with that name, or kNone. O(count).
   /// \pre `name` is not null.
   std::uint16_t find_parameter(const char* name) const;
-  std::uint16_t find_landmark(const char* name) const;
+  std::uint16_t find_landmark(const char* name) const;  ///< The same of landmarks.
   /// Whether (u,v) lies on the surface by the nearest sample of the mask. False outside [0,1]^2, and when not open.
   bool is_on_surface(Vec2 uv) const;
 
@@ -197,5 +195,4 @@ class Model {
 inline bool is_usable(const Model& model) {
   return model.is_open();
 }
-
 }  // namespace pliant

@@ -72,7 +72,7 @@ struct PatchOptions {
 
 /// One match. Unless the search converged at full size, only status, x and iterations are set.
 struct PatchResult {
-  PatchStatus status = PatchStatus::bad_argument;
+  PatchStatus status = PatchStatus::bad_argument;  ///< ok, or why there is none
   Vec2 x;                    ///< found position in the current image, px; the start if status is not ok
   Sym2 information;          ///< inverse covariance of x, 1/px^2; of rank one along the gradient of an edge
   int rank = 0;              ///< of the information: 2, or 1 for an edge
@@ -95,14 +95,14 @@ class PatchTracker {
   /// The same without checks; with an arena that measures, only its bytes are counted. Precondition: limits in range.
   void lay_out(Arena& arena, const PatchLimits& limits);
 
-  const PatchLimits& limits() const { return limits_; }
+  const PatchLimits& limits() const { return limits_; }  ///< Limits of the layout.
 
   /// Stores the surroundings of x (px of level 0, sub-pixel) on each level as the slot's template.
   /// \return `outside_image` if the window leaves the image, `flat`, `bad_argument`; then the slot is as it was.
   PatchStatus capture(int slot, const Pyramid& pyramid, Vec2 x, const PatchOptions& options = {});
   /// Empties the slot, if there is such a slot.
   void release(int slot);
-  bool is_captured(int slot) const;
+  bool is_captured(int slot) const;  ///< True where the slot holds a template.
 
   /// Finds the slot's template in `current`, from `start` (px of level 0).
   /// \param warp  displacement in the current image = warp * displacement in the template (J_cur J_ref^-1).

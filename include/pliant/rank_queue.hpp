@@ -20,6 +20,7 @@ class RankQueue {
   /// \param floor  ids with lower keys never come to the top.
   void clear(std::uint64_t floor = 0);
 
+  /// True where the id is in the queue.
   bool contains(std::uint16_t id) const {
     PLIANT_ASSERT(id < capacity_);
     return place_[id] != kNone;
