@@ -84,8 +84,8 @@ enum class Operation : std::uint32_t {
   constant = 0,    ///< p = V(u,v)                                        (Eq. 2, 3)
   add_vector = 1,  ///< p + q V(u,v)                                      (Eq. 4)
   product = 2,     ///< p + q_a q_b V(u,v), a corrective shape
-  one_sided =
-      3,  ///< p + phi(q) V(u,v), phi a smooth ramp: 0 for q <= -h, q for q >= h, (q+h)^2/(4h) between, h = axis.x
+  /// p + phi(q) V(u,v), phi a smooth ramp: 0 for q <= -h, q for q >= h, (q+h)^2/(4h) between, h = axis.x
+  one_sided = 3,
   scale = 4,   ///< c + (1 + w q) (p - c), c = pivot
   rotate = 5,  ///< c + R(axis, w q) (p - c): jaw, eyeballs; q in radians, axis a unit vector
   affine = 6,  ///< p + w q (A p + b - p); A, b from the record's matrix
@@ -180,8 +180,7 @@ class Model {
   std::uint32_t crc() const { return contents_.crc; }
   std::size_t table_bytes() const { return contents_.bytes; }  ///< Size of the table.
 
-  /// Index of the parameter or landmark with that name, or kNone. O(count).
-  /// \pre `name` is not null.
+  /// Index of the parameter or landmark with that name (not null), or kNone. O(count).
   std::uint16_t find_parameter(const char* name) const;
   std::uint16_t find_landmark(const char* name) const;  ///< The same of landmarks.
   /// Whether (u,v) lies on the surface by the nearest sample of the mask. False outside [0,1]^2, and when not open.
