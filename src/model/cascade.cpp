@@ -45,12 +45,12 @@ void Cascade::lay_out(Arena& arena, const Model& model, const PersonalFieldLimit
   model_ = model;
   parameter_of_ = arena.take<std::uint16_t>(model.parameters().count);
   column_of_ = arena.take<std::uint16_t>(model.parameters().count);
-  State measured;
   state_ = arena.take<State>(1);
-  State& state = state_ == nullptr ? measured : *new (state_) State();
+  State state;
   state.lay_out(arena, model, person);
-  if (arena.is_measuring()) return;
+  if (state_ == nullptr) return;  // only measured
   state.evaluator.registers().set_columns(column_of_);
+  *state_ = state;
   set_all_free();
 }
 

@@ -57,10 +57,10 @@ void Mcd::State::lay_out(Arena& arena, const McdLimits& limits) {
 
 void Mcd::lay_out(Arena& arena, const McdLimits& limits) {
   PLIANT_ASSERT(limits.rows <= kMcdMaxRows && limits.columns <= kMcdMaxColumns);
-  State measured;
   state_ = arena.take<State>(1);
-  State& state = state_ == nullptr ? measured : *new (state_) State();
+  State state;
   state.lay_out(arena, limits);
+  if (state_ != nullptr) *state_ = state;
   distance_ = arena.take<float>(state.stride);
   raw_distance_ = arena.take<float>(state.stride);
   best_ = arena.take<std::uint16_t>(state.stride);
