@@ -32,12 +32,12 @@ TEST_CASE("the table of a real face at the default size is within 0.3 mm of ever
   if (require_data() == nullptr) return;
   BakeReport* report = nullptr;
   const auto& table = default_table(&report);
-  CHECK(narrow_face().parameters.size() == 155);
+  CHECK(narrow_face().parameters.size() == kIctIdentities + kIctExpressions);
   CHECK(table.size() < 14'000'000);
   CHECK(report->errors.rest.mean_mm < 0.3f);
   CHECK(report->errors.identity.mean_mm < 0.3f);
   CHECK(report->errors.expression.mean_mm < 0.3f);
-  REQUIRE(report->errors.parameters.size() == 155);
+  REQUIRE(report->errors.parameters.size() == kIctIdentities + kIctExpressions);
   for (const ParameterError& error : report->errors.parameters) {
     INFO(error.name);
     CHECK(error.off.mean_mm < 0.3f);
@@ -82,9 +82,9 @@ TEST_CASE(
   int points = 0;
   for (int person = 0; person < 5; ++person) {
     std::vector<float> q(exact.model.parameters().count, 0.0f);
-    for (std::size_t k = 0; k < 100; ++k) q[k] = clamp(random.normal(), -3, 3);
+    for (std::size_t k = 0; k < kIctIdentities; ++k) q[k] = clamp(random.normal(), -3, 3);
     REQUIRE(personal->personalise(q.data()) == Status::ok);
-    CHECK(personal->sample_count() + 99 == exact.cascade.sample_count());
+    CHECK(personal->sample_count() + kIctIdentities - 1 == exact.cascade.sample_count());
     for (int k = 0; k < 2000; ++k) {
       const Vec2 uv{random.uniform(0, 1), random.uniform(0, 1)};
       if (!exact.model.is_on_surface(uv)) continue;
