@@ -47,8 +47,10 @@ template <class Part, class... Args>
 /// What lasts from start to start comes first; the tracking's parts share their memory with a start's fit, which runs
 /// before them.
 struct Tracker::Impl {
-  TrackerLimits limits = without_rejection(TrackerLimits{});
-  TrackerOptions options;
+  explicit Impl(const TrackerLimits& of) : limits(of) {}
+
+  TrackerLimits limits;
+  bool uses_edges = false;
   Span<float> start_q;
   LandmarkOffsets offsets;
   Span<unsigned char> block;  // of fit and tracking
@@ -85,7 +87,7 @@ struct Tracker::Impl {
   Status fit_before_tracking(Fit&& fit);
   Status start(const FrameView& frame, const StartPose& from, const float* q, const TrackerOptions& with,
                Span<const Vec2> marker_places);
-  Status capture_frame_0(const FrameView& frame, Span<const Vec2> marker_places);
+  Status capture_frame_0(const FrameView& view, Span<const Vec2> marker_places, float marker_exclusion_px);
 
   bool is_stale(const FrameView& view) const;
   Status predict(const FrameView& view);
@@ -122,7 +124,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   if (own.key_frames > TrackerLimits::kMostKeyFrames) own.key_frames = TrackerLimits::kMostKeyFrames;
   arena.count_as(Purpose::state);
   void* const room = arena.take<Impl>(1);
-  impl_ = room == nullptr ? nullptr : new (room) Impl();
+  impl_ = room == nullptr ? nullptr : new (room) Impl(own);
   const auto q = arena.take_span<float>(model.parameters().count);
   lay_out_part(arena, impl_ == nullptr ? nullptr : &impl_->offsets, model);
   unsigned char* const block = arena.take<unsigned char>(0);
@@ -132,7 +134,6 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   arena.count_as(Purpose::solver);
   if (fit > tracking) arena.take<unsigned char>(fit - tracking);
   if (impl_ == nullptr) return;
-  impl_->limits = own;
   impl_->start_q = q;
   impl_->block = {block, fit > tracking ? fit : tracking};
 }
@@ -176,12 +177,13 @@ Status Tracker::Impl::fit_before_tracking(Fit&& fit) {
 Status Tracker::Impl::start(const FrameView& view, const StartPose& from, const float* q,
                             const TrackerOptions& with, Span<const Vec2> marker_places) {
   is_started = false;
-  options = with;
+  TrackerOptions options = with;
   texture.start(&options.estimator);
   Status status =
       estimator.start(from.camera, view.width, view.height, from.pose, q, options.is_free, options.estimator);
-  if (status == Status::ok) status = capture_frame_0(view, marker_places);
+  if (status == Status::ok) status = capture_frame_0(view, marker_places, options.marker_exclusion_px);
   if (status != Status::ok) return status;
+  uses_edges = options.estimator.uses(Cue::edge);
   last_time_ns = view.time_ns;
   last_sequence = view.sequence;
   frame = 0;
@@ -192,13 +194,14 @@ Status Tracker::Impl::start(const FrameView& view, const StartPose& from, const 
 }
 
 /// Templates, edges and thumbnail of frame 0.
-Status Tracker::Impl::capture_frame_0(const FrameView& view, Span<const Vec2> marker_places) {
+Status Tracker::Impl::capture_frame_0(const FrameView& view, Span<const Vec2> marker_places,
+                                      float marker_exclusion_px) {
   Status status = region.build(view, region.is_whole_frame() ? Vec2{} : key_frames.middle_of(estimator));
   if (status != Status::ok) return status;
   key_frames.take(view);
   texture.note_all(estimator, region);
   estimator.begin(view.time_ns);
-  status = markers.place(estimator, marker_places, options.marker_exclusion_px);
+  status = markers.place(estimator, marker_places, marker_exclusion_px);
   if (status != Status::ok) return status;
   templates.clear();
   key_frames.clear();
@@ -350,7 +353,7 @@ std::size_t Tracker::Impl::run_round(int round) {
     prediction_index[predictions.all[i].id] = static_cast<std::uint16_t>(i);
   std::size_t searched = matcher.match(match_frame(), predictions, round);
   observation_count = matcher.observation_count();
-  if (round + 1 == kTemplateMatchTuning.rounds && options.estimator.uses(Cue::edge)) {
+  if (round + 1 == kTemplateMatchTuning.rounds && uses_edges) {
     const std::size_t n =
         edges.match(predictions, region, estimator.view().s,
                     {observations.data + observation_count, observations.count - observation_count});
