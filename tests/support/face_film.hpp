@@ -20,8 +20,9 @@ struct FaceFilm {
   /// \param fraction        of the picture's height that the face fills.
   /// \param flat_step_grey  of Renderer::flatten_half.
   /// \param cells           of Renderer.
+  /// \param seed            of the noise.
   FaceFilm(int w, int h, std::size_t count, const Motion& motion, float fraction = 0.7f,
-           float flat_step_grey = 0, int cells = 160)
+           float flat_step_grey = 0, int cells = 160, std::uint32_t seed = 0)
       : width(w), height(h), camera(pliant::centred_camera(w, h, 1.25f * static_cast<float>(w))) {
     using namespace pliant;
     BakedModel& face = baked_face();
@@ -34,7 +35,7 @@ struct FaceFilm {
       std::vector<float> q = face.rest();
       motion(count > 1 ? static_cast<float>(k) / static_cast<float>(count - 1) : 0.0f, pose, q);
       Picture picture = renderer.draw(q.data(), pose, camera, backdrop);
-      add_noise(picture, 2, static_cast<std::uint32_t>(k));
+      add_noise(picture, 2, 1000 * seed + static_cast<std::uint32_t>(k));
       frames.push_back(picture.pixels);
       poses.push_back(pose);
       parameters.push_back(q);

@@ -1,4 +1,4 @@
-// Key frames, and the small profile: the head turns so far that what frame 0 showed is mostly gone.
+// Key frames, and the small profile: the head turns so far that most of what frame 0 showed is hidden.
 #include <doctest/doctest.h>
 #include <pthread.h>
 
@@ -14,17 +14,22 @@ namespace {
 constexpr int kWidth = 320, kHeight = 240;
 constexpr std::size_t kFrames = kSanitized ? 49 : 97;
 
-/// 40 degrees to the left and back, then to the right and back, with a nod.
-const FaceFilm& film() {
-  static const FaceFilm* one = new FaceFilm(
+/// So far to the left and back, then to the right and back, with a nod.
+FaceFilm turning(float angle_rad, std::uint32_t seed = 0) {
+  return FaceFilm(
       kWidth, kHeight, kFrames,
-      [](float s, Pose& pose, auto& q) {
+      [=](float s, Pose& pose, auto& q) {
         const float swing = s < 0.25f ? 4 * s : s < 0.75f ? 2 - 4 * s : 4 * s - 4;
-        pose.q = exp_rotation({0.1f * s * (1 - s), 0.7f * swing, 0});
+        pose.q = exp_rotation({0.1f * s * (1 - s), angle_rad * swing, 0});
         pose.t = pose.t + Vec3{30 * swing, 0, 0};
         FaceFilm::set(q, "jawOpen", 0.1f * swing * swing);
       },
-      0.55f);
+      0.55f, 0, 160, seed);
+}
+
+/// 40 degrees to either side.
+const FaceFilm& film() {
+  static const FaceFilm* one = new FaceFilm(turning(0.7f));
   return *one;
 }
 
@@ -33,24 +38,24 @@ struct Run {
   std::size_t tracking = 0, key_frames = 0, patches_at_end = 0;
 };
 
-Run run(const TrackerLimits& limits, std::size_t rounds = 1) {
+Run run(const FaceFilm& film, const TrackerLimits& limits, std::size_t rounds = 1) {
   InArena<Tracker> tracker(baked_face().model, limits);
-  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0],
-                                   film().parameters[0].data()) == Status::ok);
+  REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data()) ==
+          Status::ok);
   Run r;
   float turned = 0;
   for (std::size_t n = 1; n < rounds * kFrames; ++n) {
     const std::size_t k = n % kFrames;
-    FrameView view = film().view(k);
+    FrameView view = film.view(k);
     view.time_ns = static_cast<std::int64_t>(n) * 33'333'333;
     FrameResult result;
     REQUIRE(tracker->update(view, &result) == Status::ok);
-    const float error = film().turn_error(result.pose, k);
+    const float error = film.turn_error(result.pose, k);
     r.tracking += result.state == TrackState::tracking;
     r.worst_turn = max(r.worst_turn, error);
     r.mean_turn += error / static_cast<float>(rounds * kFrames - 1);
-    r.mean_landmark += film().landmark_error(tracker.object, k) / static_cast<float>(rounds * kFrames - 1);
-    if (magnitude(film().poses[k].q.y) > 0.25f) {  // 29 degrees
+    r.mean_landmark += film.landmark_error(tracker.object, k) / static_cast<float>(rounds * kFrames - 1);
+    if (magnitude(film.poses[k].q.y) > 0.25f) {  // 29 degrees
       r.mean_turn_when_turned += error;
       ++turned;
     }
@@ -67,27 +72,38 @@ Run run(const TrackerLimits& limits, std::size_t rounds = 1) {
 
 }  // namespace
 
-TEST_CASE("a head that turns far gets key frames, which hold the far views, and frame 0's patches stay") {
-  const Run with = run({});
-  TrackerLimits limits;
-  limits.key_patches = 0;
-  limits.key_frames = 0;
-  const Run without = run(limits);
-  CHECK(with.tracking == kFrames - 1);
-  CHECK(with.key_frames >= 3);  // the turn ends just where the next would come
-  CHECK(without.key_frames == 1);
-  CHECK(with.mean_turn_when_turned < 1.2f);
-  CHECK(without.mean_turn_when_turned < 1.2f);  // as far as this frame 0 alone still holds
-  CHECK(with.worst_turn < 2);
-  CHECK(with.last_turn < 0.5f);
-  CHECK(with.patches_at_end > 90);
+// Measured over three seeds and both profiles, at 52 degrees: the mean error of rotation in frames turned by more than 29
+// degrees is 0.52 to 0.71 of that without key frames. The bound of 0.85 is half way from the worst of them to no effect.
+// At 40 degrees frame 0 still holds by itself, and the ratio is 0.76 to 1.7.
+TEST_CASE(
+    "a head that turns far is followed better with key frames than without, and frame 0's templates stay") {
+  const auto compare = [](const FaceFilm& far, const TrackerLimits& limits) {
+    TrackerLimits none = limits;
+    none.key_patches = 0;
+    none.key_frames = 0;
+    const Run with = run(far, limits), without = run(far, none);
+    MESSAGE("with key frames " << with.mean_turn_when_turned << " degrees, without "
+                               << without.mean_turn_when_turned);
+    CHECK(with.mean_turn_when_turned < 0.85f * without.mean_turn_when_turned);
+    CHECK(with.tracking == kFrames - 1);
+    CHECK(with.key_frames >= 3);
+    CHECK(without.key_frames == 1);
+    CHECK(with.worst_turn < 3);
+    CHECK(with.last_turn < 0.7f);
+    return with;
+  };
+  for (std::uint32_t seed = 0; seed < (kSanitized ? 1 : 3); ++seed) {
+    const FaceFilm far = turning(0.9f, seed);
+    CHECK(compare(far, {}).patches_at_end > 90);
+    compare(far, profile_s());
+  }
 }
 
 TEST_CASE("key frames beyond the limit replace each other, never frame 0") {
   TrackerLimits limits;
   limits.key_frames = 1;
   limits.key_patches = 24;
-  const Run r = run(limits, 2);
+  const Run r = run(film(), limits, 2);
   CHECK(r.tracking == 2 * kFrames - 1);
   CHECK(r.key_frames == 2);
   CHECK(r.last_turn < 0.5f);
@@ -95,7 +111,7 @@ TEST_CASE("key frames beyond the limit replace each other, never frame 0") {
 }
 
 TEST_CASE("the small profile tracks the same turns") {
-  const Run r = run(profile_s());
+  const Run r = run(film(), profile_s());
   CHECK(r.tracking == kFrames - 1);
   CHECK(r.worst_turn < 3);
   CHECK(r.mean_landmark < 0.8f);

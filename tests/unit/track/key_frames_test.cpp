@@ -1,0 +1,114 @@
+// Key frames by themselves: which views are kept, which one is replaced, and what thumbnails tell of the motion.
+#include "track/key_frames.hpp"
+
+#include <doctest/doctest.h>
+
+#include "face_film.hpp"
+#include "model_builder.hpp"
+#include "track/tracker_sizes.hpp"
+
+using namespace pliant;
+
+namespace {
+
+/// Two views of a face: the second one is moved by (24, 8) px.
+const FaceFilm& film() {
+  static const FaceFilm* one = new FaceFilm(320, 240, 2, [](float s, Pose& pose, auto&) {
+    const float mm_per_px = pose.t.z / 400;
+    pose.t = pose.t + mm_per_px * Vec3{24 * s, 8 * s, 0};
+  });
+  return *one;
+}
+
+struct Rig {
+  TrackerLimits limits;
+  InArena<Estimator> estimator{baked_face().model, EstimatorLimits{}};
+  InArena<KeyFrames> keys;
+  FrameResult good;
+
+  explicit Rig(const TrackerLimits& l = {}) : limits(l), keys(l) {
+    keys->clear();
+    start(film().poses[0]);
+    keys->take(film().view(0));
+    keys->trust(estimator.object);
+    good.tracked = good.inliers = 100;
+    good.rms_px = 0.3f;
+  }
+  void start(const Pose& pose) {
+    REQUIRE(estimator->start(film().camera, 320, 240, pose, film().parameters[0].data(), nullptr, {}) ==
+            Status::ok);
+  }
+  View turned(float yaw) const {
+    Pose pose = film().poses[0];
+    pose.q = exp_rotation({0, yaw, 0});
+    return view_of(pose, film().camera);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the translation between two thumbnails is the model's, in pixels of the frame") {
+  Rig rig;
+  rig.keys->take(film().view(1));
+  const CoarseMotion motion = rig.keys->find_motion(0);
+  REQUIRE(motion.is_found);
+  CHECK(motion.from == nullptr);
+  CHECK(motion.by_px.x == doctest::Approx(24).epsilon(0.1));
+  CHECK(motion.by_px.y == doctest::Approx(8).epsilon(0.2));
+}
+
+TEST_CASE("a black frame has no translation") {
+  Rig rig;
+  const std::vector<std::uint8_t> black(320 * 240, 0);
+  rig.keys->take(view_of_pixels(black, 320, 240, 1));
+  CHECK_FALSE(rig.keys->find_motion(0).is_found);
+}
+
+TEST_CASE("after two bad frames the key frames take turns with the last good frame, over the whole image") {
+  Rig rig;
+  rig.keys->keep(0, rig.turned(0), 0);
+  rig.keys->take(film().view(1));
+  CHECK(rig.keys->find_motion(1).from == nullptr);
+  const CoarseMotion from_key = rig.keys->find_motion(2);  // turn 1: key frame 0
+  REQUIRE(from_key.from != nullptr);
+  CHECK(from_key.by_px.x == doctest::Approx(24).epsilon(0.1));
+  CHECK(rig.keys->find_motion(3).from == nullptr);  // key frame 1 is not in use
+}
+
+TEST_CASE("a view is kept when it is far from all key frames and the frame is good") {
+  Rig rig;
+  rig.keys->keep(0, rig.turned(0), 0);
+  CHECK(rig.keys->count() == 1);
+  CHECK(rig.keys->choose(rig.turned(0.3f), rig.good, 1) == 0);
+  CHECK(rig.keys->choose(rig.turned(0.4f), rig.good, 1) == 1);
+  FrameResult bad = rig.good;
+  bad.rms_px = 1.5f;
+  CHECK(rig.keys->choose(rig.turned(0.4f), bad, 1) == 0);
+  bad = rig.good;
+  bad.inliers = 70;
+  CHECK(rig.keys->choose(rig.turned(0.4f), bad, 1) == 0);
+  // A roll about the optical axis shows nothing new.
+  Pose rolled = film().poses[0];
+  rolled.q = exp_rotation({0, 0, 0.8f});
+  CHECK(rig.keys->choose(view_of(rolled, film().camera), rig.good, 1) == 0);
+}
+
+TEST_CASE("without a free key frame the one that was nearest longest ago is replaced, never frame 0") {
+  TrackerLimits limits;
+  limits.key_frames = 2;
+  Rig rig(limits);
+  rig.keys->keep(0, rig.turned(0), 0);
+  rig.keys->keep(1, rig.turned(0.5f), 10);
+  rig.keys->keep(2, rig.turned(-0.5f), 20);
+  CHECK(rig.keys->choose(rig.turned(1.0f), rig.good, 30) == 2);   // key frame 1 is the nearest now
+  CHECK(rig.keys->choose(rig.turned(-1.0f), rig.good, 40) == 1);  // and key frame 2
+  CHECK(rig.keys->count() == 3);
+}
+
+TEST_CASE("without room for its templates no key frame is kept") {
+  TrackerLimits limits;
+  limits.key_patches = 0;
+  Rig rig(limits);
+  rig.keys->keep(0, rig.turned(0), 0);
+  CHECK(rig.keys->choose(rig.turned(1), rig.good, 1) == 0);
+}

@@ -1,0 +1,175 @@
+// Templates of surface points: captured on the visible surface, matched where the model predicts them, released.
+#include "track/template_store.hpp"
+
+#include <doctest/doctest.h>
+
+#include "face_film.hpp"
+#include "model_builder.hpp"
+#include "track/template_matcher.hpp"
+#include "track/template_placement.hpp"
+#include "track/tracker_sizes.hpp"
+
+using namespace pliant;
+
+namespace {
+
+/// A head that turns a little.
+const FaceFilm& film() {
+  static const FaceFilm* one = new FaceFilm(320, 240, 4, [](float s, Pose& pose, auto&) {
+    pose.q = exp_rotation({0, 0.12f * s, 0});
+  });
+  return *one;
+}
+
+struct Rig {
+  TrackerLimits limits;
+  InArena<Estimator> estimator{baked_face().model, EstimatorLimits{}};
+  InArena<FrameRegion> region;
+  InArena<TemplateStore> templates;
+  InArena<Markers> markers{std::size_t{1}};
+
+  Rig() : limits(limits_of()), region(limits), templates(limits) {
+    templates->clear();
+    see(0);
+  }
+  static TrackerLimits limits_of() {
+    TrackerLimits l;
+    l.patches = 40;
+    l.key_patches = 8;
+    l.key_frames = 1;
+    l.curve_points = 0;
+    return l;
+  }
+  /// The region of frame k, and the estimator at its truth.
+  void see(std::size_t k) {
+    region->advance();
+    REQUIRE(region->build(film().view(k), {}) == Status::ok);
+    if (k > 0) return;
+    REQUIRE(estimator->start(film().camera, 320, 240, film().poses[0], film().parameters[0].data(), nullptr,
+                             {}) == Status::ok);
+  }
+  void place(std::size_t first, std::size_t end) {
+    InArena<TemplatePlacement> placement(limits);
+    placement->place(templates.object, estimator.object, region.object, markers.object, first, end);
+  }
+  std::size_t used(std::size_t first, std::size_t end) const {
+    std::size_t n = 0;
+    for (std::size_t k = first; k < end; ++k) n += templates.object[k].is_used;
+    return n;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("templates are placed at corners of the visible surface, apart from each other") {
+  Rig rig;
+  rig.place(0, 40);
+  REQUIRE(rig.used(0, 40) == 40);
+  CHECK(rig.used(40, rig.templates->count()) == 0);
+  for (std::size_t k = 0; k < 40; ++k) {
+    const Template& t = rig.templates.object[k];
+    CHECK(rig.templates->is_first(k));
+    CHECK(t.was_found);
+    CHECK(rig.estimator->has_point(t.id));
+    const Prediction p = rig.estimator->predict(t.id);
+    CHECK(p.visible);
+    CHECK(length(p.x - t.found_at) < 0.1f);
+    for (std::size_t other = 0; other < k; ++other)
+      CHECK(length(t.found_at - rig.templates.object[other].found_at) >= 2);
+  }
+}
+
+TEST_CASE("no template is placed near a marker") {
+  Rig rig;
+  const Vec2 nose = film().truth("ibug30", 0);
+  REQUIRE(rig.markers->place(rig.estimator.object, {&nose, 1}, 25) == Status::ok);
+  rig.place(0, 40);
+  CHECK(rig.used(0, 40) > 20);
+  for (std::size_t k = 0; k < 40; ++k)
+    if (rig.templates.object[k].is_used) CHECK(length(rig.templates.object[k].found_at - nose) >= 25);
+}
+
+TEST_CASE("a place beside the surface, or without texture, takes no slot and no point") {
+  Rig rig;
+  CHECK_FALSE(rig.templates->capture(0, rig.estimator.object, rig.region.object, {5, 5}));
+  CHECK_FALSE(rig.templates.object[0].is_used);
+  std::uint16_t id;
+  REQUIRE(rig.estimator->add_point({0.5f, 0.5f}, &id) == Status::ok);
+  CHECK(id == 0);  // no id was lost
+}
+
+TEST_CASE(
+    "a template is found in the next frame, on average within a quarter of a pixel of its surface point") {
+  Rig rig;
+  rig.place(0, 40);
+  std::vector<Vec2> uv;
+  for (std::size_t k = 0; k < 40; ++k) uv.push_back(rig.estimator->point_uv(rig.templates.object[k].id));
+  rig.see(1);
+  InArena<Cascade> cascade(baked_face().model);
+  const Projector truth(view_of(film().poses[1], film().camera), true);
+  std::size_t found = 0;
+  float error = 0;
+  for (std::size_t k = 0; k < 40; ++k) {
+    const Prediction p = rig.estimator->predict(rig.templates.object[k].id);
+    const PatchResult r = rig.templates->match(k, rig.region.object, p.x, p.jacobian, {});
+    Vec2 x;
+    REQUIRE(truth.project(cascade->surface_point(uv[k], film().parameters[1].data()), &x));
+    if (r.status != PatchStatus::ok) continue;
+    ++found;
+    error += length(r.x + rig.region->origin() - x);
+  }
+  CHECK(found > 30);
+  CHECK(error / static_cast<float>(found) < 0.25f);  // measured: 0.17
+}
+
+TEST_CASE("second templates are of points that look different, and go with their first one") {
+  Rig rig;
+  rig.place(0, 40);
+  rig.templates.object[3].correlation = 0.8f;
+  rig.templates.object[5].correlation = 0.7f;
+  rig.templates.object[7].correlation = 0.7f;
+  rig.templates.object[7].was_found = false;
+  const std::size_t free = rig.templates->capture_second(40, 40, 48, rig.estimator.object, rig.region.object);
+  REQUIRE(free == 42);
+  CHECK(rig.templates.object[3].second == 40);
+  CHECK(rig.templates.object[5].second == 41);
+  CHECK_FALSE(rig.templates->is_first(40));
+  CHECK(rig.templates.object[41].id == rig.templates.object[5].id);
+
+  const std::uint16_t id = rig.templates.object[5].id;
+  rig.templates->release(40, rig.estimator.object);  // a second one: the point stays
+  CHECK(rig.templates.object[3].second == kNoSlot);
+  CHECK(rig.estimator->has_point(rig.templates.object[3].id));
+  rig.templates->release(5, rig.estimator.object);  // a first one: all of the point goes
+  CHECK_FALSE(rig.templates.object[41].is_used);
+  CHECK_FALSE(rig.estimator->has_point(id));
+}
+
+TEST_CASE("a frame of matching: all points are searched for once, found, and noted") {
+  Rig rig;
+  rig.place(0, 40);
+  InArena<TemplateMatcher> matcher(rig.limits);
+  matcher->start(true);
+  std::vector<Observation> observations(rig.templates->count());
+  std::vector<std::uint16_t> index(1000);
+  const MatchFrame frame{rig.templates.object, rig.region.object, {observations.data(), observations.size()}};
+  rig.see(1);
+  rig.estimator->begin(33'333'333);
+  matcher->begin_frame(1, true, kUnknownPx);
+  CHECK_FALSE(matcher->run_first_pass(frame, rig.estimator.object));  // 40 points are too few for one
+  const PredictionTable predictions{rig.estimator->predict(), index.data()};
+  for (std::size_t i = 0; i < predictions.all.count; ++i)
+    index[predictions.all[i].id] = static_cast<std::uint16_t>(i);
+  CHECK(matcher->match(frame, predictions, 0) == 40);
+  CHECK(matcher->observation_count() == 40);
+  rig.estimator->solve({observations.data(), 40});
+  CHECK(rig.estimator->end().state == TrackState::tracking);
+  matcher->end_frame(frame, true);
+  std::size_t found = 0;
+  for (std::size_t k = 0; k < 40; ++k) found += rig.templates.object[k].was_found;
+  CHECK(found > 30);
+  CHECK(film().turn_error(pose_of(rig.estimator->view()), 1) < 0.5f);
+
+  matcher->end_frame(frame, false);  // a bad frame found nothing
+  for (std::size_t k = 0; k < 40; ++k) CHECK_FALSE(rig.templates.object[k].was_found);
+}
