@@ -13,8 +13,6 @@ namespace pliant {
 
 struct Estimator::Impl {
   bool started = false;
-  EstimatorLimits limits = without_rejection(EstimatorLimits{});  // no code of it is linked unless limits name it
-  EstimatorOptions options;
   Camera camera;
   Lens lens;
   int width = 0, height = 0;
@@ -29,23 +27,24 @@ struct Estimator::Impl {
   MotionModel motion;
   TrackMonitor monitor;
 
-  ModelState predicted;  // for which the stored predictions hold
-  Span<const Prediction> predictions;
-  std::size_t sample_capacity = 0;  // a point
+  Span<const Prediction> predictions;  // of all points at `state`; empty when either has changed
+  std::size_t sample_capacity = 0;     // a point
+  std::uint32_t tangent_interval = 1, vertex_interval = 1;  // frames
+  bool personalises = false;
 
   std::size_t parameter_count() const { return cascade.parameter_count(); }
   SolveInput solve_input() { return {cascade, points, motion.expected()}; }
   Status choose_free(const std::uint8_t* is_free);
+  void set_view(const Pose& pose);
   void set_state(const Pose& pose, const float* q);
-  Status start_parts();
-  MeshPolicy mesh_policy() const;
+  Status start_parts(const EstimatorOptions& options);
+  MeshPolicy mesh_policy(const EstimatorOptions& options) const;
   void update_surface(std::uint32_t interval) { surface.update(cascade, state, frame, interval); }
   Status add(PointKind kind, Vec2 uv, Vec2 along, std::uint16_t* id);
   void note_new_point(std::uint16_t id);
   void place_silhouette();
   Prediction predict(std::uint16_t id, const Projector& projector);
   bool is_visible(const Prediction& p, Vec3 rotated) const;
-  Span<const Prediction> valid_predictions() const;
 };
 
 namespace {
@@ -74,9 +73,9 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   const std::size_t samples = at_most(limits.samples_per_point, model.cascade().count);
   arena.count_as(Purpose::state);
   impl_ = arena.take<Impl>(1);
-  if (impl_ != nullptr) new (impl_) Impl();
+  if (impl_ != nullptr) new (impl_) Impl;
   const auto part = [this](auto Impl::*member) { return impl_ == nullptr ? nullptr : &(impl_->*member); };
-  ModelState Impl::*const states[] = {&Impl::state, &Impl::trusted, &Impl::predicted};
+  ModelState Impl::*const states[] = {&Impl::state, &Impl::trusted};
   for (ModelState Impl::*state : states) lay_out_part(arena, part(state), parameters);
   lay_out_part(arena, part(&Impl::motion), parameters);
   lay_out_part(arena, part(&Impl::points), limits.points, limits.silhouette_points, samples);
@@ -93,7 +92,7 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   arena.count_as(Purpose::fields);
   lay_out_part(arena, part(&Impl::cascade), model, limits.personal_field);
   if (impl_ == nullptr) return;
-  impl_->limits = limits;
+  impl_->personalises = limits.personal_field.width > 0;
   impl_->sample_capacity = samples;
 }
 
@@ -117,9 +116,8 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   s.lens = lens;
   s.width = width;
   s.height = height;
-  s.options = options;
   s.set_state(pose, q);
-  return s.start_parts();
+  return s.start_parts(options);
 }
 
 Status Estimator::Impl::choose_free(const std::uint8_t* is_free) {
@@ -132,9 +130,13 @@ Status Estimator::Impl::choose_free(const std::uint8_t* is_free) {
   return fits ? Status::ok : Status::capacity;
 }
 
-void Estimator::Impl::set_state(const Pose& pose, const float* q) {
+void Estimator::Impl::set_view(const Pose& pose) {
   state.view = view_of(pose, camera);
   state.view.q = normalised(pose.q);
+}
+
+void Estimator::Impl::set_state(const Pose& pose, const float* q) {
+  set_view(pose);
   for (std::size_t i = 0; i < parameter_count(); ++i) {
     const Parameter& p = cascade.model().parameters()[i];
     state.q[i] = clamp(q[i], p.minimum, p.maximum);
@@ -142,7 +144,9 @@ void Estimator::Impl::set_state(const Pose& pose, const float* q) {
   copy(state, parameter_count(), &trusted);
 }
 
-Status Estimator::Impl::start_parts() {
+Status Estimator::Impl::start_parts(const EstimatorOptions& options) {
+  tangent_interval = interval(options.tangent_interval_frames);
+  vertex_interval = interval(options.vertex_interval_frames);
   frame = 0;
   predictions = {};
   monitor.start(width);
@@ -150,16 +154,16 @@ Status Estimator::Impl::start_parts() {
                 options.rejection,
                 {options.cues, options.model_error_mm, options.cue_scale_rate}});
   Status status = motion.start(cascade, state, options.predicts_motion, options.smooths);
-  if (status == Status::ok && limits.personal_field.width > 0) status = cascade.personalise(state.q);
+  if (status == Status::ok && personalises) status = cascade.personalise(state.q);
   if (status != Status::ok) return status;
   points.clear(cascade.samples_per_point());
-  surface.adapt(cascade, state, mesh_policy());
+  surface.adapt(cascade, state, mesh_policy(options));
   update_surface(1);
   started = true;
   return Status::ok;
 }
 
-MeshPolicy Estimator::Impl::mesh_policy() const {
+MeshPolicy Estimator::Impl::mesh_policy(const EstimatorOptions& options) const {
   MeshPolicy policy;
   policy.error_mm = options.mesh_error_mm;
   policy.operations = options.mesh_operations;
@@ -238,25 +242,26 @@ void Estimator::Impl::place_silhouette() {
 
 void Estimator::begin(std::int64_t time_ns) {
   Impl& s = *impl_;
+  s.predictions = {};
   if (s.motion.predict(time_ns, s.monitor.bad_frames(), s.cascade, &s.state)) s.surface.invalidate_images();
   s.solver.begin();
   ++s.frame;
-  s.points.update_tangents(s.cascade, s.state.q, s.frame, interval(s.options.tangent_interval_frames));
+  s.points.update_tangents(s.cascade, s.state.q, s.frame, s.tangent_interval);
   s.place_silhouette();
 }
 
 void Estimator::translate(Vec2 px) {
   if (!is_finite(px)) return;
+  impl_->predictions = {};
   View& view = impl_->state.view;
   view.tau = view.tau + (1.0f / view.s) * px;
-  View expected = impl_->motion.expected().mean.view;
-  expected.tau = view.tau;
-  impl_->motion.expect(expected);
+  impl_->motion.expect_offset(view.tau);
   impl_->surface.invalidate_images();
 }
 
 void Estimator::propose(const View& view) {
   Impl& s = *impl_;
+  s.predictions = {};
   s.state.view = view;
   s.motion.expect(view);
   copy(s.trusted.q, s.parameter_count(), s.state.q);
@@ -273,7 +278,6 @@ Span<const Prediction> Estimator::predict() {
   for (std::uint16_t i = 0; i < s.points.capacity(); ++i)
     if (s.points.has(i)) out[n++] = s.predict(i, projector);
   s.predictions = {out, n};
-  copy(s.state, s.parameter_count(), &s.predicted);
   return s.predictions;
 }
 
@@ -300,20 +304,12 @@ bool Estimator::Impl::is_visible(const Prediction& p, Vec3 rotated) const {
   return points.kind(p.id) == PointKind::silhouette || !surface.hides(p.x, rotated);
 }
 
-/// The stored predictions, if they are of the present state and in the pinhole image.
-Span<const Prediction> Estimator::Impl::valid_predictions() const {
-  const View &a = state.view, &b = predicted.view;
-  bool same = lens.is_none() && a.q.w == b.q.w && a.q.x == b.q.x && a.q.y == b.q.y && a.q.z == b.q.z &&
-              a.s == b.s && a.tau.x == b.tau.x && a.tau.y == b.tau.y && a.rho == b.rho;
-  for (std::size_t i = 0; same && i < parameter_count(); ++i) same = predicted.q[i] == state.q[i];
-  return same ? predictions : Span<const Prediction>{};
-}
-
 bool Estimator::solve_first_pass(Span<Observation> observations) {
   if (!is_started()) return false;
   Impl& s = *impl_;
   if (!s.lens.is_none()) undistort(s.lens, observations);
   const bool moved = s.solver.solve_first_pass(s.solve_input(), observations, &s.state);
+  s.predictions = {};
   if (!s.lens.is_none()) distort(s.lens, observations);
   return moved;
 }
@@ -326,7 +322,10 @@ SolverReport Estimator::solve(Span<Observation> observations) {
   if (!is_started()) return {};
   Impl& s = *impl_;
   if (!s.lens.is_none()) undistort(s.lens, observations);
-  const SolverReport report = s.solver.solve(s.solve_input(), observations, s.valid_predictions(), &s.state);
+  // Through a lens the predictions are not in the pinhole image.
+  const Span<const Prediction> predictions = s.lens.is_none() ? s.predictions : Span<const Prediction>{};
+  const SolverReport report = s.solver.solve(s.solve_input(), observations, predictions, &s.state);
+  s.predictions = {};
   if (!s.lens.is_none()) distort(s.lens, observations);
   return report;
 }
@@ -335,6 +334,7 @@ FrameResult Estimator::end() {
   if (!is_started()) return {};
   Impl& s = *impl_;
   const SolveResult& found = s.solver.result();
+  s.predictions = {};
   const bool good = s.monitor.is_good(found, s.state.view.s / s.motion.expected().mean.view.s);
   FrameResult result;
   result.state = s.monitor.add(good);
@@ -347,7 +347,7 @@ FrameResult Estimator::end() {
     copy(s.trusted, s.parameter_count(), &s.state);
     if (result.state == TrackState::lost) s.motion.rest(s.state);
   }
-  s.update_surface(good ? interval(s.options.vertex_interval_frames) : 1);
+  s.update_surface(good ? s.vertex_interval : 1);
   result.pose = pose_of(s.state.view);
   result.tracked = found.rows;
   result.inliers = found.inliers;
@@ -381,8 +381,8 @@ Status Estimator::restore(const State& state) {
   bool good = state.q != nullptr && is_finite(state.pose) && state.pose.t.z > 0;
   for (std::size_t i = 0; good && i < s.parameter_count(); ++i) good = is_finite(state.q[i]);
   if (!good) return Status::bad_argument;
-  s.state.view = view_of(state.pose, s.camera);
-  s.state.view.q = normalised(state.pose.q);
+  s.set_view(state.pose);
+  s.predictions = {};
   s.motion.expect(s.state.view);
   for (std::size_t k = 0; k < s.cascade.column_count(); ++k) {
     const std::uint16_t i = s.cascade.parameter_of(k);

@@ -15,6 +15,17 @@ Mat2 transposed(const Mat2& m) {
   return {m.a, m.c, m.b, m.d};
 }
 
+void transfer(const Lens& lens, Span<Observation> observations, bool distorts) {
+  for (Observation& o : observations) {
+    if (!is_finite(o.x)) continue;
+    const Vec2 pinhole = distorts ? o.x : lens.undistort(o.x);
+    Mat2 d;
+    const Vec2 seen = lens.distort(pinhole, &d);
+    o.x = distorts ? seen : pinhole;
+    o.information = transformed(transposed(distorts ? inverse(d) : d), o.information);
+  }
+}
+
 }  // namespace
 
 void distort(const Lens& lens, Prediction* prediction) {
@@ -29,22 +40,11 @@ void distort(const Lens& lens, Prediction* prediction) {
 }
 
 void distort(const Lens& lens, Span<Observation> observations) {
-  for (Observation& o : observations) {
-    if (!is_finite(o.x)) continue;
-    Mat2 d;
-    o.x = lens.distort(o.x, &d);
-    o.information = transformed(transposed(inverse(d)), o.information);
-  }
+  transfer(lens, observations, true);
 }
 
 void undistort(const Lens& lens, Span<Observation> observations) {
-  for (Observation& o : observations) {
-    if (!is_finite(o.x)) continue;
-    o.x = lens.undistort(o.x);
-    Mat2 d;
-    lens.distort(o.x, &d);
-    o.information = transformed(transposed(d), o.information);
-  }
+  transfer(lens, observations, false);
 }
 
 }  // namespace pliant

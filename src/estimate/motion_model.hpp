@@ -49,8 +49,9 @@ class MotionModel {
   /// \param bad_frames  frames since the last good one; widens the uncertainty.
   /// \return whether `state` moved.
   bool predict(std::int64_t time_ns, int bad_frames, const Cascade& cascade, ModelState* state);
-  /// Replaces the mean of the expected view, and of one parameter.
+  /// Replaces the mean of the expected view, of its offset alone, or of one parameter.
   void expect(const View& view) { expected_.mean.view = view; }
+  void expect_offset(Vec2 tau) { expected_.mean.view.tau = tau; }
   void expect(std::size_t parameter, float value) { expected_.mean.q[parameter] = value; }
   /// Corrects the filter by the result of a good frame.
   /// \param variance  of each unknown of the solve: pose, then the columns of `cascade`.
