@@ -117,7 +117,7 @@ class Fitter {
 /// \param q     all parameters.
 /// \param size  of the box, px, > 0.
 /// \return bad_argument (NaN, an empty box, f <= 0, or a flat model); `view` is then as before.
-Status view_from_box(const Model& model, Cascade& cascade, const float* q, Vec2 corner, Vec2 size,
-                     const Camera& camera, View* view);
+Status view_from_box(Cascade& cascade, const float* q, Vec2 corner, Vec2 size, const Camera& camera,
+                     View* view);
 
 }  // namespace pliant

@@ -55,7 +55,7 @@ Status fit_to_box(Arena& arena, const Model& model, Vec2 corner, Vec2 size, cons
   Status status = create_in(arena, cascade, model);
   if (status != Status::ok) return status;
   View view;
-  status = view_from_box(model, cascade, q, corner, size, start->camera, &view);
+  status = view_from_box(cascade, q, corner, size, start->camera, &view);
   if (status == Status::ok) start->pose = pose_of(view);
   return status;
 }

@@ -114,8 +114,9 @@ void find_initial_view(FitProblem& problem, const Vec3* position, Vec2 centre) {
   problem.view = best;
 }
 
-Status view_from_box(const Model& model, Cascade& cascade, const float* q, Vec2 corner, Vec2 size,
-                     const Camera& camera, View* view) {
+Status view_from_box(Cascade& cascade, const float* q, Vec2 corner, Vec2 size, const Camera& camera,
+                     View* view) {
+  const Model& model = cascade.model();
   if (!is_finite(corner) || !is_finite(size) || !(size.x > 0 && size.y > 0) || !(camera.f > 0))
     return Status::bad_argument;
   Vec3 low{1e9f, 1e9f, 1e9f}, high{-1e9f, -1e9f, -1e9f};

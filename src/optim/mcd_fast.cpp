@@ -90,26 +90,40 @@ void two_steps(const Cloud& cloud, std::size_t h, const Scratch& scratch, Shape<
   c_step(cloud, h, scratch, shape);
 }
 
-[[gnu::noinline]] void try_starts(const Cloud& cloud, std::size_t h, std::size_t starts, Generator& generator,
-                                  std::uint16_t* order, const Scratch& scratch, Candidates& candidates) {
-  for (std::size_t i = 0; i < cloud.rows; ++i) order[i] = static_cast<std::uint16_t>(i);
+/// What random starts use.
+struct StartTools {
+  Generator& generator;
+  std::uint16_t* order;  // a row
+  const Scratch& scratch;
+};
+
+/// Memory of the groups: their rows, and their candidates.
+struct GroupRoom {
+  float *rows, *pool;
+};
+
+[[gnu::noinline]] void try_starts(const Cloud& cloud, std::size_t h, std::size_t starts,
+                                  const StartTools& tools, Candidates& candidates) {
+  for (std::size_t i = 0; i < cloud.rows; ++i) tools.order[i] = static_cast<std::uint16_t>(i);
   for (std::size_t start = 0; start < starts; ++start) {
-    Shape<float> shape = scratch.float_shape(cloud.columns);
-    draw_shape(cloud, generator, order, scratch, shape);
-    two_steps(cloud, h, scratch, shape);
+    Shape<float> shape = tools.scratch.float_shape(cloud.columns);
+    draw_shape(cloud, tools.generator, tools.order, tools.scratch, shape);
+    two_steps(cloud, h, tools.scratch, shape);
     candidates.offer(shape);
   }
 }
 
 /// Starts on up to five random groups of about 300 rows, their best on all these rows together.
-[[gnu::noinline]] void try_groups(const Cloud& cloud, std::size_t h, std::size_t starts, Generator& generator,
-                                  std::uint16_t* order, float* room, float* pool, const Scratch& scratch,
-                                  Candidates& candidates) {
+[[gnu::noinline]] void try_groups(const Cloud& cloud, std::size_t h, std::size_t starts,
+                                  const StartTools& tools, const GroupRoom& memory, Candidates& candidates) {
+  float* const room = memory.rows;
+  std::uint16_t* const order = tools.order;
+  const Scratch& scratch = tools.scratch;
   const std::size_t groups = cloud.rows / kGroupRows < kGroups ? cloud.rows / kGroupRows : kGroups;
   const std::size_t rows =
       groups < kGroups || cloud.rows < kGroups * kGroupRows ? cloud.rows : kGroups * kGroupRows;
   for (std::size_t i = 0; i < cloud.rows; ++i) order[i] = static_cast<std::uint16_t>(i);
-  draw(generator, order, 0, rows, cloud.rows);
+  draw(tools.generator, order, 0, rows, cloud.rows);
   for (std::size_t j = 0; j < cloud.columns; ++j) {
     for (std::size_t i = 0; i < rows; ++i) room[j * cloud.stride + i] = cloud.z[j * cloud.stride + order[i]];
     for (std::size_t i = rows; i < cloud.stride; ++i) room[j * cloud.stride + i] = 0;
@@ -119,8 +133,8 @@ void two_steps(const Cloud& cloud, std::size_t h, const Scratch& scratch, Shape<
   for (std::size_t g = 0; g < groups; ++g) {
     const std::size_t first = rows * g / groups, count = rows * (g + 1) / groups - first;
     const Cloud group{room + first, cloud.stride, count, cloud.columns};
-    Candidates of_group(pool + (g + 1) * kKept * Candidates::slot_size(cloud.columns), cloud.columns);
-    try_starts(group, part_of(count), (starts + groups - 1) / groups, generator, order, scratch, of_group);
+    Candidates of_group(memory.pool + (g + 1) * kKept * Candidates::slot_size(cloud.columns), cloud.columns);
+    try_starts(group, part_of(count), (starts + groups - 1) / groups, tools, of_group);
     for (std::size_t i = 0; i < of_group.count(); ++i) {
       Shape<float> shape = scratch.float_shape(merged.columns);
       of_group.get(i, shape);
@@ -139,13 +153,13 @@ Status Mcd::fast(const float* data, std::size_t rows, std::size_t columns, const
     return status == Status::ok ? finish(options) : status;
   mcd::Search search = state_->begin_search(best_);
   mcd::Generator generator{options.seed};
+  const mcd::StartTools tools{generator, state_->order, search.scratch};
   mcd::Candidates candidates(state_->candidate_pool, state_->active_columns);
   if (state_->used_rows <= mcd::kMostUngrouped)
-    mcd::try_starts(search.cloud, state_->subset_size, options.starts, generator, state_->order,
-                    search.scratch, candidates);
+    mcd::try_starts(search.cloud, state_->subset_size, options.starts, tools, candidates);
   else
-    mcd::try_groups(search.cloud, state_->subset_size, options.starts, generator, state_->order,
-                    state_->other, state_->candidate_pool, search.scratch, candidates);
+    mcd::try_groups(search.cloud, state_->subset_size, options.starts, tools,
+                    {state_->other, state_->candidate_pool}, candidates);
   for (std::size_t i = 0; i < candidates.count(); ++i) {
     mcd::Shape<double> shape = search.scratch.shape(state_->active_columns);
     candidates.get(i, shape);

@@ -192,7 +192,7 @@ FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const F
   Owned<Cascade> cascade(file.model());
   View view;
   const Status status =
-      view_from_box(file.model(), *cascade, q.data(), {box[0], box[1]}, {box[2], box[3]}, camera, &view);
+      view_from_box(*cascade, q.data(), {box[0], box[1]}, {box[2], box[3]}, camera, &view);
   if (status != Status::ok) fail_usage("--box: width and height must be positive");
   FitFile fit = fit_of_view(file.model(), setup.size, view, q);
   if (setup.camera) fit.camera = camera;

@@ -368,7 +368,7 @@ TEST_CASE("a box starts a frontal view that fills it") {
   std::vector<float> q(scene.truth.size(), 0);
   View view;
   const Camera camera = centred_camera(640, 480, 900);
-  REQUIRE(view_from_box(scene.model, cascade.object, q.data(), {100, 80}, {150, 200}, camera, &view) ==
+  REQUIRE(view_from_box(cascade.object, q.data(), {100, 80}, {150, 200}, camera, &view) ==
           Status::ok);
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
   for (Vec2 uv : scene.model.base_uv()) {
@@ -379,6 +379,6 @@ TEST_CASE("a box starts a frontal view that fills it") {
   }
   CHECK(low.x == doctest::Approx(100).epsilon(0.1));
   CHECK(high.y == doctest::Approx(280).epsilon(0.05));
-  CHECK(view_from_box(scene.model, cascade.object, q.data(), {0, 0}, {0, 10}, camera, &view) ==
+  CHECK(view_from_box(cascade.object, q.data(), {0, 0}, {0, 10}, camera, &view) ==
         Status::bad_argument);
 }
