@@ -336,6 +336,8 @@ def memory(s):
         if result.returncode != 0:
             continue
         for line in result.stdout.splitlines():
+            if line.startswith('a frame'):
+                break
             found = re.match(r'^(?:  )?(.+?)\s{2,}(\d+)$', line)
             if found is None:
                 continue
