@@ -331,7 +331,7 @@ def fit(s):
 
 def memory(s):
     columns, names = {}, []
-    for profile in ('s', 'm', 'l'):
+    for profile in ('l', 'm', 's'):  # the largest first: it has every row
         result = run([s.pliant, 'plan', s.face, '--profile', profile], must=False)
         if result.returncode != 0:
             continue
@@ -347,6 +347,7 @@ def memory(s):
             columns.setdefault(profile, {})[name] = found.group(2)
     if not columns:
         raise Missing('`pliant plan`')
+    columns = {p: columns[p] for p in ('s', 'm', 'l') if p in columns}
     rows = [[n] + [columns[p].get(n, '') for p in columns] for n in names]
     return command_block('pliant plan face.plm --profile s') + '\n\n' + \
         table(['bytes'] + ['profile %s' % p.upper() for p in columns], rows)
