@@ -1,5 +1,5 @@
-// `pliant animate`: one track's expressions and head motion on any person and any model, as a file that other programs
-// play (the paper, section 7).
+// `pliant animate`: applies a track's expressions and head motion to any person and any model, and writes a file that other
+// programs play (the paper, section 7).
 #include <filesystem>
 
 #include "host/commands/command.hpp"
@@ -19,17 +19,17 @@ namespace {
 
 struct Input {
   Retargeted track;
-  std::string who;      // whose face it is, for the summary
-  std::string picture;  // what is on the surface, as glb_bytes takes it
+  std::string who;      // whose identity it is, for the summary
+  std::string picture;  // the texture, as glb_bytes takes it
   bool is_lit = true;
 };
 
-/// The photograph that the identity was fitted in, taken off the face.
+/// The texture from the photograph that the identity was fitted to.
 std::string picture_of(const std::string& path, const std::string& identity, const FitFile& fit,
                        const ModelFile& file) {
   const Image photo = read_image(path);
   if (fit.model_crc != file.model().crc())
-    fail_input(identity, "was fitted with another model than " + file.path());
+    fail_input(identity, "was fitted with a model other than " + file.path());
   if (photo.width != fit.width || photo.height != fit.height)
     fail_input(path, "is not the picture of " + identity + ": that has " + std::to_string(fit.width) + "x" +
                          std::to_string(fit.height) + " pixels");
@@ -65,13 +65,13 @@ Input read_input(const Args& args, const ModelFile& file, Console& console) {
   if (input.who.empty()) input.who = input.track.has_identity ? "the track's" : "the mean";
   list_unmatched(input.track.unmatched, path, console.err);
   if (!input.track.limited.empty()) {
-    console.err << path << ": beyond the model's limits, and held there:";
+    console.err << path << ": outside the model's limits, clamped:";
     for (const std::string& name : input.track.limited) console.err << " " << name;
-    console.err << (source ? "\n" : " (--from TRACKED.plm keeps shares of the ranges)\n");
+    console.err << (source ? "\n" : " (--from TRACKED.plm keeps fractions of the ranges)\n");
   }
   if (input.track.lost > 0)
     console.err << path << ": " << input.track.lost << " of " << input.track.frames.size()
-                << " frames are lost; they hold the pose and expression before them\n";
+                << " frames are lost; they repeat the pose and expression before\n";
   return input;
 }
 
@@ -92,9 +92,9 @@ int run_animate(const Args& args, Console& console) {
   args.required("--params");
   const bool is_folder = ends_with(output, "/") || std::filesystem::is_directory(output);
   if (!is_folder && !ends_with(output, ".glb"))
-    fail_usage("-o ends in .glb, or in / for a folder of OBJ files, not as " + output);
+    fail_usage("-o must end in .glb, or in / for a folder of OBJ files: " + output);
   if (args.has("--image") && !args.has("--identity"))
-    fail_usage("--image needs the fit in that picture: --identity");
+    fail_usage("--image needs --identity: the fit in that picture");
   const int vertices = args.integer("--vertices", 2000, 16, 21000);
   const auto tolerance = static_cast<float>(args.number("--tolerance", 0.1, 0, 1000));
   const ModelFile file(args.operand(0));
@@ -128,19 +128,19 @@ int run_animate(const Args& args, Console& console) {
 Command animate_command() {
   return {
       "animate",
-      "Puts a track's expressions and head motion on any person and any model, for other programs to play.",
+      "Applies a track's expressions and head motion to a person and a model, for other programs to play.",
       "face.plm --params track.csv [--identity fit.json [--image picture]] [--from tracked.plm] [--vertices "
       "N] [--tolerance "
       "MM] "
       "[--rate FPS] -o animation.glb|FOLDER/",
-      {{"--params", "CSV", "a track, or any table with its columns; expressions are matched by name"},
-       {"--identity", "JSON", "a fit: whose face it is; else the track's own identity, or the mean"},
-       {"--image", "FILE", "the picture of that fit: its photograph goes onto the face"},
-       {"--from", "PLM", "the model that was tracked: values keep their share of its ranges"},
-       {"--vertices", "N", "of the mesh, about (2000)"},
-       {"--tolerance", "MM", "leave out corrective targets that never move a vertex this far (0.1)"},
+      {{"--params", "CSV", "a track, or any table with its columns. Expressions are matched by name"},
+       {"--identity", "JSON", "a fit with the identity (default: that of the track, or the mean)"},
+       {"--image", "FILE", "the picture of that fit; it becomes the texture"},
+       {"--from", "PLM", "the model that was tracked. Values keep their fraction of its ranges"},
+       {"--vertices", "N", "vertices of the mesh, about (2000)"},
+       {"--tolerance", "MM", "omit corrective targets that move no vertex this far, in millimetres (0.1)"},
        {"--rate", "FPS", "frames a second of a table without time_s (30)"},
-       {"-o", "GLB", "glTF with morph targets and head motion; or a folder, for an OBJ a frame at rest"}},
+       {"-o", "GLB", "glTF with morph targets and head motion; a folder gets one OBJ a frame, without head motion"}},
       1,
       run_animate};
 }

@@ -35,7 +35,7 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
   }
   if (operands_.size() < operands) fail_usage("a file name is missing");
   if (operands_.size() > operands + optional)
-    fail_usage("one word too many: " + operands_[operands + optional]);
+    fail_usage("unexpected word: " + operands_[operands + optional]);
 }
 
 std::optional<std::string> Args::text(const char* name) const {
@@ -90,7 +90,7 @@ std::optional<std::vector<float>> Args::numbers(const char* name, std::size_t co
   for (std::size_t start = 0; start <= value->size();) {
     const std::size_t comma = std::min(value->find(',', start), value->size());
     const auto number = parse_number(value->substr(start, comma - start));
-    if (!number) fail_usage(std::string(name) + ": not numbers with commas between: " + *value);
+    if (!number) fail_usage(std::string(name) + ": not numbers separated by commas: " + *value);
     parsed.push_back(static_cast<float>(*number));
     start = comma + 1;
   }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file args.hpp
-/// The words of a command line, checked against what a command accepts.
+/// Parses the words of a command line.
 #include <map>
 #include <optional>
 #include <string>
@@ -12,18 +12,18 @@ namespace pliant::host {
 
 struct Option {
   const char* name;   ///< with its dashes: "-o", "--size"
-  const char* value;  ///< what the help calls its value; null for a flag
+  const char* value;  ///< name of the value in the help; null for a flag
   const char* help;
-  bool in_this_build = true;  ///< false: known, but refused by name
+  bool in_this_build = true;  ///< false: refused with a message of its own
   bool may_repeat = false;
 };
 
-/// A command line split into positional words and options. Every fault is bad usage (failure.hpp).
+/// A command line, split into positional words and options. Every error is bad usage (failure.hpp).
 class Args {
  public:
-  /// \param words    behind the name of the command; "--name value" and "--name=value" mean the same.
-  /// \param operands how many positional words there must be.
-  /// \param optional how many more there may be.
+  /// \param words     the words after the name of the command; "--name value" and "--name=value" are the same.
+  /// \param operands  number of required positional words.
+  /// \param optional  number of further positional words that are allowed.
   Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands,
        std::size_t optional = 0);
 
@@ -33,14 +33,14 @@ class Args {
   std::optional<std::string> text(const char* name) const;
   /// All values of an option that may repeat, in the order given.
   std::vector<std::string> texts(const char* name) const;
-  /// The value of an option that must be there.
+  /// The value of a required option.
   std::string required(const char* name) const;
-  /// A finite number in [low, high]; `otherwise` when the option is not there.
+  /// A finite number in [low, high]; `otherwise` without the option.
   double number(const char* name, double otherwise, double low, double high) const;
   int integer(const char* name, int otherwise, int low, int high) const;
   /// "WxH", 16 to 8192 pixels a side.
   std::optional<ImageSize> size(const char* name) const;
-  /// Exactly `count` finite numbers with commas between.
+  /// Exactly `count` finite numbers, separated by commas.
   std::optional<std::vector<float>> numbers(const char* name, std::size_t count) const;
 
  private:

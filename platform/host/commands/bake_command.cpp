@@ -1,4 +1,4 @@
-// `pliant bake`: a readable source becomes a model table.
+// `pliant bake`: makes a model table from a readable source.
 #include <memory>
 
 #include "host/bake/bake.hpp"
@@ -13,7 +13,7 @@ namespace pliant::host {
 
 namespace {
 
-/// A C++ name for the table, from the file's.
+/// A C++ identifier made of the file's name.
 std::string array_name(const std::string& path) {
   const std::size_t slash = path.find_last_of('/');
   std::string name = path.substr(slash == std::string::npos ? 0 : slash + 1);
@@ -40,7 +40,7 @@ std::vector<int> sizes_of(const std::string& list) {
   for (const std::string& word : split_at_commas(list)) {
     const auto number = parse_number(word);
     if (!number || *number < 16 || *number > 512 || *number != static_cast<int>(*number))
-      fail_usage("--sizes takes whole numbers from 16 to 512 with commas between, not '" + list + "'");
+      fail_usage("--sizes must be whole numbers from 16 to 512, separated by commas, not '" + list + "'");
     sizes.push_back(static_cast<int>(*number));
   }
   return sizes;
@@ -110,24 +110,24 @@ int run_bake(const Args& args, Console& console) {
 Command bake_command() {
   return {
       "bake",
-      "Makes a model table from a folder of readable tables, such as fixtures/face, or of OBJ files.",
+      "Makes a model table from a folder of text tables, such as fixtures/face, or of OBJ files.",
       "SOURCE -o face.plm [--embed face.cpp] [--size N] [--bits 16|8] [--unit MM] [--base-mesh N] [--pca N] "
       "[--relax-chart] "
       "[--identities N] [--expressions N|NAME,...] [--errors] | SOURCE --sizes N,... [--flash KIB]",
       {{"-o", "FILE", "the model table to write"},
-       {"--embed", "FILE", "write it as a C++ array as well, for firmware"},
-       {"--size", "N", "samples a side of a field over the whole chart (128)"},
-       {"--bits", "N", "of a sample: 16 or 8 (16)"},
-       {"--unit", "MM", "of the OBJ files' coordinates, in millimetres (1)"},
+       {"--embed", "FILE", "also write the table as a C++ array, for firmware"},
+       {"--size", "N", "samples on a side of a field over the whole chart (128)"},
+       {"--bits", "N", "bits of a sample: 16 or 8 (16)"},
+       {"--unit", "MM", "unit of the OBJ files, millimetres (1)"},
        {"--base-mesh", "N", "vertices of the base mesh, about (480)"},
-       {"--pca", "N", "take all OBJ files as scans, and keep so many principal components"},
+       {"--pca", "N", "treat all OBJ files as scans, and keep N principal components"},
        {"--relax-chart", nullptr,
-        "move the OBJ files' u,v so that no part of the surface is crushed in the chart"},
-       {"--identities", "N", "keep the first so many (all)"},
-       {"--expressions", "N|NAMES", "keep the so many most useful, or those named with commas between (all)"},
-       {"--errors", nullptr, "list how far each parameter's shape is from the source"},
-       {"--sizes", "N,N,...", "write nothing: bytes and errors at these sizes, and of a small profile"},
-       {"--flash", "KIB", "that the small profile has to fit (512)"}},
+        "even out the u,v of the OBJ files, so that no part of the surface gets too few samples"},
+       {"--identities", "N", "keep the first N identities (all)"},
+       {"--expressions", "N|NAMES", "keep the N most useful expressions, or those named, separated by commas (all)"},
+       {"--errors", nullptr, "list the error of each parameter's shape"},
+       {"--sizes", "N,N,...", "write no table; print bytes and errors for these sizes, and for a small profile"},
+       {"--flash", "KIB", "flash for the small profile, KiB (512)"}},
       1,
       run_bake};
 }

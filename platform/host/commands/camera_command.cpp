@@ -1,4 +1,4 @@
-// `pliant camera list`: the cameras that `--frames camera:` can take.
+// `pliant camera list`: prints the cameras that `--frames camera:` accepts.
 #include "host/commands/command.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/camera_module.hpp"
@@ -32,7 +32,7 @@ int run_camera(const Args& args, Console& console) {
 }  // namespace
 
 Command camera_command() {
-  return {"camera", "Lists the cameras: index, id and model, with tabs between.", "list", {}, 1, run_camera};
+  return {"camera", "Lists the cameras: index, id and model, separated by tabs.", "list", {}, 1, run_camera};
 }
 
 }  // namespace pliant::host

@@ -19,7 +19,7 @@ void print_help(std::ostream& out) {
   out << "usage: pliant COMMAND ...\n";
   for (const Command& c : commands())
     out << "  pliant " << c.name << " " << c.usage << "\n      " << c.summary << "\n";
-  out << "`pliant COMMAND --help` explains one.\n";
+  out << "`pliant COMMAND --help` lists the options of a command.\n";
 }
 
 void print_help(const Command& command, std::ostream& out) {
@@ -32,7 +32,7 @@ void print_help(const Command& command, std::ostream& out) {
   }
 }
 
-/// 0 when everything that was printed has arrived.
+/// The exit code after output: 0 if everything was written.
 int flushed(Console& console) {
   if (console.out.flush()) return 0;
   console.err << "pliant: standard output: writing failed\n";

@@ -1,6 +1,6 @@
 #pragma once
 /// \file command.hpp
-/// The `pliant` command: its sub-commands and how they are run.
+/// The `pliant` program: its commands, and a function that runs them.
 #include <ostream>
 #include <string>
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace pliant::host {
 
-/// Where a command talks to.
+/// Output streams of a command.
 struct Console {
   std::ostream& out;            ///< results
-  std::ostream& err;            ///< complaints, notes, progress
+  std::ostream& err;            ///< errors, notes, progress
   bool shows_progress = false;  ///< err is a terminal
 };
 
@@ -21,9 +21,9 @@ struct Command {
   const char* summary;
   const char* usage;  ///< what follows "pliant NAME"
   std::vector<Option> options;
-  std::size_t operands;                            ///< positional words
+  std::size_t operands;                            ///< number of positional words
   int (*run)(const Args& args, Console& console);  ///< \return the exit code; throws Failure
-  std::size_t optional_operands = 0;               ///< and so many more may follow
+  std::size_t optional_operands = 0;               ///< number of further positional words that are allowed
 };
 
 Command bake_command();
@@ -38,11 +38,12 @@ Command camera_command();
 Command plan_command();
 Command bench_command();
 
-/// Runs a whole command line (without the program's name). \return 0 on success, 2 on bad usage, 1 on bad
-/// input; then one line on `err` says what is wrong and where. Never throws.
+/// Runs a command line, without the program's name. Never throws.
+/// \return 0 on success, 2 on bad usage, 1 on bad input or if the output cannot be written; then one line on `err` names the
+///         file and what is wrong.
 int run(const std::vector<std::string>& words, Console& console);
 
-/// A counter that overwrites itself on a terminal, and is silent elsewhere.
+/// A counter that overwrites itself on a terminal; elsewhere it prints nothing.
 class Progress {
  public:
   Progress(Console& console, const char* what) : console_(console), what_(what) {}

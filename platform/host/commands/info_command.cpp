@@ -1,4 +1,4 @@
-// `pliant info`: what is in a model table, and what it costs at run time.
+// `pliant info`: prints the contents of a model table and its memory at run time.
 #include <algorithm>
 #include <cstdio>
 #include <set>
@@ -54,7 +54,7 @@ std::size_t sample_bytes(const Field& f) {
   return std::size_t{f.width} * f.height * f.components * (f.bits / 8u);
 }
 
-/// Where the table's bytes go. Fields that are mirror images share their samples.
+/// Bytes of each part of the table. Mirrored fields have the samples of another field, which are counted once.
 void print_bytes(const Model& model, std::ostream& out) {
   std::set<std::uint32_t> seen;
   std::size_t rest = 0, moving = 0;
@@ -73,7 +73,7 @@ void print_bytes(const Model& model, std::ostream& out) {
   row("mask and albedo",
       pixels(model.mask()) + (model.albedo().pixels != nullptr ? pixels(model.albedo()) : 0));
   row("base mesh", model.base_uv().count * sizeof(Vec2) + model.base_corners().count * sizeof(std::uint16_t));
-  row("names, marks, curves",
+  row("names and curves",
       model.parameters().count * sizeof(Parameter) + model.landmarks().count * sizeof(Landmark) +
           model.curves().count * sizeof(Curve) + model.curve_points().count * sizeof(Vec2));
 }
@@ -114,7 +114,7 @@ void print_fields(const Model& model, std::ostream& out) {
   }
 }
 
-/// A record; its sources only where they are not simply the record before.
+/// Prints a record, without its source if that is the record before.
 void print_record(const Model& model, std::size_t k, std::ostream& out) {
   const CascadeRecord& r = model.cascade()[k];
   print(out, "  %3zu %-10s", k, name_of(r.operation));
@@ -144,7 +144,7 @@ void print_cascade(const Model& model, std::ostream& out) {
 void print_memory(const Model& model, std::ostream& out) {
   out << "memory at run time:\n";
   print(out, "  cascade               %8zu bytes\n", measured_bytes<Cascade>(model));
-  print(out, "  person folded, 128x128%8zu bytes\n",
+  print(out, "  personal field 128x128%8zu bytes\n",
         measured_bytes<Cascade>(model, PersonalFieldLimits{128, 128}) - measured_bytes<Cascade>(model));
   print(out, "  fit, %3u points       %8zu bytes\n", FitLimits{}.points,
         measured_bytes<Fitter>(model, FitLimits{}));
@@ -178,7 +178,7 @@ int run_info(const Args& args, Console& console) {
 }  // namespace
 
 Command info_command() {
-  return {"info",  "Prints what is in a model table, and what it costs at run time.", "face.plm", {}, 1,
+  return {"info",  "Prints the contents of a model table and its memory at run time.", "face.plm", {}, 1,
           run_info};
 }
 

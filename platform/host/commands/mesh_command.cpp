@@ -1,5 +1,5 @@
-// `pliant mesh`: a model's mesh, adapted at given parameters, into files; its error; a figure and a curve of
-// what the criteria do.
+// `pliant mesh`: adapts a model's mesh at given parameters, writes it and prints its error; or compares all criteria in a
+// figure and a table.
 #include <cmath>
 
 #include "host/commands/command.hpp"
@@ -24,12 +24,12 @@ MeshCriterion criterion_named(const std::string& name) {
   if (name == "uniform") return MeshCriterion::uniform;
   if (name == "normals") return MeshCriterion::normals;
   if (name == "contour") return MeshCriterion::contour;
-  fail_usage("--criterion is none, uniform, normals or contour, not " + name);
+  fail_usage("--criterion must be none, uniform, normals or contour: " + name);
 }
 
-/// Options that a criterion does not read would be dropped in silence, so they are refused.
+/// Refuses an option that the criterion does not use.
 void refuse(const Args& args, const char* option, const std::string& criterion) {
-  if (args.has(option)) fail_usage(std::string(option) + " means nothing to the criterion " + criterion);
+  if (args.has(option)) fail_usage(std::string(option) + " does not apply to the criterion " + criterion);
 }
 
 MeshRequest request_of(const Args& args) {
@@ -55,7 +55,7 @@ std::vector<float> parameters_of(const Args& args, const ModelFile& file) {
   for (const std::string& word : args.texts("--param")) {
     const std::size_t equals = word.find('=');
     const auto value = equals == std::string::npos ? std::nullopt : parse_number(word.substr(equals + 1));
-    if (!value) fail_usage("--param is NAME=VALUE, not " + word);
+    if (!value) fail_usage("--param must be NAME=VALUE: " + word);
     values.push_back({word.substr(0, equals), static_cast<float>(*value)});
   }
   std::vector<float> q(file.model().parameters().count, 0.0f);
@@ -72,7 +72,7 @@ MeshFormat format_of(const std::string& path) {
   if (ending == ".obj") return MeshFormat::obj;
   if (ending == ".ply") return MeshFormat::ply;
   if (ending == ".glb") return MeshFormat::glb;
-  fail_usage("-o ends in .obj, .ply or .glb, not as " + path);
+  fail_usage("-o must end in .obj, .ply or .glb: " + path);
 }
 
 std::string bytes_of(const MeshData& data, MeshFormat format, const Model& model) {
@@ -117,11 +117,11 @@ void print_report(const ModelMesh& mesh, const std::string& path, std::ostream& 
   out << line;
 }
 
-/// All criteria side by side, as a picture, a table or both.
+/// Compares all criteria in a picture, a table or both.
 int compare_criteria(const Args& args, Console& console) {
   for (const char* option : {"--criterion", "--depth", "--threshold", "--budget", "-o", "--uv-svg"})
     if (args.has(option))
-      fail_usage(std::string(option) + " means nothing to --figure and --curve, which show all criteria");
+      fail_usage(std::string(option) + " does not apply to --figure and --curve, which compare all criteria");
   const ModelFile file(args.operand(0));
   ModelSurface surface(file.model(), parameters_of(args, file));
   if (const auto path = args.text("--figure"))
@@ -153,7 +153,7 @@ int run_mesh(const Args& args, Console& console) {
 
 Command mesh_command() {
   return {"mesh",
-          "Adapts a model's mesh to its surface, writes it, and tells how far it is from the surface.",
+          "Adapts a model's mesh to its surface, writes it and prints its distance from the surface.",
           "face.plm [--criterion none|uniform|normals|contour] [--depth N] [--threshold X] [--budget N] "
           "[--param NAME=VALUE ...] [-o mesh.obj|.ply|.glb] [--uv-svg chart.svg] | face.plm [--figure "
           "figure.png] "

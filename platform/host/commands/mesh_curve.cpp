@@ -10,7 +10,7 @@ class Table {
  public:
   Table(const Model& model, ModelSurface& surface) : model_(model), surface_(surface) {}
 
-  /// \return vertices of the mesh that the row is about.
+  /// \return number of vertices of the mesh.
   int add(const char* criterion, const char* format, double setting, const MeshRequest& request) {
     const ModelMesh mesh(model_, surface_, request);
     const ContourError error = mesh.measure();

@@ -1,5 +1,5 @@
-// `pliant plan`: memory and time of a tracker before it runs. Bytes come from the tracker's own layout, counted by purpose
-// while it measures; so they are what a run takes, whatever becomes of the tracker.
+// `pliant plan`: prints a tracker's memory and the work of a frame. The bytes are those of the tracker's own sizing pass,
+// counted by purpose.
 #include <cstdio>
 #include <memory>
 
@@ -19,7 +19,7 @@ constexpr const char* kPurposeNames[kPurposeCount] = {
     "solver",     "surface points",   "baked points", "baked vertices",  "outlier rejection",
     "parameters", "picture pyramid",  "patches",      "corners",         "small pictures"};
 
-/// A table with nothing but the counts that matter: one record a parameter, after the rest shape.
+/// A model table for which only the counts matter: a rest shape and one record for each parameter.
 std::vector<std::uint32_t> stand_in_table(int parameters) {
   bake::TableWriter writer;
   bake::FieldGrid grid;
@@ -56,7 +56,7 @@ TrackerLimits limits_from(const Args& args) {
   l.vertices = static_cast<std::uint16_t>(args.integer("--vertices", l.vertices, 4, 10000));
   l.markers = static_cast<std::uint16_t>(args.integer("--markers", l.markers, 0, 4096));
   if (args.has("--points")) {
-    // A quarter of the patches is for later key frames, an equal number for each.
+    // A quarter of the templates is for later key frames, an equal number for each.
     const int points = args.integer("--points", 0, 8, 4096);
     const int each = l.key_frames > 0 ? points / 4 / l.key_frames : 0;
     l.key_patches = static_cast<std::uint16_t>(each * l.key_frames);
@@ -120,7 +120,7 @@ int run_plan(const Args& args, Console& console) {
   std::snprintf(line, sizeof line, "%d x %d pixels, %d patches, %d vertices, %zu parameters of %zu%s\n\n",
                 limits.width, limits.height, limits.patches + limits.key_patches, limits.vertices,
                 plan.free_parameters, model.parameters().count,
-                has_model ? "" : " (no model given: one record a parameter)");
+                has_model ? "" : " (no model: one record for each parameter)");
   console.out << line;
   print_bytes(console.out, plan, table_bytes);
   print_loads(console.out, plan);
@@ -131,16 +131,16 @@ int run_plan(const Args& args, Console& console) {
 
 Command plan_command() {
   return {"plan",
-          "Memory of a tracker to the byte, and the work of a frame, before it runs.",
+          "Prints a tracker's memory to the byte, and the work of a frame.",
           "[face.plm] [--profile s|m|l] [--width W] [--height H] [--vertices V] [--points N] [--parameters P] "
           "[--markers M]",
           {{"--profile", "s|m|l", "start from the capacities of a small, medium or large device"},
-           {"--width", "W", "of the frames"},
-           {"--height", "H", "of the frames"},
-           {"--vertices", "V", "of the mesh, at most"},
-           {"--points", "N", "patches, those of later key frames included"},
-           {"--parameters", "P", "estimated at once, at most"},
-           {"--markers", "M", "points followed and never looked at"}},
+           {"--width", "W", "of the frames, pixels"},
+           {"--height", "H", "of the frames, pixels"},
+           {"--vertices", "V", "vertices of the mesh, at most"},
+           {"--points", "N", "templates, those of later key frames included"},
+           {"--parameters", "P", "free parameters, at most"},
+           {"--markers", "M", "surface points that are predicted, without templates"}},
           0,
           run_plan,
           1};

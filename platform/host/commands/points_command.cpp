@@ -1,5 +1,5 @@
-// `pliant points`: the semi-automated correspondence tool (the paper, section 6): a page with the model's landmarks
-// over the photograph, where a person puts them right.
+// `pliant points`: writes a page with the model's landmarks over a photograph, on which a person corrects them (the paper,
+// section 6).
 #include <algorithm>
 #include <cstring>
 
@@ -19,16 +19,15 @@ namespace pliant::host {
 
 namespace {
 
-/// A face that nothing is known about: in the middle, this much of the picture's height.
-constexpr float kFilledShare = 0.6f;
-/// A landmark whose surface turns away by more than this (cosine) starts switched off. Beyond a right angle, because
-/// the face's outline is just there.
+/// Without a start the model is in the middle of the picture, at this fraction of its height: a usual portrait.
+constexpr float kFilledFraction = 0.6f;
+/// Cosine of the angle between the view ray and the outward normal above which a landmark starts switched off. More than 0,
+/// because landmarks of the silhouette are at 0. Chosen by eye.
 constexpr float kTurnedAway = 0.4f;
-/// Share of the chart that the surface's direction is taken over: wide enough to look beyond the folds of lids and
-/// lips.
+/// Distance in the chart over which the surface's normal is averaged: wider than the creases of lids and lips.
 constexpr float kNeighbourhood = 0.03f;
 
-/// Landmarks that a curve is drawn through, where the model has them.
+/// iBUG landmarks that the page joins by a line, if the model has them.
 struct Chain {
   int first, last;  // ibug
   bool is_closed;
@@ -58,13 +57,13 @@ FitFile start_of(const Args& args, const ModelFile& file, const Image& image, co
   const std::vector<float> q(file.model().parameters().count, 0.0f);
   const float f = setup.focal_px > 0 ? setup.focal_px : default_focal(setup.size);
   const Camera camera = setup.camera.value_or(centred_camera(image.width, image.height, f));
-  const Pose pose = frontal_pose(file.model(), q.data(), camera, image.height, kFilledShare);
+  const Pose pose = frontal_pose(file.model(), q.data(), camera, image.height, kFilledFraction);
   FitFile fit = fit_of_view(file.model(), setup.size, view_of(pose, camera), q);
   fit.camera = camera;
   return fit;
 }
 
-/// Landmarks at the start: where they are, and whether the camera sees their side of the surface.
+/// Image positions of the landmarks at the start, and whether they are switched on.
 Json::Array points_at(const Model& model, const FitFile& start, std::size_t* on_count) {
   std::vector<float> q(model.parameters().count, 0.0f);
   (void)apply(start.parameters, "start", model, q.data());
@@ -84,9 +83,9 @@ Json::Array points_at(const Model& model, const FitFile& start, std::size_t* on_
     Vec2 x{-100, -100};
     bool is_on = projector.project(p, &x) && dot(normal, normalised(projector.to_camera(p))) < kTurnedAway;
     x = lens.distort(x);
-    // Eyes, nose and mouth by five points lie on or among the 68, and say no more than those.
+    // The five points of eyes, nose and mouth add nothing to the 68.
     if (has_68 && std::strncmp(landmark.name, "ibug", 4) != 0) is_on = false;
-    // Points that somebody gave are where they were given; then the others are only proposals.
+    // Given points keep their positions and are switched on; all others are switched off.
     if (!start.points.empty()) is_on = false;
     for (const FitPoint& given : start.points)
       if (given.landmark == landmark.name) x = given.x, is_on = true;
@@ -134,13 +133,13 @@ int run_points(const Args& args, Console& console) {
 Command points_command() {
   return {
       "points",
-      "Writes a page with the model's landmarks over a picture, to drag, switch off and save as points.csv.",
+      "Writes a page with the model's landmarks over a picture. They can be moved, switched off and saved.",
       "face.plm --image picture [--start fit.json|points.csv|X,Y,W,H] [--focal PX|--calibration camera.yml] "
       "-o points.html",
-      {{"--image", "FILE", "the photograph; the page holds it"},
+      {{"--image", "FILE", "the photograph; the page contains it"},
        {"--start", "START",
-        "a fit.json, a points.csv that is fitted first, or a face detector's box; else the middle"},
-       {"--focal", "PX", "focal length, when it is known"},
+        "a fit.json, a points.csv (which is fitted) or a detector's box (default: the middle)"},
+       {"--focal", "PX", "focal length, pixels, if known"},
        {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
        {"-o", "HTML", "the page to write; it needs no network"}},
       1,

@@ -1,4 +1,4 @@
-// `pliant render`: a picture sequence of a model with known parameters, and the truth beside it.
+// `pliant render`: renders a video of a model with known parameters and writes the truth.
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -19,8 +19,8 @@ namespace pliant::host {
 
 namespace {
 
-/// How much of the picture's height the model fills when no distance is given.
-constexpr float kFilledShare = 0.55f;
+/// Height of the model as a fraction of the picture's, if no distance is given. Leaves room for motion.
+constexpr float kFilledFraction = 0.55f;
 
 FrameRate rate_of(double per_second) {
   const int thousandths = static_cast<int>(std::lround(per_second * 1000));
@@ -28,7 +28,7 @@ FrameRate rate_of(double per_second) {
   return {thousandths / common, 1000 / common};
 }
 
-/// The truth of a rendered sequence: pose, parameters and landmarks a frame, as two tables.
+/// Two tables with the truth of a rendered video: pose, parameters and landmarks of each frame.
 class Truth {
  public:
   Truth(const Args& args, const Model& model, const ImageSize& size)
@@ -87,7 +87,7 @@ std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, 
     for (std::size_t k = 0; k < neutral.q.size(); ++k)
       if (model.parameters()[k].group != Group::identity) neutral.q[k] = 0;
   }
-  neutral.pose = frontal_pose(model, neutral.q.data(), camera, height, kFilledShare);
+  neutral.pose = frontal_pose(model, neutral.q.data(), camera, height, kFilledFraction);
   const std::string path = args.required("--params");
   const CsvTable table(path, read_file(path));
   std::vector<std::string> unmatched;
@@ -97,16 +97,16 @@ std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, 
   return rows;
 }
 
-/// People by expressions on one picture, instead of a video.
+/// Renders people and expressions into one picture instead of a video.
 int run_grid(const Args& args, Console& console) {
   for (const char* option : {"-o", "--identity", "--truth", "--truth-points", "--focal", "--calibration",
                              "--noise", "--seed", "--rate", "--background"})
-    if (args.has(option)) fail_usage(std::string(option) + " means nothing to --grid");
+    if (args.has(option)) fail_usage(std::string(option) + " does not apply to --grid");
   const std::string output = args.required("--grid"), people = args.required("--people"),
                     expressions = args.required("--params");
   const ImageSize cell = args.size("--size").value_or(ImageSize{84, 112});
   if (cell.width > 1024 || cell.height > 1024)
-    fail_usage("--size: at most 1024x1024 for a picture of --grid");
+    fail_usage("--size must be at most 1024x1024 with --grid");
   const ModelFile file(args.operand(0));
   const Image grid = draw_grid(file, people, expressions, cell, console);
   write_file(output, encode_png(grid));
@@ -116,7 +116,7 @@ int run_grid(const Args& args, Console& console) {
 
 int run_render(const Args& args, Console& console) {
   if (args.has("--grid")) return run_grid(args, console);
-  if (args.has("--people")) fail_usage("--people goes with --grid");
+  if (args.has("--people")) fail_usage("--people needs --grid");
   const std::string output = args.required("-o");
   const ImageSize size = args.size("--size").value_or(ImageSize{320, 240});
   const auto f = static_cast<float>(args.number("--focal", static_cast<double>(default_focal(size)), 1, 1e6));
@@ -152,27 +152,27 @@ int run_render(const Args& args, Console& console) {
 Command render_command() {
   return {
       "render",
-      "Draws a model with known pose and parameters, frame by frame, and writes the truth beside it.",
+      "Renders a model with known pose and parameters, frame by frame, and writes the truth.",
       "face.plm --params q.csv -o frames.y4m [--identity fit.json] [--truth truth.csv] [--truth-points "
       "points.csv] "
       "[--size WxH] [--focal PX|--calibration camera.yml] [--noise SD] [--seed N] [--rate FPS] [--background "
       "PICTURE] | face.plm --grid grid.png --people people.csv --params expressions.csv [--size WxH]",
-      {{"--params", "CSV", "a row a frame, columns as in a track; those not there stay neutral and frontal"},
-       {"-o", "Y4M", "the video to write, grey"},
-       {"--identity", "JSON", "a fit whose identity is used where --params has no such columns"},
-       {"--truth", "CSV", "what was drawn, as a track with landmarks"},
-       {"--truth-points", "CSV", "frame,landmark,x,y"},
-       {"--size", "WxH", "320x240"},
-       {"--focal", "PX", "1.4 times the larger side"},
+      {{"--params", "CSV", "one row a frame, columns as in a track; missing columns are neutral and frontal"},
+       {"-o", "Y4M", "the grey video to write"},
+       {"--identity", "JSON", "a fit; its identity replaces missing columns of --params"},
+       {"--truth", "CSV", "the truth, as a track with landmarks"},
+       {"--truth-points", "CSV", "the true landmarks: frame,landmark,x,y"},
+       {"--size", "WxH", "size of the frames, pixels (320x240)"},
+       {"--focal", "PX", "focal length, pixels (1.4 times the larger side)"},
        {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
-       {"--noise", "SD", "of the sensor, in grey levels (2)"},
-       {"--seed", "N", "of noise and background (1)"},
+       {"--noise", "SD", "standard deviation of sensor noise, grey levels (2)"},
+       {"--seed", "N", "seed of noise and background (1)"},
        {"--rate", "FPS", "frames a second (30)"},
-       {"--background", "PICTURE", "behind the model, of the frames' size; else soft blotches"},
+       {"--background", "PICTURE", "a picture of the frames' size behind the model (default: soft blotches)"},
        {"--grid", "PNG",
-        "instead: people side by side, an expression a row, each picture of --size (84x112)"},
+        "instead of a video: a picture with one person a column and one expression a row, cells of --size (84x112)"},
        {"--people", "CSV",
-        "name, identity parameters and, if wanted, tone (brightness of the skin) of each person"}},
+        "name, identity parameters and optionally tone (brightness of the surface) of each person"}},
       1,
       run_render};
 }

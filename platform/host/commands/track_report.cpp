@@ -15,8 +15,8 @@ namespace pliant::host {
 namespace {
 
 constexpr int kJpegQuality = 82;
-/// An expression that stays within this share of its range is not drawn, only named.
-constexpr float kStillShare = 0.02f;
+/// An expression that stays within this fraction of its range is listed without a chart.
+constexpr float kStillFraction = 0.02f;
 constexpr double kDegrees = 57.29577951308232;
 
 /// Yaw, pitch and roll in degrees, R = Rz(roll) Ry(yaw) Rx(pitch).
@@ -133,7 +133,7 @@ std::string TrackReport::expression_charts() const {
     double low = 1e300, high = -1e300;
     for (const auto& value : series.values)
       if (value) low = std::min(low, *value), high = std::max(high, *value);
-    const bool moves = high - low > static_cast<double>(kStillShare * (p.maximum - p.minimum));
+    const bool moves = high - low > static_cast<double>(kStillFraction * (p.maximum - p.minimum));
     if (!moves && p.group == Group::expression) still += (still.empty() ? "" : ", ") + html_text(p.name);
     if (!moves) continue;
     style.at_least = static_cast<double>(p.minimum);
@@ -147,7 +147,7 @@ std::string TrackReport::expression_charts() const {
 
 std::string TrackReport::observation_charts() const {
   const double first = rows_.front().time_s, last = rows_.back().time_s;
-  // Observations are counted while lost too: that is when they matter.
+  // Observations are shown for lost frames too.
   const auto counted = [&](int TrackRow::*number) {
     std::vector<std::optional<double>> out;
     for (const TrackRow& row : rows_) out.push_back(static_cast<double>(row.*number));

@@ -1,6 +1,6 @@
 #pragma once
 /// \file track_report.hpp
-/// `pliant track --report`: one run as a page that needs nothing else.
+/// `pliant track --report`: one run as a self-contained page.
 #include <string>
 #include <vector>
 
@@ -9,12 +9,12 @@
 
 namespace pliant::host {
 
-/// What a report tells beside its frames.
+/// Contents of a report besides its frames.
 struct ReportFacts {
   std::string title;                             ///< what was tracked
   std::string summary;                           ///< the line of key=value that the command prints
   int width = 0, height = 0;                     ///< of the frames, px
-  std::size_t arena_bytes = 0, table_bytes = 0;  ///< memory at run time; the model's table in flash
+  std::size_t arena_bytes = 0, table_bytes = 0;  ///< memory at run time; size of the model table
   std::size_t vertices = 0;                      ///< of the mesh in the last frame
 };
 
@@ -22,8 +22,7 @@ class TrackReport {
  public:
   explicit TrackReport(const Model& model) : model_(model) {}
 
-  /// Takes a frame's row; `overlay` is the frame with what was found drawn on it. `milliseconds` of frame 0 is not
-  /// counted.
+  /// Adds a frame: its row, the frame with the overlay drawn on it, and its time. The time of frame 0 is not counted.
   void add(const TrackRow& row, const Image& overlay, double milliseconds);
 
   /// The page: nine frames, state, pose, expressions, observations, times, memory.

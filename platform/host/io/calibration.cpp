@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t kMostLines = 10000, kMostNumbers = 64;
 
-/// The keys of a FileStorage file, those of a nested block as "block.key", with the text behind the colon. A list in
-/// brackets may go on over several lines.
+/// The keys of a FileStorage file with the text after the colon; keys of a nested block are "block.key". A list in brackets
+/// may continue over several lines.
 class YamlKeys {
  public:
   YamlKeys(std::string source, const std::string& text) : source_(std::move(source)) {
@@ -40,7 +40,7 @@ class YamlKeys {
       const std::string name = trimmed(content.substr(0, colon)), value = trimmed(content.substr(colon + 1));
       if (!is_nested) block = name;
       const std::string key = is_nested ? block + "." + name : name;
-      if (!values_.emplace(key, value).second) fail_input(source_, "'" + key + "' is there twice");
+      if (!values_.emplace(key, value).second) fail_input(source_, "'" + key + "' appears twice");
       if (value.find('[') != std::string::npos && value.find(']') == std::string::npos) open_key = key;
     }
     if (!open_key.empty()) fail_input(source_, "'" + open_key + "' has no closing bracket");
@@ -67,7 +67,7 @@ class YamlKeys {
     }
     return out;
   }
-  /// A matrix of that many rows and columns, row by row.
+  /// The elements of a matrix, row by row.
   std::vector<double> matrix(const std::string& key) const {
     const auto rows = static_cast<std::size_t>(number(key + ".rows", 1, 64)),
                columns = static_cast<std::size_t>(number(key + ".cols", 1, 64));
@@ -89,7 +89,7 @@ class YamlKeys {
   std::map<std::string, std::string> values_;
 };
 
-/// All of OpenCV's model that radial and tangential coefficients make: where a point in normalised coordinates is seen.
+/// OpenCV's lens model with radial and tangential coefficients: maps ideal to distorted normalised coordinates.
 struct FullLens {
   std::array<double, 8> c{};  // k1 k2 p1 p2 k3 k4 k5 k6
 
@@ -101,7 +101,7 @@ struct FullLens {
   }
 };
 
-/// Over a grid of the picture's ideal points.
+/// Calls `visit` for a grid of ideal points over the picture.
 template <class Visit>
 void for_each_point(const Camera& camera, const ImageSize& size, const Visit& visit) {
   constexpr int kSide = 40;
@@ -113,7 +113,7 @@ void for_each_point(const Camera& camera, const ImageSize& size, const Visit& vi
                 static_cast<double>(camera.f * camera.aspect));
 }
 
-/// The k1 and k2 that come nearest to the whole model: x (k1 s + k2 s^2) = seen - x in the least-squares sense.
+/// Fits k1 and k2 to the full model by least squares: x (k1 s + k2 s^2) = seen - x.
 void set_two_coefficients(const FullLens& full, const ImageSize& size, Camera* camera) {
   double a11 = 0, a12 = 0, a22 = 0, b1 = 0, b2 = 0;
   for_each_point(*camera, size, [&](double x, double y) {
@@ -142,7 +142,7 @@ float worst_off_px(const FullLens& full, const ImageSize& size, const Camera& ca
   return static_cast<float>(worst);
 }
 
-/// The picture's size over the calibration's.
+/// Ratio of the picture's size to the calibration's.
 double scale_between(const std::string& source, const YamlKeys& keys, const ImageSize& size) {
   const double width = keys.number("image_width", 16, 65535), height = keys.number("image_height", 16, 65535);
   const double scale = size.width / width;
@@ -166,7 +166,7 @@ Calibration parse_calibration(const std::string& source, const std::string& text
   Camera& camera = out.camera;
   camera.f = static_cast<float>(scale * m[0]);
   camera.aspect = static_cast<float>(m[4] / m[0]);
-  // Pixel centres are at integers, so it is the corner of the picture that stays where it is.
+  // Pixel centres are at integers, so the scale has its fixed point at the picture's corner (-0.5, -0.5).
   camera.cx = static_cast<float>(scale * (m[2] + 0.5) - 0.5);
   camera.cy = static_cast<float>(scale * (m[5] + 0.5) - 0.5);
   if (keys.has("distortion_coefficients.data") || keys.has("distortion_coefficients")) {
@@ -188,11 +188,11 @@ Calibration parse_calibration(const std::string& source, const std::string& text
     out.off_px = has_more ? worst_off_px(full, size, camera) : 0;
   }
   if (!(out.off_px <= 0.01f * static_cast<float>(size.width)))
-    fail_input(source, "two radial coefficients cannot stand for this lens: they are " +
-                           number_text(static_cast<double>(out.off_px)) + " px off");
+    fail_input(source, "two radial coefficients do not describe this lens: the error is " +
+                           number_text(static_cast<double>(out.off_px)) + " px");
   Lens lens;
   if (Lens::make(camera, size.width, size.height, &lens) != Status::ok)
-    fail_input(source, "the distortion cannot be undone over the whole picture");
+    fail_input(source, "the distortion cannot be inverted over the whole picture");
   return out;
 }
 

@@ -8,19 +8,19 @@
 
 namespace pliant::host {
 
-/// What a calibration comes to with two radial coefficients.
+/// A calibration reduced to two radial coefficients.
 struct Calibration {
   Camera camera;
-  float off_px = 0;  ///< how far, at worst over the picture, two coefficients are from all that the file has
+  float off_px = 0;  ///< largest error of the two coefficients over the picture, px
 };
 
 /// Reads `image_width`, `image_height`, `camera_matrix` (3 x 3) and `distortion_coefficients` (4 to 14 numbers, or none) of
-/// an OpenCV FileStorage YAML file, for pictures of `size`: those of the file, or a uniform scale of them. More than k1 and
-/// k2 is brought down to two coefficients by least squares over the picture. Bad input, with the reason, for anything
-/// else; a lens that cannot be undone; or one that two coefficients describe worse than to a hundredth of the width.
+/// an OpenCV FileStorage YAML file, for pictures of `size`: those of the file, or a uniform scale of them. Other
+/// coefficients than k1 and k2 are reduced to these two by least squares over the picture. Bad input: anything else, a lens
+/// that cannot be inverted, or an error of the two coefficients above a hundredth of the width.
 Calibration parse_calibration(const std::string& source, const std::string& text, const ImageSize& size);
 
-/// The lens of a camera whose pictures have this size. Bad input when there can be no such lens.
+/// The lens of a camera for pictures of this size. Bad input if the lens cannot be inverted.
 Lens lens_of(const Camera& camera, const ImageSize& size);
 
 }  // namespace pliant::host

@@ -10,7 +10,7 @@ namespace {
 
 class CameraSource : public FrameSource {
  public:
-  /// Empty on success, else what is wrong.
+  /// \return the error; empty on success.
   std::string open(const CameraSpec& spec) {
     CameraOptions options;
     options.camera = spec.camera;

@@ -1,6 +1,5 @@
 #pragma once
-// The command's cameras are a library of their own, loaded when one is asked for: libcamera brings twenty more libraries and
-// 8 MB of memory.
+// Camera support as a library that is loaded only when a camera is used, because libcamera adds twenty libraries and 8 MB.
 #include <string>
 #include <vector>
 
@@ -12,13 +11,13 @@ struct CameraInfo;
 
 namespace pliant::host {
 
-/// What that library gives, under the name `pliant_camera_module`.
+/// The functions of that library; it exports them as `pliant_camera_module`.
 struct CameraModule {
   OpenedFrames (*open)(const CameraSpec& spec);
   Status (*list)(std::vector<CameraInfo>* cameras);
 };
 
-/// The library, loaded once and for good; null, with the reason, where there is none.
+/// Loads the library once. Null, with the reason in `wrong`, if there is none.
 const CameraModule* load_camera_module(std::string* wrong);
 
 }  // namespace pliant::host

@@ -1,4 +1,4 @@
-// Cameras by name, and the library that opens them; only the message where the build has no libcamera.
+// Opens cameras by name through the camera library. Without libcamera in the build it only returns an error.
 #include "host/io/camera_module.hpp"
 #include "host/io/camera_spec.hpp"
 
@@ -10,7 +10,7 @@ namespace pliant::host {
 
 namespace {
 
-/// The whole of `text` as a side of a picture; 0 for anything else.
+/// Parses a side of a picture; 0 for anything but a number from 16 to 8192.
 int side_of(const std::string& text) {
   if (text.empty() || text.size() > 4 || text.find_first_not_of("0123456789") != std::string::npos) return 0;
   const int side = std::stoi(text);
@@ -40,7 +40,7 @@ bool parse_camera_spec(const std::string& name, CameraSpec* spec) {
 #if PLIANT_HAS_LIBCAMERA
 
 const CameraModule* load_camera_module(std::string* wrong) {
-  // Beside the program, beside its folder (the tests are in one of their own), and where it is installed.
+  // In the program's folder, in the folder above (for tests), and where it is installed.
   constexpr const char* kPlaces[] = {"$ORIGIN/pliant-camera.so", "$ORIGIN/../pliant-camera.so",
                                      "$ORIGIN/" PLIANT_CAMERA_MODULE_DIR "/pliant-camera.so"};
   void* library = nullptr;

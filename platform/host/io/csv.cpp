@@ -8,7 +8,7 @@ namespace pliant::host {
 
 namespace {
 
-/// One cell from `at` on, which moves behind the comma, or to npos at the end of the line.
+/// Reads one cell at `at` and moves `at` after the comma, or to npos at the end of the line.
 std::string take_cell(std::string_view line, std::size_t& at) {
   const std::size_t first = line.find_first_not_of(" \t", at);
   if (first == std::string_view::npos || line[first] != '"') {
@@ -55,10 +55,10 @@ CsvTable::CsvTable(std::string source, std::string_view text) : source_(std::mov
     rows_.push_back({line_number, split(line)});
     if (rows_.back().cells.size() != columns_.size())
       fail_input(where(rows_.size() - 1), std::to_string(rows_.back().cells.size()) +
-                                              " cells where the header has " +
+                                              " cells, but the header has " +
                                               std::to_string(columns_.size()));
   }
-  if (columns_.empty()) fail_input(source_, "is empty: a header line is expected");
+  if (columns_.empty()) fail_input(source_, "is empty: no header line");
   for (std::size_t i = 0; i < columns_.size(); ++i)
     if (find_column(columns_[i]) != i) fail_input(source_, "two columns are called '" + columns_[i] + "'");
 }

@@ -1,6 +1,6 @@
 #pragma once
 /// \file csv.hpp
-/// Tables of text: a header line, then rows; commas between, quotes allowed, blank lines skipped.
+/// Reads CSV: a header line, then rows. Quotes are allowed; blank lines are skipped.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -8,22 +8,21 @@
 
 namespace pliant::host {
 
-/// A CSV file in memory. Every complaint names the file, the line and the column.
+/// A CSV file in memory. Every error names the file, the line and the column.
 class CsvTable {
  public:
-  /// Bad input when there is no header, a header is repeated, or a row has another number of cells than the
-  /// header.
+  /// Bad input: no header, a column name twice, or a row whose number of cells differs from the header's.
   CsvTable(std::string source, std::string_view text);
 
   const std::string& source() const { return source_; }
   const std::vector<std::string>& columns() const { return columns_; }
   std::size_t row_count() const { return rows_.size(); }
   std::optional<std::size_t> find_column(std::string_view name) const;
-  /// The column of that name; bad input when there is none.
+  /// Index of a column; bad input if there is none.
   std::size_t column(std::string_view name) const;
 
   const std::string& cell(std::size_t row, std::size_t column) const { return rows_[row].cells[column]; }
-  /// A finite number; bad input, with line and column, for anything else.
+  /// A cell as a finite number; bad input otherwise.
   float number(std::size_t row, std::size_t column) const;
   /// "FILE: line N", for messages about a row.
   std::string where(std::size_t row) const;

@@ -1,7 +1,6 @@
 #pragma once
 /// \file failure.hpp
-/// How a command ends early. Host code throws it; `run` (command.hpp) turns it into one line and an exit
-/// code.
+/// The exception that ends a command. `run` (command.hpp) turns it into one line and an exit code.
 #include <stdexcept>
 #include <string>
 
@@ -9,8 +8,8 @@
 
 namespace pliant::host {
 
-constexpr int kBadInput = 1;  ///< a file that cannot be read or says something impossible
-constexpr int kBadUsage = 2;  ///< an option that does not exist, or a missing one
+constexpr int kBadInput = 1;  ///< exit code: a file cannot be read or written, or its contents are invalid
+constexpr int kBadUsage = 2;  ///< exit code: the command line is invalid
 
 class Failure : public std::runtime_error {
  public:
@@ -21,7 +20,7 @@ class Failure : public std::runtime_error {
   int exit_code_;
 };
 
-/// "`where`: `what`", exit code 1. `where` names the file, and the line and column where there are some.
+/// "`where`: `what`", exit code 1. `where` names the file, and the line and column if known.
 [[noreturn]] inline void fail_input(const std::string& where, const std::string& what) {
   throw Failure(kBadInput, where + ": " + what);
 }
@@ -29,7 +28,7 @@ class Failure : public std::runtime_error {
   throw Failure(kBadUsage, what);
 }
 
-/// Passes `ok`; anything else is bad input at `where`.
+/// Throws bad input at `where` unless the status is ok.
 inline void require(Status status, const std::string& where) {
   if (status != Status::ok) fail_input(where, text(status));
 }

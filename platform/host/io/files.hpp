@@ -1,6 +1,6 @@
 #pragma once
 /// \file files.hpp
-/// Whole files in and out: reading with a message that names the file, writing that leaves nothing half-done.
+/// Reads and writes whole files. Errors name the file; an incomplete file is never left behind.
 #include <cstdint>
 #include <cstdio>
 #include <string>
@@ -11,15 +11,14 @@
 
 namespace pliant::host {
 
-/// All bytes of a file. Bad input when it cannot be read, is a directory, or is larger than `limit_bytes`.
+/// Reads a file. Bad input if it cannot be read, is a directory or is larger than `limit_bytes`.
 std::string read_file(const std::string& path, std::size_t limit_bytes = std::size_t{1} << 28);
 
-/// A file that appears under its name only when it is complete: whoever makes it writes to `working_path()`,
-/// `commit` gives it its name, and what was not committed is removed. A path that exists and is no regular
-/// file (a device, a pipe) is its own working path.
+/// A file that gets its name only when it is complete. The caller writes to `working_path()`; `commit` renames it to `path()`.
+/// Without `commit` the destructor removes it. If the path is a device or a pipe, it is written directly.
 class PendingFile {
  public:
-  /// Creates the working file, empty. Bad input when that cannot be done.
+  /// Creates the working file. Bad input if that is impossible.
   explicit PendingFile(std::string path);
   ~PendingFile();
   PendingFile(const PendingFile&) = delete;
@@ -34,13 +33,13 @@ class PendingFile {
   bool committed_ = false;
 };
 
-/// A pending file that is written piece by piece.
+/// A PendingFile with a function that writes to it.
 class OutputFile {
  public:
   explicit OutputFile(const std::string& path);
   ~OutputFile();
 
-  /// Bad input on a full disk, here or in `commit`.
+  /// Appends bytes. Bad input, here or in `commit`, if the disk is full.
   void write(std::string_view bytes);
   void commit();
 
@@ -49,11 +48,11 @@ class OutputFile {
   std::FILE* file_;
 };
 
-/// Writes a whole file in one go.
+/// Writes a whole file.
 void write_file(const std::string& path, std::string_view bytes);
 
-/// A whole file as aligned memory: mapped, so that what nobody reads takes no memory and what is read is shared, or,
-/// where that is impossible (a pipe), read.
+/// A file as memory aligned to four bytes. It is mapped if possible, so that only pages in use take memory; otherwise (a pipe) it
+/// is read.
 class MappedFile {
  public:
   /// Bad input as for `read_file`.
@@ -71,10 +70,10 @@ class MappedFile {
   std::vector<std::uint32_t> words_;
 };
 
-/// A model table in a file, with the view on it. The file must not be written to meanwhile; replacing it is harmless.
+/// A model table in a file. The file must not be modified during the object's life; it may be replaced by another.
 class ModelFile {
  public:
-  /// Bad input, with the reason, for anything but a valid table.
+  /// Bad input unless the file is a valid table.
   explicit ModelFile(const std::string& path);
   ModelFile(const ModelFile&) = delete;
   ModelFile& operator=(const ModelFile&) = delete;

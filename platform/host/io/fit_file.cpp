@@ -12,7 +12,7 @@ namespace pliant::host {
 
 namespace {
 
-/// Reads members of one object; complaints name the file and the member.
+/// Reads the members of an object; errors name the file and the member.
 class Members {
  public:
   Members(std::string where, const Json* value) : where_(std::move(where)), value_(value) {
@@ -125,7 +125,7 @@ FitFile parse_fit(const std::string& source, const std::string& text) {
   if (camera.find("aspect") != nullptr) fit.camera.aspect = camera.number("aspect", 0.5f, 2);
   Lens lens;
   if (Lens::make(fit.camera, fit.width, fit.height, &lens) != Status::ok)
-    fail_input(root.where("camera"), "has a lens that cannot be undone over the whole picture");
+    fail_input(root.where("camera"), "has a lens that cannot be inverted over the whole picture");
   fit.pose = parse_pose(Members(root.where("pose"), root.find("pose")));
   fit.parameters = root.named_values("parameters");
   if (root.find("sd") != nullptr) fit.sd = root.named_values("sd");

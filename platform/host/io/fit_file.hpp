@@ -1,6 +1,6 @@
 #pragma once
 /// \file fit_file.hpp
-/// `fit.json`: one model fitted to one picture, as `pliant fit` writes it and `pliant track` starts from it.
+/// Reads and writes `fit.json`: a model fitted to a picture. `pliant fit` writes it; `pliant track` starts from it.
 #include <cstdint>
 #include <ostream>
 #include <string>
@@ -16,11 +16,11 @@ using NamedValues = std::vector<std::pair<std::string, float>>;
 
 struct FitPoint {
   std::string landmark;
-  Vec2 x;         ///< where it was given, px
+  Vec2 x;         ///< given position, px
   Vec2 residual;  ///< projected minus given, px
   bool used = false;
   bool is_landmark =
-      false;  ///< at the landmark's own place, not at (u,v) given for it, nor slid along the outline
+      false;  ///< the model's landmark itself: no (u,v) was given, and it did not slide along the silhouette
 };
 
 struct FitFile {
@@ -29,7 +29,7 @@ struct FitFile {
   Camera camera;
   Pose pose;
   NamedValues parameters, sd;
-  std::vector<std::string> unseen;  ///< parameters that the points say (next to) nothing about
+  std::vector<std::string> unseen;  ///< parameters that the points do not determine
   float rms_px = 0;
   std::size_t inliers = 0;
   std::vector<FitPoint> points;
@@ -40,15 +40,15 @@ struct FitFile {
 FitFile parse_fit(const std::string& source, const std::string& text);
 std::string fit_text(const FitFile& fit);
 
-/// A quaternion from a file, normalised only where it needs it: doing so again would cost its last bit.
+/// Normalises a quaternion from a file unless it has unit length already; normalising again could change its last bit.
 Quat unit_of(Quat q);
 
-/// The parameters of a model that a name drives: the one so called, or, where a file has one name for a pair
-/// (`browInnerUp`), its Left and Right. Empty when there is none.
+/// The parameters that a name drives: the parameter of that name, or both sides if the name stands for a pair (`browInnerUp`).
+/// Empty if there is none.
 std::vector<std::uint16_t> parameters_named(const Model& model, const std::string& name);
 
-/// Sets the named values in q (all parameters). Bad input in `source` for a value outside its parameter's
-/// limits. \return the names that the model does not have.
+/// Sets the named values in q (all parameters). Bad input in `source` for a value outside its parameter's limits.
+/// \return the names that the model does not have.
 std::vector<std::string> apply(const NamedValues& values, const std::string& source, const Model& model,
                                float* q);
 

@@ -1,4 +1,4 @@
-// A folder of pictures as a stream of frames.
+// Reads a folder of pictures as frames.
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -43,7 +43,7 @@ bool is_digit(char c) {
   return std::isdigit(static_cast<unsigned char>(c)) != 0;
 }
 
-// The run of digits at `i`, without leading zeros; moves i behind it.
+// The digits at `i` without leading zeros; moves i after them.
 std::string number_at(const std::string& s, std::size_t& i) {
   while (i < s.size() && s[i] == '0') ++i;
   const std::size_t start = i;

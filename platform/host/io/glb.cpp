@@ -13,7 +13,7 @@ double wide(float x) {
   return static_cast<double>(x);
 }
 
-/// A chunk of a GLB: length, kind, contents filled up to a multiple of four bytes.
+/// A chunk of a GLB file: length, kind, contents padded to a multiple of four bytes.
 std::string chunk(std::uint32_t kind, std::string contents, char filler) {
   contents.resize((contents.size() + 3) / 4 * 4, filler);
   std::string out;

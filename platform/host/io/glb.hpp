@@ -1,6 +1,6 @@
 #pragma once
 /// \file glb.hpp
-/// glTF 2.0 in one binary file (GLB): the buffer with its views and accessors, and the chunks around it.
+/// Writes glTF 2.0 as one binary file (GLB).
 #include <array>
 #include <cstdint>
 #include <string>
@@ -11,30 +11,31 @@
 
 namespace pliant::host {
 
-/// Numbers as the bytes of little-endian files, whatever the host is.
+/// Appends numbers as little-endian bytes.
 void put(std::string& out, std::uint32_t value, int bytes);
 void put(std::string& out, float value);
 void put(std::string& out, Vec3 v);
 
-/// Collects the parts of a GLB. Every `add_` returns the index by which the JSON refers to the part.
+/// Collects the parts of a GLB file. Every `add` returns the index of the part in the JSON.
 class GlbFile {
  public:
   enum class Use { vertices, plain };
 
-  /// Positions, normals, displacements of a morph target (`vertices`), or keys of an animation (`plain`).
+  /// Adds positions, normals or displacements of a morph target (`vertices`), or keys of an animation (`plain`).
   int add(const std::vector<Vec3>& values, Use use);
-  /// Texture coordinates.
+  /// Adds texture coordinates.
   int add(const std::vector<Vec2>& values);
-  /// Rotations: x, y, z, w as glTF has them.
+  /// Adds rotations, written as x, y, z, w.
   int add(const std::vector<Quat>& values);
-  /// Keys of an animation: times or weights.
+  /// Adds times or weights of an animation.
   int add(const std::vector<float>& values);
   int add(const std::vector<std::array<std::uint16_t, 3>>& faces);
-  /// A material that shows a picture, PNG or JPEG; a plain one for no bytes. `is_lit` false: the picture has its light
-  /// in it already.
+  /// Adds a material with a PNG or JPEG as its texture; without a texture if `picture` is empty. If not `is_lit`, it is unlit,
+  /// as the picture contains the light.
   int add_material(const std::string& picture, bool is_lit);
 
-  /// The file. \param root  what else the JSON holds: scene, scenes, nodes, meshes, animations.
+  /// The bytes of the file.
+  /// \param root  further members of the JSON: scene, scenes, nodes, meshes, animations.
   std::string bytes(Json::Object root) const;
 
  private:
@@ -47,7 +48,7 @@ class GlbFile {
   bool has_unlit_ = false;
 };
 
-/// glTF has metres: the scale of a node whose mesh is in millimetres.
+/// Scale of a node whose mesh is in millimetres; glTF is in metres.
 Json::Array metres_per_millimetre();
 
 }  // namespace pliant::host

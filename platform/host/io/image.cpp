@@ -35,11 +35,11 @@ Image to_colour(const Image& image) {
 
 Image enlarged(const Image& image, int factor) {
   Image out(image.width * factor, image.height * factor, image.channels);
-  const float share = 1.0f / static_cast<float>(factor);
+  const float step = 1.0f / static_cast<float>(factor);
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
-      const float sx = std::max(0.0f, (static_cast<float>(x) + 0.5f) * share - 0.5f);
-      const float sy = std::max(0.0f, (static_cast<float>(y) + 0.5f) * share - 0.5f);
+      const float sx = std::max(0.0f, (static_cast<float>(x) + 0.5f) * step - 0.5f);
+      const float sy = std::max(0.0f, (static_cast<float>(y) + 0.5f) * step - 0.5f);
       const int x0 = static_cast<int>(sx), y0 = static_cast<int>(sy);
       const int x1 = std::min(x0 + 1, image.width - 1), y1 = std::min(y0 + 1, image.height - 1);
       const float fx = sx - static_cast<float>(x0), fy = sy - static_cast<float>(y0);

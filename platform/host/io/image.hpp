@@ -48,13 +48,12 @@ Image image_of(const FrameView& frame);
 Image to_grey(const Image& image);
 /// Three equal channels of a grey picture; a copy of a colour one.
 Image to_colour(const Image& image);
-/// Every pixel as a block of factor x factor, smoothed bilinearly: what lines are drawn on without hiding the
-/// picture.
+/// Enlarges a picture by an integer factor, bilinearly.
 Image enlarged(const Image& image, int factor);
-/// Averages down to at most `width` x `height` pixels, keeping the proportions; a copy where it fits already.
+/// Shrinks a picture by averaging to at most `width` x `height` pixels, with its proportions; a copy if it fits already.
 Image shrunk_to(const Image& image, int width, int height);
 
-/// JPEG, PNG, PGM, PPM and what else stb_image reads, as colour. Bad input, with the reason, otherwise.
+/// Reads JPEG, PNG, PGM, PPM and other formats of stb_image as colour. Bad input otherwise.
 Image read_image(const std::string& path);
 /// The bytes of a PNG file.
 std::string encode_png(const Image& image);

@@ -1,4 +1,4 @@
-// Reading and writing of picture files, by stb: the one foreign library of the host tools, and only here.
+// Reads and writes picture files with stb, which only this file uses.
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/image.hpp"
@@ -43,8 +43,8 @@ Image read_image(const std::string& path) {
   const int length = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;
   if (stbi_info_from_memory(data, length, &width, &height, &channels) == 0)
-    fail_input(path, std::string("not a picture that can be read: ") + stbi_failure_reason());
-  if (width > 16384 || height > 16384) fail_input(path, "larger than 16384 pixels a side");
+    fail_input(path, std::string("is not a picture that can be read: ") + stbi_failure_reason());
+  if (width > 16384 || height > 16384) fail_input(path, "is larger than 16384 pixels on a side");
   unsigned char* pixels = stbi_load_from_memory(data, length, &width, &height, &channels, 3);
   if (pixels == nullptr) fail_input(path, std::string("a damaged picture: ") + stbi_failure_reason());
   Image image(width, height, 3);

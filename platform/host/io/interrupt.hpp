@@ -1,14 +1,14 @@
 #pragma once
 /// \file interrupt.hpp
-/// Ctrl-C as a wish to end in good order.
+/// Turns Ctrl-C into a flag, so that a command can finish its files.
 #include <csignal>
 
 namespace pliant::host {
 
-/// While one lives, SIGINT and SIGTERM only raise a flag. One at a time.
+/// While an object of this class exists, SIGINT and SIGTERM only set a flag. There may be one object at a time.
 class InterruptWatch {
  public:
-  /// \param is_on  false: the signals do what they always do.
+  /// \param is_on  if false, the signals keep their usual effect.
   explicit InterruptWatch(bool is_on) : is_on_(is_on) {
     if (!is_on_) return;
     flag() = 0;

@@ -97,7 +97,7 @@ class Parser {
   }
 
   Json parse_number() {
-    // JSON's own grammar first: from_chars is more generous.
+    // The grammar of JSON is checked first, as from_chars accepts more.
     const std::size_t start = at_;
     const auto digits = [&] {
       const std::size_t first = at_;
@@ -230,7 +230,7 @@ void Json::write_item(std::string& out, const std::pair<std::string, Json>& memb
   member.second.write(out, indent);
 }
 
-/// Short containers of plain values on one line, others with one member a line.
+/// Writes short containers of plain values on one line, others with one member a line.
 template <class Items>
 void Json::write_members(std::string& out, char open, const Items& items, char close, int indent) {
   bool one_line = items.size() <= 8 || open == '[';

@@ -1,6 +1,6 @@
 #pragma once
 /// \file json.hpp
-/// JSON, as much as result files need: a strict reader of bounded depth and a writer.
+/// JSON: a strict reader of bounded depth, and a writer.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -30,13 +30,13 @@ class Json {
   const std::string* string() const { return std::get_if<std::string>(&value_); }
   const Array* array() const { return std::get_if<Array>(&value_); }
   const Object* object() const { return std::get_if<Object>(&value_); }
-  /// Member of an object; null when this is no object or has no such member.
+  /// A member of an object; null if this is not an object or has no such member.
   const Json* find(std::string_view name) const;
 
-  /// Containers deeper than this are refused, so that no input can exhaust the stack.
+  /// Depth of containers, at most, so that no input can exhaust the stack.
   static constexpr int kMaxDepth = 32;
-  /// The one value that `text` holds. Bad input, with `source`, line and column, for anything that is not
-  /// strict JSON: no comments, no trailing commas, no NaN, no repeated members, nothing behind the value.
+  /// Parses a text that is one value. Bad input, with `source`, line and column, for anything but strict JSON: comments,
+  /// trailing commas, NaN, repeated members or text after the value.
   static Json parse(const std::string& source, std::string_view text);
 
   /// Indented text with a final newline; short containers of plain values on one line; numbers with nine

@@ -1,11 +1,11 @@
 #pragma once
 /// \file level_tints.hpp
-/// How faces are coloured by how often they were bisected.
+/// Colours of a mesh's faces by level.
 #include "host/io/image.hpp"
 
 namespace pliant::host {
 
-/// From near white through yellow and orange to dark red; the last holds for all deeper levels.
+/// From nearly white over yellow and orange to dark red; all deeper levels have the last colour.
 inline Colour level_tint(int level) {
   constexpr Colour kTints[] = {{248, 248, 244}, {255, 240, 190}, {254, 217, 118}, {254, 178, 76},
                                {253, 141, 60},  {240, 80, 50},   {200, 30, 40},   {140, 10, 40}};

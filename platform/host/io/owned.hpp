@@ -1,6 +1,6 @@
 #pragma once
 /// \file owned.hpp
-/// An arena object together with the memory it lives in, for host code.
+/// An arena object together with its memory, for host code.
 #include <vector>
 
 #include "host/io/failure.hpp"
@@ -11,7 +11,7 @@ namespace pliant::host {
 template <class T>
 class Owned {
  public:
-  /// Lays the object out for these limits, in a block of just the size it asks for.
+  /// Creates the object for these limits in a block of the measured size.
   template <class... Limits>
   explicit Owned(const Limits&... limits)
       : block_(measured_bytes<T>(limits...) / sizeof(Line) + 1),

@@ -81,7 +81,7 @@ std::string script_json(const std::string& json) {
 }
 
 std::string picture_address(const std::string& path) {
-  const Image image = read_image(path);  // so that what is no picture is told
+  const Image image = read_image(path);  // reports a file that is not a picture
   const std::string bytes = read_file(path);
   if (bytes.compare(0, 2, "\xff\xd8") == 0) return "data:image/jpeg;base64," + base64(without_exif(bytes));
   if (bytes.compare(1, 3, "PNG") == 0) return "data:image/png;base64," + base64(bytes);

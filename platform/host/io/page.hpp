@@ -1,6 +1,6 @@
 #pragma once
 /// \file page.hpp
-/// Self-contained HTML pages: templates with places to fill in, and pictures within the page.
+/// Makes self-contained HTML pages from templates.
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,21 +9,21 @@
 
 namespace pliant::host {
 
-/// Templates, from the files in pages/.
+/// The templates: the files in pages/.
 extern const char* const kPointsPage;
 extern const char* const kReportPage;
 
-/// Puts each value in the place of its {{name}}. Every place of the template must have one.
+/// Replaces each {{name}} of a template by its value. Every name in the template must have a value.
 std::string fill_page(const std::string& page,
                       const std::vector<std::pair<std::string, std::string>>& values);
 
-/// Text as it stands in HTML, attributes included.
+/// Escapes a text for HTML and its attributes.
 std::string html_text(const std::string& text);
-/// JSON as it may stand within a script element.
+/// Escapes JSON for a script element.
 std::string script_json(const std::string& json);
 
-/// A picture file as a data: address that every browser shows as `read_image` reads it: PNG and JPEG as they are, but
-/// without a JPEG's EXIF (its turning, and where it was taken); anything else as PNG.
+/// A picture file as a data: address. PNG and JPEG keep their bytes, without a JPEG's EXIF data (orientation, location), so that
+/// a browser shows what `read_image` reads. Other formats become PNG.
 std::string picture_address(const std::string& path);
 std::string png_address(const Image& image);
 std::string jpeg_address(const Image& image, int quality);

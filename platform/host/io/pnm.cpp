@@ -20,7 +20,7 @@ struct Header {
   int channels = 0, width = 0, height = 0, maximum = 0;
 };
 
-// The next character of a header that is no white space; comments run from # to the end of their line.
+// The next character of a header that is not white space. Comments run from # to the end of the line.
 int skip_to_token(std::FILE* f) {
   int c = std::fgetc(f);
   while (c == '#' || std::isspace(c) != 0) {
@@ -31,7 +31,7 @@ int skip_to_token(std::FILE* f) {
   return c;
 }
 
-// A number, and the one character after it. -1 if there is none or it is absurd.
+// Reads a number and the character after it; -1 if there is none or it is too large.
 int read_number(std::FILE* f) {
   int c = skip_to_token(f), value = 0;
   if (std::isdigit(c) == 0) return -1;
@@ -47,7 +47,7 @@ int read_number(std::FILE* f) {
   return value;
 }
 
-// Empty, or what is wrong.
+// Returns the error; empty on success.
 std::string read_header(std::FILE* f, Header& h) {
   const int p = std::fgetc(f), kind = std::fgetc(f);
   if (p != 'P' || kind < '1' || kind > '7') return "not a PGM or PPM picture";

@@ -1,5 +1,5 @@
 #pragma once
-// Binary PGM (P5) and PPM (P6) of eight bits, as luma.
+// Reads binary PGM (P5) and PPM (P6) of eight bits as luma.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -16,9 +16,8 @@ struct LumaPicture {
   std::vector<std::uint8_t> pixels;  ///< rows without padding
 };
 
-/// Reads a picture; colour becomes luma (BT.601: 0.299 R + 0.587 G + 0.114 B, rounded), values are stretched
-/// to 255 where the header gives a smaller maximum. `io_error` or `truncated`, with `message` naming the
-/// file, otherwise.
+/// Reads a picture. Colour becomes luma (BT.601: 0.299 R + 0.587 G + 0.114 B, rounded). If the header has a maximum below 255,
+/// values are scaled to 255. Otherwise `io_error` or `truncated`, and `message` names the file and the error.
 Status read_pnm(const std::string& path, LumaPicture& picture, std::string& message);
 
 }  // namespace pliant::host

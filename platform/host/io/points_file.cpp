@@ -7,17 +7,17 @@
 namespace pliant::host {
 
 namespace {
-constexpr float kFarthest = 1e6f;  // px; nothing in a picture, or near it, is beyond
+constexpr float kFarthest = 1e6f;  // px; far outside every picture
 
-/// (u,v) of a line, where it has any.
+/// The (u,v) of a row, if it has one.
 std::optional<Vec2> parse_uv(const CsvTable& table, std::size_t row) {
   const auto u = table.find_column("u"), v = table.find_column("v");
   const bool has_u = u && !table.cell(row, *u).empty(), has_v = v && !table.cell(row, *v).empty();
-  if (has_u != has_v) fail_input(table.where(row), "u and v are given together or not at all");
+  if (has_u != has_v) fail_input(table.where(row), "only one of u and v is given");
   if (!has_u) return std::nullopt;
   const Vec2 uv{table.number(row, *u), table.number(row, *v)};
   if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1))
-    fail_input(table.where(row), "u and v lie between 0 and 1");
+    fail_input(table.where(row), "u or v is not between 0 and 1");
   return uv;
 }
 
@@ -33,8 +33,8 @@ std::vector<NamedPoint> parse_points(const std::string& source, const std::strin
                      table.where(row),
                      parse_uv(table, row)};
     if (magnitude(point.x.x) > kFarthest || magnitude(point.x.y) > kFarthest)
-      fail_input(point.where, "a position a million pixels away");
-    if (point.name.empty()) fail_input(point.where, "a landmark without a name");
+      fail_input(point.where, "a position is more than a million pixels away");
+    if (point.name.empty()) fail_input(point.where, "a landmark has no name");
     for (const NamedPoint& earlier : points)
       if (earlier.name == point.name) fail_input(point.where, "landmark '" + point.name + "' appears twice");
     points.push_back(std::move(point));

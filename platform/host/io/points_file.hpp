@@ -1,7 +1,7 @@
 #pragma once
 /// \file points_file.hpp
-/// Points CSV: `landmark,x,y`, a named image point a line. Two more columns, `u,v`, put a point anywhere on the
-/// surface; where a line leaves them empty the name is a landmark of the model.
+/// Reads points CSV: `landmark,x,y`, one named image point a row. The optional columns `u,v` give the surface point; if they are
+/// empty, the name is a landmark of the model.
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,7 +14,7 @@ struct NamedPoint {
   std::string name;
   Vec2 x;                    ///< px
   std::string where;         ///< "FILE: line N"
-  std::optional<Vec2> uv{};  ///< in [0,1]^2; none: where the model has the landmark of that name
+  std::optional<Vec2> uv{};  ///< in [0,1]^2; none: the model's landmark of that name
 };
 
 /// The points of a file, in its order; further columns are ignored. Bad input, with line and column: a

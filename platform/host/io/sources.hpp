@@ -1,5 +1,5 @@
 #pragma once
-// What the openers share.
+// Functions that open the kinds of frame sources.
 #include <string>
 #include <vector>
 
@@ -7,17 +7,17 @@
 
 namespace pliant::host {
 
-/// These pictures, in this order; at least one. The first one's size is the size.
+/// Opens these pictures, at least one, in this order. All must have the size of the first.
 OpenedFrames open_pictures(std::vector<std::string> paths);
 
 struct CameraSpec;
-/// A camera, running; without libcamera in the build only the message that says so.
+/// Opens and starts a camera. Without libcamera in the build it returns an error.
 OpenedFrames open_camera(const CameraSpec& spec);
 
 /// Whether a comes before b when runs of digits count as numbers.
 bool is_naturally_before(const std::string& a, const std::string& b);
 
-/// No picture may be larger than this, either way.
+/// Largest width and height of a frame, px.
 constexpr int kMaxFrameSide = 16384;
 
 }  // namespace pliant::host

@@ -23,7 +23,7 @@ float* pose_member(Pose& pose, std::size_t column) {
   return members[column];
 }
 
-/// Image positions need no more than a ten-thousandth of a pixel.
+/// An image position, rounded to a ten-thousandth of a pixel.
 std::string pixel_text(float x) {
   char text[40];
   std::snprintf(text, sizeof text, "%.4f", static_cast<double>(x));
@@ -34,10 +34,10 @@ std::string text_of(float x) {
   return number_text(static_cast<double>(is_finite(x) ? x : 0));
 }
 
-/// What the columns of a table drive.
+/// The column of a table and what it sets.
 struct Target {
   std::size_t column;
-  std::vector<std::uint16_t> parameters;  // else a member of the pose
+  std::vector<std::uint16_t> parameters;  // if empty, a member of the pose
   std::size_t pose_index = 0;
 };
 

@@ -1,7 +1,6 @@
 #pragma once
 /// \file track_table.hpp
-/// Track CSV: a row a frame with state, pose and parameters. What `track` writes, `render` reads, and both
-/// compare.
+/// Reads and writes track CSV: one row a frame with state, pose and parameters.
 #include <optional>
 #include <string>
 #include <vector>

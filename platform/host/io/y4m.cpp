@@ -1,4 +1,4 @@
-// A Y4M file or pipe as a stream of luma frames.
+// Reads a Y4M file or pipe as luma frames.
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -10,9 +10,9 @@
 namespace pliant::host {
 namespace {
 
-constexpr std::size_t kMaxLine = 4096;  // no header is longer
+constexpr std::size_t kMaxLine = 4096;  // longest accepted header, bytes
 
-// A file that is closed, or standard input, which is not.
+// A file, or standard input. Only a file is closed.
 class Stream {
  public:
   explicit Stream(std::FILE* file) : file_(file) {}
@@ -22,8 +22,7 @@ class Stream {
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  // Characters up to a line feed, which is taken and not given; `is_whole` false if the data end or it is too
-  // long.
+  // Reads up to a line feed, which is dropped. `is_whole` is false if the data end before it or the line is too long.
   std::string line(bool& is_whole) {
     std::string text;
     int c = std::fgetc(file_);
@@ -32,7 +31,7 @@ class Stream {
     is_whole = c == '\n';
     return text;
   }
-  // Reads up to n bytes, a piece at a time, so that a header that lies about its size costs no memory.
+  // Reads up to n bytes in pieces, so that a wrong size in a header does not allocate memory.
   std::size_t read(std::vector<std::uint8_t>& out, std::size_t n) {
     constexpr std::size_t kPiece = std::size_t{1} << 20;
     std::size_t have = 0;
@@ -79,7 +78,7 @@ class Y4mSource : public FrameSource {
     return Status::ok;
   }
 
-  // `after`: what would have followed, for the message.
+  // `after`: bytes of the frame after this plane, for the message.
   Status read_plane(std::uint32_t index, std::vector<std::uint8_t>& plane, std::size_t bytes,
                     std::size_t after) {
     const std::size_t got = stream_->read(plane, bytes);

@@ -1,5 +1,5 @@
 #pragma once
-// The first line of a Y4M stream.
+// Parses the first line of a Y4M stream.
 #include <cstddef>
 #include <string>
 
@@ -15,7 +15,7 @@ struct Y4mHeader {
 };
 
 /// Reads "YUV4MPEG2 W320 H240 F25:1 ...", without its line feed. Interlacing, aspect and X tags are ignored,
-/// as are unknown tags; a missing or zero rate is 25. Empty on success, otherwise what is wrong with it.
+/// as are unknown tags; a missing or zero rate is 25. Returns the error; empty on success.
 std::string parse_y4m_header(const std::string& line, Y4mHeader& header);
 
 }  // namespace pliant::host

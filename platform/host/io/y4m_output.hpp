@@ -1,6 +1,6 @@
 #pragma once
 /// \file y4m_output.hpp
-/// A Y4M file that appears when it is complete.
+/// Writes a Y4M file that gets its name only when it is complete.
 #include <optional>
 #include <string>
 
@@ -11,7 +11,7 @@
 
 namespace pliant::host {
 
-/// Takes pictures of one size, grey or colour; the first one decides.
+/// Writes pictures of one size, all grey or all colour as the first one.
 class Y4mOutput {
  public:
   Y4mOutput(const std::string& path, FrameRate rate) : pending_(path), rate_(rate) {}

@@ -26,7 +26,7 @@ Sum sum_of_block(const std::uint8_t* rgb, int width, int height, int x, int y) {
   return s;
 }
 
-// 128 + sum / 4, of weights in 1/1000; the sum lies within +-127.5 * 4.
+// 128 + sum / 4 for weights in thousandths; the sum is within +-127.5 * 4.
 std::uint8_t chroma(int weighted) {
   const int v = (weighted + 4 * 128 * 1000 + 2000) / 4000;
   return static_cast<std::uint8_t>(v > 255 ? 255 : v);

@@ -61,7 +61,7 @@ TEST_CASE("a picture that is a uniform scale of the calibration's is fine, any o
   CHECK(contains(refusal(kFile, {480, 640}), "no uniform scale"));
 }
 
-TEST_CASE("other lens models are brought down to two coefficients, or refused when that is no good") {
+TEST_CASE("other lens models are reduced to two coefficients, or refused when the error is too large") {
   // A third radial coefficient is carried by the other two to a fraction of a pixel.
   const Calibration third =
       parse_calibration("c.yml", with(kFile, "0., 0., 0. ]\navg", "0., 0., -0.02 ]\navg"), {640, 480});
@@ -73,11 +73,11 @@ TEST_CASE("other lens models are brought down to two coefficients, or refused wh
       parse_calibration("c.yml", with(kFile, "0., 0., 0. ]\navg", "1e-3, -5e-4, 0. ]\navg"), {640, 480});
   CHECK(tangential.off_px > 0.1f);
   CHECK(tangential.off_px < 3);
-  CHECK(contains(refusal(with(kFile, "0., 0., 0. ]\navg", "0.2, 0., 0. ]\navg")), "cannot stand for"));
+  CHECK(contains(refusal(with(kFile, "0., 0., 0. ]\navg", "0.2, 0., 0. ]\navg")), "do not describe this lens"));
   const std::string tilted = with(with(kFile, "cols: 5", "cols: 14"), "0., 0., 0. ]\navg",
                                   "0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0.1, 0. ]\navg");
   CHECK(contains(refusal(tilted), "tilted"));
-  CHECK(contains(refusal(with(kFile, "-2.5e-01", "-1.9")), "cannot be undone"));
+  CHECK(contains(refusal(with(kFile, "-2.5e-01", "-1.9")), "cannot be inverted"));
 }
 
 TEST_CASE("files that are no calibration are refused by name") {
@@ -98,8 +98,8 @@ TEST_CASE("files that are no calibration are refused by name") {
       {"0., 0., 1. ]", "0., 0., 1.", ""},
       {"0., 0., 1. ]", "0., 0., 1. ] x", "not a list in brackets"},
       {"cols: 5", "cols: 3", "not 1 x 3"},
-      {"flags: 0", "image_width: 640", "is there twice"},
-      {"5.0490000000000003e+02", "9e+03", "cannot be undone"},
+      {"flags: 0", "image_width: 640", "appears twice"},
+      {"5.0490000000000003e+02", "9e+03", "cannot be inverted"},
   };
   for (const auto& c : cases) {
     CAPTURE(c.to);

@@ -240,7 +240,7 @@ TEST_CASE("a track goes onto another person and another model, keeping its share
   const std::string wide = f.put("w.csv", "frame,jawOpen\n0,0\n1,0.9\n");
   const Ran r = run_words({"animate", f.model, "--params", wide, "-o", f / "w.glb"});
   CHECK(r.code == 0);
-  CHECK(contains(r.err, "held there: jawOpen"));
+  CHECK(contains(r.err, "clamped: jawOpen"));
   CHECK(Animation(read_file(f / "w.glb")).weight(1, "jawOpen") == doctest::Approx(1));
 }
 

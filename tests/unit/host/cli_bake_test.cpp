@@ -119,7 +119,7 @@ TEST_CASE("info says where the bytes of a table go, and what its operations and 
   const Ran r = run_words({"info", table});
   REQUIRE(r.code == 0);
   for (const char* part : {"rotate     weight", " jawOpen about 1 0 0 through ", "\n  outline ", " boundary ",
-                           " points\n", "person folded, 128x128   98304 bytes"})
+                           " points\n", "personal field 128x128   98304 bytes"})
     CHECK(contains(r.out, part));
   const std::size_t from = r.out.find("\nbytes:\n"), to = r.out.find("identity parameters");
   REQUIRE(from < to);

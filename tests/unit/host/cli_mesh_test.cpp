@@ -233,10 +233,10 @@ TEST_CASE("bad words and bad files are refused by name, and nothing is written")
     CHECK(contains(r.err, part));
     CHECK_FALSE(m.has("out.obj"));
   };
-  refused({"--criterion", "sharp"}, "--criterion is none, uniform, normals or contour, not sharp");
-  refused({"--criterion", "none", "--budget", "100"}, "--budget means nothing");
-  refused({"--criterion", "none", "--depth", "1"}, "--depth means nothing");
-  refused({"--criterion", "uniform", "--threshold", "1"}, "--threshold means nothing");
+  refused({"--criterion", "sharp"}, "--criterion must be none, uniform, normals or contour: sharp");
+  refused({"--criterion", "none", "--budget", "100"}, "--budget does not apply");
+  refused({"--criterion", "none", "--depth", "1"}, "--depth does not apply");
+  refused({"--criterion", "uniform", "--threshold", "1"}, "--threshold does not apply");
   refused({"--depth", "25"}, "--depth");
   refused({"--depth", "1.5"}, "whole number");
   refused({"--threshold", "0"}, "--threshold");
@@ -245,8 +245,8 @@ TEST_CASE("bad words and bad files are refused by name, and nothing is written")
   refused({"--param", "jawOpen"}, "NAME=VALUE");
   refused({"--param", "jawOpen=wide"}, "NAME=VALUE");
   refused({"--budget", "9", "--budget", "9"}, "twice");
-  refused({"--figure", m / "f.png"}, "-o means nothing to --figure");
-  refused({"--curve"}, "-o means nothing to --figure and --curve");
+  refused({"--figure", m / "f.png"}, "-o does not apply to --figure");
+  refused({"--curve"}, "-o does not apply to --figure and --curve");
   CHECK(run_words({"mesh", m.path, "-o", m / "out.stl"}).code == 2);
   CHECK(run_words({"mesh"}).code == 2);
 
