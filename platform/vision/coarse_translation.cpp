@@ -2,23 +2,13 @@
 
 #include <cstdint>
 
+#include "vision/coarse_translation_tuning.hpp"
+
 namespace pliant {
 
 namespace {
 
-/// Tuning of the coarse search. Each constant: unit, reason, experiment.
-struct CoarseTranslationTuning {
-  /// Pixels compared for each shift, at most about. Bounds the cost; round value, not tuned.
-  int max_pixels = 600;
-  /// Smallest side of a box, px. Guard, not tuned.
-  int min_side_px = 4;
-  /// A shift is considered if at least one pixel in so many lies in both images. Round value, not tuned.
-  int min_overlap_divisor = 2;
-  /// Step of the first search, px. Correlation peaks of a thumbnail are wider than this; the shifts between are tried
-  /// around the best only.
-  int first_step_px = 2;
-};
-constexpr CoarseTranslationTuning kTuning{};
+constexpr CoarseTranslationTuning kTuning = kCoarseTranslationTuning;
 
 struct Sums {
   std::int64_t n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;

@@ -150,26 +150,27 @@ std::string data_folder() {
 
 }  // namespace
 
-TEST_CASE("a talking man is followed: landmarks, and the mouth itself") {
+TEST_CASE("a talking man is tracked: landmarks, and the mouth itself") {
   const std::string folder = data_folder();
   if (folder.empty()) return;
   const Result r = track(folder, Annotation(folder), false);
   MESSAGE("landmarks " << r.landmark_nme << " %, mouth height correlates " << r.mouth_correlation);
   CHECK(r.tracking == kFrames);
-  CHECK(r.landmark_nme < 5);
-  CHECK(r.mouth_correlation > 0.7f);
+  // Measured 3.01 % and 0.979. The track has the same bits everywhere; the margin is for the decoder of the pictures.
+  CHECK(r.landmark_nme < 3.2f);
+  CHECK(r.mouth_correlation > 0.95f);
 }
 
-TEST_CASE("51 points of his skin are followed without being looked at") {
+TEST_CASE("51 points of his face are tracked without templates") {
   const std::string folder = data_folder();
   if (folder.empty()) return;
   const Result r = track(folder, Annotation(folder), true);
   MESSAGE("markers " << r.marker_nme << " %");
   CHECK(r.tracking == kFrames);
-  CHECK(r.marker_nme < 4);
+  CHECK(r.marker_nme < 2.85f);  // measured 2.66 %; the margin as above
 }
 
-TEST_CASE("he is found without a point within the first second, and followed from there") {
+TEST_CASE("he is detected within the first second without a landmark, and tracked from there") {
   const std::string folder = data_folder();
   if (folder.empty()) return;
   const Annotation truth(folder);
@@ -185,7 +186,7 @@ TEST_CASE("he is found without a point within the first second, and followed fro
   of_tracker.height = kHeight;
   host::Owned<Tracker> tracker(file.model(), of_tracker);
   bool is_started = false;
-  double error = 0, eyes = 0, likeness = 0;
+  double error = 0, eyes = 0, similarity = 0;
   std::size_t first = 0;
   const std::size_t frames = kFrames < 200 ? kFrames : 200;
   for (std::size_t k = 0; k < frames; ++k) {
@@ -207,7 +208,7 @@ TEST_CASE("he is found without a point within the first second, and followed fro
       float now;
       REQUIRE(finder->compare(view_on(grey, k), tracker->result().pose,
                               tracker->estimator().parameters().data, &now) == Status::ok);
-      likeness += 0.1 * double(now);
+      similarity += 0.1 * double(now);
     }
     eyes += double(length(truth.points[k][27] - truth.points[k][32]));
     for (const auto& [name, index] : truth.ibug) {
@@ -219,8 +220,8 @@ TEST_CASE("he is found without a point within the first second, and followed fro
   }
   REQUIRE(is_started);
   MESSAGE("found in frame " << first << ", landmarks " << 100 * error / eyes
-                            << " %, likeness over ten frames " << likeness);
+                            << " %, similarity over ten frames " << similarity);
   CHECK(first < 25);
-  CHECK(100 * error / eyes < 11);
-  CHECK(likeness > 0.43);
+  CHECK(100 * error / eyes < 10.2);  // measured 9.67 %: without points the model's landmarks are not moved to the man's
+  CHECK(similarity > 0.47);  // measured 0.505; the margin as above
 }

@@ -1,42 +1,115 @@
-// Bounds of the loops of Tracker::update, from its limits and options; the comments name the loop. Operations are
-// estimates: multiply-adds of the innermost loops, nothing for what surrounds them.
+// Bounds of the loops of Tracker::update. They come from the limits, the options and the tuning of the parts that run the
+// loops. Operations are estimates: multiply-adds of the innermost loops.
 #include "host/commands/plan.hpp"
 
 #include <algorithm>
 
+#include "estimate/frame_solver.hpp"
+#include "optim/normal_equations_tuning.hpp"
+#include "track/key_frames.hpp"
 #include "track/template_tuning.hpp"
+#include "vision/coarse_translation_tuning.hpp"
 #include "vision/patch_tuning.hpp"
+#include "vision/thumbnail.hpp"
 
 namespace pliant::host {
 
 namespace {
 
-constexpr double kRecordOperations = 24;  // one record of the cascade at one point, with its column
-constexpr double kStepsAfterReadmission = 3, kLimitRounds = 12;
+/// Multiply-adds of one execution of each innermost loop, counted in the code.
+struct Operations {
+  double record = 24;          ///< one record of the cascade at one point, with its column of the Jacobian
+  double prediction = 100;     ///< projection and covariance of a point
+  double pyramid_pixel = 10;   ///< filter of a pixel
+  double search_pixel = 6;     ///< one pixel of a template in one step
+  double captured_pixel = 40;  ///< one pixel of a captured template, all levels
+  double projected_vertex = 20;
+};
+constexpr Operations kOperations{};
 
-/// What the limits come to for a model.
-struct Counts {
-  Counts(const Model& model, const TrackerLimits& l) {
+/// Usual counts of a tracked frame, rounded. They scale the usual work; no bound depends on them.
+struct UsualCounts {
+  double rounds = 2, searches_a_template = 1.3, steps_a_search = 5, solver_steps = 5, factorisations = 8;
+  double passes = 9, fraction_found = 0.8, captures = 0.1, projections_a_vertex = 3;
+};
+constexpr UsualCounts kUsual{};
+
+/// Sizes that follow from the limits and the model.
+struct Sizes {
+  Sizes(const Model& model, const TrackerLimits& l) {
     std::size_t expressions = 0;
     for (const Parameter& p : model.parameters()) expressions += p.group == Group::expression;
     free = l.free_parameters > 0 ? std::min<std::size_t>(l.free_parameters, expressions) : expressions;
     const std::size_t all = model.cascade().count;
-    records = static_cast<double>(l.samples_per_point > 0 ? std::min<std::size_t>(l.samples_per_point, all) : all);
+    records =
+        static_cast<double>(l.samples_per_point > 0 ? std::min<std::size_t>(l.samples_per_point, all) : all);
     slots = l.patches + l.key_patches;
+    points = slots + l.markers + l.curve_points + l.silhouette_points;
     unknowns = kPoseUnknowns + static_cast<double>(free);
     region_pixels = static_cast<double>(l.region_width > 0 ? std::min(l.region_width, l.width) : l.width) *
                     (l.region_height > 0 ? std::min(l.region_height, l.height) : l.height);
     frame_pixels = static_cast<double>(l.width) * l.height;
     window_pixels = static_cast<double>(l.patch_window) * l.patch_window;
-    small_side = std::max(l.width, l.height) / std::max(1, (l.width + l.thumbnail_width - 1) / l.thumbnail_width);
+    thumbnail_side = std::max(l.width, l.height) / thumbnail_factor(l.width, l.thumbnail_width);
   }
   std::size_t free;
-  double records, slots, unknowns, region_pixels, frame_pixels, window_pixels;
-  int small_side;
+  double records, slots, points, unknowns, region_pixels, frame_pixels, window_pixels;
+  int thumbnail_side;
 };
 
-double shifts_within(int range) {
-  return (2.0 * range + 1) * (2.0 * range + 1);
+/// Work on pixels: thumbnail, pyramid, templates.
+void add_pixel_loads(const Sizes& s, const TrackerLimits& limits, std::vector<Load>& loads) {
+  const int rounds = kTemplateMatchTuning.rounds;
+  // In the last round a template that was not found is matched against the previous frame, and back.
+  const double from_previous = limits.keeps_previous ? 2 * s.slots : 0;
+  // One round more after a first pass that left too many rows.
+  const double searches = (1.0 + rounds) * s.slots + 2 * from_previous;
+  const double search_steps =
+      limits.pyramid_levels * patch::kPatchTuning.max_align_steps + 2 * patch::kPatchTuning.max_refine_steps;
+  const double usual_searches = kUsual.searches_a_template * s.slots;
+  const double template_operations = kOperations.search_pixel * s.window_pixels;
+  const int usual_range = s.thumbnail_side / kKeyFrameTuning.range_divisor + 1;
+  const int most_range = s.thumbnail_side / kKeyFrameTuning.range_divisor_of_key;
+  loads.push_back({"pixels of the thumbnail", s.frame_pixels, s.frame_pixels, 1});
+  loads.push_back({"pixels of the pyramid, all levels", 4.0 / 3 * s.region_pixels, 1.34 * s.region_pixels,
+                   kOperations.pyramid_pixel});
+  loads.push_back({"shifts of the thumbnail compared", static_cast<double>(most_shifts(usual_range)),
+                   static_cast<double>(std::max(most_shifts(usual_range), most_shifts(most_range))),
+                   static_cast<double>(kCoarseTranslationTuning.max_pixels)});
+  loads.push_back({"template searches", usual_searches, searches, template_operations});
+  loads.push_back({"steps of template searches", kUsual.steps_a_search * usual_searches,
+                   searches * search_steps, template_operations});
+  loads.push_back({"templates captured for a key frame", kUsual.captures,
+                   static_cast<double>(limits.key_patches), kOperations.captured_pixel * s.window_pixels});
+}
+
+/// Work on points and vertices: prediction, tangents, projection.
+void add_surface_loads(const Sizes& s, const TrackerLimits& limits, const EstimatorOptions& options,
+                       std::vector<Load>& loads) {
+  const double rounds = kTemplateMatchTuning.rounds, record = s.records * kOperations.record;
+  const double interval = std::max<double>(1, options.vertex_interval_frames);
+  const double tangents = s.points / options.tangent_interval_frames;
+  loads.push_back({"rounds of predict, match, solve", kUsual.rounds, 1 + rounds, 0});
+  loads.push_back({"points predicted", kUsual.rounds * s.points, (1 + rounds) * s.points,
+                   record + kOperations.prediction});
+  loads.push_back({"tangents updated", tangents, tangents + 1, 3 * record});
+  // On fast motion all vertices are updated, after the regular ones.
+  loads.push_back(
+      {"vertices updated", limits.vertices / interval, limits.vertices * (1 + 1 / interval), record});
+  loads.push_back({"vertices projected", kUsual.projections_a_vertex * limits.vertices,
+                   (rounds + 4) * limits.vertices, kOperations.projected_vertex});
+}
+
+void add_solver_loads(const Sizes& s, const SolveWork& work, std::vector<Load>& loads) {
+  // A step takes a pass over the rows and, if it is refused, another one; a minimisation starts and may end with one.
+  const double passes = 2.0 * work.steps + 2.0 * work.minimisations + 1;
+  const double row = s.records * kOperations.record + s.unknowns * (s.unknowns + 1);
+  loads.push_back({"Gauss-Newton steps", kUsual.solver_steps, static_cast<double>(work.steps), 0});
+  loads.push_back({"observations in passes over them", kUsual.passes * kUsual.fraction_found * s.slots,
+                   passes * s.slots, row});
+  loads.push_back({"factorisations", kUsual.factorisations,
+                   static_cast<double>(work.steps + work.minimisations) * kNormalEquationsTuning.limit_rounds,
+                   s.unknowns * s.unknowns * s.unknowns / 6});
 }
 
 }  // namespace
@@ -61,51 +134,14 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
     tracker.lay_out(measuring, model, limits);
     plan.arena_bytes = measuring.used_bytes();
   }
-  const Counts c(model, limits);
-  const int rounds = kTemplateMatchTuning.rounds;
-  const EstimatorOptions estimator;
-  plan.free_parameters = c.free;
-
-  // A frame's first solve: Huber and Tukey; and where that leaves doubt the same once more by image forces, with a few
-  // steps after readmission (FrameSolver::try_alternative). A later one: Tukey (FrameSolver::solve_robustly).
-  const double first = 4.0 * estimator.iterations + kStepsAfterReadmission, later = estimator.iterations;
-  // Scouts' solve before it (Estimator::approach): Huber and Tukey.
-  const double approach = 2.0 * estimator.iterations;
-  const double steps = approach + first + (rounds - 1) * later;
-  plan.most_iterations = static_cast<int>(steps);
-  // Each step is one factorisation and one pass; a refused one takes another pass back; each minimisation starts and may end
-  // with one more (FrameProblem::minimise). Limits pin unknowns in at most twelve rounds.
-  const double minimisations = 2.0 + 5.0 + (rounds - 1);
-  const double passes = 2 * steps + 2 * minimisations + 1;
-  // One search a patch and round, on each level; the last round may follow what was not found from the frame before, and back.
-  const double follows = limits.keeps_previous ? 2 * c.slots : 0;
-  // And what surprises after scouts is looked for once more.
-  const double searches = (1.0 + rounds) * c.slots + 2 * follows;
-  const double search_steps = limits.pyramid_levels * patch::kPatchTuning.max_align_steps + 2 * patch::kPatchTuning.max_refine_steps;
-  const double row = c.records * kRecordOperations + c.unknowns * (c.unknowns + 1);
-  const double shares = estimator.vertex_interval_frames > 0 ? estimator.vertex_interval_frames : 1;
-  const double points = c.slots + limits.markers + limits.curve_points + limits.silhouette_points;
-
-  plan.loads = {
-      {"pixels of the small picture", c.frame_pixels, c.frame_pixels, 1},
-      {"pixels of the pyramid, all levels", 1.33 * c.region_pixels, 1.34 * c.region_pixels, 10},
-      {"shifts of the small picture compared", shifts_within(c.small_side / 16 + 1),
-       shifts_within(c.small_side / 2), 600},
-      {"rounds of predicting, looking, solving", 2, 1.0 + rounds, 0},
-      {"points predicted", 2 * points, (1.0 + rounds) * points, c.records * kRecordOperations + 100},
-      {"patch searches", 1.3 * c.slots, searches, 6 * c.window_pixels},
-      {"steps of patch searches", 5 * 1.3 * c.slots, searches * search_steps, 6 * c.window_pixels},
-      {"Gauss-Newton steps", 5, steps, 0},
-      {"observations in passes over them", 9 * 0.8 * c.slots, passes * c.slots, row},
-      {"factorisations", 8, (steps + minimisations) * kLimitRounds, c.unknowns * c.unknowns * c.unknowns / 6},
-      {"tangents brought up", points / estimator.tangent_interval_frames, points / estimator.tangent_interval_frames + 1,
-       3 * c.records * kRecordOperations},
-      {"vertices brought up", limits.vertices / shares, limits.vertices * (1 + 1 / shares),
-       c.records * kRecordOperations},
-      {"vertices projected", 3.0 * limits.vertices, (rounds + 4.0) * limits.vertices, 20},
-      {"patches captured for a key frame", 0.1, static_cast<double>(limits.key_patches),
-       40 * c.window_pixels},
-  };
+  const Sizes sizes(model, limits);
+  const EstimatorOptions options;
+  const SolveWork work = most_solve_work(options.iterations, kTemplateMatchTuning.rounds);
+  plan.free_parameters = sizes.free;
+  plan.most_iterations = work.steps;
+  add_pixel_loads(sizes, limits, plan.loads);
+  add_surface_loads(sizes, limits, options, plan.loads);
+  add_solver_loads(sizes, work, plan.loads);
   return plan;
 }
 

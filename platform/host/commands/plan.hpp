@@ -1,6 +1,6 @@
 #pragma once
 /// \file plan.hpp
-/// What a tracker with given limits takes: bytes by purpose, and how often each loop of a frame runs.
+/// Memory and work of a tracker with given limits: bytes by purpose, and how often each loop of a frame runs.
 #include <vector>
 
 #include "pliant/tracker.hpp"
@@ -10,9 +10,9 @@ namespace pliant::host {
 /// One kind of work in a frame.
 struct Load {
   const char* what;
-  double usual;       ///< times a frame, while tracking
-  double most;        ///< no frame does it more often
-  double operations;  ///< multiply-adds each time, estimated
+  double usual;       ///< count in a usual frame
+  double most;        ///< count in any frame, at most
+  double operations;  ///< multiply-adds each, estimated
 };
 
 struct Plan {
@@ -26,7 +26,7 @@ struct Plan {
   double most_operations() const;
 };
 
-/// With the default options; the expressions are free.
+/// The plan for the default options with free expressions.
 Plan make_plan(const Model& model, const TrackerLimits& limits);
 
 }  // namespace pliant::host

@@ -16,8 +16,8 @@ namespace {
 
 constexpr const char* kPurposeNames[kPurposeCount] = {
     "other",      "model evaluation", "mesh",         "mesh adaptation", "visibility",
-    "solver",     "surface points",   "baked points", "baked vertices",  "outlier rejection",
-    "parameters", "picture pyramid",  "patches",      "corners",         "small pictures"};
+    "solver",     "surface points",   "sampled points", "sampled vertices",  "outlier rejection",
+    "parameters", "picture pyramid",  "templates",    "corners",         "thumbnails"};
 
 /// A model table for which only the counts matter: a rest shape and one record for each parameter.
 std::vector<std::uint32_t> stand_in_table(int parameters) {
@@ -134,7 +134,7 @@ Command plan_command() {
           "Prints a tracker's memory to the byte, and the work of a frame.",
           "[face.plm] [--profile s|m|l] [--width W] [--height H] [--vertices V] [--points N] [--parameters P] "
           "[--markers M]",
-          {{"--profile", "s|m|l", "start from the capacities of a small, medium or large device"},
+          {{"--profile", "s|m|l", "limits of a small, medium or large device"},
            {"--width", "W", "of the frames, pixels"},
            {"--height", "H", "of the frames, pixels"},
            {"--vertices", "V", "vertices of the mesh, at most"},
