@@ -136,9 +136,9 @@ TEST_CASE("a finer tolerance gives a finer mesh, and operations follow the view 
   coarse.error_mm = 5;
   fine.error_mm = 0.1f;
   std::size_t count[2];
-  for (const bool is_fine : {false, true}) {
+  for (std::size_t is_fine : {0u, 1u}) {
     REQUIRE(rig.surface->start(rig.egg.model) == Status::ok);
-    rig.surface->adapt(rig.egg.cascade.object, rig.egg.state, is_fine ? fine : coarse);
+    rig.surface->adapt(rig.egg.cascade.object, rig.egg.state, is_fine == 1 ? fine : coarse);
     count[is_fine] = rig.surface->mesh().vertex_count();
   }
   CHECK(count[1] > count[0] + 20);

@@ -45,8 +45,8 @@ TEST_CASE("a valid state stays, a folded one moves back to nine tenths of the wa
   CHECK(q[0] == 2);
   q[0] = q[1] = 4;  // 8 in all; from 4 the fold at 5 is a quarter of the way
   CHECK(guard->move_back(cascade.object, q));
-  CHECK(q[0] + q[1] == doctest::Approx(4 + 0.9 * 1).epsilon(0.01));
-  CHECK(q[0] == doctest::Approx(q[1]));
+  CHECK(double(q[0] + q[1]) == doctest::Approx(4 + 0.9 * 1).epsilon(0.01));
+  CHECK(double(q[0]) == doctest::Approx(double(q[1])));
 }
 
 TEST_CASE("frozen parameters are part of the valid state; free ones start at rest") {

@@ -138,7 +138,7 @@ TEST_CASE("the fit of an image that is a template with light, a small warp and a
   }
   const Mat2 expected{truth[1], truth[2], truth[3], truth[4]};
   const WarpFit known = fit(system, expected, work.image, work.count);
-  for (int i = 0; i < kUnknowns; ++i) CHECK(known.x[i] == doctest::Approx(double{truth[i]}).epsilon(0.01));
+  for (int i = 0; i < kUnknowns; ++i) CHECK(known.x[i] == doctest::Approx(double(truth[i])).epsilon(0.01));
   // Without knowing the stretch, its prior pulls it towards zero.
   const WarpFit unknown = fit(system, {0, 0, 0, 0}, work.image, work.count);
   for (int i = 0; i < 4; ++i) CHECK(magnitude(unknown.x[kStretch + i]) < magnitude(truth[kStretch + i]));

@@ -32,8 +32,8 @@ TEST_CASE("eigenvalues and the direction of the larger one are those the tensor 
   for (double angle = -1.5; angle <= 1.5; angle += 0.25) {
     const Sym2 s = texture_of(9, 2, angle).tensor;
     const Eigenvalues e = eigenvalues(s);
-    CHECK(double(e.largest) == doctest::Approx(double{9 * kScale * kPixels}).epsilon(1e-4));
-    CHECK(double(e.smallest) == doctest::Approx(double{2 * kScale * kPixels}).epsilon(1e-4));
+    CHECK(double(e.largest) == doctest::Approx(double(9 * kScale * kPixels)).epsilon(1e-4));
+    CHECK(double(e.smallest) == doctest::Approx(double(2 * kScale * kPixels)).epsilon(1e-4));
     const Vec2 d = strongest_direction(s, e.smallest);
     CHECK(double(d.x) == doctest::Approx(std::cos(angle)).epsilon(1e-3));
     CHECK(double(d.y) == doctest::Approx(std::sin(angle)).epsilon(1e-3));
