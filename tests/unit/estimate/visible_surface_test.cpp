@@ -139,7 +139,7 @@ TEST_CASE("a finer tolerance gives a finer mesh, and operations follow the view 
   for (std::size_t is_fine : {0u, 1u}) {
     REQUIRE(rig.surface->start(rig.egg.model) == Status::ok);
     rig.surface->adapt(rig.egg.cascade.object, rig.egg.state, is_fine == 1 ? fine : coarse);
-    count[is_fine] = rig.surface->mesh().vertex_count();
+    count[is_fine] = static_cast<std::size_t>(rig.surface->mesh().vertex_count());
   }
   CHECK(count[1] > count[0] + 20);
   MeshPolicy follows;
