@@ -11,21 +11,22 @@
 
 namespace pliant {
 
+// A part with {} is set as a block; without, GCC sets each of its members, which is three times the code.
 struct Estimator::Impl {
   bool started = false;
-  Camera camera;
-  Lens lens;
+  Camera camera{};
+  Lens lens{};
   int width = 0, height = 0;
   std::uint32_t frame = 0;
 
-  Cascade cascade;
-  ModelState state;    // as it is now
-  ModelState trusted;  // of the last good frame
-  SurfacePoints points;
-  VisibleSurface surface;
-  FrameSolver solver;
-  MotionModel motion;
-  TrackMonitor monitor;
+  Cascade cascade{};
+  ModelState state{};    // as it is now
+  ModelState trusted{};  // of the last good frame
+  SurfacePoints points{};
+  VisibleSurface surface{};
+  FrameSolver solver{};
+  MotionModel motion{};
+  TrackMonitor monitor{};
 
   Span<const Prediction> predictions;  // of all points at `state`; empty when either has changed
   std::size_t sample_capacity = 0;     // a point

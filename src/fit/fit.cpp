@@ -10,11 +10,12 @@
 
 namespace pliant {
 
+// {}: set as a block, which is less code than each member by itself.
 struct Fitter::State {
-  FitLimits limits;
-  FitWorkspace work;
-  FoldOverGuard fold_over;
-  SilhouetteMatcher silhouette;
+  FitLimits limits{};
+  FitWorkspace work{};
+  FoldOverGuard fold_over{};
+  SilhouetteMatcher silhouette{};
   Vec3* position = nullptr;         // a point, at the initial parameters
   Correspondence* ideal = nullptr;  // the points without the lens
   float* q = nullptr;               // the present parameters
