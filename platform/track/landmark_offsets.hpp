@@ -1,6 +1,6 @@
 #pragma once
 /// \file landmark_offsets.hpp
-/// Where this person has the model's landmarks: an offset from the model's place for each (surface_offset.hpp).
+/// Per-person displacement of each landmark from the model's position (surface_offset.hpp).
 #include <cstddef>
 
 #include "pliant/estimator.hpp"
@@ -8,22 +8,23 @@
 
 namespace pliant {
 
-/// One offset (mm, model's axes) a landmark of the model. Landmarks with the same (u,v) have the same offset.
+/// An offset (mm, model's axes) for each landmark of the model. Landmarks with the same (u,v) have the same offset.
 class LandmarkOffsets {
  public:
   void lay_out(Arena& arena, const Model& model);
 
-  /// Every landmark is where the model has it.
+  /// Sets all offsets to 0.
   void clear();
   /// Sets all offsets; `offsets` has `values().count` of them.
   void set(Span<const Vec3> offsets);
   Span<const Vec3> values() const { return values_; }
 
-  /// Sets the offset of the landmarks at `uv` so that they are seen at x (px) in the estimator's view; none is set where
-  /// the surface is behind the camera.
+  /// Sets the offset of the landmarks at `uv` so that they project to x (px) in the estimator's view. Their offsets stay as
+  /// they were if the surface point is behind the camera.
   void place(Vec2 uv, Vec2 x, Estimator& estimator);
-  /// The same in two steps, for a fit that ends before the estimator starts: until `place_pending` the offsets hold image
-  /// positions. Offsets are from the surface that is tracked, which a personalised field may change a little.
+  /// The same in two steps, for a fit that ends before the estimator starts. `set_pending` stores image positions;
+  /// `place_pending` replaces them by offsets from the tracked surface. A personalised field may differ a little from the
+  /// surface that was fitted.
   void set_pending(Span<const Correspondence> places, const Model& model);
   void place_pending(Estimator& estimator);
 

@@ -2,7 +2,7 @@
 
 namespace pliant {
 
-float person_share(float squared_px2, float coordinates, float taken, float sd_px) {
+float person_fraction(float squared_px2, float coordinates, float taken, float sd_px) {
   const float free = coordinates - taken;
   if (!(free > 0)) return 0;
   const float noise = sd_px * sd_px * (free + square_root(2 * free));
@@ -12,8 +12,8 @@ float person_share(float squared_px2, float coordinates, float taken, float sd_p
 float coordinates_taken(const Model& model, const float* sd) {
   float taken = kPoseUnknowns;
   for (std::size_t k = 0; k < model.parameters().count; ++k) {
-    const float left = sd[k] / model.parameters()[k].sd;
-    if (left > 0 && left < 1) taken += 1 - left * left;
+    const float ratio = sd[k] / model.parameters()[k].sd;
+    if (ratio > 0 && ratio < 1) taken += 1 - ratio * ratio;
   }
   return taken;
 }
@@ -28,16 +28,16 @@ Span<Correspondence> find_personal(const Model& model, Span<Correspondence> poin
     ++count;
   }
   if (count == 0) return {};
-  // The others have taken part in the fit as well.
+  // The fit used all points. The degrees of freedom are divided evenly among them.
   const auto all = static_cast<float>(points.count), these = static_cast<float>(count);
   const float taken = coordinates_taken(model, sd) * these / all;
-  const float share = person_share(squared, 2 * these, taken, points[0].sd_px);
-  if (!(share > 0)) return {};
+  const float fraction = person_fraction(squared, 2 * these, taken, points[0].sd_px);
+  if (!(fraction > 0)) return {};
   std::size_t kept = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     if (is_landmark[i] == 0) continue;
     points[kept] = points[i];
-    points[kept].x = points[i].x + (1 - share) * residuals[i];
+    points[kept].x = points[i].x + (1 - fraction) * residuals[i];
     ++kept;
   }
   return {points.data, kept};

@@ -1,7 +1,7 @@
 #pragma once
 /// \file personal_landmarks.hpp
-/// Landmarks of the person, not of the model: nobody's lip border or brow is just where a model of all people has it, so
-/// that a fit leaves offsets at the points it was given, which a track would carry along as an error that never goes.
+/// Landmarks as this person has them. A model of many people does not have every person's lip border or brow at the right
+/// place, so residuals remain after a fit. A track would repeat them as a constant error in every frame.
 #include <cstddef>
 #include <cstdint>
 
@@ -13,29 +13,34 @@
 
 namespace pliant {
 
-/// m^2 / (m^2 + s^2): how much of the residuals of a fit is the person's, m, and not noise of the points, s. Empirical
-/// Bayes: m^2 + s^2 is the mean square of a residual's coordinate, where those are counted that the fit has left free, n of
-/// them. Noise alone leaves a sum of s^2 (n +- sqrt(2 n)), and as much as the upper end is taken to be noise. 0 when that
-/// explains the residuals, or nothing is left free.
-/// \param squared_px2  sum of the squared residuals; \param coordinates  how many coordinates it is of;
-/// \param taken        of those taken by the fit (trace of its hat matrix).
-float person_share(float squared_px2, float coordinates, float taken, float sd_px);
+/// Fraction of the residuals' mean square that is due to the person, 0..1: m^2 / (m^2 + s^2), where m is the standard
+/// deviation of the person's deviation from the model and s that of the points' noise (empirical Bayes).
+/// The fit leaves n = coordinates - taken degrees of freedom. Noise alone gives a sum of squares of s^2 (n +- sqrt(2 n));
+/// the upper end of this range counts as noise. Returns 0 if noise explains the residuals, or if n <= 0.
+/// \param squared_px2  sum of the squared residuals; \param coordinates  number of coordinates in that sum;
+/// \param taken        degrees of freedom that the fit has used (trace of its hat matrix); \param sd_px  s.
+float person_fraction(float squared_px2, float coordinates, float taken, float sd_px);
 
-/// What a fit has taken of its points' coordinates: the pose, and of each parameter 1 - (sd / prior's sd)^2, which for
-/// linear least squares with such priors is the hat matrix's trace. \param sd  after the fit; 0: not fitted.
+/// Degrees of freedom that a fit has used: those of the pose, and 1 - (sd / sd of the prior)^2 for each parameter. For
+/// linear least squares with Gaussian priors this is the trace of the hat matrix.
+/// \param sd  of each parameter after the fit; 0 if it was not fitted.
 float coordinates_taken(const Model& model, const float* sd);
 
-/// Where the person has the landmarks that were given. Those of `points` move to the front of it whose flag in
-/// `is_landmark` is set; their x moves from the given towards the model's place by the share that is noise. Returned is
-/// that front part, empty where the model's own landmarks are as good.
-/// \param points     of a fit: given places, all with the same sd; \param residuals  projected minus given, px.
-/// \param is_landmark  whether the point was used, and at its own place, not slid along the outline.
+/// Finds where this person has the given landmarks. The points whose flag in `is_landmark` is set are moved to the front of
+/// `points`. The position x of each moves from the given position towards the model's, by the fraction that is noise.
+/// Returns that front part; it is empty if noise explains all residuals.
+/// \param points       of a fit: given positions, all with the same sd.
+/// \param residuals    projected minus given, px, one a point.
+/// \param is_landmark  1 if the fit used the point and did not move it along the silhouette.
+/// \param sd           of each parameter after the fit.
 Span<Correspondence> find_personal(const Model& model, Span<Correspondence> points, const Vec2* residuals,
                                    const std::uint8_t* is_landmark, const float* sd);
 
-/// Offsets (mm) of all of the model's landmarks in the view in which `personal` was found; 0 for others. A landmark with
-/// another's (u,v) goes with it. \param surface_point  (u,v) -> mm, of what is going to be tracked: a person folded to a
-/// coarser grid is not quite where it was fitted. \param offsets  a landmark each.
+/// Computes the offsets (mm) of all landmarks of the model in the view in which `personal` was found; 0 for those that are
+/// not in `personal`. Landmarks with the same (u,v) get the same offset.
+/// \param surface_point  (u,v) -> mm, of the surface that will be tracked. A personalised field on a coarse grid differs a
+///                       little from the surface that was fitted.
+/// \param offsets        output, one a landmark.
 template <class Surface>
 void place_landmarks(const Model& model, Surface&& surface_point, const View& view, const Lens& lens,
                      Span<const Correspondence> personal, Vec3* offsets) {

@@ -1,18 +1,19 @@
 #pragma once
 /// \file surface_offset.hpp
-/// A point beside the surface that goes with it: what was given in the picture where the model has no such place, be it
-/// that this person has it elsewhere, or that the surface ends before.
+/// Offsets from surface points. A given image position may not lie on the model's surface: this person may have the landmark
+/// elsewhere, or the surface may end before it. Such a point is tracked as a surface point and a constant 3D offset.
 #include "pliant/estimator.hpp"
 
 namespace pliant {
 
-/// Offset (mm, model's axes) from the surface point p to what is seen at x (px) in a view. Depth cannot be seen, so that it
-/// is taken to be the same: the shortest offset that leads there. It turns with the head, and the surface point below it
-/// moves as the expression does. \return false, nothing written: x is not finite, or p behind the camera.
+/// Computes the offset (mm, model's axes) from the surface point p to the image position x (px) in a view. The depth of x is
+/// unknown; it is set to that of p, which gives the shortest offset.
+/// \return false if x is not finite or p is behind the camera; `offset` is then unchanged.
 bool find_offset(const View& view, const Lens& lens, Vec3 p, Vec2 x, Vec3* offset);
 
-/// Image position of the surface point at (u,v) with that offset; false behind the camera. With none it is
-/// Estimator::project, to the bit.
+/// Computes the image position of the surface point at (u,v) plus `offset` (mm, model's axes). The offset turns with the head
+/// and moves with the surface point. With a zero offset, x is bit for bit that of Estimator::project.
+/// \return false if the point is behind the camera.
 bool project_beside(Estimator& estimator, Vec2 uv, Vec3 offset, Vec2* x);
 
 }  // namespace pliant

@@ -1,4 +1,4 @@
-// Landmarks where the person has them: places given beside the model's own are kept and carried along, noise is not.
+// Offsets of landmarks from the model's positions: a person's own are kept and tracked, noise is not.
 #include "track/personal_landmarks.hpp"
 
 #include <doctest/doctest.h>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kWidth = 640, kHeight = 480;
 
-/// Somebody: the built-in face with another identity, whose landmarks may be elsewhere than the model's, seen from the front.
+/// A person: the built-in face with another identity and landmarks away from the model's positions, in frontal view.
 struct Person {
   BakedModel& face = baked_face();
   const Model& model = face.model;
@@ -33,12 +33,12 @@ struct Person {
       const Parameter& p = model.parameters()[k];
       if (p.group == Group::identity) q[k] = clamp(0.7f * random.normal(), p.minimum, p.maximum);
     }
-    for (int k = 17; k < 60; ++k) {  // no outline, no inner lips
+    for (int k = 17; k < 60; ++k) {  // neither silhouette nor inner lips
       names.push_back("ibug" + std::to_string(k));
       beside.push_back(elsewhere_mm * Vec3{random.normal(), random.normal(), random.normal()});
     }
   }
-  /// Where landmark k really is in the picture, the head turned by `turn` and the expression moved to `now`.
+  /// True image position of landmark k, with the head turned by `turn` and the expression `now`.
   Vec2 truth(std::size_t k, const Quat& turn, const std::vector<float>& now) const {
     Vec2 x;
     const Pose turned{turn * pose.q, pose.t};
@@ -109,7 +109,8 @@ std::vector<Vec2> given_by(const Person& person, Random& random, float noise_px)
 }  // namespace
 
 TEST_CASE(
-    "an offset leads to the place it was made for, and none is the surface itself, with a lens as without") {
+    "an offset projects to the position it was computed from, and a zero offset to the surface, with and "
+    "without a lens") {
   const BakedModel& face = baked_face();
   Camera camera = centred_camera(kWidth, kHeight, 700);
   for (const float k1 : {0.0f, -0.15f}) {
@@ -161,30 +162,30 @@ TEST_CASE("an offset turns and grows with the head, and goes with the surface be
   CHECK(length(followed - x) < 0.01f);
 }
 
-TEST_CASE("the person's share of the residuals is what noise does not explain") {
-  const float noise =
-      30 + std::sqrt(60.0f);  // 30 coordinates left free: their squares' sum, and its deviation
-  CHECK(person_share(0, 50, 20, 1) == 0);
-  CHECK(person_share(noise, 50, 20, 1) == 0);
-  CHECK(person_share(4 * noise, 50, 20, 1) == doctest::Approx(0.75));
-  CHECK(person_share(16 * noise, 50, 20, 2) == doctest::Approx(0.75));
-  CHECK(person_share(1e9f, 10, 10, 1) == 0);  // nothing is left to tell by
-  CHECK(person_share(1e9f, 10, 11, 1) == 0);
-  CHECK(person_share(std::numeric_limits<float>::quiet_NaN(), 10, 6, 1) == 0);
+TEST_CASE("the person's fraction of the residuals is the part that noise does not explain") {
+  const float noise = 30 + std::sqrt(60.0f);  // 30 degrees of freedom: sum of squares and its deviation
+  CHECK(person_fraction(0, 50, 20, 1) == 0);
+  CHECK(person_fraction(noise, 50, 20, 1) == 0);
+  CHECK(person_fraction(4 * noise, 50, 20, 1) == doctest::Approx(0.75));
+  CHECK(person_fraction(16 * noise, 50, 20, 2) == doctest::Approx(0.75));
+  CHECK(person_fraction(1e9f, 10, 10, 1) == 0);  // no degrees of freedom remain
+  CHECK(person_fraction(1e9f, 10, 11, 1) == 0);
+  CHECK(person_fraction(std::numeric_limits<float>::quiet_NaN(), 10, 6, 1) == 0);
 }
 
-TEST_CASE("a fit takes a coordinate for each unknown of the pose and each parameter that it determines") {
+TEST_CASE(
+    "a fit uses one degree of freedom for each unknown of the pose and each parameter that it determines") {
   const Model& model = baked_face().model;
   std::vector<float> sd(model.parameters().count, 0.0f);
   CHECK(coordinates_taken(model, sd.data()) == kPoseUnknowns);  // all frozen
   for (std::size_t k = 0; k < sd.size(); ++k) sd[k] = model.parameters()[k].sd;
-  CHECK(coordinates_taken(model, sd.data()) == kPoseUnknowns);  // nothing learnt
+  CHECK(coordinates_taken(model, sd.data()) == kPoseUnknowns);  // the prior is unchanged
   sd[0] *= 0.001f;
   sd[1] *= 0.5f;
   CHECK(coordinates_taken(model, sd.data()) == doctest::Approx(kPoseUnknowns + 1.75));
 }
 
-TEST_CASE("exact points of somebody whose landmarks are the model's: nothing moves") {
+TEST_CASE("exact points of a person with the model's landmarks give no offset") {
   Random random(11);
   for (int trial = 0; trial < 4; ++trial) {
     const Person person(random, 0);
@@ -193,7 +194,7 @@ TEST_CASE("exact points of somebody whose landmarks are the model's: nothing mov
   }
 }
 
-TEST_CASE("landmarks that are elsewhere on this person are kept, and followed as head and mouth move") {
+TEST_CASE("a person's landmark offsets are kept as head and mouth move") {
   Random random(21);
   float own = 0, model = 0, own_later = 0, model_later = 0;
   constexpr int kTrials = 6;
@@ -223,8 +224,7 @@ TEST_CASE("landmarks that are elsewhere on this person are kept, and followed as
   CHECK(own_later < 0.6f * model_later);
 }
 
-TEST_CASE(
-    "points as noisy as they are taken to be, of an exact model: no worse than the model's own landmarks") {
+TEST_CASE("with noisy points of an exact model, the result is no worse than the model's own landmarks") {
   Random random(31);
   float own = 0, model = 0;
   for (int trial = 0; trial < 16; ++trial) {
@@ -245,7 +245,8 @@ TEST_CASE(
   CHECK(own < 1.02f * model);
 }
 
-TEST_CASE("what the fit lets go, an outline that slid and a place of no landmark are not the person's") {
+TEST_CASE(
+    "rejected points, points moved along the silhouette and points that are no landmarks give no offset") {
   const Model& model = baked_face().model;
   const Vec2 uv[] = {
       baked_face().uv("ibug30"), baked_face().uv("ibug08"), baked_face().uv("ibug51"), {0.31f, 0.37f}};
@@ -258,16 +259,16 @@ TEST_CASE("what the fit lets go, an outline that slid and a place of no landmark
       find_personal(model, {points.data(), points.size()}, residuals.data(), is_landmark, sd.data());
   REQUIRE(personal.count == 2);
   CHECK(length(personal[1].uv - uv[2]) == 0);
-  // Eight coordinates, six of them the pose's: half of them are of the two landmarks, one is free, of 200 px^2.
-  const double share = 1 - (1 + std::sqrt(2.0)) / 200;
-  CHECK(personal[1].x.x == doctest::Approx(100 + (1 - share) * 6));
-  CHECK(personal[1].x.y == doctest::Approx(100 - (1 - share) * 8));
+  // Eight coordinates, six used by the pose. Two landmarks have half of both: one degree of freedom, 200 px^2.
+  const double fraction = 1 - (1 + std::sqrt(2.0)) / 200;
+  CHECK(personal[1].x.x == doctest::Approx(100 + (1 - fraction) * 6));
+  CHECK(personal[1].x.y == doctest::Approx(100 - (1 - fraction) * 8));
   const std::uint8_t none[] = {0, 0, 0, 0};
   CHECK(find_personal(model, {points.data(), points.size()}, residuals.data(), none, sd.data()).empty());
   CHECK(find_personal(model, {}, nullptr, nullptr, sd.data()).empty());
 }
 
-TEST_CASE("one click far off is no landmark of the person's") {
+TEST_CASE("one gross outlier gives no offset") {
   Random random(41);
   const Person person(random, 0.8f);
   auto given = given_by(person, random, 0);
@@ -277,7 +278,7 @@ TEST_CASE("one click far off is no landmark of the person's") {
   CHECK(length(start.landmark(person.names[k], true) - person.truth(k, {}, person.q)) < 20);
 }
 
-TEST_CASE("a landmark at another's place goes with it; one that nobody gave stays the model's") {
+TEST_CASE("landmarks with one (u,v) get the same offset; a landmark without a given position gets none") {
   Random random(51);
   const Person person(random, 2.5f);
   Start start(person, given_by(person, random, 0));
@@ -290,7 +291,7 @@ TEST_CASE("a landmark at another's place goes with it; one that nobody gave stay
     CAPTURE(l.name);
     CHECK(is_given == (length(start.offsets[k]) > 0));
   }
-  // Given twice: the later one counts.
+  // Given twice: the later position is used.
   std::vector<Correspondence> twice{{person.face.uv("ibug30"), {300, 200}},
                                     {person.face.uv("ibug30"), {310, 215}}};
   place_landmarks(
