@@ -383,7 +383,7 @@ SECTIONS = {
     'cost': (bench('cost', '--model', 'FACE', keep=('median_ms', 'worst_ms', 'landmark_px', 'rotation_deg', 'arena_bytes')), False),
     'cues': (bench('cues', '--model', 'FACE', keep=('median_ms', 'landmark_px', 'rotation_deg', 'patches_found')), False),
     'drift': (bench('drift', '--model', 'FACE'), False),
-    'occlusion': (bench('occlusion', '--model', 'FACE', keep=('mean_px', 'share_over_3px', 'fraction_over_3px')), False),
+    'occlusion': (bench('occlusion', '--model', 'FACE', keep=('mean_px', 'fraction_over_3px')), False),
     'mcd': (bench('mcd', keep=('ms', 'missed')), False),
     'fit': (fit, False),
     'klt': (klt, False),

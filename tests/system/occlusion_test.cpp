@@ -1,60 +1,59 @@
 // The ordering of the occlusion table on the built-in face (docs/algorithms.md, section 6.5).
-#include "host/bench/occlusion_experiment.hpp"
-
 #include <doctest/doctest.h>
 
 #include "baked_face.hpp"
+#include "host/bench/occlusion_experiment.hpp"
 
 using namespace pliant;
 using namespace pliant::host;
 
 namespace {
 
-double px(const OcclusionResult& r, Defence d) {
+double px(const OcclusionResult& r, RejectionMethod d) {
   return r.mean_px[static_cast<int>(d)];
 }
-double lost(const OcclusionResult& r, Defence d) {
-  return r.share_over_3px[static_cast<int>(d)];
+double lost(const OcclusionResult& r, RejectionMethod d) {
+  return r.fraction_over_3px[static_cast<int>(d)];
 }
-OcclusionResult measure(Disturbance disturbance, double share) {
-  return measure_occlusion(baked_face().model, disturbance, share, 4, 8);
+OcclusionResult measure(Disturbance disturbance, double fraction) {
+  return measure_occlusion(baked_face().model, disturbance, fraction, 4, 8);
 }
 
 }  // namespace
 
 TEST_CASE("nothing false: rejection costs accuracy until what fits is taken back, and doubt costs none") {
   const OcclusionResult r = measure(Disturbance::none, 0);
-  CHECK(px(r, Defence::forces) > 1.1 * px(r, Defence::weights));
-  CHECK(px(r, Defence::forces_predicted) < 1.03 * px(r, Defence::weights_predicted));
-  CHECK(px(r, Defence::on_doubt) == doctest::Approx(px(r, Defence::weights_predicted)));
+  CHECK(px(r, RejectionMethod::forces) > 1.1 * px(r, RejectionMethod::weights));
+  CHECK(px(r, RejectionMethod::forces_predicted) < 1.03 * px(r, RejectionMethod::weights_predicted));
+  CHECK(px(r, RejectionMethod::on_doubt) == doctest::Approx(px(r, RejectionMethod::weights_predicted)));
 }
 
 TEST_CASE("single false points: robust weights do") {
   const OcclusionResult r = measure(Disturbance::random, 0.35);
-  CHECK(px(r, Defence::weights) < 0.3 * px(r, Defence::least_squares));
-  CHECK(px(r, Defence::forces_predicted) < 1.1 * px(r, Defence::weights_predicted));
-  CHECK(px(r, Defence::on_doubt) < 1.1 * px(r, Defence::weights_predicted));
+  CHECK(px(r, RejectionMethod::weights) < 0.3 * px(r, RejectionMethod::least_squares));
+  CHECK(px(r, RejectionMethod::forces_predicted) < 1.1 * px(r, RejectionMethod::weights_predicted));
+  CHECK(px(r, RejectionMethod::on_doubt) < 1.1 * px(r, RejectionMethod::weights_predicted));
 }
 
 TEST_CASE("something that moves over the face: weights alone lose it, rejection by forces does not") {
   const OcclusionResult r = measure(Disturbance::moving, 0.35);
-  CHECK(px(r, Defence::least_squares) > px(r, Defence::weights));
-  CHECK(px(r, Defence::weights) > 2 * px(r, Defence::forces));
-  CHECK(px(r, Defence::forces) > px(r, Defence::forces_predicted));
-  CHECK(px(r, Defence::weights_predicted) > 3 * px(r, Defence::forces_predicted));
-  CHECK(lost(r, Defence::forces_predicted) == 0);
-  CHECK(px(r, Defence::on_doubt) < 0.5 * px(r, Defence::weights_predicted));
+  CHECK(px(r, RejectionMethod::least_squares) > px(r, RejectionMethod::weights));
+  CHECK(px(r, RejectionMethod::weights) > 2 * px(r, RejectionMethod::forces));
+  CHECK(px(r, RejectionMethod::forces) > px(r, RejectionMethod::forces_predicted));
+  CHECK(px(r, RejectionMethod::weights_predicted) > 3 * px(r, RejectionMethod::forces_predicted));
+  CHECK(lost(r, RejectionMethod::forces_predicted) == 0);
+  CHECK(px(r, RejectionMethod::on_doubt) < 0.5 * px(r, RejectionMethod::weights_predicted));
 }
 
 TEST_CASE("something that stands still before it: rejection needs forces at the predicted state") {
   const OcclusionResult r = measure(Disturbance::standing, 0.35);
-  CHECK(px(r, Defence::forces) > px(r, Defence::weights));
-  CHECK(px(r, Defence::forces_predicted) < 0.4 * px(r, Defence::weights_predicted));
-  CHECK(px(r, Defence::on_doubt) < 0.8 * px(r, Defence::weights_predicted));
+  CHECK(px(r, RejectionMethod::forces) > px(r, RejectionMethod::weights));
+  CHECK(px(r, RejectionMethod::forces_predicted) < 0.4 * px(r, RejectionMethod::weights_predicted));
+  CHECK(px(r, RejectionMethod::on_doubt) < 0.8 * px(r, RejectionMethod::weights_predicted));
 }
 
 TEST_CASE("a jaw that drops is no occluder: weights know, forces on the rigid block do not") {
   const OcclusionResult r = measure(Disturbance::expression, 0);
-  CHECK(px(r, Defence::forces) > 2 * px(r, Defence::weights));
-  CHECK(px(r, Defence::on_doubt) < 1.05 * px(r, Defence::weights_predicted));
+  CHECK(px(r, RejectionMethod::forces) > 2 * px(r, RejectionMethod::weights));
+  CHECK(px(r, RejectionMethod::on_doubt) < 1.05 * px(r, RejectionMethod::weights_predicted));
 }

@@ -1,7 +1,7 @@
 #pragma once
 /// \file bench.hpp
-/// The topics of `pliant bench`. Each prints rows `topic,peer,variant,metric,value`; times are medians over repeats in one
-/// process, to be compared with another program's of the same run.
+/// The topics of `pliant bench`. Each prints rows `topic,peer,variant,metric,value`. Times are medians over repeats in one
+/// process.
 #include <optional>
 #include <ostream>
 #include <string>
@@ -11,39 +11,41 @@
 
 namespace pliant::host {
 
-/// Stellar operators, restricted adaptation, criteria, memory. With a model also its own mesh.
+/// Times of stellar operators, restricted adaptation and criteria, and bytes of meshes. `model` may be null; if it is given,
+/// its mesh is measured too.
 void bench_mesh(std::ostream& out, const ModelFile* model);
 
-/// Corner selection and patch tracking against known motions. `pairs`: a folder of pairs of pictures with truth.csv;
-/// `motions`: folders of 00001.pgm ... with motion.csv, for the drift; `frames`: a recording, of which `count` are used.
+/// Inputs of bench_klt. Each is optional.
 struct KltInputs {
-  std::optional<std::string> pairs;
-  std::vector<std::string> motions;
-  std::optional<std::string> frames;
-  int count = 480;
+  std::optional<std::string> pairs;   ///< folder of pairs of pictures with truth.csv
+  std::vector<std::string> motions;   ///< folders of 00001.pgm ... and motion.csv, to measure drift
+  std::optional<std::string> frames;  ///< a recording
+  int count = 480;                    ///< frames of the recording that are read, at most
 };
+/// Time of corner selection and patch tracking, and errors against known motions.
 void bench_klt(std::ostream& out, const KltInputs& inputs);
 
-/// The minimum covariance determinant on generated data.
+/// Time of the minimum covariance determinant on generated data, and outliers that it misses.
 void bench_mcd(std::ostream& out);
 
-/// The tracker's whole step on rendered frames: time, against points, vertices, parameters and pixels, and error in the
-/// same runs.
+/// Time and error of Tracker::update on rendered frames, with the profiles and with several limits.
 void bench_track(std::ostream& out, const ModelFile& file);
-/// The same against points, vertices, pixels and parameters, one of them changed at a time: to plan with.
+/// The same, with one of points, vertices, pixels and parameters changed at a time.
 void bench_cost(std::ostream& out, const ModelFile& file);
-/// The error with corners only, with edges, with flow, and with all three, on a face without texture on one half.
+/// The error with corners only, with edges, with flow, and with all three, on a face that has texture on one half only.
 void bench_cues(std::ostream& out, const ModelFile& file);
-/// The error at the end of 5,000 frames, against that at the 50th.
+/// The error over 5,000 frames, one row for every eighth swing of the head.
 void bench_drift(std::ostream& out, const ModelFile& file);
-/// One frame's error with false observations, by each way to deal with them.
+/// Error and time of one frame's solve with false observations, for each method of rejection.
 void bench_occlusion(std::ostream& out, const ModelFile& model);
 
-/// Fields and Jacobians a second, baked and from the tables; what folding an identity saves, of the model if there is one.
+/// Positions and Jacobians a second, from cached samples and from the tables, and the time that a personalised identity
+/// saves. `model` may be null; a synthetic model is then personalised.
 void bench_fields(std::ostream& out, const ModelFile* model);
 
-/// The solver on the fitting problems of `folder` (bench_fit_problem.hpp tells their form), with solutions.csv beside them:
-/// `problem,prior,cost`. Times are of the minimisation alone, of the median problem; cost is measured in double.
+/// Time and accuracy of the solver on the fitting problems of `folder` (form: fit_problem.hpp). The folder has a
+/// solutions.csv with the optimum of each: `problem,prior,cost`. Times are of the minimisation alone, and the median over
+/// the problems. The cost is computed in double precision.
 void bench_fit(std::ostream& out, const std::string& folder);
 
 }  // namespace pliant::host

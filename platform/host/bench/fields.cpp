@@ -1,5 +1,5 @@
-// Fields and Jacobians a second at 1,900 surface points, from baked samples and from the tables, by how many fields are
-// active at each; and what folding a person's identity saves. The fields are synthetic: each covers the whole chart.
+// Positions and Jacobians a second at 1,900 surface points, from cached samples and from the tables, for several numbers of
+// active fields, and the time that a personalised identity saves. The fields are synthetic: each covers the whole chart.
 #include <cmath>
 #include <cstring>
 
@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kPoints = 1900;
 constexpr int kRuns = 9;
 
-/// A rest shape and so many vector fields of 128 x 128 samples in 16 bits; the first `identities` are a person's.
+/// A rest shape and `fields` vector fields of 128 x 128 samples in 16 bits. The first `identities` have identity parameters.
 struct SyntheticModel {
   std::vector<std::uint32_t> words;
   Model model;
@@ -73,7 +73,7 @@ struct Setting {
   }
 };
 
-// The optimiser must not drop what is measured.
+// Results are written here so that the optimiser cannot remove the measured code.
 volatile float sink;
 
 void times(const BenchRows& rows, const std::string& name, int fields, double us, double us_jacobian) {
@@ -83,7 +83,7 @@ void times(const BenchRows& rows, const std::string& name, int fields, double us
   rows(name, "us_1900_jacobians", us_jacobian);
 }
 
-void baked(const BenchRows& rows, Cascade& cascade, const Setting& s, int fields) {
+void cached(const BenchRows& rows, Cascade& cascade, const Setting& s, int fields) {
   const std::size_t stride = cascade.samples_per_point();
   std::vector<Vec3> points(kPoints * stride);
   for (std::size_t i = 0; i < kPoints; ++i) cascade.sample_point(s.uv[i], s.q.data(), &points[i * stride]);
@@ -99,7 +99,7 @@ void baked(const BenchRows& rows, Cascade& cascade, const Setting& s, int fields
       sum += cascade.evaluate(&points[i * stride], s.q.data(), &j).x + j.column[j.list[j.count - 1]].x;
     sink = sum;
   };
-  times(rows, "baked_" + std::to_string(fields), fields, median_microseconds(positions, kRuns),
+  times(rows, "cached_" + std::to_string(fields), fields, median_microseconds(positions, kRuns),
         median_microseconds(jacobians, kRuns));
 }
 
@@ -130,10 +130,10 @@ void resampled(const BenchRows& rows, Cascade& cascade, const Setting& s, int fi
   rows(name, "us_1900_tangents", median_microseconds(frames, kRuns));
 }
 
-/// Baking a new point and its tangents, with the identity sampled field by field and folded.
+/// Time to sample a new point and its tangents.
 void new_points(const BenchRows& rows, const std::string& name, Cascade& cascade, const Setting& s) {
   std::vector<Vec3> point(cascade.samples_per_point());
-  const auto bakes = [&] {
+  const auto samples = [&] {
     for (const Vec2 uv : s.uv) cascade.sample_point(uv, s.q.data(), point.data());
     sink = point[0].x;
   };
@@ -148,39 +148,40 @@ void new_points(const BenchRows& rows, const std::string& name, Cascade& cascade
     for (const Vec2 uv : s.uv) sum += cascade.selected_point(uv).x;
     sink = sum;
   };
-  const double share = 1.0 / static_cast<double>(kPoints);
+  const double per_point = 1.0 / static_cast<double>(kPoints);
   rows(name, "samples_a_point", static_cast<double>(cascade.sample_count()));
-  rows(name, "us_bake", share * median_microseconds(bakes, kRuns));
-  rows(name, "us_surface_frame", share * median_microseconds(frames, kRuns));
-  rows(name, "us_selected_point", share * median_microseconds(selected, kRuns));
+  rows(name, "us_sample_point", per_point * median_microseconds(samples, kRuns));
+  rows(name, "us_surface_frame", per_point * median_microseconds(frames, kRuns));
+  rows(name, "us_selected_point", per_point * median_microseconds(selected, kRuns));
 }
 
-void folding(const BenchRows& rows, const std::string& model_name, const Model& model) {
+void personalising(const BenchRows& rows, const std::string& model_name, const Model& model) {
   Setting s(model);
   BenchRandom random;
-  // A person, at rest: where the mesh is adapted and points are taken on.
+  // A person in the neutral expression: the state in which the mesh is adapted and points are added.
   for (std::size_t k = 0; k < s.q.size(); ++k)
     s.q[k] = model.parameters()[k].group == Group::identity ? 2 * random.unit() - 1 : 0;
   Owned<Cascade> exact(model);
   exact->set_free(Group::expression);
-  new_points(rows, model_name + "_identity_unfolded", *exact, s);
+  new_points(rows, model_name + "_identity_sampled", *exact, s);
   for (const std::uint16_t side : {std::uint16_t{32}, std::uint16_t{64}, std::uint16_t{128}}) {
-    Owned<Cascade> folded(model, PersonalFieldLimits{side, side});
-    folded->set_free(Group::expression);
-    const auto fold = [&] { require(folded->personalise(s.q.data()), "fold"); };
-    const std::string name = model_name + "_identity_folded_" + std::to_string(side);
-    rows(name, "ms_fold", 1e-3 * median_microseconds(fold, 3));
-    rows(name, "bytes", static_cast<double>(folded.used_bytes() - exact.used_bytes()));
+    Owned<Cascade> personalised(model, PersonalFieldLimits{side, side});
+    personalised->set_free(Group::expression);
+    const auto personalise = [&] { require(personalised->personalise(s.q.data()), "personalise"); };
+    const std::string name = model_name + "_identity_personalised_" + std::to_string(side);
+    rows(name, "ms_personalise", 1e-3 * median_microseconds(personalise, 3));
+    rows(name, "bytes", static_cast<double>(personalised.used_bytes() - exact.used_bytes()));
     double sum = 0;
     float worst = 0;
     for (const Vec2 uv : s.uv) {
-      const float off = length(folded->surface_point(uv, s.q.data()) - exact->surface_point(uv, s.q.data()));
+      const float off =
+          length(personalised->surface_point(uv, s.q.data()) - exact->surface_point(uv, s.q.data()));
       sum += static_cast<double>(off);
       worst = max(worst, off);
     }
     rows(name, "mean_error_mm", sum / static_cast<double>(kPoints));
     rows(name, "max_error_mm", static_cast<double>(worst));
-    new_points(rows, name, *folded, s);
+    new_points(rows, name, *personalised, s);
   }
 }
 
@@ -192,15 +193,15 @@ void bench_fields(std::ostream& out, const ModelFile* model) {
     const SyntheticModel synthetic(fields, 0);
     const Setting s(synthetic.model);
     Owned<Cascade> cascade(synthetic.model);
-    baked(rows, *cascade, s, fields);
+    cached(rows, *cascade, s, fields);
     resampled(rows, *cascade, s, fields, "bilinear");
     cascade->set_interpolation(Interpolation::bicubic);
     resampled(rows, *cascade, s, fields, "bicubic");
   }
   if (model == nullptr)
-    folding(rows, "synthetic", SyntheticModel(118, 100).model);
+    personalising(rows, "synthetic", SyntheticModel(118, 100).model);
   else
-    folding(rows, "model", model->model());
+    personalising(rows, "model", model->model());
 }
 
 }  // namespace pliant::host

@@ -1,4 +1,4 @@
-// Time, steps and accuracy of the solver on fitting problems written as text, beside the optimum of each.
+// Time, steps and accuracy of the solver on fitting problems that are text files. The optimum of each is known.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -16,9 +16,9 @@ namespace pliant::host {
 namespace {
 
 constexpr int kProblems = 10, kRepeats = 15;
-constexpr std::size_t kProblemsOfDynamics = 3;  // it takes long
+constexpr std::size_t kProblemsOfDynamics = 3;  // few, because each takes long
 
-/// splitmix64, as the program that wrote the problems draws from it.
+/// splitmix64. It continues the sequence of the program that wrote the problems.
 struct Generator {
   std::uint64_t state;
   double uniform() {
@@ -34,7 +34,7 @@ struct Generator {
   }
 };
 
-/// One problem and where it starts.
+/// One problem and its initial state.
 struct Case {
   LinearShapeFit fit;
   std::vector<double> camera, coefficients;
@@ -43,7 +43,7 @@ struct Case {
   explicit Case(const std::string& path)
       : fit(path), camera(fit.camera_start()), coefficients(fit.mode_count(), 0.0) {}
 
-  /// A frame later: near the truth, by the draws that follow those of the outliers.
+  /// Initial state of tracking: near the truth. Skips the random numbers that were used for the outliers.
   void start_near_truth(std::uint64_t seed) {
     Generator random{seed};
     for (std::size_t i = 0; i < 2 * (fit.point_count() / 10); ++i) random.uniform();

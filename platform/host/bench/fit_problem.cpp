@@ -10,7 +10,7 @@ namespace pliant::host {
 
 namespace {
 
-/// Words of the text, in order; complaints name the file.
+/// Reads the text word by word. Error messages name the file.
 class Words {
  public:
   explicit Words(const std::string& path) : path_(path), in_(read_file(path)) {}
@@ -45,7 +45,7 @@ class Words {
   std::istringstream in_;
 };
 
-/// Sum of products in four lanes, which the compiler may keep in one register.
+/// Sum of products in eight lanes, so that the compiler can use vector registers.
 float dot_product(const float* a, const float* b, std::size_t n) {
   float lane[8] = {};
   std::size_t k = 0;
@@ -80,7 +80,7 @@ LinearShapeFit::LinearShapeFit(const std::string& path) {
     x.x = value();
     x.y = value();
     observed_.push_back(x);
-    Vec3 p;  // the files' axes are the camera's; the model's differ in the sign of y and z
+    Vec3 p;  // the file has camera axes; y and z change sign in model axes
     p.x = value();
     p.y = -value();
     p.z = -value();

@@ -1,6 +1,7 @@
 // Corner selection and patch tracking on pairs of pictures with known motion. The folder holds, for SIZE 320x240 and
 // 640x480, A_SIZE.pgm, B_CASE_SIZE.pgm, points_SIZE_N.csv (x,y a line) and truth.csv: size, case, m00, m01, m10, m11, tx,
-// ty, ..., occluder; a point x of A is at c + M (x - c) + t in B, c the middle of the picture.
+// ty, ..., occluder; a point x of A is at
+// c + M (x - c) + t in B, where c is the centre of the picture.
 #include "host/bench/klt.hpp"
 
 #include "host/bench/bench.hpp"
@@ -67,7 +68,7 @@ PatchOptions strict() {
   return o;
 }
 
-// Half a window away from where the model predicts it, it is something else.
+// A match more than half a window from the prediction is rejected.
 PatchOptions strict_near(int window) {
   PatchOptions o = strict();
   o.max_move_px = 0.5f * static_cast<float>(window);
@@ -82,7 +83,7 @@ struct Region {
   }
 };
 
-constexpr double kMargin = 16;  // px that both ends of a motion keep from the border, and from what hides
+constexpr double kMargin = 16;  // px between both ends of a motion and the border or the occluder
 
 struct Case {
   std::string name;
@@ -114,7 +115,7 @@ std::vector<Vec2> read_points(const std::string& path) {
   return points;
 }
 
-// One case: from where the points were; or, predicted, from where the affinity says, with its warp.
+// Runs one case. The search starts at the old position or, if predicted, at the true motion with its warp.
 KltOutcome run_case(KltRig& rig, const std::vector<Vec2>& points, const Case& c, bool is_predicted) {
   const double w = rig.before->level(0).width, h = rig.before->level(0).height;
   const Region inner = Region{0, 0, w, h}.grown(-kMargin), hidden{0.3 * w, 0.25 * h, 0.6 * w, 0.75 * h};

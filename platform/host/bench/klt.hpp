@@ -1,6 +1,6 @@
 #pragma once
-/// \file bench_klt.hpp
-/// What the parts of `pliant bench klt` share: two pyramids and a tracker, motions, and what became of points.
+/// \file klt.hpp
+/// Common parts of `pliant bench klt`: two pyramids and a tracker, affine motions, and error statistics.
 #include "host/bench/rows.hpp"
 #include "host/io/owned.hpp"
 #include "host/io/pnm.hpp"
@@ -9,12 +9,13 @@
 
 namespace pliant::host {
 
-/// Bad input for what is no picture.
+/// Reads a PGM or PPM picture. A file that is none is bad input.
 LumaPicture read_luma(const std::string& path);
 FrameView view_of(const LumaPicture& picture);
 
 constexpr int kKltLevels = 3;
 
+/// Two frames and a tracker between them.
 struct KltRig {
   Owned<Pyramid> before, after;
   Owned<PatchTracker> tracker;
@@ -38,7 +39,7 @@ struct Affinity {
   }
 };
 
-/// Errors of the points that were kept, and how many were not.
+/// Errors (px) of the points that were kept, and counts of those that were tried, lost, or wrong by more than 1 px.
 struct KltOutcome {
   std::vector<double> errors;
   int tried = 0, lost = 0, wrong = 0, hidden = 0, hidden_kept = 0;
@@ -47,11 +48,11 @@ struct KltOutcome {
   void print(const BenchRows& row, const std::string& variant) const;
 };
 
-/// Corners, at least `distance` px apart, of the picture's allowed part (as find_corners takes it).
+/// The best `most` corners of the allowed cells (see find_corners); all cells if `allowed` is empty.
 std::vector<Vec2> best_corners(const ImageView& image, std::size_t most, const CornerOptions& options,
                                const std::vector<std::uint8_t>& allowed = {});
 
-/// The parts over many frames: drift over a known motion, and a recording.
+/// Drift over a known motion, and time on a recording.
 void bench_klt_drift(const BenchRows& row, const std::string& folder);
 void bench_klt_sequence(const BenchRows& row, const std::string& frames, int count);
 

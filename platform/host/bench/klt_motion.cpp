@@ -1,6 +1,6 @@
 // The patch tracker over many frames: its drift over a known motion, and its time on a recording. The folder of a motion
-// holds 00001.pgm ... and motion.csv without a header: frame, a, b, c, d, tx, ty, a point (x, y) of the first frame being
-// at (a x + b y + tx, c x + d y + ty).
+// holds 00001.pgm ... and motion.csv without a header: frame, a, b, c, d, tx, ty. A point (x, y) of the first frame is at
+// (a x + b y + tx, c x + d y + ty).
 #include <cstdio>
 
 #include "host/bench/klt.hpp"
@@ -12,7 +12,7 @@ namespace pliant::host {
 
 namespace {
 
-// The similarity that takes `from` to `to` in the least-squares sense, where `counts` says so.
+// The least-squares similarity from `from` to `to`, over the points whose flag in `counts` is set.
 Affinity similarity(const std::vector<Vec2>& from, const std::vector<Vec2>& to,
                     const std::vector<bool>& counts) {
   double n = 0, fx = 0, fy = 0, gx = 0, gy = 0;
@@ -33,7 +33,7 @@ Affinity similarity(const std::vector<Vec2>& from, const std::vector<Vec2>& to,
   return {a, -b, b, a, gx - a * fx + b * fy, gy - b * fx - a * fy};
 }
 
-// In the middle of the picture.
+// Corners in the middle of the picture.
 std::vector<Vec2> middle_corners(const ImageView& image, std::size_t most) {
   CornerOptions o;
   o.min_distance_px = 5;
@@ -52,7 +52,7 @@ std::string frame_path(const std::string& folder, int k) {
   return folder + name;
 }
 
-// Anchors of the first frame, followed by their own motion: each frame's similarity is the prediction of the next.
+// Tracks templates of the first frame. The similarity of each frame is the prediction of the next.
 struct Drift {
   KltRig rig;
   std::vector<Vec2> start, now;
@@ -66,10 +66,10 @@ struct Drift {
     for (std::size_t i = 0; i < start.size(); ++i)
       (void)rig.tracker->capture(static_cast<int>(i), *rig.before, start[i]);
   }
-  void follow(const LumaPicture& picture) {
+  void track(const LumaPicture& picture) {
     require(rig.after->build(view_of(picture)), "a frame");
-    // Twice: the first similarity of a frame is the better prediction for its second look.
-    for (int look = 0; look < 2; ++look) {
+    // The similarity of the first round is a better prediction for the second.
+    for (int round = 0; round < 2; ++round) {
       for (std::size_t i = 0; i < start.size(); ++i) {
         const PatchResult r =
             rig.tracker->track(static_cast<int>(i), *rig.after, predicted(start[i]), predicted.matrix());
@@ -88,7 +88,7 @@ void bench_drift(const BenchRows& row, const std::string& folder, int window) {
   const std::string name = folder.substr(folder.find_last_of('/') + 1);
   Drift drift(read_luma(frame_path(folder, 1)), window);
   for (int k = 2; k <= count; ++k) {
-    drift.follow(read_luma(frame_path(folder, k)));
+    drift.track(read_luma(frame_path(folder, k)));
     if (k != 2 && k != 26 && k != 51 && k != 101 && k != count) continue;
     const auto at = [&](const char* column) {
       return double(motions.number(static_cast<std::size_t>(k - 1), motions.column(column)));
@@ -101,7 +101,7 @@ void bench_drift(const BenchRows& row, const std::string& folder, int window) {
   }
 }
 
-// Corners from frame to frame, chosen anew when fewer than 70 % are left.
+// Tracks corners from frame to frame. Selects new ones when fewer than 70 % remain.
 struct Recording {
   KltRig rig;
   std::size_t want;
@@ -114,7 +114,7 @@ struct Recording {
       : rig(first.width, first.height, window, 0), want(points_wanted) {
     require(rig.before->build(first), "the first frame");
   }
-  void follow(const FrameView& frame) {
+  void track(const FrameView& frame) {
     CornerOptions corners;
     corners.min_distance_px = 5;
     corners.cell_px = 4;
@@ -153,7 +153,7 @@ void bench_recording(const BenchRows& row, const std::string& frames, int count,
   Recording r(frame, window, want);
   int read = 1;
   while (read < count && opened.source->next(frame) == Status::ok) {
-    r.follow(frame);
+    r.track(frame);
     ++read;
   }
   const std::string v = "sequence_" + std::to_string(frame.width) + "x" + std::to_string(frame.height) +

@@ -1,5 +1,5 @@
-// Times of the minimum covariance determinant on Gaussian data with 20 % of the rows shifted: one deterministic start,
-// six, and 500 random ones. Times are medians; "missed" counts outliers not flagged in the last run.
+// Times of the minimum covariance determinant on Gaussian data with 20 % of the rows shifted, from one deterministic start,
+// from six, and from 500 random ones. Times are medians. "missed" counts the outliers that are not flagged in the last run.
 #include "host/bench/bench.hpp"
 #include "host/bench/rows.hpp"
 #include "host/io/failure.hpp"
@@ -10,7 +10,7 @@ namespace pliant::host {
 
 namespace {
 
-/// splitmix64, and sums of twelve uniform numbers as normal ones: the same data everywhere.
+/// splitmix64. Normal numbers are sums of twelve uniform ones, so that the data are the same on every machine.
 struct Generator {
   std::uint64_t state;
 

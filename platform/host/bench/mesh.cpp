@@ -26,7 +26,7 @@ struct Times {
   double median() const { return host::median(ns); }
 };
 
-std::ostream* rows;  // where the rows go; set once a run
+std::ostream* rows;  // output of all rows; set at the start of bench_mesh
 
 void row(const std::string& variant, const char* metric, double value) {
   *rows << "mesh,pliant," << variant << "," << metric << "," << value << "\n";
@@ -53,10 +53,9 @@ struct Grid {
   std::vector<std::uint16_t> corners;
 
   explicit Grid(int n) {
-    const auto share = 1.0f / static_cast<float>(n);
+    const auto cell = 1.0f / static_cast<float>(n);
     for (int j = 0; j <= n; ++j)
-      for (int i = 0; i <= n; ++i)
-        uv.push_back({share * static_cast<float>(i), share * static_cast<float>(j)});
+      for (int i = 0; i <= n; ++i) uv.push_back({cell * static_cast<float>(i), cell * static_cast<float>(j)});
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
         const auto at = [&](int x, int y) { return static_cast<std::uint16_t>((j + y) * (n + 1) + i + x); };
@@ -91,8 +90,8 @@ Vec3 relief(void*, Vec2 uv) {
   return {160 * uv.x, 200 * uv.y, z};
 }
 
-// Random edges, any of them (a free mesh), or random ones that are ready (a restricted mesh), and back,
-// newest first. Which edges is decided in a trial run, so that only the operators are timed.
+// Splits random edges: any edge of a free mesh, or subdivision edges of a restricted mesh. The restricted mesh is then welded
+// back, newest vertex first. A trial run chooses the edges, so that only the operators are timed.
 void bare_operators(int n, int target, bool restricted) {
   const Grid base(n);
   Bench b(kLarge);
@@ -189,7 +188,7 @@ void contour(int n, int vertices) {
   row(v, "mean_error_mm", static_cast<double>(mean));
 }
 
-// What a tracker does between two frames: 64 splits and welds on a mesh at its budget, ranks as they are.
+// The mesh update between two frames of a tracker: 64 splits and welds on a mesh at its budget, without new ranks.
 void budgeted_pass() {
   const Grid base(8);
   ContourOptions fine;
@@ -230,7 +229,7 @@ void memory(int faces) {
       static_cast<double>(measured_bytes<Adapter>(l)) / faces);
 }
 
-/// The built-in face, or whichever model is given, from its base to so many vertices by the contour criterion.
+/// Refines the base mesh of a model to `vertices` vertices by the contour criterion.
 void model_contour(const ModelFile& file, int vertices) {
   const Model& model = file.model();
   ModelSurface surface(model, std::vector<float>(model.parameters().count, 0.0f));

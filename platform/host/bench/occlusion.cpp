@@ -1,4 +1,5 @@
-// `pliant bench occlusion`: the table of docs/algorithms.md, section 6.5, on a model of ours, with the estimator as it is.
+// `pliant bench occlusion`: the occlusion experiment with the estimator and each rejection method (docs/algorithms.md,
+// section 6.5).
 #include "host/bench/bench.hpp"
 #include "host/bench/occlusion_experiment.hpp"
 
@@ -8,7 +9,7 @@ void bench_occlusion(std::ostream& out, const ModelFile& model) {
   struct Case {
     const char* name;
     Disturbance disturbance;
-    double share;
+    double fraction;
   };
   constexpr Case kCases[] = {{"none", Disturbance::none, 0},
                              {"random_20", Disturbance::random, 0.20},
@@ -19,11 +20,11 @@ void bench_occlusion(std::ostream& out, const ModelFile& model) {
                              {"standing_35", Disturbance::standing, 0.35},
                              {"jaw_drops", Disturbance::expression, 0}};
   for (const Case& c : kCases) {
-    const OcclusionResult r = measure_occlusion(model.model(), c.disturbance, c.share, 20, 10);
-    for (int d = 0; d < kDefences; ++d) {
-      const std::string variant = std::string(c.name) + "_" + name_of(static_cast<Defence>(d));
+    const OcclusionResult r = measure_occlusion(model.model(), c.disturbance, c.fraction, 20, 10);
+    for (int d = 0; d < kMethods; ++d) {
+      const std::string variant = std::string(c.name) + "_" + name_of(static_cast<RejectionMethod>(d));
       out << "occlusion,pliant," << variant << ",mean_px," << r.mean_px[d] << "\n";
-      out << "occlusion,pliant," << variant << ",share_over_3px," << r.share_over_3px[d] << "\n";
+      out << "occlusion,pliant," << variant << ",fraction_over_3px," << r.fraction_over_3px[d] << "\n";
       out << "occlusion,pliant," << variant << ",us_a_solve," << r.us[d] << "\n";
     }
   }

@@ -16,7 +16,7 @@ constexpr int kWidth = 320, kHeight = 240;
 constexpr std::size_t kPoints = 120;
 constexpr float kNoisePx = 0.4f;
 
-/// Everything random about it. The generator's numbers are the same everywhere, a distribution's need not be.
+/// Random numbers. std::mt19937 gives the same numbers everywhere; the distributions of the standard library may not.
 class Dice {
  public:
   float uniform(float low, float high) {
@@ -37,7 +37,7 @@ struct Situation {
   std::vector<float> q;
 };
 
-/// A person, a pose and points, and an estimator for each defence.
+/// A person, a pose and points, and an estimator for each rejection method.
 class Scene {
  public:
   Scene(const Model& model, Dice& dice) : model_(model), dice_(dice), truth_(model) {
@@ -54,12 +54,12 @@ class Scene {
     EstimatorLimits limits;
     limits.points = kPoints;
     limits.vertices = 1024;
-    for (int d = 0; d < kDefences; ++d) {
+    for (int d = 0; d < kMethods; ++d) {
       estimators_.push_back(std::make_unique<Owned<Estimator>>(model, limits));
       EstimatorOptions options;
       options.mesh_error_mm = 100;
-      options.model_error_mm = 0.6f;  // the points are the model's own
-      options.rejection = rejection_of(static_cast<Defence>(d));
+      options.model_error_mm = 0.6f;  // the points are on the model's surface
+      options.rejection = rejection_of(static_cast<RejectionMethod>(d));
       Estimator& e = **estimators_.back();
       require(e.start(camera, kWidth, kHeight, pose, before_.q.data(), nullptr, options), "occlusion");
       if (d == 0) choose_points(e);
@@ -70,7 +70,7 @@ class Scene {
     }
   }
 
-  void run(Disturbance disturbance, double share, OcclusionResult* sum) {
+  void run(Disturbance disturbance, double fraction, OcclusionResult* sum) {
     Situation after = moved_from(before_, 1), foreign = moved_from(before_, 3);
     if (disturbance == Disturbance::expression) {
       const std::uint16_t jaw = model_.find_parameter("jawOpen");
@@ -78,30 +78,30 @@ class Scene {
     }
     foreign.q = before_.q;
     const Situation predicted = between(before_, after);
-    std::vector<Observation> seen = observe(after, foreign, disturbance, share);
-    for (int d = 0; d < kDefences; ++d) {
+    std::vector<Observation> seen = observe(after, foreign, disturbance, fraction);
+    for (int d = 0; d < kMethods; ++d) {
       std::vector<Observation> copy = seen;
-      const bool predicts = d >= static_cast<int>(Defence::weights_predicted);
+      const bool predicts = d >= static_cast<int>(RejectionMethod::weights_predicted);
       const double error = solve(**estimators_[static_cast<std::size_t>(d)], predicts ? predicted : before_,
                                  after, copy, &sum->us[d]);
       sum->mean_px[d] += error;
-      sum->share_over_3px[d] += error > 3;
+      sum->fraction_over_3px[d] += error > 3;
     }
   }
 
  private:
-  static Rejection rejection_of(Defence d) {
+  static Rejection rejection_of(RejectionMethod d) {
     switch (d) {
-      case Defence::least_squares:
+      case RejectionMethod::least_squares:
         return Rejection::none;
-      case Defence::weights:
-      case Defence::weights_predicted:
+      case RejectionMethod::weights:
+      case RejectionMethod::weights_predicted:
         return Rejection::weights;
-      case Defence::forces:
+      case RejectionMethod::forces:
         return Rejection::forces;
-      case Defence::forces_predicted:
+      case RejectionMethod::forces_predicted:
         return Rejection::forces_readmitted;
-      case Defence::on_doubt:
+      case RejectionMethod::on_doubt:
         break;
     }
     return Rejection::on_doubt;
@@ -130,7 +130,7 @@ class Scene {
     return out;
   }
 
-  /// Four fifths of the way, give or take a tenth.
+  /// A state at a fraction 0.8 (standard deviation 0.1) of the motion from a to b.
   Situation between(const Situation& a, const Situation& b) {
     const Vec3 turn = log_rotation(b.view.q * conjugate(a.view.q));
     const auto part = [&] { return 0.8f + 0.1f * dice_.normal(); };
@@ -152,7 +152,7 @@ class Scene {
   }
 
   std::vector<Observation> observe(const Situation& after, const Situation& foreign, Disturbance disturbance,
-                                   double share) {
+                                   double fraction) {
     const bool is_clean = disturbance == Disturbance::none || disturbance == Disturbance::expression;
     const Vec2 middle = image_of(before_, static_cast<std::size_t>(dice_.uniform(0, kPoints - 0.5f)));
     std::vector<std::pair<float, std::size_t>> order;
@@ -162,7 +162,7 @@ class Scene {
            i});
     std::sort(order.begin(), order.end());
     std::vector<bool> is_false(kPoints, false);
-    for (std::size_t k = 0; !is_clean && k < static_cast<std::size_t>(share * kPoints); ++k)
+    for (std::size_t k = 0; !is_clean && k < static_cast<std::size_t>(fraction * kPoints); ++k)
       is_false[order[k].second] = true;
     std::vector<Observation> out(kPoints);
     for (std::size_t i = 0; i < kPoints; ++i) {
@@ -209,25 +209,25 @@ class Scene {
 
 }  // namespace
 
-const char* name_of(Defence defence) {
-  constexpr const char* kNames[kDefences] = {
+const char* name_of(RejectionMethod method) {
+  constexpr const char* kNames[kMethods] = {
       "least_squares",     "weights", "forces", "weights_predicted", "forces_predicted_readmitted",
       "on_doubt_predicted"};
-  return kNames[static_cast<int>(defence)];
+  return kNames[static_cast<int>(method)];
 }
 
-OcclusionResult measure_occlusion(const Model& model, Disturbance disturbance, double share, int scenes,
+OcclusionResult measure_occlusion(const Model& model, Disturbance disturbance, double fraction, int scenes,
                                   int trials_a_scene) {
   Dice dice;
   OcclusionResult result;
   for (int s = 0; s < scenes; ++s) {
     Scene scene(model, dice);
-    for (int t = 0; t < trials_a_scene; ++t) scene.run(disturbance, share, &result);
+    for (int t = 0; t < trials_a_scene; ++t) scene.run(disturbance, fraction, &result);
   }
   const double n = static_cast<double>(scenes) * trials_a_scene;
-  for (int d = 0; d < kDefences; ++d) {
+  for (int d = 0; d < kMethods; ++d) {
     result.mean_px[d] /= n;
-    result.share_over_3px[d] /= n;
+    result.fraction_over_3px[d] /= n;
     result.us[d] /= n;
   }
   return result;

@@ -1,6 +1,6 @@
 #pragma once
 /// \file random.hpp
-/// A small generator (xorshift), so that a benchmark does the same work on every machine.
+/// A random generator (xorshift) with the same numbers on every machine.
 #include <cstddef>
 #include <cstdint>
 

@@ -1,4 +1,4 @@
-// `pliant bench track`: the whole step of the tracker on rendered frames, and how good it is in that very configuration.
+// `pliant bench track`: time and error of Tracker::update on rendered frames, from the same runs.
 #include <algorithm>
 #include <cmath>
 #include <ctime>
@@ -18,12 +18,13 @@ namespace {
 
 constexpr std::size_t kUnique = 40, kTracked = 160;
 
-/// What a film's head looks like: of Scene::flatten_half and Scene::speckle, and its share of the picture's height.
-struct Look {
+/// Appearance of the rendered head: arguments of Scene::flatten_half and Scene::speckle, and the head's height as a fraction
+/// of the picture's.
+struct Appearance {
   float flat_step_grey = 0, speckle = 0, height = 0.6f;
 };
 
-/// A head that turns, nods, comes nearer and talks, played to and fro.
+/// Frames of a head that turns, nods, approaches the camera and talks. They are shown forwards and backwards in turn.
 struct Film {
   ImageSize size;
   Camera camera;
@@ -31,14 +32,14 @@ struct Film {
   std::vector<Pose> poses;
   std::vector<std::vector<float>> q;
 
-  Film(const Model& model, ImageSize picture, const Look& look = {})
+  Film(const Model& model, ImageSize picture, const Appearance& appearance = {})
       : size(picture), camera(centred_camera(size.width, size.height, default_focal(size))) {
     Scene scene(model, size.width, size.height);
-    scene.flatten_half(look.flat_step_grey);
-    scene.speckle(look.speckle);
+    scene.flatten_half(appearance.flat_step_grey);
+    scene.speckle(appearance.speckle);
     const Image background = make_background(size.width, size.height, 5);
     const std::vector<float> rest(model.parameters().count, 0.0f);
-    const Pose frontal = frontal_pose(model, rest.data(), camera, size.height, look.height);
+    const Pose frontal = frontal_pose(model, rest.data(), camera, size.height, appearance.height);
     const std::uint16_t jaw = model.find_parameter("jawOpen"), brow = model.find_parameter("browInnerUpLeft"),
                         smile = model.find_parameter("mouthSmileLeft");
     for (std::size_t k = 0; k < kUnique; ++k) {
@@ -91,7 +92,7 @@ double landmark_error(const Model& model, const Film& film, std::size_t n, Track
   return sum / static_cast<double>(std::max<std::size_t>(model.landmarks().count, 1));
 }
 
-/// Times are of the processor, not of the clock on the wall: other programs do not count.
+/// Times are processor times, so that other programs do not add to them.
 Measured measure(const Model& model, const Film& film, TrackerLimits limits, const TrackerOptions& options) {
   limits.width = static_cast<std::uint16_t>(film.size.width);
   limits.height = static_cast<std::uint16_t>(film.size.height);
@@ -128,7 +129,7 @@ void print(std::ostream& out, const std::string& variant, const Measured& m, con
   row("worst_ms", m.worst_milliseconds);
   row("rotation_deg", m.rotation_deg);
   row("landmark_px", m.landmark_px);
-  row("share_tracked", m.tracked);
+  row("tracked_fraction", m.tracked);
   row("patches_found", m.patches);
   row("vertices", m.vertices);
   row("arena_bytes", m.bytes);
@@ -151,9 +152,9 @@ TrackerLimits sized(std::uint16_t points, std::uint16_t vertices) {
 void bench_track(std::ostream& out, const ModelFile& file) {
   const Model& model = file.model();
   TrackerOptions options;
-  options.estimator.mesh_error_mm = 0.02f;  // so that every vertex allowed is used
-  // A face by itself has no texture for 500 patches in so many pixels; one that is made up and fills the picture has.
-  // patches_found tells how many points there were in the mean frame: some are hidden while the head is turned.
+  options.estimator.mesh_error_mm = 0.02f;  // small, so that the mesh uses its whole budget
+  // The texture of a face does not have 500 corners at these image sizes. A speckled face that fills the picture has.
+  // patches_found is the mean number of points a frame; some are occluded while the head is turned.
   TrackerLimits many = sized(600, 1900);
   many.patches = 600;
   many.key_patches = 0;
@@ -182,7 +183,7 @@ void bench_track(std::ostream& out, const ModelFile& file) {
         measure(model, small, sized(500, 1900), options));
 }
 
-/// From 200 points, 512 vertices, the expressions and 320 x 240 pixels one thing at a time is changed.
+/// One limit at a time is changed from 200 points, 512 vertices, the expression parameters and 320 x 240 pixels.
 void bench_cost(std::ostream& out, const ModelFile& file) {
   const Model& model = file.model();
   const Film film(model, {320, 240});
@@ -197,7 +198,7 @@ void bench_cost(std::ostream& out, const ModelFile& file) {
     row("vertices " + std::to_string(vertices), film, sized(200, static_cast<std::uint16_t>(vertices)));
   for (const ImageSize size : {ImageSize{160, 120}, ImageSize{640, 480}, ImageSize{1280, 960}})
     row("pixels " + text_of(size), Film(model, size), sized(200, 512));
-  // Expressions first, as many as asked for; then the identity as well.
+  // Expression parameters first, then identity parameters.
   std::vector<std::uint8_t> is_free(model.parameters().count, 0);
   options.is_free = is_free.data();
   std::size_t count = 0, next = 0;
@@ -251,7 +252,7 @@ void bench_drift(std::ostream& out, const ModelFile& file) {
     FrameResult result;
     require(tracker->update(film.view(n), &result), "frame");
     sum += landmark_error(model, film, n, *tracker, *cascade);
-    if (n % kCycle != 0) continue;  // a whole swing
+    if (n % kCycle != 0) continue;  // a whole swing of the head
     const std::size_t swing = n / kCycle;
     if (swing == 1 || swing % 8 == 0)
       out << "drift,pliant,swing to frame " << n << ",landmark_px," << sum / kCycle << "\n";
