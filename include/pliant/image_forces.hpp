@@ -29,8 +29,8 @@ struct ForceOptions {
 ///   zero in most rows has no spread.
 /// - Forces are formed at the predicted state, where the true forces are the tight cluster near zero. At the old state an
 ///   occluder at rest is that cluster.
-/// - The quantile is nominal, since the rows are a mixture of planes: about one true force in six is rejected. Take
-///   rejected forces back after the first solve, if their residual fits (`readmit`).
+/// - The quantile is nominal, since the rows are a mixture of planes: about one true force in six is rejected. After the
+///   first solve, use rejected forces with a small residual again (Rejection::forces_readmitted does).
 class ForceRejector {
  public:
   /// `limits.columns` is the size of the block, at most kForceMaxColumns. Bytes: those of `Mcd` and 4 a value.
@@ -71,13 +71,5 @@ class ForceRejector {
   float* row_ = nullptr;
   std::size_t row_capacity_ = 0, column_capacity_ = 0;
 };
-
-/// Re-admission after the first solve: keeps exactly the points whose residual (px) is finite and at most `factor` times the
-/// robust scale of the residuals kept so far, which counts as at least `noise_px`. Two or three more robust iterations
-/// should follow.
-/// \param scratch  a float a point.
-/// \return how many points are kept.
-std::size_t readmit(const Vec2* residual, std::size_t rows, float factor, float noise_px, float* scratch,
-                    std::uint8_t* keep);
 
 }  // namespace pliant

@@ -142,18 +142,4 @@ Status ForceRejector::reject(const float* jacobian, const Vec2* force, std::size
   return Status::ok;
 }
 
-std::size_t readmit(const Vec2* residual, std::size_t rows, float factor, float noise_px, float* scratch,
-                    std::uint8_t* keep) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < rows; ++i)
-    if (keep[i] != 0 && is_finite(residual[i])) scratch[kept++] = length(residual[i]);
-  const float limit = factor * max(robust_scale(scratch, kept), noise_px);
-  kept = 0;
-  for (std::size_t i = 0; i < rows; ++i) {
-    keep[i] = is_finite(residual[i]) && length(residual[i]) <= limit ? 1 : 0;
-    kept += keep[i];
-  }
-  return kept;
-}
-
 }  // namespace pliant

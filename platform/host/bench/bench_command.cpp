@@ -78,7 +78,7 @@ Command bench_command() {
       "mcd | track|cost|cues|drift|occlusion --model face.plm | fit --problems FOLDER",
       {{"--model", "PLM", "a model to measure with; optional for mesh and fields"},
        {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
-       {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", true, true},
+       {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", true},
        {"--frames", "VIDEO", "a Y4M file or folder of pictures, to time tracking on"},
        {"--problems", "FOLDER", "fitting problems as text, and solutions.csv with the optimum of each"},
        {"--count", "N", "frames of --frames that are read, at most; default 480"}},

@@ -21,7 +21,6 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
     for (const Option& o : options)
       if (name == o.name) option = &o;
     if (option == nullptr) fail_usage("unknown option " + name);
-    if (!option->in_this_build) fail_usage(name + " is not available in this build");
     if (values_.count(name) != 0 && !option->may_repeat) fail_usage(name + " is given twice");
     if (option->value == nullptr) {
       if (equals != std::string::npos) fail_usage(name + " takes no value");

@@ -14,7 +14,6 @@ struct Option {
   const char* name;   ///< with its dashes: "-o", "--size"
   const char* value;  ///< name of the value in the help; null for a flag
   const char* help;
-  bool in_this_build = true;  ///< false: refused with a message of its own
   bool may_repeat = false;
 };
 

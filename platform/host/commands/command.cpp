@@ -25,7 +25,6 @@ void print_help(std::ostream& out) {
 void print_help(const Command& command, std::ostream& out) {
   out << "usage: pliant " << command.name << " " << command.usage << "\n" << command.summary << "\n";
   for (const Option& o : command.options) {
-    if (!o.in_this_build) continue;
     std::string left = std::string("  ") + o.name + (o.value == nullptr ? "" : std::string(" ") + o.value);
     left.resize(std::max<std::size_t>(left.size() + 2, 30), ' ');
     out << left << o.help << "\n";

@@ -163,7 +163,7 @@ Command mesh_command() {
            {"--threshold", "X",
             "normals: degrees between faces (30); contour: mean error of a triangle in mm (0.3)"},
            {"--budget", "N", "most vertices; without a threshold, the best mesh of so many"},
-           {"--param", "NAME=VALUE", "a parameter of the model; may be given several times", true, true},
+           {"--param", "NAME=VALUE", "a parameter of the model; may be given several times", true},
            {"-o", "FILE", "the mesh to write: OBJ, PLY or GLB by its ending"},
            {"--uv-svg", "SVG", "the mesh over the chart, tinted by level"},
            {"--figure", "PNG", "all criteria side by side: chart, surface, texture"},

@@ -78,10 +78,10 @@ Image draw_grid(const ModelFile& file, const std::string& people, const std::str
   for (std::size_t c = 0; c < persons.rows.size(); ++c) {
     const int x = margin + static_cast<int>(c) * step_x;
     const std::string& name = persons.names[c];
-    draw_text(grid, x + (cell.width - text_width(name, 1)) / 2, kTextSpace, name, 1, {});
+    draw_text(grid, x + (cell.width - text_width(name, 1)) / 2, kTextSpace, name, {});
     for (std::size_t r = 0; r < moods.rows.size(); ++r) {
       const int y = head + static_cast<int>(r) * step_y;
-      if (c == 0) draw_text(grid, kTextSpace, y + (cell.height - kTextHeight) / 2, moods.names[r], 1, {});
+      if (c == 0) draw_text(grid, kTextSpace, y + (cell.height - kTextHeight) / 2, moods.names[r], {});
       const auto q = combined(model, persons.rows[c], moods.rows[r]);
       paste(grid, scene.draw(q.data(), moods.rows[r].pose, camera, paper, persons.tones[c]), x, y);
       progress.show(c * moods.rows.size() + r);

@@ -104,25 +104,26 @@ void draw_ring(Image& image, Vec2 centre, float radius, float width, Colour colo
         [&](Vec2 p) { return 0.5f * width + 0.5f - magnitude(length(p - centre) - radius); });
 }
 
-void fill_box(Image& image, int x, int y, int width, int height, Colour colour, float opacity) {
-  for (int j = y; j < y + height; ++j)
-    for (int i = x; i < x + width; ++i) blend(image, i, j, colour, opacity);
+void fill_box(Image& image, const ImageBox& box, Colour colour, float opacity) {
+  for (int j = box.y; j < box.y + box.height; ++j)
+    for (int i = box.x; i < box.x + box.width; ++i) blend(image, i, j, colour, opacity);
 }
 
 void draw_border(Image& image, int thickness, Colour colour) {
-  fill_box(image, 0, 0, image.width, thickness, colour, 1);
-  fill_box(image, 0, image.height - thickness, image.width, thickness, colour, 1);
-  fill_box(image, 0, 0, thickness, image.height, colour, 1);
-  fill_box(image, image.width - thickness, 0, thickness, image.height, colour, 1);
+  fill_box(image, {0, 0, image.width, thickness}, colour, 1);
+  fill_box(image, {0, image.height - thickness, image.width, thickness}, colour, 1);
+  fill_box(image, {0, 0, thickness, image.height}, colour, 1);
+  fill_box(image, {image.width - thickness, 0, thickness, image.height}, colour, 1);
 }
 
-void draw_text(Image& image, int x, int y, std::string_view text, int scale, Colour colour, float opacity) {
+void draw_text(Image& image, int x, int y, std::string_view text, const TextStyle& style) {
+  const int scale = style.scale;
   for (const char c : text) {
     if (const Glyph* glyph = find_glyph(c))
       for (int row = 0; row < kTextHeight; ++row)
         for (int column = 0; column < 5; ++column)
           if ((glyph->rows[row] >> (4 - column)) & 1)
-            fill_box(image, x + column * scale, y + row * scale, scale, scale, colour, opacity);
+            fill_box(image, {x + column * scale, y + row * scale, scale, scale}, style.colour, style.opacity);
     x += 6 * scale;
   }
 }

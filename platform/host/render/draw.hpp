@@ -17,15 +17,25 @@ void draw_line(Image& image, Vec2 a, Vec2 b, float width, Colour colour, float o
 void draw_dot(Image& image, Vec2 centre, float radius, Colour colour, float opacity);
 /// A circle line, `width` pixels wide.
 void draw_ring(Image& image, Vec2 centre, float radius, float width, Colour colour, float opacity);
-void fill_box(Image& image, int x, int y, int width, int height, Colour colour, float opacity);
+
+/// A rectangle of pixels. (x, y) is its upper left pixel.
+struct ImageBox {
+  int x, y, width, height;
+};
+/// Blends a colour into all pixels of a box.
+void fill_box(Image& image, const ImageBox& box, Colour colour, float opacity);
 /// Draws a border along the edges of the picture.
 void draw_border(Image& image, int thickness, Colour colour);
 
-/// Draws text in a 5 x 7 font whose dots are `scale` x `scale` pixels; (x, y) is its upper left corner. All letters are
-/// capitals.
-void draw_text(Image& image, int x, int y, std::string_view text, int scale, Colour colour,
-               float opacity = 1);
-/// Width of such a text in pixels.
+/// How text is drawn.
+struct TextStyle {
+  int scale = 1;  ///< pixels, width and height of one dot of the font
+  Colour colour;
+  float opacity = 1;  ///< 0..1
+};
+/// Draws text in a 5 x 7 font of capitals; (x, y) is its upper left corner.
+void draw_text(Image& image, int x, int y, std::string_view text, const TextStyle& style);
+/// Width in pixels of a text at that scale.
 int text_width(std::string_view text, int scale);
 constexpr int kTextHeight = 7;
 

@@ -160,9 +160,9 @@ void draw_caption(Image& figure, int x, int y, const char* title, const ModelMes
                 mesh.mesh().face_count());
   std::snprintf(text[1], sizeof text[1], "error: mean %.2f max %.1f mm", static_cast<double>(error.mean_mm),
                 static_cast<double>(error.max_mm));
-  draw_text(figure, x + 4, y, title, 2, kInk);
-  draw_text(figure, x + 4, y + 19, text[0], 1, kInk);
-  draw_text(figure, x + 4, y + 31, text[1], 1, kInk);
+  draw_text(figure, x + 4, y, title, {2, kInk, 1});
+  draw_text(figure, x + 4, y + 19, text[0], {1, kInk, 1});
+  draw_text(figure, x + 4, y + 31, text[1], {1, kInk, 1});
 }
 
 struct Column {

@@ -103,8 +103,8 @@ void Overlay::draw_caption(const std::string& text) {
   const int scale = std::max(1, (image_.width + 160) / 320), margin = 2 * scale, border = 4;
   const int height = kTextHeight * scale + 2 * margin;
   const int y = image_.height - border - height;
-  fill_box(image_, border, y, text_width(text, scale) + 2 * margin, height, {0, 0, 0}, 0.55f);
-  draw_text(image_, border + margin, y + margin, text, scale, {255, 255, 255}, 0.95f);
+  fill_box(image_, {border, y, text_width(text, scale) + 2 * margin, height}, {0, 0, 0}, 0.55f);
+  draw_text(image_, border + margin, y + margin, text, {scale, {255, 255, 255}, 0.95f});
 }
 
 void Overlay::draw_state(TrackState state) {

@@ -298,7 +298,7 @@ TEST_CASE("a line covers its length once, a dot its area, and neither leaves the
   draw_line(image, {-1e9f, 3}, {1e9f, 40}, 2, {9, 9, 9}, 1);
   draw_line(image, {-30, -30}, {90, 95}, 3, {9, 9, 9}, 1);
   draw_dot(image, {NAN, 4}, 3, {1, 1, 1}, 1);
-  draw_text(image, 55, 60, "outside 0.5%", 2, {1, 1, 1});
+  draw_text(image, 55, 60, "outside 0.5%", {2, {1, 1, 1}, 1});
 }
 
 TEST_CASE("enlarging keeps positions: the centre of a spot moves with the picture") {

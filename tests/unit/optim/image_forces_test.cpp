@@ -172,6 +172,15 @@ struct RejectorRunner {
   ForceRejector rejector;
 };
 
+/// Keeps the points whose residual is at most 3.5 times the robust scale of those kept so far, as the frame solver does.
+void readmit(const std::vector<Vec2>& residual, std::vector<std::uint8_t>& keep) {
+  std::vector<float> kept;
+  for (std::size_t i = 0; i < keep.size(); ++i)
+    if (keep[i] != 0) kept.push_back(length(residual[i]));
+  const float limit = 3.5f * max(robust_scale(kept.data(), kept.size()), 0.1f);
+  for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = length(residual[i]) <= limit;
+}
+
 constexpr int kTrials = kSanitized ? 10 : 40;
 
 Result experiment(Outliers kind, double fraction, bool at_prediction) {
@@ -191,8 +200,7 @@ Result experiment(Outliers kind, double fraction, bool at_prediction) {
     std::vector<std::uint8_t> keep = runner.reject(scene, trial, McdStarts::median_ball);
     Parameters q = solve(scene, trial, keep, 10);
     add(mean.rejection, q);
-    std::vector<float> scratch(kPoints);
-    readmit(residuals(scene, trial, q).data(), kPoints, 3.5f, 0.1f, scratch.data(), keep.data());
+    readmit(residuals(scene, trial, q), keep);
     add(mean.readmission, solve(scene, trial, keep, 3, q, true));
   }
   return mean;
@@ -312,21 +320,4 @@ TEST_CASE("few points are all kept, and bad arguments change nothing") {
     ForceRejector other;
     CHECK(create_in(arena, other, runner.limits) == Status::out_of_memory);
   }
-}
-
-TEST_CASE("re-admission: by the scale of those kept, and never below the noise") {
-  std::vector<Vec2> residual(20, Vec2{0.3f, 0.4f});
-  std::vector<float> scratch(20);
-  std::vector<std::uint8_t> keep(20, 1);
-  keep[4] = keep[5] = keep[6] = 0;
-  residual[5] = {3, 0};
-  residual[6].x = std::numeric_limits<float>::quiet_NaN();
-  residual[7] = {0, -2};
-  CHECK(readmit(residual.data(), 20, 3.5f, 0.1f, scratch.data(), keep.data()) == 17);
-  CHECK(keep[4] == 1);
-  CHECK((keep[5] == 0 && keep[6] == 0 && keep[7] == 0));
-  std::vector<Vec2> still(20);
-  still[9] = {0.2f, 0};
-  CHECK(readmit(still.data(), 20, 3.5f, 0.1f, scratch.data(), keep.data()) == 20);
-  CHECK(readmit(still.data(), 20, 3.5f, 0.0f, scratch.data(), keep.data()) == 19);
 }
