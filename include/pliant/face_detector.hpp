@@ -29,8 +29,8 @@ struct Candidate;
 /// Capacities of a FaceDetector.
 struct FaceDetectorLimits {
   std::uint16_t width = 320, height = 240;  ///< of the frames, px
-  /// Height of the smallest inner face relative to the frame's height, 0.15 to 0.6. The inner face reaches from the
-  /// brows to the lips, seven tenths of the built-in face. Memory and time are proportional to 1 / its square.
+  /// Larger side of the smallest inner face, as a fraction of the frame's height, 0.15 to 0.6. The inner face reaches from
+  /// the brows to the lips. Memory and time grow with 1 / smallest_fraction^2.
   float smallest_fraction = 0.22f;
 };
 

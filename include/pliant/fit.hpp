@@ -29,7 +29,7 @@ struct FitLimits {
   bool silhouette = false;     ///< room for silhouette points: about 16 bytes a base vertex and 9 KiB
 };
 
-/// How the cost is minimised: damped Gauss-Newton, or the published dynamics (solver.hpp).
+/// How the cost is minimised: by Levenberg-Marquardt (solver.hpp) or by the paper's dynamics (euler.hpp).
 enum class FitMethod : std::uint8_t { gauss_newton, euler };
 
 /// Options of one fit.

@@ -15,8 +15,7 @@ namespace pliant {
 float orientation(const SurfaceFrame& now, const SurfaceFrame& rest);
 
 /// Tests the faces of the model's base mesh. A face has folded over when its normal is 90 degrees or more from the one at
-/// rest. Faces that a single parameter turns that far within its limits (the inside of a lip that rolls) are part of the
-/// model and not watched. A fold-over between the vertices of a face is not detected.
+/// rest. Faces that one parameter turns so far at one of its limits are intended (a lip that rolls in) and not tested. A fold-over between the vertices of a face is not detected.
 /// Bytes: 12 a face, 12 a vertex and 4 a parameter.
 class FoldOverTest {
  public:

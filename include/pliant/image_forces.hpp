@@ -6,7 +6,7 @@
 
 namespace pliant {
 
-/// Largest block of parameters, count: the pose with the focal length, and one more.
+/// Largest number of columns: seven for the pose with the focal length, and one spare.
 inline constexpr std::size_t kForceMaxColumns = 8;
 
 /// Options of ForceRejector::reject.

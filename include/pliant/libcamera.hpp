@@ -39,9 +39,11 @@ class CameraStream {
   CameraStream(const CameraStream&) = delete;
   CameraStream& operator=(const CameraStream&) = delete;
 
-  /// Acquires a camera and agrees on a format: planar luma if the camera has it, otherwise a packed one such as YUYV.
-  /// \return `not_found` (no such camera, or no format with luma that can be read), `io_error` (in use, or it refuses);
-  ///         message() then says which. The stream is closed then.
+  /// Acquires a camera and chooses the offered size nearest to the wanted one; of equal sizes, planar luma before a packed
+  /// format such as YUYV.
+  /// \return `not_found` (no such camera, no format with luma that can be read, or it refuses the configuration),
+  ///         `io_error` (libcamera does not start, the camera is in use, or it gives no buffers or requests). message()
+  ///         then says which, and the stream is closed.
   Status open(const CameraOptions& options);
   /// Starts the flow of frames. \return `not_started` if no camera is open, `io_error`, `camera_lost`.
   Status start();

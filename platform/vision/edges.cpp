@@ -101,7 +101,7 @@ bool plan(const Pyramid& pyramid, const EdgePoint& point, const EdgeOptions& o, 
   return true;
 }
 
-// Ranks all edges of the profile that stand out and are like the remembered one. \return why there is none.
+// Ranks all edges of the profile that stand out and are like the remembered one. \return found, or why there is none.
 Reason rank_edges(const EdgeProfile& profile, const Search& s, const EdgePoint& point, const EdgeOptions& o,
                   Ranking& ranking) {
   constexpr float kFloor = kProfileGreyScale * kEdgeTuning.noise_floor_grey;

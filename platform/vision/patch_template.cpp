@@ -147,7 +147,8 @@ template <int L>
   for (int k = 0; k < L; ++k) out[k] = narrow(narrow(narrow(after[k] - before[k]) >> 4) * m[k]);
 }
 
-// down and across: the block smoothed along columns and rows, each one pixel up and left of its place.
+// `down` is the block smoothed along columns, stored one row higher. `across` is the block smoothed along rows, stored one
+// column further left.
 template <int L, int S>
 void template_rows(const i16* block, const i16* down, const i16* across, const i16* mask, int window,
                    Template out) {

@@ -6,7 +6,8 @@
 
 namespace pliant {
 
-/// Estimates from a sample of the rows which of them agree about the rigid motion.
+/// Decides which rows agree about the rigid motion. The estimate is made from a sample of the rows; every row of rank two is
+/// then tested against it.
 class RowForces {
  public:
   /// \param sample  rows that the estimate is made from, at most.

@@ -40,7 +40,7 @@ struct PredictionInput {
 };
 
 /// Ids, places and cached samples of the surface points, and their predictions in the pinhole image.
-/// Ids are below the capacity; a removed id is used again. Bytes: about 130 a point, and 12 a sample.
+/// Ids are below the capacity; a removed id is used again. Bytes: about 100 a point, and 12 a sample.
 class SurfacePoints {
  public:
   void lay_out(Arena& arena, std::size_t points, std::size_t silhouette_points,

@@ -20,8 +20,9 @@ struct SolveResult {
   std::size_t patches_searched = 0, patch_inliers = 0;  ///< the same of cue patch
 };
 
-/// Tuning of the loss of a track (docs/algorithms.md, section 7.9). Values that suit the recorded face
-/// (docs/evaluation.md); none was optimised.
+/// Tuning of the loss of a track (docs/algorithms.md, section 7.9). All are round values, not tuned: they were set so that no
+/// frame of the recorded face counts as bad and that covered and wrong tracks do (docs/evaluation.md, section Recorded face;
+/// tests/system/corruption_test.cpp).
 struct TrackMonitorTuning {
   /// Inliers that a tracked frame needs at least, count. Fewer can agree by chance.
   std::uint16_t least_inliers = 8;
@@ -31,11 +32,13 @@ struct TrackMonitorTuning {
   /// Largest rms of the inliers, px at an image width of 320; scales with the width. The model error
   /// of a real face is part of it.
   float most_rms_px = 4.0f;
-  /// Least mean normalised correlation of the inliers of cue patch.
+  /// Least mean normalised correlation of the inliers of cue patch. A match needs 0.55 in the last round and 0.45 before
+  /// (TemplateMatchTuning): a frame whose matches are mostly the doubtful ones of earlier rounds is bad.
   float least_score = 0.5f;
   /// Largest relative change of the image scale against the expected one. A head does not approach faster.
   float most_scale_change = 0.2f;
-  /// Consecutive bad frames after which the track is lost, count.
+  /// Consecutive bad frames after which the track is lost, count: a tenth of a second at 30 frames a second. A blink of the
+  /// camera or one corrupted frame is shorter, and a frame that is only degraded still starts from the last good state.
   int lost_after_frames = 3;
 };
 inline constexpr TrackMonitorTuning kTrackMonitorTuning{};

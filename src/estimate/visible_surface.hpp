@@ -24,11 +24,11 @@ struct VisibleSurfaceTuning {
   /// mm. Vectors that move a vertex by less are left out of its samples. A hundredth of the model's own error.
   float sample_slack_mm = 0.01f;
   /// mm. Vectors that move a vertex by less are left out where its position comes from the tables. Several such vectors
-  /// together still move it by less than the margin of visibility.
+  /// together still move it by less than hidden_margin_mm.
   float table_slack_mm = 0.5f;
-  /// Fraction of the margin of visibility. If a vertex moved further since the last update, all vertices are updated and
-  /// depth is drawn again; otherwise a fast jaw would be hidden by its own old place. The rest of the margin is for the
-  /// frames that one drawing serves.
+  /// Fraction of hidden_margin_mm. If a vertex moved farther than this since its last update, all vertices are updated and
+  /// depth is drawn again. Otherwise a fast jaw would be hidden by its old position. The rest of the margin covers the
+  /// frames that share a drawing.
   float fast_fraction = 0.75f;
   /// Frames that one drawing of depth serves at most, count; and the turn (rad) and relative change of scale that it allows.
   /// Such a turn moves the silhouette by less than a cell.

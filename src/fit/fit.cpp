@@ -223,8 +223,9 @@ void Fitter::State::match_silhouette(const FitProblem& problem) {
   }
 }
 
-/// Deviations, residuals and counts at the accepted state.
-/// \return underdetermined when the pose is open; nothing is written then.
+/// Writes standard deviations, residuals and counts of the accepted state.
+/// \return underdetermined if an unknown of the pose has no variance or fewer than four points have weight; `details` is
+///         then unchanged.
 Status Fitter::State::finish(FitProblem& problem, FitReport* report, const FitDetails& details) {
   const std::size_t pose = problem.pose_unknowns();
   float* const variance = work.step;

@@ -11,8 +11,8 @@
 
 namespace pliant {
 
-/// What a fit works on and with: the model's side of the points, and scratch. Arrays are indexed by point unless said
-/// otherwise.
+/// Memory of a fit: the cascade, the sampled points, the normal equations and scratch arrays. Arrays are indexed by point
+/// unless noted.
 struct FitWorkspace {
   Cascade cascade;
   NormalEquations equations;

@@ -1,6 +1,6 @@
 // Fold-over of faces (docs/algorithms.md, section 3.5). Along q + a d the corners of a face are p_i + a e_i when the cascade
-// is linear. The dot product of its normal with that at rest is then exactly g(a) = c0 + c1 a + c2 a^2; the face folds over
-// at the first root.
+// is linear. The dot product of the face's cross product (not normalised) with its unit normal at rest is then exactly
+// g(a) = c0 + c1 a + c2 a^2. The face folds over at the first root.
 #include "pliant/fold_over.hpp"
 
 #include "mesh/mesh_tuning.hpp"

@@ -22,7 +22,7 @@ struct Cascade::State {
 
 namespace {
 
-/// The field of the constant at the end of the chain of first sources.
+/// Follows source[0] from `record` back to a constant. \return that constant's field.
 std::uint16_t root_field(Span<const CascadeRecord> records, std::size_t record) {
   while (records[record].source[0] != kNone) record = records[record].source[0];
   return records[record].field;

@@ -231,9 +231,13 @@ bool keeps_source(const CascadeRecord& r, const float* q) {
       for (std::uint16_t p : r.parameter)
         if (q[p] != 0) return false;
       return true;
-    default:
+    case Operation::add_vector:
+    case Operation::scale:
+    case Operation::rotate:
+    case Operation::affine:
       return q[r.parameter[0]] == 0;
   }
+  return false;
 }
 
 }  // namespace pliant

@@ -25,8 +25,8 @@ void JacobianRegisters::propagate(const CascadePlan& plan, const CascadeRecord& 
   };
   JacobianRegister& out = registers_[plan.register_of(record)];
   const JacobianRegister *first = source(0), *second = source(1);
-  // The record's register holds the columns of one of its sources, which are mapped in place, or old columns, which are
-  // removed.
+  // If the record shares its register with a source, that source's columns are transformed in place. Otherwise the register
+  // holds columns that no later record reads; they are removed.
   const float scale_in_place = first == &out ? f.keep : f.keep_second;
   if (first != &out && second != &out) {
     out.clear();

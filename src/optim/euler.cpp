@@ -15,9 +15,9 @@ struct EulerTuning {
   int memory = 10;
   /// Steps in which the lowest cost must fall by the relative decrease, count. Round value, not tuned.
   int window = 30;
-  /// Halvings of a step that raises the cost, count. The step is then 1/4096 of the safe one. Round value, not tuned.
+  /// Step lengths tried while the cost rises, count. Each is half the one before. Round value, not tuned.
   int halvings = 12;
-  /// Least and longest Barzilai-Borwein step, in safe steps. Round values, not tuned.
+  /// Shortest and longest Barzilai-Borwein step, as multiples of the safe step (`safe_delta`). Round values, not tuned.
   float least_step = 0.1f, longest_step = 1e3f;
 };
 constexpr EulerTuning kTuning{};

@@ -35,7 +35,8 @@ struct Moments {
   double *mean, *covariance;
 };
 
-/// A centre and W = L^-1 of its covariance L L^T: squared distance |W (x - mean)|^2. In memory of the arena's.
+/// Centre and whitener W = L^-1, where L L^T is the covariance. The squared distance of x is |W (x - mean)|^2. The arrays
+/// lie in the arena.
 template <class Real>
 struct Shape {
   Real *mean, *whitener;

@@ -202,7 +202,8 @@ void NormalEquations::set_limits(std::size_t unknown, float lower, float upper) 
   upper_[unknown] = upper;
 }
 
-/// Writes the upper triangle of S H S + damping I over the free unknowns: neither pinned nor undetermined.
+/// Copies S H S + damping I, restricted to the free unknowns, into `factor_` (upper triangle, packed). An unknown is free
+/// if it is neither pinned nor undetermined.
 void NormalEquations::copy_scaled(float damping) {
   free_count_ = 0;
   for (std::size_t i = 0; i < count_; ++i)

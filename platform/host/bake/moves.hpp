@@ -48,7 +48,8 @@ std::vector<Move> read_moves(const std::string& folder, const std::string& file,
 std::vector<Vec3> displacement_of(const std::vector<Move>& moves, const std::string& parameter, bool sided,
                                   const Cage& cage, const std::vector<Follower>& followers);
 
-/// Weights of every cage point by the parameter's hinge rows; empty if it has none.
+/// For each cage point, how strongly it turns about the parameter's axis (0 to 1), from the rows of kind `hinge`. Empty if
+/// there are none.
 std::vector<float> hinge_of(const std::vector<Move>& moves, const std::string& parameter, const Cage& cage,
                             const std::vector<Follower>& followers);
 

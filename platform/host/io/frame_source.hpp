@@ -31,7 +31,7 @@ class FrameSource {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  /// The rate in the stream; 25 if it has none, as a folder.
+  /// Frames per second that the stream states; 25 if it states none. A folder states none.
   FrameRate rate() const { return rate_; }
   /// True for a camera: it sets times and numbers, has no end, and drops frames that are not read in time.
   bool is_live() const { return is_live_; }

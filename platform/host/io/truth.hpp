@@ -13,8 +13,8 @@ namespace pliant::host {
 
 class TruthComparison {
  public:
-  /// Reads a track CSV with pose and landmark columns. Bad input when it has no frame, pose or landmarks of
-  /// the model.
+  /// Reads a track CSV. Bad input unless it has the columns frame, qw, qx, qy, qz and x_NAME, y_NAME of at least one of
+  /// the model's landmarks.
   TruthComparison(const std::string& path, const Model& model);
 
   /// Compares one frame that was not lost; `landmarks` in the model's order.
