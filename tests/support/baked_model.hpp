@@ -29,12 +29,12 @@ struct BakedModel {
   BakedModel& operator=(const BakedModel&) = delete;
 
   std::vector<float> rest() const { return std::vector<float>(model.parameters().count, 0.0f); }
-  /// All zero but one parameter at `share` of its maximum.
-  std::vector<float> posed(const std::string& name, float share = 1) const {
+  /// All zero but one parameter at `fraction` of its maximum.
+  std::vector<float> posed(const std::string& name, float fraction = 1) const {
     auto q = rest();
     const auto k = model.find_parameter(name.c_str());
     REQUIRE_MESSAGE(k != pliant::kNone, name);
-    q[k] = share * model.parameters()[k].maximum;
+    q[k] = fraction * model.parameters()[k].maximum;
     return q;
   }
   pliant::Vec2 uv(const std::string& landmark) const {

@@ -115,7 +115,7 @@ Status Run::set_up(const void* table, std::size_t bytes, Arena& arena) {
   TrackerLimits limits;
   limits.width = kWidth;
   limits.height = kHeight;
-  limits.patches = 200;  // enough of them seen for scouts
+  limits.patches = 200;  // enough visible ones for a first pass
   limits.markers = 1;
   limits.vertices = 200;
   limits.curve_points = 0;

@@ -21,9 +21,9 @@ constexpr int kWidth = 640, kHeight = 480;
 constexpr float kNoisePx = 0.5f, kEyeDistancePx = 100, kMostTurn = 0.5236f;
 constexpr std::size_t kHeldOut = 200;
 
-inline double quantile(std::vector<double> v, double share) {
+inline double quantile(std::vector<double> v, double fraction) {
   std::sort(v.begin(), v.end());
-  return v.empty() ? 0 : v[static_cast<std::size_t>(share * static_cast<double>(v.size() - 1))];
+  return v.empty() ? 0 : v[static_cast<std::size_t>(fraction * static_cast<double>(v.size() - 1))];
 }
 
 /// A random person under a random camera: parameters of the free group in standard deviations, turned by up to 30 degrees,

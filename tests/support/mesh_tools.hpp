@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of the mesh share: validity as a check, refinement of everything, bases of every kind.
+// Helpers of the mesh tests: checks of validity, refinement of all faces, several base meshes.
 #include <doctest/doctest.h>
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 #define CHECK_VALID(mesh)                                                                 \
   do {                                                                                    \
-    const pliant::MeshFault fault = (mesh).validate();                                            \
+    const pliant::MeshFault fault = (mesh).validate();                                    \
     CHECK_MESSAGE(fault.invariant == 0, "invariant ", fault.invariant, " at ", fault.id); \
   } while (false)
 

@@ -1,5 +1,5 @@
-// What cameras really deliver: frames dropped, doubled, half written, black, white, over-exposed, with wrong times, and
-// hands before the face. The tracker must neither crash nor lie about it.
+// Faults of cameras and scenes: frames that are missing, doubled, half written, black, white or over-exposed, wrong times,
+// and occluders. The tracker must not crash, and must not report tracking where the error is large.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr int kWidth = 256, kHeight = 192;
 constexpr std::size_t kUnique = kSanitized ? 20 : 60, kFrames = kSanitized ? 61 : 300;
 constexpr std::int64_t kTick = 33'333'333;
 
-/// Half a swing of the head with speech; played to and fro it makes a sequence of any length.
+/// Half a swing of the head with speech. Shown forwards and backwards in turn it makes a sequence of any length.
 const FaceFilm& film() {
   static const FaceFilm* one = new FaceFilm(kWidth, kHeight, kUnique, [](float s, Pose& pose, auto& q) {
     const float wave = std::sin(3.14159f * (s - 0.5f)), slow = 0.05f * static_cast<float>(kUnique) / 3;
@@ -35,7 +35,7 @@ std::size_t shown(std::size_t n) {
 
 using Pixels = std::vector<std::uint8_t>;
 
-/// The square around the face in frame k.
+/// The box around the face in frame k.
 PixelBox face_box(std::size_t k) {
   const Vec2 left = film().truth("ibug00", k), right = film().truth("ibug16", k),
              chin = film().truth("ibug08", k);
@@ -44,13 +44,13 @@ PixelBox face_box(std::size_t k) {
           static_cast<int>(chin.y) + 1};
 }
 
-/// Something with texture of its own before the pixels of a box, `slide` pixels along.
+/// Covers the pixels of a box with a textured occluder that is shifted by `slide` pixels.
 void cover(Pixels& pixels, const PixelBox& box, int slide) {
-  static const Picture skin = make_backdrop(kWidth, kHeight, 77);
+  static const Picture occluder = make_backdrop(kWidth, kHeight, 77);
   for (int y = box.y0 < 0 ? 0 : box.y0; y < box.y1 && y < kHeight; ++y)
     for (int x = box.x0 < 0 ? 0 : box.x0; x < box.x1 && x < kWidth; ++x)
       pixels[static_cast<std::size_t>(y * kWidth + x)] =
-          static_cast<std::uint8_t>(60 + skin.at((x + 5 * kWidth - slide) % kWidth, y));
+          static_cast<std::uint8_t>(60 + occluder.at((x + 5 * kWidth - slide) % kWidth, y));
 }
 
 struct Sequence {
@@ -58,7 +58,7 @@ struct Sequence {
   FrameResult result;
   std::int64_t time = 0;
   std::uint32_t number = 0;
-  float normal_px = 0;  // mean landmark error of frames that nothing was done to
+  float normal_px = 0;  // mean landmark error of unchanged frames
   std::size_t normal_frames = 0;
 
   static TrackerLimits limits() {
@@ -73,7 +73,7 @@ struct Sequence {
     REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0],
                                      film().parameters[0].data()) == Status::ok);
   }
-  /// Gives the tracker these pixels; whatever they are, it must say something that holds together.
+  /// Gives the tracker these pixels. For any pixels its result must be finite and consistent.
   TrackState give(const Pixels& pixels, std::int64_t time_ns) {
     FrameView view{pixels.data(), kWidth, kHeight, kWidth, 1, time_ns, ++number};
     REQUIRE(tracker->update(view, &result) == Status::ok);
@@ -85,12 +85,11 @@ struct Sequence {
   }
   TrackState give(const Pixels& pixels) { return give(pixels, time += kTick); }
   float error(std::size_t n) { return film().landmark_error(tracker.object, shown(n)); }
-  /// A frame that nothing is wrong with.
+  /// Gives an unchanged frame.
   TrackState give_good(std::size_t n) { return give(film().frames[shown(n)]); }
 };
 
-/// Plays the sequence with `spoil` in every tenth frame. \return the worst landmark error of any frame that was said
-/// to be tracked.
+/// Plays the sequence with `spoil` in every tenth frame. \return the largest landmark error of the frames in state tracking.
 template <class Spoil>
 float play(Sequence& s, std::size_t most_frames_to_recover, const Spoil& spoil) {
   float worst = 0;
@@ -114,7 +113,7 @@ float play(Sequence& s, std::size_t most_frames_to_recover, const Spoil& spoil) 
 
 }  // namespace
 
-TEST_CASE("dropped frames: every tenth is missing") {
+TEST_CASE("tracking continues if every tenth frame is missing") {
   Sequence s;
   const float worst = play(s, 0, [](Sequence& q, std::size_t n) {
     q.time += kTick;
@@ -123,7 +122,7 @@ TEST_CASE("dropped frames: every tenth is missing") {
   CHECK(worst < 2);
 }
 
-TEST_CASE("doubled frames: every tenth comes twice, with one time") {
+TEST_CASE("tracking continues if every tenth frame comes twice with the same time") {
   Sequence s;
   const float worst = play(s, 0, [](Sequence& q, std::size_t n) {
     q.give_good(n);
@@ -132,7 +131,7 @@ TEST_CASE("doubled frames: every tenth comes twice, with one time") {
   CHECK(worst < 2);
 }
 
-TEST_CASE("half-written frames: the lower half is that of five frames ago") {
+TEST_CASE("tracking recovers from frames whose lower half is five frames old") {
   Sequence s;
   const float worst = play(s, 1, [](Sequence& q, std::size_t n) {
     Pixels pixels = film().frames[shown(n)];
@@ -143,7 +142,7 @@ TEST_CASE("half-written frames: the lower half is that of five frames ago") {
   CHECK(worst < 3);
 }
 
-TEST_CASE("black and white frames are never said to be tracked") {
+TEST_CASE("black and white frames are never in state tracking") {
   for (const std::uint8_t grey : {std::uint8_t{0}, std::uint8_t{255}}) {
     Sequence s;
     const float worst = play(s, 1, [grey](Sequence& q, std::size_t) {
@@ -155,7 +154,7 @@ TEST_CASE("black and white frames are never said to be tracked") {
   }
 }
 
-TEST_CASE("over-exposed frames: three times the light") {
+TEST_CASE("tracking recovers from over-exposed frames with three times the light") {
   Sequence s;
   const float worst = play(s, 1, [](Sequence& q, std::size_t n) {
     Pixels pixels = film().frames[shown(n)];
@@ -165,7 +164,7 @@ TEST_CASE("over-exposed frames: three times the light") {
   CHECK(worst < 3);
 }
 
-TEST_CASE("times that jump, stand still or run backward") {
+TEST_CASE("tracking continues if times jump, repeat or run backward") {
   const std::int64_t jumps[] = {5'000'000'000, -2'000'000'000, 7'200'000'000'000, -7'300'000'000'000, 0,
                                 INT64_MAX / 2, INT64_MIN / 2};
   Sequence s;
@@ -177,7 +176,7 @@ TEST_CASE("times that jump, stand still or run backward") {
   CHECK(worst < 2);
 }
 
-TEST_CASE("a hand over half of the face in every tenth frame") {
+TEST_CASE("tracking recovers from an occluder over half of the face in every tenth frame") {
   Sequence s;
   const float worst = play(s, 1, [](Sequence& q, std::size_t n) {
     Pixels pixels = film().frames[shown(n)];
@@ -190,14 +189,14 @@ TEST_CASE("a hand over half of the face in every tenth frame") {
 }
 
 TEST_CASE(
-    "35 % of the face behind a moving thing for sixty frames: never lost, and as good as before five frames "
-    "on") {
+    "with a moving occluder over 35 % of the face for sixty frames the face is not lost, and five frames "
+    "later the error is as before") {
   Sequence s;
   float before = 0, after = 0;
   for (std::size_t n = 1; n < 100; ++n) {
     Pixels pixels = film().frames[shown(n)];
     if (n >= 20 && n < 80) {
-      PixelBox box = face_box(shown(n));  // over its whole height, to and fro across it
+      PixelBox box = face_box(shown(n));  // covers the whole height and moves to and fro
       const int width = (box.x1 - box.x0) * 35 / 100, way = box.x1 - box.x0 - width;
       const int step = static_cast<int>(n - 20) % 40;
       box.x0 += (step < 20 ? step : 40 - step) * way / 20;
@@ -215,7 +214,7 @@ TEST_CASE(
   CHECK(after < max(1.5f * before, 0.4f));
 }
 
-TEST_CASE("total occlusion for thirty frames: lost is told within three, and found again within ten") {
+TEST_CASE("the face is reported lost within three frames of total occlusion and found within ten after it") {
   const Picture empty = make_backdrop(kWidth, kHeight, 5);
   Sequence s;
   for (std::size_t n = 1; n < 20; ++n) CHECK(s.give_good(n) == TrackState::tracking);

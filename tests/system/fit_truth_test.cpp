@@ -64,7 +64,8 @@ std::vector<host::NamedPoint> talking_face_points() {
 }  // namespace
 
 TEST_CASE(
-    "random people of the built-in face: the optimum is reached, the pose to a degree, and far nearer than "
+    "random people of the built-in face: the optimum is reached, the pose is within a degree, and far nearer "
+    "than "
     "the mean face") {
   check(baked_face(), "built-in face");
 }

@@ -1,4 +1,4 @@
-// The ordering of the occlusion table on the built-in face (docs/algorithms.md, section 6.5).
+// Which rejection method is better in each case of the occlusion experiment, on the built-in face (docs/algorithms.md, section 6.5).
 #include <doctest/doctest.h>
 
 #include "baked_face.hpp"
@@ -21,21 +21,22 @@ OcclusionResult measure(Disturbance disturbance, double fraction) {
 
 }  // namespace
 
-TEST_CASE("nothing false: rejection costs accuracy until what fits is taken back, and doubt costs none") {
+TEST_CASE(
+    "without false points forces cost accuracy, re-admission removes this cost, and on_doubt has none") {
   const OcclusionResult r = measure(Disturbance::none, 0);
   CHECK(px(r, RejectionMethod::forces) > 1.1 * px(r, RejectionMethod::weights));
   CHECK(px(r, RejectionMethod::forces_predicted) < 1.03 * px(r, RejectionMethod::weights_predicted));
   CHECK(px(r, RejectionMethod::on_doubt) == doctest::Approx(px(r, RejectionMethod::weights_predicted)));
 }
 
-TEST_CASE("single false points: robust weights do") {
+TEST_CASE("robust weights suffice against single false points") {
   const OcclusionResult r = measure(Disturbance::random, 0.35);
   CHECK(px(r, RejectionMethod::weights) < 0.3 * px(r, RejectionMethod::least_squares));
   CHECK(px(r, RejectionMethod::forces_predicted) < 1.1 * px(r, RejectionMethod::weights_predicted));
   CHECK(px(r, RejectionMethod::on_doubt) < 1.1 * px(r, RejectionMethod::weights_predicted));
 }
 
-TEST_CASE("something that moves over the face: weights alone lose it, rejection by forces does not") {
+TEST_CASE("with a moving occluder weights fail and rejection by forces does not") {
   const OcclusionResult r = measure(Disturbance::moving, 0.35);
   CHECK(px(r, RejectionMethod::least_squares) > px(r, RejectionMethod::weights));
   CHECK(px(r, RejectionMethod::weights) > 2 * px(r, RejectionMethod::forces));
@@ -45,14 +46,14 @@ TEST_CASE("something that moves over the face: weights alone lose it, rejection 
   CHECK(px(r, RejectionMethod::on_doubt) < 0.5 * px(r, RejectionMethod::weights_predicted));
 }
 
-TEST_CASE("something that stands still before it: rejection needs forces at the predicted state") {
+TEST_CASE("with an occluder at rest rejection needs forces at the predicted state") {
   const OcclusionResult r = measure(Disturbance::standing, 0.35);
   CHECK(px(r, RejectionMethod::forces) > px(r, RejectionMethod::weights));
   CHECK(px(r, RejectionMethod::forces_predicted) < 0.4 * px(r, RejectionMethod::weights_predicted));
   CHECK(px(r, RejectionMethod::on_doubt) < 0.8 * px(r, RejectionMethod::weights_predicted));
 }
 
-TEST_CASE("a jaw that drops is no occluder: weights know, forces on the rigid block do not") {
+TEST_CASE("a jaw that drops is kept by weights and rejected by forces on the rigid block") {
   const OcclusionResult r = measure(Disturbance::expression, 0);
   CHECK(px(r, RejectionMethod::forces) > 2 * px(r, RejectionMethod::weights));
   CHECK(px(r, RejectionMethod::on_doubt) < 1.05 * px(r, RejectionMethod::weights_predicted));

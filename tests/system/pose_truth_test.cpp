@@ -107,13 +107,13 @@ Result run() {
   return r;
 }
 
-float at(const std::vector<float>& ascending, float share) {
-  return ascending[static_cast<std::size_t>(share * static_cast<float>(ascending.size() - 1))];
+float at(const std::vector<float>& ascending, float fraction) {
+  return ascending[static_cast<std::size_t>(fraction * static_cast<float>(ascending.size() - 1))];
 }
 
 }  // namespace
 
-TEST_CASE("a stranger's head is followed through 35 degrees, and what his face does") {
+TEST_CASE("an unknown head is tracked through 35 degrees, with its expressions") {
   const Result r = run();
   MESSAGE("rotation, frame 0's error taken out: median "
           << at(r.relative, 0.5f) << ", 95 % " << at(r.relative, 0.95f)

@@ -31,8 +31,8 @@ class ChartScore {
   std::vector<float> score_ = std::vector<float>(std::size_t{kCells} * kCells, 0.0f);
 };
 
-/// A triangle's share in the contour error of the whole, as far as it matters to tracking now: little where it turns away
-/// from the camera, more where there is texture to hold on to.
+/// Weighted contour error of a triangle. The weight is small where the triangle is turned away from the camera, and larger
+/// where there is texture.
 struct SeenError {
   ContourOptions contour;
   Vec3 to_camera;  ///< direction from the model to the camera, model axes

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <iostream>
 
+#include "error_plot.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
-#include "error_plot.hpp"
 #include "mesh_tracker.hpp"
 #include "statistics.hpp"
 
@@ -67,7 +67,7 @@ void compare(const std::vector<Run>& r) {
   print_difference("adaptive across frames better than contour (< 0)", adaptive, contour);
 }
 
-/// Most vertices of a mesh: the paper's shares of what three unconditional levels give.
+/// Vertex budget of a mesh: the paper's fractions (normals 1200, others 1900 of 4400) of three unconditional levels.
 int budget_of(MeshKind kind) {
   constexpr int kUnconditional = 3502;
   if (kind == MeshKind::base || kind == MeshKind::unconditional) return 0;
@@ -96,8 +96,8 @@ void run_setting(const Model& model, const Experiment& e, bool has_anchors, cons
   print_table(runs);
   compare(runs);
   host::write_file(folder + "/figure9_" + e.name + (has_anchors ? "_anchors" : "_vertices") + ".svg",
-                  error_plot("Marker error, " + e.name + " sequence, " + setting, curves, e.is_hidden,
-                             e.frames_per_second));
+                   error_plot("Marker error, " + e.name + " sequence, " + setting, curves, e.is_hidden,
+                              e.frames_per_second));
 }
 
 int usage() {

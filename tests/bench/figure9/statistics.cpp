@@ -13,10 +13,10 @@ double mean_of(const double* first, std::size_t count) {
   return count == 0 ? 0 : std::accumulate(first, first + count, 0.0) / static_cast<double>(count);
 }
 
-double quantile(std::vector<double> values, double share) {
+double quantile(std::vector<double> values, double fraction) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
-  const double at = share * static_cast<double>(values.size() - 1);
+  const double at = fraction * static_cast<double>(values.size() - 1);
   const auto k = static_cast<std::size_t>(at);
   const double next = values[std::min(k + 1, values.size() - 1)];
   return values[k] + (at - std::floor(at)) * (next - values[k]);

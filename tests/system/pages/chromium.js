@@ -1,4 +1,4 @@
-// Drives a headless Chromium over its debugging pipe, with nothing but Node's own modules.
+// Controls a headless Chromium through its debugging pipe. Needs only the modules of Node.
 "use strict";
 const { spawn } = require("child_process");
 const fs = require("fs");
@@ -64,8 +64,8 @@ class Chromium {
     const held = { button: "left", buttons: 1, clickCount: 1 };
     await this.mouse("mouseMoved", from.x, from.y);
     await this.mouse("mousePressed", from.x, from.y, held);
-    for (const share of [0.3, 0.7, 1])
-      await this.mouse("mouseMoved", from.x + share * (to.x - from.x), from.y + share * (to.y - from.y), held);
+    for (const fraction of [0.3, 0.7, 1])
+      await this.mouse("mouseMoved", from.x + fraction * (to.x - from.x), from.y + fraction * (to.y - from.y), held);
     await this.mouse("mouseReleased", to.x, to.y, { ...held, buttons: 0 });
   }
   async click(at, count = 1) {
@@ -80,12 +80,12 @@ class Chromium {
   async screenshot(file) {
     fs.writeFileSync(file, Buffer.from((await this.send("Page.captureScreenshot")).data, "base64"));
   }
-  /// Addresses that the page asked for, other than itself and what is within it.
+  /// Addresses that the page requested, without its own and those of embedded data.
   requests() {
     return this.events.filter(e => e.method === "Network.requestWillBeSent").map(e => e.params.request.url)
       .filter(url => !/^(file|data|blob|about):/.test(url));
   }
-  /// What went wrong in the page.
+  /// Errors and warnings of the page.
   complaints() {
     return this.events.filter(e => e.method === "Runtime.exceptionThrown" ||
       (e.method === "Log.entryAdded" && e.params.entry.level === "error")).map(e => JSON.stringify(e.params));

@@ -1,10 +1,10 @@
-// The correspondence page in a browser: drags a point, switches points off, saves, and reads what was saved; then fits it.
+// Tests the page of `pliant points` in a browser: drags a point, switches points off, saves and loads, then fits the saved points.
 "use strict";
 const assert = require("assert");
 const fs = require("fs");
 const path = require("path");
 
-/// \param make  runs `pliant` with words in the test's folder, and returns what it printed.
+/// \param pliant  runs `pliant` with these arguments in the folder of the test and returns its output.
 async function checkPoints({ browser, folder, pliant }) {
   const width = 320, height = 240, grey = Buffer.alloc(width * height);
   for (let i = 0; i < grey.length; ++i) grey[i] = 60 + (i % width) / 4 + (i / width) / 4;
@@ -39,7 +39,7 @@ async function checkPoints({ browser, folder, pliant }) {
   const tip = await centre("ibug30");
   assert(near({ x: (tip.x - corner.x) / zoom - 0.5, y: (tip.y - corner.y) / zoom - 0.5 }, before.get("ibug30"), 0.05));
 
-  // Dragging moves that point, by as much, and no other.
+  // Dragging moves only that point, by the same distance.
   await browser.drag(tip, { x: tip.x + 40, y: tip.y - 25 });
   const moved = await save();
   for (const [name, x] of before) {
@@ -48,7 +48,7 @@ async function checkPoints({ browser, folder, pliant }) {
   }
   assert(await browser.value(`document.getElementById("label").textContent.startsWith("ibug30")`), "no name shown");
 
-  // Keys nudge and switch off; a double click switches off as well; undo brings back.
+  // Keys move a point and switch it off. A double click switches it off too. Undo restores it.
   await browser.key("ArrowRight");
   await browser.key("ArrowDown", { modifiers: 8 });
   const nudged = (await save()).get("ibug30");
@@ -61,12 +61,12 @@ async function checkPoints({ browser, folder, pliant }) {
   const back = await save();
   assert.deepStrictEqual([...back], [...before]);
 
-  // Zoomed and panned, a point still lies where it did in the picture.
+  // Zooming and panning do not change the position of a point in the picture.
   await browser.mouse("mouseWheel", tip.x, tip.y, { deltaX: 0, deltaY: -700 });
   await browser.drag({ x: 40, y: 100 }, { x: 90, y: 130 });
   assert.deepStrictEqual([...await save()], [...before]);
 
-  // Loading: what the file has is on and there, all else is off; what is no points file changes nothing.
+  // Loading switches on the points of the file, at its positions, and all others off. A file without points changes nothing.
   const file = path.join(folder, "some.csv");
   fs.writeFileSync(file, "landmark,x,y\r\n\"ibug36\",100.5,90.25\r\nibug45,200,91\r\n");
   const { root } = await browser.send("DOM.getDocument");
@@ -78,7 +78,7 @@ async function checkPoints({ browser, folder, pliant }) {
   assert(/not landmarks of this model: ear/.test(await browser.value(`load("landmark,x,y\\near,1,2\\nibug36,3,4\\n")`)));
   assert.deepStrictEqual([...await save()], [["ibug36", { x: 3, y: 4 }]]);
 
-  // What the page saves, `fit` takes.
+  // `fit` reads the saved file.
   await browser.value(`document.getElementById("all-on").click()`);
   await browser.value(`(past.length = 1, undo())`);
   await save();

@@ -1,4 +1,4 @@
-// The report of a track in a browser: every picture and chart is there and visible, and nothing is asked of a network.
+// Tests the report of `pliant track` in a browser: all pictures and charts are visible, and the page uses no network.
 "use strict";
 const assert = require("assert");
 const fs = require("fs");
@@ -21,7 +21,7 @@ async function checkReport({ browser, folder, pliant }) {
   assert(await browser.value(`document.body.textContent.includes(${JSON.stringify(summary.trim())})`), "no summary");
   for (const selector of ["path.line", "rect.bar", "rect.state-tracking"])
     assert(await browser.value(`[...document.querySelectorAll("${selector}")].some(e => e.getBoundingClientRect().width > 1)`), selector);
-  // Yaw swings by 23 degrees: its line fills its chart.
+  // The yaw covers 23 degrees, so that its line fills its chart.
   assert(await browser.value(`document.querySelector("path.line").getBoundingClientRect().height > 80`), "a flat line");
   assert(await browser.value(`document.documentElement.scrollWidth <= innerWidth`), "wider than the window");
   assert.deepStrictEqual(browser.requests(), []);

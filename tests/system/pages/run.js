@@ -1,4 +1,4 @@
-// Tries the pages that the command writes in a headless Chromium. Exits 77, saying so, where there is none.
+// Tests the pages that `pliant` writes in a headless Chromium. Exits with 77 and a message if there is no Chromium.
 // usage: node run.js PLIANT FIXTURES
 "use strict";
 const { execFileSync } = require("child_process");

@@ -70,8 +70,8 @@ const std::vector<std::unique_ptr<BaseMeshCase>>& cases() {
   return all;
 }
 
-float at_share(const std::vector<float>& sorted, double share) {
-  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+float at_fraction(const std::vector<float>& sorted, double fraction) {
+  return sorted[static_cast<std::size_t>(fraction * static_cast<double>(sorted.size() - 1))];
 }
 
 }  // namespace
@@ -85,7 +85,7 @@ TEST_CASE("the base mesh has the number of vertices that was asked for, to 15 %,
 }
 
 TEST_CASE(
-    "it is a disc with three holes, the chart has no fold-over, and blocks are whole but at the "
+    "it is a disc with three holes, the chart has no fold-over, and blocks are complete except at the "
     "boundary") {
   for (const auto& c : cases()) {
     CAPTURE(c->wanted);
@@ -107,7 +107,7 @@ TEST_CASE(
     "them apart") {
   for (const auto& c : cases()) {
     CAPTURE(c->wanted);
-    const float edge = std::sqrt(4 / 1.732f * at_share(c->areas(), 0.5));
+    const float edge = std::sqrt(4 / 1.732f * at_fraction(c->areas(), 0.5));
     int kept = 0, count = 0;
     for (const Landmark& l : c->face.model.landmarks()) {
       const std::string name = l.name;
@@ -150,11 +150,11 @@ TEST_CASE(
     CAPTURE(c->wanted);
     const auto areas = c->areas();
     const auto angles = c->angles();
-    CHECK(at_share(areas, 0.9) < 4 * at_share(areas, 0.25));
-    CHECK(at_share(areas, 0.95) < 2.5f * at_share(areas, 0.5));
-    CHECK(areas.back() < 6 * at_share(areas, 0.5));
+    CHECK(at_fraction(areas, 0.9) < 4 * at_fraction(areas, 0.25));
+    CHECK(at_fraction(areas, 0.95) < 2.5f * at_fraction(areas, 0.5));
+    CHECK(areas.back() < 6 * at_fraction(areas, 0.5));
     CHECK(angles.front() > 3);
-    CHECK(at_share(angles, 0.05) > 25);
+    CHECK(at_fraction(angles, 0.05) > 25);
   }
 }
 

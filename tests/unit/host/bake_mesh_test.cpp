@@ -17,7 +17,7 @@
 using namespace pliant;
 using namespace pliant::host::bake;
 
-TEST_CASE("subdivision makes a flat cage flat, and weights that add up to one") {
+TEST_CASE("subdivision keeps a flat cage flat, and its weights add up to one") {
   Cage cage;
   for (int j = 0; j < 4; ++j)
     for (int i = 0; i < 4; ++i) {
@@ -67,7 +67,7 @@ TEST_CASE("subdivision makes a flat cage flat, and weights that add up to one") 
   }
 }
 
-TEST_CASE("a raster reproduces what is linear over the chart, beside the mesh as well") {
+TEST_CASE("a raster reproduces functions linear over the chart, also outside the mesh") {
   Source source = sheet(9, [](Vec2 uv) { return Vec3{3 * uv.x, uv.y - 2 * uv.x, 1}; });
   for (Vec2& uv : source.uv) uv = {0.2f + 0.6f * uv.x, 0.3f + 0.5f * uv.y};
   const ChartRaster raster = rasterise(source.uv, source.triangles, source.is_hole, 41, 31);
@@ -83,7 +83,7 @@ TEST_CASE("a raster reproduces what is linear over the chart, beside the mesh as
     }
 }
 
-TEST_CASE("a triangulation keeps to its loops, covers the domain once and turns no triangle over") {
+TEST_CASE("a triangulation contains its loops, covers the domain once and has no inverted triangle") {
   Random random(7);
   for (int trial = 0; trial < 20; ++trial) {
     Domain domain;
@@ -236,7 +236,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a chart that is even already stays as it is") {
+TEST_CASE("a chart that is already even does not change") {
   Source source = sheet(21, [](Vec2 uv) { return Vec3{10 * uv.x, -10 * uv.y, 0}; });
   relax_chart(source.uv, source.neutral, source.triangles);
   for (std::size_t v = 0; v < source.uv.size(); ++v) {

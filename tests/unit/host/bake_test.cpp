@@ -140,7 +140,7 @@ TEST_CASE("eight bits and a smaller size make a smaller table that is still clos
   CHECK(b.errors.identity.max_mm < 0.3f);
 }
 
-TEST_CASE("a name that does not fit into a table is refused, not cut") {
+TEST_CASE("a name too long for a table is refused") {
   const std::string most(27, 'x'), more(28, 'x');
   TableWriter writer;
   CHECK_NOTHROW(writer.add_parameter({most, Group::identity, -1, 1, 1}));
@@ -234,7 +234,7 @@ using Names = std::vector<std::string>;
 }  // namespace
 
 TEST_CASE(
-    "of a source's parameters the first identities and the most useful expressions can be kept, pairs "
+    "of the parameters of a source the first identities and the most useful expressions can be kept, pairs "
     "whole") {
   const Source source = with_expressions(
       {"eyeLookUpLeft", "mouthSmileLeft", "flap", "wave", "mouthSmileRight", "jawOpen", "eyeLookUpRight"});
@@ -256,7 +256,7 @@ TEST_CASE(
                        SourceError);
 }
 
-TEST_CASE("a mirror image keeps the side whose samples it shares, or is refused without it") {
+TEST_CASE("a mirrored parameter keeps the parameter whose samples it uses, and is refused without it") {
   Source source = with_expressions({"jawOpen", "mouthSmileLeft", "mouthSmileRight"});
   source.shapes[5].displacement.clear();
   source.shapes[5].mirror_of = 4;

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <sstream>
 
+#include "cli_run.hpp"
 #include "host/bench/fit_problem.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
-#include "cli_run.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -48,7 +48,7 @@ double solve(LinearShapeFit& fit) {
 
 }  // namespace
 
-TEST_CASE("an exact problem without prior is solved to nothing, from a rough start and with any loss") {
+TEST_CASE("an exact problem without prior is solved to zero cost from a rough initial state with any loss") {
   const Folder folder;
   LinearShapeFit fit(folder.put("p.txt", problem_text(60)));
   REQUIRE(fit.point_count() == 60);
@@ -65,14 +65,14 @@ TEST_CASE("an exact problem without prior is solved to nothing, from a rough sta
     }
 }
 
-TEST_CASE("at the truth the cost is the prior's alone") {
+TEST_CASE("at the truth the cost is that of the prior") {
   const Folder folder;
   LinearShapeFit fit(folder.put("p.txt", problem_text(40)));
   fit.start_at(fit.camera_true(), fit.coefficients_true());
   CHECK(fit.exact_cost() == doctest::Approx(0.5 * (0.25 + 1 + 2.25)).epsilon(1e-3));
 }
 
-TEST_CASE("a truncated or odd problem is one line with the file's name") {
+TEST_CASE("a truncated or wrong problem gives one line with the name of the file") {
   const Folder folder;
   const std::string text = problem_text(5);
   for (std::size_t cut :

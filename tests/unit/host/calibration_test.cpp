@@ -1,9 +1,9 @@
 // OpenCV's calibration files: what is read of them, what is refused, and what fit, track and render make of them.
 #include "host/io/calibration.hpp"
 
+#include "cli_run.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/fit_file.hpp"
-#include "cli_run.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -49,7 +49,7 @@ TEST_CASE("a calibration is read as OpenCV writes it") {
   CHECK(c.off_px == 0);
 }
 
-TEST_CASE("a picture that is a uniform scale of the calibration's is fine, any other is not") {
+TEST_CASE("a picture size that is a uniform scale of the calibrated one is accepted, any other refused") {
   const Camera half = parse_calibration("c.yml", kFile, {320, 240}).camera;
   CHECK(half.f == doctest::Approx(255));
   CHECK(half.aspect == doctest::Approx(0.99));
@@ -73,14 +73,15 @@ TEST_CASE("other lens models are reduced to two coefficients, or refused when th
       parse_calibration("c.yml", with(kFile, "0., 0., 0. ]\navg", "1e-3, -5e-4, 0. ]\navg"), {640, 480});
   CHECK(tangential.off_px > 0.1f);
   CHECK(tangential.off_px < 3);
-  CHECK(contains(refusal(with(kFile, "0., 0., 0. ]\navg", "0.2, 0., 0. ]\navg")), "do not describe this lens"));
+  CHECK(
+      contains(refusal(with(kFile, "0., 0., 0. ]\navg", "0.2, 0., 0. ]\navg")), "do not describe this lens"));
   const std::string tilted = with(with(kFile, "cols: 5", "cols: 14"), "0., 0., 0. ]\navg",
                                   "0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0.1, 0. ]\navg");
   CHECK(contains(refusal(tilted), "tilted"));
   CHECK(contains(refusal(with(kFile, "-2.5e-01", "-1.9")), "cannot be inverted"));
 }
 
-TEST_CASE("files that are no calibration are refused by name") {
+TEST_CASE("files without a calibration are refused with a message that names them") {
   const struct {
     const char *from, *to, *part;
   } cases[] = {
@@ -113,7 +114,7 @@ TEST_CASE("files that are no calibration are refused by name") {
   CHECK(refusal(std::string("a: [\n") + std::string(1 << 20, '1')) != "");
 }
 
-TEST_CASE("a calibration that was cut or scribbled on is refused or read, and nothing else") {
+TEST_CASE("a truncated or damaged calibration is refused or read") {
   Random random(9);
   for (std::size_t cut = 0; cut < kFile.size(); ++cut) refusal(kFile.substr(0, cut));
   for (int k = 0; k < 2000; ++k) {

@@ -3,9 +3,9 @@
 #include <map>
 
 #include "baked_face.hpp"
+#include "cli_run.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/fit_file.hpp"
-#include "cli_run.hpp"
 #include "mesh_reader.hpp"
 
 using namespace cli_run;
@@ -143,7 +143,7 @@ TEST_CASE("morph targets and weights give the model's surface, turning jaw inclu
   }
 }
 
-TEST_CASE("a tolerance decides about correctives, and the error printed is the one there is") {
+TEST_CASE("a tolerance decides about correctives, and the printed error is the true one") {
   FaceFolder f;
   const std::string params = f.put("t.csv", "frame,jawOpen\n0,0\n1,0.2\n2,0.45\n");
   const auto words = [&](const char* tolerance) {
@@ -178,7 +178,7 @@ TEST_CASE("the head moves as the pose says, in axes with y up and z towards the 
   CHECK(*node.find("scale")->array()->at(0).number() == doctest::Approx(0.001));
 }
 
-TEST_CASE("one name drives a pair, a pair drives one, and what drives nothing is listed") {
+TEST_CASE("one name drives a pair, a pair drives one, and names without effect are listed") {
   const Folder f;
   const std::string model = f.put("m.plm", model_bytes());
   const std::string params = f.put(
@@ -194,7 +194,8 @@ TEST_CASE("one name drives a pair, a pair drives one, and what drives nothing is
   CHECK(r.err == params + ": the model has no parameter tongueOut\n");
 }
 
-TEST_CASE("lost frames hold the one before, and those at the beginning the first known") {
+TEST_CASE(
+    "a lost frame repeats the frame before it; lost frames at the beginning repeat the first tracked one") {
   const Folder f;
   const std::string model = f.put("m.plm", model_bytes());
   const std::string head = "frame,time_s,state,qw,qx,qy,qz,tx,ty,tz,jawOpen\n";
@@ -214,7 +215,7 @@ TEST_CASE("lost frames hold the one before, and those at the beginning the first
       {"l.csv", "no row with a pose or expression"});
 }
 
-TEST_CASE("a track goes onto another person and another model, keeping its share of the ranges") {
+TEST_CASE("a track plays on another person and another model at the same fraction of each range") {
   FaceFolder f;
   const std::string small = f.put("small.plm", model_bytes());
   const std::string params = f.put("t.csv", "frame,faceWidth,jawOpen,mouthSmileLeft\n0,2,0,0\n1,2,0.225,1\n");
@@ -244,7 +245,7 @@ TEST_CASE("a track goes onto another person and another model, keeping its share
   CHECK(Animation(read_file(f / "w.glb")).weight(1, "jawOpen") == doctest::Approx(1));
 }
 
-TEST_CASE("a folder gets an OBJ a frame, each the model's own surface") {
+TEST_CASE("with a folder as output each frame is an OBJ of the model's surface") {
   FaceFolder f;
   const std::string params = f.put("t.csv", "frame,jawOpen\n0,0\n1,0.1\n2,0.45\n");
   REQUIRE(run_words({"animate", f.model, "--params", params, "--vertices", "700", "-o", f / "objs/"}).code ==

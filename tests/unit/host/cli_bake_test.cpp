@@ -88,7 +88,7 @@ TEST_CASE("bake refuses OBJ names that do not fit or are there twice, and writes
   CHECK_FALSE(folder.has("m.plm.part"));
 }
 
-TEST_CASE("bake says how far the table is from its source, and of each parameter when asked") {
+TEST_CASE("bake prints the error of the table against its source, and of each parameter on request") {
   const ObjFolder folder;
   const Ran r = run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--errors"});
   REQUIRE(r.code == 0);
@@ -97,7 +97,7 @@ TEST_CASE("bake says how far the table is from its source, and of each parameter
     CHECK(contains(r.out, part));
 }
 
-TEST_CASE("bake counts files, then shapes, on a terminal, and is silent elsewhere") {
+TEST_CASE("bake shows progress over files and shapes on a terminal only") {
   const ObjFolder folder;
   const std::vector<std::string> words{"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60"};
   std::ostringstream out, err;
@@ -112,7 +112,7 @@ TEST_CASE("bake counts files, then shapes, on a terminal, and is silent elsewher
   CHECK(run_words(words).err == "");
 }
 
-TEST_CASE("info says where the bytes of a table go, and what its operations and curves are") {
+TEST_CASE("info lists the bytes of a table, its operations and its curves") {
   const Folder folder;
   const std::string table = folder / "m.plm";
   REQUIRE(run_words({"bake", kFace, "-o", table, "--size", "16"}).code == 0);

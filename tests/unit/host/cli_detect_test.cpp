@@ -1,7 +1,7 @@
 // `pliant track --init detect`: detects the face to track, says so, and rejects a detection that is not confirmed.
-#include "host/io/csv.hpp"
 #include "cli_run.hpp"
 #include "face_film.hpp"
+#include "host/io/csv.hpp"
 
 using namespace pliant;
 using namespace pliant::host;
@@ -50,7 +50,7 @@ struct Visit : Folder {
 
 }  // namespace
 
-TEST_CASE("frames without a face are rows in state lost; the track starts where one appears") {
+TEST_CASE("frames without a face are rows in state lost; the track starts when a face appears") {
   const Visit visit(20, 4, 20);
   const Ran r = run_words(visit.words({"--sheet", visit / "sheet.png"}));
   CAPTURE(r.err);
@@ -87,7 +87,7 @@ TEST_CASE("a detection of a face that is gone before ten frames is rejected, and
   CHECK_FALSE(visit.has("t.csv"));
 }
 
-TEST_CASE("without a face it gives up after the frames it was given, names them, and exits 1") {
+TEST_CASE("without a face track stops after the allowed frames, names their number, and exits with 1") {
   const Visit visit(8, 0, 0);
   Ran r = run_words(visit.words());
   CHECK(r.code == 1);
@@ -98,7 +98,7 @@ TEST_CASE("without a face it gives up after the frames it was given, names them,
   CHECK_FALSE(visit.has("t.csv"));
 }
 
-TEST_CASE("options and models that detection excludes are refused") {
+TEST_CASE("options and models that exclude detection are refused") {
   const Visit visit(1, 0, 1);
   CHECK(run_words(visit.words({"--markers", visit.put("m.csv", "landmark,x,y\na,1,2\n")})).code == 2);
   auto words = visit.words({"--search-frames", "3"});

@@ -3,21 +3,21 @@
 #include <cstring>
 #include <limits>
 
+#include "cli_run.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/fit_file.hpp"
 #include "host/io/json.hpp"
-#include "host/io/track_table.hpp"
 #include "host/io/statistics.hpp"
+#include "host/io/track_table.hpp"
 #include "host/io/truth.hpp"
-#include "cli_run.hpp"
 #include "random.hpp"
 
 using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
 
-TEST_CASE("fit.json keeps every bit, and names what is wrong with it") {
+TEST_CASE("fit.json keeps every bit, and errors in it are named") {
   FitFile fit;
   fit.model_crc = 4294967291u;
   fit.width = 321;
@@ -65,7 +65,7 @@ TEST_CASE("fit.json keeps every bit, and names what is wrong with it") {
   CHECK(contains(complaint("\"dx\"", "\"dz\""), "'dx'"));
 }
 
-TEST_CASE("garbage is never JSON: each fault has its line and column, and no nesting is too deep to refuse") {
+TEST_CASE("text that is not JSON is refused with line and column, at any depth of nesting") {
   const struct {
     const char* text;
     const char* where;
@@ -107,7 +107,7 @@ TEST_CASE("garbage is never JSON: each fault has its line and column, and no nes
   CHECK(*Json::parse("g", R"("\u00e9\ud83d\ude00\n")").string() == "\xc3\xa9\xf0\x9f\x98\x80\n");
 }
 
-TEST_CASE("a fit.json with bytes changed or cut at random is read or refused, never worse") {
+TEST_CASE("a fit.json with random changes or cuts is read or refused") {
   FitFile fit;
   fit.width = fit.height = 100;
   fit.camera = {100, 50, 50};
@@ -135,7 +135,7 @@ TEST_CASE("a fit.json with bytes changed or cut at random is read or refused, ne
   CHECK(refused > 2000);
 }
 
-TEST_CASE("CSV: quotes, spaces, line ends and a byte order mark are taken as they are meant") {
+TEST_CASE("CSV may have quotes, spaces, any line ends and a byte order mark") {
   const CsvTable table("t.csv",
                        "\xef\xbb\xbf\"landmark\", x ,y\r\n\n\"a \"\"b\"\", c\",1.5,-2e1\r\n z , +3,0");
   CHECK(table.columns() == std::vector<std::string>{"landmark", "x", "y"});
@@ -147,7 +147,7 @@ TEST_CASE("CSV: quotes, spaces, line ends and a byte order mark are taken as the
   CHECK(table.where(1) == "t.csv: line 4");
 }
 
-TEST_CASE("a track row keeps every float, and an unknown one is empty and never NaN") {
+TEST_CASE("a track row keeps every float, and unknown values are empty") {
   const Folder folder;
   const ModelFile file(folder.put("m.plm", model_bytes()));
   TrackRow row;
@@ -175,7 +175,7 @@ TEST_CASE("a track row keeps every float, and an unknown one is empty and never 
   CHECK(track_line(row) == "3,0.1,lost,0,0,0,0" + std::string(7 + 4 + 4, ',') + "\n");
 }
 
-TEST_CASE("a comparison with the truth measures what it says") {
+TEST_CASE("a comparison with the truth gives the known errors") {
   const Sequence s;
   const ModelFile file(s.model);
   TruthComparison same(s.truth, file.model()), off(s.truth, file.model());

@@ -75,7 +75,7 @@ TEST_CASE("grid refuses bad words with 2 and bad input with 1 and a line that na
   CHECK(contains(r.err, "no parameter hair"));
 }
 
-TEST_CASE("seven people and five expressions come with the built-in face, all of parameters that it has") {
+TEST_CASE("the built-in face has seven people and five expressions, and their parameters exist") {
   const Model& model = baked_face().model;
   for (const char* name : {"people", "expressions"}) {
     CAPTURE(name);

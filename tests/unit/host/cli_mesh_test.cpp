@@ -2,8 +2,8 @@
 #include <cmath>
 #include <set>
 
-#include "host/io/image.hpp"
 #include "cli_run.hpp"
+#include "host/io/image.hpp"
 #include "mesh_reader.hpp"
 
 using namespace cli_run;
@@ -217,13 +217,13 @@ TEST_CASE("one command makes a picture and a table of all criteria") {
     CHECK(contains(r.out, row));
 }
 
-TEST_CASE("the same words give the same bytes") {
+TEST_CASE("the same arguments give the same bytes") {
   const MeshFolder m;
   for (const char* name : {"a.glb", "b.glb"}) m.mesh({"--budget", "300", "-o", m / name});
   CHECK(read_file(m / "a.glb") == read_file(m / "b.glb"));
 }
 
-TEST_CASE("bad words and bad files are refused by name, and nothing is written") {
+TEST_CASE("bad arguments and bad files are refused with a message that names them, and nothing is written") {
   const MeshFolder m;
   const auto refused = [&](std::vector<std::string> words, const std::string& part) {
     words.insert(words.begin(), {"mesh", m.path, "-o", m / "out.obj"});

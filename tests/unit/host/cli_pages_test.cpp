@@ -2,13 +2,13 @@
 // browser is tried by tests/pages.
 #include <map>
 
+#include "cli_run.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/fit_file.hpp"
 #include "host/io/image.hpp"
 #include "host/io/json.hpp"
 #include "host/io/page.hpp"
 #include "host/render/svg_chart.hpp"
-#include "cli_run.hpp"
 
 using namespace cli_run;
 
@@ -134,7 +134,7 @@ TEST_CASE("the points page holds the picture and every landmark where the start 
   CHECK(read_image(s / "back.png").pixels == read_image(picture).pixels);
 }
 
-TEST_CASE("points that were given stay where they were given, and only they are on") {
+TEST_CASE("given points keep their positions, and only they are switched on") {
   const Sequence s;
   const std::string picture = s.put("g.pgm", grey_pgm(200, 160));
   const std::string given = s.put(
@@ -158,7 +158,7 @@ TEST_CASE("points that were given stay where they were given, and only they are 
   }
 }
 
-TEST_CASE("points lie where a calibrated lens shows them") {
+TEST_CASE("points have the positions of a calibrated lens") {
   const Sequence s;
   const std::string picture = s.put("g.pgm", grey_pgm(200, 160));
   const std::string camera =
@@ -185,7 +185,7 @@ TEST_CASE("points lie where a calibrated lens shows them") {
   CHECK(left - right < number(point(straight, "eye_left"), "x") - number(point(straight, "eye_right"), "x"));
 }
 
-TEST_CASE("a JPEG goes into a page as it is, but without its EXIF") {
+TEST_CASE("a JPEG is embedded unchanged but without its EXIF data") {
   const Folder f;
   Image image(48, 32, 3);
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
@@ -228,7 +228,7 @@ TEST_CASE("points refuses bad words with 2 and bad input with 1 and a line that 
   CHECK_FALSE(s.has("p.html"));
 }
 
-TEST_CASE("a report holds nine frames and the numbers of the run, and lost frames leave gaps") {
+TEST_CASE("a report has nine frames and the numbers of the run, and gaps at lost frames") {
   const Sequence s;
   std::string video = read_file(s.video);
   const std::size_t head = video.find('\n') + 1, frame = 6 + 200 * 160;

@@ -8,7 +8,7 @@ using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
 
-TEST_CASE("bad usage exits with 2 and says which word is wrong") {
+TEST_CASE("bad usage exits with 2 and names the wrong argument") {
   const struct {
     std::vector<std::string> words;
     const char* part;
@@ -54,7 +54,7 @@ TEST_CASE("bad usage exits with 2 and says which word is wrong") {
   CHECK(folder.file_count() == 2);
 }
 
-TEST_CASE("help names every command, and every option of one") {
+TEST_CASE("help lists every command, and help of a command every option") {
   const Ran all = run_words({"--help"});
   CHECK(all.code == 0);
   for (const char* name : {"bake", "info", "mesh", "points", "fit", "track", "animate", "render", "bench"})
@@ -65,7 +65,7 @@ TEST_CASE("help names every command, and every option of one") {
     CHECK(contains(one.out, name));
 }
 
-TEST_CASE("a truncated or damaged model is one line, wherever it is cut or flipped") {
+TEST_CASE("a model truncated or damaged anywhere gives one line of error") {
   const Folder folder;
   const std::string whole = model_bytes();
   check_refused({"info", folder / "none.plm"}, {"none.plm", "No such file"});
@@ -114,7 +114,7 @@ TEST_CASE("info tells sizes, parameters, fields, landmarks and memory") {
   }
 }
 
-TEST_CASE("a points file with a fault is one line that says which line, column or landmark") {
+TEST_CASE("a points file with a fault gives one line that names the line, column or landmark") {
   const Folder folder;
   const std::string model = folder.put("m.plm", model_bytes());
   const std::string head = "landmark,x,y\n", good = "ibug00,10,10\nibug01,60,10\nibug02,10,60\n";
@@ -229,7 +229,7 @@ TEST_CASE(
   CHECK_FALSE(s.has("x.json"));
 }
 
-TEST_CASE("a count of parameters frees the first ones of the table, a group its own") {
+TEST_CASE("a count of parameters frees the first ones of the table, a group name those of the group") {
   const Sequence s;
   const auto sd_of = [&](const std::string& choice) {
     REQUIRE(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "--parameters", choice,
@@ -287,7 +287,7 @@ TEST_CASE("render writes the truth as a track, and a track can be rendered again
   CHECK_FALSE(s.has("no.y4m.part"));
 }
 
-TEST_CASE("bake refuses a folder that is no source in one line, and leaves nothing behind") {
+TEST_CASE("bake refuses a folder without a source in one line and writes nothing") {
   const Folder folder;
   check_refused({"bake", folder.path.string(), "-o", folder / "m.plm"}, {folder.path.string()});
   check_refused({"bake", folder / "none", "-o", folder / "m.plm"}, {"none"});

@@ -1,15 +1,15 @@
 // `pliant track`: the files that it writes, and its messages for bad videos and bad initial states.
 #include <map>
 
+#include "cli_run.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/image.hpp"
-#include "cli_run.hpp"
 
 using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
 
-TEST_CASE("track finds the rendered motion, and its table has the documented columns") {
+TEST_CASE("track measures the rendered motion, and its table has the documented columns") {
   const Sequence s;
   s.put("marks.csv", "landmark,x,y\ncheek,70,90\nchin,100,115\n");
   auto words = s.track_words();
@@ -164,7 +164,7 @@ TEST_CASE("frozen expressions stay at rest, and the identity stays as fitted unl
   CHECK(frozen.cell(11, frozen.column("qy")) != frozen.cell(0, frozen.column("qy")));
 }
 
-TEST_CASE("a mesh that adapts to the view has other vertices, and the pose stays within 0.002") {
+TEST_CASE("an adaptive mesh has other vertices, and the pose stays within 0.002") {
   const Sequence s;
   auto words = s.track_words();
   REQUIRE(run_words(words).code == 0);
@@ -240,7 +240,7 @@ TEST_CASE("a video that ends in mid-frame gives a row for every whole frame, one
   CHECK_FALSE(s.has("t.csv.part"));
 }
 
-TEST_CASE("a Y4M header with a wrong size, or no header, is refused in one line") {
+TEST_CASE("a Y4M stream with a wrong size or without a header is refused in one line") {
   const Sequence s;
   const std::string whole = read_file(s.video), body = whole.substr(whole.find('\n') + 1);
   auto words = s.track_words();

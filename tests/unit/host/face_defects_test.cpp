@@ -104,7 +104,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("each missing file, and a missing row, is one line that names the file") {
+TEST_CASE("a missing file or row gives one line that names the file") {
   const auto remove = [](const std::string&) { return std::string(); };
   for (const char* file : {"patches.txt", "parameters.txt", "groups.txt", "followers.txt", "hinges.txt",
                            "identity.txt", "expressions.txt", "landmarks.txt", "curves.txt", "paint.txt"})

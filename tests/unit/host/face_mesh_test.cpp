@@ -52,8 +52,8 @@ const Measured& three_levels() {
 // N E: they lower the maximum, not the mean. The least N E is the squared integral of k^(1/2), for sizes that go as
 // k^(-1/2), with the same error times area in every triangle: what a budget aims at.
 
-/// That least, as a share of what triangles of one size need.
-double least_share() {
+/// The least N E as a fraction of that of triangles of equal size.
+double least_fraction() {
   const ModelMesh mesh(baked_face().model, face_at_rest(), uniform(3));
   double area = 0, root = 0, whole = 0;
   for (const FaceId f : mesh.mesh().faces()) {
@@ -72,18 +72,18 @@ double least_share() {
 TEST_CASE(
     "three levels everywhere: contour refinement has their mean error with fewer vertices, as few as can "
     "be") {
-  const double least = least_share();
-  const double share = 0.8;
-  const int vertices = static_cast<int>(share * three_levels().vertices);
+  const double least = least_fraction();
+  const double fraction = 0.8;
+  const int vertices = static_cast<int>(fraction * three_levels().vertices);
   const Measured refined = measured(budget(vertices));
   MESSAGE("three levels: " << three_levels().vertices << " vertices, " << three_levels().error.mean_mm
                            << " mm; " << vertices << " vertices by contour: " << refined.error.mean_mm
-                           << " mm; least share of triangles " << least);
+                           << " mm; least fraction of triangles " << least);
   CHECK(refined.vertices <= vertices);
   CHECK(refined.error.mean_mm <= three_levels().error.mean_mm);
   // The error of this face is spread so evenly that no sizes of triangles whatever could do with half of them.
   CHECK(least > 0.65);
-  CHECK(share < 1.1 * least);
+  CHECK(fraction < 1.1 * least);
 }
 
 TEST_CASE(
@@ -97,7 +97,8 @@ TEST_CASE(
   CHECK(refined.error.max_mm <= three_levels().error.max_mm);
 }
 
-TEST_CASE("a tolerance pays as much for the mean error as one size for all, and much less for the maximum") {
+TEST_CASE(
+    "a tolerance has the same mean error as equal triangles for its vertices, and a much smaller maximum") {
   const Measured even = measured(contour(0.18f));
   const auto cost = [](const Measured& m) { return static_cast<float>(m.vertices) * m.error.mean_mm; };
   MESSAGE("vertices x mean error: tolerance " << cost(even) << ", three levels " << cost(three_levels()));
@@ -115,7 +116,9 @@ TEST_CASE("a budget has no larger mean error than the contour criterion with as 
   }
 }
 
-TEST_CASE("with an open mouth and a smile as well, a budget beats tolerance, and tolerance beats normals") {
+TEST_CASE(
+    "with an open mouth and a smile a budget has a smaller error than tolerance, and tolerance than "
+    "normals") {
   auto q = baked_face().posed("jawOpen");
   for (const char* name : {"mouthSmileLeft", "mouthSmileRight"})
     q[baked_face().model.find_parameter(name)] = 0.8f;
@@ -126,7 +129,7 @@ TEST_CASE("with an open mouth and a smile as well, a budget beats tolerance, and
   CHECK(by_tolerance.error.mean_mm < measured(normals, smile).error.mean_mm);
 }
 
-TEST_CASE("a tolerance is met all over the face, and error falls with every level") {
+TEST_CASE("a tolerance is met on the whole face, and the error falls with every level") {
   const Measured fine = measured(contour(0.3f));
   CHECK(fine.stop == AdaptStop::converged);
   CHECK(fine.error.mean_mm < 0.3f);

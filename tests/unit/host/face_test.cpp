@@ -50,7 +50,7 @@ std::string ibug(int k) {
 
 }  // namespace
 
-TEST_CASE("the table has the 68 landmarks, the five and the curves that trackers look for") {
+TEST_CASE("the table has the 68 landmarks, the five landmarks and the curves that trackers use") {
   const Model& model = baked_face().model;
   for (int k = 0; k < 68; ++k) CHECK_MESSAGE(model.find_landmark(ibug(k).c_str()) != kNone, k);
   for (const char* name : {"eye_right", "eye_left", "nose_tip", "mouth_right", "mouth_left"})
@@ -115,8 +115,7 @@ TEST_CASE("distances at rest are within one and a half standard deviations of pu
   within("width at the nose's height", apart(face, "ibug02", "ibug14", q), 137.0f, 5.0f);
 }
 
-TEST_CASE(
-    "the frame of reference is the eyes': origin midway between their outer corners, axes left, up, out") {
+TEST_CASE("the origin is midway between the outer eye corners, with axes left, up and out") {
   BakedModel& face = baked_face();
   const auto q = face.rest();
   const Vec3 left = face.at("ibug45", q), right = face.at("ibug36", q);
@@ -163,7 +162,7 @@ constexpr Effect kEffects[] = {
 
 }  // namespace
 
-TEST_CASE("each expression moves the landmarks that it is named for") {
+TEST_CASE("each expression moves the landmarks of its name") {
   BakedModel& face = baked_face();
   const auto rest = face.rest();
   for (const Effect& e : kEffects) {
@@ -181,7 +180,7 @@ TEST_CASE("each expression moves the landmarks that it is named for") {
   CHECK(dot(puffed, normal(face, cheek, rest)) > 3);
 }
 
-TEST_CASE("a blink brings the lids together, in front of the eyeball, all the way") {
+TEST_CASE("a blink closes the lids completely, in front of the eyeball") {
   BakedModel& face = baked_face();
   const auto closed = face.posed("eyeBlinkRight");
   CHECK(apart(face, "ibug37", "ibug41", closed) < 1.5f);
@@ -195,7 +194,7 @@ TEST_CASE("a blink brings the lids together, in front of the eyeball, all the wa
   }
 }
 
-TEST_CASE("an expression leaves what is far from its muscle exactly still") {
+TEST_CASE("an expression does not move points far from its muscle") {
   struct Still {
     const char* parameter;
     int first, last;
@@ -233,7 +232,8 @@ TEST_CASE("an expression leaves what is far from its muscle exactly still") {
     }
 }
 
-TEST_CASE("every parameter moves something, and an identity's standard deviation is a plausible one") {
+TEST_CASE(
+    "every parameter moves the surface, and the standard deviation of an identity parameter is plausible") {
   BakedModel& face = baked_face();
   const auto places = places_on_skin(face.model, 40, 0);
   for (std::size_t k = 0; k < face.model.parameters().count; ++k) {
@@ -268,7 +268,7 @@ TEST_CASE("fields are zero on the rim of their support, so that the surface has 
   }
 }
 
-TEST_CASE("no expression at its maximum folds the surface over") {
+TEST_CASE("no expression at its maximum causes a fold-over") {
   BakedModel& face = baked_face();
   const auto places = places_on_skin(face.model, 96, 0.008f);
   std::vector<Vec3> rest;
@@ -278,12 +278,12 @@ TEST_CASE("no expression at its maximum folds the surface over") {
     const auto q = face.posed(p.name);
     int folded = 0;
     for (std::size_t k = 0; k < places.size(); ++k) folded += dot(normal(face, places[k], q), rest[k]) < 0;
-    const double share = static_cast<double>(folded) / static_cast<double>(places.size());
-    CHECK_MESSAGE(share < 0.002, note(p.name, folded, places.size()));
+    const double fraction = static_cast<double>(folded) / static_cast<double>(places.size());
+    CHECK_MESSAGE(fraction < 0.002, note(p.name, folded, places.size()));
   }
 }
 
-TEST_CASE("two standard deviations of any identity fold nothing over") {
+TEST_CASE("two standard deviations of any identity parameter cause no fold-over") {
   BakedModel& face = baked_face();
   const auto places = places_on_skin(face.model, 64, 0.008f);
   std::vector<Vec3> rest;
@@ -301,7 +301,7 @@ TEST_CASE("two standard deviations of any identity fold nothing over") {
   }
 }
 
-TEST_CASE("the base mesh is one of basic blocks with a hole for each eye and the mouth") {
+TEST_CASE("the base mesh consists of basic blocks and has a hole for each eye and the mouth") {
   const Model& model = baked_face().model;
   MeshLimits limits;
   limits.vertices = 2048;
@@ -358,8 +358,7 @@ TEST_CASE("base faces are counter-clockwise seen from outside, as the surface is
   CHECK(wrong == 0);
 }
 
-TEST_CASE(
-    "the surface has texture that a tracker of corners can hold on to, and eyes, lips and brows stand out") {
+TEST_CASE("the surface has enough texture for corners, and eyes, lips and brows have contrast") {
   BakedModel& face = baked_face();
   const ChartImage albedo = face.model.albedo();
   const auto tone = [&](Vec2 uv) {

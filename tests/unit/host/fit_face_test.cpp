@@ -21,8 +21,8 @@ bool is_jaw_name(const char* name) {
   return std::strncmp(name, "ibug", 4) == 0 && std::atoi(name + 4) <= 16;
 }
 
-/// A random person seen from the side, with the 68 landmarks as a person would mark them: those of the outline where the
-/// face ends in the picture.
+/// A random person seen from the side, with the 68 landmarks as a person would mark them: silhouette landmarks are on the
+/// silhouette in the picture.
 struct Portrait {
   BakedModel& face = baked_face();
   std::vector<float> truth;
@@ -82,7 +82,7 @@ double median(std::vector<double> v) {
 }  // namespace
 
 TEST_CASE(
-    "landmarks of the outline matched to the silhouette give a better pose and shape than held in place") {
+    "silhouette landmarks that may move along the silhouette give a better pose and shape than fixed ones") {
   std::vector<double> turn[2], shape[2];
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Portrait portrait(seed, seed % 2 == 0 ? 0.52f : -0.52f);
@@ -110,14 +110,16 @@ TEST_CASE(
     }
   }
   std::printf(
-      "outline at 30 degrees: turn %.2f degrees held, %.2f matched; shape %.2f mm held, %.2f matched\n",
+      "silhouette at 30 degrees: turn %.2f degrees held, %.2f matched; shape %.2f mm held, %.2f matched\n",
       57.3 * median(turn[0]), 57.3 * median(turn[1]), median(shape[0]), median(shape[1]));
   CHECK(median(turn[1]) < 0.25 * median(turn[0]));
   CHECK(median(turn[1]) < 0.02);
   CHECK(median(shape[1]) < 0.5 * median(shape[0]));
 }
 
-TEST_CASE("the built-in face never folds in a fit, however mad the points, and hardly within its limits") {
+TEST_CASE(
+    "the built-in face has no fold-over after a fit to random points, and steps to its limits stop before "
+    "one") {
   BakedModel& face = baked_face();
   InArena<FoldOverTest> test(face.model);
   test->start(face.cascade);
@@ -135,17 +137,17 @@ TEST_CASE("the built-in face never folds in a fit, however mad the points, and h
     }
     test->compute_positions(face.cascade, q.data(), position.data());
     folded += test->count_folded(position.data()) > 0;
-    float share = 1;
+    float fraction = 1;
     for (int k = 0; k < 8; ++k) {
       const float f = test->step_fraction(rest.data(), position.data());
       if (f == 1) break;
-      share *= f;
+      fraction *= f;
       std::vector<float> part(q);
-      for (float& v : part) v *= share;
+      for (float& v : part) v *= fraction;
       test->compute_positions(face.cascade, part.data(), position.data());
     }
     CHECK(test->count_folded(position.data()) == 0);
-    CHECK(share > 0.1f);
+    CHECK(fraction > 0.1f);
   }
   std::printf("all parameters at random limits: %d of 40 fold the built-in face\n", folded);
   CHECK(folded > 0);
@@ -170,7 +172,7 @@ TEST_CASE("the built-in face never folds in a fit, however mad the points, and h
   }
 }
 
-TEST_CASE("outline points need room for them") {
+TEST_CASE("a fitter without room for silhouette points refuses them") {
   Portrait portrait(1, 0);
   InArena<Fitter> fitter(portrait.face.model, FitLimits{});
   FitOptions options;

@@ -22,7 +22,7 @@ std::string film() {
 
 }  // namespace
 
-TEST_CASE("frames have numbers and times since the first") {
+TEST_CASE("frames have numbers, and times from the first frame on") {
   const Folder folder;
   FrameStream frames(folder.put("v.y4m", film()), false);
   CHECK(frames.size().width == 16);

@@ -155,7 +155,7 @@ TEST_CASE("bad folders and pictures are named, after the good frames before them
   CHECK(contains(run.message, "2.pgm: is 4x5, but the first picture is 4x4"));
 }
 
-TEST_CASE("every cut of a PGM is a status that names the file") {
+TEST_CASE("a PGM cut at any byte gives a status and a message that names the file") {
   const Folder folder;
   const std::string whole = pgm(4, 3, 7);
   folder.write("1.pgm", whole);
@@ -171,7 +171,7 @@ TEST_CASE("every cut of a PGM is a status that names the file") {
   }
 }
 
-TEST_CASE("PGM headers that cannot be are refused, with the reason") {
+TEST_CASE("impossible PGM headers are refused with the reason") {
   const Folder folder;
   const auto message = [&](const std::string& bytes) {
     return read_all(folder.write("x.pgm", bytes)).message;
@@ -252,7 +252,7 @@ TEST_CASE("a stream cut anywhere gives the whole frames before the cut, then say
   }
 }
 
-TEST_CASE("headers that lie are refused by name") {
+TEST_CASE("headers with wrong values are refused with a message that names the value") {
   const Folder folder;
   const auto message = [&](const std::string& line) {
     return read_all(folder.write("lie.y4m", line + "\nFRAME\n" + grey_bytes(12, 1))).message;
@@ -296,7 +296,7 @@ TEST_CASE("an unknown or zero rate is 25") {
   }
 }
 
-TEST_CASE("what the grey writer writes is read back to the byte") {
+TEST_CASE("grey frames are written and read back without change") {
   const Folder folder;
   const std::string path = folder.path() + "/out.y4m";
   Y4mWriter writer;
@@ -343,7 +343,7 @@ TEST_CASE("the colour writer writes luma and the chroma of BT.601") {
   CHECK(bytes.substr(28, 4) == std::string(4, '\x80'));
 }
 
-TEST_CASE("a writer that cannot write says so") {
+TEST_CASE("a writer that cannot write returns an error") {
   Y4mWriter writer;
   CHECK(writer.open("/nowhere/at/all.y4m", 4, 3, {}, Y4mWriter::Colour::mono) == Status::io_error);
   CHECK(contains(writer.message(), "/nowhere/at/all.y4m: "));

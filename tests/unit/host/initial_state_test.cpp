@@ -108,7 +108,7 @@ TEST_CASE("bad points are refused before a frame is read, by file and line") {
   CHECK(contains(s.failure(s.put("p.csv", one_spot)), "p.csv: the points do not determine the pose"));
 }
 
-TEST_CASE("the profile is the one named, else by the width of the frames") {
+TEST_CASE("the profile is the given one, or follows from the width of the frames") {
   const std::vector<Option> options{{"--profile", "s|m|l", ""}};
   const auto limits = [&](const std::vector<std::string>& words, int width) {
     return tracker_limits(Args(words, options, 0), ImageSize{width, 240});

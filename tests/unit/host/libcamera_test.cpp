@@ -4,12 +4,12 @@
 #include <thread>
 #include <vector>
 
-#include "host/io/owned.hpp"
+#include "camera/frame_queue.hpp"
+#include "camera/luma_layout.hpp"
 #include "cli_run.hpp"
 #include "host/io/camera_spec.hpp"
 #include "host/io/frame_source.hpp"
-#include "camera/frame_queue.hpp"
-#include "camera/luma_layout.hpp"
+#include "host/io/owned.hpp"
 #include "pliant/pyramid.hpp"
 
 using namespace pliant;
@@ -137,7 +137,7 @@ TEST_CASE("formats without luma of eight bits in place are recognised") {
   CHECK(fourcc_text(0x01020304) == "????");
 }
 
-TEST_CASE("of the formats that can be read the nearest size is chosen, planar before packed") {
+TEST_CASE("among readable formats the nearest size is chosen, and planar is preferred to packed") {
   std::uint32_t format = 0;
   FormatOffer::Size size;
   const std::vector<FormatOffer::Size> some = {{320, 240}, {640, 480}, {1280, 720}};
@@ -194,7 +194,7 @@ TEST_CASE("a closed queue accepts nothing, gives the items it has, and then retu
 }
 
 TEST_CASE(
-    "between two threads nothing is lost or doubled but what was counted as dropped, and order is kept") {
+    "between two threads items keep their order, none is doubled, and the lost ones are counted as dropped") {
   using namespace std::chrono_literals;
   FrameQueue<int> queue(4);
   constexpr int kCount = 20000;
@@ -232,7 +232,7 @@ TEST_CASE("a waiting thread is woken by a frame and by the end") {
   camera.join();
 }
 
-TEST_CASE("a camera is named by nothing, a number or an id, and a size may follow") {
+TEST_CASE("a camera is given by nothing, a number or an id, and optionally a size") {
   const struct {
     const char *name, *camera;
     int width, height;
@@ -262,7 +262,7 @@ TEST_CASE("a camera is named by nothing, a number or an id, and a size may follo
   CHECK_FALSE(parse_camera_spec("video.y4m", &spec));
 }
 
-TEST_CASE("a camera that is not there is one line that says so, and exit 1") {
+TEST_CASE("a missing camera gives one line and exit code 1") {
   const Folder folder;
   const std::string model = folder.put("m.plm", model_bytes());
   const Ran r =

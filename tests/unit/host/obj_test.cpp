@@ -169,7 +169,7 @@ TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places a
   CHECK(mesh.compute_statistics().boundary_loops == 1);
 }
 
-TEST_CASE("a chart of the other hand is turned, so that u right and v down are seen from outside") {
+TEST_CASE("a mirrored chart is flipped, so that seen from outside u points right and v down") {
   const ObjFolder folder("hand");
   const auto mirrored = [](float s, float t) { return sheet(1 - s, t); };
   // The faces wind clockwise in the file's (u,v): their outside is the chart's back.
@@ -201,7 +201,7 @@ TEST_CASE("a chart of the other hand is turned, so that u right and v down are s
   CHECK(f.pv.y < 0);
 }
 
-TEST_CASE("principal components are orthogonal, of the right length, and explain what varies") {
+TEST_CASE("principal components are orthogonal, have the right length and explain the variance") {
   Random random(3);
   const std::size_t vertices = 50;
   std::vector<Vec3> first, second;

@@ -50,7 +50,7 @@ const std::uint8_t* texel(const Image& texture, Vec2 uv) {
 
 }  // namespace
 
-TEST_CASE("what faces the camera has the photograph's colour at its place") {
+TEST_CASE("surface that faces the camera gets the colour of the photograph at its projection") {
   Shot shot({0.1f, 0, 0.2f});
   const Image texture = shot.texture();
   for (const char* name :
@@ -62,7 +62,7 @@ TEST_CASE("what faces the camera has the photograph's colour at its place") {
   }
 }
 
-TEST_CASE("a lens that bends the picture is bent back") {
+TEST_CASE("lens distortion is corrected") {
   Shot shot({0, 0, 0});
   shot.fit.camera.k1 = -0.5f;
   Lens lens;
@@ -75,7 +75,7 @@ TEST_CASE("a lens that bends the picture is bent back") {
   CHECK(magnitude(static_cast<float>(texel(texture, brow)[1]) - (90 + 0.2f * there.y)) < 1.5f);
 }
 
-TEST_CASE("the side that turns away is the mirror image of the other") {
+TEST_CASE("the side that is turned away gets the mirror image of the other") {
   Shot shot({0, 0.9f, 0});
   // Turned to the picture's left or right: one outer eye corner is seen, and the other is not.
   const Image texture = shot.texture();
@@ -94,7 +94,7 @@ TEST_CASE("the side that turns away is the mirror image of the other") {
   for (int c = 0; c < 3; ++c) CHECK(std::abs(texel(texture, hidden)[c] - texel(texture, seen)[c]) < 12);
 }
 
-TEST_CASE("where the model is wider than the person no background comes onto the face") {
+TEST_CASE("where the model is wider than the person the texture has no background") {
   Shot shot({0, 0, 0});
   const Vec2 nose = shot.seen_at(shot.face.uv("ibug30")), cheek = shot.seen_at(shot.face.uv("ibug02"));
   const float half_width = 0.93f * magnitude(cheek.x - nose.x);
@@ -114,7 +114,7 @@ TEST_CASE("where the model is wider than the person no background comes onto the
   CHECK(inside > kSide * kSide / 2);
 }
 
-TEST_CASE("a photograph without colour, or of next to nothing, still gives a texture") {
+TEST_CASE("a photograph without colour, or a tiny one, gives a texture") {
   Shot shot({0, 0, 0});
   for (int y = 0; y < 400; ++y)
     for (int x = 0; x < 400; ++x) shot.put(x, y, {100, 100, 100});

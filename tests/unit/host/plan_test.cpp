@@ -28,7 +28,7 @@ std::size_t sum_of(const Plan& plan) {
 
 }  // namespace
 
-TEST_CASE("every byte has a purpose, and their sum is what a tracker takes, for any limits") {
+TEST_CASE("the bytes of all purposes add up to the bytes of a tracker, for any limits") {
   const Folder folder;
   const ModelFile file(folder.put("m.plm", model_bytes()));
   Random random(4);
@@ -58,7 +58,7 @@ TEST_CASE("every byte has a purpose, and their sum is what a tracker takes, for 
   }
 }
 
-TEST_CASE("the printed plan has the arena that a run reports, and its parts add up") {
+TEST_CASE("the printed plan has the arena size that a run reports, and its parts add up") {
   const Sequence s;
   const Ran run = run_words(s.track_words());
   REQUIRE(run.code == 0);
@@ -72,7 +72,7 @@ TEST_CASE("the printed plan has the arena that a run reports, and its parts add 
   CHECK(printed(small.out, "arena") == measured_bytes<Tracker>(ModelFile(s.model).model(), profile_s()));
 }
 
-TEST_CASE("more of anything is more bytes, and no model is one record a parameter") {
+TEST_CASE("a larger limit needs more bytes, and without a model one record a parameter is assumed") {
   const auto arena = [](std::vector<std::string> more) {
     std::vector<std::string> words = {"plan"};
     words.insert(words.end(), more.begin(), more.end());
@@ -96,7 +96,7 @@ TEST_CASE("more of anything is more bytes, and no model is one record a paramete
   CHECK(run_words({"plan", "nothing.plm"}).code == 1);
 }
 
-TEST_CASE("no frame takes more steps than the plan allows, not even of noise") {
+TEST_CASE("no frame takes more steps than the bound of the plan, even on noise") {
   const Sequence s;
   REQUIRE(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "--focal", "330", "-o",
                      s / "f.json"})

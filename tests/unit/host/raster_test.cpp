@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "host/render/draw.hpp"
 #include "host/io/image.hpp"
+#include "host/render/draw.hpp"
 #include "host/render/scene.hpp"
 #include "host/render/sheet.hpp"
 #include "pliant/camera.hpp"
@@ -134,7 +134,7 @@ TEST_CASE("two planes that cross meet where their depths are equal, not where th
 }
 
 TEST_CASE(
-    "triangles that share an edge leave no gap, and their rim is mixed with the background by its share") {
+    "triangles with a common edge leave no gap, and boundary pixels blend with the background by coverage") {
   Random random(3);
   Raster raster(40, 40, 4);
   for (int round = 0; round < 50; ++round) {
@@ -155,7 +155,7 @@ TEST_CASE(
   CHECK(raster.value(20, 20, 40) == doctest::Approx(0.5 * 200 + 0.5 * 40));
 }
 
-TEST_CASE("a painted spot is seen where the projector says, to a twentieth of a pixel") {
+TEST_CASE("a painted spot appears at its projection, to a twentieth of a pixel") {
   TexturedModel source;
   const Vec2 spots[] = {{0.3f, 0.3f}, {0.71f, 0.36f}, {0.52f, 0.55f}, {0.27f, 0.74f}, {0.66f, 0.8f}};
   source.rest = [](float u, float v) { return Vec3{120 * u - 60, 80 - 160 * v, 0}; };
@@ -189,7 +189,7 @@ TEST_CASE("a painted spot is seen where the projector says, to a twentieth of a 
   }
 }
 
-TEST_CASE("holes of the mask are drawn, what lies beyond its outline is not") {
+TEST_CASE("holes of the mask are drawn, the outside of its boundary is not") {
   const Table table{TexturedModel{}};
   ChartTexture texture(table.model);
   CHECK(texture.covers({0.5f, 0.5f}));
@@ -240,7 +240,7 @@ TEST_CASE("the light comes from the upper left, so that a bump is bright there a
   CHECK(*image.at(5, 5) == 0);
 }
 
-TEST_CASE("noise has the spread asked for, equal seeds give equal noise, and others do not") {
+TEST_CASE("noise has the requested standard deviation, and depends on the seed only") {
   Image a(200, 200, 1, 128), b(200, 200, 1, 128), c(200, 200, 1, 128);
   add_noise(a, 5, 7);
   add_noise(b, 5, 7);
@@ -256,7 +256,7 @@ TEST_CASE("noise has the spread asked for, equal seeds give equal noise, and oth
   CHECK(std::sqrt(squares / 40000) == doctest::Approx(5).epsilon(0.02));
 }
 
-TEST_CASE("the frontal pose fills the share asked for and sits in the middle") {
+TEST_CASE("the head in frontal pose has the requested height and is centred") {
   const Table table{TexturedModel{}};
   const std::vector<float> q(table.model.parameters().count, 0.0f);
   const Camera camera = centred_camera(320, 240, 450);

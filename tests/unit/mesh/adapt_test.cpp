@@ -1,5 +1,4 @@
 #include "pliant/adapt.hpp"
-#include "pliant/mesh_star.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,6 +7,7 @@
 
 #include "mesh_shapes.hpp"
 #include "pliant/criteria.hpp"
+#include "pliant/mesh_star.hpp"
 
 using namespace pliant;
 using shapes::limits;
@@ -250,10 +250,10 @@ TEST_CASE("too few faces stop refinement as too few vertices do") {
 
 TEST_CASE("a budgeted mesh that follows a moving surface beats a uniform one of twice the vertices") {
   Bumps bumps;
-  ContourOptions share;
-  share.mean_mm = share.max_mm = 0;
-  share.volume_mm3 = 0.01f;
-  Setup s(limits(700, 1400), shapes::block_grid(4), bumps.surface(), criterion_of(share));
+  ContourOptions volume;
+  volume.mean_mm = volume.max_mm = 0;
+  volume.volume_mm3 = 0.01f;
+  Setup s(limits(700, 1400), shapes::block_grid(4), bumps.surface(), criterion_of(volume));
   Unconditional uniform{5};
   Setup u(limits(2000, 4000), shapes::block_grid(4), bumps.surface(), criterion_of(uniform));
   (void)u.adapter.adapt({});
@@ -283,10 +283,10 @@ TEST_CASE("a budgeted mesh that follows a moving surface beats a uniform one of 
 
 TEST_CASE("a surface at rest is left at rest") {
   Bumps bumps;
-  ContourOptions share;
-  share.mean_mm = share.max_mm = 0;
-  share.volume_mm3 = 1e-4f;
-  Setup s(limits(700, 1400), shapes::block_grid(4), bumps.surface(), criterion_of(share));
+  ContourOptions volume;
+  volume.mean_mm = volume.max_mm = 0;
+  volume.volume_mm3 = 1e-4f;
+  Setup s(limits(700, 1400), shapes::block_grid(4), bumps.surface(), criterion_of(volume));
   for (int frame = 0; frame < 10; ++frame) (void)s.adapter.adapt(with_budget(300));
   const std::uint32_t digest = s.box.mesh.compute_digest();
   for (int frame = 0; frame < 10; ++frame) {

@@ -106,18 +106,18 @@ TEST_CASE("random steps of a model with rotations end unfolded when what they le
     }
     const auto from = t.at(q);
     REQUIRE(t.test->count_folded(from.data()) == 0);
-    float share = 1;
+    float fraction = 1;
     std::vector<Vec3> there = t.at(to);
     for (int k = 0; k < 8; ++k) {
       const float f = t.test->step_fraction(from.data(), there.data());
       CHECK(f >= 0);
       if (f == 1) break;
-      share *= f;
+      fraction *= f;
       std::vector<float> part(q);
-      for (std::size_t i = 0; i < q.size(); ++i) part[i] += share * (to[i] - q[i]);
+      for (std::size_t i = 0; i < q.size(); ++i) part[i] += fraction * (to[i] - q[i]);
       there = t.at(part);
     }
-    limited += share < 1;
+    limited += fraction < 1;
     CHECK(t.test->count_folded(there.data()) == 0);
   }
   CHECK(limited > 20);

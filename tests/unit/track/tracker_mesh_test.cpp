@@ -65,7 +65,7 @@ int gone_or_new(const Places& before, const Places& now) {
 }
 
 /// Vertices in the half of the chart that has texture, of all.
-double share_in_texture(const Mesh& mesh) {
+double fraction_in_texture(const Mesh& mesh) {
   int n = 0;
   for (VertexId v : mesh.vertices()) n += mesh.uv(v).x > 0.5f;
   return static_cast<double>(n) / mesh.vertex_count();
@@ -115,8 +115,8 @@ TEST_CASE("a changing mesh costs no tracked point and no accuracy") {
   CHECK(seen[1] > 0.97 * seen[0]);
 }
 
-TEST_CASE("vertices gather where the picture has texture") {
-  double share[2];
+TEST_CASE("the mesh is finer where the picture has texture") {
+  double fraction[2];
   for (int textured = 0; textured < 2; ++textured) {
     InArena<Tracker> tracker(baked_face().model, limits_with(textured ? 32 : 0));
     REQUIRE(start(tracker.object, options_with(kOperations)) == Status::ok);
@@ -127,11 +127,11 @@ TEST_CASE("vertices gather where the picture has texture") {
       view.sequence = static_cast<std::uint32_t>(n);
       REQUIRE(tracker->update(view, &result) == Status::ok);
     }
-    share[textured] = share_in_texture(tracker->estimator().mesh());
+    fraction[textured] = fraction_in_texture(tracker->estimator().mesh());
   }
-  MESSAGE("share of the vertices in the textured half: " << share[0] << ", by texture " << share[1]);
-  CHECK(share[0] < 0.53);
-  CHECK(share[1] > share[0] + 0.05);
+  MESSAGE("fraction of the vertices in the textured half: " << fraction[0] << ", by texture " << fraction[1]);
+  CHECK(fraction[0] < 0.53);
+  CHECK(fraction[1] > fraction[0] + 0.05);
 }
 
 TEST_CASE("without room for texture, or with a score of the caller's own, none is noted") {
