@@ -21,10 +21,10 @@ struct Surface {
   Vec3 operator()(Vec2 uv) const { return sample(context, uv); }  ///< Position at (u,v), mm.
 };
 
-/// What a criterion reads.
+/// The mesh and the surface that a criterion reads.
 struct Shape {
-  const Mesh& mesh;      ///< what is adapted
-  Surface surface;       ///< what it approximates
+  const Mesh& mesh;      ///< the mesh that is adapted
+  Surface surface;       ///< the surface that it approximates
   const Vec3* position;  ///< the surface at the vertices, mm; by vertex id
 };
 
@@ -58,7 +58,7 @@ enum class AdaptStop : std::uint8_t {
   operations,  ///< max_operations
 };
 
-/// What one call of Adapter::adapt did.
+/// Result of one call of Adapter::adapt.
 struct AdaptReport {
   int splits = 0, welds = 0;              ///< operations done
   AdaptStop stop = AdaptStop::converged;  ///< why it ended

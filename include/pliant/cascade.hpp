@@ -67,9 +67,9 @@ class Cascade {
   /// Bakes the fixed parameters' part of the cascade, at their values in q, into one field in the arena (the personal
   /// field, int16 samples). A new (u,v) then costs two samples for a person instead of one for each identity field.
   ///
-  /// The part is a record that no free parameter has changed, with everything that it reads: of several, the one that
-  /// saves most samples. The field holds the difference to the constant at the root of that part, which is still read
-  /// from the table. Where no record saves a sample nothing changes, and `is_personalised` stays false.
+  /// The part is a record that no free parameter has changed, and all records that it depends on. Of several such records,
+  /// the one that saves most samples is used. The field holds the difference to the constant at the root of that part; the
+  /// constant is still read from the table. If no record saves a sample, nothing changes and `is_personalised` stays false.
   ///
   /// From then on the frozen parameters of that part are not read from any q. Any set_free or `forget_person` ends this;
   /// sampled surface points made before keep their values. Error: that of the quantisation when the personal field has the
@@ -90,7 +90,7 @@ class Cascade {
   /// \param q         all parameters; only the frozen ones are read.
   /// \param samples   samples_per_point() values.
   /// \param slack_mm  leaves out each vector that moves the point by less than this at the limits of its parameter. At
-  ///                  0.01 mm that saves a quarter of what the evaluation of a face's points reads. 0: leaves out zeros.
+  ///                  0.01 mm the evaluation of a face's points reads a quarter less. 0: leaves out zero vectors.
   void sample_point(Vec2 uv, const float* q, Vec3* samples, float slack_mm = 0);
 
   /// Position (mm) of a sampled surface point (Eq. 1). `q` holds all parameters; only the free ones are read.

@@ -37,8 +37,8 @@ struct EdgeOptions {
 constexpr int kMaxEdgeHypotheses = 4;  ///< most alternatives of one edge
 
 /// Finds an edge along the normal of `point`. The search starts on the finest level on which its range fits into 16
-/// steps to either side, and goes on to coarser ones where the edge is too blurred. Of several edges, nearer and
-/// stronger ones are preferred.
+/// steps to either side. It continues on coarser levels if the edge is too blurred. Of several edges, those that are
+/// nearer to x and stronger are preferred.
 /// \param out  At least one observation is written: with reason `found`, or with the reason why there is none:
 ///         `not_visible` for a normal without length or values that are not finite; `outside_image` if the strip does
 ///         not fit around x; `no_texture` if no edge stands out of the noise; `low_correlation` if those that do are

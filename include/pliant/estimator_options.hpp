@@ -28,8 +28,8 @@ struct EstimatorLimits {
   std::uint16_t vertices = 512;
   /// Free parameters at once, count. 0: all parameters of the model.
   std::uint16_t free_parameters = 0;
-  /// Samples kept for a surface point (Cascade::samples_per_point), 12 bytes each, count. 0: as many as any choice of free
-  /// parameters needs. `start` returns capacity if they do not suffice.
+  /// Samples kept for a surface point (Cascade::samples_per_point), 12 bytes each, count. 0: enough for any
+  /// choice of free parameters. `start` returns capacity if they do not suffice.
   std::uint16_t samples_per_point = 0;
   /// If true, samples are kept for the vertices as well: 12 bytes times samples times vertices. If false, vertex positions
   /// are read from the tables, which takes a few times longer.

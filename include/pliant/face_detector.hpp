@@ -37,9 +37,9 @@ struct FaceDetectorLimits {
 /// Options of a FaceDetector.
 struct FaceDetectorOptions {
   float largest_fraction = 0.65f;  ///< the same of the largest inner face, smallest_fraction to 1
-  /// Smallest similarity of a face, 0 to 1. Measured: of 300 images of clutter and some fifty of other things,
-  /// upside-down faces included, none reaches 0.46; 98 % of rendered faces exceed 0.53; the one real face that was
-  /// tried exceeds 0.5 in every third frame of a film.
+  /// Smallest similarity of a face, 0 to 1. Measured: none of 300 images of clutter and about
+  /// 50 images of other objects and upside-down faces reaches 0.46. 98 % of rendered faces exceed 0.53. The one real face
+  /// that was measured exceeds 0.5 in every third frame of its film.
   float min_similarity = 0.5f;
 };
 

@@ -124,10 +124,10 @@ class Mesh {
   void weld_weldable(VertexId v);
 
   // --- Restricted refinement and simplification (section 4.2) ---
-  /// Splits the subdivision edge of f and, before it, what must be split so that neighbours stay within one level: at most
-  /// level + 1 splits. All or nothing. Statuses: ok, not_ready (f is at max_level), capacity.
+  /// Splits the subdivision edge of f. Before it, splits the neighbours that would otherwise differ by more than one level.
+  /// At most level + 1 splits. All or nothing. Statuses: ok, not_ready (f is at max_level), capacity.
   Status refine(FaceId f);
-  /// Removes v and, before it, what was inserted on top of it. Statuses: ok, not_ready (a base vertex).
+  /// Removes v. Before it, removes the vertices that were inserted on its edges. Statuses: ok, not_ready (a base vertex).
   Status simplify(VertexId v);
   /// Back to the base mesh, to the byte.
   void simplify_all();
@@ -154,7 +154,7 @@ class Mesh {
   std::uint32_t compute_digest() const;
 
  protected:  // for a test that breaks invariants
-  /// What is stored of a vertex.
+  /// The stored data of a vertex.
   struct Vertex {
     HalfEdgeId out;               ///< one that leaves it
     std::uint8_t level, changed;  ///< bisections; whether it is in the list of changes

@@ -44,9 +44,9 @@ enum class Kind : std::uint32_t {
   albedo = 11,
 };
 
-/// Where one section lies.
+/// Position of one section in the table.
 struct Section {
-  Kind kind;             ///< what it holds
+  Kind kind;             ///< contents of the section
   std::uint32_t offset;  ///< from the table's start, a multiple of 4
   std::uint32_t count;   ///< records, or bytes for samples and images
 };
@@ -95,7 +95,7 @@ enum class Operation : std::uint32_t {
 
 /// One step of the cascade: reads the results of earlier records only. The last record's result is the surface point.
 struct CascadeRecord {
-  Operation operation;         ///< what it computes
+  Operation operation;         ///< the operation
   std::uint16_t source[2];     ///< indices of earlier records; kNone where unused (constant uses none)
   std::uint16_t parameter[6];  ///< indices into q; kNone where unused
   std::uint16_t field;         ///< three components; kNone where unused
@@ -117,7 +117,7 @@ enum class CurveKind : std::uint32_t { lid = 0, lip = 1, brow = 2, boundary = 3 
 /// A named polyline in (u,v), for the edge tracker and for drawing.
 struct Curve {
   char name[table::kNameBytes];            ///< ends in a zero
-  CurveKind kind;                          ///< what it runs along
+  CurveKind kind;                          ///< kind of the curve
   std::uint32_t first_point, point_count;  ///< in curve_points (Vec2)
 };
 

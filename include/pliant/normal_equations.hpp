@@ -45,7 +45,7 @@ class NormalEquations {
 
   /// Restricts the step of one unknown to [lower, upper]. Precondition: lower <= 0 <= upper.
   void set_limits(std::size_t unknown, float lower, float upper);
-  /// The step, or the nearer limit.
+  /// The step, clamped to the limits of the unknown.
   float clamped(std::size_t unknown, float step) const {
     return clamp(step, lower_[unknown], upper_[unknown]);
   }

@@ -40,7 +40,7 @@ struct Observation {
   std::uint16_t id = 0;           ///< of its surface point
   Vec2 x;                         ///< px
   Sym2 information;               ///< 1/px^2; of rank one for edges and normal flow
-  Cue cue = Cue::patch;           ///< what it comes from
+  Cue cue = Cue::patch;           ///< kind of measurement
   Reason reason = Reason::found;  ///< only `found` is used; others count as searched
   float score = 0;                ///< normalised correlation or contrast, in [-1,1]
   Vec2 residual;                  ///< after a solve: x minus the projection of the surface point, px

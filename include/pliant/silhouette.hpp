@@ -44,8 +44,8 @@ class SilhouetteFinder {
 
   /// Writes the visible points of the silhouette in rising order of half-edges, as many as fit.
   /// \param hidden  the same mesh drawn at the same pose; null: no point is hidden. A point is hidden if the surface one cell
-  ///                further out is nearer to the camera by `margin` (mm). The point's own cell cannot tell: the surface is
-  ///                steep there, and nearer parts of it lie in the same cell.
+  ///                further out is nearer to the camera by `margin` (mm). The cell of the point itself is not used: the
+  ///                surface is steep there, and the cell contains parts of it that are nearer to the camera.
   /// \return how many visible points there are. Cost: O(faces).
   std::size_t find(const PosedMesh& posed, const Projector& projector, const DepthBuffer* hidden,
                    float margin, Span<SilhouettePoint> points);

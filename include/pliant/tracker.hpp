@@ -29,12 +29,12 @@ struct NamedPoint {
   Vec2 x;                      ///< px
 };
 
-/// What is known of a start besides landmarks or a box.
+/// Options of a start besides landmarks or a box.
 struct StartOptions {
   float focal_px = 0;  ///< focal length, px; 0: unknown, then landmarks fit it and a box assumes it
   const Camera* camera = nullptr;  ///< intrinsics and lens, if known; they replace focal_px
   bool keeps_landmark_offsets =
-      true;  ///< false: `landmark` tells where the model has a landmark, not the person
+      true;  ///< false: `landmark` gives the positions of the model, without offsets
 };
 
 /// A tracker's state for another start: after a pause, or in another process. The arrays are the caller's.
@@ -54,9 +54,9 @@ struct SavedState {
 /// key frames: newly visible surface gets templates, and points that are still found get a second one. Frame 0's templates
 /// stay.
 ///
-/// Every start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays first: if one of
-/// those is wrong, nothing has changed. If it fails later (the fit, the pose, the texture), the tracker is not started;
-/// `is_started` tells.
+/// Every start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays first. If one of
+/// those is wrong, nothing changes. If the start fails later (in the fit, the pose or the texture), the tracker is not
+/// started and `is_started` is false.
 class Tracker {
  public:
   Tracker() = default;
@@ -112,7 +112,7 @@ class Tracker {
   const FrameResult& result() const;
   /// The camera of the start, with the focal length that it found.
   const Camera& camera() const;
-  Estimator& estimator();  ///< The estimator, for what the tracker does not show.
+  Estimator& estimator();  ///< The estimator, for access to its full state.
 
   /// All parameters at the state of the last frame, in the model's order. Valid until the next call that changes it.
   Span<const float> parameters() const;

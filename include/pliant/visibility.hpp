@@ -11,8 +11,8 @@ namespace pliant {
 
 /// Tuning of visibility.
 struct VisibilityTuning {
-  /// mm. A point is hidden when the surface in its cell is nearer by more than this. It must exceed the depth that a face
-  /// spans within one cell, and stay below the height of a nose. Round value, not tuned.
+  /// mm. A point is hidden if the surface in its cell is nearer to the camera by more than this. It must be larger than the
+  /// depth range of a face within one cell, and smaller than the height of a nose. Round value, not tuned.
   float hidden_margin_mm = 6;
 };
 inline constexpr VisibilityTuning kVisibilityTuning{};  ///< the values in use

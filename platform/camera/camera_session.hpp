@@ -27,9 +27,9 @@ std::shared_ptr<libcamera::Camera> find_camera(const libcamera::CameraManager& m
 struct CameraSession {
   ~CameraSession();
 
-  /// Agrees on a format. \return empty, or what is wrong.
+  /// Negotiates a format. \return empty, or an error message.
   std::string configure(int width, int height);
-  /// Makes the buffers, their requests and the queue. \return empty, or what is wrong.
+  /// Creates the buffers, their requests and the queue. \return empty, or an error message.
   std::string make_requests();
   /// Starts the camera with all requests. \return false if it refuses.
   bool start();

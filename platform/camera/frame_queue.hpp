@@ -32,8 +32,8 @@ class FrameQueue {
     return dropped;
   }
 
-  /// Removes the oldest item and waits for one for at most `patience`. \return nothing if none came, or at once if
-  /// the queue is closed and empty.
+  /// Removes the oldest item. If the queue is empty, waits for an item for at most `patience`. \return nothing if none
+  /// came, and at once if the queue is closed and empty.
   std::optional<T> pop(std::chrono::milliseconds patience) {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait_for(lock, patience, [this] { return is_closed_ || !items_.empty(); });

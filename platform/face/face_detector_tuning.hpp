@@ -32,7 +32,7 @@ struct FaceDetectorTuning {
   int pose_rounds = 2, full_rounds = 3;
   /// Search range around a landmark in each round, px of the rendered template.
   int reach_px[5] = {6, 5, 4, 3, 3};
-  /// In the first rounds only every so many-th landmark is searched, for time.
+  /// In the first rounds only every n-th landmark is searched, to save time. This is n.
   std::size_t pose_landmark_step = 2;
   /// Candidates that are fitted fully, at most, and the similarity that a second one needs relative to the first.
   std::size_t full_candidates = 2;
@@ -40,7 +40,8 @@ struct FaceDetectorTuning {
   /// Iterations of a fit, at most.
   int fit_iterations = 12;
 
-  /// Region around lids, brows and lips that tells a face from other things, mm: beside and above, and below.
+  /// Margins of the region around lids, brows and lips in which faces and other objects differ most, mm: at the sides and
+  /// above, and below.
   float margin_beside_mm = 6, margin_below_mm = 10;
   /// Pixels along the silhouette that do not count, px: the background behind them is unknown.
   int silhouette_margin_px = 3;

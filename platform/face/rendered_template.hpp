@@ -1,5 +1,5 @@
 #pragma once
-// A small rendering of the model, and which of its pixels tell a face from other things.
+// A small rendering of the model, and a mask of the pixels in which faces and other objects differ most.
 #include <cstdint>
 
 #include "pliant/camera.hpp"

@@ -13,7 +13,7 @@ namespace pliant {
 
 /// Tuning of edges. Each constant: unit, reason, experiment.
 struct EdgeTrackerTuning {
-  /// Distance of edge points along a curve on the surface, mm. Neighbours nearer than that see the same edge.
+  /// Distance of edge points along a curve on the surface, mm. Points closer together measure the same edge.
   float spacing_mm = 4;
   /// Edge points of one curve, at most: the room on the stack for their ids.
   std::size_t most_of_curve = 64;

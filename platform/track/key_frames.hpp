@@ -18,7 +18,7 @@ struct KeyFrameTuning {
   float angle_rad = 0.35f;
   /// Residual of a frame that may become a key frame, at most, px at 320 px of image width. Round value, not tuned.
   float most_rms_px = 1;
-  /// Inliers of such a frame, percent of what was observed, more than. Round value, not tuned.
+  /// Inliers of such a frame must be more than this, percent of its observations. Round value, not tuned.
   int least_inlier_percent = 70;
   /// Normalised cross-correlation of thumbnails, at least, for a coarse translation. Round value, not tuned.
   float least_correlation = 0.5f;
@@ -30,7 +30,7 @@ struct KeyFrameTuning {
 };
 inline constexpr KeyFrameTuning kKeyFrameTuning{};
 
-/// What the thumbnails tell of the head's motion.
+/// The head's motion between frames, measured with thumbnails.
 struct CoarseMotion {
   bool is_found = false;
   Vec2 by_px;                  ///< translation of the model in the image
@@ -54,10 +54,11 @@ class KeyFrames {
   /// Middle of the model in the image, px, at the estimator's vertices.
   Vec2 middle_of(const Estimator& estimator) const;
 
-  /// The key frame to replace by this frame: unused, or the one that was nearest longest ago; never 0, which is frame 0.
-  /// \return 0 where this frame is not to be kept.
+  /// Chooses the key frame that this frame replaces: an unused one, or the one that has not been the nearest for the
+  /// longest time. Key frame 0, which is frame 0, is never replaced.
+  /// \return its index; 0 if this frame is not to be kept.
   std::size_t choose(const View& view, const FrameResult& result, std::uint32_t frame);
-  /// Keeps this frame, which has been trusted, as key frame k.
+  /// Keeps this frame, which must be tracked well, as key frame k.
   void keep(std::size_t k, const View& view, std::uint32_t frame);
   /// Key frames in use.
   std::size_t count() const;

@@ -12,11 +12,11 @@ namespace pliant {
 
 /// Tuning of the fit of landmarks. Each constant: unit, reason, experiment.
 struct LandmarkFitTuning {
-  /// Standard deviation of a landmark, as a fraction of the points' spread. Annotations err with the size of the face, not
-  /// with the size of the image.
+  /// Standard deviation of a landmark, as a fraction of the points' spread. The error of annotations is proportional to
+  /// the size of the face, not to that of the image.
   float point_sd_fraction = 0.005f;
-  /// Factor on that deviation while expressions are fitted: lips thinner than the model's, or a landmark annotated
-  /// elsewhere, are no expression.
+  /// Factor on that deviation while expressions are fitted. A person's thinner lips, or a landmark annotated at another
+  /// position, must not be explained by an expression.
   float expression_caution = 6;
   /// Points that a fit needs: eight coordinates for the seven unknowns of pose and focal length.
   std::size_t least_points = 4;
@@ -37,7 +37,7 @@ Camera start_camera(const Camera* known, float focal_px, int width, int height);
 /// Fits a model to landmarks. First the expression, with cautious deviations; then the identity, with that held.
 class LandmarkFit {
  public:
-  /// Room for so many points, silhouette points among them.
+  /// Lays out memory for that many points, silhouette points included.
   void lay_out(Arena& arena, const Model& model, std::size_t points);
 
   /// \param points   sd_px is set here. \param options  is_free null: the two stages above; else one fit of those.

@@ -13,7 +13,7 @@ class Markers {
  public:
   void lay_out(Arena& arena, std::size_t capacity);
 
-  /// Casts image positions (px) of the present view onto the posed mesh. What was placed before is forgotten.
+  /// Casts image positions (px) of the present view onto the posed mesh. Earlier markers are removed.
   /// \param exclusion_px  for `are_far_from`.
   /// \return bad_argument (not finite, or nothing visible), capacity, and the statuses of Estimator::add_point.
   Status place(Estimator& estimator, Span<const Vec2> x, float exclusion_px);

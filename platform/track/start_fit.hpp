@@ -15,7 +15,7 @@ struct StartPose {
   Pose pose;
 };
 
-/// Bytes that fit_to_landmarks takes for so many points.
+/// Bytes that fit_to_landmarks takes for a number of points.
 std::size_t start_fit_bytes(const Model& model, std::size_t points);
 
 /// \param points   names that the model has, and finite positions. \param size  of the frame, as limits.

@@ -43,7 +43,7 @@ float SurfaceTexture::score(Vec2 uv) const {
   return (1 / kTuning.steps) * static_cast<float>(cell(uv));
 }
 
-/// The faces f with f modulo `parts` equal to `part`. What is seen now replaces what was noted before.
+/// Notes the faces f with f modulo `parts` equal to `part`. Scores of this frame replace older ones.
 void SurfaceTexture::note(const Estimator& estimator, const FrameRegion& region, std::uint32_t part,
                           std::uint32_t parts) {
   if (!is_on_) return;
@@ -56,8 +56,7 @@ void SurfaceTexture::note(const Estimator& estimator, const FrameRegion& region,
       uv[k] = mesh.uv(mesh.corner(f, k));
     }
     for (const auto& w : kSamples) {
-      const float lambda =
-          corner_score(region.pyramid().level(0), w[0] * x[0] + w[1] * x[1] + w[2] * x[2]);
+      const float lambda = corner_score(region.pyramid().level(0), w[0] * x[0] + w[1] * x[1] + w[2] * x[2]);
       cell(w[0] * uv[0] + w[1] * uv[1] + w[2] * uv[2]) =
           static_cast<std::uint8_t>(kTuning.steps * min(lambda / kTuning.unit_lambda, kTuning.most_score));
     }

@@ -13,11 +13,11 @@ namespace pliant {
 
 /// Tuning of the texture score. Each constant: unit, reason, experiment.
 struct SurfaceTextureTuning {
-  /// Eigenvalue of the structure tensor that scores 1, (grey/px)^2: what is worth a corner is worth a vertex.
+  /// Eigenvalue of the structure tensor that scores 1, (grey/px)^2. The same as the threshold of a corner.
   float unit_lambda = CornerOptions{}.min_score;
   /// Highest score, and stored steps for a score of 1: 64 values fit into a byte. Round values, not tuned.
   float most_score = 4, steps = 16;
-  /// Every so many frames each face is noted once. Texture of the skin changes slowly. Round value, not tuned.
+  /// Number of frames in which each face is noted once. The texture of a face changes slowly. Round value, not tuned.
   std::uint32_t interval_frames = 32;
 };
 inline constexpr SurfaceTextureTuning kSurfaceTextureTuning{};

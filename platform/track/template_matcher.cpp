@@ -115,8 +115,8 @@ std::size_t TemplateMatcher::match(const MatchFrame& frame, const PredictionTabl
   return searched;
 }
 
-/// Whether another search can give more than the last one: the point was not found, or lies elsewhere than now predicted,
-/// or its template is now warped in another way.
+/// Decides whether to search again. A new search is useful if the point was not found, if it was found away from the new
+/// prediction, or if the warp of its template has changed.
 TemplateMatcher::Action TemplateMatcher::action(const Search& search, const Observation& last,
                                                 const Prediction& p, int round) const {
   if (search.is_pending) return Action::search;
@@ -161,7 +161,7 @@ PatchOptions TemplateMatcher::search_options(const Template& point, bool is_pend
   options.min_correlation =
       is_last(round) ? kTuning.min_correlation : kTuning.min_correlation - kTuning.early_correlation_slack;
   const bool is_after_first_pass = is_pending && round > 0;
-  // Neither the last frame nor a first pass tells where a point is that was not found in the last frame.
+  // The position of a point that was not found in the last frame is not known before the first pass.
   const bool is_known = point.was_found || !is_pending;
   options.first_level = !is_known || is_after_first_pass ? -1 : round == 0 ? first_level() : 0;
   options.start_sd_px =

@@ -10,7 +10,7 @@
 
 namespace pliant {
 
-/// Stands for a distance that is not known: longer than any in a frame, px.
+/// Value of an unknown distance, px. Longer than any distance in a frame.
 constexpr float kUnknownPx = 1e9f;
 
 /// Predictions, found by the id of the surface point.

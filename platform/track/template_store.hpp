@@ -22,7 +22,7 @@ struct Template {
   bool is_used = false, was_found = false;
   Mat2 reference;         ///< dx/d(u,v) in the frame of capture
   Vec2 found_at;          ///< px, in the last frame
-  Vec2 residual;          ///< px, what the last solve left there
+  Vec2 residual;          ///< px, measured minus projected after the last solve
   float correlation = 1;  ///< with the template, in the last frame
 };
 

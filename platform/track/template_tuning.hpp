@@ -16,7 +16,7 @@ inline constexpr TrackerTuning kTrackerTuning{};
 /// Which surface points get templates, and when they get a second one.
 struct TemplateStoreTuning {
   /// Cosine between surface normal and viewing direction, at least, where a template is captured. Nearer to the silhouette
-  /// there is background in the window, which does not move with the face. Chosen on the rendered film of large turns.
+  /// the window contains background, which does not move with the face. Chosen on the rendered film of large turns.
   float least_facing = 0.4f;
   /// Normalised cross-correlation below which a template that was found looks different, so that a key frame adds a second
   /// one. Round value, not tuned.
@@ -28,7 +28,8 @@ inline constexpr TemplateStoreTuning kTemplateStoreTuning{};
 
 /// How templates are matched in a frame.
 struct TemplateMatchTuning {
-  /// Rounds of predict, match, solve in a frame. The second matches what the first put elsewhere, at the better prediction.
+  /// Rounds of predict, match, solve in a frame. The second round matches points again whose
+  /// predictions the first round has changed.
   int rounds = 2;
   /// Points in the first pass, count: enough to fix pose and jaw. Chosen on the rendered film with 500 points, where it
   /// saved a third of the instructions of a frame (docs/evaluation.md).
@@ -39,7 +40,7 @@ struct TemplateMatchTuning {
   /// unexplained as the head moves, and a first pass does not make predictions better. Chosen on the Talking Face video,
   /// where a first pass in every frame made the mouth worse.
   float first_pass_least_gain = 1.5f;
-  /// A first pass that was left out is tried again every so many frames. Round value, not tuned.
+  /// Interval in frames at which a first pass that was left out is tried again. Round value, not tuned.
   std::uint32_t first_pass_retry_frames = 16;
   /// Fraction of a point's residual in the last frame that is added to its prediction. Model errors last from frame to
   /// frame; less than all of it, so that a point that slips does not go on slipping.
@@ -54,7 +55,7 @@ struct TemplateMatchTuning {
   float rematch_warp_px = 0.3f;
   /// A point that was not found is matched again where its prediction moved by more than this, px.
   float rematch_move_px = 1;
-  /// And one that was found where it lies farther than this from its prediction, px at 320 px of image width.
+  /// A point that was found is matched again if it is farther than this from its prediction, px at 320 px of image width.
   float rematch_distance_px = 3;
   /// Expected distance of a point from its prediction, px: this times the last innovation, plus a fraction of the coarse
   /// translation. It sets the first pyramid level of a search whose start is known.
@@ -78,8 +79,8 @@ struct TemplatePlacementTuning {
   float spacing_factor = 0.7f;
   /// Range of that distance, px: two pixels are one corner; find_corners takes at most 256.
   float least_spacing_px = 2, most_spacing_px = 256;
-  /// Ratio of the eigenvalues of a corner's structure tensor, at least. Less than the default of CornerOptions: on skin
-  /// most texture is weak, and the information matrix of a match says in which direction it holds.
+  /// Ratio of the eigenvalues of a corner's structure tensor, at least. Less than the default of CornerOptions: most
+  /// texture of a face is weak, and the information matrix of a match has the direction in which it is reliable.
   float least_ratio = 0.02f;
   /// Smaller eigenvalue of a corner, at least, (grey/px)^2. As above.
   float least_score = 1;

@@ -9,7 +9,7 @@ struct CoarseTranslationTuning {
   int max_pixels = 600;
   /// Smallest side of a box, px. Guard, not tuned.
   int min_side_px = 4;
-  /// A shift is considered if at least one pixel in so many lies in both images. Round value, not tuned.
+  /// A shift is considered if at least one pixel in this many is in both images. Round value, not tuned.
   int min_overlap_divisor = 2;
   /// Step of the first search, px. Correlation peaks of a thumbnail are wider than this; the shifts between are tried
   /// around the best only.
@@ -19,7 +19,8 @@ inline constexpr CoarseTranslationTuning kCoarseTranslationTuning{};
 
 /// Number of shifts that a search within `range_px` compares, at most: the coarse steps, those around the best, and none.
 constexpr int most_shifts(int range_px) {
-  const int step = kCoarseTranslationTuning.first_step_px, coarse = 2 * (range_px / step) + 1, fine = 2 * step - 1;
+  const int step = kCoarseTranslationTuning.first_step_px, coarse = 2 * (range_px / step) + 1,
+            fine = 2 * step - 1;
   return coarse * coarse + fine * fine + 1;
 }
 

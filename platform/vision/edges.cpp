@@ -12,12 +12,12 @@ struct Candidate {
   float t;         // steps from the prediction
   float contrast;  // grey levels, signed
   float variance;  // of t
-  bool is_sharp;   // the maximum is sharp enough for its variance to hold
+  bool is_sharp;   // the maximum is so sharp that its variance is valid
   float weight;    // preference
 };
 
-// Where a bell-shaped function has its maximum, from its values at -1, 0 and 1. Parabolas through the values and
-// through their inverses err to opposite sides by nearly the same, up to a twentieth of a step; the mean is taken.
+// Position of the maximum of a bell-shaped function, from its values at -1, 0 and 1. A parabola through the values and one
+// through their inverses have nearly opposite errors of up to a twentieth of a step. The mean of both is returned.
 float peak_of(float before, float at, float after) {
   const float direct = 0.5f * (after - before) / (2 * at - before - after);
   if (!(before > 0 && after > 0)) return direct;
@@ -55,7 +55,7 @@ bool is_like(float contrast, const EdgePoint& point, const EdgeOptions& o) {
   return ratio >= o.min_ratio && ratio <= o.max_ratio;
 }
 
-// The best candidates, best first: one more than there can be hypotheses, to tell what is ambiguous.
+// The best candidates, best first. One more than the number of hypotheses, to detect ambiguity.
 struct Ranking {
   Candidate best[kMaxEdgeHypotheses + 1];
   int count = 0;

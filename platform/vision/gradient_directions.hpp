@@ -18,7 +18,7 @@ inline int dot(GradientDirection a, GradientDirection b) {
   return a.x * b.x + a.y * b.y;
 }
 
-/// Computes gradient directions of images of up to so many pixels. Bytes: 4 a pixel, and 4 a column.
+/// Computes gradient directions of images with a limited number of pixels. Bytes: 4 a pixel, and 4 a column.
 class GradientDirectionFilter {
  public:
   void lay_out(Arena& arena, int pixels, int columns);

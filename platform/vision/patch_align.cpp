@@ -5,7 +5,7 @@
 //   G* = G' - k T',  k = (G'.T') / (T'.T'),
 // and the 2 x 2 system is  (G*.G*) d = -(G*.I') / gain. Departures from the usual form: everything is kept as integer
 // sums over T, G and I and centred by n sum(ab) - sum(a) sum(b) in 64 bits, exactly, so that neither means nor G* are
-// rounded. The image is sampled on a grid of 1/128 px; the rest of the position is part of what the step solves for.
+// rounded. The image is sampled on a grid of 1/128 px; the remainder of the position is part of the solved step.
 #include "vision/patch_align.hpp"
 
 #include "vision/patch_sums.hpp"

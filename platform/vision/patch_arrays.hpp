@@ -1,5 +1,5 @@
 #pragma once
-// Units and sizes of the arrays that the kernels of the patch tracker work on, and what their loops share.
+// Units and sizes of the arrays that the kernels of the patch tracker work on, and common parts of their loops.
 //
 // The kernels are flat loops over 16-bit integers in rows of whole vectors, which compilers turn into vector code
 // without intrinsics. Two rules make them do so: a loop runs over a whole array, and every intermediate value is cast
@@ -13,7 +13,7 @@ namespace pliant::patch {
 
 /// Grey levels are stored as 16 * (grey - 128): 12 bits with sign, four of them fractional.
 constexpr int kGreyScale = 16, kGreyOffset = 2048;
-/// Images are sampled on a grid of 1/128 px. The rest of a position is part of what the search solves for.
+/// Images are sampled on a grid of 1/128 px. The remainder of a position is part of the solved step.
 constexpr int kSubpixel = 128;
 
 /// Side of a window, px: odd and within these.
@@ -26,8 +26,8 @@ constexpr int lanes(int window) {
   return (window + 7) / 8 * 8;
 }
 /// Elements of an array of a window's pixels: its rows one after the other, rounded up to whole vectors. A row is
-/// written in `lanes`; the next row overwrites what is beyond its end. Behind the last row an array that is summed
-/// holds zeros.
+/// written in `lanes`; the next row overwrites the elements beyond its end. An array that is summed has zeros
+/// after its last row.
 constexpr int padded(int window) {
   return (window * window + 15) / 16 * 16;
 }
@@ -58,7 +58,7 @@ constexpr i16 narrow(i32 v) {
 constexpr i16 mulhi(i16 a, i16 b) {
   return narrow((i32{a} * b) >> 16);
 }
-/// Elements of whole vectors. What is computed beyond `count` lies in the slack of the arrays.
+/// `count`, rounded up to whole vectors. The elements beyond `count` are in the slack of the arrays.
 constexpr int whole_vectors(int count) {
   return (count + 15) & ~15;
 }

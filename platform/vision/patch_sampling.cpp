@@ -72,7 +72,7 @@ struct Fraction {
   i16 x, y;
 };
 
-// ramp_x and ramp_y: what is added to the fraction of the row's start along the row.
+// ramp_x and ramp_y are added to the fraction of the first sample of the row.
 template <int S>
 void blend_row(const u16* __restrict upper, const u16* __restrict lower, Fraction start,
                const i16* __restrict ramp_x, const i16* __restrict ramp_y, i16* __restrict out) {
@@ -117,8 +117,8 @@ CubicPhase cubic_phase(int f) {
   return {narrow(f * 256 + odd / 64), narrow(f * 256), narrow(p * 4)};
 }
 
-// To 1/64 grey: with overshoot, 4 * 1.25 * 2048 fits. Without __restrict: if told that nothing overlaps, Clang carries
-// samples over from one iteration to the next and finds no vectors.
+// To 1/64 grey: with overshoot, 4 * 1.25 * 2048 fits. Without __restrict: with it, Clang keeps samples
+// from one iteration to the next and does not vectorise the loop.
 void cubic_across(const i16* v, int count, CubicPhase t, i16* out) {
   const int n = whole_vectors(count);
   for (int i = 0; i < n; ++i) {

@@ -17,7 +17,7 @@ struct PatchTuning {
   /// Ratio of the eigenvalues below which a patch counts as an edge, where edges are accepted. The value that separates
   /// edges from corners in `CornerOptions::min_ratio`.
   float edge_eigenvalue_ratio = 0.05f;
-  /// A template is used if at least one pixel in so many is not clipped. Round value, not tuned.
+  /// A template is used if at least one pixel in this many is not clipped. Round value, not tuned.
   int min_pixel_divisor = 2;
   /// Grey levels at or beyond which a pixel counts as clipped and is left out. Without this the error on clipped
   /// highlights (gain 1.3, bias -40) was 0.07 px instead of under 0.04 (test "clipped highlights and shadows cost
@@ -30,11 +30,11 @@ struct PatchTuning {
   int max_refine_steps = 4;
   /// Aimed distance of a result from the minimum, px at full size.
   float epsilon_px = 0.01f;
-  /// `align` stops at a step below so many epsilon_px, because `refine` does the rest.
+  /// `align` stops at a step below this times epsilon_px. `refine` continues from there.
   float align_stop_ratio = 20;
-  /// `refine` stops at a step below so many epsilon_px: what a step leaves is about a tenth of it.
+  /// `refine` stops at a step below this times epsilon_px. The error after a step is about a tenth of the step.
   float refine_stop_ratio = 10;
-  /// After the last step of `refine`, a step longer than so many times its stopping step means divergence.
+  /// A last step of `refine` longer than this times its stopping step means divergence.
   float diverged_step_ratio = 3;
   /// Factor on each step. Scharr gradients smooth: they fall short of the slope by about a tenth on most textures, so
   /// that steps computed from them are too long by as much.

@@ -54,8 +54,8 @@ void add_prior(Vec2 along, float (&a)[kUnknowns][kUnknowns]) {
   a[kShiftY][kShiftY] = shift.yy;
 }
 
-// Both this and the substitution take a finished unknown out of all others at once: the shorter chain of dependent
-// steps is what their time depends on.
+// Here and in the substitution a finished unknown is eliminated from all others at once. This gives the shortest chain of
+// dependent operations, which determines the time.
 bool factorise(WarpSystem& s) {
   float a[kUnknowns][kUnknowns], diagonal[kUnknowns];
   for (int i = 0; i < kUnknowns; ++i)

@@ -26,7 +26,7 @@ struct Workspace {
   int window, count;       ///< side, px; elements of an array: padded(window)
   i16* block;              ///< pixels around a window
   i16* scratch;            ///< of the kernels
-  i16 *all, *part;         ///< masks: the whole window; what of it lies inside the source
+  i16 *all, *part;         ///< masks: the whole window; its pixels inside the source
   i16 *x, *y;              ///< of each pixel, from the window's middle
   i16* stretch[4];         ///< x gx, y gx, x gy, y gy of the template, over 16
   i16* unclipped;          ///< mask of the template's pixels that are not clipped in the current image

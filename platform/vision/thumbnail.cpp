@@ -4,7 +4,7 @@ namespace pliant {
 
 namespace {
 
-// The usual frame has its pixels side by side; a loop of its own becomes vector code.
+// Frames usually have contiguous pixels. The compiler vectorises this separate loop for them.
 void add_row(const std::uint8_t* __restrict row, int width, std::uint16_t* __restrict line) {
   for (int x = 0; x < width; ++x) line[x] = static_cast<std::uint16_t>(line[x] + row[x]);
 }

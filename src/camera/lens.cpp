@@ -11,8 +11,8 @@ struct LensTuning {
   /// The polynomial is used up to this multiple of the corners' radius. Points just outside the image are then undistorted
   /// by the polynomial too. Round value.
   float beyond_corners = 1.05f;
-  /// Smallest and largest slope of the distorted radius. Beyond them a pixel would stand for twenty, or twenty for one. Round
-  /// values.
+  /// Smallest and largest slope of the distorted radius. Beyond them one pixel maps to more than twenty, or twenty to less
+  /// than one. Round values.
   float least_slope = 0.05f, most_slope = 20;
   /// Steps from the centre to the corner at which the slope is checked, count. Round value.
   int slope_checks = 1024;

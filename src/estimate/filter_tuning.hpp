@@ -4,8 +4,8 @@
 namespace pliant {
 
 /// Tuning of the motion filter. The accelerations are standard deviations of white noise that drives the velocities. They
-/// are the largest that a head and a face make, estimated by hand and not optimised: on the Talking Face video, prediction
-/// by this filter made no measurable difference beside the measured coarse translation, so that only the predicted
+/// are the largest accelerations of a head and a face, estimated by hand and not optimised. On the Talking Face video the
+/// prediction of this filter made no measurable difference in addition to the measured coarse translation. Only its
 /// covariance matters.
 struct MotionTuning {
   /// rad / s^2. A head that starts to turn.

@@ -16,7 +16,7 @@ struct FrameProblemTuning {
 };
 inline constexpr FrameProblemTuning kFrameProblemTuning{};
 
-/// What a solve works on besides the state. The objects are the estimator's.
+/// Inputs and scratch of a solve besides the state. The estimator owns the objects.
 struct SolveInput {
   Cascade& cascade;
   const SurfacePoints& points;

@@ -159,7 +159,8 @@ void FrameSolver::exchange(FrameProblem& problem, View* view, float* scale) cons
 }
 
 /// Solves again from the expected state with rejection by forces, and keeps the result with the lower cost over all rows. Both
-/// are needed: to the rigid block, a part that moves by itself looks like an occluder, but the parameters explain it.
+/// results are needed: rejection by the rigid block takes a part with its own motion for an occluder, although the parameters
+/// can explain that motion.
 void FrameSolver::try_alternative(FrameProblem& problem, SolverReport* report) {
   const ModelState& expected = problem.input.expected.mean;
   View other = expected.view;

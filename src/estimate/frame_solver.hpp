@@ -31,8 +31,7 @@ struct FrameSolverTuning {
   /// likewise.
   float alternative_margin = 0.8f;
   /// Fraction of outliers, at the state after a first pass, above which Huber's loss is used again and the frame
-  /// wants another round. Chosen on the rendered
-  /// film with 500 points.
+  /// needs another round. Chosen on the rendered film with 500 points.
   float outliers_after_first_pass = 0.03f;
   /// Scaled Cholesky pivot below which the observations do not determine the pose. The value of docs/algorithms.md, section 5.5.
   float least_pivot = 1e-4f;

@@ -56,8 +56,8 @@ bool MotionModel::predict(std::int64_t time_ns, int bad_frames, const Cascade& c
   return moves;
 }
 
-/// The filter's variance, within the tuning's range, and larger after every bad frame. If the filter's velocity is not used
-/// to predict, the motion that it stands for is uncertainty as well.
+/// Sets the expected variance: that of the filter, clamped to the tuning's range, and larger after every bad frame. If the
+/// filter's velocity is not used for the prediction, the motion that it predicts is added as uncertainty.
 void MotionModel::expect_pose_variance(int bad_frames) {
   const MotionModelTuning& t = kMotionModelTuning;
   const auto frames = static_cast<float>(1 + bad_frames);

@@ -1,5 +1,5 @@
 #pragma once
-// What the estimator expects of the next frame: state, uncertainty, and smoothed output (docs/algorithms.md, section 7.10).
+// The prediction of the next frame: state, uncertainty, and smoothed output (docs/algorithms.md, section 7.10).
 #include <cstdint>
 
 #include "estimate/model_state.hpp"

@@ -35,7 +35,7 @@ inline constexpr ObservationRowsTuning kObservationRowsTuning{};
 /// One row: the observations of one point, of which one counts.
 struct ObservationRow {
   std::uint16_t id, first;     ///< point; its first observation
-  std::uint8_t count, chosen;  ///< observations from `first` on, some perhaps unusable; the one that counts
+  std::uint8_t count, chosen;  ///< observations from `first` on, some perhaps unusable; the one in use
   Cue cue;
   bool is_kept, is_line;  ///< takes part in the minimisation; has information of rank one
 };

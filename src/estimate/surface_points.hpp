@@ -31,7 +31,7 @@ inline constexpr SurfacePointsTuning kSurfacePointsTuning{};
 
 enum class PointKind : std::uint8_t { none, surface, curve, silhouette };
 
-/// What a prediction is made from.
+/// Inputs of a prediction.
 struct PredictionInput {
   Cascade& cascade;
   const ExpectedState& expected;  ///< the covariance of the predictions follows from its pose variance

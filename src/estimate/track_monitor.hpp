@@ -8,7 +8,7 @@
 
 namespace pliant {
 
-/// What the last solve of a frame found.
+/// Result of the last solve of a frame.
 struct SolveResult {
   std::uint16_t rows = 0;         ///< points with a usable observation
   std::uint16_t inliers = 0;      ///< rows with weight at the end

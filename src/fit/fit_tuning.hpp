@@ -18,9 +18,9 @@ struct FitTuning {
   /// Standard deviation of log(f / expected f) where the focal length is not known. 0.3 spans most cameras of phones and
   /// laptops, whose f is 0.7 to 2 times the larger side. Not tuned.
   float focal_log_sd = 0.3f;
-  /// Points are on one line where their spread across it is below this many of their own standard deviations, or below
-  /// this fraction of their spread along it. The view then could be turned freely about the line. The fraction stays above
-  /// float's rounding. Tested on exact and noisy lines (tests/unit/fit/fit_test.cpp).
+  /// Points are on one line if their spread across it is below this many standard deviations of a point, or below this
+  /// fraction of their spread along it. The rotation about the line is then undetermined. The fraction is above the rounding
+  /// error of floats. Tested on exact and noisy lines (tests/unit/fit/fit_test.cpp).
   float line_sds = 2;
   float line_fraction = 0.005f;
   /// Iterations of the pose-only fit of each candidate for the initial view, before and after its robust scale is
@@ -45,8 +45,8 @@ struct SilhouetteMatchTuning {
   /// A landmark's own place is turned away where the cosine between its normal and the viewing ray is below this. Just
   /// before the contour (0), so that a landmark does not jump when it gets there. Not tuned.
   float turned_away_cosine = 0.1f;
-  /// How far a contour point may lie from the landmark's own place: along v, in the chart's unit; along u, the larger of a
-  /// distance and a fraction of the way to the middle of the face. Beyond lies the nose's contour. Fits the charts of the
+  /// Largest distance of a contour point from the landmark's (u,v): along v, in units of the chart; along u, the larger of a
+  /// distance and a fraction of the distance to the middle of the face. Further away is the contour of the nose. Fits the charts of the
   /// built-in face and of ICT-FaceKit; the experiment is not recorded.
   float reach_v = 0.12f, reach_u = 0.15f, reach_u_fraction = 0.6f;
 };

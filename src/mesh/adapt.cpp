@@ -11,7 +11,7 @@
 namespace pliant {
 namespace {
 
-// Floats of at least 0 order as their bits do. Anything else counts as 0.
+// Floats of at least 0 have the order of their bit patterns. All other values count as 0.
 std::uint32_t rank_bits(float rank) {
   if (!(rank > 0)) return 0;
   std::uint32_t bits;
@@ -88,7 +88,8 @@ void Adapter::rerank(int part, int parts) {
 // (u,v) lies within the chart's extent, so both steps fit 16 bits; on a chart so large that they are NaN they are 0.
 std::uint32_t Adapter::place_key(Vec2 uv) const {
   const auto steps = [](float x) { return x > 0 ? static_cast<std::uint32_t>(min(x, 65535)) : 0u; };
-  return steps((uv.y - chart_origin_.y) * chart_scale_.y) << 16 | steps((uv.x - chart_origin_.x) * chart_scale_.x);
+  return steps((uv.y - chart_origin_.y) * chart_scale_.y) << 16 |
+         steps((uv.x - chart_origin_.x) * chart_scale_.x);
 }
 
 // Both faces of a block have the same place: the vertex that splitting them inserts. Either face first gives that split. A
@@ -193,7 +194,7 @@ void Adapter::weld(VertexId v) {
   vertices_.remove(v);
   mesh_->weld_weldable(v);
   for (int i = 1; i < count; i += 2) faces_.remove(faces[i]);
-  for (int i = 0; i < count; ++i) {  // a face whose block partner is gone is queued by itself
+  for (int i = 0; i < count; ++i) {  // a face without its block partner is queued alone
     const FaceId f = Mesh::face_of(outer[i]);
     if (outer[i] != kNone && Mesh::corner_of(outer[i]) == 0) faces_.set(f, faces_.key(f));
   }
@@ -268,7 +269,7 @@ AdaptReport Adapter::adapt(const AdaptOptions& options) {
       options.vertex_budget > 0 && options.vertex_budget < capacity ? options.vertex_budget : capacity;
   const int limit =
       options.max_operations > 0 ? options.max_operations : kAdaptTuning.operations_per_vertex * capacity;
-  // A criterion that sees neighbours may find more to do when their changes are done.
+  // A criterion that depends on neighbours may change its ranks after their refinement.
   for (int pass = 0; pass <= limits_.max_level; ++pass) {
     const int before = report.splits + report.welds;
     bool stopped = false;

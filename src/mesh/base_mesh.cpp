@@ -78,7 +78,7 @@ Status BaseMeshMaker::find_neighbours() {
   return Status::ok;
 }
 
-// Gives each part the winding of its first face, then turns the part as a whole where the caller asks for it.
+// Gives each connected part the winding of its first face, then inverts the whole part if the caller asks for it.
 Status BaseMeshMaker::orient(Span<const Vec2> uv, Winding winding) {
   for (std::size_t f = 0; f < face_count_; ++f) flag_[f] = flip_[f] = 0;
   for (std::size_t first = 0; first < face_count_; ++first) {
@@ -178,7 +178,7 @@ void BaseMeshMaker::split_edges(std::size_t edge_count) {
   VertexId v = kNone;
   std::size_t added = 0;
   for (std::size_t i = 0; i < edge_count; ++i) {
-    const HalfEdgeId h = edges_[i].h;  // still what it was, if its face is still whole
+    const HalfEdgeId h = edges_[i].h;  // still valid if its face is not split
     const FaceId f = Mesh::face_of(h);
     if (!is_whole(f)) continue;
     const HalfEdgeId t = mesh_.twin(h);

@@ -1,4 +1,4 @@
-// Edmonds' search for an augmenting path (1965), with one more way to end: at an outer face that may stay single. Outer
+// Edmonds' search for an augmenting path (1965), which may also end at an outer face that may stay single. Outer
 // faces are those that an alternating path of even length connects with the unmatched root. If one of them may stay single,
 // shifting all pairs along its path gives the root a partner and leaves that face single.
 #include "mesh/perfect_matching.hpp"

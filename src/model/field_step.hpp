@@ -2,8 +2,8 @@
 // One record of the cascade applied at one (u,v) (the paper, Eq. 1-4; docs/algorithms.md, section 3.1).
 //
 // A record computes a point p = f(p0, p1, s; q) from the points p0 and p1 of its sources, its own sample s at (u,v), and its
-// parameters q_k. The sample is a vector V(u,v), or a weight w(u,v) in x. Of every operation, FieldStep holds p and the
-// partial derivatives of f. The rest follows by the chain rule, where x stands for any parameter, or for u or v:
+// parameters q_k. The sample is a vector V(u,v), or a weight w(u,v) in x. For every operation, FieldStep holds p and the
+// partial derivatives of f. All other derivatives follow by the chain rule, where x is any parameter, or u or v:
 //
 //   dp/dx = (df/dp0) dp0/dx + (df/dp1) dp1/dx + (df/ds) ds/dx + df/dx
 //

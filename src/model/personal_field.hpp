@@ -1,5 +1,6 @@
 #pragma once
-// A person's field: what the frozen part of a cascade adds to the constant at its root, baked on a grid over the chart
+// A personalised field: the sum that the frozen part of a cascade adds to the constant at its root, sampled on a grid over
+// the chart
 // (docs/algorithms.md, section 3.4).
 #include "pliant/cascade.hpp"
 

@@ -25,7 +25,7 @@ class RecordSelection {
  public:
   void lay_out(Arena& arena, std::size_t records, const RecordValues& values);
 
-  /// Lists, of the records that the plan needs, those that change something at q. `q` must stay unchanged.
+  /// Lists those records of the plan that have an effect at q. `q` must stay unchanged.
   /// \param slack_mm  vectors that move no point by more than this are not listed.
   void select(const Model& model, const CascadePlan& plan, const float* q, float slack_mm);
 

@@ -2,8 +2,8 @@
 // Evaluates sampled surface points (Eq. 1) with their Jacobians (Eq. 11).
 //
 // A sampled surface point holds one Vec3 for each sampled record of the plan: a live record's sample, or a cached record's
-// value. `compact` replaces each run of samples that change nothing by one marker, and moves up what follows: what is read
-// of a point lies together.
+// value. `compact` replaces each run of samples without effect by one marker and moves the following samples up, so that
+// the samples that are read are contiguous.
 #include "model/cascade_plan.hpp"
 #include "model/jacobian_registers.hpp"
 #include "pliant/cascade.hpp"

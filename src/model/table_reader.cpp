@@ -16,8 +16,8 @@ constexpr std::size_t kMaxParameters = 192;
 constexpr std::size_t kMaxRecordCount = 320;
 constexpr std::size_t kMaxSections = 64;
 constexpr std::size_t kMaxSide = 4096;  // samples or pixels
-/// No sample, limit, pivot or matrix element is larger, in its unit (mm for positions: a kilometre). Keeps what is
-/// computed from a table far from overflow, and below the marker that replaces samples (sampled_point.cpp).
+/// No sample, limit, pivot or matrix element is larger, in its unit (mm for positions: a kilometre). Values
+/// computed from a table then cannot overflow, and stay below the marker that replaces samples (sampled_point.cpp).
 constexpr float kMaxMagnitude = 1e6f;
 /// Smallest side of a field's rectangle in (u,v): dividing by it keeps sample positions finite.
 constexpr float kMinSupport = 1e-6f;

@@ -56,7 +56,7 @@ struct Pair {
   double ratio;
 };
 
-// Not inlined, nor are the loops of FAST-MCD: their arrays would lie on the stack all at once.
+// This function and the loops of FAST-MCD are not inlined, so that their arrays are not on the stack at the same time.
 [[gnu::noinline]] Pair best_pair(const Cloud& cloud, const Shape<double>& shape, const Border& inside,
                                  const Border& outside, double h, double* room) {
   const std::size_t p = cloud.columns;

@@ -24,8 +24,8 @@ float value_of(std::uint32_t key) {
 
 constexpr std::size_t kFew = kTuning.sorted_directly;
 
-/// The keys that share the digit (at `shift`, under `mask`) of the k-th smallest stay, in order; k becomes
-/// its rank among them.
+/// Keeps, in order, the keys that have the same digit (at `shift`, under `mask`) as the k-th smallest. k becomes its rank
+/// among them.
 std::size_t keep_digit(std::uint32_t* key, std::size_t n, std::size_t& k, unsigned shift, std::uint32_t mask,
                        std::uint16_t* histogram) {
   std::uint32_t low = mask, high = 0;

@@ -19,7 +19,7 @@ struct NormalEquationsTuning {
   std::size_t gathered_rows = 16, tile_rows = 4, tile_columns = 8;
   /// An observation with columns for at least 5/8 of the unknowns is added densely. Measured as above.
   std::size_t dense_numerator = 5, dense_denominator = 8;
-  /// Pivots whose rows are applied to the rest at once, count. Measured as above.
+  /// Pivots whose rows are applied to the remaining matrix together, count. Measured as above.
   std::size_t panel = 4;
 };
 inline constexpr NormalEquationsTuning kNormalEquationsTuning{};

@@ -6,7 +6,7 @@ namespace pliant::host::bake {
 
 namespace {
 
-// A name that ends in "+" stands for itself with Left and with Right. Most useful first.
+// A name that ends in "+" is a pair: the name with Left and with Right. The most useful names are first.
 constexpr const char* kNames[] = {
     "jawOpen",        "mouthSmile+",     "eyeBlink+",       "browInnerUp+", "browDown+",
     "browOuterUp+",   "mouthPucker",     "mouthFunnel",     "mouthFrown+",  "mouthStretch+",

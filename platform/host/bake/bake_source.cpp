@@ -25,7 +25,7 @@ struct FieldTuning {
   /// Distance from the axis at which the error of a rotation's weight is judged, millimetres: the chin's from the jaw's hinge.
   float rotation_arm_mm = 80;
   /// Motion below which a sample counts as zero, millimetres, at the parameter's largest value. Grids are cropped to the
-  /// rest. A tenth of the tolerance, so that the crop stays invisible beside it; not tuned further.
+  /// other samples. A tenth of the tolerance, so that the error of cropping is negligible. Not tuned further.
   float still_mm = 0.004f;
 };
 constexpr FieldTuning kTuning{};

@@ -43,7 +43,7 @@ struct BaseMeshTuning {
   float on_loop = 0.003f, anchor_spacing = 0.015f;
   /// Points on a loop without anchors, count, at least. Fewer do not enclose an area in basic blocks.
   int least_loop_points = 6;
-  /// Twice the area in the chart down to which a triangle counts as inverted: above the rounding of floats.
+  /// Twice the area in the chart below which a triangle counts as inverted. Above the rounding error of floats.
   float least_doubled_area = 1e-7f;
 };
 constexpr BaseMeshTuning kTuning{};

@@ -18,8 +18,8 @@ struct GridFitTuning {
   /// The iteration stops at this fraction of the first squared residual, i.e. at a hundredth of the residual: below the
   /// quantisation of a sample.
   float residual_fraction = 1e-4f;
-  /// Weight mu of the squared Laplacian, no unit. Determines samples that no place sees; small beside the data term, whose
-  /// weights add up to 1 a place. Not tuned further.
+  /// Weight mu of the squared Laplacian, no unit. Determines the samples that no data point depends on. Small compared with the
+  /// data term, whose weights add up to 1 a data point. Not tuned further.
   float smoothness = 0.02f;
 };
 constexpr GridFitTuning kTuning{};

@@ -1,6 +1,6 @@
 #pragma once
 /// \file opened_table.hpp
-/// A model table in memory of its own.
+/// A model table that owns its memory.
 #include <cstdint>
 #include <vector>
 

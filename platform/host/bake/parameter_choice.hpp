@@ -9,9 +9,9 @@
 namespace pliant::host::bake {
 
 struct ParameterChoice {
-  int identities = -1;  ///< the first so many identities; all if negative
-  int expressions =
-      -1;  ///< the most useful so many expressions (arkit_names.hpp), both of a pair or none; all if negative
+  int identities = -1;             ///< number of identities to keep, the first ones; all if negative
+  int expressions = -1;            ///< number of expressions to keep, the most useful ones
+                                   ///< (arkit_names.hpp), both of a pair or none; all if negative
   std::vector<std::string> named;  ///< if not empty, exactly these expressions
 };
 

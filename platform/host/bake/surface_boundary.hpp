@@ -7,7 +7,7 @@
 
 namespace pliant::host::bake {
 
-/// What lies across an edge of the boundary.
+/// The region on the other side of a boundary edge.
 enum class Side { outside, opening, other_half };
 
 struct BoundaryLoop {

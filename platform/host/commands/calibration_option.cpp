@@ -10,7 +10,7 @@
 namespace pliant::host {
 
 namespace {
-constexpr float kNotedErrorPx = 0.1f;                       // half of what a good match is off
+constexpr float kNotedErrorPx = 0.1f;                         // half of the error of a good match
 constexpr std::size_t kMostFileBytes = std::size_t{1} << 20;  // calibrations have a few kilobytes
 }  // namespace
 

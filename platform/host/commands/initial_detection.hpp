@@ -25,17 +25,17 @@ struct InitialDetectionTuning {
 };
 inline constexpr InitialDetectionTuning kInitialDetectionTuning{};
 
-/// Detects a face in frame after frame until a detection is confirmed. Says on `err` what it finds.
+/// Detects a face in frame after frame until a detection is confirmed. Reports detections on `err`.
 class InitialDetection {
  public:
-  /// \param max_frames  frames without a confirmed face after which it gives up.
+  /// \param max_frames  frames without a confirmed face after which the search fails.
   /// Bad input: a model that lacks what the detector needs.
   InitialDetection(const ModelFile& file, const ImageSize& size, const Camera& camera,
                    const std::string& frames, int max_frames, std::ostream& err);
 
   /// The state of the face that one frame shows; nothing if none was found. Bad input: none was found in max_frames.
   std::optional<InitialState> find(const FrameView& frame, std::size_t number);
-  /// Tells that the tracker could not start from the last detection. Bad input: as `find`.
+  /// To be called if the tracker could not start from the last detection. Bad input: as `find`.
   void reject(std::size_t number);
   /// To be called for each tracked frame. False once, at the end of the trial, if the model was not similar to the
   /// image: the detection was wrong, and `find` is to be called again.

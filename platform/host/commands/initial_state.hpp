@@ -1,6 +1,6 @@
 #pragma once
 /// \file initial_state.hpp
-/// The initial state of a track: what the file of `--init` says, and the start of the tracker that belongs to it.
+/// The initial state of a track, read from the file of `--init`, and the start of the tracker from it.
 #include <optional>
 #include <ostream>
 #include <string>
@@ -19,7 +19,7 @@ struct InitialState {
   Camera camera;
   Pose pose;
   std::vector<float> q;  ///< all parameters, in the model's order
-  /// Landmarks that this person has elsewhere than the model, and where, px.
+  /// Landmarks with an offset from the model, and their image positions, px.
   std::vector<NamedPoint> landmarks = {};
 };
 
@@ -31,7 +31,7 @@ struct InitialLandmarks {
 
 using Initial = std::variant<InitialState, InitialLandmarks>;
 
-/// What the command line says besides the file.
+/// Options of the command line besides the file.
 struct InitialOptions {
   float focal_px = 0;            ///< 0: unknown
   std::optional<Camera> camera;  ///< intrinsics and lens, if known; they replace focal_px

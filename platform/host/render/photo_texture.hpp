@@ -9,7 +9,7 @@
 
 namespace pliant::host {
 
-/// Pixels on a side and JPEG quality of a texture: what a face in a photograph of a few megapixels resolves.
+/// Pixels on a side and JPEG quality of a texture. The size matches a face in a photograph of a few megapixels.
 constexpr int kPhotoTextureSide = 1024, kPhotoTextureQuality = 90;
 
 /// Makes the texture: `side` x `side` pixels in colour, v = 0 in the first row. A part of the surface that the photograph does
