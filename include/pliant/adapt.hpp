@@ -35,7 +35,7 @@ struct Criterion {
   const void* context = nullptr;  ///< passed to the functions
   /// Rank of a live face.
   float (*refine_rank)(const void* context, const Shape& shape, FaceId face) = nullptr;
-  /// Rank of the worst triangle that welding v brings back. Only called for weldable vertices.
+  /// Rank of the worst triangle that welding v restores. Only called for weldable vertices.
   float (*weld_rank)(const void* context, const Shape& shape, VertexId v) = nullptr;
   /// Whether weld_rank is the highest refine_rank of the triangles that the weld restores. Saves ranking.
   bool ranks_triangles = false;

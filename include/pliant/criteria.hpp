@@ -127,7 +127,7 @@ Criterion criterion_of(const TextureOptions& options);
 /// Rank of one triangle: error over tolerance.
 float compute_rank(const TextureOptions& options, const Shape& shape, const Triangle& triangle);
 
-// --- Two at once ---
+// --- Combinations of two criteria ---
 
 /// Refines where either criterion does, simplifies where both do.
 struct EitherOf {

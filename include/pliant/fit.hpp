@@ -43,7 +43,7 @@ struct FitOptions {
   const View* start = nullptr;
   /// One flag a parameter. Null: all are free. Frozen parameters keep their value in q.
   const std::uint8_t* is_free = nullptr;
-  /// Residual that neither noise nor prior explains, mm on the model: a landmark annotated elsewhere than the model has it.
+  /// Residual that neither noise nor prior explains, mm on the model: the distance of an annotated landmark from the model's.
   /// The robust loss rejects only what is several times larger.
   float misfit_mm = 3.0f;
   bool robust = true;   ///< Huber's, then Tukey's loss of the residual length; false: its square

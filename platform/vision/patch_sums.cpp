@@ -1,6 +1,6 @@
 #include "vision/patch_sums.hpp"
 
-// count & ~15 tells the compiler that the loops have whole vectors only.
+// With count & ~15 the compiler generates loops over whole vectors only.
 namespace pliant::patch {
 
 bool is_within(const i16* __restrict v, int count, GreyRange range) {

@@ -10,7 +10,7 @@ struct PatchTuning {
   /// Smallest texture that is matched: eigenvalue of the mean structure tensor without light, (grey/px)^2. Usual
   /// corners have 4 to 100; below 0.5 the noise of a camera dominates. Round value, not tuned.
   float min_eigenvalue = 0.5f;
-  /// Smallest variance of a template, grey^2. Below it gain cannot be told from noise. Round value, not tuned.
+  /// Smallest variance of a template, grey^2. Below it the gain cannot be distinguished from noise. Round value, not tuned.
   float min_variance = 4.0f;
   /// Smallest ratio of the eigenvalues for which a 2 x 2 system is solved in float. Guard against singular systems.
   float min_eigenvalue_ratio = 1e-4f;

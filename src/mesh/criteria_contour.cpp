@@ -56,7 +56,7 @@ ContourError measure_contour(const Shape& shape, const Triangle& triangle, int c
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n - i; ++j)
       for (int down = 0; down < (i + j < n - 1 ? 2 : 1);
-           ++down) {  // the cell like the triangle, and the inverted one beside it
+           ++down) {  // the upright cell, and the inverted one next to it
         const float b = static_cast<float>(3 * i + 1 + down) * step,
                     c = static_cast<float>(3 * j + 1 + down) * step;
         const float error = error_at(shape.surface, t, 1 - b - c, b, c);

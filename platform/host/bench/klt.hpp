@@ -9,7 +9,7 @@
 
 namespace pliant::host {
 
-/// Reads a PGM or PPM picture. A file that is none is bad input.
+/// Reads a PGM or PPM picture. Any other file is bad input.
 LumaPicture read_luma(const std::string& path);
 FrameView view_of(const LumaPicture& picture);
 

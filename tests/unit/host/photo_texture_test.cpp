@@ -26,7 +26,7 @@ struct Shot {
     fit.width = fit.height = 400;
     fit.camera = centred_camera(400, 400, 700);
     fit.pose = {exp_rotation(turn), {0, -20, 700}};
-    // Skin with a pattern that is nowhere the same.
+    // Colours of skin with a gradient, so that the position follows from the colour.
     for (int y = 0; y < 400; ++y)
       for (int x = 0; x < 400; ++x)
         put(x, y, {150 + 0.2f * static_cast<float>(x), 90 + 0.2f * static_cast<float>(y), 80});
