@@ -150,7 +150,7 @@ std::size_t Cascade::samples_per_point() const {
 }
 
 void Cascade::sample_point(Vec2 uv, const float* q, Vec3* samples, float slack_mm) {
-  PLIANT_ASSERT(q != nullptr && samples != nullptr && slack_mm >= 0);
+  PLIANT_ASSERT((q != nullptr || parameter_count() == 0) && samples != nullptr && slack_mm >= 0);
   State& s = *state_;
   const FieldSource source = s.source(model_);
   Vec3* to = samples;
@@ -175,12 +175,12 @@ Vec3 Cascade::evaluate(const Vec3* samples, const float* q) {
 }
 
 Vec3 Cascade::evaluate(const Vec3* samples, const float* q, Jacobian* jacobian) {
-  PLIANT_ASSERT(samples != nullptr && q != nullptr && jacobian != nullptr);
+  PLIANT_ASSERT(samples != nullptr && (q != nullptr || parameter_count() == 0) && jacobian != nullptr);
   return state_->evaluator.evaluate(state_->plan, model_.cascade().data, samples, q, jacobian);
 }
 
 void Cascade::select(const float* q, float slack_mm) {
-  PLIANT_ASSERT(q != nullptr && slack_mm >= 0);
+  PLIANT_ASSERT((q != nullptr || parameter_count() == 0) && slack_mm >= 0);
   state_->selection.select(model_, state_->plan, q, slack_mm);
 }
 
