@@ -93,7 +93,7 @@ void add_surface_loads(const Sizes& s, const TrackerLimits& limits, const Estima
   loads.push_back({"points predicted", kUsual.rounds * s.points, (1 + rounds) * s.points,
                    record + kOperations.prediction});
   loads.push_back({"tangents updated", tangents, tangents + 1, 3 * record});
-  // On fast motion all vertices are updated, after the regular ones.
+  // On fast motion all vertices are updated, in addition to the regular ones.
   loads.push_back(
       {"vertices updated", limits.vertices / interval, limits.vertices * (1 + 1 / interval), record});
   loads.push_back({"vertices projected", kUsual.projections_a_vertex * limits.vertices,
@@ -101,7 +101,8 @@ void add_surface_loads(const Sizes& s, const TrackerLimits& limits, const Estima
 }
 
 void add_solver_loads(const Sizes& s, const SolveWork& work, std::vector<Load>& loads) {
-  // A step takes a pass over the rows and, if it is refused, another one; a minimisation starts and may end with one.
+  // A step makes one pass over the rows, or two if it is refused. A minimisation makes one at its start and may make one at
+  // its end.
   const double passes = 2.0 * work.steps + 2.0 * work.minimisations + 1;
   const double row = s.records * kOperations.record + s.unknowns * (s.unknowns + 1);
   loads.push_back({"Gauss-Newton steps", kUsual.solver_steps, static_cast<double>(work.steps), 0});

@@ -4,16 +4,16 @@
 #include <cstring>
 
 #include "host/commands/calibration_option.hpp"
-#include "host/io/calibration.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/image_fit.hpp"
+#include "host/io/calibration.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/json.hpp"
-#include "host/render/overlay.hpp"
 #include "host/io/owned.hpp"
 #include "host/io/page.hpp"
+#include "host/render/overlay.hpp"
 #include "host/render/scene.hpp"
-#include "host/commands/image_fit.hpp"
 
 namespace pliant::host {
 
@@ -51,7 +51,7 @@ FitFile start_of(const Args& args, const ModelFile& file, const Image& image, co
   if (start && is_box(*start)) return fit_to_box(file, *args.numbers("--start", 4), setup);
   if (start) {
     FitFile fit = read_fit(*start, file, setup.size, path, setup.focal_px, setup.camera);
-    if (is_fit(read_file(*start))) fit.points.clear();  // what it was fitted to is done with
+    if (is_fit(read_file(*start))) fit.points.clear();  // the points of the fit are not needed
     return fit;
   }
   const std::vector<float> q(file.model().parameters().count, 0.0f);

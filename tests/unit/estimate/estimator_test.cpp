@@ -67,7 +67,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("what turns away from the camera or leaves the picture is not visible") {
+TEST_CASE("a point that is turned away from the camera or outside the picture is not visible") {
   Scene scene;
   InArena<Estimator> e(scene.model, scene.limits);
   scene.start(e.object, 0);

@@ -123,7 +123,7 @@ TEST_CASE("time steps of zero, below zero and NaN change nothing, an infinite on
   CHECK(rig.filter->view().s > 0);
 }
 
-TEST_CASE("what is not finite is refused and changes nothing; a state taken over is at rest") {
+TEST_CASE("values that are not finite are refused and change nothing; a restored state is at rest") {
   Rig rig(steady(0));
   rig.see(steady(0.05f));
   const View before = rig.filter->view();

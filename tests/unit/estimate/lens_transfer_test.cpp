@@ -19,7 +19,7 @@ Lens barrel() {
 
 }  // namespace
 
-TEST_CASE("undistorted observations distort to what they were") {
+TEST_CASE("undistorting and distorting observations restores them") {
   const Lens lens = barrel();
   Observation seen[2];
   seen[0].x = {80, 400};

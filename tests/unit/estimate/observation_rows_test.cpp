@@ -123,7 +123,7 @@ TEST_CASE("normal residuals have scale 1, as points and as lines; few outliers d
   }
 }
 
-TEST_CASE("a cue's scale follows residuals beyond its own word, and needs eight rows") {
+TEST_CASE("the scale of a cue grows with residuals larger than its stated noise, and needs eight rows") {
   Rig rig;
   Random random(7);
   const auto frame = [&](std::uint16_t rows) {

@@ -45,7 +45,7 @@ TEST_CASE("residuals may grow with the image; a result without scores is judged 
   CHECK(is_good([](SolveResult& r) { r.score = 0; }));
 }
 
-TEST_CASE("three bad frames in a row lose the track, one good frame brings it back") {
+TEST_CASE("three bad frames in a row lose the track, one good frame restores it") {
   TrackMonitor monitor;
   monitor.start(320);
   CHECK(monitor.add(false) == TrackState::degraded);

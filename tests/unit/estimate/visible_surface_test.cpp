@@ -66,7 +66,7 @@ TEST_CASE("a slow expression moves one vertex in the interval, a fast one all of
   CHECK(rig.exact_count() == rig.surface->mesh().vertex_count());
 }
 
-TEST_CASE("what lies behind the surface is hidden, what lies before it is not") {
+TEST_CASE("a point behind the surface is hidden, a point in front of it is not") {
   Rig rig;
   rig.surface->draw_depth(rig.egg.state.view, 1);
   const Projector projector(rig.egg.state.view, true);

@@ -33,7 +33,7 @@ TEST_CASE("a start from landmarks, from a box, from a pose and from a saved stat
   check_tracks(t, 1);
 }
 
-TEST_CASE("what is known of a start is used: focal length, camera, lens") {
+TEST_CASE("the options of a start are used: focal length, camera, lens") {
   pliant_tracker* t = rig().create();
   const pliant_frame first = rig().frame(0);
   pliant_result result;
@@ -49,7 +49,7 @@ TEST_CASE("what is known of a start is used: focal length, camera, lens") {
   CHECK(std::memcmp(&used, &camera, sizeof used) == 0);
 }
 
-TEST_CASE("a saved state brings back parameters, pose and landmarks") {
+TEST_CASE("a saved state restores parameters, pose and landmarks") {
   pliant_tracker* t = rig().start();
   REQUIRE(next_update(t, 1) == PLIANT_OK);
   StateRoom room;

@@ -167,8 +167,7 @@ TEST_CASE("before a start everything that needs one says so") {
   CHECK(pliant_place_landmarks(t, rig().points.data(), 1) == PLIANT_NOT_STARTED);
 }
 
-TEST_CASE(
-    "updates and questions that are wrong have a status, write nothing, and leave the track as it was") {
+TEST_CASE("wrong updates and queries return a status, write nothing, and do not change the track") {
   pliant_tracker* t = rig().start();
   const pliant_frame first = rig().frame(0), next = rig().frame(1);
   pliant_result result;

@@ -122,7 +122,7 @@ TEST_CASE(
   CHECK(error / static_cast<float>(found) < 0.25f);  // measured: 0.17
 }
 
-TEST_CASE("second templates are of points that look different, and go with their first one") {
+TEST_CASE("second templates are of points with another appearance, and go with their first one") {
   Rig rig;
   rig.place(0, 40);
   rig.templates.object[3].correlation = 0.8f;

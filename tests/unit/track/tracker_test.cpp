@@ -85,7 +85,7 @@ TEST_CASE("no heap call is made from the first frame on, in a block of exactly t
   CHECK(heap_trap::calls > 0);
 }
 
-TEST_CASE("markers are followed though nothing near them is looked at") {
+TEST_CASE("markers are tracked without templates near them") {
   TrackerLimits limits;
   limits.markers = 3;
   InArena<Tracker> tracker(face().model, limits);
@@ -116,7 +116,7 @@ TEST_CASE("markers are followed though nothing near them is looked at") {
   CHECK_FALSE(tracker->marker(3, &x));
 }
 
-TEST_CASE("a picture repeated moves nothing by more than noise") {
+TEST_CASE("a repeated picture moves the state by no more than noise") {
   InArena<Tracker> tracker(face().model, TrackerLimits{});
   REQUIRE(start(tracker.object) == Status::ok);
   FrameResult result;
