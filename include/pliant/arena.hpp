@@ -130,6 +130,24 @@ class Arena {
   std::size_t* by_purpose_ = nullptr;
 };
 
+/// Lays out a part of an object by `part->lay_out(arena, args...)`. Null, while the arena measures: a temporary stands for
+/// the part. Not inlined, so that the stack holds one temporary at a time.
+template <class T, class... Args>
+[[gnu::noinline]] void lay_out_part(Arena& arena, T* part, const Args&... args) {
+  if (part != nullptr) return part->lay_out(arena, args...);
+  T measured;
+  measured.lay_out(arena, args...);
+}
+
+/// Takes a part of an object from the arena and lays it out. \return null if the arena measures or is exhausted.
+template <class T, class... Args>
+T* create_part(Arena& arena, const Args&... args) {
+  T* const part = arena.take<T>(1);
+  if (part != nullptr) new (part) T{};
+  lay_out_part(arena, part, args...);
+  return part;
+}
+
 /// Whether an object can be laid out from this argument. A type with values that no object can be made from overloads it
 /// (Model).
 template <class T>

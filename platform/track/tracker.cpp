@@ -33,29 +33,9 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   return e;
 }
 
-/// Lays a part out; while measuring there is none, and one on the stack does. Not inlined, so that the stack holds one
-/// such part at a time.
-template <class Part, class... Args>
-[[gnu::noinline]] void lay_out_part(Arena& arena, Part* part, const Args&... args) {
-  if (part != nullptr) return part->lay_out(arena, args...);
-  Part measured;
-  measured.lay_out(arena, args...);
-}
-
-}  // namespace
-
-/// What lasts from start to start comes first; the tracking's parts share their memory with a start's fit, which runs
-/// before them. A part with {} is set as a block; without, GCC sets each of its members, which is three times the code.
-struct Tracker::Impl {
-  explicit Impl(const TrackerLimits& of) : limits(of) {}
-
-  TrackerLimits limits;
-  bool uses_edges = false;
-  Span<float> start_q;
-  LandmarkOffsets offsets{};
-  Span<unsigned char> block;  // of fit and tracking
-
-  Estimator estimator{};
+/// The parts that work on images. A part with {} is set as a block; without, GCC sets each of its members, which is twice
+/// the code.
+struct ImageParts {
   FrameRegion region{};
   TemplateStore templates{};
   TemplateMatcher matcher{};
@@ -65,9 +45,40 @@ struct Tracker::Impl {
   SurfaceTexture texture{};
   Markers markers{};
   Span<Observation> observations;
-  std::size_t observation_count = 0;
   std::uint16_t* prediction_index = nullptr;  // by id of a surface point
 
+  void lay_out(Arena& arena, const TrackerLimits& limits);
+};
+
+void ImageParts::lay_out(Arena& arena, const TrackerLimits& limits) {
+  region.lay_out(arena, limits);
+  templates.lay_out(arena, limits);
+  matcher.lay_out(arena, limits);
+  placement.lay_out(arena, limits);
+  edges.lay_out(arena, limits);
+  key_frames.lay_out(arena, limits);
+  texture.lay_out(arena, limits.texture_cells);
+  markers.lay_out(arena, limits.markers);
+  arena.count_as(Purpose::points);
+  observations =
+      arena.take_span<Observation>(all_slots(limits) + EdgeTracker::kAlternatives * edge_points(limits));
+  prediction_index = arena.take<std::uint16_t>(all_points(limits));
+}
+
+}  // namespace
+
+/// The estimator and the parts that work on images share their memory with the fit of a start, which runs before them.
+struct Tracker::Impl : ImageParts {
+  explicit Impl(const TrackerLimits& of) : ImageParts{}, limits(of) {}
+
+  TrackerLimits limits;
+  bool uses_edges = false;
+  Span<float> start_q;
+  LandmarkOffsets offsets{};
+  Span<unsigned char> block;  // of fit and tracking
+
+  Estimator estimator{};
+  std::size_t observation_count = 0;
   FrameResult result{};
   std::uint32_t frame = 0, last_sequence = 0;
   std::int64_t last_time_ns = 0;
@@ -102,21 +113,7 @@ struct Tracker::Impl {
 void Tracker::Impl::lay_out_tracking(Arena& arena, Impl* impl, const Model& model,
                                      const TrackerLimits& limits) {
   lay_out_part(arena, impl == nullptr ? nullptr : &impl->estimator, model, estimator_limits(limits));
-  lay_out_part(arena, impl == nullptr ? nullptr : &impl->region, limits);
-  lay_out_part(arena, impl == nullptr ? nullptr : &impl->templates, limits);
-  lay_out_part(arena, impl == nullptr ? nullptr : &impl->matcher, limits);
-  lay_out_part(arena, impl == nullptr ? nullptr : &impl->placement, limits);
-  lay_out_part(arena, impl == nullptr ? nullptr : &impl->edges, limits);
-  lay_out_part(arena, impl == nullptr ? nullptr : &impl->key_frames, limits);
-  lay_out_part(arena, impl == nullptr ? nullptr : &impl->texture, limits.texture_cells);
-  lay_out_part(arena, impl == nullptr ? nullptr : &impl->markers, std::size_t{limits.markers});
-  arena.count_as(Purpose::points);
-  const auto observations =
-      arena.take_span<Observation>(all_slots(limits) + EdgeTracker::kAlternatives * edge_points(limits));
-  std::uint16_t* const index = arena.take<std::uint16_t>(all_points(limits));
-  if (impl == nullptr) return;
-  impl->observations = observations;
-  impl->prediction_index = index;
+  lay_out_part(arena, static_cast<ImageParts*>(impl), limits);
 }
 
 void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {

@@ -11,7 +11,7 @@
 
 namespace pliant {
 
-// A part with {} is set as a block; without, GCC sets each of its members, which is three times the code.
+// A part with {} is set as a block; without, GCC sets each of its members, which is twice the code.
 struct Estimator::Impl {
   bool started = false;
   Camera camera{};
@@ -52,15 +52,6 @@ namespace {
 
 std::size_t at_most(std::size_t limit, std::size_t all) {
   return limit > 0 && limit < all ? limit : all;
-}
-
-/// Lays out a part; while measuring there is no part, and a temporary one stands for it. Not inlined, so that the stack
-/// holds one temporary at a time.
-template <class T, class... Args>
-[[gnu::noinline]] void lay_out_part(Arena& arena, T* part, const Args&... args) {
-  if (part != nullptr) return part->lay_out(arena, args...);
-  T measured;
-  measured.lay_out(arena, args...);
 }
 
 std::uint32_t interval(std::uint8_t frames) {
