@@ -1,7 +1,5 @@
 #include "pliant/face_detector.hpp"
 
-#include <new>
-
 #include "face/face_detector_tuning.hpp"
 #include "face/landmark_search.hpp"
 #include "face/template_search.hpp"
@@ -11,16 +9,6 @@ namespace pliant {
 namespace {
 
 constexpr const FaceDetectorTuning& kTuning = kFaceDetectorTuning;
-
-// An object laid out in the arena; null if the arena only measures.
-template <class T, class... Args>
-T* create(Arena& arena, const Args&... args) {
-  T* object = arena.take<T>(1);
-  T measured;
-  if (object != nullptr) new (object) T();
-  (object != nullptr ? *object : measured).lay_out(arena, args...);
-  return object;
-}
 
 }  // namespace
 
@@ -37,10 +25,10 @@ void FaceDetector::lay_out(Arena& arena, const Model& model, const FaceDetectorL
   FitLimits fit;
   fit.points = LandmarkSearch::kMaxLandmarks;
   fitter_.lay_out(arena, model, fit);
-  rendered_ = create<RenderedTemplate>(arena, model);
-  search_ = create<TemplateSearch>(arena, int{limits.width}, int{limits.height},
-                                   limits_.smallest_fraction * static_cast<float>(limits.height));
-  landmarks_ = create<LandmarkSearch>(arena);
+  rendered_ = create_part<RenderedTemplate>(arena, model);
+  search_ = create_part<TemplateSearch>(arena, int{limits.width}, int{limits.height},
+                                        limits_.smallest_fraction * static_cast<float>(limits.height));
+  landmarks_ = create_part<LandmarkSearch>(arena);
   places_ = arena.take<Place>(TemplateSearch::kCandidates);
   pairs_ = arena.take<Correspondence>(LandmarkSearch::kMaxLandmarks);
   q_ = arena.take<float>(parameter_count_);

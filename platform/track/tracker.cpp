@@ -33,17 +33,16 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   return e;
 }
 
-/// The parts that work on images. A part with {} is set as a block; without, GCC sets each of its members, which is twice
-/// the code.
+/// The parts that work on images.
 struct ImageParts {
-  FrameRegion region{};
-  TemplateStore templates{};
-  TemplateMatcher matcher{};
-  TemplatePlacement placement{};
-  EdgeTracker edges{};
-  KeyFrames key_frames{};
-  SurfaceTexture texture{};
-  Markers markers{};
+  FrameRegion region;
+  TemplateStore templates;
+  TemplateMatcher matcher;
+  TemplatePlacement placement;
+  EdgeTracker edges;
+  KeyFrames key_frames;
+  SurfaceTexture texture;
+  Markers markers;
   Span<Observation> observations;
   std::uint16_t* prediction_index = nullptr;  // by id of a surface point
 
@@ -69,17 +68,15 @@ void ImageParts::lay_out(Arena& arena, const TrackerLimits& limits) {
 
 /// The estimator and the parts that work on images share their memory with the fit of a start, which runs before them.
 struct Tracker::Impl : ImageParts {
-  explicit Impl(const TrackerLimits& of) : ImageParts{}, limits(of) {}
-
-  TrackerLimits limits;
+  TrackerLimits limits = without_rejection(TrackerLimits{});  // of no tracker; the default would link the rejection
   bool uses_edges = false;
   Span<float> start_q;
-  LandmarkOffsets offsets{};
+  LandmarkOffsets offsets;
   Span<unsigned char> block;  // of fit and tracking
 
-  Estimator estimator{};
+  Estimator estimator;
   std::size_t observation_count = 0;
-  FrameResult result{};
+  FrameResult result;
   std::uint32_t frame = 0, last_sequence = 0;
   std::int64_t last_time_ns = 0;
   int bad_frames = 0;  // in a row
@@ -120,8 +117,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   TrackerLimits own = limits;
   if (own.key_frames > TrackerLimits::kMostKeyFrames) own.key_frames = TrackerLimits::kMostKeyFrames;
   arena.count_as(Purpose::state);
-  void* const room = arena.take<Impl>(1);
-  impl_ = room == nullptr ? nullptr : new (room) Impl(own);
+  impl_ = arena.make<Impl>();
   const auto q = arena.take_span<float>(model.parameters().count);
   lay_out_part(arena, impl_ == nullptr ? nullptr : &impl_->offsets, model);
   unsigned char* const block = arena.take<unsigned char>(0);
@@ -131,6 +127,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   arena.count_as(Purpose::solver);
   if (fit > tracking) arena.take<unsigned char>(fit - tracking);
   if (impl_ == nullptr) return;
+  impl_->limits = own;
   impl_->start_q = q;
   impl_->block = {block, fit > tracking ? fit : tracking};
 }

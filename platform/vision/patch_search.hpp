@@ -23,6 +23,11 @@ bool contains(const ImageView& image, Vec2 x, int margin);
 struct SearchState {
   PatchSlots slots;
   Workspace work;
+
+  void lay_out(Arena& arena, const PatchLimits& limits) {
+    slots.lay_out(arena, limits);
+    work.lay_out(arena, limits.window);
+  }
 };
 
 /// Makes the template of one level in state.work.

@@ -42,12 +42,7 @@ Status PatchTracker::create(Arena& arena, const PatchLimits& limits) {
 void PatchTracker::lay_out(Arena& arena, const PatchLimits& limits) {
   PLIANT_ASSERT(is_valid(limits));
   limits_ = limits;
-  state_ = arena.take<SearchState>(1);
-  SearchState measured;
-  if (state_ != nullptr) new (state_) SearchState();
-  SearchState& state = state_ != nullptr ? *state_ : measured;
-  state.slots.lay_out(arena, limits);
-  state.work.lay_out(arena, limits.window);
+  state_ = create_part<SearchState>(arena, limits);
 }
 
 PatchStatus PatchTracker::capture(int slot, const Pyramid& pyramid, Vec2 x, const PatchOptions& options) {

@@ -11,22 +11,39 @@
 
 namespace pliant {
 
-// A part with {} is set as a block; without, GCC sets each of its members, which is twice the code.
-struct Estimator::Impl {
+namespace {
+
+/// The parts that hold the state and the points.
+struct StateParts {
+  ModelState state;    // as it is now
+  ModelState trusted;  // of the last good frame
+  MotionModel motion;
+  SurfacePoints points;
+
+  void lay_out(Arena& arena, std::size_t parameters, const EstimatorLimits& limits, std::size_t samples);
+};
+
+void StateParts::lay_out(Arena& arena, std::size_t parameters, const EstimatorLimits& limits,
+                         std::size_t samples) {
+  state.lay_out(arena, parameters);
+  trusted.lay_out(arena, parameters);
+  motion.lay_out(arena, parameters);
+  points.lay_out(arena, limits.points, limits.silhouette_points, samples);
+}
+
+}  // namespace
+
+struct Estimator::Impl : StateParts {
   bool started = false;
-  Camera camera{};
-  Lens lens{};
+  Camera camera;
+  Lens lens;
   int width = 0, height = 0;
   std::uint32_t frame = 0;
 
-  Cascade cascade{};
-  ModelState state{};    // as it is now
-  ModelState trusted{};  // of the last good frame
-  SurfacePoints points{};
-  VisibleSurface surface{};
-  FrameSolver solver{};
-  MotionModel motion{};
-  TrackMonitor monitor{};
+  Cascade cascade;
+  VisibleSurface surface;
+  FrameSolver solver;
+  TrackMonitor monitor;
 
   Span<const Prediction> predictions;  // of all points at `state`; empty when either has changed
   std::size_t sample_capacity = 0;     // a point
@@ -64,13 +81,9 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   const std::size_t parameters = model.parameters().count;
   const std::size_t samples = at_most(limits.samples_per_point, model.cascade().count);
   arena.count_as(Purpose::state);
-  impl_ = arena.take<Impl>(1);
-  if (impl_ != nullptr) new (impl_) Impl;
+  impl_ = arena.make<Impl>();
   const auto part = [this](auto Impl::*member) { return impl_ == nullptr ? nullptr : &(impl_->*member); };
-  ModelState Impl::*const states[] = {&Impl::state, &Impl::trusted};
-  for (ModelState Impl::*state : states) lay_out_part(arena, part(state), parameters);
-  lay_out_part(arena, part(&Impl::motion), parameters);
-  lay_out_part(arena, part(&Impl::points), limits.points, limits.silhouette_points, samples);
+  lay_out_part(arena, static_cast<StateParts*>(impl_), parameters, limits, samples);
   lay_out_part(
       arena, part(&Impl::surface), parameters,
       VisibleSurfaceLimits{limits.vertices, limits.samples_vertices ? samples : 0, limits.silhouette_points});

@@ -34,11 +34,7 @@ void RowForces::reject(FrameProblem& problem) {
 namespace {
 
 RowForces* lay_out(Arena& arena, std::size_t sample) {
-  RowForces* const forces = arena.take<RowForces>(1);
-  if (forces != nullptr) new (forces) RowForces();
-  RowForces measured;
-  (forces != nullptr ? *forces : measured).lay_out(arena, sample);
-  return forces;
+  return create_part<RowForces>(arena, sample);
 }
 
 void reject(RowForces& forces, FrameProblem& problem) {

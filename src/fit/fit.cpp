@@ -10,15 +10,14 @@
 
 namespace pliant {
 
-// {}: set as a block, which is less code than each member by itself.
 struct Fitter::State {
-  FitLimits limits{};
-  FitWorkspace work{};
-  FoldOverGuard fold_over{};
-  SilhouetteMatcher silhouette{};
-  Vec3* position = nullptr;         // a point, at the initial parameters
-  Correspondence* ideal = nullptr;  // the points without the lens
-  float* q = nullptr;               // the present parameters
+  FitLimits limits;
+  FitWorkspace work;
+  FoldOverGuard fold_over;
+  SilhouetteMatcher* silhouette = nullptr;  // null without limits.silhouette
+  Vec3* position = nullptr;                 // a point, at the initial parameters
+  Correspondence* ideal = nullptr;          // the points without the lens
+  float* q = nullptr;                       // the present parameters
 
   void lay_out(Arena& arena, const Model& model, const FitLimits& most);
   Status fit(Span<const Correspondence> points, const FitOptions& options, float* result, FitReport* report,
@@ -89,15 +88,12 @@ void Fitter::State::lay_out(Arena& arena, const Model& model, const FitLimits& m
   q = arena.take<float>(model.parameters().count);
   fold_over.lay_out(arena, model);
   if (!limits.silhouette) return;
-  silhouette.lay_out(arena, model);
+  silhouette = create_part<SilhouetteMatcher>(arena, model);
   work.contour_normal = arena.take<Vec2>(limits.points);
 }
 
 void Fitter::lay_out(Arena& arena, const Model& model, const FitLimits& limits) {
-  State measured;
-  state_ = arena.take<State>(1);
-  State& state = state_ == nullptr ? measured : *new (state_) State();
-  state.lay_out(arena, model, limits);
+  state_ = create_part<State>(arena, model, limits);
 }
 
 Cascade& Fitter::cascade() {
@@ -147,7 +143,7 @@ Status Fitter::State::fit(Span<const Correspondence> points, const FitOptions& o
   const bool has_silhouette = has_silhouette_points(points);
   if (has_silhouette && !limits.silhouette) return Status::bad_argument;
   if (limits.silhouette) {
-    const Status started = silhouette.start(cascade.model());
+    const Status started = silhouette->start(cascade.model());
     if (started != Status::ok) return started;
   }
   for (std::size_t i = 0; i < cascade.parameter_count(); ++i) q[i] = result[i];
@@ -214,10 +210,10 @@ int Fitter::State::minimise_in_stages(FitProblem& problem, bool has_silhouette) 
 
 void Fitter::State::match_silhouette(const FitProblem& problem) {
   const Projector projector(problem.view, true);
-  silhouette.find_contour(work.cascade, problem.q, projector);
+  silhouette->find_contour(work.cascade, problem.q, projector);
   for (std::size_t i = 0; i < problem.points.count; ++i) {
     if (!problem.points[i].is_silhouette) continue;
-    const SilhouetteMatch match = silhouette.match(work.cascade, problem.q, projector, problem.points[i]);
+    const SilhouetteMatch match = silhouette->match(work.cascade, problem.q, projector, problem.points[i]);
     work.contour_normal[i] = match.normal;
     work.cascade.sample_point(match.uv, problem.q, work.samples_of(i));
   }
