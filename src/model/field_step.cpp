@@ -4,9 +4,6 @@ namespace pliant {
 
 namespace {
 
-// The functions below are templates on kDerive; without it they compute p only. They are inlined so that the compiler removes
-// what the caller does not read.
-
 constexpr Mat3 kIdentity{};
 
 /// I + s (A - I)
@@ -69,19 +66,24 @@ struct Operands {
   float w() const { return r.weight == kNone ? 1.0f : s.x; }
   Vec3 axis() const { return {r.axis[0], r.axis[1], r.axis[2]}; }
   Vec3 pivot() const { return {r.pivot[0], r.pivot[1], r.pivot[2]}; }
+  Mat3 rotation() const { return rotation_by((w() * parameter(0)) * axis()); }  // by w q about the axis
 };
 
+/// The derivatives of p0 + w q d by q and by w.
+inline void derive(const Operands& o, Vec3 d, FieldStep& out) {
+  out.along_parameter[0] = o.w() * d;
+  out.along_weight = o.parameter(0) * d;
+}
+
 /// p = V (Eq. 2, 3)
-template <bool kDerive>
-[[gnu::always_inline]] inline void constant(const Operands& o, FieldStep& out) {
+void constant(const Operands& o, FieldStep& out) {
   out.p = o.s;
   out.keep = 0;
   out.along_field = 1;
 }
 
 /// p = p0 + q V (Eq. 4)
-template <bool kDerive>
-[[gnu::always_inline]] inline void add_vector(const Operands& o, FieldStep& out) {
+void add_vector(const Operands& o, FieldStep& out) {
   const float q = o.parameter(0);
   out.p = o.p0 + q * o.s;
   out.along_parameter[0] = o.s;
@@ -89,8 +91,7 @@ template <bool kDerive>
 }
 
 /// p = p0 + q_a q_b V
-template <bool kDerive>
-[[gnu::always_inline]] inline void product(const Operands& o, FieldStep& out) {
+void product(const Operands& o, FieldStep& out) {
   const float a = o.parameter(0), b = o.parameter(1);
   out.p = o.p0 + (a * b) * o.s;
   out.along_parameter[0] = b * o.s;
@@ -99,8 +100,7 @@ template <bool kDerive>
 }
 
 /// p = p0 + phi(q) V
-template <bool kDerive>
-[[gnu::always_inline]] inline void one_sided(const Operands& o, FieldStep& out) {
+void one_sided(const Operands& o, FieldStep& out) {
   float slope;
   out.along_field = ramp(o.parameter(0), o.r.axis[0], &slope);
   out.p = o.p0 + out.along_field * o.s;
@@ -108,34 +108,25 @@ template <bool kDerive>
 }
 
 /// p = c + (1 + w q) (p0 - c)
-template <bool kDerive>
-[[gnu::always_inline]] inline void scale(const Operands& o, FieldStep& out) {
+void scale(const Operands& o, FieldStep& out) {
   const float q = o.parameter(0), w = o.w();
   const Vec3 arm = o.p0 - o.pivot();
   out.keep = 1 + w * q;
   out.p = o.pivot() + out.keep * arm;
-  out.along_parameter[0] = w * arm;
-  out.along_weight = q * arm;
+  derive(o, arm, out);
 }
 
 /// p = c + R(w q a) (p0 - c), a the axis. A small turn d about a moves p by d a x (p - c).
-template <bool kDerive>
-[[gnu::always_inline]] inline void rotate(const Operands& o, FieldStep& out) {
-  const float q = o.parameter(0), w = o.w();
-  const Vec3 axis = o.axis(), pivot = o.pivot();
-  out.map = rotation_by((w * q) * axis);
+void rotate(const Operands& o, FieldStep& out) {
+  out.map = o.rotation();
   out.maps = true;
-  const Vec3 arm = out.map * (o.p0 - pivot);
-  out.p = pivot + arm;
-  if (!kDerive) return;
-  const Vec3 turn = cross(axis, arm);
-  out.along_parameter[0] = w * turn;
-  out.along_weight = q * turn;
+  const Vec3 arm = out.map * (o.p0 - o.pivot());
+  out.p = o.pivot() + arm;
+  derive(o, cross(o.axis(), arm), out);
 }
 
 /// p = p0 + w q (A p0 + b - p0)
-template <bool kDerive>
-[[gnu::always_inline]] inline void affine(const Operands& o, FieldStep& out) {
+void affine(const Operands& o, FieldStep& out) {
   const float q = o.parameter(0), w = o.w();
   Mat3 a;
   for (int i = 0; i < 9; ++i) a.m[i / 3][i % 3] = o.r.matrix[i];
@@ -143,13 +134,11 @@ template <bool kDerive>
   out.map = blend_with_identity(a, w * q);
   out.maps = true;
   out.p = o.p0 + (w * q) * pull;
-  out.along_parameter[0] = w * pull;
-  out.along_weight = q * pull;
+  derive(o, pull, out);
 }
 
 /// p = c + R(w r) (p0 - c) + w t, with the rotation vector r = (q_0, q_1, q_2) and the translation t = (q_3, q_4, q_5)
-template <bool kDerive>
-[[gnu::always_inline]] inline void rigid(const Operands& o, FieldStep& out) {
+void rigid(const Operands& o, FieldStep& out) {
   const Vec3 turn{o.parameter(0), o.parameter(1), o.parameter(2)};
   const Vec3 move{o.parameter(3), o.parameter(4), o.parameter(5)}, pivot = o.pivot();
   const float w = o.w();
@@ -157,7 +146,6 @@ template <bool kDerive>
   out.maps = true;
   const Vec3 arm = out.map * (o.p0 - pivot);
   out.p = pivot + arm + w * move;
-  if (!kDerive) return;
   const Vec3 unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (int k = 0; k < 3; ++k) {
     out.along_parameter[k] = w * cross(left_jacobian(w * turn, unit[k]), arm);
@@ -167,52 +155,64 @@ template <bool kDerive>
 }
 
 /// p = (1 - w q) p0 + w q p1
-template <bool kDerive>
-[[gnu::always_inline]] inline void lerp(const Operands& o, FieldStep& out) {
+void lerp(const Operands& o, FieldStep& out) {
   const float q = o.parameter(0), w = o.w(), t = w * q;
   out.p = (1 - t) * o.p0 + t * o.p1;
   out.keep = 1 - t;
   out.keep_second = t;
-  out.along_parameter[0] = w * (o.p1 - o.p0);
-  out.along_weight = q * (o.p1 - o.p0);
-}
-
-template <bool kDerive>
-[[gnu::always_inline]] inline void step(const Operands& o, FieldStep& out) {
-  switch (o.r.operation) {
-    case Operation::constant:
-      return constant<kDerive>(o, out);
-    case Operation::add_vector:
-      return add_vector<kDerive>(o, out);
-    case Operation::product:
-      return product<kDerive>(o, out);
-    case Operation::one_sided:
-      return one_sided<kDerive>(o, out);
-    case Operation::scale:
-      return scale<kDerive>(o, out);
-    case Operation::rotate:
-      return rotate<kDerive>(o, out);
-    case Operation::affine:
-      return affine<kDerive>(o, out);
-    case Operation::rigid:
-      return rigid<kDerive>(o, out);
-    case Operation::lerp:
-      return lerp<kDerive>(o, out);
-  }
+  derive(o, o.p1 - o.p0, out);
 }
 
 }  // namespace
 
 FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
   FieldStep out;
-  step<true>({r, q, p0, p1, s}, out);
+  const Operands o{r, q, p0, p1, s};
+  switch (r.operation) {
+    case Operation::constant:
+      constant(o, out);
+      break;
+    case Operation::add_vector:
+      add_vector(o, out);
+      break;
+    case Operation::product:
+      product(o, out);
+      break;
+    case Operation::one_sided:
+      one_sided(o, out);
+      break;
+    case Operation::scale:
+      scale(o, out);
+      break;
+    case Operation::rotate:
+      rotate(o, out);
+      break;
+    case Operation::affine:
+      affine(o, out);
+      break;
+    case Operation::rigid:
+      rigid(o, out);
+      break;
+    case Operation::lerp:
+      lerp(o, out);
+      break;
+  }
   return out;
 }
 
+/// Only the operations of which faces have many records, or that run at every vertex, are worth code of their own.
 Vec3 apply_without_derivatives(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
-  FieldStep out;
-  step<false>({r, q, p0, p1, s}, out);
-  return out.p;
+  const Operands o{r, q, p0, p1, s};
+  switch (r.operation) {
+    case Operation::add_vector:
+      return p0 + o.parameter(0) * s;
+    case Operation::product:
+      return p0 + (o.parameter(0) * o.parameter(1)) * s;
+    case Operation::rotate:
+      return o.pivot() + o.rotation() * (p0 - o.pivot());
+    default:
+      return apply(r, q, p0, p1, s).p;
+  }
 }
 
 bool keeps_source_at_zero_sample(const CascadeRecord& r) {
