@@ -116,10 +116,7 @@ constexpr Vec3 operator*(const Mat3& m, Vec3 v) {
 }
 
 /// Hamilton product: rotate by b first, then by a.
-constexpr Quat operator*(Quat a, Quat b) {
-  return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-          a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
-}
+Quat operator*(Quat a, Quat b);
 /// The inverse rotation of a unit quaternion.
 constexpr Quat conjugate(Quat q) {
   return {q.w, -q.x, -q.y, -q.z};
@@ -136,16 +133,9 @@ Quat exp_rotation(Vec3 w);
 /// Rotation vector of q (shortest way), radians; inverse of exp_rotation to 1e-6.
 Vec3 log_rotation(Quat q);
 
-/// True where every component is a finite number.
-bool is_finite(float x);
-/// True where no component is NaN or infinite.
-inline bool is_finite(Vec2 v) {
-  return is_finite(v.x) && is_finite(v.y);
-}
-/// True where no component is NaN or infinite.
-inline bool is_finite(Vec3 v) {
-  return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
-}
+bool is_finite(float x);           ///< True for neither NaN nor infinity.
+bool is_finite(Vec2 v);            ///< True where no component is NaN or infinite.
+bool is_finite(Vec3 v);            ///< True where no component is NaN or infinite.
 bool is_finite(const Pose& pose);  ///< True where no component is NaN or infinite.
 
 /// The smaller one; a if one of them is NaN.

@@ -14,10 +14,23 @@ Vec3 normalised(Vec3 a) {
   return n > 0 ? (1.0f / n) * a : Vec3{};
 }
 
+Quat operator*(Quat a, Quat b) {
+  return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+          a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+}
+
 bool is_finite(float x) {
   std::uint32_t bits;
   std::memcpy(&bits, &x, sizeof bits);
   return (bits & 0x7f800000u) != 0x7f800000u;
+}
+
+bool is_finite(Vec2 v) {
+  return is_finite(v.x) && is_finite(v.y);
+}
+
+bool is_finite(Vec3 v) {
+  return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
 }
 
 bool is_finite(const Pose& pose) {
