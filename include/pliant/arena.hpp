@@ -70,8 +70,8 @@ class Arena {
   /// One T in its default state.
   template <class T>
   T* make() {
-    // As a member with an initialiser, GCC clears T as one block. By `new (room) T()` it would clear each of T's members,
-    // which is several times the code.
+    // GCC clears a member with an initialiser as one block. By `new (room) T()` it would set each member of T, which is
+    // several times the code.
     struct Whole {
       T object{};
     };

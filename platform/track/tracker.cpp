@@ -68,7 +68,8 @@ void ImageParts::lay_out(Arena& arena, const TrackerLimits& limits) {
 
 /// The estimator and the parts that work on images share their memory with the fit of a start, which runs before them.
 struct Tracker::Impl : ImageParts {
-  TrackerLimits limits = without_rejection(TrackerLimits{});  // of no tracker; the default would link the rejection
+  // Set by lay_out. The default limits would link the rejection into every program.
+  TrackerLimits limits = without_rejection(TrackerLimits{});
   bool uses_edges = false;
   Span<float> start_q;
   LandmarkOffsets offsets;
