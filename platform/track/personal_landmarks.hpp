@@ -7,9 +7,7 @@
 
 #include "pliant/arena.hpp"
 #include "pliant/fit.hpp"
-#include "pliant/lens.hpp"
 #include "pliant/model.hpp"
-#include "track/surface_offset.hpp"
 
 namespace pliant {
 
@@ -35,22 +33,5 @@ float coordinates_taken(const Model& model, const float* sd);
 /// \param sd           of each parameter after the fit.
 Span<Correspondence> find_personal(const Model& model, Span<Correspondence> points, const Vec2* residuals,
                                    const std::uint8_t* is_landmark, const float* sd);
-
-/// Computes the offsets (mm) of all landmarks of the model in the view in which `personal` was found; 0 for those that are
-/// not in `personal`. Landmarks with the same (u,v) get the same offset.
-/// \param surface_point  (u,v) -> mm, of the surface that will be tracked. A personalised field on a coarse grid differs a
-///                       little from the surface that was fitted.
-/// \param offsets        output, one a landmark.
-template <class Surface>
-void place_landmarks(const Model& model, Surface&& surface_point, const View& view, const Lens& lens,
-                     Span<const Correspondence> personal, Vec3* offsets) {
-  const auto landmarks = model.landmarks();
-  for (std::size_t k = 0; k < landmarks.count; ++k) {
-    offsets[k] = {};
-    for (const Correspondence& c : personal)
-      if (c.uv.x == landmarks[k].u && c.uv.y == landmarks[k].v)
-        find_offset(view, lens, surface_point(c.uv), c.x, &offsets[k]);
-  }
-}
 
 }  // namespace pliant

@@ -10,6 +10,7 @@
 #include "model_builder.hpp"
 #include "random.hpp"
 #include "track/landmark_fit.hpp"
+#include "track/landmark_offsets.hpp"
 #include "track/surface_offset.hpp"
 
 using namespace pliant;
@@ -53,17 +54,18 @@ struct Start {
   std::vector<float> q;
   FitReport report;
   InArena<Estimator> estimator;
-  std::vector<Vec3> offsets;
+  InArena<LandmarkOffsets> offsets;
 
   Start(const Person& person, const std::vector<Vec2>& given)
       : q(person.q.size()),
         estimator(person.model, EstimatorLimits{}),
-        offsets(person.model.landmarks().count) {
+        offsets(person.model) {
     for (std::size_t k = 0; k < given.size(); ++k)
       points.push_back({person.face.uv(person.names[k]), given[k]});
     REQUIRE(fit(person) == Status::ok);
     REQUIRE(estimator->start(camera_of(report.view), kWidth, kHeight, pose_of(report.view), q.data(), nullptr,
                              {}) == Status::ok);
+    offsets->place_pending(estimator.object);
   }
   Status fit(const Person& person) {
     InArena<LandmarkFit> fit(person.model, points.size());
@@ -75,18 +77,15 @@ struct Start {
     const Status status = fit->fit({points.data(), points.size()}, options, q.data());
     if (status != Status::ok) return status;
     report = fit->report();
-    Lens lens;
     std::vector<Correspondence> own = points;
-    place_landmarks(
-        person.model, [&](Vec2 uv) { return person.face.cascade.surface_point(uv, q.data()); }, report.view,
-        lens, fit->personal_landmarks({own.data(), own.size()}), offsets.data());
+    offsets->set_pending(fit->personal_landmarks({own.data(), own.size()}), person.model);
     return status;
   }
   Vec2 landmark(const std::string& name, bool is_personal) {
     const auto k = baked_face().model.find_landmark(name.c_str());
     const Landmark& l = baked_face().model.landmarks()[k];
     Vec2 x;
-    REQUIRE(project_beside(estimator.object, {l.u, l.v}, is_personal ? offsets[k] : Vec3{}, &x));
+    REQUIRE(project_beside(estimator.object, {l.u, l.v}, is_personal ? offsets->values()[k] : Vec3{}, &x));
     return x;
   }
   /// Mean error of the landmarks given, px.
@@ -190,7 +189,7 @@ TEST_CASE("exact points of a person with the model's landmarks give no offset") 
   for (int trial = 0; trial < 4; ++trial) {
     const Person person(random, 0);
     Start start(person, given_by(person, random, 0));
-    for (const Vec3& offset : start.offsets) CHECK(length(offset) == 0);
+    for (const Vec3& offset : start.offsets->values()) CHECK(length(offset) == 0);
   }
 }
 
@@ -289,14 +288,13 @@ TEST_CASE("landmarks with one (u,v) get the same offset; a landmark without a gi
     for (const std::string& name : person.names)
       is_given = is_given || length(person.face.uv(name) - Vec2{l.u, l.v}) == 0;
     CAPTURE(l.name);
-    CHECK(is_given == (length(start.offsets[k]) > 0));
+    CHECK(is_given == (length(start.offsets->values()[k]) > 0));
   }
   // Given twice: the later position is used.
   std::vector<Correspondence> twice{{person.face.uv("ibug30"), {300, 200}},
                                     {person.face.uv("ibug30"), {310, 215}}};
-  place_landmarks(
-      model, [&](Vec2 uv) { return start.estimator->surface_point(uv); }, start.estimator->view(),
-      start.estimator->lens(), {twice.data(), 2}, start.offsets.data());
+  start.offsets->set_pending({twice.data(), 2}, model);
+  start.offsets->place_pending(start.estimator.object);
   CHECK(length(start.landmark("ibug30", true) - Vec2{310, 215}) < 0.02f);
-  CHECK(length(start.offsets[model.find_landmark("ibug48")]) == 0);
+  CHECK(length(start.offsets->values()[model.find_landmark("ibug48")]) == 0);
 }
