@@ -59,7 +59,7 @@ void RecordSelection::select(const Model& model, const CascadePlan& plan, const 
 }
 
 Vec3 RecordSelection::point(const FieldSource& source, const CascadePlan& plan, Vec2 uv) {
-  PLIANT_ASSERT(q_ != nullptr);
+  PLIANT_ASSERT(count_ > 0);  // `select` was called
   Vec3* const point = values_.point;
   for (std::size_t k = 0; k < count_; ++k) {
     const std::size_t i = listed_[k];
@@ -107,7 +107,7 @@ void RecordSelection::compute_frame(const FieldSource& source, std::size_t recor
 }
 
 SurfaceFrame RecordSelection::frame(const FieldSource& source, const CascadePlan& plan, Vec2 uv) {
-  PLIANT_ASSERT(q_ != nullptr);
+  PLIANT_ASSERT(count_ > 0);  // `select` was called
   const RecordValues& v = values_;
   for (std::size_t n = 0; n < count_; ++n) {
     const std::size_t i = listed_[n];
