@@ -20,9 +20,9 @@ struct SolveResult {
   std::size_t patches_searched = 0, patch_inliers = 0;  ///< the same of cue patch
 };
 
-/// Tuning of the loss of a track (docs/algorithms.md, section 7.9). All are round values, not tuned: they were set so that no
-/// frame of the recorded face counts as bad and that covered and wrong tracks do (docs/evaluation.md, section Recorded face;
-/// tests/system/corruption_test.cpp).
+/// Tuning of the loss of a track (docs/algorithms.md, section 7.9). All are round values, not tuned. With them no frame of the
+/// recorded face counts as bad (docs/evaluation.md, section Recorded face), and covered faces are told
+/// (tests/system/corruption_test.cpp).
 struct TrackMonitorTuning {
   /// Inliers that a tracked frame needs at least, count. Fewer can agree by chance.
   std::uint16_t least_inliers = 8;
@@ -37,8 +37,8 @@ struct TrackMonitorTuning {
   float least_score = 0.5f;
   /// Largest relative change of the image scale against the expected one. A head does not approach faster.
   float most_scale_change = 0.2f;
-  /// Consecutive bad frames after which the track is lost, count: a tenth of a second at 30 frames a second. A blink of the
-  /// camera or one corrupted frame is shorter, and a frame that is only degraded still starts from the last good state.
+  /// Consecutive bad frames after which the track is lost, count: a tenth of a second at 30 frames a second. A single
+  /// corrupted frame is then degraded only, and the next one starts from the last good state.
   int lost_after_frames = 3;
 };
 inline constexpr TrackMonitorTuning kTrackMonitorTuning{};
