@@ -6,14 +6,12 @@
 ///   1. `Model::open` checks the model table, once. The table stays where it is, in flash or in a file's buffer.
 ///   2. `measured_bytes<Tracker>(model, limits)` gives the bytes of memory; `create_in` takes them from an Arena.
 ///   3. `Tracker::start_from_landmarks`, `start_from_box`, `start_from_pose` or `start_from_state` on the first frame.
-///      FaceDetector finds a face where nothing is known.
 ///   4. `Tracker::update` for every frame after that; `landmark` and `parameter` read the result by name.
 ///
 /// The other headers of this folder are the parts that the tracker is made of, for applications that fit single images
 /// (fit.hpp), bring their own image processing (estimator.hpp) or use the adaptive mesh alone (mesh.hpp, adapt.hpp).
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
-#include "pliant/face_detector.hpp"
 #include "pliant/frame.hpp"
 #include "pliant/model.hpp"
 #include "pliant/status.hpp"

@@ -14,7 +14,6 @@
 #include "host/io/files.hpp"
 #include "host/io/image.hpp"
 #include "host/io/owned.hpp"
-#include "pliant/face_detector.hpp"
 #include "pliant/tracker.hpp"
 #include "real_data.hpp"
 #include "sanitized.hpp"
@@ -168,61 +167,4 @@ TEST_CASE("51 points of his face are tracked without templates") {
   MESSAGE("markers " << r.marker_nme << " %");
   CHECK(r.tracking == kFrames);
   CHECK(r.marker_nme < 2.85f);  // measured 2.66 %; the margin as above
-}
-
-TEST_CASE("he is detected within the first second without landmarks, and then tracked") {
-  const std::string folder = data_folder();
-  if (folder.empty()) return;
-  const Annotation truth(folder);
-  const host::ModelFile file(baked_face_path());
-  FaceDetectorLimits limits;
-  limits.width = kWidth;
-  limits.height = kHeight;
-  host::Owned<FaceDetector> finder(file.model(), limits);
-  const Camera camera = centred_camera(kWidth, kHeight, host::default_focal({kWidth, kHeight}));
-  REQUIRE(finder->begin(camera, {}) == Status::ok);
-  TrackerLimits of_tracker;
-  of_tracker.width = kWidth;
-  of_tracker.height = kHeight;
-  host::Owned<Tracker> tracker(file.model(), of_tracker);
-  bool is_started = false;
-  double error = 0, eyes = 0, similarity = 0;
-  std::size_t first = 0;
-  const std::size_t frames = kFrames < 200 ? kFrames : 200;
-  for (std::size_t k = 0; k < frames; ++k) {
-    const host::Image grey = frame_picture(folder, k);
-    FrameResult r;
-    if (!is_started) {
-      FaceDetectorReport report;
-      REQUIRE(finder->find(view_on(grey, k), &report) == Status::ok);
-      if (!report.is_found) continue;
-      REQUIRE(tracker->start_from_pose(view_on(grey, k), camera, report.pose, finder->parameters().data) ==
-              Status::ok);
-      is_started = true;
-      first = k;
-    } else {
-      REQUIRE(tracker->update(view_on(grey, k), &r) == Status::ok);
-      CHECK(r.state == TrackState::tracking);
-    }
-    if (k < first + 10) {
-      float now;
-      REQUIRE(finder->compare(view_on(grey, k), tracker->result().pose,
-                              tracker->estimator().parameters().data, &now) == Status::ok);
-      similarity += 0.1 * double(now);
-    }
-    eyes += double(length(truth.points[k][27] - truth.points[k][32]));
-    for (const auto& [name, index] : truth.ibug) {
-      const Landmark& l = file.model().landmarks()[file.model().find_landmark(name.c_str())];
-      Vec2 x;
-      REQUIRE(tracker->estimator().project({l.u, l.v}, &x));
-      error += double(length(x - truth.points[k][index])) / double(truth.ibug.size());
-    }
-  }
-  REQUIRE(is_started);
-  MESSAGE("found in frame " << first << ", landmarks " << 100 * error / eyes
-                            << " %, similarity over ten frames " << similarity);
-  CHECK(first < 25);
-  CHECK(100 * error / eyes <
-        10.2);  // measured 9.67 %: without points the model's landmarks are not moved to the man's
-  CHECK(similarity > 0.47);  // measured 0.505; the margin as above
 }

@@ -1,6 +1,5 @@
 // `pliant track`: tracks a model through a video.
 #include <algorithm>
-#include <memory>
 #include <optional>
 #include <sstream>
 
@@ -8,7 +7,6 @@
 #include "host/commands/command.hpp"
 #include "host/commands/frame_stream.hpp"
 #include "host/commands/image_fit.hpp"
-#include "host/commands/initial_detection.hpp"
 #include "host/commands/initial_state.hpp"
 #include "host/commands/track_output.hpp"
 #include "host/commands/track_run.hpp"
@@ -41,22 +39,6 @@ InitialOptions initial_options(const Args& args, ImageSize size, std::ostream& e
   options.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
   options.keeps_landmark_offsets = !args.has("--model-landmarks");
   return options;
-}
-
-/// Null unless --init detect.
-std::unique_ptr<InitialDetection> initial_detection(const Args& args, const ModelFile& file,
-                                                    const FrameStream& frames, const InitialOptions& options,
-                                                    std::ostream& err) {
-  if (args.required("--init") != "detect") {
-    if (args.has("--search-frames")) fail_usage("--search-frames is for --init detect");
-    return nullptr;
-  }
-  if (args.has("--markers")) fail_usage("--markers are points of frame 0; --init detect may start later");
-  const ImageSize size = frames.size();
-  const float focal = options.focal_px > 0 ? options.focal_px : default_focal(size);
-  const Camera camera = options.camera.value_or(centred_camera(size.width, size.height, focal));
-  const int max_frames = args.integer("--search-frames", 300, 1, 1 << 30);
-  return std::make_unique<InitialDetection>(file, size, camera, frames.name(), max_frames, err);
 }
 
 /// Which parameters are estimated, one flag each: expressions unless frozen, identity if --refine-identity.
@@ -111,10 +93,10 @@ TrackerOptions tracker_options(const Args& args) {
 
 /// The profile's limits, with room for what this run was given.
 TrackerLimits limits_of_run(TrackerLimits limits, const TrackerOptions& options, const Markers& markers,
-                            const std::optional<Initial>& initial) {
+                            const Initial& initial) {
   limits.markers = static_cast<std::uint16_t>(markers.x.size());
   if (options.estimator.mesh_operations > 0) limits.texture_cells = kTextureCells;
-  const auto* landmarks = initial ? std::get_if<InitialLandmarks>(&*initial) : nullptr;
+  const auto* landmarks = std::get_if<InitialLandmarks>(&initial);
   if (landmarks != nullptr)
     limits.start_points = std::max(limits.start_points, static_cast<std::uint16_t>(landmarks->points.size()));
   return limits;
@@ -122,7 +104,7 @@ TrackerLimits limits_of_run(TrackerLimits limits, const TrackerOptions& options,
 
 int run_track(const Args& args, Console& console) {
   args.required("--out");
-  args.required("--init");
+  const std::string init = args.required("--init");
   TrackerOptions options = tracker_options(args);
   const int last = args.integer("--count", 0, 1, 1 << 30);
   const ModelFile file(args.operand(0));
@@ -131,11 +113,7 @@ int run_track(const Args& args, Console& console) {
   options.is_free = is_free.data();
   FrameStream frames(args.required("--frames"), args.has("--mirror"));
   const InitialOptions initial_how = initial_options(args, frames.size(), console.err);
-  const auto detection = initial_detection(args, file, frames, initial_how, console.err);
-  std::optional<Initial> initial;
-  if (detection == nullptr)
-    initial =
-        read_initial(args.required("--init"), file, frames.size(), frames.name(), initial_how, console.err);
+  const Initial initial = read_initial(init, file, frames.size(), frames.name(), initial_how, console.err);
   const Markers markers = read_markers(args, model);
 
   FrameView frame;
@@ -144,21 +122,17 @@ int run_track(const Args& args, Console& console) {
   const TrackerLimits limits = tracker_limits(args, frames.size());
   Owned<Tracker> tracker(model, limits_of_run(limits, options, markers, initial));
   TrackOutput output(args, model, markers.names, frames.rate());
-  TrackRun run(frames, *tracker, options, markers, output, detection.get());
-  if (initial)
-    run.start(frame, *initial, initial_how);
-  else
-    run.take(frame);
+  TrackRun run(frames, *tracker, options, markers, output);
+  run.start(frame, initial, initial_how);
   Progress progress(console, "frame");
   // A camera's stream has no end: Ctrl-C ends it, and the result is kept.
   const InterruptWatch watch(frames.is_live());
   for (int count = 1; count != last && !watch.was_interrupted() && frames.next(&frame); ++count) {
-    run.take(frame);
+    run.track(frame);
     progress.show(static_cast<std::size_t>(count) + 1);
   }
-  if (detection != nullptr) detection->require_found();
   // Also where the stream was cut off: the frames before that have their rows.
-  console.out << output.commit(tracker.used_bytes(), run.focal_px()) << "\n";
+  console.out << output.commit(tracker.used_bytes(), tracker->camera().f) << "\n";
   if (frames.message().empty()) return 0;
   throw Failure(kBadInput, frames.message());
 }
@@ -169,17 +143,15 @@ Command track_command() {
   return {
       "track",
       "Tracks a model through a video, from an initial state in its first frame.",
-      "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv|detect --out track.csv "
+      "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv --out track.csv "
       "[--landmarks|--model-landmarks] [--markers points.csv] [--marker-exclusion-px R] "
       "[--focal PX|--calibration camera.yml] [--mirror] [--freeze GROUP] [--refine-identity] "
-      "[--search-frames N] [--profile s|m|l] [--cues LIST] [--mesh-operations N] [--count N] "
+      "[--profile s|m|l] [--cues LIST] [--mesh-operations N] [--count N] "
       "[--overlay out.y4m] [--sheet out.png] [--report report.html] [--truth truth.csv]",
       {{"--frames", "SOURCE",
         "a Y4M file, a folder of PGM or PPM images, - for Y4M on standard input, or camera:[ID|INDEX][@WxH]"},
        {"--init", "INITIAL",
-        "the initial state in frame 0: a fit.json, or a points.csv to fit the model to; detect: find the "
-        "face"},
-       {"--search-frames", "N", "with --init detect: give up after N frames without a face (300)"},
+        "the initial state in frame 0: a fit.json, or a points.csv to fit the model to"},
        {"--out", "CSV", "the track to write: one row per frame"},
        {"--landmarks", nullptr,
         "also write the image position of every landmark; a landmark of --init keeps its offset from the "

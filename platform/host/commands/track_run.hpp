@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "host/commands/frame_stream.hpp"
-#include "host/commands/initial_detection.hpp"
 #include "host/commands/initial_state.hpp"
 #include "host/commands/track_output.hpp"
 #include "pliant/tracker.hpp"
@@ -20,39 +19,30 @@ struct Markers {
 
 class TrackRun {
  public:
-  /// \param detection  finds the initial state; null: `start` gets it. All references must outlive the run.
+  /// All references must outlive the run.
   TrackRun(FrameStream& frames, Tracker& tracker, const TrackerOptions& options, const Markers& markers,
-           TrackOutput& output, InitialDetection* detection)
+           TrackOutput& output)
       : frames_(frames),
         tracker_(tracker),
         options_(options),
         markers_(markers),
-        output_(output),
-        detection_(detection) {}
+        output_(output) {}
 
   /// Starts on the first frame. Bad input, with the name of the file: what the tracker does not start on.
   void start(const FrameView& frame, const Initial& initial, const InitialOptions& options);
-  /// Tracks the next frame, or searches it for a face. Bad input: a frame that the tracker refuses.
-  void take(const FrameView& frame);
-  /// Focal length of the last start, px; 0 before it.
-  float focal_px() const { return focal_px_; }
+  /// Tracks the next frame. Bad input: a frame that the tracker refuses.
+  void track(const FrameView& frame);
 
  private:
   std::string where(const FrameView& frame) const {
     return frames_.name() + ": frame " + std::to_string(frames_.number(frame));
   }
-  Status start_tracking(const FrameView& frame, const Initial& initial, const InitialOptions& options);
-  void track(const FrameView& frame);
-  void search(const FrameView& frame);
 
   FrameStream& frames_;
   Tracker& tracker_;
   const TrackerOptions& options_;
   const Markers& markers_;
   TrackOutput& output_;
-  InitialDetection* detection_;
-  float focal_px_ = 0;
-  bool is_tracking_ = false;
 };
 
 }  // namespace pliant::host

@@ -45,9 +45,6 @@ TEST_CASE("bad usage exits with 2 and names the wrong argument") {
   const std::string model = folder.put("m.plm", model_bytes());
   const std::string video =
       folder.put("v.y4m", "YUV4MPEG2 W32 H32 F25:1 Cmono\nFRAME\n" + std::string(1024, 'x'));
-  CHECK(run_words({"track", model, "--frames", video, "--init", "detect", "--out", folder / "t", "--markers",
-                   video})
-            .code == 2);
   CHECK(
       run_words({"track", model, "--frames", video, "--init", "f", "--out", folder / "t", "--freeze", "hair"})
           .code == 2);
