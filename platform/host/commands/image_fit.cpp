@@ -140,7 +140,7 @@ std::vector<NamedPoint> person_landmarks(const Model& model, const FitFile& fit)
     if (is_landmark.back() != 0) landmarks.push_back({p.landmark, p.x, ""});
   }
   if (landmarks.empty()) return landmarks;
-  const float sd_px = kLandmarkFitTuning.point_sd_fraction * spread_of({points.data(), points.size()});
+  const float sd_px = kLandmarkFitTuning.annotation_sd_fraction * spread_of({points.data(), points.size()});
   for (Correspondence& c : points) c.sd_px = sd_px;
   std::vector<float> sd(model.parameters().count);
   for (const auto& [name, value] : fit.sd)

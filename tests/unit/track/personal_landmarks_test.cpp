@@ -57,9 +57,7 @@ struct Start {
   InArena<LandmarkOffsets> offsets;
 
   Start(const Person& person, const std::vector<Vec2>& given)
-      : q(person.q.size()),
-        estimator(person.model, EstimatorLimits{}),
-        offsets(person.model) {
+      : q(person.q.size()), estimator(person.model, EstimatorLimits{}), offsets(person.model) {
     for (std::size_t k = 0; k < given.size(); ++k)
       points.push_back({person.face.uv(person.names[k]), given[k]});
     REQUIRE(fit(person) == Status::ok);
@@ -223,6 +221,20 @@ TEST_CASE("a person's landmark offsets are kept as head and mouth move") {
   CHECK(own_later < 0.6f * model_later);
 }
 
+TEST_CASE("landmarks that a person has elsewhere push no identity parameter to its limit") {
+  Random random(25);
+  int at_limit = 0;
+  for (int trial = 0; trial < 12; ++trial) {
+    const Person person(random, 3);
+    Start start(person, given_by(person, random, 0));
+    for (std::size_t k = 0; k < start.q.size(); ++k) {
+      const Parameter& p = person.model.parameters()[k];
+      at_limit += p.group == Group::identity && (start.q[k] >= p.maximum || start.q[k] <= p.minimum);
+    }
+  }
+  CHECK(at_limit == 0);
+}
+
 TEST_CASE("with noisy points of an exact model, the result is no worse than the model's own landmarks") {
   Random random(31);
   float own = 0, model = 0;
@@ -234,7 +246,7 @@ TEST_CASE("with noisy points of an exact model, the result is no worse than the 
       low = {min(low.x, x.x), min(low.y, x.y)};
       high = {max(high.x, x.x), max(high.y, x.y)};
     }
-    const float sd = kLandmarkFitTuning.point_sd_fraction * length(high - low);
+    const float sd = kLandmarkFitTuning.annotation_sd_fraction * length(high - low);
     for (Vec2& x : given) x = x + sd * Vec2{random.normal(), random.normal()};
     Start start(person, given);
     own += start.error(person, {}, person.q, true);
