@@ -18,18 +18,18 @@
 
 namespace pliant {
 namespace table {
-constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 1;  ///< "PLM1"
+constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 2;  ///< "PLM1"
 constexpr std::size_t kNameBytes = 28;                      ///< zero-padded, always ends in a zero
 
 /// First bytes of a table.
 struct Header {
-  std::uint32_t magic, version;  ///< kMagic and kVersion
+  std::uint32_t magic, version;  ///< kMagic, and 1 to kVersion
   std::uint32_t total_bytes;     ///< of the whole table
   std::uint32_t crc32;           ///< IEEE CRC-32 of everything behind this field, `total_bytes - 16` bytes
   std::uint32_t section_count;   ///< Sections that follow
 };
 
-/// Section kinds; a table has each at most once. Only `curves` and `albedo` may be missing.
+/// Section kinds; a table has each at most once. `curves` and later ones may be missing. Version 1 ends at `albedo`.
 enum class Kind : std::uint32_t {
   parameters = 1,
   fields = 2,
@@ -42,6 +42,8 @@ enum class Kind : std::uint32_t {
   curves = 9,
   curve_points = 10,
   albedo = 11,
+  detector = 12,
+  aligner = 13,
 };
 
 /// Position of one section in the table.
@@ -60,7 +62,7 @@ struct Parameter {
   char name[table::kNameBytes];  ///< ends in a zero
   Group group;                   ///< identity or expression
   float minimum, maximum;        ///< limits, -1e6 <= minimum <= 0 <= maximum <= 1e6
-  float sd;  ///< prior standard deviation around 0, in the parameter's own unit, 1e-6 to 1e6
+  float sd;                      ///< prior standard deviation around 0, in the parameter's unit, 1e-6 to 1e6
 };
 
 /// A vector field V(u,v) (three components) or weight field w(u,v) (one), sampled on a grid over a rectangle of the
@@ -121,8 +123,8 @@ struct Curve {
   std::uint32_t first_point, point_count;  ///< in curve_points (Vec2)
 };
 
-/// A grey image over the chart, rows from v = 0 to v = 1, first row at v = 0; also the form of the domain mask, where
-/// 0 is outside the surface (eyes, mouth, beyond the boundary) and any other value inside.
+/// A grey image over the chart, first row at v = 0, last at v = 1; also the form of the domain mask, where 0 is outside
+/// the surface (eyes, mouth, beyond the boundary) and any other value inside.
 struct ChartImage {
   std::uint32_t width = 0, height = 0;   ///< pixels a row and rows
   const std::uint8_t* pixels = nullptr;  ///< first row at v = 0; null: no image
@@ -131,18 +133,18 @@ struct ChartImage {
 namespace table {
 /// What the sections of a table hold. All pointers lead into the table.
 struct Contents {
-  Span<const Parameter> parameters;        ///< as in Model
-  Span<const Field> fields;                ///< as in Model
-  const std::uint8_t* samples = nullptr;   ///< as in Model
-  Span<const CascadeRecord> cascade;       ///< as in Model
-  Span<const Vec2> base_uv;                ///< as in Model
-  Span<const std::uint16_t> base_corners;  ///< as in Model
-  Span<const Landmark> landmarks;          ///< as in Model
-  Span<const Curve> curves;                ///< as in Model
-  Span<const Vec2> curve_points;           ///< as in Model
-  ChartImage mask, albedo;                 ///< as in Model
-  std::uint32_t crc = 0;                   ///< as in Model
-  std::size_t bytes = 0;                   ///< as in Model
+  Span<const Parameter> parameters;            ///< as in Model
+  Span<const Field> fields;                    ///< as in Model
+  const std::uint8_t* samples = nullptr;       ///< as in Model
+  Span<const CascadeRecord> cascade;           ///< as in Model
+  Span<const Vec2> base_uv, curve_points;      ///< as in Model
+  Span<const std::uint16_t> base_corners;      ///< as in Model
+  Span<const Landmark> landmarks;              ///< as in Model
+  Span<const Curve> curves;                    ///< as in Model
+  ChartImage mask, albedo;                     ///< as in Model
+  Span<const std::uint8_t> detector, aligner;  ///< as in Model
+  std::uint32_t crc = 0;                       ///< as in Model
+  std::size_t bytes = 0;                       ///< as in Model
 };
 }  // namespace table
 
@@ -176,8 +178,9 @@ class Model {
   Span<const Vec2> curve_points() const { return contents_.curve_points; }  ///< Points of all curves.
   ChartImage mask() const { return contents_.mask; }                        ///< Where the chart is surface.
   ChartImage albedo() const { return contents_.albedo; }  ///< pixels are null when the table has none
-  /// CRC-32 of the table. Identifies the model in result files.
-  std::uint32_t crc() const { return contents_.crc; }
+  Span<const std::uint8_t> detector() const { return contents_.detector; }  ///< Learnt; may be empty.
+  Span<const std::uint8_t> aligner() const { return contents_.aligner; }    ///< As detector.
+  std::uint32_t crc() const { return contents_.crc; }  ///< CRC-32 of the table; names the model in files.
   std::size_t table_bytes() const { return contents_.bytes; }  ///< Size of the table.
 
   /// Index of the parameter or landmark with that name (not null), or kNone. O(count).

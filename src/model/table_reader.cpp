@@ -116,6 +116,10 @@ struct TableReader {
         return records(s, &contents.curve_points);
       case table::Kind::albedo:
         return image(s, &contents.albedo);
+      case table::Kind::detector:
+        return records(s, &contents.detector);
+      case table::Kind::aligner:
+        return records(s, &contents.aligner);
     }
     return false;
   }
@@ -213,7 +217,7 @@ struct TableReader {
     if (bytes < sizeof *h) return Status::truncated;
     std::memcpy(h, base, sizeof *h);
     if (h->magic != table::kMagic) return Status::bad_magic;
-    if (h->version != table::kVersion) return Status::bad_version;
+    if (h->version - 1 >= table::kVersion) return Status::bad_version;
     if (h->total_bytes > bytes) return Status::truncated;
     if (h->total_bytes < sizeof *h) return Status::bad_table;
     bytes = h->total_bytes;

@@ -1,9 +1,12 @@
 #include "host/bake/bake.hpp"
 
+#include <filesystem>
+
 #include "host/bake/arkit_names.hpp"
 #include "host/bake/cage_source.hpp"
 #include "host/bake/obj_source.hpp"
 #include "host/bake/source_error.hpp"
+#include "host/io/learnt_file.hpp"
 
 namespace pliant::host::bake {
 
@@ -29,12 +32,20 @@ Source read_all(const BakeOptions& options) {
                     "has neither the tables of a surface (points.txt and others) nor OBJ files");
 }
 
+LearntTables learnt_tables(const BakeOptions& options) {
+  if (options.learnt == "none") return {};
+  if (!options.learnt.empty()) return read_learnt(options.learnt);
+  const std::string path = options.source + "/learnt.bin";
+  return std::filesystem::exists(path) ? read_learnt(path) : LearntTables{};
+}
+
 }  // namespace
 
 Source read_source(const BakeOptions& options) {
   check(options);
   Source source = read_all(options);
   choose_parameters(source, options.choice);
+  source.learnt = learnt_tables(options);
   return source;
 }
 

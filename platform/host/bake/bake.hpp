@@ -21,6 +21,9 @@ struct BakeOptions {
   bool relaxes_chart = false;  ///< moves the (u,v) of OBJ files (chart_relaxation.hpp)
   int components = 0;  ///< if positive, the OBJ files are scans, and this many principal components are kept
   ParameterChoice choice;  ///< which of the source's parameters are kept
+  /// File of learnt tables (docs/model-format.md, section Learnt file), or `none`. Empty: `learnt.bin` of the source's
+  /// folder, if there is one.
+  std::string learnt;
   /// Called after each OBJ file ("files") and each baked shape ("shapes"); may be empty.
   std::function<void(const char* stage, std::size_t done, std::size_t of)> progress;
   int base_vertices = 480;     ///< approximate number of vertices of the base mesh, 60 to 5000

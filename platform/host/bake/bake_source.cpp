@@ -56,6 +56,7 @@ class Baker {
     for (const SourceCurve& c : source_.curves) writer_.add_curve(c);
     writer_.set_mask(mask());
     writer_.set_albedo(source_.albedo);
+    writer_.set_learnt(source_.learnt);
     auto bytes = writer_.bytes();
     report_.field_count = fields_.size() + 1;
     report_.table_bytes = bytes.size();

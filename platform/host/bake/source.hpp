@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/io/learnt_file.hpp"
 #include "pliant/geometry.hpp"
 #include "pliant/model.hpp"
 
@@ -56,8 +57,9 @@ struct Source {
   std::vector<Vec2> base_uv;                ///< if empty, a base mesh is made
   std::vector<std::uint16_t> base_corners;  ///< three a face, in basic-block form
   bool is_symmetric =
-      false;         ///< the surface is its own mirror image (u to 1 - u) and has vertices on u = 0.5
-  GreyImage albedo;  ///< may be empty
+      false;            ///< the surface is its own mirror image (u to 1 - u) and has vertices on u = 0.5
+  GreyImage albedo;     ///< may be empty
+  LearntTables learnt;  ///< for finding faces; each may be empty
 };
 
 }  // namespace pliant::host::bake

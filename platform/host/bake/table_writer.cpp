@@ -169,7 +169,9 @@ void TableWriter::set_base_mesh(std::vector<Vec2> uv, std::vector<std::uint16_t>
 
 std::vector<std::uint8_t> TableWriter::bytes() const {
   const bool has_curves = !curves_.empty(), has_albedo = !albedo_.pixels.empty();
-  Layout layout(8u + (has_curves ? 2u : 0u) + (has_albedo ? 1u : 0u));
+  const bool has_detector = !learnt_.detector.empty(), has_aligner = !learnt_.aligner.empty();
+  Layout layout(8u + (has_curves ? 2u : 0u) + (has_albedo ? 1u : 0u) + (has_detector ? 1u : 0u) +
+                (has_aligner ? 1u : 0u));
   layout.add(table::Kind::parameters, parameters_);
   layout.add(table::Kind::fields, fields_);
   layout.add(table::Kind::samples, samples_);
@@ -183,6 +185,8 @@ std::vector<std::uint8_t> TableWriter::bytes() const {
     layout.add(table::Kind::curve_points, curve_points_);
   }
   if (has_albedo) layout.add(table::Kind::albedo, albedo_);
+  if (has_detector) layout.add(table::Kind::detector, learnt_.detector);
+  if (has_aligner) layout.add(table::Kind::aligner, learnt_.aligner);
   return layout.finish();
 }
 

@@ -6,6 +6,7 @@
 
 #include "host/bake/field_grid.hpp"
 #include "host/bake/source.hpp"
+#include "host/io/learnt_file.hpp"
 #include "pliant/model.hpp"
 
 namespace pliant::host::bake {
@@ -25,6 +26,7 @@ class TableWriter {
   void set_base_mesh(std::vector<Vec2> uv, std::vector<std::uint16_t> corners);
   void set_mask(GreyImage mask) { mask_ = std::move(mask); }
   void set_albedo(GreyImage albedo) { albedo_ = std::move(albedo); }
+  void set_learnt(LearntTables learnt) { learnt_ = std::move(learnt); }
 
   /// The whole table with its checksum.
   std::vector<std::uint8_t> bytes() const;
@@ -40,6 +42,7 @@ class TableWriter {
   std::vector<Curve> curves_;
   std::vector<Vec2> curve_points_;
   GreyImage mask_, albedo_;
+  LearntTables learnt_;
 };
 
 /// A record without sources, parameters and fields.

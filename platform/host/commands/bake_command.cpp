@@ -57,6 +57,7 @@ bake::BakeOptions options_of(const Args& args) {
   options.components = args.integer("--pca", 0, 1, 192);
   options.relaxes_chart = args.has("--relax-chart");
   options.choice = choice_of(args);
+  options.learnt = args.text("--learnt").value_or("");
   return options;
 }
 
@@ -113,7 +114,8 @@ Command bake_command() {
       "Makes a model table from a folder of text tables, such as fixtures/face, or of OBJ files.",
       "SOURCE -o face.plm [--embed face.cpp] [--size N] [--bits 16|8] [--unit MM] [--base-mesh N] [--pca N] "
       "[--relax-chart] "
-      "[--identities N] [--expressions N|NAME,...] [--errors] | SOURCE --sizes N,... [--flash KIB]",
+      "[--identities N] [--expressions N|NAME,...] [--learnt FILE|none] [--errors] | SOURCE --sizes N,... "
+      "[--flash KIB]",
       {{"-o", "FILE", "the model table to write"},
        {"--embed", "FILE", "also write the table as a C++ array, for firmware"},
        {"--size", "N", "samples on a side of a field over the whole chart (128)"},
@@ -124,9 +126,14 @@ Command bake_command() {
        {"--relax-chart", nullptr,
         "even out the u,v of the OBJ files, so that no part of the surface gets too few samples"},
        {"--identities", "N", "keep the first N identities (all)"},
-       {"--expressions", "N|NAMES", "keep the N most useful expressions, or those named, separated by commas (all)"},
+       {"--expressions", "N|NAMES",
+        "keep the N most useful expressions, or those named, separated by commas (all)"},
+       {"--learnt", "FILE",
+        "put these learnt tables into the model, or none (learnt.bin of the source's folder, if it is "
+        "there)"},
        {"--errors", nullptr, "list the error of each parameter's shape"},
-       {"--sizes", "N,N,...", "write no table; print bytes and errors for these sizes, and for a small profile"},
+       {"--sizes", "N,N,...",
+        "write no table; print bytes and errors for these sizes, and for a small profile"},
        {"--flash", "KIB", "flash for the small profile, KiB (512)"}},
       1,
       run_bake};

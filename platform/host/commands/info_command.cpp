@@ -73,6 +73,8 @@ void print_bytes(const Model& model, std::ostream& out) {
   row("mask and albedo",
       pixels(model.mask()) + (model.albedo().pixels != nullptr ? pixels(model.albedo()) : 0));
   row("base mesh", model.base_uv().count * sizeof(Vec2) + model.base_corners().count * sizeof(std::uint16_t));
+  row("detector", model.detector().count);
+  row("aligner", model.aligner().count);
   row("names and curves",
       model.parameters().count * sizeof(Parameter) + model.landmarks().count * sizeof(Landmark) +
           model.curves().count * sizeof(Curve) + model.curve_points().count * sizeof(Vec2));

@@ -95,8 +95,12 @@ TEST_CASE("null, misaligned, foreign and future tables are told apart") {
   CHECK(Model::open(nullptr, 100, &model) == Status::bad_argument);
   CHECK(Model::open(words.data(), words.size() * 4, nullptr) == Status::bad_argument);
   CHECK(Model::open(reinterpret_cast<unsigned char*>(words.data()) + 2, 100, &model) == Status::misaligned);
-  words[1] = 2;
-  CHECK(open(words, &model) == Status::bad_version);
+  for (const std::uint32_t version : {0u, table::kVersion + 1, 0xFFFFFFFFu}) {
+    words[1] = version;
+    CHECK(open(words, &model) == Status::bad_version);
+  }
+  words[1] = 1;  // a table without learnt tables
+  CHECK(open(words, &model) == Status::ok);
   words[0] ^= 1;
   CHECK(open(words, &model) == Status::bad_magic);
 }
