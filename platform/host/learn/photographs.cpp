@@ -1,0 +1,143 @@
+#include "host/learn/photographs.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "host/io/csv.hpp"
+#include "host/io/files.hpp"
+#include "host/io/owned.hpp"
+#include "pliant/cascade.hpp"
+#include "track/landmark_fit.hpp"
+
+namespace pliant::host::learn {
+
+namespace {
+
+struct PhotographTuning {
+  /// Assumed focal length over the larger side of a picture. A portrait is taken from about 1.6 m and cut so that a
+  /// face of 150 mm fills 120 of 320 px. Not tuned.
+  float focal_ratio = 4;
+};
+constexpr PhotographTuning kTuning{};
+
+std::string numbered(int k) {
+  return std::string("ibug") + static_cast<char>('0' + k / 10) + static_cast<char>('0' + k % 10);
+}
+
+/// iBUG's landmark at the mirrored place.
+int mirrored_ibug(int k) {
+  static constexpr int kEyes[] = {45, 44, 43, 42, 47, 46, 39, 38, 37, 36, 41, 40};
+  static constexpr int kMouth[] = {54, 53, 52, 51, 50, 49, 48, 59, 58, 57,
+                                   56, 55, 64, 63, 62, 61, 60, 67, 66, 65};
+  if (k <= 16) return 16 - k;
+  if (k <= 26) return 17 + 26 - k;
+  if (k <= 30) return k;
+  if (k <= 35) return 31 + 35 - k;
+  return k <= 47 ? kEyes[k - 36] : kMouth[k - 48];
+}
+
+void set_landmarks(const Model& model, const AnnotatedPicture& annotated, Photograph& out) {
+  Owned<Cascade> cascade(model);
+  const Projector projector(view_of(out.pose, out.camera), true);
+  const auto landmarks = model.landmarks();
+  out.landmarks.assign(landmarks.count, {});
+  out.trust.assign(landmarks.count, kTrustNone);
+  for (std::size_t k = 0; k < landmarks.count; ++k)
+    if (projector.project(cascade->surface_point({landmarks[k].u, landmarks[k].v}, out.q.data()),
+                          &out.landmarks[k]))
+      out.trust[k] = kTrustFitted;
+  for (const AnnotatedLandmark& a : annotated.landmarks)
+    if (const std::uint16_t k = model.find_landmark(a.name.c_str()); k != kNone) {
+      out.landmarks[k] = a.x;
+      out.trust[k] = kTrustAnnotated;
+    }
+}
+
+}  // namespace
+
+bool is_held_out(std::string_view name) {
+  std::uint32_t hash = 2166136261u;
+  for (const char c : name) hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619u;
+  return hash % 3 == 0;
+}
+
+std::string mirrored_landmark(const std::string& name) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (name.size() == 6 && name.compare(0, 4, "ibug") == 0 && is_digit(name[4]) && is_digit(name[5])) {
+    const int k = 10 * (name[4] - '0') + (name[5] - '0');
+    return k < 68 ? numbered(mirrored_ibug(k)) : name;
+  }
+  static const char* const kEndings[][2] = {
+      {"_left", "_right"}, {"_right", "_left"}, {"_l", "_r"}, {"_r", "_l"}};
+  for (const auto& [ending, other] : kEndings) {
+    const std::string e = ending;
+    if (name.size() > e.size() && name.compare(name.size() - e.size(), e.size(), e) == 0)
+      return name.substr(0, name.size() - e.size()) + other;
+  }
+  return name;
+}
+
+AnnotatedPicture mirror_image(const AnnotatedPicture& annotated) {
+  AnnotatedPicture out = annotated;
+  const auto last = static_cast<float>(annotated.picture.width - 1);
+  for (int y = 0; y < out.picture.height; ++y)
+    std::reverse(out.picture.at(0, y), out.picture.at(0, y) + out.picture.width);
+  for (AnnotatedLandmark& a : out.landmarks) a = {mirrored_landmark(a.name), {last - a.x.x, a.x.y}};
+  return out;
+}
+
+bool fit_photograph(const Model& model, const AnnotatedPicture& annotated, Photograph* photograph) {
+  std::vector<Correspondence> points;
+  for (const AnnotatedLandmark& a : annotated.landmarks) {
+    const std::uint16_t k = model.find_landmark(a.name.c_str());
+    if (k == kNone) continue;
+    const Landmark& landmark = model.landmarks()[k];
+    points.push_back({{landmark.u, landmark.v}, a.x, 1, is_silhouette_landmark(a.name.c_str())});
+  }
+  if (points.size() < kLandmarkFitTuning.least_points) return false;
+  FitOptions options;
+  options.width = annotated.picture.width;
+  options.height = annotated.picture.height;
+  options.focal_px = kTuning.focal_ratio * static_cast<float>(std::max(options.width, options.height));
+  Photograph out;
+  out.name = annotated.name;
+  out.picture = annotated.picture;
+  out.q.assign(model.parameters().count, 0.0f);
+  Owned<LandmarkFit> fit(model, points.size());
+  if (fit->fit({points.data(), points.size()}, options, out.q.data()) != Status::ok) return false;
+  out.pose = pose_of(fit->report().view);
+  out.camera = camera_of(fit->report().view);
+  set_landmarks(model, annotated, out);
+  *photograph = std::move(out);
+  return true;
+}
+
+std::vector<Photograph> read_photographs(const Model& model, const std::string& folder, Portion portion) {
+  const std::string path = folder + "/landmarks.csv";
+  const CsvTable table(path, read_file(path));
+  const std::size_t name = table.column("name"), landmark = table.column("landmark"), x = table.column("x"),
+                    y = table.column("y");
+  std::vector<AnnotatedPicture> pictures;
+  std::map<std::string, std::size_t> number;
+  for (std::size_t row = 0; row < table.row_count(); ++row) {
+    const std::string& of = table.cell(row, name);
+    if (is_held_out(of) != (portion == Portion::held_out)) continue;
+    const auto [entry, is_new] = number.emplace(of, pictures.size());
+    if (is_new) pictures.push_back({of, {}, {}});
+    pictures[entry->second].landmarks.push_back(
+        {table.cell(row, landmark), {table.number(row, x), table.number(row, y)}});
+  }
+  std::vector<Photograph> photographs;
+  for (std::size_t k = 0; k < pictures.size(); ++k) {
+    pictures[k].picture = to_grey(read_image(folder + "/" + pictures[k].name + ".jpg"));
+    for (const AnnotatedPicture& picture : {pictures[k], mirror_image(pictures[k])}) {
+      Photograph photograph;
+      if (!fit_photograph(model, picture, &photograph)) continue;
+      photograph.person = static_cast<int>(k);
+      photographs.push_back(std::move(photograph));
+    }
+  }
+  return photographs;
+}
+
+}  // namespace pliant::host::learn
