@@ -6,6 +6,7 @@
 #include "host/io/csv.hpp"
 #include "host/io/files.hpp"
 #include "host/io/owned.hpp"
+#include "host/learn/brow_search.hpp"
 #include "pliant/cascade.hpp"
 #include "track/landmark_fit.hpp"
 
@@ -53,6 +54,34 @@ void set_landmarks(const Model& model, const AnnotatedPicture& annotated, Photog
     }
 }
 
+/// Sets pose, camera and parameters.
+bool fit_points(const Model& model, const std::vector<AnnotatedLandmark>& landmarks, Photograph& out) {
+  std::vector<Correspondence> points;
+  for (const AnnotatedLandmark& a : landmarks) {
+    const std::uint16_t k = model.find_landmark(a.name.c_str());
+    if (k == kNone) continue;
+    const Landmark& landmark = model.landmarks()[k];
+    points.push_back({{landmark.u, landmark.v}, a.x, 1, is_silhouette_landmark(a.name.c_str())});
+  }
+  if (points.size() < kLandmarkFitTuning.least_points) return false;
+  FitOptions options;
+  options.width = out.picture.width;
+  options.height = out.picture.height;
+  options.focal_px = kTuning.focal_ratio * static_cast<float>(std::max(options.width, options.height));
+  out.q.assign(model.parameters().count, 0.0f);
+  Owned<LandmarkFit> fit(model, points.size());
+  if (fit->fit({points.data(), points.size()}, options, out.q.data()) != Status::ok) return false;
+  out.pose = pose_of(fit->report().view);
+  out.camera = camera_of(fit->report().view);
+  return true;
+}
+
+/// Whether one of the brows' landmarks is annotated.
+bool has_brows(const AnnotatedPicture& annotated) {
+  return std::any_of(annotated.landmarks.begin(), annotated.landmarks.end(),
+                     [](const AnnotatedLandmark& a) { return a.name >= "ibug17" && a.name <= "ibug26"; });
+}
+
 }  // namespace
 
 bool is_held_out(std::string_view name) {
@@ -87,27 +116,20 @@ AnnotatedPicture mirror_image(const AnnotatedPicture& annotated) {
 }
 
 bool fit_photograph(const Model& model, const AnnotatedPicture& annotated, Photograph* photograph) {
-  std::vector<Correspondence> points;
-  for (const AnnotatedLandmark& a : annotated.landmarks) {
-    const std::uint16_t k = model.find_landmark(a.name.c_str());
-    if (k == kNone) continue;
-    const Landmark& landmark = model.landmarks()[k];
-    points.push_back({{landmark.u, landmark.v}, a.x, 1, is_silhouette_landmark(a.name.c_str())});
-  }
-  if (points.size() < kLandmarkFitTuning.least_points) return false;
-  FitOptions options;
-  options.width = annotated.picture.width;
-  options.height = annotated.picture.height;
-  options.focal_px = kTuning.focal_ratio * static_cast<float>(std::max(options.width, options.height));
   Photograph out;
   out.name = annotated.name;
   out.picture = annotated.picture;
-  out.q.assign(model.parameters().count, 0.0f);
-  Owned<LandmarkFit> fit(model, points.size());
-  if (fit->fit({points.data(), points.size()}, options, out.q.data()) != Status::ok) return false;
-  out.pose = pose_of(fit->report().view);
-  out.camera = camera_of(fit->report().view);
+  if (!fit_points(model, annotated.landmarks, out)) return false;
   set_landmarks(model, annotated, out);
+  if (!has_brows(annotated)) {
+    // Without them the fit's brows are where those of most people are not.
+    std::vector<AnnotatedLandmark> points = annotated.landmarks;
+    const std::vector<AnnotatedLandmark> brows = find_brows(model, out);
+    points.insert(points.end(), brows.begin(), brows.end());
+    if (!fit_points(model, points, out)) return false;
+    set_landmarks(model, annotated, out);
+    for (const AnnotatedLandmark& a : brows) out.landmarks[model.find_landmark(a.name.c_str())] = a.x;
+  }
   *photograph = std::move(out);
   return true;
 }

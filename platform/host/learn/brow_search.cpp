@@ -1,0 +1,160 @@
+#include "host/learn/brow_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "host/learn/mipmap.hpp"
+
+namespace pliant::host::learn {
+
+namespace {
+
+/// Lengths as fractions of the distance between the outer eye corners. Chosen by eye on fitted portraits.
+struct BrowSearchTuning {
+  float low = 0.16f, high = -0.12f;  ///< range of the move, down positive
+  float usual = 0.05f, usual_sd = 0.05f;
+  float tilt_sd = 0.035f, bend_sd = 0.02f;
+  float half_band = 0.024f;  ///< half of a brow's height
+  float lid_gap = 0.055f;    ///< of a brow's middle above the upper lid, at least
+  float prior =
+      0.12f;  ///< weight of the deviations against the contrast of the band, in standard deviations of grey
+  float above_middle = 0.006f;  ///< of the landmarks over the middle of the band
+};
+constexpr BrowSearchTuning kTuning{};
+
+constexpr std::size_t kColumns = 9, kRows = 57;
+constexpr float kRowStep = 0.005f;
+
+/// Axes of the upright face: origin between the outer eye corners, unit their distance.
+struct FaceAxes {
+  Vec2 origin, right, down;
+  Vec2 to_image(Vec2 p) const { return origin + p.x * right + p.y * down; }
+  Vec2 from_image(Vec2 x) const {
+    const float n = 1 / dot(right, right);
+    return {n * dot(x - origin, right), n * dot(x - origin, down)};
+  }
+};
+
+/// How a brow differs from the fitted one.
+struct BrowChange {
+  float move = 0, tilt = 0, bend = 0;
+  float at(float t) const { return move + tilt * t + bend * (t * t - 0.5f); }
+};
+
+class BrowSearch {
+ public:
+  BrowSearch(const Mipmap& picture, const FaceAxes& axes) : picture_(picture), axes_(axes) {
+    detail_ = picture.detail_for(1);
+  }
+
+  /// \param brow  the five landmarks from one end to the other, in face axes. \param lid  height of the upper lid.
+  BrowChange find(const std::array<Vec2, 5>& brow, float lid) {
+    measure_contrast(brow);
+    BrowChange best;
+    float best_score = -1e9f;
+    for (int a = 0; a < static_cast<int>(kRows); ++a)
+      for (int b = -6; b <= 6; ++b)
+        for (int c = -3; c <= 3; ++c) {
+          const BrowChange change{kTuning.high + kRowStep * static_cast<float>(a),
+                                  0.01f * static_cast<float>(b), 0.01f * static_cast<float>(c)};
+          if (brow[2].y + change.at(0) > lid - kTuning.lid_gap) continue;
+          const float s = score(change);
+          if (s > best_score) best_score = s, best = change;
+        }
+    return best;
+  }
+
+  static Vec2 along(const std::array<Vec2, 5>& brow, float t) {
+    const float k = clamp(2 * (t + 1), 0, 3.999f);
+    const auto i = static_cast<std::size_t>(k);
+    return brow[i] + (k - static_cast<float>(i)) * (brow[i + 1] - brow[i]);
+  }
+
+ private:
+  float grey(Vec2 p) const { return picture_.at(axes_.to_image(p), detail_); }
+  /// Mean over a small stretch of a row.
+  float stretch(Vec2 p) const { return (grey({p.x - 0.02f, p.y}) + grey(p) + grey({p.x + 0.02f, p.y})) / 3; }
+
+  void measure_contrast(const std::array<Vec2, 5>& brow) {
+    // Sums of grey from the first row on, a column.
+    constexpr int kReach = 12;  // rows above and below
+    float sum = 0, squares = 0;
+    for (std::size_t column = 0; column < kColumns; ++column) {
+      const float t = 0.9f * (static_cast<float>(column) / 4 - 1);
+      const Vec2 p = along(brow, t);
+      std::array<float, kRows + 2 * kReach + 1> total{};
+      for (std::size_t row = 0; row + 1 < total.size(); ++row) {
+        const float y = p.y + kTuning.high + kRowStep * (static_cast<float>(row) - kReach);
+        const float g = stretch({p.x, y});
+        total[row + 1] = total[row] + g;
+        sum += g, squares += g * g;
+      }
+      const auto half = static_cast<std::size_t>(kTuning.half_band / kRowStep + 0.5f);
+      const auto mean = [&](std::size_t from, std::size_t count) {
+        return (total[from + count] - total[from]) / static_cast<float>(count);
+      };
+      for (std::size_t row = 0; row < kRows; ++row) {
+        const std::size_t middle = row + kReach;
+        const float band = mean(middle - half, 2 * half + 1), above = mean(middle - 2 * half - 2, half + 1),
+                    below = mean(middle + half + 2, half + 1);
+        // Dark against both sides; the weaker side counts more.
+        contrast_[column][row] = 0.5f * (above + below) - band + 0.5f * (min(above, below) - band);
+      }
+    }
+    const float count = static_cast<float>(kColumns * (kRows + 2 * kReach));
+    const float sd = std::sqrt(std::max(squares / count - sum * sum / (count * count), 4.0f));
+    for (auto& column : contrast_)
+      for (float& c : column) c /= sd;
+  }
+
+  float score(const BrowChange& change) const {
+    float sum = 0;
+    for (std::size_t column = 0; column < kColumns; ++column) {
+      const float t = 0.9f * (static_cast<float>(column) / 4 - 1);
+      const float row = (change.at(t) - kTuning.high) / kRowStep;
+      if (row < 0 || row > static_cast<float>(kRows - 1)) return -1e9f;
+      sum += contrast_[column][static_cast<std::size_t>(row + 0.5f)];
+    }
+    const auto squared = [](float x) { return x * x; };
+    return sum / static_cast<float>(kColumns) -
+           kTuning.prior * (squared((change.move - kTuning.usual) / kTuning.usual_sd) +
+                            squared(change.tilt / kTuning.tilt_sd) + squared(change.bend / kTuning.bend_sd));
+  }
+
+  const Mipmap& picture_;
+  FaceAxes axes_;
+  Mipmap::Detail detail_;
+  std::array<std::array<float, kRows>, kColumns> contrast_{};
+};
+
+}  // namespace
+
+std::vector<AnnotatedLandmark> find_brows(const Model& model, const Photograph& fitted) {
+  const auto number = [&](int k) {
+    const std::string name =
+        std::string("ibug") + static_cast<char>('0' + k / 10) + static_cast<char>('0' + k % 10);
+    return model.find_landmark(name.c_str());
+  };
+  for (const int k : {17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 36, 37, 38, 43, 44, 45})
+    if (number(k) == kNone) return {};
+  const auto at = [&](int k) { return fitted.landmarks[number(k)]; };
+  const Vec2 right = at(45) - at(36);
+  const FaceAxes axes{0.5f * (at(36) + at(45)), right, {-right.y, right.x}};
+  const Mipmap picture(fitted.picture);
+  std::vector<AnnotatedLandmark> found;
+  for (const int first : {17, 22}) {
+    std::array<Vec2, 5> brow;
+    for (int k = 0; k < 5; ++k) brow[static_cast<std::size_t>(k)] = axes.from_image(at(first + k));
+    const Vec2 lid = first == 17 ? at(37) + at(38) : at(43) + at(44);
+    const BrowChange change = BrowSearch(picture, axes).find(brow, axes.from_image(0.5f * lid).y);
+    for (int k = 0; k < 5; ++k) {
+      Vec2 p = brow[static_cast<std::size_t>(k)];
+      p.y += change.at(0.5f * static_cast<float>(k) - 1) - kTuning.above_middle;
+      found.push_back({model.landmarks()[number(first + k)].name, axes.to_image(p)});
+    }
+  }
+  return found;
+}
+
+}  // namespace pliant::host::learn
