@@ -1,0 +1,73 @@
+#pragma once
+/// \file face_aligner.hpp
+/// Alignment: pose and parameters of a face in one frame, from a face box or from a nearby pose, without points from
+/// anybody. Verification: how probably such a pose is right.
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/camera.hpp"
+#include "pliant/face_box.hpp"
+#include "pliant/frame.hpp"
+#include "pliant/model.hpp"
+#include "pliant/status.hpp"
+
+namespace pliant {
+
+/// Result of an alignment or of a verification.
+struct AlignedFace {
+  Camera camera;    ///< as given
+  Pose pose;        ///< of the model
+  float score = 0;  ///< probability that this is a face, aligned right: 0 to 1
+  float landmark_error =
+      0;  ///< expected mean error of the landmarks, as a fraction of the distance of the outer eye corners
+};
+
+/// Options of one alignment.
+struct AlignOptions {
+  /// One flag a parameter of the model: nonzero, it is estimated; else it keeps its value in q. Null: all are estimated.
+  const std::uint8_t* is_free = nullptr;
+};
+
+/// Aligns one model to faces in frames, by the learnt table of a model or another one (docs/algorithms.md, section 9).
+///
+/// A stage reads gradient histograms around the projected landmarks in an upright picture of the face, and a table turns them
+/// into displacements of the landmarks. One regularised Gauss-Newton step follows, in pose and parameters. The landmarks are
+/// those named ibugNN, so that one table serves all face models. Bytes: about 80 KiB for the built-in face.
+class FaceAligner {
+ public:
+  /// Arena layout (create_in, measured_bytes).
+  /// \param table  a learnt table, aligned to 4 bytes; it must outlive this object. A bad one is told by `status`.
+  void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> table);
+
+  /// Whether this object can align: ok, not_found (the model has no table, or too few of its landmarks), misaligned, truncated,
+  /// bad_magic, bad_version or bad_table. All calls below return this status where it is not ok.
+  Status status() const;
+
+  /// Aligns the model to the face in a box, from a frontal pose and the mean face.
+  /// \param camera     intrinsics and lens of the frame.
+  /// \param q          all parameters: the result. Those held by `options` are read and keep their value.
+  /// \param landmarks  image positions of all landmarks of the model, px, in its order; may be empty.
+  /// \return `status`, or with nothing changed: bad_argument (an unreadable frame, a box or camera that is not finite or not
+  ///         positive, null q or face, too few `landmarks`), not_found (the box is outside the frame).
+  /// Cost: bounded, whatever the size of frame and face.
+  Status align(const FrameView& frame, const FaceBox& box, const Camera& camera, AlignedFace* face, float* q,
+               Span<Vec2> landmarks = {}, const AlignOptions& options = {});
+
+  /// Aligns from a pose and parameters near the right ones: after five points, or in a later frame.
+  /// \param q  all parameters: start and result.
+  /// \return as `align`.
+  Status refine(const FrameView& frame, const Camera& camera, const Pose& start, AlignedFace* face, float* q,
+                Span<Vec2> landmarks = {}, const AlignOptions& options = {});
+
+  /// Score and landmark error of a given pose and parameters. Moves nothing. Cost: about a fifth of an alignment.
+  /// \return as `align`.
+  Status verify(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
+                AlignedFace* face);
+
+ private:
+  struct State;  // in the arena
+  State* state_ = nullptr;
+};
+
+}  // namespace pliant

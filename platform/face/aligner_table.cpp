@@ -1,0 +1,156 @@
+#include "face/aligner_table.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr std::size_t padded(std::size_t bytes) {
+  return (bytes + 3) / 4 * 4;
+}
+
+static_assert(sizeof(AlignerHeader) == 16 && sizeof(AlignerStage) == 20 && sizeof(AlignerCurve) == 88);
+
+bool are_bounded(const float* x, std::size_t count, float low, float high) {
+  for (std::size_t k = 0; k < count; ++k)
+    if (!(x[k] >= low && x[k] <= high)) return false;
+  return true;
+}
+
+bool are_information(const float* w, std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k, w += 3)
+    if (!(w[0] >= 0 && w[2] >= 0 && w[0] <= 1e4f && w[2] <= 1e4f && w[1] * w[1] <= w[0] * w[2])) return false;
+  return true;
+}
+
+bool is_valid(const AlignerStage& s) {
+  if (!(s.mm_per_px >= 0.5f && s.mm_per_px <= 8) || !(s.prior >= 0 && s.prior <= 1e6f)) return false;
+  if (s.cells < 1 || s.cells > kMostBlockCells || s.cell_px < 1 || s.cell_px > 8) return false;
+  if (s.crop_px < s.cells * s.cell_px || s.crop_px > kMostCropPx) return false;
+  if (s.iterations < 1 || s.iterations > 4 || s.components > kMostAlignerComponents || s.refines > 1)
+    return false;
+  return s.components == 0
+             ? s.blocks == 0
+             : s.blocks >= 1 && s.blocks <= kMostBlocks && s.blocks * s.cells * s.cell_px <= s.crop_px;
+}
+
+bool is_valid(const AlignerCurve& c) {
+  return are_bounded(c.weight, kCheckFeatures, -1e6f, 1e6f) && are_bounded(c.at, kCheckKnots, 0, 1) &&
+         are_bounded(&c.low, 1, -1e6f, 1e6f) && are_bounded(&c.high, 1, -1e6f, 1e6f) && c.high > c.low;
+}
+
+bool are_ascending(const std::uint8_t* numbers, std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k)
+    if (numbers[k] >= kMostAlignerLandmarks || (k > 0 && numbers[k] <= numbers[k - 1])) return false;
+  return true;
+}
+
+template <class T>
+const T* take(const std::uint8_t*& at, std::size_t count) {
+  const std::uint8_t* const first = at;
+  at += padded(count * sizeof(T));
+  return reinterpret_cast<const T*>(first);
+}
+
+bool is_valid(const LocalWeights& w, std::size_t landmarks) {
+  return are_bounded(w.scale, 2 * landmarks, 0, 1e3f) && are_bounded(w.bias, 2 * landmarks, -1e3f, 1e3f) &&
+         are_information(w.information, landmarks) && are_bounded(w.blend, landmarks, 0, 1);
+}
+
+bool is_valid(const GlobalWeights& w, std::size_t components, std::size_t landmarks) {
+  return are_bounded(w.scale, components, 0, 1e3f) && are_bounded(w.bias, components, -1e3f, 1e3f) &&
+         are_bounded(w.mean, 2 * landmarks, -1e3f, 1e3f) && are_information(w.information, landmarks);
+}
+
+bool fits(std::uint32_t first, std::size_t count, std::size_t total) {
+  return first % 4 == 0 && first <= total && count <= total - first;
+}
+
+}  // namespace
+
+std::size_t weight_bytes(const AlignerStage& stage, std::size_t landmarks) {
+  const std::size_t components = stage.components, block = block_bytes(stage);
+  if (components == 0) return landmarks * (2 + 2 + 3 + 1) * sizeof(float) + padded(2 * landmarks * block);
+  const std::size_t blocks = static_cast<std::size_t>(stage.blocks) * stage.blocks;
+  return (2 * components + (2 + 3) * landmarks) * sizeof(float) + padded(2 * landmarks * components) +
+         padded(components * blocks * block);
+}
+
+std::size_t check_weight_bytes(const AlignerStage& last, std::size_t landmarks) {
+  return 2 * landmarks * sizeof(float) + padded(landmarks * block_bytes(last));
+}
+
+Status AlignerTable::open(Span<const std::uint8_t> bytes, AlignerTable* table) {
+  if (bytes.data == nullptr || bytes.count == 0) return Status::not_found;
+  if (reinterpret_cast<std::uintptr_t>(bytes.data) % 4 != 0) return Status::misaligned;
+  if (bytes.count < sizeof(AlignerHeader)) return Status::truncated;
+  const auto& header = *reinterpret_cast<const AlignerHeader*>(bytes.data);
+  if (header.magic != kAlignerMagic) return Status::bad_magic;
+  if (header.version != kAlignerVersion) return Status::bad_version;
+  if (header.total_bytes > bytes.count) return Status::truncated;
+  const std::size_t landmarks = header.landmark_count, stages = header.stage_count,
+                    total = header.total_bytes;
+  if (landmarks < 4 || landmarks > kMostAlignerLandmarks || stages < 1 || stages > kMostAlignerStages)
+    return Status::bad_table;
+  const std::size_t stages_at = sizeof(AlignerHeader) + padded(landmarks);
+  const std::size_t check_at = stages_at + stages * sizeof(AlignerStage);
+  if (check_at + sizeof(AlignerCheck) > total) return Status::bad_table;
+  AlignerTable out;
+  out.bytes_ = bytes.data;
+  out.landmarks_ = landmarks;
+  out.numbers_ = bytes.data + sizeof(AlignerHeader);
+  out.stages_ = {reinterpret_cast<const AlignerStage*>(bytes.data + stages_at), stages};
+  out.check_ = reinterpret_cast<const AlignerCheck*>(bytes.data + check_at);
+  if (!are_ascending(out.numbers_, landmarks)) return Status::bad_table;
+  for (std::size_t k = 0; k < stages; ++k) {
+    const AlignerStage& s = out.stages_[k];
+    if (!is_valid(s) || !fits(s.first_byte, weight_bytes(s, landmarks), total)) return Status::bad_table;
+    if (s.components == 0 ? !is_valid(out.local(k), landmarks)
+                          : !is_valid(out.global(k), s.components, landmarks))
+      return Status::bad_table;
+  }
+  const AlignerStage& last = out.stages_[stages - 1];
+  if (last.components != 0 || !is_valid(out.check_->score) || !is_valid(out.check_->error) ||
+      !fits(out.check_->first_byte, check_weight_bytes(last, landmarks), total))
+    return Status::bad_table;
+  const CheckWeights check = out.check_weights();
+  if (!are_bounded(check.scale, landmarks, 0, 1e3f) || !are_bounded(check.bias, landmarks, -1e3f, 1e3f))
+    return Status::bad_table;
+  *table = out;
+  return Status::ok;
+}
+
+LocalWeights AlignerTable::local(std::size_t stage) const {
+  const std::uint8_t* at = bytes_ + stages_[stage].first_byte;
+  LocalWeights w;
+  w.scale = take<float>(at, 2 * landmarks_);
+  w.bias = take<float>(at, 2 * landmarks_);
+  w.information = take<float>(at, 3 * landmarks_);
+  w.blend = take<float>(at, landmarks_);
+  w.rows = take<std::int8_t>(at, 2 * landmarks_ * block_bytes(stages_[stage]));
+  return w;
+}
+
+GlobalWeights AlignerTable::global(std::size_t stage) const {
+  const AlignerStage& s = stages_[stage];
+  const std::uint8_t* at = bytes_ + s.first_byte;
+  GlobalWeights w;
+  w.scale = take<float>(at, s.components);
+  w.bias = take<float>(at, s.components);
+  w.mean = take<float>(at, 2 * landmarks_);
+  w.information = take<float>(at, 3 * landmarks_);
+  w.output = take<std::int8_t>(at, 2 * landmarks_ * s.components);
+  w.basis =
+      take<std::int8_t>(at, s.components * static_cast<std::size_t>(s.blocks) * s.blocks * block_bytes(s));
+  return w;
+}
+
+CheckWeights AlignerTable::check_weights() const {
+  const std::uint8_t* at = bytes_ + check_->first_byte;
+  CheckWeights w;
+  w.scale = take<float>(at, landmarks_);
+  w.bias = take<float>(at, landmarks_);
+  w.rows = take<std::int8_t>(at, landmarks_ * block_bytes(stages_[stages_.count - 1]));
+  return w;
+}
+
+}  // namespace pliant

@@ -1,0 +1,116 @@
+#pragma once
+// The learnt table of alignment (docs/model-format.md). One little-endian block, read in place. `open` checks every size, index
+// and number once; whatever opens is safe to use.
+//
+// Layout: AlignerHeader, the numbers of the landmarks (a byte each, padded to 4), AlignerStages, AlignerCheck, then the weights
+// that stages and check refer to.
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/geometry.hpp"
+#include "pliant/status.hpp"
+
+namespace pliant {
+
+constexpr std::uint32_t kAlignerMagic = 0x314e4c41, kAlignerVersion = 1;  // "ALN1"
+constexpr int kMostAlignerLandmarks = 68, kMostAlignerStages = 8, kMostAlignerComponents = 32;
+constexpr int kMostBlockCells = 8;  // a side of a block
+constexpr int kMostCropPx = 128;    // a side of the crop
+constexpr int kMostBlocks = 4;      // a side of the grid of blocks of a global stage
+constexpr int kBlockChannels = 8;   // bytes a cell in a block
+constexpr int kMostBlockBytes = kMostBlockCells * kMostBlockCells * kBlockChannels;
+
+/// First bytes of the table.
+struct AlignerHeader {
+  std::uint32_t magic, version, total_bytes;
+  std::uint16_t landmark_count, stage_count;
+};
+
+/// What a stage does. A local stage (components = 0) predicts the displacement of each landmark from the block around it. A
+/// global stage predicts all displacements from blocks on a grid over the crop, through a few linear components.
+struct AlignerStage {
+  float mm_per_px;           // of the crop: the face's millimetres a pixel
+  std::uint16_t crop_px;     // a side of the crop
+  std::uint8_t cells;        // a side of a block
+  std::uint8_t cell_px;      // a side of a cell
+  std::uint8_t blocks;       // a side of the grid of blocks; 0 in a local stage
+  std::uint8_t components;   // 0: local
+  std::uint8_t iterations;   // of Gauss-Newton
+  std::uint8_t refines;      // 1: refinement from a nearby pose runs this stage too
+  float prior;               // weight of the parameters' prior against the displacements' information
+  std::uint32_t first_byte;  // of its weights
+};
+
+constexpr int kCheckKnots = 16;
+constexpr int kCheckFeatures = 4;  // 1, appearance, displacement, parameters
+
+/// Verification: a weighted sum of features, then a curve through `at` at equal distances from `low` to `high`.
+struct AlignerCurve {
+  float weight[kCheckFeatures];
+  float low, high;
+  float at[kCheckKnots];
+};
+
+/// The appearance is a weighted sum of the bytes of the last stage's blocks.
+struct AlignerCheck {
+  AlignerCurve score, error;
+  std::uint32_t first_byte;  // of its weights
+  std::uint32_t reserved;
+};
+
+/// Displacement of landmark k, mm in the crop's axes: scale * (row . block) + bias.
+struct LocalWeights {
+  const float *scale, *bias;  // two a landmark: x, y
+  const float* information;   // three a landmark: xx, xy, yy, 1/mm^2
+  const float* blend;         // one a landmark: fraction of the last displacement that its position gets
+  const std::int8_t* rows;    // two a landmark
+};
+
+/// Component c: scale * (basis . blocks) + bias. Displacement of landmark k along an axis: mean + sum of output * component.
+struct GlobalWeights {
+  const float *scale, *bias;  // a component
+  const float* mean;          // two a landmark
+  const float* information;   // three a landmark
+  const std::int8_t* output;  // `components` for each of two a landmark
+  const std::int8_t* basis;   // a row a component
+};
+
+/// Appearance: sum of scale * (row . block) + bias over the landmarks.
+struct CheckWeights {
+  const float *scale, *bias;  // a landmark
+  const std::int8_t* rows;    // a landmark
+};
+
+/// Bytes of one block of a stage.
+constexpr std::size_t block_bytes(const AlignerStage& s) {
+  return static_cast<std::size_t>(s.cells) * s.cells * kBlockChannels;
+}
+/// Bytes of a stage's weights; each part is padded to 4 bytes.
+std::size_t weight_bytes(const AlignerStage& stage, std::size_t landmarks);
+std::size_t check_weight_bytes(const AlignerStage& last, std::size_t landmarks);
+
+/// A checked table.
+class AlignerTable {
+ public:
+  /// \return misaligned, truncated, bad_magic, bad_version, bad_table; `table` is then as before.
+  static Status open(Span<const std::uint8_t> bytes, AlignerTable* table);
+
+  std::size_t landmark_count() const { return landmarks_; }
+  std::size_t stage_count() const { return stages_.count; }
+  int landmark_number(std::size_t k) const { return numbers_[k]; }  ///< NN of ibugNN; ascending
+  const AlignerStage& stage(std::size_t k) const { return stages_[k]; }
+  const AlignerCheck& check() const { return *check_; }
+  LocalWeights local(std::size_t stage) const;
+  GlobalWeights global(std::size_t stage) const;
+  CheckWeights check_weights() const;
+
+ private:
+  const std::uint8_t* bytes_ = nullptr;
+  std::size_t landmarks_ = 0;
+  const std::uint8_t* numbers_ = nullptr;
+  Span<const AlignerStage> stages_;
+  const AlignerCheck* check_ = nullptr;
+};
+
+}  // namespace pliant

@@ -1,0 +1,213 @@
+// Alignment by cascaded regression on the landmarks of a model, and verification (docs/algorithms.md, section 9).
+#include "pliant/face_aligner.hpp"
+
+#include "face/aligner_pass.hpp"
+
+namespace pliant {
+
+namespace {
+
+/// Fraction of the table's landmarks that a model needs.
+constexpr float kLeastLandmarks = 0.75f;
+/// Largest side of a box, and largest image position, px.
+constexpr float kMostPx = 1e5f;
+
+/// The curve at a weighted sum of the features.
+float value_of(const AlignerCurve& curve, const AlignerEvidence& evidence) {
+  const float features[kCheckFeatures] = {1, evidence.appearance, evidence.displacement, evidence.parameters};
+  float sum = 0;
+  for (int k = 0; k < kCheckFeatures; ++k) sum += curve.weight[k] * features[k];
+  const float last = static_cast<float>(kCheckKnots - 1);
+  const float at = clamp((sum - curve.low) / (curve.high - curve.low) * last, 0, last);
+  if (!(at >= 0)) return 0;
+  const int k = at >= last ? kCheckKnots - 2 : static_cast<int>(at);
+  return curve.at[k] + (at - static_cast<float>(k)) * (curve.at[k + 1] - curve.at[k]);
+}
+
+bool is_within(float x, float low, float high) {
+  return x >= low && x <= high;
+}
+
+bool are_finite(const float* q, std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k)
+    if (!is_finite(q[k])) return false;
+  return true;
+}
+
+}  // namespace
+
+struct FaceAligner::State {
+  Model model;
+  AlignerTable table;
+  Status status = Status::not_found;
+  AlignerPass pass;
+  float* start_q = nullptr;
+  Lens lens;
+  View start_view;
+
+  void lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> bytes);
+  Status check_input(const FrameView& frame, const Camera& camera, const float* q, const AlignedFace* face);
+  Status view_of_box(const FrameView& frame, const FaceBox& box, const Camera& camera);
+  Status view_of_pose(const FrameView& frame, const Pose& pose, const Camera& camera);
+  Status run(const FrameView& frame, const Camera& camera, const AlignOptions& options, bool refines,
+             AlignedFace* face, float* q, Span<Vec2> landmarks);
+  void write_landmarks(Span<Vec2> landmarks);
+  AlignedFace conclude(const Camera& camera);
+};
+
+void FaceAligner::State::lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> bytes) {
+  model = of;
+  pass.lay_out(arena, model, kMostAlignerLandmarks);
+  start_q = arena.take<float>(model.parameters().count);
+  if (arena.is_measuring() || arena.exhausted()) return;
+  status = AlignerTable::open(bytes, &table);
+  if (status != Status::ok) return;
+  const std::size_t found = pass.choose_landmarks(model, table);
+  if (static_cast<float>(found) < kLeastLandmarks * static_cast<float>(table.landmark_count()))
+    status = Status::not_found;
+}
+
+Status FaceAligner::State::check_input(const FrameView& frame, const Camera& camera, const float* q,
+                                       const AlignedFace* face) {
+  if (status != Status::ok) return status;
+  if (q == nullptr || face == nullptr) return Status::bad_argument;
+  if (check(frame) != Status::ok) return Status::bad_argument;
+  return Lens::make(camera, frame.width, frame.height, &lens);
+}
+
+/// Frontal, with the middle of the outer eye corners and the mouth corners in the middle of the box.
+Status FaceAligner::State::view_of_box(const FrameView& frame, const FaceBox& box, const Camera& camera) {
+  if (!is_finite(box.center) || !is_within(box.side, 1, kMostPx)) return Status::bad_argument;
+  const float half = 0.5f * box.side;
+  if (!is_within(box.center.x, -half, static_cast<float>(frame.width - 1) + half) ||
+      !is_within(box.center.y, -half, static_cast<float>(frame.height - 1) + half))
+    return Status::not_found;
+  Vec3 middle;
+  const char* const corners[] = {"ibug36", "ibug45", "ibug48", "ibug54"};
+  for (const char* name : corners) {
+    const std::uint16_t k = model.find_landmark(name);
+    if (k == kNone) return Status::not_found;
+    const Landmark& l = model.landmarks()[k];
+    middle = middle + 0.25f * pass.shape().cascade().surface_point({l.u, l.v}, start_q);
+  }
+  View view;
+  view.rho = clamp(box.side / (kFaceBoxMm * camera.f), kMinRho, kMaxRho);
+  view.s = camera.f * view.rho;
+  view.c = {camera.cx, camera.cy};
+  const float depth = 1 - view.rho * middle.z;
+  const Vec2 offset = (depth / view.s) * (lens.undistort(box.center) - view.c);
+  view.tau = {offset.x - middle.x, offset.y + middle.y};
+  start_view = view;
+  return Status::ok;
+}
+
+Status FaceAligner::State::view_of_pose(const FrameView& frame, const Pose& pose, const Camera& camera) {
+  if (!is_finite(pose) || !is_within(pose.t.z, 1.0f / kMaxRho, 1.0f / kMinRho)) return Status::bad_argument;
+  start_view = view_of({normalised(pose.q), pose.t}, camera);
+  const float side = kFaceBoxMm * start_view.s;
+  const Vec2 x = start_view.c + start_view.s * start_view.tau;
+  if (!is_within(side, 1, kMostPx) || !is_finite(x)) return Status::bad_argument;
+  if (!is_within(x.x, -side, static_cast<float>(frame.width) + side) ||
+      !is_within(x.y, -side, static_cast<float>(frame.height) + side))
+    return Status::not_found;
+  return Status::ok;
+}
+
+AlignedFace FaceAligner::State::conclude(const Camera& camera) {
+  const AlignerEvidence evidence = pass.weigh(table);
+  AlignedFace face;
+  face.camera = camera;
+  face.pose = pose_of(pass.shape().view());
+  face.score = value_of(table.check().score, evidence);
+  face.landmark_error = value_of(table.check().error, evidence);
+  return face;
+}
+
+/// The projected landmarks, moved by a part of the displacements that the model could not follow.
+void FaceAligner::State::write_landmarks(Span<Vec2> landmarks) {
+  FaceShape& shape = pass.shape();
+  const Span<const Landmark> all = model.landmarks();
+  const LocalWeights w = table.local(table.stage_count() - 1);
+  for (std::size_t k = 0; k < all.count; ++k)
+    if (!shape.project({all[k].u, all[k].v}, &landmarks[k])) landmarks[k] = shape.image(0);
+  for (std::size_t k = 0; k < shape.landmark_count(); ++k) {
+    const std::uint16_t i = pass.model_index(k);
+    const Vec2 x = shape.image(k);
+    landmarks[i] = x + (shape.weight(k) * w.blend[pass.table_index(k)]) * (pass.target(k).x - x);
+  }
+}
+
+Status FaceAligner::State::run(const FrameView& frame, const Camera& camera, const AlignOptions& options,
+                               bool refines, AlignedFace* face, float* q, Span<Vec2> landmarks) {
+  pass.start(frame, lens, start_view, start_q, options.is_free);
+  for (std::size_t k = 0; k < table.stage_count(); ++k) {
+    if (refines && table.stage(k).refines == 0) continue;
+    pass.prepare(table.stage(k));
+    pass.predict(table, k);
+    pass.step(table.stage(k));
+    if (!pass.shape().is_usable()) return Status::not_found;
+  }
+  const AlignedFace result = conclude(camera);
+  if (!is_finite(result.pose)) return Status::not_found;
+  if (!landmarks.empty()) write_landmarks(landmarks);
+  for (std::size_t k = 0; k < model.parameters().count; ++k) q[k] = pass.shape().q()[k];
+  *face = result;
+  return Status::ok;
+}
+
+void FaceAligner::lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> table) {
+  state_ = create_part<State>(arena, model, table);
+}
+
+Status FaceAligner::status() const {
+  return state_ == nullptr ? Status::not_found : state_->status;
+}
+
+Status FaceAligner::align(const FrameView& frame, const FaceBox& box, const Camera& camera, AlignedFace* face,
+                          float* q, Span<Vec2> landmarks, const AlignOptions& options) {
+  if (state_ == nullptr) return Status::not_found;
+  State& s = *state_;
+  Status status = s.check_input(frame, camera, q, face);
+  if (status != Status::ok) return status;
+  if (!landmarks.empty() && landmarks.count < s.model.landmarks().count) return Status::bad_argument;
+  for (std::size_t k = 0; k < s.model.parameters().count; ++k) {
+    const bool is_held = options.is_free != nullptr && options.is_free[k] == 0;
+    if (is_held && !is_finite(q[k])) return Status::bad_argument;
+    s.start_q[k] = is_held ? q[k] : 0.0f;
+  }
+  status = s.view_of_box(frame, box, camera);
+  if (status != Status::ok) return status;
+  return s.run(frame, camera, options, false, face, q, landmarks);
+}
+
+Status FaceAligner::refine(const FrameView& frame, const Camera& camera, const Pose& start, AlignedFace* face,
+                           float* q, Span<Vec2> landmarks, const AlignOptions& options) {
+  if (state_ == nullptr) return Status::not_found;
+  State& s = *state_;
+  Status status = s.check_input(frame, camera, q, face);
+  if (status != Status::ok) return status;
+  const std::size_t parameters = s.model.parameters().count;
+  if ((!landmarks.empty() && landmarks.count < s.model.landmarks().count) || !are_finite(q, parameters))
+    return Status::bad_argument;
+  status = s.view_of_pose(frame, start, camera);
+  if (status != Status::ok) return status;
+  for (std::size_t k = 0; k < parameters; ++k) s.start_q[k] = q[k];
+  return s.run(frame, camera, options, true, face, q, landmarks);
+}
+
+Status FaceAligner::verify(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
+                           AlignedFace* face) {
+  if (state_ == nullptr) return Status::not_found;
+  State& s = *state_;
+  Status status = s.check_input(frame, camera, q, face);
+  if (status != Status::ok) return status;
+  if (!are_finite(q, s.model.parameters().count)) return Status::bad_argument;
+  status = s.view_of_pose(frame, pose, camera);
+  if (status != Status::ok) return status;
+  s.pass.start(frame, s.lens, s.start_view, q, nullptr);
+  *face = s.conclude(camera);
+  face->pose = pose;
+  return Status::ok;
+}
+
+}  // namespace pliant

@@ -1,0 +1,63 @@
+#pragma once
+// Pictures of one face: the part of a frame around it, reduced to a fixed size, and the upright crop that is read from it.
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/frame.hpp"
+#include "pliant/geometry.hpp"
+#include "pliant/pyramid.hpp"
+
+namespace pliant {
+
+/// Tuning of the pictures of a face. Each constant: unit, reason, experiment.
+struct FacePictureTuning {
+  /// Side of the reduced picture, px. With `face_px` it reaches 107 mm to each side of the face's middle.
+  int side_px = 160;
+  /// Side of the face box in the reduced picture, px: 1.3 mm a pixel, near the finest crop.
+  float face_px = 112;
+  /// Samples a side that are averaged to one pixel, at most: bounds the time on huge faces.
+  int most_samples = 8;
+};
+inline constexpr FacePictureTuning kFacePictureTuning{};
+
+/// An upright square that is cut out of a picture: the position `origin` is the crop's middle.
+struct CropMap {
+  Vec2 origin;   ///< px of the frame
+  Vec2 right;    ///< one crop pixel to the right, in px of the frame; down is (-right.y, right.x)
+  int side = 0;  ///< crop px
+
+  Vec2 to_frame(Vec2 crop) const { return origin + along(crop - middle()); }
+  /// A displacement in crop px, in px of the frame.
+  Vec2 along(Vec2 d) const { return {right.x * d.x - right.y * d.y, right.y * d.x + right.x * d.y}; }
+  Vec2 to_crop(Vec2 frame) const {
+    const Vec2 d = frame - origin;
+    const float by = 1.0f / dot(right, right);
+    return middle() + Vec2{by * (right.x * d.x + right.y * d.y), by * (right.x * d.y - right.y * d.x)};
+  }
+
+ private:
+  Vec2 middle() const { return {0.5f * static_cast<float>(side - 1), 0.5f * static_cast<float>(side - 1)}; }
+};
+
+/// The part of a frame around a face, reduced by averaging where it is large. Beyond the frame its border pixels go on.
+class FacePicture {
+ public:
+  /// Bytes: side_px squared.
+  void lay_out(Arena& arena);
+
+  /// \param centre, side  of the face box, px of the frame; finite, side > 0.
+  void take(const FrameView& frame, Vec2 centre, float side);
+
+  /// Resamples an upright crop of map.side pixels and one pixel more on each side.
+  /// \param out  (side + 2)^2 bytes, rows without padding. Pixel (1, 1) is crop position (0, 0).
+  void crop(const CropMap& map, std::uint8_t* out) const;
+
+ private:
+  int sample(std::int32_t x, std::int32_t y) const;
+
+  std::uint8_t* pixels_ = nullptr;
+  Vec2 first_;       // px of the frame: the middle of pixel (0, 0)
+  float ratio_ = 1;  // px of the frame a pixel
+};
+
+}  // namespace pliant

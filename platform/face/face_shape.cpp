@@ -1,0 +1,153 @@
+#include "face/face_shape.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr std::size_t kPose = static_cast<std::size_t>(kPoseUnknowns);
+
+float squared_distance(Vec2 r, const Sym2& w) {
+  return w.xx * r.x * r.x + 2 * w.xy * r.x * r.y + w.yy * r.y * r.y;
+}
+
+}  // namespace
+
+void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks) {
+  const std::size_t parameters = model.parameters().count, unknowns = parameters + kPose;
+  cascade_.lay_out(arena, model);
+  equations_.lay_out(arena, unknowns);
+  q_ = arena.take<float>(parameters);
+  step_ = arena.take<float>(unknowns);
+  samples_ = arena.take<Vec3>(model.cascade().count);
+  unknown_ = arena.take<std::uint16_t>(unknowns);
+  column_ = arena.take<Vec2>(unknowns);
+  uv_ = arena.take<Vec2>(landmarks);
+  image_ = arena.take<Vec2>(landmarks);
+  weight_ = arena.take<float>(landmarks);
+  landmarks_ = landmarks;
+}
+
+void FaceShape::start(const View& view, const float* q, const std::uint8_t* is_free, const Lens& lens) {
+  view_ = view;
+  lens_ = lens;
+  const Span<const Parameter> parameters = cascade_.model().parameters();
+  for (std::size_t k = 0; k < parameters.count; ++k)
+    q_[k] = clamp(q[k], parameters[k].minimum, parameters[k].maximum);
+  if (is_free != nullptr)
+    cascade_.set_free(is_free);
+  else
+    cascade_.set_all_free();
+}
+
+Vec3 FaceShape::position(std::size_t k, Jacobian* jacobian) {
+  cascade_.sample_point(uv_[k], q_, samples_);
+  return cascade_.evaluate(samples_, q_, jacobian);
+}
+
+bool FaceShape::project(Vec2 uv, Vec2* x) {
+  if (!Projector(view_, true).project(cascade_.surface_point(uv, q_), x)) return false;
+  *x = lens_.distort(*x);
+  return true;
+}
+
+void FaceShape::project() {
+  const Projector projector(view_, true);
+  cascade_.select(q_);
+  for (std::size_t k = 0; k < landmarks_; ++k) {
+    const Vec3 p = cascade_.selected_point(uv_[k]);
+    Vec2 x = view_.c;
+    projector.project(p, &x);
+    image_[k] = lens_.distort(x);
+    const Vec3 outward = normalised(projector.rotated(p - kFaceShapeTuning.head_centre));
+    const Vec3 sight = normalised(projector.to_camera(p));
+    const float range = kFaceShapeTuning.seen_cosine - kFaceShapeTuning.hidden_cosine;
+    weight_[k] = clamp((-dot(outward, sight) - kFaceShapeTuning.hidden_cosine) / range,
+                       kFaceShapeTuning.hidden_weight, 1);
+  }
+}
+
+CropMap FaceShape::crop_map(float mm_per_px, int side) const {
+  CropMap map;
+  map.side = side;
+  const float fraction = 1.0f / static_cast<float>(landmarks_);
+  for (std::size_t k = 0; k < landmarks_; ++k) map.origin = map.origin + fraction * image_[k];
+  // Upright: the face's own vertical, as the camera sees it.
+  const Vec3 up = Projector(view_, true).rotated({0, 1, 0});
+  const float size = length(Vec2{up.x, up.y});
+  const Vec2 down = size > 1e-3f ? (-1.0f / size) * Vec2{up.x, up.y} : Vec2{0, 1};
+  map.right = (mm_per_px * view_.s) * Vec2{down.y, -down.x};
+  return map;
+}
+
+void FaceShape::add_landmark(std::size_t k, const Projector& projector, const LandmarkTarget& target) {
+  Jacobian jacobian;
+  const Vec3 p = position(k, &jacobian);
+  Vec2 x;
+  Projector::Derivatives d;
+  if (!projector.project(p, &x, &d)) return;
+  std::size_t n = 0;
+  for (; n < kPose; ++n) {
+    unknown_[n] = static_cast<std::uint16_t>(n);
+    column_[n] = d.pose[n];
+  }
+  for (std::size_t j = 0; j < jacobian.count; ++j, ++n) {
+    unknown_[n] = static_cast<std::uint16_t>(kPose + jacobian.list[j]);
+    column_[n] = d.along(jacobian.column[jacobian.list[j]]);
+  }
+  const Vec2 residual = lens_.undistort(target.x) - x;
+  const float sds = square_root(squared_distance(residual, target.information));
+  const float robust = sds > kFaceShapeTuning.huber_sds ? kFaceShapeTuning.huber_sds / sds : 1.0f;
+  const float w = robust * weight_[k];
+  const Sym2& i = target.information;
+  equations_.add(unknown_, column_, n, residual, {w * i.xx, w * i.xy, w * i.yy});
+}
+
+void FaceShape::add_priors(float prior) {
+  const Span<const Parameter> parameters = cascade_.model().parameters();
+  for (std::size_t k = 0; k < cascade_.column_count(); ++k) {
+    const std::size_t i = cascade_.parameter_of(k);
+    const Parameter& p = parameters[i];
+    equations_.add_prior(kPose + k, -q_[i], prior / (p.sd * p.sd));
+    equations_.set_limits(kPose + k, min(p.minimum - q_[i], 0), max(p.maximum - q_[i], 0));
+  }
+  for (std::size_t k = 0; k < 3; ++k)
+    equations_.set_limits(k, -kFaceShapeTuning.max_turn_rad, kFaceShapeTuning.max_turn_rad);
+  equations_.set_limits(kLogScale, -kFaceShapeTuning.max_log_step, kFaceShapeTuning.max_log_step);
+}
+
+void FaceShape::step(const LandmarkTarget* targets, float prior, int iterations) {
+  for (int i = 0; i < iterations; ++i) {
+    equations_.reset(kPose + cascade_.column_count());
+    const Projector projector(view_, true);
+    for (std::size_t k = 0; k < landmarks_; ++k) add_landmark(k, projector, targets[k]);
+    add_priors(prior);
+    equations_.solve(kFaceShapeTuning.damping, step_);
+    move(step_);
+  }
+}
+
+void FaceShape::move(const float* step) {
+  view_ = moved(view_, step, kPoseUnknowns);
+  const Span<const Parameter> parameters = cascade_.model().parameters();
+  for (std::size_t k = 0; k < cascade_.column_count(); ++k) {
+    const std::size_t i = cascade_.parameter_of(k);
+    q_[i] = clamp(q_[i] + step[kPose + k], parameters[i].minimum, parameters[i].maximum);
+  }
+}
+
+float FaceShape::mean_square_parameter() const {
+  const Span<const Parameter> parameters = cascade_.model().parameters();
+  float sum = 0;
+  for (std::size_t k = 0; k < parameters.count; ++k) {
+    const float z = q_[k] / parameters[k].sd;
+    sum += z * z;
+  }
+  return sum / max(1, static_cast<float>(parameters.count));
+}
+
+bool FaceShape::is_usable() const {
+  return is_finite(view_.s) && is_finite(view_.tau) && is_finite(view_.rho) && is_finite(view_.q.w) &&
+         view_.s > 1e-6f && view_.s < 1e6f;
+}
+
+}  // namespace pliant
