@@ -36,7 +36,9 @@ struct AlignOptions {
 /// those named ibugNN, so that one table serves all face models. Bytes: about 80 KiB for the built-in face.
 class FaceAligner {
  public:
-  /// Arena layout (create_in, measured_bytes).
+  /// Arena layout (create_in, measured_bytes), with the model's own learnt table.
+  void lay_out(Arena& arena, const Model& model) { lay_out(arena, model, model.aligner()); }
+  /// The same with another table.
   /// \param table  a learnt table, aligned to 4 bytes; it must outlive this object. A bad one is told by `status`.
   void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> table);
 
