@@ -7,22 +7,21 @@
 #include <string>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "pliant/cascade.hpp"
 
 /// A table in aligned memory, opened, with a cascade to evaluate it.
 struct BakedModel {
   std::vector<std::uint32_t> words;
-  std::vector<std::uint64_t> memory;
+  AlignedBlock block;
   pliant::Model model;
   pliant::Cascade cascade;
 
   explicit BakedModel(const std::vector<std::uint8_t>& table) : words((table.size() + 3) / 4) {
     std::memcpy(words.data(), table.data(), table.size());
     REQUIRE(pliant::Model::open(words.data(), table.size(), &model) == pliant::Status::ok);
-    memory.resize(pliant::measured_bytes<pliant::Cascade>(model) / 8 + 4);
-    auto* block = reinterpret_cast<unsigned char*>(memory.data());
-    block += (16 - reinterpret_cast<std::uintptr_t>(block) % 16) % 16;
-    pliant::Arena arena(block, memory.size() * 8 - 16);
+    block = AlignedBlock(pliant::measured_bytes<pliant::Cascade>(model));
+    pliant::Arena arena(block.data(), block.size());
     REQUIRE(pliant::create_in(arena, cascade, model) == pliant::Status::ok);
   }
   BakedModel(const BakedModel&) = delete;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "baked_face.hpp"
 #include "pliant/pliant.h"
 #include "pliant/tracker.hpp"
@@ -27,7 +28,7 @@ struct Rig {
   std::vector<pliant_point> points;
   std::vector<std::string> names;
   pliant_limits limits = pliant_profile('S');
-  std::vector<unsigned char> block;
+  AlignedBlock block;
   size_t bytes = 0;
 
   Rig() {
@@ -43,13 +44,11 @@ struct Rig {
       points.push_back({name.c_str(), x.x, x.y});
     }
     REQUIRE(pliant_required_bytes(table(), table_bytes(), &limits, &bytes) == PLIANT_OK);
-    block.resize(bytes + 32);
+    block = AlignedBlock(bytes);
   }
   const void* table() const { return face.words.data(); }
   size_t table_bytes() const { return face.model.table_bytes(); }
-  unsigned char* memory() {
-    return block.data() + (16 - reinterpret_cast<std::uintptr_t>(block.data()) % 16) % 16;
-  }
+  unsigned char* memory() { return block.data(); }
   pliant_tracker* create() {
     pliant_tracker* tracker = nullptr;
     REQUIRE(pliant_create(memory(), bytes, table(), table_bytes(), &limits, &tracker) == PLIANT_OK);

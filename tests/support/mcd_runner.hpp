@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "pliant/outliers.hpp"
 
 struct Table {
@@ -20,8 +21,8 @@ struct Table {
 
 struct McdRunner {
   explicit McdRunner(pliant::McdLimits limits)
-      : block(pliant::measured_bytes<pliant::Mcd>(limits) / sizeof(Line) + 1),
-        arena(block.data(), block.size() * sizeof(Line)),
+      : block(pliant::measured_bytes<pliant::Mcd>(limits)),
+        arena(block.data(), block.size()),
         status(pliant::create_in(arena, mcd, limits)) {}
   explicit McdRunner(const Table& t) : McdRunner(pliant::McdLimits{t.rows, t.columns}) {}
 
@@ -42,10 +43,7 @@ struct McdRunner {
     return rows;
   }
 
-  struct alignas(16) Line {
-    unsigned char bytes[16];
-  };
-  std::vector<Line> block;
+  AlignedBlock block;
   pliant::Arena arena;
   pliant::Mcd mcd;
   pliant::Status status;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "pliant/mesh.hpp"
 
 namespace shapes {
@@ -132,22 +133,6 @@ inline Triangles shuffled(const Triangles& t, Random& random) {
   return s;
 }
 
-/// Memory for objects in an arena, aligned.
-struct Block {
-  explicit Block(std::size_t bytes) : words((bytes + 15) / 16) {}
-  void* data() { return words.data(); }
-  std::size_t size() const { return words.size() * 16; }
-  struct alignas(16) Word {
-    std::array<unsigned char, 16> bytes;
-  };
-  std::vector<Word> words;
-  std::vector<unsigned char> bytes() const {
-    std::vector<unsigned char> all;
-    for (const Word& w : words) all.insert(all.end(), w.bytes.begin(), w.bytes.end());
-    return all;
-  }
-};
-
 /// A mesh and the block it lives in.
 struct MeshBox {
   explicit MeshBox(const pliant::MeshLimits& limits)
@@ -157,7 +142,7 @@ struct MeshBox {
   MeshBox(const pliant::MeshLimits& limits, const Triangles& t) : MeshBox(limits) {
     if (status == pliant::Status::ok) status = mesh.set_base(t.uv_span(), t.corner_span());
   }
-  Block block;
+  AlignedBlock block;
   pliant::Arena arena;
   pliant::Mesh mesh;
   pliant::Status status;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "pliant/model.hpp"
 
 struct ModelBuilder {
@@ -165,14 +166,12 @@ struct ModelBuilder {
 /// Memory for one object laid out in an arena of just its size.
 template <class T>
 struct InArena {
-  std::vector<unsigned char> block;
+  AlignedBlock block;
   pliant::Arena arena;
   T object;
   template <class... Args>
   explicit InArena(const Args&... args)
-      : block(pliant::measured_bytes<T>(args...) + 16),
-        arena(block.data() + (16 - reinterpret_cast<std::uintptr_t>(block.data()) % 16) % 16,
-              pliant::measured_bytes<T>(args...)) {
+      : block(pliant::measured_bytes<T>(args...)), arena(block.data(), block.size()) {
     object.lay_out(arena, args...);
   }
   T* operator->() { return &object; }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "pliant/corners.hpp"
 #include "pliant/patch_tracker.hpp"
 #include "texture.hpp"
@@ -20,7 +21,7 @@ constexpr int kWidth = 240, kHeight = 180;
 
 // Two pyramids and a tracker in one block.
 struct Rig {
-  std::vector<std::uint8_t> block = std::vector<std::uint8_t>(1 << 21);
+  AlignedBlock block{1 << 21};
   Arena arena{block.data(), block.size()};
   Pyramid before, after;
   PatchTracker tracker;
@@ -38,7 +39,7 @@ struct Rig {
 
 inline std::vector<Vec2> corners_of(const Picture& p, std::size_t most = 150, int margin = 40) {
   CornerOptions o;
-  std::vector<std::uint8_t> scratch(corner_scratch_bytes(p.width, p.height, o));
+  AlignedBlock scratch(corner_scratch_bytes(p.width, p.height, o));
   Arena arena(scratch.data(), scratch.size());
   std::vector<Corner> found(most);
   int count = 0;

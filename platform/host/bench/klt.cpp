@@ -48,8 +48,9 @@ void KltOutcome::print(const BenchRows& row, const std::string& variant) const {
 
 std::vector<Vec2> best_corners(const ImageView& image, std::size_t most, const CornerOptions& options,
                                const std::vector<std::uint8_t>& allowed) {
-  std::vector<std::uint8_t> block(corner_scratch_bytes(image.width, image.height, options));
-  Arena scratch(block.data(), block.size());
+  std::vector<ArenaLine> block(corner_scratch_bytes(image.width, image.height, options) / sizeof(ArenaLine) +
+                               1);
+  Arena scratch(block.data(), block.size() * sizeof(ArenaLine));
   std::vector<Corner> corners(most);
   int count = 0;
   require(

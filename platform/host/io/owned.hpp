@@ -8,14 +8,19 @@
 
 namespace pliant::host {
 
+/// A piece of an arena's block. A vector of it is aligned as an arena needs, which one of bytes need not be.
+struct alignas(Arena::kAlignment) ArenaLine {
+  unsigned char bytes[Arena::kAlignment];
+};
+
 template <class T>
 class Owned {
  public:
   /// Creates the object for these limits in a block of the measured size.
   template <class... Limits>
   explicit Owned(const Limits&... limits)
-      : block_(measured_bytes<T>(limits...) / sizeof(Line) + 1),
-        arena_(block_.data(), block_.size() * sizeof(Line)) {
+      : block_(measured_bytes<T>(limits...) / sizeof(ArenaLine) + 1),
+        arena_(block_.data(), block_.size() * sizeof(ArenaLine)) {
     require(create_in(arena_, object_, limits...), "memory");
   }
   Owned(const Owned&) = delete;
@@ -27,10 +32,7 @@ class Owned {
   std::size_t used_bytes() const { return arena_.used_bytes(); }
 
  private:
-  struct alignas(Arena::kAlignment) Line {
-    unsigned char bytes[Arena::kAlignment];
-  };
-  std::vector<Line> block_;
+  std::vector<ArenaLine> block_;
   Arena arena_;
   T object_;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "host/bench/klt.hpp"
 #include "pliant/coarse_translation.hpp"
 #include "pliant/visibility.hpp"
 
@@ -61,7 +62,7 @@ MeshTracker::MeshTracker(const Model& model, const Experiment& experiment, const
   host::require(first_->build(frame), "frame 0");
   host::require(current_->build(frame), "frame 0");
   host::require(estimator_->start(e.camera, frame.width, frame.height, e.pose, e.q.data(), nullptr, {}),
-               "start");
+                "start");
   score_chart();
   mesh_ = std::make_unique<AdaptedMesh>(model, e.q, setting, e.pose, score_);
   cast_markers();
@@ -147,17 +148,11 @@ void MeshTracker::follow_corners() {
   options.quality = 0;
   options.min_ratio = 0.02f;
   options.min_distance_px = 5;
-  const host::Image& image = experiment_.frames[0];
-  std::vector<std::uint8_t> scratch(corner_scratch_bytes(image.width, image.height, options));
-  Arena arena(scratch.data(), scratch.size());
-  std::vector<Corner> corners(2000);
-  int count = 0;
-  host::require(find_corners(first_->level(0), options, {}, arena, {corners.data(), corners.size()}, count),
-               "corners");
   std::size_t slot = kVertexSlots;
-  for (int k = 0; k < count && slot < followed_.size(); ++k) {
+  for (const Vec2 x : host::best_corners(first_->level(0), 2000, options)) {
+    if (slot == followed_.size()) break;
     Vec2 uv;
-    if (estimator_->surface_at(corners[static_cast<std::size_t>(k)].x, &uv) != 0) continue;
+    if (estimator_->surface_at(x, &uv) != 0) continue;
     follow(slot, uv);
     slot += followed_[slot].is_used;
   }
@@ -215,9 +210,9 @@ void MeshTracker::expect_motion() {
     high = {max(high.x, x.x), max(high.y, x.y)};
   }
   const auto pixel = [grow](float x) { return static_cast<int>(x / grow); };
-  const CoarseTranslation shift =
-      find_coarse_translation(previous_->level(top), {pixel(low.x), pixel(low.y), pixel(high.x) + 1, pixel(high.y) + 1},
-                 current_->level(top), current_->level(top).width / 10);
+  const CoarseTranslation shift = find_coarse_translation(
+      previous_->level(top), {pixel(low.x), pixel(low.y), pixel(high.x) + 1, pixel(high.y) + 1},
+      current_->level(top), current_->level(top).width / 10);
   if (shift.correlation >= 0.5f) estimator_->translate(grow * shift.by);
 }
 

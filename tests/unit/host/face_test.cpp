@@ -1,6 +1,7 @@
 // The built-in face: is it a face, do its expressions do what their names say, and nothing else?
 #include <algorithm>
 
+#include "aligned_block.hpp"
 #include "baked_face.hpp"
 #include "pliant/mesh.hpp"
 #include "random.hpp"
@@ -306,10 +307,8 @@ TEST_CASE("the base mesh consists of basic blocks and has a hole for each eye an
   MeshLimits limits;
   limits.vertices = 2048;
   limits.faces = 4096;
-  std::vector<std::uint64_t> memory(measured_bytes<Mesh>(limits) / 8 + 4);
-  auto* block = reinterpret_cast<unsigned char*>(memory.data());
-  block += (16 - reinterpret_cast<std::uintptr_t>(block) % 16) % 16;
-  Arena arena(block, memory.size() * 8 - 16);
+  AlignedBlock block(measured_bytes<Mesh>(limits));
+  Arena arena(block.data(), block.size());
   Mesh mesh;
   REQUIRE(create_in(arena, mesh, limits) == Status::ok);
   REQUIRE(mesh.set_base(model.base_uv(), model.base_corners()) == Status::ok);

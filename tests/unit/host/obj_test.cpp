@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 
+#include "aligned_block.hpp"
 #include "baked_model.hpp"
 #include "host/bake/bake.hpp"
 #include "host/bake/obj_source.hpp"
@@ -161,8 +162,8 @@ TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places a
   CHECK(length(baked.uv("nose_tip") - chart(16.0f / 32, 16.0f / 32)) < 1e-5f);
 
   MeshLimits limits;
-  std::vector<std::max_align_t> memory(measured_bytes<Mesh>(limits) / sizeof(std::max_align_t) + 1);
-  Arena arena(memory.data(), memory.size() * sizeof(std::max_align_t));
+  AlignedBlock block(measured_bytes<Mesh>(limits));
+  Arena arena(block.data(), block.size());
   Mesh mesh;
   REQUIRE(create_in(arena, mesh, limits) == Status::ok);
   CHECK(mesh.set_base(model.base_uv(), model.base_corners()) == Status::ok);

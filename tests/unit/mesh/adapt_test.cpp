@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "aligned_block.hpp"
 #include "mesh_shapes.hpp"
 #include "pliant/criteria.hpp"
 #include "pliant/mesh_star.hpp"
@@ -56,7 +57,7 @@ struct Setup {
     REQUIRE(adapter.start(box.mesh, surface, criterion) == Status::ok);
   }
   MeshBox box;
-  shapes::Block block;
+  AlignedBlock block;
   Arena arena;
   Adapter adapter;
 };
@@ -80,7 +81,7 @@ float rank(const Criterion& c, const Adapter& a, FaceId f) {
 }  // namespace
 
 TEST_CASE("the rank queue gives what a sorted set gives") {
-  shapes::Block block(measured_bytes<RankQueue>(std::size_t{300}));
+  AlignedBlock block(measured_bytes<RankQueue>(std::size_t{300}));
   Arena arena(block.data(), block.size());
   RankQueue queue;
   REQUIRE(create_in(arena, queue, std::size_t{300}) == Status::ok);
@@ -311,7 +312,7 @@ TEST_CASE("ranks kept from call to call are those that ranking afresh gives") {
     // The same mesh, another adapter: its next steps must be the same.
     MeshBox copy(limits(900, 1800), shapes::block_grid(4));
     REQUIRE(copy.mesh.copy_from(s.box.mesh) == Status::ok);
-    shapes::Block block(measured_bytes<Adapter>(limits(900, 1800)));
+    AlignedBlock block(measured_bytes<Adapter>(limits(900, 1800)));
     Arena arena(block.data(), block.size());
     Adapter fresh;
     REQUIRE(create_in(arena, fresh, limits(900, 1800)) == Status::ok);

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 
+#include "aligned_block.hpp"
 #include "mesh_shapes.hpp"
 #include "real_data.hpp"
 
@@ -27,7 +28,7 @@ struct Maker {
       : block(measured_bytes<BaseMeshMaker>(l)), arena(block.data(), block.size()) {
     REQUIRE(create_in(arena, maker, l) == Status::ok);
   }
-  shapes::Block block;
+  AlignedBlock block;
   Arena arena;
   BaseMeshMaker maker;
 };
@@ -349,7 +350,7 @@ TEST_CASE("a maker fits what required bytes say") {
     const BaseMeshLimits l{512, 1024, splits};
     const std::size_t bytes = measured_bytes<BaseMeshMaker>(l);
     MESSAGE("bytes a face: ", bytes / 1024);
-    shapes::Block block(bytes);
+    AlignedBlock block(bytes);
     Arena arena(block.data(), bytes - 16);
     BaseMeshMaker maker;
     CHECK(create_in(arena, maker, l) == Status::out_of_memory);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "aligned_block.hpp"
 #include "mesh_shapes.hpp"
 
 using namespace pliant;
@@ -56,7 +57,7 @@ float squared(Vec2 a) {
 
 int adapt(Sampled& s, const Criterion& criterion, AdaptReport* report = nullptr) {
   const MeshLimits l = s.box.mesh.limits();
-  shapes::Block block(measured_bytes<Adapter>(l));
+  AlignedBlock block(measured_bytes<Adapter>(l));
   Arena arena(block.data(), block.size());
   Adapter adapter;
   REQUIRE(create_in(arena, adapter, l) == Status::ok);

@@ -39,7 +39,7 @@ TEST_CASE("a bad base is refused by name and leaves the mesh empty") {
       CHECK(box.mesh.face_count() == 0);
       CHECK(box.mesh.vertex_count() == 0);
       MeshBox fresh(l);
-      CHECK(box.block.bytes() == fresh.block.bytes());
+      CHECK(box.block.copy() == fresh.block.copy());
     }
     return box.status;
   };
@@ -142,7 +142,7 @@ TEST_CASE("on a free mesh every edge and face can be split, and welds undo it") 
     CHECK(mesh.refine(0) == Status::not_ready);
     for (const FaceId f : faces_of(mesh)) {
       mesh.clear_changes();
-      const auto before = box.block.bytes();
+      const auto before = box.block.copy();
       VertexId m = kNone;
       REQUIRE(mesh.split_face(f, m) == Status::ok);
       CHECK(mesh.find_valence(m) == 3);
@@ -150,7 +150,7 @@ TEST_CASE("on a free mesh every edge and face can be split, and welds undo it") 
       CHECK(mesh.weld_edge(m) == Status::not_ready);
       REQUIRE(mesh.weld_face(m) == Status::ok);
       mesh.clear_changes();
-      CHECK(box.block.bytes() == before);
+      CHECK(box.block.copy() == before);
       for (int k = 0; k < 3; ++k) {
         const auto faces = mesh.face_count();
         REQUIRE(mesh.split_edge(Mesh::half_edge(f, k), m) == Status::ok);

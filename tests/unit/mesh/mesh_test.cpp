@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "aligned_block.hpp"
 #include "mesh_shapes.hpp"
 #include "mesh_tools.hpp"
 
@@ -67,7 +68,7 @@ TEST_CASE("a mesh fits what required bytes say, and no smaller arena") {
   const MeshLimits l = limits(1024, 2048);
   const std::size_t bytes = measured_bytes<Mesh>(l);
   CHECK(bytes <= 20 * 2048);  // 20 bytes a triangle
-  shapes::Block block(bytes);
+  AlignedBlock block(bytes);
   for (std::size_t less = 16; less <= bytes; less += 16 * 97) {
     Arena arena(block.data(), bytes - less);
     Mesh mesh;
@@ -86,7 +87,7 @@ TEST_CASE("a split edge bears its midpoint and weld gives back every byte") {
     refine_all(mesh, 1);
     mesh.clear_changes();
     for (const FaceId f : faces_of(mesh)) {
-      const auto before = box.block.bytes();
+      const auto before = box.block.copy();
       const HalfEdgeId h = Mesh::half_edge(f, 0);
       const Vec2 a = mesh.uv(mesh.origin(h)), b = mesh.uv(mesh.destination(h));
       const int faces = mesh.face_count(), vertices = mesh.vertex_count();
@@ -108,7 +109,7 @@ TEST_CASE("a split edge bears its midpoint and weld gives back every byte") {
       CHECK(mesh.weld_edge(v) == Status::ok);
       CHECK(mesh.changes().count == 1);
       mesh.clear_changes();
-      CHECK(box.block.bytes() == before);
+      CHECK(box.block.copy() == before);
     }
   }
 }
@@ -189,7 +190,7 @@ TEST_CASE(
   for (const Triangles& base : bases()) {
     MeshBox box(limits(160, 300, 9), base);
     Mesh& mesh = box.mesh;
-    const auto before = box.block.bytes();
+    const auto before = box.block.copy();
     Random random{static_cast<std::uint64_t>(++seed)};
     int full = 0, wide = 0;
     for (int i = 0; i < 4000; ++i) {
@@ -214,7 +215,7 @@ TEST_CASE(
     mesh.simplify_all();
     CHECK(mesh.face_count() == static_cast<int>(base.face_count()));
     mesh.clear_changes();
-    CHECK(box.block.bytes() == before);
+    CHECK(box.block.copy() == before);
   }
 }
 
@@ -222,7 +223,7 @@ TEST_CASE("a million operations leave no trace") {
   Random shake{5};
   MeshBox box(limits(1200, 2200, 12), shapes::block_grid(6, &shake));
   Mesh& mesh = box.mesh;
-  const auto before = box.block.bytes();
+  const auto before = box.block.copy();
   Random random{6};
   for (int i = 0; i < 1000000; ++i) {
     if (random.below(2) == 0)
@@ -235,7 +236,7 @@ TEST_CASE("a million operations leave no trace") {
   CHECK_VALID(mesh);
   mesh.simplify_all();
   mesh.clear_changes();
-  CHECK(box.block.bytes() == before);
+  CHECK(box.block.copy() == before);
 }
 
 TEST_CASE("simplify removes a vertex with all that stands on it, and nothing else changes level") {
@@ -298,12 +299,12 @@ TEST_CASE("at every capacity from the base to full, running out leaves the mesh 
       for (int i = 0; i < 200; ++i) {
         const FaceId f = random_face(mesh, random);
         mesh.clear_changes();
-        const auto before = box.block.bytes();
+        const auto before = box.block.copy();
         const Status status = mesh.refine(f);
         if (status == Status::ok) continue;
         ++refused;
         REQUIRE(status == Status::capacity);
-        REQUIRE(box.block.bytes() == before);
+        REQUIRE(box.block.copy() == before);
       }
       CHECK(refused > 0);
       CHECK_VALID(mesh);
@@ -445,7 +446,7 @@ TEST_CASE("copies are equal and independent") {
   for (int i = 0; i < 50; ++i) (void)a.mesh.refine(random_face(a.mesh, random));
   CHECK(c.mesh.copy_from(a.mesh) == Status::bad_argument);
   REQUIRE(b.mesh.copy_from(a.mesh) == Status::ok);
-  CHECK(b.block.bytes() == a.block.bytes());
+  CHECK(b.block.copy() == a.block.copy());
   CHECK(b.mesh.compute_digest() == a.mesh.compute_digest());
   REQUIRE(b.mesh.refine(0) == Status::ok);
   CHECK(b.mesh.compute_digest() != a.mesh.compute_digest());

@@ -1,6 +1,7 @@
 // Cascade::personalise: the fixed identity of a person baked into one field, its accuracy, and what ends it.
 #include <doctest/doctest.h>
 
+#include "aligned_block.hpp"
 #include "pliant/cascade.hpp"
 #include "random_model.hpp"
 
@@ -216,7 +217,7 @@ TEST_CASE("a person that cannot be baked is refused by name and changes nothing"
   }
   SUBCASE("a smaller arena is refused, and the next size fits") {
     const std::size_t bytes = measured_bytes<Cascade>(m.model, PersonalFieldLimits{16, 16});
-    std::vector<std::max_align_t> block(bytes / sizeof(std::max_align_t) + 1);
+    AlignedBlock block(bytes);
     Cascade cascade;
     Arena small(block.data(), bytes - 16), enough(block.data(), bytes);
     CHECK(create_in(small, cascade, m.model, PersonalFieldLimits{16, 16}) == Status::out_of_memory);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "mcd_runner.hpp"
 #include "pliant/robust.hpp"
 #include "random.hpp"
@@ -148,9 +149,7 @@ double error_px(const Scene& scene, const Parameters& q, const Parameters& truth
 }
 
 struct RejectorRunner {
-  RejectorRunner()
-      : block(measured_bytes<ForceRejector>(limits) / sizeof(McdRunner::Line) + 1),
-        arena(block.data(), block.size() * sizeof(McdRunner::Line)) {
+  RejectorRunner() : block(measured_bytes<ForceRejector>(limits)), arena(block.data(), block.size()) {
     REQUIRE(create_in(arena, rejector, limits) == Status::ok);
   }
   std::vector<std::uint8_t> reject(const Scene& scene, const Trial& trial, McdStarts starts) {
@@ -167,7 +166,7 @@ struct RejectorRunner {
     return keep;
   }
   McdLimits limits{kPoints, kRigid};
-  std::vector<McdRunner::Line> block;
+  AlignedBlock block;
   Arena arena;
   ForceRejector rejector;
 };

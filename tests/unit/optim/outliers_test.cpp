@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 
+#include "aligned_block.hpp"
 #include "base/elementary.hpp"
 #include "mcd_runner.hpp"
 #include "random.hpp"
@@ -471,7 +472,7 @@ TEST_CASE("bad arguments and data beyond the limits leave the results as they we
 TEST_CASE("every smaller block fails cleanly, and the largest data fit their limits") {
   const McdLimits limits{40, 3};
   const std::size_t need = measured_bytes<Mcd>(limits);
-  std::vector<McdRunner::Line> block(need / sizeof(McdRunner::Line) + 1);
+  AlignedBlock block(need);
   for (std::size_t bytes = 0; bytes < need; bytes += 61) {
     Arena arena(block.data(), bytes);
     Mcd mcd;

@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "pliant/robust.hpp"
 #include "random.hpp"
 
@@ -17,15 +18,13 @@ using namespace pliant;
 namespace {
 
 struct Equations {
-  std::vector<unsigned char> block;
+  AlignedBlock block;
   Arena arena;
   NormalEquations equations;
   explicit Equations(std::size_t n)
-      : block(measured_bytes<NormalEquations>(n) + 16),
-        arena(aligned(block.data()), measured_bytes<NormalEquations>(n)) {
+      : block(measured_bytes<NormalEquations>(n)), arena(block.data(), block.size()) {
     REQUIRE(create_in(arena, equations, n) == Status::ok);
   }
-  static void* aligned(unsigned char* p) { return p + (16 - reinterpret_cast<std::uintptr_t>(p) % 16) % 16; }
 };
 
 /// Random sparse image observations into `e`, and the same in double.

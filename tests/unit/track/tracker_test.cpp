@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <string>
 
+#include "aligned_block.hpp"
 #include "face_film.hpp"
 #include "heap_trap.hpp"
 #include "model_builder.hpp"
@@ -56,8 +57,8 @@ TEST_CASE("pose, expression and landmarks of a rendered face are followed") {
 TEST_CASE("no heap call is made from the first frame on, in a block of exactly the stated size") {
   const TrackerLimits limits;
   const std::size_t bytes = measured_bytes<Tracker>(face().model, limits);
-  std::vector<unsigned char> memory(bytes + 16);
-  Arena arena(memory.data() + (16 - reinterpret_cast<std::uintptr_t>(memory.data()) % 16) % 16, bytes);
+  AlignedBlock block(bytes);
+  Arena arena(block.data(), block.size());
   static Tracker tracker;
   film();
   Status status = Status::ok;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "texture.hpp"
 
 using namespace pliant;
@@ -20,7 +21,7 @@ struct Found {
 
 Found find(const ImageView& image, const CornerOptions& options,
            const std::vector<std::uint8_t>& allowed = {}, std::size_t room = 1000) {
-  std::vector<std::uint8_t> block(corner_scratch_bytes(image.width, image.height, options) + 16);
+  AlignedBlock block(corner_scratch_bytes(image.width, image.height, options));
   Arena scratch(block.data(), block.size());
   Found f;
   f.corners.resize(room);
@@ -214,7 +215,7 @@ TEST_CASE("points near the border or outside, and NaN, score nothing") {
 TEST_CASE("too little scratch is a status") {
   const Picture p = textured(64, 48);
   const CornerOptions o;
-  std::vector<std::uint8_t> block(corner_scratch_bytes(64, 48, o));
+  AlignedBlock block(corner_scratch_bytes(64, 48, o));
   std::vector<Corner> out(10);
   int count = 77;
   Arena small(block.data(), block.size() - 16);

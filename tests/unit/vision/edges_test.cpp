@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "texture.hpp"
 
 using namespace pliant;
@@ -49,7 +50,7 @@ struct Scene {
 };
 
 struct Shown {
-  std::vector<std::uint8_t> block;
+  AlignedBlock block;
   Pyramid pyramid;
 
   explicit Shown(const Picture& p, int levels = 3) : block(std::size_t{1} << 15) {

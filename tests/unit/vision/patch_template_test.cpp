@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "patch_rig.hpp"
 #include "vision/patch_sums.hpp"
 #include "vision/patch_warp_system.hpp"
@@ -18,7 +19,7 @@ using namespace patch_rig;
 namespace {
 
 struct Bench {
-  std::vector<std::uint8_t> block = std::vector<std::uint8_t>(1 << 16);
+  AlignedBlock block{1 << 16};
   Arena arena{block.data(), block.size()};
   Workspace work;
   explicit Bench(int window) { work.lay_out(arena, window); }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "patch_rig.hpp"
 #include "pliant/patch_tracker.hpp"
 
@@ -114,7 +115,7 @@ TEST_CASE("images hardly larger than the window are tracked or refused, never re
 }
 
 TEST_CASE("limits out of range are refused, and every smaller arena fails cleanly") {
-  std::vector<std::uint8_t> block(1 << 20);
+  AlignedBlock block(1 << 20);
   Arena arena(block.data(), block.size());
   PatchTracker t;
   for (const PatchLimits& l :
@@ -205,7 +206,7 @@ TEST_CASE("for random images, positions and options there is a status and no NaN
     // Blocks of their own, just large enough, so that a sanitizer sees every byte read outside.
     const PyramidLimits size{a.width, a.height, pick(1, 4), round % 2 == 0};
     const PatchLimits limits{1, 7 + 2 * pick(0, 7), pick(1, 4), pick(0, 16)};
-    std::vector<std::uint8_t> p(measured_bytes<Pyramid>(size)), t(measured_bytes<PatchTracker>(limits));
+    AlignedBlock p(measured_bytes<Pyramid>(size)), t(measured_bytes<PatchTracker>(limits));
     Arena pyramid_arena(p.data(), p.size()), tracker_arena(t.data(), t.size());
     Pyramid pyramid;
     PatchTracker tracker;

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "texture.hpp"
 
 using namespace pliant;
@@ -12,8 +13,8 @@ using texture::Picture;
 namespace {
 
 struct Room {
-  std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(1 << 22);
-  Arena arena{bytes.data(), bytes.size()};
+  AlignedBlock block{1 << 22};
+  Arena arena{block.data(), block.size()};
 };
 
 Picture random_picture(int width, int height, std::uint64_t seed) {
@@ -163,7 +164,7 @@ TEST_CASE("every smaller arena fails cleanly, and the measured size is enough") 
   const PyramidLimits limits{40, 24, 3, true};
   const std::size_t bytes = measured_bytes<Pyramid>(limits);
   CHECK(bytes < 40 * 24 * 3 / 2 + 300);
-  std::vector<std::uint8_t> block(bytes);
+  AlignedBlock block(bytes);
   for (std::size_t n = 0; n <= bytes; ++n) {
     Arena arena(block.data(), n);
     Pyramid p;
