@@ -1,0 +1,67 @@
+#pragma once
+/// \file face_detector.hpp
+/// Finds faces in a frame, without anything known before.
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/face_box.hpp"
+#include "pliant/frame.hpp"
+#include "pliant/status.hpp"
+
+namespace pliant {
+
+/// A face in a frame.
+struct DetectedFace {
+  FaceBox box;      ///< where it is
+  float score = 0;  ///< probability that it is a face, 0 to 1
+};
+
+/// What a detector is made for. Fixes its memory.
+struct FaceDetectorLimits {
+  std::uint16_t width = 320, height = 240;  ///< largest frame, px, up to 8192
+  std::uint16_t smallest_px = 48;           ///< side of the smallest face box, px; less than 48 counts as 48
+};
+
+/// Finds upright faces by a window that slides over the frame at many sizes, and boosted trees over gradient cells
+/// (docs/algorithms.md, section 7.7), from a learnt table. Boxes have sides from `smallest_px` to 1.2 times the frame's smaller
+/// side, and may reach a quarter of their side beyond its border. Lives in an arena (create_in, measured_bytes): 40 kB for
+/// a frame 320 px wide or more.
+class FaceDetector {
+ public:
+  FaceDetector() = default;
+  FaceDetector(const FaceDetector&) = delete;
+  FaceDetector& operator=(const FaceDetector&) = delete;
+
+  /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
+  /// \param table  bytes of the detector's learnt table, which must outlive the detector.
+  void lay_out(Arena& arena, const Span<const std::uint8_t>& table, const FaceDetectorLimits& limits);
+  /// `ok` if there is a table that can be used; `not_found` without a table; `misaligned`, `truncated`, `bad_magic`,
+  /// `bad_checksum`, `bad_table` for what cannot be used. Searching returns the same.
+  Status status() const { return status_; }
+
+  /// Searches a whole frame, independently of earlier calls. Writes the faces found to `room`, best first, and their
+  /// number to `count`: those with the highest scores if there are more than fit.
+  /// \return as status(); `bad_argument` for a null pointer or an unreadable frame, `size_mismatch` for one beyond the
+  ///         limits. A frame too small for a face is `ok`; nothing is found. Cost: 5 ms on a PC for 320 x 240 pixels.
+  Status find(const FrameView& frame, Span<DetectedFace> room, std::size_t* count);
+
+  /// Searches a part of a frame: goes on where the last call ended, at the same size of faces and a row further down, or
+  /// from the smallest size on. `find` and another frame size begin again.
+  /// \param work         cells to be searched, where find(320 x 240) searches 20,000; at least one row is searched.
+  /// \param is_complete  set to true where the largest size has been searched to its end; the search then stops, and the
+  ///                     next call begins with the smallest size.
+  /// Faces found in this part are written as by `find`. \return as `find`.
+  Status search(const FrameView& frame, std::uint32_t work, Span<DetectedFace> room, std::size_t* count,
+                bool* is_complete);
+
+ private:
+  struct State;
+  Status check_input(const FrameView& frame, Span<DetectedFace> room, const std::size_t* count) const;
+
+  FaceDetectorLimits limits_;
+  State* state_ = nullptr;
+  Status status_ = Status::not_found;
+};
+
+}  // namespace pliant

@@ -1,0 +1,36 @@
+#pragma once
+// Choice among overlapping hits of a detector.
+#include "pliant/arena.hpp"
+#include "pliant/face_box.hpp"
+
+namespace pliant {
+
+/// A window that a detector takes for a face.
+struct BoxHit {
+  FaceBox box;
+  int sum;  ///< of the trees
+};
+
+/// The area that two boxes share as a fraction of the area that they cover together.
+float overlap(const FaceBox& a, const FaceBox& b);
+
+/// Collects the hits with the highest sums.
+class BoxHits {
+ public:
+  static constexpr int kCapacity = 192;  ///< hits; a face gives 10 to 40
+
+  void lay_out(Arena& arena);
+  void clear() { count_ = 0; }
+  /// Adds a hit; if all places are taken, in place of the one with the lowest sum, if that is lower.
+  void add(const BoxHit& hit);
+  /// Takes out the hit with the highest sum, and all that overlap it, and returns the mean of those that overlap it much,
+  /// weighted by their sums above `least_sum`. Of equal sums the first one counts. \pre !empty().
+  BoxHit take_best(int least_sum);
+  bool empty() const { return count_ == 0; }
+
+ private:
+  BoxHit* hits_ = nullptr;
+  int count_ = 0;
+};
+
+}  // namespace pliant

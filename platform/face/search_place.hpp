@@ -1,0 +1,42 @@
+#pragma once
+// Where a sliding window is: size, strip and row.
+#include <cstdint>
+
+#include "pliant/face_box.hpp"
+
+namespace pliant {
+
+/// Enumerates the rows of cells of all strips of a frame at all sizes, from the smallest faces to the largest. Wide frames are
+/// cut into strips that share kWindowCells - 1 columns, so that memory does not grow with the frame.
+class SearchPlace {
+ public:
+  /// The most columns of a strip of a frame up to `width` px wide.
+  static int most_columns(int width);
+
+  /// The first row for a frame of this size; complete at once if no face box fits.
+  void begin(int width, int height, int smallest_px);
+  /// To the next row. \pre !is_complete().
+  void advance();
+
+  bool is_complete() const { return is_complete_; }
+  bool is_of(int width, int height) const { return width == width_ && height == height_; }
+  int ratio() const { return ratio_; }          ///< of the frame to the reduced one, in 1/ScaledLines::kUnit
+  int first_column() const { return column_; }  ///< of the strip, in cells of the reduced frame
+  int columns() const { return columns_; }      ///< of the strip
+  int row() const { return row_; }              ///< in cells of the reduced frame
+  bool begins_strip() const { return row_ == first_row(); }
+  /// The box, in the frame, of the window whose first cell is `k` columns right of the strip's first, in `row`.
+  FaceBox box(int k, int row) const;
+
+ private:
+  static int first_row();
+  void begin_size();
+  void begin_strip();
+
+  int width_ = 0, height_ = 0, first_ratio_ = 0, size_ = 0, ratio_ = 0;
+  int end_column_ = 0, end_row_ = 0;  // behind the last cells at this size
+  int column_ = 0, columns_ = 0, row_ = 0;
+  bool is_complete_ = true;
+};
+
+}  // namespace pliant
