@@ -1,0 +1,34 @@
+#pragma once
+/// \file detector_learning_tuning.hpp
+/// Constants of the detector's training that were chosen.
+#include <cstddef>
+
+#include "host/learn/boosted_trees.hpp"
+
+namespace pliant::host::learn {
+
+/// Tuning of the detector's training. Each constant: unit, reason, experiment.
+struct DetectorLearningTuning {
+  /// Samples of faces, count.
+  std::size_t samples = 8000;
+  /// Windows that each sample gives, count.
+  std::size_t windows_a_sample = 2;
+  /// Largest shift of a window, as a fraction of its side: half a cell is 1/24.
+  float shift = 0.05f;
+  /// Largest change of a window's size: half the step between the sizes that are searched is 2^(1/8).
+  float zoom = 1.1f;
+  /// Windows of pictures without faces, at random places, before the first round, count.
+  std::size_t random_others = 20000;
+  /// Hits that are added before each later round, and windows of others in all, count.
+  std::size_t hits_a_round = 12000, most_others = 50000;
+  /// Hits that one picture may add in a round, count.
+  std::size_t hits_a_picture = 40;
+  /// Trees of each round, count.
+  std::size_t trees[4] = {32, 96, 256, 768};
+  /// Faces that the thresholds may lose, as a fraction: of the rounds before the last one, and of the last one.
+  double lost_faces_before = 0.002, lost_faces = 0.005;
+  BoostTuning boosting;
+};
+inline constexpr DetectorLearningTuning kDetectorLearningTuning{};
+
+}  // namespace pliant::host::learn
