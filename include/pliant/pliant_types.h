@@ -24,7 +24,7 @@ enum {
   PLIANT_TOO_FEW_POINTS = 10,       /**< fewer than 4 landmarks, or fewer than 6 surface points with texture */
   PLIANT_UNDERDETERMINED = 11,      /**< landmarks that do not determine the pose; a landmark behind the camera */
   PLIANT_SIZE_MISMATCH = 12,        /**< a frame of another size than the limits */
-  PLIANT_NOT_STARTED = 13,          /**< no start has succeeded yet, or the last one failed */
+  PLIANT_NOT_STARTED = 13,          /**< there is no track: no start has succeeded yet, or it was given up */
   PLIANT_NOT_FOUND = 14,            /**< no landmark or parameter of that name or index */
   PLIANT_END_OF_STREAM = 15,        /**< frame sources: there is no further frame */
   PLIANT_IO_ERROR = 16,             /**< frame sources: a read failed */
@@ -89,7 +89,12 @@ typedef struct pliant_start_options {
   const pliant_camera *camera; /**< intrinsics and lens, which replace focal_px; null: unknown */
   float focal_px;              /**< 0: unknown; landmarks estimate it, a box assumes 1.4 x the larger side */
   uint32_t drops_landmark_offsets; /**< not 0: landmarks are read where the model has them, not this person */
+  uint32_t box;                    /**< PLIANT_BOX_LANDMARKS, PLIANT_BOX_OPENCV or PLIANT_BOX_FACE */
 } pliant_start_options;
+
+/** What a box encloses: brows to chin, ear to ear; the square that OpenCV's cascades give; pliant's own face box, a square
+ *  of 150 mm on the face around the middle between eyes and mouth. */
+enum { PLIANT_BOX_LANDMARKS = 0, PLIANT_BOX_OPENCV = 1, PLIANT_BOX_FACE = 2 };
 
 /** A state that a later start goes on from. The arrays are the caller's. */
 typedef struct pliant_state {
@@ -109,6 +114,8 @@ typedef struct pliant_result {
   float rms_px;              /**< of the inliers' residuals */
   uint16_t tracked, inliers; /**< observations found; observations used in the end */
   int32_t state;             /**< PLIANT_TRACKING, PLIANT_DEGRADED or PLIANT_LOST */
+  float landmark_error;      /**< expected, as a fraction of the distance of the outer eye corners; 0: unknown */
+  int32_t is_searching;      /**< 1: there is no track, and the frame was searched for a face */
 } pliant_result;
 
 /* The layout that the library was compiled with. */
@@ -122,9 +129,9 @@ PLIANT_HAS_SIZE(pliant_frame, 2 * sizeof(void *) + 24);
 PLIANT_HAS_SIZE(pliant_camera, 24);
 PLIANT_HAS_SIZE(pliant_pose, 28);
 PLIANT_HAS_SIZE(pliant_point, sizeof(void *) + 8);
-PLIANT_HAS_SIZE(pliant_start_options, sizeof(void *) + 8);
+PLIANT_HAS_SIZE(pliant_start_options, sizeof(void *) + (sizeof(void *) == 8 ? 16 : 12));
 PLIANT_HAS_SIZE(pliant_state, 4 * sizeof(void *) + 52 + (sizeof(void *) == 8 ? 4 : 0));
-PLIANT_HAS_SIZE(pliant_result, 64);
+PLIANT_HAS_SIZE(pliant_result, 72);
 #undef PLIANT_HAS_SIZE
 
 #endif

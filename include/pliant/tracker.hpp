@@ -29,12 +29,21 @@ struct NamedPoint {
   Vec2 x;                      ///< px
 };
 
+/// What a face detector's box encloses.
+enum class BoxConvention : std::uint8_t {
+  landmarks = 0,  ///< brows to chin, ear to ear
+  opencv =
+      1,  ///< the square that OpenCV's cascades give: from the middle of the forehead to just above the chin
+  face_box = 2,  ///< a FaceBox: corner = center - side / 2, size = side
+};
+
 /// Options of a start besides landmarks or a box.
 struct StartOptions {
   float focal_px = 0;  ///< focal length, px; 0: unknown, then landmarks fit it and a box assumes it
   const Camera* camera = nullptr;  ///< intrinsics and lens, if known; they replace focal_px
   bool keeps_landmark_offsets =
       true;  ///< false: `landmark` gives the positions of the model, without offsets
+  BoxConvention box = BoxConvention::landmarks;  ///< of start_from_box
 };
 
 /// A tracker's state for another start: after a pause, or in another process. The arrays are the caller's.
@@ -54,7 +63,12 @@ struct SavedState {
 /// key frames: newly visible surface gets templates, and points that are still found get a second one. Frame 0's templates
 /// stay.
 ///
-/// Every start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays first. If one of
+/// With a model that has learnt tables (pliant learn) no start is needed: while there is no track, `update` searches the
+/// frame for a face and starts by itself. A running track is verified every few frames. A track that is lost, or that is no
+/// face, is given up, and the frame is searched again. Where the same person is found, identity, landmark offsets and camera
+/// stay.
+///
+/// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays first. If one of
 /// those is wrong, nothing changes. If the start fails later (in the fit, the pose or the texture), the tracker is not
 /// started and `is_started` is false.
 class Tracker {
@@ -65,6 +79,13 @@ class Tracker {
 
   /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
+
+  /// Ends the track, if there is one, and forgets the person: the next `update` searches for a face. A new tracker does so
+  /// with default options.
+  /// \param start    camera or focal length, if known, and `keeps_landmark_offsets`.
+  /// \param options  of the tracks that follow.
+  /// \return not_found: the limits name no detection, or the model has no learnt tables; nothing has changed.
+  Status start_by_detection(const StartOptions& start = {}, const TrackerOptions& options = {});
 
   /// Starts from a known pose.
   /// \param q        all parameters, in the model's order; null: all 0.
@@ -84,7 +105,8 @@ class Tracker {
                               const StartOptions& start = {}, const TrackerOptions& options = {},
                               Span<const Vec2> markers = {});
 
-  /// Starts with the neutral model, frontal, in a face detector's box: upper left corner and size, px.
+  /// Starts with the neutral model, frontal, in a face detector's box: upper left corner and size, px (StartOptions::box).
+  /// With learnt tables the face is then aligned in the frame.
   /// \return bad_argument (a size that is not positive), and the statuses of start_from_pose.
   Status start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, const StartOptions& start = {},
                         const TrackerOptions& options = {}, Span<const Vec2> markers = {});
@@ -98,8 +120,10 @@ class Tracker {
   /// \return not_started, bad_argument (null, or arrays of another size than the model's): nothing is written.
   Status save(SavedState* state) const;
 
-  /// Tracks the next frame.
-  /// \return not_started, bad_argument, size_mismatch, stale_frame (neither the time nor the sequence number is later than
+  /// Tracks the next frame, or searches it while there is no track (FrameResult::is_searching). A face that is found is
+  /// tracked from this frame on.
+  /// \return not_started (no track and no detection), bad_table (detector or aligner), bad_argument, size_mismatch,
+  ///         stale_frame (neither the time nor the sequence number is later than
   ///         the last frame's). Nothing has changed then.
   Status update(const FrameView& frame, FrameResult* result);
 
@@ -107,7 +131,8 @@ class Tracker {
   const TrackerLimits& limits() const;  ///< Limits of the layout.
   /// Names of parameters and landmarks, and how many there are.
   const Model& model() const;
-  bool is_started() const;  ///< True after a successful start.
+  bool is_started()
+      const;  ///< True while there is a track: after a start of either kind, until it is given up.
   /// Of the last frame; after a start that of frame 0: tracking, at the pose of the start.
   const FrameResult& result() const;
   /// The camera of the start, with the focal length that it found.

@@ -9,6 +9,10 @@
 
 namespace pliant {
 
+struct FaceDetection;
+/// Detection, alignment and verification of faces, by name, so that programs that do not use them do not link them.
+extern const FaceDetection kFaceDetection;
+
 /// Capacities of a Tracker. The defaults are the configuration that the README's figures measure: profile M.
 /// `measured_bytes<Tracker>(model, limits)` gives the bytes that they cost.
 struct TrackerLimits {
@@ -47,9 +51,22 @@ struct TrackerLimits {
   /// Landmarks that `start_from_landmarks` takes at most. The fit uses the memory of the tracking, before it; where it
   /// needs more, the block grows.
   std::uint16_t start_points = 68;
+  /// If null, or if the model has no learnt tables, the tracker neither finds faces nor verifies tracks. Null also leaves
+  /// their code out of the program.
+  const FaceDetection* detection = &kFaceDetection;
+  std::uint16_t smallest_face_px = 48;  ///< side of the smallest face that is searched for, px (FaceBox)
+  /// Work of the search in one frame (FaceDetector::search). 0: not bounded; the frame is searched and faces are aligned at
+  /// once, a few milliseconds on a PC. With a bound, a frame has either a part of the search or one alignment.
+  std::uint32_t search_work = 0;
 
   static constexpr int kMostKeyFrames = 8;  ///< most later key frames
 };
+
+/// The same limits without detection of faces.
+constexpr TrackerLimits without_detection(TrackerLimits limits) {
+  limits.detection = nullptr;
+  return limits;
+}
 
 /// Profile M, the default: 320 x 240, 128 + 64 templates, edges, 512 vertices.
 constexpr TrackerLimits profile_m() {

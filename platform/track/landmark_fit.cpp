@@ -13,9 +13,15 @@ float spread_of(Span<const Correspondence> points) {
   return length(high - low);
 }
 
-bool is_silhouette_landmark(const char* name) {
+bool is_ibug_landmark(const char* name) {
   for (const char* expected = "ibug"; *expected != '\0'; ++expected, ++name)
     if (*name != *expected) return false;
+  return true;
+}
+
+bool is_silhouette_landmark(const char* name) {
+  if (!is_ibug_landmark(name)) return false;
+  name += 4;
   const bool is_below_10 = name[0] == '0' && name[1] >= '0' && name[1] <= '9';
   const bool is_10_to_16 = name[0] == '1' && name[1] >= '0' && name[1] <= '6';
   return (is_below_10 || is_10_to_16) && name[2] == '\0';

@@ -33,6 +33,9 @@ inline constexpr LandmarkFitTuning kLandmarkFitTuning{};
 /// Diagonal of the points' bounding box, px; negative or not a number without points.
 float spread_of(Span<const Correspondence> points);
 
+/// Whether a landmark's name begins with `ibug`.
+bool is_ibug_landmark(const char* name);
+
 /// Whether a landmark's name is one of `ibug00` to `ibug16`: annotations put those on the silhouette of the face.
 bool is_silhouette_landmark(const char* name);
 

@@ -19,6 +19,7 @@ static_assert(static_cast<int>(Status::stale_frame) == PLIANT_STALE_FRAME);
 static_assert(static_cast<int>(Status::isolated_vertex) == PLIANT_ISOLATED_VERTEX);
 static_assert(static_cast<int>(Status::not_found) == PLIANT_NOT_FOUND);
 static_assert(static_cast<int>(TrackState::lost) == PLIANT_LOST);
+static_assert(static_cast<int>(BoxConvention::face_box) == PLIANT_BOX_FACE);
 // Arrays of these are handed on as they are.
 static_assert(sizeof(NamedPoint) == sizeof(pliant_point) &&
               offsetof(NamedPoint, x) == offsetof(pliant_point, x));
@@ -54,8 +55,10 @@ pliant_pose plain(const Pose& p) {
 
 pliant_result result_of(const Tracker& tracker) {
   const FrameResult& r = tracker.result();
-  return {plain(r.pose), plain(tracker.camera()),           r.rms_px, r.tracked,
-          r.inliers,     static_cast<std::int32_t>(r.state)};
+  return {plain(r.pose),    plain(tracker.camera()),
+          r.rms_px,         r.tracked,
+          r.inliers,        static_cast<std::int32_t>(r.state),
+          r.landmark_error, r.is_searching ? 1 : 0};
 }
 
 Span<const NamedPoint> points_of(const pliant_point* points, std::size_t count) {
@@ -76,6 +79,7 @@ StartOptions options_of(const pliant_start_options* from, Camera* camera) {
   if (from == nullptr) return to;
   to.focal_px = from->focal_px;
   to.keeps_landmark_offsets = from->drops_landmark_offsets == 0;
+  to.box = static_cast<BoxConvention>(from->box <= PLIANT_BOX_FACE ? from->box : 255);  // another is refused
   if (from->camera == nullptr) return to;
   *camera = camera_of(*from->camera);
   to.camera = camera;
@@ -172,6 +176,12 @@ pliant_status pliant_create(void* memory, size_t bytes, const void* table, size_
   return plain(status);
 }
 
+pliant_status pliant_start_by_detection(pliant_tracker* t, const pliant_start_options* options) {
+  if (t == nullptr) return PLIANT_BAD_ARGUMENT;
+  Camera camera;
+  return plain(t->tracker.start_by_detection(options_of(options, &camera)));
+}
+
 pliant_status pliant_start_from_pose(pliant_tracker* t, const pliant_frame* frame,
                                      const pliant_camera* camera, const pliant_pose* pose,
                                      const float* parameters) {
@@ -222,7 +232,7 @@ pliant_status pliant_update(pliant_tracker* t, const pliant_frame* frame, pliant
 
 pliant_status pliant_get_result(const pliant_tracker* t, pliant_result* result) {
   if (t == nullptr || result == nullptr) return PLIANT_BAD_ARGUMENT;
-  if (!t->tracker.is_started()) return PLIANT_NOT_STARTED;
+  if (!t->tracker.is_started() && !t->tracker.result().is_searching) return PLIANT_NOT_STARTED;
   *result = result_of(t->tracker);
   return PLIANT_OK;
 }

@@ -47,15 +47,63 @@ Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint>
   return status;
 }
 
-Status fit_to_box(Arena& arena, const Model& model, Vec2 corner, Vec2 size, const float* q,
-                  StartPose* start) {
+std::size_t aligned_fit_bytes(const Model& model) {
+  const std::size_t landmarks = model.landmarks().count;
+  return start_fit_bytes(model, landmarks) + (landmarks + 1) * sizeof(NamedPoint);
+}
+
+Status fit_to_aligned(Arena& arena, const Model& model, Span<const Vec2> landmarks, const FitOptions& options,
+                      float* q, StartPose* start, LandmarkOffsets* offsets) {
+  PLIANT_ASSERT(landmarks.count == model.landmarks().count);
+  NamedPoint* const points = arena.take<NamedPoint>(landmarks.count);
+  if (points == nullptr) return Status::out_of_memory;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < landmarks.count; ++k)
+    if (is_ibug_landmark(model.landmarks()[k].name) && is_finite(landmarks[k]))
+      points[count++] = {model.landmarks()[k].name, landmarks[k]};
+  return fit_to_landmarks(arena, model, {points, count}, options, q, start, offsets);
+}
+
+namespace {
+
+/// The face box of a view; side 0 if the model lacks a landmark.
+FaceBox box_of(Cascade& cascade, const float* q, const View& view) {
+  const char* const names[] = {"ibug36", "ibug45", "ibug48", "ibug54"};
+  const Projector projector(view, true);
+  Vec2 x[4];
+  for (int k = 0; k < 4; ++k) {
+    const std::uint16_t index = cascade.model().find_landmark(names[k]);
+    if (index == kNone) return {};
+    const Landmark& l = cascade.model().landmarks()[index];
+    if (!projector.project(cascade.surface_point({l.u, l.v}, q), &x[k])) return {};
+  }
+  return face_box_of(x[0], x[1], x[2], x[3], view.s);
+}
+
+}  // namespace
+
+Status fit_to_box(Arena& arena, const Model& model, Vec2 corner, Vec2 size, BoxConvention convention,
+                  const float* q, StartPose* start, FaceBox* box) {
   Cascade* const room = arena.take<Cascade>(1);
   if (room == nullptr) return Status::out_of_memory;
   Cascade& cascade = *new (room) Cascade();
   Status status = create_in(arena, cascade, model);
   if (status != Status::ok) return status;
+  if (convention == BoxConvention::opencv) {
+    corner = corner + Vec2{kStartFitTuning.opencv_left * size.x, kStartFitTuning.opencv_top * size.x};
+    size = {kStartFitTuning.opencv_size * size.x, kStartFitTuning.opencv_size * size.x};
+  }
   View view;
   status = view_from_box(cascade, q, corner, size, start->camera, &view);
+  *box = status == Status::ok ? box_of(cascade, q, view) : FaceBox{};
+  if (convention == BoxConvention::face_box && box->side > 0) {
+    const Vec2 centre = corner + 0.5f * size;
+    view.s = size.x / kFaceBoxMm;
+    view.rho = clamp(view.s / start->camera.f, kMinRho, kMaxRho);
+    for (int k = 0; k < kStartFitTuning.centring_steps; ++k)
+      view.tau = view.tau + (1 / view.s) * (centre - box_of(cascade, q, view).center);
+    *box = {centre, size.x};
+  }
   if (status == Status::ok) start->pose = pose_of(view);
   return status;
 }

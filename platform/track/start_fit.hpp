@@ -5,10 +5,21 @@
 #include <cstddef>
 
 #include "pliant/camera.hpp"
+#include "pliant/face_box.hpp"
 #include "pliant/tracker.hpp"
 #include "track/landmark_offsets.hpp"
 
 namespace pliant {
+
+/// Tuning of starts. Each constant: unit, reason, experiment.
+struct StartFitTuning {
+  /// Brows to chin and ear to ear in a box of OpenCV's cascades: left, top and size as fractions of the box's width. Measured
+  /// on photographs with landmarks.
+  float opencv_left = 0.08f, opencv_top = 0.23f, opencv_size = 0.85f;
+  /// Steps that move a view's face box to a given centre: perspective makes the first one inexact by a percent.
+  int centring_steps = 2;
+};
+inline constexpr StartFitTuning kStartFitTuning{};
 
 struct StartPose {
   Camera camera;
@@ -24,7 +35,16 @@ std::size_t start_fit_bytes(const Model& model, std::size_t points);
 Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint> points,
                         const FitOptions& options, float* q, StartPose* start, LandmarkOffsets* offsets);
 
-/// The pose of the model with parameters q, frontal, in the box. Statuses of view_from_box.
-Status fit_to_box(Arena& arena, const Model& model, Vec2 corner, Vec2 size, const float* q, StartPose* start);
+/// The same for what an alignment found: a position for each of the model's landmarks, px. Those of the outline of the face
+/// and the 51 inner ones take part.
+Status fit_to_aligned(Arena& arena, const Model& model, Span<const Vec2> landmarks, const FitOptions& options,
+                      float* q, StartPose* start, LandmarkOffsets* offsets);
+/// Bytes that fit_to_aligned takes.
+std::size_t aligned_fit_bytes(const Model& model);
+
+/// The pose of the model with parameters q, frontal, in the box, and its face box (side 0 for a model without eye and mouth
+/// corners). Statuses of view_from_box.
+Status fit_to_box(Arena& arena, const Model& model, Vec2 corner, Vec2 size, BoxConvention convention,
+                  const float* q, StartPose* start, FaceBox* box);
 
 }  // namespace pliant

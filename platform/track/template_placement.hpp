@@ -14,7 +14,10 @@ namespace pliant {
 /// Works in memory of its own; keeps nothing from call to call.
 class TemplatePlacement {
  public:
-  void lay_out(Arena& arena, const TrackerLimits& limits);
+  /// \param least_scratch  of `scratch`, bytes.
+  void lay_out(Arena& arena, const TrackerLimits& limits, std::size_t least_scratch = 0);
+  /// Memory that is used during `place` only.
+  Span<std::uint8_t> scratch() const { return scratch_; }
 
   /// Captures templates in the free slots [first, end) as far as the region shows texture: at first as far apart as the
   /// visible surface allows, then closer. Points keep apart from points found in this frame and from markers.

@@ -1,18 +1,8 @@
-// The tracker: a composition of its parts. `update` is the pipeline: predict, match, solve, conclude.
-#include "pliant/tracker.hpp"
+// The tracker: a composition of its parts. `update` is the pipeline: detect or predict, match, solve, conclude.
+#include <new>
 
-#include "track/edge_tracker.hpp"
-#include "track/frame_region.hpp"
-#include "track/key_frames.hpp"
-#include "track/landmark_fit.hpp"
-#include "track/landmark_offsets.hpp"
-#include "track/markers.hpp"
-#include "track/start_fit.hpp"
-#include "track/surface_texture.hpp"
-#include "track/template_matcher.hpp"
-#include "track/template_placement.hpp"
-#include "track/template_store.hpp"
 #include "track/template_tuning.hpp"
+#include "track/tracker_impl.hpp"
 #include "track/tracker_sizes.hpp"
 
 namespace pliant {
@@ -33,85 +23,21 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   return e;
 }
 
-/// The parts that work on images.
-struct ImageParts {
-  FrameRegion region;
-  TemplateStore templates;
-  TemplateMatcher matcher;
-  TemplatePlacement placement;
-  EdgeTracker edges;
-  KeyFrames key_frames;
-  SurfaceTexture texture;
-  Markers markers;
-  Span<Observation> observations;
-  std::uint16_t* prediction_index = nullptr;  // by id of a surface point
-
-  void lay_out(Arena& arena, const TrackerLimits& limits);
-};
-
-void ImageParts::lay_out(Arena& arena, const TrackerLimits& limits) {
-  region.lay_out(arena, limits);
-  templates.lay_out(arena, limits);
-  matcher.lay_out(arena, limits);
-  placement.lay_out(arena, limits);
-  edges.lay_out(arena, limits);
-  key_frames.lay_out(arena, limits);
-  texture.lay_out(arena, limits.texture_cells);
-  markers.lay_out(arena, limits.markers);
-  arena.count_as(Purpose::points);
-  observations =
-      arena.take_span<Observation>(all_slots(limits) + EdgeTracker::kAlternatives * edge_points(limits));
-  prediction_index = arena.take<std::uint16_t>(all_points(limits));
-}
-
 }  // namespace
-
-/// The estimator and the parts that work on images share their memory with the fit of a start, which runs before them.
-struct Tracker::Impl : ImageParts {
-  // Set by lay_out. The default limits would link the rejection into every program.
-  TrackerLimits limits = without_rejection(TrackerLimits{});
-  bool uses_edges = false;
-  Span<float> start_q;
-  LandmarkOffsets offsets;
-  Span<unsigned char> block;  // of fit and tracking
-
-  Estimator estimator;
-  std::size_t observation_count = 0;
-  FrameResult result;
-  std::uint32_t frame = 0, last_sequence = 0;
-  std::int64_t last_time_ns = 0;
-  int bad_frames = 0;  // in a row
-  bool is_started = false;
-
-  const Model& model() const { return estimator.model(); }
-  MatchFrame match_frame() { return {templates, region, observations}; }
-
-  /// The tracking's parts, whose memory a start's fit may have used. Null: measures.
-  static void lay_out_tracking(Arena& arena, Impl* impl, const Model& model, const TrackerLimits& limits);
-
-  Status check_start(const FrameView& frame, Span<const Vec2> markers) const;
-  Status check_landmarks(Span<const NamedPoint> points) const;
-  bool fits_model(const SavedState& state) const;
-  template <class Fit>
-  Status fit_before_tracking(Fit&& fit);
-  Status start(const FrameView& frame, const StartPose& from, const float* q, const TrackerOptions& with,
-               Span<const Vec2> marker_places);
-  Status capture_frame_0(const FrameView& view, Span<const Vec2> marker_places, float marker_exclusion_px);
-
-  bool is_stale(const FrameView& view) const;
-  Status predict(const FrameView& view);
-  void match_and_solve();
-  std::size_t run_round(int round);
-  void conclude();
-  void keep_key_frame();
-};
 
 // --- Memory ---
 
 void Tracker::Impl::lay_out_tracking(Arena& arena, Impl* impl, const Model& model,
                                      const TrackerLimits& limits) {
   lay_out_part(arena, impl == nullptr ? nullptr : &impl->estimator, model, estimator_limits(limits));
-  lay_out_part(arena, static_cast<ImageParts*>(impl), limits);
+  lay_out_part(arena, static_cast<ImageParts*>(impl), model, limits);
+}
+
+/// The same in the block, whatever has used it.
+void Tracker::Impl::lay_out_tracking() {
+  Arena arena(block.data, block.count);
+  lay_out_tracking(arena, this, table, limits);
+  block_is_of_search = false;
 }
 
 void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
@@ -121,178 +47,44 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   impl_ = arena.make<Impl>();
   const auto q = arena.take_span<float>(model.parameters().count);
   lay_out_part(arena, impl_ == nullptr ? nullptr : &impl_->offsets, model);
+  Span<std::uint8_t> is_free;
+  if (own.detection != nullptr) is_free = arena.take_span<std::uint8_t>(q.count);
+  FaceStart* const faces = own.detection == nullptr ? nullptr : own.detection->lay_out(arena, model, own);
   unsigned char* const block = arena.take<unsigned char>(0);
-  const std::size_t before = arena.used_bytes(), fit = start_fit_bytes(model, own.start_points);
+  const std::size_t before = arena.used_bytes();
+  std::size_t needed = start_fit_bytes(model, own.start_points);
+  if (own.detection != nullptr) {
+    const std::size_t search = own.detection->search_bytes(model, own);
+    if (search > needed) needed = search;
+  }
   Impl::lay_out_tracking(arena, impl_, model, own);
   const std::size_t tracking = arena.used_bytes() - before;
   arena.count_as(Purpose::solver);
-  if (fit > tracking) arena.take<unsigned char>(fit - tracking);
+  if (needed > tracking) arena.take<unsigned char>(needed - tracking);
   if (impl_ == nullptr) return;
   impl_->limits = own;
+  impl_->table = model;
   impl_->start_q = q;
-  impl_->block = {block, fit > tracking ? fit : tracking};
+  impl_->start_is_free = is_free;
+  impl_->block = {block, needed > tracking ? needed : tracking};
+  impl_->faces = faces;
+  impl_->person = {false, {}, q.data, &impl_->offsets};
 }
 
-// --- Starts ---
-
-Status Tracker::Impl::check_start(const FrameView& view, Span<const Vec2> marker_places) const {
-  const Status status = region.check_frame(view);
-  if (status != Status::ok) return status;
-  return marker_places.count <= limits.markers ? Status::ok : Status::capacity;
-}
-
-Status Tracker::Impl::check_landmarks(Span<const NamedPoint> points) const {
-  if (points.count > 0 && points.data == nullptr) return Status::bad_argument;
-  for (const NamedPoint& p : points) {
-    if (p.name == nullptr || model().find_landmark(p.name) == kNone) return Status::not_found;
-    if (!is_finite(p.x)) return Status::bad_argument;
-  }
-  return Status::ok;
-}
-
-bool Tracker::Impl::fits_model(const SavedState& state) const {
-  const std::size_t count = state.landmark_offsets.count;
-  if (state.parameters.data == nullptr || state.parameters.count != start_q.count) return false;
-  return count == 0 || (count == offsets.values().count && state.landmark_offsets.data != nullptr);
-}
-
-/// Runs `fit(arena, model)` in the memory of the tracking, which is laid out anew afterwards.
-template <class Fit>
-Status Tracker::Impl::fit_before_tracking(Fit&& fit) {
-  is_started = false;
-  const Model of_table = model();  // the estimator's own lies in memory that is about to change
-  Arena before(block.data, block.count);
-  const Status status = fit(before, of_table);
-  Arena after(block.data, block.count);
-  lay_out_tracking(after, this, of_table, limits);
-  return status;
-}
-
-/// Frame 0, of checked arguments.
-Status Tracker::Impl::start(const FrameView& view, const StartPose& from, const float* q,
-                            const TrackerOptions& with, Span<const Vec2> marker_places) {
-  is_started = false;
-  TrackerOptions options = with;
-  texture.start(&options.estimator);
-  Status status =
-      estimator.start(from.camera, view.width, view.height, from.pose, q, options.is_free, options.estimator);
-  if (status == Status::ok) status = capture_frame_0(view, marker_places, options.marker_exclusion_px);
-  if (status != Status::ok) return status;
-  uses_edges = options.estimator.uses(Cue::edge);
-  last_time_ns = view.time_ns;
-  last_sequence = view.sequence;
-  frame = 0;
-  bad_frames = 0;
-  matcher.start(limits.keeps_previous && options.estimator.uses(Cue::flow));
-  is_started = true;
-  return Status::ok;
-}
-
-/// Templates, edges and thumbnail of frame 0.
-Status Tracker::Impl::capture_frame_0(const FrameView& view, Span<const Vec2> marker_places,
-                                      float marker_exclusion_px) {
-  Status status = region.build(view, region.is_whole_frame() ? Vec2{} : key_frames.middle_of(estimator));
-  if (status != Status::ok) return status;
-  key_frames.take(view);
-  texture.note_all(estimator, region);
-  estimator.begin(view.time_ns);
-  status = markers.place(estimator, marker_places, marker_exclusion_px);
-  if (status != Status::ok) return status;
-  templates.clear();
-  key_frames.clear();
-  placement.place(templates, estimator, region, markers, 0, limits.patches);
-  std::uint16_t captured = 0;
-  for (std::size_t k = 0; k < limits.patches; ++k)
-    captured = static_cast<std::uint16_t>(captured + templates[k].is_used);
-  if (captured < kTrackerTuning.least_templates) return Status::too_few_points;
-  result = {TrackState::tracking,
-            pose_of(estimator.view()),
-            captured,
-            captured,
-            0,
-            0,
-            static_cast<std::uint16_t>(estimator.mesh().vertex_count())};
-  edges.start(estimator, region);
-  key_frames.trust(estimator);
-  key_frames.keep(0, estimator.view(), 0);
-  return Status::ok;
-}
-
-Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, const Pose& pose,
-                                const float* q, const TrackerOptions& options, Span<const Vec2> markers) {
-  if (impl_ == nullptr) return Status::not_started;
-  const Status status = impl_->check_start(frame, markers);
-  if (status != Status::ok) return status;
-  impl_->offsets.clear();
-  for (std::size_t k = 0; k < impl_->start_q.count; ++k) impl_->start_q[k] = q == nullptr ? 0 : q[k];
-  return impl_->start(frame, {camera, pose}, impl_->start_q.data, options, markers);
-}
-
-Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoint> points,
-                                     const StartOptions& start, const TrackerOptions& options,
-                                     Span<const Vec2> markers) {
-  if (impl_ == nullptr) return Status::not_started;
-  Impl& t = *impl_;
-  Status status = t.check_start(frame, markers);
-  if (status == Status::ok && points.count > t.limits.start_points) status = Status::capacity;
-  if (status == Status::ok && points.count < kLandmarkFitTuning.least_points) status = Status::too_few_points;
-  if (status == Status::ok) status = t.check_landmarks(points);
-  if (status == Status::ok && !(start.focal_px >= 0)) status = Status::bad_argument;
-  if (status != Status::ok) return status;
-  FitOptions fit;
-  fit.width = frame.width;
-  fit.height = frame.height;
-  fit.focal_px = start.focal_px;
-  fit.camera = start.camera;
-  StartPose found;
-  t.offsets.clear();
-  status = t.fit_before_tracking([&](Arena& arena, const Model& model) {
-    return fit_to_landmarks(arena, model, points, fit, t.start_q.data, &found,
-                            start.keeps_landmark_offsets ? &t.offsets : nullptr);
-  });
-  if (status == Status::ok) status = t.start(frame, found, t.start_q.data, options, markers);
-  if (status == Status::ok) t.offsets.place_pending(t.estimator);
-  return status;
-}
-
-Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, const StartOptions& start,
-                               const TrackerOptions& options, Span<const Vec2> markers) {
-  if (impl_ == nullptr) return Status::not_started;
-  Impl& t = *impl_;
-  Status status = t.check_start(frame, markers);
-  if (status == Status::ok && !(start.focal_px >= 0 && size.x > 0 && size.y > 0))
-    status = Status::bad_argument;
-  if (status != Status::ok) return status;
-  t.offsets.clear();
-  for (float& value : t.start_q) value = 0;
-  StartPose found{start_camera(start.camera, start.focal_px, frame.width, frame.height), {}};
-  status = t.fit_before_tracking([&](Arena& arena, const Model& model) {
-    return fit_to_box(arena, model, corner, size, t.start_q.data, &found);
-  });
-  return status == Status::ok ? t.start(frame, found, t.start_q.data, options, markers) : status;
-}
-
-Status Tracker::start_from_state(const FrameView& frame, const SavedState& state,
-                                 const TrackerOptions& options, Span<const Vec2> markers) {
-  if (impl_ == nullptr) return Status::not_started;
-  if (!impl_->fits_model(state)) return Status::bad_argument;
-  for (const Vec3& offset : state.landmark_offsets)
-    if (!is_finite(offset)) return Status::bad_argument;
-  const Status status =
-      start_from_pose(frame, state.camera, state.pose, state.parameters.data, options, markers);
-  if (status == Status::ok && !state.landmark_offsets.empty()) impl_->offsets.set(state.landmark_offsets);
-  return status;
-}
-
-Status Tracker::save(SavedState* state) const {
-  if (!is_started()) return Status::not_started;
-  if (state == nullptr || !impl_->fits_model(*state)) return Status::bad_argument;
-  state->camera = camera();
-  state->pose = impl_->result.pose;
-  for (std::size_t k = 0; k < state->parameters.count; ++k) state->parameters[k] = parameters()[k];
-  for (std::size_t k = 0; k < state->landmark_offsets.count; ++k)
-    state->landmark_offsets[k] = impl_->offsets.values()[k];
-  return Status::ok;
+void ImageParts::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
+  region.lay_out(arena, limits);
+  templates.lay_out(arena, limits);
+  matcher.lay_out(arena, limits);
+  placement.lay_out(arena, limits,
+                    limits.detection == nullptr ? 0 : limits.detection->check_bytes(model, limits));
+  edges.lay_out(arena, limits);
+  key_frames.lay_out(arena, limits);
+  texture.lay_out(arena, limits.texture_cells);
+  markers.lay_out(arena, limits.markers);
+  arena.count_as(Purpose::points);
+  observations =
+      arena.take_span<Observation>(all_slots(limits) + EdgeTracker::kAlternatives * edge_points(limits));
+  prediction_index = arena.take<std::uint16_t>(all_points(limits));
 }
 
 // --- A frame ---
@@ -304,22 +96,53 @@ bool Tracker::Impl::is_stale(const FrameView& view) const {
 }
 
 Status Tracker::update(const FrameView& frame, FrameResult* result) {
-  if (!is_started()) return Status::not_started;
+  if (impl_ == nullptr || !(impl_->is_started || impl_->is_searching())) return Status::not_started;
   if (result == nullptr) return Status::bad_argument;
-  Status status = impl_->region.check_frame(frame);
-  if (status == Status::ok && impl_->is_stale(frame)) status = Status::stale_frame;
-  if (status == Status::ok) status = impl_->predict(frame);
+  Impl& t = *impl_;
+  Status status = t.region.check_frame(frame);
+  if (status == Status::ok && t.is_stale(frame)) status = Status::stale_frame;
   if (status != Status::ok) return status;
-  impl_->match_and_solve();
-  impl_->conclude();
-  *result = impl_->result;
+  if (t.is_searching()) {
+    status = t.search(frame);
+  } else {
+    status = t.predict(frame);
+    if (status != Status::ok) return status;
+    t.match_and_solve();
+    t.conclude();
+    t.verify(frame);
+  }
+  *result = t.result;
+  return status;
+}
+
+void Tracker::Impl::note_time(const FrameView& view) {
+  last_time_ns = view.time_ns;
+  last_sequence = view.sequence;
+}
+
+/// Searches for a face. The track of one that is found begins with this frame.
+Status Tracker::Impl::search(const FrameView& view) {
+  note_time(view);
+  new (&estimator) Estimator();
+  block_is_of_search = true;
+  result = {};
+  result.is_searching = true;
+  StartPose found;
+  const Status status =
+      limits.detection->search(*faces, {view, block, start_options}, &person, &found, &start_error);
+  if (status != Status::ok) return status == Status::not_found ? Status::ok : status;
+  if (start(view, found, start_q.data, options, {}) == Status::ok) {
+    if (!person.is_known) offsets.place_pending(estimator);
+  } else {
+    result = {};
+    result.is_searching = true;
+  }
   return Status::ok;
 }
 
 /// Where the model is expected, and the image there.
 Status Tracker::Impl::predict(const FrameView& view) {
-  last_time_ns = view.time_ns;
-  last_sequence = view.sequence;
+  note_time(view);
   ++frame;
   key_frames.take(view);
   estimator.begin(view.time_ns);
@@ -386,6 +209,24 @@ void Tracker::Impl::keep_key_frame() {
   placement.place(templates, estimator, region, markers, free, end);
 }
 
+/// Checks whether the track is a face. Gives it up if it is not, or if it has been lost for some frames.
+void Tracker::Impl::verify(const FrameView& view) {
+  if (faces == nullptr) return;
+  if (!limits.detection->conclude(*faces, view, estimator, bad_frames, placement.scratch(), &result))
+    give_up();
+}
+
+/// Ends the track, and keeps the person if checks have confirmed that it was one.
+void Tracker::Impl::give_up() {
+  person.is_known = person.is_known || faces->has_confirmed();
+  person.camera = estimator.camera();
+  for (std::size_t k = 0; k < start_q.count; ++k) start_q[k] = estimator.parameters()[k];
+  stop();
+  result.state = TrackState::lost;
+  result.is_searching = true;
+  result.landmark_error = 0;
+}
+
 // --- What it tells ---
 
 const TrackerLimits& Tracker::limits() const {
@@ -409,7 +250,7 @@ const FrameResult& Tracker::result() const {
 
 const Camera& Tracker::camera() const {
   PLIANT_ASSERT(impl_ != nullptr);
-  return impl_->estimator.camera();
+  return impl_->is_started ? impl_->estimator.camera() : impl_->person.camera;
 }
 
 Estimator& Tracker::estimator() {
@@ -419,7 +260,7 @@ Estimator& Tracker::estimator() {
 
 Span<const float> Tracker::parameters() const {
   PLIANT_ASSERT(impl_ != nullptr);
-  return impl_->estimator.parameters();
+  return impl_->is_started ? impl_->estimator.parameters() : impl_->start_q;
 }
 
 Status Tracker::parameter(const char* name, float* value) const {

@@ -25,7 +25,7 @@ TEST_CASE("a start from landmarks, from a box, from a pose and from a saved stat
     low = {min(low.x, q.x), min(low.y, q.y)};
     high = {max(high.x, q.x), max(high.y, q.y)};
   }
-  const pliant_start_options options{nullptr, camera.f, 0};
+  const pliant_start_options options{nullptr, camera.f, 0, 0};
   REQUIRE(pliant_start_from_box(t, &first, low.x, low.y, high.x - low.x, high.y - low.y, &options) ==
           PLIANT_OK);
   check_tracks(t, 6);
@@ -42,10 +42,10 @@ TEST_CASE("the options of a start are used: focal length, camera, lens") {
     REQUIRE(pliant_get_result(t, &result) == PLIANT_OK);
     return result.camera;
   };
-  CHECK(start({nullptr, 500, 0}).f == doctest::Approx(500));
+  CHECK(start({nullptr, 500, 0, 0}).f == doctest::Approx(500));
   CHECK(result.camera.aspect == 1);
   const pliant_camera camera{460, 150, 120, 0.02f, 0, 1.01f};
-  const pliant_camera used = start({&camera, 500, 0});
+  const pliant_camera used = start({&camera, 500, 0, 0});
   CHECK(std::memcmp(&used, &camera, sizeof used) == 0);
 }
 
@@ -88,7 +88,7 @@ TEST_CASE("landmarks given beside the model's are read where they were given, un
   REQUIRE(pliant_update(t, &next, &result) == PLIANT_OK);
   CHECK(result.state == PLIANT_TRACKING);
   CHECK(error() < 2);
-  const pliant_start_options without{nullptr, 0, 1};
+  const pliant_start_options without{nullptr, 0, 1, 0};
   REQUIRE(pliant_start_from_landmarks(t, &first, points.data(), points.size(), &without) == PLIANT_OK);
   CHECK(error() > 2);
   const pliant_camera camera = rig().c_camera();
@@ -132,10 +132,14 @@ TEST_CASE("a start whose pointers, frame, counts or names are wrong changes noth
   CHECK(pliant_start_from_pose(t, &first, &camera, nullptr, nullptr) == PLIANT_BAD_ARGUMENT);
   CHECK(pliant_start_from_landmarks(t, &first, nullptr, 68, nullptr) == PLIANT_BAD_ARGUMENT);
   CHECK(pliant_start_from_state(t, &first, nullptr) == PLIANT_BAD_ARGUMENT);
-  const pliant_start_options odd{nullptr, -1, 0};
+  const pliant_start_options odd{nullptr, -1, 0, 0};
   CHECK(pliant_start_from_landmarks(t, &first, points.data(), 68, &odd) == PLIANT_BAD_ARGUMENT);
   CHECK(pliant_start_from_box(t, &first, 80, 50, 100, 100, &odd) == PLIANT_BAD_ARGUMENT);
   CHECK(pliant_start_from_box(t, &first, 80, 50, 0, 100, nullptr) == PLIANT_BAD_ARGUMENT);
+  const pliant_start_options no_convention{nullptr, 0, 0, 3};
+  CHECK(pliant_start_from_box(t, &first, 80, 50, 100, 100, &no_convention) == PLIANT_BAD_ARGUMENT);
+  CHECK(pliant_start_by_detection(nullptr, nullptr) == PLIANT_BAD_ARGUMENT);
+  CHECK(pliant_start_by_detection(t, nullptr) == PLIANT_NOT_FOUND);  // the table has no detector
   CHECK(landmarks(3) == PLIANT_TOO_FEW_POINTS);
   points.resize(69, points[0]);
   CHECK(landmarks(69) == PLIANT_CAPACITY);

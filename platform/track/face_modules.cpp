@@ -1,0 +1,48 @@
+#include "track/face_modules.hpp"
+
+namespace pliant {
+
+namespace {
+
+bool is_available(const Model& model) {
+  return !model.detector().empty() && !model.aligner().empty();
+}
+
+FaceDetector* lay_out_detector(Arena& arena, const Model& model, const FaceDetectorLimits& limits) {
+  return create_part<FaceDetector>(arena, model.detector(), limits);
+}
+
+FaceAligner* lay_out_aligner(Arena& arena, const Model& model) {
+  return create_part<FaceAligner>(arena, model, model.aligner());
+}
+
+Status status(const FaceDetector& detector, const FaceAligner& aligner) {
+  return detector.status() != Status::ok ? detector.status() : aligner.status();
+}
+
+Status search(FaceDetector& detector, const FrameView& frame, std::uint32_t work, Span<DetectedFace> room,
+              std::size_t* count, bool* is_complete) {
+  return detector.search(frame, work, room, count, is_complete);
+}
+
+Status align(FaceAligner& aligner, const FrameView& frame, const FaceBox& box, const Camera& camera,
+             const AlignOptions& options, AlignedFace* face, float* q, Span<Vec2> landmarks) {
+  return aligner.align(frame, box, camera, face, q, landmarks, options);
+}
+
+Status refine(FaceAligner& aligner, const FrameView& frame, const Camera& camera, const Pose& start,
+              const AlignOptions& options, AlignedFace* face, float* q, Span<Vec2> landmarks) {
+  return aligner.refine(frame, camera, start, face, q, landmarks, options);
+}
+
+Status verify(FaceAligner& aligner, const FrameView& frame, const Camera& camera, const Pose& pose,
+              const float* q, AlignedFace* face) {
+  return aligner.verify(frame, camera, pose, q, face);
+}
+
+}  // namespace
+
+const FaceModules kFaceModules{is_available, lay_out_detector, lay_out_aligner, status, search,
+                               align,        refine,           verify};
+
+}  // namespace pliant

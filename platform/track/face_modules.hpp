@@ -1,0 +1,38 @@
+#pragma once
+/// \file face_modules.hpp
+/// What FaceStart asks of detection and alignment, as a table of functions: a test gives it functions of its own.
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/face_aligner.hpp"
+#include "pliant/face_detector.hpp"
+#include "pliant/frame.hpp"
+#include "pliant/model.hpp"
+
+namespace pliant {
+
+/// The calls of FaceDetector and FaceAligner that a tracker makes.
+struct FaceModules {
+  /// Whether the model has the learnt tables, usable or not.
+  bool (*is_available)(const Model& model);
+  /// Takes a detector or an aligner from the arena. \return null if the arena measures or is exhausted.
+  FaceDetector* (*lay_out_detector)(Arena& arena, const Model& model, const FaceDetectorLimits& limits);
+  FaceAligner* (*lay_out_aligner)(Arena& arena, const Model& model);
+  /// What the two say of their tables.
+  Status (*status)(const FaceDetector& detector, const FaceAligner& aligner);
+  /// As the functions of FaceDetector and FaceAligner of these names.
+  Status (*search)(FaceDetector& detector, const FrameView& frame, std::uint32_t work,
+                   Span<DetectedFace> room, std::size_t* count, bool* is_complete);
+  Status (*align)(FaceAligner& aligner, const FrameView& frame, const FaceBox& box, const Camera& camera,
+                  const AlignOptions& options, AlignedFace* face, float* q, Span<Vec2> landmarks);
+  Status (*refine)(FaceAligner& aligner, const FrameView& frame, const Camera& camera, const Pose& start,
+                   const AlignOptions& options, AlignedFace* face, float* q, Span<Vec2> landmarks);
+  Status (*verify)(FaceAligner& aligner, const FrameView& frame, const Camera& camera, const Pose& pose,
+                   const float* q, AlignedFace* face);
+};
+
+/// FaceDetector and FaceAligner.
+extern const FaceModules kFaceModules;
+
+}  // namespace pliant

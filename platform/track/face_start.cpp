@@ -1,0 +1,253 @@
+#include "track/face_start.hpp"
+
+#include "track/landmark_fit.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr const FaceStartTuning& kTuning = kFaceStartTuning;
+
+FaceDetectorLimits detector_limits(const TrackerLimits& limits) {
+  FaceDetectorLimits l;
+  l.width = limits.width;
+  l.height = limits.height;
+  l.smallest_px = limits.smallest_face_px;
+  return l;
+}
+
+/// Whether two boxes are of one face: centres within half a side, and sides within a factor of 1.6.
+bool are_of_one_face(const FaceBox& a, const FaceBox& b) {
+  const float small = min(a.side, b.side), large = max(a.side, b.side);
+  return length(a.center - b.center) < 0.5f * large && large < 1.6f * small;
+}
+
+}  // namespace
+
+void FaceStart::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
+  modules_ = limits.detection->modules;
+  model_ = model;
+  limits_ = detector_limits(limits);
+  work_ = limits.search_work;
+  const std::size_t parameters = model.parameters().count;
+  q_ = arena.take<float>(parameters);
+  is_expression_ = arena.take<std::uint8_t>(parameters);
+  landmarks_ = arena.take_span<Vec2>(model.landmarks().count);
+  if (is_expression_ == nullptr) return;
+  for (std::size_t k = 0; k < parameters; ++k)
+    is_expression_[k] = model.parameters()[k].group == Group::expression;
+}
+
+Status FaceStart::lay_out_search(Span<unsigned char> block) {
+  Arena arena(block.data, block.count);
+  detector_ = modules_->lay_out_detector(arena, model_, limits_);
+  aligner_ = modules_->lay_out_aligner(arena, model_);
+  PLIANT_ASSERT(detector_ != nullptr && aligner_ != nullptr);  // search_bytes
+  const Status status = modules_->status(*detector_, *aligner_);
+  if (status != Status::ok) detector_ = nullptr;
+  return status == Status::not_found ? Status::bad_table : status;
+}
+
+// --- The search ---
+
+Status FaceStart::search(const SearchInput& input, KnownPerson* person, StartPose* start,
+                         float* landmark_error) {
+  PLIANT_ASSERT(!has_track());
+  Status status = detector_ == nullptr ? lay_out_search(input.block) : Status::ok;
+  const bool is_bounded = work_ > 0, was_searching = phase_ == FacePhase::searching;
+  if (status == Status::ok && was_searching) status = run_detector(input.frame);
+  if (status != Status::ok) return status;
+  if (is_bounded && was_searching) return Status::not_found;
+  const int most = is_bounded ? 1 : kTuning.most_alignments;
+  for (int k = 0; k < most && phase_ == FacePhase::aligning; ++k)
+    if (align_next(input, person, start, landmark_error)) return Status::ok;
+  if (!is_bounded) begin_search_again();
+  return Status::not_found;
+}
+
+/// Goes on with the search where the last frame's ended.
+Status FaceStart::run_detector(const FrameView& frame) {
+  DetectedFace found[kMostCandidates];
+  std::size_t count = 0;
+  bool is_complete = false;
+  const Status status = modules_->search(*detector_, frame, work_ > 0 ? work_ : 0xFFFFFFFFu,
+                                         {found, kMostCandidates}, &count, &is_complete);
+  if (status != Status::ok) return status;
+  for (std::size_t k = 0; k < count; ++k) add_candidate(found[k]);
+  if (candidate_count_ == 0) return status;
+  if (is_complete || candidates_[0].score >= kTuning.sure_detection) {
+    phase_ = FacePhase::aligning;
+    next_candidate_ = 0;
+    tries_known_ = true;
+  }
+  return status;
+}
+
+/// Keeps the candidates best first, one a face.
+void FaceStart::add_candidate(const DetectedFace& face) {
+  if (!(face.score >= kTuning.least_detection)) return;
+  std::size_t at = 0;
+  for (; at < candidate_count_ && candidates_[at].score >= face.score; ++at)
+    if (are_of_one_face(candidates_[at].box, face.box)) return;
+  std::size_t kept = at;
+  for (std::size_t k = at; k < candidate_count_; ++k)
+    if (!are_of_one_face(candidates_[k].box, face.box)) candidates_[kept++] = candidates_[k];
+  if (at == kMostCandidates) return;
+  candidate_count_ = kept < kMostCandidates ? kept + 1 : kMostCandidates;
+  for (std::size_t k = candidate_count_ - 1; k > at; --k) candidates_[k] = candidates_[k - 1];
+  candidates_[at] = face;
+}
+
+/// Aligns the next candidate: first as the known person, then as another one.
+/// \return true: it is a face, and `start` and the person are set.
+bool FaceStart::align_next(const SearchInput& input, KnownPerson* person, StartPose* start,
+                           float* landmark_error) {
+  const bool as_known = tries_known_ && person->is_known;
+  const DetectedFace& candidate = candidates_[next_candidate_];
+  tries_known_ = !as_known;
+  if (!as_known) ++next_candidate_;
+  if (next_candidate_ == candidate_count_) begin_search_again();
+  const StartOptions& o = input.options;
+  const Camera camera =
+      as_known ? person->camera : start_camera(o.camera, o.focal_px, input.frame.width, input.frame.height);
+  for (std::size_t k = 0; k < model_.parameters().count; ++k)
+    q_[k] = as_known && is_expression_[k] == 0 ? person->q[k] : 0;
+  AlignedFace face;
+  const Status status = modules_->align(*aligner_, input.frame, candidate.box, camera,
+                                        {as_known ? is_expression_ : nullptr}, &face, q_, landmarks_);
+  if (status != Status::ok || !(face.score >= kTuning.least_start)) return false;
+  if (as_known && !(face.landmark_error <= kTuning.most_known_error)) return false;
+  if (as_known) {
+    *start = {camera, face.pose};
+    for (std::size_t k = 0; k < model_.parameters().count; ++k) person->q[k] = q_[k];
+  } else if (finish(input, face, person, start) != Status::ok) {
+    return false;
+  }
+  *landmark_error = face.landmark_error;
+  return true;
+}
+
+/// Person, pose and focal length of a new person, from the landmarks that the alignment found.
+Status FaceStart::finish(const SearchInput& input, const AlignedFace& face, KnownPerson* person,
+                         StartPose* start) {
+  *start = {face.camera, face.pose};
+  for (std::size_t k = 0; k < model_.parameters().count; ++k) person->q[k] = q_[k];
+  person->offsets->clear();
+  if (!kTuning.fits_landmarks) return Status::ok;
+  detector_ = nullptr;  // the fit takes its memory
+  FitOptions fit;
+  fit.width = input.frame.width;
+  fit.height = input.frame.height;
+  fit.focal_px = input.options.focal_px;
+  fit.camera = input.options.camera;
+  Arena arena(input.block.data, input.block.count);
+  return fit_to_aligned(arena, model_, landmarks_, fit, person->q, start,
+                        input.options.keeps_landmark_offsets ? person->offsets : nullptr);
+}
+
+// --- A start of the caller's ---
+
+void FaceStart::refine(const SearchInput& input, const FaceBox* box, KnownPerson* person, StartPose* start,
+                       float* landmark_error) {
+  begin_search();
+  if (lay_out_search(input.block) != Status::ok) return;
+  for (std::size_t k = 0; k < model_.parameters().count; ++k) q_[k] = person->q[k];
+  AlignedFace face;
+  const Status status =
+      box != nullptr
+          ? modules_->align(*aligner_, input.frame, *box, start->camera, {}, &face, q_, landmarks_)
+          : modules_->refine(*aligner_, input.frame, start->camera, start->pose, {}, &face, q_, landmarks_);
+  if (status != Status::ok || !(face.score >= kTuning.least_refined)) return;
+  if (finish(input, face, person, start) == Status::ok) *landmark_error = face.landmark_error;
+}
+
+// --- The running track ---
+
+bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_frames,
+                         Span<unsigned char> scratch, FrameResult* result) {
+  PLIANT_ASSERT(has_track());
+  ++frames_since_check_;
+  if (bad_frames > 0) {
+    if (result->state == TrackState::lost) phase_ = FacePhase::relocalising;
+    frames_since_check_ = kTuning.check_interval_frames;  // the next good frame is checked
+    return bad_frames < kTuning.most_bad_frames;
+  }
+  phase_ = FacePhase::tracking;
+  if (frames_since_check_ >= kTuning.check_interval_frames) {
+    frames_since_check_ = 0;
+    if (!check(frame, estimator, scratch)) return false;
+  }
+  result->landmark_error = landmark_error_;
+  if (landmark_error_ > kTuning.most_landmark_error) result->state = TrackState::degraded;
+  return true;
+}
+
+/// \return false after too many bad checks in a row.
+bool FaceStart::check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch) {
+  Arena arena(scratch.data, scratch.count);
+  FaceAligner* const aligner = modules_->lay_out_aligner(arena, model_);
+  AlignedFace face;
+  if (aligner == nullptr || modules_->verify(*aligner, frame, estimator.camera(), pose_of(estimator.view()),
+                                             estimator.parameters().data, &face) != Status::ok)
+    return true;
+  if (face.score < kTuning.least_check) {
+    good_checks_ = 0;
+    return ++bad_checks_ < kTuning.most_bad_checks;
+  }
+  bad_checks_ = 0;
+  ++good_checks_;
+  landmark_error_ = landmark_error_ > 0
+                        ? landmark_error_ + kTuning.error_rate * (face.landmark_error - landmark_error_)
+                        : face.landmark_error;
+  return true;
+}
+
+// --- The tables of functions ---
+
+namespace {
+
+bool is_possible(const Model& model, const TrackerLimits& limits) {
+  return limits.detection->modules->is_available(model);
+}
+
+FaceStart* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
+  return is_possible(model, limits) ? create_part<FaceStart>(arena, model, limits) : nullptr;
+}
+
+std::size_t search_bytes(const Model& model, const TrackerLimits& limits) {
+  if (!is_possible(model, limits)) return 0;
+  Arena trial;
+  limits.detection->modules->lay_out_detector(trial, model, detector_limits(limits));
+  limits.detection->modules->lay_out_aligner(trial, model);
+  const std::size_t fit = aligned_fit_bytes(model);
+  return fit > trial.used_bytes() ? fit : trial.used_bytes();
+}
+
+std::size_t check_bytes(const Model& model, const TrackerLimits& limits) {
+  if (!is_possible(model, limits)) return 0;
+  Arena trial;
+  limits.detection->modules->lay_out_aligner(trial, model);
+  return trial.used_bytes();
+}
+
+Status search(FaceStart& faces, const SearchInput& input, KnownPerson* person, StartPose* start,
+              float* landmark_error) {
+  return faces.search(input, person, start, landmark_error);
+}
+
+void refine(FaceStart& faces, const SearchInput& input, const FaceBox* box, KnownPerson* person,
+            StartPose* start, float* landmark_error) {
+  faces.refine(input, box, person, start, landmark_error);
+}
+
+bool conclude(FaceStart& faces, const FrameView& frame, Estimator& estimator, int bad_frames,
+              Span<unsigned char> scratch, FrameResult* result) {
+  return faces.conclude(frame, estimator, bad_frames, scratch, result);
+}
+
+}  // namespace
+
+const FaceDetection kFaceDetection{lay_out, search_bytes, check_bytes,  search,
+                                   refine,  conclude,     &kFaceModules};
+
+}  // namespace pliant

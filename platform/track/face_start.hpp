@@ -1,0 +1,166 @@
+#pragma once
+/// \file face_start.hpp
+/// How a track begins and ends without help: search of the frame, alignment, verification of the running track
+/// (docs/algorithms.md, section 7.9).
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/tracker.hpp"
+#include "track/face_modules.hpp"
+#include "track/landmark_offsets.hpp"
+#include "track/start_fit.hpp"
+
+namespace pliant {
+
+/// Tuning of starts and verification. Each constant: unit, reason, experiment.
+struct FaceStartTuning {
+  /// Probability that the detector gives a box, at least, for an alignment. Low: alignment and its own verification decide.
+  float least_detection = 0.2f;
+  /// Probability by the detector above which a search over several frames stops for an alignment before it is complete.
+  float sure_detection = 0.9f;
+  /// Probability that an alignment is right, at least, for a start.
+  float least_start = 0.9f;
+  /// Estimated landmark error, at most, of an alignment with the identity of the last person, fraction of the eyes'
+  /// distance. Above it another person is fitted.
+  float most_known_error = 0.06f;
+  /// Alignments in one frame, at most, where the work is not bounded.
+  int most_alignments = 6;
+  /// Frames between checks of a running track, and after how many bad ones in a row it is given up.
+  int check_interval_frames = 2, most_bad_checks = 2;
+  /// Probability that an alignment is right, below which a check is bad.
+  float least_check = 0.1f;
+  /// Good checks after which the person counts as known.
+  int checks_of_known_person = 3;
+  /// Fraction by which a check moves the estimate of the landmark error.
+  float error_rate = 0.3f;
+  /// Estimated landmark error above which a tracked frame is degraded, fraction of the eyes' distance.
+  float most_landmark_error = 0.08f;
+  /// Bad frames in a row after which a track is given up: three until it counts as lost, and one for each key frame of
+  /// profile M and for the last good frame.
+  int most_bad_frames = 8;
+  /// Probability that an alignment is right, at least, for a start of the caller's to be moved there.
+  float least_refined = 0.5f;
+  /// Points of a start from landmarks from which on the picture is not asked, count.
+  std::size_t enough_points = 12;
+  /// If true, person, pose and focal length of a new person are fitted to the landmarks of the alignment; if false, those of
+  /// the alignment are kept.
+  bool fits_landmarks = true;
+};
+inline constexpr FaceStartTuning kFaceStartTuning{};
+
+/// What a tracker is doing.
+enum class FacePhase : std::uint8_t {
+  searching,     ///< there is no track: a part of the frame is searched
+  aligning,      ///< there is no track: candidates of the search are aligned
+  tracking,      ///< the track is good, and checked every few frames
+  relocalising,  ///< the track is bad: key frames are tried
+};
+
+/// The person whom the tracker knows. The arrays are the tracker's.
+struct KnownPerson {
+  bool is_known = false;
+  Camera camera;
+  float* q = nullptr;  // all parameters
+  LandmarkOffsets* offsets = nullptr;
+};
+
+/// Input of a frame's search.
+struct SearchInput {
+  const FrameView& frame;
+  Span<unsigned char> block;  // the memory of the tracking, which is not in use
+  const StartOptions& options;
+};
+
+/// Searches, aligns and verifies, frame by frame. It knows nothing of how a track is made.
+class FaceStart {
+ public:
+  /// Precondition: the limits name a detection, and the model has its tables.
+  void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
+
+  FacePhase phase() const { return phase_; }
+  bool has_track() const { return phase_ == FacePhase::tracking || phase_ == FacePhase::relocalising; }
+
+  /// The track has ended: the next frame is searched from the beginning.
+  void begin_search() {
+    detector_ = nullptr;
+    begin_search_again();
+  }
+  /// A track has begun; the memory of the search is the track's now.
+  /// \param landmark_error  estimate; 0: unknown.
+  void begin_track(float landmark_error) {
+    phase_ = FacePhase::tracking;
+    detector_ = nullptr;
+    landmark_error_ = landmark_error;
+    frames_since_check_ = bad_checks_ = good_checks_ = 0;
+  }
+
+  /// Searches in this frame, as much as the limits allow. If a face is found `start` and the person are set; the offsets
+  /// are pending where the person is new.
+  /// \return not_found: nothing yet; or what detector and aligner say of their tables.
+  Status search(const SearchInput& input, KnownPerson* person, StartPose* start, float* landmark_error);
+
+  /// Moves a start of the caller's to where the picture shows the face, if that is verified; else nothing changes. The person's parameters are input
+  /// and output.
+  /// \param box  of the face, if the start is known roughly; null: it is near.
+  void refine(const SearchInput& input, const FaceBox* box, KnownPerson* person, StartPose* start,
+              float* landmark_error);
+
+  /// Ends a frame of a track: checks it where a check is due, and writes landmark_error.
+  /// \param bad_frames  of the track in a row, this one included. \param scratch  unused memory.
+  /// \return false: the track is given up.
+  bool conclude(const FrameView& frame, Estimator& estimator, int bad_frames, Span<unsigned char> scratch,
+                FrameResult* result);
+  /// Whether enough checks were good for the person to be known.
+  bool has_confirmed() const { return good_checks_ >= kFaceStartTuning.checks_of_known_person; }
+
+ private:
+  static constexpr std::size_t kMostCandidates = 8;
+
+  void begin_search_again() {
+    phase_ = FacePhase::searching;
+    candidate_count_ = next_candidate_ = 0;
+  }
+  Status lay_out_search(Span<unsigned char> block);
+  Status run_detector(const FrameView& frame);
+  void add_candidate(const DetectedFace& face);
+  bool align_next(const SearchInput& input, KnownPerson* person, StartPose* start, float* landmark_error);
+  Status finish(const SearchInput& input, const AlignedFace& face, KnownPerson* person, StartPose* start);
+  bool check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch);
+
+  const FaceModules* modules_ = nullptr;
+  Model model_;
+  FaceDetectorLimits limits_;
+  std::uint32_t work_ = 0;  // a frame; 0: not bounded
+  FacePhase phase_ = FacePhase::searching;
+
+  FaceDetector* detector_ = nullptr;  // in the block, while there is no track
+  FaceAligner* aligner_ = nullptr;
+  DetectedFace candidates_[kMostCandidates];
+  std::size_t candidate_count_ = 0, next_candidate_ = 0;
+  bool tries_known_ = false;  // of the next candidate
+  float* q_ = nullptr;
+  std::uint8_t* is_expression_ = nullptr;
+  Span<Vec2> landmarks_;
+
+  int frames_since_check_ = 0, bad_checks_ = 0, good_checks_ = 0;
+  float landmark_error_ = 0;
+};
+
+/// What a tracker calls of FaceStart. A tracker calls it through this table only, so that a program whose limits name no
+/// table does not link what is behind it.
+struct FaceDetection {
+  /// Takes a FaceStart from the arena. \return null if the arena measures, is exhausted, or the model has no tables.
+  FaceStart* (*lay_out)(Arena& arena, const Model& model, const TrackerLimits& limits);
+  /// Bytes that a search takes of the memory of the tracking, and a check of unused memory. 0 without tables.
+  std::size_t (*search_bytes)(const Model& model, const TrackerLimits& limits);
+  std::size_t (*check_bytes)(const Model& model, const TrackerLimits& limits);
+  Status (*search)(FaceStart& faces, const SearchInput& input, KnownPerson* person, StartPose* start,
+                   float* landmark_error);
+  void (*refine)(FaceStart& faces, const SearchInput& input, const FaceBox* box, KnownPerson* person,
+                 StartPose* start, float* landmark_error);
+  bool (*conclude)(FaceStart& faces, const FrameView& frame, Estimator& estimator, int bad_frames,
+                   Span<unsigned char> scratch, FrameResult* result);
+  const FaceModules* modules;
+};
+
+}  // namespace pliant

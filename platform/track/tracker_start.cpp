@@ -1,0 +1,235 @@
+// The starts of a tracker: the caller's, and those by detection.
+#include "track/landmark_fit.hpp"
+#include "track/template_tuning.hpp"
+#include "track/tracker_impl.hpp"
+
+namespace pliant {
+
+Status Tracker::Impl::check_start(const FrameView& view, Span<const Vec2> marker_places) const {
+  const Status status = region.check_frame(view);
+  if (status != Status::ok) return status;
+  return marker_places.count <= limits.markers ? Status::ok : Status::capacity;
+}
+
+Status Tracker::Impl::check_landmarks(Span<const NamedPoint> points) const {
+  if (points.count > 0 && points.data == nullptr) return Status::bad_argument;
+  for (const NamedPoint& p : points) {
+    if (p.name == nullptr || model().find_landmark(p.name) == kNone) return Status::not_found;
+    if (!is_finite(p.x)) return Status::bad_argument;
+  }
+  return Status::ok;
+}
+
+bool Tracker::Impl::fits_model(const SavedState& state) const {
+  const std::size_t count = state.landmark_offsets.count;
+  if (state.parameters.data == nullptr || state.parameters.count != start_q.count) return false;
+  return count == 0 || (count == offsets.values().count && state.landmark_offsets.data != nullptr);
+}
+
+/// Runs `fit(arena)` in the memory of the tracking, which is laid out anew afterwards.
+template <class Fit>
+Status Tracker::Impl::fit_before_tracking(Fit&& fit) {
+  stop();
+  Arena before(block.data, block.count);
+  const Status status = fit(before);
+  lay_out_tracking();
+  return status;
+}
+
+void Tracker::Impl::forget_person() {
+  offsets.clear();
+  person.is_known = false;
+  start_error = 0;
+}
+
+/// Moves a start to where the picture shows the face, if there are learnt tables and the face is verified there.
+/// \param box  of the face, if the start is only roughly known; else null.
+void Tracker::Impl::refine(const FrameView& view, const StartOptions& with, const FaceBox* box,
+                           StartPose* from) {
+  if (faces == nullptr) return;
+  limits.detection->refine(*faces, {view, block, with}, box, &person, from, &start_error);
+  lay_out_tracking();
+}
+
+/// Ends the track. What is still known of the person stays.
+void Tracker::Impl::stop() {
+  is_started = false;
+  if (faces != nullptr) faces->begin_search();
+}
+
+/// Keeps what starts by detection need to know.
+void Tracker::Impl::keep_start_options(const StartOptions& with) {
+  if (faces == nullptr) return;
+  start_options = with;
+  if (with.camera == nullptr) return;
+  start_camera = *with.camera;
+  start_options.camera = &start_camera;
+}
+
+void Tracker::Impl::keep_options(const TrackerOptions& with) {
+  options = with;
+  if (with.is_free == nullptr) return;
+  for (std::size_t k = 0; k < start_is_free.count; ++k) start_is_free[k] = with.is_free[k];
+  options.is_free = start_is_free.data;
+}
+
+/// The track of frame 0 is verified from now on. Keeps its options for the next start by detection.
+void Tracker::Impl::begin_verification(const FrameView& view, const TrackerOptions& with) {
+  if (faces == nullptr) return;
+  keep_options(with);
+  faces->begin_track(start_error);
+  verify(view);
+}
+
+/// Frame 0, of checked arguments.
+Status Tracker::Impl::start(const FrameView& view, const StartPose& from, const float* q,
+                            const TrackerOptions& with, Span<const Vec2> marker_places) {
+  stop();
+  if (block_is_of_search) lay_out_tracking();
+  EstimatorOptions of_estimator = with.estimator;
+  texture.start(&of_estimator);
+  Status status =
+      estimator.start(from.camera, view.width, view.height, from.pose, q, with.is_free, of_estimator);
+  if (status == Status::ok) status = capture_frame_0(view, marker_places, with.marker_exclusion_px);
+  if (status != Status::ok) return status;
+  uses_edges = with.estimator.uses(Cue::edge);
+  note_time(view);
+  frame = 0;
+  bad_frames = 0;
+  matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow));
+  is_started = true;
+  begin_verification(view, with);
+  return Status::ok;
+}
+
+/// Templates, edges and thumbnail of frame 0.
+Status Tracker::Impl::capture_frame_0(const FrameView& view, Span<const Vec2> marker_places,
+                                      float marker_exclusion_px) {
+  Status status = region.build(view, region.is_whole_frame() ? Vec2{} : key_frames.middle_of(estimator));
+  if (status != Status::ok) return status;
+  key_frames.take(view);
+  texture.note_all(estimator, region);
+  estimator.begin(view.time_ns);
+  status = markers.place(estimator, marker_places, marker_exclusion_px);
+  if (status != Status::ok) return status;
+  templates.clear();
+  key_frames.clear();
+  placement.place(templates, estimator, region, markers, 0, limits.patches);
+  std::uint16_t captured = 0;
+  for (std::size_t k = 0; k < limits.patches; ++k)
+    captured = static_cast<std::uint16_t>(captured + templates[k].is_used);
+  if (captured < kTrackerTuning.least_templates) return Status::too_few_points;
+  result = {TrackState::tracking,
+            pose_of(estimator.view()),
+            captured,
+            captured,
+            0,
+            0,
+            static_cast<std::uint16_t>(estimator.mesh().vertex_count())};
+  edges.start(estimator, region);
+  key_frames.trust(estimator);
+  key_frames.keep(0, estimator.view(), 0);
+  return Status::ok;
+}
+
+Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, const Pose& pose,
+                                const float* q, const TrackerOptions& options, Span<const Vec2> markers) {
+  if (impl_ == nullptr) return Status::not_started;
+  const Status status = impl_->check_start(frame, markers);
+  if (status != Status::ok) return status;
+  impl_->forget_person();
+  for (std::size_t k = 0; k < impl_->start_q.count; ++k) impl_->start_q[k] = q == nullptr ? 0 : q[k];
+  return impl_->start(frame, {camera, pose}, impl_->start_q.data, options, markers);
+}
+
+Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoint> points,
+                                     const StartOptions& start, const TrackerOptions& options,
+                                     Span<const Vec2> markers) {
+  if (impl_ == nullptr) return Status::not_started;
+  Impl& t = *impl_;
+  Status status = t.check_start(frame, markers);
+  if (status == Status::ok && points.count > t.limits.start_points) status = Status::capacity;
+  if (status == Status::ok && points.count < kLandmarkFitTuning.least_points) status = Status::too_few_points;
+  if (status == Status::ok) status = t.check_landmarks(points);
+  if (status == Status::ok && !(start.focal_px >= 0)) status = Status::bad_argument;
+  if (status != Status::ok) return status;
+  FitOptions fit;
+  fit.width = frame.width;
+  fit.height = frame.height;
+  fit.focal_px = start.focal_px;
+  fit.camera = start.camera;
+  StartPose found;
+  t.forget_person();
+  t.keep_start_options(start);
+  status = t.fit_before_tracking([&](Arena& arena) {
+    return fit_to_landmarks(arena, t.model(), points, fit, t.start_q.data, &found,
+                            start.keeps_landmark_offsets ? &t.offsets : nullptr);
+  });
+  if (status == Status::ok && points.count < kFaceStartTuning.enough_points)
+    t.refine(frame, start, nullptr, &found);
+  if (status == Status::ok) status = t.start(frame, found, t.start_q.data, options, markers);
+  if (status == Status::ok) t.offsets.place_pending(t.estimator);
+  return status;
+}
+
+Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, const StartOptions& start,
+                               const TrackerOptions& options, Span<const Vec2> markers) {
+  if (impl_ == nullptr) return Status::not_started;
+  Impl& t = *impl_;
+  Status status = t.check_start(frame, markers);
+  if (status == Status::ok &&
+      !(start.focal_px >= 0 && size.x > 0 && size.y > 0 && start.box <= BoxConvention::face_box))
+    status = Status::bad_argument;
+  if (status != Status::ok) return status;
+  t.forget_person();
+  t.keep_start_options(start);
+  for (float& value : t.start_q) value = 0;
+  StartPose found{start_camera(start.camera, start.focal_px, frame.width, frame.height), {}};
+  FaceBox box;
+  status = t.fit_before_tracking([&](Arena& arena) {
+    return fit_to_box(arena, t.model(), corner, size, start.box, t.start_q.data, &found, &box);
+  });
+  if (status == Status::ok) t.refine(frame, start, &box, &found);
+  if (status == Status::ok) status = t.start(frame, found, t.start_q.data, options, markers);
+  if (status == Status::ok) t.offsets.place_pending(t.estimator);
+  return status;
+}
+
+Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptions& options) {
+  if (impl_ == nullptr) return Status::not_started;
+  Impl& t = *impl_;
+  if (t.faces == nullptr) return Status::not_found;
+  if (!(start.focal_px >= 0)) return Status::bad_argument;
+  t.stop();
+  t.forget_person();
+  t.keep_start_options(start);
+  t.keep_options(options);
+  t.result = {};
+  t.result.is_searching = true;
+  return Status::ok;
+}
+
+Status Tracker::start_from_state(const FrameView& frame, const SavedState& state,
+                                 const TrackerOptions& options, Span<const Vec2> markers) {
+  if (impl_ == nullptr) return Status::not_started;
+  if (!impl_->fits_model(state)) return Status::bad_argument;
+  for (const Vec3& offset : state.landmark_offsets)
+    if (!is_finite(offset)) return Status::bad_argument;
+  const Status status =
+      start_from_pose(frame, state.camera, state.pose, state.parameters.data, options, markers);
+  if (status == Status::ok && !state.landmark_offsets.empty()) impl_->offsets.set(state.landmark_offsets);
+  return status;
+}
+
+Status Tracker::save(SavedState* state) const {
+  if (!is_started()) return Status::not_started;
+  if (state == nullptr || !impl_->fits_model(*state)) return Status::bad_argument;
+  state->camera = camera();
+  state->pose = impl_->result.pose;
+  for (std::size_t k = 0; k < state->parameters.count; ++k) state->parameters[k] = parameters()[k];
+  for (std::size_t k = 0; k < state->landmark_offsets.count; ++k)
+    state->landmark_offsets[k] = impl_->offsets.values()[k];
+  return Status::ok;
+}
+
+}  // namespace pliant

@@ -1,0 +1,142 @@
+#pragma once
+// Detection and alignment that know the truth of a film: for tests of what a tracker makes of their results.
+#include <vector>
+
+#include "face_film.hpp"
+#include "pliant/tracker.hpp"
+#include "track/face_start.hpp"
+
+/// One at a time: a tracker calls its functions through a table.
+struct FakeFaces {
+  // What it does.
+  const FaceFilm* film = nullptr;
+  std::uint32_t calls_a_search = 1;            ///< calls until a bounded search is complete
+  float detection = 0.95f;                     ///< score of the face in the detector
+  float score = 0.99f;                         ///< of an alignment, and of a verification near the truth
+  float error = 0.02f;                         ///< landmark error of an alignment
+  float held_error = 0.02f;                    ///< the same with the identity held
+  pliant::Status status = pliant::Status::ok;  ///< of the tables
+  bool has_ghost = false;                      ///< the detector also gives a box without a face
+  // What was asked of it.
+  int searches = 0, alignments = 0, held_alignments = 0, verifications = 0;
+  std::uint32_t work = 0;  ///< of the last search
+
+  static constexpr std::size_t kDetectorBytes = 40'000, kAlignerBytes = 20'000;
+
+  static FakeFaces*& current() {
+    static FakeFaces* one = nullptr;
+    return one;
+  }
+  explicit FakeFaces(const FaceFilm& of) : film(&of) { current() = this; }
+  ~FakeFaces() { current() = nullptr; }
+
+  /// Of a frame; side 0 where it shows no face.
+  pliant::FaceBox box(std::size_t k) const {
+    const pliant::Vec2 eyes[] = {film->truth("ibug36", k), film->truth("ibug45", k)};
+    const pliant::Vec2 mouth[] = {film->truth("ibug48", k), film->truth("ibug54", k)};
+    const pliant::FaceBox box = pliant::face_box_of(eyes[0], eyes[1], mouth[0], mouth[1],
+                                                    pliant::view_of(film->poses[k], film->camera).s);
+    const bool is_seen = box.center.x > 0 && box.center.y > 0 &&
+                         box.center.x < static_cast<float>(film->width) &&
+                         box.center.y < static_cast<float>(film->height);
+    return is_seen ? box : pliant::FaceBox{};
+  }
+
+  static const pliant::FaceDetection* table();
+};
+
+namespace fake_faces {
+
+using namespace pliant;
+
+inline FakeFaces& fake() {
+  return *FakeFaces::current();
+}
+
+inline bool is_available(const Model&) {
+  return true;
+}
+
+/// Memory that is written to, so that what shares it must not rely on it.
+template <class Part>
+Part* take(Arena& arena, std::size_t bytes) {
+  auto* const room = arena.take<unsigned char>(bytes);
+  for (std::size_t k = 0; room != nullptr && k < bytes; ++k) room[k] = 0xA5;
+  return reinterpret_cast<Part*>(room);
+}
+
+inline FaceDetector* lay_out_detector(Arena& arena, const Model&, const FaceDetectorLimits&) {
+  return take<FaceDetector>(arena, FakeFaces::kDetectorBytes);
+}
+
+inline FaceAligner* lay_out_aligner(Arena& arena, const Model&) {
+  return take<FaceAligner>(arena, FakeFaces::kAlignerBytes);
+}
+
+inline Status status(const FaceDetector&, const FaceAligner&) {
+  return fake().status;
+}
+
+inline Status search(FaceDetector&, const FrameView& frame, std::uint32_t work, Span<DetectedFace> room,
+                     std::size_t* count, bool* is_complete) {
+  FakeFaces& f = fake();
+  f.work = work;
+  ++f.searches;
+  *count = 0;
+  *is_complete = work == 0xFFFFFFFFu || static_cast<std::uint32_t>(f.searches) % f.calls_a_search == 0;
+  const FaceBox box = f.box(frame.sequence);
+  if (!*is_complete) return Status::ok;
+  if (f.has_ghost) room[(*count)++] = {{{60, 60}, 50}, 0.99f};
+  if (box.side > 0) room[(*count)++] = {box, f.detection};
+  return Status::ok;
+}
+
+/// The truth of the frame, if the box is of its face.
+inline Status align(FaceAligner&, const FrameView& frame, const FaceBox& box, const Camera& camera,
+                    const AlignOptions& options, AlignedFace* face, float* q, Span<Vec2> landmarks) {
+  FakeFaces& f = fake();
+  const std::size_t k = frame.sequence;
+  ++f.alignments;
+  f.held_alignments += options.is_free != nullptr;
+  const FaceBox truth = f.box(k);
+  *face = {camera, {}, 0.01f, 0.5f};
+  if (!(truth.side > 0) || length(truth.center - box.center) > 0.5f * truth.side) return Status::ok;
+  *face = {camera, pose_of(view_of(f.film->poses[k], camera)), f.score,
+           options.is_free != nullptr ? f.held_error : f.error};
+  for (std::size_t i = 0; i < f.film->parameters[k].size(); ++i)
+    if (options.is_free == nullptr || options.is_free[i] != 0) q[i] = f.film->parameters[k][i];
+  for (std::size_t i = 0; i < landmarks.count; ++i)
+    landmarks[i] = f.film->truth(baked_face().model.landmarks()[i].name, k);
+  return Status::ok;
+}
+
+inline Status refine(FaceAligner& aligner, const FrameView& frame, const Camera& camera, const Pose& start,
+                     const AlignOptions& options, AlignedFace* face, float* q, Span<Vec2> landmarks) {
+  const View view = view_of(start, camera);
+  const FaceBox near{view.c + view.s * view.tau, kFaceBoxMm * view.s};
+  return align(aligner, frame, near, camera, options, face, q, landmarks);
+}
+
+inline Status verify(FaceAligner&, const FrameView& frame, const Camera& camera, const Pose& pose,
+                     const float*, AlignedFace* face) {
+  FakeFaces& f = fake();
+  ++f.verifications;
+  const FaceBox truth = f.box(frame.sequence);
+  const View view = view_of(pose, camera), right = view_of(f.film->poses[frame.sequence], f.film->camera);
+  const Vec2 off = view.s * view.tau - right.s * right.tau;
+  const bool is_right = truth.side > 0 && length(off) < 0.2f * truth.side;
+  *face = {camera, pose, is_right ? f.score : 0.01f, is_right ? f.error : 0.5f};
+  return Status::ok;
+}
+
+}  // namespace fake_faces
+
+inline const pliant::FaceDetection* FakeFaces::table() {
+  static const pliant::FaceModules modules{fake_faces::is_available,    fake_faces::lay_out_detector,
+                                           fake_faces::lay_out_aligner, fake_faces::status,
+                                           fake_faces::search,          fake_faces::align,
+                                           fake_faces::refine,          fake_faces::verify};
+  static pliant::FaceDetection table = pliant::kFaceDetection;
+  table.modules = &modules;
+  return &table;
+}

@@ -1,0 +1,304 @@
+// A tracker that finds faces by itself: states, bounded work, memory, recovery. Detection and alignment are a fake that knows
+// the truth.
+#include <doctest/doctest.h>
+
+#include "fake_faces.hpp"
+#include "model_builder.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+constexpr std::size_t kGone = 12, kBack = 22, kFrames = 50;
+
+/// A face in the left half, gone from frame kGone on, and from frame kBack on in the right half at `scale` of the size.
+FaceFilm make_film(float scale, const char* identity_after) {
+  return FaceFilm(
+      kWidth, kHeight, kFrames,
+      [=](float s, Pose& pose, auto& q) {
+        const auto k = static_cast<std::size_t>(s * (kFrames - 1) + 0.5f);
+        const float drift = 0.4f * static_cast<float>(k), z = pose.t.z;
+        pose.t.x = -0.2f * z + drift;
+        if (k >= kGone && k < kBack) pose.t.x = 50 * z;
+        if (k >= kBack) {
+          pose.t.x = 0.15f * z + drift;
+          pose.t.z = z / scale;
+          pose.t.x /= scale;
+          pose.t.y /= scale;
+        }
+        FaceFilm::set(q, "jawOpen", 0.1f + 0.1f * s);
+        FaceFilm::set(q, k < kBack ? "faceWidth" : identity_after, 1.5f);
+      },
+      0.5f);
+}
+
+const FaceFilm& half_size() {
+  static const FaceFilm* film = new FaceFilm(make_film(0.6f, "faceWidth"));
+  return *film;
+}
+
+TrackerLimits limits_with_fake() {
+  TrackerLimits l;
+  l.detection = FakeFaces::table();
+  return l;
+}
+
+FrameResult update(Tracker& tracker, const FaceFilm& film, std::size_t k) {
+  FrameResult result;
+  REQUIRE(tracker.update(film.view(k), &result) == Status::ok);
+  return result;
+}
+
+bool has_face(std::size_t k) {
+  return k < kGone || k >= kBack;
+}
+
+}  // namespace
+
+TEST_CASE("a tracker needs no start: it finds the face in its first frame and tracks it from there") {
+  FakeFaces fake(half_size());
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  CHECK_FALSE(tracker->is_started());
+  const FrameResult first = update(tracker.object, half_size(), 0);
+  CHECK(first.state == TrackState::tracking);
+  CHECK_FALSE(first.is_searching);
+  CHECK(first.landmark_error == doctest::Approx(0.02));
+  CHECK(tracker->is_started());
+  for (std::size_t k = 1; k < kGone; ++k) {
+    const FrameResult result = update(tracker.object, half_size(), k);
+    CHECK(result.state == TrackState::tracking);
+    CHECK(half_size().landmark_error(tracker.object, k) < 2);
+  }
+  CHECK(fake.searches == 1);
+  CHECK(fake.verifications >= 4);
+}
+
+TEST_CASE(
+    "a face that leaves is told lost within 5 frames, and found again at another place and size within 15") {
+  for (const float scale : {0.5f, 2.0f}) {
+    CAPTURE(scale);
+    const FaceFilm film = make_film(scale, "faceWidth");
+    FakeFaces fake(film);
+    InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+    std::size_t lost = 0, back = 0;
+    std::vector<float> person;
+    float focal = 0;
+    for (std::size_t k = 0; k < kFrames; ++k) {
+      const FrameResult result = update(tracker.object, film, k);
+      if (k + 1 == kGone) {
+        person.assign(tracker->parameters().begin(), tracker->parameters().end());
+        focal = tracker->camera().f;
+      }
+      if (lost == 0 && result.state == TrackState::lost) lost = k;
+      if (k >= kBack && back == 0 && result.state == TrackState::tracking) back = k;
+      if (back > 0) CHECK(film.landmark_error(tracker.object, k) < 5);
+      if (!has_face(k) && k > lost && lost > 0) CHECK(result.state == TrackState::lost);
+    }
+    CHECK(lost < kGone + 5);
+    CHECK(lost >= kGone);
+    CHECK(back < kBack + 15);
+    REQUIRE(back > 0);
+    // The same person: identity and focal length are those of before.
+    CHECK(tracker->camera().f == focal);
+    for (std::size_t i = 0; i < person.size(); ++i)
+      if (baked_face().model.parameters()[i].group == Group::identity)
+        CHECK(tracker->parameters()[i] == person[i]);
+  }
+}
+
+TEST_CASE("another person who is found is fitted anew") {
+  const FaceFilm film = make_film(0.6f, "noseLength");
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  float before = 0, after = 0;
+  for (std::size_t k = 0; k < kGone; ++k) update(tracker.object, film, k);
+  REQUIRE(tracker->parameter("noseLength", &before) == Status::ok);
+  fake.held_error = 0.2f;
+  for (std::size_t k = kGone; k < kFrames; ++k) update(tracker.object, film, k);
+  CHECK(fake.held_alignments > 0);
+  REQUIRE(tracker->parameter("noseLength", &after) == Status::ok);
+  CHECK(after > before + 0.4f);
+}
+
+TEST_CASE("the work of a frame is bounded: a part of the search, or one alignment") {
+  FakeFaces fake(half_size());
+  fake.calls_a_search = 4;
+  fake.has_ghost = true;
+  TrackerLimits limits = limits_with_fake();
+  limits.search_work = 1000;
+  InArena<Tracker> tracker(baked_face().model, limits);
+  for (std::size_t k = 0; k < kGone; ++k) {
+    const int before = fake.searches + fake.alignments;
+    const FrameResult result = update(tracker.object, half_size(), k);
+    CHECK(fake.searches + fake.alignments - before <= 1);
+    CHECK(fake.work == 1000);
+    const std::size_t needed = 4 + 2;  // parts of the search; the ghost and the face
+    CHECK(result.is_searching == (k + 1 < needed));
+    CHECK((result.state == TrackState::tracking) == (k + 1 >= needed));
+  }
+}
+
+TEST_CASE(
+    "an alignment with a low score is no start, and nothing can be asked of a track that is not there") {
+  FakeFaces fake(half_size());
+  fake.score = 0.5f;
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  for (std::size_t k = 0; k < kGone; ++k) {
+    const FrameResult result = update(tracker.object, half_size(), k);
+    CHECK(result.state == TrackState::lost);
+    CHECK(result.is_searching);
+    Vec2 x;
+    float value;
+    CHECK_FALSE(tracker->is_started());
+    CHECK_FALSE(tracker->estimator().is_started());
+    CHECK(tracker->landmark("ibug30", &x) == Status::not_started);
+    CHECK(tracker->parameter("jawOpen", &value) == Status::not_started);
+    CHECK(tracker->place_landmarks({}) == Status::not_started);
+    CHECK_FALSE(tracker->patch(0, &x));
+    CHECK(tracker->key_frame_count() == 0);
+    CHECK(tracker->parameters().count == baked_face().model.parameters().count);
+  }
+  CHECK(fake.alignments > 0);
+  FrameResult result;
+  CHECK(tracker->update(half_size().view(0), &result) == Status::stale_frame);
+}
+
+TEST_CASE("tables that cannot be used are told by each update, and starts without them work") {
+  FakeFaces fake(half_size());
+  fake.status = Status::bad_checksum;
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  FrameResult result;
+  CHECK(tracker->update(half_size().view(0), &result) == Status::bad_checksum);
+  CHECK(tracker->start_from_pose(half_size().view(1), half_size().camera, half_size().poses[1], nullptr) ==
+        Status::ok);
+  CHECK(update(tracker.object, half_size(), 2).state == TrackState::tracking);
+}
+
+TEST_CASE("a poor start is degraded") {
+  FakeFaces fake(half_size());
+  fake.error = 0.12f;
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  CHECK(update(tracker.object, half_size(), 0).state == TrackState::degraded);
+  fake.error = 0.03f;
+  FrameResult result;
+  for (std::size_t k = 1; k < kGone; ++k) result = update(tracker.object, half_size(), k);
+  CHECK(result.state == TrackState::tracking);
+  CHECK(result.landmark_error < 0.08f);
+}
+
+TEST_CASE("a track that was put on the background is told lost within 5 frames, and then finds the face") {
+  FakeFaces fake(half_size());
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  Pose beside = half_size().poses[0];
+  beside.t.x += 0.3f * beside.t.z;
+  REQUIRE(tracker->start_from_pose(half_size().view(0), half_size().camera, beside, nullptr) == Status::ok);
+  std::size_t lost = 0;
+  FrameResult result;
+  for (std::size_t k = 1; k < kGone; ++k) {
+    result = update(tracker.object, half_size(), k);
+    if (lost == 0 && result.state == TrackState::lost) lost = k;
+  }
+  CHECK(lost > 0);
+  CHECK(lost <= 5);
+  CHECK(result.state == TrackState::tracking);
+  CHECK(half_size().landmark_error(tracker.object, kGone - 1) < 2);
+}
+
+TEST_CASE("black, frozen and torn frames do not end a good track") {
+  FakeFaces fake(half_size());
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  const std::vector<std::uint8_t> black(static_cast<std::size_t>(kWidth * kHeight), 0);
+  for (std::size_t k = 0; k < kGone; ++k) {
+    FrameView view = half_size().view(k);
+    std::vector<std::uint8_t> torn = half_size().frames[k];
+    if (k % 3 == 1) {
+      view.data = black.data();
+    } else if (k % 3 == 2) {
+      for (std::size_t i = torn.size() / 2; i < torn.size(); ++i) torn[i] = half_size().frames[k][i - 100];
+      view.data = torn.data();
+    }
+    FrameResult result;
+    REQUIRE(tracker->update(view, &result) == Status::ok);
+    CHECK(result.state != TrackState::lost);
+  }
+  CHECK(fake.searches == 1);
+}
+
+TEST_CASE("search and tracking share their memory; detection without tables costs nothing") {
+  TrackerLimits none = without_detection(TrackerLimits{});
+  const Model& model = baked_face().model;
+  REQUIRE(model.detector().empty());
+  const std::size_t tracking = measured_bytes<Tracker>(model, none);
+  CHECK(measured_bytes<Tracker>(model, TrackerLimits{}) <= tracking + model.parameters().count + 16);
+  FakeFaces fake(half_size());
+  CHECK(measured_bytes<Tracker>(model, limits_with_fake()) < tracking + 4096);
+  CHECK(measured_bytes<Tracker>(model, none) == tracking);
+  InArena<Tracker> tracker(model, none);
+  FrameResult result;
+  CHECK(tracker->update(half_size().view(0), &result) == Status::not_started);
+  CHECK(tracker->start_by_detection() == Status::not_found);
+}
+
+TEST_CASE("a start from a box or from five points is refined where there are tables") {
+  FakeFaces fake(half_size());
+  const FaceFilm& film = half_size();
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  const FaceBox box = fake.box(0);
+  StartOptions start;
+  start.box = BoxConvention::face_box;
+  const Vec2 size{box.side, box.side};
+  REQUIRE(tracker->start_from_box(film.view(0), box.center - 0.5f * size, size, start) == Status::ok);
+  CHECK(film.landmark_error(tracker.object, 0) < 1.5f);
+  CHECK(fake.alignments == 1);
+  CHECK(tracker->result().landmark_error == doctest::Approx(0.02));
+  std::vector<NamedPoint> five;
+  for (const char* name : {"eye_right", "eye_left", "nose_tip", "mouth_right", "mouth_left"})
+    five.push_back({name, film.truth(name, 0)});
+  REQUIRE(tracker->start_from_landmarks(film.view(0), {five.data(), five.size()}) == Status::ok);
+  CHECK(fake.alignments == 2);
+  CHECK(film.landmark_error(tracker.object, 0) < 1.5f);
+}
+
+TEST_CASE("boxes of all conventions, of one face, give about the same pose, with and without tables") {
+  const FaceFilm& film = half_size();
+  InArena<Tracker> tracker(baked_face().model, without_detection(TrackerLimits{}));
+  FakeFaces fake(film);
+  const FaceBox box = fake.box(0);
+  StartOptions start;
+  start.camera = &film.camera;
+  start.box = BoxConvention::face_box;
+  const Vec2 size{box.side, box.side};
+  REQUIRE(tracker->start_from_box(film.view(0), box.center - 0.5f * size, size, start) == Status::ok);
+  CHECK(film.landmark_error(tracker.object, 0) < 4);
+}
+
+TEST_CASE("start_by_detection ends a track, forgets the person and keeps its options") {
+  FakeFaces fake(half_size());
+  const FaceFilm& film = half_size();
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  for (std::size_t k = 0; k < 6; ++k) update(tracker.object, film, k);
+  StartOptions start;
+  start.camera = &film.camera;
+  start.keeps_landmark_offsets = false;
+  std::vector<std::uint8_t> is_free(baked_face().model.parameters().count, 0);
+  TrackerOptions options;
+  options.is_free = is_free.data();
+  REQUIRE(tracker->start_by_detection(start, options) == Status::ok);
+  is_free.assign(is_free.size(), 1);  // it was read
+  CHECK_FALSE(tracker->is_started());
+  CHECK(tracker->result().state == TrackState::lost);
+  const int held = fake.held_alignments;
+  const FrameResult result = update(tracker.object, film, 6);
+  CHECK(result.state == TrackState::tracking);
+  CHECK(fake.held_alignments == held);
+  CHECK(tracker->camera().f == film.camera.f);
+  float before, after;
+  REQUIRE(tracker->parameter("jawOpen", &before) == Status::ok);
+  update(tracker.object, film, 7);
+  REQUIRE(tracker->parameter("jawOpen", &after) == Status::ok);
+  CHECK(before == after);
+  start.focal_px = -1;
+  CHECK(tracker->start_by_detection(start) == Status::bad_argument);
+  CHECK(tracker->is_started());
+}
