@@ -17,60 +17,52 @@ struct GradientCellTuning {
 };
 constexpr GradientCellTuning kTuning{};
 
-constexpr int kBlockPx = 32;        // pixels that are summed at once: fits registers and a small stack
 constexpr int kDiagonalGain = 181;  // sqrt(2) * 128: (1, 1) as a multiple of the diagonal's unit vector
-
-// Sums along columns of pixels, by direction.
-struct ColumnSums {
-  std::uint16_t direction[8][kBlockPx], brightness[kBlockPx];
-};
 
 constexpr int smaller(int a, int b) {
   return a < b ? a : b;
 }
 
-constexpr std::int16_t positive(int x) {
-  return static_cast<std::int16_t>(x > 0 ? x : 0);
-}
+// Gradients of a cell by octant: bit 0 is dx < 0, bit 1 dy < 0, bit 2 |dy| > |dx|. A gradient between an axis and a diagonal is
+// the sum of one vector along each: (dx, dy) = (dx - dy) (1, 0) + dy (1, 1) for 0 <= dy <= dx. The part along the diagonal is
+// in the lower half of a word, the part along the axis in the upper half.
+struct OctantSums {
+  std::uint32_t octant[8];
+  unsigned brightness;
 
-// Adds the gradients of one line of pixels. A gradient between an axis and a diagonal is the sum of one vector along each:
-// (dx, dy) = (dx - dy) (1, 0) + dy (1, 1) for 0 <= dy <= dx, so that each part costs a minimum or maximum.
-void add_line(const std::uint8_t* line, int stride, int pixels, ColumnSums* sums) {
+  unsigned axis(int k) const { return octant[k] >> 16; }
+  unsigned diagonal(int k) const { return octant[k] & 0xffff; }
+};
+
+void add_line(const std::uint8_t* line, int stride, int pixels, OctantSums* sums) {
   const std::uint8_t *above = line - stride, *below = line + stride;
-  auto& d = sums->direction;
   for (int x = 0; x < pixels; ++x) {
     const int dx = line[x + 1] - line[x - 1], dy = below[x] - above[x];
-    const int ax = dx < 0 ? -dx : dx, ay = dy < 0 ? -dy : dy;
-    const auto add = [x](std::uint16_t* to, int value) {
-      to[x] = static_cast<std::uint16_t>(to[x] + positive(value));
-    };
-    add(d[0], dx - ay);
-    add(d[1], smaller(dx, dy));
-    add(d[2], dy - ax);
-    add(d[3], smaller(-dx, dy));
-    add(d[4], -dx - ay);
-    add(d[5], smaller(-dx, -dy));
-    add(d[6], -dy - ax);
-    add(d[7], smaller(dx, -dy));
-    sums->brightness[x] = static_cast<std::uint16_t>(sums->brightness[x] + line[x]);
+    const int ax = dx < 0 ? -dx : dx, ay = dy < 0 ? -dy : dy, difference = ax - ay;
+    const unsigned is_steep = static_cast<unsigned>(difference) >> 31;
+    const unsigned octant =
+        static_cast<unsigned>(dx) >> 31 | (static_cast<unsigned>(dy) >> 31) << 1 | is_steep << 2;
+    const int along_axis = difference < 0 ? -difference : difference;
+    sums->octant[octant] += static_cast<unsigned>(along_axis) << 16 | static_cast<unsigned>(smaller(ax, ay));
+    sums->brightness += line[x];
   }
 }
 
-// The sums of the cell whose first column is `x`.
-CellSums cell_of(const ColumnSums& sums, int x, int cell_px) {
+CellSums cell_of(const OctantSums& s) {
+  const unsigned axes[4] = {s.axis(0) + s.axis(2), s.axis(4) + s.axis(5), s.axis(1) + s.axis(3),
+                            s.axis(6) + s.axis(7)};
+  const unsigned diagonals[4] = {s.diagonal(0) + s.diagonal(4), s.diagonal(1) + s.diagonal(5),
+                                 s.diagonal(3) + s.diagonal(7), s.diagonal(2) + s.diagonal(6)};
   CellSums cell{};
-  int total = 0;
-  for (int k = 0; k < 8; ++k) {
-    int sum = 0;
-    for (int i = 0; i < cell_px; ++i) sum += sums.direction[k][x + i];
-    if (k % 2 == 1) sum = (sum * kDiagonalGain) >> 7;
-    cell.direction[k] = static_cast<std::uint16_t>(sum);
-    total += sum;
+  unsigned total = 0;
+  for (int k = 0; k < 4; ++k) {
+    const unsigned diagonal = (diagonals[k] * kDiagonalGain) >> 7;
+    cell.direction[2 * k] = static_cast<std::uint16_t>(axes[k]);
+    cell.direction[2 * k + 1] = static_cast<std::uint16_t>(diagonal);
+    total += axes[k] + diagonal;
   }
   cell.total = static_cast<std::uint16_t>(total);
-  int brightness = 0;
-  for (int i = 0; i < cell_px; ++i) brightness += sums.brightness[x + i];
-  cell.brightness = static_cast<std::uint16_t>(brightness);
+  cell.brightness = static_cast<std::uint16_t>(s.brightness);
   return cell;
 }
 
@@ -109,13 +101,10 @@ void write_cell(const CellSums& cell, const Neighbourhood& n, int cell_px, std::
 
 void sum_cells(const std::uint8_t* first, int stride, int columns, int cell_px, CellSums* out) {
   PLIANT_ASSERT(cell_px >= 1 && cell_px <= kLargestCellPx && columns >= 0);
-  const int cells_a_block = kBlockPx / cell_px;
-  for (int c = 0; c < columns; c += cells_a_block) {
-    const int cells = smaller(cells_a_block, columns - c);
-    ColumnSums sums{};
-    for (int y = 0; y < cell_px; ++y)
-      add_line(first + y * stride + c * cell_px, stride, cells * cell_px, &sums);
-    for (int i = 0; i < cells; ++i) out[c + i] = cell_of(sums, i * cell_px, cell_px);
+  for (int c = 0; c < columns; ++c) {
+    OctantSums sums{};
+    for (int y = 0; y < cell_px; ++y) add_line(first + y * stride + c * cell_px, stride, cell_px, &sums);
+    out[c] = cell_of(sums);
   }
 }
 

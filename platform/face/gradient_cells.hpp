@@ -24,7 +24,7 @@ constexpr int kLargestCellPx = 8;  ///< pixels a cell's side
 
 /// Sums of one row of `columns` cells of `cell_px` x `cell_px` pixels (1 to kLargestCellPx). The first cell's upper left
 /// pixel is `first`, the next row is `stride` bytes further. Central differences read one pixel beyond the cells on each
-/// side. Cost: about 40 operations a pixel.
+/// side. Cost: about 25 operations a pixel.
 void sum_cells(const std::uint8_t* first, int stride, int columns, int cell_px, CellSums* out);
 
 /// Rows of sums around the row to be normalised, from above to below; the middle one is rows[count / 2]. A row that lies

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "face/box_selection.hpp"
+#include "host/learn/detector_calibration.hpp"
 #include "host/learn/detector_learning_tuning.hpp"
 #include "host/learn/learn_detector.hpp"
 #include "host/learn/parallel.hpp"
@@ -19,6 +20,14 @@ enum Stream : std::uint64_t { kFaceStream = 11, kOtherStream = 12, kHitStream = 
 
 FaceBox moved(const FaceBox& box, float x, float y, float zoom) {
   return {box.center + box.side * Vec2{x, y}, box.side * zoom};
+}
+
+// The pictures that train.
+std::vector<std::size_t> training_pictures(const OtherPictures& others) {
+  std::vector<std::size_t> numbers;
+  for (std::size_t k = 0; k < others.count(); ++k)
+    if (!calibrates(k, others.count())) numbers.push_back(k);
+  return numbers;
 }
 
 // The places around a face where the nearest windows of the search may be.
@@ -69,9 +78,10 @@ FaceExamples draw_faces(const FaceSamples& faces, std::size_t count, const Learn
 
 std::vector<Window> draw_others(const OtherPictures& others, std::size_t count, const LearnOptions& options) {
   std::vector<Window> windows(count);
+  const std::vector<std::size_t> pictures = training_pictures(others);
   run_parallel(options.threads, count, [&](std::size_t k) {
     SampleRandom random(options.seed + kOtherStream, k);
-    const Image& picture = others.picture(random.below(others.count()));
+    const Image& picture = others.picture(pictures[random.below(pictures.size())]);
     const float width = static_cast<float>(picture.width), height = static_cast<float>(picture.height);
     const float side = random.octaves_between(kWindowPx, std::max(kWindowPx + 1.0f, std::min(width, height)));
     windows[k] = window_of(picture, {{random.between(0, width), random.between(0, height)}, side});
@@ -83,8 +93,7 @@ std::vector<Window> find_false_hits(const std::vector<DetectorTree>& trees, cons
                                     const FaceSamples& faces, std::size_t count, std::size_t round,
                                     const LearnOptions& options, const LearnProgress& progress) {
   SampleRandom order(options.seed + kHitStream, round);
-  std::vector<std::size_t> pictures(others.count());
-  for (std::size_t k = 0; k < pictures.size(); ++k) pictures[k] = k;
+  std::vector<std::size_t> pictures = training_pictures(others);
   for (std::size_t k = pictures.size(); k > 1; --k) std::swap(pictures[k - 1], pictures[order.below(k)]);
   // Between pictures come samples of faces, so that both are among the hits.
   const std::size_t searches = 2 * pictures.size();

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "host/learn/boosted_trees.hpp"
+#include "host/learn/detector_calibration.hpp"
 #include "host/learn/detector_examples.hpp"
 #include "host/learn/detector_learning_tuning.hpp"
 #include "pliant/model.hpp"
@@ -44,15 +45,12 @@ void set_thresholds(const std::vector<FaceWindows>& faces, double lost, std::vec
   }
 }
 
-std::vector<std::uint8_t> bytes_of(const std::vector<DetectorTree>& trees) {
+std::vector<std::uint8_t> bytes_of(const std::vector<DetectorTree>& trees, const Calibration& calibration) {
   DetectorHeader header{};
   header.magic = kDetectorMagic;
   header.tree_count = static_cast<std::uint16_t>(trees.size());
   header.total_bytes = static_cast<std::uint32_t>(sizeof header + trees.size() * sizeof(DetectorTree));
-  for (int k = 0; k < kScoreKnots; ++k) {
-    header.knot_sum[k] = to_int16(trees.back().rejection + 64 * k);
-    header.knot_probability[k] = static_cast<std::uint16_t>(65535 * (k + 1) / (kScoreKnots + 1));
-  }
+  set_knots(calibration, trees.back().rejection, &header);
   std::vector<std::uint8_t> bytes(header.total_bytes);
   std::memcpy(bytes.data(), &header, sizeof header);
   std::memcpy(bytes.data() + sizeof header, trees.data(), trees.size() * sizeof(DetectorTree));
@@ -93,7 +91,10 @@ std::vector<std::uint8_t> learn_detector(const FaceSamples& faces, const OtherPi
     const bool is_last = round + 1 == std::size(kTuning.trees);
     set_thresholds(examples.checking, is_last ? kTuning.lost_faces : kTuning.lost_faces_before, &trees);
   }
-  return bytes_of(trees);
+  std::vector<int> checked;
+  for (const FaceWindows& windows : examples.checking)
+    checked.push_back(best_partial_sums(trees, windows).back());
+  return bytes_of(trees, calibrate(trees, checked, others, options));
 }
 
 }  // namespace pliant::host::learn
