@@ -2,6 +2,7 @@
 #include "pliant/face_aligner.hpp"
 
 #include "face/aligner_pass.hpp"
+#include "face/box_view.hpp"
 
 namespace pliant {
 
@@ -47,8 +48,8 @@ struct FaceAligner::State {
 
   void lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> bytes);
   Status check_input(const FrameView& frame, const Camera& camera, const float* q, const AlignedFace* face);
-  Status view_of_box(const FrameView& frame, const FaceBox& box, const Camera& camera);
-  Status view_of_pose(const FrameView& frame, const Pose& pose, const Camera& camera);
+  Status start_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera);
+  Status start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera);
   Status run(const FrameView& frame, const Camera& camera, const AlignOptions& options, bool refines,
              AlignedFace* face, float* q, Span<Vec2> landmarks);
   void write_landmarks(Span<Vec2> landmarks);
@@ -75,33 +76,16 @@ Status FaceAligner::State::check_input(const FrameView& frame, const Camera& cam
   return Lens::make(camera, frame.width, frame.height, &lens);
 }
 
-/// Frontal, with the middle of the outer eye corners and the mouth corners in the middle of the box.
-Status FaceAligner::State::view_of_box(const FrameView& frame, const FaceBox& box, const Camera& camera) {
+Status FaceAligner::State::start_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera) {
   if (!is_finite(box.center) || !is_within(box.side, 1, kMostPx)) return Status::bad_argument;
   const float half = 0.5f * box.side;
   if (!is_within(box.center.x, -half, static_cast<float>(frame.width - 1) + half) ||
       !is_within(box.center.y, -half, static_cast<float>(frame.height - 1) + half))
     return Status::not_found;
-  Vec3 middle;
-  const char* const corners[] = {"ibug36", "ibug45", "ibug48", "ibug54"};
-  for (const char* name : corners) {
-    const std::uint16_t k = model.find_landmark(name);
-    if (k == kNone) return Status::not_found;
-    const Landmark& l = model.landmarks()[k];
-    middle = middle + 0.25f * pass.shape().cascade().surface_point({l.u, l.v}, start_q);
-  }
-  View view;
-  view.rho = clamp(box.side / (kFaceBoxMm * camera.f), kMinRho, kMaxRho);
-  view.s = camera.f * view.rho;
-  view.c = {camera.cx, camera.cy};
-  const float depth = 1 - view.rho * middle.z;
-  const Vec2 offset = (depth / view.s) * (lens.undistort(box.center) - view.c);
-  view.tau = {offset.x - middle.x, offset.y + middle.y};
-  start_view = view;
-  return Status::ok;
+  return view_of_box(pass.shape().cascade(), start_q, box, camera, lens, &start_view);
 }
 
-Status FaceAligner::State::view_of_pose(const FrameView& frame, const Pose& pose, const Camera& camera) {
+Status FaceAligner::State::start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera) {
   if (!is_finite(pose) || !is_within(pose.t.z, 1.0f / kMaxRho, 1.0f / kMinRho)) return Status::bad_argument;
   start_view = view_of({normalised(pose.q), pose.t}, camera);
   const float side = kFaceBoxMm * start_view.s;
@@ -175,7 +159,7 @@ Status FaceAligner::align(const FrameView& frame, const FaceBox& box, const Came
     if (is_held && !is_finite(q[k])) return Status::bad_argument;
     s.start_q[k] = is_held ? q[k] : 0.0f;
   }
-  status = s.view_of_box(frame, box, camera);
+  status = s.start_in_box(frame, box, camera);
   if (status != Status::ok) return status;
   return s.run(frame, camera, options, false, face, q, landmarks);
 }
@@ -189,7 +173,7 @@ Status FaceAligner::refine(const FrameView& frame, const Camera& camera, const P
   const std::size_t parameters = s.model.parameters().count;
   if ((!landmarks.empty() && landmarks.count < s.model.landmarks().count) || !are_finite(q, parameters))
     return Status::bad_argument;
-  status = s.view_of_pose(frame, start, camera);
+  status = s.start_at_pose(frame, start, camera);
   if (status != Status::ok) return status;
   for (std::size_t k = 0; k < parameters; ++k) s.start_q[k] = q[k];
   return s.run(frame, camera, options, true, face, q, landmarks);
@@ -202,7 +186,7 @@ Status FaceAligner::verify(const FrameView& frame, const Camera& camera, const P
   Status status = s.check_input(frame, camera, q, face);
   if (status != Status::ok) return status;
   if (!are_finite(q, s.model.parameters().count)) return Status::bad_argument;
-  status = s.view_of_pose(frame, pose, camera);
+  status = s.start_at_pose(frame, pose, camera);
   if (status != Status::ok) return status;
   s.pass.start(frame, s.lens, s.start_view, q, nullptr);
   *face = s.conclude(camera);

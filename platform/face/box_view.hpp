@@ -1,0 +1,16 @@
+#pragma once
+// The view that a face box stands for.
+#include "pliant/camera.hpp"
+#include "pliant/cascade.hpp"
+#include "pliant/face_box.hpp"
+#include "pliant/lens.hpp"
+
+namespace pliant {
+
+/// Frontal, with the middle of the outer eye corners and the mouth corners of the face q in the middle of the box.
+/// \pre the box and q are finite, side and camera.f > 0.
+/// \return not_found if the model lacks one of these landmarks; `view` is then unchanged.
+Status view_of_box(Cascade& cascade, const float* q, const FaceBox& box, const Camera& camera,
+                   const Lens& lens, View* view);
+
+}  // namespace pliant

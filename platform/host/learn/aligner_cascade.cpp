@@ -1,0 +1,366 @@
+#include "host/learn/aligner_cascade.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+namespace pliant::host::learn {
+
+namespace {
+
+double median_of(std::vector<double> v) {
+  if (v.empty()) return 0;
+  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+  return v[v.size() / 2];
+}
+
+/// A table with its own memory, opened.
+struct OpenTable {
+  std::vector<std::uint32_t> words;
+  AlignerTable table;
+  explicit OpenTable(const std::vector<std::uint8_t>& bytes) : words((bytes.size() + 3) / 4) {
+    std::memcpy(words.data(), bytes.data(), bytes.size());
+    require(AlignerTable::open({reinterpret_cast<const std::uint8_t*>(words.data()), bytes.size()}, &table),
+            "table");
+  }
+};
+
+FrameView frame_of(const Image& picture) {
+  return {picture.pixels.data(), picture.width, picture.height, static_cast<std::size_t>(picture.width)};
+}
+
+/// sum over rows of a dot product.
+double predicted(const std::vector<double>& rows, std::size_t row, std::size_t bytes,
+                 const std::uint8_t* block) {
+  float sum = 0;
+  const double* const w = rows.data() + row * bytes;
+  for (std::size_t k = 0; k < bytes; ++k) sum += static_cast<float>(w[k]) * static_cast<float>(block[k]);
+  return static_cast<double>(sum);
+}
+
+}  // namespace
+
+AlignerCascade::AlignerCascade(const Model& model, std::vector<int> numbers, const LearnOptions& options,
+                               const AlignerCascadeTuning& tuning)
+    : model_(model),
+      numbers_(std::move(numbers)),
+      options_(options),
+      tuning_(tuning),
+      stages_(static_cast<std::size_t>(tuning.folds) + 1) {
+  for (int t = 0; t < options.threads; ++t) {
+    passes_.push_back(std::make_unique<OwnedPass>(model, numbers_.size()));
+    const auto indices = landmark_indices(model, numbers_);
+    for (std::size_t k = 0; k < indices.size(); ++k)
+      (*passes_.back())
+          ->shape()
+          .set_landmark(k, {model.landmarks()[indices[k]].u, model.landmarks()[indices[k]].v});
+  }
+}
+
+std::vector<std::uint8_t> AlignerCascade::table(int fold, const LearntCheck* check) const {
+  const auto& stages = stages_[static_cast<std::size_t>(fold)];
+  const LearntCheck blank = blank_check(numbers_.size(), stages.back().shape);
+  return encode_aligner(numbers_, stages, check != nullptr ? *check : blank);
+}
+
+StageReport AlignerCascade::learn(const AlignerStage& shape) {
+  StageReport report;
+  if (shape.components == 0)
+    learn_local(shape, &report);
+  else
+    learn_global(shape, &report);
+  blocks_.clear();
+  wanted_.clear();
+  move_examples();
+  report_errors(&report);
+  return report;
+}
+
+double AlignerCascade::choose_ridge(const std::vector<RidgeSums>& folds) const {
+  RidgeSums all;
+  all.resize(folds[0].inputs, folds[0].outputs);
+  for (const RidgeSums& f : folds) all.add(f, 1);
+  double best = tuning_.ridges[0], least = 1e300;
+  for (const double ridge : tuning_.ridges) {
+    double error = 0;
+    for (const RidgeSums& f : folds) {
+      RidgeSums others = all;
+      others.add(f, -1);
+      for (const double e : squared_errors(f, solve_ridge(others, ridge))) error += e;
+    }
+    if (error < least) {
+      least = error;
+      best = ridge;
+    }
+  }
+  return best;
+}
+
+std::vector<double> AlignerCascade::information(const std::vector<double>& moments, double weight) const {
+  const double least = tuning_.least_variance;
+  const double xx = moments[0] / std::max(weight, 1e-9) + least, xy = moments[1] / std::max(weight, 1e-9),
+               yy = moments[2] / std::max(weight, 1e-9) + least;
+  const double determinant = xx * yy - xy * xy;
+  return {yy / determinant, -xy / determinant, xx / determinant};
+}
+
+void AlignerCascade::learn_local(const AlignerStage& shape, StageReport* report) {
+  const std::size_t landmarks = numbers_.size(), bytes = block_bytes(shape), n = examples_.size();
+  blocks_.assign(landmarks, std::vector<std::uint8_t>(n * bytes));
+  wanted_.assign(landmarks, std::vector<double>(2 * n));
+  in_parallel(n, options_.threads, [&](std::size_t e, std::size_t thread) {
+    AlignerPass& pass = **passes_[thread];
+    const AlignerExample& example = examples_[e];
+    pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
+    pass.prepare(shape);
+    for (std::size_t k = 0; k < landmarks; ++k) {
+      const Vec2 middle = pass.describe_landmark(k, shape, blocks_[k].data() + e * bytes);
+      const Vec2 d = shape.mm_per_px * (pass.map().to_crop(example.truth[k]) - middle);
+      wanted_[k][2 * e] = static_cast<double>(d.x);
+      wanted_[k][2 * e + 1] = static_cast<double>(d.y);
+    }
+  });
+  std::vector<LearntStage> learnt(stages_.size());
+  for (LearntStage& s : learnt) {
+    s.shape = shape;
+    s.local.rows.resize(2 * landmarks * bytes);
+    s.local.bias.resize(2 * landmarks);
+    s.local.information.resize(3 * landmarks);
+    s.local.blend.assign(landmarks, 0);
+  }
+  std::vector<double> ridges(landmarks);
+  in_parallel(landmarks, options_.threads, [&](std::size_t k, std::size_t) {
+    std::vector<RidgeSums> folds(static_cast<std::size_t>(tuning_.folds));
+    for (RidgeSums& f : folds) f.resize(bytes + 1, 2);
+    for (std::size_t f = 0; f < folds.size(); ++f) {
+      RidgeRows rows(folds[f]);
+      for (std::size_t e = 0; e < n; ++e) {
+        if (examples_[e].fold != static_cast<int>(f)) continue;
+        const double* const y = &wanted_[k][2 * e];
+        const double w = tuning_.weight_of_trust[examples_[e].trust[k]];
+        if (w > 0 && std::hypot(y[0], y[1]) <= tuning_.most_displacement_mm)
+          rows.add(blocks_[k].data() + e * bytes, y, w);
+      }
+    }
+    ridges[k] = choose_ridge(folds);
+    RidgeSums all;
+    all.resize(bytes + 1, 2);
+    for (const RidgeSums& f : folds) all.add(f, 1);
+    for (std::size_t f = 0; f < learnt.size(); ++f) {
+      RidgeSums others = all;
+      if (f < folds.size()) others.add(folds[f], -1);
+      const std::vector<double> w = solve_ridge(others, ridges[k]);
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double* const row = w.data() + axis * (bytes + 1);
+        std::copy(row, row + bytes,
+                  learnt[f].local.rows.begin() + static_cast<std::ptrdiff_t>((2 * k + axis) * bytes));
+        learnt[f].local.bias[2 * k + axis] = row[bytes];
+      }
+    }
+    std::vector<double> moments(3);
+    double weight = 0;
+    for (std::size_t e = 0; e < n; ++e) {
+      const auto& local = learnt[static_cast<std::size_t>(examples_[e].fold)].local;
+      const double w = tuning_.weight_of_trust[examples_[e].trust[k]];
+      const std::uint8_t* const block = blocks_[k].data() + e * bytes;
+      const double* const y = &wanted_[k][2 * e];
+      if (!(w > 0) || std::hypot(y[0], y[1]) > tuning_.most_displacement_mm) continue;
+      const double x = y[0] - local.bias[2 * k] - predicted(local.rows, 2 * k, bytes, block);
+      const double z = y[1] - local.bias[2 * k + 1] - predicted(local.rows, 2 * k + 1, bytes, block);
+      moments[0] += w * x * x;
+      moments[1] += w * x * z;
+      moments[2] += w * z * z;
+      weight += w;
+    }
+    const std::vector<double> known = information(moments, weight);
+    for (LearntStage& s : learnt)
+      std::copy(known.begin(), known.end(), s.local.information.begin() + static_cast<std::ptrdiff_t>(3 * k));
+  });
+  report->ridge = median_of(ridges);
+  for (std::size_t f = 0; f < learnt.size(); ++f) stages_[f].push_back(std::move(learnt[f]));
+}
+
+void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report) {
+  const std::size_t landmarks = numbers_.size(), block = block_bytes(shape), n = examples_.size();
+  const std::size_t bytes = block * shape.blocks * shape.blocks, outputs = 2 * landmarks;
+  const std::size_t components = std::min<std::size_t>(shape.components, outputs);
+  blocks_.assign(1, std::vector<std::uint8_t>(n * bytes));
+  wanted_.assign(1, std::vector<double>(outputs * n));
+  in_parallel(n, options_.threads, [&](std::size_t e, std::size_t thread) {
+    AlignerPass& pass = **passes_[thread];
+    const AlignerExample& example = examples_[e];
+    pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
+    pass.prepare(shape);
+    for (int j = 0; j < shape.blocks; ++j)
+      for (int i = 0; i < shape.blocks; ++i)
+        pass.describe_place(
+            i, j, shape,
+            blocks_[0].data() + e * bytes + static_cast<std::size_t>(j * shape.blocks + i) * block);
+    for (std::size_t k = 0; k < landmarks; ++k) {
+      const Vec2 d = shape.mm_per_px *
+                     (pass.map().to_crop(example.truth[k]) - pass.map().to_crop(pass.shape().image(k)));
+      wanted_[0][outputs * e + 2 * k] = static_cast<double>(d.x);
+      wanted_[0][outputs * e + 2 * k + 1] = static_cast<double>(d.y);
+    }
+  });
+  std::vector<RidgeSums> folds(static_cast<std::size_t>(tuning_.folds));
+  in_parallel(folds.size(), options_.threads, [&](std::size_t f, std::size_t) {
+    folds[f].resize(bytes + 1, outputs);
+    RidgeRows rows(folds[f]);
+    for (std::size_t e = 0; e < n; ++e)
+      if (examples_[e].fold == static_cast<int>(f) && !examples_[e].is_refinement)
+        rows.add(blocks_[0].data() + e * bytes, &wanted_[0][outputs * e], 1);
+  });
+  report->ridge = choose_ridge(folds);
+  RidgeSums all;
+  all.resize(bytes + 1, outputs);
+  for (const RidgeSums& f : folds) all.add(f, 1);
+  std::vector<LearntStage> learnt(stages_.size());
+  in_parallel(learnt.size(), options_.threads, [&](std::size_t f, std::size_t) {
+    RidgeSums others = all;
+    if (f < folds.size()) others.add(folds[f], -1);
+    const std::vector<double> solution = solve_ridge(others, report->ridge);
+    using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const auto rows = static_cast<Eigen::Index>(outputs), columns = static_cast<Eigen::Index>(bytes + 1);
+    const Eigen::Map<const RowMatrix> w(solution.data(), rows, columns);
+    const Eigen::Map<const Eigen::MatrixXd> h(others.xx.data(), columns, columns);
+    // Covariance of the predictions: its leading directions are the components.
+    const Eigen::VectorXd mean_x = h.row(columns - 1).transpose() / others.weight;
+    const Eigen::VectorXd mean = w * mean_x;
+    const Eigen::MatrixXd hw = h.selfadjointView<Eigen::Lower>() * w.transpose();
+    const Eigen::MatrixXd covariance = w * hw / others.weight - mean * mean.transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
+    const Eigen::MatrixXd v = solver.eigenvectors().rightCols(static_cast<Eigen::Index>(components));
+    LearntStage& s = learnt[f];
+    s.shape = shape;
+    s.shape.components = static_cast<std::uint8_t>(components);
+    s.global.basis.resize(components * bytes);
+    s.global.bias.resize(components);
+    s.global.output.resize(outputs * components);
+    const RowMatrix projected = v.transpose() * w;
+    const Eigen::VectorXd offset = v.transpose() * mean;
+    for (std::size_t c = 0; c < components; ++c) {
+      const auto row = static_cast<Eigen::Index>(c);
+      for (std::size_t k = 0; k < bytes; ++k)
+        s.global.basis[c * bytes + k] = projected(row, static_cast<Eigen::Index>(k));
+      s.global.bias[c] = projected(row, columns - 1) - offset(row);
+      for (std::size_t o = 0; o < outputs; ++o)
+        s.global.output[o * components + c] = v(static_cast<Eigen::Index>(o), row);
+    }
+    s.global.mean.assign(mean.data(), mean.data() + outputs);
+  });
+  std::vector<double> moments(3 * landmarks), value(components);
+  double count = 0;
+  for (std::size_t e = 0; e < n; ++e) {
+    if (examples_[e].is_refinement) continue;
+    const LearntGlobal& g = learnt[static_cast<std::size_t>(examples_[e].fold)].global;
+    for (std::size_t c = 0; c < components; ++c)
+      value[c] = g.bias[c] + predicted(g.basis, c, bytes, blocks_[0].data() + e * bytes);
+    for (std::size_t k = 0; k < landmarks; ++k) {
+      double r[2];
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        r[axis] = wanted_[0][outputs * e + 2 * k + axis] - g.mean[2 * k + axis];
+        for (std::size_t c = 0; c < components; ++c)
+          r[axis] -= g.output[(2 * k + axis) * components + c] * value[c];
+      }
+      moments[3 * k] += r[0] * r[0];
+      moments[3 * k + 1] += r[0] * r[1];
+      moments[3 * k + 2] += r[1] * r[1];
+    }
+    count += 1;
+  }
+  for (std::size_t k = 0; k < landmarks; ++k) {
+    const auto known = information({moments[3 * k], moments[3 * k + 1], moments[3 * k + 2]}, count);
+    for (LearntStage& s : learnt)
+      s.global.information.insert(s.global.information.end(), known.begin(), known.end());
+  }
+  for (std::size_t f = 0; f < learnt.size(); ++f) stages_[f].push_back(std::move(learnt[f]));
+}
+
+void AlignerCascade::move_examples() {
+  std::vector<std::unique_ptr<OpenTable>> tables;
+  for (int f = 0; f < tuning_.folds; ++f) {
+    // The runtime wants a local stage at the end; a global one alone gets an idle one.
+    tables.push_back(nullptr);
+    std::vector<LearntStage> stages = {stages_[static_cast<std::size_t>(f)].back()};
+    if (stages[0].shape.components > 0) {
+      LearntStage idle;
+      idle.shape = {2, 64, 1, 4, 0, 0, 1, 0, 1, 0};
+      idle.local.rows.assign(2 * numbers_.size() * block_bytes(idle.shape), 0);
+      idle.local.bias.assign(2 * numbers_.size(), 0);
+      idle.local.information.assign(3 * numbers_.size(), 0);
+      idle.local.blend.assign(numbers_.size(), 0);
+      stages.push_back(idle);
+    }
+    tables.back() = std::make_unique<OpenTable>(
+        encode_aligner(numbers_, stages, blank_check(numbers_.size(), stages.back().shape)));
+  }
+  for (auto& pass : passes_) (*pass)->choose_landmarks(model_, tables[0]->table);
+  const AlignerStage shape = tables[0]->table.stage(0);
+  in_parallel(examples_.size(), options_.threads, [&](std::size_t e, std::size_t thread) {
+    AlignerExample& example = examples_[e];
+    if (example.is_refinement && shape.refines == 0) return;
+    AlignerPass& pass = **passes_[thread];
+    pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
+    pass.prepare(shape);
+    pass.predict(tables[static_cast<std::size_t>(example.fold)]->table, 0);
+    pass.step(shape);
+    if (!pass.shape().is_usable()) return;
+    example.view = pass.shape().view();
+    example.q.assign(pass.shape().q(), pass.shape().q() + example.q.size());
+  });
+}
+
+void AlignerCascade::report_errors(StageReport* report) {
+  std::vector<double> errors(examples_.size());
+  in_parallel(examples_.size(), options_.threads, [&](std::size_t e, std::size_t thread) {
+    AlignerPass& pass = **passes_[thread];
+    const AlignerExample& example = examples_[e];
+    pass.shape().start(example.view, example.q.data(), nullptr, Lens{});
+    pass.shape().project();
+    std::vector<Vec2> at;
+    for (std::size_t k = 0; k < numbers_.size(); ++k) at.push_back(pass.shape().image(k));
+    errors[e] = static_cast<double>(mean_error(example, at, kTrustAnnotated));
+  });
+  errors.erase(std::remove_if(errors.begin(), errors.end(), [](double e) { return e < 0; }), errors.end());
+  report->median = median_of(errors);
+  for (const double e : errors) {
+    report->mean += e / static_cast<double>(errors.size());
+    report->right += (e < 0.06 ? 1.0 : 0.0) / static_cast<double>(errors.size());
+  }
+}
+
+void AlignerCascade::learn_blend() {
+  std::vector<std::unique_ptr<OpenTable>> tables;
+  for (int f = 0; f < tuning_.folds; ++f) tables.push_back(std::make_unique<OpenTable>(table(f)));
+  const std::size_t landmarks = numbers_.size(), last = stages_[0].size() - 1;
+  const AlignerStage shape = tables[0]->table.stage(last);
+  std::vector<std::vector<double>> terms(examples_.size());
+  in_parallel(examples_.size(), options_.threads, [&](std::size_t e, std::size_t thread) {
+    AlignerPass& pass = **passes_[thread];
+    const AlignerExample& example = examples_[e];
+    pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
+    pass.prepare(shape);
+    pass.predict(tables[static_cast<std::size_t>(example.fold)]->table, last);
+    for (std::size_t k = 0; k < landmarks; ++k) {
+      const Vec2 x = pass.shape().image(k), d = pass.target(k).x - x;
+      const double w = tuning_.weight_of_trust[example.trust[k]] /
+                       static_cast<double>(example.eye_distance * example.eye_distance);
+      terms[e].push_back(w * static_cast<double>(dot(example.truth[k] - x, d)));
+      terms[e].push_back(w * static_cast<double>(dot(d, d)));
+    }
+  });
+  for (std::size_t k = 0; k < landmarks; ++k) {
+    double above = 0, below = 1e-12;
+    for (const auto& t : terms) {
+      above += t[2 * k];
+      below += t[2 * k + 1];
+    }
+    const double blend = std::clamp(above / below, 0.0, 1.0);
+    for (auto& stages : stages_) stages[last].local.blend[k] = blend;
+  }
+}
+
+}  // namespace pliant::host::learn
