@@ -30,130 +30,143 @@ void AlignerPass::lay_out(Arena& arena, const Model& model, std::size_t landmark
   block_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kMostBlockBytes));
   index_ = arena.take<std::uint16_t>(landmarks);
   model_index_ = arena.take<std::uint16_t>(landmarks);
-  targets_ = arena.take<LandmarkTarget>(landmarks);
-  components_ = arena.take<std::int32_t>(kMostAlignerComponents);
+  image_ = arena.take<Vec2>(landmarks);
+  target_ = arena.take<Vec2>(landmarks);
+  components_ = arena.take<float>(kMostAlignerComponents);
 }
 
-std::size_t AlignerPass::choose_landmarks(const Model& model, const AlignerTable& table) {
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < table.landmark_count(); ++k) {
-    const std::uint16_t found = find_ibug(model, table.landmark_number(k));
-    if (found == kNone) continue;
-    shape_.set_landmark(count, {model.landmarks()[found].u, model.landmarks()[found].v});
-    model_index_[count] = found;
-    index_[count++] = static_cast<std::uint16_t>(k);
+std::size_t AlignerPass::choose_landmarks(const Model& model, const std::uint8_t* numbers,
+                                          std::size_t count) {
+  const auto uv_of = [&](std::uint16_t k) { return Vec2{model.landmarks()[k].u, model.landmarks()[k].v}; };
+  const int corner_numbers[4] = {36, 45, 48, 54};
+  Vec2 corners[4];
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::uint16_t found = find_ibug(model, corner_numbers[k]);
+    if (found == kNone) return 0;
+    corners[k] = uv_of(found);
   }
-  shape_.set_landmark_count(count);
-  return count;
+  shape_.set_corners(corners);
+  std::size_t chosen = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::uint16_t found = find_ibug(model, numbers[k]);
+    if (found == kNone) continue;
+    shape_.set_landmark(chosen, uv_of(found));
+    model_index_[chosen] = found;
+    index_[chosen++] = static_cast<std::uint16_t>(k);
+  }
+  shape_.set_landmark_count(chosen);
+  return chosen;
 }
 
 void AlignerPass::start(const FrameView& frame, const Lens& lens, const View& view, const float* q,
                         const std::uint8_t* is_free) {
   shape_.start(view, q, is_free, lens);
-  shape_.project();
-  picture_.take(frame, shape_.crop_map(1, 1).origin, max(1, 150 * view.s));
+  picture_.take(frame, shape_.crop_map(1, 1).origin, max(1, kFaceBoxMm * view.s));
 }
 
 void AlignerPass::prepare(const AlignerStage& stage) {
-  shape_.project();
   map_ = shape_.crop_map(stage.mm_per_px, stage.crop_px);
   picture_.crop(map_, crop_);
+  blocks_.set_crop(crop_, stage.crop_px);
 }
 
-Vec2 AlignerPass::describe_landmark(std::size_t k, const AlignerStage& stage, std::uint8_t* out) const {
-  GradientBlocks blocks = blocks_;
-  blocks.set_crop(crop_, stage.crop_px);
-  return blocks.describe(map_.to_crop(shape_.image(k)), stage.cells, stage.cell_px, out);
+Vec2 AlignerPass::describe_around(Vec2 x, const AlignerStage& stage, std::uint8_t* out) const {
+  return blocks_.describe(map_.to_crop(x), stage.cells, stage.cell_px, out);
 }
 
 void AlignerPass::describe_place(int i, int j, const AlignerStage& stage, std::uint8_t* out) const {
-  GradientBlocks blocks = blocks_;
-  blocks.set_crop(crop_, stage.crop_px);
-  const float step = static_cast<float>(stage.cells * stage.cell_px),
-              middle = 0.5f * static_cast<float>(stage.crop_px - 1);
-  const float first = middle - 0.5f * step * static_cast<float>(stage.blocks - 1);
-  blocks.describe({first + step * static_cast<float>(i), first + step * static_cast<float>(j)}, stage.cells,
-                  stage.cell_px, out);
+  const float step = static_cast<float>(stage.cells * stage.cell_px);
+  const float first =
+      0.5f * (static_cast<float>(stage.crop_px - 1) - step * static_cast<float>(stage.blocks - 1));
+  const Vec2 at{first + step * static_cast<float>(i), first + step * static_cast<float>(j)};
+  blocks_.describe(at, stage.cells, stage.cell_px, out);
 }
 
-/// A target from the crop's millimetres to pixels of the frame.
-void AlignerPass::set_target(std::size_t k, Vec2 x, const float* information, float mm_per_px) {
-  const Vec2 a = (1.0f / mm_per_px) * map_.right;  // px a mm to the right
+/// Information of a displacement in the crop's millimetres, in px of the frame: R W R^T / |a|^2 with a one millimetre to the
+/// crop's right and R = [a.x -a.y; a.y a.x] / |a|.
+Sym2 AlignerPass::information(const float* w, float mm_per_px) const {
+  const Vec2 a = (1.0f / mm_per_px) * map_.right;
   const float by = 1.0f / (dot(a, a) * dot(a, a));
-  const float xx = information[0], xy = information[1], yy = information[2];
-  // R W R^T / |a|^2 with R = [a.x -a.y; a.y a.x] / |a|.
-  targets_[k].x = x;
-  targets_[k].information = {by * (a.x * a.x * xx - 2 * a.x * a.y * xy + a.y * a.y * yy),
-                             by * (a.x * a.y * (xx - yy) + (a.x * a.x - a.y * a.y) * xy),
-                             by * (a.y * a.y * xx + 2 * a.x * a.y * xy + a.x * a.x * yy)};
+  return {by * (a.x * a.x * w[0] - 2 * a.x * a.y * w[1] + a.y * a.y * w[2]),
+          by * (a.x * a.y * (w[0] - w[2]) + (a.x * a.x - a.y * a.y) * w[1]),
+          by * (a.y * a.y * w[0] + 2 * a.x * a.y * w[1] + a.x * a.x * w[2])};
 }
 
-void AlignerPass::predict(const AlignerTable& table, std::size_t stage) {
-  if (table.stage(stage).components > 0)
-    predict_global(table, stage);
-  else
-    predict_local(table, stage, nullptr, nullptr);
+/// Where a local stage wants a landmark that is seen at x. Its block is left in block_.
+Vec2 AlignerPass::predict_local(const AlignerStage& stage, const LocalWeights& w, std::size_t t,
+                                Vec2 x) const {
+  const std::size_t bytes = block_bytes(stage);
+  const Vec2 middle = describe_around(x, stage, block_);
+  const std::int8_t* const row = w.rows + 2 * t * bytes;
+  const Vec2 mm{
+      w.scale[2 * t] * static_cast<float>(dot_bytes(row, block_, bytes)) + w.bias[2 * t],
+      w.scale[2 * t + 1] * static_cast<float>(dot_bytes(row + bytes, block_, bytes)) + w.bias[2 * t + 1]};
+  return map_.to_frame(middle + (1.0f / stage.mm_per_px) * limited(mm));
 }
 
-void AlignerPass::predict_local(const AlignerTable& table, std::size_t stage, const CheckWeights* check,
-                                AlignerEvidence* out) {
-  const AlignerStage& s = table.stage(stage);
-  const LocalWeights w = table.local(stage);
-  const std::size_t bytes = block_bytes(s);
-  float weights = 0, squares = 0;
+void AlignerPass::predict_components(const AlignerStage& stage, const GlobalWeights& w) {
+  const std::size_t bytes = block_bytes(stage), row = bytes * stage.blocks * stage.blocks;
+  for (std::size_t c = 0; c < stage.components; ++c) components_[c] = w.bias[c];
+  const std::int8_t* basis = w.basis;
+  for (int j = 0; j < stage.blocks; ++j)
+    for (int i = 0; i < stage.blocks; ++i, basis += bytes) {
+      describe_place(i, j, stage, block_);
+      for (std::size_t c = 0; c < stage.components; ++c)
+        components_[c] += w.scale[c] * static_cast<float>(dot_bytes(basis + c * row, block_, bytes));
+    }
+}
+
+/// Where a global stage wants a landmark that is seen at x.
+Vec2 AlignerPass::predict_global(const AlignerStage& stage, const GlobalWeights& w, std::size_t t,
+                                 Vec2 x) const {
+  Vec2 mm{w.mean[2 * t], w.mean[2 * t + 1]};
+  const std::int8_t* const along_x = w.output + 2 * t * stage.components;
+  const std::int8_t* const along_y = along_x + stage.components;
+  for (std::size_t c = 0; c < stage.components; ++c)
+    mm = mm + components_[c] * Vec2{static_cast<float>(along_x[c]), static_cast<float>(along_y[c])};
+  return x + map_.along((1.0f / stage.mm_per_px) * limited(mm));
+}
+
+void AlignerPass::run_stage(const AlignerTable& table, std::size_t number) {
+  const AlignerStage& stage = table.stage(number);
+  const bool is_local = stage.components == 0;
+  const LocalWeights local = is_local ? table.local(number) : LocalWeights{};
+  const GlobalWeights global = is_local ? GlobalWeights{} : table.global(number);
+  prepare(stage);
+  if (!is_local) predict_components(stage, global);
+  shape_.begin();
   for (std::size_t k = 0; k < shape_.landmark_count(); ++k) {
     const std::size_t t = index_[k];
-    const Vec2 middle = describe_landmark(k, s, block_);
-    Vec2 mm{
-        w.scale[2 * t] * static_cast<float>(dot_bytes(w.rows + 2 * t * bytes, block_, bytes)) + w.bias[2 * t],
-        w.scale[2 * t + 1] * static_cast<float>(dot_bytes(w.rows + (2 * t + 1) * bytes, block_, bytes)) +
-            w.bias[2 * t + 1]};
-    mm = limited(mm);
-    set_target(k, map_.to_frame(middle + (1.0f / s.mm_per_px) * mm), w.information + 3 * t, s.mm_per_px);
-    if (check == nullptr) continue;
-    out->appearance +=
-        shape_.weight(k) *
-        (check->scale[t] * static_cast<float>(dot_bytes(check->rows + t * bytes, block_, bytes)) +
-         check->bias[t]);
-    const Vec2 left = s.mm_per_px * (map_.to_crop(targets_[k].x) - map_.to_crop(shape_.image(k)));
-    squares += shape_.weight(k) * dot(left, left);
-    weights += shape_.weight(k);
+    const Vec2 x = shape_.evaluate(k).x;
+    const Vec2 target = is_local ? predict_local(stage, local, t, x) : predict_global(stage, global, t, x);
+    shape_.add(target,
+               information((is_local ? local.information : global.information) + 3 * t, stage.mm_per_px));
   }
-  if (check != nullptr) out->displacement = square_root(squares / max(weights, 1e-6f));
-}
-
-void AlignerPass::predict_global(const AlignerTable& table, std::size_t stage) {
-  const AlignerStage& s = table.stage(stage);
-  const GlobalWeights w = table.global(stage);
-  const std::size_t bytes = block_bytes(s), row = bytes * s.blocks * s.blocks;
-  for (std::size_t c = 0; c < s.components; ++c) components_[c] = 0;
-  for (int j = 0; j < s.blocks; ++j)
-    for (int i = 0; i < s.blocks; ++i) {
-      describe_place(i, j, s, block_);
-      const std::size_t first = static_cast<std::size_t>(j * s.blocks + i) * bytes;
-      for (std::size_t c = 0; c < s.components; ++c)
-        components_[c] += dot_bytes(w.basis + c * row + first, block_, bytes);
-    }
-  for (std::size_t k = 0; k < shape_.landmark_count(); ++k) {
-    const std::size_t t = index_[k];
-    Vec2 mm{w.mean[2 * t], w.mean[2 * t + 1]};
-    for (std::size_t c = 0; c < s.components; ++c) {
-      const float value = w.scale[c] * static_cast<float>(components_[c]) + w.bias[c];
-      mm.x += value * static_cast<float>(w.output[2 * t * s.components + c]);
-      mm.y += value * static_cast<float>(w.output[(2 * t + 1) * s.components + c]);
-    }
-    mm = limited(mm);
-    set_target(k, shape_.image(k) + map_.along((1.0f / s.mm_per_px) * mm), w.information + 3 * t,
-               s.mm_per_px);
-  }
+  shape_.finish(stage.prior);
 }
 
 AlignerEvidence AlignerPass::weigh(const AlignerTable& table) {
   const std::size_t last = table.stage_count() - 1;
-  prepare(table.stage(last));
-  AlignerEvidence evidence;
+  const AlignerStage& stage = table.stage(last);
+  const std::size_t bytes = block_bytes(stage);
+  const LocalWeights local = table.local(last);
   const CheckWeights check = table.check_weights();
-  predict_local(table, last, &check, &evidence);
+  AlignerEvidence evidence;
+  float weights = 0, squares = 0;
+  prepare(stage);
+  for (std::size_t k = 0; k < shape_.landmark_count(); ++k) {
+    const std::size_t t = index_[k];
+    const FaceShape::Seen seen = shape_.evaluate(k);
+    image_[k] = seen.x;
+    target_[k] = predict_local(stage, local, t, seen.x);
+    evidence.appearance +=
+        seen.weight * (check.scale[t] * static_cast<float>(dot_bytes(check.rows + t * bytes, block_, bytes)) +
+                       check.bias[t]);
+    const Vec2 left = map_.to_crop(target_[k]) - map_.to_crop(seen.x);
+    squares += seen.weight * dot(left, left);
+    weights += seen.weight;
+  }
+  evidence.displacement = stage.mm_per_px * square_root(squares / max(weights, 1e-6f));
   evidence.parameters = shape_.mean_square_parameter();
   return evidence;
 }

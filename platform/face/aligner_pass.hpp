@@ -5,6 +5,7 @@
 #include "face/face_picture.hpp"
 #include "face/face_shape.hpp"
 #include "face/gradient_block.hpp"
+#include "pliant/face_box.hpp"
 
 namespace pliant {
 
@@ -20,41 +21,40 @@ class AlignerPass {
  public:
   void lay_out(Arena& arena, const Model& model, std::size_t landmarks);
 
-  /// The landmarks: index in the table of each, and its name's number. Done once.
-  /// \return how many of the table's landmarks the model has.
-  std::size_t choose_landmarks(const Model& model, const AlignerTable& table);
-  std::size_t table_index(std::size_t k) const { return index_[k]; }
-  std::uint16_t model_index(std::size_t k) const { return model_index_[k]; }  ///< of the model's landmark
+  /// The landmarks ibugNN of these numbers. Done once.
+  /// \return how many of them the model has; 0 if it lacks an outer eye corner or a mouth corner.
+  std::size_t choose_landmarks(const Model& model, const std::uint8_t* numbers, std::size_t count);
+  std::size_t table_index(std::size_t k) const { return index_[k]; }          ///< of landmark k in `numbers`
+  std::uint16_t model_index(std::size_t k) const { return model_index_[k]; }  ///< of landmark k in the model
 
   /// Takes the picture around the face of `view`.
   void start(const FrameView& frame, const Lens& lens, const View& view, const float* q,
              const std::uint8_t* is_free);
 
-  /// Projects the landmarks and cuts out the crop of a stage.
+  /// Cuts out the crop of a stage at the present pose.
   void prepare(const AlignerStage& stage);
   const CropMap& map() const { return map_; }
-
-  /// Block around landmark k in the crop of `prepare`. \return its middle, crop px.
-  Vec2 describe_landmark(std::size_t k, const AlignerStage& stage, std::uint8_t* out) const;
+  /// Block around a position in the crop of `prepare`. \param x  px of the frame. \return the block's middle, crop px.
+  Vec2 describe_around(Vec2 x, const AlignerStage& stage, std::uint8_t* out) const;
   /// Block (i, j) of a global stage's grid.
   void describe_place(int i, int j, const AlignerStage& stage, std::uint8_t* out) const;
 
-  /// Targets of a stage, after `prepare`.
-  void predict(const AlignerTable& table, std::size_t stage);
-  /// Moves the face towards the targets.
-  void step(const AlignerStage& stage) { shape_.step(targets_, stage.prior, stage.iterations); }
-  /// `prepare` and `predict` of the last stage at the present pose, and what they say.
+  /// Runs one stage: `prepare`, displacements, and a step.
+  void run_stage(const AlignerTable& table, std::size_t stage);
+  /// The last stage's displacements at the present pose, without a step, and what its blocks say.
   AlignerEvidence weigh(const AlignerTable& table);
+  /// Of landmark k, after `weigh`: where it is seen, and where the last stage wants it; px of the frame.
+  Vec2 image(std::size_t k) const { return image_[k]; }
+  Vec2 target(std::size_t k) const { return target_[k]; }
 
-  const LandmarkTarget& target(std::size_t k) const { return targets_[k]; }
   FaceShape& shape() { return shape_; }
-  const FaceShape& shape() const { return shape_; }
 
  private:
-  void predict_local(const AlignerTable& table, std::size_t stage, const CheckWeights* check,
-                     AlignerEvidence* out);
-  void predict_global(const AlignerTable& table, std::size_t stage);
-  void set_target(std::size_t k, Vec2 x, const float* information, float mm_per_px);
+  Vec2 predict_local(const AlignerStage& stage, const LocalWeights& weights, std::size_t index, Vec2 x) const;
+  void predict_components(const AlignerStage& stage, const GlobalWeights& weights);
+  Vec2 predict_global(const AlignerStage& stage, const GlobalWeights& weights, std::size_t index,
+                      Vec2 x) const;
+  Sym2 information(const float* w, float mm_per_px) const;
 
   FacePicture picture_;
   GradientBlocks blocks_;
@@ -62,8 +62,8 @@ class AlignerPass {
   CropMap map_;
   std::uint8_t *crop_ = nullptr, *block_ = nullptr;
   std::uint16_t *index_ = nullptr, *model_index_ = nullptr;
-  LandmarkTarget* targets_ = nullptr;
-  std::int32_t* components_ = nullptr;
+  Vec2 *image_ = nullptr, *target_ = nullptr;
+  float* components_ = nullptr;
 };
 
 }  // namespace pliant

@@ -30,14 +30,14 @@ struct AlignerHeader {
 /// What a stage does. A local stage (components = 0) predicts the displacement of each landmark from the block around it. A
 /// global stage predicts all displacements from blocks on a grid over the crop, through a few linear components.
 struct AlignerStage {
-  float mm_per_px;           // of the crop: the face's millimetres a pixel
-  std::uint16_t crop_px;     // a side of the crop
-  std::uint8_t cells;        // a side of a block
-  std::uint8_t cell_px;      // a side of a cell
-  std::uint8_t blocks;       // a side of the grid of blocks; 0 in a local stage
-  std::uint8_t components;   // 0: local
-  std::uint8_t iterations;   // of Gauss-Newton
-  std::uint8_t refines;      // 1: refinement from a nearby pose runs this stage too
+  float mm_per_px;          // of the crop: the face's millimetres a pixel
+  std::uint16_t crop_px;    // a side of the crop
+  std::uint8_t cells;       // a side of a block
+  std::uint8_t cell_px;     // a side of a cell
+  std::uint8_t blocks;      // a side of the grid of blocks; 0 in a local stage
+  std::uint8_t components;  // 0: local
+  std::uint8_t refines;     // 1: refinement from a nearby pose runs this stage too
+  std::uint8_t reserved;
   float prior;               // weight of the parameters' prior against the displacements' information
   std::uint32_t first_byte;  // of its weights
 };
@@ -98,7 +98,7 @@ class AlignerTable {
 
   std::size_t landmark_count() const { return landmarks_; }
   std::size_t stage_count() const { return stages_.count; }
-  int landmark_number(std::size_t k) const { return numbers_[k]; }  ///< NN of ibugNN; ascending
+  const std::uint8_t* landmark_numbers() const { return numbers_; }  ///< NN of ibugNN each; ascending
   const AlignerStage& stage(std::size_t k) const { return stages_[k]; }
   const AlignerCheck& check() const { return *check_; }
   LocalWeights local(std::size_t stage) const;

@@ -63,7 +63,7 @@ void FaceAligner::State::lay_out(Arena& arena, const Model& of, Span<const std::
   if (arena.is_measuring() || arena.exhausted()) return;
   status = AlignerTable::open(bytes, &table);
   if (status != Status::ok) return;
-  const std::size_t found = pass.choose_landmarks(model, table);
+  const std::size_t found = pass.choose_landmarks(model, table.landmark_numbers(), table.landmark_count());
   if (static_cast<float>(found) < kLeastLandmarks * static_cast<float>(table.landmark_count()))
     status = Status::not_found;
 }
@@ -113,11 +113,11 @@ void FaceAligner::State::write_landmarks(Span<Vec2> landmarks) {
   const Span<const Landmark> all = model.landmarks();
   const LocalWeights w = table.local(table.stage_count() - 1);
   for (std::size_t k = 0; k < all.count; ++k)
-    if (!shape.project({all[k].u, all[k].v}, &landmarks[k])) landmarks[k] = shape.image(0);
+    if (!shape.project({all[k].u, all[k].v}, &landmarks[k])) landmarks[k] = shape.view().c;
   for (std::size_t k = 0; k < shape.landmark_count(); ++k) {
     const std::uint16_t i = pass.model_index(k);
-    const Vec2 x = shape.image(k);
-    landmarks[i] = x + (shape.weight(k) * w.blend[pass.table_index(k)]) * (pass.target(k).x - x);
+    const Vec2 x = pass.image(k);
+    landmarks[i] = x + w.blend[pass.table_index(k)] * (pass.target(k) - x);
   }
 }
 
@@ -126,9 +126,7 @@ Status FaceAligner::State::run(const FrameView& frame, const Camera& camera, con
   pass.start(frame, lens, start_view, start_q, options.is_free);
   for (std::size_t k = 0; k < table.stage_count(); ++k) {
     if (refines && table.stage(k).refines == 0) continue;
-    pass.prepare(table.stage(k));
-    pass.predict(table, k);
-    pass.step(table.stage(k));
+    pass.run_stage(table, k);
     if (!pass.shape().is_usable()) return Status::not_found;
   }
   const AlignedFace result = conclude(camera);

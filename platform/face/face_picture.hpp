@@ -16,7 +16,7 @@ struct FacePictureTuning {
   /// Side of the face box in the reduced picture, px: 1.3 mm a pixel, near the finest crop.
   float face_px = 112;
   /// Samples a side that are averaged to one pixel, at most: bounds the time on huge faces.
-  int most_samples = 8;
+  int most_samples = 6;
 };
 inline constexpr FacePictureTuning kFacePictureTuning{};
 
@@ -42,7 +42,7 @@ struct CropMap {
 /// The part of a frame around a face, reduced by averaging where it is large. Beyond the frame its border pixels go on.
 class FacePicture {
  public:
-  /// Bytes: side_px squared.
+  /// Bytes: side_px squared, and 24 a column.
   void lay_out(Arena& arena);
 
   /// \param centre, side  of the face box, px of the frame; finite, side > 0.
@@ -53,11 +53,12 @@ class FacePicture {
   void crop(const CropMap& map, std::uint8_t* out) const;
 
  private:
-  int sample(std::int32_t x, std::int32_t y) const;
+  std::uint8_t sample(std::int32_t x, std::int32_t y) const;
 
   std::uint8_t* pixels_ = nullptr;
-  Vec2 first_;       // px of the frame: the middle of pixel (0, 0)
-  float ratio_ = 1;  // px of the frame a pixel
+  int* columns_ = nullptr;  // of the samples of a row, bytes of a line of the frame
+  Vec2 first_;              // px of the frame: the middle of pixel (0, 0)
+  float ratio_ = 1;         // px of the frame a pixel
 };
 
 }  // namespace pliant

@@ -6,10 +6,6 @@ namespace {
 
 constexpr std::size_t kPose = static_cast<std::size_t>(kPoseUnknowns);
 
-float squared_distance(Vec2 r, const Sym2& w) {
-  return w.xx * r.x * r.x + 2 * w.xy * r.x * r.y + w.yy * r.y * r.y;
-}
-
 }  // namespace
 
 void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks) {
@@ -22,9 +18,11 @@ void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks)
   unknown_ = arena.take<std::uint16_t>(unknowns);
   column_ = arena.take<Vec2>(unknowns);
   uv_ = arena.take<Vec2>(landmarks);
-  image_ = arena.take<Vec2>(landmarks);
-  weight_ = arena.take<float>(landmarks);
-  landmarks_ = landmarks;
+  count_ = landmarks;
+}
+
+void FaceShape::set_corners(const Vec2 (&corners)[4]) {
+  for (std::size_t k = 0; k < 4; ++k) corners_[k] = corners[k];
 }
 
 void FaceShape::start(const View& view, const float* q, const std::uint8_t* is_free, const Lens& lens) {
@@ -39,38 +37,20 @@ void FaceShape::start(const View& view, const float* q, const std::uint8_t* is_f
     cascade_.set_all_free();
 }
 
-Vec3 FaceShape::position(std::size_t k, Jacobian* jacobian) {
-  cascade_.sample_point(uv_[k], q_, samples_);
-  return cascade_.evaluate(samples_, q_, jacobian);
-}
-
 bool FaceShape::project(Vec2 uv, Vec2* x) {
   if (!Projector(view_, true).project(cascade_.surface_point(uv, q_), x)) return false;
   *x = lens_.distort(*x);
   return true;
 }
 
-void FaceShape::project() {
-  const Projector projector(view_, true);
-  cascade_.select(q_);
-  for (std::size_t k = 0; k < landmarks_; ++k) {
-    const Vec3 p = cascade_.selected_point(uv_[k]);
-    Vec2 x = view_.c;
-    projector.project(p, &x);
-    image_[k] = lens_.distort(x);
-    const Vec3 outward = normalised(projector.rotated(p - kFaceShapeTuning.head_centre));
-    const Vec3 sight = normalised(projector.to_camera(p));
-    const float range = kFaceShapeTuning.seen_cosine - kFaceShapeTuning.hidden_cosine;
-    weight_[k] = clamp((-dot(outward, sight) - kFaceShapeTuning.hidden_cosine) / range,
-                       kFaceShapeTuning.hidden_weight, 1);
-  }
-}
-
-CropMap FaceShape::crop_map(float mm_per_px, int side) const {
+CropMap FaceShape::crop_map(float mm_per_px, int side) {
   CropMap map;
   map.side = side;
-  const float fraction = 1.0f / static_cast<float>(landmarks_);
-  for (std::size_t k = 0; k < landmarks_; ++k) map.origin = map.origin + fraction * image_[k];
+  for (const Vec2 uv : corners_) {
+    Vec2 x = view_.c;
+    project(uv, &x);
+    map.origin = map.origin + 0.25f * x;
+  }
   // Upright: the face's own vertical, as the camera sees it.
   const Vec3 up = Projector(view_, true).rotated({0, 1, 0});
   const float size = length(Vec2{up.x, up.y});
@@ -79,27 +59,38 @@ CropMap FaceShape::crop_map(float mm_per_px, int side) const {
   return map;
 }
 
-void FaceShape::add_landmark(std::size_t k, const Projector& projector, const LandmarkTarget& target) {
-  Jacobian jacobian;
-  const Vec3 p = position(k, &jacobian);
-  Vec2 x;
-  Projector::Derivatives d;
-  if (!projector.project(p, &x, &d)) return;
+void FaceShape::begin() {
+  equations_.reset(kPose + cascade_.column_count());
+}
+
+FaceShape::Seen FaceShape::evaluate(std::size_t k) {
+  const Projector projector(view_, true);
+  cascade_.sample_point(uv_[k], q_, samples_);
+  const Vec3 p = cascade_.evaluate(samples_, q_, &jacobian_);
+  ideal_ = view_.c;
+  weight_ = 0;
+  if (!projector.project(p, &ideal_, &derivatives_)) return {lens_.distort(ideal_), 0};
+  const Vec3 outward = normalised(projector.rotated(p - kFaceShapeTuning.head_centre));
+  const float cosine = -dot(outward, normalised(projector.to_camera(p)));
+  const float range = kFaceShapeTuning.seen_cosine - kFaceShapeTuning.hidden_cosine;
+  weight_ = clamp((cosine - kFaceShapeTuning.hidden_cosine) / range, kFaceShapeTuning.hidden_weight, 1);
+  return {lens_.distort(ideal_), weight_};
+}
+
+void FaceShape::add(Vec2 target, const Sym2& information) {
+  if (!(weight_ > 0)) return;
   std::size_t n = 0;
   for (; n < kPose; ++n) {
     unknown_[n] = static_cast<std::uint16_t>(n);
-    column_[n] = d.pose[n];
+    column_[n] = derivatives_.pose[n];
   }
-  for (std::size_t j = 0; j < jacobian.count; ++j, ++n) {
-    unknown_[n] = static_cast<std::uint16_t>(kPose + jacobian.list[j]);
-    column_[n] = d.along(jacobian.column[jacobian.list[j]]);
+  for (std::size_t j = 0; j < jacobian_.count; ++j, ++n) {
+    unknown_[n] = static_cast<std::uint16_t>(kPose + jacobian_.list[j]);
+    column_[n] = derivatives_.along(jacobian_.column[jacobian_.list[j]]);
   }
-  const Vec2 residual = lens_.undistort(target.x) - x;
-  const float sds = square_root(squared_distance(residual, target.information));
-  const float robust = sds > kFaceShapeTuning.huber_sds ? kFaceShapeTuning.huber_sds / sds : 1.0f;
-  const float w = robust * weight_[k];
-  const Sym2& i = target.information;
-  equations_.add(unknown_, column_, n, residual, {w * i.xx, w * i.xy, w * i.yy});
+  const Vec2 residual = lens_.undistort(target) - ideal_;
+  const Sym2& i = information;
+  equations_.add(unknown_, column_, n, residual, {weight_ * i.xx, weight_ * i.xy, weight_ * i.yy});
 }
 
 void FaceShape::add_priors(float prior) {
@@ -115,23 +106,14 @@ void FaceShape::add_priors(float prior) {
   equations_.set_limits(kLogScale, -kFaceShapeTuning.max_log_step, kFaceShapeTuning.max_log_step);
 }
 
-void FaceShape::step(const LandmarkTarget* targets, float prior, int iterations) {
-  for (int i = 0; i < iterations; ++i) {
-    equations_.reset(kPose + cascade_.column_count());
-    const Projector projector(view_, true);
-    for (std::size_t k = 0; k < landmarks_; ++k) add_landmark(k, projector, targets[k]);
-    add_priors(prior);
-    equations_.solve(kFaceShapeTuning.damping, step_);
-    move(step_);
-  }
-}
-
-void FaceShape::move(const float* step) {
-  view_ = moved(view_, step, kPoseUnknowns);
+void FaceShape::finish(float prior) {
+  add_priors(prior);
+  equations_.solve(kFaceShapeTuning.damping, step_);
+  view_ = moved(view_, step_, kPoseUnknowns);
   const Span<const Parameter> parameters = cascade_.model().parameters();
   for (std::size_t k = 0; k < cascade_.column_count(); ++k) {
     const std::size_t i = cascade_.parameter_of(k);
-    q_[i] = clamp(q_[i] + step[kPose + k], parameters[i].minimum, parameters[i].maximum);
+    q_[i] = clamp(q_[i] + step_[kPose + k], parameters[i].minimum, parameters[i].maximum);
   }
 }
 

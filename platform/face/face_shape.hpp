@@ -13,8 +13,6 @@ namespace pliant {
 
 /// Tuning of the steps of alignment. Each constant: unit, reason, experiment.
 struct FaceShapeTuning {
-  /// A displacement that is this many standard deviations from what the model can follow counts less (Huber). Not tuned.
-  float huber_sds = 2;
   /// Largest step of an iteration: turn, rad, and log of scale. The projection is far from linear beyond. Round values.
   float max_turn_rad = 0.5f, max_log_step = 0.4f;
   /// Damping of the step, a fraction of the diagonal. Not tuned.
@@ -28,66 +26,66 @@ struct FaceShapeTuning {
 };
 inline constexpr FaceShapeTuning kFaceShapeTuning{};
 
-/// Where a landmark is wanted.
-struct LandmarkTarget {
-  Vec2 x;            ///< px of the frame
-  Sym2 information;  ///< 1/px^2
-};
-
-/// Pose and parameters of one face.
+/// Pose and parameters of one face. A step: `begin`, then `evaluate` and `add` for each landmark, then `finish`. The fields are
+/// sampled anew for each landmark: to keep the samples would take half of the memory of alignment.
 class FaceShape {
  public:
-  /// \param uv  of the landmarks, at most that many.
+  /// \param landmarks  at most that many.
   void lay_out(Arena& arena, const Model& model, std::size_t landmarks);
 
-  /// \param is_free  as AlignOptions. \param q  all parameters, finite; they are clamped to their limits.
+  /// The landmarks by their (u,v). \param corners  outer eye corners and mouth corners.
+  void set_landmark(std::size_t k, Vec2 uv) { uv_[k] = uv; }
+  void set_landmark_count(std::size_t count) { count_ = count; }
+  void set_corners(const Vec2 (&corners)[4]);
+  std::size_t landmark_count() const { return count_; }
+
+  /// \param q  all parameters, finite; they are clamped to their limits. \param is_free  as AlignOptions.
   void start(const View& view, const float* q, const std::uint8_t* is_free, const Lens& lens);
 
-  void set_landmark(std::size_t k, Vec2 uv) { uv_[k] = uv; }
-  std::size_t landmark_count() const { return landmarks_; }
-  void set_landmark_count(std::size_t count) { landmarks_ = count; }
+  /// The upright crop at the present pose, around the middle of the corners.
+  CropMap crop_map(float mm_per_px, int side);
 
-  /// Projects all landmarks at the present pose and parameters.
-  void project();
-  Vec2 image(std::size_t k) const { return image_[k]; }  ///< px of the frame, after `project`
-  float weight(std::size_t k) const {
-    return weight_[k];
-  }  ///< in (0, 1]: less for a landmark that is turned away
+  /// Starts the equations of a step at the present pose and parameters.
+  void begin();
+  /// A landmark at the pose of `begin`.
+  struct Seen {
+    Vec2 x;            ///< px of the frame
+    float weight = 0;  ///< in [0, 1]: less where it is turned away; 0: not before the camera
+  };
+  Seen evaluate(std::size_t k);
+  /// Adds the landmark of the last `evaluate`.
+  /// \param target  px of the frame. \param information  1/px^2.
+  void add(Vec2 target, const Sym2& information);
+  /// Moves pose and free parameters by one Gauss-Newton step. \param prior  weight of the parameters' prior.
+  void finish(float prior);
+
   /// Image position of any point of the surface. \return false if it is not before the camera.
   bool project(Vec2 uv, Vec2* x);
 
-  /// The upright crop at the present pose, centred on the landmarks. After `project`.
-  CropMap crop_map(float mm_per_px, int side) const;
-
-  /// Steps of pose and free parameters towards the targets, one a landmark.
-  /// \param prior  weight of the parameters' prior.
-  void step(const LandmarkTarget* targets, float prior, int iterations);
-
   const View& view() const { return view_; }
   const float* q() const { return q_; }
-  /// Mean of (q / sd)^2 over the free parameters.
-  float mean_square_parameter() const;
+  float mean_square_parameter() const;  ///< mean of (q / sd)^2
+  bool is_usable() const;               ///< pose and scale are finite and within bounds
   Cascade& cascade() { return cascade_; }
-  bool is_usable() const;  ///< pose and scale are finite and within bounds
 
  private:
-  void add_landmark(std::size_t k, const Projector& projector, const LandmarkTarget& target);
   void add_priors(float prior);
-  void move(const float* step);
-  Vec3 position(std::size_t k, Jacobian* jacobian);
 
   Cascade cascade_;
   NormalEquations equations_;
   View view_;
   Lens lens_;
-  float* q_ = nullptr;
-  float* step_ = nullptr;
+  float *q_ = nullptr, *step_ = nullptr;
   Vec3* samples_ = nullptr;  // of one point
   std::uint16_t* unknown_ = nullptr;
-  Vec2* column_ = nullptr;
-  std::size_t landmarks_ = 0;
-  Vec2 *uv_ = nullptr, *image_ = nullptr;
-  float* weight_ = nullptr;
+  Vec2 *column_ = nullptr, *uv_ = nullptr;
+  std::size_t count_ = 0;
+  Vec2 corners_[4];
+  // The landmark of the last `evaluate`.
+  Jacobian jacobian_;
+  Projector::Derivatives derivatives_;
+  Vec2 ideal_;  // px, without lens
+  float weight_ = 0;
 };
 
 }  // namespace pliant

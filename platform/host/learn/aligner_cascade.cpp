@@ -51,11 +51,9 @@ AlignerCascade::AlignerCascade(const Model& model, std::vector<int> numbers, con
       stages_(static_cast<std::size_t>(tuning.folds) + 1) {
   for (int t = 0; t < options.threads; ++t) {
     passes_.push_back(std::make_unique<OwnedPass>(model, numbers_.size()));
-    const auto indices = landmark_indices(model, numbers_);
-    for (std::size_t k = 0; k < indices.size(); ++k)
-      (*passes_.back())
-          ->shape()
-          .set_landmark(k, {model.landmarks()[indices[k]].u, model.landmarks()[indices[k]].v});
+    const std::vector<std::uint8_t> names(numbers_.begin(), numbers_.end());
+    if ((*passes_.back())->choose_landmarks(model, names.data(), names.size()) != names.size())
+      fail_input("the model", "lacks landmarks");
   }
 }
 
@@ -116,7 +114,8 @@ void AlignerCascade::learn_local(const AlignerStage& shape, StageReport* report)
     pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
     pass.prepare(shape);
     for (std::size_t k = 0; k < landmarks; ++k) {
-      const Vec2 middle = pass.describe_landmark(k, shape, blocks_[k].data() + e * bytes);
+      const Vec2 middle =
+          pass.describe_around(pass.shape().evaluate(k).x, shape, blocks_[k].data() + e * bytes);
       const Vec2 d = shape.mm_per_px * (pass.map().to_crop(example.truth[k]) - middle);
       wanted_[k][2 * e] = static_cast<double>(d.x);
       wanted_[k][2 * e + 1] = static_cast<double>(d.y);
@@ -200,7 +199,7 @@ void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report
             blocks_[0].data() + e * bytes + static_cast<std::size_t>(j * shape.blocks + i) * block);
     for (std::size_t k = 0; k < landmarks; ++k) {
       const Vec2 d = shape.mm_per_px *
-                     (pass.map().to_crop(example.truth[k]) - pass.map().to_crop(pass.shape().image(k)));
+                     (pass.map().to_crop(example.truth[k]) - pass.map().to_crop(pass.shape().evaluate(k).x));
       wanted_[0][outputs * e + 2 * k] = static_cast<double>(d.x);
       wanted_[0][outputs * e + 2 * k + 1] = static_cast<double>(d.y);
     }
@@ -287,7 +286,7 @@ void AlignerCascade::move_examples() {
     std::vector<LearntStage> stages = {stages_[static_cast<std::size_t>(f)].back()};
     if (stages[0].shape.components > 0) {
       LearntStage idle;
-      idle.shape = {2, 64, 1, 4, 0, 0, 1, 0, 1, 0};
+      idle.shape = {2, 64, 1, 4, 0, 0, 0, 0, 1, 0};
       idle.local.rows.assign(2 * numbers_.size() * block_bytes(idle.shape), 0);
       idle.local.bias.assign(2 * numbers_.size(), 0);
       idle.local.information.assign(3 * numbers_.size(), 0);
@@ -297,16 +296,13 @@ void AlignerCascade::move_examples() {
     tables.back() = std::make_unique<OpenTable>(
         encode_aligner(numbers_, stages, blank_check(numbers_.size(), stages.back().shape)));
   }
-  for (auto& pass : passes_) (*pass)->choose_landmarks(model_, tables[0]->table);
   const AlignerStage shape = tables[0]->table.stage(0);
   in_parallel(examples_.size(), options_.threads, [&](std::size_t e, std::size_t thread) {
     AlignerExample& example = examples_[e];
     if (example.is_refinement && shape.refines == 0) return;
     AlignerPass& pass = **passes_[thread];
     pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
-    pass.prepare(shape);
-    pass.predict(tables[static_cast<std::size_t>(example.fold)]->table, 0);
-    pass.step(shape);
+    pass.run_stage(tables[static_cast<std::size_t>(example.fold)]->table, 0);
     if (!pass.shape().is_usable()) return;
     example.view = pass.shape().view();
     example.q.assign(pass.shape().q(), pass.shape().q() + example.q.size());
@@ -319,9 +315,9 @@ void AlignerCascade::report_errors(StageReport* report) {
     AlignerPass& pass = **passes_[thread];
     const AlignerExample& example = examples_[e];
     pass.shape().start(example.view, example.q.data(), nullptr, Lens{});
-    pass.shape().project();
+    pass.shape().begin();
     std::vector<Vec2> at;
-    for (std::size_t k = 0; k < numbers_.size(); ++k) at.push_back(pass.shape().image(k));
+    for (std::size_t k = 0; k < numbers_.size(); ++k) at.push_back(pass.shape().evaluate(k).x);
     errors[e] = static_cast<double>(mean_error(example, at, kTrustAnnotated));
   });
   errors.erase(std::remove_if(errors.begin(), errors.end(), [](double e) { return e < 0; }), errors.end());
@@ -336,16 +332,14 @@ void AlignerCascade::learn_blend() {
   std::vector<std::unique_ptr<OpenTable>> tables;
   for (int f = 0; f < tuning_.folds; ++f) tables.push_back(std::make_unique<OpenTable>(table(f)));
   const std::size_t landmarks = numbers_.size(), last = stages_[0].size() - 1;
-  const AlignerStage shape = tables[0]->table.stage(last);
   std::vector<std::vector<double>> terms(examples_.size());
   in_parallel(examples_.size(), options_.threads, [&](std::size_t e, std::size_t thread) {
     AlignerPass& pass = **passes_[thread];
     const AlignerExample& example = examples_[e];
     pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
-    pass.prepare(shape);
-    pass.predict(tables[static_cast<std::size_t>(example.fold)]->table, last);
+    pass.weigh(tables[static_cast<std::size_t>(example.fold)]->table);
     for (std::size_t k = 0; k < landmarks; ++k) {
-      const Vec2 x = pass.shape().image(k), d = pass.target(k).x - x;
+      const Vec2 x = pass.image(k), d = pass.target(k) - x;
       const double w = tuning_.weight_of_trust[example.trust[k]] /
                        static_cast<double>(example.eye_distance * example.eye_distance);
       terms[e].push_back(w * static_cast<double>(dot(example.truth[k] - x, d)));
