@@ -1,6 +1,11 @@
 #include "host/learn/face_samples.hpp"
 
 #include <cmath>
+#include <mutex>
+
+#include "host/io/owned.hpp"
+#include "host/learn/expression_variation.hpp"
+#include "host/learn/photo_mesh.hpp"
 
 namespace pliant::host::learn {
 
@@ -28,6 +33,19 @@ float mostly_small(SampleRandom& random, float limit) {
   return limit * (random.unit() + random.unit() - 1);
 }
 
+/// The photograph out of focus, for where its surface ends.
+Image smeared(const Mipmap& photograph, int side) {
+  Image out(side, side, 1);
+  const Mipmap::Detail detail = photograph.detail_for(static_cast<float>(photograph.width()) / 6);
+  const Vec2 step{static_cast<float>(photograph.width()) / static_cast<float>(side),
+                  static_cast<float>(photograph.height()) / static_cast<float>(side)};
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x)
+      *out.at(x, y) = static_cast<std::uint8_t>(
+          photograph.at({step.x * static_cast<float>(x), step.y * static_cast<float>(y)}, detail) + 0.5f);
+  return out;
+}
+
 /// How much of the photograph is shown at a position of it: 1 inside, 0 beyond a band along its border.
 float cover(const Mipmap& photograph, Vec2 x, float band) {
   const float right = static_cast<float>(photograph.width() - 1) - x.x,
@@ -37,22 +55,31 @@ float cover(const Mipmap& photograph, Vec2 x, float band) {
 
 }  // namespace
 
-FaceBox face_box_in(const Model& model, const std::vector<Vec2>& landmarks, const Pose& pose,
-                    const Camera& camera) {
-  const char* const names[] = {"ibug36", "ibug45", "ibug48", "ibug54"};
-  Vec2 at[4];
-  for (std::size_t k = 0; k < 4; ++k) {
-    const std::uint16_t number = model.find_landmark(names[k]);
-    if (number == kNone) return {};
-    at[k] = landmarks[number];
-  }
-  return face_box_of(at[0], at[1], at[2], at[3], view_of(pose, camera).s);
-}
+/// What one thread needs to draw a sample.
+struct FaceSamples::Workspace {
+  Workspace(const Model& model, int side) : cascade(model), raster(side, side, kSamples) {}
+  static constexpr int kSamples = 2;  // along each side of a pixel
+  Owned<Cascade> cascade;
+  TextureRaster raster;
+};
+
+struct FaceSamples::Parts {
+  explicit Parts(const Model& model) : sheet(model, kSheetDepth), expressions(model) {}
+  static constexpr int kSheetDepth = 2;
+  FaceSheet sheet;
+  ExpressionVariation expressions;
+  std::vector<PhotoMesh> meshes;
+  std::mutex mutex;
+  std::vector<std::unique_ptr<Workspace>> idle;
+};
 
 FaceSamples::FaceSamples(const Model& model, const std::vector<Photograph>& photographs,
                          const OtherPictures& others, std::uint64_t seed, const FaceSampleTuning& tuning)
     : tuning_(tuning), seed_(seed), model_(model), photographs_(photographs), others_(others) {
   for (const Photograph& p : photographs) mipmaps_.emplace_back(p.picture);
+  parts_ = std::make_unique<Parts>(model);
+  Owned<Cascade> cascade(model);
+  for (const Photograph& p : photographs) parts_->meshes.emplace_back(p, parts_->sheet, *cascade);
 }
 
 FaceSamples::~FaceSamples() = default;
@@ -65,7 +92,18 @@ Image FaceSamples::surroundings(SampleRandom& random) const {
 
 FaceSample FaceSamples::draw(std::uint64_t index) const {
   SampleRandom random(seed_, index);
-  FaceSample sample = draw_in_plane(random);
+  std::unique_ptr<Workspace> workspace;
+  {
+    const std::lock_guard<std::mutex> lock(parts_->mutex);
+    if (!parts_->idle.empty()) workspace = std::move(parts_->idle.back()), parts_->idle.pop_back();
+  }
+  if (workspace == nullptr) workspace = std::make_unique<Workspace>(model_, tuning_.side_px);
+  FaceSample sample =
+      random.chance(tuning_.turned_fraction) ? draw_turned(random, *workspace) : draw_in_plane(random);
+  {
+    const std::lock_guard<std::mutex> lock(parts_->mutex);
+    parts_->idle.push_back(std::move(workspace));
+  }
   vary_picture(sample.picture, sample.box, tuning_.variation, random);
   return sample;
 }
@@ -110,6 +148,70 @@ FaceSample FaceSamples::draw_in_plane(SampleRandom& random) const {
       }
       *sample.picture.at(x, y) = static_cast<std::uint8_t>(value + 0.5f);
     }
+  return sample;
+}
+
+/// Side and place of a face box, and a distance.
+FacePlacement FaceSamples::random_placement(SampleRandom& random) const {
+  FacePlacement out;
+  out.picture_px = tuning_.side_px;
+  out.box.side = random.octaves_between(tuning_.box_low_px, tuning_.box_high_px);
+  const float room = 0.5f * (static_cast<float>(tuning_.side_px) - out.box.side) - tuning_.margin_px,
+              middle = 0.5f * static_cast<float>(tuning_.side_px - 1);
+  out.box.center = {middle + random.between(-room, room), middle + random.between(-room, room)};
+  out.distance_mm = random.octaves_between(tuning_.near_mm, tuning_.far_mm);
+  return out;
+}
+
+/// Sets landmarks, box, and which landmarks the raster shows.
+void FaceSamples::set_truth(const std::vector<Vec3>& points, const TextureRaster& raster,
+                            FaceSample& sample) const {
+  const Projector projector(view_of(sample.pose, sample.camera), true);
+  sample.landmarks = projected(points, sample.pose, sample.camera);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const float shown = raster.depth(sample.landmarks[k]);
+    const bool is_hidden = !(shown > projector.to_camera(points[k]).z - tuning_.hidden_mm);
+    sample.trust.push_back(is_hidden ? kTrustNone : kTrustAnnotated);
+  }
+  sample.box = face_box_in(model_, sample.landmarks, sample.pose, sample.camera);
+}
+
+FaceSample FaceSamples::draw_turned(SampleRandom& random, Workspace& workspace) const {
+  const std::size_t k = random.below(photographs_.size());
+  const Photograph& photograph = photographs_[k];
+  PhotoTurn turn;
+  turn.q = parts_->expressions.varied(photograph.q, random);
+  const std::vector<Vec3> points = parts_->sheet.landmarks(*workspace.cascade, turn.q.data());
+  const Quat wanted =
+      rotation_of(kRadian * mostly_small(random, tuning_.yaw_degrees),
+                  kRadian * mostly_small(random, tuning_.pitch_degrees), kRadian * random.between(-8, 8));
+  Vec3 way = log_rotation(wanted * conjugate(photograph.pose.q));
+  if (const float angle = length(way), limit = kRadian * tuning_.most_turned_degrees; angle > limit)
+    way = limit / angle * way;
+  const Quat roll = rotation_of(0, 0, kRadian * mostly_small(random, tuning_.roll_degrees));
+  turn.body = roll * photograph.pose.q;
+  place_face(model_, points, roll * (exp_rotation(way) * photograph.pose.q), random_placement(random),
+             &turn.camera, &turn.pose);
+  if (random.chance(tuning_.relit_chance)) {
+    const float strength = random.between(0.2f, 0.75f), around = random.between(0, 6.2831853f),
+                rise = random.between(0.2f, 1.2f);
+    turn.light = strength *
+                 Vec3{std::sin(rise) * std::cos(around), std::sin(rise) * std::sin(around), -std::cos(rise)};
+  }
+  Image background = surroundings(random);
+  if (!background.pixels.empty() && random.chance(0.5f)) turn.cover_mm = random.between(50, 120);
+  const PhotoMesh& mesh = parts_->meshes[k];
+  mesh.draw(turn, *workspace.cascade, workspace.raster);
+
+  FaceSample sample;
+  sample.person = photograph.person;
+  sample.q = turn.q;
+  sample.camera = turn.camera;
+  sample.pose = turn.pose;
+  set_truth(points, workspace.raster, sample);
+  const float scale = view_of(turn.pose, turn.camera).s / view_of(photograph.pose, photograph.camera).s;
+  if (background.pixels.empty()) background = smeared(mipmaps_[k], tuning_.side_px);
+  sample.picture = mesh.picture(workspace.raster, mipmaps_[k], scale, background);
   return sample;
 }
 

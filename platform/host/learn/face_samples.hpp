@@ -8,9 +8,12 @@
 #include "host/learn/other_pictures.hpp"
 #include "host/learn/photographs.hpp"
 #include "host/learn/picture_variation.hpp"
+#include "host/learn/sample_view.hpp"
 #include "pliant/face_box.hpp"
 
 namespace pliant::host::learn {
+
+class TextureRaster;
 
 /// A picture with one face and everything about it.
 struct FaceSample {
@@ -30,6 +33,13 @@ struct FaceSampleTuning {
   float box_low_px = 48, box_high_px = 110;  ///< side of the face box
   float margin_px = 6;                       ///< of the face box to the border, at least
   float roll_degrees = 30;                   ///< turn in the picture, at most
+  float turned_fraction =
+      0.6f;  ///< of the samples: photographs turned in depth; the others are varied in the plane only
+  float yaw_degrees = 55, pitch_degrees = 28;  ///< of turned ones, at most
+  float most_turned_degrees = 45;              ///< from the photograph's own pose
+  float near_mm = 300, far_mm = 2500;          ///< range of the distance to the camera
+  float hidden_mm = 7;        ///< a landmark is hidden if something is nearer to the camera by this
+  float relit_chance = 0.4f;  ///< of turned ones: with another light
   float smear_chance =
       0.4f;  ///< a photograph that does not fill the sample is continued by its border, else by another picture
   PictureVariationTuning variation;
@@ -52,7 +62,12 @@ class FaceSamples {
   const FaceSampleTuning& tuning() const { return tuning_; }
 
  private:
+  struct Workspace;
+  struct Parts;
   FaceSample draw_in_plane(SampleRandom& random) const;
+  FaceSample draw_turned(SampleRandom& random, Workspace& workspace) const;
+  FacePlacement random_placement(SampleRandom& random) const;
+  void set_truth(const std::vector<Vec3>& points, const TextureRaster& raster, FaceSample& sample) const;
   Image surroundings(SampleRandom& random) const;
 
   FaceSampleTuning tuning_;
@@ -61,10 +76,7 @@ class FaceSamples {
   const std::vector<Photograph>& photographs_;
   const OtherPictures& others_;
   std::vector<Mipmap> mipmaps_;
+  std::unique_ptr<Parts> parts_;
 };
-
-/// The face box of landmarks in a view. \return a side of 0 if the model lacks one of the four landmarks it needs.
-FaceBox face_box_in(const Model& model, const std::vector<Vec2>& landmarks, const Pose& pose,
-                    const Camera& camera);
 
 }  // namespace pliant::host::learn

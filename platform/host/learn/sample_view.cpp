@@ -1,0 +1,46 @@
+#include "host/learn/sample_view.hpp"
+
+#include <cmath>
+
+namespace pliant::host::learn {
+
+Quat rotation_of(float yaw, float pitch, float roll) {
+  const Quat x{std::cos(0.5f * pitch), std::sin(0.5f * pitch), 0, 0},
+      y{std::cos(0.5f * yaw), 0, std::sin(0.5f * yaw), 0},
+      z{std::cos(0.5f * roll), 0, 0, std::sin(0.5f * roll)};
+  return normalised(z * (y * x));
+}
+
+std::vector<Vec2> projected(const std::vector<Vec3>& points, const Pose& pose, const Camera& camera) {
+  const Projector projector(view_of(pose, camera), true);
+  std::vector<Vec2> out(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) (void)projector.project(points[k], &out[k]);
+  return out;
+}
+
+FaceBox face_box_in(const Model& model, const std::vector<Vec2>& landmarks, const Pose& pose,
+                    const Camera& camera) {
+  const char* const names[] = {"ibug36", "ibug45", "ibug48", "ibug54"};
+  Vec2 at[4];
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::uint16_t number = model.find_landmark(names[k]);
+    if (number == kNone) return {};
+    at[k] = landmarks[number];
+  }
+  return face_box_of(at[0], at[1], at[2], at[3], view_of(pose, camera).s);
+}
+
+void place_face(const Model& model, const std::vector<Vec3>& landmarks, Quat rotation,
+                const FacePlacement& placement, Camera* camera, Pose* pose) {
+  const float scale = placement.box.side / kFaceBoxMm;
+  *camera = centred_camera(placement.picture_px, placement.picture_px, scale * placement.distance_mm);
+  *pose = {rotation, {0, 0, placement.distance_mm}};
+  // Away from the axis perspective moves the landmarks a little against each other; a second step makes up for it.
+  for (int step = 0; step < 3; ++step) {
+    const FaceBox box = face_box_in(model, projected(landmarks, *pose, *camera), *pose, *camera);
+    const Vec2 missing = placement.box.center - box.center;
+    pose->t = pose->t + (1 / scale) * Vec3{missing.x, missing.y, 0};
+  }
+}
+
+}  // namespace pliant::host::learn
