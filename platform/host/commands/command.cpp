@@ -1,6 +1,7 @@
 #include "host/commands/command.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 
 #include "host/io/failure.hpp"
@@ -10,8 +11,8 @@ namespace pliant::host {
 namespace {
 
 std::vector<Command> commands() {
-  return {bake_command(),   info_command(),  mesh_command(),    points_command(),
-          fit_command(),    track_command(), animate_command(), render_command(),
+  return {bake_command(),   learn_command(), info_command(),  mesh_command(),    detect_command(),
+          points_command(), fit_command(),   track_command(), animate_command(), render_command(),
           camera_command(), plan_command(),  bench_command()};
 }
 
@@ -84,13 +85,25 @@ int run(const std::vector<std::string>& words, Console& console) {
   return kBadUsage;
 }
 
+std::string Progress::time_left(std::size_t count) const {
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - began_;
+  if (count == 0 || count > of_ || passed.count() < 2) return "";
+  const double left = passed.count() * static_cast<double>(of_ - count) / static_cast<double>(count);
+  const auto seconds = static_cast<int>(std::min(left, 360000.0) + 0.5);
+  char text[48];
+  std::snprintf(text, sizeof text, ", %d:%02d left", seconds / 60, seconds % 60);
+  return text;
+}
+
 Progress::~Progress() {
   if (shown_) console_.err << "\r\x1b[K" << std::flush;
 }
 
 void Progress::show(std::size_t count) {
-  if (!console_.shows_progress || count % 5 != 0) return;
-  console_.err << "\r" << what_ << " " << count << std::flush;
+  if (!console_.shows_progress || (of_ == 0 && count % 5 != 0)) return;
+  console_.err << "\r" << what_ << " " << count;
+  if (of_ > 0) console_.err << " of " << of_ << time_left(count) << "\x1b[K";
+  console_.err << std::flush;
   shown_ = true;
 }
 

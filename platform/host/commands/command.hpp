@@ -1,6 +1,7 @@
 #pragma once
 /// \file command.hpp
 /// The `pliant` program: its commands, and a function that runs them.
+#include <chrono>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -31,6 +32,8 @@ Command info_command();
 Command mesh_command();
 Command points_command();
 Command fit_command();
+Command detect_command();
+Command learn_command();
 Command track_command();
 Command animate_command();
 Command render_command();
@@ -46,15 +49,21 @@ int run(const std::vector<std::string>& words, Console& console);
 /// A counter that overwrites itself on a terminal; elsewhere it prints nothing.
 class Progress {
  public:
-  Progress(Console& console, const char* what) : console_(console), what_(what) {}
+  /// \param of  the count at the end, so that the time left can be told; 0: unknown.
+  Progress(Console& console, const char* what, std::size_t of = 0)
+      : console_(console), what_(what), of_(of), began_(std::chrono::steady_clock::now()) {}
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   void show(std::size_t count);
 
  private:
+  std::string time_left(std::size_t count) const;
+
   Console& console_;
   const char* what_;
+  std::size_t of_;
+  std::chrono::steady_clock::time_point began_;
   bool shown_ = false;
 };
 

@@ -132,6 +132,7 @@ FitFile parse_fit(const std::string& source, const std::string& text) {
   if (root.find("rms_px") != nullptr) fit.rms_px = root.number("rms_px");
   if (root.find("inliers") != nullptr)
     fit.inliers = static_cast<std::size_t>(root.number("inliers", 0, 65535));
+  if (root.find("landmark_error") != nullptr) fit.landmark_error = root.number("landmark_error", 0, 100);
   if (const Json* unseen = root.find("unseen"); unseen != nullptr && unseen->array() != nullptr)
     for (const Json& name : *unseen->array())
       if (name.string() != nullptr) fit.unseen.push_back(*name.string());
@@ -171,6 +172,7 @@ std::string fit_text(const FitFile& fit) {
                   {"unseen", Json(unseen)},
                   {"rms_px", number(fit.rms_px)},
                   {"inliers", Json(static_cast<double>(fit.inliers))},
+                  {"landmark_error", number(fit.landmark_error)},
                   {"points", Json(points)}})
       .text();
 }

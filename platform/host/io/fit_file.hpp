@@ -32,6 +32,7 @@ struct FitFile {
   std::vector<std::string> unseen;  ///< parameters that the points do not determine
   float rms_px = 0;
   std::size_t inliers = 0;
+  float landmark_error = 0;  ///< of alignment in the picture: as AlignedFace::landmark_error; 0: unknown
   std::vector<FitPoint> points;
 };
 

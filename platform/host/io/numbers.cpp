@@ -22,4 +22,10 @@ std::string number_text(double value) {
   return text;
 }
 
+std::string decimal_text(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4f", value);
+  return text;
+}
+
 }  // namespace pliant::host

@@ -13,4 +13,7 @@ std::optional<double> parse_number(std::string_view text);
 /// A number as files hold it that are read again: nine significant digits, the fewest that keep every float.
 std::string number_text(double value);
 
+/// A number with four decimals: image positions, probabilities.
+std::string decimal_text(double value);
+
 }  // namespace pliant::host

@@ -66,8 +66,8 @@ std::vector<std::optional<Vec2>> project_landmarks(const Model& model, Cascade& 
   return out;
 }
 
-Overlay::Overlay(const Image& grey)
-    : scale_(grey.width < 480 ? 2 : 1), image_(to_colour(enlarged(grey, scale_))) {}
+Overlay::Overlay(const Image& picture)
+    : scale_(picture.width < 480 ? 2 : 1), image_(to_colour(enlarged(picture, scale_))) {}
 
 Vec2 Overlay::scaled(Vec2 x) const {
   const auto s = static_cast<float>(scale_);
@@ -87,6 +87,14 @@ void Overlay::draw_mesh(const WireMesh& mesh) {
 
 void Overlay::draw_landmark(Vec2 x) {
   draw_dot(image_, scaled(x), 1.3f * unit(), kLandmark, 0.9f);
+}
+
+void Overlay::draw_box(Vec2 centre, float side) {
+  const float half = side / 2;
+  const Vec2 corners[] = {{-half, -half}, {half, -half}, {half, half}, {-half, half}};
+  for (std::size_t k = 0; k < 4; ++k)
+    draw_line(image_, scaled(centre + corners[k]), scaled(centre + corners[(k + 1) % 4]), 1.5f * unit(),
+              kMarker, 0.9f);
 }
 
 void Overlay::draw_marker(Vec2 x) {

@@ -30,11 +30,13 @@ std::vector<std::optional<Vec2>> project_landmarks(const Model& model, Cascade& 
 /// A picture to draw on. It is enlarged twice if it is less than 480 pixels wide.
 class Overlay {
  public:
-  explicit Overlay(const Image& grey);
+  explicit Overlay(const Image& picture);
 
   /// Draws each edge of the mesh once.
   void draw_mesh(const WireMesh& mesh);
   void draw_landmark(Vec2 x);
+  /// Draws an upright square.
+  void draw_box(Vec2 centre, float side);
   void draw_marker(Vec2 x);
   /// Draws a ring around a given point and a line to the model's landmark.
   void draw_residual(Vec2 given, Vec2 residual, bool used);

@@ -1,0 +1,124 @@
+// `pliant detect`: finds the faces in pictures.
+#include <algorithm>
+#include <filesystem>
+
+#include "host/commands/command.hpp"
+#include "host/commands/face_finder.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
+#include "host/io/numbers.hpp"
+#include "host/io/sources.hpp"
+#include "host/render/overlay.hpp"
+
+namespace pliant::host {
+
+namespace {
+
+bool is_picture(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* known : {".jpg", ".jpeg", ".png", ".pgm", ".ppm", ".pnm"})
+    if (ending == known) return true;
+  return false;
+}
+
+/// The picture, or all pictures of a folder, ordered by name.
+std::vector<std::string> pictures_of(const std::string& path) {
+  if (!std::filesystem::is_directory(path)) return {path};
+  std::vector<std::string> paths;
+  for (const auto& entry : std::filesystem::directory_iterator(path))
+    if (entry.is_regular_file() && is_picture(entry.path())) paths.push_back(entry.path().string());
+  std::sort(paths.begin(), paths.end(), is_naturally_before);
+  if (paths.empty()) fail_input(path, "has no pictures");
+  return paths;
+}
+
+std::string name_of(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+/// A name as a cell: quoted if it has to be.
+std::string cell_of(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + "\"";
+}
+
+std::string header(const Model& model, bool has_landmarks) {
+  std::string line = "file,face,score,x,y,width,height";
+  if (has_landmarks)
+    for (const Landmark& l : model.landmarks()) line += std::string(",x_") + l.name + ",y_" + l.name;
+  return line + "\n";
+}
+
+std::string row(const std::string& file, std::size_t number, const FoundFace& face, bool has_landmarks) {
+  std::string line = cell_of(file) + "," + std::to_string(number);
+  const auto add = [&](float value) { line += "," + decimal_text(static_cast<double>(value)); };
+  const float side = face.box.side;
+  for (const float value :
+       {face.aligned.score, face.box.center.x - side / 2, face.box.center.y - side / 2, side, side})
+    add(value);
+  for (const Vec2 x : face.landmarks)
+    if (has_landmarks) add(x.x), add(x.y);
+  return line + "\n";
+}
+
+void draw_faces(const std::string& path, const Image& picture, const std::vector<FoundFace>& faces) {
+  Overlay overlay(picture);
+  for (const FoundFace& face : faces) {
+    overlay.draw_box(face.box.center, face.box.side);
+    for (const Vec2 x : face.landmarks) overlay.draw_landmark(x);
+  }
+  write_file(path, encode_png(overlay.image()));
+}
+
+int run_detect(const Args& args, Console& console) {
+  const auto min_score = static_cast<float>(args.number("--min-score", 0.5, 0, 1));
+  const bool has_landmarks = args.has("--landmarks");
+  const ModelFile file(args.operand(0));
+  FaceFinder finder(file);
+  const std::vector<std::string> paths = pictures_of(args.required("--image"));
+  const auto overlay = args.text("--overlay");
+  if (overlay && paths.size() > 1) fail_usage("--overlay draws one picture; --image is a folder");
+  std::string table = header(file.model(), has_landmarks);
+  Progress progress(console, "picture", paths.size());
+  std::size_t total = 0, with_face = 0;
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    const Image picture = read_image(paths[k]);
+    const std::vector<FoundFace> faces = finder.find(to_grey(picture), paths[k], min_score);
+    for (std::size_t i = 0; i < faces.size(); ++i)
+      table += row(name_of(paths[k]), i, faces[i], has_landmarks);
+    if (overlay) draw_faces(*overlay, picture, faces);
+    total += faces.size();
+    with_face += faces.empty() ? 0 : 1;
+    progress.show(k + 1);
+  }
+  const auto output = args.text("-o");
+  if (!output) {
+    console.out << table;
+    return 0;
+  }
+  write_file(*output, table);
+  console.out << *output << ": " << total << " faces in " << with_face << " of " << paths.size()
+              << " pictures\n";
+  return 0;
+}
+
+}  // namespace
+
+Command detect_command() {
+  return {"detect",
+          "Finds the faces in pictures: where they are, and their landmarks.",
+          "face.plm --image PICTURE|FOLDER [-o faces.csv] [--landmarks] [--min-score P] [--overlay out.png]",
+          {{"--image", "PICTURE", "a picture of 1 to 8192 pixels a side, or a folder of pictures"},
+           {"-o", "CSV", "the table to write, a row a face, the best first (standard output)"},
+           {"--landmarks", nullptr, "also write the image position of every landmark"},
+           {"--min-score", "P", "leave out faces with a smaller probability (0.5)"},
+           {"--overlay", "PNG", "the picture with boxes and landmarks drawn on it"}},
+          1,
+          run_detect};
+}
+
+}  // namespace pliant::host

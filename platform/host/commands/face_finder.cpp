@@ -1,0 +1,76 @@
+#include "host/commands/face_finder.hpp"
+
+#include <algorithm>
+
+#include "host/commands/image_fit.hpp"
+#include "host/io/failure.hpp"
+#include "host/learn/face_samples.hpp"
+
+namespace pliant::host {
+
+namespace {
+
+/// Most detections in one picture that are aligned, count. Round value, not tuned: a photograph of a large group.
+constexpr std::size_t kMaxDetections = 256;
+/// Two alignments are one face if their centres are closer than this fraction of the larger side. Round value, not tuned:
+/// faces side by side have more distance.
+constexpr float kSameFaceFraction = 0.4f;
+
+FrameView view_of(const Image& grey) {
+  return {grey.pixels.data(), grey.width, grey.height, static_cast<std::size_t>(grey.width), 1, 0, 0};
+}
+
+bool are_one_face(const FoundFace& a, const FoundFace& b) {
+  return length(a.box.center - b.box.center) < kSameFaceFraction * max(a.box.side, b.box.side);
+}
+
+}  // namespace
+
+FaceFinder::FaceFinder(const ModelFile& file) : file_(file), aligner_(file.model(), file.model().aligner()) {
+  if (file.model().detector().empty() || file.model().aligner().empty())
+    fail_input(file.path(), "has no learnt tables to find faces with: bake it with --learnt");
+  require(aligner_->status(), file.path() + ": aligner");
+}
+
+std::optional<FoundFace> FaceFinder::align(const Image& grey, const FaceBox& box,
+                                           const std::optional<Camera>& camera) {
+  const Model& model = file_.model();
+  const ImageSize size{grey.width, grey.height};
+  FoundFace face;
+  face.q.assign(model.parameters().count, 0.0f);
+  face.landmarks.assign(model.landmarks().count, Vec2{});
+  const Camera used = camera.value_or(centred_camera(size.width, size.height, default_focal(size)));
+  const Status status = aligner_->align(view_of(grey), box, used, &face.aligned, face.q.data(),
+                                        {face.landmarks.data(), face.landmarks.size()});
+  if (status != Status::ok) return std::nullopt;
+  face.box = learn::face_box_in(model, face.landmarks, face.aligned.pose, face.aligned.camera);
+  return face;
+}
+
+std::vector<FoundFace> FaceFinder::find(const Image& grey, const std::string& name, float min_score,
+                                        const std::optional<Camera>& camera) {
+  if (grey.width > kMaxSearchedSide || grey.height > kMaxSearchedSide)
+    fail_input(name, "is larger than " + std::to_string(kMaxSearchedSide) + " pixels on a side");
+  FaceDetectorLimits limits;
+  limits.width = static_cast<std::uint16_t>(grey.width);
+  limits.height = static_cast<std::uint16_t>(grey.height);
+  Owned<FaceDetector> detector(file_.model().detector(), limits);
+  require(detector->status(), file_.path() + ": detector");
+  std::vector<DetectedFace> detected(kMaxDetections);
+  std::size_t count = 0;
+  require(detector->find(view_of(grey), {detected.data(), detected.size()}, &count), name);
+  std::vector<FoundFace> faces;
+  for (std::size_t k = 0; k < count; ++k)
+    if (auto face = align(grey, detected[k].box, camera); face && face->aligned.score >= min_score)
+      faces.push_back(std::move(*face));
+  std::stable_sort(faces.begin(), faces.end(),
+                   [](const FoundFace& a, const FoundFace& b) { return a.aligned.score > b.aligned.score; });
+  std::vector<FoundFace> distinct;
+  for (FoundFace& face : faces)
+    if (std::none_of(distinct.begin(), distinct.end(),
+                     [&](const FoundFace& d) { return are_one_face(d, face); }))
+      distinct.push_back(std::move(face));
+  return distinct;
+}
+
+}  // namespace pliant::host

@@ -1,0 +1,46 @@
+#pragma once
+/// \file face_finder.hpp
+/// Finds the faces in a picture, aligns the model with each, and verifies the alignments.
+#include <optional>
+#include <vector>
+
+#include "host/io/files.hpp"
+#include "host/io/image.hpp"
+#include "host/io/owned.hpp"
+#include "pliant/face_aligner.hpp"
+#include "pliant/face_detector.hpp"
+
+namespace pliant::host {
+
+/// A face in a picture.
+struct FoundFace {
+  FaceBox box;                  ///< of the aligned model
+  AlignedFace aligned;          ///< score: probability that it is a face, aligned right
+  std::vector<float> q;         ///< all parameters
+  std::vector<Vec2> landmarks;  ///< px, one for each landmark of the model
+};
+
+/// The largest side of a picture that is searched, px.
+constexpr int kMaxSearchedSide = 8192;
+
+class FaceFinder {
+ public:
+  /// Bad input: a model without learnt tables, or with damaged ones. The file must outlive this object.
+  explicit FaceFinder(const ModelFile& file);
+
+  /// The faces of a grey picture with a score of at least `min_score`, best first. Bad input, with the name of the
+  /// picture: a larger side than kMaxSearchedSide.
+  /// \param name      of the picture, for messages.
+  /// \param camera    of the picture, if known.
+  std::vector<FoundFace> find(const Image& grey, const std::string& name, float min_score,
+                              const std::optional<Camera>& camera = std::nullopt);
+  /// The face in a box. Nothing if the box is not in the picture.
+  std::optional<FoundFace> align(const Image& grey, const FaceBox& box,
+                                 const std::optional<Camera>& camera = std::nullopt);
+
+ private:
+  const ModelFile& file_;
+  Owned<FaceAligner> aligner_;
+};
+
+}  // namespace pliant::host

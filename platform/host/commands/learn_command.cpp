@@ -1,0 +1,104 @@
+// `pliant learn`: learns the tables of detection and alignment from photographs.
+#include <memory>
+
+#include "host/commands/command.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
+#include "host/io/learnt_file.hpp"
+#include "host/learn/face_samples.hpp"
+#include "host/learn/learn_detector.hpp"
+
+namespace pliant::host {
+
+namespace {
+
+/// What training reads, in memory.
+struct TrainingPictures {
+  std::vector<learn::Photograph> photographs;
+  learn::OtherPictures others;
+
+  TrainingPictures(const Args& args, const Model& model, Console& console)
+      : photographs(learn::read_photographs(model, args.required("--faces"), learn::Portion::training)),
+        others(learn::read_other_pictures(args.required("--others"))) {
+    if (photographs.empty()) fail_input(args.required("--faces"), "has no photograph to learn from");
+    if (others.count() == 0) fail_input(args.required("--others"), "has no pictures");
+    console.out << photographs.size() << " photographs with their mirror images, " << others.count()
+                << " pictures without faces\n";
+  }
+};
+
+/// Shows each stage with a counter of its own.
+class StageProgress {
+ public:
+  explicit StageProgress(Console& console) : console_(console) {}
+  void show(const char* stage, std::size_t done, std::size_t of) {
+    if (stage_ != stage) counter_.reset();
+    if (counter_ == nullptr) {
+      stage_ = stage;
+      counter_ = std::make_unique<Progress>(console_, stage_.c_str(), of);
+    }
+    counter_->show(done);
+  }
+
+ private:
+  Console& console_;
+  std::string stage_;
+  std::unique_ptr<Progress> counter_;
+};
+
+learn::LearnOptions options_of(const Args& args) {
+  learn::LearnOptions options;
+  options.seed = static_cast<std::uint64_t>(args.integer("--seed", 1, 0, 1 << 30));
+  options.threads = args.integer("--threads", 2, 1, 2);
+  options.effort = args.number("--effort", 1, 0.001, 10);
+  return options;
+}
+
+/// The tables that stay: those of the output file that `--only` does not name.
+LearntTables kept_tables(const Args& args, const std::string& output) {
+  const std::string only = args.text("--only").value_or("");
+  if (only.empty()) return {};
+  if (only != "detector" && only != "aligner") fail_usage("--only: detector or aligner, not " + only);
+  return read_learnt(output);
+}
+
+int run_learn(const Args& args, Console& console) {
+  const std::string output = args.required("-o"), only = args.text("--only").value_or("");
+  const learn::LearnOptions options = options_of(args);
+  LearntTables tables = kept_tables(args, output);
+  const ModelFile file(args.operand(0));
+  const TrainingPictures pictures(args, file.model(), console);
+  const learn::FaceSamples samples(file.model(), pictures.photographs, pictures.others, options.seed);
+  StageProgress progress(console);
+  const auto show = [&](const char* stage, std::size_t done, std::size_t of) {
+    progress.show(stage, done, of);
+  };
+  if (only != "aligner") tables.detector = learn::learn_detector(samples, pictures.others, options, show);
+  write_file(output, format_learnt(tables));
+  console.out << output << ": detector " << tables.detector.size() << " bytes, aligner "
+              << tables.aligner.size() << " bytes\n";
+  return 0;
+}
+
+}  // namespace
+
+Command learn_command() {
+  return {"learn",
+          "Learns from photographs how to find a face and how to align the model with it.",
+          "face.plm --faces FOLDER --others FOLDER [--seed N] [--threads N] [--only detector|aligner] "
+          "[--effort F] -o learnt.bin",
+          {{"--faces", "FOLDER",
+            "photographs NAME.jpg of one face each, and landmarks.csv with name,landmark,x,y; a third of "
+            "them, by "
+            "their names, is left out for testing"},
+           {"--others", "FOLDER", "photographs without faces, in the folder and below it"},
+           {"--seed", "N", "of all random choices: the same seed gives the same tables (1)"},
+           {"--threads", "N", "1 or 2 (2); the tables do not depend on it"},
+           {"--only", "PART", "learn this part again, and keep the other part of the file of -o"},
+           {"--effort", "F", "samples as a fraction of the usual number (1), for trials"},
+           {"-o", "FILE", "the learnt tables to write, for `pliant bake --learnt`"}},
+          1,
+          run_learn};
+}
+
+}  // namespace pliant::host
