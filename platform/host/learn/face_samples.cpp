@@ -100,6 +100,8 @@ FaceSample FaceSamples::draw(std::uint64_t index) const {
   if (workspace == nullptr) workspace = std::make_unique<Workspace>(model_, tuning_.side_px);
   FaceSample sample =
       random.chance(tuning_.turned_fraction) ? draw_turned(random, *workspace) : draw_in_plane(random);
+  add_occluders(sample, model_, parts_->sheet.landmarks(*workspace->cascade, sample.q.data()), others_,
+                tuning_.occluders, random);
   {
     const std::lock_guard<std::mutex> lock(parts_->mutex);
     parts_->idle.push_back(std::move(workspace));
@@ -171,7 +173,7 @@ void FaceSamples::set_truth(const std::vector<Vec3>& points, const TextureRaster
   for (std::size_t k = 0; k < points.size(); ++k) {
     const float shown = raster.depth(sample.landmarks[k]);
     const bool is_hidden = !(shown > projector.to_camera(points[k]).z - tuning_.hidden_mm);
-    sample.trust.push_back(is_hidden ? kTrustNone : kTrustAnnotated);
+    if (is_hidden) sample.trust[k] = kTrustNone;
   }
   sample.box = face_box_in(model_, sample.landmarks, sample.pose, sample.camera);
 }
@@ -205,6 +207,7 @@ FaceSample FaceSamples::draw_turned(SampleRandom& random, Workspace& workspace) 
 
   FaceSample sample;
   sample.person = photograph.person;
+  sample.trust = photograph.trust;
   sample.q = turn.q;
   sample.camera = turn.camera;
   sample.pose = turn.pose;

@@ -5,27 +5,15 @@
 #include <memory>
 #include <vector>
 
+#include "host/learn/face_sample.hpp"
+#include "host/learn/occluders.hpp"
 #include "host/learn/other_pictures.hpp"
-#include "host/learn/photographs.hpp"
 #include "host/learn/picture_variation.hpp"
 #include "host/learn/sample_view.hpp"
-#include "pliant/face_box.hpp"
 
 namespace pliant::host::learn {
 
 class TextureRaster;
-
-/// A picture with one face and everything about it.
-struct FaceSample {
-  Image picture;                    ///< grey
-  std::vector<Vec2> landmarks;      ///< px, one for each landmark of the model
-  std::vector<std::uint8_t> trust;  ///< LandmarkTrust of each
-  Camera camera;
-  Pose pose;
-  std::vector<float> q;  ///< all parameters
-  FaceBox box;
-  int person = 0;  ///< the same number for the same person
-};
 
 /// Which samples are drawn, and how varied they are. Angles in degrees.
 struct FaceSampleTuning {
@@ -42,6 +30,7 @@ struct FaceSampleTuning {
   float relit_chance = 0.4f;  ///< of turned ones: with another light
   float smear_chance =
       0.4f;  ///< a photograph that does not fill the sample is continued by its border, else by another picture
+  OccluderTuning occluders;
   PictureVariationTuning variation;
 };
 

@@ -36,13 +36,14 @@ Grid grid_over(const Image& picture, float step_px) {
   return {nodes(picture.width), nodes(picture.height), step_px, {-1.5f * step_px, -1.5f * step_px}};
 }
 
-/// Fills values that are 0 smoothly from the others: first each from its nearest, then by relaxation.
+/// Fills values that are 0 from the others: each from its nearest, then smoothed. Much smoothing would bring the ears forward,
+/// before the jaw.
 void fill_smoothly(const Grid& grid, const std::vector<std::uint32_t>& nearest, std::vector<float>& values) {
   std::vector<std::uint8_t> is_known(values.size());
   for (std::size_t k = 0; k < values.size(); ++k) is_known[k] = values[k] != 0 ? 1 : 0;
   for (std::size_t k = 0; k < values.size(); ++k)
     if (is_known[k] == 0) values[k] = values[nearest[k]];
-  for (int sweep = 0; sweep < 60; ++sweep)
+  for (int sweep = 0; sweep < 8; ++sweep)
     for (int j = 0; j < grid.rows; ++j)
       for (int i = 0; i < grid.columns; ++i) {
         if (is_known[grid.index(i, j)] != 0) continue;

@@ -1,0 +1,26 @@
+#pragma once
+/// \file occluders.hpp
+/// Puts things onto and before faces of training samples: glasses, masks, hands, hair, bars.
+#include "host/learn/face_sample.hpp"
+#include "host/learn/other_pictures.hpp"
+#include "host/learn/sample_random.hpp"
+
+namespace pliant::host::learn {
+
+/// How often. Chosen by eye.
+struct OccluderTuning {
+  float glasses_chance = 0.22f;    ///< of them, a third are sunglasses
+  float mask_chance = 0.03f;       ///< cloth over mouth and nose
+  float hand_chance = 0.07f;       ///< fingers at the face
+  float hair_chance = 0.06f;       ///< strands over forehead and cheeks
+  float bar_chance = 0.07f;        ///< something before the face: a bar, a plate, a part of another picture
+  float moustache_chance = 0.06f;  ///< and beards
+};
+
+/// Draws occluders into the picture at random. Landmarks under them lose their trust; their positions stay.
+/// \param landmarks_mm  of the model at the sample's parameters, model axes.
+/// \param others        may be empty.
+void add_occluders(FaceSample& sample, const Model& model, const std::vector<Vec3>& landmarks_mm,
+                   const OtherPictures& others, const OccluderTuning& tuning, SampleRandom& random);
+
+}  // namespace pliant::host::learn
