@@ -135,11 +135,12 @@ class Tracker {
       const;  ///< True while there is a track: after a start of either kind, until it is given up.
   /// Of the last frame; after a start that of frame 0: tracking, at the pose of the start.
   const FrameResult& result() const;
-  /// The camera of the start, with the focal length that it found.
+  /// The camera of the start, with the focal length that it found. All 0 while there is no track.
   const Camera& camera() const;
-  Estimator& estimator();  ///< The estimator, for access to its full state.
+  Estimator& estimator();  ///< The estimator, for access to its full state. Only while there is a track.
 
-  /// All parameters at the state of the last frame, in the model's order. Valid until the next call that changes it.
+  /// All parameters at the state of the last frame, in the model's order. Valid until the next call that changes it. While
+  /// there is no track: those of the last one.
   Span<const float> parameters() const;
   /// Parameter at the state of the last frame. \return not_started, not_found.
   Status parameter(const char* name, float* value) const;

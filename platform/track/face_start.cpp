@@ -1,6 +1,7 @@
 #include "track/face_start.hpp"
 
 #include "track/landmark_fit.hpp"
+#include "track/self_start.hpp"
 
 namespace pliant {
 
@@ -163,6 +164,22 @@ void FaceStart::refine(const SearchInput& input, const FaceBox* box, KnownPerson
 
 // --- The running track ---
 
+void FaceStart::begin_track(float landmark_error, FrameResult* result) {
+  phase_ = FacePhase::tracking;
+  detector_ = nullptr;
+  landmark_error_ = landmark_error;
+  // A start that nothing has verified is checked in its own frame.
+  frames_since_check_ = landmark_error > 0 ? 0 : kTuning.check_interval_frames;
+  bad_checks_ = good_checks_ = 0;
+  tell_error(result);
+}
+
+void FaceStart::tell_error(FrameResult* result) const {
+  result->landmark_error = landmark_error_;
+  if (landmark_error_ > kTuning.most_landmark_error && result->state == TrackState::tracking)
+    result->state = TrackState::degraded;
+}
+
 bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_frames,
                          Span<unsigned char> scratch, FrameResult* result) {
   PLIANT_ASSERT(has_track());
@@ -177,8 +194,7 @@ bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_f
     frames_since_check_ = 0;
     if (!check(frame, estimator, scratch)) return false;
   }
-  result->landmark_error = landmark_error_;
-  if (landmark_error_ > kTuning.most_landmark_error) result->state = TrackState::degraded;
+  tell_error(result);
   return true;
 }
 
@@ -202,52 +218,21 @@ bool FaceStart::check(const FrameView& frame, Estimator& estimator, Span<unsigne
   return true;
 }
 
-// --- The tables of functions ---
-
-namespace {
-
-bool is_possible(const Model& model, const TrackerLimits& limits) {
-  return limits.detection->modules->is_available(model);
-}
-
-FaceStart* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-  return is_possible(model, limits) ? create_part<FaceStart>(arena, model, limits) : nullptr;
-}
+// --- Memory ---
 
 std::size_t search_bytes(const Model& model, const TrackerLimits& limits) {
-  if (!is_possible(model, limits)) return 0;
+  const FaceModules& modules = *limits.detection->modules;
   Arena trial;
-  limits.detection->modules->lay_out_detector(trial, model, detector_limits(limits));
-  limits.detection->modules->lay_out_aligner(trial, model);
+  modules.lay_out_detector(trial, model, detector_limits(limits));
+  modules.lay_out_aligner(trial, model);
   const std::size_t fit = aligned_fit_bytes(model);
   return fit > trial.used_bytes() ? fit : trial.used_bytes();
 }
 
 std::size_t check_bytes(const Model& model, const TrackerLimits& limits) {
-  if (!is_possible(model, limits)) return 0;
   Arena trial;
   limits.detection->modules->lay_out_aligner(trial, model);
   return trial.used_bytes();
 }
-
-Status search(FaceStart& faces, const SearchInput& input, KnownPerson* person, StartPose* start,
-              float* landmark_error) {
-  return faces.search(input, person, start, landmark_error);
-}
-
-void refine(FaceStart& faces, const SearchInput& input, const FaceBox* box, KnownPerson* person,
-            StartPose* start, float* landmark_error) {
-  faces.refine(input, box, person, start, landmark_error);
-}
-
-bool conclude(FaceStart& faces, const FrameView& frame, Estimator& estimator, int bad_frames,
-              Span<unsigned char> scratch, FrameResult* result) {
-  return faces.conclude(frame, estimator, bad_frames, scratch, result);
-}
-
-}  // namespace
-
-const FaceDetection kFaceDetection{lay_out, search_bytes, check_bytes,  search,
-                                   refine,  conclude,     &kFaceModules};
 
 }  // namespace pliant

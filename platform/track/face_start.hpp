@@ -85,14 +85,9 @@ class FaceStart {
     detector_ = nullptr;
     begin_search_again();
   }
-  /// A track has begun; the memory of the search is the track's now.
+  /// A track has begun; the memory of the search is the track's now. Writes landmark_error, and whether it is degraded.
   /// \param landmark_error  estimate; 0: unknown.
-  void begin_track(float landmark_error) {
-    phase_ = FacePhase::tracking;
-    detector_ = nullptr;
-    landmark_error_ = landmark_error;
-    frames_since_check_ = bad_checks_ = good_checks_ = 0;
-  }
+  void begin_track(float landmark_error, FrameResult* result);
 
   /// Searches in this frame, as much as the limits allow. If a face is found `start` and the person are set; the offsets
   /// are pending where the person is new.
@@ -125,6 +120,7 @@ class FaceStart {
   void add_candidate(const DetectedFace& face);
   bool align_next(const SearchInput& input, KnownPerson* person, StartPose* start, float* landmark_error);
   Status finish(const SearchInput& input, const AlignedFace& face, KnownPerson* person, StartPose* start);
+  void tell_error(FrameResult* result) const;
   bool check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch);
 
   const FaceModules* modules_ = nullptr;
@@ -146,21 +142,8 @@ class FaceStart {
   float landmark_error_ = 0;
 };
 
-/// What a tracker calls of FaceStart. A tracker calls it through this table only, so that a program whose limits name no
-/// table does not link what is behind it.
-struct FaceDetection {
-  /// Takes a FaceStart from the arena. \return null if the arena measures, is exhausted, or the model has no tables.
-  FaceStart* (*lay_out)(Arena& arena, const Model& model, const TrackerLimits& limits);
-  /// Bytes that a search takes of the memory of the tracking, and a check of unused memory. 0 without tables.
-  std::size_t (*search_bytes)(const Model& model, const TrackerLimits& limits);
-  std::size_t (*check_bytes)(const Model& model, const TrackerLimits& limits);
-  Status (*search)(FaceStart& faces, const SearchInput& input, KnownPerson* person, StartPose* start,
-                   float* landmark_error);
-  void (*refine)(FaceStart& faces, const SearchInput& input, const FaceBox* box, KnownPerson* person,
-                 StartPose* start, float* landmark_error);
-  bool (*conclude)(FaceStart& faces, const FrameView& frame, Estimator& estimator, int bad_frames,
-                   Span<unsigned char> scratch, FrameResult* result);
-  const FaceModules* modules;
-};
+/// Bytes that a search takes of the memory of the tracking, and a check of unused memory.
+std::size_t search_bytes(const Model& model, const TrackerLimits& limits);
+std::size_t check_bytes(const Model& model, const TrackerLimits& limits);
 
 }  // namespace pliant

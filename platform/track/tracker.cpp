@@ -2,7 +2,7 @@
 #include <new>
 
 #include "track/template_tuning.hpp"
-#include "track/tracker_impl.hpp"
+#include "track/tracker_parts.hpp"
 #include "track/tracker_sizes.hpp"
 
 namespace pliant {
@@ -27,14 +27,14 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
 
 // --- Memory ---
 
-void Tracker::Impl::lay_out_tracking(Arena& arena, Impl* impl, const Model& model,
-                                     const TrackerLimits& limits) {
-  lay_out_part(arena, impl == nullptr ? nullptr : &impl->estimator, model, estimator_limits(limits));
-  lay_out_part(arena, static_cast<ImageParts*>(impl), model, limits);
+void TrackerParts::lay_out_tracking(Arena& arena, TrackerParts* parts, const Model& model,
+                                    const TrackerLimits& limits) {
+  lay_out_part(arena, parts == nullptr ? nullptr : &parts->estimator, model, estimator_limits(limits));
+  lay_out_part(arena, static_cast<ImageParts*>(parts), model, limits);
 }
 
 /// The same in the block, whatever has used it.
-void Tracker::Impl::lay_out_tracking() {
+void TrackerParts::lay_out_tracking() {
   Arena arena(block.data, block.count);
   lay_out_tracking(arena, this, table, limits);
   block_is_of_search = false;
@@ -47,17 +47,13 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   impl_ = arena.make<Impl>();
   const auto q = arena.take_span<float>(model.parameters().count);
   lay_out_part(arena, impl_ == nullptr ? nullptr : &impl_->offsets, model);
-  Span<std::uint8_t> is_free;
-  if (own.detection != nullptr) is_free = arena.take_span<std::uint8_t>(q.count);
-  FaceStart* const faces = own.detection == nullptr ? nullptr : own.detection->lay_out(arena, model, own);
+  std::size_t search = 0;
+  SelfStart* const self_start =
+      own.detection == nullptr ? nullptr : own.detection->lay_out(arena, model, own, &search);
   unsigned char* const block = arena.take<unsigned char>(0);
-  const std::size_t before = arena.used_bytes();
-  std::size_t needed = start_fit_bytes(model, own.start_points);
-  if (own.detection != nullptr) {
-    const std::size_t search = own.detection->search_bytes(model, own);
-    if (search > needed) needed = search;
-  }
-  Impl::lay_out_tracking(arena, impl_, model, own);
+  const std::size_t before = arena.used_bytes(), fit = start_fit_bytes(model, own.start_points);
+  const std::size_t needed = search > fit ? search : fit;
+  TrackerParts::lay_out_tracking(arena, impl_, model, own);
   const std::size_t tracking = arena.used_bytes() - before;
   arena.count_as(Purpose::solver);
   if (needed > tracking) arena.take<unsigned char>(needed - tracking);
@@ -65,10 +61,8 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   impl_->limits = own;
   impl_->table = model;
   impl_->start_q = q;
-  impl_->start_is_free = is_free;
   impl_->block = {block, needed > tracking ? needed : tracking};
-  impl_->faces = faces;
-  impl_->person = {false, {}, q.data, &impl_->offsets};
+  impl_->self_start = self_start;
 }
 
 void ImageParts::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
@@ -90,59 +84,40 @@ void ImageParts::lay_out(Arena& arena, const Model& model, const TrackerLimits& 
 // --- A frame ---
 
 /// A clock may be set back and a sequence number may be left out, but not both.
-bool Tracker::Impl::is_stale(const FrameView& view) const {
+bool TrackerParts::is_stale(const FrameView& view) const {
   const bool is_next = view.sequence != last_sequence && view.sequence - last_sequence < 0x80000000u;
   return view.time_ns <= last_time_ns && !is_next;
 }
 
 Status Tracker::update(const FrameView& frame, FrameResult* result) {
-  if (impl_ == nullptr || !(impl_->is_started || impl_->is_searching())) return Status::not_started;
+  if (impl_ == nullptr || !(impl_->is_started || impl_->self_start != nullptr)) return Status::not_started;
   if (result == nullptr) return Status::bad_argument;
   Impl& t = *impl_;
   Status status = t.region.check_frame(frame);
-  if (status == Status::ok && t.is_stale(frame)) status = Status::stale_frame;
   if (status != Status::ok) return status;
-  if (t.is_searching()) {
-    status = t.search(frame);
-  } else {
-    status = t.predict(frame);
-    if (status != Status::ok) return status;
-    t.match_and_solve();
-    t.conclude();
-    t.verify(frame);
-  }
+  if (t.is_stale(frame)) return Status::stale_frame;
+  t.note_time(frame);
+  status = t.is_started ? t.track(frame) : t.limits.detection->search(t, frame);
   *result = t.result;
   return status;
 }
 
-void Tracker::Impl::note_time(const FrameView& view) {
+Status TrackerParts::track(const FrameView& view) {
+  const Status status = predict(view);
+  if (status != Status::ok) return status;
+  match_and_solve();
+  conclude();
+  if (self_start != nullptr) limits.detection->conclude(*this, view);
+  return status;
+}
+
+void TrackerParts::note_time(const FrameView& view) {
   last_time_ns = view.time_ns;
   last_sequence = view.sequence;
 }
 
-/// Searches for a face. The track of one that is found begins with this frame.
-Status Tracker::Impl::search(const FrameView& view) {
-  note_time(view);
-  new (&estimator) Estimator();
-  block_is_of_search = true;
-  result = {};
-  result.is_searching = true;
-  StartPose found;
-  const Status status =
-      limits.detection->search(*faces, {view, block, start_options}, &person, &found, &start_error);
-  if (status != Status::ok) return status == Status::not_found ? Status::ok : status;
-  if (start(view, found, start_q.data, options, {}) == Status::ok) {
-    if (!person.is_known) offsets.place_pending(estimator);
-  } else {
-    result = {};
-    result.is_searching = true;
-  }
-  return Status::ok;
-}
-
 /// Where the model is expected, and the image there.
-Status Tracker::Impl::predict(const FrameView& view) {
-  note_time(view);
+Status TrackerParts::predict(const FrameView& view) {
   ++frame;
   key_frames.take(view);
   estimator.begin(view.time_ns);
@@ -156,7 +131,7 @@ Status Tracker::Impl::predict(const FrameView& view) {
                       region.is_whole_frame() ? Vec2{} : key_frames.middle_of(estimator) + motion.by_px);
 }
 
-void Tracker::Impl::match_and_solve() {
+void TrackerParts::match_and_solve() {
   const int rounds = kTemplateMatchTuning.rounds;
   const bool has_first_pass = matcher.run_first_pass(match_frame(), estimator);
   for (int round = has_first_pass ? 1 : 0; round < rounds; ++round)
@@ -165,7 +140,7 @@ void Tracker::Impl::match_and_solve() {
 }
 
 /// Predicts, matches and solves once. \return how many points were searched for.
-std::size_t Tracker::Impl::run_round(int round) {
+std::size_t TrackerParts::run_round(int round) {
   const PredictionTable predictions{estimator.predict(), prediction_index};
   for (std::size_t i = 0; i < predictions.all.count; ++i)
     prediction_index[predictions.all[i].id] = static_cast<std::uint16_t>(i);
@@ -182,7 +157,7 @@ std::size_t Tracker::Impl::run_round(int round) {
   return searched;
 }
 
-void Tracker::Impl::conclude() {
+void TrackerParts::conclude() {
   result = estimator.end();
   const bool is_good = result.state == TrackState::tracking;
   matcher.end_frame(match_frame(), is_good);
@@ -197,7 +172,7 @@ void Tracker::Impl::conclude() {
 
 /// Keeps this frame as a key frame, if it shows the head from a new side: second templates for points that look different
 /// by now, and new points where the surface was hidden before.
-void Tracker::Impl::keep_key_frame() {
+void TrackerParts::keep_key_frame() {
   const std::size_t key = key_frames.choose(estimator.view(), result, frame);
   if (key == 0) return;
   const std::size_t begin = first_slot(limits, key), end = first_slot(limits, key + 1);
@@ -207,24 +182,6 @@ void Tracker::Impl::keep_key_frame() {
       limits.patches, begin, begin + (end - begin) / kTemplateStoreTuning.second_template_divisor, estimator,
       region);
   placement.place(templates, estimator, region, markers, free, end);
-}
-
-/// Checks whether the track is a face. Gives it up if it is not, or if it has been lost for some frames.
-void Tracker::Impl::verify(const FrameView& view) {
-  if (faces == nullptr) return;
-  if (!limits.detection->conclude(*faces, view, estimator, bad_frames, placement.scratch(), &result))
-    give_up();
-}
-
-/// Ends the track, and keeps the person if checks have confirmed that it was one.
-void Tracker::Impl::give_up() {
-  person.is_known = person.is_known || faces->has_confirmed();
-  person.camera = estimator.camera();
-  for (std::size_t k = 0; k < start_q.count; ++k) start_q[k] = estimator.parameters()[k];
-  stop();
-  result.state = TrackState::lost;
-  result.is_searching = true;
-  result.landmark_error = 0;
 }
 
 // --- What it tells ---
@@ -250,7 +207,8 @@ const FrameResult& Tracker::result() const {
 
 const Camera& Tracker::camera() const {
   PLIANT_ASSERT(impl_ != nullptr);
-  return impl_->is_started ? impl_->estimator.camera() : impl_->person.camera;
+  static constexpr Camera kNoCamera{};
+  return impl_->is_started ? impl_->estimator.camera() : kNoCamera;
 }
 
 Estimator& Tracker::estimator() {

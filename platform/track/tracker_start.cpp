@@ -1,17 +1,17 @@
-// The starts of a tracker: the caller's, and those by detection.
+// The starts of a tracker by its caller.
 #include "track/landmark_fit.hpp"
 #include "track/template_tuning.hpp"
-#include "track/tracker_impl.hpp"
+#include "track/tracker_parts.hpp"
 
 namespace pliant {
 
-Status Tracker::Impl::check_start(const FrameView& view, Span<const Vec2> marker_places) const {
+Status TrackerParts::check_start(const FrameView& view, Span<const Vec2> marker_places) const {
   const Status status = region.check_frame(view);
   if (status != Status::ok) return status;
   return marker_places.count <= limits.markers ? Status::ok : Status::capacity;
 }
 
-Status Tracker::Impl::check_landmarks(Span<const NamedPoint> points) const {
+Status TrackerParts::check_landmarks(Span<const NamedPoint> points) const {
   if (points.count > 0 && points.data == nullptr) return Status::bad_argument;
   for (const NamedPoint& p : points) {
     if (p.name == nullptr || model().find_landmark(p.name) == kNone) return Status::not_found;
@@ -20,7 +20,7 @@ Status Tracker::Impl::check_landmarks(Span<const NamedPoint> points) const {
   return Status::ok;
 }
 
-bool Tracker::Impl::fits_model(const SavedState& state) const {
+bool TrackerParts::fits_model(const SavedState& state) const {
   const std::size_t count = state.landmark_offsets.count;
   if (state.parameters.data == nullptr || state.parameters.count != start_q.count) return false;
   return count == 0 || (count == offsets.values().count && state.landmark_offsets.data != nullptr);
@@ -28,64 +28,26 @@ bool Tracker::Impl::fits_model(const SavedState& state) const {
 
 /// Runs `fit(arena)` in the memory of the tracking, which is laid out anew afterwards.
 template <class Fit>
-Status Tracker::Impl::fit_before_tracking(Fit&& fit) {
-  stop();
+Status TrackerParts::fit_before_tracking(Fit&& fit) {
+  is_started = false;
   Arena before(block.data, block.count);
   const Status status = fit(before);
   lay_out_tracking();
   return status;
 }
 
-void Tracker::Impl::forget_person() {
-  offsets.clear();
-  person.is_known = false;
-  start_error = 0;
-}
-
-/// Moves a start to where the picture shows the face, if there are learnt tables and the face is verified there.
-/// \param box  of the face, if the start is only roughly known; else null.
-void Tracker::Impl::refine(const FrameView& view, const StartOptions& with, const FaceBox* box,
-                           StartPose* from) {
-  if (faces == nullptr) return;
-  limits.detection->refine(*faces, {view, block, with}, box, &person, from, &start_error);
-  lay_out_tracking();
-}
-
-/// Ends the track. What is still known of the person stays.
-void Tracker::Impl::stop() {
-  is_started = false;
-  if (faces != nullptr) faces->begin_search();
-}
-
-/// Keeps what starts by detection need to know.
-void Tracker::Impl::keep_start_options(const StartOptions& with) {
-  if (faces == nullptr) return;
-  start_options = with;
-  if (with.camera == nullptr) return;
-  start_camera = *with.camera;
-  start_options.camera = &start_camera;
-}
-
-void Tracker::Impl::keep_options(const TrackerOptions& with) {
-  options = with;
-  if (with.is_free == nullptr) return;
-  for (std::size_t k = 0; k < start_is_free.count; ++k) start_is_free[k] = with.is_free[k];
-  options.is_free = start_is_free.data;
-}
-
-/// The track of frame 0 is verified from now on. Keeps its options for the next start by detection.
-void Tracker::Impl::begin_verification(const FrameView& view, const TrackerOptions& with) {
-  if (faces == nullptr) return;
-  keep_options(with);
-  faces->begin_track(start_error);
-  verify(view);
+/// What a start from points or a box leaves to detection, if there are learnt tables.
+/// \param box  of the face; null: from points. \param is_rough  the start is moved to where the picture shows the face.
+void TrackerParts::refine(const FrameView& view, const FaceBox* box, bool is_rough, const StartOptions& with,
+                          StartPose* from) {
+  if (self_start != nullptr) limits.detection->refine(*this, view, {box, is_rough, with}, from);
 }
 
 /// Frame 0, of checked arguments.
-Status Tracker::Impl::start(const FrameView& view, const StartPose& from, const float* q,
-                            const TrackerOptions& with, Span<const Vec2> marker_places) {
-  stop();
-  if (block_is_of_search) lay_out_tracking();
+Status TrackerParts::start(const FrameView& view, const StartPose& from, const float* q,
+                           const TrackerOptions& with, Span<const Vec2> marker_places) {
+  is_started = false;
+  if (block_is_of_search) limits.detection->end_search(*this);
   EstimatorOptions of_estimator = with.estimator;
   texture.start(&of_estimator);
   Status status =
@@ -98,13 +60,13 @@ Status Tracker::Impl::start(const FrameView& view, const StartPose& from, const 
   bad_frames = 0;
   matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow));
   is_started = true;
-  begin_verification(view, with);
+  if (self_start != nullptr) limits.detection->begin_track(*this, view, with);
   return Status::ok;
 }
 
 /// Templates, edges and thumbnail of frame 0.
-Status Tracker::Impl::capture_frame_0(const FrameView& view, Span<const Vec2> marker_places,
-                                      float marker_exclusion_px) {
+Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> marker_places,
+                                     float marker_exclusion_px) {
   Status status = region.build(view, region.is_whole_frame() ? Vec2{} : key_frames.middle_of(estimator));
   if (status != Status::ok) return status;
   key_frames.take(view);
@@ -137,7 +99,7 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   if (impl_ == nullptr) return Status::not_started;
   const Status status = impl_->check_start(frame, markers);
   if (status != Status::ok) return status;
-  impl_->forget_person();
+  impl_->offsets.clear();
   for (std::size_t k = 0; k < impl_->start_q.count; ++k) impl_->start_q[k] = q == nullptr ? 0 : q[k];
   return impl_->start(frame, {camera, pose}, impl_->start_q.data, options, markers);
 }
@@ -159,14 +121,13 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
   fit.focal_px = start.focal_px;
   fit.camera = start.camera;
   StartPose found;
-  t.forget_person();
-  t.keep_start_options(start);
+  t.offsets.clear();
   status = t.fit_before_tracking([&](Arena& arena) {
     return fit_to_landmarks(arena, t.model(), points, fit, t.start_q.data, &found,
                             start.keeps_landmark_offsets ? &t.offsets : nullptr);
   });
-  if (status == Status::ok && points.count < kFaceStartTuning.enough_points)
-    t.refine(frame, start, nullptr, &found);
+  if (status == Status::ok)
+    t.refine(frame, nullptr, points.count < kFaceStartTuning.enough_points, start, &found);
   if (status == Status::ok) status = t.start(frame, found, t.start_q.data, options, markers);
   if (status == Status::ok) t.offsets.place_pending(t.estimator);
   return status;
@@ -181,15 +142,14 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
       !(start.focal_px >= 0 && size.x > 0 && size.y > 0 && start.box <= BoxConvention::face_box))
     status = Status::bad_argument;
   if (status != Status::ok) return status;
-  t.forget_person();
-  t.keep_start_options(start);
+  t.offsets.clear();
   for (float& value : t.start_q) value = 0;
   StartPose found{start_camera(start.camera, start.focal_px, frame.width, frame.height), {}};
   FaceBox box;
   status = t.fit_before_tracking([&](Arena& arena) {
     return fit_to_box(arena, t.model(), corner, size, start.box, t.start_q.data, &found, &box);
   });
-  if (status == Status::ok) t.refine(frame, start, &box, &found);
+  if (status == Status::ok) t.refine(frame, &box, true, start, &found);
   if (status == Status::ok) status = t.start(frame, found, t.start_q.data, options, markers);
   if (status == Status::ok) t.offsets.place_pending(t.estimator);
   return status;
@@ -198,14 +158,9 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
 Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptions& options) {
   if (impl_ == nullptr) return Status::not_started;
   Impl& t = *impl_;
-  if (t.faces == nullptr) return Status::not_found;
+  if (t.self_start == nullptr) return Status::not_found;
   if (!(start.focal_px >= 0)) return Status::bad_argument;
-  t.stop();
-  t.forget_person();
-  t.keep_start_options(start);
-  t.keep_options(options);
-  t.result = {};
-  t.result.is_searching = true;
+  t.limits.detection->begin_search(t, start, options);
   return Status::ok;
 }
 

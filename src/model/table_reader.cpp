@@ -36,37 +36,22 @@ bool are_bounded(const float* x, int n) {  // false for NaN
 
 /// What an operation reads.
 struct Operands {
-  int sources, parameters;
+  std::uint8_t sources, parameters;
   bool has_field;
 };
 
-/// \return false for an operation that does not exist.
-bool find_operands(Operation operation, Operands* operands) {
-  switch (operation) {
-    case Operation::constant:
-      *operands = {0, 0, true};
-      return true;
-    case Operation::add_vector:
-    case Operation::one_sided:
-      *operands = {1, 1, true};
-      return true;
-    case Operation::product:
-      *operands = {1, 2, true};
-      return true;
-    case Operation::scale:
-    case Operation::rotate:
-    case Operation::affine:
-      *operands = {1, 1, false};
-      return true;
-    case Operation::rigid:
-      *operands = {1, 6, false};
-      return true;
-    case Operation::lerp:
-      *operands = {2, 1, false};
-      return true;
-  }
-  return false;
-}
+constexpr Operands kOperands[] = {
+    {0, 0, true},   // constant
+    {1, 1, true},   // add_vector
+    {1, 2, true},   // product
+    {1, 1, true},   // one_sided
+    {1, 1, false},  // scale
+    {1, 1, false},  // rotate
+    {1, 1, false},  // affine
+    {1, 6, false},  // rigid
+    {2, 1, false},  // lerp
+};
+static_assert(sizeof kOperands / sizeof *kOperands == static_cast<std::size_t>(Operation::lerp) + 1);
 
 /// Fills the contents of a model while it checks them.
 struct TableReader {
@@ -74,11 +59,17 @@ struct TableReader {
   std::size_t bytes;
   table::Contents contents;
 
+  /// \return the first record of a section; null where it is not within the table.
+  [[gnu::noinline]] const void* first(const table::Section& s, std::size_t record_bytes) const {
+    const bool is_inside =
+        s.offset % 4 == 0 && s.offset <= bytes && s.count <= (bytes - s.offset) / record_bytes;
+    return is_inside ? base + s.offset : nullptr;
+  }
+
   template <class T>
-  bool records(const table::Section& s, Span<const T>* out) {
-    if (s.offset % 4 != 0 || s.offset > bytes || s.count > (bytes - s.offset) / sizeof(T)) return false;
-    *out = {reinterpret_cast<const T*>(base + s.offset), s.count};
-    return true;
+  bool records(const table::Section& s, Span<const T>* out) const {
+    *out = {static_cast<const T*>(first(s, sizeof(T))), s.count};
+    return out->data != nullptr;
   }
 
   bool image(const table::Section& s, ChartImage* out) {
@@ -161,8 +152,8 @@ struct TableReader {
   bool check_record(std::size_t i) const {
     const CascadeRecord& r = contents.cascade[i];
     const auto fields = contents.fields;
-    Operands n;
-    if (!find_operands(r.operation, &n)) return false;
+    if (r.operation > Operation::lerp) return false;
+    const Operands& n = kOperands[static_cast<std::size_t>(r.operation)];
     for (int k = 0; k < 2; ++k)
       if (k < n.sources ? r.source[k] >= i : r.source[k] != kNone) return false;
     for (int k = 0; k < 6; ++k)

@@ -4,7 +4,7 @@
 
 #include "face_film.hpp"
 #include "pliant/tracker.hpp"
-#include "track/face_start.hpp"
+#include "track/self_start.hpp"
 
 /// One at a time: a tracker calls its functions through a table.
 struct FakeFaces {

@@ -20,6 +20,14 @@ constexpr std::int64_t kFrameNs = 33'333'333;
 
 constexpr std::size_t kArenaBytes = 249 * 1024;
 
+#ifdef PLIANT_FIRMWARE_DETECTS
+constexpr bool kDetects = true;  // the tracker finds the face by itself
+constexpr pliant::TrackerLimits kLimits = pliant::profile_s();
+#else
+constexpr bool kDetects = false;  // the pose in the first frame is known; the code for detection is not linked
+constexpr pliant::TrackerLimits kLimits = pliant::without_detection(pliant::profile_s());
+#endif
+
 alignas(pliant::Arena::kAlignment) unsigned char memory[kArenaBytes];
 [[gnu::section(".frames")]] alignas(32) std::uint8_t frames[2][kWidth * kHeight];
 pliant::Tracker tracker;
@@ -65,7 +73,7 @@ void set_up() {
   pliant::Model model;
   require(pliant::Model::open(face, face_bytes, &model), "model");
   pliant::Arena arena(memory, sizeof memory);
-  require(pliant::create_in(arena, tracker, model, pliant::profile_s()), "arena");
+  require(pliant::create_in(arena, tracker, model, kLimits), "arena");
   Line line;
   line.add("sizes: object ").add(static_cast<int>(sizeof tracker));
   line.add(", arena ").add(static_cast<int>(arena.used_bytes())).add("\n");
@@ -108,7 +116,7 @@ int main() {
     if (!buffers.take(&view)) continue;
     pliant::FrameResult result;
     const std::uint32_t begin = board_ticks();
-    if (frame == 0) {
+    if (frame == 0 && !kDetects) {
       require(tracker.start_from_pose(view, kStartCamera, kStartPose, kStartParameters), "start");
       result = tracker.result();
     } else {

@@ -1,15 +1,15 @@
 #pragma once
-/// \file tracker_impl.hpp
+/// \file tracker_parts.hpp
 /// The parts of a tracker and the state that they share. tracker.cpp has the memory and the frame, tracker_start.cpp the starts.
 #include <limits>
 
 #include "pliant/tracker.hpp"
 #include "track/edge_tracker.hpp"
-#include "track/face_start.hpp"
 #include "track/frame_region.hpp"
 #include "track/key_frames.hpp"
 #include "track/landmark_offsets.hpp"
 #include "track/markers.hpp"
+#include "track/self_start.hpp"
 #include "track/start_fit.hpp"
 #include "track/surface_texture.hpp"
 #include "track/template_matcher.hpp"
@@ -36,22 +36,15 @@ struct ImageParts {
 
 /// The estimator and the parts that work on images share their memory with what runs while there is no track: the search
 /// for a face, and the fit of a start.
-struct Tracker::Impl : ImageParts {
+struct TrackerParts : ImageParts {
   // Set by lay_out. The default limits would link rejection and detection into every program.
   TrackerLimits limits = without_detection(without_rejection(TrackerLimits{}));
   Model table;
   bool uses_edges = false;
   Span<float> start_q;
   LandmarkOffsets offsets;
-  Span<std::uint8_t> start_is_free;  // room for TrackerOptions::is_free
-  Span<unsigned char> block;         // of search, fit and tracking
-
-  FaceStart* faces = nullptr;  // null: the limits name no detection, or the model has no learnt tables
-  StartOptions start_options;  // of starts by detection
-  TrackerOptions options;      // of the last start
-  Camera start_camera;         // room for the one that start_options name
-  KnownPerson person;
-  float start_error = 0;  // landmark error of the start, as the alignment estimates it; 0: unknown
+  Span<unsigned char> block;        // of search, fit and tracking
+  SelfStart* self_start = nullptr;  // null: the limits name no detection, or the model has no learnt tables
 
   Estimator estimator;
   std::size_t observation_count = 0;
@@ -60,14 +53,14 @@ struct Tracker::Impl : ImageParts {
   std::int64_t last_time_ns = std::numeric_limits<std::int64_t>::min();
   int bad_frames = 0;  // in a row
   bool is_started = false;
-  bool block_is_of_search = false;  // else of the tracking
+  bool block_is_of_search = false;  // else of the tracking, which is laid out in it
 
   const Model& model() const { return table; }
-  bool is_searching() const { return faces != nullptr && !is_started; }
   MatchFrame match_frame() { return {templates, region, observations}; }
 
   /// The tracking's parts. Null: measures.
-  static void lay_out_tracking(Arena& arena, Impl* impl, const Model& model, const TrackerLimits& limits);
+  static void lay_out_tracking(Arena& arena, TrackerParts* parts, const Model& model,
+                               const TrackerLimits& limits);
   void lay_out_tracking();
 
   Status check_start(const FrameView& frame, Span<const Vec2> markers) const;
@@ -75,26 +68,22 @@ struct Tracker::Impl : ImageParts {
   bool fits_model(const SavedState& state) const;
   template <class Fit>
   Status fit_before_tracking(Fit&& fit);
-  void stop();
-  void forget_person();
-  void keep_options(const TrackerOptions& with);
-  void refine(const FrameView& view, const StartOptions& with, const FaceBox* box, StartPose* from);
+  void refine(const FrameView& view, const FaceBox* box, bool is_rough, const StartOptions& with,
+              StartPose* from);
   Status start(const FrameView& frame, const StartPose& from, const float* q, const TrackerOptions& with,
                Span<const Vec2> marker_places);
-  void keep_start_options(const StartOptions& with);
-  void begin_verification(const FrameView& view, const TrackerOptions& with);
   Status capture_frame_0(const FrameView& view, Span<const Vec2> marker_places, float marker_exclusion_px);
 
   bool is_stale(const FrameView& view) const;
   void note_time(const FrameView& view);
-  Status search(const FrameView& view);
+  Status track(const FrameView& view);
   Status predict(const FrameView& view);
   void match_and_solve();
   std::size_t run_round(int round);
   void conclude();
   void keep_key_frame();
-  void verify(const FrameView& view);
-  void give_up();
 };
+
+struct Tracker::Impl : TrackerParts {};
 
 }  // namespace pliant

@@ -1,0 +1,130 @@
+#include "track/self_start.hpp"
+
+#include <new>
+
+#include "track/tracker_parts.hpp"
+
+namespace pliant {
+
+void SelfStart::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
+  faces.lay_out(arena, model, limits);
+  is_free = arena.take_span<std::uint8_t>(model.parameters().count);
+}
+
+namespace {
+
+void keep(const StartOptions& from, SelfStart* self) {
+  self->start = from;
+  if (from.camera == nullptr) return;
+  self->camera = *from.camera;
+  self->start.camera = &self->camera;
+}
+
+void keep(const TrackerOptions& from, SelfStart* self) {
+  self->options = from;
+  if (from.is_free == nullptr) return;
+  for (std::size_t k = 0; k < self->is_free.count; ++k) self->is_free[k] = from.is_free[k];
+  self->options.is_free = self->is_free.data;
+}
+
+KnownPerson& person_of(TrackerParts& t) {
+  t.self_start->person.q = t.start_q.data;
+  t.self_start->person.offsets = &t.offsets;
+  return t.self_start->person;
+}
+
+bool is_available(const Model& model, const TrackerLimits& limits) {
+  return limits.detection->modules->is_available(model);
+}
+
+SelfStart* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
+  if (!is_available(model, limits)) return nullptr;
+  *bytes = search_bytes(model, limits);
+  return create_part<SelfStart>(arena, model, limits);
+}
+
+std::size_t bytes_of_check(const Model& model, const TrackerLimits& limits) {
+  return is_available(model, limits) ? check_bytes(model, limits) : 0;
+}
+
+void tell_search(TrackerParts& t) {
+  t.result = {};
+  t.result.is_searching = true;
+}
+
+void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
+  SelfStart& self = *t.self_start;
+  t.is_started = false;
+  self.faces.begin_search();
+  self.person.is_known = false;
+  keep(start, &self);
+  keep(options, &self);
+  tell_search(t);
+}
+
+Status search(TrackerParts& t, const FrameView& view) {
+  SelfStart& self = *t.self_start;
+  if (!t.block_is_of_search) {
+    new (&t.estimator) Estimator();
+    self.faces.begin_search();
+    t.block_is_of_search = true;
+  }
+  tell_search(t);
+  StartPose found;
+  Status status = self.faces.search({view, t.block, self.start}, &person_of(t), &found, &self.landmark_error);
+  if (status != Status::ok) return status == Status::not_found ? Status::ok : status;
+  self.is_own_start = true;
+  status = t.start(view, found, t.start_q.data, self.options, {});
+  self.is_own_start = false;
+  if (status != Status::ok)
+    tell_search(t);
+  else if (!self.person.is_known)
+    t.offsets.place_pending(t.estimator);
+  return Status::ok;
+}
+
+void end_search(TrackerParts& t) {
+  t.lay_out_tracking();
+}
+
+void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, StartPose* from) {
+  SelfStart& self = *t.self_start;
+  keep(rough.options, &self);
+  if (!rough.is_rough) return;
+  self.faces.refine({view, t.block, rough.options}, rough.box, &person_of(t), from, &self.landmark_error);
+  t.lay_out_tracking();
+}
+
+void give_up(TrackerParts& t) {
+  KnownPerson& person = person_of(t);
+  person.is_known = person.is_known || t.self_start->faces.has_confirmed();
+  person.camera = t.estimator.camera();
+  for (std::size_t k = 0; k < t.start_q.count; ++k) t.start_q[k] = t.estimator.parameters()[k];
+  t.is_started = false;
+  t.result.state = TrackState::lost;
+  t.result.is_searching = true;
+  t.result.landmark_error = 0;
+}
+
+void conclude(TrackerParts& t, const FrameView& view) {
+  if (!t.self_start->faces.conclude(view, t.estimator, t.bad_frames, t.placement.scratch(), &t.result))
+    give_up(t);
+}
+
+void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {
+  SelfStart& self = *t.self_start;
+  if (!self.is_own_start) {
+    self.person.is_known = false;
+    keep(options, &self);
+  }
+  self.faces.begin_track(self.landmark_error, &t.result);
+  self.landmark_error = 0;
+  conclude(t, view);
+}
+
+}  // namespace
+
+const FaceDetection kFaceDetection{lay_out, bytes_of_check, begin_search, search,       end_search,
+                                   refine,  begin_track,    conclude,     &kFaceModules};
+
+}  // namespace pliant
