@@ -135,7 +135,7 @@ void AlignerPass::run_stage(const AlignerTable& table, std::size_t number) {
   prepare(stage);
   if (!is_local) predict_components(stage, global);
   shape_.begin();
-  for (std::size_t k = 0; k < shape_.landmark_count(); ++k) {
+  for (std::size_t k = 0; k < shape_.landmark_count(); k += stage.stride) {
     const std::size_t t = index_[k];
     const Vec2 x = shape_.evaluate(k).x;
     const Vec2 target = is_local ? predict_local(stage, local, t, x) : predict_global(stage, global, t, x);

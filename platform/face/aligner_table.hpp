@@ -30,14 +30,14 @@ struct AlignerHeader {
 /// What a stage does. A local stage (components = 0) predicts the displacement of each landmark from the block around it. A
 /// global stage predicts all displacements from blocks on a grid over the crop, through a few linear components.
 struct AlignerStage {
-  float mm_per_px;          // of the crop: the face's millimetres a pixel
-  std::uint16_t crop_px;    // a side of the crop
-  std::uint8_t cells;       // a side of a block
-  std::uint8_t cell_px;     // a side of a cell
-  std::uint8_t blocks;      // a side of the grid of blocks; 0 in a local stage
-  std::uint8_t components;  // 0: local
-  std::uint8_t refines;     // 1: refinement from a nearby pose runs this stage too
-  std::uint8_t reserved;
+  float mm_per_px;           // of the crop: the face's millimetres a pixel
+  std::uint16_t crop_px;     // a side of the crop
+  std::uint8_t cells;        // a side of a block
+  std::uint8_t cell_px;      // a side of a cell
+  std::uint8_t blocks;       // a side of the grid of blocks; 0 in a local stage
+  std::uint8_t components;   // 0: local
+  std::uint8_t refines;      // 1: refinement from a nearby pose runs this stage too
+  std::uint8_t stride;       // the step goes towards every stride-th landmark: early steps need no more
   float prior;               // weight of the parameters' prior against the displacements' information
   std::uint32_t first_byte;  // of its weights
 };

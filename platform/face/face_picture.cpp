@@ -68,14 +68,21 @@ void FacePicture::take(const FrameView& frame, Vec2 centre, float side) {
   }
 }
 
-/// Grey at a position in 1/65536 px.
-std::uint8_t FacePicture::sample(std::int32_t x, std::int32_t y) const {
-  constexpr std::int32_t kLast = ((kSide - 1) << 16) - 1;
-  x = limited(x, kLast);
-  y = limited(y, kLast);
-  const std::uint8_t* const p = pixels_ + (y >> 16) * kSide + (x >> 16);
+namespace {
+
+constexpr std::int32_t kLast = ((kSide - 1) << 16) - 1;
+
+/// Grey at a position in 1/65536 px, 0 to kLast.
+std::uint8_t sample(const std::uint8_t* pixels, std::int32_t x, std::int32_t y) {
+  const std::uint8_t* const p = pixels + (y >> 16) * kSide + (x >> 16);
   return static_cast<std::uint8_t>((bilinear_sixteenths(p, kSide, (x >> 8) & 255, (y >> 8) & 255) + 8) >> 4);
 }
+
+bool is_inside(std::int32_t x, std::int32_t y) {
+  return x >= 0 && y >= 0 && x <= kLast && y <= kLast;
+}
+
+}  // namespace
 
 void FacePicture::crop(const CropMap& map, std::uint8_t* out) const {
   const float by = 1.0f / ratio_;
@@ -86,7 +93,12 @@ void FacePicture::crop(const CropMap& map, std::uint8_t* out) const {
   const int pixels = map.side + 2;
   for (int j = 0; j < pixels; ++j, row_x -= step_y, row_y += step_x) {
     std::int32_t x = row_x, y = row_y;
-    for (int i = 0; i < pixels; ++i, x += step_x, y += step_y) *out++ = sample(x, y);
+    const std::int32_t last = pixels - 1;
+    if (is_inside(x, y) && is_inside(x + last * step_x, y + last * step_y))
+      for (int i = 0; i < pixels; ++i, x += step_x, y += step_y) *out++ = sample(pixels_, x, y);
+    else
+      for (int i = 0; i < pixels; ++i, x += step_x, y += step_y)
+        *out++ = sample(pixels_, limited(x, kLast), limited(y, kLast));
   }
 }
 

@@ -53,8 +53,6 @@ class FacePicture {
   void crop(const CropMap& map, std::uint8_t* out) const;
 
  private:
-  std::uint8_t sample(std::int32_t x, std::int32_t y) const;
-
   std::uint8_t* pixels_ = nullptr;
   int* columns_ = nullptr;  // of the samples of a row, bytes of a line of the frame
   Vec2 first_;              // px of the frame: the middle of pixel (0, 0)
