@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "face/gradient_map.hpp"
 #include "pliant/arena.hpp"
 #include "pliant/geometry.hpp"
 #include "pliant/status.hpp"
@@ -15,10 +16,7 @@ namespace pliant {
 
 constexpr std::uint32_t kAlignerMagic = 0x314e4c41, kAlignerVersion = 1;  // "ALN1"
 constexpr int kMostAlignerLandmarks = 68, kMostAlignerStages = 8, kMostAlignerComponents = 32;
-constexpr int kMostBlockCells = 8;  // a side of a block
-constexpr int kMostCropPx = 128;    // a side of the crop
-constexpr int kMostBlocks = 4;      // a side of the grid of blocks of a global stage
-constexpr int kBlockChannels = 8;   // bytes a cell in a block
+constexpr int kMostBlocks = 4;  // a side of the grid of blocks of a global stage
 constexpr int kMostBlockBytes = kMostBlockCells * kMostBlockCells * kBlockChannels;
 
 /// First bytes of the table.
