@@ -2,11 +2,12 @@
 """Measures the library and writes the tables of docs/evaluation.md.
 
 usage: python3 tests/bench/evaluate.py [--only SECTION,...] [--long] [--build FOLDER] [--data FOLDER]
-                                       [--klt-pairs FOLDER] [--fit-problems FOLDER] [--list]
+                                       [--others FOLDER] [--klt-pairs FOLDER] [--fit-problems FOLDER] [--list]
   --only SECTION,...   renew these sections and keep the others (all)
   --long               also what takes more than a few minutes: Figure 9 on the recorded face, the second model
   --build FOLDER       a release build (build/release); what is missing in it is built
   --data FOLDER        recorded faces; else the environment's PLIANT_DATA
+  --others FOLDER      photographs without faces (fixtures/face/other_pictures.sh fetches some)
   --klt-pairs FOLDER   pairs of pictures with known motion (pliant bench klt --pairs)
   --fit-problems FOLDER   fitting problems with their optima (pliant bench fit --problems)
   --list               print the names of the sections
@@ -323,6 +324,47 @@ def klt(s):
     return command_block('pliant bench klt --pairs FOLDER') + '\n\n' + pivot(rows)
 
 
+DETECTION_CASES = (
+    ('portraits_still', 'portrait, one picture'), ('portraits_film_start', 'portrait, film of 2 s: at the start'),
+    ('portraits_film_after_2_s', 'portrait, film of 2 s: at the end'), ('portraits_five_points', 'portrait, from five points'),
+    ('returns_at_half_in_15_frames', 'gone for 1 s, back at half the size: within 15 frames'), ('returns_at_half', 'the same, within 1 s'),
+    ('returns_at_twice_in_15_frames', 'gone for 1 s, back at twice the size: within 15 frames'), ('returns_at_twice', 'the same, within 1 s'))
+
+
+def detection_tables(rows):
+    values = {}
+    for variant, metric, value in rows:
+        values.setdefault(variant, {})[metric] = number(value)
+    columns = ('cases', 'found_percent', 'right_percent', 'median_nme_percent', 'nme_percent_at_90', 'median_frame')
+    parts = []
+    cases = [[name] + [values[key].get(c, '') for c in columns] for key, name in DETECTION_CASES if key in values]
+    if cases:
+        parts.append(table(['start'] + ['cases', 'found %', 'right %', 'median NME %', 'at 90 %', 'frame'], cases))
+    rest = [[variant.replace('_', ' '), metric.replace('_', ' '), value] for variant, metrics in values.items()
+            for metric, value in metrics.items() if (metric not in columns or variant not in dict(DETECTION_CASES))]
+    if rest:
+        parts.append(table(['', 'measure', 'value'], rest, 2))
+    return '\n\n'.join(parts)
+
+
+def detection(s):
+    data = folder(s.data, 'recorded faces (PLIANT_DATA)')
+    text, words = [], ['bench', 'detection', '--model', s.face]
+    portraits = os.path.join(data, 'portraits')
+    if os.path.isdir(portraits):
+        words += ['--portraits', portraits]
+    if s.options.others:
+        words += ['--others', folder(s.options.others, 'photographs without faces (--others)')]
+    text += [command_block('pliant bench detection --model face.plm --portraits FOLDER --others FOLDER'), '',
+             detection_tables(bench_rows(s.pliant_output(*words))), '']
+    for kind, frames, name, _ in SEQUENCES:
+        base, paths = franck_points(s, kind, 0, frames)
+        film = franck_film(s, kind, base, frames)
+        rows = bench_rows(s.pliant_output('bench', 'detection', '--model', s.face, '--film', film, '--truth', paths['truth']))
+        text += ['Recorded face, %s, started at every 100th frame without points:' % name, '', detection_tables(rows), '']
+    return '\n'.join(text).rstrip()
+
+
 def fit(s):
     problems = folder(s.options.fit_problems, 'fitting problems with their optima (--fit-problems)')
     rows = bench_rows(s.pliant_output('bench', 'fit', '--problems', problems))
@@ -378,6 +420,7 @@ SECTIONS = {
     'demo': (demo, False),
     'recorded': (recorded, False),
     'recorded-variants': (recorded_variants, False),
+    'detection': (detection, False),
     'track': (bench('track', '--model', 'FACE',
                     keep=('median_ms', 'worst_ms', 'landmark_px', 'rotation_deg', 'patches_found', 'vertices', 'arena_bytes')), False),
     'cost': (bench('cost', '--model', 'FACE', keep=('median_ms', 'worst_ms', 'landmark_px', 'rotation_deg', 'arena_bytes')), False),
@@ -422,6 +465,7 @@ def parse(words):
     parser.add_argument('--long', action='store_true')
     parser.add_argument('--build', default='build/release')
     parser.add_argument('--data', default=os.environ.get('PLIANT_DATA'))
+    parser.add_argument('--others')
     parser.add_argument('--klt-pairs')
     parser.add_argument('--fit-problems')
     parser.add_argument('--list', action='store_true')

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "host/bench/bench.hpp"
+#include "host/bench/detection.hpp"
 #include "host/commands/command.hpp"
 #include "host/io/failure.hpp"
 
@@ -42,6 +43,15 @@ int run_fit_bench(const Args& args, Console& console) {
   return 0;
 }
 
+int run_detection(const Args& args, Console& console) {
+  const DetectionInputs inputs{args.text("--portraits"), args.text("--others"),  args.text("--film"),
+                               args.text("--truth"),     args.text("--details"), args.integer("--count", 1000000, 1, 1000000)};
+  if (!inputs.portraits && !inputs.others && !inputs.film) fail_usage("detection needs --portraits, --others or --film");
+  if (inputs.film.has_value() != inputs.truth.has_value()) fail_usage("--film and --truth need each other");
+  bench_detection(console.out, ModelFile(args.required("--model")), inputs);
+  return 0;
+}
+
 struct Topic {
   const char* name;
   int (*run)(const Args& args, Console& console);
@@ -55,7 +65,8 @@ constexpr Topic kTopics[] = {{"mesh", run_with_model<bench_mesh>},
                              {"cues", run_on_model<bench_cues>},
                              {"drift", run_on_model<bench_drift>},
                              {"occlusion", run_on_model<bench_occlusion>},
-                             {"fit", run_fit_bench}};
+                             {"fit", run_fit_bench},
+                             {"detection", run_detection}};
 
 int run_bench(const Args& args, Console& console) {
   std::string names;
@@ -75,13 +86,19 @@ Command bench_command() {
       "bench",
       "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
       "mesh|fields [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | "
-      "mcd | track|cost|cues|drift|occlusion --model face.plm | fit --problems FOLDER",
+      "mcd | track|cost|cues|drift|occlusion --model face.plm | fit --problems FOLDER | "
+      "detection --model face.plm [--portraits FOLDER] [--others FOLDER] [--film VIDEO --truth CSV] [--details CSV]",
       {{"--model", "PLM", "a model to measure with; optional for mesh and fields"},
        {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
        {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", true},
        {"--frames", "VIDEO", "a Y4M file or folder of pictures, to time tracking on"},
        {"--problems", "FOLDER", "fitting problems as text, and solutions.csv with the optimum of each"},
-       {"--count", "N", "frames of --frames that are read, at most; default 480"}},
+       {"--portraits", "FOLDER", "photographs of one face each, and landmarks.csv: name,landmark,x,y"},
+       {"--others", "FOLDER", "photographs without faces"},
+       {"--film", "VIDEO", "a Y4M file of one face, and --truth"},
+       {"--truth", "CSV", "frame,landmark,x,y of every frame of --film"},
+       {"--details", "CSV", "a file to write: a row a picture or start"},
+       {"--count", "N", "frames of --frames (480), or pictures of a folder (all), that are read at most"}},
       1,
       run_bench};
 }

@@ -1,6 +1,9 @@
 // `pliant fit`: fits a model to one image.
+#include <cstring>
+
 #include "host/commands/calibration_option.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/face_finder.hpp"
 #include "host/commands/image_fit.hpp"
 #include "host/io/calibration.hpp"
 #include "host/io/failure.hpp"
@@ -13,6 +16,9 @@
 namespace pliant::host {
 
 namespace {
+
+/// Probability that a face has at least. Round value: rather right than wrong.
+constexpr float kLeastScore = 0.5f;
 
 /// Which parameters --parameters selects, one flag each; empty: all.
 std::vector<std::uint8_t> free_parameters(const Model& model, const std::optional<std::string>& choice) {
@@ -87,8 +93,8 @@ void write_textured(const std::string& path, const Model& model, const FitFile& 
 }
 
 void check_usage(const Args& args) {
-  if (!args.has("--points") && !args.has("--box") && !args.has("--pose"))
-    fail_usage("one of --points, --box and --pose is needed");
+  if (!args.has("--points") && !args.has("--box") && !args.has("--pose") && !args.has("--image"))
+    fail_usage("one of --points, --box, --pose and --image is needed");
   if (args.has("--box") && args.has("--pose")) fail_usage("--box and --pose exclude each other");
   if (args.has("--texture") && !args.has("--image")) fail_usage("--texture needs the photograph: --image");
 }
@@ -110,10 +116,39 @@ FitFile initial_fit(const FitFile& earlier, const std::string& path, const Model
   return fit;
 }
 
+/// The most probable face of the picture, or the face in the box. Bad input: there is none.
+FoundFace face_in(const Image& image, const std::string& path, const ModelFile& file, const FitSetup& setup,
+                  const std::optional<FaceBox>& box) {
+  FaceFinder finder(file);
+  const Image grey = to_grey(image);
+  if (box) {
+    auto face = finder.align(grey, *box, setup.camera);
+    if (!face) fail_input(path, "the box is not in the picture");
+    return *face;
+  }
+  auto faces = finder.find(grey, path, kLeastScore, setup.camera);
+  if (faces.empty()) fail_input(path, "no face found");
+  return faces[0];
+}
+
+/// The model fitted to the landmarks of an aligned face.
+FitFile fit_to_face(const ModelFile& file, const FoundFace& face, FitSetup setup) {
+  std::vector<NamedPoint> points;
+  for (std::size_t k = 0; k < face.landmarks.size(); ++k) {
+    const char* name = file.model().landmarks()[k].name;
+    if (std::strncmp(name, "ibug", 4) == 0) points.push_back({name, face.landmarks[k], name});
+  }
+  setup.view = view_of(face.aligned.pose, face.aligned.camera);
+  setup.q = face.q;
+  FitFile fit = fit_to_points(file, "alignment", points, setup);
+  fit.landmark_error = face.aligned.landmark_error;
+  return fit;
+}
+
 int run_fit(const Args& args, Console& console) {
   const std::string output = args.required("-o");
   check_usage(args);
-  const auto box = args.numbers("--box", 4);
+  const auto box = box_of(args, "--box");
   const ModelFile file(args.operand(0));
   const Model& model = file.model();
   Image image;
@@ -131,19 +166,28 @@ int run_fit(const Args& args, Console& console) {
   setup.q.assign(model.parameters().count, 0.0f);
   FitFile fit;
   if (earlier) fit = initial_fit(*earlier, args.required("--pose"), model, setup, console.err);
+  std::optional<FaceBox> face_box;
   if (box) {
-    fit = fit_to_box(file, *box, setup);
+    fit = fit_to_box(file, *box, setup, &face_box.emplace());
     setup.view = view_of(fit.pose, fit.camera);
   }
-  if (const auto points = args.text("--points"))
+  const auto points = args.text("--points");
+  const bool can_align = !image.pixels.empty() && !model.aligner().empty();
+  if (points)
     fit = fit_to_points(file, *points, read_points(*points), setup);
+  else if (!earlier && (can_align || !box))
+    fit = fit_to_face(file, face_in(image, args.required("--image"), file, setup, face_box), setup);
 
   write_file(output, fit_text(fit));
   if (const auto path = args.text("--overlay")) draw_overlay(*path, model, fit, image);
   if (const auto path = args.text("--texture")) write_textured(*path, model, fit, image);
   console.out << output << ": " << fit.inliers << " of " << fit.points.size() << " points, rms "
               << number_text(static_cast<double>(fit.rms_px)) << " px, f "
-              << number_text(static_cast<double>(fit.camera.f)) << " px\n";
+              << number_text(static_cast<double>(fit.camera.f)) << " px";
+  if (fit.landmark_error > 0)
+    console.out << ", expected landmark error " << decimal_text(static_cast<double>(fit.landmark_error))
+                << " of the distance of the outer eye corners";
+  console.out << "\n";
   return 0;
 }
 
@@ -152,16 +196,24 @@ int run_fit(const Args& args, Console& console) {
 Command fit_command() {
   return {
       "fit",
-      "Fits a model to one image: pose, focal length and parameters.",
-      "face.plm (--points points.csv | --box x,y,w,h | --pose fit.json) --size WxH [--image picture] "
+      "Fits a model to one image: pose, focal length and parameters. With --image alone it finds the face "
+      "itself.",
+      "face.plm (--image picture | --size WxH) [--points points.csv | --box x,y,w,h [--box-of WHOSE] | "
+      "--pose fit.json] "
       "[--focal PX|--calibration camera.yml] [--parameters GROUP|COUNT] [--silhouette match|fixed] "
       "-o fit.json [--overlay picture.png] [--texture face.glb]",
       {{"--points", "CSV",
         "landmark,x,y: at least four landmarks by name; with columns u,v also other points of the surface"},
-       {"--box", "X,Y,W,H", "the box of a face detector; with --points, where the fit begins"},
+       {"--box", "X,Y,W,H",
+        "where the face is: upper left corner and size; with --points, where the fit begins"},
+       {"--box-of", "WHOSE",
+        "pliant (default): as pliant detect writes it; opencv: the square of its cascades; landmarks: brows "
+        "to "
+        "chin, ear to ear"},
        {"--pose", "JSON", "an earlier fit; with --points, where the fit begins"},
        {"--size", "WxH", "size of the image, if there is no --image"},
-       {"--image", "FILE", "the image, for --overlay and --texture"},
+       {"--image", "FILE",
+        "the image; the model is aligned with the face in it, unless points or a pose are given"},
        {"--focal", "PX", "focal length, if known"},
        {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
        {"--parameters", "CHOICE",

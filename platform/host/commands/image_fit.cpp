@@ -7,6 +7,7 @@
 #include "pliant/fit.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/personal_landmarks.hpp"
+#include "track/start_fit.hpp"
 
 namespace pliant::host {
 
@@ -39,6 +40,11 @@ std::vector<Correspondence> correspondences(const ModelFile& file, const std::st
     fail_input(source, "the points do not determine the pose: all lie within a few pixels");
   return out;
 }
+
+/// Memory of an arena.
+struct alignas(Arena::kAlignment) Block {
+  unsigned char bytes[Arena::kAlignment];
+};
 
 NamedValues by_name(const Model& model, const std::vector<float>& values) {
   NamedValues out;
@@ -184,18 +190,37 @@ FitFile read_fit(const std::string& path, const ModelFile& file, const ImageSize
   return fit;
 }
 
-FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const FitSetup& setup) {
+std::optional<GivenBox> box_of(const Args& args, const char* option) {
+  const auto box = args.numbers(option, 4);
+  const std::string whose = args.text("--box-of").value_or("pliant");
+  BoxConvention convention = BoxConvention::face_box;
+  if (whose == "opencv")
+    convention = BoxConvention::opencv;
+  else if (whose == "landmarks")
+    convention = BoxConvention::landmarks;
+  else if (whose != "pliant")
+    fail_usage("--box-of: pliant, opencv or landmarks, not " + whose);
+  if (!box) return std::nullopt;
+  if (!((*box)[2] > 0 && (*box)[3] > 0))
+    fail_usage(std::string(option) + ": width and height must be positive");
+  return GivenBox{{(*box)[0], (*box)[1]}, {(*box)[2], (*box)[3]}, convention};
+}
+
+FitFile fit_to_box(const ModelFile& file, const GivenBox& box, const FitSetup& setup, FaceBox* face) {
   std::vector<float> q = setup.q;
   q.resize(file.model().parameters().count, 0.0f);
-  const Camera camera = start_camera(setup.camera ? &*setup.camera : nullptr, setup.focal_px,
-                                     setup.size.width, setup.size.height);
-  Owned<Cascade> cascade(file.model());
-  View view;
+  StartPose start{start_camera(setup.camera ? &*setup.camera : nullptr, setup.focal_px, setup.size.width,
+                               setup.size.height),
+                  {}};
+  std::vector<Block> block((measured_bytes<Cascade>(file.model()) + sizeof(Cascade)) / sizeof(Block) + 2);
+  Arena arena(block.data(), block.size() * sizeof(Block));
+  FaceBox found;
   const Status status =
-      view_from_box(*cascade, q.data(), {box[0], box[1]}, {box[2], box[3]}, camera, &view);
-  if (status != Status::ok) fail_usage("--box: width and height must be positive");
-  FitFile fit = fit_of_view(file.model(), setup.size, view, q);
-  if (setup.camera) fit.camera = camera;
+      pliant::fit_to_box(arena, file.model(), box.corner, box.size, box.convention, q.data(), &start, &found);
+  require(status, file.path() + ": box");
+  if (face != nullptr) *face = found;
+  FitFile fit = fit_of_view(file.model(), setup.size, view_of(start.pose, start.camera), q);
+  if (setup.camera) fit.camera = start.camera;
   return fit;
 }
 

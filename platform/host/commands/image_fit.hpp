@@ -9,7 +9,9 @@
 #include "host/io/files.hpp"
 #include "host/io/fit_file.hpp"
 #include "host/io/points_file.hpp"
+#include "pliant/face_box.hpp"
 #include "pliant/fit.hpp"
+#include "pliant/tracker.hpp"
 
 namespace pliant::host {
 
@@ -35,9 +37,20 @@ void check_points(const ModelFile& file, const std::string& source, const std::v
 FitFile fit_to_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points,
                       const FitSetup& setup);
 
-/// Puts the frontal model with the parameters of `setup` into a face detector's box.
-/// \param box  x and y of the upper left corner, width, height, px. Bad usage: a size that is not positive.
-FitFile fit_to_box(const ModelFile& file, const std::vector<float>& box, const FitSetup& setup);
+/// The box of a face, as a command line gives it.
+struct GivenBox {
+  Vec2 corner, size;  ///< px
+  BoxConvention convention;
+};
+
+/// Reads `option` (X,Y,W,H) and --box-of. Bad usage: no numbers, a size that is not positive, or an unknown convention.
+/// \return nothing without the option.
+std::optional<GivenBox> box_of(const Args& args, const char* option);
+
+/// Puts the frontal model with the parameters of `setup` into a box.
+/// \param face  if not null, set to the face box; side 0 for a model without corners of eyes and mouth.
+FitFile fit_to_box(const ModelFile& file, const GivenBox& box, const FitSetup& setup,
+                   FaceBox* face = nullptr);
 
 /// A fit without points: the view and the parameters given.
 FitFile fit_of_view(const Model& model, const ImageSize& size, const View& view, const std::vector<float>& q);

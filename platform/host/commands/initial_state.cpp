@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "host/commands/image_fit.hpp"
 #include "host/io/failure.hpp"
 
 namespace pliant::host {
@@ -35,17 +34,28 @@ Status start_from(Tracker& tracker, const FrameView& frame, const InitialState& 
 Status start_from(Tracker& tracker, const FrameView& frame, const InitialLandmarks& landmarks,
                   const InitialOptions& initial, const TrackerOptions& options, Span<const Vec2> markers) {
   const auto points = names_and_places(landmarks.points);
-  StartOptions start;
-  start.focal_px = initial.focal_px;
-  start.camera = initial.camera ? &*initial.camera : nullptr;
-  start.keeps_landmark_offsets = initial.keeps_landmark_offsets;
-  const Status status =
-      tracker.start_from_landmarks(frame, {points.data(), points.size()}, start, options, markers);
+  const Status status = tracker.start_from_landmarks(frame, {points.data(), points.size()},
+                                                     start_options(initial), options, markers);
   if (status == Status::underdetermined) fail_input(landmarks.path, text(status));
   return status;
 }
 
+Status start_from(Tracker& tracker, const FrameView& frame, const GivenBox& box,
+                  const InitialOptions& initial, const TrackerOptions& options, Span<const Vec2> markers) {
+  StartOptions start = start_options(initial);
+  start.box = box.convention;
+  return tracker.start_from_box(frame, box.corner, box.size, start, options, markers);
+}
+
 }  // namespace
+
+StartOptions start_options(const InitialOptions& options) {
+  StartOptions start;
+  start.focal_px = options.focal_px;
+  start.camera = options.camera ? &*options.camera : nullptr;
+  start.keeps_landmark_offsets = options.keeps_landmark_offsets;
+  return start;
+}
 
 Initial read_initial(const std::string& path, const ModelFile& file, const ImageSize& size,
                      const std::string& frames, const InitialOptions& options, std::ostream& err) {

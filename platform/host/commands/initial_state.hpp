@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/commands/args.hpp"
+#include "host/commands/image_fit.hpp"
 #include "host/io/files.hpp"
 #include "host/io/points_file.hpp"
 #include "pliant/tracker.hpp"
@@ -29,7 +30,7 @@ struct InitialLandmarks {
   std::vector<NamedPoint> points;
 };
 
-using Initial = std::variant<InitialState, InitialLandmarks>;
+using Initial = std::variant<InitialState, InitialLandmarks, GivenBox>;
 
 /// Options of the command line besides the file.
 struct InitialOptions {
@@ -38,6 +39,9 @@ struct InitialOptions {
   bool keeps_landmark_offsets = true;
 };
 
+/// The same for the tracker.
+StartOptions start_options(const InitialOptions& options);
+
 /// Reads a fit.json, or a points.csv. Points with u,v of their own are fitted here: the tracker takes landmarks by
 /// name. Bad input: what `read_fit` and `check_points` refuse. Parameters that the model does not have are listed on
 /// `err`.
@@ -45,7 +49,7 @@ struct InitialOptions {
 Initial read_initial(const std::string& path, const ModelFile& file, const ImageSize& size,
                      const std::string& frames, const InitialOptions& options, std::ostream& err);
 
-/// Starts the tracker: start_from_landmarks, or start_from_pose and place_landmarks. Bad input, with the name of the
+/// Starts the tracker: start_from_landmarks, start_from_box, or start_from_pose and place_landmarks. Bad input, with the name of the
 /// file: landmarks that do not determine the pose. \return every other status of the start.
 Status start_tracker(Tracker& tracker, const FrameView& frame, const Initial& initial,
                      const InitialOptions& options, const TrackerOptions& tracker_options,

@@ -48,7 +48,7 @@ FitFile start_of(const Args& args, const ModelFile& file, const Image& image, co
   setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
   setup.camera = calibration_of(args, setup.size, err);
   const auto start = args.text("--start");
-  if (start && is_box(*start)) return fit_to_box(file, *args.numbers("--start", 4), setup);
+  if (start && is_box(*start)) return fit_to_box(file, *box_of(args, "--start"), setup);
   if (start) {
     FitFile fit = read_fit(*start, file, setup.size, path, setup.focal_px, setup.camera);
     if (is_fit(read_file(*start))) fit.points.clear();  // the points of the fit are not needed

@@ -93,18 +93,33 @@ TrackerOptions tracker_options(const Args& args) {
 
 /// The profile's limits, with room for what this run was given.
 TrackerLimits limits_of_run(TrackerLimits limits, const TrackerOptions& options, const Markers& markers,
-                            const Initial& initial) {
+                            const std::optional<Initial>& initial) {
   limits.markers = static_cast<std::uint16_t>(markers.x.size());
   if (options.estimator.mesh_operations > 0) limits.texture_cells = kTextureCells;
-  const auto* landmarks = std::get_if<InitialLandmarks>(&initial);
+  const auto* landmarks = initial ? std::get_if<InitialLandmarks>(&*initial) : nullptr;
   if (landmarks != nullptr)
     limits.start_points = std::max(limits.start_points, static_cast<std::uint16_t>(landmarks->points.size()));
   return limits;
 }
 
+void check_start(const Args& args) {
+  if (args.has("--init") && args.has("--box")) fail_usage("--init and --box exclude each other");
+  if (args.has("--markers") && !args.has("--init") && !args.has("--box"))
+    fail_usage("--markers are points of frame 0: --init or --box is needed");
+}
+
+/// What the track starts from; nothing: it finds the face itself.
+std::optional<Initial> initial_of(const Args& args, const ModelFile& file, const FrameStream& frames,
+                                  const InitialOptions& how, std::ostream& err) {
+  if (const auto box = box_of(args, "--box")) return *box;
+  const auto path = args.text("--init");
+  if (!path) return std::nullopt;
+  return read_initial(*path, file, frames.size(), frames.name(), how, err);
+}
+
 int run_track(const Args& args, Console& console) {
   args.required("--out");
-  const std::string init = args.required("--init");
+  check_start(args);
   TrackerOptions options = tracker_options(args);
   const int last = args.integer("--count", 0, 1, 1 << 30);
   const ModelFile file(args.operand(0));
@@ -113,7 +128,7 @@ int run_track(const Args& args, Console& console) {
   options.is_free = is_free.data();
   FrameStream frames(args.required("--frames"), args.has("--mirror"));
   const InitialOptions initial_how = initial_options(args, frames.size(), console.err);
-  const Initial initial = read_initial(init, file, frames.size(), frames.name(), initial_how, console.err);
+  const std::optional<Initial> initial = initial_of(args, file, frames, initial_how, console.err);
   const Markers markers = read_markers(args, model);
 
   FrameView frame;
@@ -123,7 +138,10 @@ int run_track(const Args& args, Console& console) {
   Owned<Tracker> tracker(model, limits_of_run(limits, options, markers, initial));
   TrackOutput output(args, model, markers.names, frames.rate());
   TrackRun run(frames, *tracker, options, markers, output);
-  run.start(frame, initial, initial_how);
+  if (initial)
+    run.start(frame, *initial, initial_how);
+  else
+    run.search(frame, initial_how, file.path());
   Progress progress(console, "frame");
   // A camera's stream has no end: Ctrl-C ends it, and the result is kept.
   const InterruptWatch watch(frames.is_live());
@@ -142,16 +160,19 @@ int run_track(const Args& args, Console& console) {
 Command track_command() {
   return {
       "track",
-      "Tracks a model through a video, from an initial state in its first frame.",
-      "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --init fit.json|points.csv --out track.csv "
+      "Tracks a face through a video. Without --init or --box it finds the face itself.",
+      "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --out track.csv [--init fit.json|points.csv|--box "
+      "X,Y,W,H] "
       "[--landmarks|--model-landmarks] [--markers points.csv] [--marker-exclusion-px R] "
       "[--focal PX|--calibration camera.yml] [--mirror] [--freeze GROUP] [--refine-identity] "
       "[--profile s|m|l] [--cues LIST] [--mesh-operations N] [--count N] "
       "[--overlay out.y4m] [--sheet out.png] [--report report.html] [--truth truth.csv]",
       {{"--frames", "SOURCE",
         "a Y4M file, a folder of PGM or PPM images, - for Y4M on standard input, or camera:[ID|INDEX][@WxH]"},
-       {"--init", "INITIAL",
-        "the initial state in frame 0: a fit.json, or a points.csv to fit the model to"},
+       {"--init", "INITIAL", "the initial state in frame 0: a fit.json, or a points.csv to fit the model to"},
+       {"--box", "X,Y,W,H", "the face in frame 0: upper left corner and size, as pliant detect writes it"},
+       {"--box-of", "WHOSE",
+        "pliant (default); opencv: the square of its cascades; landmarks: brows to chin, ear to ear"},
        {"--out", "CSV", "the track to write: one row per frame"},
        {"--landmarks", nullptr,
         "also write the image position of every landmark; a landmark of --init keeps its offset from the "

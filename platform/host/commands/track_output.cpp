@@ -60,6 +60,7 @@ void TrackOutput::add(std::size_t number, double time_s, const FrameView& frame,
   row.inliers = result.inliers;
   row.rms_px = result.rms_px;
   row.vertices = result.vertices;
+  row.landmark_error = result.landmark_error;
   row.pose = result.pose;
   for (const float value : tracker.estimator().parameters()) row.q.push_back(value);
   const Points landmarks = project_landmarks(tracker), markers = project_markers(tracker);

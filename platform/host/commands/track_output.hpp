@@ -33,7 +33,7 @@ class TrackOutput {
   /// \param milliseconds    that the update took; not counted for frame 0.
   void add(std::size_t number, double time_s, const FrameView& frame, Tracker& tracker, double milliseconds);
 
-  /// Adds a frame in which nothing is tracked: state lost, no pose, no parameters, no points.
+  /// Adds a frame that was searched for a face in vain: state lost, no pose, no parameters, no points.
   void add_lost(std::size_t number, double time_s, const FrameView& frame);
 
   /// Completes all files: until then they have temporary names.

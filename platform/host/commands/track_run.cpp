@@ -11,6 +11,14 @@ void TrackRun::start(const FrameView& frame, const Initial& initial, const Initi
   output_.add(frames_.number(frame), frames_.time_s(frame), frame, tracker_, 0);
 }
 
+void TrackRun::search(const FrameView& frame, const InitialOptions& options, const std::string& model) {
+  const Status status = tracker_.start_by_detection(start_options(options), options_);
+  if (status == Status::not_found)
+    fail_input(model, "has no learnt tables to find a face with: give --init, or bake it with --learnt");
+  require(status, model);
+  track(frame);
+}
+
 void TrackRun::track(const FrameView& frame) {
   FrameResult result;
   const auto before = std::chrono::steady_clock::now();
@@ -19,7 +27,10 @@ void TrackRun::track(const FrameView& frame) {
     return;  // cameras deliver a frame twice now and then
   require(status, where(frame));
   const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - before;
-  output_.add(frames_.number(frame), frames_.time_s(frame), frame, tracker_, elapsed.count());
+  if (tracker_.is_started())
+    output_.add(frames_.number(frame), frames_.time_s(frame), frame, tracker_, elapsed.count());
+  else
+    output_.add_lost(frames_.number(frame), frames_.time_s(frame), frame);
 }
 
 }  // namespace pliant::host

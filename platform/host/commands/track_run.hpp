@@ -22,15 +22,15 @@ class TrackRun {
   /// All references must outlive the run.
   TrackRun(FrameStream& frames, Tracker& tracker, const TrackerOptions& options, const Markers& markers,
            TrackOutput& output)
-      : frames_(frames),
-        tracker_(tracker),
-        options_(options),
-        markers_(markers),
-        output_(output) {}
+      : frames_(frames), tracker_(tracker), options_(options), markers_(markers), output_(output) {}
 
-  /// Starts on the first frame. Bad input, with the name of the file: what the tracker does not start on.
+  /// Starts on the first frame. Bad input, with the name of the file: what the tracker does not start on. Not to be called
+  /// where the tracker finds the face itself.
   void start(const FrameView& frame, const Initial& initial, const InitialOptions& options);
-  /// Tracks the next frame. Bad input: a frame that the tracker refuses.
+  /// Lets the tracker find the face itself, from this frame on. Bad input, with the name of the model: it has no learnt
+  /// tables.
+  void search(const FrameView& frame, const InitialOptions& options, const std::string& model);
+  /// Tracks or searches the next frame. Bad input: a frame that the tracker refuses.
   void track(const FrameView& frame);
 
  private:

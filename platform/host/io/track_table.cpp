@@ -1,7 +1,6 @@
 #include "host/io/track_table.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <iterator>
 
 #include "host/io/failure.hpp"
@@ -14,8 +13,8 @@ namespace pliant::host {
 
 namespace {
 
-constexpr const char* kFirstColumns[] = {"frame",   "time_s", "state",   "tracked",
-                                         "inliers", "rms_px", "vertices"};
+constexpr const char* kFirstColumns[] = {"frame",   "time_s", "state",    "tracked",
+                                         "inliers", "rms_px", "vertices", "landmark_error"};
 constexpr const char* kPoseColumns[] = {"qw", "qx", "qy", "qz", "tx", "ty", "tz"};
 
 float* pose_member(Pose& pose, std::size_t column) {
@@ -23,15 +22,12 @@ float* pose_member(Pose& pose, std::size_t column) {
   return members[column];
 }
 
-/// An image position, rounded to a ten-thousandth of a pixel.
-std::string pixel_text(float x) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4f", static_cast<double>(x));
-  return text;
-}
-
 std::string text_of(float x) {
   return number_text(static_cast<double>(is_finite(x) ? x : 0));
+}
+
+std::string text_of_px(float x) {
+  return decimal_text(static_cast<double>(x));
 }
 
 /// The column of a table and what it sets.
@@ -87,13 +83,15 @@ std::string track_line(const TrackRow& row) {
                      "," + std::to_string(row.tracked) + "," + std::to_string(row.inliers) + "," +
                      text_of(row.rms_px) + "," + std::to_string(row.vertices);
   const bool is_known = row.state != TrackState::lost;
+  line +=
+      "," + (is_known && row.landmark_error > 0 ? decimal_text(static_cast<double>(row.landmark_error)) : "");
   Pose pose = row.pose;
   for (std::size_t k = 0; k < std::size(kPoseColumns); ++k)
     line += "," + (is_known ? text_of(*pose_member(pose, k)) : "");
   for (const float value : row.q) line += "," + (is_known ? text_of(value) : "");
   for (const auto& x : row.points) {
     const bool is_seen = is_known && x && is_finite(*x);
-    line += is_seen ? "," + pixel_text(x->x) + "," + pixel_text(x->y) : ",,";
+    line += is_seen ? "," + text_of_px(x->x) + "," + text_of_px(x->y) : ",,";
   }
   return line + "\n";
 }

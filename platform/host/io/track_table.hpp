@@ -18,6 +18,7 @@ struct TrackRow {
   int tracked = 0, inliers = 0;
   float rms_px = 0;
   int vertices = 0;
+  float landmark_error = 0;  ///< as FrameResult::landmark_error; 0: unknown, an empty cell
   Pose pose;
   std::vector<float> q;                     ///< all parameters
   std::vector<std::optional<Vec2>> points;  ///< landmarks and markers; empty cells where there is none

@@ -220,7 +220,7 @@ TEST_CASE("a track plays on another person and another model at the same fractio
   const std::string small = f.put("small.plm", model_bytes());
   const std::string params = f.put("t.csv", "frame,faceWidth,jawOpen,mouthSmileLeft\n0,2,0,0\n1,2,0.225,1\n");
   const std::string fit = f / "fit.json";
-  REQUIRE(run_words({"fit", f.model, "--box", "100,60,120,140", "--size", "320x240", "-o", fit}).code == 0);
+  REQUIRE(run_words({"fit", f.model, "--box", "100,60,120,140", "--box-of", "landmarks", "--size", "320x240", "-o", fit}).code == 0);
   std::string text = read_file(fit);
   const std::size_t at = text.find("\"faceWidth\": 0");
   REQUIRE(at != std::string::npos);

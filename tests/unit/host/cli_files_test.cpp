@@ -159,7 +159,7 @@ TEST_CASE("a track row keeps every float, and unknown values are empty") {
   const std::string header = track_header(file.model(), {"ibug00", "m1"});
   CHECK(
       header ==
-      "frame,time_s,state,tracked,inliers,rms_px,vertices,qw,qx,qy,qz,tx,ty,tz,width,browUpLeft,browUpRight,"
+      "frame,time_s,state,tracked,inliers,rms_px,vertices,landmark_error,qw,qx,qy,qz,tx,ty,tz,width,browUpLeft,browUpRight,"
       "jawOpen,x_ibug00,y_ibug00,x_m1,y_m1\n");
   std::vector<std::string> unmatched;
   const auto read = read_posed_parameters(CsvTable("t", header + track_line(row)), file.model(),
@@ -172,7 +172,7 @@ TEST_CASE("a track row keeps every float, and unknown values are empty") {
   CHECK(contains(track_line(row), "12.3400,5.0000,,\n"));
   row.state = TrackState::lost;
   row.rms_px = std::numeric_limits<float>::quiet_NaN();
-  CHECK(track_line(row) == "3,0.1,lost,0,0,0,0" + std::string(7 + 4 + 4, ',') + "\n");
+  CHECK(track_line(row) == "3,0.1,lost,0,0,0,0" + std::string(1 + 7 + 4 + 4, ',') + "\n");
 }
 
 TEST_CASE("a comparison with the truth gives the known errors") {

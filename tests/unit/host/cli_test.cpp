@@ -19,7 +19,7 @@ TEST_CASE("bad usage exits with 2 and names the wrong argument") {
       {{"info"}, "a file name is missing"},
       {{"info", "a", "b"}, "unexpected word: b"},
       {{"fit", "m.plm", "--points", "p.csv"}, "-o is missing"},
-      {{"fit", "m.plm", "-o", "f.json"}, "one of --points, --box and --pose"},
+      {{"fit", "m.plm", "-o", "f.json"}, "one of --points, --box, --pose and --image"},
       {{"fit", "m.plm", "-o", "f.json", "--box", "1,2,3"}, "--box needs 4 numbers"},
       {{"fit", "m.plm", "-o", "f.json", "--box", "1,2,3,x"}, "--box: not numbers"},
       {{"fit", "m.plm", "-o", "f.json", "--size", "big", "--box", "1,2,3,4"}, ""},
@@ -200,7 +200,7 @@ TEST_CASE(
   CHECK(same.pose.t.z == doctest::Approx(static_cast<double>(all.pose.t.z)).epsilon(1e-4));
   CHECK(same.rms_px == doctest::Approx(static_cast<double>(all.rms_px)).epsilon(0.01));
 
-  const FitFile boxed = fit_of({"--box", "50,40,100,80", "--size", "200x160"});
+  const FitFile boxed = fit_of({"--box", "50,40,100,80", "--box-of", "landmarks", "--size", "200x160"});
   CHECK(boxed.points.empty());
   CHECK(boxed.unseen.size() == 4);
   CHECK(boxed.camera.f == doctest::Approx(1.4 * 200));

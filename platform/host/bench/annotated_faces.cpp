@@ -1,0 +1,73 @@
+#include "host/bench/annotated_faces.hpp"
+
+#include <limits>
+
+#include "host/io/csv.hpp"
+#include "host/io/files.hpp"
+#include "host/learn/photographs.hpp"
+
+namespace pliant::host {
+
+namespace {
+
+bool is_inner(const std::string& name) {
+  return name.size() == 6 && name.compare(0, 4, "ibug") == 0 && name >= "ibug17";
+}
+
+}  // namespace
+
+std::vector<AnnotatedFace> read_held_out_faces(const std::string& folder) {
+  const std::string path = folder + "/landmarks.csv";
+  const CsvTable table(path, read_file(path));
+  const std::size_t name = table.column("name"), landmark = table.column("landmark"), x = table.column("x"),
+                    y = table.column("y");
+  std::vector<AnnotatedFace> faces;
+  std::map<std::string, std::size_t> index;  // by name: a person's rows need not follow one another
+  for (std::size_t row = 0; row < table.row_count(); ++row) {
+    const std::string& person = table.cell(row, name);
+    if (!learn::is_held_out(person)) continue;
+    const auto [at, is_new] = index.try_emplace(person, faces.size());
+    if (is_new) faces.push_back({person, to_grey(read_image(folder + "/" + person + ".jpg")), {}});
+    faces[at->second].landmarks[table.cell(row, landmark)] = {table.number(row, x), table.number(row, y)};
+  }
+  return faces;
+}
+
+std::vector<NamedLandmarks> read_annotated_frames(const std::string& path) {
+  const CsvTable table(path, read_file(path));
+  const std::size_t frame = table.column("frame"), landmark = table.column("landmark"), x = table.column("x"),
+                    y = table.column("y");
+  std::vector<NamedLandmarks> frames;
+  for (std::size_t row = 0; row < table.row_count(); ++row) {
+    const auto k = static_cast<std::size_t>(table.number(row, frame));
+    if (frames.size() <= k) frames.resize(k + 1);
+    frames[k][table.cell(row, landmark)] = {table.number(row, x), table.number(row, y)};
+  }
+  return frames;
+}
+
+float eye_distance(const NamedLandmarks& truth) {
+  const auto right = truth.find("ibug36"), left = truth.find("ibug45");
+  return right == truth.end() || left == truth.end() ? 0 : length(right->second - left->second);
+}
+
+double landmark_error(const NamedLandmarks& found, const NamedLandmarks& truth) {
+  double sum = 0;
+  int count = 0;
+  for (const auto& [name, x] : truth) {
+    const auto at = found.find(name);
+    if (!is_inner(name) || at == found.end()) continue;
+    sum += static_cast<double>(length(at->second - x));
+    ++count;
+  }
+  const auto eyes = static_cast<double>(eye_distance(truth));
+  return count > 0 && eyes > 0 ? sum / count / eyes : std::numeric_limits<double>::quiet_NaN();
+}
+
+NamedLandmarks moved(const NamedLandmarks& landmarks, float scale, Vec2 shift) {
+  NamedLandmarks out;
+  for (const auto& [name, x] : landmarks) out[name] = scale * x + shift;
+  return out;
+}
+
+}  // namespace pliant::host
