@@ -24,9 +24,8 @@ Vec2 limited(Vec2 mm) {
 
 void AlignerPass::lay_out(Arena& arena, const Model& model, std::size_t landmarks) {
   picture_.lay_out(arena);
-  blocks_.lay_out(arena);
+  gradients_.lay_out(arena);
   shape_.lay_out(arena, model, landmarks);
-  crop_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kMostCropPx + 2) * (kMostCropPx + 2));
   block_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kMostBlockBytes));
   index_ = arena.take<std::uint16_t>(landmarks);
   model_index_ = arena.take<std::uint16_t>(landmarks);
@@ -61,17 +60,16 @@ std::size_t AlignerPass::choose_landmarks(const Model& model, const std::uint8_t
 void AlignerPass::start(const FrameView& frame, const Lens& lens, const View& view, const float* q,
                         const std::uint8_t* is_free) {
   shape_.start(view, q, is_free, lens);
-  picture_.take(frame, shape_.crop_map(1, 1).origin, max(1, kFaceBoxMm * view.s));
+  picture_.take(frame, shape_.crop_map(1, 1).origin, max(1, kFaceBoxMm * view.s), gradients_.scratch());
 }
 
 void AlignerPass::prepare(const AlignerStage& stage) {
   map_ = shape_.crop_map(stage.mm_per_px, stage.crop_px);
-  picture_.crop(map_, crop_);
-  blocks_.set_crop(crop_, stage.crop_px);
+  gradients_.compute(picture_, map_);
 }
 
 Vec2 AlignerPass::describe_around(Vec2 x, const AlignerStage& stage, std::uint8_t* out) const {
-  return blocks_.describe(map_.to_crop(x), stage.cells, stage.cell_px, out);
+  return gradients_.describe(map_.to_crop(x), stage.cells, stage.cell_px, out);
 }
 
 void AlignerPass::describe_place(int i, int j, const AlignerStage& stage, std::uint8_t* out) const {
@@ -79,7 +77,7 @@ void AlignerPass::describe_place(int i, int j, const AlignerStage& stage, std::u
   const float first =
       0.5f * (static_cast<float>(stage.crop_px - 1) - step * static_cast<float>(stage.blocks - 1));
   const Vec2 at{first + step * static_cast<float>(i), first + step * static_cast<float>(j)};
-  blocks_.describe(at, stage.cells, stage.cell_px, out);
+  gradients_.describe(at, stage.cells, stage.cell_px, out);
 }
 
 /// Information of a displacement in the crop's millimetres, in px of the frame: R W R^T / |a|^2 with a one millimetre to the
@@ -135,7 +133,7 @@ void AlignerPass::run_stage(const AlignerTable& table, std::size_t number) {
   prepare(stage);
   if (!is_local) predict_components(stage, global);
   shape_.begin();
-  for (std::size_t k = 0; k < shape_.landmark_count(); ++k) {
+  for (std::size_t k = 0; k < shape_.landmark_count(); k += stage.stride) {
     const std::size_t t = index_[k];
     const Vec2 x = shape_.evaluate(k).x;
     const Vec2 target = is_local ? predict_local(stage, local, t, x) : predict_global(stage, global, t, x);

@@ -4,7 +4,7 @@
 #include "face/aligner_table.hpp"
 #include "face/face_picture.hpp"
 #include "face/face_shape.hpp"
-#include "face/gradient_block.hpp"
+#include "face/gradient_map.hpp"
 #include "pliant/face_box.hpp"
 
 namespace pliant {
@@ -57,10 +57,10 @@ class AlignerPass {
   Sym2 information(const float* w, float mm_per_px) const;
 
   FacePicture picture_;
-  GradientBlocks blocks_;
+  GradientMap gradients_;
   FaceShape shape_;
   CropMap map_;
-  std::uint8_t *crop_ = nullptr, *block_ = nullptr;
+  std::uint8_t* block_ = nullptr;
   std::uint16_t *index_ = nullptr, *model_index_ = nullptr;
   Vec2 *image_ = nullptr, *target_ = nullptr;
   float* components_ = nullptr;

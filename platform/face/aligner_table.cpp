@@ -26,7 +26,7 @@ bool is_valid(const AlignerStage& s) {
   if (!(s.mm_per_px >= 0.5f && s.mm_per_px <= 8) || !(s.prior >= 0 && s.prior <= 1e6f)) return false;
   if (s.cells < 1 || s.cells > kMostBlockCells || s.cell_px < 1 || s.cell_px > 8) return false;
   if (s.crop_px < s.cells * s.cell_px || s.crop_px > kMostCropPx) return false;
-  if (s.components > kMostAlignerComponents || s.refines > 1) return false;
+  if (s.components > kMostAlignerComponents || s.refines > 1 || s.stride < 1) return false;
   return s.components == 0
              ? s.blocks == 0
              : s.blocks >= 1 && s.blocks <= kMostBlocks && s.blocks * s.cells * s.cell_px <= s.crop_px;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "face/gradient_map.hpp"
 #include "pliant/arena.hpp"
 #include "pliant/geometry.hpp"
 #include "pliant/status.hpp"
@@ -15,10 +16,7 @@ namespace pliant {
 
 constexpr std::uint32_t kAlignerMagic = 0x314e4c41, kAlignerVersion = 1;  // "ALN1"
 constexpr int kMostAlignerLandmarks = 68, kMostAlignerStages = 8, kMostAlignerComponents = 32;
-constexpr int kMostBlockCells = 8;  // a side of a block
-constexpr int kMostCropPx = 128;    // a side of the crop
-constexpr int kMostBlocks = 4;      // a side of the grid of blocks of a global stage
-constexpr int kBlockChannels = 8;   // bytes a cell in a block
+constexpr int kMostBlocks = 4;  // a side of the grid of blocks of a global stage
 constexpr int kMostBlockBytes = kMostBlockCells * kMostBlockCells * kBlockChannels;
 
 /// First bytes of the table.
@@ -30,14 +28,14 @@ struct AlignerHeader {
 /// What a stage does. A local stage (components = 0) predicts the displacement of each landmark from the block around it. A
 /// global stage predicts all displacements from blocks on a grid over the crop, through a few linear components.
 struct AlignerStage {
-  float mm_per_px;          // of the crop: the face's millimetres a pixel
-  std::uint16_t crop_px;    // a side of the crop
-  std::uint8_t cells;       // a side of a block
-  std::uint8_t cell_px;     // a side of a cell
-  std::uint8_t blocks;      // a side of the grid of blocks; 0 in a local stage
-  std::uint8_t components;  // 0: local
-  std::uint8_t refines;     // 1: refinement from a nearby pose runs this stage too
-  std::uint8_t reserved;
+  float mm_per_px;           // of the crop: the face's millimetres a pixel
+  std::uint16_t crop_px;     // a side of the crop
+  std::uint8_t cells;        // a side of a block
+  std::uint8_t cell_px;      // a side of a cell
+  std::uint8_t blocks;       // a side of the grid of blocks; 0 in a local stage
+  std::uint8_t components;   // 0: local
+  std::uint8_t refines;      // 1: refinement from a nearby pose runs this stage too
+  std::uint8_t stride;       // the step goes towards every stride-th landmark: early steps need no more
   float prior;               // weight of the parameters' prior against the displacements' information
   std::uint32_t first_byte;  // of its weights
 };

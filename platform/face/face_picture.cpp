@@ -36,10 +36,9 @@ void place_samples(float first, float ratio, int n, int most, int* out) {
 
 void FacePicture::lay_out(Arena& arena) {
   pixels_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kSide) * kSide);
-  columns_ = arena.take<int>(static_cast<std::size_t>(kSide) * kMostSamples);
 }
 
-void FacePicture::take(const FrameView& frame, Vec2 centre, float side) {
+void FacePicture::take(const FrameView& frame, Vec2 centre, float side, int* columns) {
   PLIANT_ASSERT(check(frame) == Status::ok && is_finite(centre) && side > 0);
   ratio_ = max(1, side / kFacePictureTuning.face_px);
   const float half = 0.5f * static_cast<float>(kSide - 1);
@@ -49,8 +48,8 @@ void FacePicture::take(const FrameView& frame, Vec2 centre, float side) {
   const int n = limited(static_cast<int>(min(ratio_ + 0.999f, 1e3f)), kMostSamples);
   const auto position = [&](float first, int pixel) { return first + ratio_ * static_cast<float>(pixel); };
   for (int x = 0; x < kSide; ++x) {
-    place_samples(position(first_.x, x), ratio_, n, frame.width - 1, columns_ + x * n);
-    for (int k = 0; k < n; ++k) columns_[x * n + k] *= frame.pixel_step_bytes;
+    place_samples(position(first_.x, x), ratio_, n, frame.width - 1, columns + x * n);
+    for (int k = 0; k < n; ++k) columns[x * n + k] *= frame.pixel_step_bytes;
   }
   std::uint8_t* to = pixels_;
   for (int y = 0; y < kSide; ++y) {
@@ -58,7 +57,7 @@ void FacePicture::take(const FrameView& frame, Vec2 centre, float side) {
     place_samples(position(first_.y, y), ratio_, n, frame.height - 1, row);
     const std::uint8_t* lines[kMostSamples];
     for (int k = 0; k < n; ++k) lines[k] = frame.data + static_cast<std::size_t>(row[k]) * frame.stride_bytes;
-    const int* column = columns_;
+    const int* column = columns;
     for (int x = 0; x < kSide; ++x, column += n) {
       int sum = n * n / 2;
       for (int j = 0; j < n; ++j)
@@ -68,26 +67,39 @@ void FacePicture::take(const FrameView& frame, Vec2 centre, float side) {
   }
 }
 
-/// Grey at a position in 1/65536 px.
-std::uint8_t FacePicture::sample(std::int32_t x, std::int32_t y) const {
-  constexpr std::int32_t kLast = ((kSide - 1) << 16) - 1;
-  x = limited(x, kLast);
-  y = limited(y, kLast);
-  const std::uint8_t* const p = pixels_ + (y >> 16) * kSide + (x >> 16);
+namespace {
+
+constexpr std::int32_t kLast = ((kSide - 1) << 16) - 1;
+
+/// Grey at a position in 1/65536 px, 0 to kLast.
+std::uint8_t sample(const std::uint8_t* pixels, std::int32_t x, std::int32_t y) {
+  const std::uint8_t* const p = pixels + (y >> 16) * kSide + (x >> 16);
   return static_cast<std::uint8_t>((bilinear_sixteenths(p, kSide, (x >> 8) & 255, (y >> 8) & 255) + 8) >> 4);
 }
 
-void FacePicture::crop(const CropMap& map, std::uint8_t* out) const {
-  const float by = 1.0f / ratio_;
-  const Vec2 corner = by * (map.to_frame({-1, -1}) - first_), right = by * map.right;
-  // Samples a side of a crop pixel: one for each pixel and a half that it covers.
-  std::int32_t row_x = fixed(corner.x, 8000), row_y = fixed(corner.y, 8000);
-  const std::int32_t step_x = fixed(right.x, 64), step_y = fixed(right.y, 64);
-  const int pixels = map.side + 2;
-  for (int j = 0; j < pixels; ++j, row_x -= step_y, row_y += step_x) {
-    std::int32_t x = row_x, y = row_y;
-    for (int i = 0; i < pixels; ++i, x += step_x, y += step_y) *out++ = sample(x, y);
-  }
+bool is_inside(std::int32_t x, std::int32_t y) {
+  return x >= 0 && y >= 0 && x <= kLast && y <= kLast;
+}
+
+}  // namespace
+
+CropReader::CropReader(const FacePicture& picture, const CropMap& map)
+    : pixels_(picture.pixels()), count_(map.side + 2) {
+  const Vec2 first = picture.from_frame(map.to_frame({-1, -1})), step = picture.along_from_frame(map.right);
+  first_x_ = fixed(first.x, 8000);
+  first_y_ = fixed(first.y, 8000);
+  step_x_ = fixed(step.x, 64);
+  step_y_ = fixed(step.y, 64);
+}
+
+void CropReader::read_row(int y, std::uint8_t* out) const {
+  std::int32_t at_x = first_x_ - (y + 1) * step_y_, at_y = first_y_ + (y + 1) * step_x_;
+  const std::int32_t last = count_ - 1;
+  if (is_inside(at_x, at_y) && is_inside(at_x + last * step_x_, at_y + last * step_y_))
+    for (int i = 0; i < count_; ++i, at_x += step_x_, at_y += step_y_) *out++ = sample(pixels_, at_x, at_y);
+  else
+    for (int i = 0; i < count_; ++i, at_x += step_x_, at_y += step_y_)
+      *out++ = sample(pixels_, limited(at_x, kLast), limited(at_y, kLast));
 }
 
 }  // namespace pliant

@@ -42,23 +42,35 @@ struct CropMap {
 /// The part of a frame around a face, reduced by averaging where it is large. Beyond the frame its border pixels go on.
 class FacePicture {
  public:
-  /// Bytes: side_px squared, and 24 a column.
+  /// Bytes: side_px squared.
   void lay_out(Arena& arena);
 
   /// \param centre, side  of the face box, px of the frame; finite, side > 0.
-  void take(const FrameView& frame, Vec2 centre, float side);
+  /// \param columns       scratch, side_px * most_samples values.
+  void take(const FrameView& frame, Vec2 centre, float side, int* columns);
 
-  /// Resamples an upright crop of map.side pixels and one pixel more on each side.
-  /// \param out  (side + 2)^2 bytes, rows without padding. Pixel (1, 1) is crop position (0, 0).
-  void crop(const CropMap& map, std::uint8_t* out) const;
+  const std::uint8_t* pixels() const { return pixels_; }  ///< side_px squared, rows without padding
+  /// A position in px of the frame, in px of this picture.
+  Vec2 from_frame(Vec2 x) const { return (1.0f / ratio_) * (x - first_); }
+  Vec2 along_from_frame(Vec2 d) const { return (1.0f / ratio_) * d; }  ///< The same of a displacement.
 
  private:
-  std::uint8_t sample(std::int32_t x, std::int32_t y) const;
-
   std::uint8_t* pixels_ = nullptr;
-  int* columns_ = nullptr;  // of the samples of a row, bytes of a line of the frame
-  Vec2 first_;              // px of the frame: the middle of pixel (0, 0)
-  float ratio_ = 1;         // px of the frame a pixel
+  Vec2 first_;       // px of the frame: the middle of pixel (0, 0)
+  float ratio_ = 1;  // px of the frame a pixel
+};
+
+/// Reads the rows of an upright crop, with one pixel more on each side, by bilinear interpolation.
+class CropReader {
+ public:
+  CropReader(const FacePicture& picture, const CropMap& map);
+  /// \param y    -1 to side. \param out  side + 2 pixels, from crop position -1 on.
+  void read_row(int y, std::uint8_t* out) const;
+
+ private:
+  const std::uint8_t* pixels_;
+  int count_;
+  std::int32_t first_x_, first_y_, step_x_, step_y_;  // 1/65536 px
 };
 
 }  // namespace pliant

@@ -286,7 +286,7 @@ void AlignerCascade::move_examples() {
     std::vector<LearntStage> stages = {stages_[static_cast<std::size_t>(f)].back()};
     if (stages[0].shape.components > 0) {
       LearntStage idle;
-      idle.shape = {2, 64, 1, 4, 0, 0, 0, 0, 1, 0};
+      idle.shape = {2, 64, 1, 4, 0, 0, 0, 1, 1, 0};
       idle.local.rows.assign(2 * numbers_.size() * block_bytes(idle.shape), 0);
       idle.local.bias.assign(2 * numbers_.size(), 0);
       idle.local.information.assign(3 * numbers_.size(), 0);

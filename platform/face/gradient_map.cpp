@@ -1,0 +1,129 @@
+#include "face/gradient_map.hpp"
+
+namespace pliant {
+
+namespace {
+
+/// Tuning of gradient blocks. Each constant: unit, reason, experiment.
+struct GradientBlockTuning {
+  /// Added to the gradient of each pixel, grey levels in two pixels: flat blocks with noise stay near zero. Not tuned.
+  std::uint32_t noise = 4;
+  /// Sixteenths: a part of this many times the mean part gets the byte 255. Not tuned.
+  std::uint32_t steps_a_mean = 16;
+};
+constexpr GradientBlockTuning kTuning{};
+
+// A gradient is the sum of one vector along an axis and one along a diagonal: (dx, dy) = (dx - dy) (1, 0) + dy (1, 1) for
+// 0 <= dy <= dx. Both parts are cut off, so that an edge of hair or glasses does not outweigh the face.
+constexpr int kAxisBits = 7, kDiagonalBits = 6;
+constexpr int kMostAxis = (1 << kAxisBits) - 1, kMostDiagonal = (1 << kDiagonalBits) - 1;
+constexpr std::uint32_t kDiagonalGain =
+    181;  // sqrt(2) * 128: (1, 1) as a multiple of the diagonal's unit vector
+
+// Octants by the signs of dx (4), dy (2) and whether |dy| > |dx| (1), and the two directions of each, in multiples of 45 degrees
+// from +x towards +y.
+constexpr std::uint8_t kOctant[8] = {0, 1, 7, 6, 3, 2, 4, 5};
+constexpr std::uint8_t kAxis[8] = {0, 2, 2, 4, 4, 6, 6, 0};
+constexpr std::uint8_t kDiagonal[8] = {1, 1, 3, 3, 5, 5, 7, 7};
+
+constexpr int limited_above(int x, int most) {
+  return x < most ? x : most;
+}
+
+/// Square roots of 0 to 255, times 16, rounded.
+struct RootTable {
+  std::uint8_t root[256] = {};
+  constexpr RootTable() {
+    int r = 0;
+    for (int x = 0; x < 256; ++x) {
+      while ((2 * r + 1) * (2 * r + 1) <= 4 * 256 * x) ++r;
+      root[x] = static_cast<std::uint8_t>(r < 255 ? r : 255);
+    }
+  }
+};
+constexpr RootTable kRoots{};
+
+/// First pixel of a block along an axis.
+int first_of(float at, int block, int side) {
+  const float first = at - 0.5f * static_cast<float>(block - 1) + 0.5f;
+  return static_cast<int>(clamp(first, 0, static_cast<float>(side - block)));
+}
+
+/// Gradient sums of one cell, by direction.
+void sum_cell(const std::uint16_t* first, int stride, int cell_px, std::uint16_t* sums) {
+  std::uint32_t by_direction[8] = {};
+  for (int j = 0; j < cell_px; ++j, first += stride)
+    for (int i = 0; i < cell_px; ++i) {
+      const unsigned gradient = first[i];
+      const unsigned octant = gradient >> (kAxisBits + kDiagonalBits);
+      by_direction[kAxis[octant]] += (gradient >> kDiagonalBits) & kMostAxis;
+      by_direction[kDiagonal[octant]] += gradient & kMostDiagonal;
+    }
+  for (int d = 0; d < 8; ++d)
+    sums[d] =
+        static_cast<std::uint16_t>(d % 2 == 0 ? by_direction[d] : (by_direction[d] * kDiagonalGain) >> 7);
+}
+
+}  // namespace
+
+void GradientMap::lay_out(Arena& arena) {
+  gradients_ = arena.take<std::uint16_t>(static_cast<std::size_t>(kMostCropPx) * kMostCropPx);
+  sums_ =
+      arena.take<std::uint16_t>(static_cast<std::size_t>(kMostBlockCells) * kMostBlockCells * kBlockChannels);
+}
+
+void GradientMap::add_row(const std::uint8_t* above, const std::uint8_t* line, const std::uint8_t* below,
+                          std::uint16_t* out) const {
+  for (int x = 1; x <= side_; ++x) {
+    const int dx = line[x + 1] - line[x - 1], dy = below[x] - above[x];
+    const int ax = dx < 0 ? -dx : dx, ay = dy < 0 ? -dy : dy;
+    const bool is_steep = ay > ax;
+    const int most = is_steep ? ay : ax, least = is_steep ? ax : ay;
+    const unsigned octant = kOctant[(dx < 0 ? 4 : 0) + (dy < 0 ? 2 : 0) + (is_steep ? 1 : 0)];
+    const auto axis = static_cast<unsigned>(limited_above(most - least, kMostAxis));
+    const auto diagonal = static_cast<unsigned>(limited_above(least, kMostDiagonal));
+    *out++ = static_cast<std::uint16_t>((octant << (kAxisBits + kDiagonalBits)) | (axis << kDiagonalBits) |
+                                        diagonal);
+  }
+}
+
+void GradientMap::compute(const FacePicture& picture, const CropMap& map) {
+  PLIANT_ASSERT(map.side >= 1 && map.side <= kMostCropPx);
+  side_ = map.side;
+  std::uint8_t rows[3][kMostCropPx + 2];
+  const CropReader reader(picture, map);
+  reader.read_row(-1, rows[0]);
+  reader.read_row(0, rows[1]);
+  for (int y = 0; y < side_; ++y) {
+    reader.read_row(y + 1, rows[(y + 2) % 3]);
+    add_row(rows[y % 3], rows[(y + 1) % 3], rows[(y + 2) % 3], gradients_ + y * side_);
+  }
+}
+
+Vec2 GradientMap::describe(Vec2 at, int cells, int cell_px, std::uint8_t* out) const {
+  const int block = cells * cell_px, values = cells * cells * kBlockChannels;
+  PLIANT_ASSERT(block <= side_ && cells <= kMostBlockCells);
+  const int x = first_of(at.x, block, side_), y = first_of(at.y, block, side_);
+  for (int j = 0; j < cells; ++j)
+    for (int i = 0; i < cells; ++i)
+      sum_cell(gradients_ + (y + j * cell_px) * side_ + x + i * cell_px, side_, cell_px,
+               sums_ + (j * cells + i) * kBlockChannels);
+  std::uint32_t total = static_cast<std::uint32_t>(block * block) * kTuning.noise;
+  for (int k = 0; k < values; ++k) total += sums_[k];
+  // No part exceeds the total, so that no product exceeds steps * values * 2^16 = 2^29.
+  const std::uint32_t by = ((kTuning.steps_a_mean * static_cast<std::uint32_t>(values)) << 16) / total;
+  for (int k = 0; k < values; ++k) {
+    const std::uint32_t part = (sums_[k] * by) >> 16;
+    out[k] = kRoots.root[part < 255 ? part : 255];
+  }
+  const float half = 0.5f * static_cast<float>(block - 1);
+  return {static_cast<float>(x) + half, static_cast<float>(y) + half};
+}
+
+std::int32_t dot_bytes(const std::int8_t* weight, const std::uint8_t* value, std::size_t count) {
+  std::int32_t sum = 0;
+  for (std::size_t k = 0; k < count; ++k) sum += weight[k] * value[k];
+  return sum;
+}
+
+}  // namespace pliant

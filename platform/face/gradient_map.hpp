@@ -1,0 +1,48 @@
+#pragma once
+// Gradients of an upright crop of a face, a pixel each, and blocks of cells summed from them anywhere: the bytes that a linear
+// regression reads. The cells of gradient_cells.hpp lie on a fixed grid; these lie around a landmark.
+#include <cstdint>
+
+#include "face/face_picture.hpp"
+#include "pliant/arena.hpp"
+
+namespace pliant {
+
+constexpr int kBlockChannels = 8;   // directions, bytes a cell of a block
+constexpr int kMostBlockCells = 8;  // a side of a block
+constexpr int kMostCropPx = 116;    // a side of the crop
+
+/// The gradients of one crop. Integers only.
+class GradientMap {
+ public:
+  /// Bytes: two a pixel of the largest crop.
+  void lay_out(Arena& arena);
+
+  /// Cuts the crop out of the picture and takes its gradients. Cost: about 60 operations a pixel.
+  /// \pre map.side <= kMostCropPx.
+  void compute(const FacePicture& picture, const CropMap& map);
+
+  /// Describes the block of cells x cells cells around a position. The middle is rounded to a pixel, and moved so that the block
+  /// lies in the crop. Cost: about 10 operations a pixel of the block.
+  /// \param at   crop px, finite.
+  /// \param out  cells * cells * kBlockChannels bytes: each the square root of the part of the block's gradient that is in one
+  ///             cell and direction. The gain of the light drops out, and strong edges do not outweigh the rest.
+  /// \return the middle of the block, crop px.
+  Vec2 describe(Vec2 at, int cells, int cell_px, std::uint8_t* out) const;
+
+  /// The memory of the gradients, free for other use until the next `compute`.
+  int* scratch() { return reinterpret_cast<int*>(gradients_); }
+
+ private:
+  void add_row(const std::uint8_t* above, const std::uint8_t* line, const std::uint8_t* below,
+               std::uint16_t* out) const;
+
+  int side_ = 0;
+  std::uint16_t* gradients_ = nullptr;  // octant, part along the axis, part along the diagonal
+  std::uint16_t* sums_ = nullptr;       // of the block being described
+};
+
+/// sum of weight[k] * value[k].
+std::int32_t dot_bytes(const std::int8_t* weight, const std::uint8_t* value, std::size_t count);
+
+}  // namespace pliant
