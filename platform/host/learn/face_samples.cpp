@@ -1,9 +1,11 @@
 #include "host/learn/face_samples.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 
 #include "host/io/owned.hpp"
+#include "host/learn/drawn_portraits.hpp"
 #include "host/learn/expression_variation.hpp"
 #include "host/learn/photo_mesh.hpp"
 
@@ -76,10 +78,18 @@ struct FaceSamples::Parts {
 FaceSamples::FaceSamples(const Model& model, const std::vector<Photograph>& photographs,
                          const OtherPictures& others, std::uint64_t seed, const FaceSampleTuning& tuning)
     : tuning_(tuning), seed_(seed), model_(model), photographs_(photographs), others_(others) {
-  for (const Photograph& p : photographs) mipmaps_.emplace_back(p.picture);
   parts_ = std::make_unique<Parts>(model);
+  if (photographs.empty() || tuning.drawn_fraction > 0) {
+    int people = 0;
+    for (const Photograph& p : photographs) people = std::max(people, p.person + 1);
+    drawn_ = draw_portraits(model, parts_->sheet, others, std::max<std::size_t>(tuning.drawn_people, 1), seed,
+                            people);
+  }
   Owned<Cascade> cascade(model);
-  for (const Photograph& p : photographs) parts_->meshes.emplace_back(p, parts_->sheet, *cascade);
+  for (std::size_t k = 0; k < photographs.size() + drawn_.size(); ++k) {
+    mipmaps_.emplace_back(photograph(k).picture);
+    parts_->meshes.emplace_back(photograph(k), parts_->sheet, *cascade);
+  }
 }
 
 FaceSamples::~FaceSamples() = default;
@@ -111,8 +121,8 @@ FaceSample FaceSamples::draw(std::uint64_t index) const {
 }
 
 FaceSample FaceSamples::draw_in_plane(SampleRandom& random) const {
-  const std::size_t k = random.below(photographs_.size());
-  const Photograph& photograph = photographs_[k];
+  const std::size_t k = random_photograph(random);
+  const Photograph& photograph = this->photograph(k);
   const FaceBox box = face_box_in(model_, photograph.landmarks, photograph.pose, photograph.camera);
   const float side = random.octaves_between(tuning_.box_low_px, tuning_.box_high_px), scale = side / box.side;
   const float roll = kRadian * mostly_small(random, tuning_.roll_degrees);
@@ -153,6 +163,11 @@ FaceSample FaceSamples::draw_in_plane(SampleRandom& random) const {
   return sample;
 }
 
+std::size_t FaceSamples::random_photograph(SampleRandom& random) const {
+  const bool is_drawn = photographs_.empty() || random.chance(tuning_.drawn_fraction);
+  return is_drawn ? photographs_.size() + random.below(drawn_.size()) : random.below(photographs_.size());
+}
+
 /// Side and place of a face box, and a distance.
 FacePlacement FaceSamples::random_placement(SampleRandom& random) const {
   FacePlacement out;
@@ -179,8 +194,8 @@ void FaceSamples::set_truth(const std::vector<Vec3>& points, const TextureRaster
 }
 
 FaceSample FaceSamples::draw_turned(SampleRandom& random, Workspace& workspace) const {
-  const std::size_t k = random.below(photographs_.size());
-  const Photograph& photograph = photographs_[k];
+  const std::size_t k = random_photograph(random);
+  const Photograph& photograph = this->photograph(k);
   PhotoTurn turn;
   turn.q = parts_->expressions.varied(photograph.q, random);
   const std::vector<Vec3> points = parts_->sheet.landmarks(*workspace.cascade, turn.q.data());

@@ -21,6 +21,8 @@ struct FaceSampleTuning {
   float box_low_px = 48, box_high_px = 110;  ///< side of the face box
   float margin_px = 6;                       ///< of the face box to the border, at least
   float roll_degrees = 30;                   ///< turn in the picture, at most
+  float drawn_fraction = 0.1f;  ///< of the samples: of drawn portraits; the others are of photographs
+  std::size_t drawn_people = 40;
   float turned_fraction =
       0.6f;  ///< of the samples: photographs turned in depth; the others are varied in the plane only
   float yaw_degrees = 55, pitch_degrees = 28;  ///< of turned ones, at most
@@ -38,7 +40,7 @@ struct FaceSampleTuning {
 class FaceSamples {
  public:
   /// \param model        outlives this object; needs iBUG landmarks.
-  /// \param photographs  at least one; outlive this object, as do `others`, which may be empty.
+  /// \param photographs  may be empty: then all samples are of drawn portraits; outlive this object, as do `others`, which may be empty.
   FaceSamples(const Model& model, const std::vector<Photograph>& photographs, const OtherPictures& others,
               std::uint64_t seed, const FaceSampleTuning& tuning = {});
   ~FaceSamples();
@@ -55,6 +57,11 @@ class FaceSamples {
   struct Parts;
   FaceSample draw_in_plane(SampleRandom& random) const;
   FaceSample draw_turned(SampleRandom& random, Workspace& workspace) const;
+  const Photograph& photograph(std::size_t k) const {
+    return k < photographs_.size() ? photographs_[k] : drawn_[k - photographs_.size()];
+  }
+  /// Number of a photograph or drawn portrait.
+  std::size_t random_photograph(SampleRandom& random) const;
   FacePlacement random_placement(SampleRandom& random) const;
   void set_truth(const std::vector<Vec3>& points, const TextureRaster& raster, FaceSample& sample) const;
   Image surroundings(SampleRandom& random) const;
@@ -63,8 +70,9 @@ class FaceSamples {
   std::uint64_t seed_;
   Model model_;
   const std::vector<Photograph>& photographs_;
+  std::vector<Photograph> drawn_;
   const OtherPictures& others_;
-  std::vector<Mipmap> mipmaps_;
+  std::vector<Mipmap> mipmaps_;  // of photographs, then of drawn portraits
   std::unique_ptr<Parts> parts_;
 };
 

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
+
+#include "host/learn/painting.hpp"
 
 namespace pliant::host::learn {
 
@@ -13,42 +14,6 @@ constexpr float kTurn = 6.2831853f;
 float dot_of_normals(Vec2 a, Vec2 b) {
   return a.x * b.y - a.y * b.x;
 }
-
-/// Distance to a segment with round ends, px; negative inside.
-float outside_capsule(Vec2 x, Vec2 a, Vec2 b, float radius) {
-  const Vec2 ab = b - a, ax = x - a;
-  const float t = clamp(dot(ax, ab) / max(dot(ab, ab), 1e-6f), 0, 1);
-  return length(ax - t * ab) - radius;
-}
-
-/// Signed distance to a polygon, px; negative inside.
-float outside_polygon(Vec2 x, const std::vector<Vec2>& polygon) {
-  float nearest = 1e9f;
-  bool is_inside = false;
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Vec2 a = polygon[k], b = polygon[(k + 1) % polygon.size()];
-    nearest = min(nearest, outside_capsule(x, a, b, 0));
-    if ((a.y > x.y) != (b.y > x.y) && x.x < a.x + (x.y - a.y) * (b.x - a.x) / (b.y - a.y))
-      is_inside = !is_inside;
-  }
-  return is_inside ? -nearest : nearest;
-}
-
-/// A box around points, px.
-struct Bounds {
-  Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
-  Bounds(std::initializer_list<Vec2> points, float reach) { take(points, reach); }
-  Bounds(const std::vector<Vec2>& points, float reach) { take(points, reach); }
-
- private:
-  template <class Points>
-  void take(const Points& points, float reach) {
-    for (const Vec2 p : points) {
-      low = {min(low.x, p.x - reach), min(low.y, p.y - reach)};
-      high = {max(high.x, p.x + reach), max(high.y, p.y + reach)};
-    }
-  }
-};
 
 /// What a drawing needs of the sample.
 class Canvas {
@@ -80,22 +45,9 @@ class Canvas {
   /// Blends `grey(x)` in where `outside(x)` is negative, which is within `bounds`. Landmarks inside by more than a pixel are hidden if the opacity
   /// is above a half.
   template <class Outside, class Grey>
-  void paint(const Bounds& bounds, const Outside& outside, const Grey& grey, float opacity,
+  void paint(const PaintBounds& bounds, const Outside& outside, const Grey& grey, float opacity,
              float softness = 1) {
-    Image& picture = sample_.picture;
-    const auto limit = [](float x, int size) {
-      return static_cast<int>(clamp(x, 0, static_cast<float>(size)));
-    };
-    for (int y = limit(bounds.low.y - softness, picture.height);
-         y < limit(bounds.high.y + softness + 1, picture.height); ++y)
-      for (int x = limit(bounds.low.x - softness, picture.width);
-           x < limit(bounds.high.x + softness + 1, picture.width); ++x) {
-        const Vec2 at{static_cast<float>(x), static_cast<float>(y)};
-        const float cover = clamp(0.5f - outside(at) / softness, 0, 1) * opacity;
-        if (!(cover > 0)) continue;
-        const float old = static_cast<float>(*picture.at(x, y));
-        *picture.at(x, y) = static_cast<std::uint8_t>(clamp(old + cover * (grey(at) - old) + 0.5f, 0, 255));
-      }
+    learn::paint(sample_.picture, bounds, outside, grey, opacity, softness);
     for (std::size_t k = 0; opacity > 0.5f && k < sample_.landmarks.size(); ++k)
       if (outside(sample_.landmarks[k]) < -1) sample_.trust[k] = kTrustNone;
   }

@@ -1,6 +1,7 @@
 // Training samples: reproducible, and their truth is what their picture shows.
 #include "host/learn/face_samples.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "baked_face.hpp"
@@ -158,4 +159,35 @@ TEST_CASE("photograph turned in depth is drawn as the model projects, and shows 
   }
   CHECK(is_some_hidden);
   CHECK(is_some_turned);
+}
+
+TEST_CASE("without photographs samples are of drawn portraits, each of a person of its own") {
+  BakedModel& face = baked_face();
+  const std::vector<Photograph> none;
+  FaceSampleTuning tuning;
+  tuning.drawn_people = 3;
+  const FaceSamples samples(face.model, none, no_others, 5, tuning),
+      again(face.model, none, no_others, 5, tuning);
+  std::vector<int> people;
+  for (std::uint64_t index = 0; index < 12; ++index) {
+    const FaceSample sample = samples.draw(index);
+    CHECK(sample.picture.pixels == again.draw(index).picture.pixels);
+    CHECK(sample.person >= 0);
+    CHECK(sample.person < 3);
+    people.push_back(sample.person);
+  }
+  CHECK(*std::min_element(people.begin(), people.end()) < *std::max_element(people.begin(), people.end()));
+}
+
+TEST_CASE("crops of other pictures lie within the picture, at any size") {
+  Image wide(300, 20, 1, 100), small(10, 10, 3, 100);
+  const OtherPictures others({wide, small});
+  SampleRandom random(1, 2);
+  for (int k = 0; k < 20; ++k) {
+    const Image crop = others.crop(64, 48, random);
+    CHECK(crop.width == 64);
+    CHECK(crop.height == 48);
+    CHECK(std::all_of(crop.pixels.begin(), crop.pixels.end(),
+                      [](std::uint8_t p) { return p >= 98 && p <= 101; }));
+  }
 }
