@@ -29,7 +29,7 @@ struct AlignOptions {
   const std::uint8_t* is_free = nullptr;
 };
 
-/// Aligns one model to faces in frames, by the learnt table of a model or another one (docs/algorithms.md, section 9).
+/// Aligns one model to faces in frames, by the learnt table of a model or another one (docs/algorithms.md, sections 7.13 and 7.14).
 ///
 /// A stage reads gradient histograms around the projected landmarks in an upright picture of the face, and a table turns them
 /// into displacements of the landmarks. One regularised Gauss-Newton step follows, in pose and parameters. The landmarks are

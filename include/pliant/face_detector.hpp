@@ -24,7 +24,7 @@ struct FaceDetectorLimits {
 };
 
 /// Finds upright faces by a window that slides over the frame at many sizes, and boosted trees over gradient cells
-/// (docs/algorithms.md, section 7.7), from a learnt table. Boxes have sides from `smallest_px` to 1.2 times the frame's smaller
+/// (docs/algorithms.md, section 7.12), from a learnt table. Boxes have sides from `smallest_px` to 1.2 times the frame's smaller
 /// side, and may reach a quarter of their side beyond its border. Lives in an arena (create_in, measured_bytes): 40 kB for
 /// a frame 320 px wide or more.
 class FaceDetector {

@@ -1,4 +1,4 @@
-// Alignment by cascaded regression on the landmarks of a model, and verification (docs/algorithms.md, section 9).
+// Alignment by cascaded regression on the landmarks of a model, and verification (docs/algorithms.md, sections 7.13 and 7.14).
 #include "pliant/face_aligner.hpp"
 
 #include "face/aligner_pass.hpp"

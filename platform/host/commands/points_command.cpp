@@ -5,6 +5,7 @@
 
 #include "host/commands/calibration_option.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/face_finder.hpp"
 #include "host/commands/image_fit.hpp"
 #include "host/io/calibration.hpp"
 #include "host/io/failure.hpp"
@@ -26,6 +27,9 @@ constexpr float kFilledFraction = 0.6f;
 constexpr float kTurnedAway = 0.4f;
 /// Distance in the chart over which the surface's normal is averaged: wider than the creases of lids and lips.
 constexpr float kNeighbourhood = 0.03f;
+
+/// Probability that a face has at least to be the start. Round value: rather right than wrong.
+constexpr float kLeastScore = 0.5f;
 
 /// iBUG landmarks that the page joins by a line, if the model has them.
 struct Chain {
@@ -53,6 +57,13 @@ FitFile start_of(const Args& args, const ModelFile& file, const Image& image, co
     FitFile fit = read_fit(*start, file, setup.size, path, setup.focal_px, setup.camera);
     if (is_fit(read_file(*start))) fit.points.clear();  // the points of the fit are not needed
     return fit;
+  }
+  if (!file.model().aligner().empty()) {
+    FaceFinder finder(file);
+    const auto faces = finder.find(to_grey(image), path, kLeastScore, setup.camera);
+    if (!faces.empty())
+      return fit_of_view(file.model(), setup.size, view_of(faces[0].aligned.pose, faces[0].aligned.camera),
+                         faces[0].q);
   }
   const std::vector<float> q(file.model().parameters().count, 0.0f);
   const float f = setup.focal_px > 0 ? setup.focal_px : default_focal(setup.size);
@@ -138,7 +149,8 @@ Command points_command() {
       "-o points.html",
       {{"--image", "FILE", "the photograph; the page contains it"},
        {"--start", "START",
-        "a fit.json, a points.csv (which is fitted) or a detector's box (default: the middle)"},
+        "a fit.json, a points.csv (which is fitted) or a face box (default: the face that is found, else the "
+        "middle)"},
        {"--focal", "PX", "focal length, pixels, if known"},
        {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
        {"-o", "HTML", "the page to write; it needs no network"}},
