@@ -58,17 +58,14 @@ FitFile start_of(const Args& args, const ModelFile& file, const Image& image, co
     if (is_fit(read_file(*start))) fit.points.clear();  // the points of the fit are not needed
     return fit;
   }
-  if (!file.model().aligner().empty()) {
-    FaceFinder finder(file);
-    const auto faces = finder.find(to_grey(image), path, kLeastScore, setup.camera);
-    if (!faces.empty())
-      return fit_of_view(file.model(), setup.size, view_of(faces[0].aligned.pose, faces[0].aligned.camera),
-                         faces[0].q);
-  }
-  const std::vector<float> q(file.model().parameters().count, 0.0f);
+  std::vector<float> q(file.model().parameters().count, 0.0f);
   const float f = setup.focal_px > 0 ? setup.focal_px : default_focal(setup.size);
   const Camera camera = setup.camera.value_or(centred_camera(image.width, image.height, f));
-  const Pose pose = frontal_pose(file.model(), q.data(), camera, image.height, kFilledFraction);
+  Pose pose = frontal_pose(file.model(), q.data(), camera, image.height, kFilledFraction);
+  if (!file.model().aligner().empty()) {
+    const auto faces = FaceFinder(file).find(to_grey(image), path, kLeastScore, camera);
+    if (!faces.empty()) pose = faces[0].aligned.pose, q = faces[0].q;
+  }
   FitFile fit = fit_of_view(file.model(), setup.size, view_of(pose, camera), q);
   fit.camera = camera;
   return fit;
