@@ -55,9 +55,10 @@ struct TrackerLimits {
   /// their code out of the program.
   const FaceDetection* detection = &kFaceDetection;
   std::uint16_t smallest_face_px = 48;  ///< side of the smallest face that is searched for, px (FaceBox)
-  /// Work of the search in one frame (FaceDetector::search). 0: not bounded; the frame is searched and faces are aligned at
-  /// once, a few milliseconds on a PC. With a bound, a frame has either a part of the search or one alignment.
-  std::uint32_t search_work = 0;
+  /// Work of the search for a face in one frame, cells (FaceDetector::search). The default searches a frame of 320 x 240 at
+  /// once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame has either a part of the search or one
+  /// alignment, of the cost of 3,000 cells.
+  std::uint32_t search_work = 24000;
 
   static constexpr int kMostKeyFrames = 8;  ///< most later key frames
 };
@@ -86,6 +87,7 @@ constexpr TrackerLimits profile_s() {
   l.patch_margin = 2;
   l.keeps_previous = l.copies_frame = l.keeps_templates = false;
   l.thumbnail_width = 48;
+  l.search_work = 2000;
   l.free_parameters = 40;
   l.samples_per_point = 44;
   l.samples_vertices = false;

@@ -55,14 +55,13 @@ Status FaceStart::search(const SearchInput& input, KnownPerson* person, StartPos
                          float* landmark_error) {
   PLIANT_ASSERT(!has_track());
   Status status = detector_ == nullptr ? lay_out_search(input.block) : Status::ok;
-  const bool is_bounded = work_ > 0, was_searching = phase_ == FacePhase::searching;
+  const bool was_searching = phase_ == FacePhase::searching;
   if (status == Status::ok && was_searching) status = run_detector(input.frame);
   if (status != Status::ok) return status;
-  if (is_bounded && was_searching) return Status::not_found;
-  const int most = is_bounded ? 1 : kTuning.most_alignments;
+  const bool does_both = work_ >= kTuning.cells_for_both;
+  const int most = does_both ? kTuning.most_alignments : was_searching ? 0 : 1;
   for (int k = 0; k < most && phase_ == FacePhase::aligning; ++k)
     if (align_next(input, person, start, landmark_error)) return Status::ok;
-  if (!is_bounded) begin_search_again();
   return Status::not_found;
 }
 
@@ -71,8 +70,8 @@ Status FaceStart::run_detector(const FrameView& frame) {
   DetectedFace found[kMostCandidates];
   std::size_t count = 0;
   bool is_complete = false;
-  const Status status = modules_->search(*detector_, frame, work_ > 0 ? work_ : 0xFFFFFFFFu,
-                                         {found, kMostCandidates}, &count, &is_complete);
+  const Status status =
+      modules_->search(*detector_, frame, work_, {found, kMostCandidates}, &count, &is_complete);
   if (status != Status::ok) return status;
   for (std::size_t k = 0; k < count; ++k) add_candidate(found[k]);
   if (candidate_count_ == 0) return status;
@@ -121,29 +120,21 @@ bool FaceStart::align_next(const SearchInput& input, KnownPerson* person, StartP
   if (as_known) {
     *start = {camera, face.pose};
     for (std::size_t k = 0; k < model_.parameters().count; ++k) person->q[k] = q_[k];
-  } else if (finish(input, face, person, start) != Status::ok) {
-    return false;
+  } else {
+    set_person(o, face, person, start);
   }
   *landmark_error = face.landmark_error;
   return true;
 }
 
-/// Person, pose and focal length of a new person, from the landmarks that the alignment found.
-Status FaceStart::finish(const SearchInput& input, const AlignedFace& face, KnownPerson* person,
-                         StartPose* start) {
+/// A new person, as aligned: pose and parameters, and the landmarks where the alignment found them.
+void FaceStart::set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
+                           StartPose* start) {
   *start = {face.camera, face.pose};
   for (std::size_t k = 0; k < model_.parameters().count; ++k) person->q[k] = q_[k];
+  person->is_known = false;
   person->offsets->clear();
-  if (!kTuning.fits_landmarks) return Status::ok;
-  detector_ = nullptr;  // the fit takes its memory
-  FitOptions fit;
-  fit.width = input.frame.width;
-  fit.height = input.frame.height;
-  fit.focal_px = input.options.focal_px;
-  fit.camera = input.options.camera;
-  Arena arena(input.block.data, input.block.count);
-  return fit_to_aligned(arena, model_, landmarks_, fit, person->q, start,
-                        input.options.keeps_landmark_offsets ? person->offsets : nullptr);
+  if (options.keeps_landmark_offsets) person->offsets->set_pending(landmarks_, model_);
 }
 
 // --- A start of the caller's ---
@@ -159,7 +150,8 @@ void FaceStart::refine(const SearchInput& input, const FaceBox* box, KnownPerson
           ? modules_->align(*aligner_, input.frame, *box, start->camera, {}, &face, q_, landmarks_)
           : modules_->refine(*aligner_, input.frame, start->camera, start->pose, {}, &face, q_, landmarks_);
   if (status != Status::ok || !(face.score >= kTuning.least_refined)) return;
-  if (finish(input, face, person, start) == Status::ok) *landmark_error = face.landmark_error;
+  set_person(input.options, face, person, start);
+  *landmark_error = face.landmark_error;
 }
 
 // --- The running track ---
@@ -225,8 +217,7 @@ std::size_t search_bytes(const Model& model, const TrackerLimits& limits) {
   Arena trial;
   modules.lay_out_detector(trial, model, detector_limits(limits));
   modules.lay_out_aligner(trial, model);
-  const std::size_t fit = aligned_fit_bytes(model);
-  return fit > trial.used_bytes() ? fit : trial.used_bytes();
+  return trial.used_bytes();
 }
 
 std::size_t check_bytes(const Model& model, const TrackerLimits& limits) {

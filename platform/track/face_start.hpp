@@ -23,8 +23,10 @@ struct FaceStartTuning {
   /// Estimated landmark error, at most, of an alignment with the identity of the last person, fraction of the eyes'
   /// distance. Above it another person is fitted.
   float most_known_error = 0.06f;
-  /// Alignments in one frame, at most, where the work is not bounded.
-  int most_alignments = 6;
+  /// Work of the search in a frame, cells, from which on a frame has alignments besides, and how many at most. An alignment
+  /// costs as much as 3,000 cells.
+  std::uint32_t cells_for_both = 12000;
+  int most_alignments = 3;
   /// Frames between checks of a running track, and after how many bad ones in a row it is given up.
   int check_interval_frames = 2, most_bad_checks = 2;
   /// Probability that an alignment is right, below which a check is bad.
@@ -42,9 +44,6 @@ struct FaceStartTuning {
   float least_refined = 0.5f;
   /// Points of a start from landmarks from which on the picture is not asked, count.
   std::size_t enough_points = 12;
-  /// If true, person, pose and focal length of a new person are fitted to the landmarks of the alignment; if false, those of
-  /// the alignment are kept.
-  bool fits_landmarks = true;
 };
 inline constexpr FaceStartTuning kFaceStartTuning{};
 
@@ -119,14 +118,15 @@ class FaceStart {
   Status run_detector(const FrameView& frame);
   void add_candidate(const DetectedFace& face);
   bool align_next(const SearchInput& input, KnownPerson* person, StartPose* start, float* landmark_error);
-  Status finish(const SearchInput& input, const AlignedFace& face, KnownPerson* person, StartPose* start);
+  void set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
+                  StartPose* start);
   void tell_error(FrameResult* result) const;
   bool check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch);
 
   const FaceModules* modules_ = nullptr;
   Model model_;
   FaceDetectorLimits limits_;
-  std::uint32_t work_ = 0;  // a frame; 0: not bounded
+  std::uint32_t work_ = 0;  // a frame, cells
   FacePhase phase_ = FacePhase::searching;
 
   FaceDetector* detector_ = nullptr;  // in the block, while there is no track

@@ -1,5 +1,6 @@
 #include "track/landmark_offsets.hpp"
 
+#include "track/landmark_fit.hpp"
 #include "track/surface_offset.hpp"
 
 namespace pliant {
@@ -44,6 +45,12 @@ void LandmarkOffsets::set_pending(Span<const Correspondence> places, const Model
   for (const Correspondence& place : places)
     for (std::size_t k = 0; k < values_.count; ++k)
       if (is_at(model.landmarks()[k], place.uv)) values_[k] = {place.x.x, place.x.y, kIsPending};
+}
+
+void LandmarkOffsets::set_pending(Span<const Vec2> places, const Model& model) {
+  PLIANT_ASSERT(places.count == values_.count);
+  for (std::size_t k = 0; k < values_.count; ++k)
+    if (is_ibug_landmark(model.landmarks()[k].name)) values_[k] = {places[k].x, places[k].y, kIsPending};
 }
 
 void LandmarkOffsets::place_pending(Estimator& estimator) {

@@ -27,6 +27,8 @@ class LandmarkOffsets {
   /// surface that was fitted.
   void set_pending(Span<const Correspondence> places, const Model& model);
   void place_pending(Estimator& estimator);
+  /// The same for an alignment: image positions of all landmarks, px; those named ibugNN are stored.
+  void set_pending(Span<const Vec2> places, const Model& model);
 
   /// Image position (px) of landmark k at the estimator's state; false behind the camera.
   bool project(std::size_t k, Estimator& estimator, Vec2* x) const;

@@ -47,23 +47,6 @@ Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint>
   return status;
 }
 
-std::size_t aligned_fit_bytes(const Model& model) {
-  const std::size_t landmarks = model.landmarks().count;
-  return start_fit_bytes(model, landmarks) + (landmarks + 1) * sizeof(NamedPoint);
-}
-
-Status fit_to_aligned(Arena& arena, const Model& model, Span<const Vec2> landmarks, const FitOptions& options,
-                      float* q, StartPose* start, LandmarkOffsets* offsets) {
-  PLIANT_ASSERT(landmarks.count == model.landmarks().count);
-  NamedPoint* const points = arena.take<NamedPoint>(landmarks.count);
-  if (points == nullptr) return Status::out_of_memory;
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < landmarks.count; ++k)
-    if (is_ibug_landmark(model.landmarks()[k].name) && is_finite(landmarks[k]))
-      points[count++] = {model.landmarks()[k].name, landmarks[k]};
-  return fit_to_landmarks(arena, model, {points, count}, options, q, start, offsets);
-}
-
 namespace {
 
 /// The face box of a view; side 0 if the model lacks a landmark.

@@ -35,13 +35,6 @@ std::size_t start_fit_bytes(const Model& model, std::size_t points);
 Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint> points,
                         const FitOptions& options, float* q, StartPose* start, LandmarkOffsets* offsets);
 
-/// The same for what an alignment found: a position for each of the model's landmarks, px. Those of the outline of the face
-/// and the 51 inner ones take part.
-Status fit_to_aligned(Arena& arena, const Model& model, Span<const Vec2> landmarks, const FitOptions& options,
-                      float* q, StartPose* start, LandmarkOffsets* offsets);
-/// Bytes that fit_to_aligned takes.
-std::size_t aligned_fit_bytes(const Model& model);
-
 /// The pose of the model with parameters q, frontal, in the box, and its face box (side 0 for a model without eye and mouth
 /// corners). Statuses of view_from_box.
 Status fit_to_box(Arena& arena, const Model& model, Vec2 corner, Vec2 size, BoxConvention convention,

@@ -83,7 +83,7 @@ inline Status search(FaceDetector&, const FrameView& frame, std::uint32_t work, 
   f.work = work;
   ++f.searches;
   *count = 0;
-  *is_complete = work == 0xFFFFFFFFu || static_cast<std::uint32_t>(f.searches) % f.calls_a_search == 0;
+  *is_complete = work >= 24000 || static_cast<std::uint32_t>(f.searches) % f.calls_a_search == 0;
   const FaceBox box = f.box(frame.sequence);
   if (!*is_complete) return Status::ok;
   if (f.has_ghost) room[(*count)++] = {{{60, 60}, 50}, 0.99f};
@@ -101,8 +101,9 @@ inline Status align(FaceAligner&, const FrameView& frame, const FaceBox& box, co
   const FaceBox truth = f.box(k);
   *face = {camera, {}, 0.01f, 0.5f};
   if (!(truth.side > 0) || length(truth.center - box.center) > 0.5f * truth.side) return Status::ok;
-  *face = {camera, pose_of(view_of(f.film->poses[k], camera)), f.score,
-           options.is_free != nullptr ? f.held_error : f.error};
+  View view = view_of(f.film->poses[k], f.film->camera);
+  view.rho = view.s / camera.f;
+  *face = {camera, pose_of(view), f.score, options.is_free != nullptr ? f.held_error : f.error};
   for (std::size_t i = 0; i < f.film->parameters[k].size(); ++i)
     if (options.is_free == nullptr || options.is_free[i] != 0) q[i] = f.film->parameters[k][i];
   for (std::size_t i = 0; i < landmarks.count; ++i)
