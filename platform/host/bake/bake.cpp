@@ -25,8 +25,8 @@ void check(const BakeOptions& options) {
 
 Source read_all(const BakeOptions& options) {
   if (is_cage_folder(options.source)) return read_cage_source(options.source);
-  if (is_obj_folder(options.source))
-    return read_obj_folder(options.source,
+  if (is_obj_source(options.source))
+    return read_obj_source(options.source,
                            {options.unit_mm, options.components, options.relaxes_chart, options.progress});
   throw SourceError(options.source, 0,
                     "has neither the tables of a surface (points.txt and others) nor OBJ files");

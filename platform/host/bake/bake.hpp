@@ -26,8 +26,10 @@ struct BakeOptions {
   std::string learnt;
   /// Called after each OBJ file ("files") and each baked shape ("shapes"); may be empty.
   std::function<void(const char* stage, std::size_t done, std::size_t of)> progress;
-  int base_vertices = 480;     ///< approximate number of vertices of the base mesh, 60 to 5000
-  float tolerance_mm = 0.05f;  ///< a field gets the coarsest grid whose error at the vertices is at most this
+  int base_vertices = 480;  ///< approximate number of vertices of the base mesh, 60 to 5000
+  /// A field gets the coarsest grid whose error at the vertices is at most this, on a surface 100 to 1000 mm across; on others
+  /// in proportion, by powers of ten.
+  float tolerance_mm = 0.05f;
 };
 
 struct BakeReport {
@@ -46,8 +48,8 @@ bool bake(const BakeOptions& options, std::vector<std::uint8_t>& table, std::str
 Source read_source(const BakeOptions& options);
 
 /// Bakes a source that is in memory, and opens the table to check it. A source without a base mesh gets one. Throws
-/// SourceError when the surface's boundary intersects itself in the chart, so that there is no base mesh, or when the
-/// table cannot be opened (two parameters with one name, more of something than a table may hold).
+/// SourceError when no base mesh of at most 9000 vertices follows the surface's boundary, when the table cannot be opened (two
+/// parameters with one name, more of something than a table may hold), or when its rest shape is no copy of the surface.
 std::vector<std::uint8_t> bake_source(const Source& source, const BakeOptions& options,
                                       BakeReport* report = nullptr);
 

@@ -11,6 +11,7 @@
 #include "host/bake/opened_table.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/table_writer.hpp"
+#include "host/io/numbers.hpp"
 
 namespace pliant::host::bake {
 
@@ -27,6 +28,12 @@ struct FieldTuning {
   /// Motion below which a sample counts as zero, millimetres, at the parameter's largest value. Grids are cropped to the
   /// other samples. A tenth of the tolerance, so that the error of cropping is negligible. Not tuned further.
   float still_mm = 0.004f;
+  /// Diagonal of a surface for which these lengths and the tolerance hold, millimetres, up to ten times as much. Those of a
+  /// surface ten times as large are ten times as large.
+  float diagonal_mm = 100;
+  /// Largest errors of a rest shape that is a copy of the surface, fractions of its diagonal: at 95 % of the vertices, and at
+  /// every vertex. Random charts are within a tenth of them.
+  float most_off = 0.02f, most_off_anywhere = 0.1f;
 };
 constexpr FieldTuning kTuning{};
 
@@ -42,6 +49,9 @@ class Baker {
     for (std::size_t f = 0; f < source.triangles.size(); ++f)
       if (!source.is_hole[f])
         for (int v : source.triangles[f]) is_on_surface_[at(v)] = 1;
+    diagonal_ = diagonal();
+    while (diagonal_ > 10 * kTuning.diagonal_mm * scale_) scale_ *= 10;
+    while (diagonal_ < kTuning.diagonal_mm * scale_ && scale_ > 1e-6f) scale_ /= 10;
   }
 
   std::vector<std::uint8_t> run(BakeReport* report) {
@@ -64,10 +74,9 @@ class Baker {
     if (opened.status() != Status::ok)
       throw SourceError(options_.source, 0,
                         std::string("makes a table that cannot be opened: ") + text(opened.status()));
-    if (report != nullptr) {
-      report_.errors = reconstruct(opened.model(), source_);
-      *report = report_;
-    }
+    report_.errors = reconstruct(opened.model(), source_);
+    check_rest_shape();
+    if (report != nullptr) *report = report_;
     return bytes;
   }
 
@@ -76,11 +85,36 @@ class Baker {
     return rasterise(source_.uv, source_.triangles, source_.is_hole, side, side);
   }
 
+  float diagonal() const {
+    Vec3 low{}, high{};
+    bool is_first = true;
+    for (std::size_t v = 0; v < is_on_surface_.size(); ++v) {
+      const Vec3 p = source_.neutral[v];
+      if (!is_on_surface_[v]) continue;
+      low = is_first ? p : Vec3{std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = is_first ? p : Vec3{std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+      is_first = false;
+    }
+    return length(high - low);
+  }
+
+  void check_rest_shape() const {
+    const Distances& off = report_.errors.rest;
+    if (off.p95_mm <= kTuning.most_off * diagonal_ && off.max_mm <= kTuning.most_off_anywhere * diagonal_)
+      return;
+    throw SourceError(
+        options_.source, 0,
+        "the rest shape of the table would be off by " + number_text(static_cast<double>(off.p95_mm)) +
+            " mm at 95 % of the vertices and " + number_text(static_cast<double>(off.max_mm)) +
+            " mm at worst: give narrow parts more room in u,v (--relax-chart) or take a larger --size");
+  }
+
   void add_base_mesh() {
     BaseMesh mesh{source_.base_uv, source_.base_corners};
     if (mesh.corners.empty()) mesh = make_base_mesh(source_, options_.base_vertices, source_.is_symmetric);
     if (mesh.corners.empty())
-      throw SourceError(options_.source, 0, "the surface's boundary intersects itself in the chart");
+      throw SourceError(options_.source, 0,
+                        "no base mesh of at most 9000 vertices follows the surface's boundary in the chart");
     report_.base_vertices = mesh.uv.size();
     writer_.set_base_mesh(mesh.uv, mesh.corners);
   }
@@ -120,18 +154,18 @@ class Baker {
     const float most =
         p.group == Group::identity ? std::min(kTuning.identity_sds * p.sd, p.maximum) : p.maximum;
     const float effect = std::max(most, 1e-6f) * (shape.weight.empty() ? 1.0f : kTuning.rotation_arm_mm);
-    const float threshold = kTuning.still_mm / effect;
+    const float threshold = scale_ * kTuning.still_mm / effect, tolerance = scale_ * options_.tolerance_mm;
     for (std::size_t level = rasters_.size(); level-- > 0;) {
       FieldGrid grid = cropped(sampled(level, values), threshold);
       const std::vector<float> off = deviations(grid, values);
-      if (*std::max_element(off.begin(), off.end()) * effect > options_.tolerance_mm) continue;
+      if (*std::max_element(off.begin(), off.end()) * effect > tolerance) continue;
       return grid;
     }
     FieldGrid best = cropped(fitted(0, values, threshold), threshold);
     const std::vector<float> finest = deviations(best, values);
     for (std::size_t level = 1; level < rasters_.size(); ++level) {
       FieldGrid grid = cropped(fitted(level, values, threshold), threshold);
-      if (largest_excess(deviations(grid, values), finest) * effect > options_.tolerance_mm) break;
+      if (largest_excess(deviations(grid, values), finest) * effect > tolerance) break;
       best = std::move(grid);
     }
     return best;
@@ -188,6 +222,7 @@ class Baker {
   const BakeOptions& options_;
   std::vector<ChartRaster> rasters_;  // from fine to coarse
   std::vector<char> is_on_surface_;
+  float diagonal_ = 0, scale_ = 1;  // of lengths
   std::vector<FitPlace> places_;
   TableWriter writer_;
   std::vector<std::uint16_t> fields_;  // of each shape

@@ -4,13 +4,14 @@
 #include "host/bake/base_mesh.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
-#include <numeric>
+#include <limits>
 
 #include "host/bake/at.hpp"
 #include "host/bake/chart_raster.hpp"
 #include "host/bake/field_grid.hpp"
+#include "host/bake/loop_points.hpp"
 #include "host/bake/surface_boundary.hpp"
 #include "host/bake/triangulation.hpp"
 #include "host/io/owned.hpp"
@@ -27,9 +28,17 @@ struct BaseMeshTuning {
   int raster_side = 257;
   /// Vertices of one half, the middle line included, as a fraction of the whole.
   double half_fraction = 0.52;
-  /// Range in which the edge length is searched for, millimetres, and halvings of it, count: to within 0.03 %.
-  double least_edge_mm = 1, largest_edge_mm = 100;
+  /// Least edge length of the search for a surface as large as a face, millimetres, the largest over the least, and halvings of the
+  /// range, count: to within 0.03 %.
+  double least_edge_mm = 1, edge_range = 100;
   int bisections = 14;
+  /// Points at which a trial stops, as a multiple of the wanted ones, and points of a base mesh, count, at most.
+  double trial_fraction = 3;
+  std::size_t most_points = 9000;
+  /// Vertices of the source that may become points, count, at most. Bounds the time; more do not change the shape.
+  std::size_t most_candidates = 100000;
+  /// Candidates for each wanted vertex, count, at least.
+  int candidates_each = 8;
   /// Rounds of moving points and flipping edges, count. Later rounds move points by less than a per cent of an edge.
   int relaxations = 40;
   /// Length of edges at openings as a fraction of the length elsewhere. Lips and lids need smaller triangles.
@@ -39,39 +48,61 @@ struct BaseMeshTuning {
   /// Least distance of a landmark, and of any other point, from its neighbours, in wanted lengths. 0.83 fills the plane with
   /// a mean distance of one.
   float landmark_spacing = 0.5f, point_spacing = 0.83f;
-  /// Distance in the chart up to which a landmark lies on a boundary loop, and least distance between anchors there.
-  float on_loop = 0.003f, anchor_spacing = 0.015f;
-  /// Points on a loop without anchors, count, at least. Fewer do not enclose an area in basic blocks.
-  int least_loop_points = 6;
+  /// Cosine of the angle under which a point sees an edge of the boundary that it lies on: 170 degrees.
+  float flat_cosine = -0.985f;
   /// Twice the area in the chart below which a triangle counts as inverted. Above the rounding error of floats.
   float least_doubled_area = 1e-7f;
 };
 constexpr BaseMeshTuning kTuning{};
 
+/// Vertices minus edges plus triangles.
+int euler_number(const std::vector<std::array<int, 3>>& triangles) {
+  std::vector<int> vertices;
+  std::vector<std::pair<int, int>> edges;
+  for (const auto& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      vertices.push_back(t[k]);
+      edges.push_back(std::minmax(t[k], t[(k + 1) % 3]));
+    }
+  std::sort(vertices.begin(), vertices.end());
+  std::sort(edges.begin(), edges.end());
+  const auto count = [](auto& all) { return std::unique(all.begin(), all.end()) - all.begin(); };
+  return static_cast<int>(count(vertices) - count(edges)) + static_cast<int>(triangles.size());
+}
+
 class BaseMesher {
  public:
   BaseMesher(const Source& source, bool is_symmetric)
-      : source_(source), is_symmetric_(is_symmetric), boundary_(find_boundary(source, is_symmetric)) {
+      : source_(source),
+        is_symmetric_(is_symmetric),
+        boundary_(find_boundary(source, is_symmetric)),
+        loop_points_(source, boundary_) {
     const ChartRaster raster =
         rasterise(source.uv, source.triangles, source.is_hole, kTuning.raster_side, kTuning.raster_side);
     shape_ = grid_of(raster, source.neutral);
     for (const BoundaryLoop& loop : boundary_.loops)
       for (std::size_t k = 0; k < loop.vertices.size(); ++k)
         if (loop.sides[k] == Side::opening) openings_.push_back(source.neutral[at(loop.vertices[k])]);
-    shuffle_candidates();
+    for (std::size_t f = 0; f < source.triangles.size(); ++f)
+      if (boundary_.is_inside[f]) area_ += area_of(source.triangles[f]);
+    area_ = std::max(area_, 1e-9);
   }
 
   BaseMesh run(int vertices) {
+    make_candidates(vertices);
     // Without symmetry the count is of the whole, with it of one half and the middle.
     const double wanted = is_symmetric_ ? kTuning.half_fraction * vertices : vertices;
-    double low = kTuning.least_edge_mm, high = kTuning.largest_edge_mm;
+    const auto most = static_cast<std::size_t>(kTuning.trial_fraction * wanted);
+    double low = kTuning.least_edge_mm * decade(wanted), high = kTuning.edge_range * low;
     for (int round = 0; round < kTuning.bisections; ++round) {
       edge_ = static_cast<float>(std::sqrt(low * high));
-      place_points();
-      (static_cast<double>(domain_.points.size()) > wanted ? low : high) = static_cast<double>(edge_);
+      const bool is_coarse = place_points(most) && static_cast<double>(domain_.points.size()) <= wanted;
+      (is_coarse ? high : low) = static_cast<double>(edge_);
     }
+    // An intricate boundary takes more points than were asked for.
+    if (!place_points(kTuning.most_points)) return {};
     triangles_ = triangulate(domain_);
-    if (triangles_.empty()) return {};
+    if (!drop_unused()) return {};
     for (int round = 0; round < kTuning.relaxations; ++round) relax();
     return paired();
   }
@@ -81,25 +112,55 @@ class BaseMesher {
     return {sample(shape_, 0, uv), sample(shape_, 1, uv), sample(shape_, 2, uv)};
   }
 
+  double area_of(const std::array<int, 3>& t) const {
+    const Vec3 a = source_.neutral[at(t[0])], b = source_.neutral[at(t[1])], c = source_.neutral[at(t[2])];
+    return 0.5 * static_cast<double>(length(cross(b - a, c - a)));
+  }
+
+  /// Power of ten for which the range of edge lengths holds the one that `vertices` equilateral triangles would give, with
+  /// a margin. 1 for a face.
+  double decade(double vertices) const {
+    const double edge = std::sqrt(area_ / vertices);
+    double scale = 1;
+    while (edge > 0.3 * kTuning.edge_range * kTuning.least_edge_mm * scale) scale *= 10;
+    while (edge < 3 * kTuning.least_edge_mm * scale) scale /= 10;
+    return scale;
+  }
+
   /// Wanted length of edges at p, millimetres.
   float edge_at(Vec3 p) const {
-    float nearest = 1e9f;
+    float nearest = std::numeric_limits<float>::max();
     for (Vec3 o : openings_) nearest = std::min(nearest, dot(p - o, p - o));
     return std::min(edge_, kTuning.opening_fraction * edge_ + kTuning.growth * std::sqrt(nearest));
   }
 
-  void shuffle_candidates() {
+  /// Takes the vertices of the source inside the surface and, if these are few, random places in its triangles.
+  void make_candidates(int vertices) {
     std::vector<char> usable(source_.uv.size(), 0);
     for (std::size_t f = 0; f < source_.triangles.size(); ++f)
       for (int v : source_.triangles[f]) usable[at(v)] |= boundary_.is_inside[f];
     for (const BoundaryLoop& loop : boundary_.loops)
       for (int v : loop.vertices) usable[at(v)] = 0;
     for (std::size_t v = 0; v < usable.size(); ++v)
-      if (usable[v]) candidates_.push_back(static_cast<int>(v));
+      if (usable[v]) candidates_.push_back({source_.uv[v], source_.neutral[v]});
     std::uint32_t state = 12345;  // a fixed pseudo-random order
-    for (std::size_t k = candidates_.size(); k > 1; --k) {
-      state = state * 1664525u + 1013904223u;
-      std::swap(candidates_[k - 1], candidates_[(state >> 8) % k]);
+    const auto next = [&state] { return (state = state * 1664525u + 1013904223u) >> 8; };
+    for (std::size_t k = candidates_.size(); k > 1; --k)
+      std::swap(candidates_[k - 1], candidates_[next() % k]);
+    candidates_.resize(std::min(candidates_.size(), kTuning.most_candidates));
+    const std::size_t enough = at(kTuning.candidates_each * vertices);
+    for (std::size_t f = 0; candidates_.size() < enough && f < source_.triangles.size(); ++f) {
+      if (!boundary_.is_inside[f]) continue;
+      const auto& t = source_.triangles[f];
+      const double fraction = area_of(t) / area_;
+      for (auto k = static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(enough))); k > 0; --k) {
+        float a = static_cast<float>(next()) * 0x1p-24f, b = static_cast<float>(next()) * 0x1p-24f;
+        if (a + b > 1) a = 1 - a, b = 1 - b;
+        const auto blend = [&](const auto& of) {
+          return (1 - a - b) * of[at(t[0])] + a * of[at(t[1])] + b * of[at(t[2])];
+        };
+        candidates_.push_back({blend(source_.uv), blend(source_.neutral)});
+      }
     }
   }
 
@@ -116,93 +177,66 @@ class BaseMesher {
                         [&](Vec3 q) { return dot(p - q, p - q) < distance * distance; });
   }
 
-  void place_points() {
+  /// Places points for `edge_`. False, with some of the points only, if there are more than `most`.
+  bool place_points(std::size_t most) {
     domain_ = {};
     positions_.clear();
     is_fixed_.clear();
-    for (const BoundaryLoop& loop : boundary_.loops) place_loop(loop);
+    loops_ = loop_points_.place([this](Vec3 p) { return edge_at(p); }, most);
+    if (loops_.empty()) return false;
+    for (const std::vector<Vec2>& loop : loops_) {
+      std::vector<int> placed;
+      for (const Vec2 uv : loop) placed.push_back(add_point(uv, true));
+      domain_.loops.push_back(std::move(placed));
+    }
     for (const SourceLandmark& l : source_.landmarks) {
       if (is_symmetric_ && l.uv.x < 0.5f) continue;
       const Vec3 p = position(l.uv);
-      if (is_inside(l.uv) && is_free_at(p, kTuning.landmark_spacing * edge_at(p))) add_point(l.uv, true);
+      if (is_free_at(p, kTuning.landmark_spacing * edge_at(p)) && is_usable(l.uv)) add_point(l.uv, true);
     }
-    for (int v : candidates_) {
-      const Vec3 p = source_.neutral[at(v)];
-      if (is_free_at(p, kTuning.point_spacing * edge_at(p))) add_point(source_.uv[at(v)], false);
+    for (const Candidate& c : candidates_) {
+      if (!is_free_at(c.p, kTuning.point_spacing * edge_at(c.p)) || !is_usable(c.uv)) continue;
+      add_point(c.uv, false);
+      if (domain_.points.size() > most) return false;
     }
+    return true;
   }
 
-  /// True within the outer loop and outside all others, by the parity of crossings.
-  bool is_inside(Vec2 p) const {
+  /// True if triangles between p and the points along the boundary can have an area: p lies inside, and not on an edge there.
+  bool is_usable(Vec2 p) const {
     bool inside = false;
-    for (const BoundaryLoop& loop : boundary_.loops)
-      for (std::size_t k = 0; k < loop.vertices.size(); ++k) {
-        const Vec2 a = source_.uv[at(loop.vertices[k])],
-                   b = source_.uv[at(loop.vertices[(k + 1) % loop.vertices.size()])];
-        if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x))
-          inside = !inside;
+    for (const std::vector<Vec2>& loop : loops_) {
+      if (is_inside(loop, p)) inside = !inside;
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        const Vec2 a = loop[k] - p, b = loop[(k + 1) % loop.size()] - p;
+        if (dot(a, b) < kTuning.flat_cosine * length(a) * length(b)) return false;
       }
+    }
     return inside;
   }
 
-  /// Vertices of the loop that must be kept: where the kind of its edges changes, and next to landmarks.
-  std::vector<char> anchors(const BoundaryLoop& loop) const {
-    const std::size_t n = loop.vertices.size();
-    std::vector<char> is_anchor(n, 0);
-    for (std::size_t k = 0; k < n; ++k) is_anchor[k] = loop.sides[k] != loop.sides[(k + n - 1) % n];
-    for (const SourceLandmark& l : source_.landmarks) {
-      std::size_t best = 0;
-      for (std::size_t k = 0; k < n; ++k)
-        if (length(source_.uv[at(loop.vertices[k])] - l.uv) <
-            length(source_.uv[at(loop.vertices[best])] - l.uv))
-          best = k;
-      const Vec2 here = source_.uv[at(loop.vertices[best])];
-      bool is_near_another = false;
-      for (std::size_t k = 0; k < n; ++k)
-        is_near_another |=
-            is_anchor[k] && length(source_.uv[at(loop.vertices[k])] - here) < kTuning.anchor_spacing;
-      if (length(here - l.uv) < kTuning.on_loop && !is_near_another) is_anchor[best] = 1;
+  /// Drops the points that no triangle uses. False if there are no triangles or a point of the boundary is unused.
+  bool drop_unused() {
+    std::vector<int> now(domain_.points.size(), -1);
+    for (const auto& t : triangles_)
+      for (const int v : t) now[at(v)] = 0;
+    int count = 0;
+    for (std::size_t v = 0; v < now.size(); ++v) {
+      if (now[v] < 0) continue;
+      now[v] = count;
+      domain_.points[at(count)] = domain_.points[v];
+      positions_[at(count)] = positions_[v];
+      is_fixed_[at(count++)] = is_fixed_[v];
     }
-    if (std::count(is_anchor.begin(), is_anchor.end(), 1) == 0) is_anchor[0] = 1;
-    return is_anchor;
-  }
-
-  void place_loop(const BoundaryLoop& loop) {
-    const std::size_t n = loop.vertices.size();
-    const std::vector<char> is_anchor = anchors(loop);
-    const std::size_t first =
-        static_cast<std::size_t>(std::find(is_anchor.begin(), is_anchor.end(), 1) - is_anchor.begin());
-    std::vector<int> placed;
-    for (std::size_t start = first; start < first + n;) {
-      std::size_t end = start + 1;
-      while (!is_anchor[end % n]) ++end;
-      place_run(loop, start, end, placed);
-      start = end;
-    }
-    domain_.loops.push_back(placed);
-  }
-
-  /// Places points from one anchor up to, but not including, the next. Each step has the length wanted there.
-  void place_run(const BoundaryLoop& loop, std::size_t start, std::size_t end, std::vector<int>& placed) {
-    const std::size_t n = loop.vertices.size();
-    const auto vertex = [&](std::size_t k) { return loop.vertices[k % n]; };
-    std::vector<float> steps{0};  // along the run, in wanted lengths
-    for (std::size_t k = start; k < end; ++k) {
-      const Vec3 a = source_.neutral[at(vertex(k))], b = source_.neutral[at(vertex(k + 1))];
-      steps.push_back(steps.back() + length(b - a) / edge_at(0.5f * (a + b)));
-    }
-    const bool whole_loop = end - start == n;
-    const int pieces =
-        std::max(whole_loop ? kTuning.least_loop_points : 1, static_cast<int>(std::lround(steps.back())));
-    for (int piece = 0; piece < pieces; ++piece) {
-      const float wanted = steps.back() * static_cast<float>(piece) / static_cast<float>(pieces);
-      const std::size_t k =
-          static_cast<std::size_t>(std::upper_bound(steps.begin(), steps.end() - 1, wanted) - steps.begin()) -
-          1;
-      const float fraction = (wanted - steps[k]) / std::max(1e-9f, steps[k + 1] - steps[k]);
-      const Vec2 a = source_.uv[at(vertex(start + k))], b = source_.uv[at(vertex(start + k + 1))];
-      placed.push_back(add_point(a + fraction * (b - a), true));
-    }
+    domain_.points.resize(at(count));
+    positions_.resize(at(count));
+    is_fixed_.resize(at(count));
+    for (auto& t : triangles_)
+      for (int& v : t) v = now[at(v)];
+    for (auto& loop : domain_.loops)
+      for (int& v : loop)
+        if ((v = now[at(v)]) < 0) return false;
+    return !triangles_.empty();
   }
 
   /// Moves each free point to the centroid of its triangles, each weighted by its area on the surface over the wanted area,
@@ -255,7 +289,22 @@ class BaseMesher {
       return {};
     BaseMesh mesh{{maker->uv().begin(), maker->uv().end()},
                   {maker->corners().begin(), maker->corners().end()}};
+    if (!covers_surface(mesh)) return {};
     return is_symmetric_ ? doubled(mesh) : mesh;
+  }
+
+  /// True if no triangle is inverted or without area, and the topology is that of the surface. The pairing has checked that each
+  /// edge has one or two triangles and each vertex one fan.
+  bool covers_surface(const BaseMesh& mesh) const {
+    std::vector<std::array<int, 3>> triangles;
+    for (std::size_t f = 0; f < mesh.corners.size(); f += 3)
+      triangles.push_back({mesh.corners[f], mesh.corners[f + 1], mesh.corners[f + 2]});
+    for (const float area : chart_areas(mesh.uv, triangles))
+      if (!(area < 0)) return false;
+    std::vector<std::array<int, 3>> inside;
+    for (std::size_t f = 0; f < source_.triangles.size(); ++f)
+      if (boundary_.is_inside[f]) inside.push_back(source_.triangles[f]);
+    return euler_number(triangles) == euler_number(inside);
   }
 
   /// Joins a half to its mirror image. Basic blocks that end on the middle line are completed by the mirrored triangle, as
@@ -277,10 +326,17 @@ class BaseMesher {
   const Source& source_;
   const bool is_symmetric_;
   const SurfaceBoundary boundary_;
+  const LoopPoints loop_points_;
   FieldGrid shape_;
-  std::vector<Vec3> openings_;   // vertices around openings
-  std::vector<int> candidates_;  // vertices of the source, in random order
-  float edge_ = 10;              // wanted length away from openings, millimetres
+  std::vector<Vec3> openings_;  // vertices around openings
+  double area_ = 0;             // of the surface, square millimetres
+  struct Candidate {
+    Vec2 uv;
+    Vec3 p;
+  };
+  std::vector<Candidate> candidates_;     // in random order
+  float edge_ = 10;                       // wanted length away from openings, millimetres
+  std::vector<std::vector<Vec2>> loops_;  // points along the boundary
   Domain domain_;
   std::vector<Vec3> positions_;  // of domain_.points
   std::vector<char> is_fixed_;

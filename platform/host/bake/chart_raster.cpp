@@ -10,6 +10,9 @@ namespace pliant::host::bake {
 
 namespace {
 
+/// Twice the area in the chart below which a triangle has no barycentric coordinates.
+constexpr float kLeastArea = 1e-12f;
+
 struct Corners {
   Vec2 a, b, c;
   float area() const { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
@@ -35,7 +38,7 @@ class Rasteriser {
   /// Assigns triangle f to the samples inside it that have no triangle yet.
   void cover(std::size_t f) {
     const Corners t = corners(uv_, triangles_[f]);
-    if (std::fabs(t.area()) < 1e-12f) return;
+    if (std::fabs(t.area()) < kLeastArea) return;
     const float w = static_cast<float>(raster_.width - 1), h = static_cast<float>(raster_.height - 1);
     const auto [left, right] = std::minmax({t.a.x, t.b.x, t.c.x});
     const auto [top, bottom] = std::minmax({t.a.y, t.b.y, t.c.y});
@@ -65,6 +68,7 @@ class Rasteriser {
       float least = 1e9f;
       for (std::size_t f : at_boundary) {
         const Corners t = corners(uv_, triangles_[f]);
+        if (std::fabs(t.area()) < kLeastArea) continue;
         const Vec2 d = p - (1.0f / 3) * (t.a + t.b + t.c);
         if (dot(d, d) >= least) continue;
         least = dot(d, d);

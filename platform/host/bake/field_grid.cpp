@@ -18,23 +18,35 @@ FieldGrid empty_grid(int width, int height, int components) {
   return grid;
 }
 
+/// Bounds what a narrow triangle extrapolates: to the range of the values and as much on both sides.
+float near_range(float value, float low, float high) {
+  const float range = high - low;
+  return std::clamp(value, low - range, high + range);
+}
+
 }  // namespace
 
 FieldGrid grid_of(const ChartRaster& raster, const std::vector<Vec3>& values) {
   FieldGrid grid = empty_grid(raster.width, raster.height, 3);
+  Vec3 low = values[0], high = low;
+  for (const Vec3 p : values) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
   for (std::size_t k = 0; k < raster.samples.size(); ++k) {
     const Vec3 p = value_at(raster.samples[k], values);
-    grid.samples[3 * k] = p.x;
-    grid.samples[3 * k + 1] = p.y;
-    grid.samples[3 * k + 2] = p.z;
+    grid.samples[3 * k] = near_range(p.x, low.x, high.x);
+    grid.samples[3 * k + 1] = near_range(p.y, low.y, high.y);
+    grid.samples[3 * k + 2] = near_range(p.z, low.z, high.z);
   }
   return grid;
 }
 
 FieldGrid grid_of(const ChartRaster& raster, const std::vector<float>& values) {
   FieldGrid grid = empty_grid(raster.width, raster.height, 1);
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
   for (std::size_t k = 0; k < raster.samples.size(); ++k)
-    grid.samples[k] = value_at(raster.samples[k], values);
+    grid.samples[k] = near_range(value_at(raster.samples[k], values), *low, *high);
   return grid;
 }
 

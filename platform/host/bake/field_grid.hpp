@@ -16,7 +16,7 @@ struct FieldGrid {
   bool is_whole_chart() const { return u0 == 0 && v0 == 0 && u1 == 1 && v1 == 1; }
 };
 
-/// Samples values given at the vertices on a grid over the whole chart.
+/// Samples values given at the vertices on a grid over the whole chart. Precondition: there are values.
 FieldGrid grid_of(const ChartRaster& raster, const std::vector<Vec3>& values);
 FieldGrid grid_of(const ChartRaster& raster, const std::vector<float>& values);
 

@@ -111,7 +111,7 @@ ObjMesh read_obj(const std::string& path) {
   return ObjReader(path).run();
 }
 
-std::vector<Vec3> read_obj_positions(const std::string& path, const ObjMesh& like) {
+ObjMesh read_obj_like(const std::string& path, const ObjMesh& like) {
   ObjMesh mesh = read_obj(path);
   const auto differ = [&](std::size_t here, std::size_t there, const char* what) {
     if (here != there)
@@ -128,7 +128,7 @@ std::vector<Vec3> read_obj_positions(const std::string& path, const ObjMesh& lik
       while (static_cast<std::size_t>(mesh.polygon_end[polygon]) <= k) ++polygon;
       throw SourceError(path, mesh.polygon_line[polygon], "the face differs from that of " + like.path);
     }
-  return std::move(mesh.vertices);
+  return mesh;
 }
 
 }  // namespace pliant::host::bake

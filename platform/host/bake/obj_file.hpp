@@ -25,7 +25,7 @@ struct ObjMesh {
 /// Reads a file. Throws SourceError with the line for an incomplete line, an index out of range or a malformed number.
 ObjMesh read_obj(const std::string& path);
 
-/// Reads only the positions of a mesh that has the polygons of `like`. Throws SourceError if the polygons differ.
-std::vector<Vec3> read_obj_positions(const std::string& path, const ObjMesh& like);
+/// Reads a mesh that has the polygons of `like`. Throws SourceError if the polygons differ.
+ObjMesh read_obj_like(const std::string& path, const ObjMesh& like);
 
 }  // namespace pliant::host::bake

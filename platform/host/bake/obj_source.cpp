@@ -1,6 +1,7 @@
 #include "host/bake/obj_source.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +13,7 @@
 #include "host/bake/obj_file.hpp"
 #include "host/bake/principal_components.hpp"
 #include "host/bake/source_error.hpp"
+#include "host/bake/surface_check.hpp"
 #include "host/io/words.hpp"
 
 namespace pliant::host::bake {
@@ -19,8 +21,21 @@ namespace pliant::host::bake {
 namespace {
 
 namespace fs = std::filesystem;
+
+bool is_obj_file(const std::string& source) {
+  return ends_with(source, ".obj") && !fs::is_directory(source);
+}
+
+/// Vertices of a mesh, count, at most: about four samples of the largest rest shape each. Bounds the time.
+constexpr std::size_t kMostVertices = 250000;
+/// Largest distance of a vertex from the origin, millimetres: a tenth of what a table can hold.
+constexpr float kFarthestMm = 1e5f;
+/// Corners of a polygon that are tried as the apex of its fan, count, at most. Bounds the time.
+constexpr std::size_t kMostApexes = 64;
+
 /// Names of the OBJ files, sorted, without their ending.
 std::vector<std::string> obj_names(const std::string& folder) {
+  if (is_obj_file(folder)) return {fs::path(folder).stem().string()};
   std::vector<std::string> names;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error))
@@ -39,14 +54,15 @@ std::string parameter_name(std::string name) {
 
 class FolderReader {
  public:
-  FolderReader(const std::string& folder, const ObjOptions& options)
-      : folder_(folder), options_(options), names_(obj_names(folder)) {}
+  FolderReader(const std::string& source, const ObjOptions& options)
+      : folder_(is_obj_file(source) ? fs::path(source).parent_path().string() : source),
+        options_(options),
+        names_(obj_names(source)),
+        only_file_(is_obj_file(source) ? source : "") {}
 
   Source run() {
     const bool scans = options_.components > 0;
-    const bool has_neutral = std::find(names_.begin(), names_.end(), "neutral") != names_.end();
-    if (!scans && !has_neutral) throw SourceError(folder_ + "/neutral.obj", 0, "cannot be read");
-    rest_ = read_obj(path(scans ? names_[0] : "neutral"));
+    rest_ = read_obj(scans ? path(names_[0]) : rest_path());
     make_vertices();
     make_triangles();
     if (scans)
@@ -62,36 +78,50 @@ class FolderReader {
 
  private:
   std::string path(const std::string& name) const { return folder_ + "/" + name + ".obj"; }
+  std::string rest_path() const { return only_file_.empty() ? path("neutral") : only_file_; }
   void report_progress(std::size_t done) const {
     if (options_.progress) options_.progress("files", done, names_.size());
   }
 
-  /// Makes one vertex for each pair of position and texture coordinate. A position on a cut of the chart has several.
+  /// Makes one vertex for each pair of place and texture coordinate. A place on a cut of the chart has several. Equal numbers
+  /// count as one, whether the file repeats them or not.
   void make_vertices() {
-    std::map<std::pair<int, int>, int> ids;
+    std::map<std::array<float, 5>, int> ids;
     for (std::size_t polygon = 0, k = 0; polygon < rest_.polygon_end.size(); ++polygon)
       for (; k < at(rest_.polygon_end[polygon]); ++k) {
         const ObjCorner c = rest_.corners[k];
         if (c.texture < 0)
           throw SourceError(rest_.path, rest_.polygon_line[polygon], "the face has no texture coordinates");
-        const auto [entry, fresh] = ids.insert({{c.vertex, c.texture}, static_cast<int>(ids.size())});
+        const Vec2 t = rest_.texture[at(c.texture)];
+        const Vec3 p = rest_.vertices[at(c.vertex)];
+        const auto [entry, fresh] = ids.insert({{p.x, p.y, p.z, t.x, t.y}, static_cast<int>(ids.size())});
         if (fresh) {
-          const Vec2 t = rest_.texture[at(c.texture)];
           if (!(t.x >= 0 && t.x <= 1 && t.y >= 0 && t.y <= 1))
             throw SourceError(rest_.path, rest_.polygon_line[polygon],
                               "a texture coordinate of the face is outside 0 to 1");
           source_.uv.push_back({t.x, 1 - t.y});
           vertex_of_.push_back(c.vertex);
-          first_id_.insert({c.vertex, entry->second});
         }
+        first_id_.insert({c.vertex, entry->second});
         id_of_corner_.push_back(entry->second);
       }
-    source_.neutral = placed(rest_.vertices);
+    if (source_.uv.size() > kMostVertices)
+      throw SourceError(rest_.path, 0,
+                        "has " + std::to_string(source_.uv.size()) + " vertices, more than " +
+                            std::to_string(kMostVertices) + ": reduce the mesh");
+    source_.neutral = placed(rest_);
   }
 
-  std::vector<Vec3> placed(const std::vector<Vec3>& positions) const {
+  std::vector<Vec3> placed(const ObjMesh& mesh) const {
     std::vector<Vec3> result;
-    for (int v : vertex_of_) result.push_back(options_.unit_mm * positions[at(v)]);
+    for (int v : vertex_of_) {
+      const Vec3 p = options_.unit_mm * mesh.vertices[at(v)];
+      if (!(length(p) <= kFarthestMm))
+        throw SourceError(
+            mesh.path, 0,
+            "vertex " + std::to_string(v + 1) + " is more than 100 m from the origin: check it and --unit");
+      result.push_back(p);
+    }
     return result;
   }
 
@@ -99,20 +129,42 @@ class FolderReader {
   void make_triangles() {
     std::vector<int> line;
     for (std::size_t polygon = 0, k = 0; polygon < rest_.polygon_end.size();
-         k = at(rest_.polygon_end[polygon++]))
-      for (std::size_t c = k + 2; c < at(rest_.polygon_end[polygon]); ++c) {
-        source_.triangles.push_back({id_of_corner_[k], id_of_corner_[c - 1], id_of_corner_[c]});
-        line.push_back(rest_.polygon_line[polygon]);
-      }
+         k = at(rest_.polygon_end[polygon++])) {
+      const std::vector<int> corners(id_of_corner_.begin() + static_cast<std::ptrdiff_t>(k),
+                                     id_of_corner_.begin() + rest_.polygon_end[polygon]);
+      add_fan(corners);
+      line.resize(source_.triangles.size(), rest_.polygon_line[polygon]);
+    }
     if (source_.triangles.empty()) throw SourceError(rest_.path, 0, "holds no faces");
     source_.is_hole.assign(source_.triangles.size(), 0);
     double sum = 0;
     for (float area : chart_areas(source_.uv, source_.triangles)) sum += static_cast<double>(area);
     if (sum > 0)
       for (Vec2& uv : source_.uv) uv.x = 1 - uv.x;
-    const auto areas = chart_areas(source_.uv, source_.triangles);
-    for (std::size_t f = 0; f < areas.size(); ++f)
-      if (areas[f] > 1e-9f) throw SourceError(rest_.path, line[f], "the chart has a fold-over at this face");
+    if (const auto defect = find_defect(source_.uv, source_.triangles))
+      throw SourceError(rest_.path, line[defect->triangle], defect->what);
+  }
+
+  /// Adds the triangles of a polygon: the fan around its first corner or, where it is not convex, around the corner with the
+  /// largest least area in the chart.
+  void add_fan(const std::vector<int>& corners) {
+    const std::size_t n = corners.size();
+    std::vector<std::array<int, 3>> best;
+    float best_area = 0;
+    for (std::size_t apex = 0; apex < std::min(n, kMostApexes); ++apex) {
+      std::vector<std::array<int, 3>> fan;
+      for (std::size_t c = 2; c < n; ++c)
+        fan.push_back({corners[apex], corners[(apex + c - 1) % n], corners[(apex + c) % n]});
+      const auto areas = chart_areas(source_.uv, fan);
+      const auto [least, most] = std::minmax_element(areas.begin(), areas.end());
+      const float area = std::max(*least, -*most);  // positive if all triangles have one orientation
+      if (apex == 0 || area > best_area) {
+        best = std::move(fan);
+        best_area = area;
+      }
+      if (apex == 0 && area > 0) break;
+    }
+    source_.triangles.insert(source_.triangles.end(), best.begin(), best.end());
   }
 
   void add_parameter(const std::string& file, const std::string& name, Group group,
@@ -128,11 +180,12 @@ class FolderReader {
   }
 
   void read_shapes() {
+    if (!only_file_.empty()) return;
     std::size_t done = 1;
     for (const bool identity : {true, false})
       for (const std::string& name : names_) {
         if (name == "neutral" || (name.compare(0, 8, "identity") == 0) != identity) continue;
-        auto moved = placed(read_obj_positions(path(name), rest_));
+        auto moved = placed(read_obj_like(path(name), rest_));
         for (std::size_t v = 0; v < moved.size(); ++v) moved[v] = moved[v] - source_.neutral[v];
         add_parameter(path(name), parameter_name(name), identity ? Group::identity : Group::expression,
                       std::move(moved));
@@ -143,7 +196,7 @@ class FolderReader {
   void read_scans() {
     std::vector<std::vector<Vec3>> scans;
     for (const std::string& name : names_) {
-      scans.push_back(placed(read_obj_positions(path(name), rest_)));
+      scans.push_back(placed(read_obj_like(path(name), rest_)));
       report_progress(scans.size());
     }
     if (scans.size() < 2 || at(options_.components) >= scans.size())
@@ -162,7 +215,7 @@ class FolderReader {
 
   void read_landmarks() {
     const std::string file = folder_ + "/landmarks.csv";
-    if (!fs::exists(file)) return;
+    if (!only_file_.empty() || !fs::exists(file)) return;
     std::ifstream in(file);
     std::string line;
     int number = 0;
@@ -227,6 +280,7 @@ class FolderReader {
   const std::string folder_;
   const ObjOptions& options_;
   const std::vector<std::string> names_;
+  const std::string only_file_;  // if the source is one file
   ObjMesh rest_;
   std::vector<int> id_of_corner_;  // ours, of each corner of rest_
   std::vector<int> vertex_of_;     // the file's, of each of our vertices
@@ -237,12 +291,12 @@ class FolderReader {
 
 }  // namespace
 
-Source read_obj_folder(const std::string& folder, const ObjOptions& options) {
-  return FolderReader(folder, options).run();
+Source read_obj_source(const std::string& source, const ObjOptions& options) {
+  return FolderReader(source, options).run();
 }
 
-bool is_obj_folder(const std::string& folder) {
-  return !obj_names(folder).empty();
+bool is_obj_source(const std::string& source) {
+  return !obj_names(source).empty();
 }
 
 }  // namespace pliant::host::bake

@@ -1,6 +1,6 @@
 #pragma once
 /// \file obj_source.hpp
-/// Reads a source from a folder of OBJ files with one topology.
+/// Reads a source from an OBJ file, or from a folder of OBJ files with one topology.
 #include <functional>
 #include <string>
 #include <vector>
@@ -19,14 +19,16 @@ struct ObjOptions {
   std::function<void(const char* stage, std::size_t done, std::size_t of)> progress;
 };
 
-/// Reads neutral.obj (with texture coordinates, v upwards), identity*.obj as identities, and every other NAME.obj as an
-/// expression. A suffix _L or _R of a name becomes Left or Right. With `components`, every file is a scan instead.
+/// Reads a folder: neutral.obj (with texture coordinates, v upwards), identity*.obj as identities, and every other NAME.obj as
+/// an expression. A suffix _L or _R of a name becomes Left or Right. With `components`, every file is a scan instead. Or reads
+/// one OBJ file, which is a surface without parameters.
 /// landmarks.csv (columns landmark,vertex; vertices from 0) is optional. If it names the outer eye corners (ibug36, ibug45),
 /// the origin is moved midway between them. If it names iBUG landmarks of lids, lips, brows or the jaw, they become curves.
-/// Throws SourceError.
-Source read_obj_folder(const std::string& folder, const ObjOptions& options);
+/// Throws SourceError, also for a mesh that is no surface over a chart (surface_check.hpp), for one of more than 250,000
+/// vertices, and for a vertex of a face that is more than 100 m from the origin.
+Source read_obj_source(const std::string& source, const ObjOptions& options);
 
-/// True if the folder holds OBJ files.
-bool is_obj_folder(const std::string& folder);
+/// True for the name of an OBJ file, and for a folder that holds some.
+bool is_obj_source(const std::string& source);
 
 }  // namespace pliant::host::bake

@@ -17,7 +17,7 @@ double doubled_area(const Source& source, const BoundaryLoop& loop) {
                b = source.uv[at(loop.vertices[(k + 1) % loop.vertices.size()])];
     sum += static_cast<double>(a.x * b.y - a.y * b.x);
   }
-  return std::fabs(sum);
+  return sum;
 }
 
 }  // namespace
@@ -63,10 +63,13 @@ SurfaceBoundary find_boundary(const Source& source, bool half) {
     boundary.loops.push_back(std::move(loop));
   }
   std::sort(boundary.loops.begin(), boundary.loops.end(), [&](const BoundaryLoop& a, const BoundaryLoop& b) {
-    return doubled_area(source, a) > doubled_area(source, b);
+    return std::fabs(doubled_area(source, a)) > std::fabs(doubled_area(source, b));
   });
-  for (std::size_t k = 1; k < boundary.loops.size(); ++k)
-    for (Side& s : boundary.loops[k].sides) s = Side::opening;
+  for (BoundaryLoop& loop : boundary.loops) {
+    loop.is_hole = (doubled_area(source, loop) > 0) != (doubled_area(source, boundary.loops[0]) > 0);
+    if (!loop.is_hole) continue;
+    for (Side& s : loop.sides) s = Side::opening;
+  }
   return boundary;
 }
 

@@ -153,22 +153,37 @@ class Triangulator {
   bool recover(Edge e) {
     constexpr int kRounds = 400;  // bounds the time; an edge crosses far fewer others
     for (int round = 0; round < kRounds; ++round) {
-      const auto sides = sides_of(triangles_);
-      if (sides.count(e)) return true;
+      if (sides_.empty()) sides_ = sides_of(triangles_);
+      if (sides_.count(e)) return true;
       bool flipped = false;
-      for (const auto& [f, faces] : sides) {
+      for (const auto& [f, faces] : sides_) {
         if (faces[1] < 0 || !crosses(e, f)) continue;
         if (fixed_.count(f)) return false;
         const Quad q = quad_of(triangles_, f, faces);
         // A flipped edge that still crosses e is accepted in every third round only. Otherwise two edges could alternate.
         if (!is_positive(q) || (crosses(e, edge_of(q.c, q.d)) && round % 3 != 2)) continue;
-        flip(triangles_, faces, q);
+        flip_and_update(f, faces, q);
         flipped = true;
         break;
       }
       if (!flipped && round % 3 == 2) return false;
     }
     return false;
+  }
+
+  /// Flips edge `old` and keeps sides_ what sides_of would find.
+  void flip_and_update(Edge old, std::array<int, 2> faces, const Quad& q) {
+    flip(triangles_, faces, q);
+    const auto replace = [&](Edge e, int from, int to) {
+      auto& s = sides_.at(e);
+      for (int& f : s)
+        if (f == from) f = to;
+      if (s[1] >= 0 && s[0] > s[1]) std::swap(s[0], s[1]);
+    };
+    replace(edge_of(q.b, q.c), faces[0], faces[1]);
+    replace(edge_of(q.a, q.d), faces[1], faces[0]);
+    sides_.erase(old);
+    sides_[edge_of(q.c, q.d)] = faces;
   }
 
   bool is_inside(Point p) const {
@@ -196,6 +211,7 @@ class Triangulator {
   std::vector<Point> points_;
   Triangles triangles_;
   std::set<Edge> fixed_;
+  std::map<Edge, std::array<int, 2>> sides_;
 };
 
 double cosine(Vec3 apex, Vec3 a, Vec3 b) {

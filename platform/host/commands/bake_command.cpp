@@ -111,7 +111,7 @@ int run_bake(const Args& args, Console& console) {
 Command bake_command() {
   return {
       "bake",
-      "Makes a model table from a folder of text tables, such as fixtures/face, or of OBJ files.",
+      "Makes a model table from a folder of text tables, such as fixtures/face, from an OBJ file, or from a folder of OBJ files.",
       "SOURCE -o face.plm [--embed face.cpp] [--size N] [--bits 16|8] [--unit MM] [--base-mesh N] [--pca N] "
       "[--relax-chart] "
       "[--identities N] [--expressions N|NAME,...] [--learnt FILE|none] [--errors] | SOURCE --sizes N,... "

@@ -202,6 +202,40 @@ TEST_CASE("a mirrored chart is flipped, so that seen from outside u points right
   CHECK(f.pv.y < 0);
 }
 
+TEST_CASE(
+    "one OBJ file is a surface without parameters; its numbers may be repeated, and polygons may be "
+    "concave") {
+  const ObjFolder folder("one");
+  std::string text = "mtllib x.mtl\nusemtl a\n";
+  // An L of two cells and a concave pentagon, each with corners of its own, and a vertex that no face uses.
+  const std::vector<std::vector<Vec2>> faces = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}},
+                                                {{0, 1}, {1, 1}, {1, 2}, {0, 2}},
+                                                {{1, 0}, {2, 0}, {2, 1}, {1.5f, 0.5f}, {1, 1}}};
+  int count = 0;
+  for (const auto& face : faces) {
+    std::string corners;
+    for (const Vec2 p : face) {
+      text += "v " + std::to_string(50 * p.x) + " " + std::to_string(50 * p.y) + " 0\n";
+      text += "vt " + std::to_string(0.5f * p.x) + " " + std::to_string(0.5f * p.y) + "\n";
+      ++count;
+      corners += " " + std::to_string(count) + "/" + std::to_string(count);
+    }
+    text += "usemtl b\nf" + corners + "\n";
+  }
+  folder.write("any name.obj", text + "v 1e9 0 0\n");
+  BakeOptions options;
+  options.source = folder.file("any name.obj");
+  options.base_vertices = 100;
+  std::vector<std::uint8_t> table;
+  std::string error;
+  BakeReport report;
+  REQUIRE_MESSAGE(host::bake::bake(options, table, error, &report), error);
+  BakedModel baked(table);
+  CHECK(baked.model.parameters().count == 0);
+  CHECK(report.errors.rest.max_mm < 0.05f);
+  CHECK(length(baked.at(Vec2{0.9f, 0.9f}, {}) - Vec3{90, 10, 0}) < 0.05f);
+}
+
 TEST_CASE("principal components are orthogonal, have the right length and explain the variance") {
   Random random(3);
   const std::size_t vertices = 50;
@@ -315,6 +349,11 @@ TEST_CASE("each defect of an OBJ folder is one line that names the file and the 
         at_face("the face has no texture coordinates"));
   CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 35/34/ 34/35/\n")) ==
         at_face("the chart has a fold-over at this face"));
+  CHECK(neutral_error(swapped(good, "v 5.000000 ", "v 5e9 ")) ==
+        neutral + ": vertex 33 is more than 100 m from the origin: check it and --unit");
+  CHECK(neutral_error(swapped(good, first_face, first_face + first_face)) ==
+        neutral + ":" + std::to_string(face_line + 1) +
+            ": the face and its neighbour have opposite windings");
   CHECK(neutral_error(swapped(good, "vt 0.100000", "vt -0.10000")) ==
         at_face("a texture coordinate of the face is outside 0 to 1"));
 
