@@ -11,13 +11,23 @@ namespace pliant::host::learn {
 namespace {
 
 constexpr std::size_t kBins = 256;
-// Weights are integers, so that sums do not depend on their order. All of one class together weigh this.
-constexpr double kClassWeight = 1 << 30;
+// Slopes and curvatures of the loss are integers, so that their sums do not depend on the order: this much is 1 on average
+// over a class.
+constexpr double kUnit = 1 << 14;
+
+/// The sums of slope (y - p, upper half) and curvature (p (1 - p), lower half) in one word.
+using Terms = std::int64_t;
+double slope_of(Terms t) {
+  return static_cast<double>(t >> 32);
+}
+double curvature_of(Terms t) {
+  return static_cast<double>(t & 0xffffffff);
+}
 
 struct Split {
-  double loss = 1e300;
+  double gain = -1;
   int place = 0, threshold = 0;
-  bool better_than(const Split& o) const { return loss < o.loss || (loss == o.loss && place < o.place); }
+  bool better_than(const Split& o) const { return gain > o.gain || (gain == o.gain && place < o.place); }
 };
 
 class Booster {
@@ -31,7 +41,7 @@ class Booster {
         count_(faces.size() + others.size()),
         values_(count_ * kWindowFeatures),
         sums_(count_, 0),
-        weights_(count_),
+        terms_(count_),
         leaves_(count_) {
     for (std::size_t i = 0; i < count_; ++i) {
       const Window& w = i < face_count_ ? faces[i] : others[i - face_count_];
@@ -51,45 +61,39 @@ class Booster {
   }
 
  private:
-  // w = exp(-y sum), each class with the same weight in all.
+  // Of the loss log(1 + exp(-2 y F)), F = sum / kLeafUnit half the logarithm of the odds. Both classes weigh the same.
   void weigh() {
-    weigh(0, face_count_, -1);
-    weigh(face_count_, count_, 1);
-  }
-  void weigh(std::size_t begin, std::size_t end, int sign) {
-    int highest = -0x7fffffff;
-    for (std::size_t i = begin; i < end; ++i) highest = std::max(highest, sign * sums_[i]);
-    const auto weight = [&](std::size_t i) {
-      return std::exp(static_cast<double>(sign * sums_[i] - highest) / kLeafUnit);
-    };
-    double all = 0;
-    for (std::size_t i = begin; i < end; ++i) all += weight(i);
-    for (std::size_t i = begin; i < end; ++i)
-      weights_[i] = static_cast<std::uint32_t>(kClassWeight / all * weight(i));
+    const double each = kUnit * 0.5 * static_cast<double>(count_),
+                 face = each / static_cast<double>(face_count_),
+                 other = each / static_cast<double>(count_ - face_count_);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const bool is_face = i < face_count_;
+      const double p = 1 / (1 + std::exp(-2.0 / kLeafUnit * sums_[i])), weight = is_face ? face : other;
+      const auto slope = static_cast<Terms>(std::lround(weight * ((is_face ? 1 : 0) - p)));
+      const auto curvature = static_cast<Terms>(std::lround(weight * p * (1 - p)));
+      terms_[i] = slope * (Terms{1} << 32) + curvature;
+    }
   }
 
-  // The best splits of all nodes of a level by one feature. Histograms: node, class, value.
+  double gain_of(Terms t) const {
+    const double slope = slope_of(t);
+    return slope * slope / (curvature_of(t) + smoothing());
+  }
+  double smoothing() const { return tuning_.smoothing * kUnit * static_cast<double>(count_); }
+
+  // The best splits of all nodes of a level by one feature.
   void try_feature(int place, int nodes, Split* best) const {
-    std::vector<std::uint32_t> sums(static_cast<std::size_t>(2 * nodes) * kBins, 0);
+    std::vector<Terms> sums(static_cast<std::size_t>(nodes) * kBins, 0);
     const std::uint8_t* const value = values_.data() + static_cast<std::size_t>(place) * count_;
-    for (std::size_t i = 0; i < face_count_; ++i) sums[2 * leaves_[i] * kBins + value[i]] += weights_[i];
-    for (std::size_t i = face_count_; i < count_; ++i)
-      sums[(2 * leaves_[i] + 1u) * kBins + value[i]] += weights_[i];
+    for (std::size_t i = 0; i < count_; ++i) sums[leaves_[i] * kBins + value[i]] += terms_[i];
     for (int node = 0; node < nodes; ++node) {
-      const std::uint32_t* const faces = sums.data() + static_cast<std::size_t>(2 * node) * kBins;
-      const std::uint32_t* const others = faces + kBins;
-      double all_faces = 0, all_others = 0, low_faces = 0, low_others = 0;
-      for (std::size_t b = 0; b < kBins; ++b) {
-        all_faces += faces[b];
-        all_others += others[b];
-      }
+      const Terms* const of = sums.data() + static_cast<std::size_t>(node) * kBins;
+      Terms all = 0, low = 0;
+      for (std::size_t b = 0; b < kBins; ++b) all += of[b];
       for (std::size_t b = 0; b + 1 < kBins; ++b) {
-        low_faces += faces[b];
-        low_others += others[b];
-        if (faces[b] + others[b] == 0 && b > 0) continue;
-        const double loss = std::sqrt(low_faces * low_others) +
-                            std::sqrt((all_faces - low_faces) * (all_others - low_others));
-        const Split split{loss, place, static_cast<int>(b) + 1};
+        low += of[b];
+        if (of[b] == 0 && b > 0) continue;
+        const Split split{gain_of(low) + gain_of(all - low), place, static_cast<int>(b) + 1};
         if (split.better_than(best[node])) best[node] = split;
       }
     }
@@ -123,13 +127,11 @@ class Booster {
   }
 
   void set_leaves(DetectorTree* tree) {
-    double faces[kTreeLeaves] = {}, others[kTreeLeaves] = {};
-    for (std::size_t i = 0; i < face_count_; ++i) faces[leaves_[i]] += weights_[i];
-    for (std::size_t i = face_count_; i < count_; ++i) others[leaves_[i]] += weights_[i];
-    const double smoothing = tuning_.smoothing * kClassWeight;
+    Terms sums[kTreeLeaves] = {};
+    for (std::size_t i = 0; i < count_; ++i) sums[leaves_[i]] += terms_[i];
     for (int k = 0; k < kTreeLeaves; ++k) {
-      const double value = 0.5 * std::log((faces[k] + smoothing) / (others[k] + smoothing));
-      const double scaled = static_cast<double>(tuning_.shrinkage) * kLeafUnit * value;
+      const double step = 0.5 * slope_of(sums[k]) / (curvature_of(sums[k]) + smoothing());
+      const double scaled = static_cast<double>(tuning_.shrinkage) * kLeafUnit * step;
       tree->leaf[k] = static_cast<std::int8_t>(std::lround(std::clamp(scaled, -127.0, 127.0)));
     }
   }
@@ -140,7 +142,7 @@ class Booster {
   std::size_t face_count_, count_;
   std::vector<std::uint8_t> values_;  // by feature
   std::vector<int> sums_;
-  std::vector<std::uint32_t> weights_;
+  std::vector<Terms> terms_;
   std::vector<std::uint8_t> leaves_;  // the node or leaf that a window has reached, counted in its level
 };
 

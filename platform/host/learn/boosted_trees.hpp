@@ -1,6 +1,6 @@
 #pragma once
 /// \file boosted_trees.hpp
-/// Boosting of the detector's trees (real AdaBoost; Friedman, Hastie and Tibshirani 2000) over bytes.
+/// Boosting of the detector's trees over bytes (LogitBoost; Friedman, Hastie and Tibshirani 2000).
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -15,8 +15,8 @@ struct BoostTuning {
   float feature_fraction = 0.125f;
   /// Of a tree's leaf values. Round value.
   float shrinkage = 1.0f;
-  /// Added to the weight of each class in a leaf, as a fraction of all weight: bounds the leaf's value.
-  double smoothing = 1e-4;
+  /// Added to the curvature of a leaf, as a fraction of all samples: bounds the leaf's value.
+  double smoothing = 2e-4;
 };
 
 /// The value of a leaf in units of half the logarithm of odds: 1/kLeafUnit.

@@ -11,7 +11,7 @@ namespace pliant::host::learn {
 
 namespace {
 
-constexpr std::size_t kFrames = 1000;  // searched for hits, without faces
+constexpr double kFrames = 1000;  // searched for hits, without faces
 constexpr int kFrameWidth = 320, kFrameHeight = 240;
 constexpr std::uint64_t kStream = 14;
 constexpr double kSurest = 0.998;  // probability at the last knot
@@ -57,31 +57,31 @@ Calibration fit_calibration(const std::vector<WeightedSum>& faces, const std::ve
   return {a / sd, b - a * mean / sd};
 }
 
-Calibration calibrate(const std::vector<DetectorTree>& trees, const std::vector<int>& faces,
-                      const OtherPictures& others, const LearnOptions& options) {
-  const int least = trees.back().rejection;
-  OtherPictures kept;
-  {
-    std::vector<Image> pictures;
-    for (std::size_t k = 0; k < others.count(); ++k)
-      if (calibrates(k, others.count()) || others.count() < 10) pictures.push_back(others.picture(k));
-    kept = OtherPictures(pictures);
-  }
-  std::vector<int> best(kFrames, kRejected);
-  run_parallel(options.threads, kFrames, [&](std::size_t k) {
+std::vector<int> best_sums_without_faces(const std::vector<DetectorTree>& trees, const OtherPictures& others,
+                                         const LearnOptions& options) {
+  std::vector<Image> pictures;
+  for (std::size_t k = 0; k < others.count(); ++k)
+    if (calibrates(k, others.count()) || others.count() < kFewPictures) pictures.push_back(others.picture(k));
+  const OtherPictures kept(pictures);
+  const auto frames = static_cast<std::size_t>(std::max(50.0, std::min(1.0, options.effort) * kFrames));
+  std::vector<int> best(frames, kRejected);
+  run_parallel(options.threads, frames, [&](std::size_t k) {
     SampleRandom random(options.seed + kStream, k);
     for (const WindowHit& hit : find_hits(kept.crop(kFrameWidth, kFrameHeight, random), trees))
       best[k] = std::max(best[k], hit.sum);
   });
-  // One hit more than there are, so that a rate of zero is not taken for impossible.
-  std::vector<WeightedSum> face_sums, other_sums{{static_cast<double>(least), 1.0 / kFrames}};
-  for (const int sum : best)
-    if (sum != kRejected) other_sums.push_back({static_cast<double>(sum), 1.0 / kFrames});
+  return best;
+}
+
+Calibration calibrate(const std::vector<int>& faces, const std::vector<int>& others, int least) {
+  // One false hit more than there are, so that a rate of zero is not taken for impossible.
+  const double face = 1 / static_cast<double>(faces.size()), other = 1 / static_cast<double>(others.size());
+  std::vector<WeightedSum> face_sums, other_sums{{static_cast<double>(least), other}};
+  for (const int sum : others)
+    if (sum >= least) other_sums.push_back({static_cast<double>(sum), other});
   for (const int sum : faces)
-    if (sum >= least)
-      face_sums.push_back({static_cast<double>(sum), 1.0 / static_cast<double>(faces.size())});
-  if (face_sums.empty()) return {};
-  return fit_calibration(face_sums, other_sums);
+    if (sum >= least) face_sums.push_back({static_cast<double>(sum), face});
+  return face_sums.empty() ? Calibration{} : fit_calibration(face_sums, other_sums);
 }
 
 void set_knots(const Calibration& calibration, int least_sum, DetectorHeader* header) {

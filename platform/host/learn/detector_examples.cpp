@@ -16,7 +16,7 @@ namespace {
 constexpr const DetectorLearningTuning& kTuning = kDetectorLearningTuning;
 
 // Streams of random numbers.
-enum Stream : std::uint64_t { kFaceStream = 11, kOtherStream = 12, kHitStream = 13 };
+enum Stream : std::uint64_t { kFaceStream = 11, kOtherStream = 12, kHitStream = 13, kBesideStream = 15 };
 
 FaceBox moved(const FaceBox& box, float x, float y, float zoom) {
   return {box.center + box.side * Vec2{x, y}, box.side * zoom};
@@ -28,6 +28,18 @@ std::vector<std::size_t> training_pictures(const OtherPictures& others) {
   for (std::size_t k = 0; k < others.count(); ++k)
     if (!calibrates(k, others.count())) numbers.push_back(k);
   return numbers;
+}
+
+// Windows of random hits, at most so many as one picture may add.
+std::vector<Window> some_of(std::vector<WindowHit> hits, SampleRandom random) {
+  std::vector<Window> windows;
+  while (!hits.empty() && windows.size() < kTuning.hits_a_picture) {
+    const std::size_t k = random.below(hits.size());
+    windows.push_back(hits[k].window);
+    hits[k] = hits.back();
+    hits.pop_back();
+  }
+  return windows;
 }
 
 // The places around a face where the nearest windows of the search may be.
@@ -95,35 +107,33 @@ std::vector<Window> find_false_hits(const std::vector<DetectorTree>& trees, cons
   SampleRandom order(options.seed + kHitStream, round);
   std::vector<std::size_t> pictures = training_pictures(others);
   for (std::size_t k = pictures.size(); k > 1; --k) std::swap(pictures[k - 1], pictures[order.below(k)]);
-  // Between pictures come samples of faces, so that both are among the hits.
-  const std::size_t searches = 2 * pictures.size();
-  constexpr std::size_t kBlock = 16;
   std::vector<Window> found;
-  for (std::size_t begin = 0; begin < searches && found.size() < count; begin += kBlock) {
-    const std::size_t n = std::min(kBlock, searches - begin);
-    std::vector<std::vector<Window>> hits(n);
-    run_parallel(options.threads, n, [&](std::size_t k) {
-      const std::size_t number = begin + k;
-      SampleRandom random(options.seed + kHitStream, (round << 32) + number + 1);
-      std::vector<WindowHit> all;
-      if (number % 2 == 0) {
-        all = find_hits(others.picture(pictures[number / 2]), trees);
-      } else {
-        const FaceSample sample = faces.draw((round << 24) + number);
-        for (WindowHit& hit : find_hits(sample.picture, trees))
-          if (overlap(hit.box, sample.box) < 0.3f) all.push_back(std::move(hit));
-      }
-      for (std::size_t taken = 0; taken < kTuning.hits_a_picture && !all.empty(); ++taken) {
-        const std::size_t which = random.below(all.size());
-        hits[k].push_back(all[which].window);
-        all[which] = all.back();
-        all.pop_back();
-      }
-    });
-    for (const auto& windows : hits) found.insert(found.end(), windows.begin(), windows.end());
-    if (progress) progress("searching for false hits", std::min(found.size(), count), count);
-  }
-  if (found.size() > count) found.resize(count);
+  // Searches until `most` hits are found. search(k) gives the hits of one picture.
+  const auto collect = [&](const char* stage, std::size_t searches, std::size_t most, const auto& search) {
+    constexpr std::size_t kBlock = 16;
+    for (std::size_t begin = 0; begin < searches && found.size() < most; begin += kBlock) {
+      const std::size_t n = std::min(kBlock, searches - begin);
+      std::vector<std::vector<Window>> hits(n);
+      run_parallel(options.threads, n, [&](std::size_t k) { hits[k] = search(begin + k); });
+      for (const auto& windows : hits) found.insert(found.end(), windows.begin(), windows.end());
+      if (progress) progress(stage, begin + n, searches);
+    }
+    if (found.size() > most) found.resize(most);
+  };
+  const auto beside_faces = [&](std::size_t k) {
+    const FaceSample sample = faces.draw((round << 24) + k);
+    std::vector<WindowHit> hits;
+    for (WindowHit& hit : find_hits(sample.picture, trees))
+      if (overlap(hit.box, sample.box) < kTuning.beside_overlap) hits.push_back(std::move(hit));
+    return some_of(std::move(hits), SampleRandom(options.seed + kBesideStream, (round << 32) + k));
+  };
+  const auto samples =
+      static_cast<std::size_t>(options.effort * static_cast<double>(kTuning.searched_samples));
+  collect("searching beside faces", samples, count / 3, beside_faces);
+  collect("searching pictures without faces", pictures.size(), count, [&](std::size_t k) {
+    return some_of(find_hits(others.picture(pictures[k]), trees),
+                   SampleRandom(options.seed + kHitStream, (round << 32) + k + 1));
+  });
   return found;
 }
 

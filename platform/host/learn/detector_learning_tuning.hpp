@@ -23,10 +23,17 @@ struct DetectorLearningTuning {
   std::size_t hits_a_round = 12000, most_others = 50000;
   /// Hits that one picture may add in a round, count.
   std::size_t hits_a_picture = 40;
+  /// Samples of faces that are searched beside the face in a round, count.
+  std::size_t searched_samples = 1500;
+  /// Overlap with the face box below which a hit is false: between this and a good hit it is neither.
+  float beside_overlap = 0.3f;
   /// Trees of each round, count.
   std::size_t trees[4] = {32, 96, 256, 768};
-  /// Faces that the thresholds may lose, as a fraction: of the rounds before the last one, and of the last one.
-  double lost_faces_before = 0.002, lost_faces = 0.005;
+  /// Faces that the thresholds may lose, as a fraction, while hits are collected: some samples are too dark to see.
+  double lost_faces = 0.02;
+  /// Frames without faces that may have a false hit in the end, as a fraction: alignment tells them from faces, and costs as much
+  /// as half a search.
+  double false_hits = 0.15;
   BoostTuning boosting;
 };
 inline constexpr DetectorLearningTuning kDetectorLearningTuning{};

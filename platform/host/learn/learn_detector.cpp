@@ -32,17 +32,53 @@ std::vector<int> best_partial_sums(const std::vector<DetectorTree>& trees, const
   return best;
 }
 
-// Sets the rejection thresholds: the highest ones that keep all checked faces but the worst.
-void set_thresholds(const std::vector<FaceWindows>& faces, double lost, std::vector<DetectorTree>* trees) {
-  std::vector<std::vector<int>> sums;
-  for (const FaceWindows& windows : faces) sums.push_back(best_partial_sums(*trees, windows));
+using PartialSums = std::vector<std::vector<int>>;
+
+// Of checked faces, the lowest last sum first.
+PartialSums checked_sums(const std::vector<DetectorTree>& trees, const std::vector<FaceWindows>& faces) {
+  PartialSums sums;
+  for (const FaceWindows& windows : faces) sums.push_back(best_partial_sums(trees, windows));
   std::sort(sums.begin(), sums.end(), [](const auto& a, const auto& b) { return a.back() < b.back(); });
-  const auto first = static_cast<std::size_t>(lost * static_cast<double>(sums.size()));
+  return sums;
+}
+
+// Sets the rejection thresholds: the highest ones that keep all faces but those with the `lost` lowest sums.
+void set_thresholds(const PartialSums& faces, std::size_t lost, std::vector<DetectorTree>* trees) {
   for (std::size_t t = 0; t < trees->size(); ++t) {
     int least = 32767;
-    for (std::size_t k = first; k < sums.size(); ++k) least = std::min(least, sums[k][t]);
+    for (std::size_t k = lost; k < faces.size(); ++k) least = std::min(least, faces[k][t]);
     (*trees)[t].rejection = to_int16(least);
   }
+}
+
+void set_thresholds(const PartialSums& faces, double lost_fraction, std::vector<DetectorTree>* trees) {
+  set_thresholds(faces, static_cast<std::size_t>(lost_fraction * static_cast<double>(faces.size())), trees);
+}
+
+// The sum that as many frames without faces reach as may have a false hit.
+int sum_of_false_hits(std::vector<int> best_in_frames) {
+  std::sort(best_in_frames.begin(), best_in_frames.end());
+  const auto allowed =
+      static_cast<std::size_t>(kTuning.false_hits * static_cast<double>(best_in_frames.size()));
+  return best_in_frames[best_in_frames.size() - 1 - allowed] + 1;
+}
+
+// The last thresholds, and the calibration of what passes them.
+Calibration conclude(const FaceExamples& examples, const OtherPictures& others, const LearnOptions& options,
+                     std::vector<DetectorTree>* trees) {
+  const PartialSums faces = checked_sums(*trees, examples.checking);
+  set_thresholds(faces, kTuning.lost_faces, trees);
+  const std::vector<int> false_sums = best_sums_without_faces(*trees, others, options);
+  const int least = sum_of_false_hits(false_sums);
+  std::size_t lost = 0;
+  while (lost + 1 < faces.size() &&
+         (faces[lost].back() < least || faces[lost].back() < trees->back().rejection))
+    ++lost;
+  set_thresholds(faces, lost, trees);
+  trees->back().rejection = to_int16(std::max(least, int{trees->back().rejection}));
+  std::vector<int> face_sums;
+  for (const auto& sums : faces) face_sums.push_back(sums.back());
+  return calibrate(face_sums, false_sums, trees->back().rejection);
 }
 
 std::vector<std::uint8_t> bytes_of(const std::vector<DetectorTree>& trees, const Calibration& calibration) {
@@ -88,13 +124,10 @@ std::vector<std::uint8_t> learn_detector(const FaceSamples& faces, const OtherPi
                         options.threads, [&](std::size_t done) {
                           if (progress) progress(stage.c_str(), done, count);
                         });
-    const bool is_last = round + 1 == std::size(kTuning.trees);
-    set_thresholds(examples.checking, is_last ? kTuning.lost_faces : kTuning.lost_faces_before, &trees);
+    set_thresholds(checked_sums(trees, examples.checking), kTuning.lost_faces, &trees);
   }
-  std::vector<int> checked;
-  for (const FaceWindows& windows : examples.checking)
-    checked.push_back(best_partial_sums(trees, windows).back());
-  return bytes_of(trees, calibrate(trees, checked, others, options));
+  const Calibration calibration = conclude(examples, others, options, &trees);
+  return bytes_of(trees, calibration);
 }
 
 }  // namespace pliant::host::learn
