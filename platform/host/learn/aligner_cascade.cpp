@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <memory>
 
 namespace pliant::host::learn {
@@ -14,21 +13,6 @@ double median_of(std::vector<double> v) {
   if (v.empty()) return 0;
   std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
   return v[v.size() / 2];
-}
-
-/// A table with its own memory, opened.
-struct OpenTable {
-  std::vector<std::uint32_t> words;
-  AlignerTable table;
-  explicit OpenTable(const std::vector<std::uint8_t>& bytes) : words((bytes.size() + 3) / 4) {
-    std::memcpy(words.data(), bytes.data(), bytes.size());
-    require(AlignerTable::open({reinterpret_cast<const std::uint8_t*>(words.data()), bytes.size()}, &table),
-            "table");
-  }
-};
-
-FrameView frame_of(const Image& picture) {
-  return {picture.pixels.data(), picture.width, picture.height, static_cast<std::size_t>(picture.width)};
 }
 
 /// sum over rows of a dot product.
@@ -279,7 +263,7 @@ void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report
 }
 
 void AlignerCascade::move_examples() {
-  std::vector<std::unique_ptr<OpenTable>> tables;
+  std::vector<std::unique_ptr<OpenAlignerTable>> tables;
   for (int f = 0; f < tuning_.folds; ++f) {
     // The runtime wants a local stage at the end; a global one alone gets an idle one.
     tables.push_back(nullptr);
@@ -293,16 +277,16 @@ void AlignerCascade::move_examples() {
       idle.local.blend.assign(numbers_.size(), 0);
       stages.push_back(idle);
     }
-    tables.back() = std::make_unique<OpenTable>(
+    tables.back() = std::make_unique<OpenAlignerTable>(
         encode_aligner(numbers_, stages, blank_check(numbers_.size(), stages.back().shape)));
   }
-  const AlignerStage shape = tables[0]->table.stage(0);
+  const AlignerStage shape = (*tables[0])->stage(0);
   in_parallel(examples_.size(), options_.threads, [&](std::size_t e, std::size_t thread) {
     AlignerExample& example = examples_[e];
     if (example.is_refinement && shape.refines == 0) return;
     AlignerPass& pass = **passes_[thread];
     pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
-    pass.run_stage(tables[static_cast<std::size_t>(example.fold)]->table, 0);
+    pass.run_stage(**tables[static_cast<std::size_t>(example.fold)], 0);
     if (!pass.shape().is_usable()) return;
     example.view = pass.shape().view();
     example.q.assign(pass.shape().q(), pass.shape().q() + example.q.size());
@@ -329,15 +313,15 @@ void AlignerCascade::report_errors(StageReport* report) {
 }
 
 void AlignerCascade::learn_blend() {
-  std::vector<std::unique_ptr<OpenTable>> tables;
-  for (int f = 0; f < tuning_.folds; ++f) tables.push_back(std::make_unique<OpenTable>(table(f)));
+  std::vector<std::unique_ptr<OpenAlignerTable>> tables;
+  for (int f = 0; f < tuning_.folds; ++f) tables.push_back(std::make_unique<OpenAlignerTable>(table(f)));
   const std::size_t landmarks = numbers_.size(), last = stages_[0].size() - 1;
   std::vector<std::vector<double>> terms(examples_.size());
   in_parallel(examples_.size(), options_.threads, [&](std::size_t e, std::size_t thread) {
     AlignerPass& pass = **passes_[thread];
     const AlignerExample& example = examples_[e];
     pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
-    pass.weigh(tables[static_cast<std::size_t>(example.fold)]->table);
+    pass.weigh(**tables[static_cast<std::size_t>(example.fold)]);
     for (std::size_t k = 0; k < landmarks; ++k) {
       const Vec2 x = pass.image(k), d = pass.target(k) - x;
       const double w = tuning_.weight_of_trust[example.trust[k]] /

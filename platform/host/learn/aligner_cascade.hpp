@@ -49,9 +49,13 @@ class AlignerCascade {
 
   /// Table without a fold, or of all examples (fold = folds).
   std::vector<std::uint8_t> table(int fold, const LearntCheck* check = nullptr) const;
-  const std::vector<LearntStage>& stages(int fold) const { return stages_[static_cast<std::size_t>(fold)]; }
+  const std::vector<LearntStage>& stages() const { return stages_.back(); }  ///< learnt from all examples
   int folds() const { return tuning_.folds; }
   const std::vector<int>& numbers() const { return numbers_; }
+  const Model& model() const { return model_; }
+  const LearnOptions& options() const { return options_; }
+  /// The pass of a thread, for the landmarks of `numbers`.
+  AlignerPass& pass(std::size_t thread) { return **passes_[thread]; }
 
  private:
   void learn_local(const AlignerStage& shape, StageReport* report);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "host/io/failure.hpp"
+
 namespace pliant::host::learn {
 
 namespace {
@@ -91,6 +93,12 @@ void put_global(Bytes& bytes, const LearntGlobal& w, std::size_t row) {
 }
 
 }  // namespace
+
+OpenAlignerTable::OpenAlignerTable(const std::vector<std::uint8_t>& bytes) : words_((bytes.size() + 3) / 4) {
+  std::memcpy(words_.data(), bytes.data(), bytes.size());
+  require(AlignerTable::open({reinterpret_cast<const std::uint8_t*>(words_.data()), bytes.size()}, &table_),
+          "the aligner's table");
+}
 
 LearntCheck blank_check(std::size_t landmarks, const AlignerStage& last) {
   LearntCheck check;

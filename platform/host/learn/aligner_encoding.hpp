@@ -39,6 +39,18 @@ struct LearntCheck {
   std::vector<double> bias;  ///< L
 };
 
+/// An opened table with its own memory.
+class OpenAlignerTable {
+ public:
+  explicit OpenAlignerTable(const std::vector<std::uint8_t>& bytes);
+  const AlignerTable& operator*() const { return table_; }
+  const AlignerTable* operator->() const { return &table_; }
+
+ private:
+  std::vector<std::uint32_t> words_;
+  AlignerTable table_;
+};
+
 /// A check that knows nothing: score 1, error 0.
 LearntCheck blank_check(std::size_t landmarks, const AlignerStage& last);
 

@@ -65,6 +65,9 @@ class AlignerExamples {
 /// Mean distance of landmarks from the truth over the eyes' distance; of those with at least this trust. Negative: none.
 float mean_error(const AlignerExample& example, const std::vector<Vec2>& landmarks, std::uint8_t trust);
 
+/// A picture as a frame.
+FrameView frame_of(const Image& picture);
+
 /// Runs work(k, thread) for k in [0, count) on up to two threads: thread t takes every `threads`th k.
 template <class Work>
 void in_parallel(std::size_t count, int threads, const Work& work);

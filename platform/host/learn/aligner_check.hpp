@@ -1,0 +1,25 @@
+#pragma once
+/// \file aligner_check.hpp
+/// Learns verification: how probably an alignment is right, and how large its error is.
+#include "host/learn/aligner_cascade.hpp"
+#include "host/learn/other_pictures.hpp"
+
+namespace pliant::host::learn {
+
+/// Tuning of the learning of verification. Each constant: unit, reason, experiment.
+struct AlignerCheckTuning {
+  float right_error =
+      0.06f;  ///< mean error of landmarks over the eyes' distance below which an alignment is right
+  float wrong_error = 0.12f;  ///< and above which it is wrong; between both it is no example
+  int moved_starts = 2;  ///< poses near the truth that are examples too, an alignment: a track that drifts
+  float moved_most = 0.45f;    ///< largest shift of those, fraction of the eyes' distance
+  double others_per_face = 2;  ///< alignments in pictures without faces, for each of a face
+  double regularisation = 3e-5;
+  int rounds = 12;  ///< passes over the examples
+};
+
+/// Learns from the cascade's examples, where its stages left them, and from alignments in pictures without faces.
+LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others, const LearnProgress& progress,
+                        const AlignerCheckTuning& tuning = {});
+
+}  // namespace pliant::host::learn

@@ -1,0 +1,64 @@
+#include "host/learn/learn_aligner.hpp"
+
+#include <algorithm>
+
+#include "host/learn/aligner_check.hpp"
+
+namespace pliant::host::learn {
+
+namespace {
+
+/// Tuning of the training of alignment. Each constant: reason, experiment.
+struct AlignerTuning {
+  int samples =
+      6000;  ///< pictures, count; twice as many lower the error of people left out by less than a tenth of it
+  int starts = 2;  ///< a picture
+  int first_landmark = 17,
+      last_landmark = 67;  ///< brows to lips: the jaw's outline has no fixed place on the surface
+};
+constexpr AlignerTuning kTuning{};
+
+/// The stages: millimetres a pixel and side of the crop, cells and their side, blocks and components, refines, stride, prior.
+/// Global stages catch position, roll, yaw and scale of a start; local ones go from coarse to fine.
+const AlignerStage kStages[] = {
+    {2.4f, 96, 4, 8, 3, 16, 0, 3, 2, 0},   {2.0f, 96, 4, 8, 3, 20, 0, 3, 1, 0},
+    {2.4f, 84, 5, 4, 0, 0, 1, 2, 1.5f, 0}, {1.6f, 104, 5, 4, 0, 0, 1, 1, 2, 0},
+    {1.4f, 108, 6, 3, 0, 0, 1, 1, 1, 0},
+};
+
+void draw_examples(const FaceSamples& faces, AlignerCascade& cascade, const LearnProgress& progress) {
+  const LearnOptions& options = cascade.options();
+  const auto samples = static_cast<std::size_t>(std::max(16.0, options.effort * kTuning.samples));
+  std::vector<std::unique_ptr<AlignerExamples>> sources;
+  for (int t = 0; t < options.threads; ++t)
+    sources.push_back(std::make_unique<AlignerExamples>(cascade.model(), faces, cascade.numbers(),
+                                                        cascade.folds(), options.seed));
+  std::vector<std::vector<AlignerExample>> drawn(samples);
+  in_parallel(samples, options.threads, [&](std::size_t k, std::size_t thread) {
+    drawn[k] = sources[thread]->draw(k, kTuning.starts);
+    if (thread == 0 && progress) progress("alignment: samples", k, samples);
+  });
+  for (auto& examples : drawn)
+    std::move(examples.begin(), examples.end(), std::back_inserter(cascade.examples()));
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> learn_aligner(const Model& model, const FaceSamples& faces,
+                                        const OtherPictures& others, const LearnOptions& options,
+                                        const LearnProgress& progress) {
+  std::vector<int> numbers;
+  for (int k = kTuning.first_landmark; k <= kTuning.last_landmark; ++k) numbers.push_back(k);
+  AlignerCascade cascade(model, numbers, options);
+  draw_examples(faces, cascade, progress);
+  std::size_t done = 0;
+  for (const AlignerStage& stage : kStages) {
+    if (progress) progress("alignment: stages", done++, std::size(kStages));
+    cascade.learn(stage);
+  }
+  cascade.learn_blend();
+  const LearntCheck check = learn_check(cascade, others, progress);
+  return cascade.table(cascade.folds(), &check);
+}
+
+}  // namespace pliant::host::learn

@@ -1,0 +1,21 @@
+#pragma once
+/// \file learn_aligner.hpp
+/// Training of the face aligner's table.
+#include <cstdint>
+#include <vector>
+
+#include "host/learn/face_samples.hpp"
+#include "host/learn/learn_options.hpp"
+#include "host/learn/other_pictures.hpp"
+
+namespace pliant::host::learn {
+
+/// Learns a table for FaceAligner (face/aligner_table.hpp): the stages one after the other, then the verification.
+/// \param model   of the samples; needs the landmarks ibug17 to ibug67.
+/// \param others  pictures without faces.
+/// The bytes depend on the samples, the pictures, `seed` and `effort` alone.
+std::vector<std::uint8_t> learn_aligner(const Model& model, const FaceSamples& faces,
+                                        const OtherPictures& others, const LearnOptions& options,
+                                        const LearnProgress& progress);
+
+}  // namespace pliant::host::learn
