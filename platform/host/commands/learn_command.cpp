@@ -6,6 +6,7 @@
 #include "host/io/files.hpp"
 #include "host/io/learnt_file.hpp"
 #include "host/learn/face_samples.hpp"
+#include "host/learn/learn_aligner.hpp"
 #include "host/learn/learn_detector.hpp"
 
 namespace pliant::host {
@@ -74,6 +75,8 @@ int run_learn(const Args& args, Console& console) {
     progress.show(stage, done, of);
   };
   if (only != "aligner") tables.detector = learn::learn_detector(samples, pictures.others, options, show);
+  if (only != "detector")
+    tables.aligner = learn::learn_aligner(file.model(), samples, pictures.others, options, show);
   write_file(output, format_learnt(tables));
   console.out << output << ": detector " << tables.detector.size() << " bytes, aligner "
               << tables.aligner.size() << " bytes\n";
