@@ -168,6 +168,16 @@ std::size_t FaceSamples::random_photograph(SampleRandom& random) const {
   return is_drawn ? photographs_.size() + random.below(drawn_.size()) : random.below(photographs_.size());
 }
 
+/// A person to mix with number k: of the same class, so that classes can be kept apart in validation.
+std::size_t FaceSamples::random_second(std::size_t k, SampleRandom& random) const {
+  const int wanted = photograph(k).person % kPersonClasses;
+  for (int attempt = 0; attempt < 200; ++attempt)
+    if (const std::size_t other = random_photograph(random);
+        photograph(other).person % kPersonClasses == wanted)
+      return other;
+  return k;
+}
+
 /// Side and place of a face box, and a distance.
 FacePlacement FaceSamples::random_placement(SampleRandom& random) const {
   FacePlacement out;
@@ -197,7 +207,17 @@ FaceSample FaceSamples::draw_turned(SampleRandom& random, Workspace& workspace) 
   const std::size_t k = random_photograph(random);
   const Photograph& photograph = this->photograph(k);
   PhotoTurn turn;
-  turn.q = parts_->expressions.varied(photograph.q, random);
+  std::vector<float> q = photograph.q;
+  const std::size_t second = random_second(k, random);
+  if (random.chance(tuning_.mixed_chance)) {
+    turn.second = &parts_->meshes[second];
+    turn.second_weight = random.between(0.3f, 0.7f);
+    const float weight = random.unit();
+    for (std::size_t p = 0; p < q.size(); ++p)
+      if (model_.parameters()[p].group == Group::identity)
+        q[p] += weight * (this->photograph(second).q[p] - q[p]);
+  }
+  turn.q = parts_->expressions.varied(q, random);
   const std::vector<Vec3> points = parts_->sheet.landmarks(*workspace.cascade, turn.q.data());
   const Quat wanted =
       rotation_of(kRadian * mostly_small(random, tuning_.yaw_degrees),
@@ -227,9 +247,8 @@ FaceSample FaceSamples::draw_turned(SampleRandom& random, Workspace& workspace) 
   sample.camera = turn.camera;
   sample.pose = turn.pose;
   set_truth(points, workspace.raster, sample);
-  const float scale = view_of(turn.pose, turn.camera).s / view_of(photograph.pose, photograph.camera).s;
   if (background.pixels.empty()) background = smeared(mipmaps_[k], tuning_.side_px);
-  sample.picture = mesh.picture(workspace.raster, mipmaps_[k], scale, background);
+  sample.picture = mesh.picture(turn, workspace.raster, {&mipmaps_[k], &mipmaps_[second]}, background);
   return sample;
 }
 

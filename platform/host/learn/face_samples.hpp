@@ -15,6 +15,10 @@ namespace pliant::host::learn {
 
 class TextureRaster;
 
+/// Persons are mixed only with those whose number has the same remainder, so that persons with different remainders by a
+/// divisor of it stay apart.
+constexpr int kPersonClasses = 12;
+
 /// Which samples are drawn, and how varied they are. Angles in degrees.
 struct FaceSampleTuning {
   int side_px = 160;                         ///< width and height of a sample
@@ -28,6 +32,7 @@ struct FaceSampleTuning {
   float yaw_degrees = 55, pitch_degrees = 28;  ///< of turned ones, at most
   float most_turned_degrees = 45;              ///< from the photograph's own pose
   float near_mm = 300, far_mm = 2500;          ///< range of the distance to the camera
+  float mixed_chance = 0.4f;                   ///< of turned ones: with the skin of a second person
   float hidden_mm = 7;        ///< a landmark is hidden if something is nearer to the camera by this
   float relit_chance = 0.4f;  ///< of turned ones: with another light
   float smear_chance =
@@ -62,6 +67,7 @@ class FaceSamples {
   }
   /// Number of a photograph or drawn portrait.
   std::size_t random_photograph(SampleRandom& random) const;
+  std::size_t random_second(std::size_t k, SampleRandom& random) const;
   FacePlacement random_placement(SampleRandom& random) const;
   void set_truth(const std::vector<Vec3>& points, const TextureRaster& raster, FaceSample& sample) const;
   Image surroundings(SampleRandom& random) const;

@@ -1,5 +1,9 @@
 #include "host/learn/face_sheet.hpp"
 
+#include <set>
+#include <string>
+#include <utility>
+
 #include "host/render/shown_mesh.hpp"
 
 namespace pliant::host::learn {
@@ -40,6 +44,21 @@ std::vector<Vec3> evaluated(Cascade& cascade, const std::vector<Vec3>& samples, 
   return out;
 }
 
+/// Distance of each vertex to the nearest vertex of an edge that only one triangle has.
+std::vector<float> distances_to_edge(const std::vector<FaceTriangle>& triangles,
+                                     const std::vector<Vec3>& position) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const FaceTriangle& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) edges.emplace(t.corner[k], t.corner[(k + 1) % 3]);
+  std::set<std::uint32_t> outer;
+  for (const auto& [a, b] : edges)
+    if (edges.count({b, a}) == 0) outer.insert(a), outer.insert(b);
+  std::vector<float> out(position.size(), 1e9f);
+  for (std::size_t k = 0; k < position.size(); ++k)
+    for (const std::uint32_t v : outer) out[k] = min(out[k], length(position[k] - position[v]));
+  return out;
+}
+
 }  // namespace
 
 FaceSheet::FaceSheet(const Model& model, int depth) {
@@ -57,6 +76,7 @@ FaceSheet::FaceSheet(const Model& model, int depth) {
     const FacePart opening = is_mouth(model, middle) ? FacePart::mouth : FacePart::eye;
     triangles.push_back({{f[0], f[1], f[2]}, k < skin ? FacePart::skin : opening});
   }
+  edge_mm = distances_to_edge(triangles, mesh.position);
   Owned<Cascade> cascade(model);
   samples_ = sampled(*cascade, uv);
   std::vector<Vec2> landmark_uv;

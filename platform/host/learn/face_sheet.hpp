@@ -25,6 +25,7 @@ struct FaceSheet {
 
   std::vector<Vec2> uv;
   std::vector<FaceTriangle> triangles;
+  std::vector<float> edge_mm;  ///< distance of each vertex to the outer edge, at rest
 
   /// Positions of all vertices, mm. \param cascade  of the same model, all parameters free.
   std::vector<Vec3> positions(Cascade& cascade, const float* q) const;

@@ -81,8 +81,13 @@ bool TextureRaster::fragment(int column, int row, TextureFragment* out) const {
   const float a = 1 - sample.b - sample.c;
   const TextureVertex &p = corners.v[0], &q = corners.v[1], &r = corners.v[2];
   const auto mixed = [&](auto x, auto y, auto z) { return a * x + sample.b * y + sample.c * z; };
-  *out = {mixed(p.texture, q.texture, r.texture), mixed(p.fixed, q.fixed, r.fixed),
-          mixed(p.light, q.light, r.light), mixed(p.cover, q.cover, r.cover), corners.part};
+  out->texture = mixed(p.texture, q.texture, r.texture);
+  out->fixed = mixed(p.fixed, q.fixed, r.fixed);
+  out->second = mixed(p.second, q.second, r.second);
+  out->light = mixed(p.light, q.light, r.light);
+  out->cover = mixed(p.cover, q.cover, r.cover);
+  out->second_weight = mixed(p.second_weight, q.second_weight, r.second_weight);
+  out->part = corners.part;
   return true;
 }
 

@@ -16,12 +16,14 @@ struct TextureVertex {
   Vec2 fixed;               ///< px of the photograph, moving with the skull
   float light = 1;          ///< factor on the brightness
   float cover = 1;          ///< 0: the background shows instead
+  Vec2 second;              ///< px of a second photograph
+  float second_weight = 0;  ///< of it
 };
 
 /// The same values at a sample.
 struct TextureFragment {
-  Vec2 texture, fixed;
-  float light, cover;
+  Vec2 texture, fixed, second;
+  float light, cover, second_weight;
   FacePart part;
 };
 
