@@ -43,7 +43,7 @@ class FaceAligner {
   void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> table);
 
   /// Whether this object can align: ok, not_found (the model has no table, or too few of its landmarks), misaligned, truncated,
-  /// bad_magic, bad_version or bad_table. All calls below return this status where it is not ok.
+  /// bad_magic, bad_version, bad_checksum or bad_table. All calls below return this status where it is not ok.
   Status status() const;
 
   /// Aligns the model to the face in a box, from a frontal pose and the mean face.

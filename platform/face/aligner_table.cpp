@@ -1,5 +1,7 @@
 #include "face/aligner_table.hpp"
 
+#include "pliant/model.hpp"
+
 namespace pliant {
 
 namespace {
@@ -8,7 +10,7 @@ constexpr std::size_t padded(std::size_t bytes) {
   return (bytes + 3) / 4 * 4;
 }
 
-static_assert(sizeof(AlignerHeader) == 16 && sizeof(AlignerStage) == 20 && sizeof(AlignerCurve) == 88);
+static_assert(sizeof(AlignerHeader) == 20 && sizeof(AlignerStage) == 20 && sizeof(AlignerCurve) == 88);
 
 bool are_bounded(const float* x, std::size_t count, float low, float high) {
   for (std::size_t k = 0; k < count; ++k)
@@ -86,6 +88,9 @@ Status AlignerTable::open(Span<const std::uint8_t> bytes, AlignerTable* table) {
   if (header.magic != kAlignerMagic) return Status::bad_magic;
   if (header.version != kAlignerVersion) return Status::bad_version;
   if (header.total_bytes > bytes.count) return Status::truncated;
+  constexpr std::size_t kSummed = offsetof(AlignerHeader, landmark_count);
+  if (header.total_bytes < sizeof(AlignerHeader)) return Status::bad_table;
+  if (crc32(bytes.data + kSummed, header.total_bytes - kSummed) != header.crc32) return Status::bad_checksum;
   const std::size_t landmarks = header.landmark_count, stages = header.stage_count,
                     total = header.total_bytes;
   if (landmarks < 4 || landmarks > kMostAlignerLandmarks || stages < 1 || stages > kMostAlignerStages)

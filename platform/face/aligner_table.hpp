@@ -22,6 +22,7 @@ constexpr int kMostBlockBytes = kMostBlockCells * kMostBlockCells * kBlockChanne
 /// First bytes of the table.
 struct AlignerHeader {
   std::uint32_t magic, version, total_bytes;
+  std::uint32_t crc32;  // of everything behind this field
   std::uint16_t landmark_count, stage_count;
 };
 
@@ -91,7 +92,8 @@ std::size_t check_weight_bytes(const AlignerStage& last, std::size_t landmarks);
 /// A checked table.
 class AlignerTable {
  public:
-  /// \return misaligned, truncated, bad_magic, bad_version, bad_table; `table` is then as before.
+  /// \return not_found (no bytes), misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table; `table` is then as
+  ///         before.
   static Status open(Span<const std::uint8_t> bytes, AlignerTable* table);
 
   std::size_t landmark_count() const { return landmarks_; }

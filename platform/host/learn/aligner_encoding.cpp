@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "host/io/failure.hpp"
+#include "pliant/model.hpp"
 
 namespace pliant::host::learn {
 
@@ -94,6 +95,12 @@ void put_global(Bytes& bytes, const LearntGlobal& w, std::size_t row) {
 
 }  // namespace
 
+void seal_aligner(std::uint8_t* table, std::size_t size) {
+  constexpr std::size_t first = offsetof(AlignerHeader, landmark_count);
+  const std::uint32_t crc = crc32(table + first, size - first);
+  std::memcpy(table + offsetof(AlignerHeader, crc32), &crc, sizeof crc);
+}
+
 OpenAlignerTable::OpenAlignerTable(const std::vector<std::uint8_t>& bytes) : words_((bytes.size() + 3) / 4) {
   std::memcpy(words_.data(), bytes.data(), bytes.size());
   require(AlignerTable::open({reinterpret_cast<const std::uint8_t*>(words_.data()), bytes.size()}, &table_),
@@ -114,7 +121,7 @@ std::vector<std::uint8_t> encode_aligner(const std::vector<int>& numbers,
                                          const std::vector<LearntStage>& stages, const LearntCheck& check) {
   Bytes bytes;
   const std::size_t landmarks = numbers.size();
-  bytes.put(AlignerHeader{kAlignerMagic, kAlignerVersion, 0, static_cast<std::uint16_t>(landmarks),
+  bytes.put(AlignerHeader{kAlignerMagic, kAlignerVersion, 0, 0, static_cast<std::uint16_t>(landmarks),
                           static_cast<std::uint16_t>(stages.size())});
   for (const int n : numbers) bytes.put(static_cast<std::uint8_t>(n));
   bytes.pad();
@@ -138,7 +145,9 @@ std::vector<std::uint8_t> encode_aligner(const std::vector<int>& numbers,
   bytes.put_floats(check.bias);
   put_rows(bytes, q.rows);
   bytes.replace(offsetof(AlignerHeader, total_bytes), static_cast<std::uint32_t>(bytes.size()));
-  return bytes.take();
+  std::vector<std::uint8_t> out = bytes.take();
+  seal_aligner(out.data(), out.size());
+  return out;
 }
 
 }  // namespace pliant::host::learn

@@ -39,6 +39,9 @@ struct LearntCheck {
   std::vector<double> bias;  ///< L
 };
 
+/// Writes the checksum of a table into its header.
+void seal_aligner(std::uint8_t* table, std::size_t size);
+
 /// An opened table with its own memory.
 class OpenAlignerTable {
  public:

@@ -1,0 +1,102 @@
+#include "face/aligner_table.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "aligner_pattern.hpp"
+
+using namespace pliant;
+using aligner_pattern::Bytes;
+
+namespace {
+
+Status status_of(Bytes& bytes) {
+  AlignerTable table;
+  return AlignerTable::open(bytes.span(), &table);
+}
+
+template <class Change>
+Status with(const Change& change) {
+  Bytes bytes = aligner_pattern::table();
+  change(bytes);
+  aligner_pattern::seal(bytes);
+  return status_of(bytes);
+}
+
+}  // namespace
+
+TEST_CASE("a table cut at any byte does not open") {
+  Bytes bytes = aligner_pattern::table();
+  const std::size_t size = bytes.size;
+  REQUIRE(status_of(bytes) == Status::ok);
+  for (bytes.size = 0; bytes.size < size; ++bytes.size)
+    REQUIRE(status_of(bytes) == (bytes.size == 0 ? Status::not_found : Status::truncated));
+  bytes.words.push_back(0);
+  bytes.size = size + 3;  // padding behind a table is no error
+  CHECK(status_of(bytes) == Status::ok);
+}
+
+TEST_CASE("a table with a flipped bit does not open") {
+  Bytes bytes = aligner_pattern::table();
+  for (std::size_t k = 0; k < bytes.size; ++k) {
+    const int bit = static_cast<int>(k % 8);
+    bytes.data()[k] = static_cast<std::uint8_t>(bytes.data()[k] ^ (1 << bit));
+    REQUIRE(status_of(bytes) != Status::ok);
+    bytes.data()[k] = static_cast<std::uint8_t>(bytes.data()[k] ^ (1 << bit));
+  }
+  CHECK(status_of(bytes) == Status::ok);
+}
+
+TEST_CASE("a table at an odd address is misaligned") {
+  Bytes bytes = aligner_pattern::table();
+  AlignerTable table;
+  CHECK(AlignerTable::open({bytes.data() + 1, bytes.size - 1}, &table) == Status::misaligned);
+}
+
+TEST_CASE("values out of range do not open, even with the right checksum") {
+  using namespace aligner_pattern;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  CHECK(with([](Bytes&) {}) == Status::ok);
+  CHECK(with([](Bytes& b) { b.at<AlignerHeader>(0).magic += 1; }) == Status::bad_magic);
+  CHECK(with([](Bytes& b) { b.at<AlignerHeader>(0).version += 1; }) == Status::bad_version);
+  CHECK(with([](Bytes& b) { b.at<AlignerHeader>(0).stage_count = 0; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { b.at<AlignerHeader>(0).landmark_count = 69; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { b.data()[sizeof(AlignerHeader) + 1] = 17; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { b.data()[sizeof(AlignerHeader) + 50] = 68; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { stage(b, 0).first_byte += 1; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { stage(b, 1).first_byte = 0xfffffffc; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { stage(b, 1).cells = 9; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { stage(b, 1).crop_px = 7; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { stage(b, 1).crop_px = kMostCropPx + 1; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { stage(b, 1).stride = 0; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { stage(b, 0).components = 33; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { stage(b, 0).blocks = 4; }) == Status::bad_table);
+  CHECK(with([&](Bytes& b) { stage(b, 1).mm_per_px = nan; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { stage(b, 1).prior = -1; }) == Status::bad_table);
+  CHECK(with([&](Bytes& b) { weight(b, 1, 0) = nan; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { weight(b, 1, 2 * kLandmarks) = 2e3f; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { weight(b, 1, 4 * kLandmarks + 1) = 1.5f; }) == Status::bad_table);
+  CHECK(with([&](Bytes& b) { weight(b, 0, 4) = nan; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { check(b).score.at[3] = 1.5f; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { check(b).score.high = -1; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { check(b).first_byte += 4; }) == Status::bad_table);
+}
+
+TEST_CASE("the parts of a table lie one behind the other") {
+  Bytes bytes = aligner_pattern::table(2, -1);
+  AlignerTable table;
+  REQUIRE(AlignerTable::open(bytes.span(), &table) == Status::ok);
+  CHECK(table.landmark_count() == 51);
+  CHECK(table.landmark_numbers()[50] == 67);
+  REQUIRE(table.stage_count() == 2);
+  const GlobalWeights global = table.global(0);
+  CHECK(global.mean[100] == 2);
+  CHECK(global.mean[101] == -1);
+  CHECK(global.information[150] == 1);
+  const LocalWeights local = table.local(1);
+  CHECK(local.bias[101] == -1);
+  CHECK(local.information[152] == 1);
+  CHECK(local.rows + 2 * 51 * block_bytes(table.stage(1)) ==
+        reinterpret_cast<const std::int8_t*>(table.check_weights().scale));
+}
