@@ -168,6 +168,12 @@ std::size_t FaceSamples::random_photograph(SampleRandom& random) const {
   return is_drawn ? photographs_.size() + random.below(drawn_.size()) : random.below(photographs_.size());
 }
 
+/// Frontal views are common, but turned ones are harder to learn.
+float FaceSamples::random_yaw(SampleRandom& random) const {
+  if (random.chance(0.4f)) return mostly_small(random, tuning_.yaw_degrees);
+  return random.between(-0.9f, 0.9f) * tuning_.yaw_degrees;
+}
+
 /// A person to mix with number k: of the same class, so that classes can be kept apart in validation.
 std::size_t FaceSamples::random_second(std::size_t k, SampleRandom& random) const {
   const int wanted = photograph(k).person % kPersonClasses;
@@ -220,8 +226,8 @@ FaceSample FaceSamples::draw_turned(SampleRandom& random, Workspace& workspace) 
   turn.q = parts_->expressions.varied(q, random);
   const std::vector<Vec3> points = parts_->sheet.landmarks(*workspace.cascade, turn.q.data());
   const Quat wanted =
-      rotation_of(kRadian * mostly_small(random, tuning_.yaw_degrees),
-                  kRadian * mostly_small(random, tuning_.pitch_degrees), kRadian * random.between(-8, 8));
+      rotation_of(kRadian * random_yaw(random), kRadian * mostly_small(random, tuning_.pitch_degrees),
+                  kRadian * random.between(-8, 8));
   Vec3 way = log_rotation(wanted * conjugate(photograph.pose.q));
   if (const float angle = length(way), limit = kRadian * tuning_.most_turned_degrees; angle > limit)
     way = limit / angle * way;

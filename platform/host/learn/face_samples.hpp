@@ -28,7 +28,7 @@ struct FaceSampleTuning {
   float drawn_fraction = 0.1f;  ///< of the samples: of drawn portraits; the others are of photographs
   std::size_t drawn_people = 40;
   float turned_fraction =
-      0.6f;  ///< of the samples: photographs turned in depth; the others are varied in the plane only
+      0.7f;  ///< of the samples: photographs turned in depth; the others are varied in the plane only
   float yaw_degrees = 55, pitch_degrees = 28;  ///< of turned ones, at most
   float most_turned_degrees = 45;              ///< from the photograph's own pose
   float near_mm = 300, far_mm = 2500;          ///< range of the distance to the camera
@@ -68,6 +68,7 @@ class FaceSamples {
   /// Number of a photograph or drawn portrait.
   std::size_t random_photograph(SampleRandom& random) const;
   std::size_t random_second(std::size_t k, SampleRandom& random) const;
+  float random_yaw(SampleRandom& random) const;
   FacePlacement random_placement(SampleRandom& random) const;
   void set_truth(const std::vector<Vec3>& points, const TextureRaster& raster, FaceSample& sample) const;
   Image surroundings(SampleRandom& random) const;

@@ -82,12 +82,23 @@ Vec3 transposed_product(const Mat3& m, Vec3 v) {
           m.m[0][2] * v.x + m.m[1][2] * v.y + m.m[2][2] * v.z};
 }
 
-/// For each node on the face the vertex that is nearest in the picture.
-std::vector<std::uint32_t> nearest_vertices(const std::vector<Vec2>& nodes, const std::vector<float>& depth,
+/// For each node on the face, near its edge, the vertex that is nearest in the picture.
+template <class Grid>
+std::vector<std::uint32_t> nearest_vertices(const Grid& grid, const std::vector<Vec2>& nodes,
+                                            const std::vector<float>& depth,
                                             const std::vector<TextureVertex>& vertices) {
   std::vector<std::uint32_t> out(nodes.size(), 0);
+  // Nodes inside the face do not show (see connect).
+  const auto is_near_edge = [&](std::size_t k) {
+    constexpr int kReach = kOverlap + 1;
+    const int i = static_cast<int>(k) % grid.columns, j = static_cast<int>(k) / grid.columns;
+    for (int b = std::max(j - kReach, 0); b <= std::min(j + kReach, grid.rows - 1); ++b)
+      for (int a = std::max(i - kReach, 0); a <= std::min(i + kReach, grid.columns - 1); ++a)
+        if (depth[grid.index(a, b)] == 0) return true;
+    return false;
+  };
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    if (depth[k] == 0) continue;
+    if (depth[k] == 0 || !is_near_edge(k)) continue;
     float best = 1e9f;
     for (std::size_t v = 0; v < vertices.size(); ++v) {
       const Vec2 d = vertices[v].x - nodes[k];
@@ -128,7 +139,7 @@ PhotoRelief::PhotoRelief(const Image& photograph, const View& view, const FaceSh
     }
   const std::vector<std::uint32_t> nearest = nearest_known(grid, depth);
   if (nearest[0] == kNowhere) return;  // the face is smaller than a cell
-  const std::vector<std::uint32_t> vertex = nearest_vertices(nodes, depth, vertices);
+  const std::vector<std::uint32_t> vertex = nearest_vertices(grid, nodes, depth, vertices);
   fill_smoothly(grid, nearest, depth);
 
   const Mat3 rotation = model_to_camera(view.q);

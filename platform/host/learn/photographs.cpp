@@ -7,6 +7,7 @@
 #include "host/io/files.hpp"
 #include "host/io/owned.hpp"
 #include "host/learn/brow_search.hpp"
+#include "host/learn/parallel.hpp"
 #include "pliant/cascade.hpp"
 #include "track/landmark_fit.hpp"
 
@@ -134,7 +135,8 @@ bool fit_photograph(const Model& model, const AnnotatedPicture& annotated, Photo
   return true;
 }
 
-std::vector<Photograph> read_photographs(const Model& model, const std::string& folder, Portion portion) {
+std::vector<Photograph> read_photographs(const Model& model, const std::string& folder, Portion portion,
+                                         int threads) {
   const std::string path = folder + "/landmarks.csv";
   const CsvTable table(path, read_file(path));
   const std::size_t name = table.column("name"), landmark = table.column("landmark"), x = table.column("x"),
@@ -149,16 +151,18 @@ std::vector<Photograph> read_photographs(const Model& model, const std::string& 
     pictures[entry->second].landmarks.push_back(
         {table.cell(row, landmark), {table.number(row, x), table.number(row, y)}});
   }
+  for (AnnotatedPicture& picture : pictures)
+    picture.picture = to_grey(read_image(folder + "/" + picture.name + ".jpg"));
+  std::vector<Photograph> fitted(2 * pictures.size());
+  std::vector<std::uint8_t> is_fitted(fitted.size());
+  run_parallel(threads, fitted.size(), [&](std::size_t k) {
+    const AnnotatedPicture& picture = pictures[k / 2];
+    is_fitted[k] = fit_photograph(model, k % 2 == 0 ? picture : mirror_image(picture), &fitted[k]) ? 1 : 0;
+    fitted[k].person = static_cast<int>(k / 2);
+  });
   std::vector<Photograph> photographs;
-  for (std::size_t k = 0; k < pictures.size(); ++k) {
-    pictures[k].picture = to_grey(read_image(folder + "/" + pictures[k].name + ".jpg"));
-    for (const AnnotatedPicture& picture : {pictures[k], mirror_image(pictures[k])}) {
-      Photograph photograph;
-      if (!fit_photograph(model, picture, &photograph)) continue;
-      photograph.person = static_cast<int>(k);
-      photographs.push_back(std::move(photograph));
-    }
-  }
+  for (std::size_t k = 0; k < fitted.size(); ++k)
+    if (is_fitted[k] != 0) photographs.push_back(std::move(fitted[k]));
   return photographs;
 }
 

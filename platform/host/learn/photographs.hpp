@@ -40,7 +40,8 @@ bool is_held_out(std::string_view name);
 /// Reads FOLDER/landmarks.csv (columns name, landmark, x, y) and FOLDER/NAME.jpg. Each photograph is followed by its
 /// mirror image, which is fitted anew. Names in the order of the file. Bad input: no such file, or a picture that
 /// cannot be read. A photograph to which the model cannot be fitted is left out.
-std::vector<Photograph> read_photographs(const Model& model, const std::string& folder, Portion portion);
+std::vector<Photograph> read_photographs(const Model& model, const std::string& folder, Portion portion,
+                                         int threads = 2);
 
 /// The name of the landmark at the same place in the mirror image: ibug36 for ibug45, mouth_left for mouth_right. The
 /// name itself for a landmark in the middle, or of another scheme.

@@ -40,11 +40,30 @@ void shade_side(Values& values, const FaceBox& face, float width, float low, Sam
     }
 }
 
+struct Moments {
+  float mean, sd;  // sd at least 1
+};
+
+/// Of the values within a box.
+Moments moments_within(Values& values, const FaceBox& box) {
+  float count = 0, sum = 0, squares = 0;
+  const auto limit = [](float x, int size) { return std::clamp(static_cast<int>(x), 0, size); };
+  const float half = 0.5f * box.side;
+  for (int y = limit(box.center.y - half, values.height); y < limit(box.center.y + half, values.height); ++y)
+    for (int x = limit(box.center.x - half, values.width); x < limit(box.center.x + half, values.width);
+         ++x) {
+      const float v = values.row(y)[x];
+      count += 1, sum += v, squares += v * v;
+    }
+  if (count < 2) return {128, 1};
+  return {sum / count, std::sqrt(std::max(squares / count - sum * sum / (count * count), 1.0f))};
+}
+
 /// Gain and offset: of the sensor, and of contrast that haze or light into the lens takes.
-void expose(Values& values, const PictureVariationTuning& tuning, SampleRandom& random) {
-  float mean = 0;
-  for (const float v : values.v) mean += v;
-  mean /= static_cast<float>(values.v.size());
+void expose(Values& values, const FaceBox& face, const PictureVariationTuning& tuning, SampleRandom& random) {
+  const FaceBox frame{{0.5f * static_cast<float>(values.width), 0.5f * static_cast<float>(values.height)},
+                      static_cast<float>(values.width)};
+  const float mean = moments_within(values, random.chance(0.5f) ? face : frame).mean;
   // Most pictures are exposed well: the mean is brought to a usual level first, then changed.
   const float usual = random.between(60, 170) / std::max(mean, 12.0f);
   float gain = random.chance(0.6f) ? clamp(usual, 0.5f, 2.0f)
@@ -109,22 +128,6 @@ void blur_along(Values& values, Vec2 way) {
       for (int x = 0; x < values.width; ++x) row[x] += weight * from[std::clamp(x + dx, 0, values.width - 1)];
     }
   }
-}
-
-/// Standard deviation of the values within the face box, but at least 1.
-float contrast_of(Values& values, const FaceBox& face) {
-  float count = 0, sum = 0, squares = 0;
-  const auto limit = [](float x, int size) { return std::clamp(static_cast<int>(x), 0, size); };
-  const float half = 0.5f * face.side;
-  for (int y = limit(face.center.y - half, values.height); y < limit(face.center.y + half, values.height);
-       ++y)
-    for (int x = limit(face.center.x - half, values.width); x < limit(face.center.x + half, values.width);
-         ++x) {
-      const float v = values.row(y)[x];
-      count += 1, sum += v, squares += v * v;
-    }
-  if (count < 2) return 1;
-  return std::sqrt(std::max(squares / count - sum * sum / (count * count), 1.0f));
 }
 
 void add_noise(Values& values, float sd, SampleRandom& random) {
@@ -201,7 +204,7 @@ void vary_picture(Image& picture, const FaceBox& face, const PictureVariationTun
                random);
   if (random.chance(tuning.hard_shadow_chance))
     shade_side(values, face, random.between(0.02f, 0.2f) * face.side, random.between(0.3f, 0.8f), random);
-  expose(values, tuning, random);
+  expose(values, face, tuning, random);
   const float unit = face.side / 100;
   if (random.chance(tuning.motion_chance)) {
     const float angle = random.between(0, 6.2831853f), way = random.between(1.5f, tuning.motion_px) * unit;
@@ -211,7 +214,7 @@ void vary_picture(Image& picture, const FaceBox& face, const PictureVariationTun
   }
   if (random.chance(tuning.noise_chance)) {
     const float t = random.unit();
-    add_noise(values, min(tuning.noise_grey * t * t, tuning.noise_contrast * contrast_of(values, face)),
+    add_noise(values, min(tuning.noise_grey * t * t, tuning.noise_contrast * moments_within(values, face).sd),
               random);
   }
   if (random.chance(tuning.blocks_chance)) compress(values, random.octaves_between(2, 14));

@@ -15,7 +15,7 @@ struct PictureVariationTuning {
   float darkest_side = 0.15f;        ///< of the light on the bright side
   float hard_shadow_chance = 0.12f;  ///< a shadow with a sharp edge
   float gain_low = 0.35f, gain_high = 1.5f;
-  float low_contrast_chance = 0.15f;
+  float low_contrast_chance = 0.1f;
   float blur_chance = 0.45f;
   float blur_px = 1.6f;  ///< largest standard deviation for a face of 100 px
   float motion_chance = 0.12f;
