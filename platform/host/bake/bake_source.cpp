@@ -55,6 +55,7 @@ class Baker {
   }
 
   std::vector<std::uint8_t> run(BakeReport* report) {
+    check_source();
     add_base_mesh();
     for (const SourceParameter& p : source_.parameters) writer_.add_parameter(p);
     add_neutral();
@@ -72,8 +73,7 @@ class Baker {
     report_.table_bytes = bytes.size();
     const OpenedTable opened(bytes);
     if (opened.status() != Status::ok)
-      throw SourceError(options_.source, 0,
-                        std::string("makes a table that cannot be opened: ") + text(opened.status()));
+      fail(std::string("makes a table that cannot be opened: ") + text(opened.status()));
     report_.errors = reconstruct(opened.model(), source_);
     check_rest_shape();
     if (report != nullptr) *report = report_;
@@ -83,6 +83,32 @@ class Baker {
  private:
   ChartRaster raster(int side) const {
     return rasterise(source_.uv, source_.triangles, source_.is_hole, side, side);
+  }
+
+  [[noreturn]] void fail(const std::string& what) const { throw SourceError(options_.source, 0, what); }
+
+  /// What a table cannot hold, each by its name.
+  void check_source() const {
+    constexpr std::size_t kMostParameters = 192;  // of the format
+    constexpr float kFarthest = 2e5f;             // millimetres or radians: well within the format's 1e6
+    if (source_.parameters.size() > kMostParameters)
+      fail("has " + std::to_string(source_.parameters.size()) + " parameters, more than " +
+           std::to_string(kMostParameters) + ": choose some with --identities and --expressions");
+    for (std::size_t k = 0; k < source_.landmarks.size(); ++k) {
+      const SourceLandmark& l = source_.landmarks[k];
+      if (!(l.uv.x >= 0 && l.uv.x <= 1 && l.uv.y >= 0 && l.uv.y <= 1))
+        fail("the landmark '" + l.name + "' lies outside the chart");
+      for (std::size_t i = 0; i < k; ++i)
+        if (source_.landmarks[i].name == l.name) fail("the landmark '" + l.name + "' appears twice");
+    }
+    for (const SourceShape& shape : source_.shapes) {
+      const SourceParameter& p = source_.parameters[shape.parameter];
+      const float reach = std::max({1.0f, p.maximum, -p.minimum});
+      bool is_near = true;  // false for what is not a number
+      for (const Vec3 d : shape.displacement) is_near &= length(d) * reach <= kFarthest;
+      for (const float w : shape.weight) is_near &= magnitude(w) * reach <= kFarthest;
+      if (!is_near) fail("the parameter '" + p.name + "' moves a vertex by more than 200 m");
+    }
   }
 
   float diagonal() const {
@@ -113,8 +139,7 @@ class Baker {
     BaseMesh mesh{source_.base_uv, source_.base_corners};
     if (mesh.corners.empty()) mesh = make_base_mesh(source_, options_.base_vertices, source_.is_symmetric);
     if (mesh.corners.empty())
-      throw SourceError(options_.source, 0,
-                        "no base mesh of at most 9000 vertices follows the surface's boundary in the chart");
+      fail("no base mesh of at most 9000 vertices follows the surface's boundary in the chart");
     report_.base_vertices = mesh.uv.size();
     writer_.set_base_mesh(mesh.uv, mesh.corners);
   }

@@ -121,6 +121,14 @@ void read_patches(Cage& cage, const std::string& folder) {
   }
 }
 
+void check_uses(const Cage& cage, const std::string& file) {
+  std::vector<char> is_used(cage.size(), 0);
+  for (const CageFace& face : cage.faces)
+    for (const int c : face.corners) is_used[static_cast<std::size_t>(c)] = 1;
+  for (std::size_t i = 0; i < is_used.size(); ++i)
+    if (!is_used[i]) throw SourceError(file, 0, "point '" + cage.names[i] + "' belongs to no patch");
+}
+
 /// Winds all faces alike, and so that seen from outside u points right and v points down.
 void wind_faces(Cage& cage, const std::string& file) {
   std::map<std::pair<int, int>, std::vector<std::pair<std::size_t, bool>>> edges;
@@ -192,6 +200,7 @@ Cage read_cage(const std::string& folder) {
   read_points(cage, folder);
   read_patches(cage, folder);
   if (cage.faces.empty()) throw SourceError(folder + "/patches.txt", 0, "joins no points");
+  check_uses(cage, folder + "/points.txt");
   wind_faces(cage, folder + "/patches.txt");
   return cage;
 }

@@ -192,7 +192,9 @@ class CageSourceReader {
     const TextTable table(folder_ + "/landmarks.txt", {"landmark", "from", "to", "fraction"});
     for (const TextRow& row : table.rows()) {
       const Vec2 from = source_.uv[at(point(table, row, 1))], to = source_.uv[at(point(table, row, 2))];
-      source_.landmarks.push_back({table.name(row, 0), from + table.number(row, 3) * (to - from)});
+      const float fraction = table.number(row, 3);
+      if (!(fraction >= 0 && fraction <= 1)) table.fail(row, "the fraction is not from 0 to 1");
+      source_.landmarks.push_back({table.name(row, 0), from + fraction * (to - from)});
     }
   }
 

@@ -73,6 +73,7 @@ std::vector<Follower> read_followers(const std::string& folder, const Cage& cage
                leaders = points_in(cage, table, row, row.cells[1]);
     if (points.size() != leaders.size()) table.fail(row, "there are not as many leaders as points");
     const float fraction = table.number(row, 2);
+    if (!(magnitude(fraction) <= 10)) table.fail(row, "the fraction is not from -10 to 10");
     for (std::size_t k = 0; k < points.size(); ++k) {
       followers.push_back({points[k], leaders[k], fraction});
       const int mirrored = cage.mirror[at(points[k])];

@@ -263,7 +263,12 @@ Layer layer_of(const TextTable& table, const TextRow& row, const Painter& painte
       table.fail(row, std::string("the ") + what + " is not from " + number_text(static_cast<double>(low)) +
                           " to " + number_text(static_cast<double>(high)));
   };
-  // With these no position, reach or count below leaves the range of an int.
+  // With these no position, reach or count below leaves the range of an int, and no tone that of a float.
+  check_range("tone", layer.tone, 0, 255);
+  if (layer.kind == "noise")
+    check_range("amount", layer.amount, -255, 255);
+  else if (layer.kind != "spots" && layer.kind != "hairs")
+    check_range("amount", layer.amount, 0, 1);
   if (layer.kind != "fill") check_range("size", layer.size, 0.01f, 1000);
   if (layer.kind == "spots" || layer.kind == "hairs") check_range("amount", layer.amount, 0, 100000);
   check_range("length", layer.length, 0, 1000);

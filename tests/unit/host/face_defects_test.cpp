@@ -92,6 +92,11 @@ TEST_CASE(
       {"paint.txt", "fill  all", "fill  ears", "unknown region 'ears'"},
       {"paint.txt", "orbit.2-6,orbit.7", "orbit.2", "hairs need a line"},
       {"paint.txt", " 900 ", " 9e30 ", "the amount is not from 0 to 100000"},
+      {"paint.txt", " 188 ", " 3e38 ", "the tone is not from 0 to 255"},
+      {"paint.txt", " 0.5 ", " 1e9 ", "the amount is not from 0 to 1"},
+      {"landmarks.txt", "0.45", "20", "the fraction is not from 0 to 1"},
+      {"landmarks.txt", "0.45", "-0.1", "the fraction is not from 0 to 1"},
+      {"followers.txt", "lid_margin.0-15   1", "lid_margin.0-15   99", "the fraction is not from -10 to 10"},
       {"paint.txt", " 6.5 ", " 1e30 ", "the length is not from 0 to 1000"},
       {"points.txt", "16.00", "1e30", "more than 10 m from the origin"},
       {"parameters.txt", "faceDepth", "faceDepthThatHasAMuchTooLongName", "is longer than 27 letters"},
@@ -114,6 +119,14 @@ TEST_CASE("a missing file or row gives one line that names the file") {
         "hinges.txt: no row for parameter 'jawOpen'");
   CHECK(error_after("identity.txt", swap("\nfaceWidth ", "\n#faceWidth ")) ==
         "identity.txt: no row for parameter 'faceWidth'");
+  CHECK(error_after("points.txt", swap("\nring_c.4 ", "\nlonely 30 40 10 0.9 0.9\nring_c.4 ")) ==
+        "points.txt: point 'lonely' belongs to no patch");
+  const std::string twice = error_after("landmarks.txt", swap("\nibug01", "\nibug00"));
+  CHECK_MESSAGE(twice.find("the landmark 'ibug00' appears twice") != std::string::npos, twice);
+  const std::string thrown =
+      error_after("expressions.txt", swap("\njawOpen", "\njawOpen shift m_nasion 30 all 0 -1e30 0\njawOpen"));
+  CHECK_MESSAGE(thrown.find("the parameter 'jawOpen' moves a vertex by more than 200 m") != std::string::npos,
+                thrown);
   // A point dragged across its neighbours makes the chart fold over.
   const std::string folded = error_after("points.txt", [](std::string text) {
     const std::size_t row = text.find("ring_c.4 "), end = text.find('\n', row);
