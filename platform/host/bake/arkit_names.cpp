@@ -29,10 +29,15 @@ std::size_t usefulness_rank(const std::string& name) {
 
 std::vector<std::string> names_unknown_to_arkit(const Source& source) {
   std::vector<std::string> unknown;
-  for (const SourceParameter& p : source.parameters)
-    if (p.group == Group::expression && usefulness_rank(p.name) == std::size(kNames))
-      unknown.push_back(p.name);
-  return unknown;
+  bool is_face = std::any_of(source.landmarks.begin(), source.landmarks.end(),
+                             [](const SourceLandmark& l) { return l.name.compare(0, 4, "ibug") == 0; });
+  for (const SourceParameter& p : source.parameters) {
+    if (p.group != Group::expression) continue;
+    const bool is_known = usefulness_rank(p.name) < std::size(kNames);
+    is_face |= is_known;
+    if (!is_known) unknown.push_back(p.name);
+  }
+  return is_face ? unknown : std::vector<std::string>{};
 }
 
 }  // namespace pliant::host::bake

@@ -34,7 +34,7 @@ struct BakeOptions {
 
 struct BakeReport {
   Reconstruction errors;
-  std::vector<std::string> unmatched;  ///< expressions whose names ARKit does not have
+  std::vector<std::string> unmatched;  ///< a face's expressions whose names ARKit does not have
   std::size_t field_count = 0, base_vertices = 0, table_bytes = 0;
 };
 

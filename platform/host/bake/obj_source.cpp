@@ -14,6 +14,7 @@
 #include "host/bake/principal_components.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/surface_check.hpp"
+#include "host/bake/text_table.hpp"
 #include "host/io/words.hpp"
 
 namespace pliant::host::bake {
@@ -69,6 +70,7 @@ class FolderReader {
       read_scans();
     else
       read_shapes();
+    read_ranges();
     if (options_.relaxes_chart) relax_chart(source_.uv, source_.neutral, source_.triangles);
     read_landmarks();
     set_origin();
@@ -210,6 +212,30 @@ class FolderReader {
       add_parameter(folder_,
                     "identity" + std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits,
                     Group::identity, std::move(pca.components[k]));
+    }
+  }
+
+  /// Changes what parameters.txt lists.
+  void read_ranges() {
+    const std::string file = folder_ + "/parameters.txt";
+    if (!only_file_.empty() || !fs::exists(file)) return;
+    const TextTable table(file, {"parameter", "group", "minimum", "maximum", "sd"});
+    std::vector<std::string> seen;
+    for (const TextRow& row : table.rows()) {
+      const std::string& name = row.cells[0];
+      const auto p = std::find_if(source_.parameters.begin(), source_.parameters.end(),
+                                  [&name](const SourceParameter& q) { return q.name == name; });
+      if (p == source_.parameters.end()) table.fail(row, "there is no file for parameter '" + name + "'");
+      if (std::find(seen.begin(), seen.end(), name) != seen.end())
+        table.fail(row, "parameter '" + name + "' appears twice");
+      seen.push_back(name);
+      if (row.cells[1] != "identity" && row.cells[1] != "expression")
+        table.fail(row, "group '" + row.cells[1] + "' is neither identity nor expression");
+      *p = {name, row.cells[1] == "identity" ? Group::identity : Group::expression, table.number(row, 2),
+            table.number(row, 3), table.number(row, 4)};
+      if (!(p->minimum <= 0 && p->minimum >= -1000 && p->maximum >= 0 && p->maximum <= 1000 &&
+            p->sd >= 1e-3f && p->sd <= 1000))
+        table.fail(row, "needs -1000 <= minimum <= 0 <= maximum <= 1000 and 0.001 <= sd <= 1000");
     }
   }
 

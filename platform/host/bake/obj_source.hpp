@@ -22,6 +22,7 @@ struct ObjOptions {
 /// Reads a folder: neutral.obj (with texture coordinates, v upwards), identity*.obj as identities, and every other NAME.obj as
 /// an expression. A suffix _L or _R of a name becomes Left or Right. With `components`, every file is a scan instead. Or reads
 /// one OBJ file, which is a surface without parameters.
+/// parameters.txt (columns parameter, group, minimum, maximum, sd; text_table.hpp) is optional and changes parameters.
 /// landmarks.csv (columns landmark,vertex; vertices from 0) is optional. If it names the outer eye corners (ibug36, ibug45),
 /// the origin is moved midway between them. If it names iBUG landmarks of lids, lips, brows or the jaw, they become curves.
 /// Throws SourceError, also for a mesh that is no surface over a chart (surface_check.hpp), for one of more than 250,000

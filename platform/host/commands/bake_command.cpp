@@ -1,4 +1,5 @@
 // `pliant bake`: makes a model table from a readable source.
+#include <algorithm>
 #include <memory>
 
 #include "host/bake/bake.hpp"
@@ -68,8 +69,12 @@ void print_report(const std::string& output, const bake::BakeReport& report, boo
   };
   console.out << output << ": " << report.table_bytes << " bytes, " << report.field_count << " fields; ";
   print("rest shape", report.errors.rest);
-  print("; identities", report.errors.identity);
-  print("; expressions", report.errors.expression);
+  const auto has = [&](Group group) {
+    const auto& p = report.errors.parameters;
+    return std::any_of(p.begin(), p.end(), [group](const auto& error) { return error.group == group; });
+  };
+  if (has(Group::identity)) print("; identities", report.errors.identity);
+  if (has(Group::expression)) print("; expressions", report.errors.expression);
   console.out << "; base mesh of " << report.base_vertices << " vertices\n";
   for (const bake::ParameterError& error : report.errors.parameters) {
     if (!all) break;
@@ -111,7 +116,8 @@ int run_bake(const Args& args, Console& console) {
 Command bake_command() {
   return {
       "bake",
-      "Makes a model table from a folder of text tables, such as fixtures/face, from an OBJ file, or from a folder of OBJ files.",
+      "Makes a model table from a folder of text tables, such as fixtures/face, from an OBJ file, or from a "
+      "folder of OBJ files.",
       "SOURCE -o face.plm [--embed face.cpp] [--size N] [--bits 16|8] [--unit MM] [--base-mesh N] [--pca N] "
       "[--relax-chart] "
       "[--identities N] [--expressions N|NAME,...] [--learnt FILE|none] [--errors] | SOURCE --sizes N,... "

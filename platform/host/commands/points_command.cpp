@@ -120,6 +120,7 @@ Json::Array chains() {
 int run_points(const Args& args, Console& console) {
   const std::string output = args.required("-o"), path = args.required("--image");
   const ModelFile file(args.operand(0));
+  if (file.model().landmarks().empty()) fail_input(args.operand(0), "has no landmarks to show");
   const Image image = read_image(path);
   const FitFile start = start_of(args, file, image, path, console.err);
   std::size_t on_count = 0;

@@ -95,6 +95,18 @@ TEST_CASE("bake prints the error of the table against its source, and of each pa
   for (const char* part : {"; rest shape to ", "; identities to ", "; expressions to ", "\nidentity001 to ",
                            "\njawOpen to ", "\nnot a name of ARKit's: flap\n"})
     CHECK(contains(r.out, part));
+  // A surface that is no face: no names of ARKit's are expected.
+  fs::remove(folder.folder + "/jawOpen.obj");
+  const Ran other = run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60"});
+  CHECK(other.code == 0);
+  CHECK_FALSE(contains(other.out, "ARKit"));
+  const Ran plain =
+      run_words({"bake", folder.folder + "/neutral.obj", "-o", folder / "m.plm", "--base-mesh", "60"});
+  CHECK(plain.code == 0);
+  CHECK_FALSE(contains(plain.out, "identities"));
+  CHECK_FALSE(contains(plain.out, "expressions"));
+  check_refused({"points", folder / "m.plm", "--image", "any.png", "-o", folder / "p.html"},
+                {"m.plm", "has no landmarks to show"});
 }
 
 TEST_CASE("bake shows progress over files and shapes on a terminal only") {
