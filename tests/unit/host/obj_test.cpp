@@ -236,6 +236,41 @@ TEST_CASE(
   CHECK(length(baked.at(Vec2{0.9f, 0.9f}, {}) - Vec3{90, 10, 0}) < 0.05f);
 }
 
+TEST_CASE("a small table gives a parameter its range, so that it goes both ways") {
+  const ObjFolder folder("ranges");
+  folder.write("neutral", sheet);
+  folder.write("bend", [](float s, float t) { return sheet(s, t) + Vec3{0, 0, 3 * s * (1 - s)}; });
+  folder.write("roll_L", [](float s, float t) { return sheet(s, t) + Vec3{0, 0, t}; });
+  folder.write(
+      "parameters.txt",
+      "# ranges\nparameter group minimum maximum sd\nbend expression -1 1 0.5\nrollLeft identity -2 2 0.8\n");
+  BakeOptions options;
+  options.source = folder.path.string();
+  options.base_vertices = 100;
+  std::vector<std::uint8_t> table;
+  std::string error;
+  REQUIRE_MESSAGE(host::bake::bake(options, table, error), error);
+  BakedModel baked(table);
+  const Parameter& bend = baked.model.parameters()[baked.model.find_parameter("bend")];
+  CHECK(bend.minimum == -1);
+  CHECK(bend.maximum == 1);
+  CHECK(bend.sd == 0.5f);
+  CHECK(baked.model.parameters()[baked.model.find_parameter("rollLeft")].group == Group::identity);
+  std::vector<float> q(2, 0.0f);
+  q[baked.model.find_parameter("bend")] = -1;
+  CHECK(length(baked.at(chart(0.5f, 0.5f), q) - (sheet(0.5f, 0.5f) - Vec3{0, 0, 0.75f})) < 0.01f);
+  const auto refused = [&](const std::string& row, const std::string& what) {
+    folder.write("parameters.txt", "parameter group minimum maximum sd\n" + row);
+    CHECK(error_of(folder) == folder.file("parameters.txt") + ":2: " + what);
+  };
+  refused("flip expression -1 1 0.5\n", "there is no file for parameter 'flip'");
+  refused("bend expression 0.5 1 0.5\n",
+          "needs -1000 <= minimum <= 0 <= maximum <= 1000 and 0.001 <= sd <= 1000");
+  refused("bend expression -1 1 0\n",
+          "needs -1000 <= minimum <= 0 <= maximum <= 1000 and 0.001 <= sd <= 1000");
+  refused("bend motion -1 1 1\n", "group 'motion' is neither identity nor expression");
+}
+
 TEST_CASE("principal components are orthogonal, have the right length and explain the variance") {
   Random random(3);
   const std::size_t vertices = 50;
