@@ -76,7 +76,8 @@ int run_learn(const Args& args, Console& console) {
   };
   if (only != "aligner") tables.detector = learn::learn_detector(samples, pictures.others, options, show);
   if (only != "detector")
-    tables.aligner = learn::learn_aligner(file.model(), samples, pictures.others, options, show);
+    tables.aligner =
+        learn::learn_aligner(file.model(), samples, pictures.others, tables.detector, options, show);
   write_file(output, format_learnt(tables));
   console.out << output << ": detector " << tables.detector.size() << " bytes, aligner "
               << tables.aligner.size() << " bytes\n";

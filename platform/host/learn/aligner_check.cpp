@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "face/box_view.hpp"
+#include "pliant/face_detector.hpp"
 
 namespace pliant::host::learn {
 
@@ -116,37 +117,80 @@ class EvidenceCollector {
     return out;
   }
 
-  /// Alignments in pictures without faces.
+  /// Alignments at random places of pictures without faces.
   std::vector<Evidence> of_others(const OtherPictures& others, std::size_t count) {
     std::vector<Evidence> out(count);
-    std::vector<std::unique_ptr<Owned<Cascade>>> shapes;
-    for (int t = 0; t < cascade_.options().threads; ++t)
-      shapes.push_back(std::make_unique<Owned<Cascade>>(cascade_.model()));
     in_parallel(count, cascade_.options().threads, [&](std::size_t k, std::size_t thread) {
       SampleRandom random(cascade_.options().seed ^ 0x07e5, k);
       const Image picture = others.crop(kOtherPx, kOtherPx, random);
       const float side = random.octaves_between(45, 120), room = static_cast<float>(kOtherPx);
-      const FaceBox box{{random.between(0.3f * room, 0.7f * room), random.between(0.3f * room, 0.7f * room)},
-                        side};
-      const Camera camera = centred_camera(kOtherPx, kOtherPx, kDefaultFocalRatio * room);
-      const std::vector<float> q(cascade_.model().parameters().count);
-      View view;
-      require(view_of_box(**shapes[thread], q.data(), box, camera, Lens{}, &view), "landmarks");
-      const int fold = static_cast<int>(k) % cascade_.folds();
-      const AlignerTable& table = **tables_[static_cast<std::size_t>(fold)];
-      AlignerPass& pass = cascade_.pass(thread);
-      pass.start(frame_of(picture), Lens{}, view, q.data(), nullptr);
-      for (std::size_t s = 0; s < table.stage_count(); ++s) pass.run_stage(table, s);
-      out[k] = collect(pass, fold);
-      out[k].error = 1;
-      out[k].is_face = false;
-      out[k].half = static_cast<int>(k) / 2 % 2;
+      const Vec2 centre{random.between(0.3f * room, 0.7f * room), random.between(0.3f * room, 0.7f * room)};
+      out[k] = align_other(picture, {centre, side}, k, thread);
     });
     return out;
   }
 
+  /// Alignments of what a detector finds in pictures without faces.
+  std::vector<Evidence> of_found(const OtherPictures& others, const std::vector<std::uint8_t>& detector,
+                                 std::size_t searches) {
+    const std::vector<std::uint32_t> words = words_of(detector);
+    FaceDetectorLimits limits;
+    limits.width = limits.height = kSearchedPx;
+    std::vector<std::unique_ptr<Owned<FaceDetector>>> detectors;
+    for (int t = 0; t < cascade_.options().threads; ++t)
+      detectors.push_back(std::make_unique<Owned<FaceDetector>>(
+          Span<const std::uint8_t>{reinterpret_cast<const std::uint8_t*>(words.data()), detector.size()},
+          limits));
+    std::vector<std::vector<Evidence>> found(searches);
+    in_parallel(searches, cascade_.options().threads, [&](std::size_t k, std::size_t thread) {
+      SampleRandom random(cascade_.options().seed ^ 0xf0d, k);
+      const Image picture = others.crop(kSearchedPx, kSearchedPx, random);
+      DetectedFace room[4];
+      std::size_t count = 0;
+      require((*detectors[thread])->find(frame_of(picture), {room, std::size(room)}, &count),
+              "the detector's table");
+      for (std::size_t c = 0; c < count; ++c)
+        for (int j = 0; j < tuning_.found_starts; ++j)
+          found[k].push_back(align_other(picture, moved_box(room[c].box, random), k, thread));
+    });
+    std::vector<Evidence> out;
+    for (auto& f : found) std::move(f.begin(), f.end(), std::back_inserter(out));
+    return out;
+  }
+
  private:
-  static constexpr int kOtherPx = 160;
+  static constexpr int kOtherPx = 160, kSearchedPx = 200;
+
+  static std::vector<std::uint32_t> words_of(const std::vector<std::uint8_t>& bytes) {
+    std::vector<std::uint32_t> words((bytes.size() + 3) / 4);
+    std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(words.data()));
+    return words;
+  }
+
+  static FaceBox moved_box(FaceBox box, SampleRandom& random) {
+    box.center = box.center + (0.06f * box.side) * Vec2{random.normal(), random.normal()};
+    box.side *= std::exp(0.08f * random.normal());
+    return box;
+  }
+
+  /// Aligns the model to a box where there is no face, by the stages that were learnt without one of the folds.
+  Evidence align_other(const Image& picture, const FaceBox& box, std::size_t number, std::size_t thread) {
+    const Camera camera =
+        centred_camera(picture.width, picture.height, kDefaultFocalRatio * static_cast<float>(picture.width));
+    const std::vector<float> q(cascade_.model().parameters().count);
+    AlignerPass& pass = cascade_.pass(thread);
+    View view;
+    require(view_of_box(pass.shape().cascade(), q.data(), box, camera, Lens{}, &view), "landmarks");
+    const int fold = static_cast<int>(number % static_cast<std::size_t>(cascade_.folds()));
+    const AlignerTable& table = **tables_[static_cast<std::size_t>(fold)];
+    pass.start(frame_of(picture), Lens{}, view, q.data(), nullptr);
+    for (std::size_t s = 0; s < table.stage_count(); ++s) pass.run_stage(table, s);
+    Evidence out = collect(pass, fold);
+    out.error = 1;
+    out.is_face = false;
+    out.half = static_cast<int>(number / 2 % 2);
+    return out;
+  }
 
   /// Away from the truth by up to moved_most of the eyes' distance, turned and scaled a little.
   View moved_view(const View& view, const AlignerExample& example, SampleRandom& random) const {
@@ -275,18 +319,26 @@ AlignerCurve error_curve(const std::vector<const Evidence*>& faces) {
 
 }  // namespace
 
-LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others, const LearnProgress& progress,
+LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others,
+                        const std::vector<std::uint8_t>& detector, const LearnProgress& progress,
                         const AlignerCheckTuning& tuning) {
   EvidenceCollector collector(cascade, tuning);
-  if (progress) progress("verification: examples", 0, 2);
+  const auto per_face = [&](double ratio) {
+    return static_cast<std::size_t>(ratio * static_cast<double>(cascade.examples().size()));
+  };
+  const auto tell = [&](std::size_t done) {
+    if (progress) progress("verification: examples", done, 3);
+  };
+  tell(0);
   std::vector<Evidence> all = collector.of_faces();
-  if (progress) progress("verification: examples", 1, 2);
-  if (others.count() > 0) {
-    const auto count =
-        static_cast<std::size_t>(tuning.others_per_face * static_cast<double>(cascade.examples().size()));
-    std::vector<Evidence> more = collector.of_others(others, count);
+  const auto append = [&](std::vector<Evidence> more) {
     std::move(more.begin(), more.end(), std::back_inserter(all));
-  }
+  };
+  tell(1);
+  if (others.count() > 0) append(collector.of_others(others, per_face(tuning.others_per_face)));
+  tell(2);
+  if (others.count() > 0 && !detector.empty())
+    append(collector.of_found(others, detector, per_face(tuning.searches_per_face)));
   std::vector<const Evidence*> examples, faces;
   std::vector<float> labels;
   for (const Evidence& e : all) {

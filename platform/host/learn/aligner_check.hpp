@@ -13,13 +13,19 @@ struct AlignerCheckTuning {
   float wrong_error = 0.12f;  ///< and above which it is wrong; between both it is no example
   int moved_starts = 2;  ///< poses near the truth that are examples too, an alignment: a track that drifts
   float moved_most = 0.45f;    ///< largest shift of those, fraction of the eyes' distance
-  double others_per_face = 2;  ///< alignments in pictures without faces, for each of a face
+  double others_per_face = 1;  ///< alignments at random places of pictures without faces, for each of a face
+  double searches_per_face =
+      1;                 ///< pictures without faces that the detector searches, for each alignment of a face
+  int found_starts = 4;  ///< alignments of each place that the detector takes for a face
   double regularisation = 3e-5;
   int rounds = 12;  ///< passes over the examples
 };
 
-/// Learns from the cascade's examples, where its stages left them, and from alignments in pictures without faces.
-LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others, const LearnProgress& progress,
+/// Learns from the cascade's examples, where its stages left them, and from alignments in pictures without faces: at random
+/// places, and where a detector takes them for faces.
+/// \param detector  its learnt table; may be empty.
+LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others,
+                        const std::vector<std::uint8_t>& detector, const LearnProgress& progress,
                         const AlignerCheckTuning& tuning = {});
 
 }  // namespace pliant::host::learn

@@ -45,8 +45,9 @@ void draw_examples(const FaceSamples& faces, AlignerCascade& cascade, const Lear
 }  // namespace
 
 std::vector<std::uint8_t> learn_aligner(const Model& model, const FaceSamples& faces,
-                                        const OtherPictures& others, const LearnOptions& options,
-                                        const LearnProgress& progress) {
+                                        const OtherPictures& others,
+                                        const std::vector<std::uint8_t>& detector,
+                                        const LearnOptions& options, const LearnProgress& progress) {
   std::vector<int> numbers;
   for (int k = kTuning.first_landmark; k <= kTuning.last_landmark; ++k) numbers.push_back(k);
   AlignerCascade cascade(model, numbers, options);
@@ -57,7 +58,7 @@ std::vector<std::uint8_t> learn_aligner(const Model& model, const FaceSamples& f
     cascade.learn(stage);
   }
   cascade.learn_blend();
-  const LearntCheck check = learn_check(cascade, others, progress);
+  const LearntCheck check = learn_check(cascade, others, detector, progress);
   return cascade.table(cascade.folds(), &check);
 }
 

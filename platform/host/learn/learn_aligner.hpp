@@ -12,10 +12,12 @@ namespace pliant::host::learn {
 
 /// Learns a table for FaceAligner (face/aligner_table.hpp): the stages one after the other, then the verification.
 /// \param model   of the samples; needs the landmarks ibug17 to ibug67.
-/// \param others  pictures without faces.
+/// \param others    pictures without faces.
+/// \param detector  table of the detector whose finds are aligned; its false ones teach the verification. May be empty.
 /// The bytes depend on the samples, the pictures, `seed` and `effort` alone.
 std::vector<std::uint8_t> learn_aligner(const Model& model, const FaceSamples& faces,
-                                        const OtherPictures& others, const LearnOptions& options,
-                                        const LearnProgress& progress);
+                                        const OtherPictures& others,
+                                        const std::vector<std::uint8_t>& detector,
+                                        const LearnOptions& options, const LearnProgress& progress);
 
 }  // namespace pliant::host::learn
