@@ -122,22 +122,23 @@ void measure_pushed(const ModelFile& file, const std::vector<AnnotatedFace>& fac
     const Room room(others, n);
     DetectionRun run(file, 480, 360);
     const Image with = room.with(faces[n], 0.6f, {20, 20});
-    run.update(frame_of(with, 0));
+    std::size_t now = 0;
+    while (!run.has_track() && now < kFilmFrames) run.update(frame_of(with, now++));
     if (!run.has_track()) continue;
     Pose pose = run.tracker().result().pose;
     const Camera camera = run.tracker().camera();
     pose.t.x += 200 * pose.t.z / camera.f;
     const std::vector<float> q(run.tracker().parameters().begin(), run.tracker().parameters().end());
-    if (run.tracker().start_from_pose(frame_of(with, 1), camera, pose, q.data()) != Status::ok) continue;
+    if (run.tracker().start_from_pose(frame_of(with, now++), camera, pose, q.data()) != Status::ok) continue;
     ++cases;
     int lost = -1;
-    for (std::size_t k = 2; k < 32 && lost < 0; ++k) {
+    for (std::size_t k = 0; k < kFilmFrames / 2 && lost < 0; ++k) {
       Image frame = with;
       add_grey_noise(frame, 2, static_cast<std::uint32_t>(1 + n * 60 + k));
-      run.update(frame_of(frame, k));
+      run.update(frame_of(frame, now++));
       const bool is_right =
           run.has_track() && landmark_error(run.landmarks(), Place{0.6f, {20, 20}}.truth(faces[n])) < 0.2;
-      if (!run.has_track() || is_right) lost = static_cast<int>(k - 2);
+      if (!run.has_track() || is_right) lost = static_cast<int>(k);
     }
     report.add("pushed", faces[n].name, lost, kUnknown, kUnknown);
     if (lost < 0)
