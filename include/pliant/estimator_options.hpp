@@ -1,8 +1,10 @@
 #pragma once
 /// \file estimator_options.hpp
 /// Limits and options of the estimator.
+#include <cstddef>
 #include <cstdint>
 
+#include "pliant/arena.hpp"
 #include "pliant/cascade.hpp"
 #include "pliant/criteria.hpp"
 #include "pliant/observation.hpp"
@@ -37,7 +39,15 @@ struct EstimatorLimits {
   /// Size of the field into which `start` personalises the model (Cascade::personalise), 6 bytes a sample. With it,
   /// new points, tangents and adaptation cost as much as the expressions alone.
   PersonalFieldLimits personal_field;
+  /// If not empty, at least adaptation_bytes: memory in which `start` adapts the mesh, and which others may use between starts.
+  /// `start` then returns capacity for options with mesh_operations. Empty: the estimator has memory of its own for that.
+  Span<unsigned char> adaptation_memory;
 };
+
+/// Bytes that the adaptation of a mesh takes at most (EstimatorLimits::vertices).
+constexpr std::size_t adaptation_bytes(std::uint16_t vertices) {
+  return std::size_t{48} * vertices + 128;  // Adapter, and the alignment of its arrays
+}
 
 /// The same limits without rejection of image forces.
 template <class Limits>

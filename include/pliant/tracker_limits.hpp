@@ -23,7 +23,7 @@ struct TrackerLimits {
   std::uint16_t region_width = 0, region_height = 0;
   std::uint16_t patches = 128;      ///< templates captured in frame 0, at least 6
   std::uint16_t key_patches = 64;   ///< templates captured in later key frames, all key frames together
-  std::uint8_t key_frames = 4;      ///< later key frames kept at a time, at most kMostKeyFrames
+  std::uint8_t key_frames = 4;      ///< later key frames kept at a time
   std::uint16_t markers = 0;        ///< image points that are tracked with the surface and never observed
   std::uint16_t curve_points = 96;  ///< edge points on lids, lips and brows; 0: edges are not matched there
   std::uint16_t silhouette_points = 0;  ///< edge points on the silhouette; 304 bytes each
@@ -48,6 +48,9 @@ struct TrackerLimits {
   /// Side of the grid over (u,v) that notes image texture for an adaptive mesh (EstimatorOptions::mesh_operations), cells;
   /// one byte a cell. 0: the mesh adapts to the view alone.
   std::uint8_t texture_cells = 0;
+  /// Keeps the memory of mesh adaptation, 48 bytes a vertex. EstimatorOptions::mesh_operations needs it; `start` returns
+  /// capacity without. If false, other parts use it between starts.
+  bool keeps_adaptation = true;
   /// Landmarks that `start_from_landmarks` takes at most. The fit uses the memory of the tracking, before it; where it
   /// needs more, the block grows.
   std::uint16_t start_points = 68;
@@ -59,8 +62,6 @@ struct TrackerLimits {
   /// once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame has either a part of the search or one
   /// alignment, of the cost of 3,000 cells.
   std::uint32_t search_work = 24000;
-
-  static constexpr int kMostKeyFrames = 8;  ///< most later key frames
 };
 
 /// The same limits without detection of faces.
@@ -85,9 +86,9 @@ constexpr TrackerLimits profile_s() {
   l.key_frames = 2;
   l.curve_points = 0;
   l.patch_margin = 2;
-  l.keeps_previous = l.copies_frame = l.keeps_templates = false;
+  l.keeps_previous = l.copies_frame = l.keeps_templates = l.keeps_adaptation = false;
   l.thumbnail_width = 48;
-  l.search_work = 2000;
+  l.search_work = 4000;
   l.free_parameters = 40;
   l.samples_per_point = 44;
   l.samples_vertices = false;

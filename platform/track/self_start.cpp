@@ -107,7 +107,7 @@ void give_up(TrackerParts& t) {
 }
 
 void conclude(TrackerParts& t, const FrameView& view) {
-  if (!t.self_start->faces.conclude(view, t.estimator, t.bad_frames, t.placement.scratch(), &t.result))
+  if (!t.self_start->faces.conclude(view, t.estimator, t.bad_frames, t.unused_between_frames, &t.result))
     give_up(t);
 }
 

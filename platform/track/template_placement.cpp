@@ -29,15 +29,17 @@ bool is_far_from_found(const TemplateStore& templates, Vec2 x, float min_distanc
 
 }  // namespace
 
-void TemplatePlacement::lay_out(Arena& arena, const TrackerLimits& limits, std::size_t least_scratch) {
+void TemplatePlacement::lay_out(Arena& arena, const TrackerLimits& limits) {
   options_ = corner_options(limits);
   across_ = corner_cells(region_width(limits), options_.cell_px);
   down_ = corner_cells(region_height(limits), options_.cell_px);
   arena.count_as(Purpose::corners);
   corners_ = arena.take_span<Corner>(limits.patches);
   cells_ = arena.take<std::uint8_t>(static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_));
-  const std::size_t of_corners = corner_scratch_bytes(region_width(limits), region_height(limits), options_);
-  scratch_ = arena.take_span<std::uint8_t>(of_corners > least_scratch ? of_corners : least_scratch);
+}
+
+std::size_t TemplatePlacement::scratch_bytes(const TrackerLimits& limits) {
+  return corner_scratch_bytes(region_width(limits), region_height(limits), corner_options(limits));
 }
 
 void TemplatePlacement::place(TemplateStore& templates, Estimator& estimator, const FrameRegion& region,

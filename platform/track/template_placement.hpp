@@ -11,13 +11,13 @@
 
 namespace pliant {
 
-/// Works in memory of its own; keeps nothing from call to call.
+/// Keeps nothing from call to call.
 class TemplatePlacement {
  public:
-  /// \param least_scratch  of `scratch`, bytes.
-  void lay_out(Arena& arena, const TrackerLimits& limits, std::size_t least_scratch = 0);
-  /// Memory that is used during `place` only.
-  Span<std::uint8_t> scratch() const { return scratch_; }
+  void lay_out(Arena& arena, const TrackerLimits& limits);
+  /// Memory in which `place` works; its content is lost. At least scratch_bytes.
+  void set_scratch(Span<unsigned char> scratch) { scratch_ = scratch; }
+  static std::size_t scratch_bytes(const TrackerLimits& limits);
 
   /// Captures templates in the free slots [first, end) as far as the region shows texture: at first as far apart as the
   /// visible surface allows, then closer. Points keep apart from points found in this frame and from markers.
@@ -35,7 +35,7 @@ class TemplatePlacement {
   int across_ = 0, down_ = 0;  // cells
   std::uint8_t* cells_ = nullptr;
   Span<Corner> corners_;
-  Span<std::uint8_t> scratch_;
+  Span<unsigned char> scratch_;
 };
 
 }  // namespace pliant

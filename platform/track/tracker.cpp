@@ -29,8 +29,12 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
 
 void TrackerParts::lay_out_tracking(Arena& arena, TrackerParts* parts, const Model& model,
                                     const TrackerLimits& limits) {
-  lay_out_part(arena, parts == nullptr ? nullptr : &parts->estimator, model, estimator_limits(limits));
   lay_out_part(arena, static_cast<ImageParts*>(parts), model, limits);
+  EstimatorLimits of_estimator = estimator_limits(limits);
+  if (!limits.keeps_adaptation)
+    of_estimator.adaptation_memory = {parts == nullptr ? nullptr : parts->scratch.data,
+                                      adaptation_bytes(limits.vertices)};
+  lay_out_part(arena, parts == nullptr ? nullptr : &parts->estimator, model, of_estimator);
 }
 
 /// The same in the block, whatever has used it.
@@ -41,24 +45,22 @@ void TrackerParts::lay_out_tracking() {
 }
 
 void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-  TrackerLimits own = limits;
-  if (own.key_frames > TrackerLimits::kMostKeyFrames) own.key_frames = TrackerLimits::kMostKeyFrames;
   arena.count_as(Purpose::state);
   impl_ = arena.make<Impl>();
   const auto q = arena.take_span<float>(model.parameters().count);
   lay_out_part(arena, impl_ == nullptr ? nullptr : &impl_->offsets, model);
   std::size_t search = 0;
   SelfStart* const self_start =
-      own.detection == nullptr ? nullptr : own.detection->lay_out(arena, model, own, &search);
+      limits.detection == nullptr ? nullptr : limits.detection->lay_out(arena, model, limits, &search);
   unsigned char* const block = arena.take<unsigned char>(0);
-  const std::size_t before = arena.used_bytes(), fit = start_fit_bytes(model, own.start_points);
+  const std::size_t before = arena.used_bytes(), fit = start_fit_bytes(model, limits.start_points);
   const std::size_t needed = search > fit ? search : fit;
-  TrackerParts::lay_out_tracking(arena, impl_, model, own);
+  TrackerParts::lay_out_tracking(arena, impl_, model, limits);
   const std::size_t tracking = arena.used_bytes() - before;
   arena.count_as(Purpose::solver);
   if (needed > tracking) arena.take<unsigned char>(needed - tracking);
   if (impl_ == nullptr) return;
-  impl_->limits = own;
+  impl_->limits = limits;
   impl_->table = model;
   impl_->start_q = q;
   impl_->block = {block, needed > tracking ? needed : tracking};
@@ -66,19 +68,39 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
 }
 
 void ImageParts::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-  region.lay_out(arena, limits);
+  lay_out_unused_between_frames(arena, model, limits);
   templates.lay_out(arena, limits);
   matcher.lay_out(arena, limits);
-  placement.lay_out(arena, limits,
-                    limits.detection == nullptr ? 0 : limits.detection->check_bytes(model, limits));
+  placement.lay_out(arena, limits);
+  placement.set_scratch(scratch);
   edges.lay_out(arena, limits);
   key_frames.lay_out(arena, limits);
   texture.lay_out(arena, limits.texture_cells);
   markers.lay_out(arena, limits.markers);
+}
+
+/// The image of the region and the observations are of one frame; frame-to-frame tracking needs the image in the next.
+void ImageParts::lay_out_unused_between_frames(Arena& arena, const Model& model,
+                                               const TrackerLimits& limits) {
+  if (limits.keeps_previous) region.lay_out(arena, limits);
+  unsigned char* const first = arena.take<unsigned char>(0);
+  const std::size_t before = arena.used_bytes();
+  if (!limits.keeps_previous) region.lay_out(arena, limits);
   arena.count_as(Purpose::points);
   observations =
       arena.take_span<Observation>(all_slots(limits) + EdgeTracker::kAlternatives * edge_points(limits));
   prediction_index = arena.take<std::uint16_t>(all_points(limits));
+  arena.count_as(Purpose::corners);
+  const std::size_t corners = TemplatePlacement::scratch_bytes(limits);
+  const std::size_t adaptation = limits.keeps_adaptation ? 0 : adaptation_bytes(limits.vertices);
+  std::size_t bytes = corners > adaptation ? corners : adaptation;
+  if (limits.detection != nullptr) {
+    const std::size_t others = arena.used_bytes() - before,
+                      check = limits.detection->check_bytes(model, limits);
+    if (check > others + bytes) bytes = check - others;
+  }
+  scratch = arena.take_span<unsigned char>(bytes);
+  unused_between_frames = {first, arena.used_bytes() - before};
 }
 
 // --- A frame ---

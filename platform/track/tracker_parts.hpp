@@ -30,8 +30,14 @@ struct ImageParts {
   Markers markers;
   Span<Observation> observations;
   std::uint16_t* prediction_index = nullptr;  // by id of a surface point
+  Span<unsigned char>
+      scratch;  // for what is done at one time: corners, a check, mesh adaptation if limits share its memory
+  Span<unsigned char> unused_between_frames;  // with the scratch in it
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
+
+ private:
+  void lay_out_unused_between_frames(Arena& arena, const Model& model, const TrackerLimits& limits);
 };
 
 /// The estimator and the parts that work on images share their memory with what runs while there is no track: the search

@@ -48,7 +48,7 @@ struct Estimator::Impl : StateParts {
   Span<const Prediction> predictions;  // of all points at `state`; empty when either has changed
   std::size_t sample_capacity = 0;     // a point
   std::uint32_t tangent_interval = 1, vertex_interval = 1;  // frames
-  bool personalises = false;
+  bool personalises = false, keeps_adaptation = false;
 
   std::size_t parameter_count() const { return cascade.parameter_count(); }
   SolveInput solve_input() { return {cascade, points, motion.expected()}; }
@@ -84,9 +84,9 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   impl_ = arena.make<Impl>();
   const auto part = [this](auto Impl::*member) { return impl_ == nullptr ? nullptr : &(impl_->*member); };
   lay_out_part(arena, static_cast<StateParts*>(impl_), parameters, limits, samples);
-  lay_out_part(
-      arena, part(&Impl::surface), parameters,
-      VisibleSurfaceLimits{limits.vertices, limits.samples_vertices ? samples : 0, limits.silhouette_points});
+  lay_out_part(arena, part(&Impl::surface), parameters,
+               VisibleSurfaceLimits{limits.vertices, limits.samples_vertices ? samples : 0,
+                                    limits.silhouette_points, limits.adaptation_memory});
   FrameSolverLimits solver;
   solver.points = limits.points;
   solver.parameters = parameters;
@@ -99,6 +99,7 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   if (impl_ == nullptr) return;
   impl_->personalises = limits.personal_field.width > 0;
   impl_->sample_capacity = samples;
+  impl_->keeps_adaptation = limits.adaptation_memory.empty();
 }
 
 Status Estimator::start(const Camera& camera, int width, int height, const Pose& pose, const float* q,
@@ -114,6 +115,7 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   Status status = Lens::make(camera, width, height, &lens);
   if (status != Status::ok) return status;
   s.started = false;
+  if (options.mesh_operations > 0 && !s.keeps_adaptation) return Status::capacity;
   status = s.choose_free(is_free);
   if (status == Status::ok) status = s.surface.start(model());
   if (status != Status::ok) return status;

@@ -4,7 +4,7 @@ namespace pliant {
 
 namespace {
 constexpr const VisibleSurfaceTuning& kTuning = kVisibleSurfaceTuning;
-}
+}  // namespace
 
 void VisibleSurface::lay_out(Arena& arena, std::size_t parameters, const VisibleSurfaceLimits& limits) {
   MeshLimits mesh;
@@ -14,7 +14,9 @@ void VisibleSurface::lay_out(Arena& arena, std::size_t parameters, const Visible
   arena.count_as(Purpose::mesh);
   mesh_.lay_out(arena, mesh);
   arena.count_as(Purpose::adaptation);
-  adapter_.lay_out(arena, mesh);
+  Arena shared(limits.adaptation_memory.data, limits.adaptation_memory.count);
+  adapter_.lay_out(limits.adaptation_memory.empty() ? arena : shared, mesh);
+  PLIANT_ASSERT(!shared.exhausted());
   arena.count_as(Purpose::visibility);
   const int cells = limits.vertices <= kTuning.small_mesh ? kTuning.cells_small : kTuning.cells_large;
   depth_buffer_.lay_out(arena, cells, cells);

@@ -48,6 +48,7 @@ struct VisibleSurfaceLimits {
   std::uint16_t vertices = 0;
   std::size_t samples_per_vertex = 0;  ///< kept for each vertex; 0: vertex positions are read from the tables
   std::uint16_t silhouette_points = 0;
+  Span<unsigned char> adaptation_memory;  ///< as EstimatorLimits::adaptation_memory
 };
 
 /// How VisibleSurface adapts its mesh.

@@ -34,6 +34,12 @@ bool are_bounded(const float* x, int n) {  // false for NaN
   return true;
 }
 
+bool are_in_chart(Span<const Vec2> uv) {
+  for (const Vec2& p : uv)
+    if (!are_in_unit(&p.x, 2)) return false;
+  return true;
+}
+
 /// What an operation reads.
 struct Operands {
   std::uint8_t sources, parameters;
@@ -132,7 +138,7 @@ struct TableReader {
     const bool has_shape = f.width >= 2 && f.width <= kMaxSide && f.height >= 2 && f.height <= kMaxSide &&
                            (f.components == 1 || f.components == 3) && (f.bits == 8 || f.bits == 16) &&
                            f.mirror <= 1;
-    if (!has_shape || !in_unit(f.u0) || !in_unit(f.v0) || !in_unit(f.u1) || !in_unit(f.v1)) return false;
+    if (!has_shape || !are_in_unit(&f.u0, 4)) return false;
     if (!(f.u1 - f.u0 >= kMinSupport && f.v1 - f.v0 >= kMinSupport)) return false;
     const float steps = f.bits == 16 ? 32768.0f : 128.0f;
     for (int c = 0; c < 3; ++c)
@@ -184,8 +190,7 @@ struct TableReader {
     if (uv.count < 3 || uv.count >= kNone || corners.count < 3 || corners.count % 3 != 0 ||
         corners.count >= kNone)
       return false;
-    for (Vec2 p : uv)
-      if (!in_unit(p.x) || !in_unit(p.y)) return false;
+    if (!are_in_chart(uv)) return false;
     for (std::uint16_t c : corners)
       if (c >= uv.count) return false;
     return true;
@@ -193,9 +198,8 @@ struct TableReader {
 
   bool check_names() const {
     for (const Landmark& l : contents.landmarks)
-      if (!is_name(l.name) || !in_unit(l.u) || !in_unit(l.v)) return false;
-    for (Vec2 p : contents.curve_points)
-      if (!in_unit(p.x) || !in_unit(p.y)) return false;
+      if (!is_name(l.name) || !are_in_unit(&l.u, 2)) return false;
+    if (!are_in_chart(contents.curve_points)) return false;
     for (const Curve& c : contents.curves) {
       const std::size_t points = contents.curve_points.count;
       if (!is_name(c.name) || c.kind > CurveKind::boundary || c.point_count < 2) return false;
@@ -248,6 +252,12 @@ struct TableReader {
 };
 
 }  // namespace
+
+bool are_in_unit(const float* x, int n) {
+  for (int i = 0; i < n; ++i)
+    if (!(x[i] >= 0 && x[i] <= 1)) return false;
+  return true;
+}
 
 bool same_name(const char* a, const char* b) {
   return std::strncmp(a, b, table::kNameBytes) == 0;

@@ -21,18 +21,23 @@ set(images "")
 function(pliant_image name)
   pliant_program(${name} ${ARGN})
   add_dependencies(${name} pliant_prepared)
+  set(images ${images} $<TARGET_FILE:${name}> PARENT_SCOPE)
   set(expected "")
   if(name IN_LIST compared)
     set(expected ${prepared}/${name}.txt)
   endif()
+  if(name STREQUAL detection AND NOT name IN_LIST compared)
+    return()  # no learnt tables, no face
+  endif()
   add_test(NAME target_${name} WORKING_DIRECTORY ${prepared} COMMAND ${CMAKE_COMMAND}
     "-DPROGRAM=${CMAKE_CROSSCOMPILING_EMULATOR};$<TARGET_FILE:${name}>" -DEXPECTED=${expected}
     -DOUTPUT=${CMAKE_CURRENT_BINARY_DIR}/${name}.txt -P ${CMAKE_CURRENT_SOURCE_DIR}/run_image.cmake)
-  set(images ${images} $<TARGET_FILE:${name}> PARENT_SCOPE)
 endfunction()
 
 pliant_image(firmware ${cortex_m}/firmware.cpp ${prepared}/face.cpp)
 pliant_image(bad_input bad_input.cpp ${prepared}/face.cpp)
+pliant_image(detection ${cortex_m}/firmware.cpp ${prepared}/face.cpp)
+target_compile_definitions(detection PRIVATE PLIANT_FIRMWARE_DETECTS)
 pliant_image(c_example ${cortex_m}/c_example.c ${prepared}/face.cpp)
 
 if(CMAKE_SYSTEM_NAME STREQUAL "Generic")  # elsewhere the test programs do this
@@ -40,6 +45,8 @@ if(CMAKE_SYSTEM_NAME STREQUAL "Generic")  # elsewhere the test programs do this
   add_test(NAME symbols COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} "-DIMAGES=${images}"
     "-DLIBRARIES=$<TARGET_FILE:pliant_core>;$<TARGET_FILE:pliant_track>"
     -P ${PROJECT_SOURCE_DIR}/tests/system/symbols.cmake)
+  add_test(NAME code_size_with_detection COMMAND ${CMAKE_COMMAND} -DMAP=$<TARGET_FILE:detection>.map -DLIMIT=131072
+    -P ${CMAKE_CURRENT_SOURCE_DIR}/code_size.cmake)
   add_test(NAME code_size COMMAND ${CMAKE_COMMAND} -DMAP=$<TARGET_FILE:firmware>.map -DLIMIT=98304
     -P ${CMAKE_CURRENT_SOURCE_DIR}/code_size.cmake)
 endif()

@@ -25,6 +25,8 @@ add_custom_target(pliant_tables DEPENDS egg.cpp face.cpp start.hpp points.h fram
 
 pliant_program(firmware ${cortex_m}/firmware.cpp face.cpp)
 pliant_program(bad_input bad_input.cpp face.cpp)
+pliant_program(detection ${cortex_m}/firmware.cpp face.cpp)
+target_compile_definitions(detection PRIVATE PLIANT_FIRMWARE_DETECTS)
 pliant_program(c_example ${cortex_m}/c_example.c face.cpp)
 
 set(outputs "")

@@ -16,7 +16,7 @@ struct Rig {
   explicit Rig(float turn = 0, bool keeps_samples = true)
       : egg(turn),
         surface(egg.parameters(),
-                VisibleSurfaceLimits{300, keeps_samples ? egg.samples() : std::size_t{0}, 16}) {
+                VisibleSurfaceLimits{300, keeps_samples ? egg.samples() : std::size_t{0}, 16, {}}) {
     REQUIRE(surface->start(egg.model) == Status::ok);
     surface->adapt(egg.cascade.object, egg.state, {});
     update(0, 1);

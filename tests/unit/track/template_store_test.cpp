@@ -50,6 +50,10 @@ struct Rig {
   }
   void place(std::size_t first, std::size_t end) {
     InArena<TemplatePlacement> placement(limits);
+    std::vector<std::uint64_t> scratch(TemplatePlacement::scratch_bytes(limits) / 8 + 4);
+    auto* block = reinterpret_cast<unsigned char*>(scratch.data());
+    block += (16 - reinterpret_cast<std::uintptr_t>(block) % 16) % 16;
+    placement->set_scratch({block, TemplatePlacement::scratch_bytes(limits)});
     placement->place(templates.object, estimator.object, region.object, markers.object, first, end);
   }
   std::size_t used(std::size_t first, std::size_t end) const {
