@@ -22,10 +22,10 @@ Vec2 limited(Vec2 mm) {
 
 }  // namespace
 
-void AlignerPass::lay_out(Arena& arena, const Model& model, std::size_t landmarks) {
+void AlignerPass::lay_out(Arena& arena, const Model& model, std::size_t landmarks, AlignerUse use) {
   picture_.lay_out(arena);
   gradients_.lay_out(arena);
-  shape_.lay_out(arena, model, landmarks);
+  shape_.lay_out(arena, model, landmarks, use);
   block_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kMostBlockBytes));
   index_ = arena.take<std::uint16_t>(landmarks);
   model_index_ = arena.take<std::uint16_t>(landmarks);

@@ -19,7 +19,8 @@ struct AlignerEvidence {
 /// The frame, the face in it, and the crop.
 class AlignerPass {
  public:
-  void lay_out(Arena& arena, const Model& model, std::size_t landmarks);
+  void lay_out(Arena& arena, const Model& model, std::size_t landmarks,
+               AlignerUse use = AlignerUse::alignment);
 
   /// The landmarks ibugNN of these numbers. Done once.
   /// \return how many of them the model has; 0 if it lacks an outer eye corner or a mouth corner.

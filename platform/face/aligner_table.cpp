@@ -80,7 +80,7 @@ std::size_t check_weight_bytes(const AlignerStage& last, std::size_t landmarks) 
   return 2 * landmarks * sizeof(float) + padded(landmarks * block_bytes(last));
 }
 
-Status AlignerTable::open(Span<const std::uint8_t> bytes, AlignerTable* table) {
+Status AlignerTable::open(Span<const std::uint8_t> bytes, AlignerTable* table, bool is_summed) {
   if (bytes.data == nullptr || bytes.count == 0) return Status::not_found;
   if (reinterpret_cast<std::uintptr_t>(bytes.data) % 4 != 0) return Status::misaligned;
   if (bytes.count < sizeof(AlignerHeader)) return Status::truncated;
@@ -90,7 +90,8 @@ Status AlignerTable::open(Span<const std::uint8_t> bytes, AlignerTable* table) {
   if (header.total_bytes > bytes.count) return Status::truncated;
   constexpr std::size_t kSummed = offsetof(AlignerHeader, landmark_count);
   if (header.total_bytes < sizeof(AlignerHeader)) return Status::bad_table;
-  if (crc32(bytes.data + kSummed, header.total_bytes - kSummed) != header.crc32) return Status::bad_checksum;
+  if (!is_summed && crc32(bytes.data + kSummed, header.total_bytes - kSummed) != header.crc32)
+    return Status::bad_checksum;
   const std::size_t landmarks = header.landmark_count, stages = header.stage_count,
                     total = header.total_bytes;
   if (landmarks < 4 || landmarks > kMostAlignerLandmarks || stages < 1 || stages > kMostAlignerStages)

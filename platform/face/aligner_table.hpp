@@ -94,7 +94,7 @@ class AlignerTable {
  public:
   /// \return not_found (no bytes), misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table; `table` is then as
   ///         before.
-  static Status open(Span<const std::uint8_t> bytes, AlignerTable* table);
+  static Status open(Span<const std::uint8_t> bytes, AlignerTable* table, bool is_summed = false);
 
   std::size_t landmark_count() const { return landmarks_; }
   std::size_t stage_count() const { return stages_.count; }

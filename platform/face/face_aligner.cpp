@@ -41,12 +41,13 @@ struct FaceAligner::State {
   Model model;
   AlignerTable table;
   Status status = Status::not_found;
+  AlignerUse use = AlignerUse::alignment;
   AlignerPass pass;
   float* start_q = nullptr;
   Lens lens;
   View start_view;
 
-  void lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> bytes);
+  void lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> bytes, AlignerUse use);
   Status check_input(const FrameView& frame, const Camera& camera, const float* q, const AlignedFace* face);
   Status start_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera);
   Status start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera);
@@ -56,12 +57,14 @@ struct FaceAligner::State {
   AlignedFace conclude(const Camera& camera);
 };
 
-void FaceAligner::State::lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> bytes) {
+void FaceAligner::State::lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> bytes,
+                                 AlignerUse of_use) {
   model = of;
-  pass.lay_out(arena, model, kMostAlignerLandmarks);
+  use = of_use;
+  pass.lay_out(arena, model, kMostAlignerLandmarks, use);
   start_q = arena.take<float>(model.parameters().count);
   if (arena.is_measuring() || arena.exhausted()) return;
-  status = AlignerTable::open(bytes, &table);
+  status = AlignerTable::open(bytes, &table, use == AlignerUse::verification);
   if (status != Status::ok) return;
   const std::size_t found = pass.choose_landmarks(model, table.landmark_numbers(), table.landmark_count());
   if (static_cast<float>(found) < kLeastLandmarks * static_cast<float>(table.landmark_count()))
@@ -123,6 +126,8 @@ void FaceAligner::State::write_landmarks(Span<Vec2> landmarks) {
 
 Status FaceAligner::State::run(const FrameView& frame, const Camera& camera, const AlignOptions& options,
                                bool refines, AlignedFace* face, float* q, Span<Vec2> landmarks) {
+  PLIANT_ASSERT(use == AlignerUse::alignment);
+  if (use != AlignerUse::alignment) return Status::bad_argument;
   pass.start(frame, lens, start_view, start_q, options.is_free);
   for (std::size_t k = 0; k < table.stage_count(); ++k) {
     if (refines && table.stage(k).refines == 0) continue;
@@ -138,7 +143,11 @@ Status FaceAligner::State::run(const FrameView& frame, const Camera& camera, con
 }
 
 void FaceAligner::lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> table) {
-  state_ = create_part<State>(arena, model, table);
+  state_ = create_part<State>(arena, model, table, AlignerUse::alignment);
+}
+
+void FaceAligner::lay_out_for_verification(Arena& arena, const Model& model) {
+  state_ = create_part<State>(arena, model, model.aligner(), AlignerUse::verification);
 }
 
 Status FaceAligner::status() const {

@@ -8,10 +8,10 @@ constexpr std::size_t kPose = static_cast<std::size_t>(kPoseUnknowns);
 
 }  // namespace
 
-void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks) {
+void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks, AlignerUse use) {
   const std::size_t parameters = model.parameters().count, unknowns = parameters + kPose;
   cascade_.lay_out(arena, model);
-  equations_.lay_out(arena, unknowns);
+  if (use == AlignerUse::alignment) equations_.lay_out(arena, unknowns);
   q_ = arena.take<float>(parameters);
   step_ = arena.take<float>(unknowns);
   samples_ = arena.take<Vec3>(model.cascade().count);

@@ -26,12 +26,16 @@ struct FaceShapeTuning {
 };
 inline constexpr FaceShapeTuning kFaceShapeTuning{};
 
+/// What an aligner is laid out for. Verification takes no steps and has no equations.
+enum class AlignerUse : std::uint8_t { alignment, verification };
+
 /// Pose and parameters of one face. A step: `begin`, then `evaluate` and `add` for each landmark, then `finish`. The fields are
 /// sampled anew for each landmark: to keep the samples would take half of the memory of alignment.
 class FaceShape {
  public:
   /// \param landmarks  at most that many.
-  void lay_out(Arena& arena, const Model& model, std::size_t landmarks);
+  void lay_out(Arena& arena, const Model& model, std::size_t landmarks,
+               AlignerUse use = AlignerUse::alignment);
 
   /// The landmarks by their (u,v). \param corners  outer eye corners and mouth corners.
   void set_landmark(std::size_t k, Vec2 uv) { uv_[k] = uv; }

@@ -16,6 +16,13 @@ FaceAligner* lay_out_aligner(Arena& arena, const Model& model) {
   return create_part<FaceAligner>(arena, model, model.aligner());
 }
 
+FaceAligner* lay_out_verifier(Arena& arena, const Model& model) {
+  FaceAligner* const aligner = arena.make<FaceAligner>();
+  FaceAligner measured;
+  (aligner == nullptr ? measured : *aligner).lay_out_for_verification(arena, model);
+  return aligner;
+}
+
 Status status(const FaceDetector& detector, const FaceAligner& aligner) {
   return detector.status() != Status::ok ? detector.status() : aligner.status();
 }
@@ -42,7 +49,7 @@ Status verify(FaceAligner& aligner, const FrameView& frame, const Camera& camera
 
 }  // namespace
 
-const FaceModules kFaceModules{is_available, lay_out_detector, lay_out_aligner, status, search,
-                               align,        refine,           verify};
+const FaceModules kFaceModules{
+    is_available, lay_out_detector, lay_out_aligner, lay_out_verifier, status, search, align, refine, verify};
 
 }  // namespace pliant

@@ -19,6 +19,7 @@ struct FaceModules {
   /// Takes a detector or an aligner from the arena. \return null if the arena measures or is exhausted.
   FaceDetector* (*lay_out_detector)(Arena& arena, const Model& model, const FaceDetectorLimits& limits);
   FaceAligner* (*lay_out_aligner)(Arena& arena, const Model& model);
+  FaceAligner* (*lay_out_verifier)(Arena& arena, const Model& model);  ///< for `verify` only
   /// What the two say of their tables.
   Status (*status)(const FaceDetector& detector, const FaceAligner& aligner);
   /// As the functions of FaceDetector and FaceAligner of these names.

@@ -193,7 +193,7 @@ bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_f
 /// \return false after too many bad checks in a row.
 bool FaceStart::check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch) {
   Arena arena(scratch.data, scratch.count);
-  FaceAligner* const aligner = modules_->lay_out_aligner(arena, model_);
+  FaceAligner* const aligner = modules_->lay_out_verifier(arena, model_);
   AlignedFace face;
   if (aligner == nullptr || modules_->verify(*aligner, frame, estimator.camera(), pose_of(estimator.view()),
                                              estimator.parameters().data, &face) != Status::ok)
@@ -222,7 +222,7 @@ std::size_t search_bytes(const Model& model, const TrackerLimits& limits) {
 
 std::size_t check_bytes(const Model& model, const TrackerLimits& limits) {
   Arena trial;
-  limits.detection->modules->lay_out_aligner(trial, model);
+  limits.detection->modules->lay_out_verifier(trial, model);
   return trial.used_bytes();
 }
 

@@ -70,7 +70,7 @@ class TemplateMatcher {
   int first_level() const;
   float scaled(float px) const;
 
-  Search* searches_ = nullptr;
+  Search* searches_ = nullptr;  // of one frame: other parts may use the memory between frames
   std::size_t capacity_ = 0, count_ = 0;
   float frame_width_ = 0, half_window_ = 0;  // px
   bool uses_frame_to_frame_ = false, is_trusted_ = false, had_first_pass_ = false;

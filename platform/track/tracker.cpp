@@ -70,22 +70,22 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
 void ImageParts::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
   lay_out_unused_between_frames(arena, model, limits);
   templates.lay_out(arena, limits);
-  matcher.lay_out(arena, limits);
-  placement.lay_out(arena, limits);
-  placement.set_scratch(scratch);
   edges.lay_out(arena, limits);
   key_frames.lay_out(arena, limits);
   texture.lay_out(arena, limits.texture_cells);
   markers.lay_out(arena, limits.markers);
 }
 
-/// The image of the region and the observations are of one frame; frame-to-frame tracking needs the image in the next.
+/// What is of one frame: the image of the region, which only frame-to-frame tracking needs in the next, searches and
+/// observations.
 void ImageParts::lay_out_unused_between_frames(Arena& arena, const Model& model,
                                                const TrackerLimits& limits) {
   if (limits.keeps_previous) region.lay_out(arena, limits);
   unsigned char* const first = arena.take<unsigned char>(0);
   const std::size_t before = arena.used_bytes();
   if (!limits.keeps_previous) region.lay_out(arena, limits);
+  matcher.lay_out(arena, limits);
+  placement.lay_out(arena, limits);
   arena.count_as(Purpose::points);
   observations =
       arena.take_span<Observation>(all_slots(limits) + EdgeTracker::kAlternatives * edge_points(limits));
@@ -100,6 +100,7 @@ void ImageParts::lay_out_unused_between_frames(Arena& arena, const Model& model,
     if (check > others + bytes) bytes = check - others;
   }
   scratch = arena.take_span<unsigned char>(bytes);
+  placement.set_scratch(scratch);
   unused_between_frames = {first, arena.used_bytes() - before};
 }
 

@@ -133,10 +133,10 @@ inline Status verify(FaceAligner&, const FrameView& frame, const Camera& camera,
 }  // namespace fake_faces
 
 inline const pliant::FaceDetection* FakeFaces::table() {
-  static const pliant::FaceModules modules{fake_faces::is_available,    fake_faces::lay_out_detector,
-                                           fake_faces::lay_out_aligner, fake_faces::status,
-                                           fake_faces::search,          fake_faces::align,
-                                           fake_faces::refine,          fake_faces::verify};
+  static const pliant::FaceModules modules{
+      fake_faces::is_available,    fake_faces::lay_out_detector, fake_faces::lay_out_aligner,
+      fake_faces::lay_out_aligner, fake_faces::status,           fake_faces::search,
+      fake_faces::align,           fake_faces::refine,           fake_faces::verify};
   static pliant::FaceDetection table = pliant::kFaceDetection;
   table.modules = &modules;
   return &table;

@@ -19,6 +19,8 @@ namespace {
 constexpr int kWidth = 320, kHeight = 240, kPaddedStride = 352;
 constexpr std::size_t kArenaBytes = 249 * 1024;
 
+constexpr TrackerLimits kLimits = without_detection(profile_s());  // an update before a start is refused
+
 alignas(Arena::kAlignment) unsigned char memory[kArenaBytes];
 [[gnu::section(".frames")]] std::uint8_t frames[3][kWidth * kHeight];
 [[gnu::section(".frames")]] std::uint8_t padded[kHeight * kPaddedStride];
@@ -65,15 +67,15 @@ void tables(Model& model) {
 
 void arenas(const Model& model) {
   Arena measuring;  // not by measured_bytes, which makes a tracker on the stack
-  tracker.lay_out(measuring, model, profile_s());
+  tracker.lay_out(measuring, model, kLimits);
   const std::size_t bytes = measuring.used_bytes();
   Arena small(memory, bytes - 1);
-  check("arena a byte short", create_in(small, tracker, model, profile_s()), Status::out_of_memory);
+  check("arena a byte short", create_in(small, tracker, model, kLimits), Status::out_of_memory);
   check("nothing was taken from it", small.used_bytes() == 0);
   Arena empty(memory, 0);
-  check("arena of nothing", create_in(empty, tracker, model, profile_s()), Status::out_of_memory);
+  check("arena of nothing", create_in(empty, tracker, model, kLimits), Status::out_of_memory);
   Arena arena(memory, bytes);
-  check("arena of just its size", create_in(arena, tracker, model, profile_s()), Status::ok);
+  check("arena of just its size", create_in(arena, tracker, model, kLimits), Status::ok);
 }
 
 /// What profile L takes here, for the table of sizes.

@@ -18,13 +18,14 @@ namespace {
 constexpr int kWidth = 320, kHeight = 240;
 constexpr std::int64_t kFrameNs = 33'333'333;
 
-constexpr std::size_t kArenaBytes = 249 * 1024;
 
 #ifdef PLIANT_FIRMWARE_DETECTS
 constexpr bool kDetects = true;
+constexpr std::size_t kArenaBytes = 249 * 1024;
 constexpr pliant::TrackerLimits kLimits = pliant::profile_s();
 #else
 constexpr bool kDetects = false;  // its code is not linked
+constexpr std::size_t kArenaBytes = 228 * 1024;
 constexpr pliant::TrackerLimits kLimits = pliant::without_detection(pliant::profile_s());
 #endif
 
