@@ -19,7 +19,7 @@ struct BrowSearchTuning {
   float lid_gap = 0.055f;    ///< of a brow's middle above the upper lid, at least
   float prior =
       0.12f;  ///< weight of the deviations against the contrast of the band, in standard deviations of grey
-  float above_middle = 0.014f;  ///< of the landmarks over the middle of the band
+  float above_middle = 0.004f;  ///< of the landmarks over the middle of the band
 };
 constexpr BrowSearchTuning kTuning{};
 
