@@ -1,6 +1,6 @@
 #pragma once
 // Gradient cells: a picture as histograms of gradient directions over square cells, relative to the mean gradient around
-// each cell. The gain and bias of the light do not change them. Integers only.
+// each cell. The gain and bias of the light do not change them. Integers only (docs/algorithms.md, section 7.11).
 #include <cstdint>
 
 #include "pliant/arena.hpp"
