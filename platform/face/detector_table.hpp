@@ -13,7 +13,7 @@ namespace pliant {
 constexpr int kWindowCells = 12;    ///< cells a side of the detector's window
 constexpr int kDetectorCellPx = 4;  ///< pixels a side of a cell, in the frame reduced to the window's scale
 constexpr int kDetectorReach = 1;   ///< cells around a cell that it is normalised with, to each side
-constexpr int kTreeDepth = 2;       ///< comparisons on the way to a leaf
+constexpr int kTreeDepth = 3;       ///< comparisons on the way to a leaf
 constexpr int kTreeNodes = (1 << kTreeDepth) - 1, kTreeLeaves = 1 << kTreeDepth;  ///< of a tree
 
 /// Side of the window, px.
@@ -38,7 +38,7 @@ struct DetectorHeader {
   std::uint32_t total_bytes;  ///< of the table
   std::uint32_t crc32;        ///< IEEE CRC-32 of everything behind this field
   std::uint16_t tree_count;   ///< at least 1
-  std::uint16_t reserved;     ///< 0
+  std::uint16_t tree_depth;   ///< kTreeDepth
   /// Probability of a face at a sum of all trees: a broken line through these points, sums strictly ascending,
   /// probabilities ascending, in 1/65535. Constant beyond the ends.
   std::int16_t knot_sum[kScoreKnots];

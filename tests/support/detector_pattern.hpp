@@ -90,6 +90,7 @@ inline Bytes table(std::size_t tree_count = 60) {
   auto* const header = reinterpret_cast<DetectorHeader*>(bytes.words.data());
   header->magic = kDetectorMagic;
   header->tree_count = static_cast<std::uint16_t>(tree_count);
+  header->tree_depth = kTreeDepth;
   const int all = 8 * static_cast<int>(tree_count), least = all / 8;
   for (int k = 0; k < kScoreKnots; ++k) {
     header->knot_sum[k] = static_cast<std::int16_t>(least + k * (all - least) / (kScoreKnots - 1));

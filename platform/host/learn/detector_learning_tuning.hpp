@@ -10,7 +10,7 @@ namespace pliant::host::learn {
 /// Tuning of the detector's training. Each constant: unit, reason, experiment.
 struct DetectorLearningTuning {
   /// Samples of faces, count.
-  std::size_t samples = 8000;
+  std::size_t samples = 10000;
   /// Windows that each sample gives, count.
   std::size_t windows_a_sample = 2;
   /// Largest shift of a window, as a fraction of its side: half a cell is 1/24.
@@ -28,7 +28,7 @@ struct DetectorLearningTuning {
   /// Overlap with the face box below which a hit is false: between this and a good hit it is neither.
   float beside_overlap = 0.3f;
   /// Trees of each round, count.
-  std::size_t trees[4] = {32, 96, 256, 768};
+  std::size_t trees[5] = {32, 64, 128, 320, 640};
   /// Faces that the thresholds may lose, as a fraction, while hits are collected: some samples are too dark to see.
   double lost_faces = 0.02;
   /// Frames without faces that may have a false hit in the end, as a fraction: alignment tells them from faces, and costs as much

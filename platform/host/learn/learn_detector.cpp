@@ -85,6 +85,7 @@ std::vector<std::uint8_t> bytes_of(const std::vector<DetectorTree>& trees, const
   DetectorHeader header{};
   header.magic = kDetectorMagic;
   header.tree_count = static_cast<std::uint16_t>(trees.size());
+  header.tree_depth = kTreeDepth;
   header.total_bytes = static_cast<std::uint32_t>(sizeof header + trees.size() * sizeof(DetectorTree));
   set_knots(calibration, trees.back().rejection, &header);
   std::vector<std::uint8_t> bytes(header.total_bytes);

@@ -62,7 +62,7 @@ TEST_CASE("values out of range do not open, even with the right checksum") {
   CHECK(with([](Bytes& b) { tree_of(b, 19).feature[0] = kWindowCells * kCellChannels; }) ==
         Status::bad_table);
   CHECK(with([](Bytes& b) { tree_of(b, 0).reserved = 1; }) == Status::bad_table);
-  CHECK(with([](Bytes& b) { header_of(b).reserved = 1; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { header_of(b).tree_depth = kTreeDepth + 1; }) == Status::bad_table);
   CHECK(with([](Bytes& b) { header_of(b).knot_sum[3] = header_of(b).knot_sum[2]; }) == Status::bad_table);
   CHECK(with([](Bytes& b) { header_of(b).knot_probability[3] = 0; }) == Status::bad_table);
   CHECK(with([](Bytes& b) { header_of(b).tree_count = 0; }) == Status::bad_table);

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <vector>
 
+#include "aligned_block.hpp"
 #include "detector_pattern.hpp"
 #include "texture.hpp"
 
@@ -17,16 +18,13 @@ using texture::Picture;
 namespace {
 
 struct Rig {
-  struct alignas(16) Block {
-    unsigned char bytes[16];
-  };
-  std::vector<Block> room;
+  AlignedBlock block;
   Bytes table = detector_pattern::table();
   FaceDetector detector;
 
-  explicit Rig(FaceDetectorLimits limits = {}) {
-    room.resize(measured_bytes<FaceDetector>(table.span(), limits) / sizeof(Block));
-    Arena arena(room.data(), room.size() * sizeof(Block));
+  explicit Rig(FaceDetectorLimits limits = {})
+      : block(measured_bytes<FaceDetector>(detector_pattern::table().span(), limits)) {
+    Arena arena(block.data(), block.size());
     REQUIRE(create_in(arena, detector, table.span(), limits) == Status::ok);
     REQUIRE(detector.status() == Status::ok);
   }

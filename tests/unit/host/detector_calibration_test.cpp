@@ -13,7 +13,8 @@ TEST_CASE("the calibration recovers the logistic law that decided which sums wer
   SampleRandom random(1, 1);
   std::vector<WeightedSum> faces, others;
   for (int k = 0; k < 20000; ++k) {
-    const double sum = random.between(-200, 400), p = 1 / (1 + std::exp(-(0.02 * sum - 2)));
+    const double sum = static_cast<double>(random.between(-200, 400)),
+                 p = 1 / (1 + std::exp(-(0.02 * sum - 2)));
     (random.chance(static_cast<float>(p)) ? faces : others).push_back({sum, 1});
   }
   const Calibration c = fit_calibration(faces, others);

@@ -1,0 +1,69 @@
+#include "face/box_selection.hpp"
+
+#include <doctest/doctest.h>
+
+#include "aligned_block.hpp"
+
+using namespace pliant;
+
+namespace {
+
+struct Rig {
+  AlignedBlock block{1 << 13};
+  Arena arena{block.data(), block.size()};
+  BoxHits hits;
+  Rig() {
+    hits.lay_out(arena);
+    REQUIRE(!arena.exhausted());
+  }
+};
+
+BoxHit hit(float x, float y, float side, int sum) {
+  return {{{x, y}, side}, sum};
+}
+
+}  // namespace
+
+TEST_CASE("the overlap of boxes is the shared area over the area of both") {
+  CHECK(overlap({{0, 0}, 10}, {{0, 0}, 10}) == doctest::Approx(1));
+  CHECK(overlap({{0, 0}, 10}, {{5, 0}, 10}) == doctest::Approx(1.0 / 3));
+  CHECK(overlap({{0, 0}, 10}, {{0, 0}, 20}) == doctest::Approx(0.25));
+  CHECK(overlap({{0, 0}, 10}, {{30, 0}, 10}) == 0);
+  CHECK(overlap({{0, 0}, 0}, {{0, 0}, 0}) == 0);
+}
+
+TEST_CASE("hits around one face become one, those of another face stay") {
+  Rig rig;
+  rig.hits.add(hit(100, 100, 50, 300));
+  rig.hits.add(hit(104, 100, 50, 300));
+  rig.hits.add(hit(96, 100, 50, 300));
+  rig.hits.add(hit(200, 100, 60, 200));
+  const BoxHit first = rig.hits.take_best(100);
+  CHECK(first.sum == 300);
+  CHECK(first.box.center.x == doctest::Approx(100));
+  CHECK(first.box.side == doctest::Approx(50));
+  const BoxHit second = rig.hits.take_best(100);
+  CHECK(second.box.center.x == doctest::Approx(200));
+  CHECK(rig.hits.empty());
+}
+
+TEST_CASE("a clear hit weighs more than a weak one") {
+  Rig rig;
+  rig.hits.add(hit(100, 100, 50, 499));
+  rig.hits.add(hit(110, 100, 50, 199));
+  CHECK(rig.hits.take_best(100).box.center.x == doctest::Approx(102));
+}
+
+TEST_CASE("beyond its capacity the weakest hits are dropped") {
+  Rig rig;
+  for (int k = 0; k < 3 * BoxHits::kCapacity; ++k)
+    rig.hits.add(hit(static_cast<float>(100 * k), 0, 50, (k * 7919) % 1000));
+  int count = 0, last = 1000;
+  for (; !rig.hits.empty(); ++count) {
+    const int sum = rig.hits.take_best(0).sum;
+    CHECK(sum <= last);
+    last = sum;
+  }
+  CHECK(count == BoxHits::kCapacity);
+  CHECK(last > 600);
+}

@@ -1,0 +1,75 @@
+#include "face/search_place.hpp"
+
+#include <doctest/doctest.h>
+
+#include <set>
+#include <utility>
+
+#include "face/detector_table.hpp"
+#include "face/scaled_lines.hpp"
+
+using namespace pliant;
+
+TEST_CASE("every window of every size is met exactly once, in strips of bounded width") {
+  for (const int width : {40, 320, 321, 700, 1500}) {
+    CAPTURE(width);
+    SearchPlace at;
+    std::set<std::pair<int, int>> windows;
+    int ratio = 0, sizes = 0, most = 0;
+    const auto check_size = [&] {
+      if (ratio == 0) return;
+      const int cells = (width * ScaledLines::kUnit / ratio + 3) / 4 + 6,
+                rows = (400 * ScaledLines::kUnit / ratio + 3) / 4 + 6;
+      CHECK(static_cast<int>(windows.size()) == (cells - kWindowCells + 1) * (rows - kWindowCells + 1));
+    };
+    for (at.begin(width, 400, 48); !at.is_complete(); at.advance()) {
+      if (at.ratio() != ratio) {
+        check_size();
+        windows.clear();
+        ratio = at.ratio();
+        ++sizes;
+      }
+      most = std::max(most, at.columns());
+      const int row = at.row() - (kWindowCells - 1);
+      if (row < -3) continue;
+      for (int k = 0; k + kWindowCells <= at.columns(); ++k)
+        REQUIRE(windows.insert({at.first_column() + k, row}).second);
+    }
+    check_size();
+    CHECK(most <= SearchPlace::most_columns(width));
+    CHECK(sizes >= 1);
+  }
+}
+
+TEST_CASE("the smallest box has the size asked for, the largest exceeds the frame's smaller side a little") {
+  for (const int smallest : {48, 60, 100}) {
+    SearchPlace at;
+    at.begin(320, 240, smallest);
+    CHECK(at.box(0, 0).side == doctest::Approx(smallest).epsilon(0.01));
+    float largest = 0;
+    for (; !at.is_complete(); at.advance()) largest = at.box(0, 0).side;
+    CHECK(largest > 200);
+    CHECK(largest <= 1.25f * 240);
+  }
+}
+
+TEST_CASE("a window's middle is the middle of the pixels that it covers") {
+  SearchPlace at;
+  at.begin(320, 240, 48);
+  const FaceBox box = at.box(3, 0);  // the first column is three cells left of the frame
+  CHECK(box.center.x == 23.5f);
+  CHECK(box.center.y == 23.5f);
+}
+
+TEST_CASE("frames without room for a face are complete at once") {
+  for (const int side : {1, 20, 39}) {
+    SearchPlace at;
+    at.begin(side, 500, 48);
+    CHECK(at.is_complete());
+    at.begin(500, side, 48);
+    CHECK(at.is_complete());
+  }
+  SearchPlace at;
+  at.begin(8192, 8192, 65535);
+  CHECK(at.is_complete());
+}
