@@ -14,6 +14,7 @@ namespace {
 struct BrowSearchTuning {
   float low = 0.16f, high = -0.12f;  ///< range of the move, down positive
   float usual = 0.05f, usual_sd = 0.05f;
+  float uneven_sd = 0.02f;  ///< difference of the moves of both brows
   float tilt_sd = 0.035f, bend_sd = 0.02f;
   float half_band = 0.024f;  ///< half of a brow's height
   float lid_gap = 0.055f;    ///< of a brow's middle above the upper lid, at least
@@ -42,25 +43,43 @@ struct BrowChange {
   float at(float t) const { return move + tilt * t + bend * (t * t - 0.5f); }
 };
 
+struct ScoredChange {
+  BrowChange change;
+  float score = -1e9f;
+};
+
+/// The pair that is best together: brows are about equally high.
+std::array<BrowChange, 2> best_pair(const std::array<ScoredChange, kRows>& right,
+                                    const std::array<ScoredChange, kRows>& left) {
+  std::array<BrowChange, 2> best;
+  float best_score = -1e9f;
+  for (const ScoredChange& r : right)
+    for (const ScoredChange& l : left) {
+      const float apart = (r.change.move - l.change.move) / kTuning.uneven_sd;
+      const float score = r.score + l.score - kTuning.prior * apart * apart;
+      if (score > best_score) best_score = score, best = {r.change, l.change};
+    }
+  return best;
+}
+
 class BrowSearch {
  public:
   BrowSearch(const Mipmap& picture, const FaceAxes& axes) : picture_(picture), axes_(axes) {
     detail_ = picture.detail_for(1);
   }
 
+  /// The best change for each move, with its score.
   /// \param brow  the five landmarks from one end to the other, in face axes. \param lid  height of the upper lid.
-  BrowChange find(const std::array<Vec2, 5>& brow, float lid) {
+  std::array<ScoredChange, kRows> find(const std::array<Vec2, 5>& brow, float lid) {
     measure_contrast(brow);
-    BrowChange best;
-    float best_score = -1e9f;
-    for (int a = 0; a < static_cast<int>(kRows); ++a)
+    std::array<ScoredChange, kRows> best;
+    for (std::size_t a = 0; a < kRows; ++a)
       for (int b = -6; b <= 6; ++b)
         for (int c = -3; c <= 3; ++c) {
           const BrowChange change{kTuning.high + kRowStep * static_cast<float>(a),
                                   0.01f * static_cast<float>(b), 0.01f * static_cast<float>(c)};
           if (brow[2].y + change.at(0) > lid - kTuning.lid_gap) continue;
-          const float s = score(change);
-          if (s > best_score) best_score = s, best = change;
+          if (const float s = score(change); s > best[a].score) best[a] = {change, s};
         }
     return best;
   }
@@ -142,18 +161,23 @@ std::vector<AnnotatedLandmark> find_brows(const Model& model, const Photograph& 
   const Vec2 right = at(45) - at(36);
   const FaceAxes axes{0.5f * (at(36) + at(45)), right, {-right.y, right.x}};
   const Mipmap picture(fitted.picture);
-  std::vector<AnnotatedLandmark> found;
-  for (const int first : {17, 22}) {
+  const auto brow_from = [&](int first) {
     std::array<Vec2, 5> brow;
     for (int k = 0; k < 5; ++k) brow[static_cast<std::size_t>(k)] = axes.from_image(at(first + k));
-    const Vec2 lid = first == 17 ? at(37) + at(38) : at(43) + at(44);
-    const BrowChange change = BrowSearch(picture, axes).find(brow, axes.from_image(0.5f * lid).y);
+    return brow;
+  };
+  const std::array<Vec2, 5> brows[] = {brow_from(17), brow_from(22)};
+  BrowSearch search(picture, axes);
+  const auto right_changes = search.find(brows[0], axes.from_image(0.5f * (at(37) + at(38))).y);
+  const auto left_changes = search.find(brows[1], axes.from_image(0.5f * (at(43) + at(44))).y);
+  const std::array<BrowChange, 2> changes = best_pair(right_changes, left_changes);
+  std::vector<AnnotatedLandmark> found;
+  for (std::size_t side = 0; side < 2; ++side)
     for (int k = 0; k < 5; ++k) {
-      Vec2 p = brow[static_cast<std::size_t>(k)];
-      p.y += change.at(0.5f * static_cast<float>(k) - 1) - kTuning.above_middle;
-      found.push_back({model.landmarks()[number(first + k)].name, axes.to_image(p)});
+      Vec2 p = brows[side][static_cast<std::size_t>(k)];
+      p.y += changes[side].at(0.5f * static_cast<float>(k) - 1) - kTuning.above_middle;
+      found.push_back({model.landmarks()[number((side == 0 ? 17 : 22) + k)].name, axes.to_image(p)});
     }
-  }
   return found;
 }
 
