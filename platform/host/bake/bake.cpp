@@ -21,13 +21,18 @@ void check(const BakeOptions& options) {
     throw SourceError("--unit", 0, "must be a positive number");
   if (options.components < 0 || options.components > 192)
     throw SourceError("--pca", 0, "must be from 1 to 192");
+  if (options.modes < 0 || options.modes > 64) throw SourceError("--modes", 0, "must be from 1 to 64");
+  if (!(options.stiffness >= 1e-4f && options.stiffness <= 1e4f))
+    throw SourceError("--stiffness", 0, "must be from 0.0001 to 10000");
 }
 
 Source read_all(const BakeOptions& options) {
+  if (is_cage_folder(options.source) && options.modes > 0)
+    throw SourceError("--modes", 0, "needs an OBJ file or a folder of OBJ files");
   if (is_cage_folder(options.source)) return read_cage_source(options.source);
   if (is_obj_source(options.source))
-    return read_obj_source(options.source,
-                           {options.unit_mm, options.components, options.relaxes_chart, options.progress});
+    return read_obj_source(options.source, {options.unit_mm, options.components, options.relaxes_chart,
+                                            options.modes, options.stiffness, options.progress});
   throw SourceError(options.source, 0,
                     "has neither the tables of a surface (points.txt and others) nor OBJ files");
 }

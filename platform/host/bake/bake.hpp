@@ -19,7 +19,9 @@ struct BakeOptions {
   int bits = 16;               ///< bits of a sample: 16 or 8; the rest shape always has 16
   float unit_mm = 1;           ///< unit of the OBJ files, millimetres
   bool relaxes_chart = false;  ///< moves the (u,v) of OBJ files (chart_relaxation.hpp)
-  int components = 0;  ///< if positive, the OBJ files are scans, and this many principal components are kept
+  int components = 0;   ///< if positive, the OBJ files are scans, and this many principal components are kept
+  int modes = 0;        ///< bending modes that are added to an OBJ source (bending_modes.hpp), 0 to 64
+  float stiffness = 1;  ///< of the bending modes, 1e-4 to 1e4
   ParameterChoice choice;  ///< which of the source's parameters are kept
   /// File of learnt tables (docs/model-format.md, section Learnt file), or `none`. Empty: `learnt.bin` of the source's
   /// folder, if there is one.

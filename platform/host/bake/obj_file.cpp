@@ -80,6 +80,9 @@ class ObjReader {
       mesh_.texture.push_back({u, v});
     } else if (key == "f") {
       read_polygon();
+    } else if (key == "g" || key == "o") {
+      is_fixed_ = false;
+      for (std::string_view name = word(); !name.empty(); name = word()) is_fixed_ |= name == "fixed";
     }
   }
 
@@ -97,11 +100,13 @@ class ObjReader {
     if (mesh_.corners.size() - first < 3) fail("a face has at least three corners");
     mesh_.polygon_end.push_back(static_cast<int>(mesh_.corners.size()));
     mesh_.polygon_line.push_back(line_);
+    mesh_.is_fixed.push_back(is_fixed_);
   }
 
   std::string path_, text_;
   std::string_view rest_;
   int line_ = 0;
+  bool is_fixed_ = false;  // the current group
   ObjMesh mesh_;
 };
 

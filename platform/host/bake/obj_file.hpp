@@ -1,7 +1,7 @@
 #pragma once
 /// \file obj_file.hpp
-/// Reads meshes from Wavefront OBJ files: positions, texture coordinates and polygons. Groups, normals and materials are
-/// skipped.
+/// Reads meshes from Wavefront OBJ files: positions, texture coordinates and polygons. Normals and
+/// materials are skipped, and groups but for one name.
 #include <string>
 #include <vector>
 
@@ -20,6 +20,7 @@ struct ObjMesh {
   std::vector<ObjCorner> corners;  ///< the corners of all polygons, in order
   std::vector<int> polygon_end;    ///< for each polygon, the index after its last corner
   std::vector<int> polygon_line;   ///< for each polygon, its line in the file
+  std::vector<char> is_fixed;      ///< for each polygon, whether it is in a group of the name "fixed"
 };
 
 /// Reads a file. Throws SourceError with the line for an incomplete line, an index out of range or a malformed number.

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "host/bake/at.hpp"
+#include "host/bake/bending_modes.hpp"
 #include "host/bake/chart_raster.hpp"
 #include "host/bake/chart_relaxation.hpp"
 #include "host/bake/obj_file.hpp"
@@ -70,6 +71,7 @@ class FolderReader {
       read_scans();
     else
       read_shapes();
+    add_modes();
     read_ranges();
     if (options_.relaxes_chart) relax_chart(source_.uv, source_.neutral, source_.triangles);
     read_landmarks();
@@ -212,6 +214,43 @@ class FolderReader {
       add_parameter(folder_,
                     "identity" + std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits,
                     Group::identity, std::move(pca.components[k]));
+    }
+  }
+
+  /// Adds the bending modes of the rest shape. Vertices at one place move alike, so that cuts of the chart do not open.
+  void add_modes() {
+    if (options_.modes == 0) return;
+    BendingMesh mesh;
+    std::map<std::array<float, 3>, int> places;
+    std::vector<int> place_of;
+    for (const Vec3 p : source_.neutral) {
+      const auto [entry, fresh] = places.insert({{p.x, p.y, p.z}, static_cast<int>(places.size())});
+      if (fresh) mesh.position.push_back(p);
+      place_of.push_back(entry->second);
+    }
+    if (mesh.position.size() > kMostModeVertices)
+      throw SourceError(rest_.path, 0,
+                        "has " + std::to_string(mesh.position.size()) + " vertices, more than " +
+                            std::to_string(kMostModeVertices) + ", for --modes: reduce the mesh");
+    mesh.is_fixed.assign(mesh.position.size(), 0);
+    for (std::size_t polygon = 0, k = 0; polygon < rest_.polygon_end.size(); ++polygon)
+      for (; k < at(rest_.polygon_end[polygon]); ++k)
+        if (rest_.is_fixed[polygon]) mesh.is_fixed[at(place_of[at(id_of_corner_[k])])] = 1;
+    mesh.triangles = source_.triangles;
+    for (auto& t : mesh.triangles)
+      for (int& v : t) v = place_of[at(v)];
+    const BendingModes modes = find_bending_modes(mesh, options_.modes, options_.stiffness);
+    if (modes.displacement.size() < at(options_.modes))
+      throw SourceError(rest_.path, 0,
+                        "has only " + std::to_string(modes.displacement.size()) + " bending modes, not " +
+                            std::to_string(options_.modes));
+    for (std::size_t k = 0; k < modes.displacement.size(); ++k) {
+      std::vector<Vec3> displacement;
+      for (const int place : place_of) displacement.push_back(modes.displacement[k][at(place)]);
+      add_parameter(rest_.path, (k < 10 ? "mode0" : "mode") + std::to_string(k), Group::expression,
+                    std::move(displacement));
+      SourceParameter& p = source_.parameters.back();
+      p.minimum = -3, p.maximum = 3, p.sd = 1;
     }
   }
 

@@ -14,7 +14,9 @@ struct ObjOptions {
   int components =
       0;  ///< if positive, all files are registered scans, and this many principal components are kept
   bool relaxes_chart =
-      false;  ///< evens out the chart (chart_relaxation.hpp); (u,v) are then not those of the files
+      false;      ///< evens out the chart (chart_relaxation.hpp); (u,v) are then not those of the files
+  int modes = 0;  ///< number of bending modes to add (bending_modes.hpp), as expressions mode00, mode01, ...
+  float stiffness = 1;  ///< of the bending modes
   /// Called with "files" after each file; may be empty.
   std::function<void(const char* stage, std::size_t done, std::size_t of)> progress;
 };
@@ -22,6 +24,7 @@ struct ObjOptions {
 /// Reads a folder: neutral.obj (with texture coordinates, v upwards), identity*.obj as identities, and every other NAME.obj as
 /// an expression. A suffix _L or _R of a name becomes Left or Right. With `components`, every file is a scan instead. Or reads
 /// one OBJ file, which is a surface without parameters.
+/// With `modes`, the vertices of faces in an OBJ group "fixed" do not move by them.
 /// parameters.txt (columns parameter, group, minimum, maximum, sd; text_table.hpp) is optional and changes parameters.
 /// landmarks.csv (columns landmark,vertex; vertices from 0) is optional. If it names the outer eye corners (ibug36, ibug45),
 /// the origin is moved midway between them. If it names iBUG landmarks of lids, lips, brows or the jaw, they become curves.

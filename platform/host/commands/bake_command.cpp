@@ -57,6 +57,8 @@ bake::BakeOptions options_of(const Args& args) {
   options.base_vertices = args.integer("--base-mesh", options.base_vertices, 60, 5000);
   options.components = args.integer("--pca", 0, 1, 192);
   options.relaxes_chart = args.has("--relax-chart");
+  options.modes = args.integer("--modes", 0, 1, 64);
+  options.stiffness = static_cast<float>(args.number("--stiffness", 1, 1e-4, 1e4));
   options.choice = choice_of(args);
   options.learnt = args.text("--learnt").value_or("");
   return options;
@@ -119,7 +121,7 @@ Command bake_command() {
       "Makes a model table from a folder of text tables, such as fixtures/face, from an OBJ file, or from a "
       "folder of OBJ files.",
       "SOURCE -o face.plm [--embed face.cpp] [--size N] [--bits 16|8] [--unit MM] [--base-mesh N] [--pca N] "
-      "[--relax-chart] "
+      "[--modes N [--stiffness F]] [--relax-chart] "
       "[--identities N] [--expressions N|NAME,...] [--learnt FILE|none] [--errors] | SOURCE --sizes N,... "
       "[--flash KIB]",
       {{"-o", "FILE", "the model table to write"},
@@ -129,6 +131,13 @@ Command bake_command() {
        {"--unit", "MM", "unit of the OBJ files, millimetres (1)"},
        {"--base-mesh", "N", "vertices of the base mesh, about (480)"},
        {"--pca", "N", "treat all OBJ files as scans, and keep N principal components"},
+       {"--modes", "N",
+        "add the N ways in which the surface of the OBJ file bends most easily, mode00, mode01, ...; faces "
+        "in a group "
+        "\"fixed\" do not move"},
+       {"--stiffness", "F",
+        "of the bending modes: with 1 the first moves the surface by 5 % of its diagonal at one standard "
+        "deviation, with 4 by half of it (1)"},
        {"--relax-chart", nullptr,
         "even out the u,v of the OBJ files, so that no part of the surface gets too few samples"},
        {"--identities", "N", "keep the first N identities (all)"},

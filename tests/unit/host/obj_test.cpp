@@ -271,6 +271,66 @@ TEST_CASE("a small table gives a parameter its range, so that it goes both ways"
   refused("bend motion -1 1 1\n", "group 'motion' is neither identity nor expression");
 }
 
+TEST_CASE(
+    "bending modes of an OBJ file are parameters; a group that is fixed does not move, and a cut stays "
+    "closed") {
+  const ObjFolder folder("modes");
+  // A tube with a cut along it; the faces of its lower end are held.
+  const int n = 24, m = 16;
+  std::string text;
+  for (int j = 0; j <= m; ++j)
+    for (int i = 0; i <= n; ++i) {
+      const float a = i == n ? 0 : 6.2831853f * static_cast<float>(i) / n;
+      text += "v " + std::to_string(30 * std::cos(a)) + " " + std::to_string(5 * j) + " " +
+              std::to_string(-30 * std::sin(a)) + "\nvt " + std::to_string(static_cast<float>(i) / n) + " " +
+              std::to_string(static_cast<float>(j) / m) + "\n";
+    }
+  for (int j = 0; j < m; ++j) {
+    text += j == 0 ? "g end fixed\n" : "g rest\n";
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i + 1;
+      text += "f";
+      for (const int v : {a, a + 1, a + n + 2, a + n + 1})
+        text += " " + std::to_string(v) + "/" + std::to_string(v);
+      text += "\n";
+    }
+  }
+  folder.write("tube.obj", text);
+  BakeOptions options;
+  options.source = folder.file("tube.obj");
+  options.base_vertices = 100;
+  options.modes = 3;
+  std::vector<std::uint8_t> table;
+  std::string error;
+  BakeReport report;
+  REQUIRE_MESSAGE(host::bake::bake(options, table, error, &report), error);
+  BakedModel baked(table);
+  REQUIRE(baked.model.parameters().count == 3);
+  CHECK(std::string(baked.model.parameters()[2].name) == "mode02");
+  CHECK(baked.model.parameters()[2].minimum == -3);
+  CHECK(baked.model.parameters()[2].sd == 1);
+  CHECK(report.unmatched.empty());
+  for (int k = 0; k < 3; ++k) {
+    std::vector<float> q(3, 0.0f);
+    q[static_cast<std::size_t>(k)] = 3;
+    float moved = 0;
+    for (int i = 0; i <= 20; ++i) {
+      const float u = static_cast<float>(i) / 20;
+      CHECK(length(baked.at(Vec2{u, 0.999f}, q) - baked.at(Vec2{u, 0.999f}, {0, 0, 0})) < 0.05f);
+      moved = max(moved, length(baked.at(Vec2{u, 0}, q) - baked.at(Vec2{u, 0}, {0, 0, 0})));
+      CHECK(length(baked.at(Vec2{0, u}, q) - baked.at(Vec2{1, u}, q)) < 0.2f);
+    }
+    CHECK(moved > 5);
+  }
+  options.modes = 65;
+  CHECK_FALSE(host::bake::bake(options, table, error));
+  CHECK(error == "--modes: must be from 1 to 64");
+  options.modes = 1;
+  options.stiffness = 0;
+  CHECK_FALSE(host::bake::bake(options, table, error));
+  CHECK(error == "--stiffness: must be from 0.0001 to 10000");
+}
+
 TEST_CASE("principal components are orthogonal, have the right length and explain the variance") {
   Random random(3);
   const std::size_t vertices = 50;

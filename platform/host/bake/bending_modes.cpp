@@ -1,0 +1,315 @@
+// Energy: a thin plate. Stretching is that of constant-strain triangles. Bending is that of the curvature which is constant over a
+// triangle and gives the changes of angle at its three edges (the basic plate triangle of Onate and Zarate 2000); angles have
+// their exact gradient (Bridson, Marino and Fedkiw 2003), which no rigid motion changes. Eigenvectors: subspace iteration with
+// the factorised matrix.
+#include "host/bake/bending_modes.hpp"
+
+#include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "host/bake/at.hpp"
+
+namespace pliant::host::bake {
+
+namespace {
+
+/// Tuning of the modes. Each constant: unit, reason, experiment.
+struct ModeTuning {
+  /// Thickness over the diagonal. Thinner surfaces stretch less while they bend, and need more digits. Round value, not tuned.
+  double thickness = 0.003;
+  /// Displacement of the first mode over the diagonal, root mean square, at one standard deviation. A sheet of paper in two hands
+  /// bends by about as much. Round value, not tuned.
+  double first_mode = 0.05;
+  /// Poisson's ratio of the plate, no unit. A usual value, not tuned.
+  double poisson = 0.3;
+  /// Fraction of the trace that keeps a patch of triangles regular whose corners lie on a conic. Small against 1; not tuned.
+  double regular = 1e-4;
+  /// The iteration ends when no eigenvalue changes by more than this fraction, or after so many rounds, count.
+  double convergence = 1e-8;
+  int most_rounds = 400;
+  /// Shift that makes the matrix positive definite, in units of the bending stiffness: far below the first eigenvalue, which is
+  /// about 500 for a free square.
+  double shift = 5;
+};
+constexpr ModeTuning kTuning{};
+
+using Vector = Eigen::Vector3d;
+using Matrix = Eigen::MatrixXd;
+using Sparse = Eigen::SparseMatrix<double>;
+
+class ModeProblem {
+ public:
+  ModeProblem(const BendingMesh& mesh, int count) : mesh_(mesh), count_(count) {
+    normalise();
+    number_unknowns();
+    add_energy();
+    mass_ = mass_.cwiseMax(1e-12);  // where triangles have no area
+    const auto n = static_cast<Eigen::Index>(unknowns_);
+    stiffness_.resize(n, n);
+    stiffness_.setFromTriplets(entries_.begin(), entries_.end());
+    entries_ = {};
+  }
+
+  BendingModes run(float stiffness) {
+    find_rigid_motions();
+    const auto available = static_cast<Eigen::Index>(unknowns_) - rigid_.cols();
+    const Eigen::Index wanted = std::min(static_cast<Eigen::Index>(count_), available);
+    if (wanted <= 0) return {};
+    iterate(wanted, std::min(2 * wanted + 8, available));
+    BendingModes modes;
+    const double first =
+        kTuning.first_mode * diagonal_ * std::sqrt(mass_.sum() / 3 / static_cast<double>(stiffness));
+    for (Eigen::Index k = 0; k < wanted; ++k) {
+      modes.eigenvalue.push_back(value_(k));
+      modes.displacement.push_back(
+          displacement_of(first * std::sqrt(value_(0) / value_(k)) * with_fixed_sign(block_.col(k))));
+    }
+    return modes;
+  }
+
+ private:
+  /// Scales the surface to a diagonal of 1.
+  void normalise() {
+    Vec3 low = mesh_.position[0], high = low;
+    for (const Vec3 p : mesh_.position) {
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    diagonal_ = std::max(1e-12, static_cast<double>(length(high - low)));
+    for (const Vec3 p : mesh_.position)
+      position_.push_back(Vector(static_cast<double>(p.x - low.x), static_cast<double>(p.y - low.y),
+                                 static_cast<double>(p.z - low.z)) /
+                          diagonal_);
+  }
+
+  void number_unknowns() {
+    std::vector<char> is_used(position_.size(), 0);
+    for (const auto& t : mesh_.triangles)
+      for (const int v : t) is_used[at(v)] = 1;
+    for (std::size_t v = 0; v < position_.size(); ++v) {
+      const bool moves = is_used[v] && !mesh_.is_fixed[v];
+      first_unknown_.push_back(moves ? static_cast<int>(unknowns_) : -1);
+      unknowns_ += moves ? 3 : 0;
+    }
+    mass_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_));
+  }
+
+  /// A linear form of the displacements of some vertices.
+  using Form = std::vector<std::pair<int, Vector>>;
+
+  /// Adds the energy 1/2 sum of q(i,k) f_i f_k.
+  void add_forms(const std::vector<Form>& forms, const Matrix& q) {
+    for (std::size_t i = 0; i < forms.size(); ++i)
+      for (std::size_t k = 0; k < forms.size(); ++k)
+        for (const auto& [v, g] : forms[i])
+          for (const auto& [w, h] : forms[k]) {
+            const int row = first_unknown_[at(v)], column = first_unknown_[at(w)];
+            if (row < 0 || column < 0 || row < column) continue;  // the lower triangle
+            const double weight = q(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+            for (int a = 0; a < 3; ++a)
+              for (int b = 0; b < 3; ++b)
+                if (row > column || a >= b) entries_.emplace_back(row + a, column + b, weight * g(a) * h(b));
+          }
+  }
+
+  void add_energy() {
+    std::map<std::pair<int, int>, std::vector<int>> opposite;  // of each edge
+    for (const auto& t : mesh_.triangles)
+      for (std::size_t k = 0; k < 3; ++k)
+        opposite[std::minmax(t[k], t[(k + 1) % 3])].push_back(t[(k + 2) % 3]);
+    for (const auto& t : mesh_.triangles) {
+      const Vector &a = position_[at(t[0])], &b = position_[at(t[1])], &c = position_[at(t[2])];
+      const Vector normal = (b - a).cross(c - a);
+      const double area = 0.5 * normal.norm();
+      if (area < 1e-12) continue;
+      for (const int v : t)
+        if (first_unknown_[at(v)] >= 0) mass_.segment<3>(first_unknown_[at(v)]).array() += area / 3;
+      const Vector x = (b - a).normalized(), y = normal.normalized().cross(x);
+      add_membrane(t, x, y, area);
+      std::vector<Form> angles;
+      std::vector<Eigen::Vector3d>
+          by_curvature;  // each angle's change by unit curvatures along x, along y and of twist
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int from = t[k], to = t[(k + 1) % 3], own = t[(k + 2) % 3];
+        const std::vector<int>& corners = opposite.at(std::minmax(from, to));
+        if (corners.size() != 2) continue;
+        const int other = corners[0] == own ? corners[1] : corners[0];
+        add_angle({own, other, from, to}, a, x, y, angles, by_curvature);
+      }
+      if (!angles.empty()) add_bending(angles, by_curvature, area);
+    }
+  }
+
+  /// Material law of a plate for values along x, along y and mixed.
+  static Eigen::Matrix3d law(double mixed) {
+    Eigen::Matrix3d w;
+    w << 1, kTuning.poisson, 0, kTuning.poisson, 1, 0, 0, 0, mixed * (1 - kTuning.poisson);
+    return w;
+  }
+
+  void add_membrane(const std::array<int, 3>& t, const Vector& x, const Vector& y, double area) {
+    std::vector<Form> strain(3);
+    for (std::size_t k = 0; k < 3; ++k) {
+      // The gradient of the function that is 1 in this corner and 0 in the others.
+      const Vector e = position_[at(t[(k + 2) % 3])] - position_[at(t[(k + 1) % 3])];
+      const double gx = -e.dot(y) / (2 * area), gy = e.dot(x) / (2 * area);
+      strain[0].push_back({t[k], gx * x});
+      strain[1].push_back({t[k], gy * y});
+      strain[2].push_back({t[k], gy * x + gx * y});
+    }
+    add_forms(strain, area * law(0.5));
+  }
+
+  /// Gradients of the angle at the edge from x[2] to x[3] between the triangles with corners x[0] and x[1]. False if one has no
+  /// area.
+  static bool angle_gradient(const std::array<Vector, 4>& x, std::array<Vector, 4>& g) {
+    const Vector e = x[3] - x[2], n1 = (x[0] - x[2]).cross(x[0] - x[3]),
+                 n2 = (x[1] - x[3]).cross(x[1] - x[2]);
+    const double length = e.norm();
+    if (length < 1e-9 || n1.norm() < 1e-14 || n2.norm() < 1e-14) return false;
+    const Vector m1 = n1 / n1.squaredNorm(), m2 = n2 / n2.squaredNorm(), along = e / length;
+    g = {length * m1, length * m2, (x[0] - x[3]).dot(along) * m1 + (x[1] - x[3]).dot(along) * m2,
+         -(x[0] - x[2]).dot(along) * m1 - (x[1] - x[2]).dot(along) * m2};
+    return true;
+  }
+
+  /// Adds the change of angle at an edge, and what it would be if the two triangles lay in the plane of the first.
+  void add_angle(const std::array<int, 4>& v, const Vector& origin, const Vector& x, const Vector& y,
+                 std::vector<Form>& angles, std::vector<Eigen::Vector3d>& by_curvature) const {
+    std::array<Vector, 4> place, flat, g;
+    for (std::size_t i = 0; i < 4; ++i) place[i] = position_[at(v[i])];
+    if (!angle_gradient(place, g)) return;
+    const Vector along = (place[3] - place[2]).normalized(), out = place[1] - place[2];
+    const Vector inwards = (place[0] - place[2]) - along.dot(place[0] - place[2]) * along;
+    const double height = (out - along.dot(out) * along).norm();
+    place[1] = place[2] + along.dot(out) * along - height * inwards.normalized();  // unfolded
+    for (std::size_t i = 0; i < 4; ++i) flat[i] = {(place[i] - origin).dot(x), (place[i] - origin).dot(y), 0};
+    std::array<Vector, 4> lift;
+    if (!angle_gradient(flat, lift)) return;
+    Eigen::Vector3d row = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < 4; ++i)
+      row += lift[i].z() * Eigen::Vector3d(0.5 * flat[i].x() * flat[i].x(), 0.5 * flat[i].y() * flat[i].y(),
+                                           flat[i].x() * flat[i].y());
+    Form form;
+    for (std::size_t i = 0; i < 4; ++i) form.push_back({v[i], g[i]});
+    angles.push_back(std::move(form));
+    by_curvature.push_back(row);
+  }
+
+  /// The least energy of a constant curvature that has these angles. At a free edge there is no angle, and so no moment.
+  void add_bending(const std::vector<Form>& angles, const std::vector<Eigen::Vector3d>& by_curvature,
+                   double area) {
+    const auto n = static_cast<Eigen::Index>(angles.size());
+    Matrix b(n, 3);
+    for (Eigen::Index k = 0; k < n; ++k) b.row(k) = by_curvature[static_cast<std::size_t>(k)];
+    Matrix compliance = b * law(2).inverse() * b.transpose();
+    compliance += kTuning.regular * compliance.trace() * Matrix::Identity(n, n);
+    const double bending = kTuning.thickness * kTuning.thickness / 12;
+    add_forms(angles, bending * area * compliance.inverse());
+  }
+
+  /// Fills rigid_ with an orthonormal basis of the rigid motions of all parts of the surface that are not held.
+  void find_rigid_motions() {
+    std::vector<int> part(position_.size());
+    std::iota(part.begin(), part.end(), 0);
+    const auto root = [&part](int v) {
+      while (part[at(v)] != v) v = part[at(v)] = part[at(part[at(v)])];
+      return v;
+    };
+    for (const auto& t : mesh_.triangles)
+      for (const int v : t) part[at(root(v))] = root(t[0]);
+    std::map<int, bool> is_held;
+    for (std::size_t v = 0; v < position_.size(); ++v)
+      is_held[root(static_cast<int>(v))] |= mesh_.is_fixed[v] != 0;
+    std::vector<Eigen::VectorXd> motions;
+    for (const auto& [first, held] : is_held) {
+      for (int k = 0; k < 6 && !held; ++k) {
+        Eigen::VectorXd u = Eigen::VectorXd::Zero(mass_.size());
+        for (std::size_t v = 0; v < position_.size(); ++v) {
+          if (first_unknown_[v] < 0 || root(static_cast<int>(v)) != first) continue;
+          const Vector axis = Vector::Unit(k % 3);
+          u.segment<3>(first_unknown_[v]) =
+              k < 3 ? axis : axis.cross(position_[v] - position_[at(first)]).eval();
+        }
+        for (int twice = 0; twice < 2; ++twice)
+          for (const auto& w : motions) u -= w.dot(mass_.cwiseProduct(u)) * w;
+        const double norm = std::sqrt(u.dot(mass_.cwiseProduct(u)));
+        if (norm > 1e-9) motions.push_back(u / norm);
+      }
+    }
+    rigid_.resize(mass_.size(), static_cast<Eigen::Index>(motions.size()));
+    for (std::size_t k = 0; k < motions.size(); ++k) rigid_.col(static_cast<Eigen::Index>(k)) = motions[k];
+  }
+
+  void remove_rigid(Matrix& block) const {
+    block -= rigid_ * (rigid_.transpose() * (mass_.asDiagonal() * block));
+  }
+
+  void iterate(Eigen::Index wanted, Eigen::Index size) {
+    Sparse shifted = stiffness_;
+    const double shift = kTuning.shift * kTuning.thickness * kTuning.thickness / 12;
+    for (Eigen::Index k = 0; k < shifted.rows(); ++k) shifted.coeffRef(k, k) += shift * mass_(k);
+    const Eigen::SimplicialLDLT<Sparse> factors(shifted);
+    block_.resize(mass_.size(), size);
+    std::uint32_t state = 12345;  // a fixed pseudo-random start
+    for (Eigen::Index c = 0; c < size; ++c)
+      for (Eigen::Index r = 0; r < mass_.size(); ++r)
+        block_(r, c) = static_cast<double>((state = state * 1664525u + 1013904223u) >> 8) / (1 << 23) - 1;
+    Eigen::VectorXd before = Eigen::VectorXd::Zero(wanted);
+    for (int round = 0; round < kTuning.most_rounds; ++round) {
+      block_ = factors.solve(mass_.asDiagonal() * block_).eval();
+      remove_rigid(block_);
+      for (Eigen::Index c = 0; c < size; ++c) block_.col(c).normalize();
+      const Matrix k = block_.transpose() * (stiffness_.selfadjointView<Eigen::Lower>() * block_),
+                   m = block_.transpose() * (mass_.asDiagonal() * block_);
+      const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(k, m);
+      value_ = solver.eigenvalues().cwiseMax(1e-30);
+      block_ = (block_ * solver.eigenvectors()).eval();
+      const Eigen::VectorXd now = value_.head(wanted);
+      if (((now - before).cwiseAbs().array() <= kTuning.convergence * now.array()).all()) return;
+      before = now;
+    }
+  }
+
+  /// The sign for which the largest entry is positive.
+  static Eigen::VectorXd with_fixed_sign(const Eigen::VectorXd& u) {
+    Eigen::Index largest = 0;
+    u.cwiseAbs().maxCoeff(&largest);
+    return u(largest) < 0 ? Eigen::VectorXd(-u) : u;
+  }
+
+  std::vector<Vec3> displacement_of(const Eigen::VectorXd& u) const {
+    std::vector<Vec3> result(position_.size());
+    for (std::size_t v = 0; v < result.size(); ++v) {
+      const int k = first_unknown_[v];
+      if (k < 0) continue;
+      result[v] = {static_cast<float>(u(k)), static_cast<float>(u(k + 1)), static_cast<float>(u(k + 2))};
+    }
+    return result;
+  }
+
+  const BendingMesh& mesh_;
+  const int count_;
+  double diagonal_ = 1;
+  std::vector<Vector> position_;    // for a diagonal of 1
+  std::vector<int> first_unknown_;  // of a vertex; -1 if it does not move
+  std::size_t unknowns_ = 0;
+  std::vector<Eigen::Triplet<double>> entries_;
+  Sparse stiffness_;      // lower triangle
+  Eigen::VectorXd mass_;  // of each unknown
+  Matrix rigid_, block_;  // columns, orthonormal with respect to the mass
+  Eigen::VectorXd value_;
+};
+
+}  // namespace
+
+BendingModes find_bending_modes(const BendingMesh& mesh, int count, float stiffness) {
+  if (mesh.position.empty() || mesh.position.size() > kMostModeVertices) return {};
+  return ModeProblem(mesh, count).run(stiffness);
+}
+
+}  // namespace pliant::host::bake
