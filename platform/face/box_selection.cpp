@@ -5,15 +5,27 @@
 
 namespace pliant {
 
-float overlap(const FaceBox& a, const FaceBox& b) {
+namespace {
+
+float shared_area(const FaceBox& a, const FaceBox& b) {
   const auto shared = [](float a_middle, float a_side, float b_middle, float b_side) {
     const float low = max(a_middle - 0.5f * a_side, b_middle - 0.5f * b_side),
                 high = min(a_middle + 0.5f * a_side, b_middle + 0.5f * b_side);
     return max(high - low, 0);
   };
-  const float both = shared(a.center.x, a.side, b.center.x, b.side) *
-                     shared(a.center.y, a.side, b.center.y, b.side),
-              all = a.side * a.side + b.side * b.side - both;
+  return shared(a.center.x, a.side, b.center.x, b.side) * shared(a.center.y, a.side, b.center.y, b.side);
+}
+
+// The area that two boxes share as a fraction of the smaller one: 1 for an eye within a face.
+float shared_part(const FaceBox& a, const FaceBox& b) {
+  const float side = min(a.side, b.side);
+  return side > 0 ? shared_area(a, b) / (side * side) : 0;
+}
+
+}  // namespace
+
+float overlap(const FaceBox& a, const FaceBox& b) {
+  const float both = shared_area(a, b), all = a.side * a.side + b.side * b.side - both;
   return all > 0 ? both / all : 0;
 }
 
@@ -44,8 +56,7 @@ BoxHit BoxHits::take_best(int least_sum) {
   int kept = 0;
   for (int k = 0; k < count_; ++k) {
     const BoxHit hit = hits_[k];
-    const float o = overlap(first.box, hit.box);
-    if (o >= kFaceDetectorTuning.averaged_overlap) {
+    if (overlap(first.box, hit.box) >= kFaceDetectorTuning.averaged_overlap) {
       // Smaller boxes have more windows. By the side, not by the area: on the held-out portraits that gives the least bias.
       const float weight = hit.box.side / first.box.side *
                            (static_cast<float>(hit.sum > least_sum ? hit.sum - least_sum : 0) + 1);
@@ -53,7 +64,7 @@ BoxHit BoxHits::take_best(int least_sum) {
       side += weight * hit.box.side;
       weights += weight;
     }
-    if (o < kFaceDetectorTuning.same_face_overlap) hits_[kept++] = hit;
+    if (shared_part(first.box, hit.box) < kFaceDetectorTuning.same_face_part) hits_[kept++] = hit;
   }
   count_ = kept;
   const float by = 1 / weights;

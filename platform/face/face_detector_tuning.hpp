@@ -10,8 +10,9 @@ struct FaceDetectorTuning {
   int beyond_cells = 3;
   /// Smallest side of a reduced frame, px: the largest face box is 1.2 times the frame's smaller side. Not tuned.
   int smallest_level_px = 40;
-  /// Overlap above which two hits are the same face: two faces may touch, but one is not in front of the other. Not tuned.
-  float same_face_overlap = 0.2f;
+  /// Part of the smaller of two boxes above which the less clear hit goes: equal faces side by side are 0.6 sides apart or more,
+  /// and an eye within a face is no second one. Not tuned.
+  float same_face_part = 0.4f;
   /// Overlap above which hits are averaged. Not tuned.
   float averaged_overlap = 0.5f;
 };

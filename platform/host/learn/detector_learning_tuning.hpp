@@ -10,7 +10,7 @@ namespace pliant::host::learn {
 /// Tuning of the detector's training. Each constant: unit, reason, experiment.
 struct DetectorLearningTuning {
   /// Samples of faces, count.
-  std::size_t samples = 10000;
+  std::size_t samples = 16000;
   /// Windows that each sample gives, count.
   std::size_t windows_a_sample = 2;
   /// Largest shift of a window, as a fraction of its side: half a cell is 1/24.
@@ -20,11 +20,11 @@ struct DetectorLearningTuning {
   /// Windows of pictures without faces, at random places, before the first round, count.
   std::size_t random_others = 20000;
   /// Hits that are added before each later round, and windows of others in all, count.
-  std::size_t hits_a_round = 12000, most_others = 50000;
+  std::size_t hits_a_round = 15000, most_others = 60000;
   /// Hits that one picture may add in a round, count.
   std::size_t hits_a_picture = 40;
   /// Samples of faces that are searched beside the face in a round, count.
-  std::size_t searched_samples = 1500;
+  std::size_t searched_samples = 2000;
   /// Overlap with the face box below which a hit is false: between this and a good hit it is neither.
   float beside_overlap = 0.3f;
   /// Trees of each round, count.

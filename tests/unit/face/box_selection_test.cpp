@@ -47,6 +47,16 @@ TEST_CASE("hits around one face become one, those of another face stay") {
   CHECK(rig.hits.empty());
 }
 
+TEST_CASE("less clear hits within a face, or around it, go with it") {
+  Rig rig;
+  rig.hits.add(hit(100, 100, 100, 300));
+  rig.hits.add(hit(80, 90, 35, 200));
+  rig.hits.add(hit(110, 120, 250, 250));
+  const BoxHit face = rig.hits.take_best(100);
+  CHECK(face.box.side == 100);
+  CHECK(rig.hits.empty());
+}
+
 TEST_CASE("a clear hit weighs more than a weak one") {
   Rig rig;
   rig.hits.add(hit(100, 100, 50, 499));
