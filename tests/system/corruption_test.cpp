@@ -80,7 +80,7 @@ struct Sequence {
     CHECK(is_finite(result.pose));
     CHECK(is_finite(result.rms_px));
     CHECK(result.inliers <= result.tracked);
-    for (const float q : tracker->estimator().parameters()) CHECK(is_finite(q));
+    for (const float q : tracker->parameters()) CHECK(is_finite(q));
     return result.state;
   }
   TrackState give(const Pixels& pixels) { return give(pixels, time += kTick); }

@@ -1,0 +1,186 @@
+// A tracker without help, with the learnt tables: a photograph of a person over backdrops. The face leaves, comes back elsewhere
+// at another size, and a track that is no face is told.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "baked_model.hpp"
+#include "host/io/files.hpp"
+#include "host/io/image.hpp"
+#include "host/io/owned.hpp"
+#include "host/io/points_file.hpp"
+#include "pliant/tracker.hpp"
+#include "renderer.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kWidth = 480, kHeight = 360;
+constexpr float kNoiseGrey = 2;
+
+const host::ModelFile& face() {
+  static const host::ModelFile* file = new host::ModelFile(PLIANT_DETECTING_FACE);
+  return *file;
+}
+
+/// The head of the photograph, and its landmarks.
+struct Head {
+  host::Image picture = host::to_grey(host::read_image(PLIANT_FIXTURES "/astronaut/astronaut.png"));
+  std::vector<host::NamedPoint> points = host::read_points(PLIANT_FIXTURES "/astronaut/points.csv");
+  Vec2 middle{224, 118};  // px
+  int half = 104;         // of the square that is cut out, px
+
+  Vec2 at(const char* name) const {
+    for (const host::NamedPoint& p : points)
+      if (p.name == name) return p.x;
+    FAIL(name);
+    return {};
+  }
+  float grey(Vec2 x) const {
+    const float u = clamp(x.x, 0, static_cast<float>(picture.width - 2)),
+                v = clamp(x.y, 0, static_cast<float>(picture.height - 2));
+    const int i = static_cast<int>(u), j = static_cast<int>(v);
+    const auto pixel = [this](int a, int b) {
+      return static_cast<float>(picture.pixels[static_cast<std::size_t>(b * picture.width + a)]);
+    };
+    const float s = u - static_cast<float>(i), t = v - static_cast<float>(j);
+    return (1 - t) * ((1 - s) * pixel(i, j) + s * pixel(i + 1, j)) +
+           t * ((1 - s) * pixel(i, j + 1) + s * pixel(i + 1, j + 1));
+  }
+};
+
+const Head& head() {
+  static const Head* one = new Head();
+  return *one;
+}
+
+/// Where the head is in a frame.
+struct Place {
+  Vec2 middle;
+  float scale = 0;  // 0: it is not there
+
+  Vec2 of(Vec2 x) const { return middle + scale * (x - head().middle); }
+};
+
+/// The backdrop with the head as a soft-edged disc over it.
+Picture draw(const Place& place, std::uint32_t seed) {
+  static const Picture* const backdrop = new Picture(make_backdrop(kWidth, kHeight, 11));
+  Picture frame = *backdrop;
+  const float radius = static_cast<float>(head().half);
+  for (int y = 0; place.scale > 0 && y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const Vec2 off =
+          (1 / place.scale) * (Vec2{static_cast<float>(x), static_cast<float>(y)} - place.middle);
+      const float weight = clamp(0.1f * (radius - length(off)), 0, 1);
+      if (!(weight > 0)) continue;
+      // Four samples a pixel: the head is reduced, too.
+      float sum = 0;
+      for (int k = 0; k < 4; ++k)
+        sum += 0.25f *
+               head().grey(head().middle + off +
+                           (0.25f / place.scale) * Vec2{k % 2 == 0 ? -1.0f : 1.0f, k < 2 ? -1.0f : 1.0f});
+      frame.at(x, y) =
+          static_cast<std::uint8_t>(weight * sum + (1 - weight) * static_cast<float>(frame.at(x, y)) + 0.5f);
+    }
+  add_noise(frame, kNoiseGrey, seed);
+  return frame;
+}
+
+TrackerLimits limits() {
+  TrackerLimits l;
+  l.width = kWidth;
+  l.height = kHeight;
+  return l;
+}
+
+struct Run {
+  host::Owned<Tracker> tracker{face().model(), limits()};
+  std::uint32_t frame = 0;
+  FrameResult result;
+
+  TrackState show(const Place& place) {
+    const Picture picture = draw(place, frame);
+    REQUIRE(tracker->update(picture.view(frame++), &result) == Status::ok);
+    return result.state;
+  }
+  /// Mean error of the 51 inner landmarks over the distance of the outer eye corners; large while there is no track.
+  float error(const Place& place) {
+    float sum = 0;
+    for (const host::NamedPoint& p : head().points) {
+      if (p.name < "ibug17") continue;
+      Vec2 x;
+      if (tracker->landmark(p.name.c_str(), &x) != Status::ok) return 1;
+      sum += length(x - place.of(p.x));
+    }
+    return sum / 51 / (place.scale * length(head().at("ibug36") - head().at("ibug45")));
+  }
+};
+
+Place drifting(Vec2 from, float scale, std::size_t k) {
+  return {from + static_cast<float>(k) * Vec2{0.7f, 0.3f}, scale};
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a person is found, tracked, told lost within 5 frames, and found again elsewhere at half or twice the "
+    "size") {
+  for (const float ratio : {0.5f, 2.0f}) {
+    CAPTURE(ratio);
+    Run run;
+    const float scale = ratio > 1 ? 1.0f : 1.4f;
+    std::size_t found = 0, lost = 0, back = 0;
+    for (std::size_t k = 0; k < 20; ++k) {
+      const Place place = drifting({150, 160}, scale, k);
+      if (run.show(place) == TrackState::tracking && found == 0) found = k + 1;
+      if (found > 0) CHECK(run.error(place) < 0.06f);
+    }
+    CHECK(found > 0);
+    CHECK(found <= 6);
+    for (std::size_t k = 0; k < 20; ++k)
+      if (run.show({}) == TrackState::lost && lost == 0) lost = k + 1;
+    CHECK(lost > 0);
+    CHECK(lost <= 5);
+    CHECK(run.result.state == TrackState::lost);
+    for (std::size_t k = 0; k < 25; ++k) {
+      const Place place = drifting({300, 180}, scale * ratio, k);
+      if (run.show(place) == TrackState::tracking && back == 0) back = k + 1;
+      if (back > 0) CHECK(run.error(place) < 0.07f);
+    }
+    MESSAGE("found in frame " << found << ", lost after " << lost << ", back after " << back << ", error "
+                              << run.error(drifting({300, 180}, scale * ratio, 24)) << ", estimate "
+                              << run.result.landmark_error);
+    CHECK(back > 0);
+    CHECK(back <= 15);
+  }
+}
+
+TEST_CASE("a track that was put on the backdrop is told lost within 5 frames; then the person is found") {
+  const Place place = drifting({150, 180}, 1.2f, 0);
+  Run run;
+  const Camera camera = centred_camera(kWidth, kHeight, 1.4f * kWidth);
+  const Picture first = draw(place, 1000);
+  const Vec2 corner{320, 120}, size{110, 110};
+  StartOptions start;
+  start.camera = &camera;
+  REQUIRE(run.tracker->start_from_box(first.view(run.frame++), corner, size, start) == Status::ok);
+  std::size_t lost = 0, back = 0;
+  for (std::size_t k = 1; k < 20; ++k) {
+    const TrackState state = run.show(drifting({150, 180}, 1.2f, k));
+    if (state == TrackState::lost && lost == 0) lost = k;
+    if (state == TrackState::tracking && lost > 0 && back == 0) back = k;
+  }
+  MESSAGE("lost after " << lost << ", found after " << back);
+  CHECK(lost > 0);
+  CHECK(lost <= 5);
+  CHECK(back > 0);
+  CHECK(run.error(drifting({150, 180}, 1.2f, 19)) < 0.06f);
+}
+
+TEST_CASE("where there is no face for long, none is found") {
+  Run run;
+  for (std::size_t k = 0; k < 300; ++k) CHECK(run.show({}) == TrackState::lost);
+  CHECK(run.show(drifting({150, 180}, 1.2f, 0)) != TrackState::degraded);
+}
