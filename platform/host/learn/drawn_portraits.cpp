@@ -40,10 +40,9 @@ class Portrait {
                      kBoxSide};
     placement.distance_mm = kDistanceMm;
     const auto landmarks = sheet.landmarks(cascade, out.q.data());
-    place_face(
-        model, landmarks,
-        rotation_of(random.between(-0.2f, 0.2f), random.between(-0.1f, 0.1f), random.between(-0.05f, 0.05f)),
-        placement, &out.camera, &out.pose);
+    const float yaw = random.between(-0.2f, 0.2f), pitch = random.between(-0.1f, 0.1f),
+                roll = random.between(-0.05f, 0.05f);
+    place_face(model, landmarks, rotation_of(yaw, pitch, roll), placement, &out.camera, &out.pose);
     out.landmarks = projected(landmarks, out.pose, out.camera);
     out.trust.assign(landmarks.size(), kTrustAnnotated);
     const auto at = [&](const char* name) { return out.landmarks[model.find_landmark(name)]; };

@@ -46,7 +46,8 @@ void ExpressionVariation::express(std::vector<float>& q, SampleRandom& random) c
     static const char* const kNames[] = {"mouthPucker", "mouthFunnel",  "mouthFrown",     "mouthStretch",
                                          "mouthSmile",  "mouthUpperUp", "mouthLowerDown", "mouthPress",
                                          "mouthLeft",   "mouthRight",   "jawLeft",        "jawRight"};
-    add(q, kNames[random.below(sizeof kNames / sizeof *kNames)], random.between(0.1f, 0.7f));
+    const char* const name = kNames[random.below(sizeof kNames / sizeof *kNames)];
+    add(q, name, random.between(0.1f, 0.7f));
   }
 }
 

@@ -48,6 +48,14 @@ Image smeared(const Mipmap& photograph, int side) {
   return out;
 }
 
+/// A light in front of the face, not straight ahead: direction times strength.
+Vec3 random_light(SampleRandom& random) {
+  const float strength = random.between(0.2f, 0.75f), around = random.between(0, 6.2831853f),
+              rise = random.between(0.2f, 1.2f);
+  return strength *
+         Vec3{std::sin(rise) * std::cos(around), std::sin(rise) * std::sin(around), -std::cos(rise)};
+}
+
 /// How much of the photograph is shown at a position of it: 1 inside, 0 beyond a band along its border.
 float cover(const Mipmap& photograph, Vec2 x, float band) {
   const float right = static_cast<float>(photograph.width() - 1) - x.x,
@@ -124,11 +132,10 @@ FaceSample FaceSamples::draw_in_plane(SampleRandom& random) const {
   const std::size_t k = random_photograph(random);
   const Photograph& photograph = this->photograph(k);
   const FaceBox box = face_box_in(model_, photograph.landmarks, photograph.pose, photograph.camera);
-  const float side = random.octaves_between(tuning_.box_low_px, tuning_.box_high_px), scale = side / box.side;
+  const FacePlacement placement = random_placement(random);
+  const float side = placement.box.side, scale = side / box.side;
   const float roll = kRadian * mostly_small(random, tuning_.roll_degrees);
-  const float room = 0.5f * (static_cast<float>(tuning_.side_px) - side) - tuning_.margin_px,
-              middle = 0.5f * static_cast<float>(tuning_.side_px - 1);
-  const Vec2 to{middle + random.between(-room, room), middle + random.between(-room, room)};
+  const Vec2 to = placement.box.center;
   const Similarity moved{scale * std::cos(roll), scale * std::sin(roll), box.center, to};
 
   FaceSample sample;
@@ -141,7 +148,7 @@ FaceSample FaceSamples::draw_in_plane(SampleRandom& random) const {
   sample.camera.f *= scale;
   sample.camera.cx = principal.x;
   sample.camera.cy = principal.y;
-  const Quat turn{std::cos(0.5f * roll), 0, 0, std::sin(0.5f * roll)};
+  const Quat turn = rotation_of(0, 0, roll);
   sample.pose = {normalised(turn * photograph.pose.q), rotation_matrix(turn) * photograph.pose.t};
   sample.box = {to, side};
 
@@ -209,46 +216,48 @@ void FaceSamples::set_truth(const std::vector<Vec3>& points, const TextureRaster
   sample.box = face_box_in(model_, sample.landmarks, sample.pose, sample.camera);
 }
 
-FaceSample FaceSamples::draw_turned(SampleRandom& random, Workspace& workspace) const {
-  const std::size_t k = random_photograph(random);
-  const Photograph& photograph = this->photograph(k);
-  PhotoTurn turn;
-  std::vector<float> q = photograph.q;
-  const std::size_t second = random_second(k, random);
-  if (random.chance(tuning_.mixed_chance)) {
-    turn.second = &parts_->meshes[second];
-    turn.second_weight = random.between(0.3f, 0.7f);
-    const float weight = random.unit();
-    for (std::size_t p = 0; p < q.size(); ++p)
-      if (model_.parameters()[p].group == Group::identity)
-        q[p] += weight * (this->photograph(second).q[p] - q[p]);
-  }
-  turn.q = parts_->expressions.varied(q, random);
-  const std::vector<Vec3> points = parts_->sheet.landmarks(*workspace.cascade, turn.q.data());
-  const Quat wanted =
-      rotation_of(kRadian * random_yaw(random), kRadian * mostly_small(random, tuning_.pitch_degrees),
-                  kRadian * random.between(-8, 8));
-  Vec3 way = log_rotation(wanted * conjugate(photograph.pose.q));
+/// The skin and the shape of a second person, in part.
+void FaceSamples::mix_people(std::size_t second, SampleRandom& random, PhotoTurn& turn) const {
+  turn.second = &parts_->meshes[second];
+  turn.second_weight = random.between(0.3f, 0.7f);
+  const float weight = random.unit();
+  for (std::size_t p = 0; p < turn.q.size(); ++p)
+    if (model_.parameters()[p].group == Group::identity)
+      turn.q[p] += weight * (photograph(second).q[p] - turn.q[p]);
+}
+
+/// Pose of face and body of a photograph, and the camera.
+void FaceSamples::turn_head(const Photograph& photograph, const std::vector<Vec3>& points,
+                            SampleRandom& random, PhotoTurn& turn) const {
+  const float yaw = kRadian * random_yaw(random),
+              pitch = kRadian * mostly_small(random, tuning_.pitch_degrees),
+              tilt = kRadian * random.between(-tuning_.tilt_degrees, tuning_.tilt_degrees);
+  Vec3 way = log_rotation(rotation_of(yaw, pitch, tilt) * conjugate(photograph.pose.q));
   if (const float angle = length(way), limit = kRadian * tuning_.most_turned_degrees; angle > limit)
     way = limit / angle * way;
   const Quat roll = rotation_of(0, 0, kRadian * mostly_small(random, tuning_.roll_degrees));
   turn.body = roll * photograph.pose.q;
   place_face(model_, points, roll * (exp_rotation(way) * photograph.pose.q), random_placement(random),
              &turn.camera, &turn.pose);
-  if (random.chance(tuning_.relit_chance)) {
-    const float strength = random.between(0.2f, 0.75f), around = random.between(0, 6.2831853f),
-                rise = random.between(0.2f, 1.2f);
-    turn.light = strength *
-                 Vec3{std::sin(rise) * std::cos(around), std::sin(rise) * std::sin(around), -std::cos(rise)};
-  }
+}
+
+FaceSample FaceSamples::draw_turned(SampleRandom& random, Workspace& workspace) const {
+  const std::size_t k = random_photograph(random), second = random_second(k, random);
+  PhotoTurn turn;
+  turn.q = photograph(k).q;
+  if (random.chance(tuning_.mixed_chance)) mix_people(second, random, turn);
+  turn.q = parts_->expressions.varied(turn.q, random);
+  const std::vector<Vec3> points = parts_->sheet.landmarks(*workspace.cascade, turn.q.data());
+  turn_head(photograph(k), points, random, turn);
+  if (random.chance(tuning_.relit_chance)) turn.light = random_light(random);
   Image background = surroundings(random);
   if (!background.pixels.empty() && random.chance(0.5f)) turn.cover_mm = random.between(50, 120);
   const PhotoMesh& mesh = parts_->meshes[k];
   mesh.draw(turn, *workspace.cascade, workspace.raster);
 
   FaceSample sample;
-  sample.person = photograph.person;
-  sample.trust = photograph.trust;
+  sample.person = photograph(k).person;
+  sample.trust = photograph(k).trust;
   sample.q = turn.q;
   sample.camera = turn.camera;
   sample.pose = turn.pose;

@@ -14,6 +14,7 @@
 namespace pliant::host::learn {
 
 class TextureRaster;
+struct PhotoTurn;
 
 /// Persons are mixed only with those whose number has the same remainder, so that persons with different remainders by a
 /// divisor of it stay apart.
@@ -30,6 +31,7 @@ struct FaceSampleTuning {
   float turned_fraction =
       0.7f;  ///< of the samples: photographs turned in depth; the others are varied in the plane only
   float yaw_degrees = 55, pitch_degrees = 28;  ///< of turned ones, at most
+  float tilt_degrees = 8;                      ///< of the head against the body, at most
   float most_turned_degrees = 45;              ///< from the photograph's own pose
   float near_mm = 300, far_mm = 2500;          ///< range of the distance to the camera
   float mixed_chance = 0.4f;                   ///< of turned ones: with the skin of a second person
@@ -70,6 +72,9 @@ class FaceSamples {
   std::size_t random_second(std::size_t k, SampleRandom& random) const;
   float random_yaw(SampleRandom& random) const;
   FacePlacement random_placement(SampleRandom& random) const;
+  void mix_people(std::size_t second, SampleRandom& random, PhotoTurn& turn) const;
+  void turn_head(const Photograph& photograph, const std::vector<Vec3>& points, SampleRandom& random,
+                 PhotoTurn& turn) const;
   void set_truth(const std::vector<Vec3>& points, const TextureRaster& raster, FaceSample& sample) const;
   Image surroundings(SampleRandom& random) const;
 

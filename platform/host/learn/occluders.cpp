@@ -39,8 +39,8 @@ class Canvas {
     (void)projector_.project(p, &x);
     return x;
   }
-  /// A random place in the face box, as fractions of its side from the middle.
-  Vec2 place(float x, float y) const { return sample_.box.center + sample_.box.side * Vec2{x, y}; }
+  /// A place given in sides of the face box from its middle.
+  Vec2 place(Vec2 from_middle) const { return sample_.box.center + sample_.box.side * from_middle; }
 
   /// Blends `grey(x)` in where `outside(x)` is negative, which is within `bounds`. Landmarks inside by more than a pixel are hidden if the opacity
   /// is above a half.
@@ -159,9 +159,10 @@ void add_mask(Canvas& canvas) {
 
 void add_hand(Canvas& canvas) {
   SampleRandom& random = canvas.random();
-  const Vec2 tip = canvas.place(random.between(-0.5f, 0.5f), random.between(-0.2f, 0.6f));
+  const Vec2 tip = canvas.place({random.between(-0.5f, 0.5f), random.between(-0.2f, 0.6f)});
   // From the side that is nearer, or from below.
-  const float angle = tip.x < canvas.place(0, 0).x ? random.between(1.7f, 3.3f) : random.between(-0.2f, 1.5f);
+  const float angle =
+      tip.x < canvas.place({0, 0}).x ? random.between(1.7f, 3.3f) : random.between(-0.2f, 1.5f);
   const Vec2 away{std::cos(angle), std::sin(angle)}, across{-away.y, away.x};
   const int fingers = 1 + static_cast<int>(random.below(4));
   const float radius = canvas.px(random.between(7, 10)),
@@ -199,7 +200,8 @@ void add_hair(Canvas& canvas) {
   for (int k = 0; k < strands; ++k) {
     const float at = side + spread * random.between(-1, 1);
     const Vec2 a = root + at * right;
-    const Vec2 b = a - longest * random.between(0.5f, 1) * up + (lean + random.between(-0.1f, 0.1f)) * right;
+    const float reach = longest * random.between(0.5f, 1), aside = lean + random.between(-0.1f, 0.1f);
+    const Vec2 b = a - reach * up + aside * right;
     const float width = canvas.px(random.between(1, 6)), shade = tone * random.between(0.7f, 1.2f);
     canvas.paint(
         {{a, b}, width}, [&](Vec2 x) { return outside_capsule(x, a, b, 0.5f * width); },
@@ -249,7 +251,7 @@ void add_beard(Canvas& canvas) {
 
 void add_bar(Canvas& canvas, const OtherPictures& others) {
   SampleRandom& random = canvas.random();
-  const Vec2 middle = canvas.place(random.between(-0.7f, 0.7f), random.between(-0.6f, 0.7f));
+  const Vec2 middle = canvas.place({random.between(-0.7f, 0.7f), random.between(-0.6f, 0.7f)});
   const float angle = random.between(0, kTurn), half = canvas.px(random.octaves_between(6, 30)),
               reach = canvas.px(random.octaves_between(20, 250)), tone = random.between(0, 255);
   const Vec2 along{std::cos(angle), std::sin(angle)};

@@ -199,11 +199,14 @@ void compress(Values& values, float step) {
 void vary_picture(Image& picture, const FaceBox& face, const PictureVariationTuning& tuning,
                   SampleRandom& random) {
   Values values = with_gamma(picture, std::exp2(random.between(-tuning.gamma_octaves, tuning.gamma_octaves)));
-  if (random.chance(tuning.side_light_chance))
-    shade_side(values, face, random.between(0.4f, 1.6f) * face.side, random.between(tuning.darkest_side, 1),
-               random);
-  if (random.chance(tuning.hard_shadow_chance))
-    shade_side(values, face, random.between(0.02f, 0.2f) * face.side, random.between(0.3f, 0.8f), random);
+  if (random.chance(tuning.side_light_chance)) {
+    const float width = random.between(0.4f, 1.6f) * face.side, low = random.between(tuning.darkest_side, 1);
+    shade_side(values, face, width, low, random);
+  }
+  if (random.chance(tuning.hard_shadow_chance)) {
+    const float width = random.between(0.02f, 0.2f) * face.side, low = random.between(0.3f, 0.8f);
+    shade_side(values, face, width, low, random);
+  }
   expose(values, face, tuning, random);
   const float unit = face.side / 100;
   if (random.chance(tuning.motion_chance)) {
