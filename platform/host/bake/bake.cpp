@@ -27,12 +27,24 @@ void check(const BakeOptions& options) {
 }
 
 Source read_all(const BakeOptions& options) {
-  if (is_cage_folder(options.source) && options.modes > 0)
-    throw SourceError("--modes", 0, "needs an OBJ file or a folder of OBJ files");
+  const char* const for_obj = options.modes > 0          ? "--modes"
+                              : !options.texture.empty() ? "--texture"
+                                                         : nullptr;
+  if (is_cage_folder(options.source) && for_obj != nullptr)
+    throw SourceError(for_obj, 0, "needs an OBJ file or a folder of OBJ files");
   if (is_cage_folder(options.source)) return read_cage_source(options.source);
-  if (is_obj_source(options.source))
-    return read_obj_source(options.source, {options.unit_mm, options.components, options.relaxes_chart,
-                                            options.modes, options.stiffness, options.progress});
+  if (is_obj_source(options.source)) {
+    ObjOptions obj;
+    obj.unit_mm = options.unit_mm;
+    obj.components = options.components;
+    obj.relaxes_chart = options.relaxes_chart;
+    obj.modes = options.modes;
+    obj.stiffness = options.stiffness;
+    obj.texture = options.texture;
+    obj.most_texture_side = 4 * options.size;
+    obj.progress = options.progress;
+    return read_obj_source(options.source, obj);
+  }
   throw SourceError(options.source, 0,
                     "has neither the tables of a surface (points.txt and others) nor OBJ files");
 }

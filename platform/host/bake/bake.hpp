@@ -22,6 +22,9 @@ struct BakeOptions {
   int components = 0;   ///< if positive, the OBJ files are scans, and this many principal components are kept
   int modes = 0;        ///< bending modes that are added to an OBJ source (bending_modes.hpp), 0 to 64
   float stiffness = 1;  ///< of the bending modes, 1e-4 to 1e4
+  /// Picture of the albedo of an OBJ source over its u,v, or `none`. Empty: the pictures of the materials, if there are some. The
+  /// albedo has at most four pixels a sample of `size`.
+  std::string texture;
   ParameterChoice choice;  ///< which of the source's parameters are kept
   /// File of learnt tables (docs/model-format.md, section Learnt file), or `none`. Empty: `learnt.bin` of the source's
   /// folder, if there is one.

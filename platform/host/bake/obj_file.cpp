@@ -1,15 +1,19 @@
 #include "host/bake/obj_file.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <string_view>
 
 #include "host/bake/source_error.hpp"
+#include "host/io/words.hpp"
 
 namespace pliant::host::bake {
 
 namespace {
+
+constexpr std::size_t kMostMaterials = 1000;  // bounds the time
 
 class ObjReader {
  public:
@@ -21,6 +25,7 @@ class ObjReader {
     in.seekg(0);
     if (size > 0 && !in.read(text_.data(), size)) throw SourceError(path, 0, "cannot be read");
     mesh_.path = path;
+    mesh_.materials.emplace_back();
   }
 
   ObjMesh run() {
@@ -80,6 +85,15 @@ class ObjReader {
       mesh_.texture.push_back({u, v});
     } else if (key == "f") {
       read_polygon();
+    } else if (key == "usemtl") {
+      const std::string name = trimmed(rest_);
+      const auto found = std::find(mesh_.materials.begin(), mesh_.materials.end(), name);
+      material_ = static_cast<int>(found - mesh_.materials.begin());
+      if (found == mesh_.materials.end()) mesh_.materials.push_back(name);
+      if (mesh_.materials.size() > kMostMaterials)
+        fail("uses more than " + std::to_string(kMostMaterials) + " materials");
+    } else if (key == "mtllib") {
+      if (mesh_.libraries.size() < kMostMaterials) mesh_.libraries.push_back(trimmed(rest_));
     } else if (key == "g" || key == "o") {
       is_fixed_ = false;
       for (std::string_view name = word(); !name.empty(); name = word()) is_fixed_ |= name == "fixed";
@@ -101,12 +115,14 @@ class ObjReader {
     mesh_.polygon_end.push_back(static_cast<int>(mesh_.corners.size()));
     mesh_.polygon_line.push_back(line_);
     mesh_.is_fixed.push_back(is_fixed_);
+    mesh_.material.push_back(material_);
   }
 
   std::string path_, text_;
   std::string_view rest_;
   int line_ = 0;
   bool is_fixed_ = false;  // the current group
+  int material_ = 0;       // the current one
   ObjMesh mesh_;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 /// \file obj_file.hpp
-/// Reads meshes from Wavefront OBJ files: positions, texture coordinates and polygons. Normals and
-/// materials are skipped, and groups but for one name.
+/// Reads meshes from Wavefront OBJ files: positions, texture coordinates and polygons. Normals are
+/// skipped, and groups but for one name.
 #include <string>
 #include <vector>
 
@@ -17,10 +17,13 @@ struct ObjMesh {
   std::string path;
   std::vector<Vec3> vertices;
   std::vector<Vec2> texture;
-  std::vector<ObjCorner> corners;  ///< the corners of all polygons, in order
-  std::vector<int> polygon_end;    ///< for each polygon, the index after its last corner
-  std::vector<int> polygon_line;   ///< for each polygon, its line in the file
-  std::vector<char> is_fixed;      ///< for each polygon, whether it is in a group of the name "fixed"
+  std::vector<ObjCorner> corners;      ///< the corners of all polygons, in order
+  std::vector<int> polygon_end;        ///< for each polygon, the index after its last corner
+  std::vector<int> polygon_line;       ///< for each polygon, its line in the file
+  std::vector<std::string> libraries;  ///< material libraries, as the file names them
+  std::vector<std::string> materials;  ///< names of the materials that polygons use; the first is empty
+  std::vector<int> material;           ///< for each polygon, index in `materials`
+  std::vector<char> is_fixed;          ///< for each polygon, whether it is in a group of the name "fixed"
 };
 
 /// Reads a file. Throws SourceError with the line for an incomplete line, an index out of range or a malformed number.

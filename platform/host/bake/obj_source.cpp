@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 
+#include "host/bake/albedo_picture.hpp"
 #include "host/bake/at.hpp"
 #include "host/bake/bending_modes.hpp"
 #include "host/bake/chart_raster.hpp"
@@ -32,6 +33,8 @@ bool is_obj_file(const std::string& source) {
 constexpr std::size_t kMostVertices = 250000;
 /// Largest distance of a vertex from the origin, millimetres: a tenth of what a table can hold.
 constexpr float kFarthestMm = 1e5f;
+/// Pictures of materials, count, at most. Bounds the memory.
+constexpr std::size_t kMostPictures = 64;
 /// Corners of a polygon that are tried as the apex of its fan, count, at most. Bounds the time.
 constexpr std::size_t kMostApexes = 64;
 
@@ -74,6 +77,7 @@ class FolderReader {
     add_modes();
     read_ranges();
     if (options_.relaxes_chart) relax_chart(source_.uv, source_.neutral, source_.triangles);
+    read_albedo();
     read_landmarks();
     set_origin();
     add_curves();
@@ -104,6 +108,7 @@ class FolderReader {
             throw SourceError(rest_.path, rest_.polygon_line[polygon],
                               "a texture coordinate of the face is outside 0 to 1");
           source_.uv.push_back({t.x, 1 - t.y});
+          painted_.picture_uv.push_back(t);
           vertex_of_.push_back(c.vertex);
         }
         first_id_.insert({c.vertex, entry->second});
@@ -138,6 +143,7 @@ class FolderReader {
                                      id_of_corner_.begin() + rest_.polygon_end[polygon]);
       add_fan(corners);
       line.resize(source_.triangles.size(), rest_.polygon_line[polygon]);
+      painted_.picture.resize(source_.triangles.size(), rest_.material[polygon]);
     }
     if (source_.triangles.empty()) throw SourceError(rest_.path, 0, "holds no faces");
     source_.is_hole.assign(source_.triangles.size(), 0);
@@ -254,6 +260,44 @@ class FolderReader {
     }
   }
 
+  void read_albedo() {
+    if (options_.texture == "none") return;
+    std::vector<int> picture_of(rest_.materials.size(), -1);
+    if (!options_.texture.empty()) {
+      painted_.pictures.push_back(read_image(options_.texture));
+      std::fill(picture_of.begin(), picture_of.end(), 0);
+    } else {
+      find_pictures(picture_of);
+    }
+    if (painted_.pictures.empty()) return;
+    for (int& picture : painted_.picture) picture = picture_of[at(picture)];  // so far, of the material
+    source_.albedo = albedo_of(source_, painted_, options_.most_texture_side);
+  }
+
+  /// Reads the pictures of the materials; each picture once.
+  void find_pictures(std::vector<int>& picture_of) {
+    std::map<std::string, std::string> names;
+    const std::string folder = rest_.path.substr(0, rest_.path.find_last_of('/') + 1);
+    for (const std::string& library : rest_.libraries) names.merge(read_picture_names(folder + library));
+    std::map<std::string, int> ids;
+    for (std::size_t m = 0; m < rest_.materials.size(); ++m) {
+      const auto name = names.find(rest_.materials[m]);
+      if (name == names.end()) continue;
+      const auto [entry, fresh] = ids.insert({name->second, static_cast<int>(ids.size())});
+      if (fresh) {
+        if (!fs::exists(name->second))
+          throw SourceError(name->second, 0,
+                            "the picture of material '" + rest_.materials[m] +
+                                "' cannot be read (--texture none does without)");
+        if (ids.size() > kMostPictures)
+          throw SourceError(rest_.path, 0, "has more than " + std::to_string(kMostPictures) + " pictures");
+        painted_.pictures.push_back(
+            shrunk_to(read_image(name->second), options_.most_texture_side, options_.most_texture_side));
+      }
+      picture_of[m] = entry->second;
+    }
+  }
+
   /// Changes what parameters.txt lists.
   void read_ranges() {
     const std::string file = folder_ + "/parameters.txt";
@@ -347,6 +391,7 @@ class FolderReader {
   const std::vector<std::string> names_;
   const std::string only_file_;  // if the source is one file
   ObjMesh rest_;
+  PaintedSurface painted_;
   std::vector<int> id_of_corner_;  // ours, of each corner of rest_
   std::vector<int> vertex_of_;     // the file's, of each of our vertices
   std::map<int, int> first_id_;    // ours, of each of the file's

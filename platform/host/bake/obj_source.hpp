@@ -17,6 +17,9 @@ struct ObjOptions {
       false;      ///< evens out the chart (chart_relaxation.hpp); (u,v) are then not those of the files
   int modes = 0;  ///< number of bending modes to add (bending_modes.hpp), as expressions mode00, mode01, ...
   float stiffness = 1;  ///< of the bending modes
+  /// Picture of the surface's albedo over the files' u,v, or `none`. Empty: the pictures (map_Kd) of the file's materials.
+  std::string texture;
+  int most_texture_side = 512;  ///< pixels on a side of the albedo, at most
   /// Called with "files" after each file; may be empty.
   std::function<void(const char* stage, std::size_t done, std::size_t of)> progress;
 };

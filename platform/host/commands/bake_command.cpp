@@ -59,6 +59,7 @@ bake::BakeOptions options_of(const Args& args) {
   options.relaxes_chart = args.has("--relax-chart");
   options.modes = args.integer("--modes", 0, 1, 64);
   options.stiffness = static_cast<float>(args.number("--stiffness", 1, 1e-4, 1e4));
+  options.texture = args.text("--texture").value_or("");
   options.choice = choice_of(args);
   options.learnt = args.text("--learnt").value_or("");
   return options;
@@ -121,7 +122,7 @@ Command bake_command() {
       "Makes a model table from a folder of text tables, such as fixtures/face, from an OBJ file, or from a "
       "folder of OBJ files.",
       "SOURCE -o face.plm [--embed face.cpp] [--size N] [--bits 16|8] [--unit MM] [--base-mesh N] [--pca N] "
-      "[--modes N [--stiffness F]] [--relax-chart] "
+      "[--modes N [--stiffness F]] [--texture PICTURE|none] [--relax-chart] "
       "[--identities N] [--expressions N|NAME,...] [--learnt FILE|none] [--errors] | SOURCE --sizes N,... "
       "[--flash KIB]",
       {{"-o", "FILE", "the model table to write"},
@@ -138,6 +139,9 @@ Command bake_command() {
        {"--stiffness", "F",
         "of the bending modes: with 1 the first moves the surface by 5 % of its diagonal at one standard "
         "deviation, with 4 by half of it (1)"},
+       {"--texture", "PICTURE",
+        "the albedo of the OBJ file's surface over its u,v, or none (the pictures of its materials, if it "
+        "has some)"},
        {"--relax-chart", nullptr,
         "even out the u,v of the OBJ files, so that no part of the surface gets too few samples"},
        {"--identities", "N", "keep the first N identities (all)"},

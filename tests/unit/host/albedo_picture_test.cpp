@@ -1,0 +1,150 @@
+// A surface's albedo from a picture: by option, by the OBJ file's materials, over mirrored and relaxed charts, and rendered.
+#include "host/bake/albedo_picture.hpp"
+
+#include <cmath>
+
+#include "cli_run.hpp"
+#include "host/bake/bake.hpp"
+#include "host/bake/opened_table.hpp"
+
+using namespace cli_run;
+
+namespace {
+
+/// Grey rises from left to right, and above the middle it is 100 more.
+Image ramp(int width, int height) {
+  Image image(width, height, 3);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c)
+        image.at(x, y)[c] = static_cast<std::uint8_t>(100 * x / width + (2 * y < height ? 100 : 0));
+  return image;
+}
+
+/// A sheet of 10 x 10 quads, 200 mm wide, whose left half has the material "left" and whose right half has "right".
+std::string sheet_obj(bool is_seen_from_behind, const std::string& head = "mtllib paints.mtl\n") {
+  std::string text = head;
+  for (int k = 0; k < 121; ++k) {
+    const float s = static_cast<float>(k % 11) / 10, t = static_cast<float>(k / 11) / 10;
+    text += "v " + std::to_string(200 * s) + " " + std::to_string(200 * t) + " 0\nvt " +
+            std::to_string(0.05f + 0.9f * s) + " " + std::to_string(0.05f + 0.9f * t) + "\n";
+  }
+  for (int j = 0; j < 10; ++j)
+    for (int i = 0; i < 10; ++i) {
+      const int a = 11 * j + i + 1;
+      text += i < 5 ? "usemtl left\nf" : "usemtl right\r\nf";
+      for (const int v : is_seen_from_behind ? std::vector<int>{a, a + 11, a + 12, a + 1}
+                                             : std::vector<int>{a, a + 1, a + 12, a + 11})
+        text += " " + std::to_string(v) + "/" + std::to_string(v);
+      text += "\n";
+    }
+  return text;
+}
+
+/// The albedo at the picture's (u,v), v upwards.
+float albedo_at(const std::string& table, bool is_mirrored, float u, float v) {
+  const ModelFile file(table);
+  const ChartImage image = file.model().albedo();
+  REQUIRE(image.pixels != nullptr);
+  const auto x = static_cast<std::size_t>((is_mirrored ? 1 - u : u) * static_cast<float>(image.width - 1) +
+                                          0.5f),
+             y = static_cast<std::size_t>((1 - v) * static_cast<float>(image.height - 1) + 0.5f);
+  return static_cast<float>(image.pixels[y * image.width + x]);
+}
+
+void check_ramp(const std::string& table, bool is_mirrored) {
+  for (const float u : {0.1f, 0.3f, 0.77f})
+    for (const float v : {0.2f, 0.4f, 0.6f, 0.9f}) {
+      CAPTURE(u);
+      CAPTURE(v);
+      CHECK(std::fabs(albedo_at(table, is_mirrored, u, v) - (100 * u + (v > 0.5f ? 100 : 0))) < 2.5f);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("bake --texture stores the picture as albedo, the right way round") {
+  const Folder folder;
+  const std::string picture = folder.put("ramp.png", encode_png(ramp(300, 200)));
+  for (const bool behind : {false, true}) {
+    CAPTURE(behind);
+    const std::string sheet = folder.put("sheet.obj", sheet_obj(behind)), table = folder / "m.plm";
+    REQUIRE(run_words({"bake", sheet, "-o", table, "--base-mesh", "60", "--texture", picture}).code == 0);
+    check_ramp(table, behind);  // seen from outside, u of the table points right
+    const ModelFile file(table);
+    CHECK(file.model().albedo().width == 300);  // as many pixels as the picture
+  }
+  SUBCASE("it has at most four pixels a sample") {
+    const std::string sheet = folder.put("sheet.obj", sheet_obj(false)), table = folder / "m.plm";
+    REQUIRE(run_words({"bake", sheet, "-o", table, "--base-mesh", "60", "--texture", picture, "--size", "32"})
+                .code == 0);
+    const ModelFile file(table);
+    CHECK(file.model().albedo().width == 128);
+    check_ramp(table, false);
+  }
+  SUBCASE("what is no picture, and a source of tables, are refused") {
+    const std::string sheet = folder.put("sheet.obj", sheet_obj(false));
+    check_refused({"bake", sheet, "-o", folder / "x.plm", "--texture", sheet},
+                  {"sheet.obj", "is not a picture"});
+    check_refused({"bake", PLIANT_FIXTURES "/face", "-o", folder / "x.plm", "--texture", picture},
+                  {"--texture: needs an OBJ file"});
+    CHECK_FALSE(folder.has("x.plm"));
+  }
+}
+
+TEST_CASE("bake takes the pictures of the OBJ file's materials") {
+  const Folder folder;
+  folder.put("ramp one.png", encode_png(ramp(64, 64)));
+  folder.put("dark.png", encode_png(Image(8, 8, 3, 20)));
+  const std::string sheet = folder.put("sheet.obj", sheet_obj(false)), table = folder / "m.plm";
+  const std::vector<std::string> words{"bake", sheet, "-o", table, "--base-mesh", "60"};
+  SUBCASE("each part has its own; options and blanks in names are read") {
+    folder.put("paints.mtl",
+               "newmtl left\nKd 1 1 1\nmap_Kd ramp one.png\r\n\nnewmtl right\nmap_Kd -s 1 1 1 dark.png\n");
+    REQUIRE(run_words(words).code == 0);
+    CHECK(std::fabs(albedo_at(table, false, 0.3f, 0.8f) - 130) < 3);
+    CHECK(albedo_at(table, false, 0.8f, 0.8f) == 20);
+  }
+  SUBCASE("a material without a picture is light grey") {
+    folder.put("paints.mtl", "newmtl right\nmap_Kd dark.png\n");
+    REQUIRE(run_words(words).code == 0);
+    CHECK(albedo_at(table, false, 0.3f, 0.8f) == 190);
+    CHECK(albedo_at(table, false, 0.8f, 0.8f) == 20);
+  }
+  SUBCASE("without a library, and with --texture none, there is no albedo") {
+    REQUIRE(run_words(words).code == 0);
+    CHECK(ModelFile(table).model().albedo().pixels == nullptr);
+    folder.put("paints.mtl", "newmtl right\nmap_Kd dark.png\n");
+    auto without = words;
+    without.insert(without.end(), {"--texture", "none"});
+    REQUIRE(run_words(without).code == 0);
+    CHECK(ModelFile(table).model().albedo().pixels == nullptr);
+  }
+  SUBCASE("a picture that is not there is refused") {
+    folder.put("paints.mtl", "newmtl right\nmap_Kd lost.png\n");
+    check_refused(words,
+                  {"lost.png: the picture of material 'right' cannot be read (--texture none does without)"});
+  }
+}
+
+TEST_CASE("the picture stays on the surface when the chart is relaxed, and render shows it") {
+  const Folder folder;
+  const std::string picture = folder.put("ramp.png", encode_png(ramp(128, 128)));
+  const std::string sheet = folder.put("sheet.obj", sheet_obj(false)), table = folder / "m.plm";
+  REQUIRE(run_words({"bake", sheet, "-o", table, "--base-mesh", "60", "--texture", picture, "--relax-chart"})
+              .code == 0);
+  // Relaxation spreads the chart over the square: what was at u = 0.05 is at 1/64.
+  const auto spread = [](float u) { return 1.0f / 64 + (u - 0.05f) / 0.9f * (1 - 2.0f / 64); };
+  for (const float u : {0.2f, 0.6f})
+    CHECK(std::fabs(albedo_at(table, false, spread(u), spread(0.2f)) - 100 * u) < 3);
+  const std::string q = folder.put("q.csv", "qw,qx,qy,qz,tx,ty,tz\n1,0,0,0,-100,100,600\n"),
+                    film = folder / "f.y4m";
+  REQUIRE(run_words({"render", table, "--params", q, "-o", film}).code == 0);
+  const std::string bytes = read_file(film);
+  const std::size_t first = bytes.find("FRAME\n") + 6;
+  const auto grey = [&](int x, int y) {
+    return static_cast<int>(static_cast<unsigned char>(bytes[first + static_cast<std::size_t>(y * 320 + x)]));
+  };
+  CHECK(grey(200, 90) > grey(200, 150) + 40);   // the upper half is lighter
+  CHECK(grey(220, 150) > grey(110, 150) + 25);  // and so is the right side
+}
