@@ -7,6 +7,9 @@ namespace {
 /// Largest displacement of a landmark in one stage, mm: more is no prediction. Half a face.
 constexpr float kMostDisplacementMm = 60;
 
+/// Sine of the yaw from which on a face counts as fully turned. Not tuned.
+constexpr float kTurnedSine = 0.6f;
+
 /// Index of the landmark ibugNN of a model, or kNone.
 std::uint16_t find_ibug(const Model& model, int number) {
   char name[] = "ibug00";
@@ -27,6 +30,7 @@ void AlignerPass::lay_out(Arena& arena, const Model& model, std::size_t landmark
   gradients_.lay_out(arena);
   shape_.lay_out(arena, model, landmarks, use);
   block_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kMostBlockBytes));
+  mirrored_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kMostBlockBytes));
   index_ = arena.take<std::uint16_t>(landmarks);
   model_index_ = arena.take<std::uint16_t>(landmarks);
   image_ = arena.take<Vec2>(landmarks);
@@ -66,6 +70,8 @@ void AlignerPass::start(const FrameView& frame, const Lens& lens, const View& vi
 void AlignerPass::prepare(const AlignerStage& stage) {
   map_ = shape_.crop_map(stage.mm_per_px, stage.crop_px);
   gradients_.compute(picture_, map_);
+  const Vec3 forward = Projector(shape_.view(), true).rotated({0, 0, 1});
+  gate_ = clamp(0.5f + (0.5f / kTurnedSine) * forward.x, 0, 1);
 }
 
 Vec2 AlignerPass::describe_around(Vec2 x, const AlignerStage& stage, std::uint8_t* out) const {
@@ -90,15 +96,19 @@ Sym2 AlignerPass::information(const float* w, float mm_per_px) const {
           by * (a.y * a.y * w[0] + 2 * a.x * a.y * w[1] + a.x * a.x * w[2])};
 }
 
-/// Where a local stage wants a landmark that is seen at x. Its block is left in block_.
-Vec2 AlignerPass::predict_local(const AlignerStage& stage, const LocalWeights& w, std::size_t t,
-                                Vec2 x) const {
-  const std::size_t bytes = block_bytes(stage);
+/// Where a local stage wants a landmark that is seen at x. Its block and the mirrored block are left in block_ and mirrored_.
+Vec2 AlignerPass::predict_local(const AlignerTable& table, const AlignerStage& stage, const LocalWeights& w,
+                                std::size_t t, Vec2 x) const {
+  const std::size_t bytes = block_bytes(stage), other = table.mirrored(t);
   const Vec2 middle = describe_around(x, stage, block_);
-  const std::int8_t* const row = w.rows + 2 * t * bytes;
+  mirror_block(block_, stage.cells, mirrored_);
+  const auto along = [&](std::size_t row, const std::uint8_t* block) {
+    return w.scale[row] * static_cast<float>(dot_bytes(w.rows + row * bytes, block, bytes));
+  };
+  const float left = 1 - gate_, right = gate_;
   const Vec2 mm{
-      w.scale[2 * t] * static_cast<float>(dot_bytes(row, block_, bytes)) + w.bias[2 * t],
-      w.scale[2 * t + 1] * static_cast<float>(dot_bytes(row + bytes, block_, bytes)) + w.bias[2 * t + 1]};
+      left * along(2 * t, block_) - right * along(2 * other, mirrored_) + w.bias[2 * t],
+      left * along(2 * t + 1, block_) + right * along(2 * other + 1, mirrored_) + w.bias[2 * t + 1]};
   return map_.to_frame(middle + (1.0f / stage.mm_per_px) * limited(mm));
 }
 
@@ -136,7 +146,8 @@ void AlignerPass::run_stage(const AlignerTable& table, std::size_t number) {
   for (std::size_t k = 0; k < shape_.landmark_count(); k += stage.stride) {
     const std::size_t t = index_[k];
     const Vec2 x = shape_.evaluate(k).x;
-    const Vec2 target = is_local ? predict_local(stage, local, t, x) : predict_global(stage, global, t, x);
+    const Vec2 target =
+        is_local ? predict_local(table, stage, local, t, x) : predict_global(stage, global, t, x);
     shape_.add(target,
                information((is_local ? local.information : global.information) + 3 * t, stage.mm_per_px));
   }
@@ -156,10 +167,13 @@ AlignerEvidence AlignerPass::weigh(const AlignerTable& table) {
     const std::size_t t = index_[k];
     const FaceShape::Seen seen = shape_.evaluate(k);
     image_[k] = seen.x;
-    target_[k] = predict_local(stage, local, t, seen.x);
+    target_[k] = predict_local(table, stage, local, t, seen.x);
+    const std::size_t other = table.mirrored(t);
+    const auto look = [&](std::size_t row, const std::uint8_t* block) {
+      return check.scale[row] * static_cast<float>(dot_bytes(check.rows + row * bytes, block, bytes));
+    };
     evidence.appearance +=
-        seen.weight * (check.scale[t] * static_cast<float>(dot_bytes(check.rows + t * bytes, block_, bytes)) +
-                       check.bias[t]);
+        seen.weight * ((1 - gate_) * look(t, block_) + gate_ * look(other, mirrored_) + check.bias[t]);
     const Vec2 left = map_.to_crop(target_[k]) - map_.to_crop(seen.x);
     squares += seen.weight * dot(left, left);
     weights += seen.weight;

@@ -35,6 +35,8 @@ class AlignerPass {
   /// Cuts out the crop of a stage at the present pose.
   void prepare(const AlignerStage& stage);
   const CropMap& map() const { return map_; }
+  /// How far the face of `prepare` is turned: 0 to the left of the picture, 1 to its right, 0.5 frontal.
+  float gate() const { return gate_; }
   /// Block around a position in the crop of `prepare`. \param x  px of the frame. \return the block's middle, crop px.
   Vec2 describe_around(Vec2 x, const AlignerStage& stage, std::uint8_t* out) const;
   /// Block (i, j) of a global stage's grid.
@@ -51,7 +53,8 @@ class AlignerPass {
   FaceShape& shape() { return shape_; }
 
  private:
-  Vec2 predict_local(const AlignerStage& stage, const LocalWeights& weights, std::size_t index, Vec2 x) const;
+  Vec2 predict_local(const AlignerTable& table, const AlignerStage& stage, const LocalWeights& weights,
+                     std::size_t index, Vec2 x) const;
   void predict_components(const AlignerStage& stage, const GlobalWeights& weights);
   Vec2 predict_global(const AlignerStage& stage, const GlobalWeights& weights, std::size_t index,
                       Vec2 x) const;
@@ -61,7 +64,8 @@ class AlignerPass {
   GradientMap gradients_;
   FaceShape shape_;
   CropMap map_;
-  std::uint8_t* block_ = nullptr;
+  float gate_ = 0.5f;
+  std::uint8_t *block_ = nullptr, *mirrored_ = nullptr;
   std::uint16_t *index_ = nullptr, *model_index_ = nullptr;
   Vec2 *image_ = nullptr, *target_ = nullptr;
   float* components_ = nullptr;

@@ -4,6 +4,17 @@
 
 namespace pliant {
 
+// Ranges within which the numbers run backwards.
+int mirrored_landmark_number(int number) {
+  constexpr struct {
+    int last, sum;
+  } kRanges[] = {{16, 16}, {26, 43}, {30, 0},   {35, 66},  {39, 81},  {41, 87},
+                 {45, 81}, {47, 87}, {54, 102}, {59, 114}, {64, 124}, {67, 132}};
+  for (const auto& range : kRanges)
+    if (number <= range.last) return range.sum == 0 ? number : range.sum - number;
+  return number;
+}
+
 namespace {
 
 constexpr std::size_t padded(std::size_t bytes) {
@@ -42,6 +53,17 @@ bool is_valid(const AlignerCurve& c) {
 bool are_ascending(const std::uint8_t* numbers, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k)
     if (numbers[k] >= kMostAlignerLandmarks || (k > 0 && numbers[k] <= numbers[k - 1])) return false;
+  return true;
+}
+
+/// \return false if a landmark is without its counterpart.
+bool find_mirrored(const std::uint8_t* numbers, std::size_t count, std::uint8_t* mirrored) {
+  for (std::size_t k = 0; k < count; ++k) {
+    std::size_t other = 0;
+    while (other < count && numbers[other] != mirrored_landmark_number(numbers[k])) ++other;
+    if (other == count) return false;
+    mirrored[k] = static_cast<std::uint8_t>(other);
+  }
   return true;
 }
 
@@ -105,7 +127,8 @@ Status AlignerTable::open(Span<const std::uint8_t> bytes, AlignerTable* table, b
   out.numbers_ = bytes.data + sizeof(AlignerHeader);
   out.stages_ = {reinterpret_cast<const AlignerStage*>(bytes.data + stages_at), stages};
   out.check_ = reinterpret_cast<const AlignerCheck*>(bytes.data + check_at);
-  if (!are_ascending(out.numbers_, landmarks)) return Status::bad_table;
+  if (!are_ascending(out.numbers_, landmarks) || !find_mirrored(out.numbers_, landmarks, out.mirrored_))
+    return Status::bad_table;
   for (std::size_t k = 0; k < stages; ++k) {
     const AlignerStage& s = out.stages_[k];
     if (!is_valid(s) || !fits(s.first_byte, weight_bytes(s, landmarks), total)) return Status::bad_table;

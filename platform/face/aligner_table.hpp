@@ -58,7 +58,11 @@ struct AlignerCheck {
   std::uint32_t reserved;
 };
 
-/// Displacement of landmark k, mm in the crop's axes: scale * (row . block) + bias.
+// The weights of local stages and of the appearance change with the yaw. Those stored are for a face that is turned to the left of
+// the picture. A face turned to the right is the mirror image of such a face: its weights are those of the landmark on the other
+// side, and read the mirrored block. Between both, the two results are mixed (gate).
+
+/// Displacement of landmark k, mm in the crop's axes: scale * (row . block) + bias, the first of them mixed by the gate.
 struct LocalWeights {
   const float *scale, *bias;  // two a landmark: x, y
   const float* information;   // three a landmark: xx, xy, yy, 1/mm^2
@@ -81,6 +85,8 @@ struct CheckWeights {
   const std::int8_t* rows;    // a landmark
 };
 
+/// Number of the landmark on the other side of the face, by the iBUG scheme.
+int mirrored_landmark_number(int number);
 /// Bytes of one block of a stage.
 constexpr std::size_t block_bytes(const AlignerStage& s) {
   return static_cast<std::size_t>(s.cells) * s.cells * kBlockChannels;
@@ -104,11 +110,14 @@ class AlignerTable {
   LocalWeights local(std::size_t stage) const;
   GlobalWeights global(std::size_t stage) const;
   CheckWeights check_weights() const;
+  /// Index of the landmark on the other side of the face; k itself in the middle.
+  std::size_t mirrored(std::size_t k) const { return mirrored_[k]; }
 
  private:
   const std::uint8_t* bytes_ = nullptr;
   std::size_t landmarks_ = 0;
   const std::uint8_t* numbers_ = nullptr;
+  std::uint8_t mirrored_[kMostAlignerLandmarks] = {};
   Span<const AlignerStage> stages_;
   const AlignerCheck* check_ = nullptr;
 };

@@ -120,6 +120,14 @@ Vec2 GradientMap::describe(Vec2 at, int cells, int cell_px, std::uint8_t* out) c
   return {static_cast<float>(x) + half, static_cast<float>(y) + half};
 }
 
+void mirror_block(const std::uint8_t* block, int cells, std::uint8_t* out) {
+  for (int j = 0; j < cells; ++j)
+    for (int i = cells - 1; i >= 0; --i, out += kBlockChannels) {
+      const std::uint8_t* const from = block + (j * cells + i) * kBlockChannels;
+      for (int d = 0; d < kBlockChannels; ++d) out[d] = from[(4 - d) & 7];
+    }
+}
+
 std::int32_t dot_bytes(const std::int8_t* weight, const std::uint8_t* value, std::size_t count) {
   std::int32_t sum = 0;
   for (std::size_t k = 0; k < count; ++k) sum += weight[k] * value[k];

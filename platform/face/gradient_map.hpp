@@ -42,6 +42,9 @@ class GradientMap {
   std::uint16_t* sums_ = nullptr;       // of the block being described
 };
 
+/// The block of the mirrored picture. \param out  not `block`.
+void mirror_block(const std::uint8_t* block, int cells, std::uint8_t* out);
+
 /// sum of weight[k] * value[k].
 std::int32_t dot_bytes(const std::int8_t* weight, const std::uint8_t* value, std::size_t count);
 

@@ -92,11 +92,13 @@ void AlignerCascade::learn_local(const AlignerStage& shape, StageReport* report)
   const std::size_t landmarks = numbers_.size(), bytes = block_bytes(shape), n = examples_.size();
   blocks_.assign(landmarks, std::vector<std::uint8_t>(n * bytes));
   wanted_.assign(landmarks, std::vector<double>(2 * n));
+  gates_.assign(n, 0);
   in_parallel(n, options_.threads, [&](std::size_t e, std::size_t thread) {
     AlignerPass& pass = **passes_[thread];
     const AlignerExample& example = examples_[e];
     pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
     pass.prepare(shape);
+    gates_[e] = pass.gate();
     for (std::size_t k = 0; k < landmarks; ++k) {
       const Vec2 middle =
           pass.describe_around(pass.shape().evaluate(k).x, shape, blocks_[k].data() + e * bytes);
@@ -113,56 +115,117 @@ void AlignerCascade::learn_local(const AlignerStage& shape, StageReport* report)
     s.local.information.resize(3 * landmarks);
     s.local.blend.assign(landmarks, 0);
   }
-  std::vector<double> ridges(landmarks);
-  in_parallel(landmarks, options_.threads, [&](std::size_t k, std::size_t) {
-    std::vector<RidgeSums> folds(static_cast<std::size_t>(tuning_.folds));
-    for (RidgeSums& f : folds) f.resize(bytes + 1, 2);
-    for (std::size_t f = 0; f < folds.size(); ++f) {
-      RidgeRows rows(folds[f]);
-      for (std::size_t e = 0; e < n; ++e) {
-        if (examples_[e].fold != static_cast<int>(f)) continue;
-        const double* const y = &wanted_[k][2 * e];
-        const double w = tuning_.weight_of_trust[examples_[e].trust[k]];
-        if (w > 0 && std::hypot(y[0], y[1]) <= tuning_.most_displacement_mm)
-          rows.add(blocks_[k].data() + e * bytes, y, w);
-      }
-    }
-    ridges[k] = choose_ridge(folds);
-    RidgeSums all;
-    all.resize(bytes + 1, 2);
-    for (const RidgeSums& f : folds) all.add(f, 1);
-    for (std::size_t f = 0; f < learnt.size(); ++f) {
-      RidgeSums others = all;
-      if (f < folds.size()) others.add(folds[f], -1);
-      const std::vector<double> w = solve_ridge(others, ridges[k]);
-      for (std::size_t axis = 0; axis < 2; ++axis) {
-        const double* const row = w.data() + axis * (bytes + 1);
-        std::copy(row, row + bytes,
-                  learnt[f].local.rows.begin() + static_cast<std::ptrdiff_t>((2 * k + axis) * bytes));
-        learnt[f].local.bias[2 * k + axis] = row[bytes];
-      }
-    }
-    std::vector<double> moments(3);
-    double weight = 0;
-    for (std::size_t e = 0; e < n; ++e) {
-      const auto& local = learnt[static_cast<std::size_t>(examples_[e].fold)].local;
-      const double w = tuning_.weight_of_trust[examples_[e].trust[k]];
-      const std::uint8_t* const block = blocks_[k].data() + e * bytes;
-      const double* const y = &wanted_[k][2 * e];
-      if (!(w > 0) || std::hypot(y[0], y[1]) > tuning_.most_displacement_mm) continue;
-      const double x = y[0] - local.bias[2 * k] - predicted(local.rows, 2 * k, bytes, block);
-      const double z = y[1] - local.bias[2 * k + 1] - predicted(local.rows, 2 * k + 1, bytes, block);
-      moments[0] += w * x * x;
-      moments[1] += w * x * z;
-      moments[2] += w * z * z;
-      weight += w;
-    }
-    const std::vector<double> known = information(moments, weight);
-    for (LearntStage& s : learnt)
-      std::copy(known.begin(), known.end(), s.local.information.begin() + static_cast<std::ptrdiff_t>(3 * k));
+  // The landmarks of a pair are learnt together.
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t k = 0; k < landmarks; ++k) {
+    const auto other = std::find(numbers_.begin(), numbers_.end(), mirrored_landmark_number(numbers_[k]));
+    if (other == numbers_.end()) fail_input("alignment", "a landmark is without its counterpart");
+    const auto o = static_cast<std::size_t>(other - numbers_.begin());
+    if (k <= o) pairs.emplace_back(k, o);
+  }
+  std::vector<double> ridges(pairs.size());
+  in_parallel(pairs.size(), options_.threads, [&](std::size_t p, std::size_t) {
+    learn_pair(shape, pairs[p].first, pairs[p].second, &learnt, &ridges[p]);
+  });
+  in_parallel(pairs.size(), options_.threads, [&](std::size_t p, std::size_t) {
+    learn_information(shape, pairs[p].first, pairs[p].second, &learnt);
+    if (pairs[p].first != pairs[p].second) learn_information(shape, pairs[p].second, pairs[p].first, &learnt);
   });
   report->ridge = median_of(ridges);
   for (std::size_t f = 0; f < learnt.size(); ++f) stages_[f].push_back(std::move(learnt[f]));
+}
+
+/// Weight of a landmark of an example; 0 where it is no example.
+double AlignerCascade::weight_of(std::size_t e, std::size_t k) const {
+  const double* const y = &wanted_[k][2 * e];
+  if (std::hypot(y[0], y[1]) > tuning_.most_displacement_mm) return 0;
+  return tuning_.weight_of_trust[examples_[e].trust[k]];
+}
+
+/// Learns the weights of a landmark and of its counterpart on the other side. Every example teaches twice: landmark k as it is,
+/// and landmark `other` of the mirror image. The weights of landmark `other` are those that read k's mirrored block.
+void AlignerCascade::learn_pair(const AlignerStage& shape, std::size_t k, std::size_t other,
+                                std::vector<LearntStage>* learnt, double* ridge) const {
+  const std::size_t bytes = block_bytes(shape), inputs = 2 * bytes + 1;
+  std::vector<RidgeSums> folds(static_cast<std::size_t>(tuning_.folds));
+  for (std::size_t f = 0; f < folds.size(); ++f) {
+    folds[f].resize(inputs, 2);
+    RidgeRows rows(folds[f]);
+    std::vector<float> x(2 * bytes);
+    std::vector<std::uint8_t> mirrored(bytes);
+    for (std::size_t e = 0; e < examples_.size(); ++e) {
+      if (examples_[e].fold != static_cast<int>(f)) continue;
+      for (const bool is_mirrored : {false, true}) {
+        const std::size_t l = is_mirrored ? other : k;
+        const double weight = weight_of(e, l);
+        if (!(weight > 0)) continue;
+        const std::uint8_t* const block = blocks_[l].data() + e * bytes;
+        mirror_block(block, shape.cells, mirrored.data());
+        const std::uint8_t* const near = is_mirrored ? mirrored.data() : block;
+        const std::uint8_t* const far = is_mirrored ? block : mirrored.data();
+        const float right = is_mirrored ? 1 - gates_[e] : gates_[e];
+        for (std::size_t i = 0; i < bytes; ++i) {
+          x[i] = (1 - right) * static_cast<float>(near[i]);
+          x[bytes + i] = right * static_cast<float>(far[i]);
+        }
+        const double y[2] = {is_mirrored ? -wanted_[l][2 * e] : wanted_[l][2 * e], wanted_[l][2 * e + 1]};
+        rows.add(x.data(), y, weight);
+      }
+    }
+  }
+  *ridge = choose_ridge(folds);
+  RidgeSums all;
+  all.resize(inputs, 2);
+  for (const RidgeSums& f : folds) all.add(f, 1);
+  for (std::size_t f = 0; f < learnt->size(); ++f) {
+    RidgeSums others = all;
+    if (f < folds.size()) others.add(folds[f], -1);
+    const std::vector<double> w = solve_ridge(others, *ridge);
+    LearntLocal& local = (*learnt)[f].local;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const double* const row = w.data() + axis * inputs;
+      const double sign = axis == 0 ? -1 : 1;
+      double* const of_k = local.rows.data() + (2 * k + axis) * bytes;
+      double* const of_other = local.rows.data() + (2 * other + axis) * bytes;
+      for (std::size_t i = 0; i < bytes; ++i) {
+        of_other[i] = sign * row[bytes + i];
+        of_k[i] = row[i];
+      }
+      local.bias[2 * other + axis] = sign * row[inputs - 1];
+      local.bias[2 * k + axis] = row[inputs - 1];
+    }
+  }
+}
+
+/// Covariance of the errors on examples of people left out.
+void AlignerCascade::learn_information(const AlignerStage& shape, std::size_t k, std::size_t other,
+                                       std::vector<LearntStage>* learnt) const {
+  const std::size_t bytes = block_bytes(shape);
+  std::vector<double> moments(3);
+  std::vector<std::uint8_t> mirrored(bytes);
+  double weight = 0;
+  for (std::size_t e = 0; e < examples_.size(); ++e) {
+    const double w = weight_of(e, k);
+    if (!(w > 0)) continue;
+    const LearntLocal& local = (*learnt)[static_cast<std::size_t>(examples_[e].fold)].local;
+    const std::uint8_t* const block = blocks_[k].data() + e * bytes;
+    mirror_block(block, shape.cells, mirrored.data());
+    const double right = static_cast<double>(gates_[e]);
+    double r[2];
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const double sign = axis == 0 ? -1 : 1;
+      r[axis] = wanted_[k][2 * e + axis] - local.bias[2 * k + axis] -
+                (1 - right) * predicted(local.rows, 2 * k + axis, bytes, block) -
+                sign * right * predicted(local.rows, 2 * other + axis, bytes, mirrored.data());
+    }
+    moments[0] += w * r[0] * r[0];
+    moments[1] += w * r[0] * r[1];
+    moments[2] += w * r[1] * r[1];
+    weight += w;
+  }
+  const std::vector<double> known = information(moments, weight);
+  for (LearntStage& s : *learnt)
+    std::copy(known.begin(), known.end(), s.local.information.begin() + static_cast<std::ptrdiff_t>(3 * k));
 }
 
 void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report) {

@@ -20,7 +20,7 @@ struct AlignerCascadeTuning {
   /// Weight of a landmark by its trust: hidden, fitted, annotated.
   double weight_of_trust[3] = {0, 0.3, 1};
   /// Strengths of the ridge that are tried on people left out; fractions of the mean variance of an input.
-  std::vector<double> ridges = {3, 10, 30, 100, 300, 1000};
+  std::vector<double> ridges = {0.1, 0.4, 1.6, 6};
   /// Least variance of a prediction, mm^2. Not tuned.
   double least_variance = 0.3;
   /// A displacement further than this is no example for a local stage, mm.
@@ -60,6 +60,11 @@ class AlignerCascade {
  private:
   void learn_local(const AlignerStage& shape, StageReport* report);
   void learn_global(const AlignerStage& shape, StageReport* report);
+  void learn_pair(const AlignerStage& shape, std::size_t k, std::size_t other,
+                  std::vector<LearntStage>* learnt, double* ridge) const;
+  void learn_information(const AlignerStage& shape, std::size_t k, std::size_t other,
+                         std::vector<LearntStage>* learnt) const;
+  double weight_of(std::size_t example, std::size_t k) const;
   double choose_ridge(const std::vector<RidgeSums>& folds) const;
   std::vector<double> information(const std::vector<double>& moments, double weight) const;
   void move_examples();
@@ -75,6 +80,7 @@ class AlignerCascade {
   // Of the stage being learnt.
   std::vector<std::vector<std::uint8_t>> blocks_;  // local: a landmark; global: one
   std::vector<std::vector<double>> wanted_;        // displacements, two an example
+  std::vector<float> gates_;                       // an example
 };
 
 }  // namespace pliant::host::learn

@@ -15,7 +15,9 @@ constexpr double kByteUnit = 1.0 / 64;  // of a block's bytes in the regression:
 /// One alignment as the check sees it.
 struct Evidence {
   std::vector<std::uint8_t> blocks;  // of all landmarks
-  std::vector<float> weights;        // a landmark
+  std::vector<std::uint8_t> mirrored_blocks;
+  std::vector<float> weights;  // a landmark
+  float gate = 0.5f;
   float displacement = 0, parameters = 0;
   float error = 0;  // of the landmarks; 1 where there is no face
   int half = 0;     // examples of one half are scored by weights learnt from the other
@@ -28,22 +30,33 @@ struct Appearance {
   std::vector<float> rows, bias;
 };
 
-double score_of(const Appearance& a, const Evidence& e) {
+float dot_row(const float* row, const std::uint8_t* block, std::size_t bytes) {
+  float sum = 0;
+  for (std::size_t i = 0; i < bytes; ++i) sum += row[i] * static_cast<float>(block[i]);
+  return sum;
+}
+
+/// The appearance. \param mirrored  index of the landmark on the other side, a landmark.
+double score_of(const Appearance& a, const Evidence& e, const std::vector<std::size_t>& mirrored) {
   const std::size_t landmarks = e.weights.size(), bytes = e.blocks.size() / landmarks;
   float sum = 0;
   for (std::size_t k = 0; k < landmarks; ++k) {
-    const float* const row = a.rows.data() + k * bytes;
-    const std::uint8_t* const block = e.blocks.data() + k * bytes;
-    float part = 0;
-    for (std::size_t i = 0; i < bytes; ++i) part += row[i] * static_cast<float>(block[i]);
-    sum += e.weights[k] * (part + a.bias[k]);
+    const float left = dot_row(a.rows.data() + k * bytes, e.blocks.data() + k * bytes, bytes);
+    const float right =
+        dot_row(a.rows.data() + mirrored[k] * bytes, e.mirrored_blocks.data() + k * bytes, bytes);
+    sum += e.weights[k] * ((1 - e.gate) * left + e.gate * right + a.bias[k]);
   }
   return static_cast<double>(sum);
 }
 
+void add_row(float by, const std::uint8_t* block, std::size_t bytes, float* row) {
+  for (std::size_t i = 0; i < bytes; ++i) row[i] += by * static_cast<float>(block[i]);
+}
+
 /// Logistic regression by stochastic gradient descent, the mean of the second half of the way.
 Appearance learn_appearance(const std::vector<const Evidence*>& examples, const std::vector<float>& labels,
-                            std::uint64_t seed, const AlignerCheckTuning& tuning) {
+                            const std::vector<std::size_t>& mirrored, std::uint64_t seed,
+                            const AlignerCheckTuning& tuning) {
   const std::size_t landmarks = examples[0]->weights.size(), bytes = examples[0]->blocks.size() / landmarks;
   Appearance now{std::vector<float>(landmarks * bytes), std::vector<float>(landmarks)}, mean = now;
   double positives = 0;
@@ -60,7 +73,7 @@ Appearance learn_appearance(const std::vector<const Evidence*>& examples, const 
     const std::size_t e = random.below(examples.size());
     const Evidence& x = *examples[e];
     const double rate = 0.02 / (1 + 0.02 * tuning.regularisation * 2e3 * static_cast<double>(t));
-    const double z = scale * score_of(now, x);
+    const double z = scale * score_of(now, x, mirrored);
     const double label = static_cast<double>(labels[e]);
     const double slope = (label - 1 / (1 + std::exp(-z))) * balance[label > 0.5 ? 1 : 0];
     scale *= 1 - rate * tuning.regularisation;
@@ -68,9 +81,9 @@ Appearance learn_appearance(const std::vector<const Evidence*>& examples, const 
       const auto by = static_cast<float>(rate * slope * unit / scale);
       for (std::size_t k = 0; k < landmarks; ++k) {
         const float w = by * x.weights[k];
-        float* const row = now.rows.data() + k * bytes;
-        const std::uint8_t* const block = x.blocks.data() + k * bytes;
-        for (std::size_t i = 0; i < bytes; ++i) row[i] += w * static_cast<float>(block[i]);
+        add_row(w * (1 - x.gate), x.blocks.data() + k * bytes, bytes, now.rows.data() + k * bytes);
+        add_row(w * x.gate, x.mirrored_blocks.data() + k * bytes, bytes,
+                now.rows.data() + mirrored[k] * bytes);
         now.bias[k] += w / static_cast<float>(kByteUnit);
       }
     }
@@ -211,9 +224,12 @@ class EvidenceCollector {
     Evidence out;
     out.displacement = evidence.displacement;
     out.parameters = evidence.parameters;
+    out.gate = pass.gate();
     out.blocks.resize(landmarks * bytes);
+    out.mirrored_blocks.resize(landmarks * bytes);
     for (std::size_t k = 0; k < landmarks; ++k) {
       pass.describe_around(pass.image(k), last, out.blocks.data() + k * bytes);
+      mirror_block(out.blocks.data() + k * bytes, last.cells, out.mirrored_blocks.data() + k * bytes);
       out.weights.push_back(pass.shape().evaluate(k).weight);
     }
     return out;
@@ -348,6 +364,9 @@ LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others,
     labels.push_back(e.error <= tuning.right_error ? 1.0f : 0.0f);
   }
   if (progress) progress("verification: weights", 0, 3);
+  const OpenAlignerTable table(cascade.table(cascade.folds()));
+  std::vector<std::size_t> mirrored;
+  for (std::size_t k = 0; k < table->landmark_count(); ++k) mirrored.push_back(table->mirrored(k));
   Appearance learnt[3];  // without the first half, without the second, of all
   in_parallel(3, cascade.options().threads, [&](std::size_t k, std::size_t) {
     std::vector<const Evidence*> chosen;
@@ -357,10 +376,11 @@ LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others,
         chosen.push_back(examples[e]);
         chosen_labels.push_back(labels[e]);
       }
-    learnt[k] = learn_appearance(chosen, chosen_labels, cascade.options().seed + k, tuning);
+    learnt[k] = learn_appearance(chosen, chosen_labels, mirrored, cascade.options().seed + k, tuning);
   });
-  in_parallel(all.size(), cascade.options().threads,
-              [&](std::size_t k, std::size_t) { all[k].appearance = score_of(learnt[all[k].half], all[k]); });
+  in_parallel(all.size(), cascade.options().threads, [&](std::size_t k, std::size_t) {
+    all[k].appearance = score_of(learnt[all[k].half], all[k], mirrored);
+  });
   LearntCheck check;
   check.score = score_curve(examples, labels);
   check.error = error_curve(faces);

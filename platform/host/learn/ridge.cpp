@@ -36,7 +36,8 @@ void RidgeSums::add(const RidgeSums& other, double sign) {
   weight += sign * other.weight;
 }
 
-void RidgeRows::add(const std::uint8_t* x, const double* y, double weight) {
+template <class Number>
+void RidgeRows::add(const Number* x, const double* y, double weight) {
   const std::size_t inputs = sums_.inputs, outputs = sums_.outputs;
   x_.resize(kBlockRows * inputs);
   y_.resize(kBlockRows * outputs);
@@ -51,6 +52,9 @@ void RidgeRows::add(const std::uint8_t* x, const double* y, double weight) {
   sums_.weight += weight;
   if (++rows_ == kBlockRows) flush();
 }
+
+template void RidgeRows::add(const std::uint8_t*, const double*, double);
+template void RidgeRows::add(const float*, const double*, double);
 
 void RidgeRows::flush() {
   if (rows_ == 0) return;

@@ -7,7 +7,7 @@
 
 namespace pliant::host::learn {
 
-/// Sums of one fold: rows x_i of D bytes and a constant 1, several outputs y_i, weights w_i.
+/// Sums of one fold: rows x_i of D numbers and a constant 1, several outputs y_i, weights w_i.
 struct RidgeSums {
   std::size_t inputs = 0, outputs = 0;  ///< inputs: D + 1
   std::vector<double> xx;               ///< inputs x inputs, lower triangle
@@ -26,8 +26,9 @@ class RidgeRows {
   ~RidgeRows() { flush(); }
   RidgeRows(const RidgeRows&) = delete;
   RidgeRows& operator=(const RidgeRows&) = delete;
-  /// \param x  inputs - 1 bytes. \param y  outputs.
-  void add(const std::uint8_t* x, const double* y, double weight);
+  /// \param x  inputs - 1 numbers. \param y  outputs.
+  template <class Number>
+  void add(const Number* x, const double* y, double weight);
 
  private:
   void flush();
