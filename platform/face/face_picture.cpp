@@ -1,7 +1,5 @@
 #include "face/face_picture.hpp"
 
-#include "vision/bilinear.hpp"
-
 namespace pliant {
 
 namespace {
@@ -71,10 +69,12 @@ namespace {
 
 constexpr std::int32_t kLast = ((kSide - 1) << 16) - 1;
 
-/// Grey at a position in 1/65536 px, 0 to kLast.
+/// Grey at a position in 1/65536 px, 0 to kLast, by bilinear interpolation.
 std::uint8_t sample(const std::uint8_t* pixels, std::int32_t x, std::int32_t y) {
   const std::uint8_t* const p = pixels + (y >> 16) * kSide + (x >> 16);
-  return static_cast<std::uint8_t>((bilinear_sixteenths(p, kSide, (x >> 8) & 255, (y >> 8) & 255) + 8) >> 4);
+  const int fx = (x >> 8) & 255, fy = (y >> 8) & 255;
+  const int upper = p[0] * 256 + (p[1] - p[0]) * fx, lower = p[kSide] * 256 + (p[kSide + 1] - p[kSide]) * fx;
+  return static_cast<std::uint8_t>((upper * 256 + (lower - upper) * fy + 32768) >> 16);
 }
 
 bool is_inside(std::int32_t x, std::int32_t y) {

@@ -22,7 +22,11 @@ constexpr std::uint32_t kDiagonalGain =
 
 // Octants by the signs of dx (4), dy (2) and whether |dy| > |dx| (1), and the two directions of each, in multiples of 45 degrees
 // from +x towards +y.
-constexpr std::uint8_t kOctant[8] = {0, 1, 7, 6, 3, 2, 4, 5};
+constexpr int octant_bits(int octant) {
+  return octant << (kAxisBits + kDiagonalBits);
+}
+constexpr std::uint16_t kOctantBits[8] = {octant_bits(0), octant_bits(1), octant_bits(7), octant_bits(6),
+                                          octant_bits(3), octant_bits(2), octant_bits(4), octant_bits(5)};
 constexpr std::uint8_t kAxis[8] = {0, 2, 2, 4, 4, 6, 6, 0};
 constexpr std::uint8_t kDiagonal[8] = {1, 1, 3, 3, 5, 5, 7, 7};
 
@@ -76,14 +80,14 @@ void GradientMap::add_row(const std::uint8_t* above, const std::uint8_t* line, c
                           std::uint16_t* out) const {
   for (int x = 1; x <= side_; ++x) {
     const int dx = line[x + 1] - line[x - 1], dy = below[x] - above[x];
-    const int ax = dx < 0 ? -dx : dx, ay = dy < 0 ? -dy : dy;
-    const bool is_steep = ay > ax;
-    const int most = is_steep ? ay : ax, least = is_steep ? ax : ay;
-    const unsigned octant = kOctant[(dx < 0 ? 4 : 0) + (dy < 0 ? 2 : 0) + (is_steep ? 1 : 0)];
-    const auto axis = static_cast<unsigned>(limited_above(most - least, kMostAxis));
-    const auto diagonal = static_cast<unsigned>(limited_above(least, kMostDiagonal));
-    *out++ = static_cast<std::uint16_t>((octant << (kAxisBits + kDiagonalBits)) | (axis << kDiagonalBits) |
-                                        diagonal);
+    // Without branches, which would be taken at random: a mask is -1 where its condition holds, else 0.
+    const int is_left = dx >> 31, is_up = dy >> 31;
+    const int ax = (dx ^ is_left) - is_left, ay = (dy ^ is_up) - is_up;
+    const int difference = ax - ay, is_steep = difference >> 31;
+    const int axis = (difference ^ is_steep) - is_steep, diagonal = ay + (difference & is_steep);
+    *out++ = static_cast<std::uint16_t>(kOctantBits[(is_left & 4) | (is_up & 2) | (is_steep & 1)] |
+                                        (limited_above(axis, kMostAxis) << kDiagonalBits) |
+                                        limited_above(diagonal, kMostDiagonal));
   }
 }
 

@@ -10,7 +10,7 @@ namespace pliant {
 
 constexpr int kBlockChannels = 8;   // directions, bytes a cell of a block
 constexpr int kMostBlockCells = 8;  // a side of a block
-constexpr int kMostCropPx = 116;    // a side of the crop
+constexpr int kMostCropPx = 104;    // a side of the crop
 
 /// The gradients of one crop. Integers only.
 class GradientMap {

@@ -130,16 +130,23 @@ class EvidenceCollector {
     return out;
   }
 
-  /// Alignments at random places of pictures without faces.
-  std::vector<Evidence> of_others(const OtherPictures& others, std::size_t count) {
-    std::vector<Evidence> out(count);
-    in_parallel(count, cascade_.options().threads, [&](std::size_t k, std::size_t thread) {
+  /// Alignments at random places of pictures without faces: numbers first to first + count - 1, those that are `wanted`.
+  template <class Predicate>
+  std::vector<Evidence> of_others(const OtherPictures& others, std::size_t first, std::size_t count,
+                                  const Predicate& is_wanted) {
+    std::vector<Evidence> all(count);
+    in_parallel(count, cascade_.options().threads, [&](std::size_t index, std::size_t thread) {
+      const std::size_t k = first + index;
       SampleRandom random(cascade_.options().seed ^ 0x07e5, k);
       const Image picture = others.crop(kOtherPx, kOtherPx, random);
       const float side = random.octaves_between(45, 120), room = static_cast<float>(kOtherPx);
       const Vec2 centre{random.between(0.3f * room, 0.7f * room), random.between(0.3f * room, 0.7f * room)};
-      out[k] = align_other(picture, {centre, side}, k, thread);
+      Evidence evidence = align_other(picture, {centre, side}, k, thread);
+      if (is_wanted(evidence)) all[index] = std::move(evidence);
     });
+    std::vector<Evidence> out;
+    for (Evidence& e : all)
+      if (!e.blocks.empty()) out.push_back(std::move(e));
     return out;
   }
 
@@ -333,60 +340,101 @@ AlignerCurve error_curve(const std::vector<const Evidence*>& faces) {
   return curve;
 }
 
+/// The examples of verification, and what is learnt from them.
+class CheckLearning {
+ public:
+  CheckLearning(const AlignerCascade& cascade, const AlignerCheckTuning& tuning)
+      : options_(cascade.options()), tuning_(tuning) {
+    const OpenAlignerTable table(cascade.table(cascade.folds()));
+    for (std::size_t k = 0; k < table->landmark_count(); ++k) mirrored_.push_back(table->mirrored(k));
+  }
+
+  void add(std::vector<Evidence> more) { std::move(more.begin(), more.end(), std::back_inserter(all_)); }
+
+  /// Learns the appearance: without each half of the people and pictures, and of all.
+  void learn() {
+    choose_examples();
+    in_parallel(3, options_.threads, [&](std::size_t k, std::size_t) {
+      std::vector<const Evidence*> chosen;
+      std::vector<float> labels;
+      for (std::size_t e = 0; e < examples_.size(); ++e)
+        if (examples_[e]->half != static_cast<int>(k)) {
+          chosen.push_back(examples_[e]);
+          labels.push_back(labels_[e]);
+        }
+      learnt_[k] = learn_appearance(chosen, labels, mirrored_, options_.seed + k, tuning_);
+    });
+  }
+
+  /// The appearance by the weights that were learnt without the example's half.
+  double score(const Evidence& e) const { return score_of(learnt_[e.half], e, mirrored_); }
+
+  LearntCheck conclude() {
+    in_parallel(all_.size(), options_.threads,
+                [&](std::size_t k, std::size_t) { all_[k].appearance = score(all_[k]); });
+    std::vector<const Evidence*> faces;
+    for (const Evidence& e : all_)
+      if (e.is_face && e.error >= 0) faces.push_back(&e);
+    LearntCheck check;
+    check.score = score_curve(examples_, labels_);
+    check.error = error_curve(faces);
+    check.rows.assign(learnt_[2].rows.begin(), learnt_[2].rows.end());
+    check.bias.assign(learnt_[2].bias.begin(), learnt_[2].bias.end());
+    return check;
+  }
+
+ private:
+  void choose_examples() {
+    examples_.clear();
+    labels_.clear();
+    for (const Evidence& e : all_) {
+      if (e.error < 0 || (e.error > tuning_.right_error && e.error < tuning_.wrong_error)) continue;
+      examples_.push_back(&e);
+      labels_.push_back(e.error <= tuning_.right_error ? 1.0f : 0.0f);
+    }
+  }
+
+  LearnOptions options_;
+  AlignerCheckTuning tuning_;
+  std::vector<std::size_t> mirrored_;
+  std::vector<Evidence> all_;
+  std::vector<const Evidence*> examples_;
+  std::vector<float> labels_;
+  Appearance learnt_[3];
+};
+
 }  // namespace
 
 LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others,
                         const std::vector<std::uint8_t>& detector, const LearnProgress& progress,
                         const AlignerCheckTuning& tuning) {
-  EvidenceCollector collector(cascade, tuning);
   const auto per_face = [&](double ratio) {
     return static_cast<std::size_t>(ratio * static_cast<double>(cascade.examples().size()));
   };
   const auto tell = [&](std::size_t done) {
-    if (progress) progress("verification: examples", done, 3);
+    if (progress) progress("alignment: verification", done, 6);
   };
+  EvidenceCollector collector(cascade, tuning);
+  CheckLearning learning(cascade, tuning);
   tell(0);
-  std::vector<Evidence> all = collector.of_faces();
-  const auto append = [&](std::vector<Evidence> more) {
-    std::move(more.begin(), more.end(), std::back_inserter(all));
-  };
+  learning.add(collector.of_faces());
   tell(1);
-  if (others.count() > 0) append(collector.of_others(others, per_face(tuning.others_per_face)));
-  tell(2);
-  if (others.count() > 0 && !detector.empty())
-    append(collector.of_found(others, detector, per_face(tuning.searches_per_face)));
-  std::vector<const Evidence*> examples, faces;
-  std::vector<float> labels;
-  for (const Evidence& e : all) {
-    if (e.is_face && e.error >= 0) faces.push_back(&e);
-    if (e.error < 0 || (e.error > tuning.right_error && e.error < tuning.wrong_error)) continue;
-    examples.push_back(&e);
-    labels.push_back(e.error <= tuning.right_error ? 1.0f : 0.0f);
+  if (others.count() > 0) {
+    const std::size_t first = per_face(tuning.others_per_face);
+    learning.add(collector.of_others(others, 0, first, [](const Evidence&) { return true; }));
+    tell(2);
+    if (!detector.empty())
+      learning.add(collector.of_found(others, detector, per_face(tuning.searches_per_face)));
+    tell(3);
+    learning.learn();
+    tell(4);
+    learning.add(collector.of_others(others, first, per_face(tuning.mined_per_face), [&](const Evidence& e) {
+      return learning.score(e) > tuning.mined_score;
+    }));
   }
-  if (progress) progress("verification: weights", 0, 3);
-  const OpenAlignerTable table(cascade.table(cascade.folds()));
-  std::vector<std::size_t> mirrored;
-  for (std::size_t k = 0; k < table->landmark_count(); ++k) mirrored.push_back(table->mirrored(k));
-  Appearance learnt[3];  // without the first half, without the second, of all
-  in_parallel(3, cascade.options().threads, [&](std::size_t k, std::size_t) {
-    std::vector<const Evidence*> chosen;
-    std::vector<float> chosen_labels;
-    for (std::size_t e = 0; e < examples.size(); ++e)
-      if (examples[e]->half != static_cast<int>(k)) {
-        chosen.push_back(examples[e]);
-        chosen_labels.push_back(labels[e]);
-      }
-    learnt[k] = learn_appearance(chosen, chosen_labels, mirrored, cascade.options().seed + k, tuning);
-  });
-  in_parallel(all.size(), cascade.options().threads, [&](std::size_t k, std::size_t) {
-    all[k].appearance = score_of(learnt[all[k].half], all[k], mirrored);
-  });
-  LearntCheck check;
-  check.score = score_curve(examples, labels);
-  check.error = error_curve(faces);
-  check.rows.assign(learnt[2].rows.begin(), learnt[2].rows.end());
-  check.bias.assign(learnt[2].bias.begin(), learnt[2].bias.end());
-  return check;
+  tell(5);
+  learning.learn();
+  return learning.conclude();
 }
 
 }  // namespace pliant::host::learn

@@ -14,6 +14,8 @@ struct AlignerCheckTuning {
   int moved_starts = 2;  ///< poses near the truth that are examples too, an alignment: a track that drifts
   float moved_most = 0.45f;    ///< largest shift of those, fraction of the eyes' distance
   double others_per_face = 1;  ///< alignments at random places of pictures without faces, for each of a face
+  double mined_per_face = 3;  ///< more of them, of which those are kept that a first training does not reject
+  double mined_score = -2;    ///< appearance from which on these are kept
   double searches_per_face =
       1;                 ///< pictures without faces that the detector searches, for each alignment of a face
   int found_starts = 4;  ///< alignments of each place that the detector takes for a face

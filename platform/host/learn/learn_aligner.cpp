@@ -21,9 +21,9 @@ constexpr AlignerTuning kTuning{};
 /// The stages: millimetres a pixel and side of the crop, cells and their side, blocks and components, refines, stride, prior.
 /// Global stages catch position, roll, yaw and scale of a start; local ones go from coarse to fine.
 const AlignerStage kStages[] = {
-    {2.4f, 96, 4, 8, 3, 16, 0, 3, 2, 0},   {2.0f, 96, 4, 8, 3, 20, 0, 3, 1, 0},
-    {2.4f, 84, 5, 4, 0, 0, 1, 2, 1.5f, 0}, {1.6f, 104, 5, 4, 0, 0, 1, 1, 2, 0},
-    {1.4f, 108, 6, 3, 0, 0, 1, 1, 1, 0},
+    {3.0f, 72, 4, 6, 3, 16, 0, 3, 2, 0},   {2.6f, 72, 4, 6, 3, 20, 0, 3, 1, 0},
+    {2.4f, 76, 5, 4, 0, 0, 1, 2, 1.5f, 0}, {1.6f, 96, 5, 4, 0, 0, 1, 1, 2, 0},
+    {1.4f, 104, 6, 3, 0, 0, 1, 1, 1, 0},
 };
 
 void draw_examples(const FaceSamples& faces, AlignerCascade& cascade, const LearnProgress& progress) {

@@ -48,7 +48,7 @@ inline void seal(Bytes& bytes) {
 /// probability that the curve gives to a sum of 0.
 inline Bytes table(float dx = 0, float dy = 0) {
   using namespace pliant;
-  const AlignerStage global{2.4f, 48, 2, 8, 3, 2, 0, 3, 2, 0}, local{1.6f, 108, 2, 4, 0, 0, 1, 1, 1, 0};
+  const AlignerStage global{2.4f, 48, 2, 8, 3, 2, 0, 3, 2, 0}, local{1.6f, 104, 2, 4, 0, 0, 1, 1, 1, 0};
   const std::size_t global_at = kCheckAt + sizeof(AlignerCheck);
   const std::size_t local_at = global_at + weight_bytes(global, kLandmarks);
   const std::size_t check_at = local_at + weight_bytes(local, kLandmarks);
