@@ -3,27 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "face/box_view.hpp"
-#include "pliant/face_detector.hpp"
+#include "host/learn/aligner_evidence.hpp"
 
 namespace pliant::host::learn {
 
 namespace {
 
 constexpr double kByteUnit = 1.0 / 64;  // of a block's bytes in the regression: most are then near 1
-
-/// One alignment as the check sees it.
-struct Evidence {
-  std::vector<std::uint8_t> blocks;  // of all landmarks
-  std::vector<std::uint8_t> mirrored_blocks;
-  std::vector<float> weights;  // a landmark
-  float gate = 0.5f;
-  float displacement = 0, parameters = 0;
-  float error = 0;  // of the landmarks; 1 where there is no face
-  int half = 0;     // examples of one half are scored by weights learnt from the other
-  double appearance = 0;
-  bool is_face = true;
-};
 
 /// Weights of the appearance: bytes and a constant a landmark.
 struct Appearance {
@@ -99,153 +85,6 @@ Appearance learn_appearance(const std::vector<const Evidence*>& examples, const 
   for (float& w : mean.bias) w /= static_cast<float>(averaged);
   return mean;
 }
-
-/// Collects the evidence of alignments.
-class EvidenceCollector {
- public:
-  EvidenceCollector(AlignerCascade& cascade, const AlignerCheckTuning& tuning)
-      : cascade_(cascade), tuning_(tuning) {
-    for (int f = 0; f <= cascade.folds(); ++f)
-      tables_.push_back(std::make_unique<OpenAlignerTable>(cascade.table(f)));
-  }
-
-  /// Alignments of faces, and poses moved away from them.
-  std::vector<Evidence> of_faces() {
-    const std::size_t each = 1 + static_cast<std::size_t>(tuning_.moved_starts),
-                      n = cascade_.examples().size();
-    std::vector<Evidence> out(n * each);
-    in_parallel(n * each, cascade_.options().threads, [&](std::size_t k, std::size_t thread) {
-      const AlignerExample& example = cascade_.examples()[k / each];
-      SampleRandom random(cascade_.options().seed ^ 0xc4ec, k);
-      View view = example.view;
-      if (k % each > 0) view = moved_view(view, example, random);
-      AlignerPass& pass = cascade_.pass(thread);
-      pass.start(frame_of(*example.picture), Lens{}, view, example.q.data(), nullptr);
-      out[k] = collect(pass, example.fold);
-      std::vector<Vec2> at;
-      for (std::size_t l = 0; l < cascade_.numbers().size(); ++l) at.push_back(pass.image(l));
-      out[k].error = mean_error(example, at, kTrustFitted);
-      out[k].half = example.fold % 2;
-    });
-    return out;
-  }
-
-  /// Alignments at random places of pictures without faces: numbers first to first + count - 1, those that are `wanted`.
-  template <class Predicate>
-  std::vector<Evidence> of_others(const OtherPictures& others, std::size_t first, std::size_t count,
-                                  const Predicate& is_wanted) {
-    std::vector<Evidence> all(count);
-    in_parallel(count, cascade_.options().threads, [&](std::size_t index, std::size_t thread) {
-      const std::size_t k = first + index;
-      SampleRandom random(cascade_.options().seed ^ 0x07e5, k);
-      const Image picture = others.crop(kOtherPx, kOtherPx, random);
-      const float side = random.octaves_between(45, 120), room = static_cast<float>(kOtherPx);
-      const Vec2 centre{random.between(0.3f * room, 0.7f * room), random.between(0.3f * room, 0.7f * room)};
-      Evidence evidence = align_other(picture, {centre, side}, k, thread);
-      if (is_wanted(evidence)) all[index] = std::move(evidence);
-    });
-    std::vector<Evidence> out;
-    for (Evidence& e : all)
-      if (!e.blocks.empty()) out.push_back(std::move(e));
-    return out;
-  }
-
-  /// Alignments of what a detector finds in pictures without faces.
-  std::vector<Evidence> of_found(const OtherPictures& others, const std::vector<std::uint8_t>& detector,
-                                 std::size_t searches) {
-    const std::vector<std::uint32_t> words = words_of(detector);
-    FaceDetectorLimits limits;
-    limits.width = limits.height = kSearchedPx;
-    std::vector<std::unique_ptr<Owned<FaceDetector>>> detectors;
-    for (int t = 0; t < cascade_.options().threads; ++t)
-      detectors.push_back(std::make_unique<Owned<FaceDetector>>(
-          Span<const std::uint8_t>{reinterpret_cast<const std::uint8_t*>(words.data()), detector.size()},
-          limits));
-    std::vector<std::vector<Evidence>> found(searches);
-    in_parallel(searches, cascade_.options().threads, [&](std::size_t k, std::size_t thread) {
-      SampleRandom random(cascade_.options().seed ^ 0xf0d, k);
-      const Image picture = others.crop(kSearchedPx, kSearchedPx, random);
-      DetectedFace room[4];
-      std::size_t count = 0;
-      require((*detectors[thread])->find(frame_of(picture), {room, std::size(room)}, &count),
-              "the detector's table");
-      for (std::size_t c = 0; c < count; ++c)
-        for (int j = 0; j < tuning_.found_starts; ++j)
-          found[k].push_back(align_other(picture, moved_box(room[c].box, random), k, thread));
-    });
-    std::vector<Evidence> out;
-    for (auto& f : found) std::move(f.begin(), f.end(), std::back_inserter(out));
-    return out;
-  }
-
- private:
-  static constexpr int kOtherPx = 160, kSearchedPx = 200;
-
-  static std::vector<std::uint32_t> words_of(const std::vector<std::uint8_t>& bytes) {
-    std::vector<std::uint32_t> words((bytes.size() + 3) / 4);
-    std::copy(bytes.begin(), bytes.end(), reinterpret_cast<std::uint8_t*>(words.data()));
-    return words;
-  }
-
-  static FaceBox moved_box(FaceBox box, SampleRandom& random) {
-    box.center = box.center + (0.06f * box.side) * Vec2{random.normal(), random.normal()};
-    box.side *= std::exp(0.08f * random.normal());
-    return box;
-  }
-
-  /// Aligns the model to a box where there is no face, by the stages that were learnt without one of the folds.
-  Evidence align_other(const Image& picture, const FaceBox& box, std::size_t number, std::size_t thread) {
-    const Camera camera =
-        centred_camera(picture.width, picture.height, kDefaultFocalRatio * static_cast<float>(picture.width));
-    const std::vector<float> q(cascade_.model().parameters().count);
-    AlignerPass& pass = cascade_.pass(thread);
-    View view;
-    require(view_of_box(pass.shape().cascade(), q.data(), box, camera, Lens{}, &view), "landmarks");
-    const int fold = static_cast<int>(number % static_cast<std::size_t>(cascade_.folds()));
-    const AlignerTable& table = **tables_[static_cast<std::size_t>(fold)];
-    pass.start(frame_of(picture), Lens{}, view, q.data(), nullptr);
-    for (std::size_t s = 0; s < table.stage_count(); ++s) pass.run_stage(table, s);
-    Evidence out = collect(pass, fold);
-    out.error = 1;
-    out.is_face = false;
-    out.half = static_cast<int>(number / 2 % 2);
-    return out;
-  }
-
-  /// Away from the truth by up to moved_most of the eyes' distance, turned and scaled a little.
-  View moved_view(const View& view, const AlignerExample& example, SampleRandom& random) const {
-    const float mm = example.eye_distance / view.s, shift = tuning_.moved_most * random.unit() * mm;
-    const float a = random.between(-1, 1), b = random.between(-1, 1),
-                length_ab = std::sqrt(a * a + b * b) + 1e-3f;
-    const float step[kPoseUnknowns] = {0.06f * random.normal(), 0.06f * random.normal(),
-                                       0.06f * random.normal(), 0.08f * random.normal(),
-                                       shift * a / length_ab,   shift * b / length_ab};
-    return moved(view, step, kPoseUnknowns);
-  }
-
-  Evidence collect(AlignerPass& pass, int fold) {
-    const AlignerTable& table = **tables_[static_cast<std::size_t>(fold)];
-    const AlignerStage& last = table.stage(table.stage_count() - 1);
-    const std::size_t bytes = block_bytes(last), landmarks = table.landmark_count();
-    const AlignerEvidence evidence = pass.weigh(table);
-    Evidence out;
-    out.displacement = evidence.displacement;
-    out.parameters = evidence.parameters;
-    out.gate = pass.gate();
-    out.blocks.resize(landmarks * bytes);
-    out.mirrored_blocks.resize(landmarks * bytes);
-    for (std::size_t k = 0; k < landmarks; ++k) {
-      pass.describe_around(pass.image(k), last, out.blocks.data() + k * bytes);
-      mirror_block(out.blocks.data() + k * bytes, last.cells, out.mirrored_blocks.data() + k * bytes);
-      out.weights.push_back(pass.shape().evaluate(k).weight);
-    }
-    return out;
-  }
-
-  AlignerCascade& cascade_;
-  AlignerCheckTuning tuning_;
-  std::vector<std::unique_ptr<OpenAlignerTable>> tables_;
-};
 
 std::vector<double> features_of(const Evidence& e) {
   return {1, e.appearance, static_cast<double>(e.displacement), static_cast<double>(e.parameters)};
