@@ -23,6 +23,11 @@ bool are_of_one_face(const FaceBox& a, const FaceBox& b) {
   return length(a.center - b.center) < 0.5f * large && large < 1.6f * small;
 }
 
+/// Of a probability; at most 10,000.
+float odds(float probability) {
+  return probability / max(1 - probability, 1e-4f);
+}
+
 }  // namespace
 
 void FaceStart::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
@@ -60,9 +65,10 @@ Status FaceStart::search(const SearchInput& input, KnownPerson* person, StartPos
   if (status != Status::ok) return status;
   const bool does_both = work_ >= kTuning.cells_for_both;
   const int most = does_both ? kTuning.most_alignments : was_searching ? 0 : 1;
-  for (int k = 0; k < most && phase_ == FacePhase::aligning; ++k)
-    if (align_next(input, person, start, landmark_error)) return Status::ok;
-  return Status::not_found;
+  Answer answer = Answer::no;
+  for (int k = 0; k < most && phase_ == FacePhase::aligning && answer == Answer::no; ++k)
+    answer = align_next(input, person, start, landmark_error);
+  return answer == Answer::yes ? Status::ok : Status::not_found;
 }
 
 /// Goes on with the search where the last frame's ended.
@@ -99,14 +105,10 @@ void FaceStart::add_candidate(const DetectedFace& face) {
 }
 
 /// Aligns the next candidate: first as the known person, then as another one.
-/// \return true: it is a face, and `start` and the person are set.
-bool FaceStart::align_next(const SearchInput& input, KnownPerson* person, StartPose* start,
-                           float* landmark_error) {
+FaceStart::Answer FaceStart::align_next(const SearchInput& input, KnownPerson* person, StartPose* start,
+                                        float* landmark_error) {
   const bool as_known = tries_known_ && person->is_known;
-  const DetectedFace& candidate = candidates_[next_candidate_];
-  tries_known_ = !as_known;
-  if (!as_known) ++next_candidate_;
-  if (next_candidate_ == candidate_count_) begin_search_again();
+  const DetectedFace candidate = candidates_[next_candidate_];
   const StartOptions& o = input.options;
   const Camera camera =
       as_known ? person->camera : start_camera(o.camera, o.focal_px, input.frame.width, input.frame.height);
@@ -115,8 +117,15 @@ bool FaceStart::align_next(const SearchInput& input, KnownPerson* person, StartP
   AlignedFace face;
   const Status status = modules_->align(*aligner_, input.frame, candidate.box, camera,
                                         {as_known ? is_expression_ : nullptr}, &face, q_, landmarks_);
-  if (status != Status::ok || !(face.score >= kTuning.least_start)) return false;
-  if (as_known && !(face.landmark_error <= kTuning.most_known_error)) return false;
+  if (status != Status::ok) face.score = 0;
+  const float evidence = odds(candidate.score) * odds(face.score);
+  const bool is_other = as_known && !(face.landmark_error <= kTuning.most_known_error);
+  const bool is_right = face.score >= kTuning.least_start && evidence >= kTuning.least_start_odds;
+  if (is_other || !is_right) {
+    go_on(as_known);
+    return Answer::no;
+  }
+  if (evidence < kTuning.sure_start_odds && ++times_seen_ < kTuning.doubtful_frames) return Answer::doubtful;
   if (as_known) {
     *start = {camera, face.pose};
     for (std::size_t k = 0; k < model_.parameters().count; ++k) person->q[k] = q_[k];
@@ -124,7 +133,14 @@ bool FaceStart::align_next(const SearchInput& input, KnownPerson* person, StartP
     set_person(o, face, person, start);
   }
   *landmark_error = face.landmark_error;
-  return true;
+  return Answer::yes;
+}
+
+/// To the next candidate, or to the same one as another person.
+void FaceStart::go_on(bool was_known) {
+  times_seen_ = 0;
+  tries_known_ = !was_known;
+  if (!was_known && ++next_candidate_ == candidate_count_) begin_search_again();
 }
 
 /// A new person, as aligned: pose and parameters, and the landmarks where the alignment found them.
@@ -198,8 +214,8 @@ bool FaceStart::check(const FrameView& frame, Estimator& estimator, Span<unsigne
   if (aligner == nullptr || modules_->verify(*aligner, frame, estimator.camera(), pose_of(estimator.view()),
                                              estimator.parameters().data, &face) != Status::ok)
     return true;
-  if (face.score < kTuning.least_check) {
-    good_checks_ = 0;
+  if (face.score < (has_confirmed() ? kTuning.least_check : kTuning.least_first_check)) {
+    if (!has_confirmed()) good_checks_ = 0;
     return ++bad_checks_ < kTuning.most_bad_checks;
   }
   bad_checks_ = 0;

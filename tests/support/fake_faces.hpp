@@ -11,8 +11,9 @@ struct FakeFaces {
   // What it does.
   const FaceFilm* film = nullptr;
   std::uint32_t calls_a_search = 1;            ///< calls until a bounded search is complete
-  float detection = 0.95f;                     ///< score of the face in the detector
-  float score = 0.99f;                         ///< of an alignment, and of a verification near the truth
+  float detection = 0.999f;                    ///< score of the face in the detector
+  float score = 0.999f;                        ///< of an alignment
+  float verification = 0.99f;                  ///< score of a verification near the truth
   float error = 0.02f;                         ///< landmark error of an alignment
   float held_error = 0.02f;                    ///< the same with the identity held
   pliant::Status status = pliant::Status::ok;  ///< of the tables
@@ -86,7 +87,7 @@ inline Status search(FaceDetector&, const FrameView& frame, std::uint32_t work, 
   *is_complete = work >= 24000 || static_cast<std::uint32_t>(f.searches) % f.calls_a_search == 0;
   const FaceBox box = f.box(frame.sequence);
   if (!*is_complete) return Status::ok;
-  if (f.has_ghost) room[(*count)++] = {{{60, 60}, 50}, 0.99f};
+  if (f.has_ghost) room[(*count)++] = {{{60, 60}, 50}, 0.9995f};
   if (box.side > 0) room[(*count)++] = {box, f.detection};
   return Status::ok;
 }
@@ -126,7 +127,7 @@ inline Status verify(FaceAligner&, const FrameView& frame, const Camera& camera,
   const View view = view_of(pose, camera), right = view_of(f.film->poses[frame.sequence], f.film->camera);
   const Vec2 off = view.s * view.tau - right.s * right.tau;
   const bool is_right = truth.side > 0 && length(off) < 0.2f * truth.side;
-  *face = {camera, pose, is_right ? f.score : 0.01f, is_right ? f.error : 0.5f};
+  *face = {camera, pose, is_right ? f.verification : 0.01f, is_right ? f.error : 0.5f};
   return Status::ok;
 }
 

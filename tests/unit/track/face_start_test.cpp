@@ -175,6 +175,40 @@ TEST_CASE("tables that cannot be used are told by each update, and starts withou
   CHECK(update(tracker.object, half_size(), 2).state == TrackState::tracking);
 }
 
+TEST_CASE("checks that refuse a track end it, and the person who was tracked before is known") {
+  FakeFaces fake(half_size());
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  for (std::size_t k = 0; k < 9; ++k)
+    CHECK(update(tracker.object, half_size(), k).state == TrackState::tracking);
+  fake.verification = 0.05f;
+  CHECK(update(tracker.object, half_size(), 9).state == TrackState::tracking);
+  FrameResult result;
+  for (std::size_t k = 10; result.state != TrackState::lost || k == 10; ++k) {
+    REQUIRE(k < kGone + 2);
+    result = update(tracker.object, half_size(), k);
+  }
+  CHECK(result.is_searching);
+  const int held = fake.held_alignments;
+  fake.verification = 0.99f;
+  update(tracker.object, half_size(), kBack);
+  CHECK(fake.held_alignments == held + 1);
+  CHECK(tracker->is_started());
+}
+
+TEST_CASE("a doubtful face is tracked after three frames in which it was accepted") {
+  FakeFaces fake(half_size());
+  fake.detection = 0.9f;
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  CHECK(update(tracker.object, half_size(), 0).is_searching);
+  CHECK(update(tracker.object, half_size(), 1).is_searching);
+  fake.score = 0.5f;
+  CHECK(update(tracker.object, half_size(), 2).is_searching);
+  fake.score = 0.99f;
+  CHECK(update(tracker.object, half_size(), 3).is_searching);
+  CHECK(update(tracker.object, half_size(), 4).is_searching);
+  CHECK(update(tracker.object, half_size(), 5).state == TrackState::tracking);
+}
+
 TEST_CASE("a poor start is degraded") {
   FakeFaces fake(half_size());
   fake.error = 0.12f;
