@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <set>
 
@@ -149,26 +150,32 @@ class Triangulator {
     return (area(a, b, c) > 0) != (area(a, b, d) > 0) && (area(c, d, a) > 0) != (area(c, d, b) > 0);
   }
 
-  /// Flips edges that cross e until e is an edge. False if that is impossible.
+  /// Flips edges that cross e until e is an edge: each in turn, and those that still cross it, or cannot be flipped yet, again
+  /// after all others. False if e crosses an edge of the boundary.
   bool recover(Edge e) {
-    constexpr int kRounds = 400;  // bounds the time; an edge crosses far fewer others
-    for (int round = 0; round < kRounds; ++round) {
-      if (sides_.empty()) sides_ = sides_of(triangles_);
-      if (sides_.count(e)) return true;
-      bool flipped = false;
-      for (const auto& [f, faces] : sides_) {
-        if (faces[1] < 0 || !crosses(e, f)) continue;
+    if (sides_.empty()) sides_ = sides_of(triangles_);
+    if (sides_.count(e)) return true;
+    std::deque<Edge> crossing;
+    for (const auto& [f, faces] : sides_)
+      if (faces[1] >= 0 && crosses(e, f)) {
         if (fixed_.count(f)) return false;
-        const Quad q = quad_of(triangles_, f, faces);
-        // A flipped edge that still crosses e is accepted in every third round only. Otherwise two edges could alternate.
-        if (!is_positive(q) || (crosses(e, edge_of(q.c, q.d)) && round % 3 != 2)) continue;
-        flip_and_update(f, faces, q);
-        flipped = true;
-        break;
+        crossing.push_back(f);
       }
-      if (!flipped && round % 3 == 2) return false;
+    const std::size_t most =
+        100 + 20 * crossing.size() * crossing.size();  // bounds the time; far more than are needed
+    for (std::size_t turn = 0; turn < most && !crossing.empty(); ++turn) {
+      const Edge f = crossing.front();
+      crossing.pop_front();
+      const std::array<int, 2> faces = sides_.at(f);
+      const Quad q = quad_of(triangles_, f, faces);
+      if (!is_positive(q)) {
+        crossing.push_back(f);
+        continue;
+      }
+      flip_and_update(f, faces, q);
+      if (crosses(e, edge_of(q.c, q.d))) crossing.push_back(edge_of(q.c, q.d));
     }
-    return false;
+    return sides_.count(e) > 0;
   }
 
   /// Flips edge `old` and keeps sides_ what sides_of would find.
