@@ -1,5 +1,8 @@
-// `pliant detect` and `pliant learn` as a user runs them, without learnt tables.
+// `pliant detect`, and the commands that find a face themselves, as a user runs them.
 #include "cli_run.hpp"
+#include "face_film.hpp"
+#include "host/io/csv.hpp"
+#include "host/io/fit_file.hpp"
 #include "host/io/image.hpp"
 #include "host/io/learnt_file.hpp"
 
@@ -12,7 +15,152 @@ std::string picture(const Folder& folder, const char* name, int width, int heigh
   return folder.put(name, encode_png(Image(width, height, 1, 90)));
 }
 
+constexpr int kWidth = 320, kHeight = 240;
+const std::string kAstronaut = PLIANT_FIXTURES "/astronaut/astronaut.png";
+
+/// A model, and a film of which only the frames given show the face; the others an empty room.
+struct Visit : Folder {
+  std::string video;
+  Visit(std::size_t frames, std::size_t from, std::size_t to) {
+    std::string stream = "YUV4MPEG2 W320 H240 F30:1 Cmono\n";
+    for (std::size_t k = 0; k < frames; ++k) {
+      Picture room = make_backdrop(kWidth, kHeight, 5);
+      add_noise(room, 2, static_cast<std::uint32_t>(k));
+      const bool is_there = k >= from && k < to;
+      const auto& pixels = is_there ? film().frames[k - from] : room.pixels;
+      stream += "FRAME\n" + std::string(pixels.begin(), pixels.end());
+    }
+    video = put("v.y4m", stream);
+  }
+  static const FaceFilm& film() {
+    static const FaceFilm* one = new FaceFilm(
+        kWidth, kHeight, 16,
+        [](float s, Pose& pose, auto& q) {
+          pose.q = exp_rotation({0.05f, 0.15f * s, 0.05f});
+          pose.t = pose.t + Vec3{7, -5, 10 * s};
+          FaceFilm::set(q, "faceWidth", 0.8f);
+          FaceFilm::set(q, "noseLength", 0.9f);
+        },
+        0.62f);
+    return *one;
+  }
+  Ran track(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words{"track", baked_face_path(), "--frames",   video,
+                                   "--out", *this / "t.csv",   "--landmarks"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_words(words);
+  }
+};
+
 }  // namespace
+
+TEST_CASE("frames without a face are rows in state lost; the track starts when a face appears") {
+  const Visit visit(20, 4, 20);
+  const Ran r = visit.track({"--sheet", visit / "sheet.png", "--report", visit / "report.html"});
+  CAPTURE(r.err);
+  REQUIRE(r.code == 0);
+  CHECK(value_after(r.out, "frames") == 20);
+  CHECK(value_after(r.out, "tracked") == 16);
+  const CsvTable table("t", read_file(visit / "t.csv"));
+  REQUIRE(table.row_count() == 20);
+  for (std::size_t k = 0; k < 20; ++k) {
+    CAPTURE(k);
+    CHECK(table.cell(k, table.column("state")) == (k < 4 ? "lost" : "tracking"));
+    CHECK(table.cell(k, table.column("landmark_error")).empty() == (k < 4));
+    CHECK(table.cell(k, table.column("x_ibug36")).empty() == (k < 4));
+  }
+  float sum = 0;
+  for (int l = 17; l < 68; ++l) {
+    const std::string name = "ibug" + std::to_string(l);
+    const Vec2 x{table.number(19, table.column("x_" + name)), table.number(19, table.column("y_" + name))};
+    sum += length(x - Visit::film().truth(name, 15)) / 51;
+  }
+  CHECK(sum < 3);
+}
+
+TEST_CASE("a film without a face has rows in state lost, and is no error") {
+  const Visit visit(8, 0, 0);
+  const Ran r = visit.track();
+  CHECK(r.code == 0);
+  CHECK(value_after(r.out, "frames") == 8);
+  CHECK(value_after(r.out, "tracked") == 0);
+}
+
+TEST_CASE("a track starts from the box that detect writes") {
+  const Visit visit(6, 0, 6);
+  const std::string first = visit / "first.pgm";
+  const auto& pixels = Visit::film().frames[0];
+  visit.put("first.pgm", "P5 320 240 255\n" + std::string(pixels.begin(), pixels.end()));
+  REQUIRE(run_words({"detect", baked_face_path(), "--image", first, "-o", visit / "f.csv"}).code == 0);
+  const CsvTable found("f", read_file(visit / "f.csv"));
+  REQUIRE(found.row_count() == 1);
+  std::string box;
+  for (const char* column : {"x", "y", "width", "height"})
+    box += (box.empty() ? "" : ",") + found.cell(0, found.column(column));
+  const Ran r = visit.track({"--box", box});
+  CAPTURE(r.err);
+  CHECK(r.code == 0);
+  CHECK(value_after(r.out, "tracked") == 6);
+  CHECK(visit.track({"--box", "1,2,3"}).code == 2);
+  CHECK(visit.track({"--box", "1,2,3,0"}).code == 2);
+  CHECK(visit.track({"--box", box, "--box-of", "nobody"}).code == 2);
+  CHECK(visit.track({"--box", box, "--init", "f.json"}).code == 2);
+}
+
+TEST_CASE("points of frame 0 need a start that is given, and a model without tables too") {
+  const Visit visit(1, 0, 1);
+  CHECK(visit.track({"--markers", visit.put("m.csv", "landmark,x,y\na,1,2\n")}).code == 2);
+  const std::string plain = visit / "plain.plm";
+  REQUIRE(
+      run_words({"bake", PLIANT_FIXTURES "/face", "-o", plain, "--size", "16", "--learnt", "none"}).code ==
+      0);
+  check_refused({"track", plain, "--frames", visit.video, "--out", visit / "t.csv"}, {"plain.plm", "--init"});
+}
+
+TEST_CASE("detect writes a row a face, of a picture or of a folder, and draws them") {
+  const Folder folder;
+  const Ran one =
+      run_words({"detect", baked_face_path(), "--image", kAstronaut, "--overlay", folder / "o.png"});
+  REQUIRE(one.code == 0);
+  const CsvTable table("one", one.out);
+  REQUIRE(table.row_count() == 1);
+  CHECK(table.columns() == std::vector<std::string>{"file", "face", "score", "x", "y", "width", "height"});
+  CHECK(table.cell(0, 0) == "astronaut.png");
+  CHECK(table.number(0, 2) > 0.5f);
+  CHECK(table.number(0, 3) == doctest::Approx(174).epsilon(0.05));
+  CHECK(table.number(0, 5) == table.number(0, 6));
+  const Image drawn = read_image(folder / "o.png");
+  CHECK(drawn.width == 512);
+  fs::create_directories(folder / "in");
+  fs::copy(kAstronaut, folder / "in/a, face.png");
+  folder.put("in/b.png", encode_png(Image(70, 50, 1, 90)));
+  folder.put("in/notes.txt", "no picture");
+  const Ran all = run_words(
+      {"detect", baked_face_path(), "--image", folder / "in", "-o", folder / "f.csv", "--landmarks"});
+  REQUIRE(all.code == 0);
+  CHECK(contains(all.out, "1 faces in 1 of 2 pictures"));
+  const CsvTable faces("all", read_file(folder / "f.csv"));
+  REQUIRE(faces.row_count() == 1);
+  CHECK(faces.cell(0, 0) == "a, face.png");
+  CHECK(faces.number(0, faces.column("x_ibug30")) == doctest::Approx(223).epsilon(0.05));
+  CHECK(run_words({"detect", baked_face_path(), "--image", folder / "in", "--overlay", folder / "o.png"})
+            .code == 2);
+}
+
+TEST_CASE("fit needs no points: it finds the face, and says how far its landmarks may be off") {
+  const Folder folder;
+  const std::string json = folder / "fit.json";
+  const Ran r = run_words({"fit", baked_face_path(), "--image", kAstronaut, "-o", json});
+  CAPTURE(r.err);
+  REQUIRE(r.code == 0);
+  CHECK(contains(r.out, "expected landmark error"));
+  const FitFile fit = parse_fit(json, read_file(json));
+  CHECK(fit.landmark_error > 0);
+  CHECK(fit.points.size() == 68);
+  const std::string grey = folder.put("grey.png", encode_png(Image(200, 200, 1, 90)));
+  check_refused({"fit", baked_face_path(), "--image", grey, "-o", folder / "x.json"},
+                {"grey.png", "no face found"});
+}
 
 TEST_CASE("detect refuses a model without learnt tables, and damaged tables, by the model's name") {
   const Folder folder;
