@@ -3,7 +3,6 @@
 
 #include <cstring>
 
-#include "baked_face.hpp"
 #include "host/bench/annotated_faces.hpp"
 #include "host/bench/still_film.hpp"
 #include "host/commands/face_finder.hpp"
@@ -18,7 +17,7 @@ namespace {
 const std::string kAstronaut = PLIANT_FIXTURES "/astronaut";
 
 const ModelFile& face_file() {
-  static const ModelFile file(baked_face_path());
+  static const ModelFile file(PLIANT_DETECTING_FACE);
   return file;
 }
 

@@ -16,6 +16,7 @@ std::string picture(const Folder& folder, const char* name, int width, int heigh
 }
 
 constexpr int kWidth = 320, kHeight = 240;
+const std::string kFace = PLIANT_DETECTING_FACE;
 const std::string kAstronaut = PLIANT_FIXTURES "/astronaut/astronaut.png";
 
 /// A model, and a film of which only the frames given show the face; the others an empty room.
@@ -45,8 +46,8 @@ struct Visit : Folder {
     return *one;
   }
   Ran track(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words{"track", baked_face_path(), "--frames",   video,
-                                   "--out", *this / "t.csv",   "--landmarks"};
+    std::vector<std::string> words{"track", kFace,           "--frames",   video,
+                                   "--out", *this / "t.csv", "--landmarks"};
     words.insert(words.end(), more.begin(), more.end());
     return run_words(words);
   }
@@ -91,7 +92,7 @@ TEST_CASE("a track starts from the box that detect writes") {
   const std::string first = visit / "first.pgm";
   const auto& pixels = Visit::film().frames[0];
   visit.put("first.pgm", "P5 320 240 255\n" + std::string(pixels.begin(), pixels.end()));
-  REQUIRE(run_words({"detect", baked_face_path(), "--image", first, "-o", visit / "f.csv"}).code == 0);
+  REQUIRE(run_words({"detect", kFace, "--image", first, "-o", visit / "f.csv"}).code == 0);
   const CsvTable found("f", read_file(visit / "f.csv"));
   REQUIRE(found.row_count() == 1);
   std::string box;
@@ -119,8 +120,7 @@ TEST_CASE("points of frame 0 need a start that is given, and a model without tab
 
 TEST_CASE("detect writes a row a face, of a picture or of a folder, and draws them") {
   const Folder folder;
-  const Ran one =
-      run_words({"detect", baked_face_path(), "--image", kAstronaut, "--overlay", folder / "o.png"});
+  const Ran one = run_words({"detect", kFace, "--image", kAstronaut, "--overlay", folder / "o.png"});
   REQUIRE(one.code == 0);
   const CsvTable table("one", one.out);
   REQUIRE(table.row_count() == 1);
@@ -135,22 +135,21 @@ TEST_CASE("detect writes a row a face, of a picture or of a folder, and draws th
   fs::copy(kAstronaut, folder / "in/a, face.png");
   folder.put("in/b.png", encode_png(Image(70, 50, 1, 90)));
   folder.put("in/notes.txt", "no picture");
-  const Ran all = run_words(
-      {"detect", baked_face_path(), "--image", folder / "in", "-o", folder / "f.csv", "--landmarks"});
+  const Ran all =
+      run_words({"detect", kFace, "--image", folder / "in", "-o", folder / "f.csv", "--landmarks"});
   REQUIRE(all.code == 0);
   CHECK(contains(all.out, "1 faces in 1 of 2 pictures"));
   const CsvTable faces("all", read_file(folder / "f.csv"));
   REQUIRE(faces.row_count() == 1);
   CHECK(faces.cell(0, 0) == "a, face.png");
   CHECK(faces.number(0, faces.column("x_ibug30")) == doctest::Approx(223).epsilon(0.05));
-  CHECK(run_words({"detect", baked_face_path(), "--image", folder / "in", "--overlay", folder / "o.png"})
-            .code == 2);
+  CHECK(run_words({"detect", kFace, "--image", folder / "in", "--overlay", folder / "o.png"}).code == 2);
 }
 
 TEST_CASE("fit needs no points: it finds the face, and says how far its landmarks may be off") {
   const Folder folder;
   const std::string json = folder / "fit.json";
-  const Ran r = run_words({"fit", baked_face_path(), "--image", kAstronaut, "-o", json});
+  const Ran r = run_words({"fit", kFace, "--image", kAstronaut, "-o", json});
   CAPTURE(r.err);
   REQUIRE(r.code == 0);
   CHECK(contains(r.out, "expected landmark error"));
@@ -158,8 +157,7 @@ TEST_CASE("fit needs no points: it finds the face, and says how far its landmark
   CHECK(fit.landmark_error > 0);
   CHECK(fit.points.size() == 68);
   const std::string grey = folder.put("grey.png", encode_png(Image(200, 200, 1, 90)));
-  check_refused({"fit", baked_face_path(), "--image", grey, "-o", folder / "x.json"},
-                {"grey.png", "no face found"});
+  check_refused({"fit", kFace, "--image", grey, "-o", folder / "x.json"}, {"grey.png", "no face found"});
 }
 
 TEST_CASE("detect refuses a model without learnt tables, and damaged tables, by the model's name") {
