@@ -5,7 +5,8 @@
 
 #include "cli_run.hpp"
 #include "host/bake/bake.hpp"
-#include "host/bake/opened_table.hpp"
+#include "host/io/csv.hpp"
+#include "random.hpp"
 
 using namespace cli_run;
 
@@ -147,4 +148,48 @@ TEST_CASE("the picture stays on the surface when the chart is relaxed, and rende
   };
   CHECK(grey(200, 90) > grey(200, 150) + 40);   // the upper half is lighter
   CHECK(grey(220, 150) > grey(110, 150) + 25);  // and so is the right side
+}
+
+TEST_CASE("a printed sheet with bending modes is baked, rendered, fitted by nine points and tracked") {
+  const Folder folder;
+  Random random(1);
+  Image print(256, 256, 3, 128);
+  for (int k = 0; k < 700; ++k) {
+    const int x = random.below(256), y = random.below(256), r = 2 + random.below(6),
+              grey = 20 + random.below(230);
+    for (int j = std::max(0, y - r); j < std::min(256, y + r); ++j)
+      for (int i = std::max(0, x - r); i < std::min(256, x + r); ++i)
+        for (int c = 0; c < 3; ++c) print.at(i, j)[c] = static_cast<std::uint8_t>(grey);
+  }
+  const std::string picture = folder.put("print.png", encode_png(print)), table = folder / "sheet.plm",
+                    sheet = folder.put("sheet.obj", sheet_obj(false));
+  REQUIRE(run_words({"bake", sheet, "-o", table, "--texture", picture, "--modes", "3"}).code == 0);
+  std::string motion = "qw,qx,qy,qz,tx,ty,tz,mode00,mode01\n";
+  const auto bend = [](int frame) { return 1.5f * std::sin(static_cast<float>(frame) / 8); };
+  for (int k = 0; k < 30; ++k)
+    motion +=
+        "1,0,0,0,-100,100,500," + std::to_string(bend(k)) + "," + std::to_string(-0.7f * bend(k)) + "\n";
+  const std::string film = folder / "film.y4m", start = folder / "start.json", track = folder / "track.csv";
+  REQUIRE(run_words({"render", table, "--params", folder.put("motion.csv", motion), "-o", film}).code == 0);
+  std::string points = "landmark,x,y,u,v\n";
+  for (const float s : {0.1f, 0.5f, 0.9f})
+    for (const float t : {0.1f, 0.5f, 0.9f})
+      points += "p" + std::to_string(points.size()) + "," +
+                std::to_string(159.5f + 448 * (200 * s - 100) / 500) + "," +
+                std::to_string(119.5f - 448 * (200 * t - 100) / 500) + "," +
+                std::to_string(0.05f + 0.9f * s) + "," + std::to_string(0.95f - 0.9f * t) + "\n";
+  REQUIRE(run_words({"fit", table, "--size", "320x240", "--points", folder.put("points.csv", points),
+                     "--focal", "448", "-o", start})
+              .code == 0);
+  REQUIRE(
+      run_words({"track", table, "--frames", film, "--init", start, "--focal", "448", "--out", track}).code ==
+      0);
+  const CsvTable rows(track, read_file(track));
+  REQUIRE(rows.row_count() == 30);
+  for (std::size_t k = 0; k < 30; ++k) {
+    CAPTURE(k);
+    CHECK(rows.cell(k, rows.column("state")) == "tracking");
+    CHECK(std::fabs(rows.number(k, rows.column("mode00")) - bend(static_cast<int>(k))) < 0.1f);
+    CHECK(std::fabs(rows.number(k, rows.column("mode01")) + 0.7f * bend(static_cast<int>(k))) < 0.1f);
+  }
 }
