@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <map>
 
 #include "host/bake/at.hpp"
@@ -28,6 +30,50 @@ std::array<float, 3> barycentric(const Corners& t, Vec2 p) {
   const float wc = ((t.b.x - t.a.x) * (p.y - t.a.y) - (t.b.y - t.a.y) * (p.x - t.a.x)) / area;
   return {1 - wb - wc, wb, wc};
 }
+
+/// Finds the nearest of some points in the chart; of several at one distance, the first.
+class NearestPoint {
+ public:
+  explicit NearestPoint(const std::vector<Vec2>& points)
+      : points_(points),
+        side_(std::clamp(static_cast<int>(std::sqrt(static_cast<double>(points.size()))), 1, kMostCells)),
+        cells_(at(side_ * side_)) {
+    for (std::size_t k = 0; k < points.size(); ++k)
+      cells_[at(cell(points[k].y) * side_ + cell(points[k].x))].push_back(k);
+  }
+
+  /// Precondition: there are points.
+  std::size_t find(Vec2 p) const {
+    std::size_t best = 0;
+    float least = std::numeric_limits<float>::max();
+    const int column = cell(p.x), row = cell(p.y);
+    for (int ring = 0; ring < side_; ++ring) {
+      // Points in this ring are at least so far away; the slack is above the rounding error.
+      const float nearest = (static_cast<float>(ring - 1) - 1e-3f) / static_cast<float>(side_);
+      if (ring > 0 && nearest > 0 && nearest * nearest > least) break;
+      for (int j = std::max(row - ring, 0); j <= std::min(row + ring, side_ - 1); ++j)
+        for (int i = std::max(column - ring, 0); i <= std::min(column + ring, side_ - 1); ++i) {
+          if (std::max(std::abs(i - column), std::abs(j - row)) < ring) continue;
+          for (const std::size_t k : cells_[at(j * side_ + i)]) {
+            const Vec2 d = p - points_[k];
+            const float distance = dot(d, d);
+            if (distance < least || (distance <= least && k < best)) least = distance, best = k;
+          }
+        }
+    }
+    return best;
+  }
+
+ private:
+  static constexpr int kMostCells = 256;  // on a side; bounds the memory
+  int cell(float x) const {
+    return std::clamp(static_cast<int>(x * static_cast<float>(side_)), 0, side_ - 1);
+  }
+
+  const std::vector<Vec2>& points_;
+  const int side_;
+  std::vector<std::vector<std::size_t>> cells_;
+};
 
 class Rasteriser {
  public:
@@ -58,22 +104,25 @@ class Rasteriser {
   /// Extrapolates the surface beyond its boundary: a sample within one sample of it takes the linear extrapolation of the
   /// nearest boundary triangle. A bilinear cell that the boundary cuts is then as accurate as the others.
   void extrapolate_surface(const std::vector<char>& is_hole) {
-    const std::vector<std::size_t> at_boundary = boundary_triangles(is_hole);
+    std::vector<std::size_t> at_boundary;
+    std::vector<Vec2> centroids;
+    for (const std::size_t f : boundary_triangles(is_hole)) {
+      const Corners t = corners(uv_, triangles_[f]);
+      if (std::fabs(t.area()) < kLeastArea) continue;
+      at_boundary.push_back(f);
+      centroids.push_back((1.0f / 3) * (t.a + t.b + t.c));
+    }
+    if (at_boundary.empty()) return;
+    const NearestPoint nearest(centroids);
     std::vector<std::pair<int, int>> beside;
     for (int j = 0; j < raster_.height; ++j)
       for (int i = 0; i < raster_.width; ++i)
         if (raster_.at(i, j).triangle < 0 && touches_covered(i, j)) beside.push_back({i, j});
     for (const auto& [i, j] : beside) {
       const Vec2 p = place(i, j);
-      float least = 1e9f;
-      for (std::size_t f : at_boundary) {
-        const Corners t = corners(uv_, triangles_[f]);
-        if (std::fabs(t.area()) < kLeastArea) continue;
-        const Vec2 d = p - (1.0f / 3) * (t.a + t.b + t.c);
-        if (dot(d, d) >= least) continue;
-        least = dot(d, d);
-        raster_.samples[at(j * raster_.width + i)] = {triangles_[f], barycentric(t, p), kBeside};
-      }
+      const std::size_t f = at_boundary[nearest.find(p)];
+      raster_.samples[at(j * raster_.width + i)] = {triangles_[f],
+                                                    barycentric(corners(uv_, triangles_[f]), p), kBeside};
     }
   }
 
