@@ -136,10 +136,13 @@ FitFile fit_to_face(const ModelFile& file, const FoundFace& face, FitSetup setup
   std::vector<NamedPoint> points;
   for (std::size_t k = 0; k < face.landmarks.size(); ++k) {
     const char* name = file.model().landmarks()[k].name;
-    if (std::strncmp(name, "ibug", 4) == 0) points.push_back({name, face.landmarks[k], name});
+    // The alignment finds those from the brows to the lips; the outline follows the model.
+    if (std::strncmp(name, "ibug", 4) == 0 && std::strcmp(name, "ibug17") >= 0)
+      points.push_back({name, face.landmarks[k], name});
   }
   setup.view = view_of(face.aligned.pose, face.aligned.camera);
-  setup.q = face.q;
+  for (std::size_t k = 0; k < face.q.size(); ++k)
+    if (setup.is_free.empty() || setup.is_free[k] != 0) setup.q[k] = face.q[k];
   FitFile fit = fit_to_points(file, "alignment", points, setup);
   fit.landmark_error = face.aligned.landmark_error;
   return fit;

@@ -155,7 +155,7 @@ TEST_CASE("fit needs no points: it finds the face, and says how far its landmark
   CHECK(contains(r.out, "expected landmark error"));
   const FitFile fit = parse_fit(json, read_file(json));
   CHECK(fit.landmark_error > 0);
-  CHECK(fit.points.size() == 68);
+  CHECK(fit.points.size() == 51);
   const std::string grey = folder.put("grey.png", encode_png(Image(200, 200, 1, 90)));
   check_refused({"fit", kFace, "--image", grey, "-o", folder / "x.json"}, {"grey.png", "no face found"});
 }
