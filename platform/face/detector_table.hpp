@@ -13,7 +13,9 @@ namespace pliant {
 constexpr int kWindowCells = 12;    ///< cells a side of the detector's window
 constexpr int kDetectorCellPx = 4;  ///< pixels a side of a cell, in the frame reduced to the window's scale
 constexpr int kDetectorReach = 1;   ///< cells around a cell that it is normalised with, to each side
-constexpr int kTreeDepth = 3;       ///< comparisons on the way to a leaf
+/// Comparisons on the way to a leaf. At one false hit in 50 frames, depth 3 finds 88 % of varied samples of held-out people, depth
+/// 2 85 % (trees of the same size in all).
+constexpr int kTreeDepth = 3;
 constexpr int kTreeNodes = (1 << kTreeDepth) - 1, kTreeLeaves = 1 << kTreeDepth;  ///< of a tree
 
 /// Side of the window, px.
