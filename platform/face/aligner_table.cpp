@@ -35,16 +35,6 @@ bool are_information(const float* w, std::size_t count) {
   return true;
 }
 
-bool is_valid(const AlignerStage& s) {
-  if (!(s.mm_per_px >= 0.5f && s.mm_per_px <= 8) || !(s.prior >= 0 && s.prior <= 1e6f)) return false;
-  if (s.cells < 1 || s.cells > kMostBlockCells || s.cell_px < 1 || s.cell_px > 8) return false;
-  if (s.crop_px < s.cells * s.cell_px || s.crop_px > kMostCropPx) return false;
-  if (s.components > kMostAlignerComponents || s.refines > 1 || s.stride < 1) return false;
-  return s.components == 0
-             ? s.blocks == 0
-             : s.blocks >= 1 && s.blocks <= kMostBlocks && s.blocks * s.cells * s.cell_px <= s.crop_px;
-}
-
 bool is_valid(const AlignerCurve& c) {
   return are_bounded(c.weight, kCheckFeatures, -1e6f, 1e6f) && are_bounded(c.at, kCheckKnots, 0, 1) &&
          are_bounded(&c.low, 1, -1e6f, 1e6f) && are_bounded(&c.high, 1, -1e6f, 1e6f) && c.high > c.low;
@@ -89,6 +79,16 @@ bool fits(std::uint32_t first, std::size_t count, std::size_t total) {
 }
 
 }  // namespace
+
+bool is_valid(const AlignerStage& s) {
+  if (!(s.mm_per_px >= 0.5f && s.mm_per_px <= 8) || !(s.prior >= 0 && s.prior <= 1e6f)) return false;
+  if (s.cells < 1 || s.cells > kMostBlockCells || s.cell_px < 1 || s.cell_px > 8) return false;
+  if (s.crop_px < s.cells * s.cell_px || s.crop_px > kMostCropPx) return false;
+  if (s.components > kMostAlignerComponents || s.refines > 1 || s.stride < 1) return false;
+  return s.components == 0
+             ? s.blocks == 0
+             : s.blocks >= 1 && s.blocks <= kMostBlocks && s.blocks * s.cells * s.cell_px <= s.crop_px;
+}
 
 std::size_t weight_bytes(const AlignerStage& stage, std::size_t landmarks) {
   const std::size_t components = stage.components, block = block_bytes(stage);

@@ -48,6 +48,7 @@ std::vector<std::uint8_t> AlignerCascade::table(int fold, const LearntCheck* che
 }
 
 StageReport AlignerCascade::learn(const AlignerStage& shape) {
+  if (!is_valid(shape)) fail_input("alignment", "a stage is out of range");
   StageReport report;
   if (shape.components == 0)
     learn_local(shape, &report);
