@@ -1,7 +1,7 @@
 #pragma once
 /// \file model.hpp
 /// The model table (`.plm`): a deformable model as data. It is one little-endian block, aligned to 4 bytes, that is read in
-/// place, from flash. `Model::open` checks every offset, count and range once; nothing is checked again later.
+/// place, from flash. `Model::open` checks every offset, count and range once; later only learnt tables are checked.
 ///
 /// The chart is (u,v) in [0,1]^2. Seen from outside the surface, v points down where u points right. On a face, u points to
 /// the subject's left, and v = 0 is the top of the forehead.
@@ -133,18 +133,20 @@ struct ChartImage {
 namespace table {
 /// What the sections of a table hold. All pointers lead into the table.
 struct Contents {
-  Span<const Parameter> parameters;            ///< as in Model
-  Span<const Field> fields;                    ///< as in Model
-  const std::uint8_t* samples = nullptr;       ///< as in Model
-  Span<const CascadeRecord> cascade;           ///< as in Model
-  Span<const Vec2> base_uv, curve_points;      ///< as in Model
-  Span<const std::uint16_t> base_corners;      ///< as in Model
-  Span<const Landmark> landmarks;              ///< as in Model
-  Span<const Curve> curves;                    ///< as in Model
-  ChartImage mask, albedo;                     ///< as in Model
-  Span<const std::uint8_t> detector, aligner;  ///< as in Model
-  std::uint32_t crc = 0;                       ///< as in Model
-  std::size_t bytes = 0;                       ///< as in Model
+  Span<const Parameter> parameters;        ///< as in Model
+  Span<const Field> fields;                ///< as in Model
+  const std::uint8_t* samples = nullptr;   ///< as in Model
+  Span<const CascadeRecord> cascade;       ///< as in Model
+  Span<const Vec2> base_uv;                ///< as in Model
+  Span<const std::uint16_t> base_corners;  ///< as in Model
+  Span<const Landmark> landmarks;          ///< as in Model
+  Span<const Curve> curves;                ///< as in Model
+  Span<const Vec2> curve_points;           ///< as in Model
+  ChartImage mask, albedo;                 ///< as in Model
+  Span<const std::uint8_t> detector;       ///< as in Model
+  Span<const std::uint8_t> aligner;        ///< as in Model
+  std::uint32_t crc = 0;                   ///< as in Model
+  std::size_t bytes = 0;                   ///< as in Model
 };
 }  // namespace table
 
@@ -159,10 +161,8 @@ class Model {
 
   /// Checks the whole table, and points `model` into it. Whatever opens is safe to use: every index is in range, every
   /// number is finite and at most 1e6 in its unit. Cost: one pass over the bytes for the CRC, then over the records.
-  /// \param data   address, a multiple of 4.
-  /// \param bytes  at least the table's own size.
-  /// \return bad_argument (null), misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table; `model` is then
-  ///         as before.
+  /// \param data, bytes  address, a multiple of 4, and at least the table's own size.
+  /// \return bad_argument, misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table; `model` is as before.
   static Status open(const void* data, std::size_t bytes, Model* model);
   bool is_open() const { return contents_.cascade.count > 0; }  ///< After open.
 
