@@ -38,8 +38,7 @@ bool are_finite(const float* q, std::size_t count) {
 }  // namespace
 
 struct FaceAligner::State {
-  Model model;
-  AlignerTable table;
+  AlignerTable* table = nullptr;  // in the arena, so that this object stays small
   Status status = Status::not_found;
   AlignerUse use = AlignerUse::alignment;
   AlignerPass pass;
@@ -47,7 +46,8 @@ struct FaceAligner::State {
   Lens lens;
   View start_view;
 
-  void lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> bytes, AlignerUse use);
+  void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> bytes, AlignerUse use);
+  const Model& model() { return pass.shape().cascade().model(); }
   Status check_input(const FrameView& frame, const Camera& camera, const float* q, const AlignedFace* face);
   Status start_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera);
   Status start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera);
@@ -59,15 +59,15 @@ struct FaceAligner::State {
 
 void FaceAligner::State::lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> bytes,
                                  AlignerUse of_use) {
-  model = of;
   use = of_use;
-  pass.lay_out(arena, model, kMostAlignerLandmarks, use);
-  start_q = arena.take<float>(model.parameters().count);
+  table = arena.make<AlignerTable>();
+  pass.lay_out(arena, of, kMostAlignerLandmarks, use);
+  start_q = arena.take<float>(of.parameters().count);
   if (arena.is_measuring() || arena.exhausted()) return;
-  status = AlignerTable::open(bytes, &table, use == AlignerUse::verification);
+  status = AlignerTable::open(bytes, table, use == AlignerUse::verification);
   if (status != Status::ok) return;
-  const std::size_t found = pass.choose_landmarks(model, table.landmark_numbers(), table.landmark_count());
-  if (static_cast<float>(found) < kLeastLandmarks * static_cast<float>(table.landmark_count()))
+  const std::size_t found = pass.choose_landmarks(of, table->landmark_numbers(), table->landmark_count());
+  if (static_cast<float>(found) < kLeastLandmarks * static_cast<float>(table->landmark_count()))
     status = Status::not_found;
 }
 
@@ -101,20 +101,20 @@ Status FaceAligner::State::start_at_pose(const FrameView& frame, const Pose& pos
 }
 
 AlignedFace FaceAligner::State::conclude(const Camera& camera) {
-  const AlignerEvidence evidence = pass.weigh(table);
+  const AlignerEvidence evidence = pass.weigh(*table);
   AlignedFace face;
   face.camera = camera;
   face.pose = pose_of(pass.shape().view());
-  face.score = value_of(table.check().score, evidence);
-  face.landmark_error = value_of(table.check().error, evidence);
+  face.score = value_of(table->check().score, evidence);
+  face.landmark_error = value_of(table->check().error, evidence);
   return face;
 }
 
 /// The projected landmarks, moved by a part of the displacements that the model could not follow.
 void FaceAligner::State::write_landmarks(Span<Vec2> landmarks) {
   FaceShape& shape = pass.shape();
-  const Span<const Landmark> all = model.landmarks();
-  const LocalWeights w = table.local(table.stage_count() - 1);
+  const Span<const Landmark> all = model().landmarks();
+  const LocalWeights w = table->local(table->stage_count() - 1);
   for (std::size_t k = 0; k < all.count; ++k)
     if (!shape.project({all[k].u, all[k].v}, &landmarks[k])) landmarks[k] = shape.view().c;
   for (std::size_t k = 0; k < shape.landmark_count(); ++k) {
@@ -129,15 +129,15 @@ Status FaceAligner::State::run(const FrameView& frame, const Camera& camera, con
   PLIANT_ASSERT(use == AlignerUse::alignment);
   if (use != AlignerUse::alignment) return Status::bad_argument;
   pass.start(frame, lens, start_view, start_q, options.is_free);
-  for (std::size_t k = 0; k < table.stage_count(); ++k) {
-    if (refines && table.stage(k).refines == 0) continue;
-    pass.run_stage(table, k);
+  for (std::size_t k = 0; k < table->stage_count(); ++k) {
+    if (refines && table->stage(k).refines == 0) continue;
+    pass.run_stage(*table, k);
     if (!pass.shape().is_usable()) return Status::not_found;
   }
   const AlignedFace result = conclude(camera);
   if (!is_finite(result.pose)) return Status::not_found;
   if (!landmarks.empty()) write_landmarks(landmarks);
-  for (std::size_t k = 0; k < model.parameters().count; ++k) q[k] = pass.shape().q()[k];
+  for (std::size_t k = 0; k < model().parameters().count; ++k) q[k] = pass.shape().q()[k];
   *face = result;
   return Status::ok;
 }
@@ -160,8 +160,8 @@ Status FaceAligner::align(const FrameView& frame, const FaceBox& box, const Came
   State& s = *state_;
   Status status = s.check_input(frame, camera, q, face);
   if (status != Status::ok) return status;
-  if (!landmarks.empty() && landmarks.count < s.model.landmarks().count) return Status::bad_argument;
-  for (std::size_t k = 0; k < s.model.parameters().count; ++k) {
+  if (!landmarks.empty() && landmarks.count < s.model().landmarks().count) return Status::bad_argument;
+  for (std::size_t k = 0; k < s.model().parameters().count; ++k) {
     const bool is_held = options.is_free != nullptr && options.is_free[k] == 0;
     if (is_held && !is_finite(q[k])) return Status::bad_argument;
     s.start_q[k] = is_held ? q[k] : 0.0f;
@@ -177,8 +177,8 @@ Status FaceAligner::refine(const FrameView& frame, const Camera& camera, const P
   State& s = *state_;
   Status status = s.check_input(frame, camera, q, face);
   if (status != Status::ok) return status;
-  const std::size_t parameters = s.model.parameters().count;
-  if ((!landmarks.empty() && landmarks.count < s.model.landmarks().count) || !are_finite(q, parameters))
+  const std::size_t parameters = s.model().parameters().count;
+  if ((!landmarks.empty() && landmarks.count < s.model().landmarks().count) || !are_finite(q, parameters))
     return Status::bad_argument;
   status = s.start_at_pose(frame, start, camera);
   if (status != Status::ok) return status;
@@ -192,7 +192,7 @@ Status FaceAligner::verify(const FrameView& frame, const Camera& camera, const P
   State& s = *state_;
   Status status = s.check_input(frame, camera, q, face);
   if (status != Status::ok) return status;
-  if (!are_finite(q, s.model.parameters().count)) return Status::bad_argument;
+  if (!are_finite(q, s.model().parameters().count)) return Status::bad_argument;
   status = s.start_at_pose(frame, pose, camera);
   if (status != Status::ok) return status;
   s.pass.start(frame, s.lens, s.start_view, q, nullptr);
