@@ -93,6 +93,10 @@ bool is_valid(const AlignerStage& stage);
 constexpr std::size_t block_bytes(const AlignerStage& s) {
   return static_cast<std::size_t>(s.cells) * s.cells * kBlockChannels;
 }
+/// Bytes of all blocks of a grid.
+constexpr std::size_t grid_bytes(const AlignerStage& s) {
+  return block_bytes(s) * s.blocks * s.blocks;
+}
 /// Bytes of a stage's weights; each part is padded to 4 bytes.
 std::size_t weight_bytes(const AlignerStage& stage, std::size_t landmarks);
 std::size_t check_weight_bytes(const AlignerStage& last, std::size_t landmarks);

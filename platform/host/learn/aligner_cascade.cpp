@@ -1,9 +1,10 @@
 #include "host/learn/aligner_cascade.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <memory>
+
+#include "host/learn/aligner_components.hpp"
 
 namespace pliant::host::learn {
 
@@ -22,6 +23,17 @@ double predicted(const std::vector<double>& rows, std::size_t row, std::size_t b
   const double* const w = rows.data() + row * bytes;
   for (std::size_t k = 0; k < bytes; ++k) sum += static_cast<float>(w[k]) * static_cast<float>(block[k]);
   return static_cast<double>(sum);
+}
+
+/// A local stage that moves nothing.
+LearntStage idle_stage(std::size_t landmarks) {
+  LearntStage idle;
+  idle.shape = {2, 64, 1, 4, 0, 0, 0, 1, 1, 0};
+  idle.local.rows.assign(2 * landmarks * block_bytes(idle.shape), 0);
+  idle.local.bias.assign(2 * landmarks, 0);
+  idle.local.information.assign(3 * landmarks, 0);
+  idle.local.blend.assign(landmarks, 0);
+  return idle;
 }
 
 }  // namespace
@@ -229,34 +241,36 @@ void AlignerCascade::learn_information(const AlignerStage& shape, std::size_t k,
     std::copy(known.begin(), known.end(), s.local.information.begin() + static_cast<std::ptrdiff_t>(3 * k));
 }
 
-void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report) {
-  const std::size_t landmarks = numbers_.size(), block = block_bytes(shape), n = examples_.size();
-  const std::size_t bytes = block * shape.blocks * shape.blocks, outputs = 2 * landmarks;
-  const std::size_t components = std::min<std::size_t>(shape.components, outputs);
-  blocks_.assign(1, std::vector<std::uint8_t>(n * bytes));
-  wanted_.assign(1, std::vector<double>(outputs * n));
-  in_parallel(n, options_.threads, [&](std::size_t e, std::size_t thread) {
+/// Reads the grids of a global stage in all examples, and the displacements of their landmarks.
+void AlignerCascade::collect_grids(const AlignerStage& shape) {
+  const std::size_t block = block_bytes(shape), bytes = grid_bytes(shape), outputs = 2 * numbers_.size();
+  blocks_.assign(1, std::vector<std::uint8_t>(examples_.size() * bytes));
+  wanted_.assign(1, std::vector<double>(outputs * examples_.size()));
+  in_parallel(examples_.size(), options_.threads, [&](std::size_t e, std::size_t thread) {
     AlignerPass& pass = **passes_[thread];
     const AlignerExample& example = examples_[e];
     pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
     pass.prepare(shape);
+    std::uint8_t* to = blocks_[0].data() + e * bytes;
     for (int j = 0; j < shape.blocks; ++j)
-      for (int i = 0; i < shape.blocks; ++i)
-        pass.describe_place(
-            i, j, shape,
-            blocks_[0].data() + e * bytes + static_cast<std::size_t>(j * shape.blocks + i) * block);
-    for (std::size_t k = 0; k < landmarks; ++k) {
+      for (int i = 0; i < shape.blocks; ++i, to += block) pass.describe_place(i, j, shape, to);
+    for (std::size_t k = 0; k < numbers_.size(); ++k) {
       const Vec2 d = shape.mm_per_px *
                      (pass.map().to_crop(example.truth[k]) - pass.map().to_crop(pass.shape().evaluate(k).x));
       wanted_[0][outputs * e + 2 * k] = static_cast<double>(d.x);
       wanted_[0][outputs * e + 2 * k + 1] = static_cast<double>(d.y);
     }
   });
+}
+
+void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report) {
+  const std::size_t bytes = grid_bytes(shape), outputs = 2 * numbers_.size();
+  collect_grids(shape);
   std::vector<RidgeSums> folds(static_cast<std::size_t>(tuning_.folds));
   in_parallel(folds.size(), options_.threads, [&](std::size_t f, std::size_t) {
     folds[f].resize(bytes + 1, outputs);
     RidgeRows rows(folds[f]);
-    for (std::size_t e = 0; e < n; ++e)
+    for (std::size_t e = 0; e < examples_.size(); ++e)
       if (examples_[e].fold == static_cast<int>(f) && !examples_[e].is_refinement)
         rows.add(blocks_[0].data() + e * bytes, &wanted_[0][outputs * e], 1);
   });
@@ -268,47 +282,30 @@ void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report
   in_parallel(learnt.size(), options_.threads, [&](std::size_t f, std::size_t) {
     RidgeSums others = all;
     if (f < folds.size()) others.add(folds[f], -1);
-    const std::vector<double> solution = solve_ridge(others, report->ridge);
-    using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const auto rows = static_cast<Eigen::Index>(outputs), columns = static_cast<Eigen::Index>(bytes + 1);
-    const Eigen::Map<const RowMatrix> w(solution.data(), rows, columns);
-    const Eigen::Map<const Eigen::MatrixXd> h(others.xx.data(), columns, columns);
-    // Covariance of the predictions: its leading directions are the components.
-    const Eigen::VectorXd mean_x = h.row(columns - 1).transpose() / others.weight;
-    const Eigen::VectorXd mean = w * mean_x;
-    const Eigen::MatrixXd hw = h.selfadjointView<Eigen::Lower>() * w.transpose();
-    const Eigen::MatrixXd covariance = w * hw / others.weight - mean * mean.transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-    const Eigen::MatrixXd v = solver.eigenvectors().rightCols(static_cast<Eigen::Index>(components));
-    LearntStage& s = learnt[f];
-    s.shape = shape;
-    s.shape.components = static_cast<std::uint8_t>(components);
-    s.global.basis.resize(components * bytes);
-    s.global.bias.resize(components);
-    s.global.output.resize(outputs * components);
-    const RowMatrix projected = v.transpose() * w;
-    const Eigen::VectorXd offset = v.transpose() * mean;
-    for (std::size_t c = 0; c < components; ++c) {
-      const auto row = static_cast<Eigen::Index>(c);
-      for (std::size_t k = 0; k < bytes; ++k)
-        s.global.basis[c * bytes + k] = projected(row, static_cast<Eigen::Index>(k));
-      s.global.bias[c] = projected(row, columns - 1) - offset(row);
-      for (std::size_t o = 0; o < outputs; ++o)
-        s.global.output[o * components + c] = v(static_cast<Eigen::Index>(o), row);
-    }
-    s.global.mean.assign(mean.data(), mean.data() + outputs);
+    learnt[f].shape = shape;
+    learnt[f].global = reduce_to_components(others, solve_ridge(others, report->ridge), shape.components);
+    learnt[f].shape.components = static_cast<std::uint8_t>(learnt[f].global.bias.size());
   });
-  std::vector<double> moments(3 * landmarks), value(components);
+  learn_global_information(bytes, &learnt);
+  for (std::size_t f = 0; f < learnt.size(); ++f) stages_[f].push_back(std::move(learnt[f]));
+}
+
+/// Covariance of the errors on examples of people left out.
+void AlignerCascade::learn_global_information(std::size_t bytes, std::vector<LearntStage>* learnt) const {
+  const std::size_t landmarks = numbers_.size();
+  std::vector<double> moments(3 * landmarks);
   double count = 0;
-  for (std::size_t e = 0; e < n; ++e) {
+  for (std::size_t e = 0; e < examples_.size(); ++e) {
     if (examples_[e].is_refinement) continue;
-    const LearntGlobal& g = learnt[static_cast<std::size_t>(examples_[e].fold)].global;
+    const LearntGlobal& g = (*learnt)[static_cast<std::size_t>(examples_[e].fold)].global;
+    const std::size_t components = g.bias.size();
+    std::vector<double> value(components);
     for (std::size_t c = 0; c < components; ++c)
       value[c] = g.bias[c] + predicted(g.basis, c, bytes, blocks_[0].data() + e * bytes);
     for (std::size_t k = 0; k < landmarks; ++k) {
       double r[2];
       for (std::size_t axis = 0; axis < 2; ++axis) {
-        r[axis] = wanted_[0][outputs * e + 2 * k + axis] - g.mean[2 * k + axis];
+        r[axis] = wanted_[0][2 * (landmarks * e + k) + axis] - g.mean[2 * k + axis];
         for (std::size_t c = 0; c < components; ++c)
           r[axis] -= g.output[(2 * k + axis) * components + c] * value[c];
       }
@@ -320,10 +317,9 @@ void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report
   }
   for (std::size_t k = 0; k < landmarks; ++k) {
     const auto known = information({moments[3 * k], moments[3 * k + 1], moments[3 * k + 2]}, count);
-    for (LearntStage& s : learnt)
+    for (LearntStage& s : *learnt)
       s.global.information.insert(s.global.information.end(), known.begin(), known.end());
   }
-  for (std::size_t f = 0; f < learnt.size(); ++f) stages_[f].push_back(std::move(learnt[f]));
 }
 
 void AlignerCascade::move_examples() {
@@ -333,13 +329,7 @@ void AlignerCascade::move_examples() {
     tables.push_back(nullptr);
     std::vector<LearntStage> stages = {stages_[static_cast<std::size_t>(f)].back()};
     if (stages[0].shape.components > 0) {
-      LearntStage idle;
-      idle.shape = {2, 64, 1, 4, 0, 0, 0, 1, 1, 0};
-      idle.local.rows.assign(2 * numbers_.size() * block_bytes(idle.shape), 0);
-      idle.local.bias.assign(2 * numbers_.size(), 0);
-      idle.local.information.assign(3 * numbers_.size(), 0);
-      idle.local.blend.assign(numbers_.size(), 0);
-      stages.push_back(idle);
+      stages.push_back(idle_stage(numbers_.size()));
     }
     tables.back() = std::make_unique<OpenAlignerTable>(
         encode_aligner(numbers_, stages, blank_check(numbers_.size(), stages.back().shape)));

@@ -60,6 +60,8 @@ class AlignerCascade {
  private:
   void learn_local(const AlignerStage& shape, StageReport* report);
   void learn_global(const AlignerStage& shape, StageReport* report);
+  void collect_grids(const AlignerStage& shape);
+  void learn_global_information(std::size_t bytes, std::vector<LearntStage>* learnt) const;
   void learn_pair(const AlignerStage& shape, std::size_t k, std::size_t other,
                   std::vector<LearntStage>* learnt, double* ridge) const;
   void learn_information(const AlignerStage& shape, std::size_t k, std::size_t other,
