@@ -165,9 +165,9 @@ void measure_without_faces(const ModelFile& file, const learn::OtherPictures& ot
     int start = -1;
     for (std::size_t k = 0; k < kFilmFrames; ++k) {
       const FrameView frame = film.frame(k);
-      const double before = wall_ms();
+      const double before = process_ms();
       run.update(frame);
-      milliseconds += wall_ms() - before;
+      milliseconds += process_ms() - before;
       ++frames;
       if (run.has_track() && start < 0) start = static_cast<int>(k);
     }
