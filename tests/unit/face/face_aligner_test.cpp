@@ -140,7 +140,7 @@ TEST_CASE("verification moves nothing, and refinement of a table without displac
           Status::ok);
   // The blocks' middles are whole pixels of the crop, so that the pose moves by a part of them.
   CHECK(length(log_rotation(face.pose.q * conjugate(before.pose.q))) < 0.05f);
-  CHECK(face.pose.t.z == doctest::Approx(before.pose.t.z).epsilon(0.2));
+  CHECK(face.pose.t.z == doctest::Approx(static_cast<double>(before.pose.t.z)).epsilon(0.2));
 }
 
 TEST_CASE("bad input gets a status and changes nothing") {

@@ -77,7 +77,8 @@ TEST_CASE("mirrored landmark names are symmetric, and change where the face has 
     CHECK(mirrored_landmark(mirrored_landmark(name)) == name);
     const std::uint16_t other = baked_face().model.find_landmark(mirrored_landmark(name).c_str());
     REQUIRE(other != kNone);
-    CHECK(baked_face().model.landmarks()[other].u == doctest::Approx(1 - landmark.u).epsilon(0.01));
+    CHECK(baked_face().model.landmarks()[other].u ==
+          doctest::Approx(1 - static_cast<double>(landmark.u)).epsilon(0.01));
   }
 }
 
@@ -126,7 +127,7 @@ TEST_CASE("landmarks of a sample are where its pose, camera and parameters put t
             (sample.trust[k] == kTrustFitted ? 0.02f : 0.03f * sample.box.side));
     }
     const FaceBox box = face_box_in(face.model, sample.landmarks, sample.pose, sample.camera);
-    CHECK(box.side == doctest::Approx(sample.box.side).epsilon(1e-3));
+    CHECK(box.side == doctest::Approx(static_cast<double>(sample.box.side)).epsilon(1e-3));
     CHECK(distance(box.center, sample.box.center) < 0.02f * box.side);
     const float room = min(min(box.center.x, box.center.y), 159 - max(box.center.x, box.center.y));
     CHECK(room > 0.5f * box.side);
