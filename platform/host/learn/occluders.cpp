@@ -218,8 +218,9 @@ void add_beard(Canvas& canvas) {
              nose = canvas.landmark(33), lip = canvas.landmark(51), low_lip = canvas.landmark(57),
              chin = canvas.landmark(8);
   const auto hairs = [&](Vec2 x) {
-    const auto bits = static_cast<std::uint32_t>(static_cast<int>(x.x * 1.3f) * 73856093 ^
-                                                 static_cast<int>(x.y * 0.8f) * 19349663);
+    const auto column = static_cast<std::uint32_t>(static_cast<int>(x.x * 1.3f)),
+               row = static_cast<std::uint32_t>(static_cast<int>(x.y * 0.8f));
+    const std::uint32_t bits = column * 73856093u ^ row * 19349663u;
     return tone * (1 + grain * (static_cast<float>(bits * 2654435761u >> 24) / 128 - 1));
   };
   if (has_lip) {
