@@ -86,7 +86,9 @@ class FolderReader {
 
  private:
   std::string path(const std::string& name) const { return folder_ + "/" + name + ".obj"; }
-  std::string rest_path() const { return only_file_.empty() ? path("neutral") : only_file_; }
+  /// The rest shape is the folder's only file, or neutral.obj.
+  std::string rest_name() const { return names_.size() == 1 ? names_[0] : "neutral"; }
+  std::string rest_path() const { return only_file_.empty() ? path(rest_name()) : only_file_; }
   void report_progress(std::size_t done) const {
     if (options_.progress) options_.progress("files", done, names_.size());
   }
@@ -194,7 +196,7 @@ class FolderReader {
     std::size_t done = 1;
     for (const bool identity : {true, false})
       for (const std::string& name : names_) {
-        if (name == "neutral" || (name.compare(0, 8, "identity") == 0) != identity) continue;
+        if (name == rest_name() || (name.compare(0, 8, "identity") == 0) != identity) continue;
         auto moved = placed(read_obj_like(path(name), rest_));
         for (std::size_t v = 0; v < moved.size(); ++v) moved[v] = moved[v] - source_.neutral[v];
         add_parameter(path(name), parameter_name(name), identity ? Group::identity : Group::expression,

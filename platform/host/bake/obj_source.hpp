@@ -26,7 +26,7 @@ struct ObjOptions {
 
 /// Reads a folder: neutral.obj (with texture coordinates, v upwards), identity*.obj as identities, and every other NAME.obj as
 /// an expression. A suffix _L or _R of a name becomes Left or Right. With `components`, every file is a scan instead. Or reads
-/// one OBJ file, which is a surface without parameters.
+/// one OBJ file, which is a surface without parameters. The only OBJ file of a folder is the rest shape, whatever its name.
 /// With `modes`, the vertices of faces in an OBJ group "fixed" do not move by them.
 /// parameters.txt (columns parameter, group, minimum, maximum, sd; text_table.hpp) is optional and changes parameters.
 /// landmarks.csv (columns landmark,vertex; vertices from 0) is optional. If it names the outer eye corners (ibug36, ibug45),

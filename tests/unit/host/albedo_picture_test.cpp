@@ -193,3 +193,17 @@ TEST_CASE("a printed sheet with bending modes is baked, rendered, fitted by nine
     CHECK(std::fabs(rows.number(k, rows.column("mode01")) + 0.7f * bend(static_cast<int>(k))) < 0.1f);
   }
 }
+
+TEST_CASE("the sheet of the fixtures is baked from its folder or file, with modes and its print") {
+  const Folder out;
+  const std::string table = out / "sheet.plm";
+  for (const char* source : {PLIANT_FIXTURES "/sheet", PLIANT_FIXTURES "/sheet/sheet.obj"}) {
+    CAPTURE(source);
+    REQUIRE(run_words({"bake", source, "--modes", "3", "-o", table}).code == 0);
+    const ModelFile file(table);
+    CHECK(file.model().parameters().count == 3);
+    const float title = albedo_at(table, false, 0.02f, 0.98f), margin = albedo_at(table, false, 0.02f, 0.5f);
+    CHECK(title == doctest::Approx(52).epsilon(0.05));
+    CHECK(margin == doctest::Approx(238).epsilon(0.05));
+  }
+}

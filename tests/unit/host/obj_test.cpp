@@ -479,5 +479,8 @@ TEST_CASE("each defect of an OBJ folder is one line that names the file and the 
   fs::remove(folder.path / "neutral.obj");
   CHECK(error_of(folder).find("nor OBJ files") != std::string::npos);
   folder.write("jawOpen.obj", good);
+  folder.write("jawLeft.obj", good);
   CHECK(error_of(folder) == neutral + ": cannot be read");
+  fs::remove(folder.path / "jawLeft.obj");  // the only file is the rest shape
+  CHECK(error_of(folder) == "");
 }
