@@ -40,6 +40,13 @@ struct Folder {
   std::size_t file_count() const {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator{}));
   }
+  /// Number of files that a command began and left behind.
+  std::size_t temporary_count() const {
+    std::size_t count = 0;
+    for (const auto& entry : fs::directory_iterator(path))
+      count += entry.path().extension() == ".part" ? 1 : 0;
+    return count;
+  }
 };
 
 struct Ran {

@@ -44,9 +44,11 @@ int run_fit_bench(const Args& args, Console& console) {
 }
 
 int run_detection(const Args& args, Console& console) {
-  const DetectionInputs inputs{args.text("--portraits"), args.text("--others"),  args.text("--film"),
-                               args.text("--truth"),     args.text("--details"), args.integer("--count", 1000000, 1, 1000000)};
-  if (!inputs.portraits && !inputs.others && !inputs.film) fail_usage("detection needs --portraits, --others or --film");
+  const DetectionInputs inputs{args.text("--portraits"), args.text("--others"),
+                               args.text("--film"),      args.text("--truth"),
+                               args.text("--details"),   args.integer("--count", 1000000, 1, 1000000)};
+  if (!inputs.portraits && !inputs.others && !inputs.film)
+    fail_usage("detection needs --portraits, --others or --film");
   if (inputs.film.has_value() != inputs.truth.has_value()) fail_usage("--film and --truth need each other");
   bench_detection(console.out, ModelFile(args.required("--model")), inputs);
   return 0;
@@ -87,17 +89,18 @@ Command bench_command() {
       "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
       "mesh|fields [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | "
       "mcd | track|cost|cues|drift|occlusion --model face.plm | fit --problems FOLDER | "
-      "detection --model face.plm [--portraits FOLDER] [--others FOLDER] [--film VIDEO --truth CSV] [--details CSV]",
-      {{"--model", "PLM", "a model to measure with; optional for mesh and fields"},
+      "detection --model face.plm [--portraits FOLDER] [--others FOLDER] [--film VIDEO --truth CSV] "
+      "[--details CSV]",
+      {{"--model", "PLM", "a model to measure with; optional for mesh and fields", Takes::input},
        {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
-       {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", true},
-       {"--frames", "VIDEO", "a Y4M file or folder of pictures, to time tracking on"},
+       {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", Takes::texts},
+       {"--frames", "VIDEO", "a Y4M file or folder of pictures, to time tracking on", Takes::input},
        {"--problems", "FOLDER", "fitting problems as text, and solutions.csv with the optimum of each"},
        {"--portraits", "FOLDER", "photographs of one face each, and landmarks.csv: name,landmark,x,y"},
        {"--others", "FOLDER", "photographs without faces"},
-       {"--film", "VIDEO", "a Y4M file of one face, and --truth"},
-       {"--truth", "CSV", "frame,landmark,x,y of every frame of --film"},
-       {"--details", "CSV", "a file to write: a row a picture or start"},
+       {"--film", "VIDEO", "a Y4M file of one face, and --truth", Takes::input},
+       {"--truth", "CSV", "frame,landmark,x,y of every frame of --film", Takes::input},
+       {"--details", "CSV", "a file to write: a row a picture or start", Takes::output},
        {"--count", "N", "frames of --frames (480), or pictures of a folder (all), that are read at most"}},
       1,
       run_bench};

@@ -133,14 +133,19 @@ Command animate_command() {
       "N] [--tolerance "
       "MM] "
       "[--rate FPS] -o animation.glb|FOLDER/",
-      {{"--params", "CSV", "a track, or any table with its columns. Expressions are matched by name"},
-       {"--identity", "JSON", "a fit with the identity (default: that of the track, or the mean)"},
-       {"--image", "FILE", "the picture of that fit; it becomes the texture"},
-       {"--from", "PLM", "the model that was tracked. Values keep their fraction of its ranges"},
+      {{"--params", "CSV", "a track, or any table with its columns. Expressions are matched by name",
+        Takes::input},
+       {"--identity", "JSON", "a fit with the identity (default: that of the track, or the mean)",
+        Takes::input},
+       {"--image", "FILE", "the picture of that fit; it becomes the texture", Takes::input},
+       {"--from", "PLM", "the model that was tracked. Values keep their fraction of its ranges",
+        Takes::input},
        {"--vertices", "N", "vertices of the mesh, about (2000)"},
        {"--tolerance", "MM", "omit corrective targets that move no vertex this far, in millimetres (0.1)"},
        {"--rate", "FPS", "frames a second of a table without time_s (30)"},
-       {"-o", "GLB", "glTF with morph targets and head motion; a folder gets one OBJ a frame, without head motion"}},
+       {"-o", "GLB",
+        "glTF with morph targets and head motion; a folder gets one OBJ a frame, without head motion",
+        Takes::output}},
       1,
       run_animate};
 }

@@ -1,11 +1,39 @@
 #include "host/commands/args.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "host/io/failure.hpp"
 #include "host/io/numbers.hpp"
+#include "host/io/words.hpp"
 
 namespace pliant::host {
+
+namespace {
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return a == b || std::filesystem::equivalent(a, b, ignored);
+}
+
+/// Bad usage if the name ends as that of another format than the option writes.
+void check_ending(const Option& option, const std::string& path) {
+  static constexpr const char* kFormats[] = {"avi", "bin",  "bmp",  "cpp", "csv",  "gif",  "glb", "gltf",
+                                             "h",   "html", "jpeg", "jpg", "json", "mkv",  "mov", "mp4",
+                                             "obj", "plm",  "ply",  "png", "svg",  "webm", "y4m"};
+  const std::string written = in_lower_case(option.value);
+  std::string ending = in_lower_case(std::filesystem::path(path).extension().string());
+  if (!ending.empty()) ending.erase(0, 1);
+  const auto is_format = [](const std::string& name) {
+    return std::find(std::begin(kFormats), std::end(kFormats), name) != std::end(kFormats);
+  };
+  if (is_format(written) && is_format(ending) && written != ending)
+    fail_usage(std::string(option.name) + " writes " + option.value +
+               ", but the name ends as another format: " + path);
+}
+
+}  // namespace
 
 Args::Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands,
            std::size_t optional) {
@@ -21,7 +49,7 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
     for (const Option& o : options)
       if (name == o.name) option = &o;
     if (option == nullptr) fail_usage("unknown option " + name);
-    if (values_.count(name) != 0 && !option->may_repeat) fail_usage(name + " is given twice");
+    if (values_.count(name) != 0 && option->takes != Takes::texts) fail_usage(name + " is given twice");
     if (option->value == nullptr) {
       if (equals != std::string::npos) fail_usage(name + " takes no value");
       values_[name] = {""};
@@ -35,6 +63,26 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
   if (operands_.size() < operands) fail_usage("a file name is missing");
   if (operands_.size() > operands + optional)
     fail_usage("unexpected word: " + operands_[operands + optional]);
+  check_files(options);
+}
+
+void Args::check_files(const std::vector<Option>& options) {
+  std::vector<std::string> inputs = operands_, outputs;
+  for (const Option& option : options)
+    if (option.takes == Takes::input)
+      for (const std::string& path : texts(option.name)) inputs.push_back(path);
+  for (const Option& option : options) {
+    const auto path = text(option.name);
+    if (option.takes != Takes::output || !path) continue;
+    for (const std::string& input : inputs)
+      if (*path != "-" && is_same_file(*path, input))
+        fail_usage(std::string(option.name) + " would overwrite the input " + input);
+    for (const std::string& other : outputs)
+      if (is_same_file(*path, other)) fail_usage("two outputs have the name " + other);
+    check_ending(option, *path);
+    outputs.push_back(*path);
+    writes_to_standard_output_ = writes_to_standard_output_ || *path == "-";
+  }
 }
 
 std::optional<std::string> Args::text(const char* name) const {

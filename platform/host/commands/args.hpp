@@ -10,14 +10,23 @@
 
 namespace pliant::host {
 
-struct Option {
-  const char* name;   ///< with its dashes: "-o", "--size"
-  const char* value;  ///< name of the value in the help; null for a flag
-  const char* help;
-  bool may_repeat = false;
+/// What the value of an option is.
+enum class Takes : unsigned char {
+  text,    ///< a number, a name
+  texts,   ///< the option may be given several times
+  input,   ///< a file or folder that is read
+  output,  ///< a file that is written; "-" is standard output
 };
 
-/// A command line, split into positional words and options. Every error is bad usage (failure.hpp).
+struct Option {
+  const char* name;   ///< with its dashes: "-o", "--size"
+  const char* value;  ///< name of the value in the help, for a file its format; null for a flag
+  const char* help;
+  Takes takes = Takes::text;
+};
+
+/// A command line, split into positional words and options. Every error is bad usage (failure.hpp): also an output that is an
+/// input of the same command or the target of another output, and one whose name ends as that of another format.
 class Args {
  public:
   /// \param words     the words after the name of the command; "--name value" and "--name=value" are the same.
@@ -26,6 +35,8 @@ class Args {
   Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands,
        std::size_t optional = 0);
 
+  /// Whether a result goes to standard output.
+  bool writes_to_standard_output() const { return writes_to_standard_output_; }
   const std::string& operand(std::size_t i) const { return operands_[i]; }
   std::size_t operand_count() const { return operands_.size(); }
   bool has(const char* name) const { return values_.count(name) != 0; }
@@ -43,6 +54,9 @@ class Args {
   std::optional<std::vector<float>> numbers(const char* name, std::size_t count) const;
 
  private:
+  void check_files(const std::vector<Option>& options);
+
+  bool writes_to_standard_output_ = false;
   std::vector<std::string> operands_;
   std::map<std::string, std::vector<std::string>> values_;
 };

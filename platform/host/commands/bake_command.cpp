@@ -125,8 +125,8 @@ Command bake_command() {
       "[--modes N [--stiffness F]] [--texture PICTURE|none] [--relax-chart] "
       "[--identities N] [--expressions N|NAME,...] [--learnt FILE|none] [--errors] | SOURCE --sizes N,... "
       "[--flash KIB]",
-      {{"-o", "FILE", "the model table to write"},
-       {"--embed", "FILE", "also write the table as a C++ array, for firmware"},
+      {{"-o", "FILE", "the model table to write", Takes::output},
+       {"--embed", "FILE", "also write the table as a C++ array, for firmware", Takes::output},
        {"--size", "N", "samples on a side of a field over the whole chart (128)"},
        {"--bits", "N", "bits of a sample: 16 or 8 (16)"},
        {"--unit", "MM", "unit of the OBJ files, millimetres (1)"},
@@ -141,7 +141,8 @@ Command bake_command() {
         "deviation, with 4 by half of it (1)"},
        {"--texture", "PICTURE",
         "the albedo of the OBJ file's surface over its u,v, or none (the pictures of its materials, if it "
-        "has some)"},
+        "has some)",
+        Takes::input},
        {"--relax-chart", nullptr,
         "even out the u,v of the OBJ files, so that no part of the surface gets too few samples"},
        {"--identities", "N", "keep the first N identities (all)"},
@@ -149,7 +150,8 @@ Command bake_command() {
         "keep the N most useful expressions, or those named, separated by commas (all)"},
        {"--learnt", "FILE",
         "put these learnt tables into the model, or none (learnt.bin of the source's folder, if it is "
-        "there)"},
+        "there)",
+        Takes::input},
        {"--errors", nullptr, "list the error of each parameter's shape"},
        {"--sizes", "N,N,...",
         "write no table; print bytes and errors for these sizes, and for a small profile"},

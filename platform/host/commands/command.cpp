@@ -42,8 +42,10 @@ int flushed(Console& console) {
 int run_command(const Command& command, const std::vector<std::string>& words, Console& console) {
   const std::string name = std::string("pliant ") + command.name;
   try {
-    const int code =
-        command.run(Args(words, command.options, command.operands, command.optional_operands), console);
+    const Args args(words, command.options, command.operands, command.optional_operands);
+    // A result on standard output is not mixed with notes.
+    Console notes{console.err, console.err, console.shows_progress};
+    const int code = command.run(args, args.writes_to_standard_output() ? notes : console);
     return code != 0 ? code : flushed(console);
   } catch (const Failure& failure) {
     console.err << name << ": " << failure.what() << "\n";
@@ -76,7 +78,8 @@ int run(const std::vector<std::string>& words, Console& console) {
   const std::vector<std::string> rest(words.begin() + 1, words.end());
   for (const Command& command : commands()) {
     if (words[0] != command.name) continue;
-    if (std::find(rest.begin(), rest.end(), "--help") == rest.end())
+    if (std::find(rest.begin(), rest.end(), "--help") == rest.end() &&
+        std::find(rest.begin(), rest.end(), "-h") == rest.end())
       return run_command(command, rest, console);
     print_help(command, console.out);
     return flushed(console);
@@ -96,7 +99,7 @@ std::string Progress::time_left(std::size_t count) const {
 }
 
 Progress::~Progress() {
-  if (shown_) console_.err << "\r\x1b[K" << std::flush;
+  if (shown_) console_.err << "\n" << std::flush;
 }
 
 void Progress::show(std::size_t count) {

@@ -14,21 +14,13 @@ namespace pliant::host {
 
 namespace {
 
-bool is_picture(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const char* known : {".jpg", ".jpeg", ".png", ".pgm", ".ppm", ".pnm"})
-    if (ending == known) return true;
-  return false;
-}
-
 /// The picture, or all pictures of a folder, ordered by name.
 std::vector<std::string> pictures_of(const std::string& path) {
   if (!std::filesystem::is_directory(path)) return {path};
   std::vector<std::string> paths;
   for (const auto& entry : std::filesystem::directory_iterator(path))
-    if (entry.is_regular_file() && is_picture(entry.path())) paths.push_back(entry.path().string());
+    if (entry.is_regular_file() && has_picture_extension(entry.path().string()))
+      paths.push_back(entry.path().string());
   std::sort(paths.begin(), paths.end(), is_naturally_before);
   if (paths.empty()) fail_input(path, "has no pictures");
   return paths;
@@ -109,16 +101,17 @@ int run_detect(const Args& args, Console& console) {
 }  // namespace
 
 Command detect_command() {
-  return {"detect",
-          "Finds the faces in pictures: where they are, and their landmarks.",
-          "face.plm --image PICTURE|FOLDER [-o faces.csv] [--landmarks] [--min-score P] [--overlay out.png]",
-          {{"--image", "PICTURE", "a picture of 1 to 8192 pixels a side, or a folder of pictures"},
-           {"-o", "CSV", "the table to write, a row a face, the best first (standard output)"},
-           {"--landmarks", nullptr, "also write the image position of every landmark"},
-           {"--min-score", "P", "leave out faces with a smaller probability (0.5)"},
-           {"--overlay", "PNG", "the picture with boxes and landmarks drawn on it"}},
-          1,
-          run_detect};
+  return {
+      "detect",
+      "Finds the faces in pictures: where they are, and their landmarks.",
+      "face.plm --image PICTURE|FOLDER [-o faces.csv] [--landmarks] [--min-score P] [--overlay out.png]",
+      {{"--image", "PICTURE", "a picture of 1 to 8192 pixels a side, or a folder of pictures", Takes::input},
+       {"-o", "CSV", "the table to write, a row a face, the best first (standard output)", Takes::output},
+       {"--landmarks", nullptr, "also write the image position of every landmark"},
+       {"--min-score", "P", "leave out faces with a smaller probability (0.5)"},
+       {"--overlay", "PNG", "the picture with boxes and landmarks drawn on it", Takes::output}},
+      1,
+      run_detect};
 }
 
 }  // namespace pliant::host

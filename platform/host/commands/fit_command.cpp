@@ -206,19 +206,21 @@ Command fit_command() {
       "[--focal PX|--calibration camera.yml] [--parameters GROUP|COUNT] [--silhouette match|fixed] "
       "-o fit.json [--overlay picture.png] [--texture face.glb]",
       {{"--points", "CSV",
-        "landmark,x,y: at least four landmarks by name; with columns u,v also other points of the surface"},
+        "landmark,x,y: at least four landmarks by name; with columns u,v also other points of the surface",
+        Takes::input},
        {"--box", "X,Y,W,H",
         "where the face is: upper left corner and size; with --points, where the fit begins"},
        {"--box-of", "WHOSE",
         "pliant (default): as pliant detect writes it; opencv: the square of its cascades; landmarks: brows "
         "to "
         "chin, ear to ear"},
-       {"--pose", "JSON", "an earlier fit; with --points, where the fit begins"},
+       {"--pose", "JSON", "an earlier fit; with --points, where the fit begins", Takes::input},
        {"--size", "WxH", "size of the image, if there is no --image"},
        {"--image", "FILE",
-        "the image; the model is aligned with the face in it, unless points or a pose are given"},
+        "the image; the model is aligned with the face in it, unless points or a pose are given",
+        Takes::input},
        {"--focal", "PX", "focal length, if known"},
-       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
+       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them", Takes::input},
        {"--parameters", "CHOICE",
         "parameters to estimate: identity, expression, all (default), none, or the first COUNT"},
        {"--silhouette", "HOW",
@@ -229,9 +231,9 @@ Command fit_command() {
        {"--delta", "STEP", "step of --method euler; 0.001"},
        {"--steps", "N", "steps of the dynamics in each stage; 600"},
        {"--stiffness", "K", "weight of the prior on the parameters; 1; 0: no prior"},
-       {"-o", "JSON", "the fit to write"},
-       {"--overlay", "PNG", "a picture of the fit"},
-       {"--texture", "GLB", "the fitted model with the image as its texture"}},
+       {"-o", "JSON", "the fit to write", Takes::output},
+       {"--overlay", "PNG", "a picture of the fit", Takes::output},
+       {"--texture", "GLB", "the fitted model with the image as its texture", Takes::output}},
       1,
       run_fit};
 }

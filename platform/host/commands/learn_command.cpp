@@ -94,13 +94,14 @@ Command learn_command() {
           {{"--faces", "FOLDER",
             "photographs NAME.jpg of one face each, and landmarks.csv with name,landmark,x,y; a third of "
             "them, by "
-            "their names, is left out for testing"},
-           {"--others", "FOLDER", "photographs without faces, in the folder and below it"},
+            "their names, is left out for testing",
+            Takes::input},
+           {"--others", "FOLDER", "photographs without faces, in the folder and below it", Takes::input},
            {"--seed", "N", "of all random choices: the same seed gives the same tables (1)"},
            {"--threads", "N", "1 or 2 (2); the tables do not depend on it"},
            {"--only", "PART", "learn this part again, and keep the other part of the file of -o"},
            {"--effort", "F", "samples as a fraction of the usual number (1), for trials"},
-           {"-o", "FILE", "the learnt tables to write, for `pliant bake --learnt`"}},
+           {"-o", "FILE", "the learnt tables to write, for `pliant bake --learnt`", Takes::output}},
           1,
           run_learn};
 }

@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <iostream>
 
@@ -7,6 +8,7 @@
 
 int main(int argc, char** argv) {
   setenv("LIBCAMERA_LOG_LEVELS", "*:WARN", 0);  // without its greeting, unless someone asks for it
+  std::signal(SIGPIPE, SIG_IGN);                // a reader that goes away is a failed write, which is told
   pliant::host::Console console{std::cout, std::cerr, isatty(STDERR_FILENO) != 0};
   return pliant::host::run(std::vector<std::string>(argv + 1, argv + argc), console);
 }

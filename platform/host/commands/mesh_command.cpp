@@ -3,14 +3,14 @@
 #include <cmath>
 
 #include "host/commands/command.hpp"
+#include "host/commands/mesh_curve.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/fit_file.hpp"
 #include "host/io/image.hpp"
-#include "host/commands/mesh_curve.hpp"
+#include "host/io/mesh_files.hpp"
 #include "host/io/numbers.hpp"
 #include "host/render/mesh_figure.hpp"
-#include "host/io/mesh_files.hpp"
 #include "host/render/shown_mesh.hpp"
 
 namespace pliant::host {
@@ -163,10 +163,10 @@ Command mesh_command() {
            {"--threshold", "X",
             "normals: degrees between faces (30); contour: mean error of a triangle in mm (0.3)"},
            {"--budget", "N", "most vertices; without a threshold, the best mesh of so many"},
-           {"--param", "NAME=VALUE", "a parameter of the model; may be given several times", true},
-           {"-o", "FILE", "the mesh to write: OBJ, PLY or GLB by its ending"},
-           {"--uv-svg", "SVG", "the mesh over the chart, tinted by level"},
-           {"--figure", "PNG", "all criteria side by side: chart, surface, texture"},
+           {"--param", "NAME=VALUE", "a parameter of the model; may be given several times", Takes::texts},
+           {"-o", "FILE", "the mesh to write: OBJ, PLY or GLB by its ending", Takes::output},
+           {"--uv-svg", "SVG", "the mesh over the chart, tinted by level", Takes::output},
+           {"--figure", "PNG", "all criteria side by side: chart, surface, texture", Takes::output},
            {"--curve", nullptr, "all criteria as a Markdown table: vertices, faces, errors"}},
           1,
           run_mesh};

@@ -145,13 +145,14 @@ Command points_command() {
       "Writes a page with the model's landmarks over a picture. They can be moved, switched off and saved.",
       "face.plm --image picture [--start fit.json|points.csv|X,Y,W,H] [--focal PX|--calibration camera.yml] "
       "-o points.html",
-      {{"--image", "FILE", "the photograph; the page contains it"},
+      {{"--image", "FILE", "the photograph; the page contains it", Takes::input},
        {"--start", "START",
         "a fit.json, a points.csv (which is fitted) or a face box (default: the face that is found, else the "
-        "middle)"},
+        "middle)",
+        Takes::input},
        {"--focal", "PX", "focal length, pixels, if known"},
-       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
-       {"-o", "HTML", "the page to write; it needs no network"}},
+       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them", Takes::input},
+       {"-o", "HTML", "the page to write; it needs no network", Takes::output}},
       1,
       run_points};
 }

@@ -5,15 +5,15 @@
 
 #include "host/commands/calibration_option.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/image_fit.hpp"
+#include "host/commands/render_grid.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
-#include "host/render/overlay.hpp"
-#include "host/commands/render_grid.hpp"
-#include "host/render/scene.hpp"
-#include "host/commands/image_fit.hpp"
 #include "host/io/track_table.hpp"
-#include "host/io/y4m_output.hpp"
+#include "host/io/y4m_writer.hpp"
+#include "host/render/overlay.hpp"
+#include "host/render/scene.hpp"
 
 namespace pliant::host {
 
@@ -105,8 +105,7 @@ int run_grid(const Args& args, Console& console) {
   const std::string output = args.required("--grid"), people = args.required("--people"),
                     expressions = args.required("--params");
   const ImageSize cell = args.size("--size").value_or(ImageSize{84, 112});
-  if (cell.width > 1024 || cell.height > 1024)
-    fail_usage("--size must be at most 1024x1024 with --grid");
+  if (cell.width > 1024 || cell.height > 1024) fail_usage("--size must be at most 1024x1024 with --grid");
   const ModelFile file(args.operand(0));
   const Image grid = draw_grid(file, people, expressions, cell, console);
   write_file(output, encode_png(grid));
@@ -131,7 +130,7 @@ int run_render(const Args& args, Console& console) {
 
   Scene scene(file.model(), size.width, size.height);
   Truth truth(args, file.model(), size);
-  Y4mOutput video(output, rate);
+  Y4mWriter video(output, rate);
   Progress progress(console, "frame");
   for (std::size_t k = 0; k < rows.size(); ++k) {
     Image image = scene.draw(rows[k].q.data(), rows[k].pose, camera, background);
@@ -157,22 +156,27 @@ Command render_command() {
       "points.csv] "
       "[--size WxH] [--focal PX|--calibration camera.yml] [--noise SD] [--seed N] [--rate FPS] [--background "
       "PICTURE] | face.plm --grid grid.png --people people.csv --params expressions.csv [--size WxH]",
-      {{"--params", "CSV", "one row a frame, columns as in a track; missing columns are neutral and frontal"},
-       {"-o", "Y4M", "the grey video to write"},
-       {"--identity", "JSON", "a fit; its identity replaces missing columns of --params"},
-       {"--truth", "CSV", "the truth, as a track with landmarks"},
-       {"--truth-points", "CSV", "the true landmarks: frame,landmark,x,y"},
+      {{"--params", "CSV", "one row a frame, columns as in a track; missing columns are neutral and frontal",
+        Takes::input},
+       {"-o", "Y4M", "the grey video to write", Takes::output},
+       {"--identity", "JSON", "a fit; its identity replaces missing columns of --params", Takes::input},
+       {"--truth", "CSV", "the truth, as a track with landmarks", Takes::output},
+       {"--truth-points", "CSV", "the true landmarks: frame,landmark,x,y", Takes::output},
        {"--size", "WxH", "size of the frames, pixels (320x240)"},
        {"--focal", "PX", "focal length, pixels (1.4 times the larger side)"},
-       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
+       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them", Takes::input},
        {"--noise", "SD", "standard deviation of sensor noise, grey levels (2)"},
        {"--seed", "N", "seed of noise and background (1)"},
        {"--rate", "FPS", "frames a second (30)"},
-       {"--background", "PICTURE", "a picture of the frames' size behind the model (default: soft blotches)"},
+       {"--background", "PICTURE", "a picture of the frames' size behind the model (default: soft blotches)",
+        Takes::input},
        {"--grid", "PNG",
-        "instead of a video: a picture with one person a column and one expression a row, cells of --size (84x112)"},
+        "instead of a video: a picture with one person a column and one expression a row, cells of --size "
+        "(84x112)",
+        Takes::output},
        {"--people", "CSV",
-        "name, identity parameters and optionally tone (brightness of the surface) of each person"}},
+        "name, identity parameters and optionally tone (brightness of the surface) of each person",
+        Takes::input}},
       1,
       run_render};
 }

@@ -161,29 +161,34 @@ Command track_command() {
   return {
       "track",
       "Tracks a face through a video. Without --init or --box it finds the face itself.",
-      "face.plm --frames VIDEO.y4m|FOLDER|-|camera: --out track.csv [--init fit.json|points.csv|--box "
+      "face.plm --frames VIDEO|FOLDER|-|camera: --out track.csv|- [--init fit.json|points.csv|--box "
       "X,Y,W,H] "
       "[--landmarks|--model-landmarks] [--markers points.csv] [--marker-exclusion-px R] "
       "[--focal PX|--calibration camera.yml] [--mirror] [--freeze GROUP] [--refine-identity] "
       "[--profile s|m|l] [--cues LIST] [--mesh-operations N] [--count N] "
       "[--overlay out.y4m] [--sheet out.png] [--report report.html] [--truth truth.csv]",
       {{"--frames", "SOURCE",
-        "a Y4M file, a folder of PGM or PPM images, - for Y4M on standard input, or camera:[ID|INDEX][@WxH]"},
-       {"--init", "INITIAL", "the initial state in frame 0: a fit.json, or a points.csv to fit the model to"},
+        "a video (other formats than Y4M need the program ffmpeg), a folder of PNG, JPEG or PNM pictures, - "
+        "for Y4M "
+        "on standard input, or camera:[ID|INDEX][@WxH]",
+        Takes::input},
+       {"--init", "INITIAL", "the initial state in frame 0: a fit.json, or a points.csv to fit the model to",
+        Takes::input},
        {"--box", "X,Y,W,H", "the face in frame 0: upper left corner and size, as pliant detect writes it"},
        {"--box-of", "WHOSE",
         "pliant (default); opencv: the square of its cascades; landmarks: brows to chin, ear to ear"},
-       {"--out", "CSV", "the track to write: one row per frame"},
+       {"--out", "CSV", "the track to write: one row per frame, each as soon as it is known", Takes::output},
        {"--landmarks", nullptr,
         "also write the image position of every landmark; a landmark of --init keeps its offset from the "
         "fitted model, as far as noise does not explain the offset"},
        {"--model-landmarks", nullptr, "also write the image position of every landmark, all without offsets"},
        {"--markers", "CSV",
         "landmark,x,y in frame 0: points to track with the surface and to write, which the tracker never "
-        "uses"},
+        "uses",
+        Takes::input},
        {"--marker-exclusion-px", "R", "distance that templates keep from markers (8)"},
        {"--focal", "PX", "focal length, if known"},
-       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them"},
+       {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them", Takes::input},
        {"--mirror", nullptr,
         "mirror every frame first; initial state, markers and results are those of the mirrored frames"},
        {"--freeze", "GROUP", "parameters to keep: identity (default), or expression to track the pose alone"},
@@ -194,11 +199,11 @@ Command track_command() {
        {"--cues", "LIST", "observations to use, of patch,flow,edge (all)"},
        {"--mesh-operations", "N",
         "splits and welds per frame, with which the mesh adapts to view and texture (0)"},
-       {"--overlay", "Y4M", "the video with the mesh drawn on it"},
-       {"--sheet", "PNG", "nine frames of the overlay in one picture"},
-       {"--truth", "CSV", "the truth of a rendered video, to compare the track with"},
+       {"--overlay", "Y4M", "the video with the mesh drawn on it", Takes::output},
+       {"--sheet", "PNG", "nine frames of the overlay in one picture", Takes::output},
+       {"--truth", "CSV", "the truth of a rendered video, to compare the track with", Takes::input},
        {"--report", "HTML",
-        "a page with nine frames, and charts of state, pose, parameters, times and memory"}},
+        "a page with nine frames, and charts of state, pose, parameters, times and memory", Takes::output}},
       1,
       run_track};
 }

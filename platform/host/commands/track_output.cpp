@@ -33,7 +33,7 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
       with_landmarks_(has_landmarks(args)),
       marker_count_(marker_names.size()),
       rate_(rate) {
-  if (const auto path = args.text("--overlay")) overlay_ = std::make_unique<Y4mOutput>(*path, rate);
+  if (const auto path = args.text("--overlay")) overlay_ = std::make_unique<Y4mWriter>(*path, rate);
   if (const auto path = args.text("--sheet")) sheet_file_ = std::make_unique<OutputFile>(*path);
   if (const auto path = args.text("--report")) {
     report_file_ = std::make_unique<OutputFile>(*path);

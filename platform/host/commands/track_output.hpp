@@ -12,7 +12,7 @@
 #include "host/io/files.hpp"
 #include "host/io/track_table.hpp"
 #include "host/io/truth.hpp"
-#include "host/io/y4m_output.hpp"
+#include "host/io/y4m_writer.hpp"
 #include "host/render/sheet.hpp"
 #include "pliant/tracker.hpp"
 
@@ -57,7 +57,7 @@ class TrackOutput {
   bool with_landmarks_;
   std::size_t marker_count_;
   FrameRate rate_;
-  std::unique_ptr<Y4mOutput> overlay_;
+  std::unique_ptr<Y4mWriter> overlay_;
   std::unique_ptr<OutputFile> sheet_file_;
   std::unique_ptr<TruthComparison> truth_;
   ContactSheet sheet_;

@@ -60,13 +60,13 @@ CsvTable::CsvTable(std::string source, std::string_view text) : source_(std::mov
   }
   if (columns_.empty()) fail_input(source_, "is empty: no header line");
   for (std::size_t i = 0; i < columns_.size(); ++i)
-    if (find_column(columns_[i]) != i) fail_input(source_, "two columns are called '" + columns_[i] + "'");
+    if (!index_.emplace(columns_[i], i).second)
+      fail_input(source_, "two columns are called '" + columns_[i] + "'");
 }
 
 std::optional<std::size_t> CsvTable::find_column(std::string_view name) const {
-  for (std::size_t i = 0; i < columns_.size(); ++i)
-    if (columns_[i] == name) return i;
-  return std::nullopt;
+  const auto found = index_.find(name);
+  return found == index_.end() ? std::nullopt : std::optional<std::size_t>(found->second);
 }
 
 std::size_t CsvTable::column(std::string_view name) const {

@@ -1,6 +1,8 @@
 #pragma once
 /// \file csv.hpp
 /// Reads CSV: a header line, then rows. Quotes are allowed; blank lines are skipped.
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,6 +36,7 @@ class CsvTable {
   };
   std::string source_;
   std::vector<std::string> columns_;
+  std::map<std::string, std::size_t, std::less<>> index_;  // of each column
   std::vector<Row> rows_;
 };
 

@@ -8,10 +8,30 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "host/io/failure.hpp"
 
 namespace pliant::host {
+
+namespace {
+
+/// Creates a file that did not exist, beside `target`, and tells its path. Null with errno set if that is impossible.
+std::FILE* create_beside(const std::string& target, std::string* path) {
+  constexpr int kMostNames = 1000;  // temporary files of one process in one folder
+  const auto folder = std::filesystem::path(target).parent_path();
+  for (int k = 0; k < kMostNames; ++k) {
+    *path = (folder / (".pliant-" + std::to_string(::getpid()) + "-" + std::to_string(k) + ".part")).string();
+    // O_EXCL: neither another process's file nor a symbolic link is ever opened.
+    const int file = ::open(path->c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file >= 0) return ::fdopen(file, "wb");
+    if (errno != EEXIST) break;
+  }
+  path->clear();
+  return nullptr;
+}
+
+}  // namespace
 
 std::string read_file(const std::string& path, std::size_t limit_bytes) {
   std::error_code ignored;
@@ -30,46 +50,46 @@ std::string read_file(const std::string& path, std::size_t limit_bytes) {
   return bytes;
 }
 
-PendingFile::PendingFile(std::string path) : path_(std::move(path)) {
+OutputFile::OutputFile(const std::string& path) : name_(path), target_(path) {
+  if (path == "-") {
+    name_ = "standard output";
+    file_ = stdout;
+    return;
+  }
   std::error_code ignored;
-  const auto status = std::filesystem::status(path_, ignored);
-  if (std::filesystem::is_directory(status)) fail_input(path_, "is a directory");
-  const bool is_special = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
-  working_path_ = is_special ? path_ : path_ + ".part";
-  std::FILE* file = std::fopen(working_path_.c_str(), "wb");
-  if (file == nullptr) fail_input(path_, std::string("cannot be written: ") + std::strerror(errno));
-  std::fclose(file);
-}
-
-PendingFile::~PendingFile() {
-  if (!committed_ && working_path_ != path_) std::remove(working_path_.c_str());
-}
-
-void PendingFile::commit() {
-  if (working_path_ != path_ && std::rename(working_path_.c_str(), path_.c_str()) != 0)
-    fail_input(path_, std::string("cannot be written: ") + std::strerror(errno));
-  committed_ = true;
-}
-
-OutputFile::OutputFile(const std::string& path)
-    : pending_(path), file_(std::fopen(pending_.working_path().c_str(), "wb")) {
+  const auto status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_directory(status)) fail_input(path, "is a directory");
+  if (std::filesystem::exists(status)) target_ = std::filesystem::canonical(path, ignored).string();
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    file_ = std::fopen(target_.c_str(), "wb");
+  else
+    file_ = create_beside(target_, &temporary_);
   if (file_ == nullptr) fail_input(path, std::string("cannot be written: ") + std::strerror(errno));
+  if (std::filesystem::exists(status)) ::fchmod(::fileno(file_), static_cast<mode_t>(status.permissions()));
 }
 
 OutputFile::~OutputFile() {
-  if (file_ != nullptr) std::fclose(file_);
+  if (file_ != nullptr && file_ != stdout) std::fclose(file_);
+  if (!temporary_.empty()) std::remove(temporary_.c_str());
+}
+
+void OutputFile::fail() const {
+  fail_input(name_, std::string("writing failed: ") + std::strerror(errno));
 }
 
 void OutputFile::write(std::string_view bytes) {
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size())
-    fail_input(pending_.path(), std::string("writing failed: ") + std::strerror(errno));
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail();
+  if (file_ == stdout && std::fflush(file_) != 0) fail();  // who reads a live track gets each row at once
 }
 
 void OutputFile::commit() {
-  const int result = std::fclose(file_);
-  file_ = nullptr;
-  if (result != 0) fail_input(pending_.path(), std::string("writing failed: ") + std::strerror(errno));
-  pending_.commit();
+  if (std::fflush(file_) != 0) fail();
+  if (file_ == stdout) return;
+  // The bytes are on the disk before the name is, so that a power cut leaves the old file or the new one.
+  if (!temporary_.empty() && ::fsync(::fileno(file_)) != 0) fail();
+  if (std::fclose(std::exchange(file_, nullptr)) != 0) fail();
+  if (!temporary_.empty() && std::rename(temporary_.c_str(), target_.c_str()) != 0) fail();
+  temporary_.clear();
 }
 
 void write_file(const std::string& path, std::string_view bytes) {

@@ -14,38 +14,29 @@ namespace pliant::host {
 /// Reads a file. Bad input if it cannot be read, is a directory or is larger than `limit_bytes`.
 std::string read_file(const std::string& path, std::size_t limit_bytes = std::size_t{1} << 28);
 
-/// A file that gets its name only when it is complete. The caller writes to `working_path()`; `commit` renames it to `path()`.
-/// Without `commit` the destructor removes it. If the path is a device or a pipe, it is written directly.
-class PendingFile {
- public:
-  /// Creates the working file. Bad input if that is impossible.
-  explicit PendingFile(std::string path);
-  ~PendingFile();
-  PendingFile(const PendingFile&) = delete;
-  PendingFile& operator=(const PendingFile&) = delete;
-
-  const std::string& path() const { return path_; }
-  const std::string& working_path() const { return working_path_; }
-  void commit();
-
- private:
-  std::string path_, working_path_;
-  bool committed_ = false;
-};
-
-/// A PendingFile with a function that writes to it.
+/// A file that gets its name only when it is complete. Until `commit`, the bytes are in a temporary file of its own beside it;
+/// without `commit` the destructor removes that. A symbolic link is followed: its target is replaced. A device or a pipe is
+/// written directly, and "-" is standard output.
 class OutputFile {
  public:
+  /// Creates the temporary file. Bad input if that is impossible.
   explicit OutputFile(const std::string& path);
   ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Appends bytes. Bad input, here or in `commit`, if the disk is full.
+  /// The path, or "standard output", as messages name it.
+  const std::string& name() const { return name_; }
+  /// Appends bytes. Bad input, here or in `commit`, if they cannot be written, for instance because the disk is full.
   void write(std::string_view bytes);
+  /// Flushes the bytes to the disk and gives the file its name. Nothing may be written afterwards.
   void commit();
 
  private:
-  PendingFile pending_;
-  std::FILE* file_;
+  [[noreturn]] void fail() const;
+
+  std::string name_, target_, temporary_;  // temporary_ is empty if the target is written directly
+  std::FILE* file_ = nullptr;
 };
 
 /// Writes a whole file.

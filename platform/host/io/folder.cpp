@@ -3,11 +3,34 @@
 #include <cctype>
 #include <filesystem>
 
+#include "host/io/failure.hpp"
+#include "host/io/image.hpp"
 #include "host/io/pnm.hpp"
 #include "host/io/sources.hpp"
+#include "host/io/words.hpp"
 
 namespace pliant::host {
 namespace {
+
+bool is_pnm(const std::string& ending) {
+  return ending == ".pgm" || ending == ".ppm" || ending == ".pnm";
+}
+
+std::string ending_of(const std::string& path) {
+  return in_lower_case(std::filesystem::path(path).extension().string());
+}
+
+Status read_luma(const std::string& path, LumaPicture& picture, std::string& message) {
+  if (is_pnm(ending_of(path))) return read_pnm(path, picture, message);
+  try {
+    Image grey = to_grey(read_image(path));
+    picture = {grey.width, grey.height, std::move(grey.pixels)};
+    return Status::ok;
+  } catch (const Failure& failure) {
+    message = failure.what();
+    return Status::io_error;
+  }
+}
 
 class PictureSource : public FrameSource {
  public:
@@ -23,7 +46,7 @@ class PictureSource : public FrameSource {
     // The first picture was read to know the size.
     if (index > 0) {
       std::string message;
-      if (const Status s = read_pnm(paths_[index], picture_, message); s != Status::ok)
+      if (const Status s = read_luma(paths_[index], picture_, message); s != Status::ok)
         return fail(s, message);
       if (picture_.width != width_ || picture_.height != height_)
         return fail(Status::size_mismatch, paths_[index] + ": is " + std::to_string(picture_.width) + "x" +
@@ -53,6 +76,11 @@ std::string number_at(const std::string& s, std::size_t& i) {
 
 }  // namespace
 
+bool has_picture_extension(const std::string& path) {
+  const std::string ending = ending_of(path);
+  return is_pnm(ending) || ending == ".png" || ending == ".jpg" || ending == ".jpeg";
+}
+
 bool is_naturally_before(const std::string& a, const std::string& b) {
   std::size_t i = 0, k = 0;
   while (i < a.size() && k < b.size()) {
@@ -72,7 +100,7 @@ bool is_naturally_before(const std::string& a, const std::string& b) {
 OpenedFrames open_pictures(std::vector<std::string> paths) {
   LumaPicture first;
   OpenedFrames opened;
-  if (read_pnm(paths.front(), first, opened.message) != Status::ok) return opened;
+  if (read_luma(paths.front(), first, opened.message) != Status::ok) return opened;
   opened.source = std::make_unique<PictureSource>(std::move(paths), std::move(first));
   return opened;
 }
@@ -82,10 +110,10 @@ OpenedFrames open_folder(const std::string& path) {
   std::error_code error;
   for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
        entry.increment(error))
-    if (has_pnm_extension(entry->path().string()) && !entry->is_directory())
+    if (has_picture_extension(entry->path().string()) && !entry->is_directory())
       names.push_back(entry->path().filename().string());
   if (error) return {nullptr, path + ": " + error.message()};
-  if (names.empty()) return {nullptr, path + ": no .pgm or .ppm picture in this folder"};
+  if (names.empty()) return {nullptr, path + ": no PNG, JPEG, PGM or PPM picture in this folder"};
   std::sort(names.begin(), names.end(), is_naturally_before);
   for (std::string& name : names) name = (std::filesystem::path(path) / name).string();
   return open_pictures(std::move(names));

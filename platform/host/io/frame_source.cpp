@@ -1,10 +1,12 @@
 #include "host/io/frame_source.hpp"
 
+#include <cstdio>
 #include <filesystem>
+#include <string_view>
 
 #include "host/io/camera_spec.hpp"
-#include "host/io/pnm.hpp"
 #include "host/io/sources.hpp"
+#include "host/io/words.hpp"
 
 namespace pliant::host {
 
@@ -23,6 +25,23 @@ Status FrameSource::next(FrameView& frame) {
   return Status::ok;
 }
 
+namespace {
+
+/// Whether a file is empty or begins as Y4M does. Files that are no plain files (a named pipe) are not read twice, and count
+/// as Y4M.
+bool is_y4m(const std::string& path, std::filesystem::file_status status) {
+  if (!std::filesystem::is_regular_file(status) || ends_with(in_lower_case(path), ".y4m")) return true;
+  constexpr std::string_view kBeginning = "YUV4MPEG2";
+  char bytes[kBeginning.size()] = {};
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr) return true;
+  const std::size_t got = std::fread(bytes, 1, sizeof bytes, file);
+  std::fclose(file);
+  return got == 0 || std::string_view(bytes, got) == kBeginning;
+}
+
+}  // namespace
+
 OpenedFrames open_frames(const std::string& name) {
   if (name == "-") return open_y4m(name);
   if (CameraSpec camera; parse_camera_spec(name, &camera)) return open_camera(camera);
@@ -31,8 +50,8 @@ OpenedFrames open_frames(const std::string& name) {
   if (status.type() == std::filesystem::file_type::not_found)
     return {nullptr, name + ": no such file or folder"};
   if (std::filesystem::is_directory(status)) return open_folder(name);
-  if (has_pnm_extension(name)) return open_pictures({name});
-  return open_y4m(name);
+  if (has_picture_extension(name)) return open_pictures({name});
+  return is_y4m(name, status) ? open_y4m(name) : open_video(name);
 }
 
 }  // namespace pliant::host

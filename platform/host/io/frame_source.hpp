@@ -1,6 +1,6 @@
 #pragma once
 /// \file frame_source.hpp
-/// Frames from a folder of pictures, a Y4M file, a Y4M stream on standard input or a camera.
+/// Frames from a folder of pictures, a video file, a Y4M stream on standard input or a camera.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -64,11 +64,11 @@ struct OpenedFrames {
   std::string message;                  ///< on failure one line that names the file and the error
 };
 
-/// "-": a Y4M stream on standard input; "camera:[ID or INDEX][@WxH]": a camera; a folder; a PGM or PPM picture (one
-/// frame); anything else is read as Y4M.
+/// "-": a Y4M stream on standard input; "camera:[ID or INDEX][@WxH]": a camera; a folder; a picture (one frame); a Y4M file;
+/// any other file is read through the ffmpeg program, if that is installed.
 OpenedFrames open_frames(const std::string& name);
 
-/// Opens all *.pgm, *.ppm and *.pnm of a folder, ordered by name; digits compare as numbers (2 before 10).
+/// Opens all PNG, JPEG and PNM pictures of a folder, ordered by name; digits compare as numbers (2 before 10).
 OpenedFrames open_folder(const std::string& path);
 /// Opens a Y4M file, or standard input for "-".
 OpenedFrames open_y4m(const std::string& path);

@@ -82,13 +82,6 @@ void to_luma(const std::uint8_t* row, const Header& h, std::uint8_t* out) {
 
 }  // namespace
 
-bool has_pnm_extension(const std::string& path) {
-  if (path.size() < 4) return false;
-  std::string end = path.substr(path.size() - 4);
-  for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return end == ".pgm" || end == ".ppm" || end == ".pnm";
-}
-
 Status read_pnm(const std::string& path, LumaPicture& picture, std::string& message) {
   const File file(std::fopen(path.c_str(), "rb"));
   if (!file) {

@@ -8,9 +8,6 @@
 
 namespace pliant::host {
 
-/// Whether a name ends in .pgm, .ppm or .pnm, in any case.
-bool has_pnm_extension(const std::string& path);
-
 struct LumaPicture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> pixels;  ///< rows without padding

@@ -1,5 +1,7 @@
 #include "host/io/points_file.hpp"
 
+#include <set>
+
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
@@ -27,6 +29,7 @@ std::vector<NamedPoint> parse_points(const std::string& source, const std::strin
   const CsvTable table(source, text);
   const std::size_t name = table.column("landmark"), x = table.column("x"), y = table.column("y");
   std::vector<NamedPoint> points;
+  std::set<std::string> names;
   for (std::size_t row = 0; row < table.row_count(); ++row) {
     NamedPoint point{table.cell(row, name),
                      {table.number(row, x), table.number(row, y)},
@@ -35,8 +38,8 @@ std::vector<NamedPoint> parse_points(const std::string& source, const std::strin
     if (magnitude(point.x.x) > kFarthest || magnitude(point.x.y) > kFarthest)
       fail_input(point.where, "a position is more than a million pixels away");
     if (point.name.empty()) fail_input(point.where, "a landmark has no name");
-    for (const NamedPoint& earlier : points)
-      if (earlier.name == point.name) fail_input(point.where, "landmark '" + point.name + "' appears twice");
+    if (!names.insert(point.name).second)
+      fail_input(point.where, "landmark '" + point.name + "' appears twice");
     points.push_back(std::move(point));
   }
   return points;

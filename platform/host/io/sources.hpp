@@ -1,5 +1,6 @@
 #pragma once
 // Functions that open the kinds of frame sources.
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,15 @@ namespace pliant::host {
 
 /// Opens these pictures, at least one, in this order. All must have the size of the first.
 OpenedFrames open_pictures(std::vector<std::string> paths);
+
+/// Whether a name ends as that of a picture: .png, .jpg, .jpeg, .pgm, .ppm or .pnm, in any case.
+bool has_picture_extension(const std::string& path);
+
+/// Opens a video file through the ffmpeg program, the first video track in it.
+OpenedFrames open_video(const std::string& path);
+class ChildProcess;
+/// Opens the Y4M stream that a program writes. `name` names it in messages.
+OpenedFrames open_y4m_from(std::unique_ptr<ChildProcess> program, const std::string& name);
 
 struct CameraSpec;
 /// Opens and starts a camera. Without libcamera in the build it returns an error.

@@ -11,6 +11,14 @@ inline bool ends_with(std::string_view text, std::string_view ending) {
   return text.size() >= ending.size() && text.substr(text.size() - ending.size()) == ending;
 }
 
+/// The text with its ASCII letters in lower case.
+inline std::string in_lower_case(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return out;
+}
+
 /// The text without blanks, tabs and carriage returns at its ends.
 inline std::string trimmed(std::string_view text) {
   constexpr const char* kBlanks = " \t\r";

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <vector>
 
+#include "host/io/child_process.hpp"
 #include "host/io/sources.hpp"
 #include "host/io/y4m_header.hpp"
 
@@ -12,12 +13,14 @@ namespace {
 
 constexpr std::size_t kMaxLine = 4096;  // longest accepted header, bytes
 
-// A file, or standard input. Only a file is closed.
+// A file, standard input, or the output of a program. Only a file is closed here.
 class Stream {
  public:
-  explicit Stream(std::FILE* file) : file_(file) {}
+  Stream(std::FILE* file, std::string name) : file_(file), name_(std::move(name)) {}
+  Stream(std::unique_ptr<ChildProcess> program, std::string name)
+      : program_(std::move(program)), file_(program_->stream()), name_(std::move(name)) {}
   ~Stream() {
-    if (file_ != stdin) std::fclose(file_);
+    if (file_ != stdin && program_ == nullptr) std::fclose(file_);
   }
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
@@ -45,15 +48,20 @@ class Stream {
     return have;
   }
   bool has_failed() const { return std::ferror(file_) != 0; }
+  const std::string& name() const { return name_; }
+  // At the end of the data: what a program that failed says; empty otherwise.
+  std::string why_it_ended() { return program_ == nullptr ? "" : program_->finish(); }
 
  private:
+  std::unique_ptr<ChildProcess> program_;
   std::FILE* file_;
+  std::string name_;
 };
 
 class Y4mSource : public FrameSource {
  public:
-  Y4mSource(std::unique_ptr<Stream> stream, std::string name, const Y4mHeader& header)
-      : stream_(std::move(stream)), name_(std::move(name)), header_(header) {
+  Y4mSource(std::unique_ptr<Stream> stream, const Y4mHeader& header)
+      : stream_(std::move(stream)), header_(header) {
     width_ = header.width;
     height_ = header.height;
     rate_ = header.rate;
@@ -64,7 +72,10 @@ class Y4mSource : public FrameSource {
     bool is_whole = false;
     const std::string line = stream_->line(is_whole);
     if (stream_->has_failed()) return fail(Status::io_error, at(index) + ": " + std::strerror(errno));
-    if (line.empty() && !is_whole) return Status::end_of_stream;
+    if (line.empty() && !is_whole) {
+      const std::string why = stream_->why_it_ended();
+      return why.empty() ? Status::end_of_stream : fail(Status::truncated, at(index) + ": ffmpeg: " + why);
+    }
     const bool is_frame = line.compare(0, 5, "FRAME") == 0 && (line.size() == 5 || line[5] == ' ');
     if (!is_whole && (is_frame || std::string("FRAME").compare(0, line.size(), line) == 0))
       return cut(index, (line.size() < 6 ? 6 - line.size() : 1) + header_.luma_bytes + header_.chroma_bytes);
@@ -90,13 +101,28 @@ class Y4mSource : public FrameSource {
     return fail(Status::truncated,
                 at(index) + " is cut off: " + std::to_string(missing) + " bytes are missing");
   }
-  std::string at(std::uint32_t index) const { return name_ + ": frame " + std::to_string(index); }
+  std::string at(std::uint32_t index) const { return stream_->name() + ": frame " + std::to_string(index); }
 
   std::unique_ptr<Stream> stream_;
-  std::string name_;
   Y4mHeader header_;
   std::vector<std::uint8_t> luma_, chroma_;
 };
+
+OpenedFrames open_stream(std::unique_ptr<Stream> stream) {
+  const std::string& name = stream->name();
+  bool is_whole = false;
+  const std::string line = stream->line(is_whole);
+  if (stream->has_failed()) return {nullptr, name + ": " + std::strerror(errno)};
+  if (line.empty() && !is_whole) {
+    const std::string why = stream->why_it_ended();
+    return {nullptr, name + (why.empty() ? ": is empty" : ": cannot be read as a video: " + why)};
+  }
+  Y4mHeader header;
+  if (const std::string wrong = parse_y4m_header(line, header); !wrong.empty())
+    return {nullptr, name + ": " + wrong};
+  if (!is_whole) return {nullptr, name + ": ends, or goes on without end, in its first line"};
+  return {std::make_unique<Y4mSource>(std::move(stream), header), {}};
+}
 
 }  // namespace
 
@@ -104,16 +130,11 @@ OpenedFrames open_y4m(const std::string& path) {
   const std::string name = path == "-" ? "standard input" : path;
   std::FILE* const file = path == "-" ? stdin : std::fopen(path.c_str(), "rb");
   if (file == nullptr) return {nullptr, name + ": " + std::strerror(errno)};
-  auto stream = std::make_unique<Stream>(file);
-  bool is_whole = false;
-  const std::string line = stream->line(is_whole);
-  if (stream->has_failed()) return {nullptr, name + ": " + std::strerror(errno)};
-  if (line.empty() && !is_whole) return {nullptr, name + ": is empty"};
-  Y4mHeader header;
-  if (const std::string wrong = parse_y4m_header(line, header); !wrong.empty())
-    return {nullptr, name + ": " + wrong};
-  if (!is_whole) return {nullptr, name + ": ends, or goes on without end, in its first line"};
-  return {std::make_unique<Y4mSource>(std::move(stream), name, header), {}};
+  return open_stream(std::make_unique<Stream>(file, name));
+}
+
+OpenedFrames open_y4m_from(std::unique_ptr<ChildProcess> program, const std::string& name) {
+  return open_stream(std::make_unique<Stream>(std::move(program), name));
 }
 
 }  // namespace pliant::host

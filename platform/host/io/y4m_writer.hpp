@@ -3,46 +3,34 @@
 /// Writes a Y4M file that players and ffmpeg read: grey, or colour as YUV 4:2:0 (BT.601, full range, and
 /// marked so).
 #include <cstdint>
-#include <cstdio>
 #include <string>
-#include <vector>
 
+#include "host/io/files.hpp"
 #include "host/io/frame_source.hpp"
+#include "host/io/image.hpp"
 
 namespace pliant::host {
 
+/// Writes pictures of one size, all grey or all colour as the first one. The file gets its name in `commit`.
 class Y4mWriter {
  public:
-  enum class Colour { mono, yuv420 };
+  /// \param path  a file, or "-" for standard output. Bad input if it cannot be created.
+  Y4mWriter(const std::string& path, FrameRate rate) : file_(path), rate_(rate) {}
 
-  Y4mWriter() = default;
-  ~Y4mWriter();
-  Y4mWriter(const Y4mWriter&) = delete;
-  Y4mWriter& operator=(const Y4mWriter&) = delete;
-
-  /// Creates the file (or takes standard output for "-") and writes its header. `bad_argument` for an
-  /// impossible size or rate, or if one is open already; `io_error` with message() otherwise.
-  Status open(const std::string& path, int width, int height, FrameRate rate, Colour colour);
-  /// Appends a grey frame: width * height bytes. In a colour file its chroma is neutral.
-  Status write_luma(const std::uint8_t* luma);
-  /// Appends a colour frame: red, green, blue, interleaved, 3 * width * height bytes. In a grey file its
-  /// luma.
-  Status write_rgb(const std::uint8_t* rgb);
-  /// Flushes and closes. `io_error` if anything did not reach the file.
-  Status close();
-
-  const std::string& message() const { return message_; }
+  /// Appends a frame. Bad input: another size than the first one's, a size outside 1 to 16384 pixels a side, or a failed
+  /// write.
+  void write(const Image& image);
+  void commit() { file_.commit(); }
 
  private:
-  Status write_frame();
-  Status fail();
-  void set_chroma(const std::uint8_t* rgb);
+  void begin(const Image& first);
+  void set_chroma(const Image& image);
 
-  std::FILE* file_ = nullptr;
-  std::string name_, message_;
-  int width_ = 0, height_ = 0;
-  Colour colour_ = Colour::mono;
-  std::vector<std::uint8_t> frame_;  // luma, then both chroma planes
+  OutputFile file_;
+  FrameRate rate_;
+  ImageSize size_{0, 0};
+  bool is_grey_ = true;
+  std::string frame_;  // luma, then both chroma planes
 };
 
 }  // namespace pliant::host

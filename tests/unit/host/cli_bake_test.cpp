@@ -85,7 +85,7 @@ TEST_CASE("bake refuses OBJ names that do not fit or are there twice, and writes
   fs::copy(folder.folder + "/flap.obj", folder.folder + "/sideLeft.obj");
   check_refused(words, {"side", ".obj: another file gives the parameter 'sideLeft' as well"});
   CHECK_FALSE(folder.has("m.plm"));
-  CHECK_FALSE(folder.has("m.plm.part"));
+  CHECK(folder.temporary_count() == 0);
 }
 
 TEST_CASE("bake prints the error of the table against its source, and of each parameter on request") {
@@ -119,8 +119,7 @@ TEST_CASE("bake shows progress over files and shapes on a terminal only") {
   CHECK(files != std::string::npos);
   CHECK(shapes != std::string::npos);
   CHECK(files < shapes);
-  const std::string wiped = "\r\x1b[K";
-  CHECK(err.str().substr(err.str().size() - wiped.size()) == wiped);
+  CHECK(err.str().back() == '\n');
   CHECK(run_words(words).err == "");
 }
 

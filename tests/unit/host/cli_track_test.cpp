@@ -237,7 +237,7 @@ TEST_CASE("a video that ends in mid-frame gives a row for every whole frame, one
   s.put("cut.y4m", whole.substr(0, head));
   check_refused(words, {"cut.y4m", "no frames"});
   CHECK_FALSE(s.has("t.csv"));
-  CHECK_FALSE(s.has("t.csv.part"));
+  CHECK(s.temporary_count() == 0);
 }
 
 TEST_CASE("a Y4M stream with a wrong size or without a header is refused in one line") {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/io/failure.hpp"
 #include "host/io/frame_source.hpp"
 #include "host/io/sources.hpp"
 #include "host/io/y4m_header.hpp"
@@ -145,7 +146,7 @@ TEST_CASE("one picture is a stream of one frame") {
 
 TEST_CASE("bad folders and pictures are named, after the good frames before them") {
   const Folder folder;
-  CHECK(contains(read_all(folder.path()).message, "no .pgm"));
+  CHECK(contains(read_all(folder.path()).message, "no PNG, JPEG, PGM or PPM picture"));
   CHECK(contains(read_all(folder.path() + "/absent").message, "absent: no such file"));
   folder.write("1.pgm", pgm(4, 4, 1));
   folder.write("2.pgm", pgm(4, 5, 1));
@@ -299,13 +300,15 @@ TEST_CASE("an unknown or zero rate is 25") {
 TEST_CASE("grey frames are written and read back without change") {
   const Folder folder;
   const std::string path = folder.path() + "/out.y4m";
-  Y4mWriter writer;
-  REQUIRE(writer.open(path, 5, 3, {30, 1}, Y4mWriter::Colour::mono) == Status::ok);
+  Y4mWriter writer(path, {30, 1});
+  Image grey(5, 3, 1);
   for (int first : {3, 60}) {
     const std::string g = grey_bytes(15, first);
-    CHECK(writer.write_luma(reinterpret_cast<const std::uint8_t*>(g.data())) == Status::ok);
+    std::copy(g.begin(), g.end(), grey.pixels.begin());
+    writer.write(grey);
   }
-  CHECK(writer.close() == Status::ok);
+  CHECK_FALSE(std::filesystem::exists(path));
+  writer.commit();
   const Run run = read_all(path);
   CHECK(run.end == Status::end_of_stream);
   REQUIRE(run.frames.size() == 2);
@@ -317,45 +320,40 @@ TEST_CASE("grey frames are written and read back without change") {
 TEST_CASE("the colour writer writes luma and the chroma of BT.601") {
   const Folder folder;
   const std::string path = folder.path() + "/out.y4m";
-  Y4mWriter writer;
-  REQUIRE(writer.open(path, 3, 2, {25, 1}, Y4mWriter::Colour::yuv420) == Status::ok);
+  Y4mWriter writer(path, {25, 1});
   // Left four pixels red, the right column (half a block, repeated) blue.
-  std::vector<std::uint8_t> rgb;
+  Image picture(3, 2, 3);
   for (int y = 0; y < 2; ++y)
-    for (int x = 0; x < 3; ++x)
-      rgb.insert(rgb.end(),
-                 {static_cast<std::uint8_t>(x < 2 ? 255 : 0), 0, static_cast<std::uint8_t>(x < 2 ? 0 : 255)});
-  CHECK(writer.write_rgb(rgb.data()) == Status::ok);
-  const std::vector<std::uint8_t> grey(6, 90);
-  CHECK(writer.write_luma(grey.data()) == Status::ok);
-  CHECK(writer.close() == Status::ok);
+    for (int x = 0; x < 3; ++x) picture.at(x, y)[x < 2 ? 0 : 2] = 255;
+  writer.write(picture);
+  writer.commit();
   const Run run = read_all(path);
-  REQUIRE(run.frames.size() == 2);
+  REQUIRE(run.frames.size() == 1);
   CHECK(run.frames[0] == std::string({'\x4c', '\x4c', '\x1d', '\x4c', '\x4c', '\x1d'}));
   std::ifstream file(path, std::ios::binary);
   std::string line;
   std::getline(file, line);
   CHECK(contains(line, "C420jpeg"));
   std::string bytes((std::istreambuf_iterator<char>(file)), {});
-  REQUIRE(bytes.size() == 2 * (6 + 6 + 4));
+  REQUIRE(bytes.size() == 6 + 6 + 4);
   // Cb of red 85 and of blue 255; Cr of red 255 and of blue 107.
   CHECK(bytes.substr(12, 4) == std::string({'\x55', '\xff', '\xff', '\x6b'}));
-  CHECK(bytes.substr(28, 4) == std::string(4, '\x80'));
 }
 
-TEST_CASE("a writer that cannot write returns an error") {
-  Y4mWriter writer;
-  CHECK(writer.open("/nowhere/at/all.y4m", 4, 3, {}, Y4mWriter::Colour::mono) == Status::io_error);
-  CHECK(contains(writer.message(), "/nowhere/at/all.y4m: "));
-  CHECK(writer.open("x.y4m", 0, 3, {}, Y4mWriter::Colour::mono) == Status::bad_argument);
-  CHECK(writer.write_luma(nullptr) == Status::not_ready);
-  CHECK(writer.close() == Status::not_ready);
+TEST_CASE("a writer that cannot write says why") {
+  const Folder folder;
+  const std::string path = folder.path() + "/out.y4m";
+  CHECK_THROWS_WITH_AS(Y4mWriter("/nowhere/at/all.y4m", {}), doctest::Contains("/nowhere/at/all.y4m: "),
+                       Failure);
+  Y4mWriter writer(path, {});
+  CHECK_THROWS_AS(writer.write(Image(0, 3, 1)), Failure);
+  writer.write(Image(4, 3, 1));
+  CHECK_THROWS_AS(writer.write(Image(4, 3, 3)), Failure);
+  CHECK_THROWS_AS(writer.write(Image(3, 4, 1)), Failure);
   if (std::filesystem::exists("/dev/full")) {
-    REQUIRE(writer.open("/dev/full", 4, 3, {}, Y4mWriter::Colour::mono) == Status::ok);
-    const std::vector<std::uint8_t> grey(12, 1);
-    (void)writer.write_luma(grey.data());
-    CHECK(writer.close() == Status::io_error);
-    CHECK(contains(writer.message(), "/dev/full: "));
+    Y4mWriter full("/dev/full", {});
+    full.write(Image(4, 3, 1));
+    CHECK_THROWS_WITH_AS(full.commit(), doctest::Contains("/dev/full: "), Failure);
   }
 }
 
@@ -367,4 +365,22 @@ TEST_CASE("'-' is standard input") {
   CHECK(run.frames.size() == 1);
   CHECK(run.end == Status::truncated);
   CHECK(run.message == "standard input: frame 1 is cut off: 9 bytes are missing");
+}
+
+TEST_CASE("a folder may hold PNG, JPEG and PNM pictures, and names the damaged one") {
+  const Folder folder;
+  Image grey(8, 8, 1, 77);
+  folder.write("1.png", encode_png(grey));
+  folder.write("2.JPG", encode_jpeg(grey, 95));
+  folder.write("3.pgm", pgm(8, 8, 9));
+  const Run run = read_all(folder.path());
+  CHECK(run.end == Status::end_of_stream);
+  REQUIRE(run.frames.size() == 3);
+  CHECK(run.frames[0] == std::string(64, 77));
+  CHECK(run.frames[1] == run.frames[0]);
+  CHECK(run.frames[2] == grey_bytes(64, 9));
+  folder.write("2.JPG", "no picture");
+  const Run damaged = read_all(folder.path());
+  CHECK(damaged.frames.size() == 1);
+  CHECK(contains(damaged.message, "2.JPG: is not a picture"));
 }

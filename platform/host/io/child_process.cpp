@@ -1,0 +1,77 @@
+#include "host/io/child_process.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <utility>
+
+#include "host/io/words.hpp"
+
+extern char** environ;
+
+namespace pliant::host {
+
+namespace {
+
+/// The last line of a file that is not blank.
+std::string last_line(std::FILE* file) {
+  constexpr long kEnd = 4096;  // bytes; lines of an error message are shorter
+  if (std::fseek(file, -kEnd, SEEK_END) != 0) std::rewind(file);
+  char bytes[kEnd];
+  const std::string text(bytes, std::fread(bytes, 1, sizeof bytes, file));
+  const std::size_t end = text.find_last_not_of(" \t\r\n");
+  if (end == std::string::npos) return "";
+  const std::size_t before = text.rfind('\n', end);
+  return trimmed(text.substr(before + 1, end - before));
+}
+
+}  // namespace
+
+std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>& words, Pipe pipe) {
+  int ends[2];
+  std::FILE* errors = std::tmpfile();
+  if (errors == nullptr || ::pipe2(ends, O_CLOEXEC) != 0) {
+    if (errors != nullptr) std::fclose(errors);
+    return nullptr;
+  }
+  const bool reads = pipe == Pipe::from_output;
+  const int ours = ends[reads ? 0 : 1], theirs = ends[reads ? 1 : 0];
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, theirs, reads ? STDOUT_FILENO : STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&actions, reads ? STDIN_FILENO : STDOUT_FILENO, "/dev/null",
+                                   reads ? O_RDONLY : O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, ::fileno(errors), STDERR_FILENO);
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  pid_t id = -1;
+  const int error = ::posix_spawnp(&id, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  ::close(theirs);
+  std::FILE* stream = error == 0 ? ::fdopen(ours, reads ? "rb" : "wb") : nullptr;
+  if (stream != nullptr) return std::unique_ptr<ChildProcess>(new ChildProcess(id, stream, errors));
+  ::close(ours);
+  std::fclose(errors);
+  return nullptr;
+}
+
+std::string ChildProcess::finish() {
+  if (stream_ != nullptr) std::fclose(std::exchange(stream_, nullptr));
+  int status = 0;
+  if (id_ > 0) ::waitpid(std::exchange(id_, -1), &status, 0);
+  if (status == 0) return "";
+  const std::string line = last_line(errors_);
+  return line.empty() ? "failed" : line;
+}
+
+ChildProcess::~ChildProcess() {
+  if (id_ > 0) ::kill(id_, SIGTERM);
+  finish();
+  std::fclose(errors_);
+}
+
+}  // namespace pliant::host

@@ -1,0 +1,21 @@
+// Reads a video of any format through the ffmpeg program.
+#include "host/io/child_process.hpp"
+#include "host/io/sources.hpp"
+
+namespace pliant::host {
+
+OpenedFrames open_video(const std::string& path) {
+  // "file:" makes a name with a colon or a leading dash a file's name, and the list of protocols keeps a playlist from opening
+  // anything but files.
+  auto ffmpeg = ChildProcess::start(
+      {"ffmpeg", "-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i", "file:" + path, "-map",
+       "0:v:0", "-f", "yuv4mpegpipe", "-pix_fmt", "gray", "-strict", "-1", "-"},
+      ChildProcess::Pipe::from_output);
+  if (ffmpeg == nullptr)
+    return {
+        nullptr,
+        path + ": is no Y4M; the program ffmpeg would read it, but is not installed (apt install ffmpeg)"};
+  return open_y4m_from(std::move(ffmpeg), path);
+}
+
+}  // namespace pliant::host

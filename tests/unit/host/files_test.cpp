@@ -1,0 +1,122 @@
+// Files that get their names when they are complete, and options that name files.
+#include "host/io/files.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "cli_run.hpp"
+#include "host/io/failure.hpp"
+
+using namespace pliant::host;
+using namespace cli_run;
+
+TEST_CASE("a file has its old contents until commit, and keeps them without it") {
+  const Folder folder;
+  const std::string path = folder.put("a.txt", "old");
+  {
+    OutputFile file(path);
+    file.write("half");
+    CHECK(read_file(path) == "old");
+    CHECK(folder.temporary_count() == 1);
+  }
+  CHECK(read_file(path) == "old");
+  CHECK(folder.file_count() == 1);
+  write_file(path, "new");
+  CHECK(read_file(path) == "new");
+  CHECK(folder.file_count() == 1);
+}
+
+TEST_CASE("two writers of one file do not mix: the last commit wins") {
+  const Folder folder;
+  const std::string path = folder / "a.txt";
+  OutputFile first(path), second(path);
+  first.write("first, ");
+  second.write("second");
+  first.write("whole");
+  first.commit();
+  CHECK(read_file(path) == "first, whole");
+  second.commit();
+  CHECK(read_file(path) == "second");
+  CHECK(folder.file_count() == 1);
+}
+
+TEST_CASE(
+    "a link to a file stays a link, and nothing is written through a link with the temporary file's name") {
+  const Folder folder;
+  folder.put("target.txt", "old");
+  fs::create_symlink("target.txt", folder.path / "link.txt");
+  write_file(folder / "link.txt", "new");
+  CHECK(fs::is_symlink(folder.path / "link.txt"));
+  CHECK(read_file(folder / "target.txt") == "new");
+
+  folder.put("victim.txt", "untouched");
+  const std::string process = std::to_string(getpid());
+  fs::create_symlink("victim.txt", folder.path / (".pliant-" + process + "-0.part"));
+  write_file(folder / "a.txt", "text");
+  CHECK(read_file(folder / "victim.txt") == "untouched");
+  CHECK(read_file(folder / "a.txt") == "text");
+}
+
+TEST_CASE("a file keeps its permissions, and a new one has those of the process") {
+  const Folder folder;
+  const auto mode_of = [&](const std::string& name) {
+    struct stat facts = {};
+    REQUIRE(::stat((folder / name).c_str(), &facts) == 0);
+    return facts.st_mode & 0777u;
+  };
+  const mode_t before = ::umask(027);
+  write_file(folder / "new.txt", "text");
+  ::umask(before);
+  CHECK(mode_of("new.txt") == 0640u);
+  REQUIRE(::chmod((folder / "new.txt").c_str(), 0604) == 0);
+  write_file(folder / "new.txt", "more");
+  CHECK(mode_of("new.txt") == 0604u);
+}
+
+TEST_CASE("a name as long as the file system allows can be written") {
+  const Folder folder;
+  const std::string path = folder / std::string(255, 'x');
+  write_file(path, "text");
+  CHECK(read_file(path) == "text");
+}
+
+TEST_CASE("a folder, a missing folder and a full device are refused by name") {
+  const Folder folder;
+  CHECK_THROWS_WITH_AS(OutputFile(folder.path.string()), doctest::Contains("is a directory"), Failure);
+  CHECK_THROWS_WITH_AS(OutputFile(folder / "none/a.txt"), doctest::Contains("none/a.txt: cannot be written"),
+                       Failure);
+  if (!fs::exists("/dev/full")) return;
+  CHECK_THROWS_WITH_AS(write_file("/dev/full", "text"), doctest::Contains("/dev/full: writing failed"),
+                       Failure);
+  CHECK(fs::exists("/dev/full"));
+}
+
+TEST_CASE("an output that is an input, two outputs of one name and a name of another format are bad usage") {
+  const Folder folder;
+  const std::string video = folder.put("v.y4m", "video"), model = folder.put("m.plm", "model");
+  fs::create_symlink("v.y4m", folder.path / "same.y4m");
+  const std::vector<std::string> track{"track", model, "--frames", video};
+  const struct {
+    std::vector<std::string> more;
+    const char* part;
+  } cases[] = {
+      {{"--out", video}, "--out would overwrite the input"},
+      {{"--out", model}, "--out would overwrite the input"},
+      {{"--out", folder / "t.csv", "--overlay", folder / "same.y4m"}, "--overlay would overwrite the input"},
+      {{"--out", folder / "t", "--report", folder / "t"}, "two outputs have the name"},
+      {{"--out", "-", "--overlay", "-"}, "two outputs have the name -"},
+      {{"--out", folder / "t.csv", "--overlay", folder / "o.mp4"}, "--overlay writes Y4M"},
+      {{"--out", folder / "t.csv", "--sheet", folder / "s.JPG"}, "--sheet writes PNG"},
+      {{"--out", folder / "t.json"}, "--out writes CSV"},
+  };
+  for (const auto& c : cases) {
+    std::vector<std::string> words = track;
+    words.insert(words.end(), c.more.begin(), c.more.end());
+    const Ran r = run_words(words);
+    CAPTURE(r.err);
+    CHECK(r.code == 2);
+    CHECK(contains(r.err, c.part));
+  }
+  CHECK(read_file(video) == "video");
+  CHECK(folder.file_count() == 3);
+}

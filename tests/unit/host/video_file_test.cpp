@@ -1,0 +1,111 @@
+// Videos through the ffmpeg program: a stand-in for it on PATH, which shows how it is called and how its failure is told; and
+// the program itself, where it is installed.
+#include <cstdlib>
+
+#include "cli_run.hpp"
+#include "host/io/child_process.hpp"
+#include "host/io/files.hpp"
+#include "host/io/frame_source.hpp"
+
+using namespace pliant;
+using namespace pliant::host;
+using namespace cli_run;
+
+namespace {
+
+/// PATH with a folder in front, or that folder alone, until the object's end.
+class SearchPath {
+ public:
+  SearchPath(const std::string& folder, bool is_alone) : before_(std::getenv("PATH")) {
+    setenv("PATH", is_alone ? folder.c_str() : (folder + ":" + before_).c_str(), 1);
+  }
+  ~SearchPath() { setenv("PATH", before_.c_str(), 1); }
+  SearchPath(const SearchPath&) = delete;
+  SearchPath& operator=(const SearchPath&) = delete;
+
+ private:
+  std::string before_;
+};
+
+void put_program(const Folder& folder, const std::string& name, const std::string& script) {
+  fs::permissions(folder.put(name, "#!/bin/sh\n" + script), fs::perms::owner_all);
+}
+
+std::size_t frame_count(FrameSource& source, Status* end) {
+  FrameView frame;
+  std::size_t count = 0;
+  while ((*end = source.next(frame)) == Status::ok) ++count;
+  return count;
+}
+
+const char* const kTwoFrames = "printf 'YUV4MPEG2 W2 H1 F25:1 Cmono\\nFRAME\\nabFRAME\\ncd'\n";
+
+}  // namespace
+
+TEST_CASE("a file that is no Y4M is read through ffmpeg, and its name is never a word of a shell") {
+  const Folder folder;
+  put_program(folder, "ffmpeg",
+              "for a in \"$@\"; do echo \"$a\" >> \"${0%/*}/words\"; done\n" + std::string(kTwoFrames));
+  const SearchPath path(folder.path.string(), false);
+  const std::string name = "a clip; touch 'x' $(touch y).mp4";
+  const OpenedFrames opened = open_frames(folder.put(name, "not a video of ours"));
+  REQUIRE(opened.source != nullptr);
+  CHECK(opened.source->width() == 2);
+  Status end;
+  CHECK(frame_count(*opened.source, &end) == 2);
+  CHECK(end == Status::end_of_stream);
+  CHECK(contains(read_file(folder / "words"), "-i\nfile:" + (folder / name) + "\n"));
+  CHECK_FALSE(folder.has("x"));
+  CHECK_FALSE(folder.has("y"));
+}
+
+TEST_CASE("what ffmpeg says of its failure is told, at the start and after some frames") {
+  const Folder folder;
+  put_program(folder, "ffmpeg", "echo 'first line' >&2; echo 'no such codec' >&2; exit 1\n");
+  const SearchPath path(folder.path.string(), false);
+  const std::string clip = folder.put("clip.mov", "x");
+  const OpenedFrames none = open_frames(clip);
+  CHECK(none.source == nullptr);
+  CHECK(none.message == clip + ": cannot be read as a video: no such codec");
+  put_program(folder, "ffmpeg", kTwoFrames + std::string("echo 'damaged' >&2; exit 1\n"));
+  const OpenedFrames some = open_frames(clip);
+  REQUIRE(some.source != nullptr);
+  Status end;
+  CHECK(frame_count(*some.source, &end) == 2);
+  CHECK(end == Status::truncated);
+  CHECK(some.source->message() == clip + ": frame 2: ffmpeg: damaged");
+}
+
+TEST_CASE("without ffmpeg the message says what to install; Y4M and empty files do not need it") {
+  const Folder folder;
+  const SearchPath path(folder.path.string(), true);
+  const OpenedFrames none = open_frames(folder.put("clip.mp4", "x"));
+  CHECK(none.source == nullptr);
+  CHECK(contains(none.message, "install ffmpeg"));
+  CHECK(contains(open_frames(folder.put("empty.mp4", "")).message, "is empty"));
+  CHECK(open_frames(folder.put("video", "YUV4MPEG2 W2 H1 F25:1 Cmono\nFRAME\nab")).source != nullptr);
+}
+
+TEST_CASE("a source that is dropped early ends the program behind it") {
+  const Folder folder;
+  put_program(folder, "ffmpeg", kTwoFrames + std::string("exec sleep 600\n"));
+  const SearchPath path(folder.path.string(), false);
+  CHECK(open_frames(folder.put("clip.mp4", "x")).source != nullptr);
+}
+
+TEST_CASE("ffmpeg itself reads what it wrote" *
+          doctest::skip(std::system("ffmpeg -version >/dev/null 2>&1") != 0)) {
+  const Folder folder;
+  const std::string command =
+      "ffmpeg -v error -f lavfi -i testsrc=s=64x48:d=0.4:r=25 " + (folder / "clip.mp4");
+  REQUIRE(std::system(command.c_str()) == 0);
+  const OpenedFrames opened = open_frames(folder / "clip.mp4");
+  REQUIRE(opened.source != nullptr);
+  CHECK(opened.source->height() == 48);
+  CHECK(opened.source->rate().per_second() == 25);
+  Status end;
+  CHECK(frame_count(*opened.source, &end) == 10);
+  CHECK(end == Status::end_of_stream);
+  const OpenedFrames bad = open_frames(folder.put("bad.mp4", "this is no video"));
+  CHECK(contains(bad.message, "bad.mp4: cannot be read as a video: "));
+}
