@@ -4,6 +4,12 @@ namespace pliant {
 
 namespace {
 constexpr const VisibleSurfaceTuning& kTuning = kVisibleSurfaceTuning;
+
+/// How far x is from the smallest range that has a, b and c; 0 within it.
+float distance_to_range(float x, float a, float b, float c) {
+  return max(max(min(a, min(b, c)) - x, x - max(a, max(b, c))), 0);
+}
+
 }  // namespace
 
 void VisibleSurface::lay_out(Arena& arena, std::size_t parameters, const VisibleSurfaceLimits& limits) {
@@ -41,7 +47,7 @@ Status VisibleSurface::start(const Model& model) {
 void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy) {
   policy_ = policy;
   copy(state.q, parameters_, surface_q_);
-  cascade.select(surface_q_);
+  select_surface(cascade);
   const Surface surface{
       &cascade, [](void* context, Vec2 uv) { return static_cast<Cascade*>(context)->selected_point(uv); }};
   contour_criterion_ = {};
@@ -62,9 +68,14 @@ void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const Mesh
   for (VertexId v : mesh_.vertices()) place_vertex(cascade, state.q, v);
 }
 
+/// The surface that the mesh is adapted to. A vector that hardly moves a vertex bends a triangle by much less.
+void VisibleSurface::select_surface(Cascade& cascade) const {
+  cascade.select(surface_q_, keeps_samples() ? 0 : kTuning.table_slack_mm);
+}
+
 void VisibleSurface::follow_view(Cascade& cascade, const ModelState& state, std::uint32_t frame) {
   if (policy_.operations == 0) return;
-  cascade.select(surface_q_);
+  select_surface(cascade);
   policy_.view.pose = pose_of(state.view);
   constexpr int kParts = kTuning.rank_interval_frames;
   adapter_.rerank(static_cast<int>(frame % static_cast<std::uint32_t>(kParts)), kParts);
@@ -154,11 +165,16 @@ Span<const SilhouettePoint> VisibleSurface::find_contour(const View& view, std::
   return {contour_.data, count};
 }
 
-/// The nearest visible point on the flat faces; of several, the one nearest to the camera.
+/// The nearest visible point on the flat faces; of several, the one nearest to the camera. A face is skipped if its
+/// bounding box is farther along one axis than the best one so far.
 float VisibleSurface::nearest_on_mesh(Vec2 x, Vec2* uv) const {
   float best = 1e30f, best_depth = 1e30f, distance = -1;
   for (FaceId f : mesh_.faces()) {
     const VertexId a = mesh_.corner(f, 0), b = mesh_.corner(f, 1), c = mesh_.corner(f, 2);
+    const float beside = distance_to_range(x.x, image_[a].x, image_[b].x, image_[c].x);
+    if (beside * beside > best) continue;
+    const float above = distance_to_range(x.y, image_[a].y, image_[b].y, image_[c].y);
+    if (above * above > best) continue;
     if (depth_[a] <= 0 || depth_[b] <= 0 || depth_[c] <= 0 || !faces_camera(mesh_, image_, f)) continue;
     float w[3];
     const float d2 = nearest_on_triangle(image_[a], image_[b], image_[c], x, w);

@@ -101,18 +101,18 @@ CubicTaps cubic_taps(std::size_t cell, float a, std::size_t count, bool first_is
   return t;
 }
 
-template <class Integer, std::size_t n>
+/// One function for all kinds of samples: it is used less than the bilinear one, and has more code.
 void interpolate_bicubic(const std::uint8_t* samples, const Field& f, const Cell& cell, Interpolated& out) {
-  const std::size_t row = std::size_t{f.width} * n;
+  const std::size_t n = f.components, bytes = f.bits / 8u, row = f.width * n;
   const CubicTaps tu = cubic_taps(cell.i, cell.a, f.width, f.u0 > 0, f.u1 < 1);
   const CubicTaps tv = cubic_taps(cell.j, cell.b, f.height, f.v0 > 0, f.v1 < 1);
   for (std::size_t l = 0; l < 4; ++l) {
     float value[3] = {}, along[3] = {};
-    const std::uint8_t* start = samples + f.first_byte + tv.at[l] * row * sizeof(Integer);
+    const std::uint8_t* start = samples + f.first_byte + tv.at[l] * row * bytes;
     for (std::size_t k = 0; k < 4; ++k) {
-      const std::uint8_t* p = start + tu.at[k] * n * sizeof(Integer);
-      for (std::size_t c = 0; c < n; ++c, p += sizeof(Integer)) {
-        const float s = read<Integer>(p);
+      const std::uint8_t* p = start + tu.at[k] * n * bytes;
+      for (std::size_t c = 0; c < n; ++c, p += bytes) {
+        const float s = f.bits == 16 ? read<std::int16_t>(p) : read<std::int8_t>(p);
         value[c] += tu.weight[k] * s;
         along[c] += tu.slope[k] * s;
       }
@@ -125,18 +125,6 @@ void interpolate_bicubic(const std::uint8_t* samples, const Field& f, const Cell
   }
 }
 
-template <class Integer, std::size_t n>
-Interpolated interpolate(const std::uint8_t* samples, const Field& f, const Cell& cell, Interpolation how,
-                         bool with_gradient) {
-  Interpolated s;
-  s.with_gradient = with_gradient;
-  if (how == Interpolation::bicubic)
-    interpolate_bicubic<Integer, n>(samples, f, cell, s);
-  else
-    interpolate_bilinear<Integer, n>(samples, f, cell, s);
-  return s;
-}
-
 }  // namespace
 
 Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,
@@ -144,11 +132,14 @@ Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpol
   const Cell cell = locate(f, uv);
   if (du != nullptr) *du = *dv = {};
   if (!cell.inside) return {};
-  const bool with_gradient = du != nullptr;
-  const auto run = f.bits == 16
-                       ? (f.components == 3 ? interpolate<std::int16_t, 3> : interpolate<std::int16_t, 1>)
-                       : (f.components == 3 ? interpolate<std::int8_t, 3> : interpolate<std::int8_t, 1>);
-  const Interpolated s = run(samples, f, cell, interpolation, with_gradient);
+  const auto bilinear =
+      f.bits == 16
+          ? (f.components == 3 ? interpolate_bilinear<std::int16_t, 3>
+                               : interpolate_bilinear<std::int16_t, 1>)
+          : (f.components == 3 ? interpolate_bilinear<std::int8_t, 3> : interpolate_bilinear<std::int8_t, 1>);
+  Interpolated s;
+  s.with_gradient = du != nullptr;
+  (interpolation == Interpolation::bicubic ? interpolate_bicubic : bilinear)(samples, f, cell, s);
   const bool flips = f.mirror && f.components == 3;
   const float sx = flips ? -f.scale[0] : f.scale[0], ox = flips ? -f.offset[0] : f.offset[0];
   if (du != nullptr) {
