@@ -145,7 +145,8 @@ int run_track(const Args& args, Console& console) {
   Progress progress(console, "frame");
   // A camera's stream has no end: Ctrl-C ends it, and the result is kept.
   const InterruptWatch watch(frames.is_live());
-  for (int count = 1; count != last && !watch.was_interrupted() && frames.next(&frame); ++count) {
+  const auto goes_on = [&] { return !watch.was_interrupted() && output.is_watched(); };
+  for (int count = 1; count != last && goes_on() && frames.next(&frame); ++count) {
     run.track(frame);
     progress.show(static_cast<std::size_t>(count) + 1);
   }
@@ -166,7 +167,7 @@ Command track_command() {
       "[--landmarks|--model-landmarks] [--markers points.csv] [--marker-exclusion-px R] "
       "[--focal PX|--calibration camera.yml] [--mirror] [--freeze GROUP] [--refine-identity] "
       "[--profile s|m|l] [--cues LIST] [--mesh-operations N] [--count N] "
-      "[--overlay out.y4m] [--sheet out.png] [--report report.html] [--truth truth.csv]",
+      "[--overlay out.y4m] [--show] [--sheet out.png] [--report report.html] [--truth truth.csv]",
       {{"--frames", "SOURCE",
         "a video (other formats than Y4M need the program ffmpeg), a folder of PNG, JPEG or PNM pictures, - "
         "for Y4M "
@@ -200,6 +201,8 @@ Command track_command() {
        {"--mesh-operations", "N",
         "splits and welds per frame, with which the mesh adapts to view and texture (0)"},
        {"--overlay", "Y4M", "the video with the mesh drawn on it", Takes::output},
+       {"--show", nullptr,
+        "play that video while it is made, through the program ffplay; closing the window ends the track"},
        {"--sheet", "PNG", "nine frames of the overlay in one picture", Takes::output},
        {"--truth", "CSV", "the truth of a rendered video, to compare the track with", Takes::input},
        {"--report", "HTML",

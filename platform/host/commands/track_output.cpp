@@ -34,6 +34,7 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
       marker_count_(marker_names.size()),
       rate_(rate) {
   if (const auto path = args.text("--overlay")) overlay_ = std::make_unique<Y4mWriter>(*path, rate);
+  if (args.has("--show")) window_ = std::make_unique<LiveWindow>(rate);
   if (const auto path = args.text("--sheet")) sheet_file_ = std::make_unique<OutputFile>(*path);
   if (const auto path = args.text("--report")) {
     report_file_ = std::make_unique<OutputFile>(*path);
@@ -100,6 +101,7 @@ std::string TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
   const std::string line = summary(arena_bytes, focal_px);  // before the files, which add to the peak memory
   table_.commit();
   if (overlay_) overlay_->commit();
+  if (window_) window_->close();
   if (sheet_file_) {
     sheet_file_->write(encode_png(sheet_.image()));
     sheet_file_->commit();
@@ -150,7 +152,7 @@ TrackOutput::Points TrackOutput::project_markers(Tracker& tracker) const {
 
 void TrackOutput::draw(const TrackRow& row, const FrameView& frame, Estimator* estimator,
                        const Points& landmarks, const Points& markers, double milliseconds) {
-  if (!overlay_ && !sheet_file_ && !report_) return;
+  if (!overlay_ && !window_ && !sheet_file_ && !report_) return;
   Overlay overlay(image_of(frame));
   if (estimator != nullptr) estimator->refresh_vertices();
   if (row.state != TrackState::lost && estimator != nullptr) {
@@ -163,6 +165,7 @@ void TrackOutput::draw(const TrackRow& row, const FrameView& frame, Estimator* e
   overlay.draw_caption(std::to_string(row.frame) + "  " + state_text(row.state));
   overlay.draw_state(row.state);
   if (overlay_) overlay_->write(overlay.image());
+  if (window_) window_->show(overlay.image());
   if (sheet_file_) sheet_.add(overlay.image());
   if (report_) report_->add(row, overlay.image(), milliseconds);
 }

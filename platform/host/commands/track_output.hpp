@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/commands/args.hpp"
+#include "host/commands/live_window.hpp"
 #include "host/commands/track_report.hpp"
 #include "host/io/files.hpp"
 #include "host/io/track_table.hpp"
@@ -24,7 +25,7 @@ bool has_landmarks(const Args& args);
 /// The track table, and the overlay, sheet, report and comparison with a truth where the command line names them.
 class TrackOutput {
  public:
-  /// Opens the files that --out, --overlay, --sheet, --report and --truth name, and writes the header of the table.
+  /// Opens the files that --out, --overlay, --sheet, --report and --truth name and the window of --show, and writes the header of the table.
   TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
               FrameRate rate);
 
@@ -32,6 +33,9 @@ class TrackOutput {
   /// \param number, time_s  of the frame, since frame 0.
   /// \param milliseconds    that the update took; not counted for frame 0.
   void add(std::size_t number, double time_s, const FrameView& frame, Tracker& tracker, double milliseconds);
+
+  /// Whether someone still watches, where --show is given: the window was not closed.
+  bool is_watched() const { return window_ == nullptr || window_->is_open(); }
 
   /// Adds a frame that was searched for a face in vain: state lost, no pose, no parameters, no points.
   void add_lost(std::size_t number, double time_s, const FrameView& frame);
@@ -58,6 +62,7 @@ class TrackOutput {
   std::size_t marker_count_;
   FrameRate rate_;
   std::unique_ptr<Y4mWriter> overlay_;
+  std::unique_ptr<LiveWindow> window_;
   std::unique_ptr<OutputFile> sheet_file_;
   std::unique_ptr<TruthComparison> truth_;
   ContactSheet sheet_;

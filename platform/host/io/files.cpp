@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "host/io/child_process.hpp"
 #include "host/io/failure.hpp"
 
 namespace pliant::host {
@@ -68,8 +69,11 @@ OutputFile::OutputFile(const std::string& path) : name_(path), target_(path) {
   if (std::filesystem::exists(status)) ::fchmod(::fileno(file_), static_cast<mode_t>(status.permissions()));
 }
 
+OutputFile::OutputFile(std::unique_ptr<ChildProcess> program, const std::string& name)
+    : name_(name), program_(std::move(program)), file_(program_->stream()) {}
+
 OutputFile::~OutputFile() {
-  if (file_ != nullptr && file_ != stdout) std::fclose(file_);
+  if (file_ != nullptr && file_ != stdout && program_ == nullptr) std::fclose(file_);
   if (!temporary_.empty()) std::remove(temporary_.c_str());
 }
 
@@ -85,6 +89,10 @@ void OutputFile::write(std::string_view bytes) {
 void OutputFile::commit() {
   if (std::fflush(file_) != 0) fail();
   if (file_ == stdout) return;
+  if (program_ != nullptr) {
+    if (const std::string why = program_->finish(); !why.empty()) fail_input(name_, why);
+    return;
+  }
   // The bytes are on the disk before the name is, so that a power cut leaves the old file or the new one.
   if (!temporary_.empty() && ::fsync(::fileno(file_)) != 0) fail();
   if (std::fclose(std::exchange(file_, nullptr)) != 0) fail();

@@ -3,6 +3,7 @@
 /// Reads and writes whole files. Errors name the file; an incomplete file is never left behind.
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,8 @@
 #include "pliant/model.hpp"
 
 namespace pliant::host {
+
+class ChildProcess;
 
 /// Reads a file. Bad input if it cannot be read, is a directory or is larger than `limit_bytes`.
 std::string read_file(const std::string& path, std::size_t limit_bytes = std::size_t{1} << 28);
@@ -21,6 +24,8 @@ class OutputFile {
  public:
   /// Creates the temporary file. Bad input if that is impossible.
   explicit OutputFile(const std::string& path);
+  /// Writes to a program, which messages call `name`. `commit` waits for its end.
+  OutputFile(std::unique_ptr<ChildProcess> program, const std::string& name);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -36,6 +41,7 @@ class OutputFile {
   [[noreturn]] void fail() const;
 
   std::string name_, target_, temporary_;  // temporary_ is empty if the target is written directly
+  std::unique_ptr<ChildProcess> program_;  // which owns file_, if there is one
   std::FILE* file_ = nullptr;
 };
 

@@ -3,8 +3,10 @@
 /// Writes a Y4M file that players and ffmpeg read: grey, or colour as YUV 4:2:0 (BT.601, full range, and
 /// marked so).
 #include <cstdint>
+#include <memory>
 #include <string>
 
+#include "host/io/child_process.hpp"
 #include "host/io/files.hpp"
 #include "host/io/frame_source.hpp"
 #include "host/io/image.hpp"
@@ -16,6 +18,9 @@ class Y4mWriter {
  public:
   /// \param path  a file, or "-" for standard output. Bad input if it cannot be created.
   Y4mWriter(const std::string& path, FrameRate rate) : file_(path), rate_(rate) {}
+  /// Writes to a program, which messages call `name`.
+  Y4mWriter(std::unique_ptr<ChildProcess> program, const std::string& name, FrameRate rate)
+      : file_(std::move(program), name), rate_(rate) {}
 
   /// Appends a frame. Bad input: another size than the first one's, a size outside 1 to 16384 pixels a side, or a failed
   /// write.

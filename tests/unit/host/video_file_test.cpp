@@ -1,9 +1,11 @@
 // Videos through the ffmpeg program: a stand-in for it on PATH, which shows how it is called and how its failure is told; and
 // the program itself, where it is installed.
+#include <csignal>
 #include <cstdlib>
 
 #include "cli_run.hpp"
-#include "host/io/child_process.hpp"
+#include "host/commands/live_window.hpp"
+#include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/frame_source.hpp"
 
@@ -91,6 +93,34 @@ TEST_CASE("a source that is dropped early ends the program behind it") {
   put_program(folder, "ffmpeg", kTwoFrames + std::string("exec sleep 600\n"));
   const SearchPath path(folder.path.string(), false);
   CHECK(open_frames(folder.put("clip.mp4", "x")).source != nullptr);
+}
+
+TEST_CASE("a window gets every picture, and its closing or its lack is no crash") {
+  const Folder folder;
+  const SearchPath path(folder.path.string(), false);
+  put_program(folder, "ffplay", "cat > \"${0%/*}/shown.y4m\"\n");
+  {
+    LiveWindow window({25, 1});
+    for (int k = 0; k < 3; ++k) window.show(Image(4, 2, 3));
+    CHECK(window.is_open());
+    window.close();
+  }
+  const OpenedFrames shown = open_frames(folder / "shown.y4m");
+  REQUIRE(shown.source != nullptr);
+  Status end;
+  CHECK(frame_count(*shown.source, &end) == 3);
+
+  put_program(folder, "ffplay", "exit 0\n");
+  const auto before = std::signal(SIGPIPE, SIG_IGN);  // as main does
+  LiveWindow closed({25, 1});
+  for (int k = 0; k < 1000 && closed.is_open(); ++k) closed.show(Image(200, 200, 1));
+  CHECK_FALSE(closed.is_open());
+  closed.close();
+  std::signal(SIGPIPE, before);
+
+  const Folder empty;
+  const SearchPath nothing(empty.path.string(), true);
+  CHECK_THROWS_WITH_AS(LiveWindow({25, 1}), doctest::Contains("ffplay is not installed"), Failure);
 }
 
 TEST_CASE("ffmpeg itself reads what it wrote" *
