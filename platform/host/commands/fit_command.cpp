@@ -52,7 +52,7 @@ ImageSize image_size(const Args& args, const Image& image, const std::optional<F
 void draw_overlay(const std::string& path, const Model& model, const FitFile& fit, const Image& picture) {
   std::vector<float> q(model.parameters().count, 0.0f);
   apply(fit.parameters, path, model, q.data());
-  Overlay overlay(picture.pixels.empty() ? Image(fit.width, fit.height, 1, 96) : to_grey(picture));
+  Overlay overlay(picture.pixels.empty() ? Image(fit.width, fit.height, 1, 96) : picture);
   overlay.draw_mesh(wire_of(model, fit, q));
   for (const FitPoint& p : fit.points) overlay.draw_residual(p.x, p.residual, p.used);
   Owned<Cascade> cascade(model);

@@ -15,7 +15,12 @@ FrameStream::FrameStream(const std::string& name, bool is_mirrored) : name_(name
 
 bool FrameStream::next(FrameView* frame) {
   if (source_->next(*frame) != Status::ok) return false;
-  if (is_mirrored_) mirror(frame);
+  if (is_mirrored_) {
+    mirrored_ = mirrored(image_of(*frame));
+    frame->data = mirrored_.pixels.data();
+    frame->stride_bytes = static_cast<std::size_t>(mirrored_.width);
+    frame->pixel_step_bytes = 1;
+  }
   if (!first_) first_ = *frame;
   return true;
 }
@@ -25,13 +30,18 @@ double FrameStream::time_s(const FrameView& frame) const {
   return static_cast<double>(number(frame)) / rate().per_second();
 }
 
-void FrameStream::mirror(FrameView* frame) {
-  mirrored_ = image_of(*frame);
-  for (int y = 0; y < mirrored_.height; ++y)
-    std::reverse(mirrored_.at(0, y), mirrored_.at(0, y) + mirrored_.width);
-  frame->data = mirrored_.pixels.data();
-  frame->stride_bytes = static_cast<std::size_t>(mirrored_.width);
-  frame->pixel_step_bytes = 1;
+Image FrameStream::picture(const FrameView& frame) const {
+  const Image colour = source_->colour();
+  if (colour.pixels.empty()) return image_of(frame);
+  return is_mirrored_ ? mirrored(colour) : colour;
+}
+
+Image FrameStream::mirrored(const Image& image) {
+  Image out = image;
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x)
+      std::copy_n(image.at(out.width - 1 - x, y), out.channels, out.at(x, y));
+  return out;
 }
 
 }  // namespace pliant::host

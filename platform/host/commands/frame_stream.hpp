@@ -26,13 +26,15 @@ class FrameStream {
 
   /// The next frame, valid until the call after it. False at the end.
   bool next(FrameView* frame);
+  /// The last frame as a picture: in colour if the source has colour, and mirrored as the frame is.
+  Image picture(const FrameView& frame) const;
   /// Number of a frame; the first is 0. A camera's dropped frames leave gaps.
   std::size_t number(const FrameView& frame) const { return frame.sequence - first_->sequence; }
   /// Time of a frame since the first, s: by a camera's clock, else by the frame rate.
   double time_s(const FrameView& frame) const;
 
  private:
-  void mirror(FrameView* frame);
+  static Image mirrored(const Image& image);
 
   std::string name_;
   bool is_mirrored_;

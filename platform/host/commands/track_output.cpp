@@ -50,12 +50,13 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
   table_.write(track_header(model, names));
 }
 
-void TrackOutput::add(std::size_t number, double time_s, const FrameView& frame, Tracker& tracker,
+void TrackOutput::add(const FrameStream& frames, const FrameView& frame, Tracker& tracker,
                       double milliseconds) {
+  const std::size_t number = frames.number(frame);
   const FrameResult& result = tracker.result();
   TrackRow row;
   row.frame = number;
-  row.time_s = time_s;
+  row.time_s = frames.time_s(frame);
   row.state = result.state;
   row.tracked = result.tracked;
   row.inliers = result.inliers;
@@ -70,18 +71,18 @@ void TrackOutput::add(std::size_t number, double time_s, const FrameView& frame,
   if (number > 0) milliseconds_.push_back(milliseconds);
   if (row.state != TrackState::lost && truth_) truth_->add(number, row.pose, landmarks);
   write(row, frame);
-  draw(row, frame, &tracker.estimator(), landmarks, markers, milliseconds);
+  if (draws()) draw(row, frames.picture(frame), &tracker.estimator(), landmarks, markers, milliseconds);
 }
 
-void TrackOutput::add_lost(std::size_t number, double time_s, const FrameView& frame) {
+void TrackOutput::add_lost(const FrameStream& frames, const FrameView& frame) {
   TrackRow row;
-  row.frame = number;
-  row.time_s = time_s;
+  row.frame = frames.number(frame);
+  row.time_s = frames.time_s(frame);
   row.state = TrackState::lost;
   row.q.resize(model_.parameters().count);
   row.points.resize((with_landmarks_ ? model_.landmarks().count : 0) + marker_count_);
   write(row, frame);
-  draw(row, frame, nullptr, {}, {}, 0);
+  if (draws()) draw(row, frames.picture(frame), nullptr, {}, {}, 0);
 }
 
 void TrackOutput::write(const TrackRow& row, const FrameView& frame) {
@@ -150,10 +151,9 @@ TrackOutput::Points TrackOutput::project_markers(Tracker& tracker) const {
   return out;
 }
 
-void TrackOutput::draw(const TrackRow& row, const FrameView& frame, Estimator* estimator,
+void TrackOutput::draw(const TrackRow& row, const Image& picture, Estimator* estimator,
                        const Points& landmarks, const Points& markers, double milliseconds) {
-  if (!overlay_ && !window_ && !sheet_file_ && !report_) return;
-  Overlay overlay(image_of(frame));
+  Overlay overlay(picture);
   if (estimator != nullptr) estimator->refresh_vertices();
   if (row.state != TrackState::lost && estimator != nullptr) {
     overlay.draw_mesh(wire_of(*estimator));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/commands/args.hpp"
+#include "host/commands/frame_stream.hpp"
 #include "host/commands/live_window.hpp"
 #include "host/commands/track_report.hpp"
 #include "host/io/files.hpp"
@@ -30,15 +31,15 @@ class TrackOutput {
               FrameRate rate);
 
   /// Adds the tracker's present result.
-  /// \param number, time_s  of the frame, since frame 0.
-  /// \param milliseconds    that the update took; not counted for frame 0.
-  void add(std::size_t number, double time_s, const FrameView& frame, Tracker& tracker, double milliseconds);
+  /// \param frames        where the frame comes from, which is its last.
+  /// \param milliseconds  that the update took; not counted for frame 0.
+  void add(const FrameStream& frames, const FrameView& frame, Tracker& tracker, double milliseconds);
 
   /// Whether someone still watches, where --show is given: the window was not closed.
   bool is_watched() const { return window_ == nullptr || window_->is_open(); }
 
   /// Adds a frame that was searched for a face in vain: state lost, no pose, no parameters, no points.
-  void add_lost(std::size_t number, double time_s, const FrameView& frame);
+  void add_lost(const FrameStream& frames, const FrameView& frame);
 
   /// Completes all files: until then they have temporary names.
   /// \param arena_bytes, focal_px  for the summary.
@@ -53,8 +54,9 @@ class TrackOutput {
   Points project_landmarks(Tracker& tracker) const;
   Points project_markers(Tracker& tracker) const;
   void write(const TrackRow& row, const FrameView& frame);
-  void draw(const TrackRow& row, const FrameView& frame, Estimator* estimator, const Points& landmarks,
+  void draw(const TrackRow& row, const Image& picture, Estimator* estimator, const Points& landmarks,
             const Points& markers, double milliseconds);
+  bool draws() const { return overlay_ || window_ || sheet_file_ || report_; }
 
   Model model_;
   OutputFile table_;

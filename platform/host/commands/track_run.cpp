@@ -8,7 +8,7 @@ namespace pliant::host {
 
 void TrackRun::start(const FrameView& frame, const Initial& initial, const InitialOptions& options) {
   require(start_tracker(tracker_, frame, initial, options, options_, markers_.x), where(frame));
-  output_.add(frames_.number(frame), frames_.time_s(frame), frame, tracker_, 0);
+  output_.add(frames_, frame, tracker_, 0);
 }
 
 void TrackRun::search(const FrameView& frame, const InitialOptions& options, const std::string& model) {
@@ -28,9 +28,9 @@ void TrackRun::track(const FrameView& frame) {
   require(status, where(frame));
   const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - before;
   if (tracker_.is_started())
-    output_.add(frames_.number(frame), frames_.time_s(frame), frame, tracker_, elapsed.count());
+    output_.add(frames_, frame, tracker_, elapsed.count());
   else
-    output_.add_lost(frames_.number(frame), frames_.time_s(frame), frame);
+    output_.add_lost(frames_, frame);
 }
 
 }  // namespace pliant::host

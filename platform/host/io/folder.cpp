@@ -20,10 +20,12 @@ std::string ending_of(const std::string& path) {
   return in_lower_case(std::filesystem::path(path).extension().string());
 }
 
-Status read_luma(const std::string& path, LumaPicture& picture, std::string& message) {
+// `colour` becomes what the file holds beyond luma; it stays as it is for PNM.
+Status read_luma(const std::string& path, LumaPicture& picture, Image& colour, std::string& message) {
   if (is_pnm(ending_of(path))) return read_pnm(path, picture, message);
   try {
-    Image grey = to_grey(read_image(path));
+    colour = read_image(path);
+    Image grey = to_grey(colour);
     picture = {grey.width, grey.height, std::move(grey.pixels)};
     return Status::ok;
   } catch (const Failure& failure) {
@@ -34,11 +36,13 @@ Status read_luma(const std::string& path, LumaPicture& picture, std::string& mes
 
 class PictureSource : public FrameSource {
  public:
-  PictureSource(std::vector<std::string> paths, LumaPicture first)
-      : paths_(std::move(paths)), picture_(std::move(first)) {
+  PictureSource(std::vector<std::string> paths, LumaPicture first, Image colour)
+      : paths_(std::move(paths)), picture_(std::move(first)), colour_(std::move(colour)) {
     width_ = picture_.width;
     height_ = picture_.height;
   }
+
+  Image colour() const override { return colour_; }
 
  private:
   Status read(std::uint32_t index, FrameView& frame) override {
@@ -46,7 +50,8 @@ class PictureSource : public FrameSource {
     // The first picture was read to know the size.
     if (index > 0) {
       std::string message;
-      if (const Status s = read_luma(paths_[index], picture_, message); s != Status::ok)
+      colour_ = {};
+      if (const Status s = read_luma(paths_[index], picture_, colour_, message); s != Status::ok)
         return fail(s, message);
       if (picture_.width != width_ || picture_.height != height_)
         return fail(Status::size_mismatch, paths_[index] + ": is " + std::to_string(picture_.width) + "x" +
@@ -60,6 +65,7 @@ class PictureSource : public FrameSource {
 
   std::vector<std::string> paths_;
   LumaPicture picture_;
+  Image colour_;  // empty if the picture has no colour
 };
 
 bool is_digit(char c) {
@@ -99,9 +105,10 @@ bool is_naturally_before(const std::string& a, const std::string& b) {
 
 OpenedFrames open_pictures(std::vector<std::string> paths) {
   LumaPicture first;
+  Image colour;
   OpenedFrames opened;
-  if (read_luma(paths.front(), first, opened.message) != Status::ok) return opened;
-  opened.source = std::make_unique<PictureSource>(std::move(paths), std::move(first));
+  if (read_luma(paths.front(), first, colour, opened.message) != Status::ok) return opened;
+  opened.source = std::make_unique<PictureSource>(std::move(paths), std::move(first), std::move(colour));
   return opened;
 }
 

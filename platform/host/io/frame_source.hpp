@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "host/io/image.hpp"
 #include "pliant/frame.hpp"
 #include "pliant/status.hpp"
 
@@ -28,6 +29,9 @@ class FrameSource {
   /// within a frame, `size_mismatch` for a picture of another size, `io_error` for a failed read or malformed data,
   /// `camera_lost` for an unplugged camera. After any of them every call returns the same, and message() names the error.
   Status next(FrameView& frame);
+
+  /// The last frame in colour; an empty picture if the source has no colour.
+  virtual Image colour() const { return {}; }
 
   int width() const { return width_; }
   int height() const { return height_; }

@@ -9,7 +9,7 @@ OpenedFrames open_video(const std::string& path) {
   // anything but files.
   auto ffmpeg = ChildProcess::start(
       {"ffmpeg", "-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i", "file:" + path, "-map",
-       "0:v:0", "-f", "yuv4mpegpipe", "-pix_fmt", "gray", "-strict", "-1", "-"},
+       "0:v:0", "-f", "yuv4mpegpipe", "-pix_fmt", "yuvj420p", "-strict", "-1", "-"},
       ChildProcess::Pipe::from_output);
   if (ffmpeg == nullptr)
     return {

@@ -58,6 +58,18 @@ class Stream {
   std::string name_;
 };
 
+// Red, green and blue of BT.601 from luma and the two chroma values, whose middle is 0.
+void set_colour(int y, int cb, int cr, std::uint8_t* rgb) {
+  const auto byte = [](int thousandths) {
+    return static_cast<std::uint8_t>(thousandths < 0        ? 0
+                                     : thousandths > 255000 ? 255
+                                                            : (thousandths + 500) / 1000);
+  };
+  rgb[0] = byte(1000 * y + 1402 * cr);
+  rgb[1] = byte(1000 * y - 344 * cb - 714 * cr);
+  rgb[2] = byte(1000 * y + 1772 * cb);
+}
+
 class Y4mSource : public FrameSource {
  public:
   Y4mSource(std::unique_ptr<Stream> stream, const Y4mHeader& header)
@@ -65,6 +77,22 @@ class Y4mSource : public FrameSource {
     width_ = header.width;
     height_ = header.height;
     rate_ = header.rate;
+  }
+
+  Image colour() const override {
+    const ImageSize& half = header_.chroma_size;
+    if (half.width == 0) return {};
+    Image out(width_, height_, 3);
+    const std::uint8_t* y = luma_.data();
+    const auto plane = static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height);
+    for (int j = 0; j < height_; ++j)
+      for (int i = 0; i < width_; ++i, ++y) {
+        const auto at =
+            static_cast<std::size_t>(j * half.height / height_) * static_cast<std::size_t>(half.width) +
+            static_cast<std::size_t>(i * half.width / width_);
+        set_colour(*y, chroma_[at] - 128, chroma_[plane + at] - 128, out.at(i, j));
+      }
+    return out;
   }
 
  private:

@@ -29,23 +29,20 @@ bool parse_rate(const std::string& text, FrameRate& rate) {
   return rate.per_second() >= kLeast && rate.per_second() <= kMost;
 }
 
-// Bytes of both chroma planes (and alpha) for a colour space of eight bits. False for any other.
-bool chroma_bytes_of(const std::string& c, std::size_t w, std::size_t h, std::size_t& bytes) {
-  if (c == "mono") {
-    bytes = 0;
-  } else if (c == "420" || c == "420jpeg" || c == "420mpeg2" || c == "420paldv") {
-    bytes = 2 * ((w + 1) / 2) * ((h + 1) / 2);
-  } else if (c == "422") {
-    bytes = 2 * ((w + 1) / 2) * h;
-  } else if (c == "411") {
-    bytes = 2 * ((w + 3) / 4) * h;
-  } else if (c == "444") {
-    bytes = 2 * w * h;
-  } else if (c == "444alpha") {
-    bytes = 3 * w * h;
-  } else {
+// Sets size and bytes of the chroma planes (and alpha) for a colour space of eight bits. False for any other.
+bool set_chroma(Y4mHeader& h) {
+  const std::string& c = h.chroma;
+  int across = 1, down = 1;  // pixels to a sample of chroma
+  if (c == "420" || c == "420jpeg" || c == "420mpeg2" || c == "420paldv")
+    across = down = 2;
+  else if (c == "422" || c == "411")
+    across = c == "422" ? 2 : 4;
+  else if (c != "444" && c != "444alpha" && c != "mono")
     return false;
-  }
+  if (c != "mono") h.chroma_size = {(h.width + across - 1) / across, (h.height + down - 1) / down};
+  const auto plane =
+      static_cast<std::size_t>(h.chroma_size.width) * static_cast<std::size_t>(h.chroma_size.height);
+  h.chroma_bytes = (c == "444alpha" ? 3 : 2) * plane;
   return true;
 }
 
@@ -79,9 +76,8 @@ std::string parse_y4m_header(const std::string& line, Y4mHeader& h) {
   if (!has_height) return "its header has no height (H)";
   if (h.width < 1 || h.width > kMaxFrameSide) return wrong_side("the width", h.width);
   if (h.height < 1 || h.height > kMaxFrameSide) return wrong_side("the height", h.height);
-  const auto w = static_cast<std::size_t>(h.width), rows = static_cast<std::size_t>(h.height);
-  h.luma_bytes = w * rows;
-  if (!chroma_bytes_of(h.chroma, w, rows, h.chroma_bytes))
+  h.luma_bytes = static_cast<std::size_t>(h.width) * static_cast<std::size_t>(h.height);
+  if (!set_chroma(h))
     return "its colour space C" + h.chroma +
            " is not one that is read: mono, 420, 422, 411 or 444 of eight bits";
   return {};

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "host/io/frame_source.hpp"
+#include "host/io/image.hpp"
 
 namespace pliant::host {
 
@@ -11,6 +12,7 @@ struct Y4mHeader {
   int width = 0, height = 0;
   FrameRate rate;
   std::string chroma = "420";                    ///< the value of C
+  ImageSize chroma_size;                         ///< of each of the two chroma planes; 0 x 0 for grey
   std::size_t luma_bytes = 0, chroma_bytes = 0;  ///< of one frame; chroma: everything after luma
 };
 

@@ -54,3 +54,17 @@ TEST_CASE("a source that does not exist is a failure that names it") {
   const Folder folder;
   CHECK_THROWS_WITH_AS(FrameStream(folder / "none.y4m", false), doctest::Contains("none.y4m"), Failure);
 }
+
+TEST_CASE("the picture of a frame is the frame, mirrored as it is, and in colour if the source is") {
+  const Folder folder;
+  FrameView frame;
+  FrameStream grey(folder.put("v.y4m", film()), true);
+  REQUIRE(grey.next(&frame));
+  CHECK(grey.picture(frame).channels == 1);
+  CHECK(*grey.picture(frame).at(0, 0) == 15);
+  Image colour(16, 16, 3);
+  colour.at(15, 2)[2] = 99;
+  FrameStream mirrored(folder.put("p.png", encode_png(colour)), true);
+  REQUIRE(mirrored.next(&frame));
+  CHECK(mirrored.picture(frame).at(0, 2)[2] == 99);
+}

@@ -384,3 +384,34 @@ TEST_CASE("a folder may hold PNG, JPEG and PNM pictures, and names the damaged o
   CHECK(damaged.frames.size() == 1);
   CHECK(contains(damaged.message, "2.JPG: is not a picture"));
 }
+
+TEST_CASE("a source with colour gives its last frame in colour, whatever the subsampling of chroma") {
+  const Folder folder;
+  // Two by two pixels of luma 100: a sample of chroma for each pixel, or one for all. Cb 128, Cr 128 is grey; Cr 228 is red.
+  const std::string grey(4, 100), chroma_444{'\x80', '\x80', '\x80', '\x80', '\x80', '\xe4', '\x80', '\xe4'};
+  const auto colour_of = [&](const char* space, const std::string& chroma) {
+    const std::string path =
+        folder.write(std::string(space) + ".y4m",
+                     std::string("YUV4MPEG2 W2 H2 F25:1 C") + space + "\nFRAME\n" + grey + chroma);
+    const OpenedFrames opened = open_frames(path);
+    REQUIRE(opened.source != nullptr);
+    FrameView frame;
+    REQUIRE(opened.source->next(frame) == Status::ok);
+    return opened.source->colour().pixels;
+  };
+  CHECK(colour_of("mono", "").empty());
+  const std::vector<std::uint8_t> red{240, 29, 100}, neutral{100, 100, 100};
+  const auto one = colour_of("420jpeg", "\x80\xe4");
+  REQUIRE(one.size() == 12);
+  for (std::size_t i = 0; i < 12; ++i) CHECK(one[i] == red[i % 3]);
+  const auto two = colour_of("444", chroma_444);
+  REQUIRE(two.size() == 12);
+  for (std::size_t i = 0; i < 12; ++i) CHECK(two[i] == (i % 6 < 3 ? neutral : red)[i % 3]);
+
+  Image picture(8, 8, 3, 10);
+  picture.at(3, 3)[1] = 200;
+  folder.write("p.png", encode_png(picture));
+  const OpenedFrames png = open_frames(folder.path() + "/p.png");
+  REQUIRE(png.source != nullptr);
+  CHECK(png.source->colour().pixels == picture.pixels);
+}
