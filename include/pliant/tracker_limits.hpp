@@ -58,9 +58,9 @@ struct TrackerLimits {
   /// their code out of the program.
   const FaceDetection* detection = &kFaceDetection;
   std::uint16_t smallest_face_px = 48;  ///< side of the smallest face that is searched for, px (FaceBox)
-  /// Work of the search for a face in one frame, cells (FaceDetector::search). The default searches a frame of 320 x 240 at
-  /// once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame has either a part of the search or one
-  /// alignment, of the cost of 3,000 cells.
+  /// Work of one frame without a track, cells of the search (FaceDetector::search). The default searches a frame of 320 x 240 at
+  /// once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame has either a part of the search or steps
+  /// of an alignment, each of the cost of 1,300 cells; the track then starts some frames later. `pliant plan` tells how many.
   std::uint32_t search_work = 24000;
 };
 

@@ -4,11 +4,14 @@ namespace pliant {
 
 namespace {
 
-/// Largest displacement of a landmark in one stage, mm: more is no prediction. Half a face.
-constexpr float kMostDisplacementMm = 60;
-
-/// Sine of the yaw from which on a face counts as fully turned. Not tuned.
-constexpr float kTurnedSine = 0.6f;
+/// Tuning of a pass. Each constant: unit, reason, experiment.
+struct AlignerPassTuning {
+  /// Largest displacement of a landmark in one stage, mm: more is no prediction. Half a face.
+  float most_displacement_mm = 60;
+  /// Sine of the yaw from which on a face counts as fully turned. Not tuned; the learnt weights depend on it.
+  float turned_sine = 0.6f;
+};
+constexpr AlignerPassTuning kTuning{};
 
 /// Index of the landmark ibugNN of a model, or kNone.
 std::uint16_t find_ibug(const Model& model, int number) {
@@ -19,8 +22,8 @@ std::uint16_t find_ibug(const Model& model, int number) {
 }
 
 Vec2 limited(Vec2 mm) {
-  return {clamp(mm.x, -kMostDisplacementMm, kMostDisplacementMm),
-          clamp(mm.y, -kMostDisplacementMm, kMostDisplacementMm)};
+  constexpr float kMost = kTuning.most_displacement_mm;
+  return {clamp(mm.x, -kMost, kMost), clamp(mm.y, -kMost, kMost)};
 }
 
 }  // namespace
@@ -61,17 +64,24 @@ std::size_t AlignerPass::choose_landmarks(const Model& model, const std::uint8_t
   return chosen;
 }
 
-void AlignerPass::start(const FrameView& frame, const Lens& lens, const View& view, const float* q,
+bool AlignerPass::start(const FrameView& frame, const Lens& lens, const View& view, const float* q,
                         const std::uint8_t* is_free) {
   shape_.start(view, q, is_free, lens);
-  picture_.take(frame, shape_.crop_map(1, 1).origin, max(1, kFaceBoxMm * view.s), gradients_.scratch());
+  return take_picture(frame);
+}
+
+bool AlignerPass::take_picture(const FrameView& frame) {
+  const Vec2 middle = shape_.crop_map(1, 1).origin;
+  if (!is_finite(middle)) return false;
+  picture_.take(frame, middle, max(1, kFaceBoxMm * shape_.view().s), gradients_.scratch());
+  return true;
 }
 
 void AlignerPass::prepare(const AlignerStage& stage) {
   map_ = shape_.crop_map(stage.mm_per_px, stage.crop_px);
   gradients_.compute(picture_, map_);
   const Vec3 forward = Projector(shape_.view(), true).rotated({0, 0, 1});
-  gate_ = clamp(0.5f + (0.5f / kTurnedSine) * forward.x, 0, 1);
+  gate_ = clamp(0.5f + (0.5f / kTuning.turned_sine) * forward.x, 0, 1);
 }
 
 Vec2 AlignerPass::describe_around(Vec2 x, const AlignerStage& stage, std::uint8_t* out) const {
@@ -163,17 +173,18 @@ AlignerEvidence AlignerPass::weigh(const AlignerTable& table) {
   AlignerEvidence evidence;
   float weights = 0, squares = 0;
   prepare(stage);
+  shape_.select();
   for (std::size_t k = 0; k < shape_.landmark_count(); ++k) {
     const std::size_t t = index_[k];
-    const FaceShape::Seen seen = shape_.evaluate(k);
+    const FaceShape::Seen seen = shape_.locate(k);
     image_[k] = seen.x;
     target_[k] = predict_local(table, stage, local, t, seen.x);
     const std::size_t other = table.mirrored(t);
-    const auto look = [&](std::size_t row, const std::uint8_t* block) {
+    const auto appearance = [&](std::size_t row, const std::uint8_t* block) {
       return check.scale[row] * static_cast<float>(dot_bytes(check.rows + row * bytes, block, bytes));
     };
-    evidence.appearance +=
-        seen.weight * ((1 - gate_) * look(t, block_) + gate_ * look(other, mirrored_) + check.bias[t]);
+    evidence.appearance += seen.weight * ((1 - gate_) * appearance(t, block_) +
+                                          gate_ * appearance(other, mirrored_) + check.bias[t]);
     const Vec2 left = map_.to_crop(target_[k]) - map_.to_crop(seen.x);
     squares += seen.weight * dot(left, left);
     weights += seen.weight;

@@ -28,9 +28,11 @@ class AlignerPass {
   std::size_t table_index(std::size_t k) const { return index_[k]; }          ///< of landmark k in `numbers`
   std::uint16_t model_index(std::size_t k) const { return model_index_[k]; }  ///< of landmark k in the model
 
-  /// Takes the picture around the face of `view`.
-  void start(const FrameView& frame, const Lens& lens, const View& view, const float* q,
+  /// Starts at a pose, and takes the picture around the face. \return false if that is nowhere.
+  bool start(const FrameView& frame, const Lens& lens, const View& view, const float* q,
              const std::uint8_t* is_free);
+  /// The same picture of another frame, at the present pose.
+  bool take_picture(const FrameView& frame);
 
   /// Cuts out the crop of a stage at the present pose.
   void prepare(const AlignerStage& stage);

@@ -8,10 +8,14 @@ namespace pliant {
 
 namespace {
 
-/// Fraction of the table's landmarks that a model needs.
-constexpr float kLeastLandmarks = 0.75f;
-/// Largest side of a box, and largest image position, px.
-constexpr float kMostPx = 1e5f;
+/// Tuning of the aligner. Each constant: unit, reason, experiment.
+struct FaceAlignerTuning {
+  /// Fraction of the table's landmarks that a model needs. Not tuned.
+  float least_landmarks = 0.75f;
+  /// Largest side of a box, and largest principal point, px: beyond, single precision has no pixels.
+  float most_px = 1e5f;
+};
+constexpr FaceAlignerTuning kTuning{};
 
 /// The curve at a weighted sum of the features.
 float value_of(const AlignerCurve& curve, const AlignerEvidence& evidence) {
@@ -45,14 +49,29 @@ struct FaceAligner::State {
   float* start_q = nullptr;
   Lens lens;
   View start_view;
+  /// An alignment whose steps are taken one by one.
+  struct Begun {
+    Camera camera;
+    int width = 0, height = 0;  // of its frames
+    bool refines = false;
+    std::size_t next_stage = 0;
+    int steps_left = 0;
+  } begun;
 
   void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> bytes, AlignerUse use);
   const Model& model() { return pass.shape().cascade().model(); }
   Status check_input(const FrameView& frame, const Camera& camera, const float* q, const AlignedFace* face);
   Status start_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera);
   Status start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera);
-  Status run(const FrameView& frame, const Camera& camera, const AlignOptions& options, bool refines,
-             AlignedFace* face, float* q, Span<Vec2> landmarks);
+  Status begin_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera, const float* q,
+                      const AlignOptions& options);
+  Status begin(const FrameView& frame, const Camera& camera, const AlignOptions& options, bool refines);
+  Status take_steps(int steps, AlignedFace* face, float* q, Span<Vec2> landmarks);
+  bool run_next_stage();
+  Status finish(AlignedFace* face, float* q, Span<Vec2> landmarks);
+  bool has_room(Span<Vec2> landmarks) {
+    return landmarks.empty() || landmarks.count >= model().landmarks().count;
+  }
   void write_landmarks(Span<Vec2> landmarks);
   AlignedFace conclude(const Camera& camera);
 };
@@ -67,7 +86,7 @@ void FaceAligner::State::lay_out(Arena& arena, const Model& of, Span<const std::
   status = AlignerTable::open(bytes, table, use == AlignerUse::verification);
   if (status != Status::ok) return;
   const std::size_t found = pass.choose_landmarks(of, table->landmark_numbers(), table->landmark_count());
-  if (static_cast<float>(found) < kLeastLandmarks * static_cast<float>(table->landmark_count()))
+  if (static_cast<float>(found) < kTuning.least_landmarks * static_cast<float>(table->landmark_count()))
     status = Status::not_found;
 }
 
@@ -75,17 +94,25 @@ Status FaceAligner::State::check_input(const FrameView& frame, const Camera& cam
                                        const AlignedFace* face) {
   if (status != Status::ok) return status;
   if (q == nullptr || face == nullptr) return Status::bad_argument;
-  if (check(frame) != Status::ok) return Status::bad_argument;
+  if (check(frame) != Status::ok || !is_within(camera.cx, -kTuning.most_px, kTuning.most_px) ||
+      !is_within(camera.cy, -kTuning.most_px, kTuning.most_px))
+    return Status::bad_argument;
+  begun.steps_left = 0;
   return Lens::make(camera, frame.width, frame.height, &lens);
 }
 
 Status FaceAligner::State::start_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera) {
-  if (!is_finite(box.center) || !is_within(box.side, 1, kMostPx)) return Status::bad_argument;
+  if (!is_finite(box.center) || !is_within(box.side, 1, kTuning.most_px)) return Status::bad_argument;
   const float half = 0.5f * box.side;
   if (!is_within(box.center.x, -half, static_cast<float>(frame.width - 1) + half) ||
       !is_within(box.center.y, -half, static_cast<float>(frame.height - 1) + half))
     return Status::not_found;
-  return view_of_box(pass.shape().cascade(), start_q, box, camera, lens, &start_view);
+  const Status placed = view_of_box(pass.shape().cascade(), start_q, box, camera, lens, &start_view);
+  if (placed != Status::ok) return placed;
+  // Where the distance is at its limit the face has another size.
+  return is_within(kFaceBoxMm * start_view.s, 1, kTuning.most_px) && is_finite(start_view.tau)
+             ? Status::ok
+             : Status::not_found;
 }
 
 Status FaceAligner::State::start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera) {
@@ -93,7 +120,7 @@ Status FaceAligner::State::start_at_pose(const FrameView& frame, const Pose& pos
   start_view = view_of({normalised(pose.q), pose.t}, camera);
   const float side = kFaceBoxMm * start_view.s;
   const Vec2 x = start_view.c + start_view.s * start_view.tau;
-  if (!is_within(side, 1, kMostPx) || !is_finite(x)) return Status::bad_argument;
+  if (!is_within(side, 1, kTuning.most_px) || !is_finite(x)) return Status::bad_argument;
   if (!is_within(x.x, -side, static_cast<float>(frame.width) + side) ||
       !is_within(x.y, -side, static_cast<float>(frame.height) + side))
     return Status::not_found;
@@ -110,31 +137,65 @@ AlignedFace FaceAligner::State::conclude(const Camera& camera) {
   return face;
 }
 
-/// The projected landmarks, moved by a part of the displacements that the model could not follow.
+/// The projected landmarks; those of the table are moved by a part of the displacements that the model could not follow.
 void FaceAligner::State::write_landmarks(Span<Vec2> landmarks) {
   FaceShape& shape = pass.shape();
   const Span<const Landmark> all = model().landmarks();
   const LocalWeights w = table->local(table->stage_count() - 1);
-  for (std::size_t k = 0; k < all.count; ++k)
-    if (!shape.project({all[k].u, all[k].v}, &landmarks[k])) landmarks[k] = shape.view().c;
-  for (std::size_t k = 0; k < shape.landmark_count(); ++k) {
-    const std::uint16_t i = pass.model_index(k);
-    const Vec2 x = pass.image(k);
-    landmarks[i] = x + w.blend[pass.table_index(k)] * (pass.target(k) - x);
+  for (std::size_t i = 0; i < all.count; ++i) {
+    std::size_t k = 0;
+    while (k < shape.landmark_count() && pass.model_index(k) != i) ++k;
+    if (k == shape.landmark_count()) {
+      if (!shape.project({all[i].u, all[i].v}, &landmarks[i])) landmarks[i] = shape.view().c;
+    } else {
+      const Vec2 x = pass.image(k);
+      landmarks[i] = x + w.blend[pass.table_index(k)] * (pass.target(k) - x);
+    }
   }
 }
 
-Status FaceAligner::State::run(const FrameView& frame, const Camera& camera, const AlignOptions& options,
-                               bool refines, AlignedFace* face, float* q, Span<Vec2> landmarks) {
+Status FaceAligner::State::begin(const FrameView& frame, const Camera& of, const AlignOptions& options,
+                                 bool is_refinement) {
   PLIANT_ASSERT(use == AlignerUse::alignment);
   if (use != AlignerUse::alignment) return Status::bad_argument;
-  pass.start(frame, lens, start_view, start_q, options.is_free);
-  for (std::size_t k = 0; k < table->stage_count(); ++k) {
-    if (refines && table->stage(k).refines == 0) continue;
-    pass.run_stage(*table, k);
-    if (!pass.shape().is_usable()) return Status::not_found;
+  if (!pass.start(frame, lens, start_view, start_q, options.is_free)) return Status::not_found;
+  begun = {of, frame.width, frame.height, is_refinement, 0, 1};  // one step concludes
+  for (std::size_t k = 0; k < table->stage_count(); ++k)
+    begun.steps_left += !begun.refines || table->stage(k).refines != 0;
+  return Status::ok;
+}
+
+Status FaceAligner::State::begin_in_box(const FrameView& frame, const FaceBox& box, const Camera& of,
+                                        const float* q, const AlignOptions& options) {
+  for (std::size_t k = 0; k < model().parameters().count; ++k) {
+    const bool is_held = options.is_free != nullptr && options.is_free[k] == 0;
+    if (is_held && !is_finite(q[k])) return Status::bad_argument;
+    start_q[k] = is_held ? q[k] : 0.0f;
   }
-  const AlignedFace result = conclude(camera);
+  const Status placed = start_in_box(frame, box, of);
+  return placed == Status::ok ? begin(frame, of, options, false) : placed;
+}
+
+/// \return whether the pose is still one.
+bool FaceAligner::State::run_next_stage() {
+  while (begun.refines && table->stage(begun.next_stage).refines == 0) ++begun.next_stage;
+  pass.run_stage(*table, begun.next_stage++);
+  return pass.shape().is_usable();
+}
+
+Status FaceAligner::State::take_steps(int steps, AlignedFace* face, float* q, Span<Vec2> landmarks) {
+  for (; steps > 0 && begun.steps_left > 1; --steps, --begun.steps_left)
+    if (!run_next_stage()) {
+      begun.steps_left = 0;
+      return Status::not_found;
+    }
+  if (steps <= 0) return Status::ok;
+  begun.steps_left = 0;
+  return finish(face, q, landmarks);
+}
+
+Status FaceAligner::State::finish(AlignedFace* face, float* q, Span<Vec2> landmarks) {
+  const AlignedFace result = conclude(begun.camera);
   if (!is_finite(result.pose)) return Status::not_found;
   if (!landmarks.empty()) write_landmarks(landmarks);
   for (std::size_t k = 0; k < model().parameters().count; ++k) q[k] = pass.shape().q()[k];
@@ -154,21 +215,40 @@ Status FaceAligner::status() const {
   return state_ == nullptr ? Status::not_found : state_->status;
 }
 
+Status FaceAligner::begin(const FrameView& frame, const FaceBox& box, const Camera& camera, const float* q,
+                          int* steps, const AlignOptions& options) {
+  if (state_ == nullptr) return Status::not_found;
+  State& s = *state_;
+  AlignedFace unused;
+  Status status = s.check_input(frame, camera, q, &unused);
+  if (status == Status::ok && steps == nullptr) status = Status::bad_argument;
+  if (status == Status::ok) status = s.begin_in_box(frame, box, camera, q, options);
+  if (status == Status::ok) *steps = s.begun.steps_left;
+  return status;
+}
+
+Status FaceAligner::advance(const FrameView& frame, int steps, AlignedFace* face, float* q,
+                            Span<Vec2> landmarks) {
+  if (state_ == nullptr) return Status::not_found;
+  State& s = *state_;
+  if (s.status != Status::ok) return s.status;
+  if (s.begun.steps_left == 0) return Status::not_started;
+  if (q == nullptr || face == nullptr || check(frame) != Status::ok || !s.has_room(landmarks))
+    return Status::bad_argument;
+  if (frame.width != s.begun.width || frame.height != s.begun.height) return Status::size_mismatch;
+  if (s.pass.take_picture(frame)) return s.take_steps(steps, face, q, landmarks);
+  s.begun.steps_left = 0;
+  return Status::not_found;
+}
+
 Status FaceAligner::align(const FrameView& frame, const FaceBox& box, const Camera& camera, AlignedFace* face,
                           float* q, Span<Vec2> landmarks, const AlignOptions& options) {
   if (state_ == nullptr) return Status::not_found;
   State& s = *state_;
   Status status = s.check_input(frame, camera, q, face);
-  if (status != Status::ok) return status;
-  if (!landmarks.empty() && landmarks.count < s.model().landmarks().count) return Status::bad_argument;
-  for (std::size_t k = 0; k < s.model().parameters().count; ++k) {
-    const bool is_held = options.is_free != nullptr && options.is_free[k] == 0;
-    if (is_held && !is_finite(q[k])) return Status::bad_argument;
-    s.start_q[k] = is_held ? q[k] : 0.0f;
-  }
-  status = s.start_in_box(frame, box, camera);
-  if (status != Status::ok) return status;
-  return s.run(frame, camera, options, false, face, q, landmarks);
+  if (status == Status::ok && !s.has_room(landmarks)) status = Status::bad_argument;
+  if (status == Status::ok) status = s.begin_in_box(frame, box, camera, q, options);
+  return status == Status::ok ? s.take_steps(s.begun.steps_left, face, q, landmarks) : status;
 }
 
 Status FaceAligner::refine(const FrameView& frame, const Camera& camera, const Pose& start, AlignedFace* face,
@@ -178,12 +258,12 @@ Status FaceAligner::refine(const FrameView& frame, const Camera& camera, const P
   Status status = s.check_input(frame, camera, q, face);
   if (status != Status::ok) return status;
   const std::size_t parameters = s.model().parameters().count;
-  if ((!landmarks.empty() && landmarks.count < s.model().landmarks().count) || !are_finite(q, parameters))
-    return Status::bad_argument;
+  if (!s.has_room(landmarks) || !are_finite(q, parameters)) return Status::bad_argument;
   status = s.start_at_pose(frame, start, camera);
   if (status != Status::ok) return status;
   for (std::size_t k = 0; k < parameters; ++k) s.start_q[k] = q[k];
-  return s.run(frame, camera, options, true, face, q, landmarks);
+  status = s.begin(frame, camera, options, true);
+  return status == Status::ok ? s.take_steps(s.begun.steps_left, face, q, landmarks) : status;
 }
 
 Status FaceAligner::verify(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
@@ -195,7 +275,7 @@ Status FaceAligner::verify(const FrameView& frame, const Camera& camera, const P
   if (!are_finite(q, s.model().parameters().count)) return Status::bad_argument;
   status = s.start_at_pose(frame, pose, camera);
   if (status != Status::ok) return status;
-  s.pass.start(frame, s.lens, s.start_view, q, nullptr);
+  if (!s.pass.start(frame, s.lens, s.start_view, q, nullptr)) return Status::not_found;
   *face = s.conclude(camera);
   face->pose = pose;
   return Status::ok;

@@ -17,9 +17,9 @@ int whole(float x) {
   return static_cast<float>(truncated) > x ? truncated - 1 : truncated;
 }
 
-/// A position or step in 1/65536 px. Bounded, so that sums over a crop stay within 31 bits.
+/// A position or step in 1/65536 px. Bounded, so that sums over a crop stay within 31 bits; what is not a number is -most.
 std::int32_t fixed(float x, float most) {
-  return static_cast<std::int32_t>(clamp(x, -most, most) * kFixedOne);
+  return static_cast<std::int32_t>(min(max(-most, x), most) * kFixedOne);
 }
 
 /// Where the n samples of a pixel are, along one axis of the frame.

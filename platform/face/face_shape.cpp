@@ -11,12 +11,14 @@ constexpr std::size_t kPose = static_cast<std::size_t>(kPoseUnknowns);
 void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks, AlignerUse use) {
   const std::size_t parameters = model.parameters().count, unknowns = parameters + kPose;
   cascade_.lay_out(arena, model);
-  if (use == AlignerUse::alignment) equations_.lay_out(arena, unknowns);
   q_ = arena.take<float>(parameters);
-  step_ = arena.take<float>(unknowns);
-  samples_ = arena.take<Vec3>(model.cascade().count);
-  unknown_ = arena.take<std::uint16_t>(unknowns);
-  column_ = arena.take<Vec2>(unknowns);
+  if (use == AlignerUse::alignment) {
+    equations_.lay_out(arena, unknowns);
+    step_ = arena.take<float>(unknowns);
+    samples_ = arena.take<Vec3>(landmarks * model.cascade().count);
+    unknown_ = arena.take<std::uint16_t>(unknowns);
+    column_ = arena.take<Vec2>(unknowns);
+  }
   uv_ = arena.take<Vec2>(landmarks);
   count_ = landmarks;
 }
@@ -35,6 +37,8 @@ void FaceShape::start(const View& view, const float* q, const std::uint8_t* is_f
     cascade_.set_free(is_free);
   else
     cascade_.set_all_free();
+  for (std::size_t k = 0; samples_ != nullptr && k < count_; ++k)
+    cascade_.sample_point(uv_[k], q_, samples_of(k));
 }
 
 bool FaceShape::project(Vec2 uv, Vec2* x) {
@@ -46,13 +50,15 @@ bool FaceShape::project(Vec2 uv, Vec2* x) {
 CropMap FaceShape::crop_map(float mm_per_px, int side) {
   CropMap map;
   map.side = side;
+  const Projector projector(view_, true);
+  select();
   for (const Vec2 uv : corners_) {
     Vec2 x = view_.c;
-    project(uv, &x);
+    if (projector.project(cascade_.selected_point(uv), &x)) x = lens_.distort(x);
     map.origin = map.origin + 0.25f * x;
   }
   // Upright: the face's own vertical, as the camera sees it.
-  const Vec3 up = Projector(view_, true).rotated({0, 1, 0});
+  const Vec3 up = projector.rotated({0, 1, 0});
   const float size = length(Vec2{up.x, up.y});
   const Vec2 down = size > 1e-3f ? (-1.0f / size) * Vec2{up.x, up.y} : Vec2{0, 1};
   map.right = (mm_per_px * view_.s) * Vec2{down.y, -down.x};
@@ -63,18 +69,29 @@ void FaceShape::begin() {
   equations_.reset(kPose + cascade_.column_count());
 }
 
-FaceShape::Seen FaceShape::evaluate(std::size_t k) {
-  const Projector projector(view_, true);
-  cascade_.sample_point(uv_[k], q_, samples_);
-  const Vec3 p = cascade_.evaluate(samples_, q_, &jacobian_);
-  ideal_ = view_.c;
-  weight_ = 0;
-  if (!projector.project(p, &ideal_, &derivatives_)) return {lens_.distort(ideal_), 0};
+/// How much a landmark at p faces the camera.
+float FaceShape::weight_of(const Projector& projector, Vec3 p) {
   const Vec3 outward = normalised(projector.rotated(p - kFaceShapeTuning.head_centre));
   const float cosine = -dot(outward, normalised(projector.to_camera(p)));
   const float range = kFaceShapeTuning.seen_cosine - kFaceShapeTuning.hidden_cosine;
-  weight_ = clamp((cosine - kFaceShapeTuning.hidden_cosine) / range, kFaceShapeTuning.hidden_weight, 1);
+  return clamp((cosine - kFaceShapeTuning.hidden_cosine) / range, kFaceShapeTuning.hidden_weight, 1);
+}
+
+FaceShape::Seen FaceShape::evaluate(std::size_t k) {
+  PLIANT_ASSERT(samples_ != nullptr);
+  const Projector projector(view_, true);
+  const Vec3 p = cascade_.evaluate(samples_of(k), q_, &jacobian_);
+  ideal_ = view_.c;
+  weight_ = projector.project(p, &ideal_, &derivatives_) ? weight_of(projector, p) : 0;
   return {lens_.distort(ideal_), weight_};
+}
+
+FaceShape::Seen FaceShape::locate(std::size_t k) {
+  const Projector projector(view_, true);
+  const Vec3 p = samples_ != nullptr ? cascade_.evaluate(samples_of(k), q_) : cascade_.selected_point(uv_[k]);
+  Vec2 x = view_.c;
+  const float weight = projector.project(p, &x) ? weight_of(projector, p) : 0;
+  return {lens_.distort(x), weight};
 }
 
 void FaceShape::add(Vec2 target, const Sym2& information) {
@@ -128,6 +145,8 @@ float FaceShape::mean_square_parameter() const {
 }
 
 bool FaceShape::is_usable() const {
+  for (std::size_t k = 0; k < cascade_.parameter_count(); ++k)
+    if (!is_finite(q_[k])) return false;
   return is_finite(view_.s) && is_finite(view_.tau) && is_finite(view_.rho) && is_finite(view_.q.w) &&
          view_.s > 1e-6f && view_.s < 1e6f;
 }

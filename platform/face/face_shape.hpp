@@ -29,8 +29,8 @@ inline constexpr FaceShapeTuning kFaceShapeTuning{};
 /// What an aligner is laid out for. Verification takes no steps and has no equations.
 enum class AlignerUse : std::uint8_t { alignment, verification };
 
-/// Pose and parameters of one face. A step: `begin`, then `evaluate` and `add` for each landmark, then `finish`. The fields are
-/// sampled anew for each landmark: to keep the samples would take half of the memory of alignment.
+/// Pose and parameters of one face. A step: `begin`, then `evaluate` and `add` for each landmark, then `finish`. Alignment keeps
+/// the samples of the fields at each landmark: half of its memory, and a quarter of its time.
 class FaceShape {
  public:
   /// \param landmarks  at most that many.
@@ -51,12 +51,17 @@ class FaceShape {
 
   /// Starts the equations of a step at the present pose and parameters.
   void begin();
-  /// A landmark at the pose of `begin`.
+  /// A landmark.
   struct Seen {
     Vec2 x;            ///< px of the frame
     float weight = 0;  ///< in [0, 1]: less where it is turned away; 0: not before the camera
   };
+  /// With the derivatives that `add` needs. Alignment only.
   Seen evaluate(std::size_t k);
+  /// Without; after `select`.
+  Seen locate(std::size_t k);
+  /// Prepares `locate` at the present parameters.
+  void select() { cascade_.select(q_); }
   /// Adds the landmark of the last `evaluate`.
   /// \param target  px of the frame. \param information  1/px^2.
   void add(Vec2 target, const Sym2& information);
@@ -69,18 +74,20 @@ class FaceShape {
   const View& view() const { return view_; }
   const float* q() const { return q_; }
   float mean_square_parameter() const;  ///< mean of (q / sd)^2
-  bool is_usable() const;               ///< pose and scale are finite and within bounds
+  bool is_usable() const;               ///< pose, scale and parameters are finite and within bounds
   Cascade& cascade() { return cascade_; }
 
  private:
   void add_priors(float prior);
+  Vec3* samples_of(std::size_t k) { return samples_ + k * cascade_.model().cascade().count; }
+  static float weight_of(const Projector& projector, Vec3 p);
 
   Cascade cascade_;
   NormalEquations equations_;
   View view_;
   Lens lens_;
   float *q_ = nullptr, *step_ = nullptr;
-  Vec3* samples_ = nullptr;  // of one point
+  Vec3* samples_ = nullptr;  // of each landmark; null in verification
   std::uint16_t* unknown_ = nullptr;
   Vec2 *column_ = nullptr, *uv_ = nullptr;
   std::size_t count_ = 0;

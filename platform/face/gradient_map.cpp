@@ -16,19 +16,15 @@ constexpr GradientBlockTuning kTuning{};
 // A gradient is the sum of one vector along an axis and one along a diagonal: (dx, dy) = (dx - dy) (1, 0) + dy (1, 1) for
 // 0 <= dy <= dx. Both parts are cut off, so that an edge of hair or glasses does not outweigh the face.
 constexpr int kAxisBits = 7, kDiagonalBits = 6;
+constexpr int kPartBits = kAxisBits + kDiagonalBits;
 constexpr int kMostAxis = (1 << kAxisBits) - 1, kMostDiagonal = (1 << kDiagonalBits) - 1;
 constexpr std::uint32_t kDiagonalGain =
     181;  // sqrt(2) * 128: (1, 1) as a multiple of the diagonal's unit vector
 
-// Octants by the signs of dx (4), dy (2) and whether |dy| > |dx| (1), and the two directions of each, in multiples of 45 degrees
-// from +x towards +y.
-constexpr int octant_bits(int octant) {
-  return octant << (kAxisBits + kDiagonalBits);
-}
-constexpr std::uint16_t kOctantBits[8] = {octant_bits(0), octant_bits(1), octant_bits(7), octant_bits(6),
-                                          octant_bits(3), octant_bits(2), octant_bits(4), octant_bits(5)};
-constexpr std::uint8_t kAxis[8] = {0, 2, 2, 4, 4, 6, 6, 0};
-constexpr std::uint8_t kDiagonal[8] = {1, 1, 3, 3, 5, 5, 7, 7};
+// Octants by dx < 0 (4), dy < 0 (2) and |dy| > |dx| (1), and the two directions of each, in multiples of 45 degrees from +x
+// towards +y.
+constexpr std::uint8_t kAxis[8] = {0, 2, 0, 6, 4, 2, 4, 6};
+constexpr std::uint8_t kDiagonal[8] = {1, 1, 7, 7, 3, 3, 5, 5};
 
 constexpr int limited_above(int x, int most) {
   return x < most ? x : most;
@@ -47,10 +43,10 @@ struct RootTable {
 };
 constexpr RootTable kRoots{};
 
-/// First pixel of a block along an axis.
+/// First pixel of a block along an axis; 0 where the position is not a number.
 int first_of(float at, int block, int side) {
   const float first = at - 0.5f * static_cast<float>(block - 1) + 0.5f;
-  return static_cast<int>(clamp(first, 0, static_cast<float>(side - block)));
+  return static_cast<int>(min(max(0, first), static_cast<float>(side - block)));
 }
 
 /// Gradient sums of one cell, by direction.
@@ -59,7 +55,7 @@ void sum_cell(const std::uint16_t* first, int stride, int cell_px, std::uint16_t
   for (int j = 0; j < cell_px; ++j, first += stride)
     for (int i = 0; i < cell_px; ++i) {
       const unsigned gradient = first[i];
-      const unsigned octant = gradient >> (kAxisBits + kDiagonalBits);
+      const unsigned octant = gradient >> kPartBits;
       by_direction[kAxis[octant]] += (gradient >> kDiagonalBits) & kMostAxis;
       by_direction[kDiagonal[octant]] += gradient & kMostDiagonal;
     }
@@ -85,7 +81,7 @@ void GradientMap::add_row(const std::uint8_t* above, const std::uint8_t* line, c
     const int ax = (dx ^ is_left) - is_left, ay = (dy ^ is_up) - is_up;
     const int difference = ax - ay, is_steep = difference >> 31;
     const int axis = (difference ^ is_steep) - is_steep, diagonal = ay + (difference & is_steep);
-    *out++ = static_cast<std::uint16_t>(kOctantBits[(is_left & 4) | (is_up & 2) | (is_steep & 1)] |
+    *out++ = static_cast<std::uint16_t>(((is_left & 4) | (is_up & 2) | (is_steep & 1)) << kPartBits |
                                         (limited_above(axis, kMostAxis) << kDiagonalBits) |
                                         limited_above(diagonal, kMostDiagonal));
   }

@@ -32,9 +32,14 @@ Status search(FaceDetector& detector, const FrameView& frame, std::uint32_t work
   return detector.search(frame, work, room, count, is_complete);
 }
 
-Status align(FaceAligner& aligner, const FrameView& frame, const FaceBox& box, const Camera& camera,
-             const AlignOptions& options, AlignedFace* face, float* q, Span<Vec2> landmarks) {
-  return aligner.align(frame, box, camera, face, q, landmarks, options);
+Status begin(FaceAligner& aligner, const FrameView& frame, const FaceBox& box, const Camera& camera,
+             const AlignOptions& options, const float* q, int* steps) {
+  return aligner.begin(frame, box, camera, q, steps, options);
+}
+
+Status advance(FaceAligner& aligner, const FrameView& frame, int steps, AlignedFace* face, float* q,
+               Span<Vec2> landmarks) {
+  return aligner.advance(frame, steps, face, q, landmarks);
 }
 
 Status refine(FaceAligner& aligner, const FrameView& frame, const Camera& camera, const Pose& start,
@@ -50,6 +55,7 @@ Status verify(FaceAligner& aligner, const FrameView& frame, const Camera& camera
 }  // namespace
 
 const FaceModules kFaceModules{
-    is_available, lay_out_detector, lay_out_aligner, lay_out_verifier, status, search, align, refine, verify};
+    is_available, lay_out_detector, lay_out_aligner, lay_out_verifier, status, search, begin,
+    advance,      refine,           verify};
 
 }  // namespace pliant

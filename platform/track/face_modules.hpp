@@ -25,8 +25,10 @@ struct FaceModules {
   /// As the functions of FaceDetector and FaceAligner of these names.
   Status (*search)(FaceDetector& detector, const FrameView& frame, std::uint32_t work,
                    Span<DetectedFace> room, std::size_t* count, bool* is_complete);
-  Status (*align)(FaceAligner& aligner, const FrameView& frame, const FaceBox& box, const Camera& camera,
-                  const AlignOptions& options, AlignedFace* face, float* q, Span<Vec2> landmarks);
+  Status (*begin)(FaceAligner& aligner, const FrameView& frame, const FaceBox& box, const Camera& camera,
+                  const AlignOptions& options, const float* q, int* steps);
+  Status (*advance)(FaceAligner& aligner, const FrameView& frame, int steps, AlignedFace* face, float* q,
+                    Span<Vec2> landmarks);
   Status (*refine)(FaceAligner& aligner, const FrameView& frame, const Camera& camera, const Pose& start,
                    const AlignOptions& options, AlignedFace* face, float* q, Span<Vec2> landmarks);
   Status (*verify)(FaceAligner& aligner, const FrameView& frame, const Camera& camera, const Pose& pose,

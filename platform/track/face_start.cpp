@@ -17,10 +17,10 @@ FaceDetectorLimits detector_limits(const TrackerLimits& limits) {
   return l;
 }
 
-/// Whether two boxes are of one face: centres within half a side, and sides within a factor of 1.6.
 bool are_of_one_face(const FaceBox& a, const FaceBox& b) {
   const float small = min(a.side, b.side), large = max(a.side, b.side);
-  return length(a.center - b.center) < 0.5f * large && large < 1.6f * small;
+  return length(a.center - b.center) < kTuning.same_face_distance * large &&
+         large < kTuning.same_face_ratio * small;
 }
 
 /// Of a probability; at most 10,000.
@@ -63,11 +63,11 @@ Status FaceStart::search(const SearchInput& input, KnownPerson* person, StartPos
   const bool was_searching = phase_ == FacePhase::searching;
   if (status == Status::ok && was_searching) status = run_detector(input.frame);
   if (status != Status::ok) return status;
-  const bool does_both = work_ >= kTuning.cells_for_both;
-  const int most = does_both ? kTuning.most_alignments : was_searching ? 0 : 1;
+  if (was_searching && !does_both()) return Status::not_found;
+  int steps = work_ < kTuning.cells_a_step ? 1 : static_cast<int>(work_ / kTuning.cells_a_step);
   Answer answer = Answer::no;
-  for (int k = 0; k < most && phase_ == FacePhase::aligning && answer == Answer::no; ++k)
-    answer = align_next(input, person, start, landmark_error);
+  while (steps > 0 && phase_ == FacePhase::aligning && answer == Answer::no)
+    answer = align(input, &steps, person, start, landmark_error);
   return answer == Answer::yes ? Status::ok : Status::not_found;
 }
 
@@ -104,41 +104,64 @@ void FaceStart::add_candidate(const DetectedFace& face) {
   candidates_[at] = face;
 }
 
-/// Aligns the next candidate: first as the known person, then as another one.
-FaceStart::Answer FaceStart::align_next(const SearchInput& input, KnownPerson* person, StartPose* start,
-                                        float* landmark_error) {
-  const bool as_known = tries_known_ && person->is_known;
-  const DetectedFace candidate = candidates_[next_candidate_];
-  const StartOptions& o = input.options;
-  const Camera camera =
-      as_known ? person->camera : start_camera(o.camera, o.focal_px, input.frame.width, input.frame.height);
-  for (std::size_t k = 0; k < model_.parameters().count; ++k)
-    q_[k] = as_known && is_expression_[k] == 0 ? person->q[k] : 0;
+/// Goes on with the alignment of the next candidate: first as the known person, then as another one. \param steps  that may be
+/// taken; those taken are subtracted.
+FaceStart::Answer FaceStart::align(const SearchInput& input, int* steps, KnownPerson* person,
+                                   StartPose* start, float* landmark_error) {
+  tries_known_ = tries_known_ && person->is_known;
+  Status status = steps_left_ == 0 ? begin_alignment(input, *person) : Status::ok;
   AlignedFace face;
-  const Status status = modules_->align(*aligner_, input.frame, candidate.box, camera,
-                                        {as_known ? is_expression_ : nullptr}, &face, q_, landmarks_);
-  if (status != Status::ok) face.score = 0;
-  const float evidence = odds(candidate.score) * odds(face.score);
-  const bool is_other = as_known && !(face.landmark_error <= kTuning.most_known_error);
-  const bool is_right = face.score >= kTuning.least_start && evidence >= kTuning.least_start_odds;
-  if (is_other || !is_right) {
-    go_on(as_known);
+  if (status == Status::ok) {
+    int taken = *steps < steps_left_ ? *steps : steps_left_;
+    // Where the work is spread, the last step leaves its frame to the start of the track.
+    if (!does_both() && taken == steps_left_ && taken > 1) *steps = --taken;
+    status = modules_->advance(*aligner_, input.frame, taken, &face, q_, landmarks_);
+    steps_left_ -= taken;
+    *steps -= taken;
+    if (status == Status::ok && steps_left_ > 0) return Answer::later;
+  }
+  steps_left_ = 0;
+  if (status != Status::ok || !is_accepted(face)) {
+    go_on();
     return Answer::no;
   }
-  if (evidence < kTuning.sure_start_odds && ++times_seen_ < kTuning.doubtful_frames) return Answer::doubtful;
-  if (as_known) {
-    *start = {camera, face.pose};
+  const float evidence = evidence_of(face);
+  if (evidence < kTuning.sure_start_odds && ++times_seen_ < kTuning.doubtful_frames) return Answer::later;
+  if (tries_known_) {
+    *start = {face.camera, face.pose};
     for (std::size_t k = 0; k < model_.parameters().count; ++k) person->q[k] = q_[k];
   } else {
-    set_person(o, face, person, start);
+    set_person(input.options, face, person, start);
   }
   *landmark_error = face.landmark_error;
   return Answer::yes;
 }
 
+Status FaceStart::begin_alignment(const SearchInput& input, const KnownPerson& person) {
+  const StartOptions& o = input.options;
+  const Camera camera = tries_known_
+                            ? person.camera
+                            : start_camera(o.camera, o.focal_px, input.frame.width, input.frame.height);
+  for (std::size_t k = 0; k < model_.parameters().count; ++k)
+    q_[k] = tries_known_ && is_expression_[k] == 0 ? person.q[k] : 0;
+  return modules_->begin(*aligner_, input.frame, candidates_[next_candidate_].box, camera,
+                         {tries_known_ ? is_expression_ : nullptr}, q_, &steps_left_);
+}
+
+/// Odds of detector and alignment that the next candidate is a face.
+float FaceStart::evidence_of(const AlignedFace& face) const {
+  return odds(candidates_[next_candidate_].score) * odds(face.score);
+}
+
+bool FaceStart::is_accepted(const AlignedFace& face) const {
+  return face.score >= kTuning.least_start && evidence_of(face) >= kTuning.least_start_odds &&
+         (!tries_known_ || face.landmark_error <= kTuning.most_known_error);
+}
+
 /// To the next candidate, or to the same one as another person.
-void FaceStart::go_on(bool was_known) {
+void FaceStart::go_on() {
   times_seen_ = 0;
+  const bool was_known = tries_known_;
   tries_known_ = !was_known;
   if (!was_known && ++next_candidate_ == candidate_count_) begin_search_again();
 }
@@ -161,10 +184,15 @@ void FaceStart::refine(const SearchInput& input, const FaceBox* box, KnownPerson
   if (lay_out_search(input.block) != Status::ok) return;
   for (std::size_t k = 0; k < model_.parameters().count; ++k) q_[k] = person->q[k];
   AlignedFace face;
-  const Status status =
-      box != nullptr
-          ? modules_->align(*aligner_, input.frame, *box, start->camera, {}, &face, q_, landmarks_)
-          : modules_->refine(*aligner_, input.frame, start->camera, start->pose, {}, &face, q_, landmarks_);
+  int steps = 0;
+  Status status = Status::ok;
+  if (box != nullptr) {
+    status = modules_->begin(*aligner_, input.frame, *box, start->camera, {}, q_, &steps);
+    if (status == Status::ok)
+      status = modules_->advance(*aligner_, input.frame, steps, &face, q_, landmarks_);
+  } else {
+    status = modules_->refine(*aligner_, input.frame, start->camera, start->pose, {}, &face, q_, landmarks_);
+  }
   if (status != Status::ok || !(face.score >= kTuning.least_refined)) return;
   set_person(input.options, face, person, start);
   *landmark_error = face.landmark_error;

@@ -1,7 +1,7 @@
 #pragma once
 /// \file face_start.hpp
 /// How a track begins and ends without help: search of the frame, alignment, verification of the running track
-/// (docs/algorithms.md, section 7.9).
+/// (docs/algorithms.md, section 7.15).
 #include <cstddef>
 #include <cstdint>
 
@@ -29,10 +29,14 @@ struct FaceStartTuning {
   /// Estimated landmark error, at most, of an alignment with the identity of the last person, fraction of the eyes'
   /// distance. Above it another person is fitted.
   float most_known_error = 0.06f;
-  /// Work of the search in a frame, cells, from which on a frame has alignments besides, and how many at most. An alignment
-  /// costs as much as 3,000 cells.
+  /// Work of the search in a frame, cells, from which on a frame has alignments besides.
   std::uint32_t cells_for_both = 12000;
-  int most_alignments = 3;
+  /// Cells of the search that cost as much as a step of an alignment. On the Cortex-M7 a step takes 5 million instructions and
+  /// so many cells 4; on a PC half as much, where the default search of 24,000 cells leaves three alignments of six steps.
+  std::uint32_t cells_a_step = 1300;
+  /// Two boxes are of one face if their centres are nearer than this fraction of the larger side, and the larger side is below
+  /// this multiple of the smaller one. Not tuned.
+  float same_face_distance = 0.5f, same_face_ratio = 1.6f;
   /// Frames between checks of a running track, and after how many bad ones in a row it is given up.
   int check_interval_frames = 2, most_bad_checks = 2;
   /// Probability that an alignment is right, below which a check is bad; and the same until the person counts as known.
@@ -119,14 +123,19 @@ class FaceStart {
   void begin_search_again() {
     phase_ = FacePhase::searching;
     candidate_count_ = next_candidate_ = 0;
-    times_seen_ = 0;
+    times_seen_ = steps_left_ = 0;
   }
+  bool does_both() const { return work_ >= kFaceStartTuning.cells_for_both; }
   Status lay_out_search(Span<unsigned char> block);
   Status run_detector(const FrameView& frame);
   void add_candidate(const DetectedFace& face);
-  enum class Answer : std::uint8_t { no, doubtful, yes };
-  Answer align_next(const SearchInput& input, KnownPerson* person, StartPose* start, float* landmark_error);
-  void go_on(bool was_known);
+  enum class Answer : std::uint8_t { no, later, yes };
+  Answer align(const SearchInput& input, int* steps, KnownPerson* person, StartPose* start,
+               float* landmark_error);
+  Status begin_alignment(const SearchInput& input, const KnownPerson& person);
+  float evidence_of(const AlignedFace& face) const;
+  bool is_accepted(const AlignedFace& face) const;
+  void go_on();
   void set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
                   StartPose* start);
   void tell_error(FrameResult* result) const;
@@ -142,7 +151,8 @@ class FaceStart {
   FaceAligner* aligner_ = nullptr;
   DetectedFace candidates_[kMostCandidates];
   std::size_t candidate_count_ = 0, next_candidate_ = 0;
-  bool tries_known_ = false;  // of the next candidate
+  bool tries_known_ = false;  // the next candidate is aligned as the known person
+  int steps_left_ = 0;        // of its alignment; 0: it has not begun
   int times_seen_ = 0;        // frames in which the next candidate was accepted
   float* q_ = nullptr;
   std::uint8_t* is_expression_ = nullptr;

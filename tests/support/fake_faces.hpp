@@ -1,5 +1,7 @@
 #pragma once
 // Detection and alignment that know the truth of a film: for tests of what a tracker makes of their results.
+#include <doctest/doctest.h>
+
 #include <vector>
 
 #include "face_film.hpp"
@@ -18,7 +20,9 @@ struct FakeFaces {
   float held_error = 0.02f;                    ///< the same with the identity held
   pliant::Status status = pliant::Status::ok;  ///< of the tables
   bool has_ghost = false;                      ///< the detector also gives a box without a face
+  int steps_an_alignment = 6;
   // What was asked of it.
+  int steps = 0;  ///< of alignments
   int searches = 0, alignments = 0, held_alignments = 0, verifications = 0;
   std::uint32_t work = 0;  ///< of the last search
 
@@ -92,13 +96,39 @@ inline Status search(FaceDetector&, const FrameView& frame, std::uint32_t work, 
   return Status::ok;
 }
 
-/// The truth of the frame, if the box is of its face.
-inline Status align(FaceAligner&, const FrameView& frame, const FaceBox& box, const Camera& camera,
-                    const AlignOptions& options, AlignedFace* face, float* q, Span<Vec2> landmarks) {
+/// What an alignment has been given, and how many of its steps are left.
+struct Alignment {
+  FaceBox box;
+  Camera camera;
+  AlignOptions options;
+  int steps = 0;
+};
+
+inline Alignment& alignment() {
+  static Alignment one;
+  return one;
+}
+
+inline Status begin(FaceAligner&, const FrameView&, const FaceBox& box, const Camera& camera,
+                    const AlignOptions& options, const float*, int* steps) {
   FakeFaces& f = fake();
-  const std::size_t k = frame.sequence;
   ++f.alignments;
   f.held_alignments += options.is_free != nullptr;
+  *steps = f.steps_an_alignment;
+  alignment() = {box, camera, options, *steps};
+  return Status::ok;
+}
+
+/// The last step gives the truth of its frame, if the box is of its face.
+inline Status advance(FaceAligner&, const FrameView& frame, int steps, AlignedFace* face, float* q,
+                      Span<Vec2> landmarks) {
+  FakeFaces& f = fake();
+  const auto& [box, camera, options, left] = alignment();
+  CHECK(steps <= left);
+  f.steps += steps;
+  alignment().steps -= steps;
+  if (left > 0) return Status::ok;
+  const std::size_t k = frame.sequence;
   const FaceBox truth = f.box(k);
   *face = {camera, {}, 0.01f, 0.5f};
   if (!(truth.side > 0) || length(truth.center - box.center) > 0.5f * truth.side) return Status::ok;
@@ -116,7 +146,9 @@ inline Status refine(FaceAligner& aligner, const FrameView& frame, const Camera&
                      const AlignOptions& options, AlignedFace* face, float* q, Span<Vec2> landmarks) {
   const View view = view_of(start, camera);
   const FaceBox near{view.c + view.s * view.tau, kFaceBoxMm * view.s};
-  return align(aligner, frame, near, camera, options, face, q, landmarks);
+  int steps = 0;
+  const Status status = begin(aligner, frame, near, camera, options, q, &steps);
+  return status == Status::ok ? advance(aligner, frame, steps, face, q, landmarks) : status;
 }
 
 inline Status verify(FaceAligner&, const FrameView& frame, const Camera& camera, const Pose& pose,
@@ -134,10 +166,11 @@ inline Status verify(FaceAligner&, const FrameView& frame, const Camera& camera,
 }  // namespace fake_faces
 
 inline const pliant::FaceDetection* FakeFaces::table() {
-  static const pliant::FaceModules modules{
-      fake_faces::is_available,    fake_faces::lay_out_detector, fake_faces::lay_out_aligner,
-      fake_faces::lay_out_aligner, fake_faces::status,           fake_faces::search,
-      fake_faces::align,           fake_faces::refine,           fake_faces::verify};
+  static const pliant::FaceModules modules{fake_faces::is_available,    fake_faces::lay_out_detector,
+                                           fake_faces::lay_out_aligner, fake_faces::lay_out_aligner,
+                                           fake_faces::status,          fake_faces::search,
+                                           fake_faces::begin,           fake_faces::advance,
+                                           fake_faces::refine,          fake_faces::verify};
   static pliant::FaceDetection table = pliant::kFaceDetection;
   table.modules = &modules;
   return &table;

@@ -6,10 +6,12 @@
 #include <cstring>
 
 #include "baked_model.hpp"
+#include "host/commands/plan.hpp"
 #include "host/io/files.hpp"
 #include "host/io/image.hpp"
 #include "host/io/owned.hpp"
 #include "host/io/points_file.hpp"
+#include "pliant/face_detector.hpp"
 #include "pliant/tracker.hpp"
 #include "renderer.hpp"
 
@@ -96,7 +98,8 @@ TrackerLimits limits() {
 }
 
 struct Run {
-  host::Owned<Tracker> tracker{face().model(), limits()};
+  explicit Run(const TrackerLimits& of = limits()) : tracker(face().model(), of) {}
+  host::Owned<Tracker> tracker;
   std::uint32_t frame = 0;
   FrameResult result;
 
@@ -177,6 +180,51 @@ TEST_CASE("a track that was put on the backdrop is told lost within 5 frames; th
   CHECK(lost <= 5);
   CHECK(back > 0);
   CHECK(run.error(drifting({150, 180}, 1.2f, 19)) < 0.06f);
+}
+
+TEST_CASE(
+    "a tracker with little work a frame finds a person who moves, within the frames that the plan states") {
+  TrackerLimits little = limits();
+  little.search_work = 4000;
+  Run run(little);
+  const host::SearchPlan plan = host::make_plan(face().model(), little).search;
+  CHECK_FALSE(plan.does_both);
+  CHECK(plan.alignment_frames > 1);
+  const auto moving = [](std::size_t k) {
+    return Place{Vec2{120, 160} + 2.5f * static_cast<float>(k) * Vec2{1, 0.3f}, 1.2f};
+  };
+  std::size_t found = 0;
+  for (std::size_t k = 0; k < 40; ++k)
+    if (run.show(moving(k)) == TrackState::tracking) {
+      if (found == 0) found = k + 1;
+      CHECK(run.error(moving(k)) < 0.06f);
+    }
+  MESSAGE("found in frame " << found << ", error at the end " << run.error(moving(39)));
+  CHECK(found > 1);
+  CHECK(static_cast<int>(found) <= plan.search_frames + plan.alignment_frames);
+  CHECK(run.result.state == TrackState::tracking);
+}
+
+TEST_CASE("a search takes the cells and frames that the plan states") {
+  for (const std::uint32_t work : {0u, 1000u, 4000u, 24000u, 0xffffffffu})
+    for (const int smallest : {0, 48, 100, 400}) {
+      TrackerLimits l = limits();
+      l.search_work = work;
+      l.smallest_face_px = static_cast<std::uint16_t>(smallest);
+      const host::SearchPlan plan = host::make_plan(face().model(), l).search;
+      const FaceDetectorLimits of_detector{l.width, l.height, l.smallest_face_px};
+      host::Owned<FaceDetector> detector(face().model().detector(), of_detector);
+      const Picture empty(kWidth, kHeight, 90);
+      bool is_complete = false;
+      int frames = 0;
+      for (; !is_complete; ++frames) {
+        std::size_t count = 1;
+        REQUIRE(detector->search(empty.view(), work, {}, &count, &is_complete) == Status::ok);
+        CHECK(count == 0);
+      }
+      CHECK(frames == plan.search_frames);
+      CHECK(plan.cells <= plan.all_cells);
+    }
 }
 
 TEST_CASE("where there is no face for long, none is found") {

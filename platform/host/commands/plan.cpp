@@ -5,7 +5,10 @@
 #include <algorithm>
 
 #include "estimate/frame_solver.hpp"
+#include "face/aligner_table.hpp"
+#include "face/search_place.hpp"
 #include "optim/normal_equations_tuning.hpp"
+#include "track/face_start.hpp"
 #include "track/key_frames.hpp"
 #include "track/template_tuning.hpp"
 #include "vision/coarse_translation_tuning.hpp"
@@ -24,6 +27,7 @@ struct Operations {
   double search_pixel = 6;     ///< one pixel of a template in one step
   double captured_pixel = 40;  ///< one pixel of a captured template, all levels
   double projected_vertex = 20;
+  double crop_pixel = 40;  ///< crop, gradient and blocks of a pixel, in a check
 };
 constexpr Operations kOperations{};
 
@@ -113,6 +117,40 @@ void add_solver_loads(const Sizes& s, const SolveWork& work, std::vector<Load>& 
                    s.unknowns * s.unknowns * s.unknowns / 6});
 }
 
+/// What checks add to a tracked frame.
+void add_check_loads(const AlignerTable& table, std::vector<Load>& loads) {
+  const double side = table.stage(table.stage_count() - 1).crop_px;
+  loads.push_back({"pixels of the crop of a check", side * side / kFaceStartTuning.check_interval_frames,
+                   side * side, kOperations.crop_pixel});
+}
+
+SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
+  SearchPlan plan;
+  SearchPlace place;
+  const std::uint32_t work = std::max(limits.search_work, std::uint32_t{1});
+  std::uint32_t widest = 0, done = work;
+  for (place.begin(limits.width, limits.height, limits.smallest_face_px); !place.is_complete();
+       place.advance()) {
+    const auto columns = static_cast<std::uint32_t>(place.columns());
+    if (done >= work) {  // a new frame
+      ++plan.search_frames;
+      done = 0;
+    }
+    done += columns;
+    plan.all_cells += columns;
+    widest = std::max(widest, columns);
+  }
+  plan.cells = std::min(plan.all_cells, work - 1 + widest);
+  plan.does_both = limits.search_work >= kFaceStartTuning.cells_for_both;
+  plan.steps = std::max(1, static_cast<int>(limits.search_work / kFaceStartTuning.cells_a_step));
+  plan.alignment_steps = static_cast<int>(table.stage_count()) + 1;
+  for (int left = plan.alignment_steps; left > 0; ++plan.alignment_frames) {
+    const int taken = std::min(plan.steps, left);
+    left -= !plan.does_both && taken == left && taken > 1 ? taken - 1 : taken;
+  }
+  return plan;
+}
+
 }  // namespace
 
 double Plan::usual_operations() const {
@@ -143,6 +181,12 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   add_pixel_loads(sizes, limits, plan.loads);
   add_surface_loads(sizes, limits, options, plan.loads);
   add_solver_loads(sizes, work, plan.loads);
+  AlignerTable table;
+  if (limits.detection != nullptr && !model.detector().empty() &&
+      AlignerTable::open(model.aligner(), &table) == Status::ok) {
+    add_check_loads(table, plan.loads);
+    plan.search = search_plan(table, limits);
+  }
   return plan;
 }
 

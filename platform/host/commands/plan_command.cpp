@@ -5,19 +5,19 @@
 
 #include "host/bake/table_writer.hpp"
 #include "host/commands/command.hpp"
-#include "host/io/failure.hpp"
-#include "host/io/files.hpp"
 #include "host/commands/plan.hpp"
 #include "host/commands/tracker_limits.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
 
 namespace pliant::host {
 
 namespace {
 
 constexpr const char* kPurposeNames[kPurposeCount] = {
-    "other",      "model evaluation", "mesh",         "mesh adaptation", "visibility",
-    "solver",     "surface points",   "sampled points", "sampled vertices",  "outlier rejection",
-    "parameters", "picture pyramid",  "templates",    "corners",         "thumbnails"};
+    "other",      "model evaluation", "mesh",           "mesh adaptation",  "visibility",
+    "solver",     "surface points",   "sampled points", "sampled vertices", "outlier rejection",
+    "parameters", "picture pyramid",  "templates",      "corners",          "thumbnails"};
 
 /// A model table for which only the counts matter: a rest shape and one record for each parameter.
 std::vector<std::uint32_t> stand_in_table(int parameters) {
@@ -100,6 +100,20 @@ void print_loads(std::ostream& out, const Plan& plan) {
   out << line;
 }
 
+void print_search(std::ostream& out, const SearchPlan& plan) {
+  if (plan.all_cells == 0) return;
+  char line[320];
+  std::snprintf(line, sizeof line,
+                "\na frame without a track: at most %u cells of the search %s %d steps of alignments\n"
+                "  cells of the whole frame    %8u\n"
+                "  frames of a search, at most %8d\n"
+                "  steps of an alignment       %8d\n"
+                "  frames of an alignment      %8d\n",
+                plan.cells, plan.does_both ? "and" : "or", plan.steps, plan.all_cells, plan.search_frames,
+                plan.alignment_steps, plan.alignment_frames);
+  out << line;
+}
+
 int run_plan(const Args& args, Console& console) {
   const TrackerLimits limits = limits_from(args);
   const bool has_model = args.operand_count() > 0;
@@ -124,26 +138,28 @@ int run_plan(const Args& args, Console& console) {
   console.out << line;
   print_bytes(console.out, plan, table_bytes);
   print_loads(console.out, plan);
+  print_search(console.out, plan.search);
   return 0;
 }
 
 }  // namespace
 
 Command plan_command() {
-  return {"plan",
-          "Prints a tracker's memory to the byte, and the work of a frame.",
-          "[face.plm] [--profile s|m|l] [--width W] [--height H] [--vertices V] [--points N] [--parameters P] "
-          "[--markers M]",
-          {{"--profile", "s|m|l", "limits of a small, medium or large device"},
-           {"--width", "W", "of the frames, pixels"},
-           {"--height", "H", "of the frames, pixels"},
-           {"--vertices", "V", "vertices of the mesh, at most"},
-           {"--points", "N", "templates, those of later key frames included"},
-           {"--parameters", "P", "free parameters, at most"},
-           {"--markers", "M", "surface points that are predicted, without templates"}},
-          0,
-          run_plan,
-          1};
+  return {
+      "plan",
+      "Prints a tracker's memory to the byte, and the work of a frame.",
+      "[face.plm] [--profile s|m|l] [--width W] [--height H] [--vertices V] [--points N] [--parameters P] "
+      "[--markers M]",
+      {{"--profile", "s|m|l", "limits of a small, medium or large device"},
+       {"--width", "W", "of the frames, pixels"},
+       {"--height", "H", "of the frames, pixels"},
+       {"--vertices", "V", "vertices of the mesh, at most"},
+       {"--points", "N", "templates, those of later key frames included"},
+       {"--parameters", "P", "free parameters, at most"},
+       {"--markers", "M", "surface points that are predicted, without templates"}},
+      0,
+      run_plan,
+      1};
 }
 
 }  // namespace pliant::host

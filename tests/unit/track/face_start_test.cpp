@@ -121,21 +121,72 @@ TEST_CASE("another person who is found is fitted anew") {
   CHECK(after > before + 0.4f);
 }
 
-TEST_CASE("the work of a frame is bounded: a part of the search, or one alignment") {
+TEST_CASE(
+    "the work of a frame is bounded: a part of the search, or steps of an alignment, and a start has but the "
+    "last one") {
   FakeFaces fake(half_size());
   fake.calls_a_search = 4;
+  fake.steps_an_alignment = 3;
   fake.has_ghost = true;
   TrackerLimits limits = limits_with_fake();
-  limits.search_work = 1000;
+  limits.search_work = 2 * kFaceStartTuning.cells_a_step;
   InArena<Tracker> tracker(baked_face().model, limits);
   for (std::size_t k = 0; k < kGone; ++k) {
-    const int before = fake.searches + fake.alignments;
+    const int searches = fake.searches, steps = fake.steps;
     const FrameResult result = update(tracker.object, half_size(), k);
-    CHECK(fake.searches + fake.alignments - before <= 1);
-    CHECK(fake.work == 1000);
-    const std::size_t needed = 4 + 2;  // parts of the search; the ghost and the face
+    CHECK(fake.work == limits.search_work);
+    const std::size_t needed =
+        4 + 2 * 2;  // parts of the search; the ghost and the face, three steps in two frames each
+    const int searched = fake.searches - searches, taken = fake.steps - steps;
+    CHECK(searched == (k < 4));
+    CHECK(taken <= (k < 4 ? 0 : 2));
+    CHECK(taken >= (k < 4 || k >= needed ? 0 : 1));
+    if (k + 1 == needed) CHECK(taken == 1);
     CHECK(result.is_searching == (k + 1 < needed));
     CHECK((result.state == TrackState::tracking) == (k + 1 >= needed));
+    CHECK(result.landmark_error == (k + 1 < needed ? 0 : doctest::Approx(0.02)));
+  }
+}
+
+TEST_CASE(
+    "a step a frame: the least work finds a face too, and one that leaves during its alignment starts "
+    "nothing") {
+  TrackerLimits limits = limits_with_fake();
+  limits.search_work = 0;
+  for (const bool leaves : {false, true}) {
+    CAPTURE(leaves);
+    FakeFaces fake(half_size());
+    InArena<Tracker> tracker(baked_face().model, limits);
+    FrameResult result;
+    for (std::size_t k = leaves ? kGone - 3 : 0; k < (leaves ? kBack : kGone); ++k)
+      result = update(tracker.object, half_size(), k);
+    CHECK((result.state == TrackState::lost) == leaves);
+    CHECK(result.is_searching == leaves);
+    CHECK(fake.alignments == 1);
+    CHECK(fake.steps == 6);
+  }
+}
+
+TEST_CASE("a start of the caller's during a search ends it, and one during an alignment") {
+  const FaceFilm& film = half_size();
+  TrackerLimits limits = limits_with_fake();
+  limits.search_work = kFaceStartTuning.cells_a_step;
+  for (const std::size_t begin : {std::size_t{1}, std::size_t{6}}) {  // in the search; in the alignment
+    FakeFaces fake(film);
+    fake.calls_a_search = 4;
+    InArena<Tracker> tracker(baked_face().model, limits);
+    for (std::size_t k = 0; k < begin; ++k) CHECK(update(tracker.object, film, k).is_searching);
+    REQUIRE(tracker->start_from_pose(film.view(begin), film.camera, film.poses[begin], nullptr) ==
+            Status::ok);
+    CHECK(tracker->is_started());
+    CHECK_FALSE(tracker->result().is_searching);
+    const int steps = fake.steps;
+    for (std::size_t k = begin + 1; k < kGone; ++k)
+      CHECK(update(tracker.object, film, k).state == TrackState::tracking);
+    CHECK(fake.steps == steps);
+    REQUIRE(tracker->start_by_detection() == Status::ok);
+    CHECK(update(tracker.object, film, kBack).is_searching);
+    CHECK(fake.searches % 4 == (begin < 4 ? 2 : 1));  // from the beginning
   }
 }
 
