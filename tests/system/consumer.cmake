@@ -1,5 +1,5 @@
 cmake_minimum_required(VERSION 3.22)
-# Installs the build into a folder of its own and builds a user's project against it, in C++ and in C: by find_package, as
+# Installs the build into a folder of its own, moves that, and builds a user's project against it, in C++ and in C: by find_package, as
 # a subdirectory, and with the flags of pkg-config. A C program is linked by the C compiler, with nothing named by hand.
 # Run as: cmake -DBUILD=... -DSOURCE=... -DGENERATOR=... -DCXX=... -DCC=... [-DLAUNCHER=ccache] -P consumer.cmake
 set(work ${BUILD}/consumer)
@@ -19,7 +19,8 @@ function(configure name program)
     -DCMAKE_C_COMPILER=${CC} ${ARGN})
 endfunction()
 
-run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/prefix)
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/installed)
+file(RENAME ${work}/installed ${work}/prefix)
 foreach(program main.cpp main.c)
   configure(package_${program} ${program} -DCMAKE_PREFIX_PATH=${work}/prefix)
   run(${CMAKE_COMMAND} --build ${work}/package_${program})
@@ -40,12 +41,20 @@ run(${work}/subdirectory/consumer)
 # In C++ it is configured only: the library would be what it was above.
 configure(subdirectory_cxx main.cpp -DPLIANT_SOURCE_DIR=${SOURCE})
 
+# In a shared object, and installed as a part of another project.
+configure(shared main.cpp -DCMAKE_PREFIX_PATH=${work}/prefix -DCONSUMER_IS_SHARED=ON)
+run(${CMAKE_COMMAND} --build ${work}/shared)
+run(${CMAKE_COMMAND} --install ${work}/subdirectory --prefix ${work}/of_subproject)
+if(NOT EXISTS ${work}/of_subproject/include/pliant/tracker.hpp OR NOT EXISTS ${work}/of_subproject/bin/consumer)
+  message(FATAL_ERROR "the project with pliant inside was not installed whole")
+endif()
+
 find_program(pkg_config NAMES pkg-config pkgconf)
 if(pkg_config)
   file(GLOB_RECURSE pc ${work}/prefix/*.pc)
   get_filename_component(folder ${pc} DIRECTORY)
   execute_process(COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${folder} ${pkg_config}
-    --define-variable=prefix=${work}/prefix --cflags --libs pliant
+    --cflags --libs pliant
     OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
   separate_arguments(flags UNIX_COMMAND "${flags}")
   run(${CXX} -std=c++17 ${project}/main.cpp ${flags} -o ${work}/by_pkg_config)
