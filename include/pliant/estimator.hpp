@@ -39,7 +39,7 @@ struct FrameResult {
   /// Of a Tracker whose model has learnt tables: expected mean error of the landmarks, as a fraction of the distance of the
   /// outer eye corners. 0: unknown. Above 0.08 a tracked frame is degraded.
   float landmark_error = 0;
-  bool is_searching = false;  ///< of a Tracker: there is no track, and the frame was searched for a face
+  bool is_searching = false;  ///< of a Tracker: there is no track; the next frame is searched for a face
 };
 
 /// A state to save and restore. The arrays are the caller's and hold one value for each of the model's parameters.

@@ -17,9 +17,12 @@ struct DetectedFace {
   float score = 0;  ///< probability that it is a face, 0 to 1
 };
 
+/// Largest side of a frame that is searched, px.
+constexpr int kLargestFramePx = 8192;
+
 /// What a detector is made for. Fixes its memory.
 struct FaceDetectorLimits {
-  std::uint16_t width = 320, height = 240;  ///< largest frame, px, up to 8192
+  std::uint16_t width = 320, height = 240;  ///< largest frame, px, up to kLargestFramePx
   std::uint16_t smallest_px = 48;           ///< side of the smallest face box, px; less than 48 counts as 48
 };
 

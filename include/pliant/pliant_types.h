@@ -54,6 +54,8 @@ typedef struct pliant_limits {
   uint16_t vertices;                    /**< of the mesh */
   uint16_t start_points;                /**< landmarks of a start; at least 4, or 0: no start from landmarks */
   uint16_t profile;                     /**< 'S', 'M' or 'L': every other limit is as there */
+  uint16_t smallest_face_px;            /**< side of the smallest face that is searched for, px; below 48 counts as 48 */
+  uint32_t search_work; /**< of one frame without a track, cells of the search: 24,000 search 320 x 240 at once */
 } pliant_limits;
 
 /** A luma image of 8 bits per pixel, read during the call only. Row y, column x is
@@ -115,7 +117,7 @@ typedef struct pliant_result {
   uint16_t tracked, inliers; /**< observations found; observations used in the end */
   int32_t state;             /**< PLIANT_TRACKING, PLIANT_DEGRADED or PLIANT_LOST */
   float landmark_error;      /**< expected, as a fraction of the distance of the outer eye corners; 0: unknown */
-  int32_t is_searching;      /**< 1: there is no track, and the frame was searched for a face */
+  int32_t is_searching;      /**< 1: there is no track; the next frame is searched for a face */
 } pliant_result;
 
 /* The layout that the library was compiled with. */
@@ -124,7 +126,7 @@ typedef struct pliant_result {
 #else
 #define PLIANT_HAS_SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), "not the layout of the library")
 #endif
-PLIANT_HAS_SIZE(pliant_limits, 18);
+PLIANT_HAS_SIZE(pliant_limits, 24);
 PLIANT_HAS_SIZE(pliant_frame, 2 * sizeof(void *) + 24);
 PLIANT_HAS_SIZE(pliant_camera, 24);
 PLIANT_HAS_SIZE(pliant_pose, 28);

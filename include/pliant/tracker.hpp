@@ -65,8 +65,8 @@ struct SavedState {
 ///
 /// With a model that has learnt tables (pliant learn) no start is needed: while there is no track, `update` searches the
 /// frame for a face and starts by itself. A running track is verified every few frames. A track that is lost, or that is no
-/// face, is given up, and the frame is searched again. Where the same person is found, identity, landmark offsets and camera
-/// stay.
+/// face, is given up, and the next frames are searched. Where the same person is found, identity, landmark offsets, markers and
+/// camera stay; templates and key frames are new. Another person has no markers.
 ///
 /// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays first. If one of
 /// those is wrong, nothing changes. If the start fails later (in the fit, the pose or the texture), the tracker is not
@@ -84,7 +84,8 @@ class Tracker {
   /// with default options.
   /// \param start    camera or focal length, if known, and `keeps_landmark_offsets`.
   /// \param options  of the tracks that follow.
-  /// \return not_found: the limits name no detection, or the model has no learnt tables; nothing has changed.
+  /// \return not_found (the limits name no detection, or the model has no learnt tables), bad_argument (the camera or the focal
+  ///         length): nothing has changed.
   Status start_by_detection(const StartOptions& start = {}, const TrackerOptions& options = {});
 
   /// Starts from a known pose.
@@ -122,9 +123,9 @@ class Tracker {
 
   /// Tracks the next frame, or searches it while there is no track (FrameResult::is_searching). A face that is found is
   /// tracked from this frame on.
-  /// \return not_started (no track and no detection), bad_table (detector or aligner), bad_argument, size_mismatch,
-  ///         stale_frame (neither the time nor the sequence number is later than
-  ///         the last frame's). Nothing has changed then.
+  /// \return not_started (no track and no detection), bad_table, bad_checksum and their like (detector or aligner),
+  ///         bad_argument, size_mismatch, stale_frame (neither the time nor the sequence number is later than the last frame's).
+  ///         Nothing has changed then.
   Status update(const FrameView& frame, FrameResult* result);
 
   // Precondition of what follows: the tracker was laid out. Where a Status is returned, it is not_started otherwise.

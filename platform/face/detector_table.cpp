@@ -19,7 +19,7 @@ bool is_valid(const DetectorTree& tree) {
 bool is_valid(const DetectorHeader& h) {
   for (int k = 1; k < kScoreKnots; ++k)
     if (h.knot_sum[k] <= h.knot_sum[k - 1] || h.knot_probability[k] < h.knot_probability[k - 1]) return false;
-  return h.tree_count > 0 && h.tree_depth == kTreeDepth;
+  return h.tree_count > 0 && h.tree_count <= kMostTrees && h.tree_depth == kTreeDepth;
 }
 
 }  // namespace

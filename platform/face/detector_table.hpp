@@ -31,6 +31,9 @@ struct DetectorTree {
   std::int16_t rejection;         ///< a window whose sum is below this after the tree is not a face
 };
 
+/// Trees of a table: what 72 KiB hold. It bounds the time of a window.
+constexpr int kMostTrees = 2048;
+
 /// Points of a broken line.
 constexpr int kScoreKnots = 8;
 
@@ -39,7 +42,7 @@ struct DetectorHeader {
   std::uint32_t magic;        ///< kDetectorMagic
   std::uint32_t total_bytes;  ///< of the table
   std::uint32_t crc32;        ///< IEEE CRC-32 of everything behind this field
-  std::uint16_t tree_count;   ///< at least 1
+  std::uint16_t tree_count;   ///< 1 to kMostTrees
   std::uint16_t tree_depth;   ///< kTreeDepth
   /// Probability of a face at a sum of all trees: a broken line through these points, sums strictly ascending,
   /// probabilities ascending, in 1/65535. Constant beyond the ends.

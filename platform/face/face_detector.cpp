@@ -66,8 +66,8 @@ Status FaceDetector::check_input(const FrameView& frame, Span<DetectedFace> room
     return Status::bad_argument;
   const Status status = check(frame);
   if (status != Status::ok) return status;
-  return frame.width <= limits_.width && frame.height <= limits_.height && frame.width <= 8192 &&
-                 frame.height <= 8192
+  return frame.width <= limits_.width && frame.height <= limits_.height && frame.width <= kLargestFramePx &&
+                 frame.height <= kLargestFramePx
              ? Status::ok
              : Status::size_mismatch;
 }

@@ -29,6 +29,19 @@ Status Markers::place(Estimator& estimator, Span<const Vec2> markers, float excl
   return Status::ok;
 }
 
+std::size_t Markers::save(const Estimator& estimator, MarkerPlace* places) const {
+  for (std::size_t k = 0; k < count_; ++k) places[k] = {estimator.point_uv(ids_[k]), offsets_[k]};
+  return count_;
+}
+
+void Markers::restore(Estimator& estimator, const MarkerPlace* places, std::size_t count) {
+  PLIANT_ASSERT(count <= capacity_);
+  for (count_ = 0; count_ < count; ++count_) {
+    if (estimator.add_point(places[count_].uv, &ids_[count_]) != Status::ok) return;
+    offsets_[count_] = places[count_].offset;
+  }
+}
+
 bool Markers::position(std::size_t k, Estimator& estimator, Vec2* x) const {
   return k < count_ && project_beside(estimator, estimator.point_uv(ids_[k]), offsets_[k], x);
 }

@@ -8,6 +8,12 @@
 
 namespace pliant {
 
+/// Where a marker is on the surface, for another start.
+struct MarkerPlace {
+  Vec2 uv;
+  Vec3 offset;  ///< mm
+};
+
 /// Each marker is a surface point of the estimator and an offset from it (surface_offset.hpp).
 class Markers {
  public:
@@ -17,6 +23,10 @@ class Markers {
   /// \param exclusion_px  for `are_far_from`.
   /// \return bad_argument (not finite, or nothing visible), capacity, and the statuses of Estimator::add_point.
   Status place(Estimator& estimator, Span<const Vec2> x, float exclusion_px);
+  /// Writes where the markers are. \pre room for the capacity. \return how many there are.
+  std::size_t save(const Estimator& estimator, MarkerPlace* places) const;
+  /// Puts markers there again, after a start without. \pre count <= capacity.
+  void restore(Estimator& estimator, const MarkerPlace* places, std::size_t count);
   /// Image position of marker k, px. False for k beyond the markers placed, and behind the camera.
   bool position(std::size_t k, Estimator& estimator, Vec2* x) const;
   /// Whether every marker is visible and farther than exclusion_px from x.

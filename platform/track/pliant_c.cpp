@@ -107,6 +107,8 @@ Status open(const void* table, std::size_t table_bytes, const pliant_limits* fro
   limits->key_patches = from->key_patches;
   limits->vertices = from->vertices;
   limits->start_points = from->start_points;
+  limits->smallest_face_px = from->smallest_face_px;
+  limits->search_work = from->search_work;
   const Status status = check(*limits);
   return status == Status::ok ? Model::open(table, table_bytes, model) : status;
 }
@@ -142,8 +144,8 @@ pliant_limits pliant_profile(char name) {
   const auto profile = static_cast<std::uint16_t>(name);
   if (!is_profile(profile)) return {};
   const TrackerLimits l = profile_named(profile);
-  return {l.width,       l.height,   l.region_width, l.region_height, l.patches,
-          l.key_patches, l.vertices, l.start_points, profile};
+  return {l.width,    l.height,       l.region_width, l.region_height,    l.patches,    l.key_patches,
+          l.vertices, l.start_points, profile,        l.smallest_face_px, l.search_work};
 }
 
 pliant_status pliant_required_bytes(const void* table, size_t table_bytes, const pliant_limits* limits,

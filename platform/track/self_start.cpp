@@ -9,6 +9,7 @@ namespace pliant {
 void SelfStart::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
   faces.lay_out(arena, model, limits);
   is_free = arena.take_span<std::uint8_t>(model.parameters().count);
+  markers = arena.take<MarkerPlace>(limits.markers);
 }
 
 namespace {
@@ -34,7 +35,8 @@ KnownPerson& person_of(TrackerParts& t) {
 }
 
 bool is_available(const Model& model, const TrackerLimits& limits) {
-  return limits.detection->modules->is_available(model);
+  return limits.width <= kLargestFramePx && limits.height <= kLargestFramePx &&
+         limits.detection->modules->is_available(model);
 }
 
 SelfStart* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
@@ -78,7 +80,9 @@ Status search(TrackerParts& t, const FrameView& view) {
   self.is_own_start = false;
   if (status != Status::ok)
     tell_search(t);
-  else if (!self.person.is_known)
+  else if (self.person.is_known)
+    t.markers.restore(t.estimator, self.markers, self.marker_count);
+  else
     t.offsets.place_pending(t.estimator);
   return Status::ok;
 }
@@ -89,7 +93,8 @@ void end_search(TrackerParts& t) {
 
 void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, StartPose* from) {
   SelfStart& self = *t.self_start;
-  keep(rough.options, &self);
+  self.of_caller = &rough.options;
+  self.landmark_error = 0;  // a start before may have failed
   if (!rough.is_rough) return;
   self.faces.refine({view, t.block, rough.options}, rough.box, &person_of(t), from, &self.landmark_error);
   t.lay_out_tracking();
@@ -98,6 +103,7 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
 void give_up(TrackerParts& t) {
   KnownPerson& person = person_of(t);
   person.is_known = person.is_known || t.self_start->faces.has_confirmed();
+  if (person.is_known) t.self_start->marker_count = t.markers.save(t.estimator, t.self_start->markers);
   person.camera = t.estimator.camera();
   for (std::size_t k = 0; k < t.start_q.count; ++k) t.start_q[k] = t.estimator.parameters()[k];
   t.is_started = false;
@@ -115,6 +121,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   SelfStart& self = *t.self_start;
   if (!self.is_own_start) {
     self.person.is_known = false;
+    keep(*self.of_caller, &self);
     keep(options, &self);
   }
   self.faces.begin_track(self.landmark_error, &t.result);

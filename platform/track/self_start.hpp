@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "track/face_start.hpp"
+#include "track/markers.hpp"
 
 namespace pliant {
 
@@ -13,11 +14,14 @@ struct TrackerParts;
 /// What a tracker keeps for starts of its own. In the arena, if the limits name a detection and the model has learnt tables.
 struct SelfStart {
   FaceStart faces;
-  StartOptions start;          // what is known of the camera
-  Camera camera;               // room for the one that `start` names
-  TrackerOptions options;      // of the last start
-  Span<std::uint8_t> is_free;  // room for TrackerOptions::is_free
+  StartOptions start;                       // what is known of the camera
+  Camera camera;                            // room for the one that `start` names
+  TrackerOptions options;                   // of the last start
+  Span<std::uint8_t> is_free;               // room for TrackerOptions::is_free
+  const StartOptions* of_caller = nullptr;  // while the caller starts
   KnownPerson person;
+  MarkerPlace* markers = nullptr;  // of the known person
+  std::size_t marker_count = 0;
   bool is_own_start = false;  // while the tracker starts by itself
   float landmark_error = 0;   // of the last start, as the alignment estimates it; 0: unknown
 
@@ -46,7 +50,7 @@ struct FaceDetection {
   Status (*search)(TrackerParts& tracker, const FrameView& frame);
   /// Gives the memory of the search back to the tracking.
   void (*end_search)(TrackerParts& tracker);
-  /// Keeps the options of a start of the caller's, and refines it.
+  /// Begins a start of the caller's, whose options last until begin_track, and refines it.
   void (*refine)(TrackerParts& tracker, const FrameView& frame, const RoughStart& rough, StartPose* start);
   /// Ends a start: verifies it, and keeps its options.
   void (*begin_track)(TrackerParts& tracker, const FrameView& frame, const TrackerOptions& options);

@@ -119,8 +119,9 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   Status status = t.region.check_frame(frame);
   if (status != Status::ok) return status;
   if (t.is_stale(frame)) return Status::stale_frame;
-  t.note_time(frame);
   status = t.is_started ? t.track(frame) : t.limits.detection->search(t, frame);
+  if (status != Status::ok) return status;
+  t.note_time(frame);
   *result = t.result;
   return status;
 }

@@ -36,8 +36,9 @@ Status TrackerParts::fit_before_tracking(Fit&& fit) {
   return status;
 }
 
-/// What a start from points or a box leaves to detection, if there are learnt tables.
-/// \param box  of the face; null: from points. \param is_rough  the start is moved to where the picture shows the face.
+/// What a start leaves to detection, if there are learnt tables.
+/// \param box  of the face; null: from points or a pose. \param is_rough  the start is moved to where the picture shows the face.
+/// \param with  read until the start ends.
 void TrackerParts::refine(const FrameView& view, const FaceBox* box, bool is_rough, const StartOptions& with,
                           StartPose* from) {
   if (self_start != nullptr) limits.detection->refine(*this, view, {box, is_rough, with}, from);
@@ -101,7 +102,11 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   if (status != Status::ok) return status;
   impl_->offsets.clear();
   for (std::size_t k = 0; k < impl_->start_q.count; ++k) impl_->start_q[k] = q == nullptr ? 0 : q[k];
-  return impl_->start(frame, {camera, pose}, impl_->start_q.data, options, markers);
+  StartPose from{camera, pose};
+  StartOptions known;
+  known.camera = &camera;
+  impl_->refine(frame, nullptr, false, known, &from);
+  return impl_->start(frame, from, impl_->start_q.data, options, markers);
 }
 
 Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoint> points,
@@ -159,7 +164,10 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
   if (impl_ == nullptr) return Status::not_started;
   Impl& t = *impl_;
   if (t.self_start == nullptr) return Status::not_found;
-  if (!(start.focal_px >= 0)) return Status::bad_argument;
+  Lens unused;
+  const Camera camera = start_camera(start.camera, start.focal_px, t.limits.width, t.limits.height);
+  if (!(start.focal_px >= 0) || Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok)
+    return Status::bad_argument;
   t.limits.detection->begin_search(t, start, options);
   return Status::ok;
 }

@@ -2,6 +2,8 @@
 // the truth.
 #include <doctest/doctest.h>
 
+#include <limits>
+
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
 
@@ -105,6 +107,91 @@ TEST_CASE(
       if (baked_face().model.parameters()[i].group == Group::identity)
         CHECK(tracker->parameters()[i] == person[i]);
   }
+}
+
+TEST_CASE("markers stay with a person who is found again, and not with another one") {
+  for (const bool is_same : {true, false}) {
+    CAPTURE(is_same);
+    const FaceFilm film = make_film(0.6f, "faceWidth");
+    FakeFaces fake(film);
+    TrackerLimits limits = limits_with_fake();
+    limits.markers = 2;
+    InArena<Tracker> tracker(baked_face().model, limits);
+    const Vec2 places[] = {film.truth("ibug30", 0), film.truth("ibug36", 0)};
+    REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data(), {},
+                                     {places, 2}) == Status::ok);
+    constexpr std::size_t kLast = kFrames - 2;
+    for (std::size_t k = 1; k <= kLast; ++k) {
+      if (k == kGone && !is_same) fake.held_error = 0.2f;
+      update(tracker.object, film, k);
+    }
+    REQUIRE(tracker->is_started());
+    for (std::size_t k = 0; k < 2; ++k) {
+      Vec2 x;
+      REQUIRE(tracker->marker(k, &x) == is_same);
+      if (is_same) CHECK(length(x - film.truth(k == 0 ? "ibug30" : "ibug36", kLast)) < 3);
+    }
+    CHECK(tracker->start_by_detection() == Status::ok);  // forgets the person
+    update(tracker.object, film, kLast + 1);
+    Vec2 x;
+    CHECK_FALSE(tracker->marker(0, &x));
+  }
+}
+
+TEST_CASE("another person is looked for with the camera of the start, if that has succeeded") {
+  const FaceFilm& film = half_size();
+  FakeFaces fake(film);
+  fake.verification = 0.01f;  // tracks are given up before the person is known
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  Camera camera = film.camera;
+  camera.f *= 1.25f;
+  Pose pose = film.poses[0];
+  pose.t.z *= 1.25f;
+  REQUIRE(tracker->start_from_pose(film.view(0), camera, pose, nullptr) == Status::ok);
+  std::size_t k = 1;
+  for (; tracker->is_started(); ++k) update(tracker.object, film, k);
+  update(tracker.object, film, k++);
+  REQUIRE(tracker->is_started());
+  CHECK(tracker->camera().f == camera.f);
+  Camera broken = camera;
+  broken.f = -1;
+  CHECK(tracker->start_from_pose(film.view(k), broken, pose, nullptr) == Status::bad_argument);
+  StartOptions start;
+  start.camera = &broken;
+  CHECK(tracker->start_from_box(film.view(k), {100, 60}, {90, 90}, start) != Status::ok);
+  CHECK_FALSE(tracker->is_started());
+  update(tracker.object, film, k++);
+  REQUIRE(tracker->is_started());
+  CHECK(tracker->camera().f == camera.f);
+}
+
+TEST_CASE("the landmark error of a start that fails is not that of the next one") {
+  const FaceFilm& film = half_size();
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  FrameView flat = film.view(0);
+  const std::vector<std::uint8_t> black(static_cast<std::size_t>(kWidth * kHeight), 0);
+  flat.data = black.data();
+  const FaceBox box = fake.box(0);
+  StartOptions start;
+  start.box = BoxConvention::face_box;
+  CHECK(tracker->start_from_box(flat, box.center - 0.5f * Vec2{box.side, box.side}, {box.side, box.side},
+                                start) == Status::too_few_points);
+  CHECK(fake.alignments == 1);
+  fake.verification = 0.3f;  // too low for a first check, which does not set the error
+  REQUIRE(tracker->start_from_pose(film.view(1), film.camera, film.poses[1], nullptr) == Status::ok);
+  CHECK(tracker->result().landmark_error == 0);
+}
+
+TEST_CASE("frames beyond what a detector searches are tracked after a start, and need one") {
+  FakeFaces fake(half_size());
+  TrackerLimits limits = limits_with_fake();
+  limits.width = kLargestFramePx + 1;
+  limits.height = 64;
+  limits.patches = 6;
+  limits.key_patches = 0;
+  InArena<Tracker> tracker(baked_face().model, limits);
+  CHECK(tracker->start_by_detection() == Status::not_found);
 }
 
 TEST_CASE("another person who is found is fitted anew") {
@@ -221,6 +308,9 @@ TEST_CASE("tables that cannot be used are told by each update, and starts withou
   InArena<Tracker> tracker(baked_face().model, limits_with_fake());
   FrameResult result;
   CHECK(tracker->update(half_size().view(0), &result) == Status::bad_checksum);
+  CHECK(tracker->update(half_size().view(0), &result) ==
+        Status::bad_checksum);  // the frame has not been taken
+  CHECK(result.is_searching == FrameResult{}.is_searching);
   CHECK(tracker->start_from_pose(half_size().view(1), half_size().camera, half_size().poses[1], nullptr) ==
         Status::ok);
   CHECK(update(tracker.object, half_size(), 2).state == TrackState::tracking);
@@ -383,7 +473,15 @@ TEST_CASE("start_by_detection ends a track, forgets the person and keeps its opt
   update(tracker.object, film, 7);
   REQUIRE(tracker->parameter("jawOpen", &after) == Status::ok);
   CHECK(before == after);
-  start.focal_px = -1;
+  Camera bad = film.camera;
+  bad.k1 = -5;
+  start.camera = &bad;
   CHECK(tracker->start_by_detection(start) == Status::bad_argument);
+  start.camera = nullptr;
+  for (const float focal :
+       {-1.0f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    start.focal_px = focal;
+    CHECK(tracker->start_by_detection(start) == Status::bad_argument);
+  }
   CHECK(tracker->is_started());
 }

@@ -39,6 +39,8 @@ TEST_CASE("profiles are those of C++; another name gives limits that are refused
     CHECK(l.key_patches == own[k].key_patches);
     CHECK(l.vertices == own[k].vertices);
     CHECK(l.start_points == own[k].start_points);
+    CHECK(l.smallest_face_px == own[k].smallest_face_px);
+    CHECK(l.search_work == own[k].search_work);
   }
   const pliant_limits none = pliant_profile('X'), zero = {};
   CHECK(std::memcmp(&none, &zero, sizeof none) == 0);
