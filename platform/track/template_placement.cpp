@@ -2,6 +2,7 @@
 
 #include "track/template_tuning.hpp"
 #include "track/tracker_sizes.hpp"
+#include "vision/corner_grid.hpp"
 
 namespace pliant {
 
@@ -17,6 +18,9 @@ CornerOptions corner_options(const TrackerLimits& limits) {
   o.min_ratio = kTuning.least_ratio;
   return o;
 }
+
+/// Of a cell whose corner cannot be captured: not on the surface, or turned away. Later passes leave it out.
+constexpr std::uint8_t kFailed = 2;
 
 bool is_far_from_found(const TemplateStore& templates, Vec2 x, float min_distance) {
   for (std::size_t k = 0; k < templates.count(); ++k) {
@@ -46,22 +50,25 @@ void TemplatePlacement::place(TemplateStore& templates, Estimator& estimator, co
                               const Markers& markers, std::size_t first, std::size_t end) {
   PLIANT_ASSERT(end <= templates.count());
   const std::size_t free = mark_free_cells(templates, estimator, region);
+  Arena scratch(scratch_.data, scratch_.count);
+  corners::Grid grid;
   const auto cells = static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_);
   const float area = static_cast<float>(free) * static_cast<float>(options_.cell_px * options_.cell_px);
   float spacing = square_root(area / static_cast<float>(end - first));
+  if (corners::scan_cells(region.pyramid().level(0), options_, {cells_, cells}, scratch, &grid) != Status::ok)
+    return;
   for (int pass = 0; pass < kTuning.passes && first < end; ++pass, spacing *= kTuning.spacing_factor) {
-    CornerOptions options = options_;
-    options.min_distance_px = clamp(spacing, kTuning.least_spacing_px, kTuning.most_spacing_px);
-    Arena scratch(scratch_.data, scratch_.count);
-    int found = 0;
-    if (find_corners(region.pyramid().level(0), options, {cells_, cells}, scratch, corners_, found) !=
-        Status::ok)
-      return;
+    const float distance = clamp(spacing, kTuning.least_spacing_px, kTuning.most_spacing_px);
+    const int found = corners::choose_corners(grid, options_.quality, distance, corners_);
     for (int i = 0; i < found && first < end; ++i) {
-      const Vec2 x = corners_[static_cast<std::size_t>(i)].x + region.origin();
-      if (is_far_from_found(templates, x, spacing) && markers.are_far_from(x, estimator) &&
-          templates.capture(first, estimator, region, x))
+      const Vec2 at = corners_[static_cast<std::size_t>(i)].x, x = at + region.origin();
+      std::uint8_t& cell = cells_[cell_of(at)];
+      if (cell == kFailed || !is_far_from_found(templates, x, spacing) || !markers.are_far_from(x, estimator))
+        continue;
+      if (templates.capture(first, estimator, region, x))
         ++first;
+      else
+        cell = kFailed;
     }
   }
 }
@@ -100,7 +107,7 @@ void TemplatePlacement::clear_cells_in_use(const TemplateStore& templates, const
     const Template& t = templates[k];
     if (!t.is_used || !t.was_found || !region.contains(t.found_at)) continue;
     const Vec2 x = t.found_at - region.origin();
-    cells_[static_cast<int>(x.y) / options_.cell_px * across_ + static_cast<int>(x.x) / options_.cell_px] = 0;
+    cells_[cell_of(x)] = 0;
   }
 }
 

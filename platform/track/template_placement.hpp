@@ -29,6 +29,9 @@ class TemplatePlacement {
                               const FrameRegion& region);
   void mark_visible_cells(const Estimator& estimator, const FrameRegion& region);
   void clear_cells_in_use(const TemplateStore& templates, const FrameRegion& region);
+  int cell_of(Vec2 x) const {  // px of the region
+    return static_cast<int>(x.y) / options_.cell_px * across_ + static_cast<int>(x.x) / options_.cell_px;
+  }
   float cell_side() const { return static_cast<float>(options_.cell_px); }
 
   CornerOptions options_;

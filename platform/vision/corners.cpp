@@ -4,18 +4,16 @@
 
 #include <cstring>
 
+#include "vision/corner_grid.hpp"
 #include "vision/corner_scores.hpp"
 
 namespace pliant {
 namespace {
 
-constexpr int kMaxSide = 16384;
+using corners::Cell;
+using corners::Grid;
 
-// The best corner of one cell; score 0: there is none.
-struct Cell {
-  float score;
-  std::uint16_t x, y;
-};
+constexpr int kMaxSide = 16384;
 
 // Whether a comes before b: a higher score; if equal, the lower y; if equal, the lower x.
 bool is_before(const Cell& a, const Cell& b) {
@@ -30,18 +28,6 @@ bool is_valid(const CornerOptions& o) {
 
 struct Box {
   int left, top, right, bottom;  // pixels; right and bottom excluded
-};
-
-struct Grid {
-  int cell_px, width, height;  // cells
-  Cell* cells;
-  std::int32_t* order;     // cells that have a corner, a heap
-  std::uint8_t* is_taken;  // 1: the cell's corner was chosen
-  float* rows[3];          // scores of three rows of pixels, and a zero at either end
-  float* peaks;            // of one row
-
-  int count() const { return width * height; }
-  Cell& at(int x, int y) const { return cells[(y / cell_px) * width + x / cell_px]; }
 };
 
 void lay_out(Arena& arena, int width, int height, int cell_px, Grid& g, corners::RowScorer& scorer) {
@@ -120,13 +106,10 @@ void scan(const ImageView& image, const CornerOptions& o, const Box& box, corner
 }
 
 // Lists the cells that are good enough. \return their number.
-int list_candidates(const Grid& g, Span<const std::uint8_t> allowed, float quality) {
+int list_candidates(const Grid& g, float quality) {
   float best = 0;
   int n = 0;
-  for (int i = 0; i < g.count(); ++i) {
-    if (!allowed.empty() && allowed[static_cast<std::size_t>(i)] == 0) g.cells[i].score = 0;
-    best = max(best, g.cells[i].score);
-  }
+  for (int i = 0; i < g.count(); ++i) best = max(best, g.cells[i].score);
   for (int i = 0; i < g.count(); ++i)
     if (g.cells[i].score > 0 && g.cells[i].score >= quality * best) g.order[n++] = i;
   return n;
@@ -165,19 +148,6 @@ bool has_room_around(const Grid& g, const Cell& c, float distance) {
   return true;
 }
 
-int choose(const Grid& g, int candidates, float min_distance, Span<Corner> out) {
-  for (int i = candidates / 2 - 1; i >= 0; --i) sift_down(g, i, candidates);
-  int count = 0;
-  for (int n = candidates; n > 0 && static_cast<std::size_t>(count) < out.count; --n) {
-    const std::int32_t i = pop(g, n);
-    const Cell& c = g.cells[i];
-    if (!has_room_around(g, c, min_distance)) continue;
-    g.is_taken[i] = 1;
-    out[static_cast<std::size_t>(count++)] = {{static_cast<float>(c.x), static_cast<float>(c.y)}, c.score};
-  }
-  return count;
-}
-
 }  // namespace
 
 float corner_score(const ImageView& image, Vec2 x) {
@@ -210,27 +180,48 @@ std::size_t corner_scratch_bytes(int width, int height, const CornerOptions& opt
   return measuring.used_bytes();
 }
 
-Status find_corners(const ImageView& image, const CornerOptions& options, Span<const std::uint8_t> allowed,
-                    Arena& scratch, Span<Corner> out, int& count) {
+Status corners::scan_cells(const ImageView& image, const CornerOptions& options,
+                           Span<const std::uint8_t> allowed, Arena& scratch, Grid* grid) {
   if (check(image) != Status::ok || image.width > kMaxSide || image.height > kMaxSide || !is_valid(options))
     return Status::bad_argument;
   const std::size_t cells = static_cast<std::size_t>(corner_cells(image.width, options.cell_px)) *
                             static_cast<std::size_t>(corner_cells(image.height, options.cell_px));
   if (!allowed.empty() && allowed.count != cells) return Status::bad_argument;
+  RowScorer scorer;
+  lay_out(scratch, image.width, image.height, options.cell_px, *grid, scorer);
+  if (scratch.is_measuring() || scratch.exhausted()) return Status::out_of_memory;
+  for (std::size_t i = 0; i < cells; ++i) grid->cells[i] = {0, 0, 0};
+  const Box box = box_of(image, *grid, allowed);
+  if (box.left >= box.right || box.top >= box.bottom) return Status::ok;
+  scan(image, options, box, scorer, *grid);
+  for (std::size_t i = 0; i < cells; ++i)
+    if (!allowed.empty() && allowed[i] == 0) grid->cells[i].score = 0;
+  return Status::ok;
+}
+
+int corners::choose_corners(const Grid& g, float quality, float min_distance_px, Span<Corner> out) {
+  std::memset(g.is_taken, 0, static_cast<std::size_t>(g.count()));
+  const int candidates = list_candidates(g, quality);
+  for (int i = candidates / 2 - 1; i >= 0; --i) sift_down(g, i, candidates);
+  int count = 0;
+  for (int n = candidates; n > 0 && static_cast<std::size_t>(count) < out.count; --n) {
+    const std::int32_t i = pop(g, n);
+    const Cell& c = g.cells[i];
+    if (!has_room_around(g, c, min_distance_px)) continue;
+    g.is_taken[i] = 1;
+    out[static_cast<std::size_t>(count++)] = {{static_cast<float>(c.x), static_cast<float>(c.y)}, c.score};
+  }
+  return count;
+}
+
+Status find_corners(const ImageView& image, const CornerOptions& options, Span<const std::uint8_t> allowed,
+                    Arena& scratch, Span<Corner> out, int& count) {
   const Arena::Scope scope(scratch);
   Grid grid;
-  corners::RowScorer scorer;
-  lay_out(scratch, image.width, image.height, options.cell_px, grid, scorer);
-  if (scratch.is_measuring() || scratch.exhausted()) return Status::out_of_memory;
-  std::memset(grid.is_taken, 0, cells);
-  for (std::size_t i = 0; i < cells; ++i) grid.cells[i] = {0, 0, 0};
-  const Box box = box_of(image, grid, allowed);
-  count = 0;
-  if (box.left >= box.right || box.top >= box.bottom) return Status::ok;
-  scan(image, options, box, scorer, grid);
-  const int candidates = list_candidates(grid, allowed, options.quality);
-  count = choose(grid, candidates, options.min_distance_px, out);
-  return Status::ok;
+  const Status status = corners::scan_cells(image, options, allowed, scratch, &grid);
+  if (status == Status::ok)
+    count = corners::choose_corners(grid, options.quality, options.min_distance_px, out);
+  return status;
 }
 
 }  // namespace pliant

@@ -8,6 +8,7 @@
 
 #include "aligned_block.hpp"
 #include "texture.hpp"
+#include "vision/corner_grid.hpp"
 
 using namespace pliant;
 using texture::Picture;
@@ -118,6 +119,31 @@ TEST_CASE("corners come best first, keep their distance, and fewer are the first
     if (i > 0) CHECK(all.corners[i - 1].score >= c.score);
     if (i < 10) CHECK((few.corners[i].x.x == c.x.x && few.corners[i].x.y == c.x.y));
     for (std::size_t k = 0; k < i; ++k) CHECK(length(all.corners[k].x - c.x) >= 11);
+  }
+}
+
+TEST_CASE("one scan serves all distances, in any order") {
+  const Picture p = textured(160, 120);
+  CornerOptions o;
+  o.quality = 0.05f;
+  std::vector<std::uint8_t> allowed(20 * 15, 1);
+  for (std::size_t i = 0; i < allowed.size(); i += 3) allowed[i] = 0;
+  AlignedBlock block(corner_scratch_bytes(160, 120, o));
+  Arena scratch(block.data(), block.size());
+  corners::Grid grid;
+  REQUIRE(corners::scan_cells(p.view(), o, {allowed.data(), allowed.size()}, scratch, &grid) == Status::ok);
+  for (const float distance : {30.0f, 2.0f, 11.0f, 30.0f}) {
+    o.min_distance_px = distance;
+    const Found expected = find(p.view(), o, allowed);
+    std::vector<Corner> chosen(200);
+    const int count = corners::choose_corners(grid, o.quality, distance, {chosen.data(), chosen.size()});
+    REQUIRE(static_cast<std::size_t>(count) == expected.corners.size());
+    REQUIRE(count > 3);
+    for (std::size_t i = 0; i < expected.corners.size(); ++i) {
+      CHECK(chosen[i].x.x == expected.corners[i].x.x);
+      CHECK(chosen[i].x.y == expected.corners[i].x.y);
+      CHECK(chosen[i].score == expected.corners[i].score);
+    }
   }
 }
 
