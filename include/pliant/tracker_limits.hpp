@@ -60,7 +60,7 @@ struct TrackerLimits {
   std::uint16_t smallest_face_px = 48;  ///< side of the smallest face that is searched for, px (FaceBox)
   /// Work of one frame without a track, cells of the search (FaceDetector::search). The default searches a frame of 320 x 240 at
   /// once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame has either a part of the search or steps
-  /// of an alignment, each of the cost of 1,300 cells; the track then starts some frames later. `pliant plan` tells how many.
+  /// of an alignment, each of the cost of 1,300 cells; the track then starts some frames later, with the model's base mesh. `pliant plan` tells how many frames.
   std::uint32_t search_work = 24000;
 };
 

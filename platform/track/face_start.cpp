@@ -63,7 +63,7 @@ Status FaceStart::search(const SearchInput& input, KnownPerson* person, StartPos
   const bool was_searching = phase_ == FacePhase::searching;
   if (status == Status::ok && was_searching) status = run_detector(input.frame);
   if (status != Status::ok) return status;
-  if (was_searching && !does_both()) return Status::not_found;
+  if (was_searching && spreads_work()) return Status::not_found;
   int steps = work_ < kTuning.cells_a_step ? 1 : static_cast<int>(work_ / kTuning.cells_a_step);
   Answer answer = Answer::no;
   while (steps > 0 && phase_ == FacePhase::aligning && answer == Answer::no)
@@ -114,7 +114,7 @@ FaceStart::Answer FaceStart::align(const SearchInput& input, int* steps, KnownPe
   if (status == Status::ok) {
     int taken = *steps < steps_left_ ? *steps : steps_left_;
     // Where the work is spread, the last step leaves its frame to the start of the track.
-    if (!does_both() && taken == steps_left_ && taken > 1) *steps = --taken;
+    if (spreads_work() && taken == steps_left_ && taken > 1) *steps = --taken;
     status = modules_->advance(*aligner_, input.frame, taken, &face, q_, landmarks_);
     steps_left_ -= taken;
     *steps -= taken;
@@ -221,11 +221,9 @@ bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_f
   PLIANT_ASSERT(has_track());
   ++frames_since_check_;
   if (bad_frames > 0) {
-    if (result->state == TrackState::lost) phase_ = FacePhase::relocalising;
     frames_since_check_ = kTuning.check_interval_frames;  // the next good frame is checked
     return bad_frames < kTuning.most_bad_frames;
   }
-  phase_ = FacePhase::tracking;
   if (frames_since_check_ >= kTuning.check_interval_frames) {
     frames_since_check_ = 0;
     if (!check(frame, estimator, scratch)) return false;

@@ -59,10 +59,9 @@ inline constexpr FaceStartTuning kFaceStartTuning{};
 
 /// What a tracker is doing.
 enum class FacePhase : std::uint8_t {
-  searching,     ///< there is no track: a part of the frame is searched
-  aligning,      ///< there is no track: candidates of the search are aligned
-  tracking,      ///< the track is good, and checked every few frames
-  relocalising,  ///< the track is bad: key frames are tried
+  searching,  ///< there is no track: a part of the frame is searched
+  aligning,   ///< there is no track: candidates of the search are aligned
+  tracking,   ///< there is a track: it is checked every few frames while it is good
 };
 
 /// The person whom the tracker knows. The arrays are the tracker's.
@@ -86,8 +85,9 @@ class FaceStart {
   /// Precondition: the limits name a detection, and the model has its tables.
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
 
-  FacePhase phase() const { return phase_; }
-  bool has_track() const { return phase_ == FacePhase::tracking || phase_ == FacePhase::relocalising; }
+  /// Whether the work of searching and aligning is spread over frames, because the limits allow little a frame.
+  bool spreads_work() const { return work_ < kFaceStartTuning.cells_for_both; }
+  bool has_track() const { return phase_ == FacePhase::tracking; }
 
   /// The track has ended: the next frame is searched from the beginning.
   void begin_search() {
@@ -125,7 +125,6 @@ class FaceStart {
     candidate_count_ = next_candidate_ = 0;
     times_seen_ = steps_left_ = 0;
   }
-  bool does_both() const { return work_ >= kFaceStartTuning.cells_for_both; }
   Status lay_out_search(Span<unsigned char> block);
   Status run_detector(const FrameView& frame);
   void add_candidate(const DetectedFace& face);

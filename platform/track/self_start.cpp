@@ -75,8 +75,11 @@ Status search(TrackerParts& t, const FrameView& view) {
   StartPose found;
   Status status = self.faces.search({view, t.block, self.start}, &person_of(t), &found, &self.landmark_error);
   if (status != Status::ok) return status == Status::not_found ? Status::ok : status;
+  TrackerOptions options = self.options;
+  // To refine the mesh takes as long as two frames of the track, which does not depend on it.
+  if (self.faces.spreads_work()) options.estimator.mesh_error_mm = 0;
   self.is_own_start = true;
-  status = t.start(view, found, t.start_q.data, self.options, {});
+  status = t.start(view, found, t.start_q.data, options, {});
   self.is_own_start = false;
   if (status != Status::ok)
     tell_search(t);

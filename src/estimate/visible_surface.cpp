@@ -5,9 +5,10 @@ namespace pliant {
 namespace {
 constexpr const VisibleSurfaceTuning& kTuning = kVisibleSurfaceTuning;
 
-/// How far x is from the smallest range that has a, b and c; 0 within it.
-float distance_to_range(float x, float a, float b, float c) {
-  return max(max(min(a, min(b, c)) - x, x - max(a, max(b, c))), 0);
+/// Whether all three lie farther than `reach` to one side of x.
+bool are_beside(float x, float reach, float a, float b, float c) {
+  const float low = x - reach, high = x + reach;
+  return a > high ? b > high && c > high : a < low && b < low && c < low;
 }
 
 }  // namespace
@@ -63,7 +64,8 @@ void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const Mesh
       criterion = criterion_of(view_and_texture_);
     }
   }
-  if (adapter_.start(mesh_, surface, criterion) == Status::ok) adapter_.adapt(options);
+  const bool adapts = policy.error_mm > 0 || policy.operations > 0;
+  if (adapts && adapter_.start(mesh_, surface, criterion) == Status::ok) adapter_.adapt(options);
   if (!keeps_samples()) return;
   for (VertexId v : mesh_.vertices()) place_vertex(cascade, state.q, v);
 }
@@ -165,16 +167,15 @@ Span<const SilhouettePoint> VisibleSurface::find_contour(const View& view, std::
   return {contour_.data, count};
 }
 
-/// The nearest visible point on the flat faces; of several, the one nearest to the camera. A face is skipped if its
-/// bounding box is farther along one axis than the best one so far.
+/// The nearest visible point on the flat faces; of several, the one nearest to the camera. A face is skipped if it lies
+/// farther to one side than the best one so far.
 float VisibleSurface::nearest_on_mesh(Vec2 x, Vec2* uv) const {
-  float best = 1e30f, best_depth = 1e30f, distance = -1;
+  float best = 1e30f, best_depth = 1e30f, distance = -1, reach = 1e30f;
   for (FaceId f : mesh_.faces()) {
     const VertexId a = mesh_.corner(f, 0), b = mesh_.corner(f, 1), c = mesh_.corner(f, 2);
-    const float beside = distance_to_range(x.x, image_[a].x, image_[b].x, image_[c].x);
-    if (beside * beside > best) continue;
-    const float above = distance_to_range(x.y, image_[a].y, image_[b].y, image_[c].y);
-    if (above * above > best) continue;
+    if (are_beside(x.x, reach, image_[a].x, image_[b].x, image_[c].x) ||
+        are_beside(x.y, reach, image_[a].y, image_[b].y, image_[c].y))
+      continue;
     if (depth_[a] <= 0 || depth_[b] <= 0 || depth_[c] <= 0 || !faces_camera(mesh_, image_, f)) continue;
     float w[3];
     const float d2 = nearest_on_triangle(image_[a], image_[b], image_[c], x, w);
@@ -183,7 +184,7 @@ float VisibleSurface::nearest_on_mesh(Vec2 x, Vec2* uv) const {
     best = d2;
     best_depth = depth;
     *uv = w[0] * mesh_.uv(a) + (w[1] * mesh_.uv(b) + w[2] * mesh_.uv(c));
-    distance = square_root(d2);
+    distance = reach = square_root(d2);
   }
   return distance;
 }

@@ -71,6 +71,10 @@ TEST_CASE("mesh_error_mm: a smaller error takes more vertices") {
   options.mesh_error_mm = 0.3f;
   Tracked fine(options);
   CHECK(fine.estimator->mesh().vertex_count() > coarse.estimator->mesh().vertex_count());
+  options.mesh_error_mm = 0;
+  Tracked base(options);
+  CHECK(static_cast<std::size_t>(base.estimator->mesh().vertex_count()) ==
+        base.estimator->model().base_uv().count);
 }
 
 TEST_CASE("predicts_motion: a steady motion is predicted where it goes") {

@@ -251,6 +251,7 @@ TEST_CASE(
     CHECK(result.is_searching == leaves);
     CHECK(fake.alignments == 1);
     CHECK(fake.steps == 6);
+    if (!leaves) CHECK(result.vertices == baked_face().model.base_uv().count);  // no work on the mesh
   }
 }
 
