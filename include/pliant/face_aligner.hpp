@@ -33,7 +33,7 @@ struct AlignOptions {
 ///
 /// A stage reads gradient histograms around the projected landmarks in an upright picture of the face, and a table turns them
 /// into displacements of the landmarks. One regularised Gauss-Newton step follows, in pose and parameters. The landmarks are
-/// those named ibugNN, so that one table serves all face models. Bytes: about 170 KiB for the built-in face.
+/// those named ibugNN, so that one table serves all face models. Bytes: about 140 KiB for the built-in face.
 class FaceAligner {
  public:
   /// Arena layout (create_in, measured_bytes), with the model's own learnt table.

@@ -1,0 +1,163 @@
+// Alignment by cascaded regression on the landmarks of a model, and verification (docs/algorithms.md, sections 7.13 and 7.14).
+#include "face/alignment.hpp"
+
+#include "face/box_view.hpp"
+
+namespace pliant {
+
+namespace {
+
+/// Tuning of an alignment. Each constant: unit, reason, experiment.
+struct AlignmentTuning {
+  /// Fraction of the table's landmarks that a model needs. Not tuned.
+  float least_landmarks = 0.75f;
+  /// Largest side of a box, and largest principal point, px: beyond, single precision has no pixels.
+  float most_px = 1e5f;
+};
+constexpr AlignmentTuning kTuning{};
+
+/// The curve at a weighted sum of the features.
+float value_of(const AlignerCurve& curve, const AlignerEvidence& evidence) {
+  const float features[kCheckFeatures] = {1, evidence.appearance, evidence.displacement, evidence.parameters};
+  float sum = 0;
+  for (int k = 0; k < kCheckFeatures; ++k) sum += curve.weight[k] * features[k];
+  const float last = static_cast<float>(kCheckKnots - 1);
+  const float at = clamp((sum - curve.low) / (curve.high - curve.low) * last, 0, last);
+  if (!(at >= 0)) return 0;
+  const int k = at >= last ? kCheckKnots - 2 : static_cast<int>(at);
+  return curve.at[k] + (at - static_cast<float>(k)) * (curve.at[k + 1] - curve.at[k]);
+}
+
+bool is_within(float x, float low, float high) {
+  return x >= low && x <= high;
+}
+
+}  // namespace
+
+void Alignment::lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> bytes, AlignerUse of_use) {
+  use = of_use;
+  table = arena.make<AlignerTable>();
+  pass.lay_out(arena, of, kMostAlignerLandmarks, use);
+  start_q = arena.take<float>(of.parameters().count);
+  if (arena.is_measuring() || arena.exhausted()) return;
+  status = AlignerTable::open(bytes, table, use == AlignerUse::verification);
+  if (status != Status::ok) return;
+  const std::size_t found = pass.choose_landmarks(of, table->landmark_numbers(), table->landmark_count());
+  if (static_cast<float>(found) < kTuning.least_landmarks * static_cast<float>(table->landmark_count()))
+    status = Status::not_found;
+}
+
+Status Alignment::check_input(const FrameView& frame, const Camera& camera, const float* q,
+                              const AlignedFace* face) {
+  if (status != Status::ok) return status;
+  if (q == nullptr || face == nullptr) return Status::bad_argument;
+  if (check(frame) != Status::ok || !is_within(camera.cx, -kTuning.most_px, kTuning.most_px) ||
+      !is_within(camera.cy, -kTuning.most_px, kTuning.most_px))
+    return Status::bad_argument;
+  begun.steps_left = 0;
+  return Lens::make(camera, frame.width, frame.height, &lens);
+}
+
+Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera) {
+  if (!is_finite(box.center) || !is_within(box.side, 1, kTuning.most_px)) return Status::bad_argument;
+  const float half = 0.5f * box.side;
+  if (!is_within(box.center.x, -half, static_cast<float>(frame.width - 1) + half) ||
+      !is_within(box.center.y, -half, static_cast<float>(frame.height - 1) + half))
+    return Status::not_found;
+  const Status placed = view_of_box(pass.shape().cascade(), start_q, box, camera, lens, &start_view);
+  if (placed != Status::ok) return placed;
+  // Where the distance is at its limit the face has another size.
+  return is_within(kFaceBoxMm * start_view.s, 1, kTuning.most_px) && is_finite(start_view.tau)
+             ? Status::ok
+             : Status::not_found;
+}
+
+Status Alignment::start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera) {
+  if (!is_finite(pose) || !is_within(pose.t.z, 1.0f / kMaxRho, 1.0f / kMinRho)) return Status::bad_argument;
+  start_view = view_of({normalised(pose.q), pose.t}, camera);
+  const float side = kFaceBoxMm * start_view.s;
+  const Vec2 x = start_view.c + start_view.s * start_view.tau;
+  if (!is_within(side, 1, kTuning.most_px) || !is_finite(x)) return Status::bad_argument;
+  if (!is_within(x.x, -side, static_cast<float>(frame.width) + side) ||
+      !is_within(x.y, -side, static_cast<float>(frame.height) + side))
+    return Status::not_found;
+  return Status::ok;
+}
+
+AlignedFace Alignment::conclude(const Camera& camera) {
+  const AlignerEvidence evidence = pass.weigh(*table);
+  AlignedFace face;
+  face.camera = camera;
+  face.pose = pose_of(pass.shape().view());
+  face.score = value_of(table->check().score, evidence);
+  face.landmark_error = value_of(table->check().error, evidence);
+  return face;
+}
+
+/// The projected landmarks; those of the table are moved by a part of the displacements that the model could not follow.
+void Alignment::write_landmarks(Span<Vec2> landmarks) {
+  FaceShape& shape = pass.shape();
+  const Span<const Landmark> all = model().landmarks();
+  const LocalWeights w = table->local(table->stage_count() - 1);
+  for (std::size_t i = 0; i < all.count; ++i) {
+    std::size_t k = 0;
+    while (k < shape.landmark_count() && pass.model_index(k) != i) ++k;
+    if (k == shape.landmark_count()) {
+      if (!shape.project({all[i].u, all[i].v}, &landmarks[i])) landmarks[i] = shape.view().c;
+    } else {
+      const Vec2 x = pass.image(k);
+      landmarks[i] = x + w.blend[pass.table_index(k)] * (pass.target(k) - x);
+    }
+  }
+}
+
+Status Alignment::begin(const FrameView& frame, const Camera& of, const AlignOptions& options,
+                        bool is_refinement) {
+  PLIANT_ASSERT(use == AlignerUse::alignment);
+  if (use != AlignerUse::alignment) return Status::bad_argument;
+  if (!pass.start(frame, lens, start_view, start_q, options.is_free)) return Status::not_found;
+  begun = {of, frame.width, frame.height, is_refinement, 0, 1};  // one step concludes
+  for (std::size_t k = 0; k < table->stage_count(); ++k)
+    begun.steps_left += !begun.refines || table->stage(k).refines != 0;
+  return Status::ok;
+}
+
+Status Alignment::begin_in_box(const FrameView& frame, const FaceBox& box, const Camera& of, const float* q,
+                               const AlignOptions& options) {
+  for (std::size_t k = 0; k < model().parameters().count; ++k) {
+    const bool is_held = options.is_free != nullptr && options.is_free[k] == 0;
+    if (is_held && !is_finite(q[k])) return Status::bad_argument;
+    start_q[k] = is_held ? q[k] : 0.0f;
+  }
+  const Status placed = start_in_box(frame, box, of);
+  return placed == Status::ok ? begin(frame, of, options, false) : placed;
+}
+
+/// \return whether the pose is still one.
+bool Alignment::run_next_stage() {
+  while (begun.refines && table->stage(begun.next_stage).refines == 0) ++begun.next_stage;
+  pass.run_stage(*table, begun.next_stage++);
+  return pass.shape().is_usable();
+}
+
+Status Alignment::take_steps(int steps, AlignedFace* face, float* q, Span<Vec2> landmarks) {
+  for (; steps > 0 && begun.steps_left > 1; --steps, --begun.steps_left)
+    if (!run_next_stage()) {
+      begun.steps_left = 0;
+      return Status::not_found;
+    }
+  if (steps <= 0) return Status::ok;
+  begun.steps_left = 0;
+  return finish(face, q, landmarks);
+}
+
+Status Alignment::finish(AlignedFace* face, float* q, Span<Vec2> landmarks) {
+  const AlignedFace result = conclude(begun.camera);
+  if (!is_finite(result.pose)) return Status::not_found;
+  if (!landmarks.empty()) write_landmarks(landmarks);
+  for (std::size_t k = 0; k < model().parameters().count; ++k) q[k] = pass.shape().q()[k];
+  *face = result;
+  return Status::ok;
+}
+
+}  // namespace pliant

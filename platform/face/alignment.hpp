@@ -1,0 +1,53 @@
+#pragma once
+// What a FaceAligner keeps in the arena: the table, the pass over a face, and the alignment that is under way.
+#include "face/aligner_pass.hpp"
+#include "pliant/face_aligner.hpp"
+
+namespace pliant {
+
+/// One alignment or verification: input, start, steps, result. Calls check nothing that `check_input` has checked.
+struct Alignment {
+  AlignerTable* table = nullptr;  // in the arena, so that this object stays small
+  Status status = Status::not_found;
+  AlignerUse use = AlignerUse::alignment;
+  AlignerPass pass;
+  float* start_q = nullptr;
+  Lens lens;
+  View start_view;
+  /// An alignment whose steps are taken one by one.
+  struct Begun {
+    Camera camera;
+    int width = 0, height = 0;  // of its frames
+    bool refines = false;
+    std::size_t next_stage = 0;
+    int steps_left = 0;
+  } begun;
+
+  void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> bytes, AlignerUse use);
+  const Model& model() { return pass.shape().cascade().model(); }
+
+  /// Ends the alignment begun, and makes the lens.
+  Status check_input(const FrameView& frame, const Camera& camera, const float* q, const AlignedFace* face);
+  bool has_room(Span<Vec2> landmarks) {
+    return landmarks.empty() || landmarks.count >= model().landmarks().count;
+  }
+  /// Sets start_view, for the parameters start_q.
+  Status start_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera);
+  Status start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera);
+
+  /// Begins at start_view, with start_q.
+  Status begin(const FrameView& frame, const Camera& camera, const AlignOptions& options, bool refines);
+  Status begin_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera, const float* q,
+                      const AlignOptions& options);
+  /// Takes steps; the last one writes the results.
+  Status take_steps(int steps, AlignedFace* face, float* q, Span<Vec2> landmarks);
+  /// Score and landmark error at the present pose.
+  AlignedFace conclude(const Camera& camera);
+
+ private:
+  bool run_next_stage();
+  Status finish(AlignedFace* face, float* q, Span<Vec2> landmarks);
+  void write_landmarks(Span<Vec2> landmarks);
+};
+
+}  // namespace pliant
