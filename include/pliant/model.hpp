@@ -44,6 +44,7 @@ enum class Kind : std::uint32_t {
   albedo = 11,
   detector = 12,
   aligner = 13,
+  print = 14,
 };
 
 /// Position of one section in the table.
@@ -145,6 +146,7 @@ struct Contents {
   ChartImage mask, albedo;                 ///< as in Model
   Span<const std::uint8_t> detector;       ///< as in Model
   Span<const std::uint8_t> aligner;        ///< as in Model
+  Span<const std::uint8_t> print;          ///< as in Model
   std::uint32_t crc = 0;                   ///< as in Model
   std::size_t bytes = 0;                   ///< as in Model
 };
@@ -180,6 +182,7 @@ class Model {
   ChartImage albedo() const { return contents_.albedo; }  ///< pixels are null when the table has none
   Span<const std::uint8_t> detector() const { return contents_.detector; }  ///< Learnt; may be empty.
   Span<const std::uint8_t> aligner() const { return contents_.aligner; }    ///< As detector.
+  Span<const std::uint8_t> print() const { return contents_.print; }        ///< Of the albedo; may be empty.
   std::uint32_t crc() const { return contents_.crc; }  ///< CRC-32 of the table; names the model in files.
   std::size_t table_bytes() const { return contents_.bytes; }  ///< Size of the table.
 

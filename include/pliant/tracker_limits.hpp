@@ -9,9 +9,9 @@
 
 namespace pliant {
 
-struct FaceDetection;
+struct Detection;
 /// Detection, alignment and verification of faces, by name, so that programs that do not use them do not link them.
-extern const FaceDetection kFaceDetection;
+extern const Detection kFaceDetection;
 
 /// Capacities of a Tracker. The defaults are the configuration that the README's figures measure: profile M.
 /// `measured_bytes<Tracker>(model, limits)` gives the bytes that they cost.
@@ -56,7 +56,7 @@ struct TrackerLimits {
   std::uint16_t start_points = 68;
   /// If null, or if the model has no learnt tables, the tracker neither finds faces nor verifies tracks. Null also leaves
   /// their code out of the program.
-  const FaceDetection* detection = &kFaceDetection;
+  const Detection* detection = &kFaceDetection;
   std::uint16_t smallest_face_px = 48;  ///< side of the smallest face that is searched for, px (FaceBox)
   /// Work of one frame without a track, cells of the search (FaceDetector::search). The default searches a frame of 320 x 240 at
   /// once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame has either a part of the search or steps

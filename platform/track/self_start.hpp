@@ -1,43 +1,49 @@
 #pragma once
 /// \file self_start.hpp
-/// Starts that a tracker makes by itself, and the verification of its tracks: what connects FaceStart with the tracker.
+/// Starts that a tracker makes by itself, and the verification of its tracks: what connects detection with the tracker.
 #include <cstddef>
 #include <cstdint>
 
-#include "track/face_start.hpp"
+#include "pliant/face_box.hpp"
+#include "track/kept_start.hpp"
 #include "track/markers.hpp"
+#include "track/start_fit.hpp"
 
 namespace pliant {
 
+struct FaceModules;
 struct TrackerParts;
 
-/// What a tracker keeps for starts of its own. In the arena, if the limits name a detection and the model has learnt tables.
+struct Detection;
+
+/// What a tracker keeps for starts of its own: the common part. In the arena, if the limits name a detection that the model
+/// has tables for.
 struct SelfStart {
-  FaceStart faces;
-  StartOptions start;                       // what is known of the camera
-  Camera camera;                            // room for the one that `start` names
-  TrackerOptions options;                   // of the last start
-  Span<std::uint8_t> is_free;               // room for TrackerOptions::is_free
+  const Detection* calls = nullptr;  // whose lay_out made this
+  KeptStart kept;
   const StartOptions* of_caller = nullptr;  // while the caller starts
-  KnownPerson person;
-  MarkerPlace* markers = nullptr;  // of the known person
+  MarkerPlace* markers = nullptr;           // of a track that ended, for the next one of the same surface
   std::size_t marker_count = 0;
   bool is_own_start = false;  // while the tracker starts by itself
-  float landmark_error = 0;   // of the last start, as the alignment estimates it; 0: unknown
 
-  void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
+  void lay_out(Arena& arena, const Detection* of, const Model& model, const TrackerLimits& limits) {
+    calls = of;
+    kept.lay_out(arena, model);
+    markers = arena.take<MarkerPlace>(limits.markers);
+  }
 };
 
 /// What is known of a start of the caller's.
 struct RoughStart {
-  const FaceBox* box;  // null: from points
-  bool is_rough;       // it is to be moved to where the picture shows the face, if it is verified there
+  static constexpr std::size_t kExact = ~std::size_t{0};
+  const FaceBox* box;  // null: from points or a pose
+  std::size_t points;  // their number; kExact: a pose
   const StartOptions& options;
 };
 
 /// The calls of a tracker. It makes them through this table only, so that a program whose limits name no table does not link
-/// what is behind it.
-struct FaceDetection {
+/// what is behind it. `lay_out` and `check_bytes` are called on the table of the limits, the others on SelfStart::calls.
+struct Detection {
   /// Takes a SelfStart from the arena. \param search_bytes  out: what a search takes of the memory of the tracking.
   /// \return null if the arena measures, is exhausted, or the model has no tables.
   SelfStart* (*lay_out)(Arena& arena, const Model& model, const TrackerLimits& limits,
@@ -46,17 +52,18 @@ struct FaceDetection {
   std::size_t (*check_bytes)(const Model& model, const TrackerLimits& limits);
   /// Ends the track and forgets the person. Keeps the options for the starts that follow.
   void (*begin_search)(TrackerParts& tracker, const StartOptions& start, const TrackerOptions& options);
-  /// A frame without a track: searches it for a face. The track of one that is found begins with this frame.
+  /// A frame without a track: searches it. The track of what is found begins with this frame.
   Status (*search)(TrackerParts& tracker, const FrameView& frame);
   /// Gives the memory of the search back to the tracking.
   void (*end_search)(TrackerParts& tracker);
-  /// Begins a start of the caller's, whose options last until begin_track, and refines it.
+  /// Begins a start of the caller's, whose options last until begin_track. A rough one is moved to where the picture shows the
+  /// surface, if it is verified there.
   void (*refine)(TrackerParts& tracker, const FrameView& frame, const RoughStart& rough, StartPose* start);
   /// Ends a start: verifies it, and keeps its options.
   void (*begin_track)(TrackerParts& tracker, const FrameView& frame, const TrackerOptions& options);
-  /// Ends a frame of a track. Checks whether it is a face, and gives it up if it is not, or has been lost for some frames.
+  /// Ends a frame of a track. Verifies it, and gives it up if it is wrong, or has been lost for some frames.
   void (*conclude)(TrackerParts& tracker, const FrameView& frame);
-  const FaceModules* modules;
+  const FaceModules* modules;  ///< of faces; null elsewhere
 };
 
 }  // namespace pliant

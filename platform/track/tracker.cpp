@@ -119,7 +119,7 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   Status status = t.region.check_frame(frame);
   if (status != Status::ok) return status;
   if (t.is_stale(frame)) return Status::stale_frame;
-  status = t.is_started ? t.track(frame) : t.limits.detection->search(t, frame);
+  status = t.is_started ? t.track(frame) : t.self_start->calls->search(t, frame);
   if (status != Status::ok) return status;
   t.note_time(frame);
   *result = t.result;
@@ -131,7 +131,7 @@ Status TrackerParts::track(const FrameView& view) {
   if (status != Status::ok) return status;
   match_and_solve();
   conclude();
-  if (self_start != nullptr) limits.detection->conclude(*this, view);
+  if (self_start != nullptr) self_start->calls->conclude(*this, view);
   return status;
 }
 

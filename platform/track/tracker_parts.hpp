@@ -74,7 +74,7 @@ struct TrackerParts : ImageParts {
   bool fits_model(const SavedState& state) const;
   template <class Fit>
   Status fit_before_tracking(Fit&& fit);
-  void refine(const FrameView& view, const FaceBox* box, bool is_rough, const StartOptions& with,
+  void refine(const FrameView& view, const FaceBox* box, std::size_t points, const StartOptions& with,
               StartPose* from);
   Status start(const FrameView& frame, const StartPose& from, const float* q, const TrackerOptions& with,
                Span<const Vec2> marker_places);

@@ -36,19 +36,19 @@ Status TrackerParts::fit_before_tracking(Fit&& fit) {
   return status;
 }
 
-/// What a start leaves to detection, if there are learnt tables.
-/// \param box  of the face; null: from points or a pose. \param is_rough  the start is moved to where the picture shows the face.
+/// What a start leaves to detection, if there are tables for it.
+/// \param box  of the face; null: from points or a pose. \param points  as RoughStart::points.
 /// \param with  read until the start ends.
-void TrackerParts::refine(const FrameView& view, const FaceBox* box, bool is_rough, const StartOptions& with,
-                          StartPose* from) {
-  if (self_start != nullptr) limits.detection->refine(*this, view, {box, is_rough, with}, from);
+void TrackerParts::refine(const FrameView& view, const FaceBox* box, std::size_t points,
+                          const StartOptions& with, StartPose* from) {
+  if (self_start != nullptr) self_start->calls->refine(*this, view, {box, points, with}, from);
 }
 
 /// Frame 0, of checked arguments.
 Status TrackerParts::start(const FrameView& view, const StartPose& from, const float* q,
                            const TrackerOptions& with, Span<const Vec2> marker_places) {
   is_started = false;
-  if (block_is_of_search) limits.detection->end_search(*this);
+  if (block_is_of_search) self_start->calls->end_search(*this);
   EstimatorOptions of_estimator = with.estimator;
   texture.start(&of_estimator);
   Status status =
@@ -61,7 +61,7 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const f
   bad_frames = 0;
   matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow));
   is_started = true;
-  if (self_start != nullptr) limits.detection->begin_track(*this, view, with);
+  if (self_start != nullptr) self_start->calls->begin_track(*this, view, with);
   return Status::ok;
 }
 
@@ -105,7 +105,7 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   StartPose from{camera, pose};
   StartOptions known;
   known.camera = &camera;
-  impl_->refine(frame, nullptr, false, known, &from);
+  impl_->refine(frame, nullptr, RoughStart::kExact, known, &from);
   return impl_->start(frame, from, impl_->start_q.data, options, markers);
 }
 
@@ -131,8 +131,7 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
     return fit_to_landmarks(arena, t.model(), points, fit, t.start_q.data, &found,
                             start.keeps_landmark_offsets ? &t.offsets : nullptr);
   });
-  if (status == Status::ok)
-    t.refine(frame, nullptr, points.count < kFaceStartTuning.enough_points, start, &found);
+  if (status == Status::ok) t.refine(frame, nullptr, points.count, start, &found);
   if (status == Status::ok) status = t.start(frame, found, t.start_q.data, options, markers);
   if (status == Status::ok) t.offsets.place_pending(t.estimator);
   return status;
@@ -154,7 +153,7 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
   status = t.fit_before_tracking([&](Arena& arena) {
     return fit_to_box(arena, t.model(), corner, size, start.box, t.start_q.data, &found, &box);
   });
-  if (status == Status::ok) t.refine(frame, &box, true, start, &found);
+  if (status == Status::ok) t.refine(frame, &box, 0, start, &found);
   if (status == Status::ok) status = t.start(frame, found, t.start_q.data, options, markers);
   if (status == Status::ok) t.offsets.place_pending(t.estimator);
   return status;
@@ -168,7 +167,7 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
   const Camera camera = start_camera(start.camera, start.focal_px, t.limits.width, t.limits.height);
   if (!(start.focal_px >= 0) || Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok)
     return Status::bad_argument;
-  t.limits.detection->begin_search(t, start, options);
+  t.self_start->calls->begin_search(t, start, options);
   return Status::ok;
 }
 

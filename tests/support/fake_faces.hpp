@@ -6,6 +6,7 @@
 
 #include "face_film.hpp"
 #include "pliant/tracker.hpp"
+#include "track/face_start.hpp"
 #include "track/self_start.hpp"
 
 /// One at a time: a tracker calls its functions through a table.
@@ -47,7 +48,7 @@ struct FakeFaces {
     return is_seen ? box : pliant::FaceBox{};
   }
 
-  static const pliant::FaceDetection* table();
+  static const pliant::Detection* table();
 };
 
 namespace fake_faces {
@@ -165,13 +166,13 @@ inline Status verify(FaceAligner&, const FrameView& frame, const Camera& camera,
 
 }  // namespace fake_faces
 
-inline const pliant::FaceDetection* FakeFaces::table() {
+inline const pliant::Detection* FakeFaces::table() {
   static const pliant::FaceModules modules{fake_faces::is_available,    fake_faces::lay_out_detector,
                                            fake_faces::lay_out_aligner, fake_faces::lay_out_aligner,
                                            fake_faces::status,          fake_faces::search,
                                            fake_faces::begin,           fake_faces::advance,
                                            fake_faces::refine,          fake_faces::verify};
-  static pliant::FaceDetection table = pliant::kFaceDetection;
+  static pliant::Detection table = pliant::kFaceDetection;
   table.modules = &modules;
   return &table;
 }

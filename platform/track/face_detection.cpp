@@ -1,37 +1,34 @@
-#include "track/self_start.hpp"
-
+// What connects FaceStart with the tracker.
 #include <new>
 
+#include "track/face_start.hpp"
+#include "track/self_start.hpp"
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
 
-void SelfStart::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-  faces.lay_out(arena, model, limits);
-  is_free = arena.take_span<std::uint8_t>(model.parameters().count);
-  markers = arena.take<MarkerPlace>(limits.markers);
-}
-
 namespace {
 
-void keep(const StartOptions& from, SelfStart* self) {
-  self->start = from;
-  if (from.camera == nullptr) return;
-  self->camera = *from.camera;
-  self->start.camera = &self->camera;
-}
+struct FaceSelfStart : SelfStart {
+  FaceStart faces;
+  KnownPerson person;
+  float landmark_error = 0;  // of the last start, as the alignment estimates it; 0: unknown
 
-void keep(const TrackerOptions& from, SelfStart* self) {
-  self->options = from;
-  if (from.is_free == nullptr) return;
-  for (std::size_t k = 0; k < self->is_free.count; ++k) self->is_free[k] = from.is_free[k];
-  self->options.is_free = self->is_free.data;
+  void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
+    SelfStart::lay_out(arena, &kFaceDetection, model, limits);
+    faces.lay_out(arena, model, limits);
+  }
+};
+
+FaceSelfStart& self_of(TrackerParts& t) {
+  return *static_cast<FaceSelfStart*>(t.self_start);
 }
 
 KnownPerson& person_of(TrackerParts& t) {
-  t.self_start->person.q = t.start_q.data;
-  t.self_start->person.offsets = &t.offsets;
-  return t.self_start->person;
+  KnownPerson& person = self_of(t).person;
+  person.q = t.start_q.data;
+  person.offsets = &t.offsets;
+  return person;
 }
 
 bool is_available(const Model& model, const TrackerLimits& limits) {
@@ -42,7 +39,7 @@ bool is_available(const Model& model, const TrackerLimits& limits) {
 SelfStart* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
   if (!is_available(model, limits)) return nullptr;
   *bytes = search_bytes(model, limits);
-  return create_part<SelfStart>(arena, model, limits);
+  return create_part<FaceSelfStart>(arena, model, limits);
 }
 
 std::size_t bytes_of_check(const Model& model, const TrackerLimits& limits) {
@@ -55,17 +52,17 @@ void tell_search(TrackerParts& t) {
 }
 
 void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
-  SelfStart& self = *t.self_start;
+  FaceSelfStart& self = self_of(t);
   t.is_started = false;
   self.faces.begin_search();
   self.person.is_known = false;
-  keep(start, &self);
-  keep(options, &self);
+  self.kept.keep(start);
+  self.kept.keep(options);
   tell_search(t);
 }
 
 Status search(TrackerParts& t, const FrameView& view) {
-  SelfStart& self = *t.self_start;
+  FaceSelfStart& self = self_of(t);
   if (!t.block_is_of_search) {
     new (&t.estimator) Estimator();
     self.faces.begin_search();
@@ -73,9 +70,9 @@ Status search(TrackerParts& t, const FrameView& view) {
   }
   tell_search(t);
   StartPose found;
-  Status status = self.faces.search({view, t.block, self.start}, &person_of(t), &found, &self.landmark_error);
+  Status status = self.faces.search({view, t.block, self.kept.start}, &person_of(t), &found, &self.landmark_error);
   if (status != Status::ok) return status == Status::not_found ? Status::ok : status;
-  TrackerOptions options = self.options;
+  TrackerOptions options = self.kept.options;
   // To refine the mesh takes as long as two frames of the track, which does not depend on it.
   if (self.faces.spreads_work()) options.estimator.mesh_error_mm = 0;
   self.is_own_start = true;
@@ -95,18 +92,19 @@ void end_search(TrackerParts& t) {
 }
 
 void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, StartPose* from) {
-  SelfStart& self = *t.self_start;
+  FaceSelfStart& self = self_of(t);
   self.of_caller = &rough.options;
   self.landmark_error = 0;  // a start before may have failed
-  if (!rough.is_rough) return;
+  if (rough.points >= kFaceStartTuning.enough_points) return;
   self.faces.refine({view, t.block, rough.options}, rough.box, &person_of(t), from, &self.landmark_error);
   t.lay_out_tracking();
 }
 
 void give_up(TrackerParts& t) {
   KnownPerson& person = person_of(t);
-  person.is_known = person.is_known || t.self_start->faces.has_confirmed();
-  if (person.is_known) t.self_start->marker_count = t.markers.save(t.estimator, t.self_start->markers);
+  FaceSelfStart& self = self_of(t);
+  person.is_known = person.is_known || self.faces.has_confirmed();
+  if (person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
   person.camera = t.estimator.camera();
   for (std::size_t k = 0; k < t.start_q.count; ++k) t.start_q[k] = t.estimator.parameters()[k];
   t.is_started = false;
@@ -116,16 +114,16 @@ void give_up(TrackerParts& t) {
 }
 
 void conclude(TrackerParts& t, const FrameView& view) {
-  if (!t.self_start->faces.conclude(view, t.estimator, t.bad_frames, t.unused_between_frames, &t.result))
+  if (!self_of(t).faces.conclude(view, t.estimator, t.bad_frames, t.unused_between_frames, &t.result))
     give_up(t);
 }
 
 void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {
-  SelfStart& self = *t.self_start;
+  FaceSelfStart& self = self_of(t);
   if (!self.is_own_start) {
     self.person.is_known = false;
-    keep(*self.of_caller, &self);
-    keep(options, &self);
+    self.kept.keep(*self.of_caller);
+    self.kept.keep(options);
   }
   self.faces.begin_track(self.landmark_error, &t.result);
   self.landmark_error = 0;
@@ -134,7 +132,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
 
 }  // namespace
 
-const FaceDetection kFaceDetection{lay_out, bytes_of_check, begin_search, search,       end_search,
+const Detection kFaceDetection{lay_out, bytes_of_check, begin_search, search,       end_search,
                                    refine,  begin_track,    conclude,     &kFaceModules};
 
 }  // namespace pliant
