@@ -29,7 +29,7 @@ struct Header {
   std::uint32_t section_count;   ///< Sections that follow
 };
 
-/// Section kinds; a table has each at most once. `curves` and later ones may be missing. Version 1 ends at `albedo`.
+/// Section kinds; a table has each at most once. Those from `curves` on may be missing. Version 1 ends at `albedo`.
 enum class Kind : std::uint32_t {
   parameters = 1,
   fields = 2,
@@ -44,7 +44,7 @@ enum class Kind : std::uint32_t {
   albedo = 11,
   detector = 12,
   aligner = 13,
-  print = 14,
+  print = 15,
 };
 
 /// Position of one section in the table.
@@ -138,15 +138,12 @@ struct Contents {
   Span<const Field> fields;                ///< as in Model
   const std::uint8_t* samples = nullptr;   ///< as in Model
   Span<const CascadeRecord> cascade;       ///< as in Model
-  Span<const Vec2> base_uv;                ///< as in Model
+  Span<const Vec2> base_uv, curve_points;  ///< as in Model
   Span<const std::uint16_t> base_corners;  ///< as in Model
   Span<const Landmark> landmarks;          ///< as in Model
   Span<const Curve> curves;                ///< as in Model
-  Span<const Vec2> curve_points;           ///< as in Model
   ChartImage mask, albedo;                 ///< as in Model
-  Span<const std::uint8_t> detector;       ///< as in Model
-  Span<const std::uint8_t> aligner;        ///< as in Model
-  Span<const std::uint8_t> print;          ///< as in Model
+  Span<const std::uint8_t> detector, aligner, print;  ///< as in Model
   std::uint32_t crc = 0;                   ///< as in Model
   std::size_t bytes = 0;                   ///< as in Model
 };
@@ -182,7 +179,7 @@ class Model {
   ChartImage albedo() const { return contents_.albedo; }  ///< pixels are null when the table has none
   Span<const std::uint8_t> detector() const { return contents_.detector; }  ///< Learnt; may be empty.
   Span<const std::uint8_t> aligner() const { return contents_.aligner; }    ///< As detector.
-  Span<const std::uint8_t> print() const { return contents_.print; }        ///< Of the albedo; may be empty.
+  Span<const std::uint8_t> print() const { return contents_.print; }  ///< Keypoints of the albedo; may be empty.
   std::uint32_t crc() const { return contents_.crc; }  ///< CRC-32 of the table; names the model in files.
   std::size_t table_bytes() const { return contents_.bytes; }  ///< Size of the table.
 

@@ -63,10 +63,11 @@ struct SavedState {
 /// key frames: newly visible surface gets templates, and points that are still found get a second one. Frame 0's templates
 /// stay.
 ///
-/// With a model that has learnt tables (pliant learn) no start is needed: while there is no track, `update` searches the
-/// frame for a face and starts by itself. A running track is verified every few frames. A track that is lost, or that is no
-/// face, is given up, and the next frames are searched. Where the same person is found, identity, landmark offsets, markers and
-/// camera stay; templates and key frames are new. Another person has no markers.
+/// With a model that has learnt tables (pliant learn), or a print (the keypoints of its albedo), no start is needed: while there
+/// is no track, `update` searches the frame for the face, or the printed surface, and starts by itself. A running track is
+/// verified every few frames. A track that is lost, or that is wrong, is given up, and the next frames are searched. Where the
+/// same person is found, identity, landmark offsets, markers and camera stay; templates and key frames are new. Another person
+/// has no markers.
 ///
 /// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays first. If one of
 /// those is wrong, nothing changes. If the start fails later (in the fit, the pose or the texture), the tracker is not
@@ -80,12 +81,12 @@ class Tracker {
   /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
 
-  /// Ends the track, if there is one, and forgets the person: the next `update` searches for a face. A new tracker does so
+  /// Ends the track, if there is one, and forgets the person: the next `update` searches for the face or printed surface. A new tracker does so
   /// with default options.
   /// \param start    camera or focal length, if known, and `keeps_landmark_offsets`.
   /// \param options  of the tracks that follow.
-  /// \return not_found (the limits name no detection, or the model has no learnt tables), bad_argument (the camera or the focal
-  ///         length): nothing has changed.
+  /// \return not_found (the limits name no detection, or the model has no tables for it), bad_argument (the camera or the
+  ///         focal length): nothing has changed.
   Status start_by_detection(const StartOptions& start = {}, const TrackerOptions& options = {});
 
   /// Starts from a known pose.

@@ -10,8 +10,10 @@
 namespace pliant {
 
 struct Detection;
-/// Detection, alignment and verification of faces, by name, so that programs that do not use them do not link them.
-extern const Detection kFaceDetection;
+/// Starts that a tracker makes by itself, by name, so that programs that do not use them do not link them: detection,
+/// alignment and verification of faces from learnt tables, the search for a printed surface and its verification from the
+/// keypoints of its albedo, and whichever of the two the model has tables for, faces first.
+extern const Detection kFaceDetection, kPrintDetection, kDetection;
 
 /// Capacities of a Tracker. The defaults are the configuration that the README's figures measure: profile M.
 /// `measured_bytes<Tracker>(model, limits)` gives the bytes that they cost.
@@ -54,9 +56,9 @@ struct TrackerLimits {
   /// Landmarks that `start_from_landmarks` takes at most. The fit uses the memory of the tracking, before it; where it
   /// needs more, the block grows.
   std::uint16_t start_points = 68;
-  /// If null, or if the model has no learnt tables, the tracker neither finds faces nor verifies tracks. Null also leaves
-  /// their code out of the program.
-  const Detection* detection = &kFaceDetection;
+  /// If null, or if the model has no tables for it, the tracker neither finds its model nor verifies tracks. Null also leaves
+  /// the code out of the program.
+  const Detection* detection = &kDetection;
   std::uint16_t smallest_face_px = 48;  ///< side of the smallest face that is searched for, px (FaceBox)
   /// Work of one frame without a track, cells of the search (FaceDetector::search). The default searches a frame of 320 x 240 at
   /// once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame has either a part of the search or steps
@@ -64,7 +66,7 @@ struct TrackerLimits {
   std::uint32_t search_work = 24000;
 };
 
-/// The same limits without detection of faces.
+/// The same limits without detection.
 constexpr TrackerLimits without_detection(TrackerLimits limits) {
   limits.detection = nullptr;
   return limits;

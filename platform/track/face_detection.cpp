@@ -70,7 +70,8 @@ Status search(TrackerParts& t, const FrameView& view) {
   }
   tell_search(t);
   StartPose found;
-  Status status = self.faces.search({view, t.block, self.kept.start}, &person_of(t), &found, &self.landmark_error);
+  Status status =
+      self.faces.search({view, t.block, self.kept.start}, &person_of(t), &found, &self.landmark_error);
   if (status != Status::ok) return status == Status::not_found ? Status::ok : status;
   TrackerOptions options = self.kept.options;
   // To refine the mesh takes as long as two frames of the track, which does not depend on it.
@@ -133,6 +134,6 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
 }  // namespace
 
 const Detection kFaceDetection{lay_out, bytes_of_check, begin_search, search,       end_search,
-                                   refine,  begin_track,    conclude,     &kFaceModules};
+                               refine,  begin_track,    conclude,     &kFaceModules};
 
 }  // namespace pliant

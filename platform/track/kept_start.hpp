@@ -18,7 +18,7 @@ struct KeptStart {
   void keep(const TrackerOptions& from);
 
  private:
-  Camera camera_;                // the one that `start` names
+  Camera camera_;               // the one that `start` names
   Span<std::uint8_t> is_free_;  // TrackerOptions::is_free
 };
 

@@ -9,6 +9,7 @@
 #include "host/bake/field_grid.hpp"
 #include "host/bake/grid_fit.hpp"
 #include "host/bake/opened_table.hpp"
+#include "host/bake/print_keypoints.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/table_writer.hpp"
 #include "host/io/numbers.hpp"
@@ -76,6 +77,14 @@ class Baker {
       fail(std::string("makes a table that cannot be opened: ") + text(opened.status()));
     report_.errors = reconstruct(opened.model(), source_);
     check_rest_shape();
+    if (source_.has_print) {
+      auto print = make_print_table(opened.model());
+      report_.has_texture = true;
+      report_.print_bytes = print.size();
+      writer_.set_print(std::move(print));
+      bytes = writer_.bytes();
+      report_.table_bytes = bytes.size();
+    }
     if (report != nullptr) *report = report_;
     return bytes;
   }

@@ -274,6 +274,7 @@ class FolderReader {
     if (painted_.pictures.empty()) return;
     for (int& picture : painted_.picture) picture = picture_of[at(picture)];  // so far, of the material
     source_.albedo = albedo_of(source_, painted_, options_.most_texture_side);
+    source_.has_print = true;
   }
 
   /// Reads the pictures of the materials; each picture once.

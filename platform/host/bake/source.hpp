@@ -59,6 +59,7 @@ struct Source {
   bool is_symmetric =
       false;            ///< the surface is its own mirror image (u to 1 - u) and has vertices on u = 0.5
   GreyImage albedo;     ///< may be empty
+  bool has_print = false;  ///< the albedo is a print that the surface can be found by
   LearntTables learnt;  ///< for finding faces; each may be empty
 };
 

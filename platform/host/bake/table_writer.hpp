@@ -27,6 +27,7 @@ class TableWriter {
   void set_mask(GreyImage mask) { mask_ = std::move(mask); }
   void set_albedo(GreyImage albedo) { albedo_ = std::move(albedo); }
   void set_learnt(LearntTables learnt) { learnt_ = std::move(learnt); }
+  void set_print(std::vector<std::uint8_t> print) { print_ = std::move(print); }
 
   /// The whole table with its checksum.
   std::vector<std::uint8_t> bytes() const;
@@ -43,6 +44,7 @@ class TableWriter {
   std::vector<Vec2> curve_points_;
   GreyImage mask_, albedo_;
   LearntTables learnt_;
+  std::vector<std::uint8_t> print_;
 };
 
 /// A record without sources, parameters and fields.

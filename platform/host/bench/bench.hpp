@@ -38,6 +38,9 @@ void bench_cues(std::ostream& out, const ModelFile& file);
 void bench_drift(std::ostream& out, const ModelFile& file);
 /// Error and time of one frame's solve with false observations, for each method of rejection.
 void bench_occlusion(std::ostream& out, const ModelFile& model);
+/// Starts of a printed surface by its print: at known poses before pictures, and in pictures without it.
+/// \param others  folder of pictures; none: blotches, and no pictures without the surface. \param count  starts a case.
+void bench_print(std::ostream& out, const ModelFile& file, const std::optional<std::string>& others, int count);
 
 /// Positions and Jacobians a second, from cached samples and from the tables, and the time that a personalised identity
 /// saves. `model` may be null; a synthetic model is then personalised.

@@ -54,6 +54,12 @@ int run_detection(const Args& args, Console& console) {
   return 0;
 }
 
+int run_print(const Args& args, Console& console) {
+  bench_print(console.out, ModelFile(args.required("--model")), args.text("--others"),
+              args.integer("--count", 40, 1, 100000));
+  return 0;
+}
+
 struct Topic {
   const char* name;
   int (*run)(const Args& args, Console& console);
@@ -68,7 +74,8 @@ constexpr Topic kTopics[] = {{"mesh", run_with_model<bench_mesh>},
                              {"drift", run_on_model<bench_drift>},
                              {"occlusion", run_on_model<bench_occlusion>},
                              {"fit", run_fit_bench},
-                             {"detection", run_detection}};
+                             {"detection", run_detection},
+                             {"print", run_print}};
 
 int run_bench(const Args& args, Console& console) {
   std::string names;
@@ -90,18 +97,20 @@ Command bench_command() {
       "mesh|fields [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | "
       "mcd | track|cost|cues|drift|occlusion --model face.plm | fit --problems FOLDER | "
       "detection --model face.plm [--portraits FOLDER] [--others FOLDER] [--film VIDEO --truth CSV] "
-      "[--details CSV]",
+      "[--details CSV] | print --model sheet.plm [--others FOLDER] [--count N]",
       {{"--model", "PLM", "a model to measure with; optional for mesh and fields", Takes::input},
        {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
        {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", Takes::texts},
        {"--frames", "VIDEO", "a Y4M file or folder of pictures, to time tracking on", Takes::input},
        {"--problems", "FOLDER", "fitting problems as text, and solutions.csv with the optimum of each"},
        {"--portraits", "FOLDER", "photographs of one face each, and landmarks.csv: name,landmark,x,y"},
-       {"--others", "FOLDER", "photographs without faces"},
+       {"--others", "FOLDER", "photographs without faces; of print, without the surface"},
        {"--film", "VIDEO", "a Y4M file of one face, and --truth", Takes::input},
        {"--truth", "CSV", "frame,landmark,x,y of every frame of --film", Takes::input},
        {"--details", "CSV", "a file to write: a row a picture or start", Takes::output},
-       {"--count", "N", "frames of --frames (480), or pictures of a folder (all), that are read at most"}},
+       {"--count", "N",
+        "frames of --frames (480), or pictures of a folder (all), that are read at most; starts "
+        "a case of print (40)"}},
       1,
       run_bench};
 }

@@ -79,6 +79,8 @@ void print_report(const std::string& output, const bake::BakeReport& report, boo
   if (has(Group::identity)) print("; identities", report.errors.identity);
   if (has(Group::expression)) print("; expressions", report.errors.expression);
   console.out << "; base mesh of " << report.base_vertices << " vertices\n";
+  if (report.has_texture && report.print_bytes == 0)
+    console.out << "the texture has too few corners of its own: the surface will not be found by it\n";
   for (const bake::ParameterError& error : report.errors.parameters) {
     if (!all) break;
     print(error.name.c_str(), error.off);

@@ -161,7 +161,7 @@ int run_track(const Args& args, Console& console) {
 Command track_command() {
   return {
       "track",
-      "Tracks a face through a video. Without --init or --box it finds the face itself.",
+      "Tracks a face or another surface through a video. Without --init or --box it finds the face, or the printed surface, itself.",
       "face.plm --frames VIDEO|FOLDER|-|camera: --out track.csv|- [--init fit.json|points.csv|--box "
       "X,Y,W,H] "
       "[--landmarks|--model-landmarks] [--markers points.csv] [--marker-exclusion-px R] "

@@ -1,0 +1,74 @@
+#include "print/match_consensus.hpp"
+
+namespace pliant {
+
+namespace {
+
+/// Tuning of the consensus. Each constant: unit, reason, experiment.
+struct ConsensusTuning {
+  /// Ratio of the scales that two matches suggest, at most.
+  float most_scale_ratio = 1.6f;
+  /// Cosine of half the angle between the rotations that two matches suggest, at least: 50 degrees apart, since views of the
+  /// table are 43 degrees apart.
+  float least_half_cosine = 0.9f;
+};
+constexpr ConsensusTuning kTuning;
+
+/// The view that a match suggests: the place of the match is where it is seen.
+View view_from(const SurfaceMatch& m, const Camera& camera) {
+  View v;
+  v.q = m.q;
+  v.s = m.s;
+  v.rho = clamp(m.s / camera.f, kMinRho, kMaxRho);
+  v.c = {camera.cx, camera.cy};
+  const Vec3 p = Projector(v, true).rotated(m.p);
+  const float w = 1 + v.rho * p.z;
+  v.tau = (w / v.s) * (m.x - v.c) - Vec2{p.x, p.y};
+  return v;
+}
+
+bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b) {
+  const float dot4 = a.q.w * b.q.w + a.q.x * b.q.x + a.q.y * b.q.y + a.q.z * b.q.z;
+  return magnitude(dot4) >= kTuning.least_half_cosine && a.s <= kTuning.most_scale_ratio * b.s &&
+         b.s <= kTuning.most_scale_ratio * a.s;
+}
+
+int count_votes(Span<const SurfaceMatch> matches, std::size_t of, const View& view, float tolerance_px) {
+  const Projector projector(view, true);
+  int votes = 0;
+  for (const SurfaceMatch& m : matches) {
+    Vec2 x;
+    if (is_similar(m, matches[of]) && projector.project(m.p, &x) && length(x - m.x) <= tolerance_px) ++votes;
+  }
+  return votes;
+}
+
+}  // namespace
+
+std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, float tolerance_mm,
+                       Span<ViewVotes> views) {
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < matches.count; ++k) {
+    const View view = view_from(matches[k], camera);
+    const int votes = count_votes(matches, k, view, tolerance_mm * view.s);
+    std::size_t at = count;
+    while (at > 0 && votes > views[at - 1].votes) --at;
+    if (at == views.count) continue;
+    count = count < views.count ? count + 1 : count;
+    for (std::size_t i = count - 1; i > at; --i) views[i] = views[i - 1];
+    views[at] = {view, votes};
+  }
+  return count;
+}
+
+View mirrored_tilt(const View& view, Quat front) {
+  const Quat turn = view.q * conjugate(front);
+  // turn = tilt * roll, where roll is about the line of sight; w and z of the product are those of the roll, scaled.
+  const Quat roll = normalised(Quat{turn.w, 0, 0, turn.z});
+  const Quat tilt = turn * conjugate(roll);
+  View mirrored = view;
+  mirrored.q = normalised(conjugate(tilt) * (roll * front));
+  return mirrored;
+}
+
+}  // namespace pliant

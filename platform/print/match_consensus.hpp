@@ -1,0 +1,40 @@
+#pragma once
+// Views of a surface that many matches agree on (docs/algorithms.md, section 7.17).
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/camera.hpp"
+
+namespace pliant {
+
+/// A match, in terms of the surface: where it is on the surface, where it is seen, and which similarity of the picture it
+/// suggests.
+struct SurfaceMatch {
+  Vec2 uv;
+  Vec3 p;       ///< mm, at rest
+  Vec2 x;       ///< ideal px
+  Quat q;       ///< rotation of the view that it suggests
+  float s = 1;  ///< scale of that view, px/mm
+  float sd_px = 1;
+};
+
+/// A view, and the number of matches that it explains.
+struct ViewVotes {
+  View view;
+  int votes = 0;
+};
+
+/// Takes each match in turn as true, and counts the others near their place in the view that it suggests.
+/// \param middle        of the surface, mm: a view is judged by where its matches lie.
+/// \param tolerance_mm  distance on the surface at which a match still agrees.
+/// \param views         out: the best views, best first, that differ in their votes' supporters.
+/// \return their number. Cost: matches^2 projections.
+std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, float tolerance_mm,
+                       Span<ViewVotes> views);
+
+/// The view's other reading where the surface is flat and perspective weak: tilted to the other side about the same line of
+/// sight. \param front  rotation of the view that sees the surface from the front.
+View mirrored_tilt(const View& view, Quat front);
+
+}  // namespace pliant

@@ -1,0 +1,198 @@
+#include "print/print_check.hpp"
+
+#include <cmath>
+
+namespace pliant {
+
+namespace {
+
+/// Tuning of the comparison. Each constant: unit, reason, experiment.
+struct PrintCheckTuning {
+  std::size_t blocks = 48;
+  /// Step of the differences that give the warp of a block, (u,v).
+  float step_uv = 0.01f;
+  /// Area of a unit of (u,v) in the frame, at least, as a fraction of its squared longer side: a chart may be narrow.
+  float least_slant = 0.1f;
+  /// Standard deviation of a block's samples, at least: of the albedo, and of the frame, grey levels.
+  float least_albedo_sd = 8, least_frame_sd = 2;
+  /// Correlation from which on a block agrees. Of 48 blocks at wrong places 2 % reach it.
+  float least_correlation = 0.6f;
+  /// Standard deviation of a block's place: a fraction of the spacing of its samples, and px.
+  float sd_fraction = 0.1f, least_sd_px = 0.1f;
+};
+constexpr PrintCheckTuning kTuning;
+
+constexpr int kHalf = 3;  // samples
+constexpr int kSamples = (2 * kHalf + 1) * (2 * kHalf + 1);
+
+int limited(float x, int size) {
+  const int i = static_cast<int>(x + 0.5f);
+  return i < 0 ? 0 : i >= size ? size - 1 : i;
+}
+
+float albedo_at(const ChartImage& albedo, Vec2 uv) {
+  const int x = limited(clamp(uv.x, 0, 1) * static_cast<float>(albedo.width - 1),
+                        static_cast<int>(albedo.width)),
+            y = limited(clamp(uv.y, 0, 1) * static_cast<float>(albedo.height - 1),
+                        static_cast<int>(albedo.height));
+  return static_cast<float>(
+      albedo.pixels[static_cast<std::size_t>(y) * albedo.width + static_cast<std::size_t>(x)]);
+}
+
+float grey_at(const FrameView& frame, Vec2 x) {
+  const auto column = static_cast<std::size_t>(limited(x.x, frame.width)),
+             row = static_cast<std::size_t>(limited(x.y, frame.height));
+  return static_cast<float>(
+      frame.data[row * frame.stride_bytes + column * static_cast<std::size_t>(frame.pixel_step_bytes)]);
+}
+
+/// A block: where it is seen, and how (u,v) changes there, per px.
+struct Block {
+  Vec2 uv, x;
+  Mat2 uv_per_px;
+};
+
+bool find_block(const SurfaceProjection& project, Vec2 uv, Block* block) {
+  const float du = uv.x > 0.5f ? -kTuning.step_uv : kTuning.step_uv,
+              dv = uv.y > 0.5f ? -kTuning.step_uv : kTuning.step_uv;
+  Vec2 x, along_u, along_v;
+  if (!project(uv, &x) || !project(uv + Vec2{du, 0}, &along_u) || !project(uv + Vec2{0, dv}, &along_v))
+    return false;
+  const Vec2 a = (1 / du) * (along_u - x), b = (1 / dv) * (along_v - x);
+  const Mat2 px_per_uv{a.x, b.x, a.y, b.y};
+  const float longer = dot(a, a) > dot(b, b) ? dot(a, a) : dot(b, b);
+  if (!(determinant(px_per_uv) > max(kTuning.least_slant * longer, 1))) return false;
+  *block = {uv, x, inverse(px_per_uv)};
+  return true;
+}
+
+/// Means of 3 x 3 samples of the frame on a grid around the block. \param half  of the grid's side, samples.
+void sample_frame(const FrameView& frame, const Block& block, float spacing, int half, float* grey) {
+  const float third = spacing / 3;
+  for (int j = -half; j <= half; ++j)
+    for (int i = -half; i <= half; ++i) {
+      float sum = 0;
+      for (int k = 0; k < 9; ++k)
+        sum += grey_at(
+            frame, block.x + Vec2{spacing * static_cast<float>(i) + third * static_cast<float>(k % 3 - 1),
+                                  spacing * static_cast<float>(j) + third * static_cast<float>(k / 3 - 1)});
+      *grey++ = sum * (1.0f / 9) - 128;
+    }
+}
+
+/// The albedo where the samples of the block are. \return whether there is texture.
+bool sample_albedo(const ChartImage& albedo, const Block& block, float spacing, float* expected) {
+  const float third = spacing / 3;
+  float sum = 0, squares = 0;
+  for (int j = -kHalf; j <= kHalf; ++j)
+    for (int i = -kHalf; i <= kHalf; ++i) {
+      float e = 0;
+      for (int k = 0; k < 9; ++k)
+        e += albedo_at(albedo, block.uv + block.uv_per_px * Vec2{spacing * static_cast<float>(i) +
+                                                                     third * static_cast<float>(k % 3 - 1),
+                                                                 spacing * static_cast<float>(j) +
+                                                                     third * static_cast<float>(k / 3 - 1)});
+      e = e * (1.0f / 9) - 128;
+      sum += e;
+      squares += e * e;
+      *expected++ = e;
+    }
+  const float variance = (squares - sum * sum / kSamples) / kSamples;
+  return variance >= kTuning.least_albedo_sd * kTuning.least_albedo_sd;
+}
+
+/// Normalised cross-correlation; 0 where the frame is flat. \param stride  of the frame's grid.
+float correlate(const float* grey, int stride, const float* expected) {
+  float x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+  for (int j = 0; j <= 2 * kHalf; ++j)
+    for (int i = 0; i <= 2 * kHalf; ++i) {
+      const float a = grey[j * stride + i], b = *expected++;
+      x += a, y += b, xx += a * a, xy += a * b, yy += b * b;
+    }
+  constexpr float kPart = 1.0f / kSamples;
+  const float frame_variance = kPart * (xx - kPart * x * x), albedo_variance = kPart * (yy - kPart * y * y);
+  if (!(frame_variance >= kTuning.least_frame_sd * kTuning.least_frame_sd)) return 0;
+  return kPart * (xy - kPart * x * y) / std::sqrt(frame_variance * albedo_variance);
+}
+
+/// Where the parabola through three values, the middle one the largest, has its maximum, -0.5 to 0.5.
+float peak_of(float before, float middle, float after) {
+  const float bend = before - 2 * middle + after;
+  return bend < 0 ? clamp(0.5f * (before - after) / bend, -0.5f, 0.5f) : 0;
+}
+
+bool is_inside(const FrameView& frame, Vec2 x, float reach) {
+  return x.x >= reach && x.y >= reach && x.x < static_cast<float>(frame.width) - reach &&
+         x.y < static_cast<float>(frame.height) - reach;
+}
+
+}  // namespace
+
+PrintAgreement compare_print(const FrameView& frame, const Model& model, const PrintTable& table,
+                             const SurfaceProjection& projection, float block_px) {
+  PrintAgreement agreement;
+  const Span<const PrintKeypoint> keypoints = table.keypoints();
+  const ChartImage albedo = model.albedo();
+  const std::size_t blocks = keypoints.count < kTuning.blocks ? keypoints.count : kTuning.blocks;
+  const float reach = block_px * (kHalf + 0.5f);
+  for (std::size_t k = 0; k < blocks; ++k) {
+    Block block;
+    float expected[kSamples], grey[kSamples];
+    const Vec2 uv = keypoints[k * keypoints.count / blocks].uv();
+    if (!find_block(projection, uv, &block) || !is_inside(frame, block.x, reach) ||
+        !sample_albedo(albedo, block, block_px, expected))
+      continue;
+    sample_frame(frame, block, block_px, kHalf, grey);
+    ++agreement.visible;
+    if (correlate(grey, 2 * kHalf + 1, expected) >= kTuning.least_correlation) ++agreement.agreed;
+  }
+  return agreement;
+}
+
+namespace {
+
+constexpr int kShift = 2, kShifts = 2 * kShift + 1;  // samples, to each side
+constexpr int kWide = 2 * (kHalf + kShift) + 1;      // samples
+
+/// Finds a block near its place. \return false where it does not look like the albedo.
+bool find_shift(const FrameView& frame, const Block& block, float spacing, const float* expected,
+                Vec2* shift) {
+  float grey[kWide * kWide], score[kShifts * kShifts];
+  sample_frame(frame, block, spacing, kHalf + kShift, grey);
+  int best = 0;
+  for (int k = 0; k < kShifts * kShifts; ++k) {
+    score[k] = correlate(grey + k / kShifts * kWide + k % kShifts, kWide, expected);
+    if (score[k] > score[best]) best = k;
+  }
+  const int i = best % kShifts, j = best / kShifts;
+  if (score[best] < kTuning.least_correlation || i == 0 || j == 0 || i == 2 * kShift || j == 2 * kShift)
+    return false;
+  *shift = {
+      static_cast<float>(i - kShift) + peak_of(score[best - 1], score[best], score[best + 1]),
+      static_cast<float>(j - kShift) + peak_of(score[best - kShifts], score[best], score[best + kShifts])};
+  return true;
+}
+
+}  // namespace
+
+std::size_t match_blocks(const FrameView& frame, const Model& model, const PrintTable& table,
+                         const SurfaceProjection& projection, float block_px, Span<Correspondence> points) {
+  const Span<const PrintKeypoint> keypoints = table.keypoints();
+  const std::size_t blocks = keypoints.count < points.count ? keypoints.count : points.count;
+  const float reach = block_px * (kHalf + kShift + 0.5f);
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < blocks; ++k) {
+    Block block;
+    float expected[kSamples];
+    Vec2 shift;
+    const Vec2 uv = keypoints[k * keypoints.count / blocks].uv();
+    if (find_block(projection, uv, &block) && is_inside(frame, block.x, reach) &&
+        sample_albedo(model.albedo(), block, block_px, expected) &&
+        find_shift(frame, block, block_px, expected, &shift))
+      points[count++] = {uv, block.x + block_px * shift, kTuning.sd_fraction * block_px + kTuning.least_sd_px,
+                         false};
+  }
+  return count;
+}
+
+}  // namespace pliant

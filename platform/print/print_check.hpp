@@ -1,0 +1,33 @@
+#pragma once
+// Verification of a pose by the print: blocks of the frame are compared with the albedo (docs/algorithms.md, section 7.18).
+#include "pliant/fit.hpp"
+#include "pliant/frame.hpp"
+#include "pliant/model.hpp"
+#include "print/print_table.hpp"
+
+namespace pliant {
+
+/// Where a surface is seen: a function with its state.
+struct SurfaceProjection {
+  void* state;
+  bool (*project)(void* state, Vec2 uv, Vec2* x);  ///< false behind the camera
+
+  bool operator()(Vec2 uv, Vec2* x) const { return project(state, uv, x); }
+};
+
+/// Blocks of the surface with texture that face the camera inside the frame, and how many of those look like the albedo.
+struct PrintAgreement {
+  int visible = 0, agreed = 0;
+};
+
+/// Compares blocks around the table's keypoints. \param block_px  spacing of the 7 x 7 samples of a block, px.
+/// Cost: 48 blocks, three projections and 900 samples each.
+PrintAgreement compare_print(const FrameView& frame, const Model& model, const PrintTable& table,
+                             const SurfaceProjection& projection, float block_px);
+
+/// Finds the same blocks near where they are expected, up to two samples away, to a fraction of a sample.
+/// \param points  room for them; those that are found are written. \return their number. Cost: 48 blocks, 8,000 operations each.
+std::size_t match_blocks(const FrameView& frame, const Model& model, const PrintTable& table,
+                         const SurfaceProjection& projection, float block_px, Span<Correspondence> points);
+
+}  // namespace pliant

@@ -1,0 +1,256 @@
+#include "print/print_finder.hpp"
+
+#include "pliant/lens.hpp"
+#include "print/print_tuning.hpp"
+
+namespace pliant {
+
+namespace {
+
+/// Tuning of the fit to matches and of its acceptance. Each constant: unit, reason, experiment.
+struct PrintFinderTuning {
+  /// Matches that are fitted at most: time and memory of the fit.
+  std::size_t points = 96;
+  /// Matches that must agree on a view.
+  int least_votes = 6;
+  /// Distances at which a match agrees, as fractions of the surface's extent: with the view that one match suggests, after
+  /// the fit of the pose of the surface at rest, and after the fit of its parameters.
+  float vote_fraction = 0.1f, rigid_fraction = 0.05f, bent_fraction = 0.02f;
+  /// Least tolerance, px.
+  float least_tolerance_px = 3;
+  /// Standard deviation of a corner's place on its level, px: corners are whole pixels.
+  float corner_sd_px = 0.7f;
+  /// Deviation of the surface from the model, as a fraction of its extent (FitOptions::misfit_mm).
+  float misfit_fraction = 0.01f;
+  /// Fits to blocks, after those to corners.
+  int block_passes = 4;
+  /// Blocks by which one reading of the tilt is better than the other; else the smaller residual decides.
+  int clear_difference = 4;
+  /// Ratio of residuals that is as clear, and cosine of half the angle within which two readings are one: 10 degrees.
+  float clear_ratio = 1.3f, same_half_cosine = 0.996f;
+  /// Spacing of a block's samples, as a fraction of the surface's extent in the frame, and its bounds, px.
+  float block_fraction = 0.01f, least_block_px = 1, most_block_px = 4;
+  /// Acceptance: points with weight in the fit, blocks that agree, and their least fraction of those that are visible.
+  std::size_t least_points = 8;
+  int least_agreed = 6;
+  float least_agreement = 0.5f;
+  /// Fraction and number of agreeing blocks from which on a start does not wait for another frame, and frames after which it waits no longer.
+  float sure_agreement = 0.8f;
+  int sure_agreed = 24;
+  int most_doubtful_frames = 4;
+};
+constexpr PrintFinderTuning kTuning;
+
+struct PosedSurface {
+  Cascade* cascade;
+  const float* q;
+  const Projector* projector;
+  const Lens* lens;
+};
+
+bool project_posed(void* state, Vec2 uv, Vec2* x) {
+  const auto& s = *static_cast<const PosedSurface*>(state);
+  const Vec2 within{clamp(uv.x, 0, 1), clamp(uv.y, 0, 1)};
+  if (!s.projector->project(s.cascade->surface_point(within, s.q), x)) return false;
+  *x = s.lens->distort(*x);
+  return true;
+}
+
+}  // namespace
+
+float print_block_px(float extent_px) {
+  return clamp(kTuning.block_fraction * extent_px, kTuning.least_block_px, kTuning.most_block_px);
+}
+
+bool is_accepted(const PrintAgreement& a) {
+  return a.agreed >= kTuning.least_agreed &&
+         static_cast<float>(a.agreed) >= kTuning.least_agreement * static_cast<float>(a.visible);
+}
+
+bool is_sure(const PrintAgreement& a) {
+  return a.agreed >= kTuning.sure_agreed &&
+         static_cast<float>(a.agreed) >= kTuning.sure_agreement * static_cast<float>(a.visible);
+}
+
+void PrintFinder::lay_out(Arena& arena, const Model& model, int width, int height) {
+  model_ = model;
+  PrintTable table;
+  status_ = PrintTable::open(model.print(), &table);
+  if (status_ == Status::ok && model.albedo().pixels == nullptr) status_ = Status::bad_table;
+  matcher_.lay_out(arena, table, width, height);
+  FitLimits limits;
+  limits.points = static_cast<std::uint16_t>(kTuning.points);
+  lay_out_part(arena, &fitter_, model, limits);
+  matches_ = arena.take_span<SurfaceMatch>(PrintMatcher::most_matches());
+  points_ = arena.take_span<Correspondence>(kTuning.points);
+  rest_ = arena.take_span<float>(model.parameters().count);
+  q_ = arena.take_span<float>(model.parameters().count);
+  is_frozen_ = arena.take_span<std::uint8_t>(model.parameters().count);
+  if (is_frozen_.data == nullptr) return;
+  for (float& value : rest_) value = 0;
+  for (std::uint8_t& flag : is_frozen_) flag = 0;
+}
+
+Status PrintFinder::search(const FrameView& frame, std::uint32_t work, const Camera& camera, float* q,
+                           FoundPrint* found) {
+  Status status = status_;
+  if (status == Status::ok && matcher_.is_idle()) status = matcher_.begin(frame);
+  if (status != Status::ok) return status;
+  if (!matcher_.step(work)) return Status::not_found;
+  gather(frame, camera);
+  constexpr std::size_t kMostViews = 3;
+  ViewVotes views[kMostViews];
+  const std::size_t count =
+      find_views({matches_.data, match_count_}, camera, kTuning.vote_fraction * matcher_.table().extent_mm(),
+                 {views, kMostViews});
+  for (std::size_t k = 0; k < count && views[k].votes >= kTuning.least_votes; ++k)
+    if (fit_readings(views[k].view, frame, camera, q, found))
+      return (found->is_clear && is_sure(found->agreement)) ||
+                     ++doubtful_frames_ == kTuning.most_doubtful_frames
+                 ? Status::ok
+                 : Status::not_found;
+  return Status::not_found;
+}
+
+/// The matches in terms of the surface.
+void PrintFinder::gather(const FrameView& frame, const Camera& camera) {
+  const PrintTable& table = matcher_.table();
+  Lens lens;
+  if (Lens::make(camera, frame.width, frame.height, &lens) != Status::ok) lens = {};
+  match_count_ = 0;
+  for (const PrintMatch& match : matcher_.matches()) {
+    const FrameCorner& corner = matcher_.corners()[match.corner];
+    const PrintKeypoint& keypoint = table.keypoints()[match.keypoint];
+    const Vec2 from{static_cast<float>(keypoint.cosine), static_cast<float>(keypoint.sine)},
+        to = corner.descriptor.direction;
+    // The picture's turn by an angle: (1 + cosine, sine) is along half of it.
+    const float cosine = dot(from, to), sine = from.x * to.y - from.y * to.x;
+    const float norm = square_root(cosine * cosine + sine * sine);
+    SurfaceMatch& m = matches_[match_count_++];
+    m.uv = keypoint.uv();
+    m.p = fitter_.cascade().surface_point(m.uv, rest_.data);
+    m.x = lens.undistort(corner.x);
+    m.q = normalised(normalised(Quat{norm + cosine, 0, 0, sine}) * table.views()[keypoint.view]);
+    m.s = corner.scale * table.levels()[keypoint.level];
+    m.sd_px = max(corner.scale, 1) * kTuning.corner_sd_px;
+  }
+}
+
+/// Fits the readings of a view, and keeps the best one that is accepted: as it is, and tilted to the other side (mirrored_tilt),
+/// where what bent towards the camera may bend away instead.
+bool PrintFinder::fit_readings(const View& start, const FrameView& frame, const Camera& camera, float* q,
+                               FoundPrint* found) {
+  View rigid = start;
+  FitReport report;
+  for (float& value : q_) value = 0;
+  if (!fit(frame, camera, false, kTuning.vote_fraction, &rigid, &report)) return false;
+  const Quat front = matcher_.table().views()[0];
+  Candidate best, other;
+  View view = rigid;
+  for (int reading = 0; reading < 3; ++reading) {
+    const Candidate candidate = fit_candidate(view, frame, camera);
+    if (!is_better(candidate, best)) {
+      if (is_better(candidate, other)) other = candidate;
+    } else {
+      other = best;
+      best = candidate;
+      for (std::size_t k = 0; k < q_.count; ++k) q[k] = q_[k];
+    }
+    view = mirrored_tilt(reading == 0 ? candidate.view : rigid, front);
+    for (float& value : q_) value = reading == 0 ? -value : 0;
+  }
+  if (!best.is_accepted) return false;
+  *found = {best.view, best.agreement, is_clear(best, other)};
+  return true;
+}
+
+bool PrintFinder::is_better(const Candidate& a, const Candidate& b) {
+  if (!a.is_accepted || !b.is_accepted) return a.is_accepted;
+  const int least = kTuning.clear_difference;
+  if (a.agreement.agreed >= b.agreement.agreed + least) return true;
+  return a.agreement.agreed + least > b.agreement.agreed && a.rms_px < b.rms_px;
+}
+
+/// Whether the second best reading is the same, or clearly worse.
+bool PrintFinder::is_clear(const Candidate& best, const Candidate& other) {
+  if (!other.is_accepted || best.agreement.agreed >= other.agreement.agreed + kTuning.clear_difference ||
+      kTuning.clear_ratio * best.rms_px < other.rms_px)
+    return true;
+  const Quat a = best.view.q, b = other.view.q;
+  return magnitude(a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z) > kTuning.same_half_cosine;
+}
+
+/// Pose and parameters from ever nearer matches, then from blocks.
+PrintFinder::Candidate PrintFinder::fit_candidate(const View& start, const FrameView& frame,
+                                                  const Camera& camera) {
+  Candidate c;
+  c.view = start;
+  FitReport report;
+  if (!fit(frame, camera, true, kTuning.rigid_fraction, &c.view, &report) ||
+      !fit(frame, camera, true, kTuning.bent_fraction, &c.view, &report))
+    return c;
+  for (int k = 0; k < kTuning.block_passes; ++k)
+    if (!fit_to_blocks(frame, camera, &c.view, &report)) return c;
+  c.rms_px = report.rms_px;
+  c.agreement = verify(c.view, frame, camera);
+  c.is_accepted = report.used >= kTuning.least_points && is_accepted(c.agreement);
+  return c;
+}
+
+/// \param tolerance  of the matches that are fitted, as a fraction of the extent.
+bool PrintFinder::fit(const FrameView& frame, const Camera& camera, bool bends, float tolerance, View* view,
+                      FitReport* report) {
+  Lens lens;
+  if (Lens::make(camera, frame.width, frame.height, &lens) != Status::ok) return false;
+  return fit_to(points_near(*view, max(tolerance * extent_px(*view), kTuning.least_tolerance_px), lens),
+                frame, camera, bends, view, report);
+}
+
+/// The model as it is, to where its blocks are found.
+bool PrintFinder::fit_to_blocks(const FrameView& frame, const Camera& camera, View* view, FitReport* report) {
+  Lens lens;
+  if (Lens::make(camera, frame.width, frame.height, &lens) != Status::ok) return false;
+  const Projector projector(*view, true);
+  PosedSurface surface{&fitter_.cascade(), q_.data, &projector, &lens};
+  const std::size_t count = match_blocks(frame, model_, matcher_.table(), {&surface, project_posed},
+                                         print_block_px(extent_px(*view)), points_);
+  return fit_to({points_.data, count}, frame, camera, true, view, report);
+}
+
+bool PrintFinder::fit_to(Span<const Correspondence> points, const FrameView& frame, const Camera& camera,
+                         bool bends, View* view, FitReport* report) {
+  FitOptions options;
+  options.width = frame.width;
+  options.height = frame.height;
+  options.camera = &camera;
+  options.start = view;
+  options.misfit_mm = kTuning.misfit_fraction * matcher_.table().extent_mm();
+  options.is_free = bends ? nullptr : is_frozen_.data;
+  if (fitter_.fit(points, options, q_.data, report) != Status::ok) return false;
+  *view = report->view;
+  return true;
+}
+
+/// Matches that lie near their place on the present surface.
+Span<const Correspondence> PrintFinder::points_near(const View& view, float tolerance, const Lens& lens) {
+  const Projector projector(view, true);
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < match_count_ && count < points_.count; ++k) {
+    const SurfaceMatch& m = matches_[k];
+    Vec2 x;
+    if (!projector.project(fitter_.cascade().surface_point(m.uv, q_.data), &x)) continue;
+    if (length(x - m.x) <= tolerance) points_[count++] = {m.uv, lens.distort(m.x), m.sd_px, false};
+  }
+  return {points_.data, count};
+}
+
+PrintAgreement PrintFinder::verify(const View& view, const FrameView& frame, const Camera& camera) {
+  Lens lens;
+  if (Lens::make(camera, frame.width, frame.height, &lens) != Status::ok) return {};
+  const Projector projector(view, true);
+  PosedSurface surface{&fitter_.cascade(), q_.data, &projector, &lens};
+  return compare_print(frame, model_, matcher_.table(), {&surface, project_posed},
+                       print_block_px(extent_px(view)));
+}
+
+}  // namespace pliant

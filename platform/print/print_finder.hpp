@@ -1,0 +1,81 @@
+#pragma once
+// Finds a surface in a frame by its print (docs/algorithms.md, section 7.17): matches, views that they agree on, the model
+// fitted to them, and verification.
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/fit.hpp"
+#include "pliant/lens.hpp"
+#include "pliant/model.hpp"
+#include "print/match_consensus.hpp"
+#include "print/print_check.hpp"
+#include "print/print_matcher.hpp"
+
+namespace pliant {
+
+/// Where a surface was found.
+struct FoundPrint {
+  View view;
+  PrintAgreement agreement;
+  bool is_clear = false;  ///< no other pose explains the frame as well
+};
+
+/// The search, frame by frame. Lives in the memory of the tracking, while there is no track.
+class PrintFinder {
+ public:
+  /// \param width, height  of the frames, px.
+  void lay_out(Arena& arena, const Model& model, int width, int height);
+  /// What PrintTable::open says.
+  Status status() const { return status_; }
+
+  /// Searches as far as `work` allows (cells, TrackerLimits::search_work), and goes on in the next call: corners of one frame are
+  /// matched until they are done. The result is verified in the present frame.
+  /// \param q  out: all parameters, if the surface is found.
+  /// \return not_found: nothing yet.
+  Status search(const FrameView& frame, std::uint32_t work, const Camera& camera, float* q,
+                FoundPrint* found);
+
+ private:
+  /// A fit and its verification.
+  struct Candidate {
+    View view;
+    float rms_px = 0;
+    PrintAgreement agreement;
+    bool is_accepted = false;
+  };
+
+  void gather(const FrameView& frame, const Camera& camera);
+  bool fit_readings(const View& start, const FrameView& frame, const Camera& camera, float* q,
+                    FoundPrint* found);
+  static bool is_clear(const Candidate& best, const Candidate& other);
+  static bool is_better(const Candidate& a, const Candidate& b);
+  Candidate fit_candidate(const View& start, const FrameView& frame, const Camera& camera);
+  bool fit(const FrameView& frame, const Camera& camera, bool bends, float tolerance, View* view,
+           FitReport* report);
+  bool fit_to_blocks(const FrameView& frame, const Camera& camera, View* view, FitReport* report);
+  bool fit_to(Span<const Correspondence> points, const FrameView& frame, const Camera& camera, bool bends,
+              View* view, FitReport* report);
+  Span<const Correspondence> points_near(const View& view, float tolerance, const Lens& lens);
+  PrintAgreement verify(const View& view, const FrameView& frame, const Camera& camera);
+  float extent_px(const View& view) const { return view.s * matcher_.table().extent_mm(); }
+
+  Model model_;
+  Status status_ = Status::not_found;
+  PrintMatcher matcher_;
+  Fitter fitter_;
+  Span<SurfaceMatch> matches_;
+  std::size_t match_count_ = 0;
+  int doubtful_frames_ = 0;
+  Span<Correspondence> points_;
+  Span<float> rest_, q_;          // parameters: zeros, and of the present fit
+  Span<std::uint8_t> is_frozen_;  // zeros: no parameter is free
+};
+
+/// Whether blocks enough agree for a start, and for one without further frames.
+bool is_accepted(const PrintAgreement& agreement);
+bool is_sure(const PrintAgreement& agreement);
+/// Spacing of a block's samples for a surface of this extent in the frame, px.
+float print_block_px(float extent_px);
+
+}  // namespace pliant

@@ -1,0 +1,121 @@
+#include "print/print_matcher.hpp"
+
+#include "pliant/corners.hpp"
+#include "print/print_tuning.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr const PrintTuning& kTuning = kPrintTuning;
+
+/// Work in cells of the search for faces, some 3,000 instructions each.
+constexpr std::uint32_t kPixelsPerCell = 50, kCellsPerDescriptor = 4, kKeypointsPerCell = 100;
+
+/// Room for the corners of a level, in the first place of all.
+std::size_t room_of(int level) {
+  return kTuning.corners >> level;
+}
+
+std::size_t all_room() {
+  std::size_t all = room_of(0);  // those of the first level are described twice
+  for (int level = 0; level < kTuning.levels; ++level) all += room_of(level);
+  return all;
+}
+
+}  // namespace
+
+void PrintMatcher::lay_out(Arena& arena, const PrintTable& table, int width, int height) {
+  table_ = table;
+  PyramidLimits limits;
+  limits.width = width;
+  limits.height = height;
+  limits.levels = kTuning.levels;
+  pyramid_.lay_out(arena, limits);
+  scratch_ = arena.take_span<unsigned char>(corner_scratch_bytes(width, height, print_corner_options()) +
+                                            room_of(0) * sizeof(Corner) + 2 * Arena::kAlignment);
+  corners_ = arena.take_span<FrameCorner>(all_room());
+  matches_ = arena.take_span<PrintMatch>(all_room());
+}
+
+Status PrintMatcher::begin(const FrameView& frame) {
+  const Status status = pyramid_.build(frame);
+  if (status != Status::ok) return status;
+  corner_count_ = match_count_ = next_corner_ = 0;
+  next_level_ = 0;
+  is_searching_ = true;
+  return status;
+}
+
+std::size_t PrintMatcher::most_matches() {
+  return all_room();
+}
+
+bool PrintMatcher::step(std::uint32_t work) {
+  std::uint32_t done = 0;
+  const auto of_corner = static_cast<std::uint32_t>(table_.keypoints().count) / kKeypointsPerCell + 1;
+  do {
+    if (next_level_ < pyramid_.levels()) {
+      done += find_corners_of(next_level_++);
+    } else if (next_corner_ < corner_count_) {
+      match(next_corner_++);
+      done += of_corner;
+    } else {
+      is_searching_ = false;
+    }
+  } while (is_searching_ && done < work);
+  return !is_searching_;
+}
+
+std::uint32_t PrintMatcher::find_corners_of(int level) {
+  const ImageView& image = pyramid_.level(level);
+  Arena scratch(scratch_.data, scratch_.count);
+  const Span<Corner> room = scratch.take_span<Corner>(room_of(level));
+  int found = 0;
+  const Status status = find_corners(image, print_corner_options(), {}, scratch, room, found);
+  if (status != Status::ok) found = 0;
+  const auto to_frame = static_cast<float>(1 << level);
+  for (int k = 0; k < found; ++k) {
+    const Vec2 x = room[static_cast<std::size_t>(k)].x;
+    add_corner(image, x, PatchScale::whole, to_frame);
+    if (level == 0) add_corner(image, x, PatchScale::half, to_frame);
+  }
+  return static_cast<std::uint32_t>(image.width * image.height) / kPixelsPerCell +
+         kCellsPerDescriptor * static_cast<std::uint32_t>(found);
+}
+
+void PrintMatcher::add_corner(const ImageView& image, Vec2 x, PatchScale patch, float to_frame) {
+  FrameCorner& corner = corners_[corner_count_];
+  if (!describe(image, static_cast<int>(x.x), static_cast<int>(x.y), patch, &corner.descriptor)) return;
+  corner.x = to_frame * x;
+  corner.scale = patch == PatchScale::half ? 0.5f * to_frame : to_frame;
+  ++corner_count_;
+}
+
+/// Keeps the corner if a keypoint is near enough, and nearer than any elsewhere on the surface.
+void PrintMatcher::match(std::size_t corner) {
+  const auto& bits = corners_[corner].descriptor.bits;
+  const Span<const PrintKeypoint> keypoints = table_.keypoints();
+  constexpr int kNone256 = 32 * kDescriptorWords + 1;
+  int best = kNone256, other = kNone256;
+  std::size_t nearest = 0;
+  for (std::size_t k = 0; k < keypoints.count; ++k) {
+    const int d = distance_of(bits, keypoints[k].bits, other);
+    if (d >= other) continue;
+    const bool is_same_place =
+        best < kNone256 && length(keypoints[k].uv() - keypoints[nearest].uv()) < kTuning.same_place;
+    if (d < best) {
+      if (!is_same_place) other = best;
+      best = d;
+      nearest = k;
+    } else if (!is_same_place) {
+      other = d;
+    }
+  }
+  if (best > kTuning.most_distance ||
+      static_cast<float>(best) > kTuning.most_ratio * static_cast<float>(other))
+    return;
+  matches_[match_count_++] = {static_cast<std::uint16_t>(corner), static_cast<std::uint16_t>(nearest)};
+}
+
+}  // namespace pliant

@@ -1,0 +1,37 @@
+#pragma once
+// Tuning of the search for a print. Each constant: unit, reason, experiment.
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/corners.hpp"
+
+namespace pliant {
+
+struct PrintTuning {
+  /// Corners, in the print as in the frame: side of a cell and least distance, px, least measure (grey/px)^2, and least ratio of
+  /// the eigenvalues.
+  int corner_cell_px = 8;
+  float corner_distance_px = 5, least_corner = 6, least_corner_ratio = 0.05f;
+  /// Levels of the frame that are searched, and corners of the first; each further one has half as many.
+  int levels = 3;
+  std::size_t corners = 320;
+  /// Bits that may differ in a match, and as a fraction of those that differ from the best keypoint elsewhere on the surface.
+  int most_distance = 70;
+  float most_ratio = 0.8f;
+  /// Distance in (u,v) from which on two keypoints are of different places.
+  float same_place = 0.04f;
+};
+inline constexpr PrintTuning kPrintTuning{};
+
+/// The choice of corners, for prints and frames alike.
+inline CornerOptions print_corner_options() {
+  CornerOptions o;
+  o.cell_px = kPrintTuning.corner_cell_px;
+  o.min_score = kPrintTuning.least_corner;
+  o.quality = 0;
+  o.min_ratio = kPrintTuning.least_corner_ratio;
+  o.min_distance_px = kPrintTuning.corner_distance_px;
+  return o;
+}
+
+}  // namespace pliant

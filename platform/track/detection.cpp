@@ -1,0 +1,24 @@
+// Detection by whatever the model has tables for.
+#include "track/face_modules.hpp"
+#include "track/self_start.hpp"
+
+namespace pliant {
+
+namespace {
+
+SelfStart* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
+  const bool has_face = limits.detection->modules->is_available(model);
+  return (has_face ? kFaceDetection : kPrintDetection).lay_out(arena, model, limits, bytes);
+}
+
+std::size_t check_bytes(const Model& model, const TrackerLimits& limits) {
+  return kFaceDetection.check_bytes(model, limits);  // a check of a print takes none
+}
+
+}  // namespace
+
+/// The tracker takes the other calls from the table that laid out its SelfStart.
+const Detection kDetection{lay_out, check_bytes, nullptr, nullptr,      nullptr,
+                           nullptr, nullptr,     nullptr, &kFaceModules};
+
+}  // namespace pliant

@@ -1,0 +1,156 @@
+// What connects the search for a print with the tracker.
+#include <new>
+
+#include "pliant/face_detector.hpp"
+#include "print/print_finder.hpp"
+#include "track/landmark_fit.hpp"
+#include "track/self_start.hpp"
+#include "track/tracker_parts.hpp"
+
+namespace pliant {
+
+namespace {
+
+/// Tuning of starts by print. Each constant: unit, reason, experiment.
+struct PrintStartTuning {
+  /// Frames between checks of a running track, and after how many bad ones in a row it is given up.
+  int check_interval_frames = 2, most_bad_checks = 2;
+  /// A check is bad where so many blocks are visible and less than this fraction of them agrees.
+  int least_visible = 10;
+  float least_agreement = 0.15f;
+  /// Bad frames in a row after which a track is given up. The search is more certain than key frames.
+  int most_bad_frames = 4;
+};
+constexpr PrintStartTuning kTuning;
+
+struct PrintSelfStart : SelfStart {
+  PrintTable table;
+  PrintFinder* finder = nullptr;  // in the block, while there is no track
+  int frames_since_check = 0, bad_checks = 0;
+
+  void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
+    SelfStart::lay_out(arena, &kPrintDetection, model, limits);
+    if (PrintTable::open(model.print(), &table) != Status::ok) table = {};
+  }
+};
+
+PrintSelfStart& self_of(TrackerParts& t) {
+  return *static_cast<PrintSelfStart*>(t.self_start);
+}
+
+SelfStart* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
+  if (model.print().empty() || limits.width > kLargestFramePx || limits.height > kLargestFramePx)
+    return nullptr;
+  Arena trial;
+  lay_out_part<PrintFinder>(trial, trial.make<PrintFinder>(), model, limits.width, limits.height);
+  *bytes = trial.used_bytes();
+  return create_part<PrintSelfStart>(arena, model, limits);
+}
+
+std::size_t check_bytes(const Model&, const TrackerLimits&) {
+  return 0;
+}
+
+void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
+  PrintSelfStart& self = self_of(t);
+  t.is_started = false;
+  self.finder = nullptr;
+  self.marker_count = 0;
+  self.kept.keep(start);
+  self.kept.keep(options);
+  t.result = {};
+  t.result.is_searching = true;
+}
+
+/// Lays the search out in the memory of the tracking, if that has it now.
+PrintFinder& finder_of(TrackerParts& t) {
+  PrintSelfStart& self = self_of(t);
+  if (t.block_is_of_search && self.finder != nullptr) return *self.finder;
+  new (&t.estimator) Estimator();
+  Arena arena(t.block.data, t.block.count);
+  self.finder = create_part<PrintFinder>(arena, t.table, t.limits.width, t.limits.height);
+  t.block_is_of_search = true;
+  return *self.finder;
+}
+
+Status search(TrackerParts& t, const FrameView& view) {
+  PrintSelfStart& self = self_of(t);
+  PrintFinder& finder = finder_of(t);
+  t.result = {};
+  t.result.is_searching = true;
+  const StartOptions& o = self.kept.start;
+  const Camera camera = start_camera(o.camera, o.focal_px, view.width, view.height);
+  FoundPrint found;
+  Status status = finder.search(view, t.limits.search_work, camera, t.start_q.data, &found);
+  if (status != Status::ok) return status == Status::not_found ? Status::ok : Status::bad_table;
+  self.is_own_start = true;
+  status = t.start(view, {camera, pose_of(found.view)}, t.start_q.data, self.kept.options, {});
+  self.is_own_start = false;
+  if (status == Status::ok) {
+    t.markers.restore(t.estimator, self.markers, self.marker_count);
+  } else {
+    t.result = {};
+    t.result.is_searching = true;
+  }
+  return Status::ok;
+}
+
+void end_search(TrackerParts& t) {
+  self_of(t).finder = nullptr;
+  t.lay_out_tracking();
+}
+
+void refine(TrackerParts& t, const FrameView&, const RoughStart& rough, StartPose*) {
+  self_of(t).of_caller = &rough.options;
+}
+
+bool project(void* state, Vec2 uv, Vec2* x) {
+  return static_cast<Estimator*>(state)->project({clamp(uv.x, 0, 1), clamp(uv.y, 0, 1)}, x);
+}
+
+/// \return false where the picture does not show the print.
+bool check(TrackerParts& t, const FrameView& view) {
+  const PrintTable& table = self_of(t).table;
+  const float block_px = print_block_px(t.estimator.view().s * table.extent_mm());
+  const PrintAgreement a = compare_print(view, t.table, table, {&t.estimator, project}, block_px);
+  return a.visible < kTuning.least_visible ||
+         static_cast<float>(a.agreed) >= kTuning.least_agreement * static_cast<float>(a.visible);
+}
+
+void give_up(TrackerParts& t) {
+  self_of(t).marker_count = t.markers.save(t.estimator, self_of(t).markers);
+  for (std::size_t k = 0; k < t.start_q.count; ++k) t.start_q[k] = t.estimator.parameters()[k];
+  t.is_started = false;
+  t.result.state = TrackState::lost;
+  t.result.is_searching = true;
+}
+
+void conclude(TrackerParts& t, const FrameView& view) {
+  PrintSelfStart& self = self_of(t);
+  if (!self.table.is_open()) return;
+  if (t.bad_frames > 0) {
+    if (t.bad_frames >= kTuning.most_bad_frames) give_up(t);
+    return;
+  }
+  if (++self.frames_since_check < kTuning.check_interval_frames) return;
+  self.frames_since_check = 0;
+  self.bad_checks = check(t, view) ? 0 : self.bad_checks + 1;
+  if (self.bad_checks >= kTuning.most_bad_checks) give_up(t);
+}
+
+void begin_track(TrackerParts& t, const FrameView&, const TrackerOptions& options) {
+  PrintSelfStart& self = self_of(t);
+  if (!self.is_own_start) {
+    self.marker_count = 0;
+    self.kept.keep(*self.of_caller);
+    self.kept.keep(options);
+  }
+  self.frames_since_check = self.bad_checks = 0;
+}
+
+}  // namespace
+
+const Detection kPrintDetection{lay_out, check_bytes, begin_search, search, end_search,
+                                refine,  begin_track, conclude,     nullptr};
+
+}  // namespace pliant

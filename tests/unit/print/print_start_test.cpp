@@ -1,0 +1,320 @@
+// A printed surface is found by its print: tables, descriptors, starts at many views, recovery, bounded work, and pictures that
+// do not show it.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "host/bake/bake.hpp"
+#include "host/bake/opened_table.hpp"
+#include "host/io/image.hpp"
+#include "host/render/scene.hpp"
+#include "model_builder.hpp"
+#include "pliant/tracker.hpp"
+#include "print/descriptor.hpp"
+#include "print/match_consensus.hpp"
+#include "print/print_table.hpp"
+#include "random.hpp"
+#include "scratch_folder.hpp"
+
+using namespace pliant;
+using namespace pliant::host;
+
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+const Camera kCamera = centred_camera(kWidth, kHeight, 448);
+
+/// The sheet of the fixtures with three bending modes.
+const std::vector<std::uint8_t>& sheet_bytes() {
+  static const auto* bytes = [] {
+    auto* table = new std::vector<std::uint8_t>;
+    bake::BakeOptions options;
+    options.source = PLIANT_FIXTURES "/sheet";
+    options.modes = 3;
+    std::string error;
+    REQUIRE_MESSAGE(bake::bake(options, *table, error), error);
+    return table;
+  }();
+  return *bytes;
+}
+
+const Model& sheet() {
+  static const auto* opened = new bake::OpenedTable(sheet_bytes());
+  REQUIRE(opened->status() == Status::ok);
+  return opened->model();
+}
+
+Pose posed(float turn_x, float turn_y, float roll, float away) {
+  return {exp_rotation({turn_x, turn_y, 0}) * exp_rotation({0, 0, roll}), {0, 0, 1000 * away}};
+}
+
+Image picture_of(const Pose& pose, const std::vector<float>& q, std::uint32_t seed) {
+  static auto* scene = new Scene(sheet(), kWidth, kHeight);
+  Image image = scene->draw(q.data(), pose, kCamera, make_background(kWidth, kHeight, seed));
+  add_noise(image, 2, seed);
+  return image;
+}
+
+/// Frames of one tracker.
+struct Film {
+  InArena<Tracker> tracker;
+  FrameResult result;
+  std::uint32_t count = 0;
+
+  explicit Film(const Model& model, TrackerLimits limits = {}) : tracker(model, limits) {}
+  Status show(const Image& image) {
+    ++count;
+    FrameView view{image.pixels.data(),
+                   image.width,
+                   image.height,
+                   static_cast<std::size_t>(image.width),
+                   1,
+                   static_cast<std::int64_t>(count) * 33333333,
+                   count};
+    return tracker->update(view, &result);
+  }
+  float turned_from(const Pose& pose) const {
+    return length(log_rotation(result.pose.q * conjugate(pose.q)));
+  }
+};
+
+const std::vector<float> kRest(3, 0.0f);
+
+}  // namespace
+
+TEST_CASE("a sheet is found in its first frame, turned, tilted and bent") {
+  struct {
+    float x, y, roll, away;
+    std::vector<float> q;
+  } const cases[] = {{0.2f, 0.1f, 0, 1, kRest},
+                     {-0.3f, 0.4f, 1, 0.8f, kRest},
+                     {0.5f, -0.5f, 3, 0.8f, kRest},
+                     {0.3f, 0, -2, 0.7f, {1, 0.5f, 0}},
+                     {0, -0.4f, 0.5f, 0.9f, {-1, 0, 1}}};
+  std::uint32_t seed = 1;
+  for (const auto& c : cases) {
+    CAPTURE(seed);
+    Film film(sheet());
+    const Pose pose = posed(c.x, c.y, c.roll, c.away);
+    for (int k = 0; k < 4 && !film.tracker->is_started(); ++k)
+      REQUIRE(film.show(picture_of(pose, c.q, seed++)) == Status::ok);
+    REQUIRE(film.tracker->is_started());
+    CHECK(film.turned_from(pose) < 0.05f);
+    for (std::size_t k = 0; k < 3; ++k)
+      CHECK(film.tracker->parameters()[k] == doctest::Approx(double(c.q[k])).epsilon(0.2));
+  }
+}
+
+TEST_CASE("a sheet that leaves the picture is lost, and found within five frames of its return elsewhere") {
+  Film film(sheet());
+  const Pose before = posed(0.2f, 0.3f, 0, 0.9f), after = posed(-0.3f, 0.2f, 2.5f, 0.8f);
+  for (std::uint32_t k = 0; k < 8; ++k) REQUIRE(film.show(picture_of(before, kRest, k)) == Status::ok);
+  CHECK(film.result.state == TrackState::tracking);
+  Image empty = make_background(kWidth, kHeight, 7);
+  for (std::uint32_t k = 0; k < 12; ++k) REQUIRE(film.show(empty) == Status::ok);
+  CHECK_FALSE(film.tracker->is_started());
+  CHECK(film.result.is_searching);
+  int frames = 0;
+  for (; frames < 5 && !film.tracker->is_started(); ++frames)
+    REQUIRE(film.show(picture_of(after, kRest, static_cast<std::uint32_t>(frames))) == Status::ok);
+  REQUIRE(film.tracker->is_started());
+  CHECK(film.turned_from(after) < 0.05f);
+}
+
+TEST_CASE("a search with little work a frame ends at the same place some frames later") {
+  TrackerLimits limits;
+  limits.search_work = 1000;
+  Film film(sheet(), limits);
+  const Pose pose = posed(0.2f, 0.3f, 0.4f, 0.9f);
+  int frames = 0;
+  for (; frames < 40 && !film.tracker->is_started(); ++frames) {
+    REQUIRE(film.show(picture_of(pose, kRest, static_cast<std::uint32_t>(frames))) == Status::ok);
+    CHECK((film.tracker->is_started() || film.result.is_searching));
+  }
+  CHECK(frames > 4);
+  REQUIRE(film.tracker->is_started());
+  CHECK(film.turned_from(pose) < 0.05f);
+}
+
+TEST_CASE("pictures without the sheet start nothing: flat, noise, checkerboards, blotches, another print") {
+  Random random(3);
+  std::vector<Image> pictures;
+  pictures.push_back(Image(kWidth, kHeight, 1));
+  for (const int side : {4, 9, 20, 37}) {
+    Image board(kWidth, kHeight, 1);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) *board.at(x, y) = (x / side + y / side) % 2 == 0 ? 30 : 220;
+    pictures.push_back(board);
+  }
+  for (int k = 0; k < 3; ++k) {
+    Image noise(kWidth, kHeight, 1);
+    for (std::uint8_t& p : noise.pixels) p = static_cast<std::uint8_t>(random.below(256));
+    pictures.push_back(noise);
+    pictures.push_back(make_background(kWidth, kHeight, static_cast<std::uint32_t>(k)));
+  }
+  for (const Image& picture : pictures) {
+    Film film(sheet());
+    for (int k = 0; k < 4; ++k) REQUIRE(film.show(picture) == Status::ok);
+    CHECK_FALSE(film.tracker->is_started());
+  }
+}
+
+TEST_CASE("a track that shows the print no longer is given up though its templates still match") {
+  Film film(sheet());
+  const Pose pose = posed(0.2f, 0.3f, 0, 0.9f);
+  Image still = make_background(kWidth, kHeight, 9);
+  Random random(5);
+  for (std::uint8_t& p : still.pixels) p = static_cast<std::uint8_t>(random.below(256));
+  FrameView view{still.pixels.data(), kWidth, kHeight, std::size_t{kWidth}, 1, 1, 1};
+  film.count = 1;
+  REQUIRE(film.tracker->start_from_pose(view, kCamera, pose, nullptr) == Status::ok);
+  for (int k = 0; k < 6 && film.tracker->is_started(); ++k) REQUIRE(film.show(still) == Status::ok);
+  CHECK_FALSE(film.tracker->is_started());
+}
+
+TEST_CASE("limits without detection, or a model without a print, start nothing by themselves") {
+  TrackerLimits none = without_detection(TrackerLimits{});
+  Film film(sheet(), none);
+  const Image picture = picture_of(posed(0.1f, 0.1f, 0, 1), kRest, 1);
+  CHECK(film.show(picture) == Status::not_started);
+  TrackerLimits faces;
+  faces.detection = &kFaceDetection;
+  Film other(sheet(), faces);
+  CHECK(other.show(picture) == Status::not_started);
+  TrackerLimits prints;
+  prints.detection = &kPrintDetection;
+  Film third(sheet(), prints);
+  CHECK(third.show(picture) == Status::ok);
+}
+
+TEST_CASE("a print that repeats itself, and one without corners, give no table") {
+  const Folder folder("print_repeated");
+  for (const bool is_board : {true, false}) {
+    Image picture(256, 256, 1);
+    for (int y = 0; y < 256; ++y)
+      for (int x = 0; x < 256; ++x) *picture.at(x, y) = is_board && (x / 16 + y / 16) % 2 == 0 ? 30 : 220;
+    const std::string bytes = encode_png(picture), path = folder.file("print.png", bytes);
+    bake::BakeOptions options;
+    options.source = PLIANT_FIXTURES "/sheet/sheet.obj";
+    options.size = 64;
+    options.texture = path;
+    std::vector<std::uint8_t> table;
+    std::string error;
+    REQUIRE_MESSAGE(bake::bake(options, table, error), error);
+    CHECK(bake::OpenedTable(table).model().print().empty());
+  }
+}
+
+TEST_CASE("a damaged table is refused: cut anywhere, or with any bit turned") {
+  const auto print = sheet().print();
+  PrintTable table;
+  REQUIRE(PrintTable::open(print, &table) == Status::ok);
+  REQUIRE(table.keypoints().count >= 500);
+  std::vector<std::uint32_t> words(print.count / 4 + 1);
+  auto* const bytes = reinterpret_cast<std::uint8_t*>(words.data());
+  std::memcpy(bytes, print.data, print.count);
+  PrintTable other;
+  for (std::size_t n = 0; n < print.count; ++n)
+    CHECK_FALSE(PrintTable::open({bytes, n}, &other) == Status::ok);
+  Random random(1);
+  for (int k = 0; k < 2000; ++k) {
+    const auto bit =
+        static_cast<std::size_t>(random.below(static_cast<int>(k < 500 ? 24 * 8 : 8 * print.count)));
+    bytes[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
+    CHECK_FALSE(PrintTable::open({bytes, print.count}, &other) == Status::ok);
+    bytes[bit / 8] ^= static_cast<std::uint8_t>(1u << bit % 8);
+  }
+  CHECK_FALSE(other.is_open());
+  CHECK(PrintTable::open({bytes + 1, print.count - 1}, &other) == Status::misaligned);
+  CHECK(PrintTable::open({}, &other) == Status::not_found);
+}
+
+TEST_CASE("a table with numbers out of range but a right checksum is refused") {
+  const auto print = sheet().print();
+  std::vector<std::uint32_t> words(print.count / 4);
+  auto* const bytes = reinterpret_cast<std::uint8_t*>(words.data());
+  PrintTable other;
+  const auto refuses = [&](auto&& change) {
+    std::memcpy(bytes, print.data, print.count);
+    auto* const header = reinterpret_cast<PrintHeader*>(bytes);
+    change(*header, reinterpret_cast<float*>(bytes + sizeof(PrintHeader)),
+           reinterpret_cast<PrintKeypoint*>(bytes + print.count) - 1);
+    constexpr std::size_t kSummedFrom = offsetof(PrintHeader, keypoint_count);
+    header->crc32 = crc32(bytes + kSummedFrom, print.count - kSummedFrom);
+    return PrintTable::open({bytes, print.count}, &other) == Status::bad_table;
+  };
+  CHECK_FALSE(refuses([](PrintHeader&, float*, PrintKeypoint*) {}));
+  CHECK(refuses([](PrintHeader& h, float*, PrintKeypoint*) { h.extent_mm = 0; }));
+  CHECK(refuses([](PrintHeader& h, float*, PrintKeypoint*) { h.extent_mm = NAN; }));
+  CHECK(refuses([](PrintHeader& h, float*, PrintKeypoint*) { h.reserved = 1; }));
+  CHECK(refuses([](PrintHeader& h, float*, PrintKeypoint*) { h.keypoint_count = 0; }));
+  CHECK(refuses([](PrintHeader&, float* q, PrintKeypoint*) { q[0] = 2; }));
+  CHECK(refuses([](PrintHeader&, float* q, PrintKeypoint*) { q[1] = NAN; }));
+  CHECK(refuses([](PrintHeader& h, float* q, PrintKeypoint*) { q[4 * h.view_count] = -1; }));
+  CHECK(refuses(
+      [](PrintHeader& h, float*, PrintKeypoint* k) { k->view = static_cast<std::uint8_t>(h.view_count); }));
+  CHECK(refuses(
+      [](PrintHeader& h, float*, PrintKeypoint* k) { k->level = static_cast<std::uint8_t>(h.level_count); }));
+}
+
+TEST_CASE(
+    "a descriptor turns with the picture and stands gain, bias and noise; flat patches and borders have "
+    "none") {
+  Random random(9);
+  Image image(41, 41, 1), turned(41, 41, 1);
+  for (int k = 0; k < 40; ++k) {
+    const int x = random.below(41), y = random.below(41), w = 2 + random.below(9), grey = random.below(256);
+    for (int j = y; j < std::min(41, y + w); ++j)
+      for (int i = x; i < std::min(41, x + w); ++i) *image.at(i, j) = static_cast<std::uint8_t>(grey);
+  }
+  for (int y = 0; y < 41; ++y)
+    for (int x = 0; x < 41; ++x)
+      *turned.at(40 - y, x) = static_cast<std::uint8_t>(*image.at(x, y) / 2 + 40 + random.below(5));
+  const auto view = [](const Image& i) { return ImageView{i.pixels.data(), i.width, i.height, i.width}; };
+  Descriptor a, b;
+  for (const PatchScale scale : {PatchScale::whole, PatchScale::half}) {
+    REQUIRE(describe(view(image), 20, 20, scale, &a));
+    REQUIRE(describe(view(turned), 20, 20, scale, &b));
+    CHECK(b.direction.x == doctest::Approx(double(-a.direction.y)).epsilon(0.05));
+    CHECK(b.direction.y == doctest::Approx(double(a.direction.x)).epsilon(0.05));
+    CHECK(distance_of(a.bits, b.bits, 257) < 40);
+    CHECK(distance_of(a.bits, a.bits, 257) == 0);
+  }
+  const Image flat(41, 41, 1, 90);
+  CHECK_FALSE(describe(view(flat), 20, 20, PatchScale::whole, &a));
+  CHECK_FALSE(describe(view(image), kDescriptorReach - 1, 20, PatchScale::whole, &a));
+  CHECK_FALSE(describe(view(image), 20, 41 - kDescriptorReach, PatchScale::whole, &a));
+  const Image one(1, 1, 1, 90);
+  CHECK_FALSE(describe(view(one), 0, 0, PatchScale::half, &a));
+}
+
+TEST_CASE(
+    "a mirrored tilt shows a flat surface at the same place without perspective, and is its own inverse") {
+  View view;
+  view.q = posed(0.5f, -0.3f, 1.2f, 1).q;
+  view.rho = kMinRho;
+  const View other = mirrored_tilt(view, {});
+  CHECK(length(log_rotation(other.q * conjugate(view.q))) > 0.5f);
+  const Projector a(view, true), b(other, true);
+  for (const Vec3 p : {Vec3{100, 0, 0}, Vec3{0, 80, 0}, Vec3{-50, 70, 0}}) {
+    Vec2 x, y;
+    REQUIRE(a.project(p, &x));
+    REQUIRE(b.project(p, &y));
+    CHECK(length(x - y) < 0.2f);
+  }
+  CHECK(length(log_rotation(mirrored_tilt(other, {}).q * conjugate(view.q))) < 1e-3f);
+}
+
+TEST_CASE("the smallest and the largest frames are searched without harm") {
+  TrackerLimits small;
+  small.width = small.height = 64;
+  Film film(sheet(), small);
+  Random random(2);
+  Image image(64, 64, 1);
+  for (std::uint8_t& p : image.pixels) p = static_cast<std::uint8_t>(random.below(256));
+  for (int k = 0; k < 3; ++k) CHECK(film.show(image) == Status::ok);
+  CHECK_FALSE(film.tracker->is_started());
+  CHECK(film.show(Image(1, 1, 1)) == Status::size_mismatch);
+}
