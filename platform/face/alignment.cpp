@@ -115,7 +115,7 @@ Status Alignment::begin(const FrameView& frame, const Camera& of, const AlignOpt
                         bool is_refinement) {
   PLIANT_ASSERT(use == AlignerUse::alignment);
   if (use != AlignerUse::alignment) return Status::bad_argument;
-  if (!pass.start(frame, lens, start_view, start_q, options.is_free)) return Status::not_found;
+  pass.shape().start(start_view, start_q, options.is_free, lens);
   begun = {of, frame.width, frame.height, is_refinement, 0, 1};  // one step concludes
   for (std::size_t k = 0; k < table->stage_count(); ++k)
     begun.steps_left += !begun.refines || table->stage(k).refines != 0;
@@ -140,7 +140,12 @@ bool Alignment::run_next_stage() {
   return pass.shape().is_usable();
 }
 
-Status Alignment::take_steps(int steps, AlignedFace* face, float* q, Span<Vec2> landmarks) {
+Status Alignment::take_steps(const FrameView& frame, int steps, AlignedFace* face, float* q,
+                             Span<Vec2> landmarks) {
+  if (!pass.take_picture(frame)) {
+    begun.steps_left = 0;
+    return Status::not_found;
+  }
   for (; steps > 0 && begun.steps_left > 1; --steps, --begun.steps_left)
     if (!run_next_stage()) {
       begun.steps_left = 0;

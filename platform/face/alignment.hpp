@@ -39,8 +39,8 @@ struct Alignment {
   Status begin(const FrameView& frame, const Camera& camera, const AlignOptions& options, bool refines);
   Status begin_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera, const float* q,
                       const AlignOptions& options);
-  /// Takes steps; the last one writes the results.
-  Status take_steps(int steps, AlignedFace* face, float* q, Span<Vec2> landmarks);
+  /// Takes steps in a frame; the last one writes the results.
+  Status take_steps(const FrameView& frame, int steps, AlignedFace* face, float* q, Span<Vec2> landmarks);
   /// Score and landmark error at the present pose.
   AlignedFace conclude(const Camera& camera);
 
