@@ -125,8 +125,12 @@ std::string TrackOutput::summary(std::size_t arena_bytes, float focal_px) const 
   std::string out = line;
   if (const std::size_t peak = peak_memory_kib(); peak > 0) out += " peak_kib=" + std::to_string(peak);
   if (truth_) {
-    std::snprintf(line, sizeof line, " landmark_px=%.3f rotation_deg=%.3f compared=%zu",
-                  truth_->mean_landmark_px(), truth_->median_rotation_deg(), truth_->frame_count());
+    if (!model_.landmarks().empty()) {
+      std::snprintf(line, sizeof line, " landmark_px=%.3f", truth_->mean_landmark_px());
+      out += line;
+    }
+    std::snprintf(line, sizeof line, " rotation_deg=%.3f compared=%zu", truth_->median_rotation_deg(),
+                  truth_->frame_count());
     out += line;
   }
   return out;

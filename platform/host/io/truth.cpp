@@ -23,7 +23,8 @@ TruthComparison::TruthComparison(const std::string& path, const Model& model) {
         {table.find_column(std::string("x_") + l.name), table.find_column(std::string("y_") + l.name)});
     has_landmarks = has_landmarks || (landmarks.back().x && landmarks.back().y);
   }
-  if (!has_landmarks) fail_input(path, "has no columns x_NAME,y_NAME of the model's landmarks");
+  if (!has_landmarks && !model.landmarks().empty())
+    fail_input(path, "has no columns x_NAME,y_NAME of the model's landmarks");
   for (std::size_t r = 0; r < table.row_count(); ++r) {
     Row row;
     if (table.cell(r, q[0]).empty()) continue;
