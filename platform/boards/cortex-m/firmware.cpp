@@ -22,7 +22,11 @@ constexpr std::int64_t kFrameNs = 33'333'333;
 #ifdef PLIANT_FIRMWARE_DETECTS
 constexpr bool kDetects = true;
 constexpr std::size_t kArenaBytes = 249 * 1024;
-constexpr pliant::TrackerLimits kLimits = pliant::profile_s();
+constexpr pliant::TrackerLimits faces_only(pliant::TrackerLimits limits) {
+  limits.detection = &pliant::kFaceDetection;  // the search for printed surfaces is not linked
+  return limits;
+}
+constexpr pliant::TrackerLimits kLimits = faces_only(pliant::profile_s());
 #else
 constexpr bool kDetects = false;  // its code is not linked
 constexpr std::size_t kArenaBytes = 228 * 1024;
