@@ -365,6 +365,26 @@ def detection(s):
     return '\n'.join(text).rstrip()
 
 
+# (name, words of fixtures/sheet/make.py, further words of `pliant bake`)
+PRINTS = (('poster of `fixtures/sheet`, with which the constants were chosen', (), ()),
+          ('another print: two columns of marks and a small map', ('--kind', 'page', '--seed', '2'), ()),
+          ('photograph (`fixtures/astronaut`)', (), ('--texture', os.path.join(ROOT, 'fixtures', 'astronaut', 'astronaut.png'))))
+PRINT_METRICS = ('found_percent', 'right_percent', 'rotation_within_10_percent', 'surface_error_percent', 'rotation_deg', 'frames')
+
+
+def print_starts(s):
+    text = [command_block('pliant bench print --model sheet.plm --count 10' + (' --others FOLDER' if s.options.others else ''))]
+    words = ['--others', folder(s.options.others, 'photographs without the print (--others)')] if s.options.others else []
+    for k, (name, make, bake) in enumerate(PRINTS):
+        source, model = s.path('print%d' % k), s.path('print%d.plm' % k)
+        run([sys.executable, os.path.join(ROOT, 'fixtures', 'sheet', 'make.py'), *make, source])
+        run([s.pliant, 'bake', source, '--modes', '6', *bake, '-o', model])
+        rows = bench_rows(s.pliant_output('bench', 'print', '--model', model, '--count', '10', *words))
+        text += [name[0].upper() + name[1:] + ':', pivot(rows, 'surface', PRINT_METRICS)]
+        text += ['%s: %s.' % (metric.replace('_', ' '), number(value)) for _, metric, value in rows if metric not in PRINT_METRICS]
+    return '\n\n'.join(text)
+
+
 def fit(s):
     problems = folder(s.options.fit_problems, 'fitting problems with their optima (--fit-problems)')
     rows = bench_rows(s.pliant_output('bench', 'fit', '--problems', problems))
@@ -421,6 +441,7 @@ SECTIONS = {
     'recorded': (recorded, False),
     'recorded-variants': (recorded_variants, False),
     'detection': (detection, False),
+    'print': (print_starts, False),
     'track': (bench('track', '--model', 'FACE',
                     keep=('median_ms', 'worst_ms', 'landmark_px', 'rotation_deg', 'patches_found', 'vertices', 'arena_bytes')), False),
     'cost': (bench('cost', '--model', 'FACE', keep=('median_ms', 'worst_ms', 'landmark_px', 'rotation_deg', 'arena_bytes')), False),

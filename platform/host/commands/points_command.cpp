@@ -1,7 +1,7 @@
 // `pliant points`: writes a page with the model's landmarks over a photograph, on which a person corrects them (the paper,
 // section 6).
 #include <algorithm>
-#include <cstring>
+#include <cstdio>
 
 #include "host/commands/calibration_option.hpp"
 #include "host/commands/command.hpp"
@@ -71,7 +71,31 @@ FitFile start_of(const Args& args, const ModelFile& file, const Image& image, co
   return fit;
 }
 
-/// Image positions of the landmarks at the start, and whether they are switched on.
+/// A place on the surface that the page shows.
+struct Handle {
+  std::string name;
+  Vec2 uv;
+};
+
+/// The landmarks; of a model without, the vertices nearest to the corners, sides and middle of the chart.
+std::vector<Handle> handles_of(const Model& model) {
+  std::vector<Handle> handles;
+  for (const Landmark& l : model.landmarks()) handles.push_back({l.name, {l.u, l.v}});
+  for (int k = 0; model.landmarks().empty() && k < 9; ++k) {
+    const Vec2 wanted{0.5f * static_cast<float>(k % 3), 0.5f * static_cast<float>(k / 3)};
+    Vec2 uv = model.base_uv()[0];
+    for (const Vec2 other : model.base_uv())
+      if (length(other - wanted) < length(uv - wanted)) uv = other;
+    char name[32];
+    std::snprintf(name, sizeof name, "uv_%.2f_%.2f", static_cast<double>(uv.x), static_cast<double>(uv.y));
+    const bool is_new =
+        std::none_of(handles.begin(), handles.end(), [&](const Handle& h) { return h.name == name; });
+    if (is_new) handles.push_back({name, uv});
+  }
+  return handles;
+}
+
+/// Image positions of the handles at the start, and whether they are switched on.
 Json::Array points_at(const Model& model, const FitFile& start, std::size_t* on_count) {
   std::vector<float> q(model.parameters().count, 0.0f);
   (void)apply(start.parameters, "start", model, q.data());
@@ -81,10 +105,11 @@ Json::Array points_at(const Model& model, const FitFile& start, std::size_t* on_
   const Lens lens = lens_of(start.camera, {start.width, start.height});
   const bool has_68 = model.find_landmark("ibug00") != kNone && model.find_landmark("ibug67") != kNone;
   Json::Array points;
-  for (const Landmark& landmark : model.landmarks()) {
-    const Vec2 uv{landmark.u, landmark.v};
+  for (const Handle& handle : handles_of(model)) {
+    const Vec2 uv = handle.uv;
     const auto at = [&](float du, float dv) {
-      return cascade->selected_point({uv.x + du * kNeighbourhood, uv.y + dv * kNeighbourhood});
+      return cascade->selected_point({clamp(uv.x + du * kNeighbourhood, 0, 1),
+                                      clamp(uv.y + dv * kNeighbourhood, 0, 1)});
     };
     const Vec3 p = at(0, 0);
     const Vec3 normal = projector.rotated(normalised(cross(at(0, 1) - at(0, -1), at(1, 0) - at(-1, 0))));
@@ -92,13 +117,15 @@ Json::Array points_at(const Model& model, const FitFile& start, std::size_t* on_
     bool is_on = projector.project(p, &x) && dot(normal, normalised(projector.to_camera(p))) < kTurnedAway;
     x = lens.distort(x);
     // The five points of eyes, nose and mouth add nothing to the 68.
-    if (has_68 && std::strncmp(landmark.name, "ibug", 4) != 0) is_on = false;
+    if (has_68 && handle.name.compare(0, 4, "ibug") != 0) is_on = false;
     // Given points keep their positions and are switched on; all others are switched off.
     if (!start.points.empty()) is_on = false;
     for (const FitPoint& given : start.points)
-      if (given.landmark == landmark.name) x = given.x, is_on = true;
+      if (given.landmark == handle.name) x = given.x, is_on = true;
     *on_count += is_on;
-    points.push_back(Json::Object{{"name", landmark.name},
+    points.push_back(Json::Object{{"name", handle.name},
+                                  {"u", static_cast<double>(uv.x)},
+                                  {"v", static_cast<double>(uv.y)},
                                   {"x", static_cast<double>(x.x)},
                                   {"y", static_cast<double>(x.y)},
                                   {"on", is_on}});
@@ -120,19 +147,20 @@ Json::Array chains() {
 int run_points(const Args& args, Console& console) {
   const std::string output = args.required("-o"), path = args.required("--image");
   const ModelFile file(args.operand(0));
-  if (file.model().landmarks().empty()) fail_input(args.operand(0), "has no landmarks to show");
   const Image image = read_image(path);
   const FitFile start = start_of(args, file, image, path, console.err);
   std::size_t on_count = 0;
   const Json data(Json::Object{{"width", image.width},
                                {"height", image.height},
                                {"points", points_at(file.model(), start, &on_count)},
+                               {"hasUv", file.model().landmarks().empty()},
                                {"chains", chains()},
                                {"picture", picture_address(path)}});
   const std::string title = path.substr(path.find_last_of('/') + 1);
   write_file(output,
              fill_page(kPointsPage, {{"title", html_text(title)}, {"data", script_json(data.text())}}));
-  console.out << output << ": " << file.model().landmarks().count << " landmarks, " << on_count
+  console.out << output << ": " << handles_of(file.model()).size()
+              << (file.model().landmarks().empty() ? " points of the chart, " : " landmarks, ") << on_count
               << " switched on; open it in a browser, and save points.csv for `pliant fit --points`\n";
   return 0;
 }
@@ -142,7 +170,8 @@ int run_points(const Args& args, Console& console) {
 Command points_command() {
   return {
       "points",
-      "Writes a page with the model's landmarks over a picture. They can be moved, switched off and saved.",
+      "Writes a page with the model's landmarks over a picture, or with points of its chart if it has none. They can be "
+      "moved, switched off and saved.",
       "face.plm --image picture [--start fit.json|points.csv|X,Y,W,H] [--focal PX|--calibration camera.yml] "
       "-o points.html",
       {{"--image", "FILE", "the photograph; the page contains it", Takes::input},

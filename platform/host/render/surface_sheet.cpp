@@ -20,6 +20,18 @@ float bilinear(const std::uint8_t* pixels, std::uint32_t width, std::uint32_t he
   return top * (1 - fy) + (at(i, j1) * (1 - fx) + at(i1, j1) * fx) * fy;
 }
 
+/// Whether holes of the chart are eyes and mouths, where the surface goes on behind lids and lips.
+bool has_lids_or_lips(const Model& model) {
+  return std::any_of(model.curves().begin(), model.curves().end(),
+                     [](const Curve& c) { return c.kind == CurveKind::lid || c.kind == CurveKind::lip; });
+}
+
+std::vector<std::uint8_t> inside_of(const ChartImage& mask) {
+  std::vector<std::uint8_t> inside(std::size_t{mask.width} * mask.height);
+  for (std::size_t k = 0; k < inside.size(); ++k) inside[k] = mask.pixels[k] != 0 ? 1 : 0;
+  return inside;
+}
+
 /// Zeros that are connected to the border are outside. All other zeros are holes and count as inside.
 std::vector<std::uint8_t> fill_holes(const ChartImage& mask) {
   const int width = static_cast<int>(mask.width), height = static_cast<int>(mask.height);
@@ -67,7 +79,8 @@ ChartTexture::ChartTexture(const Model& model)
     : albedo_(model.albedo()),
       mask_width_(model.mask().width),
       mask_height_(model.mask().height),
-      cover_(smoothed(fill_holes(model.mask()), mask_width_, mask_height_)) {}
+      cover_(smoothed(has_lids_or_lips(model) ? fill_holes(model.mask()) : inside_of(model.mask()), mask_width_,
+                      mask_height_)) {}
 
 float ChartTexture::albedo(Vec2 uv) const {
   return albedo_.pixels == nullptr ? 190.0f : bilinear(albedo_.pixels, albedo_.width, albedo_.height, uv);

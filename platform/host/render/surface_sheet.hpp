@@ -1,7 +1,7 @@
 #pragma once
 /// \file surface_sheet.hpp
-/// A model's whole chart as a dense grid of surface points, for rendering. Holes of the mask (eyes, mouth) are included, as
-/// the fields are defined there too.
+/// A model's whole chart as a dense grid of surface points, for rendering. Of a model with lids or lips the holes of the mask
+/// (eyes, mouth) are included, as the fields are defined there too.
 #include <vector>
 
 #include "host/io/owned.hpp"
@@ -15,7 +15,7 @@ class ChartTexture {
   explicit ChartTexture(const Model& model);
   /// Bilinear, in [0,255]; a model without albedo is light grey.
   float albedo(Vec2 uv) const;
-  /// True inside the outer boundary of the domain mask; its holes count as inside.
+  /// True where the domain mask is surface; of a model with lids or lips its holes count as surface.
   bool covers(Vec2 uv) const { return cover(uv) >= 0.5f; }
   /// From 0 (outside) to 1 (inside); 1/2 on the boundary.
   float cover(Vec2 uv) const;

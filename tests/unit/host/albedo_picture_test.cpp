@@ -207,3 +207,35 @@ TEST_CASE("the sheet of the fixtures is baked from its folder or file, with mode
     CHECK(margin == doctest::Approx(238).epsilon(0.05));
   }
 }
+
+TEST_CASE("render shows the background through an opening of a surface") {
+  const Folder folder;
+  std::string text = sheet_obj(false, "");
+  // Leaves the middle four of the 10 x 10 quads out.
+  for (const int quad : {44, 45, 54, 55}) {
+    const int a = 11 * (quad / 10) + quad % 10 + 1;
+    std::string face = "\nf";
+    for (const int v : {a, a + 1, a + 12, a + 11}) face += " " + std::to_string(v) + "/" + std::to_string(v);
+    const std::size_t at = text.find(face + "\n");
+    REQUIRE(at != std::string::npos);
+    text.erase(at, face.size());
+  }
+  const std::string sheet = folder.put("ring.obj", text), table = folder / "ring.plm",
+                    black = folder.put("black.png", encode_png(Image(200, 200, 1, 0)));
+  REQUIRE(run_words({"bake", sheet, "-o", table}).code == 0);
+  const std::string params = folder.put("q.csv", "frame,tx,ty,tz\n0,0,0,500\n"), film = folder / "ring.y4m";
+  REQUIRE(run_words({"render", table, "--params", params, "--size", "200x200", "--focal", "400", "--noise", "0",
+                     "--background", black, "-o", film})
+              .code == 0);
+  const std::string bytes = read_file(film);
+  const auto grey = [&](std::size_t x, std::size_t y) {
+    return static_cast<std::uint8_t>(bytes[bytes.size() - 200 * 200 + 200 * y + x]);
+  };
+  // The sheet's lower left corner is the origin, so that it covers the picture's upper right quarter; the opening has 32 x 32 px.
+  int dark = 0, bright = 0;
+  for (std::size_t y = 0; y < 100; ++y)
+    for (std::size_t x = 100; x < 200; ++x) (grey(x, y) == 0 ? dark : bright) += 1;
+  CHECK(bright > 8000);
+  CHECK(dark > 700);
+  CHECK(dark < 1500);
+}

@@ -105,8 +105,15 @@ TEST_CASE("bake prints the error of the table against its source, and of each pa
   CHECK(plain.code == 0);
   CHECK_FALSE(contains(plain.out, "identities"));
   CHECK_FALSE(contains(plain.out, "expressions"));
-  check_refused({"points", folder / "m.plm", "--image", "any.png", "-o", folder / "p.html"},
-                {"m.plm", "has no landmarks to show"});
+  // Points of its chart stand in for landmarks.
+  const std::string picture = folder.folder + "/picture.png";
+  write_file(picture, encode_png(Image(64, 64, 1, 128)));
+  const Ran page = run_words({"points", folder / "m.plm", "--image", picture, "-o", folder / "p.html"});
+  CHECK(page.code == 0);
+  CHECK(contains(page.out, "9 points of the chart, 9 switched on"));
+  const std::string html = read_file(folder / "p.html");
+  CHECK(contains(html, "\"hasUv\": true"));
+  CHECK(contains(html, "\"name\": \"uv_"));
 }
 
 TEST_CASE("bake shows progress over files and shapes on a terminal only") {
@@ -139,7 +146,7 @@ TEST_CASE("info lists the bytes of a table, its operations and its curves") {
   for (std::string line; std::getline(rows, line); ++count)
     sum += std::stoul(line.substr(line.find_last_of(' ') + 1));
   const std::size_t bytes = fs::file_size(table);
-  CHECK(count == 8);
+  CHECK(count == 9);
   CHECK(sum < bytes);
   CHECK(sum + 20 + 13 * (12 + 3 + 8) >= bytes);  // header, directory, padding, sizes of pictures
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "host/bake/opened_table.hpp"
 #include "host/io/image.hpp"
 #include "host/render/draw.hpp"
 #include "host/render/scene.hpp"
@@ -189,7 +190,7 @@ TEST_CASE("a painted spot appears at its projection, to a twentieth of a pixel")
   }
 }
 
-TEST_CASE("holes of the mask are drawn, the outside of its boundary is not") {
+TEST_CASE("holes of the mask are drawn behind lids and lips only, the outside of its boundary is not") {
   const Table table{TexturedModel{}};
   ChartTexture texture(table.model);
   CHECK(texture.covers({0.5f, 0.5f}));
@@ -211,16 +212,16 @@ TEST_CASE("holes of the mask are drawn, the outside of its boundary is not") {
       mask.pixels.push_back(d < 25 && !(d < 6));
     }
   writer.set_mask(mask);
-  const auto bytes = writer.bytes();
-  std::vector<std::uint32_t> words((bytes.size() + 3) / 4);
-  std::memcpy(words.data(), bytes.data(), bytes.size());
-  Model model;
-  REQUIRE(Model::open(words.data(), bytes.size(), &model) == Status::ok);
-  const ChartTexture disc(model);
-  CHECK(disc.covers({0.5f, 0.5f}));
-  CHECK(disc.covers({0.5f, 0.15f}));
-  CHECK_FALSE(disc.covers({0.5f, 0.05f}));
-  CHECK_FALSE(disc.covers({0.02f, 0.02f}));
+  for (const bool has_lip : {false, true}) {
+    if (has_lip) writer.add_curve({"lip", CurveKind::lip, {{0.4f, 0.5f}, {0.6f, 0.5f}}});
+    const host::bake::OpenedTable opened(writer.bytes());
+    REQUIRE(opened.status() == Status::ok);
+    const ChartTexture disc(opened.model());
+    CHECK(disc.covers({0.5f, 0.5f}) == has_lip);
+    CHECK(disc.covers({0.5f, 0.15f}));
+    CHECK_FALSE(disc.covers({0.5f, 0.05f}));
+    CHECK_FALSE(disc.covers({0.02f, 0.02f}));
+  }
 }
 
 TEST_CASE("the light comes from the upper left, so that a bump is bright there and dark on the other side") {
