@@ -30,7 +30,8 @@ struct PrintSelfStart : SelfStart {
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
     SelfStart::lay_out(arena, &kPrintDetection, model, limits);
-    if (PrintTable::open(model.print(), &table) != Status::ok) table = {};
+    const bool has_albedo = model.albedo().pixels != nullptr;
+    if (PrintTable::open(model.print(), &table) != Status::ok || !has_albedo) table = {};
   }
 };
 

@@ -129,6 +129,11 @@ int main(int argc, char** argv) {
     options.base_vertices = random.below(4) == 0 ? 60 + random.below(1500) : 60 + random.below(300);
     const auto start = std::chrono::steady_clock::now();
     Counts& counts = all[surface.kind];
+    // 10,000 take a quarter of an hour: whoever stops it sees how far it came.
+    if (seed > first && (seed - first) % 500 == 0) {
+      std::printf("%d of %d, %d wrong\n", static_cast<int>(seed - first), count, wrong);
+      std::fflush(stdout);
+    }
     const std::string fault = fault_of(options, surface, counts);
     slowest =
         std::max(slowest, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());

@@ -318,3 +318,32 @@ TEST_CASE("the smallest and the largest frames are searched without harm") {
   CHECK_FALSE(film.tracker->is_started());
   CHECK(film.show(Image(1, 1, 1)) == Status::size_mismatch);
 }
+
+TEST_CASE("a model with a damaged print, or with a print but no albedo, is not searched for, and tracks without harm") {
+  const Image picture = picture_of(posed(0.1f, 0.1f, 0, 1), kRest, 1);
+  for (const bool has_albedo : {true, false}) {
+    std::vector<std::uint32_t> words((sheet_bytes().size() + 3) / 4);
+    auto* const bytes = reinterpret_cast<std::uint8_t*>(words.data());
+    std::memcpy(bytes, sheet_bytes().data(), sheet_bytes().size());
+    table::Header header;
+    std::memcpy(&header, bytes, sizeof header);
+    for (std::uint32_t k = 0; k < header.section_count; ++k) {
+      table::Section s;
+      std::memcpy(&s, bytes + sizeof header + k * sizeof s, sizeof s);
+      if (has_albedo && s.kind == table::Kind::print) bytes[s.offset + 100] ^= 1;
+      if (!has_albedo && s.kind == table::Kind::albedo) s.kind = table::Kind::detector;  // bytes of no meaning
+      std::memcpy(bytes + sizeof header + k * sizeof s, &s, sizeof s);
+    }
+    header.crc32 = crc32(bytes + 16, header.total_bytes - 16);
+    std::memcpy(bytes, &header, sizeof header);
+    Model model;
+    REQUIRE(Model::open(words.data(), header.total_bytes, &model) == Status::ok);
+    Film film(model);
+    CHECK(film.show(picture) == Status::bad_table);
+    FrameView view{picture.pixels.data(), kWidth, kHeight, std::size_t{kWidth}, 1, 1, 1};
+    film.count = 1;
+    REQUIRE(film.tracker->start_from_pose(view, kCamera, posed(0.1f, 0.1f, 0, 1), nullptr) == Status::ok);
+    for (int k = 0; k < 4; ++k) CHECK(film.show(picture) == Status::ok);
+    CHECK(film.result.state == TrackState::tracking);
+  }
+}
