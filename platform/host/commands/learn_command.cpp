@@ -19,9 +19,12 @@ struct TrainingPictures {
   learn::OtherPictures others;
 
   TrainingPictures(const Args& args, const Model& model, Console& console)
-      : photographs(learn::read_photographs(model, args.required("--faces"), learn::Portion::training)),
-        others(learn::read_other_pictures(args.required("--others"))) {
-    if (photographs.empty()) fail_input(args.required("--faces"), "has no photograph to learn from");
+      : others(learn::read_other_pictures(args.required("--others"))) {
+    const std::string folder = args.required("--faces");
+    if (folder != "none") {
+      photographs = learn::read_photographs(model, folder, learn::Portion::training);
+      if (photographs.empty()) fail_input(folder, "has no photograph to learn from");
+    }
     if (others.count() == 0) fail_input(args.required("--others"), "has no pictures");
     console.out << photographs.size() << " photographs with their mirror images, " << others.count()
                 << " pictures without faces\n";
@@ -89,12 +92,11 @@ int run_learn(const Args& args, Console& console) {
 Command learn_command() {
   return {"learn",
           "Learns from photographs how to find a face and how to align the model with it.",
-          "face.plm --faces FOLDER --others FOLDER [--seed N] [--threads N] [--only detector|aligner] "
+          "face.plm --faces FOLDER|none --others FOLDER [--seed N] [--threads N] [--only detector|aligner] "
           "[--effort F] -o learnt.bin",
           {{"--faces", "FOLDER",
             "photographs NAME.jpg of one face each, and landmarks.csv with name,landmark,x,y; a third of "
-            "them, by "
-            "their names, is left out for testing",
+            "them, by their names, is left out for testing; none: learns from renders of the model alone",
             Takes::input},
            {"--others", "FOLDER", "photographs without faces, in the folder and below it", Takes::input},
            {"--seed", "N", "of all random choices: the same seed gives the same tables (1)"},

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "host/learn/aligner_components.hpp"
+#include "host/learn/parallel.hpp"
 
 namespace pliant::host::learn {
 
@@ -106,7 +107,7 @@ void AlignerCascade::learn_local(const AlignerStage& shape, StageReport* report)
   blocks_.assign(landmarks, std::vector<std::uint8_t>(n * bytes));
   wanted_.assign(landmarks, std::vector<double>(2 * n));
   gates_.assign(n, 0);
-  in_parallel(n, options_.threads, [&](std::size_t e, std::size_t thread) {
+  run_parallel(options_.threads, n, [&](std::size_t e, std::size_t thread) {
     AlignerPass& pass = **passes_[thread];
     const AlignerExample& example = examples_[e];
     pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
@@ -137,10 +138,10 @@ void AlignerCascade::learn_local(const AlignerStage& shape, StageReport* report)
     if (k <= o) pairs.emplace_back(k, o);
   }
   std::vector<double> ridges(pairs.size());
-  in_parallel(pairs.size(), options_.threads, [&](std::size_t p, std::size_t) {
+  run_parallel(options_.threads, pairs.size(), [&](std::size_t p, std::size_t) {
     learn_pair(shape, pairs[p].first, pairs[p].second, &learnt, &ridges[p]);
   });
-  in_parallel(pairs.size(), options_.threads, [&](std::size_t p, std::size_t) {
+  run_parallel(options_.threads, pairs.size(), [&](std::size_t p, std::size_t) {
     learn_information(shape, pairs[p].first, pairs[p].second, &learnt);
     if (pairs[p].first != pairs[p].second) learn_information(shape, pairs[p].second, pairs[p].first, &learnt);
   });
@@ -246,7 +247,7 @@ void AlignerCascade::collect_grids(const AlignerStage& shape) {
   const std::size_t block = block_bytes(shape), bytes = grid_bytes(shape), outputs = 2 * numbers_.size();
   blocks_.assign(1, std::vector<std::uint8_t>(examples_.size() * bytes));
   wanted_.assign(1, std::vector<double>(outputs * examples_.size()));
-  in_parallel(examples_.size(), options_.threads, [&](std::size_t e, std::size_t thread) {
+  run_parallel(options_.threads, examples_.size(), [&](std::size_t e, std::size_t thread) {
     AlignerPass& pass = **passes_[thread];
     const AlignerExample& example = examples_[e];
     pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);
@@ -267,7 +268,7 @@ void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report
   const std::size_t bytes = grid_bytes(shape), outputs = 2 * numbers_.size();
   collect_grids(shape);
   std::vector<RidgeSums> folds(static_cast<std::size_t>(tuning_.folds));
-  in_parallel(folds.size(), options_.threads, [&](std::size_t f, std::size_t) {
+  run_parallel(options_.threads, folds.size(), [&](std::size_t f, std::size_t) {
     folds[f].resize(bytes + 1, outputs);
     RidgeRows rows(folds[f]);
     for (std::size_t e = 0; e < examples_.size(); ++e)
@@ -279,7 +280,7 @@ void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report
   all.resize(bytes + 1, outputs);
   for (const RidgeSums& f : folds) all.add(f, 1);
   std::vector<LearntStage> learnt(stages_.size());
-  in_parallel(learnt.size(), options_.threads, [&](std::size_t f, std::size_t) {
+  run_parallel(options_.threads, learnt.size(), [&](std::size_t f, std::size_t) {
     RidgeSums others = all;
     if (f < folds.size()) others.add(folds[f], -1);
     learnt[f].shape = shape;
@@ -335,7 +336,7 @@ void AlignerCascade::move_examples() {
         encode_aligner(numbers_, stages, blank_check(numbers_.size(), stages.back().shape)));
   }
   const AlignerStage shape = (*tables[0])->stage(0);
-  in_parallel(examples_.size(), options_.threads, [&](std::size_t e, std::size_t thread) {
+  run_parallel(options_.threads, examples_.size(), [&](std::size_t e, std::size_t thread) {
     AlignerExample& example = examples_[e];
     if (example.is_refinement && shape.refines == 0) return;
     AlignerPass& pass = **passes_[thread];
@@ -349,7 +350,7 @@ void AlignerCascade::move_examples() {
 
 void AlignerCascade::report_errors(StageReport* report) {
   std::vector<double> errors(examples_.size());
-  in_parallel(examples_.size(), options_.threads, [&](std::size_t e, std::size_t thread) {
+  run_parallel(options_.threads, examples_.size(), [&](std::size_t e, std::size_t thread) {
     AlignerPass& pass = **passes_[thread];
     const AlignerExample& example = examples_[e];
     pass.shape().start(example.view, example.q.data(), nullptr, Lens{});
@@ -371,7 +372,7 @@ void AlignerCascade::learn_blend() {
   for (int f = 0; f < tuning_.folds; ++f) tables.push_back(std::make_unique<OpenAlignerTable>(table(f)));
   const std::size_t landmarks = numbers_.size(), last = stages_[0].size() - 1;
   std::vector<std::vector<double>> terms(examples_.size());
-  in_parallel(examples_.size(), options_.threads, [&](std::size_t e, std::size_t thread) {
+  run_parallel(options_.threads, examples_.size(), [&](std::size_t e, std::size_t thread) {
     AlignerPass& pass = **passes_[thread];
     const AlignerExample& example = examples_[e];
     pass.start(frame_of(*example.picture), Lens{}, example.view, example.q.data(), nullptr);

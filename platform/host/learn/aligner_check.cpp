@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/learn/aligner_evidence.hpp"
+#include "host/learn/parallel.hpp"
 
 namespace pliant::host::learn {
 
@@ -193,7 +194,7 @@ class CheckLearning {
   /// Learns the appearance: without each half of the people and pictures, and of all.
   void learn() {
     choose_examples();
-    in_parallel(3, options_.threads, [&](std::size_t k, std::size_t) {
+    run_parallel(options_.threads, 3, [&](std::size_t k, std::size_t) {
       std::vector<const Evidence*> chosen;
       std::vector<float> labels;
       for (std::size_t e = 0; e < examples_.size(); ++e)
@@ -209,8 +210,8 @@ class CheckLearning {
   double score(const Evidence& e) const { return score_of(learnt_[e.half], e, mirrored_); }
 
   LearntCheck conclude() {
-    in_parallel(all_.size(), options_.threads,
-                [&](std::size_t k, std::size_t) { all_[k].appearance = score(all_[k]); });
+    run_parallel(options_.threads, all_.size(),
+                 [&](std::size_t k, std::size_t) { all_[k].appearance = score(all_[k]); });
     std::vector<const Evidence*> faces;
     for (const Evidence& e : all_)
       if (e.is_face && e.error >= 0) faces.push_back(&e);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "face/box_view.hpp"
+#include "host/learn/parallel.hpp"
 #include "pliant/face_detector.hpp"
 
 namespace pliant::host::learn {
@@ -35,7 +36,7 @@ EvidenceCollector::EvidenceCollector(AlignerCascade& cascade, const AlignerCheck
 std::vector<Evidence> EvidenceCollector::of_faces() {
   const std::size_t each = 1 + static_cast<std::size_t>(tuning_.moved_starts), n = cascade_.examples().size();
   std::vector<Evidence> out(n * each);
-  in_parallel(n * each, cascade_.options().threads, [&](std::size_t k, std::size_t thread) {
+  run_parallel(cascade_.options().threads, n * each, [&](std::size_t k, std::size_t thread) {
     const AlignerExample& example = cascade_.examples()[k / each];
     SampleRandom random(cascade_.options().seed ^ 0xc4ec, k);
     View view = example.view;
@@ -55,7 +56,7 @@ std::vector<Evidence> EvidenceCollector::of_others(const OtherPictures& others, 
                                                    std::size_t count,
                                                    const std::function<bool(const Evidence&)>& is_wanted) {
   std::vector<Evidence> all(count);
-  in_parallel(count, cascade_.options().threads, [&](std::size_t index, std::size_t thread) {
+  run_parallel(cascade_.options().threads, count, [&](std::size_t index, std::size_t thread) {
     const std::size_t k = first + index;
     SampleRandom random(cascade_.options().seed ^ 0x07e5, k);
     const Image picture = others.crop(kOtherPx, kOtherPx, random);
@@ -82,7 +83,7 @@ std::vector<Evidence> EvidenceCollector::of_found(const OtherPictures& others,
         Span<const std::uint8_t>{reinterpret_cast<const std::uint8_t*>(words.data()), detector.size()},
         limits));
   std::vector<std::vector<Evidence>> found(searches);
-  in_parallel(searches, cascade_.options().threads, [&](std::size_t k, std::size_t thread) {
+  run_parallel(cascade_.options().threads, searches, [&](std::size_t k, std::size_t thread) {
     SampleRandom random(cascade_.options().seed ^ 0xf0d, k);
     const Image picture = others.crop(kSearchedPx, kSearchedPx, random);
     DetectedFace room[4];

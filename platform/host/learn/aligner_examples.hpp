@@ -68,21 +68,4 @@ float mean_error(const AlignerExample& example, const std::vector<Vec2>& landmar
 /// A picture as a frame.
 FrameView frame_of(const Image& picture);
 
-/// Runs work(k, thread) for k in [0, count) on up to two threads: thread t takes every `threads`th k.
-template <class Work>
-void in_parallel(std::size_t count, int threads, const Work& work);
-
 }  // namespace pliant::host::learn
-
-#include <thread>
-
-template <class Work>
-void pliant::host::learn::in_parallel(std::size_t count, int threads, const Work& work) {
-  const auto run = [&](std::size_t thread) {
-    for (std::size_t k = thread; k < count; k += static_cast<std::size_t>(threads)) work(k, thread);
-  };
-  std::vector<std::thread> others;
-  for (int t = 1; t < threads; ++t) others.emplace_back(run, static_cast<std::size_t>(t));
-  run(0);
-  for (std::thread& t : others) t.join();
-}

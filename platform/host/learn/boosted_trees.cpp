@@ -106,7 +106,7 @@ class Booster {
     for (int f = 0; f < kWindowFeatures; ++f)
       if (random.chance(tuning_.feature_fraction)) places.push_back(f);
     std::vector<Split> best(places.size() * static_cast<std::size_t>(nodes));
-    run_parallel(threads_, places.size(), [&](std::size_t k) {
+    run_parallel(threads_, places.size(), [&](std::size_t k, std::size_t) {
       try_feature(places[k], nodes, best.data() + k * static_cast<std::size_t>(nodes));
     });
     std::vector<Split> chosen(static_cast<std::size_t>(nodes));

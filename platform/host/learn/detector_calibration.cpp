@@ -65,7 +65,7 @@ std::vector<int> best_sums_without_faces(const std::vector<DetectorTree>& trees,
   const OtherPictures kept(pictures);
   const auto frames = static_cast<std::size_t>(std::max(50.0, std::min(1.0, options.effort) * kFrames));
   std::vector<int> best(frames, kRejected);
-  run_parallel(options.threads, frames, [&](std::size_t k) {
+  run_parallel(options.threads, frames, [&](std::size_t k, std::size_t) {
     SampleRandom random(options.seed + kStream, k);
     for (const WindowHit& hit : find_hits(kept.crop(kFrameWidth, kFrameHeight, random), trees))
       best[k] = std::max(best[k], hit.sum);

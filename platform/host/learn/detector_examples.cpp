@@ -77,7 +77,7 @@ FaceExamples draw_faces(const FaceSamples& faces, std::size_t count, const Learn
   };
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
     const std::size_t n = std::min(kBlock, count - begin);
-    run_parallel(options.threads, n, [&](std::size_t k) { draw(begin + k); });
+    run_parallel(options.threads, n, [&](std::size_t k, std::size_t) { draw(begin + k); });
     if (progress) progress("drawing faces", begin + n, count);
   }
   FaceExamples examples;
@@ -91,7 +91,7 @@ FaceExamples draw_faces(const FaceSamples& faces, std::size_t count, const Learn
 std::vector<Window> draw_others(const OtherPictures& others, std::size_t count, const LearnOptions& options) {
   std::vector<Window> windows(count);
   const std::vector<std::size_t> pictures = training_pictures(others);
-  run_parallel(options.threads, count, [&](std::size_t k) {
+  run_parallel(options.threads, count, [&](std::size_t k, std::size_t) {
     SampleRandom random(options.seed + kOtherStream, k);
     const Image& picture = others.picture(pictures[random.below(pictures.size())]);
     const float width = static_cast<float>(picture.width), height = static_cast<float>(picture.height);
@@ -114,7 +114,7 @@ std::vector<Window> find_false_hits(const std::vector<DetectorTree>& trees, cons
     for (std::size_t begin = 0; begin < searches && found.size() < most; begin += kBlock) {
       const std::size_t n = std::min(kBlock, searches - begin);
       std::vector<std::vector<Window>> hits(n);
-      run_parallel(options.threads, n, [&](std::size_t k) { hits[k] = search(begin + k); });
+      run_parallel(options.threads, n, [&](std::size_t k, std::size_t) { hits[k] = search(begin + k); });
       for (const auto& windows : hits) found.insert(found.end(), windows.begin(), windows.end());
       if (progress) progress(stage, begin + n, searches);
     }

@@ -90,8 +90,8 @@ FaceSamples::FaceSamples(const Model& model, const std::vector<Photograph>& phot
   if (photographs.empty() || tuning.drawn_fraction > 0) {
     int people = 0;
     for (const Photograph& p : photographs) people = std::max(people, p.person + 1);
-    drawn_ = draw_portraits(model, parts_->sheet, others, std::max<std::size_t>(tuning.drawn_people, 1), seed,
-                            people);
+    const std::size_t drawn = photographs.empty() ? tuning.drawn_people_alone : tuning.drawn_people;
+    drawn_ = draw_portraits(model, parts_->sheet, others, std::max<std::size_t>(drawn, 1), seed, people);
   }
   Owned<Cascade> cascade(model);
   for (std::size_t k = 0; k < photographs.size() + drawn_.size(); ++k) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/learn/aligner_check.hpp"
+#include "host/learn/parallel.hpp"
 
 namespace pliant::host::learn {
 
@@ -34,7 +35,7 @@ void draw_examples(const FaceSamples& faces, AlignerCascade& cascade, const Lear
     sources.push_back(std::make_unique<AlignerExamples>(cascade.model(), faces, cascade.numbers(),
                                                         cascade.folds(), options.seed));
   std::vector<std::vector<AlignerExample>> drawn(samples);
-  in_parallel(samples, options.threads, [&](std::size_t k, std::size_t thread) {
+  run_parallel(options.threads, samples, [&](std::size_t k, std::size_t thread) {
     drawn[k] = sources[thread]->draw(k, kTuning.starts);
     if (thread == 0 && progress) progress("alignment: samples", k, samples);
   });

@@ -155,7 +155,7 @@ std::vector<Photograph> read_photographs(const Model& model, const std::string& 
     picture.picture = to_grey(read_image(folder + "/" + picture.name + ".jpg"));
   std::vector<Photograph> fitted(2 * pictures.size());
   std::vector<std::uint8_t> is_fitted(fitted.size());
-  run_parallel(threads, fitted.size(), [&](std::size_t k) {
+  run_parallel(threads, fitted.size(), [&](std::size_t k, std::size_t) {
     const AnnotatedPicture& picture = pictures[k / 2];
     is_fitted[k] = fit_photograph(model, k % 2 == 0 ? picture : mirror_image(picture), &fitted[k]) ? 1 : 0;
     fitted[k].person = static_cast<int>(k / 2);

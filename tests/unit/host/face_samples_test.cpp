@@ -166,7 +166,7 @@ TEST_CASE("without photographs samples are of drawn portraits, each of a person 
   BakedModel& face = baked_face();
   const std::vector<Photograph> none;
   FaceSampleTuning tuning;
-  tuning.drawn_people = 3;
+  tuning.drawn_people_alone = 3;
   const FaceSamples samples(face.model, none, no_others, 5, tuning),
       again(face.model, none, no_others, 5, tuning);
   std::vector<int> people;
