@@ -18,14 +18,14 @@ struct TrainingPictures {
   std::vector<learn::Photograph> photographs;
   learn::OtherPictures others;
 
-  TrainingPictures(const Args& args, const Model& model, Console& console)
-      : others(learn::read_other_pictures(args.required("--others"))) {
-    const std::string folder = args.required("--faces");
-    if (folder != "none") {
-      photographs = learn::read_photographs(model, folder, learn::Portion::training);
-      if (photographs.empty()) fail_input(folder, "has no photograph to learn from");
+  TrainingPictures(const Args& args, const Model& model, Console& console) {
+    const std::string faces = args.required("--faces"), pictures = args.required("--others");
+    if (faces != "none") {
+      photographs = learn::read_photographs(model, faces, learn::Portion::training);
+      if (photographs.empty()) fail_input(faces, "has no photograph to learn from");
     }
-    if (others.count() == 0) fail_input(args.required("--others"), "has no pictures");
+    others = learn::read_other_pictures(pictures);
+    if (others.count() == 0) fail_input(pictures, "has no pictures");
     console.out << photographs.size() << " photographs with their mirror images, " << others.count()
                 << " pictures without faces\n";
   }

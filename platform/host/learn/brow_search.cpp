@@ -12,15 +12,18 @@ namespace {
 
 /// Lengths as fractions of the distance between the outer eye corners. Chosen by eye on fitted portraits.
 struct BrowSearchTuning {
-  float low = 0.16f, high = -0.12f;  ///< range of the move, down positive
-  float usual = 0.05f, usual_sd = 0.05f;
+  float low = 0.19f, high = -0.09f;  ///< range of the move, down positive
+  float usual = 0.08f, usual_sd = 0.05f;
   float uneven_sd = 0.02f;  ///< difference of the moves of both brows
   float tilt_sd = 0.035f, bend_sd = 0.02f;
   float half_band = 0.024f;  ///< half of a brow's height
   float lid_gap = 0.055f;    ///< of a brow's middle above the upper lid, at least
   float prior =
       0.12f;  ///< weight of the deviations against the contrast of the band, in standard deviations of grey
-  float above_middle = 0.004f;  ///< of the landmarks over the middle of the band
+  /// Of the landmarks over the middle of the band: annotators of iBUG's scheme follow its upper edge. With 0.004 the brows came
+  /// out 0.03 below those of another library's predictor, on 35 photographs of strangers as on a film. On 53 other photographs
+  /// their median error then fell from 6.5 to 3.6 %, with the brows' ends further out on the model (fixtures/face/landmarks.txt).
+  float above_middle = 0.034f;
 };
 constexpr BrowSearchTuning kTuning{};
 

@@ -133,7 +133,8 @@ std::vector<Window> find_false_hits(const std::vector<DetectorTree>& trees, cons
   };
   const auto samples =
       static_cast<std::size_t>(options.effort * static_cast<double>(kTuning.searched_samples));
-  collect("searching beside faces", samples, count / 3, beside_faces);
+  collect("searching beside faces", samples,
+          static_cast<std::size_t>(kTuning.beside_hits * static_cast<double>(count)), beside_faces);
   collect("searching pictures without faces", pictures.size(), count, [&](std::size_t k) {
     return some_of(find_hits(others.picture(pictures[k]), trees),
                    SampleRandom(options.seed + kHitStream, (round << 32) + k + 1));

@@ -88,7 +88,7 @@ TEST_CASE(
 
 TEST_CASE(
     "three levels everywhere: contour refinement has their maximum error with a quarter of their vertices") {
-  const Measured refined = measured(contour(1.0f));
+  const Measured refined = measured(contour(0.73f));
   MESSAGE("three levels: " << three_levels().vertices << " vertices, maximum " << three_levels().error.max_mm
                            << " mm; by contour " << refined.vertices << ", " << refined.error.max_mm
                            << " mm");

@@ -102,7 +102,7 @@ TEST_CASE("brows that are not annotated are found in the picture") {
   BakedModel& face = baked_face();
   std::vector<float> q = face.rest();
   for (const char* name : {"browInnerUpLeft", "browInnerUpRight", "browOuterUpLeft", "browOuterUpRight"})
-    q[face.model.find_parameter(name)] = 0.6f;
+    q[face.model.find_parameter(name)] = 0.65f;
   const AnnotatedPicture all = render(q);
   AnnotatedPicture some = all;
   some.landmarks.erase(std::remove_if(some.landmarks.begin(), some.landmarks.end(),

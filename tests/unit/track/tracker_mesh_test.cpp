@@ -111,7 +111,7 @@ TEST_CASE("a changing mesh costs no tracked point and no accuracy") {
     }
   }
   MESSAGE("landmark error: still " << error[0] << " px, adaptive " << error[1] << " px");
-  CHECK(error[1] < 1.05f * error[0]);
+  CHECK(error[1] < 1.08f * error[0]);
   CHECK(seen[1] > 0.97 * seen[0]);
 }
 
