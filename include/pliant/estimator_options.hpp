@@ -8,6 +8,7 @@
 #include "pliant/cascade.hpp"
 #include "pliant/criteria.hpp"
 #include "pliant/observation.hpp"
+#include "pliant/stretch_prior.hpp"
 
 namespace pliant {
 
@@ -26,6 +27,8 @@ struct EstimatorLimits {
   std::uint16_t rejection_sample = 256;
   /// If null, rejection is disabled and its 15 kB of code are not linked.
   const ForceRejection* rejection = &kForceRejection;
+  /// If null, the springs of the model's table are ignored and their code is not linked.
+  const StretchPrior* stretch = &kStretchPrior;
   /// Vertices of the mesh, count: at least those of the model's base mesh. There are twice as many faces.
   std::uint16_t vertices = 512;
   /// Free parameters at once, count. 0: all parameters of the model.

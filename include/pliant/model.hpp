@@ -1,7 +1,7 @@
 #pragma once
 /// \file model.hpp
 /// The model table (`.plm`): a deformable model as data. It is one little-endian block, aligned to 4 bytes, that is read in
-/// place, from flash. `Model::open` checks every offset, count and range once; later only learnt tables are checked.
+/// place, from flash. `Model::open` checks every offset, count and range once; only learnt tables and springs are checked later.
 ///
 /// The chart is (u,v) in [0,1]^2. Seen from outside the surface, v points down where u points right. On a face, u points to
 /// the subject's left, and v = 0 is the top of the forehead.
@@ -18,7 +18,7 @@
 
 namespace pliant {
 namespace table {
-constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 2;  ///< "PLM1"
+constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 4;  ///< "PLM1"; 3 is one bit from 1
 constexpr std::size_t kNameBytes = 28;                      ///< zero-padded, always ends in a zero
 
 /// First bytes of a table.
@@ -44,6 +44,7 @@ enum class Kind : std::uint32_t {
   albedo = 11,
   detector = 12,
   aligner = 13,
+  stretch = 14,
   print = 15,
 };
 
@@ -132,20 +133,20 @@ struct ChartImage {
 };
 
 namespace table {
-/// What the sections of a table hold. All pointers lead into the table.
+/// What the sections of a table hold, each as in Model. All pointers lead into the table.
 struct Contents {
-  Span<const Parameter> parameters;        ///< as in Model
-  Span<const Field> fields;                ///< as in Model
-  const std::uint8_t* samples = nullptr;   ///< as in Model
-  Span<const CascadeRecord> cascade;       ///< as in Model
-  Span<const Vec2> base_uv, curve_points;  ///< as in Model
-  Span<const std::uint16_t> base_corners;  ///< as in Model
-  Span<const Landmark> landmarks;          ///< as in Model
-  Span<const Curve> curves;                ///< as in Model
-  ChartImage mask, albedo;                 ///< as in Model
-  Span<const std::uint8_t> detector, aligner, print;  ///< as in Model
-  std::uint32_t crc = 0;                   ///< as in Model
-  std::size_t bytes = 0;                   ///< as in Model
+  Span<const Parameter> parameters;                            ///< as in Model
+  Span<const Field> fields;                                    ///< as in Model
+  const std::uint8_t* samples = nullptr;                       ///< as in Model
+  Span<const CascadeRecord> cascade;                           ///< as in Model
+  Span<const Vec2> base_uv, curve_points;                      ///< as in Model
+  Span<const std::uint16_t> base_corners;                      ///< as in Model
+  Span<const Landmark> landmarks;                              ///< as in Model
+  Span<const Curve> curves;                                    ///< as in Model
+  ChartImage mask, albedo;                                     ///< as in Model
+  Span<const std::uint8_t> detector, aligner, print, stretch;  ///< as in Model
+  std::uint32_t crc = 0;                                       ///< as in Model
+  std::size_t bytes = 0;                                       ///< as in Model
 };
 }  // namespace table
 
@@ -157,14 +158,12 @@ class Model {
  public:
   /// A model that is not open: all counts are zero.
   Model() = default;
-
   /// Checks the whole table, and points `model` into it. Whatever opens is safe to use: every index is in range, every
   /// number is finite and at most 1e6 in its unit. Cost: one pass over the bytes for the CRC, then over the records.
   /// \param data, bytes  address, a multiple of 4, and at least the table's own size.
   /// \return bad_argument, misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table; `model` is as before.
   static Status open(const void* data, std::size_t bytes, Model* model);
-  bool is_open() const { return contents_.cascade.count > 0; }  ///< After open.
-
+  bool is_open() const { return contents_.cascade.count > 0; }               ///< After open.
   Span<const Parameter> parameters() const { return contents_.parameters; }  ///< In order.
   Span<const Field> fields() const { return contents_.fields; }              ///< Vector and weight fields.
   const std::uint8_t* samples() const { return contents_.samples; }  ///< First byte of the samples section.
@@ -179,10 +178,10 @@ class Model {
   ChartImage albedo() const { return contents_.albedo; }  ///< pixels are null when the table has none
   Span<const std::uint8_t> detector() const { return contents_.detector; }  ///< Learnt; may be empty.
   Span<const std::uint8_t> aligner() const { return contents_.aligner; }    ///< As detector.
-  Span<const std::uint8_t> print() const { return contents_.print; }  ///< Keypoints of the albedo; may be empty.
+  Span<const std::uint8_t> print() const { return contents_.print; }        ///< Keypoints; may be empty.
+  Span<const std::uint8_t> stretch() const { return contents_.stretch; }    ///< Springs; may be empty.
   std::uint32_t crc() const { return contents_.crc; }  ///< CRC-32 of the table; names the model in files.
   std::size_t table_bytes() const { return contents_.bytes; }  ///< Size of the table.
-
   /// Index of the parameter or landmark with that name (not null), or kNone. O(count).
   std::uint16_t find_parameter(const char* name) const;
   std::uint16_t find_landmark(const char* name) const;  ///< The same of landmarks.

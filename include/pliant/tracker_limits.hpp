@@ -45,6 +45,7 @@ struct TrackerLimits {
   bool samples_vertices = true;                        ///< as EstimatorLimits::samples_vertices
   std::uint16_t rejection_sample = 256;                ///< as EstimatorLimits::rejection_sample
   const ForceRejection* rejection = &kForceRejection;  ///< as EstimatorLimits::rejection
+  const StretchPrior* stretch = &kStretchPrior;        ///< as EstimatorLimits::stretch
   /// As EstimatorLimits::personal_field. 128 x 128 is the grid on which tables are baked: the person loses nothing.
   PersonalFieldLimits personal_field = {128, 128};
   /// Side of the grid over (u,v) that notes image texture for an adaptive mesh (EstimatorOptions::mesh_operations), cells;
@@ -95,7 +96,7 @@ constexpr TrackerLimits profile_s() {
   l.samples_per_point = 44;
   l.samples_vertices = false;
   l.personal_field = {};
-  return without_rejection(l);
+  return without_stretch(without_rejection(l));
 }
 
 /// Profile L, for a desktop or a fast board: 640 x 480, 220 + 80 templates, edges, 2,048 vertices.

@@ -10,7 +10,7 @@ namespace pliant {
 namespace {
 
 EstimatorLimits estimator_limits(const TrackerLimits& limits) {
-  EstimatorLimits e = without_rejection(EstimatorLimits{});
+  EstimatorLimits e = without_stretch(without_rejection(EstimatorLimits{}));
   e.points = static_cast<std::uint16_t>(all_points(limits));
   e.silhouette_points = limits.silhouette_points;
   e.vertices = limits.vertices;
@@ -19,6 +19,7 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   e.samples_vertices = limits.samples_vertices;
   e.rejection_sample = limits.rejection_sample;
   e.rejection = limits.rejection;
+  e.stretch = limits.stretch;
   e.personal_field = limits.personal_field;
   return e;
 }

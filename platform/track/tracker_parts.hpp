@@ -44,7 +44,7 @@ struct ImageParts {
 /// for a face, and the fit of a start.
 struct TrackerParts : ImageParts {
   // Set by lay_out. The default limits would link rejection and detection into every program.
-  TrackerLimits limits = without_detection(without_rejection(TrackerLimits{}));
+  TrackerLimits limits = without_detection(without_stretch(without_rejection(TrackerLimits{})));
   Model table;
   bool uses_edges = false;
   Span<float> start_q;

@@ -43,6 +43,8 @@ struct Estimator::Impl : StateParts {
   Cascade cascade;
   VisibleSurface surface;
   FrameSolver solver;
+  const StretchPrior* stretch = nullptr;  // null without springs
+  StretchRows* springs = nullptr;
   TrackMonitor monitor;
 
   Span<const Prediction> predictions;  // of all points at `state`; empty when either has changed
@@ -51,7 +53,7 @@ struct Estimator::Impl : StateParts {
   bool personalises = false, keeps_adaptation = false;
 
   std::size_t parameter_count() const { return cascade.parameter_count(); }
-  SolveInput solve_input() { return {cascade, points, motion.expected()}; }
+  SolveInput solve_input() { return {cascade, points, motion.expected(), stretch, springs}; }
   Status choose_free(const std::uint8_t* is_free);
   void set_view(const Pose& pose);
   void set_state(const Pose& pose, const float* q);
@@ -94,9 +96,13 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   solver.rejection_sample = limits.rejection_sample;
   solver.rejection = limits.rejection;
   lay_out_part(arena, part(&Impl::solver), solver);
+  StretchRows* const springs =
+      limits.stretch == nullptr ? nullptr : limits.stretch->lay_out(arena, model, samples);
   arena.count_as(Purpose::fields);
   lay_out_part(arena, part(&Impl::cascade), model, limits.personal_field);
   if (impl_ == nullptr) return;
+  impl_->stretch = limits.stretch;
+  impl_->springs = springs;
   impl_->personalises = limits.personal_field.width > 0;
   impl_->sample_capacity = samples;
   impl_->keeps_adaptation = limits.adaptation_memory.empty();
@@ -162,6 +168,7 @@ Status Estimator::Impl::start_parts(const EstimatorOptions& options) {
                 {options.cues, options.model_error_mm, options.cue_scale_rate}});
   Status status = motion.start(cascade, state, options.predicts_motion, options.smooths);
   if (status == Status::ok && personalises) status = cascade.personalise(state.q);
+  if (status == Status::ok && springs != nullptr) status = stretch->start(*springs, cascade, state.q);
   if (status != Status::ok) return status;
   points.clear(cascade.samples_per_point());
   surface.adapt(cascade, state, mesh_policy(options));

@@ -50,6 +50,7 @@ float FrameProblem::prior_cost(const View& v, const float* q) const {
     const float z = q[p] / parameter(p).sd, t = (q[p] - expected.mean.q[p]) / expected.parameter_sd[p];
     cost += 0.5f * (z * z + t * t);
   }
+  if (input.springs != nullptr) cost += input.prior->apply(*input.springs, input.cascade, q, nullptr);
   return cost;
 }
 
@@ -71,6 +72,7 @@ void FrameProblem::add_priors() {
     equations.add_prior(unknown, expected.mean.q[i] - q, 1.0f / (sd * sd));
     equations.set_limits(unknown, min(p.minimum - q, 0), max(p.maximum - q, 0));
   }
+  if (input.springs != nullptr) input.prior->apply(*input.springs, input.cascade, state.q, &equations);
 }
 
 void FrameProblem::add_row(const Projector::Derivatives& d, const Jacobian& jacobian, std::size_t row,

@@ -4,6 +4,7 @@
 #include "estimate/model_state.hpp"
 #include "estimate/motion_model.hpp"
 #include "estimate/observation_rows.hpp"
+#include "estimate/stretch_rows.hpp"
 #include "estimate/surface_points.hpp"
 #include "pliant/solver.hpp"
 
@@ -21,6 +22,8 @@ struct SolveInput {
   Cascade& cascade;
   const SurfacePoints& points;
   const ExpectedState& expected;
+  const StretchPrior* prior = nullptr;  ///< null without springs
+  StretchRows* springs = nullptr;
 };
 
 /// Memory of the minimisation.
@@ -33,7 +36,7 @@ struct SolveScratch {
   void lay_out(Arena& arena, std::size_t parameters, std::size_t unknowns);
 };
 
-/// Robust least squares over rows of observations, with the parameters' own prior and the temporal prior. `state` is the
+/// Robust least squares over rows of observations, with the parameters' own prior, the temporal prior and that against stretch. `state` is the
 /// accepted state. A struct of references: it lives for one solve.
 struct FrameProblem {
   const SolveInput& input;

@@ -117,6 +117,8 @@ struct TableReader {
         return records(s, &contents.detector);
       case table::Kind::aligner:
         return records(s, &contents.aligner);
+      case table::Kind::stretch:
+        return records(s, &contents.stretch);
       case table::Kind::print:
         return records(s, &contents.print);
     }

@@ -2,13 +2,16 @@
 """Measures the library and writes the tables of docs/evaluation.md.
 
 usage: python3 tests/bench/evaluate.py [--only SECTION,...] [--long] [--build FOLDER] [--data FOLDER]
-                                       [--others FOLDER] [--klt-pairs FOLDER] [--fit-problems FOLDER] [--list]
+                                       [--others FOLDER] [--klt-pairs FOLDER] [--films FOLDER]
+                                       [--fit-problems FOLDER] [--list]
   --only SECTION,...   renew these sections and keep the others (all)
   --long               also what takes more than a few minutes: Figure 9 on the recorded face, the second model
   --build FOLDER       a release build (build/release); what is missing in it is built
   --data FOLDER        recorded faces; else the environment's PLIANT_DATA
   --others FOLDER      photographs without faces (fixtures/face/other_pictures.sh fetches some)
   --klt-pairs FOLDER   pairs of pictures with known motion (pliant bench klt --pairs)
+  --films FOLDER       films of sheets (sheet_film.py): subfolders paper-A, occluded-A, cloth-A, paper-B, occluded-B, cloth-B; what
+                       is missing is rendered by Blender into it, an hour each
   --fit-problems FOLDER   fitting problems with their optima (pliant bench fit --problems)
   --list               print the names of the sections
 
@@ -385,6 +388,46 @@ def print_starts(s):
     return '\n\n'.join(text)
 
 
+SHEETS = (('paper', 'A', 1), ('paper', 'B', 2), ('occluded', 'B', 2), ('cloth', 'B', 2))  # scene, motion, print
+SHEET_MODELS = (('12 modes', ('--modes', '12')), ('without springs', ('--modes', '12', '--stretch', '0')), ('6 modes', ('--modes', '6')))
+SHEET_COLUMNS = (('frames', 'frames'), ('tracking', 'tracking'), ('degraded', 'degraded'), ('lost', 'lost'), ('wrong', 'tracking and wrong'),
+                 ('error', 'error %'), ('error95', '95 %'), ('placed', 'with pose %'), ('px', 'px'), ('stretch', 'stretch %'),
+                 ('floor', "shapes' floor %"), ('rigid', 'rigid sheet %'))
+
+
+def sheet_film(s, scene, motion, print_):
+    film = os.path.join(s.options.films or s.work, '%s-%s' % (scene, motion))
+    if not os.path.exists(os.path.join(film, 'truth.txt')):
+        run([tool('blender'), '--background', '--factory-startup', '--python-exit-code', '1', '--python',
+             os.path.join(ROOT, 'tests', 'bench', 'sheet_film.py'), '--', '--out', film, '--scene', scene,
+             '--motion', motion, '--print', str(print_)])
+    video = s.path('%s-%s.y4m' % (scene, motion))
+    run([tool('ffmpeg'), '-v', 'error', '-y', '-framerate', '30', '-i', os.path.join(film, 'frame%04d.png'), '-pix_fmt', 'gray',
+         '-f', 'yuv4mpegpipe', '-strict', '-1', video])
+    return film, video
+
+
+def sheet(s):
+    score_program = s.program('sheet_score')
+    rows = []
+    for scene, motion, print_ in SHEETS:
+        film, video = sheet_film(s, scene, motion, print_)
+        for label, words in SHEET_MODELS:
+            model, start, track = s.path('sheet.plm'), s.path('start.json'), s.path('sheet.csv')
+            run([s.pliant, 'bake', os.path.join(film, 'sheet.obj'), '--texture', os.path.join(film, 'print.png'), *words, '-o', model])
+            run([s.pliant, 'fit', model, '--size', '320x240', '--points', os.path.join(film, 'points.csv'), '--focal', '420', '-o', start])
+            text = run([s.pliant, 'track', model, '--frames', video, '--init', start, '--focal', '420', '--out', track], must=False)
+            found = pairs_of(run([score_program, model, os.path.join(film, 'truth.txt'), track]).stdout)
+            time_ms = pairs_of(text.stdout + text.stderr).get('median_ms', '')
+            rows.append(['%s %s' % (scene, motion), label] + [number('%.3g' % float(found[key])) for key, _ in SHEET_COLUMNS] + [time_ms])
+    return (command_block('blender ... --python tests/bench/sheet_film.py -- --scene SCENE --motion MOTION --print SEED --out FILM',
+                          'pliant bake FILM/sheet.obj --texture FILM/print.png --modes N -o sheet.plm',
+                          'pliant fit sheet.plm --size 320x240 --points FILM/points.csv --focal 420 -o start.json',
+                          'pliant track sheet.plm --frames film.y4m --init start.json --focal 420 --out track.csv',
+                          'sheet_score sheet.plm FILM/truth.txt track.csv') + '\n\n'
+            + table(['film', 'model'] + [name for _, name in SHEET_COLUMNS] + ['ms a frame'], rows, 2))
+
+
 def fit(s):
     problems = folder(s.options.fit_problems, 'fitting problems with their optima (--fit-problems)')
     rows = bench_rows(s.pliant_output('bench', 'fit', '--problems', problems))
@@ -450,6 +493,7 @@ SECTIONS = {
     'occlusion': (bench('occlusion', '--model', 'FACE', keep=('mean_px', 'fraction_over_3px')), False),
     'mcd': (bench('mcd', keep=('ms', 'missed')), False),
     'fit': (fit, False),
+    'sheet': (sheet, True),
     'klt': (klt, False),
     'fields': (bench('fields', '--model', 'FACE'), False),
     'mesh-table': (mesh_table, False),
@@ -488,6 +532,7 @@ def parse(words):
     parser.add_argument('--data', default=os.environ.get('PLIANT_DATA'))
     parser.add_argument('--others')
     parser.add_argument('--klt-pairs')
+    parser.add_argument('--films')
     parser.add_argument('--fit-problems')
     parser.add_argument('--list', action='store_true')
     return parser.parse_args(words)

@@ -12,7 +12,6 @@ namespace {
 
 constexpr int kWidth = 200, kHeight = 160;
 constexpr int kSquares = 96;  // a side of the grid that is drawn
-constexpr std::size_t kJaw = kDigestIdentities + 2;
 
 /// FNV-1a of the bits of what it is given.
 struct Digest {
@@ -89,6 +88,7 @@ bool draw(Cascade& cascade, const float* q, const View& view, Vec2* grid, std::u
 
 /// The fit and the run, step by step. Everything it needs lies in the arena but the objects themselves.
 struct Run {
+  DigestSubject subject;
   Model model;
   Cascade cascade;
   Fitter fitter;
@@ -133,7 +133,7 @@ Status Run::set_up(const void* table, std::size_t bytes, Arena& arena) {
   picture = arena.take<std::uint8_t>(kWidth * kHeight);
   if (arena.exhausted()) return Status::out_of_memory;
   for (std::size_t k = 0; k < parameters; ++k) truth[k] = q[k] = 0;
-  for (std::size_t k = 0; k < kDigestIdentities; ++k) truth[k] = random.uniform(-1.5f, 1.5f);
+  for (std::size_t k = 0; k < subject.identities; ++k) truth[k] = random.uniform(-1.5f, 1.5f);
   return Status::ok;
 }
 
@@ -160,10 +160,10 @@ Status Run::fit() {
   return status;
 }
 
-/// Turns, a jaw that opens, a hand's worth of black over some frames.
+/// Turns, a parameter that moves, a hand's worth of black over some frames.
 Status Run::frame(int k, DigestRun* out) {
   const float s = static_cast<float>(k) / kDigestFrames;
-  truth[kJaw] = 0.2f * s;
+  truth[subject.moved] = subject.reach * s;
   const Pose moved_pose{normalised(exp_rotation({0.1f * s, 0.25f * s, -0.1f * s}) * pose.q),
                         pose.t + Vec3{6 * s, 4 * s, 20 * s}};
   if (!draw(cascade, truth.data, view_of(moved_pose, camera), grid, picture)) return Status::underdetermined;
@@ -181,7 +181,7 @@ Status Run::frame(int k, DigestRun* out) {
   result = tracker.result();
   out->frames_tracked += result.state == TrackState::tracking;
   const Estimator& estimator = tracker.estimator();
-  out->jaw_error = magnitude(estimator.parameters()[kJaw] - truth[kJaw]);
+  out->moved_error = magnitude(estimator.parameters()[subject.moved] - truth[subject.moved]);
   digest.add(estimator.view());
   for (float v : estimator.parameters()) digest.add(v);
   Vec2 x;
@@ -191,12 +191,17 @@ Status Run::frame(int k, DigestRun* out) {
   return Status::ok;
 }
 
-Run run;  // too large for a small stack
-
 }  // namespace
 
-DigestRun digest_run(const void* table, std::size_t bytes, Arena& arena) {
+DigestRun digest_run(const DigestSubject& subject, const void* table, std::size_t bytes, Arena& arena) {
   DigestRun out;
+  Run* const made = arena.make<Run>();  // too large for a small stack
+  if (made == nullptr) {
+    out.status = Status::out_of_memory;
+    return out;
+  }
+  Run& run = *made;
+  run.subject = subject;
   out.status = run.set_up(table, bytes, arena);
   if (out.status == Status::ok) out.status = run.fit();
   for (int k = 0; k < kDigestFrames && out.status == Status::ok; ++k) out.status = run.frame(k, &out);

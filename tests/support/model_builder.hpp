@@ -20,6 +20,7 @@ struct ModelBuilder {
   std::vector<pliant::Landmark> landmarks;
   std::vector<pliant::Curve> curves;
   std::vector<pliant::Vec2> curve_points;
+  std::vector<unsigned char> stretch;
 
   std::uint16_t parameter(const std::string& name, pliant::Group group, float lo, float hi, float sd) {
     pliant::Parameter p{};
@@ -126,7 +127,7 @@ struct ModelBuilder {
     using pliant::table::Kind;
     std::vector<unsigned char> body;
     std::vector<pliant::table::Section> sections;
-    const std::size_t section_count = curves.empty() ? 9 : 10;
+    const std::size_t section_count = 9u + (curves.empty() ? 0u : 1u) + (stretch.empty() ? 0u : 1u);
     const std::size_t directory =
         sizeof(pliant::table::Header) + section_count * sizeof(pliant::table::Section);
     const auto add = [&](Kind kind, const void* data, std::size_t count, std::size_t size) {
@@ -148,6 +149,7 @@ struct ModelBuilder {
     add(Kind::curves, curves.data(), curves.size(), sizeof(pliant::Curve));
     if (!curves.empty())
       add(Kind::curve_points, curve_points.data(), curve_points.size(), sizeof(pliant::Vec2));
+    if (!stretch.empty()) add(Kind::stretch, stretch.data(), stretch.size(), 1);
     while (body.size() % 4 != 0) body.push_back(0);
     pliant::table::Header h{pliant::table::kMagic, pliant::table::kVersion,
                             static_cast<std::uint32_t>(directory + body.size()), 0,

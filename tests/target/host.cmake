@@ -2,7 +2,7 @@
 set(prepared ${CMAKE_CURRENT_BINARY_DIR})
 set(prepared ${prepared} PARENT_SCOPE)
 add_executable(egg_table egg_table.cpp)
-target_include_directories(egg_table PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
+target_include_directories(egg_table PRIVATE ${PROJECT_SOURCE_DIR}/tests/support ${PROJECT_SOURCE_DIR}/src)
 target_link_libraries(egg_table PRIVATE pliant_host pliant_warnings)
 add_custom_command(OUTPUT egg.cpp DEPENDS egg_table COMMAND egg_table egg.cpp)
 

@@ -6,6 +6,7 @@
 #include "host/bake/cage_source.hpp"
 #include "host/bake/obj_source.hpp"
 #include "host/bake/source_error.hpp"
+#include "host/bake/springs.hpp"
 #include "host/io/learnt_file.hpp"
 
 namespace pliant::host::bake {
@@ -24,6 +25,13 @@ void check(const BakeOptions& options) {
   if (options.modes < 0 || options.modes > 64) throw SourceError("--modes", 0, "must be from 1 to 64");
   if (!(options.stiffness >= 1e-4f && options.stiffness <= 1e4f))
     throw SourceError("--stiffness", 0, "must be from 0.0001 to 10000");
+  if (options.stretch > 0 && !(options.stretch >= 1e-4f && options.stretch <= 1))
+    throw SourceError("--stretch", 0, "must be from 0.0001 to 1, or 0");
+}
+
+SourceSprings springs_of(const Source& source, const BakeOptions& options) {
+  const float sd = options.stretch >= 0 ? options.stretch : options.modes > 0 ? kBendingStretch : 0;
+  return sd > 0 ? make_springs(source, sd) : SourceSprings{};
 }
 
 Source read_all(const BakeOptions& options) {
@@ -62,6 +70,7 @@ Source read_source(const BakeOptions& options) {
   check(options);
   Source source = read_all(options);
   choose_parameters(source, options.choice);
+  source.springs = springs_of(source, options);
   source.learnt = learnt_tables(options);
   return source;
 }

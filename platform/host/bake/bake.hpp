@@ -12,6 +12,10 @@
 
 namespace pliant::host::bake {
 
+/// Standard deviation of lengths on a surface with bending modes, a fraction. Chosen on the film of tests/bench/sheet_film.py with
+/// motion A.
+constexpr float kBendingStretch = 0.03f;
+
 struct BakeOptions {
   std::string source;  ///< folder of the source; errors name it
   int size =
@@ -22,6 +26,9 @@ struct BakeOptions {
   int components = 0;   ///< if positive, the OBJ files are scans, and this many principal components are kept
   int modes = 0;        ///< bending modes that are added to an OBJ source (bending_modes.hpp), 0 to 64
   float stiffness = 1;  ///< of the bending modes, 1e-4 to 1e4
+  /// Standard deviation of the lengths of springs over the surface, a fraction, 1e-4 to 1; 0: no springs. Negative: as
+  /// kBendingStretch where there are bending modes, and no springs elsewhere.
+  float stretch = -1;
   /// Picture of the albedo of an OBJ source over its u,v, or `none`. Empty: the pictures of the materials, if there are some. The
   /// albedo has at most four pixels a sample of `size`.
   std::string texture;

@@ -69,6 +69,7 @@ class Baker {
     writer_.set_mask(mask());
     writer_.set_albedo(source_.albedo);
     writer_.set_learnt(source_.learnt);
+    writer_.set_springs(source_.springs);
     auto bytes = writer_.bytes();
     report_.field_count = fields_.size() + 1;
     report_.table_bytes = bytes.size();
@@ -112,7 +113,8 @@ class Baker {
     }
     for (const SourceShape& shape : source_.shapes) {
       const SourceParameter& p = source_.parameters[shape.parameter];
-      const float reach = std::max({1.0f, p.maximum, -p.minimum});
+      float reach = std::max({1.0f, p.maximum, -p.minimum});
+      if (shape.second >= 0) reach *= std::max(1.0f, source_.parameters[at(shape.second)].maximum);
       bool is_near = true;  // false for what is not a number
       for (const Vec3 d : shape.displacement) is_near &= length(d) * reach <= kFarthest;
       for (const float w : shape.weight) is_near &= magnitude(w) * reach <= kFarthest;
@@ -164,9 +166,12 @@ class Baker {
   void add_shape(std::size_t k) {
     const SourceShape& shape = source_.shapes[k];
     const bool turns = !shape.weight.empty();
-    CascadeRecord r = empty_record(turns ? Operation::rotate : Operation::add_vector);
+    CascadeRecord r = empty_record(turns               ? Operation::rotate
+                                   : shape.second >= 0 ? Operation::product
+                                                       : Operation::add_vector);
     r.source[0] = last_;
     r.parameter[0] = static_cast<std::uint16_t>(shape.parameter);
+    if (shape.second >= 0) r.parameter[1] = static_cast<std::uint16_t>(shape.second);
     const std::uint16_t field =
         shape.mirror_of >= 0
             ? writer_.add_mirrored(fields_[at(shape.mirror_of)])
@@ -180,13 +185,17 @@ class Baker {
     last_ = writer_.add_record(r);
   }
 
+  /// The value of a parameter at which the error of its shape is judged.
+  float most_of(std::size_t parameter) const {
+    const SourceParameter& p = source_.parameters[parameter];
+    return p.group == Group::identity ? std::min(kTuning.identity_sds * p.sd, p.maximum) : p.maximum;
+  }
+
   /// The coarsest grid within the tolerance. If no sampled grid is within it, the finest grid fitted by least squares, or the
   /// coarsest fitted grid that is as good to within the tolerance.
   template <class T>
   FieldGrid grid_for(const std::vector<T>& values, const SourceShape& shape) {
-    const SourceParameter& p = source_.parameters[shape.parameter];
-    const float most =
-        p.group == Group::identity ? std::min(kTuning.identity_sds * p.sd, p.maximum) : p.maximum;
+    const float most = most_of(shape.parameter) * (shape.second >= 0 ? most_of(at(shape.second)) : 1.0f);
     const float effect = std::max(most, 1e-6f) * (shape.weight.empty() ? 1.0f : kTuning.rotation_arm_mm);
     const float threshold = scale_ * kTuning.still_mm / effect, tolerance = scale_ * options_.tolerance_mm;
     for (std::size_t level = rasters_.size(); level-- > 0;) {

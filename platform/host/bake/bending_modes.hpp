@@ -15,10 +15,18 @@ struct BendingMesh {
   std::vector<char> is_fixed;  ///< one a vertex: it does not move
 };
 
+/// A corrective shape: the displacements of the vertices when both modes are at one standard deviation.
+struct ModeCorrection {
+  std::size_t first, second;  ///< modes; first <= second
+  std::vector<Vec3> displacement;
+};
+
 struct BendingModes {
   /// Displacements of the vertices at one standard deviation, in the unit of the positions.
   std::vector<std::vector<Vec3>> displacement;
   std::vector<double> eigenvalue;  ///< ascending, for a surface of diagonal 1
+  /// With them the surface keeps its lengths to the second order where it can. Small ones are left out.
+  std::vector<ModeCorrection> corrections;
 };
 
 /// Largest number of vertices. Bounds memory and time.

@@ -252,14 +252,21 @@ class FolderReader {
       throw SourceError(rest_.path, 0,
                         "has only " + std::to_string(modes.displacement.size()) + " bending modes, not " +
                             std::to_string(options_.modes));
+    const auto placed_at = [&place_of](const std::vector<Vec3>& of_places) {
+      std::vector<Vec3> result;
+      for (const int place : place_of) result.push_back(of_places[at(place)]);
+      return result;
+    };
+    const std::size_t first = source_.parameters.size();
     for (std::size_t k = 0; k < modes.displacement.size(); ++k) {
-      std::vector<Vec3> displacement;
-      for (const int place : place_of) displacement.push_back(modes.displacement[k][at(place)]);
       add_parameter(rest_.path, (k < 10 ? "mode0" : "mode") + std::to_string(k), Group::expression,
-                    std::move(displacement));
+                    placed_at(modes.displacement[k]));
       SourceParameter& p = source_.parameters.back();
       p.minimum = -3, p.maximum = 3, p.sd = 1;
     }
+    for (const ModeCorrection& c : modes.corrections)
+      source_.shapes.push_back(
+          {first + c.first, placed_at(c.displacement), {}, {}, {}, -1, static_cast<int>(first + c.second)});
   }
 
   void read_albedo() {

@@ -23,7 +23,7 @@ std::string other_side(const std::string& name) {
 float reach(const Source& source, std::size_t parameter) {
   double sum = 0;
   for (const SourceShape& shape : source.shapes)
-    if (shape.parameter == parameter)
+    if (shape.parameter == parameter && shape.second < 0)
       for (const Vec3 d : shape.displacement) sum += static_cast<double>(length(d));
   return static_cast<float>(sum) * source.parameters[parameter].maximum;
 }
@@ -93,7 +93,7 @@ void choose_parameters(Source& source, const ParameterChoice& choice) {
   }
   std::vector<SourceShape> shapes;
   for (SourceShape& shape : source.shapes) {
-    const bool stays = keep[shape.parameter] != 0;
+    const bool stays = keep[shape.parameter] != 0 && (shape.second < 0 || keep[at(shape.second)] != 0);
     shape_now.push_back(stays ? static_cast<int>(shapes.size()) : -1);
     if (!stays) continue;
     if (shape.mirror_of >= 0) {
@@ -106,6 +106,7 @@ void choose_parameters(Source& source, const ParameterChoice& choice) {
       shape.mirror_of = original;
     }
     shape.parameter = parameter_now[shape.parameter];
+    if (shape.second >= 0) shape.second = static_cast<int>(parameter_now[at(shape.second)]);
     shapes.push_back(std::move(shape));
   }
   source.parameters = std::move(parameters);

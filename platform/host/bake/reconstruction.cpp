@@ -17,8 +17,9 @@ Vec3 moved(const Source& source, std::size_t vertex, std::size_t parameter, floa
   Vec3 p = source.neutral[vertex];
   for (const SourceShape& shape : source.shapes) {
     if (shape.parameter != parameter) continue;
+    if (shape.second >= 0 && at(shape.second) != parameter) continue;
     if (shape.weight.empty()) {
-      p = p + x * shape.displacement[vertex];
+      p = p + (shape.second >= 0 ? x * x : x) * shape.displacement[vertex];
       continue;
     }
     const float angle = x * shape.weight[vertex], c = std::cos(angle), s = std::sin(angle);

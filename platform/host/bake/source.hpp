@@ -19,13 +19,15 @@ struct SourceParameter {
 };
 
 /// One step of the cascade. It adds the parameter times `displacement` (Eq. 4), or rotates each vertex about the axis by the
-/// parameter times `weight`. Exactly one of the two vectors is filled, with one value a vertex, unless `mirror_of` is set.
+/// parameter times `weight`. Exactly one of the two vectors is filled, with one value a vertex, unless `mirror_of` is set. A
+/// corrective shape adds `displacement` times the product of two parameters, which may be the same one.
 struct SourceShape {
   std::size_t parameter;
   std::vector<Vec3> displacement;
   std::vector<float> weight;
   Vec3 axis, pivot;
   int mirror_of = -1;  ///< index of an earlier shape of displacements whose mirror image this is, or -1
+  int second = -1;     ///< second parameter of a corrective shape, or -1
 };
 
 struct SourceLandmark {
@@ -37,6 +39,18 @@ struct SourceCurve {
   std::string name;
   CurveKind kind;
   std::vector<Vec2> points;
+};
+
+/// A spring between two of the points, as a table stores it (docs/model-format.md).
+struct SourceSpring {
+  std::uint16_t first, second;
+  float length_mm, sd_mm;
+};
+
+/// Springs that keep lengths on the surface. Without springs there are no points.
+struct SourceSprings {
+  std::vector<Vec2> points;
+  std::vector<SourceSpring> springs;
 };
 
 /// A picture over the chart; rows from v = 0 to v = 1.
@@ -57,10 +71,11 @@ struct Source {
   std::vector<Vec2> base_uv;                ///< if empty, a base mesh is made
   std::vector<std::uint16_t> base_corners;  ///< three a face, in basic-block form
   bool is_symmetric =
-      false;            ///< the surface is its own mirror image (u to 1 - u) and has vertices on u = 0.5
-  GreyImage albedo;     ///< may be empty
+      false;               ///< the surface is its own mirror image (u to 1 - u) and has vertices on u = 0.5
+  GreyImage albedo;        ///< may be empty
   bool has_print = false;  ///< the albedo is a print that the surface can be found by
-  LearntTables learnt;  ///< for finding faces; each may be empty
+  SourceSprings springs;   ///< may be empty
+  LearntTables learnt;     ///< for finding faces; each may be empty
 };
 
 }  // namespace pliant::host::bake

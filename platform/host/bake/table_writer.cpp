@@ -86,6 +86,23 @@ class Layout {
 
 }  // namespace
 
+namespace {
+
+std::vector<std::uint8_t> section_of(const SourceSprings& springs) {
+  static_assert(sizeof(SourceSpring) == 12 && sizeof(Vec2) == 8, "file format");
+  const std::uint32_t count[2] = {static_cast<std::uint32_t>(springs.points.size()),
+                                  static_cast<std::uint32_t>(springs.springs.size())};
+  const std::size_t points = springs.points.size() * sizeof(Vec2);
+  std::vector<std::uint8_t> bytes(sizeof count + points + springs.springs.size() * sizeof(SourceSpring));
+  std::memcpy(bytes.data(), count, sizeof count);
+  std::memcpy(bytes.data() + sizeof count, springs.points.data(), points);
+  std::memcpy(bytes.data() + sizeof count + points, springs.springs.data(),
+              springs.springs.size() * sizeof(SourceSpring));
+  return bytes;
+}
+
+}  // namespace
+
 CascadeRecord empty_record(Operation operation) {
   CascadeRecord r{};
   r.operation = operation;
@@ -171,7 +188,7 @@ std::vector<std::uint8_t> TableWriter::bytes() const {
   const bool has_curves = !curves_.empty(), has_albedo = !albedo_.pixels.empty();
   const bool has_detector = !learnt_.detector.empty(), has_aligner = !learnt_.aligner.empty();
   Layout layout(8u + (has_curves ? 2u : 0u) + (has_albedo ? 1u : 0u) + (has_detector ? 1u : 0u) +
-                (has_aligner ? 1u : 0u) + (print_.empty() ? 0u : 1u));
+                (has_aligner ? 1u : 0u) + (print_.empty() ? 0u : 1u) + (springs_.springs.empty() ? 0u : 1u));
   layout.add(table::Kind::parameters, parameters_);
   layout.add(table::Kind::fields, fields_);
   layout.add(table::Kind::samples, samples_);
@@ -187,6 +204,7 @@ std::vector<std::uint8_t> TableWriter::bytes() const {
   if (has_albedo) layout.add(table::Kind::albedo, albedo_);
   if (has_detector) layout.add(table::Kind::detector, learnt_.detector);
   if (has_aligner) layout.add(table::Kind::aligner, learnt_.aligner);
+  if (!springs_.springs.empty()) layout.add(table::Kind::stretch, section_of(springs_));
   if (!print_.empty()) layout.add(table::Kind::print, print_);
   return layout.finish();
 }

@@ -26,6 +26,7 @@ class TableWriter {
   void set_base_mesh(std::vector<Vec2> uv, std::vector<std::uint16_t> corners);
   void set_mask(GreyImage mask) { mask_ = std::move(mask); }
   void set_albedo(GreyImage albedo) { albedo_ = std::move(albedo); }
+  void set_springs(SourceSprings springs) { springs_ = std::move(springs); }
   void set_learnt(LearntTables learnt) { learnt_ = std::move(learnt); }
   void set_print(std::vector<std::uint8_t> print) { print_ = std::move(print); }
 
@@ -43,6 +44,7 @@ class TableWriter {
   std::vector<Curve> curves_;
   std::vector<Vec2> curve_points_;
   GreyImage mask_, albedo_;
+  SourceSprings springs_;
   LearntTables learnt_;
   std::vector<std::uint8_t> print_;
 };

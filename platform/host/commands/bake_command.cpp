@@ -59,6 +59,7 @@ bake::BakeOptions options_of(const Args& args) {
   options.relaxes_chart = args.has("--relax-chart");
   options.modes = args.integer("--modes", 0, 1, 64);
   options.stiffness = static_cast<float>(args.number("--stiffness", 1, 1e-4, 1e4));
+  options.stretch = static_cast<float>(args.number("--stretch", -1, 0, 1));
   options.texture = args.text("--texture").value_or("");
   options.choice = choice_of(args);
   options.learnt = args.text("--learnt").value_or("");
@@ -124,7 +125,7 @@ Command bake_command() {
       "Makes a model table from a folder of text tables, such as fixtures/face, from an OBJ file, or from a "
       "folder of OBJ files.",
       "SOURCE -o face.plm [--embed face.cpp] [--size N] [--bits 16|8] [--unit MM] [--base-mesh N] [--pca N] "
-      "[--modes N [--stiffness F]] [--texture PICTURE|none] [--relax-chart] "
+      "[--modes N [--stiffness F]] [--stretch SD] [--texture PICTURE|none] [--relax-chart] "
       "[--identities N] [--expressions N|NAME,...] [--learnt FILE|none] [--errors] | SOURCE --sizes N,... "
       "[--flash KIB]",
       {{"-o", "FILE", "the model table to write", Takes::output},
@@ -141,6 +142,10 @@ Command bake_command() {
        {"--stiffness", "F",
         "of the bending modes: with 1 the first moves the surface by 5 % of its diagonal at one standard "
         "deviation, with 4 by half of it (1)"},
+       {"--stretch", "SD",
+        "add springs between points of the surface, with this standard deviation of their lengths, as a "
+        "fraction; 0: none "
+        "(0.03 with --modes, else none)"},
        {"--texture", "PICTURE",
         "the albedo of the OBJ file's surface over its u,v, or none (the pictures of its materials, if it "
         "has some)",

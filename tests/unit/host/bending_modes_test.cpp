@@ -145,6 +145,53 @@ TEST_CASE("modes of a curved sheet hardly stretch it, and two parts have modes e
   CHECK(modes.eigenvalue[2] > 1.3 * modes.eigenvalue[0]);
 }
 
+TEST_CASE("corrective shapes keep the lengths of a sheet that rolls up") {
+  const BendingMesh strip = plate(40, 8, 100, 20);
+  const BendingModes modes = find_bending_modes(strip, 3, 1);
+  REQUIRE(modes.displacement.size() == 3);
+  REQUIRE_FALSE(modes.corrections.empty());
+  // Without the corrections the bend stretches the sheet.
+  const auto worst_stretch = [&](bool corrects) {
+    std::vector<Vec3> p = strip.position;
+    const float q[] = {1, 0, 0};
+    for (std::size_t v = 0; v < p.size(); ++v) {
+      p[v] = p[v] + q[0] * modes.displacement[0][v];
+      for (const ModeCorrection& c : modes.corrections)
+        if (corrects) p[v] = p[v] + (q[c.first] * q[c.second]) * c.displacement[v];
+    }
+    float worst = 0;
+    for (const auto& t : strip.triangles) {
+      const auto a = static_cast<std::size_t>(t[0]), b = static_cast<std::size_t>(t[1]);
+      worst = max(worst, magnitude(length(p[b] - p[a]) / length(strip.position[b] - strip.position[a]) - 1));
+    }
+    return worst;
+  };
+  CHECK(worst_stretch(false) > 0.05f);
+  CHECK(worst_stretch(true) < 0.1f * worst_stretch(false));
+}
+
+TEST_CASE(
+    "a correction belongs to two modes in order, is no rigid motion, and grows with the square of the "
+    "modes") {
+  const BendingMesh mesh = plate(20, 12, 100, 60);
+  const BendingModes soft = find_bending_modes(mesh, 4, 1), stiff = find_bending_modes(mesh, 4, 4);
+  REQUIRE_FALSE(soft.corrections.empty());
+  CHECK(stiff.corrections.size() <= soft.corrections.size());  // small ones are left out
+  for (const ModeCorrection& c : soft.corrections) {
+    CHECK(c.first <= c.second);
+    CHECK(c.second < 4);
+    for (const Vec3 d : c.displacement) CHECK(magnitude(d.z) < 1e-3f);  // within the plane of a flat sheet
+    for (const ModeCorrection& other : stiff.corrections)
+      if (other.first == c.first && other.second == c.second)
+        CHECK(rms(other.displacement) == doctest::Approx(0.25 * rms(c.displacement)).epsilon(1e-3));
+  }
+  BendingMesh held = mesh;
+  for (std::size_t v = 0; v < held.position.size(); ++v) held.is_fixed[v] = held.position[v].x == 0;
+  for (const ModeCorrection& c : find_bending_modes(held, 3, 1).corrections)
+    for (std::size_t v = 0; v < held.position.size(); ++v)
+      if (held.is_fixed[v]) CHECK(length(c.displacement[v]) == 0);
+}
+
 TEST_CASE("a surface with few vertices has few modes, one that is held whole has none") {
   BendingMesh mesh = plate(1, 1, 1, 1);
   CHECK(find_bending_modes(mesh, 50, 1).displacement.size() == 6);  // 12 unknowns, 6 rigid motions

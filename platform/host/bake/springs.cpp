@@ -1,0 +1,83 @@
+#include "host/bake/springs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/bake/at.hpp"
+
+namespace pliant::host::bake {
+
+namespace {
+
+/// Tuning of the springs. Each constant: unit, reason, experiment.
+struct SpringTuning {
+  /// Points, count, at most. Their distance is then a ninth of a sheet's width; an arc of that length is longer than its chord by
+  /// 0.3 % where a sheet is rolled to a half circle. Round value, not tuned.
+  std::size_t points = 64;
+  /// Springs of a point, count, at most: its neighbours in a triangular lattice.
+  std::size_t neighbours = 6;
+  /// Longest spring over the largest distance of a point from its nearest one. Diagonals of a square lattice are within. Not tuned.
+  float reach = 1.5f;
+};
+constexpr SpringTuning kTuning{};
+
+/// Vertices of the surface, one a place, because cuts of the chart have several.
+std::vector<std::size_t> candidates(const Source& source) {
+  std::vector<char> is_used(source.uv.size(), 0);
+  for (std::size_t f = 0; f < source.triangles.size(); ++f)
+    if (!source.is_hole[f])
+      for (const int v : source.triangles[f]) is_used[at(v)] = 1;
+  std::vector<std::size_t> result;
+  for (std::size_t v = 0; v < is_used.size(); ++v)
+    if (is_used[v]) result.push_back(v);
+  return result;
+}
+
+/// Farthest-point sampling: each next point is the vertex that is farthest from those before. `gap` is the distance of the last.
+std::vector<std::size_t> spread(const Source& source, float* gap) {
+  const std::vector<std::size_t> from = candidates(source);
+  std::vector<std::size_t> chosen;
+  std::vector<float> distance(from.size(), 1e30f);
+  std::size_t next = 0;
+  *gap = 0;
+  while (chosen.size() < kTuning.points && chosen.size() < from.size()) {
+    if (!chosen.empty()) {
+      next = static_cast<std::size_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
+      if (!(distance[next] > 0)) break;
+      *gap = distance[next];
+    }
+    chosen.push_back(from[next]);
+    for (std::size_t k = 0; k < from.size(); ++k)
+      distance[k] = std::min(distance[k], length(source.neutral[from[k]] - source.neutral[chosen.back()]));
+  }
+  return chosen;
+}
+
+}  // namespace
+
+SourceSprings make_springs(const Source& source, float sd) {
+  float gap = 0;
+  const std::vector<std::size_t> chosen = spread(source, &gap);
+  SourceSprings result;
+  if (chosen.size() < 3) return result;
+  for (const std::size_t v : chosen) result.points.push_back(source.uv[v]);
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    std::vector<std::pair<float, std::size_t>> near;
+    for (std::size_t k = 0; k < chosen.size(); ++k)
+      if (k != i) near.push_back({length(source.neutral[chosen[i]] - source.neutral[chosen[k]]), k});
+    std::sort(near.begin(), near.end());
+    for (std::size_t n = 0; n < std::min(near.size(), kTuning.neighbours); ++n)
+      if (near[n].first <= kTuning.reach * gap) pairs.push_back(std::minmax(i, near[n].second));
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  for (const auto& [i, k] : pairs) {
+    const float rest = length(source.neutral[chosen[i]] - source.neutral[chosen[k]]);
+    result.springs.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(k), rest, sd * rest});
+  }
+  return result;
+}
+
+}  // namespace pliant::host::bake
