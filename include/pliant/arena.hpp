@@ -159,7 +159,7 @@ T* create_part(Arena& arena, const Args&... args) {
 }
 
 /// Whether an object can be laid out from this argument. A type with values that no object can be made from overloads it
-/// (Model).
+/// (Model, TrackerLimits).
 template <class T>
 constexpr bool is_usable(const T&) {
   return true;
@@ -186,9 +186,10 @@ Status create_in(Arena& arena, T& object, const Args&... args) {
   return Status::ok;
 }
 
-/// Bytes that `create_in` takes for the same arguments.
+/// Bytes that `create_in` takes for the same arguments; 0 if it refuses them.
 template <class T, class... Args>
 std::size_t measured_bytes(const Args&... args) {
+  if (!(is_usable(args) && ...)) return 0;
   Arena trial;
   T object;
   object.lay_out(trial, args...);

@@ -67,8 +67,8 @@ class Estimator {
   /// adapted to the surface at `q`.
   /// \param q        all parameters; values outside a parameter's range are clamped.
   /// \param is_free  a flag for each parameter: the free ones are estimated. Null: the expressions are free.
-  /// \return bad_argument if pose, camera, size or q are not finite or the lens is refused by Lens::make; then nothing has
-  ///         changed. capacity for more free parameters or samples than the limits allow; the statuses of Mesh::set_base and
+  /// \return bad_argument if pose and camera are not `is_possible` (camera.hpp), q is not finite, or the lens is refused by
+  ///         Lens::make; then nothing has changed. capacity for more free parameters or samples than the limits allow; the statuses of Mesh::set_base and
   ///         Cascade::personalise; then the estimator is not started.
   Status start(const Camera& camera, int width, int height, const Pose& pose, const float* q,
                const std::uint8_t* is_free, const EstimatorOptions& options);

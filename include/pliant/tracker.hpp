@@ -109,7 +109,7 @@ class Tracker {
 
   /// Starts with the neutral model, frontal, in a face detector's box: upper left corner and size, px (StartOptions::box).
   /// With learnt tables the face is then aligned in the frame.
-  /// \return bad_argument (a size that is not positive), and the statuses of start_from_pose.
+  /// \return bad_argument (a size that is not positive, a corner or size beyond a million px), and the statuses of start_from_pose.
   Status start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, const StartOptions& start = {},
                         const TrackerOptions& options = {}, Span<const Vec2> markers = {});
 

@@ -21,7 +21,8 @@ struct TrackerLimits {
   /// Size of the frames, px. Every frame has exactly this size.
   std::uint16_t width = 320, height = 240;
   /// Size of the part of the frame in which templates are matched, px; it moves with the face. 0: the whole frame. Else at
-  /// least 64 a side. A smaller region costs less memory; points outside it are not observed.
+  /// least 64 a side, of which no more counts than the frame has. A smaller region costs less memory; points outside it are
+  /// not observed.
   std::uint16_t region_width = 0, region_height = 0;
   std::uint16_t patches = 128;      ///< templates captured in frame 0, at least 6
   std::uint16_t key_patches = 64;   ///< templates captured in later key frames, all key frames together
@@ -110,16 +111,30 @@ constexpr TrackerLimits profile_l() {
   return l;
 }
 
-/// `ok`, or `bad_argument` for limits of which no tracker can be made: frames or a region below 64 px a side, a region that
-/// is larger than the frames, fewer than 6 templates, a start from fewer than 4 landmarks, or more points than ids.
+/// `ok`, or `bad_argument` for limits of which no tracker can be made: frames outside 64 to 8,192 px a side, a region below
+/// 64 px a side, 0 or more than 6 pyramid levels, a template's side that is even or outside 7 to
+/// 21 px, a margin above 16 px, fewer than 6 or more than 16,384 templates, a personal field of 1 sample or more than 256 a
+/// side, a start from fewer than 4 landmarks, or more points than ids.
 constexpr Status check(const TrackerLimits& l) {
+  const auto is_between = [](int low, int value, int high) { return low <= value && value <= high; };
   const bool has_region = l.region_width != 0 || l.region_height != 0;
-  const bool region_fits = l.region_width >= 64 && l.region_height >= 64 && l.region_width <= l.width &&
-                           l.region_height <= l.height;
-  const int points = l.patches + l.key_patches + l.markers + l.curve_points + l.silhouette_points;
-  const bool is_possible = l.width >= 64 && l.height >= 64 && (!has_region || region_fits) &&
-                           l.patches >= 6 && (l.start_points == 0 || l.start_points >= 4) && points < 0xFFFF;
+  const bool region_fits = l.region_width >= 64 && l.region_height >= 64;
+  const int templates = l.patches + l.key_patches;
+  const int points = templates + l.markers + l.curve_points + l.silhouette_points;
+  const PersonalFieldLimits& person = l.personal_field;
+  const bool has_person = person.width != 0 || person.height != 0;
+  const bool person_fits = is_between(2, person.width, 256) && is_between(2, person.height, 256);
+  const bool is_possible =
+      is_between(64, l.width, 8192) && is_between(64, l.height, 8192) && (!has_region || region_fits) &&
+      is_between(1, l.pyramid_levels, 6) && is_between(7, l.patch_window, 21) && l.patch_window % 2 == 1 &&
+      l.patch_margin <= 16 && l.patches >= 6 && templates <= 16384 && (!has_person || person_fits) &&
+      (l.start_points == 0 || l.start_points >= 4) && points < 0xFFFF;
   return is_possible ? Status::ok : Status::bad_argument;
+}
+
+/// create_in refuses limits that `check` refuses (arena.hpp).
+constexpr bool is_usable(const TrackerLimits& limits) {
+  return check(limits) == Status::ok;
 }
 
 }  // namespace pliant

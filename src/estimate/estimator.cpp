@@ -112,9 +112,7 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
                         const std::uint8_t* is_free, const EstimatorOptions& options) {
   PLIANT_ASSERT(impl_ != nullptr);
   Impl& s = *impl_;
-  if (q == nullptr || width <= 0 || height <= 0 || !is_finite(pose) || !(pose.t.z > 0) || !(camera.f > 0) ||
-      !is_finite(camera.f) || !is_finite(Vec2{camera.cx, camera.cy}))
-    return Status::bad_argument;
+  if (q == nullptr || width <= 0 || height <= 0 || !is_possible(pose, camera)) return Status::bad_argument;
   for (std::size_t i = 0; i < s.parameter_count(); ++i)
     if (!is_finite(q[i])) return Status::bad_argument;
   Lens lens;

@@ -1,0 +1,131 @@
+// Limits of a tracker: refused, or a tracker that runs; and starts that no picture has.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "aligned_block.hpp"
+#include "face_film.hpp"
+#include "pliant/tracker.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+Status create(const TrackerLimits& limits, Tracker& tracker, AlignedBlock& block) {
+  Arena arena(block.data(), block.size());
+  return create_in(arena, tracker, baked_face().model, limits);
+}
+
+}  // namespace
+
+TEST_CASE("limits of which no tracker can be made are refused, and measure nothing") {
+  AlignedBlock block(1 << 22);
+  const auto refused = [&](auto change) {
+    TrackerLimits limits;
+    change(limits);
+    Tracker tracker;
+    CHECK(check(limits) == Status::bad_argument);
+    CHECK(create(limits, tracker, block) == Status::bad_argument);
+    CHECK(measured_bytes<Tracker>(baked_face().model, limits) == 0);
+  };
+  refused([](TrackerLimits& l) { l.pyramid_levels = 0; });
+  refused([](TrackerLimits& l) { l.pyramid_levels = 40; });
+  refused([](TrackerLimits& l) { l.width = l.height = 65535; });
+  refused([](TrackerLimits& l) { l.width = 63; });
+  refused([](TrackerLimits& l) { l.height = 8193; });
+  refused([](TrackerLimits& l) { l.region_width = 64; });
+  refused([](TrackerLimits& l) { l.region_width = 320, l.region_height = 63; });
+  refused([](TrackerLimits& l) { l.patch_window = 12; });
+  refused([](TrackerLimits& l) { l.patch_window = 23; });
+  refused([](TrackerLimits& l) { l.patch_margin = 17; });
+  refused([](TrackerLimits& l) { l.patches = 5; });
+  refused([](TrackerLimits& l) { l.patches = 16000, l.key_patches = 400; });
+  refused([](TrackerLimits& l) { l.markers = 65535; });
+  refused([](TrackerLimits& l) { l.personal_field = {1, 128}; });
+  refused([](TrackerLimits& l) { l.personal_field = {128, 257}; });
+  refused([](TrackerLimits& l) { l.start_points = 3; });
+  for (const TrackerLimits& l : {profile_s(), profile_m(), profile_l()}) CHECK(check(l) == Status::ok);
+}
+
+TEST_CASE("random limits are refused or give a tracker that starts and tracks, or says why not") {
+  const FaceFilm film(64, 64, 3, [](float s, Pose& pose, auto&) {
+    pose.q = exp_rotation({0, 0.05f * s, 0});
+  });
+  Random random(11);
+  AlignedBlock block(std::size_t{24} << 20);
+  int made = 0, started = 0;
+  for (int k = 0; k < 300; ++k) {
+    const auto any = [&](int often, int most) { return random.below(4) == 0 ? random.below(most) : often; };
+    TrackerLimits l;
+    l.width = static_cast<std::uint16_t>(any(64, 200));
+    l.height = static_cast<std::uint16_t>(any(64, 200));
+    l.region_width = l.region_height = static_cast<std::uint16_t>(any(0, 80));
+    l.patches = static_cast<std::uint16_t>(any(32, 400));
+    l.key_patches = static_cast<std::uint16_t>(any(16, 400));
+    l.key_frames = static_cast<std::uint8_t>(any(2, 256));
+    l.markers = static_cast<std::uint16_t>(any(0, 50));
+    l.curve_points = static_cast<std::uint16_t>(any(32, 300));
+    l.silhouette_points = static_cast<std::uint16_t>(any(0, 100));
+    l.vertices = static_cast<std::uint16_t>(any(512, 2000));
+    l.pyramid_levels = static_cast<std::uint8_t>(any(3, 9));
+    l.patch_window = static_cast<std::uint8_t>(any(11, 24));
+    l.patch_margin = static_cast<std::uint8_t>(any(4, 20));
+    l.keeps_templates = any(1, 2) != 0;
+    l.keeps_previous = any(1, 2) != 0;
+    l.copies_frame = any(1, 2) != 0;
+    l.thumbnail_width = static_cast<std::uint16_t>(any(48, 300));
+    l.free_parameters = static_cast<std::uint16_t>(any(0, 120));
+    l.samples_per_point = static_cast<std::uint16_t>(any(0, 200));
+    l.rejection_sample = static_cast<std::uint16_t>(any(256, 400));
+    l.texture_cells = static_cast<std::uint8_t>(any(0, 256));
+    l.keeps_adaptation = any(1, 2) != 0;
+    l.personal_field.width = l.personal_field.height = static_cast<std::uint16_t>(any(0, 300));
+    CAPTURE(k);
+    Tracker tracker;
+    const Status status = create(l, tracker, block);
+    CHECK((status == Status::ok) == (check(l) == Status::ok));
+    if (status != Status::ok) continue;
+    ++made;
+    const FrameView first = film.view(0);
+    if (tracker.start_from_pose(first, film.camera, film.poses[0], nullptr) != Status::ok) continue;
+    ++started;
+    FrameResult result;
+    for (std::size_t i = 1; i < 3; ++i) CHECK(tracker.update(film.view(i), &result) == Status::ok);
+    CHECK(std::isfinite(result.rms_px));
+  }
+  CHECK(made > 50);
+  CHECK(started > 20);
+}
+
+TEST_CASE("a pose, a camera or a box that no picture has is refused") {
+  const FaceFilm film(320, 240, 1, [](float, Pose&, auto&) {});
+  AlignedBlock block(1 << 22);
+  Tracker tracker;
+  REQUIRE(create({}, tracker, block) == Status::ok);
+  const auto start = [&](auto change) {
+    Pose pose = film.poses[0];
+    Camera camera = film.camera;
+    change(pose, camera);
+    return tracker.start_from_pose(film.view(0), camera, pose, nullptr);
+  };
+  CHECK(start([](Pose&, Camera&) {}) == Status::ok);
+  for (const float z : {1e-20f, 0.0f, -600.0f, 49.0f, 2e5f, 1e30f, kNan})
+    CHECK(start([&](Pose& p, Camera&) { p.t.z = z; }) == Status::bad_argument);
+  for (const Quat q : {Quat{0, 0, 0, 0}, Quat{1e20f, 0, 0, 0}, Quat{0.5f, 0, 0, 0}, Quat{1, kNan, 0, 0}})
+    CHECK(start([&](Pose& p, Camera&) { p.q = q; }) == Status::bad_argument);
+  for (const float far : {1e8f, -1e30f, kNan}) {
+    CHECK(start([&](Pose& p, Camera&) { p.t.x = far; }) == Status::bad_argument);
+    CHECK(start([&](Pose&, Camera& c) { c.cy = far; }) == Status::bad_argument);
+    CHECK(start([&](Pose&, Camera& c) { c.f = far; }) == Status::bad_argument);
+  }
+  const struct {
+    Vec2 corner, size;
+  } boxes[] = {{{0, 0}, {1e30f, 1e30f}}, {{0, 0}, {0, 50}},   {{0, 0}, {kNan, 50}},  {{1e30f, 0}, {50, 50}},
+               {{kNan, 0}, {50, 50}},    {{0, 0}, {50, -50}}, {{0, 0}, {1e-30f, 50}}};
+  for (const auto& b : boxes) CHECK(tracker.start_from_box(film.view(0), b.corner, b.size) != Status::ok);
+}
