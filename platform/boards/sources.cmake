@@ -8,7 +8,7 @@
 # All paths are absolute. The caller adds the folder of Eigen 3.4 to the private ones.
 get_filename_component(pliant_root ${CMAKE_CURRENT_LIST_DIR}/../.. ABSOLUTE)
 file(GLOB pliant_sources ${pliant_root}/src/*/*.cpp ${pliant_root}/platform/vision/*.cpp
-  ${pliant_root}/platform/face/*.cpp ${pliant_root}/platform/track/*.cpp)
+  ${pliant_root}/platform/face/*.cpp ${pliant_root}/platform/print/*.cpp ${pliant_root}/platform/track/*.cpp)
 list(SORT pliant_sources)
 set(pliant_includes ${pliant_root}/include)
 set(pliant_private_includes ${pliant_root}/src ${pliant_root}/platform)

@@ -37,6 +37,7 @@ bool is_within(float x, float low, float high) {
 void Alignment::lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> bytes, AlignerUse of_use) {
   use = of_use;
   table = arena.make<AlignerTable>();
+  begun = arena.make<Begun>();
   pass.lay_out(arena, of, kMostAlignerLandmarks, use);
   start_q = arena.take<float>(of.parameters().count);
   if (arena.is_measuring() || arena.exhausted()) return;
@@ -54,7 +55,7 @@ Status Alignment::check_input(const FrameView& frame, const Camera& camera, cons
   if (check(frame) != Status::ok || !is_within(camera.cx, -kTuning.most_px, kTuning.most_px) ||
       !is_within(camera.cy, -kTuning.most_px, kTuning.most_px))
     return Status::bad_argument;
-  begun.steps_left = 0;
+  begun->steps_left = 0;
   return Lens::make(camera, frame.width, frame.height, &lens);
 }
 
@@ -116,9 +117,9 @@ Status Alignment::begin(const FrameView& frame, const Camera& of, const AlignOpt
   PLIANT_ASSERT(use == AlignerUse::alignment);
   if (use != AlignerUse::alignment) return Status::bad_argument;
   pass.shape().start(start_view, start_q, options.is_free, lens);
-  begun = {of, frame.width, frame.height, is_refinement, 0, 1};  // one step concludes
+  *begun = {of, frame.width, frame.height, is_refinement, 0, 1};  // one step concludes
   for (std::size_t k = 0; k < table->stage_count(); ++k)
-    begun.steps_left += !begun.refines || table->stage(k).refines != 0;
+    begun->steps_left += !begun->refines || table->stage(k).refines != 0;
   return Status::ok;
 }
 
@@ -135,29 +136,29 @@ Status Alignment::begin_in_box(const FrameView& frame, const FaceBox& box, const
 
 /// \return whether the pose is still one.
 bool Alignment::run_next_stage() {
-  while (begun.refines && table->stage(begun.next_stage).refines == 0) ++begun.next_stage;
-  pass.run_stage(*table, begun.next_stage++);
+  while (begun->refines && table->stage(begun->next_stage).refines == 0) ++begun->next_stage;
+  pass.run_stage(*table, begun->next_stage++);
   return pass.shape().is_usable();
 }
 
 Status Alignment::take_steps(const FrameView& frame, int steps, AlignedFace* face, float* q,
                              Span<Vec2> landmarks) {
   if (!pass.take_picture(frame)) {
-    begun.steps_left = 0;
+    begun->steps_left = 0;
     return Status::not_found;
   }
-  for (; steps > 0 && begun.steps_left > 1; --steps, --begun.steps_left)
+  for (; steps > 0 && begun->steps_left > 1; --steps, --begun->steps_left)
     if (!run_next_stage()) {
-      begun.steps_left = 0;
+      begun->steps_left = 0;
       return Status::not_found;
     }
   if (steps <= 0) return Status::ok;
-  begun.steps_left = 0;
+  begun->steps_left = 0;
   return finish(face, q, landmarks);
 }
 
 Status Alignment::finish(AlignedFace* face, float* q, Span<Vec2> landmarks) {
-  const AlignedFace result = conclude(begun.camera);
+  const AlignedFace result = conclude(begun->camera);
   if (!is_finite(result.pose)) return Status::not_found;
   if (!landmarks.empty()) write_landmarks(landmarks);
   for (std::size_t k = 0; k < model().parameters().count; ++k) q[k] = pass.shape().q()[k];

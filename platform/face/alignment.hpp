@@ -21,7 +21,8 @@ struct Alignment {
     bool refines = false;
     std::size_t next_stage = 0;
     int steps_left = 0;
-  } begun;
+  };
+  Begun* begun = nullptr;  // in the arena, for the same reason
 
   void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> bytes, AlignerUse use);
   const Model& model() { return pass.shape().cascade().model(); }

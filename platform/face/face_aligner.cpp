@@ -37,7 +37,7 @@ Status FaceAligner::begin(const FrameView& frame, const FaceBox& box, const Came
   Status status = s.check_input(frame, camera, q, &unused);
   if (status == Status::ok && steps == nullptr) status = Status::bad_argument;
   if (status == Status::ok) status = s.begin_in_box(frame, box, camera, q, options);
-  if (status == Status::ok) *steps = s.begun.steps_left;
+  if (status == Status::ok) *steps = s.begun->steps_left;
   return status;
 }
 
@@ -46,10 +46,10 @@ Status FaceAligner::advance(const FrameView& frame, int steps, AlignedFace* face
   if (state_ == nullptr) return Status::not_found;
   State& s = *state_;
   if (s.status != Status::ok) return s.status;
-  if (s.begun.steps_left == 0) return Status::not_started;
+  if (s.begun->steps_left == 0) return Status::not_started;
   if (q == nullptr || face == nullptr || check(frame) != Status::ok || !s.has_room(landmarks))
     return Status::bad_argument;
-  if (frame.width != s.begun.width || frame.height != s.begun.height) return Status::size_mismatch;
+  if (frame.width != s.begun->width || frame.height != s.begun->height) return Status::size_mismatch;
   return s.take_steps(frame, steps, face, q, landmarks);
 }
 
@@ -60,7 +60,7 @@ Status FaceAligner::align(const FrameView& frame, const FaceBox& box, const Came
   Status status = s.check_input(frame, camera, q, face);
   if (status == Status::ok && !s.has_room(landmarks)) status = Status::bad_argument;
   if (status == Status::ok) status = s.begin_in_box(frame, box, camera, q, options);
-  return status == Status::ok ? s.take_steps(frame, s.begun.steps_left, face, q, landmarks) : status;
+  return status == Status::ok ? s.take_steps(frame, s.begun->steps_left, face, q, landmarks) : status;
 }
 
 Status FaceAligner::refine(const FrameView& frame, const Camera& camera, const Pose& start, AlignedFace* face,
@@ -75,7 +75,7 @@ Status FaceAligner::refine(const FrameView& frame, const Camera& camera, const P
   if (status != Status::ok) return status;
   for (std::size_t k = 0; k < parameters; ++k) s.start_q[k] = q[k];
   status = s.begin(frame, camera, options, true);
-  return status == Status::ok ? s.take_steps(frame, s.begun.steps_left, face, q, landmarks) : status;
+  return status == Status::ok ? s.take_steps(frame, s.begun->steps_left, face, q, landmarks) : status;
 }
 
 Status FaceAligner::verify(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,

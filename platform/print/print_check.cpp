@@ -154,8 +154,9 @@ namespace {
 constexpr int kShift = 2, kShifts = 2 * kShift + 1;  // samples, to each side
 constexpr int kWide = 2 * (kHalf + kShift) + 1;      // samples
 
-/// Finds a block near its place. \return false where it does not look like the albedo.
-bool find_shift(const FrameView& frame, const Block& block, float spacing, const float* expected,
+/// Finds a block near its place. \return false where it does not look like the albedo. Not inlined, for the sake of the
+/// caller's stack.
+[[gnu::noinline]] bool find_shift(const FrameView& frame, const Block& block, float spacing, const float* expected,
                 Vec2* shift) {
   float grey[kWide * kWide], score[kShifts * kShifts];
   sample_frame(frame, block, spacing, kHalf + kShift, grey);

@@ -62,7 +62,7 @@ if(NOT port_version STREQUAL version OR NOT recipe MATCHES "\nPV = \"${version}\
     NOT port_licence STREQUAL "MIT" OR NOT recipe MATCHES "LICENSE;md5=${licence_sum}\"")
   message(FATAL_ERROR "docs/porting: a port of another version than ${version}, or of another licence")
 endif()
-foreach(folder src/[*] platform/vision platform/face platform/track)
+foreach(folder src/[*] platform/vision platform/face platform/print platform/track)
   if(NOT text MATCHES "\\+<${folder}/\\*\\.cpp>")
     message(FATAL_ERROR "library.json leaves out ${folder}")
   endif()

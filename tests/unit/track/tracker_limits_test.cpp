@@ -37,7 +37,7 @@ TEST_CASE("limits of which no tracker can be made are refused, and measure nothi
   refused([](TrackerLimits& l) { l.pyramid_levels = 40; });
   refused([](TrackerLimits& l) { l.width = l.height = 65535; });
   refused([](TrackerLimits& l) { l.width = 63; });
-  refused([](TrackerLimits& l) { l.height = 8193; });
+  refused([](TrackerLimits& l) { l.height = 16385; });
   refused([](TrackerLimits& l) { l.region_width = 64; });
   refused([](TrackerLimits& l) { l.region_width = 320, l.region_height = 63; });
   refused([](TrackerLimits& l) { l.patch_window = 12; });
