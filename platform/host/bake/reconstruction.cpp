@@ -10,6 +10,17 @@
 
 namespace pliant::host::bake {
 
+std::vector<std::size_t> surface_vertices(const Source& source) {
+  std::vector<char> is_used(source.uv.size(), 0);
+  for (std::size_t f = 0; f < source.triangles.size(); ++f)
+    if (!source.is_hole[f])
+      for (const int v : source.triangles[f]) is_used[at(v)] = 1;
+  std::vector<std::size_t> result;
+  for (std::size_t v = 0; v < is_used.size(); ++v)
+    if (is_used[v]) result.push_back(v);
+  return result;
+}
+
 namespace {
 
 /// A vertex of the source with one parameter at x, the others at zero.
@@ -39,17 +50,6 @@ Distances distances(std::vector<float> off) {
   std::nth_element(off.begin(), p95, off.end());
   d.p95_mm = *p95;
   return d;
-}
-
-std::vector<std::size_t> surface_vertices(const Source& source) {
-  std::vector<char> is_used(source.uv.size(), 0);
-  for (std::size_t f = 0; f < source.triangles.size(); ++f)
-    if (!source.is_hole[f])
-      for (const int v : source.triangles[f]) is_used[at(v)] = 1;
-  std::vector<std::size_t> result;
-  for (std::size_t v = 0; v < is_used.size(); ++v)
-    if (is_used[v]) result.push_back(v);
-  return result;
 }
 
 /// Parameters whose shapes have samples of their own.

@@ -8,6 +8,9 @@
 
 namespace pliant::host::bake {
 
+/// The vertices that the surface has, openings left out, in their order. Points on a cut of the chart appear twice.
+std::vector<std::size_t> surface_vertices(const Source& source);
+
 /// Distances between the vertices of the surface and the table's points at their (u,v), millimetres.
 struct Distances {
   float mean_mm = 0, p95_mm = 0, max_mm = 0;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "host/bake/at.hpp"
+#include "host/bake/reconstruction.hpp"
 
 namespace pliant::host::bake {
 
@@ -22,21 +22,9 @@ struct SpringTuning {
 };
 constexpr SpringTuning kTuning{};
 
-/// Vertices of the surface, one a place, because cuts of the chart have several.
-std::vector<std::size_t> candidates(const Source& source) {
-  std::vector<char> is_used(source.uv.size(), 0);
-  for (std::size_t f = 0; f < source.triangles.size(); ++f)
-    if (!source.is_hole[f])
-      for (const int v : source.triangles[f]) is_used[at(v)] = 1;
-  std::vector<std::size_t> result;
-  for (std::size_t v = 0; v < is_used.size(); ++v)
-    if (is_used[v]) result.push_back(v);
-  return result;
-}
-
-/// Farthest-point sampling: each next point is the vertex that is farthest from those before. `gap` is the distance of the last.
+/// Farthest-point sampling: each next point is the vertex that is farthest from those before; the second of two at one place never is. `gap` is the distance of the last.
 std::vector<std::size_t> spread(const Source& source, float* gap) {
-  const std::vector<std::size_t> from = candidates(source);
+  const std::vector<std::size_t> from = surface_vertices(source);
   std::vector<std::size_t> chosen;
   std::vector<float> distance(from.size(), 1e30f);
   std::size_t next = 0;
