@@ -4,7 +4,8 @@ namespace pliant {
 
 namespace {
 
-/// Tuning of the consensus. Each constant: unit, reason, experiment.
+/// Tuning of the consensus. Chosen on the poster of `fixtures/sheet` with `pliant bench print`, and judged
+/// on two other prints (docs/evaluation.md, Start by print). What other values give was not recorded, except where it is told.
 struct ConsensusTuning {
   /// Ratio of the scales that two matches suggest, at most.
   float most_scale_ratio = 1.6f;

@@ -7,7 +7,8 @@ namespace pliant {
 
 namespace {
 
-/// Tuning of the fit to matches and of its acceptance. Each constant: unit, reason, experiment.
+/// Tuning of the fit to matches and of its acceptance. Chosen on the poster of `fixtures/sheet` with `pliant bench print`, and judged
+/// on two other prints (docs/evaluation.md, Start by print). What other values give was not recorded, except where it is told.
 struct PrintFinderTuning {
   /// Matches that are fitted at most: time and memory of the fit.
   std::size_t points = 96;
@@ -34,7 +35,8 @@ struct PrintFinderTuning {
   std::size_t least_points = 8;
   int least_agreed = 6;
   float least_agreement = 0.5f;
-  /// Fraction and number of agreeing blocks from which on a start does not wait for another frame, and frames after which it waits no longer.
+  /// Fraction and number of agreeing blocks from which on a start does not wait for another frame, and frames after which it
+  /// waits no longer.
   float sure_agreement = 0.8f;
   int sure_agreed = 24;
   int most_doubtful_frames = 4;

@@ -1,5 +1,6 @@
 #pragma once
-// Tuning of the search for a print. Each constant: unit, reason, experiment.
+// Tuning of the search for a print. Chosen on the poster of `fixtures/sheet` with `pliant bench print`, and judged
+// on two other prints (docs/evaluation.md, Start by print). What other values give was not recorded, except where it is told.
 #include <cstddef>
 #include <cstdint>
 

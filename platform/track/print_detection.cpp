@@ -11,7 +11,8 @@ namespace pliant {
 
 namespace {
 
-/// Tuning of starts by print. Each constant: unit, reason, experiment.
+/// Tuning of starts by print. Chosen on the poster of `fixtures/sheet` with `pliant bench print`, and judged
+/// on two other prints (docs/evaluation.md, Start by print). What other values give was not recorded, except where it is told.
 struct PrintStartTuning {
   /// Frames between checks of a running track, and after how many bad ones in a row it is given up.
   int check_interval_frames = 2, most_bad_checks = 2;

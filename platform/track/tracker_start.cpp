@@ -6,7 +6,7 @@
 namespace pliant {
 
 namespace {
-constexpr float kFarthest_px = 1e6f;  // of a box's corner, and its size; far outside every picture
+constexpr float kFarthestPx = 1e6f;  // of a box's corner, and its size; far outside every picture
 }
 
 Status TrackerParts::check_start(const FrameView& view, Span<const Vec2> marker_places) const {
@@ -147,8 +147,8 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
   Impl& t = *impl_;
   Status status = t.check_start(frame, markers);
   if (status == Status::ok &&
-      !(start.focal_px >= 0 && size.x > 0 && size.y > 0 && length(corner) <= kFarthest_px &&
-        length(size) <= kFarthest_px && start.box <= BoxConvention::face_box))
+      !(start.focal_px >= 0 && size.x > 0 && size.y > 0 && length(corner) <= kFarthestPx &&
+        length(size) <= kFarthestPx && start.box <= BoxConvention::face_box))
     status = Status::bad_argument;
   if (status != Status::ok) return status;
   t.offsets.clear();

@@ -1,24 +1,12 @@
 #include "host/learn/other_pictures.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 
 #include "host/io/failure.hpp"
+#include "host/io/sources.hpp"
 
 namespace pliant::host::learn {
-
-namespace {
-
-bool is_picture_name(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const char* const endings[] = {".jpg", ".jpeg", ".png", ".pgm", ".ppm"};
-  return std::any_of(std::begin(endings), std::end(endings), [&](const char* e) { return ending == e; });
-}
-
-}  // namespace
 
 OtherPictures::OtherPictures(const std::vector<Image>& pictures) {
   for (const Image& picture : pictures) {
@@ -52,7 +40,7 @@ OtherPictures read_other_pictures(const std::string& folder) {
   std::vector<std::string> paths;
   for (std::filesystem::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error))
-    if (entry->is_regular_file() && is_picture_name(entry->path())) paths.push_back(entry->path().string());
+    if (entry->is_regular_file() && has_picture_extension(entry->path().string())) paths.push_back(entry->path().string());
   if (error) fail_input(folder, error.message());
   std::sort(paths.begin(), paths.end());
   std::vector<Image> pictures;
