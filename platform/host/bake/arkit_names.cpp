@@ -6,12 +6,13 @@ namespace pliant::host::bake {
 
 namespace {
 
-// A name that ends in "+" is a pair: the name with Left and with Right. The most useful names are first.
+// A name that ends in "+" is a pair: the name with Left and with Right. One that ends in "=" may also stand alone, as it does
+// in ARKit. The most useful names are first.
 constexpr const char* kNames[] = {
-    "jawOpen",        "mouthSmile+",     "eyeBlink+",       "browInnerUp+", "browDown+",
+    "jawOpen",        "mouthSmile+",     "eyeBlink+",       "browInnerUp=", "browDown+",
     "browOuterUp+",   "mouthPucker",     "mouthFunnel",     "mouthFrown+",  "mouthStretch+",
     "mouthUpperUp+",  "mouthLowerDown+", "mouthClose",      "mouthLeft",    "mouthRight",
-    "jawLeft",        "jawRight",        "noseSneer+",      "cheekPuff+",   "eyeSquint+",
+    "jawLeft",        "jawRight",        "noseSneer+",      "cheekPuff=",   "eyeSquint+",
     "eyeWide+",       "cheekSquint+",    "mouthPress+",     "mouthDimple+", "mouthShrugLower",
     "mouthRollLower", "mouthRollUpper",  "mouthShrugUpper", "jawForward",   "tongueOut",
     "eyeLookDown+",   "eyeLookUp+",      "eyeLookIn+",      "eyeLookOut+"};
@@ -20,9 +21,9 @@ constexpr const char* kNames[] = {
 
 std::size_t usefulness_rank(const std::string& name) {
   const auto found = std::find_if(std::begin(kNames), std::end(kNames), [&](const std::string& known) {
-    if (known.back() != '+') return name == known;
+    if (known.back() != '+' && known.back() != '=') return name == known;
     const std::string stem = known.substr(0, known.size() - 1);
-    return name == stem + "Left" || name == stem + "Right";
+    return (known.back() == '=' && name == stem) || name == stem + "Left" || name == stem + "Right";
   });
   return static_cast<std::size_t>(found - std::begin(kNames));
 }

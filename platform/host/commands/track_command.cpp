@@ -137,6 +137,7 @@ int run_track(const Args& args, Console& console) {
   const TrackerLimits limits = tracker_limits(args, frames.size());
   Owned<Tracker> tracker(model, limits_of_run(limits, options, markers, initial));
   TrackOutput output(args, model, markers.names, frames.rate());
+  if (args.has("--arkit")) ArkitExpression(model).list_unmatched(file.path(), console.err);
   TrackRun run(frames, *tracker, options, markers, output);
   if (initial)
     run.start(frame, *initial, initial_how);
@@ -161,10 +162,11 @@ int run_track(const Args& args, Console& console) {
 Command track_command() {
   return {
       "track",
-      "Tracks a face or another surface through a video. Without --init or --box it finds the face, or the printed surface, itself.",
+      "Tracks a face or another surface through a video. Without --init or --box it finds the face, or the "
+      "printed surface, itself.",
       "face.plm --frames VIDEO|FOLDER|-|camera: --out track.csv|- [--init fit.json|points.csv|--box "
       "X,Y,W,H] "
-      "[--landmarks|--model-landmarks] [--markers points.csv] [--marker-exclusion-px R] "
+      "[--landmarks|--model-landmarks] [--arkit] [--markers points.csv] [--marker-exclusion-px R] "
       "[--focal PX|--calibration camera.yml] [--mirror] [--freeze GROUP] [--refine-identity] "
       "[--profile s|m|l] [--cues LIST] [--mesh-operations N] [--count N] "
       "[--overlay out.y4m] [--show] [--sheet out.png] [--report report.html] [--truth truth.csv]",
@@ -183,6 +185,8 @@ Command track_command() {
         "also write the image position of every landmark; a landmark of --init keeps its offset from the "
         "fitted model, as far as noise does not explain the offset"},
        {"--model-landmarks", nullptr, "also write the image position of every landmark, all without offsets"},
+       {"--arkit", nullptr,
+        "write ARKit's 52 coefficients, each from 0 to 1, instead of the model's parameters"},
        {"--markers", "CSV",
         "landmark,x,y in frame 0: points to track with the surface and to write, which the tracker never "
         "uses",

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "host/io/failure.hpp"
 #include "host/io/statistics.hpp"
 #include "host/render/overlay.hpp"
 
@@ -20,6 +21,15 @@ std::size_t peak_memory_kib() {
   return 0;
 }
 
+/// Null without --arkit.
+std::unique_ptr<ArkitExpression> arkit_of(const Args& args, const Model& model) {
+  if (!args.has("--arkit")) return nullptr;
+  auto arkit = std::make_unique<ArkitExpression>(model);
+  if (arkit->absent().size() == kArkitCount)
+    fail_input(args.operand(0), "has no expression that ARKit has, as --arkit needs");
+  return arkit;
+}
+
 }  // namespace
 
 bool has_landmarks(const Args& args) {
@@ -30,6 +40,7 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
                          FrameRate rate)
     : model_(model),
       table_(args.required("--out")),
+      arkit_(arkit_of(args, model)),
       with_landmarks_(has_landmarks(args)),
       marker_count_(marker_names.size()),
       rate_(rate) {
@@ -47,7 +58,8 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
   if (with_landmarks_)
     for (const Landmark& l : model.landmarks()) names.push_back(l.name);
   names.insert(names.end(), marker_names.begin(), marker_names.end());
-  table_.write(track_header(model, names));
+  table_.write(arkit_ ? track_header({kArkitNames.begin(), kArkitNames.end()}, names)
+                      : track_header(model, names));
 }
 
 void TrackOutput::add(const FrameStream& frames, const FrameView& frame, Tracker& tracker,
@@ -86,7 +98,9 @@ void TrackOutput::add_lost(const FrameStream& frames, const FrameView& frame) {
 }
 
 void TrackOutput::write(const TrackRow& row, const FrameView& frame) {
-  table_.write(track_line(row));
+  TrackRow line = row;
+  if (arkit_) line.q = arkit_->coefficients(row.q);
+  table_.write(track_line(line));
   ++frames_;
   if (row.state == TrackState::tracking) ++tracked_;
   if (row.state != TrackState::lost) {

@@ -11,6 +11,7 @@
 #include "host/commands/frame_stream.hpp"
 #include "host/commands/live_window.hpp"
 #include "host/commands/track_report.hpp"
+#include "host/io/arkit.hpp"
 #include "host/io/files.hpp"
 #include "host/io/track_table.hpp"
 #include "host/io/truth.hpp"
@@ -27,6 +28,7 @@ bool has_landmarks(const Args& args);
 class TrackOutput {
  public:
   /// Opens the files that --out, --overlay, --sheet, --report and --truth name and the window of --show, and writes the header of the table.
+  /// Bad input: --arkit, and the model has no expression that ARKit has.
   TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
               FrameRate rate);
 
@@ -60,6 +62,7 @@ class TrackOutput {
 
   Model model_;
   OutputFile table_;
+  std::unique_ptr<ArkitExpression> arkit_;  // null: columns are the model's parameters
   bool with_landmarks_;
   std::size_t marker_count_;
   FrameRate rate_;

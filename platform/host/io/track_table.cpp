@@ -70,10 +70,17 @@ const char* state_text(TrackState state) {
 }
 
 std::string track_header(const Model& model, const std::vector<std::string>& point_names) {
+  std::vector<std::string> names;
+  for (const Parameter& p : model.parameters()) names.push_back(p.name);
+  return track_header(names, point_names);
+}
+
+std::string track_header(const std::vector<std::string>& value_names,
+                         const std::vector<std::string>& point_names) {
   std::string line;
   for (const char* name : kFirstColumns) line += (line.empty() ? "" : ",") + std::string(name);
   for (const char* name : kPoseColumns) line += "," + std::string(name);
-  for (const Parameter& p : model.parameters()) line += "," + std::string(p.name);
+  for (const std::string& name : value_names) line += "," + name;
   for (const std::string& name : point_names) line += ",x_" + name + ",y_" + name;
   return line + "\n";
 }

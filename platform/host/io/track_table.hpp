@@ -20,7 +20,7 @@ struct TrackRow {
   int vertices = 0;
   float landmark_error = 0;  ///< as FrameResult::landmark_error; 0: unknown, an empty cell
   Pose pose;
-  std::vector<float> q;                     ///< all parameters
+  std::vector<float> q;                     ///< all parameters, or what the header has instead
   std::vector<std::optional<Vec2>> points;  ///< landmarks and markers; empty cells where there is none
 };
 
@@ -29,6 +29,9 @@ const char* state_text(TrackState state);
 
 /// The header: the fixed columns, a parameter each, then x_NAME,y_NAME for each point name.
 std::string track_header(const Model& model, const std::vector<std::string>& point_names);
+/// The same with other columns instead of the parameters.
+std::string track_header(const std::vector<std::string>& value_names,
+                         const std::vector<std::string>& point_names);
 /// One row. When lost, pose, parameters and points are empty; nothing is ever NaN.
 std::string track_line(const TrackRow& row);
 
