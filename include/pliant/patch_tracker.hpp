@@ -29,7 +29,7 @@ enum class PatchStatus : std::uint8_t {
   flat = 4,             ///< too little texture in one direction, or too few pixels that are not clipped
   diverged = 5,         ///< no convergence, or a result farther than max_move_px from the start
   low_correlation = 6,  ///< the correlation with the template is below min_correlation
-  bad_light = 7,        ///< gain outside 0.5 to 2, or a bias beyond 80 grey levels
+  bad_light = 7,        ///< gain outside 0.2 to 5, or a bias beyond 80 grey levels
   inconsistent = 8,     ///< tracking back does not return to the start
 };
 

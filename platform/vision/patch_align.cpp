@@ -57,7 +57,7 @@ Vec2 solve(const TranslationSystem& s, const i16* image, int count) {
   Vec2 b{centred(s.n, s.inverse_n, i.c, s.gx, i.a) - s.light.x * ti,
          centred(s.n, s.inverse_n, i.d, s.gy, i.a) - s.light.y * ti};
   if (is_edge(s.along)) b = dot(b, s.along) * s.along;
-  const float gain = clamp(ti / s.variance_sum, kPatchTuning.min_gain, kPatchTuning.max_gain);
+  const float gain = clamp(ti / s.variance_sum, kPatchTuning.least_step_gain, kPatchTuning.max_gain);
   const float scale = 1.0f / (gain * (s.tensor.xx * s.tensor.yy - s.tensor.xy * s.tensor.xy));
   return {scale * (s.tensor.xy * b.y - s.tensor.yy * b.x), scale * (s.tensor.xy * b.x - s.tensor.xx * b.y)};
 }

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "face_film.hpp"
 #include "model_builder.hpp"
@@ -53,6 +54,13 @@ void cover(Pixels& pixels, const PixelBox& box, int slide) {
           static_cast<std::uint8_t>(60 + occluder.at((x + 5 * kWidth - slide) % kWidth, y));
 }
 
+/// The frame in weaker light.
+Pixels lit(std::size_t n, float light) {
+  Pixels pixels = film().frames[shown(n)];
+  for (std::uint8_t& p : pixels) p = static_cast<std::uint8_t>(light * static_cast<float>(p) + 0.5f);
+  return pixels;
+}
+
 struct Sequence {
   InArena<Tracker> tracker{baked_face().model, limits()};
   FrameResult result;
@@ -69,8 +77,10 @@ struct Sequence {
     l.key_patches = 32;
     return l;
   }
-  Sequence() {
-    REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0],
+  /// \param light  of the frame in which the track starts.
+  explicit Sequence(float light = 1) {
+    const Pixels pixels = lit(0, light);
+    REQUIRE(tracker->start_from_pose({pixels.data(), kWidth, kHeight, kWidth, 1, 0, 0}, film().camera, film().poses[0],
                                      film().parameters[0].data()) == Status::ok);
   }
   /// Gives the tracker these pixels. For any pixels its result must be finite and consistent.
@@ -162,6 +172,18 @@ TEST_CASE("tracking recovers from over-exposed frames with three times the light
     return q.give(pixels);
   });
   CHECK(worst < 3);
+}
+
+TEST_CASE("light that falls to 0.3 or rises to three times that of the start, at once or slowly, keeps the track") {
+  for (const auto& [first, last] : {std::pair<float, float>{1, 0.3f}, {0.33f, 1}})
+    for (const std::size_t slowly : {1u, 40u}) {
+      Sequence s(first);
+      for (std::size_t n = 1; n < kUnique + 20; ++n) {
+        const float done = n < 10 ? 0 : min(static_cast<float>(n - 9) / static_cast<float>(slowly), 1);
+        CHECK(s.give(lit(n, first + done * (last - first))) == TrackState::tracking);
+        CHECK(s.error(n) < 1.5f);
+      }
+    }
 }
 
 TEST_CASE("tracking continues if times jump, repeat or run backward") {
