@@ -60,7 +60,8 @@ script() {
   sh "$@"
 }
 
-sh toolchains/packages.sh g++ cmake ninja-build pkg-config libeigen3-dev doctest-dev libstb-dev libcamera-dev
+sh toolchains/packages.sh g++ cmake ninja-build pkg-config libeigen3-dev doctest-dev libstb-dev \
+  libcli11-dev nlohmann-json3-dev libyaml-cpp-dev libcamera-dev
 run_tests release
 [ -n "$scope" ] || exit 0
 

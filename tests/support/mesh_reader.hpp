@@ -70,22 +70,15 @@ struct Glb {
     const std::size_t length = take<std::uint32_t>(bytes, 12);
     CHECK(length % 4 == 0);
     CHECK(bytes.substr(16, 4) == "JSON");
-    json = Json::parse("glb", bytes.substr(20, length));
+    json = pliant::host::parse_json("glb", bytes.substr(20, length));
     CHECK(take<std::uint32_t>(bytes, 20 + length) % 4 == 0);
     CHECK(bytes.substr(24 + length, 4) == std::string("BIN\0", 4));
     binary = bytes.substr(28 + length);
     CHECK(binary.size() == take<std::uint32_t>(bytes, 20 + length));
     CHECK(number(at("buffers", 0), "byteLength") == binary.size());
   }
-  const Json& at(const char* array, std::size_t k) const {
-    const Json* found = json.find(array);
-    REQUIRE(found != nullptr);
-    return (*found->array()).at(k);
-  }
-  static std::size_t number(const Json& of, const char* name) {
-    REQUIRE(of.find(name) != nullptr);
-    return static_cast<std::size_t>(*of.find(name)->number());
-  }
+  const Json& at(const char* array, std::size_t k) const { return json.at(array).at(k); }
+  static std::size_t number(const Json& of, const char* name) { return of.at(name).get<std::size_t>(); }
   /// The bytes of a buffer view.
   std::string view(std::size_t k) const {
     const Json& v = at("bufferViews", k);
@@ -107,8 +100,8 @@ struct Glb {
 
 inline Parsed parse_glb(const std::string& bytes) {
   const Glb glb(bytes);
-  const Json& primitive = glb.at("meshes", 0).find("primitives")->array()->at(0);
-  const Json& attributes = *primitive.find("attributes");
+  const Json& primitive = glb.at("meshes", 0).at("primitives").at(0);
+  const Json& attributes = primitive.at("attributes");
   const auto p = glb.values<float>(Glb::number(attributes, "POSITION"), 5126, 3);
   const auto n = glb.values<float>(Glb::number(attributes, "NORMAL"), 5126, 3);
   const auto t = glb.values<float>(Glb::number(attributes, "TEXCOORD_0"), 5126, 2);

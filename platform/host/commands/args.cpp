@@ -1,5 +1,6 @@
 #include "host/commands/args.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -37,32 +38,29 @@ void check_ending(const Option& option, const std::string& path) {
 
 Args::Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands,
            std::size_t optional) {
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string& word = words[i];
-    if (word.size() < 2 || word[0] != '-') {
-      operands_.push_back(word);
+  CLI::App app;
+  app.set_help_flag();  // `run` gives help, whatever else the words are
+  for (const Option& option : options) {
+    if (option.value == nullptr) {
+      app.add_flag(option.name)->disable_flag_override();
       continue;
     }
-    const std::size_t equals = word.rfind("--", 0) == 0 ? word.find('=') : std::string::npos;
-    const std::string name = word.substr(0, equals);
-    const Option* option = nullptr;
-    for (const Option& o : options)
-      if (name == o.name) option = &o;
-    if (option == nullptr) fail_usage("unknown option " + name);
-    if (values_.count(name) != 0 && option->takes != Takes::texts) fail_usage(name + " is given twice");
-    if (option->value == nullptr) {
-      if (equals != std::string::npos) fail_usage(name + " takes no value");
-      values_[name] = {""};
-    } else if (equals != std::string::npos) {
-      values_[name].push_back(word.substr(equals + 1));
-    } else {
-      if (i + 1 == words.size()) fail_usage(name + " needs a value: " + option->value);
-      values_[name].push_back(words[++i]);
-    }
+    CLI::Option* added = app.add_option(option.name)->type_name(option.value)->allow_extra_args(false);
+    if (option.takes == Takes::texts) added->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
-  if (operands_.size() < operands) fail_usage("a file name is missing");
-  if (operands_.size() > operands + optional)
-    fail_usage("unexpected word: " + operands_[operands + optional]);
+  std::vector<CLI::Option*> positional;
+  for (std::size_t k = 0; k < operands + optional; ++k)
+    positional.push_back(
+        app.add_option(k == 0 ? "FILE" : "FILE" + std::to_string(k + 1))->required(k < operands));
+  try {
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::Error& error) {
+    fail_usage(error.what());
+  }
+  for (const CLI::Option* given : app.get_options({}))
+    if (given->count() > 0 && !given->get_positional()) values_[given->get_name()] = given->results();
+  for (const CLI::Option* given : positional)
+    if (given->count() > 0) operands_.push_back(given->results()[0]);
   check_files(options);
 }
 

@@ -96,7 +96,7 @@ std::vector<Handle> handles_of(const Model& model) {
 }
 
 /// Image positions of the handles at the start, and whether they are switched on.
-Json::Array points_at(const Model& model, const FitFile& start, std::size_t* on_count) {
+Json points_at(const Model& model, const FitFile& start, std::size_t* on_count) {
   std::vector<float> q(model.parameters().count, 0.0f);
   (void)apply(start.parameters, "start", model, q.data());
   Owned<Cascade> cascade(model);
@@ -104,12 +104,12 @@ Json::Array points_at(const Model& model, const FitFile& start, std::size_t* on_
   const Projector projector(view_of(start.pose, start.camera), true);
   const Lens lens = lens_of(start.camera, {start.width, start.height});
   const bool has_68 = model.find_landmark("ibug00") != kNone && model.find_landmark("ibug67") != kNone;
-  Json::Array points;
+  Json points = Json::array();
   for (const Handle& handle : handles_of(model)) {
     const Vec2 uv = handle.uv;
     const auto at = [&](float du, float dv) {
-      return cascade->selected_point({clamp(uv.x + du * kNeighbourhood, 0, 1),
-                                      clamp(uv.y + dv * kNeighbourhood, 0, 1)});
+      return cascade->selected_point(
+          {clamp(uv.x + du * kNeighbourhood, 0, 1), clamp(uv.y + dv * kNeighbourhood, 0, 1)});
     };
     const Vec3 p = at(0, 0);
     const Vec3 normal = projector.rotated(normalised(cross(at(0, 1) - at(0, -1), at(1, 0) - at(-1, 0))));
@@ -123,23 +123,19 @@ Json::Array points_at(const Model& model, const FitFile& start, std::size_t* on_
     for (const FitPoint& given : start.points)
       if (given.landmark == handle.name) x = given.x, is_on = true;
     *on_count += is_on;
-    points.push_back(Json::Object{{"name", handle.name},
-                                  {"u", static_cast<double>(uv.x)},
-                                  {"v", static_cast<double>(uv.y)},
-                                  {"x", static_cast<double>(x.x)},
-                                  {"y", static_cast<double>(x.y)},
-                                  {"on", is_on}});
+    points.push_back(Json::object(
+        {{"name", handle.name}, {"u", uv.x}, {"v", uv.y}, {"x", x.x}, {"y", x.y}, {"on", is_on}}));
   }
   return points;
 }
 
-Json::Array chains() {
-  Json::Array out;
+Json chains() {
+  Json out;
   for (const Chain& chain : kChains) {
-    Json::Array names;
+    Json names;
     for (int k = chain.first; k <= chain.last; ++k)
       names.push_back((k < 10 ? "ibug0" : "ibug") + std::to_string(k));
-    out.push_back(Json::Object{{"closed", chain.is_closed}, {"names", names}});
+    out.push_back(Json::object({{"closed", chain.is_closed}, {"names", names}}));
   }
   return out;
 }
@@ -150,15 +146,15 @@ int run_points(const Args& args, Console& console) {
   const Image image = read_image(path);
   const FitFile start = start_of(args, file, image, path, console.err);
   std::size_t on_count = 0;
-  const Json data(Json::Object{{"width", image.width},
-                               {"height", image.height},
-                               {"points", points_at(file.model(), start, &on_count)},
-                               {"hasUv", file.model().landmarks().empty()},
-                               {"chains", chains()},
-                               {"picture", picture_address(path)}});
+  const Json data = Json::object({{"width", image.width},
+                                  {"height", image.height},
+                                  {"points", points_at(file.model(), start, &on_count)},
+                                  {"hasUv", file.model().landmarks().empty()},
+                                  {"chains", chains()},
+                                  {"picture", picture_address(path)}});
   const std::string title = path.substr(path.find_last_of('/') + 1);
   write_file(output,
-             fill_page(kPointsPage, {{"title", html_text(title)}, {"data", script_json(data.text())}}));
+             fill_page(kPointsPage, {{"title", html_text(title)}, {"data", script_json(data.dump())}}));
   console.out << output << ": " << handles_of(file.model()).size()
               << (file.model().landmarks().empty() ? " points of the chart, " : " landmarks, ") << on_count
               << " switched on; open it in a browser, and save points.csv for `pliant fit --points`\n";
@@ -170,7 +166,8 @@ int run_points(const Args& args, Console& console) {
 Command points_command() {
   return {
       "points",
-      "Writes a page with the model's landmarks over a picture, or with points of its chart if it has none. They can be "
+      "Writes a page with the model's landmarks over a picture, or with points of its chart if it has none. "
+      "They can be "
       "moved, switched off and saved.",
       "face.plm --image picture [--start fit.json|points.csv|X,Y,W,H] [--focal PX|--calibration camera.yml] "
       "-o points.html",

@@ -1,92 +1,95 @@
 #include "host/io/calibration.hpp"
 
+#include <yaml-cpp/yaml.h>
+
 #include <array>
 #include <cmath>
-#include <map>
 
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
-#include "host/io/words.hpp"
 
 namespace pliant::host {
 
 namespace {
 
-constexpr std::size_t kMostLines = 10000, kMostNumbers = 64;
+/// Bytes of a calibration, at most: they have a few hundred, or tens of thousands with the points that were used.
+constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+/// Elements of a matrix, at most.
+constexpr std::size_t kMostNumbers = 64;
 
-/// The keys of a FileStorage file with the text after the colon; keys of a nested block are "block.key". A list in brackets
-/// may continue over several lines.
+/// The keys of a FileStorage file; keys of a nested block are "block.key".
 class YamlKeys {
  public:
   YamlKeys(std::string source, const std::string& text) : source_(std::move(source)) {
-    std::string block, open_key;
-    std::size_t line_number = 0;
-    for (std::size_t at = 0; at < text.size() && line_number < kMostLines; ++line_number) {
-      const std::size_t end = std::min(text.find('\n', at), text.size());
-      const std::string line = text.substr(at, end - at);
-      at = end + 1;
-      const std::string content = trimmed(line);
-      if (!open_key.empty()) {
-        std::string& value = values_[open_key];
-        value += " " + content;
-        if (content.find(']') != std::string::npos) open_key.clear();
-        continue;
-      }
-      if (content.empty() || content[0] == '%' || content[0] == '#' || content.rfind("---", 0) == 0) continue;
-      const std::size_t colon = content.find(':');
-      if (colon == std::string::npos) continue;
-      const bool is_nested = line[0] == ' ' || line[0] == '\t';
-      const std::string name = trimmed(content.substr(0, colon)), value = trimmed(content.substr(colon + 1));
-      if (!is_nested) block = name;
-      const std::string key = is_nested ? block + "." + name : name;
-      if (!values_.emplace(key, value).second) fail_input(source_, "'" + key + "' appears twice");
-      if (value.find('[') != std::string::npos && value.find(']') == std::string::npos) open_key = key;
+    if (text.size() > kMostBytes)
+      fail_input(source_, "is larger than " + std::to_string(kMostBytes) + " bytes");
+    try {
+      root_ = YAML::Load(text);
+    } catch (const YAML::Exception& e) {
+      fail_input(source_, place(e.mark) + e.msg);
     }
-    if (!open_key.empty()) fail_input(source_, "'" + open_key + "' has no closing bracket");
+    if (!root_.IsMap()) fail_input(source_, "has no 'image_width'");
   }
 
-  bool has(const std::string& key) const { return values_.count(key) != 0; }
+  bool has(const std::string& key) const { return find(key).IsDefined(); }
   double number(const std::string& key, double low, double high) const {
-    const auto found = values_.find(key);
-    if (found == values_.end()) fail_input(source_, "has no '" + key + "'");
-    return checked(key, found->second, low, high);
-  }
-  std::vector<double> list(const std::string& key) const {
-    const auto found = values_.find(key);
-    if (found == values_.end()) fail_input(source_, "has no '" + key + "'");
-    const std::string& text = found->second;
-    const std::size_t first = text.find('['), last = text.find(']');
-    if (first != 0 || last != text.size() - 1) fail_input(source_, "'" + key + "' is not a list in brackets");
-    std::vector<double> out;
-    for (std::size_t at = 1; at <= last;) {
-      const std::size_t end = std::min(text.find(',', at), last);
-      if (out.size() == kMostNumbers) fail_input(source_, "'" + key + "' has too many numbers");
-      out.push_back(checked(key, trimmed(text.substr(at, end - at)), -1e9, 1e9));
-      at = end + 1;
-    }
-    return out;
+    return checked(key, existing(key), low, high);
   }
   /// The elements of a matrix, row by row.
   std::vector<double> matrix(const std::string& key) const {
     const auto rows = static_cast<std::size_t>(number(key + ".rows", 1, 64)),
                columns = static_cast<std::size_t>(number(key + ".cols", 1, 64));
-    const auto data = list(key + ".data");
-    if (data.size() != rows * columns)
-      fail_input(source_, "'" + key + "' has " + std::to_string(data.size()) + " numbers, not " +
-                              std::to_string(rows) + " x " + std::to_string(columns));
-    return data;
+    const YAML::Node data = existing(key + ".data");
+    if (!data.IsSequence())
+      fail_input(source_, place(data.Mark()) + "'" + key + ".data' is not a list in brackets");
+    if (data.size() != rows * columns || data.size() > kMostNumbers)
+      fail_input(source_, place(data.Mark()) + "'" + key + "' has " + std::to_string(data.size()) +
+                              " numbers, not " + std::to_string(rows) + " x " + std::to_string(columns));
+    std::vector<double> out;
+    for (const YAML::Node& number : data) out.push_back(checked(key + ".data", number, -1e9, 1e9));
+    return out;
   }
 
  private:
-  double checked(const std::string& key, const std::string& text, double low, double high) const {
+  static std::string place(const YAML::Mark& mark) {
+    return mark.is_null() ? ""
+                          : "line " + std::to_string(mark.line + 1) + ", column " +
+                                std::to_string(mark.column + 1) + ": ";
+  }
+  /// The value of a key; not defined if there is none.
+  YAML::Node find(const std::string& key) const {
+    const std::size_t dot = key.find('.');
+    const YAML::Node block = only(root_, key.substr(0, dot));
+    return dot == std::string::npos || !block.IsDefined() ? block : only(block, key.substr(dot + 1));
+  }
+  /// The member of this name, of which the library would take the first of several.
+  YAML::Node only(const YAML::Node& map, const std::string& name) const {
+    YAML::Node found(YAML::NodeType::Undefined);
+    if (!map.IsMap()) return found;
+    for (const auto& member : map) {
+      if (!member.first.IsScalar() || member.first.Scalar() != name) continue;
+      if (found.IsDefined()) fail_input(source_, place(member.first.Mark()) + "'" + name + "' appears twice");
+      found.reset(member.second);
+    }
+    return found;
+  }
+  YAML::Node existing(const std::string& key) const {
+    const YAML::Node found = find(key);
+    if (!found.IsDefined()) fail_input(source_, "has no '" + key + "'");
+    return found;
+  }
+  double checked(const std::string& key, const YAML::Node& node, double low, double high) const {
+    const std::string text = node.IsScalar() ? node.Scalar() : "";
     const auto value = parse_number(!text.empty() && text.back() == '.' ? text + "0" : text);
-    if (!value) fail_input(source_, "'" + key + "': not a number: '" + text.substr(0, 40) + "'");
-    if (*value < low || *value > high) fail_input(source_, "'" + key + "' is out of range");
+    if (!value)
+      fail_input(source_, place(node.Mark()) + "'" + key + "': not a number: '" + text.substr(0, 40) + "'");
+    if (*value < low || *value > high)
+      fail_input(source_, place(node.Mark()) + "'" + key + "' is out of range");
     return *value;
   }
   std::string source_;
-  std::map<std::string, std::string> values_;
+  YAML::Node root_;
 };
 
 /// OpenCV's lens model with radial and tangential coefficients: maps ideal to distorted normalised coordinates.
@@ -169,7 +172,7 @@ Calibration parse_calibration(const std::string& source, const std::string& text
   // Pixel centres are at integers, so the scale has its fixed point at the picture's corner (-0.5, -0.5).
   camera.cx = static_cast<float>(scale * (m[2] + 0.5) - 0.5);
   camera.cy = static_cast<float>(scale * (m[5] + 0.5) - 0.5);
-  if (keys.has("distortion_coefficients.data") || keys.has("distortion_coefficients")) {
+  if (keys.has("distortion_coefficients")) {
     const auto d = keys.matrix("distortion_coefficients");
     if (d.size() != 4 && d.size() != 5 && d.size() != 8 && d.size() != 12 && d.size() != 14)
       fail_input(source,

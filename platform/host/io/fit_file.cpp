@@ -16,10 +16,14 @@ namespace {
 class Members {
  public:
   Members(std::string where, const Json* value) : where_(std::move(where)), value_(value) {
-    if (value == nullptr || value->object() == nullptr) fail_input(where_, "is missing or not an object");
+    if (value == nullptr || !value->is_object()) fail_input(where_, "is missing or not an object");
   }
   std::string where(const std::string& name) const { return where_ + ": '" + name + "'"; }
-  const Json* find(const char* name) const { return value_->find(name); }
+  /// Null if there is no such member.
+  const Json* find(const char* name) const {
+    const auto found = value_->find(name);
+    return found == value_->end() ? nullptr : &*found;
+  }
 
   float number(const char* name) const { return number_of(find(name), name); }
   float number(const char* name, float low, float high) const {
@@ -29,31 +33,31 @@ class Members {
   }
   std::vector<float> numbers(const char* name, std::size_t count) const {
     const Json* value = find(name);
-    if (value == nullptr || value->array() == nullptr || value->array()->size() != count)
+    if (value == nullptr || !value->is_array() || value->size() != count)
       fail_input(where(name), "is missing or not " + std::to_string(count) + " numbers");
     std::vector<float> out;
-    for (const Json& item : *value->array()) out.push_back(number_of(&item, name));
+    for (const Json& item : *value) out.push_back(number_of(&item, name));
     return out;
   }
   NamedValues named_values(const char* name) const {
     NamedValues out;
     const Json* value = find(name);
-    if (value == nullptr || value->object() == nullptr)
-      fail_input(where(name), "is missing or not an object");
-    for (const auto& [key, item] : *value->object()) out.emplace_back(key, number_of(&item, key));
+    if (value == nullptr || !value->is_object()) fail_input(where(name), "is missing or not an object");
+    for (const auto& [key, item] : value->items()) out.emplace_back(key, number_of(&item, key));
     return out;
   }
   std::string string(const char* name) const {
     const Json* value = find(name);
-    if (value == nullptr || value->string() == nullptr) fail_input(where(name), "is missing or not a string");
-    return *value->string();
+    if (value == nullptr || !value->is_string()) fail_input(where(name), "is missing or not a string");
+    return value->get<std::string>();
   }
 
  private:
   float number_of(const Json* value, const std::string& name) const {
-    if (value == nullptr || value->number() == nullptr) fail_input(where(name), "is missing or not a number");
-    if (!(std::fabs(*value->number()) <= 1e30)) fail_input(where(name), "is out of range");
-    return static_cast<float>(*value->number());
+    if (value == nullptr || !value->is_number()) fail_input(where(name), "is missing or not a number");
+    const auto number = value->get<float>();
+    if (!(std::fabs(number) <= 1e30f)) fail_input(where(name), "is out of range");
+    return number;
   }
   std::string where_;
   const Json* value_;
@@ -61,10 +65,9 @@ class Members {
 
 std::uint32_t parse_crc(const Members& root) {
   const Json* crc = root.find("model_crc");
-  const double* value = crc == nullptr ? nullptr : crc->number();
-  if (value == nullptr || !(*value >= 0 && *value <= 4294967295.0))
+  if (crc == nullptr || !crc->is_number_unsigned() || crc->get<std::uint64_t>() > 4294967295u)
     fail_input(root.where("model_crc"), "is missing or not a checksum");
-  return static_cast<std::uint32_t>(*value);
+  return crc->get<std::uint32_t>();
 }
 
 Pose parse_pose(const Members& pose) {
@@ -78,12 +81,12 @@ Pose parse_pose(const Members& pose) {
 void parse_points(const Members& root, const std::string& source, FitFile* fit) {
   const Json* points = root.find("points");
   if (points == nullptr) return;
-  if (points->array() == nullptr) fail_input(root.where("points"), "is not a list");
-  for (const Json& item : *points->array()) {
+  if (!points->is_array()) fail_input(root.where("points"), "is not a list");
+  for (const Json& item : *points) {
     const Members point(source + ": 'points'", &item);
     const auto is_set = [&point](const char* name) {
       const Json* flag = point.find(name);
-      return flag != nullptr && flag->boolean() != nullptr && *flag->boolean();
+      return flag != nullptr && flag->is_boolean() && flag->get<bool>();
     };
     fit->points.push_back({point.string("landmark"),
                            {point.number("x"), point.number("y")},
@@ -93,14 +96,33 @@ void parse_points(const Members& root, const std::string& source, FitFile* fit) 
   }
 }
 
-Json::Object object_of(const NamedValues& values) {
-  Json::Object out;
-  for (const auto& [name, value] : values) out.emplace_back(name, Json(static_cast<double>(value)));
+Json object_of(const NamedValues& values) {
+  Json out = Json::object();
+  for (const auto& [name, value] : values) out[name] = value;
   return out;
 }
 
-Json number(float value) {
-  return Json(static_cast<double>(value));
+/// One line, in which bytes that are no UTF-8 (in a name of a points file) are replaced.
+std::string line_of(const Json& value) {
+  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// The text of an object with a member a line; what has more than eight parts has a line a part.
+std::string lines_of(const Json& object) {
+  std::string out;
+  for (const auto& [name, value] : object.items()) {
+    out += (out.empty() ? "{\n  " : ",\n  ") + line_of(name) + ": ";
+    if (!value.is_structured() || value.size() <= 8) {
+      out += line_of(value);
+      continue;
+    }
+    std::string parts;
+    for (const auto& [key, part] : value.items())
+      parts += (parts.empty() ? "\n    " : ",\n    ") + (value.is_object() ? line_of(key) + ": " : "") +
+               line_of(part);
+    out += (value.is_object() ? "{" : "[") + parts + (value.is_object() ? "\n  }" : "\n  ]");
+  }
+  return out + "\n}\n";
 }
 
 }  // namespace
@@ -111,7 +133,7 @@ Quat unit_of(Quat q) {
 }
 
 FitFile parse_fit(const std::string& source, const std::string& text) {
-  const Json json = Json::parse(source, text);
+  const Json json = parse_json(source, text);
   const Members root(source, &json);
   if (root.number("version") != 1.0f) fail_input(root.where("version"), "is not 1");
   FitFile fit;
@@ -133,9 +155,9 @@ FitFile parse_fit(const std::string& source, const std::string& text) {
   if (root.find("inliers") != nullptr)
     fit.inliers = static_cast<std::size_t>(root.number("inliers", 0, 65535));
   if (root.find("landmark_error") != nullptr) fit.landmark_error = root.number("landmark_error", 0, 100);
-  if (const Json* unseen = root.find("unseen"); unseen != nullptr && unseen->array() != nullptr)
-    for (const Json& name : *unseen->array())
-      if (name.string() != nullptr) fit.unseen.push_back(*name.string());
+  if (const Json* unseen = root.find("unseen"); unseen != nullptr && unseen->is_array())
+    for (const Json& name : *unseen)
+      if (name.is_string()) fit.unseen.push_back(name.get<std::string>());
   parse_points(root, source, &fit);
   return fit;
 }
@@ -143,38 +165,32 @@ FitFile parse_fit(const std::string& source, const std::string& text) {
 std::string fit_text(const FitFile& fit) {
   const Quat& q = fit.pose.q;
   const Vec3& t = fit.pose.t;
-  Json::Array unseen, points;
-  for (const std::string& name : fit.unseen) unseen.push_back(Json(name));
+  const Camera& c = fit.camera;
+  Json points = Json::array();
   for (const FitPoint& p : fit.points)
-    points.push_back(Json(Json::Object{{"landmark", Json(p.landmark)},
-                                       {"x", number(p.x.x)},
-                                       {"y", number(p.x.y)},
-                                       {"dx", number(p.residual.x)},
-                                       {"dy", number(p.residual.y)},
-                                       {"used", Json(p.used)},
-                                       {"at_landmark", Json(p.is_landmark)}}));
-  return Json(Json::Object{
-                  {"version", Json(1)},
-                  {"model_crc", Json(static_cast<double>(fit.model_crc))},
-                  {"width", Json(fit.width)},
-                  {"height", Json(fit.height)},
-                  {"camera", Json(Json::Object{{"f", number(fit.camera.f)},
-                                               {"cx", number(fit.camera.cx)},
-                                               {"cy", number(fit.camera.cy)},
-                                               {"k1", number(fit.camera.k1)},
-                                               {"k2", number(fit.camera.k2)},
-                                               {"aspect", number(fit.camera.aspect)}})},
-                  {"pose", Json(Json::Object{
-                               {"q", Json(Json::Array{number(q.w), number(q.x), number(q.y), number(q.z)})},
-                               {"t", Json(Json::Array{number(t.x), number(t.y), number(t.z)})}})},
-                  {"parameters", Json(object_of(fit.parameters))},
-                  {"sd", Json(object_of(fit.sd))},
-                  {"unseen", Json(unseen)},
-                  {"rms_px", number(fit.rms_px)},
-                  {"inliers", Json(static_cast<double>(fit.inliers))},
-                  {"landmark_error", number(fit.landmark_error)},
-                  {"points", Json(points)}})
-      .text();
+    points.push_back(Json::object({{"landmark", p.landmark},
+                                   {"x", p.x.x},
+                                   {"y", p.x.y},
+                                   {"dx", p.residual.x},
+                                   {"dy", p.residual.y},
+                                   {"used", p.used},
+                                   {"at_landmark", p.is_landmark}}));
+  return lines_of(Json::object(
+      {{"version", 1},
+       {"model_crc", fit.model_crc},
+       {"width", fit.width},
+       {"height", fit.height},
+       {"camera",
+        Json::object(
+            {{"f", c.f}, {"cx", c.cx}, {"cy", c.cy}, {"k1", c.k1}, {"k2", c.k2}, {"aspect", c.aspect}})},
+       {"pose", Json::object({{"q", {q.w, q.x, q.y, q.z}}, {"t", {t.x, t.y, t.z}}})},
+       {"parameters", object_of(fit.parameters)},
+       {"sd", object_of(fit.sd)},
+       {"unseen", fit.unseen},
+       {"rms_px", fit.rms_px},
+       {"inliers", fit.inliers},
+       {"landmark_error", fit.landmark_error},
+       {"points", points}}));
 }
 
 std::vector<std::uint16_t> parameters_named(const Model& model, const std::string& name) {

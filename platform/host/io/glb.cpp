@@ -9,10 +9,6 @@ namespace {
 
 constexpr int kFloat = 5126, kUint16 = 5123, kVertexData = 34962, kIndices = 34963, kNoTarget = 0;
 
-double wide(float x) {
-  return static_cast<double>(x);
-}
-
 /// A chunk of a GLB file: length, kind, contents padded to a multiple of four bytes.
 std::string chunk(std::uint32_t kind, std::string contents, char filler) {
   contents.resize((contents.size() + 3) / 4 * 4, filler);
@@ -40,32 +36,28 @@ void put(std::string& out, Vec3 v) {
   put(out, v.z);
 }
 
-Json::Array metres_per_millimetre() {
-  return {0.001, 0.001, 0.001};
+Json metres_per_millimetre() {
+  return {0.001f, 0.001f, 0.001f};
 }
 
 int GlbFile::add_view(const std::string& part, int target) {
-  Json::Object view{{"buffer", 0},
-                    {"byteOffset", static_cast<double>(buffer_.size())},
-                    {"byteLength", static_cast<double>(part.size())}};
-  if (target != kNoTarget) view.push_back({"target", target});
-  views_.push_back(view);
+  Json view = Json::object({{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", part.size()}});
+  if (target != kNoTarget) view["target"] = target;
+  views_.push_back(std::move(view));
   buffer_ += part;
   buffer_.resize((buffer_.size() + 3) / 4 * 4, '\0');
   return static_cast<int>(views_.size()) - 1;
 }
 
-int GlbFile::add_accessor(int view, int component, std::size_t count, const char* type, Json::Array low,
-                          Json::Array high) {
-  Json::Object accessor{{"bufferView", view},
-                        {"componentType", component},
-                        {"count", static_cast<double>(count)},
-                        {"type", type}};
-  if (!low.empty()) {
-    accessor.push_back({"min", std::move(low)});
-    accessor.push_back({"max", std::move(high)});
+int GlbFile::add_accessor(int view, int component, std::size_t count, const char* type, const Json& low,
+                          const Json& high) {
+  Json accessor =
+      Json::object({{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
+  if (!low.is_null()) {
+    accessor["min"] = low;
+    accessor["max"] = high;
   }
-  accessors_.push_back(accessor);
+  accessors_.push_back(std::move(accessor));
   return static_cast<int>(accessors_.size()) - 1;
 }
 
@@ -78,8 +70,7 @@ int GlbFile::add(const std::vector<Vec3>& values, Use use) {
     high = {max(high.x, v.x), max(high.y, v.y), max(high.z, v.z)};
   }
   const int view = add_view(bytes, use == Use::vertices ? kVertexData : kNoTarget);
-  return add_accessor(view, kFloat, values.size(), "VEC3", {wide(low.x), wide(low.y), wide(low.z)},
-                      {wide(high.x), wide(high.y), wide(high.z)});
+  return add_accessor(view, kFloat, values.size(), "VEC3", {low.x, low.y, low.z}, {high.x, high.y, high.z});
 }
 
 int GlbFile::add(const std::vector<Vec2>& values) {
@@ -88,14 +79,14 @@ int GlbFile::add(const std::vector<Vec2>& values) {
     put(bytes, v.x);
     put(bytes, v.y);
   }
-  return add_accessor(add_view(bytes, kVertexData), kFloat, values.size(), "VEC2", {}, {});
+  return add_accessor(add_view(bytes, kVertexData), kFloat, values.size(), "VEC2");
 }
 
 int GlbFile::add(const std::vector<Quat>& values) {
   std::string bytes;
   for (const Quat& q : values)
     for (const float component : {q.x, q.y, q.z, q.w}) put(bytes, component);
-  return add_accessor(add_view(bytes, kNoTarget), kFloat, values.size(), "VEC4", {}, {});
+  return add_accessor(add_view(bytes, kNoTarget), kFloat, values.size(), "VEC4");
 }
 
 int GlbFile::add(const std::vector<float>& values) {
@@ -106,7 +97,8 @@ int GlbFile::add(const std::vector<float>& values) {
     low = min(low, v);
     high = max(high, v);
   }
-  return add_accessor(add_view(bytes, kNoTarget), kFloat, values.size(), "SCALAR", {wide(low)}, {wide(high)});
+  return add_accessor(add_view(bytes, kNoTarget), kFloat, values.size(), "SCALAR", Json::array({low}),
+                      Json::array({high}));
 }
 
 int GlbFile::add(const std::vector<std::array<std::uint16_t, 3>>& faces) {
@@ -117,34 +109,34 @@ int GlbFile::add(const std::vector<std::array<std::uint16_t, 3>>& faces) {
 }
 
 int GlbFile::add_material(const std::string& picture, bool is_lit) {
-  Json::Object surface{{"metallicFactor", 0}, {"roughnessFactor", 0.8}};
+  Json surface = Json::object({{"metallicFactor", 0}, {"roughnessFactor", 0.8f}});
   if (!picture.empty()) {
     const bool is_jpeg = picture.compare(0, 2, "\xff\xd8") == 0;
-    images_.push_back(Json::Object{{"bufferView", add_view(picture, kNoTarget)},
-                                   {"mimeType", is_jpeg ? "image/jpeg" : "image/png"}});
-    textures_.push_back(Json::Object{{"source", static_cast<int>(images_.size()) - 1}});
-    surface.push_back({"baseColorTexture", Json::Object{{"index", static_cast<int>(textures_.size()) - 1}}});
+    images_.push_back(Json::object(
+        {{"bufferView", add_view(picture, kNoTarget)}, {"mimeType", is_jpeg ? "image/jpeg" : "image/png"}}));
+    textures_.push_back(Json::object({{"source", images_.size() - 1}}));
+    surface["baseColorTexture"]["index"] = textures_.size() - 1;
   }
-  Json::Object material{{"pbrMetallicRoughness", surface}, {"doubleSided", true}};
-  if (!is_lit) material.push_back({"extensions", Json::Object{{"KHR_materials_unlit", Json::Object{}}}});
+  Json material = Json::object({{"pbrMetallicRoughness", surface}, {"doubleSided", true}});
+  if (!is_lit) material["extensions"]["KHR_materials_unlit"] = Json::object();
   has_unlit_ = has_unlit_ || !is_lit;
-  materials_.push_back(material);
+  materials_.push_back(std::move(material));
   return static_cast<int>(materials_.size()) - 1;
 }
 
-std::string GlbFile::bytes(Json::Object root) const {
-  root.insert(root.begin(), {"asset", Json::Object{{"version", "2.0"}, {"generator", "pliant"}}});
-  if (has_unlit_) root.push_back({"extensionsUsed", Json::Array{"KHR_materials_unlit"}});
-  const auto add_list = [&root](const char* name, const Json::Array& list) {
-    if (!list.empty()) root.push_back({name, list});
+std::string GlbFile::bytes(Json root) const {
+  root["asset"] = Json::object({{"version", "2.0"}, {"generator", "pliant"}});
+  if (has_unlit_) root["extensionsUsed"] = Json::array({"KHR_materials_unlit"});
+  const auto add_list = [&root](const char* name, const Json& list) {
+    if (!list.empty()) root[name] = list;
   };
   add_list("materials", materials_);
   add_list("images", images_);
   add_list("textures", textures_);
   add_list("accessors", accessors_);
   add_list("bufferViews", views_);
-  root.push_back({"buffers", Json::Array{Json::Object{{"byteLength", static_cast<double>(buffer_.size())}}}});
-  const std::string chunks = chunk(0x4e4f534a, Json(root).text(), ' ') + chunk(0x004e4942, buffer_, '\0');
+  root["buffers"] = Json::array({Json::object({{"byteLength", buffer_.size()}})});
+  const std::string chunks = chunk(0x4e4f534a, root.dump(), ' ') + chunk(0x004e4942, buffer_, '\0');
   std::string out = "glTF";
   put(out, 2, 4);
   put(out, static_cast<std::uint32_t>(12 + chunks.size()), 4);

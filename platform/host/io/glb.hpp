@@ -36,19 +36,19 @@ class GlbFile {
 
   /// The bytes of the file.
   /// \param root  further members of the JSON: scene, scenes, nodes, meshes, animations.
-  std::string bytes(Json::Object root) const;
+  std::string bytes(Json root) const;
 
  private:
   int add_view(const std::string& part, int target);
-  int add_accessor(int view, int component, std::size_t count, const char* type, Json::Array low,
-                   Json::Array high);
+  int add_accessor(int view, int component, std::size_t count, const char* type, const Json& low = {},
+                   const Json& high = {});
 
   std::string buffer_;
-  Json::Array views_, accessors_, materials_, images_, textures_;
+  Json views_, accessors_, materials_, images_, textures_;  // lists, or null if empty
   bool has_unlit_ = false;
 };
 
 /// Scale of a node whose mesh is in millimetres; glTF is in metres.
-Json::Array metres_per_millimetre();
+Json metres_per_millimetre();
 
 }  // namespace pliant::host

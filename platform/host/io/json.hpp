@@ -1,55 +1,23 @@
 #pragma once
 /// \file json.hpp
-/// JSON: a strict reader of bounded depth, and a writer.
-#include <cstdint>
+/// JSON by nlohmann-json, with numbers as the files here have them, and a reader with bounds.
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
-#include <utility>
-#include <variant>
-#include <vector>
 
 namespace pliant::host {
 
-/// One JSON value. Objects keep the order of their members.
-class Json {
- public:
-  using Array = std::vector<Json>;
-  using Object = std::vector<std::pair<std::string, Json>>;
+/// One JSON value. Objects keep the order of their members. Numbers with a fraction are floats: `dump` writes the fewest digits
+/// that give the same bits again, and null for one that is not finite.
+using Json = nlohmann::basic_json<nlohmann::ordered_map, std::vector, std::string, bool, std::int64_t,
+                                  std::uint64_t, float>;
 
-  Json() = default;  ///< null
-  Json(bool value) : value_(value) {}
-  Json(double value) : value_(value) {}
-  Json(int value) : value_(static_cast<double>(value)) {}
-  Json(std::string value) : value_(std::move(value)) {}
-  Json(const char* value) : value_(std::string(value)) {}
-  Json(Array value) : value_(std::move(value)) {}
-  Json(Object value) : value_(std::move(value)) {}
+/// Containers in each other, members of one object, and bytes of a text, at most: time and memory are then a few hundred
+/// milliseconds and megabytes for any input. A member is looked for among those before it.
+constexpr std::size_t kMaxJsonDepth = 32, kMaxJsonMembers = 1000, kMaxJsonBytes = std::size_t{1} << 22;
 
-  const bool* boolean() const { return std::get_if<bool>(&value_); }
-  const double* number() const { return std::get_if<double>(&value_); }
-  const std::string* string() const { return std::get_if<std::string>(&value_); }
-  const Array* array() const { return std::get_if<Array>(&value_); }
-  const Object* object() const { return std::get_if<Object>(&value_); }
-  /// A member of an object; null if this is not an object or has no such member.
-  const Json* find(std::string_view name) const;
-
-  /// Depth of containers, at most, so that no input can exhaust the stack.
-  static constexpr int kMaxDepth = 32;
-  /// Parses a text that is one value. Bad input, with `source`, line and column, for anything but strict JSON: comments,
-  /// trailing commas, NaN, repeated members or text after the value.
-  static Json parse(const std::string& source, std::string_view text);
-
-  /// Indented text with a final newline; short containers of plain values on one line; numbers with nine
-  /// digits.
-  std::string text() const;
-
- private:
-  void write(std::string& out, int indent) const;
-  static void write_item(std::string& out, const Json& item, int indent);
-  static void write_item(std::string& out, const std::pair<std::string, Json>& member, int indent);
-  template <class Items>
-  static void write_members(std::string& out, char open, const Items& items, char close, int indent);
-  std::variant<std::monostate, bool, double, std::string, Array, Object> value_;
-};
+/// Parses a text that is one value. Bad input, with `source`, line and column, for anything but strict JSON: comments, trailing
+/// commas, NaN, numbers that no float holds, repeated members, text after the value; or more than the bounds above.
+Json parse_json(const std::string& source, const std::string& text);
 
 }  // namespace pliant::host

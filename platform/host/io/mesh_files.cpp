@@ -57,17 +57,19 @@ std::string ply_bytes(const MeshData& mesh) {
 
 std::string glb_bytes(const MeshData& mesh, const std::string& picture, bool is_lit) {
   GlbFile file;
-  const Json::Object attributes{{"POSITION", file.add(mesh.position, GlbFile::Use::vertices)},
-                                {"NORMAL", file.add(mesh.normal, GlbFile::Use::vertices)},
-                                {"TEXCOORD_0", file.add(mesh.uv)}};
+  const Json attributes = Json::object({{"POSITION", file.add(mesh.position, GlbFile::Use::vertices)},
+                                        {"NORMAL", file.add(mesh.normal, GlbFile::Use::vertices)},
+                                        {"TEXCOORD_0", file.add(mesh.uv)}});
   const int indices = file.add(mesh.faces);
-  const Json::Object primitive{
-      {"attributes", attributes}, {"indices", indices}, {"material", file.add_material(picture, is_lit)}};
-  const Json::Object node{{"mesh", 0}, {"scale", metres_per_millimetre()}};
-  return file.bytes({{"scene", 0},
-                     {"scenes", Json::Array{Json::Object{{"nodes", Json::Array{0}}}}},
-                     {"nodes", Json::Array{node}},
-                     {"meshes", Json::Array{Json::Object{{"primitives", Json::Array{primitive}}}}}});
+  const Json primitive = Json::object(
+      {{"attributes", attributes}, {"indices", indices}, {"material", file.add_material(picture, is_lit)}});
+  const Json node = Json::object({{"mesh", 0}, {"scale", metres_per_millimetre()}});
+  Json root;
+  root["scene"] = 0;
+  root["scenes"][0]["nodes"] = Json::array({0});
+  root["nodes"][0] = node;
+  root["meshes"][0]["primitives"][0] = primitive;
+  return file.bytes(std::move(root));
 }
 
 std::string chart_svg(const MeshData& mesh) {

@@ -20,46 +20,50 @@ Quat rotation_of(const Pose& pose) {
   return {pose.q.w, pose.q.x, -pose.q.y, -pose.q.z};
 }
 
-Json::Array list(Vec3 v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+Json list(Vec3 v) {
+  return {v.x, v.y, v.z};
 }
-Json::Array list(Quat q) {
-  return {static_cast<double>(q.x), static_cast<double>(q.y), static_cast<double>(q.z),
-          static_cast<double>(q.w)};
+Json list(Quat q) {
+  return {q.x, q.y, q.z, q.w};
 }
 
-Json::Object mesh_of(GlbFile& file, const MeshData& mesh, const Morphs& morphs, int material) {
-  Json::Array targets, names, weights;
+Json mesh_of(GlbFile& file, const MeshData& mesh, const Morphs& morphs, int material) {
+  Json targets, names, weights;
   for (const MorphTarget& target : morphs.targets) {
     const int position = file.add(target.position, GlbFile::Use::vertices);
     targets.push_back(
-        Json::Object{{"POSITION", position}, {"NORMAL", file.add(target.normal, GlbFile::Use::vertices)}});
+        Json::object({{"POSITION", position}, {"NORMAL", file.add(target.normal, GlbFile::Use::vertices)}}));
     names.push_back(target.name);
     weights.push_back(0);
   }
-  const Json::Object attributes{{"POSITION", file.add(morphs.position, GlbFile::Use::vertices)},
-                                {"NORMAL", file.add(morphs.normal, GlbFile::Use::vertices)},
-                                {"TEXCOORD_0", file.add(mesh.uv)}};
-  Json::Object primitive{{"attributes", attributes}, {"indices", file.add(mesh.faces)}};
-  primitive.push_back({"material", material});
-  if (targets.empty()) return {{"primitives", Json::Array{primitive}}};
-  primitive.push_back({"targets", targets});
-  return {{"primitives", Json::Array{primitive}},
-          {"weights", weights},
-          {"extras", Json::Object{{"targetNames", names}}}};
+  Json primitive;
+  primitive["attributes"] = Json::object({{"POSITION", file.add(morphs.position, GlbFile::Use::vertices)},
+                                          {"NORMAL", file.add(morphs.normal, GlbFile::Use::vertices)},
+                                          {"TEXCOORD_0", file.add(mesh.uv)}});
+  primitive["indices"] = file.add(mesh.faces);
+  primitive["material"] = material;
+  Json out;
+  if (!targets.empty()) {
+    primitive["targets"] = std::move(targets);
+    out["weights"] = std::move(weights);
+    out["extras"]["targetNames"] = std::move(names);
+  }
+  out["primitives"][0] = std::move(primitive);
+  return out;
 }
 
 /// Samplers and channels of the one node.
 struct Channels {
-  Json::Array samplers, channels;
+  Json samplers, channels;  // lists, or null if empty
   void add(int input, int output, const char* path) {
-    channels.push_back(Json::Object{{"sampler", static_cast<int>(samplers.size())},
-                                    {"target", Json::Object{{"node", 0}, {"path", path}}}});
-    samplers.push_back(Json::Object{{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+    channels.push_back(Json::object(
+        {{"sampler", samplers.size()}, {"target", Json::object({{"node", 0}, {"path", path}})}}));
+    samplers.push_back(Json::object({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}}));
   }
 };
 
-Json::Object animation_of(GlbFile& file, const Morphs& morphs, const Model& model, const Retargeted& track) {
+/// Null if nothing moves.
+Json animation_of(GlbFile& file, const Morphs& morphs, const Model& model, const Retargeted& track) {
   std::vector<float> times, weights;
   std::vector<Vec3> translations;
   std::vector<Quat> rotations;
@@ -83,7 +87,7 @@ Json::Object animation_of(GlbFile& file, const Morphs& morphs, const Model& mode
     out.add(input, file.add(rotations), "rotation");
   }
   if (out.channels.empty()) return {};
-  return {{"name", "track"}, {"channels", out.channels}, {"samplers", out.samplers}};
+  return Json::object({{"name", "track"}, {"channels", out.channels}, {"samplers", out.samplers}});
 }
 
 }  // namespace
@@ -91,18 +95,18 @@ Json::Object animation_of(GlbFile& file, const Morphs& morphs, const Model& mode
 std::string animation_glb(const MeshData& mesh, const Morphs& morphs, const Model& model,
                           const Retargeted& track, const std::string& picture, bool is_lit) {
   GlbFile file;
-  const Json::Object shape = mesh_of(file, mesh, morphs, file.add_material(picture, is_lit)),
-                     animation = animation_of(file, morphs, model, track);
-  Json::Object node{{"name", "head"}, {"mesh", 0}, {"scale", metres_per_millimetre()}};
+  Json root;
+  root["scene"] = 0;
+  root["scenes"][0]["nodes"] = Json::array({0});
+  root["meshes"][0] = mesh_of(file, mesh, morphs, file.add_material(picture, is_lit));
+  Json& node = root["nodes"][0];
+  node = Json::object({{"name", "head"}, {"mesh", 0}, {"scale", metres_per_millimetre()}});
   if (track.has_pose) {  // for viewers that do not play animations
-    node.push_back({"translation", list(translation_of(track.frames.front().state.pose))});
-    node.push_back({"rotation", list(rotation_of(track.frames.front().state.pose))});
+    node["translation"] = list(translation_of(track.frames.front().state.pose));
+    node["rotation"] = list(rotation_of(track.frames.front().state.pose));
   }
-  Json::Object root{{"scene", 0},
-                    {"scenes", Json::Array{Json::Object{{"nodes", Json::Array{0}}}}},
-                    {"nodes", Json::Array{node}},
-                    {"meshes", Json::Array{shape}}};
-  if (!animation.empty()) root.push_back({"animations", Json::Array{animation}});
+  Json animation = animation_of(file, morphs, model, track);
+  if (!animation.is_null()) root["animations"][0] = std::move(animation);
   return file.bytes(std::move(root));
 }
 

@@ -112,8 +112,8 @@ TEST_CASE("bake prints the error of the table against its source, and of each pa
   CHECK(page.code == 0);
   CHECK(contains(page.out, "9 points of the chart, 9 switched on"));
   const std::string html = read_file(folder / "p.html");
-  CHECK(contains(html, "\"hasUv\": true"));
-  CHECK(contains(html, "\"name\": \"uv_"));
+  CHECK(contains(html, "\"hasUv\":true"));
+  CHECK(contains(html, "\"name\":\"uv_"));
 }
 
 TEST_CASE("bake shows progress over files and shapes on a terminal only") {

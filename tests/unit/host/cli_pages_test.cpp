@@ -20,19 +20,18 @@ Json data_of(const std::string& page) {
   const std::size_t at = page.find(open);
   REQUIRE(at != std::string::npos);
   const std::size_t first = at + open.size();
-  return Json::parse("page", page.substr(first, page.find("</script>", first) - first));
+  return parse_json("page", page.substr(first, page.find("</script>", first) - first));
 }
 
 const Json& point(const Json& data, const std::string& name) {
-  for (const Json& p : *data.find("points")->array())
-    if (*p.find("name")->string() == name) return p;
+  for (const Json& p : data.at("points"))
+    if (p.at("name") == name) return p;
   FAIL("no point " << name);
   return data;
 }
 
 double number(const Json& of, const char* name) {
-  REQUIRE(of.find(name) != nullptr);
-  return *of.find(name)->number();
+  return of.at(name).get<double>();
 }
 
 /// A page without the letters of its pictures, which may spell anything.
@@ -120,16 +119,16 @@ TEST_CASE("the points page holds the picture and every landmark where the start 
   const Json data = data_of(page);
   CHECK(number(data, "width") == 200);
   CHECK(number(data, "height") == 160);
-  CHECK(data.find("points")->array()->size() == 15);
+  CHECK(data.at("points").size() == 15);
   const FitFile fit = parse_fit("fit", read_file(s / "fit.json"));
   for (const FitPoint& p : fit.points) {
     CHECK(number(point(data, p.landmark), "x") ==
           doctest::Approx(static_cast<double>(p.x.x + p.residual.x)).epsilon(1e-4));
     CHECK(number(point(data, p.landmark), "y") ==
           doctest::Approx(static_cast<double>(p.x.y + p.residual.y)).epsilon(1e-4));
-    CHECK(*point(data, p.landmark).find("on")->boolean());
+    CHECK(point(data, p.landmark).at("on").get<bool>());
   }
-  const std::string png = address_bytes(*data.find("picture")->string());
+  const std::string png = address_bytes(data.at("picture").get<std::string>());
   s.put("back.png", png);
   CHECK(read_image(s / "back.png").pixels == read_image(picture).pixels);
 }
@@ -144,7 +143,7 @@ TEST_CASE("given points keep their positions, and only they are switched on") {
   CHECK(number(point(data, "eye_right"), "x") == 40);
   CHECK(number(point(data, "mouth_left"), "y") == 99);
   int on = 0;
-  for (const Json& p : *data.find("points")->array()) on += *p.find("on")->boolean();
+  for (const Json& p : data.at("points")) on += p.at("on").get<bool>();
   CHECK(on == 4);
   for (const char* start : {"20,10,120,130", ""}) {
     std::vector<std::string> words{"points", s.model, "--image", picture, "-o", s / "p.html"};

@@ -206,7 +206,7 @@ TEST_CASE("track refuses the fit of another model or of another size, by name") 
   words[5] = s.put("garbage.json", "{\"version\": 1, \"model_crc\": }");
   check_refused(words, {"garbage.json", "line 1"});
   std::string wide = read_file(s / "fit.json");
-  wide.replace(wide.find("\"width\": 0."), 10, "\"width\": 9");
+  wide.replace(wide.find("\"width\":0."), 10, "\"width\":9");
   words[5] = s.put("wide.json", wide);
   check_refused(words, {"wide.json", "'width'", "limits"});
   words[5] = s.put("garbage.json", "{ \"version\": 1 }");

@@ -150,8 +150,8 @@ TEST_CASE("fit --texture writes the face with its photograph, and animate --imag
   for (std::size_t v = 0; v < mesh.position.size(); v += 11)
     CHECK(length(mesh.position[v] - shot.face.at(mesh.uv[v], q)) < 1e-3f);
   const std::string jpeg = glb.view(Glb::number(glb.at("images", 0), "bufferView"));
-  CHECK(*glb.at("images", 0).find("mimeType")->string() == "image/jpeg");
-  CHECK(glb.at("materials", 0).find("extensions")->find("KHR_materials_unlit") != nullptr);
+  CHECK(glb.at("images", 0).at("mimeType").get<std::string>() == "image/jpeg");
+  CHECK(glb.at("materials", 0).at("extensions").contains("KHR_materials_unlit"));
   const Image texture = read_image(f.put("t.jpg", jpeg));
   CHECK(texture.width == kPhotoTextureSide);
 
