@@ -2,13 +2,14 @@
 """Measures the library and writes the tables of docs/evaluation.md.
 
 usage: python3 tests/bench/evaluate.py [--only SECTION,...] [--long] [--build FOLDER] [--data FOLDER]
-                                       [--others FOLDER] [--klt-pairs FOLDER] [--films FOLDER]
-                                       [--fit-problems FOLDER] [--list]
+                                       [--others FOLDER] [--face-films FILM,...] [--klt-pairs FOLDER]
+                                       [--films FOLDER] [--fit-problems FOLDER] [--list]
   --only SECTION,...   renew these sections and keep the others (all)
   --long               also what takes more than a few minutes: Figure 9 on the recorded face, the second model
   --build FOLDER       a release build (build/release); what is missing in it is built
   --data FOLDER        recorded faces; else the environment's PLIANT_DATA
   --others FOLDER      photographs without faces (fixtures/face/other_pictures.sh fetches some)
+  --face-films FILM,...   further films of one face, for faults
   --klt-pairs FOLDER   pairs of pictures with known motion (pliant bench klt --pairs)
   --films FOLDER       films of sheets (sheet_film.py): subfolders paper-A, occluded-A, cloth-A, paper-B, occluded-B, cloth-B; what
                        is missing is rendered by Blender into it, an hour each
@@ -368,6 +369,25 @@ def detection(s):
     return '\n'.join(text).rstrip()
 
 
+FAULT_COLUMNS = (('tracking_percent', 'tracking %'), ('wrong_frames', 'tracking and wrong, frames'), ('back_frames', 'back after'),
+                 ('back_frames_worst', 'at most'), ('never_back', 'never'), ('slowest_over_median', 'slowest frame / median'))
+
+
+def faults(s):
+    films = [('Recorded face', franck_film(s, 'mp4', folder(s.data and os.path.join(s.data, 'franck'), 'the recorded face'), 2400))]
+    films += [('Film %d of another person' % (k + 1), film) for k, film in enumerate((s.options.face_films or '').split(',')) if film]
+    text = [command_block('pliant bench faults --model face.plm --film FILM --count 4')]
+    for name, film in films:
+        found = {}
+        for fault, metric, value in bench_rows(s.pliant_output('bench', 'faults', '--model', s.face, '--film', film, '--count', '4')):
+            found.setdefault(fault, {})[metric] = '' if value == 'nan' else number(value)
+        clips = next(iter(found.values()))['clips']
+        text += ['%s, %s clips:' % (name, clips),
+                 table(['fault'] + [title for _, title in FAULT_COLUMNS],
+                       [[fault] + [values[key] for key, _ in FAULT_COLUMNS] for fault, values in found.items()])]
+    return '\n\n'.join(text)
+
+
 # (name, words of fixtures/sheet/make.py, further words of `pliant bake`)
 PRINTS = (('poster of `fixtures/sheet`, with which the constants were chosen', (), ()),
           ('another print: two columns of marks and a small map', ('--kind', 'page', '--seed', '2'), ()),
@@ -484,6 +504,7 @@ SECTIONS = {
     'recorded': (recorded, False),
     'recorded-variants': (recorded_variants, False),
     'detection': (detection, False),
+    'faults': (faults, False),
     'print': (print_starts, False),
     'track': (bench('track', '--model', 'FACE',
                     keep=('median_ms', 'worst_ms', 'landmark_px', 'rotation_deg', 'patches_found', 'vertices', 'arena_bytes')), False),
@@ -531,6 +552,7 @@ def parse(words):
     parser.add_argument('--build', default='build/release')
     parser.add_argument('--data', default=os.environ.get('PLIANT_DATA'))
     parser.add_argument('--others')
+    parser.add_argument('--face-films')
     parser.add_argument('--klt-pairs')
     parser.add_argument('--films')
     parser.add_argument('--fit-problems')

@@ -60,6 +60,12 @@ int run_print(const Args& args, Console& console) {
   return 0;
 }
 
+int run_faults(const Args& args, Console& console) {
+  bench_faults(console.out, ModelFile(args.required("--model")), args.required("--film"),
+               static_cast<std::size_t>(args.integer("--count", 4, 1, 1000)));
+  return 0;
+}
+
 struct Topic {
   const char* name;
   int (*run)(const Args& args, Console& console);
@@ -75,7 +81,8 @@ constexpr Topic kTopics[] = {{"mesh", run_with_model<bench_mesh>},
                              {"occlusion", run_on_model<bench_occlusion>},
                              {"fit", run_fit_bench},
                              {"detection", run_detection},
-                             {"print", run_print}};
+                             {"print", run_print},
+                             {"faults", run_faults}};
 
 int run_bench(const Args& args, Console& console) {
   std::string names;
@@ -97,7 +104,8 @@ Command bench_command() {
       "mesh|fields [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | "
       "mcd | track|cost|cues|drift|occlusion --model face.plm | fit --problems FOLDER | "
       "detection --model face.plm [--portraits FOLDER] [--others FOLDER] [--film VIDEO --truth CSV] "
-      "[--details CSV] | print --model sheet.plm [--others FOLDER] [--count N]",
+      "[--details CSV] | print --model sheet.plm [--others FOLDER] [--count N] | "
+      "faults --model face.plm --film VIDEO [--count N]",
       {{"--model", "PLM", "a model to measure with; optional for mesh and fields", Takes::input},
        {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
        {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", Takes::texts},
@@ -105,12 +113,12 @@ Command bench_command() {
        {"--problems", "FOLDER", "fitting problems as text, and solutions.csv with the optimum of each"},
        {"--portraits", "FOLDER", "photographs of one face each, and landmarks.csv: name,landmark,x,y"},
        {"--others", "FOLDER", "photographs without faces; of print, without the surface"},
-       {"--film", "VIDEO", "a Y4M file of one face, and --truth", Takes::input},
+       {"--film", "VIDEO", "a film of one face; of detection, with --truth", Takes::input},
        {"--truth", "CSV", "frame,landmark,x,y of every frame of --film", Takes::input},
        {"--details", "CSV", "a file to write: a row a picture or start", Takes::output},
        {"--count", "N",
         "frames of --frames (480), or pictures of a folder (all), that are read at most; starts "
-        "a case of print (40)"}},
+        "a case of print (40), clips of faults (4)"}},
       1,
       run_bench};
 }

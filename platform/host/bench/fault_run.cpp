@@ -1,0 +1,81 @@
+#include "host/bench/fault_run.hpp"
+
+#include <algorithm>
+
+#include "host/bench/detection_report.hpp"
+#include "host/bench/detection_run.hpp"
+
+namespace pliant::host {
+
+namespace {
+
+/// An error beyond this, as a fraction of the distance of the eyes, is wrong: a landmark is then on another part of the face.
+constexpr double kWrongError = 0.1;
+/// Frames in which a track must have begun.
+constexpr std::size_t kMostStartFrames = 6;
+
+/// Adds middle and width of the face.
+void add_place(const NamedLandmarks& landmarks, FilmClip* clip) {
+  Vec2 sum;
+  float left = 1e9f, right = -1e9f;
+  for (const auto& [name, x] : landmarks) {
+    sum = sum + x;
+    left = std::min(left, x.x);
+    right = std::max(right, x.x);
+  }
+  clip->middle.push_back((1 / std::max(static_cast<float>(landmarks.size()), 1.0f)) * sum);
+  clip->width.push_back(std::max(right - left, 1.0f));
+}
+
+}  // namespace
+
+bool judge(const ModelFile& file, std::vector<Image> frames, JudgedClip* out) {
+  *out = {{std::move(frames), {}, {}}, {}};
+  FilmClip& clip = out->clip;
+  DetectionRun run(file, clip.frames[0].width, clip.frames[0].height);
+  for (std::size_t k = 0; k < clip.frames.size(); ++k) {
+    run.update(frame_of(clip.frames[k], k));
+    if (k >= kMostStartFrames && (!run.has_track() || run.result().state != TrackState::tracking)) return false;
+    out->truth.push_back(run.landmarks());
+    add_place(out->truth.back(), &clip);
+  }
+  return true;
+}
+
+void play(const ModelFile& file, const JudgedClip& judged, const FilmFault& fault, FaultCounts* counts) {
+  const FilmClip& clip = judged.clip;
+  DetectionRun run(file, clip.frames[0].width, clip.frames[0].height);
+  double back = -1;
+  for (std::size_t k = 0; k < kClipFrames; ++k) {
+    const FaultyFrame faulty =
+        k < kFaultBegins ? FaultyFrame{clip.frames[k]} : fault.make(clip, k, fault.value);
+    if (faulty.is_missing) continue;
+    FrameView view = frame_of(faulty.picture, k);
+    view.time_ns += faulty.time_error;
+    const bool had_track = run.has_track();
+    const double before = process_ms();
+    run.update(view);
+    if (had_track && run.has_track()) counts->milliseconds.push_back(process_ms() - before);
+    const bool is_tracking = run.has_track() && run.result().state == TrackState::tracking;
+    const double error =
+        is_tracking ? landmark_error(run.landmarks(), moved(judged.truth[faulty.is_frozen ? kFaultBegins : k], faulty.scale, faulty.shift)) : 0;
+    if (is_tracking && (!faulty.has_face || !(error < kWrongError))) {
+      ++counts->wrong;
+      counts->wrong_most = std::max(counts->wrong_most, error);
+    }
+    if (k < kFaultBegins) continue;
+    if (k < kFaultBegins + kFaultFrames) {
+      counts->with_face += faulty.has_face ? 1 : 0;
+      counts->tracking += faulty.has_face && is_tracking ? 1 : 0;
+    } else if (back < 0 && is_tracking && error < kRightError) {
+      back = static_cast<double>(k - kFaultBegins - kFaultFrames);
+    }
+  }
+  ++counts->clips;
+  if (back < 0)
+    ++counts->never;
+  else
+    counts->back.push_back(back);
+}
+
+}  // namespace pliant::host
