@@ -376,16 +376,15 @@ FAULT_COLUMNS = (('tracking_percent', 'tracking %'), ('wrong_frames', 'tracking 
 def faults(s):
     films = [('Recorded face', franck_film(s, 'mp4', folder(s.data and os.path.join(s.data, 'franck'), 'the recorded face'), 2400))]
     films += [('Film %d of another person' % (k + 1), film) for k, film in enumerate((s.options.face_films or '').split(',')) if film]
-    text = [command_block('pliant bench faults --model face.plm --film FILM --count 4')]
+    found, clips = {}, []
     for name, film in films:
-        found = {}
-        for fault, metric, value in bench_rows(s.pliant_output('bench', 'faults', '--model', s.face, '--film', film, '--count', '4')):
-            found.setdefault(fault, {})[metric] = '' if value == 'nan' else number(value)
-        clips = next(iter(found.values()))['clips']
-        text += ['%s, %s clips:' % (name, clips),
-                 table(['fault'] + [title for _, title in FAULT_COLUMNS],
-                       [[fault] + [values[key] for key, _ in FAULT_COLUMNS] for fault, values in found.items()])]
-    return '\n\n'.join(text)
+        rows = bench_rows(s.pliant_output('bench', 'faults', '--model', s.face, '--film', film, '--count', '4'))
+        clips.append('%s, %s clips' % (name, number(next(value for _, metric, value in rows if metric == 'clips'))))
+        for fault, metric, value in rows:
+            found.setdefault(fault, {}).setdefault(metric, []).append('-' if value == 'nan' else '%.3g' % float(value))
+    return (command_block('pliant bench faults --model face.plm --film FILM --count 4') + '\n\n' + '; '.join(clips) + '.\n\n'
+            + table(['fault'] + [title for _, title in FAULT_COLUMNS],
+                    [[fault] + [' / '.join(values[key]) for key, _ in FAULT_COLUMNS] for fault, values in found.items()]))
 
 
 # (name, words of fixtures/sheet/make.py, further words of `pliant bake`)
