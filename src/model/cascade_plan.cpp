@@ -118,8 +118,9 @@ bool CascadePlan::is_stored(Span<const CascadeRecord> records, std::size_t n) co
   return false;
 }
 
-/// Most records of a face add a vector to the record before, and most of these vectors are zero at any one point. The
-/// links let the evaluation carry the value along such a chain in a variable and skip the zeros.
+/// Most records of a face add a vector to the record before, and most of these vectors are zero at any one point. Most of a
+/// surface with bending modes are products. The links let the evaluation carry the value along such a chain in a variable
+/// and skip the zeros.
 void CascadePlan::link_records(Span<const CascadeRecord> records) {
   for (std::size_t n = 0; n < sampled_count_; ++n) {
     const std::size_t i = sampled_[n];
@@ -128,9 +129,11 @@ void CascadePlan::link_records(Span<const CascadeRecord> records) {
     const bool follows = n > 0 && is_live(i) && source == sampled_[n - 1] && r.source[1] == kNone;
     const bool in_place = follows && is_live(source) && register_of_[source] == register_of_[i];
     const bool adds = r.operation == Operation::add_vector, stores = is_stored(records, n);
+    const bool multiplies = r.operation == Operation::product;
     const bool may_skip = in_place && !stores && (adds || keeps_source_at_zero_sample(r));
     first_parameter_[n] = r.parameter[0];
     link_[n] = static_cast<std::uint8_t>((follows ? kFollows : 0) | (in_place && adds ? kAddsHere : 0) |
+                                         (in_place && multiplies ? kMultipliesHere : 0) |
                                          (stores ? kStores : 0) | (may_skip ? kMaySkip : 0));
   }
 }

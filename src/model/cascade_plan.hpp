@@ -21,6 +21,7 @@ class CascadePlan {
     kStores = 4,    // another record than the next sampled one reads its value, or it is the surface point
     kMaySkip =
         8,  // leaves its source as it is where its sample is zero, and only the next sampled record reads it
+    kMultipliesHere = 16,  // as kAddsHere, of a product
   };
 
   void lay_out(Arena& arena, Span<const CascadeRecord> records);

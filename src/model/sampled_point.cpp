@@ -68,6 +68,14 @@ Vec3 SampledPointEvaluator::run(const CascadePlan& plan, const CascadeRecord* re
       const std::uint16_t parameter = plan.first_parameter(n);
       p = p + q[parameter] * s;
       if (kDerive && !is_zero(s)) registers_.add(*reg, parameter, s);
+    } else if ((link & CascadePlan::kMultipliesHere) != 0) {
+      const std::uint16_t first = plan.first_parameter(n), second = records[i].parameter[1];
+      const float a = q[first], b = q[second];
+      p = p + (a * b) * s;
+      if (kDerive) {
+        registers_.add(*reg, first, b * s);
+        registers_.add(*reg, second, a * s);
+      }
     } else if (!plan.is_live(i)) {
       p = s;
     } else {
