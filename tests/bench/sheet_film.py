@@ -258,6 +258,7 @@ def add_cloth(sheet, held, frames):
     s.effector_weights.gravity = 0.6
     cloth.collision_settings.use_collision = False
     cloth.collision_settings.use_self_collision = True
+    cloth.collision_settings.self_distance_min = 0.2 / CELLS[0]  # well below a cell: else neighbours push each other away
     cloth.point_cache.frame_start, cloth.point_cache.frame_end = 1, SETTLE + frames + 1
 
 
