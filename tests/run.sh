@@ -3,9 +3,9 @@
 # usage: sh tests/run.sh [--all | --targets]
 #   without an option  the optimised build, by GCC
 #   --all              also the optimised build by Clang, and GCC's with the address and undefined-behaviour sanitizers
-#   --targets          all of that, and the targets: Cortex-M7 on an emulated board; AArch64, ARMv7 and RISC-V under
-#                      qemu-user; two builds compared byte by byte; builds without each optional part; a camera in a
-#                      virtual machine
+#   --targets          all of that, the fuzzers for some seconds each, and the targets: Cortex-M7 on an emulated board; AArch64,
+#                      ARMv7 and RISC-V under qemu-user; two builds compared byte by byte; builds without each optional
+#                      part; a camera in a virtual machine
 # A target is skipped, with a line that says so, when its compiler or emulator cannot be installed, and when it would begin
 # more than PLIANT_MINUTES after the start, where that is set.
 # Tests of real data read it from the folder in PLIANT_DATA. Without it ctest shows them as skipped.
@@ -70,6 +70,7 @@ run_tests clang
 run_tests sanitize
 [ "$scope" = --targets ] || exit 0
 
+obtain clang++ -- clang libclang-rt-dev && script "fuzzers" tests/fuzz/run.sh 4
 script "the same bytes twice" tests/target/twice.sh build/twice
 script "optional parts" tests/target/parts.sh build/parts
 if [ "$(uname -m)" = x86_64 ]; then sh toolchains/packages.sh qemu-system-x86 busybox-static cpio kmod python3 || true; fi

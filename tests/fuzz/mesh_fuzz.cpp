@@ -1,7 +1,5 @@
-// For libFuzzer: takes any bytes as the triangles of a base mesh and then as operations on it. No input may crash; the
-// status of each operation must match what the mesh is afterwards; a mesh that was accepted must stay valid. Build:
-//   clang++ -std=c++17 -g -O1 -fsanitize=fuzzer,address,undefined -Iinclude -Isrc -isystem /usr/include/eigen3 \
-//     tests/fuzz/mesh_fuzz.cpp src/*/*.cpp -o mesh_fuzz
+// Takes any bytes as the triangles of a base mesh and then as operations on it. No input may crash; the
+// status of each operation must match what the mesh is afterwards; a mesh that was accepted must stay valid.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -62,6 +60,10 @@ void operate(Mesh& mesh, Bytes& bytes) {
 }
 
 }  // namespace
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  return 0;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Bytes bytes{data, data + size};

@@ -1,0 +1,143 @@
+// Fuzzes model tables: a good table with changes and a right checksum, or any bytes. A table is refused by a status; one that
+// is opened is tracked with through frames that show the good model, and all that the tracker tells is finite.
+//
+// option: --table=FILE.plm, the good table (otherwise a small one that is made here)
+// input: a byte; if it is odd, a table, else changes of eight bytes each: kind, position (3), value (4)
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "aligned_block.hpp"
+#include "model_table.hpp"
+#include "pliant/tracker.hpp"
+#include "renderer.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kSide = 128;
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+/// The good table, and frames of its model.
+struct Film {
+  std::vector<std::uint8_t> table = fuzz::small_table();
+  Camera camera = centred_camera(kSide, kSide, 180);
+  Pose pose;
+  std::vector<Picture> frames;
+
+  void draw() {
+    const fuzz::Table words(table);
+    Model model;
+    require(Model::open(words.data(), words.size(), &model) == Status::ok);
+    AlignedBlock block(measured_bytes<Cascade>(model));
+    Arena arena(block.data(), block.size());
+    Cascade cascade;
+    require(create_in(arena, cascade, model) == Status::ok);
+    const std::vector<float> rest(model.parameters().count, 0.0f);
+    pose = frontal_pose(cascade, rest.data(), camera, kSide, 0.7f);
+    Renderer renderer(cascade);
+    for (int k = 0; k < 3; ++k) {
+      Pose moved = pose;
+      moved.t.x += static_cast<float>(k);
+      frames.push_back(renderer.draw(rest.data(), moved, camera, make_backdrop(kSide, kSide, 5)));
+    }
+  }
+};
+
+Film& film() {
+  static Film one;
+  return one;
+}
+
+void change(fuzz::Table& table, const std::uint8_t* record) {
+  static constexpr float kFloats[] = {0, -0.0f, 1, -1, 1e-38f, 1e6f, -1e6f, 3e38f, -3e38f, 0.5f, 1e3f, 1e30f};
+  const std::size_t start =
+      record[0] / 16 % 2 == 0 ? 4096 : table.size();  // most of the structure is at the front
+  const std::size_t place =
+      std::size_t{record[1]} | std::size_t{record[2]} << 8 | std::size_t{record[3]} << 16;
+  const std::size_t position = place % std::min(start, table.size() - 4);
+  const std::size_t word = position / 4 * 4;
+  switch (record[0] % 5) {
+    case 0:
+      table.bytes()[position] = record[4];
+      break;
+    case 1:
+      std::memcpy(table.bytes() + position / 2 * 2, record + 4, 2);
+      break;
+    case 2:
+      std::memcpy(table.bytes() + word, record + 4, 4);
+      break;
+    case 3:
+      std::memcpy(table.bytes() + word, &kFloats[record[4] % 12], 4);
+      break;
+    default: {
+      float value;
+      std::memcpy(&value, table.bytes() + word, 4);
+      value *= kFloats[record[4] % 12];
+      std::memcpy(table.bytes() + word, &value, 4);
+    }
+  }
+}
+
+void check(const Tracker& tracker, const FrameResult& result) {
+  require(result.state <= TrackState::lost && result.landmark_error >= 0 && result.landmark_error <= 1);
+  if (!tracker.is_started() || result.state == TrackState::lost) return;
+  require(is_finite(result.pose) && is_finite(result.rms_px));
+  for (const float q : tracker.parameters()) require(is_finite(q));
+}
+
+void track(const Model& model) {
+  TrackerLimits limits = profile_s();
+  limits.width = limits.height = kSide;
+  limits.region_width = limits.region_height = 0;
+  limits.search_work = 2000;
+  static AlignedBlock block(std::size_t{1} << 23);
+  Arena arena(block.data(), block.size());
+  Tracker tracker;
+  if (create_in(arena, tracker, model, limits) != Status::ok) return;
+  const Film& f = film();
+  std::vector<float> rest;
+  for (const Parameter& p : model.parameters()) rest.push_back(clamp(0, p.minimum, p.maximum));
+  if (tracker.start_from_pose(f.frames[0].view(0), f.camera, f.pose, rest.data()) != Status::ok)
+    (void)tracker.start_from_box(f.frames[0].view(0), {30, 20}, {70, 90});
+  for (std::size_t k = 1; k < f.frames.size(); ++k) {
+    FrameResult result;
+    const Status status = tracker.update(f.frames[k].view(k), &result);
+    if (status == Status::ok) check(tracker, result);
+    for (const Landmark& l : model.landmarks()) {
+      Vec2 x;
+      if (status == Status::ok && tracker.is_started() && tracker.landmark(l.name, &x) == Status::ok)
+        require(is_finite(x));
+    }
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
+  const std::string option = "--table=";
+  for (int i = 1; i < *argc; ++i) {
+    const std::string word = (*argv)[i];
+    if (word.rfind(option, 0) != 0) continue;
+    std::ifstream in(word.substr(option.size()), std::ios::binary);
+    film().table.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  film().draw();
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size < 1) return 0;
+  const bool is_whole = data[0] % 2 == 1;
+  fuzz::Table table(is_whole ? std::vector<std::uint8_t>(data + 1, data + size) : film().table);
+  for (std::size_t at = 1; !is_whole && at + 8 <= size; at += 8) change(table, data + at);
+  table.seal();
+  Model model;
+  if (Model::open(table.data(), table.size(), &model) == Status::ok) track(model);
+  return 0;
+}
