@@ -1,5 +1,7 @@
 #include "vision/patch_sampling.hpp"
 
+#include "vision/wide_vectors.hpp"
+
 // Two passes, across and down, go through `scratch` rather than from row to row, so that no vector is read right
 // after its halves were written.
 namespace pliant::patch {
@@ -153,6 +155,7 @@ void cubic_rows(const i16* h, int window, CubicPhase t, i16* out) {
 
 }  // namespace
 
+PLIANT_WIDE_VECTORS
 void load_block(const std::uint8_t* pixels, std::ptrdiff_t stride, int window, i16* block) {
   PLIANT_ASSERT(is_window(window) && pixels != nullptr);
   const int count = block_rows(window);
@@ -160,6 +163,7 @@ void load_block(const std::uint8_t* pixels, std::ptrdiff_t stride, int window, i
   if (block_stride(window) == 24) load_rows<24>(pixels, stride, count, block);
 }
 
+PLIANT_WIDE_VECTORS
 void sample_linear(const i16* block, int fx, int fy, int window, i16* scratch, i16* out) {
   PLIANT_ASSERT(fx >= 0 && fx < kSubpixel && fy >= 0 && fy < kSubpixel);
   const int stride = block_stride(window);
@@ -168,6 +172,7 @@ void sample_linear(const i16* block, int fx, int fy, int window, i16* scratch, i
              [&](auto s) { linear_rows<s.kLanes, s.kStride>(scratch, window, narrow(fy * 256), out); });
 }
 
+PLIANT_WIDE_VECTORS
 void sample_cubic(const i16* block, int fx, int fy, int window, i16* scratch, i16* out) {
   PLIANT_ASSERT(fx >= 0 && fx < kSubpixel && fy >= 0 && fy < kSubpixel);
   cubic_across(block, (window + 3) * block_stride(window), cubic_phase(fx), scratch);

@@ -1,8 +1,11 @@
 #include "vision/patch_sums.hpp"
 
+#include "vision/wide_vectors.hpp"
+
 // With count & ~15 the compiler generates loops over whole vectors only.
 namespace pliant::patch {
 
+PLIANT_WIDE_VECTORS
 bool is_within(const i16* __restrict v, int count, GreyRange range) {
   PLIANT_ASSERT(count % 16 == 0);
   const int n = count & ~15;
@@ -14,6 +17,7 @@ bool is_within(const i16* __restrict v, int count, GreyRange range) {
   return low > range.lowest && high < range.highest;
 }
 
+PLIANT_WIDE_VECTORS
 int mask_extremes(const i16* __restrict image, const i16* __restrict m, int count, GreyRange range,
                   i16* __restrict out) {
   const i16 lo = range.lowest, hi = range.highest;
@@ -27,10 +31,12 @@ int mask_extremes(const i16* __restrict image, const i16* __restrict m, int coun
   return left;
 }
 
+PLIANT_WIDE_VECTORS
 void apply_mask(const i16* __restrict in, const i16* __restrict m, int count, i16* __restrict out) {
   for (int k = 0; k < count; ++k) out[k] = narrow(in[k] * m[k]);
 }
 
+PLIANT_WIDE_VECTORS
 void multiply_by_position(const i16* __restrict g, const i16* __restrict x, const i16* __restrict y,
                           int count, i16* __restrict by_x, i16* __restrict by_y) {
   const int n = count & ~15;
@@ -40,6 +46,7 @@ void multiply_by_position(const i16* __restrict g, const i16* __restrict x, cons
   }
 }
 
+PLIANT_WIDE_VECTORS
 Sums4 dot4(const i16* __restrict v, const i16* __restrict a, const i16* __restrict b, const i16* __restrict c,
            const i16* __restrict d, int count) {
   const int n = count & ~15;
@@ -53,6 +60,7 @@ Sums4 dot4(const i16* __restrict v, const i16* __restrict a, const i16* __restri
   return {va, vb, vc, vd};
 }
 
+PLIANT_WIDE_VECTORS
 i32 dot(const i16* __restrict v, const i16* __restrict a, int count) {
   const int n = count & ~15;
   i32 s = 0;
@@ -60,6 +68,7 @@ i32 dot(const i16* __restrict v, const i16* __restrict a, int count) {
   return s;
 }
 
+PLIANT_WIDE_VECTORS
 i32 sum_squares(const i16* __restrict v, const i16* __restrict m, int count) {
   const int n = count & ~15;
   i32 s = 0;

@@ -7,6 +7,7 @@
 #include "vision/bilinear.hpp"
 #include "vision/patch_sampling.hpp"
 #include "vision/patch_sums.hpp"
+#include "vision/wide_vectors.hpp"
 
 namespace pliant::patch {
 namespace {
@@ -121,6 +122,7 @@ const i16* load_warped(const StoredTemplate& stored, const std::uint8_t* pixels,
 // --- gradients of a block ---
 
 // Half of (3 a + 10 b + 3 c), where b is one `step` on and c two. |3 + 10 + 3| * 2048 = 2^15 at most, just within.
+PLIANT_WIDE_VECTORS
 void smooth3(const i16* __restrict in, int step, int count, i16* __restrict out) {
   const i16* __restrict b = in + step, * __restrict c = in + 2 * step;
   const int n = whole_vectors(count);
@@ -161,6 +163,7 @@ void template_rows(const i16* block, const i16* down, const i16* across, const i
 
 }  // namespace
 
+PLIANT_WIDE_VECTORS
 void make_template(const i16* block, const i16* mask, int window, i16* scratch, Template out) {
   const int stride = block_stride(window);
   i16 *down = scratch, *across = scratch + block_size(window);
