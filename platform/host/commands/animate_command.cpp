@@ -106,8 +106,8 @@ int run_animate(const Args& args, Console& console) {
   const MeshData mesh = closed_mesh(
       ModelMesh(file.model(), surface, {MeshCriterion::contour, MeshLimits::kDeepest / 2, 0, vertices}));
   MorphSurface animated(file.model(), mesh.uv, rest);
-  Progress progress(console, "frame");
   const auto& frames = input.track.frames;
+  Progress progress(console, "frame", frames.size());
   if (is_folder) {
     write_obj_frames(output, mesh, animated, input.track, [&](std::size_t k) { progress.show(k); });
   } else {

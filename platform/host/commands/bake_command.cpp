@@ -94,8 +94,8 @@ int run_bake(const Args& args, Console& console) {
   bake::BakeOptions options = options_of(args);
   std::unique_ptr<Progress> progress;
   std::string stage;
-  options.progress = [&](const char* now, std::size_t done, std::size_t) {
-    if (stage != now) progress = std::make_unique<Progress>(console, now);
+  options.progress = [&](const char* now, std::size_t done, std::size_t of) {
+    if (stage != now) progress = std::make_unique<Progress>(console, now, of);
     stage = now;
     progress->show(done);
   };

@@ -20,6 +20,8 @@ class FrameStream {
   const std::string& name() const { return name_; }
   ImageSize size() const { return {source_->width(), source_->height()}; }
   FrameRate rate() const { return source_->rate(); }
+  /// Number of frames that are expected in all; 0: unknown.
+  std::size_t count() const { return source_->count(); }
   bool is_live() const { return source_->is_live(); }
   /// Why `next` gave no frame; empty at the regular end.
   const std::string& message() const { return source_->message(); }

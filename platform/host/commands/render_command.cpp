@@ -131,7 +131,7 @@ int run_render(const Args& args, Console& console) {
   Scene scene(file.model(), size.width, size.height);
   Truth truth(args, file.model(), size);
   Y4mWriter video(output, rate);
-  Progress progress(console, "frame");
+  Progress progress(console, "frame", rows.size());
   for (std::size_t k = 0; k < rows.size(); ++k) {
     Image image = scene.draw(rows[k].q.data(), rows[k].pose, camera, background);
     add_noise(image, noise, seed + 0x10001u * static_cast<std::uint32_t>(k));

@@ -74,7 +74,7 @@ Image draw_grid(const ModelFile& file, const std::string& people, const std::str
              head + static_cast<int>(moods.rows.size()) * step_y, 1, kPaper);
   const Image paper(cell.width, cell.height, 1, kPaper);
   Scene scene(model, cell.width, cell.height, 224, kOversampling);
-  Progress progress(console, "picture");
+  Progress progress(console, "picture", persons.rows.size() * moods.rows.size());
   for (std::size_t c = 0; c < persons.rows.size(); ++c) {
     const int x = margin + static_cast<int>(c) * step_x;
     const std::string& name = persons.names[c];
@@ -84,7 +84,7 @@ Image draw_grid(const ModelFile& file, const std::string& people, const std::str
       if (c == 0) draw_text(grid, kTextSpace, y + (cell.height - kTextHeight) / 2, moods.names[r], {});
       const auto q = combined(model, persons.rows[c], moods.rows[r]);
       paste(grid, scene.draw(q.data(), moods.rows[r].pose, camera, paper, persons.tones[c]), x, y);
-      progress.show(c * moods.rows.size() + r);
+      progress.show(c * moods.rows.size() + r + 1);
     }
   }
   return grid;

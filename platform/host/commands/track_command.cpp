@@ -136,14 +136,16 @@ int run_track(const Args& args, Console& console) {
     throw Failure(kBadInput, frames.message().empty() ? frames.name() + ": has no frames" : frames.message());
   const TrackerLimits limits = tracker_limits(args, frames.size());
   Owned<Tracker> tracker(model, limits_of_run(limits, options, markers, initial));
-  TrackOutput output(args, model, markers.names, frames.rate());
+  std::size_t expected = frames.count();
+  if (last > 0 && expected > 0) expected = std::min(expected, static_cast<std::size_t>(last));
+  TrackOutput output(args, model, markers.names, frames.rate(), expected);
   if (args.has("--arkit")) ArkitExpression(model).list_unmatched(file.path(), console.err);
   TrackRun run(frames, *tracker, options, markers, output);
   if (initial)
     run.start(frame, *initial, initial_how);
   else
     run.search(frame, initial_how, file.path());
-  Progress progress(console, "frame");
+  Progress progress(console, "frame", expected);
   // A camera's stream has no end: Ctrl-C ends it, and the result is kept.
   const InterruptWatch watch(frames.is_live());
   const auto goes_on = [&] { return !watch.was_interrupted() && output.is_watched(); };

@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <fstream>
 
+#include "host/commands/track_picture.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/statistics.hpp"
-#include "host/render/overlay.hpp"
 
 namespace pliant::host {
 
@@ -37,13 +37,14 @@ bool has_landmarks(const Args& args) {
 }
 
 TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
-                         FrameRate rate)
+                         FrameRate rate, std::size_t expected)
     : model_(model),
       table_(args.required("--out")),
       arkit_(arkit_of(args, model)),
       with_landmarks_(has_landmarks(args)),
       marker_count_(marker_names.size()),
-      rate_(rate) {
+      rate_(rate),
+      sheet_(expected) {
   if (const auto path = args.text("--overlay")) overlay_ = std::make_unique<Y4mWriter>(*path, rate);
   if (args.has("--show")) window_ = std::make_unique<LiveWindow>(rate);
   if (const auto path = args.text("--sheet")) sheet_file_ = std::make_unique<OutputFile>(*path);
@@ -83,7 +84,7 @@ void TrackOutput::add(const FrameStream& frames, const FrameView& frame, Tracker
   if (number > 0) milliseconds_.push_back(milliseconds);
   if (row.state != TrackState::lost && truth_) truth_->add(number, row.pose, landmarks);
   write(row, frame);
-  if (draws()) draw(row, frames.picture(frame), &tracker.estimator(), landmarks, markers, milliseconds);
+  show(row, frames, frame, &tracker.estimator(), landmarks, markers, milliseconds);
 }
 
 void TrackOutput::add_lost(const FrameStream& frames, const FrameView& frame) {
@@ -94,7 +95,7 @@ void TrackOutput::add_lost(const FrameStream& frames, const FrameView& frame) {
   row.q.resize(model_.parameters().count);
   row.points.resize((with_landmarks_ ? model_.landmarks().count : 0) + marker_count_);
   write(row, frame);
-  if (draws()) draw(row, frames.picture(frame), nullptr, {}, {}, 0);
+  show(row, frames, frame, nullptr, {}, {}, 0);
 }
 
 void TrackOutput::write(const TrackRow& row, const FrameView& frame) {
@@ -124,7 +125,7 @@ std::string TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
   if (report_) {
     facts_.arena_bytes = arena_bytes;
     facts_.summary = line;
-    report_file_->write(report_->page(facts_));
+    report_file_->write(report_->page(facts_, sheet_));
     report_file_->commit();
   }
   return line;
@@ -169,23 +170,25 @@ TrackOutput::Points TrackOutput::project_markers(Tracker& tracker) const {
   return out;
 }
 
-void TrackOutput::draw(const TrackRow& row, const Image& picture, Estimator* estimator,
-                       const Points& landmarks, const Points& markers, double milliseconds) {
-  Overlay overlay(picture);
-  if (estimator != nullptr) estimator->refresh_vertices();
+void TrackOutput::show(const TrackRow& row, const FrameStream& frames, const FrameView& frame,
+                       Estimator* estimator, const Points& landmarks, const Points& markers,
+                       double milliseconds) {
+  if (report_) report_->add(row, milliseconds);
+  const bool draws = overlay_ || window_, is_on_sheet = (sheet_file_ || report_) && sheet_.wants_next();
+  if (!is_on_sheet) sheet_.skip();
+  if (!draws && !is_on_sheet) return;
+  TrackPicture shown{
+      frames.picture(frame), {}, {}, {}, std::to_string(row.frame) + "  " + state_text(row.state), row.state};
   if (row.state != TrackState::lost && estimator != nullptr) {
-    overlay.draw_mesh(wire_of(*estimator));
-    for (const auto& x : landmarks)
-      if (x) overlay.draw_landmark(*x);
-    for (const auto& x : markers)
-      if (x) overlay.draw_marker(*x);
+    shown.mesh = wire_of(*estimator);
+    shown.landmarks = landmarks;
+    shown.markers = markers;
   }
-  overlay.draw_caption(std::to_string(row.frame) + "  " + state_text(row.state));
-  overlay.draw_state(row.state);
-  if (overlay_) overlay_->write(overlay.image());
-  if (window_) window_->show(overlay.image());
-  if (sheet_file_) sheet_.add(overlay.image());
-  if (report_) report_->add(row, overlay.image(), milliseconds);
+  if (!draws) return sheet_.add([shown] { return shown.drawn(); });
+  const Image image = shown.drawn();
+  if (overlay_) overlay_->write(image);
+  if (window_) window_->show(image);
+  if (is_on_sheet) sheet_.add([image] { return image; });
 }
 
 }  // namespace pliant::host

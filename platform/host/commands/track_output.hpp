@@ -28,9 +28,10 @@ bool has_landmarks(const Args& args);
 class TrackOutput {
  public:
   /// Opens the files that --out, --overlay, --sheet, --report and --truth name and the window of --show, and writes the header of the table.
+  /// \param expected  number of frames; 0: unknown.
   /// Bad input: --arkit, and the model has no expression that ARKit has.
   TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,
-              FrameRate rate);
+              FrameRate rate, std::size_t expected);
 
   /// Adds the tracker's present result.
   /// \param frames        where the frame comes from, which is its last.
@@ -56,9 +57,9 @@ class TrackOutput {
   Points project_landmarks(Tracker& tracker) const;
   Points project_markers(Tracker& tracker) const;
   void write(const TrackRow& row, const FrameView& frame);
-  void draw(const TrackRow& row, const Image& picture, Estimator* estimator, const Points& landmarks,
-            const Points& markers, double milliseconds);
-  bool draws() const { return overlay_ || window_ || sheet_file_ || report_; }
+  /// Draws the frame where it is wanted.
+  void show(const TrackRow& row, const FrameStream& frames, const FrameView& frame, Estimator* estimator,
+            const Points& landmarks, const Points& markers, double milliseconds);
 
   Model model_;
   OutputFile table_;
@@ -70,7 +71,7 @@ class TrackOutput {
   std::unique_ptr<LiveWindow> window_;
   std::unique_ptr<OutputFile> sheet_file_;
   std::unique_ptr<TruthComparison> truth_;
-  ContactSheet sheet_;
+  ContactSheet sheet_;  // of --sheet and --report
   std::unique_ptr<OutputFile> report_file_;
   std::unique_ptr<TrackReport> report_;
   ReportFacts facts_;

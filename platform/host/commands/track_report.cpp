@@ -49,11 +49,10 @@ std::string tile(const std::string& value, const std::string& name) {
 
 }  // namespace
 
-void TrackReport::add(const TrackRow& row, const Image& overlay, double milliseconds) {
+void TrackReport::add(const TrackRow& row, double milliseconds) {
   if (!rows_.empty()) milliseconds_.push_back(milliseconds);
   rows_.push_back(row);
   rows_.back().points.clear();
-  sheet_.add(overlay);
 }
 
 template <class Value>
@@ -64,9 +63,9 @@ std::vector<std::optional<double>> TrackReport::over_time(const Value& value) co
   return out;
 }
 
-std::string TrackReport::pictures() const {
+std::string TrackReport::pictures(const ContactSheet& sheet) const {
   std::string out;
-  for (const auto& [number, image] : sheet_.pictures()) {
+  for (const auto& [number, image] : sheet.pictures()) {
     const TrackRow& row = rows_[static_cast<std::size_t>(number)];
     const std::string caption =
         "frame " + std::to_string(row.frame) + ", " + fixed(row.time_s, 2) + " s, " + state_text(row.state);
@@ -182,7 +181,7 @@ std::string TrackReport::memory_table(const ReportFacts& facts) const {
          "</table>";
 }
 
-std::string TrackReport::page(const ReportFacts& facts) const {
+std::string TrackReport::page(const ReportFacts& facts, const ContactSheet& sheet) const {
   std::vector<int> states;
   for (const TrackRow& row : rows_) states.push_back(static_cast<int>(row.state));
   ChartStyle band;
@@ -196,7 +195,7 @@ std::string TrackReport::page(const ReportFacts& facts) const {
                     {"size", std::to_string(facts.width) + " x " + std::to_string(facts.height)},
                     {"tiles", tiles(facts)},
                     {"summary", html_text(facts.summary)},
-                    {"pictures", pictures()},
+                    {"pictures", pictures(sheet)},
                     {"states", ribbon(states, {"tracking", "degraded", "lost"}, band)},
                     {"pose", pose_charts()},
                     {"expressions", expression_charts()},

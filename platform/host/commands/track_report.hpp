@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "host/render/sheet.hpp"
 #include "host/io/track_table.hpp"
+#include "host/render/sheet.hpp"
 
 namespace pliant::host {
 
@@ -22,14 +22,14 @@ class TrackReport {
  public:
   explicit TrackReport(const Model& model) : model_(model) {}
 
-  /// Adds a frame: its row, the frame with the overlay drawn on it, and its time. The time of frame 0 is not counted.
-  void add(const TrackRow& row, const Image& overlay, double milliseconds);
+  /// Adds a frame: its row and its time. The time of frame 0 is not counted.
+  void add(const TrackRow& row, double milliseconds);
 
   /// The page: nine frames, state, pose, expressions, observations, times, memory.
-  std::string page(const ReportFacts& facts) const;
+  std::string page(const ReportFacts& facts, const ContactSheet& sheet) const;
 
  private:
-  std::string pictures() const;
+  std::string pictures(const ContactSheet& sheet) const;
   std::string tiles(const ReportFacts& facts) const;
   std::string pose_charts() const;
   std::string expression_charts() const;
@@ -41,7 +41,6 @@ class TrackReport {
   Model model_;
   std::vector<TrackRow> rows_;
   std::vector<double> milliseconds_;
-  ContactSheet sheet_;
 };
 
 }  // namespace pliant::host

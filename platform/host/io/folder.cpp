@@ -38,6 +38,7 @@ class PictureSource : public FrameSource {
  public:
   PictureSource(std::vector<std::string> paths, LumaPicture first, Image colour)
       : paths_(std::move(paths)), picture_(std::move(first)), colour_(std::move(colour)) {
+    count_ = paths_.size();
     width_ = picture_.width;
     height_ = picture_.height;
   }

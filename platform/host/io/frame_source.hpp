@@ -37,6 +37,8 @@ class FrameSource {
   int height() const { return height_; }
   /// Frames per second that the stream states; 25 if it states none. A folder states none.
   FrameRate rate() const { return rate_; }
+  /// Number of frames that are expected in all; 0: unknown. A file that is cut off has fewer.
+  std::size_t count() const { return count_; }
   /// True for a camera: it sets times and numbers, has no end, and drops frames that are not read in time.
   bool is_live() const { return is_live_; }
   /// One line that names the file and the error; empty without an error.
@@ -54,6 +56,7 @@ class FrameSource {
 
   int width_ = 0, height_ = 0;
   FrameRate rate_;
+  std::size_t count_ = 0;
   bool is_live_ = false;
 
  private:

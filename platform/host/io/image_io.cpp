@@ -17,7 +17,11 @@
 #define STBI_NO_HDR
 #define STBI_NO_LINEAR
 #define STBI_NO_STDIO
-#define STBI_NO_GIF
+// The others have no safe mark at their beginning, or go on reading behind the end of a file that is cut off.
+#define STBI_ONLY_JPEG
+#define STBI_ONLY_PNG
+#define STBI_ONLY_BMP
+#define STBI_ONLY_PNM
 #include <stb/stb_image.h>
 #define STB_IMAGE_WRITE_STATIC
 #define STB_IMAGE_WRITE_IMPLEMENTATION
@@ -30,6 +34,9 @@
 namespace pliant::host {
 
 namespace {
+
+/// Bounds memory and time, to 300 MB and some seconds.
+constexpr std::int64_t kMostPixels = 100'000'000;
 
 void append(void* context, void* data, int size) {
   static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
@@ -45,6 +52,7 @@ Image read_image(const std::string& path) {
   if (stbi_info_from_memory(data, length, &width, &height, &channels) == 0)
     fail_input(path, std::string("is not a picture that can be read: ") + stbi_failure_reason());
   if (width > 16384 || height > 16384) fail_input(path, "is larger than 16384 pixels on a side");
+  if (std::int64_t{width} * height > kMostPixels) fail_input(path, "has more than 100 million pixels");
   unsigned char* pixels = stbi_load_from_memory(data, length, &width, &height, &channels, 3);
   if (pixels == nullptr) fail_input(path, std::string("a damaged picture: ") + stbi_failure_reason());
   Image image(width, height, 3);
@@ -62,7 +70,8 @@ std::string encode_png(const Image& image) {
 
 std::string encode_jpeg(const Image& image, int quality) {
   std::string bytes;
-  stbi_write_jpg_to_func(append, &bytes, image.width, image.height, image.channels, image.pixels.data(), quality);
+  stbi_write_jpg_to_func(append, &bytes, image.width, image.height, image.channels, image.pixels.data(),
+                         quality);
   return bytes;
 }
 

@@ -1,4 +1,6 @@
 // Reads a Y4M file or pipe as luma frames.
+#include <sys/stat.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -47,6 +49,13 @@ class Stream {
     }
     return have;
   }
+  // From here to the end, if this is a plain file; else 0.
+  std::size_t bytes_left() const {
+    struct stat status {};
+    if (fstat(fileno(file_), &status) != 0 || !S_ISREG(status.st_mode)) return 0;
+    const auto size = static_cast<std::int64_t>(status.st_size), at = std::int64_t{std::ftell(file_)};
+    return at < 0 || at > size ? 0 : static_cast<std::size_t>(size - at);
+  }
   bool has_failed() const { return std::ferror(file_) != 0; }
   const std::string& name() const { return name_; }
   // At the end of the data: what a program that failed says; empty otherwise.
@@ -77,6 +86,8 @@ class Y4mSource : public FrameSource {
     width_ = header.width;
     height_ = header.height;
     rate_ = header.rate;
+    constexpr std::size_t kFrameLine = 6;  // "FRAME" without tags
+    count_ = stream_->bytes_left() / (kFrameLine + header.luma_bytes + header.chroma_bytes);
   }
 
   Image colour() const override {

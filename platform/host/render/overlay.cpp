@@ -10,10 +10,24 @@ namespace pliant::host {
 
 namespace {
 
-constexpr Colour kMesh{96, 232, 214}, kLandmark{255, 206, 92}, kMarker{255, 110, 150}, kGiven{255, 255, 255},
-    kUnused{255, 80, 70}, kGood{70, 190, 90}, kFair{240, 170, 40}, kBad{225, 60, 50};
+constexpr Colour kMesh{96, 232, 214}, kMeshOnBright{0, 96, 110}, kLandmark{255, 206, 92},
+    kMarker{255, 110, 150}, kGiven{255, 255, 255}, kUnused{255, 80, 70}, kGood{70, 190, 90},
+    kFair{240, 170, 40}, kBad{225, 60, 50};
 
-constexpr Vec2 kNowhere{-1e9f, -1e9f};
+/// Grey level from which on the mesh is drawn dark; between the lumas of the two colours, 189 and 69; above the middle,
+/// as skin changes colour less often so.
+constexpr int kBright = 150;
+
+constexpr Vec2 kNowhere{-1e9f, -1e9f}, kUnknown{-2e9f, -2e9f};
+
+/// Whether a picture of three channels is bright at this place.
+bool is_bright(const Image& image, Vec2 x) {
+  if (!(x.x >= 0 && x.y >= 0 && x.x < static_cast<float>(image.width) &&
+        x.y < static_cast<float>(image.height)))
+    return false;
+  const std::uint8_t* p = image.at(static_cast<int>(x.x), static_cast<int>(x.y));
+  return 299 * p[0] + 587 * p[1] + 114 * p[2] >= 1000 * kBright;
+}
 
 }  // namespace
 
@@ -37,17 +51,18 @@ WireMesh wire_of(const Model& model, const FitFile& fit, const std::vector<float
   return mesh;
 }
 
-WireMesh wire_of(const Estimator& estimator) {
+WireMesh wire_of(Estimator& estimator) {
   const Mesh& mesh = estimator.mesh();
   WireMesh wire;
   for (const FaceId f : mesh.faces()) {
-    if (!faces_camera(mesh, estimator.vertex_images(), f)) continue;
     const std::array<std::uint16_t, 3> corners{mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2)};
     for (const std::uint16_t v : corners) {
-      if (v >= wire.x.size()) wire.x.resize(v + std::size_t{1}, kNowhere);
-      wire.x[v] = estimator.vertex_seen(v);
+      if (v >= wire.x.size()) wire.x.resize(v + std::size_t{1}, kUnknown);
+      if (wire.x[v].x == kUnknown.x && !estimator.project(mesh.uv(v), &wire.x[v])) wire.x[v] = kNowhere;
     }
-    wire.faces.push_back(corners);
+    const Vec2 *x = wire.x.data(), uv[] = {mesh.uv(corners[0]), mesh.uv(corners[1]), mesh.uv(corners[2])};
+    if (doubled_area(x[corners[0]], x[corners[1]], x[corners[2]]) * doubled_area(uv[0], uv[1], uv[2]) > 0)
+      wire.faces.push_back(corners);
   }
   return wire;
 }
@@ -81,8 +96,11 @@ void Overlay::draw_mesh(const WireMesh& mesh) {
       edges.push_back({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  for (const auto& [a, b] : edges)
-    draw_line(image_, scaled(mesh.x[a]), scaled(mesh.x[b]), unit(), kMesh, 0.42f);
+  const Image below = image_;  // the colour of an edge must not depend on those that are drawn already
+  for (const auto& [a, b] : edges) {
+    const Vec2 from = scaled(mesh.x[a]), to = scaled(mesh.x[b]);
+    draw_line(image_, from, to, unit(), is_bright(below, 0.5f * (from + to)) ? kMeshOnBright : kMesh, 0.42f);
+  }
 }
 
 void Overlay::draw_landmark(Vec2 x) {

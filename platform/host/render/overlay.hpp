@@ -20,7 +20,8 @@ struct WireMesh {
 
 /// The base mesh of a model at the state of a fit; the mesh of a tracker's current state.
 WireMesh wire_of(const Model& model, const FitFile& fit, const std::vector<float>& q);
-WireMesh wire_of(const Estimator& estimator);
+/// The mesh of an estimate. The estimate stays as it is: what is drawn must not change what is tracked.
+WireMesh wire_of(Estimator& estimator);
 
 /// Image positions of the landmarks in the model's order; nothing for a landmark behind the camera.
 std::vector<std::optional<Vec2>> project_landmarks(const Model& model, Cascade& cascade, const Pose& pose,

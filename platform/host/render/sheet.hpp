@@ -1,20 +1,30 @@
 #pragma once
 /// \file sheet.hpp
 /// A contact sheet: nine pictures of a sequence whose length is not known in advance.
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "host/io/image.hpp"
 
 namespace pliant::host {
 
-/// Keeps a bounded, evenly spaced selection of the pictures that it is given, and the last one.
+/// Keeps a bounded, evenly spaced selection of the pictures that it is given, and the last one. Only those are made.
 class ContactSheet {
  public:
   static constexpr int kColumns = 3, kRows = 3;
 
-  /// Adds picture number k = 0, 1, 2, ... All have one size and three channels.
-  void add(const Image& image);
-  bool is_empty() const { return kept_.empty(); }
+  /// \param expected  number of pictures that will come; 0: unknown, and more pictures are made than are needed.
+  explicit ContactSheet(std::size_t expected = 0);
+
+  /// Whether the next picture may be shown.
+  bool wants_next() const { return next_ % stride_ == 0 || next_ + 1 >= expected_; }
+  /// Adds picture number k = 0, 1, 2, ..., which `make` gives. It is called now, or later for the last picture. All have one
+  /// size and three channels.
+  void add(std::function<Image()> make);
+  /// Counts a picture that is not wanted.
+  void skip() { ++next_; }
+  bool is_empty() const { return next_ == 0; }
   struct Picture {
     int number;
     Image image;  ///< shrunk to a cell of the sheet
@@ -26,9 +36,11 @@ class ContactSheet {
 
  private:
   static constexpr std::size_t kMost = 4 * kColumns * kRows;
+  static Image cell_of(const Image& image);
+
   std::vector<Picture> kept_;  // numbers 0, stride_, 2 stride_, ...
-  Picture last_{0, {}};
-  int next_ = 0, stride_ = 1;
+  std::function<Image()> make_last_;
+  int next_ = 0, last_ = 0, expected_, stride_;
 };
 
 }  // namespace pliant::host

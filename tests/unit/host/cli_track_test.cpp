@@ -45,6 +45,16 @@ TEST_CASE("track measures the rendered motion, and its table has the documented 
   CHECK(overlay.rfind("YUV4MPEG2 W400 H320 F30:1", 0) == 0);
 }
 
+TEST_CASE("what is drawn does not change what is tracked") {
+  const Sequence s;
+  auto words = s.track_words();
+  REQUIRE(run_words(words).code == 0);
+  const std::string track = read_file(s / "t.csv");
+  words.insert(words.end(), {"--sheet", s / "sheet.png", "--overlay", s / "o.y4m", "--report", s / "r.html"});
+  REQUIRE(run_words(words).code == 0);
+  CHECK(read_file(s / "t.csv") == track);
+}
+
 TEST_CASE("landmarks keep their offsets from the model, unless --model-landmarks is given") {
   const Sequence s;
   // Moved up and down alternately, which no person or expression of the model explains. The video is unchanged.

@@ -9,6 +9,7 @@
 #include "host/bake/opened_table.hpp"
 #include "host/io/image.hpp"
 #include "host/render/draw.hpp"
+#include "host/render/overlay.hpp"
 #include "host/render/scene.hpp"
 #include "host/render/sheet.hpp"
 #include "pliant/camera.hpp"
@@ -316,20 +317,59 @@ TEST_CASE("enlarging keeps positions: the centre of a spot moves with the pictur
 
 TEST_CASE(
     "a contact sheet shows at most nine pictures, the first and the last, evenly spaced, of any number") {
-  for (const int count : {1, 2, 5, 9, 10, 36, 37, 38, 150, 200, 500, 2400}) {
-    ContactSheet sheet;
-    Image image(16, 12, 3);
-    for (int k = 0; k < count; ++k) sheet.add(image);
-    std::vector<int> chosen;
-    for (const auto& picture : sheet.pictures()) chosen.push_back(picture.number);
-    CAPTURE(count);
-    CHECK(chosen.size() == static_cast<std::size_t>(std::min(count, 9)));
-    CHECK(chosen.front() == 0);
-    CHECK(chosen.back() == count - 1);
-    for (std::size_t k = 1; k < chosen.size(); ++k) {
-      CHECK(chosen[k] > chosen[k - 1]);
-      if (count > 8) CHECK(std::abs(chosen[k] - chosen[k - 1] - (count - 1) / 8.0) <= 1 + (count - 1) / 16.0);
+  for (const int count : {1, 2, 5, 9, 10, 36, 37, 38, 150, 200, 500, 2400})
+    for (const int expected : {0, count}) {
+      ContactSheet sheet(static_cast<std::size_t>(expected));
+      int made = 0;
+      for (int k = 0; k < count; ++k) {
+        if (!sheet.wants_next()) {
+          sheet.skip();
+          continue;
+        }
+        sheet.add([&made] {
+          ++made;
+          return Image(16, 12, 3);
+        });
+      }
+      std::vector<int> chosen;
+      for (const auto& picture : sheet.pictures()) chosen.push_back(picture.number);
+      CAPTURE(count);
+      CAPTURE(expected);
+      CHECK(chosen.size() == static_cast<std::size_t>(std::min(count, 9)));
+      CHECK(chosen.front() == 0);
+      CHECK(chosen.back() == count - 1);
+      for (std::size_t k = 1; k < chosen.size(); ++k) {
+        CHECK(chosen[k] > chosen[k - 1]);
+        if (count > 8)
+          CHECK(std::abs(chosen[k] - chosen[k - 1] - (count - 1) / 8.0) <= 1 + (count - 1) / 16.0);
+      }
+      CHECK(made <= (expected == 0 ? 150 : 38));  // of up to 2,400
+      CHECK(sheet.image().width == 3 * 16 + 4 * 4);
     }
-    CHECK(sheet.image().width == 3 * 16 + 4 * 4);
+}
+
+TEST_CASE("a contact sheet of fewer pictures than were expected shows the last of those that it has") {
+  ContactSheet sheet(100);
+  for (int k = 0; k < 70; ++k)
+    if (sheet.wants_next())
+      sheet.add([] { return Image(16, 12, 3); });
+    else
+      sheet.skip();
+  const auto chosen = sheet.pictures();
+  CHECK(chosen.size() == 9);
+  CHECK(chosen.back().number >= 64);
+}
+
+TEST_CASE("the mesh of an overlay is visible on a picture of any brightness") {
+  for (const int grey : {0, 60, 128, 149, 150, 200, 255}) {
+    Overlay overlay(Image(600, 80, 1, static_cast<std::uint8_t>(grey)));
+    overlay.draw_mesh({{{20, 20}, {560, 30}, {300, 70}}, {{0, 1, 2}}});
+    int contrast = 0;
+    for (int y = 0; y < 80; ++y) {
+      const std::uint8_t* p = overlay.image().at(300, y);
+      contrast = std::max(contrast, std::abs((299 * p[0] + 587 * p[1] + 114 * p[2]) / 1000 - grey));
+    }
+    CAPTURE(grey);
+    CHECK(contrast >= 16);
   }
 }
