@@ -129,12 +129,15 @@ void CascadePlan::link_records(Span<const CascadeRecord> records) {
     const bool follows = n > 0 && is_live(i) && source == sampled_[n - 1] && r.source[1] == kNone;
     const bool in_place = follows && is_live(source) && register_of_[source] == register_of_[i];
     const bool adds = r.operation == Operation::add_vector, stores = is_stored(records, n);
-    const bool multiplies = r.operation == Operation::product;
-    const bool may_skip = in_place && !stores && (adds || keeps_source_at_zero_sample(r));
+    unsigned link = follows ? kFollows : 0;
+    if (in_place && adds) link |= kAddsHere;
+    if (in_place && r.operation == Operation::product) link |= kMultipliesHere;
+    if (stores)
+      link |= kStores;
+    else if (in_place && (adds || keeps_source_at_zero_sample(r)))
+      link |= kMaySkip;
     first_parameter_[n] = r.parameter[0];
-    link_[n] = static_cast<std::uint8_t>((follows ? kFollows : 0) | (in_place && adds ? kAddsHere : 0) |
-                                         (in_place && multiplies ? kMultipliesHere : 0) |
-                                         (stores ? kStores : 0) | (may_skip ? kMaySkip : 0));
+    link_[n] = static_cast<std::uint8_t>(link);
   }
 }
 

@@ -200,19 +200,11 @@ FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s
   return out;
 }
 
-/// Only the operations of which faces have many records, or that run at every vertex, are worth code of their own.
+/// Only what runs at every vertex is worth code of its own. Additions and products in a chain are evaluated elsewhere.
 Vec3 apply_without_derivatives(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
+  if (r.operation != Operation::rotate) return apply(r, q, p0, p1, s).p;
   const Operands o{r, q, p0, p1, s};
-  switch (r.operation) {
-    case Operation::add_vector:
-      return p0 + o.parameter(0) * s;
-    case Operation::product:
-      return p0 + (o.parameter(0) * o.parameter(1)) * s;
-    case Operation::rotate:
-      return o.pivot() + o.rotation() * (p0 - o.pivot());
-    default:
-      return apply(r, q, p0, p1, s).p;
-  }
+  return o.pivot() + o.rotation() * (p0 - o.pivot());
 }
 
 bool keeps_source_at_zero_sample(const CascadeRecord& r) {

@@ -29,7 +29,7 @@ struct FieldStep {
 
 /// Applies record r to the points of its sources, with its sample s.
 FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s);
-/// p alone: the same bits. Of add_vector, product and rotate in half the time.
+/// p alone: the same bits. Of rotate in half the time.
 Vec3 apply_without_derivatives(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s);
 
 /// Whether p = p0 wherever the sample is zero, at any q.

@@ -64,18 +64,18 @@ Vec3 SampledPointEvaluator::run(const CascadePlan& plan, const CascadeRecord* re
     }
     const unsigned link = plan.link(n);
     const std::size_t i = plan.sampled(n);
-    if ((link & CascadePlan::kAddsHere) != 0) {  // Eq. 4
+    if ((link & (CascadePlan::kAddsHere | CascadePlan::kMultipliesHere)) != 0) {  // Eq. 4
       const std::uint16_t parameter = plan.first_parameter(n);
-      p = p + q[parameter] * s;
-      if (kDerive && !is_zero(s)) registers_.add(*reg, parameter, s);
-    } else if ((link & CascadePlan::kMultipliesHere) != 0) {
-      const std::uint16_t first = plan.first_parameter(n), second = records[i].parameter[1];
-      const float a = q[first], b = q[second];
-      p = p + (a * b) * s;
-      if (kDerive) {
-        registers_.add(*reg, first, b * s);
-        registers_.add(*reg, second, a * s);
+      const float a = q[parameter];
+      const bool derives = kDerive && !is_zero(s);
+      float b = 1;
+      if ((link & CascadePlan::kMultipliesHere) != 0) {
+        const std::uint16_t second = records[i].parameter[1];
+        b = q[second];
+        if (derives) registers_.add(*reg, second, a * s);
       }
+      p = p + (a * b) * s;
+      if (derives) registers_.add(*reg, parameter, b * s);
     } else if (!plan.is_live(i)) {
       p = s;
     } else {
