@@ -54,6 +54,15 @@ struct Block {
   Mat2 uv_per_px;
 };
 
+/// \return false where the surface turns away.
+bool make_block(const SurfacePlace& place, Block* block) {
+  const Vec2 a{place.px_per_uv.a, place.px_per_uv.c}, b{place.px_per_uv.b, place.px_per_uv.d};
+  const float longer = dot(a, a) > dot(b, b) ? dot(a, a) : dot(b, b);
+  if (!(determinant(place.px_per_uv) > max(kTuning.least_slant * longer, 1))) return false;
+  *block = {place.uv, place.x, inverse(place.px_per_uv)};
+  return true;
+}
+
 bool find_block(const SurfaceProjection& project, Vec2 uv, Block* block) {
   const float du = uv.x > 0.5f ? -kTuning.step_uv : kTuning.step_uv,
               dv = uv.y > 0.5f ? -kTuning.step_uv : kTuning.step_uv;
@@ -61,11 +70,7 @@ bool find_block(const SurfaceProjection& project, Vec2 uv, Block* block) {
   if (!project(uv, &x) || !project(uv + Vec2{du, 0}, &along_u) || !project(uv + Vec2{0, dv}, &along_v))
     return false;
   const Vec2 a = (1 / du) * (along_u - x), b = (1 / dv) * (along_v - x);
-  const Mat2 px_per_uv{a.x, b.x, a.y, b.y};
-  const float longer = dot(a, a) > dot(b, b) ? dot(a, a) : dot(b, b);
-  if (!(determinant(px_per_uv) > max(kTuning.least_slant * longer, 1))) return false;
-  *block = {uv, x, inverse(px_per_uv)};
-  return true;
+  return make_block({uv, x, {a.x, b.x, a.y, b.y}}, block);
 }
 
 /// Means of 3 x 3 samples of the frame on a grid around the block. \param half  of the grid's side, samples.
@@ -149,6 +154,15 @@ PrintAgreement compare_print(const FrameView& frame, const Model& model, const P
     if (correlate(grey, 2 * kHalf + 1, expected) >= kTuning.least_correlation) ++agreement.agreed;
   }
   return agreement;
+}
+
+bool shows_print(const FrameView& frame, const Model& model, const SurfacePlace& place, float block_px) {
+  Block block;
+  float expected[kSamples], grey[kSamples];
+  if (!make_block(place, &block) || !is_inside(frame, block.x, block_px * (kHalf + 0.5f))) return true;
+  if (!sample_albedo(model.albedo(), block, block_px, expected)) return false;
+  sample_frame(frame, block, block_px, kHalf, grey);
+  return correlate(grey, 2 * kHalf + 1, expected) >= kTuning.least_correlation;
 }
 
 namespace {

@@ -25,6 +25,15 @@ struct PrintAgreement {
 PrintAgreement compare_print(const FrameView& frame, const Model& model, const PrintTable& table,
                              const SurfaceProjection& projection, float block_px);
 
+/// A place of the surface as the camera sees it.
+struct SurfacePlace {
+  Vec2 uv, x;      ///< its image position, px
+  Mat2 px_per_uv;  ///< dx/d(u,v)
+};
+
+/// Compares the block around one place. \return true where it looks like the albedo, and where it is not all in the frame.
+bool shows_print(const FrameView& frame, const Model& model, const SurfacePlace& place, float block_px);
+
 /// Finds the same blocks near where they are expected, up to two samples away, to a fraction of a sample.
 /// \param points  room for them; those that are found are written. \return their number. Cost: 48 blocks, 8,000 operations each.
 std::size_t match_blocks(const FrameView& frame, const Model& model, const PrintTable& table,

@@ -44,6 +44,7 @@ bool TemplateStore::capture(std::size_t slot, Estimator& estimator, const FrameR
   if (estimator.add_point(uv, &id) != Status::ok) return false;
   const Prediction p = estimator.predict(id);
   if (!p.visible || p.facing < kTemplateStoreTuning.least_facing ||
+      (check_.accepts != nullptr && !check_.accepts(check_.state, region, uv, p)) ||
       patches_.capture(static_cast<int>(slot), region.pyramid(), x - region.origin()) != PatchStatus::ok) {
     estimator.remove_point(id);
     return false;

@@ -26,11 +26,20 @@ struct Template {
   float correlation = 1;  ///< with the template, in the last frame
 };
 
+/// Decides whether a template may be captured. Without a function, every one may.
+struct TemplateCheck {
+  void* state = nullptr;
+  /// \param seen  of the surface point (u,v), in the frame whose image the region has.
+  bool (*accepts)(void* state, const FrameRegion& region, Vec2 uv, const Prediction& seen) = nullptr;
+};
+
 /// Slots of templates. A slot holds one template; which key frame it belongs to is the caller's choice. All memory is in
 /// the arena.
 class TemplateStore {
  public:
   void lay_out(Arena& arena, const TrackerLimits& limits);
+  /// Asks `check` before each capture from now on. What its state points to must stay.
+  void set_check(TemplateCheck check) { check_ = check; }
   /// Empties all slots.
   void clear();
 
@@ -60,6 +69,7 @@ class TemplateStore {
 
  private:
   PatchTracker patches_;
+  TemplateCheck check_;
   Template* templates_ = nullptr;
   std::size_t count_ = 0;
 };

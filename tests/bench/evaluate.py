@@ -407,7 +407,7 @@ def print_starts(s):
     return '\n\n'.join(text)
 
 
-SHEETS = (('paper', 'A', 1), ('paper', 'B', 2), ('occluded', 'B', 2), ('cloth', 'B', 2))  # scene, motion, print
+SHEETS = (('paper', 'A', 1), ('occluded', 'B', 2), ('cloth', 'A', 1), ('cloth', 'B', 2), ('paper', 'B', 2))  # scene, motion, print
 SHEET_MODELS = (('12 modes', ('--modes', '12')), ('without springs', ('--modes', '12', '--stretch', '0')), ('6 modes', ('--modes', '6')))
 SHEET_COLUMNS = (('frames', 'frames'), ('tracking', 'tracking'), ('degraded', 'degraded'), ('lost', 'lost'), ('wrong', 'tracking and wrong'),
                  ('error', 'error %'), ('error95', '95 %'), ('placed', 'with pose %'), ('px', 'px'), ('stretch', 'stretch %'),

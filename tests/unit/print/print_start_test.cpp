@@ -6,83 +6,18 @@
 #include <cmath>
 #include <cstring>
 
-#include "host/bake/bake.hpp"
 #include "host/bake/opened_table.hpp"
 #include "host/io/image.hpp"
-#include "host/render/scene.hpp"
 #include "model_builder.hpp"
-#include "pliant/tracker.hpp"
 #include "print/descriptor.hpp"
 #include "print/match_consensus.hpp"
 #include "print/print_table.hpp"
+#include "print_film.hpp"
 #include "random.hpp"
 #include "scratch_folder.hpp"
 
 using namespace pliant;
 using namespace pliant::host;
-
-namespace {
-
-constexpr int kWidth = 320, kHeight = 240;
-const Camera kCamera = centred_camera(kWidth, kHeight, 448);
-
-/// The sheet of the fixtures with three bending modes.
-const std::vector<std::uint8_t>& sheet_bytes() {
-  static const auto* bytes = [] {
-    auto* table = new std::vector<std::uint8_t>;
-    bake::BakeOptions options;
-    options.source = PLIANT_FIXTURES "/sheet";
-    options.modes = 3;
-    std::string error;
-    REQUIRE_MESSAGE(bake::bake(options, *table, error), error);
-    return table;
-  }();
-  return *bytes;
-}
-
-const Model& sheet() {
-  static const auto* opened = new bake::OpenedTable(sheet_bytes());
-  REQUIRE(opened->status() == Status::ok);
-  return opened->model();
-}
-
-Pose posed(float turn_x, float turn_y, float roll, float away) {
-  return {exp_rotation({turn_x, turn_y, 0}) * exp_rotation({0, 0, roll}), {0, 0, 1000 * away}};
-}
-
-Image picture_of(const Pose& pose, const std::vector<float>& q, std::uint32_t seed) {
-  static auto* scene = new Scene(sheet(), kWidth, kHeight);
-  Image image = scene->draw(q.data(), pose, kCamera, make_background(kWidth, kHeight, seed));
-  add_noise(image, 2, seed);
-  return image;
-}
-
-/// Frames of one tracker.
-struct Film {
-  InArena<Tracker> tracker;
-  FrameResult result;
-  std::uint32_t count = 0;
-
-  explicit Film(const Model& model, TrackerLimits limits = {}) : tracker(model, limits) {}
-  Status show(const Image& image) {
-    ++count;
-    FrameView view{image.pixels.data(),
-                   image.width,
-                   image.height,
-                   static_cast<std::size_t>(image.width),
-                   1,
-                   static_cast<std::int64_t>(count) * 33333333,
-                   count};
-    return tracker->update(view, &result);
-  }
-  float turned_from(const Pose& pose) const {
-    return length(log_rotation(result.pose.q * conjugate(pose.q)));
-  }
-};
-
-const std::vector<float> kRest(3, 0.0f);
-
-}  // namespace
 
 TEST_CASE("a sheet is found in its first frame, turned, tilted and bent") {
   struct {

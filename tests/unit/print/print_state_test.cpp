@@ -1,0 +1,79 @@
+// What a track by print says of itself: its state is that of the picture, and its templates are on the surface.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "print_film.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+using namespace pliant::host;
+
+namespace {
+
+/// Columns from `first` to `end` are covered by squares of random grey.
+Image covered(Image image, int first, int end) {
+  Random random(11);
+  constexpr int kSide = 5;
+  for (int y = 0; y < kHeight; y += kSide)
+    for (int x = first; x < end; x += kSide) {
+      const auto grey = static_cast<std::uint8_t>(random.below(256));
+      for (int j = y; j < std::min(kHeight, y + kSide); ++j)
+        for (int i = x; i < std::min(end, x + kSide); ++i) *image.at(i, j) = grey;
+    }
+  return image;
+}
+
+/// Neighbouring columns are shifted against each other, up and down by `px`: no bending does that.
+Image torn(const Image& image, float px) {
+  Image out = image;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const float shift = px * std::sin(0.12f * static_cast<float>(x));
+      const int from = y + static_cast<int>(std::floor(shift + 0.5f));
+      *out.at(x, y) = *image.at(x, std::min(std::max(from, 0), kHeight - 1));
+    }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a track is degraded or lost while the surface does what its shapes cannot, and recovers") {
+  Film film(sheet());
+  const Pose pose = posed(0.2f, 0.3f, 0, 0.9f);
+  const auto show = [&](float px) {
+    REQUIRE(film.show(torn(picture_of(pose, kRest, film.count), px)) == Status::ok);
+    return film.result.state;
+  };
+  for (int k = 0; k < 8; ++k) show(0);
+  CHECK(film.result.state == TrackState::tracking);
+  for (int k = 1; k <= 24; ++k) show(0.5f * static_cast<float>(k));
+  for (int k = 0; k < 6; ++k) CHECK(show(12) != TrackState::tracking);
+  for (int k = 24; k >= 0; --k) show(0.5f * static_cast<float>(k));
+  for (int k = 0; k < 8; ++k) show(0);
+  CHECK(film.result.state == TrackState::tracking);
+  CHECK(film.turned_from(pose) < 0.05f);
+}
+
+TEST_CASE("a start by print behind something with texture takes no templates from that, and is degraded until the rest is seen") {
+  Film film(sheet());
+  const Pose pose = posed(0.1f, 0.2f, 0, 0.8f);
+  constexpr int kFirst = 170, kEnd = 250;
+  for (int k = 0; k < 6 && !film.tracker->is_started(); ++k)
+    REQUIRE(film.show(covered(picture_of(pose, kRest, film.count), kFirst, kEnd)) == Status::ok);
+  REQUIRE(film.tracker->is_started());
+  CHECK(film.result.state == TrackState::degraded);
+  std::size_t on_surface = 0, in_front = 0;
+  for (std::size_t k = 0; k < film.tracker->patch_count(); ++k) {
+    Vec2 x;
+    if (!film.tracker->patch(k, &x)) continue;
+    const bool is_covered = x.x > static_cast<float>(kFirst) && x.x < static_cast<float>(kEnd - 1);
+    ++(is_covered ? in_front : on_surface);
+  }
+  CHECK(on_surface >= 20);
+  CHECK(10 * in_front <= on_surface);
+  for (int k = 0; k < 8; ++k) REQUIRE(film.show(picture_of(pose, kRest, film.count)) == Status::ok);
+  CHECK(film.result.state == TrackState::tracking);
+  CHECK(film.turned_from(pose) < 0.1f);
+}
