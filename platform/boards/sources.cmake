@@ -4,8 +4,7 @@
 #   pliant_private_includes  the folders of the private headers
 #   pliant_flags             compiler flags that keep the results the same bits everywhere
 #   pliant_cxx_flags         flags without which heap and exceptions would be linked
-#   pliant_definitions       macros for Eigen
-# All paths are absolute. The caller adds the folder of Eigen 3.4 to the private ones.
+# All paths are absolute. No other library is needed.
 get_filename_component(pliant_root ${CMAKE_CURRENT_LIST_DIR}/../.. ABSOLUTE)
 file(GLOB pliant_sources ${pliant_root}/src/*/*.cpp ${pliant_root}/platform/vision/*.cpp
   ${pliant_root}/platform/face/*.cpp ${pliant_root}/platform/print/*.cpp ${pliant_root}/platform/track/*.cpp)
@@ -14,4 +13,3 @@ set(pliant_includes ${pliant_root}/include)
 set(pliant_private_includes ${pliant_root}/src ${pliant_root}/platform)
 set(pliant_flags -ffp-contract=off -fno-math-errno -fno-tree-slp-vectorize)
 set(pliant_cxx_flags -fno-exceptions -fno-rtti -fno-threadsafe-statics)
-set(pliant_definitions EIGEN_DONT_VECTORIZE EIGEN_NO_MALLOC EIGEN_NO_IO EIGEN_MAX_STATIC_ALIGN_BYTES=8)

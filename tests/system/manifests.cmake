@@ -3,7 +3,6 @@ cmake_minimum_required(VERSION 3.22)
 # provide: each names the sources that our own build has, the version of the headers and the licence.
 # Run as: cmake -DSOURCE=... -DSOURCES="a;b" -P manifests.cmake
 set(CONFIG_PLIANT y)
-set(CONFIG_PLIANT_EIGEN_DIR /eigen)
 set(COMPONENT_LIB pliant)
 function(idf_component_register)
   cmake_parse_arguments(given "" "" "SRCS;INCLUDE_DIRS;PRIV_INCLUDE_DIRS" ${ARGN})

@@ -1,10 +1,9 @@
 # A recipe that builds the checkout that it is part of: put this folder's path into a layer's BBFILES, or copy the recipe and
-# set EXTERNALSRC. Eigen comes from meta-openembedded (libeigen).
+# set EXTERNALSRC.
 SUMMARY = "Fits and tracks deformable 3D models, faces first, in fixed memory and without a heap"
 LICENSE = "MIT"
 LIC_FILES_CHKSUM = "file://LICENSE;md5=483f54a9664d1c83747a9eb26411e98d"
 PV = "0.2.0"
-DEPENDS = "libeigen"
 
 inherit cmake externalsrc
 EXTERNALSRC = "${@os.path.abspath(os.path.join(d.getVar('THISDIR'), '..', '..', '..'))}"
