@@ -13,7 +13,8 @@ namespace pliant::host::bake {
 
 namespace {
 
-constexpr std::size_t kMostMaterials = 1000;  // bounds the time
+constexpr std::size_t kMostMaterials = 1000;                    // bounds the time
+constexpr std::streamoff kMostBytes = std::streamoff{1} << 28;  // bounds the memory
 
 class ObjReader {
  public:
@@ -21,6 +22,8 @@ class ObjReader {
     std::ifstream in(path, std::ios::binary | std::ios::ate);
     const auto size = in ? static_cast<std::streamoff>(in.tellg()) : -1;
     if (size < 0) throw SourceError(path, 0, "cannot be read");
+    if (size > kMostBytes)
+      throw SourceError(path, 0, "is larger than " + std::to_string(kMostBytes >> 20) + " MiB");
     text_.resize(static_cast<std::size_t>(size));
     in.seekg(0);
     if (size > 0 && !in.read(text_.data(), size)) throw SourceError(path, 0, "cannot be read");

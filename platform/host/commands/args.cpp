@@ -13,6 +13,18 @@ namespace pliant::host {
 
 namespace {
 
+/// Whether the path is one of the files in a folder that are read, by its ending; a table or a video beside them is not.
+bool is_source_in(const std::string& folder, const std::string& path) {
+  static constexpr const char* kEndings[] = {".txt",  ".obj", ".bin", ".png", ".jpg",
+                                             ".jpeg", ".pgm", ".ppm", ".pnm"};
+  std::error_code ignored;
+  const std::filesystem::path file(path);
+  const std::string ending = in_lower_case(file.extension().string());
+  return std::find(std::begin(kEndings), std::end(kEndings), ending) != std::end(kEndings) &&
+         std::filesystem::is_regular_file(file, ignored) && std::filesystem::is_directory(folder, ignored) &&
+         std::filesystem::equivalent(std::filesystem::absolute(file, ignored).parent_path(), folder, ignored);
+}
+
 bool is_same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;
   return a == b || std::filesystem::equivalent(a, b, ignored);
@@ -73,8 +85,9 @@ void Args::check_files(const std::vector<Option>& options) {
     const auto path = text(option.name);
     if (option.takes != Takes::output || !path) continue;
     for (const std::string& input : inputs)
-      if (*path != "-" && is_same_file(*path, input))
-        fail_usage(std::string(option.name) + " would overwrite the input " + input);
+      if (*path != "-" && (is_same_file(*path, input) || is_source_in(input, *path)))
+        fail_usage(std::string(option.name) + " would overwrite the input " +
+                   (is_same_file(*path, input) ? input : *path));
     for (const std::string& other : outputs)
       if (is_same_file(*path, other)) fail_usage("two outputs have the name " + other);
     check_ending(option, *path);
