@@ -99,6 +99,9 @@ class Estimator {
   void translate(Vec2 px);
   /// Makes `view` the predicted view, with the parameters of the last good frame: a place to search for a lost model.
   void propose(const View& view);
+  /// Replaces what is expected of a free parameter in this frame by a measurement of the platform: value and standard
+  /// deviation, both finite, sd > 0. The state moves there. Nothing happens for a parameter that is not free.
+  void expect(std::size_t parameter, float value, float sd);
   /// Copies the present state out. Null arrays are left out.
   void save(State* state) const;
   /// Makes a saved state the predicted one. Parameters that are not free keep their value.

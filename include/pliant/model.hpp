@@ -18,7 +18,7 @@
 
 namespace pliant {
 namespace table {
-constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 4;  ///< "PLM1"; 3 is one bit from 1
+constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 5;  ///< "PLM1"; 3 is one bit from 1
 constexpr std::size_t kNameBytes = 28;                      ///< zero-padded, always ends in a zero
 
 /// First bytes of a table.
@@ -46,6 +46,7 @@ enum class Kind : std::uint32_t {
   aligner = 13,
   stretch = 14,
   print = 15,
+  parts = 16,
 };
 
 /// Position of one section in the table.
@@ -144,7 +145,7 @@ struct Contents {
   Span<const Landmark> landmarks;                              ///< as in Model
   Span<const Curve> curves;                                    ///< as in Model
   ChartImage mask, albedo;                                     ///< as in Model
-  Span<const std::uint8_t> detector, aligner, print, stretch;  ///< as in Model
+  Span<const std::uint8_t> detector, aligner, parts, print, stretch;  ///< as in Model
   std::uint32_t crc = 0;                                       ///< as in Model
   std::size_t bytes = 0;                                       ///< as in Model
 };
@@ -152,7 +153,6 @@ struct Contents {
 
 /// IEEE CRC-32 (polynomial 0xEDB88320) of `bytes` bytes. `previous` is the sum of what comes before them. O(bytes).
 std::uint32_t crc32(const void* data, std::size_t bytes, std::uint32_t previous = 0);
-
 /// A read-only view of a checked model table. Copies are cheap; the table must outlive them.
 class Model {
  public:
@@ -178,6 +178,7 @@ class Model {
   ChartImage albedo() const { return contents_.albedo; }  ///< pixels are null when the table has none
   Span<const std::uint8_t> detector() const { return contents_.detector; }  ///< Learnt; may be empty.
   Span<const std::uint8_t> aligner() const { return contents_.aligner; }    ///< As detector.
+  Span<const std::uint8_t> parts() const { return contents_.parts; }        ///< As detector.
   Span<const std::uint8_t> print() const { return contents_.print; }        ///< Keypoints; may be empty.
   Span<const std::uint8_t> stretch() const { return contents_.stretch; }    ///< Springs; may be empty.
   std::uint32_t crc() const { return contents_.crc; }  ///< CRC-32 of the table; names the model in files.

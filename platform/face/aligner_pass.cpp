@@ -73,7 +73,8 @@ bool AlignerPass::start(const FrameView& frame, const Lens& lens, const View& vi
 bool AlignerPass::take_picture(const FrameView& frame) {
   const Vec2 middle = shape_.crop_map(1, 1).origin;
   if (!is_finite(middle)) return false;
-  picture_.take(frame, middle, max(1, kFaceBoxMm * shape_.view().s), gradients_.scratch());
+  picture_.take(frame, middle, max(1, kFaceBoxMm * shape_.view().s) / kFacePictureTuning.face_px,
+                gradients_.scratch());
   return true;
 }
 

@@ -4,7 +4,7 @@ namespace pliant {
 
 namespace {
 
-constexpr int kSide = kFacePictureTuning.side_px;
+constexpr int kMostSide = kFacePictureTuning.side_px;
 constexpr int kMostSamples = kFacePictureTuning.most_samples;
 constexpr float kFixedOne = 65536;
 
@@ -32,31 +32,33 @@ void place_samples(float first, float ratio, int n, int most, int* out) {
 
 }  // namespace
 
-void FacePicture::lay_out(Arena& arena) {
-  pixels_ = arena.take<std::uint8_t>(static_cast<std::size_t>(kSide) * kSide);
+void FacePicture::lay_out(Arena& arena, int side) {
+  PLIANT_ASSERT(side >= 2 && side <= kMostSide);
+  side_ = side;
+  pixels_ = arena.take<std::uint8_t>(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
 }
 
-void FacePicture::take(const FrameView& frame, Vec2 centre, float side, int* columns) {
-  PLIANT_ASSERT(check(frame) == Status::ok && is_finite(centre) && side > 0);
-  ratio_ = max(1, side / kFacePictureTuning.face_px);
-  const float half = 0.5f * static_cast<float>(kSide - 1);
+void FacePicture::take(const FrameView& frame, Vec2 centre, float ratio, int* columns) {
+  PLIANT_ASSERT(check(frame) == Status::ok && is_finite(centre) && is_finite(ratio));
+  ratio_ = max(1, ratio);
+  const float half = 0.5f * static_cast<float>(side_ - 1);
   first_ = centre - Vec2{half * ratio_, half * ratio_};
   // Without reduction the pixels are the frame's.
   if (ratio_ <= 1) first_ = {static_cast<float>(whole(first_.x)), static_cast<float>(whole(first_.y))};
   const int n = limited(static_cast<int>(min(ratio_ + 0.999f, 1e3f)), kMostSamples);
   const auto position = [&](float first, int pixel) { return first + ratio_ * static_cast<float>(pixel); };
-  for (int x = 0; x < kSide; ++x) {
+  for (int x = 0; x < side_; ++x) {
     place_samples(position(first_.x, x), ratio_, n, frame.width - 1, columns + x * n);
     for (int k = 0; k < n; ++k) columns[x * n + k] *= frame.pixel_step_bytes;
   }
   std::uint8_t* to = pixels_;
-  for (int y = 0; y < kSide; ++y) {
+  for (int y = 0; y < side_; ++y) {
     int row[kMostSamples];
     place_samples(position(first_.y, y), ratio_, n, frame.height - 1, row);
     const std::uint8_t* lines[kMostSamples];
     for (int k = 0; k < n; ++k) lines[k] = frame.data + static_cast<std::size_t>(row[k]) * frame.stride_bytes;
     const int* column = columns;
-    for (int x = 0; x < kSide; ++x, column += n) {
+    for (int x = 0; x < side_; ++x, column += n) {
       int sum = n * n / 2;
       for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) sum += lines[j][column[i]];
@@ -67,24 +69,22 @@ void FacePicture::take(const FrameView& frame, Vec2 centre, float side, int* col
 
 namespace {
 
-constexpr std::int32_t kLast = ((kSide - 1) << 16) - 1;
-
-/// Grey at a position in 1/65536 px, 0 to kLast, by bilinear interpolation.
-std::uint8_t sample(const std::uint8_t* pixels, std::int32_t x, std::int32_t y) {
-  const std::uint8_t* const p = pixels + (y >> 16) * kSide + (x >> 16);
+/// Grey at a position in 1/65536 px, within the picture, by bilinear interpolation.
+std::uint8_t sample(const std::uint8_t* pixels, int side, std::int32_t x, std::int32_t y) {
+  const std::uint8_t* const p = pixels + (y >> 16) * side + (x >> 16);
   const int fx = (x >> 8) & 255, fy = (y >> 8) & 255;
-  const int upper = p[0] * 256 + (p[1] - p[0]) * fx, lower = p[kSide] * 256 + (p[kSide + 1] - p[kSide]) * fx;
+  const int upper = p[0] * 256 + (p[1] - p[0]) * fx, lower = p[side] * 256 + (p[side + 1] - p[side]) * fx;
   return static_cast<std::uint8_t>((upper * 256 + (lower - upper) * fy + 32768) >> 16);
 }
 
-bool is_inside(std::int32_t x, std::int32_t y) {
-  return x >= 0 && y >= 0 && x <= kLast && y <= kLast;
+bool is_inside(std::int32_t x, std::int32_t y, std::int32_t last) {
+  return x >= 0 && y >= 0 && x <= last && y <= last;
 }
 
 }  // namespace
 
 CropReader::CropReader(const FacePicture& picture, const CropMap& map)
-    : pixels_(picture.pixels()), count_(map.side + 2) {
+    : pixels_(picture.pixels()), count_(map.side + 2), picture_side_(picture.side()) {
   const Vec2 first = picture.from_frame(map.to_frame({-1, -1})), step = picture.along_from_frame(map.right);
   first_x_ = fixed(first.x, 8000);
   first_y_ = fixed(first.y, 8000);
@@ -94,12 +94,13 @@ CropReader::CropReader(const FacePicture& picture, const CropMap& map)
 
 void CropReader::read_row(int y, std::uint8_t* out) const {
   std::int32_t at_x = first_x_ - (y + 1) * step_y_, at_y = first_y_ + (y + 1) * step_x_;
-  const std::int32_t last = count_ - 1;
-  if (is_inside(at_x, at_y) && is_inside(at_x + last * step_x_, at_y + last * step_y_))
-    for (int i = 0; i < count_; ++i, at_x += step_x_, at_y += step_y_) *out++ = sample(pixels_, at_x, at_y);
+  const std::int32_t steps = count_ - 1, last = ((picture_side_ - 1) << 16) - 1;
+  if (is_inside(at_x, at_y, last) && is_inside(at_x + steps * step_x_, at_y + steps * step_y_, last))
+    for (int i = 0; i < count_; ++i, at_x += step_x_, at_y += step_y_)
+      *out++ = sample(pixels_, picture_side_, at_x, at_y);
   else
     for (int i = 0; i < count_; ++i, at_x += step_x_, at_y += step_y_)
-      *out++ = sample(pixels_, limited(at_x, kLast), limited(at_y, kLast));
+      *out++ = sample(pixels_, picture_side_, limited(at_x, last), limited(at_y, last));
 }
 
 }  // namespace pliant

@@ -42,19 +42,24 @@ struct CropMap {
 /// The part of a frame around a face, reduced by averaging where it is large. Beyond the frame its border pixels go on.
 class FacePicture {
  public:
-  /// Bytes: side_px squared.
-  void lay_out(Arena& arena);
+  /// \param side  px, 2 to 160. Bytes: its square.
+  void lay_out(Arena& arena, int side = kFacePictureTuning.side_px);
 
-  /// \param centre, side  of the face box, px of the frame; finite, side > 0.
-  /// \param columns       scratch, side_px * most_samples values.
-  void take(const FrameView& frame, Vec2 centre, float side, int* columns);
+  /// Makes the picture smaller until the next call. \param side  px, 2 to that of lay_out.
+  void set_side(int side) { side_ = side; }
+  /// \param centre   of the part, px of the frame; finite.
+  /// \param ratio    px of the frame a pixel of this picture; below 1 counts as 1. Finite.
+  /// \param columns  scratch, side * most_samples values.
+  void take(const FrameView& frame, Vec2 centre, float ratio, int* columns);
 
-  const std::uint8_t* pixels() const { return pixels_; }  ///< side_px squared, rows without padding
+  int side() const { return side_; }                      ///< px
+  const std::uint8_t* pixels() const { return pixels_; }  ///< side squared, rows without padding
   /// A position in px of the frame, in px of this picture.
   Vec2 from_frame(Vec2 x) const { return (1.0f / ratio_) * (x - first_); }
   Vec2 along_from_frame(Vec2 d) const { return (1.0f / ratio_) * d; }  ///< The same of a displacement.
 
  private:
+  int side_ = 0;
   std::uint8_t* pixels_ = nullptr;
   Vec2 first_;       // px of the frame: the middle of pixel (0, 0)
   float ratio_ = 1;  // px of the frame a pixel
@@ -69,7 +74,7 @@ class CropReader {
 
  private:
   const std::uint8_t* pixels_;
-  int count_;
+  int count_, picture_side_;
   std::int32_t first_x_, first_y_, step_x_, step_y_;  // 1/65536 px
 };
 

@@ -64,10 +64,21 @@ void sum_cell(const std::uint16_t* first, int stride, int cell_px, std::uint16_t
         static_cast<std::uint16_t>(d % 2 == 0 ? by_direction[d] : (by_direction[d] * kDiagonalGain) >> 7);
 }
 
+void reverse(std::uint8_t* row, int count) {
+  for (int i = 0, j = count - 1; i < j; ++i, --j) {
+    const std::uint8_t kept = row[i];
+    row[i] = row[j];
+    row[j] = kept;
+  }
+}
+
 }  // namespace
 
-void GradientMap::lay_out(Arena& arena) {
-  gradients_ = arena.take<std::uint16_t>(static_cast<std::size_t>(kMostCropPx) * kMostCropPx);
+void GradientMap::lay_out(Arena& arena, int most_side) {
+  PLIANT_ASSERT(most_side >= 1 && most_side <= kMostCropPx);
+  most_side_ = most_side;
+  const auto side = static_cast<std::size_t>(most_side);
+  gradients_ = arena.take<std::uint16_t>(side * side);
   sums_ =
       arena.take<std::uint16_t>(static_cast<std::size_t>(kMostBlockCells) * kMostBlockCells * kBlockChannels);
 }
@@ -87,15 +98,19 @@ void GradientMap::add_row(const std::uint8_t* above, const std::uint8_t* line, c
   }
 }
 
-void GradientMap::compute(const FacePicture& picture, const CropMap& map) {
-  PLIANT_ASSERT(map.side >= 1 && map.side <= kMostCropPx);
+void GradientMap::compute(const FacePicture& picture, const CropMap& map, bool is_mirrored) {
+  PLIANT_ASSERT(map.side >= 1 && map.side <= most_side_);
   side_ = map.side;
   std::uint8_t rows[3][kMostCropPx + 2];
   const CropReader reader(picture, map);
-  reader.read_row(-1, rows[0]);
-  reader.read_row(0, rows[1]);
+  const auto read = [&](int y, std::uint8_t* row) {
+    reader.read_row(y, row);
+    if (is_mirrored) reverse(row, side_ + 2);
+  };
+  read(-1, rows[0]);
+  read(0, rows[1]);
   for (int y = 0; y < side_; ++y) {
-    reader.read_row(y + 1, rows[(y + 2) % 3]);
+    read(y + 1, rows[(y + 2) % 3]);
     add_row(rows[y % 3], rows[(y + 1) % 3], rows[(y + 2) % 3], gradients_ + y * side_);
   }
 }

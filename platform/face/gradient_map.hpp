@@ -15,12 +15,13 @@ constexpr int kMostCropPx = 104;    // a side of the crop
 /// The gradients of one crop. Integers only.
 class GradientMap {
  public:
-  /// Bytes: two a pixel of the largest crop.
-  void lay_out(Arena& arena);
+  /// \param most_side  of a crop, px. Bytes: two a pixel of the largest crop.
+  void lay_out(Arena& arena, int most_side = kMostCropPx);
 
   /// Cuts the crop out of the picture and takes its gradients. Cost: about 60 operations a pixel.
-  /// \pre map.side <= kMostCropPx.
-  void compute(const FacePicture& picture, const CropMap& map);
+  /// \param is_mirrored  takes the mirror image of the crop.
+  /// \pre map.side is at most that of lay_out.
+  void compute(const FacePicture& picture, const CropMap& map, bool is_mirrored = false);
 
   /// Describes the block of cells x cells cells around a position. The middle is rounded to a pixel, and moved so that the block
   /// lies in the crop. Cost: about 10 operations a pixel of the block.
@@ -37,7 +38,7 @@ class GradientMap {
   void add_row(const std::uint8_t* above, const std::uint8_t* line, const std::uint8_t* below,
                std::uint16_t* out) const;
 
-  int side_ = 0;
+  int side_ = 0, most_side_ = 0;
   std::uint16_t* gradients_ = nullptr;  // octant, part along the axis, part along the diagonal
   std::uint16_t* sums_ = nullptr;       // of the block being described
 };

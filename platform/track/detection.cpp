@@ -15,10 +15,14 @@ std::size_t check_bytes(const Model& model, const TrackerLimits& limits) {
   return kFaceDetection.check_bytes(model, limits);  // a check of a print takes none
 }
 
+std::size_t read_bytes(const Model& model, const TrackerLimits& limits) {
+  return kFaceDetection.read_bytes(model, limits);
+}
+
 }  // namespace
 
 /// The tracker takes the other calls from the table that laid out its SelfStart.
 const Detection kDetection{lay_out, check_bytes, nullptr, nullptr,      nullptr,
-                           nullptr, nullptr,     nullptr, &kFaceModules};
+                           nullptr, nullptr,     nullptr, &kFaceModules, nullptr, read_bytes};
 
 }  // namespace pliant

@@ -1,6 +1,7 @@
 // What connects FaceStart with the tracker.
 #include <new>
 
+#include "face/part_fit.hpp"
 #include "track/face_start.hpp"
 #include "track/self_start.hpp"
 #include "track/tracker_parts.hpp"
@@ -9,14 +10,29 @@ namespace pliant {
 
 namespace {
 
+/// Tuning of part readers in a track. Each constant: unit, reason, experiment.
+struct PartTrackingTuning {
+  /// Frames from one reading to the next, count; what was read holds between them. On the Talking Face video 2 finds 19 of 28
+  /// blinks, 1 finds 24.
+  std::uint32_t interval_frames = 1;
+  /// Time between readings that a parameter has to change in, s: not less where a clock stands still, and not so much that a
+  /// pause frees it. Round values, not tuned.
+  float shortest_s = 0.01f, longest_s = 0.2f;
+};
+constexpr PartTrackingTuning kPartTracking{};
+
 struct FaceSelfStart : SelfStart {
   FaceStart faces;
   KnownPerson person;
+  PartPoints* parts = nullptr;  // null: the model has no readers
+  std::int64_t last_read_ns = 0;
   float landmark_error = 0;  // of the last start, as the alignment estimates it; 0: unknown
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
     SelfStart::lay_out(arena, &kFaceDetection, model, limits);
     faces.lay_out(arena, model, limits);
+    parts = arena.make<PartPoints>();
+    if (parts != nullptr && parts->open(model) != Status::ok) parts = nullptr;
   }
 };
 
@@ -44,6 +60,13 @@ SelfStart* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits
 
 std::size_t bytes_of_check(const Model& model, const TrackerLimits& limits) {
   return is_available(model, limits) ? check_bytes(model, limits) : 0;
+}
+
+std::size_t bytes_of_reading(const Model& model, const TrackerLimits& limits) {
+  if (!is_available(model, limits) || model.parts().empty()) return 0;
+  Arena trial;
+  create_part<PartFit>(trial, model);
+  return trial.used_bytes();
 }
 
 void tell_search(TrackerParts& t) {
@@ -119,6 +142,34 @@ void conclude(TrackerParts& t, const FrameView& view) {
     give_up(t);
 }
 
+/// \return null if there are no readers.
+PartFit* read_at_view(TrackerParts& t, const FrameView& view) {
+  FaceSelfStart& self = self_of(t);
+  if (self.parts == nullptr) return nullptr;
+  Arena arena(t.scratch.data, t.scratch.count);
+  PartFit* const fit = create_part<PartFit>(arena, t.model());
+  if (fit == nullptr || arena.exhausted()) return nullptr;
+  fit->read(view, t.estimator.lens(), t.estimator.view(), t.estimator.parameters().data, *self.parts);
+  return fit;
+}
+
+void read_parts(TrackerParts& t, const FrameView& view) {
+  FaceSelfStart& self = self_of(t);
+  if (self.parts == nullptr) return;
+  PartPoints& points = *self.parts;
+  if (t.frame % kPartTracking.interval_frames == 0)
+    if (PartFit* const fit = read_at_view(t, view); fit != nullptr) {
+      // Times come from outside: their difference may wrap.
+      const auto elapsed = static_cast<std::int64_t>(static_cast<std::uint64_t>(view.time_ns) -
+                                                     static_cast<std::uint64_t>(self.last_read_ns));
+      self.last_read_ns = view.time_ns;
+      fit->fit(clamp(1e-9f * static_cast<float>(elapsed), kPartTracking.shortest_s, kPartTracking.longest_s),
+               &points);
+    }
+  for (std::size_t k = 0; k < points.parameter_count; ++k)
+    if (points.sd[k] > 0) t.estimator.expect(points.parameter[k], points.last[k], points.sd[k]);
+}
+
 void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {
   FaceSelfStart& self = self_of(t);
   if (!self.is_own_start) {
@@ -126,6 +177,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
     self.kept.keep(*self.of_caller);
     self.kept.keep(options);
   }
+  if (PartFit* const fit = read_at_view(t, view); fit != nullptr) fit->calibrate(self.parts);
   self.faces.begin_track(self.landmark_error, &t.result);
   self.landmark_error = 0;
   conclude(t, view);
@@ -133,7 +185,8 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
 
 }  // namespace
 
-const Detection kFaceDetection{lay_out, bytes_of_check, begin_search, search,       end_search,
-                               refine,  begin_track,    conclude,     &kFaceModules};
+const Detection kFaceDetection{lay_out,       bytes_of_check, begin_search,    search,
+                               end_search,    refine,         begin_track,     conclude,
+                               &kFaceModules, read_parts,     bytes_of_reading};
 
 }  // namespace pliant

@@ -64,6 +64,11 @@ struct Detection {
   /// Ends a frame of a track. Verifies it, and gives it up if it is wrong, or has been lost for some frames.
   void (*conclude)(TrackerParts& tracker, const FrameView& frame);
   const FaceModules* modules;  ///< of faces; null elsewhere
+  /// In a frame of a track, before its last solve: tells the estimator what learnt readers see of parts of the surface. Null:
+  /// there are none.
+  void (*read_parts)(TrackerParts& tracker, const FrameView& frame);
+  /// Bytes of scratch that it takes. Called on the table of the limits. Null: none.
+  std::size_t (*read_bytes)(const Model& model, const TrackerLimits& limits);
 };
 
 }  // namespace pliant

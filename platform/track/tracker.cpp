@@ -95,6 +95,10 @@ void ImageParts::lay_out_unused_between_frames(Arena& arena, const Model& model,
   const std::size_t corners = TemplatePlacement::scratch_bytes(limits);
   const std::size_t adaptation = limits.keeps_adaptation ? 0 : adaptation_bytes(limits.vertices);
   std::size_t bytes = corners > adaptation ? corners : adaptation;
+  if (limits.detection != nullptr && limits.detection->read_bytes != nullptr) {
+    const std::size_t reading = limits.detection->read_bytes(model, limits);
+    if (reading > bytes) bytes = reading;
+  }
   if (limits.detection != nullptr) {
     const std::size_t others = arena.used_bytes() - before,
                       check = limits.detection->check_bytes(model, limits);
@@ -130,7 +134,7 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
 Status TrackerParts::track(const FrameView& view) {
   const Status status = predict(view);
   if (status != Status::ok) return status;
-  match_and_solve();
+  match_and_solve(view);
   conclude();
   if (self_start != nullptr) self_start->calls->conclude(*this, view);
   return status;
@@ -156,11 +160,15 @@ Status TrackerParts::predict(const FrameView& view) {
                       region.is_whole_frame() ? Vec2{} : key_frames.middle_of(estimator) + motion.by_px);
 }
 
-void TrackerParts::match_and_solve() {
+void TrackerParts::match_and_solve(const FrameView& view) {
   const int rounds = kTemplateMatchTuning.rounds;
   const bool has_first_pass = matcher.run_first_pass(match_frame(), estimator);
-  for (int round = has_first_pass ? 1 : 0; round < rounds; ++round)
+  for (int round = has_first_pass ? 1 : 0; round < rounds; ++round) {
+    // What parts of the surface do is read where the pose is known best.
+    if (round + 1 == rounds && self_start != nullptr && self_start->calls->read_parts != nullptr)
+      self_start->calls->read_parts(*this, view);
     if (run_round(round) == 0) break;
+  }
   if (estimator.needs_another_round()) run_round(rounds - 1);
 }
 

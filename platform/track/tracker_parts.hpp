@@ -84,7 +84,7 @@ struct TrackerParts : ImageParts {
   void note_time(const FrameView& view);
   Status track(const FrameView& view);
   Status predict(const FrameView& view);
-  void match_and_solve();
+  void match_and_solve(const FrameView& view);
   std::size_t run_round(int round);
   void conclude();
   void keep_key_frame();

@@ -281,6 +281,16 @@ void Estimator::propose(const View& view) {
   s.place_silhouette();
 }
 
+void Estimator::expect(std::size_t parameter, float value, float sd) {
+  Impl& s = *impl_;
+  PLIANT_ASSERT(parameter < s.parameter_count() && is_finite(value) && sd > 0);
+  if (s.cascade.column_of(parameter) == kNone) return;
+  const Parameter& p = model().parameters()[parameter];
+  s.predictions = {};
+  s.state.q[parameter] = clamp(value, p.minimum, p.maximum);
+  s.motion.expect(parameter, s.state.q[parameter], sd);
+}
+
 Span<const Prediction> Estimator::predict() {
   Impl& s = *impl_;
   s.surface.draw_depth(s.state.view, s.frame);

@@ -53,6 +53,10 @@ class MotionModel {
   void expect(const View& view) { expected_.mean.view = view; }
   void expect_offset(Vec2 tau) { expected_.mean.view.tau = tau; }
   void expect(std::size_t parameter, float value) { expected_.mean.q[parameter] = value; }
+  void expect(std::size_t parameter, float value, float sd) {
+    expected_.mean.q[parameter] = value;
+    expected_.parameter_sd[parameter] = sd;
+  }
   /// Corrects the filter by the result of a good frame.
   /// \param variance  of each unknown of the solve: pose, then the columns of `cascade`.
   /// \param trusted   the state to continue from, at rest, if the result is not finite.

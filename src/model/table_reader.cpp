@@ -121,6 +121,8 @@ struct TableReader {
         return records(s, &contents.stretch);
       case table::Kind::print:
         return records(s, &contents.print);
+      case table::Kind::parts:
+        return records(s, &contents.parts);
     }
     return false;
   }

@@ -186,9 +186,10 @@ void TableWriter::set_base_mesh(std::vector<Vec2> uv, std::vector<std::uint16_t>
 
 std::vector<std::uint8_t> TableWriter::bytes() const {
   const bool has_curves = !curves_.empty(), has_albedo = !albedo_.pixels.empty();
-  const bool has_detector = !learnt_.detector.empty(), has_aligner = !learnt_.aligner.empty();
+  const bool has_detector = !learnt_.detector.empty(), has_aligner = !learnt_.aligner.empty(),
+             has_parts = !learnt_.parts.empty();
   Layout layout(8u + (has_curves ? 2u : 0u) + (has_albedo ? 1u : 0u) + (has_detector ? 1u : 0u) +
-                (has_aligner ? 1u : 0u) + (print_.empty() ? 0u : 1u) + (springs_.springs.empty() ? 0u : 1u));
+                (has_aligner ? 1u : 0u) + (has_parts ? 1u : 0u) + (print_.empty() ? 0u : 1u) + (springs_.springs.empty() ? 0u : 1u));
   layout.add(table::Kind::parameters, parameters_);
   layout.add(table::Kind::fields, fields_);
   layout.add(table::Kind::samples, samples_);
@@ -204,6 +205,7 @@ std::vector<std::uint8_t> TableWriter::bytes() const {
   if (has_albedo) layout.add(table::Kind::albedo, albedo_);
   if (has_detector) layout.add(table::Kind::detector, learnt_.detector);
   if (has_aligner) layout.add(table::Kind::aligner, learnt_.aligner);
+  if (has_parts) layout.add(table::Kind::parts, learnt_.parts);
   if (!springs_.springs.empty()) layout.add(table::Kind::stretch, section_of(springs_));
   if (!print_.empty()) layout.add(table::Kind::print, print_);
   return layout.finish();

@@ -75,6 +75,7 @@ void print_bytes(const Model& model, std::ostream& out) {
   row("base mesh", model.base_uv().count * sizeof(Vec2) + model.base_corners().count * sizeof(std::uint16_t));
   row("detector", model.detector().count);
   row("aligner", model.aligner().count);
+  row("parts", model.parts().count);
   row("stretch", model.stretch().count);
   row("print", model.print().count);
   row("names and curves",

@@ -8,6 +8,7 @@
 #include "host/learn/face_samples.hpp"
 #include "host/learn/learn_aligner.hpp"
 #include "host/learn/learn_detector.hpp"
+#include "host/learn/learn_parts.hpp"
 
 namespace pliant::host {
 
@@ -62,7 +63,8 @@ learn::LearnOptions options_of(const Args& args) {
 LearntTables kept_tables(const Args& args, const std::string& output) {
   const std::string only = args.text("--only").value_or("");
   if (only.empty()) return {};
-  if (only != "detector" && only != "aligner") fail_usage("--only: detector or aligner, not " + only);
+  if (only != "detector" && only != "aligner" && only != "parts")
+    fail_usage("--only: detector, aligner or parts, not " + only);
   return read_learnt(output);
 }
 
@@ -77,13 +79,16 @@ int run_learn(const Args& args, Console& console) {
   const auto show = [&](const char* stage, std::size_t done, std::size_t of) {
     progress.show(stage, done, of);
   };
-  if (only != "aligner") tables.detector = learn::learn_detector(samples, pictures.others, options, show);
-  if (only != "detector")
+  const auto learns = [&](const char* part) { return only.empty() || only == part; };
+  if (learns("detector")) tables.detector = learn::learn_detector(samples, pictures.others, options, show);
+  if (learns("aligner"))
     tables.aligner =
         learn::learn_aligner(file.model(), samples, pictures.others, tables.detector, options, show);
+  if (learns("parts"))
+    tables.parts = learn::learn_parts(file.model(), pictures.photographs, pictures.others, options, show);
   write_file(output, format_learnt(tables));
   console.out << output << ": detector " << tables.detector.size() << " bytes, aligner "
-              << tables.aligner.size() << " bytes\n";
+              << tables.aligner.size() << " bytes, parts " << tables.parts.size() << " bytes\n";
   return 0;
 }
 
@@ -92,7 +97,7 @@ int run_learn(const Args& args, Console& console) {
 Command learn_command() {
   return {"learn",
           "Learns from photographs how to find a face and how to align the model with it.",
-          "face.plm --faces FOLDER|none --others FOLDER [--seed N] [--threads N] [--only detector|aligner] "
+          "face.plm --faces FOLDER|none --others FOLDER [--seed N] [--threads N] [--only detector|aligner|parts] "
           "[--effort F] -o learnt.bin",
           {{"--faces", "FOLDER",
             "photographs NAME.jpg of one face each, and landmarks.csv with name,landmark,x,y; a third of "
@@ -101,7 +106,7 @@ Command learn_command() {
            {"--others", "FOLDER", "photographs without faces, in the folder and below it", Takes::input},
            {"--seed", "N", "of all random choices: the same seed gives the same tables (1)"},
            {"--threads", "N", "1 or 2 (2); the tables do not depend on it"},
-           {"--only", "PART", "learn this part again, and keep the other part of the file of -o"},
+           {"--only", "PART", "learn this part again, and keep the other parts of the file of -o"},
            {"--effort", "F", "samples as a fraction of the usual number (1), for trials"},
            {"-o", "FILE", "the learnt tables to write, for `pliant bake --learnt`", Takes::output}},
           1,

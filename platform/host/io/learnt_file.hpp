@@ -11,6 +11,7 @@ namespace pliant::host {
 struct LearntTables {
   std::vector<std::uint8_t> detector;  ///< of FaceDetector
   std::vector<std::uint8_t> aligner;   ///< of FaceAligner
+  std::vector<std::uint8_t> parts;     ///< of PartTable
 };
 
 /// The bytes of a learnt file (docs/model-format.md, section Learnt file).

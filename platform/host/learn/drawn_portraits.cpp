@@ -46,6 +46,7 @@ class Portrait {
     out.landmarks = projected(landmarks, out.pose, out.camera);
     out.trust.assign(landmarks.size(), kTrustAnnotated);
     const auto at = [&](const char* name) { return out.landmarks[model.find_landmark(name)]; };
+    out.pupils = {{at("eye_right"), at("eye_left")}, {kTrustAnnotated, kTrustAnnotated}};
     chin_ = at("ibug08"), nose_ = at("ibug27");
     ear_right_ = at("ibug00"), ear_left_ = at("ibug16");
     width_ = length(ear_left_ - ear_right_);

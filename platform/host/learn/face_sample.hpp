@@ -15,6 +15,7 @@ struct FaceSample {
   Image picture;                    ///< grey
   std::vector<Vec2> landmarks;      ///< px, one for each landmark of the model
   std::vector<std::uint8_t> trust;  ///< LandmarkTrust of each
+  Pupils pupils;
   Camera camera;
   Pose pose;
   std::vector<float> q;  ///< all parameters

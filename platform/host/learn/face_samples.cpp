@@ -6,7 +6,6 @@
 
 #include "host/io/owned.hpp"
 #include "host/learn/drawn_portraits.hpp"
-#include "host/learn/expression_variation.hpp"
 #include "host/learn/photo_mesh.hpp"
 
 namespace pliant::host::learn {
@@ -74,7 +73,8 @@ struct FaceSamples::Workspace {
 };
 
 struct FaceSamples::Parts {
-  explicit Parts(const Model& model) : sheet(model, kSheetDepth), expressions(model) {}
+  Parts(const Model& model, const ExpressionVariationTuning& tuning)
+      : sheet(model, kSheetDepth), expressions(model, tuning) {}
   static constexpr int kSheetDepth = 2;
   FaceSheet sheet;
   ExpressionVariation expressions;
@@ -86,7 +86,7 @@ struct FaceSamples::Parts {
 FaceSamples::FaceSamples(const Model& model, const std::vector<Photograph>& photographs,
                          const OtherPictures& others, std::uint64_t seed, const FaceSampleTuning& tuning)
     : tuning_(tuning), seed_(seed), model_(model), photographs_(photographs), others_(others) {
-  parts_ = std::make_unique<Parts>(model);
+  parts_ = std::make_unique<Parts>(model, tuning.expressions);
   if (photographs.empty() || tuning.drawn_fraction > 0) {
     int people = 0;
     for (const Photograph& p : photographs) people = std::max(people, p.person + 1);
@@ -120,12 +120,22 @@ FaceSample FaceSamples::draw(std::uint64_t index) const {
       random.chance(tuning_.turned_fraction) ? draw_turned(random, *workspace) : draw_in_plane(random);
   add_occluders(sample, model_, parts_->sheet.landmarks(*workspace->cascade, sample.q.data()), others_,
                 tuning_.occluders, random);
+  hide_pupils(sample);
   {
     const std::lock_guard<std::mutex> lock(parts_->mutex);
     parts_->idle.push_back(std::move(workspace));
   }
   vary_picture(sample.picture, sample.box, tuning_.variation, random);
   return sample;
+}
+
+/// A pupil is hidden where the middles of the lids are.
+void FaceSamples::hide_pupils(FaceSample& sample) const {
+  static const char* const kLids[2][2] = {{"ibug37", "ibug40"}, {"ibug44", "ibug47"}};
+  for (const int side : {0, 1})
+    for (const char* lid : kLids[side])
+      if (const std::uint16_t k = model_.find_landmark(lid); k != kNone && sample.trust[k] == kTrustNone)
+        sample.pupils.trust[side] = kTrustNone;
 }
 
 FaceSample FaceSamples::draw_in_plane(SampleRandom& random) const {
@@ -143,6 +153,8 @@ FaceSample FaceSamples::draw_in_plane(SampleRandom& random) const {
   sample.q = photograph.q;
   sample.trust = photograph.trust;
   for (const Vec2 x : photograph.landmarks) sample.landmarks.push_back(moved(x));
+  sample.pupils = photograph.pupils;
+  for (Vec2& x : sample.pupils.x) x = moved(x);
   const Vec2 principal = moved({photograph.camera.cx, photograph.camera.cy});
   sample.camera = photograph.camera;
   sample.camera.f *= scale;
@@ -250,6 +262,8 @@ FaceSample FaceSamples::draw_turned(SampleRandom& random, Workspace& workspace) 
   const std::vector<Vec3> points = parts_->sheet.landmarks(*workspace.cascade, turn.q.data());
   turn_head(photograph(k), points, random, turn);
   if (random.chance(tuning_.relit_chance)) turn.light = random_light(random);
+  if (tuning_.gaze_chance > 0 && random.chance(tuning_.gaze_chance))
+    turn.gaze_mm = {mostly_small(random, tuning_.gaze_x_mm), mostly_small(random, tuning_.gaze_y_mm)};
   Image background = surroundings(random);
   if (!background.pixels.empty() && random.chance(0.5f)) turn.cover_mm = random.between(50, 120);
   const PhotoMesh& mesh = parts_->meshes[k];
@@ -262,6 +276,7 @@ FaceSample FaceSamples::draw_turned(SampleRandom& random, Workspace& workspace) 
   sample.camera = turn.camera;
   sample.pose = turn.pose;
   set_truth(points, workspace.raster, sample);
+  sample.pupils = mesh.pupils(turn, *workspace.cascade, workspace.raster);
   if (background.pixels.empty()) background = smeared(mipmaps_[k], tuning_.side_px);
   sample.picture = mesh.picture(turn, workspace.raster, {&mipmaps_[k], &mipmaps_[second]}, background);
   return sample;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "host/learn/expression_variation.hpp"
 #include "host/learn/face_sample.hpp"
 #include "host/learn/occluders.hpp"
 #include "host/learn/other_pictures.hpp"
@@ -45,6 +46,9 @@ struct FaceSampleTuning {
   float relit_chance = 0.4f;  ///< of turned ones: with another light
   float smear_chance =
       0.4f;  ///< a photograph that does not fill the sample is continued by its border, else by another picture
+  /// Of turned ones: with the irises moved, by up to so much to the side and up or down, mm.
+  float gaze_chance = 0, gaze_x_mm = 6, gaze_y_mm = 3;
+  ExpressionVariationTuning expressions;
   OccluderTuning occluders;
   PictureVariationTuning variation;
 };
@@ -81,6 +85,7 @@ class FaceSamples {
   void mix_people(std::size_t second, SampleRandom& random, PhotoTurn& turn) const;
   void turn_head(const Photograph& photograph, const std::vector<Vec3>& points, SampleRandom& random,
                  PhotoTurn& turn) const;
+  void hide_pupils(FaceSample& sample) const;
   void set_truth(const std::vector<Vec3>& points, const TextureRaster& raster, FaceSample& sample) const;
   Image surroundings(SampleRandom& random) const;
 

@@ -16,6 +16,10 @@ struct PhotoMeshTuning {
   float most_mm = 10;
   /// Brightness of the inside of an opened mouth over that of the face. Chosen by eye.
   float dark = 0.22f;
+  /// Radius of an iris, and of what its motion moves in the photograph: beyond, the white of the eye is compressed, mm.
+  float iris_mm = 6.2f, moved_mm = 15;
+  /// Radius of an eyeball, mm.
+  float ball_mm = 12;
   /// Distance from the edge of the face in which a second person's skin fades in, mm.
   float mixed_mm = 25;
 };
@@ -24,7 +28,7 @@ constexpr PhotoMeshTuning kTuning{};
 }  // namespace
 
 PhotoMesh::PhotoMesh(const Photograph& photograph, const FaceSheet& sheet, Cascade& cascade)
-    : sheet_(sheet), fit_(view_of(photograph.pose, photograph.camera)) {
+    : sheet_(sheet), fit_(view_of(photograph.pose, photograph.camera)), pupils_(photograph.pupils) {
   fitted_ = sheet.positions(cascade, photograph.q.data());
   bend(photograph, cascade);
   mark_openings(photograph);
@@ -116,12 +120,33 @@ void PhotoMesh::draw(const PhotoTurn& turn, Cascade& cascade, TextureRaster& ras
   raster.draw(relief_.vertices(turn, moved, face), relief_.triangles());
 }
 
+/// Where the photograph shows what is at x when the irises are moved by `gaze`, px.
+Vec2 PhotoMesh::iris_source(Vec2 x, Vec2 gaze) const {
+  const float iris = kTuning.iris_mm * fit_.s, reach = kTuning.moved_mm * fit_.s;
+  for (const int side : {0, 1}) {
+    const float distance = length(x - pupils_.x[side] - gaze);
+    if (pupils_.trust[side] == kTrustNone || distance >= reach) continue;
+    return x - clamp((reach - distance) / (reach - iris), 0, 1) * gaze;
+  }
+  return x;
+}
+
 float PhotoMesh::eye_or_mouth(const TextureFragment& fragment, const Mipmap& photograph,
-                              const Mipmap::Detail& detail) const {
+                              const Mipmap::Detail& detail, Vec2 gaze) const {
   // Eyeballs and upper teeth stay where they are while lids and lips move.
-  const int x = static_cast<int>(fragment.fixed.x + 0.5f), y = static_cast<int>(fragment.fixed.y + 0.5f);
-  const bool is_open = openings_.contains(x, y) && *openings_.at(x, y) != 0;
-  if (is_open) return photograph.at(fragment.fixed, detail);
+  const auto is_open = [&](Vec2 at) {
+    const int x = static_cast<int>(at.x + 0.5f), y = static_cast<int>(at.y + 0.5f);
+    return openings_.contains(x, y) && *openings_.at(x, y) != 0;
+  };
+  if (fragment.part == FacePart::eye && dot(gaze, gaze) > 0) {
+    const Vec2 from = iris_source(fragment.fixed, gaze);
+    if (is_open(from)) return photograph.at(from, detail);
+    // What a lid covers of an iris is what is opposite.
+    for (const Vec2 pupil : pupils_.x)
+      if (length(from - pupil) < kTuning.iris_mm * fit_.s && is_open(2 * pupil - from))
+        return photograph.at(2 * pupil - from, detail);
+  }
+  if (is_open(fragment.fixed)) return photograph.at(fragment.fixed, detail);
   return fragment.part == FacePart::eye ? photograph.at(fragment.texture, detail) : kTuning.dark * mean_;
 }
 
@@ -135,7 +160,8 @@ Image PhotoMesh::picture(const PhotoTurn& turn, const TextureRaster& raster,
       has_second ? pictures[1]->detail_for(turn.second->fit_.s / scale) : detail;
   const float gain = has_second ? mean_ / turn.second->mean_ : 1;
   const auto grey = [&](const TextureFragment& f) {
-    if (f.part == FacePart::eye || f.part == FacePart::mouth) return eye_or_mouth(f, *pictures[0], detail);
+    if (f.part == FacePart::eye || f.part == FacePart::mouth)
+      return eye_or_mouth(f, *pictures[0], detail, fit_.s * turn.gaze_mm);
     const float own = pictures[0]->at(f.texture, detail);
     if (!has_second || f.second_weight <= 0) return own;
     return own + f.second_weight * (gain * pictures[1]->at(f.second, second_detail) - own);
@@ -154,6 +180,39 @@ Image PhotoMesh::picture(const PhotoTurn& turn, const TextureRaster& raster,
       *out.at(x, y) =
           static_cast<std::uint8_t>(clamp(sum / static_cast<float>(samples * samples) + 0.5f, 0, 255));
     }
+  return out;
+}
+
+Pupils PhotoMesh::pupils(const PhotoTurn& turn, Cascade& cascade, const TextureRaster& raster) const {
+  Pupils out;
+  const Model& model = cascade.model();
+  const Projector source(fit_, true), projector(view_of(turn.pose, turn.camera), true);
+  for (const int side : {0, 1}) {
+    const std::uint16_t eye = model.find_landmark(side == 0 ? "eye_right" : "eye_left");
+    Vec2 rest;
+    if (pupils_.trust[side] == kTrustNone || eye == kNone) continue;
+    const Vec2 uv{model.landmarks()[eye].u, model.landmarks()[eye].v};
+    const Vec3 middle = cascade.surface_point(uv, turn.q.data());
+    if (!source.project(middle, &rest)) continue;
+    std::size_t nearest = 0;
+    for (std::size_t k = 0; k < sheet_.uv.size(); ++k)
+      if (length(sheet_.uv[k] - uv) < length(sheet_.uv[nearest] - uv)) nearest = k;
+    // Beside the middle of the eyeball in the plane of the photograph, then back to the ball.
+    const Vec2 seen = pupils_.x[side] + fit_.s * turn.gaze_mm - bend_[nearest] - rest;
+    const auto& axes = model_to_camera(fit_.q).m;
+    const Vec2 mm = 1 / fit_.s * seen;
+    const auto along = [&](int axis) { return axes[0][axis] * mm.x + axes[1][axis] * mm.y; };
+    const Vec3 aside{along(0), along(1), along(2)}, forward{0, 0, kTuning.ball_mm};
+    const Vec3 pupil = middle - forward + kTuning.ball_mm * normalised(aside + forward);
+    if (!projector.project(pupil, &out.x[side])) continue;
+    TextureFragment fragment{};
+    const int samples = raster.samples();
+    const auto at = [&](float x) { return static_cast<int>((x + 0.5f) * static_cast<float>(samples)); };
+    const Vec2 x = out.x[side];
+    const bool is_inside = x.x >= 0 && x.y >= 0 && at(x.x) < raster.columns() && at(x.y) < raster.rows();
+    if (is_inside && raster.fragment(at(x.x), at(x.y), &fragment) && fragment.part == FacePart::eye)
+      out.trust[side] = pupils_.trust[side];
+  }
   return out;
 }
 

@@ -28,10 +28,13 @@ class PhotoMesh {
   /// \param background  where nothing was drawn; gives the size.
   Image picture(const PhotoTurn& turn, const TextureRaster& raster,
                 const std::array<const Mipmap*, 2>& pictures, const Image& background) const;
+  /// Where the pupils of the new view are, and whether they show. \param raster  as drawn.
+  Pupils pupils(const PhotoTurn& turn, Cascade& cascade, const TextureRaster& raster) const;
 
  private:
+  Vec2 iris_source(Vec2 x, Vec2 gaze) const;
   float eye_or_mouth(const TextureFragment& fragment, const Mipmap& photograph,
-                     const Mipmap::Detail& detail) const;
+                     const Mipmap::Detail& detail, Vec2 gaze) const;
   void bend(const Photograph& photograph, Cascade& cascade);
   void mark_openings(const Photograph& photograph);
   std::vector<TextureVertex> face_vertices(const PhotoTurn& turn, const std::vector<Vec3>& positions) const;
@@ -41,6 +44,7 @@ class PhotoMesh {
   std::vector<Vec3> fitted_;   // a vertex of the sheet
   std::vector<Vec2> bend_;     // texture minus projection, px, a vertex of the sheet
   std::vector<Vec2> texture_;  // px of the photograph, a vertex of the sheet
+  Pupils pupils_;              // of the photograph
   PhotoRelief relief_;
   Image openings_;    // 255 where the photograph shows an eye or the inside of the mouth
   float mean_ = 128;  // grey of the face

@@ -20,6 +20,7 @@ struct PhotoTurn {
   /// Another person, whose skin is mixed in. Null: none.
   const PhotoMesh* second = nullptr;
   float second_weight = 0;  ///< of that person's skin, 0 to 1
+  Vec2 gaze_mm;             ///< by which the irises are moved in the photograph: to the right and down
   float cover_mm = 1e9f;    ///< what is farther from the face fades into the background
 };
 

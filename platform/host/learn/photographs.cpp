@@ -49,6 +49,12 @@ void set_landmarks(const Model& model, const AnnotatedPicture& annotated, Photog
                           &out.landmarks[k]))
       out.trust[k] = kTrustFitted;
   for (const AnnotatedLandmark& a : annotated.landmarks)
+    for (const int side : {0, 1})
+      if (a.name == (side == 0 ? "pupil_r" : "pupil_l")) {
+        out.pupils.x[side] = a.x;
+        out.pupils.trust[side] = kTrustAnnotated;
+      }
+  for (const AnnotatedLandmark& a : annotated.landmarks)
     if (const std::uint16_t k = model.find_landmark(a.name.c_str()); k != kNone) {
       out.landmarks[k] = a.x;
       out.trust[k] = kTrustAnnotated;

@@ -19,6 +19,12 @@ enum LandmarkTrust : std::uint8_t {
   kTrustAnnotated = 2,  ///< annotated, or exact
 };
 
+/// Where the middles of the pupils are seen: right, left; px.
+struct Pupils {
+  Vec2 x[2];
+  std::uint8_t trust[2] = {kTrustNone, kTrustNone};  ///< LandmarkTrust of each
+};
+
 /// A photograph with one face. The view is that of the fitted model.
 struct Photograph {
   std::string name;
@@ -29,6 +35,7 @@ struct Photograph {
   Camera camera;                    ///< of the fit; the focal length is assumed
   Pose pose;                        ///< of the fit
   std::vector<float> q;             ///< of the fit, all parameters
+  Pupils pupils;
 };
 
 /// Which photographs are read.

@@ -13,7 +13,7 @@ namespace {
 const std::string kFace = PLIANT_FIXTURES "/face";
 
 LearntTables some_tables() {
-  return {{1, 2, 3, 4, 5}, {9, 8, 7}};
+  return {{1, 2, 3, 4, 5}, {9, 8, 7}, {6, 5, 4, 3}};
 }
 
 std::vector<std::uint8_t> bytes_of(Span<const std::uint8_t> table) {
@@ -22,12 +22,13 @@ std::vector<std::uint8_t> bytes_of(Span<const std::uint8_t> table) {
 
 }  // namespace
 
-TEST_CASE("a learnt file gives back both tables, or the one that it has") {
+TEST_CASE("a learnt file gives back all tables, or the one that it has") {
   const Folder folder;
   const LearntTables both = read_learnt(folder.put("both.bin", format_learnt(some_tables())));
   CHECK(both.detector == some_tables().detector);
   CHECK(both.aligner == some_tables().aligner);
-  const LearntTables one = read_learnt(folder.put("one.bin", format_learnt({{}, {7}})));
+  CHECK(both.parts == some_tables().parts);
+  const LearntTables one = read_learnt(folder.put("one.bin", format_learnt({{}, {7}, {}})));
   CHECK(one.detector.empty());
   CHECK(one.aligner == std::vector<std::uint8_t>{7});
 }
@@ -56,6 +57,7 @@ TEST_CASE("bake puts learnt tables into the model, and info prints their bytes")
   const ModelFile file(table);
   CHECK(bytes_of(file.model().detector()) == some_tables().detector);
   CHECK(bytes_of(file.model().aligner()) == some_tables().aligner);
+  CHECK(bytes_of(file.model().parts()) == some_tables().parts);
   CHECK(reinterpret_cast<std::uintptr_t>(file.model().aligner().data) % 4 == 0);
   const Ran r = run_words({"info", table});
   CHECK(contains(r.out, "  detector                       5\n"));
@@ -73,7 +75,7 @@ TEST_CASE("bake refuses a bad learnt file by name, and a source's own learnt.bin
                 {"bad.bin", "no file of learnt tables"});
   const std::string source = folder / "face";
   fs::copy(kFace, source);
-  folder.put("face/learnt.bin", format_learnt({{1, 2}, {}}));
+  folder.put("face/learnt.bin", format_learnt({{1, 2}, {}, {}}));
   REQUIRE(run_words({"bake", source, "-o", folder / "m.plm", "--size", "16"}).code == 0);
   const ModelFile file(folder / "m.plm");
   CHECK(file.model().detector().count == 2);

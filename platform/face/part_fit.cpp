@@ -1,0 +1,186 @@
+#include "face/part_fit.hpp"
+
+#include "face/aligner_table.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr const PartFitTuning& kTuning = kPartFitTuning;
+constexpr std::size_t kShift = 2;  // unknowns before the parameters
+
+std::uint16_t find_number(const Model& model, int number) {
+  if (number >= kMostAlignerLandmarks) return kNone;
+  char name[] = "ibug00";
+  name[4] = static_cast<char>('0' + number / 10);
+  name[5] = static_cast<char>('0' + number % 10);
+  return model.find_landmark(name);
+}
+
+Vec2 uv_of(const Model& model, std::uint16_t landmark) {
+  return {model.landmarks()[landmark].u, model.landmarks()[landmark].v};
+}
+
+/// Of the crop's axes in px of the frame a millimetre.
+CropMap upright(const View& view) {
+  PartRecord record{};
+  record.mm_per_px = 1;
+  record.crop_px = 1;
+  return crop_of_part(record, view, {});
+}
+
+}  // namespace
+
+Status PartPoints::open(const Model& model) {
+  side_count = count = parameter_count = 0;
+  const Status status = PartTable::open(model.parts(), &table);
+  if (status != Status::ok) return status;
+  for (std::size_t k = 0; k < table.count(); ++k)
+    for (int left = 0; left <= table[k].is_paired; ++left) {
+      if (count + table[k].point_count > kMostPartReadings) return Status::capacity;
+      PartSide& s = side[side_count];
+      s = {static_cast<std::uint8_t>(k),
+           table[k].point_count,
+           left != 0,
+           static_cast<std::uint16_t>(count),
+           {}};
+      const auto of_side = [&](int number) { return left != 0 ? mirrored_part_point(number) : number; };
+      for (int a = 0; a < 2; ++a) {
+        const std::uint16_t landmark = find_number(model, of_side(table[k].anchor[a]));
+        if (landmark == kNone) return Status::not_found;
+        s.anchor[a] = uv_of(model, landmark);
+      }
+      for (std::size_t p = 0; p < s.count; ++p, ++count) {
+        const std::uint16_t landmark = find_number(model, of_side(table[k].number[p]));
+        is_fitted[count] = landmark != kNone;
+        uv[count] = landmark != kNone ? uv_of(model, landmark) : s.anchor[0];
+      }
+      ++side_count;
+    }
+  return Status::ok;
+}
+
+void PartFit::lay_out(Arena& arena, const Model& model) {
+  const std::size_t parameters = model.parameters().count, unknowns = kMostPartParameters + kShift;
+  cascade_.lay_out(arena, model);
+  equations_.lay_out(arena, unknowns);
+  reader_.lay_out(arena);
+  readings_ = arena.take<PartReading>(kMostPartReadings);
+  q_ = arena.take<float>(parameters);
+  step_ = arena.take<float>(unknowns);
+  samples_ = arena.take<Vec3>(model.cascade().count);
+  is_free_ = arena.take<std::uint8_t>(parameters);
+  unknown_ = arena.take<std::uint16_t>(unknowns);
+  column_ = arena.take<Vec2>(unknowns);
+}
+
+Vec2 PartFit::project(Vec2 uv) {
+  Vec2 x = view_.c;
+  Projector(view_, true).project(cascade_.surface_point(uv, q_), &x);
+  return lens_.distort(x);
+}
+
+void PartFit::read(const FrameView& frame, const Lens& lens, const View& view, const float* q,
+                   const PartPoints& points) {
+  view_ = view;
+  lens_ = lens;
+  for (std::size_t k = 0; k < cascade_.parameter_count(); ++k) q_[k] = q[k];
+  for (std::size_t s = 0; s < points.side_count; ++s) {
+    const PartSide& side = points.side[s];
+    const Vec2 middle = 0.5f * (project(side.anchor[0]) + project(side.anchor[1]));
+    reader_.read(frame, points.table, side.part, crop_of_part(points.table[side.part], view, middle),
+                 side.is_left, readings_ + side.first);
+  }
+}
+
+void PartFit::choose_parameters(PartPoints* points) {
+  const Span<const Parameter> all = cascade_.model().parameters();
+  cascade_.set_free(Group::expression);
+  for (std::size_t k = 0; k < all.count; ++k) is_free_[k] = 0;
+  for (std::size_t k = 0; k < points->count; ++k) {
+    if (!points->is_fitted[k]) continue;
+    Jacobian j;
+    cascade_.sample_point(points->uv[k], q_, samples_);
+    cascade_.evaluate(samples_, q_, &j);
+    for (std::size_t c = 0; c < j.count; ++c) {
+      const std::uint16_t p = cascade_.parameter_of(j.list[c]);
+      const float range = all[p].maximum - all[p].minimum;
+      if (range * length(j.column[j.list[c]]) > kTuning.least_range_mm) is_free_[p] = 1;
+    }
+  }
+  points->parameter_count = 0;
+  for (std::size_t k = 0; k < all.count && points->parameter_count < kMostPartParameters; ++k)
+    if (is_free_[k] != 0) {
+      points->last[points->parameter_count] = q_[k];
+      points->sd[points->parameter_count] = 0;
+      points->parameter[points->parameter_count++] = static_cast<std::uint16_t>(k);
+    }
+}
+
+void PartFit::calibrate(PartPoints* points) {
+  choose_parameters(points);
+  const CropMap axes = upright(view_);
+  for (std::size_t k = 0; k < points->count; ++k)
+    if (points->is_fitted[k]) points->offset_mm[k] = axes.to_crop(readings_[k].x - project(points->uv[k]));
+}
+
+/// One Gauss-Newton step of a common shift and the parameters.
+void PartFit::step(float seconds, const PartPoints& points) {
+  const Projector projector(view_, true);
+  const CropMap axes = upright(view_);
+  const std::size_t unknowns = kShift + points.parameter_count;
+  equations_.reset(unknowns);
+  for (std::size_t k = 0; k < points.count; ++k) {
+    if (!points.is_fitted[k]) continue;
+    Jacobian j;
+    Projector::Derivatives d;
+    Vec2 x;
+    cascade_.sample_point(points.uv[k], q_, samples_);
+    if (!projector.project(cascade_.evaluate(samples_, q_, &j), &x, &d)) continue;
+    column_[0] = {1, 0};
+    column_[1] = {0, 1};
+    for (std::size_t n = 0; n < kShift; ++n) unknown_[n] = static_cast<std::uint16_t>(n);
+    std::size_t n = kShift;
+    for (std::size_t c = 0; c < j.count; ++c, ++n) {
+      unknown_[n] = static_cast<std::uint16_t>(kShift + j.list[c]);
+      column_[n] = d.along(j.column[j.list[c]]);
+    }
+    const Vec2 target = readings_[k].x - axes.along(points.offset_mm[k]);
+    equations_.add(unknown_, column_, n, lens_.undistort(target) - x, readings_[k].information);
+  }
+  const float shift_px = kTuning.shift_mm * view_.s;
+  for (std::size_t n = 0; n < kShift; ++n) equations_.add_prior(n, 0, 1 / (shift_px * shift_px));
+  for (std::size_t n = 0; n < points.parameter_count; ++n) {
+    const std::uint16_t k = points.parameter[n];
+    const Parameter& p = cascade_.model().parameters()[k];
+    const float change = kTuning.change * (p.maximum - p.minimum) * 30 * seconds;
+    equations_.add_prior(kShift + n, -q_[k], 1 / (p.sd * p.sd));
+    equations_.add_prior(kShift + n, points.last[n] - q_[k], 1 / (change * change));
+    equations_.set_limits(kShift + n, min(p.minimum - q_[k], 0), max(p.maximum - q_[k], 0));
+  }
+  equations_.solve(0, step_);
+  for (std::size_t n = 0; n < points.parameter_count; ++n) {
+    const std::uint16_t k = points.parameter[n];
+    const Parameter& p = cascade_.model().parameters()[k];
+    q_[k] = clamp(q_[k] + step_[kShift + n], p.minimum, p.maximum);
+  }
+}
+
+void PartFit::fit(float seconds, PartPoints* points) {
+  for (std::size_t k = 0; k < cascade_.parameter_count(); ++k) is_free_[k] = 0;
+  for (std::size_t n = 0; n < points->parameter_count; ++n) {
+    is_free_[points->parameter[n]] = 1;
+    q_[points->parameter[n]] = points->last[n];
+  }
+  cascade_.set_free(is_free_);
+  for (int k = 0; k < kTuning.steps; ++k) step(seconds, *points);
+  equations_.variances(step_);
+  for (std::size_t n = 0; n < points->parameter_count; ++n)
+    if (!is_finite(q_[points->parameter[n]]) || !(step_[kShift + n] > 0)) return;
+  for (std::size_t n = 0; n < points->parameter_count; ++n) {
+    points->last[n] = q_[points->parameter[n]];
+    points->sd[n] = square_root(step_[kShift + n]);
+  }
+}
+
+}  // namespace pliant

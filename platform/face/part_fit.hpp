@@ -1,0 +1,87 @@
+#pragma once
+// The parameters that move the parts of a face, from what the part readers see (docs/algorithms.md, section 7.19).
+#include <cstdint>
+
+#include "face/part_reader.hpp"
+#include "pliant/cascade.hpp"
+#include "pliant/lens.hpp"
+#include "pliant/normal_equations.hpp"
+
+namespace pliant {
+
+constexpr std::size_t kMostPartReadings = 48;    // points of all parts, both sides
+constexpr std::size_t kMostPartParameters = 32;  // that they move
+
+/// Tuning of the fit of parts. Each constant: unit, reason, experiment.
+struct PartFitTuning {
+  /// A parameter that moves no point by this much over its range is not read, mm. Not tuned.
+  float least_range_mm = 1;
+  /// Standard deviation of the readings' common shift, mm: of the pose. Not tuned.
+  float shift_mm = 1;
+  /// Gauss-Newton steps, count: the lids' motion is nearly linear.
+  int steps = 2;
+  /// Standard deviation of a parameter's change in a frame of 1/30 s, fractions of its range: a lid closes in three frames. 0.25
+  /// and 0.5 find the same blinks on the Talking Face video.
+  float change = 0.5f;
+};
+inline constexpr PartFitTuning kPartFitTuning{};
+
+/// One side of a part, as a model has it.
+struct PartSide {
+  std::uint8_t part = 0, count = 0;  // of the table; points
+  bool is_left = false;
+  std::uint16_t first = 0;  // of its points
+  Vec2 anchor[2];           // (u,v)
+};
+
+/// The points that the table's parts read, in a model; and what is known of the person. Kept while there is a track.
+struct PartPoints {
+  PartTable table;
+  PartSide side[2 * kMostParts];
+  std::size_t side_count = 0, count = 0;
+  Vec2 uv[kMostPartReadings];              // NaN-free; a pupil has none
+  bool is_fitted[kMostPartReadings] = {};  // whether the point is a landmark of the model
+  Vec2 offset_mm[kMostPartReadings] =
+      {};  // of the reading from the model's point in the start's frame, upright crop
+  std::uint16_t parameter[kMostPartParameters] = {};
+  float last[kMostPartParameters] = {};  // values
+  float sd[kMostPartParameters] = {};    // of `last`; 0: nothing was read
+  std::size_t parameter_count = 0;
+
+  /// \return the table's status; not_found if the model lacks points.
+  Status open(const Model& model);
+};
+
+/// One frame's readings and their fit. Laid out in scratch memory.
+class PartFit {
+ public:
+  void lay_out(Arena& arena, const Model& model);
+
+  /// Reads all parts at a pose. \param q  all parameters.
+  void read(const FrameView& frame, const Lens& lens, const View& view, const float* q,
+            const PartPoints& points);
+  /// Notes how the readings differ from the model at q, and which parameters move the points.
+  void calibrate(PartPoints* points);
+  /// Fits the parameters to the readings: sets their values and deviations, or leaves all as they are.
+  /// \param seconds  since the last fit.
+  void fit(float seconds, PartPoints* points);
+
+ private:
+  void choose_parameters(PartPoints* points);
+  Vec2 project(Vec2 uv);
+  void step(float seconds, const PartPoints& points);
+
+  Cascade cascade_;
+  NormalEquations equations_;
+  PartReader reader_;
+  View view_;
+  Lens lens_;
+  PartReading* readings_ = nullptr;
+  float *q_ = nullptr, *step_ = nullptr;
+  Vec3* samples_ = nullptr;
+  std::uint8_t* is_free_ = nullptr;
+  std::uint16_t* unknown_ = nullptr;
+  Vec2* column_ = nullptr;
+};
+
+}  // namespace pliant
