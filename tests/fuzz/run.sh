@@ -24,10 +24,10 @@ for name in "$@"; do
   case " $readers " in *" $name "*) fuzzer=reader; option=--reader=$name ;; esac
   found=build/fuzz/corpus/$name
   mkdir -p "$found"
-  # A start longer than the time counts as a run of no inputs; a slow input (10 s) is a finding, as is one of 2 GiB.
+  # A start longer than the time counts as a run of no inputs; an input that takes 60 s or 3 GiB is a finding.
   # shellcheck disable=SC2086
   if ! "build/fuzz/tests/fuzz/${fuzzer}_fuzz" $option "$found" "tests/fuzz/corpus/$name" -max_total_time="$seconds" \
-      -timeout=10 -rss_limit_mb=2048 -max_len=4096 -artifact_prefix="build/fuzz/$name-" > "build/fuzz/$name.log" 2>&1; then
+      -timeout=60 -rss_limit_mb=3072 -max_len=4096 -artifact_prefix="build/fuzz/$name-" > "build/fuzz/$name.log" 2>&1; then
     grep -E 'ERROR|runtime error|Test unit written' "build/fuzz/$name.log" >&2
     echo "fuzz: FAILED: $name, see build/fuzz/$name.log" >&2
     exit 1
