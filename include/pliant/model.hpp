@@ -18,12 +18,12 @@
 
 namespace pliant {
 namespace table {
-constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 5;  ///< "PLM1"; 3 is one bit from 1
+constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 7;  ///< "PLM1"; 3, 5, 6 are a bit from others
 constexpr std::size_t kNameBytes = 28;                      ///< zero-padded, always ends in a zero
 
 /// First bytes of a table.
 struct Header {
-  std::uint32_t magic, version;  ///< kMagic, and 1 to kVersion
+  std::uint32_t magic, version;  ///< kMagic; 1, 2, 4 or kVersion
   std::uint32_t total_bytes;     ///< of the whole table
   std::uint32_t crc32;           ///< IEEE CRC-32 of everything behind this field, `total_bytes - 16` bytes
   std::uint32_t section_count;   ///< Sections that follow

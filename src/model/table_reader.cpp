@@ -7,6 +7,11 @@ namespace pliant {
 
 namespace {
 
+/// Any two versions differ in two bits, so that a flipped bit makes none of another.
+bool is_known_version(std::uint32_t version) {
+  return version == 1 || version == 2 || version == 4 || version == table::kVersion;
+}
+
 static_assert(sizeof(table::Header) == 20 && sizeof(table::Section) == 12, "file format");
 static_assert(sizeof(Parameter) == 44 && sizeof(Field) == 52 && sizeof(CascadeRecord) == 96, "file format");
 static_assert(sizeof(Landmark) == 36 && sizeof(Curve) == 40 && sizeof(Vec2) == 8, "file format");
@@ -218,7 +223,7 @@ struct TableReader {
     if (bytes < sizeof *h) return Status::truncated;
     std::memcpy(h, base, sizeof *h);
     if (h->magic != table::kMagic) return Status::bad_magic;
-    if (h->version - 1 >= table::kVersion) return Status::bad_version;
+    if (!is_known_version(h->version)) return Status::bad_version;
     if (h->total_bytes > bytes) return Status::truncated;
     if (h->total_bytes < sizeof *h) return Status::bad_table;
     bytes = h->total_bytes;

@@ -95,11 +95,11 @@ TEST_CASE("null, misaligned, foreign and future tables are told apart") {
   CHECK(Model::open(nullptr, 100, &model) == Status::bad_argument);
   CHECK(Model::open(words.data(), words.size() * 4, nullptr) == Status::bad_argument);
   CHECK(Model::open(reinterpret_cast<unsigned char*>(words.data()) + 2, 100, &model) == Status::misaligned);
-  for (const std::uint32_t version : {0u, table::kVersion + 1, 0xFFFFFFFFu}) {
+  for (const std::uint32_t version : {0u, 3u, 5u, 6u, table::kVersion + 1, 0xFFFFFFFFu}) {
     words[1] = version;
     CHECK(open(words, &model) == Status::bad_version);
   }
-  for (const std::uint32_t version : {1u, 2u}) {  // without learnt tables, without springs
+  for (const std::uint32_t version : {1u, 2u, 4u}) {  // without learnt tables, springs, readers of parts
     words[1] = version;
     CHECK(open(words, &model) == Status::ok);
   }
