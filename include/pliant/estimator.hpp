@@ -158,6 +158,14 @@ class Estimator {
   Vec2 vertex_seen(VertexId v) const;
   void refresh_vertices();  ///< Updates all vertices to the present state.
 
+  /// Corrects what the start assumed: the parameters that are not free, and the model's rotation. Points and vertices are
+  /// sampled anew, and a personal field is given up. The poses of earlier frames are not changed.
+  /// \param q  all parameters, finite. \param turn  the pose becomes q * turn. \return not_started, bad_argument.
+  Status revise(const float* q, Quat turn);
+  /// Moves a point over the surface. \pre has_point(id); uv within 0..1.
+  void slide_point(std::uint16_t id, Vec2 uv);
+  SurfaceFrame surface_frame(Vec2 uv);  ///< Surface point (mm) and tangents at the present parameters.
+
  private:
   struct Impl;
   Impl* impl_ = nullptr;

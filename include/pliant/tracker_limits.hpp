@@ -15,6 +15,10 @@ struct Detection;
 /// keypoints of its albedo, and whichever of the two the model has tables for, faces first.
 extern const Detection kFaceDetection, kPrintDetection, kDetection;
 
+struct PersonRefinement;
+/// Estimation of the person's identity while the head turns, by name, for the same reason.
+extern const PersonRefinement kPersonRefinement;
+
 /// Capacities of a Tracker. The defaults are the configuration that the README's figures measure: profile M.
 /// `measured_bytes<Tracker>(model, limits)` gives the bytes that they cost.
 struct TrackerLimits {
@@ -61,6 +65,9 @@ struct TrackerLimits {
   /// If null, or if the model has no tables for it, the tracker neither finds its model nor verifies tracks. Null also leaves
   /// the code out of the program.
   const Detection* detection = &kDetection;
+  /// Estimates the identity parameters while the head turns far (docs/algorithms.md, section 7.20). Identity that a start
+  /// gives, with a pose or a saved state, stays. If null, it always stays, and the code is left out of the program.
+  const PersonRefinement* person = &kPersonRefinement;
   std::uint16_t smallest_face_px = 48;  ///< side of the smallest face that is searched for, px (FaceBox)
   /// Work of one frame without a track, cells of the search (FaceDetector::search). The default searches a frame of 320 x 240 at
   /// once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame has either a part of the search or steps
@@ -71,6 +78,12 @@ struct TrackerLimits {
 /// The same limits without detection.
 constexpr TrackerLimits without_detection(TrackerLimits limits) {
   limits.detection = nullptr;
+  return limits;
+}
+
+/// The same limits without estimation of the person.
+constexpr TrackerLimits without_person(TrackerLimits limits) {
+  limits.person = nullptr;
   return limits;
 }
 
@@ -97,7 +110,7 @@ constexpr TrackerLimits profile_s() {
   l.samples_per_point = 44;
   l.samples_vertices = false;
   l.personal_field = {};
-  return without_stretch(without_rejection(l));
+  return without_person(without_stretch(without_rejection(l)));
 }
 
 /// Profile L, for a desktop or a fast board: 640 x 480, 220 + 80 templates, edges, 2,048 vertices.

@@ -100,6 +100,7 @@ Status search(TrackerParts& t, const FrameView& view) {
   // To refine the mesh takes as long as two frames of the track, which does not depend on it.
   if (self.faces.spreads_work()) options.estimator.mesh_error_mm = 0;
   self.is_own_start = true;
+  t.identity_is_given = t.identity_is_given && self.person.is_known;
   status = t.start(view, found, t.start_q.data, options, {});
   self.is_own_start = false;
   if (status != Status::ok)

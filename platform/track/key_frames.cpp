@@ -9,12 +9,6 @@ namespace {
 
 constexpr const KeyFrameTuning& kTuning = kKeyFrameTuning;
 
-/// Towards the camera, in the model's axes. A turn about the optical axis does not change it.
-Vec3 camera_direction(const View& view) {
-  const Vec3 towards = rotation_matrix(conjugate(view.q)) * Vec3{0, 0, -1};
-  return {towards.x, -towards.y, -towards.z};
-}
-
 /// Cosine of an angle from 0 to pi, by four halvings: enough for a threshold.
 float cosine_of(float angle) {
   const float a = angle / 16, a2 = a * a;
@@ -24,6 +18,11 @@ float cosine_of(float angle) {
 }
 
 }  // namespace
+
+Vec3 camera_direction(const View& view) {
+  const Vec3 towards = rotation_matrix(conjugate(view.q)) * Vec3{0, 0, -1};
+  return {towards.x, -towards.y, -towards.z};
+}
 
 void KeyFrames::lay_out(Arena& arena, const TrackerLimits& limits) {
   key_count_ = std::size_t{limits.key_frames} + 1;
@@ -53,6 +52,14 @@ std::size_t KeyFrames::count() const {
   std::size_t n = 0;
   for (std::size_t k = 0; k < key_count_; ++k) n += keys_[k].is_used;
   return n;
+}
+
+void KeyFrames::turn(Quat turn) {
+  for (std::size_t k = 0; k < key_count_; ++k) {
+    if (!keys_[k].is_used) continue;
+    keys_[k].view.q = normalised(keys_[k].view.q * turn);
+    keys_[k].direction = camera_direction(keys_[k].view);
+  }
 }
 
 void KeyFrames::take(const FrameView& frame) {

@@ -37,6 +37,9 @@ struct CoarseMotion {
   const View* from = nullptr;  ///< the key frame's view that it starts from; null: the last good frame's
 };
 
+/// Towards the camera, in the model's axes; unit. A turn about the optical axis does not change it.
+Vec3 camera_direction(const View& view);
+
 /// Key frames, frame 0 among them, and thumbnails: this frame's, the last good one's, and one a key frame.
 class KeyFrames {
  public:
@@ -62,6 +65,12 @@ class KeyFrames {
   void keep(std::size_t k, const View& view, std::uint32_t frame);
   /// Key frames in use.
   std::size_t count() const;
+  /// The view of key frame k; null if it is not in use.
+  const View* view_of(std::size_t k) const {
+    return k < key_count_ && keys_[k].is_used ? &keys_[k].view : nullptr;
+  }
+  /// Turns the model in all key frames: q becomes q * turn.
+  void turn(Quat turn);
 
  private:
   struct KeyFrame {

@@ -64,6 +64,19 @@ void LandmarkOffsets::place_pending(Estimator& estimator) {
   }
 }
 
+void LandmarkOffsets::project_all(const View& view, Estimator& estimator, Vec2* x) const {
+  for (std::size_t k = 0; k < values_.count; ++k)
+    x[k] = place_in(view, estimator.lens(),
+                    estimator.surface_point(uv_of(estimator.model().landmarks()[k])) + values_[k]);
+}
+
+void LandmarkOffsets::keep_all(const View& view, Estimator& estimator, const Vec2* x) {
+  for (std::size_t k = 0; k < values_.count; ++k)
+    if (x[k].x > kNowhere.x)
+      find_offset(view, estimator.lens(), estimator.surface_point(uv_of(estimator.model().landmarks()[k])),
+                  x[k], &values_[k]);
+}
+
 bool LandmarkOffsets::project(std::size_t k, Estimator& estimator, Vec2* x) const {
   PLIANT_ASSERT(k < values_.count);
   return project_beside(estimator, uv_of(estimator.model().landmarks()[k]), values_[k], x);

@@ -33,6 +33,11 @@ class LandmarkOffsets {
   /// Image position (px) of landmark k at the estimator's state; false behind the camera.
   bool project(std::size_t k, Estimator& estimator, Vec2* x) const;
 
+  /// Image positions (px) of all landmarks in a view, at the estimator's parameters; kNowhere behind the camera.
+  void project_all(const View& view, Estimator& estimator, Vec2* x) const;
+  /// Changes the offsets so that the landmarks are there again, after the parameters have changed.
+  void keep_all(const View& view, Estimator& estimator, const Vec2* x);
+
  private:
   Span<Vec3> values_;
 };

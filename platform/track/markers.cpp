@@ -42,6 +42,19 @@ void Markers::restore(Estimator& estimator, const MarkerPlace* places, std::size
   }
 }
 
+void Markers::project_all(const View& view, Estimator& estimator, Vec2* x) const {
+  for (std::size_t k = 0; k < count_; ++k)
+    x[k] =
+        place_in(view, estimator.lens(), estimator.surface_point(estimator.point_uv(ids_[k])) + offsets_[k]);
+}
+
+void Markers::keep_all(const View& view, Estimator& estimator, const Vec2* x) {
+  for (std::size_t k = 0; k < count_; ++k)
+    if (x[k].x > kNowhere.x)
+      find_offset(view, estimator.lens(), estimator.surface_point(estimator.point_uv(ids_[k])), x[k],
+                  &offsets_[k]);
+}
+
 bool Markers::position(std::size_t k, Estimator& estimator, Vec2* x) const {
   return k < count_ && project_beside(estimator, estimator.point_uv(ids_[k]), offsets_[k], x);
 }

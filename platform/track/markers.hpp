@@ -27,6 +27,9 @@ class Markers {
   std::size_t save(const Estimator& estimator, MarkerPlace* places) const;
   /// Puts markers there again, after a start without. \pre count <= capacity.
   void restore(Estimator& estimator, const MarkerPlace* places, std::size_t count);
+  /// As LandmarkOffsets::project_all and keep_all. \pre room for the capacity.
+  void project_all(const View& view, Estimator& estimator, Vec2* x) const;
+  void keep_all(const View& view, Estimator& estimator, const Vec2* x);
   /// Image position of marker k, px. False for k beyond the markers placed, and behind the camera.
   bool position(std::size_t k, Estimator& estimator, Vec2* x) const;
   /// Whether every marker is visible and farther than exclusion_px from x.

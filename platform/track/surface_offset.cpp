@@ -14,6 +14,11 @@ bool find_offset(const View& view, const Lens& lens, Vec3 p, Vec2 x, Vec3* offse
   return true;
 }
 
+Vec2 place_in(const View& view, const Lens& lens, Vec3 p) {
+  Vec2 x;
+  return Projector(view, true).project(p, &x) ? lens.distort(x) : kNowhere;
+}
+
 bool project_beside(Estimator& estimator, Vec2 uv, Vec3 offset, Vec2* x) {
   Vec2 ideal;
   if (!Projector(estimator.view(), true).project(estimator.surface_point(uv) + offset, &ideal)) return false;

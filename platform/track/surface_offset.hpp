@@ -11,6 +11,12 @@ namespace pliant {
 /// \return false if x is not finite or p is behind the camera; `offset` is then unchanged.
 bool find_offset(const View& view, const Lens& lens, Vec3 p, Vec2 x, Vec3* offset);
 
+/// Where nothing is.
+inline constexpr Vec2 kNowhere{-1e6f, -1e6f};
+
+/// Image position (px) in any view of p, or kNowhere behind the camera.
+Vec2 place_in(const View& view, const Lens& lens, Vec3 p);
+
 /// Computes the image position of the surface point at (u,v) plus `offset` (mm, model's axes). The offset turns with the head
 /// and moves with the surface point. With a zero offset, x is bit for bit that of Estimator::project.
 /// \return false if the point is behind the camera.

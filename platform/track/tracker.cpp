@@ -53,6 +53,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   std::size_t search = 0;
   SelfStart* const self_start =
       limits.detection == nullptr ? nullptr : limits.detection->lay_out(arena, model, limits, &search);
+  PersonState* const person = limits.person == nullptr ? nullptr : limits.person->lay_out(arena, model);
   unsigned char* const block = arena.take<unsigned char>(0);
   const std::size_t before = arena.used_bytes(), fit = start_fit_bytes(model, limits.start_points);
   const std::size_t needed = search > fit ? search : fit;
@@ -66,6 +67,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   impl_->start_q = q;
   impl_->block = {block, needed > tracking ? needed : tracking};
   impl_->self_start = self_start;
+  impl_->person = person;
 }
 
 void ImageParts::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
@@ -104,6 +106,8 @@ void ImageParts::lay_out_unused_between_frames(Arena& arena, const Model& model,
                       check = limits.detection->check_bytes(model, limits);
     if (check > others + bytes) bytes = check - others;
   }
+  const std::size_t person = limits.person == nullptr ? 0 : limits.person->scratch_bytes(model, limits);
+  if (person > bytes) bytes = person;
   scratch = arena.take_span<unsigned char>(bytes);
   placement.set_scratch(scratch);
   unused_between_frames = {first, arena.used_bytes() - before};
@@ -136,6 +140,7 @@ Status TrackerParts::track(const FrameView& view) {
   if (status != Status::ok) return status;
   match_and_solve(view);
   conclude();
+  if (person != nullptr && bad_frames == 0) limits.person->conclude(*this);
   if (self_start != nullptr) self_start->calls->conclude(*this, view);
   return status;
 }

@@ -9,6 +9,7 @@
 #include "track/key_frames.hpp"
 #include "track/landmark_offsets.hpp"
 #include "track/markers.hpp"
+#include "track/person_refinement.hpp"
 #include "track/self_start.hpp"
 #include "track/start_fit.hpp"
 #include "track/surface_texture.hpp"
@@ -44,13 +45,16 @@ struct ImageParts {
 /// for a face, and the fit of a start.
 struct TrackerParts : ImageParts {
   // Set by lay_out. The default limits would link rejection and detection into every program.
-  TrackerLimits limits = without_detection(without_stretch(without_rejection(TrackerLimits{})));
+  TrackerLimits limits =
+      without_person(without_detection(without_stretch(without_rejection(TrackerLimits{}))));
   Model table;
   bool uses_edges = false;
   Span<float> start_q;
   LandmarkOffsets offsets;
   Span<unsigned char> block;        // of search, fit and tracking
   SelfStart* self_start = nullptr;  // null: the limits name no detection, or the model has no learnt tables
+
+  PersonState* person = nullptr;  // null: the limits name no estimation, or the model has no identity
 
   Estimator estimator;
   std::size_t observation_count = 0;
@@ -59,6 +63,7 @@ struct TrackerParts : ImageParts {
   std::int64_t last_time_ns = std::numeric_limits<std::int64_t>::min();
   int bad_frames = 0;  // in a row
   bool is_started = false;
+  bool identity_is_given = false;   // by the caller, with the pose: it stays
   bool block_is_of_search = false;  // else of the tracking, which is laid out in it
 
   const Model& model() const { return table; }

@@ -65,6 +65,7 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const f
   bad_frames = 0;
   matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow));
   is_started = true;
+  if (person != nullptr) limits.person->start(*this, with);
   if (self_start != nullptr) self_start->calls->begin_track(*this, view, with);
   return Status::ok;
 }
@@ -110,6 +111,7 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   StartOptions known;
   known.camera = &camera;
   impl_->refine(frame, nullptr, RoughStart::kExact, known, &from);
+  impl_->identity_is_given = q != nullptr;
   return impl_->start(frame, from, impl_->start_q.data, options, markers);
 }
 
@@ -136,6 +138,7 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
                             start.keeps_landmark_offsets ? &t.offsets : nullptr);
   });
   if (status == Status::ok) t.refine(frame, nullptr, points.count, start, &found);
+  t.identity_is_given = false;
   if (status == Status::ok) status = t.start(frame, found, t.start_q.data, options, markers);
   if (status == Status::ok) t.offsets.place_pending(t.estimator);
   return status;
@@ -159,6 +162,7 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
     return fit_to_box(arena, t.model(), corner, size, start.box, t.start_q.data, &found, &box);
   });
   if (status == Status::ok) t.refine(frame, &box, 0, start, &found);
+  t.identity_is_given = false;
   if (status == Status::ok) status = t.start(frame, found, t.start_q.data, options, markers);
   if (status == Status::ok) t.offsets.place_pending(t.estimator);
   return status;

@@ -4,34 +4,11 @@
 
 #include "estimate/frame_solver.hpp"
 #include "estimate/lens_transfer.hpp"
-#include "estimate/motion_model.hpp"
-#include "estimate/surface_points.hpp"
+#include "estimate/state_parts.hpp"
 #include "estimate/track_monitor.hpp"
 #include "estimate/visible_surface.hpp"
 
 namespace pliant {
-
-namespace {
-
-/// The parts that hold the state and the points.
-struct StateParts {
-  ModelState state;    // as it is now
-  ModelState trusted;  // of the last good frame
-  MotionModel motion;
-  SurfacePoints points;
-
-  void lay_out(Arena& arena, std::size_t parameters, const EstimatorLimits& limits, std::size_t samples);
-};
-
-void StateParts::lay_out(Arena& arena, std::size_t parameters, const EstimatorLimits& limits,
-                         std::size_t samples) {
-  state.lay_out(arena, parameters);
-  trusted.lay_out(arena, parameters);
-  motion.lay_out(arena, parameters);
-  points.lay_out(arena, limits.points, limits.silhouette_points, samples);
-}
-
-}  // namespace
 
 struct Estimator::Impl : StateParts {
   bool started = false;
@@ -62,6 +39,7 @@ struct Estimator::Impl : StateParts {
   void update_surface(std::uint32_t interval) { surface.update(cascade, state, frame, interval); }
   Status add(PointKind kind, Vec2 uv, Vec2 along, std::uint16_t* id);
   void note_new_point(std::uint16_t id);
+  Status revise(const float* q, Quat turn);
   void place_silhouette();
   Prediction predict(std::uint16_t id, const Projector& projector);
   bool is_visible(const Prediction& p, Vec3 rotated) const;
@@ -484,6 +462,32 @@ Vec2 Estimator::vertex_seen(VertexId v) const {
 
 void Estimator::refresh_vertices() {
   if (is_started()) impl_->update_surface(1);
+}
+
+Status Estimator::revise(const float* q, Quat turn) {
+  return is_started() ? impl_->revise(q, turn) : Status::not_started;
+}
+
+Status Estimator::Impl::revise(const float* q, Quat turn) {
+  bool is_good = q != nullptr && is_finite(turn.w + turn.x + turn.y + turn.z);
+  for (std::size_t i = 0; is_good && i < parameter_count(); ++i) is_good = is_finite(q[i]);
+  if (!is_good) return Status::bad_argument;
+  const std::size_t samples = cascade.samples_per_point();
+  cascade.forget_person();
+  PLIANT_ASSERT(cascade.samples_per_point() == samples);
+  StateParts::revise(cascade, q, turn);
+  predictions = {};
+  surface.sample_again(cascade, state);
+  if (springs != nullptr) return stretch->start(*springs, cascade, state.q);
+  return Status::ok;
+}
+
+void Estimator::slide_point(std::uint16_t id, Vec2 uv) {
+  impl_->points.move_to(id, uv, impl_->cascade, impl_->state.q);
+}
+
+SurfaceFrame Estimator::surface_frame(Vec2 uv) {
+  return impl_->cascade.surface_frame(uv, impl_->state.q);
 }
 
 }  // namespace pliant

@@ -100,6 +100,11 @@ Status SurfacePoints::add_curve(Span<const Vec2> polyline, float spacing_mm, Cas
   return Status::ok;
 }
 
+void SurfacePoints::move_to(std::uint16_t id, Vec2 uv, Cascade& cascade, const float* q) {
+  place(id, uv, cascade, q);
+  if (kind_[id] != PointKind::silhouette) set_tangents(id, cascade.surface_frame(uv, q));
+}
+
 void SurfacePoints::remove(std::uint16_t id) {
   if (!has(id)) return;
   silhouette_count_ -= kind_[id] == PointKind::silhouette;

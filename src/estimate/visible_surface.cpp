@@ -99,6 +99,15 @@ void VisibleSurface::place_vertex(Cascade& cascade, const float* q, VertexId v) 
   position_[v] = cascade.evaluate(samples_of(v), q);
 }
 
+void VisibleSurface::sample_again(Cascade& cascade, const ModelState& state) {
+  copy(state.q, parameters_, surface_q_);
+  for (VertexId v : mesh_.vertices()) {
+    if (!keeps_samples()) break;
+    place_vertex(cascade, state.q, v);
+  }
+  update(cascade, state, 0, 1);
+}
+
 /// \return how far the farthest vertex moved, squared (mm^2).
 float VisibleSurface::move_vertices(Cascade& cascade, const float* q, std::uint32_t frame,
                                     std::uint32_t interval) {

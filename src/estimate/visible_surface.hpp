@@ -77,6 +77,8 @@ class VisibleSurface {
   /// ranks of different frames are comparable.
   void follow_view(Cascade& cascade, const ModelState& state, std::uint32_t frame);
 
+  /// All vertices, after parameters that are not free have changed.
+  void sample_again(Cascade& cascade, const ModelState& state);
   /// Moves one vertex in `interval` to the surface at `state` and projects all; 1: all are exact afterwards.
   void update(Cascade& cascade, const ModelState& state, std::uint32_t frame, std::uint32_t interval);
   /// To be called when the view has changed: images are projected again when they are needed.

@@ -255,7 +255,7 @@ def recorded(s):
 def recorded_variants(s):
     variants = (('default', ()), ('patches only', ('--cues', 'patch')), ('patches and flow', ('--cues', 'patch,flow')),
                 ('patches and edges', ('--cues', 'patch,edge')), ('expression constant', ('--freeze', 'expression')),
-                ('identity estimated too', ('--refine-identity',)))
+                ('identity as started', ('--freeze', 'identity')))
     rows = []
     for name, extra in variants:
         try:

@@ -41,14 +41,14 @@ InitialOptions initial_options(const Args& args, ImageSize size, std::ostream& e
   return options;
 }
 
-/// Which parameters are estimated, one flag each: expressions unless frozen, identity if --refine-identity.
+/// Which parameters every frame estimates, one flag each: expressions, unless frozen.
 std::vector<std::uint8_t> free_parameters(const Args& args, const Model& model) {
   const std::string freeze = args.text("--freeze").value_or("identity");
   if (freeze != "identity" && freeze != "expression")
     fail_usage("--freeze: identity or expression, not " + freeze);
   std::vector<std::uint8_t> is_free;
   for (const Parameter& p : model.parameters())
-    is_free.push_back(p.group == Group::identity ? args.has("--refine-identity") : freeze != "expression");
+    is_free.push_back(p.group == Group::expression && freeze != "expression");
   return is_free;
 }
 
@@ -134,7 +134,8 @@ int run_track(const Args& args, Console& console) {
   FrameView frame;
   if (!frames.next(&frame))
     throw Failure(kBadInput, frames.message().empty() ? frames.name() + ": has no frames" : frames.message());
-  const TrackerLimits limits = tracker_limits(args, frames.size());
+  TrackerLimits limits = tracker_limits(args, frames.size());
+  if (args.has("--freeze")) limits = without_person(limits);
   Owned<Tracker> tracker(model, limits_of_run(limits, options, markers, initial));
   std::size_t expected = frames.count();
   if (last > 0 && expected > 0) expected = std::min(expected, static_cast<std::size_t>(last));
@@ -169,7 +170,7 @@ Command track_command() {
       "face.plm --frames VIDEO|FOLDER|-|camera: --out track.csv|- [--init fit.json|points.csv|--box "
       "X,Y,W,H] "
       "[--landmarks|--model-landmarks] [--arkit] [--markers points.csv] [--marker-exclusion-px R] "
-      "[--focal PX|--calibration camera.yml] [--mirror] [--freeze GROUP] [--refine-identity] "
+      "[--focal PX|--calibration camera.yml] [--mirror] [--freeze GROUP] "
       "[--profile s|m|l] [--cues LIST] [--mesh-operations N] [--count N] "
       "[--overlay out.y4m] [--show] [--sheet out.png] [--report report.html] [--truth truth.csv]",
       {{"--frames", "SOURCE",
@@ -198,8 +199,9 @@ Command track_command() {
        {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them", Takes::input},
        {"--mirror", nullptr,
         "mirror every frame first; initial state, markers and results are those of the mirrored frames"},
-       {"--freeze", "GROUP", "parameters to keep: identity (default), or expression to track the pose alone"},
-       {"--refine-identity", nullptr, "estimate the identity in every frame too"},
+       {"--freeze", "GROUP",
+        "parameters to keep: identity, which else follows what a head that turns far shows of it, or "
+        "expression too, to track the pose alone"},
        {"--profile", "s|m|l",
         "capacities for a small, medium or large device; default: by the frames' width"},
        {"--count", "N", "stop after N frames"},
