@@ -18,6 +18,9 @@ extern const Detection kFaceDetection, kPrintDetection, kDetection;
 struct PersonRefinement;
 /// Estimation of the person's identity while the head turns, by name, for the same reason.
 extern const PersonRefinement kPersonRefinement;
+struct EdgeMatching;
+/// Matching of the model's curves and silhouette, by name, for the same reason.
+extern const EdgeMatching kEdgeMatching;
 
 /// Capacities of a Tracker. The defaults are the configuration that the README's figures measure: profile M.
 /// `measured_bytes<Tracker>(model, limits)` gives the bytes that they cost.
@@ -34,6 +37,8 @@ struct TrackerLimits {
   std::uint16_t markers = 0;        ///< image points that are tracked with the surface and never observed
   std::uint16_t curve_points = 96;  ///< edge points on lids, lips and brows; 0: edges are not matched there
   std::uint16_t silhouette_points = 0;  ///< edge points on the silhouette; 304 bytes each
+  /// If null, edges are not matched: there are no edge points, and 4 kB of code are not linked.
+  const EdgeMatching* edges = &kEdgeMatching;
   std::uint16_t vertices = 512;         ///< of the mesh, at least those of the model's base mesh
   std::uint8_t pyramid_levels = 3;      ///< of the image pyramid, level 0 included
   std::uint8_t patch_window = 11;       ///< side of a template, px, odd
@@ -87,6 +92,12 @@ constexpr TrackerLimits without_person(TrackerLimits limits) {
   return limits;
 }
 
+/// The same limits without edges.
+constexpr TrackerLimits without_edges(TrackerLimits limits) {
+  limits.edges = nullptr;
+  return limits;
+}
+
 /// Profile M, the default: 320 x 240, 128 + 64 templates, edges, 512 vertices.
 constexpr TrackerLimits profile_m() {
   return {};
@@ -101,7 +112,6 @@ constexpr TrackerLimits profile_s() {
   l.patches = 48;
   l.key_patches = 16;
   l.key_frames = 2;
-  l.curve_points = 0;
   l.patch_margin = 2;
   l.keeps_previous = l.copies_frame = l.keeps_templates = l.keeps_adaptation = false;
   l.thumbnail_width = 48;
@@ -110,7 +120,7 @@ constexpr TrackerLimits profile_s() {
   l.samples_per_point = 44;
   l.samples_vertices = false;
   l.personal_field = {};
-  return without_person(without_stretch(without_rejection(l)));
+  return without_person(without_edges(without_stretch(without_rejection(l))));
 }
 
 /// Profile L, for a desktop or a fast board: 640 x 480, 220 + 80 templates, edges, 2,048 vertices.

@@ -120,4 +120,14 @@ void EdgeTracker::end_frame(Span<const Observation> out) {
   }
 }
 
+namespace {
+
+EdgeTracker* lay_out(Arena& arena, const TrackerLimits& limits) {
+  return create_part<EdgeTracker>(arena, limits);
+}
+
+}  // namespace
+
+const EdgeMatching kEdgeMatching{lay_out, &EdgeTracker::start, &EdgeTracker::match, &EdgeTracker::end_frame};
+
 }  // namespace pliant

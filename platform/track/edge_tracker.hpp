@@ -68,4 +68,13 @@ class EdgeTracker {
   float prediction_sd_px_ = 0;
 };
 
+/// Makes an edge tracker, and its calls (`kEdgeMatching`, tracker_limits.hpp).
+struct EdgeMatching {
+  EdgeTracker* (*lay_out)(Arena& arena, const TrackerLimits& limits);
+  void (EdgeTracker::*start)(Estimator& estimator, const FrameRegion& region);
+  std::size_t (EdgeTracker::*match)(const PredictionTable& predictions, const FrameRegion& region,
+                                    float image_scale, Span<Observation> out);
+  void (EdgeTracker::*end_frame)(Span<const Observation> out);
+};
+
 }  // namespace pliant

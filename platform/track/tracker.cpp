@@ -12,7 +12,7 @@ namespace {
 EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   EstimatorLimits e = without_stretch(without_rejection(EstimatorLimits{}));
   e.points = static_cast<std::uint16_t>(all_points(limits));
-  e.silhouette_points = limits.silhouette_points;
+  e.silhouette_points = limits.edges == nullptr ? std::uint16_t{0} : limits.silhouette_points;
   e.vertices = limits.vertices;
   e.free_parameters = limits.free_parameters;
   e.samples_per_point = limits.samples_per_point;
@@ -73,7 +73,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
 void ImageParts::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
   lay_out_unused_between_frames(arena, model, limits);
   templates.lay_out(arena, limits);
-  edges.lay_out(arena, limits);
+  edges = limits.edges == nullptr ? nullptr : limits.edges->lay_out(arena, limits);
   key_frames.lay_out(arena, limits);
   texture.lay_out(arena, limits.texture_cells);
   markers.lay_out(arena, limits.markers);
@@ -186,7 +186,7 @@ std::size_t TrackerParts::run_round(int round) {
   observation_count = matcher.observation_count();
   if (round + 1 == kTemplateMatchTuning.rounds && uses_edges) {
     const std::size_t n =
-        edges.match(predictions, region, estimator.view().s,
+        (edges->*limits.edges->match)(predictions, region, estimator.view().s,
                     {observations.data + observation_count, observations.count - observation_count});
     observation_count += n;
     searched += n;
@@ -202,7 +202,9 @@ void TrackerParts::conclude() {
   bad_frames = is_good ? 0 : bad_frames + 1;
   if (!is_good) return;
   const std::size_t of_templates = matcher.observation_count();
-  edges.end_frame({observations.data + of_templates, observation_count - of_templates});
+  if (edges != nullptr)
+    (edges->*limits.edges->end_frame)(
+        {observations.data + of_templates, observation_count - of_templates});
   key_frames.trust(estimator);
   texture.note_frame(estimator, region, frame);
   keep_key_frame();

@@ -25,7 +25,7 @@ struct ImageParts {
   TemplateStore templates;
   TemplateMatcher matcher;
   TemplatePlacement placement;
-  EdgeTracker edges;
+  EdgeTracker* edges = nullptr;  // null: the limits name no matching of edges
   KeyFrames key_frames;
   SurfaceTexture texture;
   Markers markers;
@@ -44,9 +44,9 @@ struct ImageParts {
 /// The estimator and the parts that work on images share their memory with what runs while there is no track: the search
 /// for a face, and the fit of a start.
 struct TrackerParts : ImageParts {
-  // Set by lay_out. The default limits would link rejection and detection into every program.
+  // Set by lay_out. The default limits would link all that is optional into every program.
   TrackerLimits limits =
-      without_person(without_detection(without_stretch(without_rejection(TrackerLimits{}))));
+      without_person(without_edges(without_detection(without_stretch(without_rejection(TrackerLimits{})))));
   Model table;
   bool uses_edges = false;
   Span<float> start_q;

@@ -37,7 +37,7 @@ constexpr std::size_t all_slots(const TrackerLimits& limits) {
 }
 
 constexpr std::size_t edge_points(const TrackerLimits& limits) {
-  return std::size_t{limits.curve_points} + limits.silhouette_points;
+  return limits.edges == nullptr ? 0 : std::size_t{limits.curve_points} + limits.silhouette_points;
 }
 constexpr std::size_t all_points(const TrackerLimits& limits) {
   return all_slots(limits) + limits.markers + edge_points(limits);

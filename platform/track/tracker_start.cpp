@@ -59,7 +59,7 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const f
       estimator.start(from.camera, view.width, view.height, from.pose, q, with.is_free, of_estimator);
   if (status == Status::ok) status = capture_frame_0(view, marker_places, with.marker_exclusion_px);
   if (status != Status::ok) return status;
-  uses_edges = with.estimator.uses(Cue::edge);
+  uses_edges = edges != nullptr && with.estimator.uses(Cue::edge);
   note_time(view);
   frame = 0;
   bad_frames = 0;
@@ -94,7 +94,7 @@ Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> mar
             0,
             0,
             static_cast<std::uint16_t>(estimator.mesh().vertex_count())};
-  edges.start(estimator, region);
+  if (edges != nullptr) (edges->*limits.edges->start)(estimator, region);
   key_frames.trust(estimator);
   key_frames.keep(0, estimator.view(), 0);
   return Status::ok;

@@ -11,6 +11,7 @@
 #include "track/face_start.hpp"
 #include "track/key_frames.hpp"
 #include "track/template_tuning.hpp"
+#include "track/tracker_sizes.hpp"
 #include "vision/coarse_translation_tuning.hpp"
 #include "vision/patch_tuning.hpp"
 #include "vision/thumbnail.hpp"
@@ -48,7 +49,7 @@ struct Sizes {
     records =
         static_cast<double>(l.samples_per_point > 0 ? std::min<std::size_t>(l.samples_per_point, all) : all);
     slots = l.patches + l.key_patches;
-    points = slots + l.markers + l.curve_points + l.silhouette_points;
+    points = slots + l.markers + static_cast<double>(edge_points(l));
     unknowns = kPoseUnknowns + static_cast<double>(free);
     region_pixels = static_cast<double>(l.region_width > 0 ? std::min(l.region_width, l.width) : l.width) *
                     (l.region_height > 0 ? std::min(l.region_height, l.height) : l.height);
