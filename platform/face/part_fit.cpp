@@ -179,7 +179,7 @@ void PartFit::fit(float seconds, PartPoints* points) {
     if (!is_finite(q_[points->parameter[n]]) || !(step_[kShift + n] > 0)) return;
   for (std::size_t n = 0; n < points->parameter_count; ++n) {
     points->last[n] = q_[points->parameter[n]];
-    points->sd[n] = square_root(step_[kShift + n]);
+    points->sd[n] = kTuning.trusted_sd * square_root(step_[kShift + n]);
   }
 }
 

@@ -53,6 +53,9 @@ Image read_image(const std::string& path) {
     fail_input(path, std::string("is not a picture that can be read: ") + stbi_failure_reason());
   if (width > 16384 || height > 16384) fail_input(path, "is larger than 16384 pixels on a side");
   if (std::int64_t{width} * height > kMostPixels) fail_input(path, "has more than 100 million pixels");
+  // stb converts the channels of such a picture as if they had 8 bits, and then reads past the end.
+  if (bytes[0] == 'P' && stbi_is_16_bit_from_memory(data, length) != 0)
+    fail_input(path, "has more than 8 bits a channel");
   unsigned char* pixels = stbi_load_from_memory(data, length, &width, &height, &channels, 3);
   if (pixels == nullptr) fail_input(path, std::string("a damaged picture: ") + stbi_failure_reason());
   Image image(width, height, 3);

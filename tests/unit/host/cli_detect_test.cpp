@@ -160,6 +160,12 @@ TEST_CASE("fit needs no points: it finds the face, and says how far its landmark
   check_refused({"fit", kFace, "--image", grey, "-o", folder / "x.json"}, {"grey.png", "no face found"});
 }
 
+TEST_CASE("a picture of 16 bits a channel is refused where its reader would read past its end") {
+  const Folder folder;
+  const std::string deep = folder.put("deep.pgm", "P5 2 2 65535\n" + std::string(8, '\x42'));
+  check_refused({"detect", kFace, "--image", deep}, {"deep.pgm", "8 bits"});
+}
+
 TEST_CASE("detect refuses a model without learnt tables, and damaged tables, by the model's name") {
   const Folder folder;
   const std::string model = folder.put("m.plm", model_bytes()), image = picture(folder, "p.png", 64, 64);

@@ -45,7 +45,8 @@ std::size_t parts(const SourceSprings& springs) {
 }  // namespace
 
 TEST_CASE("springs join all points of a lattice into one, at their distances") {
-  for (const auto& [n, m] : {std::pair<int, int>{20, 14}, {12, 12}, {40, 28}, {63, 1}, {5, 5}, {2, 1}}) {
+  for (const auto& size : {std::pair<int, int>{20, 14}, {12, 12}, {40, 28}, {63, 1}, {5, 5}, {2, 1}}) {
+    const int n = size.first, m = size.second;  // no structured binding, which CAPTURE could not name
     CAPTURE(n);
     CAPTURE(m);
     const SourceSprings springs = make_springs(lattice(n, m), 0.03f);
