@@ -37,7 +37,7 @@ struct TrackerLimits {
   std::uint16_t markers = 0;        ///< image points that are tracked with the surface and never observed
   std::uint16_t curve_points = 96;  ///< edge points on lids, lips and brows; 0: edges are not matched there
   std::uint16_t silhouette_points = 0;  ///< edge points on the silhouette; 304 bytes each
-  /// If null, edges are not matched: there are no edge points, and their code, 3 kB on a Cortex-M, is not linked.
+  /// If null, edges are not matched: there are no edge points, and their code, 4 kB on a Cortex-M, is not linked.
   const EdgeMatching* edges = &kEdgeMatching;
   std::uint16_t vertices = 512;         ///< of the mesh, at least those of the model's base mesh
   std::uint8_t pyramid_levels = 3;      ///< of the image pyramid, level 0 included

@@ -157,19 +157,29 @@ struct Views {
   }
 };
 
+
+/// Rows of the identity, without free expressions, in the turned view.
+struct RowsAtView : Views {
+  std::vector<std::uint8_t> is_free = std::vector<std::uint8_t>(q.size(), 0);
+  Arena arena{memory.data(), memory.size()};
+  PersonRows rows;
+  PersonEquations equations;
+
+  RowsAtView() {
+    rows.lay_out(arena, model);
+    rows.start(model, is_free.data());
+    rows.begin(arena, model, now, q.data());
+    equations.lay_out(arena, rows.count());
+  }
+};
+
 }  // namespace
 
 TEST_CASE("a template's row is the motion of the point that stays where its key frame shows it") {
-  Views v;
-  std::vector<std::uint8_t> is_free(v.q.size(), 0);
-  Arena arena(v.memory.data(), v.memory.size());
-  PersonRows rows;
-  rows.lay_out(arena, v.model);
-  rows.start(v.model, is_free.data());
+  RowsAtView v;
+  PersonRows& rows = v.rows;
+  PersonEquations& e = v.equations;
   REQUIRE(rows.count() == kPoseUnknowns + rows.kept());
-  rows.begin(arena, v.model, v.now, v.q.data());
-  PersonEquations e;
-  e.lay_out(arena, rows.count());
   int compared = 0;
   for (const std::string name : {"ibug33", "ibug42", "ibug48"}) {
     const Vec2 uv = baked_face().uv(name), at_key = v.image(v.key, uv, v.q), at = v.image(v.now, uv, v.q);
@@ -206,15 +216,9 @@ TEST_CASE("a template's row is the motion of the point that stays where its key 
 }
 
 TEST_CASE("an edge's row is the motion of its place on the face, across the edge") {
-  Views v;
-  std::vector<std::uint8_t> is_free(v.q.size(), 0);
-  Arena arena(v.memory.data(), v.memory.size());
-  PersonRows rows;
-  rows.lay_out(arena, v.model);
-  rows.start(v.model, is_free.data());
-  rows.begin(arena, v.model, v.now, v.q.data());
-  PersonEquations e;
-  e.lay_out(arena, rows.count());
+  RowsAtView v;
+  PersonRows& rows = v.rows;
+  PersonEquations& e = v.equations;
   e.reset();
   const Vec2 uv = baked_face().uv("ibug57");
   Observation o;
@@ -222,14 +226,17 @@ TEST_CASE("an edge's row is the motion of its place on the face, across the edge
   o.x = v.image(v.now, uv, v.q) + Vec2{5, 0.5f};  // 5 px along the edge say nothing
   o.information = {0, 0, 100};
   rows.add(o, uv, nullptr, e);
+  int compared = 0;
   for (std::size_t k = 3; k < rows.kept(); ++k) {
     auto moved = v.q;
     moved[rows.identity(k - 3)] = 0.1f;
     const float across = 10 * (v.image(v.now, uv, moved).y - v.image(v.now, uv, v.q).y);
     const std::size_t unknown = kPoseUnknowns + k;
     if (magnitude(across) < 0.05f) continue;
+    ++compared;
     CHECK(e.g(unknown) / e.h(unknown, unknown) == doctest::Approx(double(0.5f / across)).epsilon(0.05));
   }
+  CHECK(compared >= 3);
 }
 
 TEST_CASE("expressions that are free are unknowns, and observations without information add nothing") {
