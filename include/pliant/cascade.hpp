@@ -74,7 +74,7 @@ class Cascade {
   /// From then on the frozen parameters of that part are not read from any q. Any set_free or `forget_person` ends this;
   /// sampled surface points made before keep their values. Error: that of the quantisation when the personal field has the
   /// size of the identity fields; with half as many samples a side, up to 2.6 mm at lips and lids, 0.06 mm on average
-  /// (measured on a scanned face). Cost: the part's samples at width x height points, twice.
+  /// (measured on a scanned face). Cost: the part's samples at width x height points, once or twice.
   /// \param q  all parameters.
   /// \return capacity (no room in the limits), bad_argument (q is null, or gives a point further than 1e9 mm from its
   ///         root or not finite).

@@ -146,6 +146,9 @@ class Estimator {
   /// Finds (u,v) of the visible surface under an image position. If x misses the surface, the nearest visible point is given.
   /// \return distance in the image between x and that point, px; 0 on the surface; negative when nothing is visible.
   float surface_at(Vec2 x, Vec2* uv);
+  /// Moves `uv`, the point of the mesh under an image position, to the point of the surface there: the second half of
+  /// `surface_at`, for whoever knows the face. Unchanged where that does not converge.
+  void refine_uv(Vec2 x, Vec2* uv);
 
   const Mesh& mesh() const;  ///< The adapted mesh.
   /// Positions of the mesh's vertices in the model's axes (mm), by vertex id, as of the last `start` or `end`. Vertices follow

@@ -8,6 +8,7 @@
 #include "pliant/estimator.hpp"
 #include "track/markers.hpp"
 #include "track/template_store.hpp"
+#include "vision/corner_grid.hpp"
 
 namespace pliant {
 
@@ -28,6 +29,17 @@ class TemplatePlacement {
   std::size_t mark_free_cells(const TemplateStore& templates, const Estimator& estimator,
                               const FrameRegion& region);
   void mark_visible_cells(const Estimator& estimator, const FrameRegion& region);
+  /// What lies under the corner of a cell.
+  struct Under {
+    Vec2 uv;      // of the mesh
+    float depth;  // of the nearest face, mm; kNoFace: none
+  };
+  void find_mesh_under_corners(const Estimator& estimator, const FrameRegion& region,
+                               const corners::Grid& grid, Under* under) const;
+  struct CellBox {
+    int i0, j0, i1, j1;  // the last ones included
+  };
+  CellBox cells_of(const Estimator& estimator, const FrameRegion& region, FaceId face, float margin_px) const;
   void clear_cells_in_use(const TemplateStore& templates, const FrameRegion& region);
   int cell_of(Vec2 x) const {  // px of the region
     return static_cast<int>(x.y) / options_.cell_px * across_ + static_cast<int>(x.x) / options_.cell_px;

@@ -36,10 +36,11 @@ void TemplateStore::clear() {
   for (std::size_t k = 0; k < count_; ++k) templates_[k].is_used = false;
 }
 
-bool TemplateStore::capture(std::size_t slot, Estimator& estimator, const FrameRegion& region, Vec2 x) {
+bool TemplateStore::capture(std::size_t slot, Estimator& estimator, const FrameRegion& region, Vec2 x,
+                            Vec2 uv) {
   PLIANT_ASSERT(slot < count_ && !templates_[slot].is_used);
-  Vec2 uv;
-  if (estimator.surface_at(x, &uv) != 0 || !estimator.model().is_on_surface(uv)) return false;
+  estimator.refine_uv(x, &uv);
+  if (!estimator.model().is_on_surface(uv)) return false;
   std::uint16_t id;
   if (estimator.add_point(uv, &id) != Status::ok) return false;
   const Prediction p = estimator.predict(id);

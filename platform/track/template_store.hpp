@@ -50,8 +50,8 @@ class TemplateStore {
   bool is_first(std::size_t slot) const { return templates_[slot].is_used && templates_[slot].first == slot; }
 
   /// Adds the visible surface point at image position x (px) to the estimator, and captures its template in a free slot.
-  /// \return false, and nothing has changed, where x misses the surface or the surface turns away, or without texture.
-  bool capture(std::size_t slot, Estimator& estimator, const FrameRegion& region, Vec2 x);
+  /// \param uv  of the mesh under x. \return false, and nothing has changed, where the surface turns away, or without texture.
+  bool capture(std::size_t slot, Estimator& estimator, const FrameRegion& region, Vec2 x, Vec2 uv);
   /// Captures second templates, at the places found, of points in the slots below `points` that were found in this frame
   /// but look different from their template. Fills the free slots [first, end).
   /// \return the first slot that is still free.

@@ -444,6 +444,10 @@ float Estimator::surface_at(Vec2 x, Vec2* uv) {
   return impl_->surface.surface_at(impl_->cascade, impl_->state, impl_->lens.undistort(x), uv);
 }
 
+void Estimator::refine_uv(Vec2 x, Vec2* uv) {
+  VisibleSurface::refine_uv(impl_->cascade, impl_->state, impl_->lens.undistort(x), uv);
+}
+
 const Mesh& Estimator::mesh() const {
   return impl_->surface.mesh();
 }

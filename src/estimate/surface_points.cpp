@@ -28,6 +28,13 @@ Vec2 mean_position(Span<const SilhouettePoint> contour) {
   return (1.0f / static_cast<float>(contour.count)) * sum;
 }
 
+/// Pieces in which a segment of a curve is walked, since the surface is curved between its ends.
+int pieces_of(float chord_mm) {
+  constexpr int kMost = kSurfacePointsTuning.most_pieces;
+  const float pieces = chord_mm / kSurfacePointsTuning.piece_mm;
+  return pieces < static_cast<float>(kMost) ? 1 + static_cast<int>(pieces) : kMost;
+}
+
 }  // namespace
 
 void SurfacePoints::lay_out(Arena& arena, std::size_t points, std::size_t silhouette_points,
@@ -76,26 +83,28 @@ Status SurfacePoints::add_curve(Span<const Vec2> polyline, float spacing_mm, Cas
                                 Span<std::uint16_t> ids, std::size_t* count) {
   PLIANT_ASSERT(polyline.count > 0 && spacing_mm > 0);
   *count = 0;
-  // Segments are walked in short pieces, since the surface is curved between their ends.
-  constexpr std::uint32_t kPieces = kSurfacePointsTuning.pieces_per_segment;
   float until_next = 0.5f * spacing_mm;
-  Vec3 before = cascade.surface_point(polyline[0], q);
-  for (std::size_t k = 0; k < kPieces * (polyline.count - 1); ++k) {
-    const std::size_t segment = k / kPieces;
-    const Vec2 along = polyline[segment + 1] - polyline[segment];
-    const Vec2 piece = (1.0f / kPieces) * along;
-    const Vec2 a = polyline[segment] + static_cast<float>(k % kPieces) * piece;
-    const Vec3 here = cascade.surface_point(a + piece, q);
-    const float size = length(here - before);
-    before = here;
-    for (; until_next < size; until_next += spacing_mm) {
-      if (*count == ids.count) return Status::capacity;
-      const Status status =
-          add(PointKind::curve, a + (until_next / size) * piece, along, cascade, q, &ids[*count]);
-      if (status != Status::ok) return status;
-      ++*count;
+  cascade.select(q);  // and so does `add`
+  Vec3 before = cascade.selected_point(polyline[0]);
+  for (std::size_t k = 0; k + 1 < polyline.count; ++k) {
+    const Vec2 along = polyline[k + 1] - polyline[k];
+    const Vec3 end = cascade.selected_point(polyline[k + 1]);
+    const int pieces = pieces_of(length(end - before));
+    const Vec2 piece = (1.0f / static_cast<float>(pieces)) * along;
+    for (int n = 0; n < pieces; ++n) {
+      const Vec2 a = polyline[k] + static_cast<float>(n) * piece;
+      const Vec3 here = n + 1 < pieces ? cascade.selected_point(a + piece) : end;
+      const float size = length(here - before);
+      before = here;
+      for (; until_next < size; until_next += spacing_mm) {
+        if (*count == ids.count) return Status::capacity;
+        const Status status =
+            add(PointKind::curve, a + (until_next / size) * piece, along, cascade, q, &ids[*count]);
+        if (status != Status::ok) return status;
+        ++*count;
+      }
+      until_next -= size;
     }
-    until_next -= size;
   }
   return Status::ok;
 }

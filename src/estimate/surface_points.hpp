@@ -24,8 +24,10 @@ struct SurfacePointsTuning {
   /// Cosine of surface normal and viewing direction below which a point is not visible. A template seen flatter than 70
   /// degrees has too few pixels. Round value, not tuned.
   float least_facing = 0.3f;
-  /// Pieces into which a segment of a curve is divided to measure lengths on the surface, count. Round value, not tuned.
-  std::uint32_t pieces_per_segment = 8;
+  /// A segment of a curve is divided into pieces of this length to measure it on the surface, mm, and into this many at most,
+  /// count. The curves of the built-in face have segments of a millimetre. Round values, not tuned.
+  float piece_mm = 2;
+  int most_pieces = 8;
 };
 inline constexpr SurfacePointsTuning kSurfacePointsTuning{};
 

@@ -72,7 +72,7 @@ void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const Mesh
 
 /// The surface that the mesh is adapted to. A vector that hardly moves a vertex bends a triangle by much less.
 void VisibleSurface::select_surface(Cascade& cascade) const {
-  cascade.select(surface_q_, keeps_samples() ? 0 : kTuning.table_slack_mm);
+  cascade.select(surface_q_, kTuning.table_slack_mm);
 }
 
 void VisibleSurface::follow_view(Cascade& cascade, const ModelState& state, std::uint32_t frame) {
@@ -201,25 +201,28 @@ float VisibleSurface::nearest_on_mesh(Vec2 x, Vec2* uv) const {
 float VisibleSurface::surface_at(Cascade& cascade, const ModelState& state, Vec2 x, Vec2* uv) {
   if (!images_are_current_) project(state.view);
   const float distance = nearest_on_mesh(x, uv);
-  if (distance != 0) return distance;
-  // Newton's method on the surface itself, as the mesh is flat between its vertices.
+  if (distance == 0) refine_uv(cascade, state, x, uv);
+  return distance;
+}
+
+void VisibleSurface::refine_uv(Cascade& cascade, const ModelState& state, Vec2 x, Vec2* uv) {
   const Projector projector(state.view, true);
+  cascade.select(state.q, 0);
   Vec2 at = *uv;
   for (int k = 0; k < kTuning.newton_steps; ++k) {
-    const SurfaceFrame frame = cascade.surface_frame(at, state.q);
+    const SurfaceFrame frame = cascade.selected_frame(at);
     Vec2 image;
     Projector::Derivatives d;
-    if (!projector.project(frame.p, &image, &d)) return distance;
+    if (!projector.project(frame.p, &image, &d)) return;
     const Vec2 along_u = d.along(frame.pu), along_v = d.along(frame.pv), off = x - image;
     if (dot(off, off) < 1e-6f) break;
     const Mat2 jacobian{along_u.x, along_v.x, along_u.y, along_v.y};
-    if (magnitude(determinant(jacobian)) < 1e-3f) return distance;
+    if (magnitude(determinant(jacobian)) < 1e-3f) return;
     const Vec2 step = inverse(jacobian) * off;
-    if (!(dot(step, step) < 1e-2f)) return distance;
+    if (!(dot(step, step) < 1e-2f)) return;
     at = {clamp(at.x + step.x, 0, 1), clamp(at.y + step.y, 0, 1)};
   }
   *uv = at;
-  return distance;
 }
 
 }  // namespace pliant

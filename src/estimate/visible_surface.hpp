@@ -23,9 +23,9 @@ struct VisibleSurfaceTuning {
   float nominal_distance_mm = 1000;
   /// mm. Vectors that move a vertex by less are left out of its samples. A hundredth of the model's own error.
   float sample_slack_mm = 0.01f;
-  /// mm. Vectors that move a vertex by less are left out where its position comes from the tables, and where such a mesh is
+  /// mm. Vectors that move a vertex by less are left out where its position comes from the tables, and where a mesh is
   /// adapted. Several such vectors together still move it by less than hidden_margin_mm. Adapting the mesh of profile S at a start
-  /// then takes 25 instead of 85 million instructions of a Cortex-M7.
+  /// then takes 25 instead of 85 million instructions of a Cortex-M7, one of 1,900 vertices 113 instead of 178 of x86-64.
   float table_slack_mm = 0.5f;
   /// Fraction of hidden_margin_mm. If a vertex moved farther than this since its last update, all vertices are updated and
   /// depth is drawn again. Otherwise a fast jaw would be hidden by its old position. The rest of the margin covers the
@@ -94,6 +94,9 @@ class VisibleSurface {
   /// (u,v) of the visible surface under an image position (px, pinhole), or of the nearest visible point.
   /// \return their distance in the image, px; 0 on the surface; negative when nothing is visible.
   float surface_at(Cascade& cascade, const ModelState& state, Vec2 x, Vec2* uv);
+  /// Moves `uv`, of the mesh under x (px, pinhole), onto the surface by Newton's method, as the mesh is flat between its
+  /// vertices. Unchanged where that does not converge.
+  static void refine_uv(Cascade& cascade, const ModelState& state, Vec2 x, Vec2* uv);
 
   const Mesh& mesh() const { return mesh_; }
   const Vec3* positions() const { return position_; }

@@ -5,6 +5,7 @@
 #include "model/personal_field.hpp"
 #include "model/record_selection.hpp"
 #include "model/sampled_point.hpp"
+#include "model/vector_sum.hpp"
 
 namespace pliant {
 
@@ -130,8 +131,18 @@ Status Cascade::fill_personal_field(std::size_t record, const float* q) {
   State& s = *state_;
   s.plan.list_needed(model_.cascade(), record, kNone);
   select(q);
-  return s.person.fill(model_, root_field(model_.cascade(), record), s.interpolation,
-                       [this](Vec2 uv) { return selected_point(uv); });
+  const std::uint16_t root = root_field(model_.cascade(), record);
+  const VectorSum sum(model_, s.selection.listed(), q, s.person.width(), s.person.height());
+  if (s.selection.is_chain(model_, s.plan) && sum.applies())
+    return s.person.fill(root, sum.largest(), [&](std::size_t i, std::size_t j, Span<Vec3> out) {
+      sum.compute(i, j, s.interpolation, out);
+    });
+  return s.person.fill(root, [&](std::size_t i, std::size_t j, Span<Vec3> out) {
+    for (std::size_t k = 0; k < out.count; ++k) {
+      const Vec2 uv = s.person.uv_of(i + k, j);
+      out[k] = selected_point(uv) - sample(model_, model_.fields()[root], uv, s.interpolation);
+    }
+  });
 }
 
 Status Cascade::personalise(const float* q) {

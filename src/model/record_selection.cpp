@@ -58,6 +58,14 @@ void RecordSelection::select(const Model& model, const CascadePlan& plan, const 
   count_ = static_cast<std::size_t>(to - listed_);
 }
 
+bool RecordSelection::is_chain(const Model& model, const CascadePlan& plan) const {
+  for (std::size_t n = 1; n < count_; ++n) {
+    const CascadeRecord& r = model.cascade()[listed_[n]];
+    if (r.source[1] != kNone || value_of_[r.source[0]] != listed_[n - 1]) return false;
+  }
+  return count_ > 0 && value_of_[plan.result()] == listed_[count_ - 1];
+}
+
 Vec3 RecordSelection::point(const FieldSource& source, const CascadePlan& plan, Vec2 uv) {
   PLIANT_ASSERT(count_ > 0);  // `select` was called
   Vec3* const point = values_.point;
@@ -69,11 +77,14 @@ Vec3 RecordSelection::point(const FieldSource& source, const CascadePlan& plan, 
     }
     const CascadeRecord& r = source.model.cascade()[i];
     const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point[value_of_[r.source[0]]];
+    if (r.operation == Operation::add_vector) {  // most of them, and most of those are of a part of the chart
+      const Field& field = source.model.fields()[r.field];
+      point[i] = is_in_support(field, uv) ? p0 + q_[r.parameter[0]] * source.sample(r, uv) : p0;
+      continue;
+    }
     const Vec3 p1 = r.source[1] == kNone ? Vec3{} : point[value_of_[r.source[1]]];
     const Vec3 s = source.sample(r, uv);
-    point[i] = r.operation == Operation::add_vector ? p0 + q_[r.parameter[0]] * s
-               : r.operation == Operation::constant ? s
-                                                    : apply_without_derivatives(r, q_, p0, p1, s);
+    point[i] = r.operation == Operation::constant ? s : apply_without_derivatives(r, q_, p0, p1, s);
   }
   return point[value_of_[plan.result()]];
 }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "model_builder.hpp"
+#include "pliant/field.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -32,13 +33,24 @@ Vec3 raised(Vec2 uv) {
   return {100 * uv.x, -100 * uv.y, 10 * uv.x - 4 * uv.y};
 }
 
+/// Fills the field with the differences of a surface to its root.
+template <class Surface>
+Status fill(PersonalField& field, const Flat& flat, const Surface& surface) {
+  return field.fill(0, [&](std::size_t i, std::size_t j, Span<Vec3> out) {
+    for (std::size_t k = 0; k < out.count; ++k) {
+      const Vec2 uv = field.uv_of(i + k, j);
+      out[k] = surface(uv) - sample(flat.model, flat.model.fields()[0], uv);
+    }
+  });
+}
+
 }  // namespace
 
 TEST_CASE("the field holds the difference to its root to the rounding of its samples, with its gradient") {
   const Flat flat;
   InArena<PersonalField> field(PersonalFieldLimits{9, 9});
   REQUIRE(field->has_room());
-  REQUIRE(field->fill(flat.model, 0, Interpolation::bilinear, raised) == Status::ok);
+  REQUIRE(fill(field.object, flat, raised) == Status::ok);
   for (const Vec2 uv : {Vec2{0, 0}, Vec2{1, 1}, Vec2{0.3f, 0.7f}, Vec2{0.99f, 0.01f}}) {
     Vec3 du, dv;
     const Vec3 p = field->sample(flat.model, uv, Interpolation::bilinear, &du, &dv);
@@ -51,10 +63,10 @@ TEST_CASE("the field holds the difference to its root to the rounding of its sam
 TEST_CASE("a surface that is not finite is refused and the field stays as it was") {
   const Flat flat;
   InArena<PersonalField> field(PersonalFieldLimits{5, 5});
-  REQUIRE(field->fill(flat.model, 0, Interpolation::bilinear, raised) == Status::ok);
+  REQUIRE(fill(field.object, flat, raised) == Status::ok);
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), 1e20f}) {
     const auto broken = [bad](Vec2 uv) { return uv.x > 0.9f ? Vec3{bad, 0, 0} : raised(uv); };
-    CHECK(field->fill(flat.model, 0, Interpolation::bilinear, broken) == Status::bad_argument);
+    CHECK(fill(field.object, flat, broken) == Status::bad_argument);
     CHECK(length(field->sample(flat.model, {0.5f, 0.5f}, Interpolation::bilinear, nullptr, nullptr) -
                  raised({0.5f, 0.5f})) < 5e-3f);
   }

@@ -224,3 +224,37 @@ TEST_CASE("a person that cannot be baked is refused by name and changes nothing"
     CHECK(create_in(enough, cascade, m.model, PersonalFieldLimits{16, 16}) == Status::ok);
   }
 }
+
+TEST_CASE(
+    "fields whose samples are the personal field's are added sample by sample, also of a part of the chart "
+    "and of another size") {
+  ModelBuilder b;
+  b.record(Operation::constant, {}, {}, b.field(3, 9, 9, [](float u, float v) {
+    return Vec3{100 * u, -100 * v, 30 * u * v};
+  }));
+  const auto add = [&b](const char* name, std::uint16_t field) {
+    b.record(Operation::add_vector, {b.last()}, {b.parameter(name, Group::identity, -3, 3, 1)}, field);
+  };
+  add("whole", b.field(3, 9, 9, [](float u, float v) { return Vec3{u * u, v, 5 * u * v}; }));
+  add("part", b.field(
+                  3, 4, 3,
+                  [](float u, float v) {
+                    const float bump =
+                        100 * (u - 0.25f) * (0.625f - u) * (v - 0.5f) * (0.75f - v);  // zero at its rim
+                    return Vec3{bump, -2 * bump, 5 * bump};
+                  },
+                  0.25f, 0.5f, 0.625f, 0.75f));
+  add("coarse", b.field(3, 5, 5, [](float u, float v) { return Vec3{v, u, 3 * u}; }));
+  b.record(Operation::add_vector, {b.last()}, {b.parameter("smile", Group::expression, 0, 1, 1)},
+           b.cascade[1].field);
+  b.grid_mesh(2);
+  b.landmark("p", 0.5f, 0.5f);
+  const OpenModel m(b);
+  InArena<Cascade> personal = with_room(m.model, 9), exact(m.model);
+  Random random(5);
+  personal->set_free(Group::expression);
+  const std::vector<float> q = {1.5f, -2, 0.7f, 0.3f};
+  REQUIRE(personal->personalise(q.data()) == Status::ok);
+  REQUIRE(personal->is_personalised());
+  CHECK(worst_difference(personal.object, exact.object, q, random, 2000) < 2e-3f);
+}

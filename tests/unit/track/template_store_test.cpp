@@ -93,9 +93,12 @@ TEST_CASE("no template is placed near a marker") {
     if (rig.templates.object[k].is_used) CHECK(length(rig.templates.object[k].found_at - nose) >= 25);
 }
 
-TEST_CASE("a place beside the surface, or without texture, takes no slot and no point") {
+TEST_CASE("a place where the surface turns away takes no slot and no point") {
   Rig rig;
-  CHECK_FALSE(rig.templates->capture(0, rig.estimator.object, rig.region.object, {5, 5}));
+  const Vec2 side{0.02f, 0.5f};
+  Vec2 x;
+  REQUIRE(rig.estimator->project(side, &x));
+  CHECK_FALSE(rig.templates->capture(0, rig.estimator.object, rig.region.object, x, side));
   CHECK_FALSE(rig.templates.object[0].is_used);
   std::uint16_t id;
   REQUIRE(rig.estimator->add_point({0.5f, 0.5f}, &id) == Status::ok);
