@@ -43,6 +43,7 @@ Status PartPoints::open(const Model& model) {
            table[k].point_count,
            left != 0,
            static_cast<std::uint16_t>(count),
+           {},
            {}};
       const auto of_side = [&](int number) { return left != 0 ? mirrored_part_point(number) : number; };
       for (int a = 0; a < 2; ++a) {
@@ -80,17 +81,38 @@ Vec2 PartFit::project(Vec2 uv) {
   return lens_.distort(x);
 }
 
-void PartFit::read(const FrameView& frame, const Lens& lens, const View& view, const float* q,
-                   const PartPoints& points) {
+void PartFit::read(const FrameView& frame, const Lens& lens, const View& view, const float* q, float centring,
+                   PartPoints* points) {
   view_ = view;
   lens_ = lens;
   for (std::size_t k = 0; k < cascade_.parameter_count(); ++k) q_[k] = q[k];
-  for (std::size_t s = 0; s < points.side_count; ++s) {
-    const PartSide& side = points.side[s];
-    const Vec2 middle = 0.5f * (project(side.anchor[0]) + project(side.anchor[1]));
-    reader_.read(frame, points.table, side.part, crop_of_part(points.table[side.part], view, middle),
-                 side.is_left, readings_ + side.first);
+  for (std::size_t s = 0; s < points->side_count; ++s) {
+    PartSide& side = points->side[s];
+    const PartRecord& part = points->table[side.part];
+    CropMap map = crop_of_part(part, view, 0.5f * (project(side.anchor[0]) + project(side.anchor[1])));
+    map.origin = map.origin + map.along((1 / part.mm_per_px) * side.centre_mm);
+    reader_.read(frame, points->table, side.part, map, side.is_left, readings_ + side.first);
+    const Vec2 off = off_centre(map, points->table, side);
+    if (!is_finite(off)) continue;
+    const Vec2 centre = side.centre_mm + centring * off;
+    side.centre_mm = min(1, kTuning.most_off_centre_mm / max(length(centre), 1e-3f)) * centre;
   }
+}
+
+/// How far the anchors are read from where they usually are in a crop, mm; 0 if the part does not read them.
+Vec2 PartFit::off_centre(const CropMap& map, const PartTable& table, const PartSide& side) const {
+  const PartRecord& part = table[side.part];
+  const float* const start = table.shape(side.part).start;
+  const float half = 0.5f * static_cast<float>(part.crop_px - 1);
+  Vec2 sum;
+  float n = 0;
+  for (std::size_t k = 0; k < side.count; ++k) {
+    if (part.number[k] != part.anchor[0] && part.number[k] != part.anchor[1]) continue;
+    const Vec2 read = part.mm_per_px * (map.to_crop(readings_[side.first + k].x) - Vec2{half, half});
+    sum = sum + read - Vec2{side.is_left ? -start[2 * k] : start[2 * k], start[2 * k + 1]};
+    ++n;
+  }
+  return n > 0 ? (1 / n) * sum : Vec2{};
 }
 
 void PartFit::choose_parameters(PartPoints* points) {
@@ -117,11 +139,41 @@ void PartFit::choose_parameters(PartPoints* points) {
     }
 }
 
-void PartFit::calibrate(PartPoints* points) {
-  choose_parameters(points);
+/// Gives the parameters of the parts these values.
+void PartFit::set(const float* values, const PartPoints& points) {
+  for (std::size_t n = 0; n < points.parameter_count; ++n) q_[points.parameter[n]] = values[n];
+}
+
+/// Whether no point would move far if the parameters had these values instead of the fitted ones.
+bool PartFit::is_near(float mm, const float* values, const PartPoints& points) {
+  for (std::size_t k = 0; k < points.count; ++k) {
+    if (!points.is_fitted[k]) continue;
+    set(points.last, points);
+    const Vec3 fitted = cascade_.surface_point(points.uv[k], q_);
+    set(values, points);
+    if (length(cascade_.surface_point(points.uv[k], q_) - fitted) > mm) return false;
+  }
+  return true;
+}
+
+/// How the readings differ from the model with these values, which are the person's from now on.
+void PartFit::note_offsets(const float* values, PartPoints* points) {
   const CropMap axes = upright(view_);
+  set(values, *points);
   for (std::size_t k = 0; k < points->count; ++k)
     if (points->is_fitted[k]) points->offset_mm[k] = axes.to_crop(readings_[k].x - project(points->uv[k]));
+  for (std::size_t n = 0; n < points->parameter_count; ++n) points->last[n] = values[n];
+  points->is_calibrated = true;
+}
+
+void PartFit::calibrate(PartPoints* points) {
+  choose_parameters(points);
+  float values[kMostPartParameters];
+  for (std::size_t n = 0; n < points->parameter_count; ++n) values[n] = points->last[n];
+  for (Vec2& offset : points->offset_mm) offset = {};
+  points->is_calibrated = false;
+  solve(kTuning.start_s, points);
+  if (is_near(kTuning.contradiction_mm, values, *points)) note_offsets(values, points);
 }
 
 /// One Gauss-Newton step of a common shift and the parameters.
@@ -166,21 +218,27 @@ void PartFit::step(float seconds, const PartPoints& points) {
   }
 }
 
-void PartFit::fit(float seconds, PartPoints* points) {
+/// Fits the parameters and keeps them. \return false: they are as before.
+bool PartFit::solve(float seconds, PartPoints* points) {
   for (std::size_t k = 0; k < cascade_.parameter_count(); ++k) is_free_[k] = 0;
-  for (std::size_t n = 0; n < points->parameter_count; ++n) {
-    is_free_[points->parameter[n]] = 1;
-    q_[points->parameter[n]] = points->last[n];
-  }
+  for (std::size_t n = 0; n < points->parameter_count; ++n) is_free_[points->parameter[n]] = 1;
+  set(points->last, *points);
   cascade_.set_free(is_free_);
   for (int k = 0; k < kTuning.steps; ++k) step(seconds, *points);
   equations_.variances(step_);
   for (std::size_t n = 0; n < points->parameter_count; ++n)
-    if (!is_finite(q_[points->parameter[n]]) || !(step_[kShift + n] > 0)) return;
+    if (!is_finite(q_[points->parameter[n]]) || !(step_[kShift + n] > 0)) return false;
   for (std::size_t n = 0; n < points->parameter_count; ++n) {
     points->last[n] = q_[points->parameter[n]];
     points->sd[n] = kTuning.trusted_sd * square_root(step_[kShift + n]);
   }
+  return true;
+}
+
+void PartFit::fit(float seconds, PartPoints* points) {
+  static constexpr float kRest[kMostPartParameters] = {};
+  if (solve(seconds, points) && !points->is_calibrated && is_near(kTuning.rest_mm, kRest, *points))
+    note_offsets(kRest, points);
 }
 
 }  // namespace pliant

@@ -144,13 +144,14 @@ void conclude(TrackerParts& t, const FrameView& view) {
 }
 
 /// \return null if there are no readers.
-PartFit* read_at_view(TrackerParts& t, const FrameView& view) {
+PartFit* read_at_view(TrackerParts& t, const FrameView& view, float centring) {
   FaceSelfStart& self = self_of(t);
   if (self.parts == nullptr) return nullptr;
   Arena arena(t.scratch.data, t.scratch.count);
   PartFit* const fit = create_part<PartFit>(arena, t.model());
   if (fit == nullptr || arena.exhausted()) return nullptr;
-  fit->read(view, t.estimator.lens(), t.estimator.view(), t.estimator.parameters().data, *self.parts);
+  fit->read(view, t.estimator.lens(), t.estimator.view(), t.estimator.parameters().data, centring,
+            self.parts);
   return fit;
 }
 
@@ -159,7 +160,7 @@ void read_parts(TrackerParts& t, const FrameView& view) {
   if (self.parts == nullptr) return;
   PartPoints& points = *self.parts;
   if (t.frame % kPartTracking.interval_frames == 0)
-    if (PartFit* const fit = read_at_view(t, view); fit != nullptr) {
+    if (PartFit* const fit = read_at_view(t, view, kPartFitTuning.centring); fit != nullptr) {
       // Times come from outside: their difference may wrap.
       const auto elapsed = static_cast<std::int64_t>(static_cast<std::uint64_t>(view.time_ns) -
                                                      static_cast<std::uint64_t>(self.last_read_ns));
@@ -171,6 +172,15 @@ void read_parts(TrackerParts& t, const FrameView& view) {
     if (points.sd[k] > 0) t.estimator.expect(points.parameter[k], points.last[k], points.sd[k]);
 }
 
+/// Centres the crops, and notes how this person's parts differ from the model.
+void calibrate_parts(TrackerParts& t, const FrameView& view) {
+  FaceSelfStart& self = self_of(t);
+  if (self.parts == nullptr) return;
+  for (std::size_t s = 0; s < self.parts->side_count; ++s) self.parts->side[s].centre_mm = {};
+  for (int k = 0; k < kPartFitTuning.start_centrings; ++k) read_at_view(t, view, 1);
+  if (PartFit* const fit = read_at_view(t, view, 0); fit != nullptr) fit->calibrate(self.parts);
+}
+
 void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {
   FaceSelfStart& self = self_of(t);
   if (!self.is_own_start) {
@@ -178,7 +188,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
     self.kept.keep(*self.of_caller);
     self.kept.keep(options);
   }
-  if (PartFit* const fit = read_at_view(t, view); fit != nullptr) fit->calibrate(self.parts);
+  calibrate_parts(t, view);
   self.faces.begin_track(self.landmark_error, &t.result);
   self.landmark_error = 0;
   conclude(t, view);

@@ -1,6 +1,8 @@
 // Eyes that blink, in rendered films: the learnt readers of the eyes close the lids within the frame, and nowhere else.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "face_film.hpp"
 #include "host/io/files.hpp"
 #include "host/io/owned.hpp"
@@ -35,11 +37,12 @@ FaceFilm film(float blink) {
   });
 }
 
-/// eyeBlinkLeft and Right of each frame.
-std::vector<Vec2> track(const FaceFilm& film) {
+/// eyeBlinkLeft and Right of each frame. \param open  the first frame's parameters are said to be those of open eyes.
+std::vector<Vec2> track(const FaceFilm& film, bool open = false) {
   host::Owned<Tracker> tracker(face().model(), TrackerLimits{});
-  REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data()) ==
-          Status::ok);
+  std::vector<float> q = film.parameters[0];
+  if (open) FaceFilm::set(q, "eyeBlinkLeft", 0), FaceFilm::set(q, "eyeBlinkRight", 0);
+  REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], q.data()) == Status::ok);
   std::vector<Vec2> lids(1);
   for (std::size_t k = 1; k < film.count(); ++k) {
     FrameResult result;
@@ -69,5 +72,40 @@ TEST_CASE("lids that do not blink stay open") {
   for (const Vec2 lid : track(film(0))) {
     CHECK(lid.x < 0.4f);
     CHECK(lid.y < 0.4f);
+  }
+}
+
+TEST_CASE(
+    "a track that starts in a blink, from points that do not tell, sees the eyes open and the next blink") {
+  const FaceFilm eyes(320, 240, 40, [](float s, Pose&, auto& q) {
+    const auto k = static_cast<std::size_t>(s * 39 + 0.5f);
+    const float closed = k < 4 ? 1 : k < 24 ? 0 : closing(k - 14);
+    FaceFilm::set(q, "eyeBlinkLeft", closed);
+    FaceFilm::set(q, "eyeBlinkRight", closed);
+  });
+  const std::vector<Vec2> lids = track(eyes, true);
+  for (const auto eye : {&Vec2::x, &Vec2::y}) {
+    CHECK(lids[2].*eye > 0.5f);
+    CHECK(lids[15].*eye < 0.35f);
+    CHECK(lids[27].*eye > 0.5f);
+    CHECK(lids[38].*eye < 0.35f);
+  }
+}
+
+TEST_CASE("black frames between do not keep the lids from closing and opening later") {
+  FaceFilm eyes = film(1);
+  for (std::size_t k = 2; k < 6; ++k)
+    std::fill(eyes.frames[k].begin(), eyes.frames[k].end(), std::uint8_t{0});
+  host::Owned<Tracker> tracker(face().model(), TrackerLimits{});
+  REQUIRE(tracker->start_from_pose(eyes.view(0), eyes.camera, eyes.poses[0], eyes.parameters[0].data()) ==
+          Status::ok);
+  for (std::size_t k = 1; k < eyes.count(); ++k) {
+    FrameResult result;
+    REQUIRE(tracker->update(eyes.view(k), &result) == Status::ok);
+    for (const float q : tracker->parameters()) CHECK(is_finite(q));
+    float lid = 0;
+    if (tracker->parameter("eyeBlinkLeft", &lid) != Status::ok) continue;
+    if (k == kBlinks[1] + 3) CHECK(lid > 0.5f);
+    if (k == kBlinks[1] - 2 || k == kFrames - 1) CHECK(lid < 0.35f);
   }
 }

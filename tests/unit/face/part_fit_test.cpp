@@ -1,0 +1,159 @@
+// The fit of the eyes' parameters to what the learnt readers see, in rendered pictures.
+#include "face/part_fit.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "face_film.hpp"
+#include "host/io/files.hpp"
+#include "model_builder.hpp"
+
+using namespace pliant;
+
+namespace {
+
+const Model& model() {
+  static const host::ModelFile* file = new host::ModelFile(PLIANT_DETECTING_FACE);
+  return file->model();
+}
+
+/// Three pictures of one pose: lids open, shut, open.
+const FaceFilm& film() {
+  static const FaceFilm* film = new FaceFilm(320, 240, 3, [](float s, Pose&, auto& q) {
+    const float closed = 1 - 2 * magnitude(s - 0.5f);
+    FaceFilm::set(q, "eyeBlinkLeft", closed);
+    FaceFilm::set(q, "eyeBlinkRight", closed);
+  });
+  return *film;
+}
+
+struct Rig {
+  InArena<PartFit> fit{model()};
+  PartPoints points;
+  View view = view_of(film().poses[0], film().camera);
+  Lens lens;
+
+  Rig() {
+    REQUIRE(points.open(model()) == Status::ok);
+    REQUIRE(Lens::make(film().camera, film().width, film().height, &lens) == Status::ok);
+  }
+  void read(const FrameView& frame, float centring = 0) {
+    fit->read(frame, lens, view, film().parameters[0].data(), centring, &points);
+  }
+  float value(const char* name) const {
+    for (std::size_t k = 0; k < points.parameter_count; ++k)
+      if (points.parameter[k] == model().find_parameter(name)) return points.last[k];
+    FAIL(name);
+    return 0;
+  }
+  float blink() const { return 0.5f * (value("eyeBlinkLeft") + value("eyeBlinkRight")); }
+};
+
+}  // namespace
+
+TEST_CASE("lids that close and open again move their parameters there and back") {
+  Rig rig;
+  rig.read(film().view(0));
+  rig.fit->calibrate(&rig.points);
+  CHECK(rig.points.is_calibrated);
+  CHECK(rig.blink() == 0);
+  rig.fit->fit(1 / 30.0f, &rig.points);
+  CHECK(rig.blink() < 0.15f);
+  for (int k = 0; k < 2; ++k) {
+    rig.read(film().view(1));
+    rig.fit->fit(1 / 30.0f, &rig.points);
+  }
+  CHECK(rig.blink() > 0.6f);
+  for (int k = 0; k < 2; ++k) {
+    rig.read(film().view(2));
+    rig.fit->fit(1 / 30.0f, &rig.points);
+  }
+  CHECK(rig.blink() < 0.15f);
+  for (std::size_t k = 0; k < rig.points.parameter_count; ++k) {
+    const Parameter& p = model().parameters()[rig.points.parameter[k]];
+    CHECK(rig.points.sd[k] > 0);
+    CHECK(rig.points.sd[k] < p.sd);
+    CHECK(rig.points.last[k] >= p.minimum);
+    CHECK(rig.points.last[k] <= p.maximum);
+  }
+}
+
+TEST_CASE("a start with shut eyes that is told to be open waits until the lids are open") {
+  Rig rig;
+  rig.read(film().view(1));
+  rig.fit->calibrate(&rig.points);
+  CHECK_FALSE(rig.points.is_calibrated);
+  CHECK(rig.blink() > 0.6f);
+  rig.fit->fit(1 / 30.0f, &rig.points);
+  CHECK_FALSE(rig.points.is_calibrated);
+  for (int k = 0; k < 3; ++k) {
+    rig.read(film().view(2));
+    rig.fit->fit(1 / 30.0f, &rig.points);
+  }
+  CHECK(rig.points.is_calibrated);
+  CHECK(rig.blink() < 0.15f);
+  for (int k = 0; k < 2; ++k) {
+    rig.read(film().view(1));
+    rig.fit->fit(1 / 30.0f, &rig.points);
+  }
+  CHECK(rig.blink() > 0.6f);
+}
+
+TEST_CASE("crops follow the eyes where the pose is off") {
+  Rig rig;
+  Pose off = film().poses[0];
+  off.t = off.t + Vec3{3, -2, 0};
+  rig.view = view_of(off, film().camera);
+  for (int k = 0; k < kPartFitTuning.start_centrings; ++k) rig.read(film().view(0), 1);
+  for (std::size_t s = 0; s < rig.points.side_count; ++s) {
+    const Vec2 centre = rig.points.side[s].centre_mm;
+    CHECK(length(centre - Vec2{-3, 2}) < 1.5f);
+  }
+  const Vec2 before = rig.points.side[0].centre_mm;
+  rig.read(film().view(0), 0);
+  CHECK(length(rig.points.side[0].centre_mm - before) == 0);
+}
+
+TEST_CASE("crops do not leave the eyes' surroundings, whatever is seen") {
+  Rig rig;
+  std::vector<std::uint8_t> stripes(320 * 240);
+  for (std::size_t k = 0; k < stripes.size(); ++k)
+    stripes[k] = (k / 320 + k) % 16 < 8 ? std::uint8_t{20} : std::uint8_t{230};
+  for (int k = 0; k < 200; ++k) rig.read(view_of_pixels(stripes, 320, 240, 0), 1);
+  for (std::size_t s = 0; s < rig.points.side_count; ++s)
+    CHECK(length(rig.points.side[s].centre_mm) <= kPartFitTuning.most_off_centre_mm * 1.001f);
+}
+
+TEST_CASE(
+    "blank pictures, and poses beyond the frame or not numbers, leave every value finite and in range") {
+  Rig rig;
+  rig.read(film().view(0));
+  rig.fit->calibrate(&rig.points);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const Vec3 places[] = {{}, {1e6f, 0, 0}, {0, -1e6f, 0}, {0, 0, -2 * film().poses[0].t.z}, {nan, 0, 0}};
+  for (const int grey : {0, 128, 255}) {
+    const std::vector<std::uint8_t> blank(320 * 240, static_cast<std::uint8_t>(grey));
+    for (const Vec3 place : places) {
+      Pose pose = film().poses[0];
+      pose.t = pose.t + place;
+      rig.view = view_of(pose, film().camera);
+      rig.read(view_of_pixels(blank, 320, 240, 0), 1);
+      rig.fit->fit(1 / 30.0f, &rig.points);
+      for (std::size_t k = 0; k < rig.points.parameter_count; ++k) {
+        const Parameter& p = model().parameters()[rig.points.parameter[k]];
+        CHECK(rig.points.last[k] >= p.minimum);
+        CHECK(rig.points.last[k] <= p.maximum);
+        CHECK(is_finite(rig.points.sd[k]));
+      }
+      for (std::size_t s = 0; s < rig.points.side_count; ++s) CHECK(is_finite(rig.points.side[s].centre_mm));
+    }
+  }
+}
+
+TEST_CASE("a model without learnt readers, or without their landmarks, has no points") {
+  PartPoints points;
+  CHECK(points.open(baked_face().model) == Status::not_found);
+  CHECK(points.side_count == 0);
+}
