@@ -1,5 +1,5 @@
-// Random changes in the learnt tables of a face, with right checksums; then detector, aligner and a tracker run on frames with
-// the face, with others and with none. A table is refused by a status, or what it gives is finite, in range and consistent. For
+// Random changes in the learnt tables of a face, with right checksums; then detector, aligner and a tracker with its part readers
+// run on frames with the face, with others and with none. A table is refused by a status, or what it gives is finite, in range and consistent. For
 // memory and undefined behaviour the program is compiled with sanitizers.
 //
 // usage: learnt_fuzz TABLE.plm FILM.y4m [COUNT [FIRST_SEED]]
@@ -14,6 +14,7 @@
 #include "aligned_block.hpp"
 #include "face/aligner_table.hpp"
 #include "face/detector_table.hpp"
+#include "face/part_table.hpp"
 #include "pliant/face_aligner.hpp"
 #include "pliant/face_detector.hpp"
 #include "pliant/tracker.hpp"
@@ -49,7 +50,24 @@ std::vector<Frame> make_frames(const std::vector<std::uint8_t>& film) {
   return {face, face, turned, noise, black};
 }
 
-/// A table whose learnt part is changed at random places, and the checksums are right again.
+/// One of the learnt tables in a model's.
+struct Learnt {
+  Span<const std::uint8_t> bytes;
+  std::size_t crc_at, header_at;  ///< offsets of the checksum, and of what may be changed: lengths and checksum stay
+};
+
+Learnt any_learnt(const Model& model, Random& random) {
+  switch (random.below(3)) {
+    case 0:
+      return {model.detector(), offsetof(DetectorHeader, crc32), offsetof(DetectorHeader, tree_count)};
+    case 1:
+      return {model.aligner(), offsetof(AlignerHeader, crc32), offsetof(AlignerHeader, landmark_count)};
+    default:
+      return {model.parts(), offsetof(PartHeader, crc32), offsetof(PartHeader, part_count)};
+  }
+}
+
+/// A table of which a learnt one is changed at random places, and the checksums are right again.
 class ChangedTable {
  public:
   /// \param start  of the table that `model` has opened.
@@ -57,14 +75,10 @@ class ChangedTable {
                Random& random)
       : words_((original.size() + 3) / 4), random_(random) {
     std::memcpy(words_.data(), original.data(), original.size());
-    const bool is_detector = random.below(3) == 0;
-    const Span<const std::uint8_t> part = is_detector ? model.detector() : model.aligner();
-    const auto first = static_cast<std::size_t>(part.data - start);
-    for (int k = random.below(random.below(2) == 0 ? 3 : 30); k >= 0; --k)
-      change(first, part.count, is_detector);
-    const std::size_t crc_at =
-        first + (is_detector ? offsetof(DetectorHeader, crc32) : offsetof(AlignerHeader, crc32));
-    seal(crc_at, first + part.count);
+    const Learnt part = any_learnt(model, random);
+    const auto first = static_cast<std::size_t>(part.bytes.data - start), end = first + part.bytes.count;
+    for (int k = random.below(random.below(2) == 0 ? 3 : 30); k >= 0; --k) change(first + part.header_at, end);
+    seal(first + part.crc_at, end);
     seal(12, original.size());
   }
   const void* data() const { return words_.data(); }
@@ -72,12 +86,10 @@ class ChangedTable {
  private:
   std::uint8_t* bytes() { return reinterpret_cast<std::uint8_t*>(words_.data()); }
 
-  /// More often in the headers, where sizes and curves are. Lengths and checksums of the part stay.
-  void change(std::size_t first, std::size_t count, bool is_detector) {
-    const std::size_t header =
-        is_detector ? offsetof(DetectorHeader, tree_count) : offsetof(AlignerHeader, landmark_count);
-    const std::size_t range = random_.below(4) == 0 ? 400 : count - header - 4;
-    const std::size_t at = first + header + static_cast<std::size_t>(random_.below(static_cast<int>(range)));
+  /// Changes something in [first, end), more often in the headers, where sizes and curves are.
+  void change(std::size_t first, std::size_t end) {
+    const std::size_t range = random_.below(4) == 0 ? 400 : end - first - 4;
+    const std::size_t at = first + static_cast<std::size_t>(random_.below(static_cast<int>(range)));
     const float floats[] = {0, -0.0f, 1, -1, 0.5f, 8, 1e3f, -1e3f, 1e4f, 1e6f, -1e6f, 1e-38f, 3e38f, -3e38f};
     switch (random_.below(6)) {
       case 0:
@@ -97,7 +109,7 @@ class ChangedTable {
         return put(at, &word);
       }
       case 4:
-        for (std::size_t k = at; k < first + count && k < at + 256; ++k)
+        for (std::size_t k = at; k < end && k < at + 256; ++k)
           bytes()[k] ^= 0x80;  // weights of one sign
         return;
       default:
@@ -204,7 +216,7 @@ int main(int argc, char** argv) {
   std::vector<std::uint32_t> words((original.size() + 3) / 4);
   std::memcpy(words.data(), original.data(), original.size());
   if (frames.empty() || Model::open(words.data(), original.size(), &model) != Status::ok ||
-      model.aligner().empty()) {
+      model.aligner().empty() || model.parts().empty()) {
     std::printf("no table or no film\n");
     return 1;
   }
@@ -218,8 +230,10 @@ int main(int argc, char** argv) {
                             : "the table is not opened";
     DetectorTable detector;
     AlignerTable aligner;
+    PartTable parts;
     refused += DetectorTable::open(changed.detector(), &detector) != Status::ok ||
-               AlignerTable::open(changed.aligner(), &aligner) != Status::ok;
+               AlignerTable::open(changed.aligner(), &aligner) != Status::ok ||
+               PartTable::open(changed.parts(), &parts) != Status::ok;
     if (fault == nullptr) fault = fault_of_detector(changed, frames);
     if (fault == nullptr) fault = fault_of_aligner(changed, frames, random);
     if (fault == nullptr) fault = fault_of_tracker(changed, frames, random);
