@@ -2,12 +2,15 @@
 // section 6).
 #include <algorithm>
 #include <cstdio>
+#include <set>
 
 #include "host/commands/calibration_option.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/face_finder.hpp"
 #include "host/commands/image_fit.hpp"
+#include "host/commands/points_surface.hpp"
 #include "host/io/calibration.hpp"
+#include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/json.hpp"
@@ -95,36 +98,64 @@ std::vector<Handle> handles_of(const Model& model) {
   return handles;
 }
 
-/// Image positions of the handles at the start, and whether they are switched on.
-Json points_at(const Model& model, const FitFile& start, std::size_t* on_count) {
-  std::vector<float> q(model.parameters().count, 0.0f);
-  (void)apply(start.parameters, "start", model, q.data());
+/// Points of a file that the model put where they are, and no person: those with a 0 in its column `placed`, which the page
+/// writes.
+std::set<std::string> followers_in(const Args& args) {
+  std::set<std::string> names;
+  const auto start = args.text("--start");
+  if (!start || is_box(*start)) return names;
+  const std::string text = read_file(*start);
+  if (is_fit(text)) return names;
+  const CsvTable table(*start, text);
+  const auto placed = table.find_column("placed");
+  const std::size_t name = table.column("landmark");
+  for (std::size_t row = 0; placed && row < table.row_count(); ++row)
+    if (table.cell(row, *placed) == "0") names.insert(table.cell(row, name));
+  return names;
+}
+
+/// Image positions of the handles at the start, their normals, whether they are wanted and whether they are placed. Counts those
+/// that are switched on: wanted and turned to the camera, or placed.
+/// \param followers  given points that are not placed.
+Json points_at(const Model& model, const FitFile& start, const std::vector<float>& q,
+               const std::vector<Handle>& handles, const std::set<std::string>& followers,
+               std::size_t* on_count) {
   Owned<Cascade> cascade(model);
   cascade->select(q.data());
   const Projector projector(view_of(start.pose, start.camera), true);
   const Lens lens = lens_of(start.camera, {start.width, start.height});
   const bool has_68 = model.find_landmark("ibug00") != kNone && model.find_landmark("ibug67") != kNone;
   Json points = Json::array();
-  for (const Handle& handle : handles_of(model)) {
+  for (const Handle& handle : handles) {
     const Vec2 uv = handle.uv;
     const auto at = [&](float du, float dv) {
       return cascade->selected_point(
           {clamp(uv.x + du * kNeighbourhood, 0, 1), clamp(uv.y + dv * kNeighbourhood, 0, 1)});
     };
     const Vec3 p = at(0, 0);
-    const Vec3 normal = projector.rotated(normalised(cross(at(0, 1) - at(0, -1), at(1, 0) - at(-1, 0))));
+    const Vec3 normal = normalised(cross(at(0, 1) - at(0, -1), at(1, 0) - at(-1, 0)));
     Vec2 x{-100, -100};
-    bool is_on = projector.project(p, &x) && dot(normal, normalised(projector.to_camera(p))) < kTurnedAway;
+    const bool is_seen = projector.project(p, &x) &&
+                         dot(projector.rotated(normal), normalised(projector.to_camera(p))) < kTurnedAway;
     x = lens.distort(x);
-    // The five points of eyes, nose and mouth add nothing to the 68.
-    if (has_68 && handle.name.compare(0, 4, "ibug") != 0) is_on = false;
-    // Given points keep their positions and are switched on; all others are switched off.
-    if (!start.points.empty()) is_on = false;
-    for (const FitPoint& given : start.points)
-      if (given.landmark == handle.name) x = given.x, is_on = true;
-    *on_count += is_on;
-    points.push_back(Json::object(
-        {{"name", handle.name}, {"u", uv.x}, {"v", uv.y}, {"x", x.x}, {"y", x.y}, {"on", is_on}}));
+    // The five points of eyes, nose and mouth add nothing to the 68. Of given points, only those are wanted.
+    bool is_wanted = start.points.empty() && (!has_68 || handle.name.compare(0, 4, "ibug") == 0),
+         is_placed = false;
+    for (const FitPoint& given : start.points) {
+      if (given.landmark != handle.name) continue;
+      is_wanted = true;
+      is_placed = followers.count(handle.name) == 0;
+      if (is_placed) x = given.x;
+    }
+    *on_count += is_placed || (is_wanted && is_seen);
+    points.push_back(Json::object({{"name", handle.name},
+                                   {"u", uv.x},
+                                   {"v", uv.y},
+                                   {"x", x.x},
+                                   {"y", x.y},
+                                   {"normal", {normal.x, normal.y, normal.z}},
+                                   {"wanted", is_wanted},
+                                   {"placed", is_placed}}));
   }
   return points;
 }
@@ -144,19 +175,30 @@ int run_points(const Args& args, Console& console) {
   const std::string output = args.required("-o"), path = args.required("--image");
   const ModelFile file(args.operand(0));
   const Image image = read_image(path);
+  const Model& model = file.model();
   const FitFile start = start_of(args, file, image, path, console.err);
+  std::vector<float> q(model.parameters().count, 0.0f);
+  (void)apply(start.parameters, "start", model, q.data());
+  const std::vector<Handle> handles = handles_of(model);
+  std::vector<Vec2> uv;
+  for (const Handle& handle : handles) uv.push_back(handle.uv);
   std::size_t on_count = 0;
-  const Json data = Json::object({{"width", image.width},
-                                  {"height", image.height},
-                                  {"points", points_at(file.model(), start, &on_count)},
-                                  {"hasUv", file.model().landmarks().empty()},
-                                  {"chains", chains()},
-                                  {"picture", picture_address(path)}});
+  const Json data =
+      Json::object({{"width", image.width},
+                    {"height", image.height},
+                    {"points", points_at(model, start, q, handles, followers_in(args), &on_count)},
+                    {"turnedAway", kTurnedAway},
+                    {"surface", page_surface(model, start, q, uv)},
+                    {"hasUv", model.landmarks().empty()},
+                    {"chains", chains()},
+                    {"picture", picture_address(path)}});
   const std::string title = path.substr(path.find_last_of('/') + 1);
-  write_file(output,
-             fill_page(kPointsPage, {{"title", html_text(title)}, {"data", script_json(data.dump())}}));
-  console.out << output << ": " << handles_of(file.model()).size()
-              << (file.model().landmarks().empty() ? " points of the chart, " : " landmarks, ") << on_count
+  write_file(output, fill_page(kPointsPage, {{"title", html_text(title)},
+                                             {"data", script_json(data.dump())},
+                                             {"fit", kSurfaceFitScript},
+                                             {"script", kPointsScript}}));
+  console.out << output << ": " << handles.size()
+              << (model.landmarks().empty() ? " points of the chart, " : " landmarks, ") << on_count
               << " switched on; open it in a browser, and save points.csv for `pliant fit --points`\n";
   return 0;
 }
@@ -166,9 +208,9 @@ int run_points(const Args& args, Console& console) {
 Command points_command() {
   return {
       "points",
-      "Writes a page with the model's landmarks over a picture, or with points of its chart if it has none. "
-      "They can be "
-      "moved, switched off and saved.",
+      "Writes a page with the model over a picture, with handles at its landmarks, or at points of its chart "
+      "if "
+      "it has none. They can be moved, switched off and saved; the model follows those that are moved.",
       "face.plm --image picture [--start fit.json|points.csv|X,Y,W,H] [--focal PX|--calibration camera.yml] "
       "-o points.html",
       {{"--image", "FILE", "the photograph; the page contains it", Takes::input},

@@ -9,8 +9,10 @@
 
 namespace pliant::host {
 
-/// The templates: the files in pages/.
+/// The templates and scripts: the files in pages/.
 extern const char* const kPointsPage;
+extern const char* const kPointsScript;
+extern const char* const kSurfaceFitScript;
 extern const char* const kReportPage;
 
 /// Replaces each {{name}} of a template by its value. Every name in the template must have a value.
@@ -21,6 +23,9 @@ std::string fill_page(const std::string& page,
 std::string html_text(const std::string& text);
 /// Escapes JSON for a script element.
 std::string script_json(const std::string& json);
+
+/// Bytes as text.
+std::string base64(const std::string& bytes);
 
 /// A picture file as a data: address. PNG and JPEG keep their bytes, without a JPEG's EXIF data (orientation, location), so that
 /// a browser shows what `read_image` reads. Other formats become PNG.

@@ -7,6 +7,7 @@ const os = require("os");
 const path = require("path");
 const { Chromium } = require("./chromium");
 const { checkPoints } = require("./points");
+const { checkFace, checkSheet } = require("./points_follow");
 const { checkReport } = require("./report");
 
 const names = ["chromium", "chromium-browser", "google-chrome"];
@@ -21,10 +22,10 @@ const pliant = (...words) => execFileSync(command, words, { cwd: folder, encodin
 
 (async () => {
   pliant("bake", path.join(fixtures, "face"), "-o", "face.plm");
-  for (const check of [checkPoints, checkReport]) {
+  for (const check of [checkPoints, checkSheet, checkFace, checkReport]) {
     const browser = new Chromium(program);
     try {
-      await check({ browser, folder, pliant });
+      await check({ browser, folder, pliant, fixtures });
       console.log(check.name + ": passed");
     } finally {
       await browser.close();

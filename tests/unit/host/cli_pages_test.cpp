@@ -126,7 +126,8 @@ TEST_CASE("the points page holds the picture and every landmark where the start 
           doctest::Approx(static_cast<double>(p.x.x + p.residual.x)).epsilon(1e-4));
     CHECK(number(point(data, p.landmark), "y") ==
           doctest::Approx(static_cast<double>(p.x.y + p.residual.y)).epsilon(1e-4));
-    CHECK(point(data, p.landmark).at("on").get<bool>());
+    CHECK(point(data, p.landmark).at("wanted").get<bool>());
+    CHECK_FALSE(point(data, p.landmark).at("placed").get<bool>());
   }
   const std::string png = address_bytes(data.at("picture").get<std::string>());
   s.put("back.png", png);
@@ -142,9 +143,23 @@ TEST_CASE("given points keep their positions, and only they are switched on") {
   const Json data = data_of(read_file(s / "p.html"));
   CHECK(number(point(data, "eye_right"), "x") == 40);
   CHECK(number(point(data, "mouth_left"), "y") == 99);
-  int on = 0;
-  for (const Json& p : data.at("points")) on += p.at("on").get<bool>();
-  CHECK(on == 4);
+  int wanted = 0, placed = 0;
+  for (const Json& p : data.at("points")) {
+    wanted += p.at("wanted").get<bool>();
+    placed += p.at("placed").get<bool>();
+  }
+  CHECK(wanted == 4);
+  CHECK(placed == 4);
+  // The page writes which of its points a person placed.
+  const std::string saved = s.put("saved.csv",
+                                  "landmark,x,y,placed\neye_right,40,50,1\neye_left,150,52,1\n"
+                                  "mouth_left,120,99,0\nnose_tip,99,70,1\n");
+  REQUIRE(run_words({"points", s.model, "--image", picture, "--start", saved, "-o", s / "p.html"}).code == 0);
+  const Json again = data_of(read_file(s / "p.html"));
+  CHECK(point(again, "nose_tip").at("placed").get<bool>());
+  CHECK(point(again, "mouth_left").at("wanted").get<bool>());
+  CHECK_FALSE(point(again, "mouth_left").at("placed").get<bool>());
+  CHECK(number(point(again, "mouth_left"), "x") != 120);
   for (const char* start : {"20,10,120,130", ""}) {
     std::vector<std::string> words{"points", s.model, "--image", picture, "-o", s / "p.html"};
     if (*start != '\0') words.insert(words.end(), {"--start", start});
