@@ -18,8 +18,8 @@ void check(const BakeOptions& options) {
   if (options.size < 16 || options.size > 512) throw SourceError("--size", 0, "must be from 16 to 512");
   if (options.base_vertices < 60 || options.base_vertices > 5000)
     throw SourceError("--base-mesh", 0, "must be from 60 to 5000");
-  if (!(options.unit_mm > 0 && options.unit_mm < 1e6f))
-    throw SourceError("--unit", 0, "must be a positive number");
+  if (!(options.unit_mm >= kLeastUnitMm && options.unit_mm <= kMostUnitMm))
+    throw SourceError("--unit", 0, "must be from a nanometre to a kilometre (0.000001 to 1000000)");
   if (options.components < 0 || options.components > 192)
     throw SourceError("--pca", 0, "must be from 1 to 192");
   if (options.modes < 0 || options.modes > 64) throw SourceError("--modes", 0, "must be from 1 to 64");

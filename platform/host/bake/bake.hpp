@@ -16,12 +16,15 @@ namespace pliant::host::bake {
 /// motion A.
 constexpr float kBendingStretch = 0.03f;
 
+/// Range of the unit of OBJ files, mm: a nanometre to a kilometre. What a unit makes of a surface is checked with the surface.
+constexpr float kLeastUnitMm = 1e-6f, kMostUnitMm = 1e6f;
+
 struct BakeOptions {
   std::string source;  ///< folder of the source; errors name it
   int size =
       128;  ///< samples on each side of a field over the whole chart, 16 to 512; the rest shape has twice that
   int bits = 16;               ///< bits of a sample: 16 or 8; the rest shape always has 16
-  float unit_mm = 1;           ///< unit of the OBJ files, millimetres
+  float unit_mm = 1;           ///< of the OBJ files, kLeastUnitMm to kMostUnitMm
   bool relaxes_chart = false;  ///< moves the (u,v) of OBJ files (chart_relaxation.hpp)
   int components = 0;   ///< if positive, the OBJ files are scans, and this many principal components are kept
   int modes = 0;        ///< bending modes that are added to an OBJ source (bending_modes.hpp), 0 to 64

@@ -53,7 +53,8 @@ bake::BakeOptions options_of(const Args& args) {
   options.size = args.integer("--size", options.size, 16, 512);
   options.bits = args.integer("--bits", options.bits, 8, 16);
   if (options.bits != 8 && options.bits != 16) fail_usage("--bits must be 8 or 16");
-  options.unit_mm = static_cast<float>(args.number("--unit", 1, 1e-6, 1e6));
+  options.unit_mm = static_cast<float>(args.number("--unit", 1, static_cast<double>(bake::kLeastUnitMm),
+                                                   static_cast<double>(bake::kMostUnitMm)));
   options.base_vertices = args.integer("--base-mesh", options.base_vertices, 60, 5000);
   options.components = args.integer("--pca", 0, 1, 192);
   options.relaxes_chart = args.has("--relax-chart");

@@ -53,6 +53,22 @@ TEST_CASE("bake keeps the identities and expressions asked for") {
 }
 
 TEST_CASE(
+    "bake --unit refuses what makes the surface too large, by the surface, and what is no unit, by its "
+    "range") {
+  const ObjFolder folder;
+  for (const char* unit : {"100000", "1000000"})
+    check_refused({"bake", folder.folder, "-o", folder / "x.plm", "--unit", unit},
+                  {".obj: vertex", "is more than 100 m from the origin: check it and --unit"});
+  for (const char* unit : {"1000001", "0", "-1", "nan", "1e-7"}) {
+    const Ran r = run_words({"bake", folder.folder, "-o", folder / "x.plm", "--unit", unit});
+    CHECK(r.code == 2);
+    CHECK(contains(r.err, "--unit"));
+  }
+  CHECK_FALSE(folder.has("x.plm"));
+  CHECK(run_words({"bake", folder.folder, "-o", folder / "x.plm", "--unit", "1000"}).code == 0);
+}
+
+TEST_CASE(
     "bake --sizes prints a row for each size and bits, and a small profile within the flash, and writes "
     "nothing") {
   const ObjFolder folder;
