@@ -66,14 +66,23 @@ class Truth {
   std::unique_ptr<OutputFile> rows_, points_;
 };
 
+/// Whether all channels of every pixel are equal.
+bool is_grey(const Image& image) {
+  const auto channels = static_cast<std::size_t>(image.channels);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    if (image.pixels[i] != image.pixels[i / channels * channels]) return false;
+  return true;
+}
+
+/// Grey, unless --background is in colour.
 Image background_of(const Args& args, const ImageSize& size, std::uint32_t seed) {
   const auto path = args.text("--background");
   if (!path) return make_background(size.width, size.height, seed);
-  Image image = to_grey(read_image(*path));
+  Image image = read_image(*path);
   if (image.width != size.width || image.height != size.height)
     fail_input(*path, "is of " + std::to_string(image.width) + "x" + std::to_string(image.height) +
                           " pixels, not " + std::to_string(size.width) + "x" + std::to_string(size.height));
-  return image;
+  return is_grey(image) ? to_grey(image) : image;
 }
 
 std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, const Camera& camera,
@@ -158,7 +167,7 @@ Command render_command() {
       "PICTURE] | face.plm --grid grid.png --people people.csv --params expressions.csv [--size WxH]",
       {{"--params", "CSV", "one row a frame, columns as in a track; missing columns are neutral and frontal",
         Takes::input},
-       {"-o", "Y4M", "the grey video to write", Takes::output},
+       {"-o", "Y4M", "the video to write: grey, or in colour over a background in colour", Takes::output},
        {"--identity", "JSON", "a fit; its identity replaces missing columns of --params", Takes::input},
        {"--truth", "CSV", "the truth, as a track with landmarks", Takes::output},
        {"--truth-points", "CSV", "the true landmarks: frame,landmark,x,y", Takes::output},
@@ -168,7 +177,7 @@ Command render_command() {
        {"--noise", "SD", "standard deviation of sensor noise, grey levels (2)"},
        {"--seed", "N", "seed of noise and background (1)"},
        {"--rate", "FPS", "frames a second (30)"},
-       {"--background", "PICTURE", "a picture of the frames' size behind the model (default: soft blotches)",
+       {"--background", "PICTURE", "a picture of the frames' size behind the model, whose albedo is grey (default: soft blotches)",
         Takes::input},
        {"--grid", "PNG",
         "instead of a video: a picture with one person a column and one expression a row, cells of --size "

@@ -81,11 +81,13 @@ Image Scene::draw(const float* q, const Pose& pose, const Camera& camera, const 
     if (p.inverse_depth > 0 && q3.inverse_depth > 0 && r.inverse_depth > 0) raster_.draw(p, q3, r, shade);
   };
   sheet_.for_each_triangle(triangle);
-  Image image(raster_.width(), raster_.height(), 1);
+  Image image = background;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
-      *image.at(x, y) =
-          static_cast<std::uint8_t>(raster_.value(x, y, static_cast<float>(*background.at(x, y))) + 0.5f);
+      for (int c = 0; c < image.channels; ++c) {
+        std::uint8_t& value = image.at(x, y)[c];
+        value = static_cast<std::uint8_t>(raster_.value(x, y, static_cast<float>(value)) + 0.5f);
+      }
   return image;
 }
 
@@ -104,17 +106,19 @@ Image make_background(int width, int height, std::uint32_t seed) {
 
 void add_noise(Image& image, float sd, std::uint32_t seed) {
   if (!(sd > 0)) return;
-  for (std::size_t i = 0; i < image.pixels.size(); i += 2) {
+  const auto channels = static_cast<std::size_t>(image.channels), count = image.pixels.size() / channels;
+  for (std::size_t i = 0; i < count; i += 2) {
     // Box and Muller: two uniform numbers give two normal ones.
     const auto k = static_cast<std::uint32_t>(i);
     const float u = uniform(hash(seed, k)) + 1.0f / 33554432.0f,
                 angle = 6.2831853f * uniform(hash(seed, k + 1));
     const float radius = sd * std::sqrt(-2 * std::log(u));
     const float noise[2] = {radius * std::cos(angle), radius * std::sin(angle)};
-    for (std::size_t c = 0; c < 2 && i + c < image.pixels.size(); ++c) {
-      const float value = static_cast<float>(image.pixels[i + c]) + noise[c];
-      image.pixels[i + c] = static_cast<std::uint8_t>(clamp(value + 0.5f, 0, 255));
-    }
+    for (std::size_t n = 0; n < 2 && i + n < count; ++n)
+      for (std::size_t c = 0; c < channels; ++c) {
+        std::uint8_t& value = image.pixels[(i + n) * channels + c];
+        value = static_cast<std::uint8_t>(clamp(static_cast<float>(value) + noise[n] + 0.5f, 0, 255));
+      }
   }
 }
 

@@ -17,8 +17,9 @@ class Scene {
   /// \param samples  samples along each side of a pixel.
   Scene(const Model& model, int width, int height, int cells = 224, int samples = 2);
 
-  /// Draws the model with the parameters q over `background` (grey, of the same size). The light is fixed to the camera: a
-  /// soft key light from the upper left and a weak fill light from the right.
+  /// Draws the model with the parameters q over `background` (of the same size), in grey, as its albedo is. The picture has the
+  /// background's channels. The light is fixed to the camera: a soft key light from the upper left and a weak fill light from
+  /// the right.
   /// \param tone  factor on the brightness of the surface.
   Image draw(const float* q, const Pose& pose, const Camera& camera, const Image& background, float tone = 1);
 
@@ -43,7 +44,8 @@ class Scene {
 /// A soft, blotchy background, different for each seed.
 Image make_background(int width, int height, std::uint32_t seed);
 
-/// Adds normal noise with a standard deviation of `sd` grey levels; equal seeds give equal noise.
+/// Adds normal noise with a standard deviation of `sd` grey levels, the same to all channels of a pixel; equal seeds give equal
+/// noise.
 void add_noise(Image& image, float sd, std::uint32_t seed);
 
 /// The frontal pose with the model in the middle of the picture, as high as this fraction of it.

@@ -239,3 +239,37 @@ TEST_CASE("render shows the background through an opening of a surface") {
   CHECK(dark > 700);
   CHECK(dark < 1500);
 }
+
+TEST_CASE("over a background in colour render writes colour, and the same luma as over a grey one") {
+  const Folder folder;
+  Image red(64, 48, 3, 60);
+  for (std::size_t i = 0; i < red.pixels.size(); i += 3) red.pixels[i] = 200;
+  const std::string sheet = folder.put("plain.obj", sheet_obj(false, "")), table = folder / "plain.plm",
+                    colour = folder.put("red.png", encode_png(red)),
+                    grey = folder.put("grey.png", encode_png(to_grey(red)));
+  REQUIRE(run_words({"bake", sheet, "-o", table}).code == 0);
+  const std::string params = folder.put("q.csv", "frame,tx,ty,tz\n0,0,0,900\n");
+  const auto film_over = [&](const std::string& background) {
+    REQUIRE(run_words({"render", table, "--params", params, "--size", "64x48", "--noise", "3", "--background",
+                       background, "-o", folder / "film.y4m"})
+                .code == 0);
+    return read_file(folder / "film.y4m");
+  };
+  const std::string in_colour = film_over(colour), in_grey = film_over(grey);
+  REQUIRE(contains(in_colour, "C420jpeg"));
+  REQUIRE(contains(in_grey, "Cmono"));
+  constexpr std::size_t kLuma = 64 * 48;
+  const std::size_t at = in_colour.find("FRAME\n") + 6, grey_at = in_grey.find("FRAME\n") + 6;
+  REQUIRE(in_colour.size() == at + kLuma * 3 / 2);
+  int worst = 0;
+  for (std::size_t k = 0; k < kLuma; ++k)
+    worst = std::max(worst, std::abs(static_cast<std::uint8_t>(in_colour[at + k]) -
+                                     static_cast<std::uint8_t>(in_grey[grey_at + k])));
+  CHECK(worst <= 1);
+  // Cr of the red background is above the middle; where the sheet is, in the upper right quarter, it is grey.
+  const auto cr = [&](std::size_t x, std::size_t y) {
+    return static_cast<std::uint8_t>(in_colour[at + kLuma * 5 / 4 + 32 * y + x]);
+  };
+  CHECK(cr(25, 20) > 150);
+  CHECK(cr(17, 10) == 128);
+}
