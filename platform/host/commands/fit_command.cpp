@@ -60,7 +60,7 @@ void draw_overlay(const std::string& path, const Model& model, const FitFile& fi
        project_landmarks(model, *cascade, fit.pose, fit.camera, {fit.width, fit.height}, q.data()))
     if (x) overlay.draw_landmark(*x);
   char caption[64];
-  std::snprintf(caption, sizeof caption, "RMS %.2f PX, %zu OF %zu POINTS", static_cast<double>(fit.rms_px),
+  std::snprintf(caption, sizeof caption, "rms %.2f px, %zu of %zu points", static_cast<double>(fit.rms_px),
                 fit.inliers, fit.points.size());
   if (!fit.points.empty()) overlay.draw_caption(caption);
   write_file(path, encode_png(overlay.image()));

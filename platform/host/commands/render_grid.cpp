@@ -12,7 +12,10 @@ namespace pliant::host {
 
 namespace {
 
-constexpr int kGap = 2, kTextSpace = 4, kOversampling = 3;
+constexpr int kGap = 2, kTextSpace = 5, kOversampling = 3;
+/// Of names; capitals are 10 px high.
+constexpr float kTextScale = 1.4f;
+constexpr int kNameHeight = static_cast<int>(kTextHeight * kTextScale);
 constexpr std::size_t kMostPictures = 64;
 constexpr std::uint8_t kPaper = 236;
 /// Height of the mean face as a fraction of a cell's; all faces have its scale. Leaves room for the widest.
@@ -68,8 +71,9 @@ Image draw_grid(const ModelFile& file, const std::string& people, const std::str
                   moods = read_rows(expressions, model, neutral, false, console);
 
   int margin = 0;
-  for (const std::string& name : moods.names) margin = std::max(margin, text_width(name, 1) + 2 * kTextSpace);
-  const int head = kTextHeight + 2 * kTextSpace, step_x = cell.width + kGap, step_y = cell.height + kGap;
+  for (const std::string& name : moods.names)
+    margin = std::max(margin, text_width(name, kTextScale) + 2 * kTextSpace);
+  const int head = kNameHeight + 2 * kTextSpace, step_x = cell.width + kGap, step_y = cell.height + kGap;
   Image grid(margin + static_cast<int>(persons.rows.size()) * step_x,
              head + static_cast<int>(moods.rows.size()) * step_y, 1, kPaper);
   const Image paper(cell.width, cell.height, 1, kPaper);
@@ -78,10 +82,12 @@ Image draw_grid(const ModelFile& file, const std::string& people, const std::str
   for (std::size_t c = 0; c < persons.rows.size(); ++c) {
     const int x = margin + static_cast<int>(c) * step_x;
     const std::string& name = persons.names[c];
-    draw_text(grid, x + (cell.width - text_width(name, 1)) / 2, kTextSpace, name, {});
+    draw_text(grid, x + (cell.width - text_width(name, kTextScale)) / 2, kTextSpace, name,
+              {kTextScale, {}, 1});
     for (std::size_t r = 0; r < moods.rows.size(); ++r) {
       const int y = head + static_cast<int>(r) * step_y;
-      if (c == 0) draw_text(grid, kTextSpace, y + (cell.height - kTextHeight) / 2, moods.names[r], {});
+      if (c == 0)
+        draw_text(grid, kTextSpace, y + (cell.height - kNameHeight) / 2, moods.names[r], {kTextScale, {}, 1});
       const auto q = combined(model, persons.rows[c], moods.rows[r]);
       paste(grid, scene.draw(q.data(), moods.rows[r].pose, camera, paper, persons.tones[c]), x, y);
       progress.show(c * moods.rows.size() + r + 1);

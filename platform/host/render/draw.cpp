@@ -1,49 +1,21 @@
 #include "host/render/draw.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
+
+#include "host/render/stroke_font.hpp"
 
 namespace pliant::host {
 
 namespace {
 
-struct Glyph {
-  char character;
-  std::uint8_t rows[7];  // five bits a row, the leftmost pixel highest
-};
-
-constexpr Glyph kFont[] = {
-    {'0', {14, 17, 19, 21, 25, 17, 14}}, {'1', {4, 12, 4, 4, 4, 4, 14}},
-    {'2', {14, 17, 1, 6, 8, 16, 31}},    {'3', {30, 1, 1, 14, 1, 1, 30}},
-    {'4', {2, 6, 10, 18, 31, 2, 2}},     {'5', {31, 16, 30, 1, 1, 17, 14}},
-    {'6', {6, 8, 16, 30, 17, 17, 14}},   {'7', {31, 1, 2, 4, 8, 8, 8}},
-    {'8', {14, 17, 17, 14, 17, 17, 14}}, {'9', {14, 17, 17, 15, 1, 2, 12}},
-    {'A', {14, 17, 17, 31, 17, 17, 17}}, {'B', {30, 17, 17, 30, 17, 17, 30}},
-    {'C', {14, 17, 16, 16, 16, 17, 14}}, {'D', {30, 17, 17, 17, 17, 17, 30}},
-    {'E', {31, 16, 16, 30, 16, 16, 31}}, {'F', {31, 16, 16, 30, 16, 16, 16}},
-    {'G', {14, 17, 16, 23, 17, 17, 15}}, {'H', {17, 17, 17, 31, 17, 17, 17}},
-    {'I', {14, 4, 4, 4, 4, 4, 14}},      {'J', {7, 2, 2, 2, 2, 18, 12}},
-    {'K', {17, 18, 20, 24, 20, 18, 17}}, {'L', {16, 16, 16, 16, 16, 16, 31}},
-    {'M', {17, 27, 21, 21, 17, 17, 17}}, {'N', {17, 25, 21, 19, 17, 17, 17}},
-    {'O', {14, 17, 17, 17, 17, 17, 14}}, {'P', {30, 17, 17, 30, 16, 16, 16}},
-    {'Q', {14, 17, 17, 17, 21, 18, 13}}, {'R', {30, 17, 17, 30, 20, 18, 17}},
-    {'S', {15, 16, 16, 14, 1, 1, 30}},   {'T', {31, 4, 4, 4, 4, 4, 4}},
-    {'U', {17, 17, 17, 17, 17, 17, 14}}, {'V', {17, 17, 17, 17, 17, 10, 4}},
-    {'W', {17, 17, 17, 21, 21, 27, 17}}, {'X', {17, 17, 10, 4, 10, 17, 17}},
-    {'Y', {17, 17, 10, 4, 4, 4, 4}},     {'Z', {31, 1, 2, 4, 8, 16, 31}},
-    {'.', {0, 0, 0, 0, 0, 12, 12}},      {',', {0, 0, 0, 0, 12, 4, 8}},
-    {'-', {0, 0, 0, 31, 0, 0, 0}},       {':', {0, 12, 12, 0, 12, 12, 0}},
-    {'/', {1, 1, 2, 4, 8, 16, 16}},      {'%', {25, 25, 2, 4, 8, 19, 19}},
-    {'=', {0, 0, 31, 0, 31, 0, 0}},      {'+', {0, 4, 4, 31, 4, 4, 0}},
-    {'_', {0, 0, 0, 0, 0, 0, 31}},
-};
-
-const Glyph* find_glyph(char c) {
-  const char wanted = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  for (const Glyph& glyph : kFont)
-    if (glyph.character == wanted) return &glyph;
-  return nullptr;
+/// Width of a stroke of the font, px, at a scale. Chosen by eye, from 1 to 4.
+float stroke_width(float scale) {
+  return 0.2f + 0.6f * scale;
+}
+/// Characters begin at whole pixels, so that their stems are equally sharp.
+int advance_px(char c, float scale) {
+  return static_cast<int>(std::ceil(scale * glyph_of(c).advance));
 }
 
 bool is_near(const Image& image, Vec2 p) {
@@ -117,19 +89,21 @@ void draw_border(Image& image, int thickness, Colour colour) {
 }
 
 void draw_text(Image& image, int x, int y, std::string_view text, const TextStyle& style) {
-  const int scale = style.scale;
+  const float width = stroke_width(style.scale);
   for (const char c : text) {
-    if (const Glyph* glyph = find_glyph(c))
-      for (int row = 0; row < kTextHeight; ++row)
-        for (int column = 0; column < 5; ++column)
-          if ((glyph->rows[row] >> (4 - column)) & 1)
-            fill_box(image, {x + column * scale, y + row * scale, scale, scale}, style.colour, style.opacity);
-    x += 6 * scale;
+    const Vec2 origin{static_cast<float>(x), static_cast<float>(y)};
+    for (const std::vector<Vec2>& stroke : glyph_of(c).strokes)
+      for (std::size_t k = 0; k + 1 < stroke.size(); ++k)
+        draw_line(image, origin + style.scale * stroke[k], origin + style.scale * stroke[k + 1], width,
+                  style.colour, style.opacity);
+    x += advance_px(c, style.scale);
   }
 }
 
-int text_width(std::string_view text, int scale) {
-  return 6 * scale * static_cast<int>(text.size()) - scale;
+int text_width(std::string_view text, float scale) {
+  int width = 0;
+  for (const char c : text) width += advance_px(c, scale);
+  return width;
 }
 
 void paste(Image& image, const Image& part, int x, int y) {

@@ -1,6 +1,6 @@
 #pragma once
 /// \file draw.hpp
-/// Anti-aliased lines, dots, boxes and small text. Pixel centres are at integers.
+/// Anti-aliased lines, dots, boxes and text. Pixel centres are at integers.
 #include <string_view>
 
 #include "host/io/image.hpp"
@@ -29,14 +29,15 @@ void draw_border(Image& image, int thickness, Colour colour);
 
 /// How text is drawn.
 struct TextStyle {
-  int scale = 1;  ///< pixels, width and height of one dot of the font
+  float scale = 1;  ///< px, one seventh of the height of a capital; from 1.3 on letters are easy to read
   Colour colour;
   float opacity = 1;  ///< 0..1
 };
-/// Draws text in a 5 x 7 font of capitals; (x, y) is its upper left corner.
+/// Draws text (render/stroke_font.hpp); (x, y) is the upper left corner of its first capital.
 void draw_text(Image& image, int x, int y, std::string_view text, const TextStyle& style);
 /// Width in pixels of a text at that scale.
-int text_width(std::string_view text, int scale);
+int text_width(std::string_view text, float scale);
+/// Height of a capital at scale 1, px. Descenders reach 2 px further down.
 constexpr int kTextHeight = 7;
 
 /// Copies a colour picture to (x, y).

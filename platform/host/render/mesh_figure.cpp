@@ -14,7 +14,7 @@ namespace pliant::host {
 
 namespace {
 
-constexpr int kWidth = 232, kHeight = 280, kGap = 8, kCaption = 44;
+constexpr int kWidth = 232, kHeight = 280, kGap = 8, kCaption = 52;
 constexpr Colour kInk{40, 40, 44}, kFaint{215, 60, 60};
 
 /// An orthographic view of the model, turned by 25 degrees and scaled to a panel.
@@ -161,8 +161,8 @@ void draw_caption(Image& figure, int x, int y, const char* title, const ModelMes
   std::snprintf(text[1], sizeof text[1], "error: mean %.2f max %.1f mm", static_cast<double>(error.mean_mm),
                 static_cast<double>(error.max_mm));
   draw_text(figure, x + 4, y, title, {2, kInk, 1});
-  draw_text(figure, x + 4, y + 19, text[0], {1, kInk, 1});
-  draw_text(figure, x + 4, y + 31, text[1], {1, kInk, 1});
+  draw_text(figure, x + 4, y + 23, text[0], {1.4f, kInk, 1});
+  draw_text(figure, x + 4, y + 39, text[1], {1.4f, kInk, 1});
 }
 
 struct Column {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr Colour kMesh{96, 232, 214}, kMeshOnBright{0, 96, 110}, kLandmark{255, 206, 92},
     kMarker{255, 110, 150}, kGiven{255, 255, 255}, kUnused{255, 80, 70}, kGood{70, 190, 90},
-    kFair{240, 170, 40}, kBad{225, 60, 50};
+    kFair{240, 170, 40}, kBad{225, 60, 50}, kEdge{0, 0, 0};
 
 /// Grey level from which on the mesh is drawn dark; between the lumas of the two colours, 189 and 69; above the middle,
 /// as skin changes colour less often so.
@@ -103,8 +103,10 @@ void Overlay::draw_mesh(const WireMesh& mesh) {
   }
 }
 
+// Light marks have a dark edge, so that they are seen on bright pictures.
 void Overlay::draw_landmark(Vec2 x) {
-  draw_dot(image_, scaled(x), 1.3f * unit(), kLandmark, 0.9f);
+  draw_dot(image_, scaled(x), 2.3f * unit(), kEdge, 0.4f);
+  draw_dot(image_, scaled(x), 1.6f * unit(), kLandmark, 0.95f);
 }
 
 void Overlay::draw_box(Vec2 centre, float side) {
@@ -121,13 +123,16 @@ void Overlay::draw_marker(Vec2 x) {
 
 void Overlay::draw_residual(Vec2 given, Vec2 residual, bool used) {
   const Colour colour = used ? kGiven : kUnused;
+  draw_ring(image_, scaled(given), 3.2f * unit(), 2.4f * unit(), kEdge, 0.4f);
+  draw_line(image_, scaled(given), scaled(given + residual), 2.4f * unit(), kEdge, 0.4f);
   draw_ring(image_, scaled(given), 3.2f * unit(), unit(), colour, 0.8f);
   draw_line(image_, scaled(given), scaled(given + residual), unit(), colour, 0.8f);
 }
 
 void Overlay::draw_caption(const std::string& text) {
-  const int scale = std::max(1, (image_.width + 160) / 320), margin = 2 * scale, border = 4;
-  const int height = kTextHeight * scale + 2 * margin;
+  const float scale = std::max(1.3f, static_cast<float>(image_.width) / 340);
+  const int margin = static_cast<int>(2.5f * scale), border = 4;
+  const int height = static_cast<int>(kTextHeight * scale) + 2 * margin;
   const int y = image_.height - border - height;
   fill_box(image_, {border, y, text_width(text, scale) + 2 * margin, height}, {0, 0, 0}, 0.55f);
   draw_text(image_, border + margin, y + margin, text, {scale, {255, 255, 255}, 0.95f});

@@ -303,6 +303,35 @@ TEST_CASE("a line covers its length once, a dot its area, and neither leaves the
   draw_text(image, 55, 60, "outside 0.5%", {2, {1, 1, 1}, 1});
 }
 
+TEST_CASE("every character of the font looks different, lies within its width, and others draw nothing") {
+  const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789.,:-/%=+_()<>'";
+  std::vector<std::vector<std::uint8_t>> pictures;
+  for (const char c : letters) {
+    CAPTURE(c);
+    Image image(40, 40, 1, 255);
+    draw_text(image, 4, 4, std::string(1, c), {3, {0, 0, 0}, 1});
+    const int right = 4 + text_width(std::string(1, c), 3);
+    int dark = 0;
+    for (int y = 0; y < 40; ++y)
+      for (int x = 0; x < 40; ++x) {
+        if (*image.at(x, y) == 255) continue;
+        ++dark;
+        CHECK(x >= 2);
+        CHECK(x < right);
+        CHECK(y >= 2);
+        CHECK(y <= 4 + 9 * 3 + 2);
+      }
+    CHECK(dark > 4);
+    CHECK(std::find(pictures.begin(), pictures.end(), image.pixels) == pictures.end());
+    pictures.push_back(image.pixels);
+  }
+  Image image(40, 40, 1, 255);
+  draw_text(image, 4, 4, " \xc3\xa9\t~", {1.3f, {0, 0, 0}, 1});
+  CHECK(image.pixels == Image(40, 40, 1, 255).pixels);
+  CHECK(text_width("", 2) == 0);
+  CHECK(text_width("ab", 2) == text_width("a", 2) + text_width("b", 2));
+}
+
 TEST_CASE("enlarging keeps positions: the centre of a spot moves with the picture") {
   Image image(40, 30, 1, 0);
   *image.at(12, 9) = 200;
