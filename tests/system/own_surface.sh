@@ -1,5 +1,6 @@
 #!/bin/sh
-# Runs the five commands of docs/your-own-surface.md as they stand there, and checks what the last one prints.
+# Runs the commands of docs/your-own-surface.md as they stand there: the five of the first block, and those of the start by hand,
+# for which the points that a person would save are made from the truth. Checks the tracks.
 # usage: sh tests/system/own_surface.sh SOURCE_FOLDER PLIANT
 set -eu
 LC_ALL=C; export LC_ALL
@@ -10,14 +11,41 @@ mkdir "$work/bin"
 ln -s "$pliant" "$work/bin/pliant"
 ln -s "$source/fixtures" "$work/fixtures"
 PATH=$work/bin:$PATH; export PATH
-# The first indented block of the page.
-awk '/^    / { print substr($0, 5); seen = 1; next } seen { exit }' "$source/docs/your-own-surface.md" > "$work/commands"
+# block N: the lines of the page's Nth indented block.
+block() {
+  awk -v wanted="$1" '/^    / { if (!inside) ++count; inside = 1; if (count == wanted) print substr($0, 5); next }
+    { inside = 0 }' "$source/docs/your-own-surface.md"
+}
+block 1 > "$work/commands"
 [ "$(wc -l < "$work/commands")" -eq 5 ] || { echo "the page does not have five commands"; exit 1; }
 cd "$work"
 sh -eu commands > printed || { cat printed; exit 1; }
 tail -1 printed
 [ "$(wc -l < track.csv)" -eq 201 ] || { echo "track.csv does not have a row a frame"; exit 1; }
 # The sheet is beyond the picture in about 20 frames. Measured: 0.2 degrees.
-tail -1 printed | awk '{
-  for (i = 1; i <= NF; ++i) { split($i, pair, "="); v[pair[1]] = pair[2] }
-  exit !(v["frames"] == 200 && v["tracked"] >= 160 && v["rotation_deg"] < 1) }' || { echo "the track is not right"; exit 1; }
+check() {
+  tail -1 "$1" | awk '{
+    for (i = 1; i <= NF; ++i) { split($i, pair, "="); v[pair[1]] = pair[2] }
+    exit !(v["frames"] == 200 && v["tracked"] >= 160 && v["rotation_deg"] < 1) }' || { echo "the track is not right"; exit 1; }
+}
+check printed
+
+# The start by hand. The truth of frame 0 as a fit, whose handles are on the page; all nine are placed there, to the pixel.
+block 2 > commands
+[ "$(wc -l < commands)" -eq 2 ] || { echo "the start by hand does not have two commands"; exit 1; }
+pliant fit sheet.plm --size 640x480 --box 200,100,200,280 -o box.json
+awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) name[i] = $i; next } NR == 2 { for (i = 1; i <= NF; ++i) print name[i], $i }' motion.csv > state
+awk 'NR == FNR { v[$1] = $2; next }
+  /"pose"/ { print "  \"pose\": {\"q\": [" v["qw"] ", " v["qx"] ", " v["qy"] ", " v["qz"] "], \"t\": [" v["tx"] ", " v["ty"] ", " v["tz"] "]},"; next }
+  /"parameters"/ { print "  \"parameters\": {\"mode00\": " v["mode00"] ", \"mode01\": " v["mode01"] ", \"mode02\": " v["mode02"] ", \"mode03\": " v["mode03"] "},"; next }
+  { print }' state box.json > true.json
+pliant points sheet.plm --frames film.y4m --start true.json -o true.html
+{
+  echo landmark,x,y,u,v,placed
+  grep -o '"name":"uv_[^{}]*"placed"' true.html | awk -F'[:,]' '{
+    printf "%s,%.0f,%.0f,%s,%s,1\n", substr($2, 2, length($2) - 2), $8, $10, $4, $6 }'
+} > points.csv
+[ "$(wc -l < points.csv)" -eq 10 ] || { echo "the page does not have nine handles"; exit 1; }
+sh -eu commands > printed || { cat printed; exit 1; }
+tail -1 printed
+check printed

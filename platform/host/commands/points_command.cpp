@@ -7,6 +7,7 @@
 #include "host/commands/calibration_option.hpp"
 #include "host/commands/command.hpp"
 #include "host/commands/face_finder.hpp"
+#include "host/commands/frame_stream.hpp"
 #include "host/commands/image_fit.hpp"
 #include "host/commands/points_surface.hpp"
 #include "host/io/calibration.hpp"
@@ -171,10 +172,34 @@ Json chains() {
   return out;
 }
 
+/// What the page shows.
+struct Photograph {
+  std::string path;
+  Image image;
+  std::string address;  ///< of the picture in the page
+};
+
+/// The picture of --image, or the first frame of --frames.
+Photograph photograph_of(const Args& args) {
+  if (args.has("--image") == args.has("--frames")) fail_usage("one of --image and --frames is needed");
+  if (args.has("--image")) {
+    const std::string path = args.required("--image");
+    return {path, read_image(path), picture_address(path)};
+  }
+  FrameStream stream(args.required("--frames"), false);
+  FrameView frame;
+  if (!stream.next(&frame) && stream.message().empty()) fail_input(stream.name(), "has no frames");
+  if (!stream.message().empty()) throw Failure(kBadInput, stream.message());
+  const Image image = stream.picture(frame);
+  return {stream.name(), image, png_address(image)};
+}
+
 int run_points(const Args& args, Console& console) {
-  const std::string output = args.required("-o"), path = args.required("--image");
+  const std::string output = args.required("-o");
+  const Photograph photograph = photograph_of(args);
+  const std::string& path = photograph.path;
+  const Image& image = photograph.image;
   const ModelFile file(args.operand(0));
-  const Image image = read_image(path);
   const Model& model = file.model();
   const FitFile start = start_of(args, file, image, path, console.err);
   std::vector<float> q(model.parameters().count, 0.0f);
@@ -191,7 +216,7 @@ int run_points(const Args& args, Console& console) {
                     {"surface", page_surface(model, start, q, uv)},
                     {"hasUv", model.landmarks().empty()},
                     {"chains", chains()},
-                    {"picture", picture_address(path)}});
+                    {"picture", photograph.address}});
   const std::string title = path.substr(path.find_last_of('/') + 1);
   write_file(output, fill_page(kPointsPage, {{"title", html_text(title)},
                                              {"data", script_json(data.dump())},
@@ -211,9 +236,14 @@ Command points_command() {
       "Writes a page with the model over a picture, with handles at its landmarks, or at points of its chart "
       "if "
       "it has none. They can be moved, switched off and saved; the model follows those that are moved.",
-      "face.plm --image picture [--start fit.json|points.csv|X,Y,W,H] [--focal PX|--calibration camera.yml] "
+      "face.plm (--image picture | --frames VIDEO|FOLDER) [--start fit.json|points.csv|X,Y,W,H] [--focal "
+      "PX|--calibration camera.yml] "
       "-o points.html",
       {{"--image", "FILE", "the photograph; the page contains it", Takes::input},
+       {"--frames", "VIDEO",
+        "instead: a video or a folder of pictures, of which the page shows the first frame, as pliant track "
+        "--init needs it",
+        Takes::input},
        {"--start", "START",
         "a fit.json, a points.csv (which is fitted) or a face box (default: the face that is found, else the "
         "middle)",

@@ -172,6 +172,28 @@ TEST_CASE("given points keep their positions, and only they are switched on") {
   }
 }
 
+TEST_CASE("points take the first frame of a video") {
+  const Sequence s;
+  const Ran r = run_words({"points", s.model, "--frames", s.video, "--start", s.points, "-o", s / "p.html"});
+  CAPTURE(r.err);
+  REQUIRE(r.code == 0);
+  const Json data = data_of(read_file(s / "p.html"));
+  CHECK(number(data, "width") == 200);
+  CHECK(number(data, "height") == 160);
+  s.put("first.png", address_bytes(data.at("picture").get<std::string>()));
+  const std::string video = read_file(s.video);
+  const Image first = to_grey(read_image(s / "first.png"));
+  const std::size_t at = video.find("FRAME\n") + 6;
+  CHECK(std::equal(first.pixels.begin(), first.pixels.end(), video.begin() + static_cast<std::ptrdiff_t>(at),
+                   [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); }));
+  const std::string cut = s.put("cut.y4m", video.substr(0, at + 99));
+  check_refused({"points", s.model, "--frames", cut, "-o", s / "x.html"}, {"cut.y4m"});
+  check_refused({"points", s.model, "--frames", s.put("none.y4m", ""), "-o", s / "x.html"}, {"none.y4m"});
+  CHECK(run_words({"points", s.model, "--frames", s.video, "--image", s.video, "-o", s / "x.html"}).code ==
+        2);
+  CHECK_FALSE(s.has("x.html"));
+}
+
 TEST_CASE("points have the positions of a calibrated lens") {
   const Sequence s;
   const std::string picture = s.put("g.pgm", grey_pgm(200, 160));
