@@ -1,5 +1,6 @@
 #include "host/commands/points_surface.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/io/page.hpp"
@@ -20,17 +21,29 @@ class Packed {
   void add(long value) {
     for (int k = 0; k < bytes_; ++k) text_ += static_cast<char>(value >> (8 * k) & 255);
   }
-  /// Adds vectors as integers. \return what one integer stands for.
+  /// Adds vectors as integers, first all x, then all y and all z. \return what one integer stands for.
   float add(const Vec3* begin, std::size_t count) {
     float most = 1e-6f;
     for (std::size_t i = 0; i < count; ++i)
       most = max(most, max(magnitude(begin[i].x), max(magnitude(begin[i].y), magnitude(begin[i].z))));
     const float scale = most / (bytes_ == 1 ? 127.0f : 32767.0f);
-    for (std::size_t i = 0; i < count; ++i)
-      for (const float x : {begin[i].x, begin[i].y, begin[i].z}) add(std::lround(x / scale));
+    for (float Vec3::*const axis : {&Vec3::x, &Vec3::y, &Vec3::z})
+      for (std::size_t i = 0; i < count; ++i) add(std::lround(begin[i].*axis / scale));
     return scale;
   }
   std::string base64() const { return host::base64(text_); }
+  /// With every run of zeros as a zero and its length, at most 255: most parameters move a part of the surface only.
+  std::string base64_of_runs() const {
+    std::string out;
+    for (std::size_t i = 0; i < text_.size();) {
+      std::size_t length = 0;
+      while (length < 255 && i + length < text_.size() && text_[i + length] == 0) ++length;
+      out += text_[i];
+      if (length > 0) out += static_cast<char>(length);
+      i += std::max<std::size_t>(length, 1);
+    }
+    return host::base64(out);
+  }
 
  private:
   int bytes_;
@@ -46,7 +59,7 @@ Json packed_points(const ShapeExpansion& shape, std::size_t first, std::size_t c
   return Json::object({{"points", count},
                        {"start", start.base64()},
                        {"startScale", start_scale},
-                       {"moves", moves.base64()},
+                       {"moves", moves.base64_of_runs()},
                        {"moveScales", scales}});
 }
 

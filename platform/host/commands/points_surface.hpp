@@ -13,8 +13,9 @@ namespace pliant::host {
 ///   facing: the mean normal of the model
 ///   parameters [{name, value, minimum, maximum, sd}]
 ///   terms [[a, b]], b = -1 in a term of the first degree
-///   handles, wire: {points, start, startScale, moves, moveScales}: `start` holds 16-bit integers, point by point, `moves`
-///     16-bit (handles) or 8-bit ones (wire), term by term, both little-endian in base64
+///   handles, wire: {points, start, startScale, moves, moveScales}: `start` holds 16-bit integers, all x, then all y and all z,
+///     `moves` the same for each term, of 16 bits (handles) or 8 bits (wire). Both are little-endian in base64; in the
+///     bytes of `moves` every run of zeros is a zero and its length
 ///   corners: three 16-bit vertices of the wire for each face, counted so that its area in the picture is positive if it
 ///     faces the camera
 /// The wire is empty where it would take more than 1.5 million numbers.

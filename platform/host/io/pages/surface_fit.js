@@ -18,22 +18,34 @@ const kFit = {
   fewHandles: 9,
   // A solution that lies elsewhere replaces the present one if its cost is below this fraction.
   clearlyBetter: 0.7,
-  steps: 12, stepsOfOthers: 8, tolerance: 1e-3,
+  // Steps, at most: while a handle is dragged, when it is let go, and of each other solution that is tried then.
+  stepsOfMoves: 4, steps: 12, stepsOfOthers: 8, tolerance: 1e-3,
 };
 
 // ---- reading
 
-function unpack(text, bytes) {
-  const raw = atob(text), view = new DataView(Uint8Array.from(raw, c => c.charCodeAt(0)).buffer);
-  const out = new Float32Array(raw.length / bytes);
+const bytesOf = text => Array.from(atob(text), c => c.charCodeAt(0));
+/// Bytes in which each zero is followed by the number of zeros that it stands for.
+function withRuns(packed) {
+  const out = [];
+  for (let k = 0; k < packed.length; ++k)
+    if (packed[k] !== 0) out.push(packed[k]);
+    else for (let zeros = packed[++k]; zeros > 0; --zeros) out.push(0);
+  return out;
+}
+/// Signed little-endian integers.
+function integers(list, bytes) {
+  const view = new DataView(Uint8Array.from(list).buffer), out = new Float32Array(list.length / bytes);
   for (let k = 0; k < out.length; ++k) out[k] = bytes === 1 ? view.getInt8(k) : view.getInt16(2 * k, true);
   return out;
 }
+/// Vectors point by point, of numbers that are all x, then all y and all z.
+const interleaved = (list, count, scale) => Float32Array.from(list, (_, k) => scale * list[k % 3 * count + Math.floor(k / 3)]);
 /// Points with their movements: start (3 numbers a point, mm), moves (an array of the same for each term, mm per unit).
 function unpackPoints(data, bytes) {
-  const start = unpack(data.start, 2).map(x => x * data.startScale), all = unpack(data.moves, bytes);
-  const moves = data.moveScales.map((scale, k) => all.slice(k * start.length, (k + 1) * start.length).map(x => x * scale));
-  return { count: data.points, start, moves };
+  const count = data.points, all = integers(withRuns(bytesOf(data.moves)), bytes);
+  const moves = data.moveScales.map((scale, k) => interleaved(all.slice(3 * count * k, 3 * count * (k + 1)), count, scale));
+  return { count, start: interleaved(integers(bytesOf(data.start), 2), count, data.startScale), moves };
 }
 /// The model of the page: what `page_surface` writes (commands/points_surface.hpp).
 function openSurface(data, width, height) {
@@ -41,7 +53,7 @@ function openSurface(data, width, height) {
   const surface = {
     parameters, camera, terms: data.terms, facing: data.facing, lens: makeLens(camera, width, height),
     handles: unpackPoints(data.handles, 2), wire: unpackPoints(data.wire, 1),
-    corners: Array.from(unpack(data.corners, 2), x => x & 65535),
+    corners: Array.from(integers(bytesOf(data.corners), 2), x => x & 65535),
     start: { turn: data.q, tau: [data.t[0], data.t[1]], s: camera.f / data.t[2], values },
   };
   surface.startFactors = factors(surface, values);
@@ -279,7 +291,7 @@ const idealPins = (surface, pins) => pins.map(pin => ({ handle: pin.handle, x: s
 
 /// Fits pose and parameters to pins [{ handle, x: [px, px] }], from `state`: for each move of a handle. \return the new state.
 function fitToPins(surface, pins, state) {
-  return descend(surface, idealPins(surface, pins), state, kFit.steps).state;
+  return descend(surface, idealPins(surface, pins), state, kFit.stepsOfMoves).state;
 }
 /// The same, for when a handle is let go: takes another solution if there is one that is clearly better.
 function settle(surface, pins, state) {
