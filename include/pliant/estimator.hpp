@@ -39,6 +39,10 @@ struct FrameResult {
   /// Of a Tracker whose model has learnt tables: expected mean error of the landmarks, as a fraction of the distance of the
   /// outer eye corners. 0: unknown. Above 0.08 a tracked frame is degraded.
   float landmark_error = 0;
+  /// Of a Tracker whose model has readers of the eyes: the common direction of both eyes relative to the head, a unit vector in the
+  /// model's axes (x to the subject's left, y up, z straight ahead). 0: not seen (lids closed, head turned by more than 40 degrees, no
+  /// good track). A person's own error is constant, some degrees; beyond it about 2 degrees to the sides, 4 up and down.
+  Vec3 gaze = {};
   bool is_searching = false;  ///< of a Tracker: there is no track; the next frame is searched for a face
 };
 

@@ -118,6 +118,7 @@ typedef struct pliant_result {
   int32_t state;             /**< PLIANT_TRACKING, PLIANT_DEGRADED or PLIANT_LOST */
   float landmark_error;      /**< expected, as a fraction of the distance of the outer eye corners; 0: unknown */
   int32_t is_searching;      /**< 1: there is no track; the next frame is searched for a face */
+  float gaze[3];             /**< of both eyes relative to the head: unit vector to the subject's left, up, ahead; 0: not seen */
 } pliant_result;
 
 /* The layout that the library was compiled with. */
@@ -133,7 +134,7 @@ PLIANT_HAS_SIZE(pliant_pose, 28);
 PLIANT_HAS_SIZE(pliant_point, sizeof(void *) + 8);
 PLIANT_HAS_SIZE(pliant_start_options, sizeof(void *) + (sizeof(void *) == 8 ? 16 : 12));
 PLIANT_HAS_SIZE(pliant_state, 4 * sizeof(void *) + 52 + (sizeof(void *) == 8 ? 4 : 0));
-PLIANT_HAS_SIZE(pliant_result, 72);
+PLIANT_HAS_SIZE(pliant_result, 84);
 #undef PLIANT_HAS_SIZE
 
 #endif

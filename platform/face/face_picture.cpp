@@ -51,6 +51,10 @@ void FacePicture::take(const FrameView& frame, Vec2 centre, float ratio, int* co
     place_samples(position(first_.x, x), ratio_, n, frame.width - 1, columns + x * n);
     for (int k = 0; k < n; ++k) columns[x * n + k] *= frame.pixel_step_bytes;
   }
+  // Sums of at most 36 samples, rounded: 2^20 / n^2, rounded up, divides them exactly.
+  static_assert(kMostSamples <= 6, "");
+  const auto square = static_cast<std::uint32_t>(n * n), half_square = square / 2,
+             reciprocal = (1u << 20) / square + 1;
   std::uint8_t* to = pixels_;
   for (int y = 0; y < side_; ++y) {
     int row[kMostSamples];
@@ -58,12 +62,20 @@ void FacePicture::take(const FrameView& frame, Vec2 centre, float ratio, int* co
     const std::uint8_t* lines[kMostSamples];
     for (int k = 0; k < n; ++k) lines[k] = frame.data + static_cast<std::size_t>(row[k]) * frame.stride_bytes;
     const int* column = columns;
-    for (int x = 0; x < side_; ++x, column += n) {
-      int sum = n * n / 2;
-      for (int j = 0; j < n; ++j)
-        for (int i = 0; i < n; ++i) sum += lines[j][column[i]];
-      *to++ = static_cast<std::uint8_t>(sum / (n * n));
-    }
+    if (n == 1)
+      for (int x = 0; x < side_; ++x) *to++ = lines[0][*column++];
+    else if (n == 2)
+      for (int x = 0; x < side_; ++x, column += 2) {
+        const int upper = lines[0][column[0]] + lines[0][column[1]];
+        *to++ = static_cast<std::uint8_t>((upper + lines[1][column[0]] + lines[1][column[1]] + 2) / 4);
+      }
+    else
+      for (int x = 0; x < side_; ++x, column += n) {
+        std::uint32_t sum = half_square;
+        for (int j = 0; j < n; ++j)
+          for (int i = 0; i < n; ++i) sum += lines[j][column[i]];
+        *to++ = static_cast<std::uint8_t>((sum * reciprocal) >> 20);
+      }
   }
 }
 

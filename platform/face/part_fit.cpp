@@ -115,6 +115,35 @@ Vec2 PartFit::off_centre(const CropMap& map, const PartTable& table, const PartS
   return n > 0 ? (1 / n) * sum : Vec2{};
 }
 
+/// \return false: the part is no eye.
+bool PartFit::see_eye(const PartPoints& points, const PartSide& side, EyeSight* eye) {
+  const PartRecord& part = points.table[side.part];
+  const CropMap axes = upright(view_);
+  Vec2 lids;  // from the upper to the lower one, twice
+  bool has_pupil = false;
+  for (std::size_t k = 0; k < side.count; ++k) {
+    const Vec2 x = lens_.undistort(readings_[side.first + k].x);
+    const int number = part.number[k];
+    if (number == kPupilRight) eye->pupil = x, has_pupil = true;
+    if (number == 37 || number == 38) lids = lids - x;
+    if (number == 40 || number == 41) lids = lids + x;
+  }
+  eye->opening_mm = 0.5f * axes.to_crop(lids).y;
+  // Across, the eye is where its corners are read. Up and down it is where the model has it: that reading goes with the lids.
+  eye->pupil = eye->pupil - axes.along({side.centre_mm.x, 0});
+  eye->corners =
+      0.5f * (cascade_.surface_point(side.anchor[0], q_) + cascade_.surface_point(side.anchor[1], q_));
+  return has_pupil;
+}
+
+Vec3 PartFit::gaze(const PartPoints& points) {
+  EyeSight eyes[2 * kMostParts];
+  std::size_t count = 0;
+  for (std::size_t s = 0; s < points.side_count; ++s)
+    if (see_eye(points, points.side[s], &eyes[count])) ++count;
+  return find_gaze({eyes, count}, view_);
+}
+
 void PartFit::choose_parameters(PartPoints* points) {
   const Span<const Parameter> all = cascade_.model().parameters();
   cascade_.set_free(Group::expression);

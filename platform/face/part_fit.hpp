@@ -2,6 +2,7 @@
 // The parameters that move the parts of a face, from what the part readers see (docs/algorithms.md, section 7.19).
 #include <cstdint>
 
+#include "face/gaze.hpp"
 #include "face/part_reader.hpp"
 #include "pliant/cascade.hpp"
 #include "pliant/lens.hpp"
@@ -65,6 +66,7 @@ struct PartPoints {
   float last[kMostPartParameters] = {};  // values
   float sd[kMostPartParameters] = {};    // of `last`; 0: nothing was read
   std::size_t parameter_count = 0;
+  Vec3 gaze;                   // smoothed, in the model's axes; 0: not seen
   bool is_calibrated = false;  // false: the offsets are unknown and 0
 
   /// \return the table's status; not_found if the model lacks points.
@@ -85,6 +87,8 @@ class PartFit {
   /// q (a start with closed eyes, fitted to points that do not tell), the parameters are fitted instead, and the difference is noted
   /// in the first `fit` that finds the face at rest.
   void calibrate(PartPoints* points);
+  /// Where the eyes look, by the pupils read: as find_gaze.
+  Vec3 gaze(const PartPoints& points);
   /// Fits the parameters to the readings: sets their values and deviations, or leaves all as they are.
   /// \param seconds  since the last fit.
   void fit(float seconds, PartPoints* points);
@@ -92,6 +96,7 @@ class PartFit {
  private:
   void choose_parameters(PartPoints* points);
   Vec2 project(Vec2 uv);
+  bool see_eye(const PartPoints& points, const PartSide& side, EyeSight* eye);
   Vec2 off_centre(const CropMap& map, const PartTable& table, const PartSide& side) const;
   void step(float seconds, const PartPoints& points);
   bool solve(float seconds, PartPoints* points);

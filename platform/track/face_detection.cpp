@@ -136,11 +136,13 @@ void give_up(TrackerParts& t) {
   t.result.state = TrackState::lost;
   t.result.is_searching = true;
   t.result.landmark_error = 0;
+  t.result.gaze = {};
 }
 
 void conclude(TrackerParts& t, const FrameView& view) {
-  if (!self_of(t).faces.conclude(view, t.estimator, t.bad_frames, t.unused_between_frames, &t.result))
-    give_up(t);
+  FaceSelfStart& self = self_of(t);
+  t.result.gaze = self.parts != nullptr && t.bad_frames == 0 ? self.parts->gaze : Vec3{};
+  if (!self.faces.conclude(view, t.estimator, t.bad_frames, t.unused_between_frames, &t.result)) give_up(t);
 }
 
 /// \return null if there are no readers.
@@ -167,6 +169,7 @@ void read_parts(TrackerParts& t, const FrameView& view) {
       self.last_read_ns = view.time_ns;
       fit->fit(clamp(1e-9f * static_cast<float>(elapsed), kPartTracking.shortest_s, kPartTracking.longest_s),
                &points);
+      points.gaze = smoothed_gaze(points.gaze, fit->gaze(points));
     }
   for (std::size_t k = 0; k < points.parameter_count; ++k)
     if (points.sd[k] > 0) t.estimator.expect(points.parameter[k], points.last[k], points.sd[k]);
@@ -178,7 +181,10 @@ void calibrate_parts(TrackerParts& t, const FrameView& view) {
   if (self.parts == nullptr) return;
   for (std::size_t s = 0; s < self.parts->side_count; ++s) self.parts->side[s].centre_mm = {};
   for (int k = 0; k < kPartFitTuning.start_centrings; ++k) read_at_view(t, view, 1);
-  if (PartFit* const fit = read_at_view(t, view, 0); fit != nullptr) fit->calibrate(self.parts);
+  if (PartFit* const fit = read_at_view(t, view, 0); fit != nullptr) {
+    fit->calibrate(self.parts);
+    self.parts->gaze = fit->gaze(*self.parts);
+  }
 }
 
 void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {

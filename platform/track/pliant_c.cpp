@@ -55,10 +55,15 @@ pliant_pose plain(const Pose& p) {
 
 pliant_result result_of(const Tracker& tracker) {
   const FrameResult& r = tracker.result();
-  return {plain(r.pose),    plain(tracker.camera()),
-          r.rms_px,         r.tracked,
-          r.inliers,        static_cast<std::int32_t>(r.state),
-          r.landmark_error, r.is_searching ? 1 : 0};
+  return {plain(r.pose),
+          plain(tracker.camera()),
+          r.rms_px,
+          r.tracked,
+          r.inliers,
+          static_cast<std::int32_t>(r.state),
+          r.landmark_error,
+          r.is_searching ? 1 : 0,
+          {r.gaze.x, r.gaze.y, r.gaze.z}};
 }
 
 Span<const NamedPoint> points_of(const pliant_point* points, std::size_t count) {

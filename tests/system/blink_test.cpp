@@ -109,3 +109,25 @@ TEST_CASE("black frames between do not keep the lids from closing and opening la
     if (k == kBlinks[1] - 2 || k == kFrames - 1) CHECK(lid < 0.35f);
   }
 }
+
+TEST_CASE(
+    "the gaze of eyes that look ahead stays ahead while the head turns, and is not told while they are "
+    "shut") {
+  const FaceFilm eyes = film(1);
+  host::Owned<Tracker> tracker(face().model(), TrackerLimits{});
+  REQUIRE(tracker->start_from_pose(eyes.view(0), eyes.camera, eyes.poses[0], eyes.parameters[0].data()) ==
+          Status::ok);
+  std::size_t seen = 0;
+  for (std::size_t k = 1; k < eyes.count(); ++k) {
+    FrameResult result;
+    REQUIRE(tracker->update(eyes.view(k), &result) == Status::ok);
+    const float size = length(result.gaze);
+    CHECK((size == 0 || size == doctest::Approx(1)));
+    if (closing(k) == 1) CHECK(size == 0);
+    if (size == 0) continue;
+    ++seen;
+    CHECK(magnitude(result.gaze.x) < 0.12f);  // 7 degrees
+    CHECK(magnitude(result.gaze.y + 0.15f) < 0.15f);  // the built-in face's pupils are lower than people's
+  }
+  CHECK(seen >= 32);
+}

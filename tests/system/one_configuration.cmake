@@ -51,7 +51,7 @@ function(compare program profile)
     --landmarks ${option} --out ${work}/track.csv)
   execute_process(COMMAND ${work}/programs/${program} ${PREPARED}/face.plm ${work}/points.csv ${PREPARED}/frames.y4m ${ARGN}
     OUTPUT_FILE ${work}/${program}.csv COMMAND_ERROR_IS_FATAL ANY)
-  rows_of(${work}/track.csv expected 8)
+  rows_of(${work}/track.csv expected 10)
   rows_of(${work}/${program}.csv printed 0)
   list(LENGTH printed count)
   if(count LESS 20)

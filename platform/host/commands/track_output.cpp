@@ -76,6 +76,7 @@ void TrackOutput::add(const FrameStream& frames, const FrameView& frame, Tracker
   row.rms_px = result.rms_px;
   row.vertices = result.vertices;
   row.landmark_error = result.landmark_error;
+  row.gaze = result.gaze;
   row.pose = result.pose;
   for (const float value : tracker.estimator().parameters()) row.q.push_back(value);
   const Points landmarks = project_landmarks(tracker), markers = project_markers(tracker);
@@ -100,7 +101,7 @@ void TrackOutput::add_lost(const FrameStream& frames, const FrameView& frame) {
 
 void TrackOutput::write(const TrackRow& row, const FrameView& frame) {
   TrackRow line = row;
-  if (arkit_) line.q = arkit_->coefficients(row.q);
+  if (arkit_) line.q = arkit_->coefficients(row.q, row.gaze);
   table_.write(track_line(line));
   ++frames_;
   if (row.state == TrackState::tracking) ++tracked_;

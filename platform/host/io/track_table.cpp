@@ -1,6 +1,7 @@
 #include "host/io/track_table.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "host/io/failure.hpp"
@@ -13,8 +14,8 @@ namespace pliant::host {
 
 namespace {
 
-constexpr const char* kFirstColumns[] = {"frame",   "time_s", "state",    "tracked",
-                                         "inliers", "rms_px", "vertices", "landmark_error"};
+constexpr const char* kFirstColumns[] = {"frame",  "time_s",   "state",          "tracked",   "inliers",
+                                         "rms_px", "vertices", "landmark_error", "gaze_left", "gaze_up"};
 constexpr const char* kPoseColumns[] = {"qw", "qx", "qy", "qz", "tx", "ty", "tz"};
 
 float* pose_member(Pose& pose, std::size_t column) {
@@ -57,6 +58,12 @@ std::vector<Target> targets(const CsvTable& table, const Model& model, std::vect
 
 }  // namespace
 
+GazeAngles gaze_angles(Vec3 gaze) {
+  const double x = static_cast<double>(gaze.x), y = static_cast<double>(gaze.y),
+               z = static_cast<double>(gaze.z);
+  return {std::atan2(x, z), std::atan2(y, std::hypot(x, z))};
+}
+
 const char* state_text(TrackState state) {
   switch (state) {
     case TrackState::tracking:
@@ -92,6 +99,9 @@ std::string track_line(const TrackRow& row) {
   const bool is_known = row.state != TrackState::lost;
   line +=
       "," + (is_known && row.landmark_error > 0 ? decimal_text(static_cast<double>(row.landmark_error)) : "");
+  const bool has_gaze = is_known && dot(row.gaze, row.gaze) > 0;
+  const GazeAngles gaze = gaze_angles(row.gaze);
+  line += has_gaze ? "," + decimal_text(gaze.left) + "," + decimal_text(gaze.up) : ",,";
   Pose pose = row.pose;
   for (std::size_t k = 0; k < std::size(kPoseColumns); ++k)
     line += "," + (is_known ? text_of(*pose_member(pose, k)) : "");

@@ -19,10 +19,18 @@ struct TrackRow {
   float rms_px = 0;
   int vertices = 0;
   float landmark_error = 0;  ///< as FrameResult::landmark_error; 0: unknown, an empty cell
+  Vec3 gaze;                 ///< as FrameResult::gaze; 0: not seen, empty cells
   Pose pose;
   std::vector<float> q;                     ///< all parameters, or what the header has instead
   std::vector<std::optional<Vec2>> points;  ///< landmarks and markers; empty cells where there is none
 };
+
+/// Angles of a gaze relative to the head, rad: to the subject's left, and up. 0 for no gaze.
+struct GazeAngles {
+  double left = 0, up = 0;
+};
+/// \param gaze  as FrameResult::gaze.
+GazeAngles gaze_angles(Vec3 gaze);
 
 /// The state as the table spells it: tracking, degraded or lost.
 const char* state_text(TrackState state);

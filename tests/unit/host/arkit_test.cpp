@@ -1,6 +1,7 @@
 // ARKit's coefficients: every name once, in order, in range, and from the parameter that means the same.
 #include "host/io/arkit.hpp"
 
+#include <cmath>
 #include <set>
 #include <sstream>
 
@@ -85,6 +86,26 @@ TEST_CASE("coefficients run from 0 at rest to 1 at the maximum, and pairs have t
   for (const float c : f.arkit.coefficients(f.q)) CHECK((c >= 0 && c <= 1));
 }
 
+TEST_CASE("the gaze drives both eyes of its side, and nothing else") {
+  const Face f;
+  const auto at = [&](float left, float up, const char* name) {
+    return f.arkit.coefficients(
+        f.q, {std::sin(left) * std::cos(up), std::sin(up), std::cos(left) * std::cos(up)})[column_of(name)];
+  };
+  CHECK(at(0.3f, 0, "eyeLookOutLeft") == doctest::Approx(0.5));
+  CHECK(at(0.3f, 0, "eyeLookInRight") == doctest::Approx(0.5));
+  CHECK(at(-0.3f, 0, "eyeLookInLeft") == doctest::Approx(0.5));
+  CHECK(at(-0.3f, 0, "eyeLookOutRight") == doctest::Approx(0.5));
+  CHECK(at(0.2f, 0.225f, "eyeLookUpLeft") == doctest::Approx(0.5));
+  CHECK(at(0.2f, -0.225f, "eyeLookDownRight") == doctest::Approx(0.5));
+  CHECK(at(-1.2f, 1, "eyeLookInLeft") == 1);
+  CHECK(at(-1.2f, 1, "eyeLookUpRight") == 1);
+  for (const char* name :
+       {"eyeLookOutLeft", "eyeLookInRight", "eyeLookDownLeft", "eyeLookDownRight", "jawOpen"})
+    CHECK(at(-0.4f, 0.2f, name) == 0);
+  for (const float c : f.arkit.coefficients(f.q)) CHECK(c == 0);  // not seen
+}
+
 TEST_CASE("names that a model lacks are 0 and listed, and so are expressions that ARKit lacks") {
   const Sequence s;
   const ModelFile file(s.model);
@@ -98,8 +119,8 @@ TEST_CASE("names that a model lacks are 0 and listed, and so are expressions tha
   CHECK(contains(r.err, "always 0: eyeBlinkLeft"));
   CHECK(contains(r.err, "not ARKit's: browUpLeft browUpRight"));
   const CsvTable table(s / "t.csv", read_file(s / "t.csv"));
-  REQUIRE(table.columns().size() == 15 + 52);
-  for (std::size_t k = 0; k < kArkitCount; ++k) CHECK(table.columns()[15 + k] == kArkitNames[k]);
+  REQUIRE(table.columns().size() == 17 + 52);
+  for (std::size_t k = 0; k < kArkitCount; ++k) CHECK(table.columns()[17 + k] == kArkitNames[k]);
   const auto plain_words = s.track_words();
   REQUIRE(run_words(plain_words).code == 0);
   const CsvTable plain(s / "t.csv", read_file(s / "t.csv"));

@@ -185,8 +185,9 @@ TEST_CASE("a track row keeps every float, and unknown values are empty") {
   row.points = {Vec2{12.34f, 5}, std::nullopt};
   const std::string header = track_header(file.model(), {"ibug00", "m1"});
   CHECK(header ==
-        "frame,time_s,state,tracked,inliers,rms_px,vertices,landmark_error,qw,qx,qy,qz,tx,ty,tz,width,"
-        "browUpLeft,browUpRight,"
+        "frame,time_s,state,tracked,inliers,rms_px,vertices,landmark_error,gaze_left,gaze_up,qw,qx,qy,qz,tx,"
+        "ty,tz,"
+        "width,browUpLeft,browUpRight,"
         "jawOpen,x_ibug00,y_ibug00,x_m1,y_m1\n");
   std::vector<std::string> unmatched;
   const auto read = read_posed_parameters(CsvTable("t", header + track_line(row)), file.model(),
@@ -197,9 +198,12 @@ TEST_CASE("a track row keeps every float, and unknown values are empty") {
   CHECK(read[0].pose.t.x == row.pose.t.x);
   CHECK(read[0].pose.q.y == doctest::Approx(static_cast<double>(row.pose.q.y)).epsilon(1e-6));
   CHECK(contains(track_line(row), "12.3400,5.0000,,\n"));
+  CHECK(contains(track_line(row), ",0,,,,"));  // neither error nor gaze known
+  row.gaze = {0.6f, 0, 0.8f};
+  CHECK(contains(track_line(row), ",0,,0.6435,0.0000,"));
   row.state = TrackState::lost;
   row.rms_px = std::numeric_limits<float>::quiet_NaN();
-  CHECK(track_line(row) == "3,0.1,lost,0,0,0,0" + std::string(1 + 7 + 4 + 4, ',') + "\n");
+  CHECK(track_line(row) == "3,0.1,lost,0,0,0,0" + std::string(1 + 2 + 7 + 4 + 4, ',') + "\n");
 }
 
 TEST_CASE("a comparison with the truth gives the known errors") {

@@ -1,0 +1,45 @@
+#include "face/gaze.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr const GazeTuning& kTuning = kGazeTuning;
+
+Vec3 unit_or_none(Vec3 v) {
+  const float size = length(v);
+  return is_finite(v) && size > 1e-6f ? (1 / size) * v : Vec3{};
+}
+
+/// The iris lies where the pupil's ray meets the sphere around the eyeball's middle, on the near side. \return 0: it does not meet it.
+Vec3 direction_of(const EyeSight& eye, const View& view, const Projector& projector) {
+  const Vec3 offset{eye.corners.x > 0 ? kTuning.ball_mm.x : -kTuning.ball_mm.x, kTuning.ball_mm.y,
+                    kTuning.ball_mm.z};
+  const Vec3 ball = projector.to_camera(eye.corners + offset);
+  const float per_px = view.rho / view.s;  // 1 / f
+  const Vec3 ray = unit_or_none({per_px * (eye.pupil.x - view.c.x), per_px * (eye.pupil.y - view.c.y), 1});
+  const Vec3 across = dot(ray, ball) * ray - ball;  // from the eyeball's middle to the ray
+  const float square = kTuning.iris_mm * kTuning.iris_mm - dot(across, across);
+  if (!(square > 0)) return {};
+  const Vec3 g = across - square_root(square) * ray;
+  return unit_or_none({dot(g, projector.rotated({1, 0, 0})), dot(g, projector.rotated({0, 1, 0})),
+                       dot(g, projector.rotated({0, 0, 1}))});
+}
+
+}  // namespace
+
+Vec3 find_gaze(Span<const EyeSight> eyes, const View& view) {
+  const Projector projector(view, true);
+  if (!(-projector.rotated({0, 0, 1}).z >= kTuning.least_facing)) return {};
+  Vec3 sum;
+  for (const EyeSight& eye : eyes)
+    if (eye.opening_mm >= kTuning.least_opening_mm) sum = sum + direction_of(eye, view, projector);
+  return unit_or_none(sum);
+}
+
+Vec3 smoothed_gaze(Vec3 gaze, Vec3 seen) {
+  const bool is_known = dot(gaze, gaze) > 0 && dot(seen, seen) > 0;
+  return is_known ? unit_or_none(gaze + kTuning.rate * (seen - gaze)) : seen;
+}
+
+}  // namespace pliant
