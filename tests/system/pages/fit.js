@@ -77,6 +77,26 @@ function check(what, { start, states }, names, limits) {
   assert(ms[0] < 16, "a move takes longer than a frame of the screen");
 }
 
+/// Drags handles anywhere, far outside of the picture and onto each other: the state stays finite and within its limits, and the
+/// model comes back when the handles do.
+function checkWildDrags({ start, states }) {
+  const surface = fit.openSurface(start.surface, start.width, start.height), count = start.points.length;
+  let model = surface.start;
+  for (let k = 0; k < 150; ++k) {
+    const reach = [100, 1000, 1e5][k % 3], pins = [];
+    for (let n = 1 + k % 7; n > 0; --n)
+      pins.push({ handle: Math.floor(uniform(0, count - 0.01)), x: k % 5 ? [uniform(-reach, reach), uniform(-reach, reach)] : [320, 240] });
+    model = (k % 2 ? fit.settle : fit.fitToPins)(surface, pins, model);
+    const numbers = [...model.turn, model.s, ...model.tau, ...model.values];
+    assert(numbers.every(Number.isFinite), "the state is not finite");
+    assert(model.s > 0 && Math.abs(Math.hypot(...model.turn) - 1) < 1e-6);
+    for (const x of fit.project(surface, surface.handles, model)) assert(x === null || x.every(Number.isFinite));
+  }
+  const pins = states[0].handles.map((p, handle) => ({ handle, x: [p.x, p.y] }));
+  for (let k = 0; k < 10; ++k) model = fit.settle(surface, pins, model);
+  return mean(fit.project(surface, surface.handles, model).map((x, i) => x ? Math.hypot(x[0] - pins[i].x[0], x[1] - pins[i].x[1]) : 1000));
+}
+
 function run() {
   fs.writeFileSync(path.join(folder, "grey.pgm"), Buffer.concat([Buffer.from("P5\n640 480\n255\n"), Buffer.alloc(640 * 480, 127)]));
   fs.writeFileSync(path.join(folder, "lens.yml"), "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n" +
@@ -85,6 +105,9 @@ function run() {
   pliant("bake", path.join(source, "fixtures/sheet"), "--modes", "6", "-o", "sheet.plm");
   const rigid = makeStates("sheet.plm", 10, 0), bent = makeStates("sheet.plm", 12, 0.7), all = bent.start.points.map(p => p.name);
   const corners = all.filter(name => /[01]\.00_[01]\.00/.test(name));
+  const wild = checkWildDrags(bent);
+  console.log(`after wild drags: sheet ${wild.toFixed(2)} px`);
+  assert(wild < 1, "the model does not come back");
   check("flat sheet, 4 corners", rigid, corners, { px: [0.5, 1], degrees: [1, 2] });
   check("bent sheet, 4 corners", bent, corners, { px: [13, 20], degrees: [15, 60] });
   check("bent sheet, 9 handles", bent, all, { px: [0.5, 1.2], degrees: [1.2, 3] });

@@ -14,8 +14,9 @@ const kFit = {
   shiftSd: 1000,  // in sizes of the model
   rollSd: 10, scaleSd: 10,  // rad, log
   tiltSd: 1.5,  // rad
-  // Handles up to which other tilts are tried, since few handles have several solutions.
-  fewHandles: 9,
+  // Handles up to which other solutions are tried, since few handles have several. With more they are tried where the cost is above
+  // this a handle: a handle is more than two standard deviations away on average.
+  fewHandles: 9, goodCost: 4,
   // A solution that lies elsewhere replaces the present one if its cost is below this fraction.
   clearlyBetter: 0.7,
   // Steps, at most: while a handle is dragged, when it is let go, and of each other solution that is tried then.
@@ -175,8 +176,11 @@ function addRow(normal, row, residual, weight) {
 /// Unknowns: turn about x, y, z, log s, tau, then the parameters.
 function addHandle(surface, state, m, p, pin, normal) {
   const r = rotated(m, p), f = surface.camera.f, depth = 1 + state.s / f * r[2];
-  const x = projectIdeal(surface, state, p, m);
-  if (x === null) return;
+  const x = projectIdeal(surface, state, p, m), weight = 1 / (kFit.handleSd * surface.sizePx) ** 2;
+  if (x === null) {  // behind the camera: no step may lead there
+    normal.cost += weight * (100 * surface.sizePx) ** 2;
+    return;
+  }
   const g = state.s / depth, k = state.s / f / depth;
   const off = [x[0] - surface.camera.cx, x[1] - surface.camera.cy], z = [-k * off[0], -k * off[1]];
   const rows = [new Float64Array(normal.n), new Float64Array(normal.n)];
@@ -186,7 +190,6 @@ function addHandle(surface, state, m, p, pin, normal) {
     for (const c of [0, 1])
       rows[c][6 + parameter] += g * (m[c][0] * dx + m[c][1] * dy + m[c][2] * dz) + z[c] * (m[2][0] * dx + m[2][1] * dy + m[2][2] * dz);
   });
-  const weight = 1 / (kFit.handleSd * surface.sizePx) ** 2;
   addRow(normal, rows[0], x[0] - pin.x[0], weight);
   addRow(normal, rows[1], x[1] - pin.x[1], weight);
 }
@@ -279,13 +282,13 @@ function tiltedBack(surface, state) {
   return tilted(state, -angle * n[1], angle * n[0]);
 }
 const tilted = (state, x, y) => ({ ...state, turn: product(turnBy(x, y, 0), state.turn) });
-/// States from which another solution may be reached: the other tilt, with the same deformation or the opposite one, and tilts of
-/// the present view with the shape of the start.
+/// States from which another solution may be reached: the start; the other tilt, with the same deformation or the opposite one; and
+/// tilts of the present view with the shape of the start.
 function otherStates(surface, state) {
   const back = tiltedBack(surface, state), start = surface.start.values;
   const values = state.values.map((v, k) => Math.max(surface.parameters[k].minimum, Math.min(surface.parameters[k].maximum, 2 * start[k] - v)));
   const plain = { ...state, values: start };
-  return [back, { ...back, values }, ...[[0.5, 0], [-0.5, 0], [0, 0.5], [0, -0.5]].map(([x, y]) => tilted(plain, x, y))];
+  return [surface.start, back, { ...back, values }, ...[[0.5, 0], [-0.5, 0], [0, 0.5], [0, -0.5]].map(([x, y]) => tilted(plain, x, y))];
 }
 const idealPins = (surface, pins) => pins.map(pin => ({ handle: pin.handle, x: surface.lens.undistort(pin.x) }));
 
@@ -297,7 +300,8 @@ function fitToPins(surface, pins, state) {
 function settle(surface, pins, state) {
   const ideal = idealPins(surface, pins);
   let best = descend(surface, ideal, state, kFit.steps), least = kFit.clearlyBetter * best.cost;
-  if (pins.length < 3 || pins.length > kFit.fewHandles) return best.state;
+  const isGood = best.cost < kFit.goodCost * pins.length;
+  if (pins.length < 3 || (pins.length > kFit.fewHandles && isGood)) return best.state;
   const first = best;
   for (const other of otherStates(surface, best.state)) {
     const found = descend(surface, ideal, other, kFit.stepsOfOthers);
