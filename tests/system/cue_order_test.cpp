@@ -92,14 +92,15 @@ constexpr unsigned kTemplates = bit(Cue::patch), kEdges = bit(Cue::edge), kFlow 
 
 }  // namespace
 
-// Sums over four films, because one film's ratios move by several percent with any change of sampling. Measured ratios of
-// rotation errors to those of templates alone: 0.58 with edges, 0.52 with all cues. Of landmark errors with all cues: 0.92 of
-// templates alone, 0.925 of templates and edges. Each bound is half way from the measured ratio to no effect. Edges alone
-// change landmarks by 1 %, and frame-to-frame tracking without edges makes them 4 % worse: neither is claimed.
+// Sums over twelve films, because a few films' ratios move by several percent with any change of sampling: of four the last one
+// below went from 0.90 to 0.98 with another walk along the curves, of 24 from 0.951 to 0.946. Measured ratios of rotation errors
+// to those of templates alone: 0.58 with edges, 0.50 with all cues. Of landmark errors with all cues: 0.87 of templates
+// alone, 0.96 of templates and edges. Each bound is half way from the measured ratio to no effect. Of landmarks by
+// one cue alone nothing is claimed: edges gain 9 %, frame-to-frame tracking 3 % (24 films).
 TEST_CASE(
     "on a face half without texture edges improve rotation, and all cues improve rotation and landmarks") {
   Error templates, edges, flow, all;
-  for (std::uint32_t seed = 0; seed < 4; ++seed) {
+  for (std::uint32_t seed = 0; seed < 12; ++seed) {
     const FaceFilm film = make_film(seed);
     add(track(film, kTemplates), &templates);
     add(track(film, kTemplates | kEdges), &edges);
@@ -110,7 +111,7 @@ TEST_CASE(
                                 std::pair{"templates, frame to frame", flow}, std::pair{"all", all}})
     MESSAGE(std::string(name) << ": " << e.landmark_px << " px, " << e.turn_deg << " degrees");
   CHECK(edges.turn_deg < 0.79f * templates.turn_deg);
-  CHECK(all.turn_deg < 0.76f * templates.turn_deg);
-  CHECK(all.landmark_px < 0.96f * templates.landmark_px);
-  CHECK(all.landmark_px < 0.96f * edges.landmark_px);
+  CHECK(all.turn_deg < 0.75f * templates.turn_deg);
+  CHECK(all.landmark_px < 0.935f * templates.landmark_px);
+  CHECK(all.landmark_px < 0.98f * edges.landmark_px);
 }
