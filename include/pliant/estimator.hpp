@@ -12,6 +12,7 @@
 #include "pliant/camera.hpp"
 #include "pliant/estimator_options.hpp"
 #include "pliant/filter.hpp"
+#include "pliant/frame_work.hpp"
 #include "pliant/lens.hpp"
 #include "pliant/mesh.hpp"
 #include "pliant/model.hpp"
@@ -142,6 +143,14 @@ class Estimator {
   const MotionFilter& motion() const;  ///< The filter over pose and parameters.
   /// Ratio of a cue's residuals to the standard deviations of its observations, followed over time, at least 1.
   float cue_scale(Cue cue) const;
+
+  /// Of the last frame: rows and factorisations.
+  FrameWork work() const;
+  /// Ends the solves of every frame early once they have taken so much work; a frame's state is then less exact.
+  /// \param most  0: no limit; in the unit of WorkCosts. To be called after a start.
+  void limit_work(const WorkCosts& costs, float most);
+  /// Costs of this model's loops with templates of `window` px a side. To be called after a start.
+  WorkCosts work_costs(int window) const;
 
   /// Position of any (u,v) at the present parameters, mm, model axes.
   Vec3 surface_point(Vec2 uv);

@@ -63,6 +63,9 @@ class NormalEquations {
   /// linear, damping is 0 and no limit is active.
   float predicted_decrease(const float* step);
 
+  /// Factorisations since `lay_out`, count; wraps.
+  std::uint32_t factorisation_count() const { return factorisations_; }
+
   /// Diagonal of H^-1: the variances of the unknowns. Undetermined unknowns get 0. Limits are ignored. Cost: n^3 / 6.
   void variances(float* variance);
 
@@ -104,6 +107,7 @@ class NormalEquations {
   std::uint16_t* free_ = nullptr;   // the others, ascending: of these is the factor
   std::size_t capacity_ = 0, count_ = 0, free_count_ = 0, undetermined_ = 0;
   std::size_t stride_ = 0, gathered_ = 0;  // of rows_
+  std::uint32_t factorisations_ = 0;
   bool gradient_only_ = false;
 };
 

@@ -137,6 +137,8 @@ class Tracker {
       const;  ///< True while there is a track: after a start of either kind, until it is given up.
   /// Of the last frame; after a start that of frame 0: tracking, at the pose of the start.
   const FrameResult& result() const;
+  /// Loops of the last frame; 0 for one without a track. `pliant plan` prints the bounds.
+  const FrameWork& work() const;
   /// The camera of the start, with the focal length that it found. All 0 while there is no track.
   const Camera& camera() const;
   Estimator& estimator();  ///< The estimator, for access to its full state. Only while there is a track.

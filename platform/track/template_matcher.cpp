@@ -54,7 +54,8 @@ void TemplateMatcher::lay_out(Arena& arena, const TrackerLimits& limits) {
   searches_ = arena.take<Search>(capacity_);
 }
 
-void TemplateMatcher::start(bool uses_frame_to_frame) {
+void TemplateMatcher::start(bool uses_frame_to_frame, std::uint32_t most_steps) {
+  most_steps_ = most_steps;
   uses_frame_to_frame_ = uses_frame_to_frame;
   count_ = 0;
   innovation_px_ = later_innovation_px_ = coarse_px_ = kUnknownPx;
@@ -65,6 +66,7 @@ void TemplateMatcher::begin_frame(std::uint32_t frame, bool is_trusted, float co
   is_trusted_ = is_trusted;
   coarse_px_ = coarse_px;
   had_first_pass_ = false;
+  work_ = {};
   for (std::size_t k = 0; k < capacity_; ++k) {
     searches_[k].is_pending = true;
     searches_[k].is_first_pass = false;
@@ -106,7 +108,9 @@ std::size_t TemplateMatcher::match(const MatchFrame& frame, const PredictionTabl
     const Prediction& p = predictions[frame.templates[k].id];
     search.observation = static_cast<std::uint16_t>(n++);
     Observation& o = frame.observations[search.observation];
-    const Action next = action(search, o, p, round);
+    const bool has_work_left = work_.search_steps < most_steps_;
+    if (!has_work_left && search.is_pending) o = not_found(p.id, Reason::not_visible);
+    const Action next = has_work_left ? action(search, o, p, round) : Action::none;
     if (next == Action::search) search_for(frame, k, p, round);
     if (next == Action::track_from_previous) o = track_from_previous(frame, k, p);
     searched += next != Action::none;
@@ -141,18 +145,24 @@ void TemplateMatcher::search_for(const MatchFrame& frame, std::size_t k, const P
 }
 
 Observation TemplateMatcher::search(const MatchFrame& frame, std::size_t k, const Prediction& p,
-                                    int round) const {
+                                    int round) {
   if (!p.visible || !frame.region.contains(p.x)) return not_found(p.id, Reason::not_visible);
   const Template& point = frame.templates[k];
   const PatchResult result =
       frame.templates.match(k, frame.region, p.x + kTuning.residual_memory * point.residual, p.jacobian,
                             search_options(point, searches_[k].is_pending, round));
+  count(result);
   Observation o = not_found(p.id, reason_of(result.status));
   if (result.status != PatchStatus::ok) return is_last(round) ? track_from_previous(frame, k, p) : o;
   o.x = result.x + frame.region.origin();
   o.information = result.information;
   o.score = result.correlation;
   return o;
+}
+
+void TemplateMatcher::count(const PatchResult& result) {
+  ++work_.searches;
+  work_.search_steps += static_cast<std::uint32_t>(result.iterations);
 }
 
 /// The search reaches about as far as points were from their predictions in the last frame.
@@ -178,13 +188,14 @@ int TemplateMatcher::first_level() const {
 
 /// For a template that no longer matches: a mouth that opens, a highlight (docs/algorithms.md, section 7.5).
 Observation TemplateMatcher::track_from_previous(const MatchFrame& frame, std::size_t k,
-                                                 const Prediction& p) const {
+                                                 const Prediction& p) {
   const Template& point = frame.templates[k];
   if (!uses_frame_to_frame_ || !point.was_found || point.frames_apart >= kTuning.frame_to_frame_most)
     return not_found(p.id, Reason::low_correlation);
   PatchOptions options;
   options.max_return_px = scaled(kTuning.forward_backward_px);
   const PatchResult result = frame.templates.match_from_previous(point.found_at, frame.region, p.x, options);
+  count(result);
   Observation o = not_found(p.id, reason_of(result.status));
   if (result.status != PatchStatus::ok) return o;
   o.x = result.x + frame.region.origin();

@@ -6,6 +6,7 @@
 
 #include "pliant/estimator.hpp"
 #include "pliant/tracker_limits.hpp"
+#include "pliant/frame_work.hpp"
 #include "track/template_store.hpp"
 
 namespace pliant {
@@ -32,7 +33,8 @@ class TemplateMatcher {
  public:
   void lay_out(Arena& arena, const TrackerLimits& limits);
   /// Before frame 1. \param uses_frame_to_frame  whether points may be tracked from the previous frame.
-  void start(bool uses_frame_to_frame);
+  /// \param most_steps  of the searches of a frame, over which they end.
+  void start(bool uses_frame_to_frame, std::uint32_t most_steps);
 
   /// \param is_trusted        the last frame was tracked. \param coarse_px  length of the coarse translation; kUnknownPx
   ///                          if none was found.
@@ -44,6 +46,8 @@ class TemplateMatcher {
   /// Matches, in round 0 or 1, the points for which another search can give more than the last one did, and tracks points
   /// from the previous frame whose template was not found in the last round. \return how many points were searched for.
   std::size_t match(const MatchFrame& frame, const PredictionTable& predictions, int round);
+  /// Searches and their steps, of this frame.
+  const FrameWork& work() const { return work_; }
   /// Observations of the frame, one a point.
   std::size_t observation_count() const { return count_; }
   /// Notes in the store where points were found, as the last solve left them.
@@ -64,12 +68,15 @@ class TemplateMatcher {
   bool should_run_first_pass(std::size_t ratio) const;
   Action action(const Search& search, const Observation& last, const Prediction& p, int round) const;
   void search_for(const MatchFrame& frame, std::size_t k, const Prediction& p, int round);
-  Observation search(const MatchFrame& frame, std::size_t k, const Prediction& p, int round) const;
-  Observation track_from_previous(const MatchFrame& frame, std::size_t k, const Prediction& p) const;
+  Observation search(const MatchFrame& frame, std::size_t k, const Prediction& p, int round);
+  Observation track_from_previous(const MatchFrame& frame, std::size_t k, const Prediction& p);
+  void count(const PatchResult& result);
   PatchOptions search_options(const Template& point, bool is_pending, int round) const;
   int first_level() const;
   float scaled(float px) const;
 
+  FrameWork work_;
+  std::uint32_t most_steps_ = 0;
   Search* searches_ = nullptr;  // of one frame: other parts may use the memory between frames
   std::size_t capacity_ = 0, count_ = 0;
   float frame_width_ = 0, half_window_ = 0;  // px

@@ -54,8 +54,9 @@ std::size_t TemplatePlacement::scratch_bytes(const TrackerLimits& limits) {
          static_cast<std::size_t>(cells) * sizeof(Under) + Arena::kAlignment;
 }
 
-void TemplatePlacement::place(TemplateStore& templates, Estimator& estimator, const FrameRegion& region,
-                              const Markers& markers, std::size_t first, std::size_t end) {
+std::size_t TemplatePlacement::place(TemplateStore& templates, Estimator& estimator,
+                                     const FrameRegion& region, const Markers& markers, std::size_t first,
+                                     std::size_t end, std::size_t tries) {
   PLIANT_ASSERT(end <= templates.count());
   const std::size_t free = mark_free_cells(templates, estimator, region);
   Arena scratch(scratch_.data, scratch_.count);
@@ -64,13 +65,15 @@ void TemplatePlacement::place(TemplateStore& templates, Estimator& estimator, co
   const float area = static_cast<float>(free) * static_cast<float>(options_.cell_px * options_.cell_px);
   float spacing = square_root(area / static_cast<float>(end - first));
   if (corners::scan_cells(region.pyramid().level(0), options_, {cells_, cells}, scratch, &grid) != Status::ok)
-    return;
+    return 0;
+  std::size_t tried = 0;
   Under* const under = scratch.take<Under>(cells);
   find_mesh_under_corners(estimator, region, grid, under);
-  for (int pass = 0; pass < kTuning.passes && first < end; ++pass, spacing *= kTuning.spacing_factor) {
+  for (int pass = 0; pass < kTuning.passes && first < end && tried < tries;
+       ++pass, spacing *= kTuning.spacing_factor) {
     const float distance = clamp(spacing, kTuning.least_spacing_px, kTuning.most_spacing_px);
     const int found = corners::choose_corners(grid, options_.quality, distance, corners_);
-    for (int i = 0; i < found && first < end; ++i) {
+    for (int i = 0; i < found && first < end && tried < tries; ++i) {
       const Vec2 at = corners_[static_cast<std::size_t>(i)].x, x = at + region.origin();
       const int of_corner = cell_of(at);
       std::uint8_t& cell = cells_[of_corner];
@@ -78,12 +81,14 @@ void TemplatePlacement::place(TemplateStore& templates, Estimator& estimator, co
       if (cell == kFailed || mesh.depth == kNoFace || !is_far_from_found(templates, x, spacing) ||
           !markers.are_far_from(x, estimator))
         continue;
+      ++tried;
       if (templates.capture(first, estimator, region, x, mesh.uv))
         ++first;
       else
         cell = kFailed;
     }
   }
+  return tried;
 }
 
 /// Marks the cells in which a template may be captured. \return how many there are.

@@ -15,6 +15,7 @@ namespace pliant {
 /// Keeps nothing from call to call.
 class TemplatePlacement {
  public:
+  static constexpr std::size_t kAllCorners = static_cast<std::size_t>(-1);
   void lay_out(Arena& arena, const TrackerLimits& limits);
   /// Memory in which `place` works; its content is lost. At least scratch_bytes.
   void set_scratch(Span<unsigned char> scratch) { scratch_ = scratch; }
@@ -22,8 +23,10 @@ class TemplatePlacement {
 
   /// Captures templates in the free slots [first, end) as far as the region shows texture: at first as far apart as the
   /// visible surface allows, then closer. Points keep apart from points found in this frame and from markers.
-  void place(TemplateStore& templates, Estimator& estimator, const FrameRegion& region,
-             const Markers& markers, std::size_t first, std::size_t end);
+  /// \param tries  corners at which it tries to capture one, at most. \return at how many it did.
+  std::size_t place(TemplateStore& templates, Estimator& estimator, const FrameRegion& region,
+                    const Markers& markers, std::size_t first, std::size_t end,
+                    std::size_t tries = kAllCorners);
 
  private:
   std::size_t mark_free_cells(const TemplateStore& templates, const Estimator& estimator,

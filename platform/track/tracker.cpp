@@ -128,6 +128,7 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   Status status = t.region.check_frame(frame);
   if (status != Status::ok) return status;
   if (t.is_stale(frame)) return Status::stale_frame;
+  t.work = {};
   status = t.is_started ? t.track(frame) : t.self_start->calls->search(t, frame);
   if (status != Status::ok) return status;
   t.note_time(frame);
@@ -136,11 +137,13 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
 }
 
 Status TrackerParts::track(const FrameView& view) {
+  follows_bad_frame = bad_frames > 0;
   const Status status = predict(view);
   if (status != Status::ok) return status;
   match_and_solve(view);
+  note_work();
   conclude();
-  if (person != nullptr && bad_frames == 0) limits.person->conclude(*this);
+  if (person != nullptr && bad_frames == 0 && has_room_for_rare_work()) limits.person->conclude(*this);
   if (self_start != nullptr) self_start->calls->conclude(*this, view);
   return status;
 }
@@ -148,6 +151,31 @@ Status TrackerParts::track(const FrameView& view) {
 void TrackerParts::note_time(const FrameView& view) {
   last_time_ns = view.time_ns;
   last_sequence = view.sequence;
+}
+
+/// Leaves to the solves what the searches have not taken.
+void TrackerParts::limit_work() {
+  estimator.limit_work(costs,
+                       most_work - costs.search_step * static_cast<float>(matcher.work().search_steps));
+}
+
+/// Of searches and solves, as noted.
+float TrackerParts::spent_work() const {
+  return costs.search_step * static_cast<float>(work.search_steps) + costs.of_solves(work);
+}
+
+/// Whether this frame has done little enough that work which can wait need not wait.
+bool TrackerParts::has_room_for_rare_work() const {
+  return !follows_bad_frame && spent_work() <= kTrackerTuning.most_before_rare_work * most_work;
+}
+
+void TrackerParts::note_work() {
+  const FrameWork of_estimator = estimator.work(), &of_matcher = matcher.work();
+  work.searches = of_matcher.searches;
+  work.search_steps = of_matcher.search_steps;
+  work.rows = of_estimator.rows;
+  work.measured_rows = of_estimator.measured_rows;
+  work.factorisations = of_estimator.factorisations;
 }
 
 /// Where the model is expected, and the image there.
@@ -160,6 +188,7 @@ Status TrackerParts::predict(const FrameView& view) {
   if (motion.is_found) estimator.translate(motion.by_px);
   const bool is_trusted = bad_frames == 0;
   matcher.begin_frame(frame, is_trusted, motion.is_found && is_trusted ? length(motion.by_px) : kUnknownPx);
+  limit_work();
   region.advance();
   return region.build(view,
                       region.is_whole_frame() ? Vec2{} : key_frames.middle_of(estimator) + motion.by_px);
@@ -174,7 +203,8 @@ void TrackerParts::match_and_solve(const FrameView& view) {
       self_start->calls->read_parts(*this, view);
     if (run_round(round) == 0) break;
   }
-  if (estimator.needs_another_round()) run_round(rounds - 1);
+  note_work();
+  if (estimator.needs_another_round() && spent_work() < most_work) run_round(rounds - 1);
 }
 
 /// Predicts, matches and solves once. \return how many points were searched for.
@@ -185,12 +215,13 @@ std::size_t TrackerParts::run_round(int round) {
   std::size_t searched = matcher.match(match_frame(), predictions, round);
   observation_count = matcher.observation_count();
   if (round + 1 == kTemplateMatchTuning.rounds && uses_edges) {
-    const std::size_t n =
-        (edges->*limits.edges->match)(predictions, region, estimator.view().s,
-                    {observations.data + observation_count, observations.count - observation_count});
+    const std::size_t n = (edges->*limits.edges->match)(
+        predictions, region, estimator.view().s,
+        {observations.data + observation_count, observations.count - observation_count});
     observation_count += n;
     searched += n;
   }
+  limit_work();
   if (searched > 0) estimator.solve({observations.data, observation_count});
   return searched;
 }
@@ -203,8 +234,7 @@ void TrackerParts::conclude() {
   if (!is_good) return;
   const std::size_t of_templates = matcher.observation_count();
   if (edges != nullptr)
-    (edges->*limits.edges->end_frame)(
-        {observations.data + of_templates, observation_count - of_templates});
+    (edges->*limits.edges->end_frame)({observations.data + of_templates, observation_count - of_templates});
   key_frames.trust(estimator);
   texture.note_frame(estimator, region, frame);
   keep_key_frame();
@@ -221,7 +251,8 @@ void TrackerParts::keep_key_frame() {
   const std::size_t free = templates.capture_second(
       limits.patches, begin, begin + (end - begin) / kTemplateStoreTuning.second_template_divisor, estimator,
       region);
-  placement.place(templates, estimator, region, markers, free, end);
+  work.captures = static_cast<std::uint32_t>(placement.place(templates, estimator, region, markers, free, end,
+                                                             kTrackerTuning.tries_a_slot * (end - free)));
 }
 
 // --- What it tells ---
@@ -238,6 +269,11 @@ const Model& Tracker::model() const {
 
 bool Tracker::is_started() const {
   return impl_ != nullptr && impl_->is_started;
+}
+
+const FrameWork& Tracker::work() const {
+  PLIANT_ASSERT(impl_ != nullptr);
+  return impl_->work;
 }
 
 const FrameResult& Tracker::result() const {

@@ -2,7 +2,9 @@
 // What follows from a tracker's limits.
 #include <cstddef>
 
+#include "pliant/frame_work.hpp"
 #include "pliant/tracker_limits.hpp"
+#include "track/template_tuning.hpp"
 
 namespace pliant {
 
@@ -38,6 +40,17 @@ constexpr std::size_t all_slots(const TrackerLimits& limits) {
 
 constexpr std::size_t edge_points(const TrackerLimits& limits) {
   return limits.edges == nullptr ? 0 : std::size_t{limits.curve_points} + limits.silhouette_points;
+}
+/// Observations of a frame, at most, but for alternatives.
+constexpr std::size_t all_observations(const TrackerLimits& limits) {
+  return all_slots(limits) + edge_points(limits);
+}
+/// Work at which searches and solves of a frame end, in the unit of WorkCosts.
+constexpr float most_frame_work(const TrackerLimits& limits, const WorkCosts& costs) {
+  const TrackerTuning& t = kTrackerTuning;
+  return t.most_steps_a_template * costs.search_step * static_cast<float>(all_slots(limits)) +
+         t.most_passes * costs.row * static_cast<float>(all_observations(limits)) +
+         t.most_factorisations * costs.factorisation;
 }
 constexpr std::size_t all_points(const TrackerLimits& limits) {
   return all_slots(limits) + limits.markers + edge_points(limits);

@@ -2,6 +2,7 @@
 #include "track/landmark_fit.hpp"
 #include "track/template_tuning.hpp"
 #include "track/tracker_parts.hpp"
+#include "track/tracker_sizes.hpp"
 
 namespace pliant {
 
@@ -63,7 +64,10 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const f
   note_time(view);
   frame = 0;
   bad_frames = 0;
-  matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow));
+  costs = estimator.work_costs(limits.patch_window);
+  most_work = most_frame_work(limits, costs);
+  matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow),
+                static_cast<std::uint32_t>(kTrackerTuning.most_of_searches * most_work / costs.search_step));
   is_started = true;
   if (person != nullptr) limits.person->start(*this, with);
   if (self_start != nullptr) self_start->calls->begin_track(*this, view, with);

@@ -1,49 +1,8 @@
 // The estimator (the paper, section 8 and Appendix A): a composition of surface points, visible surface, frame solver, motion
 // model and track monitor.
-#include "pliant/estimator.hpp"
-
-#include "estimate/frame_solver.hpp"
-#include "estimate/lens_transfer.hpp"
-#include "estimate/state_parts.hpp"
-#include "estimate/track_monitor.hpp"
-#include "estimate/visible_surface.hpp"
+#include "estimate/estimator_impl.hpp"
 
 namespace pliant {
-
-struct Estimator::Impl : StateParts {
-  bool started = false;
-  Camera camera;
-  Lens lens;
-  int width = 0, height = 0;
-  std::uint32_t frame = 0;
-
-  Cascade cascade;
-  VisibleSurface surface;
-  FrameSolver solver;
-  const StretchPrior* stretch = nullptr;  // null without springs
-  StretchRows* springs = nullptr;
-  TrackMonitor monitor;
-
-  Span<const Prediction> predictions;  // of all points at `state`; empty when either has changed
-  std::size_t sample_capacity = 0;     // a point
-  std::uint32_t tangent_interval = 1, vertex_interval = 1;  // frames
-  bool personalises = false, keeps_adaptation = false;
-
-  std::size_t parameter_count() const { return cascade.parameter_count(); }
-  SolveInput solve_input() { return {cascade, points, motion.expected(), stretch, springs}; }
-  Status choose_free(const std::uint8_t* is_free);
-  void set_view(const Pose& pose);
-  void set_state(const Pose& pose, const float* q);
-  Status start_parts(const EstimatorOptions& options);
-  MeshPolicy mesh_policy(const EstimatorOptions& options) const;
-  void update_surface(std::uint32_t interval) { surface.update(cascade, state, frame, interval); }
-  Status add(PointKind kind, Vec2 uv, Vec2 along, std::uint16_t* id);
-  void note_new_point(std::uint16_t id);
-  Status revise(const float* q, Quat turn);
-  void place_silhouette();
-  Prediction predict(std::uint16_t id, const Projector& projector);
-  bool is_visible(const Prediction& p, Vec3 rotated) const;
-};
 
 namespace {
 
@@ -255,7 +214,7 @@ void Estimator::propose(const View& view) {
   s.state.view = view;
   s.motion.expect(view);
   copy(s.trusted.q, s.parameter_count(), s.state.q);
-  s.update_surface(1);
+  s.restore_surface();
   s.place_silhouette();
 }
 
@@ -347,7 +306,7 @@ FrameResult Estimator::end() {
     copy(s.trusted, s.parameter_count(), &s.state);
     if (result.state == TrackState::lost) s.motion.rest(s.state);
   }
-  s.update_surface(good ? s.vertex_interval : 1);
+  good ? s.update_surface(s.vertex_interval) : s.restore_surface();
   result.pose = pose_of(s.state.view);
   result.tracked = found.rows;
   result.inliers = found.inliers;
@@ -448,6 +407,20 @@ void Estimator::refine_uv(Vec2 x, Vec2* uv) {
   VisibleSurface::refine_uv(impl_->cascade, impl_->state, impl_->lens.undistort(x), uv);
 }
 
+void Estimator::limit_work(const WorkCosts& costs, float most) {
+  impl_->solver.limit_work(costs, most);
+}
+
+WorkCosts Estimator::work_costs(int window) const {
+  return WorkCosts::of(static_cast<float>(window),
+                       static_cast<float>(kPoseUnknowns + impl_->cascade.column_count()),
+                       static_cast<float>(impl_->cascade.samples_per_point()));
+}
+
+FrameWork Estimator::work() const {
+  return impl_->solver.work();
+}
+
 const Mesh& Estimator::mesh() const {
   return impl_->surface.mesh();
 }
@@ -482,6 +455,7 @@ Status Estimator::Impl::revise(const float* q, Quat turn) {
   StateParts::revise(cascade, q, turn);
   predictions = {};
   surface.sample_again(cascade, state);
+  surface_is_trusted = false;
   if (springs != nullptr) return stretch->start(*springs, cascade, state.q);
   return Status::ok;
 }

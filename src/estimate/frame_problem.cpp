@@ -12,6 +12,7 @@ void SolveScratch::lay_out(Arena& arena, std::size_t parameters, std::size_t unk
 
 void FrameProblem::measure(const View& v, const float* q) {
   const Projector projector(v, true);
+  scratch.work.measured_rows += static_cast<std::uint32_t>(rows.count());
   for (std::size_t k = 0; k < rows.count(); ++k) {
     Vec2 x = kBehind;
     projector.project(input.cascade.evaluate(input.points.samples(rows[k].id), q), &x);
@@ -90,6 +91,7 @@ void FrameProblem::add_row(const Projector::Derivatives& d, const Jacobian& jaco
 
 float FrameProblem::linearise() {
   scratch.equations.reset(kPoseUnknowns + columns());
+  scratch.work.rows += static_cast<std::uint32_t>(rows.count());
   for (std::size_t n = 0; n < kPoseUnknowns; ++n) scratch.unknown[n] = static_cast<std::uint16_t>(n);
   const Projector projector(state.view, true);
   const float per_scale = 1.0f / scale, per_square = per_scale * per_scale;

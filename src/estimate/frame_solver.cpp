@@ -24,6 +24,7 @@ void FrameSolver::lay_out(Arena& arena, const FrameSolverLimits& limits) {
 
 void FrameSolver::start(const SolvePolicy& policy) {
   policy_ = policy;
+  most_work_ = 0;
   rows_.start(policy.rows);
   for (std::size_t k = 0; k < unknown_capacity(); ++k) variance_[k] = 0;
   begin();
@@ -32,8 +33,26 @@ void FrameSolver::start(const SolvePolicy& policy) {
 void FrameSolver::begin() {
   rows_.clear();
   result_ = {};
+  scratch_.work = {};
+  factorisations_before_ = scratch_.equations.factorisation_count();
   solves_ = 0;
   had_first_pass_ = needs_another_round_ = rejected_forces_ = false;
+}
+
+FrameWork FrameSolver::work() const {
+  FrameWork work = scratch_.work;
+  work.factorisations = scratch_.equations.factorisation_count() - factorisations_before_;
+  return work;
+}
+
+/// Steps of a minimisation for which there is work left.
+int FrameSolver::steps_left() const {
+  if (!(most_work_ > 0)) return policy_.iterations;
+  const float step = static_cast<float>(rows_.count()) * (costs_.row + costs_.measured_row) +
+                     kTuning.factorisations_a_step * costs_.factorisation;
+  const float steps = (most_work_ - costs_.of_solves(work())) / max(step, 1);
+  return steps < static_cast<float>(policy_.iterations) ? static_cast<int>(max(steps, 0))
+                                                        : policy_.iterations;
 }
 
 void FrameSolver::gather(const SolveInput& input, Span<Observation> observations) {
@@ -77,7 +96,7 @@ SolverReport FrameSolver::solve(const SolveInput& input, Span<Observation> obser
   else
     problem.measure(predictions);
   if (policy_.rejection == Rejection::none)
-    problem.minimise(policy_.iterations, kTuning.relative_decrease, &report);
+    problem.minimise(steps_left(), kTuning.relative_decrease, &report);
   else
     solve_robustly(problem, &report);
   state->view = problem.state.view;
@@ -90,8 +109,10 @@ SolverReport FrameSolver::solve(const SolveInput& input, Span<Observation> obser
 void FrameSolver::settle(FrameProblem& problem, Loss loss, SolverReport* report) {
   problem.loss = loss;
   problem.scale = rows_.scale();
-  problem.minimise(policy_.iterations,
-                   loss == Loss::huber ? kTuning.relative_decrease_huber : kTuning.relative_decrease, report);
+  const int steps = steps_left();
+  if (steps == 0 && loss == Loss::huber) return;  // Tukey's is the last and leaves the equations
+  problem.minimise(steps, loss == Loss::huber ? kTuning.relative_decrease_huber : kTuning.relative_decrease,
+                   report);
 }
 
 /// Tukey's loss has local minima; Huber's loss is convex in the residuals and finds the right one. After a first pass the
@@ -114,7 +135,9 @@ void FrameSolver::solve_robustly(FrameProblem& problem, SolverReport* report) {
     solve_by_forces(problem, report);
   } else {
     settle_by_weights(problem, report);
-    if (rejection == Rejection::on_doubt && is_doubtful(problem)) try_alternative(problem, report);
+    if (rejection == Rejection::on_doubt && is_doubtful(problem) &&
+        (steps_left() >= kTuning.least_of_alternative || steps_left() == policy_.iterations))
+      try_alternative(problem, report);
   }
 }
 
@@ -126,7 +149,9 @@ void FrameSolver::solve_by_forces(FrameProblem& problem, SolverReport* report) {
   if (policy_.rejection == Rejection::forces) return;
   problem.scale = rows_.scale();
   rows_.keep_within(kTuning.readmission_scales * problem.scale);
-  problem.minimise(kTuning.readmission_iterations, kTuning.relative_decrease, report);
+  const int steps = steps_left();
+  problem.minimise(steps < kTuning.readmission_iterations ? steps : kTuning.readmission_iterations,
+                   kTuning.relative_decrease, report);
 }
 
 /// True if the residuals are well above the usual noise of the cues, or many rows have no weight. Coherent motion of an

@@ -33,6 +33,10 @@ struct FrameSolverTuning {
   /// Fraction of outliers, at the state after a first pass, above which Huber's loss is used again and the frame
   /// needs another round. Chosen on the rendered film with 500 points.
   float outliers_after_first_pass = 0.03f;
+  /// Factorisations of a step, count: limits of parameters that it meets take more than one. 2 to 3 on the recorded face.
+  float factorisations_a_step = 3;
+  /// Steps without which the alternative hypothesis is not tried, count. Round value, not tuned.
+  int least_of_alternative = 4;
   /// Scaled Cholesky pivot below which the observations do not determine the pose. The value of docs/algorithms.md, section 5.5.
   float least_pivot = 1e-4f;
 };
@@ -87,6 +91,14 @@ class FrameSolver {
   /// Of the solves of this frame.
   const SolveResult& result() const { return result_; }
 
+  /// Ends solves of this frame early, once they have taken so much: the state is then less exact. \param most  in the unit of `costs`.
+  void limit_work(const WorkCosts& costs, float most) {
+    costs_ = costs;
+    most_work_ = most;
+  }
+  /// Rows, measured rows and factorisations of this frame.
+  FrameWork work() const;
+
   /// To be called after a good frame: computes variances and follows the noise of the cues.
   void conclude_frame();
   /// Variance of each unknown after the last good frame: pose, then columns.
@@ -96,6 +108,7 @@ class FrameSolver {
 
  private:
   bool has_enough() const { return rows_.equations() >= kFrameSolverTuning.least_equations; }
+  int steps_left() const;
   void gather(const SolveInput& input, Span<Observation> observations);
   void settle(FrameProblem& problem, Loss loss, SolverReport* report);
   void settle_by_weights(FrameProblem& problem, SolverReport* report);
@@ -117,7 +130,10 @@ class FrameSolver {
   RowForces* forces_ = nullptr;
   std::size_t parameters_ = 0;
   SolveResult result_;
-  int solves_ = 0;  // of this frame
+  WorkCosts costs_;
+  float most_work_ = 0;                      // of a frame; 0: no limit
+  int solves_ = 0;                           // of this frame
+  std::uint32_t factorisations_before_ = 0;  // the frame
   bool had_first_pass_ = false, needs_another_round_ = false;
   bool rejected_forces_ = false;  // in the frame's first solve
 };

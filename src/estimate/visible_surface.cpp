@@ -132,6 +132,11 @@ void VisibleSurface::update(Cascade& cascade, const ModelState& state, std::uint
   project(state.view);
 }
 
+void VisibleSurface::turn_to(const View& view) {
+  depth_is_drawn_ = false;
+  project(view);
+}
+
 void VisibleSurface::project(const View& view) {
   const Projector projector(view, true);
   for (VertexId v : mesh_.vertices())

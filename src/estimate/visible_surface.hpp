@@ -81,6 +81,8 @@ class VisibleSurface {
   void sample_again(Cascade& cascade, const ModelState& state);
   /// Moves one vertex in `interval` to the surface at `state` and projects all; 1: all are exact afterwards.
   void update(Cascade& cascade, const ModelState& state, std::uint32_t frame, std::uint32_t interval);
+  /// Projects all vertices, which stay where they are on the surface.
+  void turn_to(const View& view);
   /// To be called when the view has changed: images are projected again when they are needed.
   void invalidate_images() { images_are_current_ = false; }
 

@@ -233,6 +233,7 @@ void NormalEquations::pin_undetermined(std::size_t k) {
 
 /// U^T U = S H S + damping I in outer-product form, four pivots at a time: the inner loops run along packed rows.
 void NormalEquations::factorise(float damping) {
+  ++factorisations_;
   copy_scaled(damping);
   const std::size_t n = free_count_;
   for (std::size_t first = 0; first < n; first += kPanel) {

@@ -370,7 +370,8 @@ def detection(s):
 
 
 FAULT_COLUMNS = (('tracking_percent', 'tracking %'), ('wrong_frames', 'tracking and wrong, frames'), ('back_frames', 'back after'),
-                 ('back_frames_worst', 'at most'), ('never_back', 'never'), ('slowest_over_median', 'slowest frame / median'))
+                 ('back_frames_worst', 'at most'), ('never_back', 'never'), ('slowest_over_median', 'slowest frame / median'),
+                 ('most_of_bound_percent', 'searches and solves, most of their bound %'))
 
 
 def faults(s):

@@ -59,6 +59,8 @@ TEST_CASE("whatever goes wrong, frames in state tracking are right, and the face
     host::play(face(), clip, fault, &counts);
     CHECK(counts.wrong == 0);
     CHECK(counts.never == 0);
+    CHECK(counts.most_work > 0.1);
+    CHECK(counts.most_work <= 1);
     REQUIRE(counts.back.size() == 1);
     CHECK(counts.back[0] <= most_frames(name));
     if (counts.with_face > 0) CHECK(100 * counts.tracking >= least_tracking(name) * counts.with_face);

@@ -4,6 +4,7 @@
 
 #include "host/bench/detection_report.hpp"
 #include "host/bench/detection_run.hpp"
+#include "track/tracker_sizes.hpp"
 
 namespace pliant::host {
 
@@ -27,6 +28,16 @@ void add_place(const NamedLandmarks& landmarks, FilmClip* clip) {
   clip->width.push_back(std::max(right - left, 1.0f));
 }
 
+/// Work of the last frame's searches and solves, as a fraction of what they may take.
+double fraction_of_bound(Tracker& tracker) {
+  if (!tracker.is_started()) return 0;
+  const FrameWork& work = tracker.work();
+  const WorkCosts costs = tracker.estimator().work_costs(tracker.limits().patch_window);
+  return static_cast<double>(costs.search_step * static_cast<float>(work.search_steps) +
+                             costs.of_solves(work)) /
+         static_cast<double>(most_frame_work(tracker.limits(), costs));
+}
+
 }  // namespace
 
 bool judge(const ModelFile& file, std::vector<Image> frames, JudgedClip* out) {
@@ -35,7 +46,8 @@ bool judge(const ModelFile& file, std::vector<Image> frames, JudgedClip* out) {
   DetectionRun run(file, clip.frames[0].width, clip.frames[0].height);
   for (std::size_t k = 0; k < clip.frames.size(); ++k) {
     run.update(frame_of(clip.frames[k], k));
-    if (k >= kMostStartFrames && (!run.has_track() || run.result().state != TrackState::tracking)) return false;
+    if (k >= kMostStartFrames && (!run.has_track() || run.result().state != TrackState::tracking))
+      return false;
     out->truth.push_back(run.landmarks());
     add_place(out->truth.back(), &clip);
   }
@@ -55,10 +67,13 @@ void play(const ModelFile& file, const JudgedClip& judged, const FilmFault& faul
     const bool had_track = run.has_track();
     const double before = process_ms();
     run.update(view);
+    counts->most_work = std::max(counts->most_work, fraction_of_bound(run.tracker()));
     if (had_track && run.has_track()) counts->milliseconds.push_back(process_ms() - before);
     const bool is_tracking = run.has_track() && run.result().state == TrackState::tracking;
     const double error =
-        is_tracking ? landmark_error(run.landmarks(), moved(judged.truth[faulty.is_frozen ? kFaultBegins : k], faulty.scale, faulty.shift)) : 0;
+        is_tracking ? landmark_error(run.landmarks(), moved(judged.truth[faulty.is_frozen ? kFaultBegins : k],
+                                                            faulty.scale, faulty.shift))
+                    : 0;
     if (is_tracking && (!faulty.has_face || !(error < kWrongError))) {
       ++counts->wrong;
       counts->wrong_most = std::max(counts->wrong_most, error);

@@ -23,10 +23,11 @@ bool judge(const ModelFile& file, std::vector<Image> frames, JudgedClip* out);
 struct FaultCounts {
   double clips = 0;
   double with_face = 0, tracking = 0;  ///< frames of the fault that show the face; those in state tracking
-  double wrong = 0;       ///< frames in state tracking without a face, or with a landmark error above 0.1
-  double wrong_most = 0;  ///< largest landmark error of these
-  double never = 0;       ///< clips that are not right again in the 40 frames after the fault
-  std::vector<double> back;          ///< frames after the fault until tracking with an error below kRightError
+  double wrong = 0;          ///< frames in state tracking without a face, or with a landmark error above 0.1
+  double wrong_most = 0;     ///< largest landmark error of these
+  double never = 0;          ///< clips that are not right again in the 40 frames after the fault
+  std::vector<double> back;  ///< frames after the fault until tracking with an error below kRightError
+  double most_work = 0;      ///< of the searches and solves of a frame, as a fraction of their bound
   std::vector<double> milliseconds;  ///< of the frames with a track before and after
 };
 

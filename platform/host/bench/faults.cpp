@@ -42,13 +42,16 @@ void bench_faults(std::ostream& out, const ModelFile& file, const std::string& f
     FaultCounts counts;
     for (const JudgedClip& one : judged) play(file, one, fault, &counts);
     rows(fault.name, "clips", counts.clips);
-    rows(fault.name, "tracking_percent", counts.with_face > 0 ? 100 * counts.tracking / counts.with_face : kUnknown);
+    rows(fault.name, "tracking_percent",
+         counts.with_face > 0 ? 100 * counts.tracking / counts.with_face : kUnknown);
     rows(fault.name, "wrong_frames", counts.wrong);
     rows(fault.name, "worst_wrong_percent", 100 * counts.wrong_most);
     rows(fault.name, "back_frames", counts.back.empty() ? kUnknown : quantile(counts.back, 0.5));
     rows(fault.name, "back_frames_worst", counts.back.empty() ? kUnknown : quantile(counts.back, 1));
     rows(fault.name, "never_back", counts.never);
-    rows(fault.name, "slowest_over_median", quantile(counts.milliseconds, 1) / quantile(counts.milliseconds, 0.5));
+    rows(fault.name, "most_of_bound_percent", 100 * counts.most_work);
+    rows(fault.name, "slowest_over_median",
+         quantile(counts.milliseconds, 1) / quantile(counts.milliseconds, 0.5));
   }
 }
 

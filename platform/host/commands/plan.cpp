@@ -1,41 +1,57 @@
 // Bounds of the loops of Tracker::update. They come from the limits, the options and the tuning of the parts that run the
-// loops. Operations are estimates: multiply-adds of the innermost loops.
+// loops. What a turn of each loop costs is measured.
 #include "host/commands/plan.hpp"
 
 #include <algorithm>
 
 #include "estimate/frame_solver.hpp"
 #include "face/aligner_table.hpp"
+#include "face/scaled_lines.hpp"
 #include "face/search_place.hpp"
 #include "optim/normal_equations_tuning.hpp"
 #include "track/face_start.hpp"
 #include "track/key_frames.hpp"
+#include "track/person_refinement.hpp"
 #include "track/template_tuning.hpp"
 #include "track/tracker_sizes.hpp"
 #include "vision/coarse_translation_tuning.hpp"
-#include "vision/patch_tuning.hpp"
 #include "vision/thumbnail.hpp"
 
 namespace pliant::host {
 
 namespace {
 
-/// Multiply-adds of one execution of each innermost loop, counted in the code.
-struct Operations {
-  double record = 24;          ///< one record of the cascade at one point, with its column of the Jacobian
-  double prediction = 100;     ///< projection and covariance of a point
-  double pyramid_pixel = 10;   ///< filter of a pixel
-  double search_pixel = 6;     ///< one pixel of a template in one step
-  double captured_pixel = 40;  ///< one pixel of a captured template, all levels
-  double projected_vertex = 20;
-  double crop_pixel = 40;  ///< crop, gradient and blocks of a pixel, in a check
+/// Instructions of x86-64 of one turn of each loop, counted by callgrind on the recorded face with the default limits, with 500
+/// templates and with profile S (docs/evaluation.md, Work of a frame). `WorkCosts` has those of searches and solves.
+struct Instructions {
+  double thumbnail_pixel = 3.1, pyramid_pixel = 3.1;
+  double shift_pixel = 7.9;      ///< of one shift of the thumbnail
+  double predicted_record = 26;  ///< of a predicted point
+  double tangent_record = 140;   ///< of a point
+  double vertex_record = 50;     ///< of a vertex with samples
+  double table_record = 193;     ///< of a vertex from the tables
+  double projected_vertex = 430, drawn_vertex = 300;
+  double edge_point = 3600;
+  double parts = 1.55e6;         ///< the readers of a face
+  double check_pixel = 296;      ///< of a check's crop
+  double person_record = 420;    ///< of an observation, in the estimation of the person
+  double slide_record = 650;     ///< of a template whose point moves with the person
+  double corner_pixel = 15;      ///< of a key frame
+  double captured_record = 400;  ///< of a place at which a template is captured
+  double cell = 1540;            ///< of the search
+  double cell_area = 43;         ///< of a cell at full size that a cell of the search is reduced from
+  double strip_column = 23000;   ///< of the frame: rows above the one where the search goes on
+  double alignment_step = 1.8e6;
+  double personal_sample = 28;  ///< of one field at one sample of the person's
+  double adapted_vertex = 60000;
+  double curve_point = 60000;  ///< a new one
 };
-constexpr Operations kOperations{};
+constexpr Instructions kCost{};
 
-/// Usual counts of a tracked frame, rounded. They scale the usual work; no bound depends on them.
+/// Usual counts of a tracked frame, measured likewise. They scale the usual work; no bound depends on them.
 struct UsualCounts {
-  double rounds = 2, searches_a_template = 1.3, steps_a_search = 5, solver_steps = 5, factorisations = 8;
-  double passes = 9, fraction_found = 0.8, captures = 0.1, projections_a_vertex = 3;
+  double rounds = 2, steps_a_template = 6.4, passes = 1.6, factorisations = 9;
+  double projections_a_vertex = 1.3, drawings = 0.5, fraction_found = 0.7;
 };
 constexpr UsualCounts kUsual{};
 
@@ -44,85 +60,142 @@ struct Sizes {
   Sizes(const Model& model, const TrackerLimits& l) {
     std::size_t expressions = 0;
     for (const Parameter& p : model.parameters()) expressions += p.group == Group::expression;
+    identities = static_cast<double>(model.parameters().count - expressions);
     free = l.free_parameters > 0 ? std::min<std::size_t>(l.free_parameters, expressions) : expressions;
-    const std::size_t all = model.cascade().count;
-    records =
-        static_cast<double>(l.samples_per_point > 0 ? std::min<std::size_t>(l.samples_per_point, all) : all);
-    slots = l.patches + l.key_patches;
-    points = slots + l.markers + static_cast<double>(edge_points(l));
+    all_records = static_cast<double>(model.cascade().count);
+    // Identity is baked into one field where there is room for it.
+    const bool has_person = l.personal_field.width > 0;
+    const double sampled = has_person ? static_cast<double>(expressions) + 2 : all_records;
+    records = l.samples_per_point > 0 ? std::min<double>(l.samples_per_point, sampled) : sampled;
+    slots = static_cast<double>(all_slots(l));
+    edges = static_cast<double>(edge_points(l));
+    observations = static_cast<double>(all_observations(l));
+    points = static_cast<double>(all_points(l));
     unknowns = kPoseUnknowns + static_cast<double>(free);
-    region_pixels = static_cast<double>(l.region_width > 0 ? std::min(l.region_width, l.width) : l.width) *
-                    (l.region_height > 0 ? std::min(l.region_height, l.height) : l.height);
+    region_pixels = static_cast<double>(region_width(l)) * region_height(l);
     frame_pixels = static_cast<double>(l.width) * l.height;
-    window_pixels = static_cast<double>(l.patch_window) * l.patch_window;
     thumbnail_side = std::max(l.width, l.height) / thumbnail_factor(l.width, l.thumbnail_width);
+    costs = WorkCosts::of(static_cast<float>(l.patch_window), static_cast<float>(unknowns),
+                          static_cast<float>(records));
   }
   std::size_t free;
-  double records, slots, points, unknowns, region_pixels, frame_pixels, window_pixels;
+  double identities, all_records, records, slots, edges, observations, points, unknowns, region_pixels,
+      frame_pixels;
   int thumbnail_side;
+  WorkCosts costs;
 };
 
-/// Work on pixels: thumbnail, pyramid, templates.
-void add_pixel_loads(const Sizes& s, const TrackerLimits& limits, std::vector<Load>& loads) {
-  const int rounds = kTemplateMatchTuning.rounds;
-  // In the last round a template that was not found is matched against the previous frame, and back.
-  const double from_previous = limits.keeps_previous ? 2 * s.slots : 0;
-  // One round more after a first pass that left too many rows.
-  const double searches = (1.0 + rounds) * s.slots + 2 * from_previous;
-  const double search_steps =
-      limits.pyramid_levels * patch::kPatchTuning.max_align_steps + 2 * patch::kPatchTuning.max_refine_steps;
-  const double usual_searches = kUsual.searches_a_template * s.slots;
-  const double template_operations = kOperations.search_pixel * s.window_pixels;
+using Loads = std::vector<Load>;
+
+/// Thumbnail, pyramid and coarse search.
+void add_picture_loads(const Sizes& s, Loads& loads) {
   const int usual_range = s.thumbnail_side / kKeyFrameTuning.range_divisor + 1;
   const int most_range = s.thumbnail_side / kKeyFrameTuning.range_divisor_of_key;
-  loads.push_back({"pixels of the thumbnail", s.frame_pixels, s.frame_pixels, 1});
+  loads.push_back({"pixels of the thumbnail", s.frame_pixels, s.frame_pixels, kCost.thumbnail_pixel});
   loads.push_back({"pixels of the pyramid, all levels", 4.0 / 3 * s.region_pixels, 1.34 * s.region_pixels,
-                   kOperations.pyramid_pixel});
-  loads.push_back({"shifts of the thumbnail compared", static_cast<double>(most_shifts(usual_range)),
-                   static_cast<double>(std::max(most_shifts(usual_range), most_shifts(most_range))),
-                   static_cast<double>(kCoarseTranslationTuning.max_pixels)});
-  loads.push_back({"template searches", usual_searches, searches, template_operations});
-  loads.push_back({"steps of template searches", kUsual.steps_a_search * usual_searches,
-                   searches * search_steps, template_operations});
-  loads.push_back({"templates captured for a key frame", kUsual.captures,
-                   static_cast<double>(limits.key_patches), kOperations.captured_pixel * s.window_pixels});
+                   kCost.pyramid_pixel});
+  const double usual = most_shifts(usual_range), more = std::max(most_shifts(most_range) - usual, 0.0);
+  const double shift = kCost.shift_pixel * kCoarseTranslationTuning.max_pixels;
+  loads.push_back({"shifts of the thumbnail compared", usual, usual, shift});
+  loads.push_back({"more of them after bad frames", 0, more, shift, Bound::heavy});
 }
 
-/// Work on points and vertices: prediction, tangents, projection.
+/// Searches and solves, which end when they have taken what a frame may: their bounds hold together, not each.
+void add_limited_loads(const Sizes& s, const TrackerLimits& limits, const EstimatorOptions& options,
+                       Loads& loads) {
+  const double most = static_cast<double>(most_frame_work(limits, s.costs));
+  const auto limited = [&](const char* what, double usual, double cost) {
+    loads.push_back({what, std::min(usual, most / cost), most / cost, cost, Bound::shared});
+  };
+  const double step = static_cast<double>(s.costs.search_step), row = static_cast<double>(s.costs.row),
+               measured = static_cast<double>(s.costs.measured_row),
+               factorisation = static_cast<double>(s.costs.factorisation);
+  limited("steps of template searches", kUsual.steps_a_template * s.slots, step);
+  limited("observations in passes over them", kUsual.passes * s.observations, row);
+  limited("observations measured for a step", kUsual.passes * s.observations, measured);
+  limited("factorisations", kUsual.factorisations, factorisation);
+  // Every solve makes a pass, and its last minimisation may meet more limits of parameters than expected.
+  const double solves = kTemplateMatchTuning.rounds;
+  const double more =
+      kNormalEquationsTuning.limit_rounds - static_cast<double>(kFrameSolverTuning.factorisations_a_step);
+  loads.push_back(
+      {"observations in the last pass of a solve", 0, solves * s.observations, row, Bound::heavy});
+  loads.push_back(
+      {"factorisations at limits of parameters", 0, more * options.iterations, factorisation, Bound::heavy});
+}
+
+/// Points and vertices: prediction, tangents, projection.
 void add_surface_loads(const Sizes& s, const TrackerLimits& limits, const EstimatorOptions& options,
-                       std::vector<Load>& loads) {
-  const double rounds = kTemplateMatchTuning.rounds, record = s.records * kOperations.record;
+                       Loads& loads) {
+  const double rounds = kTemplateMatchTuning.rounds, vertices = limits.vertices;
   const double interval = std::max<double>(1, options.vertex_interval_frames);
   const double tangents = s.points / options.tangent_interval_frames;
-  loads.push_back({"rounds of predict, match, solve", kUsual.rounds, 1 + rounds, 0});
-  loads.push_back({"points predicted", kUsual.rounds * s.points, (1 + rounds) * s.points,
-                   record + kOperations.prediction});
-  loads.push_back({"tangents updated", tangents, tangents + 1, 3 * record});
+  const double first_pass = static_cast<double>(kTemplateMatchTuning.first_pass_points);
+  const double of_vertex = limits.samples_vertices ? kCost.vertex_record : kCost.table_record;
+  loads.push_back({"points predicted", kUsual.rounds * s.points, (1 + rounds) * s.points + first_pass,
+                   kCost.predicted_record * s.records});
+  loads.push_back({"tangents updated", tangents, tangents + 1, kCost.tangent_record * s.records});
   // On fast motion all vertices are updated, in addition to the regular ones.
   loads.push_back(
-      {"vertices updated", limits.vertices / interval, limits.vertices * (1 + 1 / interval), record});
-  loads.push_back({"vertices projected", kUsual.projections_a_vertex * limits.vertices,
-                   (rounds + 4) * limits.vertices, kOperations.projected_vertex});
+      {"vertices updated", vertices / interval, vertices * (1 + 1 / interval), of_vertex * s.records});
+  loads.push_back({"vertices projected", kUsual.projections_a_vertex * vertices, (rounds + 3) * vertices,
+                   kCost.projected_vertex});
+  loads.push_back({"vertices drawn into the depth buffer", kUsual.drawings * vertices,
+                   (rounds + 2) * vertices, kCost.drawn_vertex});
+  if (s.edges > 0) loads.push_back({"edge points matched", s.edges, 2 * s.edges, kCost.edge_point});
 }
 
-void add_solver_loads(const Sizes& s, const SolveWork& work, std::vector<Load>& loads) {
-  // A step makes one pass over the rows, or two if it is refused. A minimisation makes one at its start and may make one at
-  // its end.
-  const double passes = 2.0 * work.steps + 2.0 * work.minimisations + 1;
-  const double row = s.records * kOperations.record + s.unknowns * (s.unknowns + 1);
-  loads.push_back({"Gauss-Newton steps", kUsual.solver_steps, static_cast<double>(work.steps), 0});
-  loads.push_back({"observations in passes over them", kUsual.passes * kUsual.fraction_found * s.slots,
-                   passes * s.slots, row});
-  loads.push_back({"factorisations", kUsual.factorisations,
-                   static_cast<double>(work.steps + work.minimisations) * kNormalEquationsTuning.limit_rounds,
-                   s.unknowns * s.unknowns * s.unknowns / 6});
+void add_key_frame_loads(const Sizes& s, const TrackerLimits& limits, Loads& loads) {
+  const double slots = static_cast<double>(first_slot(limits, 2) - first_slot(limits, 1));
+  loads.push_back({"pixels searched for corners of a key frame", 0, s.region_pixels, kCost.corner_pixel});
+  loads.push_back({"places tried for a key frame's templates", 0,
+                   static_cast<double>(kTrackerTuning.tries_a_slot) * slots,
+                   kCost.captured_record * s.records});
 }
 
-/// What checks add to a tracked frame.
-void add_check_loads(const AlignerTable& table, std::vector<Load>& loads) {
+/// The estimation of the person, which a frame does only if searches and solves have taken little.
+void add_person_loads(const Sizes& s, Loads& loads) {
+  loads.push_back({"observations in the estimate of the person",
+                   kUsual.fraction_found * s.observations / kPersonRefinementTuning.interval_frames,
+                   s.observations, kCost.person_record * s.all_records, Bound::rare});
+  loads.push_back(
+      {"templates moved with the person", 0, s.slots, kCost.slide_record * s.all_records, Bound::rare});
+}
+
+/// What readers of parts and checks add to a tracked frame.
+void add_face_loads(const Model& model, const AlignerTable& table, Loads& loads) {
   const double side = table.stage(table.stage_count() - 1).crop_px;
+  if (!model.parts().empty()) loads.push_back({"readings of the parts of a face", 1, 1, kCost.parts});
   loads.push_back({"pixels of the crop of a check", side * side / kFaceStartTuning.check_interval_frames,
-                   side * side, kOperations.crop_pixel});
+                   side * side, kCost.check_pixel});
+}
+
+/// A frame that searches for a face.
+void add_search_loads(const SearchPlan& plan, double width, Loads& loads) {
+  const double steps = plan.steps;
+  const auto each = [&](const char* what, double most, double cost) {
+    loads.push_back({what, most, most, cost});
+  };
+  each("cells of the search", plan.cells, kCost.cell);
+  each("the same at the size of the frame", plan.cell_area, kCost.cell_area);
+  each("columns of pixels, where it goes on", width, kCost.strip_column);
+  if (plan.does_both) loads.push_back({"steps of alignments", steps, steps, kCost.alignment_step});
+}
+
+/// The start of a track, besides.
+void add_start_loads(const Sizes& s, const TrackerLimits& limits, bool adapts, Loads& loads) {
+  const double samples = static_cast<double>(limits.personal_field.width) * limits.personal_field.height;
+  const double from_tables =
+      s.all_records * (limits.samples_vertices ? kCost.vertex_record : kCost.table_record);
+  if (samples > 0)
+    loads.push_back(
+        {"samples of the person's field", samples, samples, kCost.personal_sample * s.identities});
+  loads.push_back({"vertices of the mesh", 0.7 * limits.vertices, static_cast<double>(limits.vertices),
+                   adapts ? kCost.adapted_vertex : 2 * from_tables});
+  loads.push_back({"pixels searched for corners", s.region_pixels, s.region_pixels, kCost.corner_pixel});
+  loads.push_back({"templates captured", 2.0 * limits.patches, 3.0 * limits.patches,
+                   kCost.captured_record * s.all_records});
+  loads.push_back({"points of curves", s.edges, s.edges, kCost.curve_point});
 }
 
 SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
@@ -130,14 +203,19 @@ SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
   SearchPlace place;
   const std::uint32_t work = std::max(limits.search_work, std::uint32_t{1});
   std::uint32_t widest = 0, done = work;
+  double area = 0;
   for (place.begin(limits.width, limits.height, limits.smallest_face_px); !place.is_complete();
        place.advance()) {
     const auto columns = static_cast<std::uint32_t>(place.columns());
     if (done >= work) {  // a new frame
       ++plan.search_frames;
       done = 0;
+      area = 0;
     }
     done += columns;
+    const double ratio = static_cast<double>(place.ratio()) / ScaledLines::kUnit;
+    area += ratio * ratio * columns;
+    plan.cell_area = std::max(plan.cell_area, area);
     plan.all_cells += columns;
     widest = std::max(widest, columns);
   }
@@ -154,16 +232,23 @@ SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
 
 }  // namespace
 
-double Plan::usual_operations() const {
+double usual_instructions(const std::vector<Load>& loads) {
   double sum = 0;
-  for (const Load& load : loads) sum += load.usual * load.operations;
+  for (const Load& load : loads) sum += load.usual * load.instructions;
   return sum;
 }
 
-double Plan::most_operations() const {
-  double sum = 0;
-  for (const Load& load : loads) sum += load.most * load.operations;
-  return sum;
+double most_instructions(const std::vector<Load>& loads) {
+  double always = 0, shared = 0, heavy = 0, rare = 0;
+  for (const Load& load : loads) {
+    const double most = load.most * load.instructions;
+    if (load.bound == Bound::shared)
+      shared = std::max(shared, most);
+    else
+      (load.bound == Bound::always ? always : load.bound == Bound::heavy ? heavy : rare) += most;
+  }
+  const double little = static_cast<double>(kTrackerTuning.most_before_rare_work) * shared;
+  return always + std::max(shared + heavy, little + rare);
 }
 
 Plan make_plan(const Model& model, const TrackerLimits& limits) {
@@ -179,15 +264,21 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   const SolveWork work = most_solve_work(options.iterations, kTemplateMatchTuning.rounds);
   plan.free_parameters = sizes.free;
   plan.most_iterations = work.steps;
-  add_pixel_loads(sizes, limits, plan.loads);
+  add_picture_loads(sizes, plan.loads);
+  add_limited_loads(sizes, limits, options, plan.loads);
   add_surface_loads(sizes, limits, options, plan.loads);
-  add_solver_loads(sizes, work, plan.loads);
+  add_key_frame_loads(sizes, limits, plan.loads);
+  if (limits.person != nullptr && sizes.identities > 0) add_person_loads(sizes, plan.loads);
   AlignerTable table;
   if (limits.detection != nullptr && !model.detector().empty() &&
       AlignerTable::open(model.aligner(), &table) == Status::ok) {
-    add_check_loads(table, plan.loads);
+    add_face_loads(model, table, plan.loads);
     plan.search = search_plan(table, limits);
+    add_search_loads(plan.search, limits.width, plan.search_loads);
+    plan.start_loads = plan.search.does_both ? plan.search_loads
+                                             : Loads{{"steps of alignments", 1, 1, kCost.alignment_step}};
   }
+  add_start_loads(sizes, limits, plan.search.does_both || plan.search.all_cells == 0, plan.start_loads);
   return plan;
 }
 

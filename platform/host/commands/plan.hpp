@@ -7,18 +7,28 @@
 
 namespace pliant::host {
 
+/// How the bound of a load goes into that of a frame.
+enum class Bound {
+  always,  ///< every frame may have it
+  shared,  ///< those that are shared have `most` of one of them together
+  heavy,   ///< only a frame that takes all of the shared ones, or that follows a bad one
+  rare,    ///< only a frame that takes little of the shared ones
+};
+
 /// One kind of work in a frame.
 struct Load {
   const char* what;
-  double usual;       ///< count in a usual frame
-  double most;        ///< count in any frame, at most
-  double operations;  ///< multiply-adds each, estimated
+  double usual;         ///< count in a usual frame
+  double most;          ///< count in any frame, at most
+  double instructions;  ///< of x86-64 each, measured
+  Bound bound = Bound::always;
 };
 
 /// Bounds of the frames without a track, where the model has learnt tables and the limits name detection; else 0.
 struct SearchPlan {
   std::uint32_t cells = 0;      ///< of one frame's search, at most: the limit, and the rest of a row
   std::uint32_t all_cells = 0;  ///< of the search of the whole frame
+  double cell_area = 0;         ///< of the cells of one frame, at most, in cells of its full size
   int search_frames = 0;        ///< that it takes, at most
   int steps = 0;                ///< of one frame's alignments, at most
   int alignment_steps = 0;      ///< of an alignment
@@ -30,13 +40,19 @@ struct Plan {
   std::size_t bytes[kPurposeCount] = {};  ///< by Purpose
   std::size_t arena_bytes = 0;            ///< their sum: what create_in takes
   std::size_t free_parameters = 0;
-  int most_iterations = 0;  ///< Gauss-Newton steps of a frame, at most; as FrameResult counts them
-  std::vector<Load> loads;
+  int most_iterations = 0;         ///< Gauss-Newton steps of a frame, at most; as FrameResult counts them
+  std::vector<Load> loads;         ///< of a frame with a track
+  std::vector<Load> search_loads;  ///< of a frame that searches for a face
+  std::vector<Load>
+      start_loads;  ///< of a frame in which a track starts; with what it has searched before, where it does both
   SearchPlan search;
-
-  double usual_operations() const;
-  double most_operations() const;
 };
+
+/// Sums, instructions of x86-64.
+double usual_instructions(const std::vector<Load>& loads);
+double most_instructions(const std::vector<Load>& loads);
+/// Instructions of a Cortex-M7 for one of x86-64, measured with profile S. It has no vectors.
+constexpr double kCortexM7Factor = 2.6;
 
 /// The plan for the default options with free expressions.
 Plan make_plan(const Model& model, const TrackerLimits& limits);

@@ -84,20 +84,46 @@ void print_bytes(std::ostream& out, const Plan& plan, std::size_t table_bytes) {
   out << line;
 }
 
-void print_loads(std::ostream& out, const Plan& plan) {
+void print_loads(std::ostream& out, const char* title, const std::vector<Load>& loads) {
   char line[160];
-  std::snprintf(line, sizeof line, "\n%-44s %10s %10s %12s\n", "a frame", "usually", "at most", "operations");
+  if (loads.empty()) return;
+  std::snprintf(line, sizeof line, "\n%-44s %10s %10s %12s\n", title, "usually", "at most", "instructions");
   out << line;
-  for (const Load& load : plan.loads) {
-    std::snprintf(line, sizeof line, "  %-42s %10.0f %10.0f %12.0f\n", load.what, load.usual, load.most,
-                  load.operations);
+  bool any_shares = false;
+  for (const Load& load : loads) {
+    std::snprintf(line, sizeof line, "  %-42s %10.0f %9.0f%c %12.0f\n", load.what, load.usual, load.most,
+                  load.bound == Bound::shared ? '*' : ' ', load.instructions);
+    out << line;
+    any_shares = any_shares || load.bound == Bound::shared;
+  }
+  if (any_shares) out << "  * if nothing else marked so is done\n";
+}
+
+/// One kind of frame: instructions, and on a processor of `mhz` that does one a cycle, ms.
+void print_sum(std::ostream& out, const char* what, const std::vector<Load>& loads, double mhz) {
+  if (loads.empty()) return;
+  char line[160];
+  const double usual = 1e-6 * usual_instructions(loads), most = 1e-6 * most_instructions(loads);
+  std::snprintf(line, sizeof line, "  %-28s %8.1f %8.1f %10.1f %8.1f", what, usual, most,
+                kCortexM7Factor * usual, kCortexM7Factor * most);
+  out << line;
+  if (mhz > 0) {
+    std::snprintf(line, sizeof line, " %10.1f %8.1f", 1e3 * kCortexM7Factor * usual / mhz,
+                  1e3 * kCortexM7Factor * most / mhz);
     out << line;
   }
-  std::snprintf(
-      line, sizeof line,
-      "\nabout %.1f million multiply-adds a frame, %.0f million at most (estimated: counts x operations)\n",
-      1e-6 * plan.usual_operations(), 1e-6 * plan.most_operations());
+  out << "\n";
+}
+
+void print_sums(std::ostream& out, const Plan& plan, double mhz) {
+  char line[240];
+  std::snprintf(line, sizeof line, "\n%-30s %17s %19s%s\n%-30s %8s %8s %10s %8s%s\n", "million instructions",
+                "x86-64", "Cortex-M7", mhz > 0 ? "       ms, Cortex-M7" : "", "", "usually", "at most",
+                "usually", "at most", mhz > 0 ? "    usually  at most" : "");
   out << line;
+  print_sum(out, "a frame with a track", plan.loads, mhz);
+  print_sum(out, "a frame without", plan.search_loads, mhz);
+  print_sum(out, "a frame that starts a track", plan.start_loads, mhz);
 }
 
 void print_search(std::ostream& out, const SearchPlan& plan) {
@@ -137,7 +163,10 @@ int run_plan(const Args& args, Console& console) {
                 has_model ? "" : " (no model: one record for each parameter)");
   console.out << line;
   print_bytes(console.out, plan, table_bytes);
-  print_loads(console.out, plan);
+  print_loads(console.out, "a frame", plan.loads);
+  print_loads(console.out, "a frame without a track", plan.search_loads);
+  print_loads(console.out, "a frame that starts a track", plan.start_loads);
+  print_sums(console.out, plan, args.number("--mhz", 0, 0, 1e6));
   print_search(console.out, plan.search);
   return 0;
 }
@@ -149,14 +178,15 @@ Command plan_command() {
       "plan",
       "Prints a tracker's memory to the byte, and the work of a frame.",
       "[face.plm] [--profile s|m|l] [--width W] [--height H] [--vertices V] [--points N] [--parameters P] "
-      "[--markers M]",
+      "[--markers M] [--mhz F]",
       {{"--profile", "s|m|l", "limits of a small, medium or large device"},
        {"--width", "W", "of the frames, pixels"},
        {"--height", "H", "of the frames, pixels"},
        {"--vertices", "V", "vertices of the mesh, at most"},
        {"--points", "N", "templates, those of later key frames included"},
        {"--parameters", "P", "free parameters, at most"},
-       {"--markers", "M", "surface points that are predicted, without templates"}},
+       {"--markers", "M", "surface points that are predicted, without templates"},
+       {"--mhz", "F", "clock of a Cortex-M7: says ms, at one instruction a cycle"}},
       0,
       run_plan,
       1};

@@ -185,3 +185,26 @@ TEST_CASE("variances follow the number of observations after a good frame") {
   CHECK(variance[0] > 0);
   CHECK(variance[1] > 1.5f * variance[0]);
 }
+
+TEST_CASE(
+    "solves end early once they have taken the work that a frame may, and their result is still an "
+    "improvement") {
+  Rig rig(Rejection::on_doubt), limited(Rejection::on_doubt);
+  const WorkCosts costs{1, 100, 10, 1000};
+  limited.solver->limit_work(costs, 100 * 2 * kPoints);  // two passes
+  rig.move_truth(0.2f);
+  limited.move_truth(0.2f);
+  auto all = rig.observe(), some = limited.observe();
+  rig.solve(all);
+  const SolverReport report = limited.solve(some);
+  CHECK(report.final_cost < report.initial_cost);
+  const FrameWork work = limited.solver->work();
+  CHECK(work.rows <= 3 * kPoints);
+  CHECK(work.rows < rig.solver->work().rows);
+  CHECK(costs.of_solves(rig.solver->work()) > 2 * costs.of_solves(work));
+  // With nothing left a solve still makes the pass that the equations need.
+  limited.solver->limit_work(costs, 1);
+  auto more = limited.observe();
+  CHECK(limited.solve(more).iterations == 0);
+  CHECK(limited.solver->work().rows <= work.rows + 2 * kPoints);
+}

@@ -20,6 +20,14 @@ std::size_t printed(const std::string& plan, const std::string& name) {
   return std::stoul(plan.substr(at + 3 + name.size()));
 }
 
+/// The bound of a load of a frame with a track.
+double most_of(const Plan& plan, const std::string& what) {
+  for (const Load& load : plan.loads)
+    if (load.what == what) return load.most;
+  FAIL("no load " << what);
+  return 0;
+}
+
 std::size_t sum_of(const Plan& plan) {
   std::size_t sum = 0;
   for (const std::size_t bytes : plan.bytes) sum += bytes;
@@ -130,6 +138,14 @@ TEST_CASE("no frame takes more steps than the bound of the plan, even on noise")
     REQUIRE(tracker->update(frame, &result) == Status::ok);
     most = std::max<int>(most, result.iterations);
     CHECK(result.iterations <= plan.most_iterations);
+    const FrameWork& work = tracker->work();
+    CHECK(work.searches > 0);
+    CHECK(work.search_steps <= most_of(plan, "steps of template searches"));
+    CHECK(work.rows <= most_of(plan, "observations in passes over them") +
+                           most_of(plan, "observations in the last pass of a solve"));
+    CHECK(work.measured_rows <= most_of(plan, "observations measured for a step"));
+    CHECK(work.factorisations <= most_of(plan, "factorisations"));
+    CHECK(work.captures <= most_of(plan, "places tried for a key frame's templates"));
     CHECK(result.vertices <= limits.vertices);
     CHECK(result.tracked <= limits.patches + limits.key_patches);
     ++key;
@@ -140,6 +156,24 @@ TEST_CASE("no frame takes more steps than the bound of the plan, even on noise")
     CAPTURE(load.what);
     CHECK(load.usual <= load.most);
     CHECK(load.most > 0);
+    CHECK(load.instructions > 0);
   }
-  CHECK(plan.usual_operations() < plan.most_operations());
+  CHECK(usual_instructions(plan.loads) < most_instructions(plan.loads));
+}
+
+TEST_CASE(
+    "with a clock the plan says ms, and rare work adds to a frame only where searches and solves have taken "
+    "little") {
+  const Sequence s;
+  const Ran plan = run_words({"plan", s.model, "--mhz", "480"});
+  REQUIRE(plan.code == 0);
+  CHECK(contains(plan.out, "ms, Cortex-M7"));
+  CHECK_FALSE(contains(run_words({"plan", s.model}).out, "ms, Cortex-M7"));
+  CHECK(most_instructions(
+            {{"a", 1, 2, 10}, {"b", 1, 5, 20, Bound::shared}, {"c", 0, 50, 2, Bound::shared}}) == 120);
+  CHECK(most_instructions({{"a", 1, 2, 10}, {"b", 1, 5, 20, Bound::shared}, {"c", 0, 1, 7, Bound::heavy}}) ==
+        127);
+  const std::vector<Load> with_rare = {
+      {"b", 1, 5, 20, Bound::shared}, {"c", 0, 1, 7, Bound::heavy}, {"d", 0, 1, 500, Bound::rare}};
+  CHECK(most_instructions(with_rare) == doctest::Approx(540));
 }

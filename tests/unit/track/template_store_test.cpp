@@ -156,7 +156,7 @@ TEST_CASE("a frame of matching: all points are searched for once, found, and not
   Rig rig;
   rig.place(0, 40);
   InArena<TemplateMatcher> matcher(rig.limits);
-  matcher->start(true);
+  matcher->start(true, 100000);
   std::vector<Observation> observations(rig.templates->count());
   std::vector<std::uint16_t> index(1000);
   const MatchFrame frame{rig.templates.object, rig.region.object, {observations.data(), observations.size()}};
