@@ -128,9 +128,8 @@ int count_bits(std::uint32_t x) {
 }  // namespace
 
 bool describe(const ImageView& image, int x, int y, PatchScale scale, Descriptor* descriptor) {
-  if (x < kDescriptorReach || y < kDescriptorReach || x >= image.width - kDescriptorReach ||
-      y >= image.height - kDescriptorReach)
-    return false;
+  const int reach = descriptor_reach(scale);
+  if (x < reach || y < reach || x >= image.width - reach || y >= image.height - reach) return false;
   Vec2 direction;
   std::int16_t sums[kSide * kSide];
   const int radius = scale == PatchScale::half ? (kRadius + 1) / 2 : kRadius;

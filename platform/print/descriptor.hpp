@@ -9,9 +9,6 @@
 
 namespace pliant {
 
-/// Pixels around a corner that its descriptor reads, to each side.
-constexpr int kDescriptorReach = 13;
-
 struct Descriptor {
   Vec2 direction{1, 0};  ///< unit vector, px
   std::uint32_t bits[kDescriptorWords] = {};
@@ -22,6 +19,11 @@ enum class PatchScale : std::uint8_t {
   whole,  ///< 21 px
   half,   ///< 10.5 px: what `whole` would cover in the image at twice the size
 };
+
+/// Pixels around a corner that its descriptor reads, to each side.
+constexpr int descriptor_reach(PatchScale scale) {
+  return scale == PatchScale::whole ? 13 : 7;
+}
 
 /// Describes the patch around a whole pixel.
 /// \return false, and nothing written, if the patch leaves the image or is flat. Cost: 12,000 operations.

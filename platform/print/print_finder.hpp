@@ -66,7 +66,7 @@ class PrintFinder {
   Fitter fitter_;
   Span<SurfaceMatch> matches_;
   std::size_t match_count_ = 0;
-  int doubtful_frames_ = 0;
+  int doubtful_frames_ = 0;  // in succession
   Span<Correspondence> points_;
   Span<float> rest_, q_;          // parameters: zeros, and of the present fit
   Span<std::uint8_t> is_frozen_;  // zeros: no parameter is free

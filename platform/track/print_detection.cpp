@@ -29,6 +29,9 @@ struct PrintStartTuning {
   /// A track that began by print is degraded until this fraction has agreed once. A search finds also a surface of which a part is
   /// folded away; the rest of it is then wrong until it is seen (cloth A: up to 0.81 agreed at errors above 5 %).
   float least_confirming_agreement = 0.92f;
+  /// Frames after which a start by print that is not confirmed is given up: its hidden part has no templates, and a new search finds
+  /// what has come to light since. Half a second, not tuned.
+  int most_unconfirmed_frames = 15;
   /// Bad frames in a row after which a track is given up. The search is more certain than key frames.
   int most_bad_frames = 4;
 };
@@ -37,7 +40,7 @@ constexpr PrintStartTuning kTuning;
 struct PrintSelfStart : SelfStart {
   PrintTable table;
   PrintFinder* finder = nullptr;  // in the block, while there is no track
-  int frames_since_check = 0, bad_checks = 0;
+  int frames_since_check = 0, bad_checks = 0, unconfirmed_frames = 0;
   float agreement = 1;  // of the last check
   bool is_confirmed = true;
 
@@ -181,7 +184,9 @@ void conclude(TrackerParts& t, const FrameView& view) {
     return;
   }
   if (++self.frames_since_check >= kTuning.check_interval_frames) check(t, view);
-  if (self.bad_checks >= kTuning.most_bad_checks) return give_up(t);
+  if (!self.is_confirmed) ++self.unconfirmed_frames;
+  if (self.bad_checks >= kTuning.most_bad_checks || self.unconfirmed_frames >= kTuning.most_unconfirmed_frames)
+    return give_up(t);
   doubt(t);
 }
 
@@ -192,7 +197,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
     self.kept.keep(*self.of_caller);
     self.kept.keep(options);
   }
-  self.frames_since_check = self.bad_checks = 0;
+  self.frames_since_check = self.bad_checks = self.unconfirmed_frames = 0;
   self.agreement = 1;
   self.is_confirmed = !self.is_own_start;
   if (!self.table.is_open() || !self.is_own_start) return;

@@ -391,6 +391,7 @@ def faults(s):
 # (name, words of fixtures/sheet/make.py, further words of `pliant bake`)
 PRINTS = (('poster of `fixtures/sheet`, with which the constants were chosen', (), ()),
           ('another print: two columns of marks and a small map', ('--kind', 'page', '--seed', '2'), ()),
+          ('another print: large plain shapes', ('--kind', 'shapes', '--seed', '3'), ()),
           ('photograph (`fixtures/astronaut`)', (), ('--texture', os.path.join(ROOT, 'fixtures', 'astronaut', 'astronaut.png'))))
 PRINT_METRICS = ('found_percent', 'right_percent', 'rotation_within_10_percent', 'surface_error_percent', 'rotation_deg', 'frames')
 
@@ -408,7 +409,7 @@ def print_starts(s):
     return '\n\n'.join(text)
 
 
-SHEETS = (('paper', 'A', 1), ('occluded', 'B', 2), ('cloth', 'A', 1), ('cloth', 'B', 2), ('paper', 'B', 2))  # scene, motion, print
+SHEETS = (('paper', 'A', 1), ('occluded', 'B', 2), ('cloth', 'A', 1), ('cloth', 'B', 2), ('cloth', 'C', 7), ('paper', 'B', 2))  # scene, motion, print
 SHEET_MODELS = (('12 modes', ('--modes', '12')), ('without springs', ('--modes', '12', '--stretch', '0')), ('6 modes', ('--modes', '6')))
 SHEET_COLUMNS = (('frames', 'frames'), ('tracking', 'tracking'), ('degraded', 'degraded'), ('lost', 'lost'), ('wrong', 'tracking and wrong'),
                  ('error', 'error %'), ('error95', '95 %'), ('placed', 'with pose %'), ('px', 'px'), ('stretch', 'stretch %'),

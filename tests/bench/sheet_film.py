@@ -1,12 +1,12 @@
 """Films of a printed sheet with known truth, ray-traced by Blender.
 
 usage: blender --background --factory-startup --python-exit-code 1 --python tests/bench/sheet_film.py --
-           --out FOLDER [--scene paper|occluded|cloth] [--motion A|B] [--print PICTURE|SEED] [--frames N] [--samples N]
+           --out FOLDER [--scene paper|occluded|cloth] [--motion A|B|C] [--print PICTURE|SEED] [--frames N] [--samples N]
   --out FOLDER      gets frame%04d.png, truth.txt, sheet.obj, print.png and points.csv
   --scene paper     a sheet that does not stretch bends into cones of changing direction and cross-section, and turns
   --scene occluded  the same, with a hand that moves across and hides up to 30 % of the sheet
   --scene cloth     a cloth that stretches and folds between two hands (Blender's cloth)
-  --motion A|B      two different motions: A to choose constants on, B to report (A)
+  --motion A|B|C    three different motions: A to choose constants on, B and C to report (A)
   --print           the picture on the sheet, or the seed of one that is drawn (1)
   --frames N        frames of the film, at 30 a second (300)
   --samples N       rays a pixel (16)
@@ -39,7 +39,7 @@ def options():
     parser = argparse.ArgumentParser()
     parser.add_argument('--out', required=True)
     parser.add_argument('--scene', choices=('paper', 'occluded', 'cloth'), default='paper')
-    parser.add_argument('--motion', choices=('A', 'B'), default='A')
+    parser.add_argument('--motion', choices=('A', 'B', 'C'), default='A')
     parser.add_argument('--print', dest='print_', default='1')
     parser.add_argument('--frames', type=int, default=300)
     parser.add_argument('--samples', type=int, default=16)
@@ -119,6 +119,10 @@ def turn_and_shift(t, which):
         turn = (d(18) * math.sin(2 * math.pi * t) * ease(5 * t),
                 d(45) * (bump(t, 0.10, 0.52) - bump(t, 0.55, 0.95)), d(10) * bump(t, 0.3, 0.9))
         shift = (0.05 * math.sin(3 * math.pi * t), 0.03 * math.sin(2 * math.pi * t), 0.12 * bump(t, 0.1, 0.9))
+    elif which == 'C':
+        turn = (-d(22) * bump(t, 0.0, 0.45) + d(20) * bump(t, 0.6, 1.0),
+                d(40) * (bump(t, 0.0, 0.3) - bump(t, 0.3, 0.6) + bump(t, 0.65, 1.0)), d(16) * bump(t, 0.15, 0.75))
+        shift = (0.06 * math.sin(1.7 * math.pi * t), 0.04 * math.sin(2.6 * math.pi * t), 0.1 * bump(t, 0.3, 1.0))
     else:
         turn = (d(25) * (bump(t, 0.3, 0.7) - bump(t, 0.7, 1.0)),
                 d(45) * (-bump(t, 0.05, 0.45) + bump(t, 0.5, 0.9)), -d(14) * bump(t, 0.1, 0.6))
@@ -194,6 +198,10 @@ def cloth_hand(side, point, t, which):
     """Where a held vertex of the cloth goes: the hands pull beyond its length, then come near each other."""
     r, shift = turn_and_shift(t, which)
     half = SHEET[0] / 2
+    if which == 'C':  # one hand pulls, twice, the other comes near and lifts
+        pull = 0.3 * (bump(t, 0.1, 0.4) + bump(t, 0.6, 0.9)) if side < 0 else -0.7 * bump(t, 0.2, 0.85)
+        lift = 0 if side < 0 else 0.15 * bump(t, 0.2, 0.85)
+        return r @ numpy.array([point[0] + side * half * pull, point[1] + lift, lift]) + shift
     reach = half * (1 + 0.22 * bump(t, 0.05, 0.35) - 0.62 * bump(t, 0.42, 0.95))
     return r @ numpy.array([point[0] + side * (reach - half), point[1], 0]) + shift
 

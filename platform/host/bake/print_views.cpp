@@ -5,6 +5,7 @@
 
 #include "host/render/raster.hpp"
 #include "pliant/camera.hpp"
+#include "print/descriptor.hpp"
 
 namespace pliant::host::bake {
 
@@ -108,6 +109,8 @@ std::vector<Quat> choose_print_views(const SurfaceSheet& sheet) {
 
 namespace {
 
+constexpr int kMargin = descriptor_reach(PatchScale::whole) + 1;  // px, around the surface
+
 /// Images of the sheet's points, and the size of the picture that holds them.
 struct PrintProjection {
   std::vector<RasterVertex> corners;
@@ -123,13 +126,13 @@ struct PrintProjection {
       low = {min(low.x, p[k].x), min(low.y, p[k].y), min(low.z, p[k].z)};
       high = {max(high.x, p[k].x), max(high.y, p[k].y), max(high.z, p[k].z)};
     }
-    width = static_cast<int>(scale * (high.x - low.x)) + 9;
-    height = static_cast<int>(scale * (high.y - low.y)) + 9;
+    width = static_cast<int>(scale * (high.x - low.x)) + 2 * kMargin + 1;
+    height = static_cast<int>(scale * (high.y - low.y)) + 2 * kMargin + 1;
     const float eye = kTuning.eye_extents * (length(high - low) + 1e-6f);
     corners.resize(p.size());
     for (std::size_t k = 0; k < p.size(); ++k)
       if (sheet.is_used(k))
-        corners[k] = {{4 + scale * (p[k].x - low.x), 4 + scale * (p[k].y - low.y)},
+        corners[k] = {{kMargin + scale * (p[k].x - low.x), kMargin + scale * (p[k].y - low.y)},
                       eye / (eye + p[k].z - low.z),
                       sheet.uv(k),
                       1};

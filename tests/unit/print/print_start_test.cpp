@@ -42,6 +42,19 @@ TEST_CASE("a sheet is found in its first frame, turned, tilted and bent") {
   }
 }
 
+TEST_CASE("a sheet 66 px high is found within five frames, at any turn in the picture") {
+  for (int k = 0; k < 4; ++k) {
+    CAPTURE(k);
+    const auto turn = static_cast<float>(k);
+    Film film(sheet());
+    const Pose pose = posed(0.3f - 0.15f * turn, 0.2f * turn - 0.3f, 1.5f * turn, 2);
+    for (int frame = 0; frame < 5 && !film.tracker->is_started(); ++frame)
+      REQUIRE(film.show(picture_of(pose, kRest, static_cast<std::uint32_t>(10 * k + frame + 1))) == Status::ok);
+    REQUIRE(film.tracker->is_started());
+    CHECK(film.turned_from(pose) < 0.1f);
+  }
+}
+
 TEST_CASE("a sheet that leaves the picture is lost, and found within five frames of its return elsewhere") {
   Film film(sheet());
   const Pose before = posed(0.2f, 0.3f, 0, 0.9f), after = posed(-0.3f, 0.2f, 2.5f, 0.8f);
@@ -124,12 +137,22 @@ TEST_CASE("limits without detection, or a model without a print, start nothing b
   CHECK(third.show(picture) == Status::ok);
 }
 
-TEST_CASE("a print that repeats itself, and one without corners, give no table") {
+TEST_CASE("a print that repeats itself, and one without corners, give no table; boxes of many sizes give one") {
   const Folder folder("print_repeated");
-  for (const bool is_board : {true, false}) {
+  enum { board, empty, boxes };
+  for (const int kind : {board, empty, boxes}) {
+    CAPTURE(kind);
     Image picture(256, 256, 1);
     for (int y = 0; y < 256; ++y)
-      for (int x = 0; x < 256; ++x) *picture.at(x, y) = is_board && (x / 16 + y / 16) % 2 == 0 ? 30 : 220;
+      for (int x = 0; x < 256; ++x) *picture.at(x, y) = kind == board && (x / 16 + y / 16) % 2 == 0 ? 30 : 220;
+    Random random(4);
+    for (int k = 0; kind == boxes && k < 30; ++k) {
+      const int left = random.below(256), top = random.below(256), width = 8 + random.below(40),
+                height = 8 + random.below(40), grey = random.below(256);
+      for (int y = top; y < std::min(256, top + height); ++y)
+        for (int x = left; x < std::min(256, left + width); ++x)
+          *picture.at(x, y) = static_cast<std::uint8_t>(grey);
+    }
     const std::string bytes = encode_png(picture), path = folder.file("print.png", bytes);
     bake::BakeOptions options;
     options.source = PLIANT_FIXTURES "/sheet/sheet.obj";
@@ -138,7 +161,7 @@ TEST_CASE("a print that repeats itself, and one without corners, give no table")
     std::vector<std::uint8_t> table;
     std::string error;
     REQUIRE_MESSAGE(bake::bake(options, table, error), error);
-    CHECK(bake::OpenedTable(table).model().print().empty());
+    CHECK(bake::OpenedTable(table).model().print().empty() == (kind != boxes));
   }
 }
 
@@ -219,8 +242,10 @@ TEST_CASE(
   }
   const Image flat(41, 41, 1, 90);
   CHECK_FALSE(describe(view(flat), 20, 20, PatchScale::whole, &a));
-  CHECK_FALSE(describe(view(image), kDescriptorReach - 1, 20, PatchScale::whole, &a));
-  CHECK_FALSE(describe(view(image), 20, 41 - kDescriptorReach, PatchScale::whole, &a));
+  CHECK_FALSE(describe(view(image), descriptor_reach(PatchScale::whole) - 1, 20, PatchScale::whole, &a));
+  CHECK_FALSE(describe(view(image), 20, 41 - descriptor_reach(PatchScale::whole), PatchScale::whole, &a));
+  CHECK(describe(view(image), descriptor_reach(PatchScale::half), 20, PatchScale::half, &a));
+  CHECK_FALSE(describe(view(image), 20, descriptor_reach(PatchScale::half) - 1, PatchScale::half, &a));
   const Image one(1, 1, 1, 90);
   CHECK_FALSE(describe(view(one), 0, 0, PatchScale::half, &a));
 }

@@ -73,7 +73,7 @@ TEST_CASE("a start by print behind something with texture takes no templates fro
   }
   CHECK(on_surface >= 20);
   CHECK(10 * in_front <= on_surface);
-  for (int k = 0; k < 8; ++k) REQUIRE(film.show(picture_of(pose, kRest, film.count)) == Status::ok);
+  for (int k = 0; k < 24; ++k) REQUIRE(film.show(picture_of(pose, kRest, film.count)) == Status::ok);
   CHECK(film.result.state == TrackState::tracking);
   CHECK(film.turned_from(pose) < 0.1f);
 }
