@@ -38,6 +38,8 @@ void LandmarkFit::lay_out(Arena& arena, const Model& model, std::size_t points) 
   limits.points = static_cast<std::uint16_t>(points);
   limits.silhouette = true;
   fitter_.lay_out(arena, model, limits);
+  has_identity_ = false;
+  for (const Parameter& p : model.parameters()) has_identity_ = has_identity_ || p.group == Group::identity;
   const std::size_t parameters = model.parameters().count;
   is_identity_ = arena.take<std::uint8_t>(parameters);
   is_landmark_ = arena.take<std::uint8_t>(points);
@@ -53,7 +55,7 @@ Status LandmarkFit::fit(Span<Correspondence> points, const FitOptions& options, 
   if (!(spread >= kLandmarkFitTuning.least_spread_px)) return Status::underdetermined;
   const float sd_px = kLandmarkFitTuning.point_sd_fraction * spread;
   for (Correspondence& c : points) c.sd_px = sd_px;
-  if (options.is_free == nullptr) return fit_in_stages(points, options, q);
+  if (options.is_free == nullptr && has_identity_) return fit_in_stages(points, options, q);
   return fitter_.fit(points, options, q, &report_, {sd_, residuals_, weights_});
 }
 

@@ -42,7 +42,8 @@ bool is_silhouette_landmark(const char* name);
 /// The camera of a start: the one given, else centred with the focal length given, else with the assumed one.
 Camera start_camera(const Camera* known, float focal_px, int width, int height);
 
-/// Fits a model to landmarks. First the expression, with cautious deviations; then the identity, with that held.
+/// Fits a model to landmarks. First the expression, with cautious deviations; then the identity, with that held. A model without
+/// identity, as a sheet, has nothing that an expression could be mistaken for: one fit with the plain deviations.
 class LandmarkFit {
  public:
   /// Lays out memory for that many points, silhouette points included.
@@ -70,6 +71,7 @@ class LandmarkFit {
 
   Fitter fitter_;
   FitReport report_;
+  bool has_identity_ = false;
   std::uint8_t *is_identity_ = nullptr, *is_landmark_ = nullptr;
   float *sd_ = nullptr, *stage_sd_ = nullptr, *weights_ = nullptr;
   Vec2* residuals_ = nullptr;
