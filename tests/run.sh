@@ -3,7 +3,7 @@
 # usage: sh tests/run.sh [--all | --targets]
 #   without an option  the optimised build, by GCC
 #   --all              also the optimised build by Clang, and GCC's with the address and undefined-behaviour sanitizers
-#   --targets          all of that, the fuzzers for a minute each, and the targets: Cortex-M7 on an emulated board; AArch64,
+#   --targets          all of that, the fuzzers for 20 seconds each, and the targets: Cortex-M7 on an emulated board; AArch64,
 #                      ARMv7 and RISC-V under qemu-user; two builds compared byte by byte; builds without each optional
 #                      part; a camera in a virtual machine
 # A target is skipped, with a line that says so, when its compiler or emulator cannot be installed, and when it would begin
@@ -70,7 +70,7 @@ run_tests clang
 run_tests sanitize
 [ "$scope" = --targets ] || exit 0
 
-obtain clang++ -- clang libclang-rt-dev && script "fuzzers" tests/fuzz/run.sh --seed 1 60
+obtain clang++ -- clang libclang-rt-dev && script "fuzzers" tests/fuzz/run.sh --seed 1 20
 script "the same bytes twice" tests/target/twice.sh build/twice
 script "optional parts" tests/target/parts.sh build/parts
 if [ "$(uname -m)" = x86_64 ]; then sh toolchains/packages.sh qemu-system-x86 busybox-static cpio kmod python3 || true; fi

@@ -8,8 +8,7 @@ namespace pliant {
 /// How often those loops of a tracked frame ran whose length depends on what the frame shows. Equal on every machine. `pliant plan`
 /// prints the bounds, and what else a frame does.
 struct FrameWork {
-  std::uint32_t searches =
-      0;  ///< of templates, in this frame from their own picture or from the frame before
+  std::uint32_t searches = 0;        ///< of templates: by their own picture, or that of the frame before
   std::uint32_t search_steps = 0;    ///< of all these
   std::uint32_t captures = 0;        ///< places where a template was to be captured for a key frame
   std::uint32_t rows = 0;            ///< observations in linearisations
@@ -20,7 +19,10 @@ struct FrameWork {
 /// Instructions of x86-64 that one turn of each loop takes, counted by callgrind on the recorded face (docs/evaluation.md, Work of a
 /// frame). They weigh the loops against each other on other processors as well.
 struct WorkCosts {
-  float search_step = 0, row = 0, measured_row = 0, factorisation = 0;
+  float search_step = 0;    ///< as in FrameWork, and so are the others
+  float row = 0;            ///< one observation
+  float measured_row = 0;   ///< one observation
+  float factorisation = 0;  ///< one
 
   /// \param window    side of a template, px. \param unknowns  of the solve. \param samples  of one surface point.
   static constexpr WorkCosts of(float window, float unknowns, float samples) {

@@ -132,25 +132,25 @@ struct ChartImage {
   std::uint32_t width = 0, height = 0;   ///< pixels a row and rows
   const std::uint8_t* pixels = nullptr;  ///< first row at v = 0; null: no image
 };
-
+/// \cond  of the implementation
 namespace table {
 /// What the sections of a table hold, each as in Model. All pointers lead into the table.
 struct Contents {
-  Span<const Parameter> parameters;                            ///< as in Model
-  Span<const Field> fields;                                    ///< as in Model
-  const std::uint8_t* samples = nullptr;                       ///< as in Model
-  Span<const CascadeRecord> cascade;                           ///< as in Model
-  Span<const Vec2> base_uv, curve_points;                      ///< as in Model
-  Span<const std::uint16_t> base_corners;                      ///< as in Model
-  Span<const Landmark> landmarks;                              ///< as in Model
-  Span<const Curve> curves;                                    ///< as in Model
-  ChartImage mask, albedo;                                     ///< as in Model
-  Span<const std::uint8_t> detector, aligner, parts, print, stretch;  ///< as in Model
-  std::uint32_t crc = 0;                                       ///< as in Model
-  std::size_t bytes = 0;                                       ///< as in Model
+  Span<const Parameter> parameters;
+  Span<const Field> fields;
+  const std::uint8_t* samples = nullptr;
+  Span<const CascadeRecord> cascade;
+  Span<const Vec2> base_uv, curve_points;
+  Span<const std::uint16_t> base_corners;
+  Span<const Landmark> landmarks;
+  Span<const Curve> curves;
+  ChartImage mask, albedo;
+  Span<const std::uint8_t> detector, aligner, parts, print, stretch;
+  std::size_t bytes = 0;
+  std::uint32_t crc = 0;
 };
 }  // namespace table
-
+/// \endcond
 /// IEEE CRC-32 (polynomial 0xEDB88320) of `bytes` bytes. `previous` is the sum of what comes before them. O(bytes).
 std::uint32_t crc32(const void* data, std::size_t bytes, std::uint32_t previous = 0);
 /// A read-only view of a checked model table. Copies are cheap; the table must outlive them.

@@ -10,10 +10,13 @@
 namespace pliant {
 
 struct Detection;
-/// Starts that a tracker makes by itself, by name, so that programs that do not use them do not link them: detection,
-/// alignment and verification of faces from learnt tables, the search for a printed surface and its verification from the
-/// keypoints of its albedo, and whichever of the two the model has tables for, faces first.
-extern const Detection kFaceDetection, kPrintDetection, kDetection;
+/// Starts that a tracker makes by itself, by name, so that programs that do not use them do not link them. This one: detection,
+/// alignment and verification of faces from learnt tables.
+extern const Detection kFaceDetection;
+/// The search for a printed surface and its verification, from the keypoints of its albedo.
+extern const Detection kPrintDetection;
+/// Whichever of the two the model has tables for, faces first.
+extern const Detection kDetection;
 
 struct PersonRefinement;
 /// Estimation of the person's identity while the head turns, by name, for the same reason.

@@ -15,29 +15,30 @@ using namespace pliant;
 namespace {
 
 constexpr std::size_t kFrames = 160;
+constexpr std::uint32_t kPeople = 6;
 
-const FaceFilm& film() {
-  static const FaceFilm* one = new FaceFilm(
+/// Another person for each seed, with another texture.
+FaceFilm film_of(std::uint32_t seed) {
+  return FaceFilm(
       320, 240, kFrames,
-      [](float s, Pose& pose, auto& q) {
+      [seed](float s, Pose& pose, auto& q) {
         pose.q = exp_rotation({0, 0.96f * std::sin(12.5664f * s), 0});
-        Random random(11);  // who it is: as far from the mean as people are
+        Random random(11 + seed);  // who it is: as far from the mean as people are
         for (std::size_t k = 0; k < q.size(); ++k)
           if (baked_face().model.parameters()[k].group == Group::identity)
             q[k] = clamp(random.normal(), -2, 2);
         FaceFilm::set(q, "jawOpen", 0.05f - 0.05f * std::cos(50 * s));
       },
-      0.6f);
-  return *one;
+      0.6f, 64, 160, seed);
 }
 
 struct Result {
-  std::vector<float> turn;  // degrees, of the second half, ascending
-  float landmarks_px = 0, largest_step = 0;
+  std::vector<float> turn;  // degrees, of the second half
+  float landmarks_px = 0;   // mean, summed over films
   std::size_t not_tracking = 0, stepped = 0;
 };
 
-Result run(const TrackerLimits& limits, const std::uint8_t* is_free = nullptr) {
+void run(const FaceFilm& film, Result& r, const TrackerLimits& limits, const std::uint8_t* is_free = nullptr) {
   InArena<Tracker> tracker(baked_face().model, limits);
   TrackerOptions options;
   options.is_free = is_free;
@@ -47,57 +48,64 @@ Result run(const TrackerLimits& limits, const std::uint8_t* is_free = nullptr) {
   Random random(3);
   for (const std::string& name : names)
     points.push_back(
-        {name.c_str(), film().truth(name, 0) + Vec2{0.5f * random.normal(), 0.5f * random.normal()}});
+        {name.c_str(), film.truth(name, 0) + Vec2{0.5f * random.normal(), 0.5f * random.normal()}});
   StartOptions start;
-  start.camera = &film().camera;
-  REQUIRE(tracker->start_from_landmarks(film().view(0), {points.data(), points.size()}, start, options) ==
+  start.camera = &film.camera;
+  REQUIRE(tracker->start_from_landmarks(film.view(0), {points.data(), points.size()}, start, options) ==
           Status::ok);
-  Result r;
   const std::uint16_t depth = baked_face().model.find_parameter("faceDepth");
   float before = tracker->parameters()[depth];
   for (std::size_t k = 1; k < kFrames; ++k) {
     FrameResult result;
-    REQUIRE(tracker->update(film().view(k), &result) == Status::ok);
+    REQUIRE(tracker->update(film.view(k), &result) == Status::ok);
     r.not_tracking += result.state != TrackState::tracking;
     const float now = tracker->parameters()[depth];
     r.stepped += now != before;
-    r.largest_step = std::max(r.largest_step, magnitude(now - before));
     before = now;
     if (k < kFrames / 2) continue;
-    r.turn.push_back(film().turn_error(result.pose, k));
+    r.turn.push_back(film.turn_error(result.pose, k));
     for (int l = 17; l < 68; ++l) {
       Vec2 x;
       REQUIRE(tracker->landmark(names[static_cast<std::size_t>(l)].c_str(), &x) == Status::ok);
-      r.landmarks_px += length(x - film().truth(names[static_cast<std::size_t>(l)], k)) / (51 * kFrames / 2);
+      r.landmarks_px += length(x - film.truth(names[static_cast<std::size_t>(l)], k)) / (51 * kFrames / 2);
     }
   }
-  std::sort(r.turn.begin(), r.turn.end());
-  return r;
 }
 
-float at(const std::vector<float>& ascending, float fraction) {
-  return ascending[static_cast<std::size_t>(fraction * static_cast<float>(ascending.size() - 1))];
+float at(std::vector<float> values, float fraction) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(fraction * static_cast<float>(values.size() - 1))];
 }
 
 }  // namespace
 
+// Six people, since the rotations of one move by 20 to 40 % with any change of sampling. Ratios of twelve: 0.72 of the median, 0.61
+// at 95 %, 0.92 of landmarks. Each bound is half way from there to no effect.
 TEST_CASE("a head that turns far shows who it is: pose and landmarks get better") {
-  const Result with = run({}), without = run(without_person({}));
+  Result with, without;
+  for (std::uint32_t seed = 0; seed < kPeople; ++seed) {
+    const FaceFilm film = film_of(seed);
+    run(film, with, {});
+    run(film, without, without_person({}));
+  }
   MESSAGE("rotation, median and 95 %: " << at(with.turn, 0.5f) << ", " << at(with.turn, 0.95f) << "; without "
                                         << at(without.turn, 0.5f) << ", " << at(without.turn, 0.95f)
-                                        << " degrees; landmarks " << with.landmarks_px << ", without "
-                                        << without.landmarks_px << " px");
+                                        << " degrees; landmarks " << with.landmarks_px / kPeople << ", without "
+                                        << without.landmarks_px / kPeople << " px");
   CHECK(with.not_tracking == 0);
   CHECK(with.stepped > 2);
   CHECK(without.stepped == 0);
-  CHECK(at(with.turn, 0.5f) < 0.75f * at(without.turn, 0.5f));
-  CHECK(at(with.turn, 0.95f) < 0.85f * at(without.turn, 0.95f));
-  CHECK(with.landmarks_px < without.landmarks_px);
+  CHECK(at(with.turn, 0.5f) < 0.86f * at(without.turn, 0.5f));
+  CHECK(at(with.turn, 0.95f) < 0.81f * at(without.turn, 0.95f));
+  CHECK(with.landmarks_px < 0.96f * without.landmarks_px);
 }
 
 TEST_CASE("an identity that the caller estimates is left to the caller") {
   const std::vector<std::uint8_t> all(baked_face().model.parameters().count, 1);
   const TrackerLimits limits;
-  const Result with = run(limits, all.data()), without = run(without_person(limits), all.data());
+  const FaceFilm film = film_of(0);
+  Result with, without;
+  run(film, with, limits, all.data());
+  run(film, without, without_person(limits), all.data());
   CHECK(with.turn == without.turn);
 }
