@@ -149,18 +149,15 @@ void TemplatePlacement::find_mesh_under_corners(const Estimator& estimator, cons
         const corners::Cell& corner = grid.cells[k];
         if (!(corner.score > 0)) continue;
         const Vec2 seen{static_cast<float>(corner.x), static_cast<float>(corner.y)};
-        float w[3], depth = 0;
+        float w[3];
         if (nearest_on_triangle(image[v[0]], image[v[1]], image[v[2]], lens.undistort(seen + region.origin()),
                                 w) != 0)
           continue;
-        bool is_in_front = true;
-        for (int n = 0; n < 3; ++n) {
-          const Vec3 p = estimator.vertex_positions()[v[n]];
-          Vec2 unused;
-          is_in_front = is_in_front && projector.project(p, &unused);
-          depth += w[n] * projector.rotated(p).z;
-        }
-        if (!is_in_front || depth >= under[k].depth) continue;
+        const Vec3* const at = estimator.vertex_positions();
+        const Vec3 p = w[0] * at[v[0]] + (w[1] * at[v[1]] + w[2] * at[v[2]]);
+        const float depth = projector.rotated(p).z;
+        Vec2 unused;
+        if (depth >= under[k].depth || !projector.project(p, &unused)) continue;
         under[k] = {w[0] * mesh.uv(v[0]) + (w[1] * mesh.uv(v[1]) + w[2] * mesh.uv(v[2])), depth};
       }
   }

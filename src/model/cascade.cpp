@@ -133,10 +133,13 @@ Status Cascade::fill_personal_field(std::size_t record, const float* q) {
   select(q);
   const std::uint16_t root = root_field(model_.cascade(), record);
   const VectorSum sum(model_, s.selection.listed(), q, s.person.width(), s.person.height());
-  if (s.selection.is_chain(model_, s.plan) && sum.applies())
-    return s.person.fill(root, sum.largest(), [&](std::size_t i, std::size_t j, Span<Vec3> out) {
+  if (s.selection.is_chain(model_, s.plan) && sum.applies()) {
+    const Vec3 largest = sum.largest();
+    const auto differences = [&](std::size_t i, std::size_t j, Span<Vec3> out) {
       sum.compute(i, j, s.interpolation, out);
-    });
+    };
+    return s.person.fill(root, differences, &largest);
+  }
   return s.person.fill(root, [&](std::size_t i, std::size_t j, Span<Vec3> out) {
     for (std::size_t k = 0; k < out.count; ++k) {
       const Vec2 uv = s.person.uv_of(i + k, j);

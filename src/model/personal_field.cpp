@@ -31,6 +31,33 @@ void PersonalField::Range::include(Vec3 v) {
   }
 }
 
+Status PersonalField::fill(std::uint16_t root, const Vec3* largest, Compute compute, const void* state) {
+  Range range;
+  if (largest != nullptr) {
+    if (!is_usable(*largest)) return Status::bad_argument;
+    range.include(*largest);
+    range.include(-1 * *largest);
+  }
+  Vec3 some[32];
+  for (int pass = largest != nullptr ? 1 : 0; pass < 2; ++pass) {
+    if (pass == 1) set_range(range);
+    for (std::size_t j = 0; j < limits_.height; ++j)
+      for (std::size_t i = 0; i < limits_.width; ++i) {
+        if (i % 32 == 0)
+          compute(state, i, j, {some, limits_.width - i < 32 ? limits_.width - i : std::size_t{32}});
+        const Vec3 d = some[i % 32];
+        if (pass == 1) {
+          set_sample(i, j, d);
+        } else {
+          if (!is_usable(d)) return Status::bad_argument;
+          range.include(d);
+        }
+      }
+  }
+  root_ = root;
+  return Status::ok;
+}
+
 void PersonalField::set_range(const Range& range) {
   field_ = {};
   field_.width = limits_.width;

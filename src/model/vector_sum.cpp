@@ -32,16 +32,12 @@ bool VectorSum::has_samples_at_nodes(const Field& f) const {
 
 bool VectorSum::applies() const {
   const auto cascade = model_.cascade();
-  std::size_t at_nodes = 0;
   for (std::size_t n = 0; n < records_.count; ++n) {
     const CascadeRecord& r = cascade[records_[n]];
     // Records between two of the list have no effect: the second adds to the value of the first.
-    const bool is_right = n == 0 ? r.operation == Operation::constant && r.source[0] == kNone
-                                 : r.operation == Operation::add_vector;
-    if (!is_right) return false;
-    at_nodes += n > 0 && has_samples_at_nodes(model_.fields()[r.field]);
+    if (r.operation != (n == 0 ? Operation::constant : Operation::add_vector)) return false;
   }
-  return records_.count > 1 && 2 * at_nodes >= records_.count - 1;
+  return true;
 }
 
 Vec3 VectorSum::largest() const {
@@ -71,10 +67,8 @@ void VectorSum::compute(std::size_t first, std::size_t j, Interpolation interpol
 void VectorSum::add(const Field& f, float amount, std::size_t first, std::size_t j,
                     Interpolation interpolation, Span<Vec3> out) const {
   const float v = static_cast<float>(j) / static_cast<float>(height_ - 1);
-  if (v < f.v0 || v > f.v1) return;
   for (std::size_t i = 0; i < out.count; ++i) {
     const float u = static_cast<float>(first + i) / static_cast<float>(width_ - 1);
-    if (f.mirror == 0 && (u < f.u0 || u > f.u1)) continue;
     out[i] = out[i] + amount * sample(model_, f, {u, v}, interpolation);
   }
 }
@@ -83,18 +77,17 @@ void VectorSum::add_samples(const Field& f, float amount, std::size_t first, std
                             Span<Vec3> out) const {
   const std::size_t i0 = first_node(f.u0, width_), j0 = first_node(f.v0, height_);
   if (j < j0 || j >= j0 + f.height) return;
-  const std::size_t begin = first > i0 ? first : i0,
-                    end = first + out.count < i0 + f.width ? first + out.count : i0 + f.width;
-  if (begin >= end) return;
-  const std::uint8_t* p = model_.samples() + f.first_byte + 6 * ((j - j0) * f.width + (begin - i0));
+  const std::uint8_t* const row = model_.samples() + f.first_byte + 6 * (j - j0) * f.width;
   const Vec3 offset = amount * Vec3{f.offset[0], f.offset[1], f.offset[2]},
              scale = amount * Vec3{f.scale[0], f.scale[1], f.scale[2]};
-  for (std::size_t i = begin; i < end; ++i, p += 6) {
+  for (std::size_t k = 0; k < out.count; ++k) {
+    const std::size_t i = first + k - i0;  // wraps before the first
+    if (i >= f.width) continue;
     std::int16_t s[3];
-    std::memcpy(s, p, sizeof s);
-    out[i - first] = out[i - first] + Vec3{offset.x + scale.x * static_cast<float>(s[0]),
-                                           offset.y + scale.y * static_cast<float>(s[1]),
-                                           offset.z + scale.z * static_cast<float>(s[2])};
+    std::memcpy(s, row + 6 * i, sizeof s);
+    out[k] = out[k] + Vec3{offset.x + scale.x * static_cast<float>(s[0]),
+                           offset.y + scale.y * static_cast<float>(s[1]),
+                           offset.z + scale.z * static_cast<float>(s[2])};
   }
 }
 

@@ -14,8 +14,8 @@ class VectorSum {
             std::size_t height)
       : model_(model), records_(records), q_(q), width_(width), height_(height) {}
 
-  /// Whether the records are a constant and vectors added to it one after the other, and nothing else, and most of the
-  /// vectors' fields have samples at the nodes. If false, `compute` must not be called.
+  /// Whether the records are a constant and vectors added to it one after the other, and nothing else. If false, `compute`
+  /// must not be called.
   bool applies() const;
   /// Of each component of a sum, no more on either side of zero, mm.
   Vec3 largest() const;
