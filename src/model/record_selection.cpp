@@ -61,7 +61,7 @@ void RecordSelection::select(const Model& model, const CascadePlan& plan, const 
 bool RecordSelection::is_chain(const Model& model, const CascadePlan& plan) const {
   for (std::size_t n = 1; n < count_; ++n) {
     const CascadeRecord& r = model.cascade()[listed_[n]];
-    if (r.source[1] != kNone || value_of_[r.source[0]] != listed_[n - 1]) return false;
+    if (value_of_[r.source[0]] != listed_[n - 1]) return false;
   }
   return count_ > 0 && value_of_[plan.result()] == listed_[count_ - 1];
 }
