@@ -30,7 +30,8 @@ class RecordSelection {
   void select(const Model& model, const CascadePlan& plan, const float* q, float slack_mm);
 
   Span<const std::uint16_t> listed() const { return {listed_, count_}; }
-  /// Whether each listed record has the one before as its source, and the last one is the result. All but the first have exactly one.
+  /// Whether each listed record has the one before as its source, and the last one is the result. To be asked only where all
+  /// but the first have exactly one source (VectorSum::applies): a record without one has nothing to look up.
   bool is_chain(const Model& model, const CascadePlan& plan) const;
   /// Position, or position and tangents, of the plan's result at the selected q.
   Vec3 point(const FieldSource& source, const CascadePlan& plan, Vec2 uv);
