@@ -1,5 +1,7 @@
 #include "face/gradient_map.hpp"
 
+#include "vision/wide_vectors.hpp"
+
 namespace pliant {
 
 namespace {
@@ -64,6 +66,23 @@ void sum_cell(const std::uint16_t* first, int stride, int cell_px, std::uint16_t
         static_cast<std::uint16_t>(d % 2 == 0 ? by_direction[d] : (by_direction[d] * kDiagonalGain) >> 7);
 }
 
+/// The gradients of a row of pixels. The lines have one pixel more on each side.
+PLIANT_WIDE_VECTORS
+void gradients_of_row(const std::uint8_t* above, const std::uint8_t* line, const std::uint8_t* below,
+                      int count, std::uint16_t* out) {
+  for (int x = 1; x <= count; ++x) {
+    const int dx = line[x + 1] - line[x - 1], dy = below[x] - above[x];
+    // Without branches, which would be taken at random: a mask is -1 where its condition holds, else 0.
+    const int is_left = dx >> 31, is_up = dy >> 31;
+    const int ax = (dx ^ is_left) - is_left, ay = (dy ^ is_up) - is_up;
+    const int difference = ax - ay, is_steep = difference >> 31;
+    const int axis = (difference ^ is_steep) - is_steep, diagonal = ay + (difference & is_steep);
+    out[x - 1] = static_cast<std::uint16_t>(((is_left & 4) | (is_up & 2) | (is_steep & 1)) << kPartBits |
+                                            (limited_above(axis, kMostAxis) << kDiagonalBits) |
+                                            limited_above(diagonal, kMostDiagonal));
+  }
+}
+
 void reverse(std::uint8_t* row, int count) {
   for (int i = 0, j = count - 1; i < j; ++i, --j) {
     const std::uint8_t kept = row[i];
@@ -83,21 +102,6 @@ void GradientMap::lay_out(Arena& arena, int most_side) {
       arena.take<std::uint16_t>(static_cast<std::size_t>(kMostBlockCells) * kMostBlockCells * kBlockChannels);
 }
 
-void GradientMap::add_row(const std::uint8_t* above, const std::uint8_t* line, const std::uint8_t* below,
-                          std::uint16_t* out) const {
-  for (int x = 1; x <= side_; ++x) {
-    const int dx = line[x + 1] - line[x - 1], dy = below[x] - above[x];
-    // Without branches, which would be taken at random: a mask is -1 where its condition holds, else 0.
-    const int is_left = dx >> 31, is_up = dy >> 31;
-    const int ax = (dx ^ is_left) - is_left, ay = (dy ^ is_up) - is_up;
-    const int difference = ax - ay, is_steep = difference >> 31;
-    const int axis = (difference ^ is_steep) - is_steep, diagonal = ay + (difference & is_steep);
-    *out++ = static_cast<std::uint16_t>(((is_left & 4) | (is_up & 2) | (is_steep & 1)) << kPartBits |
-                                        (limited_above(axis, kMostAxis) << kDiagonalBits) |
-                                        limited_above(diagonal, kMostDiagonal));
-  }
-}
-
 void GradientMap::compute(const FacePicture& picture, const CropMap& map, bool is_mirrored) {
   PLIANT_ASSERT(map.side >= 1 && map.side <= most_side_);
   side_ = map.side;
@@ -111,7 +115,7 @@ void GradientMap::compute(const FacePicture& picture, const CropMap& map, bool i
   read(0, rows[1]);
   for (int y = 0; y < side_; ++y) {
     read(y + 1, rows[(y + 2) % 3]);
-    add_row(rows[y % 3], rows[(y + 1) % 3], rows[(y + 2) % 3], gradients_ + y * side_);
+    gradients_of_row(rows[y % 3], rows[(y + 1) % 3], rows[(y + 2) % 3], side_, gradients_ + y * side_);
   }
 }
 
@@ -143,6 +147,7 @@ void mirror_block(const std::uint8_t* block, int cells, std::uint8_t* out) {
     }
 }
 
+PLIANT_WIDE_VECTORS
 std::int32_t dot_bytes(const std::int8_t* weight, const std::uint8_t* value, std::size_t count) {
   std::int32_t sum = 0;
   for (std::size_t k = 0; k < count; ++k) sum += weight[k] * value[k];

@@ -35,9 +35,6 @@ class GradientMap {
   int* scratch() { return reinterpret_cast<int*>(gradients_); }
 
  private:
-  void add_row(const std::uint8_t* above, const std::uint8_t* line, const std::uint8_t* below,
-               std::uint16_t* out) const;
-
   int side_ = 0, most_side_ = 0;
   std::uint16_t* gradients_ = nullptr;  // octant, part along the axis, part along the diagonal
   std::uint16_t* sums_ = nullptr;       // of the block being described

@@ -221,15 +221,21 @@ bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_f
   PLIANT_ASSERT(has_track());
   ++frames_since_check_;
   if (bad_frames > 0) {
-    frames_since_check_ = kTuning.check_interval_frames;  // the next good frame is checked
+    frames_since_check_ = kTuning.known_interval_frames;  // the next good frame is checked
     return bad_frames < kTuning.most_bad_frames;
   }
-  if (frames_since_check_ >= kTuning.check_interval_frames) {
+  if (is_check_due()) {
     frames_since_check_ = 0;
     if (!check(frame, estimator, scratch)) return false;
   }
   tell_error(result);
   return true;
+}
+
+bool FaceStart::is_check_due() const {
+  const bool is_sure = has_confirmed() && landmark_error_ <= kTuning.doubtful_error;
+  const int interval = is_sure ? kTuning.known_interval_frames : kTuning.check_interval_frames;
+  return bad_checks_ > 0 || frames_since_check_ >= interval;
 }
 
 /// \return false after too many bad checks in a row.

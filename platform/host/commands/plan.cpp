@@ -166,7 +166,7 @@ void add_person_loads(const Sizes& s, Loads& loads) {
 void add_face_loads(const Model& model, const AlignerTable& table, Loads& loads) {
   const double side = table.stage(table.stage_count() - 1).crop_px;
   if (!model.parts().empty()) loads.push_back({"readings of the parts of a face", 1, 1, kCost.parts});
-  loads.push_back({"pixels of the crop of a check", side * side / kFaceStartTuning.check_interval_frames,
+  loads.push_back({"pixels of the crop of a check", side * side / kFaceStartTuning.known_interval_frames,
                    side * side, kCost.check_pixel});
 }
 

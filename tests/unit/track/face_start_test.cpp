@@ -12,7 +12,7 @@ using namespace pliant;
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
-constexpr std::size_t kGone = 12, kBack = 22, kFrames = 50;
+constexpr std::size_t kGone = 20, kBack = 30, kFrames = 58;
 
 /// A face in the left half, gone from frame kGone on, and from frame kBack on in the right half at `scale` of the size.
 FaceFilm make_film(float scale, const char* identity_after) {
@@ -326,7 +326,7 @@ TEST_CASE("checks that refuse a track end it, and the person who was tracked bef
   CHECK(update(tracker.object, half_size(), 9).state == TrackState::tracking);
   FrameResult result;
   for (std::size_t k = 10; result.state != TrackState::lost || k == 10; ++k) {
-    REQUIRE(k < kGone + 2);
+    REQUIRE(k < 9 + kFaceStartTuning.known_interval_frames + 2);
     result = update(tracker.object, half_size(), k);
   }
   CHECK(result.is_searching);
