@@ -27,8 +27,6 @@ struct PartFitTuning {
   int start_centrings = 2;
   /// The farthest that a crop moves from where the model puts it, mm: less than from an eye to its brow. Not tuned.
   float most_off_centre_mm = 8;
-  /// Gauss-Newton steps, count: the lids' motion is nearly linear.
-  int steps = 2;
   /// Standard deviation of a parameter's change in a frame of 1/30 s, fractions of its range: a lid closes in three frames. 0.25
   /// and 0.5 find the same blinks on the Talking Face video.
   float change = 0.5f;
