@@ -15,6 +15,7 @@
 #include "host/bake/principal_components.hpp"
 #include "pliant/mesh.hpp"
 #include "random.hpp"
+#include "scratch_folder.hpp"
 
 using namespace pliant;
 using namespace pliant::host::bake;
@@ -26,16 +27,10 @@ using Shape = std::function<Vec3(float s, float t)>;
 
 /// A folder of OBJ files over one grid of quads, n vertices a side, s to the right and t up, gone after the
 /// test.
-struct ObjFolder {
-  fs::path path;
+struct ObjFolder : Folder {
   int n = 33;
 
-  explicit ObjFolder(const std::string& name)
-      : path(fs::temp_directory_path() / ("pliant_obj_test_" + name)) {
-    fs::remove_all(path);
-    fs::create_directories(path);
-  }
-  ~ObjFolder() { fs::remove_all(path); }
+  explicit ObjFolder(const std::string& name) : Folder("obj_" + name) {}
 
   std::string obj(const Shape& shape) const {
     std::string text = "# a comment\no sheet\n";
