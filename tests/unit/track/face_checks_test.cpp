@@ -1,0 +1,66 @@
+// In which frames a running track is checked. Detection and verification are a fake that knows the truth.
+#include <doctest/doctest.h>
+
+#include "fake_faces.hpp"
+#include "model_builder.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr std::size_t kFrames = 24;
+
+const FaceFilm& film() {
+  static const FaceFilm* one = new FaceFilm(
+      320, 240, kFrames, [](float s, Pose& pose, auto&) { pose.t.x += 20 * s; }, 0.5f);
+  return *one;
+}
+
+/// Frames that are checked. \param before  is told of each frame, may change what the fake says and gives its picture.
+template <class Before>
+std::vector<std::size_t> checked(FakeFaces& fake, Before&& before) {
+  TrackerLimits limits;
+  limits.detection = FakeFaces::table();
+  InArena<Tracker> tracker(baked_face().model, limits);
+  std::vector<std::size_t> frames;
+  for (std::size_t n = 0; n < kFrames; ++n) {
+    const int asked = fake.verifications;
+    FrameView view = film().view(n);
+    before(n, view);
+    FrameResult result;
+    REQUIRE(tracker->update(view, &result) == Status::ok);
+    CHECK(tracker->is_started());
+    if (fake.verifications > asked) frames.push_back(n);
+  }
+  return frames;
+}
+
+using Frames = std::vector<std::size_t>;
+
+}  // namespace
+
+TEST_CASE("checks are frequent until three were good, and rare from then on") {
+  FakeFaces fake(film());
+  CHECK(checked(fake, [](std::size_t, FrameView&) {}) == Frames{1, 3, 5, 11, 17, 23});
+}
+
+TEST_CASE("checks stay frequent while the landmark error is large") {
+  FakeFaces fake(film());
+  fake.error = 1.5f * kFaceStartTuning.doubtful_error;
+  CHECK(checked(fake, [](std::size_t, FrameView&) {}) == Frames{1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23});
+}
+
+TEST_CASE("after a bad check the next frame is checked") {
+  FakeFaces fake(film());
+  CHECK(checked(fake, [&fake](std::size_t n, FrameView&) { fake.verification = n == 11 ? 0.01f : 0.99f; }) ==
+        Frames{1, 3, 5, 11, 12, 18});
+}
+
+TEST_CASE("after bad frames the next good one is checked") {
+  FakeFaces fake(film());
+  const std::vector<std::uint8_t> black(320 * 240, 0);
+  const auto at = checked(fake, [&black](std::size_t n, FrameView& view) {
+    if (n == 8 || n == 9) view.data = black.data();
+  });
+  CHECK(at == Frames{1, 3, 5, 10, 16, 22});
+}
