@@ -10,7 +10,7 @@ namespace {
 constexpr const KeyFrameTuning& kTuning = kKeyFrameTuning;
 
 /// Cosine of an angle from 0 to pi, by four halvings: enough for a threshold.
-float cosine_of(float angle) {
+constexpr float cosine_of(float angle) {
   const float a = angle / 16, a2 = a * a;
   float c = 1 - 0.5f * a2 + a2 * a2 / 24;
   for (int k = 0; k < 4; ++k) c = 2 * c * c - 1;
@@ -26,7 +26,7 @@ Vec3 camera_direction(const View& view) {
 
 void KeyFrames::lay_out(Arena& arena, const TrackerLimits& limits) {
   key_count_ = std::size_t{limits.key_frames} + 1;
-  most_rms_px_ = scaled_px(limits, kTuning.most_rms_px);
+  doubtful_rms_px_ = scaled_px(limits, kTuning.doubtful_rms_px);
   has_room_ = first_slot(limits, 1) < all_slots(limits);
   factor_ = thumbnail_factor(limits.width, limits.thumbnail_width);
   width_ = limits.width / factor_;
@@ -120,15 +120,14 @@ std::size_t KeyFrames::nearest(Vec3 direction, float* cosine) const {
   return nearest;
 }
 
-bool KeyFrames::is_good_enough(const FrameResult& result) const {
-  return result.rms_px < most_rms_px_ &&
-         100 * result.inliers > kTuning.least_inlier_percent * result.tracked && has_room_;
-}
-
 std::size_t KeyFrames::choose(const View& view, const FrameResult& result, std::uint32_t frame) {
+  constexpr float kNear = cosine_of(kTuning.angle_rad);
   float cosine;
-  keys_[nearest(camera_direction(view), &cosine)].last_near = frame;
-  if (cosine > cosine_of(kTuning.angle_rad) || !is_good_enough(result)) return 0;
+  const std::size_t near = nearest(camera_direction(view), &cosine);
+  keys_[near].last_near = frame;
+  if (!has_room_ || 100 * result.inliers <= kTuning.least_inlier_percent * result.tracked) return 0;
+  if (cosine > kNear)
+    return keys_[near].is_doubtful && result.rms_px < doubtful_rms_px_ ? near : 0;
   std::size_t oldest = 1;
   for (std::size_t k = 1; k < key_count_; ++k) {
     if (!keys_[k].is_used) return k;
@@ -137,9 +136,9 @@ std::size_t KeyFrames::choose(const View& view, const FrameResult& result, std::
   return oldest;
 }
 
-void KeyFrames::keep(std::size_t k, const View& view, std::uint32_t frame) {
+void KeyFrames::keep(std::size_t k, const View& view, float rms_px, std::uint32_t frame) {
   PLIANT_ASSERT(k < key_count_);
-  keys_[k] = {view, camera_direction(view), trusted_box_, frame, true};
+  keys_[k] = {view, camera_direction(view), trusted_box_, frame, true, rms_px >= doubtful_rms_px_};
   std::uint8_t* const pixels = thumbnail_of(k);
   for (int i = 0; i < width_ * height_; ++i) pixels[i] = trusted_[i];
 }

@@ -16,6 +16,7 @@ struct PersonState {
   float *now = nullptr, *best = nullptr;    // rotation against the start, then identity
   float *start_q = nullptr, *sd = nullptr;  // identity: of the start; of the population
   bool is_active = false;
+  std::uint32_t taken_frame = 0, step_frame = 0;  // the last one that was taken; the last with a step
 
   void lay_out(Arena& arena, const Model& model);
 };
@@ -69,6 +70,7 @@ void start(TrackerParts& t, const TrackerOptions& options) {
   }
   s.rows.start(t.model(), s.is_free);
   s.estimate.clear();
+  s.taken_frame = s.step_frame = 0;
   for (std::size_t k = 0; k < 3; ++k) s.now[k] = 0;
   for (std::size_t k = 3; k < s.rows.kept(); ++k) {
     s.sd[k - 3] = kTuning.start_sd * all[s.rows.identity(k - 3)].sd;
@@ -174,7 +176,8 @@ void take_step(TrackerParts& t, const Places& places, Vec3 by) {
 
 bool is_due(const TrackerParts& t, std::size_t view) {
   const bool is_known = t.person->estimate.frames(view) == kPersonEstimateTuning.most_frames;
-  return t.frame % (is_known ? kTuning.interval_when_known : kTuning.interval_frames) == 0;
+  return t.frame - t.person->taken_frame >=
+         (is_known ? kTuning.interval_when_known : kTuning.interval_frames);
 }
 
 void conclude(TrackerParts& t) {
@@ -186,7 +189,9 @@ void conclude(TrackerParts& t) {
   gather(t, equations, scratch);
   for (std::size_t k = 3; k < s.rows.kept(); ++k) s.now[k] = t.estimator.parameters()[s.rows.identity(k - 3)];
   s.estimate.add(view, equations, s.now);
-  if (t.frame % kTuning.step_frames != 0 || !s.estimate.is_usable()) return;
+  s.taken_frame = t.frame;
+  if (t.frame - s.step_frame < kTuning.step_frames || !s.estimate.is_usable()) return;
+  s.step_frame = t.frame;
   if (!s.estimate.solve(s.start_q, s.sd, equations, s.best)) return;
   Places places;
   places.lay_out(scratch, t.model(), t.limits);

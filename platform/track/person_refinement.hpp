@@ -13,8 +13,8 @@ struct PersonState;
 
 /// Tuning of when the estimate is made and used.
 struct PersonRefinementTuning {
-  /// Frames from one that is taken into the estimate to the next; the same in a view that has enough. A frame costs a fifth
-  /// of its time more. Four is as good as two.
+  /// Frames from one that is taken into the estimate to the next, at least; the same in a view that has enough. A frame costs a
+  /// fifth of its time more. Four is as good as two.
   std::uint32_t interval_frames = 4, interval_when_known = 16;
   /// Fraction of the way to the estimate in one step, of which there is at most one in so many frames. What is seen moves by less
   /// than the noise of a frame. Half of the way in every second frame had 5 % less error on turned heads.
@@ -40,7 +40,8 @@ struct PersonRefinement {
   /// Begins with a track. Nothing is estimated where the caller gave the identity, or has
   /// every frame estimate it.
   void (*start)(TrackerParts& tracker, const TrackerOptions& options);
-  /// Ends a good frame, whose observations are still there: takes it into the estimate, and takes a step towards it.
+  /// Ends a good frame that has time left, and whose observations are still there: where it is due, takes it into the estimate,
+  /// and takes a step towards it. What is due waits for such a frame.
   void (*conclude)(TrackerParts& tracker);
 };
 

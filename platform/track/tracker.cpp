@@ -247,7 +247,7 @@ void TrackerParts::keep_key_frame() {
   if (key == 0) return;
   const std::size_t begin = first_slot(limits, key), end = first_slot(limits, key + 1);
   for (std::size_t slot = begin; slot < end; ++slot) templates.release(slot, estimator);
-  key_frames.keep(key, estimator.view(), frame);
+  key_frames.keep(key, estimator.view(), result.rms_px, frame);
   const std::size_t free = templates.capture_second(
       limits.patches, begin, begin + (end - begin) / kTemplateStoreTuning.second_template_divisor, estimator,
       region);

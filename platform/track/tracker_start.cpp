@@ -100,7 +100,7 @@ Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> mar
             static_cast<std::uint16_t>(estimator.mesh().vertex_count())};
   if (edges != nullptr) (edges->*limits.edges->start)(estimator, region);
   key_frames.trust(estimator);
-  key_frames.keep(0, estimator.view(), 0);
+  key_frames.keep(0, estimator.view(), 0, 0);
   return Status::ok;
 }
 

@@ -15,7 +15,7 @@ using namespace pliant;
 namespace {
 
 constexpr std::size_t kFrames = 160;
-constexpr std::uint32_t kPeople = 6;
+constexpr std::uint32_t kPeople = 12;
 
 /// Another person for each seed, with another texture.
 FaceFilm film_of(std::uint32_t seed) {
@@ -79,8 +79,8 @@ float at(std::vector<float> values, float fraction) {
 
 }  // namespace
 
-// Six people, since the rotations of one move by 20 to 40 % with any change of sampling. Ratios of twelve: 0.72 of the median, 0.61
-// at 95 %, 0.92 of landmarks. Each bound is half way from there to no effect.
+// Twelve people, since the rotations of one move by 20 to 40 % with any change of sampling. Ratios: 0.77 of the median, 0.67 at
+// 95 %, 0.94 of landmarks. Each bound is half way from there to no effect.
 TEST_CASE("a head that turns far shows who it is: pose and landmarks get better") {
   Result with, without;
   for (std::uint32_t seed = 0; seed < kPeople; ++seed) {
@@ -95,9 +95,9 @@ TEST_CASE("a head that turns far shows who it is: pose and landmarks get better"
   CHECK(with.not_tracking == 0);
   CHECK(with.stepped > 2);
   CHECK(without.stepped == 0);
-  CHECK(at(with.turn, 0.5f) < 0.86f * at(without.turn, 0.5f));
-  CHECK(at(with.turn, 0.95f) < 0.81f * at(without.turn, 0.95f));
-  CHECK(with.landmarks_px < 0.96f * without.landmarks_px);
+  CHECK(at(with.turn, 0.5f) < 0.89f * at(without.turn, 0.5f));
+  CHECK(at(with.turn, 0.95f) < 0.84f * at(without.turn, 0.95f));
+  CHECK(with.landmarks_px < 0.97f * without.landmarks_px);
 }
 
 TEST_CASE("an identity that the caller estimates is left to the caller") {

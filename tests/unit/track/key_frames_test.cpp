@@ -66,7 +66,7 @@ TEST_CASE("a black frame has no translation") {
 
 TEST_CASE("after two bad frames the key frames take turns with the last good frame, over the whole image") {
   Rig rig;
-  rig.keys->keep(0, rig.turned(0), 0);
+  rig.keys->keep(0, rig.turned(0), 0.3f, 0);
   rig.keys->take(film().view(1));
   CHECK(rig.keys->find_motion(1).from == nullptr);
   const CoarseMotion from_key = rig.keys->find_motion(2);  // turn 1: key frame 0
@@ -77,14 +77,11 @@ TEST_CASE("after two bad frames the key frames take turns with the last good fra
 
 TEST_CASE("a view is kept when it is far from all key frames and the frame is good") {
   Rig rig;
-  rig.keys->keep(0, rig.turned(0), 0);
+  rig.keys->keep(0, rig.turned(0), 0.3f, 0);
   CHECK(rig.keys->count() == 1);
   CHECK(rig.keys->choose(rig.turned(0.3f), rig.good, 1) == 0);
   CHECK(rig.keys->choose(rig.turned(0.4f), rig.good, 1) == 1);
   FrameResult bad = rig.good;
-  bad.rms_px = 1.5f;
-  CHECK(rig.keys->choose(rig.turned(0.4f), bad, 1) == 0);
-  bad = rig.good;
   bad.inliers = 70;
   CHECK(rig.keys->choose(rig.turned(0.4f), bad, 1) == 0);
   // A roll about the optical axis shows nothing new.
@@ -93,13 +90,29 @@ TEST_CASE("a view is kept when it is far from all key frames and the frame is go
   CHECK(rig.keys->choose(view_of(rolled, film().camera), rig.good, 1) == 0);
 }
 
+TEST_CASE(
+    "a key frame with a large residual is replaced by the first better frame of its side, and only once") {
+  Rig rig;
+  rig.keys->keep(0, rig.turned(0), 0, 0);
+  FrameResult doubtful = rig.good;
+  doubtful.rms_px = 1.5f;
+  CHECK(rig.keys->choose(rig.turned(0.4f), doubtful, 1) == 1);
+  rig.keys->keep(1, rig.turned(0.4f), doubtful.rms_px, 1);
+  CHECK(rig.keys->choose(rig.turned(0.5f), doubtful, 2) == 0);  // no better
+  CHECK(rig.keys->choose(rig.turned(0.1f), rig.good, 3) == 0);  // nearer to frame 0
+  CHECK(rig.keys->choose(rig.turned(0.3f), rig.good, 4) == 1);
+  rig.keys->keep(1, rig.turned(0.3f), rig.good.rms_px, 4);
+  CHECK(rig.keys->choose(rig.turned(0.4f), rig.good, 5) == 0);
+  CHECK(rig.keys->count() == 2);
+}
+
 TEST_CASE("without a free key frame the one that was nearest longest ago is replaced, never frame 0") {
   TrackerLimits limits;
   limits.key_frames = 2;
   Rig rig(limits);
-  rig.keys->keep(0, rig.turned(0), 0);
-  rig.keys->keep(1, rig.turned(0.5f), 10);
-  rig.keys->keep(2, rig.turned(-0.5f), 20);
+  rig.keys->keep(0, rig.turned(0), 0.3f, 0);
+  rig.keys->keep(1, rig.turned(0.5f), 0.3f, 10);
+  rig.keys->keep(2, rig.turned(-0.5f), 0.3f, 20);
   CHECK(rig.keys->choose(rig.turned(1.0f), rig.good, 30) == 2);   // key frame 1 is the nearest now
   CHECK(rig.keys->choose(rig.turned(-1.0f), rig.good, 40) == 1);  // and key frame 2
   CHECK(rig.keys->count() == 3);
@@ -109,6 +122,6 @@ TEST_CASE("without room for its templates no key frame is kept") {
   TrackerLimits limits;
   limits.key_patches = 0;
   Rig rig(limits);
-  rig.keys->keep(0, rig.turned(0), 0);
+  rig.keys->keep(0, rig.turned(0), 0.3f, 0);
   CHECK(rig.keys->choose(rig.turned(1), rig.good, 1) == 0);
 }

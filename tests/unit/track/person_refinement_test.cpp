@@ -1,0 +1,69 @@
+// When the person is estimated: every few frames, in those that have time left, and never in bad ones or those after them.
+#include "track/person_refinement.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "face_film.hpp"
+#include "model_builder.hpp"
+#include "pliant/tracker.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr std::size_t kFrames = 120;
+
+/// Somebody else than the start says turns the head to 50 degrees on both sides.
+const FaceFilm& film() {
+  static const FaceFilm* one = new FaceFilm(320, 240, kFrames, [](float s, Pose& pose, auto& q) {
+    pose.q = exp_rotation({0, 0.87f * std::sin(6.2832f * s), 0});
+    FaceFilm::set(q, "faceDepth", 1.5f);
+    FaceFilm::set(q, "noseLength", -1.5f);
+  });
+  return *one;
+}
+
+bool is_identity(std::size_t k) {
+  return baked_face().model.parameters()[k].group == Group::identity;
+}
+
+/// Frames in which the identity took a step. Where `is_black(n)`, frame n is black.
+template <class IsBlack>
+std::vector<std::size_t> steps(IsBlack&& is_black) {
+  InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
+  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  const std::vector<std::uint8_t> black(320 * 240, 0);
+  std::vector<std::size_t> found;
+  std::vector<float> before(tracker->parameters().begin(), tracker->parameters().end());
+  for (std::size_t n = 1; n < kFrames; ++n) {
+    FrameView view = film().view(n);
+    if (is_black(n)) view.data = black.data();
+    FrameResult result;
+    REQUIRE(tracker->update(view, &result) == Status::ok);
+    bool has_moved = false;
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      has_moved = has_moved || (is_identity(k) && tracker->parameters()[k] != before[k]);
+      before[k] = tracker->parameters()[k];
+    }
+    if (has_moved) found.push_back(n);
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("steps of the identity wait until the head has turned far, and have frames between them") {
+  const auto at = steps([](std::size_t) { return false; });
+  REQUIRE(at.size() > 3);
+  CHECK(at.front() > kFrames / 8);
+  for (std::size_t k = 1; k < at.size(); ++k) CHECK(at[k] - at[k - 1] >= kPersonRefinementTuning.step_frames);
+}
+
+TEST_CASE("where the frames in which it is due are bad, the estimate waits for the next good ones") {
+  // Every fourth frame is black, and no work that can wait is done in the frame after it.
+  const auto at = steps([](std::size_t n) { return n % 4 == 0; });
+  REQUIRE(at.size() > 2);
+  for (const std::size_t n : at) CHECK(n % 4 >= 2);
+}
