@@ -1,13 +1,16 @@
 #pragma once
-// Four floats at a time. GCC and Clang translate the vector type to what the target has, down to scalars, with the same
-// results: only `sum` adds across lanes.
+// Four floats at a time. With SSE or NEON they are the compiler's vector type, elsewhere a struct of scalars: the vector type
+// would go through memory there. The results are the same: only `sum` adds across lanes.
 #include <cstddef>
 #include <cstring>
 
 namespace pliant {
 
-typedef float Lanes __attribute__((vector_size(16)));
 constexpr std::size_t kLanes = 4;
+
+#if defined(__SSE2__) || defined(__ARM_NEON)
+
+typedef float Lanes __attribute__((vector_size(16)));
 
 inline Lanes load(const float* at) {
   Lanes v;
@@ -23,5 +26,49 @@ inline Lanes splat(float x) {
 inline float sum(Lanes v) {
   return (v[0] + v[1]) + (v[2] + v[3]);
 }
+
+#else
+
+// Inlined even where size counts: a call would pass all lanes through memory.
+#define PLIANT_INLINE __attribute__((always_inline)) inline
+
+struct Lanes {
+  float a, b, c, d;
+};
+
+PLIANT_INLINE Lanes load(const float* at) {
+  return {at[0], at[1], at[2], at[3]};
+}
+PLIANT_INLINE void store(const Lanes& v, float* at) {
+  at[0] = v.a;
+  at[1] = v.b;
+  at[2] = v.c;
+  at[3] = v.d;
+}
+PLIANT_INLINE Lanes splat(float x) {
+  return {x, x, x, x};
+}
+PLIANT_INLINE float sum(const Lanes& v) {
+  return (v.a + v.b) + (v.c + v.d);
+}
+PLIANT_INLINE Lanes operator+(const Lanes& v, const Lanes& w) {
+  return {v.a + w.a, v.b + w.b, v.c + w.c, v.d + w.d};
+}
+PLIANT_INLINE Lanes operator-(const Lanes& v, const Lanes& w) {
+  return {v.a - w.a, v.b - w.b, v.c - w.c, v.d - w.d};
+}
+PLIANT_INLINE Lanes operator*(const Lanes& v, const Lanes& w) {
+  return {v.a * w.a, v.b * w.b, v.c * w.c, v.d * w.d};
+}
+PLIANT_INLINE void operator+=(Lanes& v, const Lanes& w) {
+  v = v + w;
+}
+PLIANT_INLINE void operator-=(Lanes& v, const Lanes& w) {
+  v = v - w;
+}
+
+#undef PLIANT_INLINE
+
+#endif
 
 }  // namespace pliant
