@@ -1,11 +1,15 @@
 #include "vision/patch_sampling.hpp"
 
+#include "vision/cubic_phase.hpp"
+#include "vision/patch_pairs.hpp"
 #include "vision/wide_vectors.hpp"
 
 // Two passes, across and down, go through `scratch` rather than from row to row, so that no vector is read right
 // after its halves were written.
 namespace pliant::patch {
 namespace {
+
+#if !PLIANT_HAS_HALFWORDS
 
 template <int S>
 void load_row(const std::uint8_t* __restrict p, i16* __restrict out) {
@@ -39,6 +43,8 @@ template <int L, int S>
 void linear_rows(const i16* h, int window, i16 t, i16* out) {
   for (int y = 0; y < window; ++y) linear_down<L>(h + y * S, h + (y + 1) * S, t, out + y * window);
 }
+
+#endif
 
 // --- on a lattice: scalar code fetches the four pixels of each sample as two pairs, vectors do the rest ---
 
@@ -104,20 +110,7 @@ void blend_rows(Pairs pairs, const Lattice& at, int rows, i16* out) {
 
 // --- cubic ---
 
-// Catmull and Rom's cubic as the line between the two middle samples less a bend:
-//   p1 + t (p2 - p1) - t (1 - t) / 2 [(1 - t) (p0 - 2 p1 + p2) + t (p1 - 2 p2 + p3)].
-// Its remaining phase error is of the form t (1 - t) (1 - 2 t). Moving t by a twentieth of that halves the position
-// error on textures with wavelengths of five pixels and more (measured on plane waves).
-struct CubicPhase {
-  i16 line, blend;  // the two uses of t, times 2^15
-  i16 bend;         // t (1 - t) times 2^16, at most 2^14
-};
-
-CubicPhase cubic_phase(int f) {
-  const int p = f * (kSubpixel - f);             // t (1 - t) * 2^14
-  const int odd = p * (kSubpixel - 2 * f) / 20;  // t (1 - t) (1 - 2 t) / 20 * 2^21
-  return {narrow(f * 256 + odd / 64), narrow(f * 256), narrow(p * 4)};
-}
+#if !PLIANT_HAS_HALFWORDS
 
 // To 1/64 grey: with overshoot, 4 * 1.25 * 2048 fits. Without __restrict: with it, Clang keeps samples
 // from one iteration to the next and does not vectorise the loop.
@@ -153,7 +146,25 @@ void cubic_rows(const i16* h, int window, CubicPhase t, i16* out) {
   for (int y = 0; y < window; ++y) cubic_down<L, S>(h + y * S, t, out + y * window);
 }
 
+#endif
+
 }  // namespace
+
+#if PLIANT_HAS_HALFWORDS
+
+void load_block(const std::uint8_t* pixels, std::ptrdiff_t stride, int window, i16* block) {
+  pairs::load_rows(pixels, stride, block_rows(window), block_stride(window), block);
+}
+
+void sample_linear(const i16* block, int fx, int fy, int window, i16* scratch, i16* out) {
+  pairs::sample_linear(block, fx, fy, window, scratch, out);
+}
+
+void sample_cubic(const i16* block, int fx, int fy, int window, i16* scratch, i16* out) {
+  pairs::sample_cubic(block, fx, fy, window, scratch, out);
+}
+
+#else
 
 PLIANT_WIDE_VECTORS
 void load_block(const std::uint8_t* pixels, std::ptrdiff_t stride, int window, i16* block) {
@@ -179,6 +190,8 @@ void sample_cubic(const i16* block, int fx, int fy, int window, i16* scratch, i1
   const CubicPhase t = cubic_phase(fy);
   with_sizes(window, [&](auto s) { cubic_rows<s.kLanes, s.kStride>(scratch, window, t, out); });
 }
+
+#endif
 
 void sample_lattice(const std::uint8_t* pixels, int stride, const Lattice& at, int window, i16* scratch,
                     i16* block) {

@@ -1,9 +1,27 @@
 #include "vision/patch_sums.hpp"
 
+#include "vision/patch_pairs.hpp"
 #include "vision/wide_vectors.hpp"
 
 // With count & ~15 the compiler generates loops over whole vectors only.
 namespace pliant::patch {
+
+#if PLIANT_HAS_HALFWORDS
+
+bool is_within(const i16* v, int count, GreyRange range) {
+  return pairs::is_within(v, count, range);
+}
+void multiply_by_position(const i16* g, const i16* x, const i16* y, int count, i16* by_x, i16* by_y) {
+  pairs::multiply_by_position(g, x, y, count, by_x, by_y);
+}
+Sums4 dot4(const i16* v, const i16* a, const i16* b, const i16* c, const i16* d, int count) {
+  return pairs::dot4(v, a, b, c, d, count);
+}
+i32 dot(const i16* v, const i16* a, int count) {
+  return pairs::dot(v, a, count);
+}
+
+#else
 
 PLIANT_WIDE_VECTORS
 bool is_within(const i16* __restrict v, int count, GreyRange range) {
@@ -15,25 +33,6 @@ bool is_within(const i16* __restrict v, int count, GreyRange range) {
     high = v[k] > high ? v[k] : high;
   }
   return low > range.lowest && high < range.highest;
-}
-
-PLIANT_WIDE_VECTORS
-int mask_extremes(const i16* __restrict image, const i16* __restrict m, int count, GreyRange range,
-                  i16* __restrict out) {
-  const i16 lo = range.lowest, hi = range.highest;
-  const int n = count & ~15;
-  i32 left = 0;
-  for (int k = 0; k < n; ++k) {
-    const i16 use = narrow(m[k] & (image[k] > lo) & (image[k] < hi));
-    out[k] = use;
-    left += i32{use} * i32{use};
-  }
-  return left;
-}
-
-PLIANT_WIDE_VECTORS
-void apply_mask(const i16* __restrict in, const i16* __restrict m, int count, i16* __restrict out) {
-  for (int k = 0; k < count; ++k) out[k] = narrow(in[k] * m[k]);
 }
 
 PLIANT_WIDE_VECTORS
@@ -66,6 +65,27 @@ i32 dot(const i16* __restrict v, const i16* __restrict a, int count) {
   i32 s = 0;
   for (int k = 0; k < n; ++k) s += i32{v[k]} * i32{a[k]};
   return s;
+}
+
+#endif
+
+PLIANT_WIDE_VECTORS
+int mask_extremes(const i16* __restrict image, const i16* __restrict m, int count, GreyRange range,
+                  i16* __restrict out) {
+  const i16 lo = range.lowest, hi = range.highest;
+  const int n = count & ~15;
+  i32 left = 0;
+  for (int k = 0; k < n; ++k) {
+    const i16 use = narrow(m[k] & (image[k] > lo) & (image[k] < hi));
+    out[k] = use;
+    left += i32{use} * i32{use};
+  }
+  return left;
+}
+
+PLIANT_WIDE_VECTORS
+void apply_mask(const i16* __restrict in, const i16* __restrict m, int count, i16* __restrict out) {
+  for (int k = 0; k < count; ++k) out[k] = narrow(in[k] * m[k]);
 }
 
 PLIANT_WIDE_VECTORS

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "vision/bilinear.hpp"
+#include "vision/patch_pairs.hpp"
 #include "vision/patch_sampling.hpp"
 #include "vision/patch_sums.hpp"
 #include "vision/wide_vectors.hpp"
@@ -121,6 +122,8 @@ const i16* load_warped(const StoredTemplate& stored, const std::uint8_t* pixels,
 
 // --- gradients of a block ---
 
+#if !PLIANT_HAS_HALFWORDS
+
 // Half of (3 a + 10 b + 3 c), where b is one `step` on and c two. |3 + 10 + 3| * 2048 = 2^15 at most, just within.
 PLIANT_WIDE_VECTORS
 void smooth3(const i16* __restrict in, int step, int count, i16* __restrict out) {
@@ -161,7 +164,29 @@ void template_rows(const i16* block, const i16* down, const i16* across, const i
   }
 }
 
+#endif
+
 }  // namespace
+
+#if PLIANT_HAS_HALFWORDS
+
+void make_template(const i16* block, const i16* mask, int window, i16* scratch, Template out) {
+  const int stride = block_stride(window);
+  i16 *down = scratch, *across = scratch + block_size(window);
+  pairs::smooth3(block, stride, window * stride, down);
+  pairs::smooth3(block, 1, (window + 2) * stride, across);
+  const int count = pairs::columns(window);
+  for (int k = 0; k < window * window; k += window) {
+    pairs::mask_row(block + stride + 1, mask + k, count, out.t + k, out.m + k);
+    pairs::gradient_row(down, down + 2, out.m + k, count, out.gx + k);
+    pairs::gradient_row(across, across + 2 * stride, out.m + k, count, out.gy + k);
+    block += stride;
+    down += stride;
+    across += stride;
+  }
+}
+
+#else
 
 PLIANT_WIDE_VECTORS
 void make_template(const i16* block, const i16* mask, int window, i16* scratch, Template out) {
@@ -172,6 +197,8 @@ void make_template(const i16* block, const i16* mask, int window, i16* scratch, 
   with_sizes(window,
              [&](auto s) { template_rows<s.kLanes, s.kStride>(block, down, across, mask, window, out); });
 }
+
+#endif
 
 void load_block(const ImageView& image, int left, int top, Workspace& work) {
   const int rows = block_rows(work.window), columns = block_stride(work.window);
