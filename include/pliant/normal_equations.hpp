@@ -84,6 +84,8 @@ class NormalEquations {
   std::size_t index(std::size_t row, std::size_t column) const {
     return row * count_ - row * (row + 1) / 2 + column;  // row <= column
   }
+  template <class F>
+  void for_row(std::size_t k, F f) const;
   float* gathered_row(float residual);
   void add_sparse(const std::uint16_t* unknown, const Vec2* column, std::size_t columns, Vec2 residual,
                   Sym2 w);
@@ -100,7 +102,6 @@ class NormalEquations {
   void back_substitute(const float* right, float* x);
 
   float *h_ = nullptr, *factor_ = nullptr, *rows_ = nullptr, *row_residual_ = nullptr;
-  float *spread_x_ = nullptr, *spread_y_ = nullptr;  // the rows of one sparse observation
   float *g_ = nullptr, *scale_ = nullptr, *lower_ = nullptr, *upper_ = nullptr, *right_ = nullptr,
         *solution_ = nullptr, *compact_ = nullptr;
   std::uint8_t* pinned_ = nullptr;  // 1: to a limit; 2: undetermined

@@ -51,14 +51,11 @@ float dot_product(const float* a, const float* b, std::size_t n) {
 
 void NormalEquations::lay_out(Arena& arena, std::size_t unknowns) {
   const std::size_t packed = unknowns * (unknowns + 1) / 2;
-  h_ = arena.take<float>(packed +
-                         kLanes);  // the lanes of the last row may end beyond it; they add zeros there
+  h_ = arena.take<float>(packed);
   factor_ = arena.take<float>(packed);
   stride_ = unknowns + kTileColumns;  // a tile may end beyond the last unknown, where the rows are zero
   rows_ = arena.take<float>(kGatheredRows * stride_);
   row_residual_ = arena.take<float>(kGatheredRows);
-  spread_x_ = arena.take<float>(stride_);
-  spread_y_ = arena.take<float>(stride_);
   float** const vectors[] = {&g_, &scale_, &lower_, &upper_, &right_, &solution_, &compact_};
   for (float** vector : vectors) *vector = arena.take<float>(unknowns);
   pinned_ = arena.take<std::uint8_t>(unknowns);
@@ -71,7 +68,6 @@ void NormalEquations::reset(std::size_t count) {
   PLIANT_ASSERT(count <= capacity_);
   count_ = count;
   gathered_ = 0;
-  for (std::size_t j = count; j < count + kLanes; ++j) spread_x_[j] = spread_y_[j] = 0;
   for (std::size_t i = 0; i < count * (count + 1) / 2; ++i) h_[i] = 0;
   for (std::size_t i = 0; i < count; ++i) {
     g_[i] = 0;
@@ -127,31 +123,22 @@ float* NormalEquations::gathered_row(float residual) {
   return row;
 }
 
-/// The columns are first written into two full rows with zeros elsewhere, so that each row of H is updated by whole lanes.
-/// Lanes beyond the end of a row add zeros to the next row.
+/// Only the non-zero columns' elements of H.
 void NormalEquations::add_sparse(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
                                  Vec2 residual, Sym2 w) {
-  const std::size_t n = count_;
-  float *const h = h_, *const g = g_, *const along_x = spread_x_, *const along_y = spread_y_;
-  const bool whole = !gradient_only_;
-  for (std::size_t j = 0; whole && j < n; j += kLanes) {
-    store(splat(0), along_x + j);
-    store(splat(0), along_y + j);
-  }
-  for (std::size_t i = 0; whole && i < columns; ++i) {
-    along_x[unknown[i]] = column[i].x;
-    along_y[unknown[i]] = column[i].y;
-  }
-  for (std::size_t i = 0; i < columns; ++i) {
-    const Vec2 b = column[i];
-    const std::size_t k = unknown[i];
+  float *const h = h_, *const g = g_;
+  for (const Vec2* const last = column + columns; column != last; ++column, ++unknown) {
+    const Vec2 b = *column;
+    const std::size_t k = *unknown;
     const float wx = w.xx * b.x + w.xy * b.y, wy = w.xy * b.x + w.yy * b.y;
     g[k] += wx * residual.x + wy * residual.y;
-    float* row = h + (k * n - k * (k + 1) / 2);  // h_(k, j) = row[j]; only j >= k is stored
-    if (!whole) row[k] += wx * b.x + wy * b.y;
-    const Lanes x = splat(wx), y = splat(wy);
-    for (std::size_t j = k; whole && j < n; j += kLanes)
-      store(load(row + j) + (x * load(along_x + j) + y * load(along_y + j)), row + j);
+    float* row = h + index(k, 0);
+    const std::uint16_t* at = unknown;
+    const Vec2 *other = column, *const end = gradient_only_ ? column + 1 : last;
+    do {
+      PLIANT_ASSERT(other == column || at[-1] < at[0]);
+      row[*at++] += wx * other->x + wy * other->y;
+    } while (++other != end);
   }
 }
 
@@ -200,6 +187,16 @@ void NormalEquations::add_prior(std::size_t unknown, float residual, float weigh
 void NormalEquations::set_limits(std::size_t unknown, float lower, float upper) {
   lower_[unknown] = lower;
   upper_[unknown] = upper;
+}
+
+/// Calls f(i, H(k, i)) for all i. The elements before the diagonal lie in the rows above, each a shorter step on.
+template <class F>
+void NormalEquations::for_row(std::size_t k, F f) const {
+  const float* element = h_ + k;
+  for (std::size_t i = 0; i < count_; ++i) {
+    f(i, *element);
+    element += i < k ? count_ - i - 1 : 1;
+  }
 }
 
 /// Copies S H S + damping I, restricted to the free unknowns, into `factor_` (upper triangle, packed). An unknown is free
@@ -321,8 +318,8 @@ bool NormalEquations::release_from_limits(float damping, const float* step) {
   bool changed = false;
   for (std::size_t k = 0; k < count_; ++k) {
     if (pinned_[k] != 1 || !(lower_[k] < upper_[k])) continue;
-    float force = g_[k] - damping * h(k, k) * step[k];
-    for (std::size_t i = 0; i < count_; ++i) force -= h(k, i) * step[i];
+    float force = g_[k] - damping * h_[index(k, k)] * step[k];
+    for_row(k, [&](std::size_t i, float element) { force -= element * step[i]; });
     const float inside = step[k] >= upper_[k] ? -force : force;
     if (inside * scale_[k] <= kTuning.releasing_force * largest) continue;
     pinned_[k] = 0;
@@ -339,8 +336,7 @@ void NormalEquations::solve(float damping, float* step) {
   for (int round = 0; round < kTuning.limit_rounds; ++round) {
     for (std::size_t i = 0; i < n; ++i) right_[i] = g_[i];
     for (std::size_t k = 0; k < n; ++k)  // the columns of pinned unknowns move to the right-hand side
-      if (pinned_[k] == 1)
-        for (std::size_t i = 0; i < n; ++i) right_[i] -= h(i, k) * step[k];
+      if (pinned_[k] == 1) for_row(k, [&](std::size_t i, float element) { right_[i] -= element * step[k]; });
     for (std::size_t i = 0; i < n; ++i) right_[i] *= scale_[i];
     factorise(damping);
     back_substitute(right_, solution_);
