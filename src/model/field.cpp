@@ -44,9 +44,9 @@ float read(const std::uint8_t* p) {
   return static_cast<float>(value);
 }
 
-template <class Integer, std::size_t n>
+template <class Integer>
 void interpolate_bilinear(const std::uint8_t* samples, const Field& f, const Cell& cell, Interpolated& out) {
-  const std::size_t row = std::size_t{f.width} * n;
+  const std::size_t n = f.components, row = std::size_t{f.width} * n;
   const std::uint8_t* p = samples + f.first_byte + (cell.j * row + cell.i * n) * sizeof(Integer);
   for (std::size_t c = 0; c < n; ++c, p += sizeof(Integer)) {
     const float s00 = read<Integer>(p), s10 = read<Integer>(p + n * sizeof(Integer)),
@@ -125,13 +125,14 @@ void interpolate_bicubic(const std::uint8_t* samples, const Field& f, const Cell
   }
 }
 
-/// Value alone of the most usual kind of field, vectors of int16: the same bits in a third of the instructions.
+/// Value alone of the most usual kind of field, vectors: the same bits in a third of the instructions.
+template <class Integer>
 Vec3 sample_vector(const std::uint8_t* samples, const Field& f, const Cell& cell) {
   const std::size_t row = std::size_t{3} * f.width;
-  std::int16_t upper[6], lower[6];  // two neighbours each
-  const std::uint8_t* const p = samples + f.first_byte + 2 * (cell.j * row + 3 * cell.i);
+  Integer upper[6], lower[6];  // two neighbours each
+  const std::uint8_t* const p = samples + f.first_byte + sizeof(Integer) * (cell.j * row + 3 * cell.i);
   std::memcpy(upper, p, sizeof upper);
-  std::memcpy(lower, p + 2 * row, sizeof lower);
+  std::memcpy(lower, p + sizeof(Integer) * row, sizeof lower);
   float value[3];
   for (std::size_t c = 0; c < 3; ++c) {
     const auto s00 = static_cast<float>(upper[c]), s10 = static_cast<float>(upper[c + 3]),
@@ -143,16 +144,9 @@ Vec3 sample_vector(const std::uint8_t* samples, const Field& f, const Cell& cell
 }
 
 /// Any field, any way.
-Vec3 sample_any(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,
-                Vec3* dv) {
-  const Cell cell = locate(f, uv);
-  if (du != nullptr) *du = *dv = {};
-  if (!cell.inside) return {};
-  const auto bilinear =
-      f.bits == 16
-          ? (f.components == 3 ? interpolate_bilinear<std::int16_t, 3>
-                               : interpolate_bilinear<std::int16_t, 1>)
-          : (f.components == 3 ? interpolate_bilinear<std::int8_t, 3> : interpolate_bilinear<std::int8_t, 1>);
+Vec3 sample_any(const std::uint8_t* samples, const Field& f, const Cell& cell, Interpolation interpolation,
+                Vec3* du, Vec3* dv) {
+  const auto bilinear = f.bits == 16 ? interpolate_bilinear<std::int16_t> : interpolate_bilinear<std::int8_t>;
   Interpolated s;
   s.with_gradient = du != nullptr;
   (interpolation == Interpolation::bicubic ? interpolate_bicubic : bilinear)(samples, f, cell, s);
@@ -172,11 +166,12 @@ Vec3 sample_any(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolat
 
 Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,
                   Vec3* dv) {
-  if (du == nullptr && interpolation == Interpolation::bilinear && f.bits == 16 && f.components == 3) {
-    const Cell cell = locate(f, uv);
-    return cell.inside ? sample_vector(samples, f, cell) : Vec3{};
-  }
-  return sample_any(samples, f, uv, interpolation, du, dv);
+  if (du != nullptr) *du = *dv = {};
+  const Cell cell = locate(f, uv);
+  if (!cell.inside) return {};
+  if (du == nullptr && interpolation == Interpolation::bilinear && f.components == 3)
+    return (f.bits == 16 ? sample_vector<std::int16_t> : sample_vector<std::int8_t>)(samples, f, cell);
+  return sample_any(samples, f, cell, interpolation, du, dv);
 }
 
 Vec3 sample(const Model& model, const Field& field, Vec2 uv, Interpolation interpolation) {

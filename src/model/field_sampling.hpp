@@ -4,10 +4,17 @@
 
 namespace pliant {
 
-/// Whether the field may differ from zero at (u,v).
-inline bool is_in_support(const Field& f, Vec2 uv) {
-  const float right = clamp(uv.x, 0, 1), u = f.mirror ? 1 - right : right, v = clamp(uv.y, 0, 1);
-  return u >= f.u0 && u <= f.u1 && v >= f.v0 && v <= f.v1;
+/// A point of the chart, and its mirror image's u.
+struct ChartPoint {
+  float u, mirrored_u, v;
+
+  explicit ChartPoint(Vec2 uv) : u(clamp(uv.x, 0, 1)), mirrored_u(1 - u), v(clamp(uv.y, 0, 1)) {}
+};
+
+/// Whether the field may differ from zero there.
+inline bool is_in_support(const Field& f, const ChartPoint& at) {
+  const float u = f.mirror ? at.mirrored_u : at.u;
+  return u >= f.u0 && u <= f.u1 && at.v >= f.v0 && at.v <= f.v1;
 }
 
 /// Value of `f` at (u,v), from samples that start at `samples` + f.first_byte. With `du`, also the derivatives along u and

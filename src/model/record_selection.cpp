@@ -69,6 +69,7 @@ bool RecordSelection::is_chain(const Model& model, const CascadePlan& plan) cons
 Vec3 RecordSelection::point(const FieldSource& source, const CascadePlan& plan, Vec2 uv) {
   PLIANT_ASSERT(count_ > 0);  // `select` was called
   Vec3* const point = values_.point;
+  const ChartPoint at(uv);
   for (std::size_t k = 0; k < count_; ++k) {
     const std::size_t i = listed_[k];
     if (i == plan.personal_record()) {
@@ -79,7 +80,10 @@ Vec3 RecordSelection::point(const FieldSource& source, const CascadePlan& plan, 
     const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point[value_of_[r.source[0]]];
     if (r.operation == Operation::add_vector) {  // most of them, and most of those are of a part of the chart
       const Field& field = source.model.fields()[r.field];
-      point[i] = is_in_support(field, uv) ? p0 + q_[r.parameter[0]] * source.sample(r, uv) : p0;
+      point[i] = p0;
+      if (is_in_support(field, at))
+        point[i] = p0 + q_[r.parameter[0]] * sample_field(source.model.samples(), field, uv,
+                                                          source.interpolation, nullptr, nullptr);
       continue;
     }
     const Vec3 p1 = r.source[1] == kNone ? Vec3{} : point[value_of_[r.source[1]]];
