@@ -5,6 +5,7 @@
 // the last to the first: each writes one element beyond the end of a row, which is the first of the next row.
 #include "vision/cubic_phase.hpp"
 #include "vision/halfwords.hpp"
+#include "vision/patch_sampling.hpp"
 #include "vision/patch_sums.hpp"
 
 namespace pliant::patch::pairs {
@@ -166,6 +167,33 @@ inline void sample_cubic(const i16* block, int fx, int fy, int window, i16* scra
   const int row_length = block_stride(window);
   cubic_across(block, window + 3, row_length, window, fx, scratch);
   cubic_down(scratch, row_length, window, fy, out);
+}
+
+/// The line between the two pixels of a pair, at t / 2^15, in 1/64 grey.
+inline i32 blend(std::uint16_t pair, i32 t) {
+  const i32 first = pair & 255, second = pair >> 8;
+  return ((first << kLatticeBits) + (second - first) * t) >> (kLatticeBits - 6);
+}
+
+/// One sample at a time, because each has pixels of its own.
+inline void sample_lattice(const std::uint8_t* pixels, int stride, const Lattice& at, int window,
+                           i16* block) {
+  constexpr i32 kFraction = (1 << kLatticeBits) - 1;
+  const int columns = window + 2, to_next = block_stride(window) - columns;
+  for (int j = 0; j < columns; ++j, block += to_next) {
+    i32 x = at.x + j * at.down_x, y = at.y + j * at.down_y;
+    for (const i16* const end = block + columns; block != end; ++block) {
+      const std::uint8_t* p = pixels + (y >> kLatticeBits) * stride + (x >> kLatticeBits);
+      std::uint16_t upper, lower;
+      std::memcpy(&upper, p, sizeof upper);
+      std::memcpy(&lower, p + stride, sizeof lower);
+      const i32 h0 = blend(upper, x & kFraction), h1 = blend(lower, x & kFraction);
+      const i32 v = h1 + 2 * (((h1 - h0) * ((y & kFraction) - (1 << kLatticeBits))) >> 16);
+      *block = narrow(((v + 2) >> 2) - kGreyOffset);
+      x += at.across_x;
+      y += at.across_y;
+    }
+  }
 }
 
 // --- templates ---

@@ -44,8 +44,6 @@ void linear_rows(const i16* h, int window, i16 t, i16* out) {
   for (int y = 0; y < window; ++y) linear_down<L>(h + y * S, h + (y + 1) * S, t, out + y * window);
 }
 
-#endif
-
 // --- on a lattice: scalar code fetches the four pixels of each sample as two pairs, vectors do the rest ---
 
 // Pairs of neighbouring pixels: (x, x + 1) of the row above each sample, and of the row below it.
@@ -110,8 +108,6 @@ void blend_rows(Pairs pairs, const Lattice& at, int rows, i16* out) {
 
 // --- cubic ---
 
-#if !PLIANT_HAS_HALFWORDS
-
 // To 1/64 grey: with overshoot, 4 * 1.25 * 2048 fits. Without __restrict: with it, Clang keeps samples
 // from one iteration to the next and does not vectorise the loop.
 void cubic_across(const i16* v, int count, CubicPhase t, i16* out) {
@@ -164,6 +160,10 @@ void sample_cubic(const i16* block, int fx, int fy, int window, i16* scratch, i1
   pairs::sample_cubic(block, fx, fy, window, scratch, out);
 }
 
+void sample_lattice(const std::uint8_t* pixels, int stride, const Lattice& at, int window, i16*, i16* block) {
+  pairs::sample_lattice(pixels, stride, at, window, block);
+}
+
 #else
 
 PLIANT_WIDE_VECTORS
@@ -191,8 +191,6 @@ void sample_cubic(const i16* block, int fx, int fy, int window, i16* scratch, i1
   with_sizes(window, [&](auto s) { cubic_rows<s.kLanes, s.kStride>(scratch, window, t, out); });
 }
 
-#endif
-
 void sample_lattice(const std::uint8_t* pixels, int stride, const Lattice& at, int window, i16* scratch,
                     i16* block) {
   u16* const upper = reinterpret_cast<u16*>(scratch);
@@ -200,5 +198,7 @@ void sample_lattice(const std::uint8_t* pixels, int stride, const Lattice& at, i
   fetch_pairs(pixels, stride, at, window, pairs);
   with_sizes(window, [&](auto s) { blend_rows<s.kStride>(pairs, at, window + 2, block); });
 }
+
+#endif
 
 }  // namespace pliant::patch

@@ -5,10 +5,8 @@
 #include <cstring>
 
 #include "vision/bilinear.hpp"
-#include "vision/patch_pairs.hpp"
 #include "vision/patch_sampling.hpp"
 #include "vision/patch_sums.hpp"
-#include "vision/wide_vectors.hpp"
 
 namespace pliant::patch {
 namespace {
@@ -97,12 +95,18 @@ struct Bounds {
 const i16* load_partly_outside(const Lattice& lattice, const Bounds& bounds, const std::uint8_t* pixels,
                                int side, Workspace& work) {
   const int w = work.window, stride = block_stride(w);
-  for (int y = 0; y < w + 2; ++y)
+  for (int y = 0; y < w + 2; ++y) {
+    FixedPosition exact = at(lattice, 0, y);
+    i16 *row = work.block + y * stride, *mask = work.part + (y - 1) * w;
+    const unsigned masked = y > 0 && y <= w ? static_cast<unsigned>(w) : 0;  // the block's border has no mask
     for (int x = 0; x < w + 2; ++x) {
-      const FixedPosition exact = at(lattice, x, y);
-      work.block[y * stride + x] = sample(pixels, side, bounds.clamped(exact));
-      if (x > 0 && x <= w && y > 0 && y <= w) work.part[(y - 1) * w + x - 1] = bounds.contains(exact) ? 1 : 0;
+      const FixedPosition inside = bounds.clamped(exact);
+      row[x] = sample(pixels, side, inside);
+      if (static_cast<unsigned>(x - 1) < masked)
+        mask[x - 1] = ((inside.x ^ exact.x) | (inside.y ^ exact.y)) == 0 ? 1 : 0;
+      exact = {exact.x + lattice.across_x, exact.y + lattice.across_y};
     }
+  }
   return work.part;
 }
 
@@ -120,85 +124,7 @@ const i16* load_warped(const StoredTemplate& stored, const std::uint8_t* pixels,
   return work.all;
 }
 
-// --- gradients of a block ---
-
-#if !PLIANT_HAS_HALFWORDS
-
-// Half of (3 a + 10 b + 3 c), where b is one `step` on and c two. |3 + 10 + 3| * 2048 = 2^15 at most, just within.
-PLIANT_WIDE_VECTORS
-void smooth3(const i16* __restrict in, int step, int count, i16* __restrict out) {
-  const i16* __restrict b = in + step, * __restrict c = in + 2 * step;
-  const int n = whole_vectors(count);
-  for (int i = 0; i < n; ++i)
-    out[i] = narrow(narrow(narrow(3 * narrow(in[i] + c[i])) + narrow(10 * b[i])) >> 1);
-}
-
-// These two are not inlined: in the caller GCC forgets that nothing overlaps and finds no vectors.
-template <int L>
-[[gnu::noinline]] void mask_row(const i16* __restrict v, const i16* __restrict mask, i16* __restrict t,
-                                i16* __restrict m) {
-  constexpr GreyRange r = kUsableGrey;
-  for (int k = 0; k < L; ++k) {
-    const i16 use = narrow(mask[k] & (v[k] > r.lowest) & (v[k] < r.highest));
-    m[k] = use;
-    t[k] = narrow(v[k] * use);
-  }
-}
-
-// The difference of two smoothed neighbours, where m is 1.
-template <int L>
-[[gnu::noinline]] void gradient_row(const i16* __restrict before, const i16* __restrict after,
-                                    const i16* __restrict m, i16* __restrict out) {
-  for (int k = 0; k < L; ++k) out[k] = narrow(narrow(narrow(after[k] - before[k]) >> 4) * m[k]);
-}
-
-// `down` is the block smoothed along columns, stored one row higher. `across` is the block smoothed along rows, stored one
-// column further left.
-template <int L, int S>
-void template_rows(const i16* block, const i16* down, const i16* across, const i16* mask, int window,
-                   Template out) {
-  for (int y = 0, k = 0; y < window; ++y, k += window) {
-    mask_row<L>(block + (y + 1) * S + 1, mask + k, out.t + k, out.m + k);
-    gradient_row<L>(down + y * S, down + y * S + 2, out.m + k, out.gx + k);
-    gradient_row<L>(across + y * S, across + (y + 2) * S, out.m + k, out.gy + k);
-  }
-}
-
-#endif
-
 }  // namespace
-
-#if PLIANT_HAS_HALFWORDS
-
-void make_template(const i16* block, const i16* mask, int window, i16* scratch, Template out) {
-  const int stride = block_stride(window);
-  i16 *down = scratch, *across = scratch + block_size(window);
-  pairs::smooth3(block, stride, window * stride, down);
-  pairs::smooth3(block, 1, (window + 2) * stride, across);
-  const int count = pairs::columns(window);
-  for (int k = 0; k < window * window; k += window) {
-    pairs::mask_row(block + stride + 1, mask + k, count, out.t + k, out.m + k);
-    pairs::gradient_row(down, down + 2, out.m + k, count, out.gx + k);
-    pairs::gradient_row(across, across + 2 * stride, out.m + k, count, out.gy + k);
-    block += stride;
-    down += stride;
-    across += stride;
-  }
-}
-
-#else
-
-PLIANT_WIDE_VECTORS
-void make_template(const i16* block, const i16* mask, int window, i16* scratch, Template out) {
-  const int stride = block_stride(window);
-  i16 *down = scratch, *across = scratch + block_size(window);
-  smooth3(block, stride, window * stride, down);
-  smooth3(block, 1, (window + 2) * stride, across);
-  with_sizes(window,
-             [&](auto s) { template_rows<s.kLanes, s.kStride>(block, down, across, mask, window, out); });
-}
-
-#endif
 
 void load_block(const ImageView& image, int left, int top, Workspace& work) {
   const int rows = block_rows(work.window), columns = block_stride(work.window);

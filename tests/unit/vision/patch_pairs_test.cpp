@@ -95,6 +95,28 @@ TEST_CASE("samples by pairs are the plain samples, for every window and phase") 
   }
 }
 
+TEST_CASE("samples on a lattice, one at a time, are the plain ones") {
+  texture::Random random(7);
+  std::vector<std::uint8_t> pixels(64 * 64);
+  for (auto& p : pixels) p = static_cast<std::uint8_t>(random.uniform(0, 256));
+  for (int window = kMinWindow; window <= kMaxWindow; window += 2) {
+    const auto size = static_cast<std::size_t>(block_size(window));
+    Array scratch(2 * size), block(size), block2(size);
+    for (int turn = 0; turn < 20; ++turn) {
+      constexpr int kOne = 1 << kLatticeBits;
+      const auto near = [&](int middle) { return middle + static_cast<int>(random.uniform(-9000, 9000)); };
+      const Lattice at{near(15 * kOne), near(15 * kOne), near(kOne), near(0), near(0), near(kOne)};
+      sample_lattice(pixels.data(), 64, at, window, scratch.data(), block.data());
+      pairs::sample_lattice(pixels.data(), 64, at, window, block2.data());
+      for (int y = 0; y < window + 2; ++y)
+        for (int x = 0; x < window + 2; ++x) {
+          const auto k = static_cast<std::size_t>(y * block_stride(window) + x);
+          REQUIRE(block[k] == block2[k]);
+        }
+    }
+  }
+}
+
 TEST_CASE("a row of a template by pairs is the definition's") {
   constexpr int kCount = 12;
   const auto before = random_values(1, kCount, -15000, 15000),
