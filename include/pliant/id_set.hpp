@@ -51,6 +51,7 @@ class IdSet {
   /// The lowest id in use that is at least `from`; the capacity when there is none. O(capacity / 64).
   std::size_t next_used(std::size_t from) const {
     if (from >= capacity_) return capacity_;
+    if (is_used(static_cast<std::uint16_t>(from))) return from;  // usually so in a walk
     std::size_t word = from >> 6;
     std::uint64_t bits = ~free_[word] >> (from & 63) << (from & 63);
     for (const std::size_t last = (capacity_ - 1) >> 6; bits == 0 && word < last;) bits = ~free_[++word];

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "vision/halfwords.hpp"
+
 namespace pliant::corners {
 namespace {
 
@@ -23,13 +25,29 @@ void scharr(const std::uint8_t* b, std::ptrdiff_t stride, int n, i16* down, i16*
     gy[x] = static_cast<i16>(3 * ((c[x] - a[x]) + (c[x + 2] - a[x + 2])) + 10 * (c[x + 1] - a[x + 1]));
 }
 
-void add_products(const i16* __restrict a, const i16* __restrict b, int n, i32 sign, i32* __restrict sum) {
-  for (int x = 0; x < n; ++x) sum[x] += sign * (i32{a[x]} * b[x]);
+void add_products(const i16* __restrict gx, const i16* __restrict gy, int n, i32 sign, i32* __restrict xx,
+                  i32* __restrict xy, i32* __restrict yy) {
+  for (int x = 0; x < n; ++x) {
+    const i32 ax = gx[x], ay = gy[x];
+    xx[x] += sign * (ax * ax);
+    xy[x] += sign * (ax * ay);
+    yy[x] += sign * (ay * ay);
+  }
 }
 
 void sum_window(const i32* in, int n, i32* out) {
+#if PLIANT_HAS_HALFWORDS  // no vectors
+  i32 sum = 0;
+  for (int x = 0; x < kWindow - 1; ++x) sum += in[x];
+  for (int x = 0; x < n; ++x) {
+    sum += in[x + kWindow - 1];
+    out[x] = sum;
+    sum -= in[x];
+  }
+#else
   for (int x = 0; x < n; ++x)
     out[x] = in[x] + in[x + 1] + in[x + 2] + in[x + 3] + in[x + 4] + in[x + 5] + in[x + 6];
+#endif
 }
 
 float smallest_eigenvalue(float xx, float xy, float yy) {
@@ -81,9 +99,7 @@ void RowScorer::add_row(int y, int sign) {
         image_->data + static_cast<std::ptrdiff_t>(y) * image_->stride + first_ - kRadius - 1;
     scharr(p, image_->stride, n, smooth_, gx, gy);
   }
-  add_products(gx, gx, n, sign, xx_);
-  add_products(gx, gy, n, sign, xy_);
-  add_products(gy, gy, n, sign, yy_);
+  add_products(gx, gy, n, sign, xx_, xy_, yy_);
 }
 
 void RowScorer::next(float min_ratio, float* scores) {

@@ -22,6 +22,11 @@ inline Pair load_pair(const i16* at) {
   std::memcpy(&p, at, sizeof p);
   return p;
 }
+inline std::uint32_t load_bytes(const std::uint8_t* at) {
+  std::uint32_t word;
+  std::memcpy(&word, at, sizeof word);
+  return word;
+}
 inline void store_pair(Pair p, i16* at) {
   std::memcpy(at, &p, sizeof p);
 }
@@ -76,6 +81,19 @@ inline i32 product_high_low(Pair p, Pair q) {
 inline Pair saturated12(Pair p) {
   return __ssat16(p, 12);
 }
+/// before + the bytes 0 and 2 of a word; bytes 1 and 3.
+inline Pair add_even_bytes(Pair before, std::uint32_t word) {
+  return static_cast<Pair>(__uxtab16(static_cast<std::uint32_t>(before), word));
+}
+inline Pair add_odd_bytes(Pair before, std::uint32_t word) {
+  Pair p;
+  __asm__("uxtab16 %0, %1, %2, ror #8" : "=r"(p) : "r"(before), "r"(word));
+  return p;
+}
+/// before + all four bytes of a word.
+inline std::uint32_t add_bytes(std::uint32_t before, std::uint32_t word) {
+  return __usada8(word, 0, before);
+}
 /// The lower halves of a >> n and b >> n, 0 < n < 16.
 template <int n>
 inline Pair shifted(i32 a, i32 b) {
@@ -83,7 +101,12 @@ inline Pair shifted(i32 a, i32 b) {
   __asm__("pkhbt %0, %1, %2, lsl %3" : "=r"(p) : "r"(a >> n), "r"(b), "i"(16 - n));
   return p;
 }
-/// The upper halves.
+/// The lower halves; the upper halves.
+inline Pair lowers(i32 a, i32 b) {
+  Pair p;
+  __asm__("pkhbt %0, %1, %2, lsl #16" : "=r"(p) : "r"(a), "r"(b));
+  return p;
+}
 inline Pair uppers(i32 a, i32 b) {
   Pair p;
   __asm__("pkhtb %0, %1, %2, asr #16" : "=r"(p) : "r"(b), "r"(a));
@@ -114,9 +137,21 @@ inline Pair saturated12(Pair p) {
   const auto cut = [](i32 v) { return v < -2048 ? -2048 : v > 2047 ? 2047 : v; };
   return pair_of(cut(low(p)), cut(high(p)));
 }
+inline Pair add_even_bytes(Pair before, std::uint32_t word) {
+  return before + static_cast<Pair>(word & 0x00ff00ffu);
+}
+inline Pair add_odd_bytes(Pair before, std::uint32_t word) {
+  return before + static_cast<Pair>(word >> 8 & 0x00ff00ffu);
+}
+inline std::uint32_t add_bytes(std::uint32_t before, std::uint32_t word) {
+  return before + (word & 255u) + (word >> 8 & 255u) + (word >> 16 & 255u) + (word >> 24);
+}
 template <int n>
 inline Pair shifted(i32 a, i32 b) {
   return pair_of(a >> n, b >> n);
+}
+inline Pair lowers(i32 a, i32 b) {
+  return pair_of(a, b);
 }
 inline Pair uppers(i32 a, i32 b) {
   return pair_of(a >> 16, b >> 16);

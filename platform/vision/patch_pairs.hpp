@@ -78,11 +78,10 @@ inline void load_rows(const std::uint8_t* pixels, std::ptrdiff_t stride, int row
   const std::ptrdiff_t to_next = stride - row_length;
   for (int y = 0; y < rows; ++y, pixels += to_next)
     for (const i16* const end = out + row_length; out != end; out += 4, pixels += 4) {
-      std::uint32_t four;
-      std::memcpy(&four, pixels, sizeof four);
-      const Pair even = subtract(static_cast<Pair>((four & 0x00ff00ffu) << 4), kOffset);
-      const Pair odd = subtract(static_cast<Pair>((four >> 8 & 0x00ff00ffu) << 4), kOffset);
-      store_pair(pair_of(even, odd), out);
+      const std::uint32_t four = load_bytes(pixels);
+      const Pair even = subtract(add_even_bytes(0, four) << 4, kOffset),
+                 odd = subtract(add_odd_bytes(0, four) << 4, kOffset);
+      store_pair(lowers(even, odd), out);
       store_pair(uppers(even, odd), out + 2);
     }
 }

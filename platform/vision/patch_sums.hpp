@@ -37,9 +37,20 @@ i32 dot(const i16* v, const i16* a, int count);
 /// Sum of the squares of v where m is 1.
 i32 sum_squares(const i16* v, const i16* m, int count);
 
+/// The nearest float of an integer below 2^53 in magnitude. A double that the processor has is exact on the way and saves
+/// the call of a function.
+inline float nearest_float(std::int64_t v) {
+#if defined(__ARM_FP) && (__ARM_FP & 8) && !defined(__aarch64__)
+  return static_cast<float>(4294967296.0 * static_cast<std::int32_t>(v >> 32) +
+                            static_cast<std::uint32_t>(v));
+#else
+  return static_cast<float>(v);
+#endif
+}
+
 /// Sum of (a - mean a) (b - mean b) over n pixels from the plain sums. Exact but for two roundings at the end.
 inline float centred(std::int64_t n, float inverse_n, i32 ab, i32 a, i32 b) {
-  return static_cast<float>(n * ab - std::int64_t{a} * b) * inverse_n;
+  return nearest_float(n * ab - std::int64_t{a} * b) * inverse_n;
 }
 
 }  // namespace pliant::patch

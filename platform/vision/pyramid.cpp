@@ -5,6 +5,8 @@
 
 #include <cstring>
 
+#include "vision/halfwords.hpp"
+
 namespace pliant {
 namespace {
 
@@ -27,8 +29,22 @@ void smooth_columns(const ImageView& src, int y, std::uint16_t* __restrict line)
   for (int k = 0; k < 5; ++k)
     row[k] = src.data + static_cast<std::ptrdiff_t>(reflected(y + k - kBorder, src.height)) * src.stride;
   const std::uint8_t *a = row[0], *b = row[1], *c = row[2], *d = row[3], *e = row[4];
-  for (int x = 0; x < src.width; ++x)
-    line[x] = static_cast<std::uint16_t>(a[x] + e[x] + 4 * (b[x] + d[x]) + 6 * c[x]);
+  int x = 0;
+#if PLIANT_HAS_HALFWORDS
+  using namespace patch;
+  for (; x + 4 <= src.width; x += 4) {
+    const std::uint32_t wa = load_bytes(a + x), wb = load_bytes(b + x), wc = load_bytes(c + x),
+                        wd = load_bytes(d + x), we = load_bytes(e + x);
+    const Pair even_c = add_even_bytes(0, wc), odd_c = add_odd_bytes(0, wc);
+    const Pair even = add_even_bytes(add_even_bytes(0, wa), we) +
+                      4 * add_even_bytes(add_even_bytes(0, wb), wd) + 6 * even_c;
+    const Pair odd =
+        add_odd_bytes(add_odd_bytes(0, wa), we) + 4 * add_odd_bytes(add_odd_bytes(0, wb), wd) + 6 * odd_c;
+    const Pair out[2] = {lowers(even, odd), uppers(even, odd)};
+    std::memcpy(line + x, out, sizeof out);
+  }
+#endif
+  for (; x < src.width; ++x) line[x] = static_cast<std::uint16_t>(a[x] + e[x] + 4 * (b[x] + d[x]) + 6 * c[x]);
 }
 
 void reflect_ends(std::uint16_t* line, int width) {
@@ -39,11 +55,27 @@ void reflect_ends(std::uint16_t* line, int width) {
 }
 
 void smooth_and_halve_row(const std::uint16_t* __restrict line, int out_width, std::uint8_t* __restrict out) {
+#if PLIANT_HAS_HALFWORDS
+  using namespace patch;
+  constexpr Pair kFirst = pair_of(1, 4), kSecond = pair_of(6, 4);
+  Pair before, here;  // of the pixels -2 and -1, and of 0 and 1; sums of columns are less than 2^12
+  std::memcpy(&before, line - 2, sizeof before);
+  std::memcpy(&here, line, sizeof here);
+  for (int x = 0; x < out_width; ++x) {
+    Pair after;
+    std::memcpy(&after, line += 2, sizeof after);
+    const i32 sum = add_products(here, kSecond, add_products(before, kFirst, 128)) + low(after);
+    out[x] = static_cast<std::uint8_t>(sum >> 8);
+    before = here;
+    here = after;
+  }
+#else
   for (int x = 0; x < out_width; ++x) {
     const std::uint16_t* v = line + 2 * x;
     const auto sum = static_cast<std::uint16_t>(v[-2] + v[2] + 4 * (v[-1] + v[1]) + 6 * v[0] + 128);
     out[x] = static_cast<std::uint8_t>(sum >> 8);
   }
+#endif
 }
 
 void halve(const ImageView& src, std::uint8_t* out, int out_width, int out_height, std::uint16_t* line) {

@@ -11,11 +11,7 @@ namespace {
 // Sum of `n` pixels of a row, four at a time where they are contiguous.
 unsigned sum_of(const std::uint8_t* row, int n, int pixel_step) {
   unsigned sum = 0;
-  for (; pixel_step == 1 && n >= 4; n -= 4, row += 4) {
-    std::uint32_t four;
-    std::memcpy(&four, row, sizeof four);
-    sum = __usada8(four, 0, sum);
-  }
+  for (; pixel_step == 1 && n >= 4; n -= 4, row += 4) sum = patch::add_bytes(sum, patch::load_bytes(row));
   for (; n > 0; --n, row += pixel_step) sum += *row;
   return sum;
 }
