@@ -1,5 +1,6 @@
 #include "face/gradient_map.hpp"
 
+#include "vision/halfwords.hpp"
 #include "vision/wide_vectors.hpp"
 
 namespace pliant {
@@ -150,7 +151,16 @@ void mirror_block(const std::uint8_t* block, int cells, std::uint8_t* out) {
 PLIANT_WIDE_VECTORS
 std::int32_t dot_bytes(const std::int8_t* weight, const std::uint8_t* value, std::size_t count) {
   std::int32_t sum = 0;
-  for (std::size_t k = 0; k < count; ++k) sum += weight[k] * value[k];
+  std::size_t k = 0;
+#if PLIANT_HAS_HALFWORDS
+  using namespace patch;
+  for (; k + 4 <= count; k += 4) {
+    const std::uint32_t weights = load_bytes(weight + k), values = load_bytes(value + k);
+    sum = add_products(signed_even_bytes(weights), add_even_bytes(0, values), sum);
+    sum = add_products(signed_odd_bytes(weights), add_odd_bytes(0, values), sum);
+  }
+#endif
+  for (; k < count; ++k) sum += weight[k] * value[k];
   return sum;
 }
 

@@ -22,7 +22,7 @@ inline Pair load_pair(const i16* at) {
   std::memcpy(&p, at, sizeof p);
   return p;
 }
-inline std::uint32_t load_bytes(const std::uint8_t* at) {
+inline std::uint32_t load_bytes(const void* at) {
   std::uint32_t word;
   std::memcpy(&word, at, sizeof word);
   return word;
@@ -90,6 +90,15 @@ inline Pair add_odd_bytes(Pair before, std::uint32_t word) {
   __asm__("uxtab16 %0, %1, %2, ror #8" : "=r"(p) : "r"(before), "r"(word));
   return p;
 }
+/// The bytes 0 and 2 of a word, with their signs; bytes 1 and 3.
+inline Pair signed_even_bytes(std::uint32_t word) {
+  return __sxtb16(static_cast<Pair>(word));
+}
+inline Pair signed_odd_bytes(std::uint32_t word) {
+  Pair p;
+  __asm__("sxtb16 %0, %1, ror #8" : "=r"(p) : "r"(word));
+  return p;
+}
 /// before + all four bytes of a word.
 inline std::uint32_t add_bytes(std::uint32_t before, std::uint32_t word) {
   return __usada8(word, 0, before);
@@ -142,6 +151,12 @@ inline Pair add_even_bytes(Pair before, std::uint32_t word) {
 }
 inline Pair add_odd_bytes(Pair before, std::uint32_t word) {
   return before + static_cast<Pair>(word >> 8 & 0x00ff00ffu);
+}
+inline Pair signed_even_bytes(std::uint32_t word) {
+  return pair_of(static_cast<std::int8_t>(word), static_cast<std::int8_t>(word >> 16));
+}
+inline Pair signed_odd_bytes(std::uint32_t word) {
+  return signed_even_bytes(word >> 8);
 }
 inline std::uint32_t add_bytes(std::uint32_t before, std::uint32_t word) {
   return before + (word & 255u) + (word >> 8 & 255u) + (word >> 16 & 255u) + (word >> 24);

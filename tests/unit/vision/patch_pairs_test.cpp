@@ -49,6 +49,23 @@ TEST_CASE("operations on pairs are those on both elements") {
   }
 }
 
+TEST_CASE("bytes of a word become pairs") {
+  texture::Random random(4);
+  for (int k = 0; k < 1000; ++k) {
+    std::uint8_t b[4];
+    for (auto& x : b) x = static_cast<std::uint8_t>(random.uniform(0, 256));
+    const auto sign = [](std::uint8_t x) { return x < 128 ? x : x - 256; };
+    const std::uint32_t word = load_bytes(b);
+    const Pair before = pair_of(k, 3 * k);
+    REQUIRE(add_even_bytes(before, word) == pair_of(k + b[0], 3 * k + b[2]));
+    REQUIRE(add_odd_bytes(before, word) == pair_of(k + b[1], 3 * k + b[3]));
+    REQUIRE(signed_even_bytes(word) == pair_of(sign(b[0]), sign(b[2])));
+    REQUIRE(signed_odd_bytes(word) == pair_of(sign(b[1]), sign(b[3])));
+    REQUIRE(add_bytes(7, word) == 7u + b[0] + b[1] + b[2] + b[3]);
+    REQUIRE(lowers(k, 5 * k) == pair_of(k, 5 * k));
+  }
+}
+
 TEST_CASE("sums of pairs are the plain sums") {
   constexpr int kCount = 96;
   const auto v = random_values(1, kCount, -2048, 2047), a = random_values(2, kCount, -2048, 2047),
