@@ -1,6 +1,6 @@
 #include "face/gradient_map.hpp"
 
-#include "vision/wide_vectors.hpp"
+#include "base/wide_vectors.hpp"
 
 namespace pliant {
 

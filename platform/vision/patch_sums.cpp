@@ -1,6 +1,6 @@
 #include "vision/patch_sums.hpp"
 
-#include "vision/wide_vectors.hpp"
+#include "base/wide_vectors.hpp"
 
 // With count & ~15 the compiler generates loops over whole vectors only.
 namespace pliant::patch {

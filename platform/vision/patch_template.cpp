@@ -7,7 +7,7 @@
 #include "vision/bilinear.hpp"
 #include "vision/patch_sampling.hpp"
 #include "vision/patch_sums.hpp"
-#include "vision/wide_vectors.hpp"
+#include "base/wide_vectors.hpp"
 
 namespace pliant::patch {
 namespace {

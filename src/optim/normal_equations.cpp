@@ -2,6 +2,7 @@
 #include "pliant/normal_equations.hpp"
 
 #include "base/lanes.hpp"
+#include "base/wide_vectors.hpp"
 #include "optim/normal_equations_tuning.hpp"
 
 namespace pliant {
@@ -11,6 +12,21 @@ namespace {
 constexpr NormalEquationsTuning kTuning = kNormalEquationsTuning;
 constexpr std::size_t kGatheredRows = kTuning.gathered_rows, kTileRows = kTuning.tile_rows,
                       kTileColumns = kTuning.tile_columns, kPanel = kTuning.panel;
+constexpr std::size_t kWideLanes = 8;  // floats of the widest vector that add_products is compiled for
+
+/// The rows of one observation, in H: h_(k, j) += (B^T W B)_(k, j) for each of its columns k, and all j >= k. B has n columns, zeros
+/// included, in x and y. Rounded up to whole vectors: beyond a row's end, zeros are added to the next row.
+PLIANT_WIDE_VECTORS
+void add_products(float* __restrict h, std::size_t n, const std::uint16_t* unknown, std::size_t columns,
+                  const float* __restrict x, const float* __restrict y, Sym2 w) {
+  for (std::size_t i = 0; i < columns; ++i) {
+    const std::size_t k = unknown[i], whole = (n - k + kWideLanes - 1) / kWideLanes * kWideLanes;
+    const float wx = w.xx * x[k] + w.xy * y[k], wy = w.xy * x[k] + w.yy * y[k];
+    float* __restrict const row = h + (k * n - k * (k + 1) / 2) + k;
+    const float *const along_x = x + k, *const along_y = y + k;
+    for (std::size_t j = 0; j < whole; ++j) row[j] += wx * along_x[j] + wy * along_y[j];
+  }
+}
 
 /// y -= f x over [0, n).
 void subtract_scaled(float* y, float f, const float* x, std::size_t n) {
@@ -52,7 +68,7 @@ float dot_product(const float* a, const float* b, std::size_t n) {
 void NormalEquations::lay_out(Arena& arena, std::size_t unknowns) {
   const std::size_t packed = unknowns * (unknowns + 1) / 2;
   h_ = arena.take<float>(packed +
-                         kLanes);  // the lanes of the last row may end beyond it; they add zeros there
+                         kWideLanes);  // vectors of the last row may end beyond it; they add zeros there
   factor_ = arena.take<float>(packed);
   stride_ = unknowns + kTileColumns;  // a tile may end beyond the last unknown, where the rows are zero
   rows_ = arena.take<float>(kGatheredRows * stride_);
@@ -71,7 +87,7 @@ void NormalEquations::reset(std::size_t count) {
   PLIANT_ASSERT(count <= capacity_);
   count_ = count;
   gathered_ = 0;
-  for (std::size_t j = count; j < count + kLanes; ++j) spread_x_[j] = spread_y_[j] = 0;
+  for (std::size_t j = 0; j < count + kWideLanes; ++j) spread_x_[j] = spread_y_[j] = 0;
   for (std::size_t i = 0; i < count * (count + 1) / 2; ++i) h_[i] = 0;
   for (std::size_t i = 0; i < count; ++i) {
     g_[i] = 0;
@@ -127,32 +143,25 @@ float* NormalEquations::gathered_row(float residual) {
   return row;
 }
 
-/// The columns are first written into two full rows with zeros elsewhere, so that each row of H is updated by whole lanes.
-/// Lanes beyond the end of a row add zeros to the next row.
+/// The columns are first written into two full rows, which are zero between calls, so that each row of H is updated by whole vectors.
 void NormalEquations::add_sparse(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
                                  Vec2 residual, Sym2 w) {
-  const std::size_t n = count_;
-  float *const h = h_, *const g = g_, *const along_x = spread_x_, *const along_y = spread_y_;
-  const bool whole = !gradient_only_;
-  for (std::size_t j = 0; whole && j < n; j += kLanes) {
-    store(splat(0), along_x + j);
-    store(splat(0), along_y + j);
-  }
-  for (std::size_t i = 0; whole && i < columns; ++i) {
+  float *const g = g_, *const along_x = spread_x_, *const along_y = spread_y_;
+  const Vec2 force{w.xx * residual.x + w.xy * residual.y, w.xy * residual.x + w.yy * residual.y};
+  for (std::size_t i = 0; i < columns; ++i) {
     along_x[unknown[i]] = column[i].x;
     along_y[unknown[i]] = column[i].y;
+    g[unknown[i]] += force.x * column[i].x + force.y * column[i].y;
   }
-  for (std::size_t i = 0; i < columns; ++i) {
-    const Vec2 b = column[i];
-    const std::size_t k = unknown[i];
-    const float wx = w.xx * b.x + w.xy * b.y, wy = w.xy * b.x + w.yy * b.y;
-    g[k] += wx * residual.x + wy * residual.y;
-    float* row = h + (k * n - k * (k + 1) / 2);  // h_(k, j) = row[j]; only j >= k is stored
-    if (!whole) row[k] += wx * b.x + wy * b.y;
-    const Lanes x = splat(wx), y = splat(wy);
-    for (std::size_t j = k; whole && j < n; j += kLanes)
-      store(load(row + j) + (x * load(along_x + j) + y * load(along_y + j)), row + j);
+  if (gradient_only_) {
+    for (std::size_t i = 0; i < columns; ++i) {
+      const Vec2 b = column[i];
+      h_[index(unknown[i], unknown[i])] += b.x * (w.xx * b.x + w.xy * b.y) + b.y * (w.xy * b.x + w.yy * b.y);
+    }
+  } else {
+    add_products(h_, count_, unknown, columns, along_x, along_y, w);
   }
+  for (std::size_t i = 0; i < columns; ++i) along_x[unknown[i]] = along_y[unknown[i]] = 0;
 }
 
 /// Adds the gathered rows to H and g.
