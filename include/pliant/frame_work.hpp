@@ -26,7 +26,7 @@ struct WorkCosts {
 
   /// \param window    side of a template, px. \param unknowns  of the solve. \param samples  of one surface point.
   static constexpr WorkCosts of(float window, float unknowns, float samples) {
-    return {18 * window * window, 0.87f * unknowns * unknowns + 37 * samples + 500, 18 * samples + 90,
+    return {18 * window * window, 0.45f * unknowns * unknowns + 37 * samples + 500, 18 * samples + 90,
             0.65f * unknowns * unknowns * unknowns};
   }
   /// Of the solves alone.

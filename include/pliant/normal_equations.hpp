@@ -102,6 +102,7 @@ class NormalEquations {
   void back_substitute(const float* right, float* x);
 
   float *h_ = nullptr, *factor_ = nullptr, *rows_ = nullptr, *row_residual_ = nullptr;
+  float *spread_x_ = nullptr, *spread_y_ = nullptr;  // rows of a sparse observation, for vectors; zero between calls
   float *g_ = nullptr, *scale_ = nullptr, *lower_ = nullptr, *upper_ = nullptr, *right_ = nullptr,
         *solution_ = nullptr, *compact_ = nullptr;
   std::uint8_t* pinned_ = nullptr;  // 1: to a limit; 2: undetermined

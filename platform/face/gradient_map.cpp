@@ -1,7 +1,7 @@
 #include "face/gradient_map.hpp"
 
+#include "base/wide_vectors.hpp"
 #include "vision/halfwords.hpp"
-#include "vision/wide_vectors.hpp"
 
 namespace pliant {
 

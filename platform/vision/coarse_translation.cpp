@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "base/wide_vectors.hpp"
 #include "vision/coarse_translation_tuning.hpp"
 
 namespace pliant {
@@ -10,12 +11,32 @@ namespace {
 
 constexpr CoarseTranslationTuning kTuning = kCoarseTranslationTuning;
 
+/// Of grey levels a of the reference and b of the image: 65025 n fits.
 struct Sums {
-  std::int64_t n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+  std::int32_t n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 };
 
+PLIANT_WIDE_VECTORS
+Sums sums_of(const std::uint8_t* __restrict p, int p_stride, const std::uint8_t* __restrict q, int q_stride,
+             int width, int rows) {
+  Sums s;
+  for (int y = 0; y < rows; ++y, p += p_stride, q += q_stride) {
+    for (int x = 0; x < width; ++x) {
+      const auto a = static_cast<std::int16_t>(p[x]), b = static_cast<std::int16_t>(q[x]);
+      s.a += a;
+      s.b += b;
+      s.aa += a * a;
+      s.bb += b * b;
+      s.ab += a * b;
+    }
+  }
+  s.n = width * rows;
+  return s;
+}
+
 float correlation(const Sums& s) {
-  const std::int64_t ab = s.n * s.ab - s.a * s.b, aa = s.n * s.aa - s.a * s.a, bb = s.n * s.bb - s.b * s.b;
+  const std::int64_t n = s.n, a = s.a, b = s.b;
+  const std::int64_t ab = n * s.ab - a * b, aa = n * s.aa - a * a, bb = n * s.bb - b * b;
   if (aa <= 0 || bb <= 0) return 0;
   return static_cast<float>(ab) / (square_root(static_cast<float>(aa)) * square_root(static_cast<float>(bb)));
 }
@@ -26,10 +47,8 @@ class Search {
   Search(const ImageView& reference, const ImageView& current, const PixelBox& box, int range_px)
       : reference_(reference), current_(current), box_(box), range_px_(range_px) {
     const int width = box.x1 - box.x0, height = box.y1 - box.y0;
-    while ((width / spacing_) * (height / spacing_) > kTuning.max_pixels) ++spacing_;
-    const std::int64_t all =
-        std::int64_t{(width + spacing_ - 1) / spacing_} * ((height + spacing_ - 1) / spacing_);
-    min_pixels_ = all / kTuning.min_overlap_divisor;
+    while (width * (height / spacing_) > kTuning.max_pixels) ++spacing_;
+    min_pixels_ = width * ((height + spacing_ - 1) / spacing_) / kTuning.min_overlap_divisor;
     best_ = correlation_at(0, 0);
   }
 
@@ -68,44 +87,23 @@ class Search {
   }
 
   float correlation_at(int dx, int dy) const {
-    Sums total;
-    for (int y = box_.y0; y < box_.y1; y += spacing_) {
-      const int yc = y + dy;
-      if (yc >= 0 && yc < current_.height) add_row(y, dx, yc, total);
-    }
-    return total.n < min_pixels_ ? 0.0f : correlation(total);
-  }
-
-  // One row of the reference, shifted by dx, with the row yc of the current image.
-  void add_row(int y, int dx, int yc, Sums& total) const {
-    const std::uint8_t* r = reference_.data + y * reference_.stride;
-    const std::uint8_t* c = current_.data + yc * current_.stride + dx;
-    int x0 = box_.x0, x1 = box_.x1;
-    while (x0 < x1 && x0 + dx < 0) x0 += spacing_;
-    if (x1 + dx > current_.width) x1 = current_.width - dx;
-    std::int32_t n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
-    for (int x = x0; x < x1; x += spacing_) {
-      const std::int32_t p = r[x], q = c[x];
-      ++n;
-      a += p;
-      b += q;
-      aa += p * p;
-      bb += q * q;
-      ab += p * q;
-    }
-    total.n += n;
-    total.a += a;
-    total.b += b;
-    total.aa += aa;
-    total.bb += bb;
-    total.ab += ab;
+    const int x0 = box_.x0 + dx < 0 ? -dx : box_.x0;
+    const int x1 = box_.x1 + dx > current_.width ? current_.width - dx : box_.x1;
+    int y0 = box_.y0;
+    while (y0 + dy < 0) y0 += spacing_;
+    const int y1 = box_.y1 + dy > current_.height ? current_.height - dy : box_.y1;
+    if (x0 >= x1 || y0 >= y1) return 0;
+    const Sums sums = sums_of(reference_.data + y0 * reference_.stride + x0, spacing_ * reference_.stride,
+                              current_.data + (y0 + dy) * current_.stride + x0 + dx,
+                              spacing_ * current_.stride, x1 - x0, (y1 - y0 + spacing_ - 1) / spacing_);
+    return sums.n < min_pixels_ ? 0.0f : correlation(sums);
   }
 
   const ImageView& reference_;
   const ImageView& current_;
   PixelBox box_;
-  int range_px_, spacing_ = 1;
-  std::int64_t min_pixels_ = 0;
+  int range_px_, spacing_ = 1;  // of the rows that are compared
+  int min_pixels_ = 0;
   int best_x_ = 0, best_y_ = 0;
   float best_ = 0;
 };

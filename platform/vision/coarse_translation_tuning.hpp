@@ -5,8 +5,9 @@ namespace pliant {
 
 /// Tuning of the coarse search. Each constant: unit, reason, experiment.
 struct CoarseTranslationTuning {
-  /// Pixels compared for each shift, at most about. Bounds the cost; round value, not tuned.
-  int max_pixels = 600;
+  /// Pixels compared for each shift, at most about: of larger boxes rows are left out. Bounds the cost; with the default limits a
+  /// face that fills half of the frame has every second row. Round value, not tuned.
+  int max_pixels = 1200;
   /// Smallest side of a box, px. Guard, not tuned.
   int min_side_px = 4;
   /// A shift is considered if at least one pixel in this many is in both images. Round value, not tuned.

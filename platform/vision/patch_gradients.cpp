@@ -1,8 +1,8 @@
 // A template's grey levels and gradients from a block. The gradient is Scharr's: a central difference one way, smoothed by
 // 3, 10, 3 the other way.
+#include "base/wide_vectors.hpp"
 #include "vision/patch_pairs.hpp"
 #include "vision/patch_template.hpp"
-#include "vision/wide_vectors.hpp"
 
 namespace pliant::patch {
 

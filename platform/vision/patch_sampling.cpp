@@ -1,8 +1,8 @@
 #include "vision/patch_sampling.hpp"
 
+#include "base/wide_vectors.hpp"
 #include "vision/cubic_phase.hpp"
 #include "vision/patch_pairs.hpp"
-#include "vision/wide_vectors.hpp"
 
 // Two passes, across and down, go through `scratch` rather than from row to row, so that no vector is read right
 // after its halves were written.
@@ -31,8 +31,7 @@ void linear_across(const i16* __restrict v, int count, i16 t, i16* __restrict ou
 
 // Back to 1/16 grey.
 template <int L>
-__attribute__((noinline)) void linear_down(const i16* __restrict h0, const i16* __restrict h1, i16 t,
-                                           i16* __restrict out) {
+void linear_down(const i16* __restrict h0, const i16* __restrict h1, i16 t, i16* __restrict out) {
   for (int k = 0; k < L; ++k) {
     const i16 v = narrow(h0[k] + 2 * mulhi(narrow(h1[k] - h0[k]), t));
     out[k] = narrow(narrow(v + 2) >> 2);

@@ -1,7 +1,7 @@
 #include "vision/patch_sums.hpp"
 
+#include "base/wide_vectors.hpp"
 #include "vision/patch_pairs.hpp"
-#include "vision/wide_vectors.hpp"
 
 // With count & ~15 the compiler generates loops over whole vectors only.
 namespace pliant::patch {

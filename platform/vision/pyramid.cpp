@@ -5,6 +5,7 @@
 
 #include <cstring>
 
+#include "base/wide_vectors.hpp"
 #include "vision/halfwords.hpp"
 
 namespace pliant {
@@ -24,6 +25,7 @@ int reflected(int i, int n) {
   return i < 0 ? -i : i >= n ? 2 * (n - 1) - i : i;
 }
 
+PLIANT_WIDE_VECTORS
 void smooth_columns(const ImageView& src, int y, std::uint16_t* __restrict line) {
   const std::uint8_t* row[5];
   for (int k = 0; k < 5; ++k)
@@ -54,6 +56,7 @@ void reflect_ends(std::uint16_t* line, int width) {
   }
 }
 
+PLIANT_WIDE_VECTORS
 void smooth_and_halve_row(const std::uint16_t* __restrict line, int out_width, std::uint8_t* __restrict out) {
 #if PLIANT_HAS_HALFWORDS
   using namespace patch;

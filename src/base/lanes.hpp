@@ -9,6 +9,7 @@ namespace pliant {
 constexpr std::size_t kLanes = 4;
 
 #if defined(__SSE2__) || defined(__ARM_NEON)
+constexpr bool kHasVectors = true;
 
 typedef float Lanes __attribute__((vector_size(16)));
 
@@ -28,6 +29,7 @@ inline float sum(Lanes v) {
 }
 
 #else
+constexpr bool kHasVectors = false;
 
 // Inlined even where size counts: a call would pass all lanes through memory.
 #define PLIANT_INLINE __attribute__((always_inline)) inline

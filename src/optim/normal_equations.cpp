@@ -2,6 +2,7 @@
 #include "pliant/normal_equations.hpp"
 
 #include "base/lanes.hpp"
+#include "base/wide_vectors.hpp"
 #include "optim/normal_equations_tuning.hpp"
 
 namespace pliant {
@@ -11,6 +12,23 @@ namespace {
 constexpr NormalEquationsTuning kTuning = kNormalEquationsTuning;
 constexpr std::size_t kGatheredRows = kTuning.gathered_rows, kTileRows = kTuning.tile_rows,
                       kTileColumns = kTuning.tile_columns, kPanel = kTuning.panel;
+constexpr std::size_t kWideLanes = 8;  // floats of the widest vector that add_products is compiled for
+constexpr std::size_t kBeyond =
+    kHasVectors ? kWideLanes : 0;  // where vectors of H's last row end; they add zeros
+
+/// The rows of one observation, in H: h_(k, j) += (B^T W B)_(k, j) for each of its columns k, and all j >= k. B has n columns, zeros
+/// included, in x and y. Rounded up to whole vectors: beyond a row's end, zeros are added to the next row.
+PLIANT_WIDE_VECTORS
+void add_products(float* __restrict h, std::size_t n, const std::uint16_t* unknown, std::size_t columns,
+                  const float* __restrict x, const float* __restrict y, Sym2 w) {
+  for (std::size_t i = 0; i < columns; ++i) {
+    const std::size_t k = unknown[i], whole = (n - k + kWideLanes - 1) / kWideLanes * kWideLanes;
+    const float wx = w.xx * x[k] + w.xy * y[k], wy = w.xy * x[k] + w.yy * y[k];
+    float* __restrict const row = h + (k * n - k * (k + 1) / 2) + k;
+    const float *const along_x = x + k, *const along_y = y + k;
+    for (std::size_t j = 0; j < whole; ++j) row[j] += wx * along_x[j] + wy * along_y[j];
+  }
+}
 
 /// y -= f x over [0, n).
 void subtract_scaled(float* y, float f, const float* x, std::size_t n) {
@@ -51,11 +69,15 @@ float dot_product(const float* a, const float* b, std::size_t n) {
 
 void NormalEquations::lay_out(Arena& arena, std::size_t unknowns) {
   const std::size_t packed = unknowns * (unknowns + 1) / 2;
-  h_ = arena.take<float>(packed);
+  h_ = arena.take<float>(packed + kBeyond);
   factor_ = arena.take<float>(packed);
   stride_ = unknowns + kTileColumns;  // a tile may end beyond the last unknown, where the rows are zero
   rows_ = arena.take<float>(kGatheredRows * stride_);
   row_residual_ = arena.take<float>(kGatheredRows);
+  if (kHasVectors) {
+    spread_x_ = arena.take<float>(stride_);
+    spread_y_ = arena.take<float>(stride_);
+  }
   float** const vectors[] = {&g_, &scale_, &lower_, &upper_, &right_, &solution_, &compact_};
   for (float** vector : vectors) *vector = arena.take<float>(unknowns);
   pinned_ = arena.take<std::uint8_t>(unknowns);
@@ -68,6 +90,7 @@ void NormalEquations::reset(std::size_t count) {
   PLIANT_ASSERT(count <= capacity_);
   count_ = count;
   gathered_ = 0;
+  for (std::size_t j = 0; kHasVectors && j < count + kBeyond; ++j) spread_x_[j] = spread_y_[j] = 0;
   for (std::size_t i = 0; i < count * (count + 1) / 2; ++i) h_[i] = 0;
   for (std::size_t i = 0; i < count; ++i) {
     g_[i] = 0;
@@ -123,18 +146,34 @@ float* NormalEquations::gathered_row(float residual) {
   return row;
 }
 
-/// Only the non-zero columns' elements of H.
+/// With vectors, the columns are first written into two full rows, which are zero between calls, so that each row of H is
+/// updated by whole vectors. Without, only the elements of these columns are: H is the same, because the others are zeros.
 void NormalEquations::add_sparse(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
                                  Vec2 residual, Sym2 w) {
-  float *const h = h_, *const g = g_;
-  for (const Vec2* const last = column + columns; column != last; ++column, ++unknown) {
-    const Vec2 b = *column;
-    const std::size_t k = *unknown;
-    const float wx = w.xx * b.x + w.xy * b.y, wy = w.xy * b.x + w.yy * b.y;
-    g[k] += wx * residual.x + wy * residual.y;
-    float* row = h + index(k, 0);
+  const Vec2 force{w.xx * residual.x + w.xy * residual.y, w.xy * residual.x + w.yy * residual.y};
+  for (std::size_t i = 0; i < columns; ++i) g_[unknown[i]] += force.x * column[i].x + force.y * column[i].y;
+  if (gradient_only_) {
+    for (std::size_t i = 0; i < columns; ++i) {
+      const Vec2 b = column[i];
+      h_[index(unknown[i], unknown[i])] += b.x * (w.xx * b.x + w.xy * b.y) + b.y * (w.xy * b.x + w.yy * b.y);
+    }
+    return;
+  }
+  if constexpr (kHasVectors) {
+    float *const along_x = spread_x_, *const along_y = spread_y_;
+    for (std::size_t i = 0; i < columns; ++i) {
+      along_x[unknown[i]] = column[i].x;
+      along_y[unknown[i]] = column[i].y;
+    }
+    add_products(h_, count_, unknown, columns, along_x, along_y, w);
+    for (std::size_t i = 0; i < columns; ++i) along_x[unknown[i]] = along_y[unknown[i]] = 0;
+    return;
+  }
+  for (const Vec2* const end = column + columns; column != end; ++column, ++unknown) {
+    const float wx = w.xx * column->x + w.xy * column->y, wy = w.xy * column->x + w.yy * column->y;
+    float* const row = h_ + index(*unknown, 0);
     const std::uint16_t* at = unknown;
-    const Vec2 *other = column, *const end = gradient_only_ ? column + 1 : last;
+    const Vec2* other = column;
     do {
       PLIANT_ASSERT(other == column || at[-1] < at[0]);
       row[*at++] += wx * other->x + wy * other->y;

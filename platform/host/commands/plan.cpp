@@ -24,8 +24,8 @@ namespace {
 /// Instructions of x86-64 of one turn of each loop, counted by callgrind on the recorded face with the default limits, with 500
 /// templates and with profile S (docs/evaluation.md, Work of a frame). `WorkCosts` has those of searches and solves.
 struct Instructions {
-  double thumbnail_pixel = 3.1, pyramid_pixel = 3.1;
-  double shift_pixel = 7.9;      ///< of one shift of the thumbnail
+  double thumbnail_pixel = 0.9, pyramid_pixel = 1.9;
+  double shift_pixel = 4.2;      ///< of one shift of the thumbnail
   double predicted_record = 26;  ///< of a predicted point
   double tangent_record = 140;   ///< of a point
   double vertex_record = 50;     ///< of a vertex with samples
