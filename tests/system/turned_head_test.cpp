@@ -9,13 +9,14 @@
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
 #include "random.hpp"
+#include "sanitized.hpp"
 
 using namespace pliant;
 
 namespace {
 
 constexpr std::size_t kFrames = 160;
-constexpr std::uint32_t kPeople = 12;
+constexpr std::uint32_t kPeople = kSanitized ? 1 : 12;
 
 /// Another person for each seed, with another texture.
 FaceFilm film_of(std::uint32_t seed) {
@@ -38,7 +39,8 @@ struct Result {
   std::size_t not_tracking = 0, stepped = 0;
 };
 
-void run(const FaceFilm& film, Result& r, const TrackerLimits& limits, const std::uint8_t* is_free = nullptr) {
+void run(const FaceFilm& film, Result& r, const TrackerLimits& limits,
+         const std::uint8_t* is_free = nullptr) {
   InArena<Tracker> tracker(baked_face().model, limits);
   TrackerOptions options;
   options.is_free = is_free;
@@ -90,11 +92,12 @@ TEST_CASE("a head that turns far shows who it is: pose and landmarks get better"
   }
   MESSAGE("rotation, median and 95 %: " << at(with.turn, 0.5f) << ", " << at(with.turn, 0.95f) << "; without "
                                         << at(without.turn, 0.5f) << ", " << at(without.turn, 0.95f)
-                                        << " degrees; landmarks " << with.landmarks_px / kPeople << ", without "
-                                        << without.landmarks_px / kPeople << " px");
+                                        << " degrees; landmarks " << with.landmarks_px / kPeople
+                                        << ", without " << without.landmarks_px / kPeople << " px");
   CHECK(with.not_tracking == 0);
   CHECK(with.stepped > 2);
   CHECK(without.stepped == 0);
+  if (kSanitized) return;  // one says nothing of the others
   CHECK(at(with.turn, 0.5f) < 0.89f * at(without.turn, 0.5f));
   CHECK(at(with.turn, 0.95f) < 0.84f * at(without.turn, 0.95f));
   CHECK(with.landmarks_px < 0.97f * without.landmarks_px);
