@@ -208,9 +208,10 @@ int Fitter::State::minimise_in_stages(FitProblem& problem, bool has_silhouette) 
   return iterations;
 }
 
+/// At the shape that fold_over has seen last.
 void Fitter::State::match_silhouette(const FitProblem& problem) {
   const Projector projector(problem.view, true);
-  silhouette->find_contour(work.cascade, problem.q, projector);
+  silhouette->find_contour(fold_over.positions(), projector);
   for (std::size_t i = 0; i < problem.points.count; ++i) {
     if (!problem.points[i].is_silhouette) continue;
     const SilhouetteMatch match = silhouette->match(work.cascade, problem.q, projector, problem.points[i]);

@@ -20,18 +20,20 @@ void FoldOverGuard::start(Cascade& cascade, const float* q) {
 
 bool FoldOverGuard::move_back(Cascade& cascade, float* q) {
   const std::size_t parameters = cascade.parameter_count();
-  bool has_moved = false;
   for (int k = 0; k < kFitTuning.fold_over_tries; ++k) {
     test_.compute_positions(cascade, q, position_);
-    float fraction = test_.step_fraction(valid_position_, position_);
-    if (fraction == 1) break;
-    if (k + 1 == kFitTuning.fold_over_tries) fraction = 0;
+    const float fraction = test_.step_fraction(valid_position_, position_);
+    if (fraction == 1) {
+      for (std::size_t i = 0; i < parameters; ++i) valid_q_[i] = q[i];
+      Vec3* const before = valid_position_;
+      valid_position_ = position_;
+      position_ = before;
+      return k > 0;
+    }
     for (std::size_t i = 0; i < parameters; ++i) q[i] = valid_q_[i] + fraction * (q[i] - valid_q_[i]);
-    has_moved = true;
   }
-  for (std::size_t i = 0; i < parameters; ++i) valid_q_[i] = q[i];
-  test_.compute_positions(cascade, valid_q_, valid_position_);
-  return has_moved;
+  for (std::size_t i = 0; i < parameters; ++i) q[i] = valid_q_[i];
+  return true;
 }
 
 }  // namespace pliant

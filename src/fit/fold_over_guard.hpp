@@ -16,6 +16,9 @@ class FoldOverGuard {
   /// \return whether q was moved.
   bool move_back(Cascade& cascade, float* q);
 
+  /// Positions of the base mesh's vertices at the state of the last call, mm.
+  const Vec3* positions() const { return valid_position_; }
+
  private:
   FoldOverTest test_;
   Vec3 *valid_position_ = nullptr, *position_ = nullptr;  // of the base mesh, at valid_q_ and at a trial

@@ -28,7 +28,6 @@ void SilhouetteMatcher::lay_out(Arena& arena, const Model& model) {
   mesh_.lay_out(arena, limits);
   depth_.lay_out(arena, kTuning.depth_cells, kTuning.depth_cells);
   finder_.lay_out(arena, limits.vertices);
-  position_ = arena.take<Vec3>(limits.vertices);
   image_ = arena.take<Vec2>(limits.vertices);
   vertex_depth_ = arena.take<float>(limits.vertices);
   contour_ = arena.take_span<SilhouettePoint>(limits.vertices);
@@ -40,15 +39,12 @@ Status SilhouetteMatcher::start(const Model& model) {
   return mesh_.set_base(model.base_uv(), model.base_corners());
 }
 
-void SilhouetteMatcher::find_contour(Cascade& cascade, const float* q, const Projector& projector) {
-  cascade.select(q);
-  for (VertexId v : mesh_.vertices()) {
-    position_[v] = cascade.selected_point(mesh_.uv(v));
+void SilhouetteMatcher::find_contour(const Vec3* position, const Projector& projector) {
+  for (VertexId v : mesh_.vertices())
     vertex_depth_[v] =
-        projector.project(position_[v], &image_[v]) ? projector.to_camera(position_[v]).z : -1.0f;
-  }
+        projector.project(position[v], &image_[v]) ? projector.to_camera(position[v]).z : -1.0f;
   depth_.draw(mesh_, image_, vertex_depth_);
-  const std::size_t found = finder_.find({mesh_, position_, image_, vertex_depth_}, projector, &depth_,
+  const std::size_t found = finder_.find({mesh_, position, image_, vertex_depth_}, projector, &depth_,
                                          kVisibilityTuning.hidden_margin_mm, contour_);
   found_ = found < contour_.count ? found : contour_.count;
 }

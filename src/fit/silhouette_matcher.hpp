@@ -25,8 +25,9 @@ class SilhouetteMatcher {
   /// \return the statuses of Mesh::set_base.
   Status start(const Model& model);
 
-  /// Finds the contour of the base mesh at q. `match` refers to it until the next call. Cost: O(faces).
-  void find_contour(Cascade& cascade, const float* q, const Projector& projector);
+  /// Finds the contour of the base mesh. `match` refers to it until the next call. Cost: O(faces).
+  /// \param position  of its vertices, mm.
+  void find_contour(const Vec3* position, const Projector& projector);
   /// The place of a landmark. Cost: O(contour points).
   SilhouetteMatch match(Cascade& cascade, const float* q, const Projector& projector,
                         const Correspondence& landmark) const;
@@ -35,8 +36,7 @@ class SilhouetteMatcher {
   Mesh mesh_;
   DepthBuffer depth_;
   SilhouetteFinder finder_;
-  Vec3* position_ = nullptr;  // a vertex
-  Vec2* image_ = nullptr;
+  Vec2* image_ = nullptr;  // a vertex
   float* vertex_depth_ = nullptr;
   Span<SilhouettePoint> contour_;
   std::size_t found_ = 0;

@@ -47,6 +47,9 @@ TEST_CASE("a valid state stays, a folded one moves back to nine tenths of the wa
   CHECK(guard->move_back(cascade.object, q));
   CHECK(double(q[0] + q[1]) == doctest::Approx(4 + 0.9 * 1).epsilon(0.01));
   CHECK(double(q[0]) == doctest::Approx(double(q[1])));
+  const std::size_t last = g.model.base_uv().count - 1;
+  for (const std::size_t v : {std::size_t{0}, last})
+    CHECK(length(guard->positions()[v] - cascade->surface_point(g.model.base_uv()[v], q)) < 1e-3f);
 }
 
 TEST_CASE("frozen parameters are part of the valid state; free ones start at rest") {

@@ -29,7 +29,9 @@ void match_all(const Turned& t, const Check& check) {
   InArena<SilhouetteMatcher> matcher(t.model);
   REQUIRE(matcher->start(t.model) == Status::ok);
   const Projector projector(t.view, true);
-  matcher->find_contour(cascade.object, t.q.data(), projector);
+  std::vector<Vec3> position;
+  for (const Vec2 uv : t.model.base_uv()) position.push_back(cascade->surface_point(uv, t.q.data()));
+  matcher->find_contour(position.data(), projector);
   for (const Landmark& l : t.model.landmarks()) {
     Correspondence c;
     c.uv = {l.u, l.v};
