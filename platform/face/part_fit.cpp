@@ -21,6 +21,11 @@ Vec2 uv_of(const Model& model, std::uint16_t landmark) {
   return {model.landmarks()[landmark].u, model.landmarks()[landmark].v};
 }
 
+/// Share of a point's height in the gap between the lids.
+float share_of_gap(int number) {
+  return number == 37 || number == 38 ? 0.5f : number == 40 || number == 41 ? -0.5f : 0.0f;
+}
+
 /// Of the crop's axes in px of the frame a millimetre.
 CropMap upright(const View& view) {
   PartRecord record{};
@@ -120,16 +125,15 @@ Vec2 PartFit::off_centre(const CropMap& map, const PartTable& table, const PartS
 bool PartFit::see_eye(const PartPoints& points, const PartSide& side, EyeSight* eye) {
   const PartRecord& part = points.table[side.part];
   const CropMap axes = upright(view_);
-  Vec2 lids;  // from the upper to the lower one, twice
+  Vec2 lids;  // from the upper to the lower one
   bool has_pupil = false;
   for (std::size_t k = 0; k < side.count; ++k) {
     const Vec2 x = lens_.undistort(readings_[side.first + k].x);
     const int number = part.number[k];
     if (number == kPupilRight) eye->pupil = x, has_pupil = true;
-    if (number == 37 || number == 38) lids = lids - x;
-    if (number == 40 || number == 41) lids = lids + x;
+    lids = lids - share_of_gap(number) * x;
   }
-  eye->opening_mm = 0.5f * axes.to_crop(lids).y;
+  eye->opening_mm = axes.to_crop(lids).y;
   // Across, the eye is where its corners are read. Up and down it is where the model has it: that reading goes with the lids.
   eye->pupil = eye->pupil - axes.along({side.centre_mm.x, 0});
   eye->corners =
@@ -169,6 +173,25 @@ void PartFit::choose_parameters(PartPoints* points) {
     }
 }
 
+/// How the parameters open the eyes.
+void PartFit::find_openings(PartPoints* points) {
+  for (std::size_t n = 0; n < points->parameter_count; ++n) points->opens_mm[n] = 0;
+  for (std::size_t s = 0; s < points->side_count; ++s) {
+    const PartSide& side = points->side[s];
+    for (std::size_t k = 0; k < side.count; ++k) {
+      const float share = share_of_gap(points->table[side.part].number[k]);
+      if (share == 0) continue;
+      Jacobian j;
+      cascade_.sample_point(points->uv[side.first + k], q_, samples_);
+      cascade_.evaluate(samples_, q_, &j);
+      for (std::size_t c = 0; c < j.count; ++c)
+        for (std::size_t n = 0; n < points->parameter_count; ++n)
+          if (points->parameter[n] == cascade_.parameter_of(j.list[c]))
+            points->opens_mm[n] += (side.is_left ? -share : share) * j.column[j.list[c]].y;
+    }
+  }
+}
+
 /// Gives the parameters of the parts these values.
 void PartFit::set(const float* values, const PartPoints& points) {
   for (std::size_t n = 0; n < points.parameter_count; ++n) q_[points.parameter[n]] = values[n];
@@ -192,15 +215,17 @@ void PartFit::note_offsets(const float* values, PartPoints* points) {
   set(values, *points);
   for (std::size_t k = 0; k < points->count; ++k)
     if (points->is_fitted[k]) points->offset_mm[k] = axes.to_crop(readings_[k].x - project(points->uv[k]));
-  for (std::size_t n = 0; n < points->parameter_count; ++n) points->last[n] = values[n];
+  for (std::size_t n = 0; n < points->parameter_count; ++n) points->last[n] = points->start[n] = values[n];
   points->is_calibrated = true;
 }
 
 void PartFit::calibrate(PartPoints* points) {
   choose_parameters(points);
+  find_openings(points);
   float values[kMostPartParameters];
   for (std::size_t n = 0; n < points->parameter_count; ++n) values[n] = points->last[n];
   for (Vec2& offset : points->offset_mm) offset = {};
+  for (float& start : points->start) start = 0;
   points->is_calibrated = false;
   solve(kTuning.start_s, points);
   if (is_near(kTuning.contradiction_mm, values, *points)) note_offsets(values, points);
@@ -240,12 +265,29 @@ void PartFit::step(float seconds, const PartPoints& points) {
     equations_.add_prior(kShift + n, points.last[n] - q_[k], 1 / (change * change));
     equations_.set_limits(kShift + n, min(p.minimum - q_[k], 0), max(p.maximum - q_[k], 0));
   }
+  add_likeness(points);
   equations_.solve(0, step_);
   for (std::size_t n = 0; n < points.parameter_count; ++n) {
     const std::uint16_t k = points.parameter[n];
     const Parameter& p = cascade_.model().parameters()[k];
     q_[k] = clamp(q_[k] + step_[kShift + n], p.minimum, p.maximum);
   }
+}
+
+/// Both eyes open and shut alike, the more so the more alike they were in the last frame.
+void PartFit::add_likeness(const PartPoints& points) {
+  float now = 0, before = 0;  // mm
+  std::size_t columns = 0;
+  for (std::size_t n = 0; n < points.parameter_count; ++n) {
+    const float mm = points.opens_mm[n];
+    now += mm * (q_[points.parameter[n]] - points.start[n]);
+    before += mm * (points.last[n] - points.start[n]);
+    if (mm == 0) continue;
+    unknown_[columns] = static_cast<std::uint16_t>(kShift + n);
+    column_[columns++] = {mm, 0};
+  }
+  const float variance = kTuning.unlike_mm * kTuning.unlike_mm + before * before;
+  equations_.add(unknown_, column_, columns, {-now, 0}, {1 / variance, 0, 0});
 }
 
 /// Fits the parameters and keeps them. \return false: they are as before.

@@ -80,6 +80,51 @@ TEST_CASE("lids that close and open again move their parameters there and back")
   }
 }
 
+TEST_CASE("a wink shuts one eye and leaves the other one open") {
+  const FaceFilm wink(320, 240, 2, [](float s, Pose&, auto& q) { FaceFilm::set(q, "eyeBlinkLeft", s); });
+  Rig rig;
+  rig.read(wink.view(0));
+  rig.fit->calibrate(&rig.points);
+  for (int k = 0; k < 4; ++k) {
+    rig.read(wink.view(1));
+    rig.fit->fit(1 / 30.0f, &rig.points);
+  }
+  CHECK(rig.value("eyeBlinkLeft") > 0.6f);
+  CHECK(rig.value("eyeBlinkRight") < 0.15f);
+}
+
+TEST_CASE("eyes of which one is read too far open, by less than a lid, are taken to be alike") {
+  Rig rig;
+  rig.read(film().view(0));
+  rig.fit->calibrate(&rig.points);
+  const auto gaps_differ_by = [&rig] {
+    float mm = 0;
+    for (std::size_t n = 0; n < rig.points.parameter_count; ++n)
+      mm += rig.points.opens_mm[n] * (rig.points.last[n] - rig.points.start[n]);
+    return magnitude(mm);
+  };
+  // The right eye is read 2 mm more shut from now on: its lids' offsets say so.
+  for (std::size_t s = 0; s < rig.points.side_count; ++s)
+    for (std::size_t k = 0; k < rig.points.side[s].count && !rig.points.side[s].is_left; ++k) {
+      const int number = rig.points.table[rig.points.side[s].part].number[k];
+      if (number == 37 || number == 38) rig.points.offset_mm[rig.points.side[s].first + k].y -= 2;
+    }
+  for (int k = 0; k < 10; ++k) {
+    rig.read(film().view(0));
+    rig.fit->fit(1 / 30.0f, &rig.points);
+  }
+  PartPoints alone = rig.points;
+  const float together = gaps_differ_by();
+  for (float& mm : alone.opens_mm) mm = 0;
+  for (int k = 0; k < 10; ++k) rig.fit->fit(1 / 30.0f, &alone);
+  float apart = 0;
+  for (std::size_t n = 0; n < alone.parameter_count; ++n)
+    apart += rig.points.opens_mm[n] * (alone.last[n] - alone.start[n]);
+  MESSAGE("gaps differ by " << together << " mm, " << magnitude(apart) << " without likeness");
+  CHECK(magnitude(apart) > 0.8f);
+  CHECK(together < 0.7f * magnitude(apart));
+}
+
 TEST_CASE("a start with shut eyes that is told to be open waits until the lids are open") {
   Rig rig;
   rig.read(film().view(1));
