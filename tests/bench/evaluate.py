@@ -485,7 +485,7 @@ def work(s):
         lines = s.pliant_output('plan', s.face, '--profile', profile).splitlines()
         rows = [re.split(r'\s{2,}', line.strip()) for line in lines]
         rows = [r for r in rows if len(r) == 4 and r[1].isdigit()]
-        parts += ['Profile %s:' % profile.upper(), '', table(['a frame', 'usually', 'at most', 'operations each'], rows), '']
+        parts += ['Profile %s:' % profile.upper(), '', table(['a frame', 'usually', 'at most', 'instructions each'], rows), '']
     return command_block('pliant plan face.plm --profile s') + '\n\n' + '\n'.join(parts).rstrip()
 
 
