@@ -11,7 +11,10 @@ namespace {
 
 constexpr CoarseTranslationTuning kTuning = kCoarseTranslationTuning;
 
-/// Of grey levels a of the reference and b of the image: 65025 n fits.
+constexpr int kMostSide =
+    16384;  // px, as that of frames: with it and kTuning.max_pixels the sums of squares fit 32 bits
+
+/// Of grey levels a of the reference and b of the image.
 struct Sums {
   std::int32_t n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 };
@@ -122,6 +125,7 @@ CoarseTranslation find_coarse_translation(const ImageView& reference, const Pixe
                                           const ImageView& current, int range_px) {
   if (check(reference) != Status::ok || check(current) != Status::ok || range_px < 0) return {};
   if (reference.width != current.width || reference.height != current.height) return {};
+  if (reference.width > kMostSide || reference.height > kMostSide) return {};
   const PixelBox inside = clipped(box, reference);
   if (inside.x1 - inside.x0 < kTuning.min_side_px || inside.y1 - inside.y0 < kTuning.min_side_px) return {};
   Search search(reference, current, inside, range_px);

@@ -70,7 +70,7 @@ void template_rows(const i16* block, const i16* down, const i16* across, const i
 
 }  // namespace
 
-PLIANT_WIDE_VECTORS
+// Not for wide vectors, since it calls functions that are not inlined.
 void make_template(const i16* block, const i16* mask, int window, i16* scratch, Template out) {
   const int stride = block_stride(window);
   i16 *down = scratch, *across = scratch + block_size(window);

@@ -20,7 +20,7 @@ unsigned sum_of(const std::uint8_t* row, int n, int pixel_step) {
 }  // namespace
 
 void make_thumbnail(const FrameView& frame, int factor, std::uint16_t*, std::uint8_t* out) {
-  PLIANT_ASSERT(check(frame) == Status::ok && factor >= 1 && factor <= 64);
+  PLIANT_ASSERT(check(frame) == Status::ok && factor >= 1 && factor <= 64 && (factor & (factor - 1)) == 0);
   const int columns = frame.width / factor, rows = frame.height / factor, row_step = factor > 1 ? 2 : 1;
   const unsigned pixels = static_cast<unsigned>(factor * (factor / row_step));
   const std::uint8_t* band = frame.data;

@@ -76,3 +76,13 @@ TEST_CASE("nothing to compare gives no shift") {
         doctest::Approx(1));
   CHECK(find_coarse_translation(view(p), {10, 10, 40, 40}, view(p), -1).correlation == 0);
 }
+
+TEST_CASE("the widest image of a frame is compared without overflow, a wider one is refused") {
+  for (const int width : {16384, 16385}) {
+    std::vector<std::uint8_t> stripes(static_cast<std::size_t>(width) * 8, 255);
+    for (std::size_t k = 0; k < stripes.size(); k += 3) stripes[k] = 0;
+    const ImageView image{stripes.data(), width, 8, width};
+    const float correlation = find_coarse_translation(image, {0, 0, width, 8}, image, 1).correlation;
+    CHECK(correlation == doctest::Approx(width == 16384 ? 1.0 : 0.0));
+  }
+}
