@@ -35,7 +35,8 @@ const host::ModelFile& face() {
 
 /// Frames of the fault that this film is tracked through, at least, percent. What shows the face less well may be degraded.
 double least_tracking(const std::string& fault) {
-  for (const char* hard : {"light at 3", "gamma 0.5", "noise of 25", "blocks without", "half of the face", "jump by 40"})
+  for (const char* hard :
+       {"light at 3", "gamma 0.5", "noise of 25", "blocks without", "half of the face", "jump by 40"})
     if (fault.find(hard) == 0) return 0;
   return 95;
 }
@@ -47,9 +48,11 @@ double most_frames(const std::string& fault) {
 
 }  // namespace
 
-TEST_CASE("whatever goes wrong, frames in state tracking are right, and the face is right within ten frames after") {
+TEST_CASE(
+    "whatever goes wrong, frames in state tracking are right, and the face is right within ten frames "
+    "after") {
   host::JudgedClip clip;
-  REQUIRE(host::judge(face(), frames(), &clip));
+  REQUIRE(host::judge(face(), {}, frames(), &clip));
   std::size_t n = 0;
   for (const host::FilmFault& fault : host::film_faults()) {
     if (kSanitized && n++ % 6 != 0) continue;
@@ -67,12 +70,13 @@ TEST_CASE("whatever goes wrong, frames in state tracking are right, and the face
   }
 }
 
-TEST_CASE("a fault that shows nothing else leaves the film as it is, and a film without a face gives no truth") {
+TEST_CASE(
+    "a fault that shows nothing else leaves the film as it is, and a film without a face gives no truth") {
   host::JudgedClip clip;
-  REQUIRE(host::judge(face(), frames(), &clip));
+  REQUIRE(host::judge(face(), {}, frames(), &clip));
   const host::FilmFault& none = host::film_faults()[0];
   CHECK(none.make(clip.clip, host::kFaultBegins, none.value).picture.pixels ==
         clip.clip.frames[host::kFaultBegins].pixels);
   const std::vector<host::Image> empty(20, host::Image(kWidth, kHeight, 1, 100));
-  CHECK(!host::judge(face(), empty, &clip));
+  CHECK(!host::judge(face(), {}, empty, &clip));
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/io/files.hpp"
+#include "pliant/tracker_limits.hpp"
 
 namespace pliant::host {
 
@@ -40,13 +41,16 @@ void bench_drift(std::ostream& out, const ModelFile& file);
 void bench_occlusion(std::ostream& out, const ModelFile& model);
 /// Starts of a printed surface by its print: at known poses before pictures, and in pictures without it.
 /// \param others  folder of pictures; none: blotches, and no pictures without the surface. \param count  starts a case.
-void bench_print(std::ostream& out, const ModelFile& file, const std::optional<std::string>& others, int count);
+void bench_print(std::ostream& out, const ModelFile& file, const std::optional<std::string>& others,
+                 int count);
 
 /// What the tracker says of a film with faults of light and camera, and with faces that leave (film_faults.hpp), against what it
 /// finds in the film without them: frames said to be tracked and wrong, and frames until it is right again.
+/// \param limits  of the tracker, but for the size of the frames.
 /// \param film   of one face; every 300th frame begins a clip. \param clips  at most; those without a track throughout are
 ///               left out. Bad input: a film that cannot be read, or without such a clip.
-void bench_faults(std::ostream& out, const ModelFile& file, const std::string& film, std::size_t clips);
+void bench_faults(std::ostream& out, const ModelFile& file, const TrackerLimits& limits,
+                  const std::string& film, std::size_t clips);
 
 /// Positions and Jacobians a second, from cached samples and from the tables, and the time that a personalised identity
 /// saves. `model` may be null; a synthetic model is then personalised.

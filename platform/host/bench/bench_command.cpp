@@ -4,6 +4,7 @@
 #include "host/bench/bench.hpp"
 #include "host/bench/detection.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/tracker_limits.hpp"
 #include "host/io/failure.hpp"
 
 namespace pliant::host {
@@ -61,7 +62,8 @@ int run_print(const Args& args, Console& console) {
 }
 
 int run_faults(const Args& args, Console& console) {
-  bench_faults(console.out, ModelFile(args.required("--model")), args.required("--film"),
+  const std::string film = args.required("--film");
+  bench_faults(console.out, ModelFile(args.required("--model")), tracker_limits(args, std::nullopt), film,
                static_cast<std::size_t>(args.integer("--count", 4, 1, 1000)));
   return 0;
 }
@@ -105,7 +107,7 @@ Command bench_command() {
       "mcd | track|cost|cues|drift|occlusion --model face.plm | fit --problems FOLDER | "
       "detection --model face.plm [--portraits FOLDER] [--others FOLDER] [--film VIDEO --truth CSV] "
       "[--details CSV] | print --model sheet.plm [--others FOLDER] [--count N] | "
-      "faults --model face.plm --film VIDEO [--count N]",
+      "faults --model face.plm --film VIDEO [--count N] [--profile s|m|l] [--vertices V] [--points N]",
       {{"--model", "PLM", "a model to measure with; optional for mesh and fields", Takes::input},
        {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
        {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", Takes::texts},
@@ -118,7 +120,10 @@ Command bench_command() {
        {"--details", "CSV", "a file to write: a row a picture or start", Takes::output},
        {"--count", "N",
         "frames of --frames (480), or pictures of a folder (all), that are read at most; starts "
-        "a case of print (40), clips of faults (4)"}},
+        "a case of print (40), clips of faults (4)"},
+       kProfileOption,
+       kVerticesOption,
+       kPointsOption},
       1,
       run_bench};
 }

@@ -14,7 +14,7 @@ TrackerLimits limits_for(int width, int height) {
 }  // namespace
 
 DetectionRun::DetectionRun(const ModelFile& file, int width, int height)
-    : tracker_(file.model(), limits_for(width, height)) {}
+    : DetectionRun(file, limits_for(width, height)) {}
 
 void DetectionRun::update(const FrameView& frame) {
   require(tracker_->update(frame, &result_), "detection");

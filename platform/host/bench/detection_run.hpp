@@ -13,6 +13,8 @@ constexpr double kRightError = 0.06;
 
 class DetectionRun {
  public:
+  DetectionRun(const ModelFile& file, const TrackerLimits& limits) : tracker_(file.model(), limits) {}
+  /// With the default limits for frames of this size.
   DetectionRun(const ModelFile& file, int width, int height);
 
   /// Gives the tracker the next frame. Bad input: the tracker refuses it.

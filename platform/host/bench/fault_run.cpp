@@ -12,8 +12,8 @@ namespace {
 
 /// An error beyond this, as a fraction of the distance of the eyes, is wrong: a landmark is then on another part of the face.
 constexpr double kWrongError = 0.1;
-/// Frames in which a track must have begun.
-constexpr std::size_t kMostStartFrames = 6;
+/// Frames in which a track must have begun. Profile S searches a picture in up to ten.
+constexpr std::size_t kMostStartFrames = 12;
 
 /// Adds middle and width of the face.
 void add_place(const NamedLandmarks& landmarks, FilmClip* clip) {
@@ -40,10 +40,12 @@ double fraction_of_bound(Tracker& tracker) {
 
 }  // namespace
 
-bool judge(const ModelFile& file, std::vector<Image> frames, JudgedClip* out) {
-  *out = {{std::move(frames), {}, {}}, {}};
+bool judge(const ModelFile& file, TrackerLimits limits, std::vector<Image> frames, JudgedClip* out) {
+  limits.width = static_cast<std::uint16_t>(frames[0].width);
+  limits.height = static_cast<std::uint16_t>(frames[0].height);
+  *out = {{std::move(frames), {}, {}}, {}, limits};
   FilmClip& clip = out->clip;
-  DetectionRun run(file, clip.frames[0].width, clip.frames[0].height);
+  DetectionRun run(file, limits);
   for (std::size_t k = 0; k < clip.frames.size(); ++k) {
     run.update(frame_of(clip.frames[k], k));
     if (k >= kMostStartFrames && (!run.has_track() || run.result().state != TrackState::tracking))
@@ -56,7 +58,7 @@ bool judge(const ModelFile& file, std::vector<Image> frames, JudgedClip* out) {
 
 void play(const ModelFile& file, const JudgedClip& judged, const FilmFault& fault, FaultCounts* counts) {
   const FilmClip& clip = judged.clip;
-  DetectionRun run(file, clip.frames[0].width, clip.frames[0].height);
+  DetectionRun run(file, judged.limits);
   double back = -1;
   for (std::size_t k = 0; k < kClipFrames; ++k) {
     const FaultyFrame faulty =

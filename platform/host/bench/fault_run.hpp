@@ -6,6 +6,7 @@
 #include "host/bench/annotated_faces.hpp"
 #include "host/bench/film_faults.hpp"
 #include "host/io/files.hpp"
+#include "pliant/tracker_limits.hpp"
 
 namespace pliant::host {
 
@@ -13,11 +14,12 @@ namespace pliant::host {
 struct JudgedClip {
   FilmClip clip;
   std::vector<NamedLandmarks> truth;
+  TrackerLimits limits;  ///< of the tracker
 };
 
 /// Runs the tracker on the frames of a clip as they are, and notes landmarks, middle and width of the face.
-/// \param frames  kClipFrames of one size. \return false if it does not track throughout: then there is no truth.
-bool judge(const ModelFile& file, std::vector<Image> frames, JudgedClip* out);
+/// \param limits  of the tracker, but for the size of the frames. \param frames  kClipFrames of one size. \return false if it does not track throughout: then there is no truth.
+bool judge(const ModelFile& file, TrackerLimits limits, std::vector<Image> frames, JudgedClip* out);
 
 /// Counts of one fault over all clips.
 struct FaultCounts {

@@ -14,7 +14,8 @@ namespace {
 constexpr std::size_t kClipStep = 300;  ///< frames from the beginning of one clip to that of the next
 
 /// The first frames of a film, every `kClipStep`th frame the beginning of a clip.
-std::vector<JudgedClip> read_clips(const ModelFile& file, const std::string& film, std::size_t most) {
+std::vector<JudgedClip> read_clips(const ModelFile& file, const TrackerLimits& limits,
+                                   const std::string& film, std::size_t most) {
   OpenedFrames opened = open_frames(film);
   if (!opened.source) fail_input(film, opened.message);
   std::vector<JudgedClip> clips;
@@ -25,7 +26,7 @@ std::vector<JudgedClip> read_clips(const ModelFile& file, const std::string& fil
     if (k % kClipStep >= kClipFrames) continue;
     frames.push_back(image_of(frame));
     if (frames.size() < kClipFrames) continue;
-    if (judge(file, std::move(frames), &judged)) clips.push_back(std::move(judged));
+    if (judge(file, limits, std::move(frames), &judged)) clips.push_back(std::move(judged));
     frames.clear();
   }
   if (clips.empty())
@@ -35,9 +36,10 @@ std::vector<JudgedClip> read_clips(const ModelFile& file, const std::string& fil
 
 }  // namespace
 
-void bench_faults(std::ostream& out, const ModelFile& file, const std::string& film, std::size_t clips) {
+void bench_faults(std::ostream& out, const ModelFile& file, const TrackerLimits& limits,
+                  const std::string& film, std::size_t clips) {
   const BenchRows rows(out, "faults");
-  const std::vector<JudgedClip> judged = read_clips(file, film, clips);
+  const std::vector<JudgedClip> judged = read_clips(file, limits, film, clips);
   for (const FilmFault& fault : film_faults()) {
     FaultCounts counts;
     for (const JudgedClip& one : judged) play(file, one, fault, &counts);

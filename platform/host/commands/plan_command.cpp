@@ -53,15 +53,7 @@ TrackerLimits limits_from(const Args& args) {
   const ImageSize size{args.integer("--width", of_profile.width, 64, 8192),
                        args.integer("--height", of_profile.height, 64, 8192)};
   TrackerLimits l = tracker_limits(args, size);
-  l.vertices = static_cast<std::uint16_t>(args.integer("--vertices", l.vertices, 4, 10000));
   l.markers = static_cast<std::uint16_t>(args.integer("--markers", l.markers, 0, 4096));
-  if (args.has("--points")) {
-    // A quarter of the templates is for later key frames, an equal number for each.
-    const int points = args.integer("--points", 0, 8, 4096);
-    const int each = l.key_frames > 0 ? points / 4 / l.key_frames : 0;
-    l.key_patches = static_cast<std::uint16_t>(each * l.key_frames);
-    l.patches = static_cast<std::uint16_t>(points - l.key_patches);
-  }
   if (args.has("--parameters"))
     l.free_parameters = static_cast<std::uint16_t>(args.integer("--parameters", 0, 1, 500));
   return l;
@@ -179,11 +171,11 @@ Command plan_command() {
       "Prints a tracker's memory to the byte, and the work of a frame.",
       "[face.plm] [--profile s|m|l] [--width W] [--height H] [--vertices V] [--points N] [--parameters P] "
       "[--markers M] [--mhz F]",
-      {{"--profile", "s|m|l", "limits of a small, medium or large device"},
+      {kProfileOption,
        {"--width", "W", "of the frames, pixels"},
        {"--height", "H", "of the frames, pixels"},
-       {"--vertices", "V", "vertices of the mesh, at most"},
-       {"--points", "N", "templates, those of later key frames included"},
+       kVerticesOption,
+       kPointsOption,
        {"--parameters", "P", "free parameters, at most"},
        {"--markers", "M", "surface points that are predicted, without templates"},
        {"--mhz", "F", "clock of a Cortex-M7: says ms, at one instruction a cycle"}},

@@ -21,6 +21,13 @@ TrackerLimits tracker_limits(const Args& args, const std::optional<ImageSize>& s
     limits.width = static_cast<std::uint16_t>(size->width);
     limits.height = static_cast<std::uint16_t>(size->height);
   }
+  limits.vertices = static_cast<std::uint16_t>(args.integer(kVerticesOption.name, limits.vertices, 4, 10000));
+  if (!args.has(kPointsOption.name)) return limits;
+  // A quarter of the templates is for later key frames, an equal number for each.
+  const int points = args.integer(kPointsOption.name, 0, 8, 4096);
+  const int each = limits.key_frames > 0 ? points / 4 / limits.key_frames : 0;
+  limits.key_patches = static_cast<std::uint16_t>(each * limits.key_frames);
+  limits.patches = static_cast<std::uint16_t>(points - limits.key_patches);
   return limits;
 }
 

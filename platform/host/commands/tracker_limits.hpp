@@ -1,6 +1,6 @@
 #pragma once
 /// \file tracker_limits.hpp
-/// The TrackerLimits that `pliant track` runs with and `pliant plan` describes: those of a profile.
+/// The TrackerLimits that `pliant track` and `pliant bench faults` run with and `pliant plan` describes: those of a profile.
 #include <optional>
 
 #include "host/commands/args.hpp"
@@ -8,8 +8,13 @@
 
 namespace pliant::host {
 
-/// The limits of the profile that `--profile` names, else M, or L from a width of 480 px on.
-/// \param size  of the frames; none: the size of the profile. Bad usage: another profile.
+/// The options of those commands that change the limits.
+constexpr Option kProfileOption{"--profile", "s|m|l", "limits of a small, medium or large device (m)"};
+constexpr Option kVerticesOption{"--vertices", "V", "vertices of the mesh, at most"};
+constexpr Option kPointsOption{"--points", "N", "templates, those of later key frames included"};
+
+/// The limits of the profile that `--profile` names, else M, or L from a width of 480 px on; and as the other options say.
+/// \param size  of the frames; none: the size of the profile. Bad usage: another profile, and counts out of range.
 TrackerLimits tracker_limits(const Args& args, const std::optional<ImageSize>& size);
 
 }  // namespace pliant::host
