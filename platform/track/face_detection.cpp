@@ -3,6 +3,7 @@
 
 #include "face/part_fit.hpp"
 #include "track/face_start.hpp"
+#include "track/poor_start.hpp"
 #include "track/self_start.hpp"
 #include "track/tracker_parts.hpp"
 
@@ -23,6 +24,7 @@ constexpr PartTrackingTuning kPartTracking{};
 
 struct FaceSelfStart : SelfStart {
   FaceStart faces;
+  PoorStart poor_start;
   KnownPerson person;
   PartPoints* parts = nullptr;  // null: the model has no readers
   std::int64_t last_read_ns = 0;
@@ -128,7 +130,7 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
 void give_up(TrackerParts& t) {
   KnownPerson& person = person_of(t);
   FaceSelfStart& self = self_of(t);
-  person.is_known = person.is_known || self.faces.has_confirmed();
+  person.is_known = person.is_known || (self.faces.has_confirmed() && !self.poor_start.is_poor());
   if (person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
   person.camera = t.estimator.camera();
   for (std::size_t k = 0; k < t.start_q.count; ++k) t.start_q[k] = t.estimator.parameters()[k];
@@ -142,7 +144,9 @@ void give_up(TrackerParts& t) {
 void conclude(TrackerParts& t, const FrameView& view) {
   FaceSelfStart& self = self_of(t);
   t.result.gaze = self.parts != nullptr && t.bad_frames == 0 ? self.parts->gaze : Vec3{};
-  if (!self.faces.conclude(view, t.estimator, t.bad_frames, t.unused_between_frames, &t.result)) give_up(t);
+  if (!self.faces.conclude(view, t.estimator, t.bad_frames, t.unused_between_frames, &t.result) ||
+      (t.bad_frames == 0 && self.poor_start.is_over(view, t.estimator)))
+    give_up(t);
 }
 
 /// \return null if there are no readers.
@@ -195,6 +199,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
     self.kept.keep(options);
   }
   calibrate_parts(t, view);
+  self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);
   self.faces.begin_track(self.landmark_error, &t.result);
   self.landmark_error = 0;
   conclude(t, view);

@@ -9,7 +9,7 @@
 namespace pliant::host {
 
 /// The options of those commands that change the limits.
-constexpr Option kProfileOption{"--profile", "s|m|l", "limits of a small, medium or large device (m)"};
+constexpr Option kProfileOption{"--profile", "s|m|l", "limits of a small, medium or large device"};
 constexpr Option kVerticesOption{"--vertices", "V", "vertices of the mesh, at most"};
 constexpr Option kPointsOption{"--points", "N", "templates, those of later key frames included"};
 

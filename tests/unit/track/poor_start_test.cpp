@@ -1,0 +1,92 @@
+// Tracks that begin in light that hides most of the face. Detection and alignment are a fake that knows the truth.
+#include "track/poor_start.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "fake_faces.hpp"
+#include "model_builder.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+constexpr std::size_t kFrames = 40;
+
+const FaceFilm& film() {
+  static const FaceFilm* made = new FaceFilm(
+      kWidth, kHeight, kFrames, [](float s, Pose& pose, auto&) { pose.t.x += 20 * s; }, 0.5f);
+  return *made;
+}
+
+/// Light of the frames, by number.
+using Light = float (*)(std::size_t k);
+
+/// Runs a tracker that starts by itself on the film in this light. \return templates and edge points found, by frame; 0: no track.
+std::vector<int> found_in(Light light, int* searches) {
+  FakeFaces fake(film());
+  TrackerLimits limits;
+  limits.detection = FakeFaces::table();
+  InArena<Tracker> tracker(baked_face().model, limits);
+  std::vector<int> found;
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    std::vector<std::uint8_t> lit = film().frames[k];
+    for (std::uint8_t& p : lit) p = static_cast<std::uint8_t>(std::min(255.0f, light(k) * p));
+    FrameView view = film().view(k);
+    view.data = lit.data();
+    FrameResult result;
+    REQUIRE(tracker->update(view, &result) == Status::ok);
+    found.push_back(tracker->is_started() ? result.tracked : 0);
+  }
+  *searches = fake.searches;
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("a track that began in light which hid most of the face begins anew when the light has changed") {
+  int searches = 0;
+  const auto found = found_in([](std::size_t k) { return k < 20 ? 2.4f : 1.0f; }, &searches);
+  CAPTURE(found);
+  const auto few = static_cast<int>(kPoorStartTuning.few_templates * TrackerLimits{}.patches);
+  CHECK(found[0] > 0);
+  CHECK(found[0] < few);
+  CHECK(found[30] > 3 * few);
+  CHECK(searches == 2);
+}
+
+TEST_CASE("light that stays as it was at a poor start, or flashes, begins no track anew") {
+  int searches = 0;
+  found_in([](std::size_t) { return 2.4f; }, &searches);
+  CHECK(searches == 1);
+  found_in([](std::size_t k) { return k % 10 == 8 ? 1.0f : 2.4f; }, &searches);
+  CHECK(searches == 1);
+}
+
+TEST_CASE("a start that saw enough goes through every light") {
+  int searches = 0;
+  const auto found = found_in([](std::size_t k) { return k < 10 ? 1.0f : k < 20 ? 0.5f : 1.3f; }, &searches);
+  CHECK(searches == 1);
+  CHECK(*std::min_element(found.begin(), found.end()) > 30);
+}
+
+TEST_CASE("poor starts: the bound itself, and a face outside of the frame") {
+  InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
+  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  Estimator& estimator = tracker->estimator();
+  const auto few = static_cast<std::size_t>(100 * kPoorStartTuning.few_templates);
+  PoorStart start;
+  CHECK_FALSE(start.is_poor());
+  start.begin(few, 100, film().view(0), estimator);
+  CHECK_FALSE(start.is_poor());
+  start.begin(few - 1, 100, film().view(0), estimator);
+  CHECK(start.is_poor());
+  const std::uint8_t pixel = 0;  // the landmarks are outside of this frame: nothing tells light
+  const FrameView tiny = view_of_pixels({pixel}, 1, 1, 0);
+  start.begin(0, 100, tiny, estimator);
+  for (int k = 0; k < 20; ++k) CHECK_FALSE(start.is_over(film().view(0), estimator));
+  start.begin(0, 100, film().view(0), estimator);
+  for (int k = 0; k < 20; ++k) CHECK_FALSE(start.is_over(tiny, estimator));
+}
