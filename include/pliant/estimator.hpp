@@ -22,8 +22,14 @@
 
 namespace pliant {
 
-/// State of a track.
-enum class TrackState : std::uint8_t { tracking = 0, degraded = 1, lost = 2 };
+/// What a frame of a track is worth.
+enum class TrackState : std::uint8_t {
+  tracking = 0,  ///< pose and parameters are those of this frame
+  /// Either the frame was bad, and pose and parameters are those of the last good one; or they are this frame's but less exact: the
+  /// Tracker expects a large landmark error, or the head is turned so far that half of the face is hidden.
+  degraded = 1,
+  lost = 2,  ///< several bad frames in a row, or no track
+};
 
 /// Result of one frame.
 struct FrameResult {
@@ -38,7 +44,7 @@ struct FrameResult {
   Pose smoothed_pose = {};              ///< if options.smooths; parameters in Estimator::smoothed_parameters
   bool pose_is_observed = false;        ///< the observations determine the whole pose without the priors
   /// Of a Tracker whose model has learnt tables: expected mean error of the landmarks, as a fraction of the distance of the
-  /// outer eye corners. 0: unknown. Above 0.08 a tracked frame is degraded.
+  /// outer eye corners. 0: unknown. Above 0.08 a tracked frame is degraded, and where the head is turned by more than 50 degrees.
   float landmark_error = 0;
   /// Of a Tracker whose model has readers of the eyes: the common direction of both eyes relative to the head, a unit vector in the
   /// model's axes (x to the subject's left, y up, z straight ahead). 0: not seen (lids closed, head turned by more than 40 degrees, no

@@ -200,7 +200,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   }
   calibrate_parts(t, view);
   self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);
-  self.faces.begin_track(self.landmark_error, &t.result);
+  self.faces.begin_track(self.landmark_error);
   self.landmark_error = 0;
   conclude(t, view);
 }

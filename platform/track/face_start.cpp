@@ -1,5 +1,6 @@
 #include "track/face_start.hpp"
 
+#include "track/key_frames.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/self_start.hpp"
 
@@ -200,20 +201,20 @@ void FaceStart::refine(const SearchInput& input, const FaceBox* box, KnownPerson
 
 // --- The running track ---
 
-void FaceStart::begin_track(float landmark_error, FrameResult* result) {
+void FaceStart::begin_track(float landmark_error) {
   phase_ = FacePhase::tracking;
   detector_ = nullptr;
   landmark_error_ = landmark_error;
   // A start that nothing has verified is checked in its own frame.
   frames_since_check_ = landmark_error > 0 ? 0 : kTuning.check_interval_frames;
   bad_checks_ = good_checks_ = 0;
-  tell_error(result);
 }
 
-void FaceStart::tell_error(FrameResult* result) const {
+/// Of a frame that is tracked: how well the landmarks are known, and what that makes of its state.
+void FaceStart::tell_worth(const View& view, FrameResult* result) const {
   result->landmark_error = landmark_error_;
-  if (landmark_error_ > kTuning.most_landmark_error && result->state == TrackState::tracking)
-    result->state = TrackState::degraded;
+  const bool is_turned_away = camera_direction(view).z < kTuning.least_facing;
+  if (is_turned_away || landmark_error_ > kTuning.most_landmark_error) result->state = TrackState::degraded;
 }
 
 bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_frames,
@@ -228,7 +229,7 @@ bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_f
     frames_since_check_ = 0;
     if (!check(frame, estimator, scratch)) return false;
   }
-  tell_error(result);
+  tell_worth(estimator.view(), result);
   return true;
 }
 

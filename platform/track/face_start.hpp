@@ -53,6 +53,9 @@ struct FaceStartTuning {
   float error_rate = 0.3f;
   /// Estimated landmark error above which a tracked frame is degraded, fraction of the eyes' distance.
   float most_landmark_error = 0.08f;
+  /// Cosine of the head's turn away from the camera beyond which a tracked frame is degraded: 50 degrees. Of the built-in face's
+  /// landmarks on the far side that a frontal face shows, a third are then seen; 11 of 19 at 40 degrees, 1 of 19 at 60.
+  float least_facing = 0.643f;
   /// Bad frames in a row after which a track is given up: three until it counts as lost, and one for each key frame of
   /// profile M and for the last good frame.
   int most_bad_frames = 8;
@@ -100,9 +103,9 @@ class FaceStart {
     detector_ = nullptr;
     begin_search_again();
   }
-  /// A track has begun; the memory of the search is the track's now. Writes landmark_error, and whether it is degraded.
+  /// A track has begun; the memory of the search is the track's now. `conclude` follows in the same frame.
   /// \param landmark_error  estimate; 0: unknown.
-  void begin_track(float landmark_error, FrameResult* result);
+  void begin_track(float landmark_error);
 
   /// Searches in this frame, as much as the limits allow. If a face is found `start` and the person are set; the offsets
   /// are pending where the person is new.
@@ -115,7 +118,8 @@ class FaceStart {
   void refine(const SearchInput& input, const FaceBox* box, KnownPerson* person, StartPose* start,
               float* landmark_error);
 
-  /// Ends a frame of a track: checks it where a check is due, and writes landmark_error.
+  /// Ends a frame of a track: checks it where a check is due, and writes landmark_error and whether
+  /// it is degraded.
   /// \param bad_frames  of the track in a row, this one included. \param scratch  unused memory.
   /// \return false: the track is given up.
   bool conclude(const FrameView& frame, Estimator& estimator, int bad_frames, Span<unsigned char> scratch,
@@ -144,7 +148,7 @@ class FaceStart {
   void set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
                   StartPose* start);
   bool is_check_due() const;
-  void tell_error(FrameResult* result) const;
+  void tell_worth(const View& view, FrameResult* result) const;
   bool check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch);
 
   const FaceModules* modules_ = nullptr;

@@ -18,7 +18,8 @@ struct JudgedClip {
 };
 
 /// Runs the tracker on the frames of a clip as they are, and notes landmarks, middle and width of the face.
-/// \param limits  of the tracker, but for the size of the frames. \param frames  kClipFrames of one size. \return false if it does not track throughout: then there is no truth.
+/// \param limits  of the tracker, but for the size of the frames. \param frames  kClipFrames of one size.
+/// \return false if it loses the face: then there is no truth.
 bool judge(const ModelFile& file, TrackerLimits limits, std::vector<Image> frames, JudgedClip* out);
 
 /// Counts of one fault over all clips.

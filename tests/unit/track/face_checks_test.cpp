@@ -1,6 +1,8 @@
 // In which frames a running track is checked. Detection and verification are a fake that knows the truth.
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
 
@@ -63,4 +65,27 @@ TEST_CASE("after bad frames the next good one is checked") {
     if (n == 8 || n == 9) view.data = black.data();
   });
   CHECK(at == Frames{1, 3, 5, 10, 16, 22});
+}
+
+TEST_CASE("a head that is turned by more than 50 degrees is degraded, and tracked on") {
+  const FaceFilm film(
+      320, 240, 2 * kFrames,
+      [](float s, Pose& pose, auto&) {
+        pose.q = exp_rotation({0, 1.05f * std::sin(3.1416f * s), 0}) * pose.q;
+      },
+      0.5f);
+  FakeFaces fake(film);
+  TrackerLimits limits;
+  limits.detection = FakeFaces::table();
+  InArena<Tracker> tracker(baked_face().model, limits);
+  for (std::size_t n = 0; n < film.count(); ++n) {
+    FrameResult result;
+    REQUIRE(tracker->update(film.view(n), &result) == Status::ok);
+    const float turn = 57.3f * length(log_rotation(film.poses[n].q * conjugate(film.poses[0].q)));
+    CAPTURE(n);
+    CAPTURE(turn);
+    CHECK(film.turn_error(result.pose, n) < 3);
+    if (turn < 46) CHECK(result.state == TrackState::tracking);
+    if (turn > 54) CHECK(result.state == TrackState::degraded);
+  }
 }
