@@ -59,6 +59,12 @@ class FaceDetector {
   Status search(const FrameView& frame, std::uint32_t work, Span<DetectedFace> room, std::size_t* count,
                 bool* is_complete);
 
+  /// Searches around a box: boxes of 0.7 to 1.4 times its side whose middle is about a quarter of its side from its own,
+  /// at most. A search in parts goes on afterwards where it was.
+  /// \param face  the best one. \return not_found if there is none, `bad_argument` for a box without a side or far outside, else as
+  ///              `find`. Cost: a twelfth of a `find` in 320 x 240 pixels.
+  Status search_near(const FrameView& frame, const FaceBox& box, DetectedFace* face);
+
  private:
   struct State;
   Status check_input(const FrameView& frame, Span<DetectedFace> room, const std::size_t* count) const;

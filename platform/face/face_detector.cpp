@@ -14,6 +14,7 @@ struct FaceDetector::State {
   CellStrip strip;
   BoxHits hits;
   SearchPlace place;
+  bool strip_is_of_other = false;  // than the search in parts
 
   int least_sum() const { return table.trees()[table.trees().count - 1].rejection; }
   void search_windows(const SearchPlace& at);
@@ -42,8 +43,15 @@ void FaceDetector::State::search_windows(const SearchPlace& at) {
 
 // Searches one more row. \return the cells computed.
 std::uint32_t FaceDetector::State::step(const FrameView& frame) {
-  if (place.begins_strip()) strip.begin(place.first_column(), place.columns(), place.row());
-  strip.add_row(ScaledLines(frame, place.ratio()));
+  const ScaledLines lines(frame, place.ratio());
+  if (place.begins_strip() || strip_is_of_other) {
+    // Where another search was between, the rows of cells above this one are computed again.
+    const int above = place.row() - (kWindowCells - 1), first = place.first_row();
+    strip.begin(place.first_column(), place.columns(), above > first ? above : first);
+    while (strip.next_row() < place.row()) strip.add_row(lines);
+    strip_is_of_other = false;
+  }
+  strip.add_row(lines);
   if (strip.rows() >= kWindowCells) search_windows(place);
   const std::uint32_t cells = static_cast<std::uint32_t>(place.columns());
   place.advance();
@@ -97,6 +105,23 @@ Status FaceDetector::search(const FrameView& frame, std::uint32_t work, Span<Det
   *is_complete = s.place.is_complete();
   *count = s.select(room);
   return Status::ok;
+}
+
+Status FaceDetector::search_near(const FrameView& frame, const FaceBox& box, DetectedFace* face) {
+  std::size_t count = 0;
+  const Status status = check_input(frame, {face, 1}, &count);
+  if (status != Status::ok) return status;
+  const float most = 2 * kLargestFramePx;
+  if (!(box.side > 0 && box.side < most && magnitude(box.center.x) < most && magnitude(box.center.y) < most))
+    return Status::bad_argument;
+  State& s = *state_;
+  s.hits.clear();
+  const SearchPlace of_parts = s.place;
+  s.place.begin_near(frame.width, frame.height, limits_.smallest_px, box);
+  while (!s.place.is_complete()) s.step(frame);
+  s.place = of_parts;
+  s.strip_is_of_other = true;
+  return s.select({face, 1}) > 0 ? Status::ok : Status::not_found;
 }
 
 }  // namespace pliant

@@ -31,11 +31,12 @@ int SearchPlace::most_columns(int width) {
   return all < kWindowCells ? kWindowCells : smaller(all, kStripColumns);
 }
 
-int SearchPlace::first_row() {
-  return -kTuning.beyond_cells;
+void SearchPlace::begin(int width, int height, int smallest_px) {
+  begin_near(width, height, smallest_px, {});
 }
 
-void SearchPlace::begin(int width, int height, int smallest_px) {
+void SearchPlace::begin_near(int width, int height, int smallest_px, const FaceBox& box) {
+  near_ = box;
   width_ = width;
   height_ = height;
   const int smallest = smallest_px < kWindowPx ? kWindowPx : smallest_px;
@@ -44,19 +45,44 @@ void SearchPlace::begin(int width, int height, int smallest_px) {
   begin_size();
 }
 
+// Of the reduced frame, whose side is `px`: all, or those of windows whose middle is near `middle`, px of the frame.
+SearchPlace::Cells SearchPlace::cells_along(int px, float middle) const {
+  const Cells all{-kTuning.beyond_cells, cells(px) + kTuning.beyond_cells};
+  if (!(near_.side > 0)) return all;
+  const float ratio = static_cast<float>(ratio_) / ScaledLines::kUnit;
+  const auto window = [&](float x) {
+    return static_cast<int>((clamp(x, 0, ratio * static_cast<float>(px)) / ratio - 0.5f * kWindowPx) /
+                            kDetectorCellPx);
+  };
+  const float reach = kTuning.near_reach * near_.side;
+  const int begin = window(middle - reach), end = window(middle + reach) + kWindowCells;
+  return {begin < all.begin ? all.begin : begin, smaller(end, all.end)};
+}
+
+// From this size on the next one that is asked for.
 void SearchPlace::begin_size() {
-  ratio_ = (first_ratio_ * kSizes[size_ % kSizesAnOctave] / 256) << (size_ / kSizesAnOctave);
-  const int width = width_ * ScaledLines::kUnit / ratio_, height = height_ * ScaledLines::kUnit / ratio_;
-  is_complete_ = width < kTuning.smallest_level_px || height < kTuning.smallest_level_px;
-  end_column_ = cells(width) + kTuning.beyond_cells;
-  end_row_ = cells(height) + kTuning.beyond_cells;
-  column_ = -kTuning.beyond_cells;
-  begin_strip();
+  const bool is_whole = !(near_.side > 0);
+  for (;; ++size_) {
+    ratio_ = (first_ratio_ * kSizes[size_ % kSizesAnOctave] / 256) << (size_ / kSizesAnOctave);
+    const int width = width_ * ScaledLines::kUnit / ratio_, height = height_ * ScaledLines::kUnit / ratio_;
+    const float side = box(0, 0).side;
+    is_complete_ = width < kTuning.smallest_level_px || height < kTuning.smallest_level_px ||
+                   !(is_whole || side <= kTuning.near_ratio * near_.side);
+    if (is_complete_) return;
+    if (!is_whole && side * kTuning.near_ratio < near_.side) continue;
+    const Cells columns = cells_along(width, near_.center.x), rows = cells_along(height, near_.center.y);
+    column_ = columns.begin;
+    end_column_ = columns.end;
+    first_row_ = rows.begin;
+    end_row_ = rows.end;
+    begin_strip();
+    return;
+  }
 }
 
 void SearchPlace::begin_strip() {
   columns_ = smaller(end_column_ - column_, kStripColumns);
-  row_ = first_row();
+  row_ = first_row_;
 }
 
 void SearchPlace::advance() {

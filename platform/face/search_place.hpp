@@ -15,6 +15,9 @@ class SearchPlace {
 
   /// The first row for a frame of this size; complete at once if no face box fits.
   void begin(int width, int height, int smallest_px);
+  /// The same for windows near a box alone, of any size about its own (FaceDetectorTuning::near_ratio, near_reach).
+  /// \pre The box is finite.
+  void begin_near(int width, int height, int smallest_px, const FaceBox& box);
   /// To the next row. \pre !is_complete().
   void advance();
 
@@ -24,17 +27,22 @@ class SearchPlace {
   int first_column() const { return column_; }  ///< of the strip, in cells of the reduced frame
   int columns() const { return columns_; }      ///< of the strip
   int row() const { return row_; }              ///< in cells of the reduced frame
-  bool begins_strip() const { return row_ == first_row(); }
+  bool begins_strip() const { return row_ == first_row_; }
+  int first_row() const { return first_row_; }  ///< of the strip
   /// The box, in the frame, of the window whose first cell is `k` columns right of the strip's first, in `row`.
   FaceBox box(int k, int row) const;
 
  private:
-  static int first_row();
+  struct Cells {
+    int begin, end;
+  };
   void begin_size();
+  Cells cells_along(int px, float middle) const;
   void begin_strip();
 
+  FaceBox near_;  // side 0: the whole frame
   int width_ = 0, height_ = 0, first_ratio_ = 0, size_ = 0, ratio_ = 0;
-  int end_column_ = 0, end_row_ = 0;  // behind the last cells at this size
+  int first_row_ = 0, end_column_ = 0, end_row_ = 0;  // of the cells at this size
   int column_ = 0, columns_ = 0, row_ = 0;
   bool is_complete_ = true;
 };

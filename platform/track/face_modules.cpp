@@ -32,6 +32,10 @@ Status search(FaceDetector& detector, const FrameView& frame, std::uint32_t work
   return detector.search(frame, work, room, count, is_complete);
 }
 
+Status search_near(FaceDetector& detector, const FrameView& frame, const FaceBox& box, DetectedFace* face) {
+  return detector.search_near(frame, box, face);
+}
+
 Status begin(FaceAligner& aligner, const FrameView& frame, const FaceBox& box, const Camera& camera,
              const AlignOptions& options, const float* q, int* steps) {
   return aligner.begin(frame, box, camera, q, steps, options);
@@ -54,8 +58,8 @@ Status verify(FaceAligner& aligner, const FrameView& frame, const Camera& camera
 
 }  // namespace
 
-const FaceModules kFaceModules{
-    is_available, lay_out_detector, lay_out_aligner, lay_out_verifier, status, search, begin,
-    advance,      refine,           verify};
+const FaceModules kFaceModules{is_available, lay_out_detector, lay_out_aligner, lay_out_verifier,
+                               status,       search,           search_near,     begin,
+                               advance,      refine,           verify};
 
 }  // namespace pliant

@@ -25,6 +25,8 @@ struct FaceModules {
   /// As the functions of FaceDetector and FaceAligner of these names.
   Status (*search)(FaceDetector& detector, const FrameView& frame, std::uint32_t work,
                    Span<DetectedFace> room, std::size_t* count, bool* is_complete);
+  Status (*search_near)(FaceDetector& detector, const FrameView& frame, const FaceBox& box,
+                        DetectedFace* face);
   Status (*begin)(FaceAligner& aligner, const FrameView& frame, const FaceBox& box, const Camera& camera,
                   const AlignOptions& options, const float* q, int* steps);
   Status (*advance)(FaceAligner& aligner, const FrameView& frame, int steps, AlignedFace* face, float* q,

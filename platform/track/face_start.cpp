@@ -110,7 +110,13 @@ void FaceStart::add_candidate(const DetectedFace& face) {
 FaceStart::Answer FaceStart::align(const SearchInput& input, int* steps, KnownPerson* person,
                                    StartPose* start, float* landmark_error) {
   tries_known_ = tries_known_ && person->is_known;
-  Status status = steps_left_ == 0 ? begin_alignment(input, *person) : Status::ok;
+  Status status = Status::ok;
+  if (steps_left_ == 0) {
+    // A search over several frames may have seen the face at some sizes only, and it may have moved since.
+    DetectedFace& face = candidates_[next_candidate_];
+    if (spreads_work()) status = modules_->search_near(*detector_, input.frame, face.box, &face);
+    if (status == Status::ok || status == Status::not_found) status = begin_alignment(input, *person);
+  }
   AlignedFace face;
   if (status == Status::ok) {
     int taken = *steps < steps_left_ ? *steps : steps_left_;

@@ -20,6 +20,7 @@ struct FakeFaces {
   float error = 0.02f;                         ///< landmark error of an alignment
   float held_error = 0.02f;                    ///< the same with the identity held
   pliant::Status status = pliant::Status::ok;  ///< of the tables
+  float size_found = 1;                        ///< of the face in a search, over its size
   bool has_ghost = false;                      ///< the detector also gives a box without a face
   int steps_an_alignment = 6;
   // What was asked of it.
@@ -93,7 +94,14 @@ inline Status search(FaceDetector&, const FrameView& frame, std::uint32_t work, 
   const FaceBox box = f.box(frame.sequence);
   if (!*is_complete) return Status::ok;
   if (f.has_ghost) room[(*count)++] = {{{60, 60}, 50}, 0.9995f};
-  if (box.side > 0) room[(*count)++] = {box, f.detection};
+  if (box.side > 0) room[(*count)++] = {{box.center, f.size_found * box.side}, f.detection};
+  return Status::ok;
+}
+
+inline Status search_near(FaceDetector&, const FrameView& frame, const FaceBox& box, DetectedFace* face) {
+  const FaceBox truth = fake().box(frame.sequence);
+  if (truth.side > 0 && length(truth.center - box.center) < 0.5f * truth.side)
+    *face = {truth, fake().detection};
   return Status::ok;
 }
 
@@ -132,7 +140,9 @@ inline Status advance(FaceAligner&, const FrameView& frame, int steps, AlignedFa
   const std::size_t k = frame.sequence;
   const FaceBox truth = f.box(k);
   *face = {camera, {}, 0.01f, 0.5f};
-  if (!(truth.side > 0) || length(truth.center - box.center) > 0.5f * truth.side) return Status::ok;
+  if (!(truth.side > 0) || length(truth.center - box.center) > 0.5f * truth.side ||
+      magnitude(truth.side - box.side) > 0.2f * truth.side)
+    return Status::ok;
   View view = view_of(f.film->poses[k], f.film->camera);
   view.rho = view.s / camera.f;
   *face = {camera, pose_of(view), f.score, options.is_free != nullptr ? f.held_error : f.error};
@@ -170,8 +180,9 @@ inline const pliant::Detection* FakeFaces::table() {
   static const pliant::FaceModules modules{fake_faces::is_available,    fake_faces::lay_out_detector,
                                            fake_faces::lay_out_aligner, fake_faces::lay_out_aligner,
                                            fake_faces::status,          fake_faces::search,
-                                           fake_faces::begin,           fake_faces::advance,
-                                           fake_faces::refine,          fake_faces::verify};
+                                           fake_faces::search_near,     fake_faces::begin,
+                                           fake_faces::advance,         fake_faces::refine,
+                                           fake_faces::verify};
   static pliant::Detection table = pliant::kFaceDetection;
   table.modules = &modules;
   return &table;

@@ -165,6 +165,43 @@ TEST_CASE("a search in parts meets what a whole search finds, and costs as many 
   CHECK(std::memcmp(parts.data(), whole.data(), parts.size() * sizeof(DetectedFace)) == 0);
 }
 
+TEST_CASE("near a box of another size the pattern's own box is found, and where there is none nothing") {
+  Rig rig;
+  Picture p(320, 240, 120);
+  detector_pattern::draw(&p, 150, 110, 70);
+  for (const float ratio : {0.75f, 1.0f, 1.33f}) {
+    CAPTURE(ratio);
+    DetectedFace face;
+    REQUIRE(rig.detector.search_near(p.frame(), {{155, 104}, 70 * ratio}, &face) == Status::ok);
+    CHECK(is_at(face, 150, 110, 70));
+    CHECK(face.score == rig.find(p)[0].score);
+  }
+  DetectedFace face{{{1, 2}, 3}, 4};
+  CHECK(rig.detector.search_near(p.frame(), {{240, 110}, 70}, &face) == Status::not_found);
+  CHECK(rig.detector.search_near(p.frame(), {{150, 110}, 140}, &face) == Status::not_found);
+  CHECK(face.score == 4);
+}
+
+TEST_CASE("a search in parts goes on after a search near a box as if there had been none") {
+  Picture p(320, 240, 120);
+  detector_pattern::draw(&p, 90, 70, 60);
+  detector_pattern::draw(&p, 220, 130, 110);
+  for (const std::uint32_t work : {1u, 300u, 2000u}) {
+    Rig plain, interrupted;
+    bool is_complete = false;
+    while (!is_complete) {
+      DetectedFace faces[2][16], near;
+      std::size_t count[2] = {};
+      REQUIRE(plain.detector.search(p.frame(), work, {faces[0], 16}, &count[0], &is_complete) == Status::ok);
+      REQUIRE(interrupted.detector.search(p.frame(), work, {faces[1], 16}, &count[1], &is_complete) ==
+              Status::ok);
+      REQUIRE(count[0] == count[1]);
+      CHECK(std::memcmp(faces[0], faces[1], count[0] * sizeof(DetectedFace)) == 0);
+      REQUIRE(interrupted.detector.search_near(p.frame(), {{90, 70}, 60}, &near) == Status::ok);
+    }
+  }
+}
+
 TEST_CASE("the same pixels in another memory layout give the same bits") {
   Rig rig;
   Picture p(318, 201, 120);
@@ -199,6 +236,13 @@ TEST_CASE("bad input gets a status") {
   CHECK(rig.detector.find(right.frame(), {nullptr, 1}, &count) == Status::bad_argument);
   CHECK(rig.detector.find(right.frame(), {&face, 1}, nullptr) == Status::bad_argument);
   CHECK(rig.detector.search(right.frame(), 1, {&face, 1}, &count, nullptr) == Status::bad_argument);
+  CHECK(rig.detector.search_near(large.frame(), {{50, 50}, 60}, &face) == Status::size_mismatch);
+  CHECK(rig.detector.search_near(right.frame(), {{50, 50}, 60}, nullptr) == Status::bad_argument);
+  for (const float bad : {0.0f, -1.0f, 1e30f, std::nanf("")}) {
+    CHECK(rig.detector.search_near(right.frame(), {{50, 50}, bad}, &face) == Status::bad_argument);
+    if (bad != 0 && bad != -1)
+      CHECK(rig.detector.search_near(right.frame(), {{50, bad}, 60}, &face) == Status::bad_argument);
+  }
   CHECK(count == 7);
   CHECK(rig.detector.find(right.frame(), {}, &count) == Status::ok);
   CHECK(count == 0);

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -72,4 +73,48 @@ TEST_CASE("frames without room for a face are complete at once") {
   SearchPlace at;
   at.begin(8192, 8192, 65535);
   CHECK(at.is_complete());
+}
+
+TEST_CASE("near a box are its windows of five sizes, none far from it and none that the whole search lacks") {
+  using Window = std::pair<float, std::pair<float, float>>;  // side, middle
+  const auto windows = [](SearchPlace at) {
+    std::set<Window> all;
+    for (; !at.is_complete(); at.advance())
+      for (int k = 0; k + kWindowCells <= at.columns(); ++k)
+        if (const int row = at.row() - (kWindowCells - 1); row >= at.first_row()) {
+          const FaceBox box = at.box(k, row);
+          all.insert({box.side, {box.center.x, box.center.y}});
+        }
+    return all;
+  };
+  SearchPlace at;
+  at.begin(320, 240, 48);
+  const auto all = windows(at);
+  for (const FaceBox box : {FaceBox{{160, 120}, 81}, FaceBox{{20, 220}, 68}, FaceBox{{300, 40}, 48}}) {
+    CAPTURE(box.side);
+    at.begin_near(320, 240, 48, box);
+    const auto near = windows(at);
+    CHECK(near.size() > 60);
+    CHECK(near.size() < all.size() / 8);
+    std::set<float> sides;
+    for (const Window& w : near) {
+      CHECK(all.count(w) == 1);
+      sides.insert(w.first);
+      const float most = 0.25f * box.side + w.first / kWindowCells + 1;  // a cell and a pixel
+      CHECK(std::abs(w.second.first - box.center.x) < most);
+      CHECK(std::abs(w.second.second - box.center.y) < most);
+    }
+    CHECK(sides.size() == (box.side > 60 ? 5 : 3));  // none is smaller than the smallest
+    CHECK(*sides.begin() * 1.5f > box.side);
+    CHECK(*sides.rbegin() < 1.5f * box.side);
+  }
+}
+
+TEST_CASE("near a box that is outside of the frame, tiny or huge there is an end") {
+  for (const FaceBox box : {FaceBox{{-1e4f, 1e4f}, 80}, FaceBox{{160, 120}, 1}, FaceBox{{160, 120}, 1e4f}}) {
+    SearchPlace at;
+    int rows = 0;
+    for (at.begin_near(320, 240, 48, box); !at.is_complete(); at.advance()) ++rows;
+    CHECK(rows < 100);
+  }
 }

@@ -255,6 +255,18 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a search in parts that saw the face at another size only: it is aligned at its own") {
+  FakeFaces fake(half_size());
+  fake.size_found = 1.33f;
+  TrackerLimits limits = limits_with_fake();
+  limits.search_work = kFaceStartTuning.cells_a_step;
+  InArena<Tracker> tracker(baked_face().model, limits);
+  FrameResult result;
+  for (std::size_t k = 0; k < kGone; ++k) result = update(tracker.object, half_size(), k);
+  CHECK(result.state == TrackState::tracking);
+  CHECK(fake.alignments == 1);
+}
+
 TEST_CASE("a start of the caller's during a search ends it, and one during an alignment") {
   const FaceFilm& film = half_size();
   TrackerLimits limits = limits_with_fake();
