@@ -108,13 +108,12 @@ void VisibleSurface::sample_again(Cascade& cascade, const ModelState& state) {
   update(cascade, state, 0, 1);
 }
 
-/// \return how far the farthest vertex moved, squared (mm^2).
-float VisibleSurface::move_vertices(Cascade& cascade, const float* q, std::uint32_t frame,
-                                    std::uint32_t interval) {
-  if (!keeps_samples()) cascade.select(q, interval > 1 ? kTuning.table_slack_mm : 0.0f);
+/// Moves the chosen vertices. \return how far the farthest one moved, squared (mm^2).
+template <class Chosen>
+float VisibleSurface::move_vertices(Cascade& cascade, const float* q, const Chosen& is_chosen) {
   float farthest = 0;
   for (VertexId v : mesh_.vertices()) {
-    if (interval > 1 && (v + frame) % interval != 0) continue;
+    if (!is_chosen(v)) continue;
     const Vec3 p = keeps_samples() ? cascade.evaluate(samples_of(v), q) : cascade.selected_point(mesh_.uv(v)),
                step = p - position_[v];
     farthest = max(farthest, dot(step, step));
@@ -126,8 +125,10 @@ float VisibleSurface::move_vertices(Cascade& cascade, const float* q, std::uint3
 void VisibleSurface::update(Cascade& cascade, const ModelState& state, std::uint32_t frame,
                             std::uint32_t interval) {
   constexpr float kFastMm = kTuning.fast_fraction * kVisibilityTuning.hidden_margin_mm;
-  const bool is_fast = move_vertices(cascade, state.q, frame, interval) > kFastMm * kFastMm;
-  if (is_fast && interval > 1) move_vertices(cascade, state.q, frame, 1);
+  if (!keeps_samples()) cascade.select(state.q, interval > 1 ? kTuning.table_slack_mm : 0.0f);
+  const auto has_turn = [=](VertexId v) { return interval <= 1 || (v + frame) % interval == 0; };
+  const bool is_fast = move_vertices(cascade, state.q, has_turn) > kFastMm * kFastMm;
+  if (is_fast) move_vertices(cascade, state.q, [&](VertexId v) { return !has_turn(v); });
   if (is_fast || interval <= 1) depth_is_drawn_ = false;
   project(state.view);
 }

@@ -109,7 +109,8 @@ class VisibleSurface {
   Vec3* samples_of(VertexId v) { return samples_ + v * samples_per_vertex_; }
   void select_surface(Cascade& cascade) const;
   void place_vertex(Cascade& cascade, const float* q, VertexId v);
-  float move_vertices(Cascade& cascade, const float* q, std::uint32_t frame, std::uint32_t interval);
+  template <class Chosen>
+  float move_vertices(Cascade& cascade, const float* q, const Chosen& is_chosen);
   void project(const View& view);
   float nearest_on_mesh(Vec2 x, Vec2* uv) const;
 

@@ -135,9 +135,8 @@ void add_surface_loads(const Sizes& s, const TrackerLimits& limits, const Estima
   loads.push_back({"points predicted", kUsual.rounds * s.points, (1 + rounds) * s.points + first_pass,
                    kCost.predicted_record * s.records});
   loads.push_back({"tangents updated", tangents, tangents + 1, kCost.tangent_record * s.records});
-  // On fast motion all vertices are updated, in addition to the regular ones.
-  loads.push_back(
-      {"vertices updated", vertices / interval, vertices * (1 + 1 / interval), of_vertex * s.records});
+  // On fast motion all vertices are updated.
+  loads.push_back({"vertices updated", vertices / interval, vertices, of_vertex * s.records});
   loads.push_back({"vertices projected", kUsual.projections_a_vertex * vertices, (rounds + 3) * vertices,
                    kCost.projected_vertex});
   loads.push_back({"vertices drawn into the depth buffer", kUsual.drawings * vertices,
