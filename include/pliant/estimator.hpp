@@ -153,7 +153,7 @@ class Estimator {
   /// Of the last frame: rows and factorisations.
   FrameWork work() const;
   /// Ends the solves of every frame early once they have taken so much work; a frame's state is then less exact.
-  /// \param most  0: no limit; in the unit of WorkCosts. To be called after a start.
+  /// \param most  0: no limit; below 0: nothing is left; in the unit of WorkCosts. To be called after a start.
   void limit_work(const WorkCosts& costs, float most);
   /// Costs of this model's loops with templates of `window` px a side. To be called after a start.
   WorkCosts work_costs(int window) const;

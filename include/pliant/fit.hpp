@@ -46,8 +46,10 @@ struct FitOptions {
   /// Residual that neither noise nor prior explains, mm on the model: the distance of an annotated landmark from the model's.
   /// The robust loss rejects only what is several times larger.
   float misfit_mm = 3.0f;
-  bool robust = true;   ///< Huber's, then Tukey's loss of the residual length; false: its square
-  int iterations = 30;  ///< of Gauss-Newton, at most, over all stages
+  bool robust = true;  ///< Huber's, then Tukey's loss of the residual length; false: its square
+  /// Of Gauss-Newton, over all stages: each of three (of nine, with silhouette points) has an equal share, and at least one.
+  /// Points that fold the surface over add as many to their stage, for the pose.
+  int iterations = 30;
   /// Weight of the parameters' prior, >= 0. The stiffness of Eq. 12 is K = -stiffness / sd^2. 0: Eq. 8 alone.
   float stiffness = 1;
   FitMethod method = FitMethod::gauss_newton;  ///< how the cost is brought down

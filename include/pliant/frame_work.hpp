@@ -16,18 +16,32 @@ struct FrameWork {
   std::uint32_t factorisations = 0;  ///< of the normal equations
 };
 
-/// Instructions of x86-64 that one turn of each loop takes, counted by callgrind on the recorded face (docs/evaluation.md, Work of a
-/// frame). They weigh the loops against each other on other processors as well.
+/// Tuning of WorkCosts, instructions of x86-64: those of a function, over the turns of its loop, counted by callgrind on the
+/// recorded face with profiles S, M and L, which differ in window, unknowns and samples (docs/evaluation.md, Work of a frame).
+struct WorkCostTuning {
+  float search_step_pixel = 18;      ///< of a step of a search: each pixel of the template
+  float row_unknowns = 0.45f;        ///< of an observation: each pair of unknowns
+  float row_sample = 37, row = 500;  ///< of an observation: each sample of its surface point, and the rest
+  float measured_sample = 18;        ///< the same of an observation that is measured only
+  float measured = 90;               ///< the rest of that
+  float factorisation_unknowns = 0.65f;  ///< of a factorisation: each triple of unknowns
+};
+inline constexpr WorkCostTuning kWorkCostTuning{};  ///< the values in use
+
+/// Instructions that one turn of each loop takes on x86-64. They weigh the loops against each other on other processors as well.
 struct WorkCosts {
-  float search_step = 0;    ///< as in FrameWork, and so are the others
-  float row = 0;            ///< one observation
-  float measured_row = 0;   ///< one observation
-  float factorisation = 0;  ///< one
+  float search_step = 0;    ///< a step of a template search
+  float row = 0;            ///< an observation in a linearisation
+  float measured_row = 0;   ///< an observation of which only the residual is taken
+  float factorisation = 0;  ///< a factorisation of the normal equations
 
   /// \param window    side of a template, px. \param unknowns  of the solve. \param samples  of one surface point.
   static constexpr WorkCosts of(float window, float unknowns, float samples) {
-    return {18 * window * window, 0.45f * unknowns * unknowns + 37 * samples + 500, 18 * samples + 90,
-            0.65f * unknowns * unknowns * unknowns};
+    const WorkCostTuning& t = kWorkCostTuning;
+    return {t.search_step_pixel * window * window,
+            t.row_unknowns * unknowns * unknowns + t.row_sample * samples + t.row,
+            t.measured_sample * samples + t.measured,
+            t.factorisation_unknowns * unknowns * unknowns * unknowns};
   }
   /// Of the solves alone.
   constexpr float of_solves(const FrameWork& w) const {

@@ -18,12 +18,12 @@ struct FaceStartTuning {
   float least_detection = 0.2f;
   /// Probability by the detector above which a search over several frames stops for an alignment before it is complete.
   float sure_detection = 0.9f;
-  /// Probability that the alignment is right, at least, for a start.
+  /// Probability that the alignment is right, at least, for a start. Round value, not tuned.
   float least_start = 0.7f;
   /// Odds of the detector times odds of the alignment, at least, for a start. Of 428 alignments on 172 photographs without
   /// faces, which were shown with drift and noise, the best has 83; of 170 held-out portraits the worst has 15,000.
   float least_start_odds = 150;
-  /// Below these odds a start waits until the candidate has been accepted in so many frames.
+  /// Below these odds a start waits until the candidate has been accepted in so many frames. Round values, not tuned.
   float sure_start_odds = 10000;
   int doubtful_frames = 3;
   /// Estimated landmark error, at most, of an alignment with the identity of the last person, fraction of the eyes'
@@ -43,15 +43,17 @@ struct FaceStartTuning {
   int check_interval_frames = 2, known_interval_frames = 6;
   /// Estimated landmark error above which checks stay frequent, fraction of the eyes' distance: half of `most_landmark_error`.
   float doubtful_error = 0.04f;
-  /// Bad checks in a row after which a track is given up.
+  /// Bad checks in a row after which a track is given up. Not tuned.
   int most_bad_checks = 2;
-  /// Probability that an alignment is right, below which a check is bad; and the same until the person counts as known.
+  /// Probability that an alignment is right, below which a check is bad; and the same until the person counts as known. Round
+  /// values, not tuned.
   float least_check = 0.1f, least_first_check = 0.5f;
-  /// Good checks after which the person counts as known.
+  /// Good checks after which the person counts as known. Not tuned.
   int checks_of_known_person = 3;
-  /// Fraction by which a check moves the estimate of the landmark error.
+  /// Fraction by which a check moves the estimate of the landmark error. Round value, not tuned.
   float error_rate = 0.3f;
-  /// Estimated landmark error above which a tracked frame is degraded, fraction of the eyes' distance.
+  /// Estimated landmark error above which a tracked frame is degraded, fraction of the eyes' distance. Round
+  /// value, not tuned.
   float most_landmark_error = 0.08f;
   /// Cosine of the head's turn away from the camera beyond which a tracked frame is degraded: 50 degrees. Of the built-in face's
   /// landmarks on the far side that a frontal face shows, a third are then seen; 11 of 19 at 40 degrees, 1 of 19 at 60.
@@ -59,7 +61,7 @@ struct FaceStartTuning {
   /// Bad frames in a row after which a track is given up: three until it counts as lost, and one for each key frame of
   /// profile M and for the last good frame.
   int most_bad_frames = 8;
-  /// Probability that an alignment is right, at least, for a start of the caller's to be moved there.
+  /// Probability that an alignment is right, at least, for a start of the caller's to be moved there. Round value.
   float least_refined = 0.5f;
   /// Points of a start from landmarks from which on the picture is not asked, count.
   std::size_t enough_points = 12;

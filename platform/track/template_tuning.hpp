@@ -84,6 +84,9 @@ inline constexpr TemplateMatchTuning kTemplateMatchTuning{};
 
 /// Where templates are captured.
 struct TemplatePlacementTuning {
+  /// Side of a corner cell: the frame's width over this, px; less where a frame has fewer than so many cells a template, since a
+  /// face fills a part of it; in any case within a range, px. Round values, not tuned.
+  int cells_across = 40, least_cells_a_template = 9, least_cell_px = 4, most_cell_px = 64;
   /// Passes over the image, each with a smaller distance between points than the one before.
   int passes = 6;
   /// That distance, over the one before: about half the area each time.

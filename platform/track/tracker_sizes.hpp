@@ -10,9 +10,12 @@ namespace pliant {
 
 /// Side of a corner cell, px: 8 at 320 x 240, less where more patches are wanted than a face has such cells.
 constexpr int cell_px_of(const TrackerLimits& limits) {
-  int side = (limits.width + 20) / 40;
-  while (side > 4 && 9 * side * side * limits.patches > limits.width * limits.height) --side;
-  return side < 4 ? 4 : side > 64 ? 64 : side;
+  const TemplatePlacementTuning& t = kTemplatePlacementTuning;
+  int side = (limits.width + t.cells_across / 2) / t.cells_across;
+  while (side > t.least_cell_px &&
+         t.least_cells_a_template * side * side * limits.patches > limits.width * limits.height)
+    --side;
+  return side < t.least_cell_px ? t.least_cell_px : side > t.most_cell_px ? t.most_cell_px : side;
 }
 
 constexpr int region_width(const TrackerLimits& limits) {

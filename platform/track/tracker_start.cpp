@@ -109,6 +109,8 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   if (impl_ == nullptr) return Status::not_started;
   const Status status = impl_->check_start(frame, markers);
   if (status != Status::ok) return status;
+  for (std::size_t k = 0; q != nullptr && k < impl_->start_q.count; ++k)
+    if (!is_finite(q[k])) return Status::bad_argument;
   impl_->offsets.clear();
   for (std::size_t k = 0; k < impl_->start_q.count; ++k) impl_->start_q[k] = q == nullptr ? 0 : q[k];
   StartPose from{camera, pose};

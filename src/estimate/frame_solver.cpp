@@ -47,7 +47,7 @@ FrameWork FrameSolver::work() const {
 
 /// Steps of a minimisation for which there is work left.
 int FrameSolver::steps_left() const {
-  if (!(most_work_ > 0)) return policy_.iterations;
+  if (most_work_ == 0) return policy_.iterations;
   const float step = static_cast<float>(rows_.count()) * (costs_.row + costs_.measured_row) +
                      kTuning.factorisations_a_step * costs_.factorisation;
   const float steps = (most_work_ - costs_.of_solves(work())) / max(step, 1);

@@ -53,7 +53,7 @@ void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const Mesh
       &cascade, [](void* context, Vec2 uv) { return static_cast<Cascade*>(context)->selected_point(uv); }};
   contour_criterion_ = {};
   contour_criterion_.mean_mm = policy.error_mm;
-  contour_criterion_.max_mm = 4 * policy.error_mm;
+  contour_criterion_.max_mm = kTuning.most_over_mean_error * policy.error_mm;
   Criterion criterion = criterion_of(contour_criterion_);
   AdaptOptions options;
   if (policy.operations > 0) {
@@ -221,11 +221,11 @@ void VisibleSurface::refine_uv(Cascade& cascade, const ModelState& state, Vec2 x
     Projector::Derivatives d;
     if (!projector.project(frame.p, &image, &d)) return;
     const Vec2 along_u = d.along(frame.pu), along_v = d.along(frame.pv), off = x - image;
-    if (dot(off, off) < 1e-6f) break;
+    if (dot(off, off) < kTuning.newton_near_px * kTuning.newton_near_px) break;
     const Mat2 jacobian{along_u.x, along_v.x, along_u.y, along_v.y};
-    if (magnitude(determinant(jacobian)) < 1e-3f) return;
+    if (magnitude(determinant(jacobian)) < kTuning.newton_least_area_px2) return;
     const Vec2 step = inverse(jacobian) * off;
-    if (!(dot(step, step) < 1e-2f)) return;
+    if (!(dot(step, step) < kTuning.newton_most_step * kTuning.newton_most_step)) return;
     at = {clamp(at.x + step.x, 0, 1), clamp(at.y + step.y, 0, 1)};
   }
   *uv = at;

@@ -190,7 +190,7 @@ void Fitter::State::start(FitProblem& problem) {
 int Fitter::State::minimise_in_stages(FitProblem& problem, bool has_silhouette) {
   const FitOptions& options = problem.options;
   const int stages = kFitTuning.stages, matches = has_silhouette ? kFitTuning.silhouette_matches : 1;
-  const int most = options.iterations / (stages * matches);
+  const int share = options.iterations / (stages * matches), most = share > 0 ? share : 1;
   int iterations = 0;
   fold_over.start(work.cascade, problem.q);
   fold_over.move_back(work.cascade, problem.q);

@@ -203,8 +203,11 @@ TEST_CASE(
   CHECK(work.rows < rig.solver->work().rows);
   CHECK(costs.of_solves(rig.solver->work()) > 2 * costs.of_solves(work));
   // With nothing left a solve still makes the pass that the equations need.
-  limited.solver->limit_work(costs, 1);
-  auto more = limited.observe();
-  CHECK(limited.solve(more).iterations == 0);
-  CHECK(limited.solver->work().rows <= work.rows + 2 * kPoints);
+  for (const float nothing : {1.0f, -1.0f}) {
+    const std::uint32_t before = limited.solver->work().rows;
+    limited.solver->limit_work(costs, nothing);
+    auto more = limited.observe();
+    CHECK(limited.solve(more).iterations == 0);
+    CHECK(limited.solver->work().rows <= before + 2 * kPoints);
+  }
 }

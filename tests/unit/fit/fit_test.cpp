@@ -72,6 +72,18 @@ TEST_CASE("exact correspondences give back pose and parameters, with no start") 
   }
 }
 
+TEST_CASE("one iteration in all is one a stage") {
+  const Scene scene(1);
+  InArena<Fitter> fitter(scene.model, limits());
+  std::vector<float> q(scene.truth.size(), 0);
+  FitReport few;
+  FitOptions options = scene.options(900);
+  options.iterations = 1;
+  REQUIRE(fitter->fit(scene.all(), options, q.data(), &few) == Status::ok);
+  CHECK(few.iterations == 3);
+  CHECK(few.rms_px < 20);
+}
+
 TEST_CASE("errors of a noisy fit are as large as the standard deviations say") {
   double sum = 0, count = 0, pose_sum = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {

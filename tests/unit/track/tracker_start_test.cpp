@@ -193,6 +193,14 @@ TEST_CASE("wrong arguments of a start change nothing; a start that fails later l
   CHECK(t.start_from_box({}, {10, 10}, {50, 50}) == Status::bad_argument);
   const Vec2 marker{100, 100};
   CHECK(t.start_from_box(frame, {10, 10}, {50, 50}, {}, {}, {&marker, 1}) == Status::capacity);
+  std::vector<float> q(t.parameters().begin(), t.parameters().end());
+  q.back() = nan;
+  CHECK(t.start_from_pose(frame, film().camera, film().poses[0], q.data()) == Status::bad_argument);
+  SavedState state;
+  state.camera = film().camera;
+  state.pose = film().poses[0];
+  state.parameters = {q.data(), q.size()};
+  CHECK(t.start_from_state(frame, state) == Status::bad_argument);
   Vec2 x;
   float value;
   CHECK(t.landmark("third eye", &x) == Status::not_found);
