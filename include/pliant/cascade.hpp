@@ -64,8 +64,9 @@ class Cascade {
   /// Column of a parameter, or kNone when it is frozen.
   std::uint16_t column_of(std::size_t parameter) const { return column_of_[parameter]; }
 
-  /// Bakes the fixed parameters' part of the cascade, at their values in q, into one field in the arena (the personal
-  /// field, int16 samples). A new (u,v) then costs two samples for a person instead of one for each identity field.
+  /// Samples the fixed parameters' part of the cascade, at their values in q, into one field in the arena
+  /// (the personal field, int16 samples). A new (u,v) then costs two samples for a person instead of one for
+  /// each identity field.
   ///
   /// The part is a record that no free parameter has changed, and all records that it depends on. Of several such records,
   /// the one that saves most samples is used. The field holds the difference to the constant at the root of that part; the

@@ -104,8 +104,10 @@ struct ViewOptions {
   float cx = 159.5f, cy = 119.5f;         ///< principal point
   float width_px = 320, height_px = 240;  ///< of the picture
   float tolerance_px = 0.5f;              ///< error that ranks 1
-  float silhouette_gain = 3;              ///< for triangles turned by 75 to 105 degrees from the camera
-  float hidden_gain = 0.05f;  ///< for those turned further, and those more than 20 px outside the image
+  /// Factor on the error of triangles turned by 75 to 105 degrees from the camera. Round value, not tuned.
+  float silhouette_gain = 3;
+  /// Of those turned further, and those more than 20 px outside the image. Round value, not tuned.
+  float hidden_gain = 0.05f;
 };
 /// The criterion of these options, which must outlive it.
 Criterion criterion_of(const ViewOptions& options);
@@ -131,7 +133,7 @@ float compute_rank(const TextureOptions& options, const Shape& shape, const Tria
 
 /// Refines where either criterion does, simplifies where both do.
 struct EitherOf {
-  Criterion first, second;  ///< one
+  Criterion first, second;  ///< the two criteria combined
 };
 Criterion criterion_of(const EitherOf& options);  ///< The criterion of these options, which must outlive it.
 

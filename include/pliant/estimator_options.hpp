@@ -16,7 +16,8 @@ struct ForceRejection;
 /// The rejection of false image forces (image_forces.hpp), by name, so that programs that do not use it do not link it.
 extern const ForceRejection kForceRejection;
 
-/// Capacities: they fix the memory. The defaults suit a face at 320 x 240 on a Cortex-M7.
+/// Capacities: they fix the memory. Defaults are for 320 x 240 on a Linux board; profile_s()
+/// (tracker_limits.hpp) shows limits for a microcontroller.
 struct EstimatorLimits {
   /// Surface points at once: patches, markers and edge points, count. Ids are below this.
   std::uint16_t points = 128;
@@ -73,14 +74,15 @@ enum class Rejection : std::uint8_t {
 
 /// Options: they do not change the memory.
 struct EstimatorOptions {
-  /// Trial steps of each minimisation, at most, count. A solve minimises with Huber's loss and then with Tukey's.
+  /// Trial steps of each minimisation, at most, count. A solve minimises with Huber's loss and then with
+  /// Tukey's. Round value, not tuned.
   int iterations = 4;
   Rejection rejection = Rejection::on_doubt;  ///< what is done about outliers
   /// Bit k: observations of cue k take part.
   std::uint8_t cues = 0x07;
   /// Whether a cue takes part.
   bool uses(Cue cue) const { return (cues >> static_cast<unsigned>(cue) & 1u) != 0; }
-  /// Fraction by which the noise scale of a cue follows its residuals, a frame. 0: never.
+  /// Fraction by which a cue's noise scale follows its residuals, a frame. 0: never. Round value, not tuned.
   float cue_scale_rate = 0.1f;
   /// Standard deviation of the distance between the real surface and the model at its best, mm. It is added to the noise of
   /// every observation but edges. Model errors are spatially correlated: more points do not reduce them. On a real face the

@@ -1,7 +1,7 @@
 #pragma once
 /// \file face_aligner.hpp
-/// Alignment: pose and parameters of a face in one frame, from a face box or from a nearby pose, without points from
-/// anybody. Verification: how probably such a pose is right.
+/// Alignment: pose and parameters of a face in one frame, from a face box or from a nearby pose; no landmarks
+/// are needed. Verification: how probably such a pose is right.
 #include <cstddef>
 #include <cstdint>
 

@@ -12,9 +12,10 @@
 
 namespace pliant {
 
-/// One value with its velocity, and the covariance of both.
+/// What the filter keeps of one unknown besides its value.
 struct MotionState {
-  float velocity = 0, xx = 0, xv = 0, vv = 0;  ///< a second
+  /// Velocity of the unknown (its unit per s), and the covariance of value and velocity: xx, xv, vv.
+  float velocity = 0, xx = 0, xv = 0, vv = 0;
 };
 
 /// Constant-velocity Kalman filter of a view and parameters.

@@ -43,8 +43,8 @@ struct FitOptions {
   const View* start = nullptr;
   /// One flag a parameter. Null: all are free. Frozen parameters keep their value in q.
   const std::uint8_t* is_free = nullptr;
-  /// Residual that neither noise nor prior explains, mm on the model: the distance of an annotated landmark from the model's.
-  /// The robust loss rejects only what is several times larger.
+  /// Residual that neither noise nor prior explains, mm on the model: the distance of an annotated landmark
+  /// from the model's. The robust loss rejects only what is several times larger. Round value, not tuned.
   float misfit_mm = 3.0f;
   bool robust = true;   ///< Huber's, then Tukey's loss of the residual length; false: its square
   int iterations = 30;  ///< of Gauss-Newton, at most, over all stages
@@ -97,6 +97,7 @@ class Fitter {
   ///   - capacity: more points than the limits, or the fitter was never laid out
   ///   - too_few_points
   ///   - underdetermined: all points are on one line of the image, or the pose stays open
+  ///   - with FitLimits::silhouette, the statuses of Mesh::set_base for the model's base mesh
   Status fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
              const FitDetails& details = {});
 

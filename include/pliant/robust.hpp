@@ -14,7 +14,7 @@ enum class Loss { squares, huber, tukey };
 /// rho(u) = u^2 / 2 near 0 in all three. Huber's loss is linear beyond 1.345. Tukey's loss is constant, with weight 0,
 /// beyond 4.685. With these constants both are 95 % efficient for normal residuals.
 struct LossValue {
-  float rho, weight;  ///< the loss
+  float rho, weight;  ///< rho(u), and weight rho'(u) / u
 };
 LossValue evaluate(Loss loss, float u);  ///< Loss and weight at u.
 

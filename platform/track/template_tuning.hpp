@@ -39,13 +39,14 @@ inline constexpr TemplateStoreTuning kTemplateStoreTuning{};
 
 /// How templates are matched in a frame.
 struct TemplateMatchTuning {
-  /// Rounds of predict, match, solve in a frame. The second round matches points again whose
-  /// predictions the first round has changed.
+  /// Rounds of predict, match, solve in a frame. The second round matches points again whose predictions the
+  /// first round has changed. Not tuned.
   int rounds = 2;
   /// Points in the first pass, count: enough to fix pose and jaw. Chosen on the rendered film with 500 points, where it
   /// saved a third of the instructions of a frame (docs/evaluation.md).
   std::size_t first_pass_points = 40;
-  /// Points found, for each in the first pass, below which there is none: with fewer it saves no work.
+  /// Points found, for each in the first pass, below which there is none: with fewer it saves no work. Chosen
+  /// on the recorded face.
   std::size_t first_pass_least_ratio = 3;
   /// The innovation of the first pass over that of the rest, at least, for a first pass. Below, the model leaves as much
   /// unexplained as the head moves, and a first pass does not make predictions better. Chosen on the Talking Face video,
@@ -54,44 +55,53 @@ struct TemplateMatchTuning {
   /// Interval in frames at which a first pass that was left out is tried again. Round value, not tuned.
   std::uint32_t first_pass_retry_frames = 16;
   /// Fraction of a point's residual in the last frame that is added to its prediction. Model errors last from frame to
-  /// frame; less than all of it, so that a point that slips does not go on slipping.
+  /// frame; less than all of it, so that a point that slips does not go on slipping. Not tuned.
   float residual_memory = 0.7f;
   /// Normalised cross-correlation with the template, at least, in the last round. Chosen on rendered films with occluders.
   float min_correlation = 0.55f;
   /// Less than that in earlier rounds, where the warp is predicted from the previous frame's state. Round value, not tuned.
   float early_correlation_slack = 0.1f;
-  /// How far from its start a search may end, px at 320 px of image width: in a point's first search of a frame, and later.
+  /// How far from its start a search may end, px at 320 px of image width: in a point's first search of a
+  /// frame, and later. Round values, not tuned.
   float first_reach_px = 16, later_reach_px = 3;
   /// A point is matched again where the window's edge, warped as now predicted, moves by more than this, px.
+  /// Not tuned.
   float rematch_warp_px = 0.3f;
-  /// A point that was not found is matched again where its prediction moved by more than this, px.
+  /// A point that was not found is matched again where its prediction moved by more than this, px. Round
+  /// value, not tuned.
   float rematch_move_px = 1;
-  /// A point that was found is matched again if it is farther than this from its prediction, px at 320 px of image width.
+  /// A point that was found is matched again if it is farther than this from its prediction, px at 320 px of
+  /// image width. Round value, not tuned.
   float rematch_distance_px = 3;
-  /// Expected distance of a point from its prediction, px: this times the last innovation, plus a fraction of the coarse
-  /// translation. It sets the first pyramid level of a search whose start is known.
+  /// Expected distance of a point from its prediction, px: this times the last innovation, plus a fraction of
+  /// the coarse translation. It sets the first pyramid level of a search whose start is known. Round values,
+  /// not tuned.
   float reach_per_innovation = 2, reach_per_coarse_px = 0.1f;
   /// Expected distance up to which the search starts on level 0, and on level 1, px: what each level reaches.
+  /// Round values, not tuned.
   float level_0_reach_px = 2, level_1_reach_px = 4;
-  /// Weight of an observation by frame-to-frame tracking. It drifts; a quarter lets templates outweigh it. Round value.
+  /// Weight of an observation by frame-to-frame tracking. It drifts; a quarter lets templates outweigh it.
+  /// Round value, not tuned.
   float frame_to_frame_weight = 0.25f;
   /// Frames in a row that a point may be tracked from frame to frame, without its template. Bounds the drift.
+  /// Round value, not tuned.
   std::uint8_t frame_to_frame_most = 20;
-  /// Forward-backward distance of frame-to-frame tracking, at most, px at 320 px of image width.
+  /// Forward-backward distance of frame-to-frame tracking, at most, px at 320 px of image width. Not tuned.
   float forward_backward_px = 0.7f;
 };
 inline constexpr TemplateMatchTuning kTemplateMatchTuning{};
 
 /// Where templates are captured.
 struct TemplatePlacementTuning {
-  /// Passes over the image, each with a smaller distance between points than the one before.
+  /// Passes over the image, each with a smaller distance between points than the one before. Not tuned.
   int passes = 6;
-  /// That distance, over the one before: about half the area each time.
+  /// That distance, over the one before: about half the area each time. Not tuned.
   float spacing_factor = 0.7f;
   /// Range of that distance, px: two pixels are one corner; find_corners takes at most 256.
   float least_spacing_px = 2, most_spacing_px = 256;
-  /// Ratio of the eigenvalues of a corner's structure tensor, at least. Less than the default of CornerOptions: most
-  /// texture of a face is weak, and the information matrix of a match has the direction in which it is reliable.
+  /// Ratio of the eigenvalues of a corner's structure tensor, at least. Less than the default of
+  /// CornerOptions: most texture of a face is weak, and the information matrix of a match has the direction
+  /// in which it is reliable. Not tuned.
   float least_ratio = 0.02f;
   /// Smaller eigenvalue of a corner, at least, (grey/px)^2. As above.
   float least_score = 1;
