@@ -70,10 +70,10 @@ struct Parameter {
   float sd;                      ///< prior standard deviation around 0, in the parameter's unit, 1e-6 to 1e6
 };
 
-/// A vector field V(u,v) (three components) or weight field w(u,v) (one), sampled on a grid over a rectangle of the
-/// chart and zero outside it. Sample (i,j) sits at u = u0 + i (u1 - u0) / (width - 1), v likewise; rows from v0 to v1;
-/// components interleaved. Value of component c = offset[c] + scale[c] * integer, at most 1e6 in magnitude. A field whose
-/// rectangle is not the whole chart must decode to zero on its rim (offset zero), so that it is continuous.
+/// A vector field V(u,v) (three components) or weight field w(u,v) (one), sampled on a grid over a rectangle
+/// of the chart and zero outside it. Sample (i,j) sits at u = u0 + i (u1 - u0) / (width - 1), v likewise;
+/// rows from v0 to v1; components interleaved. Value of component c = offset[c] + scale[c] * integer, at most
+/// 1e6 in magnitude. Unless the rectangle is the whole chart, its rim must decode to zero (offset zero).
 struct Field {
   std::uint16_t width, height;  ///< samples, each at least 2
   std::uint8_t components;      ///< 1 or 3
@@ -162,7 +162,7 @@ class Model {
   /// Checks the table, and points `model` into it. Whatever opens is safe to use: every index is in range, every
   /// number is finite and at most 1e6 in its unit. Cost: one pass over the bytes for the CRC, then over the records.
   /// \param data, bytes  address, a multiple of 4, and at least the table's own size.
-  /// \return bad_argument, misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table; `model` is as before.
+  /// \return bad_argument, misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table.
   static Status open(const void* data, std::size_t bytes, Model* model);
   bool is_open() const { return contents_.cascade.count > 0; }               ///< After open.
   Span<const Parameter> parameters() const { return contents_.parameters; }  ///< In order.

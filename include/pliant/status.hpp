@@ -48,10 +48,11 @@ const char* text(Status status);
 
 }  // namespace pliant
 
-/// Checks a condition that only a programming error can break: a precondition, or an invariant. Bad input is no such
-/// error; it gets a `Status`. The check is on where NDEBUG is not defined (debug and sanitizer builds): a condition that
-/// does not hold stops the program by a trap instruction, without text, heap or C library. Where NDEBUG is defined (release
-/// builds) the condition is compiled but not evaluated. A build may define the macro itself before it includes any header.
+/// Checks a condition that only a programming error can break: a precondition, or an invariant. Bad input is
+/// no such error; it gets a `Status`. The check is on where NDEBUG is not defined (debug and sanitizer
+/// builds): a condition that does not hold stops the program by a trap instruction, without text, heap or C
+/// library. Where NDEBUG is defined (release builds) the condition is compiled but not evaluated. A build may
+/// define the macro itself before it includes any header.
 #ifndef PLIANT_ASSERT
 #ifdef NDEBUG
 #define PLIANT_ASSERT(condition) static_cast<void>(sizeof((condition) ? 1 : 0))

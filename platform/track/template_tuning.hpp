@@ -8,16 +8,18 @@ namespace pliant {
 
 /// The tracker as a whole.
 struct TrackerTuning {
-  /// Templates that a start needs, count: twelve coordinates for the six of the pose, and as many to reject outliers by.
+  /// Templates that a start needs, count: twelve coordinates for the six of the pose, and as many to reject
+  /// outliers by.
   std::uint16_t least_templates = 6;
-  /// Work of a frame, beyond which searches and solves end early: that of so many search steps a template, passes over all
-  /// observations, and factorisations. Above the worst of 3,000 frames with the faults of `pliant bench faults` (recorded
-  /// face; profiles S, M and L, and 500 templates), so that it bounds a frame and hardly changes one.
+  /// Work of a frame, beyond which searches and solves end early: that of so many search steps a template,
+  /// passes over all observations, and factorisations. Above the worst of 3,000 frames with the faults of
+  /// `pliant bench faults` (recorded face; profiles S, M and L, and 500 templates), so that it bounds a frame
+  /// and hardly changes one.
   float most_steps_a_template = 20, most_passes = 6, most_factorisations = 28;
   /// Fraction of that work that searches may take: the rest is left to the solves. Round value, not tuned.
   float most_of_searches = 0.8f;
-  /// Fraction of that work up to which a frame goes on with rare work that can wait, the estimation of the person. Round value; of
-  /// 3,000 frames with faults 85 % are below it.
+  /// Fraction of that work up to which a frame goes on with rare work that can wait, the estimation of the
+  /// person. Round value; of 3,000 frames with faults 85 % are below it.
   float most_before_rare_work = 0.4f;
   /// Places at which a later key frame tries to capture a template, for each of its slots. Round value, not tuned.
   std::size_t tries_a_slot = 8;
@@ -26,11 +28,12 @@ inline constexpr TrackerTuning kTrackerTuning{};
 
 /// Which surface points get templates, and when they get a second one.
 struct TemplateStoreTuning {
-  /// Cosine between surface normal and viewing direction, at least, where a template is captured. Nearer to the silhouette
-  /// the window contains background, which does not move with the face. Chosen on the rendered film of large turns.
+  /// Cosine between surface normal and viewing direction, at least, where a template is captured. Nearer to
+  /// the silhouette the window contains background, which does not move with the face. Chosen on the rendered
+  /// film of large turns.
   float least_facing = 0.4f;
-  /// Normalised cross-correlation below which a template that was found looks different, so that a key frame adds a second
-  /// one. Round value, not tuned.
+  /// Normalised cross-correlation below which a template that was found looks different, so that a key frame
+  /// adds a second one. Round value, not tuned.
   float second_template_correlation = 0.9f;
   /// Fraction of a key frame's slots that second templates may take, as a divisor: half. Round value, not tuned.
   std::size_t second_template_divisor = 2;
@@ -48,18 +51,20 @@ struct TemplateMatchTuning {
   /// Points found, for each in the first pass, below which there is none: with fewer it saves no work. Chosen
   /// on the recorded face.
   std::size_t first_pass_least_ratio = 3;
-  /// The innovation of the first pass over that of the rest, at least, for a first pass. Below, the model leaves as much
-  /// unexplained as the head moves, and a first pass does not make predictions better. Chosen on the Talking Face video,
-  /// where a first pass in every frame made the mouth worse.
+  /// The innovation of the first pass over that of the rest, at least, for a first pass. Below, the model
+  /// leaves as much unexplained as the head moves, and a first pass does not make predictions better. Chosen
+  /// on the Talking Face video, where a first pass in every frame made the mouth worse.
   float first_pass_least_gain = 1.5f;
   /// Interval in frames at which a first pass that was left out is tried again. Round value, not tuned.
   std::uint32_t first_pass_retry_frames = 16;
   /// Fraction of a point's residual in the last frame that is added to its prediction. Model errors last from frame to
   /// frame; less than all of it, so that a point that slips does not go on slipping. Not tuned.
   float residual_memory = 0.7f;
-  /// Normalised cross-correlation with the template, at least, in the last round. Chosen on rendered films with occluders.
+  /// Normalised cross-correlation with the template, at least, in the last round. Chosen on rendered films
+  /// with occluders.
   float min_correlation = 0.55f;
-  /// Less than that in earlier rounds, where the warp is predicted from the previous frame's state. Round value, not tuned.
+  /// Less than that in earlier rounds, where the warp is predicted from the previous frame's state. Round
+  /// value, not tuned.
   float early_correlation_slack = 0.1f;
   /// How far from its start a search may end, px at 320 px of image width: in a point's first search of a
   /// frame, and later. Round values, not tuned.
