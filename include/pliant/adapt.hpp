@@ -1,7 +1,8 @@
 #pragma once
 /// \file adapt.hpp
-/// Adaptive refinement and simplification of a mesh on a surface (the paper, section 5; docs/algorithms.md, section 1.8). The
-/// application gives the surface and the error of a triangle. The mesh is refined where the error is worst, within a budget.
+/// Adaptive refinement and simplification of a mesh on a surface (the paper, section 5; docs/algorithms.md,
+/// section 1.8). The application gives the surface and the error of a triangle. The mesh is refined where the
+/// error is worst, within a budget.
 #include <cstdint>
 
 #include "pliant/arena.hpp"
@@ -28,9 +29,10 @@ struct Shape {
   const Vec3* position;  ///< the surface at the vertices, mm; by vertex id
 };
 
-/// Where a mesh needs more or fewer triangles, as ranks: error over tolerance. A face is refined when its rank is above 1. A
-/// vertex is removed when the ranks with and without it are below 1 by a margin. Ranks are at least 0; NaN counts as 0.
-/// criteria.hpp has the usual ones, and makes one from a pair of yes-or-no tests.
+/// Where a mesh needs more or fewer triangles, as ranks: error over tolerance. A face is refined when its
+/// rank is above 1. A vertex is removed when the ranks with and without it are below 1 by a margin. Ranks are
+/// at least 0; NaN counts as 0. criteria.hpp has the usual ones, and makes one from a pair of yes-or-no
+/// tests.
 struct Criterion {
   const void* context = nullptr;  ///< passed to the functions
   /// Rank of a live face.
@@ -67,8 +69,9 @@ struct AdaptReport {
 
 /// Keeps one mesh adapted to one surface. After `start`, only the adapter may change the mesh.
 ///
-/// Two queues are in fixed memory: faces by rank, highest first, and weldable vertices by the cost of their removal, lowest
-/// first. Ties are broken by place in the chart: the result depends neither on the order of the base mesh nor on addresses.
+/// Two queues are in fixed memory: faces by rank, highest first, and weldable vertices by the cost of their
+/// removal, lowest first. Ties are broken by place in the chart: the result depends neither on the order of
+/// the base mesh nor on addresses.
 /// Bytes: 12 a face, 24 a vertex.
 class Adapter {
  public:
@@ -86,17 +89,19 @@ class Adapter {
 
   /// Splits and welds until nothing is left to do within the options. Does nothing before `start`.
   ///
-  /// The face with the highest rank above 1 is refined if its chain of splits fits the budget. If not, the cheapest vertex is
-  /// welded when the face's rank exceeds its cost by the hysteresis; else the worst face that fits is refined, when its rank
-  /// exceeds that cost. When all faces are within tolerance, vertices whose removal keeps them there by the hysteresis are
-  /// welded. Above the budget, the cheapest vertices are welded whatever their cost.
+  /// The face with the highest rank above 1 is refined if its chain of splits fits the budget. If not, the
+  /// cheapest vertex is welded when the face's rank exceeds its cost by the hysteresis; else the worst face
+  /// that fits is refined, when its rank exceeds that cost. When all faces are within tolerance, vertices
+  /// whose removal keeps them there by the hysteresis are welded. Above the budget, the cheapest vertices are
+  /// welded whatever their cost.
   /// Cost: O(log n) and the ranking of about 6 triangles an operation.
   AdaptReport adapt(const AdaptOptions& options);
 
   /// Samples all vertices again, after the surface has changed. Cost: a sample a vertex.
   void resample();
-  /// Ranks again the faces and vertices with id % parts == part, so that the work can be spread over frames. A vertex's rank
-  /// depends on the faces around it: after two rounds of all parts the ranks are those of one call for all.
+  /// Ranks again the faces and vertices with id % parts == part, so that the work can be spread over frames.
+  /// A vertex's rank depends on the faces around it: after two rounds of all parts the ranks are those of one
+  /// call for all.
   void rerank(int part = 0, int parts = 1);
 
   /// Position of a live vertex, mm.

@@ -42,9 +42,9 @@ enum class Purpose : std::uint8_t {
 };
 constexpr std::size_t kPurposeCount = 15;  ///< number of purposes
 
-/// Bump allocator over one block. An arena without a block only measures: every `take` advances the count and returns
-/// null. The same code thus measures an object and lays it out, so the two cannot differ. Objects in an arena are trivially
-/// destructible. Not copyable. Cost: O(1) a call.
+/// Bump allocator over one block. An arena without a block only measures: every `take` advances the count and
+/// returns null. The same code thus measures an object and lays it out, so the two cannot differ. Objects in
+/// an arena are trivially destructible. Not copyable. Cost: O(1) a call.
 class Arena {
  public:
   /// An arena that only measures.
@@ -141,8 +141,8 @@ class Arena {
   std::size_t* by_purpose_ = nullptr;
 };
 
-/// Lays out a part of an object by `part->lay_out(arena, args...)`. Null, while the arena measures: a temporary stands for
-/// the part. Not inlined, so that the stack holds one temporary at a time.
+/// Lays out a part of an object by `part->lay_out(arena, args...)`. Null, while the arena measures: a
+/// temporary stands for the part. Not inlined, so that the stack holds one temporary at a time.
 template <class T, class... Args>
 [[gnu::noinline]] void lay_out_part(Arena& arena, T* part, const Args&... args) {
   if (part != nullptr) return part->lay_out(arena, args...);
@@ -158,15 +158,15 @@ T* create_part(Arena& arena, const Args&... args) {
   return part;
 }
 
-/// Whether an object can be laid out from this argument. A type with values that no object can be made from overloads it
-/// (Model, TrackerLimits).
+/// Whether an object can be laid out from this argument. A type with values that no object can be made from
+/// overloads it (Model, TrackerLimits).
 template <class T>
 constexpr bool is_usable(const T&) {
   return true;
 }
 
-/// Lays `object` out in `arena` by `object.lay_out(arena, args...)`, first without memory to learn whether it fits. Needs
-/// no room for a second object.
+/// Lays `object` out in `arena` by `object.lay_out(arena, args...)`, first without memory to learn whether it
+/// fits. Needs no room for a second object.
 /// \return ok, or:
 ///   - bad_argument: the arena only measures, or one of `args` is not usable; nothing has changed.
 ///   - misaligned: the arena's block is not aligned to Arena::kAlignment; nothing has changed.

@@ -1,7 +1,8 @@
 #pragma once
 /// \file base_mesh.hpp
-/// Makes a base mesh of basic blocks from any triangles (the paper, 4.2 and 5.1; docs/algorithms.md, section 1.3): checks
-/// them, gives them one winding, and gives every face a subdivision edge that it shares with its neighbour.
+/// Makes a base mesh of basic blocks from any triangles (the paper, 4.2 and 5.1; docs/algorithms.md, section
+/// 1.3): checks them, gives them one winding, and gives every face a subdivision edge that it shares with its
+/// neighbour.
 #include <cstdint>
 
 #include "pliant/arena.hpp"
@@ -36,19 +37,21 @@ class BaseMeshMaker {
   /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, const BaseMeshLimits& limits);
 
-  /// The paper's method. Edges are split once at their midpoints, the longest first, as long as neither of their faces has
-  /// been split; faces that remain are split at the barycentre. M interior and B boundary splits and U remaining faces give
-  /// V + M + B + U vertices and 2 F + U faces. The input's vertices keep their indices. Gives good shapes.
+  /// The paper's method. Edges are split once at their midpoints, the longest first, as long as neither of
+  /// their faces has been split; faces that remain are split at the barycentre. M interior and B boundary
+  /// splits and U remaining faces give V + M + B + U vertices and 2 F + U faces. The input's vertices keep
+  /// their indices. Gives good shapes.
   /// \param uv, corners  any winding; one connected part or several, with boundary or without.
   /// \param position     lengths are taken between these, one a vertex; empty: in (u,v).
-  /// \return ok, or the first defect in this order: bad_argument, capacity, bad_index, degenerate_face, duplicate_face or
-  ///   non_manifold_edge, non_orientable, isolated_vertex, non_manifold_vertex.
+  /// \return ok, or the first defect in this order: bad_argument, capacity, bad_index, degenerate_face,
+  ///   duplicate_face or non_manifold_edge, non_orientable, isolated_vertex, non_manifold_vertex.
   Status by_splits(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
                    Span<const Vec3> position = {});
-  /// Without splits: neighbours are paired across long edges. A face with a boundary edge may stay single, as half a block.
-  /// Succeeds for every mesh that passes the checks (Petersen's theorem on two copies joined along the boundary). Vertices
-  /// and faces keep their indices. Cost: O(F log F), and the search for augmenting paths (Edmonds): O(F^3) at worst, near O(F)
-  /// on surfaces. Parameters and statuses: those of by_splits.
+  /// Without splits: neighbours are paired across long edges. A face with a boundary edge may stay single, as
+  /// half a block. Succeeds for every mesh that passes the checks (Petersen's theorem on two copies joined
+  /// along the boundary). Vertices and faces keep their indices. Cost: O(F log F), and the search for
+  /// augmenting paths (Edmonds): O(F^3) at worst, near O(F) on surfaces. Parameters and statuses: those of
+  /// by_splits.
   Status by_pairing(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
                     Span<const Vec3> position = {});
 

@@ -5,8 +5,8 @@
 
 namespace pliant {
 
-/// Intrinsics. Projection is a pinhole: x = f X/Z + cx, y = f Y/Z + cy. lens.hpp adds distortion and pixels that are not
-/// square.
+/// Intrinsics. Projection is a pinhole: x = f X/Z + cx, y = f Y/Z + cy. lens.hpp adds distortion and pixels
+/// that are not square.
 struct Camera {
   float f = 0, cx = 0, cy = 0;  ///< focal length and principal point, px
   float k1 = 0, k2 = 0;         ///< radial distortion, OpenCV's first two coefficients
@@ -23,8 +23,8 @@ constexpr Camera centred_camera(int width, int height, float f) {
 
 /// Pose and focal length as scaled perspective: with p' = R(q) diag(1,-1,-1) p,
 ///   x = c + s (p'_xy + tau) / (1 + rho p'_z).
-/// It is the pinhole camera with t = (tau, 1/rho) and f = s/rho. The form stays well conditioned when f and depth are not
-/// known separately; rho = 0 is weak perspective.
+/// It is the pinhole camera with t = (tau, 1/rho) and f = s/rho. The form stays well conditioned when f and
+/// depth are not known separately; rho = 0 is weak perspective.
 struct View {
   Quat q;             ///< rotation
   float s = 1;        ///< image scale, px per mm

@@ -24,18 +24,19 @@ struct SurfaceFrame {
   Vec3 p, pu, pv;  ///< position, mm
 };
 
-/// Size of the field that Cascade::personalise fills, in samples: 6 bytes each, 128 x 128 are 96 KiB. Fields are baked at
-/// 128 x 128 by default.
+/// Size of the field that Cascade::personalise fills, in samples: 6 bytes each, 128 x 128 are 96 KiB. Fields
+/// are baked at 128 x 128 by default.
 struct PersonalFieldLimits {
   std::uint16_t width = 0, height = 0;  ///< both 0 (no room for the field), or both 2 to 256
 };
 
 /// Runs the cascade of a model. Some parameters are free: each is a column of the Jacobian. The others are frozen.
 ///
-/// A sampled surface point holds the samples of the cascade's fields at one (u,v), and the value of every part of the
-/// cascade that depends on frozen parameters only. Its evaluation reads no table. The object works in scratch memory of its
-/// own, so one object serves one thread, and its copies share that memory. Bytes: about 70 a record of the cascade, and 15
-/// a parameter for each value that is alive at once (one in a cascade without branches).
+/// A sampled surface point holds the samples of the cascade's fields at one (u,v), and the value of every
+/// part of the cascade that depends on frozen parameters only. Its evaluation reads no table. The object
+/// works in scratch memory of its own, so one object serves one thread, and its copies share that memory.
+/// Bytes: about 70 a record of the cascade, and 15 a parameter for each value that is alive at once (one in a
+/// cascade without branches).
 class Cascade {
  public:
   /// Arena layout (create_in, measured_bytes). Afterwards all parameters are free and interpolation is bilinear.
@@ -64,17 +65,20 @@ class Cascade {
   /// Column of a parameter, or kNone when it is frozen.
   std::uint16_t column_of(std::size_t parameter) const { return column_of_[parameter]; }
 
-  /// Bakes the fixed parameters' part of the cascade, at their values in q, into one field in the arena (the personal
-  /// field, int16 samples). A new (u,v) then costs two samples for a person instead of one for each identity field.
+  /// Samples the fixed parameters' part of the cascade, at their values in q, into one field in the arena
+  /// (the personal field, int16 samples). A new (u,v) then costs two samples for a person instead of one for
+  /// each identity field.
   ///
-  /// The part is a record that no free parameter has changed, and all records that it depends on. Of several such records,
-  /// the one that saves most samples is used. The field holds the difference to the constant at the root of that part; the
-  /// constant is still read from the table. If no record saves a sample, nothing changes and `is_personalised` stays false.
+  /// The part is a record that no free parameter has changed, and all records that it depends on. Of several
+  /// such records, the one that saves most samples is used. The field holds the difference to the constant at
+  /// the root of that part; the constant is still read from the table. If no record saves a sample, nothing
+  /// changes and `is_personalised` stays false.
   ///
-  /// From then on the frozen parameters of that part are not read from any q. Any set_free or `forget_person` ends this;
-  /// sampled surface points made before keep their values. Error: that of the quantisation when the personal field has the
-  /// size of the identity fields; with half as many samples a side, up to 2.6 mm at lips and lids, 0.06 mm on average
-  /// (measured on a scanned face). Cost: the part's samples at width x height points, once or twice.
+  /// From then on the frozen parameters of that part are not read from any q. Any set_free or `forget_person`
+  /// ends this; sampled surface points made before keep their values. Error: that of the quantisation when
+  /// the personal field has the size of the identity fields; with half as many samples a side, up to 2.6 mm
+  /// at lips and lids, 0.06 mm on average (measured on a scanned face). Cost: the part's samples at width x
+  /// height points, once or twice.
   /// \param q  all parameters.
   /// \return capacity (no room in the limits), bad_argument (q is null, or gives a point further than 1e9 mm from its
   ///         root or not finite).
@@ -84,9 +88,11 @@ class Cascade {
   /// Fields that a new (u,v) samples when no parameter is zero. O(records).
   std::size_t sample_count() const;
 
-  /// Vec3 values in a sampled surface point under the present choice of free parameters; at most model().cascade().count.
+  /// Vec3 values in a sampled surface point under the present choice of free parameters; at most
+  /// model().cascade().count.
   std::size_t samples_per_point() const;
-  /// Makes a sampled surface point: samples the fields at (u,v) and computes the frozen parts. Cost: sample_count() samples.
+  /// Makes a sampled surface point: samples the fields at (u,v) and computes the frozen parts. Cost:
+  /// sample_count() samples.
   /// \param q         all parameters; only the frozen ones are read.
   /// \param samples   samples_per_point() values.
   /// \param slack_mm  leaves out each vector that moves the point by less than this at the limits of its parameter. At
@@ -102,8 +108,8 @@ class Cascade {
   /// Cost: one sample for each record whose parameters are not zero.
   Vec3 surface_point(Vec2 uv, const float* q);
   SurfaceFrame surface_frame(Vec2 uv, const float* q);  ///< Position and tangents straight from the tables.
-  /// Prepares many surface points at one q: lists the records whose parameters are not zero. The calls of `selected_point`
-  /// and `selected_frame` that follow visit only these.
+  /// Prepares many surface points at one q: lists the records whose parameters are not zero. The calls of
+  /// `selected_point` and `selected_frame` that follow visit only these.
   /// \param q         all parameters; must stay at its address and unchanged for those calls.
   /// \param slack_mm  leaves out each vector that moves no point by more than this at q.
   void select(const float* q, float slack_mm = 0);

@@ -18,12 +18,12 @@ struct CoarseTranslation {
   float correlation = 0;  ///< normalised cross-correlation, -1 to 1; 0 if nothing was compared
 };
 
-/// Finds the shift of `box` from `reference` to `current` with the highest correlation, within `range_px` either way.
-/// The box is clipped to the image. Of large boxes rows are left out, so that about 1,200 pixels are compared. A shift for which
-/// fewer than half of them lie in `current` is not considered. Of equal shifts the smaller is taken. Sums are
-/// integers: the bits are the same on every target.
-/// \return correlation 0 for images of different sizes or with a side above 16,384 px, unreadable views, a box of fewer than 4 x 4
-///         px, or a negative range.
+/// Finds the shift of `box` from `reference` to `current` with the highest correlation, within `range_px`
+/// either way. The box is clipped to the image. Of large boxes rows are left out, so that about 1,200 pixels
+/// are compared. A shift for which fewer than half of them lie in `current` is not considered. Of equal
+/// shifts the smaller is taken. Sums are integers: the bits are the same on every target.
+/// \return correlation 0 for images of different sizes or with a side above 16,384 px, unreadable views, a
+///         box of fewer than 4 x 4 px, or a negative range.
 /// Cost: (range_px + 1)^2 * 3600 multiply-adds.
 CoarseTranslation find_coarse_translation(const ImageView& reference, const PixelBox& box,
                                           const ImageView& current, int range_px);

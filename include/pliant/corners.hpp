@@ -28,7 +28,7 @@ struct Corner {
   float score = 0;  ///< lambda_min, (grey/px)^2
 };
 
-/// Which corners are chosen. The defaults are those of docs/algorithms.md, section 7.1, not tuned.
+/// Which corners are chosen (docs/algorithms.md, section 7.1). The defaults are round values, not tuned.
 struct CornerOptions {
   int cell_px = 8;        ///< side of a square cell with at most one corner, 2 to 128
   float min_score = 4;    ///< smallest lambda_min, (grey/px)^2

@@ -1,9 +1,9 @@
 #pragma once
 /// \file criteria.hpp
-/// Adaptation criteria (the paper, section 5.2; docs/algorithms.md, section 2): unconditional, normals, contour error; and,
-/// from its future work, view and texture. Each is a struct of options and a rank of a triangle (error over tolerance, see
-/// Criterion); `criterion_of` makes a Criterion of the two. The options must outlive it. They may change between calls of
-/// the Adapter; call Adapter::rerank after that.
+/// Adaptation criteria (the paper, section 5.2; docs/algorithms.md, section 2): unconditional, normals,
+/// contour error; and, from its future work, view and texture. Each is a struct of options and a rank of a
+/// triangle (error over tolerance, see Criterion); `criterion_of` makes a Criterion of the two. The options
+/// must outlive it. They may change between calls of the Adapter; call Adapter::rerank after that.
 #include "pliant/adapt.hpp"
 #include "pliant/geometry.hpp"
 
@@ -52,8 +52,8 @@ Criterion criterion_of(const Unconditional& options);
 
 // --- Normals (5.2.2) ---
 
-/// Detects ridges, valleys and jagged boundaries: by the angle between the normals of two faces at an edge, or, at a boundary
-/// edge, between the mean normals of the faces around its two ends.
+/// Detects ridges, valleys and jagged boundaries: by the angle between the normals of two faces at an edge,
+/// or, at a boundary edge, between the mean normals of the faces around its two ends.
 struct NormalsOptions {
   float cos_angle = 0.96593f;     ///< cosine of the tolerated angle (15 degrees)
   float shortest_edge_mm = 0.5f;  ///< a triangle whose subdivision edge is shorter is not refined
@@ -96,16 +96,18 @@ float compute_rank(const ContourOptions& options, const Shape& shape, const Tria
 
 // --- View-dependent ---
 
-/// Contour error in the image, px: the part across the viewing ray. It weighs more at the silhouette, and little on the far
-/// side and outside the image. Pinhole, no distortion.
+/// Contour error in the image, px: the part across the viewing ray. It weighs more at the silhouette, and
+/// little on the far side and outside the image. Pinhole, no distortion.
 struct ViewOptions {
   Pose pose;                              ///< of the model
   float focal_px = 500;                   ///< px
   float cx = 159.5f, cy = 119.5f;         ///< principal point
   float width_px = 320, height_px = 240;  ///< of the picture
   float tolerance_px = 0.5f;              ///< error that ranks 1
-  float silhouette_gain = 3;              ///< for triangles turned by 75 to 105 degrees from the camera
-  float hidden_gain = 0.05f;  ///< for those turned further, and those more than 20 px outside the image
+  /// Factor on the error of triangles turned by 75 to 105 degrees from the camera. Round value, not tuned.
+  float silhouette_gain = 3;
+  /// Of those turned further, and those more than 20 px outside the image. Round value, not tuned.
+  float hidden_gain = 0.05f;
 };
 /// The criterion of these options, which must outlive it.
 Criterion criterion_of(const ViewOptions& options);
@@ -114,9 +116,9 @@ float compute_rank(const ViewOptions& options, const Shape& shape, const Triangl
 
 // --- Texture-driven ---
 
-/// Puts vertices where there is texture to track. The application gives a score for every (u,v): at least 0, and 1 where a
-/// vertex is just worth having. A triangle's rank is its best score times the square of its subdivision edge's length over
-/// twice the shortest length; 0 for shorter edges.
+/// Puts vertices where there is texture to track. The application gives a score for every (u,v): at least 0,
+/// and 1 where a vertex is just worth having. A triangle's rank is its best score times the square of its
+/// subdivision edge's length over twice the shortest length; 0 for shorter edges.
 struct TextureOptions {
   void* context = nullptr;                           ///< passed to the functions
   float (*score)(void* context, Vec2 uv) = nullptr;  ///< at least 0; 1 is worth a vertex
@@ -131,7 +133,7 @@ float compute_rank(const TextureOptions& options, const Shape& shape, const Tria
 
 /// Refines where either criterion does, simplifies where both do.
 struct EitherOf {
-  Criterion first, second;  ///< one
+  Criterion first, second;  ///< the two criteria combined
 };
 Criterion criterion_of(const EitherOf& options);  ///< The criterion of these options, which must outlive it.
 

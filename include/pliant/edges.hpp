@@ -29,7 +29,8 @@ struct EdgePoint {
 
 /// Options of find_edge.
 struct EdgeOptions {
-  float min_ratio = 0.5f, max_ratio = 2;  ///< accepted ratio of an edge's contrast to the remembered one
+  /// Accepted ratio of an edge's contrast to the remembered one. Round values, not tuned.
+  float min_ratio = 0.5f, max_ratio = 2;
   int finest_level = 0;  ///< pyramid level on which the search starts, at least; 0: full size
   int hypotheses = 2;    ///< alternatives given, at most; 1 to kMaxEdgeHypotheses
 };

@@ -1,10 +1,8 @@
 #pragma once
 /// \file estimator.hpp
-/// Estimation of one model's pose and parameters over time (the paper, section 8 and Appendix A). It predicts surface
-/// points, receives observations of them, and never sees a pixel.
-///
-/// A frame is `begin(time)`, optionally `solve_first_pass` with a few points, one or more rounds of `predict`,
-/// matching by the platform and `solve`, and `end()`.
+/// Estimation of one model's pose and parameters over time (the paper, section 8 and Appendix A). It predicts
+/// surface points, receives observations of them, and never sees a pixel. A frame is `begin`, optionally
+/// `solve_first_pass`, one or more rounds of `predict`, matching by the platform and `solve`, and `end`.
 #include <cstddef>
 #include <cstdint>
 
@@ -25,8 +23,9 @@ namespace pliant {
 /// What a frame of a track is worth.
 enum class TrackState : std::uint8_t {
   tracking = 0,  ///< pose and parameters are those of this frame
-  /// Either the frame was bad, and pose and parameters are those of the last good one; or they are this frame's but less exact: the
-  /// Tracker expects a large landmark error, or the head is turned so far that half of the face is hidden.
+  /// Either the frame was bad, and pose and parameters are those of the last good one; or they are this
+  /// frame's but less exact: the Tracker expects a large landmark error, or the head is turned so far that
+  /// half of the face is hidden; or, with a print, too little of it is seen or the residual is too large.
   degraded = 1,
   lost = 2,  ///< several bad frames in a row, or no track
 };
@@ -43,12 +42,14 @@ struct FrameResult {
   float score = 0;                      ///< mean correlation of the inliers of cue patch
   Pose smoothed_pose = {};              ///< if options.smooths; parameters in Estimator::smoothed_parameters
   bool pose_is_observed = false;        ///< the observations determine the whole pose without the priors
-  /// Of a Tracker whose model has learnt tables: expected mean error of the landmarks, as a fraction of the distance of the
-  /// outer eye corners. 0: unknown. Above 0.08 a tracked frame is degraded, and where the head is turned by more than 50 degrees.
+  /// Of a Tracker with learnt tables: expected mean landmark error, as a fraction of the distance of the
+  /// outer eye corners. 0: unknown. A frame is degraded above 0.08, and with the head turned beyond 50
+  /// degrees.
   float landmark_error = 0;
-  /// Of a Tracker whose model has readers of the eyes: the common direction of both eyes relative to the head, a unit vector in the
-  /// model's axes (x to the subject's left, y up, z straight ahead). 0: not seen (lids closed, head turned by more than 40 degrees, no
-  /// good track). A person's own error is constant, some degrees; beyond it about 2 degrees to the sides, 4 up and down.
+  /// Of a Tracker with readers of the eyes: the common direction of both eyes relative to the head, a unit
+  /// vector in the model's axes (x to the subject's left, y up, z straight ahead). 0: not seen (lids closed,
+  /// head turned by more than 40 degrees, no good track). A person's own error is constant, some degrees;
+  /// beyond it about 2 degrees to the sides, 4 up and down.
   Vec3 gaze = {};
   bool is_searching = false;  ///< of a Tracker: there is no track; the next frame is searched for a face
 };
@@ -63,8 +64,8 @@ struct State {
 
 /// One tracked model. Image positions are distorted (as seen through the lens); internally they are undistorted.
 ///
-/// Lives in an arena: `lay_out` comes before every other call (create_in, measured_bytes). Until `start`, calls that return
-/// a status return not_started, and the others must not be made, except `is_started`.
+/// Lives in an arena: `lay_out` comes before every other call (create_in, measured_bytes). Until `start`,
+/// calls that return a status return not_started, and the others must not be made, except `is_started`.
 class Estimator {
  public:
   Estimator() = default;
@@ -78,33 +79,38 @@ class Estimator {
   /// adapted to the surface at `q`.
   /// \param q        all parameters; values outside a parameter's range are clamped.
   /// \param is_free  a flag for each parameter: the free ones are estimated. Null: the expressions are free.
-  /// \return bad_argument if pose and camera are not `is_possible` (camera.hpp), q is not finite, or the lens is refused by
-  ///         Lens::make; then nothing has changed. capacity for more free parameters or samples than the limits allow; the statuses of Mesh::set_base and
+  /// \return bad_argument if pose and camera are not `is_possible` (camera.hpp), q is not finite, or
+  ///         Lens::make refuses the lens; then nothing has changed. capacity for more free parameters or
+  ///         samples than the limits allow; bad_table for damaged springs; the statuses of Mesh::set_base and
   ///         Cascade::personalise; then the estimator is not started.
   Status start(const Camera& camera, int width, int height, const Pose& pose, const float* q,
                const std::uint8_t* is_free, const EstimatorOptions& options);
   bool is_started() const;  ///< True after a successful start.
 
-  /// Adds a surface point under the lowest free id. \return not_started, bad_argument ((u,v) outside the chart), capacity.
+  /// Adds a surface point under the lowest free id.
+  /// \return not_started, bad_argument (no id, or (u,v) outside the chart), capacity.
   Status add_point(Vec2 uv, std::uint16_t* id);
-  /// Adds a point of a curve where the image has an edge.
-  /// \param along  direction of the curve in (u,v), of any length but zero. The normal of a prediction is perpendicular to its
-  ///               image, clockwise on the screen.
+  /// Adds a point of a curve where the image has an edge. The normal of a prediction is perpendicular to the
+  /// image of the curve, clockwise on the screen.
+  /// \param along  direction of the curve in (u,v), of any length but zero. \return as add_point.
   Status add_edge_point(Vec2 uv, Vec2 along, std::uint16_t* id);
-  /// Adds edge points along one of the model's curves, `spacing_mm` apart on the present surface. The first is half a spacing
-  /// from the curve's start.
+  /// Adds edge points along one of the model's curves, `spacing_mm` apart on the present surface. The first
+  /// is half a spacing from the curve's start.
   /// \param count  out: points added; with capacity, those for which there was room.
+  /// \return not_started, bad_argument (no count, no such curve, spacing <= 0), capacity.
   Status add_curve(std::size_t curve, float spacing_mm, Span<std::uint16_t> ids, std::size_t* count);
-  /// Adds a point that slides along the silhouette. `begin`, `propose` and `restore` place it within its own sector of
-  /// directions from the middle of the silhouette; all such points divide the full turn evenly. Its normal points away from
-  /// the surface. It is not visible while its sector has no silhouette. \return not_started, bad_argument, capacity.
+  /// Adds a point that slides along the silhouette. `begin`, `propose` and `restore` place it within its own
+  /// sector of directions from the middle of the silhouette; all such points divide the full turn evenly. Its
+  /// normal points away from the surface. It is not visible while its sector has no silhouette.
+  /// \return as add_point.
   Status add_silhouette_point(std::uint16_t* id);
   void remove_point(std::uint16_t id);  ///< Gives the id back. Nothing happens for an id that is not in use.
   bool has_point(std::uint16_t id) const;  ///< True where the id is in use.
   Vec2 point_uv(std::uint16_t id) const;   ///< Where a point lies on the surface.
 
-  /// Starts a frame at time `time_ns` (ns). A time that grows by less than 1 ms repeats the last frame: no motion is predicted.
-  /// A time that runs backwards or grows by 2 s or more resets all velocities. The time step then counts as 1/30 s.
+  /// Starts a frame at time `time_ns` (ns). A time that grows by less than 1 ms repeats the last frame: no
+  /// motion is predicted. One that runs backwards or grows by 2 s or more resets all velocities, and counts
+  /// as 1/30 s.
   void begin(std::int64_t time_ns);
   /// Moves the predicted view so that the model moves by about `px` in the image: a motion measured by the platform.
   void translate(Vec2 px);
@@ -113,37 +119,36 @@ class Estimator {
   /// Replaces what is expected of a free parameter in this frame by a measurement of the platform: value and standard
   /// deviation, both finite, sd > 0. The state moves there. Nothing happens for a parameter that is not free.
   void expect(std::size_t parameter, float value, float sd);
-  /// Copies the present state out. Null arrays are left out.
-  void save(State* state) const;
-  /// Makes a saved state the predicted one. Parameters that are not free keep their value.
-  /// \return not_started, bad_argument (no q, or not finite); then nothing has changed.
+  void save(State* state) const;  ///< Copies the present state out. Null arrays are left out.
+  /// Makes a saved state the predicted one, but for pose_sd, sd and the parameters that are not free.
+  /// \return not_started, bad_argument (no q, not finite, or t.z <= 0); then nothing has changed.
   Status restore(const State& state);
 
   /// Predicts all points at the present state, in order of id. Valid until the next call.
   Span<const Prediction> predict();
   /// Predicts one point. Precondition: has_point(id).
   Prediction predict(std::uint16_t id);
-  /// Fits the state to observations of a few points, so that the others are predicted more accurately. To be called between
-  /// `begin` and the first `solve`. Outliers are weighted only (Rejection::weights).
-  /// \return false if the result is doubtful, or if the points are too few to determine the pose; then the state is unchanged.
+  /// Fits the state to observations of a few points, so that the others are predicted more accurately. To be
+  /// called between `begin` and the first `solve`. Outliers are weighted only (Rejection::weights).
   /// Cost: as `solve`.
+  /// \return false if the result is doubtful or does not determine the pose; then the state is unchanged.
   bool solve_first_pass(Span<Observation> observations);
-  /// True if, in the solve after a first pass, more than a few points were far from their prediction. Predicting and matching
-  /// them again at the state of that solve finds more of them.
+  /// True if, in the solve after a first pass, more than a few points were far from their prediction.
+  /// Predicting and matching them again at the state of that solve finds more of them.
   bool needs_another_round() const;
-  /// Fits the state to the observations. May be called several times a frame. Outliers are marked `rejected`; observations
-  /// of unknown points, and those that are not finite, are marked `not_visible`. If the observations are too few to determine
-  /// the pose, the state is unchanged.
+  /// Fits the state to the observations. May be called several times a frame. Outliers are marked `rejected`;
+  /// observations of unknown points, and those that are not finite, are marked `not_visible`. If the
+  /// observations are too few to determine the pose, the state is unchanged.
   SolverReport solve(Span<Observation> observations);
-  /// Ends the frame: decides the track's state from the last `solve`. After a bad frame the state is that of the last good one.
+  /// Ends the frame: decides the track's state from the last `solve`. After a bad frame pose and parameters
+  /// are those of the last good one.
   FrameResult end();
 
-  const Model& model() const;    ///< The model of the layout.
-  const Camera& camera() const;  ///< The camera of the start.
-  const Lens& lens() const;      ///< The lens of the start's camera.
-  const View& view() const;      ///< The present view.
-  /// All parameters.
-  Span<const float> parameters() const;
+  const Model& model() const;            ///< The model of the layout.
+  const Camera& camera() const;          ///< The camera of the start.
+  const Lens& lens() const;              ///< The lens of the start's camera.
+  const View& view() const;              ///< The present view.
+  Span<const float> parameters() const;  ///< All parameters.
   /// The smoothed parameters, if options.smooths.
   Span<const float> smoothed_parameters() const;
   const MotionFilter& motion() const;  ///< The filter over pose and parameters.
@@ -162,26 +167,24 @@ class Estimator {
   Vec3 surface_point(Vec2 uv);
   /// Image position of any (u,v) at the present state. \return false behind the camera.
   bool project(Vec2 uv, Vec2* x);
-  /// Finds (u,v) of the visible surface under an image position. If x misses the surface, the nearest visible point is given.
+  /// Finds (u,v) of the visible surface under an image position, or of the visible point nearest to it.
   /// \return distance in the image between x and that point, px; 0 on the surface; negative when nothing is visible.
   float surface_at(Vec2 x, Vec2* uv);
-  /// Moves `uv`, the point of the mesh under an image position, to the point of the surface there: the second half of
-  /// `surface_at`, for whoever knows the face. Unchanged where that does not converge.
+  /// Moves `uv`, the point of the mesh under x, to the point of the surface there: the second half of
+  /// `surface_at`, for callers that already have the point on the mesh. Unchanged if it does not converge.
   void refine_uv(Vec2 x, Vec2* uv);
 
   const Mesh& mesh() const;  ///< The adapted mesh.
-  /// Positions of the mesh's vertices in the model's axes (mm), by vertex id, as of the last `start` or `end`. Vertices follow
-  /// the expression a few at a time (options.vertex_interval_frames). On fast motion all vertices are updated. Vertices
-  /// without cached samples are accurate to about 1 mm. `refresh_vertices` makes all exact.
+  /// Positions of the mesh's vertices (mm, model axes), by vertex id, as of the last `start` or `end`.
+  /// Vertices follow the expression a few at a time (options.vertex_interval_frames), on fast motion all.
+  /// Those without cached samples are accurate to about 1 mm. `refresh_vertices` makes all exact.
   const Vec3* vertex_positions() const;
-  /// Images of the vertices in the pinhole image, px, by vertex id.
-  const Vec2* vertex_images() const;
-  /// Image of one vertex as seen through the lens, px.
-  Vec2 vertex_seen(VertexId v) const;
-  void refresh_vertices();  ///< Updates all vertices to the present state.
+  const Vec2* vertex_images() const;   ///< Images of the vertices in the pinhole image, px, by vertex id.
+  Vec2 vertex_seen(VertexId v) const;  ///< Image of one vertex as seen through the lens, px.
+  void refresh_vertices();             ///< Updates all vertices to the present state.
 
-  /// Corrects what the start assumed: the parameters that are not free, and the model's rotation. Points and vertices are
-  /// sampled anew, and a personal field is given up. The poses of earlier frames are not changed.
+  /// Corrects what the start assumed: the parameters that are not free, and the model's rotation. Points and
+  /// vertices are sampled anew; a personal field is given up. Poses of earlier frames are not changed.
   /// \param q  all parameters, finite. \param turn  the pose becomes q * turn. \return not_started, bad_argument.
   Status revise(const float* q, Quat turn);
   /// Moves a point over the surface. \pre has_point(id); uv within 0..1.

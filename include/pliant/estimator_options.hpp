@@ -16,7 +16,8 @@ struct ForceRejection;
 /// The rejection of false image forces (image_forces.hpp), by name, so that programs that do not use it do not link it.
 extern const ForceRejection kForceRejection;
 
-/// Capacities: they fix the memory. The defaults suit a face at 320 x 240 on a Cortex-M7.
+/// Capacities: they fix the memory. Defaults are for 320 x 240 on a Linux board; profile_s()
+/// (tracker_limits.hpp) shows limits for a microcontroller.
 struct EstimatorLimits {
   /// Surface points at once: patches, markers and edge points, count. Ids are below this.
   std::uint16_t points = 128;
@@ -36,14 +37,15 @@ struct EstimatorLimits {
   /// Samples kept for a surface point (Cascade::samples_per_point), 12 bytes each, count. 0: enough for any
   /// choice of free parameters. `start` returns capacity if they do not suffice.
   std::uint16_t samples_per_point = 0;
-  /// If true, samples are kept for the vertices as well: 12 bytes times samples times vertices. If false, vertex positions
-  /// are read from the tables, which takes a few times longer.
+  /// If true, samples are kept for the vertices as well: 12 bytes times samples times vertices. If false,
+  /// vertex positions are read from the tables, which takes a few times longer.
   bool samples_vertices = true;
   /// Size of the field into which `start` personalises the model (Cascade::personalise), 6 bytes a sample. With it,
   /// new points, tangents and adaptation cost as much as the expressions alone.
   PersonalFieldLimits personal_field;
-  /// If not empty, at least adaptation_bytes: memory in which `start` adapts the mesh, and which others may use between starts.
-  /// `start` then returns capacity for options with mesh_operations. Empty: the estimator has memory of its own for that.
+  /// If not empty, at least adaptation_bytes: memory in which `start` adapts the mesh, and which others may
+  /// use between starts. `start` then returns capacity for options with mesh_operations. Empty: the estimator
+  /// has memory of its own for that.
   Span<unsigned char> adaptation_memory;
 };
 
@@ -73,24 +75,25 @@ enum class Rejection : std::uint8_t {
 
 /// Options: they do not change the memory.
 struct EstimatorOptions {
-  /// Trial steps of each minimisation, at most, count. A solve minimises with Huber's loss and then with Tukey's.
+  /// Trial steps of each minimisation, at most, count. A solve minimises with Huber's loss and then with
+  /// Tukey's. Round value, not tuned.
   int iterations = 4;
   Rejection rejection = Rejection::on_doubt;  ///< what is done about outliers
   /// Bit k: observations of cue k take part.
   std::uint8_t cues = 0x07;
   /// Whether a cue takes part.
   bool uses(Cue cue) const { return (cues >> static_cast<unsigned>(cue) & 1u) != 0; }
-  /// Fraction by which the noise scale of a cue follows its residuals, a frame. 0: never.
+  /// Fraction by which a cue's noise scale follows its residuals, a frame. 0: never. Round value, not tuned.
   float cue_scale_rate = 0.1f;
-  /// Standard deviation of the distance between the real surface and the model at its best, mm. It is added to the noise of
-  /// every observation but edges. Model errors are spatially correlated: more points do not reduce them. On a real face the
-  /// residuals are about 1 mm, ten times the noise of the image.
+  /// Standard deviation of the distance between the real surface and the model at its best, mm. It is added
+  /// to the noise of every observation but edges. Model errors are spatially correlated: more points do not
+  /// reduce them. On a real face the residuals are about 1 mm, ten times the noise of the image.
   float model_error_mm = 1.0f;
-  /// Mean error to which the mesh is refined at the start (contour criterion), mm. 0, and mesh_operations 0: it stays the model's
-  /// base mesh.
+  /// Mean error to which the mesh is refined at the start (contour criterion), mm. 0, and mesh_operations 0:
+  /// it stays the model's base mesh.
   float mesh_error_mm = 0.3f;
-  /// Splits and welds after a good frame, at most, count, with which the mesh follows the view. 0: the mesh of the start
-  /// stays. Pose and parameters do not depend on the mesh.
+  /// Splits and welds after a good frame, at most, count, with which the mesh follows the view. 0: the mesh
+  /// of the start stays. Pose and parameters do not depend on the mesh.
   std::uint16_t mesh_operations = 0;
   /// Vertices while the mesh follows the view, count. 0: those of the limits.
   std::uint16_t vertex_budget = 0;
@@ -98,16 +101,16 @@ struct EstimatorOptions {
   float mesh_error_px = 0.5f;
   /// If its score is not null, the mesh is also refined where there is texture.
   TextureOptions texture;
-  /// If true, a frame starts from the state that the motion filter predicts; if false, from the state of the last frame. The
-  /// covariance of predictions comes from the filter in both cases.
+  /// If true, a frame starts from the state that the motion filter predicts; if false, from the state of the
+  /// last frame. The covariance of predictions comes from the filter in both cases.
   bool predicts_motion = false;
   /// If true, smoothed results are computed as well.
   bool smooths = false;
-  /// The tangents of one point in this many are computed in a frame, count. Tangents follow the pose in every frame; their
-  /// change by expressions lags by this many frames at most.
+  /// The tangents of one point in this many are computed in a frame, count. Tangents follow the pose in every
+  /// frame; their change by expressions lags by this many frames at most.
   std::uint8_t tangent_interval_frames = 4;
-  /// One vertex in this many follows the expression in a frame, count. On fast motion all vertices are updated. Vertices
-  /// serve visibility only.
+  /// One vertex in this many follows the expression in a frame, count. On fast motion all vertices are
+  /// updated. Vertices serve visibility only.
   std::uint8_t vertex_interval_frames = 4;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 /// \file face_aligner.hpp
-/// Alignment: pose and parameters of a face in one frame, from a face box or from a nearby pose, without points from
-/// anybody. Verification: how probably such a pose is right.
+/// Alignment: pose and parameters of a face in one frame, from a face box or from a nearby pose; no landmarks
+/// are needed. Verification: how probably such a pose is right.
 #include <cstddef>
 #include <cstdint>
 
@@ -25,51 +25,56 @@ struct AlignedFace {
 
 /// Options of one alignment.
 struct AlignOptions {
-  /// One flag a parameter of the model: nonzero, it is estimated; else it keeps its value in q. Null: all are estimated.
+  /// One flag a parameter of the model: nonzero, it is estimated; else it keeps its value in q. Null: all are
+  /// estimated.
   const std::uint8_t* is_free = nullptr;
 };
 
-/// Aligns one model to faces in frames, by the learnt table of a model or another one (docs/algorithms.md, sections 7.13 and 7.14).
+/// Aligns one model to faces in frames, by the learnt table of a model or another one (docs/algorithms.md,
+/// sections 7.13 and 7.14).
 ///
-/// A stage reads gradient histograms around the projected landmarks in an upright picture of the face, and a table turns them
-/// into displacements of the landmarks. One regularised Gauss-Newton step follows, in pose and parameters. The landmarks are
-/// those named ibugNN, so that one table serves all face models. Bytes: about 140 KiB for the built-in face.
+/// A stage reads gradient histograms around the projected landmarks in an upright picture of the face, and a
+/// table turns them into displacements of the landmarks. One regularised Gauss-Newton step follows, in pose
+/// and parameters. The landmarks are those named ibugNN, so that one table serves all face models. Bytes:
+/// about 140 KiB for the built-in face.
 class FaceAligner {
  public:
   /// Arena layout (create_in, measured_bytes), with the model's own learnt table.
   void lay_out(Arena& arena, const Model& model) { lay_out(arena, model, model.aligner()); }
-  /// The same for `verify` only, in a third of the memory. The checksum of the table is not computed again: Model::open has done it.
+  /// The same for `verify` only, in a third of the memory. The checksum of the table is not computed again:
+  /// Model::open has done it.
   void lay_out_for_verification(Arena& arena, const Model& model);
   /// The same with another table.
   /// \param table  a learnt table, aligned to 4 bytes; it must outlive this object. A bad one is told by `status`.
   void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> table);
 
-  /// Whether this object can align: ok, not_found (the model has no table, or too few of its landmarks), misaligned, truncated,
-  /// bad_magic, bad_version, bad_checksum or bad_table. All calls below return this status where it is not ok.
+  /// Whether this object can align: ok, not_found (the model has no table, or too few of its landmarks),
+  /// misaligned, truncated, bad_magic, bad_version, bad_checksum or bad_table. All calls below return this
+  /// status where it is not ok.
   Status status() const;
 
   /// Aligns the model to the face in a box, from a frontal pose and the mean face.
   /// \param camera     intrinsics and lens of the frame.
   /// \param q          all parameters: the result. Those held by `options` are read and keep their value.
   /// \param landmarks  image positions of all landmarks of the model, px, in its order; may be empty.
-  /// \return `status`, or with nothing changed: bad_argument (an unreadable frame, a box or camera that is not finite or not
-  ///         positive, a principal point beyond 100,000 px, null q or face, too few `landmarks`), not_found (the box is outside
-  ///         the frame, or the camera sees no face of that size).
+  /// \return `status`, or with nothing changed: bad_argument (an unreadable frame, a box or camera that is
+  ///         not finite or not positive, a principal point beyond 100,000 px, null q or face, too few
+  ///         `landmarks`), not_found (the box is outside the frame, or the camera sees no face of that size).
   /// Cost: bounded, whatever the size of frame and face.
   Status align(const FrameView& frame, const FaceBox& box, const Camera& camera, AlignedFace* face, float* q,
                Span<Vec2> landmarks = {}, const AlignOptions& options = {});
 
-  /// Begins an alignment as `align`, whose steps `advance` takes in this frame and in later ones: so its work can be spread.
-  /// Any other call of this object ends it.
+  /// Begins an alignment as `align`, whose steps `advance` takes in this frame and in later ones: so its work
+  /// can be spread. Any other call of this object ends it.
   /// \param q      all parameters; those held by `options` are read.
   /// \param steps  out: how many there are, at most 9. Each costs about the same.
   /// \return as `align`.
   Status begin(const FrameView& frame, const FaceBox& box, const Camera& camera, const float* q, int* steps,
                const AlignOptions& options = {});
-  /// Takes steps of the alignment begun. A later frame must show the face near where the steps before have found it. The last
-  /// step writes the results.
-  /// \return as `align`, where not_found ends the alignment; size_mismatch (another size than in `begin`); not_started (no
-  ///         alignment, or all its steps were taken).
+  /// Takes steps of the alignment begun. A later frame must show the face near where the steps before have
+  /// found it. The last step writes the results.
+  /// \return as `align`, where not_found ends the alignment; size_mismatch (another size than in `begin`);
+  ///         not_started (no alignment, or all its steps were taken).
   Status advance(const FrameView& frame, int steps, AlignedFace* face, float* q, Span<Vec2> landmarks = {});
 
   /// Aligns from a pose and parameters near the right ones: after five points, or in a later frame.

@@ -25,8 +25,8 @@ enum class Interpolation : std::uint8_t {
 Vec3 sample(const Model& model, const Field& field, Vec2 uv,
             Interpolation interpolation = Interpolation::bilinear);
 
-/// The same, with its exact derivatives along u and v. On a sample line a bilinear field has two derivatives; the result
-/// is that of the cell with the larger coordinates.
+/// The same, with its exact derivatives along u and v. On a sample line a bilinear field has two derivatives;
+/// the result is that of the cell with the larger coordinates.
 /// \pre `du` and `dv` are not null.
 Vec3 sample_with_gradient(const Model& model, const Field& field, Vec2 uv, Vec3* du, Vec3* dv,
                           Interpolation interpolation = Interpolation::bilinear);

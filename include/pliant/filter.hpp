@@ -1,7 +1,7 @@
 #pragma once
 /// \file filter.hpp
-/// Prediction and smoothing over time: a constant-velocity Kalman filter over pose and parameters, and a One-Euro filter for
-/// display (docs/algorithms.md, section 7.10).
+/// Prediction and smoothing over time: a constant-velocity Kalman filter over pose and parameters, and a
+/// One-Euro filter for display (docs/algorithms.md, section 7.10).
 #include <cstddef>
 #include <cstdint>
 
@@ -12,15 +12,17 @@
 
 namespace pliant {
 
-/// One value with its velocity, and the covariance of both.
+/// What the filter keeps of one unknown besides its value.
 struct MotionState {
-  float velocity = 0, xx = 0, xv = 0, vv = 0;  ///< a second
+  /// Velocity of the unknown (its unit per s), and the covariance of value and velocity: xx, xv, vv.
+  float velocity = 0, xx = 0, xv = 0, vv = 0;
 };
 
 /// Constant-velocity Kalman filter of a view and parameters.
 ///
-/// Each unknown is a pair (value, velocity) that is independent of the others. The error of the rotation is a small turn
-/// applied on the left, in camera axes. Velocities decay, so that a value that is not measured comes to rest.
+/// Each unknown is a pair (value, velocity) that is independent of the others. The error of the rotation is a
+/// small turn applied on the left, in camera axes. Velocities decay, so that a value that is not measured
+/// comes to rest.
 /// Bytes: 24 a parameter.
 class MotionFilter {
  public:
@@ -58,9 +60,9 @@ class MotionFilter {
   std::size_t count_ = 0, capacity_ = 0;
 };
 
-/// One-Euro filter of a pose and parameters (Casiez, Roussel, Vogel, CHI 2012): a low pass whose cut-off frequency rises with
-/// speed, so that a resting face does not tremble and a moving one does not lag. For display only: the result must
-/// not be fed back into the tracker. Bytes: 8 a parameter.
+/// One-Euro filter of a pose and parameters (Casiez, Roussel, Vogel, CHI 2012): a low pass whose cut-off
+/// frequency rises with speed, so that a resting face does not tremble and a moving one does not lag. For
+/// display only: the result must not be fed back into the tracker. Bytes: 8 a parameter.
 class Smoother {
  public:
   /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
@@ -69,8 +71,8 @@ class Smoother {
   void restart() { is_fresh_ = true; }
   /// Adds a sample, `seconds` after the one before.
   /// \param range  of each parameter; greater than 0 where its speed counts.
-  /// \return bad_argument for null, anything not finite, or seconds <= 0 after the first sample; capacity. Then nothing has
-  ///         changed.
+  /// \return bad_argument for null, anything not finite, or seconds <= 0 after the first sample; capacity.
+  ///         Then nothing has changed.
   Status add(const Pose& pose, const float* q, const float* range, std::size_t parameters, float seconds);
   const Pose& pose() const { return pose_; }      ///< The smoothed pose.
   const float* parameters() const { return q_; }  ///< The smoothed parameters.

@@ -18,8 +18,9 @@ struct Correspondence {
   Vec2 uv;             ///< in [0,1]^2
   Vec2 x;              ///< px
   float sd_px = 1.0f;  ///< standard deviation of x, px, > 0
-  /// The point is annotated on the silhouette: x lies on the edge of the face in the image, where the surface near (u,v)
-  /// turns away from the camera. Landmarks of jaw and cheeks are annotated so. Needs FitLimits::silhouette.
+  /// The point is annotated on the silhouette: x lies on the edge of the face in the image, where the surface
+  /// near (u,v) turns away from the camera. Landmarks of jaw and cheeks are annotated so. Needs
+  /// FitLimits::silhouette.
   bool is_silhouette = false;
 };
 
@@ -43,8 +44,8 @@ struct FitOptions {
   const View* start = nullptr;
   /// One flag a parameter. Null: all are free. Frozen parameters keep their value in q.
   const std::uint8_t* is_free = nullptr;
-  /// Residual that neither noise nor prior explains, mm on the model: the distance of an annotated landmark from the model's.
-  /// The robust loss rejects only what is several times larger.
+  /// Residual that neither noise nor prior explains, mm on the model: the distance of an annotated landmark
+  /// from the model's. The robust loss rejects only what is several times larger. Round value, not tuned.
   float misfit_mm = 3.0f;
   bool robust = true;  ///< Huber's, then Tukey's loss of the residual length; false: its square
   /// Of Gauss-Newton, over all stages: each of three (of nine, with silhouette points) has an equal share, and at least one.
@@ -64,8 +65,8 @@ struct FitReport {
   std::size_t used = 0;          ///< points with a weight above 0 at the end (inliers)
   int iterations = 0;            ///< over all stages
   std::size_t undetermined = 0;  ///< unknowns that the points and priors left open
-  /// A-posteriori standard deviations of the view in the order of PoseUnknown: turn (rad), log s, offset (mm), log rho. The
-  /// last is 0 with a known focal length.
+  /// A-posteriori standard deviations of the view in the order of PoseUnknown: turn (rad), log s, offset
+  /// (mm), log rho. The last is 0 with a known focal length.
   float pose_sd[kPoseUnknownsWithFocal] = {};
 };
 
@@ -80,11 +81,12 @@ struct FitDetails {
 
 /// Fits one model to one image at a time.
 ///
-/// The result never folds the surface over (fold_over.hpp): where a stage leads to a fold-over, the parameters move back
-/// towards where the stage began, and the pose is fitted again. Silhouette points are matched to the model's contour
-/// (silhouette.hpp) at the present pose: a point stays at its own (u,v) while that faces the camera; afterwards it takes the
-/// nearest contour point within reach, and only its distance across the contour counts. Bytes: 12 for each point and record
-/// of the cascade, and 4 for each pair of free unknowns.
+/// The result never folds the surface over (fold_over.hpp): where a stage leads to a fold-over, the
+/// parameters move back towards where the stage began, and the pose is fitted again. Silhouette points are
+/// matched to the model's contour (silhouette.hpp) at the present pose: a point stays at its own (u,v) while
+/// that faces the camera; afterwards it takes the nearest contour point within reach, and only its distance
+/// across the contour counts. Bytes: 12 for each point and record of the cascade, and 4 for each pair of free
+/// unknowns.
 class Fitter {
  public:
   /// Arena layout (create_in, measured_bytes).
@@ -99,6 +101,7 @@ class Fitter {
   ///   - capacity: more points than the limits, or the fitter was never laid out
   ///   - too_few_points
   ///   - underdetermined: all points are on one line of the image, or the pose stays open
+  ///   - with FitLimits::silhouette, the statuses of Mesh::set_base for the model's base mesh
   Status fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
              const FitDetails& details = {});
 
@@ -113,9 +116,9 @@ class Fitter {
   State* state_ = nullptr;
 };
 
-/// A frontal view in which the model's landmarks fill a box of the image, brows to chin and ear to ear: the initial view
-/// for the box of a face detector. The landmarks are all those named ibugNN, or the base mesh's vertices when there are
-/// fewer than four.
+/// A frontal view in which the model's landmarks fill a box of the image, brows to chin and ear to ear: the
+/// initial view for the box of a face detector. The landmarks are all those named ibugNN, or the base mesh's
+/// vertices when there are fewer than four.
 /// \param q     all parameters.
 /// \param size  of the box, px, > 0.
 /// \return bad_argument (NaN, an empty box, f <= 0, or a flat model); `view` is then as before.

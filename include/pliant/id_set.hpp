@@ -11,9 +11,9 @@ namespace pliant {
 /// The id or index that means none: no vertex, face, half-edge, or entry of a table.
 constexpr std::uint16_t kNone = 0xFFFF;
 
-/// Ids 0 ... capacity - 1, each free or in use. `take` returns the lowest free id, so the next ids depend only on which ids
-/// are in use, not on the history, and ids stay dense. Two levels of bits, capacity / 8 bytes. `take` costs two bit scans and
-/// at most 16 word reads; the rest is O(1) unless said otherwise.
+/// Ids 0 ... capacity - 1, each free or in use. `take` returns the lowest free id, so the next ids depend
+/// only on which ids are in use, not on the history, and ids stay dense. Two levels of bits, capacity / 8
+/// bytes. `take` costs two bit scans and at most 16 word reads; the rest is O(1) unless said otherwise.
 class IdSet {
  public:
   /// \param capacity  at most 65,535.

@@ -11,8 +11,9 @@ inline constexpr std::size_t kForceMaxColumns = 8;
 
 /// Options of ForceRejector::reject.
 struct ForceOptions {
-  /// Quantile of the chi-square distribution beyond which a force is rejected, in (0,1). Three times the quantile of 0.999
-  /// rejects fewer true forces, but misses an occluder at rest (docs/algorithms.md, section 6.5).
+  /// Quantile of the chi-square distribution beyond which a force is rejected, in (0,1). Three times the
+  /// quantile of 0.999 rejects fewer true forces, but misses an occluder at rest (docs/algorithms.md, section
+  /// 6.5).
   float cutoff = 0.999f;
   /// Forces up to this length are never rejected, px: at rest all forces are noise.
   float noise_px = 0.1f;
@@ -20,17 +21,19 @@ struct ForceOptions {
   McdStarts starts = McdStarts::median_ball;
 };
 
-/// Finds which of n image forces agree about the motion. Each force f_i (2, px) contributes the generalised force B_i^T f_i
-/// (Eq. 9), a row of p values. The rows of one motion form one cluster, wherever the points lie on the model. A coherent
-/// occluder forms another cluster, which weights on residuals alone do not separate.
+/// Finds which of n image forces agree about the motion. Each force f_i (2, px) contributes the generalised
+/// force B_i^T f_i (Eq. 9), a row of p values. The rows of one motion form one cluster, wherever the points
+/// lie on the model. A coherent occluder forms another cluster, which weights on residuals alone do not
+/// separate.
 ///
 /// The caller must observe three rules:
 /// - B_i holds only the 5 or 6 columns of the rigid block. A local parameter moves few points, and a column that is
 ///   zero in most rows has no spread.
-/// - Forces are formed at the predicted state, where the true forces are the tight cluster near zero. At the old state an
-///   occluder at rest is that cluster.
-/// - The quantile is nominal, since the rows are a mixture of planes: about one true force in six is rejected. After the
-///   first solve, use rejected forces with a small residual again (Rejection::forces_readmitted does).
+/// - Forces are formed at the predicted state, where the true forces are the tight cluster near zero. At the
+///   old state an occluder at rest is that cluster.
+/// - The quantile is nominal, since the rows are a mixture of planes: about one true force in six is
+///   rejected. After the first solve, use rejected forces with a small residual again
+///   (Rejection::forces_readmitted does).
 class ForceRejector {
  public:
   /// `limits.columns` is the size of the block, at most kForceMaxColumns. Bytes: those of `Mcd` and 4 a value.
@@ -40,8 +43,8 @@ class ForceRejector {
   /// \param jacobian  rows x 2 x columns: for each point the row of x, then that of y (px per unit of the parameter).
   /// \param force     observed minus predicted position, px. A force is rejected if it or its jacobian is not finite.
   /// \param keep      out: 1 for a force that is kept, 0 for one that is rejected.
-  /// \return too_few_points for fewer than 5 finite forces a column; then all of them are kept. capacity, or bad_argument for
-  ///         null, no column or an option out of range; then `keep` is unchanged.
+  /// \return too_few_points for fewer than 5 finite forces a column; then all of them are kept. capacity, or
+  ///         bad_argument for null, no column or an option out of range; then `keep` is unchanged.
   /// Cost: that of `Mcd::deterministic`, and rows x columns^2 multiply-adds.
   Status reject(const float* jacobian, const Vec2* force, std::size_t rows, std::size_t columns,
                 const ForceOptions& options, std::uint8_t* keep);

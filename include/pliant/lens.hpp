@@ -9,15 +9,17 @@ namespace pliant {
 
 /// With (x,y) = (X/Z, Y/Z), r^2 = x^2 + y^2 and L(r) = 1 + k1 r^2 + k2 r^4 a point is seen at
 ///   (f L x + cx, aspect f L y + cy).
-/// Its ideal position, without lens, is (f x + cx, f y + cy). Beyond the corners of the image the distorted radius continues
-/// along its tangent, so the map is one to one on the whole plane (docs/algorithms.md, section 4.5).
+/// Its ideal position, without lens, is (f x + cx, f y + cy). Beyond the corners of the image the distorted
+/// radius continues along its tangent, so the map is one to one on the whole plane (docs/algorithms.md,
+/// section 4.5).
 class Lens {
  public:
   /// No lens: seen and ideal positions are equal.
   Lens() = default;
   /// \param width, height  image size, px.
-  /// \return bad_argument for null, anything not finite, f <= 0, an empty image, an aspect outside [0.5, 2], or coefficients
-  ///         for which the distorted radius does not grow up to the corners of the image; `lens` is then as before.
+  /// \return bad_argument for null, anything not finite, f <= 0, an empty image, an aspect outside [0.5, 2],
+  ///         or coefficients for which the distorted radius does not grow up to the corners of the image;
+  ///         `lens` is then as before.
   static Status make(const Camera& camera, int width, int height, Lens* lens);
 
   bool is_none() const { return is_none_; }  ///< True without distortion and with square pixels.

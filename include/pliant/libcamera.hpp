@@ -39,8 +39,8 @@ class CameraStream {
   CameraStream(const CameraStream&) = delete;
   CameraStream& operator=(const CameraStream&) = delete;
 
-  /// Acquires a camera and chooses the offered size nearest to the wanted one; of equal sizes, planar luma before a packed
-  /// format such as YUYV.
+  /// Acquires a camera and chooses the offered size nearest to the wanted one; of equal sizes, planar luma
+  /// before a packed format such as YUYV.
   /// \return `not_found` (no such camera, no format with luma that can be read, or it refuses the configuration),
   ///         `io_error` (libcamera does not start, the camera is in use, or it gives no buffers or requests). message()
   ///         then says which, and the stream is closed.

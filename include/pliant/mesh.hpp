@@ -23,17 +23,17 @@ class Mesh {
   /// Arena layout (create_in, measured_bytes). Limits above their maxima are lowered to them. The mesh is then empty.
   void lay_out(Arena& arena, const MeshLimits& limits);
 
-  /// Takes a base mesh of basic blocks: where two faces meet, the edge is the subdivision edge (corner 0 to corner 1) of
-  /// both or of neither. Base vertices and faces keep their indices as ids, and are never removed.
-  /// Cost: O(faces x valence), no scratch.
+  /// Takes a base mesh of basic blocks: where two faces meet, the edge is the subdivision edge (corner 0 to
+  /// corner 1) of both or of neither. Base vertices and faces keep their indices as ids, and are never
+  /// removed. Cost: O(faces x valence), no scratch.
   /// \param uv       one finite position a vertex.
   /// \param corners  three vertex indices a face; neighbours have the same winding.
-  /// \return ok, or the first defect; the mesh is then empty. bad_argument (empty, not a multiple of three, NaN), capacity,
-  ///   bad_index, degenerate_face, isolated_vertex, duplicate_face, non_manifold_edge, non_orientable (two neighbours have
-  ///   opposite winding), non_manifold_vertex, not_basic_blocks.
+  /// \return ok, or the first defect; the mesh is then empty. bad_argument (empty, not a multiple of three,
+  ///   NaN), capacity, bad_index, degenerate_face, isolated_vertex, duplicate_face, non_manifold_edge,
+  ///   non_orientable (two neighbours have opposite winding), non_manifold_vertex, not_basic_blocks.
   Status set_base(Span<const Vec2> uv, Span<const std::uint16_t> corners);
-  /// As set_base, for any manifold triangles. The mesh is *free* until make_base succeeds: only the four stellar operators
-  /// work on it, on any edge and face.
+  /// As set_base, for any manifold triangles. The mesh is *free* until make_base succeeds: only the four
+  /// stellar operators work on it, on any edge and face.
   Status set_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corners);
   /// Makes the present triangles of a free mesh its base (all levels 0), or returns not_basic_blocks.
   Status make_base();
@@ -100,9 +100,9 @@ class Mesh {
   int find_boundary_loops(Span<HalfEdgeId> loops) const;
   MeshStatistics compute_statistics() const;  ///< Counts. O(mesh).
 
-  // --- Stellar operators (Figure 2). On a restricted mesh the edge operators keep every invariant, and refuse other calls
-  // with not_ready; the face operators are for free meshes only. A weld undoes its split to the byte (on a free mesh up to
-  // the rotation of a face). Statuses: ok, not_ready, and for splits capacity; nothing changes but with ok ---
+  // --- Stellar operators (Figure 2). On a restricted mesh the edge operators keep every invariant, or return
+  // not_ready; the face operators are for free meshes only. A weld undoes its split to the byte (on a free
+  // mesh up to a face's rotation). Statuses: ok, not_ready, for splits capacity; only ok changes anything ---
   /// Whether f's subdivision edge can be split at once: it is its neighbour's too, or there is no neighbour.
   bool is_ready(FaceId f) const {
     const HalfEdgeId t = twin_[3 * f];
@@ -124,10 +124,10 @@ class Mesh {
   void weld_weldable(VertexId v);
 
   // --- Restricted refinement and simplification (section 4.2) ---
-  /// Splits the subdivision edge of f. Before it, splits the neighbours that would otherwise differ by more than one level.
+  /// Splits the subdivision edge of f, and first the neighbours that would differ by more than one level.
   /// At most level + 1 splits. All or nothing. Statuses: ok, not_ready (f is at max_level), capacity.
   Status refine(FaceId f);
-  /// Removes v. Before it, removes the vertices that were inserted on its edges. Statuses: ok, not_ready (a base vertex).
+  /// Removes v, and first the vertices that were inserted on its edges. Statuses: ok, not_ready (a base vertex).
   Status simplify(VertexId v);
   /// Back to the base mesh, to the byte.
   void simplify_all();

@@ -23,8 +23,8 @@ struct MeshLimits {
   static constexpr std::uint8_t kDeepest = 24;  ///< highest level
 };
 
-/// A triangle and its neighbours: a live face, or one that a weld would restore. Edge i runs from corner i to corner i + 1
-/// (modulo 3).
+/// A triangle and its neighbours: a live face, or one that a weld would restore. Edge i runs from corner i to
+/// corner i + 1 (modulo 3).
 struct Triangle {
   VertexId corner[3];  ///< vertices
   VertexId
@@ -55,8 +55,8 @@ struct MeshStatistics {
 ///   9  no face has zero area in (u,v)
 /// and, of a restricted mesh:
 ///  10  base vertices have level 0, inserted ones 1 to max_level; corner 2 has the highest level of a face
-///  11  neighbours differ by one level at most. Where their levels are equal, the shared edge is the subdivision edge of
-///      both or of neither; otherwise it is that of the finer one only
+///  11  neighbours differ by one level at most. Where their levels are equal, the shared edge is the
+///      subdivision edge of both or of neither; otherwise it is that of the finer one only
 ///  12  an inserted vertex is in at most 8 faces
 ///  13  a weldable vertex lies at the midpoint of the edge that its removal restores
 struct MeshFault {

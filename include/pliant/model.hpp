@@ -1,13 +1,14 @@
 #pragma once
 /// \file model.hpp
-/// The model table (`.plm`): a deformable model as data. It is one little-endian block, aligned to 4 bytes, that is read in
-/// place, from flash. `Model::open` checks every offset, count and range once; only learnt tables and springs are checked later.
+/// The model table (`.plm`): a deformable model as data. It is one little-endian block, aligned to 4 bytes,
+/// that is read in place, from flash. `Model::open` checks every offset, count and range once. Basic blocks,
+/// and the contents of detector, aligner, parts, print and stretch, are checked when they are used.
 ///
-/// The chart is (u,v) in [0,1]^2. Seen from outside the surface, v points down where u points right. On a face, u points to
-/// the subject's left, and v = 0 is the top of the forehead.
+/// The chart is (u,v) in [0,1]^2. Seen from outside the surface, v points down where u points right. On a
+/// face, u points to the subject's left, and v = 0 is the top of the forehead.
 ///
-/// Layout (docs/model-format.md): a Header, then `section_count` Sections, then their contents, each aligned to 4 bytes. The
-/// records below are the file format: their members are never reordered, and have no padding between them.
+/// Layout (docs/model-format.md): a Header, then `section_count` Sections, then their contents, each aligned
+/// to 4 bytes. The records below are the file format: members are never reordered, and there is no padding.
 #include <cstddef>
 #include <cstdint>
 
@@ -18,8 +19,9 @@
 
 namespace pliant {
 namespace table {
-constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 7;  ///< "PLM1"; 3, 5, 6 are a bit from others
-constexpr std::size_t kNameBytes = 28;                      ///< zero-padded, always ends in a zero
+/// "PLM1". Versions 3, 5 and 6 are unused: each differs from a used one in one bit.
+constexpr std::uint32_t kMagic = 0x314d4c50, kVersion = 7;
+constexpr std::size_t kNameBytes = 28;  ///< zero-padded, always ends in a zero
 
 /// First bytes of a table.
 struct Header {
@@ -68,10 +70,10 @@ struct Parameter {
   float sd;                      ///< prior standard deviation around 0, in the parameter's unit, 1e-6 to 1e6
 };
 
-/// A vector field V(u,v) (three components) or weight field w(u,v) (one), sampled on a grid over a rectangle of the
-/// chart and zero outside it. Sample (i,j) sits at u = u0 + i (u1 - u0) / (width - 1), v likewise; rows from v0 to v1;
-/// components interleaved. Value of component c = offset[c] + scale[c] * integer, at most 1e6 in magnitude. A field whose
-/// rectangle is not the whole chart must decode to zero on its rim (offset zero), so that it is continuous.
+/// A vector field V(u,v) (three components) or weight field w(u,v) (one), sampled on a grid over a rectangle
+/// of the chart and zero outside it. Sample (i,j) sits at u = u0 + i (u1 - u0) / (width - 1), v likewise;
+/// rows from v0 to v1; components interleaved. Value of component c = offset[c] + scale[c] * integer, at most
+/// 1e6 in magnitude. Unless the rectangle is the whole chart, its rim must decode to zero (offset zero).
 struct Field {
   std::uint16_t width, height;  ///< samples, each at least 2
   std::uint8_t components;      ///< 1 or 3
@@ -156,19 +158,18 @@ std::uint32_t crc32(const void* data, std::size_t bytes, std::uint32_t previous 
 /// A read-only view of a checked model table. Copies are cheap; the table must outlive them.
 class Model {
  public:
-  /// A model that is not open: all counts are zero.
-  Model() = default;
-  /// Checks the whole table, and points `model` into it. Whatever opens is safe to use: every index is in range, every
+  Model() = default;  ///< A model that is not open: all counts are zero.
+  /// Checks the table, and points `model` into it. Whatever opens is safe to use: every index is in range, every
   /// number is finite and at most 1e6 in its unit. Cost: one pass over the bytes for the CRC, then over the records.
   /// \param data, bytes  address, a multiple of 4, and at least the table's own size.
-  /// \return bad_argument, misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table; `model` is as before.
+  /// \return bad_argument, misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table.
   static Status open(const void* data, std::size_t bytes, Model* model);
   bool is_open() const { return contents_.cascade.count > 0; }               ///< After open.
   Span<const Parameter> parameters() const { return contents_.parameters; }  ///< In order.
   Span<const Field> fields() const { return contents_.fields; }              ///< Vector and weight fields.
   const std::uint8_t* samples() const { return contents_.samples; }  ///< First byte of the samples section.
   Span<const CascadeRecord> cascade() const { return contents_.cascade; }  ///< Operations, in order.
-  /// Base mesh: (u,v) of every vertex, and three corners a face, in basic-block form (mesh.hpp).
+  /// Base mesh: (u,v) of every vertex, and three corners a face: basic blocks, as Mesh::set_base checks.
   Span<const Vec2> base_uv() const { return contents_.base_uv; }
   Span<const std::uint16_t> base_corners() const { return contents_.base_corners; }  ///< Three a face.
   Span<const Landmark> landmarks() const { return contents_.landmarks; }             ///< Named places.
@@ -192,7 +193,6 @@ class Model {
  private:
   table::Contents contents_;
 };
-
 /// create_in refuses a model that is not open (arena.hpp).
 inline bool is_usable(const Model& model) {
   return model.is_open();

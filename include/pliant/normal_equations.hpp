@@ -11,10 +11,11 @@ namespace pliant {
 
 /// The linear system H x = g of a Gauss-Newton step, accumulated from observations.
 ///
-/// H = sum B_i^T W_i B_i and g = sum B_i^T W_i f_i, the generalised force f_g of Eq. 9. H is stored as its packed upper
-/// triangle. Observations with most of the columns are collected eight at a time as rows of L^T B (W = L L^T) and added
-/// as one product. Sparse observations are added one by one. The bits of the result depend on the order of the calls only.
-/// Bytes for n unknowns: 8 n (n + 1) / 2, 18 rows of n + 8 floats, and 7 floats and 3 bytes an unknown.
+/// H = sum B_i^T W_i B_i and g = sum B_i^T W_i f_i, the generalised force f_g of Eq. 9. H is stored as its
+/// packed upper triangle. Observations with most of the columns are collected eight at a time as rows of L^T
+/// B (W = L L^T) and added as one product. Sparse observations are added one by one. The bits of the result
+/// depend on the order of the calls only. Bytes for n unknowns: 8 n (n + 1) / 2, 18 rows of n + 8 floats, and
+/// 7 floats and 3 bytes an unknown.
 class NormalEquations {
  public:
   /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
@@ -25,8 +26,8 @@ class NormalEquations {
   /// Starts over with `count` unknowns and no limits. `count` is at most capacity().
   void reset(std::size_t count);
 
-  /// If true, observations added from now on update only g and the diagonal of H. A step along the generalised force needs
-  /// no more. The cost of an observation with k columns falls from O(k^2) to O(k).
+  /// If true, observations added from now on update only g and the diagonal of H. A step along the
+  /// generalised force needs no more. The cost of an observation with k columns falls from O(k^2) to O(k).
   void keep_gradient_only(bool only) { gradient_only_ = only; }
 
   /// Adds one image observation.
@@ -52,15 +53,16 @@ class NormalEquations {
 
   /// Solves (H + damping diag(H)) x = g within the limits, by Cholesky factorisation of the scaled matrix.
   ///
-  /// An unknown that would leave its limits is set to the limit, and the others are solved again. An unknown at its limit
-  /// is freed when the others then pull it back inside. There are at most 12 such rounds.
-  /// An unknown whose scaled pivot is below 1e-6 is not determined by the observations. Its step is 0 and it is counted.
+  /// An unknown that would leave its limits is set to the limit, and the others are solved again. An unknown
+  /// at its limit is freed when the others then pull it back inside. There are at most 12 such rounds.
+  /// An unknown whose scaled pivot is below 1e-6 is not determined by the observations. Its step is 0 and it
+  /// is counted.
   /// Cost: n^3 / 6 a round.
   void solve(float damping, float* step);
   /// Unknowns that the last `solve` found undetermined.
   std::size_t undetermined_count() const { return undetermined_; }
-  /// The decrease of the cost that the equations predict for a step from `solve`: g^T step / 2. Exact when the problem is
-  /// linear, damping is 0 and no limit is active.
+  /// The decrease of the cost that the equations predict for a step from `solve`: g^T step / 2. Exact when
+  /// the problem is linear, damping is 0 and no limit is active.
   float predicted_decrease(const float* step);
 
   /// Factorisations since `lay_out`, count; wraps.

@@ -34,8 +34,8 @@ enum class Reason : std::uint8_t {
   ambiguous = 8,  ///< more edges of similar contrast than alternatives may be given
 };
 
-/// A measured image position of a surface point. Consecutive observations with one id are alternatives, of which at most one
-/// is true.
+/// A measured image position of a surface point. Consecutive observations with one id are alternatives, of
+/// which at most one is true.
 struct Observation {
   std::uint16_t id = 0;           ///< of its surface point
   Vec2 x;                         ///< px

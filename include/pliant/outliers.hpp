@@ -16,8 +16,8 @@ inline constexpr std::size_t kMcdMaxRows = 4096;
 /// Squared distance of a row that lies outside a subspace that holds the majority.
 inline constexpr float kMcdOffSubspace = 1e30f;
 
-/// Fix the memory of an Mcd: the largest data. Bytes for p columns: 8 a value, 24 a row, 768 a column, 136 p^2, and 19 kB: 50 kB for
-/// 256 x 6, 1 MB for 4096 x 24. About 16 kB of stack besides.
+/// Fix the memory of an Mcd: the largest data. Bytes for p columns: 8 a value, 24 a row, 768 a column, 136
+/// p^2, and 19 kB: 50 kB for 256 x 6, 1 MB for 4096 x 24. About 16 kB of stack besides.
 struct McdLimits {
   std::size_t rows = 512;   ///< at most kMcdMaxRows
   std::size_t columns = 6;  ///< at most kMcdMaxColumns
@@ -25,21 +25,22 @@ struct McdLimits {
 
 /// Options of an Mcd search.
 struct McdOptions {
-  /// Size of the subset as a fraction of the rows, in [0.5, 1]. 0.5 tolerates outliers in half of the rows, 0.75 in a quarter.
+  /// Size of the subset as a fraction of the rows, in [0.5, 1]. 0.5 tolerates outliers in half of the rows,
+  /// 0.75 in a quarter.
   float alpha = 0.5f;
   /// Quantile of chi-square beyond which a row is flagged, in (0,1).
   float cutoff = 0.975f;
   /// Random starts of `fast`, in [1, 100000].
   std::uint32_t starts = 500;
-  /// Exchanges of single rows after the C-steps, at most. 50 find lower determinants than thousands of starts; each costs
-  /// about three C-steps on all rows. 0 is the published algorithm.
+  /// Exchanges of single rows after the C-steps, at most. 50 find lower determinants than thousands of
+  /// starts; each costs about three C-steps on all rows. 0 is the published algorithm.
   std::uint32_t exchanges = 0;
   /// Seed of the random generator of `fast`. Equal seeds give equal bits.
   std::uint64_t seed = 1;
 };
 
-/// Which deterministic starts to try. With hundreds of rows one is about as good as six, and many times cheaper. With a few
-/// dozen rows six find lower determinants; one start followed by exchanges does too.
+/// Which deterministic starts to try. With hundreds of rows one is about as good as six, and many times
+/// cheaper. With a few dozen rows six find lower determinants; one start followed by exchanges does too.
 enum class McdStarts : std::uint8_t { median_ball, all_six };
 
 /// A positive number mantissa * 2^exponent, mantissa in [0.5, 1): a determinant that cannot overflow.
@@ -54,18 +55,19 @@ struct McdEstimate {
   double covariance[kMcdMaxColumns * kMcdMaxColumns];  ///< columns x columns, by rows
 };
 
-/// Searches the h of n rows whose covariance has the smallest determinant. They give the raw estimate, scaled to be
-/// consistent for Gaussian data and corrected for small samples (Pison, Van Aelst & Willems 2002). All rows near the raw
-/// estimate give the reweighted one. Results are valid until the next call.
+/// Searches the h of n rows whose covariance has the smallest determinant. They give the raw estimate, scaled
+/// to be consistent for Gaussian data and corrected for small samples (Pison, Van Aelst & Willems 2002). All
+/// rows near the raw estimate give the reweighted one. Results are valid until the next call.
 ///
-/// Rows with a NaN or an infinity are ignored: squared distance kMcdOffSubspace. Values further than 1e9 median absolute
-/// deviations from the median count as that far.
+/// Rows with a NaN or an infinity are ignored: squared distance kMcdOffSubspace. Values further than 1e9
+/// median absolute deviations from the median count as that far.
 ///
 /// Statuses of `fast` and `deterministic`:
 /// - ok
 /// - degenerate_data: h or more rows share a subspace (a constant column, a plane). The results are those within the
 ///   subspace: rows off it are flagged, and the covariance is singular, or nearly so
-/// - too_few_points: at most columns + 1 finite rows. No finite row is flagged; the centre holds medians, the covariance 0
+/// - too_few_points: at most columns + 1 finite rows. No finite row is flagged; the centre holds medians, the
+///   covariance 0
 /// - capacity: more rows or columns than the limits; nothing has changed
 /// - bad_argument: null data, no column, or an option out of range; nothing has changed
 class Mcd {
@@ -73,8 +75,9 @@ class Mcd {
   /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, const McdLimits& limits);
 
-  /// FAST-MCD on `rows` x `columns` values, by rows. Makes two C-steps from each of `starts` random subsets, and follows the
-  /// ten best to convergence. Above 600 rows the starts run on at most five groups of about 300 rows first.
+  /// FAST-MCD on `rows` x `columns` values, by rows. Makes two C-steps from each of `starts` random subsets,
+  /// and follows the ten best to convergence. Above 600 rows the starts run on at most five groups of about
+  /// 300 rows first.
   /// Cost: about starts x min(rows, 600) x columns^2 x 2 multiply-adds.
   Status fast(const float* data, std::size_t rows, std::size_t columns, const McdOptions& options = {});
 

@@ -63,8 +63,10 @@ struct PatchOptions {
   /// Standard deviation of the start, px along either axis. Coarse levels that such a start does not need are
   /// skipped; up to half a pixel, only the refinement at full size is done. 0: unknown, all levels are searched.
   float start_sd_px = 0;
-  float max_move_px = 0;         ///< largest distance of the result from the start; 0: no limit
-  float min_correlation = 0.8f;  ///< smallest normalised cross-correlation with the template
+  float max_move_px = 0;  ///< largest distance of the result from the start; 0: no limit
+  /// Smallest normalised cross-correlation with the template, -1 to 1. Round value, not tuned. The tracker
+  /// sets its own.
+  float min_correlation = 0.8f;
   /// True: a patch with texture in one direction only is tracked along it (normal flow, rank one). False: it is `flat`.
   bool accepts_edges = false;
   float max_return_px = 0;  ///< largest forward-backward distance of `track_between`; 0: not checked

@@ -39,12 +39,13 @@ pliant_status pliant_required_bytes(const void *table, size_t table_bytes, const
 /** Makes a tracker. Cost: as pliant_required_bytes.
  *  \param memory  a block at an address that is a multiple of 16. It and the table must outlive the tracker. It is
  *                 written to whatever the status.
- *  \return as pliant_required_bytes; PLIANT_OUT_OF_MEMORY (block). */
+ *  \return as pliant_required_bytes; PLIANT_BAD_ARGUMENT also for a block that is not aligned (in C++ that is
+ *          misaligned); PLIANT_OUT_OF_MEMORY (block). */
 pliant_status pliant_create(void *memory, size_t bytes, const void *table, size_t table_bytes,
                             const pliant_limits *limits, pliant_tracker **tracker);
 
-/** Ends the track, if there is one, and forgets the person: the next pliant_update searches for the face or print. A new tracker does
- *  so by itself, if its table has a detector and an aligner (pliant learn).
+/** Ends the track, if there is one, and forgets the person: the next pliant_update searches for the face or print. A
+ *  new tracker does so by itself, if its table has a detector and an aligner (pliant learn).
  *  \param options  null: nothing is known. \return PLIANT_NOT_FOUND: the table has none. */
 pliant_status pliant_start_by_detection(pliant_tracker *tracker, const pliant_start_options *options);
 
@@ -52,8 +53,8 @@ pliant_status pliant_start_by_detection(pliant_tracker *tracker, const pliant_st
  *  All starts check pointers, frame, counts and names first; if one of these is wrong, nothing has changed. If the
  *  camera, the pose, the fit or the texture of the frame is at fault, the tracker is not started.
  *  \param parameters  all, in the model's order, which are clamped to their limits; null: all 0.
- *  \return PLIANT_BAD_ARGUMENT, PLIANT_SIZE_MISMATCH, PLIANT_TOO_FEW_POINTS (texture), PLIANT_CAPACITY (a model that is
- *          larger than the limits). */
+ *  \return PLIANT_BAD_ARGUMENT, PLIANT_SIZE_MISMATCH, PLIANT_TOO_FEW_POINTS (texture), PLIANT_CAPACITY (a model that
+ *          is larger than the limits), PLIANT_BAD_TABLE (springs), 19 to 24 and 26 (base mesh). */
 pliant_status pliant_start_from_pose(pliant_tracker *tracker, const pliant_frame *frame, const pliant_camera *camera,
                                      const pliant_pose *pose, const float *parameters);
 
@@ -66,8 +67,8 @@ pliant_status pliant_start_from_landmarks(pliant_tracker *tracker, const pliant_
                                           const pliant_point *points, size_t count,
                                           const pliant_start_options *options);
 
-/** Starts with the neutral face, frontal, in a face detector's box: upper left corner and size, px, size above 0. With a
- *  table that has an aligner the face is then aligned in the frame.
+/** Starts with the neutral face, frontal, in a face detector's box: upper left corner and size, px, size above 0.
+ *  With a table that has an aligner the face is then aligned in the frame.
  *  \param options  null: nothing is known; `box` says what the box encloses. \return as pliant_start_from_pose. */
 pliant_status pliant_start_from_box(pliant_tracker *tracker, const pliant_frame *frame, float x, float y, float width,
                                     float height, const pliant_start_options *options);
@@ -83,8 +84,8 @@ pliant_status pliant_save(const pliant_tracker *tracker, pliant_state *state);
 /** Tracks the next frame; while there is no track, searches it for a face, which is tracked from this frame on. Cost:
  *  docs/evaluation.md.
  *  \return PLIANT_NOT_STARTED (no track, and the table has no detector), PLIANT_BAD_TABLE (detector or aligner),
- *          PLIANT_BAD_ARGUMENT (the frame), PLIANT_SIZE_MISMATCH, PLIANT_STALE_FRAME (neither time nor sequence is after
- *          the last frame's). */
+ *          PLIANT_BAD_ARGUMENT (the frame), PLIANT_SIZE_MISMATCH, PLIANT_STALE_FRAME (neither time nor sequence is
+ *          after the last frame's). */
 pliant_status pliant_update(pliant_tracker *tracker, const pliant_frame *frame, pliant_result *result);
 
 /** The result of the last frame; after a start, of frame 0. \return PLIANT_NOT_STARTED. */

@@ -8,7 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** The values of pliant::Status. The tracker gives 0 to 14 and 29; pliant_status_text has a text for all. */
+/** The values of pliant::Status. The tracker gives 0 to 14 and 29; a start also 19 to 24 and 26, for a damaged base
+ *  mesh. pliant_status_text has a text for all. */
 typedef int32_t pliant_status;
 enum {
   PLIANT_OK = 0,
@@ -28,7 +29,7 @@ enum {
   PLIANT_NOT_FOUND = 14,            /**< no landmark or parameter of that name or index */
   PLIANT_END_OF_STREAM = 15,        /**< frame sources: there is no further frame */
   PLIANT_IO_ERROR = 16,             /**< frame sources: a read failed */
-  PLIANT_NO_ROOM = 17,              /**< 17 to 26: meshes, as status.hpp says */
+  PLIANT_NO_ROOM = 17,              /**< not used; 18 to 26: meshes, as status.hpp says */
   PLIANT_BAD_INDEX = 18,
   PLIANT_DEGENERATE_FACE = 19,
   PLIANT_DUPLICATE_FACE = 20,

@@ -9,8 +9,9 @@
 
 namespace pliant {
 
-/// Heap with four children a node over ids 0 ... capacity - 1, highest key first. The upper 32 bits of a key are a rank, the
-/// lower ones break ties by content, so the order does not depend on ids or on the order of insertion. 12 bytes an id.
+/// Heap with four children a node over ids 0 ... capacity - 1, highest key first. The upper 32 bits of a key
+/// are a rank, the lower ones break ties by content, so the order does not depend on ids or on the order of
+/// insertion. 12 bytes an id.
 ///
 /// New ids are sorted in when `top` is called. Ids with keys below a floor keep their keys outside the heap.
 class RankQueue {

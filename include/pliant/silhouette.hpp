@@ -1,8 +1,8 @@
 #pragma once
 /// \file silhouette.hpp
-/// The silhouette of a posed mesh: the occluding contour, where the surface turns away from the camera, and the open boundary of
-/// the mesh (docs/algorithms.md, section 7.4). The edge tracker searches for image edges there; a fit matches landmarks of the
-/// jaw to it.
+/// The silhouette of a posed mesh: the occluding contour, where the surface turns away from the camera, and
+/// the open boundary of the mesh (docs/algorithms.md, section 7.4). The edge tracker searches for image edges
+/// there; a fit matches landmarks of the jaw to it.
 #include <cstddef>
 
 #include "pliant/arena.hpp"
@@ -33,19 +33,21 @@ struct PosedMesh {
 
 /// Finds the silhouette of a posed mesh. Bytes: 16 a vertex.
 ///
-/// On the occluding contour the normal is perpendicular to the viewing ray. The cosine between them is computed at the vertices,
-/// with the mean of the face normals weighted by area. Its zero on each mesh edge is found by linear interpolation: one
-/// point on each edge that the contour crosses, two on each face. With the normal n of the surface there, in camera axes, the
-/// image normal of a pinhole camera is parallel to (n_x, n_y).
+/// On the occluding contour the normal is perpendicular to the viewing ray. The cosine between them is
+/// computed at the vertices, with the mean of the face normals weighted by area. Its zero on each mesh edge
+/// is found by linear interpolation: one point on each edge that the contour crosses, two on each face. With
+/// the normal n of the surface there, in camera axes, the image normal of a pinhole camera is parallel to
+/// (n_x, n_y).
 class SilhouetteFinder {
  public:
   /// \param vertices  capacity of the meshes to come, count.
   void lay_out(Arena& arena, std::size_t vertices);
 
   /// Writes the visible points of the silhouette in rising order of half-edges, as many as fit.
-  /// \param hidden  the same mesh drawn at the same pose; null: no point is hidden. A point is hidden if the surface one cell
-  ///                further out is nearer to the camera by `margin` (mm). The cell of the point itself is not used: the
-  ///                surface is steep there, and the cell contains parts of it that are nearer to the camera.
+  /// \param hidden  the same mesh drawn at the same pose; null: no point is hidden. A point is hidden if the
+  ///                surface one cell further out is nearer to the camera by `margin` (mm). The cell of the
+  ///                point itself is not used: the surface is steep there, and the cell contains parts of it
+  ///                that are nearer to the camera.
   /// \return how many visible points there are. Cost: O(faces).
   std::size_t find(const PosedMesh& posed, const Projector& projector, const DepthBuffer* hidden,
                    float margin, Span<SilhouettePoint> points);

@@ -28,9 +28,9 @@ struct SolverOptions {
   int max_refused = 4;  ///< refused steps in a row, count; the damping rises after each
   /// Fraction of the cost: stop after an accepted step that lowered the cost by no more. 0: never.
   float measured_decrease = 1e-5f;
-  /// Fraction of the cost: stop before a step for which the equations predict no larger decrease, and after an accepted step
-  /// whose prediction error shows that the next step would gain no more. It saves the last step of `measured_decrease`.
-  /// 0: never.
+  /// Fraction of the cost: stop before a step for which the equations predict no larger decrease, and after
+  /// an accepted step whose prediction error shows that the next step would gain no more. It saves the last
+  /// step of `measured_decrease`. 0: never.
   float predicted_decrease = 0;
 };
 
@@ -46,8 +46,8 @@ struct SolverReport {
   bool ends_with_refused_step = false;  ///< the last `try_step` was of a state that was not accepted
 };
 
-/// Levenberg-Marquardt: a step is accepted when it lowers the cost. Damping falls after an accepted step and rises after a
-/// refused one.
+/// Levenberg-Marquardt: a step is accepted when it lowers the cost. Damping falls after an accepted step and
+/// rises after a refused one.
 /// Afterwards `equations` are those of the last linearisation: of the state before the last accepted step, unless
 /// the loop stopped before or after a refused step.
 /// \param step_scratch  a float an unknown.

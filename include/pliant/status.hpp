@@ -8,7 +8,8 @@
 namespace pliant {
 
 /// Result of an operation that can fail. Numbers are stable: values are only ever appended.
-/// After any value but `ok` the objects involved are as they were before the call.
+/// After any value but `ok` the objects involved are as they were before the call, unless the function's
+/// comment says otherwise.
 enum class [[nodiscard]] Status : std::uint8_t {
   ok = 0,
   out_of_memory = 1,         ///< the arena is too small for the limits given
@@ -23,11 +24,11 @@ enum class [[nodiscard]] Status : std::uint8_t {
   too_few_points = 10,       ///< fewer correspondences than the unknowns need
   underdetermined = 11,      ///< the observations do not determine the rigid pose
   size_mismatch = 12,        ///< a frame of another size than the tracker was made for
-  not_started = 13,          ///< an operation that needs a start (a pose) came before it
-  not_found = 14,            ///< a name or id that does not exist
+  not_started = 13,          ///< an operation that needs a start: there is no track
+  not_found = 14,            ///< no such name, index, learnt table, face or camera
   end_of_stream = 15,        ///< a frame source has no further frame
   io_error = 16,             ///< a read failed or the data are malformed
-  no_room = 17,              ///< adaptation stopped at the capacity of the mesh
+  no_room = 17,              ///< not used: Adapter reports AdaptStop::no_room
   bad_index = 18,            ///< base mesh: a face refers to a vertex that does not exist
   degenerate_face = 19,      ///< base mesh: a repeated corner or no area in (u,v)
   duplicate_face = 20,       ///< base mesh: the same three corners twice
@@ -47,10 +48,11 @@ const char* text(Status status);
 
 }  // namespace pliant
 
-/// Checks a condition that only a programming error can break: a precondition, or an invariant. Bad input is no such
-/// error; it gets a `Status`. The check is on where NDEBUG is not defined (debug and sanitizer builds): a condition that
-/// does not hold stops the program by a trap instruction, without text, heap or C library. Where NDEBUG is defined (release
-/// builds) the condition is compiled but not evaluated. A build may define the macro itself before it includes any header.
+/// Checks a condition that only a programming error can break: a precondition, or an invariant. Bad input is
+/// no such error; it gets a `Status`. The check is on where NDEBUG is not defined (debug and sanitizer
+/// builds): a condition that does not hold stops the program by a trap instruction, without text, heap or C
+/// library. Where NDEBUG is defined (release builds) the condition is compiled but not evaluated. A build may
+/// define the macro itself before it includes any header.
 #ifndef PLIANT_ASSERT
 #ifdef NDEBUG
 #define PLIANT_ASSERT(condition) static_cast<void>(sizeof((condition) ? 1 : 0))

@@ -5,7 +5,8 @@
 namespace pliant {
 
 struct StretchPrior;
-/// Springs of the model's table as rows of tracking and fit, by name, so that programs that do not use them do not link them.
+/// Springs of the model's table as rows of tracking, by name, so that programs that do not use them do not
+/// link them.
 extern const StretchPrior kStretchPrior;
 
 /// The same limits without springs.

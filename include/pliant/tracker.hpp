@@ -57,21 +57,21 @@ struct SavedState {
 /// Tracks one model through a stream of frames of one size. All memory is taken at creation; `lay_out` is called by
 /// `create_in` and `measured_bytes` (arena.hpp).
 ///
-/// Templates are captured at surface points in frame 0 and in key frames. Each is matched in every frame, warped as the
-/// model predicts, so that it does not drift. A point whose template is not found is tracked from the previous frame, for
-/// some frames and with less weight. A key frame is kept when the track is good and the head has turned away from all
-/// key frames: newly visible surface gets templates, and points that are still found get a second one. Frame 0's templates
-/// stay.
+/// Templates are captured at surface points in frame 0 and in key frames. Each is matched in every frame,
+/// warped as the model predicts, so that it does not drift. A point whose template is not found is tracked
+/// from the previous frame, for some frames and with less weight. A key frame is kept when the track is good
+/// and the head has turned away from all key frames: newly visible surface gets templates, and points that
+/// are still found get a second one. Frame 0's templates stay.
 ///
-/// With a model that has learnt tables (pliant learn), or a print (the keypoints of its albedo), no start is needed: while there
-/// is no track, `update` searches the frame for the face, or the printed surface, and starts by itself. A running track is
-/// verified every few frames. A track that is lost, or that is wrong, is given up, and the next frames are searched. Where the
-/// same person is found, identity, landmark offsets, markers and camera stay; templates and key frames are new. Another person
-/// has no markers.
+/// With a model that has learnt tables (pliant learn), or a print (the keypoints of its albedo), no start is
+/// needed: while there is no track, `update` searches the frame for the face, or the printed surface, and
+/// starts by itself. A running track is verified every few frames. A track that is lost, or that is wrong, is
+/// given up, and the next frames are searched. Where the same person is found, identity, landmark offsets,
+/// markers and camera stay; templates and key frames are new. Another person has no markers.
 ///
-/// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays first. If one of
-/// those is wrong, nothing changes. If the start fails later (in the fit, the pose or the texture), the tracker is not
-/// started and `is_started` is false.
+/// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays
+/// first. If one of those is wrong, nothing changes. If the start fails later (in the fit, the pose or the
+/// texture), the tracker is not started and `is_started` is false.
 class Tracker {
  public:
   Tracker() = default;
@@ -81,35 +81,36 @@ class Tracker {
   /// Takes its memory from the arena; called by create_in and measured_bytes (arena.hpp).
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
 
-  /// Ends the track, if there is one, and forgets the person: the next `update` searches for the face or printed surface. A new tracker does so
-  /// with default options.
+  /// Ends the track, if there is one, and forgets the person: the next `update` searches for the face or
+  /// printed surface. A new tracker does so with default options.
   /// \param start    camera or focal length, if known, and `keeps_landmark_offsets`.
   /// \param options  of the tracks that follow.
-  /// \return not_found (the limits name no detection, or the model has no tables for it), bad_argument (the camera or the
-  ///         focal length): nothing has changed.
+  /// \return not_found (the limits name no detection, or the model has no tables for it), bad_argument (the
+  ///         camera or the focal length): nothing has changed.
   Status start_by_detection(const StartOptions& start = {}, const TrackerOptions& options = {});
 
   /// Starts from a known pose.
   /// \param q        all parameters, in the model's order; null: all 0.
   /// \param markers  image positions in `frame`, px, at most TrackerLimits::markers. Each is cast onto the posed mesh;
   ///                 one that misses it keeps its offset from the nearest surface point.
-  /// \return bad_argument, size_mismatch, capacity (markers), too_few_points (fewer than 6 templates found texture), or a
-  ///         status of Estimator::start.
+  /// \return bad_argument, size_mismatch, capacity (markers), too_few_points (fewer than 6 templates found
+  ///         texture), or a status of Estimator::start.
   Status start_from_pose(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
                          const TrackerOptions& options = {}, Span<const Vec2> markers = {});
 
-  /// Starts from landmarks, at least 4 and at most TrackerLimits::start_points. Person, pose and, where it is unknown, the
-  /// focal length are fitted to them. Residuals of the fit that noise does not explain become landmark offsets: `landmark`
-  /// then gives the place that this person has.
+  /// Starts from landmarks, at least 4 and at most TrackerLimits::start_points. Person, pose and, where it is
+  /// unknown, the focal length are fitted to them. Residuals of the fit that noise does not explain become
+  /// landmark offsets: `landmark` then gives the place that this person has.
   /// \return not_found (a name that the model does not have), capacity, too_few_points, underdetermined (points on one
   ///         line, or within 4 px), the other statuses of Fitter::fit, and those of start_from_pose.
   Status start_from_landmarks(const FrameView& frame, Span<const NamedPoint> points,
                               const StartOptions& start = {}, const TrackerOptions& options = {},
                               Span<const Vec2> markers = {});
 
-  /// Starts with the neutral model, frontal, in a face detector's box: upper left corner and size, px (StartOptions::box).
-  /// With learnt tables the face is then aligned in the frame.
-  /// \return bad_argument (a size that is not positive, a corner or size beyond a million px), and the statuses of start_from_pose.
+  /// Starts with the neutral model, frontal, in a face detector's box: upper left corner and size, px
+  /// (StartOptions::box). With learnt tables the face is then aligned in the frame.
+  /// \return bad_argument (a size that is not positive, a corner or size beyond a million px), and the
+  ///         statuses of start_from_pose.
   Status start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, const StartOptions& start = {},
                         const TrackerOptions& options = {}, Span<const Vec2> markers = {});
 
@@ -124,9 +125,9 @@ class Tracker {
 
   /// Tracks the next frame, or searches it while there is no track (FrameResult::is_searching). A face that is found is
   /// tracked from this frame on.
-  /// \return not_started (no track and no detection), bad_table, bad_checksum and their like (detector or aligner),
-  ///         bad_argument, size_mismatch, stale_frame (neither the time nor the sequence number is later than the last frame's).
-  ///         Nothing has changed then.
+  /// \return not_started (no track and no detection), bad_table, bad_checksum and their like (detector or
+  ///         aligner), bad_argument, size_mismatch, stale_frame (neither the time nor the sequence number is
+  ///         later than the last frame's). Nothing has changed then.
   Status update(const FrameView& frame, FrameResult* result);
 
   // Precondition of what follows: the tracker was laid out. Where a Status is returned, it is not_started otherwise.
@@ -143,8 +144,8 @@ class Tracker {
   const Camera& camera() const;
   Estimator& estimator();  ///< The estimator, for access to its full state. Only while there is a track.
 
-  /// All parameters at the state of the last frame, in the model's order. Valid until the next call that changes it. While
-  /// there is no track: those of the last one.
+  /// All parameters at the state of the last frame, in the model's order. Valid until the next call that
+  /// changes it. While there is no track: those of the last one.
   Span<const float> parameters() const;
   /// Parameter at the state of the last frame. \return not_started, not_found.
   Status parameter(const char* name, float* value) const;
@@ -152,8 +153,9 @@ class Tracker {
   /// \return not_started, not_found, underdetermined (behind the camera): x is untouched.
   Status landmark(const char* name, Vec2* x);
   Status landmark(std::size_t index, Vec2* x);  ///< The same by index.
-  /// Gives landmarks the offsets that put them at these image positions in the last frame. Landmarks at the same (u,v) get
-  /// the same offset; others keep theirs. \return not_started, not_found, bad_argument: nothing has changed then.
+  /// Gives landmarks the offsets that put them at these image positions in the last frame. Landmarks at the
+  /// same (u,v) get the same offset; others keep theirs.
+  /// \return not_started, not_found, bad_argument: nothing has changed then.
   Status place_landmarks(Span<const NamedPoint> points);
 
   /// Image position (px) of marker k at the present state; false when it is behind the camera.

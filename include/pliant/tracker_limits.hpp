@@ -10,8 +10,8 @@
 namespace pliant {
 
 struct Detection;
-/// Starts that a tracker makes by itself, by name, so that programs that do not use them do not link them. This one: detection,
-/// alignment and verification of faces from learnt tables.
+/// Starts that a tracker makes by itself, by name, so that programs that do not use them do not link them.
+/// This one: detection, alignment and verification of faces from learnt tables.
 extern const Detection kFaceDetection;
 /// The search for a printed surface and its verification, from the keypoints of its albedo.
 extern const Detection kPrintDetection;
@@ -30,9 +30,9 @@ extern const EdgeMatching kEdgeMatching;
 struct TrackerLimits {
   /// Size of the frames, px. Every frame has exactly this size.
   std::uint16_t width = 320, height = 240;
-  /// Size of the part of the frame in which templates are matched, px; it moves with the face. 0: the whole frame. Else at
-  /// least 64 a side, of which no more counts than the frame has. A smaller region costs less memory; points outside it are
-  /// not observed.
+  /// Size of the part of the frame in which templates are matched, px; it moves with the face. 0: the whole
+  /// frame. Else at least 64 a side, of which no more counts than the frame has. A smaller region costs less
+  /// memory; points outside it are not observed.
   std::uint16_t region_width = 0, region_height = 0;
   std::uint16_t patches = 128;      ///< templates captured in frame 0, at least 6
   std::uint16_t key_patches = 64;   ///< templates captured in later key frames, all key frames together
@@ -50,7 +50,8 @@ struct TrackerLimits {
   bool keeps_templates = true;
   /// Keeps the previous frame. Frame-to-frame tracking needs it.
   bool keeps_previous = true;
-  /// Keeps a copy of the frame. False, and keeps_previous false: the frame is read during `update` only, and must be planar.
+  /// Keeps a copy of the frame. False, and keeps_previous false: the frame is read during `update` only, and
+  /// must be planar.
   bool copies_frame = true;
   std::uint16_t thumbnail_width = 96;                  ///< widest thumbnail for coarse search, px
   std::uint16_t free_parameters = 0;                   ///< as EstimatorLimits::free_parameters
@@ -61,25 +62,27 @@ struct TrackerLimits {
   const StretchPrior* stretch = &kStretchPrior;        ///< as EstimatorLimits::stretch
   /// As EstimatorLimits::personal_field. 128 x 128 is the grid on which tables are baked: the person loses nothing.
   PersonalFieldLimits personal_field = {128, 128};
-  /// Side of the grid over (u,v) that notes image texture for an adaptive mesh (EstimatorOptions::mesh_operations), cells;
-  /// one byte a cell. 0: the mesh adapts to the view alone.
+  /// Side of the grid over (u,v) that notes image texture for an adaptive mesh
+  /// (EstimatorOptions::mesh_operations), cells; one byte a cell. 0: the mesh adapts to the view alone.
   std::uint8_t texture_cells = 0;
-  /// Keeps the memory of mesh adaptation, 48 bytes a vertex. EstimatorOptions::mesh_operations needs it; `start` returns
-  /// capacity without. If false, other parts use it between starts.
+  /// Keeps the memory of mesh adaptation, 48 bytes a vertex. EstimatorOptions::mesh_operations needs it;
+  /// `start` returns capacity without. If false, other parts use it between starts.
   bool keeps_adaptation = true;
   /// Landmarks that `start_from_landmarks` takes at most. The fit uses the memory of the tracking, before it; where it
   /// needs more, the block grows.
   std::uint16_t start_points = 68;
-  /// If null, or if the model has no tables for it, the tracker neither finds its model nor verifies tracks. Null also leaves
-  /// the code out of the program.
+  /// If null, or if the model has no tables for it, the tracker neither finds its model nor verifies tracks.
+  /// Null also leaves the code out of the program.
   const Detection* detection = &kDetection;
-  /// Estimates the identity parameters while the head turns far (docs/algorithms.md, section 7.20). Identity that a start
-  /// gives, with a pose or a saved state, stays. If null, it always stays, and the code is left out of the program.
+  /// Estimates the identity parameters while the head turns far (docs/algorithms.md, section 7.20). Identity
+  /// that a start gives, with a pose or a saved state, stays. If null, it always stays, and the code is left
+  /// out of the program.
   const PersonRefinement* person = &kPersonRefinement;
   std::uint16_t smallest_face_px = 48;  ///< side of the smallest face that is searched for, px (FaceBox)
-  /// Work of one frame without a track, cells of the search (FaceDetector::search). The default searches a frame of 320 x 240 at
-  /// once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame has either a part of the search or steps
-  /// of an alignment, each of the cost of 1,300 cells; the track then starts some frames later, with the model's base mesh. `pliant plan` tells how many frames.
+  /// Work of one frame without a track, cells of the search (FaceDetector::search). The default searches a
+  /// frame of 320 x 240 at once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame
+  /// has either a part of the search or steps of an alignment, each of the cost of 1,300 cells; the track
+  /// then starts some frames later, with the model's base mesh. `pliant plan` tells how many frames.
   std::uint32_t search_work = 24000;
 };
 
@@ -106,9 +109,10 @@ constexpr TrackerLimits profile_m() {
   return {};
 }
 
-/// Profile S, for a microcontroller: 320 x 240 frames, matched in a moving region of 192 x 192 that is read from the
-/// caller's frame during `update`; 48 + 16 templates, no edges. With the built-in face and its expressions free the block,
-/// the object and the stack fit into 256 KiB.
+/// Profile S, for a microcontroller: 320 x 240 frames, matched in a moving region of 192 x 192 that is read
+/// from the caller's frame during `update`; 48 + 16 templates; no edges, no rejection of image forces, no
+/// springs and no estimation of the person. With the built-in face and its expressions free the block, the
+/// object and the stack fit into 256 KiB.
 constexpr TrackerLimits profile_s() {
   TrackerLimits l;
   l.region_width = l.region_height = 192;
@@ -137,10 +141,10 @@ constexpr TrackerLimits profile_l() {
   return l;
 }
 
-/// `ok`, or `bad_argument` for limits of which no tracker can be made: frames outside 64 to 16,384 px a side, a region below
-/// 64 px a side, 0 or more than 6 pyramid levels, a template's side that is even or outside 7 to
-/// 21 px, a margin above 16 px, fewer than 6 or more than 16,384 templates, a personal field of 1 sample or more than 256 a
-/// side, a start from fewer than 4 landmarks, or more points than ids.
+/// `ok`, or `bad_argument` for limits of which no tracker can be made: frames outside 64 to 16,384 px a side,
+/// a region below 64 px a side, 0 or more than 6 pyramid levels, a template's side that is even or outside 7
+/// to 21 px, a margin above 16 px, fewer than 6 or more than 16,384 templates, a personal field of 1 sample
+/// or more than 256 a side, a start from fewer than 4 landmarks, or more points than ids.
 constexpr Status check(const TrackerLimits& l) {
   const auto is_between = [](int low, int value, int high) { return low <= value && value <= high; };
   const bool has_region = l.region_width != 0 || l.region_height != 0;

@@ -11,8 +11,9 @@ namespace pliant {
 
 /// Tuning of visibility.
 struct VisibilityTuning {
-  /// mm. A point is hidden if the surface in its cell is nearer to the camera by more than this. It must be larger than the
-  /// depth range of a face within one cell, and smaller than the height of a nose. Round value, not tuned.
+  /// mm. A point is hidden if the surface in its cell is nearer to the camera by more than this. It must be
+  /// larger than the depth range of a face within one cell, and smaller than the height of a nose. Round
+  /// value, not tuned.
   float hidden_margin_mm = 6;
 };
 inline constexpr VisibilityTuning kVisibilityTuning{};  ///< the values in use
@@ -48,18 +49,19 @@ class DepthBuffer {
   float cells_per_px_ = 0;
 };
 
-/// Twice the signed area of a triangle. With y (or v) down, a triangle that is clockwise on the screen has a positive area.
+/// Twice the signed area of a triangle. With y (or v) down, a triangle that is clockwise on the screen has a
+/// positive area.
 constexpr float doubled_area(Vec2 a, Vec2 b, Vec2 c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// True if the face turns its outer side to the camera: its orientation in the image is that in the chart. Seen from outside,
-/// v points down where u points right (model.hpp).
+/// True if the face turns its outer side to the camera: its orientation in the image is that in the chart.
+/// Seen from outside, v points down where u points right (model.hpp).
 /// \param image  px, by vertex id.
 bool faces_camera(const Mesh& mesh, const Vec2* image, FaceId face);
 
-/// Finds the point of triangle (a,b,c) nearest to x and writes its barycentric coordinates. A degenerate triangle gives a
-/// point on one of its edges.
+/// Finds the point of triangle (a,b,c) nearest to x and writes its barycentric coordinates. A degenerate
+/// triangle gives a point on one of its edges.
 /// \return the squared distance.
 float nearest_on_triangle(Vec2 a, Vec2 b, Vec2 c, Vec2 x, float (&weight)[3]);
 

@@ -1,6 +1,6 @@
 #pragma once
-// One pass of alignment over a face: an upright crop at the present pose, blocks around its landmarks, and the displacements
-// that a table predicts from them. Runtime and training run the same code.
+// One pass of alignment over a face: an upright crop at the present pose, blocks around its landmarks, and
+// the displacements that a table predicts from them. Runtime and training run the same code.
 #include "face/aligner_table.hpp"
 #include "face/face_picture.hpp"
 #include "face/face_shape.hpp"

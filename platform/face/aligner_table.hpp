@@ -1,9 +1,9 @@
 #pragma once
-// The learnt table of alignment (docs/model-format.md). One little-endian block, read in place. `open` checks every size, index
-// and number once; whatever opens is safe to use.
+// The learnt table of alignment (docs/model-format.md). One little-endian block, read in place. `open` checks
+// every size, index and number once; whatever opens is safe to use.
 //
-// Layout: AlignerHeader, the numbers of the landmarks (a byte each, padded to 4), AlignerStages, AlignerCheck, then the weights
-// that stages and check refer to.
+// Layout: AlignerHeader, the numbers of the landmarks (a byte each, padded to 4), AlignerStages,
+// AlignerCheck, then the weights that stages and check refer to.
 #include <cstddef>
 #include <cstdint>
 
@@ -26,8 +26,9 @@ struct AlignerHeader {
   std::uint16_t landmark_count, stage_count;
 };
 
-/// What a stage does. A local stage (components = 0) predicts the displacement of each landmark from the block around it. A
-/// global stage predicts all displacements from blocks on a grid over the crop, through a few linear components.
+/// What a stage does. A local stage (components = 0) predicts the displacement of each landmark from the
+/// block around it. A global stage predicts all displacements from blocks on a grid over the crop, through a
+/// few linear components.
 struct AlignerStage {
   float mm_per_px;           // of the crop: the face's millimetres a pixel
   std::uint16_t crop_px;     // a side of the crop
@@ -58,11 +59,13 @@ struct AlignerCheck {
   std::uint32_t reserved;
 };
 
-// The weights of local stages and of the appearance change with the yaw. Those stored are for a face that is turned to the left of
-// the picture. A face turned to the right is the mirror image of such a face: its weights are those of the landmark on the other
-// side, and read the mirrored block. Between both, the two results are mixed (gate).
+// The weights of local stages and of the appearance change with the yaw. Those stored are for a face that is
+// turned to the left of the picture. A face turned to the right is the mirror image of such a face: its
+// weights are those of the landmark on the other side, and read the mirrored block. Between both, the two
+// results are mixed (gate).
 
-/// Displacement of landmark k, mm in the crop's axes: scale * (row . block) + bias, the first of them mixed by the gate.
+/// Displacement of landmark k, mm in the crop's axes: scale * (row . block) + bias, the first of them mixed
+/// by the gate.
 struct LocalWeights {
   const float *scale, *bias;  // two a landmark: x, y
   const float* information;   // three a landmark: xx, xy, yy, 1/mm^2
@@ -70,7 +73,8 @@ struct LocalWeights {
   const std::int8_t* rows;    // two a landmark
 };
 
-/// Component c: scale * (basis . blocks) + bias. Displacement of landmark k along an axis: mean + sum of output * component.
+/// Component c: scale * (basis . blocks) + bias. Displacement of landmark k along an axis: mean + sum of
+/// output * component.
 struct GlobalWeights {
   const float *scale, *bias;  // a component
   const float* mean;          // two a landmark
@@ -104,8 +108,8 @@ std::size_t check_weight_bytes(const AlignerStage& last, std::size_t landmarks);
 /// A checked table.
 class AlignerTable {
  public:
-  /// \return not_found (no bytes), misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table; `table` is then as
-  ///         before.
+  /// \return not_found (no bytes), misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table;
+  ///         `table` is then as before.
   static Status open(Span<const std::uint8_t> bytes, AlignerTable* table, bool is_summed = false);
 
   std::size_t landmark_count() const { return landmarks_; }

@@ -23,8 +23,9 @@ class BoxHits {
   void clear() { count_ = 0; }
   /// Adds a hit; if all places are taken, in place of the one with the lowest sum, if that is lower.
   void add(const BoxHit& hit);
-  /// Takes out the hit with the highest sum and all that are largely within its box, or it in theirs, and returns the mean of those that overlap it much,
-  /// weighted by their sums above `least_sum` and their sides. Of equal sums the first one counts. \pre !empty().
+  /// Takes out the hit with the highest sum and all that are largely within its box, or it in theirs, and
+  /// returns the mean of those that overlap it much, weighted by their sums above `least_sum` and their
+  /// sides. Of equal sums the first one counts. \pre !empty().
   BoxHit take_best(int least_sum);
   bool empty() const { return count_ == 0; }
 

@@ -1,6 +1,6 @@
 #pragma once
-// The learnt table of the face detector: boosted trees over gradient cells with a rejection threshold after each tree (a
-// soft cascade). Little-endian, read in place, from flash.
+// The learnt table of the face detector: boosted trees over gradient cells with a rejection threshold after
+// each tree (a soft cascade). Little-endian, read in place, from flash.
 #include <cstddef>
 #include <cstdint>
 
@@ -13,16 +13,16 @@ namespace pliant {
 constexpr int kWindowCells = 12;    ///< cells a side of the detector's window
 constexpr int kDetectorCellPx = 4;  ///< pixels a side of a cell, in the frame reduced to the window's scale
 constexpr int kDetectorReach = 1;   ///< cells around a cell that it is normalised with, to each side
-/// Comparisons on the way to a leaf. At one false hit in 50 frames, depth 3 finds 88 % of varied samples of held-out people, depth
-/// 2 85 % (trees of the same size in all).
+/// Comparisons on the way to a leaf. At one false hit in 50 frames, depth 3 finds 88 % of varied samples of
+/// held-out people, depth 2 85 % (trees of the same size in all).
 constexpr int kTreeDepth = 3;
 constexpr int kTreeNodes = (1 << kTreeDepth) - 1, kTreeLeaves = 1 << kTreeDepth;  ///< of a tree
 
 /// Side of the window, px.
 constexpr int kWindowPx = kWindowCells * kDetectorCellPx;
 
-/// One tree. Node k leads to node 2 k + 1 where the feature's value is below the threshold, else to node 2 k + 2; behind
-/// the last level the leaves follow.
+/// One tree. Node k leads to node 2 k + 1 where the feature's value is below the threshold, else to node 2 k
+/// + 2; behind the last level the leaves follow.
 struct DetectorTree {
   std::uint16_t feature[kTreeNodes];  ///< 256 * row of the cell + kCellChannels * column + channel
   std::uint8_t threshold[kTreeNodes];

@@ -1,5 +1,6 @@
 #pragma once
-// Pictures of one face: the part of a frame around it, reduced to a fixed size, and the upright crop that is read from it.
+// Pictures of one face: the part of a frame around it, reduced to a fixed size, and the upright crop that is
+// read from it.
 #include <cstdint>
 
 #include "pliant/arena.hpp"

@@ -1,6 +1,7 @@
 #pragma once
-// The landmarks of a face model as an aligner moves them: projection, upright crop, and one regularised Gauss-Newton step of
-// pose and parameters towards displaced landmarks (docs/algorithms.md, sections 4.3 and 5.2).
+// The landmarks of a face model as an aligner moves them: projection, upright crop, and one regularised
+// Gauss-Newton step of pose and parameters towards displaced landmarks (docs/algorithms.md, sections 4.3 and
+// 5.2).
 #include <cstdint>
 
 #include "face/face_picture.hpp"
@@ -19,7 +20,8 @@ struct FaceShapeTuning {
   float damping = 1e-3f;
   /// Centre of the head, mm: a landmark faces the camera where the direction from here does. From anatomy.
   Vec3 head_centre{0, -35, -75};
-  /// Cosine of that direction with the view below which a landmark is hidden, and above which it is seen in full. Not tuned.
+  /// Cosine of that direction with the view below which a landmark is hidden, and above which it is seen in
+  /// full. Not tuned.
   float hidden_cosine = 0.15f, seen_cosine = 0.45f;
   /// Weight of a hidden landmark. Not tuned.
   float hidden_weight = 0.1f;
@@ -29,8 +31,9 @@ inline constexpr FaceShapeTuning kFaceShapeTuning{};
 /// What an aligner is laid out for. Verification takes no steps and has no equations.
 enum class AlignerUse : std::uint8_t { alignment, verification };
 
-/// Pose and parameters of one face. A step: `begin`, then `evaluate` and `add` for each landmark, then `finish`. Alignment keeps
-/// the samples of the fields at each landmark: half of its memory, and a quarter of its time.
+/// Pose and parameters of one face. A step: `begin`, then `evaluate` and `add` for each landmark, then
+/// `finish`. Alignment keeps the samples of the fields at each landmark: half of its memory, and a quarter of
+/// its time.
 class FaceShape {
  public:
   /// \param landmarks  at most that many.

@@ -1,6 +1,7 @@
 #pragma once
-// Gradients of an upright crop of a face, a pixel each, and blocks of cells summed from them anywhere: the bytes that a linear
-// regression reads. The cells of gradient_cells.hpp lie on a fixed grid; these lie around a landmark.
+// Gradients of an upright crop of a face, a pixel each, and blocks of cells summed from them anywhere: the
+// bytes that a linear regression reads. The cells of gradient_cells.hpp lie on a fixed grid; these lie around
+// a landmark.
 #include <cstdint>
 
 #include "face/face_picture.hpp"
@@ -23,11 +24,12 @@ class GradientMap {
   /// \pre map.side is at most that of lay_out.
   void compute(const FacePicture& picture, const CropMap& map, bool is_mirrored = false);
 
-  /// Describes the block of cells x cells cells around a position. The middle is rounded to a pixel, and moved so that the block
-  /// lies in the crop. Cost: about 10 operations a pixel of the block.
+  /// Describes the block of cells x cells cells around a position. The middle is rounded to a pixel, and
+  /// moved so that the block lies in the crop. Cost: about 10 operations a pixel of the block.
   /// \param at   crop px, finite.
-  /// \param out  cells * cells * kBlockChannels bytes: each the square root of the part of the block's gradient that is in one
-  ///             cell and direction. The gain of the light drops out, and strong edges do not outweigh the rest.
+  /// \param out  cells * cells * kBlockChannels bytes: each the square root of the part of the block's
+  ///             gradient that is in one cell and direction. The gain of the light drops out, and strong
+  ///             edges do not outweigh the rest.
   /// \return the middle of the block, crop px.
   Vec2 describe(Vec2 at, int cells, int cell_px, std::uint8_t* out) const;
 

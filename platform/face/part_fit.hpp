@@ -17,31 +17,36 @@ constexpr std::size_t kMostPartParameters = 32;  // that they move
 struct PartFitTuning {
   /// A parameter that moves no point by this much over its range is not read, mm. Not tuned.
   float least_range_mm = 1;
-  /// Standard deviation of the readings' common shift, mm: what landmarks of a long track are off by, 2.5 % of the eyes' distance.
-  /// Not tuned.
+  /// Standard deviation of the readings' common shift, mm: what landmarks of a long track are off by, 2.5 %
+  /// of the eyes' distance. Not tuned.
   float shift_mm = 2.5f;
-  /// The crop follows where the anchors are read: part of the way in each frame, and all of it, so many times, in the start's frame.
-  /// Crops of portraits left out of training that are off by 0, 2 and 4 mm: median error of a gap 0.43, 0.50 and 0.60 mm without, 0.40, 0.41
-  /// and 0.42 mm with one move, 0.37, 0.39 and 0.37 mm with two. 0.2 is not tuned.
+  /// The crop follows where the anchors are read: part of the way in each frame, and all of it, so many
+  /// times, in the start's frame. Crops of portraits left out of training that are off by 0, 2 and 4 mm:
+  /// median error of a gap 0.43, 0.50 and 0.60 mm without, 0.40, 0.41 and 0.42 mm with one move, 0.37, 0.39
+  /// and 0.37 mm with two. 0.2 is not tuned.
   float centring = 0.2f;
   int start_centrings = 2;
   /// The farthest that a crop moves from where the model puts it, mm: less than from an eye to its brow. Not tuned.
   float most_off_centre_mm = 8;
-  /// Standard deviation of a parameter's change in a frame of 1/30 s, fractions of its range: a lid closes in three frames. 0.25
-  /// and 0.5 find the same blinks on the Talking Face video.
+  /// Standard deviation of a parameter's change in a frame of 1/30 s, fractions of its range: a lid closes in
+  /// three frames. 0.25 and 0.5 find the same blinks on the Talking Face video.
   float change = 0.5f;
-  /// The time that parameters have to change in before the start, s: long, so that the start does not hold them. Not tuned.
+  /// The time that parameters have to change in before the start, s: long, so that the start does not hold
+  /// them. Not tuned.
   float start_s = 1;
-  /// A start contradicts the readings where a point is farther from where it is read, mm: half of the way of a lid that closes. After such
-  /// a start the face is at rest where no point is farther from its place at rest. Not tuned.
+  /// A start contradicts the readings where a point is farther from where it is read, mm: half of the way of
+  /// a lid that closes. After such a start the face is at rest where no point is farther from its place at
+  /// rest. Not tuned.
   float contradiction_mm = 4, rest_mm = 2;
-  /// Deviation that the track is given of a parameter, over that of the fit. The fit's own are those of single parameters, as if
-  /// templates and edges could tell them apart, and these then outweigh the readings. On a film of another person, against another
-  /// library's landmarks, 1 gives gaps with correlations of 0.870 and 0.815, 0.3 of 0.893 and 0.850.
+  /// Deviation that the track is given of a parameter, over that of the fit. The fit's own are those of
+  /// single parameters, as if templates and edges could tell them apart, and these then outweigh the
+  /// readings. On a film of another person, against another library's landmarks, 1 gives gaps with
+  /// correlations of 0.870 and 0.815, 0.3 of 0.893 and 0.850.
   float trusted_sd = 0.3f;
-  /// Standard deviation of how much more one eye opens than the other, against the start's frame, mm. More by what it was in the frame
-  /// before, so that winks stay. Talking Face video, gaps right / left: without 0.83 / 0.70, 0.3 mm 0.82 / 0.79, 0.5 mm 0.83 / 0.79, 1 mm
-  /// 0.83 / 0.76. Chosen there; rendered people in docs/evaluation.md, Lids.
+  /// Standard deviation of how much more one eye opens than the other, against the start's frame, mm. More by
+  /// what it was in the frame before, so that winks stay. Talking Face video, gaps right / left: without 0.83
+  /// / 0.70, 0.3 mm 0.82 / 0.79, 0.5 mm 0.83 / 0.79, 1 mm 0.83 / 0.76. Chosen there; rendered people in
+  /// docs/evaluation.md, Lids.
   float unlike_mm = 0.5f;
 };
 inline constexpr PartFitTuning kPartFitTuning{};
@@ -88,9 +93,9 @@ class PartFit {
   /// \param centring  how far the next crops move to where the anchors are read, 0 to 1.
   void read(const FrameView& frame, const Lens& lens, const View& view, const float* q, float centring,
             PartPoints* points);
-  /// Begins a track: which parameters move the points, and how the readings differ from the model at q. If the readings contradict
-  /// q (a start with closed eyes, fitted to points that do not tell), the parameters are fitted instead, and the difference is noted
-  /// in the first `fit` that finds the face at rest.
+  /// Begins a track: which parameters move the points, and how the readings differ from the model at q. If
+  /// the readings contradict q (a start with closed eyes, fitted to points that do not tell), the parameters
+  /// are fitted instead, and the difference is noted in the first `fit` that finds the face at rest.
   void calibrate(PartPoints* points);
   /// Where the eyes look, by the pupils read: as find_gaze.
   Vec3 gaze(const PartPoints& points);

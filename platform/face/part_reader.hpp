@@ -1,6 +1,6 @@
 #pragma once
-// Reads points of a part of a face (an eye, the mouth) from a small upright crop (docs/algorithms.md, section 7.19). Runtime and
-// training run the same code.
+// Reads points of a part of a face (an eye, the mouth) from a small upright crop (docs/algorithms.md, section
+// 7.19). Runtime and training run the same code.
 #include "face/face_picture.hpp"
 #include "face/gradient_map.hpp"
 #include "face/part_table.hpp"

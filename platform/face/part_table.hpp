@@ -1,6 +1,6 @@
 #pragma once
-// The learnt table of part readers (docs/model-format.md). One little-endian block, read in place. `open` checks every size,
-// index and number once; whatever opens is safe to use.
+// The learnt table of part readers (docs/model-format.md). One little-endian block, read in place. `open`
+// checks every size, index and number once; whatever opens is safe to use.
 //
 // Layout: PartHeader, PartRecords, then the weights that the records refer to.
 #include <cstddef>
@@ -49,8 +49,8 @@ struct PartStage {
   const std::int8_t* rows;    // two a point
 };
 
-/// Where the points are at first, from the crop's middle, mm, two a point; and the information of the last stage's positions,
-/// three a point: xx, xy, yy, 1/mm^2.
+/// Where the points are at first, from the crop's middle, mm, two a point; and the information of the last
+/// stage's positions, three a point: xx, xy, yy, 1/mm^2.
 struct PartShape {
   const float *start, *information;
 };
@@ -72,8 +72,8 @@ int mirrored_part_point(int number);
 /// A checked table.
 class PartTable {
  public:
-  /// \return not_found (no bytes), misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table; `table` is then as
-  ///         before.
+  /// \return not_found (no bytes), misaligned, truncated, bad_magic, bad_version, bad_checksum, bad_table;
+  ///         `table` is then as before.
   static Status open(Span<const std::uint8_t> bytes, PartTable* table);
 
   std::size_t count() const { return parts_.count; }

@@ -6,9 +6,9 @@
 
 namespace pliant {
 
-/// Lines of a frame reduced by a ratio of at least 1. A pixel is the mean over the area that it covers; above a ratio of
-/// kLargestAreaRatio it is the mean of 4 x 4 pixels spread over that area, so that the cost stays bounded. Beyond its
-/// border the picture repeats its border pixels. Integers only.
+/// Lines of a frame reduced by a ratio of at least 1. A pixel is the mean over the area that it covers; above
+/// a ratio of kLargestAreaRatio it is the mean of 4 x 4 pixels spread over that area, so that the cost stays
+/// bounded. Beyond its border the picture repeats its border pixels. Integers only.
 class ScaledLines {
  public:
   static constexpr int kUnit = 256;                    ///< of ratios: pixels of the frame a pixel, times 256

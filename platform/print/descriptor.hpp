@@ -1,6 +1,7 @@
 #pragma once
-// Binary descriptors of corners (docs/algorithms.md, section 7.17): a direction from the patch's centre of brightness, and
-// comparisons between places of the patch turned into that direction. Integers but for the direction.
+// Binary descriptors of corners (docs/algorithms.md, section 7.17): a direction from the patch's centre of
+// brightness, and comparisons between places of the patch turned into that direction. Integers but for the
+// direction.
 #include <cstdint>
 
 #include "pliant/geometry.hpp"

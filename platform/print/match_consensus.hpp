@@ -8,8 +8,8 @@
 
 namespace pliant {
 
-/// A match, in terms of the surface: where it is on the surface, where it is seen, and which similarity of the picture it
-/// suggests.
+/// A match, in terms of the surface: where it is on the surface, where it is seen, and which similarity of
+/// the picture it suggests.
 struct SurfaceMatch {
   Vec2 uv;
   Vec3 p;       ///< mm, at rest
@@ -33,8 +33,8 @@ struct ViewVotes {
 std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, float tolerance_mm,
                        Span<ViewVotes> views);
 
-/// The view's other reading where the surface is flat and perspective weak: tilted to the other side about the same line of
-/// sight. \param front  rotation of the view that sees the surface from the front.
+/// The view's other reading where the surface is flat and perspective weak: tilted to the other side about
+/// the same line of sight. \param front  rotation of the view that sees the surface from the front.
 View mirrored_tilt(const View& view, Quat front);
 
 }  // namespace pliant

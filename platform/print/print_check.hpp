@@ -1,5 +1,6 @@
 #pragma once
-// Verification of a pose by the print: blocks of the frame are compared with the albedo (docs/algorithms.md, section 7.18).
+// Verification of a pose by the print: blocks of the frame are compared with the albedo (docs/algorithms.md,
+// section 7.18).
 #include "pliant/fit.hpp"
 #include "pliant/frame.hpp"
 #include "pliant/model.hpp"
@@ -15,7 +16,8 @@ struct SurfaceProjection {
   bool operator()(Vec2 uv, Vec2* x) const { return project(state, uv, x); }
 };
 
-/// Blocks of the surface with texture that face the camera inside the frame, and how many of those look like the albedo.
+/// Blocks of the surface with texture that face the camera inside the frame, and how many of those look like
+/// the albedo.
 struct PrintAgreement {
   int visible = 0, agreed = 0;
 };
@@ -31,11 +33,13 @@ struct SurfacePlace {
   Mat2 px_per_uv;  ///< dx/d(u,v)
 };
 
-/// Compares the block around one place. \return true where it looks like the albedo, and where it is not all in the frame.
+/// Compares the block around one place.
+/// \return true where it looks like the albedo, and where it is not all in the frame.
 bool shows_print(const FrameView& frame, const Model& model, const SurfacePlace& place, float block_px);
 
 /// Finds the same blocks near where they are expected, up to two samples away, to a fraction of a sample.
-/// \param points  room for them; those that are found are written. \return their number. Cost: 48 blocks, 8,000 operations each.
+/// \param points  room for them; those that are found are written.
+/// \return their number. Cost: 48 blocks, 8,000 operations each.
 std::size_t match_blocks(const FrameView& frame, const Model& model, const PrintTable& table,
                          const SurfaceProjection& projection, float block_px, Span<Correspondence> points);
 

@@ -1,6 +1,6 @@
 #pragma once
-// Finds a surface in a frame by its print (docs/algorithms.md, section 7.17): matches, views that they agree on, the model
-// fitted to them, and verification.
+// Finds a surface in a frame by its print (docs/algorithms.md, section 7.17): matches, views that they agree
+// on, the model fitted to them, and verification.
 #include <cstddef>
 #include <cstdint>
 
@@ -29,8 +29,8 @@ class PrintFinder {
   /// What PrintTable::open says.
   Status status() const { return status_; }
 
-  /// Searches as far as `work` allows (cells, TrackerLimits::search_work), and goes on in the next call: corners of one frame are
-  /// matched until they are done. The result is verified in the present frame.
+  /// Searches as far as `work` allows (cells, TrackerLimits::search_work), and goes on in the next call:
+  /// corners of one frame are matched until they are done. The result is verified in the present frame.
   /// \param q  out: all parameters, if the surface is found.
   /// \return not_found: nothing yet.
   Status search(const FrameView& frame, std::uint32_t work, const Camera& camera, float* q,

@@ -44,7 +44,8 @@ class PrintTable {
 
   bool is_open() const { return header_ != nullptr; }
   float extent_mm() const { return header_->extent_mm; }
-  /// Rotations of the views from which the print was seen, as in View::q. The first sees most of the surface from the front.
+  /// Rotations of the views from which the print was seen, as in View::q. The first sees most of the surface
+  /// from the front.
   Span<const Quat> views() const { return views_; }
   /// Scales at which it was seen, px/mm.
   Span<const float> levels() const { return levels_; }

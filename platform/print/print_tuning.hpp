@@ -1,6 +1,7 @@
 #pragma once
-// Tuning of the search for a print. Chosen on the poster of `fixtures/sheet` with `pliant bench print`, and judged
-// on other prints (docs/evaluation.md, Start by print). What other values give was not recorded, except where it is told.
+// Tuning of the search for a print. Chosen on the poster of `fixtures/sheet` with `pliant bench print`, and
+// judged on other prints (docs/evaluation.md, Start by print). What other values give was not recorded,
+// except where it is told.
 #include <cstddef>
 #include <cstdint>
 
@@ -9,16 +10,16 @@
 namespace pliant {
 
 struct PrintTuning {
-  /// Corners, in the print as in the frame: side of a cell and least distance, px, least measure (grey/px)^2, and least ratio of
-  /// the eigenvalues.
+  /// Corners, in the print as in the frame: side of a cell and least distance, px, least measure (grey/px)^2,
+  /// and least ratio of the eigenvalues.
   int corner_cell_px = 8;
   float corner_distance_px = 5, least_corner = 6, least_corner_ratio = 0.05f;
   /// Levels of the frame that are searched, and corners of the first; each further one has half as many.
   int levels = 3;
   std::size_t corners = 320;
-  /// Bits that may differ in a match, and as a fraction of those that differ from the best keypoint elsewhere on the surface.
-  /// Wrong matches cost time only: views are voted for and verified. 70 and 0.8 leave too few on a small print (an other print,
-  /// 66 px high: found in 3 of 8 instead of all).
+  /// Bits that may differ in a match, and as a fraction of those that differ from the best keypoint elsewhere
+  /// on the surface. Wrong matches cost time only: views are voted for and verified. 70 and 0.8 leave too few
+  /// on a small print (an other print, 66 px high: found in 3 of 8 instead of all).
   int most_distance = 80;
   float most_ratio = 0.9f;
   /// Distance in (u,v) from which on two keypoints are of different places.

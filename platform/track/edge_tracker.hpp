@@ -17,11 +17,11 @@ struct EdgeTrackerTuning {
   float spacing_mm = 4;
   /// Edge points of one curve, at most: the room on the stack for their ids.
   std::size_t most_of_curve = 64;
-  /// Standard deviation of an edge's prediction across the edge once templates are solved for, px at 320 px of image width:
-  /// it sets the search's range. Chosen on the rendered film of which half has no texture.
+  /// Standard deviation of an edge's prediction across the edge once templates are solved for, px at 320 px
+  /// of image width: it sets the search's range. Chosen on the rendered film of which half has no texture.
   float prediction_sd_px = 1.5f;
-  /// Pixels per mm above which edges are matched on a coarser pyramid level. Lids and lips are soft: a step at a pixel a
-  /// millimetre is a noisy slope at two. Chosen on the Talking Face video at two sizes.
+  /// Pixels per mm above which edges are matched on a coarser pyramid level. Lids and lips are soft: a step
+  /// at a pixel a millimetre is a noisy slope at two. Chosen on the Talking Face video at two sizes.
   float most_px_per_mm = 1.4f;
   /// Coarsest level for that. A level that the pyramid does not have is left out by find_edge.
   int coarsest_level = 4;

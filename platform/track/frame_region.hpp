@@ -17,8 +17,8 @@ class FrameRegion {
   Status check_frame(const FrameView& frame) const;
   /// Makes the present region the previous one, if limits keep it. To be called before `build`.
   void advance();
-  /// Builds the pyramid of the region around `centre`, moved into the frame. The centre of a region that is the whole frame
-  /// has no effect. A frame that is not copied must stay until matching ends.
+  /// Builds the pyramid of the region around `centre`, moved into the frame. The centre of a region that is
+  /// the whole frame has no effect. A frame that is not copied must stay until matching ends.
   Status build(const FrameView& frame, Vec2 centre);
 
   bool is_whole_frame() const { return width_ == frame_width_ && height_ == frame_height_; }

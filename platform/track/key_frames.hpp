@@ -16,15 +16,16 @@ struct KeyFrameTuning {
   /// A key frame is kept when the head has turned so far away from all key frames, rad. Templates hold for about 20
   /// degrees on either side. Round value, not tuned.
   float angle_rad = 0.35f;
-  /// Residual above which a key frame is doubtful, px at 320 px of image width. The residual of an unknown person is above it while
-  /// the head turns: without key frames from then, 40 of 1,920 frames of turned heads were lost. Round value, not tuned.
+  /// Residual above which a key frame is doubtful, px at 320 px of image width. The residual of an unknown
+  /// person is above it while the head turns: without key frames from then, 40 of 1,920 frames of turned
+  /// heads were lost. Round value, not tuned.
   float doubtful_rms_px = 1;
   /// Inliers of such a frame must be more than this, percent of its observations. Round value, not tuned.
   int least_inlier_percent = 70;
   /// Normalised cross-correlation of thumbnails, at least, for a coarse translation. Round value, not tuned.
   float least_correlation = 0.5f;
-  /// Range of the coarse search each way, as divisors of the thumbnail's longer side: after a good frame; after a bad one;
-  /// from a key frame, the whole image. Round values, not tuned.
+  /// Range of the coarse search each way, as divisors of the thumbnail's longer side: after a good frame;
+  /// after a bad one; from a key frame, the whole image. Round values, not tuned.
   int range_divisor = 16, range_divisor_after_bad = 8, range_divisor_of_key = 2;
   /// Bad frames in a row before key frames take part in the search: one bad frame is usually a blur.
   int bad_frames_before_keys = 2;
@@ -58,9 +59,9 @@ class KeyFrames {
   /// Middle of the model in the image, px, at the estimator's vertices.
   Vec2 middle_of(const Estimator& estimator) const;
 
-  /// Chooses the key frame that this frame replaces: an unused one, or the one that has not been the nearest for the
-  /// longest time; from the side of a doubtful one, that one, if this frame is better. Key frame 0, which is frame 0, is
-  /// never replaced.
+  /// Chooses the key frame that this frame replaces: an unused one, or the one that has not been the nearest
+  /// for the longest time; from the side of a doubtful one, that one, if this frame is better. Key frame 0,
+  /// which is frame 0, is never replaced.
   /// \return its index; 0 if this frame is not to be kept.
   std::size_t choose(const View& view, const FrameResult& result, std::uint32_t frame);
   /// Keeps this frame, which must be tracked well, as key frame k. \param rms_px  its residual.

@@ -12,16 +12,18 @@ namespace pliant {
 
 /// Tuning of the fit of landmarks. Each constant: unit, reason, experiment.
 struct LandmarkFitTuning {
-  /// Standard deviation of a landmark around the model, as a fraction of the points' spread: noise of the annotation, and
-  /// what the model's identity cannot express. With the annotation's alone (0.005) 43 % of fits of portraits ended with an
-  /// identity parameter at its limit and focal lengths from 0.4 picture widths on; with 0.01 none of 87 did, 0.6 to 1.4
-  /// widths. 0.02 costs accuracy of starts from 11 points (docs/evaluation.md, section Tuning).
+  /// Standard deviation of a landmark around the model, as a fraction of the points' spread: noise of the
+  /// annotation, and what the model's identity cannot express. With the annotation's alone (0.005) 43 % of
+  /// fits of portraits ended with an identity parameter at its limit and focal lengths from 0.4 picture
+  /// widths on; with 0.01 none of 87 did, 0.6 to 1.4 widths. 0.02 costs accuracy of starts from 11 points
+  /// (docs/evaluation.md, section Tuning).
   float point_sd_fraction = 0.01f;
-  /// Standard deviation of an annotation alone, as a fraction of the points' spread. Residuals beyond it become landmark
-  /// offsets. 0.002 to 0.005 give the same error on the recorded face; 0.01 gives 20 % more.
+  /// Standard deviation of an annotation alone, as a fraction of the points' spread. Residuals beyond it
+  /// become landmark offsets. 0.002 to 0.005 give the same error on the recorded face; 0.01 gives 20 % more.
   float annotation_sd_fraction = 0.005f;
-  /// Factor on point_sd_fraction while expressions are fitted. A person's thinner lips, or a landmark annotated at another
-  /// position, must not be explained by an expression. 1 and 2 make starts from 5 points worse, 6 is no better.
+  /// Factor on point_sd_fraction while expressions are fitted. A person's thinner lips, or a landmark
+  /// annotated at another position, must not be explained by an expression. 1 and 2 make starts from 5 points
+  /// worse, 6 is no better.
   float expression_caution = 3;
   /// Points that a fit needs: eight coordinates for the seven unknowns of pose and focal length.
   std::size_t least_points = 4;
@@ -42,8 +44,9 @@ bool is_silhouette_landmark(const char* name);
 /// The camera of a start: the one given, else centred with the focal length given, else with the assumed one.
 Camera start_camera(const Camera* known, float focal_px, int width, int height);
 
-/// Fits a model to landmarks. First the expression, with cautious deviations; then the identity, with that held. A model without
-/// identity, as a sheet, has nothing that an expression could be mistaken for: one fit with the plain deviations.
+/// Fits a model to landmarks. First the expression, with cautious deviations; then the identity, with that
+/// held. A model without identity, as a sheet, has nothing that an expression could be mistaken for: one fit
+/// with the plain deviations.
 class LandmarkFit {
  public:
   /// Lays out memory for that many points, silhouette points included.
@@ -62,8 +65,8 @@ class LandmarkFit {
   /// Whether the fit moved silhouette point k away from its own (u,v).
   bool has_slid(std::size_t k) const { return fitter_.has_slid(k); }
 
-  /// Where the person has the landmarks (find_personal). `points` are those of the fit; they are rearranged, and their sd_px
-  /// becomes that of an annotation.
+  /// Where the person has the landmarks (find_personal). `points` are those of the fit; they are rearranged,
+  /// and their sd_px becomes that of an annotation.
   Span<Correspondence> personal_landmarks(Span<Correspondence> points);
 
  private:

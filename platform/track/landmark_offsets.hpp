@@ -19,12 +19,12 @@ class LandmarkOffsets {
   void set(Span<const Vec3> offsets);
   Span<const Vec3> values() const { return values_; }
 
-  /// Sets the offset of the landmarks at `uv` so that they project to x (px) in the estimator's view. Their offsets stay as
-  /// they were if the surface point is behind the camera.
+  /// Sets the offset of the landmarks at `uv` so that they project to x (px) in the estimator's view. Their
+  /// offsets stay as they were if the surface point is behind the camera.
   void place(Vec2 uv, Vec2 x, Estimator& estimator);
-  /// The same in two steps, for a fit that ends before the estimator starts. `set_pending` stores image positions;
-  /// `place_pending` replaces them by offsets from the tracked surface. A personalised field may differ a little from the
-  /// surface that was fitted.
+  /// The same in two steps, for a fit that ends before the estimator starts. `set_pending` stores image
+  /// positions; `place_pending` replaces them by offsets from the tracked surface. A personalised field may
+  /// differ a little from the surface that was fitted.
   void set_pending(Span<const Correspondence> places, const Model& model);
   void place_pending(Estimator& estimator);
   /// The same for an alignment: image positions of all landmarks, px; those named ibugNN are stored.

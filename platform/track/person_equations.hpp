@@ -19,8 +19,8 @@ class PersonEquations {
   void add(const float* row, float residual, float weight);
   /// Adds x[unknown] = residual.
   void add_prior(std::size_t unknown, float residual, float weight);
-  /// Eliminates the first unknowns: H and g of the others become those of the best value of the first (Schur complement).
-  /// An unknown that nothing determines is left out.
+  /// Eliminates the first unknowns: H and g of the others become those of the best value of the first (Schur
+  /// complement). An unknown that nothing determines is left out.
   void eliminate(std::size_t first);
   /// Solves for the unknowns from `first` on, by Cholesky factorisation in place. \param x  count() - first values.
   /// \return false, and x is not complete, where they are not determined.

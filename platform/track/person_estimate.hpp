@@ -8,20 +8,22 @@ namespace pliant {
 
 /// Tuning of the estimate. Chosen on six rendered people who turn to 60 degrees (docs/evaluation.md, Turned heads).
 struct PersonEstimateTuning {
-  /// Sines of yaw that separate the views: every 15 degrees, the middle view is frontal. Templates change about so fast.
+  /// Sines of yaw that separate the views: every 15 degrees, the middle view is frontal. Templates change
+  /// about so fast.
   float yaw_sines[4] = {0.1305f, 0.3827f, 0.6088f, 0.7934f};
   /// Frames that a view's mean goes back. More frames of one view tell nothing new: their errors repeat. Round value.
   std::size_t most_frames = 8;
-  /// Views between the outermost two, at least, before the estimate is used: 45 degrees. What frontal views say of depth is
-  /// less than their systematic errors. With less, landmarks of recorded films became worse.
+  /// Views between the outermost two, at least, before the estimate is used: 45 degrees. What frontal views
+  /// say of depth is less than their systematic errors. With less, landmarks of recorded films became worse.
   std::size_t least_spread = 3;
   /// rad. Standard deviation of the rotation that the start got wrong. An alignment's error is 3 to 5 degrees.
   float turn_sd = 0.087f;
 };
 inline constexpr PersonEstimateTuning kPersonEstimateTuning{};
 
-/// Information on the turn of the model against its start and on the identity, one mean a view, in fixed memory: frames of one
-/// view are averaged and not added, so that errors that repeat do not count as many measurements.
+/// Information on the turn of the model against its start and on the identity, one mean a view, in fixed
+/// memory: frames of one view are averaged and not added, so that errors that repeat do not count as many
+/// measurements.
 /// Bytes: 36 n (n + 3) / 2 + 36 for n = 3 + identity parameters.
 class PersonEstimate {
  public:

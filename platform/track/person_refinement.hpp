@@ -13,16 +13,18 @@ struct PersonState;
 
 /// Tuning of when the estimate is made and used.
 struct PersonRefinementTuning {
-  /// Frames from one that is taken into the estimate to the next, at least; the same in a view that has enough. A frame costs a
-  /// fifth of its time more. Four is as good as two.
+  /// Frames from one that is taken into the estimate to the next, at least; the same in a view that has
+  /// enough. A frame costs a fifth of its time more. Four is as good as two.
   std::uint32_t interval_frames = 4, interval_when_known = 16;
-  /// Fraction of the way to the estimate in one step, of which there is at most one in so many frames. What is seen moves by less
-  /// than the noise of a frame. Half of the way in every second frame had 5 % less error on turned heads.
+  /// Fraction of the way to the estimate in one step, of which there is at most one in so many frames. What
+  /// is seen moves by less than the noise of a frame. Half of the way in every second frame had 5 % less
+  /// error on turned heads.
   float rate = 0.5f;
   std::uint32_t step_frames = 8;
   /// Standard deviation of the start's identity, in those of the population.
   float start_sd = 1;
-  /// A step below this is not worth its time: standard deviations of an identity parameter; rad. Round values, not tuned.
+  /// A step below this is not worth its time: standard deviations of an identity parameter; rad. Round
+  /// values, not tuned.
   float least_step_sd = 0.05f, least_turn = 0.002f;
   /// Steps in (u,v), each way, in which a template's point goes back to where it was seen.
   float most_slide = 0.02f;
@@ -30,8 +32,8 @@ struct PersonRefinementTuning {
 };
 inline constexpr PersonRefinementTuning kPersonRefinementTuning{};
 
-/// The calls of a tracker. It makes them through TrackerLimits::person only, so that a program whose limits name none does not link
-/// what is behind it.
+/// The calls of a tracker. It makes them through TrackerLimits::person only, so that a program whose limits
+/// name none does not link what is behind it.
 struct PersonRefinement {
   /// Takes the state from the arena. \return null if the arena measures, or the model has no identity.
   PersonState* (*lay_out)(Arena& arena, const Model& model);
@@ -40,8 +42,8 @@ struct PersonRefinement {
   /// Begins with a track. Nothing is estimated where the caller gave the identity, or has
   /// every frame estimate it.
   void (*start)(TrackerParts& tracker, const TrackerOptions& options);
-  /// Ends a good frame that has time left, and whose observations are still there: where it is due, takes it into the estimate,
-  /// and takes a step towards it. What is due waits for such a frame.
+  /// Ends a good frame that has time left, and whose observations are still there: where it is due, takes it
+  /// into the estimate, and takes a step towards it. What is due waits for such a frame.
   void (*conclude)(TrackerParts& tracker);
 };
 

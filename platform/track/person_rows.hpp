@@ -1,7 +1,7 @@
 #pragma once
 /// \file person_rows.hpp
-/// The observations of a frame as equations of the frame's pose and expression, of the start's error of rotation, and of the
-/// identity (docs/algorithms.md, section 7.20).
+/// The observations of a frame as equations of the frame's pose and expression, of the start's error of
+/// rotation, and of the identity (docs/algorithms.md, section 7.20).
 #include "pliant/cascade.hpp"
 #include "pliant/estimator.hpp"
 #include "track/person_equations.hpp"
@@ -14,16 +14,16 @@ struct PersonRowsTuning {
   float patch_error_mm = 1, edge_error_mm = 1.7f;
   /// Square of a residual, in squared deviations, at which a row has half its weight. Round value, not tuned.
   float half_weight_square = 4;
-  /// Area of the surface's image in its key frame over that of one that faces the camera, below which a template says nothing
-  /// of depth. Round value, not tuned.
+  /// Area of the surface's image in its key frame over that of one that faces the camera, below which a
+  /// template says nothing of depth. Round value, not tuned.
   float least_area = 0.05f;
   /// rad. Standard deviation of a frame's own rotation: free, since a flatter head would have turned farther.
   float turn_sd = 0.17f;
 };
 inline constexpr PersonRowsTuning kPersonRowsTuning{};
 
-/// Unknowns in this order: rotation, log scale and translation of the frame (kPoseUnknowns); its free expressions; rotation of
-/// the model against its start (3, in the axes of Pose::q); identity parameters.
+/// Unknowns in this order: rotation, log scale and translation of the frame (kPoseUnknowns); its free
+/// expressions; rotation of the model against its start (3, in the axes of Pose::q); identity parameters.
 class PersonRows {
  public:
   void lay_out(Arena& arena, const Model& model);
@@ -40,8 +40,9 @@ class PersonRows {
   static std::size_t scratch_bytes(const Model& model);
   /// Starts a frame. The memory lasts until its last row. \param q  all parameters; must stay.
   void begin(Arena& scratch, const Model& model, const View& view, const float* q);
-  /// Adds an observation. \param key  the view in which the point's template was captured: there it stays where it was seen,
-  /// whatever the identity; null: the point is a place of the face, as that of an edge is.
+  /// Adds an observation.
+  /// \param key  the view in which the point's template was captured: there it stays where it was seen,
+  ///        whatever the identity; null: the point is a place of the face, as that of an edge is.
   void add(const Observation& o, Vec2 uv, const View* key, PersonEquations& equations);
   /// Adds what is known of the frame's own unknowns.
   void add_priors(PersonEquations& equations) const;

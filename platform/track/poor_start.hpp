@@ -10,23 +10,25 @@ namespace pliant {
 
 /// Tuning of poor starts. Each constant: unit, reason, experiment (docs/evaluation.md, Faults).
 struct PoorStartTuning {
-  /// Fraction of the templates of frame 0 below which a start is poor. Starts in light three times too bright capture 6 to 12 of
-  /// 128 on the recorded face, the clips without a fault 108 to 127, faces at 0.6 of their size 52 to 59.
+  /// Fraction of the templates of frame 0 below which a start is poor. Starts in light three times too bright
+  /// capture 6 to 12 of 128 on the recorded face, the clips without a fault 108 to 127, faces at 0.6 of their
+  /// size 52 to 59.
   float few_templates = 0.25f;
-  /// Ratio of the face's mean grey to that at the start, or its inverse, from which on light counts as changed. Round value.
+  /// Ratio of the face's mean grey to that at the start, or its inverse, from which on light counts as
+  /// changed. Round value.
   float light_ratio = 1.4f;
   /// Grey levels added to both, so that noise in the dark is no change. Round value.
   float dark_grey = 8;
-  /// Frames from one look to the next, count; and looks in a row that must tell a change: one alone may be a flash. The face then is
-  /// right again within ten frames, the search included. Round values.
+  /// Frames from one look to the next, count; and looks in a row that must tell a change: one alone may be a
+  /// flash. The face then is right again within ten frames, the search included. Round values.
   int interval_frames = 2, looks = 3;
   /// One landmark in so many is looked at, count. Round value.
   std::size_t landmark_step = 4;
 };
 inline constexpr PoorStartTuning kPoorStartTuning{};
 
-/// Few templates, captured in light that hides what templates need, keep a track alive that was aligned badly in that light. When
-/// the light has changed a new start sees more: this part says so.
+/// Few templates, captured in light that hides what templates need, keep a track alive that was aligned badly
+/// in that light. When the light has changed a new start sees more: this part says so.
 class PoorStart {
  public:
   /// A track has begun in this frame. \param captured  templates. \param most  templates that a start captures.

@@ -16,8 +16,8 @@ struct TrackerParts;
 
 struct Detection;
 
-/// What a tracker keeps for starts of its own: the common part. In the arena, if the limits name a detection that the model
-/// has tables for.
+/// What a tracker keeps for starts of its own: the common part. In the arena, if the limits name a detection
+/// that the model has tables for.
 struct SelfStart {
   const Detection* calls = nullptr;  // whose lay_out made this
   KeptStart kept;
@@ -41,8 +41,9 @@ struct RoughStart {
   const StartOptions& options;
 };
 
-/// The calls of a tracker. It makes them through this table only, so that a program whose limits name no table does not link
-/// what is behind it. `lay_out` and `check_bytes` are called on the table of the limits, the others on SelfStart::calls.
+/// The calls of a tracker. It makes them through this table only, so that a program whose limits name no
+/// table does not link what is behind it. `lay_out` and `check_bytes` are called on the table of the limits,
+/// the others on SelfStart::calls.
 struct Detection {
   /// Takes a SelfStart from the arena. \param search_bytes  out: what a search takes of the memory of the tracking.
   /// \return null if the arena measures, is exhausted, or the model has no tables.
@@ -56,16 +57,16 @@ struct Detection {
   Status (*search)(TrackerParts& tracker, const FrameView& frame);
   /// Gives the memory of the search back to the tracking.
   void (*end_search)(TrackerParts& tracker);
-  /// Begins a start of the caller's, whose options last until begin_track. A rough one is moved to where the picture shows the
-  /// surface, if it is verified there.
+  /// Begins a start of the caller's, whose options last until begin_track. A rough one is moved to where the
+  /// picture shows the surface, if it is verified there.
   void (*refine)(TrackerParts& tracker, const FrameView& frame, const RoughStart& rough, StartPose* start);
   /// Ends a start: verifies it, and keeps its options.
   void (*begin_track)(TrackerParts& tracker, const FrameView& frame, const TrackerOptions& options);
   /// Ends a frame of a track. Verifies it, and gives it up if it is wrong, or has been lost for some frames.
   void (*conclude)(TrackerParts& tracker, const FrameView& frame);
   const FaceModules* modules;  ///< of faces; null elsewhere
-  /// In a frame of a track, before its last solve: tells the estimator what learnt readers see of parts of the surface. Null:
-  /// there are none.
+  /// In a frame of a track, before its last solve: tells the estimator what learnt readers see of parts of
+  /// the surface. Null: there are none.
   void (*read_parts)(TrackerParts& tracker, const FrameView& frame);
   /// Bytes of scratch that it takes. Called on the table of the limits. Null: none.
   std::size_t (*read_bytes)(const Model& model, const TrackerLimits& limits);

@@ -13,8 +13,8 @@ namespace pliant {
 
 /// Tuning of starts. Each constant: unit, reason, experiment.
 struct StartFitTuning {
-  /// Brows to chin and ear to ear in a box of OpenCV's cascades: left, top and size as fractions of the box's width. Measured
-  /// on photographs with landmarks.
+  /// Brows to chin and ear to ear in a box of OpenCV's cascades: left, top and size as fractions of the box's
+  /// width. Measured on photographs with landmarks.
   float opencv_left = 0.08f, opencv_top = 0.23f, opencv_size = 0.85f;
   /// Steps that move a view's face box to a given centre: perspective makes the first one inexact by a percent.
   int centring_steps = 2;
@@ -35,8 +35,8 @@ std::size_t start_fit_bytes(const Model& model, std::size_t points);
 Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint> points,
                         const FitOptions& options, float* q, StartPose* start, LandmarkOffsets* offsets);
 
-/// The pose of the model with parameters q, frontal, in the box, and its face box (side 0 for a model without eye and mouth
-/// corners). Statuses of view_from_box.
+/// The pose of the model with parameters q, frontal, in the box, and its face box (side 0 for a model without
+/// eye and mouth corners). Statuses of view_from_box.
 Status fit_to_box(Arena& arena, const Model& model, Vec2 corner, Vec2 size, BoxConvention convention,
                   const float* q, StartPose* start, FaceBox* box);
 

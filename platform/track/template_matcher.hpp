@@ -36,15 +36,17 @@ class TemplateMatcher {
   /// \param most_steps  of the searches of a frame, over which they end.
   void start(bool uses_frame_to_frame, std::uint32_t most_steps);
 
-  /// \param is_trusted        the last frame was tracked. \param coarse_px  length of the coarse translation; kUnknownPx
-  ///                          if none was found.
+  /// \param is_trusted        the last frame was tracked.
+  /// \param coarse_px  length of the coarse translation; kUnknownPx if none was found.
   void begin_frame(std::uint32_t frame, bool is_trusted, float coarse_px);
-  /// Matches a subset of the points, spread over the surface and another one in each frame, and lets the estimator move to
-  /// them, so that the other predictions become more accurate. \return false, and nothing has moved, where there are too
-  /// few points, where it does not pay, or where the estimator doubts the result.
+  /// Matches a subset of the points, spread over the surface and another one in each frame, and lets the
+  /// estimator move to them, so that the other predictions become more accurate.
+  /// \return false, and nothing has moved, where there are too few points, where it does not pay, or where
+  ///         the estimator doubts the result.
   bool run_first_pass(const MatchFrame& frame, Estimator& estimator);
-  /// Matches, in round 0 or 1, the points for which another search can give more than the last one did, and tracks points
-  /// from the previous frame whose template was not found in the last round. \return how many points were searched for.
+  /// Matches, in round 0 or 1, the points for which another search can give more than the last one did, and
+  /// tracks points from the previous frame whose template was not found in the last round.
+  /// \return how many points were searched for.
   std::size_t match(const MatchFrame& frame, const PredictionTable& predictions, int round);
   /// Searches and their steps, of this frame.
   const FrameWork& work() const { return work_; }
@@ -82,8 +84,8 @@ class TemplateMatcher {
   float frame_width_ = 0, half_window_ = 0;  // px
   bool uses_frame_to_frame_ = false, is_trusted_ = false, had_first_pass_ = false;
   std::uint32_t frame_ = 0;
-  // Root mean square distance of points from where they were expected in the last frame, px: of those searched for first,
-  // and of those after a first pass.
+  // Root mean square distance of points from where they were expected in the last frame, px: of those
+  // searched for first, and of those after a first pass.
   float innovation_px_ = kUnknownPx, later_innovation_px_ = kUnknownPx;
   float coarse_px_ = kUnknownPx;
 };

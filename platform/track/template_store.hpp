@@ -33,8 +33,8 @@ struct TemplateCheck {
   bool (*accepts)(void* state, const FrameRegion& region, Vec2 uv, const Prediction& seen) = nullptr;
 };
 
-/// Slots of templates. A slot holds one template; which key frame it belongs to is the caller's choice. All memory is in
-/// the arena.
+/// Slots of templates. A slot holds one template; which key frame it belongs to is the caller's choice. All
+/// memory is in the arena.
 class TemplateStore {
  public:
   void lay_out(Arena& arena, const TrackerLimits& limits);
@@ -49,19 +49,21 @@ class TemplateStore {
   /// Whether the slot holds the first template of a point.
   bool is_first(std::size_t slot) const { return templates_[slot].is_used && templates_[slot].first == slot; }
 
-  /// Adds the visible surface point at image position x (px) to the estimator, and captures its template in a free slot.
-  /// \param uv  of the mesh under x. \return false, and nothing has changed, where the surface turns away, or without texture.
+  /// Adds the visible surface point at image position x (px) to the estimator, and captures its template in a
+  /// free slot.
+  /// \param uv  of the mesh under x.
+  /// \return false, and nothing has changed, where the surface turns away, or without texture.
   bool capture(std::size_t slot, Estimator& estimator, const FrameRegion& region, Vec2 x, Vec2 uv);
-  /// Captures second templates, at the places found, of points in the slots below `points` that were found in this frame
-  /// but look different from their template. Fills the free slots [first, end).
+  /// Captures second templates, at the places found, of points in the slots below `points` that were found in
+  /// this frame but look different from their template. Fills the free slots [first, end).
   /// \return the first slot that is still free.
   std::size_t capture_second(std::size_t points, std::size_t first, std::size_t end, Estimator& estimator,
                              const FrameRegion& region);
   /// Empties a slot. With the first template of a point its second one and the point itself go as well.
   void release(std::size_t slot, Estimator& estimator);
 
-  /// Searches the region for the point whose first template is in `slot`, from `start` (px), by the template that has to be
-  /// warped less. Positions of the result are those of the region's pyramid.
+  /// Searches the region for the point whose first template is in `slot`, from `start` (px), by the template
+  /// that has to be warped less. Positions of the result are those of the region's pyramid.
   PatchResult match(std::size_t slot, const FrameRegion& region, Vec2 start, const Mat2& jacobian,
                     const PatchOptions& options);
   /// Searches the region for what the previous region shows at x (px).

@@ -1,6 +1,7 @@
 #pragma once
 /// \file tracker_parts.hpp
-/// The parts of a tracker and the state that they share. tracker.cpp has the memory and the frame, tracker_start.cpp the starts.
+/// The parts of a tracker and the state that they share. tracker.cpp has the memory and the frame,
+/// tracker_start.cpp the starts.
 #include <limits>
 
 #include "pliant/tracker.hpp"
@@ -41,8 +42,8 @@ struct ImageParts {
   void lay_out_unused_between_frames(Arena& arena, const Model& model, const TrackerLimits& limits);
 };
 
-/// The estimator and the parts that work on images share their memory with what runs while there is no track: the search
-/// for a face, and the fit of a start.
+/// The estimator and the parts that work on images share their memory with what runs while there is no track:
+/// the search for a face, and the fit of a start.
 struct TrackerParts : ImageParts {
   // Set by lay_out. The default limits would link all that is optional into every program.
   TrackerLimits limits =

@@ -5,8 +5,8 @@ namespace pliant {
 
 /// Tuning of the coarse search. Each constant: unit, reason, experiment.
 struct CoarseTranslationTuning {
-  /// Pixels compared for each shift, at most about: of larger boxes rows are left out. Bounds the cost; with the default limits a
-  /// face that fills half of the frame has every second row. Round value, not tuned.
+  /// Pixels compared for each shift, at most about: of larger boxes rows are left out. Bounds the cost; with
+  /// the default limits a face that fills half of the frame has every second row. Round value, not tuned.
   int max_pixels = 1200;
   /// Smallest side of a box, px. Guard, not tuned.
   int min_side_px = 4;
@@ -18,7 +18,8 @@ struct CoarseTranslationTuning {
 };
 inline constexpr CoarseTranslationTuning kCoarseTranslationTuning{};
 
-/// Number of shifts that a search within `range_px` compares, at most: the coarse steps, those around the best, and none.
+/// Number of shifts that a search within `range_px` compares, at most: the coarse steps, those around the
+/// best, and none.
 constexpr int most_shifts(int range_px) {
   const int step = kCoarseTranslationTuning.first_step_px, coarse = 2 * (range_px / step) + 1,
             fine = 2 * step - 1;

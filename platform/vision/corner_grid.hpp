@@ -1,5 +1,6 @@
 #pragma once
-// The best corner of each cell of an image. It is scanned once; then corners can be chosen from it at several distances.
+// The best corner of each cell of an image. It is scanned once; then corners can be chosen from it at several
+// distances.
 #include <cstdint>
 
 #include "pliant/corners.hpp"

@@ -40,8 +40,8 @@ constexpr NoiseGain noise_gain(float one, float two) {
   const float lines = 5 + 8 * one + 6 * two;
   return {lines * (10 + 8 * one - 8 * two), lines * (28 + 16 * one - 34 * two), lines * (20 - 30 * two)};
 }
-/// Noise gains of level 0 (white noise, sampled bilinearly) and of coarser levels (noise that the pyramid has smoothed),
-/// averaged over all sub-pixel positions.
+/// Noise gains of level 0 (white noise, sampled bilinearly) and of coarser levels (noise that the pyramid has
+/// smoothed), averaged over all sub-pixel positions.
 inline constexpr NoiseGain kWhiteNoiseGain = noise_gain(0.25f, 0),
                            kSmoothedNoiseGain = noise_gain(0.6f, 0.1f);
 /// Fraction of white noise's variance that bilinear sampling leaves, averaged over all sub-pixel positions.

@@ -1,6 +1,6 @@
 #pragma once
-// Two 16-bit integers in one 32-bit register: the DSP instructions of Arm, which Cortex-M4, M7 and M33 have instead of vectors.
-// Elsewhere the same operations in plain code, so that tests can compare on every target.
+// Two 16-bit integers in one 32-bit register: the DSP instructions of Arm, which Cortex-M4, M7 and M33 have
+// instead of vectors. Elsewhere the same operations in plain code, so that tests can compare on every target.
 #include <cstring>
 
 #include "vision/patch_arrays.hpp"
@@ -71,7 +71,8 @@ inline i32 add_products(Pair p, Pair q, i32 before) {
 inline i32 add_difference(Pair p, Pair q, i32 before) {
   return __smlsd(p, q, before);
 }
-/// Upper element of p times lower element of q. GCC 12 has no name for this instruction, and shifts before it multiplies.
+/// Upper element of p times lower element of q. GCC 12 has no name for this instruction, and shifts before it
+/// multiplies.
 inline i32 product_high_low(Pair p, Pair q) {
   i32 product;
   __asm__("smultb %0, %1, %2" : "=r"(product) : "r"(p), "r"(q));

@@ -1,8 +1,9 @@
 #pragma once
-// The kernels of patch_sums.hpp, patch_sampling.hpp and patch_gradients.cpp for two elements at a time (halfwords.hpp): the same
-// bits as the plain loops, in a third of the instructions of a Cortex-M7. Shifts of both elements are sums cut in half,
-// products of an element and a fraction are rearranged where that leaves the same integers. Columns go down the window from
-// the last to the first: each writes one element beyond the end of a row, which is the first of the next row.
+// The kernels of patch_sums.hpp, patch_sampling.hpp and patch_gradients.cpp for two elements at a time
+// (halfwords.hpp): the same bits as the plain loops, in a third of the instructions of a Cortex-M7. Shifts of
+// both elements are sums cut in half, products of an element and a fraction are rearranged where that leaves
+// the same integers. Columns go down the window from the last to the first: each writes one element beyond
+// the end of a row, which is the first of the next row.
 #include "vision/cubic_phase.hpp"
 #include "vision/halfwords.hpp"
 #include "vision/patch_sampling.hpp"

@@ -37,8 +37,8 @@ i32 dot(const i16* v, const i16* a, int count);
 /// Sum of the squares of v where m is 1.
 i32 sum_squares(const i16* v, const i16* m, int count);
 
-/// The nearest float of an integer below 2^53 in magnitude. A double that the processor has is exact on the way and saves
-/// the call of a function.
+/// The nearest float of an integer below 2^53 in magnitude. A double that the processor has is exact on the
+/// way and saves the call of a function.
 inline float nearest_float(std::int64_t v) {
 #if defined(__ARM_FP) && (__ARM_FP & 8) && !defined(__aarch64__)
   return static_cast<float>(4294967296.0 * static_cast<std::int32_t>(v >> 32) +

@@ -10,7 +10,8 @@ struct PatchTuning {
   /// Smallest texture that is matched: eigenvalue of the mean structure tensor without light, (grey/px)^2. Usual
   /// corners have 4 to 100; below 0.5 the noise of a camera dominates. Round value, not tuned.
   float min_eigenvalue = 0.5f;
-  /// Smallest variance of a template, grey^2. Below it the gain cannot be distinguished from noise. Round value, not tuned.
+  /// Smallest variance of a template, grey^2. Below it the gain cannot be distinguished from noise. Round
+  /// value, not tuned.
   float min_variance = 4.0f;
   /// Smallest ratio of the eigenvalues for which a 2 x 2 system is solved in float. Guard against singular systems.
   float min_eigenvalue_ratio = 1e-4f;
@@ -58,13 +59,14 @@ struct PatchTuning {
   /// A pivot below this fraction of its diagonal entry means a singular system. Guard, not tuned.
   float min_pivot_ratio = 1e-4f;
 
-  /// Gain and bias of the light that are accepted. With 0.5 to 2 a recorded face was lost when the light fell to 0.48 of that
-  /// of the templates, as long as it lasted; with 0.2 to 5 it is tracked through 0.3 and 3 with the error of even light
-  /// (docs/evaluation.md, Faults). Beyond, a template of 8 bits has few grey levels left.
+  /// Gain and bias of the light that are accepted. With 0.5 to 2 a recorded face was lost when the light fell
+  /// to 0.48 of that of the templates, as long as it lasted; with 0.2 to 5 it is tracked through 0.3 and 3
+  /// with the error of even light (docs/evaluation.md, Faults). Beyond, a template of 8 bits has few grey
+  /// levels left.
   float min_gain = 0.2f, max_gain = 5.0f;
-  /// Least gain that a step of `align` assumes. Far from the minimum the gain that fits is small whatever the light, and its
-  /// steps would be too long: with 0.2 five of the shifts by 9 px (test "shifts of 0.1 to 9 pixels") are not found. In weaker
-  /// light its steps are short instead.
+  /// Least gain that a step of `align` assumes. Far from the minimum the gain that fits is small whatever the
+  /// light, and its steps would be too long: with 0.2 five of the shifts by 9 px (test "shifts of 0.1 to 9
+  /// pixels") are not found. In weaker light its steps are short instead.
   float least_step_gain = 0.5f;
   float max_bias_grey = 80.0f;
   /// Noise of a pixel that the information assumes at least, grey levels: rounding and small model errors.

@@ -19,8 +19,8 @@ constexpr int thumbnail_factor(int width, int columns) {
 /// and lower border that do not fill a block are left out. Integers only.
 /// \param line  scratch, factor * (width / factor) elements.
 /// \param out   (width / factor) x (height / factor) pixels without padding.
-/// Precondition: a readable frame, factor a power of two, up to 64 and not larger than a side of the frame. Cost: half an operation a
-/// pixel.
+/// Precondition: a readable frame, factor a power of two, up to 64 and not larger than a side of the frame.
+/// Cost: half an operation a pixel.
 void make_thumbnail(const FrameView& frame, int factor, std::uint16_t* line, std::uint8_t* out);
 
 }  // namespace pliant

@@ -17,8 +17,8 @@ const char* text(Status status) {
     case Status::too_few_points: return "too few points";
     case Status::underdetermined: return "the points do not determine the pose";
     case Status::size_mismatch: return "a frame of another size";
-    case Status::not_started: return "not started: no pose was given";
-    case Status::not_found: return "no such name";
+    case Status::not_started: return "not started: there is no track";
+    case Status::not_found: return "not found: no such name, table, face or camera";
     case Status::end_of_stream: return "end of the stream";
     case Status::io_error: return "reading failed or the data are malformed";
     case Status::no_room: return "the mesh is full";
