@@ -144,7 +144,8 @@ void give_up(TrackerParts& t) {
 void conclude(TrackerParts& t, const FrameView& view) {
   FaceSelfStart& self = self_of(t);
   t.result.gaze = self.parts != nullptr && t.bad_frames == 0 ? self.parts->gaze : Vec3{};
-  if (!self.faces.conclude(view, t.estimator, t.bad_frames, t.unused_between_frames, &t.result) ||
+  if (!self.faces.conclude(view, t.estimator, t.bad_frames, !t.has_room_for_rare_work(),
+                           t.unused_between_frames, &t.result) ||
       (t.bad_frames == 0 && self.poor_start.is_over(view, t.estimator)))
     give_up(t);
 }

@@ -223,7 +223,7 @@ void FaceStart::tell_worth(const View& view, FrameResult* result) const {
   if (is_turned_away || landmark_error_ > kTuning.most_landmark_error) result->state = TrackState::degraded;
 }
 
-bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_frames,
+bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_frames, bool is_busy,
                          Span<unsigned char> scratch, FrameResult* result) {
   PLIANT_ASSERT(has_track());
   ++frames_since_check_;
@@ -231,7 +231,7 @@ bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_f
     frames_since_check_ = kTuning.known_interval_frames;  // the next good frame is checked
     return bad_frames < kTuning.most_bad_frames;
   }
-  if (is_check_due()) {
+  if (is_check_due(is_busy)) {
     frames_since_check_ = 0;
     if (!check(frame, estimator, scratch)) return false;
   }
@@ -239,10 +239,11 @@ bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_f
   return true;
 }
 
-bool FaceStart::is_check_due() const {
+/// A busy frame leaves a check to the next one, busy or not; but for those after bad frames and bad checks.
+bool FaceStart::is_check_due(bool is_busy) const {
   const bool is_sure = has_confirmed() && landmark_error_ <= kTuning.doubtful_error;
   const int interval = is_sure ? kTuning.known_interval_frames : kTuning.check_interval_frames;
-  return bad_checks_ > 0 || frames_since_check_ >= interval;
+  return bad_checks_ > 0 || frames_since_check_ >= interval + (is_busy ? 1 : 0);
 }
 
 /// \return false after too many bad checks in a row.

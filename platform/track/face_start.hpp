@@ -122,10 +122,11 @@ class FaceStart {
 
   /// Ends a frame of a track: checks it where a check is due, and writes landmark_error and whether
   /// it is degraded.
-  /// \param bad_frames  of the track in a row, this one included. \param scratch  unused memory.
+  /// \param bad_frames  of the track in a row, this one included. \param is_busy  a check that can wait waits for the next
+  ///                    frame. \param scratch  unused memory.
   /// \return false: the track is given up.
-  bool conclude(const FrameView& frame, Estimator& estimator, int bad_frames, Span<unsigned char> scratch,
-                FrameResult* result);
+  bool conclude(const FrameView& frame, Estimator& estimator, int bad_frames, bool is_busy,
+                Span<unsigned char> scratch, FrameResult* result);
   /// Whether enough checks were good for the person to be known.
   bool has_confirmed() const { return good_checks_ >= kFaceStartTuning.checks_of_known_person; }
 
@@ -149,7 +150,7 @@ class FaceStart {
   void go_on();
   void set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
                   StartPose* start);
-  bool is_check_due() const;
+  bool is_check_due(bool is_busy) const;
   void tell_worth(const View& view, FrameResult* result) const;
   bool check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch);
 

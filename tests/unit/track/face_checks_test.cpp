@@ -67,6 +67,33 @@ TEST_CASE("after bad frames the next good one is checked") {
   CHECK(at == Frames{1, 3, 5, 10, 16, 22});
 }
 
+TEST_CASE("a busy frame leaves a check to the next one, which does it whether it is busy or not") {
+  FakeFaces fake(film());
+  TrackerLimits limits;
+  limits.detection = FakeFaces::table();
+  InArena<Tracker> tracker(baked_face().model, limits);
+  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  AlignedBlock block(std::size_t{1} << 20), scratch(std::size_t{1} << 20);
+  Arena arena(block.data(), block.size());
+  const auto checked_where = [&](auto&& is_busy) {
+    FaceStart faces;
+    faces.lay_out(arena, baked_face().model, limits);
+    faces.begin_track(0.02f);
+    Frames frames;
+    for (std::size_t n = 1; n < kFrames; ++n) {
+      const int before = fake.verifications;
+      FrameResult result;
+      REQUIRE(faces.conclude(film().view(0), tracker->estimator(), 0, is_busy(n),
+                             {scratch.data(), scratch.size()}, &result));
+      if (fake.verifications > before) frames.push_back(n);
+    }
+    return frames;
+  };
+  CHECK(checked_where([](std::size_t) { return false; }) == Frames{2, 4, 6, 12, 18});
+  CHECK(checked_where([](std::size_t n) { return n == 4 || n == 5 || n == 13; }) == Frames{2, 5, 7, 14, 20});
+  CHECK(checked_where([](std::size_t) { return true; }) == Frames{3, 6, 9, 16, 23});
+}
+
 TEST_CASE("a head that is turned by more than 50 degrees is degraded, and tracked on") {
   const FaceFilm film(
       320, 240, 2 * kFrames,
