@@ -89,14 +89,23 @@ const View* key_of(const TrackerParts& t, std::uint16_t id) {
   return nullptr;
 }
 
+/// Whether an observation says something of the person.
+bool is_usable(const Observation& o) {
+  return o.reason == Reason::found && o.cue != Cue::flow;
+}
+
+/// The equations of a frame; of many observations each second, third, ..., in turn from frame to frame.
 void gather(TrackerParts& t, PersonEquations& equations, Arena& scratch) {
   PersonState& s = *t.person;
   equations.lay_out(scratch, s.rows.count());
   equations.reset();
   s.rows.begin(scratch, t.model(), t.estimator.view(), t.estimator.parameters().data);
+  std::size_t usable = 0, seen = t.frame;
+  for (std::size_t k = 0; k < t.observation_count; ++k) usable += is_usable(t.observations[k]);
+  const std::size_t step = usable / kTuning.most_observations + 1;
   for (std::size_t k = 0; k < t.observation_count; ++k) {
     Observation o = t.observations[k];
-    if (o.reason != Reason::found || o.cue == Cue::flow) continue;
+    if (!is_usable(o) || seen++ % step != 0) continue;
     const View* const key = o.cue == Cue::patch ? key_of(t, o.id) : nullptr;
     if (o.cue == Cue::patch && key == nullptr) continue;
     o.x = t.estimator.lens().undistort(o.x);

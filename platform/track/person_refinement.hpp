@@ -16,6 +16,10 @@ struct PersonRefinementTuning {
   /// Frames from one that is taken into the estimate to the next, at least; the same in a view that has
   /// enough. A frame costs a fifth of its time more. Four is as good as two.
   std::uint32_t interval_frames = 4, interval_when_known = 16;
+  /// Observations that a frame takes, fewer than this: of more each second, third, ... With 500 templates a frame
+  /// that is taken costs half, 5 million instructions. 96 had as small errors with profile M, and with profile L
+  /// 4.1 instead of 3.3 degrees at 95 %.
+  std::size_t most_observations = 192;
   /// Fraction of the way to the estimate in one step, of which there is at most one in so many frames. What
   /// is seen moves by less than the noise of a frame. Half of the way in every second frame had 5 % less
   /// error on turned heads.

@@ -154,9 +154,11 @@ void add_key_frame_loads(const Sizes& s, const TrackerLimits& limits, Loads& loa
 
 /// The estimation of the person, which a frame does only if searches and solves have taken little.
 void add_person_loads(const Sizes& s, Loads& loads) {
+  const double most =
+      std::min(s.observations, static_cast<double>(kPersonRefinementTuning.most_observations));
   loads.push_back({"observations in the estimate of the person",
-                   kUsual.fraction_found * s.observations / kPersonRefinementTuning.interval_frames,
-                   s.observations, kCost.person_record * s.all_records, Bound::rare});
+                   kUsual.fraction_found * most / kPersonRefinementTuning.interval_frames, most,
+                   kCost.person_record * s.all_records, Bound::rare});
   loads.push_back(
       {"templates moved with the person", 0, s.slots, kCost.slide_record * s.all_records, Bound::rare});
 }
