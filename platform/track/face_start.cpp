@@ -48,6 +48,7 @@ void FaceStart::lay_out(Arena& arena, const Model& model, const TrackerLimits& l
 Status FaceStart::lay_out_search(Span<unsigned char> block) {
   Arena arena(block.data, block.count);
   detector_ = modules_->lay_out_detector(arena, model_, limits_);
+  is_search_complete_ = true;
   aligner_ = modules_->lay_out_aligner(arena, model_);
   PLIANT_ASSERT(detector_ != nullptr && aligner_ != nullptr);  // search_bytes
   const Status status = modules_->status(*detector_, *aligner_);
@@ -76,13 +77,14 @@ Status FaceStart::search(const SearchInput& input, KnownPerson* person, StartPos
 Status FaceStart::run_detector(const FrameView& frame) {
   DetectedFace found[kMostCandidates];
   std::size_t count = 0;
-  bool is_complete = false;
+  const bool begins = is_search_complete_;
   const Status status =
-      modules_->search(*detector_, frame, work_, {found, kMostCandidates}, &count, &is_complete);
+      modules_->search(*detector_, frame, work_, {found, kMostCandidates}, &count, &is_search_complete_);
   if (status != Status::ok) return status;
+  is_of_one_frame_ = begins && is_search_complete_;
   for (std::size_t k = 0; k < count; ++k) add_candidate(found[k]);
   if (candidate_count_ == 0) return status;
-  if (is_complete || candidates_[0].score >= kTuning.sure_detection) {
+  if (is_search_complete_ || candidates_[0].score >= kTuning.sure_detection) {
     phase_ = FacePhase::aligning;
     next_candidate_ = 0;
     tries_known_ = true;
@@ -114,7 +116,7 @@ FaceStart::Answer FaceStart::align(const SearchInput& input, int* steps, KnownPe
   if (steps_left_ == 0) {
     // A search over several frames may have seen the face at some sizes only, and it may have moved since.
     DetectedFace& face = candidates_[next_candidate_];
-    if (spreads_work()) status = modules_->search_near(*detector_, input.frame, face.box, &face);
+    if (!is_of_one_frame_) status = modules_->search_near(*detector_, input.frame, face.box, &face);
     if (status == Status::ok || status == Status::not_found) status = begin_alignment(input, *person);
   }
   AlignedFace face;

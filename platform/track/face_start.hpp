@@ -162,6 +162,8 @@ class FaceStart {
 
   FaceDetector* detector_ = nullptr;  // in the block, while there is no track
   FaceAligner* aligner_ = nullptr;
+  bool is_search_complete_ = true;  // the next call begins anew
+  bool is_of_one_frame_ = false;    // the candidates are, with all their sizes
   DetectedFace candidates_[kMostCandidates];
   std::size_t candidate_count_ = 0, next_candidate_ = 0;
   bool tries_known_ = false;  // the next candidate is aligned as the known person

@@ -6,6 +6,7 @@
 
 #include "estimate/frame_solver.hpp"
 #include "face/aligner_table.hpp"
+#include "face/detector_table.hpp"
 #include "face/scaled_lines.hpp"
 #include "face/search_place.hpp"
 #include "optim/normal_equations_tuning.hpp"
@@ -179,6 +180,10 @@ void add_search_loads(const SearchPlan& plan, double width, Loads& loads) {
   };
   each("cells of the search", plan.cells, kCost.cell);
   each("the same at the size of the frame", plan.cell_area, kCost.cell_area);
+  if (plan.near_cells > 0) {
+    loads.push_back({"cells near its candidates", 0, static_cast<double>(plan.near_cells), kCost.cell});
+    loads.push_back({"the same at the size of the frame", 0, plan.near_area, kCost.cell_area});
+  }
   each("columns of pixels, where it goes on", width, kCost.strip_column);
   if (plan.does_both) loads.push_back({"steps of alignments", steps, steps, kCost.alignment_step});
 }
@@ -199,12 +204,32 @@ void add_start_loads(const Sizes& s, const TrackerLimits& limits, bool adapts, L
   loads.push_back({"points of curves", s.edges, s.edges, kCost.curve_point});
 }
 
+/// Of the cells of a row, in cells of the frame's full size.
+double area_of_row(const SearchPlace& place) {
+  const double ratio = static_cast<double>(place.ratio()) / ScaledLines::kUnit;
+  return ratio * ratio * place.columns();
+}
+
+/// Makes cells and area those of a search near a box of this side, if they are more.
+void add_near_search(const TrackerLimits& l, float side, std::uint32_t* most_cells, double* most_area) {
+  std::uint32_t cells = 0;
+  double area = 0;
+  SearchPlace place;
+  const FaceBox box{{0.5f * static_cast<float>(l.width), 0.5f * static_cast<float>(l.height)}, side};
+  for (place.begin_near(l.width, l.height, l.smallest_face_px, box); !place.is_complete(); place.advance()) {
+    cells += static_cast<std::uint32_t>(place.columns());
+    area += area_of_row(place);
+  }
+  *most_cells = std::max(*most_cells, cells);
+  *most_area = std::max(*most_area, area);
+}
+
 SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
   SearchPlan plan;
   SearchPlace place;
   const std::uint32_t work = std::max(limits.search_work, std::uint32_t{1});
-  std::uint32_t widest = 0, done = work;
-  double area = 0;
+  std::uint32_t widest = 0, done = work, near_cells = 0;
+  double area = 0, row_area = 0, near_area = 0;
   for (place.begin(limits.width, limits.height, limits.smallest_face_px); !place.is_complete();
        place.advance()) {
     const auto columns = static_cast<std::uint32_t>(place.columns());
@@ -214,8 +239,9 @@ SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
       area = 0;
     }
     done += columns;
-    const double ratio = static_cast<double>(place.ratio()) / ScaledLines::kUnit;
-    area += ratio * ratio * columns;
+    area += area_of_row(place);
+    row_area = std::max(row_area, area_of_row(place));
+    if (place.begins_strip()) add_near_search(limits, place.box(0, 0).side, &near_cells, &near_area);
     plan.cell_area = std::max(plan.cell_area, area);
     plan.all_cells += columns;
     widest = std::max(widest, columns);
@@ -224,6 +250,13 @@ SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
   plan.does_both = limits.search_work >= kFaceStartTuning.cells_for_both;
   plan.steps = std::max(1, static_cast<int>(limits.search_work / kFaceStartTuning.cells_a_step));
   plan.alignment_steps = static_cast<int>(table.stage_count()) + 1;
+  if (plan.does_both && plan.search_frames > 1) {
+    // Each alignment begins with a search near its candidate, and the search goes on after rows that it had already.
+    const int alignments = (plan.steps + plan.alignment_steps - 1) / plan.alignment_steps;
+    const std::uint32_t rows_again = kWindowCells - 1;
+    plan.near_cells = static_cast<std::uint32_t>(alignments) * near_cells + rows_again * widest;
+    plan.near_area = alignments * near_area + rows_again * row_area;
+  }
   for (int left = plan.alignment_steps; left > 0; ++plan.alignment_frames) {
     const int taken = std::min(plan.steps, left);
     left -= !plan.does_both && taken == left && taken > 1 ? taken - 1 : taken;

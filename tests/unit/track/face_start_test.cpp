@@ -257,6 +257,7 @@ TEST_CASE(
 
 TEST_CASE("a search in parts that saw the face at another size only: it is aligned at its own") {
   FakeFaces fake(half_size());
+  fake.calls_a_search = 2;
   fake.size_found = 1.33f;
   TrackerLimits limits = limits_with_fake();
   limits.search_work = kFaceStartTuning.cells_a_step;
