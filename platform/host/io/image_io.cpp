@@ -2,6 +2,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/image.hpp"
+#include "host/io/jpeg_tables.hpp"
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
@@ -49,6 +50,8 @@ Image read_image(const std::string& path) {
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   const int length = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;
+  if (!has_sound_huffman_tables(bytes))
+    fail_input(path, "a damaged picture: a Huffman table of more than 256 codes");
   if (stbi_info_from_memory(data, length, &width, &height, &channels) == 0)
     fail_input(path, std::string("is not a picture that can be read: ") + stbi_failure_reason());
   if (width > 16384 || height > 16384) fail_input(path, "is larger than 16384 pixels on a side");
