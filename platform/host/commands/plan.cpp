@@ -7,6 +7,7 @@
 #include "estimate/frame_solver.hpp"
 #include "face/aligner_table.hpp"
 #include "face/detector_table.hpp"
+#include "face/part_fit.hpp"
 #include "face/scaled_lines.hpp"
 #include "face/search_place.hpp"
 #include "optim/normal_equations_tuning.hpp"
@@ -42,7 +43,7 @@ struct Instructions {
   double cell = 1540;            ///< of the search
   double cell_area = 43;         ///< of a cell at full size that a cell of the search is reduced from
   double strip_column = 23000;   ///< of the frame: rows above the one where the search goes on
-  double alignment_step = 1.8e6;
+  double alignment_step = 1.8e6, alignment_end = 1.1e6;
   double personal_sample = 28;  ///< of one field at one sample of the person's
   double adapted_vertex = 60000;
   double curve_point = 60000;  ///< a new one
@@ -311,6 +312,10 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
     add_search_loads(plan.search, limits.width, plan.search_loads);
     plan.start_loads = plan.search.does_both ? plan.search_loads
                                              : Loads{{"steps of alignments", 1, 1, kCost.alignment_step}};
+    plan.start_loads.push_back({"ends of alignments", 1, 1, kCost.alignment_end});
+    const double readings = kPartFitTuning.start_centrings + 1;
+    if (!model.parts().empty())
+      plan.start_loads.push_back({"readings of the parts of a face", readings, readings, kCost.parts});
   }
   add_start_loads(sizes, limits, plan.search.does_both || plan.search.all_cells == 0, plan.start_loads);
   return plan;
