@@ -24,7 +24,7 @@ struct CoarseTranslation {
 /// shifts the smaller is taken. Sums are integers: the bits are the same on every target.
 /// \return correlation 0 for images of different sizes or with a side above 16,384 px, unreadable views, a
 ///         box of fewer than 4 x 4 px, or a negative range.
-/// Cost: (range_px + 1)^2 * 3600 multiply-adds.
+/// Cost: ((2 range_px / 3 + 1)^2 + 26) * 3600 multiply-adds.
 CoarseTranslation find_coarse_translation(const ImageView& reference, const PixelBox& box,
                                           const ImageView& current, int range_px);
 

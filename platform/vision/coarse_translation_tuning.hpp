@@ -12,9 +12,10 @@ struct CoarseTranslationTuning {
   int min_side_px = 4;
   /// A shift is considered if at least one pixel in this many is in both images. Round value, not tuned.
   int min_overlap_divisor = 2;
-  /// Step of the first search, px. Correlation peaks of a thumbnail are wider than this; the shifts between are tried
-  /// around the best only.
-  int first_step_px = 2;
+  /// Step of the first search, px. Correlation peaks of a thumbnail are wider than this; the shifts between are
+  /// tried around the best only. With 3 every film with faults of the recorded face is as with 2, and a search
+  /// of the whole picture takes 3.6 instead of 7.7 million instructions.
+  int first_step_px = 3;
 };
 inline constexpr CoarseTranslationTuning kCoarseTranslationTuning{};
 
