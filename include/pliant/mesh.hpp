@@ -47,7 +47,6 @@ class Mesh {
   const MeshLimits& limits() const { return limits_; }                             ///< Limits of the layout.
   int vertex_count() const { return static_cast<int>(vertex_ids_.used_count()); }  ///< Live vertices.
   int face_count() const { return static_cast<int>(face_ids_.used_count()); }      ///< Live faces.
-  int boundary_edge_count() const { return boundary_edges_; }                      ///< Edges with one face.
   int edge_count() const { return (3 * face_count() + boundary_edges_) / 2; }      ///< Edges.
   int base_vertex_count() const { return base_vertices_; }                         ///< Of the base.
   int base_face_count() const { return base_faces_; }                              ///< Of the base.

@@ -104,6 +104,12 @@ CropReader::CropReader(const FacePicture& picture, const CropMap& map)
   step_y_ = fixed(step.y, 64);
 }
 
+Vec2 down_of(const Projector& projector) {
+  const Vec3 up = projector.rotated({0, 1, 0});
+  const float size = length(Vec2{up.x, up.y});
+  return size > 1e-3f ? (-1.0f / size) * Vec2{up.x, up.y} : Vec2{0, 1};
+}
+
 void CropReader::read_row(int y, std::uint8_t* out) const {
   std::int32_t at_x = first_x_ - (y + 1) * step_y_, at_y = first_y_ + (y + 1) * step_x_;
   const std::int32_t steps = count_ - 1, last = ((picture_side_ - 1) << 16) - 1;

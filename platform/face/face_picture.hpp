@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "pliant/arena.hpp"
+#include "pliant/camera.hpp"
 #include "pliant/frame.hpp"
 #include "pliant/geometry.hpp"
 #include "pliant/pyramid.hpp"
@@ -65,6 +66,10 @@ class FacePicture {
   Vec2 first_;       // px of the frame: the middle of pixel (0, 0)
   float ratio_ = 1;  // px of the frame a pixel
 };
+
+/// What is upright in crops of a face: its own vertical as the camera sees it, downwards; unit. Down in the image where the
+/// camera looks along it.
+Vec2 down_of(const Projector& projector);
 
 /// Reads the rows of an upright crop, with one pixel more on each side, by bilinear interpolation.
 class CropReader {

@@ -57,10 +57,7 @@ CropMap FaceShape::crop_map(float mm_per_px, int side) {
     if (projector.project(cascade_.selected_point(uv), &x)) x = lens_.distort(x);
     map.origin = map.origin + 0.25f * x;
   }
-  // Upright: the face's own vertical, as the camera sees it.
-  const Vec3 up = projector.rotated({0, 1, 0});
-  const float size = length(Vec2{up.x, up.y});
-  const Vec2 down = size > 1e-3f ? (-1.0f / size) * Vec2{up.x, up.y} : Vec2{0, 1};
+  const Vec2 down = down_of(projector);
   map.right = (mm_per_px * view_.s) * Vec2{down.y, -down.x};
   return map;
 }

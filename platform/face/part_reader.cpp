@@ -20,10 +20,7 @@ Sym2 turned(Sym2 w, Vec2 a) {
 CropMap crop_of_part(const PartRecord& part, const View& view, Vec2 middle) {
   CropMap map;
   map.side = part.crop_px;
-  // Upright: the face's own vertical, as the camera sees it.
-  const Vec3 up = Projector(view, true).rotated({0, 1, 0});
-  const float size = length(Vec2{up.x, up.y});
-  const Vec2 down = size > 1e-3f ? (-1.0f / size) * Vec2{up.x, up.y} : Vec2{0, 1};
+  const Vec2 down = down_of(Projector(view, true));
   map.origin = middle + (part.below_mm * view.s) * down;
   map.right = (part.mm_per_px * view.s) * Vec2{down.y, -down.x};
   return map;

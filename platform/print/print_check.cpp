@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "vision/parabola.hpp"
+
 namespace pliant {
 
 namespace {
@@ -122,12 +124,6 @@ float correlate(const float* grey, int stride, const float* expected) {
   return kPart * (xy - kPart * x * y) / std::sqrt(frame_variance * albedo_variance);
 }
 
-/// Where the parabola through three values, the middle one the largest, has its maximum, -0.5 to 0.5.
-float peak_of(float before, float middle, float after) {
-  const float bend = before - 2 * middle + after;
-  return bend < 0 ? clamp(0.5f * (before - after) / bend, -0.5f, 0.5f) : 0;
-}
-
 bool is_inside(const FrameView& frame, Vec2 x, float reach) {
   return x.x >= reach && x.y >= reach && x.x < static_cast<float>(frame.width) - reach &&
          x.y < static_cast<float>(frame.height) - reach;
@@ -185,8 +181,8 @@ constexpr int kWide = 2 * (kHalf + kShift) + 1;      // samples
   if (score[best] < kTuning.least_correlation || i == 0 || j == 0 || i == 2 * kShift || j == 2 * kShift)
     return false;
   *shift = {
-      static_cast<float>(i - kShift) + peak_of(score[best - 1], score[best], score[best + 1]),
-      static_cast<float>(j - kShift) + peak_of(score[best - kShifts], score[best], score[best + kShifts])};
+      static_cast<float>(i - kShift) + parabola_peak(score[best - 1], score[best], score[best + 1]),
+      static_cast<float>(j - kShift) + parabola_peak(score[best - kShifts], score[best], score[best + kShifts])};
   return true;
 }
 

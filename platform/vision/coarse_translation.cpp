@@ -4,6 +4,7 @@
 
 #include "base/wide_vectors.hpp"
 #include "vision/coarse_translation_tuning.hpp"
+#include "vision/parabola.hpp"
 
 namespace pliant {
 
@@ -75,20 +76,14 @@ class Search {
   CoarseTranslation result() const {
     CoarseTranslation r;
     r.correlation = best_;
-    r.by = {static_cast<float>(best_x_) +
-                peak_offset(correlation_at(best_x_ - 1, best_y_), correlation_at(best_x_ + 1, best_y_)),
-            static_cast<float>(best_y_) +
-                peak_offset(correlation_at(best_x_, best_y_ - 1), correlation_at(best_x_, best_y_ + 1))};
+    r.by = {static_cast<float>(best_x_) + parabola_peak(correlation_at(best_x_ - 1, best_y_), best_,
+                                                        correlation_at(best_x_ + 1, best_y_)),
+            static_cast<float>(best_y_) + parabola_peak(correlation_at(best_x_, best_y_ - 1), best_,
+                                                        correlation_at(best_x_, best_y_ + 1))};
     return r;
   }
 
  private:
-  // Where a parabola through the best correlation and its two neighbours has its peak, px.
-  float peak_offset(float before, float after) const {
-    const float bend = before - 2 * best_ + after;
-    return bend < 0 ? clamp(0.5f * (before - after) / bend, -0.5f, 0.5f) : 0.0f;
-  }
-
   float correlation_at(int dx, int dy) const {
     const int x0 = box_.x0 + dx < 0 ? -dx : box_.x0;
     const int x1 = box_.x1 + dx > current_.width ? current_.width - dx : box_.x1;

@@ -11,6 +11,11 @@ struct ChartPoint {
   explicit ChartPoint(Vec2 uv) : u(clamp(uv.x, 0, 1)), mirrored_u(1 - u), v(clamp(uv.y, 0, 1)) {}
 };
 
+/// No value of the field's component c is larger.
+inline float largest_value(const Field& f, int c) {
+  return magnitude(f.offset[c]) + (f.bits == 16 ? 32768.0f : 128.0f) * magnitude(f.scale[c]);
+}
+
 /// Whether the field may differ from zero there.
 inline bool is_in_support(const Field& f, const ChartPoint& at) {
   const float u = f.mirror ? at.mirrored_u : at.u;

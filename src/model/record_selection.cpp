@@ -9,9 +9,8 @@ namespace {
 
 /// No component of a field's vectors is larger.
 float largest_component(const Field& f) {
-  const float steps = f.bits == 16 ? 32768.0f : 128.0f;
   float largest = 0;
-  for (int k = 0; k < 3; ++k) largest = max(largest, magnitude(f.offset[k]) + steps * magnitude(f.scale[k]));
+  for (int k = 0; k < 3; ++k) largest = max(largest, largest_value(f, k));
   return largest;
 }
 

@@ -3,6 +3,8 @@
 
 #include <cstring>
 
+#include "model/field_sampling.hpp"
+
 namespace pliant {
 
 namespace {
@@ -151,9 +153,8 @@ struct TableReader {
                            f.mirror <= 1;
     if (!has_shape || !are_in_unit(&f.u0, 4)) return false;
     if (!(f.u1 - f.u0 >= kMinSupport && f.v1 - f.v0 >= kMinSupport)) return false;
-    const float steps = f.bits == 16 ? 32768.0f : 128.0f;
     for (int c = 0; c < 3; ++c)
-      if (!(magnitude(f.offset[c]) + steps * magnitude(f.scale[c]) <= kMaxMagnitude)) return false;
+      if (!(largest_value(f, c) <= kMaxMagnitude)) return false;
     const std::size_t bytes_each = f.bits / 8u;
     const std::size_t need = std::size_t{f.width} * f.height * f.components * bytes_each;
     return f.first_byte % bytes_each == 0 && f.first_byte <= sample_bytes &&

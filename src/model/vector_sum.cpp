@@ -5,6 +5,8 @@
 
 #include <cstring>
 
+#include "model/field_sampling.hpp"
+
 namespace pliant {
 
 namespace {
@@ -45,8 +47,8 @@ Vec3 VectorSum::largest() const {
   for (std::size_t n = 1; n < records_.count; ++n) {
     const CascadeRecord& r = model_.cascade()[records_[n]];
     const Field& f = model_.fields()[r.field];
-    const float steps = f.bits == 16 ? 32768.0f : 128.0f, amount = magnitude(q_[r.parameter[0]]);
-    for (int c = 0; c < 3; ++c) most[c] += amount * (magnitude(f.offset[c]) + steps * magnitude(f.scale[c]));
+    const float amount = magnitude(q_[r.parameter[0]]);
+    for (int c = 0; c < 3; ++c) most[c] += amount * largest_value(f, c);
   }
   return {most[0], most[1], most[2]};
 }
