@@ -26,9 +26,8 @@ struct ViewVotes {
 };
 
 /// Takes each match in turn as true, and counts the others near their place in the view that it suggests.
-/// \param middle        of the surface, mm: a view is judged by where its matches lie.
 /// \param tolerance_mm  distance on the surface at which a match still agrees.
-/// \param views         out: the best views, best first, that differ in their votes' supporters.
+/// \param views         out: the views with most votes, best first. Several may be nearly the same.
 /// \return their number. Cost: matches^2 projections.
 std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, float tolerance_mm,
                        Span<ViewVotes> views);

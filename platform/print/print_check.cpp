@@ -15,18 +15,23 @@ struct PrintCheckTuning {
   std::size_t blocks = 48;
   /// Step of the differences that give the warp of a block, (u,v).
   float step_uv = 0.01f;
-  /// Area of a unit of (u,v) in the frame, at least, as a fraction of its squared longer side: a chart may be narrow.
-  float least_slant = 0.1f;
+  /// Area of a unit of (u,v) in the frame, at least: as a fraction of its squared longer side (a chart may be narrow), and px^2 (so
+  /// that the warp has an inverse). The second is a round value, not tuned.
+  float least_slant = 0.1f, least_area_px2 = 1;
   /// Standard deviation of a block's samples, at least: of the albedo, and of the frame, grey levels.
   float least_albedo_sd = 8, least_frame_sd = 2;
   /// Correlation from which on a block agrees. Of 48 blocks at wrong places 2 % reach it.
   float least_correlation = 0.6f;
   /// Standard deviation of a block's place: a fraction of the spacing of its samples, and px.
   float sd_fraction = 0.1f, least_sd_px = 0.1f;
+  /// Samples of a block to each side of its middle: 7 x 7 samples. Their number fixes the cost. Not tuned.
+  int half = 3;
+  /// Samples that a block is searched for to each side of its place. Not tuned.
+  int shift = 2;
 };
 constexpr PrintCheckTuning kTuning;
 
-constexpr int kHalf = 3;  // samples
+constexpr int kHalf = kTuning.half;
 constexpr int kSamples = (2 * kHalf + 1) * (2 * kHalf + 1);
 
 int limited(float x, int size) {
@@ -60,7 +65,7 @@ struct Block {
 bool make_block(const SurfacePlace& place, Block* block) {
   const Vec2 a{place.px_per_uv.a, place.px_per_uv.c}, b{place.px_per_uv.b, place.px_per_uv.d};
   const float longer = dot(a, a) > dot(b, b) ? dot(a, a) : dot(b, b);
-  if (!(determinant(place.px_per_uv) > max(kTuning.least_slant * longer, 1))) return false;
+  if (!(determinant(place.px_per_uv) > max(kTuning.least_slant * longer, kTuning.least_area_px2))) return false;
   *block = {place.uv, place.x, inverse(place.px_per_uv)};
   return true;
 }
@@ -163,8 +168,8 @@ bool shows_print(const FrameView& frame, const Model& model, const SurfacePlace&
 
 namespace {
 
-constexpr int kShift = 2, kShifts = 2 * kShift + 1;  // samples, to each side
-constexpr int kWide = 2 * (kHalf + kShift) + 1;      // samples
+constexpr int kShift = kTuning.shift, kShifts = 2 * kShift + 1;
+constexpr int kWide = 2 * (kHalf + kShift) + 1;  // samples
 
 /// Finds a block near its place. \return false where it does not look like the albedo. Not inlined, for the sake of the
 /// caller's stack.

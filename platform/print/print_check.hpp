@@ -34,12 +34,13 @@ struct SurfacePlace {
 };
 
 /// Compares the block around one place.
-/// \return true where it looks like the albedo, and where it is not all in the frame.
+/// \return true if it looks like the albedo, or if it cannot be compared: it turns away, or is not all in the frame.
+///   False if the albedo has no texture there.
 bool shows_print(const FrameView& frame, const Model& model, const SurfacePlace& place, float block_px);
 
-/// Finds the same blocks near where they are expected, up to two samples away, to a fraction of a sample.
-/// \param points  room for them; those that are found are written.
-/// \return their number. Cost: 48 blocks, 8,000 operations each.
+/// Finds blocks near where they are expected, up to two samples away, to a fraction of a sample.
+/// \param points  room for them, one block each; those that are found are written.
+/// \return their number. Cost: 8,000 operations a block.
 std::size_t match_blocks(const FrameView& frame, const Model& model, const PrintTable& table,
                          const SurfaceProjection& projection, float block_px, Span<Correspondence> points);
 

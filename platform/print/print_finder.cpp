@@ -15,6 +15,8 @@ struct PrintFinderTuning {
   /// Matches that must agree on a view. It is verification that decides: with 6 the poster, 53 px high, is found in 0 of 8, with 4 in
   /// 3, with 3 in 6, and no picture without it is taken for it.
   int least_votes = 3;
+  /// Views that are fitted at most, those with most votes first: time of a search's last part. Not tuned.
+  std::size_t most_views = 3;
   /// Distances at which a match agrees, as fractions of the surface's extent: with the view that one match suggests, after
   /// the fit of the pose of the surface at rest, and after the fit of its parameters.
   float vote_fraction = 0.1f, rigid_fraction = 0.05f, bent_fraction = 0.02f;
@@ -108,11 +110,10 @@ Status PrintFinder::search(const FrameView& frame, std::uint32_t work, const Cam
   if (status != Status::ok) return status;
   if (!matcher_.step(work)) return Status::not_found;
   gather(frame, camera);
-  constexpr std::size_t kMostViews = 3;
-  ViewVotes views[kMostViews];
+  ViewVotes views[kTuning.most_views];
   const std::size_t count =
       find_views({matches_.data, match_count_}, camera, kTuning.vote_fraction * matcher_.table().extent_mm(),
-                 {views, kMostViews});
+                 {views, kTuning.most_views});
   for (std::size_t k = 0; k < count && views[k].votes >= kTuning.least_votes; ++k)
     if (fit_readings(views[k].view, frame, camera, q, found))
       return (found->is_clear && is_sure(found->agreement)) ||

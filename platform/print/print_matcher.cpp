@@ -9,9 +9,6 @@ namespace {
 
 constexpr const PrintTuning& kTuning = kPrintTuning;
 
-/// Work in cells of the search for faces, some 3,000 instructions each.
-constexpr std::uint32_t kPixelsPerCell = 50, kCellsPerDescriptor = 4, kKeypointsPerCell = 100;
-
 /// Room for the corners of a level, in the first place of all.
 std::size_t room_of(int level) {
   return kTuning.corners >> level;
@@ -53,7 +50,7 @@ std::size_t PrintMatcher::most_matches() {
 
 bool PrintMatcher::step(std::uint32_t work) {
   std::uint32_t done = 0;
-  const auto of_corner = static_cast<std::uint32_t>(table_.keypoints().count) / kKeypointsPerCell + 1;
+  const auto of_corner = static_cast<std::uint32_t>(table_.keypoints().count) / kTuning.keypoints_per_cell + 1;
   do {
     if (next_level_ < pyramid_.levels()) {
       done += find_corners_of(next_level_++);
@@ -80,8 +77,8 @@ std::uint32_t PrintMatcher::find_corners_of(int level) {
     add_corner(image, x, PatchScale::whole, to_frame);
     if (level == 0) add_corner(image, x, PatchScale::half, to_frame);
   }
-  return static_cast<std::uint32_t>(image.width * image.height) / kPixelsPerCell +
-         kCellsPerDescriptor * static_cast<std::uint32_t>(found);
+  return static_cast<std::uint32_t>(image.width * image.height) / kTuning.pixels_per_cell +
+         kTuning.cells_per_descriptor * static_cast<std::uint32_t>(found);
 }
 
 void PrintMatcher::add_corner(const ImageView& image, Vec2 x, PatchScale patch, float to_frame) {

@@ -24,6 +24,10 @@ struct PrintTuning {
   float most_ratio = 0.9f;
   /// Distance in (u,v) from which on two keypoints are of different places.
   float same_place = 0.04f;
+  /// What the parts of a search cost, in the cells that bound it (TrackerLimits::search_work; some 3,000 instructions each): pixels
+  /// whose corners are found for one cell, cells of a descriptor, keypoints that a corner is compared with for one cell. Round
+  /// values, not tuned.
+  std::uint32_t pixels_per_cell = 50, cells_per_descriptor = 4, keypoints_per_cell = 100;
 };
 inline constexpr PrintTuning kPrintTuning{};
 
