@@ -71,19 +71,11 @@ std::size_t bytes_of_reading(const Model& model, const TrackerLimits& limits) {
   return trial.used_bytes();
 }
 
-void tell_search(TrackerParts& t) {
-  t.result = {};
-  t.result.is_searching = true;
-}
-
 void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
   FaceSelfStart& self = self_of(t);
-  t.is_started = false;
   self.faces.begin_search();
   self.person.is_known = false;
-  self.kept.keep(start);
-  self.kept.keep(options);
-  tell_search(t);
+  self.begin_search(t, start, options);
 }
 
 Status search(TrackerParts& t, const FrameView& view) {
@@ -93,7 +85,7 @@ Status search(TrackerParts& t, const FrameView& view) {
     self.faces.begin_search();
     t.block_is_of_search = true;
   }
-  tell_search(t);
+  SelfStart::report_search(t);
   StartPose found;
   Status status =
       self.faces.search({view, t.block, self.kept.start}, &person_of(t), &found, &self.landmark_error);
@@ -101,13 +93,10 @@ Status search(TrackerParts& t, const FrameView& view) {
   TrackerOptions options = self.kept.options;
   // To refine the mesh takes as long as two frames of the track, which does not depend on it.
   if (self.faces.spreads_work()) options.estimator.mesh_error_mm = 0;
-  self.is_own_start = true;
   t.identity_is_given = t.identity_is_given && self.person.is_known;
-  status = t.start(view, found, t.start_q.data, options, {});
-  self.is_own_start = false;
-  if (status != Status::ok)
-    tell_search(t);
-  else if (self.person.is_known)
+  status = self.start(t, view, found, options);
+  if (status != Status::ok) return Status::ok;
+  if (self.person.is_known)
     t.markers.restore(t.estimator, self.markers, self.marker_count);
   else
     t.offsets.place_pending(t.estimator);
@@ -133,12 +122,7 @@ void give_up(TrackerParts& t) {
   person.is_known = person.is_known || (self.faces.has_confirmed() && !self.poor_start.is_poor());
   if (person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
   person.camera = t.estimator.camera();
-  for (std::size_t k = 0; k < t.start_q.count; ++k) t.start_q[k] = t.estimator.parameters()[k];
-  t.is_started = false;
-  t.result.state = TrackState::lost;
-  t.result.is_searching = true;
-  t.result.landmark_error = 0;
-  t.result.gaze = {};
+  SelfStart::give_up(t);
 }
 
 void conclude(TrackerParts& t, const FrameView& view) {
@@ -194,11 +178,7 @@ void calibrate_parts(TrackerParts& t, const FrameView& view) {
 
 void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {
   FaceSelfStart& self = self_of(t);
-  if (!self.is_own_start) {
-    self.person.is_known = false;
-    self.kept.keep(*self.of_caller);
-    self.kept.keep(options);
-  }
+  if (self.keep_start_of_caller(options)) self.person.is_known = false;
   calibrate_parts(t, view);
   self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);
   self.faces.begin_track(self.landmark_error);

@@ -70,13 +70,9 @@ std::size_t check_bytes(const Model&, const TrackerLimits&) {
 
 void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
   PrintSelfStart& self = self_of(t);
-  t.is_started = false;
   self.finder = nullptr;
   self.marker_count = 0;
-  self.kept.keep(start);
-  self.kept.keep(options);
-  t.result = {};
-  t.result.is_searching = true;
+  self.begin_search(t, start, options);
 }
 
 /// A key frame's templates, and those of a start by print, are captured where the picture shows the print: not on what is in front
@@ -109,23 +105,15 @@ PrintFinder& finder_of(TrackerParts& t) {
 Status search(TrackerParts& t, const FrameView& view) {
   PrintSelfStart& self = self_of(t);
   PrintFinder& finder = finder_of(t);
-  t.result = {};
-  t.result.is_searching = true;
+  SelfStart::report_search(t);
   const StartOptions& o = self.kept.start;
   const Camera camera = start_camera(o.camera, o.focal_px, view.width, view.height);
   FoundPrint found;
   Status status = finder.search(view, t.limits.search_work, camera, t.start_q.data, &found);
   if (status != Status::ok) return status == Status::not_found ? Status::ok : Status::bad_table;
   t.templates.set_check({&t, accepts_template});
-  self.is_own_start = true;
-  status = t.start(view, {camera, pose_of(found.view)}, t.start_q.data, self.kept.options, {});
-  self.is_own_start = false;
-  if (status == Status::ok) {
-    t.markers.restore(t.estimator, self.markers, self.marker_count);
-  } else {
-    t.result = {};
-    t.result.is_searching = true;
-  }
+  status = self.start(t, view, {camera, pose_of(found.view)}, self.kept.options);
+  if (status == Status::ok) t.markers.restore(t.estimator, self.markers, self.marker_count);
   return Status::ok;
 }
 
@@ -169,11 +157,9 @@ void doubt(TrackerParts& t) {
 }
 
 void give_up(TrackerParts& t) {
-  self_of(t).marker_count = t.markers.save(t.estimator, self_of(t).markers);
-  for (std::size_t k = 0; k < t.start_q.count; ++k) t.start_q[k] = t.estimator.parameters()[k];
-  t.is_started = false;
-  t.result.state = TrackState::lost;
-  t.result.is_searching = true;
+  PrintSelfStart& self = self_of(t);
+  self.marker_count = t.markers.save(t.estimator, self.markers);
+  SelfStart::give_up(t);
 }
 
 void conclude(TrackerParts& t, const FrameView& view) {
@@ -192,11 +178,7 @@ void conclude(TrackerParts& t, const FrameView& view) {
 
 void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {
   PrintSelfStart& self = self_of(t);
-  if (!self.is_own_start) {
-    self.marker_count = 0;
-    self.kept.keep(*self.of_caller);
-    self.kept.keep(options);
-  }
+  if (self.keep_start_of_caller(options)) self.marker_count = 0;
   self.frames_since_check = self.bad_checks = self.unconfirmed_frames = 0;
   self.agreement = 1;
   self.is_confirmed = !self.is_own_start;

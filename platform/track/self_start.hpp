@@ -11,10 +11,9 @@
 
 namespace pliant {
 
+struct Detection;
 struct FaceModules;
 struct TrackerParts;
-
-struct Detection;
 
 /// What a tracker keeps for starts of its own: the common part. In the arena, if the limits name a detection
 /// that the model has tables for.
@@ -26,11 +25,18 @@ struct SelfStart {
   std::size_t marker_count = 0;
   bool is_own_start = false;  // while the tracker starts by itself
 
-  void lay_out(Arena& arena, const Detection* of, const Model& model, const TrackerLimits& limits) {
-    calls = of;
-    kept.lay_out(arena, model);
-    markers = arena.take<MarkerPlace>(limits.markers);
-  }
+  void lay_out(Arena& arena, const Detection* of, const Model& model, const TrackerLimits& limits);
+  /// Makes the tracker's result that of a frame without a track.
+  static void report_search(TrackerParts& tracker);
+  /// Ends the track, and keeps the options for the starts that follow.
+  void begin_search(TrackerParts& tracker, const StartOptions& start, const TrackerOptions& options);
+  /// Starts the track of what a search found, with the parameters of TrackerParts::start_q.
+  Status start(TrackerParts& tracker, const FrameView& frame, const StartPose& found,
+               const TrackerOptions& options);
+  /// Keeps the options of a start that the caller made. \return false, and nothing kept, if the tracker made it itself.
+  bool keep_start_of_caller(const TrackerOptions& options);
+  /// Ends a track that is wrong or lost. TrackerParts::start_q keeps its parameters; the next frames are searched.
+  static void give_up(TrackerParts& tracker);
 };
 
 /// What is known of a start of the caller's.

@@ -1,0 +1,50 @@
+#include "track/self_start.hpp"
+
+#include "track/tracker_parts.hpp"
+
+namespace pliant {
+
+void SelfStart::lay_out(Arena& arena, const Detection* of, const Model& model, const TrackerLimits& limits) {
+  calls = of;
+  kept.lay_out(arena, model);
+  markers = arena.take<MarkerPlace>(limits.markers);
+}
+
+void SelfStart::report_search(TrackerParts& t) {
+  t.result = {};
+  t.result.is_searching = true;
+}
+
+void SelfStart::begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
+  t.is_started = false;
+  kept.keep(start);
+  kept.keep(options);
+  report_search(t);
+}
+
+Status SelfStart::start(TrackerParts& t, const FrameView& frame, const StartPose& found,
+                        const TrackerOptions& options) {
+  is_own_start = true;
+  const Status status = t.start(frame, found, t.start_q.data, options, {});
+  is_own_start = false;
+  if (status != Status::ok) report_search(t);
+  return status;
+}
+
+bool SelfStart::keep_start_of_caller(const TrackerOptions& options) {
+  if (is_own_start) return false;
+  kept.keep(*of_caller);
+  kept.keep(options);
+  return true;
+}
+
+void SelfStart::give_up(TrackerParts& t) {
+  for (std::size_t k = 0; k < t.start_q.count; ++k) t.start_q[k] = t.estimator.parameters()[k];
+  t.is_started = false;
+  t.result.state = TrackState::lost;
+  t.result.is_searching = true;
+  t.result.landmark_error = 0;
+  t.result.gaze = {};
+}
+
+}  // namespace pliant
