@@ -83,6 +83,14 @@ struct Picture {
   pliant::ImageView view() const { return {pixels.data(), width, height, width}; }
 };
 
+/// Every pixel of its own.
+inline Picture noise(int width, int height, std::uint64_t seed) {
+  Picture p(width, height);
+  Random random(seed);
+  for (auto& v : p.pixels) v = static_cast<std::uint8_t>(random.uniform(0, 256));
+  return p;
+}
+
 inline pliant::Vec2 moved(const Motion& m, const Picture& p, pliant::Vec2 x) {
   const double cx = 0.5 * (p.width - 1), cy = 0.5 * (p.height - 1), u = double(x.x) - cx,
                v = double(x.y) - cy;

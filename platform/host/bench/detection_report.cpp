@@ -57,14 +57,4 @@ void DetectionErrors::print(const BenchRows& rows, const std::string& name) cons
   rows(name, "median_frame", quantile(frames, 0.5));
 }
 
-FrameView frame_of(const Image& grey, std::size_t k) {
-  return {grey.pixels.data(),
-          grey.width,
-          grey.height,
-          static_cast<std::size_t>(grey.width),
-          1,
-          static_cast<std::int64_t>(k) * 33'333'333,
-          static_cast<std::uint32_t>(k)};
-}
-
 }  // namespace pliant::host

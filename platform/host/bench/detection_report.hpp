@@ -43,7 +43,4 @@ struct DetectionErrors {
   void print(const BenchRows& rows, const std::string& name) const;
 };
 
-/// Frame k of a film, 30 frames a second.
-FrameView frame_of(const Image& grey, std::size_t k);
-
 }  // namespace pliant::host

@@ -110,17 +110,6 @@ TrackerLimits limits_for(ImageSize size) {
   return limits;
 }
 
-FrameView view_of_frame(const Image& image, std::size_t k) {
-  FrameView view{image.pixels.data(),
-                 image.width,
-                 image.height,
-                 static_cast<std::size_t>(image.width),
-                 1,
-                 static_cast<std::int64_t>(k + 1) * 33333333,
-                 static_cast<std::uint32_t>(k + 1)};
-  return view;
-}
-
 void measure_case(const Model& model, const PrintCase& c, const learn::OtherPictures& others, int count,
                   const BenchRows& rows) {
   const Camera camera = centred_camera(c.size.width, c.size.height, 1.4f * static_cast<float>(c.size.width));
@@ -142,7 +131,7 @@ void measure_case(const Model& model, const PrintCase& c, const learn::OtherPict
     for (; frame < kFrames && !tracker->is_started(); ++frame) {
       Image noisy = clean;
       add_noise(noisy, 3, random.bits());
-      require(tracker->update(view_of_frame(noisy, static_cast<std::size_t>(kFrames * k + frame)), &result),
+      require(tracker->update(frame_of(noisy, static_cast<std::size_t>(kFrames * k + frame + 1)), &result),
               "update");
     }
     if (!tracker->is_started()) continue;

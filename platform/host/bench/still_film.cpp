@@ -67,13 +67,7 @@ FrameView StillFilm::frame(std::size_t k) {
       *frame_.at(x, y) =
           grey_of(bilinear(picture_, static_cast<float>(x) - by.x, static_cast<float>(y) - by.y));
   add_grey_noise(frame_, options_.noise_grey, options_.seed * 1000 + static_cast<std::uint32_t>(k));
-  return {frame_.pixels.data(),
-          frame_.width,
-          frame_.height,
-          static_cast<std::size_t>(frame_.width),
-          1,
-          static_cast<std::int64_t>(k) * 33'333'333,
-          static_cast<std::uint32_t>(k)};
+  return frame_of(frame_, k);
 }
 
 Image resized(const Image& grey, float scale) {

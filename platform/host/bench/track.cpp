@@ -61,16 +61,7 @@ struct Film {
     const std::size_t m = n % (2 * kUnique - 2);
     return m < kUnique ? m : 2 * kUnique - 2 - m;
   }
-  FrameView view(std::size_t n) const {
-    const Image& image = frames[shown(n)];
-    return {image.pixels.data(),
-            size.width,
-            size.height,
-            static_cast<std::size_t>(size.width),
-            1,
-            static_cast<std::int64_t>(n) * 33'333'333,
-            static_cast<std::uint32_t>(n)};
-  }
+  FrameView view(std::size_t n) const { return frame_of(frames[shown(n)], n); }
 };
 
 struct Measured {

@@ -16,10 +16,6 @@ constexpr std::size_t kMaxDetections = 256;
 /// faces side by side have more distance.
 constexpr float kSameFaceFraction = 0.4f;
 
-FrameView view_of(const Image& grey) {
-  return {grey.pixels.data(), grey.width, grey.height, static_cast<std::size_t>(grey.width), 1, 0, 0};
-}
-
 bool are_one_face(const FoundFace& a, const FoundFace& b) {
   return length(a.box.center - b.box.center) < kSameFaceFraction * max(a.box.side, b.box.side);
 }
@@ -40,7 +36,7 @@ std::optional<FoundFace> FaceFinder::align(const Image& grey, const FaceBox& box
   face.q.assign(model.parameters().count, 0.0f);
   face.landmarks.assign(model.landmarks().count, Vec2{});
   const Camera used = camera.value_or(centred_camera(size.width, size.height, default_focal(size)));
-  const Status status = aligner_->align(view_of(grey), box, used, &face.aligned, face.q.data(),
+  const Status status = aligner_->align(frame_of(grey), box, used, &face.aligned, face.q.data(),
                                         {face.landmarks.data(), face.landmarks.size()});
   if (status != Status::ok) return std::nullopt;
   face.box = learn::face_box_in(model, face.landmarks, face.aligned.pose, face.aligned.camera);
@@ -58,7 +54,7 @@ std::vector<FoundFace> FaceFinder::find(const Image& grey, const std::string& na
   require(detector->status(), file_.path() + ": detector");
   std::vector<DetectedFace> detected(kMaxDetections);
   std::size_t count = 0;
-  require(detector->find(view_of(grey), {detected.data(), detected.size()}, &count), name);
+  require(detector->find(frame_of(grey), {detected.data(), detected.size()}, &count), name);
   std::vector<FoundFace> faces;
   for (std::size_t k = 0; k < count; ++k)
     if (auto face = align(grey, detected[k].box, camera); face && face->aligned.score >= min_score)

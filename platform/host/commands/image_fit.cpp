@@ -41,11 +41,6 @@ std::vector<Correspondence> correspondences(const ModelFile& file, const std::st
   return out;
 }
 
-/// Memory of an arena.
-struct alignas(Arena::kAlignment) Block {
-  unsigned char bytes[Arena::kAlignment];
-};
-
 NamedValues by_name(const Model& model, const std::vector<float>& values) {
   NamedValues out;
   for (std::size_t k = 0; k < values.size(); ++k) out.emplace_back(model.parameters()[k].name, values[k]);
@@ -212,8 +207,9 @@ FitFile fit_to_box(const ModelFile& file, const GivenBox& box, const FitSetup& s
   StartPose start{start_camera(setup.camera ? &*setup.camera : nullptr, setup.focal_px, setup.size.width,
                                setup.size.height),
                   {}};
-  std::vector<Block> block((measured_bytes<Cascade>(file.model()) + sizeof(Cascade)) / sizeof(Block) + 2);
-  Arena arena(block.data(), block.size() * sizeof(Block));
+  std::vector<ArenaLine> block((measured_bytes<Cascade>(file.model()) + sizeof(Cascade)) / sizeof(ArenaLine) +
+                               2);
+  Arena arena(block.data(), block.size() * sizeof(ArenaLine));
   FaceBox found;
   const Status status =
       pliant::fit_to_box(arena, file.model(), box.corner, box.size, box.convention, q.data(), &start, &found);

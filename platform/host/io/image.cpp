@@ -15,6 +15,16 @@ Image image_of(const FrameView& frame) {
   return image;
 }
 
+FrameView frame_of(const Image& grey, std::size_t k) {
+  return {grey.pixels.data(),
+          grey.width,
+          grey.height,
+          static_cast<std::size_t>(grey.width),
+          1,
+          static_cast<std::int64_t>(k) * 33'333'333,
+          static_cast<std::uint32_t>(k)};
+}
+
 Image to_grey(const Image& image) {
   if (image.channels == 1) return image;
   Image grey(image.width, image.height, 1);

@@ -44,6 +44,8 @@ struct Image {
 
 /// A grey copy of a frame.
 Image image_of(const FrameView& frame);
+/// A view of a grey picture, which must outlive it, as frame k of a film of 30 frames a second.
+FrameView frame_of(const Image& grey, std::size_t k = 0);
 /// Luma (Rec. 601) of a colour picture; a copy of a grey one.
 Image to_grey(const Image& image);
 /// Three equal channels of a grey picture; a copy of a colour one.

@@ -76,10 +76,6 @@ void AlignerExamples::start(const FaceSample& sample, SampleRandom& random, Alig
   }
 }
 
-FrameView frame_of(const Image& picture) {
-  return {picture.pixels.data(), picture.width, picture.height, static_cast<std::size_t>(picture.width)};
-}
-
 float mean_error(const AlignerExample& example, const std::vector<Vec2>& landmarks, std::uint8_t trust) {
   float sum = 0, count = 0;
   for (std::size_t k = 0; k < landmarks.size(); ++k)

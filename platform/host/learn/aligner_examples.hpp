@@ -65,7 +65,4 @@ class AlignerExamples {
 /// Mean distance of landmarks from the truth over the eyes' distance; of those with at least this trust. Negative: none.
 float mean_error(const AlignerExample& example, const std::vector<Vec2>& landmarks, std::uint8_t trust);
 
-/// A picture as a frame.
-FrameView frame_of(const Image& picture);
-
 }  // namespace pliant::host::learn

@@ -6,6 +6,7 @@
 
 #include "face/cell_strip.hpp"
 #include "face/search_place.hpp"
+#include "host/io/owned.hpp"
 
 namespace pliant::host::learn {
 
@@ -16,22 +17,10 @@ constexpr int kApronCells = kWindowCells + 2 * kDetectorReach, kApronPx = kApron
 // Memory of an object that lives in an arena.
 struct Room {
   explicit Room(std::size_t bytes)
-      : blocks(bytes / sizeof(Block) + 2), arena(blocks.data(), blocks.size() * sizeof(Block)) {}
-  struct alignas(16) Block {
-    unsigned char bytes[16];
-  };
-  std::vector<Block> blocks;
+      : lines(bytes / sizeof(ArenaLine) + 2), arena(lines.data(), lines.size() * sizeof(ArenaLine)) {}
+  std::vector<ArenaLine> lines;
   Arena arena;
 };
-
-FrameView image_view(const Image& picture) {
-  FrameView view;
-  view.data = picture.pixels.data();
-  view.width = picture.width;
-  view.height = picture.height;
-  view.stride_bytes = static_cast<std::size_t>(picture.width);
-  return view;
-}
 
 Window copy_of(const std::uint8_t* cells, int stride) {
   Window window;
@@ -46,7 +35,7 @@ Window copy_of(const std::uint8_t* cells, int stride) {
 Window window_of(const Image& picture, const FaceBox& box) {
   const int ratio =
       std::max(static_cast<int>(std::lround(box.side * ScaledLines::kUnit / kWindowPx)), ScaledLines::kUnit);
-  const ScaledLines lines(image_view(picture), ratio);
+  const ScaledLines lines(frame_of(picture), ratio);
   const float by = ScaledLines::kUnit / static_cast<float>(ratio);
   const auto first = [by](float middle) {
     return static_cast<int>(std::lround((middle + 0.5f) * by)) - kWindowPx / 2 -
@@ -75,7 +64,7 @@ std::vector<WindowHit> find_hits(const Image& picture, const std::vector<Detecto
   SearchPlace at;
   for (at.begin(picture.width, picture.height, kWindowPx); !at.is_complete(); at.advance()) {
     if (at.begins_strip()) strip.begin(at.first_column(), at.columns(), at.row());
-    strip.add_row(ScaledLines(image_view(picture), at.ratio()));
+    strip.add_row(ScaledLines(frame_of(picture), at.ratio()));
     if (strip.rows() < kWindowCells) continue;
     for (int k = 0; k + kWindowCells <= at.columns(); ++k) {
       const int sum = sum_of_trees({trees.data(), trees.size()}, strip.window(k), strip.stride());

@@ -15,11 +15,7 @@ constexpr std::uint16_t kVertexSlots = 6000, kAnchors = 128;
 constexpr float kMarkerExclusionPx = 8, kMinFacing = 0.3f;
 
 FrameView view_of_image(const host::Image& image, double time_s) {
-  FrameView view;
-  view.data = image.pixels.data();
-  view.width = image.width;
-  view.height = image.height;
-  view.stride_bytes = static_cast<std::size_t>(image.width);
+  FrameView view = host::frame_of(image);
   view.time_ns = static_cast<std::int64_t>(time_s * 1e9);
   return view;
 }

@@ -9,6 +9,15 @@
 
 using namespace pliant;
 
+namespace {
+
+void set_base(Mesh& mesh, const ModelBuilder& b) {
+  REQUIRE(mesh.set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) ==
+          Status::ok);
+}
+
+}  // namespace
+
 TEST_CASE("the nearest point of a triangle is inside it, and no sampled point of it is nearer") {
   Random random(3);
   for (int trial = 0; trial < 300; ++trial) {
@@ -33,8 +42,7 @@ TEST_CASE("a mesh that faces the camera hides what lies behind it and nothing el
   ModelBuilder b;
   b.grid_mesh(4);
   InArena<Mesh> mesh(MeshLimits{});
-  REQUIRE(mesh->set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) ==
-          Status::ok);
+  set_base(mesh.object, b);
   std::vector<Vec2> image;
   std::vector<float> depth;
   for (Vec2 uv : b.vertices) {
@@ -66,8 +74,7 @@ TEST_CASE("faces much smaller and larger than a cell leave none of the cells bet
     limits.vertices = 11000;
     limits.faces = 21000;
     InArena<Mesh> mesh(limits);
-    REQUIRE(mesh->set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) ==
-            Status::ok);
+    set_base(mesh.object, b);
     std::vector<Vec2> image;
     std::vector<float> depth;
     for (Vec2 uv : b.vertices) {  // turned and sheared: no edge runs along the cells
@@ -90,8 +97,7 @@ TEST_CASE("faces with a vertex behind the camera are not drawn, whatever the ima
   ModelBuilder b;
   b.grid_mesh(4);
   InArena<Mesh> mesh(MeshLimits{});
-  REQUIRE(mesh->set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) ==
-          Status::ok);
+  set_base(mesh.object, b);
   std::vector<Vec2> image;
   for (Vec2 uv : b.vertices) image.push_back({50 + 100 * uv.x, 20 + 80 * uv.y});
   std::vector<float> depth(image.size(), 500.0f);
@@ -109,8 +115,7 @@ TEST_CASE("a mesh behind the camera is not drawn") {
   ModelBuilder b;
   b.grid_mesh(2);
   InArena<Mesh> mesh(MeshLimits{});
-  REQUIRE(mesh->set_base({b.vertices.data(), b.vertices.size()}, {b.corners.data(), b.corners.size()}) ==
-          Status::ok);
+  set_base(mesh.object, b);
   const std::vector<Vec2> image(b.vertices.size());
   const std::vector<float> depth(b.vertices.size(), -1.0f);
   InArena<DepthBuffer> buffer(8, 8);

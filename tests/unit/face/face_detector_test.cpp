@@ -91,10 +91,7 @@ TEST_CASE("nothing is found in pictures without the pattern, of any size from 1 
   Rig rig(limits);
   for (const int width : {1, 2, 39, 40, 47, 48, 100, 353})
     for (const int height : {1, 40, 49, 121}) CHECK(rig.find(Picture(width, height, 77)).empty());
-  Picture noise(200, 160);
-  texture::Random random(5);
-  for (auto& v : noise.pixels) v = static_cast<std::uint8_t>(random.uniform(0, 256));
-  CHECK(rig.find(noise).empty());
+  CHECK(rig.find(texture::noise(200, 160, 5)).empty());
 }
 
 TEST_CASE("memory does not grow with the frame beyond 320 px") {

@@ -45,13 +45,6 @@ Picture ramp(double degrees, double slope) {
   return p;
 }
 
-Picture random_picture(int width, int height) {
-  Picture p(width, height);
-  texture::Random random(3);
-  for (auto& v : p.pixels) v = static_cast<std::uint8_t>(random.uniform(0, 256));
-  return p;
-}
-
 }  // namespace
 
 TEST_CASE("a ramp in one of the eight directions fills that channel and no other") {
@@ -80,7 +73,7 @@ TEST_CASE("a ramp between two directions fills both") {
 }
 
 TEST_CASE("gain and bias of the light hardly change the cells") {
-  Picture p = random_picture(66, 66), q = p;
+  Picture p = texture::noise(66, 66, 3), q = p;
   for (auto& v : q.pixels) v = static_cast<std::uint8_t>(40 + v / 2);
   const Map a = cells_of(p.view(), 4, 1), b = cells_of(q.view(), 4, 1);
   int largest = 0;
@@ -97,7 +90,7 @@ TEST_CASE("a flat picture has no direction, and brightness in the middle") {
 }
 
 TEST_CASE("sums do not depend on the number of columns that are summed at once") {
-  const Picture p = random_picture(130, 34);
+  const Picture p = texture::noise(130, 34, 3);
   for (int cell_px = 1; cell_px <= kLargestCellPx; ++cell_px) {
     CAPTURE(cell_px);
     const int columns = 128 / cell_px;

@@ -13,13 +13,6 @@ using texture::Picture;
 
 namespace {
 
-Picture random_picture(int width, int height) {
-  Picture p(width, height);
-  texture::Random random(11);
-  for (auto& v : p.pixels) v = static_cast<std::uint8_t>(random.uniform(0, 256));
-  return p;
-}
-
 std::vector<std::uint8_t> read(const ScaledLines& lines, int x, int y, int count) {
   std::vector<std::uint8_t> out(static_cast<std::size_t>(count));
   std::vector<std::uint32_t> scratch(out.size());
@@ -42,7 +35,7 @@ double mean_of(Picture& p, int x, int y, double r) {
 }  // namespace
 
 TEST_CASE("a pixel is the mean over the area that it covers, at ratios from 1 to 4") {
-  Picture p = random_picture(61, 47);
+  Picture p = texture::noise(61, 47, 11);
   for (const int ratio : {256, 304, 362, 431, 512, 600, 768, 1023}) {
     CAPTURE(ratio);
     const ScaledLines lines(p.frame(), ratio);
@@ -69,7 +62,7 @@ TEST_CASE("above a ratio of 4 a pixel is the mean of 16 pixels of its area") {
 }
 
 TEST_CASE("beyond its border the picture repeats its border pixels, wherever the reading begins and ends") {
-  const Picture p = random_picture(50, 40);
+  const Picture p = texture::noise(50, 40, 11);
   for (const int ratio : {256, 362, 1100}) {
     const ScaledLines lines(p.frame(), ratio);
     const int w = lines.width();

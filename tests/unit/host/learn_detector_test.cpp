@@ -61,15 +61,6 @@ std::vector<std::uint8_t> learnt(int threads, double effort) {
   return learn_detector(s.samples, s.others, options, {});
 }
 
-FrameView view_of(const Image& image) {
-  FrameView v;
-  v.data = image.pixels.data();
-  v.width = image.width;
-  v.height = image.height;
-  v.stride_bytes = static_cast<std::size_t>(image.width);
-  return v;
-}
-
 }  // namespace
 
 TEST_CASE("a small training finds faces of other people, and little where there are none") {
@@ -87,13 +78,13 @@ TEST_CASE("a small training finds faces of other people, and little where there 
   const Samples others(77);
   for (std::uint64_t k = 0; k < 40; ++k) {
     const FaceSample sample = others.samples.draw(k);
-    REQUIRE(detector->find(view_of(sample.picture), {&face, 1}, &count) == Status::ok);
+    REQUIRE(detector->find(frame_of(sample.picture), {&face, 1}, &count) == Status::ok);
     const float distance = length(face.box.center - sample.box.center);
     found += count == 1 && distance < 0.2f * sample.box.side ? 1 : 0;
   }
   const OtherPictures empty = textures(900);
   for (std::size_t k = 0; k < empty.count(); ++k) {
-    REQUIRE(detector->find(view_of(empty.picture(k)), {&face, 1}, &count) == Status::ok);
+    REQUIRE(detector->find(frame_of(empty.picture(k)), {&face, 1}, &count) == Status::ok);
     false_hits += count > 0 ? 1 : 0;
   }
   MESSAGE("found " << found << " of 40, false " << false_hits << " of " << empty.count());

@@ -25,13 +25,6 @@ struct Arrays {
         out(static_cast<std::size_t>(padded(window) + 32)) {}
 };
 
-Picture noise() {
-  Picture p(64, 64);
-  texture::Random random(5);
-  for (auto& v : p.pixels) v = static_cast<std::uint8_t>(random.uniform(0, 256));
-  return p;
-}
-
 // Grey of pixel (i, j) of the window, less 128.
 double grey(const Picture& p, int i, int j) {
   return p.pixels[static_cast<std::size_t>((kTop + 1 + j) * p.width + kLeft + 1 + i)] - 128.0;
@@ -45,7 +38,7 @@ double linear(const Picture& p, int i, int j, double fx, double fy) {
 }  // namespace
 
 TEST_CASE("a block holds the pixels in sixteenths of a grey level") {
-  const Picture p = noise();
+  const Picture p = texture::noise(64, 64, 5);
   for (int window = kMinWindow; window <= kMaxWindow; window += 2) {
     Arrays a(window);
     load_block(p.pixels.data() + kTop * 64 + kLeft, 64, window, a.block.data());
@@ -57,7 +50,7 @@ TEST_CASE("a block holds the pixels in sixteenths of a grey level") {
 }
 
 TEST_CASE("linear samples are those of the definition to a sixteenth of a grey level") {
-  const Picture p = noise();
+  const Picture p = texture::noise(64, 64, 5);
   for (int window = kMinWindow; window <= kMaxWindow; window += 2)
     for (int f = 0; f < kSubpixel; f += 9) {
       CAPTURE(window);
@@ -77,7 +70,7 @@ TEST_CASE("linear samples are those of the definition to a sixteenth of a grey l
 }
 
 TEST_CASE("cubic samples are exact on pixels, and on a plane wave much closer to it than linear ones") {
-  const Picture p = noise();
+  const Picture p = texture::noise(64, 64, 5);
   Arrays a(13);
   load_block(p.pixels.data() + kTop * 64 + kLeft, 64, 13, a.block.data());
   sample_cubic(a.block.data(), 0, 0, 13, a.scratch.data(), a.out.data());
@@ -122,7 +115,7 @@ TEST_CASE("cubic samples of black and white checks stay within the range of grey
 }
 
 TEST_CASE("a lattice that is turned and stretched gives the bilinear samples of its positions") {
-  const Picture p = noise();
+  const Picture p = texture::noise(64, 64, 5);
   for (int window = kMinWindow; window <= kMaxWindow; window += 2) {
     CAPTURE(window);
     Arrays a(window);

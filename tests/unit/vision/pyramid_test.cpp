@@ -17,13 +17,6 @@ struct Room {
   Arena arena{block.data(), block.size()};
 };
 
-Picture random_picture(int width, int height, std::uint64_t seed) {
-  Picture p(width, height);
-  texture::Random random(seed);
-  for (auto& v : p.pixels) v = static_cast<std::uint8_t>(random.uniform(0, 256));
-  return p;
-}
-
 // The definition, in the plainest way.
 int smoothed(const ImageView& v, int x, int y) {
   const int w[5] = {1, 4, 6, 4, 1};
@@ -58,7 +51,7 @@ TEST_CASE("every pixel of every level is the binomial of the level below, for ev
     Room room;
     Pyramid p;
     REQUIRE(p.create(room.arena, {s[0], s[1], 5, true}) == Status::ok);
-    const Picture picture = random_picture(s[0], s[1], 7);
+    const Picture picture = texture::noise(s[0], s[1], 7);
     REQUIRE(p.build(picture.frame()) == Status::ok);
     for (std::size_t i = 0; i < picture.pixels.size(); ++i) REQUIRE(p.level(0).data[i] == picture.pixels[i]);
     CHECK(differences_from_definition(p) == 0);
@@ -87,7 +80,7 @@ TEST_CASE("levels that would be smaller than eight pixels are left out") {
 }
 
 TEST_CASE("a packed frame gives the levels of its luma") {
-  const Picture luma = random_picture(40, 32, 3);
+  const Picture luma = texture::noise(40, 32, 3);
   std::vector<std::uint8_t> yuyv(luma.pixels.size() * 2 + 32 * 6, 77);
   const std::size_t stride = 40 * 2 + 6;
   for (int y = 0; y < 32; ++y)
@@ -110,7 +103,7 @@ TEST_CASE("a packed frame gives the levels of its luma") {
 }
 
 TEST_CASE("without a copy level 0 is the frame itself, rows apart or not") {
-  const Picture wide = random_picture(100, 30, 9);
+  const Picture wide = texture::noise(100, 30, 9);
   FrameView part = wide.frame();
   part.width = 64;
   Room room;

@@ -19,13 +19,6 @@ std::vector<std::uint8_t> thumbnail_of(const FrameView& frame, int factor) {
   return out;
 }
 
-Picture noise(int width, int height) {
-  Picture p(width, height);
-  texture::Random random(3);
-  for (auto& v : p.pixels) v = static_cast<std::uint8_t>(random.uniform(0, 256));
-  return p;
-}
-
 }  // namespace
 
 TEST_CASE("the factor is the smallest power of two that leaves at most so many columns") {
@@ -38,7 +31,7 @@ TEST_CASE("the factor is the smallest power of two that leaves at most so many c
 
 TEST_CASE(
     "a pixel is the rounded mean of its block over every other row, and incomplete blocks are left out") {
-  const Picture p = noise(45, 38);
+  const Picture p = texture::noise(45, 38, 3);
   for (const int factor : {1, 2, 4, 8, 16}) {
     CAPTURE(factor);
     const std::vector<std::uint8_t> small = thumbnail_of(p.frame(), factor);
@@ -59,7 +52,7 @@ TEST_CASE("the largest factor does not overflow on white") {
 }
 
 TEST_CASE("a packed frame and one with padded rows give the thumbnail of their luma") {
-  const Picture p = noise(40, 24);
+  const Picture p = texture::noise(40, 24, 3);
   const std::size_t stride = 40 * 2 + 6;
   std::vector<std::uint8_t> packed(stride * 24, 99), padded(50 * 24, 99);
   for (std::size_t y = 0; y < 24; ++y)
