@@ -21,7 +21,8 @@ struct Jacobian {
 
 /// A surface point (mm, model axes) and its tangents dp/du, dp/dv (mm per unit of u and v).
 struct SurfaceFrame {
-  Vec3 p, pu, pv;  ///< position, mm
+  Vec3 p;       ///< position, mm
+  Vec3 pu, pv;  ///< tangents, mm per unit of u and of v
 };
 
 /// Size of the field that Cascade::personalise fills, in samples: 6 bytes each, 128 x 128 are 96 KiB. Fields

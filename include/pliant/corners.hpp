@@ -33,8 +33,8 @@ struct CornerOptions {
   int cell_px = 8;        ///< side of a square cell with at most one corner, 2 to 128
   float min_score = 4;    ///< smallest lambda_min, (grey/px)^2
   float quality = 0.01f;  ///< smallest lambda_min as a fraction of the best in the image, 0 to 1
-  float min_ratio =
-      0.05f;  ///< smallest lambda_min / lambda_max, so that edges are not taken for corners, 0 to 1
+  /// Smallest lambda_min / lambda_max, 0 to 1, so that edges are not taken for corners.
+  float min_ratio = 0.05f;
   float min_distance_px = 8;  ///< between any two corners, 0 to 256
 };
 

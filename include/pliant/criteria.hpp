@@ -34,9 +34,9 @@ Criterion criterion_of(const Options& options, bool sees_neighbours = false) {
 /// The paper's two tests: which faces to refine, which vertices to remove.
 struct AdaptTests {
   void* context = nullptr;  ///< passed to the functions
-  /// true: refine the face
+  /// True: the face is refined.
   bool (*should_refine)(void* context, const Shape& shape, FaceId face) = nullptr;
-  /// true: the vertex may go
+  /// True: the vertex may be removed.
   bool (*should_simplify)(void* context, const Shape& shape, VertexId vertex) = nullptr;
 };
 Criterion criterion_of(const AdaptTests& tests);  ///< The criterion of these options, which must outlive it.
@@ -81,13 +81,13 @@ ContourError measure_contour(const Shape& shape, const Triangle& triangle, int c
 /// Of all faces: mean weighted by area, maximum, and area of the whole.
 ContourError compute_contour_error(const Shape& shape, int cells);
 
-/// Tolerances; one that is 0 or less does not count. The rank is the largest ratio of error to tolerance.
+/// Tolerances. One that is 0 or less is not used. The rank is the largest ratio of error to tolerance.
 struct ContourOptions {
   float mean_mm = 0.3f;  ///< of the mean error
   float max_mm = 1.0f;   ///< of the maximum
-  float volume_mm3 =
-      0;  ///< of mean error times area, a triangle's part of the whole surface's mean error: the measure to
-          ///< minimise under a vertex budget
+  /// Of mean error times area: a triangle's part of the mean error of the whole surface. The tolerance to set where the
+  /// mean error is to be smallest under a vertex budget.
+  float volume_mm3 = 0;
 };
 /// The criterion of these options, which must outlive it.
 Criterion criterion_of(const ContourOptions& options);

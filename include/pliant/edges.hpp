@@ -20,8 +20,8 @@ struct EdgePoint {
   std::uint16_t id = 0;  ///< copied to the observations
   Vec2 x;                ///< predicted image position, px
   Vec2 normal;           ///< of the edge in the image; any length but zero
-  Sym2
-      covariance;  ///< of x, px^2. The search range is three deviations along the normal, at least 2 and at most 24 px
+  /// Of x, px^2. The search range is three standard deviations along the normal, at least 2 and at most 24 px.
+  Sym2 covariance;
   /// The `score` of the observation that was last used for this edge. Only edges of the same sign and of a similar size
   /// (EdgeOptions::min_ratio to max_ratio) are then accepted. 0: any edge is.
   float contrast = 0;

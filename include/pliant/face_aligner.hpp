@@ -19,8 +19,8 @@ struct AlignedFace {
   Camera camera;    ///< as given
   Pose pose;        ///< of the model
   float score = 0;  ///< probability that this is a face, aligned right: 0 to 1
-  float landmark_error =
-      0;  ///< expected mean error of the landmarks, as a fraction of the distance of the outer eye corners
+  /// Expected mean error of the landmarks, as a fraction of the distance of the outer eye corners.
+  float landmark_error = 0;
 };
 
 /// Options of one alignment.

@@ -20,7 +20,7 @@ enum class Interpolation : std::uint8_t {
 };
 
 /// Value of a field at (u,v), in the field's unit (mm for vectors); zero outside its support. A weight field's value is
-/// in x. (u,v) is clamped to [0,1]^2.
+/// in x. (u,v) is clamped to [0,1]^2. Cost: that of the interpolation, for each component.
 /// \pre `field` is one of `model.fields()`.
 Vec3 sample(const Model& model, const Field& field, Vec2 uv,
             Interpolation interpolation = Interpolation::bilinear);

@@ -24,7 +24,7 @@ struct Correspondence {
   bool is_silhouette = false;
 };
 
-/// Fix the memory of a Fitter.
+/// Capacities of a Fitter. They fix its memory.
 struct FitLimits {
   std::uint16_t points = 160;  ///< correspondences at most
   bool silhouette = false;     ///< room for silhouette points: about 16 bytes a base vertex and 9 KiB
@@ -47,9 +47,9 @@ struct FitOptions {
   /// Residual that neither noise nor prior explains, mm on the model: the distance of an annotated landmark
   /// from the model's. The robust loss rejects only what is several times larger. Round value, not tuned.
   float misfit_mm = 3.0f;
-  bool robust = true;  ///< Huber's, then Tukey's loss of the residual length; false: its square
-  /// Of Gauss-Newton, over all stages: each of three (of nine, with silhouette points) has an equal share, and at least one.
-  /// Points that fold the surface over add as many to their stage, for the pose.
+  bool robust = true;  ///< true: Huber's, then Tukey's loss of the residual's length; false: its square
+  /// Steps of Gauss-Newton, count. They are divided equally among the stages: three, or nine with silhouette points. A stage
+  /// has at least one step. A stage that folds the surface over gets the same number once more, to fit the pose again.
   int iterations = 30;
   /// Weight of the parameters' prior, >= 0. The stiffness of Eq. 12 is K = -stiffness / sd^2. 0: Eq. 8 alone.
   float stiffness = 1;
@@ -74,8 +74,8 @@ struct FitReport {
 struct FitDetails {
   /// A-posteriori standard deviation of each parameter. A frozen one gets 0, one that no point moves its prior's.
   float* sd = nullptr;
-  Vec2* residuals =
-      nullptr;  ///< projected minus observed, px, a point; of a matched silhouette point the part across the contour
+  /// Projected minus observed position of each point, px; of a matched silhouette point the part across the contour.
+  Vec2* residuals = nullptr;
   float* weights = nullptr;  ///< robust weight in [0,1], a point
 };
 

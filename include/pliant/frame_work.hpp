@@ -5,11 +5,11 @@
 
 namespace pliant {
 
-/// How often those loops of a tracked frame ran whose length depends on what the frame shows. Equal on every machine. `pliant plan`
-/// prints the bounds, and what else a frame does.
+/// Counts of the loops of a tracked frame whose number of turns depends on what the frame shows. They are equal on every machine.
+/// `pliant plan` prints their bounds, and the other work of a frame.
 struct FrameWork {
-  std::uint32_t searches = 0;        ///< of templates: by their own picture, or that of the frame before
-  std::uint32_t search_steps = 0;    ///< of all these
+  std::uint32_t searches = 0;        ///< of templates, and of patches of the previous frame
+  std::uint32_t search_steps = 0;    ///< of all these searches
   std::uint32_t captures = 0;        ///< places where a template was to be captured for a key frame
   std::uint32_t rows = 0;            ///< observations in linearisations
   std::uint32_t measured_rows = 0;   ///< observations of which only the residual was taken, for a trial step
@@ -28,7 +28,7 @@ struct WorkCostTuning {
 };
 inline constexpr WorkCostTuning kWorkCostTuning{};  ///< the values in use
 
-/// Instructions that one turn of each loop takes on x86-64. They weigh the loops against each other on other processors as well.
+/// Instructions that one turn of each loop takes on x86-64. Elsewhere they serve to weigh the loops against each other.
 struct WorkCosts {
   float search_step = 0;    ///< a step of a template search
   float row = 0;            ///< an observation in a linearisation
@@ -43,7 +43,7 @@ struct WorkCosts {
             t.measured_sample * samples + t.measured,
             t.factorisation_unknowns * unknowns * unknowns * unknowns};
   }
-  /// Of the solves alone.
+  /// Instructions of a frame's solves.
   constexpr float of_solves(const FrameWork& w) const {
     return row * static_cast<float>(w.rows) + measured_row * static_cast<float>(w.measured_rows) +
            factorisation * static_cast<float>(w.factorisations);

@@ -60,9 +60,8 @@ class CameraStream {
   int height() const;  ///< Of the frames, px.
   /// The format, as four characters.
   std::string format() const;
-  /// Frames since `start` that were dropped from the queue, and that the camera marked as damaged.
-  std::uint64_t dropped_count() const;
-  std::uint64_t damaged_count() const;  ///< Frames that the camera marked as damaged.
+  std::uint64_t dropped_count() const;  ///< Frames since `start` that were dropped from the queue.
+  std::uint64_t damaged_count() const;  ///< Frames since `start` that the camera marked as damaged.
   /// What went wrong: one line without a final stop; empty if nothing did.
   const std::string& message() const { return message_; }
 

@@ -27,8 +27,8 @@ struct MeshLimits {
 /// corner i + 1 (modulo 3).
 struct Triangle {
   VertexId corner[3];  ///< vertices
-  VertexId
-      across[3];  ///< the neighbour's corner that is not on edge i; kNone where edge i is on the boundary
+  /// The neighbour's corner that is not on edge i; kNone where edge i is on the boundary.
+  VertexId across[3];
   int level = 0;  ///< of its weld vertex
 };
 

@@ -19,19 +19,23 @@ struct Prediction {
 };
 
 /// The measurement behind an observation.
-enum class Cue : std::uint8_t { patch = 0, flow = 1, edge = 2 };
+enum class Cue : std::uint8_t {
+  patch = 0,  ///< a template was found
+  flow = 1,   ///< a patch of the previous frame was found
+  edge = 2,   ///< an edge was found along its normal
+};
 
-/// Why a surface point has no observation in a frame.
+/// Whether a surface point has an observation in a frame, and why not.
 enum class Reason : std::uint8_t {
-  found = 0,
-  not_visible = 1,
-  outside_image = 2,
-  no_texture = 3,
-  diverged = 4,
-  low_correlation = 5,
-  forward_backward = 6,
-  rejected = 7,
-  ambiguous = 8,  ///< more edges of similar contrast than alternatives may be given
+  found = 0,             ///< it has one
+  not_visible = 1,       ///< turned away, hidden, or not a point that can be observed
+  outside_image = 2,     ///< what is compared reaches beyond the image
+  no_texture = 3,        ///< nothing that can be located
+  diverged = 4,          ///< the search did not converge near its start
+  low_correlation = 5,   ///< what was found is not like the template or the remembered edge
+  forward_backward = 6,  ///< tracking back does not return to the start
+  rejected = 7,          ///< an outlier, by the solve
+  ambiguous = 8,         ///< more edges of similar contrast than alternatives may be given
 };
 
 /// A measured image position of a surface point. Consecutive observations with one id are alternatives, of

@@ -51,7 +51,7 @@ typedef struct pliant_tracker pliant_tracker;
 typedef struct pliant_limits {
   uint16_t width, height;               /**< of the frames, px; at least 64 */
   uint16_t region_width, region_height; /**< part of the frame that is matched, px; at least 64; 0 and 0: all of it */
-  uint16_t patches, key_patches;        /**< templates of the first frame, at least 6; of later key frames */
+  uint16_t patches, key_patches;        /**< templates of frame 0, at least 6; of all later key frames together */
   uint16_t vertices;                    /**< of the mesh */
   uint16_t start_points;                /**< landmarks of a start; at least 4, or 0: no start from landmarks */
   uint16_t profile;                     /**< 'S', 'M' or 'L': every other limit is as there */
@@ -62,7 +62,7 @@ typedef struct pliant_limits {
 /** A luma image of 8 bits per pixel, read during the call only. Row y, column x is
  *  pixels[y * stride_bytes + x * pixel_step_bytes]. */
 typedef struct pliant_frame {
-  const uint8_t *pixels;  /**< first pixel */
+  const uint8_t *pixels;    /**< first pixel */
   size_t stride_bytes;      /**< from row to row; at least (width - 1) * pixel_step_bytes + 1 */
   int64_t time_ns;          /**< of exposure, any origin */
   int32_t width, height;    /**< px */
@@ -73,25 +73,27 @@ typedef struct pliant_frame {
 /** Pinhole camera with radial distortion: focal length and principal point, px; k1 and k2 as OpenCV's; aspect: focal
  *  length along y over that along x, 0.5 to 2, or 0 for 1. {f, cx, cy} alone is a camera without distortion. */
 typedef struct pliant_camera {
-  float f, cx, cy, k1, k2, aspect;  /**< px */
+  float f, cx, cy;      /**< px */
+  float k1, k2, aspect; /**< no unit */
 } pliant_camera;
 
 /** Unit quaternion (w,x,y,z), and translation, mm; t[2] is above 0. */
 typedef struct pliant_pose {
-  float q[4], t[3];  /**< unit quaternion (w,x,y,z) */
+  float q[4]; /**< unit quaternion (w,x,y,z) */
+  float t[3]; /**< mm */
 } pliant_pose;
 
 /** A landmark by the model's name for it (`ibug30`, `nose_tip`, ...), and its image position, px. */
 typedef struct pliant_point {
-  const char *landmark;  /**< name of a landmark */
-  float x, y;  /**< px */
+  const char *landmark; /**< name of a landmark */
+  float x, y;           /**< px */
 } pliant_point;
 
-/** What is known of a start from landmarks or a box; all 0: nothing. */
+/** What is known before a start by detection, from landmarks or from a box; all 0: nothing. */
 typedef struct pliant_start_options {
   const pliant_camera *camera; /**< intrinsics and lens, which replace focal_px; null: unknown */
   float focal_px;              /**< 0: unknown; landmarks estimate it, a box assumes 1.4 x the larger side */
-  uint32_t drops_landmark_offsets; /**< not 0: landmarks are read where the model has them, not this person */
+  uint32_t drops_landmark_offsets; /**< not 0: landmarks are those of the model, without this person's offsets */
   uint32_t box;                    /**< PLIANT_BOX_LANDMARKS, PLIANT_BOX_OPENCV or PLIANT_BOX_FACE */
 } pliant_start_options;
 
@@ -104,8 +106,8 @@ typedef struct pliant_state {
   float *parameters;                      /**< all parameters, in the model's order */
   float *landmark_offsets;                /**< mm, x, y and z for each landmark, in the model's order */
   size_t parameter_count, landmark_count; /**< those of the model; landmark_count may be 0: no offsets */
-  pliant_camera camera;  /**< intrinsics and lens */
-  pliant_pose pose;  /**< of the model */
+  pliant_camera camera;                   /**< intrinsics and lens */
+  pliant_pose pose;                       /**< of the model */
 } pliant_state;
 
 /** What a frame is worth. Degraded: it was bad and has the last good frame's results, or its own are less exact (landmark_error above

@@ -18,8 +18,8 @@ struct SilhouettePoint {
   Vec2 x;           ///< px
   Vec2 normal;      ///< unit, in the image, away from the surface
   float depth = 0;  ///< as in PosedMesh
-  bool is_border =
-      false;  ///< the middle of a boundary edge of the mesh; otherwise a point of the occluding contour
+  /// True: the middle of a boundary edge of the mesh. False: a point of the occluding contour.
+  bool is_border = false;
 };
 
 /// A mesh as a camera sees it. The arrays are indexed by vertex id.
@@ -27,8 +27,8 @@ struct PosedMesh {
   const Mesh& mesh;      ///< topology and (u,v)
   const Vec3* position;  ///< mm, model axes
   const Vec2* image;     ///< px
-  const float*
-      depth;  ///< mm along the optical axis, from any origin; 0 or less for vertices not in front of the camera
+  /// Millimetres along the optical axis, from any origin; 0 or less for vertices that are not in front of the camera.
+  const float* depth;
 };
 
 /// Finds the silhouette of a posed mesh. Bytes: 16 a vertex.

@@ -23,8 +23,8 @@ struct LeastSquaresProblem {
 /// Stopping criteria of a minimisation. The first one that holds ends it.
 struct SolverOptions {
   int max_accepted = 8;  ///< accepted steps, count
-  int max_steps =
-      256;  ///< trial steps, accepted or refused, count; each costs a factorisation and a `try_step`
+  /// Trial steps, accepted or refused, count. Each costs a factorisation and a `try_step`.
+  int max_steps = 256;
   int max_refused = 4;  ///< refused steps in a row, count; the damping rises after each
   /// Fraction of the cost: stop after an accepted step that lowered the cost by no more. 0: never.
   float measured_decrease = 1e-5f;
@@ -35,7 +35,12 @@ struct SolverOptions {
 };
 
 /// Why a minimisation ended.
-enum class StopReason : std::uint8_t { converged, iteration_limit, no_decrease, diverged };
+enum class StopReason : std::uint8_t {
+  converged,        ///< the decrease of the cost is below a limit of the options
+  iteration_limit,  ///< max_accepted or max_steps; EulerOptions::steps
+  no_decrease,      ///< max_refused: no step lowers the cost
+  diverged,         ///< the cost is no longer a finite number: the published dynamics (euler.hpp) only
+};
 
 /// Result of a minimisation.
 struct SolverReport {

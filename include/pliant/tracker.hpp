@@ -32,17 +32,18 @@ struct NamedPoint {
 /// What a face detector's box encloses.
 enum class BoxConvention : std::uint8_t {
   landmarks = 0,  ///< brows to chin, ear to ear
-  opencv =
-      1,  ///< the square that OpenCV's cascades give: from the middle of the forehead to just above the chin
+  /// The square that OpenCV's cascades give: from the middle of the forehead to just above the chin.
+  opencv = 1,
   face_box = 2,  ///< a FaceBox: corner = center - side / 2, size = side
 };
 
 /// Options of a start besides landmarks or a box.
 struct StartOptions {
-  float focal_px = 0;  ///< focal length, px; 0: unknown, then landmarks fit it and a box assumes it
+  /// Focal length, px. 0: unknown. A start from landmarks then estimates it, all others take 1.4 times the larger side.
+  float focal_px = 0;
   const Camera* camera = nullptr;  ///< intrinsics and lens, if known; they replace focal_px
-  bool keeps_landmark_offsets =
-      true;  ///< false: `landmark` gives the positions of the model, without offsets
+  /// If false, `landmark` gives the positions of the model, without offsets.
+  bool keeps_landmark_offsets = true;
   BoxConvention box = BoxConvention::landmarks;  ///< of start_from_box
 };
 
@@ -134,8 +135,8 @@ class Tracker {
   const TrackerLimits& limits() const;  ///< Limits of the layout.
   /// Names of parameters and landmarks, and how many there are.
   const Model& model() const;
-  bool is_started()
-      const;  ///< True while there is a track: after a start of either kind, until it is given up.
+  /// True while there is a track: after a start of any kind, until the track is given up.
+  bool is_started() const;
   /// Of the last frame; after a start that of frame 0: tracking, at the pose of the start.
   const FrameResult& result() const;
   /// Loops of the last frame; 0 for one without a track. `pliant plan` prints the bounds.
