@@ -34,6 +34,8 @@ struct FaceStartTuning {
   /// Cells of the search that cost as much as a step of an alignment. On the Cortex-M7 a step takes 5 million instructions and
   /// so many cells 4; on a PC half as much, where the default search of 24,000 cells leaves three alignments of six steps.
   std::uint32_t cells_a_step = 1300;
+  /// Detections that wait for an alignment, count, at most. Round value, not tuned.
+  std::size_t most_candidates = 8;
   /// Two boxes are of one face if their centres are nearer than this fraction of the larger side, and the larger side is below
   /// this multiple of the smaller one. Not tuned.
   float same_face_distance = 0.5f, same_face_ratio = 1.6f;
@@ -131,7 +133,7 @@ class FaceStart {
   bool has_confirmed() const { return good_checks_ >= kFaceStartTuning.checks_of_known_person; }
 
  private:
-  static constexpr std::size_t kMostCandidates = 8;
+  static constexpr std::size_t kMostCandidates = kFaceStartTuning.most_candidates;
 
   void begin_search_again() {
     phase_ = FacePhase::searching;

@@ -23,7 +23,7 @@ CornerOptions corner_options(const TrackerLimits& limits) {
 constexpr std::uint8_t kFailed = 2;
 
 constexpr float kNoFace = 1e30f;
-/// A lens bends the edges of faces, px.
+/// Margin around the image of a face, px: a lens bends its edges. Round value, not tuned.
 constexpr float kBendPx = 1;
 
 bool is_far_from_found(const TemplateStore& templates, Vec2 x, float min_distance) {

@@ -327,6 +327,20 @@ class SurfaceMaker {
     return static_cast<std::size_t>(random_.below(static_cast<int>(s.faces.size())));
   }
 
+  /// Adds a second copy, which has the same place in the chart.
+  static void add_copy(RandomSurface& s) {
+    const int n = static_cast<int>(s.uv.size());
+    const auto uv = s.uv;
+    const auto position = s.position;
+    const auto faces = s.faces;
+    s.uv.insert(s.uv.end(), uv.begin(), uv.end());
+    for (const Vec3 p : position) s.position.push_back(p + Vec3{0, 0, 5});
+    for (auto copy : faces) {
+      for (int& w : copy) w += n;
+      s.faces.push_back(copy);
+    }
+  }
+
   void spoil(RandomSurface& s) {
     const std::size_t f = any_face(s);
     std::vector<int>& face = s.faces[f];
@@ -374,20 +388,9 @@ class SurfaceMaker {
         s.defect = "u,v on a line";
         for (Vec2& p : s.uv) p.y = 0.5f;
         break;
-      case 13: {  // a second copy upon the first
-        s.defect = "a part upon another";
-        const int n = static_cast<int>(s.uv.size());
-        const auto uv = s.uv;
-        const auto position = s.position;
-        const auto faces = s.faces;
-        s.uv.insert(s.uv.end(), uv.begin(), uv.end());
-        for (const Vec3 p : position) s.position.push_back(p + Vec3{0, 0, 5});
-        for (auto copy : faces) {
-          for (int& w : copy) w += n;
-          s.faces.push_back(copy);
-        }
+      case 13:
+        s.defect = "a part upon another", add_copy(s);
         break;
-      }
       case 14:
         s.defect = "infinite", s.extra = "v 1e99 0 0\n";
         break;

@@ -67,7 +67,7 @@ void draw_faces(const std::string& path, const Image& picture, const std::vector
 }
 
 int run_detect(const Args& args, Console& console) {
-  const auto min_score = static_cast<float>(args.number("--min-score", 0.5, 0, 1));
+  const auto min_score = static_cast<float>(args.number("--min-score", double(kLeastFaceScore), 0, 1));
   const bool has_landmarks = args.has("--landmarks");
   const ModelFile file(args.operand(0));
   FaceFinder finder(file);

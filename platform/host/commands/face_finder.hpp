@@ -22,7 +22,10 @@ struct FoundFace {
 
 /// The largest side of a picture that is searched, px.
 constexpr int kMaxSearchedSide = 8192;
+/// Probability that a face has at least, where the user names none. Round value, not tuned: rather right than wrong.
+constexpr float kLeastFaceScore = 0.5f;
 
+/// A detector and an aligner for one model.
 class FaceFinder {
  public:
   /// Bad input: a model without learnt tables, or with damaged ones. The file must outlive this object.

@@ -17,9 +17,6 @@ namespace pliant::host {
 
 namespace {
 
-/// Probability that a face has at least. Round value: rather right than wrong.
-constexpr float kLeastScore = 0.5f;
-
 /// Which parameters --parameters selects, one flag each; empty: all.
 std::vector<std::uint8_t> free_parameters(const Model& model, const std::optional<std::string>& choice) {
   if (!choice || *choice == "all") return {};
@@ -126,7 +123,7 @@ FoundFace face_in(const Image& image, const std::string& path, const ModelFile& 
     if (!face) fail_input(path, "the box is not in the picture");
     return *face;
   }
-  auto faces = finder.find(grey, path, kLeastScore, setup.camera);
+  auto faces = finder.find(grey, path, kLeastFaceScore, setup.camera);
   if (faces.empty()) fail_input(path, "no face found");
   return faces[0];
 }

@@ -32,9 +32,6 @@ constexpr float kTurnedAway = 0.4f;
 /// Distance in the chart over which the surface's normal is averaged: wider than the creases of lids and lips.
 constexpr float kNeighbourhood = 0.03f;
 
-/// Probability that a face has at least to be the start. Round value: rather right than wrong.
-constexpr float kLeastScore = 0.5f;
-
 /// iBUG landmarks that the page joins by a line, if the model has them.
 struct Chain {
   int first, last;  // ibug
@@ -67,7 +64,7 @@ FitFile start_of(const Args& args, const ModelFile& file, const Image& image, co
   const Camera camera = setup.camera.value_or(centred_camera(image.width, image.height, f));
   Pose pose = frontal_pose(file.model(), q.data(), camera, image.height, kFilledFraction);
   if (!file.model().aligner().empty()) {
-    const auto faces = FaceFinder(file).find(to_grey(image), path, kLeastScore, camera);
+    const auto faces = FaceFinder(file).find(to_grey(image), path, kLeastFaceScore, camera);
     if (!faces.empty()) pose = faces[0].aligned.pose, q = faces[0].q;
   }
   FitFile fit = fit_of_view(file.model(), setup.size, view_of(pose, camera), q);
