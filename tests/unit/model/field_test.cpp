@@ -175,7 +175,8 @@ TEST_CASE("with slack a sampled point has fewer columns, and moves by no more th
   CHECK(columns < all);
 }
 
-TEST_CASE("slack leaves out no vector that moves a point by more, and every plain one that moves all by less") {
+TEST_CASE(
+    "slack leaves out no vector that moves a point by more, and every plain one that moves all by less") {
   const OpenModel r(egg_model(6));
   InArena<Cascade> exact(r.model), slack(r.model);
   std::vector<float> q(r.model.parameters().count, 0.0f);
