@@ -91,7 +91,7 @@ struct CheckWeights {
 
 /// Number of the landmark on the other side of the face, by the iBUG scheme.
 int mirrored_landmark_number(int number);
-/// Whether the sizes and numbers of a stage are in range. The offset of its weights is not looked at.
+/// Whether the sizes and numbers of a stage are in range. The offset of its weights is not checked.
 bool is_valid(const AlignerStage& stage);
 /// Bytes of one block of a stage.
 constexpr std::size_t block_bytes(const AlignerStage& s) {

@@ -29,7 +29,7 @@ float mean_grey(const FrameView& frame, Estimator& estimator) {
 void PoorStart::begin(std::size_t captured, std::size_t most, const FrameView& frame, Estimator& estimator) {
   const bool is_poor = static_cast<float>(captured) < kTuning.few_templates * static_cast<float>(most);
   start_grey_ = is_poor ? mean_grey(frame, estimator) : -1;
-  frames_ = changed_looks_ = 0;
+  frames_ = changed_count_ = 0;
 }
 
 bool PoorStart::is_over(const FrameView& frame, Estimator& estimator) {
@@ -37,8 +37,8 @@ bool PoorStart::is_over(const FrameView& frame, Estimator& estimator) {
   const float now = mean_grey(frame, estimator);
   const float low = min(now, start_grey_) + kTuning.dark_grey,
               high = max(now, start_grey_) + kTuning.dark_grey;
-  changed_looks_ = now >= 0 && high > kTuning.light_ratio * low ? changed_looks_ + 1 : 0;
-  return changed_looks_ >= kTuning.looks;
+  changed_count_ = now >= 0 && high > kTuning.light_ratio * low ? changed_count_ + 1 : 0;
+  return changed_count_ >= kTuning.measurements;
 }
 
 }  // namespace pliant

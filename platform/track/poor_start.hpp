@@ -19,16 +19,17 @@ struct PoorStartTuning {
   float light_ratio = 1.4f;
   /// Grey levels added to both, so that noise in the dark is no change. Round value.
   float dark_grey = 8;
-  /// Frames from one look to the next, count; and looks in a row that must tell a change: one alone may be a
-  /// flash. The face then is right again within ten frames, the search included. Round values.
-  int interval_frames = 2, looks = 3;
-  /// One landmark in so many is looked at, count. Round value.
+  /// Frames from one measurement of the grey to the next, count; and measurements in a row that must show a change: one
+  /// alone may be a flash. The face then is right again within ten frames, the search included. Round values.
+  int interval_frames = 2, measurements = 3;
+  /// The grey is measured at one landmark in so many, count. Round value.
   std::size_t landmark_step = 4;
 };
 inline constexpr PoorStartTuning kPoorStartTuning{};
 
-/// Few templates, captured in light that hides what templates need, keep a track alive that was aligned badly
-/// in that light. When the light has changed a new start sees more: this part says so.
+/// A start in light that hides most of the face captures few templates, and is aligned badly. These templates
+/// still match when the light has changed, so that nothing else ends the track. This part tells when the light
+/// has changed: a new start then sees more.
 class PoorStart {
  public:
   /// A track has begun in this frame. \param captured  templates. \param most  templates that a start captures.
@@ -39,7 +40,7 @@ class PoorStart {
 
  private:
   float start_grey_ = -1;  // negative: the start was not poor
-  int frames_ = 0, changed_looks_ = 0;
+  int frames_ = 0, changed_count_ = 0;
 };
 
 }  // namespace pliant

@@ -1,5 +1,5 @@
 #pragma once
-// Matches landmarks of the face's outline (jaw and cheeks) to the silhouette of the model.
+// Matches the landmarks of jaw and cheeks to the silhouette of the model.
 //
 // People and detectors annotate such a landmark on the edge of the face in the image, whatever part of the surface makes
 // that edge. While the landmark's own place faces the camera the landmark stays there. Once that turns away, the landmark

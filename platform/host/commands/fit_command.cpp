@@ -133,7 +133,7 @@ FitFile fit_to_face(const ModelFile& file, const FoundFace& face, FitSetup setup
   std::vector<NamedPoint> points;
   for (std::size_t k = 0; k < face.landmarks.size(); ++k) {
     const char* name = file.model().landmarks()[k].name;
-    // The alignment finds those from the brows to the lips; the outline follows the model.
+    // The alignment finds those from the brows to the lips; those of the jaw follow the model.
     if (std::strncmp(name, "ibug", 4) == 0 && std::strcmp(name, "ibug17") >= 0)
       points.push_back({name, face.landmarks[k], name});
   }

@@ -15,7 +15,7 @@ struct AlignerTuning {
       6000;  ///< pictures, count; twice as many lower the error of people left out by less than a tenth of it
   int starts = 2;  ///< a picture
   int first_landmark = 17,
-      last_landmark = 67;  ///< brows to lips: the jaw's outline has no fixed place on the surface
+      last_landmark = 67;  ///< brows to lips: the landmarks of the jaw have no fixed place on the surface
 };
 constexpr AlignerTuning kTuning{};
 
