@@ -21,10 +21,10 @@ extern const ForceRejection kForceRejection;
 struct EstimatorLimits {
   /// Surface points at once: patches, markers and edge points, count. Ids are below this.
   std::uint16_t points = 128;
-  /// Of those, points that slide along the silhouette, count. 304 bytes each, and 16 bytes a vertex if there are any.
+  /// Of those, points that slide along the silhouette, count. 256 bytes each, and 16 bytes a vertex if there are any.
   std::uint16_t silhouette_points = 0;
   /// Observations from which the rejection of image forces estimates, count; of more observations it takes a sample.
-  /// 25 kB and 200 bytes each. 0: no rejection and no memory for it.
+  /// 35 kB and 150 bytes each, of which no more count than there are points. 0: no rejection and no memory for it.
   std::uint16_t rejection_sample = 256;
   /// If null, rejection is disabled and its 15 kB of code are not linked.
   const ForceRejection* rejection = &kForceRejection;

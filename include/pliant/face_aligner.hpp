@@ -41,7 +41,7 @@ class FaceAligner {
  public:
   /// Arena layout (create_in, measured_bytes), with the model's own learnt table.
   void lay_out(Arena& arena, const Model& model) { lay_out(arena, model, model.aligner()); }
-  /// The same for `verify` only, in a third of the memory. The checksum of the table is not computed again:
+  /// The same for `verify` only, in two fifths of the memory. The checksum of the table is not computed again:
   /// Model::open has done it.
   void lay_out_for_verification(Arena& arena, const Model& model);
   /// The same with another table.

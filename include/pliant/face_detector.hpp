@@ -46,7 +46,7 @@ class FaceDetector {
   /// Searches a whole frame, independently of earlier calls. Writes the faces found to `room`, best first, and their
   /// number to `count`: those with the highest scores if there are more than fit.
   /// \return as status(); `bad_argument` for a null pointer or an unreadable frame, `size_mismatch` for one beyond the
-  ///         limits. A frame too small for a face is `ok`; nothing is found. Cost: 3 ms on a PC for 320 x 240 pixels,
+  ///         limits. A frame too small for a face is `ok`; nothing is found. Cost: 4 ms on a PC for 320 x 240 pixels,
   ///         64 million instructions on a Cortex-M7.
   Status find(const FrameView& frame, Span<DetectedFace> room, std::size_t* count);
 

@@ -27,7 +27,8 @@ struct Correspondence {
 /// Capacities of a Fitter. They fix its memory.
 struct FitLimits {
   std::uint16_t points = 160;  ///< correspondences at most
-  bool silhouette = false;     ///< room for silhouette points: about 16 bytes a base vertex and 9 KiB
+  /// Room for silhouette points: about 95 bytes a vertex of the base mesh, 8 a point, and 9 KiB.
+  bool silhouette = false;
 };
 
 /// How the cost is minimised: by Levenberg-Marquardt (solver.hpp) or by the paper's dynamics (euler.hpp).

@@ -46,7 +46,7 @@ struct PatchLimits {
   int margin = 4;
   /// True: each slot keeps its warped template at full size and its equations until the predicted warp has moved the
   /// window's edge by another half pixel. A search then takes a third less time where the warp changes slowly, for
-  /// 1.6 kB more a slot (window 11). Results differ by less than their own deviation.
+  /// 1.7 kB more a slot (window 11). Results differ by less than their own deviation.
   bool keeps_templates = false;
 };
 
