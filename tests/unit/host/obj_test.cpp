@@ -1,118 +1,22 @@
-// Models from folders of OBJ files: shapes by name, principal components of scans, and one line for every
-// defect.
+// Models from folders of OBJ files: shapes by name, and principal components of scans.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 
 #include "aligned_block.hpp"
 #include "baked_model.hpp"
-#include "host/bake/bake.hpp"
 #include "host/bake/obj_source.hpp"
 #include "host/bake/principal_components.hpp"
+#include "obj_folder.hpp"
 #include "pliant/mesh.hpp"
 #include "random.hpp"
-#include "scratch_folder.hpp"
 
-using namespace pliant;
 using namespace pliant::host::bake;
+using namespace obj_folder;
 namespace fs = std::filesystem;
-
-namespace {
-
-using Shape = std::function<Vec3(float s, float t)>;
-
-/// A folder of OBJ files over one grid of quads, n vertices a side, s to the right and t up, gone after the
-/// test.
-struct ObjFolder : Folder {
-  int n = 33;
-
-  explicit ObjFolder(const std::string& name) : Folder("obj_" + name) {}
-
-  std::string obj(const Shape& shape) const {
-    std::string text = "# a comment\no sheet\n";
-    const auto line = [&text](const char* key, std::initializer_list<float> values) {
-      text += key;
-      for (float v : values) text += ' ' + std::to_string(v);
-      text += '\n';
-    };
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i) {
-        const Vec3 p = shape(static_cast<float>(i) / static_cast<float>(n - 1),
-                             static_cast<float>(j) / static_cast<float>(n - 1));
-        line("v", {p.x, p.y, p.z});
-      }
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i)
-        line("vt", {0.1f + 0.8f * static_cast<float>(i) / static_cast<float>(n - 1),
-                    0.05f + 0.9f * static_cast<float>(j) / static_cast<float>(n - 1)});
-    for (int j = 0; j + 1 < n; ++j)
-      for (int i = 0; i + 1 < n; ++i) {
-        const int a = j * n + i + 1;
-        text += "f";
-        for (const int v : {a, a + 1, a + n + 1, a + n})
-          text += ' ' + std::to_string(v) + '/' + std::to_string(v) + '/';
-        text += '\n';
-      }
-    return text;
-  }
-  void write(const std::string& name, const std::string& text) const { std::ofstream(path / name) << text; }
-  void write(const std::string& name, const Shape& shape) const { write(name + ".obj", obj(shape)); }
-  std::string file(const std::string& name) const { return (path / name).string(); }
-};
-
-Vec3 sheet(float s, float t) {
-  return {10 * s - 5, 12 * t - 6, 4 * s * (1 - s)};
-}
-float hill(float s, float t) {
-  return std::exp(-20 * ((s - 0.5f) * (s - 0.5f) + (t - 0.4f) * (t - 0.4f)));
-}
-
-/// Where (s,t) lies in the chart of the table: v points down there.
-Vec2 chart(float s, float t) {
-  return {0.1f + 0.8f * s, 0.95f - 0.9f * t};
-}
-
-std::string swapped(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
-}
-
-std::string error_of(const ObjFolder& folder, int components = 0) {
-  BakeOptions options;
-  options.source = folder.path.string();
-  options.size = 32;
-  options.components = components;
-  options.base_vertices = 60;
-  std::vector<std::uint8_t> table;
-  std::string error;
-  const bool baked = host::bake::bake(options, table, error);
-  CHECK(baked == error.empty());
-  CHECK(table.empty() == !error.empty());
-  return error;
-}
-
-/// A folder of defects, and the line of the first face of an OBJ file in it.
-struct Defects {
-  ObjFolder folder{"defects"};
-  std::string good = folder.obj(sheet), neutral = folder.file("neutral.obj");
-  std::string first_face = "f 1/1/ 2/2/ 35/35/ 34/34/\n";
-  int face_line = static_cast<int>(std::count(
-                      good.begin(), good.begin() + static_cast<std::ptrdiff_t>(good.find("\nf ")), '\n')) +
-                  2;
-
-  /// The error with this text as a file.
-  std::string error_with(const char* file, const std::string& text) const {
-    folder.write(file, text);
-    return error_of(folder);
-  }
-};
-
-}  // namespace
 
 TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places are kept") {
   const ObjFolder folder("shapes");
@@ -418,75 +322,4 @@ TEST_CASE("scans without names bake into their mean and components") {
     }
   CHECK(best < 0.1f);
   CHECK(error_of(folder, 6) == folder.path.string() + ": 6 scans have at most 5 components");
-}
-
-TEST_CASE("each defect of an OBJ file is one line that names the file and the line") {
-  const Defects d;
-  const std::string &good = d.good, &neutral = d.neutral, &first_face = d.first_face;
-  const auto at_face = [&](const std::string& what) {
-    return neutral + ":" + std::to_string(d.face_line) + ": " + what;
-  };
-  const auto neutral_error = [&](const std::string& text) { return d.error_with("neutral.obj", text); };
-  CHECK(neutral_error(good) == "");
-  CHECK(neutral_error("") == neutral + ": holds no vertices");
-  CHECK(neutral_error("v 1 2\n") == neutral + ":1: '' is not a number");
-  CHECK(neutral_error("v 1 2 nan\n") == neutral + ":1: 'nan' is not a number");
-  CHECK(neutral_error("v 1 2 3\n") == neutral + ": holds no faces");
-  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/\n")) ==
-        at_face("a face has at least three corners"));
-  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 9999/35/ 34/34/\n")) ==
-        at_face("there is no vertex 9999"));
-  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 0/35/ 34/34/\n")) ==
-        at_face("there is no vertex 0"));
-  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ x/35/ 34/34/\n")) ==
-        at_face("'x' is not an index"));
-  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 35/9999/ 34/34/\n")) ==
-        at_face("there is no texture coordinate 9999"));
-  CHECK(neutral_error(swapped(good, first_face, "f 1 2 35 34\n")) ==
-        at_face("the face has no texture coordinates"));
-  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 35/34/ 34/35/\n")) ==
-        at_face("the chart has a fold-over at this face"));
-  CHECK(neutral_error(swapped(good, "v 5.000000 ", "v 5e9 ")) ==
-        neutral + ": vertex 33 is more than 100 m from the origin: check it and --unit");
-  CHECK(neutral_error(swapped(good, first_face, first_face + first_face)) ==
-        neutral + ":" + std::to_string(d.face_line + 1) +
-            ": the face and its neighbour have opposite windings");
-  CHECK(neutral_error(swapped(good, "vt 0.100000", "vt -0.10000")) ==
-        at_face("a texture coordinate of the face is outside 0 to 1"));
-}
-
-TEST_CASE("a file of an OBJ folder that differs from neutral.obj in more than places is refused by name") {
-  const Defects d;
-  const std::string &good = d.good, &neutral = d.neutral, &first_face = d.first_face;
-  const std::string smile = d.folder.file("mouthSmile_L.obj");
-  d.folder.write("neutral.obj", good);
-  const auto smile_error = [&](const std::string& text) { return d.error_with("mouthSmile_L.obj", text); };
-  CHECK(smile_error("v 1 2 3\n") == smile + ": has 1 vertices, not 1089 as " + neutral);
-  CHECK(smile_error(swapped(good, first_face, "")) == smile + ": has 1023 faces, not 1024 as " + neutral);
-  CHECK(smile_error(swapped(good, first_face, "f 1/1/ 2/2/ 35/35/\n")) ==
-        smile + ": has 4095 corners of faces, not 4096 as " + neutral);
-  CHECK(smile_error(swapped(good, first_face, "f 1/1/ 2/2/ 36/35/ 34/34/\n")) ==
-        smile + ":" + std::to_string(d.face_line) + ": the face differs from that of " + neutral);
-}
-
-TEST_CASE("bad landmarks and a missing rest shape of an OBJ folder are refused by name") {
-  const Defects d;
-  const ObjFolder& folder = d.folder;
-  const std::string csv = folder.file("landmarks.csv");
-  folder.write("neutral.obj", d.good);
-  const auto csv_error = [&](const std::string& text) { return d.error_with("landmarks.csv", text); };
-  CHECK(csv_error("landmark,vertex\nibug30,5\n") == "");
-  CHECK(csv_error("name,vertex\n") == csv + ":1: expected the columns landmark,vertex");
-  CHECK(csv_error("landmark,vertex\nibug30\n") == csv + ":2: 'ibug30' is not a landmark and a vertex");
-  CHECK(csv_error("landmark,vertex\nibug30,x\n") == csv + ":2: 'ibug30,x' is not a landmark and a vertex");
-  CHECK(csv_error("landmark,vertex\n\nibug30,1089\n") == csv + ":3: there is no vertex 1089 on a face");
-  fs::remove(folder.path / "landmarks.csv");
-
-  fs::remove(folder.path / "neutral.obj");
-  CHECK(error_of(folder).find("nor OBJ files") != std::string::npos);
-  folder.write("jawOpen.obj", d.good);
-  folder.write("jawLeft.obj", d.good);
-  CHECK(error_of(folder) == d.neutral + ": cannot be read");
-  fs::remove(folder.path / "jawLeft.obj");  // the only file is the rest shape
-  CHECK(error_of(folder) == "");
 }
