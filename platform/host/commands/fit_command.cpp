@@ -201,6 +201,7 @@ Command fit_command() {
       "face.plm (--image picture | --size WxH) [--points points.csv | --box x,y,w,h [--box-of WHOSE] | "
       "--pose fit.json] "
       "[--focal PX|--calibration camera.yml] [--parameters GROUP|COUNT] [--silhouette match|fixed] "
+      "[--method NAME [--delta STEP] [--steps N]] [--stiffness K] "
       "-o fit.json [--overlay picture.png] [--texture face.glb]",
       {{"--points", "CSV",
         "landmark,x,y: at least four landmarks by name; with columns u,v also other points of the surface",

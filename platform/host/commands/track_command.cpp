@@ -168,7 +168,7 @@ Command track_command() {
       "Tracks a face or another surface through a video. Without --init or --box it finds the face, or the "
       "printed surface, itself.",
       "face.plm --frames VIDEO|FOLDER|-|camera: --out track.csv|- [--init fit.json|points.csv|--box "
-      "X,Y,W,H] "
+      "X,Y,W,H [--box-of WHOSE]] "
       "[--landmarks|--model-landmarks] [--arkit] [--markers points.csv] [--marker-exclusion-px R] "
       "[--focal PX|--calibration camera.yml] [--mirror] [--freeze GROUP] "
       "[--profile s|m|l] [--cues LIST] [--mesh-operations N] [--count N] "
