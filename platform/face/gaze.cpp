@@ -1,5 +1,7 @@
 #include "face/gaze.hpp"
 
+#include "face/face_picture.hpp"
+
 namespace pliant {
 
 namespace {
@@ -11,13 +13,20 @@ Vec3 unit_or_none(Vec3 v) {
   return is_finite(v) && size > 1e-6f ? (1 / size) * v : Vec3{};
 }
 
+/// Between where the pupil is read and where the upper lid puts it.
+Vec2 pupil_of(const EyeSight& eye, const View& view, const Projector& projector) {
+  const float higher = clamp(eye.lid_mm - kTuning.lid_mm, -kTuning.most_lid_mm, kTuning.most_lid_mm);
+  return eye.pupil - (kTuning.lid_weight * higher * view.s) * down_of(projector);
+}
+
 /// The iris lies where the pupil's ray meets the sphere around the eyeball's middle, on the near side. \return 0: it does not meet it.
 Vec3 direction_of(const EyeSight& eye, const View& view, const Projector& projector) {
   const Vec3 offset{eye.corners.x > 0 ? kTuning.ball_mm.x : -kTuning.ball_mm.x, kTuning.ball_mm.y,
                     kTuning.ball_mm.z};
   const Vec3 ball = projector.to_camera(eye.corners + offset);
   const float per_px = view.rho / view.s;  // 1 / f
-  const Vec3 ray = unit_or_none({per_px * (eye.pupil.x - view.c.x), per_px * (eye.pupil.y - view.c.y), 1});
+  const Vec2 pupil = pupil_of(eye, view, projector);
+  const Vec3 ray = unit_or_none({per_px * (pupil.x - view.c.x), per_px * (pupil.y - view.c.y), 1});
   const Vec3 across = dot(ray, ball) * ray - ball;  // from the eyeball's middle to the ray
   const float square = kTuning.iris_mm * kTuning.iris_mm - dot(across, across);
   if (!(square > 0)) return {};

@@ -21,9 +21,12 @@ Vec2 uv_of(const Model& model, std::uint16_t landmark) {
   return {model.landmarks()[landmark].u, model.landmarks()[landmark].v};
 }
 
-/// Share of a point's height in the gap between the lids.
+/// Share of a point's height in that of the upper lid, and in the gap between the lids.
+float share_of_lid(int number) {
+  return number == 37 || number == 38 ? 0.5f : 0.0f;
+}
 float share_of_gap(int number) {
-  return number == 37 || number == 38 ? 0.5f : number == 40 || number == 41 ? -0.5f : 0.0f;
+  return number == 40 || number == 41 ? -0.5f : share_of_lid(number);
 }
 
 /// Of the crop's axes in px of the frame a millimetre.
@@ -125,17 +128,19 @@ Vec2 PartFit::off_centre(const CropMap& map, const PartTable& table, const PartS
 bool PartFit::see_eye(const PartPoints& points, const PartSide& side, EyeSight* eye) {
   const PartRecord& part = points.table[side.part];
   const CropMap axes = upright(view_);
-  Vec2 lids;  // from the upper to the lower one
+  Vec2 lids, upper;  // from the upper to the lower one; the upper one
   bool has_pupil = false;
   for (std::size_t k = 0; k < side.count; ++k) {
     const Vec2 x = lens_.undistort(readings_[side.first + k].x);
     const int number = part.number[k];
     if (number == kPupilRight) eye->pupil = x, has_pupil = true;
     lids = lids - share_of_gap(number) * x;
+    upper = upper + share_of_lid(number) * x;
   }
   eye->opening_mm = axes.to_crop(lids).y;
-  // Across, the eye is where its corners are read. Up and down it is where the model has it: that reading goes with the lids.
-  eye->pupil = eye->pupil - axes.along({side.centre_mm.x, 0});
+  eye->lid_mm = axes.to_crop(eye->pupil - upper).y;
+  // The eye is where its corners are read; up and down, where they are read less exactly, in part.
+  eye->pupil = eye->pupil - axes.along({side.centre_mm.x, kGazeTuning.corner_weight * side.centre_mm.y});
   eye->corners =
       0.5f * (cascade_.surface_point(side.anchor[0], q_) + cascade_.surface_point(side.anchor[1], q_));
   return has_pupil;

@@ -127,7 +127,9 @@ TEST_CASE(
     if (size == 0) continue;
     ++seen;
     CHECK(magnitude(result.gaze.x) < 0.12f);  // 7 degrees
-    CHECK(magnitude(result.gaze.y + 0.15f) < 0.15f);  // the built-in face's pupils are lower than people's
+    // The built-in face's pupils are lower than people's; lids that are half shut put the gaze lower still.
+    CHECK(result.gaze.y < 0);
+    CHECK(result.gaze.y > (closing(k) > 0 ? -0.35f : -0.2f));
   }
   CHECK(seen >= 32);
 }

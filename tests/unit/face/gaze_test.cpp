@@ -55,6 +55,26 @@ TEST_CASE("eyes that differ give the middle; an eye that is shut does not count"
   CHECK(length(find_gaze({eyes, 2}, view)) == 0);
 }
 
+TEST_CASE(
+    "an upper lid that is high or low over the pupil raises or lowers the gaze, in the head's axes and not "
+    "by much") {
+  for (const Vec3 turn : kTurns) {
+    const View view = view_at(turn, {0, 0, 500});
+    EyeSight eye = eye_looking({0, 0, 1}, true, view);
+    const auto gaze_with_lid = [&](float higher_mm) {
+      eye.lid_mm = kGazeTuning.lid_mm + higher_mm;
+      return find_gaze({&eye, 1}, view);
+    };
+    const float rise = kGazeTuning.lid_weight * 1 / kGazeTuning.iris_mm;
+    CHECK(length(gaze_with_lid(0) - Vec3{0, 0, 1}) < 0.01f);
+    CHECK(length(gaze_with_lid(1) - Vec3{0, rise, 1}) < 0.02f);
+    CHECK(length(gaze_with_lid(-1) - Vec3{0, -rise, 1}) < 0.02f);
+    CHECK(length(gaze_with_lid(100) - gaze_with_lid(kGazeTuning.most_lid_mm)) == 0);
+    CHECK(length(gaze_with_lid(-100) - gaze_with_lid(-kGazeTuning.most_lid_mm)) == 0);
+    CHECK(length(gaze_with_lid(std::numeric_limits<float>::quiet_NaN())) <= 1.0001f);
+  }
+}
+
 TEST_CASE("no gaze from heads that are turned away, pupils off the eye, no eyes, or what is no number") {
   const View turned = view_at({0, 1, 0}, {0, 0, 500}), view = view_at({}, {0, 0, 500});
   EyeSight eye = eye_looking({0, 0, 1}, true, turned);

@@ -161,6 +161,23 @@ TEST_CASE("crops follow the eyes where the pose is off") {
   CHECK(length(rig.points.side[0].centre_mm - before) == 0);
 }
 
+TEST_CASE("the gaze hardly depends on where the pose has the eyes") {
+  const auto gaze_at = [](Vec3 off) {
+    Rig rig;
+    Pose pose = film().poses[0];
+    pose.t = pose.t + off;
+    rig.view = view_of(pose, film().camera);
+    for (int k = 0; k < kPartFitTuning.start_centrings; ++k) rig.read(film().view(0), 1);
+    rig.read(film().view(0), 0);
+    return rig.fit->gaze(rig.points);
+  };
+  const Vec3 gaze = gaze_at({});
+  CHECK(length(gaze) == doctest::Approx(1));
+  // With the model's place for the corners 3 mm would be 0.29 up or down.
+  for (const Vec3 off : {Vec3{0, 3, 0}, Vec3{0, -3, 0}}) CHECK(magnitude(gaze_at(off).y - gaze.y) < 0.15f);
+  for (const Vec3 off : {Vec3{3, 0, 0}, Vec3{-3, 0, 0}}) CHECK(magnitude(gaze_at(off).x - gaze.x) < 0.15f);
+}
+
 TEST_CASE("crops do not leave the eyes' surroundings, whatever is seen") {
   Rig rig;
   std::vector<std::uint8_t> stripes(320 * 240);
