@@ -24,6 +24,18 @@ Vec3 camera_direction(const View& view) {
   return {towards.x, -towards.y, -towards.z};
 }
 
+KeyDepths::KeyDepths(const KeyFrames& keys, const View& view) : keys_(&keys) {
+  const Mat3 r = rotation_matrix(view.q);
+  across_ = view.s * Vec3{r.m[0][0], -r.m[0][1], -r.m[0][2]};
+  down_ = view.s * Vec3{r.m[1][0], -r.m[1][1], -r.m[1][2]};
+}
+
+Vec2 KeyDepths::of(std::size_t k) const {
+  if (keys_ == nullptr || keys_->view_of(k) == nullptr) return {};
+  const Vec3 away = -1.0f * keys_->direction_of(k);
+  return {dot(across_, away), dot(down_, away)};
+}
+
 void KeyFrames::lay_out(Arena& arena, const TrackerLimits& limits) {
   key_count_ = std::size_t{limits.key_frames} + 1;
   doubtful_rms_px_ = scaled_px(limits, kTuning.doubtful_rms_px);
@@ -126,8 +138,7 @@ std::size_t KeyFrames::choose(const View& view, const FrameResult& result, std::
   const std::size_t near = nearest(camera_direction(view), &cosine);
   keys_[near].last_near = frame;
   if (!has_room_ || 100 * result.inliers <= kTuning.least_inlier_percent * result.tracked) return 0;
-  if (cosine > kNear)
-    return keys_[near].is_doubtful && result.rms_px < doubtful_rms_px_ ? near : 0;
+  if (cosine > kNear) return keys_[near].is_doubtful && result.rms_px < doubtful_rms_px_ ? near : 0;
   std::size_t oldest = 1;
   for (std::size_t k = 1; k < key_count_; ++k) {
     if (!keys_[k].is_used) return k;

@@ -72,6 +72,8 @@ class KeyFrames {
   const View* view_of(std::size_t k) const {
     return k < key_count_ && keys_[k].is_used ? &keys_[k].view : nullptr;
   }
+  /// Towards the camera of key frame k, which is in use, in the model's axes; unit.
+  Vec3 direction_of(std::size_t k) const { return keys_[k].direction; }
   /// Turns the model in all key frames: q becomes q * turn.
   void turn(Quat turn);
 
@@ -97,6 +99,19 @@ class KeyFrames {
   std::uint16_t* line_ = nullptr;
   std::uint8_t *current_ = nullptr, *trusted_ = nullptr, *of_keys_ = nullptr;
   PixelBox trusted_box_;
+};
+
+/// How a view shows depth in a key frame.
+class KeyDepths {
+ public:
+  KeyDepths() = default;  ///< As nothing.
+  KeyDepths(const KeyFrames& keys, const View& view);
+  /// Image of one mm away from the camera of key frame k, px, without perspective.
+  Vec2 of(std::size_t k) const;
+
+ private:
+  const KeyFrames* keys_ = nullptr;
+  Vec3 across_, down_;  // px in the view, per mm of each of the model's axes
 };
 
 }  // namespace pliant

@@ -82,9 +82,7 @@ void start(TrackerParts& t, const TrackerOptions& options) {
 const View* key_of(const TrackerParts& t, std::uint16_t id) {
   for (std::size_t slot = 0; slot < t.templates.count(); ++slot) {
     if (!t.templates.is_first(slot) || t.templates[slot].id != id) continue;
-    std::size_t key = 0;
-    while (slot >= first_slot(t.limits, key + 1)) ++key;
-    return t.key_frames.view_of(key);
+    return t.key_frames.view_of(key_of_slot(t.limits, slot));
   }
   return nullptr;
 }

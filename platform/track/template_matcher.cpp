@@ -150,7 +150,7 @@ Observation TemplateMatcher::search(const MatchFrame& frame, std::size_t k, cons
   const Template& point = frame.templates[k];
   const PatchResult result =
       frame.templates.match(k, frame.region, p.x + kTuning.residual_memory * point.residual, p.jacobian,
-                            search_options(point, searches_[k].is_pending, round));
+                            frame.depths, search_options(point, searches_[k].is_pending, round));
   count(result);
   Observation o = not_found(p.id, reason_of(result.status));
   if (result.status != PatchStatus::ok) return is_last(round) ? track_from_previous(frame, k, p) : o;

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "pliant/estimator.hpp"
-#include "pliant/tracker_limits.hpp"
 #include "pliant/frame_work.hpp"
+#include "pliant/tracker_limits.hpp"
 #include "track/template_store.hpp"
 
 namespace pliant {
@@ -26,6 +26,7 @@ struct MatchFrame {
   TemplateStore& templates;
   const FrameRegion& region;
   Span<Observation> observations;
+  KeyDepths depths = {};  ///< of the estimator's view
 };
 
 /// Matches the templates of a store, frame by frame: begin_frame, perhaps run_first_pass, rounds of match, end_frame.

@@ -17,6 +17,35 @@ PatchLimits patch_limits(const TrackerLimits& limits) {
   return p;
 }
 
+std::int8_t to_bend(float mm) {
+  const float units = clamp(kBendUnits * mm, -127, 127);
+  return static_cast<std::int8_t>(units < 0 ? units - 0.5f : units + 0.5f);
+}
+
+/// The paraboloid that is nearest to the surface around a point, in the axes of the image that shows it by
+/// t.reference, from eight points around it.
+void measure_bend(Template& t, Vec2 uv, float window_px, Estimator& estimator) {
+  const SurfaceFrame middle = estimator.surface_frame(uv);
+  const Vec3 normal = cross(middle.pu, middle.pv), towards = camera_direction(estimator.view());
+  const float facing = dot(normal, towards);
+  if (facing == 0) return;
+  const Mat2 to_uv = inverse(t.reference);
+  const float reach = kTemplateStoreTuning.bend_reach * window_px;
+  float z[3][3];  // mm behind the tangent plane
+  for (int i = 0; i < 9; ++i) {
+    const Vec2 to =
+        uv + to_uv * Vec2{reach * static_cast<float>(i % 3 - 1), reach * static_cast<float>(i / 3 - 1)};
+    const Vec3 p = i == 4 ? middle.p : estimator.surface_point({clamp(to.x, 0, 1), clamp(to.y, 0, 1)});
+    z[i / 3][i % 3] = dot(normal, middle.p - p) / facing;
+  }
+  const float corners = z[0][0] + z[0][2] + z[2][0] + z[2][2];
+  const float per =
+      window_px * window_px / (12 * reach * reach);  // mean square in the window over that of `reach`
+  t.bend[0] = to_bend(per * (corners + z[1][0] + z[1][2] - 2 * (z[0][1] + z[2][1])) / 6);
+  t.bend[1] = to_bend(per * (z[0][0] + z[2][2] - z[0][2] - z[2][0]) / 8);
+  t.bend[2] = to_bend(per * (corners + z[0][1] + z[2][1] - 2 * (z[1][0] + z[1][2])) / 6);
+}
+
 }  // namespace
 
 float strain(const Mat2& now, const Mat2& reference) {
@@ -26,6 +55,10 @@ float strain(const Mat2& now, const Mat2& reference) {
 
 void TemplateStore::lay_out(Arena& arena, const TrackerLimits& limits) {
   count_ = all_slots(limits);
+  of_frame_0_ = static_cast<std::uint16_t>(first_slot(limits, 1));
+  of_key_ = static_cast<std::uint16_t>(first_slot(limits, 2) - first_slot(limits, 1));
+  window_px_ = static_cast<float>(limits.patch_window);
+  side_px_ = window_px_ + 2 * static_cast<float>(limits.patch_margin);
   arena.count_as(Purpose::patches);
   patches_.lay_out(arena, patch_limits(limits));
   arena.count_as(Purpose::points);
@@ -50,14 +83,21 @@ bool TemplateStore::capture(std::size_t slot, Estimator& estimator, const FrameR
     estimator.remove_point(id);
     return false;
   }
+  templates_[slot] = captured(id, slot, p, estimator);
+  templates_[slot].found_at = x;
+  templates_[slot].was_found = true;
+  return true;
+}
+
+Template TemplateStore::captured(std::uint16_t id, std::size_t first, const Prediction& seen,
+                                 Estimator& estimator) const {
   Template fresh;
   fresh.id = id;
-  fresh.first = static_cast<std::uint16_t>(slot);
-  fresh.reference = p.jacobian;
-  fresh.found_at = x;
-  fresh.is_used = fresh.was_found = true;
-  templates_[slot] = fresh;
-  return true;
+  fresh.first = static_cast<std::uint16_t>(first);
+  fresh.reference = seen.jacobian;
+  fresh.is_used = true;
+  measure_bend(fresh, estimator.point_uv(id), window_px_, estimator);
+  return fresh;
 }
 
 std::size_t TemplateStore::capture_second(std::size_t points, std::size_t first, std::size_t end,
@@ -71,12 +111,7 @@ std::size_t TemplateStore::capture_second(std::size_t points, std::size_t first,
     if (!p.visible || patches_.capture(static_cast<int>(first), region.pyramid(),
                                        point.found_at - region.origin()) != PatchStatus::ok)
       continue;
-    Template fresh;
-    fresh.id = point.id;
-    fresh.first = static_cast<std::uint16_t>(k);
-    fresh.reference = p.jacobian;
-    fresh.is_used = true;
-    templates_[first] = fresh;
+    templates_[first] = captured(point.id, k, p, estimator);
     point.second = static_cast<std::uint16_t>(first++);
   }
   return first;
@@ -99,16 +134,38 @@ void TemplateStore::release(std::size_t slot, Estimator& estimator) {
   t.is_used = false;
 }
 
+std::size_t TemplateStore::key_of(std::size_t slot) const {
+  return slot < of_frame_0_ ? 0 : 1 + (slot - of_frame_0_) / of_key_;
+}
+
+/// Mean depth of what the window shows behind its middle, mm. The warp stretches the window over the template, but not
+/// beyond what is stored.
+float TemplateStore::depth(const Template& t, const Mat2& to_template) const {
+  const float most = side_px_ / window_px_;
+  const Mat2& b = to_template;
+  const float x = square_root(b.a * b.a + b.b * b.b), y = square_root(b.c * b.c + b.d * b.d);
+  const float limit_x = x > most ? most / x : 1, limit_y = y > most ? most / y : 1;
+  const float xx = limit_x * limit_x * x * x, yy = limit_y * limit_y * y * y;
+  const float xy = limit_x * limit_y * (b.a * b.c + b.b * b.d);
+  const float mm = (xx * t.bend[0] + 2 * xy * t.bend[1] + yy * t.bend[2]) / kBendUnits;
+  return clamp(mm, 0, kTemplateStoreTuning.most_depth_mm);
+}
+
 PatchResult TemplateStore::match(std::size_t slot, const FrameRegion& region, Vec2 start,
-                                 const Mat2& jacobian, const PatchOptions& options) {
+                                 const Mat2& jacobian, const KeyDepths& depths, const PatchOptions& options) {
   PLIANT_ASSERT(is_first(slot));
   const Template& first = templates_[slot];
   std::size_t which = slot;
   if (first.second != kNoSlot &&
       strain(jacobian, templates_[first.second].reference) < strain(jacobian, first.reference))
     which = first.second;
-  return patches_.track(static_cast<int>(which), region.pyramid(), start - region.origin(),
-                        jacobian * inverse(templates_[which].reference), options);
+  const Template& shown = templates_[which];
+  const Vec2 shift = depth(shown, shown.reference * inverse(jacobian)) * depths.of(key_of(which));
+  PatchResult result =
+      patches_.track(static_cast<int>(which), region.pyramid(), start + shift - region.origin(),
+                     jacobian * inverse(shown.reference), options);
+  result.x = result.x - shift;
+  return result;
 }
 
 PatchResult TemplateStore::match_from_previous(Vec2 x, const FrameRegion& region, Vec2 start,

@@ -8,10 +8,12 @@
 #include "pliant/patch_tracker.hpp"
 #include "pliant/tracker_limits.hpp"
 #include "track/frame_region.hpp"
+#include "track/key_frames.hpp"
 
 namespace pliant {
 
 constexpr std::uint16_t kNoSlot = 0xFFFF;
+constexpr float kBendUnits = 32;  ///< of Template::bend, a mm: up to 4 mm
 
 /// One template. The first template of a surface point also holds where the point was found in the last frame.
 struct Template {
@@ -20,6 +22,9 @@ struct Template {
   std::uint16_t second = kNoSlot;  ///< of a first template: slot of the second one
   std::uint8_t frames_apart = 0;   ///< frames since a template of the point was matched
   bool is_used = false, was_found = false;
+  /// How far the surface in the window lies behind the tangent plane, mm / kBendUnits along the camera's axis: the
+  /// means over a square window of its parts xx, xy and yy.
+  std::int8_t bend[3] = {};
   Mat2 reference;         ///< dx/d(u,v) in the frame of capture
   Vec2 found_at;          ///< px, in the last frame
   Vec2 residual;          ///< px, measured minus projected after the last solve
@@ -63,17 +68,25 @@ class TemplateStore {
   void release(std::size_t slot, Estimator& estimator);
 
   /// Searches the region for the point whose first template is in `slot`, from `start` (px), by the template
-  /// that has to be warped less. Positions of the result are those of the region's pyramid.
+  /// that has to be warped less. The result is where the point is: of the window's place in the frame, what the
+  /// surface's bend moves it by is taken off. \param depths  of this frame. Positions of the result are those of
+  /// the region's pyramid.
   PatchResult match(std::size_t slot, const FrameRegion& region, Vec2 start, const Mat2& jacobian,
-                    const PatchOptions& options);
+                    const KeyDepths& depths, const PatchOptions& options);
   /// Searches the region for what the previous region shows at x (px).
   PatchResult match_from_previous(Vec2 x, const FrameRegion& region, Vec2 start, const PatchOptions& options);
 
  private:
+  Template captured(std::uint16_t id, std::size_t first, const Prediction& seen, Estimator& estimator) const;
+  float depth(const Template& t, const Mat2& to_template) const;
+  std::size_t key_of(std::size_t slot) const;
+
   PatchTracker patches_;
   TemplateCheck check_;
   Template* templates_ = nullptr;
   std::size_t count_ = 0;
+  std::uint16_t of_frame_0_ = 0, of_key_ = 1;  // slots
+  float window_px_ = 0, side_px_ = 0;          // of a template; with its margin
 };
 
 /// Largest entry of W - I, where W is the warp from `reference` to `now`.

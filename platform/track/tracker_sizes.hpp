@@ -41,6 +41,13 @@ constexpr std::size_t all_slots(const TrackerLimits& limits) {
   return first_slot(limits, std::size_t{limits.key_frames} + 1);
 }
 
+/// The key frame that a slot belongs to. \pre slot < all_slots(limits)
+constexpr std::size_t key_of_slot(const TrackerLimits& limits, std::size_t slot) {
+  std::size_t key = 0;
+  while (slot >= first_slot(limits, key + 1)) ++key;
+  return key;
+}
+
 constexpr std::size_t edge_points(const TrackerLimits& limits) {
   return limits.edges == nullptr ? 0 : std::size_t{limits.curve_points} + limits.silhouette_points;
 }
