@@ -13,9 +13,11 @@ struct PersonEstimateTuning {
   float yaw_sines[4] = {0.1305f, 0.3827f, 0.6088f, 0.7934f};
   /// Frames that a view's mean goes back. More frames of one view tell nothing new: their errors repeat. Round value.
   std::size_t most_frames = 8;
-  /// Views between the outermost two, at least, before the estimate is used: 45 degrees. What frontal views
-  /// say of depth is less than their systematic errors. With less, landmarks of recorded films became worse.
-  std::size_t least_spread = 3;
+  /// Views between the outermost two, at least, before the estimate is used: 30 degrees. What frontal views
+  /// say of depth is less than their systematic errors. With 3, rendered heads that turn were estimated less well until
+  /// the first turn ended (docs/evaluation.md), and recorded films no better; from the first view on,
+  /// landmarks of recorded films became worse.
+  std::size_t least_spread = 2;
   /// rad. Standard deviation of the rotation that the start got wrong. An alignment's error is 3 to 5 degrees.
   float turn_sd = 0.087f;
 };

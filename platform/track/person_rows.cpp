@@ -95,12 +95,21 @@ void PersonRows::add_along(Vec2 direction, Vec2 residual, float variance, Person
                 1.0f / (variance * (1 + dot(residual, residual) / (kTuning.half_weight_square * variance))));
 }
 
+/// Whether the surface is turned to the camera so far that a template's window shows little else.
+bool PersonRows::faces_camera(const Projector& projector) const {
+  const Vec3 inwards = projector.rotated(cross(surface_.pu, surface_.pv)),
+             away = projector.to_camera(surface_.p);
+  return dot(inwards, away) > kTuning.least_facing * length(inwards) * length(away);
+}
+
 void PersonRows::add(const Observation& o, Vec2 uv, const View* key, PersonEquations& equations) {
   surface_ = cascade_->surface_frame(uv, q_);
   Vec2 x, x_key;
   Projector::Derivatives d;
-  if (!Projector(view_, true).project(surface_.p, &x, &d)) return;
+  const Projector projector(view_, true);
+  if (!projector.project(surface_.p, &x, &d)) return;
   if (key != nullptr) {
+    if (!faces_camera(projector)) return;
     if (!Projector(*key, true).project(surface_.p, &x_key, &in_key_)) return;
     const Vec2 a = in_key_.along(surface_.pu), b = in_key_.along(surface_.pv);
     const float area = a.x * b.y - b.x * a.y;

@@ -17,6 +17,11 @@ struct PersonRowsTuning {
   /// Area of the surface's image in its key frame over that of one that faces the camera, below which a
   /// template says nothing of depth. Round value, not tuned.
   float least_area = 0.05f;
+  /// Cosine between surface normal and the direction to the camera, at least, of a template's place in the frame. Nearer to
+  /// the silhouette a window shows what is behind it, too, and its place tells of a flatter face. On rendered heads
+  /// that turn the errors at 95 % without it, with 0.45, 0.5 and 0.6 were 3.67, 3.63, 3.74 and 3.74 degrees from detection,
+  /// 3.02, 2.72, 2.74 and 2.95 from landmarks.
+  float least_facing = 0.45f;
   /// rad. Standard deviation of a frame's own rotation: free, since a flatter head would have turned farther.
   float turn_sd = 0.17f;
 };
@@ -48,6 +53,7 @@ class PersonRows {
   void add_priors(PersonEquations& equations) const;
 
  private:
+  bool faces_camera(const Projector& projector) const;
   void set_columns(Vec2 uv, const View* key, const Projector::Derivatives& d);
   Vec2 slid(const Projector::Derivatives& d, Vec2 in_key) const;
   void add_along(Vec2 direction, Vec2 residual, float variance, PersonEquations& equations);
