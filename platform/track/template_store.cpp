@@ -54,11 +54,11 @@ float strain(const Mat2& now, const Mat2& reference) {
 }
 
 void TemplateStore::lay_out(Arena& arena, const TrackerLimits& limits) {
-  count_ = all_slots(limits);
+  count_ = static_cast<std::uint16_t>(all_slots(limits));
   of_frame_0_ = static_cast<std::uint16_t>(first_slot(limits, 1));
   of_key_ = static_cast<std::uint16_t>(first_slot(limits, 2) - first_slot(limits, 1));
-  window_px_ = static_cast<float>(limits.patch_window);
-  side_px_ = window_px_ + 2 * static_cast<float>(limits.patch_margin);
+  window_px_ = limits.patch_window;
+  side_px_ = static_cast<std::uint8_t>(limits.patch_window + 2 * limits.patch_margin);
   arena.count_as(Purpose::patches);
   patches_.lay_out(arena, patch_limits(limits));
   arena.count_as(Purpose::points);
@@ -141,7 +141,7 @@ std::size_t TemplateStore::key_of(std::size_t slot) const {
 /// Mean depth of what the window shows behind its middle, mm. The warp stretches the window over the template, but not
 /// beyond what is stored.
 float TemplateStore::depth(const Template& t, const Mat2& to_template) const {
-  const float most = side_px_ / window_px_;
+  const float most = static_cast<float>(side_px_) / static_cast<float>(window_px_);
   const Mat2& b = to_template;
   const float x = square_root(b.a * b.a + b.b * b.b), y = square_root(b.c * b.c + b.d * b.d);
   const float limit_x = x > most ? most / x : 1, limit_y = y > most ? most / y : 1;

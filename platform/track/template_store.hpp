@@ -84,9 +84,9 @@ class TemplateStore {
   PatchTracker patches_;
   TemplateCheck check_;
   Template* templates_ = nullptr;
-  std::size_t count_ = 0;
-  std::uint16_t of_frame_0_ = 0, of_key_ = 1;  // slots
-  float window_px_ = 0, side_px_ = 0;          // of a template; with its margin
+  // Of limits: at most 16384 slots, windows of 21 px and margins of 16.
+  std::uint16_t count_ = 0, of_frame_0_ = 0, of_key_ = 1;  // slots
+  std::uint8_t window_px_ = 0, side_px_ = 0;               // of a template; with its margin
 };
 
 /// Largest entry of W - I, where W is the warp from `reference` to `now`.
