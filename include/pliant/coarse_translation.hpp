@@ -1,6 +1,8 @@
 #pragma once
 /// \file coarse_translation.hpp
 /// The image shift between two thumbnails: a first estimate of a fast motion, and of the position after a loss.
+#include <cstdint>
+
 #include "pliant/geometry.hpp"
 #include "pliant/pyramid.hpp"
 #include "pliant/status.hpp"
@@ -16,6 +18,7 @@ struct PixelBox {
 struct CoarseTranslation {
   Vec2 by;                ///< px of the images compared; sub-pixel by a parabola through the best
   float correlation = 0;  ///< normalised cross-correlation, -1 to 1; 0 if nothing was compared
+  std::uint32_t compared_pixels = 0;  ///< of all shifts together
 };
 
 /// Finds the shift of `box` from `reference` to `current` with the highest correlation (docs/algorithms.md, section 7.9).

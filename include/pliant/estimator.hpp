@@ -183,13 +183,16 @@ class Estimator {
   Vec2 vertex_seen(VertexId v) const;  ///< Image of one vertex as seen through the lens, px.
   void refresh_vertices();             ///< Updates all vertices to the present state.
 
-  /// Corrects what the start assumed: the parameters that are not free, and the model's rotation. Points and
-  /// vertices are sampled anew; a personal field is given up. Poses of earlier frames are not changed.
+  /// Corrects what the start assumed: the parameters that are not free, and the model's rotation. Points are
+  /// sampled anew, vertices in the frames that follow; a personal field is given up. Poses of earlier frames are
+  /// not changed.
   /// \param q  all parameters, finite. \param turn  the pose becomes q * turn. \return not_started, bad_argument.
   Status revise(const float* q, Quat turn);
-  /// Moves a point over the surface. \pre has_point(id); uv within 0..1.
+  /// Moves a point over the surface in the `revise` that follows. \pre has_point(id); uv within 0..1.
   void slide_point(std::uint16_t id, Vec2 uv);
-  SurfaceFrame surface_frame(Vec2 uv);  ///< Surface point (mm) and tangents at the present parameters.
+  /// Gives up the personal field, so that `surface_frame` reads every parameter.
+  void forget_person();
+  SurfaceFrame surface_frame(Vec2 uv, const float* q);  ///< Surface point (mm) and tangents at parameters q.
 
  private:
   struct Impl;

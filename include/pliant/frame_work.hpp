@@ -14,6 +14,9 @@ struct FrameWork {
   std::uint32_t rows = 0;            ///< observations in linearisations
   std::uint32_t measured_rows = 0;   ///< observations of which only the residual was taken, for a trial step
   std::uint32_t factorisations = 0;  ///< of the normal equations
+  std::uint32_t forces = 0;          ///< observations whose image forces were compared, for rejection
+  std::uint32_t coarse_pixels = 0;   ///< of thumbnails, compared for the coarse translation
+  float rare = 0;  ///< a key frame, an estimate of the person, a check of the track; instructions, as WorkCosts
 };
 
 /// Tuning of WorkCosts, instructions of x86-64: those of a function, over the turns of its loop, counted by callgrind on the
@@ -25,6 +28,9 @@ struct WorkCostTuning {
   float measured_sample = 18;        ///< the same of an observation that is measured only
   float measured = 90;               ///< the rest of that
   float factorisation_unknowns = 0.65f;  ///< of a factorisation: each triple of unknowns
+  float force = 5000;                    ///< of an observation in the rejection of image forces
+  float coarse_pixel = 4.2f;             ///< of a pixel of the coarse translation
+  float captured_sample = 400;  ///< of a place where a template is captured: each sample of its point
 };
 inline constexpr WorkCostTuning kWorkCostTuning{};  ///< the values in use
 
@@ -34,6 +40,9 @@ struct WorkCosts {
   float row = 0;            ///< an observation in a linearisation
   float measured_row = 0;   ///< an observation of which only the residual is taken
   float factorisation = 0;  ///< a factorisation of the normal equations
+  float force = 0;          ///< an observation in the rejection of image forces
+  float coarse_pixel = 0;   ///< a pixel of thumbnails compared
+  float capture = 0;        ///< a place where a template is captured; a part of FrameWork::rare
 
   /// \param window    side of a template, px. \param unknowns  of the solve. \param samples  of one surface point.
   static constexpr WorkCosts of(float window, float unknowns, float samples) {
@@ -41,12 +50,20 @@ struct WorkCosts {
     return {t.search_step_pixel * window * window,
             t.row_unknowns * unknowns * unknowns + t.row_sample * samples + t.row,
             t.measured_sample * samples + t.measured,
-            t.factorisation_unknowns * unknowns * unknowns * unknowns};
+            t.factorisation_unknowns * unknowns * unknowns * unknowns,
+            t.force,
+            t.coarse_pixel,
+            t.captured_sample * samples};
   }
   /// Instructions of a frame's solves.
   constexpr float of_solves(const FrameWork& w) const {
     return row * static_cast<float>(w.rows) + measured_row * static_cast<float>(w.measured_rows) +
-           factorisation * static_cast<float>(w.factorisations);
+           factorisation * static_cast<float>(w.factorisations) + force * static_cast<float>(w.forces);
+  }
+  /// Of all that a frame's budget bounds.
+  constexpr float of(const FrameWork& w) const {
+    return search_step * static_cast<float>(w.search_steps) + of_solves(w) +
+           coarse_pixel * static_cast<float>(w.coarse_pixels) + w.rare;
   }
 };
 

@@ -128,10 +128,13 @@ void give_up(TrackerParts& t) {
 void conclude(TrackerParts& t, const FrameView& view) {
   FaceSelfStart& self = self_of(t);
   t.result.gaze = self.parts != nullptr && t.bad_frames == 0 ? self.parts->gaze : Vec3{};
-  if (!self.faces.conclude(view, t.estimator, t.bad_frames, !t.has_room_for_rare_work(),
-                           t.unused_between_frames, &t.result) ||
+  constexpr float kWork = kFaceStartTuning.check_work;
+  WaitingWork& check = t.budget.check;
+  const bool has_room = t.bad_frames == 0 && self.faces.is_check_due() && t.budget.take(check, kWork);
+  if (!self.faces.conclude(view, t.estimator, t.bad_frames, has_room, t.unused_between_frames, &t.result) ||
       (t.bad_frames == 0 && self.poor_start.is_over(view, t.estimator)))
     give_up(t);
+  if (self.faces.is_doubtful()) check.hurry(kWork);
 }
 
 /// \return null if there are no readers.
@@ -183,6 +186,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);
   self.faces.begin_track(self.landmark_error);
   self.landmark_error = 0;
+  t.budget.check.is_reserved = true;
   conclude(t, view);
 }
 

@@ -225,15 +225,16 @@ void FaceStart::tell_worth(const View& view, FrameResult* result) const {
   if (is_turned_away || landmark_error_ > kTuning.most_landmark_error) result->state = TrackState::degraded;
 }
 
-bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_frames, bool is_busy,
+bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_frames, bool has_room,
                          Span<unsigned char> scratch, FrameResult* result) {
   PLIANT_ASSERT(has_track());
+  const bool checks = has_room && is_check_due();
   ++frames_since_check_;
   if (bad_frames > 0) {
     frames_since_check_ = kTuning.known_interval_frames;  // the next good frame is checked
     return bad_frames < kTuning.most_bad_frames;
   }
-  if (is_check_due(is_busy)) {
+  if (checks) {
     frames_since_check_ = 0;
     if (!check(frame, estimator, scratch)) return false;
   }
@@ -241,11 +242,10 @@ bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_f
   return true;
 }
 
-/// A busy frame leaves a check to the next one, busy or not; but for those after bad frames and bad checks.
-bool FaceStart::is_check_due(bool is_busy) const {
+bool FaceStart::is_check_due() const {
   const bool is_sure = has_confirmed() && landmark_error_ <= kTuning.doubtful_error;
   const int interval = is_sure ? kTuning.known_interval_frames : kTuning.check_interval_frames;
-  return bad_checks_ > 0 || frames_since_check_ >= interval + (is_busy ? 1 : 0);
+  return bad_checks_ > 0 || frames_since_check_ + 1 >= interval;
 }
 
 /// \return false after too many bad checks in a row.

@@ -43,6 +43,8 @@ struct FaceStartTuning {
   /// is above `doubtful_error`; and else. After a bad check the next frame is checked. A check costs a fifth of a frame. With 6
   /// the fault films are as with 2, with 6 whatever the error it took up to 10 frames more until a face was right again.
   int check_interval_frames = 2, known_interval_frames = 6;
+  /// Work of a check with the built-in face's learnt tables, instructions as WorkCosts, counted with profiles S and M.
+  float check_work = 2.5e6f;
   /// Estimated landmark error above which checks stay frequent, fraction of the eyes' distance: half of `most_landmark_error`.
   float doubtful_error = 0.04f;
   /// Bad checks in a row after which a track is given up. Not tuned.
@@ -124,11 +126,15 @@ class FaceStart {
 
   /// Ends a frame of a track: checks it where a check is due, and writes landmark_error and whether
   /// it is degraded.
-  /// \param bad_frames  of the track in a row, this one included. \param is_busy  a check that can wait waits for the next
-  ///                    frame. \param scratch  unused memory.
+  /// \param bad_frames  of the track in a row, this one included. \param has_room  false: a check that is due
+  ///                    waits. \param scratch  unused memory.
   /// \return false: the track is given up.
-  bool conclude(const FrameView& frame, Estimator& estimator, int bad_frames, bool is_busy,
+  bool conclude(const FrameView& frame, Estimator& estimator, int bad_frames, bool has_room,
                 Span<unsigned char> scratch, FrameResult* result);
+  /// Whether `conclude` checks the track if the frame is good and has room.
+  bool is_check_due() const;
+  /// Whether the last check was bad, so that the next good frame is to be checked.
+  bool is_doubtful() const { return bad_checks_ > 0; }
   /// Whether enough checks were good for the person to be known.
   bool has_confirmed() const { return good_checks_ >= kFaceStartTuning.checks_of_known_person; }
 
@@ -152,7 +158,6 @@ class FaceStart {
   void go_on();
   void set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
                   StartPose* start);
-  bool is_check_due(bool is_busy) const;
   void tell_worth(const View& view, FrameResult* result) const;
   bool check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch);
 

@@ -116,8 +116,9 @@ CoarseMotion KeyFrames::find_motion(int bad_frames) const {
   const CoarseTranslation shift =
       find_coarse_translation(view_of_thumbnail(key != nullptr ? thumbnail_of(turn - 1) : trusted_),
                               key != nullptr ? key->box : trusted_box_, view_of_thumbnail(current_), range);
-  if (shift.correlation < kTuning.least_correlation) return {};
-  return {true, static_cast<float>(factor_) * shift.by, key != nullptr ? &key->view : nullptr};
+  if (shift.correlation < kTuning.least_correlation) return {false, {}, nullptr, shift.compared_pixels};
+  return {true, static_cast<float>(factor_) * shift.by, key != nullptr ? &key->view : nullptr,
+          shift.compared_pixels};
 }
 
 std::size_t KeyFrames::nearest(Vec3 direction, float* cosine) const {

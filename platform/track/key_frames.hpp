@@ -37,6 +37,7 @@ struct CoarseMotion {
   bool is_found = false;
   Vec2 by_px;                  ///< translation of the model in the image
   const View* from = nullptr;  ///< the key frame's view that it starts from; null: the last good frame's
+  std::uint32_t compared_pixels = 0;  ///< of the thumbnails, in all
 };
 
 /// Towards the camera, in the model's axes; unit. A turn about the optical axis does not change it.

@@ -18,7 +18,15 @@ struct PersonState {
   bool is_active = false;
   std::uint32_t taken_frame = 0, step_frame = 0;  // the last one that was taken; the last with a step
 
-  void lay_out(Arena& arena, const Model& model);
+  // A step is prepared in several frames and taken in one.
+  bool is_stepping = false;
+  Vec3 turn;                      // of the step
+  float* next_q = nullptr;        // all parameters; the identity is that after the step
+  Vec2* next_uv = nullptr;        // of templates, by slot
+  std::size_t prepared = 0;       // slots
+  std::uint32_t prepared_frame = 0;  // in which this began
+
+  void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
 };
 
 namespace {
@@ -31,22 +39,19 @@ std::size_t identities(const Model& model) {
   return n;
 }
 
-/// Where everything is seen in its key frame before a step, so that it stays there.
+/// Where landmarks and markers are seen in frame 0 before a step, so that they stay there.
 struct Places {
-  Vec2 *templates = nullptr, *landmarks = nullptr, *markers = nullptr;
-  float* q = nullptr;
+  Vec2 *landmarks = nullptr, *markers = nullptr;
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-    templates = arena.take<Vec2>(all_slots(limits));
     landmarks = arena.take<Vec2>(model.landmarks().count);
     markers = arena.take<Vec2>(limits.markers);
-    q = arena.take<float>(model.parameters().count);
   }
 };
 
-PersonState* lay_out(Arena& arena, const Model& model) {
+PersonState* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
   arena.count_as(Purpose::state);
-  return identities(model) > 0 ? create_part<PersonState>(arena, model) : nullptr;
+  return identities(model) > 0 ? create_part<PersonState>(arena, model, limits) : nullptr;
 }
 
 std::size_t scratch_bytes(const Model& model, const TrackerLimits& limits) {
@@ -54,7 +59,7 @@ std::size_t scratch_bytes(const Model& model, const TrackerLimits& limits) {
   Arena trial;
   PersonEquations equations;
   equations.lay_out(trial, kPoseUnknowns + 3 + model.parameters().count);
-  Places places;
+  Places places;  // of another frame
   places.lay_out(trial, model, limits);
   return trial.used_bytes() + PersonRows::scratch_bytes(model) + Arena::kAlignment;
 }
@@ -71,6 +76,7 @@ void start(TrackerParts& t, const TrackerOptions& options) {
   s.rows.start(t.model(), s.is_free);
   s.estimate.clear();
   s.taken_frame = s.step_frame = 0;
+  s.is_stepping = false;
   for (std::size_t k = 0; k < 3; ++k) s.now[k] = 0;
   for (std::size_t k = 3; k < s.rows.kept(); ++k) {
     s.sd[k - 3] = kTuning.start_sd * all[s.rows.identity(k - 3)].sd;
@@ -92,18 +98,33 @@ bool is_usable(const Observation& o) {
   return o.reason == Reason::found && o.cue != Cue::flow;
 }
 
-/// The equations of a frame; of many observations each second, third, ..., in turn from frame to frame.
-void gather(TrackerParts& t, PersonEquations& equations, Arena& scratch) {
+/// Of one record's work, that of a whole cascade.
+float of_cascade(const TrackerParts& t, float work) {
+  return work * static_cast<float>(t.model().cascade().count);
+}
+
+/// The interval at which observations are taken, for which the frame's budget has room; 0: it has not enough.
+std::size_t choose_interval(TrackerParts& t) {
+  std::size_t usable = 0;
+  for (std::size_t k = 0; k < t.observation_count; ++k) usable += is_usable(t.observations[k]);
+  const float each = of_cascade(t, kTuning.observation_work), room = max(t.budget.left(), 0) / each;
+  const float most = min(room, static_cast<float>(kTuning.most_observations - 1));
+  if (most < static_cast<float>(kTuning.least_observations)) return 0;
+  const std::size_t interval = usable / (static_cast<std::size_t>(most) + 1) + 1;
+  t.budget.take(each * static_cast<float>(usable / interval));
+  return interval;
+}
+
+/// The equations of a frame, of each observation in `interval`, in turn from frame to frame.
+void gather(TrackerParts& t, std::size_t interval, PersonEquations& equations, Arena& scratch) {
   PersonState& s = *t.person;
   equations.lay_out(scratch, s.rows.count());
   equations.reset();
   s.rows.begin(scratch, t.model(), t.estimator.view(), t.estimator.parameters().data);
-  std::size_t usable = 0, seen = t.frame;
-  for (std::size_t k = 0; k < t.observation_count; ++k) usable += is_usable(t.observations[k]);
-  const std::size_t step = usable / kTuning.most_observations + 1;
+  std::size_t seen = t.frame;
   for (std::size_t k = 0; k < t.observation_count; ++k) {
     Observation o = t.observations[k];
-    if (!is_usable(o) || seen++ % step != 0) continue;
+    if (!is_usable(o) || seen++ % interval != 0) continue;
     const View* const key = o.cue == Cue::patch ? key_of(t, o.id) : nullptr;
     if (o.cue == Cue::patch && key == nullptr) continue;
     o.x = t.estimator.lens().undistort(o.x);
@@ -131,22 +152,11 @@ bool choose_step(PersonState& s, const Model& model, float* q, Vec3* turn) {
   return is_worth;
 }
 
-/// Calls visit(slot, view of its key frame) for the first template of each point.
-template <class Visit>
-void for_each_template(TrackerParts& t, Visit&& visit) {
-  for (std::size_t key = 0; key <= t.limits.key_frames; ++key) {
-    const View* const view = t.key_frames.view_of(key);
-    if (view == nullptr) continue;
-    for (std::size_t slot = first_slot(t.limits, key); slot < first_slot(t.limits, key + 1); ++slot)
-      if (t.templates.is_first(slot)) visit(slot, *view);
-  }
-}
-
-/// The (u,v) near `uv` that a view sees at x.
-Vec2 back_to(Vec2 x, const View& view, Vec2 uv, Estimator& estimator) {
+/// The (u,v) near `uv` that a view sees at x after the step.
+Vec2 back_to(Vec2 x, const View& view, Vec2 uv, TrackerParts& t) {
   const Projector projector(view, true);
   for (int k = 0; k < kTuning.slides; ++k) {
-    const SurfaceFrame f = estimator.surface_frame(uv);
+    const SurfaceFrame f = t.estimator.surface_frame(uv, t.person->next_q);
     Vec2 now;
     Projector::Derivatives d;
     if (!projector.project(f.p, &now, &d)) return uv;
@@ -160,25 +170,56 @@ Vec2 back_to(Vec2 x, const View& view, Vec2 uv, Estimator& estimator) {
   return uv;
 }
 
+/// Where a template has to lie after the step, so that it stays where its key frame showed it.
+Vec2 slid(TrackerParts& t, std::size_t slot, View key) {
+  const Vec2 uv = t.estimator.point_uv(t.templates[slot].id);
+  Vec2 seen;
+  if (!Projector(key, true).project(t.estimator.surface_point(uv), &seen)) return uv;
+  key.q = normalised(key.q * exp_rotation(t.person->turn));
+  return back_to(seen, key, uv, t);
+}
+
+/// Prepares templates, as many as a frame may and has room for. A key frame that is kept meanwhile has others: then all are
+/// prepared again. \return whether all are.
+bool prepare(TrackerParts& t) {
+  PersonState& s = *t.person;
+  if (t.last_kept >= s.prepared_frame) {
+    s.prepared = 0;
+    s.prepared_frame = t.frame + 1;
+  }
+  for (std::size_t k = 0; k < t.start_q.count; ++k)
+    if (t.model().parameters()[k].group == Group::expression) s.next_q[k] = t.estimator.parameters()[k];
+  const float each = of_cascade(t, kTuning.prepared_work);
+  std::size_t key = 0;
+  for (std::size_t n = 0; s.prepared < t.templates.count(); ++s.prepared) {
+    while (s.prepared >= first_slot(t.limits, key + 1)) ++key;
+    const View* const view = t.key_frames.view_of(key);
+    if (view == nullptr || !t.templates.is_first(s.prepared)) continue;
+    if (n++ == kTuning.prepared_templates || !t.budget.take(each)) return false;
+    s.next_uv[s.prepared] = slid(t, s.prepared, *view);
+  }
+  return true;
+}
+
 /// Changes the person. Every template, landmark and marker stays where its key frame showed it.
-void take_step(TrackerParts& t, const Places& places, Vec3 by) {
+void take_step(TrackerParts& t) {
+  PersonState& s = *t.person;
   Estimator& e = t.estimator;
-  for_each_template(t, [&](std::size_t slot, const View& view) {
-    places.templates[slot] = kNowhere;
-    Projector(view, true).project(e.surface_point(e.point_uv(t.templates[slot].id)), &places.templates[slot]);
-  });
+  Arena scratch(t.scratch.data, t.scratch.count);
+  Places places;
+  places.lay_out(scratch, t.model(), t.limits);
   t.offsets.project_all(*t.key_frames.view_of(0), e, places.landmarks);
   t.markers.project_all(*t.key_frames.view_of(0), e, places.markers);
-  const Quat turn = exp_rotation(by);
-  if (e.revise(places.q, turn) != Status::ok) return;
+  for (std::size_t slot = 0; slot < t.templates.count(); ++slot)
+    if (t.templates.is_first(slot)) e.slide_point(t.templates[slot].id, s.next_uv[slot]);
+  const Quat turn = exp_rotation(s.turn);
+  if (e.revise(s.next_q, turn) != Status::ok) return;
   t.key_frames.turn(turn);
-  for_each_template(t, [&](std::size_t slot, const View& view) {
-    const std::uint16_t id = t.templates[slot].id;
-    if (places.templates[slot].x > kNowhere.x)
-      e.slide_point(id, back_to(places.templates[slot], view, e.point_uv(id), e));
-  });
   t.offsets.keep_all(*t.key_frames.view_of(0), e, places.landmarks);
   t.markers.keep_all(*t.key_frames.view_of(0), e, places.markers);
+  s.now[0] += s.turn.x;
+  s.now[1] += s.turn.y;
+  s.now[2] += s.turn.z;
 }
 
 bool is_due(const TrackerParts& t, std::size_t view) {
@@ -187,33 +228,46 @@ bool is_due(const TrackerParts& t, std::size_t view) {
          (is_known ? kTuning.interval_when_known : kTuning.interval_frames);
 }
 
-void conclude(TrackerParts& t) {
+/// Takes the frame into the estimate, if there is room for it, and chooses the next step towards the estimate, if one is due.
+void take_frame(TrackerParts& t, std::size_t view) {
   PersonState& s = *t.person;
-  const std::size_t view = PersonEstimate::view_towards(camera_direction(t.estimator.view()));
-  if (!s.is_active || !is_due(t, view)) return;
+  const std::size_t interval = choose_interval(t);
+  if (interval == 0) return;
   Arena scratch(t.scratch.data, t.scratch.count);
   PersonEquations equations;
-  gather(t, equations, scratch);
+  gather(t, interval, equations, scratch);
   for (std::size_t k = 3; k < s.rows.kept(); ++k) s.now[k] = t.estimator.parameters()[s.rows.identity(k - 3)];
   s.estimate.add(view, equations, s.now);
   s.taken_frame = t.frame;
-  if (t.frame - s.step_frame < kTuning.step_frames || !s.estimate.is_usable()) return;
+  if (s.is_stepping || t.frame - s.step_frame < kTuning.step_frames || !s.estimate.is_usable()) return;
   s.step_frame = t.frame;
   if (!s.estimate.solve(s.start_q, s.sd, equations, s.best)) return;
-  Places places;
-  places.lay_out(scratch, t.model(), t.limits);
-  for (std::size_t k = 0; k < t.start_q.count; ++k) places.q[k] = t.estimator.parameters()[k];
-  Vec3 turn;
-  if (!choose_step(s, t.model(), places.q, &turn)) return;
-  take_step(t, places, turn);
-  s.now[0] += turn.x;
-  s.now[1] += turn.y;
-  s.now[2] += turn.z;
+  for (std::size_t k = 0; k < t.start_q.count; ++k) s.next_q[k] = t.estimator.parameters()[k];
+  s.is_stepping = choose_step(s, t.model(), s.next_q, &s.turn);
+  s.prepared = 0;
+  s.prepared_frame = t.frame + 1;
+  if (s.is_stepping) t.estimator.forget_person();
+}
+
+void conclude(TrackerParts& t) {
+  PersonState& s = *t.person;
+  if (!s.is_active) return;
+  const std::size_t view = PersonEstimate::view_towards(camera_direction(t.estimator.view()));
+  if (is_due(t, view)) take_frame(t, view);
+  if (!s.is_stepping || !prepare(t) || !t.budget.take(t.budget.person, person_step_work(t.model(), t.limits))) return;
+  take_step(t);
+  s.is_stepping = false;
 }
 
 }  // namespace
 
-void PersonState::lay_out(Arena& arena, const Model& model) {
+float person_step_work(const Model& model, const TrackerLimits& limits) {
+  return static_cast<float>(model.cascade().count) *
+         (kTuning.point_work * static_cast<float>(all_points(limits)) +
+          kTuning.landmark_work * static_cast<float>(model.landmarks().count));
+}
+
+void PersonState::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
   const std::size_t parameters = model.parameters().count, kept = 3 + identities(model);
   rows.lay_out(arena, model);
   estimate.lay_out(arena, kept);
@@ -222,6 +276,8 @@ void PersonState::lay_out(Arena& arena, const Model& model) {
   best = arena.take<float>(kept);
   start_q = arena.take<float>(kept);
   sd = arena.take<float>(kept);
+  next_q = arena.take<float>(parameters);
+  next_uv = arena.take<Vec2>(all_slots(limits));
 }
 
 const PersonRefinement kPersonRefinement{lay_out, scratch_bytes, start, conclude};

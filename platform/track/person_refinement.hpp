@@ -16,10 +16,12 @@ struct PersonRefinementTuning {
   /// Frames from one that is taken into the estimate to the next, at least; the same in a view that has
   /// enough. A frame costs a fifth of its time more. Four is as good as two.
   std::uint32_t interval_frames = 4, interval_when_known = 16;
-  /// Observations that a frame takes, fewer than this: of more each second, third, ... With 500 templates a frame
-  /// that is taken costs half, 5 million instructions. 96 had as small errors with profile M, and with profile L
-  /// 4.1 instead of 3.3 degrees at 95 %.
+  /// Observations that a frame takes, fewer than this and what its budget has room for: of more each second, third,
+  /// ... With 500 templates a frame that is taken costs half, 5 million instructions. 96 had as small errors with
+  /// profile M, and with profile L 4.1 instead of 3.3 degrees at 95 %.
   std::size_t most_observations = 192;
+  /// Observations for which a frame must have room to be taken, count. Round value, not tuned.
+  std::size_t least_observations = 64;
   /// Fraction of the way to the estimate in one step, of which there is at most one in so many frames. What
   /// is seen moves by less than the noise of a frame. Half of the way in every second frame had 5 % less
   /// error on turned heads.
@@ -33,21 +35,29 @@ struct PersonRefinementTuning {
   /// Steps in (u,v), each way, in which a template's point goes back to where it was seen.
   float most_slide = 0.02f;
   int slides = 2;
+  /// Templates of which a frame prepares the step, count: 3 million instructions. Round value, not tuned.
+  std::size_t prepared_templates = 64;
+  /// Work for each record of the cascade, instructions as WorkCosts: of an observation that is taken, of a template
+  /// that is prepared, and, in the step itself, of a point and a landmark. Counted with profile M.
+  float observation_work = 660, prepared_work = 650, point_work = 250, landmark_work = 500;
 };
 inline constexpr PersonRefinementTuning kPersonRefinementTuning{};
+
+/// Work of the step that changes the person, at most; instructions, as WorkCosts.
+float person_step_work(const Model& model, const TrackerLimits& limits);
 
 /// The calls of a tracker. It makes them through TrackerLimits::person only, so that a program whose limits
 /// name none does not link what is behind it.
 struct PersonRefinement {
   /// Takes the state from the arena. \return null if the arena measures, or the model has no identity.
-  PersonState* (*lay_out)(Arena& arena, const Model& model);
+  PersonState* (*lay_out)(Arena& arena, const Model& model, const TrackerLimits& limits);
   /// Bytes that `conclude` takes of the tracker's scratch.
   std::size_t (*scratch_bytes)(const Model& model, const TrackerLimits& limits);
   /// Begins with a track. Nothing is estimated where the caller gave the identity, or has
   /// every frame estimate it.
   void (*start)(TrackerParts& tracker, const TrackerOptions& options);
-  /// Ends a good frame that has time left, and whose observations are still there: where it is due, takes it
-  /// into the estimate, and takes a step towards it. What is due waits for such a frame.
+  /// Ends a good frame whose observations are still there: takes it into the estimate, prepares a step towards the
+  /// estimate, or takes it. What is due waits for a frame whose budget has room for it.
   void (*conclude)(TrackerParts& tracker);
 };
 

@@ -54,8 +54,7 @@ void TemplateMatcher::lay_out(Arena& arena, const TrackerLimits& limits) {
   searches_ = arena.take<Search>(capacity_);
 }
 
-void TemplateMatcher::start(bool uses_frame_to_frame, std::uint32_t most_steps) {
-  most_steps_ = most_steps;
+void TemplateMatcher::start(bool uses_frame_to_frame) {
   uses_frame_to_frame_ = uses_frame_to_frame;
   count_ = 0;
   innovation_px_ = later_innovation_px_ = coarse_px_ = kUnknownPx;

@@ -34,12 +34,13 @@ class TemplateMatcher {
  public:
   void lay_out(Arena& arena, const TrackerLimits& limits);
   /// Before frame 1. \param uses_frame_to_frame  whether points may be tracked from the previous frame.
-  /// \param most_steps  of the searches of a frame, over which they end.
-  void start(bool uses_frame_to_frame, std::uint32_t most_steps);
+  void start(bool uses_frame_to_frame);
 
   /// \param is_trusted        the last frame was tracked.
   /// \param coarse_px  length of the coarse translation; kUnknownPx if none was found.
   void begin_frame(std::uint32_t frame, bool is_trusted, float coarse_px);
+  /// \param most_steps  of the searches of this frame, over which they end.
+  void limit_steps(std::uint32_t most_steps) { most_steps_ = most_steps; }
   /// Matches a subset of the points, spread over the surface and another one in each frame, and lets the
   /// estimator move to them, so that the other predictions become more accurate.
   /// \return false, and nothing has moved, where there are too few points, where it does not pay, or where

@@ -11,16 +11,15 @@ struct TrackerTuning {
   /// Templates that a start needs, count: twelve coordinates for the six of the pose, and as many to reject
   /// outliers by.
   std::uint16_t least_templates = 6;
-  /// Work of a frame, beyond which searches and solves end early: that of so many search steps a template,
-  /// passes over all observations, and factorisations. Above the worst of 3,000 frames with the faults of
-  /// `pliant bench faults` (recorded face; profiles S, M and L, and 500 templates), so that it bounds a frame
-  /// and hardly changes one.
-  float most_steps_a_template = 20, most_passes = 6, most_factorisations = 28;
-  /// Fraction of that work that searches may take: the rest is left to the solves. Round value, not tuned.
+  /// The budget of a frame (FrameBudget): the work of so many search steps a template, passes over all
+  /// observations, and factorisations. With it the slowest frame of films with the faults of `pliant bench faults`
+  /// takes at most twice the median (recorded face; profiles S, M and L, and 500 templates with 1,900 vertices).
+  float most_steps_a_template = 12, most_passes = 4, most_factorisations = 46;
+  /// Fraction of what rare work leaves of it that searches may take: the rest is left to the solves. Round value,
+  /// not tuned.
   float most_of_searches = 0.8f;
-  /// Fraction of that work up to which a frame goes on with rare work that can wait, the estimation of the
-  /// person. Round value; of 3,000 frames with faults 85 % are below it.
-  float most_before_rare_work = 0.4f;
+  /// Work of a key frame for each pixel that is searched for corners, instructions as WorkCosts.
+  float corner_pixel = 15;
   /// Places at which a later key frame tries to capture a template, for each of its slots. Round value, not tuned.
   std::size_t tries_a_slot = 8;
 };

@@ -53,7 +53,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   std::size_t search = 0;
   SelfStart* const self_start =
       limits.detection == nullptr ? nullptr : limits.detection->lay_out(arena, model, limits, &search);
-  PersonState* const person = limits.person == nullptr ? nullptr : limits.person->lay_out(arena, model);
+  PersonState* const person = limits.person == nullptr ? nullptr : limits.person->lay_out(arena, model, limits);
   unsigned char* const block = arena.take<unsigned char>(0);
   const std::size_t before = arena.used_bytes(), fit = start_fit_bytes(model, limits.start_points);
   const std::size_t needed = search > fit ? search : fit;
@@ -128,7 +128,7 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   Status status = t.region.check_frame(frame);
   if (status != Status::ok) return status;
   if (t.is_stale(frame)) return Status::stale_frame;
-  t.work = {};
+  t.budget.begin(t.bad_frames == 0);
   status = t.is_started ? t.track(frame) : t.self_start->calls->search(t, frame);
   if (status != Status::ok) return status;
   t.note_time(frame);
@@ -137,13 +137,12 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
 }
 
 Status TrackerParts::track(const FrameView& view) {
-  follows_bad_frame = bad_frames > 0;
   const Status status = predict(view);
   if (status != Status::ok) return status;
   match_and_solve(view);
   note_work();
   conclude();
-  if (person != nullptr && bad_frames == 0 && has_room_for_rare_work()) limits.person->conclude(*this);
+  if (person != nullptr && bad_frames == 0) limits.person->conclude(*this);
   if (self_start != nullptr) self_start->calls->conclude(*this, view);
   return status;
 }
@@ -153,29 +152,27 @@ void TrackerParts::note_time(const FrameView& view) {
   last_sequence = view.sequence;
 }
 
+/// Leaves a part of the budget to the solves.
+void TrackerParts::limit_searches() {
+  const float steps = kTrackerTuning.most_of_searches * budget.left() / budget.costs.search_step;
+  matcher.limit_steps(static_cast<std::uint32_t>(max(steps, 0)));
+}
+
 /// Leaves to the solves what the searches have not taken.
-void TrackerParts::limit_work() {
-  estimator.limit_work(costs,
-                       most_work - costs.search_step * static_cast<float>(matcher.work().search_steps));
-}
-
-/// Of searches and solves, as noted.
-float TrackerParts::spent_work() const {
-  return costs.search_step * static_cast<float>(work.search_steps) + costs.of_solves(work);
-}
-
-/// Whether this frame has done little enough that work which can wait need not wait.
-bool TrackerParts::has_room_for_rare_work() const {
-  return !follows_bad_frame && spent_work() <= kTrackerTuning.most_before_rare_work * most_work;
+void TrackerParts::limit_solves() {
+  note_work();
+  estimator.limit_work(budget.costs, budget.left() + budget.costs.of_solves(budget.work));
 }
 
 void TrackerParts::note_work() {
+  FrameWork& work = budget.work;
   const FrameWork of_estimator = estimator.work(), &of_matcher = matcher.work();
   work.searches = of_matcher.searches;
   work.search_steps = of_matcher.search_steps;
   work.rows = of_estimator.rows;
   work.measured_rows = of_estimator.measured_rows;
   work.factorisations = of_estimator.factorisations;
+  work.forces = of_estimator.forces;
 }
 
 /// Where the model is expected, and the image there.
@@ -184,11 +181,13 @@ Status TrackerParts::predict(const FrameView& view) {
   key_frames.take(view);
   estimator.begin(view.time_ns);
   const CoarseMotion motion = key_frames.find_motion(bad_frames);
+  budget.work.coarse_pixels = motion.compared_pixels;
   if (motion.from != nullptr) estimator.propose(*motion.from);
   if (motion.is_found) estimator.translate(motion.by_px);
   const bool is_trusted = bad_frames == 0;
   matcher.begin_frame(frame, is_trusted, motion.is_found && is_trusted ? length(motion.by_px) : kUnknownPx);
-  limit_work();
+  limit_searches();
+  limit_solves();
   region.advance();
   return region.build(view,
                       region.is_whole_frame() ? Vec2{} : key_frames.middle_of(estimator) + motion.by_px);
@@ -204,7 +203,7 @@ void TrackerParts::match_and_solve(const FrameView& view) {
     if (run_round(round) == 0) break;
   }
   note_work();
-  if (estimator.needs_another_round() && spent_work() < most_work) run_round(rounds - 1);
+  if (estimator.needs_another_round() && budget.left() > 0) run_round(rounds - 1);
 }
 
 /// Predicts, matches and solves once. \return how many points were searched for.
@@ -221,7 +220,7 @@ std::size_t TrackerParts::run_round(int round) {
     observation_count += n;
     searched += n;
   }
-  limit_work();
+  limit_solves();
   if (searched > 0) estimator.solve({observations.data, observation_count});
   return searched;
 }
@@ -241,17 +240,19 @@ void TrackerParts::conclude() {
 }
 
 /// Keeps this frame as a key frame, if it shows the head from a new side: second templates for points that look different
-/// by now, and new points where the surface was hidden before.
+/// by now, and new points where the surface was hidden before. Waits for a frame with room.
 void TrackerParts::keep_key_frame() {
   const std::size_t key = key_frames.choose(estimator.view(), result, frame);
-  if (key == 0) return;
+  if (key == 0) budget.key_frame = {};
+  if (key == 0 || !budget.take(budget.key_frame, key_frame_work(limits, budget.costs))) return;
   const std::size_t begin = first_slot(limits, key), end = first_slot(limits, key + 1);
   for (std::size_t slot = begin; slot < end; ++slot) templates.release(slot, estimator);
   key_frames.keep(key, estimator.view(), result.rms_px, frame);
+  last_kept = frame;
   const std::size_t free = templates.capture_second(
       limits.patches, begin, begin + (end - begin) / kTemplateStoreTuning.second_template_divisor, estimator,
       region);
-  work.captures = static_cast<std::uint32_t>(placement.place(templates, estimator, region, markers, free, end,
+  budget.work.captures = static_cast<std::uint32_t>(placement.place(templates, estimator, region, markers, free, end,
                                                              kTrackerTuning.tries_a_slot * (end - free)));
 }
 
@@ -273,7 +274,7 @@ bool Tracker::is_started() const {
 
 const FrameWork& Tracker::work() const {
   PLIANT_ASSERT(impl_ != nullptr);
-  return impl_->work;
+  return impl_->budget.work;
 }
 
 const FrameResult& Tracker::result() const {

@@ -6,6 +6,7 @@
 
 #include "pliant/tracker.hpp"
 #include "track/edge_tracker.hpp"
+#include "track/frame_budget.hpp"
 #include "track/frame_region.hpp"
 #include "track/key_frames.hpp"
 #include "track/landmark_offsets.hpp"
@@ -60,14 +61,12 @@ struct TrackerParts : ImageParts {
   Estimator estimator;
   std::size_t observation_count = 0;
   FrameResult result;
-  FrameWork work;  // of the last frame
-  WorkCosts costs;
-  float most_work = 0;  // of a frame's searches and solves
+  FrameBudget budget;
   std::uint32_t frame = 0, last_sequence = 0;
+  std::uint32_t last_kept = 0;  // frame that became a key frame
   std::int64_t last_time_ns = std::numeric_limits<std::int64_t>::min();
   int bad_frames = 0;  // in a row
   bool is_started = false;
-  bool follows_bad_frame = false;
   bool identity_is_given = false;   // by the caller, with the pose: it stays
   bool block_is_of_search = false;  // else of the tracking, which is laid out in it
 
@@ -91,10 +90,9 @@ struct TrackerParts : ImageParts {
   Status capture_frame_0(const FrameView& view, Span<const Vec2> marker_places, float marker_exclusion_px);
 
   bool is_stale(const FrameView& view) const;
-  void limit_work();
+  void limit_searches();
+  void limit_solves();
   void note_work();
-  float spent_work() const;
-  bool has_room_for_rare_work() const;
   void note_time(const FrameView& view);
   Status track(const FrameView& view);
   Status predict(const FrameView& view);

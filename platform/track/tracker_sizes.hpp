@@ -55,12 +55,19 @@ constexpr std::size_t edge_points(const TrackerLimits& limits) {
 constexpr std::size_t all_observations(const TrackerLimits& limits) {
   return all_slots(limits) + edge_points(limits);
 }
-/// Work at which searches and solves of a frame end, in the unit of WorkCosts.
+/// The budget of a frame, in the unit of WorkCosts.
 constexpr float most_frame_work(const TrackerLimits& limits, const WorkCosts& costs) {
   const TrackerTuning& t = kTrackerTuning;
   return t.most_steps_a_template * costs.search_step * static_cast<float>(all_slots(limits)) +
          t.most_passes * costs.row * static_cast<float>(all_observations(limits)) +
          t.most_factorisations * costs.factorisation;
+}
+/// Of a key frame, at most, in the unit of WorkCosts.
+constexpr float key_frame_work(const TrackerLimits& limits, const WorkCosts& costs) {
+  const TrackerTuning& t = kTrackerTuning;
+  const std::size_t slots = first_slot(limits, 2) - first_slot(limits, 1);
+  return t.corner_pixel * static_cast<float>(region_width(limits)) * static_cast<float>(region_height(limits)) +
+         costs.capture * static_cast<float>(t.tries_a_slot * slots);
 }
 constexpr std::size_t all_points(const TrackerLimits& limits) {
   return all_slots(limits) + limits.markers + edge_points(limits);

@@ -62,12 +62,12 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const f
   if (status != Status::ok) return status;
   uses_edges = edges != nullptr && with.estimator.uses(Cue::edge);
   note_time(view);
-  frame = 0;
+  frame = last_kept = 0;
   bad_frames = 0;
-  costs = estimator.work_costs(limits.patch_window);
-  most_work = most_frame_work(limits, costs);
-  matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow),
-                static_cast<std::uint32_t>(kTrackerTuning.most_of_searches * most_work / costs.search_step));
+  budget = {};
+  budget.costs = estimator.work_costs(limits.patch_window);
+  budget.most = most_frame_work(limits, budget.costs);
+  matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow));
   is_started = true;
   if (person != nullptr) limits.person->start(*this, with);
   if (self_start != nullptr) self_start->calls->begin_track(*this, view, with);

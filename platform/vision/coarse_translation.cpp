@@ -73,18 +73,19 @@ class Search {
 
   int best_x() const { return best_x_; }
   int best_y() const { return best_y_; }
-  CoarseTranslation result() const {
+  CoarseTranslation result() {
     CoarseTranslation r;
     r.correlation = best_;
     r.by = {static_cast<float>(best_x_) + parabola_peak(correlation_at(best_x_ - 1, best_y_), best_,
                                                         correlation_at(best_x_ + 1, best_y_)),
             static_cast<float>(best_y_) + parabola_peak(correlation_at(best_x_, best_y_ - 1), best_,
                                                         correlation_at(best_x_, best_y_ + 1))};
+    r.compared_pixels = compared_;
     return r;
   }
 
  private:
-  float correlation_at(int dx, int dy) const {
+  float correlation_at(int dx, int dy) {
     const int x0 = box_.x0 + dx < 0 ? -dx : box_.x0;
     const int x1 = box_.x1 + dx > current_.width ? current_.width - dx : box_.x1;
     int y0 = box_.y0;
@@ -94,6 +95,7 @@ class Search {
     const Sums sums = sums_of(reference_.data + y0 * reference_.stride + x0, spacing_ * reference_.stride,
                               current_.data + (y0 + dy) * current_.stride + x0 + dx,
                               spacing_ * current_.stride, x1 - x0, (y1 - y0 + spacing_ - 1) / spacing_);
+    compared_ += static_cast<std::uint32_t>(sums.n);
     return sums.n < min_pixels_ ? 0.0f : correlation(sums);
   }
 
@@ -104,6 +106,7 @@ class Search {
   int min_pixels_ = 0;
   int best_x_ = 0, best_y_ = 0;
   float best_ = 0;
+  std::uint32_t compared_ = 0;
 };
 
 PixelBox clipped(PixelBox box, const ImageView& image) {

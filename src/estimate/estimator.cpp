@@ -441,6 +441,16 @@ void Estimator::refresh_vertices() {
   if (is_started()) impl_->update_surface(1);
 }
 
+void Estimator::Impl::forget_person() {
+  const std::size_t samples = cascade.samples_per_point();
+  cascade.forget_person();
+  PLIANT_ASSERT(cascade.samples_per_point() == samples);
+}
+
+void Estimator::forget_person() {
+  impl_->forget_person();
+}
+
 Status Estimator::revise(const float* q, Quat turn) {
   return is_started() ? impl_->revise(q, turn) : Status::not_started;
 }
@@ -449,23 +459,21 @@ Status Estimator::Impl::revise(const float* q, Quat turn) {
   bool is_good = q != nullptr && is_finite(turn.w + turn.x + turn.y + turn.z);
   for (std::size_t i = 0; is_good && i < parameter_count(); ++i) is_good = is_finite(q[i]);
   if (!is_good) return Status::bad_argument;
-  const std::size_t samples = cascade.samples_per_point();
-  cascade.forget_person();
-  PLIANT_ASSERT(cascade.samples_per_point() == samples);
+  forget_person();
   StateParts::revise(cascade, q, turn);
   predictions = {};
-  surface.sample_again(cascade, state);
-  surface_is_trusted = false;
+  surface.revise(state.q, turn);
+  update_surface(vertex_interval);
   if (springs != nullptr) return stretch->start(*springs, cascade, state.q);
   return Status::ok;
 }
 
 void Estimator::slide_point(std::uint16_t id, Vec2 uv) {
-  impl_->points.move_to(id, uv, impl_->cascade, impl_->state.q);
+  impl_->points.slide_to(id, uv);
 }
 
-SurfaceFrame Estimator::surface_frame(Vec2 uv) {
-  return impl_->cascade.surface_frame(uv, impl_->state.q);
+SurfaceFrame Estimator::surface_frame(Vec2 uv, const float* q) {
+  return impl_->cascade.surface_frame(uv, q);
 }
 
 }  // namespace pliant

@@ -37,19 +37,20 @@ struct Estimator::Impl : StateParts {
   Status start_parts(const EstimatorOptions& options);
   MeshPolicy mesh_policy(const EstimatorOptions& options) const;
   void update_surface(std::uint32_t interval) {
-    surface.update(cascade, state, frame, interval);
+    surface.update(cascade, state, frame, interval, interval <= 1);
     surface_is_trusted = false;
   }
-  /// All vertices at the trusted parameters, which the state has.
+  /// All vertices at the trusted parameters, which the state has, as exact as those of a good frame.
   void restore_surface() {
     if (surface_is_trusted)
       surface.turn_to(state.view);
     else
-      update_surface(1);
+      surface.update(cascade, state, frame, 1, false);
     surface_is_trusted = true;
   }
   Status add(PointKind kind, Vec2 uv, Vec2 along, std::uint16_t* id);
   void note_new_point(std::uint16_t id);
+  void forget_person();
   Status revise(const float* q, Quat turn);
   void place_silhouette();
   Prediction predict(std::uint16_t id, const Projector& projector);

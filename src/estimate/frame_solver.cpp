@@ -143,7 +143,10 @@ void FrameSolver::solve_robustly(FrameProblem& problem, SolverReport* report) {
 
 void FrameSolver::solve_by_forces(FrameProblem& problem, SolverReport* report) {
   rejected_forces_ = true;
-  if (forces_ != nullptr) rejection_->reject(*forces_, problem);
+  if (forces_ != nullptr) {
+    rejection_->reject(*forces_, problem);
+    scratch_.work.forces += static_cast<std::uint32_t>(rows_.count());
+  }
   settle(problem, Loss::huber, report);
   settle(problem, Loss::tukey, report);
   if (policy_.rejection == Rejection::forces) return;

@@ -20,7 +20,7 @@ void StateParts::revise(Cascade& cascade, const float* q, Quat turn) {
   trusted.view.q = normalised(trusted.view.q * turn);
   motion.rest(state);
   for (std::uint16_t i = 0; i < points.capacity(); ++i)
-    if (points.has(i)) points.move_to(i, points.uv(i), cascade, state.q);
+    if (points.has(i)) points.sample_again(i, turn, cascade, state.q);
 }
 
 }  // namespace pliant

@@ -109,9 +109,11 @@ Status SurfacePoints::add_curve(Span<const Vec2> polyline, float spacing_mm, Cas
   return Status::ok;
 }
 
-void SurfacePoints::move_to(std::uint16_t id, Vec2 uv, Cascade& cascade, const float* q) {
-  place(id, uv, cascade, q);
-  if (kind_[id] != PointKind::silhouette) set_tangents(id, cascade.surface_frame(uv, q));
+void SurfacePoints::sample_again(std::uint16_t id, Quat turn, Cascade& cascade, const float* q) {
+  place(id, uv_[id], cascade, q);
+  const Mat3 back = rotation_matrix(conjugate(turn));
+  tangent_u_[id] = back * tangent_u_[id];
+  tangent_v_[id] = back * tangent_v_[id];
 }
 
 void SurfacePoints::remove(std::uint16_t id) {

@@ -58,8 +58,11 @@ class SurfacePoints {
   /// \param count  out: points added; with capacity, those for which there was room.
   Status add_curve(Span<const Vec2> polyline, float spacing_mm, Cascade& cascade, const float* q,
                    Span<std::uint16_t> ids, std::size_t* count);
-  /// Moves a point to (u,v), and samples it anew.
-  void move_to(std::uint16_t id, Vec2 uv, Cascade& cascade, const float* q);
+  /// Moves a point to (u,v), where `sample_again` samples it.
+  void slide_to(std::uint16_t id, Vec2 uv) { uv_[id] = uv; }
+  /// After parameters that are not free have changed, and the model has turned: q becomes q * turn. The tangents
+  /// turn with it.
+  void sample_again(std::uint16_t id, Quat turn, Cascade& cascade, const float* q);
   void remove(std::uint16_t id);
   bool has(std::uint16_t id) const { return id < capacity_ && kind_[id] != PointKind::none; }
   PointKind kind(std::uint16_t id) const { return kind_[id]; }

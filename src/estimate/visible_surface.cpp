@@ -4,6 +4,7 @@ namespace pliant {
 
 namespace {
 constexpr const VisibleSurfaceTuning& kTuning = kVisibleSurfaceTuning;
+constexpr std::size_t kAllVertices = ~std::size_t{0};
 
 /// Whether all three lie farther than `reach` to one side of x.
 bool are_beside(float x, float reach, float a, float b, float c) {
@@ -42,6 +43,7 @@ void VisibleSurface::lay_out(Arena& arena, std::size_t parameters, const Visible
 
 Status VisibleSurface::start(const Model& model) {
   images_are_current_ = depth_is_drawn_ = false;
+  first_outdated_ = kNone;
   return mesh_.set_base(model.base_uv(), model.base_corners());
 }
 
@@ -86,7 +88,7 @@ void VisibleSurface::follow_view(Cascade& cascade, const ModelState& state, std:
   options.max_operations = policy_.operations;
   const AdaptReport report = adapter_.adapt(options);
   if (report.splits + report.welds == 0) return;
-  if (!keeps_samples()) return update(cascade, state, frame, 1);
+  if (!keeps_samples()) return update(cascade, state, frame, 1, true);
   for (VertexId v : mesh_.vertices()) {
     const Vec2 uv = mesh_.uv(v);
     if (uv.x != uv_[v].x || uv.y != uv_[v].y) place_vertex(cascade, state.q, v);
@@ -99,20 +101,31 @@ void VisibleSurface::place_vertex(Cascade& cascade, const float* q, VertexId v) 
   position_[v] = cascade.evaluate(samples_of(v), q);
 }
 
-void VisibleSurface::sample_again(Cascade& cascade, const ModelState& state) {
-  copy(state.q, parameters_, surface_q_);
-  for (VertexId v : mesh_.vertices()) {
-    if (!keeps_samples()) break;
-    place_vertex(cascade, state.q, v);
-  }
-  update(cascade, state, 0, 1);
+void VisibleSurface::revise(const float* q, Quat turn) {
+  copy(q, parameters_, surface_q_);
+  const Mat3 back = rotation_matrix(conjugate(turn));
+  for (VertexId v : mesh_.vertices()) position_[v] = back * position_[v];
+  if (keeps_samples()) first_outdated_ = 0;
 }
 
-/// Moves the chosen vertices. \return how far the farthest one moved, squared (mm^2).
+/// Samples `most` of the vertices again that are out of date.
+void VisibleSurface::renew_vertices(Cascade& cascade, const float* q, std::size_t most) {
+  if (first_outdated_ == kNone) return;
+  for (VertexId v : mesh_.vertices()) {
+    if (v < first_outdated_) continue;
+    first_outdated_ = v;
+    if (most-- == 0) return;
+    place_vertex(cascade, q, v);
+  }
+  first_outdated_ = kNone;
+}
+
+/// Moves the chosen vertices but for those whose samples are out of date. \return how far the farthest one moved, squared (mm^2).
 template <class Chosen>
 float VisibleSurface::move_vertices(Cascade& cascade, const float* q, const Chosen& is_chosen) {
   float farthest = 0;
   for (VertexId v : mesh_.vertices()) {
+    if (v >= first_outdated_) break;
     if (!is_chosen(v)) continue;
     const Vec3 p = keeps_samples() ? cascade.evaluate(samples_of(v), q) : cascade.selected_point(mesh_.uv(v)),
                step = p - position_[v];
@@ -123,9 +136,10 @@ float VisibleSurface::move_vertices(Cascade& cascade, const float* q, const Chos
 }
 
 void VisibleSurface::update(Cascade& cascade, const ModelState& state, std::uint32_t frame,
-                            std::uint32_t interval) {
+                            std::uint32_t interval, bool is_exact) {
   constexpr float kFastMm = kTuning.fast_fraction * kVisibilityTuning.hidden_margin_mm;
-  if (!keeps_samples()) cascade.select(state.q, interval > 1 ? kTuning.table_slack_mm : 0.0f);
+  if (!keeps_samples()) cascade.select(state.q, is_exact ? 0.0f : kTuning.table_slack_mm);
+  renew_vertices(cascade, state.q, is_exact ? kAllVertices : kTuning.renewed_vertices);
   const auto has_turn = [=](VertexId v) { return interval <= 1 || (v + frame) % interval == 0; };
   const bool is_fast = move_vertices(cascade, state.q, has_turn) > kFastMm * kFastMm;
   if (is_fast) move_vertices(cascade, state.q, [&](VertexId v) { return !has_turn(v); });

@@ -44,6 +44,8 @@ struct VisibleSurfaceTuning {
   float most_over_mean_error = 4;
   /// Points of the contour kept for each silhouette point, count. The contour of a fine mesh has many.
   std::size_t contour_points_per_point = 8;
+  /// Vertices that a frame samples again after the person has changed, count: 17,000 instructions each. Round value, not tuned.
+  std::size_t renewed_vertices = 64;
   /// One face and vertex in this many is ranked again in a frame while the mesh follows the view, count. Round value, not tuned.
   int rank_interval_frames = 32;
 };
@@ -82,10 +84,13 @@ class VisibleSurface {
   /// ranks of different frames are comparable.
   void follow_view(Cascade& cascade, const ModelState& state, std::uint32_t frame);
 
-  /// All vertices, after parameters that are not free have changed.
-  void sample_again(Cascade& cascade, const ModelState& state);
-  /// Moves one vertex in `interval` to the surface at `state` and projects all; 1: all are exact afterwards.
-  void update(Cascade& cascade, const ModelState& state, std::uint32_t frame, std::uint32_t interval);
+  /// Parameters that are not free have changed to those in q, and the model has turned: q becomes q * turn. The vertices turn
+  /// with it at once. Their samples are out of date: `update` renews some in each call, and moves the others no more before that.
+  void revise(const float* q, Quat turn);
+  /// Moves one vertex in `interval` to the surface at `state` and projects all. \param is_exact  with interval 1: all are on the
+  /// surface afterwards, to the last digit.
+  void update(Cascade& cascade, const ModelState& state, std::uint32_t frame, std::uint32_t interval,
+              bool is_exact);
   /// Projects all vertices, which stay where they are on the surface.
   void turn_to(const View& view);
   /// To be called when the view has changed: images are projected again when they are needed.
@@ -116,6 +121,7 @@ class VisibleSurface {
   void place_vertex(Cascade& cascade, const float* q, VertexId v);
   template <class Chosen>
   float move_vertices(Cascade& cascade, const float* q, const Chosen& is_chosen);
+  void renew_vertices(Cascade& cascade, const float* q, std::size_t most);
   void project(const View& view);
   float nearest_on_mesh(Vec2 x, Vec2* uv) const;
 
@@ -131,6 +137,7 @@ class VisibleSurface {
   Vec3* position_ = nullptr;
   Vec2* image_ = nullptr;
   float* depth_ = nullptr;
+  VertexId first_outdated_ = kNone;  // of those whose samples are of another person; the others follow it
   bool images_are_current_ = false, depth_is_drawn_ = false;
   DepthBuffer depth_buffer_;
   View drawn_view_;

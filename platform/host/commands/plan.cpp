@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "estimate/frame_solver.hpp"
+#include "estimate/visible_surface.hpp"
 #include "face/aligner_table.hpp"
 #include "face/detector_table.hpp"
 #include "face/part_fit.hpp"
@@ -12,6 +13,7 @@
 #include "face/search_place.hpp"
 #include "optim/normal_equations_tuning.hpp"
 #include "track/face_start.hpp"
+#include "track/frame_budget.hpp"
 #include "track/key_frames.hpp"
 #include "track/person_refinement.hpp"
 #include "track/template_tuning.hpp"
@@ -27,19 +29,15 @@ namespace {
 /// templates and with profile S (docs/evaluation.md, Work of a frame). `WorkCosts` has those of searches and solves.
 struct Instructions {
   double thumbnail_pixel = 0.9, pyramid_pixel = 1.9;
-  double shift_pixel = 4.2;      ///< of one shift of the thumbnail
   double predicted_record = 26;  ///< of a predicted point
   double tangent_record = 140;   ///< of a point
   double vertex_record = 50;     ///< of a vertex with samples
-  double table_record = 193;     ///< of a vertex from the tables
+  double table_record = 193;     ///< of a vertex from the tables, to the last digit
+  double near_record = 95;       ///< of one that is as exact as a track needs it
+  double sampled_record = 250;   ///< of a vertex that is sampled again
   double projected_vertex = 430, drawn_vertex = 300;
   double edge_point = 3600;
   double parts = 1.55e6;         ///< the readers of a face
-  double check_pixel = 296;      ///< of a check's crop
-  double person_record = 420;    ///< of an observation, in the estimation of the person
-  double slide_record = 650;     ///< of a template whose point moves with the person
-  double corner_pixel = 15;      ///< of a key frame
-  double captured_record = 400;  ///< of a place at which a template is captured
   double cell = 1540;            ///< of the search
   double cell_area = 43;         ///< of a cell at full size that a cell of the search is reduced from
   double strip_column = 23000;   ///< of the frame: rows above the one where the search goes on
@@ -73,21 +71,32 @@ struct Sizes {
     edges = static_cast<double>(edge_points(l));
     observations = static_cast<double>(all_observations(l));
     points = static_cast<double>(all_points(l));
+    has_rejection = l.rejection != nullptr;
     unknowns = kPoseUnknowns + static_cast<double>(free);
     region_pixels = static_cast<double>(region_width(l)) * region_height(l);
     frame_pixels = static_cast<double>(l.width) * l.height;
     thumbnail_side = std::max(l.width, l.height) / thumbnail_factor(l.width, l.thumbnail_width);
     costs = WorkCosts::of(static_cast<float>(l.patch_window), static_cast<float>(unknowns),
                           static_cast<float>(records));
+    budget = static_cast<double>(most_frame_work(l, costs));
+    person_step = static_cast<double>(person_step_work(model, l));
   }
   std::size_t free;
+  bool has_rejection;
   double identities, all_records, records, slots, edges, observations, points, unknowns, region_pixels,
       frame_pixels;
   int thumbnail_side;
   WorkCosts costs;
+  double budget, person_step;  // of a frame, and of a change of the person; instructions
 };
 
 using Loads = std::vector<Load>;
+
+/// Adds work whose bound is the budget of a frame, together with all else that shares it.
+void add_shared(const Sizes& s, const char* what, double usual, double most, double cost, Loads& loads) {
+  most = std::min(most, s.budget / cost);
+  loads.push_back({what, std::min(usual, most), most, cost, Bound::shared});
+}
 
 /// Thumbnail, pyramid and coarse search.
 void add_picture_loads(const Sizes& s, Loads& loads) {
@@ -96,18 +105,16 @@ void add_picture_loads(const Sizes& s, Loads& loads) {
   loads.push_back({"pixels of the thumbnail", s.frame_pixels, s.frame_pixels, kCost.thumbnail_pixel});
   loads.push_back({"pixels of the pyramid, all levels", 4.0 / 3 * s.region_pixels, 1.34 * s.region_pixels,
                    kCost.pyramid_pixel});
-  const double usual = most_shifts(usual_range), more = std::max(most_shifts(most_range) - usual, 0.0);
-  const double shift = kCost.shift_pixel * kCoarseTranslationTuning.max_pixels;
-  loads.push_back({"shifts of the thumbnail compared", usual, usual, shift});
-  loads.push_back({"more of them after bad frames", 0, more, shift, Bound::heavy});
+  const double pixels = kCoarseTranslationTuning.max_pixels;
+  add_shared(s, "pixels of thumbnails compared", pixels * most_shifts(usual_range),
+             pixels * std::max(most_shifts(most_range), most_shifts(usual_range)),
+             static_cast<double>(s.costs.coarse_pixel), loads);
 }
 
-/// Searches and solves, which end when they have taken what a frame may: their bounds hold together, not each.
-void add_limited_loads(const Sizes& s, const TrackerLimits& limits, const EstimatorOptions& options,
-                       Loads& loads) {
-  const double most = static_cast<double>(most_frame_work(limits, s.costs));
+/// Searches and solves, which end when the budget is spent.
+void add_limited_loads(const Sizes& s, const EstimatorOptions& options, Loads& loads) {
   const auto limited = [&](const char* what, double usual, double cost) {
-    loads.push_back({what, std::min(usual, most / cost), most / cost, cost, Bound::shared});
+    add_shared(s, what, usual, s.budget / cost, cost, loads);
   };
   const double step = static_cast<double>(s.costs.search_step), row = static_cast<double>(s.costs.row),
                measured = static_cast<double>(s.costs.measured_row),
@@ -116,14 +123,15 @@ void add_limited_loads(const Sizes& s, const TrackerLimits& limits, const Estima
   limited("observations in passes over them", kUsual.passes * s.observations, row);
   limited("observations measured for a step", kUsual.passes * s.observations, measured);
   limited("factorisations", kUsual.factorisations, factorisation);
+  if (s.has_rejection) limited("image forces compared", 0, static_cast<double>(s.costs.force));
   // Every solve makes a pass, and its last minimisation may meet more limits of parameters than expected.
   const double solves = kTemplateMatchTuning.rounds;
   const double more =
       kNormalEquationsTuning.limit_rounds - static_cast<double>(kFrameSolverTuning.factorisations_a_step);
   loads.push_back(
-      {"observations in the last pass of a solve", 0, solves * s.observations, row, Bound::heavy});
+      {"observations in the last pass of a solve", 0, solves * s.observations, row});
   loads.push_back(
-      {"factorisations at limits of parameters", 0, more * options.iterations, factorisation, Bound::heavy});
+      {"factorisations at limits of parameters", 0, more * options.iterations, factorisation});
 }
 
 /// Points and vertices: prediction, tangents, projection.
@@ -133,7 +141,7 @@ void add_surface_loads(const Sizes& s, const TrackerLimits& limits, const Estima
   const double interval = std::max<double>(1, options.vertex_interval_frames);
   const double tangents = s.points / options.tangent_interval_frames;
   const double first_pass = static_cast<double>(kTemplateMatchTuning.first_pass_points);
-  const double of_vertex = limits.samples_vertices ? kCost.vertex_record : kCost.table_record;
+  const double of_vertex = limits.samples_vertices ? kCost.vertex_record : kCost.near_record;
   loads.push_back({"points predicted", kUsual.rounds * s.points, (1 + rounds) * s.points + first_pass,
                    kCost.predicted_record * s.records});
   loads.push_back({"tangents updated", tangents, tangents + 1, kCost.tangent_record * s.records});
@@ -148,29 +156,45 @@ void add_surface_loads(const Sizes& s, const TrackerLimits& limits, const Estima
 
 void add_key_frame_loads(const Sizes& s, const TrackerLimits& limits, Loads& loads) {
   const double slots = static_cast<double>(first_slot(limits, 2) - first_slot(limits, 1));
-  loads.push_back({"pixels searched for corners of a key frame", 0, s.region_pixels, kCost.corner_pixel});
-  loads.push_back({"places tried for a key frame's templates", 0,
-                   static_cast<double>(kTrackerTuning.tries_a_slot) * slots,
-                   kCost.captured_record * s.records});
+  add_shared(s, "pixels searched for corners of a key frame", 0, s.region_pixels,
+             static_cast<double>(kTrackerTuning.corner_pixel), loads);
+  add_shared(s, "places tried for a key frame's templates", 0,
+             static_cast<double>(kTrackerTuning.tries_a_slot) * slots, static_cast<double>(s.costs.capture), loads);
 }
 
-/// The estimation of the person, which a frame does only if searches and solves have taken little.
-void add_person_loads(const Sizes& s, Loads& loads) {
-  const double most =
-      std::min(s.observations, static_cast<double>(kPersonRefinementTuning.most_observations));
-  loads.push_back({"observations in the estimate of the person",
-                   kUsual.fraction_found * most / kPersonRefinementTuning.interval_frames, most,
-                   kCost.person_record * s.all_records, Bound::rare});
-  loads.push_back(
-      {"templates moved with the person", 0, s.slots, kCost.slide_record * s.all_records, Bound::rare});
+/// The estimation of the person.
+void add_person_loads(const Model& model, const TrackerLimits& limits, const Sizes& s, Loads& loads) {
+  const PersonRefinementTuning& t = kPersonRefinementTuning;
+  const double most = std::min(s.observations, static_cast<double>(t.most_observations) - 1);
+  const auto add = [&](const char* what, double usual, double count, float work) {
+    add_shared(s, what, usual, count, static_cast<double>(work) * s.all_records, loads);
+  };
+  add("observations in the estimate of the person", kUsual.fraction_found * most / t.interval_frames, most,
+      t.observation_work);
+  add("templates prepared for a change of the person", 0,
+      std::min(s.slots, static_cast<double>(t.prepared_templates)), t.prepared_work);
+  add("points moved with the person", 0, s.points, t.point_work);
+  add("landmarks moved with the person", 0, static_cast<double>(model.landmarks().count), t.landmark_work);
+  if (limits.samples_vertices)
+    loads.push_back({"vertices sampled again", 0,
+                     std::min<double>(limits.vertices, kVisibleSurfaceTuning.renewed_vertices),
+                     kCost.sampled_record * s.all_records});
+}
+
+/// Work that has waited is done even if its frame could not reserve as much.
+void add_overdue_load(const TrackerLimits& limits, const Sizes& s, Loads& loads) {
+  double most = static_cast<double>(key_frame_work(limits, s.costs));
+  if (limits.detection != nullptr) most = std::max(most, static_cast<double>(kFaceStartTuning.check_work));
+  if (limits.person != nullptr) most = std::max(most, s.person_step);
+  const double more = most - static_cast<double>(FrameBudget::kMostReserved) * s.budget;
+  if (more > 0) loads.push_back({"overdue work beyond what is reserved", 0, more, 1});
 }
 
 /// What readers of parts and checks add to a tracked frame.
-void add_face_loads(const Model& model, const AlignerTable& table, Loads& loads) {
-  const double side = table.stage(table.stage_count() - 1).crop_px;
+void add_face_loads(const Model& model, const Sizes& s, Loads& loads) {
   if (!model.parts().empty()) loads.push_back({"readings of the parts of a face", 1, 1, kCost.parts});
-  loads.push_back({"pixels of the crop of a check", side * side / kFaceStartTuning.known_interval_frames,
-                   side * side, kCost.check_pixel});
+  add_shared(s, "checks of the track", 1.0 / kFaceStartTuning.known_interval_frames, 1,
+             static_cast<double>(kFaceStartTuning.check_work), loads);
 }
 
 /// A frame that searches for a face.
@@ -199,9 +223,9 @@ void add_start_loads(const Sizes& s, const TrackerLimits& limits, bool adapts, L
         {"samples of the person's field", samples, samples, kCost.personal_sample * s.identities});
   loads.push_back({"vertices of the mesh", 0.7 * limits.vertices, static_cast<double>(limits.vertices),
                    adapts ? kCost.adapted_vertex : 2 * from_tables});
-  loads.push_back({"pixels searched for corners", s.region_pixels, s.region_pixels, kCost.corner_pixel});
+  loads.push_back({"pixels searched for corners", s.region_pixels, s.region_pixels, static_cast<double>(kTrackerTuning.corner_pixel)});
   loads.push_back({"templates captured", 2.0 * limits.patches, 3.0 * limits.patches,
-                   kCost.captured_record * s.all_records});
+                   static_cast<double>(kWorkCostTuning.captured_sample) * s.all_records});
   loads.push_back({"points of curves", s.edges, s.edges, kCost.curve_point});
 }
 
@@ -274,16 +298,15 @@ double usual_instructions(const std::vector<Load>& loads) {
 }
 
 double most_instructions(const std::vector<Load>& loads) {
-  double always = 0, shared = 0, heavy = 0, rare = 0;
+  double always = 0, shared = 0;
   for (const Load& load : loads) {
     const double most = load.most * load.instructions;
     if (load.bound == Bound::shared)
       shared = std::max(shared, most);
     else
-      (load.bound == Bound::always ? always : load.bound == Bound::heavy ? heavy : rare) += most;
+      always += most;
   }
-  const double little = static_cast<double>(kTrackerTuning.most_before_rare_work) * shared;
-  return always + std::max(shared + heavy, little + rare);
+  return always + shared;
 }
 
 Plan make_plan(const Model& model, const TrackerLimits& limits) {
@@ -300,14 +323,15 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   plan.free_parameters = sizes.free;
   plan.most_iterations = work.steps;
   add_picture_loads(sizes, plan.loads);
-  add_limited_loads(sizes, limits, options, plan.loads);
+  add_limited_loads(sizes, options, plan.loads);
   add_surface_loads(sizes, limits, options, plan.loads);
   add_key_frame_loads(sizes, limits, plan.loads);
-  if (limits.person != nullptr && sizes.identities > 0) add_person_loads(sizes, plan.loads);
+  if (limits.person != nullptr && sizes.identities > 0) add_person_loads(model, limits, sizes, plan.loads);
+  add_overdue_load(limits, sizes, plan.loads);
   AlignerTable table;
   if (limits.detection != nullptr && !model.detector().empty() &&
       AlignerTable::open(model.aligner(), &table) == Status::ok) {
-    add_face_loads(model, table, plan.loads);
+    add_face_loads(model, sizes, plan.loads);
     plan.search = search_plan(table, limits);
     add_search_loads(plan.search, limits.width, plan.search_loads);
     plan.start_loads = plan.search.does_both ? plan.search_loads

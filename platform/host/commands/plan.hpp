@@ -10,9 +10,7 @@ namespace pliant::host {
 /// How the bound of a load goes into that of a frame.
 enum class Bound {
   always,  ///< every frame may have it
-  shared,  ///< those that are shared have `most` of one of them together
-  heavy,   ///< only a frame that takes all of the shared ones, or that follows a bad one
-  rare,    ///< only a frame that takes little of the shared ones
+  shared,  ///< it is a part of the frame's budget: those that are shared have `most` of one of them together
 };
 
 /// One kind of work in a frame.

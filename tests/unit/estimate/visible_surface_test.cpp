@@ -22,7 +22,7 @@ struct Rig {
     update(0, 1);
   }
   void update(std::uint32_t frame, std::uint32_t interval) {
-    surface->update(egg.cascade.object, egg.state, frame, interval);
+    surface->update(egg.cascade.object, egg.state, frame, interval, interval <= 1);
   }
   /// Vertices that lie where the surface is.
   std::size_t exact_count() {
@@ -64,6 +64,28 @@ TEST_CASE("a slow expression moves one vertex in the interval, a fast one all of
   CHECK(slow > 0);
   CHECK(fast > 3 * slow);
   CHECK(rig.exact_count() == rig.surface->mesh().vertex_count());
+}
+
+TEST_CASE("after a change of the person the vertices turn at once, and are sampled again some in each frame") {
+  Rig rig;
+  const std::vector<Vec3> before(rig.surface->positions(), rig.surface->positions() + 300);
+  const Quat turn = exp_rotation({0, 0.1f, 0});
+  rig.surface->revise(rig.egg.state.q, turn);
+  for (VertexId v : rig.surface->mesh().vertices())
+    CHECK(length(rotation_matrix(turn) * rig.surface->positions()[v] - before[v]) < 0.01f);
+  const std::size_t all = rig.surface->mesh().vertex_count(), each = kVisibleSurfaceTuning.renewed_vertices;
+  REQUIRE(all > each);
+  // The egg has not turned: vertices that were sampled again lie where they were.
+  for (std::uint32_t frame = 1; frame <= all / each + 1; ++frame) {
+    rig.update(frame, 4);
+    const std::size_t exact = rig.exact_count();
+    CHECK(exact >= (frame * each < all ? frame * each : all));
+    if (frame * each < all) CHECK(exact < all);
+  }
+  rig.surface->revise(rig.egg.state.q, turn);
+  CHECK(rig.exact_count() < all);
+  rig.update(9, 1);
+  CHECK(rig.exact_count() == all);
 }
 
 TEST_CASE("a point behind the surface is hidden, a point in front of it is not") {

@@ -146,6 +146,8 @@ TEST_CASE("no frame takes more steps than the bound of the plan, even on noise")
     CHECK(work.measured_rows <= most_of(plan, "observations measured for a step"));
     CHECK(work.factorisations <= most_of(plan, "factorisations"));
     CHECK(work.captures <= most_of(plan, "places tried for a key frame's templates"));
+    CHECK(work.coarse_pixels <= most_of(plan, "pixels of thumbnails compared"));
+    CHECK(work.forces <= most_of(plan, "image forces compared"));
     CHECK(result.vertices <= limits.vertices);
     CHECK(result.tracked <= limits.patches + limits.key_patches);
     ++key;
@@ -161,9 +163,7 @@ TEST_CASE("no frame takes more steps than the bound of the plan, even on noise")
   CHECK(usual_instructions(plan.loads) < most_instructions(plan.loads));
 }
 
-TEST_CASE(
-    "with a clock the plan says ms, and rare work adds to a frame only where searches and solves have taken "
-    "little") {
+TEST_CASE("with a clock the plan says ms, and what shares the budget of a frame has one bound together") {
   const Sequence s;
   const Ran plan = run_words({"plan", s.model, "--mhz", "480"});
   REQUIRE(plan.code == 0);
@@ -171,9 +171,13 @@ TEST_CASE(
   CHECK_FALSE(contains(run_words({"plan", s.model}).out, "ms, Cortex-M7"));
   CHECK(most_instructions(
             {{"a", 1, 2, 10}, {"b", 1, 5, 20, Bound::shared}, {"c", 0, 50, 2, Bound::shared}}) == 120);
-  CHECK(most_instructions({{"a", 1, 2, 10}, {"b", 1, 5, 20, Bound::shared}, {"c", 0, 1, 7, Bound::heavy}}) ==
-        127);
-  const std::vector<Load> with_rare = {
-      {"b", 1, 5, 20, Bound::shared}, {"c", 0, 1, 7, Bound::heavy}, {"d", 0, 1, 500, Bound::rare}};
-  CHECK(most_instructions(with_rare) == doctest::Approx(540));
+}
+
+TEST_CASE("the bound of a frame is at most 3 times its usual work, with all profiles") {
+  const Folder folder;
+  const ModelFile file(folder.put("m.plm", model_bytes()));
+  for (const TrackerLimits& limits : {profile_s(), profile_m(), profile_l()}) {
+    const Plan plan = make_plan(file.model(), limits);
+    CHECK(most_instructions(plan.loads) < 3 * usual_instructions(plan.loads));
+  }
 }

@@ -53,6 +53,7 @@ TEST_CASE("the translation between two thumbnails is the model's, in pixels of t
   const CoarseMotion motion = rig.keys->find_motion(0);
   REQUIRE(motion.is_found);
   CHECK(motion.from == nullptr);
+  CHECK(motion.compared_pixels > 0);
   CHECK(motion.by_px.x == doctest::Approx(24).epsilon(0.1));
   CHECK(motion.by_px.y == doctest::Approx(8).epsilon(0.2));
 }
@@ -68,9 +69,11 @@ TEST_CASE("after two bad frames the key frames take turns with the last good fra
   Rig rig;
   rig.keys->keep(0, rig.turned(0), 0.3f, 0);
   rig.keys->take(film().view(1));
-  CHECK(rig.keys->find_motion(1).from == nullptr);
+  const CoarseMotion from_last = rig.keys->find_motion(1);
+  CHECK(from_last.from == nullptr);
   const CoarseMotion from_key = rig.keys->find_motion(2);  // turn 1: key frame 0
   REQUIRE(from_key.from != nullptr);
+  CHECK(from_key.compared_pixels > 3 * from_last.compared_pixels);
   CHECK(from_key.by_px.x == doctest::Approx(24).epsilon(0.1));
   CHECK(rig.keys->find_motion(3).from == nullptr);  // key frame 1 is not in use
 }

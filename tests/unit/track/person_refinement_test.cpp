@@ -1,4 +1,4 @@
-// When the person is estimated: every few frames, in those that have time left, and never in bad ones or those after them.
+// When the person is estimated: every few frames, in those that have room for it, and never in bad ones.
 #include "track/person_refinement.hpp"
 
 #include <doctest/doctest.h>
@@ -8,6 +8,7 @@
 #include "face_film.hpp"
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
+#include "track/tracker_sizes.hpp"
 
 using namespace pliant;
 
@@ -54,16 +55,35 @@ std::vector<std::size_t> steps(IsBlack&& is_black) {
 
 }  // namespace
 
-TEST_CASE("steps of the identity wait until the head has turned far, and have frames between them") {
+TEST_CASE("steps of the identity wait until the head has turned far, and have frames between them, which prepare them") {
   const auto at = steps([](std::size_t) { return false; });
   REQUIRE(at.size() > 3);
   CHECK(at.front() > kFrames / 8);
-  for (std::size_t k = 1; k < at.size(); ++k) CHECK(at[k] - at[k - 1] >= kPersonRefinementTuning.step_frames);
+  const std::size_t templates = TrackerLimits{}.patches, most = kPersonRefinementTuning.prepared_templates;
+  for (std::size_t k = 1; k < at.size(); ++k) CHECK(at[k] - at[k - 1] > templates / most);
+  CHECK(at.size() < kFrames / kPersonRefinementTuning.step_frames);
 }
 
 TEST_CASE("where the frames in which it is due are bad, the estimate waits for the next good ones") {
-  // Every fourth frame is black, and no work that can wait is done in the frame after it.
+  // Every fourth frame is black.
   const auto at = steps([](std::size_t n) { return n % 4 == 0; });
   REQUIRE(at.size() > 2);
-  for (const std::size_t n : at) CHECK(n % 4 >= 2);
+  for (const std::size_t n : at) CHECK(n % 4 != 0);
+}
+
+TEST_CASE("frames that estimate the person, prepare a step or take it stay within their budget") {
+  InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
+  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  const WorkCosts costs = tracker->estimator().work_costs(tracker->limits().patch_window);
+  const float most = most_frame_work(tracker->limits(), costs);
+  const float last_passes = costs.row * static_cast<float>(kTemplateMatchTuning.rounds * all_observations(tracker->limits()));
+  std::size_t rare = 0;
+  for (std::size_t n = 1; n < kFrames; ++n) {
+    FrameResult result;
+    REQUIRE(tracker->update(film().view(n), &result) == Status::ok);
+    CAPTURE(n);
+    CHECK(costs.of(tracker->work()) <= most + last_passes);
+    rare += tracker->work().rare > 0.2f * most;
+  }
+  CHECK(rare > kFrames / 5);
 }

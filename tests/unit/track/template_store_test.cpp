@@ -195,13 +195,14 @@ TEST_CASE("a frame of matching: all points are searched for once, found, and not
   Rig rig;
   rig.place(0, 40);
   InArena<TemplateMatcher> matcher(rig.limits);
-  matcher->start(true, 100000);
+  matcher->start(true);
   std::vector<Observation> observations(rig.templates->count());
   std::vector<std::uint16_t> index(1000);
   const MatchFrame frame{rig.templates.object, rig.region.object, {observations.data(), observations.size()}};
   rig.see(1);
   rig.estimator->begin(33'333'333);
   matcher->begin_frame(1, true, kUnknownPx);
+  matcher->limit_steps(100000);
   CHECK_FALSE(matcher->run_first_pass(frame, rig.estimator.object));  // 40 points are too few for one
   const PredictionTable predictions{rig.estimator->predict(), index.data()};
   for (std::size_t i = 0; i < predictions.all.count; ++i)

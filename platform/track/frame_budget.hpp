@@ -1,0 +1,68 @@
+#pragma once
+/// \file frame_budget.hpp
+/// What the loops of a frame may take together: coarse translation, searches, solves and rare work
+/// (docs/algorithms.md, section 9.2).
+#include "pliant/frame_work.hpp"
+
+namespace pliant {
+
+/// Rare work that may wait for a frame with room, but not for ever.
+struct WaitingWork {
+  /// Frames that it waits. Round value, not tuned.
+  static constexpr int kMostWaited = 4;
+
+  float work = 0;            ///< when it asked last; instructions, as WorkCosts
+  int waited = 0;            ///< frames that had no room for it
+  bool is_reserved = false;  ///< this frame has room for it
+
+  /// It may wait no longer.
+  void hurry(float instructions) { *this = {instructions, kMostWaited, false}; }
+};
+
+/// The budget of a frame. Rare work is granted what searches and solves have left. What has waited too long is reserved when a
+/// frame begins, up to a fraction of the budget: searches and solves of that frame may take less.
+struct FrameBudget {
+  FrameWork work;  ///< of the last frame
+  WorkCosts costs;
+  /// Fraction of the budget that may be reserved. With the default limits a change of the person fits in. Not tuned.
+  static constexpr float kMostReserved = 0.7f;
+
+  float most = 0;      ///< of a frame; instructions, as WorkCosts
+  float reserved = 0;  ///< of that
+  WaitingWork check, key_frame, person;
+
+  /// Begins a frame and reserves for one overdue work. \param reserves  false: for none, since the frame may need all.
+  void begin(bool reserves) {
+    work = {};
+    reserved = 0;
+    WaitingWork* const all[] = {&check, &key_frame, &person};
+    for (WaitingWork* waiting : all) {
+      waiting->is_reserved = reserves && reserved == 0 && waiting->waited >= WaitingWork::kMostWaited;
+      if (waiting->is_reserved) reserved = waiting->work < most_reserved() ? waiting->work : most_reserved();
+    }
+  }
+  float most_reserved() const { return kMostReserved * most; }
+  /// What is left, but for what is reserved.
+  float left() const { return most - reserved - costs.of(work); }
+  /// Counts rare work, if there is room for it.
+  bool take(float instructions) {
+    if (instructions > left()) return false;
+    work.rare += instructions;
+    return true;
+  }
+  /// The same of work that can wait.
+  bool take(WaitingWork& waiting, float instructions) {
+    if (waiting.is_reserved) {
+      reserved = 0;
+      work.rare += instructions;
+    } else if (!take(instructions)) {
+      waiting.work = instructions;
+      ++waiting.waited;
+      return false;
+    }
+    waiting = {};
+    return true;
+  }
+};
+
+}  // namespace pliant

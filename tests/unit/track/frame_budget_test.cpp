@@ -1,0 +1,82 @@
+// The budget of a frame: what rare work is granted, what waits, and what is reserved.
+#include "track/frame_budget.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace pliant;
+
+namespace {
+
+/// 100 steps of searches, of which `steps` have been taken.
+FrameBudget budget_with(std::uint32_t steps) {
+  FrameBudget budget;
+  budget.costs.search_step = 10;
+  budget.most = 1000;
+  budget.begin(true);
+  budget.work.search_steps = steps;
+  return budget;
+}
+
+}  // namespace
+
+TEST_CASE("rare work is granted what searches and solves have left, and leaves less itself") {
+  FrameBudget budget = budget_with(40);
+  CHECK(budget.left() == 600);
+  CHECK_FALSE(budget.take(601));
+  CHECK(budget.left() == 600);
+  CHECK(budget.take(400));
+  CHECK(budget.left() == 200);
+  CHECK_FALSE(budget.take(400));
+  CHECK(budget.work.rare == 400);
+}
+
+TEST_CASE("work that waits is reserved after some frames, which lowers what is left for all else") {
+  FrameBudget budget = budget_with(90);
+  for (int n = 0; n < WaitingWork::kMostWaited; ++n) {
+    budget.begin(true);
+    CHECK(budget.left() == 1000);
+    budget.work.search_steps = 90;
+    CHECK_FALSE(budget.take(budget.check, 300));
+  }
+  budget.begin(false);  // this frame may need all
+  CHECK(budget.left() == 1000);
+  budget.work.search_steps = 90;
+  CHECK_FALSE(budget.take(budget.check, 300));
+  budget.begin(true);
+  CHECK(budget.left() == 700);
+  budget.work.search_steps = 70;
+  CHECK_FALSE(budget.take(1));
+  CHECK(budget.take(budget.check, 300));
+  CHECK(budget.left() == 0);
+  budget.begin(true);
+  CHECK(budget.left() == 1000);
+}
+
+TEST_CASE("one work is reserved at a time, and at most a fraction of the budget") {
+  FrameBudget budget = budget_with(0);
+  budget.check.hurry(300);
+  budget.key_frame.hurry(800);
+  budget.begin(true);
+  CHECK(budget.left() == 700);
+  CHECK_FALSE(budget.key_frame.is_reserved);
+  CHECK(budget.take(budget.check, 300));
+  budget.begin(true);
+  CHECK(budget.left() == doctest::Approx(1000 - budget.most_reserved()));
+  CHECK(budget.take(budget.key_frame, 800));
+}
+
+TEST_CASE("the work of a frame is that of all its loops") {
+  const WorkCosts costs = WorkCosts::of(11, 44, 40);
+  FrameWork work;
+  work.search_steps = 3;
+  work.rows = 5;
+  work.measured_rows = 7;
+  work.factorisations = 2;
+  work.forces = 11;
+  work.coarse_pixels = 100;
+  work.rare = 1000;
+  const float solves = 5 * costs.row + 7 * costs.measured_row + 2 * costs.factorisation + 11 * costs.force;
+  CHECK(costs.of_solves(work) == doctest::Approx(solves));
+  CHECK(costs.of(work) ==
+        doctest::Approx(solves + 3 * costs.search_step + 100 * costs.coarse_pixel + 1000));
+}
