@@ -16,8 +16,8 @@ struct PixelBox {
 
 /// Shift between two images.
 struct CoarseTranslation {
-  Vec2 by;                ///< px of the images compared; sub-pixel by a parabola through the best
-  float correlation = 0;  ///< normalised cross-correlation, -1 to 1; 0 if nothing was compared
+  Vec2 by;                            ///< px of the images compared; sub-pixel by a parabola through the best
+  float correlation = 0;              ///< normalised cross-correlation, -1 to 1; 0 if nothing was compared
   std::uint32_t compared_pixels = 0;  ///< of all shifts together
 };
 

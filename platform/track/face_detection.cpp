@@ -116,12 +116,24 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
   t.lay_out_tracking();
 }
 
+/// Of the track, as its parameters have it; side 0 if the model has no such landmarks.
+FaceBox box_of(TrackerParts& t) {
+  Vec2 x[4];
+  const char* const names[] = {"ibug36", "ibug45", "ibug48", "ibug54"};
+  for (int k = 0; k < 4; ++k) {
+    const std::uint16_t landmark = t.model().find_landmark(names[k]);
+    if (landmark == kNone || !t.offsets.project(landmark, t.estimator, &x[k])) return {};
+  }
+  return face_box_of(x[0], x[1], x[2], x[3], t.estimator.view().s);
+}
+
 void give_up(TrackerParts& t) {
   KnownPerson& person = person_of(t);
   FaceSelfStart& self = self_of(t);
   person.is_known = person.is_known || (self.faces.has_confirmed() && !self.poor_start.is_poor());
   if (person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
   person.camera = t.estimator.camera();
+  self.faces.end_track(box_of(t));
   SelfStart::give_up(t);
 }
 

@@ -36,6 +36,7 @@ void FaceStart::lay_out(Arena& arena, const Model& model, const TrackerLimits& l
   model_ = model;
   limits_ = detector_limits(limits);
   work_ = limits.search_work;
+  most_bad_frames_ = kTuning.most_bad_frames + limits.key_frames;
   const std::size_t parameters = model.parameters().count;
   q_ = arena.take<float>(parameters);
   is_expression_ = arena.take<std::uint8_t>(parameters);
@@ -57,6 +58,19 @@ Status FaceStart::lay_out_search(Span<unsigned char> block) {
 }
 
 // --- The search ---
+
+void FaceStart::begin_search() {
+  detector_ = nullptr;
+  begin_search_again();
+  if (last_.side > 0 && spreads_work()) {
+    candidates_[0] = {last_, 0};
+    candidate_count_ = 1;
+    phase_ = FacePhase::aligning;
+    tries_known_ = true;
+    is_of_one_frame_ = false;
+  }
+  last_ = {};
+}
 
 Status FaceStart::search(const SearchInput& input, KnownPerson* person, StartPose* start,
                          float* landmark_error) {
@@ -117,6 +131,10 @@ FaceStart::Answer FaceStart::align(const SearchInput& input, int* steps, KnownPe
     // A search over several frames may have seen the face at some sizes only, and it may have moved since.
     DetectedFace& face = candidates_[next_candidate_];
     if (!is_of_one_frame_) status = modules_->search_near(*detector_, input.frame, face.box, &face);
+    if (!(face.score > 0)) {  // the place of the last track, where the detector sees no face
+      begin_search_again();
+      return Answer::no;
+    }
     if (status == Status::ok || status == Status::not_found) status = begin_alignment(input, *person);
   }
   AlignedFace face;
@@ -211,6 +229,7 @@ void FaceStart::refine(const SearchInput& input, const FaceBox* box, KnownPerson
 
 void FaceStart::begin_track(float landmark_error) {
   phase_ = FacePhase::tracking;
+  last_ = {};
   detector_ = nullptr;
   landmark_error_ = landmark_error;
   // A start that nothing has verified is checked in its own frame.
@@ -232,7 +251,7 @@ bool FaceStart::conclude(const FrameView& frame, Estimator& estimator, int bad_f
   ++frames_since_check_;
   if (bad_frames > 0) {
     frames_since_check_ = kTuning.known_interval_frames;  // the next good frame is checked
-    return bad_frames < kTuning.most_bad_frames;
+    return bad_frames < most_bad_frames_;
   }
   if (checks) {
     frames_since_check_ = 0;

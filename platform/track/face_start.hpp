@@ -62,9 +62,9 @@ struct FaceStartTuning {
   /// Cosine of the head's turn away from the camera beyond which a tracked frame is degraded: 50 degrees. Of the built-in face's
   /// landmarks on the far side that a frontal face shows, a third are then seen; 11 of 19 at 40 degrees, 1 of 19 at 60.
   float least_facing = 0.643f;
-  /// Bad frames in a row after which a track is given up: three until it counts as lost, and one for each key frame of
-  /// profile M and for the last good frame.
-  int most_bad_frames = 8;
+  /// Bad frames in a row after which a track is given up: three until it counts as lost, one for the last good frame, and one
+  /// more for each key frame.
+  int most_bad_frames = 4;
   /// Probability that an alignment is right, at least, for a start of the caller's to be moved there. Round value.
   float least_refined = 0.5f;
   /// Points of a start from landmarks from which on the picture is not asked, count.
@@ -105,10 +105,10 @@ class FaceStart {
   bool has_track() const { return phase_ == FacePhase::tracking; }
 
   /// The track has ended: the next frame is searched from the beginning.
-  void begin_search() {
-    detector_ = nullptr;
-    begin_search_again();
-  }
+  void begin_search();
+  /// The track has been given up. \param last  where the face was in its last good frame. Where a search takes several frames,
+  ///                                         the next one begins there: light that changes at once ends a track, and the face stays.
+  void end_track(const FaceBox& last) { last_ = last; }
   /// A track has begun; the memory of the search is the track's now. `conclude` follows in the same frame.
   /// \param landmark_error  estimate; 0: unknown.
   void begin_track(float landmark_error);
@@ -180,6 +180,8 @@ class FaceStart {
   std::uint8_t* is_expression_ = nullptr;
   Span<Vec2> landmarks_;
 
+  FaceBox last_;  // where the next search begins; side 0: with the smallest faces
+  int most_bad_frames_ = 0;
   int frames_since_check_ = 0, bad_checks_ = 0, good_checks_ = 0;
   float landmark_error_ = 0;
 };

@@ -20,10 +20,10 @@ struct PersonState {
 
   // A step is prepared in several frames and taken in one.
   bool is_stepping = false;
-  Vec3 turn;                      // of the step
-  float* next_q = nullptr;        // all parameters; the identity is that after the step
-  Vec2* next_uv = nullptr;        // of templates, by slot
-  std::size_t prepared = 0;       // slots
+  Vec3 turn;                         // of the step
+  float* next_q = nullptr;           // all parameters; the identity is that after the step
+  Vec2* next_uv = nullptr;           // of templates, by slot
+  std::size_t prepared = 0;          // slots
   std::uint32_t prepared_frame = 0;  // in which this began
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
@@ -84,10 +84,12 @@ void start(TrackerParts& t, const TrackerOptions& options) {
   }
 }
 
-/// Key frame of the first template of a point; null where it has none.
-const View* key_of(const TrackerParts& t, std::uint16_t id) {
-  for (std::size_t slot = 0; slot < t.templates.count(); ++slot) {
+/// Key frame of the first template of a point; null where it has none. \param begin  the template's slot or one before, then
+/// the template's: observations are in the order of slots.
+const View* key_of(const TrackerParts& t, std::uint16_t id, std::size_t* begin) {
+  for (std::size_t slot = *begin; slot < t.templates.count(); ++slot) {
     if (!t.templates.is_first(slot) || t.templates[slot].id != id) continue;
+    *begin = slot;
     return t.key_frames.view_of(key_of_slot(t.limits, slot));
   }
   return nullptr;
@@ -121,11 +123,11 @@ void gather(TrackerParts& t, std::size_t interval, PersonEquations& equations, A
   equations.lay_out(scratch, s.rows.count());
   equations.reset();
   s.rows.begin(scratch, t.model(), t.estimator.view(), t.estimator.parameters().data);
-  std::size_t seen = t.frame;
+  std::size_t seen = t.frame, slot = 0;
   for (std::size_t k = 0; k < t.observation_count; ++k) {
     Observation o = t.observations[k];
     if (!is_usable(o) || seen++ % interval != 0) continue;
-    const View* const key = o.cue == Cue::patch ? key_of(t, o.id) : nullptr;
+    const View* const key = o.cue == Cue::patch ? key_of(t, o.id, &slot) : nullptr;
     if (o.cue == Cue::patch && key == nullptr) continue;
     o.x = t.estimator.lens().undistort(o.x);
     s.rows.add(o, t.estimator.point_uv(o.id), key, equations);
@@ -254,7 +256,8 @@ void conclude(TrackerParts& t) {
   if (!s.is_active) return;
   const std::size_t view = PersonEstimate::view_towards(camera_direction(t.estimator.view()));
   if (is_due(t, view)) take_frame(t, view);
-  if (!s.is_stepping || !prepare(t) || !t.budget.take(t.budget.person, person_step_work(t.model(), t.limits))) return;
+  if (!s.is_stepping || !prepare(t) || !t.budget.take(t.budget.person, person_step_work(t.model(), t.limits)))
+    return;
   take_step(t);
   s.is_stepping = false;
 }

@@ -143,8 +143,7 @@ void TemplateMatcher::search_for(const MatchFrame& frame, std::size_t k, const P
   search.is_pending = false;
 }
 
-Observation TemplateMatcher::search(const MatchFrame& frame, std::size_t k, const Prediction& p,
-                                    int round) {
+Observation TemplateMatcher::search(const MatchFrame& frame, std::size_t k, const Prediction& p, int round) {
   if (!p.visible || !frame.region.contains(p.x)) return not_found(p.id, Reason::not_visible);
   const Template& point = frame.templates[k];
   const PatchResult result =

@@ -53,7 +53,8 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   std::size_t search = 0;
   SelfStart* const self_start =
       limits.detection == nullptr ? nullptr : limits.detection->lay_out(arena, model, limits, &search);
-  PersonState* const person = limits.person == nullptr ? nullptr : limits.person->lay_out(arena, model, limits);
+  PersonState* const person =
+      limits.person == nullptr ? nullptr : limits.person->lay_out(arena, model, limits);
   unsigned char* const block = arena.take<unsigned char>(0);
   const std::size_t before = arena.used_bytes(), fit = start_fit_bytes(model, limits.start_points);
   const std::size_t needed = search > fit ? search : fit;
@@ -252,8 +253,8 @@ void TrackerParts::keep_key_frame() {
   const std::size_t free = templates.capture_second(
       limits.patches, begin, begin + (end - begin) / kTemplateStoreTuning.second_template_divisor, estimator,
       region);
-  budget.work.captures = static_cast<std::uint32_t>(placement.place(templates, estimator, region, markers, free, end,
-                                                             kTrackerTuning.tries_a_slot * (end - free)));
+  budget.work.captures = static_cast<std::uint32_t>(placement.place(
+      templates, estimator, region, markers, free, end, kTrackerTuning.tries_a_slot * (end - free)));
 }
 
 // --- What it tells ---

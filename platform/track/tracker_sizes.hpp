@@ -60,13 +60,19 @@ constexpr float most_frame_work(const TrackerLimits& limits, const WorkCosts& co
   const TrackerTuning& t = kTrackerTuning;
   return t.most_steps_a_template * costs.search_step * static_cast<float>(all_slots(limits)) +
          t.most_passes * costs.row * static_cast<float>(all_observations(limits)) +
-         t.most_factorisations * costs.factorisation;
+         t.most_factorisations * costs.factorisation + (limits.person != nullptr ? t.most_for_person : 0.0f);
+}
+/// The last passes of a frame's solves, which they make whatever is left of the budget; in the unit of WorkCosts.
+constexpr float last_passes_work(const TrackerLimits& limits, const WorkCosts& costs) {
+  return costs.row *
+         static_cast<float>(static_cast<std::size_t>(kTemplateMatchTuning.rounds) * all_observations(limits));
 }
 /// Of a key frame, at most, in the unit of WorkCosts.
 constexpr float key_frame_work(const TrackerLimits& limits, const WorkCosts& costs) {
   const TrackerTuning& t = kTrackerTuning;
   const std::size_t slots = first_slot(limits, 2) - first_slot(limits, 1);
-  return t.corner_pixel * static_cast<float>(region_width(limits)) * static_cast<float>(region_height(limits)) +
+  return t.corner_pixel * static_cast<float>(region_width(limits)) *
+             static_cast<float>(region_height(limits)) +
          costs.capture * static_cast<float>(t.tries_a_slot * slots);
 }
 constexpr std::size_t all_points(const TrackerLimits& limits) {

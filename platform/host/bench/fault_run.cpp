@@ -28,14 +28,13 @@ void add_place(const NamedLandmarks& landmarks, FilmClip* clip) {
   clip->width.push_back(std::max(right - left, 1.0f));
 }
 
-/// Work of the last frame's searches and solves, as a fraction of what they may take.
+/// Work of the last frame, as a fraction of its budget and the last passes of its solves.
 double fraction_of_bound(Tracker& tracker) {
   if (!tracker.is_started()) return 0;
-  const FrameWork& work = tracker.work();
   const WorkCosts costs = tracker.estimator().work_costs(tracker.limits().patch_window);
-  return static_cast<double>(costs.search_step * static_cast<float>(work.search_steps) +
-                             costs.of_solves(work)) /
-         static_cast<double>(most_frame_work(tracker.limits(), costs));
+  return static_cast<double>(costs.of(tracker.work())) /
+         static_cast<double>(most_frame_work(tracker.limits(), costs) +
+                             last_passes_work(tracker.limits(), costs));
 }
 
 }  // namespace

@@ -37,10 +37,10 @@ struct Instructions {
   double sampled_record = 250;   ///< of a vertex that is sampled again
   double projected_vertex = 430, drawn_vertex = 300;
   double edge_point = 3600;
-  double parts = 1.55e6;         ///< the readers of a face
-  double cell = 1540;            ///< of the search
-  double cell_area = 43;         ///< of a cell at full size that a cell of the search is reduced from
-  double strip_column = 23000;   ///< of the frame: rows above the one where the search goes on
+  double parts = 1.55e6;        ///< the readers of a face
+  double cell = 1540;           ///< of the search
+  double cell_area = 43;        ///< of a cell at full size that a cell of the search is reduced from
+  double strip_column = 23000;  ///< of the frame: rows above the one where the search goes on
   double alignment_step = 1.8e6, alignment_end = 1.1e6;
   double personal_sample = 28;  ///< of one field at one sample of the person's
   double adapted_vertex = 60000;
@@ -112,7 +112,8 @@ void add_picture_loads(const Sizes& s, Loads& loads) {
 }
 
 /// Searches and solves, which end when the budget is spent.
-void add_limited_loads(const Sizes& s, const EstimatorOptions& options, Loads& loads) {
+void add_limited_loads(const Sizes& s, const TrackerLimits& limits, const EstimatorOptions& options,
+                       Loads& loads) {
   const auto limited = [&](const char* what, double usual, double cost) {
     add_shared(s, what, usual, s.budget / cost, cost, loads);
   };
@@ -125,13 +126,11 @@ void add_limited_loads(const Sizes& s, const EstimatorOptions& options, Loads& l
   limited("factorisations", kUsual.factorisations, factorisation);
   if (s.has_rejection) limited("image forces compared", 0, static_cast<double>(s.costs.force));
   // Every solve makes a pass, and its last minimisation may meet more limits of parameters than expected.
-  const double solves = kTemplateMatchTuning.rounds;
   const double more =
       kNormalEquationsTuning.limit_rounds - static_cast<double>(kFrameSolverTuning.factorisations_a_step);
-  loads.push_back(
-      {"observations in the last pass of a solve", 0, solves * s.observations, row});
-  loads.push_back(
-      {"factorisations at limits of parameters", 0, more * options.iterations, factorisation});
+  loads.push_back({"observations in the last pass of a solve", 0,
+                   static_cast<double>(last_passes_work(limits, s.costs)) / row, row});
+  loads.push_back({"factorisations at limits of parameters", 0, more * options.iterations, factorisation});
 }
 
 /// Points and vertices: prediction, tangents, projection.
@@ -159,7 +158,8 @@ void add_key_frame_loads(const Sizes& s, const TrackerLimits& limits, Loads& loa
   add_shared(s, "pixels searched for corners of a key frame", 0, s.region_pixels,
              static_cast<double>(kTrackerTuning.corner_pixel), loads);
   add_shared(s, "places tried for a key frame's templates", 0,
-             static_cast<double>(kTrackerTuning.tries_a_slot) * slots, static_cast<double>(s.costs.capture), loads);
+             static_cast<double>(kTrackerTuning.tries_a_slot) * slots, static_cast<double>(s.costs.capture),
+             loads);
 }
 
 /// The estimation of the person.
@@ -223,7 +223,8 @@ void add_start_loads(const Sizes& s, const TrackerLimits& limits, bool adapts, L
         {"samples of the person's field", samples, samples, kCost.personal_sample * s.identities});
   loads.push_back({"vertices of the mesh", 0.7 * limits.vertices, static_cast<double>(limits.vertices),
                    adapts ? kCost.adapted_vertex : 2 * from_tables});
-  loads.push_back({"pixels searched for corners", s.region_pixels, s.region_pixels, static_cast<double>(kTrackerTuning.corner_pixel)});
+  loads.push_back({"pixels searched for corners", s.region_pixels, s.region_pixels,
+                   static_cast<double>(kTrackerTuning.corner_pixel)});
   loads.push_back({"templates captured", 2.0 * limits.patches, 3.0 * limits.patches,
                    static_cast<double>(kWorkCostTuning.captured_sample) * s.all_records});
   loads.push_back({"points of curves", s.edges, s.edges, kCost.curve_point});
@@ -323,7 +324,7 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   plan.free_parameters = sizes.free;
   plan.most_iterations = work.steps;
   add_picture_loads(sizes, plan.loads);
-  add_limited_loads(sizes, options, plan.loads);
+  add_limited_loads(sizes, limits, options, plan.loads);
   add_surface_loads(sizes, limits, options, plan.loads);
   add_key_frame_loads(sizes, limits, plan.loads);
   if (limits.person != nullptr && sizes.identities > 0) add_person_loads(model, limits, sizes, plan.loads);

@@ -66,7 +66,8 @@ TEST_CASE("a slow expression moves one vertex in the interval, a fast one all of
   CHECK(rig.exact_count() == rig.surface->mesh().vertex_count());
 }
 
-TEST_CASE("after a change of the person the vertices turn at once, and are sampled again some in each frame") {
+TEST_CASE(
+    "after a change of the person the vertices turn at once, and are sampled again some in each frame") {
   Rig rig;
   const std::vector<Vec3> before(rig.surface->positions(), rig.surface->positions() + 300);
   const Quat turn = exp_rotation({0, 0.1f, 0});

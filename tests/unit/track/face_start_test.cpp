@@ -255,6 +255,48 @@ TEST_CASE(
   }
 }
 
+TEST_CASE(
+    "a track that is given up after some bad frames, fewer with fewer key frames: a search in parts begins "
+    "where it was") {
+  for (const std::uint8_t key_frames : {std::uint8_t{2}, std::uint8_t{4}}) {
+    FakeFaces fake(half_size());
+    fake.calls_a_search = 8;
+    TrackerLimits limits = limits_with_fake();
+    limits.search_work = 2 * kFaceStartTuning.cells_a_step;
+    limits.key_frames = key_frames;
+    InArena<Tracker> tracker(baked_face().model, limits);
+    REQUIRE(tracker->start_from_pose(half_size().view(0), half_size().camera, half_size().poses[0],
+                                     nullptr) == Status::ok);
+    const std::vector<std::uint8_t> black(kWidth * kHeight, 0);
+    std::size_t n = 1;
+    for (; tracker->is_started(); ++n) {
+      FrameView view = half_size().view(n);
+      view.data = black.data();
+      FrameResult result;
+      REQUIRE(tracker->update(view, &result) == Status::ok);
+    }
+    CHECK(n - 1 == std::size_t{4} + key_frames);
+    for (std::size_t k = 0; k < 4; ++k) update(tracker.object, half_size(), n + k);
+    CHECK(tracker->is_started());
+    CHECK(fake.searches == 0);
+    CHECK(fake.alignments == 1);
+  }
+}
+
+TEST_CASE("a place where a track was and no face is any more: the search goes on everywhere") {
+  FakeFaces fake(half_size());
+  TrackerLimits limits = limits_with_fake();
+  limits.search_work = 2 * kFaceStartTuning.cells_a_step;
+  InArena<Tracker> tracker(baked_face().model, limits);
+  const std::size_t begin = kGone - 2;
+  REQUIRE(tracker->start_from_pose(half_size().view(begin), half_size().camera, half_size().poses[begin],
+                                   nullptr) == Status::ok);
+  for (std::size_t k = begin + 1; k < kFrames; ++k) update(tracker.object, half_size(), k);
+  CHECK(fake.searches > 0);
+  CHECK(tracker->is_started());
+  CHECK(fake.alignments == 1);
+}
+
 TEST_CASE("a search in parts that saw the face at another size only: it is aligned at its own") {
   FakeFaces fake(half_size());
   fake.calls_a_search = 2;

@@ -77,6 +77,5 @@ TEST_CASE("the work of a frame is that of all its loops") {
   work.rare = 1000;
   const float solves = 5 * costs.row + 7 * costs.measured_row + 2 * costs.factorisation + 11 * costs.force;
   CHECK(costs.of_solves(work) == doctest::Approx(solves));
-  CHECK(costs.of(work) ==
-        doctest::Approx(solves + 3 * costs.search_step + 100 * costs.coarse_pixel + 1000));
+  CHECK(costs.of(work) == doctest::Approx(solves + 3 * costs.search_step + 100 * costs.coarse_pixel + 1000));
 }

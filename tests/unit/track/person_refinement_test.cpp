@@ -55,7 +55,9 @@ std::vector<std::size_t> steps(IsBlack&& is_black) {
 
 }  // namespace
 
-TEST_CASE("steps of the identity wait until the head has turned far, and have frames between them, which prepare them") {
+TEST_CASE(
+    "steps of the identity wait until the head has turned far, and have frames between them, which prepare "
+    "them") {
   const auto at = steps([](std::size_t) { return false; });
   REQUIRE(at.size() > 3);
   CHECK(at.front() > kFrames / 8);
@@ -76,7 +78,7 @@ TEST_CASE("frames that estimate the person, prepare a step or take it stay withi
   REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
   const WorkCosts costs = tracker->estimator().work_costs(tracker->limits().patch_window);
   const float most = most_frame_work(tracker->limits(), costs);
-  const float last_passes = costs.row * static_cast<float>(kTemplateMatchTuning.rounds * all_observations(tracker->limits()));
+  const float last_passes = last_passes_work(tracker->limits(), costs);
   std::size_t rare = 0;
   for (std::size_t n = 1; n < kFrames; ++n) {
     FrameResult result;
