@@ -155,7 +155,9 @@ void TrackerParts::note_time(const FrameView& view) {
 
 /// Leaves a part of the budget to the solves.
 void TrackerParts::limit_searches() {
-  const float steps = kTrackerTuning.most_of_searches * budget.left() / budget.costs.search_step;
+  const float fraction =
+      budget.reserved > 0 ? kTrackerTuning.most_of_searches_if_reserved : kTrackerTuning.most_of_searches;
+  const float steps = fraction * budget.left() / budget.costs.search_step;
   matcher.limit_steps(static_cast<std::uint32_t>(max(steps, 0)));
 }
 
