@@ -25,7 +25,7 @@ std::int8_t to_bend(float mm) {
 /// The paraboloid that is nearest to the surface around a point, in the axes of the image that shows it by
 /// t.reference, from eight points around it.
 void measure_bend(Template& t, Vec2 uv, float window_px, Estimator& estimator) {
-  const SurfaceFrame middle = estimator.surface_frame(uv);
+  const SurfaceFrame middle = estimator.surface_frame(uv, estimator.parameters().data);
   const Vec3 normal = cross(middle.pu, middle.pv), towards = camera_direction(estimator.view());
   const float facing = dot(normal, towards);
   if (facing == 0) return;

@@ -44,12 +44,18 @@ struct VisibleSurfaceTuning {
   float most_over_mean_error = 4;
   /// Points of the contour kept for each silhouette point, count. The contour of a fine mesh has many.
   std::size_t contour_points_per_point = 8;
-  /// Vertices that a frame samples again after the person has changed, count: 17,000 instructions each. Round value, not tuned.
-  std::size_t renewed_vertices = 64;
+  /// Frames in which all vertices are sampled again after the person has changed, count: as many as lie between two changes at
+  /// least. A vertex takes 17,000 instructions.
+  std::size_t renewal_frames = 8;
   /// One face and vertex in this many is ranked again in a frame while the mesh follows the view, count. Round value, not tuned.
   int rank_interval_frames = 32;
 };
 inline constexpr VisibleSurfaceTuning kVisibleSurfaceTuning{};
+
+/// Of `count` vertices, those that a frame samples again.
+constexpr std::size_t renewed_vertices(std::size_t count) {
+  return (count + kVisibleSurfaceTuning.renewal_frames - 1) / kVisibleSurfaceTuning.renewal_frames;
+}
 
 /// Capacities of VisibleSurface.
 struct VisibleSurfaceLimits {

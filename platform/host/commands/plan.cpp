@@ -177,7 +177,7 @@ void add_person_loads(const Model& model, const TrackerLimits& limits, const Siz
   add("landmarks moved with the person", 0, static_cast<double>(model.landmarks().count), t.landmark_work);
   if (limits.samples_vertices)
     loads.push_back({"vertices sampled again", 0,
-                     std::min<double>(limits.vertices, kVisibleSurfaceTuning.renewed_vertices),
+                     static_cast<double>(renewed_vertices(limits.vertices)),
                      kCost.sampled_record * s.all_records});
 }
 
