@@ -58,7 +58,8 @@ constexpr std::size_t all_observations(const TrackerLimits& limits) {
 /// The budget of a frame, in the unit of WorkCosts.
 constexpr float most_frame_work(const TrackerLimits& limits, const WorkCosts& costs) {
   const TrackerTuning& t = kTrackerTuning;
-  return t.most_steps_a_template * costs.search_step * static_cast<float>(all_slots(limits)) +
+  return scaled_px(limits, t.most_steps_a_template) * costs.search_step *
+             static_cast<float>(all_slots(limits)) +
          t.most_passes * costs.row * static_cast<float>(all_observations(limits)) +
          t.most_factorisations * costs.factorisation + (limits.person != nullptr ? t.most_for_person : 0.0f);
 }
