@@ -4,7 +4,7 @@
 
 #include "host/bench/detection_report.hpp"
 #include "host/bench/detection_run.hpp"
-#include "track/tracker_sizes.hpp"
+#include "host/commands/plan.hpp"
 
 namespace pliant::host {
 
@@ -28,13 +28,11 @@ void add_place(const NamedLandmarks& landmarks, FilmClip* clip) {
   clip->width.push_back(std::max(right - left, 1.0f));
 }
 
-/// Work of the last frame, as a fraction of its budget and the last passes of its solves.
-double fraction_of_bound(Tracker& tracker) {
+/// Work of the last frame, in instructions.
+double counted_work(Tracker& tracker) {
   if (!tracker.is_started()) return 0;
-  const WorkCosts costs = tracker.estimator().work_costs(tracker.limits().patch_window);
-  return static_cast<double>(costs.of(tracker.work())) /
-         static_cast<double>(most_frame_work(tracker.limits(), costs) +
-                             last_passes_work(tracker.limits(), costs));
+  return static_cast<double>(
+      tracker.estimator().work_costs(tracker.limits().patch_window).of(tracker.work()));
 }
 
 }  // namespace
@@ -58,6 +56,7 @@ bool judge(const ModelFile& file, TrackerLimits limits, std::vector<Image> frame
 void play(const ModelFile& file, const JudgedClip& judged, const FilmFault& fault, FaultCounts* counts) {
   const FilmClip& clip = judged.clip;
   DetectionRun run(file, judged.limits);
+  const double most = most_counted_instructions(make_plan(file.model(), judged.limits).loads);
   double back = -1;
   for (std::size_t k = 0; k < kClipFrames; ++k) {
     const FaultyFrame faulty =
@@ -68,7 +67,7 @@ void play(const ModelFile& file, const JudgedClip& judged, const FilmFault& faul
     const bool had_track = run.has_track();
     const double before = process_ms();
     run.update(view);
-    counts->most_work = std::max(counts->most_work, fraction_of_bound(run.tracker()));
+    counts->most_work = std::max(counts->most_work, counted_work(run.tracker()) / most);
     if (had_track && run.has_track()) counts->milliseconds.push_back(process_ms() - before);
     const bool is_tracking = run.has_track() && run.result().state == TrackState::tracking;
     const double error =

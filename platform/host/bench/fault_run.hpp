@@ -30,7 +30,7 @@ struct FaultCounts {
   double wrong_most = 0;     ///< largest landmark error of these
   double never = 0;          ///< clips that are not right again in the 40 frames after the fault
   std::vector<double> back;  ///< frames after the fault until tracking with an error below kRightError
-  double most_work = 0;      ///< of a frame, as a fraction of its budget and the last passes of its solves
+  double most_work = 0;      ///< of a frame, as a fraction of what the plan says it takes at most
   std::vector<double> milliseconds;  ///< of the frames with a track before and after
 };
 

@@ -129,8 +129,9 @@ void add_limited_loads(const Sizes& s, const TrackerLimits& limits, const Estima
   const double more =
       kNormalEquationsTuning.limit_rounds - static_cast<double>(kFrameSolverTuning.factorisations_a_step);
   loads.push_back({"observations in the last pass of a solve", 0,
-                   static_cast<double>(last_passes_work(limits, s.costs)) / row, row});
-  loads.push_back({"factorisations at limits of parameters", 0, more * options.iterations, factorisation});
+                   static_cast<double>(last_passes_work(limits, s.costs)) / row, row, Bound::beside});
+  loads.push_back(
+      {"factorisations at limits of parameters", 0, more * options.iterations, factorisation, Bound::beside});
 }
 
 /// Points and vertices: prediction, tangents, projection.
@@ -176,8 +177,7 @@ void add_person_loads(const Model& model, const TrackerLimits& limits, const Siz
   add("points moved with the person", 0, s.points, t.point_work);
   add("landmarks moved with the person", 0, static_cast<double>(model.landmarks().count), t.landmark_work);
   if (limits.samples_vertices)
-    loads.push_back({"vertices sampled again", 0,
-                     static_cast<double>(renewed_vertices(limits.vertices)),
+    loads.push_back({"vertices sampled again", 0, static_cast<double>(renewed_vertices(limits.vertices)),
                      kCost.sampled_record * s.all_records});
 }
 
@@ -187,7 +187,7 @@ void add_overdue_load(const TrackerLimits& limits, const Sizes& s, Loads& loads)
   if (limits.detection != nullptr) most = std::max(most, static_cast<double>(kFaceStartTuning.check_work));
   if (limits.person != nullptr) most = std::max(most, s.person_step);
   const double more = most - static_cast<double>(FrameBudget::kMostReserved) * s.budget;
-  if (more > 0) loads.push_back({"overdue work beyond what is reserved", 0, more, 1});
+  if (more > 0) loads.push_back({"overdue work beyond what is reserved", 0, more, 1, Bound::beside});
 }
 
 /// What readers of parts and checks add to a tracked frame.
@@ -298,16 +298,21 @@ double usual_instructions(const std::vector<Load>& loads) {
   return sum;
 }
 
-double most_instructions(const std::vector<Load>& loads) {
-  double always = 0, shared = 0;
+double most_counted_instructions(const std::vector<Load>& loads) {
+  double shared = 0, beside = 0;
   for (const Load& load : loads) {
     const double most = load.most * load.instructions;
-    if (load.bound == Bound::shared)
-      shared = std::max(shared, most);
-    else
-      always += most;
+    if (load.bound == Bound::shared) shared = std::max(shared, most);
+    if (load.bound == Bound::beside) beside += most;
   }
-  return always + shared;
+  return shared + beside;
+}
+
+double most_instructions(const std::vector<Load>& loads) {
+  double sum = most_counted_instructions(loads);
+  for (const Load& load : loads)
+    if (load.bound == Bound::always) sum += load.most * load.instructions;
+  return sum;
 }
 
 Plan make_plan(const Model& model, const TrackerLimits& limits) {

@@ -10,6 +10,7 @@ namespace pliant::host {
 /// How the bound of a load goes into that of a frame.
 enum class Bound {
   always,  ///< every frame may have it
+  beside,  ///< the same; Tracker::work counts it with what shares the budget
   shared,  ///< it is a part of the frame's budget: those that are shared have `most` of one of them together
 };
 
@@ -51,6 +52,8 @@ struct Plan {
 /// Sums, instructions of x86-64.
 double usual_instructions(const std::vector<Load>& loads);
 double most_instructions(const std::vector<Load>& loads);
+/// The same of what Tracker::work counts.
+double most_counted_instructions(const std::vector<Load>& loads);
 /// Instructions of a Cortex-M7 for one of x86-64, an estimate: 1.81 in the tracked frames of the firmware example, 1.70 with detection,
 /// 1.16 in its frames of a search (docs/evaluation.md, Work of a frame). It has no vectors.
 constexpr double kCortexM7Factor = 1.8;

@@ -171,6 +171,10 @@ TEST_CASE("with a clock the plan says ms, and what shares the budget of a frame 
   CHECK_FALSE(contains(run_words({"plan", s.model}).out, "ms, Cortex-M7"));
   CHECK(most_instructions(
             {{"a", 1, 2, 10}, {"b", 1, 5, 20, Bound::shared}, {"c", 0, 50, 2, Bound::shared}}) == 120);
+  CHECK(most_counted_instructions(
+            {{"a", 1, 2, 10}, {"b", 1, 5, 20, Bound::shared}, {"d", 0, 3, 4, Bound::beside}}) == 112);
+  CHECK(most_instructions({{"a", 1, 2, 10}, {"b", 1, 5, 20, Bound::shared}, {"d", 0, 3, 4, Bound::beside}}) ==
+        132);
 }
 
 TEST_CASE("the bound of a frame is at most 3 times its usual work, with all profiles") {
