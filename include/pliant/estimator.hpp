@@ -149,8 +149,7 @@ class Estimator {
   const Lens& lens() const;              ///< The lens of the start's camera.
   const View& view() const;              ///< The present view.
   Span<const float> parameters() const;  ///< All parameters.
-  /// The smoothed parameters, if options.smooths.
-  Span<const float> smoothed_parameters() const;
+  Span<const float> smoothed_parameters() const;  ///< The smoothed parameters, if options.smooths.
   const MotionFilter& motion() const;  ///< The filter over pose and parameters.
   /// Ratio of a cue's residuals to the standard deviations of its observations, followed over time, at least 1.
   float cue_scale(Cue cue) const;
@@ -183,9 +182,8 @@ class Estimator {
   Vec2 vertex_seen(VertexId v) const;  ///< Image of one vertex as seen through the lens, px.
   void refresh_vertices();             ///< Updates all vertices to the present state.
 
-  /// Corrects what the start assumed: the parameters that are not free, and the model's rotation. Points are
-  /// sampled anew, vertices in the frames that follow; a personal field is given up. Poses of earlier frames are
-  /// not changed.
+  /// Corrects what the start assumed: the parameters that are not free, and the model's rotation. Points are sampled
+  /// anew, vertices in the frames that follow; a personal field is given up. Earlier frames keep their poses.
   /// \param q  all parameters, finite. \param turn  the pose becomes q * turn. \return not_started, bad_argument.
   Status revise(const float* q, Quat turn);
   /// Moves a point over the surface in the `revise` that follows. \pre has_point(id); uv within 0..1.

@@ -2,8 +2,6 @@
 // the truth.
 #include <doctest/doctest.h>
 
-#include <limits>
-
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
 
@@ -468,75 +466,4 @@ TEST_CASE("search and tracking share their memory; detection without tables cost
   FrameResult result;
   CHECK(tracker->update(half_size().view(0), &result) == Status::not_started);
   CHECK(tracker->start_by_detection() == Status::not_found);
-}
-
-TEST_CASE("a start from a box or from five points is refined where there are tables") {
-  FakeFaces fake(half_size());
-  const FaceFilm& film = half_size();
-  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
-  const FaceBox box = fake.box(0);
-  StartOptions start;
-  start.box = BoxConvention::face_box;
-  const Vec2 size{box.side, box.side};
-  REQUIRE(tracker->start_from_box(film.view(0), box.center - 0.5f * size, size, start) == Status::ok);
-  CHECK(film.landmark_error(tracker.object, 0) < 1.5f);
-  CHECK(fake.alignments == 1);
-  CHECK(tracker->result().landmark_error == doctest::Approx(0.02));
-  std::vector<NamedPoint> five;
-  for (const char* name : {"eye_right", "eye_left", "nose_tip", "mouth_right", "mouth_left"})
-    five.push_back({name, film.truth(name, 0)});
-  REQUIRE(tracker->start_from_landmarks(film.view(0), {five.data(), five.size()}) == Status::ok);
-  CHECK(fake.alignments == 2);
-  CHECK(film.landmark_error(tracker.object, 0) < 1.5f);
-}
-
-TEST_CASE("boxes of all conventions, of one face, give about the same pose, with and without tables") {
-  const FaceFilm& film = half_size();
-  InArena<Tracker> tracker(baked_face().model, without_detection(TrackerLimits{}));
-  FakeFaces fake(film);
-  const FaceBox box = fake.box(0);
-  StartOptions start;
-  start.camera = &film.camera;
-  start.box = BoxConvention::face_box;
-  const Vec2 size{box.side, box.side};
-  REQUIRE(tracker->start_from_box(film.view(0), box.center - 0.5f * size, size, start) == Status::ok);
-  CHECK(film.landmark_error(tracker.object, 0) < 4);
-}
-
-TEST_CASE("start_by_detection ends a track, forgets the person and keeps its options") {
-  FakeFaces fake(half_size());
-  const FaceFilm& film = half_size();
-  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
-  for (std::size_t k = 0; k < 6; ++k) update(tracker.object, film, k);
-  StartOptions start;
-  start.camera = &film.camera;
-  start.keeps_landmark_offsets = false;
-  std::vector<std::uint8_t> is_free(baked_face().model.parameters().count, 0);
-  TrackerOptions options;
-  options.is_free = is_free.data();
-  REQUIRE(tracker->start_by_detection(start, options) == Status::ok);
-  is_free.assign(is_free.size(), 1);  // it was read
-  CHECK_FALSE(tracker->is_started());
-  CHECK(tracker->result().state == TrackState::lost);
-  const int held = fake.held_alignments;
-  const FrameResult result = update(tracker.object, film, 6);
-  CHECK(result.state == TrackState::tracking);
-  CHECK(fake.held_alignments == held);
-  CHECK(tracker->camera().f == film.camera.f);
-  float before, after;
-  REQUIRE(tracker->parameter("jawOpen", &before) == Status::ok);
-  update(tracker.object, film, 7);
-  REQUIRE(tracker->parameter("jawOpen", &after) == Status::ok);
-  CHECK(before == after);
-  Camera bad = film.camera;
-  bad.k1 = -5;
-  start.camera = &bad;
-  CHECK(tracker->start_by_detection(start) == Status::bad_argument);
-  start.camera = nullptr;
-  for (const float focal :
-       {-1.0f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
-    start.focal_px = focal;
-    CHECK(tracker->start_by_detection(start) == Status::bad_argument);
-  }
-  CHECK(tracker->is_started());
 }

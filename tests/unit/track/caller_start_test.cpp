@@ -1,0 +1,110 @@
+// Starts of the caller's, and start_by_detection, of a tracker that finds faces by itself. Detection and alignment are a fake that
+// knows the truth.
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "fake_faces.hpp"
+#include "model_builder.hpp"
+
+using namespace pliant;
+
+namespace {
+
+/// A face that drifts and opens its mouth.
+const FaceFilm& film_of_face() {
+  static const FaceFilm* film = new FaceFilm(
+      320, 240, 8,
+      [](float s, Pose& pose, auto& q) {
+        pose.t.x = -0.2f * pose.t.z + 3 * s;
+        FaceFilm::set(q, "jawOpen", 0.1f + 0.1f * s);
+        FaceFilm::set(q, "faceWidth", 1.5f);
+      },
+      0.5f);
+  return *film;
+}
+
+TrackerLimits limits_with_fake() {
+  TrackerLimits l;
+  l.detection = FakeFaces::table();
+  return l;
+}
+
+FrameResult update(Tracker& tracker, const FaceFilm& film, std::size_t k) {
+  FrameResult result;
+  REQUIRE(tracker.update(film.view(k), &result) == Status::ok);
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a start from a box or from five points is refined where there are tables") {
+  FakeFaces fake(film_of_face());
+  const FaceFilm& film = film_of_face();
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  const FaceBox box = fake.box(0);
+  StartOptions start;
+  start.box = BoxConvention::face_box;
+  const Vec2 size{box.side, box.side};
+  REQUIRE(tracker->start_from_box(film.view(0), box.center - 0.5f * size, size, start) == Status::ok);
+  CHECK(film.landmark_error(tracker.object, 0) < 1.5f);
+  CHECK(fake.alignments == 1);
+  CHECK(tracker->result().landmark_error == doctest::Approx(0.02));
+  std::vector<NamedPoint> five;
+  for (const char* name : {"eye_right", "eye_left", "nose_tip", "mouth_right", "mouth_left"})
+    five.push_back({name, film.truth(name, 0)});
+  REQUIRE(tracker->start_from_landmarks(film.view(0), {five.data(), five.size()}) == Status::ok);
+  CHECK(fake.alignments == 2);
+  CHECK(film.landmark_error(tracker.object, 0) < 1.5f);
+}
+
+TEST_CASE("boxes of all conventions, of one face, give about the same pose, with and without tables") {
+  const FaceFilm& film = film_of_face();
+  InArena<Tracker> tracker(baked_face().model, without_detection(TrackerLimits{}));
+  FakeFaces fake(film);
+  const FaceBox box = fake.box(0);
+  StartOptions start;
+  start.camera = &film.camera;
+  start.box = BoxConvention::face_box;
+  const Vec2 size{box.side, box.side};
+  REQUIRE(tracker->start_from_box(film.view(0), box.center - 0.5f * size, size, start) == Status::ok);
+  CHECK(film.landmark_error(tracker.object, 0) < 4);
+}
+
+TEST_CASE("start_by_detection ends a track, forgets the person and keeps its options") {
+  FakeFaces fake(film_of_face());
+  const FaceFilm& film = film_of_face();
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  for (std::size_t k = 0; k < 6; ++k) update(tracker.object, film, k);
+  StartOptions start;
+  start.camera = &film.camera;
+  start.keeps_landmark_offsets = false;
+  std::vector<std::uint8_t> is_free(baked_face().model.parameters().count, 0);
+  TrackerOptions options;
+  options.is_free = is_free.data();
+  REQUIRE(tracker->start_by_detection(start, options) == Status::ok);
+  is_free.assign(is_free.size(), 1);  // it was read
+  CHECK_FALSE(tracker->is_started());
+  CHECK(tracker->result().state == TrackState::lost);
+  const int held = fake.held_alignments;
+  const FrameResult result = update(tracker.object, film, 6);
+  CHECK(result.state == TrackState::tracking);
+  CHECK(fake.held_alignments == held);
+  CHECK(tracker->camera().f == film.camera.f);
+  float before, after;
+  REQUIRE(tracker->parameter("jawOpen", &before) == Status::ok);
+  update(tracker.object, film, 7);
+  REQUIRE(tracker->parameter("jawOpen", &after) == Status::ok);
+  CHECK(before == after);
+  Camera bad = film.camera;
+  bad.k1 = -5;
+  start.camera = &bad;
+  CHECK(tracker->start_by_detection(start) == Status::bad_argument);
+  start.camera = nullptr;
+  for (const float focal :
+       {-1.0f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    start.focal_px = focal;
+    CHECK(tracker->start_by_detection(start) == Status::bad_argument);
+  }
+  CHECK(tracker->is_started());
+}
