@@ -12,6 +12,7 @@
 #include <numeric>
 
 #include "host/bake/at.hpp"
+#include "host/bake/symmetric_eigen.hpp"
 
 namespace pliant::host::bake {
 
@@ -283,9 +284,9 @@ class ModeProblem {
       for (Eigen::Index c = 0; c < size; ++c) block_.col(c).normalize();
       const Matrix k = block_.transpose() * (stiffness_.selfadjointView<Eigen::Lower>() * block_),
                    m = block_.transpose() * (mass_.asDiagonal() * block_);
-      const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> solver(k, m);
-      value_ = solver.eigenvalues().cwiseMax(1e-30);
-      block_ = (block_ * solver.eigenvectors()).eval();
+      const SymmetricEigen eigen = symmetric_eigen(k, m);
+      value_ = eigen.values.cwiseMax(1e-30);
+      block_ = (block_ * eigen.vectors).eval();
       const Eigen::VectorXd now = value_.head(wanted);
       if (((now - before).cwiseAbs().array() <= kTuning.convergence * now.array()).all()) return;
       before = now;

@@ -1,9 +1,10 @@
 // Uses the Gram matrix of the centred shapes, whose size is their number (Sirovich 1987).
 #include "host/bake/principal_components.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "host/bake/symmetric_eigen.hpp"
 
 namespace pliant::host::bake {
 
@@ -37,20 +38,20 @@ PrincipalComponents find_components(const std::vector<std::vector<Vec3>>& shapes
   Eigen::VectorXd mean;
   const Eigen::MatrixXd x = centred(shapes, mean);
   const double divisor = static_cast<double>(shapes.size()) - 1;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(x.transpose() * x / divisor);
-  const double whole = std::max(1e-30, solver.eigenvalues().sum());
+  const SymmetricEigen eigen = symmetric_eigen(x.transpose() * x / divisor);
+  const double whole = std::max(1e-30, eigen.values.sum());
   PrincipalComponents result;
   result.mean = vectors(mean);
   for (int k = 0; k < count; ++k) {
     const Eigen::Index column = x.cols() - 1 - k;  // eigenvalues ascend
     // X v has the length sqrt(divisor lambda). Its sign is chosen so that the largest entry is positive, which makes the
     // result the same on every machine.
-    Eigen::VectorXd direction = x * solver.eigenvectors().col(column) / std::sqrt(divisor);
+    Eigen::VectorXd direction = x * eigen.vectors.col(column) / std::sqrt(divisor);
     Eigen::Index largest = 0;
     direction.cwiseAbs().maxCoeff(&largest);
     if (direction(largest) < 0) direction = -direction;
     result.components.push_back(vectors(direction));
-    result.explained.push_back(static_cast<float>(std::max(0.0, solver.eigenvalues()(column)) / whole));
+    result.explained.push_back(static_cast<float>(std::max(0.0, eigen.values(column)) / whole));
   }
   return result;
 }

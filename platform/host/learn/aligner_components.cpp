@@ -1,7 +1,8 @@
 #include "host/learn/aligner_components.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+
+#include "host/bake/symmetric_eigen.hpp"
 
 namespace pliant::host::learn {
 
@@ -17,8 +18,8 @@ LearntGlobal reduce_to_components(const RidgeSums& sums, const std::vector<doubl
   const Eigen::VectorXd mean = w * mean_x;
   const Eigen::MatrixXd hw = h.selfadjointView<Eigen::Lower>() * w.transpose();
   const Eigen::MatrixXd covariance = w * hw / sums.weight - mean * mean.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-  const Eigen::MatrixXd v = solver.eigenvectors().rightCols(static_cast<Eigen::Index>(components));
+  const Eigen::MatrixXd v =
+      bake::symmetric_eigen(covariance).vectors.rightCols(static_cast<Eigen::Index>(components));
   const RowMatrix projected = v.transpose() * w;
   const Eigen::VectorXd offset = v.transpose() * mean;
   LearntGlobal out;
