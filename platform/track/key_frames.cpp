@@ -24,16 +24,10 @@ Vec3 camera_direction(const View& view) {
   return {towards.x, -towards.y, -towards.z};
 }
 
-KeyDepths::KeyDepths(const KeyFrames& keys, const View& view) : keys_(&keys) {
-  const Mat3 r = rotation_matrix(view.q);
-  across_ = view.s * Vec3{r.m[0][0], -r.m[0][1], -r.m[0][2]};
-  down_ = view.s * Vec3{r.m[1][0], -r.m[1][1], -r.m[1][2]};
-}
-
 Vec2 KeyDepths::of(std::size_t k) const {
-  if (keys_ == nullptr || keys_->view_of(k) == nullptr) return {};
-  const Vec3 away = -1.0f * keys_->direction_of(k);
-  return {dot(across_, away), dot(down_, away)};
+  if (keys == nullptr || keys->view_of(k) == nullptr) return {};
+  const Vec3 towards = Projector(*view, true).rotated(keys->direction_of(k));
+  return -view->s * Vec2{towards.x, towards.y};
 }
 
 void KeyFrames::lay_out(Arena& arena, const TrackerLimits& limits) {

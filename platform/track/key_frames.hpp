@@ -103,16 +103,11 @@ class KeyFrames {
 };
 
 /// How a view shows depth in a key frame.
-class KeyDepths {
- public:
-  KeyDepths() = default;  ///< As nothing.
-  KeyDepths(const KeyFrames& keys, const View& view);
+struct KeyDepths {
+  const KeyFrames* keys = nullptr;  ///< null: as nothing
+  const View* view = nullptr;
   /// Image of one mm away from the camera of key frame k, px, without perspective.
   Vec2 of(std::size_t k) const;
-
- private:
-  const KeyFrames* keys_ = nullptr;
-  Vec3 across_, down_;  // px in the view, per mm of each of the model's axes
 };
 
 }  // namespace pliant

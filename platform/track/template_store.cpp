@@ -18,12 +18,13 @@ PatchLimits patch_limits(const TrackerLimits& limits) {
 }
 
 std::int8_t to_bend(float mm) {
-  const float units = clamp(kBendUnits * mm, -127, 127);
-  return static_cast<std::int8_t>(units < 0 ? units - 0.5f : units + 0.5f);
+  constexpr int kMost = 127;
+  return static_cast<std::int8_t>(static_cast<int>(clamp(kBendUnits * mm, -kMost, kMost) + kMost + 0.5f) -
+                                  kMost);
 }
 
-/// The paraboloid that is nearest to the surface around a point, in the axes of the image that shows it by
-/// t.reference, from eight points around it.
+/// The paraboloid that is nearest to the surface around a point (least squares on 3 x 3 points), in the axes of the image
+/// that shows it by t.reference.
 void measure_bend(Template& t, Vec2 uv, float window_px, Estimator& estimator) {
   const SurfaceFrame middle = estimator.surface_frame(uv, estimator.parameters().data);
   const Vec3 normal = cross(middle.pu, middle.pv), towards = camera_direction(estimator.view());
@@ -31,19 +32,21 @@ void measure_bend(Template& t, Vec2 uv, float window_px, Estimator& estimator) {
   if (facing == 0) return;
   const Mat2 to_uv = inverse(t.reference);
   const float reach = kTemplateStoreTuning.bend_reach * window_px;
-  float z[3][3];  // mm behind the tangent plane
+  float xx = 0, xy = 0, yy = 0;
   for (int i = 0; i < 9; ++i) {
-    const Vec2 to =
-        uv + to_uv * Vec2{reach * static_cast<float>(i % 3 - 1), reach * static_cast<float>(i / 3 - 1)};
-    const Vec3 p = i == 4 ? middle.p : estimator.surface_point({clamp(to.x, 0, 1), clamp(to.y, 0, 1)});
-    z[i / 3][i % 3] = dot(normal, middle.p - p) / facing;
+    const float x = static_cast<float>(i % 3 - 1), y = static_cast<float>(i / 3 - 1);
+    const Vec2 to = uv + to_uv * (reach * Vec2{x, y});
+    const Vec3 p = estimator.surface_point({clamp(to.x, 0, 1), clamp(to.y, 0, 1)});
+    const float depth = dot(normal, middle.p - p) / facing;  // mm behind the tangent plane
+    xx += (3 * x * x - 2) * depth;
+    xy += x * y * depth;
+    yy += (3 * y * y - 2) * depth;
   }
-  const float corners = z[0][0] + z[0][2] + z[2][0] + z[2][2];
-  const float per =
-      window_px * window_px / (12 * reach * reach);  // mean square in the window over that of `reach`
-  t.bend[0] = to_bend(per * (corners + z[1][0] + z[1][2] - 2 * (z[0][1] + z[2][1])) / 6);
-  t.bend[1] = to_bend(per * (z[0][0] + z[2][2] - z[0][2] - z[2][0]) / 8);
-  t.bend[2] = to_bend(per * (corners + z[0][1] + z[2][1] - 2 * (z[1][0] + z[1][2])) / 6);
+  // Mean square in the window over that of `reach`.
+  const float per = window_px * window_px / (12 * reach * reach);
+  t.bend[0] = to_bend(per / 6 * xx);
+  t.bend[1] = to_bend(per / 8 * xy);
+  t.bend[2] = to_bend(per / 6 * yy);
 }
 
 }  // namespace
@@ -141,13 +144,12 @@ std::size_t TemplateStore::key_of(std::size_t slot) const {
 /// Mean depth of what the window shows behind its middle, mm. The warp stretches the window over the template, but not
 /// beyond what is stored.
 float TemplateStore::depth(const Template& t, const Mat2& to_template) const {
-  const float most = static_cast<float>(side_px_) / static_cast<float>(window_px_);
+  const float side = static_cast<float>(side_px_) / static_cast<float>(window_px_);
   const Mat2& b = to_template;
-  const float x = square_root(b.a * b.a + b.b * b.b), y = square_root(b.c * b.c + b.d * b.d);
-  const float limit_x = x > most ? most / x : 1, limit_y = y > most ? most / y : 1;
-  const float xx = limit_x * limit_x * x * x, yy = limit_y * limit_y * y * y;
-  const float xy = limit_x * limit_y * (b.a * b.c + b.b * b.d);
-  const float mm = (xx * t.bend[0] + 2 * xy * t.bend[1] + yy * t.bend[2]) / kBendUnits;
+  const float xx = b.a * b.a + b.b * b.b, yy = b.c * b.c + b.d * b.d;
+  const float most_xx = min(xx, side * side), most_yy = min(yy, side * side);
+  const float xy = square_root(most_xx * most_yy / max(xx * yy, 1e-12f)) * (b.a * b.c + b.b * b.d);
+  const float mm = (most_xx * t.bend[0] + 2 * xy * t.bend[1] + most_yy * t.bend[2]) / kBendUnits;
   return clamp(mm, 0, kTemplateStoreTuning.most_depth_mm);
 }
 
@@ -159,11 +161,10 @@ PatchResult TemplateStore::match(std::size_t slot, const FrameRegion& region, Ve
   if (first.second != kNoSlot &&
       strain(jacobian, templates_[first.second].reference) < strain(jacobian, first.reference))
     which = first.second;
-  const Template& shown = templates_[which];
-  const Vec2 shift = depth(shown, shown.reference * inverse(jacobian)) * depths.of(key_of(which));
-  PatchResult result =
-      patches_.track(static_cast<int>(which), region.pyramid(), start + shift - region.origin(),
-                     jacobian * inverse(shown.reference), options);
+  const Mat2 warp = jacobian * inverse(templates_[which].reference);
+  const Vec2 shift = depth(templates_[which], inverse(warp)) * depths.of(key_of(which));
+  PatchResult result = patches_.track(static_cast<int>(which), region.pyramid(),
+                                      start + shift - region.origin(), warp, options);
   result.x = result.x - shift;
   return result;
 }

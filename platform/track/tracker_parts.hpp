@@ -71,7 +71,7 @@ struct TrackerParts : ImageParts {
   bool block_is_of_search = false;  // else of the tracking, which is laid out in it
 
   const Model& model() const { return table; }
-  MatchFrame match_frame() { return {templates, region, observations, {key_frames, estimator.view()}}; }
+  MatchFrame match_frame() { return {templates, region, observations, {&key_frames, &estimator.view()}}; }
 
   /// The tracking's parts. Null: measures.
   static void lay_out_tracking(Arena& arena, TrackerParts* parts, const Model& model,

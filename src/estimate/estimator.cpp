@@ -154,7 +154,13 @@ Status Estimator::add_edge_point(Vec2 uv, Vec2 along, std::uint16_t* id) {
 }
 
 Status Estimator::add_silhouette_point(std::uint16_t* id) {
-  return is_started() ? impl_->add(PointKind::silhouette, {0.5f, 0.5f}, {}, id) : Status::not_started;
+  if (!is_started()) return Status::not_started;
+  impl_->place_silhouette = [](Impl& s) {
+    if (s.points.silhouette_count() == 0) return;
+    s.points.place_silhouette(s.surface.find_contour(s.state.view, s.frame), s.cascade, s.state.q);
+    s.predictions = {};
+  };
+  return impl_->add(PointKind::silhouette, {0.5f, 0.5f}, {}, id);
 }
 
 Status Estimator::add_curve(std::size_t curve, float spacing_mm, Span<std::uint16_t> ids,
@@ -181,12 +187,6 @@ Vec2 Estimator::point_uv(std::uint16_t id) const {
   return impl_->points.uv(id);
 }
 
-void Estimator::Impl::place_silhouette() {
-  if (points.silhouette_count() == 0) return;
-  points.place_silhouette(surface.find_contour(state.view, frame), cascade, state.q);
-  predictions = {};
-}
-
 // --- The frame ---
 
 void Estimator::begin(std::int64_t time_ns) {
@@ -196,7 +196,7 @@ void Estimator::begin(std::int64_t time_ns) {
   s.solver.begin();
   ++s.frame;
   s.points.update_tangents(s.cascade, s.state.q, s.frame, s.tangent_interval);
-  s.place_silhouette();
+  if (s.place_silhouette != nullptr) s.place_silhouette(s);
 }
 
 void Estimator::translate(Vec2 px) {
@@ -215,7 +215,7 @@ void Estimator::propose(const View& view) {
   s.motion.expect(view);
   copy(s.trusted.q, s.parameter_count(), s.state.q);
   s.restore_surface();
-  s.place_silhouette();
+  if (s.place_silhouette != nullptr) s.place_silhouette(s);
 }
 
 void Estimator::expect(std::size_t parameter, float value, float sd) {
@@ -350,7 +350,7 @@ Status Estimator::restore(const State& state) {
     s.motion.expect(i, s.state.q[i]);
   }
   s.update_surface(1);
-  s.place_silhouette();
+  if (s.place_silhouette != nullptr) s.place_silhouette(s);
   return Status::ok;
 }
 

@@ -52,7 +52,8 @@ struct Estimator::Impl : StateParts {
   void note_new_point(std::uint16_t id);
   void forget_person();
   Status revise(const float* q, Quat turn);
-  void place_silhouette();
+  /// Places the silhouette points at the present state. Null before there is one: a program that adds none does not link it.
+  void (*place_silhouette)(Impl&) = nullptr;
   Prediction predict(std::uint16_t id, const Projector& projector);
   bool is_visible(const Prediction& p, Vec3 rotated) const;
 };

@@ -139,7 +139,8 @@ void VisibleSurface::update(Cascade& cascade, const ModelState& state, std::uint
                             std::uint32_t interval, bool is_exact) {
   constexpr float kFastMm = kTuning.fast_fraction * kVisibilityTuning.hidden_margin_mm;
   if (!keeps_samples()) cascade.select(state.q, is_exact ? 0.0f : kTuning.table_slack_mm);
-  renew_vertices(cascade, state.q, is_exact ? kAllVertices : renewed_vertices(mesh_.vertex_count()));
+  renew_vertices(cascade, state.q,
+                 is_exact ? kAllVertices : renewed_vertices(static_cast<std::size_t>(mesh_.vertex_count())));
   const auto has_turn = [=](VertexId v) { return interval <= 1 || (v + frame) % interval == 0; };
   const bool is_fast = move_vertices(cascade, state.q, has_turn) > kFastMm * kFastMm;
   if (is_fast) move_vertices(cascade, state.q, [&](VertexId v) { return !has_turn(v); });

@@ -21,7 +21,7 @@ struct DigestSubject {
   std::uint32_t expected;  ///< what every compiler, level and target must give
 };
 /// The egg, whose jaw opens, and the sheet of paper with springs (sheet_model.hpp), which rolls up.
-constexpr DigestSubject kDigestOfEgg{kDigestIdentities, kDigestIdentities + 2, 0.2f, 1398851781u},
+constexpr DigestSubject kDigestOfEgg{kDigestIdentities, kDigestIdentities + 2, 0.2f, 1309507118u},
     kDigestOfSheet{0, 0, 0.8f, 3341710068u};
 
 struct DigestRun {

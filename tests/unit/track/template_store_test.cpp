@@ -147,7 +147,7 @@ TEST_CASE("what the bend of the surface moves a window by is taken off the place
   PatchOptions options;
   options.min_correlation = 0.8f;
   options.start_sd_px = 1;
-  const KeyDepths depths[] = {{}, {keys.object, rig.estimator->view()}};
+  const KeyDepths depths[] = {{}, {&keys.object, &rig.estimator->view()}};
   float along[2] = {};
   std::size_t found = 0;
   for (std::size_t k = 0; k < 40; ++k) {
