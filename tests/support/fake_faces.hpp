@@ -187,3 +187,16 @@ inline const pliant::Detection* FakeFaces::table() {
   table.modules = &modules;
   return &table;
 }
+
+inline pliant::TrackerLimits limits_with_fake() {
+  pliant::TrackerLimits l;
+  l.detection = FakeFaces::table();
+  return l;
+}
+
+/// The result of frame k of a film.
+inline pliant::FrameResult update(pliant::Tracker& tracker, const FaceFilm& film, std::size_t k) {
+  pliant::FrameResult result;
+  REQUIRE(tracker.update(film.view(k), &result) == pliant::Status::ok);
+  return result;
+}

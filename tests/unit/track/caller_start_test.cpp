@@ -24,18 +24,6 @@ const FaceFilm& film_of_face() {
   return *film;
 }
 
-TrackerLimits limits_with_fake() {
-  TrackerLimits l;
-  l.detection = FakeFaces::table();
-  return l;
-}
-
-FrameResult update(Tracker& tracker, const FaceFilm& film, std::size_t k) {
-  FrameResult result;
-  REQUIRE(tracker.update(film.view(k), &result) == Status::ok);
-  return result;
-}
-
 }  // namespace
 
 TEST_CASE("a start from a box or from five points is refined where there are tables") {

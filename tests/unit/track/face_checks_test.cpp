@@ -21,8 +21,7 @@ const FaceFilm& film() {
 /// Frames that are checked. \param before  is told of each frame, may change what the fake says and gives its picture.
 template <class Before>
 std::vector<std::size_t> checked(FakeFaces& fake, Before&& before) {
-  TrackerLimits limits;
-  limits.detection = FakeFaces::table();
+  const TrackerLimits limits = limits_with_fake();
   InArena<Tracker> tracker(baked_face().model, limits);
   std::vector<std::size_t> frames;
   for (std::size_t n = 0; n < kFrames; ++n) {
@@ -69,8 +68,7 @@ TEST_CASE("after bad frames the next good one is checked") {
 
 TEST_CASE("a check that is due waits for a frame with room") {
   FakeFaces fake(film());
-  TrackerLimits limits;
-  limits.detection = FakeFaces::table();
+  const TrackerLimits limits = limits_with_fake();
   InArena<Tracker> tracker(baked_face().model, limits);
   REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
   AlignedBlock block(std::size_t{1} << 20), scratch(std::size_t{1} << 20);
@@ -102,8 +100,7 @@ TEST_CASE("a head that is turned by more than 50 degrees is degraded, and tracke
       },
       0.5f);
   FakeFaces fake(film);
-  TrackerLimits limits;
-  limits.detection = FakeFaces::table();
+  const TrackerLimits limits = limits_with_fake();
   InArena<Tracker> tracker(baked_face().model, limits);
   for (std::size_t n = 0; n < film.count(); ++n) {
     FrameResult result;

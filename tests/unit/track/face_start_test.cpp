@@ -38,18 +38,6 @@ const FaceFilm& half_size() {
   return *film;
 }
 
-TrackerLimits limits_with_fake() {
-  TrackerLimits l;
-  l.detection = FakeFaces::table();
-  return l;
-}
-
-FrameResult update(Tracker& tracker, const FaceFilm& film, std::size_t k) {
-  FrameResult result;
-  REQUIRE(tracker.update(film.view(k), &result) == Status::ok);
-  return result;
-}
-
 bool has_face(std::size_t k) {
   return k < kGone || k >= kBack;
 }
