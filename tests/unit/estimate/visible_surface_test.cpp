@@ -74,7 +74,7 @@ TEST_CASE(
   rig.surface->revise(rig.egg.state.q, turn);
   for (VertexId v : rig.surface->mesh().vertices())
     CHECK(length(rotation_matrix(turn) * rig.surface->positions()[v] - before[v]) < 0.01f);
-  const std::size_t all = rig.surface->mesh().vertex_count(), each = renewed_vertices(all);
+  const auto all = static_cast<std::size_t>(rig.surface->mesh().vertex_count()), each = renewed_vertices(all);
   REQUIRE(all > each);
   // The egg has not turned: vertices that were sampled again lie where they were.
   for (std::uint32_t frame = 1; frame <= all / each + 1; ++frame) {

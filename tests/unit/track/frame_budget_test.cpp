@@ -61,7 +61,7 @@ TEST_CASE("one work is reserved at a time, and at most a fraction of the budget"
   CHECK_FALSE(budget.key_frame.is_reserved);
   CHECK(budget.take(budget.check, 300));
   budget.begin(true);
-  CHECK(budget.left() == doctest::Approx(1000 - budget.most_reserved()));
+  CHECK(budget.left() == doctest::Approx(static_cast<double>(1000 - budget.most_reserved())));
   CHECK(budget.take(budget.key_frame, 800));
 }
 
@@ -76,6 +76,7 @@ TEST_CASE("the work of a frame is that of all its loops") {
   work.coarse_pixels = 100;
   work.rare = 1000;
   const float solves = 5 * costs.row + 7 * costs.measured_row + 2 * costs.factorisation + 11 * costs.force;
-  CHECK(costs.of_solves(work) == doctest::Approx(solves));
-  CHECK(costs.of(work) == doctest::Approx(solves + 3 * costs.search_step + 100 * costs.coarse_pixel + 1000));
+  CHECK(costs.of_solves(work) == doctest::Approx(static_cast<double>(solves)));
+  CHECK(costs.of(work) == doctest::Approx(static_cast<double>(solves + 3 * costs.search_step +
+                                                              100 * costs.coarse_pixel + 1000)));
 }
