@@ -6,17 +6,24 @@
 
 namespace pliant {
 
+/// Tuning of the budget of a frame. Its size is in TrackerTuning.
+struct FrameBudgetTuning {
+  /// Frames that rare work waits, count. Round value, not tuned.
+  int most_waited = 4;
+  /// Fraction of the budget that may be reserved. With 0.7, which a change of the person fits into, turned heads
+  /// (docs/evaluation.md) had 1.75 (95 %: 4.19) instead of 1.66 (4.10) degrees.
+  float most_reserved = 0.5f;
+};
+inline constexpr FrameBudgetTuning kFrameBudgetTuning{};
+
 /// Rare work that may wait for a frame with room, but not for ever.
 struct WaitingWork {
-  /// Frames that it waits. Round value, not tuned.
-  static constexpr int kMostWaited = 4;
-
   float work = 0;            ///< when it asked last; instructions, as WorkCosts
   int waited = 0;            ///< frames that had no room for it
   bool is_reserved = false;  ///< this frame has room for it
 
   /// It may wait no longer.
-  void hurry(float instructions) { *this = {instructions, kMostWaited, false}; }
+  void hurry(float instructions) { *this = {instructions, kFrameBudgetTuning.most_waited, false}; }
 };
 
 /// The budget of a frame. Rare work is granted what searches and solves have left. What has waited too long is reserved when a
@@ -24,10 +31,6 @@ struct WaitingWork {
 struct FrameBudget {
   FrameWork work;  ///< of the last frame
   WorkCosts costs;
-  /// Fraction of the budget that may be reserved. With 0.7, which a change of the person fits into, turned heads had 1.75 (95 %:
-  /// 4.19) instead of 1.66 (4.10) degrees.
-  static constexpr float kMostReserved = 0.5f;
-
   float most = 0;      ///< of a frame; instructions, as WorkCosts
   float reserved = 0;  ///< of that
   WaitingWork check, key_frame, person;
@@ -38,11 +41,11 @@ struct FrameBudget {
     reserved = 0;
     WaitingWork* const all[] = {&check, &key_frame, &person};
     for (WaitingWork* waiting : all) {
-      waiting->is_reserved = reserves && reserved == 0 && waiting->waited >= WaitingWork::kMostWaited;
+      waiting->is_reserved = reserves && reserved == 0 && waiting->waited >= kFrameBudgetTuning.most_waited;
       if (waiting->is_reserved) reserved = waiting->work < most_reserved() ? waiting->work : most_reserved();
     }
   }
-  float most_reserved() const { return kMostReserved * most; }
+  float most_reserved() const { return kFrameBudgetTuning.most_reserved * most; }
   /// What is left, but for what is reserved.
   float left() const { return most - reserved - costs.of(work); }
   /// Counts rare work, if there is room for it.

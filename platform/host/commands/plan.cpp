@@ -186,7 +186,7 @@ void add_overdue_load(const TrackerLimits& limits, const Sizes& s, Loads& loads)
   double most = static_cast<double>(key_frame_work(limits, s.costs));
   if (limits.detection != nullptr) most = std::max(most, static_cast<double>(kFaceStartTuning.check_work));
   if (limits.person != nullptr) most = std::max(most, s.person_step);
-  const double more = most - static_cast<double>(FrameBudget::kMostReserved) * s.budget;
+  const double more = most - static_cast<double>(kFrameBudgetTuning.most_reserved) * s.budget;
   if (more > 0) loads.push_back({"overdue work beyond what is reserved", 0, more, 1, Bound::beside});
 }
 

@@ -32,7 +32,7 @@ TEST_CASE("rare work is granted what searches and solves have left, and leaves l
 
 TEST_CASE("work that waits is reserved after some frames, which lowers what is left for all else") {
   FrameBudget budget = budget_with(90);
-  for (int n = 0; n < WaitingWork::kMostWaited; ++n) {
+  for (int n = 0; n < kFrameBudgetTuning.most_waited; ++n) {
     budget.begin(true);
     CHECK(budget.left() == 1000);
     budget.work.search_steps = 90;

@@ -81,7 +81,7 @@ TEST_CASE("frames that estimate the person, prepare a step or take it stay withi
   const float most = most_frame_work(tracker->limits(), costs);
   const float last_passes = last_passes_work(tracker->limits(), costs);
   const float step = person_step_work(tracker->model(), tracker->limits());
-  const float not_reserved = max(step - FrameBudget::kMostReserved * most, 0);
+  const float not_reserved = max(step - kFrameBudgetTuning.most_reserved * most, 0);
   std::size_t rare = 0;
   for (std::size_t n = 1; n < kFrames; ++n) {
     FrameResult result;
