@@ -67,6 +67,9 @@ struct PatchOptions {
   /// Smallest normalised cross-correlation with the template, -1 to 1. Round value, not tuned. The tracker
   /// sets its own.
   float min_correlation = 0.8f;
+  /// Standard deviation of a ramp of light over the window, grey levels a px: the light changed more on one side than on
+  /// the other, as where a curved surface turns. The last steps, at full size, allow for it. 0: it changed alike.
+  float ramp_sd = 0;
   /// True: a patch with texture in one direction only is tracked along it (normal flow, rank one). False: it is `flat`.
   bool accepts_edges = false;
   float max_return_px = 0;  ///< largest forward-backward distance of `track_between`; 0: not checked

@@ -49,6 +49,15 @@ void measure_bend(Template& t, Vec2 uv, float window_px, Estimator& estimator) {
   t.bend[2] = to_bend(per / 6 * yy);
 }
 
+/// How much the light may have changed over a window since the key frame, as PatchOptions::ramp_sd. \param of_mm  image of one
+/// mm away from its camera: as many px as the sine of the turn since then, times the scale.
+float ramp_sd(Vec2 of_mm, const KeyDepths& depths) {
+  if (depths.view == nullptr) return 0;
+  const float mm_per_px = 1 / depths.view->s;
+  const float sd = kTemplateStoreTuning.ramp_grey_per_mm * mm_per_px * (mm_per_px * length(of_mm));
+  return sd < kTemplateStoreTuning.least_ramp_sd ? 0 : sd;
+}
+
 }  // namespace
 
 float strain(const Mat2& now, const Mat2& reference) {
@@ -154,7 +163,7 @@ float TemplateStore::depth(const Template& t, const Mat2& to_template) const {
 }
 
 PatchResult TemplateStore::match(std::size_t slot, const FrameRegion& region, Vec2 start,
-                                 const Mat2& jacobian, const KeyDepths& depths, const PatchOptions& options) {
+                                 const Mat2& jacobian, const KeyDepths& depths, PatchOptions options) {
   PLIANT_ASSERT(is_first(slot));
   const Template& first = templates_[slot];
   std::size_t which = slot;
@@ -162,7 +171,8 @@ PatchResult TemplateStore::match(std::size_t slot, const FrameRegion& region, Ve
       strain(jacobian, templates_[first.second].reference) < strain(jacobian, first.reference))
     which = first.second;
   const Mat2 warp = jacobian * inverse(templates_[which].reference);
-  const Vec2 shift = depth(templates_[which], inverse(warp)) * depths.of(key_of(which));
+  const Vec2 of_mm = depths.of(key_of(which)), shift = depth(templates_[which], inverse(warp)) * of_mm;
+  options.ramp_sd = ramp_sd(of_mm, depths);
   PatchResult result = patches_.track(static_cast<int>(which), region.pyramid(),
                                       start + shift - region.origin(), warp, options);
   result.x = result.x - shift;

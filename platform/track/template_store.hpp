@@ -72,7 +72,7 @@ class TemplateStore {
   /// surface's bend moves it by is taken off. \param depths  of this frame. Positions of the result are those of
   /// the region's pyramid.
   PatchResult match(std::size_t slot, const FrameRegion& region, Vec2 start, const Mat2& jacobian,
-                    const KeyDepths& depths, const PatchOptions& options);
+                    const KeyDepths& depths, PatchOptions options);
   /// Searches the region for what the previous region shows at x (px).
   PatchResult match_from_previous(Vec2 x, const FrameRegion& region, Vec2 start, const PatchOptions& options);
 

@@ -1,9 +1,9 @@
 // The last steps, at full size. `align` leaves two errors: the phase error of bilinear sampling, and the shift that a
 // warp that was not predicted causes. Here the image is sampled by cubic convolution and explained by least squares
 // as
-//   I' = gain T' + sum_k c_k X_k' + a . G',        X = (x gx, y gx, x gy, y gy);
+//   I' = gain T' + sum_k c_k X_k' + r . x' + a . G',        X = (x gx, y gx, x gy, y gy);
 // the shift is -a / gain (docs/algorithms.md, section 7.2). The prior of c is centred on the part of the predicted
-// warp that the template was not resampled by, as if the gain were one.
+// warp that the template was not resampled by, as if the gain were one; that of the ramp r on zero.
 #include "vision/patch_refine.hpp"
 
 #include "vision/patch_sums.hpp"
@@ -30,39 +30,43 @@ Measurement measure(const WarpSystem& s, const WarpFit& f, GridPosition at, cons
   r.gain = f.x[kLight];
   r.bias = kUnit * (static_cast<float>(f.sum) / n + kGreyOffset -
                     r.gain * (static_cast<float>(s.sums[kLight]) / n + kGreyOffset));
-  const float both = variance_sum * s.products[kLight][kLight];
+  const float both = variance_sum * s.products[lower(kLight, kLight)];
   r.correlation = both > 0 ? f.b[kLight] / square_root(both) : 0;
   r.pixels = n;
   r.residual_square = kUnit * kUnit * left / n;
   // Sampling between pixels averages noise in the residual, but not in the sums with the smooth gradient.
   const float smoothing = 2.0f / (1.0f + noise_left(at.x) * noise_left(at.y));
-  r.noise_square = kUnit * kUnit * smoothing * left / max(n - static_cast<float>(kUnknowns) - 1, 1);
+  r.noise_square = kUnit * kUnit * smoothing * left / max(n - static_cast<float>(kUnknowns - s.first + 1), 1);
   r.information = shift_information(s, r.gain * r.gain * kUnit * kUnit);
   return r;
 }
 
-// The system of all usable pixels, unless a cached one is there. The stretch images belong to the workspace, so that
-// they are made in either case.
+// The system of all usable pixels, unless a cached one is there. The images of stretch and ramp belong to the workspace,
+// so that they are made in either case.
 void prepare_whole(Workspace& work, bool accepts_edges) {
   const Template& t = work.active;
   multiply_by_position(t.gx, work.x, work.y, work.count, work.stretch[0], work.stretch[1]);
   multiply_by_position(t.gy, work.x, work.y, work.count, work.stretch[2], work.stretch[3]);
+  if (work.ramp_sd > 0) {
+    apply_mask(work.x, t.m, work.count, work.ramp[0]);
+    apply_mask(work.y, t.m, work.count, work.ramp[1]);
+  }
   if (work.has_system) return;
-  const i16* const images[] = {
-      t.t, work.stretch[0], work.stretch[1], work.stretch[2], work.stretch[3], t.gx, t.gy, t.m};
-  prepare(images, work.window, accepts_edges, *work.system);
+  const i16* const images[] = {work.ramp[0],    work.ramp[1],    t.t,  work.stretch[0], work.stretch[1],
+                               work.stretch[2], work.stretch[3], t.gx, t.gy,            t.m};
+  prepare(images, work.window, work.ramp_sd, accepts_edges, *work.system);
   work.has_system = true;
 }
 
 // The same system without the pixels that are clipped in the image.
 void prepare_unclipped(Workspace& work, bool accepts_edges) {
-  const i16* images[kUnknowns + 1];
-  for (int i = 0; i < kUnknowns; ++i) {
+  const i16* images[kUnknowns + 1] = {};
+  for (int i = work.system->first; i < kUnknowns; ++i) {
     apply_mask(work.system->images[i], work.unclipped, work.count, work.masked[i]);
     images[i] = work.masked[i];
   }
   images[kUnknowns] = work.unclipped;
-  prepare(images, work.window, accepts_edges, *work.unclipped_system);
+  prepare(images, work.window, work.ramp_sd, accepts_edges, *work.unclipped_system);
 }
 
 Vec2 step_of(const WarpFit& f, Vec2 along) {

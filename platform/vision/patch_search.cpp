@@ -30,19 +30,25 @@ int first_level(const PatchOptions& o, int levels) {
   return l;
 }
 
+// Whether equations that allow for one ramp serve for another one.
+bool are_alike(float ramp_sd, float other) {
+  return min(ramp_sd, other) >= kPatchTuning.least_ramp_ratio * max(ramp_sd, other);
+}
+
 // Puts the slot's cached template into use. \return whether it serves this warp; otherwise it has to be made.
 bool use_cached(CachedTemplate& cached, const TemplateSource& source, bool is_warped, bool accepts_edges,
                 Workspace& work) {
   work.active = cached.images;
   work.system = cached.system;
   work.has_system =
-      cached.is_made && cached.accepts_edges == accepts_edges &&
+      cached.is_made && cached.accepts_edges == accepts_edges && are_alike(cached.ramp_sd, work.ramp_sd) &&
       strain_of(source.warp * inverse(cached.warp), work.window) <= kPatchTuning.unwarped_strain_px;
   if (work.has_system) {
     work.residual_warp = less_identity(cached.warp * source.to_template);
     return true;
   }
   cached.warp = is_warped ? source.warp : Mat2{};
+  cached.ramp_sd = work.ramp_sd;
   cached.accepts_edges = accepts_edges;
   cached.is_made = false;  // until its equations are
   return false;
@@ -112,6 +118,7 @@ PatchResult search(SearchState& state, const TemplateSource& source, const Pyram
   bool is_near = o.start_sd_px > 0 && o.start_sd_px <= kPatchTuning.near_start_px;
   Vec2 x = start, along;
   Measurement measured;
+  state.work.ramp_sd = o.ramp_sd;
   for (int l = top; l >= 0; --l) {
     const Vec2 offset = load_level(state, source, l, o.accepts_edges);
     SearchPosition p{level_scale(l) * x - offset, 0, {}};

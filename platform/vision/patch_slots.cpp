@@ -16,7 +16,7 @@ void PatchSlots::lay_out(Arena& arena, const PatchLimits& limits) {
   cached_ = limits.keeps_templates ? arena.take<CachedTemplate>(count) : nullptr;
   for (std::size_t s = 0; limits.keeps_templates && s < count; ++s) {
     const CachedTemplate cached{
-        take_template(arena, limits.window), take_warp_system(arena), {}, false, false};
+        take_template(arena, limits.window), take_warp_system(arena), {}, 0, false, false};
     if (cached_ != nullptr) cached_[s] = cached;
   }
   if (pixels_ == nullptr) return;

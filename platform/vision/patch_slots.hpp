@@ -10,6 +10,7 @@ struct CachedTemplate {
   Template images;
   WarpSystem* system;
   Mat2 warp;  ///< that it was resampled by
+  float ramp_sd;  ///< that its equations allow for
   bool accepts_edges, is_made;
 };
 

@@ -54,7 +54,10 @@ struct PatchTuning {
   /// precision and removes nearly all of the error of a rotation by 1.5 degrees or a stretch by 1 %, which would
   /// exceed that of noise of three grey levels. No sweep of the value itself is recorded.
   float warp_sd = 0.03f;
-  /// Noise of a pixel that the weight of the warp's prior assumes, grey levels.
+  /// Ratio of the ramps that a kept template's equations allow for and that a search asks for, at least. Round value,
+  /// not tuned.
+  float least_ramp_ratio = 0.6f;
+  /// Noise of a pixel that the weights of the priors of warp and ramp assume, grey levels.
   float prior_noise_grey = 2.0f;
   /// A pivot below this fraction of its diagonal entry means a singular system. Guard, not tuned.
   float min_pivot_ratio = 1e-4f;

@@ -7,44 +7,52 @@ namespace pliant::patch {
 namespace {
 
 constexpr int kShiftX = kShift, kShiftY = kShift + 1;
-static_assert(kUnknowns == 7, "fit() sums the images four at a time");
 
-// Weight of the prior: the stretches are as small as this deviation.
-constexpr float kWarpWeight = (kPatchTuning.prior_noise_grey / kPatchTuning.warp_sd) *
-                              (kPatchTuning.prior_noise_grey / kPatchTuning.warp_sd);
+// Weight of a prior: unknowns are as small as this deviation.
+constexpr float weight_of(float sd) {
+  return (kPatchTuning.prior_noise_grey / sd) * (kPatchTuning.prior_noise_grey / sd);
+}
+constexpr float kWarpWeight = weight_of(kPatchTuning.warp_sd);
 
-void compute_products(const i16* const* images, int count, WarpSystem& s) {
-  const i16* const mask = images[kUnknowns];
+// Products of v with the images from `from` on; the last one is its sum.
+void multiply(const WarpSystem& s, const i16* v, int from, int count, i32 (&products)[kUnknowns + 1]) {
+  // Four at a time; the mask fills up the last four.
+  const auto at = [&](int i) { return s.images[i < kUnknowns ? i : kUnknowns]; };
+  for (int i = from; i <= kUnknowns; i += 4) {
+    const Sums4 four = dot4(v, at(i), at(i + 1), at(i + 2), at(i + 3), count);
+    const i32 values[4] = {four.a, four.b, four.c, four.d};
+    for (int j = 0; j < 4 && i + j <= kUnknowns; ++j) products[i + j] = values[j];
+  }
+}
+
+void compute_products(int count, WarpSystem& s) {
+  const i16* const mask = s.images[kUnknowns];
   s.n = dot(mask, mask, count);
   s.inverse_n = 1.0f / static_cast<float>(s.n > 0 ? s.n : 1);
-  i32 raw[kUnknowns][kUnknowns + 1];  // raw[k][i], k <= i; column kUnknowns: the sums
-  for (int k = 0; k < kUnknowns; ++k) {
-    // Four at a time; the mask fills up the last four.
-    const auto at = [&](int i) { return images[i < kUnknowns ? i : kUnknowns]; };
-    for (int i = k; i <= kUnknowns; i += 4) {
-      const Sums4 four = dot4(images[k], at(i), at(i + 1), at(i + 2), at(i + 3), count);
-      const i32 values[4] = {four.a, four.b, four.c, four.d};
-      for (int j = 0; j < 4 && i + j <= kUnknowns; ++j) raw[k][i + j] = values[j];
-    }
+  i32 raw[kUnknowns][kUnknowns + 1];  // raw[k][i], k <= i
+  for (int k = s.first; k < kUnknowns; ++k) {
+    multiply(s, s.images[k], k, count, raw[k]);
     s.sums[k] = raw[k][kUnknowns];
   }
-  for (int i = 0; i < kUnknowns; ++i)
-    for (int k = 0; k <= i; ++k)
-      s.products[i][k] = centred(s.n, s.inverse_n, raw[k][i], s.sums[i], s.sums[k]);
+  for (int i = s.first; i < kUnknowns; ++i)
+    for (int k = s.first; k <= i; ++k)
+      s.products[lower(i, k)] = centred(s.n, s.inverse_n, raw[k][i], s.sums[i], s.sums[k]);
 }
 
 // Light projected out of the gradients.
 Texture texture_of(const WarpSystem& s) {
-  const auto& p = s.products;
-  const float tt = p[kLight][kLight], tx = p[kShiftX][kLight], ty = p[kShiftY][kLight];
+  const auto p = [&s](int i, int k) { return s.products[lower(i, k)]; };
+  const float tt = p(kLight, kLight), tx = p(kShiftX, kLight), ty = p(kShiftY, kLight);
   Texture t{s.n, tt, {}};
   if (!(tt > 0)) return t;
-  t.tensor = {p[kShiftX][kShiftX] - tx * tx / tt, p[kShiftY][kShiftX] - tx * ty / tt,
-              p[kShiftY][kShiftY] - ty * ty / tt};
+  t.tensor = {p(kShiftX, kShiftX) - tx * tx / tt, p(kShiftY, kShiftX) - tx * ty / tt,
+              p(kShiftY, kShiftY) - ty * ty / tt};
   return t;
 }
 
-void add_prior(Vec2 along, float (&a)[kUnknowns][kUnknowns]) {
+void add_priors(float ramp_sd, Vec2 along, float (&a)[kUnknowns][kUnknowns]) {
+  if (ramp_sd > 0)
+    for (int i = kRamp; i < kLight; ++i) a[i][i] += weight_of(ramp_sd);
   for (int i = kStretch; i < kShift; ++i) a[i][i] += kWarpWeight;
   if (!is_edge(along)) return;
   Sym2 shift{a[kShiftX][kShiftX], a[kShiftY][kShiftX], a[kShiftY][kShiftY]};
@@ -56,48 +64,48 @@ void add_prior(Vec2 along, float (&a)[kUnknowns][kUnknowns]) {
 
 // Here and in the substitution a finished unknown is eliminated from all others at once. This gives the shortest chain of
 // dependent operations, which determines the time.
-bool factorise(WarpSystem& s) {
+bool factorise(float ramp_sd, WarpSystem& s) {
   float a[kUnknowns][kUnknowns], diagonal[kUnknowns];
-  for (int i = 0; i < kUnknowns; ++i)
-    for (int k = 0; k <= i; ++k) a[i][k] = s.products[i][k];
-  add_prior(s.along, a);
-  for (int i = 0; i < kUnknowns; ++i) diagonal[i] = a[i][i];
-  for (int j = 0; j < kUnknowns; ++j) {
+  for (int i = s.first; i < kUnknowns; ++i)
+    for (int k = s.first; k <= i; ++k) a[i][k] = s.products[lower(i, k)];
+  add_priors(ramp_sd, s.along, a);
+  for (int i = s.first; i < kUnknowns; ++i) diagonal[i] = a[i][i];
+  for (int j = s.first; j < kUnknowns; ++j) {
     if (!(a[j][j] > kPatchTuning.min_pivot_ratio * diagonal[j])) return false;
     s.d[j] = a[j][j];
     s.inverse_d[j] = 1.0f / a[j][j];
-    for (int i = j + 1; i < kUnknowns; ++i) s.l[i][j] = a[i][j] * s.inverse_d[j];
+    for (int i = j + 1; i < kUnknowns; ++i) s.l[lower(i, j)] = a[i][j] * s.inverse_d[j];
     for (int i = j + 1; i < kUnknowns; ++i)
-      for (int k = j + 1; k <= i; ++k) a[i][k] -= s.l[i][j] * a[k][j];
+      for (int k = j + 1; k <= i; ++k) a[i][k] -= s.l[lower(i, j)] * a[k][j];
   }
   return true;
 }
 
 void substitute(const WarpSystem& s, float* v) {
-  for (int j = 0; j < kUnknowns; ++j)
-    for (int i = j + 1; i < kUnknowns; ++i) v[i] -= s.l[i][j] * v[j];
-  for (int i = 0; i < kUnknowns; ++i) v[i] *= s.inverse_d[i];
-  for (int j = kUnknowns - 1; j > 0; --j)
-    for (int i = 0; i < j; ++i) v[i] -= s.l[j][i] * v[j];
+  for (int j = s.first; j < kUnknowns; ++j)
+    for (int i = j + 1; i < kUnknowns; ++i) v[i] -= s.l[lower(i, j)] * v[j];
+  for (int i = s.first; i < kUnknowns; ++i) v[i] *= s.inverse_d[i];
+  for (int j = kUnknowns - 1; j > s.first; --j)
+    for (int i = s.first; i < j; ++i) v[i] -= s.l[lower(j, i)] * v[j];
 }
 
 }  // namespace
 
-void prepare(const i16* const* images, int window, bool accepts_edges, WarpSystem& s) {
-  for (int i = 0; i <= kUnknowns; ++i) s.images[i] = images[i];
-  compute_products(images, padded(window), s);
-  s.is_solvable = is_usable(texture_of(s), window, accepts_edges, s.along) && factorise(s);
+void prepare(const i16* const* images, int window, float ramp_sd, bool accepts_edges, WarpSystem& s) {
+  s.first = ramp_sd > 0 ? kRamp : kLight;
+  for (int i = s.first; i <= kUnknowns; ++i) s.images[i] = images[i];
+  compute_products(padded(window), s);
+  s.is_solvable = is_usable(texture_of(s), window, accepts_edges, s.along) && factorise(ramp_sd, s);
 }
 
 WarpFit fit(const WarpSystem& s, const Mat2& expected, const i16* image, int count) {
   PLIANT_ASSERT(s.is_solvable);
   WarpFit r;
-  const i16* const* im = s.images;
-  const Sums4 low = dot4(image, im[0], im[1], im[2], im[3], count),
-              high = dot4(image, im[4], im[5], im[6], im[7], count);
-  const i32 raw[kUnknowns] = {low.a, low.b, low.c, low.d, high.a, high.b, high.c};
-  r.sum = high.d;
-  for (int i = 0; i < kUnknowns; ++i) r.x[i] = r.b[i] = centred(s.n, s.inverse_n, raw[i], s.sums[i], r.sum);
+  i32 raw[kUnknowns + 1];
+  multiply(s, image, s.first, count, raw);
+  r.sum = raw[kUnknowns];
+  for (int i = s.first; i < kUnknowns; ++i)
+    r.x[i] = r.b[i] = centred(s.n, s.inverse_n, raw[i], s.sums[i], r.sum);
   const float stretch[] = {expected.a, expected.b, expected.c, expected.d};
   for (int i = 0; i < 4; ++i) r.x[kStretch + i] += kWarpWeight * stretch[i];
   substitute(s, r.x);
@@ -106,9 +114,10 @@ WarpFit fit(const WarpSystem& s, const Mat2& expected, const i16* image, int cou
 
 float unexplained(const WarpSystem& s, const WarpFit& fit, float variance_sum) {
   float explained = 0;
-  for (int i = 0; i < kUnknowns; ++i) {
+  for (int i = s.first; i < kUnknowns; ++i) {
     float hx = 0;
-    for (int k = 0; k < kUnknowns; ++k) hx += (k <= i ? s.products[i][k] : s.products[k][i]) * fit.x[k];
+    for (int k = s.first; k < kUnknowns; ++k)
+      hx += s.products[k <= i ? lower(i, k) : lower(k, i)] * fit.x[k];
     explained += fit.x[i] * (2 * fit.b[i] - hx);
   }
   return max(variance_sum - explained, 0);
@@ -116,7 +125,7 @@ float unexplained(const WarpSystem& s, const WarpFit& fit, float variance_sum) {
 
 Sym2 shift_information(const WarpSystem& s, float scale) {
   // Made of the last blocks of L and d, because the shift comes last.
-  const float l = s.l[kShiftY][kShiftX], d = s.d[kShiftX];
+  const float l = s.l[lower(kShiftY, kShiftX)], d = s.d[kShiftX];
   return {scale * d, scale * d * l, scale * (d * l * l + s.d[kShiftY])};
 }
 

@@ -5,22 +5,29 @@
 
 namespace pliant::patch {
 
-/// Normal equations in the images X = (T; x gx, y gx, x gy, y gy; gx, gy) of a template, all less their means, with the
-/// prior on the warp, and their factor L diag(d) L'. Order of the unknowns: kLight, kStretch, kShift.
+/// Place of an entry of a lower triangle, row by row. \pre column <= row.
+constexpr int lower(int row, int column) {
+  return row * (row + 1) / 2 + column;
+}
+
+/// Normal equations in the images X = (x, y; T; x gx, y gx, x gy, y gy; gx, gy) of a template, all less their means, with
+/// the priors on ramp and warp, and their factor L diag(d) L'. Order of the unknowns: kRamp, kLight, kStretch, kShift.
 struct WarpSystem {
-  const i16* images[kUnknowns + 1];  ///< and the mask
+  int first;                         ///< unknown that is fitted: kRamp, or kLight where there is no ramp
+  const i16* images[kUnknowns + 1];  ///< from the first one on, and the mask
   std::int64_t n;                    ///< usable pixels
   float inverse_n;
   i32 sums[kUnknowns];
-  float products[kUnknowns][kUnknowns];  ///< without the prior; lower triangle
-  float l[kUnknowns][kUnknowns];         ///< unit lower triangle
+  float products[lower(kUnknowns, 0)];  ///< without the priors; lower triangle
+  float l[lower(kUnknowns, 0)];         ///< unit lower triangle
   float d[kUnknowns], inverse_d[kUnknowns];
   Vec2 along;        ///< unit direction of the only texture there is; zero: in both
   bool is_solvable;  ///< there is enough texture; otherwise only the sums are meaningful
 };
 
 /// Sets up the system of a template's images and their mask. \param images  kUnknowns + 1 arrays of `count` elements.
-void prepare(const i16* const* images, int window, bool accepts_edges, WarpSystem& s);
+/// \param ramp_sd  as PatchOptions::ramp_sd; 0: the images of the ramp are not read.
+void prepare(const i16* const* images, int window, float ramp_sd, bool accepts_edges, WarpSystem& s);
 
 /// The fit to one image: right-hand side b, solution x, and the image's sum.
 struct WarpFit {

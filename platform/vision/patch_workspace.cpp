@@ -35,6 +35,7 @@ void Workspace::lay_out(Arena& arena, int window_side) {
   own_template = active = take_template(arena, window);
   x = cleared(count);
   y = cleared(count);
+  for (auto& array : ramp) array = cleared(count);
   for (auto& array : stretch) array = cleared(count);
   for (auto& array : masked) array = cleared(count);
   unclipped = cleared(count);
@@ -47,6 +48,7 @@ void Workspace::lay_out(Arena& arena, int window_side) {
   own_system = system = take_warp_system(arena);
   unclipped_system = take_warp_system(arena);
   has_system = false;
+  ramp_sd = 0;
   residual_warp = {0, 0, 0, 0};
   if (all == nullptr) return;
   for (int k = 0; k < window * window; ++k) {

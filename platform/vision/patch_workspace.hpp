@@ -18,8 +18,8 @@ Template take_template(Arena& arena, int window);
 /// An equation system; null if the arena only measures or is exhausted.
 WarpSystem* take_warp_system(Arena& arena);
 
-/// Images that the current image is explained by: light, stretch or turn (4), shift (2).
-constexpr int kLight = 0, kStretch = 1, kShift = 5, kUnknowns = 7;
+/// Images that the current image is explained by: a ramp of light (2), light, stretch or turn (4), shift (2).
+constexpr int kRamp = 0, kLight = 2, kStretch = 3, kShift = 7, kUnknowns = 9;
 
 /// Arrays of one search, sized for one window.
 struct Workspace {
@@ -28,9 +28,10 @@ struct Workspace {
   i16* scratch;            ///< of the kernels
   i16 *all, *part;         ///< masks: the whole window; its pixels inside the source
   i16 *x, *y;              ///< of each pixel, from the window's middle
+  i16* ramp[2];            ///< x and y under the template's mask
   i16* stretch[4];         ///< x gx, y gx, x gy, y gy of the template, over 16
   i16* unclipped;          ///< mask of the template's pixels that are not clipped in the current image
-  i16* masked[kUnknowns];  ///< the template's images under that mask
+  i16* masked[kUnknowns];  ///< the images under that mask
   i16* image;              ///< the current image, sampled
   std::uint8_t* bytes;     ///< pixels beside the border, with the border repeated
 
@@ -40,6 +41,7 @@ struct Workspace {
   Template active;               ///< the template in use: `own_template`, or a cached one
   WarpSystem* system;            ///< its equations: `own_system`, or cached ones
   bool has_system;               ///< `system` is that of `active`
+  float ramp_sd;  ///< PatchOptions::ramp_sd of the search
   Mat2 residual_warp;  ///< what of the predicted warp `active` is not resampled by, less the identity
 
   void lay_out(Arena& arena, int window_side);
