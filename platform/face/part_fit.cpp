@@ -55,18 +55,27 @@ Status PartPoints::open(const Model& model) {
            {}};
       const auto of_side = [&](int number) { return left != 0 ? mirrored_part_point(number) : number; };
       for (int a = 0; a < 2; ++a) {
-        const std::uint16_t landmark = find_number(model, of_side(table[k].anchor[a]));
-        if (landmark == kNone) return Status::not_found;
-        s.anchor[a] = uv_of(model, landmark);
+        const std::uint16_t anchor = find_number(model, of_side(table[k].anchor[a]));
+        if (anchor == kNone) return Status::not_found;
+        s.anchor[a] = uv_of(model, anchor);
       }
       for (std::size_t p = 0; p < s.count; ++p, ++count) {
-        const std::uint16_t landmark = find_number(model, of_side(table[k].number[p]));
-        is_fitted[count] = landmark != kNone;
-        uv[count] = landmark != kNone ? uv_of(model, landmark) : s.anchor[0];
+        landmark[count] = find_number(model, of_side(table[k].number[p]));
+        uv[count] = is_fitted(count) ? uv_of(model, landmark[count]) : s.anchor[0];
       }
       ++side_count;
     }
   return Status::ok;
+}
+
+void PartPoints::move(const View& view, const Vec3* moved) {
+  const CropMap axes = upright(view);
+  const Projector projector(view, true);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!is_fitted(k)) continue;
+    const Vec3 by = projector.rotated(moved[landmark[k]]);
+    offset_mm[k] = offset_mm[k] + axes.to_crop(view.s * Vec2{by.x, by.y});
+  }
 }
 
 void PartFit::lay_out(Arena& arena, const Model& model) {
@@ -159,7 +168,7 @@ void PartFit::choose_parameters(PartPoints* points) {
   cascade_.set_free(Group::expression);
   for (std::size_t k = 0; k < all.count; ++k) is_free_[k] = 0;
   for (std::size_t k = 0; k < points->count; ++k) {
-    if (!points->is_fitted[k]) continue;
+    if (!points->is_fitted(k)) continue;
     Jacobian j;
     cascade_.sample_point(points->uv[k], q_, samples_);
     cascade_.evaluate(samples_, q_, &j);
@@ -205,7 +214,7 @@ void PartFit::set(const float* values, const PartPoints& points) {
 /// Whether no point would move far if the parameters had these values instead of the fitted ones.
 bool PartFit::is_near(float mm, const float* values, const PartPoints& points) {
   for (std::size_t k = 0; k < points.count; ++k) {
-    if (!points.is_fitted[k]) continue;
+    if (!points.is_fitted(k)) continue;
     set(points.last, points);
     const Vec3 fitted = cascade_.surface_point(points.uv[k], q_);
     set(values, points);
@@ -219,7 +228,7 @@ void PartFit::note_offsets(const float* values, PartPoints* points) {
   const CropMap axes = upright(view_);
   set(values, *points);
   for (std::size_t k = 0; k < points->count; ++k)
-    if (points->is_fitted[k]) points->offset_mm[k] = axes.to_crop(readings_[k].x - project(points->uv[k]));
+    if (points->is_fitted(k)) points->offset_mm[k] = axes.to_crop(readings_[k].x - project(points->uv[k]));
   for (std::size_t n = 0; n < points->parameter_count; ++n) points->last[n] = points->start[n] = values[n];
   points->is_calibrated = true;
 }
@@ -243,7 +252,7 @@ void PartFit::step(float seconds, const PartPoints& points) {
   const std::size_t unknowns = kShift + points.parameter_count;
   equations_.reset(unknowns);
   for (std::size_t k = 0; k < points.count; ++k) {
-    if (!points.is_fitted[k]) continue;
+    if (!points.is_fitted(k)) continue;
     Jacobian j;
     Projector::Derivatives d;
     Vec2 x;

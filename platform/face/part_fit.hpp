@@ -66,7 +66,7 @@ struct PartPoints {
   PartSide side[2 * kMostParts];
   std::size_t side_count = 0, count = 0;
   Vec2 uv[kMostPartReadings];              // NaN-free; a pupil has none
-  bool is_fitted[kMostPartReadings] = {};  // whether the point is a landmark of the model
+  std::uint16_t landmark[kMostPartReadings] = {};  // of the model; kNone: the point is not fitted
   Vec2 offset_mm[kMostPartReadings] =
       {};  // of the reading from the model's point in the start's frame, upright crop
   std::uint16_t parameter[kMostPartParameters] = {};
@@ -81,6 +81,10 @@ struct PartPoints {
 
   /// \return the table's status; not_found if the model lacks points.
   Status open(const Model& model);
+  bool is_fitted(std::size_t k) const { return landmark[k] != kNone; }
+  /// The model's points have moved against the readings, as landmarks against theirs. \param moved  of each
+  /// landmark of the model, mm, model's axes.
+  void move(const View& view, const Vec3* moved);
 };
 
 /// One frame's readings and their fit. Laid out in scratch memory.

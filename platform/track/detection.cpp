@@ -23,6 +23,6 @@ std::size_t read_bytes(const Model& model, const TrackerLimits& limits) {
 
 /// The tracker takes the other calls from the table that laid out its SelfStart.
 const Detection kDetection{lay_out, check_bytes, nullptr, nullptr,      nullptr,
-                           nullptr, nullptr,     nullptr, &kFaceModules, nullptr, read_bytes};
+                           nullptr, nullptr,     nullptr, &kFaceModules, nullptr, read_bytes, nullptr};
 
 }  // namespace pliant

@@ -179,6 +179,11 @@ void read_parts(TrackerParts& t, const FrameView& view) {
     if (points.sd[k] > 0) t.estimator.expect(points.parameter[k], points.last[k], points.sd[k]);
 }
 
+void keep_parts(TrackerParts& t, const Vec3* moved) {
+  FaceSelfStart& self = self_of(t);
+  if (self.parts != nullptr) self.parts->move(t.estimator.view(), moved);
+}
+
 /// Centres the crops, and notes how this person's parts differ from the model.
 void calibrate_parts(TrackerParts& t, const FrameView& view) {
   FaceSelfStart& self = self_of(t);
@@ -206,6 +211,6 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
 
 const Detection kFaceDetection{lay_out,       bytes_of_check, begin_search,    search,
                                end_search,    refine,         begin_track,     conclude,
-                               &kFaceModules, read_parts,     bytes_of_reading};
+                               &kFaceModules, read_parts,     bytes_of_reading, keep_parts};
 
 }  // namespace pliant

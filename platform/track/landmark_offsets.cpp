@@ -70,11 +70,14 @@ void LandmarkOffsets::project_all(const View& view, Estimator& estimator, Vec2* 
                     estimator.surface_point(uv_of(estimator.model().landmarks()[k])) + values_[k]);
 }
 
-void LandmarkOffsets::keep_all(const View& view, Estimator& estimator, const Vec2* x) {
-  for (std::size_t k = 0; k < values_.count; ++k)
+void LandmarkOffsets::keep_all(const View& view, Estimator& estimator, const Vec2* x, Vec3* moved) {
+  for (std::size_t k = 0; k < values_.count; ++k) {
+    const Vec3 before = values_[k];
     if (x[k].x > kNowhere.x)
       find_offset(view, estimator.lens(), estimator.surface_point(uv_of(estimator.model().landmarks()[k])),
                   x[k], &values_[k]);
+    moved[k] = values_[k] - before;
+  }
 }
 
 bool LandmarkOffsets::project(std::size_t k, Estimator& estimator, Vec2* x) const {

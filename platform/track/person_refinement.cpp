@@ -20,6 +20,7 @@ struct PersonState {
 
   // A step is prepared in several frames and taken in one.
   bool is_stepping = false;
+  std::uint32_t steps = 0;           // taken
   Vec3 turn;                         // of the step
   float* next_q = nullptr;           // all parameters; the identity is that after the step
   Vec2* next_uv = nullptr;           // of templates, by slot
@@ -42,10 +43,12 @@ std::size_t identities(const Model& model) {
 /// Where landmarks and markers are seen in frame 0 before a step, so that they stay there.
 struct Places {
   Vec2 *landmarks = nullptr, *markers = nullptr;
+  Vec3* moved = nullptr;  // by how much that changes the landmarks' offsets
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
     landmarks = arena.take<Vec2>(model.landmarks().count);
     markers = arena.take<Vec2>(limits.markers);
+    moved = arena.take<Vec3>(model.landmarks().count);
   }
 };
 
@@ -75,7 +78,7 @@ void start(TrackerParts& t, const TrackerOptions& options) {
   }
   s.rows.start(t.model(), s.is_free);
   s.estimate.clear();
-  s.taken_frame = s.step_frame = 0;
+  s.taken_frame = s.step_frame = s.steps = 0;
   s.is_stepping = false;
   for (std::size_t k = 0; k < 3; ++k) s.now[k] = 0;
   for (std::size_t k = 3; k < s.rows.kept(); ++k) {
@@ -138,15 +141,16 @@ void gather(TrackerParts& t, std::size_t interval, PersonEquations& equations, A
 
 /// The step towards the best value: of the rotation and, in `q`, of the identity. \return false where it is too small.
 bool choose_step(PersonState& s, const Model& model, float* q, Vec3* turn) {
+  const float rate = s.steps < kTuning.whole_steps ? 1 : kTuning.later_rate;
   bool is_worth = false;
   float step[3];
   for (std::size_t k = 0; k < 3; ++k) {
-    step[k] = kTuning.rate * (s.best[k] - s.now[k]);
+    step[k] = rate * (s.best[k] - s.now[k]);
     is_worth = is_worth || magnitude(step[k]) > kTuning.least_turn;
   }
   for (std::size_t k = 3; k < s.rows.kept(); ++k) {
     const Parameter& p = model.parameters()[s.rows.identity(k - 3)];
-    const float to = clamp(s.now[k] + kTuning.rate * (s.best[k] - s.now[k]), p.minimum, p.maximum);
+    const float to = clamp(s.now[k] + rate * (s.best[k] - s.now[k]), p.minimum, p.maximum);
     is_worth = is_worth || magnitude(to - s.now[k]) > kTuning.least_step_sd * p.sd;
     q[s.rows.identity(k - 3)] = to;
   }
@@ -203,7 +207,7 @@ bool prepare(TrackerParts& t) {
   return true;
 }
 
-/// Changes the person. Every template, landmark and marker stays where its key frame showed it.
+/// Changes the person. Every template, landmark, marker and part of the face stays where its key frame showed it.
 void take_step(TrackerParts& t) {
   PersonState& s = *t.person;
   Estimator& e = t.estimator;
@@ -217,8 +221,11 @@ void take_step(TrackerParts& t) {
   const Quat turn = exp_rotation(s.turn);
   if (e.revise(s.next_q, turn) != Status::ok) return;
   t.key_frames.turn(turn);
-  t.offsets.keep_all(*t.key_frames.view_of(0), e, places.landmarks);
+  t.offsets.keep_all(*t.key_frames.view_of(0), e, places.landmarks, places.moved);
+  if (t.self_start != nullptr && t.self_start->calls->keep_parts != nullptr)
+    t.self_start->calls->keep_parts(t, places.moved);
   t.markers.keep_all(*t.key_frames.view_of(0), e, places.markers);
+  ++s.steps;
   s.now[0] += s.turn.x;
   s.now[1] += s.turn.y;
   s.now[2] += s.turn.z;

@@ -190,6 +190,6 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
 }  // namespace
 
 const Detection kPrintDetection{lay_out, check_bytes, begin_search, search, end_search,
-                                refine,  begin_track, conclude,     nullptr, nullptr, nullptr};
+                                refine,  begin_track, conclude,     nullptr, nullptr, nullptr, nullptr};
 
 }  // namespace pliant

@@ -76,6 +76,9 @@ struct Detection {
   void (*read_parts)(TrackerParts& tracker, const FrameView& frame);
   /// Bytes of scratch that it takes. Called on the table of the limits. Null: none.
   std::size_t (*read_bytes)(const Model& model, const TrackerLimits& limits);
+  /// The person has changed: the readings of the parts differ from the model by more, as each landmark's offset does.
+  /// \param moved  of each landmark, mm, model's axes. Null: there are none.
+  void (*keep_parts)(TrackerParts& tracker, const Vec3* moved);
 };
 
 }  // namespace pliant
