@@ -36,7 +36,7 @@ enum class PatchStatus : std::uint8_t {
 /// A short English text without a final stop. Never null.
 const char* text(PatchStatus status);
 
-/// Capacities. Bytes: slots * patch_slot_bytes, and 9 kB (window 11) to 25 kB (window 21) of work space.
+/// Capacities. Bytes: slots * patch_slot_bytes, and 10 kB (window 11) to 29 kB (window 21) of work space.
 struct PatchLimits {
   int slots = 64;   ///< templates, 0 to 16384; `track_between` needs none
   int window = 13;  ///< side of the compared square, odd, 7 to 21 px

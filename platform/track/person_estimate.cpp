@@ -40,13 +40,9 @@ void PersonEstimate::add(std::size_t view, PersonEquations& frame, const float* 
 }
 
 bool PersonEstimate::is_usable() const {
-  std::size_t low = kViews, high = 0;
-  for (std::size_t v = 0; v < kViews; ++v) {
-    if (frames_[v] == 0) continue;
-    if (low == kViews) low = v;
-    high = v;
-  }
-  return high >= low + kTuning.least_spread;
+  int views = 0;
+  for (const std::size_t frames : frames_) views += frames > 0;
+  return views >= kTuning.least_views;
 }
 
 bool PersonEstimate::solve(const float* start, const float* sd, PersonEquations& equations, float* x) const {

@@ -13,11 +13,11 @@ struct PersonEstimateTuning {
   float yaw_sines[4] = {0.1305f, 0.3827f, 0.6088f, 0.7934f};
   /// Frames that a view's mean goes back. More frames of one view tell nothing new: their errors repeat. Round value.
   std::size_t most_frames = 8;
-  /// Views between the outermost two, at least, before the estimate is used: what one view says of depth is less than its
-  /// systematic errors. With 2, twenty rendered heads that turn had 3.29 instead of 3.18 degrees at 95 % found by detection,
-  /// 2.27 instead of 2.04 from landmarks, and the recorded face 2.13 instead of 2.08 % from 25 points, 3.70 instead of
-  /// 3.68 % from five.
-  std::size_t least_spread = 1;
+  /// Views, at least, before the estimate is used: what one view says of depth is less than its systematic errors. With the
+  /// outermost two 30 degrees apart, twenty rendered heads that turn had 3.29 instead of 3.18 degrees at 95 % found by
+  /// detection, 2.27 instead of 2.04 from landmarks, and the recorded face 2.13 instead of 2.08 % from 25 points, 3.70
+  /// instead of 3.68 % from five.
+  int least_views = 2;
   /// rad. Standard deviation of the rotation that the start got wrong. An alignment's error is 3 to 5 degrees.
   float turn_sd = 0.087f;
 };
@@ -41,7 +41,7 @@ class PersonEstimate {
   std::size_t frames(std::size_t view) const { return frames_[view]; }
   /// Takes the last unknowns of `frame`, linearised at `now`, into the mean of a view.
   void add(std::size_t view, PersonEquations& frame, const float* now);
-  /// Whether the views are far enough apart.
+  /// Whether there are enough views.
   bool is_usable() const;
   /// The value that agrees best with all views and with the start. \param start, sd  of each identity parameter.
   /// \param equations  at least as many unknowns; is overwritten. \return false where it cannot be solved.

@@ -78,8 +78,8 @@ TEST_CASE("FaceDetector, FaceAligner, PatchLimits and McdLimits state their byte
   check_about(measured_bytes<FaceDetector>(model.detector(), FaceDetectorLimits{}), 32e3);
   check_about(aligner, 140 * 1024);
   check_about(measured_bytes<Verifier>(model), 0.4 * static_cast<double>(aligner));
-  check_about(measured_bytes<PatchTracker>(PatchLimits{0, 11, 3, 4}), 9e3);
-  check_about(measured_bytes<PatchTracker>(PatchLimits{0, 21, 3, 4}), 25e3);
+  check_about(measured_bytes<PatchTracker>(PatchLimits{0, 11, 3, 4}), 10e3);
+  check_about(measured_bytes<PatchTracker>(PatchLimits{0, 21, 3, 4}), 29e3);
   check_about(measured_bytes<Mcd>(McdLimits{256, 6}), 50e3);
   check_about(measured_bytes<Mcd>(McdLimits{4096, 24}), 1e6);
 }

@@ -147,16 +147,19 @@ TEST_CASE("what the bend of the surface moves a window by is taken off the place
   PatchOptions options;
   options.min_correlation = 0.8f;
   options.start_sd_px = 1;
-  const KeyDepths depths[] = {{}, {&keys.object, &rig.estimator->view()}};
+  const KeyDepths depths{&keys.object, &rig.estimator->view()};
   float along[2] = {};
   std::size_t found = 0;
   for (std::size_t k = 0; k < 40; ++k) {
     std::uint16_t id;
     REQUIRE(rig.estimator->add_point(uv[k], &id) == Status::ok);
     const Prediction p = rig.estimator->predict(id);
-    float error[2];  // px, along the motion
+    float error[2];  // px, along the motion: as if the surface were flat, and with its bend
+    Template& t = rig.templates.object[k];
+    const Template bent = t;
     for (int i = 0; i < 2; ++i) {
-      const PatchResult r = rig.templates->match(k, rig.region.object, p.x, p.jacobian, depths[i], options);
+      for (int b = 0; b < 3; ++b) t.bend[b] = i == 0 ? std::int8_t{0} : bent.bend[b];
+      const PatchResult r = rig.templates->match(k, rig.region.object, p.x, p.jacobian, depths, options);
       error[i] = p.visible && r.status == PatchStatus::ok ? (r.x + rig.region->origin() - p.x).x : 1e3f;
     }
     if (magnitude(error[0]) > 2 || magnitude(error[1]) > 2) continue;  // not found, or something else
@@ -164,8 +167,10 @@ TEST_CASE("what the bend of the surface moves a window by is taken off the place
     for (int i = 0; i < 2; ++i) along[i] += error[i];
   }
   REQUIRE(found > 12);
-  CHECK(along[0] > 0.3f * static_cast<float>(found));             // measured: 0.46 px
-  CHECK(magnitude(along[1]) < 0.2f * static_cast<float>(found));  // 0.10 px
+  MESSAGE(found << " found; off by " << along[0] / static_cast<float>(found) << " px, "
+                << along[1] / static_cast<float>(found) << " px with the bend");
+  CHECK(along[0] > 0.2f * static_cast<float>(found));              // measured: 0.31 px
+  CHECK(magnitude(along[1]) < 0.15f * static_cast<float>(found));  // 0.07 px
 }
 
 TEST_CASE("second templates are of points with another appearance, and go with their first one") {

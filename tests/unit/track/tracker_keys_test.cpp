@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 #include <pthread.h>
 
+#include <vector>
+
 #include "face_film.hpp"
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
@@ -14,8 +16,16 @@ namespace {
 constexpr int kWidth = 320, kHeight = 240;
 constexpr std::size_t kFrames = 97;
 
+/// Somebody else than the mean, whom a start without parameters does not know.
+void set_stranger(std::vector<float>& q, std::uint32_t seed) {
+  const float sign = seed % 2 == 0 ? 1.0f : -1.0f;
+  FaceFilm::set(q, "faceDepth", 1.5f * sign);
+  FaceFilm::set(q, "noseProtrusion", -1.5f * sign);
+  FaceFilm::set(q, "lowerFaceHeight", seed % 4 < 2 ? 1.0f : -1.0f);
+}
+
 /// So far to the left and back, then to the right and back, with a nod.
-FaceFilm turning(float angle_rad, std::uint32_t seed = 0) {
+FaceFilm turning(float angle_rad, std::uint32_t seed = 0, bool is_stranger = false) {
   return FaceFilm(
       kWidth, kHeight, kFrames,
       [=](float s, Pose& pose, auto& q) {
@@ -23,6 +33,7 @@ FaceFilm turning(float angle_rad, std::uint32_t seed = 0) {
         pose.q = exp_rotation({0.1f * s * (1 - s), angle_rad * swing, 0});
         pose.t = pose.t + Vec3{30 * swing, 0, 0};
         FaceFilm::set(q, "jawOpen", 0.1f * swing * swing);
+        if (is_stranger) set_stranger(q, seed);
       },
       0.55f, 0, 160, seed);
 }
@@ -35,13 +46,13 @@ const FaceFilm& film() {
 
 struct Run {
   float worst_turn = 0, mean_turn = 0, mean_turn_when_turned = 0, last_turn = 0, mean_landmark = 0;
-  std::size_t tracking = 0, key_frames = 0, patches_at_end = 0;
+  std::size_t tracking = 0, not_lost = 0, key_frames = 0, patches_at_end = 0;
 };
 
-Run run(const FaceFilm& film, const TrackerLimits& limits, std::size_t rounds = 1) {
+Run run(const FaceFilm& film, const TrackerLimits& limits, std::size_t rounds = 1, bool is_known = true) {
   InArena<Tracker> tracker(baked_face().model, limits);
-  REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data()) ==
-          Status::ok);
+  REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0],
+                                   is_known ? film.parameters[0].data() : nullptr) == Status::ok);
   Run r;
   float turned = 0;
   for (std::size_t n = 1; n < rounds * kFrames; ++n) {
@@ -52,6 +63,7 @@ Run run(const FaceFilm& film, const TrackerLimits& limits, std::size_t rounds = 
     REQUIRE(tracker->update(view, &result) == Status::ok);
     const float error = film.turn_error(result.pose, k);
     r.tracking += result.state == TrackState::tracking;
+    r.not_lost += result.state != TrackState::lost;
     r.worst_turn = max(r.worst_turn, error);
     r.mean_turn += error / static_cast<float>(rounds * kFrames - 1);
     r.mean_landmark += film.landmark_error(tracker.object, k) / static_cast<float>(rounds * kFrames - 1);
@@ -72,9 +84,10 @@ Run run(const FaceFilm& film, const TrackerLimits& limits, std::size_t rounds = 
 
 }  // namespace
 
-// Means over three films of a turn by 52 degrees, in frames turned by more than 29 degrees. Measured ratio of the error of
-// rotation with key frames to that without: 0.52 in profile M, 0.73 in profile S, where a single film gives 0.61 to 0.98. Each
-// bound is half way from that to no effect. At 40 degrees frame 0 still holds by itself: no effect is certain there.
+// Means over three films of strangers who turn by 60 degrees, in frames turned by more than 29 degrees. Measured ratio of the
+// error of rotation with key frames to that without: 0.75 in profile M, 0.57 in profile S; over six films 0.77 and 0.62. Each
+// bound is half way from that to no effect. At 52 degrees, or where the person is known, frame 0 holds by itself: no effect is
+// certain there.
 TEST_CASE(
     "a head that turns far is followed better with key frames than without, and frame 0's templates stay") {
   const auto compare = [](const TrackerLimits& limits, float most_ratio, float worst_turn) {
@@ -83,11 +96,11 @@ TEST_CASE(
     none.key_frames = 0;
     float with_keys = 0, without_keys = 0;
     for (std::uint32_t seed = 0; seed < (kSanitized ? 1 : 3); ++seed) {
-      const FaceFilm far = turning(0.9f, seed);
-      const Run with = run(far, limits), without = run(far, none);
+      const FaceFilm far = turning(1.05f, seed, true);
+      const Run with = run(far, limits, 1, false), without = run(far, none, 1, false);
       with_keys += with.mean_turn_when_turned;
       without_keys += without.mean_turn_when_turned;
-      CHECK(with.tracking == kFrames - 1);
+      CHECK(with.not_lost == kFrames - 1);
       CHECK(with.key_frames >= 3);
       CHECK(without.key_frames == 1);
       CHECK(with.worst_turn < worst_turn);
@@ -96,8 +109,8 @@ TEST_CASE(
     MESSAGE("ratio of the error of rotation: " << with_keys / without_keys);
     if (!kSanitized) CHECK(with_keys < most_ratio * without_keys);  // of one film the ratio tells nothing
   };
-  compare({}, 0.76f, 3);
-  compare(profile_s(), 0.87f, 5);
+  compare({}, 0.88f, 3);
+  compare(profile_s(), 0.81f, 5);
 }
 
 TEST_CASE("key frames beyond the limit replace each other, never frame 0") {

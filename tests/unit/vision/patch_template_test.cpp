@@ -117,7 +117,7 @@ TEST_CASE("a stretch beyond the template margin masks out what leaves the stored
     }
 }
 
-TEST_CASE("the fit of an image that is a template with light, a small warp and a shift recovers them") {
+TEST_CASE("the fit of an image that is a template with light, a ramp of it, a small warp and a shift recovers them") {
   const Picture p = render(Texture(3), {}, 60, 60);
   Bench b(13);
   Workspace& work = b.work;
@@ -125,24 +125,30 @@ TEST_CASE("the fit of an image that is a template with light, a small warp and a
   const Template& t = work.active;
   multiply_by_position(t.gx, work.x, work.y, work.count, work.stretch[0], work.stretch[1]);
   multiply_by_position(t.gy, work.x, work.y, work.count, work.stretch[2], work.stretch[3]);
-  const i16* const images[] = {
-      t.t, work.stretch[0], work.stretch[1], work.stretch[2], work.stretch[3], t.gx, t.gy, t.m};
-  prepare(images, 13, false, *work.system);
-  const WarpSystem& system = *work.system;
-  REQUIRE(system.is_solvable);
-  CHECK(system.n == 169);
-  const float truth[] = {0.8f, 0.2f, -0.3f, 0.1f, 0.25f, 0.4f, -0.3f};
-  for (int k = 0; k < 169; ++k) {
-    float v = 150;  // bias
-    for (int i = 0; i < kUnknowns; ++i) v += truth[i] * static_cast<float>(images[i][k]);
-    work.image[k] = static_cast<i16>(v < 0 ? v - 0.5f : v + 0.5f);
+  const i16* const images[] = {work.x,          work.y,          t.t,  work.stretch[0], work.stretch[1],
+                               work.stretch[2], work.stretch[3], t.gx, t.gy,            t.m};
+  Sym2 even{};
+  for (const float ramp_sd : {0.0f, 1.0f}) {
+    prepare(images, 13, ramp_sd, false, *work.system);
+    const WarpSystem& system = *work.system;
+    REQUIRE(system.is_solvable);
+    CHECK(system.n == 169);
+    const float truth[] = {4, -3, 0.8f, 0.2f, -0.3f, 0.1f, 0.25f, 0.4f, -0.3f};  // the ramp in 16ths of a grey level
+    for (int k = 0; k < 169; ++k) {
+      float v = 150;  // bias
+      for (int i = system.first; i < kUnknowns; ++i) v += truth[i] * static_cast<float>(images[i][k]);
+      work.image[k] = static_cast<i16>(v < 0 ? v - 0.5f : v + 0.5f);
+    }
+    const Mat2 expected{truth[kStretch], truth[kStretch + 1], truth[kStretch + 2], truth[kStretch + 3]};
+    const WarpFit known = fit(system, expected, work.image, work.count);
+    for (int i = system.first; i < kUnknowns; ++i)
+      CHECK(known.x[i] == doctest::Approx(double(truth[i])).epsilon(0.01));
+    // Without knowing the stretch, its prior pulls it towards zero.
+    const WarpFit unknown = fit(system, {0, 0, 0, 0}, work.image, work.count);
+    for (int i = 0; i < 4; ++i) CHECK(magnitude(unknown.x[kStretch + i]) < magnitude(truth[kStretch + i]));
+    const Sym2 s = shift_information(system, 1);
+    CHECK(s.xx * s.yy - s.xy * s.xy > 0);
+    if (ramp_sd > 0) CHECK(s.xx + s.yy < even.xx + even.yy);  // a ramp costs information
+    even = s;
   }
-  const Mat2 expected{truth[1], truth[2], truth[3], truth[4]};
-  const WarpFit known = fit(system, expected, work.image, work.count);
-  for (int i = 0; i < kUnknowns; ++i) CHECK(known.x[i] == doctest::Approx(double(truth[i])).epsilon(0.01));
-  // Without knowing the stretch, its prior pulls it towards zero.
-  const WarpFit unknown = fit(system, {0, 0, 0, 0}, work.image, work.count);
-  for (int i = 0; i < 4; ++i) CHECK(magnitude(unknown.x[kStretch + i]) < magnitude(truth[kStretch + i]));
-  const Sym2 s = shift_information(system, 1);
-  CHECK(s.xx * s.yy - s.xy * s.xy > 0);
 }

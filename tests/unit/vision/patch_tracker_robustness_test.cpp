@@ -243,3 +243,90 @@ TEST_CASE("for random images, positions and options there is a status and no NaN
 TEST_CASE("every status has a text") {
   for (int s = 0; s <= 8; ++s) CHECK(std::strlen(text(static_cast<PatchStatus>(s))) > 4);
 }
+
+namespace {
+
+/// The picture with light that gets brighter to the right and darker upwards around x, by `ramp` grey levels a px.
+Picture lit_by_ramp(const Picture& p, Vec2 x, float ramp) {
+  Picture lit = p;
+  for (int j = 0; j < p.height; ++j)
+    for (int i = 0; i < p.width; ++i) {
+      const float right = clamp(static_cast<float>(i) - x.x, -15, 15),
+                  down = clamp(static_cast<float>(j) - x.y, -15, 15);
+      lit.at(i, j) = static_cast<std::uint8_t>(
+          clamp(static_cast<float>(p.pixels[static_cast<std::size_t>(j * p.width + i)]) + ramp * (right + 0.5f * down) + 0.5f, 6, 249));
+    }
+  return lit;
+}
+
+/// Root mean square error of 30 corners, px, and the mean trace of their information.
+struct RampResult {
+  float error = 0, information = 0;
+  int found = 0;
+};
+
+RampResult track_in_ramp(float ramp, float ramp_sd, bool keeps_templates) {
+  const Texture texture(5);
+  const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, shift(0.4, -0.3), kWidth, kHeight);
+  PatchLimits limits{200, 11, 3, 5};
+  limits.keeps_templates = keeps_templates;
+  Rig rig(limits);
+  RampResult r;
+  PatchOptions options;
+  options.start_sd_px = 0.5f;
+  options.ramp_sd = ramp_sd;
+  for (const Vec2 x : corners_of(a, 30)) {
+    rig.show(a, lit_by_ramp(b, x, ramp));
+    REQUIRE(rig.tracker.capture(0, rig.before, x) == PatchStatus::ok);
+    const PatchResult found = rig.tracker.track(0, rig.after, x, {}, options);
+    if (found.status != PatchStatus::ok) continue;
+    const Vec2 off = found.x - x - Vec2{0.4f, -0.3f};
+    r.error += dot(off, off);
+    r.information += found.information.xx + found.information.yy;
+    ++r.found;
+  }
+  REQUIRE(r.found > 0);
+  r.error = std::sqrt(r.error / static_cast<float>(r.found));
+  r.information /= static_cast<float>(r.found);
+  return r;
+}
+
+}  // namespace
+
+TEST_CASE("a ramp of light that is allowed for hardly moves the result, and costs information") {
+  for (const bool keeps : {false, true})
+    for (const float ramp : {1.0f, 2.0f}) {
+      const RampResult without = track_in_ramp(ramp, 0, keeps), with = track_in_ramp(ramp, 1, keeps);
+      MESSAGE("ramp " << ramp << " grey/px: " << without.error << " px, " << with.error << " if allowed for");
+      CHECK(with.error < 0.5f * without.error);
+      CHECK(with.error < 0.05f);
+      CHECK(with.found >= without.found);
+    }
+  const RampResult even = track_in_ramp(0, 0, true), free = track_in_ramp(0, 1, true);
+  CHECK(free.error < even.error + 0.02f);
+  CHECK(free.information < even.information);
+}
+
+TEST_CASE("a kept template serves searches that allow for other ramps, and none") {
+  const Texture texture(5);
+  const Picture a = render(texture, {}, kWidth, kHeight), b = render(texture, shift(0.4, -0.3), kWidth, kHeight);
+  const Vec2 x = corners_of(a).front();
+  PatchLimits keeping{200, 11, 3, 5}, fresh = keeping;
+  keeping.keeps_templates = true;
+  Rig kept(keeping), anew(fresh);
+  for (Rig* rig : {&kept, &anew}) {
+    rig->show(a, lit_by_ramp(b, x, 1));
+    REQUIRE(rig->tracker.capture(0, rig->before, x) == PatchStatus::ok);
+  }
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float sd : {0.0f, 1.0f, 0.2f, 0.0f, 2.0f, -1.0f, nan, 0.0f}) {
+    PatchOptions options;
+    options.ramp_sd = sd;
+    const PatchResult k = kept.tracker.track(0, kept.after, x, {}, options),
+                      f = anew.tracker.track(0, anew.after, x, {}, options);
+    CHECK(k.status == f.status);
+    CHECK(k.x.x == f.x.x);
+    CHECK(k.x.y == f.x.y);
+    CHECK(k.information.xx == f.information.xx);
+  }
+}
