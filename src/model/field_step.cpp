@@ -66,7 +66,8 @@ struct Operands {
   float w() const { return r.weight == kNone ? 1.0f : s.x; }
   Vec3 axis() const { return {r.axis[0], r.axis[1], r.axis[2]}; }
   Vec3 pivot() const { return {r.pivot[0], r.pivot[1], r.pivot[2]}; }
-  Mat3 rotation() const { return rotation_by((w() * parameter(0)) * axis()); }  // by w q about the axis
+  float angle() const { return w() * parameter(0); }  // about the axis; zero at most points of a face, away from the jaw
+  Mat3 rotation() const { return rotation_by(angle() * axis()); }
 };
 
 /// The derivatives of p0 + w q d by q and by w.
@@ -118,9 +119,9 @@ void scale(const Operands& o, FieldStep& out) {
 
 /// p = c + R(w q a) (p0 - c), a the axis. A small turn d about a moves p by d a x (p - c).
 void rotate(const Operands& o, FieldStep& out) {
-  out.map = o.rotation();
-  out.maps = true;
-  const Vec3 arm = out.map * (o.p0 - o.pivot());
+  out.maps = o.angle() != 0;
+  if (out.maps) out.map = o.rotation();
+  const Vec3 from = o.p0 - o.pivot(), arm = out.maps ? out.map * from : from;
   out.p = o.pivot() + arm;
   derive(o, cross(o.axis(), arm), out);
 }
@@ -204,7 +205,8 @@ FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s
 Vec3 apply_without_derivatives(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
   if (r.operation != Operation::rotate) return apply(r, q, p0, p1, s).p;
   const Operands o{r, q, p0, p1, s};
-  return o.pivot() + o.rotation() * (p0 - o.pivot());
+  const Vec3 arm = p0 - o.pivot();
+  return o.pivot() + (o.angle() != 0 ? o.rotation() * arm : arm);
 }
 
 bool keeps_source_at_zero_sample(const CascadeRecord& r) {

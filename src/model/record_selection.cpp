@@ -1,6 +1,5 @@
 #include "model/record_selection.hpp"
 
-#include "model/field_sampling.hpp"
 #include "model/field_step.hpp"
 
 namespace pliant {
@@ -93,14 +92,22 @@ Vec3 RecordSelection::point(const FieldSource& source, const CascadePlan& plan, 
 }
 
 /// Chain rule along u and v (field_step.hpp): the sources' tangents, mapped, and the change of the record's own sample.
-void RecordSelection::compute_frame(const FieldSource& source, std::size_t record, Vec2 uv) {
+void RecordSelection::compute_frame(const FieldSource& source, std::size_t record, Vec2 uv,
+                                    const ChartPoint& at) {
   const CascadeRecord& r = source.model.cascade()[record];
   const std::size_t first = r.source[0] == kNone ? kNone : value_of_[r.source[0]];
   const std::size_t second = r.source[1] == kNone ? kNone : value_of_[r.source[1]];
+  const RecordValues& v = values_;
+  const bool adds = r.operation == Operation::add_vector;
+  if (adds && !is_in_support(source.model.fields()[r.field], at)) {
+    v.point[record] = v.point[first];
+    v.tangent_u[record] = v.tangent_u[first];
+    v.tangent_v[record] = v.tangent_v[first];
+    return;
+  }
   Vec3 su, sv;
   const Vec3 s = source.sample(r, uv, &su, &sv);
-  const RecordValues& v = values_;
-  if (r.operation == Operation::add_vector) {
+  if (adds) {
     const float amount = q_[r.parameter[0]];
     v.point[record] = v.point[first] + amount * s;
     v.tangent_u[record] = v.tangent_u[first] + amount * su;
@@ -123,13 +130,14 @@ void RecordSelection::compute_frame(const FieldSource& source, std::size_t recor
 SurfaceFrame RecordSelection::frame(const FieldSource& source, const CascadePlan& plan, Vec2 uv) {
   PLIANT_ASSERT(count_ > 0);  // `select` was called
   const RecordValues& v = values_;
+  const ChartPoint at(uv);
   for (std::size_t n = 0; n < count_; ++n) {
     const std::size_t i = listed_[n];
     if (i == plan.personal_record())
       v.point[i] =
           source.person.sample(source.model, uv, source.interpolation, &v.tangent_u[i], &v.tangent_v[i]);
     else
-      compute_frame(source, i, uv);
+      compute_frame(source, i, uv, at);
   }
   const std::size_t last = value_of_[plan.result()];
   return {v.point[last], v.tangent_u[last], v.tangent_v[last]};

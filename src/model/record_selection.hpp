@@ -1,6 +1,7 @@
 #pragma once
 // Surface points straight from the tables, at one q: visits only the records that change something there.
 #include "model/cascade_plan.hpp"
+#include "model/field_sampling.hpp"
 #include "model/personal_field.hpp"
 #include "pliant/cascade.hpp"
 
@@ -38,7 +39,7 @@ class RecordSelection {
   SurfaceFrame frame(const FieldSource& source, const CascadePlan& plan, Vec2 uv);
 
  private:
-  void compute_frame(const FieldSource& source, std::size_t record, Vec2 uv);
+  void compute_frame(const FieldSource& source, std::size_t record, Vec2 uv, const ChartPoint& at);
 
   std::uint16_t* listed_ = nullptr;
   std::uint16_t* value_of_ = nullptr;  // a record: the listed record that has the same value
