@@ -1,10 +1,23 @@
 #include "vision/patch_warp_system.hpp"
 
+#include <utility>
+
 #include "vision/patch_sums.hpp"
 #include "vision/patch_texture.hpp"
 
 namespace pliant::patch {
 namespace {
+
+// Calls f(0) to f(kUnknowns - 1) with constants, so that the elements of small arrays stay in registers: from loops GCC makes
+// short vectors, and each waits for the elements that were stored before.
+template <class F, int... I>
+inline void for_each(std::integer_sequence<int, I...>, F f) {
+  (f(std::integral_constant<int, I>{}), ...);
+}
+template <class F>
+inline void for_each_unknown(F f) {
+  for_each(std::make_integer_sequence<int, kUnknowns>{}, f);
+}
 
 constexpr int kShiftX = kShift, kShiftY = kShift + 1;
 static_assert(kUnknowns == 7, "fit() sums the images four at a time");
@@ -73,12 +86,22 @@ bool factorise(WarpSystem& s) {
   return true;
 }
 
-void substitute(const WarpSystem& s, float* v) {
-  for (int j = 0; j < kUnknowns; ++j)
-    for (int i = j + 1; i < kUnknowns; ++i) v[i] -= s.l[i][j] * v[j];
-  for (int i = 0; i < kUnknowns; ++i) v[i] *= s.inverse_d[i];
-  for (int j = kUnknowns - 1; j > 0; --j)
-    for (int i = 0; i < j; ++i) v[i] -= s.l[j][i] * v[j];
+void substitute(const WarpSystem& s, float (&x)[kUnknowns]) {
+  float v[kUnknowns];
+  for_each_unknown([&](auto i) { v[i] = x[i]; });
+  for_each_unknown([&](auto j) {
+    for_each_unknown([&](auto i) {
+      if constexpr (i > j) v[i] -= s.l[i][j] * v[j];
+    });
+  });
+  for_each_unknown([&](auto i) { v[i] *= s.inverse_d[i]; });
+  for_each_unknown([&](auto k) {
+    constexpr int j = kUnknowns - 1 - k;
+    for_each_unknown([&](auto i) {
+      if constexpr (i < j) v[i] -= s.l[j][i] * v[j];
+    });
+  });
+  for_each_unknown([&](auto i) { x[i] = v[i]; });
 }
 
 }  // namespace
