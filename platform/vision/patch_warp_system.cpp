@@ -75,15 +75,22 @@ bool factorise(WarpSystem& s) {
     for (int k = 0; k <= i; ++k) a[i][k] = s.products[i][k];
   add_prior(s.along, a);
   for (int i = 0; i < kUnknowns; ++i) diagonal[i] = a[i][i];
-  for (int j = 0; j < kUnknowns; ++j) {
-    if (!(a[j][j] > kPatchTuning.min_pivot_ratio * diagonal[j])) return false;
+  bool is_regular = true;
+  for_each_unknown([&](auto j) {
+    is_regular = is_regular && a[j][j] > kPatchTuning.min_pivot_ratio * diagonal[j];
     s.d[j] = a[j][j];
     s.inverse_d[j] = 1.0f / a[j][j];
-    for (int i = j + 1; i < kUnknowns; ++i) s.l[i][j] = a[i][j] * s.inverse_d[j];
-    for (int i = j + 1; i < kUnknowns; ++i)
-      for (int k = j + 1; k <= i; ++k) a[i][k] -= s.l[i][j] * a[k][j];
-  }
-  return true;
+    float l[kUnknowns] = {};
+    for_each_unknown([&](auto i) {
+      if constexpr (i > j) s.l[i][j] = l[i] = a[i][j] * s.inverse_d[j];
+    });
+    for_each_unknown([&](auto i) {
+      for_each_unknown([&](auto k) {
+        if constexpr (i >= k && k > j) a[i][k] -= l[i] * a[k][j];
+      });
+    });
+  });
+  return is_regular;
 }
 
 void substitute(const WarpSystem& s, float (&x)[kUnknowns]) {
@@ -129,11 +136,11 @@ WarpFit fit(const WarpSystem& s, const Mat2& expected, const i16* image, int cou
 
 float unexplained(const WarpSystem& s, const WarpFit& fit, float variance_sum) {
   float explained = 0;
-  for (int i = 0; i < kUnknowns; ++i) {
+  for_each_unknown([&](auto i) {
     float hx = 0;
-    for (int k = 0; k < kUnknowns; ++k) hx += (k <= i ? s.products[i][k] : s.products[k][i]) * fit.x[k];
+    for_each_unknown([&](auto k) { hx += (k <= i ? s.products[i][k] : s.products[k][i]) * fit.x[k]; });
     explained += fit.x[i] * (2 * fit.b[i] - hx);
-  }
+  });
   return max(variance_sum - explained, 0);
 }
 
