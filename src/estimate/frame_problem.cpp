@@ -14,6 +14,7 @@ void FrameProblem::measure(const View& v, const float* q) {
   const Projector projector(v, true);
   scratch.work.measured_rows += static_cast<std::uint32_t>(rows.count());
   for (std::size_t k = 0; k < rows.count(); ++k) {
+    announce(k);
     Vec2 x = kBehind;
     projector.project(input.cascade.evaluate(input.points.samples(rows[k].id), q), &x);
     rows.measure(k, x);
@@ -97,6 +98,7 @@ float FrameProblem::linearise() {
   const float per_scale = 1.0f / scale, per_square = per_scale * per_scale;
   float sum = 0;
   for (std::size_t k = 0; k < rows.count(); ++k) {
+    announce(k);
     Jacobian jacobian;
     const Vec3 p = input.cascade.evaluate(input.points.samples(rows[k].id), state.q, &jacobian);
     Vec2 x = kBehind;

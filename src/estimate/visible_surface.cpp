@@ -123,10 +123,12 @@ void VisibleSurface::renew_vertices(Cascade& cascade, const float* q, std::size_
 /// Moves the chosen vertices but for those whose samples are out of date. \return how far the farthest one moved, squared (mm^2).
 template <class Chosen>
 float VisibleSurface::move_vertices(Cascade& cascade, const float* q, const Chosen& is_chosen) {
+  constexpr int kAhead = 8;  // vertices; of each number of them chosen in turn, a multiple
   float farthest = 0;
   for (VertexId v : mesh_.vertices()) {
     if (v >= first_outdated_) break;
     if (!is_chosen(v)) continue;
+    if (keeps_samples()) prefetch_samples(samples_of(static_cast<VertexId>(v + kAhead)));
     const Vec3 p = keeps_samples() ? cascade.evaluate(samples_of(v), q) : cascade.selected_point(mesh_.uv(v)),
                step = p - position_[v];
     farthest = max(farthest, dot(step, step));
