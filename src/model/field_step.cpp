@@ -201,8 +201,9 @@ FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s
   return out;
 }
 
-/// Only what runs at every vertex is worth code of its own. Additions and products in a chain are evaluated elsewhere.
+/// Only what runs at every vertex, or is most of a cascade, is worth code of its own.
 Vec3 apply_without_derivatives(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
+  if (r.operation == Operation::add_vector) return p0 + q[r.parameter[0]] * s;
   if (r.operation != Operation::rotate) return apply(r, q, p0, p1, s).p;
   const Operands o{r, q, p0, p1, s};
   const Vec3 arm = p0 - o.pivot();
