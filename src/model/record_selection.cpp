@@ -92,28 +92,13 @@ Vec3 RecordSelection::point(const FieldSource& source, const CascadePlan& plan, 
 }
 
 /// Chain rule along u and v (field_step.hpp): the sources' tangents, mapped, and the change of the record's own sample.
-void RecordSelection::compute_frame(const FieldSource& source, std::size_t record, Vec2 uv,
-                                    const ChartPoint& at) {
+void RecordSelection::compute_frame(const FieldSource& source, std::size_t record, Vec2 uv) {
   const CascadeRecord& r = source.model.cascade()[record];
   const std::size_t first = r.source[0] == kNone ? kNone : value_of_[r.source[0]];
   const std::size_t second = r.source[1] == kNone ? kNone : value_of_[r.source[1]];
   const RecordValues& v = values_;
-  const bool adds = r.operation == Operation::add_vector;
-  if (adds && !is_in_support(source.model.fields()[r.field], at)) {
-    v.point[record] = v.point[first];
-    v.tangent_u[record] = v.tangent_u[first];
-    v.tangent_v[record] = v.tangent_v[first];
-    return;
-  }
   Vec3 su, sv;
   const Vec3 s = source.sample(r, uv, &su, &sv);
-  if (adds) {
-    const float amount = q_[r.parameter[0]];
-    v.point[record] = v.point[first] + amount * s;
-    v.tangent_u[record] = v.tangent_u[first] + amount * su;
-    v.tangent_v[record] = v.tangent_v[first] + amount * sv;
-    return;
-  }
   const FieldStep f =
       apply(r, q_, first == kNone ? Vec3{} : v.point[first], second == kNone ? Vec3{} : v.point[second], s);
   const auto tangent = [&](const Vec3* of, Vec3 along) {
@@ -133,11 +118,26 @@ SurfaceFrame RecordSelection::frame(const FieldSource& source, const CascadePlan
   const ChartPoint at(uv);
   for (std::size_t n = 0; n < count_; ++n) {
     const std::size_t i = listed_[n];
-    if (i == plan.personal_record())
+    const CascadeRecord& r = source.model.cascade()[i];
+    if (i == plan.personal_record()) {
       v.point[i] =
           source.person.sample(source.model, uv, source.interpolation, &v.tangent_u[i], &v.tangent_v[i]);
-    else
-      compute_frame(source, i, uv, at);
+    } else if (r.operation == Operation::add_vector) {  // as in `point`
+      const std::size_t first = value_of_[r.source[0]];
+      const Field& field = source.model.fields()[r.field];
+      v.point[i] = v.point[first];
+      v.tangent_u[i] = v.tangent_u[first];
+      v.tangent_v[i] = v.tangent_v[first];
+      if (!is_in_support(field, at)) continue;
+      const float amount = q_[r.parameter[0]];
+      Vec3 su, sv;
+      const Vec3 s = sample_field(source.model.samples(), field, uv, source.interpolation, &su, &sv);
+      v.point[i] = v.point[i] + amount * s;
+      v.tangent_u[i] = v.tangent_u[i] + amount * su;
+      v.tangent_v[i] = v.tangent_v[i] + amount * sv;
+    } else {
+      compute_frame(source, i, uv);
+    }
   }
   const std::size_t last = value_of_[plan.result()];
   return {v.point[last], v.tangent_u[last], v.tangent_v[last]};

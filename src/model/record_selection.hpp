@@ -39,7 +39,7 @@ class RecordSelection {
   SurfaceFrame frame(const FieldSource& source, const CascadePlan& plan, Vec2 uv);
 
  private:
-  void compute_frame(const FieldSource& source, std::size_t record, Vec2 uv, const ChartPoint& at);
+  void compute_frame(const FieldSource& source, std::size_t record, Vec2 uv);
 
   std::uint16_t* listed_ = nullptr;
   std::uint16_t* value_of_ = nullptr;  // a record: the listed record that has the same value
