@@ -16,18 +16,35 @@ constexpr std::size_t kWideLanes = 8;  // floats of the widest vector that add_p
 constexpr std::size_t kBeyond =
     kHasVectors ? kWideLanes : 0;  // where vectors of H's last row end; they add zeros
 
-/// The rows of one observation, in H: h_(k, j) += (B^T W B)_(k, j) for each of its columns k, and all j >= k. B has n columns, zeros
-/// included, in x and y. Rounded up to whole vectors: beyond a row's end, zeros are added to the next row.
+/// Columns of one observation, and what they meet.
+struct SparseRows {
+  const std::uint16_t* unknown;
+  const Vec2* column;
+  std::size_t count;
+  Vec2 force;
+  Sym2 w;
+};
+
+/// g += B^T W r and, in H, h_(k, j) += (B^T W B)_(k, j) for each column k of B and all j >= k. B is spread over n columns with zeros, in x
+/// and y, which are zero before and afterwards. Rounded up to whole vectors: beyond a row's end, zeros are added to the next row.
 PLIANT_WIDE_VECTORS
-void add_products(float* __restrict h, std::size_t n, const std::uint16_t* unknown, std::size_t columns,
-                  const float* __restrict x, const float* __restrict y, Sym2 w) {
-  for (std::size_t i = 0; i < columns; ++i) {
-    const std::size_t k = unknown[i], whole = (n - k + kWideLanes - 1) / kWideLanes * kWideLanes;
-    const float wx = w.xx * x[k] + w.xy * y[k], wy = w.xy * x[k] + w.yy * y[k];
+void add_spread(float* __restrict h, float* __restrict g, std::size_t n, const SparseRows& b, float* __restrict x,
+                float* __restrict y) {
+  const Sym2 w = b.w;
+  for (std::size_t i = 0; i < b.count; ++i) {
+    x[b.unknown[i]] = b.column[i].x;
+    y[b.unknown[i]] = b.column[i].y;
+  }
+  for (std::size_t i = 0; i < b.count; ++i) {
+    const std::size_t k = b.unknown[i], whole = (n - k + kWideLanes - 1) / kWideLanes * kWideLanes;
+    const Vec2 c = b.column[i];
+    g[k] += b.force.x * c.x + b.force.y * c.y;
+    const float wx = w.xx * c.x + w.xy * c.y, wy = w.xy * c.x + w.yy * c.y;
     float* __restrict const row = h + (k * n - k * (k + 1) / 2) + k;
     const float *const along_x = x + k, *const along_y = y + k;
     for (std::size_t j = 0; j < whole; ++j) row[j] += wx * along_x[j] + wy * along_y[j];
   }
+  for (std::size_t i = 0; i < b.count; ++i) x[b.unknown[i]] = y[b.unknown[i]] = 0;
 }
 
 /// y -= f x over [0, n).
@@ -151,22 +168,16 @@ float* NormalEquations::gathered_row(float residual) {
 void NormalEquations::add_sparse(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
                                  Vec2 residual, Sym2 w) {
   const Vec2 force{w.xx * residual.x + w.xy * residual.y, w.xy * residual.x + w.yy * residual.y};
+  if (kHasVectors && !gradient_only_) {
+    add_spread(h_, g_, count_, {unknown, column, columns, force, w}, spread_x_, spread_y_);
+    return;
+  }
   for (std::size_t i = 0; i < columns; ++i) g_[unknown[i]] += force.x * column[i].x + force.y * column[i].y;
   if (gradient_only_) {
     for (std::size_t i = 0; i < columns; ++i) {
       const Vec2 b = column[i];
       h_[index(unknown[i], unknown[i])] += b.x * (w.xx * b.x + w.xy * b.y) + b.y * (w.xy * b.x + w.yy * b.y);
     }
-    return;
-  }
-  if constexpr (kHasVectors) {
-    float *const along_x = spread_x_, *const along_y = spread_y_;
-    for (std::size_t i = 0; i < columns; ++i) {
-      along_x[unknown[i]] = column[i].x;
-      along_y[unknown[i]] = column[i].y;
-    }
-    add_products(h_, count_, unknown, columns, along_x, along_y, w);
-    for (std::size_t i = 0; i < columns; ++i) along_x[unknown[i]] = along_y[unknown[i]] = 0;
     return;
   }
   for (const Vec2* const end = column + columns; column != end; ++column, ++unknown) {
