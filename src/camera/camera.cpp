@@ -68,15 +68,6 @@ Vec3 Projector::to_camera(Vec3 p) const {
   return rotation_ * p + Vec3{view_.tau.x, view_.tau.y, 1.0f / view_.rho};
 }
 
-bool Projector::project(Vec3 p, Vec2* x) const {
-  const Vec3 r = rotation_ * p;
-  const float depth = 1 + view_.rho * r.z;
-  if (!(depth >= kMinDepthRatio)) return false;
-  const float g = view_.s / depth;
-  *x = {view_.c.x + g * (r.x + view_.tau.x), view_.c.y + g * (r.y + view_.tau.y)};
-  return true;
-}
-
 bool Projector::project(Vec3 p, Vec2* x, Derivatives* d) const {
   const Vec3 r = rotation_ * p;
   const float depth = 1 + view_.rho * r.z;

@@ -157,10 +157,10 @@ void VisibleSurface::turn_to(const View& view) {
 
 void VisibleSurface::project(const View& view) {
   const Projector projector(view, true);
-  for (VertexId v : mesh_.vertices())
-    depth_[v] = projector.project(position_[v], &image_[v])
-                    ? kTuning.nominal_distance_mm + projector.rotated(position_[v]).z
-                    : -1.0f;
+  for (VertexId v : mesh_.vertices()) {
+    const Vec3 r = projector.rotated(position_[v]);
+    depth_[v] = projector.project_rotated(r, &image_[v]) ? kTuning.nominal_distance_mm + r.z : -1.0f;
+  }
   images_are_current_ = true;
 }
 
