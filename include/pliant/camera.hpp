@@ -64,7 +64,7 @@ class Projector {
 
   /// Image position (px) of a model point (mm).
   /// \return false when the point is too near or behind the camera; x is then unchanged.
-  bool project(Vec3 p, Vec2* x) const { return project_rotated(rotated(p), x); }
+  bool project(Vec3 p, Vec2* x) const;
   /// The same of a point in camera axes, as `rotated` gives it.
   bool project_rotated(Vec3 r, Vec2* x) const {
     const float depth = 1 + view_.rho * r.z;

@@ -1,23 +1,56 @@
 #include "vision/patch_warp_system.hpp"
 
-#include <utility>
+#include <type_traits>
 
+#include "vision/halfwords.hpp"
 #include "vision/patch_sums.hpp"
 #include "vision/patch_texture.hpp"
 
 namespace pliant::patch {
 namespace {
 
-// Calls f(0) to f(kUnknowns - 1) with constants, so that the elements of small arrays stay in registers: from loops GCC makes
-// short vectors, and each waits for the elements that were stored before.
-template <class F, int... I>
-inline void for_each(std::integer_sequence<int, I...>, F f) {
-  (f(std::integral_constant<int, I>{}), ...);
+// Loops over unknowns, [from, to). With vectors they are unrolled, so that small arrays stay in registers: of such loops GCC
+// makes short vectors, which wait for the elements that were stored before. Elsewhere they are loops, which are shorter.
+#if PLIANT_HAS_HALFWORDS
+
+using Unknown = int;
+constexpr Unknown kFirst = 0, kEnd = kUnknowns;
+
+constexpr Unknown after(Unknown i) {
+  return i + 1;
+}
+constexpr Unknown mirrored(Unknown i) {
+  return kUnknowns - 1 - i;
 }
 template <class F>
-inline void for_each_unknown(F f) {
-  for_each(std::make_integer_sequence<int, kUnknowns>{}, f);
+inline void for_each(Unknown from, Unknown to, F f) {
+  for (Unknown i = from; i < to; ++i) f(i);
 }
+
+#else
+
+template <int i>
+using Unknown = std::integral_constant<int, i>;
+constexpr Unknown<0> kFirst;
+constexpr Unknown<kUnknowns> kEnd;
+
+template <int i>
+constexpr Unknown<i + 1> after(Unknown<i>) {
+  return {};
+}
+template <int i>
+constexpr Unknown<kUnknowns - 1 - i> mirrored(Unknown<i>) {
+  return {};
+}
+template <int from, int to, class F>
+inline void for_each(Unknown<from> i, Unknown<to> end, F f) {
+  if constexpr (from < to) {
+    f(i);
+    for_each(after(i), end, f);
+  }
+}
+
+#endif
 
 constexpr int kShiftX = kShift, kShiftY = kShift + 1;
 static_assert(kUnknowns == 7, "fit() sums the images four at a time");
@@ -76,18 +109,13 @@ bool factorise(WarpSystem& s) {
   add_prior(s.along, a);
   for (int i = 0; i < kUnknowns; ++i) diagonal[i] = a[i][i];
   bool is_regular = true;
-  for_each_unknown([&](auto j) {
+  for_each(kFirst, kEnd, [&](auto j) {
     is_regular = is_regular && a[j][j] > kPatchTuning.min_pivot_ratio * diagonal[j];
     s.d[j] = a[j][j];
     s.inverse_d[j] = 1.0f / a[j][j];
-    float l[kUnknowns] = {};
-    for_each_unknown([&](auto i) {
-      if constexpr (i > j) s.l[i][j] = l[i] = a[i][j] * s.inverse_d[j];
-    });
-    for_each_unknown([&](auto i) {
-      for_each_unknown([&](auto k) {
-        if constexpr (i >= k && k > j) a[i][k] -= l[i] * a[k][j];
-      });
+    for_each(after(j), kEnd, [&](auto i) { s.l[i][j] = a[i][j] * s.inverse_d[j]; });
+    for_each(after(j), kEnd, [&](auto i) {
+      for_each(after(j), after(i), [&](auto k) { a[i][k] -= s.l[i][j] * a[k][j]; });
     });
   });
   return is_regular;
@@ -95,20 +123,16 @@ bool factorise(WarpSystem& s) {
 
 void substitute(const WarpSystem& s, float (&x)[kUnknowns]) {
   float v[kUnknowns];
-  for_each_unknown([&](auto i) { v[i] = x[i]; });
-  for_each_unknown([&](auto j) {
-    for_each_unknown([&](auto i) {
-      if constexpr (i > j) v[i] -= s.l[i][j] * v[j];
-    });
+  for_each(kFirst, kEnd, [&](auto i) { v[i] = x[i]; });
+  for_each(kFirst, kEnd, [&](auto j) {
+    for_each(after(j), kEnd, [&](auto i) { v[i] -= s.l[i][j] * v[j]; });
   });
-  for_each_unknown([&](auto i) { v[i] *= s.inverse_d[i]; });
-  for_each_unknown([&](auto k) {
-    constexpr int j = kUnknowns - 1 - k;
-    for_each_unknown([&](auto i) {
-      if constexpr (i < j) v[i] -= s.l[j][i] * v[j];
-    });
+  for_each(kFirst, kEnd, [&](auto i) { v[i] *= s.inverse_d[i]; });
+  for_each(kFirst, kEnd, [&](auto k) {
+    const auto j = mirrored(k);
+    for_each(kFirst, j, [&](auto i) { v[i] -= s.l[j][i] * v[j]; });
   });
-  for_each_unknown([&](auto i) { x[i] = v[i]; });
+  for_each(kFirst, kEnd, [&](auto i) { x[i] = v[i]; });
 }
 
 }  // namespace
@@ -136,11 +160,11 @@ WarpFit fit(const WarpSystem& s, const Mat2& expected, const i16* image, int cou
 
 float unexplained(const WarpSystem& s, const WarpFit& fit, float variance_sum) {
   float explained = 0;
-  for_each_unknown([&](auto i) {
+  for (int i = 0; i < kUnknowns; ++i) {
     float hx = 0;
-    for_each_unknown([&](auto k) { hx += (k <= i ? s.products[i][k] : s.products[k][i]) * fit.x[k]; });
+    for (int k = 0; k < kUnknowns; ++k) hx += (k <= i ? s.products[i][k] : s.products[k][i]) * fit.x[k];
     explained += fit.x[i] * (2 * fit.b[i] - hx);
-  });
+  }
   return max(variance_sum - explained, 0);
 }
 

@@ -68,6 +68,10 @@ Vec3 Projector::to_camera(Vec3 p) const {
   return rotation_ * p + Vec3{view_.tau.x, view_.tau.y, 1.0f / view_.rho};
 }
 
+bool Projector::project(Vec3 p, Vec2* x) const {
+  return project_rotated(rotated(p), x);
+}
+
 bool Projector::project(Vec3 p, Vec2* x, Derivatives* d) const {
   const Vec3 r = rotation_ * p;
   const float depth = 1 + view_.rho * r.z;

@@ -38,7 +38,10 @@ bool only_adds(const CascadePlan& plan, std::size_t n) {
 }
 
 bool is_marker(const Vec3& sample) {
-  return std::memcmp(&sample.x, &kLeftOut, sizeof kLeftOut) == 0;  // cheaper than the comparison of floats
+  std::uint32_t bits, left_out;  // cheaper to compare than floats
+  std::memcpy(&bits, &sample.x, sizeof bits);
+  std::memcpy(&left_out, &kLeftOut, sizeof left_out);
+  return bits == left_out;
 }
 
 std::size_t to_count(float v) {
