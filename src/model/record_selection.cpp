@@ -112,6 +112,18 @@ void RecordSelection::compute_frame(const FieldSource& source, std::size_t recor
   v.tangent_v[record] = tangent(v.tangent_v, sv);
 }
 
+void RecordSelection::announce(const FieldSource& source, const CascadePlan& plan, Vec2 uv) const {
+  const ChartPoint at(uv);
+  for (const std::uint16_t i : listed()) {
+    const CascadeRecord& r = source.model.cascade()[i];
+    const std::uint16_t field = r.field != kNone ? r.field : r.weight;
+    if (i == plan.personal_record())
+      source.person.announce(source.model, uv);
+    else if (field != kNone && is_in_support(source.model.fields()[field], at))
+      prefetch_field(source.model.samples(), source.model.fields()[field], uv);
+  }
+}
+
 SurfaceFrame RecordSelection::frame(const FieldSource& source, const CascadePlan& plan, Vec2 uv) {
   PLIANT_ASSERT(count_ > 0);  // `select` was called
   const RecordValues& v = values_;
