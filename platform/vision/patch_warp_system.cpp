@@ -114,9 +114,8 @@ bool factorise(WarpSystem& s) {
     s.d[j] = a[j][j];
     s.inverse_d[j] = 1.0f / a[j][j];
     for_each(after(j), kEnd, [&](auto i) { s.l[i][j] = a[i][j] * s.inverse_d[j]; });
-    for_each(after(j), kEnd, [&](auto i) {
-      for_each(after(j), after(i), [&](auto k) { a[i][k] -= s.l[i][j] * a[k][j]; });
-    });
+    for_each(after(j), kEnd,
+             [&](auto i) { for_each(after(j), after(i), [&](auto k) { a[i][k] -= s.l[i][j] * a[k][j]; }); });
   });
   return is_regular;
 }
@@ -124,9 +123,8 @@ bool factorise(WarpSystem& s) {
 void substitute(const WarpSystem& s, float (&x)[kUnknowns]) {
   float v[kUnknowns];
   for_each(kFirst, kEnd, [&](auto i) { v[i] = x[i]; });
-  for_each(kFirst, kEnd, [&](auto j) {
-    for_each(after(j), kEnd, [&](auto i) { v[i] -= s.l[i][j] * v[j]; });
-  });
+  for_each(kFirst, kEnd,
+           [&](auto j) { for_each(after(j), kEnd, [&](auto i) { v[i] -= s.l[i][j] * v[j]; }); });
   for_each(kFirst, kEnd, [&](auto i) { v[i] *= s.inverse_d[i]; });
   for_each(kFirst, kEnd, [&](auto k) {
     const auto j = mirrored(k);

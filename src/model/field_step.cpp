@@ -60,13 +60,14 @@ Mat3 rotation_by(Vec3 v) {
 struct Operands {
   const CascadeRecord& r;
   const float* q;
-  Vec3 p0, p1, s;
+  const Vec3 &p0, &p1, &s;
 
   float parameter(int k) const { return q[r.parameter[k]]; }
   float w() const { return r.weight == kNone ? 1.0f : s.x; }
   Vec3 axis() const { return {r.axis[0], r.axis[1], r.axis[2]}; }
   Vec3 pivot() const { return {r.pivot[0], r.pivot[1], r.pivot[2]}; }
-  float angle() const { return w() * parameter(0); }  // about the axis; zero at most points of a face, away from the jaw
+  // About the axis. Zero at most points of a face: away from the jaw.
+  float angle() const { return w() * parameter(0); }
   Mat3 rotation() const { return rotation_by(angle() * axis()); }
 };
 
@@ -166,7 +167,7 @@ void lerp(const Operands& o, FieldStep& out) {
 
 }  // namespace
 
-FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
+FieldStep apply(const CascadeRecord& r, const float* q, const Vec3& p0, const Vec3& p1, const Vec3& s) {
   FieldStep out;
   const Operands o{r, q, p0, p1, s};
   switch (r.operation) {
@@ -202,7 +203,8 @@ FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s
 }
 
 /// Only what runs at every vertex, or is most of a cascade, is worth code of its own.
-Vec3 apply_without_derivatives(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
+Vec3 apply_without_derivatives(const CascadeRecord& r, const float* q, const Vec3& p0, const Vec3& p1,
+                               const Vec3& s) {
   if (r.operation == Operation::add_vector) return p0 + q[r.parameter[0]] * s;
   if (r.operation != Operation::rotate) return apply(r, q, p0, p1, s).p;
   const Operands o{r, q, p0, p1, s};

@@ -28,8 +28,8 @@ struct SparseRows {
 /// g += B^T W r and, in H, h_(k, j) += (B^T W B)_(k, j) for each column k of B and all j >= k. B is spread over n columns with zeros, in x
 /// and y, which are zero before and afterwards. Rounded up to whole vectors: beyond a row's end, zeros are added to the next row.
 PLIANT_WIDE_VECTORS
-void add_spread(float* __restrict h, float* __restrict g, std::size_t n, const SparseRows& b, float* __restrict x,
-                float* __restrict y) {
+void add_spread(float* __restrict h, float* __restrict g, std::size_t n, const SparseRows& b,
+                float* __restrict x, float* __restrict y) {
   const Sym2 w = b.w;
   for (std::size_t i = 0; i < b.count; ++i) {
     x[b.unknown[i]] = b.column[i].x;
@@ -59,7 +59,7 @@ PLIANT_WIDE_VECTORS
 void subtract_panel(float* __restrict y, const float (&f)[kPanel], const float* const (&x)[kPanel],
                     std::size_t n) {
   const float f0 = f[0], f1 = f[1], f2 = f[2], f3 = f[3];
-  const float *__restrict x0 = x[0], *__restrict x1 = x[1], *__restrict x2 = x[2], *__restrict x3 = x[3];
+  const float* __restrict x0 = x[0], * __restrict x1 = x[1], * __restrict x2 = x[2], * __restrict x3 = x[3];
   for (std::size_t j = 0; j < n; ++j) {
     float v = y[j];
     v -= f0 * x0[j];
