@@ -125,7 +125,7 @@ Vec3 SampledPointEvaluator::run(const CascadePlan& plan, const CascadeRecord* re
     }
     if ((link & CascadePlan::kStores) != 0) value_[plan.sampled(n)] = p;
   }
-  return value_[plan.result()];
+  return p;  // the last sampled record is the result
 }
 
 Vec3 SampledPointEvaluator::evaluate(const CascadePlan& plan, const CascadeRecord* records,
