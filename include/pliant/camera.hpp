@@ -65,6 +65,14 @@ class Projector {
   /// Image position (px) of a model point (mm).
   /// \return false when the point is too near or behind the camera; x is then unchanged.
   bool project(Vec3 p, Vec2* x) const;
+  /// The same of a point in camera axes, as `rotated` gives it.
+  bool project_rotated(Vec3 r, Vec2* x) const {
+    const float depth = 1 + view_.rho * r.z;
+    if (!(depth >= kMinDepthRatio)) return false;
+    const float g = view_.s / depth;
+    *x = {view_.c.x + g * (r.x + view_.tau.x), view_.c.y + g * (r.y + view_.tau.y)};
+    return true;
+  }
 
   /// Derivatives of an image position: `pose[k]` along pose unknown k, `m` (2 x 3, by rows) along the model point.
   struct Derivatives {

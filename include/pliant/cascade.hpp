@@ -116,6 +116,9 @@ class Cascade {
   void select(const float* q, float slack_mm = 0);
   /// Position at the selected q. Cost: one sample a listed record.
   Vec3 selected_point(Vec2 uv);
+  /// Announces that `selected_frame` will be called for a point after the next one: starts to fetch the samples from memory,
+  /// on which it waits for half of its time. Changes nothing else.
+  void announce(Vec2 uv) const;
   /// Position and tangents at the selected q.
   SurfaceFrame selected_frame(Vec2 uv);
 

@@ -40,7 +40,6 @@ class DepthBuffer {
   struct Cells {
     int i0, i1, j0, j1;  // [i0, i1) x [j0, j1)
   };
-  Cells cells_under(const Vec2 (&x)[3]) const;
   void draw_face(const Vec2 (&x)[3], const float (&z)[3], const Cells& cells);
 
   float* depth_ = nullptr;

@@ -20,22 +20,40 @@ struct Sums {
   std::int32_t n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 };
 
+/// Pixels of the reference: rows from p on, a stride apart.
+struct Pixels {
+  const std::uint8_t* p = nullptr;
+  int stride = 0, width = 0, rows = 0;
+};
+
 PLIANT_WIDE_VECTORS
-Sums sums_of(const std::uint8_t* __restrict p, int p_stride, const std::uint8_t* __restrict q, int q_stride,
-             int width, int rows) {
-  Sums s;
-  for (int y = 0; y < rows; ++y, p += p_stride, q += q_stride) {
-    for (int x = 0; x < width; ++x) {
-      const auto a = static_cast<std::int16_t>(p[x]), b = static_cast<std::int16_t>(q[x]);
-      s.a += a;
-      s.b += b;
-      s.aa += a * a;
-      s.bb += b * b;
-      s.ab += a * b;
+void add_reference(const Pixels& of, Sums& s) {
+  const std::uint8_t* __restrict p = of.p;
+  std::int32_t a = 0, aa = 0;
+  for (int y = 0; y < of.rows; ++y, p += of.stride)
+    for (int x = 0; x < of.width; ++x) {
+      const auto v = static_cast<std::int16_t>(p[x]);
+      a += v;
+      aa += v * v;
     }
-  }
-  s.n = width * rows;
-  return s;
+  s.a = a;
+  s.aa = aa;
+}
+
+PLIANT_WIDE_VECTORS
+void add_image(const Pixels& of, const std::uint8_t* __restrict q, int q_stride, Sums& s) {
+  const std::uint8_t* __restrict p = of.p;
+  std::int32_t b = 0, bb = 0, ab = 0;
+  for (int y = 0; y < of.rows; ++y, p += of.stride, q += q_stride)
+    for (int x = 0; x < of.width; ++x) {
+      const auto u = static_cast<std::int16_t>(p[x]), v = static_cast<std::int16_t>(q[x]);
+      b += v;
+      bb += v * v;
+      ab += u * v;
+    }
+  s.b = b;
+  s.bb = bb;
+  s.ab = ab;
 }
 
 float correlation(const Sums& s) {
@@ -92,11 +110,14 @@ class Search {
     while (y0 + dy < 0) y0 += spacing_;
     const int y1 = box_.y1 + dy > current_.height ? current_.height - dy : box_.y1;
     if (x0 >= x1 || y0 >= y1) return 0;
-    const Sums sums = sums_of(reference_.data + y0 * reference_.stride + x0, spacing_ * reference_.stride,
-                              current_.data + (y0 + dy) * current_.stride + x0 + dx,
-                              spacing_ * current_.stride, x1 - x0, (y1 - y0 + spacing_ - 1) / spacing_);
-    compared_ += static_cast<std::uint32_t>(sums.n);
-    return sums.n < min_pixels_ ? 0.0f : correlation(sums);
+    const Pixels of{reference_.data + y0 * reference_.stride + x0, spacing_ * reference_.stride, x1 - x0,
+                    (y1 - y0 + spacing_ - 1) / spacing_};
+    if (of.p != of_.p || of.width != of_.width || of.rows != of_.rows) add_reference(of, sums_);
+    of_ = of;
+    sums_.n = of.width * of.rows;
+    add_image(of, current_.data + (y0 + dy) * current_.stride + x0 + dx, spacing_ * current_.stride, sums_);
+    compared_ += static_cast<std::uint32_t>(sums_.n);
+    return sums_.n < min_pixels_ ? 0.0f : correlation(sums_);
   }
 
   const ImageView& reference_;
@@ -107,6 +128,8 @@ class Search {
   int best_x_ = 0, best_y_ = 0;
   float best_ = 0;
   std::uint32_t compared_ = 0;
+  Pixels of_;  // of the last comparison: most shifts compare the same pixels of the reference
+  Sums sums_;
 };
 
 PixelBox clipped(PixelBox box, const ImageView& image) {

@@ -1,10 +1,63 @@
 #include "vision/patch_warp_system.hpp"
 
+#include <type_traits>
+
+#include "vision/halfwords.hpp"
 #include "vision/patch_sums.hpp"
 #include "vision/patch_texture.hpp"
 
 namespace pliant::patch {
 namespace {
+
+// Loops over unknowns, [from, to). With vectors they are unrolled, so that small arrays stay in registers: of such loops GCC
+// makes short vectors, which wait for the elements that were stored before. Elsewhere they are loops, which are shorter.
+#if PLIANT_HAS_HALFWORDS
+
+using Unknown = int;
+constexpr Unknown kEnd = kUnknowns;
+
+constexpr Unknown after(Unknown i) {
+  return i + 1;
+}
+constexpr Unknown mirrored(Unknown i, Unknown first) {
+  return kUnknowns - 1 + first - i;
+}
+template <class F>
+inline void for_each(Unknown from, Unknown to, F f) {
+  for (Unknown i = from; i < to; ++i) f(i);
+}
+template <class F>
+inline auto with_first(int first, F f) {
+  return f(first);
+}
+
+#else
+
+template <int i>
+using Unknown = std::integral_constant<int, i>;
+constexpr Unknown<kUnknowns> kEnd;
+
+template <int i>
+constexpr Unknown<i + 1> after(Unknown<i>) {
+  return {};
+}
+template <int i, int first>
+constexpr Unknown<kUnknowns - 1 + first - i> mirrored(Unknown<i>, Unknown<first>) {
+  return {};
+}
+template <int from, int to, class F>
+inline void for_each(Unknown<from> i, Unknown<to> end, F f) {
+  if constexpr (from < to) {
+    f(i);
+    for_each(after(i), end, f);
+  }
+}
+template <class F>
+inline auto with_first(int first, F f) {
+  return first == kRamp ? f(Unknown<kRamp>{}) : f(Unknown<kLight>{});
+}
+
+#endif
 
 constexpr int kShiftX = kShift, kShiftY = kShift + 1;
 
@@ -64,29 +117,38 @@ void add_priors(float ramp_sd, Vec2 along, float (&a)[kUnknowns][kUnknowns]) {
 
 // Here and in the substitution a finished unknown is eliminated from all others at once. This gives the shortest chain of
 // dependent operations, which determines the time.
-bool factorise(float ramp_sd, WarpSystem& s) {
+template <class First>
+bool factorise(First first, float ramp_sd, WarpSystem& s) {
   float a[kUnknowns][kUnknowns], diagonal[kUnknowns];
-  for (int i = s.first; i < kUnknowns; ++i)
-    for (int k = s.first; k <= i; ++k) a[i][k] = s.products[lower(i, k)];
+  for (int i = first; i < kUnknowns; ++i)
+    for (int k = first; k <= i; ++k) a[i][k] = s.products[lower(i, k)];
   add_priors(ramp_sd, s.along, a);
-  for (int i = s.first; i < kUnknowns; ++i) diagonal[i] = a[i][i];
-  for (int j = s.first; j < kUnknowns; ++j) {
-    if (!(a[j][j] > kPatchTuning.min_pivot_ratio * diagonal[j])) return false;
+  for (int i = first; i < kUnknowns; ++i) diagonal[i] = a[i][i];
+  bool is_regular = true;
+  for_each(first, kEnd, [&](auto j) {
+    is_regular = is_regular && a[j][j] > kPatchTuning.min_pivot_ratio * diagonal[j];
     s.d[j] = a[j][j];
     s.inverse_d[j] = 1.0f / a[j][j];
-    for (int i = j + 1; i < kUnknowns; ++i) s.l[lower(i, j)] = a[i][j] * s.inverse_d[j];
-    for (int i = j + 1; i < kUnknowns; ++i)
-      for (int k = j + 1; k <= i; ++k) a[i][k] -= s.l[lower(i, j)] * a[k][j];
-  }
-  return true;
+    for_each(after(j), kEnd, [&](auto i) { s.l[lower(i, j)] = a[i][j] * s.inverse_d[j]; });
+    for_each(after(j), kEnd, [&](auto i) {
+      for_each(after(j), after(i), [&](auto k) { a[i][k] -= s.l[lower(i, j)] * a[k][j]; });
+    });
+  });
+  return is_regular;
 }
 
-void substitute(const WarpSystem& s, float* v) {
-  for (int j = s.first; j < kUnknowns; ++j)
-    for (int i = j + 1; i < kUnknowns; ++i) v[i] -= s.l[lower(i, j)] * v[j];
-  for (int i = s.first; i < kUnknowns; ++i) v[i] *= s.inverse_d[i];
-  for (int j = kUnknowns - 1; j > s.first; --j)
-    for (int i = s.first; i < j; ++i) v[i] -= s.l[lower(j, i)] * v[j];
+template <class First>
+void substitute(First first, const WarpSystem& s, float (&x)[kUnknowns]) {
+  float v[kUnknowns];
+  for_each(first, kEnd, [&](auto i) { v[i] = x[i]; });
+  for_each(first, kEnd,
+           [&](auto j) { for_each(after(j), kEnd, [&](auto i) { v[i] -= s.l[lower(i, j)] * v[j]; }); });
+  for_each(first, kEnd, [&](auto i) { v[i] *= s.inverse_d[i]; });
+  for_each(first, kEnd, [&](auto k) {
+    const auto j = mirrored(k, first);
+    for_each(first, j, [&](auto i) { v[i] -= s.l[lower(j, i)] * v[j]; });
+  });
+  for_each(first, kEnd, [&](auto i) { x[i] = v[i]; });
 }
 
 }  // namespace
@@ -95,7 +157,8 @@ void prepare(const i16* const* images, int window, float ramp_sd, bool accepts_e
   s.first = ramp_sd > 0 ? kRamp : kLight;
   for (int i = s.first; i <= kUnknowns; ++i) s.images[i] = images[i];
   compute_products(padded(window), s);
-  s.is_solvable = is_usable(texture_of(s), window, accepts_edges, s.along) && factorise(ramp_sd, s);
+  s.is_solvable = is_usable(texture_of(s), window, accepts_edges, s.along) &&
+                  with_first(s.first, [&](auto first) { return factorise(first, ramp_sd, s); });
 }
 
 WarpFit fit(const WarpSystem& s, const Mat2& expected, const i16* image, int count) {
@@ -108,7 +171,7 @@ WarpFit fit(const WarpSystem& s, const Mat2& expected, const i16* image, int cou
     r.x[i] = r.b[i] = centred(s.n, s.inverse_n, raw[i], s.sums[i], r.sum);
   const float stretch[] = {expected.a, expected.b, expected.c, expected.d};
   for (int i = 0; i < 4; ++i) r.x[kStretch + i] += kWarpWeight * stretch[i];
-  substitute(s, r.x);
+  with_first(s.first, [&](auto first) { substitute(first, s, r.x); });
   return r;
 }
 

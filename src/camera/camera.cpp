@@ -69,12 +69,7 @@ Vec3 Projector::to_camera(Vec3 p) const {
 }
 
 bool Projector::project(Vec3 p, Vec2* x) const {
-  const Vec3 r = rotation_ * p;
-  const float depth = 1 + view_.rho * r.z;
-  if (!(depth >= kMinDepthRatio)) return false;
-  const float g = view_.s / depth;
-  *x = {view_.c.x + g * (r.x + view_.tau.x), view_.c.y + g * (r.y + view_.tau.y)};
-  return true;
+  return project_rotated(rotated(p), x);
 }
 
 bool Projector::project(Vec3 p, Vec2* x, Derivatives* d) const {
@@ -95,10 +90,15 @@ bool Projector::project(Vec3 p, Vec2* x, Derivatives* d) const {
   d->pose[kShiftX] = {g, 0};
   d->pose[kShiftY] = {0, g};
   d->pose[kLogRho] = along_rho;
-  for (int c = 0; c < 3; ++c) {
-    d->m[0][c] = g * rotation_.m[0][c] + along_z.x * rotation_.m[2][c];
-    d->m[1][c] = g * rotation_.m[1][c] + along_z.y * rotation_.m[2][c];
-  }
+  // One by one: GCC makes a vector of such a short loop, and gathers it again.
+  const auto& m = rotation_.m;
+  const auto column = [&](int c) {
+    d->m[0][c] = g * m[0][c] + along_z.x * m[2][c];
+    d->m[1][c] = g * m[1][c] + along_z.y * m[2][c];
+  };
+  column(0);
+  column(1);
+  column(2);
   return true;
 }
 

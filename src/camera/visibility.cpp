@@ -3,8 +3,19 @@
 namespace pliant {
 
 namespace {
+
 constexpr float kFar = 1e30f;
+
+/// The cells [*first, *end) of `count` along one axis whose centres lie between three corners. A small triangle may have none.
+inline void find_cells(float a, float b, float c, int count, int* first, int* end) {
+  const auto first_from = [count](float value) {
+    return static_cast<int>(clamp(value + 0.5f, 0, static_cast<float>(count)));
+  };
+  *first = first_from(min(a, min(b, c)));
+  *end = first_from(max(a, max(b, c)));
 }
+
+}  // namespace
 
 bool faces_camera(const Mesh& mesh, const Vec2* image, FaceId f) {
   const VertexId a = mesh.corner(f, 0), b = mesh.corner(f, 1), c = mesh.corner(f, 2);
@@ -30,27 +41,21 @@ void DepthBuffer::draw(const Mesh& mesh, const Vec2* image, const float* depth) 
   const float width = max(high.x - low.x, 1), height = max(high.y - low.y, 1);
   origin_ = low;
   cells_per_px_ = min(static_cast<float>(across_) / width, static_cast<float>(down_) / height);
+  const Vec2 from = origin_;
+  const float scale = cells_per_px_;
+  const int across = across_, down = down_;
   for (FaceId f : mesh.faces()) {
-    const VertexId corner[3] = {mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2)};
-    Vec2 x[3];
-    for (int k = 0; k < 3; ++k) x[k] = cells_per_px_ * (image[corner[k]] - origin_);
-    const float z[3] = {depth[corner[0]], depth[corner[1]], depth[corner[2]]};
+    const VertexId a = mesh.corner(f, 0), b = mesh.corner(f, 1), c = mesh.corner(f, 2);
+    const float z[3] = {depth[a], depth[b], depth[c]};
     if (!(z[0] > 0 && z[1] > 0 && z[2] > 0))
       continue;  // the image of a vertex behind the camera may be anything
-    const Cells cells = cells_under(x);
-    if (cells.i0 < cells.i1 && cells.j0 < cells.j1 && faces_camera(mesh, image, f)) draw_face(x, z, cells);
+    const Vec2 x[3] = {scale * (image[a] - from), scale * (image[b] - from), scale * (image[c] - from)};
+    Cells cells;
+    find_cells(x[0].x, x[1].x, x[2].x, across, &cells.i0, &cells.i1);
+    if (cells.i0 >= cells.i1) continue;
+    find_cells(x[0].y, x[1].y, x[2].y, down, &cells.j0, &cells.j1);
+    if (cells.j0 < cells.j1 && faces_camera(mesh, image, f)) draw_face(x, z, cells);
   }
-}
-
-/// The cells whose centres lie in the bounding box of a triangle. A small triangle may have none.
-DepthBuffer::Cells DepthBuffer::cells_under(const Vec2 (&x)[3]) const {
-  const auto first_from = [](float value, int count) {
-    return static_cast<int>(clamp(value + 0.5f, 0, static_cast<float>(count)));
-  };
-  return {first_from(min(x[0].x, min(x[1].x, x[2].x)), across_),
-          first_from(max(x[0].x, max(x[1].x, x[2].x)), across_),
-          first_from(min(x[0].y, min(x[1].y, x[2].y)), down_),
-          first_from(max(x[0].y, max(x[1].y, x[2].y)), down_)};
 }
 
 void DepthBuffer::draw_face(const Vec2 (&x)[3], const float (&z)[3], const Cells& cells) {

@@ -235,7 +235,10 @@ Span<const Prediction> Estimator::predict() {
   Prediction* const out = s.points.predictions();
   std::size_t n = 0;
   for (std::uint16_t i = 0; i < s.points.capacity(); ++i)
-    if (s.points.has(i)) out[n++] = s.predict(i, projector);
+    if (s.points.has(i)) {
+      s.points.announce(i + std::size_t{4});
+      out[n++] = s.predict(i, projector);
+    }
   s.predictions = {out, n};
   return s.predictions;
 }

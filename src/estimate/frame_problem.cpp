@@ -2,6 +2,21 @@
 
 namespace pliant {
 
+namespace {
+
+/// Index of the prediction with this id. They are in order of id, and it is there.
+std::size_t find(Span<const Prediction> predictions, std::uint16_t id) {
+  std::size_t first = 0, end = predictions.count;
+  while (end - first > 1) {
+    const std::size_t middle = (first + end) / 2;
+    (predictions[middle].id <= id ? first : end) = middle;
+  }
+  PLIANT_ASSERT(predictions[first].id == id);
+  return first;
+}
+
+}  // namespace
+
 void SolveScratch::lay_out(Arena& arena, std::size_t parameters, std::size_t unknowns) {
   equations.lay_out(arena, unknowns);
   trial_q = arena.take<float>(parameters);
@@ -14,6 +29,7 @@ void FrameProblem::measure(const View& v, const float* q) {
   const Projector projector(v, true);
   scratch.work.measured_rows += static_cast<std::uint32_t>(rows.count());
   for (std::size_t k = 0; k < rows.count(); ++k) {
+    announce(k);
     Vec2 x = kBehind;
     projector.project(input.cascade.evaluate(input.points.samples(rows[k].id), q), &x);
     rows.measure(k, x);
@@ -21,14 +37,12 @@ void FrameProblem::measure(const View& v, const float* q) {
 }
 
 void FrameProblem::measure(Span<const Prediction> predictions) {
+  std::size_t at = 0;  // rows are nearly in order of id, too
   for (std::size_t k = 0; k < rows.count(); ++k) {
-    std::size_t first = 0, end = predictions.count;
-    while (end - first > 1) {
-      const std::size_t middle = (first + end) / 2;
-      (predictions[middle].id <= rows[k].id ? first : end) = middle;
-    }
-    PLIANT_ASSERT(predictions[first].id == rows[k].id);
-    rows.measure(k, predictions[first].x);
+    const std::uint16_t id = rows[k].id;
+    while (at + 1 < predictions.count && predictions[at].id < id) ++at;
+    if (predictions[at].id != id) at = find(predictions, id);
+    rows.measure(k, predictions[at].x);
   }
 }
 
@@ -97,6 +111,7 @@ float FrameProblem::linearise() {
   const float per_scale = 1.0f / scale, per_square = per_scale * per_scale;
   float sum = 0;
   for (std::size_t k = 0; k < rows.count(); ++k) {
+    announce(k);
     Jacobian jacobian;
     const Vec3 p = input.cascade.evaluate(input.points.samples(rows[k].id), state.q, &jacobian);
     Vec2 x = kBehind;

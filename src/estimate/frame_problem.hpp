@@ -67,6 +67,10 @@ struct FrameProblem {
   std::size_t columns() const { return input.cascade.column_count(); }
   const Parameter& parameter(std::size_t i) const { return input.cascade.model().parameters()[i]; }
   void measure(const View& v, const float* q);
+  void announce(std::size_t k) const {
+    constexpr std::size_t kAhead = 3;  // rows
+    if (k + kAhead < rows.count()) input.points.announce(rows[k + kAhead].id);
+  }
   float try_step(const float* step);
   void accept();
   void add_row(const Projector::Derivatives& d, const Jacobian& jacobian, std::size_t row, float weight);

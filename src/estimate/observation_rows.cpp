@@ -97,6 +97,11 @@ void ObservationRows::gather(Span<Observation> observations, const SurfacePoints
 
 void ObservationRows::measure(std::size_t k, Vec2 x) {
   ObservationRow& r = rows_[k];
+  if (r.count == 1 && observations_[r.first].reason == Reason::found) {  // the usual case
+    residuals_[k] = observations_[r.first].x - x;
+    lengths_[k] = mahalanobis(information_[k], residuals_[k]) * (r.is_line ? kLineToPlane : 1.0f);
+    return;
+  }
   float best = -1;
   for (std::uint8_t i = 0; i < r.count; ++i) {
     const Observation& o = observations_[static_cast<std::size_t>(r.first) + i];

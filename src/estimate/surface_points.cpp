@@ -135,9 +135,14 @@ void SurfacePoints::set_tangents(std::uint16_t id, const SurfaceFrame& frame) {
 void SurfacePoints::update_tangents(Cascade& cascade, const float* q, std::uint32_t frame,
                                     std::uint32_t interval) {
   cascade.select(q, kSurfacePointsTuning.tangent_slack_mm);
-  for (std::uint16_t i = 0; i < capacity_; ++i)
-    if (kind_[i] != PointKind::none && kind_[i] != PointKind::silhouette && (i + frame) % interval == 0)
-      set_tangents(i, cascade.selected_frame(uv_[i]));
+  const auto has_tangents = [this](std::size_t i) {
+    return i < capacity_ && kind_[i] != PointKind::none && kind_[i] != PointKind::silhouette;
+  };
+  for (std::uint16_t i = 0; i < capacity_; ++i) {
+    if ((i + frame) % interval != 0 || !has_tangents(i)) continue;
+    if (kHasVectors && has_tangents(i + interval)) cascade.announce(uv_[i + interval]);
+    set_tangents(i, cascade.selected_frame(uv_[i]));
+  }
 }
 
 void SurfacePoints::place_silhouette(Span<const SilhouettePoint> contour, Cascade& cascade, const float* q) {

@@ -2,6 +2,7 @@
 // The tracked points of the surface: patches and markers at fixed (u,v), edges on curves of the model, and points on the silhouette.
 #include <cstdint>
 
+#include "base/prefetch.hpp"
 #include "estimate/motion_model.hpp"
 #include "pliant/cascade.hpp"
 #include "pliant/observation.hpp"
@@ -68,6 +69,10 @@ class SurfacePoints {
   PointKind kind(std::uint16_t id) const { return kind_[id]; }
   Vec2 uv(std::uint16_t id) const { return uv_[id]; }
   const Vec3* samples(std::uint16_t id) const { return samples_ + id * stride_; }
+  /// Announces that the samples of a point are read soon. `id` may be that of no point.
+  void announce(std::size_t id) const {
+    if (id < capacity_) prefetch_samples(samples_ + id * stride_);
+  }
   std::size_t capacity() const { return capacity_; }
   std::size_t silhouette_count() const { return silhouette_count_; }
 

@@ -123,10 +123,12 @@ void VisibleSurface::renew_vertices(Cascade& cascade, const float* q, std::size_
 /// Moves the chosen vertices but for those whose samples are out of date. \return how far the farthest one moved, squared (mm^2).
 template <class Chosen>
 float VisibleSurface::move_vertices(Cascade& cascade, const float* q, const Chosen& is_chosen) {
+  constexpr int kAhead = 8;  // vertices; of each number of them chosen in turn, a multiple
   float farthest = 0;
   for (VertexId v : mesh_.vertices()) {
     if (v >= first_outdated_) break;
     if (!is_chosen(v)) continue;
+    if (keeps_samples()) prefetch_samples(samples_of(static_cast<VertexId>(v + kAhead)));
     const Vec3 p = keeps_samples() ? cascade.evaluate(samples_of(v), q) : cascade.selected_point(mesh_.uv(v)),
                step = p - position_[v];
     farthest = max(farthest, dot(step, step));
@@ -155,10 +157,10 @@ void VisibleSurface::turn_to(const View& view) {
 
 void VisibleSurface::project(const View& view) {
   const Projector projector(view, true);
-  for (VertexId v : mesh_.vertices())
-    depth_[v] = projector.project(position_[v], &image_[v])
-                    ? kTuning.nominal_distance_mm + projector.rotated(position_[v]).z
-                    : -1.0f;
+  for (VertexId v : mesh_.vertices()) {
+    const Vec3 r = projector.rotated(position_[v]);
+    depth_[v] = projector.project_rotated(r, &image_[v]) ? kTuning.nominal_distance_mm + r.z : -1.0f;
+  }
   images_are_current_ = true;
 }
 

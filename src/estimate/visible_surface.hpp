@@ -2,6 +2,7 @@
 // The model's surface as the camera sees it: an adaptive mesh, its posed vertices, and a depth buffer.
 #include <cstdint>
 
+#include "base/prefetch.hpp"
 #include "estimate/model_state.hpp"
 #include "pliant/adapt.hpp"
 #include "pliant/cascade.hpp"

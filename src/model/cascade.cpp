@@ -202,6 +202,10 @@ Vec3 Cascade::selected_point(Vec2 uv) {
   return state_->selection.point(state_->source(model_), state_->plan, uv);
 }
 
+void Cascade::announce(Vec2 uv) const {
+  state_->selection.announce(state_->source(model_), state_->plan, uv);
+}
+
 SurfaceFrame Cascade::selected_frame(Vec2 uv) {
   return state_->selection.frame(state_->source(model_), state_->plan, uv);
 }

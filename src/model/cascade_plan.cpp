@@ -106,16 +106,11 @@ void CascadePlan::assign_registers() {
   }
 }
 
-/// Whether the value of the n-th sampled record has to be kept beyond the next one.
+/// Whether the value of the n-th sampled record has to be kept beyond the next one, or for a record with two sources.
 bool CascadePlan::is_stored(Span<const CascadeRecord> records, std::size_t n) const {
   if (n + 1 == sampled_count_) return true;
-  for (std::size_t m = n + 1; m < sampled_count_; ++m) {
-    if (!is_live(sampled_[m])) continue;
-    const CascadeRecord& reader = records[sampled_[m]];
-    const bool is_follower = m == n + 1 && reader.source[1] == kNone;
-    if (!is_follower && (reader.source[0] == sampled_[n] || reader.source[1] == sampled_[n])) return true;
-  }
-  return false;
+  const std::uint16_t last = last_reader_[sampled_[n]];
+  return last != sampled_[n] && (last != sampled_[n + 1] || records[last].source[1] != kNone);
 }
 
 /// Most records of a face add a vector to the record before, and most of these vectors are zero at any one point. Most of a

@@ -41,8 +41,9 @@ class CascadePlan {
   std::size_t sampled_count() const { return sampled_count_; }
   std::uint16_t sampled(std::size_t n) const { return sampled_[n]; }
   unsigned link(std::size_t n) const { return link_[n]; }
-  /// First parameter of the n-th sampled record; kNone when it has none.
-  std::uint16_t first_parameter(std::size_t n) const { return first_parameter_[n]; }
+  /// The links of all sampled records, and the first parameter of each; kNone when it has none.
+  const std::uint8_t* links() const { return link_; }
+  const std::uint16_t* first_parameters() const { return first_parameter_; }
 
   Role role(std::size_t record) const { return role_[record]; }
   bool is_live(std::size_t record) const { return role_[record] == Role::live; }

@@ -164,6 +164,15 @@ Vec3 sample_any(const std::uint8_t* samples, const Field& f, const Cell& cell, I
 
 }  // namespace
 
+void prefetch_field(const std::uint8_t* samples, const Field& f, Vec2 uv) {
+  const Cell cell = locate(f, uv);
+  if (!cell.inside) return;
+  const std::size_t bytes = f.bits / 8u * f.components, row = f.width * bytes;
+  const std::uint8_t* const p = samples + f.first_byte + cell.j * row + cell.i * bytes;
+  __builtin_prefetch(p);
+  __builtin_prefetch(p + row);
+}
+
 Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,
                   Vec3* dv) {
   if (du != nullptr) *du = *dv = {};

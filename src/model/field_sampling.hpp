@@ -22,6 +22,9 @@ inline bool is_in_support(const Field& f, const ChartPoint& at) {
   return u >= f.u0 && u <= f.u1 && at.v >= f.v0 && at.v <= f.v1;
 }
 
+/// Starts to fetch the samples around (u,v), two rows of them.
+void prefetch_field(const std::uint8_t* samples, const Field& f, Vec2 uv);
+
 /// Value of `f` at (u,v), from samples that start at `samples` + f.first_byte. With `du`, also the derivatives along u and
 /// v, in `du` and `dv`; null for both otherwise.
 Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,

@@ -60,13 +60,15 @@ Mat3 rotation_by(Vec3 v) {
 struct Operands {
   const CascadeRecord& r;
   const float* q;
-  Vec3 p0, p1, s;
+  const Vec3 &p0, &p1, &s;
 
   float parameter(int k) const { return q[r.parameter[k]]; }
   float w() const { return r.weight == kNone ? 1.0f : s.x; }
   Vec3 axis() const { return {r.axis[0], r.axis[1], r.axis[2]}; }
   Vec3 pivot() const { return {r.pivot[0], r.pivot[1], r.pivot[2]}; }
-  Mat3 rotation() const { return rotation_by((w() * parameter(0)) * axis()); }  // by w q about the axis
+  // About the axis. Zero at most points of a face: away from the jaw.
+  float angle() const { return w() * parameter(0); }
+  Mat3 rotation() const { return rotation_by(angle() * axis()); }
 };
 
 /// The derivatives of p0 + w q d by q and by w.
@@ -118,9 +120,9 @@ void scale(const Operands& o, FieldStep& out) {
 
 /// p = c + R(w q a) (p0 - c), a the axis. A small turn d about a moves p by d a x (p - c).
 void rotate(const Operands& o, FieldStep& out) {
-  out.map = o.rotation();
-  out.maps = true;
-  const Vec3 arm = out.map * (o.p0 - o.pivot());
+  out.maps = o.angle() != 0;
+  if (out.maps) out.map = o.rotation();
+  const Vec3 from = o.p0 - o.pivot(), arm = out.maps ? out.map * from : from;
   out.p = o.pivot() + arm;
   derive(o, cross(o.axis(), arm), out);
 }
@@ -165,7 +167,7 @@ void lerp(const Operands& o, FieldStep& out) {
 
 }  // namespace
 
-FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
+FieldStep apply(const CascadeRecord& r, const float* q, const Vec3& p0, const Vec3& p1, const Vec3& s) {
   FieldStep out;
   const Operands o{r, q, p0, p1, s};
   switch (r.operation) {
@@ -200,11 +202,14 @@ FieldStep apply(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s
   return out;
 }
 
-/// Only what runs at every vertex is worth code of its own. Additions and products in a chain are evaluated elsewhere.
-Vec3 apply_without_derivatives(const CascadeRecord& r, const float* q, Vec3 p0, Vec3 p1, Vec3 s) {
+/// Only what runs at every vertex, or is most of a cascade, is worth code of its own.
+Vec3 apply_without_derivatives(const CascadeRecord& r, const float* q, const Vec3& p0, const Vec3& p1,
+                               const Vec3& s) {
+  if (r.operation == Operation::add_vector) return p0 + q[r.parameter[0]] * s;
   if (r.operation != Operation::rotate) return apply(r, q, p0, p1, s).p;
   const Operands o{r, q, p0, p1, s};
-  return o.pivot() + o.rotation() * (p0 - o.pivot());
+  const Vec3 arm = p0 - o.pivot();
+  return o.pivot() + (o.angle() != 0 ? o.rotation() * arm : arm);
 }
 
 bool keeps_source_at_zero_sample(const CascadeRecord& r) {

@@ -77,6 +77,11 @@ void PersonalField::set_sample(std::size_t i, std::size_t j, Vec3 difference) {
   for (int c = 0; c < 3; ++c) to[c] = quantised(value[c], field_.offset[c], field_.scale[c]);
 }
 
+void PersonalField::announce(const Model& model, Vec2 uv) const {
+  prefetch_field(model.samples(), model.fields()[root_], uv);
+  prefetch_field(reinterpret_cast<const std::uint8_t*>(samples_), field_, uv);
+}
+
 Vec3 PersonalField::sample(const Model& model, Vec2 uv, Interpolation interpolation, Vec3* du,
                            Vec3* dv) const {
   const Vec3 rest = sample_field(model.samples(), model.fields()[root_], uv, interpolation, du, dv);

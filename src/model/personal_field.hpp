@@ -35,6 +35,9 @@ class PersonalField {
   /// and the derivatives.
   Vec3 sample(const Model& model, Vec2 uv, Interpolation interpolation, Vec3* du, Vec3* dv) const;
 
+  /// Starts to fetch what `sample` will read.
+  void announce(const Model& model, Vec2 uv) const;
+
  private:
   /// Smallest and largest value seen of each component.
   struct Range {

@@ -1,6 +1,5 @@
 #include "model/record_selection.hpp"
 
-#include "model/field_sampling.hpp"
 #include "model/field_step.hpp"
 
 namespace pliant {
@@ -97,16 +96,9 @@ void RecordSelection::compute_frame(const FieldSource& source, std::size_t recor
   const CascadeRecord& r = source.model.cascade()[record];
   const std::size_t first = r.source[0] == kNone ? kNone : value_of_[r.source[0]];
   const std::size_t second = r.source[1] == kNone ? kNone : value_of_[r.source[1]];
+  const RecordValues& v = values_;
   Vec3 su, sv;
   const Vec3 s = source.sample(r, uv, &su, &sv);
-  const RecordValues& v = values_;
-  if (r.operation == Operation::add_vector) {
-    const float amount = q_[r.parameter[0]];
-    v.point[record] = v.point[first] + amount * s;
-    v.tangent_u[record] = v.tangent_u[first] + amount * su;
-    v.tangent_v[record] = v.tangent_v[first] + amount * sv;
-    return;
-  }
   const FieldStep f =
       apply(r, q_, first == kNone ? Vec3{} : v.point[first], second == kNone ? Vec3{} : v.point[second], s);
   const auto tangent = [&](const Vec3* of, Vec3 along) {
@@ -120,16 +112,44 @@ void RecordSelection::compute_frame(const FieldSource& source, std::size_t recor
   v.tangent_v[record] = tangent(v.tangent_v, sv);
 }
 
+void RecordSelection::announce(const FieldSource& source, const CascadePlan& plan, Vec2 uv) const {
+  const ChartPoint at(uv);
+  for (const std::uint16_t i : listed()) {
+    const CascadeRecord& r = source.model.cascade()[i];
+    const std::uint16_t field = r.field != kNone ? r.field : r.weight;
+    if (i == plan.personal_record())
+      source.person.announce(source.model, uv);
+    else if (field != kNone && is_in_support(source.model.fields()[field], at))
+      prefetch_field(source.model.samples(), source.model.fields()[field], uv);
+  }
+}
+
 SurfaceFrame RecordSelection::frame(const FieldSource& source, const CascadePlan& plan, Vec2 uv) {
   PLIANT_ASSERT(count_ > 0);  // `select` was called
   const RecordValues& v = values_;
+  const ChartPoint at(uv);
   for (std::size_t n = 0; n < count_; ++n) {
     const std::size_t i = listed_[n];
-    if (i == plan.personal_record())
+    const CascadeRecord& r = source.model.cascade()[i];
+    if (i == plan.personal_record()) {
       v.point[i] =
           source.person.sample(source.model, uv, source.interpolation, &v.tangent_u[i], &v.tangent_v[i]);
-    else
+    } else if (r.operation == Operation::add_vector) {  // as in `point`
+      const std::size_t first = value_of_[r.source[0]];
+      const Field& field = source.model.fields()[r.field];
+      v.point[i] = v.point[first];
+      v.tangent_u[i] = v.tangent_u[first];
+      v.tangent_v[i] = v.tangent_v[first];
+      if (!is_in_support(field, at)) continue;
+      const float amount = q_[r.parameter[0]];
+      Vec3 su, sv;
+      const Vec3 s = sample_field(source.model.samples(), field, uv, source.interpolation, &su, &sv);
+      v.point[i] = v.point[i] + amount * s;
+      v.tangent_u[i] = v.tangent_u[i] + amount * su;
+      v.tangent_v[i] = v.tangent_v[i] + amount * sv;
+    } else {
       compute_frame(source, i, uv);
+    }
   }
   const std::size_t last = value_of_[plan.result()];
   return {v.point[last], v.tangent_u[last], v.tangent_v[last]};

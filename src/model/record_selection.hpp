@@ -1,6 +1,7 @@
 #pragma once
 // Surface points straight from the tables, at one q: visits only the records that change something there.
 #include "model/cascade_plan.hpp"
+#include "model/field_sampling.hpp"
 #include "model/personal_field.hpp"
 #include "pliant/cascade.hpp"
 
@@ -33,6 +34,8 @@ class RecordSelection {
   /// Whether each listed record has the one before as its source, and the last one is the result. To be asked only where all
   /// but the first have exactly one source (VectorSum::applies): a record without one has nothing to look up.
   bool is_chain(const Model& model, const CascadePlan& plan) const;
+  /// Starts to fetch what `frame` will read.
+  void announce(const FieldSource& source, const CascadePlan& plan, Vec2 uv) const;
   /// Position, or position and tangents, of the plan's result at the selected q.
   Vec3 point(const FieldSource& source, const CascadePlan& plan, Vec2 uv);
   SurfaceFrame frame(const FieldSource& source, const CascadePlan& plan, Vec2 uv);

@@ -16,18 +16,35 @@ constexpr std::size_t kWideLanes = 8;  // floats of the widest vector that add_p
 constexpr std::size_t kBeyond =
     kHasVectors ? kWideLanes : 0;  // where vectors of H's last row end; they add zeros
 
-/// The rows of one observation, in H: h_(k, j) += (B^T W B)_(k, j) for each of its columns k, and all j >= k. B has n columns, zeros
-/// included, in x and y. Rounded up to whole vectors: beyond a row's end, zeros are added to the next row.
+/// Columns of one observation, and what they meet.
+struct SparseRows {
+  const std::uint16_t* unknown;
+  const Vec2* column;
+  std::size_t count;
+  Vec2 force;
+  Sym2 w;
+};
+
+/// g += B^T W r and, in H, h_(k, j) += (B^T W B)_(k, j) for each column k of B and all j >= k. B is spread over n columns with zeros, in x
+/// and y, which are zero before and afterwards. Rounded up to whole vectors: beyond a row's end, zeros are added to the next row.
 PLIANT_WIDE_VECTORS
-void add_products(float* __restrict h, std::size_t n, const std::uint16_t* unknown, std::size_t columns,
-                  const float* __restrict x, const float* __restrict y, Sym2 w) {
-  for (std::size_t i = 0; i < columns; ++i) {
-    const std::size_t k = unknown[i], whole = (n - k + kWideLanes - 1) / kWideLanes * kWideLanes;
-    const float wx = w.xx * x[k] + w.xy * y[k], wy = w.xy * x[k] + w.yy * y[k];
+void add_spread(float* __restrict h, float* __restrict g, std::size_t n, const SparseRows& b,
+                float* __restrict x, float* __restrict y) {
+  const Sym2 w = b.w;
+  for (std::size_t i = 0; i < b.count; ++i) {
+    x[b.unknown[i]] = b.column[i].x;
+    y[b.unknown[i]] = b.column[i].y;
+  }
+  for (std::size_t i = 0; i < b.count; ++i) {
+    const std::size_t k = b.unknown[i], whole = (n - k + kWideLanes - 1) / kWideLanes * kWideLanes;
+    const Vec2 c = b.column[i];
+    g[k] += b.force.x * c.x + b.force.y * c.y;
+    const float wx = w.xx * c.x + w.xy * c.y, wy = w.xy * c.x + w.yy * c.y;
     float* __restrict const row = h + (k * n - k * (k + 1) / 2) + k;
     const float *const along_x = x + k, *const along_y = y + k;
     for (std::size_t j = 0; j < whole; ++j) row[j] += wx * along_x[j] + wy * along_y[j];
   }
+  for (std::size_t i = 0; i < b.count; ++i) x[b.unknown[i]] = y[b.unknown[i]] = 0;
 }
 
 /// y -= f x over [0, n).
@@ -38,19 +55,19 @@ void subtract_scaled(float* y, float f, const float* x, std::size_t n) {
 }
 
 /// Subtracts four rows in order. Same bits as four calls, with a quarter of the loads and stores.
-void subtract_scaled(float* y, const float (&f)[kPanel], const float* const (&x)[kPanel], std::size_t n) {
-  const Lanes f0 = splat(f[0]), f1 = splat(f[1]), f2 = splat(f[2]), f3 = splat(f[3]);
-  std::size_t j = 0;
-  for (; j + kLanes <= n; j += kLanes) {
-    Lanes v = load(y + j);
-    v -= f0 * load(x[0] + j);
-    v -= f1 * load(x[1] + j);
-    v -= f2 * load(x[2] + j);
-    v -= f3 * load(x[3] + j);
-    store(v, y + j);
+PLIANT_WIDE_VECTORS
+void subtract_panel(float* __restrict y, const float (&f)[kPanel], const float* const (&x)[kPanel],
+                    std::size_t n) {
+  const float f0 = f[0], f1 = f[1], f2 = f[2], f3 = f[3];
+  const float* __restrict x0 = x[0], * __restrict x1 = x[1], * __restrict x2 = x[2], * __restrict x3 = x[3];
+  for (std::size_t j = 0; j < n; ++j) {
+    float v = y[j];
+    v -= f0 * x0[j];
+    v -= f1 * x1[j];
+    v -= f2 * x2[j];
+    v -= f3 * x3[j];
+    y[j] = v;
   }
-  for (; j < n; ++j)
-    for (std::size_t k = 0; k < kPanel; ++k) y[j] -= f[k] * x[k][j];
 }
 
 float dot_product(const float* a, const float* b, std::size_t n) {
@@ -151,22 +168,16 @@ float* NormalEquations::gathered_row(float residual) {
 void NormalEquations::add_sparse(const std::uint16_t* unknown, const Vec2* column, std::size_t columns,
                                  Vec2 residual, Sym2 w) {
   const Vec2 force{w.xx * residual.x + w.xy * residual.y, w.xy * residual.x + w.yy * residual.y};
+  if (kHasVectors && !gradient_only_) {
+    add_spread(h_, g_, count_, {unknown, column, columns, force, w}, spread_x_, spread_y_);
+    return;
+  }
   for (std::size_t i = 0; i < columns; ++i) g_[unknown[i]] += force.x * column[i].x + force.y * column[i].y;
   if (gradient_only_) {
     for (std::size_t i = 0; i < columns; ++i) {
       const Vec2 b = column[i];
       h_[index(unknown[i], unknown[i])] += b.x * (w.xx * b.x + w.xy * b.y) + b.y * (w.xy * b.x + w.yy * b.y);
     }
-    return;
-  }
-  if constexpr (kHasVectors) {
-    float *const along_x = spread_x_, *const along_y = spread_y_;
-    for (std::size_t i = 0; i < columns; ++i) {
-      along_x[unknown[i]] = column[i].x;
-      along_y[unknown[i]] = column[i].y;
-    }
-    add_products(h_, count_, unknown, columns, along_x, along_y, w);
-    for (std::size_t i = 0; i < columns; ++i) along_x[unknown[i]] = along_y[unknown[i]] = 0;
     return;
   }
   for (const Vec2* const end = column + columns; column != end; ++column, ++unknown) {
@@ -294,7 +305,7 @@ void NormalEquations::factorise(float damping) {
     for (std::size_t i = end; i < n; ++i) {
       const float f[kPanel] = {panel[0][i], panel[1][i], panel[2][i], panel[3][i]};
       const float* const from[kPanel] = {panel[0] + i, panel[1] + i, panel[2] + i, panel[3] + i};
-      subtract_scaled(factor_row(i) + i, f, from, n - i);
+      subtract_panel(factor_row(i) + i, f, from, n - i);
     }
   }
 }
