@@ -29,7 +29,7 @@ constexpr pliant::TrackerLimits faces_only(pliant::TrackerLimits limits) {
 constexpr pliant::TrackerLimits kLimits = faces_only(pliant::profile_s());
 #else
 constexpr bool kDetects = false;  // its code is not linked
-constexpr std::size_t kArenaBytes = 230 * 1024;
+constexpr std::size_t kArenaBytes = 231 * 1024;
 constexpr pliant::TrackerLimits kLimits = pliant::without_detection(pliant::profile_s());
 #endif
 
