@@ -93,11 +93,11 @@ constexpr unsigned kTemplates = bit(Cue::patch), kEdges = bit(Cue::edge), kFlow 
 }  // namespace
 
 // Sums over twelve films, because a few films' ratios move by several percent with any change of sampling. Measured ratios of
-// rotation errors to those of templates alone: 0.58 with edges, 0.52 with all cues; of landmark errors with all cues 0.91. Each
-// bound is half way from the measured ratio to no effect. To templates and edges all cues have 0.989 of the landmark errors here,
-// 0.977 over 36 films: only that they are better is tested. Of landmarks by one cue alone nothing is claimed.
-TEST_CASE(
-    "on a face half without texture edges improve rotation, and all cues improve rotation and landmarks") {
+// rotation errors to those of templates alone: 0.84 with edges, 0.80 with all cues. Each bound is half way from the measured ratio
+// to no effect. Before templates allowed for ramps of light these were 0.58 and 0.52, of errors that were larger; landmarks had 0.91
+// with all cues, and now have 0.98 with edges and 1.02 with all: of them nothing is claimed. What frame-to-frame tracking is
+// for shows on recorded faces (docs/evaluation.md, Recorded face).
+TEST_CASE("on a face half without texture edges improve rotation, and so do all cues together") {
   Error templates, edges, flow, all;
   for (std::uint32_t seed = 0; seed < 12; ++seed) {
     const FaceFilm film = make_film(seed);
@@ -109,8 +109,6 @@ TEST_CASE(
   for (const auto& [name, e] : {std::pair{"templates", templates}, std::pair{"templates, edges", edges},
                                 std::pair{"templates, frame to frame", flow}, std::pair{"all", all}})
     MESSAGE(std::string(name) << ": " << e.landmark_px << " px, " << e.turn_deg << " degrees");
-  CHECK(edges.turn_deg < 0.79f * templates.turn_deg);
-  CHECK(all.turn_deg < 0.76f * templates.turn_deg);
-  CHECK(all.landmark_px < 0.955f * templates.landmark_px);
-  CHECK(all.landmark_px < edges.landmark_px);
+  CHECK(edges.turn_deg < 0.92f * templates.turn_deg);
+  CHECK(all.turn_deg < 0.90f * templates.turn_deg);
 }
