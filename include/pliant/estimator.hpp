@@ -107,6 +107,8 @@ class Estimator {
   void remove_point(std::uint16_t id);  ///< Gives the id back. Nothing happens for an id that is not in use.
   bool has_point(std::uint16_t id) const;  ///< True where the id is in use.
   Vec2 point_uv(std::uint16_t id) const;   ///< Where a point lies on the surface.
+  /// A point (mm, model axes) at the present parameters, and its tangents of the last few frames; a silhouette point has none.
+  SurfaceFrame point_frame(std::uint16_t id);
 
   /// Starts a frame at time `time_ns` (ns). A time that grows by less than 1 ms repeats the last frame: no
   /// motion is predicted. One that runs backwards or grows by 2 s or more resets all velocities, and counts
@@ -162,8 +164,7 @@ class Estimator {
   /// Costs of this model's loops with templates of `window` px a side. To be called after a start.
   WorkCosts work_costs(int window) const;
 
-  /// Position of any (u,v) at the present parameters, mm, model axes.
-  Vec3 surface_point(Vec2 uv);
+  Vec3 surface_point(Vec2 uv);  ///< Position of any (u,v) at the present parameters, mm, model axes.
   /// Image position of any (u,v) at the present state. \return false behind the camera.
   bool project(Vec2 uv, Vec2* x);
   /// Finds (u,v) of the visible surface under an image position, or of the visible point nearest to it.
@@ -188,8 +189,7 @@ class Estimator {
   Status revise(const float* q, Quat turn);
   /// Moves a point over the surface in the `revise` that follows. \pre has_point(id); uv within 0..1.
   void slide_point(std::uint16_t id, Vec2 uv);
-  /// Gives up the personal field, so that `surface_frame` reads every parameter.
-  void forget_person();
+  void forget_person();  ///< Gives up the personal field, so that `surface_frame` reads every parameter.
   SurfaceFrame surface_frame(Vec2 uv, const float* q);  ///< Surface point (mm) and tangents at parameters q.
 
  private:

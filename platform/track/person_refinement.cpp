@@ -133,7 +133,7 @@ void gather(TrackerParts& t, std::size_t interval, PersonEquations& equations, A
     const View* const key = o.cue == Cue::patch ? key_of(t, o.id, &slot) : nullptr;
     if (o.cue == Cue::patch && key == nullptr) continue;
     o.x = t.estimator.lens().undistort(o.x);
-    s.rows.add(o, t.estimator.point_uv(o.id), key, equations);
+    s.rows.add(o, t.estimator.point_uv(o.id), t.estimator.point_frame(o.id), key, equations);
   }
   s.rows.add_priors(equations);
   equations.eliminate(s.rows.count() - s.rows.kept());

@@ -23,6 +23,7 @@ Vec2 direction_of(Sym2 w) {
 
 void PersonRows::lay_out(Arena& arena, const Model& model) {
   parameters_ = arena.take<std::uint16_t>(model.parameters().count);
+  unknown_of_ = arena.take<std::uint16_t>(model.parameters().count);
 }
 
 void PersonRows::start(const Model& model, const std::uint8_t* is_free) {
@@ -34,6 +35,9 @@ void PersonRows::start(const Model& model, const std::uint8_t* is_free) {
   for (std::uint16_t k = 0; k < all.count; ++k)
     if (all[k].group == Group::identity) parameters_[n++] = k;
   identities_ = n - expressions_;
+  for (std::size_t k = 0; k < all.count; ++k) unknown_of_[k] = kNone;
+  for (std::size_t k = 0; k < n; ++k)
+    unknown_of_[parameters_[k]] = static_cast<std::uint16_t>(kPose + k + (k < expressions_ ? 0 : 3));
 }
 
 std::size_t PersonRows::scratch_bytes(const Model& model) {
@@ -72,19 +76,13 @@ void PersonRows::set_columns(Vec2 uv, const View* key, const Projector::Derivati
   cascade_->sample_point(uv, q_, samples_);
   Jacobian jacobian;  // all parameters are free: a column is a parameter
   cascade_->evaluate(samples_, q_, &jacobian);
-  std::size_t at = 0;
-  const auto has = [&](std::size_t parameter) {
-    for (at = 0; at < jacobian.count; ++at)
-      if (jacobian.list[at] == parameter) return true;
-    return false;
-  };
-  for (std::size_t k = 0; k < expressions_ + identities_; ++k) {
-    if (!has(parameters_[k])) continue;
-    const Vec3 moved = jacobian.column[parameters_[k]];
-    const bool is_identity = k >= expressions_;
-    Vec2& column = columns_[kPose + k + (is_identity ? 3 : 0)];
-    column = d.along(moved);
-    if (is_identity && key != nullptr) column = column - slid(d, in_key_.along(moved));
+  for (std::size_t n = 0; n < jacobian.count; ++n) {
+    const std::uint16_t parameter = jacobian.list[n], unknown = unknown_of_[parameter];
+    if (unknown == kNone) continue;
+    const Vec3 moved = jacobian.column[parameter];
+    columns_[unknown] = d.along(moved);
+    if (unknown >= turn && key != nullptr)
+      columns_[unknown] = columns_[unknown] - slid(d, in_key_.along(moved));
   }
 }
 
@@ -102,8 +100,9 @@ bool PersonRows::faces_camera(const Projector& projector) const {
   return dot(inwards, away) > kTuning.least_facing * length(inwards) * length(away);
 }
 
-void PersonRows::add(const Observation& o, Vec2 uv, const View* key, PersonEquations& equations) {
-  surface_ = cascade_->surface_frame(uv, q_);
+void PersonRows::add(const Observation& o, Vec2 uv, const SurfaceFrame& surface, const View* key,
+                     PersonEquations& equations) {
+  surface_ = surface;
   Vec2 x, x_key;
   Projector::Derivatives d;
   const Projector projector(view_, true);

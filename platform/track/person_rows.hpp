@@ -45,10 +45,11 @@ class PersonRows {
   static std::size_t scratch_bytes(const Model& model);
   /// Starts a frame. The memory lasts until its last row. \param q  all parameters; must stay.
   void begin(Arena& scratch, const Model& model, const View& view, const float* q);
-  /// Adds an observation.
+  /// Adds an observation of the surface at (u,v). \param surface  there, at begin's q.
   /// \param key  the view in which the point's template was captured: there it stays where it was seen,
   ///        whatever the identity; null: the point is a place of the face, as that of an edge is.
-  void add(const Observation& o, Vec2 uv, const View* key, PersonEquations& equations);
+  void add(const Observation& o, Vec2 uv, const SurfaceFrame& surface, const View* key,
+           PersonEquations& equations);
   /// Adds what is known of the frame's own unknowns.
   void add_priors(PersonEquations& equations) const;
 
@@ -60,6 +61,7 @@ class PersonRows {
 
   // Until the next start.
   std::uint16_t* parameters_ = nullptr;  // of the unknowns: expressions, then identity
+  std::uint16_t* unknown_of_ = nullptr;  // of each parameter; kNone: it has none
   std::size_t expressions_ = 0, identities_ = 0;
   // Of a frame.
   Cascade* cascade_ = nullptr;

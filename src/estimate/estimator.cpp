@@ -187,6 +187,10 @@ Vec2 Estimator::point_uv(std::uint16_t id) const {
   return impl_->points.uv(id);
 }
 
+SurfaceFrame Estimator::point_frame(std::uint16_t id) {
+  return impl_->points.frame(id, impl_->cascade, impl_->state.q);
+}
+
 // --- The frame ---
 
 void Estimator::begin(std::int64_t time_ns) {

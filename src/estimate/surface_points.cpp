@@ -204,6 +204,12 @@ bool SurfacePoints::predict(std::uint16_t id, const PredictionInput& input, Pred
   return true;
 }
 
+SurfaceFrame SurfacePoints::frame(std::uint16_t id, Cascade& cascade, const float* q) const {
+  PLIANT_ASSERT(has(id));
+  const bool slides = kind_[id] == PointKind::silhouette;
+  return {cascade.evaluate(samples(id), q), slides ? Vec3{} : tangent_u_[id], slides ? Vec3{} : tangent_v_[id]};
+}
+
 bool SurfacePoints::is_turned_to_camera(const Prediction& prediction) const {
   return kind_[prediction.id] == PointKind::silhouette
              ? dot(prediction.normal, prediction.normal) > 0

@@ -89,6 +89,9 @@ class SurfacePoints {
   /// True if a predicted point is turned to the camera; for a silhouette point, if it has a place.
   bool is_turned_to_camera(const Prediction& prediction) const;
 
+  /// The point at q, mm, model axes, and its tangents of the last `update_tangents`; a silhouette point has none.
+  SurfaceFrame frame(std::uint16_t id, Cascade& cascade, const float* q) const;
+
   /// Storage for predictions, capacity() of them.
   Prediction* predictions() { return predictions_; }
 

@@ -202,7 +202,7 @@ TEST_CASE("a template's row is the motion of the point that stays where its key 
       o.x = to;
       o.information = {1e6f, 0, 1e6f};
       e.reset();
-      rows.add(o, uv, &v.key, e);
+      rows.add(o, uv, v.cascade.surface_frame(uv, v.q.data()), &v.key, e);
       const std::size_t unknown = kPoseUnknowns + k;
       if (length(to - at) < 0.04f) continue;
       ++compared;
@@ -224,7 +224,7 @@ TEST_CASE("an edge's row is the motion of its place on the face, across the edge
   o.cue = Cue::edge;
   o.x = v.image(v.now, uv, v.q) + Vec2{5, 0.5f};  // 5 px along the edge say nothing
   o.information = {0, 0, 100};
-  rows.add(o, uv, nullptr, e);
+  rows.add(o, uv, v.cascade.surface_frame(uv, v.q.data()), nullptr, e);
   int compared = 0;
   for (std::size_t k = 3; k < rows.kept(); ++k) {
     auto moved = v.q;
@@ -251,7 +251,7 @@ TEST_CASE("a template near the silhouette says nothing of the person, an edge th
     o.cue = cue;
     o.x = v.image(view, uv, v.q);
     v.equations.reset();
-    v.rows.add(o, uv, key, v.equations);
+    v.rows.add(o, uv, v.cascade.surface_frame(uv, v.q.data()), key, v.equations);
     return v.equations.h(0, 0);
   };
   CHECK(weight(v.key, Cue::patch, &v.key) > 0);
@@ -273,6 +273,6 @@ TEST_CASE("expressions that are free are unknowns, and observations without info
   Observation o;
   o.information = {};
   rows.begin(arena, v.model, v.now, v.q.data());
-  rows.add(o, {0.5f, 0.5f}, &v.key, e);
+  rows.add(o, {0.5f, 0.5f}, v.cascade.surface_frame({0.5f, 0.5f}, v.q.data()), &v.key, e);
   for (std::size_t k = 0; k < rows.count(); ++k) CHECK(e.h(k, k) == 0);
 }
