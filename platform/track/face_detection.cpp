@@ -146,6 +146,8 @@ void conclude(TrackerParts& t, const FrameView& view) {
   if (!self.faces.conclude(view, t.estimator, t.bad_frames, has_room, t.unused_between_frames, &t.result) ||
       (t.bad_frames == 0 && self.poor_start.is_over(view, t.estimator)))
     give_up(t);
+  if (self.poor_start.is_blinded() && t.result.state == TrackState::tracking)
+    t.result.state = TrackState::degraded;
   if (self.faces.is_doubtful()) check.hurry(kWork);
 }
 

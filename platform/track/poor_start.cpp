@@ -6,11 +6,12 @@ namespace {
 
 constexpr const PoorStartTuning& kTuning = kPoorStartTuning;
 
-/// Mean of the pixels at the landmarks, grey levels; negative if none is in the frame.
-float mean_grey(const FrameView& frame, Estimator& estimator) {
+/// Mean of the pixels at the landmarks, grey levels; negative if none is in the frame. \param clipped  out: how many of them are
+/// as bright as a pixel can be, as a fraction; null: not asked for.
+float mean_grey(const FrameView& frame, Estimator& estimator, float* clipped = nullptr) {
   const auto landmarks = estimator.model().landmarks();
   float sum = 0;
-  int count = 0;
+  int count = 0, bright = 0;
   for (std::size_t k = 0; k < landmarks.count; k += kTuning.landmark_step) {
     Vec2 x;
     if (!estimator.project({landmarks[k].u, landmarks[k].v}, &x)) continue;
@@ -18,9 +19,13 @@ float mean_grey(const FrameView& frame, Estimator& estimator) {
           x.y < static_cast<float>(frame.height)))
       continue;
     const auto column = static_cast<std::size_t>(x.x), row = static_cast<std::size_t>(x.y);
-    sum += frame.data[row * frame.stride_bytes + column * static_cast<std::size_t>(frame.pixel_step_bytes)];
+    const std::uint8_t grey =
+        frame.data[row * frame.stride_bytes + column * static_cast<std::size_t>(frame.pixel_step_bytes)];
+    sum += grey;
+    bright += grey >= kTuning.clipped_grey;
     ++count;
   }
+  if (clipped != nullptr) *clipped = count > 0 ? static_cast<float>(bright) / static_cast<float>(count) : 0;
   return count > 0 ? sum / static_cast<float>(count) : -1;
 }
 
@@ -28,7 +33,8 @@ float mean_grey(const FrameView& frame, Estimator& estimator) {
 
 void PoorStart::begin(std::size_t captured, std::size_t most, const FrameView& frame, Estimator& estimator) {
   const bool is_poor = static_cast<float>(captured) < kTuning.few_templates * static_cast<float>(most);
-  start_grey_ = is_poor ? mean_grey(frame, estimator) : -1;
+  clipped_ = 0;
+  start_grey_ = is_poor ? mean_grey(frame, estimator, &clipped_) : -1;
   frames_ = changed_count_ = 0;
 }
 

@@ -19,6 +19,12 @@ struct PoorStartTuning {
   float light_ratio = 1.4f;
   /// Grey levels added to both, so that noise in the dark is no change. Round value.
   float dark_grey = 8;
+  /// Grey level from which on a pixel is clipped (as PatchTuning::highest_grey), and the fraction of the landmarks, clipped at a
+  /// poor start, above which light hides the face: the track is then degraded. Light three times too bright clips 0.53 to 0.79
+  /// of them on the recorded face, light 2.4 times too bright 0.32 on a rendered one; none are clipped on faces at 0.4 of
+  /// their size, of which few templates are captured, too.
+  int clipped_grey = 250;
+  float most_clipped = 0.25f;
   /// Frames from one measurement of the grey to the next, count; and measurements in a row that must show a change: one
   /// alone may be a flash. The face then is right again within ten frames, the search included. Round values.
   int interval_frames = 2, measurements = 3;
@@ -35,11 +41,14 @@ class PoorStart {
   /// A track has begun in this frame. \param captured  templates. \param most  templates that a start captures.
   void begin(std::size_t captured, std::size_t most, const FrameView& frame, Estimator& estimator);
   bool is_poor() const { return start_grey_ >= 0; }
+  /// Whether so much light hides the face that landmarks are off by a tenth of the eyes' distance.
+  bool is_blinded() const { return clipped_ > kPoorStartTuning.most_clipped; }
   /// A good frame of the track. \return whether the start was poor and light has changed since.
   bool is_over(const FrameView& frame, Estimator& estimator);
 
  private:
   float start_grey_ = -1;  // negative: the start was not poor
+  float clipped_ = 0;      // fraction of the landmarks at a poor start; 0 else
   int frames_ = 0, changed_count_ = 0;
 };
 

@@ -39,6 +39,8 @@ std::vector<int> found_in(Light light, int* searches) {
     FrameResult result;
     REQUIRE(tracker->update(view, &result) == Status::ok);
     found.push_back(tracker->is_started() ? result.tracked : 0);
+    // Where light hides the face from the start on, nothing is told to be well tracked.
+    if (light(0) > 2 && light(k) > 2) CHECK(result.state != TrackState::tracking);
   }
   *searches = fake.searches;
   return found;
@@ -83,6 +85,14 @@ TEST_CASE("poor starts: the bound itself, and a face outside of the frame") {
   CHECK_FALSE(start.is_poor());
   start.begin(few - 1, 100, film().view(0), estimator);
   CHECK(start.is_poor());
+  CHECK_FALSE(start.is_blinded());
+  const std::vector<std::uint8_t> white(320 * 240, 255);
+  FrameView bright = film().view(0);
+  bright.data = white.data();
+  start.begin(few, 100, bright, estimator);
+  CHECK_FALSE(start.is_blinded());
+  start.begin(few - 1, 100, bright, estimator);
+  CHECK(start.is_blinded());
   const std::uint8_t pixel = 0;  // the landmarks are outside of this frame: nothing tells light
   const FrameView tiny = view_of_pixels({pixel}, 1, 1, 0);
   start.begin(0, 100, tiny, estimator);
