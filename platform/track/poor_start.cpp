@@ -6,12 +6,15 @@ namespace {
 
 constexpr const PoorStartTuning& kTuning = kPoorStartTuning;
 
-/// Mean of the pixels at the landmarks, grey levels; negative if none is in the frame. \param clipped  out: how many of them are
-/// as bright as a pixel can be, as a fraction; null: not asked for.
-float mean_grey(const FrameView& frame, Estimator& estimator, float* clipped = nullptr) {
+/// The pixels at the landmarks.
+struct Light {
+  float grey = -1;    // mean, grey levels; negative: no landmark is in the frame
+  float clipped = 0;  // fraction that is as bright as a pixel can be
+};
+
+Light light_on(const FrameView& frame, Estimator& estimator) {
   const auto landmarks = estimator.model().landmarks();
-  float sum = 0;
-  int count = 0, bright = 0;
+  int sum = 0, count = 0, bright = 0;
   for (std::size_t k = 0; k < landmarks.count; k += kTuning.landmark_step) {
     Vec2 x;
     if (!estimator.project({landmarks[k].u, landmarks[k].v}, &x)) continue;
@@ -19,28 +22,30 @@ float mean_grey(const FrameView& frame, Estimator& estimator, float* clipped = n
           x.y < static_cast<float>(frame.height)))
       continue;
     const auto column = static_cast<std::size_t>(x.x), row = static_cast<std::size_t>(x.y);
-    const std::uint8_t grey =
+    const int grey =
         frame.data[row * frame.stride_bytes + column * static_cast<std::size_t>(frame.pixel_step_bytes)];
     sum += grey;
     bright += grey >= kTuning.clipped_grey;
     ++count;
   }
-  if (clipped != nullptr) *clipped = count > 0 ? static_cast<float>(bright) / static_cast<float>(count) : 0;
-  return count > 0 ? sum / static_cast<float>(count) : -1;
+  if (count == 0) return {};
+  const float each = 1.0f / static_cast<float>(count);
+  return {each * static_cast<float>(sum), each * static_cast<float>(bright)};
 }
 
 }  // namespace
 
 void PoorStart::begin(std::size_t captured, std::size_t most, const FrameView& frame, Estimator& estimator) {
   const bool is_poor = static_cast<float>(captured) < kTuning.few_templates * static_cast<float>(most);
-  clipped_ = 0;
-  start_grey_ = is_poor ? mean_grey(frame, estimator, &clipped_) : -1;
+  const Light light = is_poor ? light_on(frame, estimator) : Light{};
+  start_grey_ = light.grey;
+  clipped_ = light.clipped;
   frames_ = changed_count_ = 0;
 }
 
 bool PoorStart::is_over(const FrameView& frame, Estimator& estimator) {
   if (start_grey_ < 0 || ++frames_ % kTuning.interval_frames != 0) return false;
-  const float now = mean_grey(frame, estimator);
+  const float now = light_on(frame, estimator).grey;
   const float low = min(now, start_grey_) + kTuning.dark_grey,
               high = max(now, start_grey_) + kTuning.dark_grey;
   changed_count_ = now >= 0 && high > kTuning.light_ratio * low ? changed_count_ + 1 : 0;
