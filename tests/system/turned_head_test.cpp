@@ -16,7 +16,7 @@ using namespace pliant;
 namespace {
 
 constexpr std::size_t kFrames = 160;
-constexpr std::uint32_t kPeople = kSanitized ? 1 : 12;
+constexpr std::uint32_t kPeople = kSanitized ? 1 : 8;
 
 /// Another person for each seed, with another texture.
 FaceFilm film_of(std::uint32_t seed) {
@@ -81,8 +81,8 @@ float at(std::vector<float> values, float fraction) {
 
 }  // namespace
 
-// Twelve people, since the rotations of one move by 20 to 40 % with any change of sampling. Ratios: 0.70 of the median, 0.70 at
-// 95 %, 0.88 of landmarks. Each bound is half way from there to no effect.
+// Eight people, since the rotations of one move by 20 to 40 % with any change of sampling. Ratios: 0.59 of the median, 0.54 at
+// 95 %, 0.79 of landmarks. Each bound is half way from there to no effect.
 TEST_CASE("a head that turns far shows who it is: pose and landmarks get better") {
   Result with, without;
   for (std::uint32_t seed = 0; seed < kPeople; ++seed) {
@@ -98,9 +98,9 @@ TEST_CASE("a head that turns far shows who it is: pose and landmarks get better"
   CHECK(with.stepped > 2);
   CHECK(without.stepped == 0);
   if (kSanitized) return;  // one says nothing of the others
-  CHECK(at(with.turn, 0.5f) < 0.85f * at(without.turn, 0.5f));
-  CHECK(at(with.turn, 0.95f) < 0.85f * at(without.turn, 0.95f));
-  CHECK(with.landmarks_px < 0.94f * without.landmarks_px);
+  CHECK(at(with.turn, 0.5f) < 0.80f * at(without.turn, 0.5f));
+  CHECK(at(with.turn, 0.95f) < 0.77f * at(without.turn, 0.95f));
+  CHECK(with.landmarks_px < 0.90f * without.landmarks_px);
 }
 
 TEST_CASE("an identity that the caller estimates is left to the caller") {
