@@ -240,7 +240,8 @@ Span<const Prediction> Estimator::predict() {
   std::size_t n = 0;
   for (std::uint16_t i = 0; i < s.points.capacity(); ++i)
     if (s.points.has(i)) {
-      s.points.announce(i + std::size_t{4});
+      constexpr std::size_t kAhead = 4;  // points; a hint of when memory is fetched, round value, not tuned
+      s.points.announce(i + kAhead);
       out[n++] = s.predict(i, projector);
     }
   s.predictions = {out, n};

@@ -68,7 +68,7 @@ struct FrameProblem {
   const Parameter& parameter(std::size_t i) const { return input.cascade.model().parameters()[i]; }
   void measure(const View& v, const float* q);
   void announce(std::size_t k) const {
-    constexpr std::size_t kAhead = 3;  // rows
+    constexpr std::size_t kAhead = 3;  // rows; as in Estimator::predict
     if (k + kAhead < rows.count()) input.points.announce(rows[k + kAhead].id);
   }
   float try_step(const float* step);

@@ -146,6 +146,31 @@ TEST_CASE("a start with shut eyes that is told to be open waits until the lids a
   CHECK(rig.blink() > 0.6f);
 }
 
+TEST_CASE("where the estimate of the person moves the model's lids, the lids are read as before") {
+  std::vector<float> other = film().parameters[0];
+  FaceFilm::set(other, "eyeOpening", 2);
+  InArena<Cascade> cascade(model());
+  std::vector<Vec3> moved;  // what keeps landmarks where they are
+  for (const Landmark& l : model().landmarks())
+    moved.push_back(cascade->surface_point({l.u, l.v}, film().parameters[0].data()) -
+                    cascade->surface_point({l.u, l.v}, other.data()));
+  const auto blink_as_other = [&](bool moves) {
+    Rig rig;
+    rig.read(film().view(0));
+    rig.fit->calibrate(&rig.points);
+    if (moves) rig.points.move(rig.view, moved.data());
+    for (int k = 0; k < 3; ++k) {
+      rig.fit->read(film().view(0), rig.lens, rig.view, other.data(), 0, &rig.points);
+      rig.fit->fit(1 / 30.0f, &rig.points);
+    }
+    return rig.blink();
+  };
+  const float kept = blink_as_other(true), not_kept = blink_as_other(false);
+  MESSAGE("open eyes are shut by " << kept << ", " << not_kept << " if the readings do not move");
+  CHECK(kept < 0.1f);
+  CHECK(not_kept > kept + 0.1f);
+}
+
 TEST_CASE("crops follow the eyes where the pose is off") {
   Rig rig;
   Pose off = film().poses[0];
