@@ -45,6 +45,11 @@ void PersonEquations::eliminate(std::size_t first) {
   }
 }
 
+void PersonEquations::count_from_zero(std::size_t first, const float* now) {
+  for (std::size_t i = first; i < count_; ++i)
+    for (std::size_t j = first; j < count_; ++j) g_[i] += h(i < j ? i : j, i < j ? j : i) * now[j - first];
+}
+
 bool PersonEquations::solve(std::size_t first, float* x) {
   for (std::size_t k = first; k < count_; ++k) {
     if (!(h(k, k) > 0)) return false;

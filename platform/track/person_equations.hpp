@@ -22,6 +22,8 @@ class PersonEquations {
   /// Eliminates the first unknowns: H and g of the others become those of the best value of the first (Schur
   /// complement). An unknown that nothing determines is left out.
   void eliminate(std::size_t first);
+  /// Counts the unknowns from `first` on from zero, which were counted from `now`. \param now  count() - first values.
+  void count_from_zero(std::size_t first, const float* now);
   /// Solves for the unknowns from `first` on, by Cholesky factorisation in place. \param x  count() - first values.
   /// \return false, and x is not complete, where they are not determined.
   bool solve(std::size_t first, float* x);

@@ -26,17 +26,13 @@ std::size_t PersonEstimate::view_towards(Vec3 camera) {
 void PersonEstimate::add(std::size_t view, PersonEquations& frame, const float* now) {
   PLIANT_ASSERT(view < kViews && frame.count() >= unknowns_);
   const std::size_t first = frame.count() - unknowns_;
+  frame.count_from_zero(first, now);
   if (frames_[view] < kTuning.most_frames) ++frames_[view];
   const float rate = 1.0f / static_cast<float>(frames_[view]);
   float* to = means_ + view * stride();
   for (std::size_t i = 0; i < unknowns_; ++i)
     for (std::size_t j = i; j < unknowns_; ++j, ++to) *to += rate * (frame.h(first + i, first + j) - *to);
-  for (std::size_t i = 0; i < unknowns_; ++i, ++to) {
-    float g = frame.g(first + i);
-    for (std::size_t j = 0; j < unknowns_; ++j)
-      g += frame.h(first + (i < j ? i : j), first + (i < j ? j : i)) * now[j];
-    *to += rate * (g - *to);
-  }
+  for (std::size_t i = 0; i < unknowns_; ++i, ++to) *to += rate * (frame.g(first + i) - *to);
 }
 
 bool PersonEstimate::is_usable() const {
@@ -48,7 +44,6 @@ bool PersonEstimate::is_usable() const {
 bool PersonEstimate::solve(const float* start, const float* sd, PersonEquations& equations, float* x) const {
   PLIANT_ASSERT(equations.count() >= unknowns_);
   const std::size_t first = equations.count() - unknowns_;
-  equations.reset();
   for (std::size_t v = 0; v < kViews; ++v) {
     if (frames_[v] == 0) continue;
     const float* from = means_ + v * stride();

@@ -44,7 +44,8 @@ class PersonEstimate {
   /// Whether there are enough views.
   bool is_usable() const;
   /// The value that agrees best with all views and with the start. \param start, sd  of each identity parameter.
-  /// \param equations  at least as many unknowns; is overwritten. \return false where it cannot be solved.
+  /// \param equations  of at least as many unknowns, the last of which have what else is known, counted from zero; is
+  ///        overwritten. \return false where it cannot be solved.
   bool solve(const float* start, const float* sd, PersonEquations& equations, float* x) const;
 
  private:

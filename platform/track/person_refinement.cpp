@@ -1,5 +1,6 @@
 #include "track/person_refinement.hpp"
 
+#include "track/landmark_fit.hpp"
 #include "track/person_estimate.hpp"
 #include "track/person_rows.hpp"
 #include "track/surface_offset.hpp"
@@ -33,6 +34,7 @@ struct PersonState {
 namespace {
 
 constexpr const PersonRefinementTuning& kTuning = kPersonRefinementTuning;
+constexpr float kExact = 1e6f;  // weight of what has no error of its own, 1/rad^2 or 1/px^2
 
 std::size_t identities(const Model& model) {
   std::size_t n = 0;
@@ -139,6 +141,33 @@ void gather(TrackerParts& t, std::size_t interval, PersonEquations& equations, A
   equations.eliminate(s.rows.count() - s.rows.kept());
 }
 
+/// The equations of the landmarks in frame 0, as far as they are places of the face. Those that the start did not see are where it
+/// put the model. The frame's rotation is that of the start.
+void gather_landmarks(TrackerParts& t, PersonEquations& equations, Arena& scratch) {
+  PersonState& s = *t.person;
+  const View& view = *t.key_frames.view_of(0);
+  const float* const q = t.estimator.parameters().data;
+  const Projector projector(view, true);
+  equations.lay_out(scratch, s.rows.count());
+  equations.reset();
+  s.rows.begin(scratch, t.model(), view, q);
+  for (std::size_t k = 0; k < t.model().landmarks().count; ++k) {
+    const Landmark& l = t.model().landmarks()[k];
+    if (is_silhouette_landmark(l.name)) continue;
+    const Vec2 uv{l.u, l.v};
+    const SurfaceFrame surface = t.estimator.surface_frame(uv, q);
+    Observation o{};
+    o.cue = Cue::patch;
+    o.information = {kExact, 0, kExact};  // what is left is the model's error
+    if (projector.project(surface.p + t.offsets.values()[k], &o.x))
+      s.rows.add(o, uv, surface, nullptr, equations);
+  }
+  s.rows.add_priors(equations);
+  for (std::size_t k = 0; k < 3; ++k) equations.add_prior(k, 0, kExact);
+  equations.eliminate(s.rows.count() - s.rows.kept());
+  equations.count_from_zero(s.rows.count() - s.rows.kept(), s.now);
+}
+
 /// The step towards the best value: of the rotation and, in `q`, of the identity. \return false where it is too small.
 bool choose_step(PersonState& s, const Model& model, float* q, Vec3* turn) {
   const float rate = s.steps < kTuning.whole_steps ? 1 : kTuning.later_rate;
@@ -237,7 +266,12 @@ bool is_due(const TrackerParts& t, std::size_t view) {
          (is_known ? kTuning.interval_when_known : kTuning.interval_frames);
 }
 
-/// Takes the frame into the estimate, if there is room for it, and chooses the next step towards the estimate, if one is due.
+void note_now(TrackerParts& t) {
+  PersonState& s = *t.person;
+  for (std::size_t k = 3; k < s.rows.kept(); ++k) s.now[k] = t.estimator.parameters()[s.rows.identity(k - 3)];
+}
+
+/// Takes the frame into the estimate, if there is room for it.
 void take_frame(TrackerParts& t, std::size_t view) {
   PersonState& s = *t.person;
   const std::size_t interval = choose_interval(t);
@@ -245,10 +279,27 @@ void take_frame(TrackerParts& t, std::size_t view) {
   Arena scratch(t.scratch.data, t.scratch.count);
   PersonEquations equations;
   gather(t, interval, equations, scratch);
-  for (std::size_t k = 3; k < s.rows.kept(); ++k) s.now[k] = t.estimator.parameters()[s.rows.identity(k - 3)];
+  note_now(t);
   s.estimate.add(view, equations, s.now);
   s.taken_frame = t.frame;
-  if (s.is_stepping || t.frame - s.step_frame < kTuning.step_frames || !s.estimate.is_usable()) return;
+}
+
+/// Whether a step towards the estimate has to be chosen: it has changed since the last one.
+bool is_step_due(const TrackerParts& t) {
+  const PersonState& s = *t.person;
+  return !s.is_stepping && s.taken_frame > s.step_frame && t.frame - s.step_frame >= kTuning.step_frames &&
+         s.estimate.is_usable();
+}
+
+/// Chooses the next step, if there is room for it.
+void plan_step(TrackerParts& t) {
+  PersonState& s = *t.person;
+  if (!t.budget.take(of_cascade(t, kTuning.observation_work) * static_cast<float>(t.model().landmarks().count)))
+    return;
+  Arena scratch(t.scratch.data, t.scratch.count);
+  PersonEquations equations;
+  note_now(t);
+  gather_landmarks(t, equations, scratch);
   s.step_frame = t.frame;
   if (!s.estimate.solve(s.start_q, s.sd, equations, s.best)) return;
   for (std::size_t k = 0; k < t.start_q.count; ++k) s.next_q[k] = t.estimator.parameters()[k];
@@ -262,6 +313,7 @@ void conclude(TrackerParts& t) {
   PersonState& s = *t.person;
   if (!s.is_active) return;
   const std::size_t view = PersonEstimate::view_towards(camera_direction(t.estimator.view()));
+  if (is_step_due(t)) return plan_step(t);
   if (is_due(t, view)) take_frame(t, view);
   if (!s.is_stepping || !prepare(t) || !t.budget.take(t.budget.person, person_step_work(t.model(), t.limits)))
     return;

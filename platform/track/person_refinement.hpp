@@ -58,8 +58,8 @@ struct PersonRefinement {
   /// Begins with a track. Nothing is estimated where the caller gave the identity, or has
   /// every frame estimate it.
   void (*start)(TrackerParts& tracker, const TrackerOptions& options);
-  /// Ends a good frame whose observations are still there: takes it into the estimate, prepares a step towards the
-  /// estimate, or takes it. What is due waits for a frame whose budget has room for it.
+  /// Ends a good frame whose observations are still there: takes it into the estimate, chooses a step towards the
+  /// estimate, prepares it, or takes it. What is due waits for a frame whose budget has room for it.
   void (*conclude)(TrackerParts& tracker);
 };
 

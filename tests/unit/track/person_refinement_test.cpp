@@ -92,3 +92,30 @@ TEST_CASE("frames that estimate the person, prepare a step or take it stay withi
   }
   CHECK(rare > kFrames / 5);
 }
+
+namespace {
+
+/// The parameter at the end of the film, which is -1.5 and of which a start by pose knows nothing.
+float nose_length_at_the_end(bool places_landmarks) {
+  InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
+  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  for (const Landmark& l : baked_face().model.landmarks()) {
+    const NamedPoint point{l.name, film().truth(l.name, 0)};
+    if (places_landmarks) REQUIRE(tracker->place_landmarks({&point, 1}) == Status::ok);
+  }
+  FrameResult result;
+  for (std::size_t n = 1; n < kFrames; ++n) REQUIRE(tracker->update(film().view(n), &result) == Status::ok);
+  float value = 0;
+  REQUIRE(tracker->parameter("noseLength", &value) == Status::ok);
+  return value;
+}
+
+}  // namespace
+
+TEST_CASE("where the landmarks are seen in frame 0 tells of the person what templates cannot") {
+  const float with = nose_length_at_the_end(true), without = nose_length_at_the_end(false);
+  CAPTURE(with);
+  CAPTURE(without);
+  CHECK(std::abs(with + 1.5f) < 0.45f);
+  CHECK(std::abs(with + 1.5f) < 0.5f * std::abs(without + 1.5f));
+}

@@ -46,6 +46,7 @@ void add_view(PersonEstimate& estimate, std::size_t view, float weight, const st
 
 std::vector<float> solved(const PersonEstimate& estimate) {
   InArena<PersonEquations> equations{kKept};
+  equations->reset();
   const std::vector<float> sd(kKept, 1.0f), start(kKept, 0.0f);
   std::vector<float> x(kKept);
   REQUIRE(estimate.solve(start.data(), sd.data(), equations.object, x.data()));
@@ -105,6 +106,21 @@ TEST_CASE("frames of one view are averaged: a hundred say no more than one") {
   CHECK(a[3] == doctest::Approx(3.0));
   add_view(one.object, 7, 8, now);
   CHECK(solved(one.object)[3] == doctest::Approx(4.0 * 11 / 12));
+}
+
+TEST_CASE("an estimate agrees with what the equations know besides its views, counted from zero") {
+  InArena<PersonEstimate> estimate{kKept};
+  add_view(estimate.object, 4, 1e6f, std::vector<float>(kKept, 0));  // unknown k is k + 1
+  InArena<PersonEquations> equations{kKept};
+  equations->reset();
+  const std::vector<float> now(kKept, 10);
+  for (std::size_t k = 0; k < kKept; ++k) equations->add_prior(k, -5, 3e6f);  // 5
+  equations->count_from_zero(0, now.data());
+  const std::vector<float> sd(kKept, 1.0f), start(kKept, 0.0f);
+  std::vector<float> x(kKept);
+  REQUIRE(estimate->solve(start.data(), sd.data(), equations.object, x.data()));
+  for (std::size_t k = 0; k < kKept; ++k)
+    CHECK(x[k] == doctest::Approx(0.25 * (static_cast<double>(k) + 1) + 0.75 * 5).epsilon(1e-3));
 }
 
 TEST_CASE("an estimate is used when there are two views, and is empty after clear") {
