@@ -9,7 +9,7 @@ namespace pliant {
 /// `pliant plan` prints their bounds, and the other work of a frame.
 struct FrameWork {
   std::uint32_t searches = 0;        ///< of templates, and of patches of the previous frame
-  std::uint32_t search_steps = 0;    ///< of all these searches
+  std::uint32_t search_steps = 0;    ///< of all these searches, and for each as many as its preparation takes
   std::uint32_t captures = 0;        ///< places where a template was to be captured for a key frame
   std::uint32_t rows = 0;            ///< observations in linearisations
   std::uint32_t measured_rows = 0;   ///< observations of which only the residual was taken, for a trial step
@@ -25,13 +25,13 @@ struct FrameWork {
 struct WorkCostTuning {
   float search_step_pixel = 18;      ///< of a step of a search: each pixel of the template
   float row_unknowns = 0.45f;        ///< of an observation: each pair of unknowns
-  float row_sample = 37, row = 500;  ///< of an observation: each sample of its surface point, and the rest
-  float measured_sample = 18;        ///< the same of an observation that is measured only
+  float row_sample = 37, row = 950;  ///< of an observation: each sample of its surface point, and the rest
+  float measured_sample = 15;        ///< the same of an observation that is measured only
   float measured = 90;               ///< the rest of that
-  float factorisation_unknowns = 0.65f;  ///< of a factorisation: each triple of unknowns
-  float force = 5000;                    ///< of an observation in the rejection of image forces
+  float factorisation_unknowns = 0.52f;  ///< of a factorisation: each triple of unknowns
+  float force = 9500;                    ///< of an observation in the rejection of image forces
   float coarse_pixel = 4.2f;             ///< of a pixel of the coarse translation
-  float captured_sample = 400;  ///< of a place where a template is captured: each sample of its point
+  float captured_sample = 550;  ///< of a place where a template is captured: each sample of its point
 };
 inline constexpr WorkCostTuning kWorkCostTuning{};  ///< the values in use
 

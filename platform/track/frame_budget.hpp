@@ -26,47 +26,29 @@ struct WaitingWork {
   void hurry(float instructions) { *this = {instructions, kFrameBudgetTuning.most_waited, false}; }
 };
 
-/// The budget of a frame. Rare work is granted what searches and solves have left. What has waited too long is reserved when a
-/// frame begins, up to a fraction of the budget: searches and solves of that frame may take less.
+/// The budget of a frame. Rare work is granted what searches and solves have left, one kind of it a frame. What has waited too
+/// long is reserved when a frame begins, up to a fraction of the budget: searches and solves of that frame may take less, and
+/// other kinds wait.
 struct FrameBudget {
   FrameWork work;  ///< of the last frame
   WorkCosts costs;
   float most = 0;      ///< of a frame; instructions, as WorkCosts
   float reserved = 0;  ///< of that
   WaitingWork check, key_frame, person;
+  const WaitingWork* kind = nullptr;  ///< of the rare work that this frame does, or has reserved; null: none yet
 
   /// Begins a frame and reserves for one overdue work. \param reserves  false: for none, since the frame may need all.
-  void begin(bool reserves) {
-    work = {};
-    reserved = 0;
-    WaitingWork* const all[] = {&check, &key_frame, &person};
-    for (WaitingWork* waiting : all) {
-      waiting->is_reserved = reserves && reserved == 0 && waiting->waited >= kFrameBudgetTuning.most_waited;
-      if (waiting->is_reserved) reserved = waiting->work < most_reserved() ? waiting->work : most_reserved();
-    }
-  }
+  void begin(bool reserves);
   float most_reserved() const { return kFrameBudgetTuning.most_reserved * most; }
   /// What is left, but for what is reserved.
-  float left() const { return most - reserved - costs.of(work); }
+  float left() const;
+  bool is_free_for(const WaitingWork& of) const { return kind == nullptr || kind == &of; }
+  /// What is left for a kind of rare work: nothing beside another kind.
+  float left_for(const WaitingWork& of) const { return is_free_for(of) ? left() : 0.0f; }
   /// Counts rare work, if there is room for it.
-  bool take(float instructions) {
-    if (instructions > left()) return false;
-    work.rare += instructions;
-    return true;
-  }
-  /// The same of work that can wait.
-  bool take(WaitingWork& waiting, float instructions) {
-    if (waiting.is_reserved) {
-      reserved = 0;
-      work.rare += instructions;
-    } else if (!take(instructions)) {
-      waiting.work = instructions;
-      ++waiting.waited;
-      return false;
-    }
-    waiting = {};
-    return true;
-  }
+  bool take_now(const WaitingWork& of, float instructions);
+  /// The same of work that can wait: what is refused has waited a frame.
+  bool take(WaitingWork& waiting, float instructions);
 };
 
 }  // namespace pliant

@@ -114,11 +114,12 @@ float of_cascade(const TrackerParts& t, float work) {
 std::size_t choose_interval(TrackerParts& t) {
   std::size_t usable = 0;
   for (std::size_t k = 0; k < t.observation_count; ++k) usable += is_usable(t.observations[k]);
-  const float each = of_cascade(t, kTuning.observation_work), room = max(t.budget.left(), 0) / each;
+  const float each = of_cascade(t, kTuning.observation_work);
+  const float room = max(t.budget.left_for(t.budget.person), 0) / each;
   const float most = min(room, static_cast<float>(kTuning.most_observations - 1));
   if (most < static_cast<float>(kTuning.least_observations)) return 0;
   const std::size_t interval = usable / (static_cast<std::size_t>(most) + 1) + 1;
-  t.budget.take(each * static_cast<float>(usable / interval));
+  t.budget.take_now(t.budget.person, each * static_cast<float>(usable / interval));
   return interval;
 }
 
@@ -230,7 +231,7 @@ bool prepare(TrackerParts& t) {
     while (s.prepared >= first_slot(t.limits, key + 1)) ++key;
     const View* const view = t.key_frames.view_of(key);
     if (view == nullptr || !t.templates.is_first(s.prepared)) continue;
-    if (n++ == kTuning.prepared_templates || !t.budget.take(each)) return false;
+    if (n++ == kTuning.prepared_templates || !t.budget.take_now(t.budget.person, each)) return false;
     s.next_uv[s.prepared] = slid(t, s.prepared, *view);
   }
   return true;
@@ -294,8 +295,8 @@ bool is_step_due(const TrackerParts& t) {
 /// Chooses the next step, if there is room for it.
 void plan_step(TrackerParts& t) {
   PersonState& s = *t.person;
-  if (!t.budget.take(of_cascade(t, kTuning.observation_work) * static_cast<float>(t.model().landmarks().count)))
-    return;
+  const float work = of_cascade(t, kTuning.observation_work) * static_cast<float>(t.model().landmarks().count);
+  if (!t.budget.take_now(t.budget.person, work)) return;
   Arena scratch(t.scratch.data, t.scratch.count);
   PersonEquations equations;
   note_now(t);

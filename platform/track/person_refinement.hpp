@@ -17,7 +17,7 @@ struct PersonRefinementTuning {
   /// enough. A frame costs a fifth of its time more. Four is as good as two.
   std::uint32_t interval_frames = 4, interval_when_known = 16;
   /// Observations that a frame takes, fewer than this and what its budget has room for: of more each second, third,
-  /// ... One costs 31,000 instructions with the built-in face. 96 had as small errors with profile M, and with profile L 4.1
+  /// ... One costs 27,000 instructions with the built-in face. 96 had as small errors with profile M, and with profile L 4.1
   /// instead of 3.3 degrees at 95 %.
   std::size_t most_observations = 192;
   /// Observations for which a frame must have room to be taken, count. Round value, not tuned.
@@ -37,11 +37,11 @@ struct PersonRefinementTuning {
   /// Steps in (u,v), each way, in which a template's point goes back to where it was seen.
   float most_slide = 0.02f;
   int slides = 2;
-  /// Templates of which a frame prepares the step, count: 3 million instructions. Round value, not tuned.
+  /// Templates of which a frame prepares the step, count: 2.6 million instructions. Round value, not tuned.
   std::size_t prepared_templates = 64;
   /// Work for each record of the cascade, instructions as WorkCosts: of an observation that is taken, of a template
   /// that is prepared, and, in the step itself, of a point and a landmark. Counted with profile M.
-  float observation_work = 450, prepared_work = 650, point_work = 250, landmark_work = 500;
+  float observation_work = 390, prepared_work = 590, point_work = 235, landmark_work = 340;
 };
 inline constexpr PersonRefinementTuning kPersonRefinementTuning{};
 

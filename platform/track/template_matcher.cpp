@@ -160,7 +160,7 @@ Observation TemplateMatcher::search(const MatchFrame& frame, std::size_t k, cons
 
 void TemplateMatcher::count(const PatchResult& result) {
   ++work_.searches;
-  work_.search_steps += static_cast<std::uint32_t>(result.iterations);
+  work_.search_steps += static_cast<std::uint32_t>(result.iterations) + kTuning.preparation_steps;
 }
 
 /// The search reaches about as far as points were from their predictions in the last frame.

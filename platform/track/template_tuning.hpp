@@ -19,15 +19,15 @@ struct TrackerTuning {
   float most_steps_a_template = 5.33f, most_passes = 3, most_factorisations = 60;
   /// More of it where the person is estimated, instructions. With a budget smaller by 1.6 million, twenty turned heads
   /// had 1.77 (95 %: 4.24) instead of 1.69 (4.07) degrees.
-  float most_for_person = 2.6e6f;
+  float most_for_person = 2.35e6f;
   /// Fraction of what the coarse translation and reserved work leave of it that searches may take: the rest is left to
   /// the solves. With 0.8 one frame of 3,800 with 500 templates took 2.2 times the median.
   float most_of_searches = 0.55f;
   /// The same in a frame with reserved work, which leaves less. With 0.55 turned heads had 4.33 instead of 4.07
   /// degrees at 95 %.
   float most_of_searches_if_reserved = 0.8f;
-  /// Work of a key frame for each pixel that is searched for corners, instructions as WorkCosts.
-  float corner_pixel = 15;
+  /// Work of a key frame for each pixel that is searched for corners, and for each vertex under them, instructions as WorkCosts.
+  float corner_pixel = 20, corner_vertex = 1750;
   /// Places at which a later key frame tries to capture a template, for each of its slots. Round value, not tuned.
   std::size_t tries_a_slot = 8;
 };
@@ -83,6 +83,9 @@ struct TemplateMatchTuning {
   /// Fraction of a point's residual in the last frame that is added to its prediction. Model errors last from frame to
   /// frame; less than all of it, so that a point that slips does not go on slipping. Not tuned.
   float residual_memory = 0.7f;
+  /// Steps that the preparation of a search counts as: callgrind counted 2,200 to 8,000 instructions a search, and 1,600 to 2,300 a
+  /// step, on the recorded face with profiles S, M and L.
+  std::uint32_t preparation_steps = 3;
   /// Normalised cross-correlation with the template, at least, in the last round. Chosen on rendered films
   /// with occluders.
   float min_correlation = 0.55f;

@@ -141,7 +141,6 @@ Status TrackerParts::track(const FrameView& view) {
   const Status status = predict(view);
   if (status != Status::ok) return status;
   match_and_solve(view);
-  note_work();
   conclude();
   if (person != nullptr && bad_frames == 0) limits.person->conclude(*this);
   if (self_start != nullptr) self_start->calls->conclude(*this, view);
@@ -155,10 +154,9 @@ void TrackerParts::note_time(const FrameView& view) {
 
 /// Leaves a part of the budget to the solves.
 void TrackerParts::limit_searches() {
-  const float fraction =
-      budget.reserved > 0 ? kTrackerTuning.most_of_searches_if_reserved : kTrackerTuning.most_of_searches;
-  const float steps = fraction * budget.left() / budget.costs.search_step;
-  matcher.limit_steps(static_cast<std::uint32_t>(max(steps, 0)));
+  const float left = budget.left(), most = kTrackerTuning.most_of_searches * (left + budget.reserved);
+  const float work = min(most, kTrackerTuning.most_of_searches_if_reserved * left);
+  matcher.limit_steps(static_cast<std::uint32_t>(max(work / budget.costs.search_step, 0)));
 }
 
 /// Leaves to the solves what the searches have not taken.
@@ -230,6 +228,7 @@ std::size_t TrackerParts::run_round(int round) {
 
 void TrackerParts::conclude() {
   result = estimator.end();
+  note_work();
   const bool is_good = result.state == TrackState::tracking;
   matcher.end_frame(match_frame(), is_good);
   bad_frames = is_good ? 0 : bad_frames + 1;
@@ -246,8 +245,11 @@ void TrackerParts::conclude() {
 /// by now, and new points where the surface was hidden before. Waits for a frame with room.
 void TrackerParts::keep_key_frame() {
   const std::size_t key = key_frames.choose(estimator.view(), result, frame);
-  if (key == 0) budget.key_frame = {};
-  if (key == 0 || !budget.take(budget.key_frame, key_frame_work(limits, budget.costs))) return;
+  if (key == 0) {
+    budget.key_frame = {};
+    return;
+  }
+  if (!budget.take(budget.key_frame, key_frame_work(limits, budget.costs))) return;
   const std::size_t begin = first_slot(limits, key), end = first_slot(limits, key + 1);
   for (std::size_t slot = begin; slot < end; ++slot) templates.release(slot, estimator);
   key_frames.keep(key, estimator.view(), result.rms_px, frame);

@@ -74,6 +74,7 @@ constexpr float key_frame_work(const TrackerLimits& limits, const WorkCosts& cos
   const std::size_t slots = first_slot(limits, 2) - first_slot(limits, 1);
   return t.corner_pixel * static_cast<float>(region_width(limits)) *
              static_cast<float>(region_height(limits)) +
+         t.corner_vertex * static_cast<float>(limits.vertices) +
          costs.capture * static_cast<float>(t.tries_a_slot * slots);
 }
 constexpr std::size_t all_points(const TrackerLimits& limits) {

@@ -45,14 +45,13 @@ FrameWork FrameSolver::work() const {
   return work;
 }
 
-/// Steps of a minimisation for which there is work left.
+/// Steps of a minimisation for which there is work left, beside its last pass.
 int FrameSolver::steps_left() const {
   if (most_work_ == 0) return policy_.iterations;
-  const float step = static_cast<float>(rows_.count()) * (costs_.row + costs_.measured_row) +
-                     kTuning.factorisations_a_step * costs_.factorisation;
-  const float steps = (most_work_ - costs_.of_solves(work())) / max(step, 1);
-  return steps < static_cast<float>(policy_.iterations) ? static_cast<int>(max(steps, 0))
-                                                        : policy_.iterations;
+  const float rows = static_cast<float>(rows_.count()), pass = rows * costs_.row;
+  const float step = pass + rows * costs_.measured_row + kTuning.factorisations_a_step * costs_.factorisation;
+  const float steps = (most_work_ - costs_.of_solves(work()) - pass) / step;
+  return static_cast<int>(clamp(steps, 0, static_cast<float>(policy_.iterations)));
 }
 
 void FrameSolver::gather(const SolveInput& input, Span<Observation> observations) {

@@ -120,14 +120,14 @@ void VisibleSurface::renew_vertices(Cascade& cascade, const float* q, std::size_
   first_outdated_ = kNone;
 }
 
-/// Moves the chosen vertices but for those whose samples are out of date. \return how far the farthest one moved, squared (mm^2).
-template <class Chosen>
-float VisibleSurface::move_vertices(Cascade& cascade, const float* q, const Chosen& is_chosen) {
+/// Moves the vertices whose turn it is, or the others, but for those whose samples are out of date. \return how far the farthest
+/// one moved, squared (mm^2).
+float VisibleSurface::move_vertices(Cascade& cascade, const float* q, VertexTurn turn, bool others) {
   constexpr int kAhead = 8;  // vertices; of each number of them chosen in turn, a multiple
   float farthest = 0;
   for (VertexId v : mesh_.vertices()) {
     if (v >= first_outdated_) break;
-    if (!is_chosen(v)) continue;
+    if (turn.is_of(v) == others) continue;
     if (keeps_samples()) prefetch_samples(samples_of(static_cast<VertexId>(v + kAhead)));
     const Vec3 p = keeps_samples() ? cascade.evaluate(samples_of(v), q) : cascade.selected_point(mesh_.uv(v)),
                step = p - position_[v];
@@ -143,9 +143,9 @@ void VisibleSurface::update(Cascade& cascade, const ModelState& state, std::uint
   if (!keeps_samples()) cascade.select(state.q, is_exact ? 0.0f : kTuning.table_slack_mm);
   renew_vertices(cascade, state.q,
                  is_exact ? kAllVertices : renewed_vertices(static_cast<std::size_t>(mesh_.vertex_count())));
-  const auto has_turn = [=](VertexId v) { return interval <= 1 || (v + frame) % interval == 0; };
-  const bool is_fast = move_vertices(cascade, state.q, has_turn) > kFastMm * kFastMm;
-  if (is_fast) move_vertices(cascade, state.q, [&](VertexId v) { return !has_turn(v); });
+  const VertexTurn turn{frame, interval};
+  const bool is_fast = move_vertices(cascade, state.q, turn, false) > kFastMm * kFastMm;
+  if (is_fast) move_vertices(cascade, state.q, turn, true);
   if (is_fast || interval <= 1) depth_is_drawn_ = false;
   project(state.view);
 }

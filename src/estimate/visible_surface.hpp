@@ -66,6 +66,12 @@ struct VisibleSurfaceLimits {
   Span<unsigned char> adaptation_memory;  ///< as EstimatorLimits::adaptation_memory
 };
 
+/// Vertices move in turn: each in one of `interval` frames.
+struct VertexTurn {
+  std::uint32_t frame, interval;
+  bool is_of(VertexId v) const { return interval <= 1 || (v + frame) % interval == 0; }
+};
+
 /// How VisibleSurface adapts its mesh.
 struct MeshPolicy {
   float error_mm = 0.3f;            ///< mean error of the mesh at the start
@@ -126,8 +132,7 @@ class VisibleSurface {
   Vec3* samples_of(VertexId v) { return samples_ + v * samples_per_vertex_; }
   void select_surface(Cascade& cascade) const;
   void place_vertex(Cascade& cascade, const float* q, VertexId v);
-  template <class Chosen>
-  float move_vertices(Cascade& cascade, const float* q, const Chosen& is_chosen);
+  float move_vertices(Cascade& cascade, const float* q, VertexTurn turn, bool others);
   void renew_vertices(Cascade& cascade, const float* q, std::size_t most);
   void project(const View& view);
   float nearest_on_mesh(Vec2 x, Vec2* uv) const;

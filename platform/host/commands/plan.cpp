@@ -29,28 +29,30 @@ namespace {
 /// templates and with profile S (docs/evaluation.md, Work of a frame). `WorkCosts` has those of searches and solves.
 struct Instructions {
   double thumbnail_pixel = 0.9, pyramid_pixel = 1.9;
-  double predicted_record = 26;  ///< of a predicted point
-  double tangent_record = 140;   ///< of a point
-  double vertex_record = 50;     ///< of a vertex with samples
+  double predicted_record = 21;  ///< of a predicted point
+  double tangent_record = 215;   ///< of a point, where the person has changed
+  double vertex_record = 50;     ///< of a vertex with samples, at a start
+  double moved_record = 15, near_record = 76;  ///< of one that moves: with samples, or from the tables
   double table_record = 193;     ///< of a vertex from the tables, to the last digit
-  double near_record = 95;       ///< of one that is as exact as a track needs it
-  double sampled_record = 250;   ///< of a vertex that is sampled again
-  double projected_vertex = 430, drawn_vertex = 300;
-  double edge_point = 3600;
-  double parts = 1.55e6;        ///< the readers of a face
+  double sampled_record = 235;   ///< of a vertex that is sampled again
+  double projected_vertex = 60, drawn_vertex = 425;
+  double drawing = 90000;  ///< of a depth buffer, besides
+  double edge_point = 3800;
+  double parts = 1.4e6;         ///< the readers of a face
   double cell = 1540;           ///< of the search
   double cell_area = 43;        ///< of a cell at full size that a cell of the search is reduced from
   double strip_column = 23000;  ///< of the frame: rows above the one where the search goes on
   double alignment_step = 1.8e6, alignment_end = 1.1e6;
   double personal_sample = 28;  ///< of one field at one sample of the person's
   double adapted_vertex = 60000;
-  double curve_point = 60000;  ///< a new one
+  double captured_record = 400;  ///< of a template of frame 0
+  double curve_point = 60000;    ///< a new one
 };
 constexpr Instructions kCost{};
 
 /// Usual counts of a tracked frame, measured likewise. They scale the usual work; no bound depends on them.
 struct UsualCounts {
-  double rounds = 2, steps_a_template = 6.4, passes = 1.6, factorisations = 9;
+  double rounds = 2, steps_a_template = 4.5, passes = 1.5, factorisations = 7.3;
   double projections_a_vertex = 1.3, drawings = 0.5, fraction_found = 0.7;
 };
 constexpr UsualCounts kUsual{};
@@ -141,16 +143,17 @@ void add_surface_loads(const Sizes& s, const TrackerLimits& limits, const Estima
   const double interval = std::max<double>(1, options.vertex_interval_frames);
   const double tangents = s.points / options.tangent_interval_frames;
   const double first_pass = static_cast<double>(kTemplateMatchTuning.first_pass_points);
-  const double of_vertex = limits.samples_vertices ? kCost.vertex_record : kCost.near_record;
-  loads.push_back({"points predicted", kUsual.rounds * s.points, (1 + rounds) * s.points + first_pass,
+  const double of_vertex = limits.samples_vertices ? kCost.moved_record : kCost.near_record;
+  loads.push_back({"points predicted", kUsual.rounds * s.points, rounds * s.points + first_pass,
                    kCost.predicted_record * s.records});
-  loads.push_back({"tangents updated", tangents, tangents + 1, kCost.tangent_record * s.records});
+  loads.push_back({"tangents updated", tangents, tangents + 1, kCost.tangent_record * s.all_records});
   // On fast motion all vertices are updated.
   loads.push_back({"vertices updated", vertices / interval, vertices, of_vertex * s.records});
   loads.push_back({"vertices projected", kUsual.projections_a_vertex * vertices, (rounds + 3) * vertices,
                    kCost.projected_vertex});
   loads.push_back({"vertices drawn into the depth buffer", kUsual.drawings * vertices,
                    (rounds + 2) * vertices, kCost.drawn_vertex});
+  loads.push_back({"depth buffers drawn", kUsual.drawings, rounds + 2, kCost.drawing});
   if (s.edges > 0) loads.push_back({"edge points matched", s.edges, 2 * s.edges, kCost.edge_point});
 }
 
@@ -158,6 +161,8 @@ void add_key_frame_loads(const Sizes& s, const TrackerLimits& limits, Loads& loa
   const double slots = static_cast<double>(first_slot(limits, 2) - first_slot(limits, 1));
   add_shared(s, "pixels searched for corners of a key frame", 0, s.region_pixels,
              static_cast<double>(kTrackerTuning.corner_pixel), loads);
+  add_shared(s, "vertices projected under these corners", 0, static_cast<double>(limits.vertices),
+             static_cast<double>(kTrackerTuning.corner_vertex), loads);
   add_shared(s, "places tried for a key frame's templates", 0,
              static_cast<double>(kTrackerTuning.tries_a_slot) * slots, static_cast<double>(s.costs.capture),
              loads);
@@ -172,10 +177,12 @@ void add_person_loads(const Model& model, const TrackerLimits& limits, const Siz
   };
   add("observations in the estimate of the person", kUsual.fraction_found * most / t.interval_frames, most,
       t.observation_work);
+  const double landmarks = static_cast<double>(model.landmarks().count);
+  add("landmarks in the estimate of the person", 0, landmarks, t.observation_work);
   add("templates prepared for a change of the person", 0,
       std::min(s.slots, static_cast<double>(t.prepared_templates)), t.prepared_work);
   add("points moved with the person", 0, s.points, t.point_work);
-  add("landmarks moved with the person", 0, static_cast<double>(model.landmarks().count), t.landmark_work);
+  add("landmarks moved with the person", 0, landmarks, t.landmark_work);
   if (limits.samples_vertices)
     loads.push_back({"vertices sampled again", 0, static_cast<double>(renewed_vertices(limits.vertices)),
                      kCost.sampled_record * s.all_records});
@@ -226,7 +233,7 @@ void add_start_loads(const Sizes& s, const TrackerLimits& limits, bool adapts, L
   loads.push_back({"pixels searched for corners", s.region_pixels, s.region_pixels,
                    static_cast<double>(kTrackerTuning.corner_pixel)});
   loads.push_back({"templates captured", 2.0 * limits.patches, 3.0 * limits.patches,
-                   static_cast<double>(kWorkCostTuning.captured_sample) * s.all_records});
+                   kCost.captured_record * s.all_records});
   loads.push_back({"points of curves", s.edges, s.edges, kCost.curve_point});
 }
 

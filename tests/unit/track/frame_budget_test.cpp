@@ -22,11 +22,11 @@ FrameBudget budget_with(std::uint32_t steps) {
 TEST_CASE("rare work is granted what searches and solves have left, and leaves less itself") {
   FrameBudget budget = budget_with(40);
   CHECK(budget.left() == 600);
-  CHECK_FALSE(budget.take(601));
+  CHECK_FALSE(budget.take_now(budget.person, 601));
   CHECK(budget.left() == 600);
-  CHECK(budget.take(400));
+  CHECK(budget.take_now(budget.person, 400));
   CHECK(budget.left() == 200);
-  CHECK_FALSE(budget.take(400));
+  CHECK_FALSE(budget.take_now(budget.person, 400));
   CHECK(budget.work.rare == 400);
 }
 
@@ -45,11 +45,39 @@ TEST_CASE("work that waits is reserved after some frames, which lowers what is l
   budget.begin(true);
   CHECK(budget.left() == 700);
   budget.work.search_steps = 70;
-  CHECK_FALSE(budget.take(1));
+  CHECK_FALSE(budget.take_now(budget.check, 1));
   CHECK(budget.take(budget.check, 300));
   CHECK(budget.left() == 0);
   budget.begin(true);
   CHECK(budget.left() == 1000);
+}
+
+TEST_CASE("a frame does rare work of one kind; what it refuses waits, and is served at last") {
+  FrameBudget budget = budget_with(0);
+  for (int n = 0; n < kFrameBudgetTuning.most_waited; ++n) {
+    budget.begin(true);
+    CHECK(budget.take_now(budget.person, 100));
+    CHECK(budget.take_now(budget.person, 100));
+    CHECK(budget.left_for(budget.check) == 0);
+    CHECK_FALSE(budget.take(budget.check, 300));
+  }
+  budget.begin(true);  // now the person's work waits, although there is room for both
+  CHECK(budget.left_for(budget.person) == 0);
+  CHECK_FALSE(budget.take_now(budget.person, 100));
+  CHECK_FALSE(budget.take(budget.person, 100));
+  CHECK(budget.take(budget.check, 300));
+  CHECK_FALSE(budget.take(budget.key_frame, 100));
+  budget.begin(true);
+  CHECK(budget.take(budget.key_frame, 100));
+}
+
+TEST_CASE("what is reserved for a kind of work does not keep its smaller parts from being done") {
+  FrameBudget budget = budget_with(0);
+  budget.person.hurry(400);
+  budget.begin(true);
+  CHECK(budget.left_for(budget.person) == 600);
+  CHECK(budget.take_now(budget.person, 500));
+  CHECK(budget.take(budget.person, 400));
 }
 
 TEST_CASE("one work is reserved at a time, and at most a fraction of the budget") {

@@ -1,0 +1,43 @@
+#include "track/frame_budget.hpp"
+
+namespace pliant {
+
+void FrameBudget::begin(bool reserves) {
+  work = {};
+  reserved = 0;
+  kind = nullptr;
+  WaitingWork* const all[] = {&check, &key_frame, &person};
+  for (WaitingWork* waiting : all) {
+    waiting->is_reserved = reserves && kind == nullptr && waiting->waited >= kFrameBudgetTuning.most_waited;
+    if (!waiting->is_reserved) continue;
+    kind = waiting;
+    reserved = waiting->work < most_reserved() ? waiting->work : most_reserved();
+  }
+}
+
+float FrameBudget::left() const {
+  return most - reserved - costs.of(work);
+}
+
+bool FrameBudget::take_now(const WaitingWork& of, float instructions) {
+  if (instructions > left_for(of)) return false;
+  kind = &of;
+  work.rare += instructions;
+  return true;
+}
+
+bool FrameBudget::take(WaitingWork& waiting, float instructions) {
+  if (waiting.is_reserved) {
+    reserved = 0;
+  } else if (!is_free_for(waiting) || instructions > left()) {
+    waiting.work = instructions;
+    ++waiting.waited;
+    return false;
+  }
+  kind = &waiting;
+  work.rare += instructions;
+  waiting = {};
+  return true;
+}
+
+}  // namespace pliant
