@@ -8,10 +8,10 @@ void FrameBudget::begin(bool reserves) {
   kind = nullptr;
   WaitingWork* const all[] = {&check, &key_frame, &person};
   for (WaitingWork* waiting : all) {
-    waiting->is_reserved = reserves && kind == nullptr && waiting->waited >= kFrameBudgetTuning.most_waited;
-    if (!waiting->is_reserved) continue;
-    kind = waiting;
-    reserved = waiting->work < most_reserved() ? waiting->work : most_reserved();
+    const bool is_first = kind == nullptr && waiting->waited >= kFrameBudgetTuning.most_waited;
+    if (is_first) kind = waiting;
+    waiting->is_reserved = is_first && reserves;
+    if (waiting->is_reserved) reserved = waiting->work < most_reserved() ? waiting->work : most_reserved();
   }
 }
 

@@ -35,9 +35,10 @@ struct FrameBudget {
   float most = 0;      ///< of a frame; instructions, as WorkCosts
   float reserved = 0;  ///< of that
   WaitingWork check, key_frame, person;
-  const WaitingWork* kind = nullptr;  ///< of the rare work that this frame does, or has reserved; null: none yet
+  const WaitingWork* kind = nullptr;  ///< of the rare work that this frame does, or that comes first; null: any
 
-  /// Begins a frame and reserves for one overdue work. \param reserves  false: for none, since the frame may need all.
+  /// Begins a frame. One overdue work comes first, with what is reserved for it. \param reserves  false: nothing, since the frame
+  /// may need all.
   void begin(bool reserves);
   float most_reserved() const { return kFrameBudgetTuning.most_reserved * most; }
   /// What is left, but for what is reserved.

@@ -191,7 +191,7 @@ TEST_CASE(
     "improvement") {
   Rig rig(Rejection::on_doubt), limited(Rejection::on_doubt);
   const WorkCosts costs{1, 100, 10, 1000};
-  limited.solver->limit_work(costs, 100 * 2 * kPoints);  // two passes
+  limited.solver->limit_work(costs, 100 * 3 * kPoints);  // three passes, the last one among them
   rig.move_truth(0.2f);
   limited.move_truth(0.2f);
   auto all = rig.observe(), some = limited.observe();

@@ -71,6 +71,15 @@ TEST_CASE("a frame does rare work of one kind; what it refuses waits, and is ser
   CHECK(budget.take(budget.key_frame, 100));
 }
 
+TEST_CASE("where nothing is reserved, overdue work comes first all the same") {
+  FrameBudget budget = budget_with(0);
+  budget.check.hurry(300);
+  budget.begin(false);
+  CHECK(budget.left() == 1000);
+  CHECK_FALSE(budget.take_now(budget.person, 100));
+  CHECK(budget.take(budget.check, 300));
+}
+
 TEST_CASE("what is reserved for a kind of work does not keep its smaller parts from being done") {
   FrameBudget budget = budget_with(0);
   budget.person.hurry(400);
