@@ -295,7 +295,8 @@ bool is_step_due(const TrackerParts& t) {
 /// Chooses the next step, if there is room for it.
 void plan_step(TrackerParts& t) {
   PersonState& s = *t.person;
-  const float work = of_cascade(t, kTuning.observation_work) * static_cast<float>(t.model().landmarks().count);
+  const float all = static_cast<float>(t.model().landmarks().count);
+  const float work = of_cascade(t, kTuning.observation_work) * all;
   if (!t.budget.take_now(t.budget.person, work)) return;
   Arena scratch(t.scratch.data, t.scratch.count);
   PersonEquations equations;

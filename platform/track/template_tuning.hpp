@@ -13,20 +13,22 @@ struct TrackerTuning {
   std::uint16_t least_templates = 6;
   /// The budget of a frame (FrameBudget): the work of so many search steps a template (in frames 320 px wide; in proportion to
   /// the width, since templates are that many more pixels away), passes over all observations, and factorisations. With it
-  /// the slowest frame of films with the faults of `pliant bench faults` takes at most twice the median (recorded face;
-  /// profiles S, M and L, and 500 templates with 1,900 vertices). With as few steps at 720 x 576 as at 360 x 288 the searches
+  /// the slowest frame of films with the faults of `pliant bench faults` takes about twice the median (recorded face, its fourth
+  /// clip: 1.85 times, 1.83 with 500 templates and 1,900 vertices, 2.06 with profile S). With 4.5 steps, 2.5 passes and 1.8
+  /// million for the person turned heads (docs/evaluation.md, 60 to 79 and 20 to 27), started from landmarks, had 2.11 and
+  /// 2.64 instead of 2.03 and 1.92 degrees at 95 %. With as few steps at 720 x 576 as at 360 x 288 the searches
   /// of nearly every frame ended early: the recorded face trembled by 0.22 instead of 0.11 px.
   float most_steps_a_template = 5.33f, most_passes = 3, most_factorisations = 60;
-  /// More of it where the person is estimated, instructions. With a budget smaller by 1.6 million, twenty turned heads
-  /// had 1.77 (95 %: 4.24) instead of 1.69 (4.07) degrees.
+  /// More of it where the person is estimated, instructions. With 2.75 million the same heads had 2.14 and 2.12 degrees.
   float most_for_person = 2.35e6f;
-  /// Fraction of what the coarse translation and reserved work leave of it that searches may take: the rest is left to
-  /// the solves. With 0.8 one frame of 3,800 with 500 templates took 2.2 times the median.
+  /// Fraction of what the coarse translation leaves of it that searches may take: the rest is left to solves and rare
+  /// work. With 0.8 one frame of 3,800 with 500 templates took 2.2 times the median.
   float most_of_searches = 0.55f;
-  /// The same in a frame with reserved work, which leaves less. With 0.55 turned heads had 4.33 instead of 4.07
+  /// Searches take no more than this fraction of what reserved work leaves besides. With 0.55 turned heads had 4.33 instead of 4.07
   /// degrees at 95 %.
   float most_of_searches_if_reserved = 0.8f;
-  /// Work of a key frame for each pixel that is searched for corners, and for each vertex under them, instructions as WorkCosts.
+  /// Work of a key frame for each pixel that is searched for corners, and for each vertex under them, instructions as
+  /// WorkCosts. Counted by callgrind.
   float corner_pixel = 20, corner_vertex = 1750;
   /// Places at which a later key frame tries to capture a template, for each of its slots. Round value, not tuned.
   std::size_t tries_a_slot = 8;
