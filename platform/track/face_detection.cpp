@@ -148,7 +148,7 @@ void conclude(TrackerParts& t, const FrameView& view) {
     give_up(t);
   if (self.poor_start.is_blinded() && t.result.state == TrackState::tracking)
     t.result.state = TrackState::degraded;
-  if (self.faces.is_doubtful() || t.bad_frames > 0) check.hurry(kWork);
+  if (self.faces.is_check_urgent() || t.bad_frames > 0) check.hurry(kWork);
 }
 
 /// \return null if there are no readers.

@@ -232,8 +232,9 @@ void FaceStart::begin_track(float landmark_error) {
   last_ = {};
   detector_ = nullptr;
   landmark_error_ = landmark_error;
+  is_aligned_ = landmark_error > 0;
   // A start that nothing has verified is checked in its own frame.
-  frames_since_check_ = landmark_error > 0 ? 0 : kTuning.check_interval_frames;
+  frames_since_check_ = is_aligned_ ? 0 : kTuning.check_interval_frames;
   bad_checks_ = good_checks_ = 0;
 }
 

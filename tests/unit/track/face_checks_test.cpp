@@ -92,6 +92,32 @@ TEST_CASE("a check that is due waits for a frame with room") {
   CHECK(checked_where([](std::size_t n) { return n == 21; }) == Frames{21});
 }
 
+TEST_CASE("a check is urgent until an aligned start is confirmed, and after a bad one; a start from points does not hurry") {
+  FakeFaces fake(film());
+  const TrackerLimits limits = limits_with_fake();
+  InArena<Tracker> tracker(baked_face().model, limits);
+  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  AlignedBlock block(std::size_t{1} << 20), scratch(std::size_t{1} << 20);
+  const auto urgent_after = [&](float landmark_error, std::size_t bad) {
+    Arena arena(block.data(), block.size());
+    FaceStart faces;
+    faces.lay_out(arena, baked_face().model, limits);
+    faces.begin_track(landmark_error);
+    Frames frames;
+    for (std::size_t n = 1; n < kFrames; ++n) {
+      fake.verification = n == bad ? 0.01f : 0.99f;
+      FrameResult result;
+      REQUIRE(faces.conclude(film().view(0), tracker->estimator(), 0, true, {scratch.data(), scratch.size()},
+                             &result));
+      if (faces.is_check_urgent()) frames.push_back(n);
+    }
+    return frames;
+  };
+  CHECK(urgent_after(0.02f, 0) == Frames{1, 3, 5});
+  CHECK(urgent_after(0.02f, 12) == Frames{1, 3, 5, 12});
+  CHECK(urgent_after(0, 0).empty());
+}
+
 TEST_CASE("a head that is turned by more than 50 degrees is degraded, and tracked on") {
   const FaceFilm film(
       320, 240, 2 * kFrames,
