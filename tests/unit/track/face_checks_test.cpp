@@ -38,6 +38,38 @@ std::vector<std::size_t> checked(FakeFaces& fake, Before&& before) {
 
 using Frames = std::vector<std::size_t>;
 
+/// A running track that is concluded again and again in its first frame, so that nothing but the checks changes.
+class StandingTrack {
+ public:
+  StandingTrack() : tracker_(baked_face().model, limits_), scratch_(std::size_t{1} << 20) {
+    REQUIRE(tracker_->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  }
+
+  /// Frames for which `is_noted(faces, n)` holds, asked after each. \param before  is told of each, says whether it has room.
+  template <class Before, class IsNoted>
+  Frames play(float landmark_error, Before&& before, IsNoted&& is_noted) {
+    AlignedBlock block(std::size_t{1} << 20);
+    Arena arena(block.data(), block.size());
+    FaceStart faces;
+    faces.lay_out(arena, baked_face().model, limits_);
+    faces.begin_track(landmark_error);
+    Frames frames;
+    for (std::size_t n = 1; n < kFrames; ++n) {
+      const bool has_room = before(n);
+      FrameResult result;
+      REQUIRE(faces.conclude(film().view(0), tracker_->estimator(), 0, has_room,
+                             {scratch_.data(), scratch_.size()}, &result));
+      if (is_noted(faces)) frames.push_back(n);
+    }
+    return frames;
+  }
+
+ private:
+  TrackerLimits limits_ = limits_with_fake();
+  InArena<Tracker> tracker_;
+  AlignedBlock scratch_;
+};
+
 }  // namespace
 
 TEST_CASE("checks are frequent until three were good, and rare from then on") {
@@ -68,54 +100,30 @@ TEST_CASE("after bad frames the next good one is checked") {
 
 TEST_CASE("a check that is due waits for a frame with room") {
   FakeFaces fake(film());
-  const TrackerLimits limits = limits_with_fake();
-  InArena<Tracker> tracker(baked_face().model, limits);
-  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
-  AlignedBlock block(std::size_t{1} << 20), scratch(std::size_t{1} << 20);
-  Arena arena(block.data(), block.size());
+  StandingTrack track;
+  int asked = 0;
   const auto checked_where = [&](auto&& has_room) {
-    FaceStart faces;
-    faces.lay_out(arena, baked_face().model, limits);
-    faces.begin_track(0.02f);
-    Frames frames;
-    for (std::size_t n = 1; n < kFrames; ++n) {
-      const int before = fake.verifications;
-      FrameResult result;
-      REQUIRE(faces.conclude(film().view(0), tracker->estimator(), 0, has_room(n),
-                             {scratch.data(), scratch.size()}, &result));
-      if (fake.verifications > before) frames.push_back(n);
-    }
-    return frames;
+    return track.play(
+        0.02f, [&](std::size_t n) { return asked = fake.verifications, has_room(n); },
+        [&](const FaceStart&) { return fake.verifications > asked; });
   };
   CHECK(checked_where([](std::size_t) { return true; }) == Frames{2, 4, 6, 12, 18});
   CHECK(checked_where([](std::size_t n) { return n != 4 && n != 5 && n != 13; }) == Frames{2, 6, 8, 14, 20});
   CHECK(checked_where([](std::size_t n) { return n == 21; }) == Frames{21});
 }
 
-TEST_CASE("a check is urgent until an aligned start is confirmed, and after a bad one; a start from points does not hurry") {
+TEST_CASE("until it is confirmed, an aligned start has urgent checks; a start from points has one after a bad check only") {
   FakeFaces fake(film());
-  const TrackerLimits limits = limits_with_fake();
-  InArena<Tracker> tracker(baked_face().model, limits);
-  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
-  AlignedBlock block(std::size_t{1} << 20), scratch(std::size_t{1} << 20);
+  StandingTrack track;
   const auto urgent_after = [&](float landmark_error, std::size_t bad) {
-    Arena arena(block.data(), block.size());
-    FaceStart faces;
-    faces.lay_out(arena, baked_face().model, limits);
-    faces.begin_track(landmark_error);
-    Frames frames;
-    for (std::size_t n = 1; n < kFrames; ++n) {
-      fake.verification = n == bad ? 0.01f : 0.99f;
-      FrameResult result;
-      REQUIRE(faces.conclude(film().view(0), tracker->estimator(), 0, true, {scratch.data(), scratch.size()},
-                             &result));
-      if (faces.is_check_urgent()) frames.push_back(n);
-    }
-    return frames;
+    return track.play(
+        landmark_error, [&](std::size_t n) { return fake.verification = n == bad ? 0.01f : 0.99f, true; },
+        [](const FaceStart& faces) { return faces.is_check_urgent(); });
   };
   CHECK(urgent_after(0.02f, 0) == Frames{1, 3, 5});
   CHECK(urgent_after(0.02f, 12) == Frames{1, 3, 5, 12});
   CHECK(urgent_after(0, 0).empty());
+  CHECK(urgent_after(0, 11) == Frames{11});
 }
 
 TEST_CASE("a head that is turned by more than 50 degrees is degraded, and tracked on") {
