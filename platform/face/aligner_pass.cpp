@@ -1,5 +1,7 @@
 #include "face/aligner_pass.hpp"
 
+#include "face/ibug_landmarks.hpp"
+
 namespace pliant {
 
 namespace {
@@ -12,14 +14,6 @@ struct AlignerPassTuning {
   float turned_sine = 0.6f;
 };
 constexpr AlignerPassTuning kTuning{};
-
-/// Index of the landmark ibugNN of a model, or kNone.
-std::uint16_t find_ibug(const Model& model, int number) {
-  char name[] = "ibug00";
-  name[4] = static_cast<char>('0' + number / 10);
-  name[5] = static_cast<char>('0' + number % 10);
-  return model.find_landmark(name);
-}
 
 Vec2 limited(Vec2 mm) {
   constexpr float kMost = kTuning.most_displacement_mm;
@@ -44,17 +38,14 @@ void AlignerPass::lay_out(Arena& arena, const Model& model, std::size_t landmark
 std::size_t AlignerPass::choose_landmarks(const Model& model, const std::uint8_t* numbers,
                                           std::size_t count) {
   const auto uv_of = [&](std::uint16_t k) { return Vec2{model.landmarks()[k].u, model.landmarks()[k].v}; };
-  const int corner_numbers[4] = {36, 45, 48, 54};
-  Vec2 corners[4];
-  for (std::size_t k = 0; k < 4; ++k) {
-    const std::uint16_t found = find_ibug(model, corner_numbers[k]);
-    if (found == kNone) return 0;
-    corners[k] = uv_of(found);
-  }
+  std::uint16_t corner[4];
+  if (!find_box_corners(model, corner)) return 0;
+  const Vec2 corners[4] = {uv_of(corner[0]), uv_of(corner[1]), uv_of(corner[2]), uv_of(corner[3])};
   shape_.set_corners(corners);
   std::size_t chosen = 0;
+  std::uint16_t found = 0;
   for (std::size_t k = 0; k < count; ++k) {
-    const std::uint16_t found = find_ibug(model, numbers[k]);
+    found = find_ibug(model, numbers[k], found + std::size_t{1});
     if (found == kNone) continue;
     shape_.set_landmark(chosen, uv_of(found));
     model_index_[chosen] = found;

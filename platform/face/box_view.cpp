@@ -1,15 +1,16 @@
 #include "face/box_view.hpp"
 
+#include "face/ibug_landmarks.hpp"
+
 namespace pliant {
 
 Status view_of_box(Cascade& cascade, const float* q, const FaceBox& box, const Camera& camera,
                    const Lens& lens, View* view) {
   const Model& model = cascade.model();
-  const char* const corners[] = {"ibug36", "ibug45", "ibug48", "ibug54"};
+  std::uint16_t corners[4];
+  if (!find_box_corners(model, corners)) return Status::not_found;
   Vec3 middle;
-  for (const char* name : corners) {
-    const std::uint16_t k = model.find_landmark(name);
-    if (k == kNone) return Status::not_found;
+  for (const std::uint16_t k : corners) {
     const Landmark& l = model.landmarks()[k];
     middle = middle + 0.25f * cascade.surface_point({l.u, l.v}, q);
   }

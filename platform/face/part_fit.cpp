@@ -1,6 +1,6 @@
 #include "face/part_fit.hpp"
 
-#include "face/aligner_table.hpp"
+#include "face/ibug_landmarks.hpp"
 
 namespace pliant {
 
@@ -8,14 +8,6 @@ namespace {
 
 constexpr const PartFitTuning& kTuning = kPartFitTuning;
 constexpr std::size_t kShift = 2;  // unknowns before the parameters
-
-std::uint16_t find_number(const Model& model, int number) {
-  if (number >= kMostAlignerLandmarks) return kNone;
-  char name[] = "ibug00";
-  name[4] = static_cast<char>('0' + number / 10);
-  name[5] = static_cast<char>('0' + number % 10);
-  return model.find_landmark(name);
-}
 
 Vec2 uv_of(const Model& model, std::uint16_t landmark) {
   return {model.landmarks()[landmark].u, model.landmarks()[landmark].v};
@@ -55,12 +47,12 @@ Status PartPoints::open(const Model& model) {
            {}};
       const auto of_side = [&](int number) { return left != 0 ? mirrored_part_point(number) : number; };
       for (int a = 0; a < 2; ++a) {
-        const std::uint16_t anchor = find_number(model, of_side(table[k].anchor[a]));
+        const std::uint16_t anchor = find_ibug(model, of_side(table[k].anchor[a]));
         if (anchor == kNone) return Status::not_found;
         s.anchor[a] = uv_of(model, anchor);
       }
       for (std::size_t p = 0; p < s.count; ++p, ++count) {
-        landmark[count] = find_number(model, of_side(table[k].number[p]));
+        landmark[count] = find_ibug(model, of_side(table[k].number[p]));
         uv[count] = is_fitted(count) ? uv_of(model, landmark[count]) : s.anchor[0];
       }
       ++side_count;

@@ -1,6 +1,7 @@
 // What connects FaceStart with the tracker.
 #include <new>
 
+#include "face/ibug_landmarks.hpp"
 #include "face/part_fit.hpp"
 #include "track/face_start.hpp"
 #include "track/poor_start.hpp"
@@ -118,12 +119,11 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
 
 /// Of the track, as its parameters have it; side 0 if the model has no such landmarks.
 FaceBox box_of(TrackerParts& t) {
+  std::uint16_t corners[4];
+  if (!find_box_corners(t.model(), corners)) return {};
   Vec2 x[4];
-  const char* const names[] = {"ibug36", "ibug45", "ibug48", "ibug54"};
-  for (int k = 0; k < 4; ++k) {
-    const std::uint16_t landmark = t.model().find_landmark(names[k]);
-    if (landmark == kNone || !t.offsets.project(landmark, t.estimator, &x[k])) return {};
-  }
+  for (int k = 0; k < 4; ++k)
+    if (!t.offsets.project(corners[k], t.estimator, &x[k])) return {};
   return face_box_of(x[0], x[1], x[2], x[3], t.estimator.view().s);
 }
 
@@ -211,8 +211,8 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
 
 }  // namespace
 
-const Detection kFaceDetection{lay_out,       bytes_of_check, begin_search,    search,
-                               end_search,    refine,         begin_track,     conclude,
+const Detection kFaceDetection{lay_out,       bytes_of_check, begin_search,     search,
+                               end_search,    refine,         begin_track,      conclude,
                                &kFaceModules, read_parts,     bytes_of_reading, keep_parts};
 
 }  // namespace pliant

@@ -1,5 +1,6 @@
 #include "track/person_refinement.hpp"
 
+#include "estimate/visible_surface.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/person_estimate.hpp"
 #include "track/person_rows.hpp"
@@ -17,11 +18,13 @@ struct PersonState {
   float *now = nullptr, *best = nullptr;    // rotation against the start, then identity
   float *start_q = nullptr, *sd = nullptr;  // identity: of the start; of the population
   bool is_active = false;
-  std::uint32_t taken_frame = 0, step_frame = 0;  // the last one that was taken; the last with a step
+  std::uint32_t taken_frame = 0,
+                step_frame = 0;  // the last one that was taken; the last in which a step was chosen
 
   // A step is prepared in several frames and taken in one.
   bool is_stepping = false;
   std::uint32_t steps = 0;           // taken
+  std::uint32_t changed_frame = 0;   // in which the last one was
   Vec3 turn;                         // of the step
   float* next_q = nullptr;           // all parameters; the identity is that after the step
   Vec2* next_uv = nullptr;           // of templates, by slot
@@ -80,7 +83,7 @@ void start(TrackerParts& t, const TrackerOptions& options) {
   }
   s.rows.start(t.model(), s.is_free);
   s.estimate.clear();
-  s.taken_frame = s.step_frame = s.steps = 0;
+  s.taken_frame = s.step_frame = s.changed_frame = s.steps = 0;
   s.is_stepping = false;
   for (std::size_t k = 0; k < 3; ++k) s.now[k] = 0;
   for (std::size_t k = 3; k < s.rows.kept(); ++k) {
@@ -256,6 +259,7 @@ void take_step(TrackerParts& t) {
     t.self_start->calls->keep_parts(t, places.moved);
   t.markers.keep_all(*t.key_frames.view_of(0), e, places.markers);
   ++s.steps;
+  s.changed_frame = t.frame;
   s.now[0] += s.turn.x;
   s.now[1] += s.turn.y;
   s.now[2] += s.turn.z;
@@ -270,6 +274,11 @@ bool is_due(const TrackerParts& t, std::size_t view) {
 void note_now(TrackerParts& t) {
   PersonState& s = *t.person;
   for (std::size_t k = 3; k < s.rows.kept(); ++k) s.now[k] = t.estimator.parameters()[s.rows.identity(k - 3)];
+}
+
+/// Whether no vertex is still to be sampled again after the last step. A step in such a frame would add to that work.
+bool is_settled(const TrackerParts& t) {
+  return t.person->steps == 0 || t.frame - t.person->changed_frame > kVisibleSurfaceTuning.renewal_frames;
 }
 
 /// Takes the frame into the estimate, if there is room for it.
@@ -317,8 +326,8 @@ void conclude(TrackerParts& t) {
   const std::size_t view = PersonEstimate::view_towards(camera_direction(t.estimator.view()));
   if (is_step_due(t)) return plan_step(t);
   if (is_due(t, view)) take_frame(t, view);
-  if (!s.is_stepping || !prepare(t) || !t.budget.take(t.budget.person, person_step_work(t.model(), t.limits)))
-    return;
+  if (!s.is_stepping || !prepare(t) || !is_settled(t)) return;
+  if (!t.budget.take(t.budget.person, person_step_work(t.model(), t.limits))) return;
   take_step(t);
   s.is_stepping = false;
 }

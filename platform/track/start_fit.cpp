@@ -2,6 +2,7 @@
 
 #include <new>
 
+#include "face/ibug_landmarks.hpp"
 #include "track/landmark_fit.hpp"
 
 namespace pliant {
@@ -51,13 +52,12 @@ namespace {
 
 /// The face box of a view; side 0 if the model lacks a landmark.
 FaceBox box_of(Cascade& cascade, const float* q, const View& view) {
-  const char* const names[] = {"ibug36", "ibug45", "ibug48", "ibug54"};
+  std::uint16_t corners[4];
+  if (!find_box_corners(cascade.model(), corners)) return {};
   const Projector projector(view, true);
   Vec2 x[4];
   for (int k = 0; k < 4; ++k) {
-    const std::uint16_t index = cascade.model().find_landmark(names[k]);
-    if (index == kNone) return {};
-    const Landmark& l = cascade.model().landmarks()[index];
+    const Landmark& l = cascade.model().landmarks()[corners[k]];
     if (!projector.project(cascade.surface_point({l.u, l.v}, q), &x[k])) return {};
   }
   return face_box_of(x[0], x[1], x[2], x[3], view.s);

@@ -14,21 +14,21 @@ namespace pliant {
 
 namespace {
 
-/// Where (u,v) falls in a field's grid: cell and position within it; `inside` false outside the support.
+/// Where a point falls in a field's grid: cell and position within it.
 struct Cell {
   std::size_t i, j;
   float a, b;
-  bool inside;
 };
 
-Cell locate(const Field& f, Vec2 uv) {
-  const float right = clamp(uv.x, 0, 1), u = f.mirror ? 1 - right : right, v = clamp(uv.y, 0, 1);
-  if (!(u >= f.u0 && u <= f.u1 && v >= f.v0 && v <= f.v1)) return {0, 0, 0, 0, false};
+/// \pre is_in_support(f, at)
+Cell locate(const Field& f, const ChartPoint& at) {
+  const float u = f.mirror ? at.mirrored_u : at.u;
   const float w = static_cast<float>(f.width - 1), h = static_cast<float>(f.height - 1);
-  const float x = (u - f.u0) * (w / (f.u1 - f.u0)), y = (v - f.v0) * (h / (f.v1 - f.v0));
-  const auto i = x >= w - 1 ? f.width - 2u : static_cast<std::size_t>(x);
-  const auto j = y >= h - 1 ? f.height - 2u : static_cast<std::size_t>(y);
-  return {i, j, x - static_cast<float>(i), y - static_cast<float>(j), true};
+  const float x = (u - f.u0) * (w / (f.u1 - f.u0)), y = (at.v - f.v0) * (h / (f.v1 - f.v0));
+  const int i = x >= w - 1 ? f.width - 2 : static_cast<int>(x);
+  const int j = y >= h - 1 ? f.height - 2 : static_cast<int>(y);
+  return {static_cast<std::size_t>(i), static_cast<std::size_t>(j), x - static_cast<float>(i),
+          y - static_cast<float>(j)};
 }
 
 /// Interpolated integers of a field as floats, and, if wanted, their derivatives along both axes, per side of a cell.
@@ -128,15 +128,13 @@ void interpolate_bicubic(const std::uint8_t* samples, const Field& f, const Cell
 /// Value alone of the most usual kind of field, vectors: the same bits in a third of the instructions.
 template <class Integer>
 Vec3 sample_vector(const std::uint8_t* samples, const Field& f, const Cell& cell) {
-  const std::size_t row = std::size_t{3} * f.width;
-  Integer upper[6], lower[6];  // two neighbours each
-  const std::uint8_t* const p = samples + f.first_byte + sizeof(Integer) * (cell.j * row + 3 * cell.i);
-  std::memcpy(upper, p, sizeof upper);
-  std::memcpy(lower, p + sizeof(Integer) * row, sizeof lower);
+  constexpr std::size_t kNext = 3 * sizeof(Integer);
+  const std::size_t row = kNext * f.width;
+  const std::uint8_t* p = samples + f.first_byte + cell.j * row + cell.i * kNext;
   float value[3];
-  for (std::size_t c = 0; c < 3; ++c) {
-    const auto s00 = static_cast<float>(upper[c]), s10 = static_cast<float>(upper[c + 3]),
-               s01 = static_cast<float>(lower[c]), s11 = static_cast<float>(lower[c + 3]);
+  for (std::size_t c = 0; c < 3; ++c, p += sizeof(Integer)) {
+    const float s00 = read<Integer>(p), s10 = read<Integer>(p + kNext), s01 = read<Integer>(p + row),
+                s11 = read<Integer>(p + row + kNext);
     const float top = s00 + cell.a * (s10 - s00), bottom = s01 + cell.a * (s11 - s01);
     value[c] = f.offset[c] + f.scale[c] * (top + cell.b * (bottom - top));
   }
@@ -165,22 +163,31 @@ Vec3 sample_any(const std::uint8_t* samples, const Field& f, const Cell& cell, I
 }  // namespace
 
 void prefetch_field(const std::uint8_t* samples, const Field& f, Vec2 uv) {
-  const Cell cell = locate(f, uv);
-  if (!cell.inside) return;
+  const ChartPoint at(uv);
+  if (!is_in_support(f, at)) return;
+  const Cell cell = locate(f, at);
   const std::size_t bytes = f.bits / 8u * f.components, row = f.width * bytes;
   const std::uint8_t* const p = samples + f.first_byte + cell.j * row + cell.i * bytes;
   __builtin_prefetch(p);
   __builtin_prefetch(p + row);
 }
 
+Vec3 sample_in_support(const std::uint8_t* samples, const Field& f, const ChartPoint& at,
+                       Interpolation interpolation) {
+  const Cell cell = locate(f, at);
+  if (interpolation == Interpolation::bilinear && f.components == 3)
+    return f.bits == 16 ? sample_vector<std::int16_t>(samples, f, cell)
+                        : sample_vector<std::int8_t>(samples, f, cell);
+  return sample_any(samples, f, cell, interpolation, nullptr, nullptr);
+}
+
 Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,
                   Vec3* dv) {
   if (du != nullptr) *du = *dv = {};
-  const Cell cell = locate(f, uv);
-  if (!cell.inside) return {};
-  if (du == nullptr && interpolation == Interpolation::bilinear && f.components == 3)
-    return (f.bits == 16 ? sample_vector<std::int16_t> : sample_vector<std::int8_t>)(samples, f, cell);
-  return sample_any(samples, f, cell, interpolation, du, dv);
+  const ChartPoint at(uv);
+  if (!is_in_support(f, at)) return {};
+  return du == nullptr ? sample_in_support(samples, f, at, interpolation)
+                       : sample_any(samples, f, locate(f, at), interpolation, du, dv);
 }
 
 Vec3 sample(const Model& model, const Field& field, Vec2 uv, Interpolation interpolation) {

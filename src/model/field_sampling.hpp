@@ -25,6 +25,10 @@ inline bool is_in_support(const Field& f, const ChartPoint& at) {
 /// Starts to fetch the samples around (u,v), two rows of them.
 void prefetch_field(const std::uint8_t* samples, const Field& f, Vec2 uv);
 
+/// Value of `f`, from samples that start at `samples` + f.first_byte. \pre is_in_support(f, at)
+Vec3 sample_in_support(const std::uint8_t* samples, const Field& f, const ChartPoint& at,
+                       Interpolation interpolation);
+
 /// Value of `f` at (u,v), from samples that start at `samples` + f.first_byte. With `du`, also the derivatives along u and
 /// v, in `du` and `dv`; null for both otherwise.
 Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,

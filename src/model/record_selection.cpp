@@ -66,22 +66,23 @@ bool RecordSelection::is_chain(const Model& model, const CascadePlan& plan) cons
 
 Vec3 RecordSelection::point(const FieldSource& source, const CascadePlan& plan, Vec2 uv) {
   PLIANT_ASSERT(count_ > 0);  // `select` was called
+  const CascadeRecord* const records = source.model.cascade().data;
+  const Field* const fields = source.model.fields().data;
+  const std::uint8_t* const samples = source.model.samples();
   Vec3* const point = values_.point;
   const ChartPoint at(uv);
-  for (std::size_t k = 0; k < count_; ++k) {
-    const std::size_t i = listed_[k];
+  for (const std::uint16_t i : listed()) {
     if (i == plan.personal_record()) {
       point[i] = source.person.sample(source.model, uv, source.interpolation, nullptr, nullptr);
       continue;
     }
-    const CascadeRecord& r = source.model.cascade()[i];
+    const CascadeRecord& r = records[i];
     const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point[value_of_[r.source[0]]];
     if (r.operation == Operation::add_vector) {  // most of them, and most of those are of a part of the chart
-      const Field& field = source.model.fields()[r.field];
+      const Field& field = fields[r.field];
       point[i] = p0;
       if (is_in_support(field, at))
-        point[i] = p0 + q_[r.parameter[0]] * sample_field(source.model.samples(), field, uv,
-                                                          source.interpolation, nullptr, nullptr);
+        point[i] = p0 + q_[r.parameter[0]] * sample_in_support(samples, field, at, source.interpolation);
       continue;
     }
     const Vec3 p1 = r.source[1] == kNone ? Vec3{} : point[value_of_[r.source[1]]];

@@ -29,12 +29,12 @@ namespace {
 /// templates and with profile S (docs/evaluation.md, Work of a frame). `WorkCosts` has those of searches and solves.
 struct Instructions {
   double thumbnail_pixel = 0.9, pyramid_pixel = 1.9;
-  double predicted_record = 21;  ///< of a predicted point
-  double tangent_record = 215;   ///< of a point, where the person has changed
-  double vertex_record = 50;     ///< of a vertex with samples, at a start
+  double predicted_record = 21;                ///< of a predicted point
+  double tangent_record = 215;                 ///< of a point, where the person has changed
+  double vertex_record = 50;                   ///< of a vertex with samples, at a start
   double moved_record = 15, near_record = 76;  ///< of one that moves: with samples, or from the tables
-  double table_record = 193;     ///< of a vertex from the tables, to the last digit
-  double sampled_record = 235;   ///< of a vertex that is sampled again
+  double table_record = 193;                   ///< of a vertex from the tables, to the last digit
+  double sampled_record = 235;                 ///< of a vertex that is sampled again
   double projected_vertex = 60, drawn_vertex = 425;
   double drawing = 90000;  ///< of a depth buffer, besides
   double edge_point = 3800;
@@ -188,12 +188,20 @@ void add_person_loads(const Model& model, const TrackerLimits& limits, const Siz
                      kCost.sampled_record * s.all_records});
 }
 
-/// Work that has waited is done even if its frame could not reserve as much.
+/// Of the vertices that a frame samples again after a change of the person, at most; instructions.
+double renewal_work(const TrackerLimits& limits, const Sizes& s) {
+  if (!limits.samples_vertices) return 0;
+  return static_cast<double>(renewed_vertices(limits.vertices)) * kCost.sampled_record * s.all_records;
+}
+
+/// Work that has waited is done even if its frame could not reserve as much. A change of the person waits until all vertices are
+/// sampled again after the change before, so that it takes the place of that work.
 void add_overdue_load(const TrackerLimits& limits, const Sizes& s, Loads& loads) {
-  double most = static_cast<double>(key_frame_work(limits, s.costs));
-  if (limits.detection != nullptr) most = std::max(most, static_cast<double>(kFaceStartTuning.check_work));
-  if (limits.person != nullptr) most = std::max(most, s.person_step);
-  const double more = most - static_cast<double>(kFrameBudgetTuning.most_reserved) * s.budget;
+  const double reserved = static_cast<double>(kFrameBudgetTuning.most_reserved) * s.budget;
+  double more = static_cast<double>(key_frame_work(limits, s.costs)) - reserved;
+  if (limits.detection != nullptr)
+    more = std::max(more, static_cast<double>(kFaceStartTuning.check_work) - reserved);
+  if (limits.person != nullptr) more = std::max(more, s.person_step - reserved - renewal_work(limits, s));
   if (more > 0) loads.push_back({"overdue work beyond what is reserved", 0, more, 1, Bound::beside});
 }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "face/ibug_landmarks.hpp"
+
 namespace pliant::host::learn {
 
 Quat rotation_of(float yaw, float pitch, float roll) {
@@ -20,14 +22,10 @@ std::vector<Vec2> projected(const std::vector<Vec3>& points, const Pose& pose, c
 
 FaceBox face_box_in(const Model& model, const std::vector<Vec2>& landmarks, const Pose& pose,
                     const Camera& camera) {
-  const char* const names[] = {"ibug36", "ibug45", "ibug48", "ibug54"};
-  Vec2 at[4];
-  for (std::size_t k = 0; k < 4; ++k) {
-    const std::uint16_t number = model.find_landmark(names[k]);
-    if (number == kNone) return {};
-    at[k] = landmarks[number];
-  }
-  return face_box_of(at[0], at[1], at[2], at[3], view_of(pose, camera).s);
+  std::uint16_t corners[4];
+  if (!find_box_corners(model, corners)) return {};
+  const auto at = [&](int k) { return landmarks[corners[k]]; };
+  return face_box_of(at(0), at(1), at(2), at(3), view_of(pose, camera).s);
 }
 
 void place_face(const Model& model, const std::vector<Vec3>& landmarks, Quat rotation,

@@ -3,8 +3,10 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "estimate/visible_surface.hpp"
 #include "face_film.hpp"
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
@@ -29,6 +31,13 @@ const FaceFilm& film() {
 
 bool is_identity(std::size_t k) {
   return baked_face().model.parameters()[k].group == Group::identity;
+}
+
+/// Frames from one to the next, at least.
+std::size_t least_between(const std::vector<std::size_t>& frames) {
+  std::size_t least = kFrames;
+  for (std::size_t k = 1; k < frames.size(); ++k) least = std::min(least, frames[k] - frames[k - 1]);
+  return least;
 }
 
 /// Frames in which the identity took a step. Where `is_black(n)`, frame n is black.
@@ -64,6 +73,7 @@ TEST_CASE(
   CHECK(film().poses[at.front()].q.y > 0.13f);  // half of 15 degrees
   const std::size_t templates = TrackerLimits{}.patches, most = kPersonRefinementTuning.prepared_templates;
   for (std::size_t k = 1; k < at.size(); ++k) CHECK(at[k] - at[k - 1] > templates / most);
+  CHECK(least_between(at) > kVisibleSurfaceTuning.renewal_frames);
   CHECK(at.size() < kFrames / kPersonRefinementTuning.step_frames);
 }
 
@@ -72,6 +82,15 @@ TEST_CASE("where the frames in which it is due are bad, the estimate waits for t
   const auto at = steps([](std::size_t n) { return n % 4 == 0; });
   REQUIRE(at.size() > 2);
   for (const std::size_t n : at) CHECK(n % 4 != 0);
+}
+
+TEST_CASE("a step that bad frames delay is not soon followed by the next one: the surface follows first") {
+  for (const std::size_t last_good : {28, 39}) {
+    CAPTURE(last_good);
+    const auto at = steps([=](std::size_t n) { return n % 40 > last_good; });
+    REQUIRE(at.size() > 2);
+    CHECK(least_between(at) > kVisibleSurfaceTuning.renewal_frames);
+  }
 }
 
 TEST_CASE("frames that estimate the person, prepare a step or take it stay within their budget") {
