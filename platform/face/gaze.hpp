@@ -16,7 +16,7 @@ struct GazeTuning {
   float iris_mm = 10.4f;
   /// Part of the way, up and down, that an eye's corners go from where the model has them to where its crop is, which is
   /// where they are read. 0 is the model's place, and its error the gaze's; 1 is the readings' place, and their noise.
-  /// Portraits and films of people left out of training, docs/evaluation.md, Gaze: sd 6.7, 5.3, 4.9 and 4.6 degrees on
+  /// Portraits and films of people left out of training, docs/experiments.md, Gaze: sd 6.7, 5.3, 4.9 and 4.6 degrees on
   /// portraits with 0, 0.5, 0.75 and 1; correlations on films 0.922, 0.924, 0.920 and 0.913.
   float corner_weight = 0.75f;
   /// The upper lid follows the eye: part of its height that counts, the rest is the pupil's. On the same portraits, with

@@ -302,7 +302,7 @@ bool PartFit::solve(float seconds, PartPoints* points) {
   for (std::size_t n = 0; n < points->parameter_count; ++n) is_free_[points->parameter[n]] = 1;
   set(points->last, *points);
   cascade_.set_free(is_free_);
-  step(seconds, *points);  // One is enough: the lids' motion is nearly linear (docs/evaluation.md, Lids).
+  step(seconds, *points);  // One is enough: the lids' motion is nearly linear (docs/experiments.md, Lids).
   equations_.variances(step_);
   for (std::size_t n = 0; n < points->parameter_count; ++n)
     if (!is_finite(q_[points->parameter[n]]) || !(step_[kShift + n] > 0)) return false;

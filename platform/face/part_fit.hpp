@@ -46,7 +46,7 @@ struct PartFitTuning {
   /// Standard deviation of how much more one eye opens than the other, against the start's frame, mm. More by
   /// what it was in the frame before, so that winks stay. Talking Face video, gaps right / left: without 0.83
   /// / 0.70, 0.3 mm 0.82 / 0.79, 0.5 mm 0.83 / 0.79, 1 mm 0.83 / 0.76. Chosen there; rendered people in
-  /// docs/evaluation.md, Lids.
+  /// docs/experiments.md, Lids.
   float unlike_mm = 0.5f;
 };
 inline constexpr PartFitTuning kPartFitTuning{};

@@ -134,9 +134,9 @@ class FaceStart {
   /// Whether `conclude` checks the track if the frame is good and has room.
   bool is_check_due() const;
   /// Whether the check that is due comes before other rare work: the last one was bad, or the alignment made this start and it
-  /// is not confirmed yet. Where such checks wait too, 47 rendered heads with faults (docs/evaluation.md) are wrong in 742 instead
-  /// of 637 frames with profile S; where those of a start from the caller's landmarks hurry as well, heads that turn have 2.4
-  /// instead of 2.0 degrees at 95 %.
+  /// is not confirmed yet. Where such checks wait too, 47 rendered heads with faults (docs/experiments.md) are wrong in
+  /// 742 instead of 637 frames with profile S; where those of a start from the caller's landmarks hurry as well, heads
+  /// that turn have 2.4 instead of 2.0 degrees at 95 %.
   bool is_check_urgent() const {
     return bad_checks_ > 0 || (is_aligned_ && !has_confirmed() && is_check_due());
   }

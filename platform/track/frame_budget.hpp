@@ -11,7 +11,7 @@ struct FrameBudgetTuning {
   /// Frames that rare work waits, count. Round value, not tuned.
   int most_waited = 4;
   /// Fraction of the budget that may be reserved. With 0.7, which a change of the person fits into, turned heads
-  /// (docs/evaluation.md) had 1.75 (95 %: 4.19) instead of 1.66 (4.10) degrees.
+  /// (docs/experiments.md) had 1.75 (95 %: 4.19) instead of 1.66 (4.10) degrees.
   float most_reserved = 0.5f;
 };
 inline constexpr FrameBudgetTuning kFrameBudgetTuning{};

@@ -16,11 +16,12 @@ struct LandmarkFitTuning {
   /// annotation, and what the model's identity cannot express. With the annotation's alone (0.005) 43 % of
   /// fits of portraits ended with an identity parameter at its limit and focal lengths from 0.4 picture
   /// widths on; with 0.01 none of 87 did, 0.6 to 1.4 widths. 0.02 costs accuracy of starts from 11 points
-  /// (docs/evaluation.md, section Tuning).
+  /// (docs/experiments.md, section Tuning).
   float point_sd_fraction = 0.01f;
   /// Standard deviation of an annotation alone, as a fraction of the points' spread. Residuals beyond it become landmark
   /// offsets. A model with a hundred identities fits points to less than 0.005, which left no offsets: its brows were off by
-  /// 2.3 px in the originals of the recorded face, 0.95 px with 0.003 (docs/evaluation.md, section Tuning). 0.002 is no better.
+  /// 2.3 px in the originals of the recorded face, 0.95 px with 0.003 (docs/experiments.md, section Tuning).
+  /// 0.002 is no better.
   float annotation_sd_fraction = 0.003f;
   /// Factor on point_sd_fraction while expressions are fitted. A person's thinner lips, or a landmark
   /// annotated at another position, must not be explained by an expression. 1 and 2 make starts from 5 points

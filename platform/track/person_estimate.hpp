@@ -6,7 +6,7 @@
 
 namespace pliant {
 
-/// Tuning of the estimate. Chosen on six rendered people who turn to 60 degrees (docs/evaluation.md, Turned heads).
+/// Tuning of the estimate. Chosen on six rendered people who turn to 60 degrees (docs/experiments.md, Turned heads).
 struct PersonEstimateTuning {
   /// Sines of yaw that separate the views: every 15 degrees, the middle view is frontal. Templates change
   /// about so fast.

@@ -23,9 +23,9 @@ struct PersonRefinementTuning {
   /// Observations for which a frame must have room to be taken, count. Round value, not tuned.
   std::size_t least_observations = 64;
   /// Steps that go all of the way to the estimate, count, and the fraction of the way of the later ones, of which there is at most
-  /// one in so many frames. What is seen moves by less than the noise of a frame. Rendered heads that turn (docs/evaluation.md)
-  /// had 3.65 degrees at 95 % with half of the way always, 3.29 with all of it, found by detection. Later steps change little
-  /// but tremble: with whole ones the recorded face has 0.041 px instead of 0.033.
+  /// one in so many frames. What is seen moves by less than the noise of a frame. Rendered heads that turn
+  /// (docs/experiments.md) had 3.65 degrees at 95 % with half of the way always, 3.29 with all of it, found by
+  /// detection. Later steps change little but tremble: with whole ones the recorded face has 0.041 px instead of 0.033.
   std::uint32_t whole_steps = 4;
   float later_rate = 0.25f;
   std::uint32_t step_frames = 8;

@@ -8,7 +8,7 @@
 
 namespace pliant {
 
-/// Tuning of poor starts. Each constant: unit, reason, experiment (docs/evaluation.md, Faults).
+/// Tuning of poor starts. Each constant: unit, reason, experiment (docs/experiments.md, Faults).
 struct PoorStartTuning {
   /// Fraction of the templates of frame 0 below which a start is poor. Starts in light three times too bright
   /// capture 6 to 12 of 128 on the recorded face, the clips without a fault 108 to 127, faces at 0.6 of their

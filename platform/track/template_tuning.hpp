@@ -15,9 +15,9 @@ struct TrackerTuning {
   /// the width, since templates are that many more pixels away), passes over all observations, and factorisations. With it
   /// the slowest frame of films with the faults of `pliant bench faults` takes about twice the median (recorded face, its fourth
   /// clip: 1.85 times, 1.83 with 500 templates and 1,900 vertices, 2.06 with profile S). With 4.5 steps, 2.5 passes and 1.8
-  /// million for the person turned heads (docs/evaluation.md, 60 to 79 and 20 to 27), started from landmarks, had 2.11 and
-  /// 2.64 instead of 2.03 and 1.92 degrees at 95 %. With as few steps at 720 x 576 as at 360 x 288 the searches
-  /// of nearly every frame ended early: the recorded face trembled by 0.22 instead of 0.11 px.
+  /// million for the person turned heads (docs/experiments.md, heads 60 to 79 and 20 to 27), started from landmarks,
+  /// had 2.11 and 2.64 instead of 2.03 and 1.92 degrees at 95 %. With as few steps at 720 x 576 as at 360 x 288 the
+  /// searches of nearly every frame ended early: the recorded face trembled by 0.22 instead of 0.11 px.
   float most_steps_a_template = 5.33f, most_passes = 3, most_factorisations = 60;
   /// More of it where the person is estimated, instructions. With 2.75 million the same heads had 2.14 and 2.12 degrees.
   float most_for_person = 2.35e6f;
@@ -50,7 +50,7 @@ struct TemplateStoreTuning {
   float bend_reach = 0.4f;
   /// Depth of the surface in a window behind its middle, at most, mm. At least it is 0: around hollows, corners of
   /// the eyes and wings of the nose, positions do not follow the paraboloid; on rendered heads that turn
-  /// (docs/evaluation.md) the errors at 95 % were 3.97 and 2.92 degrees with negative depths, 3.71 and 2.73
+  /// (docs/experiments.md) the errors at 95 % were 3.97 and 2.92 degrees with negative depths, 3.71 and 2.73
   /// without. 3 is a round value: what lies deeper is no paraboloid.
   float most_depth_mm = 3;
   /// Standard deviation of the ramp of light over a window (PatchOptions::ramp_sd) where the head has turned by a right angle
@@ -72,7 +72,7 @@ struct TemplateMatchTuning {
   /// first round has changed. Not tuned.
   int rounds = 2;
   /// Points in the first pass, count: enough to fix pose and jaw. Chosen on the rendered film with 500 points, where it
-  /// saved a third of the instructions of a frame (docs/evaluation.md).
+  /// saved a third of the instructions of a frame (docs/experiments.md).
   std::size_t first_pass_points = 40;
   /// Points found, for each in the first pass, below which there is none: with fewer it saves no work. Chosen
   /// on the recorded face.

@@ -4,7 +4,7 @@
 namespace pliant::patch {
 
 /// Tuning of template matching. Each constant: unit, reason, experiment. The experiments are the unit tests of the
-/// patch tracker (band-limited textures with known motion) and `pliant bench klt` (docs/evaluation.md, section
+/// patch tracker (band-limited textures with known motion) and `pliant bench klt` (docs/experiments.md, section
 /// Tuning).
 struct PatchTuning {
   /// Smallest texture that is matched: eigenvalue of the mean structure tensor without light, (grey/px)^2. Usual

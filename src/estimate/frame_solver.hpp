@@ -8,7 +8,7 @@
 
 namespace pliant {
 
-/// Tuning of the solve. The experiments are those of docs/evaluation.md, section Tuning.
+/// Tuning of the solve. The experiments are those of docs/experiments.md, section Tuning.
 struct FrameSolverTuning {
   /// Equations that a solve needs at least: those of the pose and four more.
   std::size_t least_equations = kPoseUnknowns + 4;

@@ -15,7 +15,7 @@ inline constexpr std::size_t kCueCount = 3;
 struct ObservationRowsTuning {
   /// mm. Model error of edges, added to their noise. Edges of lids and lips slide further over the surface than texture does.
   /// Chosen on the order of
-  /// cues and the recorded face (docs/evaluation.md, section Tuning).
+  /// cues and the recorded face (docs/experiments.md, section Tuning).
   float edge_error_mm = 1.7f;
   /// Tukey weight below which a row is an outlier. Round value, not tuned.
   float least_weight = 0.1f;

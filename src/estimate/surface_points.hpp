@@ -17,7 +17,7 @@ inline constexpr Vec2 kBehind{-1e6f, -1e6f};
 struct SurfacePointsTuning {
   /// mm. Vectors that move a point by less are left out of its samples. A hundredth of the model's own error: it saves a
   /// quarter of the samples of a face. Chosen on the
-  /// rendered film with 500 points (docs/evaluation.md, section Tuning).
+  /// rendered film with 500 points (docs/experiments.md, section Tuning).
   float sample_slack_mm = 0.01f;
   /// mm. Vectors smaller than this are left out of tangents. A tangent only warps a template, which tolerates more. Chosen
   /// likewise.

@@ -13,8 +13,8 @@
 
 namespace pliant {
 
-/// Tuning of the visible surface. The experiments are those of docs/evaluation.md, section Tuning: the rendered film with 500
-/// points for slacks and redrawing, the dropping jaw for the fast fraction.
+/// Tuning of the visible surface. The experiments are those of docs/experiments.md, section Tuning: the rendered film
+/// with 500 points for slacks and redrawing, the dropping jaw for the fast fraction.
 struct VisibleSurfaceTuning {
   /// Cells a side of the depth buffer, count, for meshes up to `small_mesh` vertices and above. About two faces of a full
   /// mesh fall on a cell.

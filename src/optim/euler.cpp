@@ -9,7 +9,7 @@ namespace pliant {
 
 namespace {
 
-/// Tuning of the step length. All values are from `pliant bench fit` (docs/evaluation.md) or round.
+/// Tuning of the step length. All values are from `pliant bench fit` (docs/experiments.md) or round.
 struct EulerTuning {
   /// Costs with the highest of which a Barzilai-Borwein step is compared, count. The usual value of the non-monotone rule.
   int memory = 10;

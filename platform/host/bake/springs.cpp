@@ -13,7 +13,7 @@ namespace {
 /// Tuning of the springs. Each constant: unit, reason, experiment.
 struct SpringTuning {
   /// Points, count, at most: a fifth of a sheet's width apart. 36 and 64 points are not more accurate and cost more; with an occluder
-  /// of strong texture they made 26 of 300 frames wrong, 24 points 9 (docs/evaluation.md, Sheet).
+  /// of strong texture they made 26 of 300 frames wrong, 24 points 9 (docs/experiments.md, Sheet).
   std::size_t points = 24;
   /// Springs of a point, count, at most: its neighbours in a triangular lattice.
   std::size_t neighbours = 6;
