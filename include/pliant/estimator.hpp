@@ -116,7 +116,7 @@ class Estimator {
   void begin(std::int64_t time_ns);
   /// Moves the predicted view so that the model moves by about `px` in the image: a motion measured by the platform.
   void translate(Vec2 px);
-  /// Makes `view` the predicted view, with the parameters of the last good frame: a place to search for a lost model.
+  /// Makes `view` (finite, s > 0) the predicted view, with the parameters of the last good frame, to search for a lost model.
   void propose(const View& view);
   /// Replaces what is expected of a free parameter in this frame by a measurement of the platform: value and standard
   /// deviation, both finite, sd > 0. The state moves there. Nothing happens for a parameter that is not free.
@@ -146,20 +146,20 @@ class Estimator {
   /// are those of the last good one.
   FrameResult end();
 
-  const Model& model() const;            ///< The model of the layout.
-  const Camera& camera() const;          ///< The camera of the start.
-  const Lens& lens() const;              ///< The lens of the start's camera.
-  const View& view() const;              ///< The present view.
-  Span<const float> parameters() const;  ///< All parameters.
+  const Model& model() const;                     ///< The model of the layout.
+  const Camera& camera() const;                   ///< The camera of the start.
+  const Lens& lens() const;                       ///< The lens of the start's camera.
+  const View& view() const;                       ///< The present view.
+  Span<const float> parameters() const;           ///< All parameters.
   Span<const float> smoothed_parameters() const;  ///< The smoothed parameters, if options.smooths.
-  const MotionFilter& motion() const;  ///< The filter over pose and parameters.
+  const MotionFilter& motion() const;             ///< The filter over pose and parameters.
   /// Ratio of a cue's residuals to the standard deviations of its observations, followed over time, at least 1.
   float cue_scale(Cue cue) const;
 
   /// Of the last frame: rows and factorisations.
   FrameWork work() const;
   /// Ends the solves of every frame early once they have taken so much work; a frame's state is then less exact.
-  /// \param most  0: no limit; below 0: nothing is left; in the unit of WorkCosts. To be called after a start.
+  /// \param most  in the unit of WorkCosts; 0 or less: nothing is left. A start ends the limit.
   void limit_work(const WorkCosts& costs, float most);
   /// Costs of this model's loops with templates of `window` px a side. To be called after a start.
   WorkCosts work_costs(int window) const;
@@ -179,7 +179,7 @@ class Estimator {
   /// Vertices follow the expression a few at a time (options.vertex_interval_frames), on fast motion all.
   /// Those without cached samples are accurate to about 1 mm. `refresh_vertices` makes all exact.
   const Vec3* vertex_positions() const;
-  const Vec2* vertex_images() const;   ///< Images of the vertices in the pinhole image, px, by vertex id.
+  const Vec2* vertex_images() const;   ///< Their pinhole images, px: of the last `predict` or `end`.
   Vec2 vertex_seen(VertexId v) const;  ///< Image of one vertex as seen through the lens, px.
   void refresh_vertices();             ///< Updates all vertices to the present state.
 

@@ -26,7 +26,8 @@ struct EstimatorLimits {
   /// Observations from which the rejection of image forces estimates, count; of more observations it takes a sample.
   /// 35 kB and 150 bytes each, of which no more count than there are points. 0: no rejection and no memory for it.
   std::uint16_t rejection_sample = 256;
-  /// If null, rejection is disabled and its 15 kB of code are not linked.
+  /// If null, image forces are not rejected, and 15 kB of code are not linked. With Rejection::on_doubt a doubtful frame is
+  /// then solved a second time from the expected state, with robust weights alone.
   const ForceRejection* rejection = &kForceRejection;
   /// If null, the springs of the model's table are ignored and their code is not linked.
   const StretchPrior* stretch = &kStretchPrior;
@@ -73,8 +74,14 @@ enum class Rejection : std::uint8_t {
   on_doubt = 4,
 };
 
+/// A time that is not known.
+inline constexpr std::int64_t kNoTime = INT64_MIN;
+
 /// Options: they do not change the memory.
 struct EstimatorOptions {
+  /// Time of the frame that the start describes, ns, with the origin of Estimator::begin. A tracker sets it itself. kNoTime: the
+  /// first frame counts as 1/30 s later.
+  std::int64_t time_ns = kNoTime;
   /// Trial steps of each minimisation, at most, count. A solve minimises with Huber's loss and then with
   /// Tukey's. Round value, not tuned.
   int iterations = 4;

@@ -45,7 +45,8 @@ pliant_status pliant_create(void *memory, size_t bytes, const void *table, size_
                             const pliant_limits *limits, pliant_tracker **tracker);
 
 /** Ends the track, if there is one, and forgets the person: the next pliant_update searches for the face or print. A
- *  new tracker does so by itself, if its table has a detector and an aligner (pliant learn).
+ *  new tracker does so by itself, if its table has a detector and an aligner (pliant learn). The next frame may have any
+ *  time.
  *  \param options  null: nothing is known. \return PLIANT_NOT_FOUND: the table has none. */
 pliant_status pliant_start_by_detection(pliant_tracker *tracker, const pliant_start_options *options);
 

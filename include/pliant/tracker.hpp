@@ -83,7 +83,7 @@ class Tracker {
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
 
   /// Ends the track, if there is one, and forgets the person: the next `update` searches for the face or
-  /// printed surface. A new tracker does so with default options.
+  /// printed surface. A new tracker does so with default options. The next frame may have any time.
   /// \param start    camera or focal length, if known, and `keeps_landmark_offsets`.
   /// \param options  of the tracks that follow.
   /// \return not_found (the limits name no detection, or the model has no tables for it), bad_argument (the

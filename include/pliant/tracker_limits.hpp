@@ -143,7 +143,7 @@ constexpr TrackerLimits profile_l() {
 }
 
 /// `ok`, or `bad_argument` for limits of which no tracker can be made: frames outside 64 to 16,384 px a side,
-/// a region below 64 px a side, 0 or more than 6 pyramid levels, a template's side that is even or outside 7
+/// a region below 64 px a side, thumbnails above 256 px, 0 or more than 6 pyramid levels, a template's side that is even or outside 7
 /// to 21 px, a margin above 16 px, fewer than 6 or more than 16,384 templates, a personal field of 1 sample
 /// or more than 256 a side, a start from fewer than 4 landmarks, or more points than ids.
 constexpr Status check(const TrackerLimits& l) {
@@ -157,9 +157,9 @@ constexpr Status check(const TrackerLimits& l) {
   const bool person_fits = is_between(2, person.width, 256) && is_between(2, person.height, 256);
   const bool is_possible =
       is_between(64, l.width, 16384) && is_between(64, l.height, 16384) && (!has_region || region_fits) &&
-      is_between(1, l.pyramid_levels, 6) && is_between(7, l.patch_window, 21) && l.patch_window % 2 == 1 &&
-      l.patch_margin <= 16 && l.patches >= 6 && templates <= 16384 && (!has_person || person_fits) &&
-      (l.start_points == 0 || l.start_points >= 4) && points < 0xFFFF;
+      l.thumbnail_width <= 256 && is_between(1, l.pyramid_levels, 6) && is_between(7, l.patch_window, 21) &&
+      l.patch_window % 2 == 1 && l.patch_margin <= 16 && l.patches >= 6 && templates <= 16384 &&
+      (!has_person || person_fits) && (l.start_points == 0 || l.start_points >= 4) && points < 0xFFFF;
   return is_possible ? Status::ok : Status::bad_argument;
 }
 

@@ -100,7 +100,8 @@ void PartFit::read(const FrameView& frame, const Lens& lens, const View& view, c
     const PartRecord& part = points->table[side.part];
     CropMap map = crop_of_part(part, view, 0.5f * (project(side.anchor[0]) + project(side.anchor[1])));
     map.origin = map.origin + map.along((1 / part.mm_per_px) * side.centre_mm);
-    if (!is_finite(map.origin) || !is_finite(map.right)) continue;
+    PLIANT_ASSERT(is_finite(map.origin) &&
+                  is_finite(map.right));  // a view is finite, and in front of the camera
     reader_.read(frame, points->table, side.part, map, side.is_left, readings_ + side.first);
     const Vec2 off = off_centre(map, points->table, side);
     if (!is_finite(off)) continue;

@@ -45,7 +45,7 @@ void EdgeTracker::add_points(Estimator& estimator) {
   count_ = 0;
   const std::size_t of_curves = capacity_ - silhouette_capacity_;
   const auto add = [this](std::uint16_t id, bool is_silhouette) {
-    edges_[count_++] = {id, 0, is_silhouette, true, true, 0, 0};
+    edges_[count_++] = {id, 0, is_silhouette, true, 0, 0};
   };
   const Span<const Curve> curves = estimator.model().curves();
   for (std::size_t c = 0; c < curves.count && count_ < of_curves; ++c) {
@@ -76,7 +76,6 @@ void EdgeTracker::capture_reference(Edge& edge, Estimator& estimator, const Fram
       find_edge(region.pyramid(), edge_point(p, p.x - region.origin(), 1), options, {&seen, 1}) == 1 &&
       seen.reason == Reason::found;
   if (!edge.is_used) return;
-  edge.any_contrast = false;
   edge.contrast = seen.score;
   edge.offset = dot(seen.x + region.origin() - p.x, p.normal) / estimator.view().s;
 }
@@ -86,9 +85,6 @@ std::size_t EdgeTracker::match(const PredictionTable& predictions, const FrameRe
   EdgeOptions options;
   options.hypotheses = kAlternatives;
   options.finest_level = finest_level(image_scale);
-  EdgeOptions of_any_contrast = options;
-  of_any_contrast.min_ratio = 0;
-  of_any_contrast.max_ratio = 1e6f;
   std::size_t n = 0;
   for (std::size_t k = 0; k < count_ && n + kAlternatives <= out.count; ++k) {
     Edge& edge = edges_[k];
@@ -98,8 +94,7 @@ std::size_t EdgeTracker::match(const PredictionTable& predictions, const FrameRe
     const Vec2 beside = image_scale * edge.offset * p.normal;
     EdgePoint point = edge_point(p, p.x + beside - region.origin(), prediction_sd_px_);
     point.contrast = edge.contrast;
-    const int found = find_edge(region.pyramid(), point, edge.any_contrast ? of_any_contrast : options,
-                                {out.data + n, kAlternatives});
+    const int found = find_edge(region.pyramid(), point, options, {out.data + n, kAlternatives});
     for (int i = 0; i < found; ++i, ++n) {
       out[n].x = out[n].x + region.origin() - beside;
       out[n].cue = Cue::edge;
@@ -114,7 +109,7 @@ void EdgeTracker::end_frame(Span<const Observation> out) {
   for (std::size_t k = 0; k < count_; ++k) {
     Edge& edge = edges_[k];
     for (std::size_t i = 0; i < edge.count; ++i, ++n)
-      if (n < out.count && out[n].reason == Reason::found && !edge.any_contrast && !edge.is_silhouette)
+      if (n < out.count && out[n].reason == Reason::found && !edge.is_silhouette)
         edge.contrast += kTuning.contrast_rate * (out[n].score - edge.contrast);
     edge.count = 0;
   }

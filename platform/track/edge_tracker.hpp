@@ -55,7 +55,7 @@ class EdgeTracker {
   struct Edge {
     std::uint16_t id;
     std::uint8_t count;  // of its observations, which follow those of the edge before
-    bool is_silhouette, is_used, any_contrast;
+    bool is_silhouette, is_used;
     float contrast;
     float offset;  // along the normal, px at an image scale of one
   };

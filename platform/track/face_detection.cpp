@@ -27,9 +27,9 @@ struct FaceSelfStart : SelfStart {
   FaceStart faces;
   PoorStart poor_start;
   KnownPerson person;
-  PartPoints* parts = nullptr;  // null: the model has no readers
-  std::int64_t last_read_ns = 0;
-  float landmark_error = 0;  // of the last start, as the alignment estimates it; 0: unknown
+  PartPoints* parts = nullptr;    // null: the model has no readers
+  std::int64_t last_read_ns = 0;  // time of the frame that was read last, or of the start
+  float landmark_error = 0;       // of the last start, as the alignment estimates it; 0: unknown
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
     SelfStart::lay_out(arena, &kFaceDetection, model, limits);
@@ -86,7 +86,7 @@ Status search(TrackerParts& t, const FrameView& view) {
     self.faces.begin_search();
     t.block_is_of_search = true;
   }
-  SelfStart::report_search(t);
+  t.end_track();
   StartPose found;
   Status status =
       self.faces.search({view, t.block, self.kept.start}, &person_of(t), &found, &self.landmark_error);
@@ -201,6 +201,7 @@ void calibrate_parts(TrackerParts& t, const FrameView& view) {
 void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {
   FaceSelfStart& self = self_of(t);
   if (self.keep_start_of_caller(options)) self.person.is_known = false;
+  self.last_read_ns = view.time_ns;
   calibrate_parts(t, view);
   self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);
   self.faces.begin_track(self.landmark_error);

@@ -46,7 +46,7 @@ bool is_silhouette_landmark(const char* name);
 /// The camera of a start: the one given, else centred with the focal length given, else with the assumed one.
 Camera start_camera(const Camera* known, float focal_px, int width, int height);
 
-/// Fits a model to landmarks. First the expression, with cautious deviations; then the identity, with that
+/// Fits a model to landmarks. First all parameters, with cautious deviations; then the identity, with the expression
 /// held. A model without identity, as a sheet, has nothing that an expression could be mistaken for: one fit
 /// with the plain deviations.
 class LandmarkFit {

@@ -253,6 +253,7 @@ void take_step(TrackerParts& t) {
     if (t.templates.is_first(slot)) e.slide_point(t.templates[slot].id, s.next_uv[slot]);
   const Quat turn = exp_rotation(s.turn);
   if (e.revise(s.next_q, turn) != Status::ok) return;
+  t.result.pose = pose_of(e.view());
   t.key_frames.turn(turn);
   t.offsets.keep_all(*t.key_frames.view_of(0), e, places.landmarks, places.moved);
   if (t.self_start != nullptr && t.self_start->calls->keep_parts != nullptr)

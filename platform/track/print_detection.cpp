@@ -105,7 +105,7 @@ PrintFinder& finder_of(TrackerParts& t) {
 Status search(TrackerParts& t, const FrameView& view) {
   PrintSelfStart& self = self_of(t);
   PrintFinder& finder = finder_of(t);
-  SelfStart::report_search(t);
+  t.end_track();
   const StartOptions& o = self.kept.start;
   const Camera camera = start_camera(o.camera, o.focal_px, view.width, view.height);
   FoundPrint found;
@@ -171,7 +171,8 @@ void conclude(TrackerParts& t, const FrameView& view) {
   }
   if (++self.frames_since_check >= kTuning.check_interval_frames) check(t, view);
   if (!self.is_confirmed) ++self.unconfirmed_frames;
-  if (self.bad_checks >= kTuning.most_bad_checks || self.unconfirmed_frames >= kTuning.most_unconfirmed_frames)
+  if (self.bad_checks >= kTuning.most_bad_checks ||
+      self.unconfirmed_frames >= kTuning.most_unconfirmed_frames)
     return give_up(t);
   doubt(t);
 }
@@ -189,7 +190,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
 
 }  // namespace
 
-const Detection kPrintDetection{lay_out, check_bytes, begin_search, search, end_search,
-                                refine,  begin_track, conclude,     nullptr, nullptr, nullptr, nullptr};
+const Detection kPrintDetection{lay_out,     check_bytes, begin_search, search,  end_search, refine,
+                                begin_track, conclude,    nullptr,      nullptr, nullptr,    nullptr};
 
 }  // namespace pliant

@@ -10,16 +10,10 @@ void SelfStart::lay_out(Arena& arena, const Detection* of, const Model& model, c
   markers = arena.take<MarkerPlace>(limits.markers);
 }
 
-void SelfStart::report_search(TrackerParts& t) {
-  t.result = {};
-  t.result.is_searching = true;
-}
-
 void SelfStart::begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
-  t.is_started = false;
+  t.end_track();
   kept.keep(start);
   kept.keep(options);
-  report_search(t);
 }
 
 Status SelfStart::start(TrackerParts& t, const FrameView& frame, const StartPose& found,
@@ -27,7 +21,6 @@ Status SelfStart::start(TrackerParts& t, const FrameView& frame, const StartPose
   is_own_start = true;
   const Status status = t.start(frame, found, t.start_q.data, options, {});
   is_own_start = false;
-  if (status != Status::ok) report_search(t);
   return status;
 }
 

@@ -26,8 +26,6 @@ struct SelfStart {
   bool is_own_start = false;  // while the tracker starts by itself
 
   void lay_out(Arena& arena, const Detection* of, const Model& model, const TrackerLimits& limits);
-  /// Makes the tracker's result that of a frame without a track.
-  static void report_search(TrackerParts& tracker);
   /// Ends the track, and keeps the options for the starts that follow.
   void begin_search(TrackerParts& tracker, const StartOptions& start, const TrackerOptions& options);
   /// Starts the track of what a search found, with the parameters of TrackerParts::start_q.

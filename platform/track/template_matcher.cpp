@@ -91,7 +91,8 @@ bool TemplateMatcher::run_first_pass(const MatchFrame& frame, Estimator& estimat
     Search& search = searches_[k];
     search.observation = static_cast<std::uint16_t>(n++);
     frame.observations[search.observation] = not_found(templates[k].id, Reason::not_visible);
-    search.is_first_pass = templates[k].was_found && candidate++ % ratio == 0;
+    search.is_first_pass =
+        templates[k].was_found && candidate++ % ratio == 0 && work_.search_steps < most_steps_;
     if (search.is_first_pass) search_for(frame, k, estimator.predict(templates[k].id), 0);
   }
   had_first_pass_ = estimator.solve_first_pass({frame.observations.data, n});
@@ -149,7 +150,7 @@ Observation TemplateMatcher::search(const MatchFrame& frame, std::size_t k, cons
   const PatchResult result =
       frame.templates.match(k, frame.region, p.x + kTuning.residual_memory * point.residual, p.jacobian,
                             frame.depths, search_options(point, searches_[k].is_pending, round));
-  count(result);
+  count(result, 1);
   Observation o = not_found(p.id, reason_of(result.status));
   if (result.status != PatchStatus::ok) return is_last(round) ? track_from_previous(frame, k, p) : o;
   o.x = result.x + frame.region.origin();
@@ -158,9 +159,9 @@ Observation TemplateMatcher::search(const MatchFrame& frame, std::size_t k, cons
   return o;
 }
 
-void TemplateMatcher::count(const PatchResult& result) {
-  ++work_.searches;
-  work_.search_steps += static_cast<std::uint32_t>(result.iterations) + kTuning.preparation_steps;
+void TemplateMatcher::count(const PatchResult& result, std::uint32_t searches) {
+  work_.searches += searches;
+  work_.search_steps += static_cast<std::uint32_t>(result.iterations) + searches * kTuning.preparation_steps;
 }
 
 /// The search reaches about as far as points were from their predictions in the last frame.
@@ -193,7 +194,8 @@ Observation TemplateMatcher::track_from_previous(const MatchFrame& frame, std::s
   PatchOptions options;
   options.max_return_px = scaled(kTuning.forward_backward_px);
   const PatchResult result = frame.templates.match_from_previous(point.found_at, frame.region, p.x, options);
-  count(result);
+  const bool has_returned = result.status == PatchStatus::ok || result.status == PatchStatus::inconsistent;
+  count(result, has_returned ? 2 : 1);
   Observation o = not_found(p.id, reason_of(result.status));
   if (result.status != PatchStatus::ok) return o;
   o.x = result.x + frame.region.origin();

@@ -74,7 +74,7 @@ class TemplateMatcher {
   void search_for(const MatchFrame& frame, std::size_t k, const Prediction& p, int round);
   Observation search(const MatchFrame& frame, std::size_t k, const Prediction& p, int round);
   Observation track_from_previous(const MatchFrame& frame, std::size_t k, const Prediction& p);
-  void count(const PatchResult& result);
+  void count(const PatchResult& result, std::uint32_t searches);
   PatchOptions search_options(const Template& point, bool is_pending, int round) const;
   int first_level() const;
   float scaled(float px) const;

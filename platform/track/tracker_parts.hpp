@@ -81,6 +81,8 @@ struct TrackerParts : ImageParts {
   Status check_start(const FrameView& frame, Span<const Vec2> markers) const;
   Status check_landmarks(Span<const NamedPoint> points) const;
   bool fits_model(const SavedState& state) const;
+  /// Ends the track, if there is one. The result becomes that of a frame without one.
+  void end_track();
   template <class Fit>
   Status fit_before_tracking(Fit&& fit);
   void refine(const FrameView& view, const FaceBox* box, std::size_t points, const StartOptions& with,
@@ -94,6 +96,7 @@ struct TrackerParts : ImageParts {
   void limit_solves();
   void note_work();
   void note_time(const FrameView& view);
+  void forget_time() { last_time_ns = std::numeric_limits<std::int64_t>::min(); }
   Status track(const FrameView& view);
   Status predict(const FrameView& view);
   void match_and_solve(const FrameView& view);

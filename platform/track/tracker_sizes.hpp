@@ -12,10 +12,11 @@ namespace pliant {
 constexpr int cell_px_of(const TrackerLimits& limits) {
   const TemplatePlacementTuning& t = kTemplatePlacementTuning;
   int side = (limits.width + t.cells_across / 2) / t.cells_across;
+  if (side > t.most_cell_px) side = t.most_cell_px;
   while (side > t.least_cell_px &&
          t.least_cells_a_template * side * side * limits.patches > limits.width * limits.height)
     --side;
-  return side < t.least_cell_px ? t.least_cell_px : side > t.most_cell_px ? t.most_cell_px : side;
+  return side < t.least_cell_px ? t.least_cell_px : side;
 }
 
 constexpr int region_width(const TrackerLimits& limits) {
@@ -68,14 +69,14 @@ constexpr float last_passes_work(const TrackerLimits& limits, const WorkCosts& c
   return costs.row *
          static_cast<float>(static_cast<std::size_t>(kTemplateMatchTuning.rounds) * all_observations(limits));
 }
-/// Of a key frame, at most, in the unit of WorkCosts.
-constexpr float key_frame_work(const TrackerLimits& limits, const WorkCosts& costs) {
+/// Of a key frame, at most, in the unit of WorkCosts. \param tries  places tried for each slot.
+constexpr float key_frame_work(const TrackerLimits& limits, const WorkCosts& costs, std::size_t tries) {
   const TrackerTuning& t = kTrackerTuning;
   const std::size_t slots = first_slot(limits, 2) - first_slot(limits, 1);
   return t.corner_pixel * static_cast<float>(region_width(limits)) *
              static_cast<float>(region_height(limits)) +
          t.corner_vertex * static_cast<float>(limits.vertices) +
-         costs.capture * static_cast<float>(t.tries_a_slot * slots);
+         costs.capture * static_cast<float>(tries * slots);
 }
 constexpr std::size_t all_points(const TrackerLimits& limits) {
   return all_slots(limits) + limits.markers + edge_points(limits);

@@ -19,8 +19,8 @@ Status TrackerParts::check_start(const FrameView& view, Span<const Vec2> marker_
 Status TrackerParts::check_landmarks(Span<const NamedPoint> points) const {
   if (points.count > 0 && points.data == nullptr) return Status::bad_argument;
   for (const NamedPoint& p : points) {
-    if (p.name == nullptr || model().find_landmark(p.name) == kNone) return Status::not_found;
-    if (!is_finite(p.x)) return Status::bad_argument;
+    if (p.name == nullptr || !is_finite(p.x)) return Status::bad_argument;
+    if (model().find_landmark(p.name) == kNone) return Status::not_found;
   }
   return Status::ok;
 }
@@ -31,10 +31,16 @@ bool TrackerParts::fits_model(const SavedState& state) const {
   return count == 0 || (count == offsets.values().count && state.landmark_offsets.data != nullptr);
 }
 
+void TrackerParts::end_track() {
+  is_started = false;
+  result = {};
+  result.is_searching = self_start != nullptr;
+}
+
 /// Runs `fit(arena)` in the memory of the tracking, which is laid out anew afterwards.
 template <class Fit>
 Status TrackerParts::fit_before_tracking(Fit&& fit) {
-  is_started = false;
+  end_track();
   Arena before(block.data, block.count);
   const Status status = fit(before);
   lay_out_tracking();
@@ -52,9 +58,10 @@ void TrackerParts::refine(const FrameView& view, const FaceBox* box, std::size_t
 /// Frame 0, of checked arguments.
 Status TrackerParts::start(const FrameView& view, const StartPose& from, const float* q,
                            const TrackerOptions& with, Span<const Vec2> marker_places) {
-  is_started = false;
+  end_track();
   if (block_is_of_search) self_start->calls->end_search(*this);
   EstimatorOptions of_estimator = with.estimator;
+  of_estimator.time_ns = view.time_ns;
   texture.start(&of_estimator);
   Status status =
       estimator.start(from.camera, view.width, view.height, from.pose, q, with.is_free, of_estimator);
@@ -183,6 +190,7 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
   if (!(start.focal_px >= 0) || Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok)
     return Status::bad_argument;
   t.self_start->calls->begin_search(t, start, options);
+  t.forget_time();
   return Status::ok;
 }
 

@@ -101,7 +101,7 @@ Status Estimator::Impl::start_parts(const EstimatorOptions& options) {
   solver.start({options.iterations,
                 options.rejection,
                 {options.cues, options.model_error_mm, options.cue_scale_rate}});
-  Status status = motion.start(cascade, state, options.predicts_motion, options.smooths);
+  Status status = motion.start(cascade, state, options);
   if (status == Status::ok && personalises) status = cascade.personalise(state.q);
   if (status == Status::ok && springs != nullptr) status = stretch->start(*springs, cascade, state.q);
   if (status != Status::ok) return status;

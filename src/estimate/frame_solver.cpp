@@ -24,7 +24,7 @@ void FrameSolver::lay_out(Arena& arena, const FrameSolverLimits& limits) {
 
 void FrameSolver::start(const SolvePolicy& policy) {
   policy_ = policy;
-  most_work_ = 0;
+  most_work_ = kNoWorkLimit;
   rows_.start(policy.rows);
   for (std::size_t k = 0; k < unknown_capacity(); ++k) variance_[k] = 0;
   begin();
@@ -47,7 +47,6 @@ FrameWork FrameSolver::work() const {
 
 /// Steps of a minimisation for which there is work left, beside its last pass.
 int FrameSolver::steps_left() const {
-  if (most_work_ == 0) return policy_.iterations;
   const float rows = static_cast<float>(rows_.count()), pass = rows * costs_.row;
   const float step = pass + rows * costs_.measured_row + kTuning.factorisations_a_step * costs_.factorisation;
   const float steps = (most_work_ - costs_.of_solves(work()) - pass) / step;

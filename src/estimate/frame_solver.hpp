@@ -8,6 +8,9 @@
 
 namespace pliant {
 
+/// Of a frame that may take as long as it needs; in the unit of WorkCosts.
+inline constexpr float kNoWorkLimit = 1e30f;
+
 /// Tuning of the solve. The experiments are those of docs/experiments.md, section Tuning.
 struct FrameSolverTuning {
   /// Equations that a solve needs at least: those of the pose and four more.
@@ -131,7 +134,7 @@ class FrameSolver {
   std::size_t parameters_ = 0;
   SolveResult result_;
   WorkCosts costs_;
-  float most_work_ = 0;                      // of a frame; 0: no limit
+  float most_work_ = kNoWorkLimit;           // of a frame
   int solves_ = 0;                           // of this frame
   std::uint32_t factorisations_before_ = 0;  // the frame
   bool had_first_pass_ = false, needs_another_round_ = false;

@@ -11,8 +11,7 @@ void MotionModel::lay_out(Arena& arena, std::size_t parameters) {
   count_ = parameters;
 }
 
-Status MotionModel::start(const Cascade& cascade, const ModelState& state, bool predicts_motion,
-                          bool smooths) {
+Status MotionModel::start(const Cascade& cascade, const ModelState& state, const EstimatorOptions& options) {
   PLIANT_ASSERT(cascade.parameter_count() == count_);
   for (std::size_t i = 0; i < count_; ++i) {
     const Parameter& p = cascade.model().parameters()[i];
@@ -21,12 +20,13 @@ Status MotionModel::start(const Cascade& cascade, const ModelState& state, bool 
   const Status status = filter_.start(state.view, state.q, scratch_, count_);
   if (status != Status::ok) return status;
   copy(state, count_, &expected_.mean);
-  predicts_motion_ = predicts_motion;
-  smooths_ = smooths;
+  predicts_motion_ = options.predicts_motion;
+  smooths_ = options.smooths;
   smoother_.restart();
   smoothed_pose_ = {};
-  time_ns_ = 0;
+  time_ns_ = options.time_ns;
   seconds_ = kMotionModelTuning.nominal_step;
+  since_sample_ = 0;
   expect_pose_variance(0);
   return Status::ok;
 }
@@ -37,8 +37,9 @@ bool MotionModel::predict(std::int64_t time_ns, int bad_frames, const Cascade& c
   const auto elapsed =
       static_cast<std::int64_t>(static_cast<std::uint64_t>(time_ns) - static_cast<std::uint64_t>(time_ns_));
   const bool repeats = elapsed >= 0 && elapsed < t.least_step_ns;
-  const bool follows = !repeats && elapsed > 0 && elapsed < t.jump_ns;
+  const bool follows = !repeats && elapsed > 0 && elapsed < t.jump_ns;  // never after kNoTime
   seconds_ = follows ? static_cast<float>(elapsed) * 1e-9f : t.nominal_step;
+  since_sample_ += seconds_;
   time_ns_ = time_ns;
   if (!follows && !repeats) filter_.forget_velocities();
   filter_.predict(repeats ? 0.0f : seconds_);
@@ -79,8 +80,9 @@ void MotionModel::correct(const Cascade& cascade, const ModelState& state, const
   if (filter_.correct(state.view, state.q, variance, scratch_) != Status::ok)
     filter_.move_to(trusted.view, trusted.q);
   if (!smooths_) return;
-  if (smoother_.add(pose_of(state.view), state.q, filter_.ranges(), count_, seconds_) == Status::ok)
+  if (smoother_.add(pose_of(state.view), state.q, filter_.ranges(), count_, since_sample_) == Status::ok)
     smoothed_pose_ = smoother_.pose();
+  since_sample_ = 0;
 }
 
 void MotionModel::rest(const ModelState& state) {

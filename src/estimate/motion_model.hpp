@@ -4,6 +4,7 @@
 
 #include "estimate/model_state.hpp"
 #include "pliant/cascade.hpp"
+#include "pliant/estimator_options.hpp"
 #include "pliant/filter.hpp"
 
 namespace pliant {
@@ -41,9 +42,9 @@ class MotionModel {
  public:
   void lay_out(Arena& arena, std::size_t parameters);
 
-  /// Starts at rest at `state`. Parameters without a column in `cascade` are not filtered.
-  /// \return the statuses of MotionFilter::start.
-  Status start(const Cascade& cascade, const ModelState& state, bool predicts_motion, bool smooths);
+  /// Starts at rest at `state`, with the options on time, prediction and smoothing. Parameters without a column in `cascade` are
+  /// not filtered. \return the statuses of MotionFilter::start.
+  Status start(const Cascade& cascade, const ModelState& state, const EstimatorOptions& options);
   /// Predicts the state at `time_ns`. If the options ask for it and the last frame was good, `state` is moved there;
   /// otherwise it stays. The expected state is `state` afterwards.
   /// \param bad_frames  frames since the last good one; widens the uncertainty.
@@ -78,8 +79,9 @@ class MotionModel {
   Smoother smoother_;
   ExpectedState expected_;
   Pose smoothed_pose_;
-  std::int64_t time_ns_ = 0;
+  std::int64_t time_ns_ = kNoTime;  // of the last frame
   float seconds_ = 0;         // since the last frame
+  float since_sample_ = 0;    // s, since the smoother's last sample: bad frames give none
   float* scratch_ = nullptr;  // a value a parameter
   std::size_t count_ = 0;
   bool predicts_motion_ = false, smooths_ = false;

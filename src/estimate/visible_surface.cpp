@@ -80,6 +80,8 @@ void VisibleSurface::select_surface(Cascade& cascade) const {
 void VisibleSurface::follow_view(Cascade& cascade, const ModelState& state, std::uint32_t frame) {
   if (policy_.operations == 0) return;
   select_surface(cascade);
+  if (has_new_surface_) adapter_.resample();
+  has_new_surface_ = false;
   policy_.view.pose = pose_of(state.view);
   constexpr int kParts = kTuning.rank_interval_frames;
   adapter_.rerank(static_cast<int>(frame % static_cast<std::uint32_t>(kParts)), kParts);
@@ -103,6 +105,7 @@ void VisibleSurface::place_vertex(Cascade& cascade, const float* q, VertexId v) 
 
 void VisibleSurface::revise(const float* q, Quat turn) {
   copy(q, parameters_, surface_q_);
+  has_new_surface_ = true;
   const Mat3 back = rotation_matrix(conjugate(turn));
   for (VertexId v : mesh_.vertices()) position_[v] = back * position_[v];
   if (keeps_samples()) first_outdated_ = 0;

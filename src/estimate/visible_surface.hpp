@@ -149,6 +149,7 @@ class VisibleSurface {
   Vec3* position_ = nullptr;
   Vec2* image_ = nullptr;
   float* depth_ = nullptr;
+  bool has_new_surface_ = false;     // which the adapter has not sampled
   VertexId first_outdated_ = kNone;  // of those whose samples are of another person; the others follow it
   bool images_are_current_ = false, depth_is_drawn_ = false;
   DepthBuffer depth_buffer_;

@@ -246,7 +246,10 @@ Status Fitter::State::finish(FitProblem& problem, FitReport* report, const FitDe
   const auto parameters = work.cascade.model().parameters();
   for (std::size_t p = 0; details.sd != nullptr && p < parameters.count; ++p) {
     const std::uint16_t k = work.cascade.column_of(p);
-    details.sd[p] = k == kNone ? 0.0f : min(square_root(variance[pose + k]), parameters[p].sd);
+    const float of_fit = k == kNone ? 0.0f : variance[pose + k];  // 0 also where nothing determines it
+    details.sd[p] = k == kNone   ? 0.0f
+                    : of_fit > 0 ? min(square_root(of_fit), parameters[p].sd)
+                                 : parameters[p].sd;
   }
   for (std::size_t i = 0; i < problem.points.count; ++i) {
     const Vec2 residual = residual_of(problem, projector, i);

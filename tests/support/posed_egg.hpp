@@ -43,7 +43,9 @@ struct ExpectedEgg {
   InArena<pliant::MotionModel> motion;
 
   explicit ExpectedEgg(PosedEgg& egg) : motion(egg.parameters()) {
-    REQUIRE(motion->start(egg.cascade.object, egg.state, false, false) == pliant::Status::ok);
+    pliant::EstimatorOptions options;
+    options.time_ns = 0;
+    REQUIRE(motion->start(egg.cascade.object, egg.state, options) == pliant::Status::ok);
     motion->predict(1, 0, egg.cascade.object, &egg.state);
   }
 };

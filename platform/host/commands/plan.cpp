@@ -198,7 +198,8 @@ double renewal_work(const TrackerLimits& limits, const Sizes& s) {
 /// sampled again after the change before, so that it takes the place of that work.
 void add_overdue_load(const TrackerLimits& limits, const Sizes& s, Loads& loads) {
   const double reserved = static_cast<double>(kFrameBudgetTuning.most_reserved) * s.budget;
-  double more = static_cast<double>(key_frame_work(limits, s.costs)) - reserved;
+  double more =
+      static_cast<double>(key_frame_work(limits, s.costs, kTrackerTuning.tries_if_overdue)) - reserved;
   if (limits.detection != nullptr)
     more = std::max(more, static_cast<double>(kFaceStartTuning.check_work) - reserved);
   if (limits.person != nullptr) more = std::max(more, s.person_step - reserved - renewal_work(limits, s));

@@ -15,10 +15,14 @@ struct Run {
   PosedEgg egg;
   InArena<MotionModel> motion{egg.parameters()};
   std::vector<float> variance = std::vector<float>(kPoseUnknowns + 4, 1e-4f);
-  std::int64_t time = 0;
+  std::int64_t time;  // of the last frame; at first that of the start
 
-  explicit Run(bool predicts, bool smooths = false) {
-    REQUIRE(motion->start(egg.cascade.object, egg.state, predicts, smooths) == Status::ok);
+  explicit Run(bool predicts, bool smooths = false, std::int64_t start = 0) : time(start) {
+    EstimatorOptions options;
+    options.predicts_motion = predicts;
+    options.smooths = smooths;
+    options.time_ns = start;
+    REQUIRE(motion->start(egg.cascade.object, egg.state, options) == Status::ok);
   }
   bool frame(float step, int bad_frames = 0) {
     const float there = egg.state.view.tau.x + step;
@@ -86,4 +90,43 @@ TEST_CASE("the smoothed pose follows slowly, only where it is asked for") {
   CHECK(smooth.motion->smoothed_pose().t.x > before);
   CHECK(smooth.motion->smoothed_pose().t.x < smooth.egg.state.view.tau.x);
   CHECK(rough.motion->smoothed_pose().t.x == Pose{}.t.x);
+}
+
+TEST_CASE("the smoothed pose allows for the time of bad frames, which give no sample") {
+  // The same samples at the same times: once with frames between them that are bad, once without.
+  Run dropped(false, true), bad(false, true);
+  for (int k = 0; k < 10; ++k) {
+    dropped.frame(2);
+    bad.frame(2);
+  }
+  for (int k = 0; k < 2; ++k) {
+    dropped.time += kFrame;
+    bad.time += kFrame;
+    bad.motion->predict(bad.time, k, bad.egg.cascade.object, &bad.egg.state);
+  }
+  dropped.frame(6);
+  bad.frame(6);
+  CHECK(bad.motion->smoothed_pose().t.x ==
+        doctest::Approx(double(dropped.motion->smoothed_pose().t.x)).epsilon(1e-5));
+}
+
+TEST_CASE("where the time of the start is not known, the first frame counts as a thirtieth of a second later") {
+  Run known(false), unknown(false, false, kNoTime);
+  for (Run* run : {&known, &unknown}) {
+    run->time = 10'000'000'000 - kFrame;
+    run->frame(0);
+  }
+  const auto sd = [](Run& run) { return run.motion->expected().parameter_sd[5]; };
+  CHECK(sd(unknown) * 0.033f == doctest::Approx(double(sd(known) / 30)).epsilon(0.02));
+}
+
+TEST_CASE("times may have any origin: later ones give the same prediction") {
+  Run early(true), late(true, false, 10'000'000'000);
+  for (int k = 0; k < 5; ++k) {
+    early.frame(3);
+    late.frame(3);
+    CHECK(late.egg.state.view.tau.x == early.egg.state.view.tau.x);
+    CHECK(late.motion->expected().pose_variance[kShiftX] == early.motion->expected().pose_variance[kShiftX]);
+    CHECK(late.motion->expected().mean.view.tau.x == early.motion->expected().mean.view.tau.x);
+  }
 }

@@ -265,6 +265,29 @@ TEST_CASE("without stiffness the prior does not hold the parameters back") {
   CHECK(fitter->fit(scene.all(), options, q.data(), &report) == Status::bad_argument);
 }
 
+TEST_CASE("without stiffness, a parameter that no point moves has its prior's deviation, not none") {
+  const Scene scene(10, 0, 0.3f);
+  InArena<Fitter> fitter(scene.model, limits());
+  FitOptions options = scene.options(900);
+  options.stiffness = 0;
+  // Six points say less than there are parameters.
+  auto some = scene.points;
+  some.resize(6);
+  std::vector<float> q(scene.truth.size(), 0), sd(scene.truth.size(), -1);
+  FitReport report;
+  FitDetails details;
+  details.sd = sd.data();
+  REQUIRE(fitter->fit({some.data(), some.size()}, options, q.data(), &report, details) == Status::ok);
+  REQUIRE(report.undetermined > 0);
+  std::size_t open = 0;
+  for (std::size_t k = 0; k < sd.size(); ++k) {
+    CHECK(sd[k] > 0);
+    CHECK(sd[k] <= scene.model.parameters()[k].sd);
+    open += sd[k] == scene.model.parameters()[k].sd;
+  }
+  CHECK(open >= report.undetermined);
+}
+
 TEST_CASE("points on one line of the image do not determine a pose, in any direction and with any noise") {
   Scene scene(11, 0, 0.2f);
   InArena<Fitter> fitter(scene.model, limits());
@@ -380,8 +403,7 @@ TEST_CASE("a box starts a frontal view that fills it") {
   std::vector<float> q(scene.truth.size(), 0);
   View view;
   const Camera camera = centred_camera(640, 480, 900);
-  REQUIRE(view_from_box(cascade.object, q.data(), {100, 80}, {150, 200}, camera, &view) ==
-          Status::ok);
+  REQUIRE(view_from_box(cascade.object, q.data(), {100, 80}, {150, 200}, camera, &view) == Status::ok);
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
   for (Vec2 uv : scene.model.base_uv()) {
     Vec2 x;
@@ -391,6 +413,5 @@ TEST_CASE("a box starts a frontal view that fills it") {
   }
   CHECK(low.x == doctest::Approx(100).epsilon(0.1));
   CHECK(high.y == doctest::Approx(280).epsilon(0.05));
-  CHECK(view_from_box(cascade.object, q.data(), {0, 0}, {0, 10}, camera, &view) ==
-        Status::bad_argument);
+  CHECK(view_from_box(cascade.object, q.data(), {0, 0}, {0, 10}, camera, &view) == Status::bad_argument);
 }

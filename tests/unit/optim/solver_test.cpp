@@ -236,3 +236,36 @@ TEST_CASE("select gives the k-th smallest, and the scale of Rayleigh lengths is 
   CHECK(robust_scale(lengths.data(), lengths.size()) == doctest::Approx(1).epsilon(0.05));
   CHECK(robust_scale(lengths.data(), 0) == 0);
 }
+
+TEST_CASE("a dense observation adds what the same columns add by number") {
+  constexpr std::size_t kCount = 9;
+  Random random(5);
+  for (const bool only_gradient : {false, true}) {
+    Equations dense(kCount), numbered(kCount);
+    dense.equations.reset(kCount);
+    numbered.equations.reset(kCount);
+    dense.equations.keep_gradient_only(only_gradient);
+    numbered.equations.keep_gradient_only(only_gradient);
+    for (int i = 0; i < 30; ++i) {
+      float along_x[kCount], along_y[kCount];
+      Vec2 column[kCount];
+      std::uint16_t unknown[kCount];
+      for (std::size_t k = 0; k < kCount; ++k) {
+        along_x[k] = random.normal();
+        along_y[k] = random.normal();
+        column[k] = {along_x[k], along_y[k]};
+        unknown[k] = static_cast<std::uint16_t>(k);
+      }
+      const Vec2 residual{random.normal(), random.normal()};
+      const Sym2 w{2, 0.5f, 1};
+      dense.equations.add_dense(along_x, along_y, residual, w);
+      numbered.equations.add(unknown, column, kCount, residual, w);
+    }
+    for (std::size_t k = 0; k < kCount; ++k) {
+      CHECK(dense.equations.g(k) == doctest::Approx(double(numbered.equations.g(k))).epsilon(1e-4).scale(1));
+      CHECK(dense.equations.h(k, k) == doctest::Approx(double(numbered.equations.h(k, k))).epsilon(1e-4));
+    }
+    if (!only_gradient)
+      CHECK(dense.equations.h(1, 4) == doctest::Approx(double(numbered.equations.h(1, 4))).epsilon(1e-4));
+  }
+}

@@ -96,3 +96,34 @@ TEST_CASE("start_by_detection ends a track, forgets the person and keeps its opt
   }
   CHECK(tracker->is_started());
 }
+
+TEST_CASE("after start_by_detection a stream may begin again, with earlier times") {
+  FakeFaces fake(film_of_face());
+  const FaceFilm& film = film_of_face();
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  for (std::size_t k = 0; k < 6; ++k) update(tracker.object, film, k);
+  FrameResult result;
+  CHECK(tracker->update(film.view(0), &result) == Status::stale_frame);
+  REQUIRE(tracker->start_by_detection() == Status::ok);
+  CHECK(update(tracker.object, film, 0).state == TrackState::tracking);
+  CHECK(tracker->update(film.view(0), &result) == Status::stale_frame);
+}
+
+TEST_CASE("what is told before the first frame, and after a start that failed, is a search") {
+  FakeFaces fake(film_of_face());
+  const FaceFilm& film = film_of_face();
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  CHECK(tracker->result().is_searching);
+  CHECK(tracker->result().state == TrackState::lost);
+  for (std::size_t k = 0; k < 3; ++k) update(tracker.object, film, k);
+  CHECK_FALSE(tracker->result().is_searching);
+  const std::vector<std::uint8_t> grey(320 * 240, 90);
+  FrameView view = film.view(3);
+  view.data = grey.data();
+  fake.score = fake.verification = 0;
+  CHECK(tracker->start_from_box(view, {100, 60}, {100, 100}) == Status::too_few_points);
+  CHECK_FALSE(tracker->is_started());
+  CHECK(tracker->result().is_searching);
+  CHECK(tracker->result().state == TrackState::lost);
+  CHECK(tracker->result().tracked == 0);
+}

@@ -77,6 +77,26 @@ TEST_CASE(
   CHECK(at.size() < kFrames / kPersonRefinementTuning.step_frames);
 }
 
+TEST_CASE("the pose of a result is that of the state, also in a frame that changes the person") {
+  InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
+  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  const std::uint16_t nose = baked_face().model.find_parameter("noseLength");
+  float before = tracker->parameters()[nose];
+  std::size_t steps = 0;
+  for (std::size_t n = 1; n < kFrames; ++n) {
+    CAPTURE(n);
+    FrameResult result;
+    REQUIRE(tracker->update(film().view(n), &result) == Status::ok);
+    const Pose now = pose_of(tracker->estimator().view());
+    CHECK(result.pose.q.x == now.q.x);
+    CHECK(result.pose.q.y == now.q.y);
+    CHECK(result.pose.t.z == now.t.z);
+    steps += tracker->parameters()[nose] != before;
+    before = tracker->parameters()[nose];
+  }
+  CHECK(steps > 3);
+}
+
 TEST_CASE("where the frames in which it is due are bad, the estimate waits for the next good ones") {
   // Every fourth frame is black.
   const auto at = steps([](std::size_t n) { return n % 4 == 0; });

@@ -24,18 +24,27 @@ const FaceFilm& film() {
 
 struct Rig {
   TrackerLimits limits;
-  InArena<Estimator> estimator{baked_face().model, EstimatorLimits{}};
+  InArena<Estimator> estimator;
   InArena<FrameRegion> region;
   InArena<TemplateStore> templates;
   InArena<Markers> markers{std::size_t{1}};
 
-  Rig() : limits(limits_of()), region(limits), templates(limits) {
+  explicit Rig(std::uint16_t patches = 40)
+      : limits(limits_of(patches)),
+        estimator(baked_face().model, estimator_limits(limits)),
+        region(limits),
+        templates(limits) {
     templates->clear();
     see(0);
   }
-  static TrackerLimits limits_of() {
+  static EstimatorLimits estimator_limits(const TrackerLimits& of) {
+    EstimatorLimits l;
+    l.points = static_cast<std::uint16_t>(all_points(of));
+    return l;
+  }
+  static TrackerLimits limits_of(std::uint16_t patches) {
     TrackerLimits l;
-    l.patches = 40;
+    l.patches = patches;
     l.key_patches = 8;
     l.key_frames = 1;
     l.curve_points = 0;
@@ -222,6 +231,38 @@ TEST_CASE("a frame of matching: all points are searched for once, found, and not
   CHECK(found > 30);
   CHECK(film().turn_error(pose_of(rig.estimator->view()), 1) < 0.5f);
 
+  const FrameWork all = matcher->work();
+  CHECK(all.searches == 40);
+  CHECK(all.search_steps >= 40 * (kTemplateMatchTuning.preparation_steps + 1));
+
   matcher->end_frame(frame, false);  // a bad frame found nothing
   for (std::size_t k = 0; k < 40; ++k) CHECK_FALSE(rig.templates.object[k].was_found);
+}
+
+TEST_CASE("a frame's searches end after the steps that it may take, those of a first pass too") {
+  Rig rig(200);
+  rig.place(0, rig.limits.patches);
+  REQUIRE(rig.used(0, rig.limits.patches) >=
+          kTemplateMatchTuning.first_pass_least_ratio * kTemplateMatchTuning.first_pass_points);
+  InArena<TemplateMatcher> matcher(rig.limits);
+  std::vector<Observation> observations(rig.templates->count());
+  const MatchFrame frame{rig.templates.object, rig.region.object, {observations.data(), observations.size()}};
+  for (std::size_t k = 0; k < rig.templates->count(); ++k)
+    if (rig.templates->is_first(k)) rig.templates.object[k].was_found = true;
+  rig.see(1);
+  std::uint32_t longest = 0;
+  for (const std::uint32_t most : {0u, 20u, 100000u}) {
+    CAPTURE(most);
+    rig.estimator->begin(33'333'333);
+    matcher->start(true);
+    matcher->begin_frame(1, true, kUnknownPx);
+    matcher->limit_steps(most);
+    const bool has_moved = matcher->run_first_pass(frame, rig.estimator.object);
+    if (most == 0) CHECK_FALSE(has_moved);
+    if (most == 0) CHECK(matcher->work().searches == 0);
+    if (most == 20) CHECK(matcher->work().search_steps >= most);
+    if (most == 20) CHECK(matcher->work().search_steps < most + 40);  // one search more at most
+    longest = matcher->work().search_steps;
+  }
+  CHECK(longest > 100);
 }

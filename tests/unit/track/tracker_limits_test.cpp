@@ -9,6 +9,7 @@
 #include "face_film.hpp"
 #include "pliant/tracker.hpp"
 #include "random.hpp"
+#include "track/tracker_sizes.hpp"
 
 using namespace pliant;
 
@@ -49,6 +50,7 @@ TEST_CASE("limits of which no tracker can be made are refused, and measure nothi
   refused([](TrackerLimits& l) { l.personal_field = {1, 128}; });
   refused([](TrackerLimits& l) { l.personal_field = {128, 257}; });
   refused([](TrackerLimits& l) { l.start_points = 3; });
+  refused([](TrackerLimits& l) { l.thumbnail_width = 257; });
   for (const TrackerLimits& l : {profile_s(), profile_m(), profile_l()}) CHECK(check(l) == Status::ok);
 }
 
@@ -128,4 +130,20 @@ TEST_CASE("a pose, a camera or a box that no picture has is refused") {
   } boxes[] = {{{0, 0}, {1e30f, 1e30f}}, {{0, 0}, {0, 50}},   {{0, 0}, {kNan, 50}},  {{1e30f, 0}, {50, 50}},
                {{kNan, 0}, {50, 50}},    {{0, 0}, {50, -50}}, {{0, 0}, {1e-30f, 50}}};
   for (const auto& b : boxes) CHECK(tracker.start_from_box(film.view(0), b.corner, b.size) != Status::ok);
+}
+
+TEST_CASE("the largest limits: sizes that follow from them do not overflow") {
+  // A constant expression has no overflow, or it is not compiled.
+  constexpr auto largest = [] {
+    TrackerLimits l =
+        without_person(without_edges(without_detection(without_stretch(without_rejection(TrackerLimits{})))));
+    l.width = l.height = 16384;
+    l.patches = 16000;
+    l.key_patches = 384;
+    return l;
+  }();
+  static_assert(check(largest) == Status::ok);
+  constexpr int side = cell_px_of(largest);
+  CHECK(side >= kTemplatePlacementTuning.least_cell_px);
+  CHECK(side <= kTemplatePlacementTuning.most_cell_px);
 }

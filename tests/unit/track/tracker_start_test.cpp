@@ -181,7 +181,7 @@ TEST_CASE("wrong arguments of a start change nothing; a start that fails later l
   some[2].name = "third eye";
   CHECK(start(8) == Status::not_found);
   some[2].name = nullptr;
-  CHECK(start(8) == Status::not_found);
+  CHECK(start(8) == Status::bad_argument);
   some[2] = {"ibug30", {nan, 0}};
   CHECK(start(8) == Status::bad_argument);
   some.assign(69, points()[0]);
@@ -214,6 +214,8 @@ TEST_CASE("wrong arguments of a start change nothing; a start that fails later l
   some.assign(8, points()[0]);
   CHECK(start(8) == Status::underdetermined);
   CHECK_FALSE(t.is_started());
+  CHECK(t.result().state == TrackState::lost);
+  CHECK_FALSE(t.result().is_searching);  // there is nothing to search with
   CHECK(update(t, 2) == Status::not_started);
   CHECK(t.landmark("ibug30", &x) == Status::not_started);
   CHECK(t.parameter("jawOpen", &value) == Status::not_started);

@@ -216,3 +216,28 @@ TEST_CASE("two trackers on the same frames give the same bits") {
   CHECK(q[0].y == q[1].y);
   CHECK(q[0].z == q[1].z);
 }
+
+TEST_CASE("times may have any origin: the same film later gives the same bits") {
+  Pose end[3];
+  const std::int64_t origin[] = {0, 500'000'000, 3'600'000'000'000};
+  for (int run = 0; run < 3; ++run) {
+    InArena<Tracker> tracker(face().model, TrackerLimits{});
+    FrameView first = film().view(0);
+    first.time_ns += origin[run];
+    REQUIRE(tracker->start_from_pose(first, film().camera, film().poses[0], film().parameters[0].data()) ==
+            Status::ok);
+    FrameResult result;
+    for (std::size_t k = 1; k < kFrames; ++k) {
+      FrameView view = film().view(k);
+      view.time_ns += origin[run];
+      REQUIRE(tracker->update(view, &result) == Status::ok);
+    }
+    end[run] = result.pose;
+  }
+  for (int run = 1; run < 3; ++run) {
+    CHECK(end[run].q.x == end[0].q.x);
+    CHECK(end[run].q.y == end[0].q.y);
+    CHECK(end[run].t.x == end[0].t.x);
+    CHECK(end[run].t.z == end[0].t.z);
+  }
+}

@@ -86,3 +86,15 @@ TEST_CASE("the widest image of a frame is compared without overflow, a wider one
     CHECK(correlation == doctest::Approx(width == 16384 ? 1.0 : 0.0));
   }
 }
+
+TEST_CASE("a range beyond the image is as good as its larger side, and as fast") {
+  const Texture texture;
+  const auto before = texture.image(40, 40), now = texture.image(33, 44);
+  const PixelBox box{25, 18, 55, 44};
+  const CoarseTranslation side = find_coarse_translation(view(before), box, view(now), 80),
+                          most = find_coarse_translation(view(before), box, view(now), 2'000'000'000);
+  CHECK(most.by.x == side.by.x);
+  CHECK(most.by.y == side.by.y);
+  CHECK(most.compared_pixels == side.compared_pixels);
+  CHECK(most.by.x == doctest::Approx(7).epsilon(0.05));
+}
