@@ -68,7 +68,8 @@ struct SavedState {
 /// needed: while there is no track, `update` searches the frame for the face, or the printed surface, and
 /// starts by itself. A running track is verified every few frames. A track that is lost, or that is wrong, is
 /// given up, and the next frames are searched. Where the same person is found, identity, landmark offsets,
-/// markers and camera stay; templates and key frames are new. Another person has no markers.
+/// markers and camera stay; templates and key frames are new. Another person has no markers. Not every person is told from
+/// another; where an alignment takes several frames (profile S), hardly any is (docs/algorithms.md, section 7.15).
 ///
 /// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays
 /// first. If one of those is wrong, nothing changes. If the start fails later (in the fit, the pose or the

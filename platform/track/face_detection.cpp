@@ -112,6 +112,7 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
   FaceSelfStart& self = self_of(t);
   self.of_caller = &rough.options;
   self.landmark_error = 0;  // a start before may have failed
+  self.faces.forget_reference();
   if (rough.points >= kFaceStartTuning.enough_points) return;
   self.faces.refine({view, t.block, rough.options}, rough.box, &person_of(t), from, &self.landmark_error);
   t.lay_out_tracking();

@@ -39,6 +39,7 @@ void FaceStart::lay_out(Arena& arena, const Model& model, const TrackerLimits& l
   most_bad_frames_ = kTuning.most_bad_frames + limits.key_frames;
   const std::size_t parameters = model.parameters().count;
   q_ = arena.take<float>(parameters);
+  reference_ = arena.take<float>(parameters);
   is_expression_ = arena.take<std::uint8_t>(parameters);
   landmarks_ = arena.take_span<Vec2>(model.landmarks().count);
   if (is_expression_ == nullptr) return;
@@ -66,7 +67,7 @@ void FaceStart::begin_search() {
     candidates_[0] = {last_, 0};
     candidate_count_ = 1;
     phase_ = FacePhase::aligning;
-    tries_known_ = true;
+    whom_ = Whom::known;
     is_of_one_frame_ = false;
   }
   last_ = {};
@@ -101,7 +102,7 @@ Status FaceStart::run_detector(const FrameView& frame) {
   if (is_search_complete_ || candidates_[0].score >= kTuning.sure_detection) {
     phase_ = FacePhase::aligning;
     next_candidate_ = 0;
-    tries_known_ = true;
+    whom_ = first_question();
   }
   return status;
 }
@@ -121,11 +122,16 @@ void FaceStart::add_candidate(const DetectedFace& face) {
   candidates_[at] = face;
 }
 
-/// Goes on with the alignment of the next candidate: first as the known person, then as another one. \param steps  that may be
-/// taken; those taken are subtracted.
+/// Where an alignment takes several frames, the person who comes back is not asked for: that would take as many again.
+FaceStart::Whom FaceStart::first_question() const {
+  return has_reference_ && !spreads_work() ? Whom::anybody : Whom::known;
+}
+
+/// Goes on with the alignment of the next candidate: as anybody, to see whether it is the known person; as the known person; as
+/// another one. \param steps  that may be taken; those taken are subtracted.
 FaceStart::Answer FaceStart::align(const SearchInput& input, int* steps, KnownPerson* person,
                                    StartPose* start, float* landmark_error) {
-  tries_known_ = tries_known_ && person->is_known;
+  if (!person->is_known) whom_ = Whom::another;
   Status status = Status::ok;
   if (steps_left_ == 0) {
     // A search over several frames may have seen the face at some sizes only, and it may have moved since.
@@ -154,25 +160,25 @@ FaceStart::Answer FaceStart::align(const SearchInput& input, int* steps, KnownPe
   }
   const float evidence = evidence_of(face);
   if (evidence < kTuning.sure_start_odds && ++times_seen_ < kTuning.doubtful_frames) return Answer::later;
-  if (tries_known_) {
-    *start = {face.camera, face.pose};
-    for (std::size_t k = 0; k < model_.parameters().count; ++k) person->q[k] = q_[k];
-  } else {
-    set_person(input.options, face, person, start);
+  if (whom_ == Whom::anybody && may_be_known(face)) {
+    whom_ = Whom::known;
+    times_seen_ = 0;
+    return Answer::no;
   }
+  set_person(input.options, face, person, start);
   *landmark_error = face.landmark_error;
   return Answer::yes;
 }
 
 Status FaceStart::begin_alignment(const SearchInput& input, const KnownPerson& person) {
   const StartOptions& o = input.options;
-  const Camera camera = tries_known_
-                            ? person.camera
-                            : start_camera(o.camera, o.focal_px, input.frame.width, input.frame.height);
+  const bool is_known = whom_ == Whom::known;
+  const Camera camera =
+      is_known ? person.camera : start_camera(o.camera, o.focal_px, input.frame.width, input.frame.height);
   for (std::size_t k = 0; k < model_.parameters().count; ++k)
-    q_[k] = tries_known_ && is_expression_[k] == 0 ? person.q[k] : 0;
+    q_[k] = is_known && is_expression_[k] == 0 ? person.q[k] : 0;
   return modules_->begin(*aligner_, input.frame, candidates_[next_candidate_].box, camera,
-                         {tries_known_ ? is_expression_ : nullptr}, q_, &steps_left_);
+                         {is_known ? is_expression_ : nullptr}, q_, &steps_left_);
 }
 
 /// Odds of detector and alignment that the next candidate is a face.
@@ -182,22 +188,42 @@ float FaceStart::evidence_of(const AlignedFace& face) const {
 
 bool FaceStart::is_accepted(const AlignedFace& face) const {
   return face.score >= kTuning.least_start && evidence_of(face) >= kTuning.least_start_odds &&
-         (!tries_known_ || face.landmark_error <= kTuning.most_known_error);
+         (whom_ != Whom::known || face.landmark_error <= kTuning.most_known_error);
 }
 
-/// To the next candidate, or to the same one as another person.
+bool FaceStart::is_frontal(const AlignedFace& face) {
+  return camera_direction(view_of(face.pose, face.camera)).z >= kTuning.least_frontal;
+}
+
+/// Whether the identity of the last alignment, which was free, does not tell another person from the known one.
+bool FaceStart::may_be_known(const AlignedFace& face) const {
+  if (!is_frontal(face)) return true;
+  float sum = 0, count = 0;
+  for (std::size_t k = 0; k < model_.parameters().count; ++k) {
+    if (is_expression_[k] != 0) continue;
+    const float off = (q_[k] - reference_[k]) / model_.parameters()[k].sd;
+    sum += off * off;
+    ++count;
+  }
+  return sum <= count * kTuning.most_identity_distance * kTuning.most_identity_distance;
+}
+
+/// To the same candidate as the known person, then as another one, then to the next candidate.
 void FaceStart::go_on() {
   times_seen_ = 0;
-  const bool was_known = tries_known_;
-  tries_known_ = !was_known;
-  if (!was_known && ++next_candidate_ == candidate_count_) begin_search_again();
+  const bool is_last = whom_ == Whom::another;
+  whom_ = whom_ == Whom::anybody ? Whom::known : is_last ? first_question() : Whom::another;
+  if (is_last && ++next_candidate_ == candidate_count_) begin_search_again();
 }
 
-/// A new person, as aligned: pose and parameters, and the landmarks where the alignment found them.
+/// The person as aligned: pose and parameters; of a new one also the landmarks, where the alignment found them.
 void FaceStart::set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
                            StartPose* start) {
   *start = {face.camera, face.pose};
   for (std::size_t k = 0; k < model_.parameters().count; ++k) person->q[k] = q_[k];
+  if (whom_ == Whom::known) return;
+  for (std::size_t k = 0; k < model_.parameters().count; ++k) reference_[k] = q_[k];
+  has_reference_ = is_frontal(face);
   person->is_known = false;
   person->offsets->clear();
   if (options.keeps_landmark_offsets) person->offsets->set_pending(landmarks_, model_);
@@ -208,6 +234,7 @@ void FaceStart::set_person(const StartOptions& options, const AlignedFace& face,
 void FaceStart::refine(const SearchInput& input, const FaceBox* box, KnownPerson* person, StartPose* start,
                        float* landmark_error) {
   begin_search();
+  whom_ = Whom::another;
   if (lay_out_search(input.block) != Status::ok) return;
   for (std::size_t k = 0; k < model_.parameters().count; ++k) q_[k] = person->q[k];
   AlignedFace face;

@@ -29,6 +29,11 @@ struct FaceStartTuning {
   /// Estimated landmark error, at most, of an alignment with the identity of the last person, fraction of the eyes'
   /// distance. Above it another person is fitted.
   float most_known_error = 0.06f;
+  /// Root mean square distance, in standard deviations of the parameters, between the identity as it was aligned first and as it
+  /// is aligned now, from which on a face is another person's; and the cosine of the turn away from the camera up to which both
+  /// alignments tell: 20 degrees. Of portraits, rendered heads and a recorded face below this angle (docs/experiments.md) 151
+  /// pairs of one person have at most 0.21, and 87 % of 598 pairs of two people more than 0.23.
+  float most_identity_distance = 0.23f, least_frontal = 0.94f;
   /// Work of the search in a frame, cells, from which on a frame has alignments besides.
   std::uint32_t cells_for_both = 12000;
   /// Cells of the search that cost as much as a step of an alignment. On the Cortex-M7 a step takes 5 million instructions and
@@ -118,6 +123,8 @@ class FaceStart {
   /// \return not_found: nothing yet; or what detector and aligner say of their tables.
   Status search(const SearchInput& input, KnownPerson* person, StartPose* start, float* landmark_error);
 
+  /// A start of the caller's begins: it may be of another person.
+  void forget_reference() { has_reference_ = false; }
   /// Moves a start of the caller's to where the picture shows the face, if that is verified; else nothing changes. The person's parameters are input
   /// and output.
   /// \param box  of the face, if the start is known roughly; null: it is near.
@@ -155,12 +162,16 @@ class FaceStart {
   Status run_detector(const FrameView& frame);
   void add_candidate(const DetectedFace& face);
   enum class Answer : std::uint8_t { no, later, yes };
+  enum class Whom : std::uint8_t { known, anybody, another };  // as whom a candidate is aligned
   Answer align(const SearchInput& input, int* steps, KnownPerson* person, StartPose* start,
                float* landmark_error);
   Status begin_alignment(const SearchInput& input, const KnownPerson& person);
   float evidence_of(const AlignedFace& face) const;
   bool is_accepted(const AlignedFace& face) const;
   void go_on();
+  Whom first_question() const;
+  static bool is_frontal(const AlignedFace& face);
+  bool may_be_known(const AlignedFace& face) const;
   void set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
                   StartPose* start);
   void tell_worth(const View& view, FrameResult* result) const;
@@ -178,10 +189,12 @@ class FaceStart {
   bool is_of_one_frame_ = false;    // the candidates are, with all their sizes
   DetectedFace candidates_[kMostCandidates];
   std::size_t candidate_count_ = 0, next_candidate_ = 0;
-  bool tries_known_ = false;  // the next candidate is aligned as the known person
-  int steps_left_ = 0;        // of its alignment; 0: it has not begun
-  int times_seen_ = 0;        // frames in which the next candidate was accepted
-  float* q_ = nullptr;
+  Whom whom_ = Whom::another;  // of the next candidate
+  int steps_left_ = 0;         // of its alignment; 0: it has not begun
+  int times_seen_ = 0;         // frames in which the next candidate was accepted
+  float *q_ = nullptr,
+        *reference_ = nullptr;  // of an alignment: the last one; the first one of the known person
+  bool has_reference_ = false;  // which was frontal
   std::uint8_t* is_expression_ = nullptr;
   Span<Vec2> landmarks_;
 

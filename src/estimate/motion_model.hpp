@@ -80,9 +80,9 @@ class MotionModel {
   ExpectedState expected_;
   Pose smoothed_pose_;
   std::int64_t time_ns_ = kNoTime;  // of the last frame
-  float seconds_ = 0;         // since the last frame
-  float since_sample_ = 0;    // s, since the smoother's last sample: bad frames give none
-  float* scratch_ = nullptr;  // a value a parameter
+  float seconds_ = 0;               // since the last frame
+  float since_sample_ = 0;          // s, since the smoother's last sample: bad frames give none
+  float* scratch_ = nullptr;        // a value a parameter
   std::size_t count_ = 0;
   bool predicts_motion_ = false, smooths_ = false;
 };

@@ -110,7 +110,8 @@ TEST_CASE("the smoothed pose allows for the time of bad frames, which give no sa
         doctest::Approx(double(dropped.motion->smoothed_pose().t.x)).epsilon(1e-5));
 }
 
-TEST_CASE("where the time of the start is not known, the first frame counts as a thirtieth of a second later") {
+TEST_CASE(
+    "where the time of the start is not known, the first frame counts as a thirtieth of a second later") {
   Run known(false), unknown(false, false, kNoTime);
   for (Run* run : {&known, &unknown}) {
     run->time = 10'000'000'000 - kFrame;
