@@ -47,18 +47,15 @@ constexpr std::size_t kPurposeCount = 15;  ///< number of purposes
 /// an arena are trivially destructible. Not copyable. Cost: O(1) a call.
 class Arena {
  public:
-  /// An arena that only measures.
-  constexpr Arena() = default;
+  constexpr Arena() = default;  ///< An arena that only measures.
   /// The same; adds the bytes taken to the count of their purpose.
   explicit constexpr Arena(std::size_t (&by_purpose)[kPurposeCount]) : by_purpose_(by_purpose) {}
-  /// \param block  aligned to kAlignment (create_in refuses another), and outlives everything created in it.
-  /// \param bytes  size of the block.
+  /// \param block  aligned to kAlignment (create_in refuses another), and outlives everything created in it; of `bytes` bytes.
   constexpr Arena(void* block, std::size_t bytes) : base_(static_cast<unsigned char*>(block)), size_(bytes) {}
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
 
-  /// Alignment of the block and of everything taken from it.
-  static constexpr std::size_t kAlignment = 16;
+  static constexpr std::size_t kAlignment = 16;  ///< Alignment of the block and of everything taken from it.
 
   /// Room for `count` values of T, uninitialised. On overflow the arena is `exhausted` and returns null from then on.
   template <class T>
@@ -90,12 +87,10 @@ class Arena {
   constexpr bool is_measuring() const { return base_ == nullptr; }
   /// True where the block is aligned to kAlignment.
   bool is_aligned() const { return reinterpret_cast<std::uintptr_t>(base_) % kAlignment == 0; }
-  /// True once something did not fit.
-  constexpr bool exhausted() const { return exhausted_; }
+  constexpr bool exhausted() const { return exhausted_; }  ///< True once something did not fit.
   constexpr std::size_t used_bytes() const { return used_; }  ///< Bytes taken, padding included.
   constexpr std::size_t size_bytes() const { return size_; }  ///< Bytes of the block.
-  /// The most that was ever in use at once.
-  constexpr std::size_t high_water_bytes() const { return high_water_; }
+  constexpr std::size_t high_water_bytes() const { return high_water_; }  ///< The most ever in use at once.
   /// Empties the arena. What was taken from it is no longer valid.
   constexpr void reset() {
     used_ = 0;
@@ -165,15 +160,21 @@ constexpr bool is_usable(const T&) {
   return true;
 }
 
+/// The same of all arguments. Overloaded where they have to fit each other (a tracker's model and limits).
+template <class... Args>
+constexpr bool are_usable(const Args&... args) {
+  return (is_usable(args) && ...);
+}
+
 /// Lays `object` out in `arena` by `object.lay_out(arena, args...)`, first without memory to learn whether it
 /// fits. Needs no room for a second object.
 /// \return ok, or:
-///   - bad_argument: the arena only measures, or one of `args` is not usable; nothing has changed.
+///   - bad_argument: the arena only measures, or `args` are not usable; nothing has changed.
 ///   - misaligned: the arena's block is not aligned to Arena::kAlignment; nothing has changed.
 ///   - out_of_memory: `object` is as newly constructed, the arena unchanged.
 template <class T, class... Args>
 Status create_in(Arena& arena, T& object, const Args&... args) {
-  if (arena.is_measuring() || !(is_usable(args) && ...)) return Status::bad_argument;
+  if (arena.is_measuring() || !are_usable(args...)) return Status::bad_argument;
   if (!arena.is_aligned()) return Status::misaligned;
   Arena trial;
   object.lay_out(trial, args...);
@@ -189,7 +190,7 @@ Status create_in(Arena& arena, T& object, const Args&... args) {
 /// Bytes that `create_in` takes for the same arguments; 0 if it refuses them.
 template <class T, class... Args>
 std::size_t measured_bytes(const Args&... args) {
-  if (!(is_usable(args) && ...)) return 0;
+  if (!are_usable(args...)) return 0;
   Arena trial;
   T object;
   object.lay_out(trial, args...);

@@ -20,13 +20,15 @@ struct FrameView {
   std::uint32_t sequence = 0;    ///< number of the frame, modulo 2^32; a gap means dropped frames
 };
 
-/// `ok` when the view can be read; `bad_argument` for a null pointer, an empty size or a stride that is too small.
+/// `ok` when the view can be read; `bad_argument` for a null pointer, an empty size, a stride that is too small, or one with
+/// which the rows are more than half of the address space (a negative one).
 inline Status check(const FrameView& f) {
   if (f.data == nullptr || f.width <= 0 || f.height <= 0 || f.pixel_step_bytes < 1 || f.pixel_step_bytes > 2)
     return Status::bad_argument;
   const std::size_t row =
       static_cast<std::size_t>(f.width - 1) * static_cast<std::size_t>(f.pixel_step_bytes) + 1;
-  return f.stride_bytes >= row ? Status::ok : Status::bad_argument;
+  const std::size_t most = (~std::size_t{0} >> 1) / static_cast<std::size_t>(f.height);
+  return f.stride_bytes >= row && f.stride_bytes <= most ? Status::ok : Status::bad_argument;
 }
 
 }  // namespace pliant

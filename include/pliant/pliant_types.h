@@ -52,7 +52,7 @@ typedef struct pliant_limits {
   uint16_t width, height;               /**< of the frames, px; at least 64 */
   uint16_t region_width, region_height; /**< part of the frame that is matched, px; at least 64; 0 and 0: all of it */
   uint16_t patches, key_patches;        /**< templates of frame 0, at least 6; of all later key frames together */
-  uint16_t vertices;                    /**< of the mesh */
+  uint16_t vertices;                    /**< of the mesh, at least those of the model's base mesh */
   uint16_t start_points;                /**< landmarks of a start; at least 4, or 0: no start from landmarks */
   uint16_t profile;                     /**< 'S', 'M' or 'L': every other limit is as there */
   uint16_t smallest_face_px;            /**< side of the smallest face that is searched for, px; below 48 counts as 48 */

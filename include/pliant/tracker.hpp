@@ -55,6 +55,11 @@ struct SavedState {
   Span<Vec3> landmark_offsets;  ///< mm, one for each of the model's landmarks, in its order
 };
 
+/// create_in refuses limits without room for the model's base mesh (arena.hpp).
+inline bool are_usable(const Model& model, const TrackerLimits& limits) {
+  return is_usable(model) && is_usable(limits) && limits.vertices >= model.base_uv().count;
+}
+
 /// Tracks one model through a stream of frames of one size. All memory is taken at creation; `lay_out` is called by
 /// `create_in` and `measured_bytes` (arena.hpp).
 ///

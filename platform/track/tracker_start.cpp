@@ -7,8 +7,14 @@
 namespace pliant {
 
 namespace {
-constexpr float kFarthestPx = 1e6f;  // of a box's corner, and its size; far outside every picture
+
+/// Whether an image position, or the size of a box, is a number and not far outside every picture.
+bool is_near(Vec2 x) {
+  constexpr float kFarthestPx = 1e6f;
+  return magnitude(x.x) <= kFarthestPx && magnitude(x.y) <= kFarthestPx;
 }
+
+}  // namespace
 
 Status TrackerParts::check_start(const FrameView& view, Span<const Vec2> marker_places) const {
   const Status status = region.check_frame(view);
@@ -19,7 +25,7 @@ Status TrackerParts::check_start(const FrameView& view, Span<const Vec2> marker_
 Status TrackerParts::check_landmarks(Span<const NamedPoint> points) const {
   if (points.count > 0 && points.data == nullptr) return Status::bad_argument;
   for (const NamedPoint& p : points) {
-    if (p.name == nullptr || !is_finite(p.x)) return Status::bad_argument;
+    if (p.name == nullptr || !is_near(p.x)) return Status::bad_argument;
     if (model().find_landmark(p.name) == kNone) return Status::not_found;
   }
   return Status::ok;
@@ -162,9 +168,8 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
   if (impl_ == nullptr) return Status::not_started;
   Impl& t = *impl_;
   Status status = t.check_start(frame, markers);
-  if (status == Status::ok &&
-      !(start.focal_px >= 0 && size.x > 0 && size.y > 0 && length(corner) <= kFarthestPx &&
-        length(size) <= kFarthestPx && start.box <= BoxConvention::face_box))
+  if (status == Status::ok && !(start.focal_px >= 0 && size.x > 0 && size.y > 0 && is_near(corner) &&
+                                is_near(size) && start.box <= BoxConvention::face_box))
     status = Status::bad_argument;
   if (status != Status::ok) return status;
   t.offsets.clear();

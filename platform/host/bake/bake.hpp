@@ -51,8 +51,9 @@ struct BakeReport {
   Reconstruction errors;
   std::vector<std::string> unmatched;  ///< a face's expressions whose names ARKit does not have
   std::size_t field_count = 0, base_vertices = 0, table_bytes = 0;
-  bool has_texture = false;  ///< of an OBJ source
+  bool has_texture = false;     ///< of an OBJ source
   std::size_t print_bytes = 0;  ///< 0: the surface cannot be found by its texture
+  bool shows_back = false;      ///< a camera in front sees most of the surface from behind
 };
 
 /// Bakes a folder with the tables of a surface (cage_source.hpp) or with OBJ files (obj_source.hpp). On any defect returns

@@ -146,12 +146,24 @@ class Baker {
             " mm at worst: give narrow parts more room in u,v (--relax-chart) or take a larger --size");
   }
 
+  /// Whether the surface, projected along z, has its corners clockwise.
+  bool shows_back() const {
+    double area = 0;
+    for (std::size_t k = 0; k < source_.triangles.size(); ++k) {
+      if (k < source_.is_hole.size() && source_.is_hole[k] != 0) continue;
+      const auto p = [&](std::size_t corner) { return source_.neutral[at(source_.triangles[k][corner])]; };
+      area += static_cast<double>(cross(p(1) - p(0), p(2) - p(0)).z);
+    }
+    return area < 0;
+  }
+
   void add_base_mesh() {
     BaseMesh mesh{source_.base_uv, source_.base_corners};
     if (mesh.corners.empty()) mesh = make_base_mesh(source_, options_.base_vertices, source_.is_symmetric);
     if (mesh.corners.empty())
       fail("no base mesh of at most 9000 vertices follows the surface's boundary in the chart");
     report_.base_vertices = mesh.uv.size();
+    report_.shows_back = shows_back();
     writer_.set_base_mesh(mesh.uv, mesh.corners);
   }
 

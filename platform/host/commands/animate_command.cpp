@@ -64,11 +64,8 @@ Input read_input(const Args& args, const ModelFile& file, Console& console) {
   input.track = retarget(table, file.model(), setup);
   if (input.who.empty()) input.who = input.track.has_identity ? "the track's" : "the mean";
   list_unmatched(input.track.unmatched, path, console.err);
-  if (!input.track.limited.empty()) {
-    console.err << path << ": outside the model's limits, clamped:";
-    for (const std::string& name : input.track.limited) console.err << " " << name;
-    console.err << (source ? "\n" : " (--from TRACKED.plm keeps fractions of the ranges)\n");
-  }
+  list_clamped(input.track.limited, path, console.err,
+               source ? "" : " (--from TRACKED.plm keeps fractions of the ranges)");
   if (input.track.lost > 0)
     console.err << path << ": " << input.track.lost << " of " << input.track.frames.size()
                 << " frames are lost; they repeat the pose and expression before\n";

@@ -83,6 +83,11 @@ void print_report(const std::string& output, const bake::BakeReport& report, boo
   console.out << "; base mesh of " << report.base_vertices << " vertices\n";
   if (report.has_texture && report.print_bytes == 0)
     console.out << "the texture has too few corners of its own: the surface will not be found by it\n";
+  if (report.shows_back)
+    console.err << output
+                << ": seen from the front, along z, this surface shows its back, which is neither drawn nor "
+                   "tracked: turn it "
+                   "round, or reverse the order of the corners of its faces\n";
   for (const bake::ParameterError& error : report.errors.parameters) {
     if (!all) break;
     print(error.name.c_str(), error.off);

@@ -4,6 +4,7 @@
 
 #include "host/commands/command.hpp"
 #include "host/commands/face_finder.hpp"
+#include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
@@ -30,14 +31,6 @@ std::string name_of(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
 
-/// A name as a cell: quoted if it has to be.
-std::string cell_of(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + "\"";
-}
-
 std::string header(const Model& model, bool has_landmarks) {
   std::string line = "file,face,score,x,y,width,height";
   if (has_landmarks)
@@ -46,7 +39,7 @@ std::string header(const Model& model, bool has_landmarks) {
 }
 
 std::string row(const std::string& file, std::size_t number, const FoundFace& face, bool has_landmarks) {
-  std::string line = cell_of(file) + "," + std::to_string(number);
+  std::string line = csv_cell(file) + "," + std::to_string(number);
   const auto add = [&](float value) { line += "," + decimal_text(static_cast<double>(value)); };
   const float side = face.box.side;
   for (const float value :

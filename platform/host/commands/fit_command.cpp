@@ -12,6 +12,7 @@
 #include "host/io/owned.hpp"
 #include "host/render/overlay.hpp"
 #include "host/render/photo_texture.hpp"
+#include "track/face_start.hpp"
 
 namespace pliant::host {
 
@@ -118,12 +119,14 @@ FoundFace face_in(const Image& image, const std::string& path, const ModelFile& 
                   const std::optional<FaceBox>& box) {
   FaceFinder finder(file);
   const Image grey = to_grey(image);
+  std::optional<Camera> camera = setup.camera;
+  if (!camera && setup.focal_px > 0) camera = centred_camera(image.width, image.height, setup.focal_px);
   if (box) {
-    auto face = finder.align(grey, *box, setup.camera);
+    auto face = finder.align(grey, *box, camera);
     if (!face) fail_input(path, "the box is not in the picture");
     return *face;
   }
-  auto faces = finder.find(grey, path, kLeastFaceScore, setup.camera);
+  auto faces = finder.find(grey, path, kLeastFaceScore, camera);
   if (faces.empty()) fail_input(path, "no face found");
   return faces[0];
 }
@@ -137,7 +140,7 @@ FitFile fit_to_face(const ModelFile& file, const FoundFace& face, FitSetup setup
     if (std::strncmp(name, "ibug", 4) == 0 && std::strcmp(name, "ibug17") >= 0)
       points.push_back({name, face.landmarks[k], name});
   }
-  setup.view = view_of(face.aligned.pose, face.aligned.camera);
+  setup.view = with_focal(view_of(face.aligned.pose, face.aligned.camera), setup.camera ? 0 : setup.focal_px);
   for (std::size_t k = 0; k < face.q.size(); ++k)
     if (setup.is_free.empty() || setup.is_free[k] != 0) setup.q[k] = face.q[k];
   FitFile fit = fit_to_points(file, "alignment", points, setup);
@@ -188,6 +191,8 @@ int run_fit(const Args& args, Console& console) {
     console.out << ", expected landmark error " << decimal_text(static_cast<double>(fit.landmark_error))
                 << " of the distance of the outer eye corners";
   console.out << "\n";
+  if (fit.landmark_error > kFaceStartTuning.most_landmark_error)
+    console.err << "the landmarks are doubtful: it may be no face, or hidden in part\n";
   return 0;
 }
 

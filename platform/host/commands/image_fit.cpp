@@ -107,7 +107,10 @@ FitFile fit_to_points(const ModelFile& file, const std::string& source, const st
   options.euler = setup.euler;
   options.stiffness = setup.stiffness;
   Owned<LandmarkFit> fitter(model, pairs.size());
-  require(fitter->fit({pairs.data(), pairs.size()}, options, q.data()), source);
+  const Status status = fitter->fit({pairs.data(), pairs.size()}, options, q.data());
+  if (status == Status::underdetermined && setup.method == FitMethod::euler)
+    fail_input(source, "the dynamics diverged: a smaller --delta, or --method preconditioned");
+  require(status, source);
   const FitReport& report = fitter->report();
   const std::vector<float> sd(fitter->sd(), fitter->sd() + q.size());
 

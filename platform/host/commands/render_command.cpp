@@ -85,6 +85,21 @@ Image background_of(const Args& args, const ImageSize& size, std::uint32_t seed)
   return is_grey(image) ? to_grey(image) : image;
 }
 
+/// Clamps all parameters to the model's limits. \return the names of those that were outside.
+std::vector<std::string> clamp_to_limits(const Model& model, std::vector<PosedParameters>& rows) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < model.parameters().count; ++k) {
+    const Parameter& p = model.parameters()[k];
+    bool is_outside = false;
+    for (PosedParameters& row : rows) {
+      is_outside = is_outside || row.q[k] < p.minimum || row.q[k] > p.maximum;
+      row.q[k] = clamp(row.q[k], p.minimum, p.maximum);
+    }
+    if (is_outside) names.push_back(p.name);
+  }
+  return names;
+}
+
 std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, const Camera& camera,
                                        int height, Console& console) {
   const Model& model = file.model();
@@ -103,6 +118,7 @@ std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, 
   auto rows = read_posed_parameters(table, model, neutral, &unmatched);
   list_unmatched(unmatched, path, console.err);
   if (rows.empty()) fail_input(path, "has no rows");
+  list_clamped(clamp_to_limits(model, rows), path, console.err);
   return rows;
 }
 
@@ -177,7 +193,8 @@ Command render_command() {
        {"--noise", "SD", "standard deviation of sensor noise, grey levels (2)"},
        {"--seed", "N", "seed of noise and background (1)"},
        {"--rate", "FPS", "frames a second (30)"},
-       {"--background", "PICTURE", "a picture of the frames' size behind the model, whose albedo is grey (default: soft blotches)",
+       {"--background", "PICTURE",
+        "a picture of the frames' size behind the model, whose albedo is grey (default: soft blotches)",
         Takes::input},
        {"--grid", "PNG",
         "instead of a video: a picture with one person a column and one expression a row, cells of --size "

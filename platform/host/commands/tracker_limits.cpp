@@ -1,5 +1,7 @@
 #include "host/commands/tracker_limits.hpp"
 
+#include <algorithm>
+
 #include "host/io/failure.hpp"
 
 namespace pliant::host {
@@ -11,6 +13,12 @@ namespace {
 constexpr int kLargeWidth = 480;
 
 }  // namespace
+
+std::uint32_t whole_search(const TrackerLimits& limits) {
+  const TrackerLimits usual;  // whose search takes one frame
+  const auto area = [](const TrackerLimits& l) { return static_cast<double>(l.width) * l.height; };
+  return static_cast<std::uint32_t>(usual.search_work * std::max(1.0, area(limits) / area(usual)));
+}
 
 TrackerLimits tracker_limits(const Args& args, const std::optional<ImageSize>& size) {
   const std::string by_width = size && size->width >= kLargeWidth ? "l" : "m";

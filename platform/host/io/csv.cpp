@@ -6,6 +6,13 @@
 
 namespace pliant::host {
 
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + "\"";
+}
+
 namespace {
 
 /// Reads one cell at `at` and moves `at` after the comma, or to npos at the end of the line.

@@ -10,6 +10,9 @@
 
 namespace pliant::host {
 
+/// Text as a cell of a CSV table: quoted if it has commas, quotes or line ends.
+std::string csv_cell(const std::string& text);
+
 /// A CSV file in memory. Every error names the file, the line and the column.
 class CsvTable {
  public:

@@ -17,19 +17,33 @@ namespace pliant::host {
 
 namespace {
 
-/// Creates a file that did not exist, beside `target`, and tells its path. Null with errno set if that is impossible.
-std::FILE* create_beside(const std::string& target, std::string* path) {
+/// Makes a file with a name that did not exist, beside `target`. \param make  makes the one of a path; false with errno EEXIST where
+/// there is one. \return its path; empty with errno set if that is impossible.
+template <class Make>
+std::string name_beside(const std::string& target, Make&& make) {
   constexpr int kMostNames = 1000;  // temporary files of one process in one folder
   const auto folder = std::filesystem::path(target).parent_path();
   for (int k = 0; k < kMostNames; ++k) {
-    *path = (folder / (".pliant-" + std::to_string(::getpid()) + "-" + std::to_string(k) + ".part")).string();
-    // O_EXCL: neither another process's file nor a symbolic link is ever opened.
-    const int file = ::open(path->c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file >= 0) return ::fdopen(file, "wb");
+    const auto name = ".pliant-" + std::to_string(::getpid()) + "-" + std::to_string(k) + ".part";
+    if (const std::string path = (folder / name).string(); make(path)) return path;
     if (errno != EEXIST) break;
   }
+  return {};
+}
+
+/// Creates a temporary file in the folder of `target`: without a name, so that nothing is left of it where the program is ended, or,
+/// where the file system has no such files, with one. Null with errno set if that is impossible.
+std::FILE* create_beside(const std::string& target, std::string* path) {
   path->clear();
-  return nullptr;
+  const auto folder = std::filesystem::path(target).parent_path().string();
+  int file = ::open(folder.empty() ? "." : folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+  if (file < 0)
+    *path = name_beside(target, [&](const std::string& name) {
+      // O_EXCL: neither another process's file nor a symbolic link is ever opened.
+      file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      return file >= 0;
+    });
+  return file < 0 ? nullptr : ::fdopen(file, "wb");
 }
 
 }  // namespace
@@ -60,13 +74,17 @@ OutputFile::OutputFile(const std::string& path) : name_(path), target_(path) {
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
   if (std::filesystem::is_directory(status)) fail_input(path, "is a directory");
-  if (std::filesystem::exists(status)) target_ = std::filesystem::canonical(path, ignored).string();
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-    file_ = std::fopen(target_.c_str(), "wb");
-  else
+  const bool is_special = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+  if (is_special) {  // a device or pipe; the canonical path of /dev/stdout is none that can be opened
+    file_ = std::fopen(path.c_str(), "wb");
+  } else {
+    if (std::filesystem::exists(status)) target_ = std::filesystem::canonical(path, ignored).string();
     file_ = create_beside(target_, &temporary_);
+    has_no_name_ = temporary_.empty();
+  }
   if (file_ == nullptr) fail_input(path, std::string("cannot be written: ") + std::strerror(errno));
-  if (std::filesystem::exists(status)) ::fchmod(::fileno(file_), static_cast<mode_t>(status.permissions()));
+  if (std::filesystem::exists(status) && !is_special)
+    ::fchmod(::fileno(file_), static_cast<mode_t>(status.permissions()));
 }
 
 OutputFile::OutputFile(std::unique_ptr<ChildProcess> program, const std::string& name)
@@ -94,7 +112,14 @@ void OutputFile::commit() {
     return;
   }
   // The bytes are on the disk before the name is, so that a power cut leaves the old file or the new one.
-  if (!temporary_.empty() && ::fsync(::fileno(file_)) != 0) fail();
+  if (!is_direct() && ::fsync(::fileno(file_)) != 0) fail();
+  if (has_no_name_) {
+    const std::string file = "/proc/self/fd/" + std::to_string(::fileno(file_));
+    temporary_ = name_beside(target_, [&](const std::string& name) {
+      return ::linkat(AT_FDCWD, file.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+    });
+    if (temporary_.empty()) fail();
+  }
   if (std::fclose(std::exchange(file_, nullptr)) != 0) fail();
   if (!temporary_.empty() && std::rename(temporary_.c_str(), target_.c_str()) != 0) fail();
   temporary_.clear();

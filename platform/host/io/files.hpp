@@ -39,10 +39,13 @@ class OutputFile {
 
  private:
   [[noreturn]] void fail() const;
+  bool is_direct() const { return temporary_.empty() && !has_no_name_; }
 
-  std::string name_, target_, temporary_;  // temporary_ is empty if the target is written directly
+  std::string name_, target_,
+      temporary_;  // temporary_ is empty if the target is written directly, or before `commit`
   std::unique_ptr<ChildProcess> program_;  // which owns file_, if there is one
   std::FILE* file_ = nullptr;
+  bool has_no_name_ = false;  // the temporary file has none yet
 };
 
 /// Writes a whole file.

@@ -227,4 +227,12 @@ void list_unmatched(const std::vector<std::string>& names, const std::string& so
   err << "\n";
 }
 
+void list_clamped(const std::vector<std::string>& names, const std::string& source, std::ostream& err,
+                  const std::string& hint) {
+  if (names.empty()) return;
+  err << source << ": outside the model's limits, clamped:";
+  for (const std::string& name : names) err << " " << name;
+  err << hint << "\n";
+}
+
 }  // namespace pliant::host

@@ -56,5 +56,8 @@ std::vector<std::string> apply(const NamedValues& values, const std::string& sou
 /// Writes one line with the names of parameters that a model does not have; nothing if there are none.
 /// \param source  the file that has them.
 void list_unmatched(const std::vector<std::string>& names, const std::string& source, std::ostream& err);
+/// The same of parameters whose values are outside the model's limits, which clamp them. \param hint  ends the line.
+void list_clamped(const std::vector<std::string>& names, const std::string& source, std::ostream& err,
+                  const std::string& hint = "");
 
 }  // namespace pliant::host

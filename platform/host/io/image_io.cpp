@@ -2,6 +2,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/image.hpp"
+#include "host/io/jpeg_orientation.hpp"
 #include "host/io/jpeg_tables.hpp"
 
 #if defined(__GNUC__)
@@ -64,7 +65,7 @@ Image read_image(const std::string& path) {
   Image image(width, height, 3);
   image.pixels.assign(pixels, pixels + image.pixels.size());
   stbi_image_free(pixels);
-  return image;
+  return upright(image, jpeg_orientation(bytes));
 }
 
 std::string encode_png(const Image& image) {

@@ -2,36 +2,44 @@
 /// \file interrupt.hpp
 /// Turns Ctrl-C into a flag, so that a command can finish its files.
 #include <csignal>
+#include <cstddef>
 
 namespace pliant::host {
 
-/// While an object of this class exists, SIGINT and SIGTERM only set a flag. There may be one object at a time.
+/// While an object of this class exists, the first SIGINT, SIGTERM or SIGHUP only sets a flag; a second one has the effect that it
+/// had before. There may be one object at a time.
 class InterruptWatch {
  public:
-  /// \param is_on  if false, the signals keep their usual effect.
-  explicit InterruptWatch(bool is_on) : is_on_(is_on) {
-    if (!is_on_) return;
+  InterruptWatch() {
     flag() = 0;
-    before_[0] = std::signal(SIGINT, [](int) { flag() = 1; });
-    before_[1] = std::signal(SIGTERM, [](int) { flag() = 1; });
+    for (std::size_t k = 0; k < kCount; ++k) before()[k] = std::signal(kSignals[k], note);
   }
-  ~InterruptWatch() {
-    if (!is_on_) return;
-    std::signal(SIGINT, before_[0]);
-    std::signal(SIGTERM, before_[1]);
-  }
+  ~InterruptWatch() { restore(); }
   InterruptWatch(const InterruptWatch&) = delete;
   InterruptWatch& operator=(const InterruptWatch&) = delete;
 
-  bool was_interrupted() const { return is_on_ && flag() != 0; }
+  bool was_interrupted() const { return flag() != 0; }
 
  private:
+  using Handler = void (*)(int);
+  static constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+  static constexpr std::size_t kCount = sizeof kSignals / sizeof *kSignals;
+
+  static void note(int) {
+    flag() = 1;
+    restore();
+  }
+  static void restore() {
+    for (std::size_t k = 0; k < kCount; ++k) std::signal(kSignals[k], before()[k]);
+  }
   static volatile std::sig_atomic_t& flag() {
     static volatile std::sig_atomic_t raised = 0;
     return raised;
   }
-  bool is_on_;
-  void (*before_[2])(int) = {};
+  static Handler* before() {
+    static Handler handlers[kCount] = {};
+    return handlers;
+  }
 };
 
 }  // namespace pliant::host

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/fit_file.hpp"
@@ -88,7 +89,8 @@ std::string track_header(const std::vector<std::string>& value_names,
   for (const char* name : kFirstColumns) line += (line.empty() ? "" : ",") + std::string(name);
   for (const char* name : kPoseColumns) line += "," + std::string(name);
   for (const std::string& name : value_names) line += "," + name;
-  for (const std::string& name : point_names) line += ",x_" + name + ",y_" + name;
+  for (const std::string& name : point_names)
+    line += "," + csv_cell("x_" + name) + "," + csv_cell("y_" + name);
   return line + "\n";
 }
 

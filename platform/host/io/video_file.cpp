@@ -7,10 +7,30 @@ namespace pliant::host {
 OpenedFrames open_video(const std::string& path) {
   // "file:" makes a name with a colon or a leading dash a file's name, and the list of protocols keeps a playlist from opening
   // anything but files.
-  auto ffmpeg = ChildProcess::start(
-      {"ffmpeg", "-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe", "-i", "file:" + path, "-map",
-       "0:v:0", "-f", "yuv4mpegpipe", "-pix_fmt", "yuvj420p", "-strict", "-1", "-"},
-      ChildProcess::Pipe::from_output);
+  // Each frame of the file once, also where their times are irregular; square pixels.
+  const std::string square = "scale=if(gt(abs(sar-1)\\,0.001)\\,2*trunc(iw*sar/2+0.5)\\,iw):ih,setsar=1";
+  auto ffmpeg = ChildProcess::start({"ffmpeg",
+                                     "-nostdin",
+                                     "-v",
+                                     "error",
+                                     "-protocol_whitelist",
+                                     "file,pipe",
+                                     "-i",
+                                     "file:" + path,
+                                     "-map",
+                                     "0:v:0",
+                                     "-vsync",
+                                     "passthrough",
+                                     "-vf",
+                                     square,
+                                     "-f",
+                                     "yuv4mpegpipe",
+                                     "-pix_fmt",
+                                     "yuvj420p",
+                                     "-strict",
+                                     "-1",
+                                     "-"},
+                                    ChildProcess::Pipe::from_output);
   if (ffmpeg == nullptr)
     return {
         nullptr,

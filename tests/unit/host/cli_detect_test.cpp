@@ -1,6 +1,7 @@
 // `pliant detect`, and the commands that find a face themselves, as a user runs them.
 #include "cli_run.hpp"
 #include "face_film.hpp"
+#include "host/commands/tracker_limits.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/fit_file.hpp"
 #include "host/io/image.hpp"
@@ -77,6 +78,33 @@ TEST_CASE("frames without a face are rows in state lost; the track starts when a
     sum += length(x - Visit::film().truth(name, 15)) / 51;
   }
   CHECK(sum < 3);
+}
+
+TEST_CASE(
+    "fit --image keeps the focal length that it is given, and says so where what it finds is doubtful") {
+  const Folder folder;
+  for (const char* focal : {"400", "1500"}) {
+    const Ran r =
+        run_words({"fit", kFace, "--image", kAstronaut, "--focal", focal, "-o", folder / "fit.json"});
+    CAPTURE(r.err);
+    REQUIRE(r.code == 0);
+    CHECK(r.err == "");
+    const FitFile fit = parse_fit("fit.json", read_file(folder / "fit.json"));
+    CHECK(fit.camera.f == doctest::Approx(std::stod(focal)).epsilon(1e-5));
+  }
+  const Ran suit =
+      run_words({"fit", kFace, "--image", kAstronaut, "--box", "10,300,50,50", "-o", folder / "fit.json"});
+  CHECK(contains(suit.err, "doubtful"));
+}
+
+TEST_CASE("a large video that need not be tracked in real time is searched whole in each frame") {
+  TrackerLimits limits;
+  CHECK(whole_search(limits) == limits.search_work);
+  limits.width = 1280;
+  limits.height = 960;
+  CHECK(whole_search(limits) == 16 * TrackerLimits{}.search_work);
+  limits.width = limits.height = 64;
+  CHECK(whole_search(limits) == TrackerLimits{}.search_work);
 }
 
 TEST_CASE("a film without a face has rows in state lost, and is no error") {

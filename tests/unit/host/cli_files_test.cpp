@@ -206,6 +206,13 @@ TEST_CASE("a track row keeps every float, and unknown values are empty") {
   CHECK(track_line(row) == "3,0.1,lost,0,0,0,0" + std::string(1 + 2 + 7 + 4 + 4, ',') + "\n");
 }
 
+TEST_CASE("names of points may have commas and quotes: the header is read as it was written") {
+  const CsvTable table("t", track_header({"q"}, {"a,b", "the \"mole\""}) + std::string(21, ',') + "\n");
+  CHECK(table.find_column("x_a,b").has_value());
+  CHECK(table.find_column("y_the \"mole\"").has_value());
+  CHECK(table.columns().size() == 22);
+}
+
 TEST_CASE("a comparison with the truth gives the known errors") {
   const Sequence s;
   const ModelFile file(s.model);

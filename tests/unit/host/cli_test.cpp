@@ -271,6 +271,14 @@ TEST_CASE("render writes the truth as a track, and a track can be rendered again
   CHECK(again.number(0, again.column("browUpLeft")) == 0.5f);
   CHECK(again.number(0, again.column("browUpRight")) == 0.5f);
 
+  // Values outside the limits are clamped, as a track's are when it is animated, and named.
+  const Ran wide = render(s.put("wide.csv", "jawOpen,browUpLeft\n-7,0.5\n0.1,0.5\n"), "v4.y4m");
+  CHECK(wide.code == 0);
+  CHECK(contains(wide.err, "clamped: jawOpen\n"));
+  const CsvTable clamped(s / "again.csv", read_file(s / "again.csv"));
+  CHECK(clamped.number(0, clamped.column("jawOpen")) == 0);
+  CHECK(clamped.number(1, clamped.column("jawOpen")) == 0.1f);
+
   check_refused({"render", s.model, "--params", s.put("bad.csv", "jawOpen\n0.1\nwide\n"), "-o", s / "no.y4m"},
                 {"bad.csv: line 3", "jawOpen", "wide"});
   check_refused({"render", s.model, "--params", s.put("bad.csv", "qw\n0\n"), "-o", s / "no.y4m"},

@@ -1,11 +1,16 @@
 // Files that get their names when they are complete, and options that name files.
 #include "host/io/files.hpp"
 
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
 
 #include "cli_run.hpp"
 #include "host/io/failure.hpp"
+#include "host/io/interrupt.hpp"
 
 using namespace pliant::host;
 using namespace cli_run;
@@ -17,13 +22,46 @@ TEST_CASE("a file has its old contents until commit, and keeps them without it")
     OutputFile file(path);
     file.write("half");
     CHECK(read_file(path) == "old");
-    CHECK(folder.temporary_count() == 1);
   }
   CHECK(read_file(path) == "old");
   CHECK(folder.file_count() == 1);
   write_file(path, "new");
   CHECK(read_file(path) == "new");
   CHECK(folder.file_count() == 1);
+}
+
+TEST_CASE("a program that is killed leaves no file behind, where the file system has files without names") {
+  const Folder folder;
+  const int trial = ::open(folder.path.c_str(), O_WRONLY | O_TMPFILE, 0600);
+  if (trial < 0) return;
+  ::close(trial);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    OutputFile file(folder / "a.txt");
+    file.write("half");
+    ::raise(SIGKILL);
+  }
+  REQUIRE(child > 0);
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  CHECK(WIFSIGNALED(status));
+  CHECK(folder.file_count() == 0);
+}
+
+TEST_CASE("the first Ctrl-C sets a flag, the second has its usual effect") {
+  static int usual = 0;
+  const auto before = std::signal(SIGINT, [](int) { ++usual; });
+  {
+    const InterruptWatch watch;
+    CHECK_FALSE(watch.was_interrupted());
+    ::raise(SIGINT);
+    CHECK(watch.was_interrupted());
+    CHECK(usual == 0);
+    std::signal(SIGINT, [](int) { ++usual; });  // the system's own handling is for one signal
+    ::raise(SIGINT);
+    CHECK(usual == 1);
+  }
+  std::signal(SIGINT, before);
 }
 
 TEST_CASE("two writers of one file do not mix: the last commit wins") {

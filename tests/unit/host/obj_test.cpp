@@ -110,11 +110,33 @@ TEST_CASE("a mirrored chart is flipped, so that seen from outside u points right
   options.base_vertices = 60;
   std::vector<std::uint8_t> table;
   std::string error;
-  REQUIRE_MESSAGE(host::bake::bake(options, table, error), error);
+  host::bake::BakeReport report;
+  REQUIRE_MESSAGE(host::bake::bake(options, table, error, &report), error);
+  CHECK_FALSE(report.shows_back);
   BakedModel baked(table);
   const SurfaceFrame f = baked.cascade.surface_frame({0.4f, 0.6f}, baked.rest().data());
   CHECK(f.pu.x > 0);
   CHECK(f.pv.y < 0);
+}
+
+TEST_CASE(
+    "a surface whose faces list their corners clockwise, seen from the front, shows its back: the report "
+    "tells") {
+  const ObjFolder folder("back");
+  for (const bool is_turned : {false, true}) {
+    folder.write("neutral.obj", folder.obj([&](float s, float t) {
+      const Vec3 p = sheet(s, t);
+      return is_turned ? Vec3{-p.x, p.y, -p.z} : p;  // half a turn about y
+    }));
+    BakeOptions options;
+    options.source = folder.path.string();
+    options.base_vertices = 60;
+    std::vector<std::uint8_t> table;
+    std::string error;
+    host::bake::BakeReport report;
+    REQUIRE_MESSAGE(host::bake::bake(options, table, error, &report), error);
+    CHECK(report.shows_back == is_turned);
+  }
 }
 
 TEST_CASE(

@@ -54,6 +54,22 @@ TEST_CASE("limits of which no tracker can be made are refused, and measure nothi
   for (const TrackerLimits& l : {profile_s(), profile_m(), profile_l()}) CHECK(check(l) == Status::ok);
 }
 
+TEST_CASE("limits without room for the model's base mesh are refused, not found out in every frame") {
+  AlignedBlock block(1 << 22);
+  TrackerLimits limits;
+  const auto least = static_cast<std::uint16_t>(baked_face().model.base_uv().count);
+  for (const std::uint16_t vertices : {std::uint16_t{0}, static_cast<std::uint16_t>(least - 1)}) {
+    limits.vertices = vertices;
+    Tracker tracker;
+    CHECK(check(limits) == Status::ok);
+    CHECK(create(limits, tracker, block) == Status::bad_argument);
+    CHECK(measured_bytes<Tracker>(baked_face().model, limits) == 0);
+  }
+  limits.vertices = least;
+  Tracker tracker;
+  CHECK(create(limits, tracker, block) == Status::ok);
+}
+
 TEST_CASE("random limits are refused or give a tracker that starts and tracks, or says why not") {
   const FaceFilm film(64, 64, 3, [](float s, Pose& pose, auto&) {
     pose.q = exp_rotation({0, 0.05f * s, 0});
@@ -90,7 +106,8 @@ TEST_CASE("random limits are refused or give a tracker that starts and tracks, o
     CAPTURE(k);
     Tracker tracker;
     const Status status = create(l, tracker, block);
-    CHECK((status == Status::ok) == (check(l) == Status::ok));
+    const bool is_usable = check(l) == Status::ok && l.vertices >= baked_face().model.base_uv().count;
+    CHECK((status == Status::ok) == is_usable);
     if (status != Status::ok) continue;
     ++made;
     const FrameView first = film.view(0);
