@@ -14,7 +14,7 @@ struct TrackerTuning {
   /// The budget of a frame (FrameBudget): the work of so many search steps a template (in frames 320 px wide; in proportion to
   /// the width, since templates are that many more pixels away), passes over all observations, and factorisations. With it
   /// the slowest frame of films with the faults of `pliant bench faults` takes about twice the median (recorded face, its fourth
-  /// clip: 1.85 times, 1.83 with 500 templates and 1,900 vertices, 2.06 with profile S). With 4.5 steps, 2.5 passes and 1.8
+  /// clip: 1.83 times, 1.83 with 500 templates and 1,900 vertices, 1.97 with profile S). With 4.5 steps, 2.5 passes and 1.8
   /// million for the person turned heads (docs/experiments.md, heads 60 to 79 and 20 to 27), started from landmarks,
   /// had 2.11 and 2.64 instead of 2.03 and 1.92 degrees at 95 %. With as few steps at 720 x 576 as at 360 x 288 the
   /// searches of nearly every frame ended early: the recorded face trembled by 0.22 instead of 0.11 px.
