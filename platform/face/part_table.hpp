@@ -62,7 +62,7 @@ constexpr std::size_t part_block_bytes(PartRecord::Blocks b) {
 constexpr std::size_t part_bytes(const PartRecord& p, std::size_t stage) {
   return p.point_count * part_block_bytes(p.stage[stage]);
 }
-/// Whether sizes and numbers are in range. The offset of the weights is not looked at.
+/// Whether sizes and numbers are in range. The offset of the weights is not checked.
 bool is_valid(const PartRecord& part);
 /// Bytes of a part's weights, padded to 4.
 std::size_t part_weight_bytes(const PartRecord& part);

@@ -99,7 +99,7 @@ struct SearchInput {
   const StartOptions& options;
 };
 
-/// Searches, aligns and verifies, frame by frame. It knows nothing of how a track is made.
+/// Searches, aligns and verifies, frame by frame. The tracker makes the tracks.
 class FaceStart {
  public:
   /// Precondition: the limits name a detection, and the model has its tables.

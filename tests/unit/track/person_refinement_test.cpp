@@ -105,7 +105,7 @@ TEST_CASE("where the frames in which it is due are bad, the estimate waits for t
 }
 
 TEST_CASE("a step that bad frames delay is not soon followed by the next one: the surface follows first") {
-  for (const std::size_t last_good : {28, 39}) {
+  for (const std::size_t last_good : {std::size_t{28}, std::size_t{39}}) {
     CAPTURE(last_good);
     const auto at = steps([=](std::size_t n) { return n % 40 > last_good; });
     REQUIRE(at.size() > 2);
