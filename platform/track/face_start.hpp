@@ -192,8 +192,8 @@ class FaceStart {
   Whom whom_ = Whom::another;  // of the next candidate
   int steps_left_ = 0;         // of its alignment; 0: it has not begun
   int times_seen_ = 0;         // frames in which the next candidate was accepted
-  float *q_ = nullptr,
-        *reference_ = nullptr;  // of an alignment: the last one; the first one of the known person
+  float* q_ = nullptr;          // all parameters, of the last alignment
+  float* reference_ = nullptr;  // the same of the known person's first one
   bool has_reference_ = false;  // which was frontal
   std::uint8_t* is_expression_ = nullptr;
   Span<Vec2> landmarks_;

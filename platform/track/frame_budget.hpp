@@ -35,8 +35,8 @@ struct FrameBudget {
   float most = 0;      ///< of a frame; instructions, as WorkCosts
   float reserved = 0;  ///< of that
   WaitingWork check, key_frame, person;
-  const WaitingWork* kind =
-      nullptr;  ///< of the rare work that this frame does, or that comes first; null: any
+  /// Of the rare work that this frame does, or that comes first; null: any.
+  const WaitingWork* kind = nullptr;
 
   /// Begins a frame. One overdue work comes first, with what is reserved for it. \param reserves  false: nothing, since the frame
   /// may need all.

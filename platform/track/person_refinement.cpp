@@ -18,8 +18,8 @@ struct PersonState {
   float *now = nullptr, *best = nullptr;    // rotation against the start, then identity
   float *start_q = nullptr, *sd = nullptr;  // identity: of the start; of the population
   bool is_active = false;
-  std::uint32_t taken_frame = 0,
-                step_frame = 0;  // the last one that was taken; the last in which a step was chosen
+  std::uint32_t taken_frame = 0;  // the last one that was taken
+  std::uint32_t step_frame = 0;   // the last in which a step was chosen
 
   // A step is prepared in several frames and taken in one.
   bool is_stepping = false;

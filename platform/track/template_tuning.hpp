@@ -17,7 +17,8 @@ struct TrackerTuning {
   /// clip: 1.83 times, 1.83 with 500 templates and 1,900 vertices, 1.97 with profile S). With 4.5 steps, 2.5 passes and 1.8
   /// million for the person turned heads (docs/experiments.md, heads 60 to 79 and 20 to 27), started from landmarks,
   /// had 2.11 and 2.64 instead of 2.03 and 1.92 degrees at 95 %. With as few steps at 720 x 576 as at 360 x 288 the
-  /// searches of nearly every frame ended early: the recorded face trembled by 0.22 instead of 0.11 px.
+  /// searches of nearly every frame ended early: the recorded face trembled by 0.22 instead of 0.11 px. These figures are those of
+  /// 5.33 steps; 5.6 are the same work since tracking there and back counts as two searches (docs/experiments.md, Work of a frame).
   float most_steps_a_template = 5.6f, most_passes = 3, most_factorisations = 60;
   /// More of it where the person is estimated, instructions. With 2.75 million the same heads had 2.14 and 2.12 degrees.
   float most_for_person = 2.35e6f;

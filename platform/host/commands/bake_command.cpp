@@ -86,8 +86,7 @@ void print_report(const std::string& output, const bake::BakeReport& report, boo
   if (report.shows_back)
     console.err << output
                 << ": seen from the front, along z, this surface shows its back, which is neither drawn nor "
-                   "tracked: turn it "
-                   "round, or reverse the order of the corners of its faces\n";
+                   "tracked: turn it round, or reverse the order of the corners of its faces\n";
   for (const bake::ParameterError& error : report.errors.parameters) {
     if (!all) break;
     print(error.name.c_str(), error.off);

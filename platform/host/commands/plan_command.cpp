@@ -147,6 +147,8 @@ int run_plan(const Args& args, Console& console) {
     stand_in = stand_in_table(args.integer("--parameters", 60, 1, 500));
     require(Model::open(stand_in.data(), stand_in.size() * 4, &model), "stand-in model");
   }
+  if (!are_usable(model, limits))
+    fail_usage("--vertices: at least the " + std::to_string(model.base_uv().count) + " of the model's base mesh");
   const Plan plan = make_plan(model, limits);
   char line[200];
   std::snprintf(line, sizeof line, "%d x %d pixels, %d patches, %d vertices, %zu parameters of %zu%s\n\n",

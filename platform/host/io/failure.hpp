@@ -10,8 +10,7 @@ namespace pliant::host {
 
 constexpr int kBadInput = 1;  ///< exit code: a file cannot be read or written, or its contents are invalid
 constexpr int kBadUsage = 2;  ///< exit code: the command line is invalid
-constexpr int kInterrupted =
-    130;  ///< exit code: Ctrl-C ended the command early, and what there is was written
+constexpr int kInterrupted = 130;  ///< exit code: Ctrl-C ended the command, and what there was is written
 
 class Failure : public std::runtime_error {
  public:

@@ -17,8 +17,8 @@ class ChildProcess;
 /// Reads a file. Bad input if it cannot be read, is a directory or is larger than `limit_bytes`.
 std::string read_file(const std::string& path, std::size_t limit_bytes = std::size_t{1} << 28);
 
-/// A file that gets its name only when it is complete. Until `commit`, the bytes are in a temporary file of its own beside it;
-/// without `commit` the destructor removes that. A symbolic link is followed: its target is replaced. A device or a pipe is
+/// A file that gets its name only when it is complete. Until `commit`, the bytes are in a temporary file in the same folder. It has
+/// no name, or, where the file system has no such files, one that the destructor removes. A symbolic link is followed: its target is replaced. A device or a pipe is
 /// written directly, and "-" is standard output.
 class OutputFile {
  public:
@@ -41,8 +41,8 @@ class OutputFile {
   [[noreturn]] void fail() const;
   bool is_direct() const { return temporary_.empty() && !has_no_name_; }
 
-  std::string name_, target_,
-      temporary_;  // temporary_ is empty if the target is written directly, or before `commit`
+  std::string name_, target_;
+  std::string temporary_;  // its path; empty if it has no name yet, or the target is written directly
   std::unique_ptr<ChildProcess> program_;  // which owns file_, if there is one
   std::FILE* file_ = nullptr;
   bool has_no_name_ = false;  // the temporary file has none yet

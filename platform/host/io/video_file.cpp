@@ -1,4 +1,7 @@
 // Reads a video of any format through the ffmpeg program.
+#include <string>
+#include <vector>
+
 #include "host/io/child_process.hpp"
 #include "host/io/sources.hpp"
 
@@ -9,28 +12,13 @@ OpenedFrames open_video(const std::string& path) {
   // anything but files.
   // Each frame of the file once, also where their times are irregular; square pixels.
   const std::string square = "scale=if(gt(abs(sar-1)\\,0.001)\\,2*trunc(iw*sar/2+0.5)\\,iw):ih,setsar=1";
-  auto ffmpeg = ChildProcess::start({"ffmpeg",
-                                     "-nostdin",
-                                     "-v",
-                                     "error",
-                                     "-protocol_whitelist",
-                                     "file,pipe",
-                                     "-i",
-                                     "file:" + path,
-                                     "-map",
-                                     "0:v:0",
-                                     "-vsync",
-                                     "passthrough",
-                                     "-vf",
-                                     square,
-                                     "-f",
-                                     "yuv4mpegpipe",
-                                     "-pix_fmt",
-                                     "yuvj420p",
-                                     "-strict",
-                                     "-1",
-                                     "-"},
-                                    ChildProcess::Pipe::from_output);
+  const std::vector<std::string> input{"-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe",
+                                       "-i", "file:" + path, "-map", "0:v:0"},
+      frames{"-vsync", "passthrough", "-vf", square},
+      output{"-f", "yuv4mpegpipe", "-pix_fmt", "yuvj420p", "-strict", "-1", "-"};
+  std::vector<std::string> words{"ffmpeg"};
+  for (const auto& part : {input, frames, output}) words.insert(words.end(), part.begin(), part.end());
+  auto ffmpeg = ChildProcess::start(words, ChildProcess::Pipe::from_output);
   if (ffmpeg == nullptr)
     return {
         nullptr,

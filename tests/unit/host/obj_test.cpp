@@ -18,6 +18,21 @@ using namespace pliant::host::bake;
 using namespace obj_folder;
 namespace fs = std::filesystem;
 
+namespace {
+
+/// The table of a folder, with a base mesh as coarse as can be.
+std::vector<std::uint8_t> baked_coarsely(const ObjFolder& folder, BakeReport* report) {
+  BakeOptions options;
+  options.source = folder.path.string();
+  options.base_vertices = 60;
+  std::vector<std::uint8_t> table;
+  std::string error;
+  REQUIRE_MESSAGE(bake(options, table, error, report), error);
+  return table;
+}
+
+}  // namespace
+
 TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places are kept") {
   const ObjFolder folder("shapes");
   folder.write("neutral", sheet);
@@ -105,13 +120,8 @@ TEST_CASE("a mirrored chart is flipped, so that seen from outside u points right
     }
     return result;
   }());
-  BakeOptions options;
-  options.source = folder.path.string();
-  options.base_vertices = 60;
-  std::vector<std::uint8_t> table;
-  std::string error;
   host::bake::BakeReport report;
-  REQUIRE_MESSAGE(host::bake::bake(options, table, error, &report), error);
+  const auto table = baked_coarsely(folder, &report);
   CHECK_FALSE(report.shows_back);
   BakedModel baked(table);
   const SurfaceFrame f = baked.cascade.surface_frame({0.4f, 0.6f}, baked.rest().data());
@@ -128,13 +138,8 @@ TEST_CASE(
       const Vec3 p = sheet(s, t);
       return is_turned ? Vec3{-p.x, p.y, -p.z} : p;  // half a turn about y
     }));
-    BakeOptions options;
-    options.source = folder.path.string();
-    options.base_vertices = 60;
-    std::vector<std::uint8_t> table;
-    std::string error;
     host::bake::BakeReport report;
-    REQUIRE_MESSAGE(host::bake::bake(options, table, error, &report), error);
+    (void)baked_coarsely(folder, &report);
     CHECK(report.shows_back == is_turned);
   }
 }

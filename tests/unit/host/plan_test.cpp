@@ -78,6 +78,12 @@ TEST_CASE("the printed plan has the arena size that a run reports, and its parts
   CHECK(contains(plan.out, "the model's table"));
   const Ran small = run_words({"plan", s.model, "--profile", "s"});
   CHECK(printed(small.out, "arena") == measured_bytes<Tracker>(ModelFile(s.model).model(), profile_s()));
+  const std::size_t base = ModelFile(s.model).model().base_uv().count;
+  REQUIRE(base > 4);
+  CHECK(run_words({"plan", s.model, "--vertices", std::to_string(base)}).code == 0);
+  const Ran too_few = run_words({"plan", s.model, "--vertices", std::to_string(base - 1)});
+  CHECK(too_few.code == 2);
+  CHECK(contains(too_few.err, "base mesh"));
 }
 
 TEST_CASE("a larger limit needs more bytes, and without a model one record a parameter is assumed") {

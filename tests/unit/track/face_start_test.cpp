@@ -13,7 +13,8 @@ constexpr int kWidth = 320, kHeight = 240;
 constexpr std::size_t kGone = 20, kBack = 30, kFrames = 58;
 
 /// A face in the left half, gone from frame kGone on, and from frame kBack on in the right half at `scale` of the size.
-FaceFilm make_film(float scale, const char* identity_after) {
+/// \param turn  of the head when it is back, rad.
+FaceFilm make_film(float scale, const char* identity_after, float turn = 0) {
   return FaceFilm(
       kWidth, kHeight, kFrames,
       [=](float s, Pose& pose, auto& q) {
@@ -22,6 +23,7 @@ FaceFilm make_film(float scale, const char* identity_after) {
         pose.t.x = -0.2f * z + drift;
         if (k >= kGone && k < kBack) pose.t.x = 50 * z;
         if (k >= kBack) {
+          pose.q = exp_rotation({0, turn, 0});
           pose.t.x = 0.15f * z + drift;
           pose.t.z = z / scale;
           pose.t.x /= scale;
@@ -184,8 +186,8 @@ TEST_CASE(
     "another person who is found is fitted anew: by the identity that is aligned, or since the known one "
     "does not fit") {
   const FaceFilm film = make_film(0.6f, "noseLength");
-  for (const bool spreads_work :
-       {false, true}) {  // where an alignment takes several frames, only the second is told
+  // Where an alignment takes several frames, identities are not compared.
+  for (const bool spreads_work : {false, true}) {
     CAPTURE(spreads_work);
     FakeFaces fake(film);
     fake.steps_an_alignment = 1;
@@ -201,6 +203,14 @@ TEST_CASE(
     REQUIRE(tracker->parameter("noseLength", &after) == Status::ok);
     CHECK(after > before + 0.4f);
   }
+}
+
+TEST_CASE("a head that comes back turned by more than 20 degrees is not told from the known one by its identity") {
+  const FaceFilm film = make_film(0.6f, "noseLength", 0.4f);
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  for (std::size_t k = 0; k < kFrames; ++k) update(tracker.object, film, k);
+  CHECK(fake.held_alignments > 0);
 }
 
 TEST_CASE(
