@@ -1,6 +1,6 @@
 #include "face/aligner_table.hpp"
 
-#include "pliant/model.hpp"
+#include "model/table_check.hpp"
 
 namespace pliant {
 
@@ -23,21 +23,9 @@ constexpr std::size_t padded(std::size_t bytes) {
 
 static_assert(sizeof(AlignerHeader) == 20 && sizeof(AlignerStage) == 20 && sizeof(AlignerCurve) == 88);
 
-bool are_bounded(const float* x, std::size_t count, float low, float high) {
-  for (std::size_t k = 0; k < count; ++k)
-    if (!(x[k] >= low && x[k] <= high)) return false;
-  return true;
-}
-
-bool are_information(const float* w, std::size_t count) {
-  for (std::size_t k = 0; k < count; ++k, w += 3)
-    if (!(w[0] >= 0 && w[2] >= 0 && w[0] <= 1e4f && w[2] <= 1e4f && w[1] * w[1] <= w[0] * w[2])) return false;
-  return true;
-}
-
 bool is_valid(const AlignerCurve& c) {
-  return are_bounded(c.weight, kCheckFeatures, -1e6f, 1e6f) && are_bounded(c.at, kCheckKnots, 0, 1) &&
-         are_bounded(&c.low, 1, -1e6f, 1e6f) && are_bounded(&c.high, 1, -1e6f, 1e6f) && c.high > c.low;
+  return are_within(c.weight, kCheckFeatures, -1e6f, 1e6f) && are_within(c.at, kCheckKnots, 0, 1) &&
+         are_within(&c.low, 1, -1e6f, 1e6f) && are_within(&c.high, 1, -1e6f, 1e6f) && c.high > c.low;
 }
 
 bool are_ascending(const std::uint8_t* numbers, std::size_t count) {
@@ -65,13 +53,13 @@ const T* take(const std::uint8_t*& at, std::size_t count) {
 }
 
 bool is_valid(const LocalWeights& w, std::size_t landmarks) {
-  return are_bounded(w.scale, 2 * landmarks, 0, 1e3f) && are_bounded(w.bias, 2 * landmarks, -1e3f, 1e3f) &&
-         are_information(w.information, landmarks) && are_bounded(w.blend, landmarks, 0, 1);
+  return are_within(w.scale, 2 * landmarks, 0, 1e3f) && are_within(w.bias, 2 * landmarks, -1e3f, 1e3f) &&
+         are_information(w.information, landmarks) && are_within(w.blend, landmarks, 0, 1);
 }
 
 bool is_valid(const GlobalWeights& w, std::size_t components, std::size_t landmarks) {
-  return are_bounded(w.scale, components, 0, 1e3f) && are_bounded(w.bias, components, -1e3f, 1e3f) &&
-         are_bounded(w.mean, 2 * landmarks, -1e3f, 1e3f) && are_information(w.information, landmarks);
+  return are_within(w.scale, components, 0, 1e3f) && are_within(w.bias, components, -1e3f, 1e3f) &&
+         are_within(w.mean, 2 * landmarks, -1e3f, 1e3f) && are_information(w.information, landmarks);
 }
 
 bool fits(std::uint32_t first, std::size_t count, std::size_t total) {
@@ -103,17 +91,10 @@ std::size_t check_weight_bytes(const AlignerStage& last, std::size_t landmarks) 
 }
 
 Status AlignerTable::open(Span<const std::uint8_t> bytes, AlignerTable* table, bool is_summed) {
-  if (bytes.data == nullptr || bytes.count == 0) return Status::not_found;
-  if (reinterpret_cast<std::uintptr_t>(bytes.data) % 4 != 0) return Status::misaligned;
-  if (bytes.count < sizeof(AlignerHeader)) return Status::truncated;
+  const Status status =
+      check_table(bytes, {kAlignerMagic, kAlignerVersion, sizeof(AlignerHeader)}, is_summed);
+  if (status != Status::ok) return status;
   const auto& header = *reinterpret_cast<const AlignerHeader*>(bytes.data);
-  if (header.magic != kAlignerMagic) return Status::bad_magic;
-  if (header.version != kAlignerVersion) return Status::bad_version;
-  if (header.total_bytes > bytes.count) return Status::truncated;
-  constexpr std::size_t kSummed = offsetof(AlignerHeader, landmark_count);
-  if (header.total_bytes < sizeof(AlignerHeader)) return Status::bad_table;
-  if (!is_summed && crc32(bytes.data + kSummed, header.total_bytes - kSummed) != header.crc32)
-    return Status::bad_checksum;
   const std::size_t landmarks = header.landmark_count, stages = header.stage_count,
                     total = header.total_bytes;
   if (landmarks < 4 || landmarks > kMostAlignerLandmarks || stages < 1 || stages > kMostAlignerStages)
@@ -141,7 +122,7 @@ Status AlignerTable::open(Span<const std::uint8_t> bytes, AlignerTable* table, b
       !fits(out.check_->first_byte, check_weight_bytes(last, landmarks), total))
     return Status::bad_table;
   const CheckWeights check = out.check_weights();
-  if (!are_bounded(check.scale, landmarks, 0, 1e3f) || !are_bounded(check.bias, landmarks, -1e3f, 1e3f))
+  if (!are_within(check.scale, landmarks, 0, 1e3f) || !are_within(check.bias, landmarks, -1e3f, 1e3f))
     return Status::bad_table;
   *table = out;
   return Status::ok;

@@ -1,6 +1,6 @@
 #include "face/detector_table.hpp"
 
-#include "pliant/model.hpp"
+#include "model/table_check.hpp"
 
 namespace pliant {
 
@@ -25,17 +25,11 @@ bool is_valid(const DetectorHeader& h) {
 }  // namespace
 
 Status DetectorTable::open(Span<const std::uint8_t> bytes, DetectorTable* table) {
-  if (bytes.data == nullptr || bytes.count == 0) return Status::not_found;
-  if (reinterpret_cast<std::uintptr_t>(bytes.data) % alignof(DetectorHeader) != 0) return Status::misaligned;
-  if (bytes.count < sizeof(DetectorHeader)) return Status::truncated;
+  const Status status = check_table(bytes, {kDetectorMagic, 0, sizeof(DetectorHeader)});
+  if (status != Status::ok) return status;
   const auto* const header = reinterpret_cast<const DetectorHeader*>(bytes.data);
-  if (header->magic != kDetectorMagic) return Status::bad_magic;
-  if (header->total_bytes > bytes.count) return Status::truncated;
   if (header->total_bytes != sizeof(DetectorHeader) + header->tree_count * sizeof(DetectorTree))
     return Status::bad_table;
-  constexpr std::size_t kSummedFrom = offsetof(DetectorHeader, tree_count);
-  if (crc32(bytes.data + kSummedFrom, header->total_bytes - kSummedFrom) != header->crc32)
-    return Status::bad_checksum;
   const Span<const DetectorTree> trees{
       reinterpret_cast<const DetectorTree*>(bytes.data + sizeof(DetectorHeader)), header->tree_count};
   if (!is_valid(*header)) return Status::bad_table;

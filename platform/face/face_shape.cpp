@@ -16,8 +16,7 @@ void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks,
     equations_.lay_out(arena, unknowns);
     step_ = arena.take<float>(unknowns);
     samples_ = arena.take<Vec3>(landmarks * model.cascade().count);
-    unknown_ = arena.take<std::uint16_t>(unknowns);
-    column_ = arena.take<Vec2>(unknowns);
+    row_.lay_out(arena, unknowns);
   }
   uv_ = arena.take<Vec2>(landmarks);
   count_ = landmarks;
@@ -93,27 +92,16 @@ FaceShape::Seen FaceShape::locate(std::size_t k) {
 
 void FaceShape::add(Vec2 target, const Sym2& information) {
   if (!(weight_ > 0)) return;
-  std::size_t n = 0;
-  for (; n < kPose; ++n) {
-    unknown_[n] = static_cast<std::uint16_t>(n);
-    column_[n] = derivatives_.pose[n];
-  }
-  for (std::size_t j = 0; j < jacobian_.count; ++j, ++n) {
-    unknown_[n] = static_cast<std::uint16_t>(kPose + jacobian_.list[j]);
-    column_[n] = derivatives_.along(jacobian_.column[jacobian_.list[j]]);
-  }
-  const Vec2 residual = lens_.undistort(target) - ideal_;
   const Sym2& i = information;
-  equations_.add(unknown_, column_, n, residual, {weight_ * i.xx, weight_ * i.xy, weight_ * i.yy});
+  row_.add_to(equations_, {derivatives_.pose, kPose}, derivatives_, jacobian_,
+              lens_.undistort(target) - ideal_, {weight_ * i.xx, weight_ * i.xy, weight_ * i.yy});
 }
 
 void FaceShape::add_priors(float prior) {
   const Span<const Parameter> parameters = cascade_.model().parameters();
   for (std::size_t k = 0; k < cascade_.column_count(); ++k) {
     const std::size_t i = cascade_.parameter_of(k);
-    const Parameter& p = parameters[i];
-    equations_.add_prior(kPose + k, -q_[i], prior / (p.sd * p.sd));
-    equations_.set_limits(kPose + k, min(p.minimum - q_[i], 0), max(p.maximum - q_[i], 0));
+    add_prior(parameters[i], q_[i], prior, kPose + k, equations_);
   }
   for (std::size_t k = 0; k < 3; ++k)
     equations_.set_limits(k, -kFaceShapeTuning.max_turn_rad, kFaceShapeTuning.max_turn_rad);
@@ -127,7 +115,7 @@ void FaceShape::finish(float prior) {
   const Span<const Parameter> parameters = cascade_.model().parameters();
   for (std::size_t k = 0; k < cascade_.column_count(); ++k) {
     const std::size_t i = cascade_.parameter_of(k);
-    q_[i] = clamp(q_[i] + step_[kPose + k], parameters[i].minimum, parameters[i].maximum);
+    q_[i] = stepped(parameters[i], q_[i], step_[kPose + k]);
   }
 }
 

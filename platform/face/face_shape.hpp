@@ -5,10 +5,10 @@
 #include <cstdint>
 
 #include "face/face_picture.hpp"
+#include "optim/point_row.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/cascade.hpp"
 #include "pliant/lens.hpp"
-#include "pliant/normal_equations.hpp"
 
 namespace pliant {
 
@@ -91,8 +91,8 @@ class FaceShape {
   Lens lens_;
   float *q_ = nullptr, *step_ = nullptr;
   Vec3* samples_ = nullptr;  // of each landmark; null in verification
-  std::uint16_t* unknown_ = nullptr;
-  Vec2 *column_ = nullptr, *uv_ = nullptr;
+  PointRow row_;
+  Vec2* uv_ = nullptr;
   std::size_t count_ = 0;
   Vec2 corners_[4];
   // The landmark of the last `evaluate`.

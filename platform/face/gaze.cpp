@@ -14,13 +14,13 @@ Vec3 unit_or_none(Vec3 v) {
 }
 
 /// Between where the pupil is read and where the upper lid puts it.
-Vec2 pupil_of(const EyeSight& eye, const View& view, const Projector& projector) {
+Vec2 pupil_of(const SeenEye& eye, const View& view, const Projector& projector) {
   const float higher = clamp(eye.lid_mm - kTuning.lid_mm, -kTuning.most_lid_mm, kTuning.most_lid_mm);
   return eye.pupil - (kTuning.lid_weight * higher * view.s) * down_of(projector);
 }
 
 /// The iris lies where the pupil's ray meets the sphere around the eyeball's middle, on the near side. \return 0: it does not meet it.
-Vec3 direction_of(const EyeSight& eye, const View& view, const Projector& projector) {
+Vec3 direction_of(const SeenEye& eye, const View& view, const Projector& projector) {
   const Vec3 offset{eye.corners.x > 0 ? kTuning.ball_mm.x : -kTuning.ball_mm.x, kTuning.ball_mm.y,
                     kTuning.ball_mm.z};
   const Vec3 ball = projector.to_camera(eye.corners + offset);
@@ -37,11 +37,11 @@ Vec3 direction_of(const EyeSight& eye, const View& view, const Projector& projec
 
 }  // namespace
 
-Vec3 find_gaze(Span<const EyeSight> eyes, const View& view) {
+Vec3 find_gaze(Span<const SeenEye> eyes, const View& view) {
   const Projector projector(view, true);
   if (!(-projector.rotated({0, 0, 1}).z >= kTuning.least_facing)) return {};
   Vec3 sum;
-  for (const EyeSight& eye : eyes)
+  for (const SeenEye& eye : eyes)
     if (eye.opening_mm >= kTuning.least_opening_mm) sum = sum + direction_of(eye, view, projector);
   return unit_or_none(sum);
 }

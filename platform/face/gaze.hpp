@@ -39,7 +39,7 @@ struct GazeTuning {
 inline constexpr GazeTuning kGazeTuning{};
 
 /// What is seen of one eye.
-struct EyeSight {
+struct SeenEye {
   Vec2 pupil;                         ///< px, without the lens
   Vec3 corners;                       ///< the middle between the eye's corners, in the model, mm
   float opening_mm = 0;               ///< between the lids
@@ -49,7 +49,7 @@ struct EyeSight {
 /// The common direction of eyes: what each says, weighted alike.
 /// \param eyes  x of `corners` is positive for the left one.
 /// \return a unit vector in the model's axes; 0: no eye tells.
-Vec3 find_gaze(Span<const EyeSight> eyes, const View& view);
+Vec3 find_gaze(Span<const SeenEye> eyes, const View& view);
 
 /// \param gaze  of the frame before, 0: unknown. \param seen  of find_gaze.
 /// \return a unit vector, or 0 where nothing is seen.

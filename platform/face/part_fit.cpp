@@ -8,17 +8,18 @@ namespace {
 
 constexpr const PartFitTuning& kTuning = kPartFitTuning;
 constexpr std::size_t kShift = 2;  // unknowns before the parameters
+constexpr Vec2 kAxes[kShift] = {{1, 0}, {0, 1}};
 
 Vec2 uv_of(const Model& model, std::uint16_t landmark) {
   return {model.landmarks()[landmark].u, model.landmarks()[landmark].v};
 }
 
 /// Share of a point's height in that of the upper lid, and in the gap between the lids.
-float share_of_lid(int number) {
+float weight_in_lid(int number) {
   return number == 37 || number == 38 ? 0.5f : 0.0f;
 }
-float share_of_gap(int number) {
-  return number == 40 || number == 41 ? -0.5f : share_of_lid(number);
+float weight_in_gap(int number) {
+  return number == 40 || number == 41 ? -0.5f : weight_in_lid(number);
 }
 
 /// Of the crop's axes in px of the frame a millimetre.
@@ -80,8 +81,7 @@ void PartFit::lay_out(Arena& arena, const Model& model) {
   step_ = arena.take<float>(unknowns);
   samples_ = arena.take<Vec3>(model.cascade().count);
   is_free_ = arena.take<std::uint8_t>(parameters);
-  unknown_ = arena.take<std::uint16_t>(unknowns);
-  column_ = arena.take<Vec2>(unknowns);
+  row_.lay_out(arena, unknowns);
 }
 
 Vec2 PartFit::project(Vec2 uv) {
@@ -100,8 +100,7 @@ void PartFit::read(const FrameView& frame, const Lens& lens, const View& view, c
     const PartRecord& part = points->table[side.part];
     CropMap map = crop_of_part(part, view, 0.5f * (project(side.anchor[0]) + project(side.anchor[1])));
     map.origin = map.origin + map.along((1 / part.mm_per_px) * side.centre_mm);
-    PLIANT_ASSERT(is_finite(map.origin) &&
-                  is_finite(map.right));  // a view is finite, and in front of the camera
+    if (!is_finite(map.origin + map.right)) continue;
     reader_.read(frame, points->table, side.part, map, side.is_left, readings_ + side.first);
     const Vec2 off = off_centre(map, points->table, side);
     if (!is_finite(off)) continue;
@@ -127,7 +126,7 @@ Vec2 PartFit::off_centre(const CropMap& map, const PartTable& table, const PartS
 }
 
 /// \return false: the part is no eye.
-bool PartFit::see_eye(const PartPoints& points, const PartSide& side, EyeSight* eye) {
+bool PartFit::read_eye(const PartPoints& points, const PartSide& side, SeenEye* eye) {
   const PartRecord& part = points.table[side.part];
   const CropMap axes = upright(view_);
   Vec2 lids, upper;  // from the upper to the lower one; the upper one
@@ -136,8 +135,8 @@ bool PartFit::see_eye(const PartPoints& points, const PartSide& side, EyeSight* 
     const Vec2 x = lens_.undistort(readings_[side.first + k].x);
     const int number = part.number[k];
     if (number == kPupilRight) eye->pupil = x, has_pupil = true;
-    lids = lids - share_of_gap(number) * x;
-    upper = upper + share_of_lid(number) * x;
+    lids = lids - weight_in_gap(number) * x;
+    upper = upper + weight_in_lid(number) * x;
   }
   eye->opening_mm = axes.to_crop(lids).y;
   eye->lid_mm = axes.to_crop(eye->pupil - upper).y;
@@ -149,10 +148,10 @@ bool PartFit::see_eye(const PartPoints& points, const PartSide& side, EyeSight* 
 }
 
 Vec3 PartFit::gaze(const PartPoints& points) {
-  EyeSight eyes[2 * kMostParts];
+  SeenEye eyes[2 * kMostParts];
   std::size_t count = 0;
   for (std::size_t s = 0; s < points.side_count; ++s)
-    if (see_eye(points, points.side[s], &eyes[count])) ++count;
+    if (read_eye(points, points.side[s], &eyes[count])) ++count;
   return find_gaze({eyes, count}, view_);
 }
 
@@ -186,15 +185,15 @@ void PartFit::find_openings(PartPoints* points) {
   for (std::size_t s = 0; s < points->side_count; ++s) {
     const PartSide& side = points->side[s];
     for (std::size_t k = 0; k < side.count; ++k) {
-      const float share = share_of_gap(points->table[side.part].number[k]);
-      if (share == 0) continue;
+      const float weight = weight_in_gap(points->table[side.part].number[k]);
+      if (weight == 0) continue;
       Jacobian j;
       cascade_.sample_point(points->uv[side.first + k], q_, samples_);
       cascade_.evaluate(samples_, q_, &j);
       for (std::size_t c = 0; c < j.count; ++c)
         for (std::size_t n = 0; n < points->parameter_count; ++n)
           if (points->parameter[n] == cascade_.parameter_of(j.list[c]))
-            points->opens_mm[n] += (side.is_left ? -share : share) * j.column[j.list[c]].y;
+            points->opens_mm[n] += (side.is_left ? -weight : weight) * j.column[j.list[c]].y;
     }
   }
 }
@@ -251,16 +250,8 @@ void PartFit::step(float seconds, const PartPoints& points) {
     Vec2 x;
     cascade_.sample_point(points.uv[k], q_, samples_);
     if (!projector.project(cascade_.evaluate(samples_, q_, &j), &x, &d)) continue;
-    column_[0] = {1, 0};
-    column_[1] = {0, 1};
-    for (std::size_t n = 0; n < kShift; ++n) unknown_[n] = static_cast<std::uint16_t>(n);
-    std::size_t n = kShift;
-    for (std::size_t c = 0; c < j.count; ++c, ++n) {
-      unknown_[n] = static_cast<std::uint16_t>(kShift + j.list[c]);
-      column_[n] = d.along(j.column[j.list[c]]);
-    }
     const Vec2 target = readings_[k].x - axes.along(points.offset_mm[k]);
-    equations_.add(unknown_, column_, n, lens_.undistort(target) - x, readings_[k].information);
+    row_.add_to(equations_, {kAxes, kShift}, d, j, lens_.undistort(target) - x, readings_[k].information);
   }
   const float shift_px = kTuning.shift_mm * view_.s;
   for (std::size_t n = 0; n < kShift; ++n) equations_.add_prior(n, 0, 1 / (shift_px * shift_px));
@@ -268,16 +259,14 @@ void PartFit::step(float seconds, const PartPoints& points) {
     const std::uint16_t k = points.parameter[n];
     const Parameter& p = cascade_.model().parameters()[k];
     const float change = kTuning.change * (p.maximum - p.minimum) * 30 * seconds;
-    equations_.add_prior(kShift + n, -q_[k], 1 / (p.sd * p.sd));
+    add_prior(p, q_[k], 1, kShift + n, equations_);
     equations_.add_prior(kShift + n, points.last[n] - q_[k], 1 / (change * change));
-    equations_.set_limits(kShift + n, min(p.minimum - q_[k], 0), max(p.maximum - q_[k], 0));
   }
   add_likeness(points);
   equations_.solve(0, step_);
   for (std::size_t n = 0; n < points.parameter_count; ++n) {
     const std::uint16_t k = points.parameter[n];
-    const Parameter& p = cascade_.model().parameters()[k];
-    q_[k] = clamp(q_[k] + step_[kShift + n], p.minimum, p.maximum);
+    q_[k] = stepped(cascade_.model().parameters()[k], q_[k], step_[kShift + n]);
   }
 }
 
@@ -290,11 +279,11 @@ void PartFit::add_likeness(const PartPoints& points) {
     now += mm * (q_[points.parameter[n]] - points.start[n]);
     before += mm * (points.last[n] - points.start[n]);
     if (mm == 0) continue;
-    unknown_[columns] = static_cast<std::uint16_t>(kShift + n);
-    column_[columns++] = {mm, 0};
+    row_.unknown[columns] = static_cast<std::uint16_t>(kShift + n);
+    row_.column[columns++] = {mm, 0};
   }
   const float variance = kTuning.unlike_mm * kTuning.unlike_mm + before * before;
-  equations_.add(unknown_, column_, columns, {-now, 0}, {1 / variance, 0, 0});
+  equations_.add(row_.unknown, row_.column, columns, {-now, 0}, {1 / variance, 0, 0});
 }
 
 /// Fits the parameters and keeps them. \return false: they are as before.

@@ -4,9 +4,9 @@
 
 #include "face/gaze.hpp"
 #include "face/part_reader.hpp"
+#include "optim/point_row.hpp"
 #include "pliant/cascade.hpp"
 #include "pliant/lens.hpp"
-#include "pliant/normal_equations.hpp"
 
 namespace pliant {
 
@@ -65,7 +65,7 @@ struct PartPoints {
   PartTable table;
   PartSide side[2 * kMostParts];
   std::size_t side_count = 0, count = 0;
-  Vec2 uv[kMostPartReadings];              // NaN-free; a pupil has none
+  Vec2 uv[kMostPartReadings];                      // NaN-free; a pupil has none
   std::uint16_t landmark[kMostPartReadings] = {};  // of the model; kNone: the point is not fitted
   Vec2 offset_mm[kMostPartReadings] =
       {};  // of the reading from the model's point in the start's frame, upright crop
@@ -111,7 +111,7 @@ class PartFit {
   void choose_parameters(PartPoints* points);
   void find_openings(PartPoints* points);
   Vec2 project(Vec2 uv);
-  bool see_eye(const PartPoints& points, const PartSide& side, EyeSight* eye);
+  bool read_eye(const PartPoints& points, const PartSide& side, SeenEye* eye);
   Vec2 off_centre(const CropMap& map, const PartTable& table, const PartSide& side) const;
   void step(float seconds, const PartPoints& points);
   void add_likeness(const PartPoints& points);
@@ -129,8 +129,7 @@ class PartFit {
   float *q_ = nullptr, *step_ = nullptr;
   Vec3* samples_ = nullptr;
   std::uint8_t* is_free_ = nullptr;
-  std::uint16_t* unknown_ = nullptr;
-  Vec2* column_ = nullptr;
+  PointRow row_;
 };
 
 }  // namespace pliant

@@ -1,7 +1,7 @@
 #include "face/part_table.hpp"
 
 #include "face/aligner_table.hpp"
-#include "pliant/model.hpp"
+#include "model/table_check.hpp"
 
 namespace pliant {
 
@@ -9,20 +9,12 @@ namespace {
 
 static_assert(sizeof(PartHeader) == 20 && sizeof(PartRecord) == 52);
 
-bool are_bounded(const float* x, std::size_t count, float low, float high) {
-  for (std::size_t k = 0; k < count; ++k)
-    if (!(x[k] >= low && x[k] <= high)) return false;
-  return true;
-}
-
-bool is_information(const float* w) {
-  return w[0] > 0 && w[2] > 0 && w[0] <= 1e4f && w[2] <= 1e4f && w[1] * w[1] < w[0] * w[2];
-}
-
 bool are_valid(const PartShape& shape, std::size_t points) {
-  for (std::size_t k = 0; k < points; ++k)
-    if (!is_information(shape.information + 3 * k)) return false;
-  return are_bounded(shape.start, 2 * points, -1e3f, 1e3f);
+  for (std::size_t k = 0; k < points; ++k) {
+    const float* const w = shape.information + 3 * k;
+    if (!(w[1] * w[1] < w[0] * w[2])) return false;  // every point is read with a finite variance
+  }
+  return are_information(shape.information, points) && are_within(shape.start, 2 * points, -1e3f, 1e3f);
 }
 
 bool are_valid(const PartTable& table, std::size_t part) {
@@ -30,7 +22,7 @@ bool are_valid(const PartTable& table, std::size_t part) {
   const std::size_t rows = 2u * p.point_count;
   for (std::size_t k = 0; k < p.stage_count; ++k) {
     const PartStage stage = table.stage(part, k);
-    if (!are_bounded(stage.scale, rows, 0, 1e3f) || !are_bounded(stage.bias, rows, -1e3f, 1e3f)) return false;
+    if (!are_within(stage.scale, rows, 0, 1e3f) || !are_within(stage.bias, rows, -1e3f, 1e3f)) return false;
   }
   return are_valid(table.shape(part), p.point_count);
 }
@@ -73,18 +65,12 @@ std::size_t part_weight_bytes(const PartRecord& p) {
 }
 
 Status PartTable::open(Span<const std::uint8_t> bytes, PartTable* table) {
-  if (bytes.data == nullptr || bytes.count == 0) return Status::not_found;
-  if (reinterpret_cast<std::uintptr_t>(bytes.data) % 4 != 0) return Status::misaligned;
-  if (bytes.count < sizeof(PartHeader)) return Status::truncated;
+  const Status status = check_table(bytes, {kPartMagic, kPartVersion, sizeof(PartHeader)});
+  if (status != Status::ok) return status;
   const auto& header = *reinterpret_cast<const PartHeader*>(bytes.data);
-  if (header.magic != kPartMagic) return Status::bad_magic;
-  if (header.version != kPartVersion) return Status::bad_version;
   const std::size_t total = header.total_bytes, parts = header.part_count;
-  if (total > bytes.count) return Status::truncated;
-  if (total < sizeof(PartHeader) + parts * sizeof(PartRecord)) return Status::bad_table;
-  constexpr std::size_t kSummed = offsetof(PartHeader, part_count);
-  if (crc32(bytes.data + kSummed, total - kSummed) != header.crc32) return Status::bad_checksum;
-  if (parts < 1 || parts > kMostParts) return Status::bad_table;
+  if (parts < 1 || parts > kMostParts || total < sizeof(PartHeader) + parts * sizeof(PartRecord))
+    return Status::bad_table;
   PartTable out;
   out.bytes_ = bytes.data;
   out.parts_ = {reinterpret_cast<const PartRecord*>(bytes.data + sizeof(PartHeader)), parts};

@@ -1,6 +1,6 @@
 #include "print/print_table.hpp"
 
-#include "pliant/model.hpp"
+#include "model/table_check.hpp"
 
 namespace pliant {
 
@@ -30,18 +30,12 @@ bool is_valid(const PrintHeader& h) {
 }  // namespace
 
 Status PrintTable::open(Span<const std::uint8_t> bytes, PrintTable* table) {
-  if (bytes.data == nullptr || bytes.count == 0) return Status::not_found;
-  if (reinterpret_cast<std::uintptr_t>(bytes.data) % alignof(PrintHeader) != 0) return Status::misaligned;
-  if (bytes.count < sizeof(PrintHeader)) return Status::truncated;
+  const Status status = check_table(bytes, {kPrintMagic, 0, sizeof(PrintHeader)});
+  if (status != Status::ok) return status;
   const auto* const header = reinterpret_cast<const PrintHeader*>(bytes.data);
-  if (header->magic != kPrintMagic) return Status::bad_magic;
-  if (header->total_bytes > bytes.count) return Status::truncated;
   const std::size_t views = sizeof(Quat) * header->view_count, levels = sizeof(float) * header->level_count,
                     keypoints = sizeof(PrintKeypoint) * header->keypoint_count;
   if (header->total_bytes != sizeof(PrintHeader) + views + levels + keypoints) return Status::bad_table;
-  constexpr std::size_t kSummedFrom = offsetof(PrintHeader, keypoint_count);
-  if (crc32(bytes.data + kSummedFrom, header->total_bytes - kSummedFrom) != header->crc32)
-    return Status::bad_checksum;
   if (!is_valid(*header)) return Status::bad_table;
   PrintTable t;
   t.header_ = header;

@@ -1,12 +1,12 @@
 // Detection by whatever the model has tables for.
+#include "track/detection_state.hpp"
 #include "track/face_modules.hpp"
-#include "track/self_start.hpp"
 
 namespace pliant {
 
 namespace {
 
-SelfStart* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
+DetectionState* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
   const bool has_face = limits.detection->modules->is_available(model);
   return (has_face ? kFaceDetection : kPrintDetection).lay_out(arena, model, limits, bytes);
 }
@@ -21,8 +21,8 @@ std::size_t read_bytes(const Model& model, const TrackerLimits& limits) {
 
 }  // namespace
 
-/// The tracker takes the other calls from the table that laid out its SelfStart.
-const Detection kDetection{lay_out, check_bytes, nullptr, nullptr,      nullptr,
-                           nullptr, nullptr,     nullptr, &kFaceModules, nullptr, read_bytes, nullptr};
+/// The tracker takes the other calls from the table that laid out its DetectionState.
+const Detection kDetection{lay_out, check_bytes, nullptr,       nullptr, nullptr,    nullptr,
+                           nullptr, nullptr,     &kFaceModules, nullptr, read_bytes, nullptr};
 
 }  // namespace pliant

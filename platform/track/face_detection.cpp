@@ -1,11 +1,12 @@
-// What connects FaceStart with the tracker.
+// What connects FaceSearch and FaceChecks with the tracker.
 #include <new>
 
 #include "face/ibug_landmarks.hpp"
 #include "face/part_fit.hpp"
-#include "track/face_start.hpp"
+#include "track/detection_state.hpp"
+#include "track/face_checks.hpp"
+#include "track/face_search.hpp"
 #include "track/poor_start.hpp"
-#include "track/self_start.hpp"
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
@@ -23,8 +24,9 @@ struct PartTrackingTuning {
 };
 constexpr PartTrackingTuning kPartTracking{};
 
-struct FaceSelfStart : SelfStart {
-  FaceStart faces;
+struct FaceDetectionState : DetectionState {
+  FaceSearch face_search;
+  FaceChecks checks;
   PoorStart poor_start;
   KnownPerson person;
   PartPoints* parts = nullptr;    // null: the model has no readers
@@ -32,15 +34,16 @@ struct FaceSelfStart : SelfStart {
   float landmark_error = 0;       // of the last start, as the alignment estimates it; 0: unknown
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-    SelfStart::lay_out(arena, &kFaceDetection, model, limits);
-    faces.lay_out(arena, model, limits);
+    DetectionState::lay_out(arena, &kFaceDetection, model, limits);
+    face_search.lay_out(arena, model, limits);
+    checks.lay_out(limits);
     parts = arena.make<PartPoints>();
     if (parts != nullptr && parts->open(model) != Status::ok) parts = nullptr;
   }
 };
 
-FaceSelfStart& self_of(TrackerParts& t) {
-  return *static_cast<FaceSelfStart*>(t.self_start);
+FaceDetectionState& self_of(TrackerParts& t) {
+  return *static_cast<FaceDetectionState*>(t.detection);
 }
 
 KnownPerson& person_of(TrackerParts& t) {
@@ -55,10 +58,10 @@ bool is_available(const Model& model, const TrackerLimits& limits) {
          limits.detection->modules->is_available(model);
 }
 
-SelfStart* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
+DetectionState* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
   if (!is_available(model, limits)) return nullptr;
   *bytes = search_bytes(model, limits);
-  return create_part<FaceSelfStart>(arena, model, limits);
+  return create_part<FaceDetectionState>(arena, model, limits);
 }
 
 std::size_t bytes_of_check(const Model& model, const TrackerLimits& limits) {
@@ -73,27 +76,27 @@ std::size_t bytes_of_reading(const Model& model, const TrackerLimits& limits) {
 }
 
 void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
-  FaceSelfStart& self = self_of(t);
-  self.faces.begin_search();
+  FaceDetectionState& self = self_of(t);
+  self.face_search.begin();
   self.person.is_known = false;
   self.begin_search(t, start, options);
 }
 
 Status search(TrackerParts& t, const FrameView& view) {
-  FaceSelfStart& self = self_of(t);
+  FaceDetectionState& self = self_of(t);
   if (!t.block_is_of_search) {
     new (&t.estimator) Estimator();
-    self.faces.begin_search();
+    self.face_search.begin();
     t.block_is_of_search = true;
   }
   t.end_track();
   StartPose found;
   Status status =
-      self.faces.search({view, t.block, self.kept.start}, &person_of(t), &found, &self.landmark_error);
+      self.face_search.search({view, t.block, self.kept.start}, &person_of(t), &found, &self.landmark_error);
   if (status != Status::ok) return status == Status::not_found ? Status::ok : status;
   TrackerOptions options = self.kept.options;
   // To refine the mesh takes as long as two frames of the track, which does not depend on it.
-  if (self.faces.spreads_work()) options.estimator.mesh_error_mm = 0;
+  if (self.face_search.spreads_work()) options.estimator.mesh_error_mm = 0;
   t.identity_is_given = t.identity_is_given && self.person.is_known;
   status = self.start(t, view, found, options);
   if (status != Status::ok) return Status::ok;
@@ -109,12 +112,13 @@ void end_search(TrackerParts& t) {
 }
 
 void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, StartPose* from) {
-  FaceSelfStart& self = self_of(t);
+  FaceDetectionState& self = self_of(t);
   self.of_caller = &rough.options;
   self.landmark_error = 0;  // a start before may have failed
-  self.faces.forget_reference();
-  if (rough.points >= kFaceStartTuning.enough_points) return;
-  self.faces.refine({view, t.block, rough.options}, rough.box, &person_of(t), from, &self.landmark_error);
+  self.face_search.forget_reference();
+  if (rough.points >= kFaceSearchTuning.enough_points) return;
+  self.face_search.refine({view, t.block, rough.options}, rough.box, &person_of(t), from,
+                          &self.landmark_error);
   t.lay_out_tracking();
 }
 
@@ -130,31 +134,31 @@ FaceBox box_of(TrackerParts& t) {
 
 void give_up(TrackerParts& t) {
   KnownPerson& person = person_of(t);
-  FaceSelfStart& self = self_of(t);
-  person.is_known = person.is_known || (self.faces.has_confirmed() && !self.poor_start.is_poor());
+  FaceDetectionState& self = self_of(t);
+  person.is_known = person.is_known || (self.checks.has_confirmed() && !self.poor_start.is_poor());
   if (person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
   person.camera = t.estimator.camera();
-  self.faces.end_track(box_of(t));
-  SelfStart::give_up(t);
+  self.face_search.expect(box_of(t));
+  DetectionState::give_up(t);
 }
 
 void conclude(TrackerParts& t, const FrameView& view) {
-  FaceSelfStart& self = self_of(t);
+  FaceDetectionState& self = self_of(t);
   t.result.gaze = self.parts != nullptr && t.bad_frames == 0 ? self.parts->gaze : Vec3{};
-  constexpr float kWork = kFaceStartTuning.check_work;
+  constexpr float kWork = kFaceChecksTuning.check_work;
   WaitingWork& check = t.budget.check;
-  const bool has_room = t.bad_frames == 0 && self.faces.is_check_due() && t.budget.take(check, kWork);
-  if (!self.faces.conclude(view, t.estimator, t.bad_frames, has_room, t.unused_between_frames, &t.result) ||
+  const bool has_room = t.bad_frames == 0 && self.checks.is_due() && t.budget.take(check, kWork);
+  if (!self.checks.conclude(view, t.estimator, t.bad_frames, has_room, t.unused_between_frames, &t.result) ||
       (t.bad_frames == 0 && self.poor_start.is_over(view, t.estimator)))
     give_up(t);
   if (self.poor_start.is_blinded() && t.result.state == TrackState::tracking)
     t.result.state = TrackState::degraded;
-  if (self.faces.is_check_urgent() || t.bad_frames > 0) check.hurry(kWork);
+  if (self.checks.is_urgent() || t.bad_frames > 0) check.hurry(kWork);
 }
 
 /// \return null if there are no readers.
 PartFit* read_at_view(TrackerParts& t, const FrameView& view, float centring) {
-  FaceSelfStart& self = self_of(t);
+  FaceDetectionState& self = self_of(t);
   if (self.parts == nullptr) return nullptr;
   Arena arena(t.scratch.data, t.scratch.count);
   PartFit* const fit = create_part<PartFit>(arena, t.model());
@@ -165,7 +169,7 @@ PartFit* read_at_view(TrackerParts& t, const FrameView& view, float centring) {
 }
 
 void read_parts(TrackerParts& t, const FrameView& view) {
-  FaceSelfStart& self = self_of(t);
+  FaceDetectionState& self = self_of(t);
   if (self.parts == nullptr) return;
   PartPoints& points = *self.parts;
   if (t.frame % kPartTracking.interval_frames == 0)
@@ -183,13 +187,13 @@ void read_parts(TrackerParts& t, const FrameView& view) {
 }
 
 void keep_parts(TrackerParts& t, const Vec3* moved) {
-  FaceSelfStart& self = self_of(t);
+  FaceDetectionState& self = self_of(t);
   if (self.parts != nullptr) self.parts->move(t.estimator.view(), moved);
 }
 
 /// Centres the crops, and notes how this person's parts differ from the model.
 void calibrate_parts(TrackerParts& t, const FrameView& view) {
-  FaceSelfStart& self = self_of(t);
+  FaceDetectionState& self = self_of(t);
   if (self.parts == nullptr) return;
   for (std::size_t s = 0; s < self.parts->side_count; ++s) self.parts->side[s].centre_mm = {};
   for (int k = 0; k < kPartFitTuning.start_centrings; ++k) read_at_view(t, view, 1);
@@ -200,12 +204,13 @@ void calibrate_parts(TrackerParts& t, const FrameView& view) {
 }
 
 void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {
-  FaceSelfStart& self = self_of(t);
+  FaceDetectionState& self = self_of(t);
   if (self.keep_start_of_caller(options)) self.person.is_known = false;
   self.last_read_ns = view.time_ns;
   calibrate_parts(t, view);
   self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);
-  self.faces.begin_track(self.landmark_error);
+  self.face_search.end();
+  self.checks.begin_track(self.landmark_error);
   self.landmark_error = 0;
   t.budget.check.is_reserved = true;
   conclude(t, view);

@@ -1,6 +1,6 @@
 #pragma once
 /// \file face_modules.hpp
-/// What FaceStart asks of detection and alignment, as a table of functions: a test gives it functions of its own.
+/// What FaceSearch and FaceChecks ask of detection and alignment, as a table of functions: a test gives it functions of its own.
 #include <cstddef>
 #include <cstdint>
 

@@ -1,6 +1,6 @@
 #include "track/landmark_fit.hpp"
 
-#include "track/personal_landmarks.hpp"
+#include "track/offset_landmarks.hpp"
 
 namespace pliant {
 
@@ -74,12 +74,12 @@ Status LandmarkFit::fit_in_stages(Span<Correspondence> points, FitOptions option
   return status;
 }
 
-Span<Correspondence> LandmarkFit::personal_landmarks(Span<Correspondence> points) {
+Span<Correspondence> LandmarkFit::offset_landmarks(Span<Correspondence> points) {
   const float sd_px = kLandmarkFitTuning.annotation_sd_fraction *
                       spread_of(points);  // as the command computes it from a file
   for (Correspondence& c : points) c.sd_px = sd_px;
   for (std::size_t k = 0; k < points.count; ++k) is_landmark_[k] = weights_[k] > 0 && !has_slid(k);
-  return find_personal(fitter_.cascade().model(), points, residuals_, is_landmark_, sd_);
+  return find_offset_landmarks(fitter_.cascade().model(), points, residuals_, is_landmark_, sd_);
 }
 
 }  // namespace pliant

@@ -67,9 +67,9 @@ class LandmarkFit {
   /// Whether the fit moved silhouette point k away from its own (u,v).
   bool has_slid(std::size_t k) const { return fitter_.has_slid(k); }
 
-  /// Where the person has the landmarks (find_personal). `points` are those of the fit; they are rearranged,
+  /// Where the person has the landmarks (find_offset_landmarks). `points` are those of the fit; they are rearranged,
   /// and their sd_px becomes that of an annotation.
-  Span<Correspondence> personal_landmarks(Span<Correspondence> points);
+  Span<Correspondence> offset_landmarks(Span<Correspondence> points);
 
  private:
   Status fit_in_stages(Span<Correspondence> points, FitOptions options, float* q);

@@ -256,8 +256,8 @@ void take_step(TrackerParts& t) {
   t.result.pose = pose_of(e.view());
   t.key_frames.turn(turn);
   t.offsets.keep_all(*t.key_frames.view_of(0), e, places.landmarks, places.moved);
-  if (t.self_start != nullptr && t.self_start->calls->keep_parts != nullptr)
-    t.self_start->calls->keep_parts(t, places.moved);
+  if (t.detection != nullptr && t.detection->calls->keep_parts != nullptr)
+    t.detection->calls->keep_parts(t, places.moved);
   t.markers.keep_all(*t.key_frames.view_of(0), e, places.markers);
   ++s.steps;
   s.changed_frame = t.frame;

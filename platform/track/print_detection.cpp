@@ -3,8 +3,8 @@
 
 #include "pliant/face_detector.hpp"
 #include "print/print_finder.hpp"
+#include "track/detection_state.hpp"
 #include "track/landmark_fit.hpp"
-#include "track/self_start.hpp"
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
@@ -37,7 +37,7 @@ struct PrintStartTuning {
 };
 constexpr PrintStartTuning kTuning;
 
-struct PrintSelfStart : SelfStart {
+struct PrintDetectionState : DetectionState {
   PrintTable table;
   PrintFinder* finder = nullptr;  // in the block, while there is no track
   int frames_since_check = 0, bad_checks = 0, unconfirmed_frames = 0;
@@ -45,23 +45,23 @@ struct PrintSelfStart : SelfStart {
   bool is_confirmed = true;
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-    SelfStart::lay_out(arena, &kPrintDetection, model, limits);
+    DetectionState::lay_out(arena, &kPrintDetection, model, limits);
     const bool has_albedo = model.albedo().pixels != nullptr;
     if (PrintTable::open(model.print(), &table) != Status::ok || !has_albedo) table = {};
   }
 };
 
-PrintSelfStart& self_of(TrackerParts& t) {
-  return *static_cast<PrintSelfStart*>(t.self_start);
+PrintDetectionState& self_of(TrackerParts& t) {
+  return *static_cast<PrintDetectionState*>(t.detection);
 }
 
-SelfStart* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
+DetectionState* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
   if (model.print().empty() || limits.width > kLargestFramePx || limits.height > kLargestFramePx)
     return nullptr;
   Arena trial;
   lay_out_part<PrintFinder>(trial, trial.make<PrintFinder>(), model, limits.width, limits.height);
   *bytes = trial.used_bytes();
-  return create_part<PrintSelfStart>(arena, model, limits);
+  return create_part<PrintDetectionState>(arena, model, limits);
 }
 
 std::size_t check_bytes(const Model&, const TrackerLimits&) {
@@ -69,7 +69,7 @@ std::size_t check_bytes(const Model&, const TrackerLimits&) {
 }
 
 void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
-  PrintSelfStart& self = self_of(t);
+  PrintDetectionState& self = self_of(t);
   self.finder = nullptr;
   self.marker_count = 0;
   self.begin_search(t, start, options);
@@ -79,7 +79,7 @@ void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptio
 /// of it. A start of the caller's may be too rough for that.
 bool accepts_template(void* tracker, const FrameRegion& region, Vec2 uv, const Prediction& seen) {
   TrackerParts& t = *static_cast<TrackerParts*>(tracker);
-  const PrintSelfStart& self = self_of(t);
+  const PrintDetectionState& self = self_of(t);
   if (!self.table.is_open() || !(t.is_started || self.is_own_start)) return true;
   const ImageView& image = region.pyramid().level(0);
   FrameView view;
@@ -93,7 +93,7 @@ bool accepts_template(void* tracker, const FrameRegion& region, Vec2 uv, const P
 
 /// Lays the search out in the memory of the tracking, if that has it now.
 PrintFinder& finder_of(TrackerParts& t) {
-  PrintSelfStart& self = self_of(t);
+  PrintDetectionState& self = self_of(t);
   if (t.block_is_of_search && self.finder != nullptr) return *self.finder;
   new (&t.estimator) Estimator();
   Arena arena(t.block.data, t.block.count);
@@ -103,7 +103,7 @@ PrintFinder& finder_of(TrackerParts& t) {
 }
 
 Status search(TrackerParts& t, const FrameView& view) {
-  PrintSelfStart& self = self_of(t);
+  PrintDetectionState& self = self_of(t);
   PrintFinder& finder = finder_of(t);
   t.end_track();
   const StartOptions& o = self.kept.start;
@@ -140,7 +140,7 @@ float agreement_of(TrackerParts& t, const FrameView& view) {
 }
 
 void check(TrackerParts& t, const FrameView& view) {
-  PrintSelfStart& self = self_of(t);
+  PrintDetectionState& self = self_of(t);
   self.frames_since_check = 0;
   self.agreement = agreement_of(t, view);
   self.bad_checks = self.agreement < kTuning.least_agreement ? self.bad_checks + 1 : 0;
@@ -149,7 +149,7 @@ void check(TrackerParts& t, const FrameView& view) {
 
 /// Makes a frame degraded whose surface is not where the picture shows the print.
 void doubt(TrackerParts& t) {
-  const PrintSelfStart& self = self_of(t);
+  const PrintDetectionState& self = self_of(t);
   const float most_rms_px = kTuning.most_rms_px * static_cast<float>(t.limits.width) / 320;
   const bool fits = self.agreement >= kTuning.least_fitting_agreement || t.result.rms_px <= most_rms_px;
   if (!self.is_confirmed || self.agreement < kTuning.least_sure_agreement || !fits)
@@ -157,13 +157,13 @@ void doubt(TrackerParts& t) {
 }
 
 void give_up(TrackerParts& t) {
-  PrintSelfStart& self = self_of(t);
+  PrintDetectionState& self = self_of(t);
   self.marker_count = t.markers.save(t.estimator, self.markers);
-  SelfStart::give_up(t);
+  DetectionState::give_up(t);
 }
 
 void conclude(TrackerParts& t, const FrameView& view) {
-  PrintSelfStart& self = self_of(t);
+  PrintDetectionState& self = self_of(t);
   if (!self.table.is_open()) return;
   if (t.bad_frames > 0) {
     if (t.bad_frames >= kTuning.most_bad_frames) give_up(t);
@@ -178,7 +178,7 @@ void conclude(TrackerParts& t, const FrameView& view) {
 }
 
 void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {
-  PrintSelfStart& self = self_of(t);
+  PrintDetectionState& self = self_of(t);
   if (self.keep_start_of_caller(options)) self.marker_count = 0;
   self.frames_since_check = self.bad_checks = self.unconfirmed_frames = 0;
   self.agreement = 1;

@@ -51,7 +51,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   const auto q = arena.take_span<float>(model.parameters().count);
   lay_out_part(arena, impl_ == nullptr ? nullptr : &impl_->offsets, model);
   std::size_t search = 0;
-  SelfStart* const self_start =
+  DetectionState* const detection =
       limits.detection == nullptr ? nullptr : limits.detection->lay_out(arena, model, limits, &search);
   PersonState* const person =
       limits.person == nullptr ? nullptr : limits.person->lay_out(arena, model, limits);
@@ -67,7 +67,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   impl_->table = model;
   impl_->start_q = q;
   impl_->block = {block, needed > tracking ? needed : tracking};
-  impl_->self_start = self_start;
+  impl_->detection = detection;
   impl_->person = person;
   impl_->end_track();
 }
@@ -124,14 +124,14 @@ bool TrackerParts::is_stale(const FrameView& view) const {
 }
 
 Status Tracker::update(const FrameView& frame, FrameResult* result) {
-  if (impl_ == nullptr || !(impl_->is_started || impl_->self_start != nullptr)) return Status::not_started;
+  if (impl_ == nullptr || !(impl_->is_started || impl_->detection != nullptr)) return Status::not_started;
   if (result == nullptr) return Status::bad_argument;
   Impl& t = *impl_;
   Status status = t.region.check_frame(frame);
   if (status != Status::ok) return status;
   if (t.is_stale(frame)) return Status::stale_frame;
   t.budget.begin(t.bad_frames == 0);
-  status = t.is_started ? t.track(frame) : t.self_start->calls->search(t, frame);
+  status = t.is_started ? t.track(frame) : t.detection->calls->search(t, frame);
   if (status != Status::ok) return status;
   t.note_time(frame);
   *result = t.result;
@@ -144,7 +144,7 @@ Status TrackerParts::track(const FrameView& view) {
   match_and_solve(view);
   conclude();
   if (person != nullptr && bad_frames == 0) limits.person->conclude(*this);
-  if (self_start != nullptr) self_start->calls->conclude(*this, view);
+  if (detection != nullptr) detection->calls->conclude(*this, view);
   return status;
 }
 
@@ -200,8 +200,8 @@ void TrackerParts::match_and_solve(const FrameView& view) {
   const bool has_first_pass = matcher.run_first_pass(match_frame(), estimator);
   for (int round = has_first_pass ? 1 : 0; round < rounds; ++round) {
     // What parts of the surface do is read where the pose is known best.
-    if (round + 1 == rounds && self_start != nullptr && self_start->calls->read_parts != nullptr)
-      self_start->calls->read_parts(*this, view);
+    if (round + 1 == rounds && detection != nullptr && detection->calls->read_parts != nullptr)
+      detection->calls->read_parts(*this, view);
     if (run_round(round) == 0) break;
   }
   note_work();

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pliant/tracker.hpp"
+#include "track/detection_state.hpp"
 #include "track/edge_tracker.hpp"
 #include "track/frame_budget.hpp"
 #include "track/frame_region.hpp"
@@ -12,7 +13,6 @@
 #include "track/landmark_offsets.hpp"
 #include "track/markers.hpp"
 #include "track/person_refinement.hpp"
-#include "track/self_start.hpp"
 #include "track/start_fit.hpp"
 #include "track/surface_texture.hpp"
 #include "track/template_matcher.hpp"
@@ -53,8 +53,9 @@ struct TrackerParts : ImageParts {
   bool uses_edges = false;
   Span<float> start_q;
   LandmarkOffsets offsets;
-  Span<unsigned char> block;        // of search, fit and tracking
-  SelfStart* self_start = nullptr;  // null: the limits name no detection, or the model has no learnt tables
+  Span<unsigned char> block;  // of search, fit and tracking
+  DetectionState* detection =
+      nullptr;  // null: the limits name no detection, or the model has no learnt tables
 
   PersonState* person = nullptr;  // null: the limits name no estimation, or the model has no identity
 

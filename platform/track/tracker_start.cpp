@@ -40,7 +40,7 @@ bool TrackerParts::fits_model(const SavedState& state) const {
 void TrackerParts::end_track() {
   is_started = false;
   result = {};
-  result.is_searching = self_start != nullptr;
+  result.is_searching = detection != nullptr;
 }
 
 /// Runs `fit(arena)` in the memory of the tracking, which is laid out anew afterwards.
@@ -58,14 +58,14 @@ Status TrackerParts::fit_before_tracking(Fit&& fit) {
 /// \param with  read until the start ends.
 void TrackerParts::refine(const FrameView& view, const FaceBox* box, std::size_t points,
                           const StartOptions& with, StartPose* from) {
-  if (self_start != nullptr) self_start->calls->refine(*this, view, {box, points, with}, from);
+  if (detection != nullptr) detection->calls->refine(*this, view, {box, points, with}, from);
 }
 
 /// Frame 0, of checked arguments.
 Status TrackerParts::start(const FrameView& view, const StartPose& from, const float* q,
                            const TrackerOptions& with, Span<const Vec2> marker_places) {
   end_track();
-  if (block_is_of_search) self_start->calls->end_search(*this);
+  if (block_is_of_search) detection->calls->end_search(*this);
   EstimatorOptions of_estimator = with.estimator;
   of_estimator.time_ns = view.time_ns;
   texture.start(&of_estimator);
@@ -83,7 +83,7 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const f
   matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow));
   is_started = true;
   if (person != nullptr) limits.person->start(*this, with);
-  if (self_start != nullptr) self_start->calls->begin_track(*this, view, with);
+  if (detection != nullptr) detection->calls->begin_track(*this, view, with);
   return Status::ok;
 }
 
@@ -189,12 +189,12 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
 Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptions& options) {
   if (impl_ == nullptr) return Status::not_started;
   Impl& t = *impl_;
-  if (t.self_start == nullptr) return Status::not_found;
+  if (t.detection == nullptr) return Status::not_found;
   Lens unused;
   const Camera camera = start_camera(start.camera, start.focal_px, t.limits.width, t.limits.height);
   if (!(start.focal_px >= 0) || Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok)
     return Status::bad_argument;
-  t.self_start->calls->begin_search(t, start, options);
+  t.detection->calls->begin_search(t, start, options);
   t.forget_time();
   return Status::ok;
 }

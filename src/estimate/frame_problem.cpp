@@ -21,8 +21,7 @@ void SolveScratch::lay_out(Arena& arena, std::size_t parameters, std::size_t unk
   equations.lay_out(arena, unknowns);
   trial_q = arena.take<float>(parameters);
   step = arena.take<float>(unknowns);
-  unknown = arena.take<std::uint16_t>(unknowns);
-  column = arena.take<Vec2>(unknowns);
+  row.lay_out(arena, unknowns);
 }
 
 void FrameProblem::measure(const View& v, const float* q) {
@@ -80,33 +79,23 @@ void FrameProblem::add_priors() {
   for (std::size_t k = 0; k <= kLogScale; ++k) equations.set_limits(k, -kMostStep, kMostStep);
   for (std::size_t k = 0; k < columns(); ++k) {
     const std::uint16_t i = input.cascade.parameter_of(k);
-    const Parameter& p = parameter(i);
     const float q = state.q[i], sd = expected.parameter_sd[i];
-    const std::size_t unknown = kPoseUnknowns + k;
-    equations.add_prior(unknown, -q, 1.0f / (p.sd * p.sd));
-    equations.add_prior(unknown, expected.mean.q[i] - q, 1.0f / (sd * sd));
-    equations.set_limits(unknown, min(p.minimum - q, 0), max(p.maximum - q, 0));
+    add_prior(parameter(i), q, 1, kPoseUnknowns + k, equations);
+    equations.add_prior(kPoseUnknowns + k, expected.mean.q[i] - q, 1.0f / (sd * sd));
   }
   if (input.springs != nullptr) input.prior->apply(*input.springs, input.cascade, state.q, &equations);
 }
 
 void FrameProblem::add_row(const Projector::Derivatives& d, const Jacobian& jacobian, std::size_t row,
                            float weight) {
-  std::size_t n = 0;
-  for (; n < kPoseUnknowns; ++n) scratch.column[n] = d.pose[n];
-  for (std::size_t c = 0; c < jacobian.count; ++c, ++n) {
-    scratch.unknown[n] = static_cast<std::uint16_t>(kPoseUnknowns + jacobian.list[c]);
-    scratch.column[n] = d.along(jacobian.column[jacobian.list[c]]);
-  }
   const Sym2 w = rows.information(row);
-  scratch.equations.add(scratch.unknown, scratch.column, n, rows.residual(row),
-                        {weight * w.xx, weight * w.xy, weight * w.yy});
+  scratch.row.add_to(scratch.equations, {d.pose, kPoseUnknowns}, d, jacobian, rows.residual(row),
+                     {weight * w.xx, weight * w.xy, weight * w.yy});
 }
 
 float FrameProblem::linearise() {
   scratch.equations.reset(kPoseUnknowns + columns());
   scratch.work.rows += static_cast<std::uint32_t>(rows.count());
-  for (std::size_t n = 0; n < kPoseUnknowns; ++n) scratch.unknown[n] = static_cast<std::uint16_t>(n);
   const Projector projector(state.view, true);
   const float per_scale = 1.0f / scale, per_square = per_scale * per_scale;
   float sum = 0;
@@ -131,8 +120,7 @@ float FrameProblem::try_step(const float* step) {
   trial = moved(state.view, step, kPoseUnknowns);
   for (std::size_t k = 0; k < columns(); ++k) {
     const std::uint16_t i = input.cascade.parameter_of(k);
-    scratch.trial_q[i] =
-        clamp(state.q[i] + step[kPoseUnknowns + k], parameter(i).minimum, parameter(i).maximum);
+    scratch.trial_q[i] = stepped(parameter(i), state.q[i], step[kPoseUnknowns + k]);
   }
   measure(trial, scratch.trial_q);
   const float per_scale = 1.0f / scale;

@@ -6,6 +6,7 @@
 #include "estimate/observation_rows.hpp"
 #include "estimate/stretch_rows.hpp"
 #include "estimate/surface_points.hpp"
+#include "optim/point_row.hpp"
 #include "pliant/frame_work.hpp"
 #include "pliant/solver.hpp"
 
@@ -31,8 +32,7 @@ struct SolveInput {
 struct SolveScratch {
   NormalEquations equations;
   float *trial_q = nullptr, *step = nullptr;
-  std::uint16_t* unknown = nullptr;
-  Vec2* column = nullptr;
+  PointRow row;
   FrameWork work;  ///< of the frame: rows and measured rows
 
   void lay_out(Arena& arena, std::size_t parameters, std::size_t unknowns);

@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "model/table_check.hpp"
 #include "model/table_reader.hpp"
 
 namespace pliant {
@@ -39,7 +40,7 @@ Status SpringTable::open(Span<const std::uint8_t> section, SpringTable* table) {
       {static_cast<const Vec2*>(static_cast<const void*>(first)), points},
       {static_cast<const Spring*>(static_cast<const void*>(first + points * sizeof(Vec2))), springs}};
   for (const Vec2& uv : found.points)
-    if (!are_in_unit(&uv.x, 2)) return Status::bad_table;
+    if (!are_within(&uv.x, 2, 0, 1)) return Status::bad_table;
   for (const Spring& s : found.springs)
     if (!is_sound(s, points)) return Status::bad_table;
   *table = found;

@@ -21,8 +21,7 @@ void FitWorkspace::lay_out(Arena& arena, const Model& model, std::size_t points)
   distance = arena.take<float>(points);
   step = arena.take<float>(3 * unknowns);  // the scratch of `integrate`
   trial_q = arena.take<float>(parameters);
-  unknown = arena.take<std::uint16_t>(unknowns);
-  column = arena.take<Vec2>(unknowns);
+  row.lay_out(arena, unknowns);
   contour_normal = nullptr;
 }
 
@@ -62,20 +61,10 @@ float FitProblem::cost(const float* parameters, const View& v) const {
 
 void FitProblem::add_point(NormalEquations& equations, std::size_t point, const Projector::Derivatives& d,
                            const Jacobian& jacobian, Vec2 residual, float weight) {
-  std::uint16_t* unknown = work.unknown;
-  Vec2* column = work.column;
-  std::size_t n = 0;
-  for (; n < pose_unknowns(); ++n) {
-    unknown[n] = static_cast<std::uint16_t>(n);
-    column[n] = d.pose[n];
-  }
-  for (std::size_t k = 0; shape_is_free && k < jacobian.count; ++k, ++n) {
-    unknown[n] = static_cast<std::uint16_t>(pose_unknowns() + jacobian.list[k]);
-    column[n] = d.along(jacobian.column[jacobian.list[k]]);
-  }
   const float w = weight / (points[point].sd_px * points[point].sd_px);
   const Vec2 across = counted(point, {1, 0}), down = counted(point, {0, 1});  // the columns of n n^T, or of I
-  equations.add(unknown, column, n, residual, {w * across.x, w * across.y, w * down.y});
+  work.row.add_to(equations, {d.pose, pose_unknowns()}, d, shape_is_free ? jacobian : Jacobian{}, residual,
+                  {w * across.x, w * across.y, w * down.y});
 }
 
 float FitProblem::linearise(NormalEquations& equations) {
@@ -100,10 +89,7 @@ float FitProblem::linearise(NormalEquations& equations) {
 void FitProblem::add_priors(NormalEquations& equations) {
   const std::size_t pose = pose_unknowns();
   for (std::size_t k = 0; k < columns(); ++k) {
-    const Parameter& p = parameter(k);
-    const float value = q[work.cascade.parameter_of(k)];
-    equations.add_prior(pose + k, -value, options.stiffness / (p.sd * p.sd));
-    equations.set_limits(pose + k, min(p.minimum - value, 0), max(p.maximum - value, 0));
+    add_prior(parameter(k), q[work.cascade.parameter_of(k)], options.stiffness, pose + k, equations);
   }
   for (std::size_t k = 0; k < 3; ++k)
     equations.set_limits(k, -kFitTuning.max_turn_rad, kFitTuning.max_turn_rad);
@@ -122,9 +108,8 @@ float FitProblem::try_step(const float* step) {
   float* next = work.trial_q;
   for (std::size_t i = 0; i < work.cascade.parameter_count(); ++i) next[i] = q[i];
   for (std::size_t k = 0; k < columns(); ++k) {
-    const Parameter& limits = parameter(k);
     float& value = next[work.cascade.parameter_of(k)];
-    value = clamp(value + step[pose_unknowns() + k], limits.minimum, limits.maximum);
+    value = stepped(parameter(k), value, step[pose_unknowns() + k]);
   }
   return cost(next, trial);
 }

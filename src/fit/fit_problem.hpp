@@ -6,6 +6,7 @@
 // This is Eq. 8 with a robust loss rho, and the prior of the parameters, without which 80 points do not determine 100
 // parameters (docs/algorithms.md, sections 5.2 and 5.6). Of a landmark matched to the silhouette only the distance across
 // the contour counts.
+#include "optim/point_row.hpp"
 #include "pliant/fit.hpp"
 #include "pliant/robust.hpp"
 
@@ -21,8 +22,7 @@ struct FitWorkspace {
       nullptr;  // of a landmark matched to the silhouette, else zero; null without room for such
   float* distance = nullptr;                  // scratch: residual lengths
   float *step = nullptr, *trial_q = nullptr;  // 3 an unknown; a parameter
-  std::uint16_t* unknown = nullptr;           // scratch of one row, an unknown
-  Vec2* column = nullptr;                     // scratch of one row, an unknown
+  PointRow row;
 
   void lay_out(Arena& arena, const Model& model, std::size_t points);
   Vec3* samples_of(std::size_t point) const { return samples + point * cascade.model().cascade().count; }

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "model/field_sampling.hpp"
+#include "model/table_check.hpp"
 
 namespace pliant {
 
@@ -35,15 +36,13 @@ bool is_name(const char* name) {
   return name[0] != 0 && std::memchr(name, 0, table::kNameBytes) != nullptr;
 }
 
-bool are_bounded(const float* x, int n) {  // false for NaN
-  for (int i = 0; i < n; ++i)
-    if (!(magnitude(x[i]) <= kMaxMagnitude)) return false;
-  return true;
+bool are_bounded(const float* x, std::size_t n) {
+  return are_within(x, n, -kMaxMagnitude, kMaxMagnitude);
 }
 
 bool are_in_chart(Span<const Vec2> uv) {
   for (const Vec2& p : uv)
-    if (!are_in_unit(&p.x, 2)) return false;
+    if (!are_within(&p.x, 2, 0, 1)) return false;
   return true;
 }
 
@@ -151,7 +150,7 @@ struct TableReader {
     const bool has_shape = f.width >= 2 && f.width <= kMaxSide && f.height >= 2 && f.height <= kMaxSide &&
                            (f.components == 1 || f.components == 3) && (f.bits == 8 || f.bits == 16) &&
                            f.mirror <= 1;
-    if (!has_shape || !are_in_unit(&f.u0, 4)) return false;
+    if (!has_shape || !are_within(&f.u0, 4, 0, 1)) return false;
     if (!(f.u1 - f.u0 >= kMinSupport && f.v1 - f.v0 >= kMinSupport)) return false;
     for (int c = 0; c < 3; ++c)
       if (!(largest_value(f, c) <= kMaxMagnitude)) return false;
@@ -210,7 +209,7 @@ struct TableReader {
 
   bool check_names() const {
     for (const Landmark& l : contents.landmarks)
-      if (!is_name(l.name) || !are_in_unit(&l.u, 2)) return false;
+      if (!is_name(l.name) || !are_within(&l.u, 2, 0, 1)) return false;
     if (!are_in_chart(contents.curve_points)) return false;
     for (const Curve& c : contents.curves) {
       const std::size_t points = contents.curve_points.count;
@@ -264,12 +263,6 @@ struct TableReader {
 };
 
 }  // namespace
-
-bool are_in_unit(const float* x, int n) {
-  for (int i = 0; i < n; ++i)
-    if (!(x[i] >= 0 && x[i] <= 1)) return false;
-  return true;
-}
 
 bool same_name(const char* a, const char* b) {
   return std::strncmp(a, b, table::kNameBytes) == 0;

@@ -12,7 +12,4 @@ Status read_table(const void* data, std::size_t bytes, table::Contents* contents
 /// Whether two names of a table are the same.
 bool same_name(const char* a, const char* b);
 
-/// Whether n values are in [0,1]. False for NaN.
-bool are_in_unit(const float* x, int n);
-
 }  // namespace pliant

@@ -6,8 +6,9 @@
 
 #include "face_film.hpp"
 #include "pliant/tracker.hpp"
-#include "track/face_start.hpp"
-#include "track/self_start.hpp"
+#include "track/detection_state.hpp"
+#include "track/face_checks.hpp"
+#include "track/face_search.hpp"
 
 /// One at a time: a tracker calls its functions through a table.
 struct FakeFaces {

@@ -12,7 +12,7 @@
 #include "host/io/owned.hpp"
 #include "host/render/overlay.hpp"
 #include "host/render/photo_texture.hpp"
-#include "track/face_start.hpp"
+#include "track/face_checks.hpp"
 
 namespace pliant::host {
 
@@ -191,7 +191,7 @@ int run_fit(const Args& args, Console& console) {
     console.out << ", expected landmark error " << decimal_text(static_cast<double>(fit.landmark_error))
                 << " of the distance of the outer eye corners";
   console.out << "\n";
-  if (fit.landmark_error > kFaceStartTuning.most_landmark_error)
+  if (fit.landmark_error > kFaceChecksTuning.most_landmark_error)
     console.err << "the landmarks are doubtful: it may be no face, or hidden in part\n";
   return 0;
 }

@@ -6,7 +6,7 @@
 #include "host/io/owned.hpp"
 #include "pliant/fit.hpp"
 #include "track/landmark_fit.hpp"
-#include "track/personal_landmarks.hpp"
+#include "track/offset_landmarks.hpp"
 #include "track/start_fit.hpp"
 
 namespace pliant::host {
@@ -149,8 +149,8 @@ std::vector<NamedPoint> person_landmarks(const Model& model, const FitFile& fit)
   std::vector<float> sd(model.parameters().count);
   for (const auto& [name, value] : fit.sd)
     if (const std::uint16_t k = model.find_parameter(name.c_str()); k != kNone) sd[k] = value;
-  const Span<const Correspondence> found =
-      find_personal(model, {points.data(), points.size()}, residuals.data(), is_landmark.data(), sd.data());
+  const Span<const Correspondence> found = find_offset_landmarks(
+      model, {points.data(), points.size()}, residuals.data(), is_landmark.data(), sd.data());
   landmarks.resize(found.count);  // all landmarks, in their order, or none
   for (std::size_t k = 0; k < found.count; ++k) landmarks[k].x = found[k].x;
   return landmarks;

@@ -64,7 +64,7 @@ FitFile read_fit(const std::string& path, const ModelFile& file, const ImageSize
                  const std::string& image, float focal_px,
                  const std::optional<Camera>& camera = std::nullopt);
 
-/// Landmarks with an offset from the model, and their image positions, px (track/personal_landmarks.hpp). Empty if
+/// Landmarks with an offset from the model, and their image positions, px (track/offset_landmarks.hpp). Empty if
 /// noise explains the residuals of the fit.
 std::vector<NamedPoint> person_landmarks(const Model& model, const FitFile& fit);
 

@@ -12,7 +12,8 @@
 #include "face/scaled_lines.hpp"
 #include "face/search_place.hpp"
 #include "optim/normal_equations_tuning.hpp"
-#include "track/face_start.hpp"
+#include "track/face_checks.hpp"
+#include "track/face_search.hpp"
 #include "track/frame_budget.hpp"
 #include "track/key_frames.hpp"
 #include "track/person_refinement.hpp"
@@ -201,7 +202,7 @@ void add_overdue_load(const TrackerLimits& limits, const Sizes& s, Loads& loads)
   double more =
       static_cast<double>(key_frame_work(limits, s.costs, kTrackerTuning.tries_if_overdue)) - reserved;
   if (limits.detection != nullptr)
-    more = std::max(more, static_cast<double>(kFaceStartTuning.check_work) - reserved);
+    more = std::max(more, static_cast<double>(kFaceChecksTuning.check_work) - reserved);
   if (limits.person != nullptr) more = std::max(more, s.person_step - reserved - renewal_work(limits, s));
   if (more > 0) loads.push_back({"overdue work beyond what is reserved", 0, more, 1, Bound::beside});
 }
@@ -209,8 +210,8 @@ void add_overdue_load(const TrackerLimits& limits, const Sizes& s, Loads& loads)
 /// What readers of parts and checks add to a tracked frame.
 void add_face_loads(const Model& model, const Sizes& s, Loads& loads) {
   if (!model.parts().empty()) loads.push_back({"readings of the parts of a face", 1, 1, kCost.parts});
-  add_shared(s, "checks of the track", 1.0 / kFaceStartTuning.known_interval_frames, 1,
-             static_cast<double>(kFaceStartTuning.check_work), loads);
+  add_shared(s, "checks of the track", 1.0 / kFaceChecksTuning.known_interval_frames, 1,
+             static_cast<double>(kFaceChecksTuning.check_work), loads);
 }
 
 /// A frame that searches for a face.
@@ -289,8 +290,8 @@ SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
     widest = std::max(widest, columns);
   }
   plan.cells = std::min(plan.all_cells, work - 1 + widest);
-  plan.does_both = limits.search_work >= kFaceStartTuning.cells_for_both;
-  plan.steps = std::max(1, static_cast<int>(limits.search_work / kFaceStartTuning.cells_a_step));
+  plan.does_both = limits.search_work >= kFaceSearchTuning.cells_for_both;
+  plan.steps = std::max(1, static_cast<int>(limits.search_work / kFaceSearchTuning.cells_a_step));
   plan.alignment_steps = static_cast<int>(table.stage_count()) + 1;
   if (plan.does_both && plan.search_frames > 1) {
     // Each alignment begins with a search near its candidate, and the search goes on after rows that it had already.

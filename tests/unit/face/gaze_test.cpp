@@ -18,8 +18,8 @@ View view_at(Vec3 turn, Vec3 place) {
 }
 
 /// Where the pupil of an eye is seen that looks along `gaze`.
-EyeSight eye_looking(Vec3 gaze, bool is_left, const View& view) {
-  EyeSight eye;
+SeenEye eye_looking(Vec3 gaze, bool is_left, const View& view) {
+  SeenEye eye;
   const float side = is_left ? 1.0f : -1.0f;
   eye.corners = {side * kCorners.x, kCorners.y, kCorners.z};
   const Vec3 ball =
@@ -39,7 +39,7 @@ TEST_CASE("the gaze is found that put the pupils where they are, wherever the he
     for (const Vec3 place : kPlaces)
       for (const Vec3 gaze : {Vec3{0, 0, 1}, Vec3{0.3f, 0.1f, 1}, Vec3{-0.4f, -0.3f, 1}}) {
         const View view = view_at(turn, place);
-        const EyeSight eyes[] = {eye_looking(gaze, false, view), eye_looking(gaze, true, view)};
+        const SeenEye eyes[] = {eye_looking(gaze, false, view), eye_looking(gaze, true, view)};
         CHECK(length(find_gaze({eyes, 2}, view) - normalised(gaze)) < 0.01f);
         CHECK(length(find_gaze({eyes, 1}, view) - normalised(gaze)) < 0.01f);
       }
@@ -47,7 +47,7 @@ TEST_CASE("the gaze is found that put the pupils where they are, wherever the he
 
 TEST_CASE("eyes that differ give the middle; an eye that is shut does not count") {
   const View view = view_at({}, {0, 0, 500});
-  EyeSight eyes[] = {eye_looking({0.2f, 0, 1}, false, view), eye_looking({-0.2f, 0, 1}, true, view)};
+  SeenEye eyes[] = {eye_looking({0.2f, 0, 1}, false, view), eye_looking({-0.2f, 0, 1}, true, view)};
   CHECK(length(find_gaze({eyes, 2}, view) - Vec3{0, 0, 1}) < 0.01f);
   eyes[1].opening_mm = 2;
   CHECK(length(find_gaze({eyes, 2}, view) - normalised(Vec3{0.2f, 0, 1})) < 0.01f);
@@ -60,7 +60,7 @@ TEST_CASE(
     "by much") {
   for (const Vec3 turn : kTurns) {
     const View view = view_at(turn, {0, 0, 500});
-    EyeSight eye = eye_looking({0, 0, 1}, true, view);
+    SeenEye eye = eye_looking({0, 0, 1}, true, view);
     const auto gaze_with_lid = [&](float higher_mm) {
       eye.lid_mm = kGazeTuning.lid_mm + higher_mm;
       return find_gaze({&eye, 1}, view);
@@ -77,7 +77,7 @@ TEST_CASE(
 
 TEST_CASE("no gaze from heads that are turned away, pupils off the eye, no eyes, or what is no number") {
   const View turned = view_at({0, 1, 0}, {0, 0, 500}), view = view_at({}, {0, 0, 500});
-  EyeSight eye = eye_looking({0, 0, 1}, true, turned);
+  SeenEye eye = eye_looking({0, 0, 1}, true, turned);
   CHECK(length(find_gaze({&eye, 1}, turned)) == 0);
   eye = eye_looking({0, 0, 1}, true, view);
   eye.pupil = eye.pupil + Vec2{40, 0};

@@ -45,21 +45,19 @@ class StandingTrack {
     REQUIRE(tracker_->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
   }
 
-  /// Frames for which `is_noted(faces, n)` holds, asked after each. \param before  is told of each, says whether it has room.
+  /// Frames for which `is_noted(checks)` holds, asked after each. \param before  is told of each, says whether it has room.
   template <class Before, class IsNoted>
   Frames play(float landmark_error, Before&& before, IsNoted&& is_noted) {
-    AlignedBlock block(std::size_t{1} << 20);
-    Arena arena(block.data(), block.size());
-    FaceStart faces;
-    faces.lay_out(arena, baked_face().model, limits_);
-    faces.begin_track(landmark_error);
+    FaceChecks checks;
+    checks.lay_out(limits_);
+    checks.begin_track(landmark_error);
     Frames frames;
     for (std::size_t n = 1; n < kFrames; ++n) {
       const bool has_room = before(n);
       FrameResult result;
-      REQUIRE(faces.conclude(film().view(0), tracker_->estimator(), 0, has_room,
-                             {scratch_.data(), scratch_.size()}, &result));
-      if (is_noted(faces)) frames.push_back(n);
+      REQUIRE(checks.conclude(film().view(0), tracker_->estimator(), 0, has_room,
+                              {scratch_.data(), scratch_.size()}, &result));
+      if (is_noted(checks)) frames.push_back(n);
     }
     return frames;
   }
@@ -79,7 +77,7 @@ TEST_CASE("checks are frequent until three were good, and rare from then on") {
 
 TEST_CASE("checks stay frequent while the landmark error is large") {
   FakeFaces fake(film());
-  fake.error = 1.5f * kFaceStartTuning.doubtful_error;
+  fake.error = 1.5f * kFaceChecksTuning.doubtful_error;
   CHECK(checked(fake, [](std::size_t, FrameView&) {}) == Frames{1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23});
 }
 
@@ -105,20 +103,22 @@ TEST_CASE("a check that is due waits for a frame with room") {
   const auto checked_where = [&](auto&& has_room) {
     return track.play(
         0.02f, [&](std::size_t n) { return asked = fake.verifications, has_room(n); },
-        [&](const FaceStart&) { return fake.verifications > asked; });
+        [&](const FaceChecks&) { return fake.verifications > asked; });
   };
   CHECK(checked_where([](std::size_t) { return true; }) == Frames{2, 4, 6, 12, 18});
   CHECK(checked_where([](std::size_t n) { return n != 4 && n != 5 && n != 13; }) == Frames{2, 6, 8, 14, 20});
   CHECK(checked_where([](std::size_t n) { return n == 21; }) == Frames{21});
 }
 
-TEST_CASE("until it is confirmed, an aligned start has urgent checks; a start from points has one after a bad check only") {
+TEST_CASE(
+    "until it is confirmed, an aligned start has urgent checks; a start from points has one after a bad "
+    "check only") {
   FakeFaces fake(film());
   StandingTrack track;
   const auto urgent_after = [&](float landmark_error, std::size_t bad) {
     return track.play(
         landmark_error, [&](std::size_t n) { return fake.verification = n == bad ? 0.01f : 0.99f, true; },
-        [](const FaceStart& faces) { return faces.is_check_urgent(); });
+        [](const FaceChecks& checks) { return checks.is_urgent(); });
   };
   CHECK(urgent_after(0.02f, 0) == Frames{1, 3, 5});
   CHECK(urgent_after(0.02f, 12) == Frames{1, 3, 5, 12});

@@ -192,7 +192,7 @@ TEST_CASE(
     FakeFaces fake(film);
     fake.steps_an_alignment = 1;
     TrackerLimits limits = limits_with_fake();
-    if (spreads_work) limits.search_work = kFaceStartTuning.cells_for_both - 1;
+    if (spreads_work) limits.search_work = kFaceSearchTuning.cells_for_both - 1;
     InArena<Tracker> tracker(baked_face().model, limits);
     float before = 0, after = 0;
     for (std::size_t k = 0; k < kGone; ++k) update(tracker.object, film, k);
@@ -205,7 +205,8 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a head that comes back turned by more than 20 degrees is not told from the known one by its identity") {
+TEST_CASE(
+    "a head that comes back turned by more than 20 degrees is not told from the known one by its identity") {
   const FaceFilm film = make_film(0.6f, "noseLength", 0.4f);
   FakeFaces fake(film);
   InArena<Tracker> tracker(baked_face().model, limits_with_fake());
@@ -237,7 +238,7 @@ TEST_CASE(
   fake.steps_an_alignment = 3;
   fake.has_ghost = true;
   TrackerLimits limits = limits_with_fake();
-  limits.search_work = 2 * kFaceStartTuning.cells_a_step;
+  limits.search_work = 2 * kFaceSearchTuning.cells_a_step;
   InArena<Tracker> tracker(baked_face().model, limits);
   for (std::size_t k = 0; k < kGone; ++k) {
     const int searches = fake.searches, steps = fake.steps;
@@ -283,7 +284,7 @@ TEST_CASE(
     FakeFaces fake(half_size());
     fake.calls_a_search = 8;
     TrackerLimits limits = limits_with_fake();
-    limits.search_work = 2 * kFaceStartTuning.cells_a_step;
+    limits.search_work = 2 * kFaceSearchTuning.cells_a_step;
     limits.key_frames = key_frames;
     InArena<Tracker> tracker(baked_face().model, limits);
     REQUIRE(tracker->start_from_pose(half_size().view(0), half_size().camera, half_size().poses[0],
@@ -307,7 +308,7 @@ TEST_CASE(
 TEST_CASE("a place where a track was and no face is any more: the search goes on everywhere") {
   FakeFaces fake(half_size());
   TrackerLimits limits = limits_with_fake();
-  limits.search_work = 2 * kFaceStartTuning.cells_a_step;
+  limits.search_work = 2 * kFaceSearchTuning.cells_a_step;
   InArena<Tracker> tracker(baked_face().model, limits);
   const std::size_t begin = kGone - 2;
   REQUIRE(tracker->start_from_pose(half_size().view(begin), half_size().camera, half_size().poses[begin],
@@ -323,7 +324,7 @@ TEST_CASE("a search in parts that saw the face at another size only: it is align
   fake.calls_a_search = 2;
   fake.size_found = 1.33f;
   TrackerLimits limits = limits_with_fake();
-  limits.search_work = kFaceStartTuning.cells_a_step;
+  limits.search_work = kFaceSearchTuning.cells_a_step;
   InArena<Tracker> tracker(baked_face().model, limits);
   for (std::size_t k = 0; k < kGone; ++k) update(tracker.object, half_size(), k);
   CHECK(tracker->is_started());
@@ -333,7 +334,7 @@ TEST_CASE("a search in parts that saw the face at another size only: it is align
 TEST_CASE("a start of the caller's during a search ends it, and one during an alignment") {
   const FaceFilm& film = half_size();
   TrackerLimits limits = limits_with_fake();
-  limits.search_work = kFaceStartTuning.cells_a_step;
+  limits.search_work = kFaceSearchTuning.cells_a_step;
   for (const std::size_t begin : {std::size_t{1}, std::size_t{6}}) {  // in the search; in the alignment
     FakeFaces fake(film);
     fake.calls_a_search = 4;
@@ -401,7 +402,7 @@ TEST_CASE("checks that refuse a track end it, and the person who was tracked bef
   CHECK(update(tracker.object, half_size(), 9).state == TrackState::tracking);
   FrameResult result;
   for (std::size_t k = 10; result.state != TrackState::lost || k == 10; ++k) {
-    REQUIRE(k < 9 + kFaceStartTuning.known_interval_frames + 2);
+    REQUIRE(k < 9 + kFaceChecksTuning.known_interval_frames + 2);
     result = update(tracker.object, half_size(), k);
   }
   CHECK(result.is_searching);

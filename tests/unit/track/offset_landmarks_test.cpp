@@ -1,5 +1,5 @@
 // Offsets of landmarks from the model's positions: a person's own are kept and tracked, noise is not.
-#include "track/personal_landmarks.hpp"
+#include "track/offset_landmarks.hpp"
 
 #include <doctest/doctest.h>
 
@@ -76,7 +76,7 @@ struct Start {
     if (status != Status::ok) return status;
     report = fit->report();
     std::vector<Correspondence> own = points;
-    offsets->set_pending(fit->personal_landmarks({own.data(), own.size()}), person.model);
+    offsets->set_pending(fit->offset_landmarks({own.data(), own.size()}), person.model);
     return status;
   }
   Vec2 landmark(const std::string& name, bool is_personal) {
@@ -267,7 +267,7 @@ TEST_CASE(
   const std::vector<float> sd(model.parameters().count, 0.0f);
   const std::uint8_t is_landmark[] = {1, 0, 1, 0};
   const Span<Correspondence> personal =
-      find_personal(model, {points.data(), points.size()}, residuals.data(), is_landmark, sd.data());
+      find_offset_landmarks(model, {points.data(), points.size()}, residuals.data(), is_landmark, sd.data());
   REQUIRE(personal.count == 2);
   CHECK(length(personal[1].uv - uv[2]) == 0);
   // Eight coordinates, six used by the pose. Two landmarks have half of both: one degree of freedom, 200 px^2.
@@ -275,8 +275,9 @@ TEST_CASE(
   CHECK(personal[1].x.x == doctest::Approx(100 + (1 - fraction) * 6));
   CHECK(personal[1].x.y == doctest::Approx(100 - (1 - fraction) * 8));
   const std::uint8_t none[] = {0, 0, 0, 0};
-  CHECK(find_personal(model, {points.data(), points.size()}, residuals.data(), none, sd.data()).empty());
-  CHECK(find_personal(model, {}, nullptr, nullptr, sd.data()).empty());
+  CHECK(find_offset_landmarks(model, {points.data(), points.size()}, residuals.data(), none, sd.data())
+            .empty());
+  CHECK(find_offset_landmarks(model, {}, nullptr, nullptr, sd.data()).empty());
 }
 
 TEST_CASE("one gross outlier gives no offset") {

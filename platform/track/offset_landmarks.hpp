@@ -1,5 +1,5 @@
 #pragma once
-/// \file personal_landmarks.hpp
+/// \file offset_landmarks.hpp
 /// Landmarks as this person has them. A model of many people does not have every person's lip border or brow
 /// at the right place, so residuals remain after a fit. A track would repeat them as a constant error in
 /// every frame.
@@ -33,7 +33,8 @@ float coordinates_taken(const Model& model, const float* sd);
 /// \param residuals    projected minus given, px, one a point.
 /// \param is_landmark  1 if the fit used the point and did not move it along the silhouette.
 /// \param sd           of each parameter after the fit.
-Span<Correspondence> find_personal(const Model& model, Span<Correspondence> points, const Vec2* residuals,
-                                   const std::uint8_t* is_landmark, const float* sd);
+Span<Correspondence> find_offset_landmarks(const Model& model, Span<Correspondence> points,
+                                           const Vec2* residuals, const std::uint8_t* is_landmark,
+                                           const float* sd);
 
 }  // namespace pliant

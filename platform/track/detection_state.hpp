@@ -1,5 +1,5 @@
 #pragma once
-/// \file self_start.hpp
+/// \file detection_state.hpp
 /// Starts that a tracker makes by itself, and the verification of its tracks: what connects detection with the tracker.
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +17,7 @@ struct TrackerParts;
 
 /// What a tracker keeps for starts of its own: the common part. In the arena, if the limits name a detection
 /// that the model has tables for.
-struct SelfStart {
+struct DetectionState {
   const Detection* calls = nullptr;  // whose lay_out made this
   KeptStart kept;
   const StartOptions* of_caller = nullptr;  // while the caller starts
@@ -47,12 +47,12 @@ struct RoughStart {
 
 /// The calls of a tracker. It makes them through this table only, so that a program whose limits name no
 /// table does not link what is behind it. `lay_out` and `check_bytes` are called on the table of the limits,
-/// the others on SelfStart::calls.
+/// the others on DetectionState::calls.
 struct Detection {
-  /// Takes a SelfStart from the arena. \param search_bytes  out: what a search takes of the memory of the tracking.
+  /// Takes a DetectionState from the arena. \param search_bytes  out: what a search takes of the memory of the tracking.
   /// \return null if the arena measures, is exhausted, or the model has no tables.
-  SelfStart* (*lay_out)(Arena& arena, const Model& model, const TrackerLimits& limits,
-                        std::size_t* search_bytes);
+  DetectionState* (*lay_out)(Arena& arena, const Model& model, const TrackerLimits& limits,
+                             std::size_t* search_bytes);
   /// Bytes that a check takes of unused memory. 0 without tables.
   std::size_t (*check_bytes)(const Model& model, const TrackerLimits& limits);
   /// Ends the track and forgets the person. Keeps the options for the starts that follow.

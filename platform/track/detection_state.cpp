@@ -1,37 +1,38 @@
-#include "track/self_start.hpp"
+#include "track/detection_state.hpp"
 
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
 
-void SelfStart::lay_out(Arena& arena, const Detection* of, const Model& model, const TrackerLimits& limits) {
+void DetectionState::lay_out(Arena& arena, const Detection* of, const Model& model,
+                             const TrackerLimits& limits) {
   calls = of;
   kept.lay_out(arena, model);
   markers = arena.take<MarkerPlace>(limits.markers);
 }
 
-void SelfStart::begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
+void DetectionState::begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
   t.end_track();
   kept.keep(start);
   kept.keep(options);
 }
 
-Status SelfStart::start(TrackerParts& t, const FrameView& frame, const StartPose& found,
-                        const TrackerOptions& options) {
+Status DetectionState::start(TrackerParts& t, const FrameView& frame, const StartPose& found,
+                             const TrackerOptions& options) {
   is_own_start = true;
   const Status status = t.start(frame, found, t.start_q.data, options, {});
   is_own_start = false;
   return status;
 }
 
-bool SelfStart::keep_start_of_caller(const TrackerOptions& options) {
+bool DetectionState::keep_start_of_caller(const TrackerOptions& options) {
   if (is_own_start) return false;
   kept.keep(*of_caller);
   kept.keep(options);
   return true;
 }
 
-void SelfStart::give_up(TrackerParts& t) {
+void DetectionState::give_up(TrackerParts& t) {
   for (std::size_t k = 0; k < t.start_q.count; ++k) t.start_q[k] = t.estimator.parameters()[k];
   t.is_started = false;
   t.result.state = TrackState::lost;

@@ -1,4 +1,4 @@
-#include "track/personal_landmarks.hpp"
+#include "track/offset_landmarks.hpp"
 
 namespace pliant {
 
@@ -18,8 +18,9 @@ float coordinates_taken(const Model& model, const float* sd) {
   return taken;
 }
 
-Span<Correspondence> find_personal(const Model& model, Span<Correspondence> points, const Vec2* residuals,
-                                   const std::uint8_t* is_landmark, const float* sd) {
+Span<Correspondence> find_offset_landmarks(const Model& model, Span<Correspondence> points,
+                                           const Vec2* residuals, const std::uint8_t* is_landmark,
+                                           const float* sd) {
   float squared = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < points.count; ++i) {

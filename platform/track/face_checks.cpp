@@ -1,0 +1,82 @@
+#include "track/face_checks.hpp"
+
+#include "track/detection_state.hpp"
+#include "track/key_frames.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr const FaceChecksTuning& kTuning = kFaceChecksTuning;
+
+}  // namespace
+
+void FaceChecks::lay_out(const TrackerLimits& limits) {
+  modules_ = limits.detection->modules;
+  most_bad_frames_ = kTuning.most_bad_frames + limits.key_frames;
+}
+
+void FaceChecks::begin_track(float landmark_error) {
+  landmark_error_ = landmark_error;
+  is_aligned_ = landmark_error > 0;
+  // A start that nothing has verified is checked in its own frame.
+  frames_since_ = is_aligned_ ? 0 : kTuning.check_interval_frames;
+  bad_ = good_ = 0;
+}
+
+/// Of a frame that is tracked: how well the landmarks are known, and what that makes of its state.
+void FaceChecks::tell_worth(const View& view, FrameResult* result) const {
+  result->landmark_error = landmark_error_;
+  const bool is_turned_away = camera_direction(view).z < kTuning.least_facing;
+  if (is_turned_away || landmark_error_ > kTuning.most_landmark_error) result->state = TrackState::degraded;
+}
+
+bool FaceChecks::conclude(const FrameView& frame, Estimator& estimator, int bad_frames, bool has_room,
+                          Span<unsigned char> scratch, FrameResult* result) {
+  const bool checks = has_room && is_due();
+  ++frames_since_;
+  if (bad_frames > 0) {
+    frames_since_ = kTuning.known_interval_frames;  // the next good frame is checked
+    return bad_frames < most_bad_frames_;
+  }
+  if (checks) {
+    frames_since_ = 0;
+    if (!check(frame, estimator, scratch)) return false;
+  }
+  tell_worth(estimator.view(), result);
+  return true;
+}
+
+bool FaceChecks::is_due() const {
+  const bool is_sure = has_confirmed() && landmark_error_ <= kTuning.doubtful_error;
+  const int interval = is_sure ? kTuning.known_interval_frames : kTuning.check_interval_frames;
+  return bad_ > 0 || frames_since_ + 1 >= interval;
+}
+
+/// \return false after too many bad checks in a row.
+bool FaceChecks::check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch) {
+  Arena arena(scratch.data, scratch.count);
+  FaceAligner* const aligner = modules_->lay_out_verifier(arena, estimator.model());
+  AlignedFace face;
+  if (aligner == nullptr || modules_->verify(*aligner, frame, estimator.camera(), pose_of(estimator.view()),
+                                             estimator.parameters().data, &face) != Status::ok)
+    return true;
+  if (face.score < (has_confirmed() ? kTuning.least_check : kTuning.least_first_check)) {
+    if (!has_confirmed()) good_ = 0;
+    return ++bad_ < kTuning.most_bad_checks;
+  }
+  bad_ = 0;
+  ++good_;
+  landmark_error_ = landmark_error_ > 0
+                        ? landmark_error_ + kTuning.error_rate * (face.landmark_error - landmark_error_)
+                        : face.landmark_error;
+  return true;
+}
+
+std::size_t check_bytes(const Model& model, const TrackerLimits& limits) {
+  Arena trial;
+  limits.detection->modules->lay_out_verifier(trial, model);
+  return trial.used_bytes();
+}
+
+}  // namespace pliant

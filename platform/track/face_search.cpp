@@ -1,0 +1,231 @@
+#include "track/face_search.hpp"
+
+#include "track/detection_state.hpp"
+#include "track/landmark_fit.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr const FaceSearchTuning& kTuning = kFaceSearchTuning;
+
+FaceDetectorLimits detector_limits(const TrackerLimits& limits) {
+  FaceDetectorLimits l;
+  l.width = limits.width;
+  l.height = limits.height;
+  l.smallest_px = limits.smallest_face_px;
+  return l;
+}
+
+/// Of a probability; at most 10,000.
+float odds(float probability) {
+  return probability / max(1 - probability, 1e-4f);
+}
+
+}  // namespace
+
+void FaceSearch::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
+  modules_ = limits.detection->modules;
+  model_ = model;
+  limits_ = detector_limits(limits);
+  work_ = limits.search_work;
+  const std::size_t parameters = model.parameters().count;
+  q_ = arena.take<float>(parameters);
+  reference_.lay_out(arena, model);
+  is_expression_ = arena.take<std::uint8_t>(parameters);
+  landmarks_ = arena.take_span<Vec2>(model.landmarks().count);
+  if (is_expression_ == nullptr) return;
+  for (std::size_t k = 0; k < parameters; ++k)
+    is_expression_[k] = model.parameters()[k].group == Group::expression;
+}
+
+Status FaceSearch::lay_out_search(Span<unsigned char> block) {
+  Arena arena(block.data, block.count);
+  detector_ = modules_->lay_out_detector(arena, model_, limits_);
+  is_complete_ = true;
+  aligner_ = modules_->lay_out_aligner(arena, model_);
+  PLIANT_ASSERT(detector_ != nullptr && aligner_ != nullptr);  // search_bytes
+  const Status status = modules_->status(*detector_, *aligner_);
+  if (status != Status::ok) detector_ = nullptr;
+  return status == Status::not_found ? Status::bad_table : status;
+}
+
+/// The next frame is searched, whatever was found before.
+void FaceSearch::begin_again() {
+  is_aligning_ = false;
+  candidates_.clear();
+  times_seen_ = steps_left_ = 0;
+}
+
+void FaceSearch::begin() {
+  detector_ = nullptr;
+  begin_again();
+  if (last_.side > 0 && spreads_work()) {
+    candidates_.add_place(last_);
+    is_aligning_ = true;
+    whom_ = Whom::known;
+    is_of_one_frame_ = false;
+  }
+  last_ = {};
+}
+
+Status FaceSearch::search(const SearchInput& input, KnownPerson* person, StartPose* start,
+                          float* landmark_error) {
+  Status status = detector_ == nullptr ? lay_out_search(input.block) : Status::ok;
+  const bool was_searching = !is_aligning_;
+  if (status == Status::ok && was_searching) status = run_detector(input.frame);
+  if (status != Status::ok) return status;
+  if (was_searching && spreads_work()) return Status::not_found;
+  int steps = work_ < kTuning.cells_a_step ? 1 : static_cast<int>(work_ / kTuning.cells_a_step);
+  Answer answer = Answer::no;
+  while (steps > 0 && is_aligning_ && answer == Answer::no)
+    answer = align(input, &steps, person, start, landmark_error);
+  return answer == Answer::yes ? Status::ok : Status::not_found;
+}
+
+/// Goes on with the search where the last frame's ended.
+Status FaceSearch::run_detector(const FrameView& frame) {
+  DetectedFace found[kFaceCandidatesTuning.most_candidates];
+  std::size_t count = 0;
+  const bool begins = is_complete_;
+  const Status status = modules_->search(
+      *detector_, frame, work_, {found, kFaceCandidatesTuning.most_candidates}, &count, &is_complete_);
+  if (status != Status::ok) return status;
+  is_of_one_frame_ = begins && is_complete_;
+  for (std::size_t k = 0; k < count; ++k) candidates_.add(found[k]);
+  if (candidates_.empty()) return status;
+  if (is_complete_ || candidates_.next().score >= kTuning.sure_detection) {
+    is_aligning_ = true;
+    whom_ = first_question();
+  }
+  return status;
+}
+
+/// Where an alignment takes several frames, the person who comes back is not asked for: that would take as many again.
+FaceSearch::Whom FaceSearch::first_question() const {
+  return reference_.tells() && !spreads_work() ? Whom::anybody : Whom::known;
+}
+
+/// Goes on with the alignment of the next candidate: as anybody, to see whether it is the known person; as the known person; as
+/// another one. \param steps  that may be taken; those taken are subtracted.
+FaceSearch::Answer FaceSearch::align(const SearchInput& input, int* steps, KnownPerson* person,
+                                     StartPose* start, float* landmark_error) {
+  if (!person->is_known) whom_ = Whom::another;
+  Status status = Status::ok;
+  if (steps_left_ == 0) {
+    // A search over several frames may have seen the face at some sizes only, and it may have moved since.
+    DetectedFace& face = candidates_.next();
+    if (!is_of_one_frame_) status = modules_->search_near(*detector_, input.frame, face.box, &face);
+    if (!(face.score > 0)) {  // the place of the last track, where the detector sees no face
+      begin_again();
+      return Answer::no;
+    }
+    if (status == Status::ok || status == Status::not_found) status = begin_alignment(input, *person);
+  }
+  AlignedFace face;
+  if (status == Status::ok) status = advance(input.frame, steps, &face);
+  if (status == Status::ok && steps_left_ > 0) return Answer::later;
+  steps_left_ = 0;
+  if (status != Status::ok || !is_accepted(face)) {
+    go_on();
+    return Answer::no;
+  }
+  const float evidence = evidence_of(face);
+  if (evidence < kTuning.sure_start_odds && ++times_seen_ < kTuning.doubtful_frames) return Answer::later;
+  if (whom_ == Whom::anybody && reference_.may_be(face, q_)) {
+    whom_ = Whom::known;
+    times_seen_ = 0;
+    return Answer::no;
+  }
+  set_person(input.options, face, person, start);
+  *landmark_error = face.landmark_error;
+  return Answer::yes;
+}
+
+Status FaceSearch::begin_alignment(const SearchInput& input, const KnownPerson& person) {
+  const StartOptions& o = input.options;
+  const bool is_known = whom_ == Whom::known;
+  const Camera camera =
+      is_known ? person.camera : start_camera(o.camera, o.focal_px, input.frame.width, input.frame.height);
+  for (std::size_t k = 0; k < model_.parameters().count; ++k)
+    q_[k] = is_known && is_expression_[k] == 0 ? person.q[k] : 0;
+  return modules_->begin(*aligner_, input.frame, candidates_.next().box, camera,
+                         {is_known ? is_expression_ : nullptr}, q_, &steps_left_);
+}
+
+/// Goes on with the alignment that has begun.
+Status FaceSearch::advance(const FrameView& frame, int* steps, AlignedFace* face) {
+  int taken = *steps < steps_left_ ? *steps : steps_left_;
+  // Where the work is spread, the last step leaves its frame to the start of the track.
+  if (spreads_work() && taken == steps_left_ && taken > 1) *steps = --taken;
+  const Status status = modules_->advance(*aligner_, frame, taken, face, q_, landmarks_);
+  steps_left_ -= taken;
+  *steps -= taken;
+  return status;
+}
+
+/// Odds of detector and alignment that the next candidate is a face.
+float FaceSearch::evidence_of(const AlignedFace& face) const {
+  return odds(candidates_.next().score) * odds(face.score);
+}
+
+bool FaceSearch::is_accepted(const AlignedFace& face) const {
+  return face.score >= kTuning.least_start && evidence_of(face) >= kTuning.least_start_odds &&
+         (whom_ != Whom::known || face.landmark_error <= kTuning.most_known_error);
+}
+
+/// To the same candidate as the known person, then as another one, then to the next candidate.
+void FaceSearch::go_on() {
+  times_seen_ = 0;
+  const bool is_last = whom_ == Whom::another;
+  whom_ = whom_ == Whom::anybody ? Whom::known : is_last ? first_question() : Whom::another;
+  if (is_last && !candidates_.pass()) begin_again();
+}
+
+/// The person as aligned: pose and parameters; of a new one also the landmarks, where the alignment found them.
+void FaceSearch::set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
+                            StartPose* start) {
+  *start = {face.camera, face.pose};
+  for (std::size_t k = 0; k < model_.parameters().count; ++k) person->q[k] = q_[k];
+  if (whom_ == Whom::known) return;
+  reference_.set(face, q_);
+  person->is_known = false;
+  person->offsets->clear();
+  if (options.keeps_landmark_offsets) person->offsets->set_pending(landmarks_, model_);
+}
+
+void FaceSearch::refine(const SearchInput& input, const FaceBox* box, KnownPerson* person, StartPose* start,
+                        float* landmark_error) {
+  begin();
+  whom_ = Whom::another;
+  if (lay_out_search(input.block) != Status::ok) return;
+  for (std::size_t k = 0; k < model_.parameters().count; ++k) q_[k] = person->q[k];
+  AlignedFace face;
+  int steps = 0;
+  Status status = Status::ok;
+  if (box != nullptr) {
+    status = modules_->begin(*aligner_, input.frame, *box, start->camera, {}, q_, &steps);
+    if (status == Status::ok)
+      status = modules_->advance(*aligner_, input.frame, steps, &face, q_, landmarks_);
+  } else {
+    status = modules_->refine(*aligner_, input.frame, start->camera, start->pose, {}, &face, q_, landmarks_);
+  }
+  if (status != Status::ok || !(face.score >= kTuning.least_refined)) return;
+  set_person(input.options, face, person, start);
+  *landmark_error = face.landmark_error;
+}
+
+void FaceSearch::end() {
+  last_ = {};
+  detector_ = nullptr;
+}
+
+std::size_t search_bytes(const Model& model, const TrackerLimits& limits) {
+  const FaceModules& modules = *limits.detection->modules;
+  Arena trial;
+  modules.lay_out_detector(trial, model, detector_limits(limits));
+  modules.lay_out_aligner(trial, model);
+  return trial.used_bytes();
+}
+
+}  // namespace pliant

@@ -1,0 +1,121 @@
+#pragma once
+// How a track begins without help: search of the frame, alignment of what it finds (docs/algorithms.md, section 7.15).
+#include <cstddef>
+#include <cstdint>
+
+#include "pliant/tracker.hpp"
+#include "track/face_candidates.hpp"
+#include "track/face_modules.hpp"
+#include "track/known_person.hpp"
+#include "track/start_fit.hpp"
+
+namespace pliant {
+
+/// Tuning of the search. Each constant: unit, reason, experiment.
+struct FaceSearchTuning {
+  /// Probability by the detector above which a search over several frames stops for an alignment before it is complete.
+  float sure_detection = 0.9f;
+  /// Probability that the alignment is right, at least, for a start. Round value, not tuned.
+  float least_start = 0.7f;
+  /// Odds of the detector times odds of the alignment, at least, for a start. Of 428 alignments on 172 photographs without
+  /// faces, which were shown with drift and noise, the best has 83; of 170 held-out portraits the worst has 15,000.
+  float least_start_odds = 150;
+  /// Below these odds a start waits until the candidate has been accepted in so many frames. Round values, not tuned.
+  float sure_start_odds = 10000;
+  int doubtful_frames = 3;
+  /// Estimated landmark error, at most, of an alignment with the identity of the last person, fraction of the eyes'
+  /// distance. Above it another person is fitted.
+  float most_known_error = 0.06f;
+  /// Work of the search in a frame, cells, from which on a frame has alignments besides.
+  std::uint32_t cells_for_both = 12000;
+  /// Cells of the search that cost as much as a step of an alignment. On the Cortex-M7 a step takes 5 million instructions and
+  /// so many cells 4; on a PC half as much, where the default search of 24,000 cells leaves three alignments of six steps.
+  std::uint32_t cells_a_step = 1300;
+  /// Probability that an alignment is right, at least, for a start of the caller's to be moved there. Round value.
+  float least_refined = 0.5f;
+  /// Points of a start from landmarks from which on the picture is not asked, count.
+  std::size_t enough_points = 12;
+};
+inline constexpr FaceSearchTuning kFaceSearchTuning{};
+
+/// Input of a frame's search.
+struct SearchInput {
+  const FrameView& frame;
+  Span<unsigned char> block;  // the memory of the tracking, which is not in use
+  const StartOptions& options;
+};
+
+/// Searches and aligns, frame by frame. The tracker makes the tracks.
+class FaceSearch {
+ public:
+  /// Precondition: the limits name a detection, and the model has its tables.
+  void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
+
+  /// Whether the work of searching and aligning is spread over frames, because the limits allow little a frame.
+  bool spreads_work() const { return work_ < kFaceSearchTuning.cells_for_both; }
+
+  /// The next frame is searched from the beginning.
+  void begin();
+  /// Where a track that was given up had the face in its last good frame. Where a search takes several frames, the next one begins
+  /// there: light that changes at once ends a track, and the face stays.
+  void expect(const FaceBox& last) { last_ = last; }
+  /// A track has begun: the memory of the search is the track's now.
+  void end();
+
+  /// Searches in this frame, as much as the limits allow. If a face is found `start` and the person are set; the offsets
+  /// are pending where the person is new.
+  /// \return not_found: nothing yet; or what detector and aligner say of their tables.
+  Status search(const SearchInput& input, KnownPerson* person, StartPose* start, float* landmark_error);
+
+  /// A start of the caller's begins: it may be of another person.
+  void forget_reference() { reference_.forget(); }
+  /// Moves a start of the caller's to where the picture shows the face, if that is verified; else nothing changes. The person's parameters are input
+  /// and output.
+  /// \param box  of the face, if the start is known roughly; null: it is near.
+  void refine(const SearchInput& input, const FaceBox* box, KnownPerson* person, StartPose* start,
+              float* landmark_error);
+
+ private:
+  enum class Answer : std::uint8_t { no, later, yes };
+  enum class Whom : std::uint8_t { known, anybody, another };  // as whom a candidate is aligned
+
+  void begin_again();
+  Status lay_out_search(Span<unsigned char> block);
+  Status run_detector(const FrameView& frame);
+  Answer align(const SearchInput& input, int* steps, KnownPerson* person, StartPose* start,
+               float* landmark_error);
+  Status begin_alignment(const SearchInput& input, const KnownPerson& person);
+  Status advance(const FrameView& frame, int* steps, AlignedFace* face);
+  float evidence_of(const AlignedFace& face) const;
+  bool is_accepted(const AlignedFace& face) const;
+  void go_on();
+  Whom first_question() const;
+  void set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
+                  StartPose* start);
+
+  const FaceModules* modules_ = nullptr;
+  Model model_;
+  FaceDetectorLimits limits_;
+  std::uint32_t work_ = 0;  // a frame, cells
+  float* q_ = nullptr;      // all parameters, of the last alignment
+  std::uint8_t* is_expression_ = nullptr;
+  Span<Vec2> landmarks_;
+  IdentityReference reference_;
+  FaceBox last_;  // side 0: none
+
+  FaceDetector* detector_ = nullptr;  // in the block, while there is no track
+  FaceAligner* aligner_ = nullptr;
+  bool is_complete_ = true;       // the search is: the next call begins anew
+  bool is_of_one_frame_ = false;  // the candidates are, with all their sizes
+  FaceCandidates candidates_;
+
+  bool is_aligning_ = false;   // candidates, else a part of the frame is searched
+  Whom whom_ = Whom::another;  // of the next candidate
+  int steps_left_ = 0;         // of its alignment; 0: it has not begun
+  int times_seen_ = 0;         // frames in which it was accepted
+};
+
+/// Bytes that a search takes of the memory of the tracking.
+std::size_t search_bytes(const Model& model, const TrackerLimits& limits);
+
+}  // namespace pliant

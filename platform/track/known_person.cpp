@@ -1,0 +1,37 @@
+#include "track/known_person.hpp"
+
+#include "track/key_frames.hpp"
+
+namespace pliant {
+
+namespace {
+
+bool is_frontal(const AlignedFace& face) {
+  return camera_direction(view_of(face.pose, face.camera)).z >= kKnownPersonTuning.least_frontal;
+}
+
+}  // namespace
+
+void IdentityReference::lay_out(Arena& arena, const Model& model) {
+  parameters_ = model.parameters();
+  q_ = arena.take<float>(parameters_.count);
+}
+
+void IdentityReference::set(const AlignedFace& face, const float* q) {
+  for (std::size_t k = 0; k < parameters_.count; ++k) q_[k] = q[k];
+  is_frontal_ = is_frontal(face);
+}
+
+bool IdentityReference::may_be(const AlignedFace& face, const float* q) const {
+  if (!is_frontal(face)) return true;
+  float sum = 0, count = 0;
+  for (std::size_t k = 0; k < parameters_.count; ++k) {
+    if (parameters_[k].group == Group::expression) continue;
+    const float off = (q[k] - q_[k]) / parameters_[k].sd;
+    sum += off * off;
+    ++count;
+  }
+  return sum <= count * kKnownPersonTuning.most_identity_distance * kKnownPersonTuning.most_identity_distance;
+}
+
+}  // namespace pliant
