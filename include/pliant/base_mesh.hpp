@@ -93,7 +93,7 @@ class BaseMeshMaker {
   Side* sides_ = nullptr;
   HalfEdgeId* neighbour_ = nullptr;
   std::uint16_t *queue_ = nullptr, *mate_ = nullptr;
-  std::uint16_t* search_ = nullptr;  // four more arrays of one entry a face, for the augmenting paths
+  std::uint16_t* search_ = nullptr;  // three more arrays of one entry a face, for the augmenting paths
   std::uint8_t *flag_ = nullptr, *flip_ = nullptr;
   Vec2* uv_ = nullptr;
   std::uint16_t* corners_ = nullptr;

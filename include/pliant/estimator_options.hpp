@@ -13,7 +13,7 @@
 namespace pliant {
 
 struct ForceRejection;
-/// The rejection of false image forces (image_forces.hpp), by name, so that programs that do not use it do not link it.
+/// The rejection of outlying image forces (image_forces.hpp). A program that does not name it does not link it.
 extern const ForceRejection kForceRejection;
 
 /// Capacities: they fix the memory. Defaults are for 320 x 240 on a Linux board; profile_s()

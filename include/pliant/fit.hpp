@@ -29,6 +29,8 @@ struct FitLimits {
   std::uint16_t points = 160;  ///< correspondences at most
   /// Room for silhouette points: about 95 bytes a vertex of the base mesh, 8 a point, and 9 KiB.
   bool silhouette = false;
+  /// Room for samples of the base mesh, 12 bytes a vertex and record: many fits with all parameters free take half the time.
+  bool samples_base_mesh = false;
 };
 
 /// How the cost is minimised: by Levenberg-Marquardt (solver.hpp) or by the paper's dynamics (euler.hpp).

@@ -16,8 +16,9 @@ struct FrameView {
   int width = 0, height = 0;           ///< pixels
   std::size_t stride_bytes = 0;  ///< from one row to the next; at least (width - 1) * pixel_step_bytes + 1
   int pixel_step_bytes = 1;      ///< from one pixel to the next; 1 or 2
-  std::int64_t time_ns = 0;      ///< time of exposure, from any origin
-  std::uint32_t sequence = 0;    ///< number of the frame, modulo 2^32; a gap means dropped frames
+  /// Time of exposure, from any origin. A tracker refuses a frame in which neither time nor number has grown: stale_frame.
+  std::int64_t time_ns = 0;
+  std::uint32_t sequence = 0;  ///< number of the frame, modulo 2^32; a gap means dropped frames
 };
 
 /// `ok` when the view can be read; `bad_argument` for a null pointer, an empty size, a stride that is too small, or one with

@@ -11,7 +11,7 @@ struct FrameWork {
   std::uint32_t searches = 0;        ///< of templates, and of patches of the previous frame
   std::uint32_t search_steps = 0;    ///< of all these searches, and for each as many as its preparation takes
   std::uint32_t captures = 0;        ///< places where a template was to be captured for a key frame
-  std::uint32_t rows = 0;            ///< observations in linearisations
+  std::uint32_t rows = 0;            ///< observations in linearisations; a spring counts as two
   std::uint32_t measured_rows = 0;   ///< observations of which only the residual was taken, for a trial step
   std::uint32_t factorisations = 0;  ///< of the normal equations
   std::uint32_t forces = 0;          ///< observations whose image forces were compared, for rejection

@@ -1,6 +1,6 @@
 #pragma once
 /// \file image_forces.hpp
-/// Rejection of false image forces in parameter space (the paper, Appendix A; docs/algorithms.md, section 6.5).
+/// Rejection of outlying image forces in parameter space (the paper, Appendix A; docs/algorithms.md, section 6.5).
 #include "pliant/geometry.hpp"
 #include "pliant/outliers.hpp"
 

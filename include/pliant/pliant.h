@@ -45,9 +45,9 @@ pliant_status pliant_create(void *memory, size_t bytes, const void *table, size_
                             const pliant_limits *limits, pliant_tracker **tracker);
 
 /** Ends the track, if there is one, and forgets the person: the next pliant_update searches for the face or print. A
- *  new tracker does so by itself, if its table has a detector and an aligner (pliant learn). The next frame may have any
+ *  new tracker does so by itself, if its table has learnt tables (pliant learn) or a print. The next frame may have any
  *  time.
- *  \param options  null: nothing is known. \return PLIANT_NOT_FOUND: the table has none. */
+ *  \param options  null: nothing is known. \return PLIANT_NOT_FOUND: the table has neither. */
 pliant_status pliant_start_by_detection(pliant_tracker *tracker, const pliant_start_options *options);
 
 /** Starts from a known pose. The frame of a start is frame 0; templates are captured in it. Cost: several updates.
@@ -82,9 +82,9 @@ pliant_status pliant_start_from_state(pliant_tracker *tracker, const pliant_fram
  *  \return PLIANT_NOT_STARTED, PLIANT_BAD_ARGUMENT (counts that are not the model's). */
 pliant_status pliant_save(const pliant_tracker *tracker, pliant_state *state);
 
-/** Tracks the next frame; while there is no track, searches it for a face, which is tracked from this frame on. Cost:
+/** Tracks the next frame; while there is no track, searches it for the face or print, which is tracked from this frame on. Cost:
  *  docs/evaluation.md.
- *  \return PLIANT_NOT_STARTED (no track, and the table has no detector), 4 to 9 (the tables of detector or aligner),
+ *  \return PLIANT_NOT_STARTED (no track, and the table has neither learnt tables nor a print), 4 to 9 (the tables of detector or aligner),
  *          PLIANT_BAD_ARGUMENT (the frame), PLIANT_SIZE_MISMATCH, PLIANT_STALE_FRAME (neither time nor sequence is
  *          after the last frame's). */
 pliant_status pliant_update(pliant_tracker *tracker, const pliant_frame *frame, pliant_result *result);
@@ -101,7 +101,8 @@ pliant_status pliant_landmark_count(const pliant_tracker *tracker, size_t *count
 /** Name of a landmark, which lives as long as the table. Needs no start. \return PLIANT_NOT_FOUND (index). */
 pliant_status pliant_landmark_name(const pliant_tracker *tracker, size_t index, const char **name);
 
-/** Value of a parameter (`jawOpen`, ...) in the last frame. \return PLIANT_NOT_STARTED, PLIANT_NOT_FOUND. */
+/** Value of a parameter (`jawOpen`, ...) in the last frame, in the model's unit (0 to 0.45 rad). ARKit's coefficient is the value
+ *  over the parameter's maximum. \return PLIANT_NOT_STARTED, PLIANT_NOT_FOUND. */
 pliant_status pliant_get_parameter(const pliant_tracker *tracker, const char *name, float *value);
 /** All parameters in the last frame, in the model's order, valid until the next call. \return PLIANT_NOT_STARTED. */
 pliant_status pliant_get_parameters(const pliant_tracker *tracker, const float **values);

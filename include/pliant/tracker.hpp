@@ -44,7 +44,8 @@ struct StartOptions {
   const Camera* camera = nullptr;  ///< intrinsics and lens, if known; they replace focal_px
   /// If false, `landmark` gives the positions of the model, without offsets.
   bool keeps_landmark_offsets = true;
-  BoxConvention box = BoxConvention::landmarks;  ///< of start_from_box
+  BoxConvention box =
+      BoxConvention::landmarks;  ///< of start_from_box; `face_box` for one of FaceDetector or `pliant detect`
 };
 
 /// A tracker's state for another start: after a pause, or in another process. The arrays are the caller's.
@@ -155,7 +156,9 @@ class Tracker {
   /// All parameters at the state of the last frame, in the model's order. Valid until the next call that
   /// changes it. While there is no track: those of the last one.
   Span<const float> parameters() const;
-  /// Parameter at the state of the last frame. \return not_started, not_found.
+  /// Parameter at the state of the last frame, in the model's unit, from Parameter::minimum to maximum (`jawOpen`: 0 to 0.45 rad).
+  /// ARKit's coefficient is the value over the maximum; its `browInnerUp` and `cheekPuff` are two parameters each, ...Left and
+  /// ...Right. \return not_started, not_found.
   Status parameter(const char* name, float* value) const;
   /// Image position (px) of a landmark at the state of the last frame, with its offset.
   /// \return not_started, not_found, underdetermined (behind the camera): x is untouched.

@@ -9,7 +9,7 @@
 /** Of these headers. */
 #define PLIANT_VERSION_MAJOR 0
 /** Of these headers. */
-#define PLIANT_VERSION_MINOR 2
+#define PLIANT_VERSION_MINOR 3
 /** Of these headers. */
 #define PLIANT_VERSION_PATCH 0
 

@@ -88,16 +88,6 @@ void AlignerPass::describe_place(int i, int j, const AlignerStage& stage, std::u
   gradients_.describe(at, stage.cells, stage.cell_px, out);
 }
 
-/// Information of a displacement in the crop's millimetres, in px of the frame: R W R^T / |a|^2 with a one millimetre to the
-/// crop's right and R = [a.x -a.y; a.y a.x] / |a|.
-Sym2 AlignerPass::information(const float* w, float mm_per_px) const {
-  const Vec2 a = (1.0f / mm_per_px) * map_.right;
-  const float by = 1.0f / (dot(a, a) * dot(a, a));
-  return {by * (a.x * a.x * w[0] - 2 * a.x * a.y * w[1] + a.y * a.y * w[2]),
-          by * (a.x * a.y * (w[0] - w[2]) + (a.x * a.x - a.y * a.y) * w[1]),
-          by * (a.y * a.y * w[0] + 2 * a.x * a.y * w[1] + a.x * a.x * w[2])};
-}
-
 /// Where a local stage wants a landmark that is seen at x. Its block and the mirrored block are left in block_ and mirrored_.
 Vec2 AlignerPass::predict_local(const AlignerTable& table, const AlignerStage& stage, const LocalWeights& w,
                                 std::size_t t, Vec2 x) const {
@@ -144,14 +134,15 @@ void AlignerPass::run_stage(const AlignerTable& table, std::size_t number) {
   const GlobalWeights global = is_local ? GlobalWeights{} : table.global(number);
   prepare(stage);
   if (!is_local) predict_components(stage, global);
+  const Vec2 millimetre = (1.0f / stage.mm_per_px) * map_.right;
   shape_.begin();
   for (std::size_t k = 0; k < shape_.landmark_count(); k += stage.stride) {
     const std::size_t t = index_[k];
     const Vec2 x = shape_.evaluate(k).x;
     const Vec2 target =
         is_local ? predict_local(table, stage, local, t, x) : predict_global(stage, global, t, x);
-    shape_.add(target,
-               information((is_local ? local.information : global.information) + 3 * t, stage.mm_per_px));
+    const float* const w = (is_local ? local.information : global.information) + 3 * t;
+    shape_.add(target, to_frame_px({w[0], w[1], w[2]}, millimetre));
   }
   shape_.finish(stage.prior);
 }
@@ -177,8 +168,8 @@ AlignerEvidence AlignerPass::weigh(const AlignerTable& table) {
     };
     evidence.appearance += seen.weight * ((1 - gate_) * appearance(t, block_) +
                                           gate_ * appearance(other, mirrored_) + check.bias[t]);
-    const Vec2 left = map_.to_crop(target_[k]) - map_.to_crop(seen.x);
-    squares += seen.weight * dot(left, left);
+    const Vec2 residual = map_.to_crop(target_[k]) - map_.to_crop(seen.x);
+    squares += seen.weight * dot(residual, residual);
     weights += seen.weight;
   }
   evidence.displacement = stage.mm_per_px * square_root(squares / max(weights, 1e-6f));

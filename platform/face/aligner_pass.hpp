@@ -60,7 +60,6 @@ class AlignerPass {
   void predict_components(const AlignerStage& stage, const GlobalWeights& weights);
   Vec2 predict_global(const AlignerStage& stage, const GlobalWeights& weights, std::size_t index,
                       Vec2 x) const;
-  Sym2 information(const float* w, float mm_per_px) const;
 
   FacePicture picture_;
   GradientMap gradients_;

@@ -114,7 +114,6 @@ void Alignment::write_landmarks(Span<Vec2> landmarks) {
 
 Status Alignment::begin(const FrameView& frame, const Camera& of, const AlignOptions& options,
                         bool is_refinement) {
-  PLIANT_ASSERT(use == AlignerUse::alignment);
   if (use != AlignerUse::alignment) return Status::bad_argument;
   pass.shape().start(start_view, start_q, options.is_free, lens);
   *begun = {of, frame.width, frame.height, is_refinement, 0, 1};  // one step concludes

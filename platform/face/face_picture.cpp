@@ -32,6 +32,13 @@ void place_samples(float first, float ratio, int n, int most, int* out) {
 
 }  // namespace
 
+Sym2 to_frame_px(Sym2 w, Vec2 a) {
+  const float by = 1.0f / (dot(a, a) * dot(a, a));
+  return {by * (a.x * a.x * w.xx - 2 * a.x * a.y * w.xy + a.y * a.y * w.yy),
+          by * (a.x * a.y * (w.xx - w.yy) + (a.x * a.x - a.y * a.y) * w.xy),
+          by * (a.y * a.y * w.xx + 2 * a.x * a.y * w.xy + a.x * a.x * w.yy)};
+}
+
 void FacePicture::lay_out(Arena& arena, int side) {
   PLIANT_ASSERT(side >= 2 && side <= kMostSide);
   side_ = side;

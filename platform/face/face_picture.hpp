@@ -41,6 +41,10 @@ struct CropMap {
   Vec2 middle() const { return {0.5f * static_cast<float>(side - 1), 0.5f * static_cast<float>(side - 1)}; }
 };
 
+/// Information of a displacement in a crop's millimetres, in px of the frame: R W R^T / |a|^2 with R = [a.x -a.y; a.y a.x] / |a|.
+/// \param a  one millimetre to the crop's right, px of the frame.
+Sym2 to_frame_px(Sym2 w, Vec2 a);
+
 /// The part of a frame around a face, reduced by averaging where it is large. Beyond the frame its border pixels go on.
 class FacePicture {
  public:

@@ -18,8 +18,8 @@ struct CellSums {
 };
 
 /// Bytes that describe one cell: eight directions, then brightness.
-/// Direction: kDirectionGain * (mean gradient of the cell in this direction) / (mean gradient of the
-/// neighbourhood + noise), at most 255. Brightness: 128 + kBrightnessGain * (mean of the cell - mean of the
+/// Direction: direction_gain * (mean gradient of the cell in this direction) / (mean gradient of the
+/// neighbourhood + noise), at most 255. Brightness: 128 + brightness_gain * (mean of the cell - mean of the
 /// neighbourhood) / (the same), 0 to 255.
 constexpr int kCellChannels = 9;
 constexpr int kLargestCellPx = 8;  ///< pixels a cell's side

@@ -14,7 +14,7 @@ Vec2 uv_of(const Model& model, std::uint16_t landmark) {
   return {model.landmarks()[landmark].u, model.landmarks()[landmark].v};
 }
 
-/// Share of a point's height in that of the upper lid, and in the gap between the lids.
+/// Weight of a point's height in that of the upper lid, and in the gap between the lids.
 float weight_in_lid(int number) {
   return number == 37 || number == 38 ? 0.5f : 0.0f;
 }
@@ -262,7 +262,7 @@ void PartFit::step(float seconds, const PartPoints& points) {
     add_prior(p, q_[k], 1, kShift + n, equations_);
     equations_.add_prior(kShift + n, points.last[n] - q_[k], 1 / (change * change));
   }
-  add_likeness(points);
+  add_symmetry(points);
   equations_.solve(0, step_);
   for (std::size_t n = 0; n < points.parameter_count; ++n) {
     const std::uint16_t k = points.parameter[n];
@@ -271,7 +271,7 @@ void PartFit::step(float seconds, const PartPoints& points) {
 }
 
 /// Both eyes open and shut alike, the more so the more alike they were in the last frame.
-void PartFit::add_likeness(const PartPoints& points) {
+void PartFit::add_symmetry(const PartPoints& points) {
   float now = 0, before = 0;  // mm
   std::size_t columns = 0;
   for (std::size_t n = 0; n < points.parameter_count; ++n) {

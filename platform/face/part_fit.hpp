@@ -114,7 +114,7 @@ class PartFit {
   bool read_eye(const PartPoints& points, const PartSide& side, SeenEye* eye);
   Vec2 off_centre(const CropMap& map, const PartTable& table, const PartSide& side) const;
   void step(float seconds, const PartPoints& points);
-  void add_likeness(const PartPoints& points);
+  void add_symmetry(const PartPoints& points);
   bool solve(float seconds, PartPoints* points);
   void set(const float* values, const PartPoints& points);
   bool is_near(float mm, const float* values, const PartPoints& points);

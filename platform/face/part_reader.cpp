@@ -7,14 +7,6 @@ namespace {
 /// Side of the picture from which a crop is cut, px: the diagonal of the largest crop, and a border.
 constexpr int kPictureSide = kMostPartCropPx * 3 / 2;
 
-/// Information in the crop's millimetres, in px of the frame: R W R^T / |a|^2 with a one millimetre to the crop's right.
-Sym2 turned(Sym2 w, Vec2 a) {
-  const float by = 1.0f / (dot(a, a) * dot(a, a));
-  return {by * (a.x * a.x * w.xx - 2 * a.x * a.y * w.xy + a.y * a.y * w.yy),
-          by * (a.x * a.y * (w.xx - w.yy) + (a.x * a.x - a.y * a.y) * w.xy),
-          by * (a.y * a.y * w.xx + 2 * a.x * a.y * w.xy + a.x * a.x * w.yy)};
-}
-
 }  // namespace
 
 CropMap crop_of_part(const PartRecord& part, const View& view, Vec2 middle) {
@@ -78,7 +70,7 @@ void PartReader::read(const FrameView& frame, const PartTable& table, std::size_
     const float x = side * mm_[k].x, y = mm_[k].y;
     out[k].x = map.origin + Vec2{right.x * x - right.y * y, right.y * x + right.x * y};
     const float* const i = shape.information + 3 * k;
-    out[k].information = turned({i[0], side * i[1], i[2]}, right);
+    out[k].information = to_frame_px({i[0], side * i[1], i[2]}, right);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "print/print_tuning.hpp"
 #include "vision/parabola.hpp"
 
 namespace pliant {
@@ -11,8 +12,6 @@ namespace {
 /// Tuning of the comparison. Chosen on the poster of `fixtures/sheet` with `pliant bench print`, and judged
 /// on two other prints (docs/evaluation.md, Start by print). What other values give was not recorded, except where it is told.
 struct PrintCheckTuning {
-  /// Blocks that are compared, count, at most.
-  std::size_t blocks = 48;
   /// Step of the differences that give the warp of a block, (u,v).
   float step_uv = 0.01f;
   /// Area of a unit of (u,v) in the frame, at least: as a fraction of its squared longer side (a chart may be narrow), and px^2 (so
@@ -65,7 +64,8 @@ struct Block {
 bool make_block(const SurfacePlace& place, Block* block) {
   const Vec2 a{place.px_per_uv.a, place.px_per_uv.c}, b{place.px_per_uv.b, place.px_per_uv.d};
   const float longer = dot(a, a) > dot(b, b) ? dot(a, a) : dot(b, b);
-  if (!(determinant(place.px_per_uv) > max(kTuning.least_slant * longer, kTuning.least_area_px2))) return false;
+  if (!(determinant(place.px_per_uv) > max(kTuning.least_slant * longer, kTuning.least_area_px2)))
+    return false;
   *block = {place.uv, place.x, inverse(place.px_per_uv)};
   return true;
 }
@@ -141,7 +141,7 @@ PrintAgreement compare_print(const FrameView& frame, const Model& model, const P
   PrintAgreement agreement;
   const Span<const PrintKeypoint> keypoints = table.keypoints();
   const ChartImage albedo = model.albedo();
-  const std::size_t blocks = keypoints.count < kTuning.blocks ? keypoints.count : kTuning.blocks;
+  const std::size_t blocks = keypoints.count < kPrintTuning.blocks ? keypoints.count : kPrintTuning.blocks;
   const float reach = block_px * (kHalf + 0.5f);
   for (std::size_t k = 0; k < blocks; ++k) {
     Block block;
@@ -185,9 +185,9 @@ constexpr int kWide = 2 * (kHalf + kShift) + 1;  // samples
   const int i = best % kShifts, j = best / kShifts;
   if (score[best] < kTuning.least_correlation || i == 0 || j == 0 || i == 2 * kShift || j == 2 * kShift)
     return false;
-  *shift = {
-      static_cast<float>(i - kShift) + parabola_peak(score[best - 1], score[best], score[best + 1]),
-      static_cast<float>(j - kShift) + parabola_peak(score[best - kShifts], score[best], score[best + kShifts])};
+  *shift = {static_cast<float>(i - kShift) + parabola_peak(score[best - 1], score[best], score[best + 1]),
+            static_cast<float>(j - kShift) +
+                parabola_peak(score[best - kShifts], score[best], score[best + kShifts])};
   return true;
 }
 

@@ -15,8 +15,6 @@ struct PrintFinderTuning {
   /// Matches that must agree on a view. It is verification that decides: with 6 the poster, 53 px high, is found in 0 of 8, with 4 in
   /// 3, with 3 in 6, and no picture without it is taken for it.
   int least_votes = 3;
-  /// Views that are fitted at most, those with most votes first: time of a search's last part. Not tuned.
-  std::size_t most_views = 3;
   /// Distances at which a match agrees, as fractions of the surface's extent: with the view that one match suggests, after
   /// the fit of the pose of the surface at rest, and after the fit of its parameters.
   float vote_fraction = 0.1f, rigid_fraction = 0.05f, bent_fraction = 0.02f;
@@ -92,6 +90,7 @@ void PrintFinder::lay_out(Arena& arena, const Model& model, int width, int heigh
   matcher_.lay_out(arena, table, width, height);
   FitLimits limits;
   limits.points = static_cast<std::uint16_t>(kTuning.points);
+  limits.samples_base_mesh = true;  // a search makes some twenty fits
   lay_out_part(arena, &fitter_, model, limits);
   matches_ = arena.take_span<SurfaceMatch>(PrintMatcher::most_matches());
   points_ = arena.take_span<Correspondence>(kTuning.points);
@@ -106,14 +105,16 @@ void PrintFinder::lay_out(Arena& arena, const Model& model, int width, int heigh
 Status PrintFinder::search(const FrameView& frame, std::uint32_t work, const Camera& camera, float* q,
                            FoundPrint* found) {
   Status status = status_;
+  if (status == Status::ok) status = Lens::make(camera, frame.width, frame.height, &lens_);
   if (status == Status::ok && matcher_.is_idle()) status = matcher_.begin(frame);
   if (status != Status::ok) return status;
   if (!matcher_.step(work)) return Status::not_found;
-  gather(frame, camera);
-  ViewVotes views[kTuning.most_views];
+  gather();
+  constexpr std::size_t kMostViews = kPrintTuning.most_views;
+  ViewVotes views[kMostViews];
   const std::size_t count =
       find_views({matches_.data, match_count_}, camera, kTuning.vote_fraction * matcher_.table().extent_mm(),
-                 {views, kTuning.most_views});
+                 {views, kMostViews});
   for (std::size_t k = 0; k < count && views[k].votes >= kTuning.least_votes; ++k)
     if (fit_readings(views[k].view, frame, camera, q, found))
       return (found->is_clear && is_sure(found->agreement)) ||
@@ -125,10 +126,8 @@ Status PrintFinder::search(const FrameView& frame, std::uint32_t work, const Cam
 }
 
 /// The matches in terms of the surface.
-void PrintFinder::gather(const FrameView& frame, const Camera& camera) {
+void PrintFinder::gather() {
   const PrintTable& table = matcher_.table();
-  Lens lens;
-  if (Lens::make(camera, frame.width, frame.height, &lens) != Status::ok) lens = {};
   match_count_ = 0;
   for (const PrintMatch& match : matcher_.matches()) {
     const FrameCorner& corner = matcher_.corners()[match.corner];
@@ -138,11 +137,13 @@ void PrintFinder::gather(const FrameView& frame, const Camera& camera) {
     // The picture's turn by an angle: (1 + cosine, sine) is along half of it.
     const float cosine = dot(from, to), sine = from.x * to.y - from.y * to.x;
     const float norm = square_root(cosine * cosine + sine * sine);
+    const bool is_half_turn = sine == 0 && cosine < 0;
+    const Quat turn = is_half_turn ? Quat{0, 0, 0, 1} : Quat{norm + cosine, 0, 0, sine};
     SurfaceMatch& m = matches_[match_count_++];
     m.uv = keypoint.uv();
     m.p = fitter_.cascade().surface_point(m.uv, rest_.data);
-    m.x = lens.undistort(corner.x);
-    m.q = normalised(normalised(Quat{norm + cosine, 0, 0, sine}) * table.views()[keypoint.view]);
+    m.x = lens_.undistort(corner.x);
+    m.q = normalised(normalised(turn) * table.views()[keypoint.view]);
     m.s = corner.scale * table.levels()[keypoint.level];
     m.sd_px = max(corner.scale, 1) * kTuning.corner_sd_px;
   }
@@ -159,7 +160,7 @@ bool PrintFinder::fit_readings(const View& start, const FrameView& frame, const 
   const Quat front = matcher_.table().views()[0];
   Candidate best, other;
   View view = rigid;
-  for (int reading = 0; reading < 3; ++reading) {
+  for (std::size_t reading = 0; reading < kPrintTuning.readings; ++reading) {
     const Candidate candidate = fit_candidate(view, frame, camera);
     if (reading == 0 && !is_promising(candidate.agreement)) return false;
     if (!is_better(candidate, best)) {
@@ -205,7 +206,7 @@ PrintFinder::Candidate PrintFinder::fit_candidate(const View& start, const Frame
   for (int k = 0; k < kTuning.block_passes; ++k)
     if (!fit_to_blocks(frame, camera, &c.view, &report)) return c;
   c.rms_px = report.rms_px;
-  c.agreement = verify(c.view, frame, camera);
+  c.agreement = verify(c.view, frame);
   c.is_accepted = report.used >= kTuning.least_points && is_accepted(c.agreement);
   return c;
 }
@@ -213,18 +214,14 @@ PrintFinder::Candidate PrintFinder::fit_candidate(const View& start, const Frame
 /// \param tolerance  of the matches that are fitted, as a fraction of the extent.
 bool PrintFinder::fit(const FrameView& frame, const Camera& camera, bool bends, float tolerance, View* view,
                       FitReport* report) {
-  Lens lens;
-  if (Lens::make(camera, frame.width, frame.height, &lens) != Status::ok) return false;
-  return fit_to(points_near(*view, max(tolerance * extent_px(*view), kTuning.least_tolerance_px), lens),
-                frame, camera, bends, view, report);
+  return fit_to(points_near(*view, max(tolerance * extent_px(*view), kTuning.least_tolerance_px)), frame,
+                camera, bends, view, report);
 }
 
 /// The model as it is, to where its blocks are found.
 bool PrintFinder::fit_to_blocks(const FrameView& frame, const Camera& camera, View* view, FitReport* report) {
-  Lens lens;
-  if (Lens::make(camera, frame.width, frame.height, &lens) != Status::ok) return false;
   const Projector projector(*view, true);
-  PosedSurface surface{&fitter_.cascade(), q_.data, &projector, &lens};
+  PosedSurface surface{&fitter_.cascade(), q_.data, &projector, &lens_};
   const std::size_t count = match_blocks(frame, model_, matcher_.table(), {&surface, project_posed},
                                          print_block_px(extent_px(*view)), points_);
   return fit_to({points_.data, count}, frame, camera, true, view, report);
@@ -245,23 +242,21 @@ bool PrintFinder::fit_to(Span<const Correspondence> points, const FrameView& fra
 }
 
 /// Matches that lie near their place on the present surface.
-Span<const Correspondence> PrintFinder::points_near(const View& view, float tolerance, const Lens& lens) {
+Span<const Correspondence> PrintFinder::points_near(const View& view, float tolerance) {
   const Projector projector(view, true);
   std::size_t count = 0;
   for (std::size_t k = 0; k < match_count_ && count < points_.count; ++k) {
     const SurfaceMatch& m = matches_[k];
     Vec2 x;
     if (!projector.project(fitter_.cascade().surface_point(m.uv, q_.data), &x)) continue;
-    if (length(x - m.x) <= tolerance) points_[count++] = {m.uv, lens.distort(m.x), m.sd_px, false};
+    if (length(x - m.x) <= tolerance) points_[count++] = {m.uv, lens_.distort(m.x), m.sd_px, false};
   }
   return {points_.data, count};
 }
 
-PrintAgreement PrintFinder::verify(const View& view, const FrameView& frame, const Camera& camera) {
-  Lens lens;
-  if (Lens::make(camera, frame.width, frame.height, &lens) != Status::ok) return {};
+PrintAgreement PrintFinder::verify(const View& view, const FrameView& frame) {
   const Projector projector(view, true);
-  PosedSurface surface{&fitter_.cascade(), q_.data, &projector, &lens};
+  PosedSurface surface{&fitter_.cascade(), q_.data, &projector, &lens_};
   return compare_print(frame, model_, matcher_.table(), {&surface, project_posed},
                        print_block_px(extent_px(view)));
 }

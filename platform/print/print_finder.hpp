@@ -45,7 +45,7 @@ class PrintFinder {
     bool is_accepted = false;
   };
 
-  void gather(const FrameView& frame, const Camera& camera);
+  void gather();
   bool fit_readings(const View& start, const FrameView& frame, const Camera& camera, float* q,
                     FoundPrint* found);
   static bool is_clear(const Candidate& best, const Candidate& other);
@@ -56,12 +56,13 @@ class PrintFinder {
   bool fit_to_blocks(const FrameView& frame, const Camera& camera, View* view, FitReport* report);
   bool fit_to(Span<const Correspondence> points, const FrameView& frame, const Camera& camera, bool bends,
               View* view, FitReport* report);
-  Span<const Correspondence> points_near(const View& view, float tolerance, const Lens& lens);
-  PrintAgreement verify(const View& view, const FrameView& frame, const Camera& camera);
+  Span<const Correspondence> points_near(const View& view, float tolerance);
+  PrintAgreement verify(const View& view, const FrameView& frame);
   float extent_px(const View& view) const { return view.s * matcher_.table().extent_mm(); }
 
   Model model_;
   Status status_ = Status::not_found;
+  Lens lens_;  // of this frame's camera
   PrintMatcher matcher_;
   Fitter fitter_;
   Span<SurfaceMatch> matches_;

@@ -50,7 +50,8 @@ std::size_t PrintMatcher::most_matches() {
 
 bool PrintMatcher::step(std::uint32_t work) {
   std::uint32_t done = 0;
-  const auto of_corner = static_cast<std::uint32_t>(table_.keypoints().count) / kTuning.keypoints_per_cell + 1;
+  const auto of_corner =
+      static_cast<std::uint32_t>(table_.keypoints().count) / kTuning.keypoints_per_cell + 1;
   do {
     if (next_level_ < pyramid_.levels()) {
       done += find_corners_of(next_level_++);
@@ -93,14 +94,14 @@ void PrintMatcher::add_corner(const ImageView& image, Vec2 x, PatchScale patch, 
 void PrintMatcher::match(std::size_t corner) {
   const auto& bits = corners_[corner].descriptor.bits;
   const Span<const PrintKeypoint> keypoints = table_.keypoints();
-  constexpr int kNone256 = 32 * kDescriptorWords + 1;
-  int best = kNone256, other = kNone256;
+  constexpr int kBeyondAll = 32 * kDescriptorWords + 1;
+  int best = kBeyondAll, other = kBeyondAll;
   std::size_t nearest = 0;
   for (std::size_t k = 0; k < keypoints.count; ++k) {
     const int d = distance_of(bits, keypoints[k].bits, other);
     if (d >= other) continue;
     const bool is_same_place =
-        best < kNone256 && length(keypoints[k].uv() - keypoints[nearest].uv()) < kTuning.same_place;
+        best < kBeyondAll && length(keypoints[k].uv() - keypoints[nearest].uv()) < kTuning.same_place;
     if (d < best) {
       if (!is_same_place) other = best;
       best = d;

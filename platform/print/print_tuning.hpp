@@ -28,6 +28,11 @@ struct PrintTuning {
   /// whose corners are found for one cell, cells of a descriptor, keypoints that a corner is compared with for one cell. Round
   /// values, not tuned.
   std::uint32_t pixels_per_cell = 50, cells_per_descriptor = 4, keypoints_per_cell = 100;
+  /// Views that are fitted at most, those with most votes first, and readings of each: time of a search's last frame. Not tuned.
+  std::size_t most_views = 3, readings = 3;
+  /// Blocks that a check compares, count, at most, and frames between checks of a running track.
+  std::size_t blocks = 48;
+  int check_interval_frames = 2;
 };
 inline constexpr PrintTuning kPrintTuning{};
 

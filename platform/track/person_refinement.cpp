@@ -98,7 +98,7 @@ const View* key_of(const TrackerParts& t, std::uint16_t id, std::size_t* begin) 
   for (std::size_t slot = *begin; slot < t.templates.count(); ++slot) {
     if (!t.templates.is_first(slot) || t.templates[slot].id != id) continue;
     *begin = slot;
-    return t.key_frames.view_of(key_of_slot(t.limits, slot));
+    return t.key_frames.view_of(t.templates.key_of(slot));
   }
   return nullptr;
 }

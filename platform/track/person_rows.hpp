@@ -38,7 +38,6 @@ class PersonRows {
   std::size_t count() const { return kPoseUnknowns + expressions_ + kept(); }
   /// Unknowns that last: the rotation, and the identity.
   std::size_t kept() const { return 3 + identities_; }
-  std::uint16_t expression(std::size_t k) const { return parameters_[k]; }
   std::uint16_t identity(std::size_t k) const { return parameters_[expressions_ + k]; }
 
   /// Bytes of `begin`.

@@ -221,7 +221,11 @@ pliant_status pliant_start_from_state(pliant_tracker* t, const pliant_frame* fra
 
 pliant_status pliant_save(const pliant_tracker* t, pliant_state* state) {
   if (t == nullptr || state == nullptr) return PLIANT_BAD_ARGUMENT;
-  SavedState saved = state_of(*state);
+  // Camera and pose are output: the caller need not have set them.
+  SavedState saved{{},
+                   {},
+                   {state->parameters, state->parameter_count},
+                   {reinterpret_cast<Vec3*>(state->landmark_offsets), state->landmark_count}};
   const Status status = t->tracker.save(&saved);
   if (status != Status::ok) return plain(status);
   state->camera = plain(saved.camera);

@@ -3,6 +3,7 @@
 
 #include "pliant/face_detector.hpp"
 #include "print/print_finder.hpp"
+#include "print/print_tuning.hpp"
 #include "track/detection_state.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/tracker_parts.hpp"
@@ -14,8 +15,8 @@ namespace {
 /// Tuning of starts by print. Chosen on the poster of `fixtures/sheet` with `pliant bench print`, and judged
 /// on two other prints (docs/evaluation.md, Start by print). What other values give was not recorded, except where it is told.
 struct PrintStartTuning {
-  /// Frames between checks of a running track, and after how many bad ones in a row it is given up.
-  int check_interval_frames = 2, most_bad_checks = 2;
+  /// Bad checks in a row after which a track is given up.
+  int most_bad_checks = 2;
   /// A check is bad where so many blocks are visible and less than this fraction of them agrees.
   int least_visible = 10;
   float least_agreement = 0.15f;
@@ -110,7 +111,7 @@ Status search(TrackerParts& t, const FrameView& view) {
   const Camera camera = start_camera(o.camera, o.focal_px, view.width, view.height);
   FoundPrint found;
   Status status = finder.search(view, t.limits.search_work, camera, t.start_q.data, &found);
-  if (status != Status::ok) return status == Status::not_found ? Status::ok : Status::bad_table;
+  if (status != Status::ok) return status == Status::not_found ? Status::ok : status;
   t.templates.set_check({&t, accepts_template});
   status = self.start(t, view, {camera, pose_of(found.view)}, self.kept.options);
   if (status == Status::ok) t.markers.restore(t.estimator, self.markers, self.marker_count);
@@ -169,7 +170,7 @@ void conclude(TrackerParts& t, const FrameView& view) {
     if (t.bad_frames >= kTuning.most_bad_frames) give_up(t);
     return;
   }
-  if (++self.frames_since_check >= kTuning.check_interval_frames) check(t, view);
+  if (++self.frames_since_check >= kPrintTuning.check_interval_frames) check(t, view);
   if (!self.is_confirmed) ++self.unconfirmed_frames;
   if (self.bad_checks >= kTuning.most_bad_checks ||
       self.unconfirmed_frames >= kTuning.most_unconfirmed_frames)

@@ -29,7 +29,7 @@ struct StartPose {
 /// Bytes that fit_to_landmarks takes for a number of points.
 std::size_t start_fit_bytes(const Model& model, std::size_t points);
 
-/// \param points   names that the model has, and finite positions. \param size  of the frame, as limits.
+/// \param points   names that the model has, and finite positions. \param options  with the frame's size and what is known of the camera.
 /// \param q        all parameters, the result. \param offsets  pending ones where the person's differ, if wanted.
 /// \return the statuses of LandmarkFit::fit.
 Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint> points,

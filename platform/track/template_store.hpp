@@ -54,6 +54,9 @@ class TemplateStore {
   /// Whether the slot holds the first template of a point.
   bool is_first(std::size_t slot) const { return templates_[slot].is_used && templates_[slot].first == slot; }
 
+  /// The key frame that a slot belongs to.
+  std::size_t key_of(std::size_t slot) const;
+
   /// Adds the visible surface point at image position x (px) to the estimator, and captures its template in a
   /// free slot.
   /// \param uv  of the mesh under x.
@@ -79,7 +82,6 @@ class TemplateStore {
  private:
   Template captured(std::uint16_t id, std::size_t first, const Prediction& seen, Estimator& estimator) const;
   float depth(const Template& t, const Mat2& to_template) const;
-  std::size_t key_of(std::size_t slot) const;
 
   PatchTracker patches_;
   TemplateCheck check_;

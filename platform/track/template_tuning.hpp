@@ -20,6 +20,10 @@ struct TrackerTuning {
   /// searches of nearly every frame ended early: the recorded face trembled by 0.22 instead of 0.11 px. These figures are those of
   /// 5.33 steps; 5.6 are the same work since tracking there and back counts as two searches (docs/experiments.md, Work of a frame).
   float most_steps_a_template = 5.6f, most_passes = 3, most_factorisations = 60;
+  /// More of it for springs, passes. A sheet with 12 shapes takes 4 in a usual frame, and evaluates them twice as often. With 3 the
+  /// frames that a key frame has waited for ended after one step: residuals of 1.1 px, where others have 0.25; with 8 they
+  /// have 0.24 to 0.32.
+  float most_spring_passes = 8;
   /// More of it where the person is estimated, instructions. With 2.75 million the same heads had 2.14 and 2.12 degrees.
   float most_for_person = 2.35e6f;
   /// Fraction of what the coarse translation leaves of it that searches may take: the rest is left to solves and rare

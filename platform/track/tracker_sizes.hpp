@@ -2,6 +2,7 @@
 // What follows from a tracker's limits.
 #include <cstddef>
 
+#include "estimate/stretch_rows.hpp"
 #include "pliant/frame_work.hpp"
 #include "pliant/tracker_limits.hpp"
 #include "track/template_tuning.hpp"
@@ -42,13 +43,6 @@ constexpr std::size_t all_slots(const TrackerLimits& limits) {
   return first_slot(limits, std::size_t{limits.key_frames} + 1);
 }
 
-/// The key frame that a slot belongs to. \pre slot < all_slots(limits)
-constexpr std::size_t key_of_slot(const TrackerLimits& limits, std::size_t slot) {
-  std::size_t key = 0;
-  while (slot >= first_slot(limits, key + 1)) ++key;
-  return key;
-}
-
 constexpr std::size_t edge_points(const TrackerLimits& limits) {
   return limits.edges == nullptr ? 0 : std::size_t{limits.curve_points} + limits.silhouette_points;
 }
@@ -56,18 +50,23 @@ constexpr std::size_t edge_points(const TrackerLimits& limits) {
 constexpr std::size_t all_observations(const TrackerLimits& limits) {
   return all_slots(limits) + edge_points(limits);
 }
-/// The budget of a frame, in the unit of WorkCosts.
-constexpr float most_frame_work(const TrackerLimits& limits, const WorkCosts& costs) {
+/// Observations that take as much work as the model's springs.
+inline std::size_t spring_rows(const Model& model, const TrackerLimits& limits) {
+  return limits.stretch == nullptr ? 0 : limits.stretch->work_rows(model);
+}
+/// The budget of a frame, in the unit of WorkCosts. \param springs  spring_rows of the model, here and below.
+constexpr float most_frame_work(const TrackerLimits& limits, const WorkCosts& costs, std::size_t springs) {
   const TrackerTuning& t = kTrackerTuning;
   return scaled_px(limits, t.most_steps_a_template) * costs.search_step *
              static_cast<float>(all_slots(limits)) +
          t.most_passes * costs.row * static_cast<float>(all_observations(limits)) +
+         t.most_spring_passes * costs.row * static_cast<float>(springs) +
          t.most_factorisations * costs.factorisation + (limits.person != nullptr ? t.most_for_person : 0.0f);
 }
 /// The last passes of a frame's solves, which they make whatever is left of the budget; in the unit of WorkCosts.
-constexpr float last_passes_work(const TrackerLimits& limits, const WorkCosts& costs) {
-  return costs.row *
-         static_cast<float>(static_cast<std::size_t>(kTemplateMatchTuning.rounds) * all_observations(limits));
+constexpr float last_passes_work(const TrackerLimits& limits, const WorkCosts& costs, std::size_t springs) {
+  return costs.row * static_cast<float>(static_cast<std::size_t>(kTemplateMatchTuning.rounds) *
+                                        (all_observations(limits) + springs));
 }
 /// Of a key frame, at most, in the unit of WorkCosts. \param tries  places tried for each slot.
 constexpr float key_frame_work(const TrackerLimits& limits, const WorkCosts& costs, std::size_t tries) {

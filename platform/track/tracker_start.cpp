@@ -79,7 +79,7 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const f
   bad_frames = 0;
   budget = {};
   budget.costs = estimator.work_costs(limits.patch_window);
-  budget.most = most_frame_work(limits, budget.costs);
+  budget.most = most_frame_work(limits, budget.costs, spring_rows(model(), limits));
   matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow));
   is_started = true;
   if (person != nullptr) limits.person->start(*this, with);
@@ -192,7 +192,9 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
   if (t.detection == nullptr) return Status::not_found;
   Lens unused;
   const Camera camera = start_camera(start.camera, start.focal_px, t.limits.width, t.limits.height);
-  if (!(start.focal_px >= 0) || Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok)
+  const Pose anywhere{{}, {0, 0, 1000}};
+  if (!(start.focal_px >= 0) || !is_possible(anywhere, camera) ||
+      Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok)
     return Status::bad_argument;
   t.detection->calls->begin_search(t, start, options);
   t.forget_time();

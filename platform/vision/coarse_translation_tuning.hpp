@@ -20,11 +20,11 @@ struct CoarseTranslationTuning {
 inline constexpr CoarseTranslationTuning kCoarseTranslationTuning{};
 
 /// Number of shifts that a search within `range_px` compares, at most: the coarse steps, those around the
-/// best, and none.
+/// best, none, and the best one's neighbours, for its fraction of a pixel.
 constexpr int most_shifts(int range_px) {
   const int step = kCoarseTranslationTuning.first_step_px, coarse = 2 * (range_px / step) + 1,
             fine = 2 * step - 1;
-  return coarse * coarse + fine * fine + 1;
+  return coarse * coarse + fine * fine + 1 + 4;
 }
 
 }  // namespace pliant

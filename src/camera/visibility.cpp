@@ -99,14 +99,14 @@ float nearest_on_triangle(Vec2 a, Vec2 b, Vec2 c, Vec2 x, float (&weight)[3]) {
     }
   }
   const Vec2 corner[3] = {a, b, c};
-  float best = kFar;
+  float best = 0;
   for (int k = 0; k < 3; ++k) {
     const int n = k == 2 ? 0 : k + 1;
     const Vec2 edge = corner[n] - corner[k];
     const float square = dot(edge, edge);
     const float t = square > 0 ? clamp(dot(x - corner[k], edge) / square, 0, 1) : 0.0f;
     const Vec2 off = x - corner[k] - t * edge;
-    if (dot(off, off) >= best) continue;
+    if (k > 0 && dot(off, off) >= best) continue;
     best = dot(off, off);
     weight[k] = 1 - t;
     weight[n] = t;

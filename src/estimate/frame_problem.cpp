@@ -64,8 +64,9 @@ float FrameProblem::prior_cost(const View& v, const float* q) const {
     const float z = q[p] / parameter(p).sd, t = (q[p] - expected.mean.q[p]) / expected.parameter_sd[p];
     cost += 0.5f * (z * z + t * t);
   }
-  if (input.springs != nullptr) cost += input.prior->apply(*input.springs, input.cascade, q, nullptr);
-  return cost;
+  if (input.springs == nullptr) return cost;
+  scratch.work.measured_rows += scratch.spring_rows;
+  return cost + input.prior->apply(*input.springs, input.cascade, q, nullptr);
 }
 
 void FrameProblem::add_priors() {
@@ -83,7 +84,9 @@ void FrameProblem::add_priors() {
     add_prior(parameter(i), q, 1, kPoseUnknowns + k, equations);
     equations.add_prior(kPoseUnknowns + k, expected.mean.q[i] - q, 1.0f / (sd * sd));
   }
-  if (input.springs != nullptr) input.prior->apply(*input.springs, input.cascade, state.q, &equations);
+  if (input.springs == nullptr) return;
+  scratch.work.rows += scratch.spring_rows;
+  input.prior->apply(*input.springs, input.cascade, state.q, &equations);
 }
 
 void FrameProblem::add_row(const Projector::Derivatives& d, const Jacobian& jacobian, std::size_t row,

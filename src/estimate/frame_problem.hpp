@@ -33,7 +33,8 @@ struct SolveScratch {
   NormalEquations equations;
   float *trial_q = nullptr, *step = nullptr;
   PointRow row;
-  FrameWork work;  ///< of the frame: rows and measured rows
+  FrameWork work;                 ///< of the frame: rows and measured rows
+  std::uint32_t spring_rows = 0;  ///< observations that take as much work as the springs
 
   void lay_out(Arena& arena, std::size_t parameters, std::size_t unknowns);
 };

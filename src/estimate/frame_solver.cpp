@@ -47,7 +47,7 @@ FrameWork FrameSolver::work() const {
 
 /// Steps of a minimisation for which there is work left, beside its last pass.
 int FrameSolver::steps_left() const {
-  const float rows = static_cast<float>(rows_.count()), pass = rows * costs_.row;
+  const float rows = static_cast<float>(rows_.count() + scratch_.spring_rows), pass = rows * costs_.row;
   const float step = pass + rows * costs_.measured_row + kTuning.factorisations_a_step * costs_.factorisation;
   const float steps = (most_work_ - costs_.of_solves(work()) - pass) / step;
   return static_cast<int>(clamp(steps, 0, static_cast<float>(policy_.iterations)));
@@ -55,6 +55,8 @@ int FrameSolver::steps_left() const {
 
 void FrameSolver::gather(const SolveInput& input, Span<Observation> observations) {
   rows_.gather(observations, input.points, input.expected.mean.view.s);
+  scratch_.spring_rows =
+      input.springs == nullptr ? 0 : static_cast<std::uint32_t>(input.springs->work_rows());
   result_.searched = rows_.searched();
   result_.patches_searched = rows_.patches_searched();
 }
@@ -81,9 +83,11 @@ bool FrameSolver::solve_first_pass(const SolveInput& input, Span<Observation> ob
 SolverReport FrameSolver::solve(const SolveInput& input, Span<Observation> observations,
                                 Span<const Prediction> predictions, ModelState* state) {
   SolverReport report;
+  const std::uint16_t iterations = result_.iterations;
+  result_ = {};
+  result_.iterations = iterations;
   gather(input, observations);
   result_.rows = static_cast<std::uint16_t>(rows_.count());
-  result_.inliers = 0;
   if (!has_enough()) {
     rows_.clear();
     return report;

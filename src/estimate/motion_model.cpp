@@ -27,6 +27,7 @@ Status MotionModel::start(const Cascade& cascade, const ModelState& state, const
   time_ns_ = options.time_ns;
   seconds_ = kMotionModelTuning.nominal_step;
   since_sample_ = 0;
+  expect_parameter_sd(cascade);
   expect_pose_variance(0);
   return Status::ok;
 }
@@ -50,11 +51,21 @@ bool MotionModel::predict(std::int64_t time_ns, int bad_frames, const Cascade& c
     const Parameter& p = cascade.model().parameters()[i];
     if (moves && filter_.ranges()[i] > 0) state->q[i] = clamp(filter_.parameters()[i], p.minimum, p.maximum);
     expected_.mean.q[i] = state->q[i];
-    expected_.parameter_sd[i] =
-        t.parameter_rate * (p.maximum - p.minimum) * min(seconds_, t.longest_parameter_time);
   }
+  expect_parameter_sd(cascade);
   expect_pose_variance(bad_frames);
   return moves;
+}
+
+/// What each parameter may change by since the last frame. Never 0: a range may be empty.
+void MotionModel::expect_parameter_sd(const Cascade& cascade) {
+  const MotionModelTuning& t = kMotionModelTuning;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Parameter& p = cascade.model().parameters()[i];
+    expected_.parameter_sd[i] =
+        max(t.parameter_rate * (p.maximum - p.minimum) * min(seconds_, t.longest_parameter_time),
+            t.least_parameter_sd);
+  }
 }
 
 /// Sets the expected variance: that of the filter, clamped to the tuning's range, and larger after every bad frame. If the

@@ -28,6 +28,8 @@ struct MotionModelTuning {
   float parameter_rate = 3;
   /// s. Longest time over which `parameter_rate` acts. Round value, not tuned.
   float longest_parameter_time = 0.5f;
+  /// Least standard deviation of a parameter's change, in its unit: it divides, and a range may be empty. Round value.
+  float least_parameter_sd = 1e-6f;
   /// s. Time step of a first frame, and of one whose time does not follow the frame before.
   float nominal_step = 1.0f / 30;
   /// ns. A frame that follows by less repeats the frame before.
@@ -73,6 +75,7 @@ class MotionModel {
   const float* smoothed_parameters() const { return smoother_.parameters(); }
 
  private:
+  void expect_parameter_sd(const Cascade& cascade);
   void expect_pose_variance(int bad_frames);
 
   MotionFilter filter_;

@@ -45,8 +45,9 @@ void ObservationRows::start(const RowPolicy& policy) {
 
 bool ObservationRows::is_usable(const Observation& o, const SurfacePoints& points) const {
   const Sym2 w = o.information;
-  return points.has(o.id) && static_cast<std::size_t>(o.cue) < kCueCount && is_finite(o.x) &&
-         is_finite(w.xx) && is_finite(w.xy) && is_finite(w.yy) && w.xx >= 0 && w.yy >= 0 && w.xx + w.yy > 0;
+  return points.has(o.id) && static_cast<std::size_t>(o.cue) < kCueCount && is_finite(o.x) && w.xx >= 0 &&
+         w.yy >= 0 && w.xx + w.yy > 0 && w.xx <= kTuning.most_information &&
+         w.yy <= kTuning.most_information && magnitude(w.xy) <= kTuning.most_information;
 }
 
 /// The observation's information with the model error added, in the scale of its cue.

@@ -17,6 +17,8 @@ struct ObservationRowsTuning {
   /// Chosen on the order of
   /// cues and the recorded face (docs/experiments.md, section Tuning).
   float edge_error_mm = 1.7f;
+  /// Information of a usable observation, 1/px^2, at most: that of a millionth of a pixel. Beyond, products overflow. Round value.
+  float most_information = 1e12f;
   /// Tukey weight below which a row is an outlier. Round value, not tuned.
   float least_weight = 0.1f;
   /// Range of the robust scale of all residuals, in standard deviations. Below 1 the observations' own noise counts; above 8

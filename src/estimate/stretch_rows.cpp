@@ -105,6 +105,11 @@ StretchRows* lay_out(Arena& arena, const Model& model, std::size_t samples) {
   return model.stretch().empty() ? nullptr : create_part<StretchRows>(arena, model, samples);
 }
 
+std::size_t work_rows(const Model& model) {
+  SpringTable table;
+  return SpringTable::open(model.stretch(), &table) == Status::ok ? kRowsASpring * table.springs.count : 0;
+}
+
 Status start(StretchRows& rows, Cascade& cascade, const float* q) {
   return rows.start(cascade, q);
 }
@@ -117,6 +122,6 @@ float apply(StretchRows& rows, Cascade& cascade, const float* q, NormalEquations
 
 }  // namespace
 
-const StretchPrior kStretchPrior{lay_out, start, apply};
+const StretchPrior kStretchPrior{lay_out, work_rows, start, apply};
 
 }  // namespace pliant

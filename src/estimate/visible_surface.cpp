@@ -131,7 +131,8 @@ float VisibleSurface::move_vertices(Cascade& cascade, const float* q, VertexTurn
   for (VertexId v : mesh_.vertices()) {
     if (v >= first_outdated_) break;
     if (turn.is_of(v) == others) continue;
-    if (keeps_samples()) prefetch_samples(samples_of(static_cast<VertexId>(v + kAhead)));
+    if (keeps_samples() && v + kAhead < mesh_.vertex_count())
+      prefetch_samples(samples_of(static_cast<VertexId>(v + kAhead)));
     const Vec3 p = keeps_samples() ? cascade.evaluate(samples_of(v), q) : cascade.selected_point(mesh_.uv(v)),
                step = p - position_[v];
     farthest = max(farthest, dot(step, step));

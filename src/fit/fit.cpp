@@ -86,7 +86,7 @@ void Fitter::State::lay_out(Arena& arena, const Model& model, const FitLimits& m
   position = arena.take<Vec3>(limits.points);
   ideal = arena.take<Correspondence>(limits.points);
   q = arena.take<float>(model.parameters().count);
-  fold_over.lay_out(arena, model);
+  fold_over.lay_out(arena, model, limits.samples_base_mesh);
   if (!limits.silhouette) return;
   silhouette = create_part<SilhouetteMatcher>(arena, model);
   work.contour_normal = arena.take<Vec2>(limits.points);
@@ -190,7 +190,7 @@ void Fitter::State::start(FitProblem& problem) {
 int Fitter::State::minimise_in_stages(FitProblem& problem, bool has_silhouette) {
   const FitOptions& options = problem.options;
   const int stages = kFitTuning.stages, matches = has_silhouette ? kFitTuning.silhouette_matches : 1;
-  const int share = options.iterations / (stages * matches), most = share > 0 ? share : 1;
+  const int each = options.iterations / (stages * matches), most = each > 0 ? each : 1;
   int iterations = 0;
   fold_over.start(work.cascade, problem.q);
   fold_over.move_back(work.cascade, problem.q);

@@ -4,24 +4,38 @@
 
 namespace pliant {
 
-void FoldOverGuard::lay_out(Arena& arena, const Model& model) {
+void FoldOverGuard::lay_out(Arena& arena, const Model& model, bool samples) {
   test_.lay_out(arena, model);
   valid_position_ = arena.take<Vec3>(model.base_uv().count);
   position_ = arena.take<Vec3>(model.base_uv().count);
   valid_q_ = arena.take<float>(model.parameters().count);
+  if (samples) samples_ = arena.take_span<Vec3>(model.base_uv().count * model.cascade().count);
 }
 
 void FoldOverGuard::start(Cascade& cascade, const float* q) {
   if (!test_.is_started()) test_.start(cascade);
   for (std::size_t i = 0; i < cascade.parameter_count(); ++i)
     valid_q_[i] = cascade.column_of(i) == kNone ? q[i] : 0.0f;
-  test_.compute_positions(cascade, valid_q_, valid_position_);
+  const bool are_all_free = cascade.column_count() == cascade.parameter_count();
+  if (!samples_.empty() && !(are_all_free && are_samples_of_all_)) {
+    const auto uv = cascade.model().base_uv();
+    for (std::size_t v = 0; v < uv.count; ++v)
+      cascade.sample_point(uv[v], q, samples_.data + v * cascade.model().cascade().count);
+    are_samples_of_all_ = are_all_free;
+  }
+  compute_positions(cascade, valid_q_, valid_position_);
+}
+
+void FoldOverGuard::compute_positions(Cascade& cascade, const float* q, Vec3* position) {
+  if (samples_.empty()) return test_.compute_positions(cascade, q, position);
+  for (std::size_t v = 0; v < cascade.model().base_uv().count; ++v)
+    position[v] = cascade.evaluate(samples_.data + v * cascade.model().cascade().count, q);
 }
 
 bool FoldOverGuard::move_back(Cascade& cascade, float* q) {
   const std::size_t parameters = cascade.parameter_count();
   for (int k = 0; k < kFitTuning.fold_over_tries; ++k) {
-    test_.compute_positions(cascade, q, position_);
+    compute_positions(cascade, q, position_);
     const float fraction = test_.step_fraction(valid_position_, position_);
     if (fraction == 1) {
       for (std::size_t i = 0; i < parameters; ++i) valid_q_[i] = q[i];

@@ -6,7 +6,8 @@ namespace pliant {
 
 class FoldOverGuard {
  public:
-  void lay_out(Arena& arena, const Model& model);
+  /// \param samples  whether the vertices' samples are kept: 12 bytes a vertex and record for a tenth of the time.
+  void lay_out(Arena& arena, const Model& model, bool samples);
 
   /// Starts from the frozen parameters of `q` with all free ones at rest.
   void start(Cascade& cascade, const float* q);
@@ -20,7 +21,11 @@ class FoldOverGuard {
   const Vec3* positions() const { return valid_position_; }
 
  private:
+  void compute_positions(Cascade& cascade, const float* q, Vec3* position);
+
   FoldOverTest test_;
+  Span<Vec3> samples_;               // of the base mesh's vertices; empty: positions come from the tables
+  bool are_samples_of_all_ = false;  // they were taken with all parameters free
   Vec3 *valid_position_ = nullptr, *position_ = nullptr;  // of the base mesh, at valid_q_ and at a trial
   float* valid_q_ = nullptr;
 };

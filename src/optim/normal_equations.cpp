@@ -12,7 +12,7 @@ namespace {
 constexpr NormalEquationsTuning kTuning = kNormalEquationsTuning;
 constexpr std::size_t kGatheredRows = kTuning.gathered_rows, kTileRows = kTuning.tile_rows,
                       kTileColumns = kTuning.tile_columns, kPanel = kTuning.panel;
-constexpr std::size_t kWideLanes = 8;  // floats of the widest vector that add_products is compiled for
+constexpr std::size_t kWideLanes = 8;  // floats of the widest vector that add_spread is compiled for
 constexpr std::size_t kBeyond =
     kHasVectors ? kWideLanes : 0;  // where vectors of H's last row end; they add zeros
 

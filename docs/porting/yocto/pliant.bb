@@ -3,7 +3,7 @@
 SUMMARY = "Fits and tracks deformable 3D models, faces first, in fixed memory and without a heap"
 LICENSE = "MIT"
 LIC_FILES_CHKSUM = "file://LICENSE;md5=483f54a9664d1c83747a9eb26411e98d"
-PV = "0.2.0"
+PV = "0.3.0"
 
 inherit cmake externalsrc
 EXTERNALSRC = "${@os.path.abspath(os.path.join(d.getVar('THISDIR'), '..', '..', '..'))}"

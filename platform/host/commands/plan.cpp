@@ -12,6 +12,7 @@
 #include "face/scaled_lines.hpp"
 #include "face/search_place.hpp"
 #include "optim/normal_equations_tuning.hpp"
+#include "print/print_tuning.hpp"
 #include "track/face_checks.hpp"
 #include "track/face_search.hpp"
 #include "track/frame_budget.hpp"
@@ -48,6 +49,10 @@ struct Instructions {
   double adapted_vertex = 60000;
   double captured_record = 400;  ///< of a template of frame 0
   double curve_point = 60000;    ///< a new one
+  /// Of prints, counted on sheets with 4, 6 and 12 shapes: a block compared, and its place from the tables; a cell of the search; a
+  /// fit of one view.
+  double print_block = 42000, print_block_record = 1200;
+  double print_cell = 4600, print_fit = 2e7, print_fit_record = 2.7e6;
 };
 constexpr Instructions kCost{};
 
@@ -72,7 +77,8 @@ struct Sizes {
     records = l.samples_per_point > 0 ? std::min<double>(l.samples_per_point, sampled) : sampled;
     slots = static_cast<double>(all_slots(l));
     edges = static_cast<double>(edge_points(l));
-    observations = static_cast<double>(all_observations(l));
+    springs = spring_rows(model, l);
+    observations = static_cast<double>(all_observations(l) + springs);
     points = static_cast<double>(all_points(l));
     has_rejection = l.rejection != nullptr;
     unknowns = kPoseUnknowns + static_cast<double>(free);
@@ -81,10 +87,10 @@ struct Sizes {
     thumbnail_side = std::max(l.width, l.height) / thumbnail_factor(l.width, l.thumbnail_width);
     costs = WorkCosts::of(static_cast<float>(l.patch_window), static_cast<float>(unknowns),
                           static_cast<float>(records));
-    budget = static_cast<double>(most_frame_work(l, costs));
+    budget = static_cast<double>(most_frame_work(l, costs, springs));
     person_step = static_cast<double>(person_step_work(model, l));
   }
-  std::size_t free;
+  std::size_t free, springs;  // springs as observations of a pass
   bool has_rejection;
   double identities, all_records, records, slots, edges, observations, points, unknowns, region_pixels,
       frame_pixels;
@@ -132,7 +138,8 @@ void add_limited_loads(const Sizes& s, const TrackerLimits& limits, const Estima
   const double more =
       kNormalEquationsTuning.limit_rounds - static_cast<double>(kFrameSolverTuning.factorisations_a_step);
   loads.push_back({"observations in the last pass of a solve", 0,
-                   static_cast<double>(last_passes_work(limits, s.costs)) / row, row, Bound::beside});
+                   static_cast<double>(last_passes_work(limits, s.costs, s.springs)) / row, row,
+                   Bound::beside});
   loads.push_back(
       {"factorisations at limits of parameters", 0, more * options.iterations, factorisation, Bound::beside});
 }
@@ -212,6 +219,26 @@ void add_face_loads(const Model& model, const Sizes& s, Loads& loads) {
   if (!model.parts().empty()) loads.push_back({"readings of the parts of a face", 1, 1, kCost.parts});
   add_shared(s, "checks of the track", 1.0 / kFaceChecksTuning.known_interval_frames, 1,
              static_cast<double>(kFaceChecksTuning.check_work), loads);
+}
+
+/// What checks of a print add to a tracked frame, and the frames that search for it and start with it.
+void add_print_loads(const Sizes& s, const TrackerLimits& limits, Plan& plan) {
+  const double blocks = static_cast<double>(kPrintTuning.blocks),
+               interval = kPrintTuning.check_interval_frames;
+  const double tries =
+      static_cast<double>(kTrackerTuning.tries_a_slot * (first_slot(limits, 2) - first_slot(limits, 1)));
+  const double check = kCost.print_block + kCost.print_block_record * s.all_records;
+  plan.loads.push_back({"blocks of the print compared", blocks / interval, blocks, check});
+  plan.loads.push_back({"blocks where a key frame wants templates", 0, tries, kCost.print_block});
+  const double cells = limits.search_work, fits = static_cast<double>(kPrintTuning.readings);
+  plan.search_loads.push_back({"cells of the search", cells, cells, kCost.print_cell});
+  plan.search_loads.push_back({"fits of the print", 0, fits * static_cast<double>(kPrintTuning.most_views),
+                               kCost.print_fit + kCost.print_fit_record * s.all_records});
+  plan.start_loads = plan.search_loads;
+  plan.start_loads.back().usual = fits;
+  plan.start_loads.push_back({"blocks of the print compared", blocks, blocks, check});
+  plan.start_loads.push_back(
+      {"blocks where templates are wanted", 2.0 * limits.patches, 3.0 * limits.patches, kCost.print_block});
 }
 
 /// A frame that searches for a face.
@@ -364,6 +391,8 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
     if (!model.parts().empty())
       plan.start_loads.push_back({"readings of the parts of a face", readings, readings, kCost.parts});
   }
+  if (limits.detection != nullptr && !model.print().empty() && plan.search.all_cells == 0)
+    add_print_loads(sizes, limits, plan);
   add_start_loads(sizes, limits, plan.search.does_both || plan.search.all_cells == 0, plan.start_loads);
   return plan;
 }

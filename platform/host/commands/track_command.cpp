@@ -193,7 +193,10 @@ Command track_command() {
        {"--box", "X,Y,W,H", "the face in frame 0: upper left corner and size, as pliant detect writes it"},
        {"--box-of", "WHOSE",
         "pliant (default); opencv: the square of its cascades; landmarks: brows to chin, ear to ear"},
-       {"--out", "CSV", "the track to write: one row per frame, each as soon as it is known", Takes::output},
+       {"--out", "CSV",
+        "the track to write, one row a frame: to - or a pipe each as soon as it is known; a file appears "
+        "when the track ends",
+        Takes::output},
        {"--landmarks", nullptr,
         "also write the image position of every landmark; a landmark of --init keeps its offset from the "
         "fitted model, as far as noise does not explain the offset"},

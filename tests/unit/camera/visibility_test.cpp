@@ -38,6 +38,15 @@ TEST_CASE("the nearest point of a triangle is inside it, and no sampled point of
   }
 }
 
+TEST_CASE("the weights of the nearest point are those of a point, however far away the other one is") {
+  for (const Vec2 x : {Vec2{1e16f, 0}, Vec2{-3e38f, 3e38f}, Vec2{0, 1e30f}}) {
+    float w[3] = {7, 7, 7};
+    nearest_on_triangle({0, 0}, {10, 0}, {0, 10}, x, w);
+    CHECK(w[0] + w[1] + w[2] == doctest::Approx(1));
+    for (const float each : w) CHECK((each >= 0 && each <= 1));
+  }
+}
+
 TEST_CASE("a mesh that faces the camera hides what lies behind it and nothing else") {
   ModelBuilder b;
   b.grid_mesh(4);

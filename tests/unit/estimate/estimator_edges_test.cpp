@@ -370,6 +370,9 @@ TEST_CASE("a state that was saved is restored; one that is not finite changes no
   bad.pose.t.x = std::numeric_limits<float>::quiet_NaN();
   CHECK(e->restore(bad) == Status::bad_argument);
   bad = state;
+  bad.pose.t.x = 3e38f;  // finite, and nowhere near a picture
+  CHECK(e->restore(bad) == Status::bad_argument);
+  bad = state;
   bad.q = nullptr;
   CHECK(e->restore(bad) == Status::bad_argument);
   q[3] = std::numeric_limits<float>::infinity();

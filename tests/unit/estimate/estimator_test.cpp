@@ -422,3 +422,71 @@ TEST_CASE("a personalised model is tracked to the same state, and costs the memo
   CHECK(length(truth[1] - truth[0]) < 0.2f);
   CHECK(bytes[1] >= bytes[0] + 64 * 64 * 6);
 }
+
+TEST_CASE("an observation whose information would overflow is not used, and harms no other") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0.1f);
+  e->begin(1);
+  auto seen = scene.observe(0.13f, scene.q, 0.1f);
+  seen[0].information = {1e20f, 0, 1e20f};
+  seen[1].information = {1, 1e20f, 1};
+  e->solve(span(seen));
+  CHECK(e->end().state == TrackState::tracking);
+  CHECK(turn_error(e.object, 0.13f) < 0.02f);
+  CHECK(seen[0].reason == Reason::not_visible);
+  CHECK(seen[1].reason == Reason::not_visible);
+  CHECK(seen[2].reason == Reason::found);
+}
+
+TEST_CASE("the first frame may be solved without `begin`") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0.1f);
+  auto seen = scene.observe(0.13f, scene.q, 0.1f);
+  e->predict();
+  e->solve(span(seen));
+  CHECK(e->end().state == TrackState::tracking);
+  CHECK(turn_error(e.object, 0.13f) < 0.02f);
+}
+
+TEST_CASE("what a solve with too few observations says is of these, not of the solve before") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0.1f);
+  e->begin(1);
+  auto seen = scene.observe(0.13f, scene.q, 0.1f);
+  e->solve(span(seen));
+  auto few = scene.observe(0.13f, scene.q, 0.1f);
+  few.resize(2);
+  e->solve(span(few));
+  const FrameResult result = e->end();
+  CHECK(result.inliers == 0);
+  CHECK(result.rms_px == 0);
+  CHECK_FALSE(result.pose_is_observed);
+}
+
+TEST_CASE("an expression whose range is empty stays at 0, and the others are tracked") {
+  ModelBuilder b = egg_model(3);
+  const std::uint16_t empty = b.parameter("empty", Group::expression, 0, 0, 0.4f);
+  b.record(Operation::add_vector, {b.last()}, {empty}, b.field(3, 2, 2, [](float, float) {
+    return Vec3{1, 0, 0};
+  }));
+  Scene scene;
+  scene.words = b.table();
+  REQUIRE(Model::open(scene.words.data(), scene.words.size() * 4, &scene.model) == Status::ok);
+  scene.q.push_back(0);
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.start(e.object, 0.1f);
+  std::vector<float> truth = scene.q;
+  truth[3] = 0.5f;
+  for (int frame = 1; frame < 6; ++frame) {
+    e->begin(frame * std::int64_t{40'000'000});
+    auto seen = scene.observe(0.13f, truth, 0.1f);
+    e->solve(span(seen));
+    CHECK(e->end().state == TrackState::tracking);
+  }
+  CHECK(turn_error(e.object, 0.13f) < 0.02f);
+  CHECK(e->parameters()[3] == doctest::Approx(0.5).epsilon(0.1).scale(1));
+  CHECK(e->parameters()[empty] == 0);
+}

@@ -120,7 +120,7 @@ TEST_CASE("eyes of which one is read too far open, by less than a lid, are taken
   float apart = 0;
   for (std::size_t n = 0; n < alone.parameter_count; ++n)
     apart += rig.points.opens_mm[n] * (alone.last[n] - alone.start[n]);
-  MESSAGE("gaps differ by " << together << " mm, " << magnitude(apart) << " without likeness");
+  MESSAGE("gaps differ by " << together << " mm, " << magnitude(apart) << " without symmetry");
   CHECK(magnitude(apart) > 0.8f);
   CHECK(together < 0.7f * magnitude(apart));
 }

@@ -37,31 +37,45 @@ struct Guarded {
 
 TEST_CASE("a valid state stays, a folded one moves back to nine tenths of the way to the fold") {
   const Guarded g;
-  InArena<Cascade> cascade(g.model);
-  InArena<FoldOverGuard> guard(g.model);
-  float q[2] = {2, 2};
-  guard->start(cascade.object, q);
-  CHECK_FALSE(guard->move_back(cascade.object, q));
-  CHECK(q[0] == 2);
-  q[0] = q[1] = 4;  // 8 in all; from 4 the fold at 5 is a quarter of the way
-  CHECK(guard->move_back(cascade.object, q));
-  CHECK(double(q[0] + q[1]) == doctest::Approx(4 + 0.9 * 1).epsilon(0.01));
-  CHECK(double(q[0]) == doctest::Approx(double(q[1])));
-  const std::size_t last = g.model.base_uv().count - 1;
-  for (const std::size_t v : {std::size_t{0}, last})
-    CHECK(length(guard->positions()[v] - cascade->surface_point(g.model.base_uv()[v], q)) < 1e-3f);
+  for (const bool samples : {false, true}) {
+    CAPTURE(samples);
+    InArena<Cascade> cascade(g.model);
+    InArena<FoldOverGuard> guard(g.model, samples);
+    float q[2] = {2, 2};
+    guard->start(cascade.object, q);
+    CHECK_FALSE(guard->move_back(cascade.object, q));
+    CHECK(q[0] == 2);
+    q[0] = q[1] = 4;  // 8 in all; from 4 the fold at 5 is a quarter of the way
+    CHECK(guard->move_back(cascade.object, q));
+    CHECK(double(q[0] + q[1]) == doctest::Approx(4 + 0.9 * 1).epsilon(0.01));
+    CHECK(double(q[0]) == doctest::Approx(double(q[1])));
+    const std::size_t last = g.model.base_uv().count - 1;
+    for (const std::size_t v : {std::size_t{0}, last})
+      CHECK(length(guard->positions()[v] - cascade->surface_point(g.model.base_uv()[v], q)) < 1e-3f);
+  }
 }
 
 TEST_CASE("frozen parameters are part of the valid state; free ones start at rest") {
   const Guarded g;
-  InArena<Cascade> cascade(g.model);
-  InArena<FoldOverGuard> guard(g.model);
-  const std::uint8_t is_free[] = {0, 1};
-  cascade->set_free(is_free);
-  float q[2] = {3, 4};  // together 7: folded
-  guard->start(cascade.object, q);
-  CHECK(guard->move_back(cascade.object, q));
-  CHECK(q[0] == 3);
-  CHECK(q[1] > 0);
-  CHECK(q[0] + q[1] < 5);
+  for (const bool samples : {false, true}) {
+    CAPTURE(samples);
+    InArena<Cascade> cascade(g.model);
+    InArena<FoldOverGuard> guard(g.model, samples);
+    const std::uint8_t is_free[] = {0, 1};
+    for (int turn = 0; turn < 2; ++turn) {  // samples of frozen parameters are no others' samples
+      cascade->set_all_free();
+      float free[2] = {2, 2};
+      guard->start(cascade.object, free);
+      CHECK_FALSE(guard->move_back(cascade.object, free));
+      cascade->set_free(is_free);
+      float q[2] = {turn == 0 ? 3.0f : 2.0f, 4};  // together 7 and 6: folded
+      const float frozen = q[0];
+      guard->start(cascade.object, q);
+      CHECK(guard->move_back(cascade.object, q));
+      CHECK(q[0] == frozen);
+      CHECK(q[1] > 0);
+      CHECK(q[0] + q[1] < 5);
+      CHECK(q[0] + q[1] > 4);
+    }
+  }
 }

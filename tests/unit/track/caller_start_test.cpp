@@ -90,7 +90,7 @@ TEST_CASE("start_by_detection ends a track, forgets the person and keeps its opt
   CHECK(tracker->start_by_detection(start) == Status::bad_argument);
   start.camera = nullptr;
   for (const float focal :
-       {-1.0f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+       {-1.0f, 1e30f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
     start.focal_px = focal;
     CHECK(tracker->start_by_detection(start) == Status::bad_argument);
   }

@@ -117,8 +117,8 @@ TEST_CASE("frames that estimate the person, prepare a step or take it stay withi
   InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
   REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
   const WorkCosts costs = tracker->estimator().work_costs(tracker->limits().patch_window);
-  const float most = most_frame_work(tracker->limits(), costs);
-  const float last_passes = last_passes_work(tracker->limits(), costs);
+  const float most = most_frame_work(tracker->limits(), costs, 0);
+  const float last_passes = last_passes_work(tracker->limits(), costs, 0);
   const float step = person_step_work(tracker->model(), tracker->limits());
   const float not_reserved = max(step - kFrameBudgetTuning.most_reserved * most, 0);
   std::size_t rare = 0;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "random.hpp"
+#include "vision/coarse_translation_tuning.hpp"
 
 using namespace pliant;
 
@@ -97,4 +98,17 @@ TEST_CASE("a range beyond the image is as good as its larger side, and as fast")
   CHECK(most.by.y == side.by.y);
   CHECK(most.compared_pixels == side.compared_pixels);
   CHECK(most.by.x == doctest::Approx(7).epsilon(0.05));
+}
+
+TEST_CASE("no search compares more pixels than the bound that `pliant plan` prints") {
+  const Texture texture;
+  const auto before = texture.image(40, 40), now = texture.image(37, 42);
+  const PixelBox box{25, 18, 45, 34};
+  const auto pixels = static_cast<std::uint32_t>((box.x1 - box.x0) * (box.y1 - box.y0));
+  for (int range = 0; range < 12; ++range) {
+    const std::uint32_t compared =
+        find_coarse_translation(view(before), box, view(now), range).compared_pixels;
+    CHECK(compared <= pixels * static_cast<std::uint32_t>(most_shifts(range)));
+    CHECK(compared > 0);
+  }
 }
