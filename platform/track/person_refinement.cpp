@@ -1,10 +1,9 @@
 #include "track/person_refinement.hpp"
 
-#include "estimate/visible_surface.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/person_estimate.hpp"
 #include "track/person_rows.hpp"
-#include "track/surface_offset.hpp"
+#include "track/person_step.hpp"
 #include "track/tracker_parts.hpp"
 #include "track/tracker_sizes.hpp"
 
@@ -21,15 +20,7 @@ struct PersonState {
   std::uint32_t taken_frame = 0;  // the last one that was taken
   std::uint32_t step_frame = 0;   // the last in which a step was chosen
 
-  // A step is prepared in several frames and taken in one.
-  bool is_stepping = false;
-  std::uint32_t steps = 0;           // taken
-  std::uint32_t changed_frame = 0;   // in which the last one was
-  Vec3 turn;                         // of the step
-  float* next_q = nullptr;           // all parameters; the identity is that after the step
-  Vec2* next_uv = nullptr;           // of templates, by slot
-  std::size_t prepared = 0;          // slots
-  std::uint32_t prepared_frame = 0;  // in which this began
+  PersonStep step;
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
 };
@@ -45,18 +36,6 @@ std::size_t identities(const Model& model) {
   return n;
 }
 
-/// Where landmarks and markers are seen in frame 0 before a step, so that they stay there.
-struct Places {
-  Vec2 *landmarks = nullptr, *markers = nullptr;
-  Vec3* moved = nullptr;  // by how much that changes the landmarks' offsets
-
-  void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-    landmarks = arena.take<Vec2>(model.landmarks().count);
-    markers = arena.take<Vec2>(limits.markers);
-    moved = arena.take<Vec3>(model.landmarks().count);
-  }
-};
-
 PersonState* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
   arena.count_as(Purpose::state);
   return identities(model) > 0 ? create_part<PersonState>(arena, model, limits) : nullptr;
@@ -67,7 +46,7 @@ std::size_t scratch_bytes(const Model& model, const TrackerLimits& limits) {
   Arena trial;
   PersonEquations equations;
   equations.lay_out(trial, kPoseUnknowns + 3 + model.parameters().count);
-  Places places;  // of another frame
+  StepPlaces places;  // of another frame
   places.lay_out(trial, model, limits);
   return trial.used_bytes() + PersonRows::scratch_bytes(model) + Arena::kAlignment;
 }
@@ -83,8 +62,8 @@ void start(TrackerParts& t, const TrackerOptions& options) {
   }
   s.rows.start(t.model(), s.is_free);
   s.estimate.clear();
-  s.taken_frame = s.step_frame = s.changed_frame = s.steps = 0;
-  s.is_stepping = false;
+  s.taken_frame = s.step_frame = 0;
+  s.step.start();
   for (std::size_t k = 0; k < 3; ++k) s.now[k] = 0;
   for (std::size_t k = 3; k < s.rows.kept(); ++k) {
     s.sd[k - 3] = kTuning.start_sd * all[s.rows.identity(k - 3)].sd;
@@ -108,16 +87,11 @@ bool is_usable(const Observation& o) {
   return o.reason == Reason::found && o.cue != Cue::flow;
 }
 
-/// Of one record's work, that of a whole cascade.
-float of_cascade(const TrackerParts& t, float work) {
-  return work * static_cast<float>(t.model().cascade().count);
-}
-
 /// The interval at which observations are taken, for which the frame's budget has room; 0: it has not enough.
 std::size_t choose_interval(TrackerParts& t) {
   std::size_t usable = 0;
   for (std::size_t k = 0; k < t.observation_count; ++k) usable += is_usable(t.observations[k]);
-  const float each = of_cascade(t, kTuning.observation_work);
+  const float each = of_cascade(t.model(), kTuning.observation_work);
   const float room = max(t.budget.left_for(t.budget.person), 0) / each;
   const float most = min(room, static_cast<float>(kTuning.most_observations - 1));
   if (most < static_cast<float>(kTuning.least_observations)) return 0;
@@ -174,7 +148,7 @@ void gather_landmarks(TrackerParts& t, PersonEquations& equations, Arena& scratc
 
 /// The step towards the best value: of the rotation and, in `q`, of the identity. \return false where it is too small.
 bool choose_step(PersonState& s, const Model& model, float* q, Vec3* turn) {
-  const float rate = s.steps < kTuning.whole_steps ? 1 : kTuning.later_rate;
+  const float rate = s.step.count < kTuning.whole_steps ? 1 : kTuning.later_rate;
   bool is_worth = false;
   float step[3];
   for (std::size_t k = 0; k < 3; ++k) {
@@ -191,81 +165,6 @@ bool choose_step(PersonState& s, const Model& model, float* q, Vec3* turn) {
   return is_worth;
 }
 
-/// The (u,v) near `uv` that a view sees at x after the step.
-Vec2 back_to(Vec2 x, const View& view, Vec2 uv, TrackerParts& t) {
-  const Projector projector(view, true);
-  for (int k = 0; k < kTuning.slides; ++k) {
-    const SurfaceFrame f = t.estimator.surface_frame(uv, t.person->next_q);
-    Vec2 now;
-    Projector::Derivatives d;
-    if (!projector.project(f.p, &now, &d)) return uv;
-    const Vec2 a = d.along(f.pu), b = d.along(f.pv), r = x - now;
-    const float area = a.x * b.y - a.y * b.x;
-    if (magnitude(area) < kPersonRowsTuning.least_area * (dot(a, a) + dot(b, b))) return uv;
-    const auto limited = [](float step) { return clamp(step, -kTuning.most_slide, kTuning.most_slide); };
-    uv = {clamp(uv.x + limited((r.x * b.y - r.y * b.x) / area), 0, 1),
-          clamp(uv.y + limited((a.x * r.y - a.y * r.x) / area), 0, 1)};
-  }
-  return uv;
-}
-
-/// Where a template has to lie after the step, so that it stays where its key frame showed it.
-Vec2 slid(TrackerParts& t, std::size_t slot, View key) {
-  const Vec2 uv = t.estimator.point_uv(t.templates[slot].id);
-  Vec2 seen;
-  if (!Projector(key, true).project(t.estimator.surface_point(uv), &seen)) return uv;
-  key.q = normalised(key.q * exp_rotation(t.person->turn));
-  return back_to(seen, key, uv, t);
-}
-
-/// Prepares templates, as many as a frame may and has room for. A key frame that is kept meanwhile has others: then all are
-/// prepared again. \return whether all are.
-bool prepare(TrackerParts& t) {
-  PersonState& s = *t.person;
-  if (t.last_kept >= s.prepared_frame) {
-    s.prepared = 0;
-    s.prepared_frame = t.frame + 1;
-  }
-  for (std::size_t k = 0; k < t.start_q.count; ++k)
-    if (t.model().parameters()[k].group == Group::expression) s.next_q[k] = t.estimator.parameters()[k];
-  const float each = of_cascade(t, kTuning.prepared_work);
-  std::size_t key = 0;
-  for (std::size_t n = 0; s.prepared < t.templates.count(); ++s.prepared) {
-    while (s.prepared >= first_slot(t.limits, key + 1)) ++key;
-    const View* const view = t.key_frames.view_of(key);
-    if (view == nullptr || !t.templates.is_first(s.prepared)) continue;
-    if (n++ == kTuning.prepared_templates || !t.budget.take_now(t.budget.person, each)) return false;
-    s.next_uv[s.prepared] = slid(t, s.prepared, *view);
-  }
-  return true;
-}
-
-/// Changes the person. Every template, landmark, marker and part of the face stays where its key frame showed it.
-void take_step(TrackerParts& t) {
-  PersonState& s = *t.person;
-  Estimator& e = t.estimator;
-  Arena scratch(t.scratch.data, t.scratch.count);
-  Places places;
-  places.lay_out(scratch, t.model(), t.limits);
-  t.offsets.project_all(*t.key_frames.view_of(0), e, places.landmarks);
-  t.markers.project_all(*t.key_frames.view_of(0), e, places.markers);
-  for (std::size_t slot = 0; slot < t.templates.count(); ++slot)
-    if (t.templates.is_first(slot)) e.slide_point(t.templates[slot].id, s.next_uv[slot]);
-  const Quat turn = exp_rotation(s.turn);
-  if (e.revise(s.next_q, turn) != Status::ok) return;
-  t.result.pose = pose_of(e.view());
-  t.key_frames.turn(turn);
-  t.offsets.keep_all(*t.key_frames.view_of(0), e, places.landmarks, places.moved);
-  if (t.detection != nullptr && t.detection->calls->keep_parts != nullptr)
-    t.detection->calls->keep_parts(t, places.moved);
-  t.markers.keep_all(*t.key_frames.view_of(0), e, places.markers);
-  ++s.steps;
-  s.changed_frame = t.frame;
-  s.now[0] += s.turn.x;
-  s.now[1] += s.turn.y;
-  s.now[2] += s.turn.z;
-}
-
 bool is_due(const TrackerParts& t, std::size_t view) {
   const bool is_known = t.person->estimate.frames(view) == kPersonEstimateTuning.most_frames;
   return t.frame - t.person->taken_frame >=
@@ -275,11 +174,6 @@ bool is_due(const TrackerParts& t, std::size_t view) {
 void note_now(TrackerParts& t) {
   PersonState& s = *t.person;
   for (std::size_t k = 3; k < s.rows.kept(); ++k) s.now[k] = t.estimator.parameters()[s.rows.identity(k - 3)];
-}
-
-/// Whether no vertex is still to be sampled again after the last step. A step in such a frame would add to that work.
-bool is_settled(const TrackerParts& t) {
-  return t.person->steps == 0 || t.frame - t.person->changed_frame > kVisibleSurfaceTuning.renewal_frames;
 }
 
 /// Takes the frame into the estimate, if there is room for it.
@@ -298,15 +192,15 @@ void take_frame(TrackerParts& t, std::size_t view) {
 /// Whether a step towards the estimate has to be chosen: it has changed since the last one.
 bool is_step_due(const TrackerParts& t) {
   const PersonState& s = *t.person;
-  return !s.is_stepping && s.taken_frame > s.step_frame && t.frame - s.step_frame >= kTuning.step_frames &&
-         s.estimate.is_usable();
+  return !s.step.is_under_way && s.taken_frame > s.step_frame &&
+         t.frame - s.step_frame >= kTuning.step_frames && s.estimate.is_usable();
 }
 
 /// Chooses the next step, if there is room for it.
 void plan_step(TrackerParts& t) {
   PersonState& s = *t.person;
   const float all = static_cast<float>(t.model().landmarks().count);
-  const float work = of_cascade(t, kTuning.observation_work) * all;
+  const float work = of_cascade(t.model(), kTuning.observation_work) * all;
   if (!t.budget.take_now(t.budget.person, work)) return;
   Arena scratch(t.scratch.data, t.scratch.count);
   PersonEquations equations;
@@ -314,11 +208,8 @@ void plan_step(TrackerParts& t) {
   gather_landmarks(t, equations, scratch);
   s.step_frame = t.frame;
   if (!s.estimate.solve(s.start_q, s.sd, equations, s.best)) return;
-  for (std::size_t k = 0; k < t.start_q.count; ++k) s.next_q[k] = t.estimator.parameters()[k];
-  s.is_stepping = choose_step(s, t.model(), s.next_q, &s.turn);
-  s.prepared = 0;
-  s.prepared_frame = t.frame + 1;
-  if (s.is_stepping) t.estimator.forget_person();
+  for (std::size_t k = 0; k < t.start_q.count; ++k) s.step.q[k] = t.estimator.parameters()[k];
+  if (choose_step(s, t.model(), s.step.q, &s.step.turn)) begin_step(t, &s.step);
 }
 
 void conclude(TrackerParts& t) {
@@ -327,19 +218,15 @@ void conclude(TrackerParts& t) {
   const std::size_t view = PersonEstimate::view_towards(camera_direction(t.estimator.view()));
   if (is_step_due(t)) return plan_step(t);
   if (is_due(t, view)) take_frame(t, view);
-  if (!s.is_stepping || !prepare(t) || !is_settled(t)) return;
-  if (!t.budget.take(t.budget.person, person_step_work(t.model(), t.limits))) return;
-  take_step(t);
-  s.is_stepping = false;
+  if (!s.step.is_under_way || !prepare_step(t, &s.step) || !is_settled(t, s.step)) return;
+  if (!t.budget.take(t.budget.person, person_step_work(t.model(), t.limits)) || !take_step(t, &s.step))
+    return;
+  s.now[0] += s.step.turn.x;
+  s.now[1] += s.step.turn.y;
+  s.now[2] += s.step.turn.z;
 }
 
 }  // namespace
-
-float person_step_work(const Model& model, const TrackerLimits& limits) {
-  return static_cast<float>(model.cascade().count) *
-         (kTuning.point_work * static_cast<float>(all_points(limits)) +
-          kTuning.landmark_work * static_cast<float>(model.landmarks().count));
-}
 
 void PersonState::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
   const std::size_t parameters = model.parameters().count, kept = 3 + identities(model);
@@ -350,8 +237,7 @@ void PersonState::lay_out(Arena& arena, const Model& model, const TrackerLimits&
   best = arena.take<float>(kept);
   start_q = arena.take<float>(kept);
   sd = arena.take<float>(kept);
-  next_q = arena.take<float>(parameters);
-  next_uv = arena.take<Vec2>(all_slots(limits));
+  step.lay_out(arena, model, limits);
 }
 
 const PersonRefinement kPersonRefinement{lay_out, scratch_bytes, start, conclude};
