@@ -123,7 +123,7 @@ class Estimator {
   void expect(std::size_t parameter, float value, float sd);
   void save(State* state) const;  ///< Copies the present state out. Null arrays are left out.
   /// Makes a saved state the predicted one, but for pose_sd, sd and the parameters that are not free.
-  /// \return not_started, bad_argument (no q, not finite, or t.z <= 0); then nothing has changed.
+  /// \return not_started, bad_argument (no q, not finite, or not `is_possible`); then nothing has changed.
   Status restore(const State& state);
 
   /// Predicts all points at the present state, in order of id. Valid until the next call.
