@@ -62,7 +62,7 @@ float FrameProblem::prior_cost(const View& v, const float* q) const {
   for (std::size_t k = 0; k < columns(); ++k) {
     const std::uint16_t p = input.cascade.parameter_of(k);
     const float z = q[p] / parameter(p).sd, t = (q[p] - expected.mean.q[p]) / expected.parameter_sd[p];
-    cost += 0.5f * (z * z + t * t);
+    cost += 0.5f * z * z + evaluate(Loss::huber, magnitude(t)).rho;
   }
   if (input.springs == nullptr) return cost;
   scratch.work.measured_rows += scratch.spring_rows;
@@ -82,7 +82,8 @@ void FrameProblem::add_priors() {
     const std::uint16_t i = input.cascade.parameter_of(k);
     const float q = state.q[i], sd = expected.parameter_sd[i];
     add_prior(parameter(i), q, 1, kPoseUnknowns + k, equations);
-    equations.add_prior(kPoseUnknowns + k, expected.mean.q[i] - q, 1.0f / (sd * sd));
+    const float change = expected.mean.q[i] - q, weight = evaluate(Loss::huber, magnitude(change / sd)).weight;
+    equations.add_prior(kPoseUnknowns + k, change, weight / (sd * sd));
   }
   if (input.springs == nullptr) return;
   scratch.work.rows += scratch.spring_rows;

@@ -23,9 +23,10 @@ struct MotionModelTuning {
   /// what heads do in a thirtieth of a second; not optimised.
   float least_sd[kPoseUnknowns] = {0.03f, 0.03f, 0.03f, 0.02f, 4, 4};
   float most_sd[kPoseUnknowns] = {0.2f, 0.2f, 0.2f, 0.2f, 40, 40};
-  /// Ranges per second that a parameter may change by, one standard deviation. A blink crosses its range in a tenth of a
-  /// second, which is three and a half deviations. Round value, not tuned.
-  float parameter_rate = 3;
+  /// Ranges per second that a parameter changes by, one standard deviation. Larger changes count by Huber's loss: what crosses its
+  /// range in a tenth of a second is followed as well as with 3 and squares, and the recorded face trembles by 0.6
+  /// of that (docs/experiments.md, Change of parameters).
+  float parameter_rate = 2.5f;
   /// s. Longest time over which `parameter_rate` acts. Round value, not tuned.
   float longest_parameter_time = 0.5f;
   /// Least standard deviation of a parameter's change, in its unit: it divides, and a range may be empty. Round value.

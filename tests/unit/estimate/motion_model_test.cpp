@@ -67,12 +67,12 @@ TEST_CASE("a motion that is not predicted is uncertain instead") {
         2 * still.motion->expected().pose_variance[kShiftX]);
 }
 
-TEST_CASE("parameters may change by three ranges a second; frozen ones are expected where they are") {
+TEST_CASE("parameters may change by two and a half ranges a second; frozen ones are expected where they are") {
   Run run(false);
   run.frame(0);
   const ExpectedState& expected = run.motion->expected();
   const float range = run.egg.model.parameters()[5].maximum - run.egg.model.parameters()[5].minimum;
-  CHECK(expected.parameter_sd[5] == doctest::Approx(double(3 * range * 0.033f)).epsilon(1e-3));
+  CHECK(expected.parameter_sd[5] == doctest::Approx(double(2.5f * range * 0.033f)).epsilon(1e-3));
   CHECK(run.motion->filter().ranges()[0] == 0);
   run.motion->expect(5, 0.25f);
   CHECK(expected.mean.q[5] == 0.25f);
