@@ -82,10 +82,10 @@ pliant_status pliant_start_from_state(pliant_tracker *tracker, const pliant_fram
  *  \return PLIANT_NOT_STARTED, PLIANT_BAD_ARGUMENT (counts that are not the model's). */
 pliant_status pliant_save(const pliant_tracker *tracker, pliant_state *state);
 
-/** Tracks the next frame; while there is no track, searches it for the face or print, which is tracked from this frame on. Cost:
- *  docs/evaluation.md.
- *  \return PLIANT_NOT_STARTED (no track, and the table has neither learnt tables nor a print), 4 to 9 (the tables of detector or aligner),
- *          PLIANT_BAD_ARGUMENT (the frame), PLIANT_SIZE_MISMATCH, PLIANT_STALE_FRAME (neither time nor sequence is
+/** Tracks the next frame; while there is no track, searches it for the face or print, which is tracked from this frame
+ *  on. Cost: docs/evaluation.md.
+ *  \return PLIANT_NOT_STARTED (no track, and the table has neither learnt tables nor a print), 4 to 9 (the tables of
+ *          detector, aligner or print), PLIANT_BAD_ARGUMENT (the frame), PLIANT_SIZE_MISMATCH, PLIANT_STALE_FRAME (neither time nor sequence is
  *          after the last frame's). */
 pliant_status pliant_update(pliant_tracker *tracker, const pliant_frame *frame, pliant_result *result);
 
@@ -101,8 +101,8 @@ pliant_status pliant_landmark_count(const pliant_tracker *tracker, size_t *count
 /** Name of a landmark, which lives as long as the table. Needs no start. \return PLIANT_NOT_FOUND (index). */
 pliant_status pliant_landmark_name(const pliant_tracker *tracker, size_t index, const char **name);
 
-/** Value of a parameter (`jawOpen`, ...) in the last frame, in the model's unit (0 to 0.45 rad). ARKit's coefficient is the value
- *  over the parameter's maximum. \return PLIANT_NOT_STARTED, PLIANT_NOT_FOUND. */
+/** Value of a parameter (`jawOpen`, ...) in the last frame, in the model's unit (0 to 0.45 rad). ARKit's coefficient
+ *  is the value over the parameter's maximum. \return PLIANT_NOT_STARTED, PLIANT_NOT_FOUND. */
 pliant_status pliant_get_parameter(const pliant_tracker *tracker, const char *name, float *value);
 /** All parameters in the last frame, in the model's order, valid until the next call. \return PLIANT_NOT_STARTED. */
 pliant_status pliant_get_parameters(const pliant_tracker *tracker, const float **values);

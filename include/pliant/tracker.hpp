@@ -44,8 +44,8 @@ struct StartOptions {
   const Camera* camera = nullptr;  ///< intrinsics and lens, if known; they replace focal_px
   /// If false, `landmark` gives the positions of the model, without offsets.
   bool keeps_landmark_offsets = true;
-  BoxConvention box =
-      BoxConvention::landmarks;  ///< of start_from_box; `face_box` for one of FaceDetector or `pliant detect`
+  /// Of start_from_box. A box of FaceDetector or of `pliant detect` is a `face_box`.
+  BoxConvention box = BoxConvention::landmarks;
 };
 
 /// A tracker's state for another start: after a pause, or in another process. The arrays are the caller's.

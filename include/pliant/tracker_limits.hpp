@@ -79,8 +79,8 @@ struct TrackerLimits {
   /// that a start gives, with a pose or a saved state, stays. If null, it always stays, and the code is left
   /// out of the program.
   const PersonRefinement* person = &kPersonRefinement;
-  std::uint16_t smallest_face_px =
-      48;  ///< side of the smallest face that is searched for, px; below 48 counts as 48
+  /// Side of the smallest face that is searched for, px (FaceBox). Below 48 counts as 48.
+  std::uint16_t smallest_face_px = 48;
   /// Work of one frame without a track, cells of the search (FaceDetector::search). The default searches a
   /// frame of 320 x 240 at once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame
   /// has either a part of the search or steps of an alignment, each of the cost of 1,300 cells; the track

@@ -69,8 +69,8 @@ class FaceSearch {
 
   /// A start of the caller's begins: it may be of another person.
   void forget_reference() { reference_.forget(); }
-  /// Moves a start of the caller's to where the picture shows the face, if that is verified; else nothing changes. The person's parameters are input
-  /// and output.
+  /// Moves a start of the caller's to where the picture shows the face, if that is verified; else nothing changes. The
+  /// person's parameters are input and output.
   /// \param box  of the face, if the start is known roughly; null: it is near.
   void refine(const SearchInput& input, const FaceBox* box, KnownPerson* person, StartPose* start,
               float* landmark_error);

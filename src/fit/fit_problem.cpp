@@ -88,9 +88,8 @@ float FitProblem::linearise(NormalEquations& equations) {
 
 void FitProblem::add_priors(NormalEquations& equations) {
   const std::size_t pose = pose_unknowns();
-  for (std::size_t k = 0; k < columns(); ++k) {
+  for (std::size_t k = 0; k < columns(); ++k)
     add_prior(parameter(k), q[work.cascade.parameter_of(k)], options.stiffness, pose + k, equations);
-  }
   for (std::size_t k = 0; k < 3; ++k)
     equations.set_limits(k, -kFitTuning.max_turn_rad, kFitTuning.max_turn_rad);
   equations.set_limits(kLogScale, -kFitTuning.max_log_step, kFitTuning.max_log_step);

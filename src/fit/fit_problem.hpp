@@ -22,7 +22,7 @@ struct FitWorkspace {
       nullptr;  // of a landmark matched to the silhouette, else zero; null without room for such
   float* distance = nullptr;                  // scratch: residual lengths
   float *step = nullptr, *trial_q = nullptr;  // 3 an unknown; a parameter
-  PointRow row;
+  PointRow row;                               // scratch of one row
 
   void lay_out(Arena& arena, const Model& model, std::size_t points);
   Vec3* samples_of(std::size_t point) const { return samples + point * cascade.model().cascade().count; }

@@ -6,6 +6,7 @@
 #include "host/io/frame_source.hpp"
 #include "host/io/image.hpp"
 #include "host/io/owned.hpp"
+#include "print_film.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -189,5 +190,33 @@ TEST_CASE("the bound of a frame is at most 4 times its usual work, with all prof
   for (const TrackerLimits& limits : {profile_s(), profile_m(), profile_l()}) {
     const Plan plan = make_plan(file.model(), limits);
     CHECK(most_instructions(plan.loads) < 4 * usual_instructions(plan.loads));
+  }
+}
+
+TEST_CASE(
+    "the plan of a printed sheet has its checks, its search and its springs, and bounds what a track "
+    "counts") {
+  const TrackerLimits limits;
+  const Model& model = host::sheet();
+  const Plan plan = make_plan(model, limits),
+             bare = make_plan(model, without_detection(without_stretch(limits)));
+  CHECK(most_of(plan, "blocks of the print compared") == 48);
+  CHECK(most_instructions(plan.loads) > most_instructions(bare.loads));
+  CHECK(most_counted_instructions(plan.loads) > most_counted_instructions(bare.loads));
+  CHECK(most_instructions(plan.search_loads) > 0);
+  CHECK(bare.search_loads.empty());
+  InArena<Tracker> tracker(model, limits);
+  const std::vector<float> rest(model.parameters().count, 0);
+  for (std::uint32_t n = 0; n < 12; ++n) {
+    const float turn = 0.02f * static_cast<float>(n);
+    const Image picture = host::picture_of(host::posed(turn, turn, 0, 1), rest, n + 1);
+    const FrameView view{picture.pixels.data(), host::kWidth, host::kHeight, host::kWidth, 1, 0, n + 1};
+    FrameResult result;
+    if (n == 0)
+      REQUIRE(tracker->start_from_pose(view, host::kCamera, host::posed(0, 0, 0, 1), nullptr) == Status::ok);
+    else
+      REQUIRE(tracker->update(view, &result) == Status::ok);
+    const WorkCosts costs = tracker->estimator().work_costs(limits.patch_window);
+    CHECK(static_cast<double>(costs.of(tracker->work())) <= most_counted_instructions(plan.loads));
   }
 }
