@@ -100,7 +100,8 @@ class Cascade {
   ///                  0.01 mm the evaluation of a face's points reads a quarter less. 0: leaves out zero vectors.
   void sample_point(Vec2 uv, const float* q, Vec3* samples, float slack_mm = 0);
 
-  /// Position (mm) of a sampled surface point (Eq. 1). `q` holds all parameters; only the free ones are read.
+  /// Position (mm) of a sampled surface point (Eq. 1). `q` holds all parameters: those of records that follow a free one are
+  /// read, free or not.
   Vec3 evaluate(const Vec3* samples, const float* q);
   /// The same with its Jacobian, which is valid until the next call of `evaluate` on this object.
   Vec3 evaluate(const Vec3* samples, const float* q, Jacobian* jacobian);

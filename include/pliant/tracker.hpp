@@ -154,7 +154,7 @@ class Tracker {
   Estimator& estimator();  ///< The estimator, for access to its full state. Only while there is a track.
 
   /// All parameters at the state of the last frame, in the model's order. Valid until the next call that
-  /// changes it. While there is no track: those of the last one.
+  /// changes it. While there is no track: those of the last one, or of a start that failed since.
   Span<const float> parameters() const;
   /// Parameter at the state of the last frame, in the model's unit, from Parameter::minimum to maximum (`jawOpen`: 0 to 0.45 rad).
   /// ARKit's coefficient is the value over the maximum; its `browInnerUp` and `cheekPuff` are two parameters each, ...Left and

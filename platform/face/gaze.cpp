@@ -8,11 +8,6 @@ namespace {
 
 constexpr const GazeTuning& kTuning = kGazeTuning;
 
-Vec3 unit_or_none(Vec3 v) {
-  const float size = length(v);
-  return is_finite(v) && size > 1e-6f ? (1 / size) * v : Vec3{};
-}
-
 /// Between where the pupil is read and where the upper lid puts it.
 Vec2 pupil_of(const SeenEye& eye, const View& view, const Projector& projector) {
   const float higher = clamp(eye.lid_mm - kTuning.lid_mm, -kTuning.most_lid_mm, kTuning.most_lid_mm);
@@ -26,13 +21,13 @@ Vec3 direction_of(const SeenEye& eye, const View& view, const Projector& project
   const Vec3 ball = projector.to_camera(eye.corners + offset);
   const float per_px = view.rho / view.s;  // 1 / f
   const Vec2 pupil = pupil_of(eye, view, projector);
-  const Vec3 ray = unit_or_none({per_px * (pupil.x - view.c.x), per_px * (pupil.y - view.c.y), 1});
+  const Vec3 ray = normalised(Vec3{per_px * (pupil.x - view.c.x), per_px * (pupil.y - view.c.y), 1});
   const Vec3 across = dot(ray, ball) * ray - ball;  // from the eyeball's middle to the ray
   const float square = kTuning.iris_mm * kTuning.iris_mm - dot(across, across);
   if (!(square > 0)) return {};
   const Vec3 g = across - square_root(square) * ray;
-  return unit_or_none({dot(g, projector.rotated({1, 0, 0})), dot(g, projector.rotated({0, 1, 0})),
-                       dot(g, projector.rotated({0, 0, 1}))});
+  return normalised(Vec3{dot(g, projector.rotated({1, 0, 0})), dot(g, projector.rotated({0, 1, 0})),
+                         dot(g, projector.rotated({0, 0, 1}))});
 }
 
 }  // namespace
@@ -43,12 +38,12 @@ Vec3 find_gaze(Span<const SeenEye> eyes, const View& view) {
   Vec3 sum;
   for (const SeenEye& eye : eyes)
     if (eye.opening_mm >= kTuning.least_opening_mm) sum = sum + direction_of(eye, view, projector);
-  return unit_or_none(sum);
+  return normalised(sum);
 }
 
 Vec3 smoothed_gaze(Vec3 gaze, Vec3 seen) {
   const bool is_known = dot(gaze, gaze) > 0 && dot(seen, seen) > 0;
-  return is_known ? unit_or_none(gaze + kTuning.rate * (seen - gaze)) : seen;
+  return is_known ? normalised(gaze + kTuning.rate * (seen - gaze)) : seen;
 }
 
 }  // namespace pliant

@@ -12,6 +12,7 @@ void DetectionState::lay_out(Arena& arena, const Detection* of, const Model& mod
 }
 
 void DetectionState::begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
+  if (t.is_started) keep_parameters(t);
   t.end_track();
   kept.keep(start);
   kept.keep(options);
@@ -32,8 +33,12 @@ bool DetectionState::keep_start_of_caller(const TrackerOptions& options) {
   return true;
 }
 
-void DetectionState::give_up(TrackerParts& t) {
+void DetectionState::keep_parameters(TrackerParts& t) {
   for (std::size_t k = 0; k < t.start_q.count; ++k) t.start_q[k] = t.estimator.parameters()[k];
+}
+
+void DetectionState::give_up(TrackerParts& t) {
+  keep_parameters(t);
   t.is_started = false;
   t.result.state = TrackState::lost;
   t.result.is_searching = true;

@@ -33,6 +33,8 @@ struct DetectionState {
                const TrackerOptions& options);
   /// Keeps the options of a start that the caller made. \return false, and nothing kept, if the tracker made it itself.
   bool keep_start_of_caller(const TrackerOptions& options);
+  /// Copies the parameters of the track to TrackerParts::start_q.
+  static void keep_parameters(TrackerParts& tracker);
   /// Ends a track that is wrong or lost. TrackerParts::start_q keeps its parameters; the next frames are searched.
   static void give_up(TrackerParts& tracker);
 };

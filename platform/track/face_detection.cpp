@@ -115,6 +115,8 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
   FaceDetectionState& self = self_of(t);
   self.of_caller = &rough.options;
   self.landmark_error = 0;  // a start before may have failed
+  self.person.is_known = false;  // also if this one does: it overwrites what is known
+  self.marker_count = 0;
   self.face_search.forget_reference();
   if (rough.points >= kFaceSearchTuning.enough_points) return;
   self.face_search.refine({view, t.block, rough.options}, rough.box, &person_of(t), from,

@@ -160,6 +160,7 @@ pliant_status pliant_required_bytes(const void* table, size_t table_bytes, const
   TrackerLimits own;
   const Status status = open(table, table_bytes, limits, &model, &own);
   if (status != Status::ok) return plain(status);
+  if (!are_usable(model, own)) return PLIANT_BAD_ARGUMENT;
   Arena trial;
   trial.take<pliant_tracker>(1);
   Tracker().lay_out(trial, model, own);

@@ -86,7 +86,7 @@ Quat quaternion(const Mat3& r) {
 Quat exp_rotation(Vec3 w) {
   if (!is_finite(w)) return {};
   int halvings = 0;
-  for (; halvings < 8 && dot(w, w) > 0.25f; ++halvings) w = 0.5f * w;
+  for (; dot(w, w) > 0.25f; ++halvings) w = 0.5f * w;
   // Taylor series of cos(a/2) and sin(a/2)/a in a^2; the next term is below 1e-9 for a <= 0.5.
   const float a2 = dot(w, w);
   const float c = 1 - a2 * (1.0f / 8 - a2 * (1.0f / 384 - a2 * (1.0f / 46080)));

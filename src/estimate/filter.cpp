@@ -59,6 +59,12 @@ float low_pass_gain(float cutoff_hz, float seconds) {
   return x / (1 + x);
 }
 
+/// Follows the speed of what moved by `step`. \return the gain of its own low pass.
+float follow_speed(Vec3 step, float per_speed, float slow, float seconds, Vec3* speed) {
+  *speed = *speed + slow * ((1.0f / seconds) * step - *speed);
+  return low_pass_gain(kSmoothingTuning.least_cutoff + per_speed * length(*speed), seconds);
+}
+
 }  // namespace
 
 void MotionFilter::lay_out(Arena& arena, std::size_t parameters) {
@@ -169,10 +175,8 @@ Status Smoother::add(const Pose& pose, const float* q, const float* range, std::
   }
   const float slow = low_pass_gain(t.speed_cutoff, seconds), rate = 1.0f / seconds;
   const Vec3 turn = log_rotation(pose.q * conjugate(pose_.q)), shift = pose.t - pose_.t;
-  turn_speed_ = turn_speed_ + slow * (rate * turn - turn_speed_);
-  shift_speed_ = shift_speed_ + slow * (rate * shift - shift_speed_);
-  const float a = low_pass_gain(t.least_cutoff + t.turn_gain * length(turn_speed_), seconds);
-  const float b = low_pass_gain(t.least_cutoff + t.shift_gain * length(shift_speed_), seconds);
+  const float a = follow_speed(turn, t.turn_gain, slow, seconds, &turn_speed_);
+  const float b = follow_speed(shift, t.shift_gain, slow, seconds, &shift_speed_);
   pose_ = {normalised(exp_rotation(a * turn) * pose_.q), pose_.t + b * shift};
   for (std::size_t i = 0; i < parameters; ++i) {
     const float off = q[i] - q_[i];

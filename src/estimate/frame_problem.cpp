@@ -143,6 +143,7 @@ void FrameProblem::accept() {
 }
 
 void FrameProblem::minimise(int iterations, float relative_decrease, SolverReport* report) {
+  copy(state.q, input.cascade.parameter_count(), scratch.trial_q);  // a trial changes those that are free
   const LeastSquaresProblem problem{
       this, [](void* p, NormalEquations&) { return static_cast<FrameProblem*>(p)->linearise(); },
       [](void* p, const float* step) { return static_cast<FrameProblem*>(p)->try_step(step); },

@@ -22,6 +22,7 @@ void transfer(const Lens& lens, Span<Observation> observations, bool distorts) {
     Mat2 d;
     const Vec2 seen = lens.distort(pinhole, &d);
     o.x = distorts ? seen : pinhole;
+    if (distorts) o.residual = d * o.residual;
     o.information = transformed(transposed(distorts ? inverse(d) : d), o.information);
   }
 }

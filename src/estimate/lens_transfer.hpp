@@ -9,9 +9,10 @@ namespace pliant {
 
 /// Position, covariance (D C D^T), Jacobian (D J) and normal of a prediction, from pinhole to lens.
 void distort(const Lens& lens, Prediction* prediction);
-/// Position and information (D^-T W D^-1) of observations, from pinhole to lens. Positions that are not finite are left.
+/// Position, residual (D r) and information (D^-T W D^-1) of observations, from pinhole to lens. Those whose positions are not
+/// finite are left.
 void distort(const Lens& lens, Span<Observation> observations);
-/// The inverse of `distort`: information becomes D^T W D.
+/// The inverse of `distort` but for the residual, which is a solve's result: information becomes D^T W D.
 void undistort(const Lens& lens, Span<Observation> observations);
 
 }  // namespace pliant

@@ -24,6 +24,7 @@ Status MotionModel::start(const Cascade& cascade, const ModelState& state, const
   smooths_ = options.smooths;
   smoother_.restart();
   smoothed_pose_ = {};
+  smooth(state);
   time_ns_ = options.time_ns;
   seconds_ = kMotionModelTuning.nominal_step;
   since_sample_ = 0;
@@ -90,10 +91,15 @@ void MotionModel::correct(const Cascade& cascade, const ModelState& state, const
   }
   if (filter_.correct(state.view, state.q, variance, scratch_) != Status::ok)
     filter_.move_to(trusted.view, trusted.q);
+  smooth(state);
+  since_sample_ = 0;
+}
+
+/// Adds a sample to the smoothed output, if there is one.
+void MotionModel::smooth(const ModelState& state) {
   if (!smooths_) return;
   if (smoother_.add(pose_of(state.view), state.q, filter_.ranges(), count_, since_sample_) == Status::ok)
     smoothed_pose_ = smoother_.pose();
-  since_sample_ = 0;
 }
 
 void MotionModel::rest(const ModelState& state) {

@@ -76,6 +76,7 @@ class MotionModel {
   const float* smoothed_parameters() const { return smoother_.parameters(); }
 
  private:
+  void smooth(const ModelState& state);
   void expect_parameter_sd(const Cascade& cascade);
   void expect_pose_variance(int bad_frames);
 

@@ -5,6 +5,7 @@ namespace pliant {
 namespace {
 constexpr const VisibleSurfaceTuning& kTuning = kVisibleSurfaceTuning;
 constexpr std::size_t kAllVertices = ~std::size_t{0};
+constexpr Vec2 kNowhere{-1, -1};  // outside the chart
 
 /// Whether all three lie farther than `reach` to one side of x.
 bool are_beside(float x, float reach, float a, float b, float c) {
@@ -23,7 +24,7 @@ void VisibleSurface::lay_out(Arena& arena, std::size_t parameters, const Visible
   mesh_.lay_out(arena, mesh);
   arena.count_as(Purpose::adaptation);
   Arena shared(limits.adaptation_memory.data, limits.adaptation_memory.count);
-  adapter_.lay_out(limits.adaptation_memory.empty() ? arena : shared, mesh);
+  adapter_.lay_out(limits.adaptation_memory.empty() ? arena : shared, mesh_.limits());
   PLIANT_ASSERT(!shared.exhausted());
   arena.count_as(Purpose::visibility);
   const int cells = limits.vertices <= kTuning.small_mesh ? kTuning.cells_small : kTuning.cells_large;
@@ -44,7 +45,15 @@ void VisibleSurface::lay_out(Arena& arena, std::size_t parameters, const Visible
 Status VisibleSurface::start(const Model& model) {
   images_are_current_ = depth_is_drawn_ = false;
   first_outdated_ = kNone;
-  return mesh_.set_base(model.base_uv(), model.base_corners());
+  const Status status = mesh_.set_base(model.base_uv(), model.base_corners());
+  forget_unused_samples();
+  return status;
+}
+
+/// A vertex that takes one of these ids is sampled anew, also at the place of the one before.
+void VisibleSurface::forget_unused_samples() {
+  for (int v = 0; keeps_samples() && v < mesh_.limits().vertices; ++v)
+    if (!mesh_.is_live_vertex(static_cast<VertexId>(v))) uv_[v] = kNowhere;
 }
 
 void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy) {
@@ -109,6 +118,7 @@ void VisibleSurface::revise(const float* q, Quat turn) {
   const Mat3 back = rotation_matrix(conjugate(turn));
   for (VertexId v : mesh_.vertices()) position_[v] = back * position_[v];
   if (keeps_samples()) first_outdated_ = 0;
+  forget_unused_samples();
 }
 
 /// Samples `most` of the vertices again that are out of date.

@@ -131,6 +131,7 @@ class VisibleSurface {
   bool keeps_samples() const { return samples_per_vertex_ > 0; }
   Vec3* samples_of(VertexId v) { return samples_ + v * samples_per_vertex_; }
   void select_surface(Cascade& cascade) const;
+  void forget_unused_samples();
   void place_vertex(Cascade& cascade, const float* q, VertexId v);
   float move_vertices(Cascade& cascade, const float* q, VertexTurn turn, bool others);
   void renew_vertices(Cascade& cascade, const float* q, std::size_t most);

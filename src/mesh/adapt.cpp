@@ -251,13 +251,10 @@ bool Adapter::step(const AdaptOptions& options, int budget, int operations_left,
     worst = find_fitting(room, max(1, worst_rank / kAdaptTuning.hysteresis));
     do_split = worst != kNone && fits(worst, room, chain);
   }
-  if (do_split && chain.count > operations_left) {
-    report.stop = AdaptStop::operations;
-    do_split = false;
-  }
   if (!do_split) return false;
-  report.splits += chain.count;
-  while (chain.count > 0) split(chain.face[--chain.count]);
+  // Each split of a chain is valid without those after it: the next call goes on.
+  for (; chain.count > 0 && operations_left > 0; --operations_left, ++report.splits)
+    split(chain.face[--chain.count]);
   return true;
 }
 

@@ -22,7 +22,8 @@ float compute_rank(const ViewOptions& o, const Shape& s, const Triangle& t) {
   if (!(middle.z > nearest)) return 0;
 
   // diag(1,-1,-1) is a half turn about x: faces keep their winding in camera coordinates.
-  const float facing = -dot(normalised(cross(c[1] - c[0], c[2] - c[0])), normalised(middle));
+  const Vec3 normal = cross(c[1] - c[0], c[2] - c[0]);
+  const float size = length(normal) * length(middle), facing = size > 0 ? -dot(normal, middle) / size : 0;
   const float x = o.focal_px * middle.x / middle.z + o.cx, y = o.focal_px * middle.y / middle.z + o.cy;
   const float margin = kViewTuning.margin_px;
   const bool outside = x < -margin || y < -margin || x > o.width_px + margin || y > o.height_px + margin;
@@ -36,8 +37,8 @@ float compute_rank(const ViewOptions& o, const Shape& s, const Triangle& t) {
         w[0] * s.mesh.uv(t.corner[0]) + w[1] * s.mesh.uv(t.corner[1]) + w[2] * s.mesh.uv(t.corner[2]);
     const Vec3 p = to_camera(r, o.pose.t, s.surface(uv));
     if (!(p.z > nearest)) continue;
-    const Vec3 e = p - (w[0] * c[0] + w[1] * c[1] + w[2] * c[2]), ray = normalised(p);
-    const float along = dot(e, ray);
+    const Vec3 e = p - (w[0] * c[0] + w[1] * c[1] + w[2] * c[2]);
+    const float along = dot(e, p) / length(p);
     worst = max(worst, o.focal_px / p.z * square_root(dot(e, e) - along * along));
   }
   return o.tolerance_px > 0 ? gain * worst / o.tolerance_px : 0;

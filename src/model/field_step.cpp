@@ -35,9 +35,9 @@ Vec3 left_jacobian(Vec3 w, Vec3 e) {
   float b = 0.5f - t2 / 24, c = 1.0f / 6 - t2 / 120;
   if (t2 > 1e-2f) {
     const Quat q = exp_rotation(w);
-    const float s2 = (q.x * q.x + q.y * q.y + q.z * q.z) / t2;  // (sin(t/2) / t)^2
-    b = 2 * s2;
-    c = (1 - 2 * square_root(s2) * q.w) / t2;
+    const float half = (q.x * w.x + q.y * w.y + q.z * w.z) / t2;  // sin(t/2) / t, with the sign of q
+    b = 2 * half * half;
+    c = (1 - 2 * half * q.w) / t2;
   }
   const Vec3 we = cross(w, e);
   return e + b * we + c * cross(w, we);

@@ -25,6 +25,15 @@ TEST_CASE("the exponential of a rotation vector agrees with sine and cosine in d
   }
 }
 
+TEST_CASE("many turns are those of the angle") {
+  for (const float angle : {100.0f, 200.0f, 1000.0f}) {
+    const Quat q = exp_rotation({0, 0, angle});
+    CHECK(double(1 - 2 * q.z * q.z) == doctest::Approx(std::cos(double(angle))).epsilon(2e-3).scale(1));
+  }
+  const Quat far = exp_rotation({3e38f, -3e38f, 3e38f});
+  CHECK(far.x * far.x + far.y * far.y + far.z * far.z + far.w * far.w == doctest::Approx(1));
+}
+
 TEST_CASE("log undoes exp, and a matrix and back is the same quaternion") {
   Random random(2);
   for (int i = 0; i < 2000; ++i) {

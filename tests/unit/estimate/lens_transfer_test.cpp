@@ -47,6 +47,11 @@ TEST_CASE("an information measures the same length before and after the lens") {
   const auto squared = [](Sym2 w, Vec2 r) {
     return w.xx * r.x * r.x + 2 * w.xy * r.x * r.y + w.yy * r.y * r.y;
   };
+  o.residual = step;
+  Observation back = o;
+  distort(lens, Span<Observation>{&back, 1});
+  CHECK(length(back.residual - seen_step) < 0.01f * length(seen_step));
+  CHECK(length(back.residual - step) > 0.05f * length(step));
   CHECK(squared(o.information, step) == doctest::Approx(double(squared(there, seen_step))).epsilon(0.01));
 }
 

@@ -49,6 +49,15 @@ TEST_CASE("all vertices lie on the surface after a full update, with samples and
   }
 }
 
+TEST_CASE("with the most vertices that a limit can name the mesh is refined too") {
+  PosedEgg egg;
+  InArena<VisibleSurface> surface(egg.parameters(), VisibleSurfaceLimits{65535, 0, 16, {}});
+  REQUIRE(surface->start(egg.model) == Status::ok);
+  const int base = surface->mesh().vertex_count();
+  surface->adapt(egg.cascade.object, egg.state, {});
+  CHECK(surface->mesh().vertex_count() > base);
+}
+
 TEST_CASE("a slow expression moves one vertex in the interval, a fast one all of them") {
   Rig rig;
   const auto moved_by = [&rig](float jaw) {

@@ -371,6 +371,29 @@ TEST_CASE("a pair of yes-or-no tests works as ranks do") {
   CHECK(shapes::sorted_faces(s.box.mesh) == fixpoint);
 }
 
+TEST_CASE("any limit of operations a call, however small, leads to a mesh within the tolerance") {
+  Bumps bumps;
+  ContourOptions tolerance;
+  tolerance.mean_mm = 0.05f;
+  Setup whole(limits(900, 1800), shapes::block_grid(4), bumps.surface(), criterion_of(tolerance));
+  CHECK(whole.adapter.adapt(splits_only()).stop == AdaptStop::converged);
+  for (const int most : {1, 2, 3, 6}) {
+    Setup s(limits(900, 1800), shapes::block_grid(4), bumps.surface(), criterion_of(tolerance));
+    AdaptOptions few = splits_only();
+    few.max_operations = most;
+    AdaptReport report;
+    report.stop = AdaptStop::operations;
+    for (int calls = 0; calls < 2000 && report.stop == AdaptStop::operations; ++calls) {
+      report = s.adapter.adapt(few);
+      CHECK(report.splits <= most);
+      if (report.stop == AdaptStop::operations) CHECK(report.splits == most);
+    }
+    CHECK(report.stop == AdaptStop::converged);
+    CHECK(report.worst_rank <= 1);
+    CHECK(s.box.mesh.vertex_count() == doctest::Approx(whole.box.mesh.vertex_count()).epsilon(0.02));
+  }
+}
+
 TEST_CASE("the adapter refuses what it cannot work with") {
   Bumps bumps;
   ContourOptions tolerance;

@@ -81,6 +81,37 @@ TEST_CASE("Eq. 11: the Jacobian of every operation agrees with central differenc
   }
 }
 
+TEST_CASE("the Jacobian of a rigid motion is right for any angle, also beyond half a turn") {
+  ModelBuilder b;
+  std::vector<std::uint16_t> unknowns;
+  for (const char* name : {"r0", "r1", "r2", "t0", "t1", "t2"})
+    unknowns.push_back(b.parameter(name, Group::expression, -8, 8, 1));
+  b.record(Operation::constant, {}, {}, b.field(3, 9, 9, [](float u, float v) {
+    return Vec3{100 * (u - 0.5f), 100 * (0.5f - v), 30 * u * v};
+  }));
+  b.record(Operation::rigid, {b.last()}, unknowns);
+  b.grid_mesh(4);
+  const OpenModel r(b);
+  InArena<Cascade> cascade(r.model);
+  std::vector<Vec3> samples(cascade->samples_per_point());
+  for (const float angle : {0.05f, 1.0f, 3.0f, 3.3f, 4.5f, 6.2f, 7.0f}) {
+    float q[6] = {0.6f * angle, 0, 0.8f * angle, 1, 2, 3};
+    cascade->sample_point({0.9f, 0.2f}, q, samples.data());
+    Jacobian jacobian;
+    cascade->evaluate(samples.data(), q, &jacobian);
+    std::vector<Vec3> column(jacobian.column, jacobian.column + 6);
+    for (std::size_t k = 0; k < 6; ++k) {
+      const float at = q[k], h = 1e-2f;
+      q[k] = at + h;
+      const Vec3 ahead = cascade->evaluate(samples.data(), q);
+      q[k] = at - h;
+      const Vec3 behind = cascade->evaluate(samples.data(), q);
+      q[k] = at;
+      CHECK(length((0.5f / h) * (ahead - behind) - column[k]) < 3e-3f * length(column[k]) + 0.02f);
+    }
+  }
+}
+
 TEST_CASE("a sampled surface point has the position that the tables give, whatever is frozen") {
   const OpenModel r(every_operation());
   InArena<Cascade> cascade(r.model);

@@ -70,7 +70,9 @@ TEST_CASE("start_by_detection ends a track, forgets the person and keeps its opt
   std::vector<std::uint8_t> is_free(baked_face().model.parameters().count, 0);
   TrackerOptions options;
   options.is_free = is_free.data();
+  const std::vector<float> last(tracker->parameters().begin(), tracker->parameters().end());
   REQUIRE(tracker->start_by_detection(start, options) == Status::ok);
+  CHECK(std::equal(last.begin(), last.end(), tracker->parameters().begin()));
   is_free.assign(is_free.size(), 1);  // it was read
   CHECK_FALSE(tracker->is_started());
   CHECK(tracker->result().state == TrackState::lost);
@@ -95,6 +97,27 @@ TEST_CASE("start_by_detection ends a track, forgets the person and keeps its opt
     CHECK(tracker->start_by_detection(start) == Status::bad_argument);
   }
   CHECK(tracker->is_started());
+}
+
+TEST_CASE("a start that fails forgets the person: the next one is not held to its parameters") {
+  const FaceFilm film(
+      320, 240, 40, [](float, Pose& pose, auto&) { pose.t.x = -0.2f * pose.t.z; }, 0.5f);
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  std::size_t k = 0;
+  while (k < 10) update(tracker.object, film, k++);
+  fake.verification = 0.05f;
+  while (tracker->is_started() && k < film.frames.size()) update(tracker.object, film, k++);
+  REQUIRE(k + 2 < film.frames.size());  // the track was given up
+  const std::vector<std::uint8_t> grey(320 * 240, 90);
+  FrameView nothing = film.view(k++);
+  nothing.data = grey.data();
+  CHECK(tracker->start_from_box(nothing, {200, 60}, {60, 60}) == Status::too_few_points);
+  fake.verification = 0.99f;
+  const int held = fake.held_alignments;
+  update(tracker.object, film, k);
+  CHECK(tracker->is_started());
+  CHECK(fake.held_alignments == held);
 }
 
 TEST_CASE("after start_by_detection a stream may begin again, with earlier times") {

@@ -110,6 +110,7 @@ TEST_CASE("frames of one view are averaged: a hundred say no more than one") {
 
 TEST_CASE("an estimate agrees with what the equations know besides its views, counted from zero") {
   InArena<PersonEstimate> estimate{kKept};
+  estimate->clear();
   add_view(estimate.object, 4, 1e6f, std::vector<float>(kKept, 0));  // unknown k is k + 1
   InArena<PersonEquations> equations{kKept};
   equations->reset();

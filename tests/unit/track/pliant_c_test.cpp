@@ -109,6 +109,7 @@ TEST_CASE("limits that no tracker can be made for are refused") {
   CHECK(refused([](pliant_limits& l) { l.patches = 5; }));
   CHECK(refused([](pliant_limits& l) { l.patches = l.key_patches = 0x8000; }));
   CHECK(refused([](pliant_limits& l) { l.start_points = 3; }));
+  CHECK(refused([](pliant_limits& l) { l.vertices = 3; }));  // fewer than the base mesh has
   const pliant_limits l = pliant_profile('S');
   CHECK(pliant_required_bytes(rig().table(), rig().table_bytes(), nullptr, &bytes) == PLIANT_BAD_ARGUMENT);
   CHECK(pliant_required_bytes(rig().table(), rig().table_bytes(), &l, nullptr) == PLIANT_BAD_ARGUMENT);

@@ -1,0 +1,135 @@
+// What a start leaves behind must not show in the next one, nor what its memory held before.
+#include <doctest/doctest.h>
+
+#include "estimator_scene.hpp"
+
+using namespace estimator_scene;
+
+namespace {
+
+/// A sheet whose bend counts more with another size: a product of a parameter that is frozen and one that is free.
+ModelBuilder bent_sheet() {
+  ModelBuilder m;
+  const std::uint16_t size = m.parameter("size", Group::identity, -3, 3, 1),
+                      bend = m.parameter("bend", Group::expression, -2, 2, 1);
+  m.record(Operation::constant, {}, {}, m.field(3, 9, 9, [](float u, float v) {
+    const float x = 2 * u - 1, y = 2 * v - 1;
+    return Vec3{100 * (u - 0.5f), 100 * (0.5f - v), -30 * (x * x + y * y)};
+  }));
+  m.record(Operation::add_vector, {m.last()}, {bend}, m.field(3, 33, 33, [](float u, float v) {
+    return Vec3{0, 10 * u * u, 5 * v};
+  }));
+  m.record(Operation::product, {m.last()}, {size, bend}, m.field(3, 33, 33, [](float u, float v) {
+    return Vec3{0, 0, 20 * u * v};
+  }));
+  m.grid_mesh(4);
+  return m;
+}
+
+/// A start far away, from where the egg comes so near that the mesh is refined.
+void approach(Scene& scene, Estimator& e, const std::uint8_t* is_free, std::int64_t* time) {
+  EstimatorOptions options;
+  options.mesh_operations = 40;
+  options.mesh_error_px = 0.05f;
+  options.mesh_error_mm = 0;
+  InArena<Cascade> cascade(scene.model);
+  float distance = 3000;
+  const auto pose = [&distance] { return Pose{{}, {0, 0, distance}}; };
+  options.time_ns = *time;
+  REQUIRE(e.start(scene.camera, kWidth, kHeight, pose(), scene.q.data(), is_free, options) == Status::ok);
+  scene.ids.resize(scene.uv.size());
+  for (std::size_t i = 0; i < scene.uv.size(); ++i)
+    REQUIRE(e.add_point(scene.uv[i], &scene.ids[i]) == Status::ok);
+  for (int k = 0; k < 60; ++k) {
+    distance = max(0.93f * distance, 250);
+    const Projector projector(view_of(pose(), scene.camera), true);
+    std::vector<Observation> seen;
+    for (std::size_t i = 0; i < scene.uv.size(); ++i) {
+      Observation o;
+      o.id = scene.ids[i];
+      o.information = {25, 0, 25};
+      REQUIRE(projector.project(cascade->surface_point(scene.uv[i], scene.q.data()), &o.x));
+      seen.push_back(o);
+    }
+    e.begin(*time += 33'000'000);
+    e.predict();
+    e.solve(span(seen));
+    e.end();
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a frozen parameter has its value in every trial step, whatever the memory held") {
+  const std::vector<std::uint32_t> words = bent_sheet().table();
+  Model model;
+  REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  EstimatorLimits limits;
+  limits.points = 60;
+  limits.vertices = 300;
+  InArena<Cascade> cascade(model);
+  const Camera camera = centred_camera(kWidth, kHeight, 800);
+  const Pose pose{{}, {0, 0, 500}};
+  const float at_start[] = {1, 0}, truth[] = {1, 0.6f};
+  for (const int before : {0x00, 0x41, 0xFF}) {
+    AlignedBlock block(measured_bytes<Estimator>(model, limits));
+    std::fill_n(block.data(), block.size(), static_cast<unsigned char>(before));
+    Arena arena(block.data(), block.size());
+    Estimator e;
+    REQUIRE(create_in(arena, e, model, limits) == Status::ok);
+    REQUIRE(e.start(camera, kWidth, kHeight, pose, at_start, nullptr, {}) == Status::ok);
+    std::vector<Observation> seen;
+    for (int i = 0; i < 49; ++i) {
+      const Vec2 uv{0.1f + 0.13f * static_cast<float>(i % 7), 0.1f + 0.13f * static_cast<float>(i / 7)};
+      Observation o;
+      REQUIRE(e.add_point(uv, &o.id) == Status::ok);
+      REQUIRE(Projector(view_of(pose, camera), true).project(cascade->surface_point(uv, truth), &o.x));
+      o.information = {25, 0, 25};
+      seen.push_back(o);
+    }
+    for (int k = 1; k < 4; ++k) {
+      std::vector<Observation> again = seen;
+      e.begin(k * std::int64_t{33'000'000});
+      e.predict();
+      e.solve(span(again));
+      e.end();
+    }
+    CHECK(e.parameters()[0] == 1);
+    CHECK(e.parameters()[1] == doctest::Approx(0.6).epsilon(0.02));
+  }
+}
+
+TEST_CASE("a mesh that was refined for another person is that of the present one after a new start") {
+  Scene scene;
+  scene.limits.vertices = 600;
+  InArena<Estimator> e(scene.model, scene.limits);
+  std::int64_t time = 0;
+  std::vector<std::uint8_t> is_free(scene.q.size(), 1);
+  for (int round = 0; round < 4; ++round) {
+    for (std::size_t k = 0; k < is_free.size(); ++k) {
+      const bool is_odd = (static_cast<std::size_t>(round) + k) % 2 != 0;
+      is_free[k] = is_odd && scene.model.parameters()[k].group == Group::expression;
+    }
+    scene.q[0] = round % 2 == 0 ? 2.0f : -2.0f;
+    approach(scene, e.object, is_free.data(), &time);
+    e->refresh_vertices();
+    CHECK(e->mesh().vertex_count() > 100);
+    float worst = 0;
+    for (VertexId v : e->mesh().vertices())
+      worst = max(worst, length(e->vertex_positions()[v] - e->surface_point(e->mesh().uv(v))));
+    CHECK(worst < 0.1f);
+  }
+}
+
+TEST_CASE("the smoothed result begins with the start") {
+  Scene scene;
+  EstimatorOptions options;
+  options.smooths = true;
+  InArena<Estimator> e(scene.model, scene.limits);
+  for (const float size : {0.8f, -0.5f}) {
+    scene.q[0] = size;
+    scene.start(e.object, 0.1f, options);
+    CHECK(e->smoothed_parameters()[0] == size);
+    CHECK(e->smoothed_parameters()[5] == scene.q[5]);
+  }
+}
