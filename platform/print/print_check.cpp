@@ -27,6 +27,9 @@ struct PrintCheckTuning {
   int half = 3;
   /// Samples that a block is searched for to each side of its place. Not tuned.
   int shift = 2;
+  /// Displacement of a block's corner by the curvature of the surface, at most, spacings of its samples: towards a rim the second
+  /// order does not tell where the block is seen. Round value, not tuned.
+  float most_bend = 1.5f;
 };
 constexpr PrintCheckTuning kTuning;
 
@@ -54,10 +57,16 @@ float grey_at(const FrameView& frame, Vec2 x) {
       frame.data[row * frame.stride_bytes + column * static_cast<std::size_t>(frame.pixel_step_bytes)]);
 }
 
-/// A block: where it is seen, and how (u,v) changes there, per px.
+/// A block: where it is seen, and how (u,v) changes there, per px. The sample that the first order puts d px from the middle is
+/// seen where the second order puts it.
 struct Block {
   Vec2 uv, x;
   Mat2 uv_per_px;
+  Vec2 along[2], bend[3];  // px per px, off the first order; px per px^2: x^2, y^2, xy
+
+  Vec2 place_of(Vec2 d) const {
+    return x + d + d.x * (along[0] + d.x * bend[0] + d.y * bend[2]) + d.y * (along[1] + d.y * bend[1]);
+  }
 };
 
 /// \return false where the surface turns away.
@@ -66,8 +75,27 @@ bool make_block(const SurfacePlace& place, Block* block) {
   const float longer = dot(a, a) > dot(b, b) ? dot(a, a) : dot(b, b);
   if (!(determinant(place.px_per_uv) > max(kTuning.least_slant * longer, kTuning.least_area_px2)))
     return false;
-  *block = {place.uv, place.x, inverse(place.px_per_uv)};
+  *block = {place.uv, place.x, inverse(place.px_per_uv), {}, {}};
   return true;
+}
+
+/// Fits the second order to where the surface is seen at the block's sides and one corner. \param reach  from the middle to a side,
+/// px. \return false where a side is not seen, or too far from where a plane would have it.
+bool bend_block(const SurfaceProjection& project, float reach, float most_px, Block* block) {
+  constexpr Vec2 kSides[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}};
+  Vec2 off[5];  // from the first order
+  for (int k = 0; k < 5; ++k) {
+    const Vec2 d = reach * kSides[k];
+    if (!project(block->uv + block->uv_per_px * d, &off[k])) return false;
+    off[k] = off[k] - block->x - d;
+  }
+  const Vec2 x = 0.5f * (off[0] - off[1]), xx = 0.5f * (off[0] + off[1]), y = 0.5f * (off[2] - off[3]),
+             yy = 0.5f * (off[2] + off[3]), xy = off[4] - x - xx - y - yy;
+  const float side = 1 / reach, square = side * side;
+  block->along[0] = side * x, block->along[1] = side * y;
+  block->bend[0] = square * xx, block->bend[1] = square * yy, block->bend[2] = square * xy;
+  const float farthest = length(x) + length(xx) + length(y) + length(yy) + length(xy);
+  return farthest <= most_px;
 }
 
 bool find_block(const SurfaceProjection& project, Vec2 uv, Block* block) {
@@ -85,11 +113,10 @@ void sample_frame(const FrameView& frame, const Block& block, float spacing, int
   const float third = spacing / 3;
   for (int j = -half; j <= half; ++j)
     for (int i = -half; i <= half; ++i) {
+      const Vec2 x = block.place_of({spacing * static_cast<float>(i), spacing * static_cast<float>(j)});
       float sum = 0;
       for (int k = 0; k < 9; ++k)
-        sum += grey_at(
-            frame, block.x + Vec2{spacing * static_cast<float>(i) + third * static_cast<float>(k % 3 - 1),
-                                  spacing * static_cast<float>(j) + third * static_cast<float>(k / 3 - 1)});
+        sum += grey_at(frame, x + third * Vec2{static_cast<float>(k % 3 - 1), static_cast<float>(k / 3 - 1)});
       *grey++ = sum * (1.0f / 9) - 128;
     }
 }
@@ -129,6 +156,12 @@ float correlate(const float* grey, int stride, const float* expected) {
   return kPart * (xy - kPart * x * y) / std::sqrt(frame_variance * albedo_variance);
 }
 
+bool agrees(const FrameView& frame, const Block& block, float spacing, const float* expected) {
+  float grey[kSamples];
+  sample_frame(frame, block, spacing, kHalf, grey);
+  return correlate(grey, 2 * kHalf + 1, expected) >= kTuning.least_correlation;
+}
+
 bool is_inside(const FrameView& frame, Vec2 x, float reach) {
   return x.x >= reach && x.y >= reach && x.x < static_cast<float>(frame.width) - reach &&
          x.y < static_cast<float>(frame.height) - reach;
@@ -145,25 +178,29 @@ PrintAgreement compare_print(const FrameView& frame, const Model& model, const P
   const float reach = block_px * (kHalf + 0.5f);
   for (std::size_t k = 0; k < blocks; ++k) {
     Block block;
-    float expected[kSamples], grey[kSamples];
+    float expected[kSamples];
     const Vec2 uv = keypoints[k * keypoints.count / blocks].uv();
     if (!find_block(projection, uv, &block) || !is_inside(frame, block.x, reach) ||
         !sample_albedo(albedo, block, block_px, expected))
       continue;
-    sample_frame(frame, block, block_px, kHalf, grey);
+    // Most surfaces are flat enough for the first order, which costs less.
+    bool is_agreed = agrees(frame, block, block_px, expected);
+    if (!is_agreed) {
+      if (!bend_block(projection, kHalf * block_px, kTuning.most_bend * block_px, &block)) continue;
+      is_agreed = agrees(frame, block, block_px, expected);
+    }
     ++agreement.visible;
-    if (correlate(grey, 2 * kHalf + 1, expected) >= kTuning.least_correlation) ++agreement.agreed;
+    agreement.agreed += is_agreed;
   }
   return agreement;
 }
 
 bool shows_print(const FrameView& frame, const Model& model, const SurfacePlace& place, float block_px) {
   Block block;
-  float expected[kSamples], grey[kSamples];
+  float expected[kSamples];
   if (!make_block(place, &block) || !is_inside(frame, block.x, block_px * (kHalf + 0.5f))) return true;
   if (!sample_albedo(model.albedo(), block, block_px, expected)) return false;
-  sample_frame(frame, block, block_px, kHalf, grey);
-  return correlate(grey, 2 * kHalf + 1, expected) >= kTuning.least_correlation;
+  return agrees(frame, block, block_px, expected);
 }
 
 namespace {

@@ -49,9 +49,9 @@ struct Instructions {
   double adapted_vertex = 60000;
   double captured_record = 400;  ///< of a template of frame 0
   double curve_point = 60000;    ///< a new one
-  /// Of prints, counted on sheets with 4, 6 and 12 shapes: a block compared, and its place from the tables; a cell of the search; a
-  /// fit of one view.
-  double print_block = 42000, print_block_record = 1200;
+  /// Of prints, counted on sheets with 4, 6 and 12 shapes: a block compared, and its place from the tables; the same again where
+  /// the surface may be curved; a cell of the search; a fit of one view.
+  double print_block = 42000, print_block_record = 1200, print_curved_block = 26000, print_curved_record = 2000;
   double print_cell = 4600, print_fit = 2e7, print_fit_record = 2.7e6;
 };
 constexpr Instructions kCost{};
@@ -229,6 +229,8 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, Plan& plan) {
       static_cast<double>(kTrackerTuning.tries_a_slot * (first_slot(limits, 2) - first_slot(limits, 1)));
   const double check = kCost.print_block + kCost.print_block_record * s.all_records;
   plan.loads.push_back({"blocks of the print compared", blocks / interval, blocks, check});
+  const double curved = kCost.print_curved_block + kCost.print_curved_record * s.all_records;
+  plan.loads.push_back({"blocks of the print compared again", 0, blocks, curved});
   plan.loads.push_back({"blocks where a key frame wants templates", 0, tries, kCost.print_block});
   const double cells = limits.search_work, fits = static_cast<double>(kPrintTuning.readings);
   plan.search_loads.push_back({"cells of the search", cells, cells, kCost.print_cell});
@@ -237,6 +239,7 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, Plan& plan) {
   plan.start_loads = plan.search_loads;
   plan.start_loads.back().usual = fits;
   plan.start_loads.push_back({"blocks of the print compared", blocks, blocks, check});
+  plan.start_loads.push_back({"blocks of the print compared again", 0, blocks, curved});
   plan.start_loads.push_back(
       {"blocks where templates are wanted", 2.0 * limits.patches, 3.0 * limits.patches, kCost.print_block});
 }

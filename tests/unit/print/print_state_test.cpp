@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "obj_folder.hpp"
 #include "print_film.hpp"
 #include "random.hpp"
 
@@ -56,7 +57,9 @@ TEST_CASE("a track is degraded or lost while the surface does what its shapes ca
   CHECK(film.turned_from(pose) < 0.05f);
 }
 
-TEST_CASE("a start by print behind something with texture takes no templates from that, and is degraded until the rest is seen") {
+TEST_CASE(
+    "a start by print behind something with texture takes no templates from that, and is degraded until the "
+    "rest is seen") {
   Film film(sheet());
   const Pose pose = posed(0.1f, 0.2f, 0, 0.8f);
   constexpr int kFirst = 170, kEnd = 250;
@@ -76,4 +79,43 @@ TEST_CASE("a start by print behind something with texture takes no templates fro
   for (int k = 0; k < 24; ++k) REQUIRE(film.show(picture_of(pose, kRest, film.count)) == Status::ok);
   CHECK(film.result.state == TrackState::tracking);
   CHECK(film.turned_from(pose) < 0.1f);
+}
+
+TEST_CASE(
+    "a curved surface is in state tracking from its first frame on, also where it is seen at a slant: a "
+    "label, a cap") {
+  const auto label = [](float s, float t) {
+    const float a = 2.6f * (s - 0.5f);
+    return Vec3{130 * std::sin(a), 300 * (t - 0.5f), 130 * std::cos(a) - 130};
+  };
+  const auto cap = [](float s, float t) {
+    const float x = 2.2f * (s - 0.5f), y = 2.2f * (t - 0.5f), r = std::sqrt(x * x + y * y),
+                f = r > 0 ? std::sin(r) / r : 1;
+    return Vec3{160 * f * x, 160 * f * y, 160 * std::cos(r) - 160};
+  };
+  for (const obj_folder::Shape& shape : {obj_folder::Shape(label), obj_folder::Shape(cap)}) {
+    const obj_folder::ObjFolder folder("curved");
+    folder.write("neutral", shape);
+    bake::BakeOptions options;
+    options.source = folder.path.string();
+    options.texture = PLIANT_FIXTURES "/sheet/print.png";
+    std::vector<std::uint8_t> bytes;
+    std::string error;
+    REQUIRE_MESSAGE(bake::bake(options, bytes, error), error);
+    const bake::OpenedTable table(bytes);
+    Scene scene(table.model(), kWidth, kHeight);
+    Film film(table.model());
+    int tracked = 0;
+    for (int k = 0; k < 40; ++k) {
+      const float turn = std::sin(0.1f * static_cast<float>(k));
+      const Pose pose = posed(0.2f * turn, 0.5f * turn, 0.1f, 0.8f);
+      Image image = scene.draw(nullptr, pose, kCamera, make_background(kWidth, kHeight, 3));
+      add_noise(image, 2, film.count);
+      REQUIRE(film.show(image) == Status::ok);
+      if (film.result.state != TrackState::tracking) continue;
+      ++tracked;
+      CHECK(film.turned_from(pose) < 0.06f);
+    }
+    CHECK(tracked >= 38);
+  }
 }
