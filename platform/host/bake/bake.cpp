@@ -57,9 +57,25 @@ Source read_all(const BakeOptions& options) {
                     "has neither the tables of a surface (points.txt and others) nor OBJ files");
 }
 
-LearntTables learnt_tables(const BakeOptions& options) {
+/// Whether the learnt tables of faces can be used: they know a face by these.
+bool has_corners_of_face(const Source& source) {
+  const auto has = [&source](const char* name) {
+    return std::any_of(source.landmarks.begin(), source.landmarks.end(),
+                       [name](const auto& l) { return l.name == name; });
+  };
+  return has("ibug36") && has("ibug45") && has("ibug48") && has("ibug54");
+}
+
+LearntTables learnt_tables(const BakeOptions& options, const Source& source) {
   if (options.learnt == "none") return {};
-  if (!options.learnt.empty()) return read_learnt(options.learnt);
+  if (!options.learnt.empty()) {
+    if (!has_corners_of_face(source))
+      throw SourceError(options.learnt, 0,
+                        "finds faces: the surface lacks a landmark of ibug36, ibug45, ibug48 and ibug54, the "
+                        "outer corners of "
+                        "eyes and mouth");
+    return read_learnt(options.learnt);
+  }
   const std::string path = options.source + "/learnt.bin";
   return std::filesystem::exists(path) ? read_learnt(path) : LearntTables{};
 }
@@ -71,7 +87,7 @@ Source read_source(const BakeOptions& options) {
   Source source = read_all(options);
   choose_parameters(source, options.choice);
   source.springs = springs_of(source, options);
-  source.learnt = learnt_tables(options);
+  source.learnt = learnt_tables(options, source);
   return source;
 }
 

@@ -50,12 +50,24 @@ FieldGrid grid_of(const ChartRaster& raster, const std::vector<float>& values) {
   return grid;
 }
 
+namespace {
+
+/// Whether the surface is in a cell of which the sample is a corner: its value counts there.
+bool is_beside_surface(const ChartRaster& raster, int i, int j) {
+  for (int l = std::max(j - 1, 0); l <= std::min(j + 1, raster.height - 1); ++l)
+    for (int k = std::max(i - 1, 0); k <= std::min(i + 1, raster.width - 1); ++k)
+      if (raster.at(k, l).triangle >= 0) return true;
+  return false;
+}
+
+}  // namespace
+
 void clear_border(FieldGrid& grid, const ChartRaster& raster) {
   const auto n = at(grid.components);
   for (int j = 0; j < grid.height; ++j)
     for (int i = 0; i < grid.width; ++i) {
       const bool border = i == 0 || j == 0 || i == grid.width - 1 || j == grid.height - 1;
-      if (border && raster.at(i, j).triangle < 0)
+      if (border && !is_beside_surface(raster, i, j))
         std::fill_n(grid.samples.begin() + static_cast<std::ptrdiff_t>(at(j * grid.width + i) * n), n, 0.0f);
     }
 }

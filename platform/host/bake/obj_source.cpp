@@ -288,7 +288,12 @@ class FolderReader {
   void find_pictures(std::vector<int>& picture_of) {
     std::map<std::string, std::string> names;
     const std::string folder = rest_.path.substr(0, rest_.path.find_last_of('/') + 1);
-    for (const std::string& library : rest_.libraries) names.merge(read_picture_names(folder + library));
+    for (const std::string& library : rest_.libraries) {
+      if (!fs::exists(folder + library))
+        source_.warnings.push_back("there is no material file " + folder + library +
+                                   ": the surface has no texture from it");
+      names.merge(read_picture_names(folder + library));
+    }
     std::map<std::string, int> ids;
     for (std::size_t m = 0; m < rest_.materials.size(); ++m) {
       const auto name = names.find(rest_.materials[m]);

@@ -76,6 +76,7 @@ struct Source {
   bool has_print = false;  ///< the albedo is a print that the surface can be found by
   SourceSprings springs;   ///< may be empty
   LearntTables learnt;     ///< for finding faces; each may be empty
+  std::vector<std::string> warnings;  ///< of the reader, for the user, one line each
 };
 
 }  // namespace pliant::host::bake

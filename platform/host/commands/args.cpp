@@ -15,8 +15,8 @@ namespace {
 
 /// Whether the path is one of the files in a folder that are read, by its ending; a table or a video beside them is not.
 bool is_source_in(const std::string& folder, const std::string& path) {
-  static constexpr const char* kEndings[] = {".txt",  ".obj", ".bin", ".png", ".jpg",
-                                             ".jpeg", ".pgm", ".ppm", ".pnm"};
+  static constexpr const char* kEndings[] = {".txt", ".obj",  ".mtl", ".bin", ".png",
+                                             ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm"};
   std::error_code ignored;
   const std::filesystem::path file(path);
   const std::string ending = in_lower_case(file.extension().string());
@@ -32,9 +32,9 @@ bool is_same_file(const std::string& a, const std::string& b) {
 
 /// Bad usage if the name ends as that of another format than the option writes.
 void check_ending(const Option& option, const std::string& path) {
-  static constexpr const char* kFormats[] = {"avi", "bin",  "bmp",  "cpp", "csv",  "gif",  "glb", "gltf",
-                                             "h",   "html", "jpeg", "jpg", "json", "mkv",  "mov", "mp4",
-                                             "obj", "plm",  "ply",  "png", "svg",  "webm", "y4m"};
+  static constexpr const char* kFormats[] = {"avi", "bin",  "bmp",  "cpp", "csv",  "gif", "glb",  "gltf",
+                                             "h",   "html", "jpeg", "jpg", "json", "mkv", "mov",  "mp4",
+                                             "mtl", "obj",  "plm",  "ply", "png",  "svg", "webm", "y4m"};
   const std::string written = in_lower_case(option.value);
   std::string ending = in_lower_case(std::filesystem::path(path).extension().string());
   if (!ending.empty()) ending.erase(0, 1);

@@ -83,10 +83,7 @@ void print_report(const std::string& output, const bake::BakeReport& report, boo
   console.out << "; base mesh of " << report.base_vertices << " vertices\n";
   if (report.has_texture && report.print_bytes == 0)
     console.out << "the texture has too few corners of its own: the surface will not be found by it\n";
-  if (report.shows_back)
-    console.err << output
-                << ": seen from the front, along z, this surface shows its back, which is neither drawn nor "
-                   "tracked: turn it round, or reverse the order of the corners of its faces\n";
+  for (const std::string& warning : report.warnings) console.err << output << ": " << warning << '\n';
   for (const bake::ParameterError& error : report.errors.parameters) {
     if (!all) break;
     print(error.name.c_str(), error.off);
@@ -133,8 +130,8 @@ Command bake_command() {
       "[--modes N [--stiffness F]] [--stretch SD] [--texture PICTURE|none] [--relax-chart] "
       "[--identities N] [--expressions N|NAME,...] [--learnt FILE|none] [--errors] | SOURCE --sizes N,... "
       "[--flash KIB]",
-      {{"-o", "FILE", "the model table to write", Takes::output},
-       {"--embed", "FILE", "also write the table as a C++ array, for firmware", Takes::output},
+      {{"-o", "PLM", "the model table to write", Takes::output},
+       {"--embed", "CPP", "also write the table as a C++ array, for firmware", Takes::output},
        {"--size", "N", "samples on a side of a field over the whole chart (128)"},
        {"--bits", "N", "bits of a sample: 16 or 8 (16)"},
        {"--unit", "MM", "unit of the OBJ files, millimetres (1)"},

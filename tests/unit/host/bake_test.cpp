@@ -124,6 +124,22 @@ TEST_CASE("a field is cut to its support, with a rim of zeros, and coarser where
   CHECK(length(at({0.9f, 0.5f}, 1, 1) - at({0.9f, 0.5f}, 0, 0)) == 0);
 }
 
+TEST_CASE("a surface that fills a part of the chart keeps its shapes where it meets the chart's border") {
+  // As wide as the chart, and lower: its lower corners are on the border beside samples that have no surface.
+  for (const float height : {0.25f, 0.33f, 0.707f}) {
+    Source source = sheet(33, [](Vec2 uv) { return Vec3{300 * (uv.x - 0.5f), 300 * (0.5f - uv.y), 0}; });
+    source.base_uv.clear();
+    source.base_corners.clear();
+    for (Vec2& uv : source.uv) uv.y *= height;
+    source.parameters = {{"bend", Group::expression, -1, 1, 0.5f}};
+    source.shapes = {{0, {}, {}, {}, {}, -1}};
+    for (const Vec2 uv : source.uv) source.shapes[0].displacement.push_back({0, 0, 40 + 30 * uv.x * uv.y});
+    BakeReport report;
+    (void)bake_source(source, {}, &report);
+    CHECK(report.errors.expression.max_mm < 0.2f);
+  }
+}
+
 TEST_CASE("eight bits and a smaller size make a smaller table that is still close") {
   Source source = sheet(65, dome);
   source.parameters.push_back({"wave", Group::identity, -3, 3, 1});

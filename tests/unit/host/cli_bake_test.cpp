@@ -134,7 +134,7 @@ TEST_CASE("bake prints the error of the table against its source, and of each pa
 
 TEST_CASE("bake shows progress over files and shapes on a terminal only") {
   const ObjFolder folder;
-  const std::vector<std::string> words{"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60"};
+  const std::vector<std::string> words{"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--unit", "10"};
   std::ostringstream out, err;
   Console terminal{out, err, true};
   REQUIRE(run(words, terminal) == 0);
@@ -165,4 +165,34 @@ TEST_CASE("info lists the bytes of a table, its operations and its curves") {
   CHECK(count == 11);
   CHECK(sum < bytes);
   CHECK(sum + 20 + 13 * (12 + 3 + 8) >= bytes);  // header, directory, padding, sizes of pictures
+}
+
+TEST_CASE("bake does not write over what it reads, nor into files of other kinds") {
+  const ObjFolder folder;
+  std::ofstream(folder.folder + "/sheet.mtl") << "newmtl a\n";
+  for (const char* name : {"sheet.mtl", "neutral.obj", "print.png", "table.csv"}) {
+    const Ran r = run_words({"bake", folder.folder, "-o", folder.folder + "/" + name});
+    CHECK(r.code == 2);
+    CHECK(contains(r.err, "-o"));
+    const Ran embedded =
+        run_words({"bake", folder.folder, "-o", folder / "m.plm", "--embed", folder.folder + "/" + name});
+    CHECK(embedded.code == 2);
+    CHECK(contains(embedded.err, "--embed"));
+  }
+  CHECK_FALSE(folder.has("m.plm"));
+}
+
+TEST_CASE(
+    "bake refuses learnt tables of faces for a surface that is none, and tells of a material file that is "
+    "missing") {
+  const ObjFolder folder;
+  check_refused({"bake", folder.folder, "-o", folder / "m.plm", "--learnt", kFace + "/learnt.bin"},
+                {"finds faces", "ibug36"});
+  std::ifstream in(folder.folder + "/neutral.obj");
+  const std::string text((std::istreambuf_iterator<char>(in)), {});
+  std::ofstream(folder.folder + "/neutral.obj") << "mtllib none.mtl\n" << text;
+  const Ran r =
+      run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--size", "16"});
+  CHECK(r.code == 0);
+  CHECK(contains(r.err, "there is no material file " + folder.folder + "/none.mtl"));
 }

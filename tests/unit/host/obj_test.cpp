@@ -31,6 +31,11 @@ std::vector<std::uint8_t> baked_coarsely(const ObjFolder& folder, BakeReport* re
   return table;
 }
 
+bool warns(const host::bake::BakeReport& report, const char* of) {
+  return std::any_of(report.warnings.begin(), report.warnings.end(),
+                     [of](const std::string& warning) { return warning.find(of) != std::string::npos; });
+}
+
 }  // namespace
 
 TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places are kept") {
@@ -122,11 +127,31 @@ TEST_CASE("a mirrored chart is flipped, so that seen from outside u points right
   }());
   host::bake::BakeReport report;
   const auto table = baked_coarsely(folder, &report);
-  CHECK_FALSE(report.shows_back);
+  CHECK_FALSE(warns(report, "shows its back"));
   BakedModel baked(table);
   const SurfaceFrame f = baked.cascade.surface_frame({0.4f, 0.6f}, baked.rest().data());
   CHECK(f.pu.x > 0);
   CHECK(f.pv.y < 0);
+}
+
+TEST_CASE("what will hardly be tracked is warned of: a surface that is tiny, or far from its origin") {
+  const ObjFolder folder("warned");
+  const struct {
+    float size;  // of the sheet, which is 16 mm across
+    Vec3 origin;
+    bool is_small, is_far;
+  } cases[] = {{10, {}, false, false},
+               {10, {0, 0, 900}, false, true},
+               {10, {300, 0, 0}, false, false},
+               {1, {}, true, false}};
+  for (const auto& c : cases) {
+    folder.write("neutral.obj",
+                 folder.obj([&](float s, float t) { return c.size * sheet(s, t) + c.origin; }));
+    host::bake::BakeReport report;
+    (void)baked_coarsely(folder, &report);
+    CHECK(warns(report, "across, and nothing is tracked nearer than 50 mm") == c.is_small);
+    CHECK(warns(report, "the origin is ") == c.is_far);
+  }
 }
 
 TEST_CASE(
@@ -140,7 +165,7 @@ TEST_CASE(
     }));
     host::bake::BakeReport report;
     (void)baked_coarsely(folder, &report);
-    CHECK(report.shows_back == is_turned);
+    CHECK(warns(report, "shows its back") == is_turned);
   }
 }
 
