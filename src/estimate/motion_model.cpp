@@ -23,7 +23,6 @@ Status MotionModel::start(const Cascade& cascade, const ModelState& state, const
   predicts_motion_ = options.predicts_motion;
   smooths_ = options.smooths;
   smoother_.restart();
-  smoothed_pose_ = {};
   smooth(state);
   time_ns_ = options.time_ns;
   seconds_ = kMotionModelTuning.nominal_step;
@@ -45,13 +44,15 @@ bool MotionModel::predict(std::int64_t time_ns, int bad_frames, const Cascade& c
   time_ns_ = time_ns;
   if (!follows && !repeats) filter_.forget_velocities();
   filter_.predict(repeats ? 0.0f : seconds_);
-  const bool moves = predicts_motion_ && bad_frames == 0 && follows;
+  const bool is_known = bad_frames == 0 && follows, moves = predicts_motion_ && is_known;
   if (moves) state->view = filter_.view();
   expected_.mean.view = state->view;
   for (std::size_t i = 0; i < count_; ++i) {
     const Parameter& p = cascade.model().parameters()[i];
-    if (moves && filter_.ranges()[i] > 0) state->q[i] = clamp(filter_.parameters()[i], p.minimum, p.maximum);
-    expected_.mean.q[i] = state->q[i];
+    float mean = state->q[i];
+    if (is_known && filter_.ranges()[i] > 0) mean = clamp(filter_.parameters()[i], p.minimum, p.maximum);
+    expected_.mean.q[i] = mean;
+    if (moves) state->q[i] = mean;
   }
   expect_parameter_sd(cascade);
   expect_pose_variance(bad_frames);
@@ -97,9 +98,7 @@ void MotionModel::correct(const Cascade& cascade, const ModelState& state, const
 
 /// Adds a sample to the smoothed output, if there is one.
 void MotionModel::smooth(const ModelState& state) {
-  if (!smooths_) return;
-  if (smoother_.add(pose_of(state.view), state.q, filter_.ranges(), count_, since_sample_) == Status::ok)
-    smoothed_pose_ = smoother_.pose();
+  if (smooths_) (void)smoother_.add(pose_of(state.view), state.q, filter_.ranges(), count_, since_sample_);
 }
 
 void MotionModel::rest(const ModelState& state) {

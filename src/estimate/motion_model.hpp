@@ -23,10 +23,10 @@ struct MotionModelTuning {
   /// what heads do in a thirtieth of a second; not optimised.
   float least_sd[kPoseUnknowns] = {0.03f, 0.03f, 0.03f, 0.02f, 4, 4};
   float most_sd[kPoseUnknowns] = {0.2f, 0.2f, 0.2f, 0.2f, 40, 40};
-  /// Ranges per second that a parameter changes by, one standard deviation. Larger changes count by Huber's loss: what crosses its
-  /// range in a tenth of a second is followed as well as with 3 and squares, and the recorded face trembles by 0.6
-  /// of that (docs/experiments.md, Change of parameters).
-  float parameter_rate = 2.5f;
+  /// Ranges per second by which a parameter misses what its velocity leads to, one standard deviation. What misses by more counts by
+  /// Huber's loss. What crosses its range in a tenth of a second is followed better than with 2.5 and a mean without velocity, and
+  /// the recorded face trembles less (docs/experiments.md, Change of parameters).
+  float parameter_rate = 2.2f;
   /// s. Longest time over which `parameter_rate` acts. Round value, not tuned.
   float longest_parameter_time = 0.5f;
   /// Least standard deviation of a parameter's change, in its unit: it divides, and a range may be empty. Round value.
@@ -49,7 +49,8 @@ class MotionModel {
   /// not filtered. \return the statuses of MotionFilter::start.
   Status start(const Cascade& cascade, const ModelState& state, const EstimatorOptions& options);
   /// Predicts the state at `time_ns`. If the options ask for it and the last frame was good, `state` is moved there;
-  /// otherwise it stays. The expected state is `state` afterwards.
+  /// otherwise it stays. The expected state is `state` afterwards, but for parameters: after a good frame they are expected where
+  /// their velocities lead.
   /// \param bad_frames  frames since the last good one; widens the uncertainty.
   /// \return whether `state` moved.
   bool predict(std::int64_t time_ns, int bad_frames, const Cascade& cascade, ModelState* state);
@@ -72,7 +73,7 @@ class MotionModel {
   const ExpectedState& expected() const { return expected_; }
   const MotionFilter& filter() const { return filter_; }
   /// The smoothed pose, if `start` asked for it; else the default pose.
-  const Pose& smoothed_pose() const { return smoothed_pose_; }
+  Pose smoothed_pose() const { return smooths_ ? smoother_.pose() : Pose{}; }
   const float* smoothed_parameters() const { return smoother_.parameters(); }
 
  private:
@@ -83,7 +84,6 @@ class MotionModel {
   MotionFilter filter_;
   Smoother smoother_;
   ExpectedState expected_;
-  Pose smoothed_pose_;
   std::int64_t time_ns_ = kNoTime;  // of the last frame
   float seconds_ = 0;               // since the last frame
   float since_sample_ = 0;          // s, since the smoother's last sample: bad frames give none

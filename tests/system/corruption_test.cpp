@@ -80,8 +80,8 @@ struct Sequence {
   /// \param light  of the frame in which the track starts.
   explicit Sequence(float light = 1) {
     const Pixels pixels = lit(0, light);
-    REQUIRE(tracker->start_from_pose({pixels.data(), kWidth, kHeight, kWidth, 1, 0, 0}, film().camera, film().poses[0],
-                                     film().parameters[0].data()) == Status::ok);
+    REQUIRE(tracker->start_from_pose({pixels.data(), kWidth, kHeight, kWidth, 1, 0, 0}, film().camera,
+                                     film().poses[0], film().parameters[0].data()) == Status::ok);
   }
   /// Gives the tracker these pixels. For any pixels its result must be finite and consistent.
   TrackState give(const Pixels& pixels, std::int64_t time_ns) {
@@ -174,7 +174,8 @@ TEST_CASE("tracking recovers from over-exposed frames with three times the light
   CHECK(worst < 3);
 }
 
-TEST_CASE("light that falls to 0.3 or rises to three times that of the start, at once or slowly, keeps the track") {
+TEST_CASE(
+    "light that falls to 0.3 or rises to three times that of the start, at once or slowly, keeps the track") {
   for (const auto& [first, last] : {std::pair<float, float>{1, 0.3f}, {0.33f, 1}})
     for (const std::size_t slowly : {1u, 40u}) {
       Sequence s(first);
@@ -211,29 +212,37 @@ TEST_CASE("tracking recovers from an occluder over half of the face in every ten
 }
 
 TEST_CASE(
-    "with a moving occluder over 35 % of the face for sixty frames the face is not lost, and five frames "
-    "later the error is as before") {
-  Sequence s;
-  float before = 0, after = 0;
-  for (std::size_t n = 1; n < 100; ++n) {
-    Pixels pixels = film().frames[shown(n)];
-    if (n >= 20 && n < 80) {
-      PixelBox box = face_box(shown(n));  // covers the whole height and moves to and fro
-      const int width = (box.x1 - box.x0) * 35 / 100, way = box.x1 - box.x0 - width;
-      const int step = static_cast<int>(n - 20) % 40;
-      box.x0 += (step < 20 ? step : 40 - step) * way / 20;
-      box.x1 = box.x0 + width;
-      cover(pixels, box, box.x0);
+    "with a moving occluder over 35 % of the face for sixty frames, which hides up to four fifths of the "
+    "templates, hardly a frame in state tracking is wrong, few are lost, and five frames later the error is as "
+    "before") {
+  int lost = 0, wrong = 0;
+  constexpr int kPhases = kSanitized ? 1 : 8;
+  for (int phase = 0; phase < kPhases; ++phase) {
+    CAPTURE(phase);
+    Sequence s;
+    float before = 0, after = 0;
+    for (std::size_t n = 1; n < 100; ++n) {
+      Pixels pixels = film().frames[shown(n)];
+      if (n >= 20 && n < 80) {
+        PixelBox box = face_box(shown(n));  // covers the whole height and moves to and fro
+        const int width = (box.x1 - box.x0) * 35 / 100, way = box.x1 - box.x0 - width;
+        const int step = (static_cast<int>(n - 20) + 5 * phase) % 40;
+        box.x0 += (step < 20 ? step : 40 - step) * way / 20;
+        box.x1 = box.x0 + width;
+        cover(pixels, box, box.x0);
+      }
+      lost += s.give(pixels) == TrackState::lost;
+      const float px = s.error(n);
+      if (n >= 10 && n < 20) before += px / 10;
+      if (n >= 85 && n < 95) after += px / 10;
+      if (n < 20 || n >= 85) CHECK(s.result.state == TrackState::tracking);
+      wrong += s.result.state == TrackState::tracking && !(px < 4);
     }
-    CHECK(s.give(pixels) != TrackState::lost);
-    const float px = s.error(n);
-    if (n >= 10 && n < 20) before += px / 10;
-    if (n >= 85 && n < 95) after += px / 10;
-    if (n < 20 || n >= 85) CHECK(s.result.state == TrackState::tracking);
-    if (s.result.state == TrackState::tracking) CHECK(px < 4);
+    CHECK(after < max(1.5f * before, 0.4f));
   }
-  MESSAGE("landmark error before " << before << " px, after " << after << " px");
-  CHECK(after < max(1.5f * before, 0.4f));
+  MESSAGE(wrong << " wrong, " << lost << " of " << 60 * kPhases << " covered frames are lost");
+  CHECK(wrong <= kPhases / 2);
+  CHECK(lost <= 6 * kPhases);
 }
 
 TEST_CASE("the face is reported lost within three frames of total occlusion and found within ten after it") {
