@@ -78,6 +78,7 @@ std::uint8_t cues_of(const Args& args) {
     if (name != "patch" && cue == Cue::patch) fail_usage("--cues: patch, flow, edge, not " + name);
     bits = static_cast<std::uint8_t>(bits | 1u << static_cast<unsigned>(cue));
   }
+  if (bits == 0) fail_usage("--cues: patch, flow, edge, not nothing");
   return bits;
 }
 
@@ -106,6 +107,11 @@ void check_start(const Args& args) {
   if (args.has("--init") && args.has("--box")) fail_usage("--init and --box exclude each other");
   if (args.has("--markers") && !args.has("--init") && !args.has("--box"))
     fail_usage("--markers are points of frame 0: --init or --box is needed");
+  if (args.has("--landmarks") && args.has("--model-landmarks"))
+    fail_usage("--landmarks and --model-landmarks exclude each other");
+  if (args.has("--box-of") && !args.has("--box")) fail_usage("--box-of is of a box: --box is needed");
+  if (args.has("--marker-exclusion-px") && !args.has("--markers"))
+    fail_usage("--marker-exclusion-px is of markers: --markers is needed");
 }
 
 /// What the track starts from; nothing: it finds the face itself.

@@ -13,7 +13,7 @@ OpenedFrames open_video(const std::string& path) {
   // Each frame of the file once, also where their times are irregular; square pixels.
   const std::string square = "scale=if(gt(abs(sar-1)\\,0.001)\\,2*trunc(iw*sar/2+0.5)\\,iw):ih,setsar=1";
   const std::vector<std::string> input{"-nostdin", "-v", "error", "-protocol_whitelist", "file,pipe",
-                                       "-i", "file:" + path, "-map", "0:v:0"},
+                                       "-i", "file:" + path, "-map", "0:v:0?"},
       frames{"-vsync", "passthrough", "-vf", square},
       output{"-f", "yuv4mpegpipe", "-pix_fmt", "yuvj420p", "-strict", "-1", "-"};
   std::vector<std::string> words{"ffmpeg"};

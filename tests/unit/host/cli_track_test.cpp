@@ -285,6 +285,22 @@ TEST_CASE("a picture of another size in a folder stops the track there, in one l
   CHECK(CsvTable("t", read_file(s / "t.csv")).row_count() == 3);
 }
 
+TEST_CASE("options of a track that contradict each other, or have nothing to act on, are refused") {
+  const Folder folder;
+  const auto refused = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"track", PLIANT_BAKED_FACE, "--frames", folder / "none.y4m",
+                                   "--out", folder / "t.csv"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ran r = run_words(words);
+    return r.code == 2 && contains(r.err, more[0]);
+  };
+  CHECK(refused({"--landmarks", "--model-landmarks"}));
+  CHECK(refused({"--box-of", "opencv"}));
+  CHECK(refused({"--marker-exclusion-px", "4"}));
+  CHECK(refused({"--cues", ""}));
+  CHECK(refused({"--cues", "patches"}));
+}
+
 TEST_CASE("frames, markers and truths that a track cannot use are refused by name") {
   const Sequence s;
   auto words = s.track_words();
