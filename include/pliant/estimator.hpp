@@ -77,7 +77,7 @@ class Estimator {
 
   /// Starts from a known state in an image of width x height pixels. All surface points are removed. The mesh is
   /// adapted to the surface at `q`.
-  /// \param q        all parameters; values outside a parameter's range are clamped.
+  /// \param q        all parameters; values outside a parameter's range are clamped. Null only for a model without parameters.
   /// \param is_free  a flag for each parameter: the free ones are estimated. Null: the expressions are free.
   /// \return bad_argument if pose and camera are not `is_possible` (camera.hpp), q is not finite, or
   ///         Lens::make refuses the lens; then nothing has changed. capacity for more free parameters or

@@ -97,7 +97,7 @@ class Fitter {
 
   /// Estimates pose, camera and the free parameters. Cost: options.iterations linearisations of all points.
   /// \param points  at least four.
-  /// \param q       all parameters: initial values and result.
+  /// \param q       all parameters: initial values and result. Null only for a model without parameters.
   /// \return ok, or with nothing changed:
   ///   - bad_argument: null q or report; NaN; sd_px <= 0; uv outside [0,1]^2; no image size; stiffness < 0; silhouette
   ///     points without room for them; a camera that Lens::make refuses

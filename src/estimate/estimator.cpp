@@ -49,7 +49,8 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
                         const std::uint8_t* is_free, const EstimatorOptions& options) {
   PLIANT_ASSERT(impl_ != nullptr);
   Impl& s = *impl_;
-  if (q == nullptr || width <= 0 || height <= 0 || !is_possible(pose, camera)) return Status::bad_argument;
+  const bool has_values = q != nullptr || s.parameter_count() == 0;
+  if (!has_values || width <= 0 || height <= 0 || !is_possible(pose, camera)) return Status::bad_argument;
   for (std::size_t i = 0; i < s.parameter_count(); ++i)
     if (!is_finite(q[i])) return Status::bad_argument;
   Lens lens;

@@ -131,7 +131,8 @@ Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options,
 
 Status Fitter::State::fit(Span<const Correspondence> points, const FitOptions& options, float* result,
                           FitReport* report, const FitDetails& details) {
-  if (result == nullptr || report == nullptr) return Status::bad_argument;
+  const bool has_values = result != nullptr || work.cascade.parameter_count() == 0;
+  if (!has_values || report == nullptr) return Status::bad_argument;
   const Status checked = check_points(points, options);
   if (checked != Status::ok) return checked;
   if (points.count > limits.points) return Status::capacity;

@@ -121,6 +121,39 @@ TEST_CASE("a mesh that was refined for another person is that of the present one
   }
 }
 
+TEST_CASE("a model without parameters starts without values for them, and its pose is found") {
+  ModelBuilder rigid;
+  rigid.record(Operation::constant, {}, {}, rigid.field(3, 9, 9, [](float u, float v) {
+    return Vec3{100 * (u - 0.5f), 100 * (0.5f - v), -30 * u * v};
+  }));
+  rigid.grid_mesh(4);
+  const std::vector<std::uint32_t> words = rigid.table();
+  Model model;
+  REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  EstimatorLimits limits;
+  limits.points = 60;
+  limits.vertices = 300;
+  InArena<Estimator> e(model, limits);
+  InArena<Cascade> cascade(model);
+  const Camera camera = centred_camera(kWidth, kHeight, 800);
+  REQUIRE(e->start(camera, kWidth, kHeight, {{}, {0, 0, 500}}, nullptr, nullptr, {}) == Status::ok);
+  const Pose truth{exp_rotation({0.02f, 0.03f, 0}), {3, 2, 500}};
+  std::vector<Observation> seen;
+  for (int i = 0; i < 49; ++i) {
+    const Vec2 uv{0.1f + 0.13f * static_cast<float>(i % 7), 0.1f + 0.13f * static_cast<float>(i / 7)};
+    Observation o;
+    REQUIRE(e->add_point(uv, &o.id) == Status::ok);
+    REQUIRE(Projector(view_of(truth, camera), true).project(cascade->surface_point(uv, nullptr), &o.x));
+    o.information = {25, 0, 25};
+    seen.push_back(o);
+  }
+  e->begin(33'000'000);
+  e->predict();
+  e->solve(span(seen));
+  CHECK(e->end().state == TrackState::tracking);
+  CHECK(length(log_rotation(e->view().q * conjugate(truth.q))) < 0.002f);
+}
+
 TEST_CASE("the smoothed result begins with the start") {
   Scene scene;
   EstimatorOptions options;

@@ -244,6 +244,34 @@ TEST_CASE("a count of parameters frees the first ones of the table, a group name
   CHECK(sd_of("expression") == "0111");
 }
 
+TEST_CASE("fit tells of points whose v counts upwards, and of dynamics that have not converged") {
+  const Folder folder;
+  const std::string table = folder / "m.plm";
+  REQUIRE(
+      run_words({"bake", PLIANT_FIXTURES "/sheet", "-o", table, "--size", "32", "--texture", "none"}).code ==
+      0);
+  const auto fit = [&](bool is_upside_down, const std::vector<std::string>& more) {
+    std::string points = "landmark,x,y,u,v\n";
+    for (int k = 0; k < 9; ++k) {
+      const int i = k % 3, j = k / 3;
+      points += "p" + std::to_string(k) + "," + std::to_string(90 + 60 * i) + "," +
+                std::to_string(60 + 55 * j) + "," + std::to_string(0.1 + 0.4 * i) + "," +
+                std::to_string(is_upside_down ? 0.9 - 0.4 * j : 0.1 + 0.4 * j) + "\n";
+    }
+    std::vector<std::string> words{"fit",      table,
+                                   "--size",   "320x240",
+                                   "--points", folder.put("p.csv", points),
+                                   "-o",       folder / "fit.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ran r = run_words(words);
+    CHECK(r.code == 0);
+    return r.err;
+  };
+  CHECK(fit(false, {}) == "");
+  CHECK(contains(fit(true, {}), "shows its back"));
+  CHECK(contains(fit(false, {"--method", "euler", "--steps", "1", "--delta", "1e-9"}), "have not converged"));
+}
+
 TEST_CASE("render writes the truth as a track, and a track can be rendered again") {
   const Sequence s;
   const CsvTable truth(s.truth, read_file(s.truth));
