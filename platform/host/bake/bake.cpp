@@ -72,8 +72,7 @@ LearntTables learnt_tables(const BakeOptions& options, const Source& source) {
     if (!has_corners_of_face(source))
       throw SourceError(options.learnt, 0,
                         "finds faces: the surface lacks a landmark of ibug36, ibug45, ibug48 and ibug54, the "
-                        "outer corners of "
-                        "eyes and mouth");
+                        "outer corners of eyes and mouth");
     return read_learnt(options.learnt);
   }
   const std::string path = options.source + "/learnt.bin";

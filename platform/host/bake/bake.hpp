@@ -53,8 +53,8 @@ struct BakeReport {
   std::size_t field_count = 0, base_vertices = 0, table_bytes = 0;
   bool has_texture = false;     ///< of an OBJ source
   std::size_t print_bytes = 0;  ///< 0: the surface cannot be found by its texture
-  std::vector<std::string>
-      warnings;  ///< what the surface will probably not be tracked for, and what to do, one line each
+  /// Why the surface will probably not be tracked, and what to do, one line each.
+  std::vector<std::string> warnings;
 };
 
 /// Bakes a folder with the tables of a surface (cage_source.hpp) or with OBJ files (obj_source.hpp). On any defect returns

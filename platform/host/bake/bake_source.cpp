@@ -179,8 +179,7 @@ class Baker {
     if (shows_back())
       report_.warnings.push_back(
           "seen from the front, along z, this surface shows its back, which is neither drawn nor tracked: "
-          "turn it round, or "
-          "reverse the order of the corners of its faces");
+          "turn it round, or reverse the order of the corners of its faces");
     if (diagonal_ < kTuning.least_tracked_mm)
       report_.warnings.push_back(
           "the surface is " + millimetres(diagonal_) +

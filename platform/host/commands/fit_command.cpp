@@ -148,9 +148,9 @@ FitFile fit_to_face(const ModelFile& file, const FoundFace& face, FitSetup setup
   return fit;
 }
 
-/// Residual of the dynamics, as a fraction of the points' extent, above which a user is told that they have not converged. Fits of faces
-/// that have are within 1 % (the astronaut 0.6 %). Round value, not tuned.
-constexpr float kUnconvergedFraction = 0.02f;
+/// Residual of the dynamics, as a fraction of the points' extent, above which a user is told that they have not converged. On the
+/// astronaut it is 1.5 % where they have, and 4.4 % after the published dynamics' usual steps. Not tuned on more.
+constexpr float kUnconvergedFraction = 0.03f;
 
 /// The diagonal of the points' box, px.
 float extent_of(const FitFile& fit) {
