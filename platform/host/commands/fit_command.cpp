@@ -149,7 +149,7 @@ FitFile fit_to_face(const ModelFile& file, const FoundFace& face, FitSetup setup
 }
 
 /// Residual of the dynamics, as a fraction of the points' extent, above which a user is told that they have not converged. On the
-/// astronaut it is 1.5 % where they have, and 4.4 % after the published dynamics' usual steps. Not tuned on more.
+/// astronaut it is 1.5 % where they have, and 4.4 % after 200 steps of the published dynamics. Not tuned on more.
 constexpr float kUnconvergedFraction = 0.03f;
 
 /// The diagonal of the points' box, px.
