@@ -149,7 +149,7 @@ FitFile fit_to_face(const ModelFile& file, const FoundFace& face, FitSetup setup
 }
 
 /// Residual of the dynamics, as a fraction of the points' extent, above which a user is told that they have not converged. On the
-/// astronaut it is 1.5 % where they have, and 4.4 % after 200 steps of the published dynamics. Not tuned on more.
+/// astronaut it is 1.5 % where they have, and 4.4 % after 2,000 steps of the published dynamics. Not tuned on more.
 constexpr float kUnconvergedFraction = 0.03f;
 
 /// The diagonal of the points' box, px.
@@ -170,7 +170,7 @@ void warn_of(const FitFile& fit, bool has_points, FitMethod method, Console& con
   if (rotation_matrix(fit.pose.q).m[2][2] < 0)
     console.err << "the surface shows its back: in points v is 0 at the top, where OBJ files have 1\n";
   if (method == FitMethod::euler && fit.rms_px > kUnconvergedFraction * extent_of(fit))
-    console.err << "the dynamics have not converged: more --steps, or --method preconditioned\n";
+    console.err << "the dynamics have not converged: try --method preconditioned\n";
 }
 
 int run_fit(const Args& args, Console& console) {
