@@ -13,6 +13,7 @@
 #include "host/render/overlay.hpp"
 #include "host/render/photo_texture.hpp"
 #include "track/face_checks.hpp"
+#include "track/landmark_fit.hpp"
 
 namespace pliant::host {
 
@@ -152,16 +153,6 @@ FitFile fit_to_face(const ModelFile& file, const FoundFace& face, FitSetup setup
 /// astronaut it is 1.5 % where they have, and 4.4 % after 2,000 steps of the published dynamics. Not tuned on more.
 constexpr float kUnconvergedFraction = 0.03f;
 
-/// The diagonal of the points' box, px.
-float extent_of(const FitFile& fit) {
-  Vec2 low = fit.points[0].x, high = low;
-  for (const FitPoint& p : fit.points) {
-    low = {std::min(low.x, p.x.x), std::min(low.y, p.x.y)};
-    high = {std::max(high.x, p.x.x), std::max(high.y, p.x.y)};
-  }
-  return length(high - low);
-}
-
 /// Tells what is probably wrong with a fit that could be made.
 void warn_of(const FitFile& fit, bool has_points, FitMethod method, Console& console) {
   if (fit.landmark_error > kFaceChecksTuning.most_landmark_error)
@@ -169,7 +160,10 @@ void warn_of(const FitFile& fit, bool has_points, FitMethod method, Console& con
   if (!has_points || fit.points.empty()) return;
   if (rotation_matrix(fit.pose.q).m[2][2] < 0)
     console.err << "the surface shows its back: in points v is 0 at the top, where OBJ files have 1\n";
-  if (method == FitMethod::euler && fit.rms_px > kUnconvergedFraction * extent_of(fit))
+  std::vector<Correspondence> points;
+  for (const FitPoint& p : fit.points) points.push_back({{}, p.x});
+  if (method == FitMethod::euler &&
+      fit.rms_px > kUnconvergedFraction * spread_of({points.data(), points.size()}))
     console.err << "the dynamics have not converged: try --method preconditioned\n";
 }
 

@@ -50,7 +50,8 @@ struct Instructions {
   double captured_record = 400;  ///< of a template of frame 0
   double curve_point = 60000;    ///< a new one
   /// Of prints, counted on sheets with 4, 6 and 12 shapes: a block compared, and its place from the tables; the same again where
-  /// the surface may be curved; a cell of the search; a fit of one view.
+  /// the surface may be curved, reckoned from these (five places instead of three, half of the samples); a cell of the search; a
+  /// fit of one view.
   double print_block = 42000, print_block_record = 1200, print_curved_block = 26000, print_curved_record = 2000;
   double print_cell = 4600, print_fit = 2e7, print_fit_record = 2.7e6;
 };
