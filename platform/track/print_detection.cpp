@@ -73,6 +73,7 @@ void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptio
   PrintDetectionState& self = self_of(t);
   self.finder = nullptr;
   self.marker_count = 0;
+  t.offsets.clear();
   self.begin_search(t, start, options);
 }
 

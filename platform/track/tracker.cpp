@@ -67,6 +67,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   impl_->table = model;
   impl_->start_q = q;
   for (float& value : q) value = 0;
+  impl_->offsets.clear();
   impl_->block = {block, needed > tracking ? needed : tracking};
   impl_->detection = detection;
   impl_->person = person;

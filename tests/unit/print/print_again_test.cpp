@@ -1,0 +1,80 @@
+// What stays of a printed surface from one track to the next, and what a new start forgets: landmark offsets, markers, camera.
+#include <doctest/doctest.h>
+
+#include "obj_folder.hpp"
+#include "print_film.hpp"
+
+using namespace pliant;
+using namespace pliant::host;
+
+namespace {
+
+constexpr const char* kNames[] = {"a", "b", "c", "d", "middle"};
+
+/// A curved label with the print of the sheet, and landmarks at its corners and in its middle.
+const Model& label() {
+  static const auto* opened = [] {
+    const obj_folder::ObjFolder folder("label");
+    folder.write("neutral", obj_folder::Shape([](float s, float t) {
+                   return Vec3{300 * (s - 0.5f), 240 * (t - 0.5f), 60 * s * (1 - s)};
+                 }));
+    folder.write("landmarks.csv", std::string("landmark,vertex\na,0\nb,32\nc,1056\nd,1088\nmiddle,544\n"));
+    bake::BakeOptions options;
+    options.source = folder.path.string();
+    options.texture = PLIANT_FIXTURES "/sheet/print.png";
+    auto* bytes = new std::vector<std::uint8_t>;
+    std::string error;
+    REQUIRE_MESSAGE(bake::bake(options, *bytes, error), error);
+    return new bake::OpenedTable(*bytes);
+  }();
+  REQUIRE(opened->status() == Status::ok);
+  return opened->model();
+}
+
+const Pose kPose = posed(0.1f, 0.2f, 0, 0.8f);
+
+Image picture(std::uint32_t seed, const Pose& pose = kPose, const Camera& camera = kCamera) {
+  static auto* scene = new Scene(label(), kWidth, kHeight);
+  Image image = scene->draw(nullptr, pose, camera, make_background(kWidth, kHeight, 3));
+  add_noise(image, 2, seed);
+  return image;
+}
+
+/// Shows the label until it is tracked.
+void find(Film& film, const Pose& pose = kPose, const Camera& camera = kCamera) {
+  for (int k = 0; k < 6 && !film.tracker->is_started(); ++k)
+    REQUIRE(film.show(picture(film.count, pose, camera)) == Status::ok);
+  REQUIRE(film.tracker->is_started());
+}
+
+/// Distance of a landmark from where the pose has it, px.
+float landmark_error(Film& film, const char* name, const Pose& pose = kPose) {
+  InArena<Cascade> cascade(label());
+  const Landmark& l = label().landmarks()[label().find_landmark(name)];
+  Vec2 truth, x;
+  REQUIRE(Projector(pliant::view_of(pose, kCamera), true)
+              .project(cascade->surface_point({l.u, l.v}, nullptr), &truth));
+  REQUIRE(film.tracker->landmark(name, &x) == Status::ok);
+  return length(x - truth);
+}
+
+}  // namespace
+
+TEST_CASE("landmarks of a surface that a new tracker finds by itself are where the model has them") {
+  Film film(label());
+  find(film);
+  for (const char* name : kNames) CHECK(landmark_error(film, name) < 3);
+}
+
+TEST_CASE("start_by_detection forgets where the landmarks of a printed surface were placed") {
+  Film film(label());
+  find(film);
+  Vec2 x;
+  REQUIRE(film.tracker->landmark("middle", &x) == Status::ok);
+  const NamedPoint beside{"middle", x + Vec2{30, 0}};
+  REQUIRE(film.tracker->place_landmarks({&beside, 1}) == Status::ok);
+  CHECK(landmark_error(film, "middle") > 25);
+  REQUIRE(film.tracker->start_by_detection() == Status::ok);
+  find(film);
+  CHECK(landmark_error(film, "middle") < 3);
+}
