@@ -21,7 +21,7 @@ void DetectionState::begin_search(TrackerParts& t, const StartOptions& start, co
 Status DetectionState::start(TrackerParts& t, const FrameView& frame, const StartPose& found,
                              const TrackerOptions& options) {
   is_own_start = true;
-  const Status status = t.start(frame, found, t.start_q.data, options, {});
+  const Status status = t.start(frame, found, options, {});
   is_own_start = false;
   return status;
 }

@@ -86,9 +86,10 @@ struct TrackerParts : ImageParts {
   void end_track();
   template <class Fit>
   Status fit_before_tracking(Fit&& fit);
-  void refine(const FrameView& view, const FaceBox* box, std::size_t points, const StartOptions& with,
-              StartPose* from);
-  Status start(const FrameView& frame, const StartPose& from, const float* q, const TrackerOptions& with,
+  void refine(const FrameView& frame, const RoughStart& rough, StartPose* from);
+  Status start_at_fit(Status fitted, const FrameView& frame, const RoughStart& rough, StartPose* from,
+                      const TrackerOptions& with, Span<const Vec2> marker_places);
+  Status start(const FrameView& frame, const StartPose& from, const TrackerOptions& with,
                Span<const Vec2> marker_places);
   Status capture_frame_0(const FrameView& view, Span<const Vec2> marker_places, float marker_exclusion_px);
 

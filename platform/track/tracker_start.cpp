@@ -54,23 +54,35 @@ Status TrackerParts::fit_before_tracking(Fit&& fit) {
 }
 
 /// What a start leaves to detection, if there are tables for it.
-/// \param box  of the face; null: from points or a pose. \param points  as RoughStart::points.
-/// \param with  read until the start ends.
-void TrackerParts::refine(const FrameView& view, const FaceBox* box, std::size_t points,
-                          const StartOptions& with, StartPose* from) {
-  if (detection != nullptr) detection->calls->refine(*this, view, {box, points, with}, from);
+void TrackerParts::refine(const FrameView& view, const RoughStart& rough, StartPose* from) {
+  if (detection != nullptr) detection->calls->refine(*this, view, rough, from);
 }
 
-/// Frame 0, of checked arguments.
-Status TrackerParts::start(const FrameView& view, const StartPose& from, const float* q,
-                           const TrackerOptions& with, Span<const Vec2> marker_places) {
+/// The rest of a start from points or a box. A fit that fails has overwritten what was known of the person, too.
+Status TrackerParts::start_at_fit(Status fitted, const FrameView& view, const RoughStart& rough,
+                                  StartPose* from, const TrackerOptions& with,
+                                  Span<const Vec2> marker_places) {
+  identity_is_given = false;
+  const bool is_fitted = fitted == Status::ok;
+  refine(view, is_fitted ? rough : RoughStart{nullptr, RoughStart::kExact, rough.options}, from);
+  if (is_fitted) fitted = start(view, *from, with, marker_places);
+  if (fitted == Status::ok)
+    offsets.place_pending(estimator);
+  else
+    offsets.clear();
+  return fitted;
+}
+
+/// Frame 0, of checked arguments, with the parameters of start_q.
+Status TrackerParts::start(const FrameView& view, const StartPose& from, const TrackerOptions& with,
+                           Span<const Vec2> marker_places) {
   end_track();
   if (block_is_of_search) detection->calls->end_search(*this);
   EstimatorOptions of_estimator = with.estimator;
   of_estimator.time_ns = view.time_ns;
   texture.start(&of_estimator);
-  Status status =
-      estimator.start(from.camera, view.width, view.height, from.pose, q, with.is_free, of_estimator);
+  Status status = estimator.start(from.camera, view.width, view.height, from.pose, start_q.data, with.is_free,
+                                  of_estimator);
   if (status == Status::ok) status = capture_frame_0(view, marker_places, with.marker_exclusion_px);
   if (status != Status::ok) return status;
   uses_edges = edges != nullptr && with.estimator.uses(Cue::edge);
@@ -129,9 +141,9 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   StartPose from{camera, pose};
   StartOptions known;
   known.camera = &camera;
-  impl_->refine(frame, nullptr, RoughStart::kExact, known, &from);
+  impl_->refine(frame, {nullptr, RoughStart::kExact, known}, &from);
   impl_->identity_is_given = q != nullptr;
-  return impl_->start(frame, from, impl_->start_q.data, options, markers);
+  return impl_->start(frame, from, options, markers);
 }
 
 Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoint> points,
@@ -156,11 +168,7 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
     return fit_to_landmarks(arena, t.model(), points, fit, t.start_q.data, &found,
                             start.keeps_landmark_offsets ? &t.offsets : nullptr);
   });
-  if (status == Status::ok) t.refine(frame, nullptr, points.count, start, &found);
-  t.identity_is_given = false;
-  if (status == Status::ok) status = t.start(frame, found, t.start_q.data, options, markers);
-  if (status == Status::ok) t.offsets.place_pending(t.estimator);
-  return status;
+  return t.start_at_fit(status, frame, {nullptr, points.count, start}, &found, options, markers);
 }
 
 Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, const StartOptions& start,
@@ -179,11 +187,7 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
   status = t.fit_before_tracking([&](Arena& arena) {
     return fit_to_box(arena, t.model(), corner, size, start.box, t.start_q.data, &found, &box);
   });
-  if (status == Status::ok) t.refine(frame, &box, 0, start, &found);
-  t.identity_is_given = false;
-  if (status == Status::ok) status = t.start(frame, found, t.start_q.data, options, markers);
-  if (status == Status::ok) t.offsets.place_pending(t.estimator);
-  return status;
+  return t.start_at_fit(status, frame, {&box, 0, start}, &found, options, markers);
 }
 
 Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptions& options) {

@@ -120,6 +120,34 @@ TEST_CASE("a start that fails forgets the person: the next one is not held to it
   CHECK(fake.held_alignments == held);
 }
 
+TEST_CASE("a start whose fit fails forgets the person, too") {
+  const FaceFilm film(
+      320, 240, 40,
+      [](float, Pose& pose, auto& q) {
+        pose.t.x = -0.2f * pose.t.z;
+        FaceFilm::set(q, "faceWidth", 1.5f);
+      },
+      0.5f);
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  std::size_t k = 0;
+  while (k < 10) update(tracker.object, film, k++);
+  fake.verification = 0.05f;
+  while (tracker->is_started() && k < film.frames.size()) update(tracker.object, film, k++);
+  REQUIRE(k + 2 < film.frames.size());  // the track was given up
+  const std::vector<NamedPoint> one_spot(8, {"ibug30", {150, 100}});
+  CHECK(tracker->start_from_landmarks(film.view(k++), {one_spot.data(), one_spot.size()}) ==
+        Status::underdetermined);
+  fake.verification = 0.99f;
+  const int held = fake.held_alignments;
+  update(tracker.object, film, k);
+  REQUIRE(tracker->is_started());
+  CHECK(fake.held_alignments == held);
+  float width;
+  REQUIRE(tracker->parameter("faceWidth", &width) == Status::ok);
+  CHECK(width == 1.5f);
+}
+
 TEST_CASE("after start_by_detection a stream may begin again, with earlier times") {
   FakeFaces fake(film_of_face());
   const FaceFilm& film = film_of_face();
