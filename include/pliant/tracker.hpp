@@ -79,7 +79,7 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 ///
 /// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays
 /// first. If one of those is wrong, nothing changes. If the start fails later (in the fit, the pose or the
-/// texture), the tracker is not started and `is_started` is false.
+/// texture), the tracker is not started, `is_started` is false, and the next frame may have any time.
 class Tracker {
  public:
   Tracker() = default;

@@ -62,6 +62,7 @@ void TrackerParts::refine(const FrameView& view, const RoughStart& rough, StartP
 Status TrackerParts::start_at_fit(Status fitted, const FrameView& view, const RoughStart& rough,
                                   StartPose* from, const TrackerOptions& with,
                                   Span<const Vec2> marker_places) {
+  forget_time();
   identity_is_given = false;
   const bool is_fitted = fitted == Status::ok;
   refine(view, is_fitted ? rough : RoughStart{nullptr, RoughStart::kExact, rough.options}, from);
@@ -136,6 +137,7 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   if (status != Status::ok) return status;
   for (std::size_t k = 0; q != nullptr && k < impl_->start_q.count; ++k)
     if (!is_finite(q[k])) return Status::bad_argument;
+  impl_->forget_time();
   impl_->offsets.clear();
   for (std::size_t k = 0; k < impl_->start_q.count; ++k) impl_->start_q[k] = q == nullptr ? 0 : q[k];
   StartPose from{camera, pose};

@@ -160,6 +160,30 @@ TEST_CASE("after start_by_detection a stream may begin again, with earlier times
   CHECK(tracker->update(film.view(0), &result) == Status::stale_frame);
 }
 
+TEST_CASE("after a start that failed a stream may begin again, with earlier times") {
+  FakeFaces fake(film_of_face());
+  const FaceFilm& film = film_of_face();
+  const std::vector<std::uint8_t> grey(320 * 240, 90);
+  FrameView nothing = film.view(0);
+  nothing.data = grey.data();
+  const std::vector<NamedPoint> one_spot(8, {"ibug30", {150, 100}});
+  for (int kind = 0; kind < 3; ++kind) {
+    CAPTURE(kind);
+    InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+    for (std::size_t k = 0; k < 6; ++k) update(tracker.object, film, k);
+    if (kind == 0)
+      CHECK(tracker->start_from_pose(nothing, film.camera, film.poses[0], nullptr) == Status::too_few_points);
+    if (kind == 1) CHECK(tracker->start_from_box(nothing, {200, 60}, {60, 60}) == Status::too_few_points);
+    if (kind == 2)
+      CHECK(tracker->start_from_landmarks(nothing, {one_spot.data(), one_spot.size()}) ==
+            Status::underdetermined);
+    FrameResult result;
+    CHECK(tracker->update(film.view(0), &result) == Status::ok);
+    CHECK(tracker->update(film.view(0), &result) == Status::stale_frame);
+    CHECK(tracker->update(film.view(1), &result) == Status::ok);
+  }
+}
+
 TEST_CASE("what is told before the first frame, and after a start that failed, is a search") {
   FakeFaces fake(film_of_face());
   const FaceFilm& film = film_of_face();
