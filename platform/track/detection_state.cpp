@@ -20,14 +20,16 @@ void DetectionState::begin_search(TrackerParts& t, const StartOptions& start, co
 
 Status DetectionState::start(TrackerParts& t, const FrameView& frame, const StartPose& found,
                              const TrackerOptions& options) {
-  is_own_start = true;
+  restore_markers = [](TrackerParts& of) {
+    of.markers.restore(of.estimator, of.detection->markers, of.detection->marker_count);
+  };
   const Status status = t.start(frame, found, options, {});
-  is_own_start = false;
+  restore_markers = nullptr;
   return status;
 }
 
 bool DetectionState::keep_start_of_caller(const TrackerOptions& options) {
-  if (is_own_start) return false;
+  if (is_own_start()) return false;
   kept.keep(*of_caller);
   kept.keep(options);
   return true;

@@ -23,12 +23,13 @@ struct DetectionState {
   const StartOptions* of_caller = nullptr;  // while the caller starts
   MarkerPlace* markers = nullptr;           // of a track that ended, for the next one of the same surface
   std::size_t marker_count = 0;
-  bool is_own_start = false;  // while the tracker starts by itself
+  void (*restore_markers)(TrackerParts& tracker) = nullptr;  // while the tracker starts by itself; else null
 
+  bool is_own_start() const { return restore_markers != nullptr; }
   void lay_out(Arena& arena, const Detection* of, const Model& model, const TrackerLimits& limits);
   /// Ends the track, and keeps the options for the starts that follow.
   void begin_search(TrackerParts& tracker, const StartOptions& start, const TrackerOptions& options);
-  /// Starts the track of what a search found, with the parameters of TrackerParts::start_q.
+  /// Starts the track of what a search found, with the parameters of TrackerParts::start_q and the markers that are kept.
   Status start(TrackerParts& tracker, const FrameView& frame, const StartPose& found,
                const TrackerOptions& options);
   /// Keeps the options of a start that the caller made. \return false, and nothing kept, if the tracker made it itself.

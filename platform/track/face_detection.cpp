@@ -97,13 +97,11 @@ Status search(TrackerParts& t, const FrameView& view) {
   TrackerOptions options = self.kept.options;
   // To refine the mesh takes as long as two frames of the track, which does not depend on it.
   if (self.face_search.spreads_work()) options.estimator.mesh_error_mm = 0;
-  t.identity_is_given = t.identity_is_given && self.person.is_known;
+  const bool is_known = self.person.is_known;
+  t.identity_is_given = t.identity_is_given && is_known;
+  if (!is_known) self.marker_count = 0;
   status = self.start(t, view, found, options);
-  if (status != Status::ok) return Status::ok;
-  if (self.person.is_known)
-    t.markers.restore(t.estimator, self.markers, self.marker_count);
-  else
-    t.offsets.place_pending(t.estimator);
+  if (status == Status::ok && !is_known) t.offsets.place_pending(t.estimator);
   return Status::ok;
 }
 
@@ -114,7 +112,7 @@ void end_search(TrackerParts& t) {
 void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, StartPose* from) {
   FaceDetectionState& self = self_of(t);
   self.of_caller = &rough.options;
-  self.landmark_error = 0;  // a start before may have failed
+  self.landmark_error = 0;       // a start before may have failed
   self.person.is_known = false;  // also if this one does: it overwrites what is known
   self.marker_count = 0;
   self.face_search.forget_reference();

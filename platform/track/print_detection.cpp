@@ -82,7 +82,7 @@ void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptio
 bool accepts_template(void* tracker, const FrameRegion& region, Vec2 uv, const Prediction& seen) {
   TrackerParts& t = *static_cast<TrackerParts*>(tracker);
   const PrintDetectionState& self = self_of(t);
-  if (!self.table.is_open() || !(t.is_started || self.is_own_start)) return true;
+  if (!self.table.is_open() || !(t.is_started || self.is_own_start())) return true;
   const ImageView& image = region.pyramid().level(0);
   FrameView view;
   view.data = image.data;
@@ -114,8 +114,7 @@ Status search(TrackerParts& t, const FrameView& view) {
   Status status = finder.search(view, t.limits.search_work, camera, t.start_q.data, &found);
   if (status != Status::ok) return status == Status::not_found ? Status::ok : status;
   t.templates.set_check({&t, accepts_template});
-  status = self.start(t, view, {camera, pose_of(found.view)}, self.kept.options);
-  if (status == Status::ok) t.markers.restore(t.estimator, self.markers, self.marker_count);
+  (void)self.start(t, view, {camera, pose_of(found.view)}, self.kept.options);
   return Status::ok;
 }
 
@@ -184,8 +183,8 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   if (self.keep_start_of_caller(options)) self.marker_count = 0;
   self.frames_since_check = self.bad_checks = self.unconfirmed_frames = 0;
   self.agreement = 1;
-  self.is_confirmed = !self.is_own_start;
-  if (!self.table.is_open() || !self.is_own_start) return;
+  self.is_confirmed = !self.is_own_start();
+  if (!self.table.is_open() || !self.is_own_start()) return;
   check(t, view);
   doubt(t);
 }

@@ -47,6 +47,13 @@ void find(Film& film, const Pose& pose = kPose, const Camera& camera = kCamera) 
   REQUIRE(film.tracker->is_started());
 }
 
+/// Shows other pictures until the track is given up.
+void lose(Film& film) {
+  const Image empty = make_background(kWidth, kHeight, 7);
+  for (int k = 0; k < 12 && film.tracker->is_started(); ++k) REQUIRE(film.show(empty) == Status::ok);
+  REQUIRE_FALSE(film.tracker->is_started());
+}
+
 /// Where a pose and a camera have a landmark, px.
 Vec2 truth(const char* name, const Pose& pose, const Camera& camera) {
   static auto* cascade = new InArena<Cascade>(label());
@@ -104,4 +111,29 @@ TEST_CASE("a start from landmarks that fails leaves no landmark offsets to the t
         Status::too_few_points);
   find(film);
   for (const char* name : kNames) CHECK(landmark_error(film, name) < 3);
+}
+
+TEST_CASE(
+    "markers of a surface that is found again are where they were, and no template is captured near them") {
+  TrackerLimits limits;
+  limits.markers = 3;
+  Film film(label(), limits);
+  const Vec2 markers[] = {{160, 120}, {130, 100}, {190, 140}};
+  TrackerOptions options;
+  options.marker_exclusion_px = 12;
+  const Image first = picture(0);
+  REQUIRE(film.tracker->start_from_pose(view(first, film), kCamera, kPose, nullptr, options, {markers, 3}) ==
+          Status::ok);
+  for (int k = 0; k < 6; ++k) REQUIRE(film.show(picture(film.count)) == Status::ok);
+  lose(film);
+  find(film);
+  for (std::size_t k = 0; k < 3; ++k) {
+    Vec2 at;
+    REQUIRE(film.tracker->marker(k, &at));
+    CHECK(length(at - markers[k]) < 2);
+    for (std::size_t p = 0; p < film.tracker->patch_count(); ++p) {
+      Vec2 x;
+      if (film.tracker->patch(p, &x)) CHECK(length(x - at) >= 12);
+    }
+  }
 }
