@@ -160,6 +160,9 @@ void doubt(TrackerParts& t) {
 void give_up(TrackerParts& t) {
   PrintDetectionState& self = self_of(t);
   self.marker_count = t.markers.save(t.estimator, self.markers);
+  StartOptions known = self.kept.start;
+  known.camera = &t.estimator.camera();  // with the focal length that the start has found
+  self.kept.keep(known);
   DetectionState::give_up(t);
 }
 

@@ -137,3 +137,24 @@ TEST_CASE(
     }
   }
 }
+
+TEST_CASE("the focal length that a start from landmarks has found stays where the surface is found again") {
+  Film film(label());
+  const Camera wide = centred_camera(kWidth, kHeight, 300);
+  const Pose pose = posed(0.5f, 0.4f, 0, 0.55f);
+  std::vector<NamedPoint> points;
+  for (const char* name : kNames) points.push_back({name, truth(name, pose, wide)});
+  const Image first = picture(0, pose, wide);
+  REQUIRE(film.tracker->start_from_landmarks(view(first, film), {points.data(), points.size()}) ==
+          Status::ok);
+  const float focal = film.tracker->camera().f;
+  CHECK(magnitude(focal - wide.f) < 30);
+  for (int k = 0; k < 4; ++k) REQUIRE(film.show(picture(film.count, pose, wide)) == Status::ok);
+  lose(film);
+  find(film, pose, wide);
+  CHECK(film.tracker->camera().f == focal);
+  CHECK(film.turned_from(pose) < 0.05f);
+  REQUIRE(film.tracker->start_by_detection() == Status::ok);
+  find(film, pose, wide);
+  CHECK(film.tracker->camera().f == kDefaultFocalRatio * kWidth);
+}
