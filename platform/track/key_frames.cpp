@@ -121,8 +121,9 @@ std::size_t KeyFrames::nearest(Vec3 direction, float* cosine) const {
   for (std::size_t k = 0; k < key_count_; ++k) {
     if (!keys_[k].is_used) continue;
     const float c = dot(direction, keys_[k].direction);
-    if (c > *cosine) nearest = k;
-    *cosine = max(*cosine, c);
+    if (!(c > *cosine)) continue;
+    nearest = k;
+    *cosine = c;
   }
   return nearest;
 }

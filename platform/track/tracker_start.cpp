@@ -86,6 +86,7 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
                                   of_estimator);
   if (status == Status::ok) status = capture_frame_0(view, marker_places, with.marker_exclusion_px);
   if (status != Status::ok) return status;
+  if (with.estimator.smooths) result.smoothed_pose = result.pose;
   uses_edges = edges != nullptr && with.estimator.uses(Cue::edge);
   note_time(view);
   frame = last_kept = 0;

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <string>
 
 #include "aligned_block.hpp"
@@ -52,6 +53,20 @@ TEST_CASE("pose, expression and landmarks of a rendered face are followed") {
   }
   const std::uint16_t brow = face().model.find_parameter("browInnerUpLeft");
   CHECK(tracker->estimator().parameters()[brow] > 0.4f);
+}
+
+TEST_CASE("smoothed results begin with frame 0") {
+  TrackerOptions options;
+  options.estimator.smooths = true;
+  InArena<Tracker> tracker(face().model, TrackerLimits{});
+  REQUIRE(start(tracker.object, {}, options) == Status::ok);
+  const FrameResult& result = tracker->result();
+  CHECK(std::memcmp(&result.smoothed_pose, &result.pose, sizeof result.pose) == 0);
+  const Pose before = result.smoothed_pose;
+  FrameResult next;
+  REQUIRE(tracker->update(film().view(1), &next) == Status::ok);
+  CHECK(length(next.smoothed_pose.t - before.t) < 5);
+  CHECK(length(next.smoothed_pose.t - before.t) > 0);
 }
 
 TEST_CASE("no heap call is made from the first frame on, in a block of exactly the stated size") {
