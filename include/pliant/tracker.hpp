@@ -41,7 +41,8 @@ enum class BoxConvention : std::uint8_t {
 struct StartOptions {
   /// Focal length, px. 0: unknown. A start from landmarks then estimates it, all others take 1.4 times the larger side.
   float focal_px = 0;
-  const Camera* camera = nullptr;  ///< intrinsics and lens, if known; they replace focal_px
+  /// Intrinsics and lens, if known, which replace focal_px. May be Tracker::camera.
+  const Camera* camera = nullptr;
   /// If false, `landmark` gives the positions of the model, without offsets.
   bool keeps_landmark_offsets = true;
   /// Of start_from_box. A box of FaceDetector or of `pliant detect` is a `face_box`.
@@ -149,7 +150,7 @@ class Tracker {
   const FrameResult& result() const;
   /// Loops of the last frame; 0 for one without a track. `pliant plan` prints the bounds.
   const FrameWork& work() const;
-  /// The camera of the start, with the focal length that it found. All 0 while there is no track.
+  /// The camera of the start, with the focal length that it found. Its focal length is 0 while there is no track.
   const Camera& camera() const;
   Estimator& estimator();  ///< The estimator, for access to its full state. Only while there is a track.
 

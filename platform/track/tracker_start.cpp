@@ -14,6 +14,15 @@ bool is_near(Vec2 x) {
   return magnitude(x.x) <= kFarthestPx && magnitude(x.y) <= kFarthestPx;
 }
 
+/// The same with a copy of the camera: that of the track which ends is in memory that the start uses.
+StartOptions with_copy(const StartOptions& start, Camera* camera) {
+  StartOptions copy = start;
+  if (start.camera == nullptr) return copy;
+  *camera = *start.camera;
+  copy.camera = camera;
+  return copy;
+}
+
 }  // namespace
 
 Status TrackerParts::check_start(const FrameView& view, Span<const Vec2> marker_places) const {
@@ -166,14 +175,15 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
   fit.width = frame.width;
   fit.height = frame.height;
   fit.focal_px = start.focal_px;
-  fit.camera = start.camera;
   StartPose found;
+  const StartOptions known = with_copy(start, &found.camera);
+  fit.camera = known.camera;
   t.offsets.clear();
   status = t.fit_before_tracking([&](Arena& arena) {
     return fit_to_landmarks(arena, t.model(), points, fit, t.start_q.data, &found,
                             start.keeps_landmark_offsets ? &t.offsets : nullptr);
   });
-  return t.start_at_fit(status, frame, {nullptr, points.count, start}, &found, options, markers);
+  return t.start_at_fit(status, frame, {nullptr, points.count, known}, &found, options, markers);
 }
 
 Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, const StartOptions& start,
@@ -187,12 +197,14 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
   if (status != Status::ok) return status;
   t.offsets.clear();
   for (float& value : t.start_q) value = 0;
-  StartPose found{start_camera(start.camera, start.focal_px, frame.width, frame.height), {}};
+  StartPose found;
+  const StartOptions known = with_copy(start, &found.camera);
+  found.camera = start_camera(known.camera, start.focal_px, frame.width, frame.height);
   FaceBox box;
   status = t.fit_before_tracking([&](Arena& arena) {
     return fit_to_box(arena, t.model(), corner, size, start.box, t.start_q.data, &found, &box);
   });
-  return t.start_at_fit(status, frame, {&box, 0, start}, &found, options, markers);
+  return t.start_at_fit(status, frame, {&box, 0, known}, &found, options, markers);
 }
 
 Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptions& options) {

@@ -114,6 +114,24 @@ TEST_CASE("a start after a start, from landmarks again, gives the same bits as t
   CHECK(same_bits(results[0], results[1]));
 }
 
+TEST_CASE("a start takes the camera of the track that it ends") {
+  Camera bent = film().camera;
+  bent.k1 = -0.1f;
+  for (const bool is_small : {false, true}) {
+    InArena<Tracker> tracker(baked_face().model, is_small ? profile_s() : TrackerLimits{});
+    StartOptions known;
+    known.camera = &bent;
+    REQUIRE(tracker->start_from_landmarks(film().view(0), all_points(), known) == Status::ok);
+    const FrameResult first = tracker->result();
+    known.camera = &tracker->camera();
+    REQUIRE(tracker->start_from_landmarks(film().view(0), all_points(), known) == Status::ok);
+    CHECK(same_bits(first, tracker->result()));
+    CHECK(tracker->camera().k1 == bent.k1);
+    REQUIRE(tracker->start_from_box(film().view(0), {100, 40}, {120, 150}, known) == Status::ok);
+    CHECK(tracker->camera().k1 == bent.k1);
+  }
+}
+
 TEST_CASE("a start from a box puts the face into it, and a known camera or focal length is used") {
   InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
