@@ -1,5 +1,7 @@
 #include "face/face_picture.hpp"
 
+#include "base/integers.hpp"
+
 namespace pliant {
 
 namespace {
@@ -7,10 +9,6 @@ namespace {
 constexpr int kMostSide = kFacePictureTuning.side_px;
 constexpr int kMostSamples = kFacePictureTuning.most_samples;
 constexpr float kFixedOne = 65536;
-
-constexpr int limited(int x, int most) {
-  return x < 0 ? 0 : x > most ? most : x;
-}
 
 int whole(float x) {
   const int truncated = static_cast<int>(x);
@@ -27,7 +25,7 @@ void place_samples(float first, float ratio, int n, int most, int* out) {
   const float spacing = ratio / static_cast<float>(n);
   const float from = first + 0.5f * (spacing - ratio) + 0.5f;
   for (int k = 0; k < n; ++k)
-    out[k] = limited(whole(clamp(from + spacing * static_cast<float>(k), -1, 1e6f)), most);
+    out[k] = within(whole(clamp(from + spacing * static_cast<float>(k), -1, 1e6f)), 0, most);
 }
 
 }  // namespace
@@ -52,7 +50,7 @@ void FacePicture::take(const FrameView& frame, Vec2 centre, float ratio, int* co
   first_ = centre - Vec2{half * ratio_, half * ratio_};
   // Without reduction the pixels are the frame's.
   if (ratio_ <= 1) first_ = {static_cast<float>(whole(first_.x)), static_cast<float>(whole(first_.y))};
-  const int n = limited(static_cast<int>(min(ratio_ + 0.999f, 1e3f)), kMostSamples);
+  const int n = within(static_cast<int>(min(ratio_ + 0.999f, 1e3f)), 0, kMostSamples);
   const auto position = [&](float first, int pixel) { return first + ratio_ * static_cast<float>(pixel); };
   for (int x = 0; x < side_; ++x) {
     place_samples(position(first_.x, x), ratio_, n, frame.width - 1, columns + x * n);
@@ -125,7 +123,7 @@ void CropReader::read_row(int y, std::uint8_t* out) const {
       *out++ = sample(pixels_, picture_side_, at_x, at_y);
   else
     for (int i = 0; i < count_; ++i, at_x += step_x_, at_y += step_y_)
-      *out++ = sample(pixels_, picture_side_, limited(at_x, last), limited(at_y, last));
+      *out++ = sample(pixels_, picture_side_, within(at_x, 0, last), within(at_y, 0, last));
 }
 
 }  // namespace pliant

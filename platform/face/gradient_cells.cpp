@@ -1,5 +1,7 @@
 #include "face/gradient_cells.hpp"
 
+#include "base/integers.hpp"
+
 namespace pliant {
 
 namespace {
@@ -18,10 +20,6 @@ struct GradientCellTuning {
 constexpr GradientCellTuning kTuning{};
 
 constexpr int kDiagonalGain = 181;  // sqrt(2) * 128: (1, 1) as a multiple of the diagonal's unit vector
-
-constexpr int smaller(int a, int b) {
-  return a < b ? a : b;
-}
 
 // Gradients of a cell by octant: bit 0 is dx < 0, bit 1 dy < 0, bit 2 |dy| > |dx|. A gradient between an axis and a diagonal is
 // the sum of one vector along each: (dx, dy) = (dx - dy) (1, 0) + dy (1, 1) for 0 <= dy <= dx. The part along the diagonal is
@@ -94,7 +92,7 @@ void write_cell(const CellSums& cell, const Neighbourhood& n, int cell_px, std::
   const std::int32_t difference =
       static_cast<std::int32_t>(cell.brightness * n.cells) - static_cast<std::int32_t>(n.brightness);
   const int relative = 128 + kTuning.brightness_gain * difference / static_cast<std::int32_t>(mean);
-  out[8] = static_cast<std::uint8_t>(relative < 0 ? 0 : smaller(relative, 255));
+  out[8] = static_cast<std::uint8_t>(within(relative, 0, 255));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "face/gradient_map.hpp"
 
+#include "base/integers.hpp"
 #include "base/wide_vectors.hpp"
 #include "vision/halfwords.hpp"
 
@@ -28,10 +29,6 @@ constexpr std::uint32_t kDiagonalGain =
 // towards +y.
 constexpr std::uint8_t kAxis[8] = {0, 2, 0, 6, 4, 2, 4, 6};
 constexpr std::uint8_t kDiagonal[8] = {1, 1, 7, 7, 3, 3, 5, 5};
-
-constexpr int limited_above(int x, int most) {
-  return x < most ? x : most;
-}
 
 /// Square roots of 0 to 255, times 16, rounded.
 struct RootTable {
@@ -79,8 +76,8 @@ void gradients_of_row(const std::uint8_t* above, const std::uint8_t* line, const
     const int difference = ax - ay, is_steep = difference >> 31;
     const int axis = (difference ^ is_steep) - is_steep, diagonal = ay + (difference & is_steep);
     out[x - 1] = static_cast<std::uint16_t>(((is_left & 4) | (is_up & 2) | (is_steep & 1)) << kPartBits |
-                                            (limited_above(axis, kMostAxis) << kDiagonalBits) |
-                                            limited_above(diagonal, kMostDiagonal));
+                                            (smaller(axis, kMostAxis) << kDiagonalBits) |
+                                            smaller(diagonal, kMostDiagonal));
   }
 }
 

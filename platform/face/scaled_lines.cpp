@@ -1,15 +1,10 @@
 #include "face/scaled_lines.hpp"
 
+#include "base/integers.hpp"
+
 namespace pliant {
 
 namespace {
-
-constexpr int smaller(int a, int b) {
-  return a < b ? a : b;
-}
-constexpr int larger(int a, int b) {
-  return a > b ? a : b;
-}
 
 constexpr int kSamples = 4;  // a side, for large ratios
 
@@ -26,10 +21,10 @@ ScaledLines::ScaledLines(const FrameView& frame, int ratio)
 
 void ScaledLines::read(int x, int y, int count, std::uint32_t* scratch, std::uint8_t* out) const {
   PLIANT_ASSERT(width_ > 0 && height_ > 0);
-  const int inside_y = smaller(larger(y, 0), height_ - 1);
+  const int inside_y = within(y, 0, height_ - 1);
   // The pixels inside, at least one; those beyond the border are copies.
-  const int first = smaller(larger(x, 0), width_ - 1), last = smaller(larger(x + count - 1, 0), width_ - 1);
-  std::uint8_t* const inside = out + smaller(larger(first - x, 0), count - 1);
+  const int first = within(x, 0, width_ - 1), last = within(x + count - 1, 0, width_ - 1);
+  std::uint8_t* const inside = out + within(first - x, 0, count - 1);
   if (ratio_ == kUnit)
     copy(first, inside_y, last - first + 1, inside);
   else if (ratio_ < kLargestAreaRatio)

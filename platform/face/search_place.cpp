@@ -1,5 +1,6 @@
 #include "face/search_place.hpp"
 
+#include "base/integers.hpp"
 #include "face/detector_table.hpp"
 #include "face/face_detector_tuning.hpp"
 #include "face/scaled_lines.hpp"
@@ -15,10 +16,6 @@ constexpr int kStripColumns = 320 / kDetectorCellPx + 2 * kTuning.beyond_cells;
 // Four sizes an octave: 2^(k/4), in 1/256.
 constexpr int kSizesAnOctave = 4;
 constexpr int kSizes[kSizesAnOctave] = {256, 304, 362, 431};
-
-constexpr int smaller(int a, int b) {
-  return a < b ? a : b;
-}
 
 constexpr int cells(int pixels) {
   return (pixels + kDetectorCellPx - 1) / kDetectorCellPx;
@@ -39,7 +36,7 @@ void SearchPlace::begin_near(int width, int height, int smallest_px, const FaceB
   near_ = box;
   width_ = width;
   height_ = height;
-  const int smallest = smallest_px < kWindowPx ? kWindowPx : smallest_px;
+  const int smallest = larger(smallest_px, kWindowPx);
   first_ratio_ = smallest * ScaledLines::kUnit / kWindowPx;
   size_ = 0;
   begin_size();
@@ -56,7 +53,7 @@ SearchPlace::Cells SearchPlace::cells_along(int px, float middle) const {
   };
   const float reach = kTuning.near_reach * near_.side;
   const int begin = window(middle - reach), end = window(middle + reach) + kWindowCells;
-  return {begin < all.begin ? all.begin : begin, smaller(end, all.end)};
+  return {larger(begin, all.begin), smaller(end, all.end)};
 }
 
 // From this size on the next one that is asked for.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/integers.hpp"
 #include "print/print_tuning.hpp"
 #include "vision/parabola.hpp"
 
@@ -36,23 +37,23 @@ constexpr PrintCheckTuning kTuning;
 constexpr int kHalf = kTuning.half;
 constexpr int kSamples = (2 * kHalf + 1) * (2 * kHalf + 1);
 
-int limited(float x, int size) {
-  const int i = static_cast<int>(x + 0.5f);
-  return i < 0 ? 0 : i >= size ? size - 1 : i;
+/// Index of the nearest of `size` pixels.
+int nearest(float x, int size) {
+  return within(static_cast<int>(x + 0.5f), 0, size - 1);
 }
 
 float albedo_at(const ChartImage& albedo, Vec2 uv) {
-  const int x = limited(clamp(uv.x, 0, 1) * static_cast<float>(albedo.width - 1),
+  const int x = nearest(clamp(uv.x, 0, 1) * static_cast<float>(albedo.width - 1),
                         static_cast<int>(albedo.width)),
-            y = limited(clamp(uv.y, 0, 1) * static_cast<float>(albedo.height - 1),
+            y = nearest(clamp(uv.y, 0, 1) * static_cast<float>(albedo.height - 1),
                         static_cast<int>(albedo.height));
   return static_cast<float>(
       albedo.pixels[static_cast<std::size_t>(y) * albedo.width + static_cast<std::size_t>(x)]);
 }
 
 float grey_at(const FrameView& frame, Vec2 x) {
-  const auto column = static_cast<std::size_t>(limited(x.x, frame.width)),
-             row = static_cast<std::size_t>(limited(x.y, frame.height));
+  const auto column = static_cast<std::size_t>(nearest(x.x, frame.width)),
+             row = static_cast<std::size_t>(nearest(x.y, frame.height));
   return static_cast<float>(
       frame.data[row * frame.stride_bytes + column * static_cast<std::size_t>(frame.pixel_step_bytes)]);
 }

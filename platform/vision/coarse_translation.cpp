@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "base/integers.hpp"
 #include "base/wide_vectors.hpp"
 #include "vision/coarse_translation_tuning.hpp"
 #include "vision/parabola.hpp"
@@ -132,12 +133,8 @@ class Search {
   Sums sums_;
 };
 
-PixelBox clipped(PixelBox box, const ImageView& image) {
-  if (box.x0 < 0) box.x0 = 0;
-  if (box.y0 < 0) box.y0 = 0;
-  if (box.x1 > image.width) box.x1 = image.width;
-  if (box.y1 > image.height) box.y1 = image.height;
-  return box;
+PixelBox clipped(const PixelBox& box, const ImageView& image) {
+  return {larger(box.x0, 0), larger(box.y0, 0), smaller(box.x1, image.width), smaller(box.y1, image.height)};
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // edge tracker searches for the zeros of the second derivative, which are the maxima of the first).
 #include "pliant/edges.hpp"
 
+#include "base/integers.hpp"
 #include "vision/edge_profile.hpp"
 #include "vision/edge_tuning.hpp"
 
@@ -182,9 +183,7 @@ int find_edge(const Pyramid& pyramid, const EdgePoint& point, const EdgeOptions&
   Search s;
   Ranking ranking;
   Reason reason = search(pyramid, point, o, s, ranking);
-  const int most = o.hypotheses < 1                    ? 1
-                   : o.hypotheses > kMaxEdgeHypotheses ? kMaxEdgeHypotheses
-                                                       : o.hypotheses;
+  const int most = within(o.hypotheses, 1, kMaxEdgeHypotheses);
   if (reason == Reason::found && ranking.count_above(kEdgeTuning.ambiguous_fraction) > most)
     reason = Reason::ambiguous;
   if (reason != Reason::found) {

@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "base/integers.hpp"
 #include "vision/bilinear.hpp"
 #include "vision/patch_sampling.hpp"
 #include "vision/patch_sums.hpp"
@@ -11,18 +12,13 @@
 namespace pliant::patch {
 namespace {
 
-int clamped(int i, int n) {
-  return i < 0 ? 0 : i >= n ? n - 1 : i;
-}
-
 int rounded(float x) {
   return static_cast<int>(x + 16384.5f) - 16384;
 }
 
 // Copies `columns` pixels of a row from column `left` on, its ends repeated beyond them.
 void copy_row(const std::uint8_t* row, int width, int left, int columns, std::uint8_t* out) {
-  const int before = left < 0 ? (-left < columns ? -left : columns) : 0;
-  const int end = width - left < columns ? (width - left > before ? width - left : before) : columns;
+  const int before = within(-left, 0, columns), end = within(width - left, before, columns);
   std::memset(out, row[0], static_cast<std::size_t>(before));
   std::memcpy(out + before, row + left + before, static_cast<std::size_t>(end - before));
   std::memset(out + end, row[width - 1], static_cast<std::size_t>(columns - end));
@@ -31,7 +27,8 @@ void copy_row(const std::uint8_t* row, int width, int left, int columns, std::ui
 void copy_square(const ImageView& image, int left, int top, int rows, int columns, std::uint8_t* out) {
   const bool is_whole = left >= 0 && left + columns <= image.width;
   for (int y = 0; y < rows; ++y, out += columns) {
-    const std::uint8_t* row = image.data + std::ptrdiff_t{clamped(top + y, image.height)} * image.stride;
+    const std::uint8_t* row =
+        image.data + std::ptrdiff_t{within(top + y, 0, image.height - 1)} * image.stride;
     if (is_whole) std::memcpy(out, row + left, static_cast<std::size_t>(columns));
     if (!is_whole) copy_row(row, image.width, left, columns, out);
   }
@@ -42,7 +39,7 @@ const i16* mask_of(int left, int top, int right, int bottom, Workspace& work) {
   const int w = work.window;
   if (left <= 0 && top <= 0 && right >= w && bottom >= w) return work.all;
   i16 row[kMaxWindow] = {};
-  for (int x = left < 0 ? 0 : left; x < (right < w ? right : w); ++x) row[x] = 1;
+  for (int x = larger(left, 0); x < smaller(right, w); ++x) row[x] = 1;
   for (int y = 0; y < w; ++y) {
     i16* out = work.part + y * w;
     for (int x = 0; x < w; ++x) out[x] = y >= top && y < bottom ? row[x] : i16{0};
@@ -86,7 +83,6 @@ struct Bounds {
     return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y;
   }
   FixedPosition clamped(FixedPosition p) const {
-    const auto within = [](int v, int lo, int hi) { return v < lo ? lo : v > hi ? hi : v; };
     return {within(p.x, low.x, high.x), within(p.y, low.y, high.y)};
   }
 };
@@ -158,7 +154,7 @@ void load_template(const StoredTemplate& stored, const std::uint8_t* pixels, int
 
 void store_template(const ImageView& image, Vec2 x, int side, StoredTemplate& stored, std::uint8_t* pixels) {
   const int cx = rounded(x.x), cy = rounded(x.y), left = cx - side / 2, top = cy - side / 2;
-  const auto inside = [side](int v) { return static_cast<std::int16_t>(v < 0 ? 0 : v > side ? side : v); };
+  const auto inside = [side](int v) { return static_cast<std::int16_t>(within(v, 0, side)); };
   stored.offset = {x.x - static_cast<float>(cx), x.y - static_cast<float>(cy)};
   stored.left = inside(-left);
   stored.top = inside(-top);

@@ -1,0 +1,17 @@
+#pragma once
+// Integers within bounds. geometry.hpp has the same for floats.
+
+namespace pliant {
+
+constexpr int smaller(int a, int b) {
+  return a < b ? a : b;
+}
+constexpr int larger(int a, int b) {
+  return a > b ? a : b;
+}
+/// x, or the nearer end of [low, high]; low is at most high.
+constexpr int within(int x, int low, int high) {
+  return smaller(larger(x, low), high);
+}
+
+}  // namespace pliant
