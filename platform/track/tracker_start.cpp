@@ -41,9 +41,11 @@ Status TrackerParts::check_landmarks(Span<const NamedPoint> points) const {
 }
 
 bool TrackerParts::fits_model(const SavedState& state) const {
-  const std::size_t count = state.landmark_offsets.count;
-  if (state.parameters.data == nullptr || state.parameters.count != start_q.count) return false;
-  return count == 0 || (count == offsets.values().count && state.landmark_offsets.data != nullptr);
+  const auto has = [](const auto& array, std::size_t count) {
+    return array.count == count && (count == 0 || array.data != nullptr);
+  };
+  const std::size_t landmarks = state.landmark_offsets.empty() ? 0 : offsets.values().count;
+  return has(state.parameters, start_q.count) && has(state.landmark_offsets, landmarks);
 }
 
 void TrackerParts::end_track() {

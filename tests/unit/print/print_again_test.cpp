@@ -158,3 +158,21 @@ TEST_CASE("the focal length that a start from landmarks has found stays where th
   find(film, pose, wide);
   CHECK(film.tracker->camera().f == kDefaultFocalRatio * kWidth);
 }
+
+TEST_CASE(
+    "the state of a surface without parameters is saved, and starts another tracker, without an array for "
+    "them") {
+  Film first(label()), second(label());
+  find(first);
+  SavedState state;
+  REQUIRE(first.tracker->save(&state) == Status::ok);
+  const Image same = picture(first.count - 1);
+  REQUIRE(second.tracker->start_from_state(view(same, second), state) == Status::ok);
+  CHECK(length(second.tracker->result().pose.t - first.result.pose.t) < 1e-3f);
+  Film bending(sheet());
+  while (!bending.tracker->is_started())
+    REQUIRE(bending.show(picture_of(posed(0.1f, 0.1f, 0, 1), kRest, bending.count)) == Status::ok);
+  CHECK(bending.tracker->save(&state) == Status::bad_argument);
+  state.parameters.count = kRest.size();
+  CHECK(bending.tracker->save(&state) == Status::bad_argument);
+}
