@@ -25,12 +25,12 @@ struct CoarseTranslation {
 /// Every third shift within `range_px` is tried in x and in y, and then all shifts within two pixels of the best.
 ///
 /// The box is clipped to the image. Of large boxes rows are left out, so that about 1,200 pixels are compared, but at least
-/// one row. A shift for
-/// which fewer than half of them lie in `current` is not considered. Of shifts with equal correlation the smaller is
-/// taken. Sums are integers: the bits are the same on every target.
+/// one row. A shift for which fewer than half of them lie in `current`, or an image is flat, counts as correlation 0. Of
+/// shifts with equal correlation the smaller is taken. Sums are integers: the bits are the same on every target.
 /// \param range_px  largest shift along x and along y, px of the images compared, at least 0.
-/// \return the best shift; with correlation 0 for images of different sizes or with a side above 16,384 px, unreadable
-///         views, a box of fewer than 4 x 4 px, or a negative range.
+/// \return the best shift, which means nothing without a correlation above 0; no shift and correlation 0 for images of
+///         different sizes or with a side above 16,384 px, unreadable views, a box of fewer than 4 x 4 px, or a
+///         negative range.
 /// Cost: at most ((2 range_px / 3 + 1)^2 + 30) * 3 max(1200, width of the box) multiply-adds; range_px counts as at most the
 /// larger side.
 CoarseTranslation find_coarse_translation(const ImageView& reference, const PixelBox& box,

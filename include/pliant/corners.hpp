@@ -49,7 +49,8 @@ std::size_t corner_scratch_bytes(int width, int height, const CornerOptions& opt
 
 /// Finds the best corners: of the local maxima of lambda_min over 3 x 3 pixels the best of each cell, best first,
 /// without those that are closer than min_distance_px to a better one. Of equal scores, lower y comes first, then
-/// lower x.
+/// lower x. What lies outside the box around the allowed cells counts as 0: on its border a maximum need not be one of
+/// the image.
 /// \param allowed  empty, or one byte a cell, row by row (corner_cells wide and high): 0 forbids the cell.
 /// \param out      room for the corners. \param count  set to their number; 0 for an image that is too small.
 /// \return `bad_argument` for an unreadable view, options out of range or a mask of another size; `out_of_memory` if

@@ -78,7 +78,9 @@ struct PatchOptions {
 /// One match. Unless the search converged at full size, only status, x and iterations are set.
 struct PatchResult {
   PatchStatus status = PatchStatus::bad_argument;  ///< ok, or why there is none
-  Vec2 x;                    ///< found position in the current image, px; the start if status is not ok
+  /// Found position in the current image, px; the start if status is not ok. Where a search back was made, what the one
+  /// forward has found, whatever the status.
+  Vec2 x;
   Sym2 information;          ///< inverse covariance of x, 1/px^2; of rank one along the gradient of an edge
   int rank = 0;              ///< of the information: 2, or 1 for an edge
   float correlation = 0;     ///< normalised cross-correlation with the template, -1 to 1
@@ -111,7 +113,7 @@ class PatchTracker {
 
   /// Finds the slot's template in `current`, from `start` (px of level 0).
   /// \param warp  displacement in the current image = warp * displacement in the template (J_cur J_ref^-1).
-  ///         `bad_argument` if it mirrors, is not finite, or stretches or shrinks by more than 4.
+  ///         `bad_argument` if it mirrors, is not finite, has an entry beyond 4, or changes areas by more than 16.
   /// Cost: about 2 us a point on a desktop core (window 13, 3 levels), 1 us more where the template is resampled.
   PatchResult track(int slot, const Pyramid& current, Vec2 start, const Mat2& warp = {},
                     const PatchOptions& options = {});

@@ -18,7 +18,7 @@ bool is_valid(const PatchLimits& l) {
          l.levels <= Pyramid::kMaxLevels && l.margin >= 0 && l.margin <= kMaxMargin;
 }
 
-// A warp that is finite, keeps orientation and changes lengths by no more than four.
+// A warp that is finite, keeps orientation, and whose entries and inverse are bounded.
 bool is_plausible(const Mat2& w) {
   constexpr float kMost = 4.0f;
   const float det = determinant(w);
