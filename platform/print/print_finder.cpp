@@ -96,6 +96,7 @@ void PrintFinder::lay_out(Arena& arena, const Model& model, int width, int heigh
   points_ = arena.take_span<Correspondence>(kTuning.points);
   rest_ = arena.take_span<float>(model.parameters().count);
   q_ = arena.take_span<float>(model.parameters().count);
+  best_q_ = arena.take_span<float>(model.parameters().count);
   is_frozen_ = arena.take_span<std::uint8_t>(model.parameters().count);
   if (is_frozen_.data == nullptr) return;
   for (float& value : rest_) value = 0;
@@ -115,12 +116,13 @@ Status PrintFinder::search(const FrameView& frame, std::uint32_t work, const Cam
   const std::size_t count =
       find_views({matches_.data, match_count_}, camera, kTuning.vote_fraction * matcher_.table().extent_mm(),
                  {views, kMostViews});
-  for (std::size_t k = 0; k < count && views[k].votes >= kTuning.least_votes; ++k)
-    if (fit_readings(views[k].view, frame, camera, q, found))
-      return (found->is_clear && is_sure(found->agreement)) ||
-                     ++doubtful_frames_ == kTuning.most_doubtful_frames
-                 ? Status::ok
-                 : Status::not_found;
+  for (std::size_t k = 0; k < count && views[k].votes >= kTuning.least_votes; ++k) {
+    if (!fit_readings(views[k].view, frame, camera, found)) continue;
+    const bool is_certain = found->is_clear && is_sure(found->agreement);
+    if (!is_certain && ++doubtful_frames_ < kTuning.most_doubtful_frames) return Status::not_found;
+    for (std::size_t i = 0; i < best_q_.count; ++i) q[i] = best_q_[i];
+    return Status::ok;
+  }
   doubtful_frames_ = 0;
   return Status::not_found;
 }
@@ -151,7 +153,7 @@ void PrintFinder::gather() {
 
 /// Fits the readings of a view, and keeps the best one that is accepted: as it is, and tilted to the other side (mirrored_tilt),
 /// where what bent towards the camera may bend away instead.
-bool PrintFinder::fit_readings(const View& start, const FrameView& frame, const Camera& camera, float* q,
+bool PrintFinder::fit_readings(const View& start, const FrameView& frame, const Camera& camera,
                                FoundPrint* found) {
   View rigid = start;
   FitReport report;
@@ -168,7 +170,7 @@ bool PrintFinder::fit_readings(const View& start, const FrameView& frame, const 
     } else {
       other = best;
       best = candidate;
-      for (std::size_t k = 0; k < q_.count; ++k) q[k] = q_[k];
+      for (std::size_t k = 0; k < q_.count; ++k) best_q_[k] = q_[k];
     }
     view = mirrored_tilt(reading == 0 ? candidate.view : rigid, front);
     for (float& value : q_) value = reading == 0 ? -value : 0;

@@ -46,8 +46,7 @@ class PrintFinder {
   };
 
   void gather();
-  bool fit_readings(const View& start, const FrameView& frame, const Camera& camera, float* q,
-                    FoundPrint* found);
+  bool fit_readings(const View& start, const FrameView& frame, const Camera& camera, FoundPrint* found);
   static bool is_clear(const Candidate& best, const Candidate& other);
   static bool is_better(const Candidate& a, const Candidate& b);
   Candidate fit_candidate(const View& start, const FrameView& frame, const Camera& camera);
@@ -69,8 +68,8 @@ class PrintFinder {
   std::size_t match_count_ = 0;
   int doubtful_frames_ = 0;  // in succession
   Span<Correspondence> points_;
-  Span<float> rest_, q_;          // parameters: zeros, and of the present fit
-  Span<std::uint8_t> is_frozen_;  // zeros: no parameter is free
+  Span<float> rest_, q_, best_q_;  // parameters: zeros, of the present fit, and of the best one
+  Span<std::uint8_t> is_frozen_;   // zeros: no parameter is free
 };
 
 /// Whether blocks enough agree for a start, and for one without further frames.

@@ -81,6 +81,25 @@ TEST_CASE(
   CHECK(film.turned_from(pose) < 0.1f);
 }
 
+TEST_CASE("a search that waits for further frames leaves the parameters of the last track as they are") {
+  Film film(sheet());
+  const Pose pose = posed(0.1f, 0.2f, 0, 0.8f);
+  const std::vector<float> bent{1, 0.5f, 0}, otherwise{-1, 0, 0.3f};
+  for (int k = 0; k < 6; ++k) REQUIRE(film.show(picture_of(pose, bent, film.count)) == Status::ok);
+  const Image empty = make_background(kWidth, kHeight, 7);
+  for (int k = 0; k < 12 && film.tracker->is_started(); ++k) REQUIRE(film.show(empty) == Status::ok);
+  REQUIRE_FALSE(film.tracker->is_started());
+  const std::vector<float> last(film.tracker->parameters().begin(), film.tracker->parameters().end());
+  int waited = 0;
+  for (; waited < 8; ++waited) {
+    REQUIRE(film.show(covered(picture_of(pose, otherwise, film.count), 170, 250)) == Status::ok);
+    if (film.tracker->is_started()) break;
+    CHECK(std::equal(last.begin(), last.end(), film.tracker->parameters().begin()));
+  }
+  CHECK(waited > 0);
+  CHECK(film.tracker->parameters()[0] < -0.5f);
+}
+
 TEST_CASE(
     "a curved surface is in state tracking from its first frame on, also where it is seen at a slant: a "
     "label, a cap") {
