@@ -22,7 +22,13 @@ file(READ ${SOURCE}/zephyr/module.yml module)
 if(NOT module MATCHES "\n  cmake: ([^\n]+)\n  kconfig: ([^\n]+)\n" OR NOT EXISTS ${SOURCE}/${CMAKE_MATCH_2})
   message(FATAL_ERROR "zephyr/module.yml names no folder of CMake, or no file of Kconfig:\n${module}")
 endif()
+file(READ ${SOURCE}/${CMAKE_MATCH_2} kconfig)
 include(${SOURCE}/${CMAKE_MATCH_1}/CMakeLists.txt)
+foreach(older STD_CPP98 STD_CPP11 STD_CPP14)  # Zephyr's default is one of them
+  if(NOT kconfig MATCHES "depends on [^\n]*!${older}")
+    message(FATAL_ERROR "Kconfig allows ${older}: the library needs C++17")
+  endif()
+endforeach()
 
 list(SORT SOURCES)
 foreach(system esp zephyr)
