@@ -46,6 +46,16 @@ endif()
 # In C++ it is configured only: the library would be what it was above.
 configure(subdirectory_cxx main.cpp -DPLIANT_SOURCE_DIR=${SOURCE})
 
+# vcpkg moves the CMake files beside the face.
+file(GLOB_RECURSE config ${work}/prefix/*/pliantConfig.cmake)
+file(COPY ${config} DESTINATION ${work}/vcpkg/share/pliant)
+file(COPY ${work}/prefix/share/pliant/face.plm DESTINATION ${work}/vcpkg/share/pliant)
+file(WRITE ${work}/vcpkg/share/pliant/pliantTargets.cmake "")
+include(${work}/vcpkg/share/pliant/pliantConfig.cmake)
+if(NOT pliant_FACE STREQUAL "${work}/vcpkg/share/pliant/face.plm")
+  message(FATAL_ERROR "no face beside the moved CMake files: '${pliant_FACE}'")
+endif()
+
 # In a shared object, and installed as a part of another project.
 configure(shared main.cpp -DCMAKE_PREFIX_PATH=${work}/prefix -DCONSUMER_IS_SHARED=ON)
 run(${CMAKE_COMMAND} --build ${work}/shared)
