@@ -43,12 +43,13 @@ struct FitOptions {
   float focal_px = 0;
   /// Known intrinsics, with the lens of the image. Null: `focal_px`, and no lens.
   const Camera* camera = nullptr;
-  /// Initial view. Null: found from the points.
+  /// Initial view, `is_possible` (camera.hpp): what view_of gives for a pose and the image's camera. Its principal point stays, and
+  /// with a known focal length its s / rho does; they are to be the camera's. Null: found from the points.
   const View* start = nullptr;
   /// One flag a parameter. Null: all are free. Frozen parameters keep their value in q.
   const std::uint8_t* is_free = nullptr;
   /// Residual that neither noise nor prior explains, mm on the model: the distance of an annotated landmark
-  /// from the model's. The robust loss rejects only what is several times larger. Round value, not tuned.
+  /// from the model's, >= 0. The robust loss rejects only what is several times larger. Round value, not tuned.
   float misfit_mm = 3.0f;
   bool robust = true;  ///< true: Huber's, then Tukey's loss of the residual's length; false: its square
   /// Steps of Gauss-Newton, count. They are divided equally among the stages: three, or nine with silhouette points. A stage
@@ -95,12 +96,13 @@ class Fitter {
   /// Arena layout (create_in, measured_bytes).
   void lay_out(Arena& arena, const Model& model, const FitLimits& limits);
 
-  /// Estimates pose, camera and the free parameters. Cost: options.iterations linearisations of all points.
+  /// Estimates pose, camera and the free parameters. Cost: at most options.iterations linearisations of all points, twice that where
+  /// the surface folds over; without a start also 50 of the pose alone.
   /// \param points  at least four.
   /// \param q       all parameters: initial values and result. Null only for a model without parameters.
   /// \return ok, or with nothing changed:
-  ///   - bad_argument: null q or report; NaN; sd_px <= 0; uv outside [0,1]^2; no image size; stiffness < 0; silhouette
-  ///     points without room for them; a camera that Lens::make refuses
+  ///   - bad_argument: null points, q or report; NaN; sd_px <= 0; uv outside [0,1]^2; no image size; focal length, stiffness or
+  ///     misfit < 0; a start that is no view; silhouette points without room for them; a camera that Lens::make refuses
   ///   - capacity: more points than the limits, or the fitter was never laid out
   ///   - too_few_points
   ///   - underdetermined: all points are on one line of the image, or the pose stays open
@@ -109,9 +111,10 @@ class Fitter {
              const FitDetails& details = {});
 
   /// Whether the last fit matched a silhouette point to the contour, away from its own (u,v).
+  /// \pre point < FitLimits::points; laid out.
   bool has_slid(std::size_t point) const;
 
-  /// The cascade that fits run on. Its choice of free parameters is the last fit's.
+  /// The cascade that fits run on. Its choice of free parameters is the last fit's. \pre laid out.
   Cascade& cascade();
 
  private:

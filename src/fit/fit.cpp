@@ -32,7 +32,9 @@ namespace {
 
 Status check_points(Span<const Correspondence> points, const FitOptions& options) {
   if (options.width <= 0 || options.height <= 0 || !is_finite(options.focal_px) || options.focal_px < 0 ||
-      !(options.stiffness >= 0))
+      !(options.stiffness >= 0) || !(options.misfit_mm >= 0))
+    return Status::bad_argument;
+  if (options.start != nullptr && !is_possible(pose_of(*options.start), camera_of(*options.start)))
     return Status::bad_argument;
   for (const Correspondence& c : points) {
     if (!is_finite(c.x) || !is_finite(c.uv) || !is_finite(c.sd_px) || !(c.sd_px > 0))
@@ -110,6 +112,7 @@ bool Fitter::has_slid(std::size_t point) const {
 Status Fitter::fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
                    const FitDetails& details) {
   if (state_ == nullptr) return Status::capacity;
+  if (points.data == nullptr && points.count > 0) return Status::bad_argument;
   State& s = *state_;
   if (options.camera == nullptr) return s.fit(points, options, q, report, details);
   Lens lens;

@@ -65,7 +65,8 @@ View weak_perspective_view(WeakPerspectiveRows rows, const Means& mean, bool mir
     rows.y.z = -rows.y.z;
   }
   View view;
-  view.s = max(0.5f * (length(rows.x) + length(rows.y)), 1e-6f);
+  // Within the distances of a view, so that f = s / rho is `focal` also where the points say otherwise.
+  view.s = clamp(0.5f * (length(rows.x) + length(rows.y)), kMinRho * focal, kMaxRho * focal);
   const Vec3 sum = normalised(normalised(rows.x) + normalised(rows.y));
   const Vec3 difference = normalised(normalised(rows.x) - normalised(rows.y));
   const float h = 0.70710678f;  // sqrt(1/2)
@@ -73,7 +74,7 @@ View weak_perspective_view(WeakPerspectiveRows rows, const Means& mean, bool mir
   const Mat3 rotation{{{i.x, -i.y, -i.z}, {j.x, -j.y, -j.z}, {k.x, -k.y, -k.z}}};
   view.q = quaternion(rotation);
   view.c = centre;
-  view.rho = clamp(view.s / focal, kMinRho, kMaxRho);
+  view.rho = view.s / focal;
   centre_view(view, mean);
   return view;
 }

@@ -384,6 +384,7 @@ TEST_CASE("bad input is named and changes nothing") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   CHECK(fit({scene.points.data(), 3}, scene.options(900)) == Status::too_few_points);
   CHECK(fit(scene.all(), FitOptions{}) == Status::bad_argument);
+  CHECK(fit({nullptr, 5}, scene.options(900)) == Status::bad_argument);
   CHECK(fit(scene.all(), scene.options(nan)) == Status::bad_argument);
   scene.points[7].x.y = nan;
   CHECK(fit(scene.all(), scene.options(900)) == Status::bad_argument);
@@ -395,6 +396,49 @@ TEST_CASE("bad input is named and changes nothing") {
   CHECK(fit(scene.all(), scene.options(900)) == Status::capacity);
   CHECK(fit({scene.points.data(), 50}, scene.options(900)) == Status::underdetermined);  // all the same point
   for (float v : q) CHECK(v == 0.25f);
+}
+
+TEST_CASE("a known focal length stays, also where the points are then nearer or farther than any view") {
+  const Scene scene(7);
+  InArena<Fitter> fitter(scene.model, limits());
+  for (const float focal : {10.0f, 900.0f, 1e6f}) {
+    std::vector<float> q(scene.truth.size(), 0);
+    FitReport report;
+    REQUIRE(fitter->fit(scene.all(), scene.options(focal), q.data(), &report) == Status::ok);
+    CHECK(camera_of(report.view).f == doctest::Approx(focal).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("a start that is no view is refused, and so is a misfit that is no length") {
+  const Scene scene(7);
+  InArena<Fitter> fitter(scene.model, limits());
+  FitOptions options = scene.options(900);
+  View start = scene.view;
+  options.start = &start;
+  const auto status = [&] {
+    std::vector<float> q(scene.truth.size(), 0);
+    FitReport report;
+    const Status fitted = fitter->fit(scene.all(), options, q.data(), &report);
+    CHECK((fitted == Status::ok) == (report.used > 0));
+    start = scene.view;
+    return fitted;
+  };
+  CHECK(status() == Status::ok);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float scale : {-1.0f, 0.0f, nan}) {
+    start.s = scale;
+    CHECK(status() == Status::bad_argument);
+  }
+  for (const float rho : {-1.0f, 0.0f, 1.0f, nan}) {
+    start.rho = rho;
+    CHECK(status() == Status::bad_argument);
+  }
+  start.q = {0, 0, 0, 0};
+  CHECK(status() == Status::bad_argument);
+  for (const float misfit : {-1.0f, nan}) {
+    options.misfit_mm = misfit;
+    CHECK(status() == Status::bad_argument);
+  }
 }
 
 TEST_CASE("a box starts a frontal view that fills it") {
