@@ -56,6 +56,11 @@ if(NOT pliant_FACE STREQUAL "${work}/vcpkg/share/pliant/face.plm")
   message(FATAL_ERROR "no face beside the moved CMake files: '${pliant_FACE}'")
 endif()
 
+# The same table for a program in C and for one in C++.
+run(${BUILD}/pliant bake ${SOURCE}/fixtures/sheet -o ${work}/sheet.plm --embed ${work}/sheet.c)
+run(${CC} -std=c11 -Wall -Wextra -pedantic-errors -Werror -c ${work}/sheet.c -o ${work}/sheet_c.o)
+run(${CXX} -std=c++17 -x c++ -Wall -Wextra -pedantic-errors -Werror -c ${work}/sheet.c -o ${work}/sheet_cxx.o)
+
 # In a shared object, and installed as a part of another project.
 configure(shared main.cpp -DCMAKE_PREFIX_PATH=${work}/prefix -DCONSUMER_IS_SHARED=ON)
 run(${CMAKE_COMMAND} --build ${work}/shared)

@@ -183,7 +183,7 @@ TEST_CASE("an embedded table is the table") {
   const std::string source = embedded(table, "face");
   CHECK(source.find("alignas(4) const unsigned char face[] = {\n  0x50, 0x4c, 0x0a, 0xff,\n};") !=
         std::string::npos);
-  CHECK(source.find("const std::size_t face_bytes = sizeof face;") != std::string::npos);
+  CHECK(source.find("const size_t face_bytes = sizeof face;") != std::string::npos);
 }
 
 TEST_CASE(
