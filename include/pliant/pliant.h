@@ -1,6 +1,6 @@
 /**
  * \file pliant.h
- * The C interface (C11) of Tracker (tracker.hpp): the same calls with the same defaults give the same bits. The memory
+ * The C interface (C99 or later) of Tracker (tracker.hpp): the same calls with the same defaults give the same bits. The memory
  * is the caller's. Nothing is allocated, and there is nothing to free.
  *
  * Image positions are in px, x right, y down, pixel centres at integers. The model is in mm, x to the subject's left, y

@@ -129,8 +129,10 @@ typedef struct pliant_result {
 /* The layout that the library was compiled with. */
 #ifdef __cplusplus
 #define PLIANT_HAS_SIZE(type, bytes) static_assert(sizeof(type) == (bytes), "not the layout of the library")
-#else
+#elif __STDC_VERSION__ >= 201112L
 #define PLIANT_HAS_SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), "not the layout of the library")
+#else
+#define PLIANT_HAS_SIZE(type, bytes) extern const char type##_has_its_size[sizeof(type) == (bytes) ? 1 : -1]
 #endif
 PLIANT_HAS_SIZE(pliant_limits, 24);
 PLIANT_HAS_SIZE(pliant_frame, 2 * sizeof(void *) + 24);

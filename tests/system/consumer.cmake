@@ -56,6 +56,10 @@ if(NOT pliant_FACE STREQUAL "${work}/vcpkg/share/pliant/face.plm")
   message(FATAL_ERROR "no face beside the moved CMake files: '${pliant_FACE}'")
 endif()
 
+# The C interface in C99, which has no _Static_assert.
+file(WRITE ${work}/c99.c "#include <pliant/pliant.h>\nint in_c99(void);\nint in_c99(void) { return pliant_version() != 0; }\n")
+run(${CC} -std=gnu99 -Wall -Wextra -Wconversion -pedantic-errors -Werror -I${work}/prefix/include -c ${work}/c99.c -o ${work}/c99.o)
+
 # The same table for a program in C and for one in C++.
 run(${BUILD}/pliant bake ${SOURCE}/fixtures/sheet -o ${work}/sheet.plm --embed ${work}/sheet.c)
 run(${CC} -std=c11 -Wall -Wextra -pedantic-errors -Werror -c ${work}/sheet.c -o ${work}/sheet_c.o)
