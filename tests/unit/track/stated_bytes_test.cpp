@@ -60,6 +60,11 @@ TEST_CASE("FitLimits, FoldOverTest and BaseMeshMaker state their bytes") {
   const auto vertices = static_cast<double>(model.base_uv().count),
              faces = static_cast<double>(model.base_corners().count) / 3;
   FitLimits limits;
+  const auto records = static_cast<double>(model.cascade().count), points = static_cast<double>(limits.points),
+             unknowns = static_cast<double>(model.parameters().count) + 7;
+  check_about(measured_bytes<Fitter>(model, limits),
+              12 * points * records + 40 * points + 4 * unknowns * unknowns + 130 * unknowns + 36 * vertices +
+                  12 * faces + static_cast<double>(measured_bytes<Cascade>(model)));
   check_about(increase<Fitter>(limits, [](auto& l) { l.silhouette = true; }),
               95 * vertices + 8 * limits.points + 9 * 1024);
   check_about(measured_bytes<FoldOverTest>(model),
