@@ -18,7 +18,7 @@ Status Markers::place(Estimator& estimator, Span<const Vec2> markers, float excl
   if (markers.count > capacity_) return Status::capacity;
   for (Vec2 x : markers) {
     Vec2 uv;
-    if (!is_finite(x) || estimator.surface_at(x, &uv) < 0) return Status::bad_argument;
+    if (estimator.surface_at(x, &uv) < 0) return Status::bad_argument;
     // Also for a marker on the mesh: over an eye or a mouth the mesh may span what the surface leaves open.
     if (!find_offset(estimator.view(), estimator.lens(), estimator.surface_point(uv), x, &offsets_[count_]))
       return Status::bad_argument;

@@ -20,8 +20,8 @@ class Markers {
   void lay_out(Arena& arena, std::size_t capacity);
 
   /// Casts image positions (px) of the present view onto the posed mesh. Earlier markers are removed.
-  /// \param exclusion_px  for `are_far_from`.
-  /// \return bad_argument (not finite, or nothing visible), capacity, and the statuses of Estimator::add_point.
+  /// \param x             finite. \param exclusion_px  for `are_far_from`.
+  /// \return bad_argument (nothing visible), capacity, and the statuses of Estimator::add_point.
   Status place(Estimator& estimator, Span<const Vec2> x, float exclusion_px);
   /// Writes where the markers are. \pre room for the capacity. \return how many there are.
   std::size_t save(const Estimator& estimator, MarkerPlace* places) const;

@@ -28,7 +28,11 @@ StartOptions with_copy(const StartOptions& start, Camera* camera) {
 Status TrackerParts::check_start(const FrameView& view, Span<const Vec2> marker_places) const {
   const Status status = region.check_frame(view);
   if (status != Status::ok) return status;
-  return marker_places.count <= limits.markers ? Status::ok : Status::capacity;
+  if (marker_places.count > limits.markers) return Status::capacity;
+  if (marker_places.count > 0 && marker_places.data == nullptr) return Status::bad_argument;
+  for (Vec2 x : marker_places)
+    if (!is_finite(x)) return Status::bad_argument;
+  return Status::ok;
 }
 
 Status TrackerParts::check_landmarks(Span<const NamedPoint> points) const {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <string>
 
 #include "aligned_block.hpp"
@@ -130,6 +131,12 @@ TEST_CASE("markers are tracked without templates near them") {
   }
   Vec2 x;
   CHECK_FALSE(tracker->marker(3, &x));
+  // Markers that are no positions are refused before anything is given up.
+  markers[1].x = std::numeric_limits<float>::quiet_NaN();
+  CHECK(start(tracker.object, {markers, 3}, options) == Status::bad_argument);
+  CHECK(start(tracker.object, {nullptr, 3}, options) == Status::bad_argument);
+  CHECK(tracker->is_started());
+  CHECK(tracker->marker(0, &x));
 }
 
 TEST_CASE("a repeated picture moves the state by no more than noise") {
