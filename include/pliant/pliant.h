@@ -97,13 +97,16 @@ pliant_status pliant_get_result(const pliant_tracker *tracker, pliant_result *re
 pliant_status pliant_parameter_count(const pliant_tracker *tracker, size_t *count);
 /** Name of a parameter, which lives as long as the table. Needs no start. \return PLIANT_NOT_FOUND (index). */
 pliant_status pliant_parameter_name(const pliant_tracker *tracker, size_t index, const char **name);
+/** Least and greatest value of a parameter, in the model's unit; 0 is rest, or the mean person. Needs no start.
+ *  \return PLIANT_NOT_FOUND (index). */
+pliant_status pliant_parameter_range(const pliant_tracker *tracker, size_t index, float *minimum, float *maximum);
 /** How many landmarks the model has. Needs no start. */
 pliant_status pliant_landmark_count(const pliant_tracker *tracker, size_t *count);
 /** Name of a landmark, which lives as long as the table. Needs no start. \return PLIANT_NOT_FOUND (index). */
 pliant_status pliant_landmark_name(const pliant_tracker *tracker, size_t index, const char **name);
 
 /** Value of a parameter (`jawOpen`, ...) in the last frame, in the model's unit (0 to 0.45 rad). ARKit's coefficient
- *  is the value over the parameter's maximum. \return PLIANT_NOT_STARTED, PLIANT_NOT_FOUND. */
+ *  is the value over the maximum (pliant_parameter_range). \return PLIANT_NOT_STARTED, PLIANT_NOT_FOUND. */
 pliant_status pliant_get_parameter(const pliant_tracker *tracker, const char *name, float *value);
 /** All parameters in the last frame, in the model's order, valid until the next call. \return PLIANT_NOT_STARTED. */
 pliant_status pliant_get_parameters(const pliant_tracker *tracker, const float **values);

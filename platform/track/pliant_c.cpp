@@ -260,6 +260,15 @@ pliant_status pliant_parameter_name(const pliant_tracker* t, size_t index, const
   return name_at(t->tracker.model().parameters(), index, name);
 }
 
+pliant_status pliant_parameter_range(const pliant_tracker* t, size_t index, float* minimum, float* maximum) {
+  if (t == nullptr || minimum == nullptr || maximum == nullptr) return PLIANT_BAD_ARGUMENT;
+  const auto parameters = t->tracker.model().parameters();
+  if (index >= parameters.count) return PLIANT_NOT_FOUND;
+  *minimum = parameters[index].minimum;
+  *maximum = parameters[index].maximum;
+  return PLIANT_OK;
+}
+
 pliant_status pliant_landmark_count(const pliant_tracker* t, size_t* count) {
   if (t == nullptr || count == nullptr) return PLIANT_BAD_ARGUMENT;
   *count = t->tracker.model().landmarks().count;

@@ -139,6 +139,10 @@ TEST_CASE("all names can be listed before a start, and each of them can be read 
   for (size_t k = 0; k < parameters; ++k) {
     REQUIRE(pliant_parameter_name(t, k, &name) == PLIANT_OK);
     CHECK(name == std::string(rig().face.model.parameters()[k].name));
+    float least = 7, most = 7;
+    REQUIRE(pliant_parameter_range(t, k, &least, &most) == PLIANT_OK);
+    CHECK(least == rig().face.model.parameters()[k].minimum);
+    CHECK(most == rig().face.model.parameters()[k].maximum);
     float value = -1;
     REQUIRE(pliant_get_parameter(t, name, &value) == PLIANT_OK);
     CHECK(value == values[k]);
@@ -152,6 +156,10 @@ TEST_CASE("all names can be listed before a start, and each of them can be read 
   }
   CHECK(pliant_parameter_name(t, parameters, &name) == PLIANT_NOT_FOUND);
   CHECK(pliant_landmark_name(t, landmarks, &name) == PLIANT_NOT_FOUND);
+  float least = 7, most = 7;
+  CHECK(pliant_parameter_range(t, parameters, &least, &most) == PLIANT_NOT_FOUND);
+  CHECK(least == 7);
+  CHECK(most == 7);
 }
 
 TEST_CASE("before a start everything that needs one says so") {
@@ -223,6 +231,9 @@ TEST_CASE("wrong queries return a status, write nothing, and do not change the t
                                      pliant_landmark_count(t, nullptr),
                                      pliant_parameter_name(nullptr, 0, &name),
                                      pliant_parameter_name(t, 0, nullptr),
+                                     pliant_parameter_range(nullptr, 0, &x, &y),
+                                     pliant_parameter_range(t, 0, nullptr, &y),
+                                     pliant_parameter_range(t, 0, &x, nullptr),
                                      pliant_landmark_name(nullptr, 0, &name),
                                      pliant_landmark_name(t, 0, nullptr),
                                      pliant_place_landmarks(nullptr, &unknown, 1),
