@@ -11,11 +11,11 @@ namespace pliant {
 
 struct Detection;
 /// Starts that a tracker makes by itself, by name, so that programs that do not use them do not link them.
-/// This one: detection, alignment and verification of faces from learnt tables.
+/// This one: detection, alignment and verification of faces from learnt tables. 33 kB of code on a Cortex-M7.
 extern const Detection kFaceDetection;
-/// The search for a printed surface and its verification, from the keypoints of its albedo.
+/// The search for a printed surface and its verification, from the keypoints of its albedo. 25 kB of code on a Cortex-M7.
 extern const Detection kPrintDetection;
-/// Whichever of the two the model has tables for, faces first.
+/// Whichever of the two the model has tables for, faces first. 57 kB of code on a Cortex-M7.
 extern const Detection kDetection;
 
 struct PersonRefinement;
