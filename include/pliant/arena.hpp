@@ -50,7 +50,7 @@ class Arena {
   constexpr Arena() = default;  ///< An arena that only measures.
   /// The same; adds the bytes taken to the count of their purpose.
   explicit constexpr Arena(std::size_t (&by_purpose)[kPurposeCount]) : by_purpose_(by_purpose) {}
-  /// \param block  aligned to kAlignment (create_in refuses another), and outlives everything created in it; of `bytes` bytes.
+  /// \param block  aligned to kAlignment (create_in refuses another), of `bytes` bytes; stays in place and outlives what is in it.
   constexpr Arena(void* block, std::size_t bytes) : base_(static_cast<unsigned char*>(block)), size_(bytes) {}
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;

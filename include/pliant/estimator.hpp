@@ -33,7 +33,7 @@ enum class TrackState : std::uint8_t {
 /// Result of one frame.
 struct FrameResult {
   TrackState state = TrackState::lost;  ///< what the frame is worth
-  Pose pose;                            ///< of the last good frame
+  Pose pose;  ///< of this frame, after a bad one of the last good frame; without a track frontal, 1000 mm away
   std::uint16_t tracked = 0;            ///< points with a usable observation
   std::uint16_t inliers = 0;            ///< points with weight at the end
   float rms_px = 0;                     ///< of the inliers; of an edge, across it
@@ -167,7 +167,7 @@ class Estimator {
   Vec3 surface_point(Vec2 uv);  ///< Position of any (u,v) at the present parameters, mm, model axes.
   /// Image position of any (u,v) at the present state. \return false behind the camera.
   bool project(Vec2 uv, Vec2* x);
-  /// Finds (u,v) of the visible surface under an image position, or of the visible point nearest to it.
+  /// Finds (u,v) of the visible surface under an image position (finite), or of the visible point nearest to it.
   /// \return distance in the image between x and that point, px; 0 on the surface; negative when nothing is visible.
   float surface_at(Vec2 x, Vec2* uv);
   /// Moves `uv`, the point of the mesh under x, to the point of the surface there: the second half of

@@ -37,8 +37,8 @@ pliant_status pliant_required_bytes(const void *table, size_t table_bytes, const
                                     size_t *bytes);
 
 /** Makes a tracker. Cost: as pliant_required_bytes.
- *  \param memory  a block at an address that is a multiple of 16. It and the table must outlive the tracker. It is
- *                 written to whatever the status.
+ *  \param memory  a block at an address that is a multiple of 16. It and the table must outlive the tracker and stay where
+ *                 they are. The block is written to whatever the status.
  *  \return as pliant_required_bytes; PLIANT_BAD_ARGUMENT also for a block that is not aligned (in C++ that is
  *          misaligned); PLIANT_OUT_OF_MEMORY (block). */
 pliant_status pliant_create(void *memory, size_t bytes, const void *table, size_t table_bytes,

@@ -139,7 +139,8 @@ class Tracker {
   ///         later than the last frame's). Nothing has changed then.
   Status update(const FrameView& frame, FrameResult* result);
 
-  // Precondition of what follows: the tracker was laid out. Where a Status is returned, it is not_started otherwise.
+  // Preconditions of what follows: the tracker was laid out, and pointers for results are not null. Without a layout, what returns
+  // a Status returns not_started, and is_started is false.
   const TrackerLimits& limits() const;  ///< Limits of the layout.
   /// Names of parameters and landmarks, and how many there are.
   const Model& model() const;

@@ -72,7 +72,8 @@ struct TrackerLimits {
   /// Landmarks that `start_from_landmarks` takes at most. The fit uses the memory of the tracking, before it; where it
   /// needs more, the block grows.
   std::uint16_t start_points = 68;
-  /// If null, or if the model has no tables for it, the tracker neither finds its model nor verifies tracks.
+  /// If null, or if the model has no tables for it, or for frames above 8,192 px a side, the tracker neither finds its model nor
+  /// verifies tracks.
   /// Null also leaves the code out of the program.
   const Detection* detection = &kDetection;
   /// Estimates the identity parameters while the head turns far (docs/algorithms.md, section 7.20). Identity
