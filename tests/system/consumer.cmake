@@ -28,9 +28,9 @@ foreach(program main.cpp main.c)
 endforeach()
 
 # As a subdirectory of a project in C that names no build type: the library is optimised all the same.
-# No other library is looked for. The libraries are static, whatever the project says of its own.
+# No other library is looked for. The libraries are static, and their sources are compiled one by one, whatever the project says of its own.
 configure(subdirectory main.c -DPLIANT_SOURCE_DIR=${SOURCE} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
-  -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DBUILD_SHARED_LIBS=ON -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON)
+  -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DBUILD_SHARED_LIBS=ON -DCMAKE_UNITY_BUILD=ON -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON)
 file(STRINGS ${work}/subdirectory/compile_commands.json commands REGEX "command.*/pliant_(core|track)\\.dir/")
 foreach(command IN LISTS commands)
   if(NOT command MATCHES " -O2 ")
