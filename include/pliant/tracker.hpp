@@ -81,6 +81,9 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 /// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays
 /// first. If one of those is wrong, nothing changes. If the start fails later (in the fit, the pose or the
 /// texture), the tracker is not started, `is_started` is false, and the next frame may have any time.
+///
+/// Costs, in frames of a track with profiles M and S at 320 x 240: a start from a pose or a state 6 and 22, from a box 8 and 30, from 68
+/// landmarks 25 and 80, a frame that is searched 2.5 and 2. `pliant plan` has the instructions of a frame.
 class Tracker {
  public:
   Tracker() = default;
