@@ -43,8 +43,11 @@ file(GLOB_RECURSE shared ${work}/subdirectory/libpliant_*.so)
 if(shared)
   message(FATAL_ERROR "a shared library: ${shared}")
 endif()
-# In C++ it is configured only: the library would be what it was above.
-configure(subdirectory_cxx main.cpp -DPLIANT_SOURCE_DIR=${SOURCE})
+# In C++ it is configured only: the library would be what it was above. Folders are absolute, and not in one prefix.
+configure(subdirectory_cxx main.cpp -DPLIANT_SOURCE_DIR=${SOURCE} -DCMAKE_INSTALL_PREFIX=${work}/apart/out
+  -DCMAKE_INSTALL_LIBDIR=${work}/apart/lib -DCMAKE_INSTALL_INCLUDEDIR=${work}/apart/dev/include)
+file(COPY ${work}/subdirectory_cxx/pliant/pliant.pc DESTINATION ${work}/apart/lib/pkgconfig)
+file(MAKE_DIRECTORY ${work}/apart/out)
 
 # vcpkg moves the CMake files beside the face.
 file(GLOB_RECURSE config ${work}/prefix/*/pliantConfig.cmake)
@@ -75,6 +78,17 @@ endif()
 
 find_program(pkg_config NAMES pkg-config pkgconf)
 if(pkg_config)
+  foreach(variable "--cflags-only-I;dev/include" "--libs-only-L;lib")
+    list(GET variable 0 option)
+    list(GET variable 1 folder)
+    execute_process(COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${work}/apart/lib/pkgconfig ${pkg_config} ${option} pliant
+      OUTPUT_VARIABLE flag OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+    string(SUBSTRING "${flag}" 2 -1 flag)
+    get_filename_component(flag "${flag}" ABSOLUTE)
+    if(NOT flag STREQUAL "${work}/apart/${folder}")
+      message(FATAL_ERROR "pkg-config gives ${flag}, where the folder is ${work}/apart/${folder}")
+    endif()
+  endforeach()
   file(GLOB_RECURSE pc ${work}/prefix/*.pc)
   get_filename_component(folder ${pc} DIRECTORY)
   execute_process(COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${folder} ${pkg_config}
