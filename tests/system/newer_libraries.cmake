@@ -13,7 +13,7 @@ write_basic_package_version_file(${work}/prefix/share/eigen3/cmake/Eigen3ConfigV
   COMPATIBILITY SameMajorVersion ARCH_INDEPENDENT)
 file(COPY ${STB}/stb_image.h ${STB}/stb_image_write.h DESTINATION ${work}/prefix/include)
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${work}/build -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX}
-  -DPLIANT_TESTS=OFF -DPLIANT_LIBCAMERA=OFF -DCMAKE_PREFIX_PATH=${work}/prefix
+  -DPLIANT_TESTS=OFF -DPLIANT_LIBCAMERA=OFF -DCMAKE_PREFIX_PATH=${work}/prefix -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
   RESULT_VARIABLE result OUTPUT_VARIABLE out ERROR_VARIABLE out)
 if(NOT result EQUAL 0)
   message(FATAL_ERROR "${out}")
@@ -22,5 +22,10 @@ file(STRINGS ${work}/build/CMakeCache.txt found REGEX "^(Eigen3_DIR|PLIANT_STB_D
 list(LENGTH found count)
 if(NOT count EQUAL 2)
   message(FATAL_ERROR "other libraries were found: ${found}")
+endif()
+# A user's build does not fail where a newer compiler warns of more.
+file(STRINGS ${work}/build/compile_commands.json errors REGEX " -Werror ")
+if(errors)
+  message(FATAL_ERROR "warnings are errors in a user's build")
 endif()
 message(STATUS "${found}")

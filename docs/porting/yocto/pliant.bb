@@ -9,7 +9,7 @@ inherit cmake externalsrc
 EXTERNALSRC = "${@os.path.abspath(os.path.join(d.getVar('THISDIR'), '..', '..', '..'))}"
 
 # The library. The pliant command bakes the built-in face while it is built, which a cross build cannot.
-EXTRA_OECMAKE = "-DPLIANT_HOST=OFF -DPLIANT_TESTS=OFF -DPLIANT_LIBCAMERA=OFF -DPLIANT_WARNINGS_AS_ERRORS=OFF"
+EXTRA_OECMAKE = "-DPLIANT_HOST=OFF -DPLIANT_TESTS=OFF -DPLIANT_LIBCAMERA=OFF"
 
 # Static libraries and headers alone: there is nothing to install on the device but what a program links.
 ALLOW_EMPTY:${PN} = "1"

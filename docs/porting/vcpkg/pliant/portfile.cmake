@@ -3,7 +3,7 @@ vcpkg_check_linkage(ONLY_STATIC_LIBRARY)
 get_filename_component(SOURCE_PATH "${CMAKE_CURRENT_LIST_DIR}/../../../.." ABSOLUTE)
 vcpkg_check_features(OUT_FEATURE_OPTIONS options FEATURES tools PLIANT_HOST)
 vcpkg_cmake_configure(SOURCE_PATH "${SOURCE_PATH}" OPTIONS ${options} -DPLIANT_LIBCAMERA=OFF -DPLIANT_TESTS=OFF
-  -DPLIANT_WARNINGS_AS_ERRORS=OFF OPTIONS_DEBUG -DPLIANT_HOST=OFF)
+  OPTIONS_DEBUG -DPLIANT_HOST=OFF)
 vcpkg_cmake_install()
 vcpkg_cmake_config_fixup(CONFIG_PATH lib/cmake/pliant)
 vcpkg_fixup_pkgconfig()
