@@ -1,7 +1,8 @@
 cmake_minimum_required(VERSION 3.22)
 # Extracts the C++ program of README.md, builds it against the installed package with the built-in face and a rendered
-# film, runs it and compares the nose with the truth; and the function of docs/porting.md, with the landmarks of a photograph.
-# Run as: cmake -DBUILD=... -DSOURCE=... -DCXX=... -DFACE=face.plm [-DLAUNCHER=ccache] -P readme.cmake
+# film, runs it and compares the nose with the truth; and the function of docs/porting.md, with the landmarks of a
+# photograph; and compiles its calls in C.
+# Run as: cmake -DBUILD=... -DSOURCE=... -DCXX=... -DCC=... [-DLAUNCHER=ccache] -P readme.cmake
 set(work ${BUILD}/readme)
 file(REMOVE_RECURSE ${work})
 file(MAKE_DIRECTORY ${work})
@@ -13,21 +14,29 @@ function(run)
   set(out "${out}" PARENT_SCOPE)
 endfunction()
 
-# extract(DOCUMENT FILE): the first C++ program of a document.
-function(extract document file)
+# extract(DOCUMENT LANGUAGE FILE): the first program of a document in that language. Sets `program`.
+function(extract document language file)
   file(READ ${SOURCE}/${document} text)
-  string(FIND "${text}" "```cpp\n" begin)
+  string(FIND "${text}" "```${language}\n" begin)
   if(begin EQUAL -1)
-    message(FATAL_ERROR "${document} has no C++ program")
+    message(FATAL_ERROR "${document} has no program in ${language}")
   endif()
-  math(EXPR begin "${begin} + 7")
+  string(LENGTH "```${language}\n" fence)
+  math(EXPR begin "${begin} + ${fence}")
   string(SUBSTRING "${text}" ${begin} -1 program)
   string(FIND "${program}" "```" end)
   string(SUBSTRING "${program}" 0 ${end} program)
   file(WRITE ${work}/${file} "${program}")
+  set(program "${program}" PARENT_SCOPE)
 endfunction()
-extract(README.md program.cpp)
-extract(docs/porting.md fit_picture.cpp)
+extract(README.md cpp program.cpp)
+extract(docs/porting.md cpp fit_picture.cpp)
+extract(docs/porting.md c calls.c)
+# The calls in C are a part of a function.
+file(WRITE ${work}/calls.c "#include <pliant/pliant.h>
+void calls(void *memory, const void *table, size_t table_bytes, pliant_frame frame);
+void calls(void *memory, const void *table, size_t table_bytes, pliant_frame frame) {\n${program}}\n")
+run(${CC} -std=c99 -Wall -Wextra -Wconversion -pedantic -Werror -I${SOURCE}/include -c calls.c)
 
 set(pliant ${BUILD}/pliant)
 run(${pliant} bake ${SOURCE}/fixtures/face -o face.plm --embed face.cpp)
