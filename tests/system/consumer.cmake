@@ -76,6 +76,19 @@ if(NOT EXISTS ${work}/of_subproject/include/pliant/tracker.hpp OR NOT EXISTS ${w
   message(FATAL_ERROR "the project with pliant inside was not installed whole")
 endif()
 
+# A program that is checked by the thread sanitizer, where there is one, comes as far as main.
+set(tsan -std=c++17 -O1 -fsanitize=thread -I${SOURCE}/include -I${SOURCE}/src -I${SOURCE}/platform)
+file(WRITE ${work}/empty.cpp "int main() {}\n")
+execute_process(COMMAND ${CXX} ${tsan} ${work}/empty.cpp -o ${work}/empty RESULT_VARIABLE result OUTPUT_QUIET ERROR_QUIET)
+if(result EQUAL 0)
+  execute_process(COMMAND ${work}/empty RESULT_VARIABLE result OUTPUT_QUIET ERROR_QUIET)
+endif()
+if(result EQUAL 0)
+  file(WRITE ${work}/tsan.cpp "#include <pliant/pyramid.hpp>\nint main() { return pliant::Pyramid().levels(); }\n")
+  run(${CXX} ${tsan} ${work}/tsan.cpp ${SOURCE}/platform/vision/pyramid.cpp -o ${work}/tsan)
+  run(${work}/tsan)
+endif()
+
 find_program(pkg_config NAMES pkg-config pkgconf)
 if(pkg_config)
   foreach(variable "--cflags-only-I;dev/include" "--libs-only-L;lib")
