@@ -131,7 +131,7 @@ Command bake_command() {
       "[--identities N] [--expressions N|NAME,...] [--learnt FILE|none] [--errors] | SOURCE --sizes N,... "
       "[--flash KIB]",
       {{"-o", "PLM", "the model table to write", Takes::output},
-       {"--embed", "FILE", "also write the table as an array in C11 and C++, for firmware", Takes::output},
+       {"--embed", "CPP", "also write the table as an array in C11 and C++, for firmware", Takes::output},
        {"--size", "N", "samples on a side of a field over the whole chart (128)"},
        {"--bits", "N", "bits of a sample: 16 or 8 (16)"},
        {"--unit", "MM", "unit of the OBJ files, millimetres (1)"},
