@@ -102,6 +102,11 @@ Progress::~Progress() {
   if (shown_) console_.err << "\n" << std::flush;
 }
 
+void Progress::note(const std::string& line) {
+  console_.err << (shown_ ? "\r\x1b[K" : "") << line << "\n" << std::flush;
+  shown_ = false;
+}
+
 void Progress::show(std::size_t count) {
   if (!console_.shows_progress || (of_ == 0 && count % 5 != 0)) return;
   console_.err << "\r" << what_ << " " << count;

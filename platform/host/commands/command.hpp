@@ -56,6 +56,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   void show(std::size_t count);
+  /// Prints a line of its own, which the counter does not overwrite.
+  void note(const std::string& line);
 
  private:
   std::string time_left(std::size_t count) const;

@@ -17,11 +17,14 @@ namespace {
 
 /// The picture, or all pictures of a folder, ordered by name.
 std::vector<std::string> pictures_of(const std::string& path) {
-  if (!std::filesystem::is_directory(path)) return {path};
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) return {path};
   std::vector<std::string> paths;
-  for (const auto& entry : std::filesystem::directory_iterator(path))
-    if (entry.is_regular_file() && has_picture_extension(entry.path().string()))
-      paths.push_back(entry.path().string());
+  for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
+       entry.increment(error))
+    if (has_picture_extension(entry->path().string()) && !entry->is_directory())
+      paths.push_back(entry->path().string());
+  if (error) fail_input(path, error.message());
   std::sort(paths.begin(), paths.end(), is_naturally_before);
   if (paths.empty()) fail_input(path, "has no pictures");
   return paths;
@@ -59,36 +62,61 @@ void draw_faces(const std::string& path, const Image& picture, const std::vector
   write_file(path, encode_png(overlay.image()));
 }
 
-int run_detect(const Args& args, Console& console) {
+/// What the faces of all pictures come to.
+struct Found {
+  std::string table;
+  std::size_t faces = 0, with_face = 0, unread = 0;
+};
+
+/// Finds the faces of each picture. In a folder a picture that cannot be read, or is too large, has no rows and a line of its own on
+/// `err`: one bad file among thousands does not cost the work on the others.
+Found find_faces(const Args& args, const ModelFile& file, const std::vector<std::string>& paths,
+                 Console& console) {
   const auto min_score = static_cast<float>(args.number("--min-score", double(kLeastFaceScore), 0, 1));
   const bool has_landmarks = args.has("--landmarks");
-  const ModelFile file(args.operand(0));
-  FaceFinder finder(file);
-  const std::vector<std::string> paths = pictures_of(args.required("--image"));
   const auto overlay = args.text("--overlay");
-  if (overlay && paths.size() > 1) fail_usage("--overlay draws one picture; --image is a folder");
-  std::string table = header(file.model(), has_landmarks);
+  FaceFinder finder(file);
+  Found found{header(file.model(), has_landmarks)};
   Progress progress(console, "picture", paths.size());
-  std::size_t total = 0, with_face = 0;
-  for (std::size_t k = 0; k < paths.size(); ++k) {
-    const Image picture = read_image(paths[k]);
-    const std::vector<FoundFace> faces = finder.find(to_grey(picture), paths[k], min_score);
+  const auto search = [&](const std::string& path) {
+    const Image picture = read_image(path);
+    const std::vector<FoundFace> faces = finder.find(to_grey(picture), path, min_score);
     for (std::size_t i = 0; i < faces.size(); ++i)
-      table += row(name_of(paths[k]), i, faces[i], has_landmarks);
+      found.table += row(name_of(path), i, faces[i], has_landmarks);
     if (overlay) draw_faces(*overlay, picture, faces);
-    total += faces.size();
-    with_face += faces.empty() ? 0 : 1;
+    found.faces += faces.size();
+    found.with_face += faces.empty() ? 0 : 1;
+  };
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    try {
+      search(paths[k]);
+    } catch (const Failure& failure) {
+      if (paths[k] == args.required("--image")) throw;
+      progress.note(std::string("pliant detect: ") + failure.what());
+      ++found.unread;
+    }
     progress.show(k + 1);
   }
+  return found;
+}
+
+int run_detect(const Args& args, Console& console) {
+  const ModelFile file(args.operand(0));
+  const std::vector<std::string> paths = pictures_of(args.required("--image"));
+  if (args.has("--overlay") && std::filesystem::is_directory(args.required("--image")))
+    fail_usage("--overlay draws one picture; --image is a folder");
+  const Found found = find_faces(args, file, paths, console);
   const auto output = args.text("-o");
-  if (!output) {
-    console.out << table;
-    return 0;
+  if (output) {
+    write_file(*output, found.table);
+    console.out << *output << ": " << found.faces << " faces in " << found.with_face << " of " << paths.size()
+                << " pictures";
+    if (found.unread > 0) console.out << ", of which " << found.unread << " could not be read";
+    console.out << "\n";
+  } else {
+    console.out << found.table;
   }
-  write_file(*output, table);
-  console.out << *output << ": " << total << " faces in " << with_face << " of " << paths.size()
-              << " pictures\n";
-  return 0;
+  return found.unread > 0 ? kBadInput : 0;
 }
 
 }  // namespace

@@ -174,6 +174,32 @@ TEST_CASE("detect writes a row a face, of a picture or of a folder, and draws th
   CHECK(run_words({"detect", kFace, "--image", folder / "in", "--overlay", folder / "o.png"}).code == 2);
 }
 
+TEST_CASE("a picture of a folder that cannot be read has a line on stderr, and the others are searched") {
+  const Folder folder;
+  fs::create_directories(folder / "in");
+  folder.put("in/a.jpg", read_file(kAstronaut).substr(0, 20));
+  folder.put("in/b.pgm", "P5 9000 64 255\n" + std::string(9000 * 64, 'b'));
+  fs::copy(kAstronaut, folder / "in/c.png");
+  const std::vector<std::string> words{"detect", kFace, "--image", folder / "in"};
+  const Ran r = run_words(words);
+  CAPTURE(r.err);
+  CHECK(r.code == 1);
+  CHECK(std::count(r.err.begin(), r.err.end(), '\n') == 2);
+  CHECK(contains(r.err, "pliant detect: " + (folder / "in/a.jpg")));
+  CHECK(contains(r.err, "b.pgm: is larger than 8192 pixels"));
+  const CsvTable faces("faces", r.out);
+  REQUIRE(faces.row_count() == 1);
+  CHECK(faces.cell(0, 0) == "c.png");
+  auto to_file = words;
+  to_file.insert(to_file.end(), {"-o", folder / "f.csv"});
+  const Ran written = run_words(to_file);
+  CHECK(written.code == 1);
+  CHECK(contains(written.out, "1 faces in 1 of 3 pictures, of which 2 could not be read"));
+  CHECK(read_file(folder / "f.csv") == r.out);
+  check_refused({"detect", kFace, "--image", folder / "in/a.jpg", "-o", folder / "x.csv"}, {"a.jpg"});
+  CHECK_FALSE(folder.has("x.csv"));
+}
+
 TEST_CASE("fit needs no points: it finds the face, and says how far its landmarks may be off") {
   const Folder folder;
   const std::string json = folder / "fit.json";
