@@ -1,6 +1,8 @@
 #include "host/render/animation_file.hpp"
 
+#include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 
 #include "host/io/failure.hpp"
@@ -62,6 +64,23 @@ struct Channels {
   }
 };
 
+constexpr char kFrameName[] = "frame_";
+
+/// Bad input: the folder has a frame from `count` on, which this animation would leave beside its own.
+void check_folder(const std::string& folder, std::size_t count) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    const std::string digits = entry->path().stem().string().substr(std::min(name.size(), std::strlen(kFrameName)));
+    const bool is_frame = name.rfind(kFrameName, 0) == 0 && entry->path().extension() == ".obj" &&
+                          !digits.empty() && digits.find_first_not_of("0123456789") == std::string::npos;
+    if (is_frame && (digits.size() > 9 || std::stoul(digits) >= count))
+      fail_input(folder, "has " + name + " of a longer animation, which would stay beside the " +
+                             std::to_string(count) + " frames of this one: remove it, or name another folder");
+  }
+}
+
 /// Null if nothing moves.
 Json animation_of(GlbFile& file, const Morphs& morphs, const Model& model, const Retargeted& track) {
   std::vector<float> times, weights;
@@ -115,6 +134,7 @@ void write_obj_frames(const std::string& folder, MeshData mesh, MorphSurface& su
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) fail_input(folder, "cannot be made: " + error.message());
+  check_folder(folder, track.frames.size());
   for (std::size_t k = 0; k < track.frames.size(); ++k) {
     const RetargetFrame& frame = track.frames[k];
     mesh.position = surface.positions(frame.state.q);
@@ -127,7 +147,7 @@ void write_obj_frames(const std::string& folder, MeshData mesh, MorphSurface& su
                   frame.time_s, static_cast<double>(q.w), static_cast<double>(q.x), static_cast<double>(q.y),
                   static_cast<double>(q.z), static_cast<double>(t.x), static_cast<double>(t.y),
                   static_cast<double>(t.z));
-    std::snprintf(name, sizeof name, "frame_%05zu.obj", k);
+    std::snprintf(name, sizeof name, "%s%05zu.obj", kFrameName, k);
     write_file((std::filesystem::path(folder) / name).string(),
                (track.has_pose ? head : "") + obj_text(mesh));
     progress(k + 1);

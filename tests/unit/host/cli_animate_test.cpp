@@ -261,6 +261,25 @@ TEST_CASE("with a folder as output each frame is an OBJ of the model's surface")
     CHECK(length(last.position[v] - f.face.at(last.uv[v], f.q({{"jawOpen", 0.45f}}))) < 2e-3f);
 }
 
+TEST_CASE("a folder with frames that would stay beside the new ones is refused; others are replaced") {
+  const Folder f;
+  const std::string model = f.put("m.plm", model_bytes());
+  const std::string three = f.put("t.csv", "frame,jawOpen\n0,0\n1,0.1\n2,0.2\n"),
+                    two = f.put("s.csv", "frame,jawOpen\n0,0.3\n1,0.1\n");
+  const auto words = [&](const std::string& params) {
+    return std::vector<std::string>{"animate", model, "--params", params, "-o", f / "objs/"};
+  };
+  REQUIRE(run_words(words(three)).code == 0);
+  const std::string first = read_file(f / "objs/frame_00000.obj");
+  check_refused(words(two), {"objs", "frame_00002.obj"});
+  CHECK((read_file(f / "objs/frame_00000.obj") == first));
+  fs::remove(f / "objs/frame_00002.obj");
+  f.put("objs/frame_notes.obj", "of someone else");
+  REQUIRE(run_words(words(two)).code == 0);
+  CHECK((read_file(f / "objs/frame_00000.obj") != first));
+  CHECK(f.has("objs/frame_notes.obj"));
+}
+
 TEST_CASE("animate refuses bad words with 2 and bad input with 1 and a line that names it") {
   const Folder f;
   const std::string model = f.put("m.plm", model_bytes());
