@@ -28,8 +28,7 @@ struct Input {
 std::string picture_of(const std::string& path, const std::string& identity, const FitFile& fit,
                        const ModelFile& file) {
   const Image photo = read_image(path);
-  if (fit.model_crc != file.model().crc())
-    fail_input(identity, "was fitted with a model other than " + file.path());
+  check_model(fit, identity, file);
   if (photo.width != fit.width || photo.height != fit.height)
     fail_input(path, "is not the picture of " + identity + ": that has " + std::to_string(fit.width) + "x" +
                          std::to_string(fit.height) + " pixels");

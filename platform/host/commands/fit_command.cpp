@@ -176,7 +176,10 @@ int run_fit(const Args& args, Console& console) {
   Image image;
   if (const auto path = args.text("--image")) image = read_image(*path);
   std::optional<FitFile> earlier;
-  if (const auto path = args.text("--pose")) earlier = parse_fit(*path, read_file(*path));
+  if (const auto path = args.text("--pose")) {
+    earlier = parse_fit(*path, read_file(*path));
+    check_model(*earlier, *path, file);
+  }
 
   FitSetup setup;
   setup.size = image_size(args, image, earlier);

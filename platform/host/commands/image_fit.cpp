@@ -161,6 +161,11 @@ bool is_fit(const std::string& text) {
   return first != std::string::npos && text[first] == '{';
 }
 
+void check_model(const FitFile& fit, const std::string& path, const ModelFile& file) {
+  if (fit.model_crc != file.model().crc())
+    fail_input(path, "was fitted with another model than " + file.path());
+}
+
 FitFile read_fit(const std::string& path, const ModelFile& file, const ImageSize& size,
                  const std::string& image, float focal_px, const std::optional<Camera>& camera) {
   const std::string text = read_file(path);
@@ -172,8 +177,7 @@ FitFile read_fit(const std::string& path, const ModelFile& file, const ImageSize
     return fit_to_points(file, path, parse_points(path, text), setup);
   }
   FitFile fit = parse_fit(path, text);
-  if (fit.model_crc != file.model().crc())
-    fail_input(path, "was fitted with another model than " + file.path());
+  check_model(fit, path, file);
   if (fit.width != size.width || fit.height != size.height)
     fail_input(path, "is for " + std::to_string(fit.width) + "x" + std::to_string(fit.height) + " pixels, " +
                          image + " has " + std::to_string(size.width) + "x" + std::to_string(size.height));

@@ -58,6 +58,9 @@ FitFile fit_of_view(const Model& model, const ImageSize& size, const View& view,
 /// Whether the text of a file is that of a fit.json; else it is that of a points.csv.
 bool is_fit(const std::string& text);
 
+/// Bad input in `path` unless the fit is of this model.
+void check_model(const FitFile& fit, const std::string& path, const ModelFile& file);
+
 /// Reads a fit.json, or fits the model to a points.csv. Bad input: a fit of another model, or of another image size
 /// than that of `image`. \param focal_px, camera  as in FitSetup; a fit is converted to them.
 FitFile read_fit(const std::string& path, const ModelFile& file, const ImageSize& size,

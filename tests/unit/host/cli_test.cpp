@@ -227,6 +227,19 @@ TEST_CASE(
   CHECK_FALSE(s.has("x.json"));
 }
 
+TEST_CASE("fit --pose refuses a fit of another model, by name") {
+  const Sequence s;
+  REQUIRE(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "-o", s / "a.json"}).code ==
+          0);
+  std::string text = read_file(s / "a.json");
+  const std::size_t crc = text.find("\"model_crc\": ") + 13;
+  text.replace(crc, text.find(',', crc) - crc, "7");
+  check_refused({"fit", s.model, "--pose", s.put("b.json", text), "-o", s / "x.json"},
+                {"b.json", "another model than", "m.plm"});
+  check_refused({"fit", s.model, "--pose", s / "b.json", "--points", s.points, "-o", s / "x.json"}, {"b.json"});
+  CHECK_FALSE(s.has("x.json"));
+}
+
 TEST_CASE("a count of parameters frees the first ones of the table, a group name those of the group") {
   const Sequence s;
   const auto sd_of = [&](const std::string& choice) {
