@@ -78,8 +78,17 @@ struct Handle {
   Vec2 uv;
 };
 
-/// The landmarks; of a model without, the vertices nearest to the corners, sides and middle of the chart.
-std::vector<Handle> handles_of(const Model& model) {
+/// Points that --start names, if it names a file of points.
+std::vector<NamedPoint> given_points(const Args& args) {
+  const auto start = args.text("--start");
+  if (!start || is_box(*start)) return {};
+  const std::string text = read_file(*start);
+  return is_fit(text) ? std::vector<NamedPoint>{} : parse_points(*start, text);
+}
+
+/// The landmarks; of a model without, the vertices nearest to the corners, sides and middle of the chart. Given points with a (u,v) of
+/// their own are there as well, under their names.
+std::vector<Handle> handles_of(const Model& model, const std::vector<NamedPoint>& given) {
   std::vector<Handle> handles;
   for (const Landmark& l : model.landmarks()) handles.push_back({l.name, {l.u, l.v}});
   for (int k = 0; model.landmarks().empty() && k < 9; ++k) {
@@ -92,6 +101,14 @@ std::vector<Handle> handles_of(const Model& model) {
     const bool is_new =
         std::none_of(handles.begin(), handles.end(), [&](const Handle& h) { return h.name == name; });
     if (is_new) handles.push_back({name, uv});
+  }
+  for (const NamedPoint& p : given) {
+    if (!p.uv) continue;
+    const auto same = std::find_if(handles.begin(), handles.end(), [&](const Handle& h) { return h.name == p.name; });
+    if (same != handles.end())
+      same->uv = *p.uv;
+    else
+      handles.push_back({p.name, *p.uv});
   }
   return handles;
 }
@@ -201,7 +218,10 @@ int run_points(const Args& args, Console& console) {
   const FitFile start = start_of(args, file, image, path, console.err);
   std::vector<float> q(model.parameters().count, 0.0f);
   (void)apply(start.parameters, "start", model, q.data());
-  const std::vector<Handle> handles = handles_of(model);
+  const std::vector<NamedPoint> given = given_points(args);
+  const bool has_uv = model.landmarks().empty() ||
+                      std::any_of(given.begin(), given.end(), [](const NamedPoint& p) { return p.uv.has_value(); });
+  const std::vector<Handle> handles = handles_of(model, given);
   std::vector<Vec2> uv;
   for (const Handle& handle : handles) uv.push_back(handle.uv);
   std::size_t on_count = 0;
@@ -211,7 +231,7 @@ int run_points(const Args& args, Console& console) {
                     {"points", points_at(model, start, q, handles, followers_in(args), &on_count)},
                     {"turnedAway", kTurnedAway},
                     {"surface", page_surface(model, start, q, uv)},
-                    {"hasUv", model.landmarks().empty()},
+                    {"hasUv", has_uv},
                     {"chains", chains()},
                     {"picture", photograph.address}});
   const std::string title = path.substr(path.find_last_of('/') + 1);
@@ -220,7 +240,7 @@ int run_points(const Args& args, Console& console) {
                                              {"fit", kSurfaceFitScript},
                                              {"script", kPointsScript}}));
   console.out << output << ": " << handles.size()
-              << (model.landmarks().empty() ? " points of the chart, " : " landmarks, ") << on_count
+              << (has_uv ? " points of the chart, " : " landmarks, ") << on_count
               << " switched on; open it in a browser, and save points.csv for `pliant fit --points`\n";
   return 0;
 }

@@ -172,6 +172,29 @@ TEST_CASE("given points keep their positions, and only they are switched on") {
   }
 }
 
+TEST_CASE("given points of the chart are on the page under their own names") {
+  const Folder f;
+  const std::string picture = f.put("g.pgm", grey_pgm(320, 240)), table = f / "m.plm";
+  REQUIRE(run_words({"bake", PLIANT_FIXTURES "/sheet", "-o", table, "--size", "32", "--texture", "none"}).code ==
+          0);
+  const std::string given = f.put("p.csv",
+                                  "landmark,x,y,u,v\nstamp,90,60,0.1,0.1\nmid,150,60,0.5,0.1\n"
+                                  "fold,90,170,0.1,0.9\nuv_0.00_0.00,210,170,0.9,0.9\n");
+  const Ran r = run_words({"points", table, "--image", picture, "--start", given, "-o", f / "p.html"});
+  CAPTURE(r.err);
+  REQUIRE(r.code == 0);
+  CHECK(contains(r.out, "12 points of the chart, 4 switched on"));
+  const Json data = data_of(read_file(f / "p.html"));
+  CHECK(data.at("hasUv").get<bool>());
+  CHECK(point(data, "stamp").at("placed").get<bool>());
+  CHECK(number(point(data, "stamp"), "x") == 90);
+  CHECK(number(point(data, "fold"), "v") == doctest::Approx(0.9));
+  CHECK(number(point(data, "uv_0.00_0.00"), "u") == doctest::Approx(0.9));
+  int wanted = 0;
+  for (const Json& p : data.at("points")) wanted += p.at("wanted").get<bool>();
+  CHECK(wanted == 4);
+}
+
 TEST_CASE("points take the first frame of a video") {
   const Sequence s;
   const Ran r = run_words({"points", s.model, "--frames", s.video, "--start", s.points, "-o", s / "p.html"});

@@ -293,8 +293,9 @@ addEventListener("keydown", e => {
 // ---- points.csv
 function csv() {
   const uv = p => data.hasUv ? `,${p.u},${p.v}` : "";
+  const quoted = name => /[",\n]/.test(name) ? `"${name.replace(/"/g, '""')}"` : name;
   return (data.hasUv ? "landmark,x,y,u,v,placed\n" : "landmark,x,y,placed\n") +
-    points.filter(isOn).map(p => `${p.name},${p.x.toFixed(2)},${p.y.toFixed(2)}${uv(p)},${p.isPlaced ? 1 : 0}\n`).join("");
+    points.filter(isOn).map(p => `${quoted(p.name)},${p.x.toFixed(2)},${p.y.toFixed(2)}${uv(p)},${p.isPlaced ? 1 : 0}\n`).join("");
 }
 function save() {
   const link = document.createElement("a");
