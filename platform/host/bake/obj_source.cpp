@@ -347,6 +347,7 @@ class FolderReader {
       ++number;
       if (!line.empty() && line.back() == '\r') line.pop_back();
       if (number == 1) {
+        if (line.rfind("\xef\xbb\xbf", 0) == 0) line.erase(0, 3);  // a byte order mark, as spreadsheets write it
         if (line != "landmark,vertex") throw SourceError(file, 1, "expected the columns landmark,vertex");
         continue;
       }
@@ -360,8 +361,9 @@ class FolderReader {
       const auto id = first_id_.find(static_cast<int>(std::min(vertex, 1L << 30)));
       if (id == first_id_.end())
         throw SourceError(file, number, "there is no vertex " + line.substr(comma + 1) + " on a face");
+      if (!landmark_vertex_.insert({line.substr(0, comma), id->second}).second)
+        throw SourceError(file, number, "the landmark '" + line.substr(0, comma) + "' appears twice");
       source_.landmarks.push_back({line.substr(0, comma), source_.uv[at(id->second)]});
-      landmark_vertex_[line.substr(0, comma)] = id->second;
     }
   }
 

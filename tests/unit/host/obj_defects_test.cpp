@@ -85,6 +85,9 @@ TEST_CASE("bad landmarks and a missing rest shape of an OBJ folder are refused b
   folder.write("neutral.obj", d.good);
   const auto csv_error = [&](const std::string& text) { return d.error_with("landmarks.csv", text); };
   CHECK(csv_error("landmark,vertex\nibug30,5\n") == "");
+  CHECK(csv_error("\xef\xbb\xbflandmark,vertex\r\nibug30,5\r\n") == "");
+  CHECK(csv_error("landmark,vertex\nibug30,5\nnose,6\nibug30,7\n") ==
+        csv + ":4: the landmark 'ibug30' appears twice");
   CHECK(csv_error("name,vertex\n") == csv + ":1: expected the columns landmark,vertex");
   CHECK(csv_error("landmark,vertex\nibug30\n") == csv + ":2: 'ibug30' is not a landmark and a vertex");
   CHECK(csv_error("landmark,vertex\nibug30,x\n") == csv + ":2: 'ibug30,x' is not a landmark and a vertex");
