@@ -37,6 +37,7 @@ class ObjReader {
       if (end == std::string::npos) end = text_.size();
       ++line_;
       rest_ = std::string_view(text_).substr(start, end - start);
+      if (line_ == 1) rest_ = without_byte_order_mark(rest_);
       read_line();
       start = end + 1;
     }

@@ -347,8 +347,7 @@ class FolderReader {
       ++number;
       if (!line.empty() && line.back() == '\r') line.pop_back();
       if (number == 1) {
-        if (line.rfind("\xef\xbb\xbf", 0) == 0) line.erase(0, 3);  // a byte order mark, as spreadsheets write it
-        if (line != "landmark,vertex") throw SourceError(file, 1, "expected the columns landmark,vertex");
+        if (without_byte_order_mark(line) != "landmark,vertex") throw SourceError(file, 1, "expected the columns landmark,vertex");
         continue;
       }
       if (line.empty()) continue;

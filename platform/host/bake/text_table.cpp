@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "host/bake/source_error.hpp"
+#include "host/io/words.hpp"
 
 namespace pliant::host::bake {
 
@@ -32,6 +33,7 @@ TextTable::TextTable(const std::string& path, const std::vector<std::string>& co
   bool have_header = false;
   int number = 0;
   for (std::string line; std::getline(in, line);) {
+    if (number == 0) line = without_byte_order_mark(line);
     TextRow row{++number, words_of(line)};
     if (row.cells.empty()) continue;
     if (!have_header) {

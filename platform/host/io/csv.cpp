@@ -45,8 +45,7 @@ std::vector<std::string> split(std::string_view line) {
 }  // namespace
 
 CsvTable::CsvTable(std::string source, std::string_view text) : source_(std::move(source)) {
-  if (text.substr(0, 3) == "\xef\xbb\xbf")
-    text.remove_prefix(3);  // a byte order mark, as spreadsheets write it
+  text = without_byte_order_mark(text);
   std::size_t line_number = 0;
   while (!text.empty()) {
     const std::size_t end = text.find('\n');

@@ -27,6 +27,12 @@ inline std::string trimmed(std::string_view text) {
   return std::string(text.substr(first, text.find_last_not_of(kBlanks) - first + 1));
 }
 
+/// The text without the byte order mark that some editors and spreadsheets put before it.
+inline std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  return text.substr(0, kMark.size()) == kMark ? text.substr(kMark.size()) : text;
+}
+
 /// The parts between commas; one empty part for an empty text.
 inline std::vector<std::string> split_at_commas(std::string_view text) {
   std::vector<std::string> parts{""};
