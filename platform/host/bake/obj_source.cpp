@@ -151,8 +151,12 @@ class FolderReader {
     source_.is_hole.assign(source_.triangles.size(), 0);
     double sum = 0;
     for (float area : chart_areas(source_.uv, source_.triangles)) sum += static_cast<double>(area);
-    if (sum > 0)
+    if (sum > 0) {
       for (Vec2& uv : source_.uv) uv.x = 1 - uv.x;
+      source_.warnings.push_back(
+          "seen from outside, the u of this file runs to the left: u in the model is 1 - u (mesh --mirror-u "
+          "turns it back)");
+    }
     if (const auto defect = find_defect(source_.uv, source_.triangles))
       throw SourceError(rest_.path, line[defect->triangle], defect->what);
   }

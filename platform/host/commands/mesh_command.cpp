@@ -75,6 +75,13 @@ MeshFormat format_of(const std::string& path) {
   fail_usage("-o must end in .obj, .ply or .glb: " + path);
 }
 
+/// With --mirror-u the mesh has the u of a source whose chart was mirrored.
+MeshData written_mesh(const Args& args, MeshData data) {
+  if (args.has("--mirror-u"))
+    for (Vec2& uv : data.uv) uv.x = 1 - uv.x;
+  return data;
+}
+
 std::string bytes_of(const MeshData& data, MeshFormat format, const Model& model) {
   switch (format) {
     case MeshFormat::obj:
@@ -119,7 +126,7 @@ void print_report(const ModelMesh& mesh, const std::string& path, std::ostream& 
 
 /// Compares all criteria in a picture, a table or both.
 int compare_criteria(const Args& args, Console& console) {
-  for (const char* option : {"--criterion", "--depth", "--threshold", "--budget", "-o", "--uv-svg"})
+  for (const char* option : {"--criterion", "--depth", "--threshold", "--budget", "-o", "--mirror-u", "--uv-svg"})
     if (args.has(option))
       fail_usage(std::string(option) + " does not apply to --figure and --curve, which compare all criteria");
   const ModelFile file(args.operand(0));
@@ -135,7 +142,9 @@ int run_mesh(const Args& args, Console& console) {
   if (args.has("--figure") || args.has("--curve")) return compare_criteria(args, console);
   const MeshRequest request = request_of(args);
   const auto output = args.text("-o");
-  const MeshFormat format = output ? format_of(*output) : MeshFormat::obj;
+  const MeshFormat format = output ? format_of(*output) : MeshFormat::glb;
+  if (args.has("--mirror-u") && format == MeshFormat::glb)
+    fail_usage("--mirror-u needs -o with an OBJ or PLY file: the texture in a GLB is that of the model");
   const ModelFile file(args.operand(0));
   ModelSurface surface(file.model(), parameters_of(args, file));
   const ModelMesh mesh(file.model(), surface, request);
@@ -143,7 +152,7 @@ int run_mesh(const Args& args, Console& console) {
     console.err << "note: --budget " << request.budget
                 << " is less than the base mesh has; nothing was refined\n";
   const MeshData data = mesh_data(mesh);
-  if (output) write_file(*output, bytes_of(data, format, file.model()));
+  if (output) write_file(*output, bytes_of(written_mesh(args, data), format, file.model()));
   if (const auto chart = args.text("--uv-svg")) write_file(*chart, chart_svg(data));
   print_report(mesh, output.value_or(file.path()), console.out);
   return 0;
@@ -155,7 +164,7 @@ Command mesh_command() {
   return {"mesh",
           "Adapts a model's mesh to its surface, writes it and prints its distance from the surface.",
           "face.plm [--criterion none|uniform|normals|contour] [--depth N] [--threshold X] [--budget N] "
-          "[--param NAME=VALUE ...] [-o mesh.obj|.ply|.glb] [--uv-svg chart.svg] | face.plm [--figure "
+          "[--param NAME=VALUE ...] [-o mesh.obj|.ply|.glb] [--mirror-u] [--uv-svg chart.svg] | face.plm [--figure "
           "figure.png] "
           "[--curve] [--param NAME=VALUE ...]",
           {{"--criterion", "NAME", "where to refine: none, uniform, normals, contour (contour)"},
@@ -165,6 +174,8 @@ Command mesh_command() {
            {"--budget", "N", "most vertices; without a threshold, the best mesh of so many"},
            {"--param", "NAME=VALUE", "a parameter of the model; may be given several times", Takes::texts},
            {"-o", "FILE", "the mesh to write: OBJ, PLY or GLB by its ending", Takes::output},
+           {"--mirror-u", nullptr,
+            "OBJ and PLY: write 1 - u, the u of a source whose chart bake mirrored"},
            {"--uv-svg", "SVG", "the mesh over the chart, tinted by level", Takes::output},
            {"--figure", "PNG", "all criteria side by side: chart, surface, texture", Takes::output},
            {"--curve", nullptr, "all criteria as a Markdown table: vertices, faces, errors"}},

@@ -217,6 +217,38 @@ TEST_CASE("one command makes a picture and a table of all criteria") {
     CHECK(contains(r.out, row));
 }
 
+TEST_CASE("an OBJ that is baked and written again has its u, with --mirror-u also where the chart was mirrored") {
+  const Folder f;
+  for (const bool is_mirrored : {false, true}) {
+    std::string text;
+    for (int k = 0; k < 9; ++k)
+      text += "v " + std::to_string(k % 3 * 50) + " " + std::to_string(k / 3 * 50) + " 0\n";
+    for (int k = 0; k < 9; ++k)
+      text += "vt " + std::to_string(is_mirrored ? 1 - 0.5 * (k % 3) : 0.5 * (k % 3)) + " " +
+              std::to_string(0.5 * (k / 3)) + "\n";
+    for (const int a : {1, 2, 4, 5}) {
+      text += "f";
+      for (const int v : {a, a + 1, a + 4, a + 3}) text += " " + std::to_string(v) + "/" + std::to_string(v);
+      text += "\n";
+    }
+    const Ran baked = run_words(
+        {"bake", f.put("in.obj", text), "-o", f / "m.plm", "--base-mesh", "60", "--size", "32"});
+    REQUIRE(baked.code == 0);
+    CHECK(contains(baked.err, "--mirror-u") == is_mirrored);
+    std::vector<std::string> words{"mesh", f / "m.plm", "-o", f / "out.obj"};
+    if (is_mirrored) words.push_back("--mirror-u");
+    REQUIRE(run_words(words).code == 0);
+    const Parsed out = parse_obj(read_file(f / "out.obj"));
+    for (std::size_t v = 0; v < out.uv.size(); ++v) {
+      const float u = out.position[v].x / 100;
+      CHECK(out.uv[v].x == doctest::Approx(is_mirrored ? 1 - u : u).epsilon(1e-3));
+      CHECK(out.uv[v].y == doctest::Approx(1 - out.position[v].y / 100).epsilon(1e-3));
+    }
+  }
+  CHECK(run_words({"mesh", f / "m.plm", "-o", f / "out.glb", "--mirror-u"}).code == 2);
+  CHECK(run_words({"mesh", f / "m.plm", "--mirror-u"}).code == 2);
+}
+
 TEST_CASE("the same arguments give the same bytes") {
   const MeshFolder m;
   for (const char* name : {"a.glb", "b.glb"}) m.mesh({"--budget", "300", "-o", m / name});
