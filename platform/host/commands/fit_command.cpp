@@ -132,8 +132,8 @@ FoundFace face_in(const Image& image, const std::string& path, const ModelFile& 
   return faces[0];
 }
 
-/// The model fitted to the landmarks of an aligned face.
-FitFile fit_to_face(const ModelFile& file, const FoundFace& face, FitSetup setup) {
+/// The model fitted to the landmarks of an aligned face in the picture `path`.
+FitFile fit_to_face(const ModelFile& file, const std::string& path, const FoundFace& face, FitSetup setup) {
   std::vector<NamedPoint> points;
   for (std::size_t k = 0; k < face.landmarks.size(); ++k) {
     const char* name = file.model().landmarks()[k].name;
@@ -144,27 +144,36 @@ FitFile fit_to_face(const ModelFile& file, const FoundFace& face, FitSetup setup
   setup.view = with_focal(view_of(face.aligned.pose, face.aligned.camera), setup.camera ? 0 : setup.focal_px);
   for (std::size_t k = 0; k < face.q.size(); ++k)
     if (setup.is_free.empty() || setup.is_free[k] != 0) setup.q[k] = face.q[k];
-  FitFile fit = fit_to_points(file, "alignment", points, setup);
+  FitFile fit = fit_to_points(file, path, points, setup);
   fit.landmark_error = face.aligned.landmark_error;
   return fit;
 }
 
-/// Residual of the dynamics, as a fraction of the points' extent, above which a user is told that they have not converged. On the
-/// astronaut it is 1.5 % where they have, and 4.4 % after 2,000 steps of the published dynamics. Not tuned on more.
+/// Residual of the dynamics, as a fraction of the points' extent, above which they have not converged. On the astronaut it is 1.5 %
+/// where they have, and 4.4 % after 2,000 steps of the published dynamics. Not tuned on more.
 constexpr float kUnconvergedFraction = 0.03f;
 
+float extent_of(const FitFile& fit) {
+  std::vector<Correspondence> points;
+  for (const FitPoint& p : fit.points) points.push_back({{}, p.x});
+  return spread_of({points.data(), points.size()});
+}
+
+/// Bad input: a fit by the dynamics that is far from its points. It is written all the same, as is the track of a film that is cut off.
+void check_convergence(const FitFile& fit, FitMethod method, const std::string& source) {
+  if (method != FitMethod::euler || fit.points.empty()) return;
+  if (fit.rms_px <= kUnconvergedFraction * extent_of(fit)) return;
+  fail_input(source, "the dynamics have not converged, rms " + number_text(static_cast<double>(fit.rms_px)) +
+                         " px: try --method preconditioned");
+}
+
 /// Tells what is probably wrong with a fit that could be made.
-void warn_of(const FitFile& fit, bool has_points, FitMethod method, Console& console) {
+void warn_of(const FitFile& fit, bool has_points, Console& console) {
   if (fit.landmark_error > kFaceChecksTuning.most_landmark_error)
     console.err << "the landmarks are doubtful: it may be no face, or hidden in part\n";
   if (!has_points || fit.points.empty()) return;
   if (rotation_matrix(fit.pose.q).m[2][2] < 0)
     console.err << "the surface shows its back: in points v is 0 at the top, where OBJ files have 1\n";
-  std::vector<Correspondence> points;
-  for (const FitPoint& p : fit.points) points.push_back({{}, p.x});
-  if (method == FitMethod::euler &&
-      fit.rms_px > kUnconvergedFraction * spread_of({points.data(), points.size()}))
-    console.err << "the dynamics have not converged: try --method preconditioned\n";
 }
 
 int run_fit(const Args& args, Console& console) {
@@ -201,7 +210,8 @@ int run_fit(const Args& args, Console& console) {
   if (points)
     fit = fit_to_points(file, *points, read_points(*points), setup);
   else if (!earlier && (can_align || !box))
-    fit = fit_to_face(file, face_in(image, args.required("--image"), file, setup, face_box), setup);
+    fit = fit_to_face(file, args.required("--image"), face_in(image, args.required("--image"), file, setup, face_box),
+                      setup);
 
   write_file(output, fit_text(fit));
   if (const auto path = args.text("--overlay")) draw_overlay(*path, model, fit, image);
@@ -213,7 +223,8 @@ int run_fit(const Args& args, Console& console) {
     console.out << ", expected landmark error " << decimal_text(static_cast<double>(fit.landmark_error))
                 << " of the distance of the outer eye corners";
   console.out << "\n";
-  warn_of(fit, points.has_value(), setup.method, console);
+  warn_of(fit, points.has_value(), console);
+  check_convergence(fit, setup.method, points ? *points : args.text("--image").value_or(output));
   return 0;
 }
 
@@ -250,10 +261,10 @@ Command fit_command() {
        {"--silhouette", "HOW",
         "ibug00 to ibug16: match them to the silhouette (default), or keep them at fixed surface points"},
        {"--method", "NAME",
-        "gauss-newton (default); euler, the published dynamics; preconditioned or barzilai-borwein, the same "
-        "dynamics with steps that converge at any resolution"},
-       {"--delta", "STEP", "step of --method euler; 0.001"},
-       {"--steps", "N", "steps of the dynamics in each stage; 600"},
+        "gauss-newton (default); euler, the published dynamics, which do not converge on photographs of faces with "
+        "the published step; preconditioned or barzilai-borwein, the same dynamics with steps that converge"},
+       {"--delta", "STEP", "step of --method euler; 0.001, the published one"},
+       {"--steps", "N", "steps of the dynamics in each stage; 600, the published number"},
        {"--stiffness", "K", "weight of the prior on the parameters; 1; 0: no prior"},
        {"-o", "JSON", "the fit to write", Takes::output},
        {"--overlay", "PNG", "a picture of the fit", Takes::output},

@@ -214,6 +214,22 @@ TEST_CASE("fit needs no points: it finds the face, and says how far its landmark
   check_refused({"fit", kFace, "--image", grey, "-o", folder / "x.json"}, {"grey.png", "no face found"});
 }
 
+TEST_CASE("the published dynamics do not converge on a photograph, and fit says so") {
+  const Folder folder;
+  const std::vector<std::string> words{"fit", kFace, "--image", kAstronaut, "-o", folder / "fit.json", "--method"};
+  const auto with = [&](const char* method) {
+    auto all = words;
+    all.push_back(method);
+    return all;
+  };
+  check_refused(with("euler"), {"astronaut.png", "the dynamics", "--method preconditioned"});
+  for (const char* method : {"preconditioned", "barzilai-borwein"}) {
+    const Ran r = run_words(with(method));
+    CAPTURE(r.err);
+    CHECK(r.code == 0);
+  }
+}
+
 TEST_CASE("a picture of 16 bits a channel is refused where its reader would read past its end") {
   const Folder folder;
   const std::string deep = folder.put("deep.pgm", "P5 2 2 65535\n" + std::string(8, '\x42'));

@@ -277,12 +277,17 @@ TEST_CASE("fit tells of points whose v counts upwards, and of dynamics that have
                                    "-o",       folder / "fit.json"};
     words.insert(words.end(), more.begin(), more.end());
     const Ran r = run_words(words);
-    CHECK(r.code == 0);
-    return r.err;
+    return r;
   };
-  CHECK(fit(false, {}) == "");
-  CHECK(contains(fit(true, {}), "shows its back"));
-  CHECK(contains(fit(false, {"--method", "euler", "--steps", "1", "--delta", "1e-9"}), "have not converged"));
+  CHECK(fit(false, {}).code == 0);
+  CHECK(fit(false, {}).err == "");
+  CHECK(contains(fit(true, {}).err, "shows its back"));
+  fs::remove(folder / "fit.json");
+  const Ran early = fit(false, {"--method", "euler", "--steps", "1", "--delta", "1e-9"});
+  CHECK(early.code == 1);
+  CHECK(is_one_line(early.err));
+  CHECK(contains(early.err, "p.csv: the dynamics have not converged"));
+  CHECK(folder.has("fit.json"));
 }
 
 TEST_CASE("render writes the truth as a track, and a track can be rendered again") {
