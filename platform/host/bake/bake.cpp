@@ -37,6 +37,9 @@ SourceSprings springs_of(const Source& source, const BakeOptions& options) {
 Source read_all(const BakeOptions& options) {
   const char* const for_obj = options.modes > 0          ? "--modes"
                               : !options.texture.empty() ? "--texture"
+                              : options.components > 0   ? "--pca"
+                              : options.relaxes_chart    ? "--relax-chart"
+                              : options.unit_mm != 1     ? "--unit"
                                                          : nullptr;
   if (is_cage_folder(options.source) && for_obj != nullptr)
     throw SourceError(for_obj, 0, "needs an OBJ file or a folder of OBJ files");

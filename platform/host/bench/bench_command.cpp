@@ -1,4 +1,5 @@
 // `pliant bench`: times and bytes of the library on this machine.
+#include <algorithm>
 #include <memory>
 
 #include "host/bench/bench.hpp"
@@ -71,26 +72,39 @@ int run_faults(const Args& args, Console& console) {
 struct Topic {
   const char* name;
   int (*run)(const Args& args, Console& console);
+  std::vector<std::string> options;  // that it uses
 };
-constexpr Topic kTopics[] = {{"mesh", run_with_model<bench_mesh>},
-                             {"fields", run_with_model<bench_fields>},
-                             {"klt", run_klt},
-                             {"mcd", run_mcd},
-                             {"track", run_on_model<bench_track>},
-                             {"cost", run_on_model<bench_cost>},
-                             {"cues", run_on_model<bench_cues>},
-                             {"drift", run_on_model<bench_drift>},
-                             {"occlusion", run_on_model<bench_occlusion>},
-                             {"fit", run_fit_bench},
-                             {"detection", run_detection},
-                             {"print", run_print},
-                             {"faults", run_faults}};
+std::vector<Topic> topics() {
+  return {{"mesh", run_with_model<bench_mesh>, {"--model"}},
+          {"fields", run_with_model<bench_fields>, {"--model"}},
+          {"klt", run_klt, {"--pairs", "--motion", "--frames", "--count"}},
+          {"mcd", run_mcd, {}},
+          {"track", run_on_model<bench_track>, {"--model"}},
+          {"cost", run_on_model<bench_cost>, {"--model"}},
+          {"cues", run_on_model<bench_cues>, {"--model"}},
+          {"drift", run_on_model<bench_drift>, {"--model"}},
+          {"occlusion", run_on_model<bench_occlusion>, {"--model"}},
+          {"fit", run_fit_bench, {"--problems"}},
+          {"detection",
+           run_detection,
+           {"--model", "--portraits", "--others", "--film", "--truth", "--details", "--count"}},
+          {"print", run_print, {"--model", "--others", "--count"}},
+          {"faults", run_faults, {"--model", "--film", "--count", "--profile", "--vertices", "--points"}}};
+}
+
+/// Bad usage: an option that the topic does not use.
+void check_options(const Args& args, const Topic& topic) {
+  for (const Option& option : bench_command().options)
+    if (std::find(topic.options.begin(), topic.options.end(), option.name) == topic.options.end())
+      args.refuse({option.name}, std::string("does not apply to the topic ") + topic.name);
+}
 
 int run_bench(const Args& args, Console& console) {
   std::string names;
-  for (const Topic& topic : kTopics) {
+  for (const Topic& topic : topics()) {
     names += std::string(names.empty() ? "" : ", ") + topic.name;
     if (args.operand(0) != topic.name) continue;
+    check_options(args, topic);
     console.out << "topic,peer,variant,metric,value\n";
     return topic.run(args, console);
   }

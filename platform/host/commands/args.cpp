@@ -107,6 +107,15 @@ std::vector<std::string> Args::texts(const char* name) const {
   return found == values_.end() ? std::vector<std::string>{} : found->second;
 }
 
+void Args::refuse(std::initializer_list<const char*> options, const std::string& why) const {
+  for (const char* option : options)
+    if (has(option)) fail_usage(std::string(option) + " " + why);
+}
+
+void Args::check_needs(const char* option, const char* other) const {
+  if (!has(other)) refuse({option}, std::string("has nothing to act on: ") + other + " is needed");
+}
+
 std::string Args::required(const char* name) const {
   const auto value = text(name);
   if (!value || value->empty()) fail_usage(std::string(name) + " is missing");

@@ -1,6 +1,7 @@
 #pragma once
 /// \file args.hpp
 /// Parses the words of a command line.
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <string>
@@ -43,6 +44,10 @@ class Args {
   std::optional<std::string> text(const char* name) const;
   /// All values of an option that may repeat, in the order given.
   std::vector<std::string> texts(const char* name) const;
+  /// Bad usage if one of these options is given: "OPTION `why`".
+  void refuse(std::initializer_list<const char*> options, const std::string& why) const;
+  /// Bad usage if an option is given without the one that it acts on.
+  void check_needs(const char* option, const char* other) const;
   /// The value of a required option.
   std::string required(const char* name) const;
   /// A finite number in [low, high]; `otherwise` without the option.

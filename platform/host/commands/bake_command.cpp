@@ -93,6 +93,11 @@ void print_report(const std::string& output, const bake::BakeReport& report, boo
 }
 
 int run_bake(const Args& args, Console& console) {
+  args.check_needs("--stiffness", "--modes");
+  args.check_needs("--flash", "--sizes");
+  if (args.has("--sizes"))
+    args.refuse({"-o", "--embed", "--errors", "--size", "--bits"},
+                "does not apply to --sizes, which compares sizes and writes no table");
   bake::BakeOptions options = options_of(args);
   std::unique_ptr<Progress> progress;
   std::string stage;

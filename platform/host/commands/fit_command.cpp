@@ -72,8 +72,12 @@ void read_method(const Args& args, FitSetup& setup) {
       static_cast<float>(args.number("--stiffness", static_cast<double>(setup.stiffness), 0, 1e6));
   setup.euler.delta =
       static_cast<float>(args.number("--delta", static_cast<double>(setup.euler.delta), 1e-12, 1e3));
-  setup.euler.steps = static_cast<int>(args.number("--steps", setup.euler.steps, 1, 1e6));
-  if (method == "gauss-newton") return;
+  setup.euler.steps = args.integer("--steps", setup.euler.steps, 1, 1000000);
+  if (method != "euler") args.refuse({"--delta"}, "is the step of --method euler, not of " + method);
+  if (method == "gauss-newton") {
+    args.refuse({"--steps"}, "are those of the dynamics: --method euler, preconditioned or barzilai-borwein is needed");
+    return;
+  }
   setup.method = FitMethod::euler;
   if (method == "euler")
     setup.euler.step = EulerStep::published;
@@ -96,6 +100,15 @@ void check_usage(const Args& args) {
     fail_usage("one of --points, --box, --pose and --image is needed");
   if (args.has("--box") && args.has("--pose")) fail_usage("--box and --pose exclude each other");
   if (args.has("--texture") && !args.has("--image")) fail_usage("--texture needs the photograph: --image");
+  args.check_needs("--box-of", "--box");
+  args.check_needs("--silhouette", "--points");
+}
+
+/// Bad usage: an option of a fit to points, where a box or an earlier fit is taken as it is.
+void check_fitted(const Args& args, bool is_fitted) {
+  if (!is_fitted)
+    args.refuse({"--parameters", "--method", "--delta", "--steps", "--stiffness"},
+                "acts on a fit to points: --points is needed, or a picture in which a face is found");
 }
 
 bool matches_silhouette(const Args& args) {
@@ -206,10 +219,11 @@ int run_fit(const Args& args, Console& console) {
     setup.view = view_of(fit.pose, fit.camera);
   }
   const auto points = args.text("--points");
-  const bool can_align = !image.pixels.empty() && !model.aligner().empty();
+  const bool aligns = !points && !earlier && ((!image.pixels.empty() && !model.aligner().empty()) || !box);
+  check_fitted(args, points || aligns);
   if (points)
     fit = fit_to_points(file, *points, read_points(*points), setup);
-  else if (!earlier && (can_align || !box))
+  else if (aligns)
     fit = fit_to_face(file, args.required("--image"), face_in(image, args.required("--image"), file, setup, face_box),
                       setup);
 

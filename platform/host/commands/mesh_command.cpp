@@ -27,20 +27,15 @@ MeshCriterion criterion_named(const std::string& name) {
   fail_usage("--criterion must be none, uniform, normals or contour: " + name);
 }
 
-/// Refuses an option that the criterion does not use.
-void refuse(const Args& args, const char* option, const std::string& criterion) {
-  if (args.has(option)) fail_usage(std::string(option) + " does not apply to the criterion " + criterion);
-}
-
 MeshRequest request_of(const Args& args) {
   const std::string name = args.text("--criterion").value_or("contour");
   MeshRequest request;
   request.criterion = criterion_named(name);
   const bool is_none = request.criterion == MeshCriterion::none;
   const bool is_uniform = request.criterion == MeshCriterion::uniform;
-  if (is_none || is_uniform) refuse(args, "--threshold", name);
-  if (is_none) refuse(args, "--depth", name);
-  if (is_none) refuse(args, "--budget", name);
+  const std::string why = "does not apply to the criterion " + name;
+  if (is_none || is_uniform) args.refuse({"--threshold"}, why);
+  if (is_none) args.refuse({"--depth", "--budget"}, why);
   request.depth = args.integer("--depth", is_uniform ? 3 : request.depth, 0, MeshLimits::kDeepest);
   request.budget = args.integer("--budget", 0, 1, kMostVertices);
   const bool is_contour = request.criterion == MeshCriterion::contour;
@@ -126,9 +121,8 @@ void print_report(const ModelMesh& mesh, const std::string& path, std::ostream& 
 
 /// Compares all criteria in a picture, a table or both.
 int compare_criteria(const Args& args, Console& console) {
-  for (const char* option : {"--criterion", "--depth", "--threshold", "--budget", "-o", "--mirror-u", "--uv-svg"})
-    if (args.has(option))
-      fail_usage(std::string(option) + " does not apply to --figure and --curve, which compare all criteria");
+  args.refuse({"--criterion", "--depth", "--threshold", "--budget", "-o", "--mirror-u", "--uv-svg"},
+              "does not apply to --figure and --curve, which compare all criteria");
   const ModelFile file(args.operand(0));
   ModelSurface surface(file.model(), parameters_of(args, file));
   if (const auto path = args.text("--figure"))

@@ -124,9 +124,9 @@ std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, 
 
 /// Renders people and expressions into one picture instead of a video.
 int run_grid(const Args& args, Console& console) {
-  for (const char* option : {"-o", "--identity", "--truth", "--truth-points", "--focal", "--calibration",
-                             "--noise", "--seed", "--rate", "--background"})
-    if (args.has(option)) fail_usage(std::string(option) + " does not apply to --grid");
+  args.refuse({"-o", "--identity", "--truth", "--truth-points", "--focal", "--calibration", "--noise", "--seed",
+               "--rate", "--background"},
+              "does not apply to --grid");
   const std::string output = args.required("--grid"), people = args.required("--people"),
                     expressions = args.required("--params");
   const ImageSize cell = args.size("--size").value_or(ImageSize{84, 112});

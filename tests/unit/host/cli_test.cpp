@@ -52,6 +52,45 @@ TEST_CASE("bad usage exits with 2 and names the wrong argument") {
   CHECK(folder.file_count() == 2);
 }
 
+TEST_CASE("an option that has nothing to act on is refused, and named") {
+  const Folder folder;
+  const std::string sheet = PLIANT_FIXTURES "/sheet", model = folder.put("m.plm", model_bytes());
+  const std::string timed = folder.put("t.csv", "frame,time_s,jawOpen\n0,0,0\n1,1,0.1\n");
+  const std::vector<std::vector<std::string>> cases{
+      {"--stiffness", "bake", sheet, "-o", folder / "x.plm", "--stiffness", "2"},
+      {"--flash", "bake", sheet, "-o", folder / "x.plm", "--flash", "100"},
+      {"-o", "bake", sheet, "-o", folder / "x.plm", "--sizes", "16"},
+      {"--bits", "bake", sheet, "--bits", "8", "--sizes", "16"},
+      {"--delta", "fit", model, "--points", "p.csv", "--size", "20x20", "-o", folder / "x.json", "--delta", "1"},
+      {"--delta", "fit", model, "--points", "p.csv", "--size", "20x20", "-o", folder / "x.json", "--delta", "1",
+       "--method", "preconditioned"},
+      {"--steps", "fit", model, "--points", "p.csv", "--size", "20x20", "-o", folder / "x.json", "--steps", "9"},
+      {"--stiffness", "fit", model, "--box", "1,1,9,9", "--size", "20x20", "-o", folder / "x.json",
+       "--stiffness", "1"},
+      {"--silhouette", "fit", model, "--box", "1,1,9,9", "--size", "20x20", "-o", folder / "x.json",
+       "--silhouette", "fixed"},
+      {"--box-of", "fit", model, "--points", "p.csv", "--size", "20x20", "-o", folder / "x.json", "--box-of",
+       "opencv"},
+      {"--tolerance", "animate", model, "--params", timed, "-o", folder / "objs/", "--tolerance", "1"},
+      {"--rate", "animate", model, "--params", timed, "-o", folder / "x.glb", "--rate", "25"},
+      {"--pairs", "bench", "mcd", "--pairs", sheet},
+      {"--model", "bench", "fit", "--model", model}};
+  const std::size_t files = folder.file_count();
+  for (const std::vector<std::string>& c : cases) {
+    const Ran r = run_words({c.begin() + 1, c.end()});
+    CAPTURE(r.err);
+    CHECK(r.code == 2);
+    CHECK(contains(r.err, ": " + c[0] + " "));
+  }
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"--pca", "3"}, {"--unit", "10"}, {"--relax-chart"}}) {
+    std::vector<std::string> all{"bake", PLIANT_FIXTURES "/face", "-o", folder / "x.plm"};
+    all.insert(all.end(), words.begin(), words.end());
+    check_refused(all, {words[0], "needs an OBJ file"});
+  }
+  CHECK(folder.file_count() == files);
+}
+
 TEST_CASE("help lists every command, and help of a command every option") {
   const Ran all = run_words({"--help"});
   CHECK(all.code == 0);
