@@ -140,21 +140,23 @@ int run_track(const Args& args, Console& console) {
   FrameView frame;
   if (!frames.next(&frame))
     throw Failure(kBadInput, frames.message().empty() ? frames.name() + ": has no frames" : frames.message());
-  TrackerLimits limits = tracker_limits(args, frames.size());
-  if (check(limits) != Status::ok)
+  if (check(tracker_limits(args, frames.size())) != Status::ok)
     throw Failure(kBadInput, frames.name() + ": a track needs frames of 64 to 16,384 pixels a side, not " +
                                  std::to_string(frames.size().width) + "x" +
                                  std::to_string(frames.size().height));
-  const bool searches_faces = !model.detector().empty();
-  if (searches_faces && !frames.is_live() && !args.has(kProfileOption.name))
-    limits.search_work = whole_search(limits);
-  if (args.has("--freeze")) limits = without_person(limits);
-  Owned<Tracker> tracker(model, limits_of_run(limits, options, markers, initial));
+  const auto make_tracker = [&](ImageSize size) {
+    TrackerLimits limits = tracker_limits(args, size);
+    const bool searches_faces = !model.detector().empty();
+    if (searches_faces && !frames.is_live() && !args.has(kProfileOption.name))
+      limits.search_work = whole_search(limits);
+    if (args.has("--freeze")) limits = without_person(limits);
+    return std::make_unique<Owned<Tracker>>(model, limits_of_run(limits, options, markers, initial));
+  };
   std::size_t expected = frames.count();
   if (last > 0 && expected > 0) expected = std::min(expected, static_cast<std::size_t>(last));
   TrackOutput output(args, model, markers.names, frames.rate(), expected);
   if (args.has("--arkit")) ArkitExpression(model).list_unmatched(file.path(), console.err);
-  TrackRun run(frames, *tracker, options, markers, output);
+  TrackRun run(frames, make_tracker, options, markers, output, console.err);
   if (initial)
     run.start(frame, *initial, initial_how);
   else
@@ -163,14 +165,12 @@ int run_track(const Args& args, Console& console) {
   // Ctrl-C ends the track, and the result is kept.
   const InterruptWatch watch;
   const auto goes_on = [&] { return !watch.was_interrupted() && output.is_watched(); };
-  float focal_px = tracker->camera().f;  // of the last track
   for (int count = 1; count != last && goes_on() && frames.next(&frame); ++count) {
     run.track(frame);
-    if (tracker->is_started()) focal_px = tracker->camera().f;
     progress.show(static_cast<std::size_t>(count) + 1);
   }
   // Also where the stream was cut off: the frames before that have their rows.
-  console.out << output.commit(tracker.used_bytes(), focal_px) << "\n";
+  console.out << output.commit(run.used_bytes(), run.focal_px()) << "\n";
   if (watch.was_interrupted()) return frames.is_live() ? 0 : kInterrupted;
   if (frames.message().empty()) return 0;
   throw Failure(kBadInput, frames.message());

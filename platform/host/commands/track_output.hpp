@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/commands/args.hpp"
+#include "host/commands/frame_reduction.hpp"
 #include "host/commands/frame_stream.hpp"
 #include "host/commands/live_window.hpp"
 #include "host/commands/track_report.hpp"
@@ -35,8 +36,10 @@ class TrackOutput {
 
   /// Adds the tracker's present result.
   /// \param frames        where the frame comes from, which is its last.
+  /// \param reduction     by which the tracker's frames are smaller.
   /// \param milliseconds  that the update took; not counted for frame 0.
-  void add(const FrameStream& frames, const FrameView& frame, Tracker& tracker, double milliseconds);
+  void add(const FrameStream& frames, const FrameView& frame, Tracker& tracker, const FrameReduction& reduction,
+           double milliseconds);
 
   /// Whether someone still watches, where --show is given: the window was not closed.
   bool is_watched() const { return window_ == nullptr || window_->is_open(); }
@@ -54,12 +57,12 @@ class TrackOutput {
  private:
   using Points = std::vector<std::optional<Vec2>>;
   std::string summary(std::size_t arena_bytes, float focal_px) const;
-  Points project_landmarks(Tracker& tracker) const;
-  Points project_markers(Tracker& tracker) const;
+  Points project_landmarks(Tracker& tracker, const FrameReduction& reduction) const;
+  Points project_markers(Tracker& tracker, const FrameReduction& reduction) const;
   void write(const TrackRow& row, const FrameView& frame);
   /// Draws the frame where it is wanted.
   void show(const TrackRow& row, const FrameStream& frames, const FrameView& frame, Estimator* estimator,
-            const Points& landmarks, const Points& markers, double milliseconds);
+            const FrameReduction& reduction, const Points& landmarks, const Points& markers, double milliseconds);
 
   Model model_;
   OutputFile table_;

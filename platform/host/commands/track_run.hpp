@@ -1,12 +1,17 @@
 #pragma once
 /// \file track_run.hpp
 /// One run of `pliant track`: starts the tracker, gives it every frame, and hands each result to the output.
+#include <functional>
+#include <memory>
+#include <ostream>
 #include <string>
 #include <vector>
 
+#include "host/commands/frame_reduction.hpp"
 #include "host/commands/frame_stream.hpp"
 #include "host/commands/initial_state.hpp"
 #include "host/commands/track_output.hpp"
+#include "host/io/owned.hpp"
 #include "pliant/tracker.hpp"
 
 namespace pliant::host {
@@ -17,12 +22,20 @@ struct Markers {
   std::vector<Vec2> x;  ///< px
 };
 
+/// Where the first start shows a face that is larger than templates are made for, the run takes a tracker of reduced frames and starts
+/// it on the same frame. In large frames a second tracker looks for such a face, in frames that are much reduced: at its full size it
+/// may not be found. All that goes in and comes out is in pixels of the whole frames.
 class TrackRun {
  public:
-  /// All references must outlive the run.
-  TrackRun(FrameStream& frames, Tracker& tracker, const TrackerOptions& options, const Markers& markers,
-           TrackOutput& output)
-      : frames_(frames), tracker_(tracker), options_(options), markers_(markers), output_(output) {}
+  /// Makes a tracker of frames of this size.
+  using MakeTracker = std::function<std::unique_ptr<Owned<Tracker>>(ImageSize)>;
+
+  /// All references must outlive the run. \param err  where a line says that frames are reduced.
+  TrackRun(FrameStream& frames, MakeTracker make, const TrackerOptions& options, const Markers& markers,
+           TrackOutput& output, std::ostream& err)
+      : frames_(frames), make_(std::move(make)), options_(options), markers_(markers), output_(output), err_(err) {
+    tracker_ = make_(frames.size());
+  }
 
   /// Starts on the first frame. Bad input, with the name of the file: what the tracker does not start on. Not to be called
   /// where the tracker finds the face itself.
@@ -33,16 +46,35 @@ class TrackRun {
   /// Tracks or searches the next frame. Bad input: a frame that the tracker refuses.
   void track(const FrameView& frame);
 
+  /// Bytes of the tracker, and the focal length of the last track, px of the whole frames.
+  std::size_t used_bytes() const { return tracker_->used_bytes(); }
+  float focal_px() const { return focal_px_; }
+
  private:
   std::string where(const FrameView& frame) const {
     return frames_.name() + ": frame " + std::to_string(frames_.number(frame));
   }
+  void begin_search(Tracker& tracker, const FrameReduction& by, const std::string& model) const;
+  /// Chooses the reduction by a tracker that has started, once. \param by  of its frames. \return whether the frames have to be reduced.
+  /// The run's tracker is then a new one, which has not started.
+  bool reduces(Tracker& started, const FrameReduction& by);
+  /// Whether the face that the overview finds in this frame has to be reduced, as `reduces`.
+  bool reduces_for_overview(const FrameView& frame);
+  void add(const FrameView& frame, double milliseconds);
 
   FrameStream& frames_;
-  Tracker& tracker_;
-  const TrackerOptions& options_;
+  MakeTracker make_;
+  TrackerOptions options_;
   const Markers& markers_;
   TrackOutput& output_;
+  std::ostream& err_;
+  std::unique_ptr<Owned<Tracker>> tracker_;
+  FrameReduction reduction_;
+  std::unique_ptr<Owned<Tracker>> overview_;  // null where there is none, or none is needed any more
+  FrameReduction overview_reduction_;
+  InitialOptions initial_;
+  bool is_chosen_ = false;  // the reduction
+  float focal_px_ = 0;
 };
 
 }  // namespace pliant::host

@@ -107,6 +107,54 @@ TEST_CASE("a large video that need not be tracked in real time is searched whole
   CHECK(whole_search(limits) == TrackerLimits{}.search_work);
 }
 
+TEST_CASE("a face that fills large frames is found and tracked in reduced ones, and its landmarks are those of the frames") {
+  const Visit visit(0, 0, 0);
+  constexpr int kFactor = 11, kFrames = 6;
+  std::string stream = "YUV4MPEG2 W3520 H2640 F30:1 Cmono\n";
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    Image small(kWidth, kHeight, 1);
+    std::copy_n(Visit::film().frames[k].data(), small.pixels.size(), small.pixels.data());
+    const Image large = enlarged(small, kFactor);
+    stream += "FRAME\n" + std::string(large.pixels.begin(), large.pixels.end());
+  }
+  visit.put("v.y4m", stream);
+  const auto error = [&] {
+    const CsvTable table("t", read_file(visit / "t.csv"));
+    float sum = 0;
+    for (int l = 17; l < 68; ++l) {
+      const std::string name = "ibug" + std::to_string(l);
+      const Vec2 x{table.number(kFrames - 1, table.column("x_" + name)),
+                   table.number(kFrames - 1, table.column("y_" + name))};
+      const Vec2 truth = Visit::film().truth(name, kFrames - 1);
+      sum += length(x - Vec2{kFactor * (truth.x + 0.5f) - 0.5f, kFactor * (truth.y + 0.5f) - 0.5f}) / 51;
+    }
+    return sum;
+  };
+  const Ran found = visit.track();
+  CAPTURE(found.err);
+  REQUIRE(found.code == 0);
+  CHECK(contains(found.err, "reduced to 1/"));
+  CHECK(is_one_line(found.err));
+  CHECK(value_after(found.out, "tracked") == kFrames);
+  CHECK(error() < 3 * kFactor);
+  std::string points = "landmark,x,y\n";
+  for (int l = 17; l < 68; ++l) {
+    const std::string name = "ibug" + std::to_string(l);
+    const Vec2 x = Visit::film().truth(name, 0);
+    points += name + "," + std::to_string(kFactor * (x.x + 0.5f) - 0.5f) + "," +
+              std::to_string(kFactor * (x.y + 0.5f) - 0.5f) + "\n";
+  }
+  const Ran given = visit.track({"--init", visit.put("p.csv", points), "--markers",
+                                 visit.put("m.csv", "landmark,x,y\nspot,1700,1400\n"), "--sheet", visit / "s.png"});
+  CAPTURE(given.err);
+  REQUIRE(given.code == 0);
+  CHECK(value_after(given.out, "tracked") == kFrames);
+  CHECK(error() < kFactor);
+  const CsvTable table("t", read_file(visit / "t.csv"));
+  CHECK(table.number(0, table.column("x_spot")) == doctest::Approx(1700));
+  CHECK(table.number(0, table.column("y_spot")) == doctest::Approx(1400));
+}
+
 TEST_CASE("a film without a face has rows in state lost, and is no error") {
   const Visit visit(8, 0, 0);
   const Ran r = visit.track();

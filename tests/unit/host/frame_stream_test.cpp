@@ -2,6 +2,7 @@
 #include "host/commands/frame_stream.hpp"
 
 #include "cli_run.hpp"
+#include "host/commands/frame_reduction.hpp"
 #include "host/io/failure.hpp"
 
 using namespace pliant;
@@ -67,4 +68,34 @@ TEST_CASE("the picture of a frame is the frame, mirrored as it is, and in colour
   FrameStream mirrored(folder.put("p.png", encode_png(colour)), true);
   REQUIRE(mirrored.next(&frame));
   CHECK(mirrored.picture(frame).at(0, 2)[2] == 99);
+}
+
+TEST_CASE("a reduced frame has the mean of each block, and places and cameras go there and back") {
+  Image image(7, 5, 1);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<std::uint8_t>(3 * i);
+  FrameView frame = frame_of(image, 4);
+  FrameReduction by(2);
+  const FrameView small = by.reduced(frame);
+  CHECK(small.width == 3);
+  CHECK(small.height == 2);
+  CHECK(small.sequence == 4);
+  CHECK(small.time_ns == frame.time_ns);
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 3; ++x) {
+      const int first = 3 * (14 * y + 2 * x);  // the mean of it and those 3, 21 and 24 grey levels above
+      CHECK(small.data[static_cast<std::size_t>(y) * small.stride_bytes + static_cast<std::size_t>(x)] == first + 12);
+    }
+  // The middle of the first block of 2 x 2 pixels lies at half a pixel.
+  CHECK(by.reduced(Vec2{0.5f, 2.5f}).x == 0);
+  CHECK(by.reduced(Vec2{0.5f, 2.5f}).y == 1);
+  CHECK(by.whole({0, 1}).y == 2.5f);
+  const Camera camera = by.reduced(Camera{100, 3.5f, 2.5f});
+  CHECK(camera.f == 50);
+  CHECK(camera.cx == 1.5f);
+  FrameReduction none;
+  CHECK(none.reduced(frame).data == frame.data);
+  CHECK(FrameReduction::factor_for(3.0f) == 1);
+  CHECK(FrameReduction::factor_for(9.0f) == 3);
+  CHECK(FrameReduction::factor_for(ImageSize{1280, 960}) == 1);
+  CHECK(FrameReduction::factor_for(ImageSize{2160, 3840}) == 3);
 }
