@@ -14,14 +14,23 @@ constexpr float kMostPxPerMm = 4.4f;
 /// Larger side of frames in which a face is found whatever its size, px: one that fills them has 4.4 px a mm.
 constexpr int kOverviewSide = 1280;
 
+/// Smaller side that reduced frames have at least, px: that of the smallest frames a track is measured with.
+constexpr int kLeastSide = 240;
+
+int most_factor(ImageSize size) {
+  return std::max(1, std::min(size.width, size.height) / kLeastSide);
+}
+
 }  // namespace
 
-int FrameReduction::factor_for(float px_per_mm) {
-  return std::max(1, static_cast<int>(std::ceil(px_per_mm / kMostPxPerMm)));
+int FrameReduction::factor_for(float px_per_mm, ImageSize size) {
+  // A start from points far outside of the frame may say anything.
+  return static_cast<int>(clamp(std::ceil(px_per_mm / kMostPxPerMm), 1, static_cast<float>(most_factor(size))));
 }
 
 int FrameReduction::factor_for(ImageSize size) {
-  return (std::max(size.width, size.height) + kOverviewSide - 1) / kOverviewSide;
+  const int wanted = (std::max(size.width, size.height) + kOverviewSide - 1) / kOverviewSide;
+  return std::min(wanted, most_factor(size));
 }
 
 FrameView FrameReduction::reduced(const FrameView& frame) {

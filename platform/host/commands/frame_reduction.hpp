@@ -11,8 +11,8 @@ namespace pliant::host {
 class FrameReduction {
  public:
   explicit FrameReduction(int factor = 1) : factor_(factor) {}
-  /// By how much frames have to be reduced for a face that they show at this scale.
-  static int factor_for(float px_per_mm);
+  /// By how much frames of this size have to be reduced for a face that they show at this scale.
+  static int factor_for(float px_per_mm, ImageSize size);
   /// The factor with which the largest face that fits into frames of this size can be tracked.
   static int factor_for(ImageSize size);
 

@@ -101,7 +101,7 @@ bool TrackRun::reduces(Tracker& started, const FrameReduction& by) {
   // The scale at which templates fail was measured on faces, in millimetres.
   if (model.find_landmark("ibug36") == kNone || model.find_landmark("ibug45") == kNone) return false;
   const float px_per_mm = static_cast<float>(by.factor()) * started.camera().f / started.result().pose.t.z;
-  reduction_ = FrameReduction(FrameReduction::factor_for(px_per_mm));
+  reduction_ = FrameReduction(FrameReduction::factor_for(px_per_mm, frames_.size()));
   if (reduction_.factor() == 1) return false;
   err_ << frames_.name() << ": the face is large: tracked in frames reduced to 1/" << reduction_.factor() << "\n";
   options_.marker_exclusion_px /= static_cast<float>(reduction_.factor());

@@ -94,8 +94,14 @@ TEST_CASE("a reduced frame has the mean of each block, and places and cameras go
   CHECK(camera.cx == 1.5f);
   FrameReduction none;
   CHECK(none.reduced(frame).data == frame.data);
-  CHECK(FrameReduction::factor_for(3.0f) == 1);
-  CHECK(FrameReduction::factor_for(9.0f) == 3);
+  const ImageSize large{3840, 2160};
+  CHECK(FrameReduction::factor_for(3.0f, large) == 1);
+  CHECK(FrameReduction::factor_for(9.0f, large) == 3);
+  CHECK(FrameReduction::factor_for(1e30f, large) == 9);
+  CHECK(FrameReduction::factor_for(-9.0f, large) == 1);
+  CHECK(FrameReduction::factor_for(9.0f, {512, 512}) == 2);
+  CHECK(FrameReduction::factor_for(9.0f, {100, 100}) == 1);
   CHECK(FrameReduction::factor_for(ImageSize{1280, 960}) == 1);
   CHECK(FrameReduction::factor_for(ImageSize{2160, 3840}) == 3);
+  CHECK(FrameReduction::factor_for(ImageSize{16384, 100}) == 1);
 }
