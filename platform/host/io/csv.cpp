@@ -45,6 +45,8 @@ std::vector<std::string> split(std::string_view line) {
 }  // namespace
 
 CsvTable::CsvTable(std::string source, std::string_view text) : source_(std::move(source)) {
+  if (text.substr(0, 2) == "\xff\xfe" || text.substr(0, 2) == "\xfe\xff")
+    fail_input(source_, "is text in UTF-16: save it in UTF-8");
   text = without_byte_order_mark(text);
   std::size_t line_number = 0;
   while (!text.empty()) {
@@ -56,6 +58,8 @@ CsvTable::CsvTable(std::string source, std::string_view text) : source_(std::mov
     if (line.find_first_not_of(" \t") == std::string_view::npos) continue;
     if (columns_.empty()) {
       columns_ = split(line);
+      if (columns_.size() == 1 && line.find_first_of(";\t") != std::string_view::npos)
+        fail_input(source_, "has no commas between its columns: save it with commas, and with points in numbers");
       continue;
     }
     rows_.push_back({line_number, split(line)});

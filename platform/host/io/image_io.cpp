@@ -40,6 +40,12 @@ namespace {
 /// Bounds memory and time, to 300 MB and some seconds.
 constexpr std::int64_t kMostPixels = 100'000'000;
 
+/// Why stb could not read a picture; it does not always say.
+std::string reason() {
+  const char* why = stbi_failure_reason();
+  return why != nullptr && *why != '\0' ? why : "its data are cut off";
+}
+
 void append(void* context, void* data, int size) {
   static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<std::size_t>(size));
 }
@@ -54,14 +60,14 @@ Image read_image(const std::string& path) {
   if (!has_sound_huffman_tables(bytes))
     fail_input(path, "a damaged picture: a Huffman table of more than 256 codes");
   if (stbi_info_from_memory(data, length, &width, &height, &channels) == 0)
-    fail_input(path, std::string("is not a picture that can be read: ") + stbi_failure_reason());
+    fail_input(path, "is not a picture that can be read: " + reason());
   if (width > 16384 || height > 16384) fail_input(path, "is larger than 16384 pixels on a side");
   if (std::int64_t{width} * height > kMostPixels) fail_input(path, "has more than 100 million pixels");
   // stb converts the channels of such a picture as if they had 8 bits, and then reads past the end.
   if (bytes[0] == 'P' && stbi_is_16_bit_from_memory(data, length) != 0)
     fail_input(path, "has more than 8 bits a channel");
   unsigned char* pixels = stbi_load_from_memory(data, length, &width, &height, &channels, 3);
-  if (pixels == nullptr) fail_input(path, std::string("a damaged picture: ") + stbi_failure_reason());
+  if (pixels == nullptr) fail_input(path, "a damaged picture: " + reason());
   Image image(width, height, 3);
   image.pixels.assign(pixels, pixels + image.pixels.size());
   stbi_image_free(pixels);

@@ -174,6 +174,22 @@ TEST_CASE("CSV may have quotes, spaces, any line ends and a byte order mark") {
   CHECK(table.where(1) == "t.csv: line 4");
 }
 
+TEST_CASE("tables that are no CSV in UTF-8 with commas are refused by what they are") {
+  const auto error = [](const std::string& text) {
+    try {
+      const CsvTable table("t.csv", text);
+      return std::string();
+    } catch (const Failure& failure) {
+      return std::string(failure.what());
+    }
+  };
+  CHECK(error("landmark,x,y\na,1,2\n") == "");
+  CHECK(error("alone\n1\n") == "");
+  CHECK(contains(error("landmark;x;y\na;1,5;2\n"), "t.csv: has no commas between its columns"));
+  CHECK(contains(error("landmark\tx\ty\na\t1\t2\n"), "t.csv: has no commas between its columns"));
+  CHECK(contains(error(std::string("\xff\xfel\0,\0", 6)), "t.csv: is text in UTF-16"));
+}
+
 TEST_CASE("a track row keeps every float, and unknown values are empty") {
   const Folder folder;
   const ModelFile file(folder.put("m.plm", model_bytes()));
