@@ -88,6 +88,12 @@ bool has_picture_extension(const std::string& path) {
   return is_pnm(ending) || ending == ".png" || ending == ".jpg" || ending == ".jpeg";
 }
 
+bool is_picture_of_folder(const std::filesystem::directory_entry& entry) {
+  // Some systems put a hidden file with the same ending beside a picture, which holds something else.
+  return has_picture_extension(entry.path().string()) && entry.path().filename().string()[0] != '.' &&
+         !entry.is_directory();
+}
+
 bool is_naturally_before(const std::string& a, const std::string& b) {
   std::size_t i = 0, k = 0;
   while (i < a.size() && k < b.size()) {
@@ -118,7 +124,7 @@ OpenedFrames open_folder(const std::string& path) {
   std::error_code error;
   for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
        entry.increment(error))
-    if (has_picture_extension(entry->path().string()) && !entry->is_directory())
+    if (is_picture_of_folder(*entry))
       names.push_back(entry->path().filename().string());
   if (error) return {nullptr, path + ": " + error.message()};
   if (names.empty()) return {nullptr, path + ": no PNG, JPEG, PGM or PPM picture in this folder"};

@@ -1,6 +1,7 @@
 #pragma once
 // Functions that open the kinds of frame sources.
 #include <memory>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ OpenedFrames open_pictures(std::vector<std::string> paths);
 
 /// Whether a name ends as that of a picture: .png, .jpg, .jpeg, .pgm, .ppm or .pnm, in any case.
 bool has_picture_extension(const std::string& path);
+/// Whether an entry of a folder is a picture that is read with the folder: by its ending, and not hidden.
+bool is_picture_of_folder(const std::filesystem::directory_entry& entry);
 
 /// Opens a video file through the ffmpeg program, the first video track in it.
 OpenedFrames open_video(const std::string& path);

@@ -40,7 +40,7 @@ OtherPictures read_other_pictures(const std::string& folder) {
   std::vector<std::string> paths;
   for (std::filesystem::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error))
-    if (entry->is_regular_file() && has_picture_extension(entry->path().string())) paths.push_back(entry->path().string());
+    if (is_picture_of_folder(*entry)) paths.push_back(entry->path().string());
   if (error) fail_input(folder, error.message());
   std::sort(paths.begin(), paths.end());
   std::vector<Image> pictures;

@@ -211,6 +211,7 @@ TEST_CASE("detect writes a row a face, of a picture or of a folder, and draws th
   fs::copy(kAstronaut, folder / "in/a, face.png");
   folder.put("in/b.png", encode_png(Image(70, 50, 1, 90)));
   folder.put("in/notes.txt", "no picture");
+  folder.put("in/._b.png", "what some systems note of b.png");
   const Ran all =
       run_words({"detect", kFace, "--image", folder / "in", "-o", folder / "f.csv", "--landmarks"});
   REQUIRE(all.code == 0);
