@@ -77,6 +77,9 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
 }
 
 void Args::check_files(const std::vector<Option>& options) {
+  for (const Option& option : options)
+    if ((option.takes == Takes::input || option.takes == Takes::output) && text(option.name) == "")
+      fail_usage(std::string(option.name) + " has an empty name");
   std::vector<std::string> inputs = operands_, outputs;
   for (const Option& option : options)
     if (option.takes == Takes::input)

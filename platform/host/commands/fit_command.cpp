@@ -1,4 +1,5 @@
 // `pliant fit`: fits a model to one image.
+#include <cmath>
 #include <cstring>
 
 #include "host/commands/calibration_option.hpp"
@@ -25,7 +26,8 @@ std::vector<std::uint8_t> free_parameters(const Model& model, const std::optiona
   std::vector<std::uint8_t> is_free(model.parameters().count, 0);
   const auto count = parse_number(*choice);
   const bool is_group = *choice == "identity" || *choice == "expression";
-  if (!is_group && !(count && *count >= 0) && *choice != "none")
+  const bool is_count = count && *count >= 0 && *count == std::floor(*count);
+  if (!is_group && !is_count && *choice != "none")
     fail_usage("--parameters: identity, expression, all, none or a count, not " + *choice);
   const Group group = *choice == "identity" ? Group::identity : Group::expression;
   for (std::size_t k = 0; k < is_free.size(); ++k)

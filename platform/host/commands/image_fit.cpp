@@ -209,6 +209,11 @@ std::optional<GivenBox> box_of(const Args& args, const char* option) {
 }
 
 FitFile fit_to_box(const ModelFile& file, const GivenBox& box, const FitSetup& setup, FaceBox* face) {
+  const auto is_apart = [](float corner, float side, int picture) {
+    return corner > static_cast<float>(picture) || corner + side < 0;
+  };
+  if (is_apart(box.corner.x, box.size.x, setup.size.width) || is_apart(box.corner.y, box.size.y, setup.size.height))
+    fail_usage("the box is not in the picture");
   std::vector<float> q = setup.q;
   q.resize(file.model().parameters().count, 0.0f);
   StartPose start{start_camera(setup.camera ? &*setup.camera : nullptr, setup.focal_px, setup.size.width,

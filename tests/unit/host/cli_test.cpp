@@ -33,6 +33,8 @@ TEST_CASE("bad usage exits with 2 and names the wrong argument") {
       {{"render", "m.plm", "-o", "a", "--size", "320"}, "--size: not a size like 320x240: 320"},
       {{"bake", "x", "-o", "y", "--pca", "0"}, "--pca: not a number in range: 0"},
       {{"bake", "x", "-o", "y", "--bits", "12"}, "--bits must be 8 or 16"},
+      {{"mesh", "m.plm", "-o", ""}, "-o has an empty name"},
+      {{"detect", "m.plm", "--image", ""}, "--image has an empty name"},
   };
   for (const auto& c : cases) {
     const Ran r = run_words(c.words);
@@ -260,6 +262,11 @@ TEST_CASE(
   check_refused({"fit", s.model, "--points", s.points, "--image", s.points, "-o", s / "x.json"},
                 {"p.csv", "not a picture"});
   CHECK(run_words({"fit", s.model, "--points", s.points, "-o", s / "x.json"}).code == 2);
+  for (const char* box : {"1e30,0,50,50", "0,161,50,50", "-90,0,50,50"})
+    CHECK(run_words({"fit", s.model, "--box", box, "--size", "200x160", "-o", s / "x.json"}).code == 2);
+  CHECK(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "--parameters", "1.5", "-o",
+                   s / "x.json"})
+            .code == 2);
   CHECK(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "--parameters", "nose", "-o",
                    s / "x.json"})
             .code == 2);
