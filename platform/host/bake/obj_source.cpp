@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_obj_file(const std::string& source) {
-  return ends_with(source, ".obj") && !fs::is_directory(source);
+  return ends_with(in_lower_case(source), ".obj") && !fs::is_directory(source);
 }
 
 /// Vertices of a mesh, count, at most: about four samples of the largest rest shape each. Bounds the time.
