@@ -351,7 +351,8 @@ class FolderReader {
       ++number;
       if (!line.empty() && line.back() == '\r') line.pop_back();
       if (number == 1) {
-        if (without_byte_order_mark(line) != "landmark,vertex") throw SourceError(file, 1, "expected the columns landmark,vertex");
+        if (without_byte_order_mark(line) != "landmark,vertex")
+          throw SourceError(file, 1, "expected the columns landmark,vertex");
         continue;
       }
       if (line.empty()) continue;

@@ -43,7 +43,8 @@ Input read_input(const Args& args, const ModelFile& file, Console& console) {
   setup.rate = args.number("--rate", 30, 0.001, 1000);
   Input input;
   const CsvTable table(path, read_file(path));
-  if (table.find_column("time_s")) args.refuse({"--rate"}, "does not apply to " + path + ", which has times (time_s)");
+  if (table.find_column("time_s"))
+    args.refuse({"--rate"}, "does not apply to " + path + ", which has times (time_s)");
   std::optional<ModelFile> source;
   if (const auto from = args.text("--from")) source.emplace(*from);
   if (source) setup.source = &source->model();
@@ -91,7 +92,8 @@ int run_animate(const Args& args, Console& console) {
   if (!is_folder && !ends_with(output, ".glb"))
     fail_usage("-o must end in .glb, or in / for a folder of OBJ files: " + output);
   if (is_folder)
-    args.refuse({"--image", "--tolerance"}, "is of a GLB: the OBJ files of a folder have neither texture nor targets");
+    args.refuse({"--image", "--tolerance"},
+                "is of a GLB: the OBJ files of a folder have neither texture nor targets");
   if (args.has("--image") && !args.has("--identity"))
     fail_usage("--image needs --identity: the fit in that picture");
   const int vertices = args.integer("--vertices", 2000, 16, 21000);

@@ -22,8 +22,7 @@ std::vector<std::string> pictures_of(const std::string& path) {
   std::vector<std::string> paths;
   for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
        entry.increment(error))
-    if (is_picture_of_folder(*entry))
-      paths.push_back(entry->path().string());
+    if (is_picture_of_folder(*entry)) paths.push_back(entry->path().string());
   if (error) fail_input(path, error.message());
   std::sort(paths.begin(), paths.end(), is_naturally_before);
   if (paths.empty()) fail_input(path, "has no pictures");

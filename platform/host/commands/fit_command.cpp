@@ -77,7 +77,8 @@ void read_method(const Args& args, FitSetup& setup) {
   setup.euler.steps = args.integer("--steps", setup.euler.steps, 1, 1000000);
   if (method != "euler") args.refuse({"--delta"}, "is the step of --method euler, not of " + method);
   if (method == "gauss-newton") {
-    args.refuse({"--steps"}, "are those of the dynamics: --method euler, preconditioned or barzilai-borwein is needed");
+    args.refuse({"--steps"},
+                "are those of the dynamics: --method euler, preconditioned or barzilai-borwein is needed");
     return;
   }
   setup.method = FitMethod::euler;
@@ -226,8 +227,8 @@ int run_fit(const Args& args, Console& console) {
   if (points)
     fit = fit_to_points(file, *points, read_points(*points), setup);
   else if (aligns)
-    fit = fit_to_face(file, args.required("--image"), face_in(image, args.required("--image"), file, setup, face_box),
-                      setup);
+    fit = fit_to_face(file, args.required("--image"),
+                      face_in(image, args.required("--image"), file, setup, face_box), setup);
 
   write_file(output, fit_text(fit));
   if (const auto path = args.text("--overlay")) draw_overlay(*path, model, fit, image);
@@ -277,7 +278,8 @@ Command fit_command() {
        {"--silhouette", "HOW",
         "ibug00 to ibug16: match them to the silhouette (default), or keep them at fixed surface points"},
        {"--method", "NAME",
-        "gauss-newton (default); euler, the published dynamics, which do not converge on photographs of faces with "
+        "gauss-newton (default); euler, the published dynamics, which do not converge on photographs of "
+        "faces with "
         "the published step; preconditioned or barzilai-borwein, the same dynamics with steps that converge"},
        {"--delta", "STEP", "step of --method euler; 0.001, the published one"},
        {"--steps", "N", "steps of the dynamics in each stage; 600, the published number"},

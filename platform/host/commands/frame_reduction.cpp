@@ -25,7 +25,8 @@ int most_factor(ImageSize size) {
 
 int FrameReduction::factor_for(float px_per_mm, ImageSize size) {
   // A start from points far outside of the frame may say anything.
-  return static_cast<int>(clamp(std::ceil(px_per_mm / kMostPxPerMm), 1, static_cast<float>(most_factor(size))));
+  return static_cast<int>(
+      clamp(std::ceil(px_per_mm / kMostPxPerMm), 1, static_cast<float>(most_factor(size))));
 }
 
 int FrameReduction::factor_for(ImageSize size) {

@@ -212,7 +212,8 @@ FitFile fit_to_box(const ModelFile& file, const GivenBox& box, const FitSetup& s
   const auto is_apart = [](float corner, float side, int picture) {
     return corner > static_cast<float>(picture) || corner + side < 0;
   };
-  if (is_apart(box.corner.x, box.size.x, setup.size.width) || is_apart(box.corner.y, box.size.y, setup.size.height))
+  if (is_apart(box.corner.x, box.size.x, setup.size.width) ||
+      is_apart(box.corner.y, box.size.y, setup.size.height))
     fail_usage("the box is not in the picture");
   std::vector<float> q = setup.q;
   q.resize(file.model().parameters().count, 0.0f);

@@ -51,6 +51,8 @@ std::vector<float> parameters_of(const Args& args, const ModelFile& file) {
     const std::size_t equals = word.find('=');
     const auto value = equals == std::string::npos ? std::nullopt : parse_number(word.substr(equals + 1));
     if (!value) fail_usage("--param must be NAME=VALUE: " + word);
+    for (const auto& [name, earlier] : values)
+      if (name == word.substr(0, equals)) fail_usage("--param gives " + name + " twice");
     values.push_back({word.substr(0, equals), static_cast<float>(*value)});
   }
   std::vector<float> q(file.model().parameters().count, 0.0f);
@@ -158,7 +160,8 @@ Command mesh_command() {
   return {"mesh",
           "Adapts a model's mesh to its surface, writes it and prints its distance from the surface.",
           "face.plm [--criterion none|uniform|normals|contour] [--depth N] [--threshold X] [--budget N] "
-          "[--param NAME=VALUE ...] [-o mesh.obj|.ply|.glb] [--mirror-u] [--uv-svg chart.svg] | face.plm [--figure "
+          "[--param NAME=VALUE ...] [-o mesh.obj|.ply|.glb] [--mirror-u] [--uv-svg chart.svg] | face.plm "
+          "[--figure "
           "figure.png] "
           "[--curve] [--param NAME=VALUE ...]",
           {{"--criterion", "NAME", "where to refine: none, uniform, normals, contour (contour)"},
@@ -168,8 +171,7 @@ Command mesh_command() {
            {"--budget", "N", "most vertices; without a threshold, the best mesh of so many"},
            {"--param", "NAME=VALUE", "a parameter of the model; may be given several times", Takes::texts},
            {"-o", "FILE", "the mesh to write: OBJ, PLY or GLB by its ending", Takes::output},
-           {"--mirror-u", nullptr,
-            "OBJ and PLY: write 1 - u, the u of a source whose chart bake mirrored"},
+           {"--mirror-u", nullptr, "OBJ and PLY: write 1 - u, the u of a source whose chart bake mirrored"},
            {"--uv-svg", "SVG", "the mesh over the chart, tinted by level", Takes::output},
            {"--figure", "PNG", "all criteria side by side: chart, surface, texture", Takes::output},
            {"--curve", nullptr, "all criteria as a Markdown table: vertices, faces, errors"}},

@@ -134,6 +134,7 @@ void print_search(std::ostream& out, const SearchPlan& plan) {
 
 int run_plan(const Args& args, Console& console) {
   const TrackerLimits limits = limits_from(args);
+  const double mhz = args.number("--mhz", 0, 0, 1e6);
   const bool has_model = args.operand_count() > 0;
   std::unique_ptr<ModelFile> file;
   std::vector<std::uint32_t> stand_in;
@@ -160,7 +161,7 @@ int run_plan(const Args& args, Console& console) {
   print_loads(console.out, "a frame", plan.loads);
   print_loads(console.out, "a frame without a track", plan.search_loads);
   print_loads(console.out, "a frame that starts a track", plan.start_loads);
-  print_sums(console.out, plan, args.number("--mhz", 0, 0, 1e6));
+  print_sums(console.out, plan, mhz);
   print_search(console.out, plan.search);
   return 0;
 }

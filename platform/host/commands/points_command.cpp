@@ -104,7 +104,8 @@ std::vector<Handle> handles_of(const Model& model, const std::vector<NamedPoint>
   }
   for (const NamedPoint& p : given) {
     if (!p.uv) continue;
-    const auto same = std::find_if(handles.begin(), handles.end(), [&](const Handle& h) { return h.name == p.name; });
+    const auto same =
+        std::find_if(handles.begin(), handles.end(), [&](const Handle& h) { return h.name == p.name; });
     if (same != handles.end())
       same->uv = *p.uv;
     else
@@ -219,8 +220,9 @@ int run_points(const Args& args, Console& console) {
   std::vector<float> q(model.parameters().count, 0.0f);
   (void)apply(start.parameters, "start", model, q.data());
   const std::vector<NamedPoint> given = given_points(args);
-  const bool has_uv = model.landmarks().empty() ||
-                      std::any_of(given.begin(), given.end(), [](const NamedPoint& p) { return p.uv.has_value(); });
+  const bool has_uv =
+      model.landmarks().empty() ||
+      std::any_of(given.begin(), given.end(), [](const NamedPoint& p) { return p.uv.has_value(); });
   const std::vector<Handle> handles = handles_of(model, given);
   std::vector<Vec2> uv;
   for (const Handle& handle : handles) uv.push_back(handle.uv);
@@ -239,8 +241,8 @@ int run_points(const Args& args, Console& console) {
                                              {"data", script_json(data.dump())},
                                              {"fit", kSurfaceFitScript},
                                              {"script", kPointsScript}}));
-  console.out << output << ": " << handles.size()
-              << (has_uv ? " points of the chart, " : " landmarks, ") << on_count
+  console.out << output << ": " << handles.size() << (has_uv ? " points of the chart, " : " landmarks, ")
+              << on_count
               << " switched on; open it in a browser, and save points.csv for `pliant fit --points`\n";
   return 0;
 }

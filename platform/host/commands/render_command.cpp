@@ -124,8 +124,8 @@ std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, 
 
 /// Renders people and expressions into one picture instead of a video.
 int run_grid(const Args& args, Console& console) {
-  args.refuse({"-o", "--identity", "--truth", "--truth-points", "--focal", "--calibration", "--noise", "--seed",
-               "--rate", "--background"},
+  args.refuse({"-o", "--identity", "--truth", "--truth-points", "--focal", "--calibration", "--noise",
+               "--seed", "--rate", "--background"},
               "does not apply to --grid");
   const std::string output = args.required("--grid"), people = args.required("--people"),
                     expressions = args.required("--params");

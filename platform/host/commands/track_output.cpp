@@ -79,7 +79,8 @@ void TrackOutput::add(const FrameStream& frames, const FrameView& frame, Tracker
   row.gaze = result.gaze;
   row.pose = result.pose;
   for (const float value : tracker.estimator().parameters()) row.q.push_back(value);
-  const Points landmarks = project_landmarks(tracker, reduction), markers = project_markers(tracker, reduction);
+  const Points landmarks = project_landmarks(tracker, reduction),
+               markers = project_markers(tracker, reduction);
   if (with_landmarks_) row.points = landmarks;
   row.points.insert(row.points.end(), markers.begin(), markers.end());
   if (number > 0) milliseconds_.push_back(milliseconds);
@@ -172,8 +173,8 @@ TrackOutput::Points TrackOutput::project_markers(Tracker& tracker, const FrameRe
 }
 
 void TrackOutput::show(const TrackRow& row, const FrameStream& frames, const FrameView& frame,
-                       Estimator* estimator, const FrameReduction& reduction, const Points& landmarks, const Points& markers,
-                       double milliseconds) {
+                       Estimator* estimator, const FrameReduction& reduction, const Points& landmarks,
+                       const Points& markers, double milliseconds) {
   if (report_) report_->add(row, milliseconds);
   const bool draws = overlay_ || window_, is_on_sheet = (sheet_file_ || report_) && sheet_.wants_next();
   if (!is_on_sheet) sheet_.skip();

@@ -38,8 +38,8 @@ class TrackOutput {
   /// \param frames        where the frame comes from, which is its last.
   /// \param reduction     by which the tracker's frames are smaller.
   /// \param milliseconds  that the update took; not counted for frame 0.
-  void add(const FrameStream& frames, const FrameView& frame, Tracker& tracker, const FrameReduction& reduction,
-           double milliseconds);
+  void add(const FrameStream& frames, const FrameView& frame, Tracker& tracker,
+           const FrameReduction& reduction, double milliseconds);
 
   /// Whether someone still watches, where --show is given: the window was not closed.
   bool is_watched() const { return window_ == nullptr || window_->is_open(); }
@@ -62,7 +62,8 @@ class TrackOutput {
   void write(const TrackRow& row, const FrameView& frame);
   /// Draws the frame where it is wanted.
   void show(const TrackRow& row, const FrameStream& frames, const FrameView& frame, Estimator* estimator,
-            const FrameReduction& reduction, const Points& landmarks, const Points& markers, double milliseconds);
+            const FrameReduction& reduction, const Points& landmarks, const Points& markers,
+            double milliseconds);
 
   Model model_;
   OutputFile table_;

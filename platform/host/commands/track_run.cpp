@@ -32,8 +32,9 @@ GivenBox reduced(const GivenBox& box, const FrameReduction& by) {
   return {by.reduced(box.corner), (1 / static_cast<float>(by.factor())) * box.size, box.convention};
 }
 
-Status start_reduced(Tracker& tracker, const FrameView& frame, const Initial& initial, const InitialOptions& options,
-                     const TrackerOptions& tracker_options, std::vector<Vec2> markers, FrameReduction& by) {
+Status start_reduced(Tracker& tracker, const FrameView& frame, const Initial& initial,
+                     const InitialOptions& options, const TrackerOptions& tracker_options,
+                     std::vector<Vec2> markers, FrameReduction& by) {
   if (by.factor() == 1) return start_tracker(tracker, frame, initial, options, tracker_options, markers);
   for (Vec2& x : markers) x = by.reduced(x);
   const Initial small = std::visit([&](const auto& known) -> Initial { return reduced(known, by); }, initial);
@@ -103,7 +104,8 @@ bool TrackRun::reduces(Tracker& started, const FrameReduction& by) {
   const float px_per_mm = static_cast<float>(by.factor()) * started.camera().f / started.result().pose.t.z;
   reduction_ = FrameReduction(FrameReduction::factor_for(px_per_mm, frames_.size()));
   if (reduction_.factor() == 1) return false;
-  err_ << frames_.name() << ": the face is large: tracked in frames reduced to 1/" << reduction_.factor() << "\n";
+  err_ << frames_.name() << ": the face is large: tracked in frames reduced to 1/" << reduction_.factor()
+       << "\n";
   options_.marker_exclusion_px /= static_cast<float>(reduction_.factor());
   tracker_ = make_(reduction_.reduced(frames_.size()));
   return true;

@@ -33,7 +33,12 @@ class TrackRun {
   /// All references must outlive the run. \param err  where a line says that frames are reduced.
   TrackRun(FrameStream& frames, MakeTracker make, const TrackerOptions& options, const Markers& markers,
            TrackOutput& output, std::ostream& err)
-      : frames_(frames), make_(std::move(make)), options_(options), markers_(markers), output_(output), err_(err) {
+      : frames_(frames),
+        make_(std::move(make)),
+        options_(options),
+        markers_(markers),
+        output_(output),
+        err_(err) {
     tracker_ = make_(frames.size());
   }
 

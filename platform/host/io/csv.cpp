@@ -59,7 +59,8 @@ CsvTable::CsvTable(std::string source, std::string_view text) : source_(std::mov
     if (columns_.empty()) {
       columns_ = split(line);
       if (columns_.size() == 1 && line.find_first_of(";\t") != std::string_view::npos)
-        fail_input(source_, "has no commas between its columns: save it with commas, and with points in numbers");
+        fail_input(source_,
+                   "has no commas between its columns: save it with commas, and with points in numbers");
       continue;
     }
     rows_.push_back({line_number, split(line)});

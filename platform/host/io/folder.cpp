@@ -124,8 +124,7 @@ OpenedFrames open_folder(const std::string& path) {
   std::error_code error;
   for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
        entry.increment(error))
-    if (is_picture_of_folder(*entry))
-      names.push_back(entry->path().filename().string());
+    if (is_picture_of_folder(*entry)) names.push_back(entry->path().filename().string());
   if (error) return {nullptr, path + ": " + error.message()};
   if (names.empty()) return {nullptr, path + ": no PNG, JPEG, PGM or PPM picture in this folder"};
   std::sort(names.begin(), names.end(), is_naturally_before);

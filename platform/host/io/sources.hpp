@@ -1,7 +1,7 @@
 #pragma once
 // Functions that open the kinds of frame sources.
-#include <memory>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 

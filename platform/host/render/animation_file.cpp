@@ -72,12 +72,14 @@ void check_folder(const std::string& folder, std::size_t count) {
   for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    const std::string digits = entry->path().stem().string().substr(std::min(name.size(), std::strlen(kFrameName)));
+    const std::string digits =
+        entry->path().stem().string().substr(std::min(name.size(), std::strlen(kFrameName)));
     const bool is_frame = name.rfind(kFrameName, 0) == 0 && entry->path().extension() == ".obj" &&
                           !digits.empty() && digits.find_first_not_of("0123456789") == std::string::npos;
     if (is_frame && (digits.size() > 9 || std::stoul(digits) >= count))
       fail_input(folder, "has " + name + " of a longer animation, which would stay beside the " +
-                             std::to_string(count) + " frames of this one: remove it, or name another folder");
+                             std::to_string(count) +
+                             " frames of this one: remove it, or name another folder");
   }
 }
 

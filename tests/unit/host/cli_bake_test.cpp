@@ -170,8 +170,8 @@ TEST_CASE("info lists the bytes of a table, its operations and its curves") {
 TEST_CASE("an OBJ file may have its ending in capitals") {
   const ObjFolder folder;
   fs::copy(folder.folder + "/neutral.obj", folder / "SHEET.OBJ");
-  CHECK(run_words({"bake", folder / "SHEET.OBJ", "-o", folder / "m.plm", "--base-mesh", "60", "--size", "16"}).code ==
-        0);
+  CHECK(run_words({"bake", folder / "SHEET.OBJ", "-o", folder / "m.plm", "--base-mesh", "60", "--size", "16"})
+            .code == 0);
 }
 
 TEST_CASE("bake does not write over what it reads, nor into files of other kinds") {

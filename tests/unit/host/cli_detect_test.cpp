@@ -107,7 +107,9 @@ TEST_CASE("a large video that need not be tracked in real time is searched whole
   CHECK(whole_search(limits) == TrackerLimits{}.search_work);
 }
 
-TEST_CASE("a face that fills large frames is found and tracked in reduced ones, and its landmarks are those of the frames") {
+TEST_CASE(
+    "a face that fills large frames is found and tracked in reduced ones, and its landmarks are those of the "
+    "frames") {
   const Visit visit(0, 0, 0);
   constexpr int kFactor = 11, kFrames = 6;
   std::string stream = "YUV4MPEG2 W3520 H2640 F30:1 Cmono\n";
@@ -144,8 +146,9 @@ TEST_CASE("a face that fills large frames is found and tracked in reduced ones, 
     points += name + "," + std::to_string(kFactor * (x.x + 0.5f) - 0.5f) + "," +
               std::to_string(kFactor * (x.y + 0.5f) - 0.5f) + "\n";
   }
-  const Ran given = visit.track({"--init", visit.put("p.csv", points), "--markers",
-                                 visit.put("m.csv", "landmark,x,y\nspot,1700,1400\n"), "--sheet", visit / "s.png"});
+  const Ran given =
+      visit.track({"--init", visit.put("p.csv", points), "--markers",
+                   visit.put("m.csv", "landmark,x,y\nspot,1700,1400\n"), "--sheet", visit / "s.png"});
   CAPTURE(given.err);
   REQUIRE(given.code == 0);
   CHECK(value_after(given.out, "tracked") == kFrames);
@@ -265,7 +268,8 @@ TEST_CASE("fit needs no points: it finds the face, and says how far its landmark
 
 TEST_CASE("the published dynamics do not converge on a photograph, and fit says so") {
   const Folder folder;
-  const std::vector<std::string> words{"fit", kFace, "--image", kAstronaut, "-o", folder / "fit.json", "--method"};
+  const std::vector<std::string> words{"fit",     kFace, "--image", kAstronaut, "-o", folder / "fit.json",
+                                       "--method"};
   const auto with = [&](const char* method) {
     auto all = words;
     all.push_back(method);

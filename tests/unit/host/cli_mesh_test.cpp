@@ -217,7 +217,8 @@ TEST_CASE("one command makes a picture and a table of all criteria") {
     CHECK(contains(r.out, row));
 }
 
-TEST_CASE("an OBJ that is baked and written again has its u, with --mirror-u also where the chart was mirrored") {
+TEST_CASE(
+    "an OBJ that is baked and written again has its u, with --mirror-u also where the chart was mirrored") {
   const Folder f;
   for (const bool is_mirrored : {false, true}) {
     std::string text;
@@ -231,8 +232,8 @@ TEST_CASE("an OBJ that is baked and written again has its u, with --mirror-u als
       for (const int v : {a, a + 1, a + 4, a + 3}) text += " " + std::to_string(v) + "/" + std::to_string(v);
       text += "\n";
     }
-    const Ran baked = run_words(
-        {"bake", f.put("in.obj", text), "-o", f / "m.plm", "--base-mesh", "60", "--size", "32"});
+    const Ran baked =
+        run_words({"bake", f.put("in.obj", text), "-o", f / "m.plm", "--base-mesh", "60", "--size", "32"});
     REQUIRE(baked.code == 0);
     CHECK(contains(baked.err, "--mirror-u") == is_mirrored);
     std::vector<std::string> words{"mesh", f / "m.plm", "-o", f / "out.obj"};
@@ -276,6 +277,7 @@ TEST_CASE("bad arguments and bad files are refused with a message that names the
   refused({"--budget", "70000"}, "--budget");
   refused({"--param", "jawOpen"}, "NAME=VALUE");
   refused({"--param", "jawOpen=wide"}, "NAME=VALUE");
+  refused({"--param", "jawOpen=0.1", "--param", "jawOpen=0.2"}, "--param gives jawOpen twice");
   refused({"--budget", "9", "--budget", "9"}, "--budget: At Most 1 required but received 2");
   refused({"--figure", m / "f.png"}, "-o does not apply to --figure");
   refused({"--curve"}, "-o does not apply to --figure and --curve");

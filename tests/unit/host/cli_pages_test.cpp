@@ -175,8 +175,9 @@ TEST_CASE("given points keep their positions, and only they are switched on") {
 TEST_CASE("given points of the chart are on the page under their own names") {
   const Folder f;
   const std::string picture = f.put("g.pgm", grey_pgm(320, 240)), table = f / "m.plm";
-  REQUIRE(run_words({"bake", PLIANT_FIXTURES "/sheet", "-o", table, "--size", "32", "--texture", "none"}).code ==
-          0);
+  REQUIRE(
+      run_words({"bake", PLIANT_FIXTURES "/sheet", "-o", table, "--size", "32", "--texture", "none"}).code ==
+      0);
   const std::string given = f.put("p.csv",
                                   "landmark,x,y,u,v\nstamp,90,60,0.1,0.1\nmid,150,60,0.5,0.1\n"
                                   "fold,90,170,0.1,0.9\nuv_0.00_0.00,210,170,0.9,0.9\n");

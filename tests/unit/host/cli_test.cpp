@@ -15,6 +15,7 @@ TEST_CASE("bad usage exits with 2 and names the wrong argument") {
   } cases[] = {
       {{}, "usage"},
       {{"dance"}, "no such command: dance"},
+      {{"plan", "--mhz", "-1"}, "--mhz: not a number in range: -1"},
       {{"plan", "m.plm", "b"}, "argument was not expected: b"},
       {{"info"}, "FILE is required"},
       {{"info", "a", "b"}, "argument was not expected: b"},
@@ -41,6 +42,7 @@ TEST_CASE("bad usage exits with 2 and names the wrong argument") {
     CAPTURE(r.err);
     CAPTURE(c.part);
     if (*c.part != '\0') CHECK(r.code == 2);
+    CHECK(r.out.empty());
     CHECK(r.code != 0);
     CHECK(contains(r.err, c.part));
   }
@@ -63,10 +65,12 @@ TEST_CASE("an option that has nothing to act on is refused, and named") {
       {"--flash", "bake", sheet, "-o", folder / "x.plm", "--flash", "100"},
       {"-o", "bake", sheet, "-o", folder / "x.plm", "--sizes", "16"},
       {"--bits", "bake", sheet, "--bits", "8", "--sizes", "16"},
-      {"--delta", "fit", model, "--points", "p.csv", "--size", "20x20", "-o", folder / "x.json", "--delta", "1"},
-      {"--delta", "fit", model, "--points", "p.csv", "--size", "20x20", "-o", folder / "x.json", "--delta", "1",
-       "--method", "preconditioned"},
-      {"--steps", "fit", model, "--points", "p.csv", "--size", "20x20", "-o", folder / "x.json", "--steps", "9"},
+      {"--delta", "fit", model, "--points", "p.csv", "--size", "20x20", "-o", folder / "x.json", "--delta",
+       "1"},
+      {"--delta", "fit", model, "--points", "p.csv", "--size", "20x20", "-o", folder / "x.json", "--delta",
+       "1", "--method", "preconditioned"},
+      {"--steps", "fit", model, "--points", "p.csv", "--size", "20x20", "-o", folder / "x.json", "--steps",
+       "9"},
       {"--stiffness", "fit", model, "--box", "1,1,9,9", "--size", "20x20", "-o", folder / "x.json",
        "--stiffness", "1"},
       {"--silhouette", "fit", model, "--box", "1,1,9,9", "--size", "20x20", "-o", folder / "x.json",
@@ -84,8 +88,8 @@ TEST_CASE("an option that has nothing to act on is refused, and named") {
     CHECK(r.code == 2);
     CHECK(contains(r.err, ": " + c[0] + " "));
   }
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-           {"--pca", "3"}, {"--unit", "10"}, {"--relax-chart"}}) {
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"--pca", "3"}, {"--unit", "10"}, {"--relax-chart"}}) {
     std::vector<std::string> all{"bake", PLIANT_FIXTURES "/face", "-o", folder / "x.plm"};
     all.insert(all.end(), words.begin(), words.end());
     check_refused(all, {words[0], "needs an OBJ file"});
@@ -282,7 +286,8 @@ TEST_CASE("fit --pose refuses a fit of another model, by name") {
   text.replace(crc, text.find(',', crc) - crc, "7");
   check_refused({"fit", s.model, "--pose", s.put("b.json", text), "-o", s / "x.json"},
                 {"b.json", "another model than", "m.plm"});
-  check_refused({"fit", s.model, "--pose", s / "b.json", "--points", s.points, "-o", s / "x.json"}, {"b.json"});
+  check_refused({"fit", s.model, "--pose", s / "b.json", "--points", s.points, "-o", s / "x.json"},
+                {"b.json"});
   CHECK_FALSE(s.has("x.json"));
 }
 

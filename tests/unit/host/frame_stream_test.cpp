@@ -83,7 +83,8 @@ TEST_CASE("a reduced frame has the mean of each block, and places and cameras go
   for (int y = 0; y < 2; ++y)
     for (int x = 0; x < 3; ++x) {
       const int first = 3 * (14 * y + 2 * x);  // the mean of it and those 3, 21 and 24 grey levels above
-      CHECK(small.data[static_cast<std::size_t>(y) * small.stride_bytes + static_cast<std::size_t>(x)] == first + 12);
+      CHECK(small.data[static_cast<std::size_t>(y) * small.stride_bytes + static_cast<std::size_t>(x)] ==
+            first + 12);
     }
   // The middle of the first block of 2 x 2 pixels lies at half a pixel.
   CHECK(by.reduced(Vec2{0.5f, 2.5f}).x == 0);
