@@ -89,9 +89,11 @@ bool has_picture_extension(const std::string& path) {
 }
 
 bool is_picture_of_folder(const std::filesystem::directory_entry& entry) {
-  // Some systems put a hidden file with the same ending beside a picture, which holds something else.
+  std::error_code error;
+  // Some systems put a hidden file with the same ending beside a picture, which holds something else. A pipe would be waited for; a
+  // link to nothing is a picture that is missing.
   return has_picture_extension(entry.path().string()) && entry.path().filename().string()[0] != '.' &&
-         !entry.is_directory();
+         (entry.is_regular_file(error) || !entry.exists(error));
 }
 
 bool is_naturally_before(const std::string& a, const std::string& b) {

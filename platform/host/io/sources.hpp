@@ -14,7 +14,7 @@ OpenedFrames open_pictures(std::vector<std::string> paths);
 
 /// Whether a name ends as that of a picture: .png, .jpg, .jpeg, .pgm, .ppm or .pnm, in any case.
 bool has_picture_extension(const std::string& path);
-/// Whether an entry of a folder is a picture that is read with the folder: by its ending, and not hidden.
+/// Whether an entry of a folder is a picture that is read with the folder: by its ending, a file, and not hidden.
 bool is_picture_of_folder(const std::filesystem::directory_entry& entry);
 
 /// Opens a video file through the ffmpeg program, the first video track in it.

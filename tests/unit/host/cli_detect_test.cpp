@@ -1,4 +1,6 @@
 // `pliant detect`, and the commands that find a face themselves, as a user runs them.
+#include <sys/stat.h>
+
 #include "cli_run.hpp"
 #include "face_film.hpp"
 #include "host/commands/tracker_limits.hpp"
@@ -215,6 +217,7 @@ TEST_CASE("detect writes a row a face, of a picture or of a folder, and draws th
   folder.put("in/b.png", encode_png(Image(70, 50, 1, 90)));
   folder.put("in/notes.txt", "no picture");
   folder.put("in/._b.png", "what some systems note of b.png");
+  REQUIRE(mkfifo((folder / "in/pipe.png").c_str(), 0600) == 0);
   const Ran all =
       run_words({"detect", kFace, "--image", folder / "in", "-o", folder / "f.csv", "--landmarks"});
   REQUIRE(all.code == 0);
