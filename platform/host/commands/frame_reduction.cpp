@@ -8,8 +8,7 @@ namespace pliant::host {
 namespace {
 
 /// Scale up to which a face is tracked in the frames as they are, px a mm: 400 px between the outer corners of the eyes. A template
-/// has 11 px a side, and at a larger scale too little on it. Chosen on 120 frames of the recorded face, enlarged: with 4.2 px a mm all
-/// are in state tracking, with 5 114, with 6.7 106, with 8.4 30; reduced to 2.5 to 3.3 all are again.
+/// has 11 px a side, and at a larger scale too little on it. Chosen on the recorded face (docs/experiments.md, Enlarged).
 constexpr float kMostPxPerMm = 4.4f;
 /// Larger side of frames in which a face is found whatever its size, px: one that fills them has 4.4 px a mm.
 constexpr int kOverviewSide = 1280;
