@@ -74,16 +74,19 @@ int run_learn(const Args& args, Console& console) {
   LearntTables tables = kept_tables(args, output);
   const ModelFile file(args.operand(0));
   const TrainingPictures pictures(args, file.model(), console);
-  const learn::FaceSamples samples(file.model(), pictures.photographs, pictures.others, options.seed);
+  const auto samples = [&](const learn::FaceSampleTuning& tuning) {
+    return learn::FaceSamples(file.model(), pictures.photographs, pictures.others, options.seed, tuning);
+  };
   StageProgress progress(console);
   const auto show = [&](const char* stage, std::size_t done, std::size_t of) {
     progress.show(stage, done, of);
   };
   const auto learns = [&](const char* part) { return only.empty() || only == part; };
-  if (learns("detector")) tables.detector = learn::learn_detector(samples, pictures.others, options, show);
+  if (learns("detector"))
+    tables.detector = learn::learn_detector(samples({}), pictures.others, options, show);
   if (learns("aligner"))
-    tables.aligner =
-        learn::learn_aligner(file.model(), samples, pictures.others, tables.detector, options, show);
+    tables.aligner = learn::learn_aligner(file.model(), samples(learn::aligner_sample_tuning()),
+                                          pictures.others, tables.detector, options, show);
   if (learns("parts"))
     tables.parts = learn::learn_parts(file.model(), pictures.photographs, pictures.others, options, show);
   write_file(output, format_learnt(tables));

@@ -31,8 +31,8 @@ struct Tones {
 /// One portrait in the making.
 class Portrait {
  public:
-  Portrait(const Model& model, const FaceSheet& sheet, Cascade& cascade, Photograph& out,
-           SampleRandom& random)
+  Portrait(const Model& model, const FaceSheet& sheet, Cascade& cascade, const DrawnTurn& most_turned,
+           Photograph& out, SampleRandom& random)
       : sheet_(sheet), cascade_(cascade), out_(out), random_(random), tones_(random) {
     FacePlacement placement;
     placement.picture_px = kSide;
@@ -40,7 +40,8 @@ class Portrait {
                      kBoxSide};
     placement.distance_mm = kDistanceMm;
     const auto landmarks = sheet.landmarks(cascade, out.q.data());
-    const float yaw = random.between(-0.2f, 0.2f), pitch = random.between(-0.1f, 0.1f),
+    const float yaw = random.between(-most_turned.yaw, most_turned.yaw),
+                pitch = random.between(-most_turned.pitch, most_turned.pitch),
                 roll = random.between(-0.05f, 0.05f);
     place_face(model, landmarks, rotation_of(yaw, pitch, roll), placement, &out.camera, &out.pose);
     out.landmarks = projected(landmarks, out.pose, out.camera);
@@ -192,7 +193,7 @@ class Portrait {
 
 std::vector<Photograph> draw_portraits(const Model& model, const FaceSheet& sheet,
                                        const OtherPictures& others, std::size_t count, std::uint64_t seed,
-                                       int first_person) {
+                                       int first_person, const DrawnTurn& most_turned) {
   const ExpressionVariation people(model);
   Owned<Cascade> cascade(model);
   std::vector<Photograph> portraits(count);
@@ -206,7 +207,7 @@ std::vector<Photograph> draw_portraits(const Model& model, const FaceSheet& shee
     const Image background = is_plain
                                  ? make_background(kSide, kSide, static_cast<std::uint32_t>(random.bits()))
                                  : others.crop(kSide, kSide, random);
-    Portrait(model, sheet, *cascade, portrait, random).draw(model, background);
+    Portrait(model, sheet, *cascade, most_turned, portrait, random).draw(model, background);
   }
   return portraits;
 }

@@ -91,7 +91,8 @@ FaceSamples::FaceSamples(const Model& model, const std::vector<Photograph>& phot
     int people = 0;
     for (const Photograph& p : photographs) people = std::max(people, p.person + 1);
     const std::size_t drawn = photographs.empty() ? tuning.drawn_people_alone : tuning.drawn_people;
-    drawn_ = draw_portraits(model, parts_->sheet, others, std::max<std::size_t>(drawn, 1), seed, people);
+    drawn_ = draw_portraits(model, parts_->sheet, others, std::max<std::size_t>(drawn, 1), seed, people,
+                            tuning.drawn_turn);
   }
   Owned<Cascade> cascade(model);
   for (std::size_t k = 0; k < photographs.size() + drawn_.size(); ++k) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "host/learn/drawn_portraits.hpp"
 #include "host/learn/expression_variation.hpp"
 #include "host/learn/face_sample.hpp"
 #include "host/learn/occluders.hpp"
@@ -31,6 +32,7 @@ struct FaceSampleTuning {
   /// with more (median 2.25 % with none, 2.31 % with a tenth; right 93.2 % and 92.8 %); a few keep hats and odd skins in.
   float drawn_fraction = 0.04f;
   std::size_t drawn_people = 40;
+  DrawnTurn drawn_turn;
   /// Drawn people where there is no photograph: as many as photographs and their mirror images in the usual training.
   std::size_t drawn_people_alone = 350;
   /// Photographs turned in depth; the others are varied in the plane only. With 0.4 instead, 90.5 % of turned people left out

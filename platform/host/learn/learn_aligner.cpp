@@ -16,6 +16,11 @@ struct AlignerTuning {
   int starts = 2;  ///< a picture
   int first_landmark = 17,
       last_landmark = 67;  ///< brows to lips: the landmarks of the jaw have no fixed place on the surface
+  /// Samples of drawn people, how many those are, and how far they turn, rad. Rendered heads that look up or down by 15 degrees:
+  /// docs/experiments.md, Drawn people.
+  float drawn_fraction = 0.15f;
+  std::size_t drawn_people = 80;
+  DrawnTurn drawn_turn{0.35f, 0.35f};
 };
 constexpr AlignerTuning kTuning{};
 
@@ -44,6 +49,14 @@ void draw_examples(const FaceSamples& faces, AlignerCascade& cascade, const Lear
 }
 
 }  // namespace
+
+FaceSampleTuning aligner_sample_tuning() {
+  FaceSampleTuning t;
+  t.drawn_fraction = kTuning.drawn_fraction;
+  t.drawn_people = kTuning.drawn_people;
+  t.drawn_turn = kTuning.drawn_turn;
+  return t;
+}
 
 std::vector<std::uint8_t> learn_aligner(const Model& model, const FaceSamples& faces,
                                         const OtherPictures& others,

@@ -10,6 +10,10 @@
 
 namespace pliant::host::learn {
 
+/// The samples for alignment. More of them are drawn than of those for detection, and drawn people turn further: their truth is exact
+/// where a photograph that is turned shows no nostrils and no chin from below, so that pitch was underestimated.
+FaceSampleTuning aligner_sample_tuning();
+
 /// Learns a table for FaceAligner (face/aligner_table.hpp): the stages one after the other, then the verification.
 /// \param model   of the samples; needs the landmarks ibug17 to ibug67.
 /// \param others    pictures without faces.
