@@ -311,3 +311,26 @@ TEST_CASE("landmarks with one (u,v) get the same offset; a landmark without a gi
   CHECK(length(start.landmark("ibug30", true) - Vec2{310, 215}) < 0.02f);
   CHECK(length(start.offsets->values()[model.find_landmark("ibug48")]) == 0);
 }
+
+TEST_CASE("what an alignment says of ibug48 holds for mouth_right, the same place of the face") {
+  const Model& face = baked_face().model;
+  InArena<Estimator> e(face, EstimatorLimits{});
+  const auto q = baked_face().rest();
+  REQUIRE(e->start(centred_camera(kWidth, kHeight, 700), kWidth, kHeight, {{}, {0, 0, 500}}, q.data(), nullptr,
+                   {}) == Status::ok);
+  std::vector<Vec2> aligned;
+  for (const Landmark& l : face.landmarks()) {
+    Vec2 x;
+    REQUIRE(e->project({l.u, l.v}, &x));
+    aligned.push_back(x + Vec2{l.name[0] == 'i' ? 3.0f : 0.0f, 0});  // only those of the ibug scheme are aligned
+  }
+  InArena<LandmarkOffsets> offsets(face);
+  offsets->clear();
+  offsets->set_pending({aligned.data(), aligned.size()}, face);
+  offsets->place_pending(e.object);
+  const auto offset_of = [&](const char* name) { return offsets->values()[face.find_landmark(name)]; };
+  CHECK(length(offset_of("ibug48")) > 1);
+  CHECK(length(offset_of("mouth_right") - offset_of("ibug48")) == 0);
+  CHECK(length(offset_of("mouth_left") - offset_of("ibug54")) == 0);
+  CHECK(length(offset_of("nose_tip")) == 0);  // not the place of ibug30
+}
