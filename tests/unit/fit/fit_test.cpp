@@ -405,7 +405,7 @@ TEST_CASE("a known focal length stays, also where the points are then nearer or 
     std::vector<float> q(scene.truth.size(), 0);
     FitReport report;
     REQUIRE(fitter->fit(scene.all(), scene.options(focal), q.data(), &report) == Status::ok);
-    CHECK(camera_of(report.view).f == doctest::Approx(focal).epsilon(1e-3));
+    CHECK(camera_of(report.view).f == doctest::Approx(static_cast<double>(focal)).epsilon(1e-3));
   }
 }
 
