@@ -12,8 +12,8 @@ namespace {
 constexpr const char* kNames[] = {"a", "b", "c", "d", "middle"};
 
 /// A curved label with the print of the sheet, and landmarks at its corners and in its middle.
-const Model& label() {
-  static const auto* opened = [] {
+const std::vector<std::uint8_t>& label_bytes() {
+  static const auto* baked = [] {
     const obj_folder::ObjFolder folder("label");
     folder.write("neutral", obj_folder::Shape([](float s, float t) {
                    return Vec3{300 * (s - 0.5f), 240 * (t - 0.5f), 60 * s * (1 - s)};
@@ -25,8 +25,13 @@ const Model& label() {
     auto* bytes = new std::vector<std::uint8_t>;
     std::string error;
     REQUIRE_MESSAGE(bake::bake(options, *bytes, error), error);
-    return new bake::OpenedTable(*bytes);
+    return bytes;
   }();
+  return *baked;
+}
+
+const Model& label() {
+  static const auto* opened = new bake::OpenedTable(label_bytes());
   REQUIRE(opened->status() == Status::ok);
   return opened->model();
 }
