@@ -50,10 +50,11 @@ void LandmarkOffsets::set_pending(Span<const Correspondence> places, const Model
 void LandmarkOffsets::set_pending(Span<const Vec2> places, const Model& model) {
   PLIANT_ASSERT(places.count == values_.count);
   const Landmark* const all = model.landmarks().data;
-  for (std::size_t k = 0; k < values_.count; ++k)
+  for (std::size_t k = 0; k < values_.count; ++k) {
+    if (!is_ibug_landmark(all[k].name)) continue;
     for (std::size_t same = 0; same < values_.count; ++same)
-      if (is_ibug_landmark(all[k].name) && is_at(all[same], uv_of(all[k])))
-        values_[same] = {places[k].x, places[k].y, kIsPending};
+      if (is_at(all[same], uv_of(all[k]))) values_[same] = {places[k].x, places[k].y, kIsPending};
+  }
 }
 
 void LandmarkOffsets::place_pending(Estimator& estimator) {

@@ -7,17 +7,20 @@ namespace pliant::host {
 
 namespace {
 
-/// Scale up to which a face is tracked in the frames as they are, px a mm: 400 px between the outer corners of the eyes. A template
-/// has 11 px a side, and at a larger scale too little on it. Chosen on the recorded face (docs/experiments.md, Enlarged).
-constexpr float kMostPxPerMm = 4.4f;
-/// Larger side of frames in which a face is found whatever its size, px: one that fills them has 4.4 px a mm.
-constexpr int kOverviewSide = 1280;
-
-/// Smaller side that reduced frames have at least, px: that of the smallest frames a track is measured with.
-constexpr int kLeastSide = 240;
+/// Tuning of the reduction. Each constant: unit, reason, experiment.
+struct FrameReductionTuning {
+  /// Scale up to which a face is tracked in the frames as they are, px a mm: 400 px between the outer corners of the eyes. A template
+  /// has 11 px a side, and at a larger scale too little on it. Chosen on the recorded face (docs/experiments.md, Enlarged).
+  float most_px_per_mm = 4.4f;
+  /// Larger side of frames in which a face is found whatever its size, px: one that fills them has 4.4 px a mm.
+  int overview_side = 1280;
+  /// Smaller side that reduced frames have at least, px: that of the smallest frames a track is measured with. Not tuned.
+  int least_side = 240;
+};
+constexpr FrameReductionTuning kTuning{};
 
 int most_factor(ImageSize size) {
-  return std::max(1, std::min(size.width, size.height) / kLeastSide);
+  return std::max(1, std::min(size.width, size.height) / kTuning.least_side);
 }
 
 }  // namespace
@@ -25,11 +28,11 @@ int most_factor(ImageSize size) {
 int FrameReduction::factor_for(float px_per_mm, ImageSize size) {
   // A start from points far outside of the frame may say anything.
   return static_cast<int>(
-      clamp(std::ceil(px_per_mm / kMostPxPerMm), 1, static_cast<float>(most_factor(size))));
+      clamp(std::ceil(px_per_mm / kTuning.most_px_per_mm), 1, static_cast<float>(most_factor(size))));
 }
 
 int FrameReduction::factor_for(ImageSize size) {
-  const int wanted = (std::max(size.width, size.height) + kOverviewSide - 1) / kOverviewSide;
+  const int wanted = (std::max(size.width, size.height) + kTuning.overview_side - 1) / kTuning.overview_side;
   return std::min(wanted, most_factor(size));
 }
 

@@ -138,8 +138,8 @@ int run_mesh(const Args& args, Console& console) {
   if (args.has("--figure") || args.has("--curve")) return compare_criteria(args, console);
   const MeshRequest request = request_of(args);
   const auto output = args.text("-o");
-  const MeshFormat format = output ? format_of(*output) : MeshFormat::glb;
-  if (args.has("--mirror-u") && format == MeshFormat::glb)
+  const MeshFormat format = output ? format_of(*output) : MeshFormat::obj;
+  if (args.has("--mirror-u") && (!output || format == MeshFormat::glb))
     fail_usage("--mirror-u needs -o with an OBJ or PLY file: the texture in a GLB is that of the model");
   const ModelFile file(args.operand(0));
   ModelSurface surface(file.model(), parameters_of(args, file));

@@ -28,8 +28,9 @@ struct FaceSampleTuning {
   float box_low_px = 48, box_high_px = 110;  ///< side of the face box
   float margin_px = 6;                       ///< of the face box to the border, at least
   float roll_degrees = 30;                   ///< turn in the picture, at most
-  /// Of the samples: of drawn portraits; the others are of photographs. Alignment of photographs of people left out gets worse
-  /// with more (median 2.25 % with none, 2.31 % with a tenth; right 93.2 % and 92.8 %); a few keep hats and odd skins in.
+  /// Of the samples: of drawn portraits; the others are of photographs. Alignment has a fraction of its own. With people who turned
+  /// little, alignment of photographs of people left out got worse with more (median 2.25 % with none, 2.31 % with a tenth; right 93.2 %
+  /// and 92.8 %); a few keep hats and odd skins in.
   float drawn_fraction = 0.04f;
   std::size_t drawn_people = 40;
   DrawnTurn drawn_turn;

@@ -16,8 +16,8 @@ struct AlignerTuning {
   int starts = 2;  ///< a picture
   int first_landmark = 17,
       last_landmark = 67;  ///< brows to lips: the landmarks of the jaw have no fixed place on the surface
-  /// Samples of drawn people, how many those are, and how far they turn, rad. Rendered heads that look up or down by 15 degrees:
-  /// docs/experiments.md, Drawn people.
+  /// Of the samples: of drawn people; how many people those are; and how far they turn, rad. With more of them rendered heads are
+  /// aligned better, and the recorded face in some trainings worse: docs/experiments.md, Drawn people.
   float drawn_fraction = 0.15f;
   std::size_t drawn_people = 80;
   DrawnTurn drawn_turn{0.35f, 0.35f};

@@ -10,8 +10,8 @@
 
 namespace pliant::host::learn {
 
-/// The samples for alignment. More of them are drawn than of those for detection, and drawn people turn further: their truth is exact
-/// where a photograph that is turned shows no nostrils and no chin from below, so that pitch was underestimated.
+/// How samples for alignment differ from those for detection: more of them show drawn people, who turn further. A photograph that is
+/// turned shows no nostrils and no chin from below; with fewer drawn people pitch was underestimated.
 FaceSampleTuning aligner_sample_tuning();
 
 /// Learns a table for FaceAligner (face/aligner_table.hpp): the stages one after the other, then the verification.

@@ -24,6 +24,16 @@ const FaceFilm& film_of_face() {
   return *film;
 }
 
+/// Tracks ten frames, and then has the track refused until it is given up. \return number of the next frame; two are left.
+std::size_t track_and_give_up(Tracker& tracker, const FaceFilm& film, FakeFaces& fake) {
+  std::size_t k = 0;
+  while (k < 10) update(tracker, film, k++);
+  fake.verification = 0.05f;
+  while (tracker.is_started() && k < film.frames.size()) update(tracker, film, k++);
+  REQUIRE(k + 2 < film.frames.size());
+  return k;
+}
+
 }  // namespace
 
 TEST_CASE("a start from a box or from five points is refined where there are tables") {
@@ -104,11 +114,7 @@ TEST_CASE("a start that fails forgets the person: the next one is not held to it
       320, 240, 40, [](float, Pose& pose, auto&) { pose.t.x = -0.2f * pose.t.z; }, 0.5f);
   FakeFaces fake(film);
   InArena<Tracker> tracker(baked_face().model, limits_with_fake());
-  std::size_t k = 0;
-  while (k < 10) update(tracker.object, film, k++);
-  fake.verification = 0.05f;
-  while (tracker->is_started() && k < film.frames.size()) update(tracker.object, film, k++);
-  REQUIRE(k + 2 < film.frames.size());  // the track was given up
+  std::size_t k = track_and_give_up(tracker.object, film, fake);
   const std::vector<std::uint8_t> grey(320 * 240, 90);
   FrameView nothing = film.view(k++);
   nothing.data = grey.data();
@@ -130,11 +136,7 @@ TEST_CASE("a start whose fit fails forgets the person, too") {
       0.5f);
   FakeFaces fake(film);
   InArena<Tracker> tracker(baked_face().model, limits_with_fake());
-  std::size_t k = 0;
-  while (k < 10) update(tracker.object, film, k++);
-  fake.verification = 0.05f;
-  while (tracker->is_started() && k < film.frames.size()) update(tracker.object, film, k++);
-  REQUIRE(k + 2 < film.frames.size());  // the track was given up
+  std::size_t k = track_and_give_up(tracker.object, film, fake);
   const std::vector<NamedPoint> one_spot(8, {"ibug30", {150, 100}});
   CHECK(tracker->start_from_landmarks(film.view(k++), {one_spot.data(), one_spot.size()}) ==
         Status::underdetermined);
