@@ -4,8 +4,8 @@
 #   without an option  the optimised build, by GCC
 #   --all              also the optimised build by Clang, and GCC's with the address and undefined-behaviour sanitizers
 #   --targets          all of that, the fuzzers for 20 seconds each, and the targets: Cortex-M7 on an emulated board; AArch64,
-#                      ARMv7 and RISC-V under qemu-user; two builds compared byte by byte; builds without each optional
-#                      part; a camera in a virtual machine
+#                      ARMv7 and RISC-V under qemu-user; Windows under Wine; WebAssembly under Node.js; two builds compared
+#                      byte by byte; builds without each optional part; a camera in a virtual machine
 # A target is skipped, with a line that says so, when its compiler or emulator cannot be installed, and when it would begin
 # more than PLIANT_MINUTES after the start, where that is set.
 # Tests of real data read it from the folder in PLIANT_DATA. Without it ctest shows them as skipped.
@@ -80,3 +80,5 @@ target cortex-m7 arm-none-eabi-g++ qemu-system-arm -- gcc-arm-none-eabi libnewli
 target armhf arm-linux-gnueabihf-g++ qemu-arm-static -- g++-arm-linux-gnueabihf qemu-user-static
 target riscv64 riscv64-linux-gnu-g++ qemu-riscv64-static -- g++-riscv64-linux-gnu qemu-user-static
 target aarch64 aarch64-linux-gnu-g++ qemu-aarch64-static -- g++-aarch64-linux-gnu qemu-user-static
+target windows x86_64-w64-mingw32-g++-posix /usr/lib/wine/wine64 -- g++-mingw-w64-x86-64-posix wine64
+target wasm em++ node -- emscripten nodejs
