@@ -79,7 +79,6 @@ class BaseMeshMaker {
   Status prepare(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding);
   Status find_neighbours();
   Status orient(Span<const Vec2> uv, Winding winding);
-  void flip(FaceId f);
   std::size_t sort_edges(Span<const Vec3> position);
   void split_edges(std::size_t edge_count);
   void pair_faces(std::size_t edge_count);

@@ -96,8 +96,8 @@ class Cascade {
   /// sample_count() samples.
   /// \param q         all parameters; only the frozen ones are read.
   /// \param samples   samples_per_point() values.
-  /// \param slack_mm  leaves out each vector that moves the point by less than this at the limits of its parameter. At
-  ///                  0.01 mm the evaluation of a face's points reads a quarter less. 0: leaves out zero vectors.
+  /// \param slack_mm  leaves out each vector of which no component moves the point by this at the limits of its parameter.
+  ///                  At 0.01 mm the evaluation of a face's points reads a quarter less. 0: leaves out zero vectors.
   void sample_point(Vec2 uv, const float* q, Vec3* samples, float slack_mm = 0);
 
   /// Position (mm) of a sampled surface point (Eq. 1). `q` holds all parameters: those of records that follow a free one are
@@ -113,7 +113,7 @@ class Cascade {
   /// Prepares many surface points at one q: lists the records whose parameters are not zero. The calls of
   /// `selected_point` and `selected_frame` that follow visit only these.
   /// \param q         all parameters; must stay at its address and unchanged for those calls.
-  /// \param slack_mm  leaves out each vector that moves no point by more than this at q.
+  /// \param slack_mm  leaves out each vector of which no component moves any point by this at q.
   void select(const float* q, float slack_mm = 0);
   /// Position at the selected q. Cost: one sample a listed record.
   Vec3 selected_point(Vec2 uv);

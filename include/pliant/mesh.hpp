@@ -37,7 +37,7 @@ class Mesh {
   Status set_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corners);
   /// Makes the present triangles of a free mesh its base (all levels 0), or returns not_basic_blocks.
   Status make_base();
-  /// The defects that show without topology: bad_argument, capacity, bad_index, degenerate_face, isolated_vertex.
+  /// The defects that show without topology: bad_argument, capacity, bad_index, degenerate_face.
   static Status check_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corners,
                                 const MeshLimits& limits);
   /// Copies everything from a mesh of the same limits. \return bad_argument for other limits.

@@ -27,7 +27,7 @@ class RecordSelection {
   void lay_out(Arena& arena, std::size_t records, const RecordValues& values);
 
   /// Lists those records of the plan that have an effect at q. `q` must stay unchanged.
-  /// \param slack_mm  vectors that move no point by more than this are not listed.
+  /// \param slack_mm  vectors of which no component moves any point by this are not listed.
   void select(const Model& model, const CascadePlan& plan, const float* q, float slack_mm);
 
   Span<const std::uint16_t> listed() const { return {listed_, count_}; }
