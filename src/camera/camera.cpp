@@ -17,13 +17,13 @@ float exponential(float x) {
 
 bool is_possible(const Pose& pose, const Camera& camera) {
   constexpr float kFarthest = 1e7f, kRounding = 1.001f;
+  const float offsets[] = {pose.t.x, pose.t.y, camera.cx, camera.cy};
+  for (const float offset : offsets)
+    if (!(magnitude(offset) <= kFarthest)) return false;  // as all comparisons here, for NaN too
   const Quat& q = pose.q;
   const float squared = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  const float farthest =
-      max(max(magnitude(pose.t.x), magnitude(pose.t.y)), max(magnitude(camera.cx), magnitude(camera.cy)));
-  return is_finite(pose) && is_finite(farthest) && farthest <= kFarthest && squared > 0.5f && squared < 2 &&
-         kMaxRho * pose.t.z * kRounding >= 1 && kMinRho * pose.t.z <= kRounding && camera.f > 0 &&
-         camera.f <= kFarthest;
+  return squared > 0.5f && squared < 2 && kMaxRho * pose.t.z * kRounding >= 1 &&
+         kMinRho * pose.t.z <= kRounding && camera.f > 0 && camera.f <= kFarthest;
 }
 
 View view_of(const Pose& pose, const Camera& camera) {

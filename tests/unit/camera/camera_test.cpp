@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <initializer_list>
+#include <limits>
 
 #include "random.hpp"
 
@@ -114,6 +115,28 @@ TEST_CASE("with a known focal length a change of scale keeps it, up to the bound
   for (int i = 0; i < 30; ++i) view = moved(view, step, kPoseUnknowns);
   CHECK(view.rho == kMaxRho);
   CHECK(camera_of(view).f == doctest::Approx(double(f)).epsilon(1e-3));
+}
+
+TEST_CASE("what is not finite is no possible pose or camera, whichever number it is") {
+  const Camera camera = centred_camera(640, 480, 500);
+  CHECK(is_possible(Pose{}, camera));
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    for (float Camera::*const number : {&Camera::f, &Camera::cx, &Camera::cy}) {
+      Camera other = camera;
+      other.*number = bad;
+      CHECK_FALSE(is_possible(Pose{}, other));
+    }
+    for (float Vec3::*const number : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+      Pose pose;
+      pose.t.*number = bad;
+      CHECK_FALSE(is_possible(pose, camera));
+    }
+    for (float Quat::*const number : {&Quat::w, &Quat::x, &Quat::y, &Quat::z}) {
+      Pose pose;
+      pose.q.*number = bad;
+      CHECK_FALSE(is_possible(pose, camera));
+    }
+  }
 }
 
 TEST_CASE("a point at or behind the camera is refused") {

@@ -435,6 +435,10 @@ TEST_CASE("a start that is no view is refused, and so is a misfit that is no len
   }
   start.q = {0, 0, 0, 0};
   CHECK(status() == Status::bad_argument);
+  for (float Vec2::*const along : {&Vec2::x, &Vec2::y}) {
+    start.c.*along = nan;
+    CHECK(status() == Status::bad_argument);
+  }
   for (const float misfit : {-1.0f, nan}) {
     options.misfit_mm = misfit;
     CHECK(status() == Status::bad_argument);
