@@ -80,7 +80,7 @@ class Adapter {
   Adapter& operator=(const Adapter&) = delete;
 
   /// Arena layout (create_in, measured_bytes).
-  /// \param limits  those of the mesh.
+  /// \param limits  those of the mesh, as Mesh::limits gives them.
   void lay_out(Arena& arena, const MeshLimits& limits);
 
   /// Samples the vertices of a mesh and ranks its faces. Mesh, surface and criterion must outlive the adaptation.

@@ -48,7 +48,7 @@ void Adapter::lay_out(Arena& arena, const MeshLimits& limits) {
 Status Adapter::start(Mesh& mesh, const Surface& surface, const Criterion& criterion) {
   if (surface.sample == nullptr || criterion.refine_rank == nullptr || criterion.weld_rank == nullptr ||
       position_ == nullptr || mesh.limits().vertices != limits_.vertices ||
-      mesh.limits().faces != limits_.faces)
+      mesh.limits().faces != limits_.faces || mesh.limits().max_level != limits_.max_level)
     return Status::bad_argument;
   if (!mesh.is_restricted()) return Status::not_ready;
   mesh_ = &mesh;

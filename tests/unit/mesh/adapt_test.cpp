@@ -403,6 +403,8 @@ TEST_CASE("the adapter refuses what it cannot work with") {
   CHECK(s.adapter.start(s.box.mesh, bumps.surface(), {}) == Status::bad_argument);
   MeshBox other(limits(101, 200), shapes::block_grid(2)), empty(limits(100, 200));
   CHECK(s.adapter.start(other.mesh, bumps.surface(), contour) == Status::bad_argument);
+  MeshBox shallow(limits(100, 200, 4), shapes::block_grid(2));  // it would be refined beyond its own level
+  CHECK(s.adapter.start(shallow.mesh, bumps.surface(), contour) == Status::bad_argument);
   CHECK(s.adapter.start(empty.mesh, bumps.surface(), contour) == Status::not_ready);
   Adapter idle;
   CHECK(idle.adapt({}).splits == 0);
