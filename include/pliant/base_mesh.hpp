@@ -76,7 +76,8 @@ class BaseMeshMaker {
     HalfEdgeId h;
   };
 
-  Status prepare(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding);
+  Status prepare(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
+                 Span<const Vec3> position);
   Status find_neighbours();
   Status orient(Span<const Vec2> uv, Winding winding);
   std::size_t sort_edges(Span<const Vec3> position);

@@ -120,20 +120,24 @@ Status BaseMeshMaker::orient(Span<const Vec2> uv, Winding winding) {
   return Status::ok;
 }
 
-Status BaseMeshMaker::prepare(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding) {
+Status BaseMeshMaker::prepare(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
+                              Span<const Vec3> position) {
   vertex_count_ = face_count_ = input_vertices_ = 0;
+  if (corners_ == nullptr || (!position.empty() && position.count != uv.count)) return Status::bad_argument;
   MeshLimits input;
   input.vertices = limits_.vertices;
   input.faces = limits_.faces;
-  Status status = corners_ == nullptr ? Status::bad_argument : Mesh::check_triangles(uv, corners, input);
+  Status status = Mesh::check_triangles(uv, corners, input);
   if (status != Status::ok) return status;
   face_count_ = corners.count / 3;
   for (std::size_t i = 0; i < corners.count; ++i) corners_[i] = corners[i];
   status = find_neighbours();
   if (status == Status::ok) status = orient(uv, winding);
   if (status == Status::ok) status = mesh_.set_triangles(uv, {corners_, corners.count});
-  if (status != Status::ok) face_count_ = 0;
-  input_vertices_ = uv.count;
+  if (status == Status::ok)
+    input_vertices_ = uv.count;
+  else
+    face_count_ = 0;
   return status;
 }
 
@@ -205,8 +209,8 @@ void BaseMeshMaker::emit_mesh() {
 
 Status BaseMeshMaker::by_splits(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
                                 Span<const Vec3> position) {
-  if (!limits_.splits || (!position.empty() && position.count != uv.count)) return Status::bad_argument;
-  Status status = prepare(uv, corners, winding);
+  if (!limits_.splits) return Status::bad_argument;
+  const Status status = prepare(uv, corners, winding, position);
   if (status != Status::ok) return status;
   split_edges(sort_edges(position));
   emit_mesh();
@@ -246,8 +250,7 @@ void BaseMeshMaker::pair_faces(std::size_t edge_count) {
 
 Status BaseMeshMaker::by_pairing(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
                                  Span<const Vec3> position) {
-  if (!position.empty() && position.count != uv.count) return Status::bad_argument;
-  const Status status = prepare(uv, corners, winding);
+  const Status status = prepare(uv, corners, winding, position);
   if (status != Status::ok) return status;
   pair_faces(sort_edges(position));
   const std::size_t n = limits_.faces;
