@@ -118,7 +118,8 @@ void find_initial_view(FitProblem& problem, const Vec3* position, Vec2 centre) {
 Status view_from_box(Cascade& cascade, const float* q, Vec2 corner, Vec2 size, const Camera& camera,
                      View* view) {
   const Model& model = cascade.model();
-  if (!is_finite(corner) || !is_finite(size) || !(size.x > 0 && size.y > 0) || !(camera.f > 0))
+  if (!is_finite(corner) || !is_finite(size) || !(size.x > 0 && size.y > 0) || !(camera.f > 0) ||
+      !is_finite(Vec3{camera.f, camera.cx, camera.cy}))
     return Status::bad_argument;
   Vec3 low{1e9f, 1e9f, 1e9f}, high{-1e9f, -1e9f, -1e9f};
   const auto include = [&](Vec3 p) {
@@ -136,9 +137,10 @@ Status view_from_box(Cascade& cascade, const float* q, Vec2 corner, Vec2 size, c
   const Vec3 extent = high - low, centre = 0.5f * (low + high);
   if (!(extent.x > 0 && extent.y > 0)) return Status::bad_argument;
   View out;
-  out.s = 0.5f * (size.x / extent.x + size.y / extent.y);
+  // As weak_perspective_view.
+  out.s = clamp(0.5f * (size.x / extent.x + size.y / extent.y), kMinRho * camera.f, kMaxRho * camera.f);
   out.c = {camera.cx, camera.cy};
-  out.rho = clamp(out.s / camera.f, kMinRho, kMaxRho);
+  out.rho = out.s / camera.f;
   const Vec2 middle = corner + 0.5f * size;
   const Vec2 offset = (1.0f / out.s) * (middle - out.c);
   out.tau = {offset.x - centre.x, offset.y + centre.y};

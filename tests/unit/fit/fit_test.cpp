@@ -444,22 +444,3 @@ TEST_CASE("a start that is no view is refused, and so is a misfit that is no len
     CHECK(status() == Status::bad_argument);
   }
 }
-
-TEST_CASE("a box starts a frontal view that fills it") {
-  const Scene scene(7);
-  InArena<Cascade> cascade(scene.model);
-  std::vector<float> q(scene.truth.size(), 0);
-  View view;
-  const Camera camera = centred_camera(640, 480, 900);
-  REQUIRE(view_from_box(cascade.object, q.data(), {100, 80}, {150, 200}, camera, &view) == Status::ok);
-  Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
-  for (Vec2 uv : scene.model.base_uv()) {
-    Vec2 x;
-    REQUIRE(Projector(view, true).project(cascade->surface_point(uv, q.data()), &x));
-    low = {min(low.x, x.x), min(low.y, x.y)};
-    high = {max(high.x, x.x), max(high.y, x.y)};
-  }
-  CHECK(low.x == doctest::Approx(100).epsilon(0.1));
-  CHECK(high.y == doctest::Approx(280).epsilon(0.05));
-  CHECK(view_from_box(cascade.object, q.data(), {0, 0}, {0, 10}, camera, &view) == Status::bad_argument);
-}
