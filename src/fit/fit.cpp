@@ -72,14 +72,6 @@ bool has_silhouette_points(Span<const Correspondence> points) {
   return false;
 }
 
-/// The part of a point's residual that counts, projected minus observed, at the accepted state.
-Vec2 residual_of(const FitProblem& problem, const Projector& projector, std::size_t point) {
-  const Vec2 observed = problem.points[point].x;
-  Vec2 x = observed;
-  projector.project(problem.position(point, problem.q), &x);
-  return problem.counted(point, x - observed);
-}
-
 }  // namespace
 
 void Fitter::State::lay_out(Arena& arena, const Model& model, const FitLimits& most) {
@@ -237,7 +229,7 @@ Status Fitter::State::finish(FitProblem& problem, FitReport* report, const FitDe
   const Projector projector(problem.view, true);
   float sum = 0;
   for (std::size_t i = 0; i < problem.points.count; ++i) {
-    const Vec2 residual = residual_of(problem, projector, i);
+    const Vec2 residual = problem.residual(i, projector);
     if (problem.point_loss(i, residual).weight <= 0) continue;
     ++report->used;
     sum += dot(residual, residual);
@@ -256,7 +248,7 @@ Status Fitter::State::finish(FitProblem& problem, FitReport* report, const FitDe
                                  : parameters[p].sd;
   }
   for (std::size_t i = 0; i < problem.points.count; ++i) {
-    const Vec2 residual = residual_of(problem, projector, i);
+    const Vec2 residual = problem.residual(i, projector);
     if (details.residuals != nullptr) details.residuals[i] = residual;
     if (details.weights != nullptr) details.weights[i] = problem.point_loss(i, residual).weight;
   }

@@ -30,6 +30,13 @@ Vec2 FitProblem::counted(std::size_t point, Vec2 residual) const {
   return n.x == 0 && n.y == 0 ? residual : dot(n, residual) * n;
 }
 
+Vec2 FitProblem::residual(std::size_t point, const Projector& projector) const {
+  const Vec2 observed = points[point].x;
+  Vec2 x = observed + Vec2{1e6f, 1e6f};
+  projector.project(position(point, q), &x);
+  return counted(point, x - observed);
+}
+
 /// log(f / expected f), where f = s / rho.
 float FitProblem::focal_log(const View& v) const {
   return log_ratio(v.s, v.rho * prior_focal);
@@ -134,9 +141,7 @@ void FitProblem::update_scale() {
   const Projector projector(view, focal_is_known);
   float mean_sd = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
-    Vec2 x = points[i].x + Vec2{1e6f, 1e6f};
-    projector.project(position(i, q), &x);
-    work.distance[i] = length(counted(i, points[i].x - x)) / points[i].sd_px;
+    work.distance[i] = length(residual(i, projector)) / points[i].sd_px;
     mean_sd += points[i].sd_px / static_cast<float>(points.count);
   }
   const float misfit = options.misfit_mm * view.s / mean_sd;

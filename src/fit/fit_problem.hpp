@@ -51,6 +51,8 @@ struct FitProblem {
   }
   /// The part of a residual that counts: all of it, or that across the contour.
   Vec2 counted(std::size_t point, Vec2 residual) const;
+  /// That of projected minus observed position at the accepted state. A point behind the camera is far off.
+  Vec2 residual(std::size_t point, const Projector& projector) const;
   LossValue point_loss(std::size_t point, Vec2 residual) const {
     return evaluate(loss, length(counted(point, residual)) / (points[point].sd_px * scale));
   }

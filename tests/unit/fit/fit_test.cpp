@@ -444,3 +444,20 @@ TEST_CASE("a start that is no view is refused, and so is a misfit that is no len
     CHECK(status() == Status::bad_argument);
   }
 }
+
+TEST_CASE("a point behind the camera is no inlier") {
+  Scene scene(8);
+  const View close = view_of({{}, {0, 0, 70}}, centred_camera(640, 480, 900));
+  InArena<Cascade> cascade(scene.model);
+  std::size_t visible = 0;
+  for (Correspondence& c : scene.points)
+    visible += Projector(close, true).project(cascade->surface_point(c.uv, scene.truth.data()), &c.x);
+  REQUIRE((visible > 70 && visible < scene.points.size()));
+  InArena<Fitter> fitter(scene.model, limits());
+  FitOptions options = scene.options(900);
+  options.start = &close;
+  std::vector<float> q = scene.truth;
+  FitReport report;
+  REQUIRE(fitter->fit(scene.all(), options, q.data(), &report) == Status::ok);
+  CHECK(report.used <= visible);
+}
