@@ -100,7 +100,8 @@ class Fitter {
   /// Estimates pose, camera and the free parameters. Cost: at most options.iterations linearisations of all points, twice that where
   /// the surface folds over; without a start also 50 of the pose alone.
   /// \param points  at least four.
-  /// \param q       all parameters: initial values and result. Null only for a model without parameters.
+  /// \param q       all parameters: initial values, of free ones clamped to their ranges, and result. Null only for a model
+  ///                without parameters.
   /// \return ok, or with nothing changed:
   ///   - bad_argument: null points, q or report; NaN; sd_px <= 0; uv outside [0,1]^2; no image size; focal length, stiffness or
   ///     misfit < 0; a start that is no view; silhouette points without room for them; a camera that Lens::make refuses

@@ -162,6 +162,10 @@ void Fitter::State::start(FitProblem& problem) {
     cascade.set_free(options.is_free);
   else
     cascade.set_all_free();
+  for (std::size_t k = 0; k < cascade.column_count(); ++k) {
+    const std::uint16_t p = cascade.parameter_of(k);
+    q[p] = stepped(cascade.model().parameters()[p], q[p], 0);
+  }
   for (std::size_t i = 0; limits.silhouette && i < limits.points; ++i) work.contour_normal[i] = {};
   for (std::size_t i = 0; i < problem.points.count; ++i) {
     cascade.sample_point(problem.points[i].uv, q, work.samples_of(i));

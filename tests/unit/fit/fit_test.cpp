@@ -445,6 +445,22 @@ TEST_CASE("a start that is no view is refused, and so is a misfit that is no len
   }
 }
 
+TEST_CASE("free parameters come back within their ranges, also from values outside that no step improves") {
+  Scene scene(9);
+  scene.truth[0] = 5;  // the range is -3 to 3
+  InArena<Cascade> cascade(scene.model);
+  for (Correspondence& c : scene.points)
+    REQUIRE(Projector(scene.view, true).project(cascade->surface_point(c.uv, scene.truth.data()), &c.x));
+  InArena<Fitter> fitter(scene.model, limits());
+  FitOptions options = scene.options(900);
+  options.start = &scene.view;
+  options.stiffness = 0;
+  std::vector<float> q = scene.truth;
+  FitReport report;
+  REQUIRE(fitter->fit(scene.all(), options, q.data(), &report) == Status::ok);
+  CHECK(q[0] <= 3);
+}
+
 TEST_CASE("a point behind the camera is no inlier") {
   Scene scene(8);
   const View close = view_of({{}, {0, 0, 70}}, centred_camera(640, 480, 900));
