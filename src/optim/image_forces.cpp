@@ -17,22 +17,26 @@ constexpr std::size_t kRowsPerColumn =
 constexpr float kNotFinite = std::numeric_limits<float>::infinity();
 /// Relative pivot below which the points do not separate a parameter from those before it. Round value, not tuned.
 constexpr double kSmallestPivot = 1e-6;
+/// Inverse pivot of the estimated covariance in a direction in which its forces do not differ, 1/px: a force that is off by
+/// some 1e-5 px does not agree. Above the rounding of whitened rows, which are floats. Round value, not tuned.
+constexpr double kFlat = 1e5;
 
 constexpr std::size_t packed(std::size_t row, std::size_t column) {  // of a lower triangle, column <= row
   return row * (row + 1) / 2 + column;
 }
 
-/// Factorises A = L L^T in place. The diagonal gets 1 / pivot, or 0 for a pivot that is too small.
-void factorise_lower(double* l, std::size_t p) {
+/// Factorises A = L L^T in place. The diagonal gets 1 / pivot. For a pivot that is too small it gets `flat`; 0 leaves the
+/// direction out.
+void factorise_lower(double* l, std::size_t p, double flat) {
   for (std::size_t j = 0; j < p; ++j) {
-    const double all = l[packed(j, j)];
-    double pivot = all;
+    double pivot = l[packed(j, j)];
+    const double least = flat > 0 ? 1 / (flat * flat) : kSmallestPivot * pivot;
     for (std::size_t k = 0; k < j; ++k) {
       for (std::size_t m = 0; m < k; ++m) l[packed(j, k)] -= l[packed(j, m)] * l[packed(k, m)];
       l[packed(j, k)] *= l[packed(k, k)];
       pivot -= l[packed(j, k)] * l[packed(j, k)];
     }
-    l[packed(j, j)] = pivot > kSmallestPivot * all ? 1 / square_root(pivot) : 0.0;
+    l[packed(j, j)] = pivot > least ? 1 / square_root(pivot) : flat;
   }
 }
 
@@ -75,7 +79,7 @@ void ForceRejector::whiten(const float* jacobian, std::size_t rows, std::size_t 
                                  static_cast<double>(by[j]) * static_cast<double>(by[k]);
   }
   unit_ = square_root(static_cast<double>(rows));
-  factorise_lower(whiten_, p);
+  factorise_lower(whiten_, p, 0);
 }
 
 /// row = L^-1 B^T f.
@@ -92,7 +96,7 @@ void ForceRejector::factorise() {
   for (std::size_t j = 0; j < columns_; ++j)
     for (std::size_t k = 0; k <= j; ++k)
       factor_[packed(j, k)] = mcd_.reweighted().covariance[j * columns_ + k];
-  factorise_lower(factor_, columns_);
+  factorise_lower(factor_, columns_, kFlat);
 }
 
 bool ForceRejector::agrees(const float* jacobian, Vec2 force) const {

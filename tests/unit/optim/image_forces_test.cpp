@@ -291,6 +291,28 @@ TEST_CASE("an unobserved parameter and values that are not finite are handled") 
   CHECK((still > 70 && still < 100));
 }
 
+TEST_CASE(
+    "a single force agrees where `reject` keeps it, also where most forces do not differ in some direction") {
+  Random random(8);
+  const Scene scene(random);
+  RejectorRunner runner;
+  for (const float noise_px : {0.0f, 1e-4f, 0.3f})
+    for (const Vec2 usual : {Vec2{0, 0}, Vec2{1, 0}, Vec2{-2, 1}}) {
+      Trial trial{std::vector<Vec2>(kPoints), Parameters::Zero()};
+      for (std::size_t i = 0; i < kPoints; ++i)
+        trial.force[i] =
+            (i % 3 == 0 ? Vec2{6, 2} : usual) + Vec2{noise_px * random.normal(), noise_px * random.normal()};
+      const std::vector<std::uint8_t> keep = runner.reject(scene, trial, McdStarts::median_ball);
+      for (std::size_t i = 0; i < kPoints; ++i) {
+        float jacobian[2 * kRigid];
+        for (std::size_t k = 0; k < 2 * kRigid; ++k)
+          jacobian[k] = static_cast<float>(
+              scene.b[i](static_cast<Eigen::Index>(k / kRigid), static_cast<Eigen::Index>(k % kRigid)));
+        CHECK(runner.rejector.agrees(jacobian, trial.force[i]) == (keep[i] != 0));
+      }
+    }
+}
+
 TEST_CASE("few points are all kept, and bad arguments change nothing") {
   RejectorRunner runner;
   const std::vector<float> jacobian(kPoints * 2 * kRigid, 1.0f);
