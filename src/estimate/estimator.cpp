@@ -206,11 +206,10 @@ void Estimator::begin(std::int64_t time_ns) {
 
 void Estimator::translate(Vec2 px) {
   if (!is_finite(px)) return;
-  impl_->predictions = {};
   View& view = impl_->state.view;
   view.tau = view.tau + (1.0f / view.s) * px;
   impl_->motion.expect_offset(view.tau);
-  impl_->surface.invalidate_images();
+  impl_->note_new_view();
 }
 
 void Estimator::propose(const View& view) {
@@ -277,7 +276,7 @@ bool Estimator::solve_first_pass(Span<Observation> observations) {
   Impl& s = *impl_;
   if (!s.lens.is_none()) undistort(s.lens, observations);
   const bool moved = s.solver.solve_first_pass(s.solve_input(), observations, &s.state);
-  s.predictions = {};
+  s.note_new_view();
   if (!s.lens.is_none()) distort(s.lens, observations);
   return moved;
 }
@@ -293,7 +292,7 @@ SolverReport Estimator::solve(Span<Observation> observations) {
   // Through a lens the predictions are not in the pinhole image.
   const Span<const Prediction> predictions = s.lens.is_none() ? s.predictions : Span<const Prediction>{};
   const SolverReport report = s.solver.solve(s.solve_input(), observations, predictions, &s.state);
-  s.predictions = {};
+  s.note_new_view();
   if (!s.lens.is_none()) distort(s.lens, observations);
   return report;
 }

@@ -50,6 +50,10 @@ struct Estimator::Impl : StateParts {
   }
   Status add(PointKind kind, Vec2 uv, Vec2 along, std::uint16_t* id);
   void note_new_point(std::uint16_t id);
+  void note_new_view() {
+    predictions = {};
+    surface.invalidate_images();
+  }
   void forget_person();
   Status revise(const float* q, Quat turn);
   /// Places the silhouette points at the present state. Null before there is one: a program that adds none does not link it.

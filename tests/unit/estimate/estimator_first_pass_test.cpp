@@ -162,3 +162,30 @@ TEST_CASE("a solve from positions that were just predicted gives the same bits a
     for (std::size_t i = 0; i < scene.q.size(); ++i) CHECK(a->parameters()[i] == b->parameters()[i]);
   }
 }
+
+TEST_CASE(
+    "between a solve and the end of the frame, surface_at finds the surface where the solve has put it") {
+  for (const bool is_first_pass : {false, true}) {
+    Scene scene;
+    InArena<Estimator> e(scene.model, scene.limits);
+    scene.start(e.object, 0);
+    e->begin(1'000'000'000);
+    auto seen = scene.observe(0.1f, scene.q, 0.1f);
+    if (is_first_pass)
+      REQUIRE(e->solve_first_pass(span(seen)));
+    else
+      e->solve(span(seen));
+    const auto distances = [&] {
+      std::vector<float> all;
+      Vec2 uv;
+      for (int i = 0; i < 32; ++i)
+        for (int j = 0; j < 24; ++j)
+          all.push_back(e->surface_at({20 * static_cast<float>(i), 20 * static_cast<float>(j)}, &uv));
+      return all;
+    };
+    const std::vector<float> found = distances();
+    e->refresh_vertices();  // projects them, at least
+    const std::vector<float> expected = distances();
+    for (std::size_t k = 0; k < found.size(); ++k) CHECK(magnitude(found[k] - expected[k]) < 0.1f);
+  }
+}
