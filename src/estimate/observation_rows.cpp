@@ -14,7 +14,8 @@ float mahalanobis(Sym2 w, Vec2 r) {
 
 /// W (I + s^2 W)^-1: the information after an error with standard deviation s is added. Keeps rank one.
 Sym2 with_added_error(Sym2 w, float s) {
-  const float s2 = s * s;
+  const float s2 = s * s, most = kTuning.most_over_error / (s2 * (w.xx + w.yy));
+  if (most < 1) w = {most * w.xx, most * w.xy, most * w.yy};
   const float a = 1 + s2 * w.xx, b = s2 * w.xy, d = 1 + s2 * w.yy;
   const float inverse = 1.0f / (a * d - b * b);
   return {inverse * (w.xx * d - w.xy * b), inverse * (w.xy * a - w.xx * b), inverse * (w.yy * a - w.xy * b)};

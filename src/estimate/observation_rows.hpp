@@ -31,6 +31,9 @@ struct ObservationRowsTuning {
   /// Ratio of determinant to squared trace of an information below which it has rank one. One direction then weighs less
   /// than a thousandth of the other.
   float line_ratio = 1e-3f;
+  /// Largest ratio of an information to that of the model error, which is added. Beyond, it is that of the model error within
+  /// rounding, and the determinants of the sum, of a line, would be nothing but rounding. Round value, not tuned.
+  float most_over_error = 1e5f;
 };
 inline constexpr ObservationRowsTuning kObservationRowsTuning{};
 

@@ -100,6 +100,21 @@ TEST_CASE("the model error is added to the noise, and keeps lines lines") {
   CHECK(inexact.rows->information(1).yy == 0);
 }
 
+TEST_CASE("the more exact a line, the nearer its information is to that of the model error alone") {
+  Rig rig({0x07, 1, 0});
+  const float variance = kObservationRowsTuning.edge_error_mm * kObservationRowsTuning.edge_error_mm;
+  for (const float w : {1e2f, 1e5f, 1e7f, 1e8f, 1e10f, 1e12f}) {
+    std::vector<Observation> o = {observation(1, {0, 0}, {0.36f * w, 0.48f * w, 0.64f * w}, Cue::edge)};
+    rig.gather(o);
+    REQUIRE(rig.rows->count() == 1);
+    const Sym2 found = rig.rows->information(0);
+    const float expected = 1 / (1 / w + variance);
+    CHECK(found.xx == doctest::Approx(static_cast<double>(0.36f * expected)).epsilon(0.03));
+    CHECK(found.xy == doctest::Approx(static_cast<double>(0.48f * expected)).epsilon(0.03));
+    CHECK(found.yy == doctest::Approx(static_cast<double>(0.64f * expected)).epsilon(0.03));
+  }
+}
+
 TEST_CASE("normal residuals have scale 1, as points and as lines; few outliers do not change it") {
   for (const bool lines : {false, true}) {
     Rig rig;
