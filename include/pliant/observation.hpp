@@ -41,9 +41,9 @@ enum class Reason : std::uint8_t {
 /// A measured image position of a surface point. Consecutive observations with one id are alternatives, of
 /// which at most one is true.
 struct Observation {
-  std::uint16_t id = 0;           ///< of its surface point
-  Vec2 x;                         ///< px
-  Sym2 information;               ///< 1/px^2, at most 1e12, else not_visible; rank one: edges, normal flow
+  std::uint16_t id = 0;  ///< of its surface point
+  Vec2 x;                ///< px
+  Sym2 information;  ///< 1/px^2, semi-definite, at most 1e12, else not_visible; rank one: edges, normal flow
   Cue cue = Cue::patch;           ///< kind of measurement
   Reason reason = Reason::found;  ///< only `found` is used; others count as searched
   float score = 0;                ///< normalised correlation or contrast, in [-1,1]

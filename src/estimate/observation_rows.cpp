@@ -21,9 +21,14 @@ Sym2 with_added_error(Sym2 w, float s) {
   return {inverse * (w.xx * d - w.xy * b), inverse * (w.xy * a - w.xx * b), inverse * (w.yy * a - w.xy * b)};
 }
 
-bool is_line(Sym2 w) {
+/// The determinant less a part of the squared trace.
+float determinant_less(Sym2 w, float part) {
   const float trace = w.xx + w.yy;
-  return w.xx * w.yy - w.xy * w.xy <= kTuning.line_ratio * trace * trace;
+  return w.xx * w.yy - w.xy * w.xy - part * trace * trace;
+}
+
+bool is_line(Sym2 w) {
+  return determinant_less(w, kTuning.line_ratio) <= 0;
 }
 
 }  // namespace
@@ -48,7 +53,7 @@ bool ObservationRows::is_usable(const Observation& o, const SurfacePoints& point
   const Sym2 w = o.information;
   return points.has(o.id) && static_cast<std::size_t>(o.cue) < kCueCount && is_finite(o.x) && w.xx >= 0 &&
          w.yy >= 0 && w.xx + w.yy > 0 && w.xx <= kTuning.most_information &&
-         w.yy <= kTuning.most_information && magnitude(w.xy) <= kTuning.most_information;
+         w.yy <= kTuning.most_information && determinant_less(w, -kTuning.line_ratio) >= 0;
 }
 
 /// The observation's information with the model error added, in the scale of its cue.

@@ -61,7 +61,7 @@ TEST_CASE("unusable observations are marked, and make no row") {
   Rig rig;
   std::vector<Observation> o = {observation(1, {nan, 1}), observation(30, {1, 1}),
                                 observation(2, {1, 1}, {-1, 0, 4}), observation(3, {1, 1}, {0, 0, 0}),
-                                observation(4, {1, 1}, {4, nan, 4})};
+                                observation(4, {1, 1}, {4, nan, 4}), observation(6, {1, 1}, {1, 5, 1})};
   o.push_back(observation(5, {1, 1}));
   o.back().cue = static_cast<Cue>(200);
   rig.gather(o);
