@@ -70,6 +70,7 @@ Camera FrameReduction::reduced(const Camera& camera) const {
 }
 
 Vec2 FrameReduction::reduced(Vec2 x) const {
+  if (factor_ == 1) return x;  // not a bit else than the caller says
   const float scale = 1 / static_cast<float>(factor_);
   return {(x.x + 0.5f) * scale - 0.5f, (x.y + 0.5f) * scale - 0.5f};
 }

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <fstream>
 
-#include "host/commands/track_picture.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/statistics.hpp"
 
@@ -63,30 +62,34 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
                       : track_header(model, names));
 }
 
-void TrackOutput::add(const FrameStream& frames, const FrameView& frame, Tracker& tracker,
-                      const FrameReduction& reduction, double milliseconds) {
+void TrackOutput::add(const FrameStream& frames, const FrameView& frame, ReducedTracker& tracker,
+                      double milliseconds) {
   const std::size_t number = frames.number(frame);
-  const FrameResult& result = tracker.result();
+  const FrameResult& result = tracker.tracker().result();
   TrackRow row;
   row.frame = number;
   row.time_s = frames.time_s(frame);
   row.state = result.state;
   row.tracked = result.tracked;
   row.inliers = result.inliers;
-  row.rms_px = static_cast<float>(reduction.factor()) * result.rms_px;
+  row.rms_px = tracker.rms_px();
   row.vertices = result.vertices;
   row.landmark_error = result.landmark_error;
   row.gaze = result.gaze;
   row.pose = result.pose;
-  for (const float value : tracker.estimator().parameters()) row.q.push_back(value);
-  const Points landmarks = project_landmarks(tracker, reduction),
-               markers = project_markers(tracker, reduction);
+  for (const float value : tracker.tracker().estimator().parameters()) row.q.push_back(value);
+  std::vector<std::optional<Vec2>> landmarks, markers;
+  for (std::size_t k = 0; k < model_.landmarks().count; ++k) landmarks.push_back(tracker.landmark(k));
+  for (std::size_t k = 0; k < marker_count_; ++k) markers.push_back(tracker.marker(k));
   if (with_landmarks_) row.points = landmarks;
   row.points.insert(row.points.end(), markers.begin(), markers.end());
   if (number > 0) milliseconds_.push_back(milliseconds);
   if (row.state != TrackState::lost && truth_) truth_->add(number, row.pose, landmarks);
   write(row, frame);
-  show(row, frames, frame, &tracker.estimator(), reduction, landmarks, markers, milliseconds);
+  const auto marks = [&] {
+    return row.state == TrackState::lost ? TrackMarks{} : TrackMarks{tracker.mesh(), landmarks, markers};
+  };
+  show(row, frames, frame, marks, milliseconds);
 }
 
 void TrackOutput::add_lost(const FrameStream& frames, const FrameView& frame) {
@@ -97,7 +100,8 @@ void TrackOutput::add_lost(const FrameStream& frames, const FrameView& frame) {
   row.q.resize(model_.parameters().count);
   row.points.resize((with_landmarks_ ? model_.landmarks().count : 0) + marker_count_);
   write(row, frame);
-  show(row, frames, frame, nullptr, FrameReduction{}, {}, {}, 0);
+  show(
+      row, frames, frame, [] { return TrackMarks{}; }, 0);
 }
 
 void TrackOutput::write(const TrackRow& row, const FrameView& frame) {
@@ -153,40 +157,14 @@ std::string TrackOutput::summary(std::size_t arena_bytes, float focal_px) const 
   return out;
 }
 
-TrackOutput::Points TrackOutput::project_landmarks(Tracker& tracker, const FrameReduction& reduction) const {
-  Points out;
-  for (std::size_t k = 0; k < model_.landmarks().count; ++k) {
-    Vec2 x;
-    const bool is_in_front = tracker.landmark(k, &x) == Status::ok;
-    out.push_back(is_in_front ? std::optional<Vec2>(reduction.whole(x)) : std::nullopt);
-  }
-  return out;
-}
-
-TrackOutput::Points TrackOutput::project_markers(Tracker& tracker, const FrameReduction& reduction) const {
-  Points out;
-  for (std::size_t k = 0; k < marker_count_; ++k) {
-    Vec2 x;
-    out.push_back(tracker.marker(k, &x) ? std::optional<Vec2>(reduction.whole(x)) : std::nullopt);
-  }
-  return out;
-}
-
 void TrackOutput::show(const TrackRow& row, const FrameStream& frames, const FrameView& frame,
-                       Estimator* estimator, const FrameReduction& reduction, const Points& landmarks,
-                       const Points& markers, double milliseconds) {
+                       const std::function<TrackMarks()>& marks, double milliseconds) {
   if (report_) report_->add(row, milliseconds);
   const bool draws = overlay_ || window_, is_on_sheet = (sheet_file_ || report_) && sheet_.wants_next();
   if (!is_on_sheet) sheet_.skip();
   if (!draws && !is_on_sheet) return;
-  TrackPicture shown{
-      frames.picture(frame), {}, {}, {}, std::to_string(row.frame) + "  " + state_text(row.state), row.state};
-  if (row.state != TrackState::lost && estimator != nullptr) {
-    shown.mesh = wire_of(*estimator);
-    for (Vec2& x : shown.mesh.x) x = reduction.whole(x);
-    shown.landmarks = landmarks;
-    shown.markers = markers;
-  }
+  const TrackPicture shown{frames.picture(frame), marks(),
+                           std::to_string(row.frame) + "  " + state_text(row.state), row.state};
   if (!draws) return sheet_.add([shown] { return shown.drawn(); });
   const Image image = shown.drawn();
   if (overlay_) overlay_->write(image);

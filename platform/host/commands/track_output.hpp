@@ -1,6 +1,7 @@
 #pragma once
 /// \file track_output.hpp
 /// The files that one run of `pliant track` writes, and its summary.
+#include <functional>
 #include <memory>
 #include <optional>
 #include <ostream>
@@ -8,9 +9,10 @@
 #include <vector>
 
 #include "host/commands/args.hpp"
-#include "host/commands/frame_reduction.hpp"
 #include "host/commands/frame_stream.hpp"
 #include "host/commands/live_window.hpp"
+#include "host/commands/reduced_tracker.hpp"
+#include "host/commands/track_picture.hpp"
 #include "host/commands/track_report.hpp"
 #include "host/io/arkit.hpp"
 #include "host/io/files.hpp"
@@ -18,7 +20,6 @@
 #include "host/io/truth.hpp"
 #include "host/io/y4m_writer.hpp"
 #include "host/render/sheet.hpp"
-#include "pliant/tracker.hpp"
 
 namespace pliant::host {
 
@@ -36,10 +37,8 @@ class TrackOutput {
 
   /// Adds the tracker's present result.
   /// \param frames        where the frame comes from, which is its last.
-  /// \param reduction     by which the tracker's frames are smaller.
   /// \param milliseconds  that the update took; not counted for frame 0.
-  void add(const FrameStream& frames, const FrameView& frame, Tracker& tracker,
-           const FrameReduction& reduction, double milliseconds);
+  void add(const FrameStream& frames, const FrameView& frame, ReducedTracker& tracker, double milliseconds);
 
   /// Whether someone still watches, where --show is given: the window was not closed.
   bool is_watched() const { return window_ == nullptr || window_->is_open(); }
@@ -55,15 +54,11 @@ class TrackOutput {
   std::string commit(std::size_t arena_bytes, float focal_px);
 
  private:
-  using Points = std::vector<std::optional<Vec2>>;
   std::string summary(std::size_t arena_bytes, float focal_px) const;
-  Points project_landmarks(Tracker& tracker, const FrameReduction& reduction) const;
-  Points project_markers(Tracker& tracker, const FrameReduction& reduction) const;
   void write(const TrackRow& row, const FrameView& frame);
-  /// Draws the frame where it is wanted.
-  void show(const TrackRow& row, const FrameStream& frames, const FrameView& frame, Estimator* estimator,
-            const FrameReduction& reduction, const Points& landmarks, const Points& markers,
-            double milliseconds);
+  /// Draws the frame where it is wanted. \param marks  is called only then.
+  void show(const TrackRow& row, const FrameStream& frames, const FrameView& frame,
+            const std::function<TrackMarks()>& marks, double milliseconds);
 
   Model model_;
   OutputFile table_;

@@ -1,18 +1,15 @@
 #pragma once
 /// \file track_run.hpp
 /// One run of `pliant track`: starts the tracker, gives it every frame, and hands each result to the output.
-#include <functional>
 #include <memory>
 #include <ostream>
 #include <string>
 #include <vector>
 
-#include "host/commands/frame_reduction.hpp"
 #include "host/commands/frame_stream.hpp"
 #include "host/commands/initial_state.hpp"
+#include "host/commands/reduced_tracker.hpp"
 #include "host/commands/track_output.hpp"
-#include "host/io/owned.hpp"
-#include "pliant/tracker.hpp"
 
 namespace pliant::host {
 
@@ -27,20 +24,16 @@ struct Markers {
 /// may not be found. All that goes in and comes out is in pixels of the whole frames.
 class TrackRun {
  public:
-  /// Makes a tracker of frames of this size.
-  using MakeTracker = std::function<std::unique_ptr<Owned<Tracker>>(ImageSize)>;
-
   /// All references must outlive the run. \param err  where a line says that frames are reduced.
-  TrackRun(FrameStream& frames, MakeTracker make, const TrackerOptions& options, const Markers& markers,
-           TrackOutput& output, std::ostream& err)
+  TrackRun(FrameStream& frames, ReducedTracker::Make make, const TrackerOptions& options,
+           const Markers& markers, TrackOutput& output, std::ostream& err)
       : frames_(frames),
         make_(std::move(make)),
         options_(options),
         markers_(markers),
         output_(output),
-        err_(err) {
-    tracker_ = make_(frames.size());
-  }
+        err_(err),
+        tracker_(make_, frames.size(), 1) {}
 
   /// Starts on the first frame. Bad input, with the name of the file: what the tracker does not start on. Not to be called
   /// where the tracker finds the face itself.
@@ -52,31 +45,29 @@ class TrackRun {
   void track(const FrameView& frame);
 
   /// Bytes of the tracker, and the focal length of the last track, px of the whole frames.
-  std::size_t used_bytes() const { return tracker_->used_bytes(); }
+  std::size_t used_bytes() const { return tracker_.used_bytes(); }
   float focal_px() const { return focal_px_; }
 
  private:
   std::string where(const FrameView& frame) const {
     return frames_.name() + ": frame " + std::to_string(frames_.number(frame));
   }
-  void begin_search(Tracker& tracker, const FrameReduction& by, const std::string& model) const;
-  /// Chooses the reduction by a tracker that has started, once. \param by  of its frames. \return whether the frames have to be reduced.
-  /// The run's tracker is then a new one, which has not started.
-  bool reduces(Tracker& started, const FrameReduction& by);
+  void begin_search(ReducedTracker& tracker, const std::string& model) const;
+  /// Chooses the reduction by the scale of a tracker's track, once. \return whether the frames have to be reduced. The run's
+  /// tracker is then a new one, which has not started.
+  bool reduces(const ReducedTracker& started);
   /// Whether the face that the overview finds in this frame has to be reduced, as `reduces`.
   bool reduces_for_overview(const FrameView& frame);
   void add(const FrameView& frame, double milliseconds);
 
   FrameStream& frames_;
-  MakeTracker make_;
+  ReducedTracker::Make make_;
   TrackerOptions options_;
   const Markers& markers_;
   TrackOutput& output_;
   std::ostream& err_;
-  std::unique_ptr<Owned<Tracker>> tracker_;
-  FrameReduction reduction_;
-  std::unique_ptr<Owned<Tracker>> overview_;  // null where there is none, or none is needed any more
-  FrameReduction overview_reduction_;
+  ReducedTracker tracker_;
+  std::unique_ptr<ReducedTracker> overview_;  // null where there is none, or none is needed any more
   InitialOptions initial_;
   bool is_chosen_ = false;  // the reduction
   float focal_px_ = 0;
