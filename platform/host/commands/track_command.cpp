@@ -92,9 +92,18 @@ TrackerOptions tracker_options(const Args& args) {
   return options;
 }
 
-/// The profile's limits, with room for what this run was given.
-TrackerLimits limits_of_run(TrackerLimits limits, const TrackerOptions& options, const Markers& markers,
-                            const std::optional<Initial>& initial) {
+/// The limits that the command line asks for, of a tracker of frames of this size.
+TrackerLimits asked_limits(const Args& args, const Model& model, const FrameStream& frames, ImageSize size) {
+  TrackerLimits limits = tracker_limits(args, size);
+  const bool searches_faces = !model.detector().empty();
+  if (searches_faces && !frames.is_live() && !args.has(kProfileOption.name))
+    limits.search_work = whole_search(limits);
+  return args.has("--freeze") ? without_person(limits) : limits;
+}
+
+/// The same with room for what this run was given.
+TrackerLimits with_room(TrackerLimits limits, const TrackerOptions& options, const Markers& markers,
+                        const std::optional<Initial>& initial) {
   limits.markers = static_cast<std::uint16_t>(markers.x.size());
   if (options.estimator.mesh_operations > 0) limits.texture_cells = kTextureCells;
   const auto* landmarks = initial ? std::get_if<InitialLandmarks>(&*initial) : nullptr;
@@ -123,6 +132,18 @@ std::optional<Initial> initial_of(const Args& args, const ModelFile& file, const
   return read_initial(*path, file, frames.size(), frames.name(), how, err);
 }
 
+/// Bad input: there is no frame, or it is too small or too large for a track.
+FrameView first_frame(const Args& args, FrameStream& frames) {
+  FrameView frame;
+  if (!frames.next(&frame))
+    throw Failure(kBadInput, frames.message().empty() ? frames.name() + ": has no frames" : frames.message());
+  const ImageSize size = frames.size();
+  if (check(tracker_limits(args, size)) != Status::ok)
+    throw Failure(kBadInput, frames.name() + ": a track needs frames of 64 to 16,384 pixels a side, not " +
+                                 std::to_string(size.width) + "x" + std::to_string(size.height));
+  return frame;
+}
+
 int run_track(const Args& args, Console& console) {
   args.required("--out");
   check_start(args);
@@ -137,20 +158,10 @@ int run_track(const Args& args, Console& console) {
   const std::optional<Initial> initial = initial_of(args, file, frames, initial_how, console.err);
   const Markers markers = read_markers(args, model);
 
-  FrameView frame;
-  if (!frames.next(&frame))
-    throw Failure(kBadInput, frames.message().empty() ? frames.name() + ": has no frames" : frames.message());
-  if (check(tracker_limits(args, frames.size())) != Status::ok)
-    throw Failure(kBadInput, frames.name() + ": a track needs frames of 64 to 16,384 pixels a side, not " +
-                                 std::to_string(frames.size().width) + "x" +
-                                 std::to_string(frames.size().height));
+  FrameView frame = first_frame(args, frames);
   const auto make_tracker = [&](ImageSize size) {
-    TrackerLimits limits = tracker_limits(args, size);
-    const bool searches_faces = !model.detector().empty();
-    if (searches_faces && !frames.is_live() && !args.has(kProfileOption.name))
-      limits.search_work = whole_search(limits);
-    if (args.has("--freeze")) limits = without_person(limits);
-    return std::make_unique<Owned<Tracker>>(model, limits_of_run(limits, options, markers, initial));
+    const TrackerLimits asked = asked_limits(args, model, frames, size);
+    return std::make_unique<Owned<Tracker>>(model, with_room(asked, options, markers, initial));
   };
   std::size_t expected = frames.count();
   if (last > 0 && expected > 0) expected = std::min(expected, static_cast<std::size_t>(last));
