@@ -18,4 +18,11 @@ double median(std::vector<double> values) {
   return values.empty() ? 0 : quantile(std::move(values), 0.5);
 }
 
+double upper_median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 }  // namespace pliant::host

@@ -10,5 +10,7 @@ double quantile(std::vector<double> values, double fraction);
 
 /// The quantile of 1/2; 0 if there are no values.
 double median(std::vector<double> values);
+/// The same without interpolation: one of the values, of two in the middle the larger one.
+double upper_median(std::vector<double> values);
 
 }  // namespace pliant::host

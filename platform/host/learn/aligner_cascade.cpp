@@ -4,18 +4,13 @@
 #include <cmath>
 #include <memory>
 
+#include "host/io/statistics.hpp"
 #include "host/learn/aligner_components.hpp"
 #include "host/learn/parallel.hpp"
 
 namespace pliant::host::learn {
 
 namespace {
-
-double median_of(std::vector<double> v) {
-  if (v.empty()) return 0;
-  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
 
 /// sum over rows of a dot product.
 double predicted(const std::vector<double>& rows, std::size_t row, std::size_t bytes,
@@ -145,7 +140,7 @@ void AlignerCascade::learn_local(const AlignerStage& shape, StageReport* report)
     learn_information(shape, pairs[p].first, pairs[p].second, &learnt);
     if (pairs[p].first != pairs[p].second) learn_information(shape, pairs[p].second, pairs[p].first, &learnt);
   });
-  report->ridge = median_of(ridges);
+  report->ridge = upper_median(ridges);
   for (std::size_t f = 0; f < learnt.size(); ++f) stages_[f].push_back(std::move(learnt[f]));
 }
 
@@ -360,7 +355,7 @@ void AlignerCascade::report_errors(StageReport* report) {
     errors[e] = static_cast<double>(mean_error(example, at, kTrustAnnotated));
   });
   errors.erase(std::remove_if(errors.begin(), errors.end(), [](double e) { return e < 0; }), errors.end());
-  report->median = median_of(errors);
+  report->median = upper_median(errors);
   for (const double e : errors) {
     report->mean += e / static_cast<double>(errors.size());
     report->right += (e < 0.06 ? 1.0 : 0.0) / static_cast<double>(errors.size());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/io/statistics.hpp"
 #include "host/learn/aligner_examples.hpp"
 #include "host/learn/parallel.hpp"
 #include "host/learn/part_examples.hpp"
@@ -13,13 +14,6 @@ namespace pliant::host::learn {
 namespace {
 
 using Points = std::vector<std::size_t>;
-
-double median_of(std::vector<double> v) {
-  if (v.empty()) return 0;
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
 
 /// Points that are seen or hidden together: landmarks, and pupils.
 std::vector<Points> groups_of(const PartRecord& part) {
@@ -171,7 +165,7 @@ class PartCascade {
       all.push_back(std::sqrt(sum));
       if (weights_[group][k] > 0) errors.push_back(all.back());
     }
-    const double usual = std::max(median_of(errors), 1e-6);
+    const double usual = std::max(upper_median(errors), 1e-6);
     for (std::size_t k = 0; k < examples_.size(); ++k) {
       const double ratio = std::max(1.0, all[k] / usual);
       weights_[group][k] = trusted(examples_[k], groups_[group]) / (ratio * ratio);
@@ -196,7 +190,7 @@ class PartCascade {
     const double xx = moment[0] / weight + tuning_.least_variance, xy = moment[1] / weight,
                  yy = moment[2] / weight + tuning_.least_variance, determinant = xx * yy - xy * xy;
     out_.information.insert(out_.information.end(), {yy / determinant, -xy / determinant, xx / determinant});
-    out_.error.push_back(median_of(errors));
+    out_.error.push_back(upper_median(errors));
   }
 
   std::vector<PartExample> examples_;
