@@ -68,24 +68,38 @@ class Portrait {
     return tone * (1 + 0.12f * v);
   }
 
+  float skin() const { return 150 * tones_.skin; }
+
+  /// What is around the face and below it, from the back to the front.
   void paint_behind() {
-    const float w = width_, skin = 150 * tones_.skin;
-    long_hair_ = random_.chance(0.4f);
-    const Vec2 crown = middle_ + Vec2{0, -0.35f * w};
-    if (long_hair_) {
-      const float low = random_.between(0.6f, 1.5f) * w, half = random_.between(0.6f, 0.8f) * w;
-      paint(
-          out_.picture, {{crown, crown + Vec2{0, low}}, half},
-          [&](Vec2 x) {
-            return outside_capsule(x, crown, crown + Vec2{0, low}, half);
-          },
-          [&](Vec2 x) { return strand(x, 0.8f * tones_.hair, 0.2f); }, 1, 6);
-    }
-    const Vec2 neck = chin_ + Vec2{0, 0.55f * w};
+    const Vec2 crown = middle_ + Vec2{0, -0.35f * width_};
+    if (random_.chance(0.4f)) paint_long_hair(crown);
+    const Vec2 neck = chin_ + Vec2{0, 0.55f * width_};
+    paint_neck(neck);
+    paint_clothes(neck.y);
+    paint_ears();
+    paint_hair(crown);
+    paint_skin_below_face();
+  }
+
+  void paint_long_hair(Vec2 crown) {
+    const float low = random_.between(0.6f, 1.5f) * width_, half = random_.between(0.6f, 0.8f) * width_;
+    const Vec2 end = crown + Vec2{0, low};
+    paint(
+        out_.picture, {{crown, end}, half}, [&](Vec2 x) { return outside_capsule(x, crown, end, half); },
+        [&](Vec2 x) { return strand(x, 0.8f * tones_.hair, 0.2f); }, 1, 6);
+  }
+
+  void paint_neck(Vec2 neck) {
+    const float w = width_;
     paint(
         out_.picture, {{middle_, neck}, 0.4f * w},
         [&](Vec2 x) { return outside_capsule(x, middle_, neck, 0.33f * w); },
-        [&](Vec2 x) { return skin * (0.75f - 0.2f * (x.x - neck.x) / w); }, 1, 3);
+        [&](Vec2 x) { return skin() * (0.75f - 0.2f * (x.x - neck.x) / w); }, 1, 3);
+  }
+
+  void paint_clothes(float neck_y) {
+    const float w = width_;
     const Vec2 left = chin_ + Vec2{0.85f * w, 1.0f * w}, right = chin_ + Vec2{-0.85f * w, 1.0f * w};
     const float shoulder = 0.5f * w, open = random_.between(0.1f, 0.5f) * w;
     paint(
@@ -94,31 +108,43 @@ class Portrait {
           const float cloth =
               min(outside_capsule(x, right, left, shoulder),
                   x.y > left.y ? outside_capsule(x, {right.x, x.y}, {left.x, x.y}, shoulder) : 1e9f);
-          const float collar = open * (1 - (x.y - neck.y) / (0.8f * w)) - magnitude(x.x - neck.x);
+          const float collar = open * (1 - (x.y - neck_y) / (0.8f * w)) - magnitude(x.x - chin_.x);
           return max(cloth, collar);
         },
         [&](Vec2 x) { return tones_.clothes * (1 + 0.1f * std::sin(0.05f * x.x + 0.08f * x.y)); }, 1, 2);
+  }
+
+  void paint_ears() {
+    const float w = width_;
     for (const Vec2 ear : {ear_right_, ear_left_})
       paint(
           out_.picture, {{ear}, 0.2f * w},
           [&](Vec2 x) {
             return outside_ellipse(x, ear + Vec2{0, 0.08f * w}, {0.09f * w, 0.17f * w});
           },
-          [&](Vec2) { return 0.85f * skin; }, 1, 2);
-    const float bulk = random_.between(0.5f, 0.62f);
+          [&](Vec2) { return 0.85f * skin(); }, 1, 2);
+  }
+
+  void paint_hair(Vec2 crown) {
+    const float w = width_, bulk = random_.between(0.5f, 0.62f);
     paint(
         out_.picture, {{crown}, w},
         [&](Vec2 x) {
           return outside_ellipse(x, crown + Vec2{0, 0.1f * w}, {bulk * w, (bulk + 0.12f) * w});
         },
         [&](Vec2 x) { return strand(x, tones_.hair, 0.3f); }, 1, 5);
-    // Skin under the face, should the face not reach its edge.
+  }
+
+  /// Should the face not reach its edge.
+  void paint_skin_below_face() {
+    const float w = width_;
+    const Vec2 middle = 0.5f * (middle_ + chin_) + Vec2{0, -0.15f * w};
     paint(
         out_.picture, {{middle_, chin_}, w},
         [&](Vec2 x) {
-          return outside_ellipse(x, 0.5f * (middle_ + chin_) + Vec2{0, -0.15f * w}, {0.44f * w, 0.62f * w});
+          return outside_ellipse(x, middle, {0.44f * w, 0.62f * w});
         },
-        [&](Vec2) { return 0.8f * skin; }, 1, 4);
+        [&](Vec2) { return 0.8f * skin(); }, 1, 4);
   }
 
   void paint_face(const Model& model) {
@@ -186,7 +212,6 @@ class Portrait {
   Tones tones_;
   Vec2 chin_, nose_, ear_right_, ear_left_, middle_;
   float width_ = 1;
-  bool long_hair_ = false;
 };
 
 }  // namespace
