@@ -1,5 +1,6 @@
 #pragma once
 // Landmarks of a model that are named by the iBUG scheme: ibug00 to ibug67.
+#include "pliant/face_box.hpp"
 #include "pliant/model.hpp"
 
 namespace pliant {
@@ -11,5 +12,17 @@ std::uint16_t find_ibug(const Model& model, int number, std::size_t expected = 0
 /// Those whose middle and distances are a face's box: outer corners of the eyes, then of the mouth, each the right one of
 /// the face first. \return false if the model lacks one.
 bool find_box_corners(const Model& model, std::uint16_t (&corners)[4]);
+
+/// The face box of a model whose landmark k is at x where `place(k, &x)` returns true. Side 0 if one is not seen or the model
+/// lacks it. \param scale  px per mm.
+template <class Place>
+FaceBox box_at_landmarks(const Model& model, float scale, const Place& place) {
+  std::uint16_t corners[4];
+  if (!find_box_corners(model, corners)) return {};
+  Vec2 x[4];
+  for (int k = 0; k < 4; ++k)
+    if (!place(corners[k], &x[k])) return {};
+  return face_box_of(x[0], x[1], x[2], x[3], scale);
+}
 
 }  // namespace pliant

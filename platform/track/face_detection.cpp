@@ -124,12 +124,8 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
 
 /// Of the track, as its parameters have it; side 0 if the model has no such landmarks.
 FaceBox box_of(TrackerParts& t) {
-  std::uint16_t corners[4];
-  if (!find_box_corners(t.model(), corners)) return {};
-  Vec2 x[4];
-  for (int k = 0; k < 4; ++k)
-    if (!t.offsets.project(corners[k], t.estimator, &x[k])) return {};
-  return face_box_of(x[0], x[1], x[2], x[3], t.estimator.view().s);
+  const auto place = [&](std::uint16_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); };
+  return box_at_landmarks(t.model(), t.estimator.view().s, place);
 }
 
 void give_up(TrackerParts& t) {

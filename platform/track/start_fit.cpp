@@ -52,15 +52,11 @@ namespace {
 
 /// The face box of a view; side 0 if the model lacks a landmark.
 FaceBox box_of(Cascade& cascade, const float* q, const View& view) {
-  std::uint16_t corners[4];
-  if (!find_box_corners(cascade.model(), corners)) return {};
   const Projector projector(view, true);
-  Vec2 x[4];
-  for (int k = 0; k < 4; ++k) {
-    const Landmark& l = cascade.model().landmarks()[corners[k]];
-    if (!projector.project(cascade.surface_point({l.u, l.v}, q), &x[k])) return {};
-  }
-  return face_box_of(x[0], x[1], x[2], x[3], view.s);
+  return box_at_landmarks(cascade.model(), view.s, [&](std::uint16_t k, Vec2* x) {
+    const Landmark& l = cascade.model().landmarks()[k];
+    return projector.project(cascade.surface_point({l.u, l.v}, q), x);
+  });
 }
 
 }  // namespace

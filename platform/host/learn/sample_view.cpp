@@ -22,10 +22,10 @@ std::vector<Vec2> projected(const std::vector<Vec3>& points, const Pose& pose, c
 
 FaceBox face_box_in(const Model& model, const std::vector<Vec2>& landmarks, const Pose& pose,
                     const Camera& camera) {
-  std::uint16_t corners[4];
-  if (!find_box_corners(model, corners)) return {};
-  const auto at = [&](int k) { return landmarks[corners[k]]; };
-  return face_box_of(at(0), at(1), at(2), at(3), view_of(pose, camera).s);
+  return box_at_landmarks(model, view_of(pose, camera).s, [&](std::uint16_t k, Vec2* x) {
+    *x = landmarks[k];
+    return true;
+  });
 }
 
 void place_face(const Model& model, const std::vector<Vec3>& landmarks, Quat rotation,
@@ -33,7 +33,7 @@ void place_face(const Model& model, const std::vector<Vec3>& landmarks, Quat rot
   const float scale = placement.box.side / kFaceBoxMm;
   *camera = centred_camera(placement.picture_px, placement.picture_px, scale * placement.distance_mm);
   *pose = {rotation, {0, 0, placement.distance_mm}};
-  // Away from the axis perspective moves the landmarks a little against each other; a second step makes up for it.
+  // Away from the axis perspective moves the landmarks a little against each other; further steps make up for it.
   for (int step = 0; step < 3; ++step) {
     const FaceBox box = face_box_in(model, projected(landmarks, *pose, *camera), *pose, *camera);
     const Vec2 missing = placement.box.center - box.center;
