@@ -119,23 +119,17 @@ void ImageParts::lay_out_unused_between_frames(Arena& arena, const Model& model,
 
 // --- A frame ---
 
-/// A clock may be set back and a sequence number may be left out, but not both.
-bool TrackerParts::is_stale(const FrameView& view) const {
-  const bool is_next = view.sequence != last_sequence && view.sequence - last_sequence < 0x80000000u;
-  return view.time_ns <= last_time_ns && !is_next;
-}
-
 Status Tracker::update(const FrameView& frame, FrameResult* result) {
   if (impl_ == nullptr || !(impl_->is_started || impl_->detection != nullptr)) return Status::not_started;
   if (result == nullptr) return Status::bad_argument;
   Impl& t = *impl_;
   Status status = t.region.check_frame(frame);
   if (status != Status::ok) return status;
-  if (t.is_stale(frame)) return Status::stale_frame;
+  if (t.order.is_stale(frame)) return Status::stale_frame;
   t.budget.begin(t.bad_frames == 0);
   status = t.is_started ? t.track(frame) : t.detection->calls->search(t, frame);
   if (status != Status::ok) return status;
-  t.note_time(frame);
+  t.order.note(frame);
   *result = t.result;
   return status;
 }
@@ -148,11 +142,6 @@ Status TrackerParts::track(const FrameView& view) {
   if (person != nullptr && bad_frames == 0) limits.person->conclude(*this);
   if (detection != nullptr) detection->calls->conclude(*this, view);
   return status;
-}
-
-void TrackerParts::note_time(const FrameView& view) {
-  last_time_ns = view.time_ns;
-  last_sequence = view.sequence;
 }
 
 /// Leaves a part of the budget to the solves.

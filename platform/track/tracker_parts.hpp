@@ -2,12 +2,11 @@
 /// \file tracker_parts.hpp
 /// The parts of a tracker and the state that they share. tracker.cpp has the memory and the frame,
 /// tracker_start.cpp the starts.
-#include <limits>
-
 #include "pliant/tracker.hpp"
 #include "track/detection_state.hpp"
 #include "track/edge_tracker.hpp"
 #include "track/frame_budget.hpp"
+#include "track/frame_order.hpp"
 #include "track/frame_region.hpp"
 #include "track/key_frames.hpp"
 #include "track/landmark_offsets.hpp"
@@ -63,10 +62,10 @@ struct TrackerParts : ImageParts {
   std::size_t observation_count = 0;
   FrameResult result;
   FrameBudget budget;
-  std::uint32_t frame = 0, last_sequence = 0;
+  FrameOrder order;
+  std::uint32_t frame = 0;
   std::uint32_t last_kept = 0;  // frame that became a key frame
-  std::int64_t last_time_ns = std::numeric_limits<std::int64_t>::min();
-  int bad_frames = 0;  // in a row
+  int bad_frames = 0;           // in a row
   bool is_started = false;
   bool identity_is_given = false;   // by the caller, with the pose: it stays
   bool block_is_of_search = false;  // else of the tracking, which is laid out in it
@@ -93,12 +92,9 @@ struct TrackerParts : ImageParts {
                Span<const Vec2> marker_places);
   Status capture_frame_0(const FrameView& view, Span<const Vec2> marker_places, float marker_exclusion_px);
 
-  bool is_stale(const FrameView& view) const;
   void limit_searches();
   void limit_solves();
   void note_work();
-  void note_time(const FrameView& view);
-  void forget_time() { last_time_ns = std::numeric_limits<std::int64_t>::min(); }
   Status track(const FrameView& view);
   Status predict(const FrameView& view);
   void match_and_solve(const FrameView& view);

@@ -77,7 +77,7 @@ void TrackerParts::refine(const FrameView& view, const RoughStart& rough, StartP
 Status TrackerParts::start_at_fit(Status fitted, const FrameView& view, const RoughStart& rough,
                                   StartPose* from, const TrackerOptions& with,
                                   Span<const Vec2> marker_places) {
-  forget_time();
+  order.forget_time();
   identity_is_given = false;
   const bool is_fitted = fitted == Status::ok;
   refine(view, is_fitted ? rough : RoughStart{nullptr, RoughStart::kExact, rough.options}, from);
@@ -103,7 +103,7 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
   if (status != Status::ok) return status;
   if (with.estimator.smooths) result.smoothed_pose = result.pose;
   uses_edges = edges != nullptr && with.estimator.uses(Cue::edge);
-  note_time(view);
+  order.note(view);
   frame = last_kept = 0;
   bad_frames = 0;
   budget = {};
@@ -155,7 +155,7 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   if (status != Status::ok) return status;
   for (std::size_t k = 0; q != nullptr && k < impl_->start_q.count; ++k)
     if (!is_finite(q[k])) return Status::bad_argument;
-  impl_->forget_time();
+  impl_->order.forget_time();
   impl_->offsets.clear();
   for (std::size_t k = 0; k < impl_->start_q.count; ++k) impl_->start_q[k] = q == nullptr ? 0 : q[k];
   StartPose from{camera, pose};
@@ -224,7 +224,7 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
       Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok)
     return Status::bad_argument;
   t.detection->calls->begin_search(t, start, options);
-  t.forget_time();
+  t.order.forget_time();
   return Status::ok;
 }
 
