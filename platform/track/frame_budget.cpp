@@ -1,5 +1,7 @@
 #include "track/frame_budget.hpp"
 
+#include "pliant/geometry.hpp"
+
 namespace pliant {
 
 void FrameBudget::begin(bool reserves) {
@@ -17,6 +19,12 @@ void FrameBudget::begin(bool reserves) {
 
 float FrameBudget::left() const {
   return most - reserved - costs.of(work);
+}
+
+float FrameBudget::left_for_searches() const {
+  const FrameBudgetTuning& t = kFrameBudgetTuning;
+  const float all = t.most_of_searches * (left() + reserved);
+  return max(min(all, t.most_of_searches_if_reserved * left()), 0);
 }
 
 bool FrameBudget::take_now(const WaitingWork& of, float instructions) {

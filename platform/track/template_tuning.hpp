@@ -26,12 +26,6 @@ struct TrackerTuning {
   float most_spring_passes = 8;
   /// More of it where the person is estimated, instructions. With 2.75 million the same heads had 2.14 and 2.12 degrees.
   float most_for_person = 2.35e6f;
-  /// Fraction of what the coarse translation leaves of it that searches may take: the rest is left to solves and rare
-  /// work. With 0.8 one frame of 3,800 with 500 templates took 2.2 times the median.
-  float most_of_searches = 0.55f;
-  /// Searches take no more than this fraction of what reserved work leaves besides. With 0.55 turned heads had 4.33 instead of 4.07
-  /// degrees at 95 %.
-  float most_of_searches_if_reserved = 0.8f;
   /// Work of a key frame for each pixel that is searched for corners, and for each vertex under them, instructions as
   /// WorkCosts. Counted by callgrind.
   float corner_pixel = 20, corner_vertex = 1750;

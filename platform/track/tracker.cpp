@@ -144,11 +144,8 @@ Status TrackerParts::track(const FrameView& view) {
   return status;
 }
 
-/// Leaves a part of the budget to the solves.
 void TrackerParts::limit_searches() {
-  const float left = budget.left(), most = kTrackerTuning.most_of_searches * (left + budget.reserved);
-  const float work = min(most, kTrackerTuning.most_of_searches_if_reserved * left);
-  matcher.limit_steps(static_cast<std::uint32_t>(max(work / budget.costs.search_step, 0)));
+  matcher.limit_steps(static_cast<std::uint32_t>(budget.left_for_searches() / budget.costs.search_step));
 }
 
 /// Leaves to the solves what the searches have not taken.

@@ -30,6 +30,18 @@ TEST_CASE("rare work is granted what searches and solves have left, and leaves l
   CHECK(budget.work.rare == 400);
 }
 
+TEST_CASE("searches leave a part of the budget to the solves, and more where rare work is reserved") {
+  FrameBudget budget = budget_with(0);
+  CHECK(budget.left_for_searches() == doctest::Approx(1000 * double(kFrameBudgetTuning.most_of_searches)));
+  budget.reserved = 500;
+  CHECK(budget.left_for_searches() ==
+        doctest::Approx(500 * double(kFrameBudgetTuning.most_of_searches_if_reserved)));
+  budget.reserved = 0;
+  budget.costs.coarse_pixel = 1;
+  budget.work.coarse_pixels = 1200;  // more than there is
+  CHECK(budget.left_for_searches() == 0);
+}
+
 TEST_CASE("work that waits is reserved after some frames, which lowers what is left for all else") {
   FrameBudget budget = budget_with(90);
   for (int n = 0; n < kFrameBudgetTuning.most_waited; ++n) {
