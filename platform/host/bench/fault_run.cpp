@@ -35,6 +35,26 @@ double counted_work(Tracker& tracker) {
       tracker.estimator().work_costs(tracker.limits().patch_window).of(tracker.work()));
 }
 
+bool is_spoilt(std::size_t frame) {
+  return frame >= kFaultBegins && frame < kFaultBegins + kFaultFrames;
+}
+
+/// Gives the run its next frame, and notes the time if the track goes on.
+void show(const FaultyFrame& faulty, std::size_t frame, DetectionRun& run, FaultCounts* counts) {
+  FrameView view = frame_of(faulty.picture, frame);
+  view.time_ns += faulty.time_error;
+  const bool had_track = run.has_track();
+  const double before = process_ms();
+  run.update(view);
+  if (had_track && run.has_track()) counts->milliseconds.push_back(process_ms() - before);
+}
+
+/// Of the landmarks from where the frame shows them.
+double error_of(DetectionRun& run, const JudgedClip& judged, const FaultyFrame& faulty, std::size_t frame) {
+  const NamedLandmarks& truth = judged.truth[faulty.is_frozen ? kFaultBegins : frame];
+  return landmark_error(run.landmarks(), moved(truth, faulty.scale, faulty.shift));
+}
+
 }  // namespace
 
 bool judge(const ModelFile& file, TrackerLimits limits, std::vector<Image> frames, JudgedClip* out) {
@@ -62,29 +82,20 @@ void play(const ModelFile& file, const JudgedClip& judged, const FilmFault& faul
     const FaultyFrame faulty =
         k < kFaultBegins ? FaultyFrame{clip.frames[k]} : fault.make(clip, k, fault.value);
     if (faulty.is_missing) continue;
-    FrameView view = frame_of(faulty.picture, k);
-    view.time_ns += faulty.time_error;
-    const bool had_track = run.has_track();
-    const double before = process_ms();
-    run.update(view);
+    show(faulty, k, run, counts);
     counts->most_work = std::max(counts->most_work, counted_work(run.tracker()) / most);
-    if (had_track && run.has_track()) counts->milliseconds.push_back(process_ms() - before);
     const bool is_tracking = run.has_track() && run.result().state == TrackState::tracking;
-    const double error =
-        is_tracking ? landmark_error(run.landmarks(), moved(judged.truth[faulty.is_frozen ? kFaultBegins : k],
-                                                            faulty.scale, faulty.shift))
-                    : 0;
+    const double error = is_tracking ? error_of(run, judged, faulty, k) : 0;
     if (is_tracking && (!faulty.has_face || !(error < kWrongError))) {
       ++counts->wrong;
       counts->wrong_most = std::max(counts->wrong_most, error);
     }
-    if (k < kFaultBegins) continue;
-    if (k < kFaultBegins + kFaultFrames) {
-      counts->with_face += faulty.has_face ? 1 : 0;
-      counts->tracking += faulty.has_face && is_tracking ? 1 : 0;
-    } else if (back < 0 && is_tracking && error < kRightError) {
-      back = static_cast<double>(k - kFaultBegins - kFaultFrames);
+    if (is_spoilt(k) && faulty.has_face) {
+      ++counts->with_face;
+      counts->tracking += is_tracking ? 1 : 0;
     }
+    if (k >= kFaultBegins + kFaultFrames && back < 0 && is_tracking && error < kRightError)
+      back = static_cast<double>(k - kFaultBegins - kFaultFrames);
   }
   ++counts->clips;
   if (back < 0)
