@@ -24,7 +24,6 @@ class ContactSheet {
   void add(std::function<Image()> make);
   /// Counts a picture that is not wanted.
   void skip() { ++next_; }
-  bool is_empty() const { return next_ == 0; }
   struct Picture {
     int number;
     Image image;  ///< shrunk to a cell of the sheet
