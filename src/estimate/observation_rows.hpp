@@ -13,9 +13,8 @@ inline constexpr std::size_t kCueCount = 3;
 
 /// Tuning of observation rows.
 struct ObservationRowsTuning {
-  /// mm. Model error of edges, added to their noise. Edges of lids and lips slide further over the surface than texture does.
-  /// Chosen on the order of
-  /// cues and the recorded face (docs/experiments.md, section Tuning).
+  /// Model error of edges, added to their noise, mm. Edges of lids and lips slide further over the surface than texture does.
+  /// Chosen on the order of cues and the recorded face (docs/experiments.md, section Tuning).
   float edge_error_mm = 1.7f;
   /// Information of a usable observation, 1/px^2, at most: that of a millionth of a pixel. Beyond, products overflow. Round value.
   float most_information = 1e12f;
