@@ -171,6 +171,42 @@ TEST_CASE("springs take a known number of bytes, and none where the table has no
   CHECK(bytes(with, limits) - bytes(none, limits) < least + 300);
 }
 
+TEST_CASE("springs count in the work of a frame, and its solves end within what it may take") {
+  const Rig rig(sheet_model(Springs::of_sheet().bytes()));
+  const float truth[3] = {0.9f, 0, 0}, start[3] = {-0.6f, 0, 0};
+  const Camera camera = centred_camera(320, 240, 400);
+  const Pose pose{exp_rotation({0.1f, 0.5f, 0}), {0, 0, 400}},
+      turned{exp_rotation({0, 0.3f, 0}), {3, 0, 400}};
+  const WorkCosts costs{1, 100, 10, 1000};
+  constexpr std::uint32_t kPoints = 30;
+  const auto spring_rows = static_cast<std::uint32_t>(kRowsASpring * Springs::of_sheet().springs.size());
+  const float three_passes = costs.row * 3 * static_cast<float>(kPoints + spring_rows);
+  FrameWork work[2];
+  for (const bool is_limited : {false, true}) {
+    InArena<Estimator> estimator(rig.model, EstimatorLimits{}), seen(rig.model, EstimatorLimits{});
+    EstimatorOptions options;
+    options.time_ns = 0;
+    REQUIRE(estimator->start(camera, 320, 240, pose, start, nullptr, options) == Status::ok);
+    REQUIRE(seen->start(camera, 320, 240, turned, truth, nullptr, {}) == Status::ok);
+    std::vector<Observation> observations(kPoints);
+    for (std::uint32_t k = 0; k < kPoints; ++k) {
+      const Vec2 uv{0.1f + 0.16f * static_cast<float>(k % 6), 0.1f + 0.2f * static_cast<float>(k / 6)};
+      Observation& o = observations[k];
+      REQUIRE(estimator->add_point(uv, &o.id) == Status::ok);
+      REQUIRE(seen->project(uv, &o.x));
+      o.information = {4, 0, 4};
+    }
+    estimator->begin(33'000'000);
+    if (is_limited) estimator->limit_work(costs, three_passes);
+    estimator->predict();
+    estimator->solve({observations.data(), observations.size()});
+    work[is_limited] = estimator->work();
+  }
+  CHECK(work[0].rows % (kPoints + spring_rows) == 0);
+  CHECK(costs.of_solves(work[0]) > 1.3f * three_passes);
+  CHECK(costs.of_solves(work[1]) <= three_passes);
+}
+
 TEST_CASE("springs find the bend of a sheet of which a few noisy points are seen") {
   // The bowl and the stretch explain the noise as well as the roll does; only springs tell that paper does neither.
   const Rig rig(sheet_model(Springs::of_sheet().bytes()));

@@ -182,6 +182,40 @@ TEST_CASE(
   CHECK(coordinates_taken(model, sd.data()) == doctest::Approx(kPoseUnknowns + 1.75));
 }
 
+TEST_CASE("landmarks with an offset stay where they are seen when the person below them is another one") {
+  Random random(5);
+  const Person person(random, 3);
+  Start start(person, given_by(person, random, 0));
+  Estimator& e = start.estimator.object;
+  const std::size_t count = person.model.landmarks().count;
+  std::vector<Vec2> seen(count);
+  std::vector<Vec3> moved(count);
+  start.offsets->project_all(e.view(), e, seen.data());
+  float largest = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    Vec2 x;
+    REQUIRE(start.offsets->project(k, e, &x));
+    CHECK(length(seen[k] - x) < 0.01f);
+    largest = max(largest, length(start.offsets->values()[k]));
+  }
+  REQUIRE(largest > 1);
+  std::vector<float> other = start.q;
+  for (std::size_t k = 0; k < other.size(); ++k)
+    if (person.model.parameters()[k].group == Group::identity) other[k] = -other[k];
+  const std::vector<Vec3> before(start.offsets->values().begin(), start.offsets->values().end());
+  REQUIRE(e.revise(other.data(), {}) == Status::ok);
+  start.offsets->keep_all(e.view(), e, seen.data(), moved.data());
+  float farthest = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    Vec2 x;
+    REQUIRE(start.offsets->project(k, e, &x));
+    CHECK(length(seen[k] - x) < 0.05f);
+    CHECK(length(before[k] + moved[k] - start.offsets->values()[k]) < 1e-3f);
+    farthest = max(farthest, length(moved[k]));
+  }
+  CHECK(farthest > 1);
+}
+
 TEST_CASE("exact points of a person with the model's landmarks give no offset") {
   Random random(11);
   for (int trial = 0; trial < 4; ++trial) {
@@ -316,13 +350,14 @@ TEST_CASE("what an alignment says of ibug48 holds for mouth_right, the same plac
   const Model& face = baked_face().model;
   InArena<Estimator> e(face, EstimatorLimits{});
   const auto q = baked_face().rest();
-  REQUIRE(e->start(centred_camera(kWidth, kHeight, 700), kWidth, kHeight, {{}, {0, 0, 500}}, q.data(), nullptr,
-                   {}) == Status::ok);
+  REQUIRE(e->start(centred_camera(kWidth, kHeight, 700), kWidth, kHeight, {{}, {0, 0, 500}}, q.data(),
+                   nullptr, {}) == Status::ok);
   std::vector<Vec2> aligned;
   for (const Landmark& l : face.landmarks()) {
     Vec2 x;
     REQUIRE(e->project({l.u, l.v}, &x));
-    aligned.push_back(x + Vec2{l.name[0] == 'i' ? 3.0f : 0.0f, 0});  // only those of the ibug scheme are aligned
+    aligned.push_back(x +
+                      Vec2{l.name[0] == 'i' ? 3.0f : 0.0f, 0});  // only those of the ibug scheme are aligned
   }
   InArena<LandmarkOffsets> offsets(face);
   offsets->clear();
