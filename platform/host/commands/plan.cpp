@@ -52,7 +52,8 @@ struct Instructions {
   /// Of prints, counted on sheets with 4, 6 and 12 shapes: a block compared, and its place from the tables; the same again where
   /// the surface may be curved, reckoned from these (five places instead of three, half of the samples); a cell of the search; a
   /// fit of one view.
-  double print_block = 42000, print_block_record = 1200, print_curved_block = 26000, print_curved_record = 2000;
+  double print_block = 42000, print_block_record = 1200, print_curved_block = 26000,
+         print_curved_record = 2000;
   double print_cell = 4600, print_fit = 2e7, print_fit_record = 2.7e6;
 };
 constexpr Instructions kCost{};
@@ -298,43 +299,67 @@ void add_near_search(const TrackerLimits& l, float side, std::uint32_t* most_cel
   *most_area = std::max(*most_area, area);
 }
 
-SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
-  SearchPlan plan;
+/// The largest of a search of the whole frame.
+struct SearchExtremes {
+  std::uint32_t widest_row = 0, near_cells = 0;  // near: of a search near a candidate
+  double row_area = 0, near_area = 0;
+};
+
+/// Divides a search of the whole frame into frames, and notes what the largest of them takes.
+SearchExtremes divide_search(const TrackerLimits& limits, std::uint32_t work, SearchPlan* plan) {
+  SearchExtremes most;
   SearchPlace place;
-  const std::uint32_t work = std::max(limits.search_work, std::uint32_t{1});
-  std::uint32_t widest = 0, done = work, near_cells = 0;
-  double area = 0, row_area = 0, near_area = 0;
+  std::uint32_t done = work;
+  double area = 0;
   for (place.begin(limits.width, limits.height, limits.smallest_face_px); !place.is_complete();
        place.advance()) {
     const auto columns = static_cast<std::uint32_t>(place.columns());
     if (done >= work) {  // a new frame
-      ++plan.search_frames;
+      ++plan->search_frames;
       done = 0;
       area = 0;
     }
     done += columns;
     area += area_of_row(place);
-    row_area = std::max(row_area, area_of_row(place));
-    if (place.begins_strip()) add_near_search(limits, place.box(0, 0).side, &near_cells, &near_area);
-    plan.cell_area = std::max(plan.cell_area, area);
-    plan.all_cells += columns;
-    widest = std::max(widest, columns);
+    most.row_area = std::max(most.row_area, area_of_row(place));
+    if (place.begins_strip())
+      add_near_search(limits, place.box(0, 0).side, &most.near_cells, &most.near_area);
+    plan->cell_area = std::max(plan->cell_area, area);
+    plan->all_cells += columns;
+    most.widest_row = std::max(most.widest_row, columns);
   }
-  plan.cells = std::min(plan.all_cells, work - 1 + widest);
+  plan->cells = std::min(plan->all_cells, work - 1 + most.widest_row);
+  return most;
+}
+
+/// Each alignment begins with a search near its candidate, and the search goes on after rows that it had already.
+void add_near_cells(const SearchExtremes& most, SearchPlan* plan) {
+  const int alignments = (plan->steps + plan->alignment_steps - 1) / plan->alignment_steps;
+  const std::uint32_t rows_again = kWindowCells - 1;
+  plan->near_cells = static_cast<std::uint32_t>(alignments) * most.near_cells + rows_again * most.widest_row;
+  plan->near_area = alignments * most.near_area + rows_again * most.row_area;
+}
+
+/// Frames of an alignment that begins in a frame of its own.
+int alignment_frames(const SearchPlan& plan) {
+  int frames = 0;
+  for (int left = plan.alignment_steps; left > 0; ++frames) {
+    const int taken = std::min(plan.steps, left);
+    // Where the work is spread, the last step leaves its frame to the start of the track.
+    left -= !plan.does_both && taken == left && taken > 1 ? taken - 1 : taken;
+  }
+  return frames;
+}
+
+SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
+  SearchPlan plan;
+  const std::uint32_t work = std::max(limits.search_work, std::uint32_t{1});
+  const SearchExtremes most = divide_search(limits, work, &plan);
   plan.does_both = limits.search_work >= kFaceSearchTuning.cells_for_both;
   plan.steps = std::max(1, static_cast<int>(limits.search_work / kFaceSearchTuning.cells_a_step));
   plan.alignment_steps = static_cast<int>(table.stage_count()) + 1;
-  if (plan.does_both && plan.search_frames > 1) {
-    // Each alignment begins with a search near its candidate, and the search goes on after rows that it had already.
-    const int alignments = (plan.steps + plan.alignment_steps - 1) / plan.alignment_steps;
-    const std::uint32_t rows_again = kWindowCells - 1;
-    plan.near_cells = static_cast<std::uint32_t>(alignments) * near_cells + rows_again * widest;
-    plan.near_area = alignments * near_area + rows_again * row_area;
-  }
-  for (int left = plan.alignment_steps; left > 0; ++plan.alignment_frames) {
-    const int taken = std::min(plan.steps, left);
-    left -= !plan.does_both && taken == left && taken > 1 ? taken - 1 : taken;
-  }
+  if (plan.does_both && plan.search_frames > 1) add_near_cells(most, &plan);
+  plan.alignment_frames = alignment_frames(plan);
   return plan;
 }
 
