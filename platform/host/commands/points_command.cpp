@@ -78,12 +78,30 @@ struct Handle {
   Vec2 uv;
 };
 
-/// Points that --start names, if it names a file of points.
-std::vector<NamedPoint> given_points(const Args& args) {
+/// The points of --start, if it names a file of points.
+struct GivenPoints {
+  std::vector<NamedPoint> all;
+  /// Those that the model put where they are, and no person: with a 0 in the column `placed`, which the page writes.
+  std::set<std::string> followers;
+
+  bool have_uv() const {
+    return std::any_of(all.begin(), all.end(), [](const NamedPoint& p) { return p.uv.has_value(); });
+  }
+};
+
+GivenPoints given_points(const Args& args) {
+  GivenPoints given;
   const auto start = args.text("--start");
-  if (!start || is_box(*start)) return {};
+  if (!start || is_box(*start)) return given;
   const std::string text = read_file(*start);
-  return is_fit(text) ? std::vector<NamedPoint>{} : parse_points(*start, text);
+  if (is_fit(text)) return given;
+  given.all = parse_points(*start, text);
+  const CsvTable table(*start, text);
+  const auto placed = table.find_column("placed");
+  const std::size_t name = table.column("landmark");
+  for (std::size_t row = 0; placed && row < table.row_count(); ++row)
+    if (table.cell(row, *placed) == "0") given.followers.insert(table.cell(row, name));
+  return given;
 }
 
 /// The landmarks; of a model without, the vertices nearest to the corners, sides and middle of the chart. Given points with a (u,v) of
@@ -112,22 +130,6 @@ std::vector<Handle> handles_of(const Model& model, const std::vector<NamedPoint>
       handles.push_back({p.name, *p.uv});
   }
   return handles;
-}
-
-/// Points of a file that the model put where they are, and no person: those with a 0 in its column `placed`, which the page
-/// writes.
-std::set<std::string> followers_in(const Args& args) {
-  std::set<std::string> names;
-  const auto start = args.text("--start");
-  if (!start || is_box(*start)) return names;
-  const std::string text = read_file(*start);
-  if (is_fit(text)) return names;
-  const CsvTable table(*start, text);
-  const auto placed = table.find_column("placed");
-  const std::size_t name = table.column("landmark");
-  for (std::size_t row = 0; placed && row < table.row_count(); ++row)
-    if (table.cell(row, *placed) == "0") names.insert(table.cell(row, name));
-  return names;
 }
 
 /// Image positions of the handles at the start, their normals, whether they are wanted and whether they are placed. Counts those
@@ -219,23 +221,20 @@ int run_points(const Args& args, Console& console) {
   const FitFile start = start_of(args, file, image, path, console.err);
   std::vector<float> q(model.parameters().count, 0.0f);
   (void)apply(start.parameters, "start", model, q.data());
-  const std::vector<NamedPoint> given = given_points(args);
-  const bool has_uv =
-      model.landmarks().empty() ||
-      std::any_of(given.begin(), given.end(), [](const NamedPoint& p) { return p.uv.has_value(); });
-  const std::vector<Handle> handles = handles_of(model, given);
+  const GivenPoints given = given_points(args);
+  const bool has_uv = model.landmarks().empty() || given.have_uv();
+  const std::vector<Handle> handles = handles_of(model, given.all);
   std::vector<Vec2> uv;
   for (const Handle& handle : handles) uv.push_back(handle.uv);
   std::size_t on_count = 0;
-  const Json data =
-      Json::object({{"width", image.width},
-                    {"height", image.height},
-                    {"points", points_at(model, start, q, handles, followers_in(args), &on_count)},
-                    {"turnedAway", kTurnedAway},
-                    {"surface", page_surface(model, start, q, uv)},
-                    {"hasUv", has_uv},
-                    {"chains", chains()},
-                    {"picture", photograph.address}});
+  const Json data = Json::object({{"width", image.width},
+                                  {"height", image.height},
+                                  {"points", points_at(model, start, q, handles, given.followers, &on_count)},
+                                  {"turnedAway", kTurnedAway},
+                                  {"surface", page_surface(model, start, q, uv)},
+                                  {"hasUv", has_uv},
+                                  {"chains", chains()},
+                                  {"picture", photograph.address}});
   const std::string title = path.substr(path.find_last_of('/') + 1);
   write_file(output, fill_page(kPointsPage, {{"title", html_text(title)},
                                              {"data", script_json(data.dump())},
