@@ -25,9 +25,12 @@ std::string with(std::string text, const std::string& from, const std::string& t
   return text.replace(at, from.size(), to);
 }
 
+/// Why a calibration is refused; empty where it is not: then it is one of a camera.
 std::string refusal(const std::string& text, ImageSize size = {640, 480}) {
   try {
-    parse_calibration("c.yml", text, size);
+    const Camera camera = parse_calibration("c.yml", text, size).camera;
+    CHECK(camera.f > 0);
+    CHECK(is_finite(camera.f + camera.aspect + camera.cx + camera.cy + camera.k1 + camera.k2));
   } catch (const Failure& failure) {
     CHECK(failure.exit_code() == 1);
     CHECK(contains(failure.what(), "c.yml"));
