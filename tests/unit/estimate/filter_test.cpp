@@ -95,6 +95,27 @@ TEST_CASE("without measurements the covariance grows and the velocity decays") {
   }
 }
 
+TEST_CASE("the variance of a velocity fades by the square of what the velocity fades by") {
+  Rig rig(steady(0));
+  for (int k = 1; k < 30; ++k) {
+    rig.filter->predict(1.0f / 30);
+    rig.see(steady(static_cast<float>(k) / 30));
+  }
+  // Each prediction adds the same, the acceleration's part.
+  float velocity[4], variance[4];
+  for (int k = 0; k < 4; ++k) {
+    velocity[k] = rig.filter->pose(kShiftX).velocity;
+    variance[k] = rig.filter->pose(kShiftX).vv;
+    rig.filter->predict(0.2f);
+  }
+  const float fade = velocity[1] / velocity[0];
+  REQUIRE(fade < 0.95f);
+  const float added = variance[1] - fade * fade * variance[0];
+  CHECK(added > 0);
+  CHECK(variance[2] - fade * fade * variance[1] == doctest::Approx(double(added)).epsilon(0.01));
+  CHECK(variance[3] - fade * fade * variance[2] == doctest::Approx(double(added)).epsilon(0.01));
+}
+
 TEST_CASE("after a jump the filter is at the new place, at rest") {
   Rig rig(steady(0));
   for (int k = 0; k < 20; ++k) {

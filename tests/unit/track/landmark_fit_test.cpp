@@ -85,3 +85,13 @@ TEST_CASE("a person at rest is given an identity rather than an expression") {
   const std::vector<std::uint8_t> all_at_once(parameters.count, 1);
   CHECK(expression(nullptr) < 0.7f * expression(all_at_once.data()));
 }
+
+TEST_CASE("the landmarks of jaw and cheeks, ibug00 to ibug16, lie on the silhouette, and no others") {
+  for (int k = 0; k < 68; ++k) {
+    const std::string name = (k < 10 ? "ibug0" : "ibug") + std::to_string(k);
+    CAPTURE(name);
+    CHECK(is_silhouette_landmark(name.c_str()) == (k <= 16));
+  }
+  for (const char* name : {"", "ibug", "ibug0", "ibug1", "ibug1x", "ibug0x", "ibug011", "nose_tip", "xbug03"})
+    CHECK_FALSE(is_silhouette_landmark(name));
+}
