@@ -31,14 +31,17 @@ void FaceChecks::tell_worth(const View& view, FrameResult* result) const {
   if (is_turned_away || landmark_error_ > kTuning.most_landmark_error) result->state = TrackState::degraded;
 }
 
-bool FaceChecks::conclude(const FrameView& frame, Estimator& estimator, int bad_frames, bool has_room,
+bool FaceChecks::endure(const FrameResult& result, int bad_frames, std::size_t key_frames) {
+  frames_since_ = kTuning.known_interval_frames;  // the next good frame is checked
+  blind_frames_ = (bad_frames > 1 ? blind_frames_ : 0) + (result.inliers == 0);
+  return bad_frames < most_bad_frames_ &&
+         blind_frames_ < kTuning.most_blind_frames + static_cast<int>(key_frames);
+}
+
+bool FaceChecks::conclude(const FrameView& frame, Estimator& estimator, bool has_room,
                           Span<unsigned char> scratch, FrameResult* result) {
   const bool checks = has_room && is_due();
   ++frames_since_;
-  if (bad_frames > 0) {
-    frames_since_ = kTuning.known_interval_frames;  // the next good frame is checked
-    return bad_frames < most_bad_frames_;
-  }
   if (checks) {
     frames_since_ = 0;
     if (!check(frame, estimator, scratch)) return false;

@@ -32,9 +32,14 @@ struct FaceChecksTuning {
   /// Cosine of the head's turn away from the camera beyond which a tracked frame is degraded: 50 degrees. Of the built-in face's
   /// landmarks on the far side that a frontal face shows, a third are then seen; 11 of 19 at 40 degrees, 1 of 19 at 60.
   float least_facing = 0.643f;
-  /// Bad frames in a row after which a track is given up: three until it counts as lost, one for the last good frame, and one
-  /// more for each key frame.
+  /// Bad frames in a row after which a track is given up, besides one for each key frame that there is room for: three until it
+  /// counts as lost, one for the last good frame.
   int most_bad_frames = 4;
+  /// The same of blind frames, in which the pose had no inliers, besides one for each key frame in use: two from the last good
+  /// frame, one from each key frame, one more from the last good frame. After a cut to another picture all are blind. With as
+  /// many bad frames of any kind a track in changing exposure ended in the brightest frames and began anew on what was left
+  /// of the face (docs/experiments.md, Films of portraits with faults).
+  int most_blind_frames = 3;
 };
 inline constexpr FaceChecksTuning kFaceChecksTuning{};
 
@@ -47,13 +52,14 @@ class FaceChecks {
   /// A track has begun. `conclude` follows in the same frame.
   /// \param landmark_error  estimate; 0: unknown.
   void begin_track(float landmark_error);
-  /// Ends a frame of a track: checks it where a check is due, and writes landmark_error and whether
-  /// it is degraded.
-  /// \param bad_frames  of the track in a row, this one included. \param has_room  false: a check that is due
-  ///                    waits. \param scratch  unused memory.
+  /// Ends a good frame of a track: checks it where a check is due, and writes landmark_error and whether it is degraded.
+  /// \param has_room  false: a check that is due waits. \param scratch  unused memory.
   /// \return false: the track is given up.
-  bool conclude(const FrameView& frame, Estimator& estimator, int bad_frames, bool has_room,
-                Span<unsigned char> scratch, FrameResult* result);
+  bool conclude(const FrameView& frame, Estimator& estimator, bool has_room, Span<unsigned char> scratch,
+                FrameResult* result);
+  /// Ends a bad frame of a track. \param bad_frames  in a row, this one included. \param key_frames  in use.
+  /// \return false: the track is given up.
+  bool endure(const FrameResult& result, int bad_frames, std::size_t key_frames);
   /// Whether `conclude` checks the track if the frame is good and has room.
   bool is_due() const;
   /// Whether the check that is due comes before other rare work: the last one was bad, or the alignment made this start and it
@@ -69,7 +75,7 @@ class FaceChecks {
   bool check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch);
 
   const FaceModules* modules_ = nullptr;
-  int most_bad_frames_ = 0;
+  int most_bad_frames_ = 0, blind_frames_ = 0;
   int frames_since_ = 0, bad_ = 0, good_ = 0;
   bool is_aligned_ = false;  // the track began where an alignment put it, not at the caller's landmarks
   float landmark_error_ = 0;

@@ -143,10 +143,15 @@ void conclude(TrackerParts& t, const FrameView& view) {
   t.result.gaze = self.parts != nullptr && t.bad_frames == 0 ? self.parts->gaze : Vec3{};
   constexpr float kWork = kFaceChecksTuning.check_work;
   WaitingWork& check = t.budget.check;
-  const bool has_room = t.bad_frames == 0 && self.checks.is_due() && t.budget.take(check, kWork);
-  if (!self.checks.conclude(view, t.estimator, t.bad_frames, has_room, t.unused_between_frames, &t.result) ||
-      (t.bad_frames == 0 && self.poor_start.is_over(view, t.estimator)))
-    give_up(t);
+  bool goes_on;
+  if (t.bad_frames > 0) {
+    goes_on = self.checks.endure(t.result, t.bad_frames, t.key_frames.count());
+  } else {
+    const bool has_room = self.checks.is_due() && t.budget.take(check, kWork);
+    goes_on = self.checks.conclude(view, t.estimator, has_room, t.unused_between_frames, &t.result) &&
+              !self.poor_start.is_over(view, t.estimator);
+  }
+  if (!goes_on) give_up(t);
   if (self.poor_start.is_blinded() && t.result.state == TrackState::tracking)
     t.result.state = TrackState::degraded;
   if (self.checks.is_urgent() || t.bad_frames > 0) check.hurry(kWork);

@@ -46,23 +46,12 @@ void KeyFrames::lay_out(Arena& arena, const TrackerLimits& limits) {
   of_keys_ = arena.take<std::uint8_t>(key_count_ * pixels);
 }
 
-void KeyFrames::clear() {
-  for (std::size_t k = 0; k < key_count_; ++k) keys_[k].is_used = false;
-}
-
 std::uint8_t* KeyFrames::thumbnail_of(std::size_t key) const {
   return of_keys_ + key * static_cast<std::size_t>(width_ * height_);
 }
 
-std::size_t KeyFrames::count() const {
-  std::size_t n = 0;
-  for (std::size_t k = 0; k < key_count_; ++k) n += keys_[k].is_used;
-  return n;
-}
-
 void KeyFrames::turn(Quat turn) {
-  for (std::size_t k = 0; k < key_count_; ++k) {
-    if (!keys_[k].is_used) continue;
+  for (std::size_t k = 0; k < count_; ++k) {
     keys_[k].view.q = normalised(keys_[k].view.q * turn);
     keys_[k].direction = camera_direction(keys_[k].view);
   }
@@ -104,7 +93,7 @@ CoarseMotion KeyFrames::find_motion(int bad_frames) const {
   const std::size_t turn = bad_frames < kTuning.bad_frames_before_keys
                                ? 0
                                : static_cast<std::size_t>(bad_frames - 1) % (key_count_ + 1);
-  const KeyFrame* const key = turn > 0 && keys_[turn - 1].is_used ? &keys_[turn - 1] : nullptr;
+  const KeyFrame* const key = turn > 0 && turn <= count_ ? &keys_[turn - 1] : nullptr;
   const int divisor = bad_frames > 0 ? kTuning.range_divisor_after_bad : kTuning.range_divisor;
   const int range = key != nullptr ? side / kTuning.range_divisor_of_key : side / divisor + 1;
   const CoarseTranslation shift =
@@ -115,11 +104,14 @@ CoarseMotion KeyFrames::find_motion(int bad_frames) const {
           shift.compared_pixels};
 }
 
-std::size_t KeyFrames::nearest(Vec3 direction, float* cosine) const {
+/// Of those at a similar scale. \param cosine  out: -2 if there is none.
+std::size_t KeyFrames::nearest(const View& view, float* cosine) const {
+  const Vec3 direction = camera_direction(view);
   std::size_t nearest = 0;
   *cosine = -2;
-  for (std::size_t k = 0; k < key_count_; ++k) {
-    if (!keys_[k].is_used) continue;
+  for (std::size_t k = 0; k < count_; ++k) {
+    const float at = keys_[k].view.s;
+    if (view.s > kTuning.scale_ratio * at || at > kTuning.scale_ratio * view.s) continue;
     const float c = dot(direction, keys_[k].direction);
     if (!(c > *cosine)) continue;
     nearest = k;
@@ -131,21 +123,21 @@ std::size_t KeyFrames::nearest(Vec3 direction, float* cosine) const {
 std::size_t KeyFrames::choose(const View& view, const FrameResult& result, std::uint32_t frame) {
   constexpr float kNear = cosine_of(kTuning.angle_rad);
   float cosine;
-  const std::size_t near = nearest(camera_direction(view), &cosine);
+  const std::size_t near = nearest(view, &cosine);
   keys_[near].last_near = frame;
   if (!has_room_ || 100 * result.inliers <= kTuning.least_inlier_percent * result.tracked) return 0;
   if (cosine > kNear) return keys_[near].is_doubtful && result.rms_px < doubtful_rms_px_ ? near : 0;
+  if (count_ < key_count_) return count_;
   std::size_t oldest = 1;
-  for (std::size_t k = 1; k < key_count_; ++k) {
-    if (!keys_[k].is_used) return k;
+  for (std::size_t k = 2; k < key_count_; ++k)
     if (keys_[k].last_near < keys_[oldest].last_near) oldest = k;
-  }
   return oldest;
 }
 
 void KeyFrames::keep(std::size_t k, const View& view, float rms_px, std::uint32_t frame) {
-  PLIANT_ASSERT(k < key_count_);
-  keys_[k] = {view, camera_direction(view), trusted_box_, frame, true, rms_px >= doubtful_rms_px_};
+  PLIANT_ASSERT(k < key_count_ && k <= count_);
+  if (k == count_) ++count_;
+  keys_[k] = {view, camera_direction(view), trusted_box_, frame, rms_px >= doubtful_rms_px_};
   std::uint8_t* const pixels = thumbnail_of(k);
   for (int i = 0; i < width_ * height_; ++i) pixels[i] = trusted_[i];
 }

@@ -16,6 +16,10 @@ struct KeyFrameTuning {
   /// A key frame is kept when the head has turned so far away from all key frames, rad. Templates hold for about 20
   /// degrees on either side. Round value, not tuned.
   float angle_rad = 0.35f;
+  /// The same when it is so many times as large as in all key frames from its side, or as small: its templates are warped by as
+  /// much. With none for scale, films of portraits that grow or shrink by 20 to 60 % a second were lost at 2.2 to 3 times the
+  /// size (docs/experiments.md, Films of portraits with faults). Round value, not tuned.
+  float scale_ratio = 1.5f;
   /// Residual above which a key frame is doubtful, px at 320 px of image width. The residual of an unknown
   /// person is above it while the head turns: without key frames from then, 40 of 1,920 frames of turned
   /// heads were lost. Round value, not tuned.
@@ -48,7 +52,7 @@ class KeyFrames {
  public:
   void lay_out(Arena& arena, const TrackerLimits& limits);
   /// Forgets all key frames.
-  void clear();
+  void clear() { count_ = 0; }
 
   /// Reduces a frame to this frame's thumbnail.
   void take(const FrameView& frame);
@@ -68,11 +72,9 @@ class KeyFrames {
   /// Keeps this frame, which must be tracked well, as key frame k. \param rms_px  its residual.
   void keep(std::size_t k, const View& view, float rms_px, std::uint32_t frame);
   /// Key frames in use.
-  std::size_t count() const;
+  std::size_t count() const { return count_; }
   /// The view of key frame k; null if it is not in use.
-  const View* view_of(std::size_t k) const {
-    return k < key_count_ && keys_[k].is_used ? &keys_[k].view : nullptr;
-  }
+  const View* view_of(std::size_t k) const { return k < count_ ? &keys_[k].view : nullptr; }
   /// Towards the camera of key frame k, which is in use, in the model's axes; unit.
   Vec3 direction_of(std::size_t k) const { return keys_[k].direction; }
   /// Turns the model in all key frames: q becomes q * turn.
@@ -84,16 +86,16 @@ class KeyFrames {
     Vec3 direction;           // to the camera, in the model's axes; unit
     PixelBox box;             // of the model in the thumbnail
     std::uint32_t last_near;  // the frame in which it was last the nearest
-    bool is_used, is_doubtful;
+    bool is_doubtful;
   };
 
-  std::size_t nearest(Vec3 direction, float* cosine) const;
+  std::size_t nearest(const View& view, float* cosine) const;
   std::uint8_t* thumbnail_of(std::size_t key) const;
   ImageView view_of_thumbnail(const std::uint8_t* pixels) const { return {pixels, width_, height_, width_}; }
   PixelBox box_of(const Estimator& estimator) const;
 
   KeyFrame* keys_ = nullptr;
-  std::size_t key_count_ = 0;                // used or not, frame 0 included
+  std::size_t key_count_ = 0, count_ = 0;    // there is room for; in use, the first ones. Frame 0 included
   int factor_ = 1, width_ = 0, height_ = 0;  // of thumbnails
   float doubtful_rms_px_ = 0;
   bool has_room_ = false;  // for templates of later key frames

@@ -55,7 +55,7 @@ class StandingTrack {
     for (std::size_t n = 1; n < kFrames; ++n) {
       const bool has_room = before(n);
       FrameResult result;
-      REQUIRE(checks.conclude(film().view(0), tracker_->estimator(), 0, has_room,
+      REQUIRE(checks.conclude(film().view(0), tracker_->estimator(), has_room,
                               {scratch_.data(), scratch_.size()}, &result));
       if (is_noted(checks)) frames.push_back(n);
     }
@@ -94,6 +94,33 @@ TEST_CASE("after bad frames the next good one is checked") {
     if (n == 7 || n == 8) view.data = black.data();
   });
   CHECK(at == Frames{1, 3, 5, 9, 15, 21});
+}
+
+TEST_CASE(
+    "a track without inliers ends when each key frame in use has been tried, one with some inliers later") {
+  FakeFaces fake(film());
+  const TrackerLimits limits = limits_with_fake();  // has room for four key frames
+  // The bad frame in which a track ends. \param blind_from, blind_to  frames without inliers.
+  const auto ends_at = [&](std::size_t key_frames, int blind_from, int blind_to) {
+    FaceChecks checks;
+    checks.lay_out(limits);
+    for (int again = 0; again < 2; ++again)  // a good frame between: counted anew
+      for (int n = 1; n < 30; ++n) {
+        FrameResult result;
+        result.inliers = n >= blind_from && n <= blind_to ? 0 : 12;
+        if (!checks.endure(result, n, key_frames)) {
+          if (again == 1) return n;
+          break;
+        }
+      }
+    return 0;
+  };
+  CHECK(ends_at(1, 1, 30) == 4);
+  CHECK(ends_at(3, 1, 30) == 6);
+  CHECK(ends_at(5, 1, 30) == 8);
+  CHECK(ends_at(1, 3, 30) == 6);
+  CHECK(ends_at(1, 2, 4) == 8);
+  CHECK(ends_at(1, 0, 0) == 8);
 }
 
 TEST_CASE("a check that is due waits for a frame with room") {

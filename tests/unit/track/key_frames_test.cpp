@@ -121,6 +121,24 @@ TEST_CASE("without a free key frame the one that was nearest longest ago is repl
   CHECK(rig.keys->count() == 3);
 }
 
+TEST_CASE("a view is kept when the face is larger or smaller than in all key frames from its side") {
+  Rig rig;
+  const auto scaled = [&rig](float ratio, float yaw) {
+    View view = rig.turned(yaw);
+    view.s *= ratio;
+    return view;
+  };
+  rig.keys->keep(0, scaled(1, 0), 0.3f, 0);
+  CHECK(rig.keys->choose(scaled(1.4f, 0), rig.good, 1) == 0);
+  CHECK(rig.keys->choose(scaled(0.7f, 0), rig.good, 1) == 0);
+  CHECK(rig.keys->choose(scaled(0.6f, 0), rig.good, 1) == 1);
+  CHECK(rig.keys->choose(scaled(1.6f, 0), rig.good, 1) == 1);
+  rig.keys->keep(1, scaled(1.6f, 0), 0.3f, 1);
+  CHECK(rig.keys->choose(scaled(2.3f, 0), rig.good, 2) == 0);
+  CHECK(rig.keys->choose(scaled(2.3f, 0.4f), rig.good, 2) == 2);  // nor from this side
+  CHECK(rig.keys->choose(scaled(2.5f, 0), rig.good, 2) == 2);
+}
+
 TEST_CASE("without room for its templates no key frame is kept") {
   TrackerLimits limits;
   limits.key_patches = 0;
