@@ -24,6 +24,9 @@ extern const PersonRefinement kPersonRefinement;
 struct EdgeMatching;
 /// Matching of the model's curves and silhouette, by name, for the same reason.
 extern const EdgeMatching kEdgeMatching;
+struct NoiseSmoothing;
+/// Smoothing of frames with much noise, by name, for the same reason.
+extern const NoiseSmoothing kNoiseSmoothing;
 
 /// Capacities of a Tracker. The defaults are profile M, which the README's figures up to a width of 360 px measure.
 /// `measured_bytes<Tracker>(model, limits)` gives the bytes that they cost.
@@ -54,6 +57,9 @@ struct TrackerLimits {
   /// Keeps a copy of the frame. False, and keeps_previous false: the frame is read during `update` only, and
   /// must be planar.
   bool copies_frame = true;
+  /// Smooths frames of a face whose noise is above 5 grey levels (standard deviation, measured in each), as in low light, before
+  /// anything reads them: width x (height + 10) bytes. If null, frames are used as they are, and the code is left out of the program.
+  const NoiseSmoothing* noise = &kNoiseSmoothing;
   std::uint16_t thumbnail_width = 96;                  ///< widest thumbnail for coarse search, px
   std::uint16_t free_parameters = 0;                   ///< as EstimatorLimits::free_parameters
   std::uint16_t samples_per_point = 0;                 ///< as EstimatorLimits::samples_per_point
@@ -101,6 +107,12 @@ constexpr TrackerLimits without_person(TrackerLimits limits) {
   return limits;
 }
 
+/// The same limits without smoothing of noisy frames.
+constexpr TrackerLimits without_noise_smoothing(TrackerLimits limits) {
+  limits.noise = nullptr;
+  return limits;
+}
+
 /// The same limits without edges.
 constexpr TrackerLimits without_edges(TrackerLimits limits) {
   limits.edges = nullptr;
@@ -114,7 +126,7 @@ constexpr TrackerLimits profile_m() {
 
 /// Profile S, for a microcontroller: 320 x 240 frames, matched in a moving region of 192 x 192 that is read
 /// from the caller's frame during `update`; 48 + 16 templates; no edges, no rejection of image forces, no
-/// springs and no estimation of the person. With the built-in face and its expressions free the block, the
+/// springs, no estimation of the person and no smoothing of noisy frames. With the built-in face and its expressions free the block, the
 /// object and the stack fit into 256 KiB.
 constexpr TrackerLimits profile_s() {
   TrackerLimits l;
@@ -130,7 +142,7 @@ constexpr TrackerLimits profile_s() {
   l.samples_per_point = 44;
   l.samples_vertices = false;
   l.personal_field = {};
-  return without_person(without_edges(without_stretch(without_rejection(l))));
+  return without_noise_smoothing(without_person(without_edges(without_stretch(without_rejection(l)))));
 }
 
 /// Profile L, for a desktop or a fast board: 640 x 480, 220 + 80 templates, edges, 2,048 vertices.

@@ -53,6 +53,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   std::size_t search = 0;
   DetectionState* const detection =
       limits.detection == nullptr ? nullptr : limits.detection->lay_out(arena, model, limits, &search);
+  NoiseFilter* const noise = limits.noise == nullptr ? nullptr : limits.noise->lay_out(arena, model, limits);
   PersonState* const person =
       limits.person == nullptr ? nullptr : limits.person->lay_out(arena, model, limits);
   unsigned char* const block = arena.take<unsigned char>(0);
@@ -70,6 +71,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   impl_->offsets.clear();
   impl_->block = {block, needed > tracking ? needed : tracking};
   impl_->detection = detection;
+  impl_->noise = noise;
   impl_->person = person;
   impl_->end_track();
 }
@@ -127,11 +129,16 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   if (status != Status::ok) return status;
   if (t.order.is_stale(frame)) return Status::stale_frame;
   t.budget.begin(t.bad_frames == 0);
-  status = t.is_started ? t.track(frame) : t.detection->calls->search(t, frame);
+  const FrameView& quiet = t.quiet(frame);
+  status = t.is_started ? t.track(quiet) : t.detection->calls->search(t, quiet);
   if (status != Status::ok) return status;
   t.order.note(frame);
   *result = t.result;
   return status;
+}
+
+const FrameView& TrackerParts::quiet(const FrameView& view) {
+  return noise == nullptr ? view : limits.noise->smoothed(*noise, view);
 }
 
 Status TrackerParts::track(const FrameView& view) {

@@ -11,6 +11,7 @@
 #include "track/key_frames.hpp"
 #include "track/landmark_offsets.hpp"
 #include "track/markers.hpp"
+#include "track/noise_smoothing.hpp"
 #include "track/person_refinement.hpp"
 #include "track/start_fit.hpp"
 #include "track/surface_texture.hpp"
@@ -46,8 +47,8 @@ struct ImageParts {
 /// the search for a face, and the fit of a start.
 struct TrackerParts : ImageParts {
   // Set by lay_out. The default limits would link all that is optional into every program.
-  TrackerLimits limits =
-      without_person(without_edges(without_detection(without_stretch(without_rejection(TrackerLimits{})))));
+  TrackerLimits limits = without_noise_smoothing(
+      without_person(without_edges(without_detection(without_stretch(without_rejection(TrackerLimits{}))))));
   Model table;
   bool uses_edges = false;
   Span<float> start_q;
@@ -56,6 +57,7 @@ struct TrackerParts : ImageParts {
   DetectionState* detection =
       nullptr;  // null: the limits name no detection, or the model has no learnt tables
 
+  NoiseFilter* noise = nullptr;   // null: the limits name no smoothing, or the model is no face
   PersonState* person = nullptr;  // null: the limits name no estimation, or the model has no identity
 
   Estimator estimator;
@@ -78,6 +80,9 @@ struct TrackerParts : ImageParts {
                                const TrackerLimits& limits);
   void lay_out_tracking();
 
+  /// The frame, smoothed if it is noisy.
+  const FrameView& quiet(const FrameView& view);
+
   Status check_start(const FrameView& frame, Span<const Vec2> markers) const;
   Status check_landmarks(Span<const NamedPoint> points) const;
   bool fits_model(const SavedState& state) const;
@@ -86,7 +91,7 @@ struct TrackerParts : ImageParts {
   template <class Fit>
   Status fit_before_tracking(Fit&& fit);
   void refine(const FrameView& frame, const RoughStart& rough, StartPose* from);
-  Status start_at_fit(Status fitted, const FrameView& frame, const RoughStart& rough, StartPose* from,
+  Status start_at_fit(Status fitted, const FrameView& frame_0, const RoughStart& rough, StartPose* from,
                       const TrackerOptions& with, Span<const Vec2> marker_places);
   Status start(const FrameView& frame, const StartPose& from, const TrackerOptions& with,
                Span<const Vec2> marker_places);

@@ -74,9 +74,10 @@ void TrackerParts::refine(const FrameView& view, const RoughStart& rough, StartP
 }
 
 /// The rest of a start from points or a box. A fit that fails has overwritten what was known of the person, too.
-Status TrackerParts::start_at_fit(Status fitted, const FrameView& view, const RoughStart& rough,
+Status TrackerParts::start_at_fit(Status fitted, const FrameView& frame_0, const RoughStart& rough,
                                   StartPose* from, const TrackerOptions& with,
                                   Span<const Vec2> marker_places) {
+  const FrameView& view = quiet(frame_0);
   order.forget_time();
   identity_is_given = false;
   const bool is_fitted = fitted == Status::ok;
@@ -161,9 +162,10 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   StartPose from{camera, pose};
   StartOptions known;
   known.camera = &camera;
-  impl_->refine(frame, {nullptr, RoughStart::kExact, known}, &from);
+  const FrameView& quiet = impl_->quiet(frame);
+  impl_->refine(quiet, {nullptr, RoughStart::kExact, known}, &from);
   impl_->identity_is_given = q != nullptr;
-  return impl_->start(frame, from, options, markers);
+  return impl_->start(quiet, from, options, markers);
 }
 
 Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoint> points,

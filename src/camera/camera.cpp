@@ -16,14 +16,14 @@ float exponential(float x) {
 }  // namespace
 
 bool is_possible(const Pose& pose, const Camera& camera) {
-  constexpr float kFarthest = 1e7f, kRounding = 1.001f;
-  const float offsets[] = {pose.t.x, pose.t.y, camera.cx, camera.cy};
-  for (const float offset : offsets)
-    if (!(magnitude(offset) <= kFarthest)) return false;  // as all comparisons here, for NaN too
+  constexpr float kLargest = 1e7f, kRounding = 1.001f;
+  constexpr float kNearest = 1 / (kMaxRho * kRounding), kFarthest = kRounding / kMinRho;
+  const float lengths[] = {pose.t.x, pose.t.y, camera.cx, camera.cy, camera.f};
+  for (const float length : lengths)
+    if (!(magnitude(length) <= kLargest)) return false;  // as all comparisons here, for NaN too
   const Quat& q = pose.q;
   const float squared = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  return squared > 0.5f && squared < 2 && kMaxRho * pose.t.z * kRounding >= 1 &&
-         kMinRho * pose.t.z <= kRounding && camera.f > 0 && camera.f <= kFarthest;
+  return squared > 0.5f && squared < 2 && pose.t.z >= kNearest && pose.t.z <= kFarthest && camera.f > 0;
 }
 
 View view_of(const Pose& pose, const Camera& camera) {

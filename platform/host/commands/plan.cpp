@@ -17,10 +17,12 @@
 #include "track/face_search.hpp"
 #include "track/frame_budget.hpp"
 #include "track/key_frames.hpp"
+#include "track/noise_smoothing.hpp"
 #include "track/person_refinement.hpp"
 #include "track/template_tuning.hpp"
 #include "track/tracker_sizes.hpp"
 #include "vision/coarse_translation_tuning.hpp"
+#include "vision/noise_tuning.hpp"
 #include "vision/thumbnail.hpp"
 
 namespace pliant::host {
@@ -30,6 +32,7 @@ namespace {
 /// Instructions of x86-64 of one turn of each loop, counted by callgrind on the recorded face with the default limits, with 500
 /// templates and with profile S (docs/evaluation.md, Work of a frame). `WorkCosts` has those of searches and solves.
 struct Instructions {
+  double noise_place = 28, smoothed_pixel = 3.5;
   double thumbnail_pixel = 0.9, pyramid_pixel = 1.9;
   double predicted_record = 21;                ///< of a predicted point
   double tangent_record = 215;                 ///< of a point, where the person has changed
@@ -120,6 +123,13 @@ void add_picture_loads(const Sizes& s, Loads& loads) {
   add_shared(s, "pixels of thumbnails compared", pixels * most_shifts(usual_range),
              pixels * std::max(most_shifts(most_range), most_shifts(usual_range)),
              static_cast<double>(s.costs.coarse_pixel), loads);
+}
+
+/// Every frame, where frames are smoothed.
+void add_noise_loads(const Sizes& s, Loads& loads) {
+  const double places = kNoiseTuning.most_places;
+  loads.push_back({"places where noise is measured", places, places, kCost.noise_place});
+  loads.push_back({"pixels smoothed", 0, s.frame_pixels, kCost.smoothed_pixel});
 }
 
 /// Searches and solves, which end when the budget is spent.
@@ -423,6 +433,9 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   if (limits.detection != nullptr && !model.print().empty() && plan.search.all_cells == 0)
     add_print_loads(sizes, limits, plan);
   add_start_loads(sizes, limits, plan.search.does_both || plan.search.all_cells == 0, plan.start_loads);
+  if (limits.noise != nullptr && is_smoothed(model))
+    for (Loads* loads : {&plan.loads, &plan.search_loads, &plan.start_loads})
+      if (!loads->empty()) add_noise_loads(sizes, *loads);
   return plan;
 }
 

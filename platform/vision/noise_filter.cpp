@@ -1,0 +1,127 @@
+// Noise of a frame, and binomial smoothing (docs/algorithms.md, section 7.22).
+#include "vision/noise_filter.hpp"
+
+#include "base/wide_vectors.hpp"
+#include "vision/noise_tuning.hpp"
+
+namespace pliant {
+
+namespace {
+
+constexpr const NoiseTuning& kTuning = kNoiseTuning;
+constexpr int kTaps = 5;
+/// Deviation of the response over that of the noise, sqrt(36), times the median of |x| of a normal x over its deviation.
+constexpr float kMedianOverNoise = 6 * 0.6745f;
+
+/// [1 -2 1] along both axes, at a pixel that is not at the border.
+int response(const std::uint8_t* at, std::ptrdiff_t down, std::ptrdiff_t right) {
+  const auto row = [right](const std::uint8_t* p) { return p[-right] - 2 * p[0] + p[right]; };
+  const int r = row(at - down) - 2 * row(at) + row(at + down);
+  return r < 0 ? -r : r;
+}
+
+/// Distance of the places, px: a square grid of at most kTuning.most_places.
+int step_of(int width, int height) {
+  int step = 1;
+  while ((width / step) * (height / step) > kTuning.most_places) ++step;
+  return step;
+}
+
+int inside(int x, int count) {
+  return x < 0 ? 0 : x < count ? x : count - 1;
+}
+
+/// 16 times the mean of five, with 16 bits as pyramid.cpp.
+std::uint16_t weighted(int a, int b, int c, int d, int e) {
+  return static_cast<std::uint16_t>(a + e + 4 * (b + d) + 6 * c);
+}
+
+PLIANT_WIDE_VECTORS
+void smooth_planar(const std::uint8_t* __restrict row, int width, std::uint16_t* __restrict out) {
+  for (int x = 2; x + 2 < width; ++x)
+    out[x] = weighted(row[x - 2], row[x - 1], row[x], row[x + 1], row[x + 2]);
+}
+
+/// Along a line. The border's pixels count for those beyond.
+void smooth_line(const std::uint8_t* row, int step, int width, std::uint16_t* out) {
+  const auto smooth_at = [&](int x) {
+    const auto pixel = [&](int k) { return row[inside(x + k, width) * step]; };
+    out[x] = weighted(pixel(-2), pixel(-1), pixel(0), pixel(1), pixel(2));
+  };
+  if (step == 1)
+    smooth_planar(row, width, out);
+  else
+    for (int x = 2; x + 2 < width; ++x) smooth_at(x);
+  const int border[] = {0, 1, width - 2, width - 1};
+  for (const int x : border) smooth_at(x);
+}
+
+using Lines = const std::uint16_t* [kTaps];
+
+PLIANT_WIDE_VECTORS
+void smooth_columns(const Lines& line, int width, std::uint8_t* __restrict out) {
+  const std::uint16_t *const a = line[0], *const b = line[1], *const c = line[2], *const d = line[3],
+                             *const e = line[4];
+  for (int x = 0; x < width; ++x)
+    out[x] = static_cast<std::uint8_t>(
+        static_cast<std::uint16_t>(weighted(a[x], b[x], c[x], d[x], e[x]) + 128) >> 8);
+}
+
+}  // namespace
+
+float noise_of(const FrameView& frame) {
+  const auto down = static_cast<std::ptrdiff_t>(frame.stride_bytes);
+  const std::ptrdiff_t right = frame.pixel_step_bytes;
+  const int step = step_of(frame.width, frame.height);
+  std::uint16_t of_response[256] = {};
+  int places = 0;
+  for (int y = 1; y + 1 < frame.height; y += step)
+    for (int x = 1; x + 1 < frame.width; x += step) {
+      const std::uint8_t* const at = frame.data + y * down + x * right;
+      if (*at < kTuning.darkest || *at > kTuning.brightest) continue;
+      const int r = response(at, down, right);
+      ++of_response[r < 255 ? r : 255];
+      ++places;
+    }
+  if (places < kTuning.least_places) return 0;
+  int median = 0;
+  for (int below = of_response[0]; 2 * below < places; below += of_response[median]) ++median;
+  return static_cast<float>(median) / kMedianOverNoise;
+}
+
+void NoiseFilter::lay_out(Arena& arena, int width, int height) {
+  const std::size_t w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
+  pixels_ = arena.take<std::uint8_t>(w * h);
+  lines_ = arena.take<std::uint16_t>(kTaps * w);
+}
+
+const FrameView& NoiseFilter::smoothed(const FrameView& frame) {
+  is_smoothing_ = noise_of(frame) >= (is_smoothing_ ? kTuning.still_noisy : kTuning.noisy);
+  if (!is_smoothing_) return frame;
+  smooth(frame);
+  copy_ = frame;
+  copy_.data = pixels_;
+  copy_.stride_bytes = static_cast<std::size_t>(frame.width);
+  copy_.pixel_step_bytes = 1;
+  return copy_;
+}
+
+/// Five lines of sums at a time, in turn.
+void NoiseFilter::smooth(const FrameView& frame) {
+  const int width = frame.width, height = frame.height;
+  const auto line = [&](int y) {
+    return lines_ + static_cast<std::ptrdiff_t>(inside(y, height) % kTaps) * width;
+  };
+  const auto read = [&](int y) {
+    smooth_line(frame.data + static_cast<std::size_t>(y) * frame.stride_bytes, frame.pixel_step_bytes, width,
+                line(y));
+  };
+  for (int y = 0; y < 2; ++y) read(y);
+  for (int y = 0; y < height; ++y) {
+    if (y + 2 < height) read(y + 2);
+    const Lines lines = {line(y - 2), line(y - 1), line(y), line(y + 1), line(y + 2)};
+    smooth_columns(lines, width, pixels_ + static_cast<std::ptrdiff_t>(y) * width);
+  }
+}
+
+}  // namespace pliant

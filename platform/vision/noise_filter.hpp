@@ -1,0 +1,34 @@
+#pragma once
+/// \file noise_filter.hpp
+/// Measures the noise of each frame, and smooths those with much of it (docs/algorithms.md, section 7.22).
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/frame.hpp"
+
+namespace pliant {
+
+/// Standard deviation of the noise, grey levels, up to 63, at about NoiseTuning::most_places places at most. Clipped places do not
+/// count. 0 for a view with fewer than NoiseTuning::least_places. Fine texture all over a frame counts as noise.
+float noise_of(const FrameView& frame);
+
+/// Smooths noisy frames of one size, at least 4 x 4 pixels.
+class NoiseFilter {
+ public:
+  /// Bytes: width * height, and five lines of 2 bytes a pixel.
+  void lay_out(Arena& arena, int width, int height);
+
+  /// The frame itself, if it has little noise. Else a copy, smoothed by the binomial [1 4 6 4 1]²/256, valid until the next call. Cost:
+  /// the places, and 14 additions a pixel of a noisy frame.
+  const FrameView& smoothed(const FrameView& frame);
+
+ private:
+  void smooth(const FrameView& frame);
+
+  std::uint8_t* pixels_ = nullptr;
+  std::uint16_t* lines_ = nullptr;
+  FrameView copy_;
+  bool is_smoothing_ = false;  // the last frame was noisy
+};
+
+}  // namespace pliant

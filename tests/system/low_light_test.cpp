@@ -1,0 +1,97 @@
+// Frames in low light, whose noise is as large as what templates and detector compare.
+#include <doctest/doctest.h>
+
+#include "face_film.hpp"
+#include "model_builder.hpp"
+#include "pliant/tracker.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+constexpr std::size_t kFrames = 24;
+
+/// A head that turns a little and talks, at a fraction of its light.
+FaceFilm film_at(float light, float noise) {
+  FaceFilm film(kWidth, kHeight, kFrames, [](float s, Pose& pose, std::vector<float>& q) {
+    pose.q = exp_rotation({0, 0.2f * s, 0});
+    FaceFilm::set(q, "jawOpen", 0.2f * s);
+  });
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    Picture dark(kWidth, kHeight);
+    for (std::size_t i = 0; i < dark.pixels.size(); ++i)
+      dark.pixels[i] = static_cast<std::uint8_t>(10 + light * static_cast<float>(film.frames[k][i]));
+    add_noise(dark, noise, 50 + static_cast<std::uint32_t>(k));
+    film.frames[k] = dark.pixels;
+  }
+  return film;
+}
+
+/// Frames in state tracking within 3 degrees, of those behind the first.
+int frames_right(Tracker& tracker, const FaceFilm& film) {
+  int right = 0;
+  for (std::size_t k = 1; k < kFrames; ++k) {
+    FrameResult result;
+    REQUIRE(tracker.update(film.view(k), &result) == Status::ok);
+    right += result.state == TrackState::tracking && film.turn_error(result.pose, k) < 3;
+  }
+  return right;
+}
+
+/// The same after a start at the true pose.
+int frames_right(const TrackerLimits& limits, const FaceFilm& film) {
+  InArena<Tracker> tracker(baked_face().model, limits);
+  REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data()) ==
+          Status::ok);
+  return frames_right(tracker.object, film);
+}
+
+}  // namespace
+
+TEST_CASE("a face in low light is tracked, since its frames are smoothed") {
+  const FaceFilm film = film_at(0.25f, 12);
+  const TrackerLimits limits = without_detection(TrackerLimits{});
+  CHECK(frames_right(limits, film) >= 22);
+  CHECK(frames_right(without_noise_smoothing(limits), film) <= 8);
+}
+
+TEST_CASE("the bits of a film without much noise are the same with smoothing and without") {
+  const FaceFilm film = film_at(0.9f, 1);
+  const TrackerLimits limits = without_detection(TrackerLimits{});
+  InArena<Tracker> smoothing(baked_face().model, limits),
+      plain(baked_face().model, without_noise_smoothing(limits));
+  for (Tracker* t : {&smoothing.object, &plain.object})
+    REQUIRE(t->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data()) ==
+            Status::ok);
+  for (std::size_t k = 1; k < kFrames; ++k) {
+    FrameResult a, b;
+    REQUIRE(smoothing->update(film.view(k), &a) == Status::ok);
+    REQUIRE(plain->update(film.view(k), &b) == Status::ok);
+    CHECK((a.pose.t.x == b.pose.t.x && a.pose.q.y == b.pose.q.y && a.tracked == b.tracked));
+  }
+}
+
+TEST_CASE("a start from landmarks smooths its frame, too") {
+  const FaceFilm film = film_at(0.25f, 12);
+  const TrackerLimits limits = without_detection(TrackerLimits{});
+  std::vector<NamedPoint> points;
+  std::vector<std::string> names;
+  for (int k = 17; k < 68; ++k) names.push_back("ibug" + std::to_string(k));
+  for (const std::string& name : names) points.push_back({name.c_str(), film.truth(name, 0)});
+  InArena<Tracker> tracker(baked_face().model, limits);
+  REQUIRE(tracker->start_from_landmarks(film.view(0), {points.data(), points.size()}) == Status::ok);
+  CHECK(frames_right(tracker.object, film) >= 20);
+}
+
+TEST_CASE("the model of a surface that is no face has no filter") {
+  const auto bytes = [](const Model& model, const TrackerLimits& limits) {
+    return measured_bytes<Tracker>(model, limits);
+  };
+  const TrackerLimits limits, plain = without_noise_smoothing(limits);
+  CHECK(bytes(baked_face().model, limits) - bytes(baked_face().model, plain) >= 320 * 250);
+  const std::vector<std::uint32_t> words = egg_model(2).table();
+  Model egg;
+  REQUIRE(Model::open(words.data(), words.size() * 4, &egg) == Status::ok);
+  CHECK(bytes(egg, limits) == bytes(egg, plain));
+}

@@ -1,0 +1,107 @@
+#include "vision/noise_filter.hpp"
+
+#include <doctest/doctest.h>
+
+#include <vector>
+
+#include "model_builder.hpp"
+#include "random.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+
+/// A grey ramp with two edges, and noise over it.
+struct Frame {
+  std::vector<std::uint8_t> pixels;
+  explicit Frame(float sd, int width = kWidth, int height = kHeight, int step = 1, float base = 90)
+      : width_(width), height_(height), step_(step) {
+    Random random(7);
+    pixels.resize(static_cast<std::size_t>(width * height * step), 200);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const float clean = base + 0.25f * static_cast<float>(x) + (x > width / 2 ? 30.0f : 0.0f) +
+                            (y > height / 3 ? 20.0f : 0.0f);
+        at(x, y) = static_cast<std::uint8_t>(clamp(clean + sd * random.normal() + 0.5f, 0, 255));
+      }
+  }
+  std::uint8_t& at(int x, int y) { return pixels[static_cast<std::size_t>((y * width_ + x) * step_)]; }
+  FrameView view() const {
+    return {pixels.data(), width_, height_, static_cast<std::size_t>(width_ * step_), step_, 5, 3};
+  }
+
+ private:
+  int width_, height_, step_;
+};
+
+int tap(int k) {
+  constexpr int kBinomial[] = {1, 4, 6, 4, 1};
+  return kBinomial[k + 2];
+}
+
+}  // namespace
+
+TEST_CASE("noise is measured to a tenth, or half a grey level, whatever ramps and edges are below") {
+  for (const float sd : {0.0f, 2.0f, 4.0f, 7.0f, 12.0f, 25.0f}) {
+    CAPTURE(sd);
+    const float noise = noise_of(Frame(sd).view());
+    CHECK(noise > 0.9f * sd - 0.5f);
+    CHECK(noise < 1.1f * sd + 0.5f);
+  }
+  CHECK(noise_of(Frame(7, 640, 480).view()) == doctest::Approx(7).epsilon(0.1));
+  CHECK(noise_of(Frame(7, kWidth, kHeight, 2).view()) == doctest::Approx(7).epsilon(0.1));
+}
+
+TEST_CASE("where nothing can be measured there is no noise") {
+  CHECK(noise_of(Frame(7, 1, 1).view()) == 0);
+  CHECK(noise_of(Frame(7, 10, 10).view()) == 0);
+  CHECK(noise_of(Frame(9, kWidth, kHeight, 1, 400).view()) == 0);  // white
+}
+
+TEST_CASE("a quiet frame passes as it is; a noisy one is smoothed until the noise has clearly fallen") {
+  InArena<NoiseFilter> filter(kWidth, kHeight);
+  const auto is_copied = [&](float sd) {
+    const Frame frame(sd);
+    const FrameView view = frame.view(), out = filter->smoothed(view);
+    CHECK((out.width == kWidth && out.height == kHeight && out.time_ns == 5 && out.sequence == 3));
+    return out.data != view.data;
+  };
+  CHECK_FALSE(is_copied(2));
+  CHECK_FALSE(is_copied(4.4f));
+  CHECK(is_copied(6));
+  CHECK(is_copied(4.4f));
+  CHECK_FALSE(is_copied(3));
+  CHECK_FALSE(is_copied(4.4f));
+}
+
+TEST_CASE("a smoothed frame is the binomial mean of 5 x 5 pixels, the border continued") {
+  for (const int step : {1, 2}) {
+    CAPTURE(step);
+    Frame frame(15, kWidth, kHeight, step);
+    const FrameView view = frame.view();
+    InArena<NoiseFilter> filter(kWidth, kHeight);
+    const FrameView out = filter->smoothed(view);
+    REQUIRE(out.data != view.data);
+    int wrong = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        int sum = 128;
+        for (int j = -2; j <= 2; ++j)
+          for (int i = -2; i <= 2; ++i) {
+            const int u = x + i < 0 ? 0 : x + i < kWidth ? x + i : kWidth - 1;
+            const int v = y + j < 0 ? 0 : y + j < kHeight ? y + j : kHeight - 1;
+            sum += tap(i) * tap(j) * frame.at(u, v);
+          }
+        wrong += out.data[static_cast<std::size_t>(y) * out.stride_bytes + static_cast<std::size_t>(x)] !=
+                 static_cast<std::uint8_t>(sum >> 8);
+      }
+    CHECK(wrong == 0);
+    CHECK(noise_of(out) < 3);
+  }
+}
+
+TEST_CASE("a filter takes a copy of the frame and five lines of sums") {
+  CHECK(measured_bytes<NoiseFilter>(320, 240) == 320 * 240 + 5 * 320 * 2);
+}
