@@ -77,8 +77,8 @@ Status fit_to_box(Arena& arena, const Model& model, Vec2 corner, Vec2 size, BoxC
   *box = status == Status::ok ? box_of(cascade, q, view) : FaceBox{};
   if (convention == BoxConvention::face_box && box->side > 0) {
     const Vec2 centre = corner + 0.5f * size;
-    view.s = size.x / kFaceBoxMm;
-    view.rho = clamp(view.s / start->camera.f, kMinRho, kMaxRho);
+    view.s = clamp(size.x / kFaceBoxMm, kMinRho * start->camera.f, kMaxRho * start->camera.f);
+    view.rho = view.s / start->camera.f;
     for (int k = 0; k < kStartFitTuning.centring_steps; ++k)
       view.tau = view.tau + (1 / view.s) * (centre - box_of(cascade, q, view).center);
     *box = {centre, size.x};

@@ -6,6 +6,7 @@
 
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
+#include "track/start_fit.hpp"
 
 using namespace pliant;
 
@@ -54,6 +55,22 @@ TEST_CASE("a start from a box or from five points is refined where there are tab
   REQUIRE(tracker->start_from_landmarks(film.view(0), {five.data(), five.size()}) == Status::ok);
   CHECK(fake.alignments == 2);
   CHECK(film.landmark_error(tracker.object, 0) < 1.5f);
+}
+
+TEST_CASE("a face box of a face that is farther than a pose can be has the model in its middle") {
+  BakedModel& face = baked_face();
+  const Camera camera = centred_camera(320, 240, 400);
+  const Vec2 centre{100, 90};
+  AlignedBlock block(std::size_t{1} << 20);
+  Arena arena(block.data(), block.size());
+  StartPose start{camera, {}};
+  FaceBox box;
+  const Vec2 size{0.01f, 0.01f};
+  REQUIRE(fit_to_box(arena, face.model, centre - 0.5f * size, size, BoxConvention::face_box,
+                     face.rest().data(), &start, &box) == Status::ok);
+  Vec2 nose;
+  REQUIRE(Projector(view_of(start.pose, camera), true).project(face.at("ibug30", face.rest()), &nose));
+  CHECK(length(nose - centre) < 0.2f);
 }
 
 TEST_CASE("boxes of all conventions, of one face, give about the same pose, with and without tables") {
