@@ -12,6 +12,7 @@
 #include "print/descriptor.hpp"
 #include "print/match_consensus.hpp"
 #include "print/print_table.hpp"
+#include "print/print_tuning.hpp"
 #include "print_film.hpp"
 #include "random.hpp"
 #include "scratch_folder.hpp"
@@ -120,6 +121,32 @@ TEST_CASE("a track that shows the print no longer is given up though its templat
   REQUIRE(film.tracker->start_from_pose(view, kCamera, pose, nullptr) == Status::ok);
   for (int k = 0; k < 6 && film.tracker->is_started(); ++k) REQUIRE(film.show(still) == Status::ok);
   CHECK_FALSE(film.tracker->is_started());
+}
+
+TEST_CASE("a track is given up after two bad checks in a row, not after two with a good one between them") {
+  const Pose pose = posed(0.2f, 0.3f, 0, 0.9f);
+  // Templates are in the noise alone, whatever is around it.
+  Image print = picture_of(pose, kRest, 9), blank = print;
+  std::fill(blank.pixels.begin(), blank.pixels.end(), std::uint8_t{128});
+  Random random(5);
+  for (int y = 90; y < 150; ++y)
+    for (int x = 110; x < 210; ++x)
+      *print.at(x, y) = *blank.at(x, y) = static_cast<std::uint8_t>(random.below(256));
+  const auto last_frame_of_track = [&](bool has_good_checks) {
+    Film film(sheet());
+    const FrameView view{blank.pixels.data(), kWidth, kHeight, std::size_t{kWidth}, 1, 1, 1};
+    film.count = 1;
+    REQUIRE(film.tracker->start_from_pose(view, kCamera, pose, nullptr) == Status::ok);
+    const int interval = kPrintTuning.check_interval_frames;
+    int k = 0;
+    while (k < 8 * interval && film.tracker->is_started()) {
+      ++k;
+      REQUIRE(film.show(has_good_checks && k % (2 * interval) == 0 ? print : blank) == Status::ok);
+    }
+    return film.tracker->is_started() ? 0 : k;
+  };
+  CHECK(last_frame_of_track(false) == 2 * kPrintTuning.check_interval_frames);
+  CHECK(last_frame_of_track(true) == 0);
 }
 
 TEST_CASE("limits without detection, or a model without a print, start nothing by themselves") {
