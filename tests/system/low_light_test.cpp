@@ -1,7 +1,7 @@
 // Frames in low light, whose noise is as large as what templates and detector compare.
 #include <doctest/doctest.h>
 
-#include "face_film.hpp"
+#include "fake_faces.hpp"
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
 
@@ -82,6 +82,16 @@ TEST_CASE("a start from landmarks smooths its frame, too") {
   InArena<Tracker> tracker(baked_face().model, limits);
   REQUIRE(tracker->start_from_landmarks(film.view(0), {points.data(), points.size()}) == Status::ok);
   CHECK(frames_right(tracker.object, film) >= 20);
+}
+
+TEST_CASE("a start by detection is in a frame that is smoothed, too") {
+  const FaceFilm film = film_at(0.25f, 12);
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  FrameResult first;
+  REQUIRE(tracker->update(film.view(0), &first) == Status::ok);
+  REQUIRE(tracker->is_started());
+  CHECK(frames_right(tracker.object, film) >= 22);
 }
 
 TEST_CASE("the model of a surface that is no face has no filter") {
