@@ -1,6 +1,7 @@
 // `pliant plan`: what it says beforehand is what a run takes.
 #include "host/commands/plan.hpp"
 
+#include "baked_face.hpp"
 #include "cli_run.hpp"
 #include "host/io/fit_file.hpp"
 #include "host/io/frame_source.hpp"
@@ -191,6 +192,21 @@ TEST_CASE("the bound of a frame is at most 4 times its usual work, with all prof
     const Plan plan = make_plan(file.model(), limits);
     CHECK(most_instructions(plan.loads) < 4 * usual_instructions(plan.loads));
   }
+}
+
+TEST_CASE(
+    "the smoothing of noisy frames is in the plan of a face, and not in that of profile S or of a sheet") {
+  const auto smoothed = [](const std::vector<Load>& loads) {
+    double most = 0;
+    for (const Load& load : loads)
+      if (load.what == std::string("pixels smoothed")) most += load.most;
+    return most;
+  };
+  const Plan plan = make_plan(baked_face().model, {});
+  CHECK(smoothed(plan.loads) == 320 * 240);
+  CHECK(smoothed(plan.start_loads) == 320 * 240);
+  CHECK(smoothed(make_plan(baked_face().model, profile_s()).loads) == 0);
+  CHECK(smoothed(make_plan(host::sheet(), {}).loads) == 0);
 }
 
 TEST_CASE(

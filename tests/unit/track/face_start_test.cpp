@@ -279,8 +279,7 @@ TEST_CASE(
 
 TEST_CASE(
     "a track from one side only is given up after four black frames, whatever the limits: a search in parts "
-    "begins "
-    "where it was") {
+    "begins where it was") {
   for (const std::uint8_t key_frames : {std::uint8_t{2}, std::uint8_t{4}}) {
     FakeFaces fake(half_size());
     fake.calls_a_search = 8;

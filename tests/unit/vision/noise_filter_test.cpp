@@ -13,13 +13,13 @@ namespace {
 
 constexpr int kWidth = 160, kHeight = 120;
 
-/// A grey ramp with two edges, and noise over it.
+/// A grey ramp with two edges, and noise over it. Rows have a few bytes behind them.
 struct Frame {
   std::vector<std::uint8_t> pixels;
   explicit Frame(float sd, int width = kWidth, int height = kHeight, int step = 1, float base = 90)
-      : width_(width), height_(height), step_(step) {
+      : width_(width), height_(height), step_(step), stride_(width * step + 3) {
     Random random(7);
-    pixels.resize(static_cast<std::size_t>(width * height * step), 200);
+    pixels.resize(static_cast<std::size_t>(height * stride_), 200);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
         const float clean = base + 0.25f * static_cast<float>(x) + (x > width / 2 ? 30.0f : 0.0f) +
@@ -27,13 +27,13 @@ struct Frame {
         at(x, y) = static_cast<std::uint8_t>(clamp(clean + sd * random.normal() + 0.5f, 0, 255));
       }
   }
-  std::uint8_t& at(int x, int y) { return pixels[static_cast<std::size_t>((y * width_ + x) * step_)]; }
+  std::uint8_t& at(int x, int y) { return pixels[static_cast<std::size_t>(y * stride_ + x * step_)]; }
   FrameView view() const {
-    return {pixels.data(), width_, height_, static_cast<std::size_t>(width_ * step_), step_, 5, 3};
+    return {pixels.data(), width_, height_, static_cast<std::size_t>(stride_), step_, 5, 3};
   }
 
  private:
-  int width_, height_, step_;
+  int width_, height_, step_, stride_;
 };
 
 int tap(int k) {
