@@ -209,8 +209,9 @@ void BaseMeshMaker::emit_mesh() {
 
 Status BaseMeshMaker::by_splits(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
                                 Span<const Vec3> position) {
-  if (!limits_.splits) return Status::bad_argument;
-  const Status status = prepare(uv, corners, winding, position);
+  // Without room for splits it is given no triangles, which is a bad argument, too.
+  const Status status =
+      prepare(uv, limits_.splits ? corners : Span<const std::uint16_t>{}, winding, position);
   if (status != Status::ok) return status;
   split_edges(sort_edges(position));
   emit_mesh();

@@ -181,6 +181,7 @@ TEST_CASE("any triangles become basic blocks by pairing, without one new vertex 
     CHECK(box.mesh.validate().invariant == 0);
     if (seed != 105) CHECK(folded_after_refinement(base) == 0);
     CHECK(m.maker.by_splits(t.uv_span(), t.corner_span(), Winding::as_given) == Status::bad_argument);
+    CHECK((m.maker.uv().empty() && m.maker.corners().empty()));  // nor is the former result left
   }
 }
 
