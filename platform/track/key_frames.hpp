@@ -17,8 +17,8 @@ struct KeyFrameTuning {
   /// degrees on either side. Round value, not tuned.
   float angle_rad = 0.35f;
   /// The same when it is so many times as large as in all key frames from its side, or as small: its templates are warped by as
-  /// much. With none for scale, films of portraits that grow or shrink by 20 to 60 % a second were lost at 2.2 to 3 times the
-  /// size (docs/experiments.md, Films of portraits with faults). Round value, not tuned.
+  /// much. With none for scale, films of portraits that shrink by 20 % a second or grow from 25 to 110 px were lost at 2.2 to 3
+  /// times the size (docs/experiments.md, Films of portraits with faults). Round value, not tuned.
   float scale_ratio = 1.5f;
   /// Residual above which a key frame is doubtful, px at 320 px of image width. The residual of an unknown
   /// person is above it while the head turns: without key frames from then, 40 of 1,920 frames of turned
