@@ -64,7 +64,7 @@ TEST_CASE("a person at rest is given an identity rather than an expression") {
     REQUIRE(projector.project(face.at(name, person), &x));
     points.push_back({face.uv(name), x});
   }
-  // Mean square of the expressions, in standard deviations.
+  // Sum of the squares of the expressions, in standard deviations.
   const auto expression = [&](const std::uint8_t* is_free) {
     InArena<LandmarkFit> fit(face.model, points.size());
     FitOptions options;
