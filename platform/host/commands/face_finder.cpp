@@ -5,6 +5,7 @@
 #include "host/commands/image_fit.hpp"
 #include "host/io/failure.hpp"
 #include "host/learn/face_samples.hpp"
+#include "vision/noise_filter.hpp"
 
 namespace pliant::host {
 
@@ -20,6 +21,12 @@ bool are_one_face(const FoundFace& a, const FoundFace& b) {
   return length(a.box.center - b.box.center) < kSameFaceFraction * max(a.box.side, b.box.side);
 }
 
+/// The picture, smoothed if it is noisy, as a tracker does it.
+Image quiet(const Image& grey) {
+  Owned<NoiseFilter> filter(grey.width, grey.height);
+  return image_of(filter->smoothed(frame_of(grey)));
+}
+
 }  // namespace
 
 FaceFinder::FaceFinder(const ModelFile& file) : file_(file), aligner_(file.model(), file.model().aligner()) {
@@ -30,6 +37,11 @@ FaceFinder::FaceFinder(const ModelFile& file) : file_(file), aligner_(file.model
 
 std::optional<FoundFace> FaceFinder::align(const Image& grey, const FaceBox& box,
                                            const std::optional<Camera>& camera) {
+  return align_in(quiet(grey), box, camera);
+}
+
+std::optional<FoundFace> FaceFinder::align_in(const Image& grey, const FaceBox& box,
+                                              const std::optional<Camera>& camera) {
   const Model& model = file_.model();
   const ImageSize size{grey.width, grey.height};
   FoundFace face;
@@ -54,10 +66,11 @@ std::vector<FoundFace> FaceFinder::find(const Image& grey, const std::string& na
   require(detector->status(), file_.path() + ": detector");
   std::vector<DetectedFace> detected(kMaxDetections);
   std::size_t count = 0;
-  require(detector->find(frame_of(grey), {detected.data(), detected.size()}, &count), name);
+  const Image picture = quiet(grey);
+  require(detector->find(frame_of(picture), {detected.data(), detected.size()}, &count), name);
   std::vector<FoundFace> faces;
   for (std::size_t k = 0; k < count; ++k)
-    if (auto face = align(grey, detected[k].box, camera); face && face->aligned.score >= min_score)
+    if (auto face = align_in(picture, detected[k].box, camera); face && face->aligned.score >= min_score)
       faces.push_back(std::move(*face));
   std::stable_sort(faces.begin(), faces.end(),
                    [](const FoundFace& a, const FoundFace& b) { return a.aligned.score > b.aligned.score; });

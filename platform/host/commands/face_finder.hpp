@@ -25,7 +25,7 @@ constexpr int kMaxSearchedSide = 8192;
 /// Probability that a face has at least, where the user names none. Round value, not tuned: rather right than wrong.
 constexpr float kLeastFaceScore = 0.5f;
 
-/// A detector and an aligner for one model.
+/// A detector and an aligner for one model. Noisy pictures are smoothed first, as a tracker does it.
 class FaceFinder {
  public:
   /// Bad input: a model without learnt tables, or with damaged ones. The file must outlive this object.
@@ -42,6 +42,9 @@ class FaceFinder {
                                  const std::optional<Camera>& camera = std::nullopt);
 
  private:
+  std::optional<FoundFace> align_in(const Image& quiet, const FaceBox& box,
+                                    const std::optional<Camera>& camera);
+
   const ModelFile& file_;
   Owned<FaceAligner> aligner_;
 };
