@@ -20,10 +20,11 @@ int response(const std::uint8_t* at, std::ptrdiff_t down, std::ptrdiff_t right) 
   return r < 0 ? -r : r;
 }
 
-/// Distance of the places, px: a square grid of at most kTuning.most_places.
+/// Distance of the places, px, odd, so that they have all places in the blocks of compressed frames: a square grid of at most
+/// kTuning.most_places.
 int step_of(int width, int height) {
   int step = 1;
-  while ((width / step) * (height / step) > kTuning.most_places) ++step;
+  while ((width / step) * (height / step) > kTuning.most_places) step += 2;
   return step;
 }
 
