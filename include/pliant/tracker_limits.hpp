@@ -57,8 +57,9 @@ struct TrackerLimits {
   /// Keeps a copy of the frame. False, and keeps_previous false: the frame is read during `update` only, and
   /// must be planar.
   bool copies_frame = true;
-  /// Smooths frames of a face whose noise is above 5 grey levels (standard deviation, measured in each), as in low light, before
-  /// anything reads them: width x (height + 10) bytes. If null, frames are used as they are, and the code is left out of the program.
+  /// Smooths frames of a face with much noise, as in low light, before anything reads them: noise above 0.42 of the frame's contrast
+  /// (standard deviations, measured in each): width x (height + 10) bytes. If null, frames are used as they are, and the code is left
+  /// out of the program.
   const NoiseSmoothing* noise = &kNoiseSmoothing;
   std::uint16_t thumbnail_width = 96;                  ///< widest thumbnail for coarse search, px
   std::uint16_t free_parameters = 0;                   ///< as EstimatorLimits::free_parameters

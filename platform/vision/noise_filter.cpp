@@ -2,6 +2,7 @@
 #include "vision/noise_filter.hpp"
 
 #include "base/wide_vectors.hpp"
+#include "pliant/geometry.hpp"
 #include "vision/noise_tuning.hpp"
 
 namespace pliant {
@@ -70,24 +71,28 @@ void smooth_columns(const Lines& line, int width, std::uint8_t* __restrict out) 
 
 }  // namespace
 
-float noise_of(const FrameView& frame) {
+FrameNoise noise_of(const FrameView& frame) {
   const auto down = static_cast<std::ptrdiff_t>(frame.stride_bytes);
   const std::ptrdiff_t right = frame.pixel_step_bytes;
   const int step = step_of(frame.width, frame.height);
   std::uint16_t of_response[256] = {};
-  int places = 0;
+  int places = 0, sum = 0, squares = 0;
   for (int y = 1; y + 1 < frame.height; y += step)
     for (int x = 1; x + 1 < frame.width; x += step) {
       const std::uint8_t* const at = frame.data + y * down + x * right;
       if (*at < kTuning.darkest || *at > kTuning.brightest) continue;
       const int r = response(at, down, right);
       ++of_response[r < 255 ? r : 255];
+      sum += *at;
+      squares += *at * *at;
       ++places;
     }
-  if (places < kTuning.least_places) return 0;
+  if (places < kTuning.least_places) return {};
   int median = 0;
   for (int below = of_response[0]; 2 * below < places; below += of_response[median]) ++median;
-  return static_cast<float>(median) / kMedianOverNoise;
+  const float count = static_cast<float>(places), mean = static_cast<float>(sum) / count;
+  return {static_cast<float>(median) / kMedianOverNoise,
+          square_root(static_cast<float>(squares) / count - mean * mean)};
 }
 
 void NoiseFilter::lay_out(Arena& arena, int width, int height) {
@@ -97,7 +102,9 @@ void NoiseFilter::lay_out(Arena& arena, int width, int height) {
 }
 
 const FrameView& NoiseFilter::smoothed(const FrameView& frame) {
-  is_smoothing_ = noise_of(frame) >= (is_smoothing_ ? kTuning.still_noisy : kTuning.noisy);
+  const FrameNoise of = noise_of(frame);
+  is_smoothing_ = of.noise >= kTuning.least_noise &&
+                  of.noise >= (is_smoothing_ ? kTuning.still_noisy : kTuning.noisy) * of.contrast;
   if (!is_smoothing_) return frame;
   smooth(frame);
   copy_ = frame;

@@ -8,9 +8,14 @@
 
 namespace pliant {
 
-/// Standard deviation of the noise, grey levels, up to 63, at about NoiseTuning::most_places places at most. Clipped places do not
-/// count. 0 for a view with fewer than NoiseTuning::least_places. Fine texture all over a frame counts as noise.
-float noise_of(const FrameView& frame);
+/// Standard deviations, grey levels: of the noise, up to 63, and of the frame with it.
+struct FrameNoise {
+  float noise = 0, contrast = 0;
+};
+
+/// Measured at NoiseTuning::most_places places at most; clipped ones do not count. Both 0 for a view with fewer than
+/// NoiseTuning::least_places. Fine texture all over a frame counts as noise.
+FrameNoise noise_of(const FrameView& frame);
 
 /// Smooths noisy frames of one size, at least 4 x 4 pixels.
 class NoiseFilter {

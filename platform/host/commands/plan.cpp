@@ -32,7 +32,7 @@ namespace {
 /// Instructions of x86-64 of one turn of each loop, counted by callgrind on the recorded face with the default limits, with 500
 /// templates and with profile S (docs/evaluation.md, Work of a frame). `WorkCosts` has those of searches and solves.
 struct Instructions {
-  double noise_place = 28, smoothed_pixel = 3.5;
+  double noise_place = 30, smoothed_pixel = 3.5;
   double thumbnail_pixel = 0.9, pyramid_pixel = 1.9;
   double predicted_record = 21;                ///< of a predicted point
   double tangent_record = 215;                 ///< of a point, where the person has changed
