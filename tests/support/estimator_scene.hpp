@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "model_builder.hpp"
+#include "opened_egg.hpp"
 #include "pliant/estimator.hpp"
 #include "random.hpp"
 
@@ -15,19 +15,14 @@ using namespace pliant;
 constexpr int kWidth = 640, kHeight = 480;
 
 /// An estimator on the egg, and a second one, posed by hand, that says what would be seen.
-struct Scene {
-  std::vector<std::uint32_t> words = egg_model(3).table();
-  Model model;
+struct Scene : OpenedEgg {
   EstimatorLimits limits;
   Camera camera = centred_camera(kWidth, kHeight, 800);
-  std::vector<float> q;
   std::vector<Vec2> uv;
   std::vector<std::uint16_t> ids;
   Random random{11};
 
-  Scene() {
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
-    q.assign(model.parameters().count, 0);
+  Scene() : OpenedEgg(3) {
     q[0] = 0.8f;
     limits.points = 60;
     limits.vertices = 300;

@@ -5,18 +5,15 @@
 #include <vector>
 
 #include "estimate/motion_model.hpp"
-#include "model_builder.hpp"
+#include "opened_egg.hpp"
 
 /// The model, its cascade with the expressions free, and a state.
-struct PosedEgg {
-  std::vector<std::uint32_t> words = egg_model(3).table();
-  pliant::Model model = opened();
+struct PosedEgg : OpenedEgg {
   InArena<pliant::Cascade> cascade{model};
   pliant::Camera camera = pliant::centred_camera(640, 480, 800);
-  std::vector<float> q;
   pliant::ModelState state;
 
-  explicit PosedEgg(float turn = 0) : q(model.parameters().count, 0.0f) {
+  explicit PosedEgg(float turn = 0) : OpenedEgg(3) {
     cascade->set_free(pliant::Group::expression);
     state.q = q.data();
     pose({pliant::exp_rotation({0, turn, 0}), {0, 5, 700}});
@@ -28,13 +25,6 @@ struct PosedEgg {
     pliant::Vec2 x;
     REQUIRE(pliant::Projector(state.view, true).project(cascade->surface_point(uv, state.q), &x));
     return x;
-  }
-
- private:
-  pliant::Model opened() const {
-    pliant::Model m;
-    REQUIRE(pliant::Model::open(words.data(), words.size() * 4, &m) == pliant::Status::ok);
-    return m;
   }
 };
 

@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "fake_faces.hpp"
-#include "model_builder.hpp"
+#include "opened_egg.hpp"
 #include "pliant/tracker.hpp"
 
 using namespace pliant;
@@ -100,8 +100,6 @@ TEST_CASE("the model of a surface that is no face has no filter") {
   };
   const TrackerLimits limits, plain = without_noise_smoothing(limits);
   CHECK(bytes(baked_face().model, limits) - bytes(baked_face().model, plain) >= 320 * 250);
-  const std::vector<std::uint32_t> words = egg_model(2).table();
-  Model egg;
-  REQUIRE(Model::open(words.data(), words.size() * 4, &egg) == Status::ok);
-  CHECK(bytes(egg, limits) == bytes(egg, plain));
+  const OpenedEgg egg(2);
+  CHECK(bytes(egg.model, limits) == bytes(egg.model, plain));
 }

@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <limits>
 
-#include "model_builder.hpp"
+#include "opened_egg.hpp"
 #include "pliant/estimator.hpp"
 #include "pliant/fit.hpp"
 #include "random.hpp"
@@ -119,16 +119,13 @@ TEST_CASE("a lens whose radius does not grow over the image, or NaN, is refused 
 namespace {
 
 /// The egg close to a wide-angle camera and off its axis, where a lens bends most.
-struct Scene {
-  std::vector<std::uint32_t> words = egg_model(6).table();
-  Model model;
+struct Scene : OpenedEgg {
   Camera camera = camera_with(-0.3f, 0.09f, 1.03f);
   Lens lens = lens_with(camera);
   std::vector<float> truth;
   std::vector<Vec2> uv;
 
-  Scene() {
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  Scene() : OpenedEgg(6) {
     truth.assign(model.parameters().count, 0);
     truth[0] = 0.8f;
     for (int i = 0; i < 49; ++i)

@@ -2,35 +2,21 @@
 
 #include <limits>
 
-#include "model_builder.hpp"
+#include "opened_egg.hpp"
 #include "pliant/fit.hpp"
 
 using namespace pliant;
 
-namespace {
-
-struct Scene {
-  std::vector<std::uint32_t> words = egg_model(6).table();
-  Model model;
-  std::vector<float> q;
-  Scene() {
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
-    q.resize(model.parameters().count);
-  }
-};
-
-}  // namespace
-
 TEST_CASE("a box starts a frontal view that fills it") {
-  const Scene scene;
-  InArena<Cascade> cascade(scene.model);
+  const OpenedEgg egg(6);
+  InArena<Cascade> cascade(egg.model);
   View view;
   const Camera camera = centred_camera(640, 480, 900);
-  REQUIRE(view_from_box(cascade.object, scene.q.data(), {100, 80}, {150, 200}, camera, &view) == Status::ok);
+  REQUIRE(view_from_box(cascade.object, egg.q.data(), {100, 80}, {150, 200}, camera, &view) == Status::ok);
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
-  for (Vec2 uv : scene.model.base_uv()) {
+  for (Vec2 uv : egg.model.base_uv()) {
     Vec2 x;
-    REQUIRE(Projector(view, true).project(cascade->surface_point(uv, scene.q.data()), &x));
+    REQUIRE(Projector(view, true).project(cascade->surface_point(uv, egg.q.data()), &x));
     low = {min(low.x, x.x), min(low.y, x.y)};
     high = {max(high.x, x.x), max(high.y, x.y)};
   }
@@ -41,26 +27,25 @@ TEST_CASE("a box starts a frontal view that fills it") {
 TEST_CASE(
     "the view of a box has the camera's focal length, also where the box is nearer or farther than any "
     "view") {
-  const Scene scene;
-  InArena<Cascade> cascade(scene.model);
+  const OpenedEgg egg(6);
+  InArena<Cascade> cascade(egg.model);
   View view;
   for (const float focal : {20.0f, 900.0f, 1e6f}) {
     const Camera camera = centred_camera(640, 480, focal);
-    REQUIRE(view_from_box(cascade.object, scene.q.data(), {100, 80}, {150, 200}, camera, &view) ==
-            Status::ok);
+    REQUIRE(view_from_box(cascade.object, egg.q.data(), {100, 80}, {150, 200}, camera, &view) == Status::ok);
     CHECK(camera_of(view).f == doctest::Approx(static_cast<double>(focal)).epsilon(1e-3));
     CHECK(is_possible(pose_of(view), camera_of(view)));
   }
 }
 
 TEST_CASE("a box without area, and a camera that is not finite, start nothing") {
-  const Scene scene;
-  InArena<Cascade> cascade(scene.model);
+  const OpenedEgg egg(6);
+  InArena<Cascade> cascade(egg.model);
   const Camera camera = centred_camera(640, 480, 900);
   View view;
   view.s = 7;
   const auto status = [&](Vec2 size, const Camera& by) {
-    return view_from_box(cascade.object, scene.q.data(), {0, 0}, size, by, &view);
+    return view_from_box(cascade.object, egg.q.data(), {0, 0}, size, by, &view);
   };
   CHECK(status({0, 10}, camera) == Status::bad_argument);
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "model_builder.hpp"
+#include "opened_egg.hpp"
 #include "pliant/fold_over.hpp"
 #include "random.hpp"
 
@@ -310,9 +310,8 @@ TEST_CASE("points on one line of the image do not determine a pose, in any direc
 }
 
 TEST_CASE("192 parameters fit at once") {
-  const auto words = egg_model(188).table();
-  Model model;
-  REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  const OpenedEgg egg(188);
+  const Model& model = egg.model;
   REQUIRE(model.parameters().count == 192);
   Random random(12);
   std::vector<float> truth;

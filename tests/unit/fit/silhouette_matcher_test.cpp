@@ -3,23 +3,18 @@
 
 #include <doctest/doctest.h>
 
-#include "model_builder.hpp"
+#include "opened_egg.hpp"
 #include "random.hpp"
 
 using namespace pliant;
 
 namespace {
 
-struct Turned {
-  std::vector<std::uint32_t> words = egg_model(6).table();
-  Model model;
-  std::vector<float> q;
+struct Turned : OpenedEgg {
   View view;
-  explicit Turned(float yaw_rad) {
-    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
-    q.assign(model.parameters().count, 0.0f);
-    view = view_of({exp_rotation({0, yaw_rad, 0}), {0, 0, 800}}, centred_camera(640, 480, 900));
-  }
+  explicit Turned(float yaw_rad)
+      : OpenedEgg(6),
+        view(view_of({exp_rotation({0, yaw_rad, 0}), {0, 0, 800}}, centred_camera(640, 480, 900))) {}
 };
 
 /// Matches every landmark of the model, seen where its own place projects to.

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "model_builder.hpp"
+#include "opened_egg.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -91,16 +91,14 @@ TEST_CASE("faces that a parameter folds over within its own limits are not watch
 }
 
 TEST_CASE("random steps of a model with rotations end unfolded when what they lead to is checked again") {
-  const auto words = egg_model(6).table();
-  Model model;
-  REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
-  Tested t(model);
+  const OpenedEgg egg(6);
+  Tested t(egg.model);
   Random random(2);
   int limited = 0;
   for (int trial = 0; trial < 60; ++trial) {
-    std::vector<float> q(model.parameters().count), to(q.size());
+    std::vector<float> q(egg.model.parameters().count), to(q.size());
     for (std::size_t k = 0; k < q.size(); ++k) {
-      const Parameter& p = model.parameters()[k];
+      const Parameter& p = egg.model.parameters()[k];
       q[k] = 0.3f * random.uniform(p.minimum, p.maximum);
       to[k] = q[k] + 12 * random.uniform(p.minimum, p.maximum);  // far beyond the limits
     }

@@ -1,0 +1,18 @@
+#pragma once
+// The egg (model_builder.hpp) as an opened model.
+#include <doctest/doctest.h>
+
+#include <vector>
+
+#include "model_builder.hpp"
+
+struct OpenedEgg {
+  std::vector<std::uint32_t> words;
+  pliant::Model model;
+  std::vector<float> q;  // all 0
+
+  explicit OpenedEgg(int identities) : words(egg_model(identities).table()) {
+    REQUIRE(pliant::Model::open(words.data(), words.size() * 4, &model) == pliant::Status::ok);
+    q.assign(model.parameters().count, 0.0f);
+  }
+};
