@@ -18,9 +18,9 @@ struct PartTrackingTuning {
   /// Frames from one reading to the next, count; what was read holds between them. On the Talking Face video 2 finds 19 of 28
   /// blinks, 1 finds 24.
   std::uint32_t interval_frames = 1;
-  /// Time between readings that a parameter has to change in, s: not less where a clock stands still, and not so much that a
+  /// Time between readings that a parameter has to change in, ns: not less where a clock stands still, and not so much that a
   /// pause frees it. Round values, not tuned.
-  float shortest_s = 0.01f, longest_s = 0.2f;
+  std::int32_t shortest_ns = 10'000'000, longest_ns = 200'000'000;
 };
 constexpr PartTrackingTuning kPartTracking{};
 
@@ -169,18 +169,22 @@ PartFit* read_at_view(TrackerParts& t, const FrameView& view, float centring) {
   return fit;
 }
 
+/// ns. Times come from outside: their difference may wrap.
+std::int32_t time_to_change(std::int64_t last_ns, std::int64_t now_ns) {
+  const auto elapsed =
+      static_cast<std::int64_t>(static_cast<std::uint64_t>(now_ns) - static_cast<std::uint64_t>(last_ns));
+  if (elapsed < kPartTracking.shortest_ns) return kPartTracking.shortest_ns;
+  return elapsed < kPartTracking.longest_ns ? static_cast<std::int32_t>(elapsed) : kPartTracking.longest_ns;
+}
+
 void read_parts(TrackerParts& t, const FrameView& view) {
   FaceDetectionState& self = self_of(t);
   if (self.parts == nullptr) return;
   PartPoints& points = *self.parts;
   if (t.frame % kPartTracking.interval_frames == 0)
     if (PartFit* const fit = read_at_view(t, view, kPartFitTuning.centring); fit != nullptr) {
-      // Times come from outside: their difference may wrap.
-      const auto elapsed = static_cast<std::int64_t>(static_cast<std::uint64_t>(view.time_ns) -
-                                                     static_cast<std::uint64_t>(self.last_read_ns));
+      fit->fit(1e-9f * static_cast<float>(time_to_change(self.last_read_ns, view.time_ns)), &points);
       self.last_read_ns = view.time_ns;
-      fit->fit(clamp(1e-9f * static_cast<float>(elapsed), kPartTracking.shortest_s, kPartTracking.longest_s),
-               &points);
       points.gaze = smoothed_gaze(points.gaze, fit->gaze(points));
     }
   for (std::size_t k = 0; k < points.parameter_count; ++k)

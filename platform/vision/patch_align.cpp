@@ -17,7 +17,7 @@ namespace {
 // The left-hand side: constant while the same pixels count.
 struct TranslationSystem {
   Template images;
-  std::int64_t n;  // pixels
+  i32 n;  // pixels
   float inverse_n;
   i32 t, gx, gy;  // sums
   float variance_sum;
@@ -91,7 +91,7 @@ PatchStatus align(const ImageView& image, const SearchOptions& o, Workspace& wor
     const GridPosition at = on_grid(p.x);
     if (!is_inside(image, at, margin)) return PatchStatus::outside_image;
     sample_window(image, at, Sampling::linear, work);
-    const bool is_whole = is_all_unclipped(static_cast<int>(whole.n), work);
+    const bool is_whole = is_all_unclipped(whole.n, work);
     if (!is_whole) {
       unclipped = unclipped_system(work);
       if (!make_solvable(unclipped, work.window, o.accepts_edges)) return PatchStatus::flat;

@@ -94,7 +94,7 @@ PatchStatus refine(const ImageView& image, const SearchOptions& o, Workspace& wo
     const bool is_linear = step == 1 && o.is_far, is_last = step == kPatchTuning.max_refine_steps;
     sample_window(image, at, is_linear ? Sampling::linear : Sampling::cubic, work);
     ++p.iterations;
-    const bool is_whole = is_all_unclipped(static_cast<int>(work.system->n), work);
+    const bool is_whole = is_all_unclipped(work.system->n, work);
     if (!is_whole) prepare_unclipped(work, o.accepts_edges);
     const WarpSystem& system = is_whole ? *work.system : *work.unclipped_system;
     if (!system.is_solvable) return PatchStatus::flat;

@@ -49,8 +49,8 @@ inline float nearest_float(std::int64_t v) {
 }
 
 /// Sum of (a - mean a) (b - mean b) over n pixels from the plain sums. Exact but for two roundings at the end.
-inline float centred(std::int64_t n, float inverse_n, i32 ab, i32 a, i32 b) {
-  return nearest_float(n * ab - std::int64_t{a} * b) * inverse_n;
+inline float centred(i32 n, float inverse_n, i32 ab, i32 a, i32 b) {
+  return nearest_float(std::int64_t{n} * ab - std::int64_t{a} * b) * inverse_n;
 }
 
 }  // namespace pliant::patch

@@ -1,16 +1,14 @@
 #pragma once
 // Whether a patch has enough texture to be matched, and in how many directions.
-#include <cstdint>
-
 #include "pliant/geometry.hpp"
 
 namespace pliant::patch {
 
 /// Texture of a patch, in the units of patch_arrays.hpp.
 struct Texture {
-  std::int64_t pixels;  ///< usable ones
-  float variance_sum;   ///< of grey levels, over the pixels
-  Sym2 tensor;          ///< structure tensor of the gradients without light, summed over the pixels
+  int pixels;          ///< usable ones
+  float variance_sum;  ///< of grey levels, over the pixels
+  Sym2 tensor;         ///< structure tensor of the gradients without light, summed over the pixels
 };
 
 /// True if a direction was set.

@@ -15,7 +15,7 @@ constexpr int lower(int row, int column) {
 struct WarpSystem {
   int first;                         ///< unknown that is fitted: kRamp, or kLight where there is no ramp
   const i16* images[kUnknowns + 1];  ///< from the first one on, and the mask
-  std::int64_t n;                    ///< usable pixels
+  i32 n;                             ///< usable pixels
   float inverse_n;
   i32 sums[kUnknowns];
   float products[lower(kUnknowns, 0)];  ///< without the priors; lower triangle
