@@ -59,6 +59,7 @@ void KeyFrames::turn(Quat turn) {
 
 void KeyFrames::take(const FrameView& frame) {
   make_thumbnail(frame, factor_, line_, current_);
+  level_rows(current_, width_, height_);
 }
 
 void KeyFrames::trust(const Estimator& estimator) {

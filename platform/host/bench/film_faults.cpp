@@ -60,6 +60,22 @@ FaultyFrame flicker(const FilmClip& clip, std::size_t k, float amount) {
   return changed(clip, k, is_during(k), [&](float grey) { return now * grey; });
 }
 
+/// A lamp that flickers with the mains, seen by a sensor with a rolling shutter.
+FaultyFrame bands(const FilmClip& clip, std::size_t k, float amount) {
+  FaultyFrame out{clip.frames[k]};
+  if (!is_during(k)) return out;
+  for (int y = 0; y < out.picture.height; ++y) {
+    const float phase =
+        1.7f * static_cast<float>(y) / static_cast<float>(out.picture.height) + 0.27f * static_cast<float>(k);
+    const float light = 1 + amount * std::sin(6.2832f * phase);
+    for (int x = 0; x < out.picture.width; ++x) {
+      std::uint8_t* const grey = out.picture.at(x, y);
+      *grey = static_cast<std::uint8_t>(std::min(light * *grey + 0.5f, 255.0f));
+    }
+  }
+  return out;
+}
+
 FaultyFrame gamma(const FilmClip& clip, std::size_t k, float exponent) {
   return changed(clip, k, is_during(k), [&](float grey) { return 255 * std::pow(grey / 255, exponent); });
 }
@@ -226,6 +242,7 @@ const std::vector<FilmFault>& film_faults() {
       {"light at 3", light_step, 3},
       {"light falls to 0.3 and stays", light_ramp, 0.3f},
       {"light flickers by 30 %", flicker, 0.3f},
+      {"bands of light of 35 %", bands, 0.35f},
       {"gamma 0.5", gamma, 0.5f},
       {"gamma 2", gamma, 2},
       {"shadow over one side", shadow, 0.4f},

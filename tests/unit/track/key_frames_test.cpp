@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "face_film.hpp"
 #include "model_builder.hpp"
 #include "track/tracker_sizes.hpp"
@@ -56,6 +58,29 @@ TEST_CASE("the translation between two thumbnails is the model's, in pixels of t
   CHECK(motion.compared_pixels > 0);
   CHECK(motion.by_px.x == doctest::Approx(24).epsilon(0.1));
   CHECK(motion.by_px.y == doctest::Approx(8).epsilon(0.2));
+}
+
+TEST_CASE("bands of light that move over the picture are not taken for the model's motion") {
+  Rig rig;
+  const auto lit = [](int view, double phase) {
+    std::vector<std::uint8_t> pixels(320 * 240);
+    const FrameView from = film().view(static_cast<std::size_t>(view));
+    for (std::size_t k = 0; k < pixels.size(); ++k)
+      pixels[k] = static_cast<std::uint8_t>(std::min(
+          255.0, from.data[k] * (1 + 0.35 * std::sin(6.28 * (static_cast<double>(k / 320) / 140 + phase)))));
+    return pixels;
+  };
+  const std::vector<std::uint8_t> before = lit(0, 0);
+  rig.keys->take(view_of_pixels(before, 320, 240, 0));
+  rig.keys->trust(rig.estimator.object);
+  for (const double phase : {0.1, 0.27, 0.4}) {
+    const std::vector<std::uint8_t> now = lit(1, phase);
+    rig.keys->take(view_of_pixels(now, 320, 240, 1));
+    const CoarseMotion motion = rig.keys->find_motion(0);
+    REQUIRE(motion.is_found);
+    CHECK(motion.by_px.x == doctest::Approx(24).epsilon(0.1));
+    CHECK(motion.by_px.y == doctest::Approx(8).epsilon(0.25));
+  }
 }
 
 TEST_CASE("a black frame has no translation") {

@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
 #include <vector>
 
 #include "texture.hpp"
@@ -68,4 +71,36 @@ TEST_CASE("a packed frame and one with padded rows give the thumbnail of their l
   b.stride_bytes = 50;
   CHECK(thumbnail_of(a, 4) == thumbnail_of(p.frame(), 4));
   CHECK(thumbnail_of(b, 4) == thumbnail_of(p.frame(), 4));
+}
+
+TEST_CASE("levelled rows have one mean, and no longer the gain that each had of its own") {
+  constexpr int kColumns = 64, kRows = 32;
+  const Picture p = texture::noise(kColumns, kRows, 5);
+  std::vector<std::uint8_t> even(p.pixels.size()), banded(p.pixels.size());
+  for (std::size_t k = 0; k < even.size(); ++k) {
+    even[k] = static_cast<std::uint8_t>(40 + p.pixels[k] / 4);
+    banded[k] =
+        static_cast<std::uint8_t>(even[k] * (1 + 0.5 * std::sin(0.4 * static_cast<double>(k / kColumns))));
+  }
+  level_rows(even.data(), kColumns, kRows);
+  level_rows(banded.data(), kColumns, kRows);
+  for (std::size_t y = 0; y < kRows; ++y) {
+    const auto row = even.begin() + static_cast<std::ptrdiff_t>(y * kColumns);
+    CHECK(std::accumulate(row, row + kColumns, 0) / double(kColumns) == doctest::Approx(96).epsilon(0.02));
+  }
+  for (std::size_t k = 0; k < even.size(); ++k) CHECK(std::abs(even[k] - banded[k]) <= 12);
+}
+
+TEST_CASE("rows that are black, white, of one pixel or of the largest width are levelled without overflow") {
+  for (const int columns : {1, 2, 96, 16384})
+    for (const std::uint8_t grey : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{255}}) {
+      std::vector<std::uint8_t> row(static_cast<std::size_t>(columns), grey);
+      level_rows(row.data(), columns, 1);
+      for (const std::uint8_t p : row) REQUIRE(std::abs(p - 96) <= 1);
+    }
+  std::vector<std::uint8_t> one(96, 0);
+  one[7] = 255;
+  level_rows(one.data(), 96, 1);
+  CHECK(one[7] == 255);
+  level_rows(one.data(), 96, 0);  // nothing
 }
