@@ -27,8 +27,8 @@ std::string script_json(const std::string& json);
 /// Bytes as text.
 std::string base64(const std::string& bytes);
 
-/// A picture file as a data: address. PNG and JPEG keep their bytes, without a JPEG's EXIF data (orientation, location), so that
-/// a browser shows what `read_image` reads. Other formats become PNG.
+/// A picture file as a data: address, of which a browser shows what `read_image` reads. PNG and JPEG keep their bytes, without a
+/// JPEG's EXIF data (location). A JPEG whose orientation is not upright is turned and written anew. Other formats become PNG.
 std::string picture_address(const std::string& path);
 std::string png_address(const Image& image);
 std::string jpeg_address(const Image& image, int quality);

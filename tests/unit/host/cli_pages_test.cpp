@@ -263,6 +263,20 @@ TEST_CASE("a JPEG is embedded unchanged but without its EXIF data") {
   CHECK(address_bytes(picture_address(f.put("p.png", png))) == png);
 }
 
+TEST_CASE("a page shows a JPEG as its camera was held, which is how it was read") {
+  const Folder f;
+  const std::string upright = encode_jpeg(Image(48, 32, 3, 90), 90);
+  const std::string a_quarter_to_the_right(
+      "\xff\xe1\x00\x22"
+      "Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0",
+      36);
+  const std::string path = f.put("m.jpg", upright.substr(0, 2) + a_quarter_to_the_right + upright.substr(2));
+  const Image read = read_image(path), shown = read_image(f.put("shown.jpg", address_bytes(picture_address(path))));
+  CHECK(read.width == 32);
+  CHECK(shown.width == 32);
+  CHECK(shown.height == 48);
+}
+
 TEST_CASE("points refuses bad words with 2 and bad input with 1 and a line that names it") {
   const Sequence s;
   const std::string picture = s.put("g.pgm", grey_pgm(200, 160));
