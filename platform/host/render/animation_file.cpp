@@ -1,6 +1,5 @@
 #include "host/render/animation_file.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -72,10 +71,9 @@ void check_folder(const std::string& folder, std::size_t count) {
   for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    const std::string digits =
-        entry->path().stem().string().substr(std::min(name.size(), std::strlen(kFrameName)));
-    const bool is_frame = name.rfind(kFrameName, 0) == 0 && entry->path().extension() == ".obj" &&
-                          !digits.empty() && digits.find_first_not_of("0123456789") == std::string::npos;
+    if (name.rfind(kFrameName, 0) != 0 || entry->path().extension() != ".obj") continue;
+    const std::string digits = entry->path().stem().string().substr(std::strlen(kFrameName));
+    const bool is_frame = !digits.empty() && digits.find_first_not_of("0123456789") == std::string::npos;
     if (is_frame && (digits.size() > 9 || std::stoul(digits) >= count))
       fail_input(folder, "has " + name + " of a longer animation, which would stay beside the " +
                              std::to_string(count) +

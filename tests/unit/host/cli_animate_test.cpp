@@ -274,7 +274,8 @@ TEST_CASE("a folder with frames that would stay beside the new ones is refused; 
   check_refused(words(two), {"objs", "frame_00002.obj"});
   CHECK((read_file(f / "objs/frame_00000.obj") == first));
   fs::remove(f / "objs/frame_00002.obj");
-  f.put("objs/frame_notes.obj", "of someone else");
+  for (const char* other : {"objs/frame_notes.obj", "objs/frame_.obj", "objs/frame.txt", "objs/a.b"})
+    f.put(other, "of someone else");
   REQUIRE(run_words(words(two)).code == 0);
   CHECK((read_file(f / "objs/frame_00000.obj") != first));
   CHECK(f.has("objs/frame_notes.obj"));
