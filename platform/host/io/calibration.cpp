@@ -33,6 +33,11 @@ class YamlKeys {
   }
 
   bool has(const std::string& key) const { return find(key).IsDefined(); }
+  /// Empty if there is no such key.
+  std::string text(const std::string& key) const {
+    const YAML::Node found = find(key);
+    return found.IsDefined() && found.IsScalar() ? found.Scalar() : "";
+  }
   double number(const std::string& key, double low, double high) const {
     return checked(key, existing(key), low, high);
   }
@@ -145,6 +150,15 @@ float worst_off_px(const FullLens& full, const ImageSize& size, const Camera& ca
   return static_cast<float>(worst);
 }
 
+/// Bad input: coefficients that are not those of FullLens, though they may be as many. OpenCV's program writes `fisheye_model`, ROS
+/// `distortion_model`.
+void check_lens_model(const std::string& source, const YamlKeys& keys) {
+  const std::string fisheye = keys.text("fisheye_model"), model = keys.text("distortion_model");
+  if (fisheye != "" && fisheye != "0") fail_input(source, "is of a fisheye model, which is not supported");
+  if (model != "" && model != "plumb_bob" && model != "rational_polynomial")
+    fail_input(source, "is of the distortion model '" + model.substr(0, 40) + "', which is not supported");
+}
+
 /// Ratio of the picture's size to the calibration's.
 double scale_between(const std::string& source, const YamlKeys& keys, const ImageSize& size) {
   const double width = keys.number("image_width", 16, 65535), height = keys.number("image_height", 16, 65535);
@@ -160,6 +174,7 @@ double scale_between(const std::string& source, const YamlKeys& keys, const Imag
 
 Calibration parse_calibration(const std::string& source, const std::string& text, const ImageSize& size) {
   const YamlKeys keys(source, text);
+  check_lens_model(source, keys);
   const double scale = scale_between(source, keys, size);
   const auto m = keys.matrix("camera_matrix");
   if (m.size() != 9) fail_input(source, "'camera_matrix' is not 3 x 3");

@@ -50,6 +50,7 @@ TEST_CASE("a calibration is read as OpenCV writes it") {
   CHECK(c.camera.k1 == doctest::Approx(-0.25));
   CHECK(c.camera.k2 == doctest::Approx(0.07));
   CHECK(c.off_px == 0);
+  CHECK(refusal(with(kFile, "flags: 0", "fisheye_model: 0\ndistortion_model: plumb_bob")) == "");
 }
 
 TEST_CASE("a picture size that is a uniform scale of the calibrated one is accepted, any other refused") {
@@ -105,6 +106,8 @@ TEST_CASE("files without a calibration are refused with a message that names the
        "line 19, column 10: 'distortion_coefficients.data' is not a list"},
       {"cols: 5", "cols: 3", "not 1 x 3"},
       {"flags: 0", "image_width: 640", "appears twice"},
+      {"flags: 0", "fisheye_model: 1", "fisheye model, which is not supported"},
+      {"flags: 0", "distortion_model: equidistant", "distortion model 'equidistant', which is not supported"},
       {"5.0490000000000003e+02", "9e+03", "cannot be inverted"},
   };
   for (const auto& c : cases) {
