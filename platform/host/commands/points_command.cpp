@@ -237,7 +237,7 @@ int run_points(const Args& args, Console& console) {
                                   {"picture", photograph.address}});
   const std::string title = path.substr(path.find_last_of('/') + 1);
   write_file(output, fill_page(kPointsPage, {{"title", html_text(title)},
-                                             {"data", script_json(data.dump())},
+                                             {"data", script_json(json_text(data))},
                                              {"fit", kSurfaceFitScript},
                                              {"script", kPointsScript}}));
   console.out << output << ": " << handles.size() << (has_uv ? " points of the chart, " : " landmarks, ")

@@ -102,24 +102,19 @@ Json object_of(const NamedValues& values) {
   return out;
 }
 
-/// One line, in which bytes that are no UTF-8 (in a name of a points file) are replaced.
-std::string line_of(const Json& value) {
-  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 /// The text of an object with a member a line; what has more than eight parts has a line a part.
 std::string lines_of(const Json& object) {
   std::string out;
   for (const auto& [name, value] : object.items()) {
-    out += (out.empty() ? "{\n  " : ",\n  ") + line_of(name) + ": ";
+    out += (out.empty() ? "{\n  " : ",\n  ") + json_text(name) + ": ";
     if (!value.is_structured() || value.size() <= 8) {
-      out += line_of(value);
+      out += json_text(value);
       continue;
     }
     std::string parts;
     for (const auto& [key, part] : value.items())
-      parts += (parts.empty() ? "\n    " : ",\n    ") + (value.is_object() ? line_of(key) + ": " : "") +
-               line_of(part);
+      parts += (parts.empty() ? "\n    " : ",\n    ") + (value.is_object() ? json_text(key) + ": " : "") +
+               json_text(part);
     out += (value.is_object() ? "{" : "[") + parts + (value.is_object() ? "\n  }" : "\n  ]");
   }
   return out + "\n}\n";

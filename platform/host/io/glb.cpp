@@ -136,7 +136,7 @@ std::string GlbFile::bytes(Json root) const {
   add_list("accessors", accessors_);
   add_list("bufferViews", views_);
   root["buffers"] = Json::array({Json::object({{"byteLength", buffer_.size()}})});
-  const std::string chunks = chunk(0x4e4f534a, root.dump(), ' ') + chunk(0x004e4942, buffer_, '\0');
+  const std::string chunks = chunk(0x4e4f534a, json_text(root), ' ') + chunk(0x004e4942, buffer_, '\0');
   std::string out = "glTF";
   put(out, 2, 4);
   put(out, static_cast<std::uint32_t>(12 + chunks.size()), 4);

@@ -44,6 +44,10 @@ std::string place(std::string_view text, std::streamoff offset) {
 
 }  // namespace
 
+std::string json_text(const Json& value) {
+  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 Json parse_json(const std::string& source, const std::string& text) {
   if (text.size() > kMaxJsonBytes)
     fail_input(source, "is larger than " + std::to_string(kMaxJsonBytes) + " bytes");

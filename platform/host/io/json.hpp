@@ -16,6 +16,9 @@ using Json = nlohmann::basic_json<nlohmann::ordered_map, std::vector, std::strin
 /// milliseconds and megabytes for any input. A member is looked for among those before it.
 constexpr std::size_t kMaxJsonDepth = 32, kMaxJsonMembers = 1000, kMaxJsonBytes = std::size_t{1} << 22;
 
+/// One line, in which bytes that are no UTF-8, in a name that someone gave, are replaced.
+std::string json_text(const Json& value);
+
 /// Parses a text that is one value. Bad input, with `source`, line and column, for anything but strict JSON: comments, trailing
 /// commas, NaN, numbers that no float holds, repeated members, text after the value; or more than the bounds above.
 Json parse_json(const std::string& source, const std::string& text);

@@ -277,6 +277,22 @@ TEST_CASE("a page shows a JPEG as its camera was held, which is how it was read"
   CHECK(shown.height == 48);
 }
 
+TEST_CASE("names that are no UTF-8 are on the page, with a mark for each wrong byte") {
+  const Sequence s;
+  const std::string points = s.put("latin.csv", "landmark,x,y,u,v\n" + [&] {
+    std::string rows;
+    std::istringstream in(read_file(s.points));
+    for (std::string line; std::getline(in, line);)
+      if (line.rfind("landmark", 0) != 0) rows += line + ",,\n";
+    return rows;
+  }() + "fl\xe4" "che,90,80,0.5,0.5\n");
+  const Ran r = run_words({"points", s.model, "--image", s.put("g.pgm", grey_pgm(200, 160)), "--start", points, "-o",
+                           s / "p.html"});
+  CAPTURE(r.err);
+  REQUIRE(r.code == 0);
+  CHECK(contains(read_file(s / "p.html"), "fl\xef\xbf\xbd" "che"));
+}
+
 TEST_CASE("points refuses bad words with 2 and bad input with 1 and a line that names it") {
   const Sequence s;
   const std::string picture = s.put("g.pgm", grey_pgm(200, 160));
