@@ -49,7 +49,7 @@ class Truth {
     if (rows_) rows_->write(track_line(row));
     for (std::size_t k = 0; points_ && k < names_.size(); ++k)
       if (row.points[k])
-        points_->write(std::to_string(frame) + "," + names_[k] + "," +
+        points_->write(std::to_string(frame) + "," + csv_cell(names_[k]) + "," +
                        number_text(static_cast<double>(row.points[k]->x)) + "," +
                        number_text(static_cast<double>(row.points[k]->y)) + "\n");
   }

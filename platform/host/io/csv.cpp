@@ -1,5 +1,7 @@
 #include "host/io/csv.hpp"
 
+#include <cmath>
+
 #include "host/io/failure.hpp"
 #include "host/io/numbers.hpp"
 #include "host/io/words.hpp"
@@ -15,8 +17,9 @@ std::string csv_cell(const std::string& text) {
 
 namespace {
 
-/// Reads one cell at `at` and moves `at` after the comma, or to npos at the end of the line.
-std::string take_cell(std::string_view line, std::size_t& at) {
+/// Reads one cell at `at` and moves `at` after the comma, or to npos at the end of the line. `is_sound` becomes false for quotes that
+/// do not end with the cell.
+std::string take_cell(std::string_view line, std::size_t& at, bool& is_sound) {
   const std::size_t first = line.find_first_not_of(" \t", at);
   if (first == std::string_view::npos || line[first] != '"') {
     const std::size_t comma = line.find(',', at);
@@ -32,13 +35,14 @@ std::string take_cell(std::string_view line, std::size_t& at) {
     cell += line[i];
   }
   const std::size_t comma = line.find(',', i);
+  is_sound = is_sound && i < line.size() && trimmed(line.substr(i + 1, comma - i - 1)).empty();
   at = comma == std::string_view::npos ? comma : comma + 1;
   return cell;
 }
 
-std::vector<std::string> split(std::string_view line) {
+std::vector<std::string> split(std::string_view line, bool& is_sound) {
   std::vector<std::string> cells;
-  for (std::size_t at = 0; at != std::string_view::npos;) cells.push_back(take_cell(line, at));
+  for (std::size_t at = 0; at != std::string_view::npos;) cells.push_back(take_cell(line, at, is_sound));
   return cells;
 }
 
@@ -56,14 +60,18 @@ CsvTable::CsvTable(std::string source, std::string_view text) : source_(std::mov
     ++line_number;
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     if (line.find_first_not_of(" \t") == std::string_view::npos) continue;
+    bool is_sound = true;
+    std::vector<std::string> cells = split(line, is_sound);
+    if (!is_sound)
+      fail_input(source_ + ": line " + std::to_string(line_number), "the quotes of a cell do not end with it");
     if (columns_.empty()) {
-      columns_ = split(line);
+      columns_ = std::move(cells);
       if (columns_.size() == 1 && line.find_first_of(";\t") != std::string_view::npos)
         fail_input(source_,
                    "has no commas between its columns: save it with commas, and with points in numbers");
       continue;
     }
-    rows_.push_back({line_number, split(line)});
+    rows_.push_back({line_number, std::move(cells)});
     if (rows_.back().cells.size() != columns_.size())
       fail_input(where(rows_.size() - 1), std::to_string(rows_.back().cells.size()) +
                                               " cells, but the header has " +
@@ -92,6 +100,13 @@ float CsvTable::number(std::size_t row, std::size_t column) const {
   if (!value || *value > 1e30 || *value < -1e30)
     fail_input(where(row), "column '" + columns_[column] + "': not a finite number: '" + text + "'");
   return static_cast<float>(*value);
+}
+
+std::size_t CsvTable::frame_number(std::size_t row, std::size_t column) const {
+  const float value = number(row, column);
+  if (!(value >= 0 && value < 1e7f && value == std::floor(value)))
+    fail_input(where(row), "column '" + columns_[column] + "': not a frame number: '" + cell(row, column) + "'");
+  return static_cast<std::size_t>(value);
 }
 
 std::string CsvTable::where(std::size_t row) const {

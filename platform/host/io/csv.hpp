@@ -16,7 +16,8 @@ std::string csv_cell(const std::string& text);
 /// A CSV file in memory. Every error names the file, the line and the column.
 class CsvTable {
  public:
-  /// Bad input: no header, a column name twice, or a row whose number of cells differs from the header's.
+  /// Bad input: no header, a column name twice, a row whose number of cells differs from the header's, or quotes that do not end
+  /// with their cell.
   CsvTable(std::string source, std::string_view text);
 
   const std::string& source() const { return source_; }
@@ -29,6 +30,8 @@ class CsvTable {
   const std::string& cell(std::size_t row, std::size_t column) const { return rows_[row].cells[column]; }
   /// A cell as a finite number; bad input otherwise.
   float number(std::size_t row, std::size_t column) const;
+  /// A cell as the number of a frame, a whole number below ten million; bad input otherwise.
+  std::size_t frame_number(std::size_t row, std::size_t column) const;
   /// "FILE: line N", for messages about a row.
   std::string where(std::size_t row) const;
 

@@ -10,7 +10,7 @@ std::optional<double> parse_number(std::string_view text) {
   double value = 0;
   const char* first = text.data();
   const char* last = first + text.size();
-  if (first != last && *first == '+') ++first;
+  if (text.substr(0, 1) == "+" && text.substr(1, 1) != "-") ++first;
   const auto [end, error] = std::from_chars(first, last, value);
   if (error != std::errc() || end != last || !std::isfinite(value)) return std::nullopt;
   return value;

@@ -88,7 +88,7 @@ std::string track_header(const std::vector<std::string>& value_names,
   std::string line;
   for (const char* name : kFirstColumns) line += (line.empty() ? "" : ",") + std::string(name);
   for (const char* name : kPoseColumns) line += "," + std::string(name);
-  for (const std::string& name : value_names) line += "," + name;
+  for (const std::string& name : value_names) line += "," + csv_cell(name);
   for (const std::string& name : point_names)
     line += "," + csv_cell("x_" + name) + "," + csv_cell("y_" + name);
   return line + "\n";

@@ -35,9 +35,7 @@ TruthComparison::TruthComparison(const std::string& path, const Model& model) {
       row.landmarks.push_back(is_there ? std::optional<Vec2>({table.number(r, *c.x), table.number(r, *c.y)})
                                        : std::nullopt);
     }
-    const float number = table.number(r, frame);
-    if (!(number >= 0 && number < 1e7f)) fail_input(table.where(r), "column 'frame': not a frame number");
-    rows_[static_cast<std::size_t>(number)] = std::move(row);
+    rows_[table.frame_number(r, frame)] = std::move(row);
   }
 }
 

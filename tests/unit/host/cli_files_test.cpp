@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "cli_run.hpp"
+#include "host/bench/annotated_faces.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/fit_file.hpp"
@@ -172,6 +173,7 @@ TEST_CASE("CSV may have quotes, spaces, any line ends and a byte order mark") {
   CHECK(table.cell(1, 0) == "z");
   CHECK(table.number(1, 1) == 3);
   CHECK(table.where(1) == "t.csv: line 4");
+  CHECK_THROWS_AS((void)CsvTable("t.csv", "x\n+-3\n").number(0, 0), Failure);
 }
 
 TEST_CASE("tables that are no CSV in UTF-8 with commas are refused by what they are") {
@@ -185,9 +187,24 @@ TEST_CASE("tables that are no CSV in UTF-8 with commas are refused by what they 
   };
   CHECK(error("landmark,x,y\na,1,2\n") == "");
   CHECK(error("alone\n1\n") == "");
+  CHECK(error("landmark,x,y\na, \"1\" ,\"2\"\r\n") == "");
+  CHECK(contains(error("landmark,x,y\na,\"1\"0,2\n"), "t.csv: line 2: the quotes of a cell"));
+  CHECK(contains(error("landmark,x,y\na,1,\"2\n"), "t.csv: line 2: the quotes of a cell"));
   CHECK(contains(error("landmark;x;y\na;1,5;2\n"), "t.csv: has no commas between its columns"));
   CHECK(contains(error("landmark\tx\ty\na\t1\t2\n"), "t.csv: has no commas between its columns"));
   CHECK(contains(error(std::string("\xff\xfel\0,\0", 6)), "t.csv: is text in UTF-16"));
+}
+
+TEST_CASE("the number of a frame is a whole number, in a track and in annotated frames") {
+  const Folder folder;
+  for (const char* bad : {"-1", "1.5", "1e30", "x"}) {
+    CAPTURE(bad);
+    const std::string path = folder.put("t.csv", std::string("frame,landmark,x,y\n2,a,1,2\n") + bad + ",a,1,2\n");
+    const CsvTable table(path, read_file(path));
+    CHECK(table.frame_number(0, 0) == 2);
+    CHECK_THROWS_WITH_AS((void)table.frame_number(1, 0), doctest::Contains("t.csv: line 3: column 'frame'"), Failure);
+    CHECK_THROWS_AS((void)read_annotated_frames(path), Failure);
+  }
 }
 
 TEST_CASE("a track row keeps every float, and unknown values are empty") {
@@ -222,8 +239,9 @@ TEST_CASE("a track row keeps every float, and unknown values are empty") {
   CHECK(track_line(row) == "3,0.1,lost,0,0,0,0" + std::string(1 + 2 + 7 + 4 + 4, ',') + "\n");
 }
 
-TEST_CASE("names of points may have commas and quotes: the header is read as it was written") {
-  const CsvTable table("t", track_header({"q"}, {"a,b", "the \"mole\""}) + std::string(21, ',') + "\n");
+TEST_CASE("names of parameters and points may have commas and quotes: the header is read as it was written") {
+  const CsvTable table("t", track_header({"q,\"r\""}, {"a,b", "the \"mole\""}) + std::string(21, ',') + "\n");
+  CHECK(table.find_column("q,\"r\"").has_value());
   CHECK(table.find_column("x_a,b").has_value());
   CHECK(table.find_column("y_the \"mole\"").has_value());
   CHECK(table.columns().size() == 22);
