@@ -14,6 +14,9 @@ namespace pliant::host {
 
 namespace {
 
+/// Parameters of a table, at most (docs/model-format.md).
+constexpr int kMostParameters = 192;
+
 constexpr const char* kPurposeNames[kPurposeCount] = {
     "other",      "model evaluation", "mesh",           "mesh adaptation",  "visibility",
     "solver",     "surface points",   "sampled points", "sampled vertices", "outlier rejection",
@@ -55,7 +58,7 @@ TrackerLimits limits_from(const Args& args) {
   TrackerLimits l = tracker_limits(args, size);
   l.markers = static_cast<std::uint16_t>(args.integer("--markers", l.markers, 0, 4096));
   if (args.has("--parameters"))
-    l.free_parameters = static_cast<std::uint16_t>(args.integer("--parameters", 0, 1, 500));
+    l.free_parameters = static_cast<std::uint16_t>(args.integer("--parameters", 0, 1, kMostParameters));
   return l;
 }
 
@@ -145,7 +148,7 @@ int run_plan(const Args& args, Console& console) {
     model = file->model();
     table_bytes = read_file(args.operand(0)).size();
   } else {
-    stand_in = stand_in_table(args.integer("--parameters", 60, 1, 500));
+    stand_in = stand_in_table(args.integer("--parameters", 60, 1, kMostParameters));
     require(Model::open(stand_in.data(), stand_in.size() * 4, &model), "stand-in model");
   }
   if (!are_usable(model, limits))

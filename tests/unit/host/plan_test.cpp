@@ -109,6 +109,8 @@ TEST_CASE("a larger limit needs more bytes, and without a model one record a par
   CHECK(arena({"--parameters", "30", "--profile", "m"}) == base);
   CHECK(run_words({"plan", "--profile", "x"}).code == 2);
   CHECK(run_words({"plan", "--width", "20"}).code == 2);
+  CHECK(run_words({"plan", "--parameters", "192"}).code == 0);
+  CHECK(run_words({"plan", "--parameters", "193"}).code == 2);
   CHECK(run_words({"plan", "nothing.plm"}).code == 1);
 }
 
