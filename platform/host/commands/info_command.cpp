@@ -162,8 +162,8 @@ int run_info(const Args& args, Console& console) {
   const ModelFile file(args.operand(0));
   const Model& model = file.model();
   std::ostream& out = console.out;
-  print(out, "%s: %zu bytes, crc %08x\n", file.path().c_str(), model.table_bytes(),
-        static_cast<unsigned>(model.crc()));
+  out << file.path();
+  print(out, ": %zu bytes, crc %08x\n", model.table_bytes(), static_cast<unsigned>(model.crc()));
   print_bytes(model, out);
   print_parameters(model, Group::identity, "identity", out);
   print_parameters(model, Group::expression, "expression", out);

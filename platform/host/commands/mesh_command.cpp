@@ -107,11 +107,10 @@ void print_report(const ModelMesh& mesh, const std::string& path, std::ostream& 
   const MeshStatistics size = mesh.mesh().compute_statistics();
   const ContourError error = mesh.measure();
   char line[256];
-  std::snprintf(line, sizeof line,
-                "%s: %d vertices, %d faces, deepest level %d (base: %d vertices, %d faces)\n", path.c_str(),
+  std::snprintf(line, sizeof line, ": %d vertices, %d faces, deepest level %d (base: %d vertices, %d faces)\n",
                 size.vertices, size.faces, size.deepest, mesh.mesh().base_vertex_count(),
                 mesh.mesh().base_face_count());
-  out << line;
+  out << path << line;
   std::snprintf(line, sizeof line, "error: mean %.4f mm, maximum %.3f mm, over %.0f mm2\n",
                 static_cast<double>(error.mean_mm), static_cast<double>(error.max_mm),
                 static_cast<double>(error.area_mm2));

@@ -256,6 +256,17 @@ TEST_CASE("the same arguments give the same bytes") {
   CHECK(read_file(m / "a.glb") == read_file(m / "b.glb"));
 }
 
+TEST_CASE("a path of any length is told whole") {
+  const MeshFolder m;
+  const std::string folder = m / std::string(200, 'a') + "/" + std::string(200, 'b');
+  std::filesystem::create_directories(folder);
+  const std::string model = folder + "/m.plm";
+  write_file(model, read_file(m.path));
+  CHECK(contains(run_words({"info", model}).out, model + ": " + std::to_string(read_file(model).size()) + " bytes, crc "));
+  CHECK(contains(run_words({"mesh", model, "--criterion", "none"}).out, model + ": "));
+  CHECK(contains(run_words({"mesh", model, "--criterion", "none"}).out, " faces)\nerror: "));
+}
+
 TEST_CASE("bad arguments and bad files are refused with a message that names them, and nothing is written") {
   const MeshFolder m;
   const auto refused = [&](std::vector<std::string> words, const std::string& part) {
