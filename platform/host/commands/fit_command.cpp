@@ -120,14 +120,17 @@ bool matches_silhouette(const Args& args) {
   return how == "match";
 }
 
-/// Takes view and parameters of an earlier fit into the setup. \return the fit, with the camera of the setup.
-FitFile initial_fit(const FitFile& earlier, const std::string& path, const Model& model, FitSetup& setup,
+/// Takes view and parameters of an earlier fit into the setup, and its camera if that has a lens, which no fit finds again.
+/// \return the fit, with the camera of the setup.
+FitFile initial_fit(FitFile earlier, const std::string& path, const Model& model, FitSetup& setup,
                     std::ostream& err) {
   list_unmatched(apply(earlier.parameters, path, model, setup.q.data()), path, err);
-  const View view = view_of(earlier.pose, earlier.camera);
-  setup.view = setup.camera ? with_camera(view, *setup.camera) : with_focal(view, setup.focal_px);
+  set_camera(setup.focal_px, setup.camera, &earlier);
+  const Camera& camera = earlier.camera;
+  if (camera.k1 != 0 || camera.k2 != 0 || camera.aspect != 1) setup.camera = camera;
+  setup.view = view_of(earlier.pose, camera);
   FitFile fit = fit_of_view(model, setup.size, *setup.view, setup.q);
-  fit.camera = setup.camera.value_or(fit.camera);
+  fit.camera = camera;
   return fit;
 }
 

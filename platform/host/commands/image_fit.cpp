@@ -166,6 +166,17 @@ void check_model(const FitFile& fit, const std::string& path, const ModelFile& f
     fail_input(path, "was fitted with another model than " + file.path());
 }
 
+void set_camera(float focal_px, const std::optional<Camera>& camera, FitFile* fit) {
+  if (!camera && !(focal_px > 0)) return;
+  const View fitted = view_of(fit->pose, fit->camera);
+  const View view = camera ? with_camera(fitted, *camera) : with_focal(fitted, focal_px);
+  fit->pose = pose_of(view);
+  if (camera)
+    fit->camera = *camera;
+  else
+    fit->camera.f = camera_of(view).f;
+}
+
 FitFile read_fit(const std::string& path, const ModelFile& file, const ImageSize& size,
                  const std::string& image, float focal_px, const std::optional<Camera>& camera) {
   const std::string text = read_file(path);
@@ -181,14 +192,7 @@ FitFile read_fit(const std::string& path, const ModelFile& file, const ImageSize
   if (fit.width != size.width || fit.height != size.height)
     fail_input(path, "is for " + std::to_string(fit.width) + "x" + std::to_string(fit.height) + " pixels, " +
                          image + " has " + std::to_string(size.width) + "x" + std::to_string(size.height));
-  if (!camera && !(focal_px > 0)) return fit;
-  const View fitted = view_of(fit.pose, fit.camera);
-  const View view = camera ? with_camera(fitted, *camera) : with_focal(fitted, focal_px);
-  fit.pose = pose_of(view);
-  if (camera)
-    fit.camera = *camera;
-  else
-    fit.camera.f = camera_of(view).f;
+  set_camera(focal_px, camera, &fit);
   return fit;
 }
 

@@ -291,6 +291,32 @@ TEST_CASE("fit --pose refuses a fit of another model, by name") {
   CHECK_FALSE(s.has("x.json"));
 }
 
+TEST_CASE("fit --pose keeps the lens of the earlier fit, as it is and where it fits to points") {
+  const Sequence s;
+  const std::string camera = s.put("c.yml",
+                                   "image_width: 200\nimage_height: 160\ncamera_matrix:\n  rows: 3\n  cols: 3\n"
+                                   "  data: [330, 0, 99.5, 0, 320, 79.5, 0, 0, 1]\n"
+                                   "distortion_coefficients:\n  rows: 1\n  cols: 4\n  data: [-0.2, 0.04, 0, 0]\n");
+  REQUIRE(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "--calibration", camera, "-o", s / "a.json"})
+              .code == 0);
+  const auto camera_of = [&](const std::string& name) { return parse_fit(name, read_file(s / name)).camera; };
+  const Camera before = camera_of("a.json");
+  CHECK(before.k1 == -0.2f);
+  for (const bool has_points : {false, true}) {
+    std::vector<std::string> words{"fit", s.model, "--pose", s / "a.json", "-o", s / "b.json"};
+    if (has_points) words.insert(words.end(), {"--points", s.points});
+    REQUIRE(run_words(words).code == 0);
+    const Camera after = camera_of("b.json");
+    CHECK(after.f == before.f);
+    CHECK(after.aspect == before.aspect);
+    CHECK(after.k1 == before.k1);
+    CHECK(after.k2 == before.k2);
+  }
+  REQUIRE(run_words({"fit", s.model, "--pose", s / "a.json", "--focal", "400", "-o", s / "b.json"}).code == 0);
+  CHECK(camera_of("b.json").f == doctest::Approx(400));
+  CHECK(camera_of("b.json").k1 == before.k1);
+}
+
 TEST_CASE("a count of parameters frees the first ones of the table, a group name those of the group") {
   const Sequence s;
   const auto sd_of = [&](const std::string& choice) {
