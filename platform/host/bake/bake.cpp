@@ -56,6 +56,7 @@ Source read_all(const BakeOptions& options) {
     obj.progress = options.progress;
     return read_obj_source(options.source, obj);
   }
+  if (!std::filesystem::exists(options.source)) throw SourceError(options.source, 0, "no such file or folder");
   throw SourceError(options.source, 0,
                     "has neither the tables of a surface (points.txt and others) nor OBJ files");
 }

@@ -38,15 +38,23 @@ constexpr std::size_t kMostPictures = 64;
 /// Corners of a polygon that are tried as the apex of its fan, count, at most. Bounds the time.
 constexpr std::size_t kMostApexes = 64;
 
-/// Names of the OBJ files, sorted, without their ending.
-std::vector<std::string> obj_names(const std::string& folder) {
-  if (is_obj_file(folder)) return {fs::path(folder).stem().string()};
-  std::vector<std::string> names;
+/// Name of a file without its folder and ending.
+std::string name_of(const std::string& path) {
+  return fs::path(path).stem().string();
+}
+
+/// The OBJ files, sorted by their names. Hidden ones are left out: some systems put one of another kind beside each file.
+std::vector<std::string> obj_files(const std::string& source) {
+  if (is_obj_file(source)) return {source};
+  std::vector<std::string> files;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".obj") names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
-  return names;
+  for (const auto& entry : fs::directory_iterator(source, error))
+    if (is_obj_file(entry.path().string()) && entry.path().filename().string()[0] != '.')
+      files.push_back(entry.path().string());
+  std::sort(files.begin(), files.end(), [](const std::string& a, const std::string& b) {
+    return std::pair(name_of(a), a) < std::pair(name_of(b), b);
+  });
+  return files;
 }
 
 std::string parameter_name(std::string name) {
@@ -62,12 +70,12 @@ class FolderReader {
   FolderReader(const std::string& source, const ObjOptions& options)
       : folder_(is_obj_file(source) ? fs::path(source).parent_path().string() : source),
         options_(options),
-        names_(obj_names(source)),
-        only_file_(is_obj_file(source) ? source : "") {}
+        files_(obj_files(source)),
+        is_one_file_(is_obj_file(source)) {}
 
   Source run() {
     const bool scans = options_.components > 0;
-    rest_ = read_obj(scans ? path(names_[0]) : rest_path());
+    rest_ = read_obj(scans ? files_[0] : rest_path());
     make_vertices();
     make_triangles();
     if (scans)
@@ -85,12 +93,14 @@ class FolderReader {
   }
 
  private:
-  std::string path(const std::string& name) const { return folder_ + "/" + name + ".obj"; }
-  /// The rest shape is the folder's only file, or neutral.obj.
-  std::string rest_name() const { return names_.size() == 1 ? names_[0] : "neutral"; }
-  std::string rest_path() const { return only_file_.empty() ? path(rest_name()) : only_file_; }
+  /// The rest shape is the only file, or neutral.obj.
+  std::string rest_path() const {
+    const auto neutral = std::find_if(files_.begin(), files_.end(),
+                                      [](const std::string& path) { return name_of(path) == "neutral"; });
+    return files_.size() == 1 ? files_[0] : neutral != files_.end() ? *neutral : folder_ + "/neutral.obj";
+  }
   void report_progress(std::size_t done) const {
-    if (options_.progress) options_.progress("files", done, names_.size());
+    if (options_.progress) options_.progress("files", done, files_.size());
   }
 
   /// Makes one vertex for each pair of place and texture coordinate. A place on a cut of the chart has several. Equal numbers
@@ -196,14 +206,14 @@ class FolderReader {
   }
 
   void read_shapes() {
-    if (!only_file_.empty()) return;
     std::size_t done = 1;
     for (const bool identity : {true, false})
-      for (const std::string& name : names_) {
-        if (name == rest_name() || (name.compare(0, 8, "identity") == 0) != identity) continue;
-        auto moved = placed(read_obj_like(path(name), rest_));
+      for (const std::string& path : files_) {
+        const std::string name = name_of(path);
+        if (path == rest_.path || (name.compare(0, 8, "identity") == 0) != identity) continue;
+        auto moved = placed(read_obj_like(path, rest_));
         for (std::size_t v = 0; v < moved.size(); ++v) moved[v] = moved[v] - source_.neutral[v];
-        add_parameter(path(name), parameter_name(name), identity ? Group::identity : Group::expression,
+        add_parameter(path, parameter_name(name), identity ? Group::identity : Group::expression,
                       std::move(moved));
         report_progress(++done);
       }
@@ -211,8 +221,8 @@ class FolderReader {
 
   void read_scans() {
     std::vector<std::vector<Vec3>> scans;
-    for (const std::string& name : names_) {
-      scans.push_back(placed(read_obj_like(path(name), rest_)));
+    for (const std::string& path : files_) {
+      scans.push_back(placed(read_obj_like(path, rest_)));
       report_progress(scans.size());
     }
     if (scans.size() < 2 || at(options_.components) >= scans.size())
@@ -320,7 +330,7 @@ class FolderReader {
   /// Changes what parameters.txt lists.
   void read_ranges() {
     const std::string file = folder_ + "/parameters.txt";
-    if (!only_file_.empty() || !fs::exists(file)) return;
+    if (is_one_file_ || !fs::exists(file)) return;
     const TextTable table(file, {"parameter", "group", "minimum", "maximum", "sd"});
     std::vector<std::string> seen;
     for (const TextRow& row : table.rows()) {
@@ -343,7 +353,7 @@ class FolderReader {
 
   void read_landmarks() {
     const std::string file = folder_ + "/landmarks.csv";
-    if (!only_file_.empty() || !fs::exists(file)) return;
+    if (is_one_file_ || !fs::exists(file)) return;
     std::ifstream in(file);
     std::string line;
     int number = 0;
@@ -409,8 +419,8 @@ class FolderReader {
 
   const std::string folder_;
   const ObjOptions& options_;
-  const std::vector<std::string> names_;
-  const std::string only_file_;  // if the source is one file
+  const std::vector<std::string> files_;
+  const bool is_one_file_;  // the source is a file, and no folder
   ObjMesh rest_;
   PaintedSurface painted_;
   std::vector<int> id_of_corner_;  // ours, of each corner of rest_
@@ -427,7 +437,7 @@ Source read_obj_source(const std::string& source, const ObjOptions& options) {
 }
 
 bool is_obj_source(const std::string& source) {
-  return !obj_names(source).empty();
+  return !obj_files(source).empty();
 }
 
 }  // namespace pliant::host::bake

@@ -172,6 +172,13 @@ TEST_CASE("an OBJ file may have its ending in capitals") {
   fs::copy(folder.folder + "/neutral.obj", folder / "SHEET.OBJ");
   CHECK(run_words({"bake", folder / "SHEET.OBJ", "-o", folder / "m.plm", "--base-mesh", "60", "--size", "16"})
             .code == 0);
+  // In a folder too, where no file is left out but those that a system hid beside the others.
+  fs::rename(folder.folder + "/flap.obj", folder.folder + "/flap.OBJ");
+  std::ofstream(folder.folder + "/._flap.OBJ") << "of a file system";
+  const Ran r = run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--size", "16", "--errors"});
+  CAPTURE(r.err);
+  CHECK(r.code == 0);
+  CHECK(contains(r.out, "\nflap to "));
 }
 
 TEST_CASE("bake does not write over what it reads, nor into files of other kinds") {

@@ -419,6 +419,6 @@ TEST_CASE("render writes the truth as a track, and a track can be rendered again
 TEST_CASE("bake refuses a folder without a source in one line and writes nothing") {
   const Folder folder;
   check_refused({"bake", folder.path.string(), "-o", folder / "m.plm"}, {folder.path.string()});
-  check_refused({"bake", folder / "none", "-o", folder / "m.plm"}, {"none"});
+  check_refused({"bake", folder / "none", "-o", folder / "m.plm"}, {"none: no such file or folder"});
   CHECK(folder.file_count() == 0);
 }
