@@ -13,15 +13,16 @@ namespace pliant::host {
 
 namespace {
 
-/// Whether the path is one of the files in a folder that are read, by its ending; a table or a video beside them is not.
+/// Whether the path is, or would be, one of the files in a folder that are read, by its ending; a table or a video beside them is
+/// not.
 bool is_source_in(const std::string& folder, const std::string& path) {
-  static constexpr const char* kEndings[] = {".txt", ".obj",  ".mtl", ".bin", ".png",
-                                             ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm"};
+  static constexpr const char* kEndings[] = {".txt", ".obj",  ".mtl", ".png", ".jpg",
+                                             ".jpeg", ".pgm", ".ppm", ".pnm"};
   std::error_code ignored;
   const std::filesystem::path file(path);
   const std::string ending = in_lower_case(file.extension().string());
   return std::find(std::begin(kEndings), std::end(kEndings), ending) != std::end(kEndings) &&
-         std::filesystem::is_regular_file(file, ignored) && std::filesystem::is_directory(folder, ignored) &&
+         std::filesystem::is_directory(folder, ignored) &&
          std::filesystem::equivalent(std::filesystem::absolute(file, ignored).parent_path(), folder, ignored);
 }
 
@@ -87,10 +88,12 @@ void Args::check_files(const std::vector<Option>& options) {
   for (const Option& option : options) {
     const auto path = text(option.name);
     if (option.takes != Takes::output || !path) continue;
-    for (const std::string& input : inputs)
-      if (*path != "-" && (is_same_file(*path, input) || is_source_in(input, *path)))
-        fail_usage(std::string(option.name) + " would overwrite the input " +
-                   (is_same_file(*path, input) ? input : *path));
+    for (const std::string& input : inputs) {
+      if (*path != "-" && is_same_file(*path, input))
+        fail_usage(std::string(option.name) + " would overwrite the input " + input);
+      if (is_source_in(input, *path))
+        fail_usage(std::string(option.name) + " would be read with the folder " + input + ": " + *path);
+    }
     for (const std::string& other : outputs)
       if (is_same_file(*path, other)) fail_usage("two outputs have the name " + other);
     check_ending(option, *path);

@@ -157,15 +157,16 @@ TEST_CASE("an output that is an input, two outputs of one name and a name of ano
   }
   CHECK(read_file(video) == "video");
   CHECK(folder.file_count() == 3);
-  // A file of a folder that is read.
+  // A file of a folder that is read, or that would be read with it the next time.
   const std::string points = folder.put("points.txt", "points"), frame = folder.put("1.png", "frame");
   for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
            {"bake", folder.path.string(), "-o", points},
-           {"track", model, "--frames", folder.path.string(), "--out", folder / "t.csv", "--sheet", frame}}) {
+           {"track", model, "--frames", folder.path.string(), "--out", folder / "t.csv", "--sheet", frame},
+           {"track", model, "--frames", folder.path.string(), "--out", folder / "t.csv", "--sheet", folder / "new.png"}}) {
     const Ran r = run_words(words);
     CAPTURE(r.err);
     CHECK(r.code == 2);
-    CHECK(contains(r.err, "would overwrite the input " + words.back()));
+    CHECK(contains(r.err, "would be read with the folder " + folder.path.string() + ": " + words.back()));
   }
   CHECK(read_file(points) == "points");
   CHECK(run_words({"bake", folder.path.string(), "-o", folder / "m.plm"}).code == 1);  // not bad usage
