@@ -73,6 +73,7 @@ int run_learn(const Args& args, Console& console) {
   const learn::LearnOptions options = options_of(args);
   LearntTables tables = kept_tables(args, output);
   const ModelFile file(args.operand(0));
+  OutputFile learnt(output);  // before hours of work for a file that cannot be written
   const TrainingPictures pictures(args, file.model(), console);
   const auto samples = [&](const learn::FaceSampleTuning& tuning) {
     return learn::FaceSamples(file.model(), pictures.photographs, pictures.others, options.seed, tuning);
@@ -89,7 +90,8 @@ int run_learn(const Args& args, Console& console) {
                                           pictures.others, tables.detector, options, show);
   if (learns("parts"))
     tables.parts = learn::learn_parts(file.model(), pictures.photographs, pictures.others, options, show);
-  write_file(output, format_learnt(tables));
+  learnt.write(format_learnt(tables));
+  learnt.commit();
   console.out << output << ": detector " << tables.detector.size() << " bytes, aligner "
               << tables.aligner.size() << " bytes, parts " << tables.parts.size() << " bytes\n";
   return 0;

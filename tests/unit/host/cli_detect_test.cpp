@@ -315,5 +315,9 @@ TEST_CASE("learn refuses folders without pictures, and a part that there is not"
   check_refused({"learn", model, "--faces", folder / "", "--others", folder / "", "-o", folder / "l.bin",
                  "--only", "detector"},
                 {"l.bin"});
+  // Before anything is read, let alone learnt.
+  check_refused({"learn", model, "--faces", folder / "none", "--others", folder / "", "-o", folder / "none/l.bin"},
+                {"none/l.bin: cannot be written"});
   CHECK_FALSE(folder.has("l.bin"));
+  CHECK(folder.temporary_count() == 0);
 }
