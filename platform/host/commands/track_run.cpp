@@ -6,6 +6,17 @@
 
 namespace pliant::host {
 
+namespace {
+
+/// Bad input: no track starts.
+void require_start(Status status, const std::string& where) {
+  if (status == Status::too_few_points)
+    fail_input(where, "the model is not in the picture where the start puts it, or has no texture there");
+  require(status, where);
+}
+
+}  // namespace
+
 void TrackRun::start(const FrameView& frame, const Initial& initial, const InitialOptions& options) {
   const auto start = [&](ReducedTracker& tracker) {
     return tracker.start(frame, initial, options, options_, markers_.x);
@@ -14,8 +25,8 @@ void TrackRun::start(const FrameView& frame, const Initial& initial, const Initi
     ReducedTracker overview(make_, frames_.size(), factor);
     if (start(overview) == Status::ok) reduces(overview);
   }
-  require(start(tracker_), where(frame));
-  if (reduces(tracker_)) require(start(tracker_), where(frame));
+  require_start(start(tracker_), where(frame));
+  if (reduces(tracker_)) require_start(start(tracker_), where(frame));
   add(frame, 0);
 }
 
