@@ -28,7 +28,8 @@ bool is_source_in(const std::string& folder, const std::string& path) {
 
 bool is_same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;
-  return a == b || std::filesystem::equivalent(a, b, ignored);
+  const auto spelt = [&](const std::string& path) { return std::filesystem::absolute(path, ignored).lexically_normal(); };
+  return spelt(a) == spelt(b) || std::filesystem::equivalent(a, b, ignored);  // the latter: of files that are there
 }
 
 /// Bad usage if the name ends as that of another format than the option writes.
@@ -65,8 +66,11 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
   for (std::size_t k = 0; k < operands + optional; ++k)
     positional.push_back(
         app.add_option(k == 0 ? "FILE" : "FILE" + std::to_string(k + 1))->required(k < operands));
+  std::vector<std::string> backwards(words.rbegin(), words.rend());
+  for (std::string& word : backwards)
+    if (word.rfind("-o=", 0) == 0) word.erase(2, 1);  // else the value of a short option begins with the =
   try {
-    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+    app.parse(std::move(backwards));
   } catch (const CLI::Error& error) {
     fail_usage(error.what());
   }

@@ -30,7 +30,7 @@ struct Option {
 /// input of the same command or the target of another output, and one whose name ends as that of another format.
 class Args {
  public:
-  /// \param words     the words after the name of the command; "--name value" and "--name=value" are the same.
+  /// \param words     the words after the name of the command; "--name value" and "--name=value" are the same, also for -o.
   /// \param operands  number of required positional words.
   /// \param optional  number of further positional words that are allowed.
   Args(const std::vector<std::string>& words, const std::vector<Option>& options, std::size_t operands,

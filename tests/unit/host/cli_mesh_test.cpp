@@ -256,6 +256,13 @@ TEST_CASE("the same arguments give the same bytes") {
   CHECK(read_file(m / "a.glb") == read_file(m / "b.glb"));
 }
 
+TEST_CASE("-o=FILE is -o FILE") {
+  const MeshFolder m;
+  m.mesh({"--criterion", "none", "-o=" + m / "a.obj"});
+  CHECK(m.has("a.obj"));
+  CHECK(run_words({"mesh", m.path, "-o="}).code == 2);
+}
+
 TEST_CASE("a path of any length is told whole") {
   const MeshFolder m;
   const std::string folder = m / std::string(200, 'a') + "/" + std::string(200, 'b');

@@ -142,6 +142,7 @@ TEST_CASE("an output that is an input, two outputs of one name and a name of ano
       {{"--out", model}, "--out would overwrite the input"},
       {{"--out", folder / "t.csv", "--overlay", folder / "same.y4m"}, "--overlay would overwrite the input"},
       {{"--out", folder / "t", "--report", folder / "t"}, "two outputs have the name"},
+      {{"--out", folder / "t", "--report", folder / "../" + folder.path.filename().string() + "/./t"}, "two outputs have the name"},
       {{"--out", "-", "--overlay", "-"}, "two outputs have the name -"},
       {{"--out", folder / "t.csv", "--overlay", folder / "o.mp4"}, "--overlay writes Y4M"},
       {{"--out", folder / "t.csv", "--sheet", folder / "s.JPG"}, "--sheet writes PNG"},
