@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 
 #include "host/bake/albedo_picture.hpp"
@@ -17,6 +15,9 @@
 #include "host/bake/source_error.hpp"
 #include "host/bake/surface_check.hpp"
 #include "host/bake/text_table.hpp"
+#include "host/io/csv.hpp"
+#include "host/io/failure.hpp"
+#include "host/io/files.hpp"
 #include "host/io/words.hpp"
 
 namespace pliant::host::bake {
@@ -354,30 +355,17 @@ class FolderReader {
   void read_landmarks() {
     const std::string file = folder_ + "/landmarks.csv";
     if (is_one_file_ || !fs::exists(file)) return;
-    std::ifstream in(file);
-    std::string line;
-    int number = 0;
-    while (std::getline(in, line)) {
-      ++number;
-      if (!line.empty() && line.back() == '\r') line.pop_back();
-      if (number == 1) {
-        if (without_byte_order_mark(line) != "landmark,vertex")
-          throw SourceError(file, 1, "expected the columns landmark,vertex");
-        continue;
-      }
-      if (line.empty()) continue;
-      const std::size_t comma = line.find(',');
-      char* end = nullptr;
-      const long vertex = comma == std::string::npos ? -1 : std::strtol(line.c_str() + comma + 1, &end, 10);
-      if (vertex < 0 || *end != 0 || end == line.c_str() + comma + 1 || comma == 0)
-        throw SourceError(file, number, "'" + line + "' is not a landmark and a vertex");
-      check_name(file, number, line.substr(0, comma));
-      const auto id = first_id_.find(static_cast<int>(std::min(vertex, 1L << 30)));
-      if (id == first_id_.end())
-        throw SourceError(file, number, "there is no vertex " + line.substr(comma + 1) + " on a face");
-      if (!landmark_vertex_.insert({line.substr(0, comma), id->second}).second)
-        throw SourceError(file, number, "the landmark '" + line.substr(0, comma) + "' appears twice");
-      source_.landmarks.push_back({line.substr(0, comma), source_.uv[at(id->second)]});
+    const CsvTable table(file, read_file(file));
+    const std::size_t names = table.column("landmark"), vertices = table.column("vertex");
+    for (std::size_t row = 0; row < table.row_count(); ++row) {
+      const std::string& name = table.cell(row, names);
+      const std::string where = table.where(row);
+      check_name(where, 0, name);
+      const auto id = first_id_.find(static_cast<int>(table.whole_number(row, vertices)));
+      if (id == first_id_.end()) fail_input(where, "there is no vertex " + table.cell(row, vertices) + " on a face");
+      if (!landmark_vertex_.insert({name, id->second}).second)
+        fail_input(where, "the landmark '" + name + "' appears twice");
+      source_.landmarks.push_back({name, source_.uv[at(id->second)]});
     }
   }
 

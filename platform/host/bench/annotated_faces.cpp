@@ -39,7 +39,7 @@ std::vector<NamedLandmarks> read_annotated_frames(const std::string& path) {
                     y = table.column("y");
   std::vector<NamedLandmarks> frames;
   for (std::size_t row = 0; row < table.row_count(); ++row) {
-    const std::size_t k = table.frame_number(row, frame);
+    const std::size_t k = table.whole_number(row, frame);
     if (frames.size() <= k) frames.resize(k + 1);
     frames[k][table.cell(row, landmark)] = {table.number(row, x), table.number(row, y)};
   }

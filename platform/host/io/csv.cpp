@@ -102,10 +102,10 @@ float CsvTable::number(std::size_t row, std::size_t column) const {
   return static_cast<float>(*value);
 }
 
-std::size_t CsvTable::frame_number(std::size_t row, std::size_t column) const {
+std::size_t CsvTable::whole_number(std::size_t row, std::size_t column) const {
   const float value = number(row, column);
-  if (!(value >= 0 && value < 1e7f && value == std::floor(value)))
-    fail_input(where(row), "column '" + columns_[column] + "': not a frame number: '" + cell(row, column) + "'");
+  if (!(value >= 0 && value <= 1e7f && value == std::floor(value)))
+    fail_input(where(row), "column '" + columns_[column] + "': not a number of the kind 0, 1, 2: '" + cell(row, column) + "'");
   return static_cast<std::size_t>(value);
 }
 

@@ -30,8 +30,8 @@ class CsvTable {
   const std::string& cell(std::size_t row, std::size_t column) const { return rows_[row].cells[column]; }
   /// A cell as a finite number; bad input otherwise.
   float number(std::size_t row, std::size_t column) const;
-  /// A cell as the number of a frame, a whole number below ten million; bad input otherwise.
-  std::size_t frame_number(std::size_t row, std::size_t column) const;
+  /// A cell as a whole number from 0 to ten million, of a frame or a vertex; bad input otherwise.
+  std::size_t whole_number(std::size_t row, std::size_t column) const;
   /// "FILE: line N", for messages about a row.
   std::string where(std::size_t row) const;
 

@@ -35,7 +35,7 @@ TruthComparison::TruthComparison(const std::string& path, const Model& model) {
       row.landmarks.push_back(is_there ? std::optional<Vec2>({table.number(r, *c.x), table.number(r, *c.y)})
                                        : std::nullopt);
     }
-    rows_[table.frame_number(r, frame)] = std::move(row);
+    rows_[table.whole_number(r, frame)] = std::move(row);
   }
 }
 

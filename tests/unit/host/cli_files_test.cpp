@@ -201,8 +201,8 @@ TEST_CASE("the number of a frame is a whole number, in a track and in annotated 
     CAPTURE(bad);
     const std::string path = folder.put("t.csv", std::string("frame,landmark,x,y\n2,a,1,2\n") + bad + ",a,1,2\n");
     const CsvTable table(path, read_file(path));
-    CHECK(table.frame_number(0, 0) == 2);
-    CHECK_THROWS_WITH_AS((void)table.frame_number(1, 0), doctest::Contains("t.csv: line 3: column 'frame'"), Failure);
+    CHECK(table.whole_number(0, 0) == 2);
+    CHECK_THROWS_WITH_AS((void)table.whole_number(1, 0), doctest::Contains("t.csv: line 3: column 'frame'"), Failure);
     CHECK_THROWS_AS((void)read_annotated_frames(path), Failure);
   }
 }

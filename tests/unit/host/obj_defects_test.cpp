@@ -87,12 +87,15 @@ TEST_CASE("bad landmarks and a missing rest shape of an OBJ folder are refused b
   const auto csv_error = [&](const std::string& text) { return d.error_with("landmarks.csv", text); };
   CHECK(csv_error("landmark,vertex\nibug30,5\n") == "");
   CHECK(csv_error("\xef\xbb\xbflandmark,vertex\r\nibug30,5\r\n") == "");
-  CHECK(csv_error("landmark,vertex\nibug30,5\nnose,6\nibug30,7\n") ==
-        csv + ":4: the landmark 'ibug30' appears twice");
-  CHECK(csv_error("name,vertex\n") == csv + ":1: expected the columns landmark,vertex");
-  CHECK(csv_error("landmark,vertex\nibug30\n") == csv + ":2: 'ibug30' is not a landmark and a vertex");
-  CHECK(csv_error("landmark,vertex\nibug30,x\n") == csv + ":2: 'ibug30,x' is not a landmark and a vertex");
-  CHECK(csv_error("landmark,vertex\n\nibug30,1089\n") == csv + ":3: there is no vertex 1089 on a face");
+  CHECK(csv_error("vertex, landmark\n 5 ,\"ibug30\"\n  \n6,ibug30,\n") ==
+        csv + ": line 4: 3 cells, but the header has 2");
+  CHECK(csv_error("vertex, landmark\n 5 ,\"ibug30\"\n  \n6,ibug30\n") ==
+        csv + ": line 4: the landmark 'ibug30' appears twice");
+  CHECK(csv_error("name,vertex\n") == csv + ": has no column 'landmark'");
+  CHECK(csv_error("landmark,vertex\nibug30,1.5\n") ==
+        csv + ": line 2: column 'vertex': not a number of the kind 0, 1, 2: '1.5'");
+  CHECK(csv_error("landmark,vertex\n,5\n") == csv + ": line 2: a name is empty");
+  CHECK(csv_error("landmark,vertex\n\nibug30,1089\n") == csv + ": line 3: there is no vertex 1089 on a face");
   fs::remove(folder.path / "landmarks.csv");
 
   fs::remove(folder.path / "neutral.obj");
