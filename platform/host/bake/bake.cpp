@@ -71,16 +71,15 @@ bool has_corners_of_face(const Source& source) {
 }
 
 LearntTables learnt_tables(const BakeOptions& options, const Source& source) {
-  if (options.learnt == "none") return {};
-  if (!options.learnt.empty()) {
-    if (!has_corners_of_face(source))
-      throw SourceError(options.learnt, 0,
-                        "finds faces: the surface lacks a landmark of ibug36, ibug45, ibug48 and ibug54, the "
-                        "outer corners of eyes and mouth");
-    return read_learnt(options.learnt);
-  }
-  const std::string path = options.source + "/learnt.bin";
-  return std::filesystem::exists(path) ? read_learnt(path) : LearntTables{};
+  const std::string beside = options.source + "/learnt.bin";
+  const bool is_given = !options.learnt.empty();
+  if (options.learnt == "none" || (!is_given && !std::filesystem::exists(beside))) return {};
+  const std::string& path = is_given ? options.learnt : beside;
+  if (!has_corners_of_face(source))
+    throw SourceError(path, 0,
+                      "finds faces: the surface lacks a landmark of ibug36, ibug45, ibug48 and ibug54, the "
+                      "outer corners of eyes and mouth (--learnt none does without)");
+  return read_learnt(path);
 }
 
 }  // namespace

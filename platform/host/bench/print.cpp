@@ -194,7 +194,7 @@ void measure_without(const Model& model, const learn::OtherPictures& others, con
 void bench_print(std::ostream& out, const ModelFile& file, const std::optional<std::string>& folder,
                  int count) {
   const BenchRows rows(out, "print");
-  if (file.model().print().empty()) throw Failure(kBadInput, "the model has no print");
+  if (file.model().print().empty()) fail_input(file.path(), "has no print");
   learn::OtherPictures others;
   if (folder) others = learn::read_other_pictures(*folder);
   for (const PrintCase& c : kCases) measure_case(file.model(), c, others, count, rows);

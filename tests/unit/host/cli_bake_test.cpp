@@ -200,6 +200,11 @@ TEST_CASE(
     "bake refuses learnt tables of faces for a surface that is none, and tells of a material file that is "
     "missing") {
   const ObjFolder folder;
+  fs::copy(kFace + "/learnt.bin", folder.folder + "/learnt.bin");
+  check_refused({"bake", folder.folder, "-o", folder / "m.plm"}, {"obj/learnt.bin", "--learnt none"});
+  CHECK(run_words({"bake", folder.folder, "-o", folder / "m.plm", "--learnt", "none"}).code == 0);
+  fs::remove(fs::path(folder / "m.plm"));
+  fs::remove(folder.folder + "/learnt.bin");
   check_refused({"bake", folder.folder, "-o", folder / "m.plm", "--learnt", kFace + "/learnt.bin"},
                 {"finds faces", "ibug36"});
   std::ifstream in(folder.folder + "/neutral.obj");
@@ -209,4 +214,8 @@ TEST_CASE(
       run_words({"bake", folder.folder, "-o", folder / "m.plm", "--base-mesh", "60", "--size", "16"});
   CHECK(r.code == 0);
   CHECK(contains(r.err, "there is no material file " + folder.folder + "/none.mtl"));
+  // Nor has it a print.
+  const Ran bench = run_words({"bench", "print", "--model", folder / "m.plm"});
+  CHECK(bench.code == 1);
+  CHECK(contains(bench.err, "m.plm: has no print"));
 }
