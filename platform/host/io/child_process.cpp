@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -32,7 +33,7 @@ std::string last_line(std::FILE* file) {
 
 std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>& words, Pipe pipe) {
   int ends[2];
-  std::FILE* errors = std::tmpfile();
+  std::FILE* errors = ::fdopen(::memfd_create("errors", MFD_CLOEXEC), "w+b");  // a device may have no folder to write to
   if (errors == nullptr || ::pipe2(ends, O_CLOEXEC) != 0) {
     if (errors != nullptr) std::fclose(errors);
     return nullptr;

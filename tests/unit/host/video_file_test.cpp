@@ -61,6 +61,14 @@ TEST_CASE("a file that is no Y4M is read through ffmpeg, and its name is never a
   CHECK_FALSE(folder.has("y"));
 }
 
+TEST_CASE("a program's errors are kept in memory: a device may have no folder that can be written") {
+  const Folder folder;
+  put_program(folder, "ffmpeg", "readlink /proc/$$/fd/2 > \"${0%/*}/errors\"\n" + std::string(kTwoFrames));
+  const SearchPath path(folder.path.string(), false);
+  REQUIRE(open_frames(folder.put("a.mp4", "not a video of ours")).source != nullptr);
+  CHECK(contains(read_file(folder / "errors"), "memfd:"));
+}
+
 TEST_CASE("what ffmpeg says of its failure is told, at the start and after some frames") {
   const Folder folder;
   put_program(folder, "ffmpeg", "echo 'first line' >&2; echo 'no such codec' >&2; exit 1\n");
