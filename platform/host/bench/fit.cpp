@@ -74,7 +74,7 @@ SolverReport dynamics(LinearShapeFit& fit, NormalEquations& equations, float* sc
 
 class FitBench {
  public:
-  FitBench(std::ostream& out, const std::string& folder) : out_(out), folder_(folder) {
+  FitBench(std::ostream& out, const std::string& folder) : row(out, "fit"), folder_(folder) {
     const std::string path = folder + "/solutions.csv";
     const CsvTable table(path, read_file(path));
     const std::size_t name = table.column("problem"), prior = table.column("prior"),
@@ -172,11 +172,7 @@ class FitBench {
         static_cast<double>(equations.used_bytes() + scratch.size() * sizeof(float)));
   }
 
-  void row(const std::string& variant, const char* metric, double value) {
-    out_ << "fit,pliant," << variant << "," << metric << "," << value << "\n" << std::flush;
-  }
-
-  std::ostream& out_;
+  const BenchRows row;
   std::string folder_;
   std::map<std::string, double> optimum_;
 };

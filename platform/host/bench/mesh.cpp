@@ -29,7 +29,7 @@ struct Times {
 std::ostream* rows;  // output of all rows; set at the start of bench_mesh
 
 void row(const std::string& variant, const char* metric, double value) {
-  *rows << "mesh,pliant," << variant << "," << metric << "," << value << "\n";
+  BenchRows(*rows, "mesh")(variant, metric, value);
 }
 
 std::string span(int from, int to) {

@@ -2,6 +2,7 @@
 // section 6.5).
 #include "host/bench/bench.hpp"
 #include "host/bench/occlusion_experiment.hpp"
+#include "host/bench/rows.hpp"
 
 namespace pliant::host {
 
@@ -19,13 +20,14 @@ void bench_occlusion(std::ostream& out, const ModelFile& model) {
                              {"standing_20", Disturbance::standing, 0.20},
                              {"standing_35", Disturbance::standing, 0.35},
                              {"jaw_drops", Disturbance::expression, 0}};
+  const BenchRows row(out, "occlusion");
   for (const Case& c : kCases) {
     const OcclusionResult r = measure_occlusion(model.model(), c.disturbance, c.fraction, 20, 10);
     for (int d = 0; d < kMethods; ++d) {
       const std::string variant = std::string(c.name) + "_" + name_of(static_cast<RejectionMethod>(d));
-      out << "occlusion,pliant," << variant << ",mean_px," << r.mean_px[d] << "\n";
-      out << "occlusion,pliant," << variant << ",fraction_over_3px," << r.fraction_over_3px[d] << "\n";
-      out << "occlusion,pliant," << variant << ",us_a_solve," << r.us[d] << "\n";
+      row(variant, "mean_px", r.mean_px[d]);
+      row(variant, "fraction_over_3px", r.fraction_over_3px[d]);
+      row(variant, "us_a_solve", r.us[d]);
     }
   }
 }

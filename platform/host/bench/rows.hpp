@@ -5,16 +5,17 @@
 #include <string>
 #include <vector>
 
+#include "host/io/numbers.hpp"
 #include "host/io/statistics.hpp"
 
 namespace pliant::host {
 
-/// Prints rows "topic,pliant,variant,metric,value" and flushes each.
+/// Prints rows "topic,pliant,variant,metric,value" and flushes each. Bytes are told to the byte.
 class BenchRows {
  public:
   BenchRows(std::ostream& out, const char* topic) : out_(out), topic_(topic) {}
   void operator()(const std::string& variant, const char* metric, double value) const {
-    out_ << topic_ << ",pliant," << variant << "," << metric << "," << value << std::endl;
+    out_ << topic_ << ",pliant," << variant << "," << metric << "," << number_text(value) << std::endl;
   }
 
  private:

@@ -5,10 +5,10 @@
 #include <functional>
 
 #include "host/bench/bench.hpp"
+#include "host/bench/rows.hpp"
 #include "host/commands/image_fit.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
-#include "host/io/statistics.hpp"
 #include "host/render/scene.hpp"
 #include "pliant/tracker.hpp"
 
@@ -113,9 +113,8 @@ Measured measure(const Model& model, const Film& film, TrackerLimits limits, con
 }
 
 void print(std::ostream& out, const std::string& variant, const Measured& m, const char* topic = "track") {
-  const auto row = [&](const char* metric, double value) {
-    out << topic << ",pliant," << variant << "," << metric << "," << value << "\n";
-  };
+  const BenchRows rows(out, topic);
+  const auto row = [&](const char* metric, double value) { rows(variant, metric, value); };
   row("median_ms", m.milliseconds);
   row("worst_ms", m.worst_milliseconds);
   row("rotation_deg", m.rotation_deg);
@@ -246,7 +245,7 @@ void bench_drift(std::ostream& out, const ModelFile& file) {
     if (n % kCycle != 0) continue;  // a whole swing of the head
     const std::size_t swing = n / kCycle;
     if (swing == 1 || swing % 8 == 0)
-      out << "drift,pliant,swing to frame " << n << ",landmark_px," << sum / kCycle << "\n";
+      BenchRows(out, "drift")("swing to frame " + std::to_string(n), "landmark_px", sum / kCycle);
     sum = 0;
   }
 }

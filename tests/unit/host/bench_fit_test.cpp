@@ -4,6 +4,7 @@
 
 #include "cli_run.hpp"
 #include "host/bench/fit_problem.hpp"
+#include "host/bench/rows.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
 #include "random.hpp"
@@ -47,6 +48,13 @@ double solve(LinearShapeFit& fit) {
 }
 
 }  // namespace
+
+TEST_CASE("rows of bench tell bytes to the byte") {
+  std::ostringstream out;
+  BenchRows(out, "track")("a", "arena_bytes", 5250112);
+  BenchRows(out, "track")("a", "median_ms", 0.75);
+  CHECK(out.str() == "track,pliant,a,arena_bytes,5250112\ntrack,pliant,a,median_ms,0.75\n");
+}
 
 TEST_CASE("an exact problem without prior is solved to zero cost from a rough initial state with any loss") {
   const Folder folder;
