@@ -7,12 +7,13 @@
 namespace pliant::host {
 
 /// While an object of this class exists, the first SIGINT, SIGTERM or SIGHUP only sets a flag; a second one has the effect that it
-/// had before. There may be one object at a time.
+/// had before. One that is ignored (nohup, a script's background) stays so. There may be one object at a time.
 class InterruptWatch {
  public:
   InterruptWatch() {
     flag() = 0;
-    for (std::size_t k = 0; k < kCount; ++k) before()[k] = std::signal(kSignals[k], note);
+    for (std::size_t k = 0; k < kCount; ++k)
+      if ((before()[k] = std::signal(kSignals[k], note)) == SIG_IGN) std::signal(kSignals[k], SIG_IGN);
   }
   ~InterruptWatch() { restore(); }
   InterruptWatch(const InterruptWatch&) = delete;

@@ -64,6 +64,17 @@ TEST_CASE("the first Ctrl-C sets a flag, the second has its usual effect") {
   std::signal(SIGINT, before);
 }
 
+TEST_CASE("a signal that is ignored, as nohup does with the end of a terminal, ends nothing") {
+  const auto before = std::signal(SIGHUP, SIG_IGN);
+  {
+    const InterruptWatch watch;
+    ::raise(SIGHUP);
+    CHECK_FALSE(watch.was_interrupted());
+  }
+  const bool is_ignored = std::signal(SIGHUP, before) == SIG_IGN;
+  CHECK(is_ignored);
+}
+
 TEST_CASE("two writers of one file do not mix: the last commit wins") {
   const Folder folder;
   const std::string path = folder / "a.txt";
