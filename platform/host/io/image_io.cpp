@@ -4,6 +4,7 @@
 #include "host/io/image.hpp"
 #include "host/io/jpeg_orientation.hpp"
 #include "host/io/jpeg_tables.hpp"
+#include "host/io/pnm.hpp"
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
@@ -63,14 +64,18 @@ Image read_image(const std::string& path) {
     fail_input(path, "is not a picture that can be read: " + reason());
   if (width > 16384 || height > 16384) fail_input(path, "is larger than 16384 pixels on a side");
   if (std::int64_t{width} * height > kMostPixels) fail_input(path, "has more than 100 million pixels");
-  // stb converts the channels of such a picture as if they had 8 bits, and then reads past the end.
-  if (bytes[0] == 'P' && stbi_is_16_bit_from_memory(data, length) != 0)
-    fail_input(path, "has more than 8 bits a channel");
+  // stb takes every value of such a picture as one of 255, and reads past the end where values have more than 8 bits.
+  const bool is_pnm = bytes[0] == 'P';
+  std::string wrong;
+  const int largest = is_pnm ? pnm_maximum(bytes, wrong) : 255;
+  if (!wrong.empty()) fail_input(path, wrong);
   unsigned char* pixels = stbi_load_from_memory(data, length, &width, &height, &channels, 3);
   if (pixels == nullptr) fail_input(path, "a damaged picture: " + reason());
   Image image(width, height, 3);
   image.pixels.assign(pixels, pixels + image.pixels.size());
   stbi_image_free(pixels);
+  if (largest < 255)
+    for (std::uint8_t& value : image.pixels) value = stretched(value, largest);
   return upright(image, jpeg_orientation(bytes));
 }
 

@@ -67,11 +67,6 @@ std::string read_header(std::FILE* f, Header& h) {
   return {};
 }
 
-std::uint8_t stretched(int value, int maximum) {
-  const int v = value > maximum ? maximum : value;
-  return static_cast<std::uint8_t>((v * 255 + maximum / 2) / maximum);
-}
-
 // One row of samples, as luma.
 void to_luma(const std::uint8_t* row, const Header& h, std::uint8_t* out) {
   for (int x = 0; x < h.width; ++x, row += h.channels) {
@@ -81,6 +76,18 @@ void to_luma(const std::uint8_t* row, const Header& h, std::uint8_t* out) {
 }
 
 }  // namespace
+
+std::uint8_t stretched(int value, int maximum) {
+  const int v = value > maximum ? maximum : value;
+  return static_cast<std::uint8_t>((v * 255 + maximum / 2) / maximum);
+}
+
+int pnm_maximum(const std::string& bytes, std::string& message) {
+  const File file(::fmemopen(const_cast<char*>(bytes.data()), bytes.size(), "rb"));
+  Header h;
+  message = file ? read_header(file.get(), h) : "not a PGM or PPM picture";
+  return h.maximum;
+}
 
 Status read_pnm(const std::string& path, LumaPicture& picture, std::string& message) {
   const File file(std::fopen(path.c_str(), "rb"));

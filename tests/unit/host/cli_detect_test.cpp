@@ -289,7 +289,7 @@ TEST_CASE("the published dynamics do not converge on a photograph, and fit says 
 TEST_CASE("a picture of 16 bits a channel is refused where its reader would read past its end") {
   const Folder folder;
   const std::string deep = folder.put("deep.pgm", "P5 2 2 65535\n" + std::string(8, '\x42'));
-  check_refused({"detect", kFace, "--image", deep}, {"deep.pgm", "8 bits"});
+  check_refused({"detect", kFace, "--image", deep}, {"deep.pgm", "8-bit"});
 }
 
 TEST_CASE("detect refuses a model without learnt tables, and damaged tables, by the model's name") {
