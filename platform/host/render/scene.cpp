@@ -130,9 +130,8 @@ Pose frontal_pose(const Model& model, const float* q, const Camera& camera, int 
     low = min(low, y);
     high = max(high, y);
   }
-  return {
-      {},
-      {0, 0.5f * (low + high), camera.f * max(high - low, 1.0f) / (fraction * static_cast<float>(height))}};
+  const float distance = camera.f * max(high - low, 1.0f) / (fraction * static_cast<float>(height));
+  return {{}, {0, 0.5f * (low + high), clamp(distance, 1 / kMaxRho, 1 / kMinRho)}};
 }
 
 }  // namespace pliant::host

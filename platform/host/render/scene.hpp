@@ -48,7 +48,8 @@ Image make_background(int width, int height, std::uint32_t seed);
 /// noise.
 void add_noise(Image& image, float sd, std::uint32_t seed);
 
-/// The frontal pose with the model in the middle of the picture, as high as this fraction of it.
+/// The frontal pose with the model in the middle of the picture, as high as this fraction of it, or as near to that as the range of
+/// distances allows.
 Pose frontal_pose(const Model& model, const float* q, const Camera& camera, int height, float fraction);
 
 }  // namespace pliant::host

@@ -416,6 +416,16 @@ TEST_CASE("render writes the truth as a track, and a track can be rendered again
   CHECK(s.temporary_count() == 0);
 }
 
+TEST_CASE("a model that cannot fill the picture from where a camera can be is rendered smaller or larger") {
+  const Folder folder;
+  const std::string model = folder.put("m.plm", model_bytes()), params = folder.put("q.csv", "jawOpen\n0.1\n");
+  for (const char* focal : {"1", "1e6"}) {
+    const Ran r = run_words({"render", model, "--params", params, "--focal", focal, "-o", folder / "v.y4m"});
+    CAPTURE(r.err);
+    CHECK(r.code == 0);
+  }
+}
+
 TEST_CASE("bake refuses a folder without a source in one line and writes nothing") {
   const Folder folder;
   check_refused({"bake", folder.path.string(), "-o", folder / "m.plm"}, {folder.path.string()});
