@@ -78,7 +78,10 @@ OutputFile::OutputFile(const std::string& path) : name_(path), target_(path) {
   if (is_special) {  // a device or pipe; the canonical path of /dev/stdout is none that can be opened
     file_ = std::fopen(path.c_str(), "wb");
   } else {
-    if (std::filesystem::exists(status)) target_ = std::filesystem::canonical(path, ignored).string();
+    if (std::filesystem::exists(status))
+      target_ = std::filesystem::canonical(path, ignored).string();
+    else if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored)))
+      target_ = (std::filesystem::path(path).parent_path() / std::filesystem::read_symlink(path, ignored)).string();
     file_ = create_beside(target_, &temporary_);
     has_no_name_ = temporary_.empty();
   }

@@ -97,6 +97,12 @@ TEST_CASE(
   write_file(folder / "link.txt", "new");
   CHECK(fs::is_symlink(folder.path / "link.txt"));
   CHECK(read_file(folder / "target.txt") == "new");
+  // Also where the target is not there yet.
+  fs::create_directory(folder.path / "other");
+  fs::create_symlink("other/later.txt", folder.path / "to_come.txt");
+  write_file(folder / "to_come.txt", "new");
+  CHECK(fs::is_symlink(folder.path / "to_come.txt"));
+  CHECK(read_file(folder / "other/later.txt") == "new");
 
   folder.put("victim.txt", "untouched");
   const std::string process = std::to_string(getpid());
