@@ -60,7 +60,8 @@ class ObjReader {
   }
 
   float number() {
-    const std::string_view text = word();
+    std::string_view text = word();
+    if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);  // which from_chars does not know
     float value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (text.empty() || error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
@@ -106,7 +107,7 @@ class ObjReader {
 
   void read_polygon() {
     const std::size_t first = mesh_.corners.size();
-    for (std::string_view text = word(); !text.empty(); text = word()) {
+    for (std::string_view text = word(); !text.empty() && text[0] != '#'; text = word()) {
       const std::size_t slash = text.find('/');
       ObjCorner corner{index(text.substr(0, slash), mesh_.vertices.size(), "vertex"), -1};
       if (slash != std::string_view::npos) {
