@@ -20,13 +20,14 @@ namespace pliant::host {
 
 namespace {
 
-/// Which parameters --parameters selects, one flag each; empty: all.
+/// Which parameters --parameters selects, one flag each; empty: all, also where a count says so.
 std::vector<std::uint8_t> free_parameters(const Model& model, const std::optional<std::string>& choice) {
   if (!choice || *choice == "all") return {};
   std::vector<std::uint8_t> is_free(model.parameters().count, 0);
   const auto count = parse_number(*choice);
   const bool is_group = *choice == "identity" || *choice == "expression";
   const bool is_count = count && *count >= 0 && *count == std::floor(*count);
+  if (is_count && *count >= static_cast<double>(is_free.size())) return {};
   if (!is_group && !is_count && *choice != "none")
     fail_usage("--parameters: identity, expression, all, none or a count, not " + *choice);
   const Group group = *choice == "identity" ? Group::identity : Group::expression;

@@ -328,6 +328,11 @@ TEST_CASE("a count of parameters frees the first ones of the table, a group name
     return frozen;
   };
   CHECK(sd_of("all") == "1111");
+  const std::string all = read_file(s / "f.json");
+  for (const char* count : {"4", "5"}) {
+    CHECK(sd_of(count) == "1111");
+    CHECK(read_file(s / "f.json") == all);  // in stages, as the fit of all is
+  }
   CHECK(sd_of("none") == "0000");
   CHECK(sd_of("2") == "1100");
   CHECK(sd_of("identity") == "1000");
