@@ -33,7 +33,7 @@ void TrackRun::start(const FrameView& frame, const Initial& initial, const Initi
 void TrackRun::begin_search(ReducedTracker& tracker, const std::string& model) const {
   const Status status = tracker.start_by_detection(initial_, options_);
   if (status == Status::not_found)
-    fail_input(model, "has no learnt tables to find a face with: give --init, or bake it with --learnt");
+    fail_input(model, "has neither learnt tables, for a face, nor a print to be found by: give --init or --box");
   require(status, model);
 }
 

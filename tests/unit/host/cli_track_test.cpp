@@ -307,6 +307,7 @@ TEST_CASE("frames, markers and truths that a track cannot use are refused by nam
   const std::string flat = "YUV4MPEG2 W200 H160 F30:1 Cmono\nFRAME\n" + std::string(200 * 160, 'g');
   words[3] = s.put("flat.y4m", flat);
   check_refused(words, {"flat.y4m", "frame 0", "has no texture there"});
+  check_refused({"track", s.model, "--frames", s.video, "--out", s / "t.csv"}, {"m.plm", "nor a print", "--box"});
   words = s.track_words();
   words.insert(words.end(), {"--markers", s.put("marks.csv", "landmark,x,y\na,1,2\nb,3,NaN\n")});
   check_refused(words, {"marks.csv: line 3", "'y'"});
