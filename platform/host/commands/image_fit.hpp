@@ -61,8 +61,8 @@ bool is_fit(const std::string& text);
 /// Bad input in `path` unless the fit is of this model.
 void check_model(const FitFile& fit, const std::string& path, const ModelFile& file);
 
-/// Converts a fit to the camera that is known, with its lens, or else to the focal length that is, with the lens of the fit. Nothing is
-/// known: it stays as it is. \param focal_px, camera  as in FitSetup.
+/// Converts a fit to the camera that is known, with its lens, or else to the focal length that is known, with the lens of the fit.
+/// If neither is, it stays as it is. \param focal_px, camera  as in FitSetup.
 void set_camera(float focal_px, const std::optional<Camera>& camera, FitFile* fit);
 
 /// Reads a fit.json, or fits the model to a points.csv. Bad input: a fit of another model, or of another image size

@@ -17,8 +17,8 @@ std::string csv_cell(const std::string& text) {
 
 namespace {
 
-/// Reads one cell at `at` and moves `at` after the comma, or to npos at the end of the line. `is_sound` becomes false for quotes that
-/// do not end with the cell.
+/// Reads one cell at `at` and moves `at` after the comma, or to npos at the end of the line. `is_sound` becomes false for quotes
+/// that do not end with the cell.
 std::string take_cell(std::string_view line, std::size_t& at, bool& is_sound) {
   const std::size_t first = line.find_first_not_of(" \t", at);
   if (first == std::string_view::npos || line[first] != '"') {
