@@ -7,22 +7,21 @@
 
 #include "host/io/failure.hpp"
 #include "host/io/numbers.hpp"
+#include "host/io/sources.hpp"
 #include "host/io/words.hpp"
 
 namespace pliant::host {
 
 namespace {
 
-/// Whether the path is, or would be, one of the files in a folder that are read, by its ending; a table or a video beside them is
-/// not.
-bool is_source_in(const std::string& folder, const std::string& path) {
-  static constexpr const char* kEndings[] = {".txt", ".obj",  ".mtl", ".png", ".jpg",
-                                             ".jpeg", ".pgm", ".ppm", ".pnm"};
+/// Whether the path is, or would be, one of the files in a folder that are read, by its ending: pictures, and in a folder that is
+/// an operand those of a surface. A table or a video beside them is not.
+bool is_source_in(const std::string& folder, bool is_operand, const std::string& path) {
   std::error_code ignored;
   const std::filesystem::path file(path);
   const std::string ending = in_lower_case(file.extension().string());
-  return std::find(std::begin(kEndings), std::end(kEndings), ending) != std::end(kEndings) &&
-         std::filesystem::is_directory(folder, ignored) &&
+  const bool is_of_surface = ending == ".txt" || ending == ".obj" || ending == ".mtl";
+  return (has_picture_extension(path) || (is_operand && is_of_surface)) && std::filesystem::is_directory(folder, ignored) &&
          std::filesystem::equivalent(std::filesystem::absolute(file, ignored).parent_path(), folder, ignored);
 }
 
@@ -92,11 +91,11 @@ void Args::check_files(const std::vector<Option>& options) {
   for (const Option& option : options) {
     const auto path = text(option.name);
     if (option.takes != Takes::output || !path) continue;
-    for (const std::string& input : inputs) {
-      if (*path != "-" && is_same_file(*path, input))
-        fail_usage(std::string(option.name) + " would overwrite the input " + input);
-      if (is_source_in(input, *path))
-        fail_usage(std::string(option.name) + " would be read with the folder " + input + ": " + *path);
+    for (std::size_t k = 0; k < inputs.size(); ++k) {
+      if (*path != "-" && is_same_file(*path, inputs[k]))
+        fail_usage(std::string(option.name) + " would overwrite the input " + inputs[k]);
+      if (is_source_in(inputs[k], k < operands_.size(), *path))
+        fail_usage(std::string(option.name) + " would be read with the folder " + inputs[k] + ": " + *path);
     }
     for (const std::string& other : outputs)
       if (is_same_file(*path, other)) fail_usage("two outputs have the name " + other);

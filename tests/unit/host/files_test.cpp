@@ -187,5 +187,7 @@ TEST_CASE("an output that is an input, two outputs of one name and a name of ano
     CHECK(contains(r.err, "would be read with the folder " + folder.path.string() + ": " + words.back()));
   }
   CHECK(read_file(points) == "points");
+  const Ran beside = run_words({"detect", model, "--image", folder.path.string(), "-o", folder / "faces.txt"});
+  CHECK(beside.code == 1);  // not bad usage: only pictures are read there
   CHECK(run_words({"bake", folder.path.string(), "-o", folder / "m.plm"}).code == 1);  // not bad usage
 }
