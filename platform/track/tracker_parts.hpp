@@ -88,6 +88,8 @@ struct TrackerParts : ImageParts {
   bool fits_model(const SavedState& state) const;
   /// Ends the track, if there is one. The result becomes that of a frame without one.
   void end_track();
+  /// The next frame may be of another stream: it may have any time, and noise as if it were the first.
+  void begin_stream();
   template <class Fit>
   Status fit_before_tracking(Fit&& fit);
   void refine(const FrameView& frame, const RoughStart& rough, StartPose* from);

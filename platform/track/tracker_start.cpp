@@ -58,6 +58,11 @@ void TrackerParts::end_track() {
   result.is_searching = detection != nullptr;
 }
 
+void TrackerParts::begin_stream() {
+  order.forget_time();
+  if (noise != nullptr) noise->forget();
+}
+
 /// Runs `fit(arena)` in the memory of the tracking, which is laid out anew afterwards.
 template <class Fit>
 Status TrackerParts::fit_before_tracking(Fit&& fit) {
@@ -77,8 +82,8 @@ void TrackerParts::refine(const FrameView& view, const RoughStart& rough, StartP
 Status TrackerParts::start_at_fit(Status fitted, const FrameView& frame_0, const RoughStart& rough,
                                   StartPose* from, const TrackerOptions& with,
                                   Span<const Vec2> marker_places) {
+  begin_stream();
   const FrameView& view = quiet(frame_0);
-  order.forget_time();
   identity_is_given = false;
   const bool is_fitted = fitted == Status::ok;
   refine(view, is_fitted ? rough : RoughStart{nullptr, RoughStart::kExact, rough.options}, from);
@@ -156,7 +161,7 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   if (status != Status::ok) return status;
   for (std::size_t k = 0; q != nullptr && k < impl_->start_q.count; ++k)
     if (!is_finite(q[k])) return Status::bad_argument;
-  impl_->order.forget_time();
+  impl_->begin_stream();
   impl_->offsets.clear();
   for (std::size_t k = 0; k < impl_->start_q.count; ++k) impl_->start_q[k] = q == nullptr ? 0 : q[k];
   StartPose from{camera, pose};
@@ -226,7 +231,7 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
       Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok)
     return Status::bad_argument;
   t.detection->calls->begin_search(t, start, options);
-  t.order.forget_time();
+  t.begin_stream();
   return Status::ok;
 }
 

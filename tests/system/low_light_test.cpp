@@ -4,6 +4,8 @@
 #include "fake_faces.hpp"
 #include "opened_egg.hpp"
 #include "pliant/tracker.hpp"
+#include "vision/noise_filter.hpp"
+#include "vision/noise_tuning.hpp"
 
 using namespace pliant;
 
@@ -92,6 +94,43 @@ TEST_CASE("a start by detection is in a frame that is smoothed, too") {
   REQUIRE(tracker->update(film.view(0), &first) == Status::ok);
   REQUIRE(tracker->is_started());
   CHECK(frames_right(tracker.object, film) >= 22);
+}
+
+TEST_CASE("a start after noisy frames gives the bits of a first start") {
+  const FaceFilm dark = film_at(0.25f, 12), doubtful = film_at(0.8f, 9.4f);
+  const FrameNoise of = noise_of(doubtful.view(0));
+  REQUIRE(of.noise <
+          kNoiseTuning.noisy * of.contrast);  // smoothed after a noisy frame, but not as the first one
+  REQUIRE(of.noise > kNoiseTuning.still_noisy * of.contrast);
+  FakeFaces fake(doubtful);
+  const FrameView first = doubtful.view(0), second = doubtful.view(1);
+  const auto from_pose = [&](Tracker& t) {
+    return t.start_from_pose(first, doubtful.camera, doubtful.poses[0], doubtful.parameters[0].data());
+  };
+  const auto from_box = [&](Tracker& t) {
+    const FaceBox box = fake.box(0);
+    StartOptions options;
+    options.box = BoxConvention::face_box;
+    return t.start_from_box(first, box.center - Vec2{0.5f * box.side, 0.5f * box.side}, {box.side, box.side},
+                            options);
+  };
+  const auto by_detection = [&](Tracker& t) {
+    FrameResult result;
+    const Status status = t.start_by_detection();
+    return status == Status::ok ? t.update(first, &result) : status;
+  };
+  const std::function<Status(Tracker&)> starts[] = {from_pose, from_box, by_detection};
+  for (const auto& start : starts) {
+    InArena<Tracker> used(baked_face().model, limits_with_fake()),
+        fresh(baked_face().model, limits_with_fake());
+    FrameResult a, b;
+    REQUIRE(used->update(dark.view(0), &a) == Status::ok);
+    REQUIRE(start(used.object) == Status::ok);
+    REQUIRE(start(fresh.object) == Status::ok);
+    REQUIRE(used->update(second, &a) == Status::ok);
+    REQUIRE(fresh->update(second, &b) == Status::ok);
+    CHECK((a.pose.t.x == b.pose.t.x && a.pose.q.y == b.pose.q.y && a.rms_px == b.rms_px));
+  }
 }
 
 TEST_CASE("the model of a surface that is no face has no filter") {
