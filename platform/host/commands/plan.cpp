@@ -119,10 +119,11 @@ void add_picture_loads(const Sizes& s, Loads& loads) {
   loads.push_back({"pixels of the thumbnail", s.frame_pixels, s.frame_pixels, kCost.thumbnail_pixel});
   loads.push_back({"pixels of the pyramid, all levels", 4.0 / 3 * s.region_pixels, 1.34 * s.region_pixels,
                    kCost.pyramid_pixel});
+  // First in a frame, so that the budget does not end it.
   const double pixels = kCoarseTranslationTuning.max_pixels;
-  add_shared(s, "pixels of thumbnails compared", pixels * most_shifts(usual_range),
-             pixels * std::max(most_shifts(most_range), most_shifts(usual_range)),
-             static_cast<double>(s.costs.coarse_pixel), loads);
+  loads.push_back({"pixels of thumbnails compared", pixels * most_shifts(usual_range),
+                   pixels * std::max(most_shifts(most_range), most_shifts(usual_range)),
+                   static_cast<double>(s.costs.coarse_pixel), Bound::shared});
 }
 
 /// Every frame, where frames are smoothed.

@@ -173,6 +173,35 @@ TEST_CASE("no frame takes more steps than the bound of the plan, even on noise")
   CHECK(usual_instructions(plan.loads) < most_instructions(plan.loads));
 }
 
+TEST_CASE(
+    "the coarse translation of a lost track is within the plan, also where it takes more than the budget") {
+  const Sequence s;
+  const ModelFile file(s.model);
+  TrackerLimits limits = without_detection(TrackerLimits{});
+  limits.width = limits.thumbnail_width = 200;
+  limits.height = 160;
+  limits.patches = 20;
+  limits.key_patches = 0;
+  const Plan plan = make_plan(file.model(), limits);
+  Owned<Tracker> tracker(file.model(), limits);
+  const OpenedFrames video = open_frames(s.video);
+  REQUIRE(video.source != nullptr);
+  FrameView frame;
+  REQUIRE(video.source->next(frame) == Status::ok);
+  REQUIRE(tracker->start_from_box(frame, {50, 30}, {100, 100}) == Status::ok);
+  const std::vector<std::uint8_t> black(200 * 160);
+  frame.data = black.data();
+  frame.stride_bytes = 200;
+  for (int k = 0; k < 4; ++k) {
+    ++frame.sequence;
+    FrameResult result;
+    REQUIRE(tracker->update(frame, &result) == Status::ok);
+    CHECK(tracker->work().coarse_pixels <= most_of(plan, "pixels of thumbnails compared"));
+    const WorkCosts costs = tracker->estimator().work_costs(limits.patch_window);
+    CHECK(static_cast<double>(costs.of(tracker->work())) <= most_counted_instructions(plan.loads));
+  }
+}
+
 TEST_CASE("with a clock the plan says ms, and what shares the budget of a frame has one bound together") {
   const Sequence s;
   const Ran plan = run_words({"plan", s.model, "--mhz", "480"});
