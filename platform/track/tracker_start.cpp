@@ -56,6 +56,7 @@ void TrackerParts::end_track() {
   is_started = false;
   result = {};
   result.is_searching = detection != nullptr;
+  budget = {};
 }
 
 void TrackerParts::begin_stream() {
@@ -112,7 +113,6 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
   order.note(view);
   frame = last_kept = 0;
   bad_frames = 0;
-  budget = {};
   budget.costs = estimator.work_costs(limits.patch_window);
   budget.most = most_frame_work(limits, budget.costs, spring_rows(model(), limits));
   matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow));

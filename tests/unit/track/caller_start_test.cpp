@@ -220,4 +220,5 @@ TEST_CASE("what is told before the first frame, and after a start that failed, i
   CHECK(tracker->result().is_searching);
   CHECK(tracker->result().state == TrackState::lost);
   CHECK(tracker->result().tracked == 0);
+  CHECK(tracker->work().searches == 0);
 }
