@@ -3,6 +3,7 @@
 
 #include "base/wide_vectors.hpp"
 #include "pliant/geometry.hpp"
+#include "vision/binomial.hpp"
 #include "vision/noise_tuning.hpp"
 
 namespace pliant {
@@ -33,22 +34,17 @@ int inside(int x, int count) {
   return x < 0 ? 0 : x < count ? x : count - 1;
 }
 
-/// 16 times the mean of five, with 16 bits as pyramid.cpp.
-std::uint16_t weighted(int a, int b, int c, int d, int e) {
-  return static_cast<std::uint16_t>(a + e + 4 * (b + d) + 6 * c);
-}
-
 PLIANT_WIDE_VECTORS
 void smooth_planar(const std::uint8_t* __restrict row, int width, std::uint16_t* __restrict out) {
   for (int x = 2; x + 2 < width; ++x)
-    out[x] = weighted(row[x - 2], row[x - 1], row[x], row[x + 1], row[x + 2]);
+    out[x] = static_cast<std::uint16_t>(binomial_sum(row[x - 2], row[x - 1], row[x], row[x + 1], row[x + 2]));
 }
 
 /// Along a line. The border's pixels count for those beyond.
 void smooth_line(const std::uint8_t* row, int step, int width, std::uint16_t* out) {
   const auto smooth_at = [&](int x) {
     const auto pixel = [&](int k) { return row[inside(x + k, width) * step]; };
-    out[x] = weighted(pixel(-2), pixel(-1), pixel(0), pixel(1), pixel(2));
+    out[x] = static_cast<std::uint16_t>(binomial_sum(pixel(-2), pixel(-1), pixel(0), pixel(1), pixel(2)));
   };
   if (step == 1)
     smooth_planar(row, width, out);
@@ -64,9 +60,7 @@ PLIANT_WIDE_VECTORS
 void smooth_columns(const Lines& line, int width, std::uint8_t* __restrict out) {
   const std::uint16_t *const a = line[0], *const b = line[1], *const c = line[2], *const d = line[3],
                              *const e = line[4];
-  for (int x = 0; x < width; ++x)
-    out[x] = static_cast<std::uint8_t>(
-        static_cast<std::uint16_t>(weighted(a[x], b[x], c[x], d[x], e[x]) + 128) >> 8);
+  for (int x = 0; x < width; ++x) out[x] = binomial_mean(a[x], b[x], c[x], d[x], e[x]);
 }
 
 }  // namespace

@@ -1,11 +1,12 @@
 // Separable binomial smoothing (docs/algorithms.md, section 7.1): first down the columns into one line of 16-bit
-// sums, then along the line at every other pixel. 16 * 16 * 255 + 128 fits 16 bits, so that every step is a plain
-// loop over 16-bit integers. Compilers turn it into vector code, and the result does not depend on how they do so.
+// sums, then along the line at every other pixel. Every step is a plain loop over 16-bit integers (binomial.hpp).
+// Compilers turn it into vector code, and the result does not depend on how they do so.
 #include "pliant/pyramid.hpp"
 
 #include <cstring>
 
 #include "base/wide_vectors.hpp"
+#include "vision/binomial.hpp"
 #include "vision/halfwords.hpp"
 
 namespace pliant {
@@ -46,7 +47,7 @@ void smooth_columns(const ImageView& src, int y, std::uint16_t* __restrict line)
     std::memcpy(line + x, out, sizeof out);
   }
 #endif
-  for (; x < src.width; ++x) line[x] = static_cast<std::uint16_t>(a[x] + e[x] + 4 * (b[x] + d[x]) + 6 * c[x]);
+  for (; x < src.width; ++x) line[x] = static_cast<std::uint16_t>(binomial_sum(a[x], b[x], c[x], d[x], e[x]));
 }
 
 void reflect_ends(std::uint16_t* line, int width) {
@@ -75,8 +76,7 @@ void smooth_and_halve_row(const std::uint16_t* __restrict line, int out_width, s
 #else
   for (int x = 0; x < out_width; ++x) {
     const std::uint16_t* v = line + 2 * x;
-    const auto sum = static_cast<std::uint16_t>(v[-2] + v[2] + 4 * (v[-1] + v[1]) + 6 * v[0] + 128);
-    out[x] = static_cast<std::uint8_t>(sum >> 8);
+    out[x] = binomial_mean(v[-2], v[-1], v[0], v[1], v[2]);
   }
 #endif
 }
