@@ -2,7 +2,6 @@
 /// \file frame_order.hpp
 /// Whether a frame comes twice or late.
 #include <cstdint>
-#include <limits>
 
 #include "pliant/frame.hpp"
 
@@ -12,19 +11,21 @@ class FrameOrder {
  public:
   /// A clock may be set back and a sequence number may be left out, but not both.
   bool is_stale(const FrameView& view) const {
-    const bool is_next = view.sequence != sequence_ && view.sequence - sequence_ < 0x80000000u;
-    return view.time_ns <= time_ns_ && !is_next;
+    const std::uint32_t skipped = view.sequence - sequence_ - 1;  // modulo 2^32: many, if it is not a later one
+    return has_frame_ && view.time_ns <= time_ns_ && skipped >= 0x7FFFFFFFu;
   }
   void note(const FrameView& view) {
     time_ns_ = view.time_ns;
     sequence_ = view.sequence;
+    has_frame_ = true;
   }
   /// The next frame may have any time.
-  void forget_time() { time_ns_ = std::numeric_limits<std::int64_t>::min(); }
+  void forget_time() { has_frame_ = false; }
 
  private:
-  std::int64_t time_ns_ = std::numeric_limits<std::int64_t>::min();  // of the last frame
+  std::int64_t time_ns_ = 0;  // of the last frame
   std::uint32_t sequence_ = 0;
+  bool has_frame_ = false;
 };
 
 }  // namespace pliant

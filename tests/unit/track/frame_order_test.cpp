@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
+
 using namespace pliant;
 
 namespace {
@@ -41,4 +43,8 @@ TEST_CASE("after forget_time the next frame may have any time") {
   order.note(frame(100, 7));
   order.forget_time();
   CHECK_FALSE(order.is_stale(frame(1, 7)));
+  constexpr auto kEarliest = std::numeric_limits<std::int64_t>::min();
+  CHECK_FALSE(order.is_stale(frame(kEarliest, 7)));
+  order.note(frame(kEarliest, 7));
+  CHECK(order.is_stale(frame(kEarliest, 7)));
 }
