@@ -41,11 +41,7 @@ void DetectionState::keep_parameters(TrackerParts& t) {
 
 void DetectionState::give_up(TrackerParts& t) {
   keep_parameters(t);
-  t.is_started = false;
-  t.result.state = TrackState::lost;
-  t.result.is_searching = true;
-  t.result.landmark_error = 0;
-  t.result.gaze = {};
+  t.end_track();
 }
 
 }  // namespace pliant

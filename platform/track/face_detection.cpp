@@ -84,12 +84,12 @@ void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptio
 
 Status search(TrackerParts& t, const FrameView& view) {
   FaceDetectionState& self = self_of(t);
+  t.budget = {};
   if (!t.block_is_of_search) {
     new (&t.estimator) Estimator();
     self.face_search.begin();
     t.block_is_of_search = true;
   }
-  t.end_track();
   StartPose found;
   Status status =
       self.face_search.search({view, t.block, self.kept.start}, &person_of(t), &found, &self.landmark_error);

@@ -128,7 +128,6 @@ Status Tracker::update(const FrameView& frame, FrameResult* result) {
   Status status = t.region.check_frame(frame);
   if (status != Status::ok) return status;
   if (t.order.is_stale(frame)) return Status::stale_frame;
-  t.budget.begin(t.bad_frames == 0);
   const FrameView& quiet = t.quiet(frame);
   status = t.is_started ? t.track(quiet) : t.detection->calls->search(t, quiet);
   if (status != Status::ok) return status;
@@ -142,6 +141,7 @@ const FrameView& TrackerParts::quiet(const FrameView& view) {
 }
 
 Status TrackerParts::track(const FrameView& view) {
+  budget.begin(bad_frames == 0);
   const Status status = predict(view);
   if (status != Status::ok) return status;
   match_and_solve(view);

@@ -56,11 +56,11 @@ void TrackerParts::end_track() {
   is_started = false;
   result = {};
   result.is_searching = detection != nullptr;
-  budget = {};
 }
 
 void TrackerParts::begin_stream() {
   order.forget_time();
+  budget = {};
   if (noise != nullptr) noise->forget();
 }
 

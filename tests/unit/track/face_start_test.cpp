@@ -406,6 +406,9 @@ TEST_CASE("checks that refuse a track end it, and the person who was tracked bef
     result = update(tracker.object, half_size(), k);
   }
   CHECK(result.is_searching);
+  CHECK((result.pose.t.z == 1000 && result.pose.q.w == 1));  // as without a track
+  CHECK(tracker->camera().f == 0);
+  CHECK(tracker->work().searches > 0);
   const int held = fake.held_alignments;
   fake.verification = 0.99f;
   update(tracker.object, half_size(), kBack);
