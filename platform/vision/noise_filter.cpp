@@ -22,14 +22,6 @@ int response(const std::uint8_t* at, std::ptrdiff_t down, std::ptrdiff_t right) 
   return r < 0 ? -r : r;
 }
 
-/// Distance of the places, px, odd, so that they have all places in the blocks of compressed frames: a square grid of at most
-/// kTuning.most_places.
-int step_of(int width, int height) {
-  int step = 1;
-  while ((width / step) * (height / step) > kTuning.most_places) step += 2;
-  return step;
-}
-
 int inside(int x, int count) {
   return x < 0 ? 0 : x < count ? x : count - 1;
 }
@@ -65,10 +57,20 @@ void smooth_columns(const Lines& line, int width, std::uint8_t* __restrict out) 
 
 }  // namespace
 
+int noise_places(int side, int step) {
+  return side < 3 ? 0 : (side - 3) / step + 1;
+}
+
+int noise_step(int width, int height) {
+  int step = 1;
+  while (noise_places(width, step) * noise_places(height, step) > kTuning.most_places) step += 2;
+  return step;
+}
+
 FrameNoise noise_of(const FrameView& frame) {
   const auto down = static_cast<std::ptrdiff_t>(frame.stride_bytes);
   const std::ptrdiff_t right = frame.pixel_step_bytes;
-  const int step = step_of(frame.width, frame.height);
+  const int step = noise_step(frame.width, frame.height);
   std::uint16_t of_response[256] = {};
   int places = 0, sum = 0, squares = 0;
   for (int y = 1; y + 1 < frame.height; y += step)

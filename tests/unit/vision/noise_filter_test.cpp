@@ -6,6 +6,7 @@
 
 #include "model_builder.hpp"
 #include "random.hpp"
+#include "vision/noise_tuning.hpp"
 
 using namespace pliant;
 
@@ -52,6 +53,20 @@ TEST_CASE("noise is measured to a tenth, or half a grey level, whatever ramps an
   }
   CHECK(noise_of(Frame(7, 640, 480).view()).noise == doctest::Approx(7).epsilon(0.1));
   CHECK(noise_of(Frame(7, kWidth, kHeight, 2).view()).noise == doctest::Approx(7).epsilon(0.1));
+}
+
+TEST_CASE(
+    "noise is measured at no more places than are stated, and at half of them or more in large frames") {
+  for (int width = 1; width < 4000; width += 7)
+    for (int height = 1; height < 2000; height += 13) {
+      const int step = noise_step(width, height),
+                places = noise_places(width, step) * noise_places(height, step);
+      CAPTURE(width);
+      CAPTURE(height);
+      REQUIRE(step % 2 == 1);
+      REQUIRE(places <= kNoiseTuning.most_places);
+      if (width > 400 && height > 300) REQUIRE(2 * places > kNoiseTuning.most_places);
+    }
 }
 
 TEST_CASE("where nothing can be measured there is no noise") {
