@@ -245,9 +245,9 @@ void TrackerParts::keep_key_frame() {
     budget.key_frame = {};
     return;
   }
-  const TrackerTuning& tuning = kTrackerTuning;
-  const bool is_overdue = budget.key_frame.is_reserved;
-  if (!budget.take(budget.key_frame, key_frame_work(limits, budget.costs, tuning.tries_a_slot))) return;
+  const std::size_t tries =
+      budget.key_frame.is_reserved ? kTrackerTuning.tries_if_overdue : kTrackerTuning.tries_a_slot;
+  if (!budget.take(budget.key_frame, key_frame_work(limits, budget.costs, tries))) return;
   const std::size_t begin = first_slot(limits, key), end = first_slot(limits, key + 1);
   for (std::size_t slot = begin; slot < end; ++slot) templates.release(slot, estimator);
   key_frames.keep(key, estimator.view(), result.rms_px, frame);
@@ -255,9 +255,8 @@ void TrackerParts::keep_key_frame() {
   const std::size_t free = templates.capture_second(
       limits.patches, begin, begin + (end - begin) / kTemplateStoreTuning.second_template_divisor, estimator,
       region);
-  const std::size_t tries = (is_overdue ? tuning.tries_if_overdue : tuning.tries_a_slot) * (end - free);
-  budget.work.captures =
-      static_cast<std::uint32_t>(placement.place(templates, estimator, region, markers, free, end, tries));
+  budget.work.captures = static_cast<std::uint32_t>(
+      placement.place(templates, estimator, region, markers, free, end, tries * (end - free)));
 }
 
 // --- What it tells ---

@@ -8,6 +8,9 @@
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
 #include "sanitized.hpp"
+#include "track/frame_budget.hpp"
+#include "track/template_tuning.hpp"
+#include "track/tracker_sizes.hpp"
 
 using namespace pliant;
 
@@ -122,6 +125,29 @@ TEST_CASE("key frames beyond the limit replace each other, never frame 0") {
   CHECK(r.key_frames == 2);
   CHECK(r.last_turn < 0.5f);
   CHECK(r.patches_at_end > 90);
+}
+
+TEST_CASE("a key frame that has waited too long counts the places that it may try, and no more") {
+  TrackerLimits limits = without_person(without_detection(TrackerLimits{}));
+  limits.patches = 20;
+  limits.key_patches = 255;
+  limits.key_frames = 1;
+  InArena<Tracker> tracker(baked_face().model, limits);
+  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+  const WorkCosts costs = tracker->estimator().work_costs(limits.patch_window);
+  const float most = most_frame_work(limits, costs, 0), last_passes = last_passes_work(limits, costs, 0);
+  const float overdue = key_frame_work(limits, costs, kTrackerTuning.tries_if_overdue);
+  REQUIRE(key_frame_work(limits, costs, kTrackerTuning.tries_a_slot) > most);  // so that it always waits
+  float rare = 0;
+  for (std::size_t k = 1; k < kFrames; ++k) {
+    FrameResult result;
+    REQUIRE(tracker->update(film().view(k), &result) == Status::ok);
+    CAPTURE(k);
+    CHECK(costs.of(tracker->work()) <=
+          most + last_passes + max(overdue - kFrameBudgetTuning.most_reserved * most, 0));
+    rare = max(rare, tracker->work().rare);
+  }
+  CHECK(rare == overdue);
 }
 
 TEST_CASE("the small profile tracks the same turns") {
