@@ -88,7 +88,7 @@ struct TrackerParts : ImageParts {
   bool fits_model(const SavedState& state) const;
   /// Ends the track, if there is one. The result becomes that of a frame without one.
   void end_track();
-  /// The next frame may be of another stream: it may have any time, and what earlier ones showed and took has no effect.
+  /// The next frame may be of another stream: times, noise and work of the frames before it have no effect.
   void begin_stream();
   template <class Fit>
   Status fit_before_tracking(Fit&& fit);
