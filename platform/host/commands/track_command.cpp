@@ -95,8 +95,8 @@ TrackerOptions tracker_options(const Args& args) {
 /// The limits that the command line asks for, of a tracker of frames of this size.
 TrackerLimits asked_limits(const Args& args, const Model& model, const FrameStream& frames, ImageSize size) {
   TrackerLimits limits = tracker_limits(args, size);
-  const bool searches_faces = !model.detector().empty();
-  if (searches_faces && !frames.is_live() && !args.has(kProfileOption.name))
+  const bool searches = !model.detector().empty() || !model.print().empty();
+  if (searches && !frames.is_live() && !args.has(kProfileOption.name))
     limits.search_work = whole_search(limits);
   return args.has("--freeze") ? without_person(limits) : limits;
 }
