@@ -31,7 +31,12 @@ Image quiet(const Image& grey) {
 
 FaceFinder::FaceFinder(const ModelFile& file) : file_(file), aligner_(file.model(), file.model().aligner()) {
   if (file.model().detector().empty() || file.model().aligner().empty())
-    fail_input(file.path(), "has no learnt tables to find faces with: bake it with --learnt");
+    fail_input(
+        file.path(),
+        file.model().print().empty()
+            ? "has no learnt tables to find faces with: bake it with --learnt"
+            : "has no learnt tables to find faces with; by its print a surface is found by pliant track, and "
+              "pliant fit needs --points or --pose");
   require(aligner_->status(), file.path() + ": aligner");
 }
 

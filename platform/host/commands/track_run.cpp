@@ -33,7 +33,9 @@ void TrackRun::start(const FrameView& frame, const Initial& initial, const Initi
 void TrackRun::begin_search(ReducedTracker& tracker, const std::string& model) const {
   const Status status = tracker.start_by_detection(initial_, options_);
   if (status == Status::not_found)
-    fail_input(model, "has neither learnt tables, for a face, nor a print to be found by: give --init or --box");
+    fail_input(model,
+               "has neither learnt tables, for a face, nor a print to be found by: give --init or --box, or bake a face "
+               "with --learnt, another surface with a texture that has corners");
   require(status, model);
 }
 

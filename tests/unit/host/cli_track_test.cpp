@@ -319,3 +319,37 @@ TEST_CASE("frames, markers and truths that a track cannot use are refused by nam
   check_refused(words, {"no_truth.csv", "landmarks"});
   CHECK_FALSE(s.has("t.csv"));
 }
+
+TEST_CASE(
+    "a printed surface in a film of 640 x 480 is found in the first frame, since all of it is searched at "
+    "once") {
+  const cli_run::Folder folder;
+  const std::string model = folder / "sheet.plm", film = folder / "film.y4m", track = folder / "track.csv";
+  REQUIRE(run_words({"bake", PLIANT_FIXTURES "/sheet", "-o", model}).code == 0);
+  const std::string params = folder.put("q.csv", "frame,tz\n0,900\n");
+  REQUIRE(run_words({"render", model, "--params", params, "--size", "640x480", "-o", film}).code == 0);
+  REQUIRE(run_words({"track", model, "--frames", film, "--out", track}).code == 0);
+  const CsvTable table(track, read_file(track));
+  REQUIRE(table.row_count() == 1);
+  CHECK(table.cell(0, table.column("state")) == "tracking");
+}
+
+TEST_CASE(
+    "what cannot be found by itself is told as what it is: a surface without a print, a print where a face "
+    "is wanted") {
+  const cli_run::Folder folder;
+  const std::string plain = folder / "plain.plm", printed = folder / "printed.plm",
+                    film = folder / "film.y4m";
+  REQUIRE(
+      run_words({"bake", PLIANT_FIXTURES "/sheet", "--texture", "none", "--size", "32", "-o", plain}).code ==
+      0);
+  REQUIRE(run_words({"bake", PLIANT_FIXTURES "/sheet", "--size", "64", "-o", printed}).code == 0);
+  const std::string params = folder.put("q.csv", "frame\n0\n");
+  REQUIRE(run_words({"render", plain, "--params", params, "-o", film}).code == 0);
+  check_refused({"track", plain, "--frames", film, "--out", folder / "t.csv"},
+                {"plain.plm", "neither learnt tables", "nor a print", "--init", "texture"});
+  const std::string picture = folder / "p.png";
+  write_file(picture, encode_png(Image(320, 240, 1, 128)));
+  check_refused({"fit", printed, "--image", picture, "-o", folder / "f.json"},
+                {"printed.plm", "by its print", "pliant track", "--points"});
+}
