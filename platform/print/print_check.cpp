@@ -109,6 +109,28 @@ bool find_block(const SurfaceProjection& project, Vec2 uv, Block* block) {
   return make_block({uv, x, {a.x, b.x, a.y, b.y}}, block);
 }
 
+/// The places that blocks are made around: keypoints from all over the table, each round between those of the rounds before. It takes
+/// further rounds until as many places face the camera as a round has: of a closed surface less than half do.
+class BlockPlaces {
+ public:
+  BlockPlaces(Span<const PrintKeypoint> keypoints, std::size_t blocks)
+      : keypoints_(keypoints), blocks_(blocks < keypoints.count ? blocks : keypoints.count) {
+    const std::size_t most = kPrintTuning.block_rounds * blocks_;
+    count_ = most < keypoints.count ? most : blocks_;
+  }
+
+  std::size_t blocks() const { return blocks_; }  ///< Places of a round.
+  std::size_t count() const { return count_; }    ///< Places of all rounds.
+  Vec2 operator[](std::size_t k) const {
+    const std::size_t round = k / blocks_, rounds = count_ / blocks_;
+    return keypoints_[(k % blocks_ * rounds + round) * keypoints_.count / count_].uv();
+  }
+
+ private:
+  Span<const PrintKeypoint> keypoints_;
+  std::size_t blocks_, count_;
+};
+
 /// Means of 3 x 3 samples of the frame on a grid around the block. \param half  of the grid's side, samples.
 void sample_frame(const FrameView& frame, const Block& block, float spacing, int half, float* grey) {
   const float third = spacing / 3;
@@ -173,17 +195,16 @@ bool is_inside(const FrameView& frame, Vec2 x, float reach) {
 PrintAgreement compare_print(const FrameView& frame, const Model& model, const PrintTable& table,
                              const SurfaceProjection& projection, float block_px) {
   PrintAgreement agreement;
-  const Span<const PrintKeypoint> keypoints = table.keypoints();
   const ChartImage albedo = model.albedo();
-  const std::size_t blocks = keypoints.count < kPrintTuning.blocks ? keypoints.count : kPrintTuning.blocks;
+  const BlockPlaces places(table.keypoints(), kPrintTuning.blocks);
   const float reach = block_px * (kHalf + 0.5f);
-  for (std::size_t k = 0; k < blocks; ++k) {
+  std::size_t facing = 0;
+  for (std::size_t k = 0; k < places.count() && facing < places.blocks(); ++k) {
     Block block;
     float expected[kSamples];
-    const Vec2 uv = keypoints[k * keypoints.count / blocks].uv();
-    if (!find_block(projection, uv, &block) || !is_inside(frame, block.x, reach) ||
-        !sample_albedo(albedo, block, block_px, expected))
-      continue;
+    if (!find_block(projection, places[k], &block)) continue;
+    ++facing;
+    if (!is_inside(frame, block.x, reach) || !sample_albedo(albedo, block, block_px, expected)) continue;
     // Most surfaces are flat enough for the first order, which costs less.
     bool is_agreed = agrees(frame, block, block_px, expected);
     if (!is_agreed) {
@@ -233,17 +254,18 @@ constexpr int kWide = 2 * (kHalf + kShift) + 1;  // samples
 
 std::size_t match_blocks(const FrameView& frame, const Model& model, const PrintTable& table,
                          const SurfaceProjection& projection, float block_px, Span<Correspondence> points) {
-  const Span<const PrintKeypoint> keypoints = table.keypoints();
-  const std::size_t blocks = keypoints.count < points.count ? keypoints.count : points.count;
+  const BlockPlaces places(table.keypoints(), points.count);
   const float reach = block_px * (kHalf + kShift + 0.5f);
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < blocks; ++k) {
+  std::size_t facing = 0, count = 0;
+  for (std::size_t k = 0; k < places.count() && facing < places.blocks(); ++k) {
     Block block;
     float expected[kSamples];
     Vec2 shift;
-    const Vec2 uv = keypoints[k * keypoints.count / blocks].uv();
-    if (find_block(projection, uv, &block) && is_inside(frame, block.x, reach) &&
-        sample_albedo(model.albedo(), block, block_px, expected) &&
+    const Vec2 uv = places[k];
+    if (!find_block(projection, uv, &block)) continue;
+    ++facing;
+    if (is_inside(frame, block.x, reach) && sample_albedo(model.albedo(), block, block_px, expected) &&
+        bend_block(projection, kHalf * block_px, kTuning.most_bend * block_px, &block) &&
         find_shift(frame, block, block_px, expected, &shift))
       points[count++] = {uv, block.x + block_px * shift, kTuning.sd_fraction * block_px + kTuning.least_sd_px,
                          false};

@@ -10,8 +10,6 @@ namespace {
 /// Tuning of the fit to matches and of its acceptance. Chosen on the poster of `fixtures/sheet` with `pliant bench print`, and judged
 /// on other prints (docs/evaluation.md, Start by print). What other values give was not recorded, except where it is told.
 struct PrintFinderTuning {
-  /// Matches that are fitted at most: time and memory of the fit.
-  std::size_t points = 96;
   /// Matches that must agree on a view. It is verification that decides: with 6 the poster, 53 px high, is found in 0 of 8, with 4 in
   /// 3, with 3 in 6, and no picture without it is taken for it.
   int least_votes = 3;
@@ -24,8 +22,6 @@ struct PrintFinderTuning {
   float corner_sd_px = 0.7f;
   /// Deviation of the surface from the model, as a fraction of its extent (FitOptions::misfit_mm).
   float misfit_fraction = 0.01f;
-  /// Fits to blocks, after those to corners.
-  int block_passes = 4;
   /// Blocks by which one reading of the tilt is better than the other; else the smaller residual decides.
   int clear_difference = 4;
   /// Ratio of residuals that is as clear, and cosine of half the angle within which two readings are one: 10 degrees.
@@ -89,11 +85,11 @@ void PrintFinder::lay_out(Arena& arena, const Model& model, int width, int heigh
   if (status_ == Status::ok && model.albedo().pixels == nullptr) status_ = Status::bad_table;
   matcher_.lay_out(arena, table, width, height);
   FitLimits limits;
-  limits.points = static_cast<std::uint16_t>(kTuning.points);
+  limits.points = static_cast<std::uint16_t>(kPrintTuning.fitted_points);
   limits.samples_base_mesh = true;  // a search makes some twenty fits
   lay_out_part(arena, &fitter_, model, limits);
   matches_ = arena.take_span<SurfaceMatch>(PrintMatcher::most_matches());
-  points_ = arena.take_span<Correspondence>(kTuning.points);
+  points_ = arena.take_span<Correspondence>(kPrintTuning.fitted_points);
   rest_ = arena.take_span<float>(model.parameters().count);
   q_ = arena.take_span<float>(model.parameters().count);
   best_q_ = arena.take_span<float>(model.parameters().count);
@@ -205,7 +201,7 @@ PrintFinder::Candidate PrintFinder::fit_candidate(const View& start, const Frame
   if (!fit(frame, camera, true, kTuning.rigid_fraction, &c.view, &report) ||
       !fit(frame, camera, true, kTuning.bent_fraction, &c.view, &report))
     return c;
-  for (int k = 0; k < kTuning.block_passes; ++k)
+  for (int k = 0; k < kPrintTuning.block_passes; ++k)
     if (!fit_to_blocks(frame, camera, &c.view, &report)) return c;
   c.rms_px = report.rms_px;
   c.agreement = verify(c.view, frame);

@@ -30,8 +30,12 @@ struct PrintTuning {
   std::uint32_t pixels_per_cell = 50, cells_per_descriptor = 4, keypoints_per_cell = 100;
   /// Views that are fitted at most, those with most votes first, and readings of each: time of a search's last frame. Not tuned.
   std::size_t most_views = 3, readings = 3;
-  /// Blocks that a check compares, count, at most, and frames between checks of a running track.
-  std::size_t blocks = 48;
+  /// Matches and blocks that are fitted at most: time and memory of the fit. Fits to blocks, after those to corners.
+  std::size_t fitted_points = 96;
+  int block_passes = 4;
+  /// Blocks that a check compares, count, at most; times as many places are tried until so many face the camera, and frames between
+  /// checks of a running track. With one time 8 to 12 blocks of a ball can be compared, and most of its right views have too few.
+  std::size_t blocks = 48, block_rounds = 4;
   int check_interval_frames = 2;
 };
 inline constexpr PrintTuning kPrintTuning{};

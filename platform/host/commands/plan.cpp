@@ -53,11 +53,12 @@ struct Instructions {
   double captured_record = 400;  ///< of a template of frame 0
   double curve_point = 60000;    ///< a new one
   /// Of prints, counted on sheets with 4, 6 and 12 shapes: a block compared, and its place from the tables; the same again where
-  /// the surface may be curved, reckoned from these (five places instead of three, half of the samples); a cell of the search; a
-  /// fit of one view.
+  /// the surface may be curved, reckoned from these (five places instead of three, half of the samples); a place that turns away,
+  /// reckoned, too; a cell of the search; a fit of one view.
   double print_block = 42000, print_block_record = 1200, print_curved_block = 26000,
          print_curved_record = 2000;
-  double print_cell = 4600, print_fit = 2e7, print_fit_record = 2.7e6;
+  double print_place = 1500;  ///< besides print_block_record
+  double print_cell = 4600, print_fit = 2e7, print_fit_record = 3.5e6;
 };
 constexpr Instructions kCost{};
 
@@ -244,6 +245,11 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, Plan& plan) {
   plan.loads.push_back({"blocks of the print compared", blocks / interval, blocks, check});
   const double curved = kCost.print_curved_block + kCost.print_curved_record * s.all_records;
   plan.loads.push_back({"blocks of the print compared again", 0, blocks, curved});
+  // Of a closed surface further places are tried: none of a flat one.
+  const double further = static_cast<double>(kPrintTuning.block_rounds - 1);
+  const double place = kCost.print_place + kCost.print_block_record * s.all_records;
+  const char* const kTurned = "places of the print that turn away";
+  plan.loads.push_back({kTurned, 0, further * blocks, place});
   plan.loads.push_back({"blocks where a key frame wants templates", 0, tries, kCost.print_block});
   const double cells = limits.search_work, fits = static_cast<double>(kPrintTuning.readings);
   plan.search_loads.push_back({"cells of the search", cells, cells, kCost.print_cell});
@@ -251,6 +257,12 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, Plan& plan) {
                                kCost.print_fit + kCost.print_fit_record * s.all_records});
   plan.start_loads = plan.search_loads;
   plan.start_loads.back().usual = fits;
+  const double of_fit =
+      static_cast<double>(kPrintTuning.block_passes) * static_cast<double>(kPrintTuning.fitted_points) +
+      blocks;
+  const double of_search = fits * static_cast<double>(kPrintTuning.most_views) * further * of_fit;
+  plan.search_loads.push_back({kTurned, 0, of_search, place});
+  plan.start_loads.push_back({kTurned, 0, of_search + further * blocks, place});
   plan.start_loads.push_back({"blocks of the print compared", blocks, blocks, check});
   plan.start_loads.push_back({"blocks of the print compared again", 0, blocks, curved});
   plan.start_loads.push_back(
