@@ -45,7 +45,11 @@ class PrintFinder {
     bool is_accepted = false;
   };
 
+  CornerChoice choice() const;
   void gather();
+  bool fit_views(Span<const ViewVotes> views, const FrameView& frame, const Camera& camera,
+                 FoundPrint* found);
+  bool waits(const FoundPrint& found, bool is_quick);
   bool fit_readings(const View& start, const FrameView& frame, const Camera& camera, FoundPrint* found);
   static bool is_clear(const Candidate& best, const Candidate& other);
   static bool is_better(const Candidate& a, const Candidate& b);
@@ -66,10 +70,12 @@ class PrintFinder {
   Fitter fitter_;
   Span<SurfaceMatch> matches_;
   std::size_t match_count_ = 0;
-  int doubtful_frames_ = 0;  // in succession
+  int doubtful_frames_ = 0;  // in succession, the better ones twice
+  int failed_searches_ = 0;  // modulo the interval of spread corners
   Span<Correspondence> points_;
-  Span<float> rest_, q_, best_q_;  // parameters: zeros, of the present fit, and of the best one
-  Span<std::uint8_t> is_frozen_;   // zeros: no parameter is free
+  Span<float> rest_, q_, best_q_,
+      found_q_;                   // parameters: zeros, of the present fit, its view's best, and the best
+  Span<std::uint8_t> is_frozen_;  // zeros: no parameter is free
 };
 
 /// Whether blocks enough agree for a start, and for one without further frames.

@@ -14,10 +14,38 @@ std::size_t room_of(int level) {
   return kTuning.corners >> level;
 }
 
+/// Corners among which those of a level are chosen, the strongest first.
+std::size_t candidates_of(int level) {
+  return kTuning.corner_candidates * room_of(level);
+}
+
 std::size_t all_room() {
   std::size_t all = room_of(0);  // those of the first level are described twice
   for (int level = 0; level < kTuning.levels; ++level) all += room_of(level);
   return all;
+}
+
+/// Moves the corners of a choice to the front: of each tile of the frame as many as of any other, as far as there are some, then
+/// the strongest of the others. \return their number, at most `most`.
+std::size_t spread_corners(const ImageView& image, Span<Corner> corners, std::size_t most) {
+  if (corners.count <= most) return corners.count;
+  constexpr std::size_t kTiles = kTuning.corner_tiles;
+  std::size_t taken[kTiles * kTiles] = {};
+  const std::size_t each = most / (kTiles * kTiles) + 1;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < corners.count && count < most; ++k) {
+    const auto tile_of = [](float x, int size) {
+      return static_cast<std::size_t>(x) * kTiles / static_cast<std::size_t>(size);
+    };
+    std::size_t& of_tile =
+        taken[tile_of(corners[k].x.y, image.height) * kTiles + tile_of(corners[k].x.x, image.width)];
+    if (of_tile == each) continue;
+    ++of_tile;
+    const Corner chosen = corners[k];  // those passed over stay in their order
+    for (std::size_t i = k; i > count; --i) corners[i] = corners[i - 1];
+    corners[count++] = chosen;
+  }
+  return most;
 }
 
 }  // namespace
@@ -30,16 +58,17 @@ void PrintMatcher::lay_out(Arena& arena, const PrintTable& table, int width, int
   limits.levels = kTuning.levels;
   pyramid_.lay_out(arena, limits);
   scratch_ = arena.take_span<unsigned char>(corner_scratch_bytes(width, height, print_corner_options()) +
-                                            room_of(0) * sizeof(Corner) + 2 * Arena::kAlignment);
+                                            candidates_of(0) * sizeof(Corner) + 2 * Arena::kAlignment);
   corners_ = arena.take_span<FrameCorner>(all_room());
   matches_ = arena.take_span<PrintMatch>(all_room());
 }
 
-Status PrintMatcher::begin(const FrameView& frame) {
+Status PrintMatcher::begin(const FrameView& frame, CornerChoice choice) {
   const Status status = pyramid_.build(frame);
   if (status != Status::ok) return status;
   corner_count_ = match_count_ = next_corner_ = 0;
   next_level_ = 0;
+  choice_ = choice;
   is_searching_ = true;
   return status;
 }
@@ -68,10 +97,14 @@ bool PrintMatcher::step(std::uint32_t work) {
 std::uint32_t PrintMatcher::find_corners_of(int level) {
   const ImageView& image = pyramid_.level(level);
   Arena scratch(scratch_.data, scratch_.count);
-  const Span<Corner> room = scratch.take_span<Corner>(room_of(level));
+  const Span<Corner> room =
+      scratch.take_span<Corner>(choice_ == CornerChoice::spread ? candidates_of(level) : room_of(level));
   int found = 0;
   const Status status = find_corners(image, print_corner_options(), {}, scratch, room, found);
   if (status != Status::ok) found = 0;
+  if (choice_ == CornerChoice::spread)
+    found =
+        static_cast<int>(spread_corners(image, {room.data, static_cast<std::size_t>(found)}, room_of(level)));
   const auto to_frame = static_cast<float>(1 << level);
   for (int k = 0; k < found; ++k) {
     const Vec2 x = room[static_cast<std::size_t>(k)].x;

@@ -22,6 +22,10 @@ struct PrintMatch {
   std::uint16_t corner, keypoint;
 };
 
+/// Which of a frame's corners are matched: the strongest of all, or the strongest of each part of the frame. A dull print in front
+/// of a sharp background has few of the former, a small one has few of the latter.
+enum class CornerChoice : std::uint8_t { strongest, spread };
+
 /// Finds corners and matches of a frame, in parts of bounded work.
 class PrintMatcher {
  public:
@@ -30,7 +34,7 @@ class PrintMatcher {
 
   bool is_idle() const { return !is_searching_; }
   /// Takes a frame, which is copied.
-  Status begin(const FrameView& frame);
+  Status begin(const FrameView& frame, CornerChoice choice);
   /// Goes on with the frame. \param work  cells (TrackerLimits::search_work) to be done; at least one part is.
   /// \return true after the last part; the matcher is idle then.
   bool step(std::uint32_t work);
@@ -52,6 +56,7 @@ class PrintMatcher {
   Span<PrintMatch> matches_;
   std::size_t corner_count_ = 0, match_count_ = 0;
   std::size_t next_corner_ = 0;
+  CornerChoice choice_ = CornerChoice::strongest;
   int next_level_ = 0;
   bool is_searching_ = false;
 };
