@@ -214,6 +214,9 @@ class FolderReader {
         if (path == rest_.path || (name.compare(0, 8, "identity") == 0) != identity) continue;
         auto moved = placed(read_obj_like(path, rest_));
         for (std::size_t v = 0; v < moved.size(); ++v) moved[v] = moved[v] - source_.neutral[v];
+        if (std::all_of(moved.begin(), moved.end(), [](Vec3 d) { return dot(d, d) == 0; }))
+          source_.warnings.push_back(name + ".obj is the rest shape: the parameter '" + parameter_name(name) +
+                                     "' moves nothing");
         add_parameter(path, parameter_name(name), identity ? Group::identity : Group::expression,
                       std::move(moved));
         report_progress(++done);
@@ -338,7 +341,10 @@ class FolderReader {
       const std::string& name = row.cells[0];
       const auto p = std::find_if(source_.parameters.begin(), source_.parameters.end(),
                                   [&name](const SourceParameter& q) { return q.name == name; });
-      if (p == source_.parameters.end()) table.fail(row, "there is no file for parameter '" + name + "'");
+      if (p == source_.parameters.end())
+        table.fail(row, std::none_of(files_.begin(), files_.end(), [&](const std::string& path) { return name_of(path) == name; })
+                            ? "there is no file for parameter '" + name + "'"
+                            : "the parameter of " + name + ".obj is '" + parameter_name(name) + "'");
       if (std::find(seen.begin(), seen.end(), name) != seen.end())
         table.fail(row, "parameter '" + name + "' appears twice");
       seen.push_back(name);

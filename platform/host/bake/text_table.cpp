@@ -39,7 +39,9 @@ TextTable::TextTable(const std::string& path, const std::vector<std::string>& co
     if (!have_header) {
       for (std::size_t i = 0; i < columns.size(); ++i)
         if (i >= row.cells.size() || row.cells[i] != columns[i])
-          fail(row, "expected a column '" + columns[i] + "'");
+          fail(row,
+               "expected a column '" + columns[i] + "'" +
+                   (line.find(',') == std::string::npos ? "" : ": blanks are between columns, not commas"));
       if (row.cells.size() > columns.size()) fail(row, "unknown column '" + row.cells[columns.size()] + "'");
       have_header = true;
       continue;

@@ -231,6 +231,7 @@ TEST_CASE("a small table gives a parameter its range, so that it goes both ways"
     CHECK(error_of(folder) == folder.file("parameters.txt") + ":2: " + what);
   };
   refused("flip expression -1 1 0.5\n", "there is no file for parameter 'flip'");
+  refused("roll_L expression -1 1 0.5\n", "the parameter of roll_L.obj is 'rollLeft'");
   refused("bend expression 0.5 1 0.5\n",
           "needs -1000 <= minimum <= 0 <= maximum <= 1000 and 0.001 <= sd <= 1000");
   refused("bend expression -1 1 0\n",
@@ -374,4 +375,15 @@ TEST_CASE("scans without names bake into their mean and components") {
     }
   CHECK(best < 0.1f);
   CHECK(error_of(folder, 6) == folder.path.string() + ": 6 scans have at most 5 components");
+}
+
+TEST_CASE("a file that is the rest shape once more is told of: its parameter moves nothing") {
+  const ObjFolder folder("still");
+  folder.write("neutral", sheet);
+  folder.write("bend", [](float s, float t) { return sheet(s, t) + Vec3{0, 0, s * s}; });
+  folder.write("ear_L", sheet);
+  host::bake::BakeReport report;
+  baked_coarsely(folder, &report);
+  CHECK(warns(report, "ear_L.obj is the rest shape: the parameter 'earLeft' moves nothing"));
+  CHECK_FALSE(warns(report, "bend"));
 }

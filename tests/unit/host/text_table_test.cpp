@@ -52,6 +52,8 @@ TEST_CASE("each defect of a text table is one line that names the file and the l
   CHECK(error("\xef\xbb\xbfname x\r\na 1\r\n") == "");
   CHECK(error("") == path + ": has no table");
   CHECK(error("name\na 1\n") == path + ":1: expected a column 'x'");
+  CHECK(error("name,x\na,1\n") ==
+        path + ":1: expected a column 'name': blanks are between columns, not commas");
   CHECK(error("name x y\na 1 2\n") == path + ":1: unknown column 'y'");
   CHECK(error("name x\n\na\n") == path + ":3: no value for column 'x'");
   CHECK(error("name x\na 1 2\n") == path + ":2: '2' is one value too many");
