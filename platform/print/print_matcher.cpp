@@ -14,9 +14,12 @@ std::size_t room_of(int level) {
   return kTuning.corners >> level;
 }
 
-/// Corners among which those of a level are chosen, the strongest first.
-std::size_t candidates_of(int level) {
-  return kTuning.corner_candidates * room_of(level);
+/// Corners among which those of a level are chosen, the strongest first: at most one a cell.
+std::size_t candidates_of(int level, int width, int height) {
+  const int cell = kTuning.corner_cell_px;
+  const auto cells = static_cast<std::size_t>(corner_cells(width, cell) * corner_cells(height, cell));
+  const std::size_t room = room_of(level), most = kTuning.corner_candidates * room;
+  return cells < room ? room : cells < most ? cells : most;
 }
 
 std::size_t all_room() {
@@ -58,7 +61,8 @@ void PrintMatcher::lay_out(Arena& arena, const PrintTable& table, int width, int
   limits.levels = kTuning.levels;
   pyramid_.lay_out(arena, limits);
   scratch_ = arena.take_span<unsigned char>(corner_scratch_bytes(width, height, print_corner_options()) +
-                                            candidates_of(0) * sizeof(Corner) + 2 * Arena::kAlignment);
+                                            candidates_of(0, width, height) * sizeof(Corner) +
+                                            2 * Arena::kAlignment);
   corners_ = arena.take_span<FrameCorner>(all_room());
   matches_ = arena.take_span<PrintMatch>(all_room());
 }
@@ -97,8 +101,8 @@ bool PrintMatcher::step(std::uint32_t work) {
 std::uint32_t PrintMatcher::find_corners_of(int level) {
   const ImageView& image = pyramid_.level(level);
   Arena scratch(scratch_.data, scratch_.count);
-  const Span<Corner> room =
-      scratch.take_span<Corner>(choice_ == CornerChoice::spread ? candidates_of(level) : room_of(level));
+  const Span<Corner> room = scratch.take_span<Corner>(
+      choice_ == CornerChoice::spread ? candidates_of(level, image.width, image.height) : room_of(level));
   int found = 0;
   const Status status = find_corners(image, print_corner_options(), {}, scratch, room, found);
   if (status != Status::ok) found = 0;
