@@ -341,8 +341,9 @@ class FolderReader {
       const std::string& name = row.cells[0];
       const auto p = std::find_if(source_.parameters.begin(), source_.parameters.end(),
                                   [&name](const SourceParameter& q) { return q.name == name; });
+      const auto is_file = [&name](const std::string& path) { return name_of(path) == name; };
       if (p == source_.parameters.end())
-        table.fail(row, std::none_of(files_.begin(), files_.end(), [&](const std::string& path) { return name_of(path) == name; })
+        table.fail(row, std::none_of(files_.begin(), files_.end(), is_file)
                             ? "there is no file for parameter '" + name + "'"
                             : "the parameter of " + name + ".obj is '" + parameter_name(name) + "'");
       if (std::find(seen.begin(), seen.end(), name) != seen.end())
