@@ -73,8 +73,8 @@ class PrintFinder {
   int doubtful_frames_ = 0;  // in succession, the better ones twice
   int failed_searches_ = 0;  // modulo the interval of spread corners
   Span<Correspondence> points_;
-  Span<float> rest_, q_, best_q_,
-      found_q_;                   // parameters: zeros, of the present fit, its view's best, and the best
+  // Parameters: zeros, of the present fit, of its view's best one, and of the best of all.
+  Span<float> rest_, q_, best_q_, found_q_;
   Span<std::uint8_t> is_frozen_;  // zeros: no parameter is free
 };
 

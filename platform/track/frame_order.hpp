@@ -11,8 +11,8 @@ class FrameOrder {
  public:
   /// A clock may be set back and a sequence number may be left out, but not both.
   bool is_stale(const FrameView& view) const {
-    const std::uint32_t skipped =
-        view.sequence - sequence_ - 1;  // modulo 2^32: many, if it is not a later one
+    // Numbers go round: those of earlier frames, and the last one's, are far ahead.
+    const std::uint32_t skipped = view.sequence - sequence_ - 1;
     return has_frame_ && view.time_ns <= time_ns_ && skipped >= 0x7FFFFFFFu;
   }
   void note(const FrameView& view) {
