@@ -9,4 +9,5 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE BOTH)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE BOTH)
-set(CMAKE_CROSSCOMPILING_EMULATOR "env;WINEDEBUG=-all;/usr/lib/wine/wine64")
+# Without Wine's debugger: after a crash of one of its services it waits, and keeps the output open, so that a pipe never ends.
+set(CMAKE_CROSSCOMPILING_EMULATOR "env;WINEDEBUG=-all;WINEDLLOVERRIDES=winedbg.exe=d;/usr/lib/wine/wine64")
