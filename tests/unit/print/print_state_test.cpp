@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "obj_folder.hpp"
 #include "print_film.hpp"
+#include "printed_shapes.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -107,20 +107,8 @@ TEST_CASE(
     const float a = 2.6f * (s - 0.5f);
     return Vec3{130 * std::sin(a), 300 * (t - 0.5f), 130 * std::cos(a) - 130};
   };
-  const auto cap = [](float s, float t) {
-    const float x = 2.2f * (s - 0.5f), y = 2.2f * (t - 0.5f), r = std::sqrt(x * x + y * y),
-                f = r > 0 ? std::sin(r) / r : 1;
-    return Vec3{160 * f * x, 160 * f * y, 160 * std::cos(r) - 160};
-  };
   for (const obj_folder::Shape& shape : {obj_folder::Shape(label), obj_folder::Shape(cap)}) {
-    const obj_folder::ObjFolder folder("curved");
-    folder.write("neutral", shape);
-    bake::BakeOptions options;
-    options.source = folder.path.string();
-    options.texture = PLIANT_FIXTURES "/sheet/print.png";
-    std::vector<std::uint8_t> bytes;
-    std::string error;
-    REQUIRE_MESSAGE(bake::bake(options, bytes, error), error);
+    const std::vector<std::uint8_t> bytes = printed(shape);
     const bake::OpenedTable table(bytes);
     Scene scene(table.model(), kWidth, kHeight);
     Film film(table.model());

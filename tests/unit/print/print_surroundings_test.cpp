@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "obj_folder.hpp"
 #include "print/print_check.hpp"
 #include "print_film.hpp"
+#include "printed_shapes.hpp"
 #include "random.hpp"
 
 using namespace pliant;
@@ -14,29 +14,10 @@ using namespace pliant::host;
 
 namespace {
 
-/// A surface with the print of the fixtures' sheet.
-std::vector<std::uint8_t> printed(const obj_folder::Shape& shape) {
-  const obj_folder::ObjFolder folder("printed");
-  folder.write("neutral", shape);
-  bake::BakeOptions options;
-  options.source = folder.path.string();
-  options.texture = PLIANT_FIXTURES "/sheet/print.png";
-  std::vector<std::uint8_t> bytes;
-  std::string error;
-  REQUIRE_MESSAGE(bake::bake(options, bytes, error), error);
-  return bytes;
-}
-
 /// A can, printed all around. Its seam is at the back.
 Vec3 can(float s, float t) {
   const float a = 6.2831853f * (s - 0.5f);
   return {90 * std::sin(a), 280 * (t - 0.5f), 90 * std::cos(a)};
-}
-
-Vec3 cap(float s, float t) {
-  const float x = 2.2f * (s - 0.5f), y = 2.2f * (t - 0.5f), r = std::sqrt(x * x + y * y),
-              f = r > 0 ? std::sin(r) / r : 1;
-  return {160 * f * x, 160 * f * y, 160 * std::cos(r) - 160};
 }
 
 /// Squares of random grey, sharper than any print.

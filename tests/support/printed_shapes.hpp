@@ -1,0 +1,32 @@
+#pragma once
+// Surfaces of any shape with the print of the fixtures' sheet.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "host/bake/bake.hpp"
+#include "obj_folder.hpp"
+
+namespace pliant::host {
+
+/// The table of such a surface.
+inline std::vector<std::uint8_t> printed(const obj_folder::Shape& shape) {
+  const obj_folder::ObjFolder folder("printed");
+  folder.write("neutral", shape);
+  bake::BakeOptions options;
+  options.source = folder.path.string();
+  options.texture = PLIANT_FIXTURES "/sheet/print.png";
+  std::vector<std::uint8_t> bytes;
+  std::string error;
+  REQUIRE_MESSAGE(bake::bake(options, bytes, error), error);
+  return bytes;
+}
+
+/// A shape that is curved in all directions.
+inline Vec3 cap(float s, float t) {
+  const float x = 2.2f * (s - 0.5f), y = 2.2f * (t - 0.5f), r = std::sqrt(x * x + y * y),
+              f = r > 0 ? std::sin(r) / r : 1;
+  return {160 * f * x, 160 * f * y, 160 * std::cos(r) - 160};
+}
+
+}  // namespace pliant::host
