@@ -41,6 +41,8 @@ class FaceAligner {
  public:
   /// Arena layout (create_in, measured_bytes), with the model's own learnt table.
   void lay_out(Arena& arena, const Model& model) { lay_out(arena, model, model.aligner()); }
+  /// The same in three fifths of the memory. An alignment takes a quarter more time.
+  void lay_out_frugally(Arena& arena, const Model& model);
   /// The same for `verify` only, in two fifths of the memory. The checksum of the table is not computed again:
   /// Model::open has done it.
   void lay_out_for_verification(Arena& arena, const Model& model);

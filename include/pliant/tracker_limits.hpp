@@ -27,6 +27,9 @@ extern const EdgeMatching kEdgeMatching;
 struct NoiseSmoothing;
 /// Smoothing of frames with much noise, by name, for the same reason.
 extern const NoiseSmoothing kNoiseSmoothing;
+struct SecondLook;
+/// Second alignments while a track runs, by name, for the same reason.
+extern const SecondLook kSecondLook;
 
 /// Capacities of a Tracker. The defaults are profile M, which the README's figures up to a width of 360 px measure.
 /// `measured_bytes<Tracker>(model, limits)` gives the bytes that they cost.
@@ -83,6 +86,10 @@ struct TrackerLimits {
   /// verifies tracks.
   /// Null also leaves the code out of the program.
   const Detection* detection = &kDetection;
+  /// Aligns the face again while it is tracked, now and then, and begins anew where it is seen better than at the start: what covered
+  /// it then is gone (docs/algorithms.md, section 7.15). About 140 KiB with the built-in face. If null, or without detection, a track
+  /// stays with its start, and the code is left out of the program.
+  const SecondLook* second_look = &kSecondLook;
   /// Estimates the identity parameters while the head turns far (docs/algorithms.md, section 7.20). Identity
   /// that a start gives, with a pose or a saved state, stays. If null, it always stays, and the code is left
   /// out of the program.
@@ -105,6 +112,12 @@ constexpr TrackerLimits without_detection(TrackerLimits limits) {
 /// The same limits without estimation of the person.
 constexpr TrackerLimits without_person(TrackerLimits limits) {
   limits.person = nullptr;
+  return limits;
+}
+
+/// The same limits without second looks.
+constexpr TrackerLimits without_second_look(TrackerLimits limits) {
+  limits.second_look = nullptr;
   return limits;
 }
 
@@ -143,7 +156,8 @@ constexpr TrackerLimits profile_s() {
   l.samples_per_point = 44;
   l.samples_vertices = false;
   l.personal_field = {};
-  return without_noise_smoothing(without_person(without_edges(without_stretch(without_rejection(l)))));
+  return without_noise_smoothing(
+      without_second_look(without_person(without_edges(without_stretch(without_rejection(l))))));
 }
 
 /// Profile L, for a desktop or a fast board: 640 x 480, 220 + 80 templates, edges, 2,048 vertices.

@@ -114,7 +114,7 @@ void Alignment::write_landmarks(Span<Vec2> landmarks) {
 
 Status Alignment::begin(const FrameView& frame, const Camera& of, const AlignOptions& options,
                         bool is_refinement) {
-  if (use != AlignerUse::alignment) return Status::bad_argument;
+  if (use == AlignerUse::verification) return Status::bad_argument;
   pass.shape().start(start_view, start_q, options.is_free, lens);
   *begun = {of, frame.width, frame.height, is_refinement, 0, 1};  // one step concludes
   for (std::size_t k = 0; k < table->stage_count(); ++k)

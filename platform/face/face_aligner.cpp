@@ -21,6 +21,10 @@ void FaceAligner::lay_out(Arena& arena, const Model& model, Span<const std::uint
   state_ = create_part<State>(arena, model, table, AlignerUse::alignment);
 }
 
+void FaceAligner::lay_out_frugally(Arena& arena, const Model& model) {
+  state_ = create_part<State>(arena, model, model.aligner(), AlignerUse::frugal_alignment);
+}
+
 void FaceAligner::lay_out_for_verification(Arena& arena, const Model& model) {
   state_ = create_part<State>(arena, model, model.aligner(), AlignerUse::verification);
 }

@@ -12,10 +12,12 @@ void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks,
   const std::size_t parameters = model.parameters().count, unknowns = parameters + kPose;
   cascade_.lay_out(arena, model);
   q_ = arena.take<float>(parameters);
-  if (use == AlignerUse::alignment) {
+  if (use != AlignerUse::verification) {
     equations_.lay_out(arena, unknowns);
     step_ = arena.take<float>(unknowns);
-    samples_ = arena.take<Vec3>(landmarks * model.cascade().count);
+    const std::size_t records = model.cascade().count;
+    samples_kept_ = use == AlignerUse::alignment ? records : 0;
+    samples_ = arena.take<Vec3>(keeps_samples() ? landmarks * records : records);
     row_.lay_out(arena, unknowns);
   }
   uv_ = arena.take<Vec2>(landmarks);
@@ -36,7 +38,7 @@ void FaceShape::start(const View& view, const float* q, const std::uint8_t* is_f
     cascade_.set_free(is_free);
   else
     cascade_.set_all_free();
-  for (std::size_t k = 0; samples_ != nullptr && k < count_; ++k)
+  for (std::size_t k = 0; keeps_samples() && k < count_; ++k)
     cascade_.sample_point(uv_[k], q_, samples_of(k));
 }
 
@@ -76,6 +78,7 @@ float FaceShape::weight_of(const Projector& projector, Vec3 p) {
 FaceShape::Seen FaceShape::evaluate(std::size_t k) {
   PLIANT_ASSERT(samples_ != nullptr);
   const Projector projector(view_, true);
+  if (!keeps_samples()) cascade_.sample_point(uv_[k], q_, samples_);
   const Vec3 p = cascade_.evaluate(samples_of(k), q_, &jacobian_);
   ideal_ = view_.c;
   weight_ = projector.project(p, &ideal_, &derivatives_) ? weight_of(projector, p) : 0;
@@ -84,7 +87,7 @@ FaceShape::Seen FaceShape::evaluate(std::size_t k) {
 
 FaceShape::Seen FaceShape::locate(std::size_t k) {
   const Projector projector(view_, true);
-  const Vec3 p = samples_ != nullptr ? cascade_.evaluate(samples_of(k), q_) : cascade_.selected_point(uv_[k]);
+  const Vec3 p = keeps_samples() ? cascade_.evaluate(samples_of(k), q_) : cascade_.selected_point(uv_[k]);
   Vec2 x = view_.c;
   const float weight = projector.project(p, &x) ? weight_of(projector, p) : 0;
   return {lens_.distort(x), weight};

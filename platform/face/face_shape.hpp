@@ -28,12 +28,12 @@ struct FaceShapeTuning {
 };
 inline constexpr FaceShapeTuning kFaceShapeTuning{};
 
-/// What an aligner is laid out for. Verification takes no steps and has no equations.
-enum class AlignerUse : std::uint8_t { alignment, verification };
+/// What an aligner is laid out for. Alignment keeps the samples of the fields at each landmark: two fifths of its memory, for a
+/// quarter of its time. Frugal alignment takes them anew in each step. Verification takes no steps and has no equations.
+enum class AlignerUse : std::uint8_t { alignment, frugal_alignment, verification };
 
 /// Pose and parameters of one face. A step: `begin`, then `evaluate` and `add` for each landmark, then
-/// `finish`. Alignment keeps the samples of the fields at each landmark: half of its memory, and a quarter of
-/// its time.
+/// `finish`.
 class FaceShape {
  public:
   /// \param landmarks  at most that many.
@@ -82,7 +82,8 @@ class FaceShape {
 
  private:
   void add_priors(float prior);
-  Vec3* samples_of(std::size_t k) { return samples_ + k * cascade_.model().cascade().count; }
+  Vec3* samples_of(std::size_t k) { return samples_ + k * samples_kept_; }
+  bool keeps_samples() const { return samples_kept_ > 0; }
   static float weight_of(const Projector& projector, Vec3 p);
 
   Cascade cascade_;
@@ -90,7 +91,8 @@ class FaceShape {
   View view_;
   Lens lens_;
   float *q_ = nullptr, *step_ = nullptr;
-  Vec3* samples_ = nullptr;  // of each landmark; null in verification
+  Vec3* samples_ = nullptr;       // of each landmark; of one in frugal alignment; null in verification
+  std::size_t samples_kept_ = 0;  // from those of one landmark to the next; 0: they are not kept
   PointRow row_;
   Vec2* uv_ = nullptr;
   std::size_t count_ = 0;

@@ -2,11 +2,8 @@
 #include <new>
 
 #include "face/ibug_landmarks.hpp"
-#include "face/part_fit.hpp"
-#include "track/detection_state.hpp"
-#include "track/face_checks.hpp"
-#include "track/face_search.hpp"
-#include "track/poor_start.hpp"
+#include "track/face_detection_state.hpp"
+#include "track/second_look.hpp"
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
@@ -24,24 +21,6 @@ struct PartTrackingTuning {
 };
 constexpr PartTrackingTuning kPartTracking{};
 
-struct FaceDetectionState : DetectionState {
-  FaceSearch face_search;
-  FaceChecks checks;
-  PoorStart poor_start;
-  KnownPerson person;
-  PartPoints* parts = nullptr;    // null: the model has no readers
-  std::int64_t last_read_ns = 0;  // time of the frame that was read last, or of the start
-  float landmark_error = 0;       // of the last start, as the alignment estimates it; 0: unknown
-
-  void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-    DetectionState::lay_out(arena, &kFaceDetection, model, limits);
-    face_search.lay_out(arena, model, limits);
-    checks.lay_out(limits);
-    parts = arena.make<PartPoints>();
-    if (parts != nullptr && parts->open(model) != Status::ok) parts = nullptr;
-  }
-};
-
 FaceDetectionState& self_of(TrackerParts& t) {
   return *static_cast<FaceDetectionState*>(t.detection);
 }
@@ -57,6 +36,19 @@ bool is_available(const Model& model, const TrackerLimits& limits) {
   return limits.width <= kLargestFramePx && limits.height <= kLargestFramePx &&
          limits.detection->modules->is_available(model);
 }
+
+}  // namespace
+
+void FaceDetectionState::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
+  DetectionState::lay_out(arena, &kFaceDetection, model, limits);
+  face_search.lay_out(arena, model, limits);
+  checks.lay_out(limits);
+  if (limits.second_look != nullptr) look = limits.second_look->lay_out(arena, model, limits);
+  parts = arena.make<PartPoints>();
+  if (parts != nullptr && parts->open(model) != Status::ok) parts = nullptr;
+}
+
+namespace {
 
 DetectionState* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
   if (!is_available(model, limits)) return nullptr;
@@ -150,6 +142,7 @@ void conclude(TrackerParts& t, const FrameView& view) {
     const bool has_room = self.checks.is_due() && t.budget.take(check, kWork);
     goes_on = self.checks.conclude(view, t.estimator, has_room, t.unused_between_frames, &t.result) &&
               !self.poor_start.is_over(view, t.estimator);
+    if (goes_on && self.look != nullptr && t.limits.second_look->conclude(t, view)) return;
   }
   if (!goes_on) give_up(t);
   if (self.poor_start.is_blinded() && t.result.state == TrackState::tracking)
@@ -216,6 +209,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);
   self.face_search.end();
   self.checks.begin_track(self.landmark_error);
+  if (self.look != nullptr) t.limits.second_look->begin_track(t);
   self.landmark_error = 0;
   t.budget.check.is_reserved = true;
   conclude(t, view);

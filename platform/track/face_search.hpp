@@ -45,6 +45,12 @@ struct SearchInput {
   const StartOptions& options;
 };
 
+/// Where an alignment writes its results.
+struct AlignmentRoom {
+  float* q;  ///< all parameters
+  Span<Vec2> landmarks;
+};
+
 /// Searches and aligns, frame by frame. The tracker makes the tracks.
 class FaceSearch {
  public:
@@ -66,6 +72,15 @@ class FaceSearch {
   /// are pending where the person is new.
   /// \return not_found: nothing yet; or what detector and aligner say of their tables.
   Status search(const SearchInput& input, KnownPerson* person, StartPose* start, float* landmark_error);
+
+  /// For an alignment that somebody else makes while a track runs.
+  AlignmentRoom room() { return {q_, landmarks_}; }
+  /// The person and the start of that alignment, as of somebody new.
+  void set_new_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
+                      StartPose* start) {
+    whom_ = Whom::another;
+    set_person(options, face, person, start);
+  }
 
   /// A start of the caller's begins: it may be of another person.
   void forget_reference() { reference_.forget(); }

@@ -19,6 +19,7 @@
 #include "track/key_frames.hpp"
 #include "track/noise_smoothing.hpp"
 #include "track/person_refinement.hpp"
+#include "track/second_look.hpp"
 #include "track/template_tuning.hpp"
 #include "track/tracker_sizes.hpp"
 #include "vision/coarse_translation_tuning.hpp"
@@ -228,11 +229,16 @@ void add_overdue_load(const TrackerLimits& limits, const Sizes& s, Loads& loads)
   if (more > 0) loads.push_back({"overdue work beyond what is reserved", 0, more, 1, Bound::beside});
 }
 
-/// What readers of parts and checks add to a tracked frame.
-void add_face_loads(const Model& model, const Sizes& s, Loads& loads) {
+/// What readers of parts, checks and second looks add to a tracked frame.
+void add_face_loads(const Model& model, const AlignerTable& aligner, const TrackerLimits& limits,
+                    const Sizes& s, Loads& loads) {
   if (!model.parts().empty()) loads.push_back({"readings of the parts of a face", 1, 1, kCost.parts});
   add_shared(s, "checks of the track", 1.0 / kFaceChecksTuning.known_interval_frames, 1,
              static_cast<double>(kFaceChecksTuning.check_work), loads);
+  if (limits.second_look == nullptr) return;
+  const double steps = static_cast<double>(aligner.stage_count()) + 1;
+  add_shared(s, "steps of second alignments", steps / kSecondLookTuning.longest_wait, 1,
+             static_cast<double>(kSecondLookTuning.step_work), loads);
 }
 
 /// What checks of a print add to a tracked frame, and the frames that search for it and start with it.
@@ -433,7 +439,7 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   AlignerTable table;
   if (limits.detection != nullptr && !model.detector().empty() &&
       AlignerTable::open(model.aligner(), &table) == Status::ok) {
-    add_face_loads(model, sizes, plan.loads);
+    add_face_loads(model, table, limits, sizes, plan.loads);
     plan.search = search_plan(table, limits);
     add_search_loads(plan.search, limits.width, plan.search_loads);
     plan.start_loads = plan.search.does_both ? plan.search_loads

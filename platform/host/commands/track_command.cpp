@@ -98,7 +98,7 @@ TrackerLimits asked_limits(const Args& args, const Model& model, const FrameStre
   const bool searches = !model.detector().empty() || !model.print().empty();
   if (searches && !frames.is_live() && !args.has(kProfileOption.name))
     limits.search_work = whole_search(limits);
-  return args.has("--freeze") ? without_person(limits) : limits;
+  return args.has("--freeze") ? without_second_look(without_person(limits)) : limits;
 }
 
 /// The same with room for what this run was given.

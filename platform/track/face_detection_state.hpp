@@ -1,0 +1,27 @@
+#pragma once
+/// \file face_detection_state.hpp
+/// What a tracker of faces keeps for starts of its own and for the verification of its tracks.
+#include "face/part_fit.hpp"
+#include "track/detection_state.hpp"
+#include "track/face_checks.hpp"
+#include "track/face_search.hpp"
+#include "track/poor_start.hpp"
+
+namespace pliant {
+
+struct SecondLookState;
+
+struct FaceDetectionState : DetectionState {
+  FaceSearch face_search;
+  FaceChecks checks;
+  PoorStart poor_start;
+  KnownPerson person;
+  SecondLookState* look = nullptr;  // null: the limits name none
+  PartPoints* parts = nullptr;      // null: the model has no readers
+  std::int64_t last_read_ns = 0;    // time of the frame that was read last, or of the start
+  float landmark_error = 0;         // of the last start, as the alignment estimates it; 0: unknown
+
+  void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
+};
+
+}  // namespace pliant

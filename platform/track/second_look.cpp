@@ -1,0 +1,112 @@
+#include "track/second_look.hpp"
+
+#include "face/ibug_landmarks.hpp"
+#include "track/face_detection_state.hpp"
+#include "track/tracker_parts.hpp"
+
+namespace pliant {
+
+void SecondLookState::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
+  modules = limits.detection->modules;
+  aligner = arena.make<FaceAligner>();
+  FaceAligner measured;
+  (aligner == nullptr ? measured : *aligner).lay_out_frugally(arena, model);
+}
+
+namespace {
+
+constexpr const SecondLookTuning& kTuning = kSecondLookTuning;
+
+FaceDetectionState& detection_of(TrackerParts& t) {
+  return *static_cast<FaceDetectionState*>(t.detection);
+}
+
+/// Mean distance of landmarks from the tracked ones, over that of their outer eye corners. Negative if one is behind the camera.
+float distance_from_track(TrackerParts& t, Span<const Vec2> landmarks) {
+  std::uint16_t corners[4];
+  if (!find_box_corners(t.model(), corners)) return -1;
+  float sum = 0;
+  for (std::size_t k = 0; k < landmarks.count; ++k) {
+    Vec2 x;
+    if (!t.offsets.project(k, t.estimator, &x)) return -1;
+    sum += length(landmarks[k] - x);
+  }
+  const float eyes = length(landmarks[corners[1]] - landmarks[corners[0]]);
+  return sum / (static_cast<float>(landmarks.count) * eyes);
+}
+
+/// How many looks an alignment of this frame counts for that is better than the start; 0: it is not.
+int count_better(TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
+  const float of_start = detection_of(t).look->start_error, of_track = t.result.landmark_error;
+  const float ratio = face.landmark_error / max(of_start, of_track);
+  const bool is_better = face.score >= kTuning.least_score && face.landmark_error <= min(of_start, of_track) &&
+                         ratio <= kTuning.most_error_ratio &&
+                         camera_direction(view_of(face.pose, face.camera)).z >= kTuning.least_frontal &&
+                         distance_from_track(t, landmarks) >= kTuning.least_distance;
+  return !is_better ? 0 : ratio <= kTuning.sure_error_ratio ? kTuning.looks : 1;
+}
+
+SecondLookState* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
+  return create_part<SecondLookState>(arena, model, limits);
+}
+
+void begin_track(TrackerParts& t) {
+  const FaceDetectionState& detection = detection_of(t);
+  SecondLookState& look = *detection.look;
+  if (!detection.person.is_known) look.start_error = detection.landmark_error;
+  look.wait = look.frames_left = kTuning.first_wait;
+  look.steps_left = look.agreed = 0;
+}
+
+/// From a frontal pose and the mean face: the track, which may be wrong, tells no more than where the face is.
+void begin_look(TrackerParts& t, const FrameView& frame) {
+  FaceDetectionState& detection = detection_of(t);
+  SecondLookState& look = *detection.look;
+  look.wait = 2 * look.wait < kTuning.longest_wait ? 2 * look.wait : kTuning.longest_wait;
+  look.frames_left = look.wait;
+  const auto place = [&](std::uint16_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); };
+  const FaceBox box = box_at_landmarks(t.model(), t.estimator.view().s, place);
+  const Status status = look.modules->begin(*look.aligner, frame, box, t.estimator.camera(), {},
+                                            detection.face_search.room().q, &look.steps_left);
+  if (status != Status::ok) look.steps_left = 0;
+}
+
+/// Begins a track of the same face where the alignment has it.
+void begin_anew(TrackerParts& t, const FrameView& frame, const AlignedFace& face) {
+  FaceDetectionState& detection = detection_of(t);
+  StartPose found;
+  detection.marker_count = t.markers.save(t.estimator, detection.markers);
+  detection.face_search.set_new_person(detection.kept.start, face, &detection.person, &found);
+  detection.landmark_error = face.landmark_error;
+  if (detection.start(t, frame, found, detection.kept.options) == Status::ok)
+    t.offsets.place_pending(t.estimator);
+}
+
+bool conclude(TrackerParts& t, const FrameView& frame) {
+  FaceDetectionState& detection = detection_of(t);
+  SecondLookState& look = *detection.look;
+  if (look.start_error == 0 || t.identity_is_given) return false;
+  if (look.frames_left > 0) --look.frames_left;
+  if (look.steps_left == 0) {
+    if (look.frames_left == 0) begin_look(t, frame);
+    return false;
+  }
+  if (!t.budget.take_now(t.budget.check, kTuning.step_work)) return false;
+  const AlignmentRoom room = detection.face_search.room();
+  AlignedFace face;
+  const Status status = look.modules->advance(*look.aligner, frame, 1, &face, room.q, room.landmarks);
+  look.steps_left = status == Status::ok ? look.steps_left - 1 : 0;
+  if (look.steps_left > 0) return false;
+  const int better = status == Status::ok ? count_better(t, face, room.landmarks) : 0;
+  look.agreed = better > 0 ? look.agreed + better : 0;
+  if (better > 0) look.frames_left = kTuning.wait_if_better;
+  if (look.agreed < kTuning.looks) return false;
+  begin_anew(t, frame, face);
+  return true;
+}
+
+}  // namespace
+
+const SecondLook kSecondLook{lay_out, begin_track, conclude};
+
+}  // namespace pliant

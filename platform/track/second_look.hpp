@@ -1,0 +1,61 @@
+#pragma once
+/// \file second_look.hpp
+/// A second alignment while a track runs: it may see more of the face than the start did (docs/algorithms.md, section 7.15).
+#include <cstdint>
+
+#include "pliant/arena.hpp"
+#include "pliant/tracker_limits.hpp"
+#include "track/face_modules.hpp"
+
+namespace pliant {
+
+struct TrackerParts;
+
+/// Tuning of second looks. Each constant: unit, reason, experiment (docs/experiments.md, Covered starts).
+struct SecondLookTuning {
+  /// Frames from the start to the first look. Each further one waits twice as long, up to the second number. Round values.
+  std::uint32_t first_wait = 12, longest_wait = 96;
+  /// Looks in a row that must find better landmarks, and frames from one to the next. Round values.
+  int looks = 2;
+  std::uint32_t wait_if_better = 4;
+  /// Estimated landmark error of the second alignment, at most: over the larger of the start's and the checks'. It must not be above the
+  /// smaller one either. Below the second number one look is enough.
+  float most_error_ratio = 0.95f, sure_error_ratio = 0.7f;
+  /// Mean distance of the landmarks from the tracked ones, at least, fraction of the eyes' distance: below, little is gained.
+  float least_distance = 0.02f;
+  /// Probability that the second alignment is right, at least. Round value, not tuned.
+  float least_score = 0.95f;
+  /// Cosine of the turn away from the camera up to which alignments tell a person's shape: as
+  /// KnownPersonTuning::least_frontal.
+  float least_frontal = 0.94f;
+  /// Work of a step with the built-in face's learnt tables, instructions as WorkCosts, counted with profile M.
+  float step_work = 1.8e6f;
+};
+inline constexpr SecondLookTuning kSecondLookTuning{};
+
+/// What a tracker keeps for its second looks. In the arena, if the limits name them.
+struct SecondLookState {
+  const FaceModules* modules = nullptr;
+  FaceAligner* aligner = nullptr;
+  float start_error = 0;  // landmark error of the alignment that the person is known from, as it estimates it; 0: there was none
+  std::uint32_t wait = 0, frames_left = 0;  // from one look to the next, and of that
+  int steps_left = 0;                       // of the alignment; 0: none is under way
+  int agreed = 0;                           // looks in a row that found better landmarks
+
+  void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
+};
+
+/// The calls of a tracker. It makes them through TrackerLimits::second_look only, so that a program whose limits
+/// name none does not link what is behind it.
+struct SecondLook {
+  /// \return null if the arena measures, or is exhausted.
+  SecondLookState* (*lay_out)(Arena& arena, const Model& model, const TrackerLimits& limits);
+  /// A track has begun.
+  void (*begin_track)(TrackerParts& tracker);
+  /// Ends a good frame of a track: takes a step of the alignment, if one is due and the frame has room. Where the alignment
+  /// has found better landmarks, a new track begins with this frame.
+  /// \return whether it has begun, or failed: then there is no track.
+  bool (*conclude)(TrackerParts& tracker, const FrameView& frame);
+};
+
+}  // namespace pliant

@@ -1,0 +1,164 @@
+// Tracks that begin while something covers the face. Detection and alignment are a fake that knows the truth.
+#include "track/second_look.hpp"
+
+#include <doctest/doctest.h>
+
+#include "fake_faces.hpp"
+#include "model_builder.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr std::size_t kFrames = 60;
+
+/// A face that moves a little. \param turn  about the vertical axis, rad.
+FaceFilm film_of(float turn = 0) {
+  return FaceFilm(
+      320, 240, kFrames,
+      [=](float s, Pose& pose, auto&) {
+        pose.q = exp_rotation({0, turn, 0});
+        pose.t.x += 20 * s;
+      },
+      0.5f);
+}
+
+const FaceFilm& film() {
+  static const FaceFilm* made = new FaceFilm(film_of());
+  return *made;
+}
+
+TrackerLimits limits_with_looks() {
+  TrackerLimits limits = limits_with_fake();
+  limits.second_look = &kSecondLook;
+  return limits;
+}
+
+/// How far below its truth the middle of the lower lip is, px.
+float mouth_error(Tracker& tracker, const FaceFilm& of, std::size_t k) {
+  Vec2 x;
+  REQUIRE(tracker.landmark("ibug57", &x) == Status::ok);
+  return x.y - of.truth("ibug57", k).y;
+}
+
+/// What a tracker that starts by itself makes of a film.
+struct Run {
+  int starts = 0;   // tracks that began
+  int lost = 0;     // frames without one
+  float error = 0;  // mouth_error in the last frame
+};
+
+Run run(const FaceFilm& of, const TrackerLimits& limits) {
+  InArena<Tracker> tracker(baked_face().model, limits);
+  Run result;
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    const float before = k == 0 ? 0 : mouth_error(tracker.object, of, k - 1);
+    const FrameResult frame = update(tracker.object, of, k);
+    result.lost += frame.state == TrackState::lost;
+    result.error = mouth_error(tracker.object, of, k);
+    result.starts += k == 0 || magnitude(result.error - before) > 3;
+  }
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a track that began with a covered mouth begins anew once it is seen, and no frame is lost") {
+  FakeFaces fake(film());
+  fake.covered_frames = 10;
+  const Run looking = run(film(), limits_with_looks());
+  CHECK(looking.starts == 2);
+  CHECK(looking.lost == 0);
+  CHECK(magnitude(looking.error) < 1.5f);
+  CHECK(fake.searches == 1);
+  const Run plain = run(film(), limits_with_fake());
+  CHECK(plain.starts == 1);
+  CHECK(plain.error > 6);
+}
+
+TEST_CASE("a second alignment that is not better changes nothing") {
+  FakeFaces fake(film());
+  SUBCASE("the same place") {}
+  SUBCASE("covered later than at the start, so that its estimate is worse") {
+    fake.covered_frames = kFrames;
+    fake.covered_error = 0.02f;
+    const Run seen = run(film(), limits_with_looks());
+    CHECK(seen.starts == 1);
+    return;
+  }
+  SUBCASE("hardly better by its estimate") {
+    fake.covered_frames = 10;
+    fake.covered_error = 0.0205f;
+  }
+  SUBCASE("probably no face") {
+    fake.covered_frames = 10;
+    fake.score = 0.9f;
+  }
+  SUBCASE("worse than the checks say of the track") {
+    fake.covered_frames = 10;
+    fake.error = 0.06f;
+    fake.covered_error = 0.05f;
+  }
+  CHECK(run(film(), limits_with_looks()).starts == 1);
+}
+
+TEST_CASE("one second alignment alone proves something only if it is much better") {
+  for (const float of_start : {0.027f, 0.05f}) {
+    CAPTURE(of_start);
+    FakeFaces fake(film());
+    fake.covered_frames = 10;
+    fake.covered_error = of_start;
+    InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+    for (std::size_t k = 0; k < kFrames; ++k) {
+      update(tracker.object, film(), k);
+      if (fake.alignments > 2) fake.error = 0.07f;  // the first look is better, the later ones are not
+    }
+    CHECK(fake.alignments >= 3);
+    CHECK((mouth_error(tracker.object, film(), kFrames - 1) > 6) == (of_start == 0.027f));
+  }
+}
+
+TEST_CASE("a face that is turned far is not judged anew") {
+  const FaceFilm turned = film_of(0.5f);
+  FakeFaces fake(turned);
+  fake.covered_frames = 10;
+  CHECK(run(turned, limits_with_looks()).starts == 1);
+}
+
+TEST_CASE("who tells the tracker where the landmarks are, or who the person is, is not corrected") {
+  FakeFaces fake(film());
+  fake.covered_frames = 1;
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  SUBCASE("a pose with the person") {
+    REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0],
+                                     film().parameters[0].data()) == Status::ok);
+  }
+  SUBCASE("many landmarks") {
+    std::vector<std::string> names;
+    std::vector<NamedPoint> points;
+    for (int l = 17; l < 68; ++l) names.push_back("ibug" + std::to_string(l));
+    for (const std::string& name : names) points.push_back({name.c_str(), film().truth(name, 0)});
+    REQUIRE(tracker->start_from_landmarks(film().view(0), {points.data(), points.size()}) == Status::ok);
+  }
+  const int before = fake.alignments;
+  for (std::size_t k = 1; k < kFrames; ++k) update(tracker.object, film(), k);
+  CHECK(fake.alignments == before);
+}
+
+TEST_CASE("looks wait longer and longer while nothing is better") {
+  FakeFaces fake(film());
+  run(film(), limits_with_looks());
+  // The start, and looks that begin after 12 and 24 more frames.
+  CHECK(fake.alignments == 3);
+}
+
+TEST_CASE("second looks cost memory only where the limits name them") {
+  const TrackerLimits with = limits_with_looks(), without = limits_with_fake();
+  FakeFaces fake(film());
+  const std::size_t bytes = measured_bytes<Tracker>(baked_face().model, with),
+                    plain = measured_bytes<Tracker>(baked_face().model, without);
+  CHECK(bytes >= plain + FakeFaces::kAlignerBytes);
+  CHECK(measured_bytes<Tracker>(baked_face().model, without_detection(with)) ==
+        measured_bytes<Tracker>(baked_face().model, without_detection(without)));
+  CHECK(profile_s().second_look == nullptr);
+}
