@@ -1,7 +1,7 @@
 cmake_minimum_required(VERSION 3.22)
 # Extracts the C++ program of README.md, builds it against the installed package with the built-in face and a rendered
 # film, runs it and compares the nose with the truth; and the function of docs/porting.md, with the landmarks of a
-# photograph; and compiles its calls in C.
+# photograph; and builds its program for libcamera, where that is installed; and compiles its calls in C.
 # Run as: cmake -DBUILD=... -DSOURCE=... -DCXX=... -DCC=... [-DLAUNCHER=ccache] -P readme.cmake
 set(work ${BUILD}/readme)
 file(REMOVE_RECURSE ${work})
@@ -14,9 +14,16 @@ function(run)
   set(out "${out}" PARENT_SCOPE)
 endfunction()
 
-# extract(DOCUMENT LANGUAGE FILE): the first program of a document in that language. Sets `program`.
+# extract(DOCUMENT LANGUAGE FILE [HEADING]): the first program of a document, or below a heading, in that language. Sets `program`.
 function(extract document language file)
   file(READ ${SOURCE}/${document} text)
+  if(ARGN)
+    string(FIND "${text}" "\n${ARGN}\n" heading)
+    if(heading EQUAL -1)
+      message(FATAL_ERROR "${document} has no heading ${ARGN}")
+    endif()
+    string(SUBSTRING "${text}" ${heading} -1 text)
+  endif()
   string(FIND "${text}" "```${language}\n" begin)
   if(begin EQUAL -1)
     message(FATAL_ERROR "${document} has no program in ${language}")
@@ -31,6 +38,7 @@ function(extract document language file)
 endfunction()
 extract(README.md cpp program.cpp)
 extract(docs/porting.md cpp fit_picture.cpp)
+extract(docs/porting.md cpp camera_program.cpp "### libcamera")
 extract(docs/porting.md c calls.c)
 # The calls in C are a part of a function.
 file(WRITE ${work}/calls.c "#include <pliant/pliant.h>
@@ -46,7 +54,7 @@ run(${pliant} render face.plm --params motion.csv --size 320x240 -o film.y4m --t
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${work}/prefix)
 run(${CMAKE_COMMAND} -S ${SOURCE}/tests/system/readme -B ${work}/build -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=${CXX}
   -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_PREFIX_PATH=${work}/prefix -DREADME_PROGRAM=${work}/program.cpp
-  -DPICTURE_FUNCTION=${work}/fit_picture.cpp -DEMBEDDED_FACE=${work}/face.cpp)
+  -DPICTURE_FUNCTION=${work}/fit_picture.cpp -DCAMERA_PROGRAM=${work}/camera_program.cpp -DEMBEDDED_FACE=${work}/face.cpp)
 run(${CMAKE_COMMAND} --build ${work}/build)
 run(${work}/build/readme)
 file(WRITE ${work}/printed.txt "${out}")
