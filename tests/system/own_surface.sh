@@ -1,6 +1,7 @@
 #!/bin/sh
-# Runs the commands of docs/your-own-surface.md as they stand there: the five of the first block, and those of the start by hand,
-# for which the points that a person would save are made from the truth. Checks the tracks.
+# Runs the commands of docs/your-own-surface.md as they stand there: the five of the first block, those of the start by hand,
+# for which the points that a person would save are made from the truth, and those of a face in OBJ files, which are made of the
+# built-in face. Checks the tracks.
 # usage: sh tests/system/own_surface.sh SOURCE_FOLDER PLIANT
 set -eu
 LC_ALL=C; export LC_ALL
@@ -49,3 +50,31 @@ pliant points sheet.plm --frames film.y4m --start true.json -o true.html
 sh -eu commands > printed || { cat printed; exit 1; }
 tail -1 printed
 check printed
+
+# A face in OBJ files: some of the built-in face's shapes, and for each landmark the vertex that is seen nearest to it.
+pliant bake fixtures/face -o face.plm > printed
+mkdir my_face
+shape() {
+  file=$1; shift
+  pliant mesh face.plm --criterion uniform --depth 4 "$@" -o "my_face/$file.obj" > printed || { cat printed; exit 1; }
+}
+shape neutral
+for name in jawOpen mouthSmileLeft mouthSmileRight eyeBlinkLeft eyeBlinkRight; do shape "$name" --param "$name=0.4"; done
+for name in faceWidth lowerFaceHeight noseLength eyeSpacing; do shape "identity_$name" --param "$name=1"; done
+echo qw,qx,qy,qz,tx,ty,tz > frontal.csv
+echo 1,0,0,0,0,0,1000 >> frontal.csv
+pliant render face.plm --params frontal.csv --size 640x640 --focal 2000 -o frontal.y4m --truth-points frontal_points.csv > printed
+awk -F'[ ,]' 'BEGIN { print "landmark,vertex" }
+  FNR == NR { if ($1 == "v") { s = 2000 / (1000 - $4); x[n] = 319.5 + s * $2; y[n++] = 319.5 - s * $3 } next }
+  FNR > 1 { least = 1e9
+    for (i = 0; i < n; ++i) { d = (x[i] - $3) ^ 2 + (y[i] - $4) ^ 2; if (d < least) { least = d; nearest = i } }
+    print $2 "," nearest }' my_face/neutral.obj frontal_points.csv > my_face/landmarks.csv
+cp fixtures/face/learnt.bin my_face
+awk -v frames=60 -f "$source/fixtures/frames/motion.awk" > motion.csv
+pliant render face.plm --params motion.csv -o clip.y4m > printed
+block 3 > commands
+[ "$(wc -l < commands)" -eq 3 ] || { echo "the face does not have three commands"; exit 1; }
+sh -eu commands > printed || { cat printed; exit 1; }
+tracked=$(awk -F, '$3 == "tracking"' track.csv | wc -l)
+echo "a face in OBJ files: $tracked of 60 frames tracked"
+[ "$tracked" -ge 55 ] || exit 1
