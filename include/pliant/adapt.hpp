@@ -90,10 +90,10 @@ class Adapter {
   /// Splits and welds until nothing is left to do within the options. Does nothing before `start`.
   ///
   /// The face with the highest rank above 1 is refined if its chain of splits fits the budget. If not, the
-  /// cheapest vertex is welded when the face's rank exceeds its cost by the hysteresis; else the worst face
-  /// that fits is refined, when its rank exceeds that cost. When all faces are within tolerance, vertices
-  /// whose removal keeps them there by the hysteresis are welded. Above the budget, the cheapest vertices are
-  /// welded whatever their cost.
+  /// cheapest vertex is welded when the face's rank exceeds its cost by the hysteresis, a factor of 1.25; else
+  /// the worst face that fits is refined, when its rank is within that factor of the highest. When all faces
+  /// are within tolerance, vertices whose removal keeps them there by the hysteresis are welded. Above the
+  /// budget, the cheapest vertices are welded whatever their cost (docs/algorithms.md, section 1.8).
   /// Cost: O(log n) and the ranking of about 6 triangles an operation.
   AdaptReport adapt(const AdaptOptions& options);
 

@@ -90,15 +90,15 @@ struct FitDetails {
 /// matched to the model's contour (silhouette.hpp) at the present pose: a point stays at its own (u,v) while
 /// that faces the camera; afterwards it takes the nearest contour point within reach, and only its distance
 /// across the contour counts.
-/// Bytes: 12 for each point and record of the cascade, 40 a point, 4 n^2 + 130 n for n unknowns (all parameters, and 7 of the view),
-/// 36 a vertex and 12 a face of the base mesh, and a Cascade: 203 kB with the default limits and the built-in face.
+/// Bytes: 12 for each point and record of the cascade, 40 a point, 4 n^2 + 130 n for n unknowns (all parameters, and 7 of
+/// the view), 36 a vertex and 12 a face of the base mesh, and a Cascade: 203 kB with the default limits and the built-in face.
 class Fitter {
  public:
   /// Arena layout (create_in, measured_bytes).
   void lay_out(Arena& arena, const Model& model, const FitLimits& limits);
 
-  /// Estimates pose, camera and the free parameters. Cost: at most options.iterations linearisations of all points, twice that where
-  /// the surface folds over; without a start also 50 of the pose alone.
+  /// Estimates pose, camera and the free parameters. Cost: at most options.iterations linearisations of all points, twice
+  /// that where the surface folds over; without a start also 50 of the pose alone.
   /// \param points  at least four.
   /// \param q       all parameters: initial values, of free ones clamped to their ranges, and result. Null only for a model
   ///                without parameters.

@@ -27,7 +27,7 @@ class FoldOverTest {
   /// and limit, about 10 ms for 150 parameters on a host.
   /// \param cascade  of the same model, with any choice of free parameters.
   void start(Cascade& cascade);
-  bool is_started() const { return vertex_count_ > 0; }  ///< True after a successful start.
+  bool is_started() const { return vertex_count_ > 0; }  ///< True after `start`.
 
   /// Positions of the base mesh's vertices at q (mm). Cost: one sample a vertex and active record.
   void compute_positions(Cascade& cascade, const float* q, Vec3* position) const;

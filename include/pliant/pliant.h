@@ -86,8 +86,8 @@ pliant_status pliant_save(const pliant_tracker *tracker, pliant_state *state);
 /** Tracks the next frame; while there is no track, searches it for the face or print, which is tracked from this frame
  *  on. Cost: docs/evaluation.md.
  *  \return PLIANT_NOT_STARTED (no track, and the table has neither learnt tables nor a print), 4 to 9 (the tables of
- *          detector, aligner or print), PLIANT_BAD_ARGUMENT (the frame), PLIANT_SIZE_MISMATCH, PLIANT_STALE_FRAME (neither time nor sequence is
- *          after the last frame's). */
+ *          detector, aligner or print), PLIANT_BAD_ARGUMENT (the frame), PLIANT_SIZE_MISMATCH, PLIANT_STALE_FRAME
+ *          (neither time nor sequence is after the last frame's). */
 pliant_status pliant_update(pliant_tracker *tracker, const pliant_frame *frame, pliant_result *result);
 
 /** The result of the last frame; after a start, of frame 0. \return PLIANT_NOT_STARTED (neither a track nor a search). */

@@ -110,8 +110,9 @@ typedef struct pliant_state {
   pliant_pose pose;                       /**< of the model */
 } pliant_state;
 
-/** What a frame is worth. Degraded: it was bad and has the last good frame's results, or its own are less exact (landmark_error above
- *  0.08, a head turned by more than 50 degrees, a print seen in part). Lost: several bad frames in a row, or no track. */
+/** What a frame is worth. Degraded: it was bad and has the last good frame's results, or its own are less exact
+ *  (landmark_error above 0.08, a head turned by more than 50 degrees, a print seen in part). Lost: several bad frames in a
+ *  row, or no track. */
 enum { PLIANT_TRACKING = 0, PLIANT_DEGRADED = 1, PLIANT_LOST = 2 };
 
 /** The result of a frame. */

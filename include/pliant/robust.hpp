@@ -7,7 +7,7 @@
 
 namespace pliant {
 
-/// Robust losses.
+/// Losses of a residual; `squares` is the one that is not robust.
 enum class Loss { squares, huber, tukey };
 
 /// Loss rho(u) and weight rho'(u) / u at u = residual length / scale. Precondition: u >= 0.

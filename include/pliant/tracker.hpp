@@ -82,8 +82,8 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 /// first. If one of those is wrong, nothing changes. If the start fails later (in the fit, the pose or the
 /// texture), the tracker is not started, `is_started` is false, and the next frame may have any time.
 ///
-/// Costs, in frames of a track with profiles M and S at 320 x 240: a start from a pose or a state 6 and 22, from a box 8 and 30, from 68
-/// landmarks 25 and 80, a frame that is searched 2.5 and 2. `pliant plan` has the instructions of a frame.
+/// Costs with profiles M and S at 320 x 240, in units of a tracked frame: a start from a pose or a state 6 and 22, from a
+/// box 8 and 30, from 68 landmarks 25 and 80, a frame that is searched 2.5 and 2. `pliant plan` has the instructions.
 class Tracker {
  public:
   Tracker() = default;
@@ -102,7 +102,7 @@ class Tracker {
   Status start_by_detection(const StartOptions& start = {}, const TrackerOptions& options = {});
 
   /// Starts from a known pose.
-  /// \param q        all parameters, in the model's order; null: all 0.
+  /// \param q        all parameters, in the model's order, which are clamped to their limits; null: all 0.
   /// \param markers  image positions in `frame`, px, at most TrackerLimits::markers. Each is cast onto the posed mesh;
   ///                 one that misses it keeps its offset from the nearest surface point.
   /// \return bad_argument, size_mismatch, capacity (markers), too_few_points (fewer than 6 templates found

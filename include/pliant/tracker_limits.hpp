@@ -31,7 +31,8 @@ struct SecondLook;
 /// Second alignments while a track runs, by name, for the same reason.
 extern const SecondLook kSecondLook;
 
-/// Capacities of a Tracker. The defaults are profile M, which the README's figures up to a width of 360 px measure.
+/// Capacities of a Tracker. The defaults are profile M. With them, and the size of the frames, the README's figures for frames
+/// of up to 360 px in width were measured.
 /// `measured_bytes<Tracker>(model, limits)` gives the bytes that they cost.
 struct TrackerLimits {
   /// Size of the frames, px. Every frame has exactly this size.
@@ -60,9 +61,9 @@ struct TrackerLimits {
   /// Keeps a copy of the frame. False, and keeps_previous false: the frame is read during `update` only, and
   /// must be planar.
   bool copies_frame = true;
-  /// Smooths frames of a face with much noise, as in low light, before anything reads them: noise above 0.42 of the frame's contrast
-  /// (standard deviations, measured in each): width x (height + 10) bytes. If null, frames are used as they are, and the code is left
-  /// out of the program.
+  /// Smooths frames of a face with much noise, as in low light, before anything else reads them: where the standard
+  /// deviation of the noise is above 0.42 of that of the grey levels; both are measured in each frame. width x
+  /// (height + 10) bytes. If null, frames are used as they are, and the code is left out of the program.
   const NoiseSmoothing* noise = &kNoiseSmoothing;
   std::uint16_t thumbnail_width = 96;                  ///< widest thumbnail for coarse search, px
   std::uint16_t free_parameters = 0;                   ///< as EstimatorLimits::free_parameters
@@ -172,9 +173,10 @@ constexpr TrackerLimits profile_l() {
 }
 
 /// `ok`, or `bad_argument` for limits of which no tracker can be made: frames outside 64 to 16,384 px a side,
-/// a region below 64 px a side, thumbnails above 256 px, 0 or more than 6 pyramid levels, a template's side that is even or outside 7
-/// to 21 px, a margin above 16 px, fewer than 6 or more than 16,384 templates, a personal field of 1 sample
-/// or more than 256 a side, a start from fewer than 4 landmarks, or more points than ids.
+/// a region below 64 px a side, thumbnails above 256 px, 0 or more than 6 pyramid levels, a template's side that
+/// is even or outside 7 to 21 px, a margin above 16 px, fewer than 6 templates in frame 0 or more than 16,384 in
+/// all, a personal field of 1 sample or more than 256 a side, a start from 1 to 3 landmarks, or more points than
+/// ids.
 constexpr Status check(const TrackerLimits& l) {
   const auto is_between = [](int low, int value, int high) { return low <= value && value <= high; };
   const bool has_region = l.region_width != 0 || l.region_height != 0;
