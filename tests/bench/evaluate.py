@@ -515,9 +515,16 @@ def work(s):
     parts = []
     for profile in ('s', 'l'):
         lines = s.pliant_output('plan', s.face, '--profile', profile).splitlines()
-        rows = [re.split(r'\s{2,}', line.strip()) for line in lines]
-        rows = [r for r in rows if len(r) == 4 and r[1].isdigit()]
-        parts += ['Profile %s:' % profile.upper(), '', table(['a frame', 'usually', 'at most', 'instructions each'], rows), '']
+        kinds = []  # of frames: name and rows
+        for line in lines:
+            row = re.split(r'\s{2,}', line.strip())
+            if line.startswith('a frame') and 'usually' in line:
+                kinds.append((row[0], []))
+            elif kinds and len(row) == 4 and row[1].isdigit():
+                kinds[-1][1].append(row)
+        for kind, rows in kinds:
+            parts += ['Profile %s, %s:' % (profile.upper(), 'a frame with a track' if kind == 'a frame' else kind), '',
+                      table(['passes', 'usually', 'at most', 'instructions each'], rows), '']
     return command_block('pliant plan face.plm --profile s') + '\n\n' + '\n'.join(parts).rstrip()
 
 
