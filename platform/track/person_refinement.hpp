@@ -25,7 +25,7 @@ struct PersonRefinementTuning {
   /// Steps that go all of the way to the estimate, count, and the fraction of the way of the later ones, of which there is at most
   /// one in so many frames. What is seen moves by less than the noise of a frame. Rendered heads that turn
   /// (docs/experiments.md) had 3.65 degrees at 95 % with half of the way always, 3.29 with all of it, found by
-  /// detection. Later steps change little but tremble: with whole ones the recorded face has 0.041 px instead of 0.033.
+  /// detection. Later steps change little, and with whole ones the recorded face trembles more.
   std::uint32_t whole_steps = 4;
   float later_rate = 0.25f;
   std::uint32_t step_frames = 8;
