@@ -7,14 +7,7 @@ namespace pliant {
 
 namespace {
 
-/// Tuning of an alignment. Each constant: unit, reason, experiment.
-struct AlignmentTuning {
-  /// Fraction of the table's landmarks that a model needs. Not tuned.
-  float least_landmarks = 0.75f;
-  /// Largest side of a box, and largest principal point, px: beyond, single precision has no pixels.
-  float most_px = 1e5f;
-};
-constexpr AlignmentTuning kTuning{};
+constexpr AlignmentTuning kTuning = kAlignmentTuning;
 
 /// The curve at a weighted sum of the features.
 float value_of(const AlignerCurve& curve, const AlignerEvidence& evidence) {

@@ -5,6 +5,15 @@
 
 namespace pliant {
 
+/// Tuning of an alignment. Each constant: unit, reason, experiment.
+struct AlignmentTuning {
+  /// Fraction of the table's landmarks that a model needs. Not tuned.
+  float least_landmarks = 0.75f;
+  /// Largest side of a box, and largest principal point, px: beyond, single precision has no pixels.
+  float most_px = 1e5f;
+};
+inline constexpr AlignmentTuning kAlignmentTuning{};
+
 /// One alignment or verification: input, start, steps, result. Calls check nothing that `check_input` has checked.
 struct Alignment {
   AlignerTable* table = nullptr;  // in the arena, so that this object stays small

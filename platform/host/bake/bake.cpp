@@ -1,7 +1,10 @@
 #include "host/bake/bake.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
+#include "face/alignment.hpp"
 #include "host/bake/arkit_names.hpp"
 #include "host/bake/cage_source.hpp"
 #include "host/bake/obj_source.hpp"
@@ -61,13 +64,32 @@ Source read_all(const BakeOptions& options) {
                     "has neither the tables of a surface (points.txt and others) nor OBJ files");
 }
 
+bool has_landmark(const Source& source, int number) {
+  const std::string name = std::string("ibug") + (number < 10 ? "0" : "") + std::to_string(number);
+  return std::any_of(source.landmarks.begin(), source.landmarks.end(),
+                     [&name](const auto& l) { return l.name == name; });
+}
+
 /// Whether the learnt tables of faces can be used: they know a face by these.
 bool has_corners_of_face(const Source& source) {
-  const auto has = [&source](const char* name) {
-    return std::any_of(source.landmarks.begin(), source.landmarks.end(),
-                       [name](const auto& l) { return l.name == name; });
-  };
-  return has("ibug36") && has("ibug45") && has("ibug48") && has("ibug54");
+  return has_landmark(source, 36) && has_landmark(source, 45) && has_landmark(source, 48) &&
+         has_landmark(source, 54);
+}
+
+/// Refuses an aligner that needs more landmarks than the surface has. A damaged one is told of where it is used.
+void check_aligner(const std::vector<std::uint8_t>& bytes, const std::string& path, const Source& source) {
+  AlignerTable table;
+  if (AlignerTable::open({bytes.data(), bytes.size()}, &table) != Status::ok) return;
+  const std::size_t count = table.landmark_count();
+  const auto had =
+      static_cast<std::size_t>(std::count_if(table.landmark_numbers(), table.landmark_numbers() + count,
+                                             [&source](int number) { return has_landmark(source, number); }));
+  const float needed = kAlignmentTuning.least_landmarks * static_cast<float>(count);
+  if (static_cast<float>(had) < needed)
+    throw SourceError(path, 0,
+                      "aligns faces by " + std::to_string(count) + " landmarks ibugNN, and needs " +
+                          std::to_string(static_cast<int>(std::ceil(needed))) + " of them: the surface has " +
+                          std::to_string(had) + " (--learnt none does without)");
 }
 
 LearntTables learnt_tables(const BakeOptions& options, const Source& source) {
@@ -79,7 +101,9 @@ LearntTables learnt_tables(const BakeOptions& options, const Source& source) {
     throw SourceError(path, 0,
                       "finds faces: the surface lacks a landmark of ibug36, ibug45, ibug48 and ibug54, the "
                       "outer corners of eyes and mouth (--learnt none does without)");
-  return read_learnt(path);
+  LearntTables learnt = read_learnt(path);
+  check_aligner(learnt.aligner, path, source);
+  return learnt;
 }
 
 }  // namespace

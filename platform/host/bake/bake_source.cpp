@@ -181,9 +181,9 @@ class Baker {
           "seen from the front, along z, this surface shows its back, which is neither drawn nor tracked: "
           "turn it round, or reverse the order of the corners of its faces");
     if (diagonal_ < kTuning.least_tracked_mm)
-      report_.warnings.push_back(
-          "the surface is " + millimetres(diagonal_) +
-          " across, and nothing is tracked nearer than 50 mm: is it in metres (--unit 1000)?");
+      report_.warnings.push_back("the surface is " + millimetres(diagonal_) +
+                                 " across, and nothing is tracked nearer than 50 mm: is it in centimetres "
+                                 "(--unit 10) or metres (--unit 1000)?");
     if (length(middle()) > kTuning.most_off_origin * diagonal_)
       report_.warnings.push_back(
           "the origin is " + millimetres(length(middle())) + " from the surface, which is " +

@@ -8,6 +8,11 @@ namespace pliant::host {
 
 namespace {
 
+/// Whether a frame's status is of the model's tables, which a search checks when it begins.
+bool is_of_tables(Status status) {
+  return (status >= Status::truncated && status <= Status::bad_table) || status == Status::misaligned;
+}
+
 /// Bad input: no track starts.
 void require_start(Status status, const std::string& where) {
   if (status == Status::too_few_points)
@@ -41,6 +46,7 @@ void TrackRun::begin_search(ReducedTracker& tracker, const std::string& model) c
 
 void TrackRun::search(const FrameView& frame, const InitialOptions& options, const std::string& model) {
   initial_ = options;
+  model_ = model;
   begin_search(tracker_, model);
   const int factor = FrameReduction::factor_for(frames_.size());
   if (factor > 1 && !tracker_.tracker().model().detector().empty()) {
@@ -56,7 +62,7 @@ void TrackRun::track(const FrameView& frame) {
   const Status status = tracker_.update(frame);
   if (frames_.is_live() && status == Status::stale_frame)
     return;  // cameras deliver a frame twice now and then
-  require(status, where(frame));
+  require(status, is_of_tables(status) ? model_ + ": learnt tables" : where(frame));
   if (reduces(tracker_)) {
     begin_search(tracker_, where(frame));
     require(tracker_.update(frame), where(frame));

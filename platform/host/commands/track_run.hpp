@@ -41,7 +41,7 @@ class TrackRun {
   /// Lets the tracker find the face itself, from this frame on. Bad input, with the name of the model: it has no learnt
   /// tables.
   void search(const FrameView& frame, const InitialOptions& options, const std::string& model);
-  /// Tracks or searches the next frame. Bad input: a frame that the tracker refuses.
+  /// Tracks or searches the next frame. Bad input: a frame that the tracker refuses, or the model's tables of a search.
   void track(const FrameView& frame);
 
   /// Bytes of the tracker, and the focal length of the last track, px of the whole frames.
@@ -69,6 +69,7 @@ class TrackRun {
   ReducedTracker tracker_;
   std::unique_ptr<ReducedTracker> overview_;  // null where there is none, or none is needed any more
   InitialOptions initial_;
+  std::string model_;       // name of its file, for messages; empty where the run does not search
   bool is_chosen_ = false;  // the reduction
   float focal_px_ = 0;
 };

@@ -207,6 +207,12 @@ TEST_CASE(
   fs::remove(folder.folder + "/learnt.bin");
   check_refused({"bake", folder.folder, "-o", folder / "m.plm", "--learnt", kFace + "/learnt.bin"},
                 {"finds faces", "ibug36"});
+  // The corners alone are too few for the aligner: the face would never be found, without a word.
+  std::ofstream(folder.folder + "/landmarks.csv")
+      << "landmark,vertex\nibug36,0\nibug45,2\nibug48,6\nibug54,8\n";
+  check_refused({"bake", folder.folder, "-o", folder / "m.plm", "--learnt", kFace + "/learnt.bin"},
+                {"learnt.bin", "needs 39 of them", "the surface has 4"});
+  fs::remove(folder.folder + "/landmarks.csv");
   std::ifstream in(folder.folder + "/neutral.obj");
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   std::ofstream(folder.folder + "/neutral.obj") << "mtllib none.mtl\n" << text;

@@ -301,6 +301,8 @@ TEST_CASE("detect refuses a model without learnt tables, and damaged tables, by 
   REQUIRE(run_words({"bake", PLIANT_FIXTURES "/face", "-o", face, "--size", "16", "--learnt", learnt}).code ==
           0);
   check_refused({"detect", face, "--image", image}, {"f.plm"});
+  check_refused({"track", face, "--frames", folder / "", "--count", "1", "--out", folder / "t.csv"},
+                {"f.plm: learnt tables"});
 }
 
 TEST_CASE("learn refuses folders without pictures, and a part that there is not") {
