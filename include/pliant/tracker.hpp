@@ -82,8 +82,8 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 /// first. If one of those is wrong, nothing changes. If the start fails later (in the fit, the pose or the
 /// texture), the tracker is not started, `is_started` is false, and the next frame may have any time.
 ///
-/// Costs with profiles M and S at 320 x 240, in units of a tracked frame: a start from a pose or a state 6 and 22, from a
-/// box 8 and 30, from 68 landmarks 25 and 80, a frame that is searched 2.5 and 2. `pliant plan` has the instructions.
+/// Costs with profiles M and S at 320 x 240 on a PC, in units of a tracked frame: a start from a pose or a state 7 and 11, from
+/// a box 8 and 13, from 68 landmarks 23 and 52, a frame that is searched 6 and 3. `pliant plan` has the instructions.
 class Tracker {
  public:
   Tracker() = default;
