@@ -5,7 +5,7 @@ file(GLOB_RECURSE graphs ${BUILD}/src/CMakeFiles/pliant_core.dir/*.ci
   ${BUILD}/platform/CMakeFiles/pliant_track.dir/*.ci)
 list(LENGTH graphs count)
 if(count LESS 50)
-  message(FATAL_ERROR "${count} call graphs in ${BUILD}")
+  message(FATAL_ERROR "${count} call graphs in ${BUILD}: a compiler cache does not keep them, build without one")
 endif()
 execute_process(COMMAND awk -v limit=${LIMIT} -v "roots=Tracker5start Tracker6update"
   -f ${CMAKE_CURRENT_LIST_DIR}/stack.awk ${graphs} OUTPUT_VARIABLE printed RESULT_VARIABLE result)
