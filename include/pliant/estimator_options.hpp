@@ -109,7 +109,8 @@ struct EstimatorOptions {
   /// If its score is not null, the mesh is also refined where there is texture.
   TextureOptions texture;
   /// If true, a frame starts from the state that the motion filter predicts; if false, from the state of the
-  /// last frame. The covariance of predictions comes from the filter in both cases.
+  /// last frame. The covariance of predictions, and the values at which the parameters are expected, come
+  /// from the filter in both cases.
   bool predicts_motion = false;
   /// If true, smoothed results are computed as well.
   bool smooths = false;

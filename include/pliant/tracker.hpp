@@ -137,9 +137,9 @@ class Tracker {
 
   /// Tracks the next frame, or searches it while there is no track (FrameResult::is_searching). A face that is found is
   /// tracked from this frame on.
-  /// \return not_started (no track and no detection), bad_table, bad_checksum and their like (detector or
-  ///         aligner), bad_argument, size_mismatch, stale_frame (neither the time nor the sequence number is
-  ///         later than the last frame's). Nothing has changed then.
+  /// \return not_started (no track and no detection), bad_table, bad_checksum and their like (detector, aligner or print is
+  ///         damaged; bad_table also for a model that lacks landmarks of the aligner), bad_argument, size_mismatch,
+  ///         stale_frame (neither the time nor the sequence number is later than the last frame's). Nothing has changed then.
   Status update(const FrameView& frame, FrameResult* result);
 
   // Preconditions of what follows: the tracker was laid out, and pointers for results are not null. Without a layout, what returns
