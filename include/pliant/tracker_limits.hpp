@@ -84,8 +84,8 @@ struct TrackerLimits {
   /// needs more, the block grows.
   std::uint16_t start_points = 68;
   /// If null, or if the model has no tables for it, or for frames above 8,192 px a side, the tracker neither finds its model nor
-  /// verifies tracks.
-  /// Null also leaves the code out of the program.
+  /// verifies tracks. Null also leaves the code out of the program, if the limits are `constexpr`: what a variable was
+  /// initialised with is linked, whatever is assigned to it later. The same holds for the other pointers.
   const Detection* detection = &kDetection;
   /// Aligns the face again while it is tracked, now and then, and begins anew where it is seen better than at the start: what covered
   /// it then is gone (docs/algorithms.md, section 7.15). About 140 KiB with the built-in face. If null, or without detection, a track
@@ -103,6 +103,12 @@ struct TrackerLimits {
   /// then starts some frames later, with the model's base mesh. `pliant plan` tells how many frames.
   std::uint32_t search_work = 24000;
 };
+
+/// The same limits with another detection, such as kFaceDetection.
+constexpr TrackerLimits with_detection(TrackerLimits limits, const Detection& detection) {
+  limits.detection = &detection;
+  return limits;
+}
 
 /// The same limits without detection.
 constexpr TrackerLimits without_detection(TrackerLimits limits) {

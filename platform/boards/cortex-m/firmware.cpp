@@ -22,11 +22,8 @@ constexpr std::int64_t kFrameNs = 33'333'333;
 #ifdef PLIANT_FIRMWARE_DETECTS
 constexpr bool kDetects = true;
 constexpr std::size_t kArenaBytes = 249 * 1024;
-constexpr pliant::TrackerLimits faces_only(pliant::TrackerLimits limits) {
-  limits.detection = &pliant::kFaceDetection;  // the search for printed surfaces is not linked
-  return limits;
-}
-constexpr pliant::TrackerLimits kLimits = faces_only(pliant::profile_s());
+// The search for printed surfaces is not linked.
+constexpr pliant::TrackerLimits kLimits = pliant::with_detection(pliant::profile_s(), pliant::kFaceDetection);
 #else
 constexpr bool kDetects = false;  // its code is not linked
 constexpr std::size_t kArenaBytes = 231 * 1024;

@@ -164,3 +164,11 @@ TEST_CASE("the largest limits: sizes that follow from them do not overflow") {
   CHECK(side >= kTemplatePlacementTuning.least_cell_px);
   CHECK(side <= kTemplatePlacementTuning.most_cell_px);
 }
+
+TEST_CASE("another detection is named in a constant, so that no other one is linked; the other limits stay") {
+  constexpr TrackerLimits faces = with_detection(profile_s(), kFaceDetection);
+  static_assert(faces.detection == &kFaceDetection);
+  static_assert(check(faces) == Status::ok);
+  const Model& model = baked_face().model;
+  CHECK(measured_bytes<Tracker>(model, faces) == measured_bytes<Tracker>(model, profile_s()));
+}
