@@ -29,8 +29,8 @@ class Mesh {
   /// \param uv       one finite position a vertex.
   /// \param corners  three vertex indices a face; neighbours have the same winding.
   /// \return ok, or the first defect; the mesh is then empty. bad_argument (empty, not a multiple of three,
-  ///   NaN), capacity, bad_index, degenerate_face, isolated_vertex, duplicate_face, non_manifold_edge,
-  ///   non_orientable (two neighbours have opposite winding), non_manifold_vertex, not_basic_blocks.
+  ///   NaN), capacity, bad_index, degenerate_face, duplicate_face, non_manifold_edge, non_orientable (two
+  ///   neighbours have opposite winding), isolated_vertex, non_manifold_vertex, not_basic_blocks.
   Status set_base(Span<const Vec2> uv, Span<const std::uint16_t> corners);
   /// As set_base, for any manifold triangles. The mesh is *free* until make_base succeeds: only the four
   /// stellar operators work on it, on any edge and face.
