@@ -191,7 +191,6 @@ void Adapter::weld(VertexId v) {
   const int count = mesh_->find_star_faces(v, faces);
   HalfEdgeId outer[4];
   for (int i = 0; i < count; ++i) outer[i] = mesh_->twin(Mesh::half_edge(faces[i], 0));
-  vertices_.remove(v);
   mesh_->weld_weldable(v);
   for (int i = 1; i < count; i += 2) faces_.remove(faces[i]);
   for (int i = 0; i < count; ++i) {  // a face without its block partner is queued alone

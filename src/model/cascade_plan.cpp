@@ -85,7 +85,7 @@ void CascadePlan::assign_roles(Span<const CascadeRecord> records, const std::uin
 void CascadePlan::find_last_readers(Span<const CascadeRecord> records) {
   for (std::size_t n = 0; n < sampled_count_; ++n) {
     const std::uint16_t i = sampled_[n];
-    last_reader_[i] = i == result_ ? kNone : i;
+    last_reader_[i] = i;
     if (!is_live(i)) continue;
     for (const std::uint16_t s : records[i].source)
       if (s != kNone) last_reader_[s] = i;
