@@ -165,6 +165,8 @@ TEST_CASE(
   s.position.resize(200);
   const NormalsOptions options{0.5f, 0};
   CHECK(compute_rank(options, s.shape(), s.box.mesh.triangle(0)) == 0);
+  s.position[3] = {5, 5, 0};  // the second half has no area and no normal
+  CHECK(compute_rank(options, s.shape(), s.box.mesh.triangle(0)) == 0);
   s.position[3] = {5, 5, 7.0710678f};  // the second half stands upright: 90 degrees, cos 0
   CHECK(compute_rank(options, s.shape(), s.box.mesh.triangle(0)) == doctest::Approx(2));
   CHECK(compute_rank(NormalsOptions{0.5f, 100}, s.shape(), s.box.mesh.triangle(0)) == 0);
@@ -243,6 +245,23 @@ TEST_CASE("texture: vertices gather where the score is high and never closer tha
       for (int k = 0; k < 3; ++k)
         CHECK(length(s.position[s.box.mesh.corner(f, k)] - s.position[s.box.mesh.corner(f, (k + 1) % 3)]) >=
               3 * 0.7071f);
+}
+
+TEST_CASE(
+    "texture: an edge that a split would make too short has rank 0, and so has all without a shortest edge") {
+  Sampled s(one_triangle({0, 0}, {1, 0}, {0, 1}), surface_of(plane));
+  s.position[1] = s.position[0] + Vec3{0, 10, 0};  // the ends of the subdivision edge
+  TextureOptions options;
+  options.score = [](void*, Vec2) { return 2.0f; };
+  const auto rank = [&](float shortest_edge_mm) {
+    options.shortest_edge_mm = shortest_edge_mm;
+    return compute_rank(options, s.shape(), s.box.mesh.triangle(0));
+  };
+  CHECK(rank(4) == doctest::Approx(2 * 1.25 * 1.25));
+  CHECK(rank(5) == 2);
+  CHECK(rank(5.01f) == 0);
+  CHECK(rank(0) == 0);
+  CHECK(rank(-1) == 0);
 }
 
 TEST_CASE("either of two criteria asks for a face, both must let a vertex go") {

@@ -55,6 +55,9 @@ TEST_CASE("a bad base is refused by name and leaves the mesh empty") {
   t.uv[2].x = 0.0f / (t.uv[0].x * 0.0f);
   CHECK(status_of(t) == Status::bad_argument);
   CHECK(status_of({{{0, 0}}, {}}) == Status::bad_argument);
+  MeshBox box(limits(50, 50));
+  CHECK(box.mesh.set_base({}, square.corner_span()) == Status::bad_argument);
+  CHECK(box.mesh.set_base(square.uv_span(), {}) == Status::bad_argument);
   t = square;
   t.corners[5] = 2;
   CHECK(status_of(t) == Status::degenerate_face);

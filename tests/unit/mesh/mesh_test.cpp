@@ -45,6 +45,10 @@ TEST_CASE("twins, stars and boundary loops of a grid are what they should be") {
       if (!mesh.is_boundary_edge(h)) CHECK(mesh.twin(mesh.twin(h)) == h);
       if (mesh.represents_edge(h)) ++edges;
     }
+  const VertexId corner = mesh.origin(0);
+  CHECK(mesh.find_half_edge(corner, corner) == kNone);
+  for (const VertexId v : mesh.vertices())
+    if (length(mesh.uv(v) - mesh.uv(corner)) > 0.5f) CHECK(mesh.find_half_edge(corner, v) == kNone);
   CHECK(edges == mesh.edge_count());
   for (const VertexId v : mesh.vertices()) {
     star_total += mesh.find_valence(v);
