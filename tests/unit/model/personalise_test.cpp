@@ -226,8 +226,8 @@ TEST_CASE("a person that cannot be baked is refused by name and changes nothing"
 }
 
 TEST_CASE(
-    "fields whose samples are the personal field's are added sample by sample, also of a part of the chart "
-    "and of another size") {
+    "fields whose samples are the personal field's are added sample by sample, also of a part of the chart, "
+    "of another size, with 8 bits and with an offset") {
   ModelBuilder b;
   b.record(Operation::constant, {}, {}, b.field(3, 9, 9, [](float u, float v) {
     return Vec3{100 * u, -100 * v, 30 * u * v};
@@ -236,6 +236,7 @@ TEST_CASE(
     b.record(Operation::add_vector, {b.last()}, {b.parameter(name, Group::identity, -3, 3, 1)}, field);
   };
   add("whole", b.field(3, 9, 9, [](float u, float v) { return Vec3{u * u, v, 5 * u * v}; }));
+  for (int c = 0; c < 3; ++c) b.fields.back().offset[c] = 0.5f * static_cast<float>(c * c) - 1;
   add("part", b.field(
                   3, 4, 3,
                   [](float u, float v) {
@@ -245,6 +246,12 @@ TEST_CASE(
                   },
                   0.25f, 0.5f, 0.625f, 0.75f));
   add("coarse", b.field(3, 5, 5, [](float u, float v) { return Vec3{v, u, 3 * u}; }));
+  add("rough", b.field(
+                   3, 9, 9,
+                   [](float u, float v) {
+                     return Vec3{u * v, u * u, v};
+                   },
+                   0, 0, 1, 1, false, 8));
   b.record(Operation::add_vector, {b.last()}, {b.parameter("smile", Group::expression, 0, 1, 1)},
            b.cascade[1].field);
   b.grid_mesh(2);
@@ -253,7 +260,7 @@ TEST_CASE(
   InArena<Cascade> personal = with_room(m.model, 9), exact(m.model);
   Random random(5);
   personal->set_free(Group::expression);
-  const std::vector<float> q = {1.5f, -2, 0.7f, 0.3f};
+  const std::vector<float> q = {1.5f, -2, 0.7f, -1.2f, 0.3f};
   REQUIRE(personal->personalise(q.data()) == Status::ok);
   REQUIRE(personal->is_personalised());
   CHECK(worst_difference(personal.object, exact.object, q, random, 2000) < 2e-3f);
