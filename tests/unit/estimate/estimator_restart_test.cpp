@@ -1,5 +1,8 @@
-// What a start leaves behind must not show in the next one, nor what its memory held before.
+// What a start leaves behind must not show in the next one, nor what its memory held before; and what a state that is put
+// in place changes.
 #include <doctest/doctest.h>
+
+#include <limits>
 
 #include "estimator_scene.hpp"
 
@@ -165,4 +168,52 @@ TEST_CASE("the smoothed result begins with the start") {
     CHECK(e->smoothed_parameters()[0] == size);
     CHECK(e->smoothed_parameters()[5] == scene.q[5]);
   }
+}
+
+TEST_CASE("after a state is restored, surface_at finds the surface of its expression at once") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits), there(scene.model, scene.limits);
+  scene.start(e.object, 0.1f);
+  std::vector<float> q = scene.q;
+  q[5] = scene.model.parameters()[5].maximum;  // the jaw
+  REQUIRE(there->start(scene.camera, kWidth, kHeight, Scene::pose(0.1f), q.data(), nullptr, {}) ==
+          Status::ok);
+  State state;
+  state.pose = Scene::pose(0.1f);
+  state.q = q.data();
+  REQUIRE(e->restore(state) == Status::ok);
+  for (int k = 0; k < 20; ++k) {
+    const Vec2 uv{0.3f + 0.02f * static_cast<float>(k), 0.85f};
+    Vec2 x, back;
+    REQUIRE(there->project(uv, &x));
+    REQUIRE(e->surface_at(x, &back) == 0);
+    CHECK(length(back - uv) < 2e-3f);
+  }
+}
+
+TEST_CASE("revise corrects the rotation and what is not free, within limits; the free parameters stay") {
+  Scene scene;
+  InArena<Estimator> e(scene.model, scene.limits);
+  scene.q[5] = 0.2f;
+  scene.start(e.object, 0.1f);
+  const Quat before = e->view().q, turn = exp_rotation({0, 0.05f, 0.02f});
+  std::vector<float> q(scene.q.size(), 0.1f);
+  q[0] = 1e3f;
+  q[1] = -0.7f;
+  CHECK(e->revise(nullptr, turn) == Status::bad_argument);
+  q[2] = std::numeric_limits<float>::quiet_NaN();
+  CHECK(e->revise(q.data(), turn) == Status::bad_argument);
+  q[2] = 0;
+  CHECK(e->revise(q.data(), {1, 0, std::numeric_limits<float>::infinity(), 0}) == Status::bad_argument);
+  CHECK(e->parameters()[0] == scene.q[0]);
+  REQUIRE(e->revise(q.data(), turn) == Status::ok);
+  CHECK(e->parameters()[0] == scene.model.parameters()[0].maximum);
+  CHECK(e->parameters()[1] == -0.7f);
+  for (std::size_t k = 3; k < q.size(); ++k) CHECK(e->parameters()[k] == scene.q[k]);
+  CHECK(length(log_rotation(e->view().q * conjugate(before * turn))) < 1e-3f);
+  // The same after a bad frame, which goes back to the last good state.
+  e->begin(33'000'000);
+  e->end();
+  CHECK(e->parameters()[1] == -0.7f);
+  CHECK(length(log_rotation(e->view().q * conjugate(before * turn))) < 1e-3f);
 }

@@ -84,6 +84,12 @@ TEST_CASE("a point that is turned away from the camera or outside the picture is
           Status::ok);
   REQUIRE(e->add_point({0.5f, 0.5f}, &near_side) == Status::ok);
   CHECK_FALSE(e->predict(near_side).visible);
+  // So near that the nose, 62 mm in front of the model's origin, is behind the camera.
+  REQUIRE(e->start(scene.camera, kWidth, kHeight, {{}, {0, 0, 60}}, scene.q.data(), nullptr, {}) ==
+          Status::ok);
+  Vec2 x;
+  CHECK_FALSE(e->project({0.5f, 0.45f}, &x));
+  CHECK(e->project({0.02f, 0.02f}, &x));
 }
 
 TEST_CASE("surface_at gives back the point that was projected, and the nearest one beside the surface") {

@@ -211,3 +211,38 @@ TEST_CASE(
     CHECK(limited.solver->work().rows <= before + 2 * kPoints);
   }
 }
+
+TEST_CASE("in a later round of a frame, rows that were rejected come back where they fit, and only there") {
+  Rig rig(Rejection::forces_readmitted);
+  rig.move_truth(0.02f);
+  auto seen = rig.observe();
+  const auto occlude = [](std::vector<Observation>& o, std::size_t columns) {
+    for (std::size_t i = 0; i < o.size(); ++i)
+      if (i % 7 < columns) o[i].x = o[i].x + Vec2{25, 18};
+  };
+  occlude(seen, 2);
+  rig.solve(seen);
+  for (std::size_t i = 0; i < seen.size(); ++i) CHECK((seen[i].reason == Reason::rejected) == (i % 7 < 2));
+  auto again = rig.observe();
+  occlude(again, 1);
+  rig.solve(again);
+  for (std::size_t i = 0; i < again.size(); ++i) CHECK((again[i].reason == Reason::rejected) == (i % 7 < 1));
+  CHECK(rig.solver->result().inliers == 42);
+  CHECK(rig.error() < 0.3f);
+}
+
+TEST_CASE("whatever a frame may take, its solves take no more once they have made their last passes") {
+  for (const float measured_row : {10.0f, 90.0f})
+    for (int passes = 2; passes < 12; ++passes) {
+      CAPTURE(measured_row);
+      CAPTURE(passes);
+      const WorkCosts costs{1, 100, measured_row, 1000};
+      Rig rig(Rejection::on_doubt);
+      const float most = 100 * kPoints * static_cast<float>(passes);
+      rig.solver->limit_work(costs, most);
+      rig.move_truth(0.2f);
+      auto seen = rig.observe();
+      rig.solve(seen);
+      CHECK(costs.of_solves(rig.solver->work()) <= most);
+    }
+}

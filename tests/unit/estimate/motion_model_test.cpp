@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
+
 #include "posed_egg.hpp"
 
 using namespace pliant;
@@ -158,4 +160,25 @@ TEST_CASE(
   REQUIRE(run.egg.q[5] == doctest::Approx(double(jaw.maximum)));
   run.motion->predict(run.time + kFrame, 0, run.egg.cascade.object, &run.egg.state);
   CHECK(expected.mean.q[5] == jaw.maximum);
+}
+
+TEST_CASE("a result that is not finite, and a lost track, end the motion: the next frame starts at rest") {
+  for (const bool is_lost : {false, true}) {
+    CAPTURE(is_lost);
+    Run run(true);
+    for (int k = 0; k < 20; ++k) run.frame(3);
+    ModelState& state = run.egg.state;
+    state.view.tau.x -= 40;
+    const ModelState trusted = state;
+    if (is_lost) {
+      run.motion->rest(trusted);
+    } else {
+      ModelState broken = state;
+      broken.view.tau.x = std::numeric_limits<float>::quiet_NaN();
+      run.motion->correct(run.egg.cascade.object, broken, run.variance.data(), trusted);
+    }
+    CHECK(run.motion->predict(run.time += kFrame, 0, run.egg.cascade.object, &state));
+    CHECK(state.view.tau.x == trusted.view.tau.x);
+    CHECK(run.motion->filter().pose(kShiftX).velocity == 0);
+  }
 }

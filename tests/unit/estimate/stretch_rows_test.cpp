@@ -102,6 +102,25 @@ TEST_CASE("the equations are those of springs at every number of free parameters
   CHECK(one->h(0, 0) == doctest::Approx(double(all->h(2, 2))).epsilon(1e-3));
 }
 
+TEST_CASE("a spring whose ends meet has no direction: it pulls nowhere, and the others pull on") {
+  Springs springs = Springs::of_sheet();
+  springs.points[1] = springs.points[0];
+  const Rig rig(sheet_model(springs.bytes()));
+  InArena<Cascade> cascade(rig.model);
+  InArena<StretchRows> rows(rig.model, cascade->samples_per_point());
+  const float q[3] = {0.2f, 0.1f, 0.5f};
+  REQUIRE(rows->start(cascade.object, q) == Status::ok);
+  InArena<NormalEquations> equations(std::size_t{3});
+  equations->reset(3);
+  rows->add(cascade.object, q, 0, equations.object);
+  CHECK(is_finite(rows->cost(cascade.object, q)));
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK(is_finite(equations->g(k)));
+    for (std::size_t j = 0; j <= k; ++j) CHECK(is_finite(equations->h(k, j)));
+  }
+  CHECK(equations->h(2, 2) > 0);
+}
+
 TEST_CASE("a damaged section is refused") {
   const Springs sound = Springs::of_sheet();
   SpringTable table;
@@ -199,7 +218,9 @@ TEST_CASE("springs count in the work of a frame, and its solves end within what 
     estimator->begin(33'000'000);
     if (is_limited) estimator->limit_work(costs, three_passes);
     estimator->predict();
-    estimator->solve({observations.data(), observations.size()});
+    const SolverReport report = estimator->solve({observations.data(), observations.size()});
+    CHECK(report.final_cost > 0);
+    CHECK(report.final_cost < report.initial_cost);
     work[is_limited] = estimator->work();
   }
   CHECK(work[0].rows % (kPoints + spring_rows) == 0);

@@ -59,3 +59,13 @@ TEST_CASE("three bad frames in a row lose the track, one good frame restores it"
   CHECK(monitor.add(true) == TrackState::tracking);
   CHECK(monitor.bad_frames() == 0);
 }
+
+TEST_CASE("a result at the bounds of all rules is good") {
+  const TrackMonitorTuning& t = kTrackMonitorTuning;
+  CHECK(is_good(
+      [](SolveResult& r) { r.inliers = static_cast<std::uint16_t>(kTrackMonitorTuning.least_inliers); }));
+  CHECK(is_good([](SolveResult& r) { r.rms_px = kTrackMonitorTuning.most_rms_px; }));
+  CHECK(is_good([](SolveResult& r) { r.score = kTrackMonitorTuning.least_score; }));
+  CHECK(is_good([](SolveResult&) {}, 1 + t.most_scale_change));
+  CHECK(is_good([](SolveResult&) {}, 1.0001f / (1 + t.most_scale_change)));
+}
