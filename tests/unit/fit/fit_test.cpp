@@ -476,3 +476,17 @@ TEST_CASE("a point behind the camera is no inlier") {
   REQUIRE(fitter->fit(scene.all(), options, q.data(), &report) == Status::ok);
   CHECK(report.used <= visible);
 }
+
+TEST_CASE(
+    "a prior that is stronger than the points takes parameters back to the mean from where they start") {
+  const Scene scene(4);
+  InArena<Fitter> fitter(scene.model, limits());
+  std::vector<float> q = scene.truth;  // the points would leave them there
+  FitOptions options = scene.options(900);
+  options.start = &scene.view;
+  options.stiffness = 1e6f;
+  FitReport report;
+  REQUIRE(fitter->fit(scene.all(), options, q.data(), &report) == Status::ok);
+  for (std::size_t k = 0; k < q.size(); ++k) CHECK(magnitude(q[k]) < 0.02f * scene.model.parameters()[k].sd);
+  CHECK(report.rms_px > 0.5f);
+}

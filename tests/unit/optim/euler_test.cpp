@@ -233,6 +233,44 @@ TEST_CASE("the preconditioned steps arrive with the same settings for 100 and fo
     }
 }
 
+TEST_CASE("preconditioned steps never raise the cost; those of Barzilai and Borwein may, and end lower") {
+  float lowest[2] = {};
+  bool rises[2] = {};
+  for (const EulerStep kind : {EulerStep::preconditioned, EulerStep::barzilai_borwein}) {
+    const int k = kind == EulerStep::barzilai_borwein;
+    struct Watched {
+      EggProblem egg{100, 1, 5};
+      float cost = 1e30f;
+      bool rises = false;
+    } watched;
+    LeastSquaresProblem problem = watched.egg.problem();
+    problem.context = &watched;
+    problem.linearise = [](void* c, NormalEquations& e) {
+      Watched& w = *static_cast<Watched*>(c);
+      const float cost = w.egg.linearise(e);
+      w.rises = w.rises || cost > w.cost;
+      return w.cost = cost;
+    };
+    problem.try_step = [](void* c, const float* s) { return static_cast<Watched*>(c)->egg.try_step(s); };
+    problem.accept = [](void* c) {
+      EggProblem& egg = static_cast<Watched*>(c)->egg;
+      egg.q = egg.trial;
+      egg.view = egg.trial_view;
+    };
+    InArena<NormalEquations> equations(watched.egg.unknowns());
+    std::vector<float> scratch(3 * watched.egg.unknowns());
+    EulerOptions options;
+    options.step = kind;
+    options.relative_decrease = 0;
+    options.steps = 600;
+    lowest[k] = integrate(problem, options, equations.object, scratch.data()).final_cost;
+    rises[k] = watched.rises;
+  }
+  CHECK_FALSE(rises[0]);
+  CHECK(rises[1]);
+  CHECK(lowest[1] < lowest[0]);
+}
+
 TEST_CASE("steps along the force stay within the limits") {
   EggProblem egg(60, 1, 6);
   struct Limited {
@@ -265,4 +303,39 @@ TEST_CASE("steps along the force stay within the limits") {
     at_limit = at_limit || magnitude(v) > 0.0999f;
   }
   CHECK(at_limit);
+}
+
+TEST_CASE("an unknown that nothing observes stays where it is, and the others arrive") {
+  struct Plane {
+    float x[3] = {5, 7, -3}, trial[3] = {};
+    static float cost(const float* x) { return 0.5f * (x[0] * x[0] + 9 * x[2] * x[2]); }
+  };
+  for (const EulerStep kind : {EulerStep::preconditioned, EulerStep::barzilai_borwein}) {
+    Plane plane;
+    const LeastSquaresProblem problem{&plane,
+                                      [](void* c, NormalEquations& equations) {
+                                        const float* const x = static_cast<Plane*>(c)->x;
+                                        equations.reset(3);
+                                        const std::uint16_t unknown[] = {0, 2};
+                                        const Vec2 column[] = {{1, 0}, {0, 1}};
+                                        equations.add(unknown, column, 2, {-x[0], -x[2]}, {1, 0, 9});
+                                        return Plane::cost(x);
+                                      },
+                                      [](void* c, const float* step) {
+                                        Plane& p = *static_cast<Plane*>(c);
+                                        for (int k = 0; k < 3; ++k) p.trial[k] = p.x[k] + step[k];
+                                        return Plane::cost(p.trial);
+                                      },
+                                      [](void* c) {
+                                        Plane& p = *static_cast<Plane*>(c);
+                                        for (int k = 0; k < 3; ++k) p.x[k] = p.trial[k];
+                                      }};
+    InArena<NormalEquations> equations(std::size_t{3});
+    float scratch[9];
+    EulerOptions options;
+    options.step = kind;
+    options.steps = 200;
+    CHECK(integrate(problem, options, equations.object, scratch).final_cost < 1e-6f);
+    CHECK(plane.x[1] == 7);
+  }
 }

@@ -243,6 +243,7 @@ TEST_CASE("DetMCD does not depend on the order of the rows") {
   for (McdStarts starts : {McdStarts::median_ball, McdStarts::all_six}) {
     McdRunner one(t), two(reversed);
     REQUIRE(one.deterministic(t, starts) == Status::ok);
+    CHECK(one.mcd.full_steps() > 0);
     REQUIRE(two.deterministic(reversed, starts) == Status::ok);
     CHECK(std::fabs(one.log_determinant() - two.log_determinant()) < 1e-6);
     for (std::size_t i = 0; i < t.rows; ++i)

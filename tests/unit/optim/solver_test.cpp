@@ -181,6 +181,38 @@ TEST_CASE("the minimiser finds the bottom of Rosenbrock's valley") {
   CHECK(report.iterations < 60);  // trial steps, with those refused
 }
 
+TEST_CASE("the minimiser counts the unknowns that no observation determines") {
+  struct Line {  // of three unknowns only the sum of the first two is observed
+    float x[3] = {}, trial[3] = {};
+    static float cost(const float* x) { return 0.5f * (x[0] + x[1] - 4) * (x[0] + x[1] - 4); }
+  } line;
+  Equations e(3);
+  const LeastSquaresProblem problem{
+      &line,
+      [](void* p, NormalEquations& equations) {
+        const float* const x = static_cast<Line*>(p)->x;
+        equations.reset(3);
+        const std::uint16_t unknown[] = {0, 1};
+        const Vec2 column[] = {{1, 0}, {1, 0}};
+        equations.add(unknown, column, 2, {4 - x[0] - x[1], 0}, {1, 0, 0});
+        return Line::cost(x);
+      },
+      [](void* p, const float* step) {
+        Line& l = *static_cast<Line*>(p);
+        for (int k = 0; k < 3; ++k) l.trial[k] = l.x[k] + step[k];
+        return Line::cost(l.trial);
+      },
+      [](void* p) {
+        Line& l = *static_cast<Line*>(p);
+        for (int k = 0; k < 3; ++k) l.x[k] = l.trial[k];
+      }};
+  float step[3];
+  const SolverReport report = minimise(problem, {}, e.equations, step);
+  CHECK(report.final_cost < 1e-6f);
+  CHECK(report.undetermined == 1);
+  CHECK(line.x[2] == 0);
+}
+
 TEST_CASE("robust losses are squares near zero and continuous, and Tukey's weight ends at zero") {
   for (Loss loss : {Loss::squares, Loss::huber, Loss::tukey}) {
     CHECK(evaluate(loss, 0.01f).rho == doctest::Approx(5e-5).epsilon(1e-3));
