@@ -229,6 +229,14 @@ TEST_CASE("one pixel of noise is found, and nothing else") {
   CHECK(length(f.corners[0].x - Vec2{30, 20}) <= 4);
 }
 
+TEST_CASE("where grey levels do not change, or along one direction only, the score is 0") {
+  Picture edge(40, 30);
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x) edge.at(x, y) = x < 20 ? 60 : 200;
+  for (int x = 4; x < 36; ++x) CHECK(corner_score(edge.view(), {static_cast<float>(x), 15}) == 0);
+  CHECK(find(edge.view(), {}).corners.empty());
+}
+
 TEST_CASE("points near the border or outside, and NaN, score nothing") {
   const Picture p = textured(40, 30);
   const float nan = std::numeric_limits<float>::quiet_NaN();

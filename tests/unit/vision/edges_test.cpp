@@ -373,3 +373,22 @@ TEST_CASE("for random images and points there is a reason and no NaN") {
   }
   CHECK(found > 20);
 }
+
+TEST_CASE(
+    "a pyramid of one level is searched as far as a profile reaches, however uncertain the prediction") {
+  Scene scene;
+  scene.step(6, 60);
+  const Shown one(scene.render(), 1);
+  const Vec2 n = scene.normal();
+  for (const float sd : {2.0f, 10.0f, 1000.0f}) {
+    CAPTURE(sd);
+    for (const int finest_level : {0, 2}) {
+      EdgeOptions options;
+      options.finest_level = finest_level;
+      const auto found = find_at(one.pyramid, point_at(kMiddle, n, sd), options);
+      REQUIRE(found.size() >= 1);
+      REQUIRE(found[0].reason == Reason::found);
+      CHECK(distance(found[0], n) == doctest::Approx(6).epsilon(0.05));
+    }
+  }
+}

@@ -75,6 +75,21 @@ TEST_CASE("clipped pixels and those outside the image are masked out") {
   for (int k = 0; k < 121; ++k) CHECK(b.work.active.m[k] == (k % 11 >= 3 && k / 11 < 5));
 }
 
+TEST_CASE("beyond the image a stored template has the pixels of the border") {
+  const Picture p = render(Texture(3), {}, 40, 40);
+  for (const Vec2 x : {Vec2{2, 20}, Vec2{37, 20}, Vec2{20, 1}, Vec2{20, 38}, Vec2{0, 39}, Vec2{39, 0}}) {
+    CAPTURE(x.x);
+    CAPTURE(x.y);
+    const Stored s(p, x, kLimits);
+    const int left = static_cast<int>(x.x) - s.side / 2, top = static_cast<int>(x.y) - s.side / 2;
+    const auto within = [](int k) { return k < 0 ? 0 : k > 39 ? 39 : k; };
+    for (int j = 0; j < s.side; ++j)
+      for (int i = 0; i < s.side; ++i)
+        CHECK(s.pixels[static_cast<std::size_t>(j * s.side + i)] ==
+              p.pixels[static_cast<std::size_t>(40 * within(top + j) + within(left + i))]);
+  }
+}
+
 TEST_CASE("a stored template without a warp, or with the identity, is that of the image") {
   const Picture p = render(Texture(3), {}, 60, 60);
   Bench b(11);
@@ -151,4 +166,29 @@ TEST_CASE("the fit of an image that is a template with light, a ramp of it, a sm
     if (ramp_sd > 0) CHECK(s.xx + s.yy < even.xx + even.yy);  // a ramp costs information
     even = s;
   }
+}
+
+TEST_CASE("a picture whose rows and columns change places has the same information with its axes exchanged") {
+  const Picture p = render(Texture(3), {}, 60, 60);
+  Picture q = p;
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 60; ++x) q.at(x, y) = p.pixels[static_cast<std::size_t>(60 * x + y)];
+  const auto information_of = [](const Picture& picture) {
+    Bench b(13);
+    Workspace& work = b.work;
+    load_template(picture.view(), 24, 24, work);
+    const Template& t = work.active;
+    multiply_by_position(t.gx, work.x, work.y, work.count, work.stretch[0], work.stretch[1]);
+    multiply_by_position(t.gy, work.x, work.y, work.count, work.stretch[2], work.stretch[3]);
+    const i16* const images[] = {work.x,          work.y,          t.t,  work.stretch[0], work.stretch[1],
+                                 work.stretch[2], work.stretch[3], t.gx, t.gy,            t.m};
+    prepare(images, 13, 0, false, *work.system);
+    REQUIRE(work.system->is_solvable);
+    return shift_information(*work.system, 1);
+  };
+  const Sym2 a = information_of(p), b = information_of(q);
+  CHECK(magnitude(a.xy) > 0.02f * (a.xx + a.yy));  // the texture has a direction
+  CHECK(b.xx == doctest::Approx(double(a.yy)).epsilon(1e-3));
+  CHECK(b.xy == doctest::Approx(double(a.xy)).epsilon(1e-3));
+  CHECK(b.yy == doctest::Approx(double(a.xx)).epsilon(1e-3));
 }
