@@ -99,4 +99,8 @@ TEST_CASE("the parts of a table lie one behind the other") {
   CHECK(local.information[152] == 1);
   CHECK(local.rows + 2 * 51 * block_bytes(table.stage(1)) ==
         reinterpret_cast<const std::int8_t*>(table.check_weights().scale));
+  const auto* const end = reinterpret_cast<const std::int8_t*>(bytes.data() + bytes.size);
+  const auto padding = end - (table.check_weights().rows + 51 * block_bytes(table.stage(1)));
+  CHECK(padding >= 0);
+  CHECK(padding < 4);
 }

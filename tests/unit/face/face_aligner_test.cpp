@@ -195,12 +195,14 @@ TEST_CASE("an alignment in steps has the bits of one in one call where all are t
     return aligner.advance(of, n, &steps.face, steps.q.data(), landmarks);
   };
   CHECK(advance(frame, 1) == Status::not_started);
+  CHECK(aligner.begin(frame, box, camera, steps.q.data(), nullptr) == Status::bad_argument);
+  CHECK(advance(frame, 1) == Status::not_started);
   REQUIRE(whole.align(frame, box) == Status::ok);
   REQUIRE(aligner.begin(frame, box, camera, steps.q.data(), &count) == Status::ok);
   REQUIRE(count == 3);  // two stages, and what concludes
   const std::vector<float> untouched = steps.q;
-  const Picture other(64, 64, 9);
-  CHECK(advance(other.view(), 1) == Status::size_mismatch);
+  for (const Picture& other : {Picture(64, 64, 9), Picture(320, 64, 9), Picture(64, 240, 9)})
+    CHECK(advance(other.view(), 1) == Status::size_mismatch);
   CHECK(aligner.advance(frame, 1, nullptr, steps.q.data()) == Status::bad_argument);
   CHECK(advance({}, 1) == Status::bad_argument);
   CHECK(advance(frame, 0) == Status::ok);

@@ -11,6 +11,7 @@
 #include "random.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/landmark_offsets.hpp"
+#include "track/markers.hpp"
 #include "track/surface_offset.hpp"
 
 using namespace pliant;
@@ -216,6 +217,38 @@ TEST_CASE("landmarks with an offset stay where they are seen when the person bel
   CHECK(farthest > 1);
 }
 
+TEST_CASE("markers, too, stay where they are seen when the person below them is another one") {
+  Random random(5);
+  const Person person(random, 3);
+  Start start(person, given_by(person, random, 0));
+  Estimator& e = start.estimator.object;
+  std::vector<Vec2> given, seen(3);
+  for (const char* name : {"ibug30", "ibug48", "ibug19"})
+    given.push_back(start.landmark(name, false) + Vec2{3, 5});
+  InArena<Markers> markers(given.size());
+  REQUIRE(markers->place(e, {given.data(), given.size()}, 1) == Status::ok);
+  markers->project_all(e.view(), e, seen.data());
+  const auto error = [&](std::size_t k) {
+    Vec2 x;
+    REQUIRE(markers->position(k, e, &x));
+    return length(x - given[k]);
+  };
+  std::vector<float> other = start.q;
+  for (std::size_t k = 0; k < other.size(); ++k)
+    if (person.model.parameters()[k].group == Group::identity) other[k] = -other[k];
+  REQUIRE(e.revise(other.data(), {}) == Status::ok);
+  float moved = 0;
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    CHECK(length(seen[k] - given[k]) < 0.05f);
+    moved = max(moved, error(k));
+  }
+  CHECK(moved > 1);
+  seen[1] = kNowhere;  // behind the camera: its offset stays
+  const float unseen = error(1);
+  markers->keep_all(e.view(), e, seen.data());
+  for (std::size_t k = 0; k < given.size(); ++k) CHECK(magnitude(error(k) - (k == 1 ? unseen : 0)) < 0.05f);
+}
+
 TEST_CASE("exact points of a person with the model's landmarks give no offset") {
   Random random(11);
   for (int trial = 0; trial < 4; ++trial) {
@@ -368,4 +401,6 @@ TEST_CASE("what an alignment says of ibug48 holds for mouth_right, the same plac
   CHECK(length(offset_of("mouth_right") - offset_of("ibug48")) == 0);
   CHECK(length(offset_of("mouth_left") - offset_of("ibug54")) == 0);
   CHECK(length(offset_of("nose_tip")) == 0);  // not the place of ibug30
+  for (const Landmark& l : face.landmarks())
+    if (l.name[0] == 'i') CHECK(length(offset_of(l.name)) > 1);
 }

@@ -93,6 +93,13 @@ TEST_CASE("poor starts: the bound itself, and a face outside of the frame") {
   CHECK_FALSE(start.is_blinded());
   start.begin(few - 1, 100, bright, estimator);
   CHECK(start.is_blinded());
+  // The change of light must last, and counts from the last start on.
+  constexpr int kEnough = kPoorStartTuning.interval_frames * kPoorStartTuning.measurements;
+  for (int again = 0; again < 2; ++again) {
+    start.begin(few - 1, 100, bright, estimator);
+    for (int k = 1; k < kEnough; ++k) CHECK_FALSE(start.is_over(film().view(0), estimator));
+  }
+  CHECK(start.is_over(film().view(0), estimator));
   const std::uint8_t pixel = 0;  // the landmarks are outside of this frame: nothing tells light
   const FrameView tiny = view_of_pixels({pixel}, 1, 1, 0);
   start.begin(0, 100, tiny, estimator);

@@ -1,0 +1,110 @@
+// Pictures of one face, crops of them, and the gradients of a crop.
+#include "face/face_picture.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <vector>
+
+#include "aligned_block.hpp"
+#include "face/gradient_map.hpp"
+#include "random.hpp"
+#include "texture.hpp"
+
+using namespace pliant;
+using texture::Picture;
+
+namespace {
+
+constexpr int kSide = 48, kCells = 3, kCellPx = 4;
+constexpr float kEnd = kSide - 1;
+
+/// The part of a frame around its middle, without reduction.
+struct Bench {
+  AlignedBlock block{1 << 18};
+  Arena arena{block.data(), block.size()};
+  FacePicture picture;
+  GradientMap map;
+  CropMap crop;
+
+  explicit Bench(const Picture& frame) {
+    picture.lay_out(arena);
+    map.lay_out(arena);
+    REQUIRE(!arena.exhausted());
+    const Vec2 middle =
+        0.5f * Vec2{static_cast<float>(frame.width - 1), static_cast<float>(frame.height - 1)};
+    std::vector<int> columns(static_cast<std::size_t>(picture.side() * kFacePictureTuning.most_samples));
+    picture.take(frame.frame(), middle, 1, columns.data());
+    crop = {middle, {1, 0}, kSide};
+  }
+  std::array<std::uint8_t, kCells * kCells * kBlockChannels> describe(Vec2 at) const {
+    std::array<std::uint8_t, kCells * kCells * kBlockChannels> out{};
+    map.describe(at, kCells, kCellPx, out.data());
+    return out;
+  }
+};
+
+Picture slope(int width, int height, int along_x, int along_y) {
+  Picture p(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) p.at(x, y) = static_cast<std::uint8_t>(5 + along_x * x + along_y * y);
+  return p;
+}
+
+}  // namespace
+
+TEST_CASE("an even slope has one description everywhere in the crop, at its rim too") {
+  for (const int along_y : {0, 1}) {
+    Bench b(slope(120, 120, 1, along_y));
+    b.map.compute(b.picture, b.crop);
+    const auto middle = b.describe({0.5f * kEnd, 0.5f * kEnd});
+    for (const Vec2 at :
+         {Vec2{0, 0}, Vec2{kEnd, 0}, Vec2{0, kEnd}, Vec2{kEnd, kEnd}, Vec2{20, 0}, Vec2{0, 20}})
+      CHECK(b.describe(at) == middle);
+  }
+}
+
+TEST_CASE("the blocks of a mirrored crop are the mirror images of the crop's") {
+  Bench b(render(texture::Texture(3), {}, 120, 120));
+  const Vec2 at{20.5f, 17.5f}, there{kEnd - at.x, at.y};
+  b.map.compute(b.picture, b.crop);
+  const auto block = b.describe(at);
+  auto mirrored = block;
+  mirror_block(block.data(), kCells, mirrored.data());
+  CHECK(mirrored != block);
+  b.map.compute(b.picture, b.crop, true);
+  CHECK(b.describe(there) == mirrored);
+}
+
+TEST_CASE("beyond the picture a crop reads the pixels of its border") {
+  const Picture frame = slope(240, 240, 1, 0);
+  Bench b(frame);
+  const float middle = 119.5f, half = 0.5f * static_cast<float>(b.picture.side() - 1);
+  std::uint8_t row[kSide + 2];
+  for (const float side : {-1.0f, 1.0f}) {
+    const Vec2 corner = b.crop.origin + side * Vec2{half, half};  // the middle of the picture's last pixel
+    const CropReader reader(b.picture, {corner, {1, 0}, kSide});
+    for (const int y : {-1, 0, kSide / 2, kSide}) {
+      reader.read_row(y, row);
+      for (int i = 0; i < kSide + 2; ++i) {
+        const float x = corner.x + static_cast<float>(i - 1) - 0.5f * kEnd;
+        const float within = clamp(x, middle - half, middle + half);
+        CHECK(magnitude(static_cast<float>(row[i]) - (5 + within)) < 1.01f);
+      }
+    }
+  }
+}
+
+TEST_CASE("information in a crop's millimetres weighs a displacement as that in the frame's pixels does") {
+  Random random(3);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Vec2 a{random.uniform(-3, 3), random.uniform(0.5f, 3)};  // a millimetre to the crop's right, px
+    const Sym2 w{random.uniform(1, 4), random.uniform(-0.9f, 0.9f), random.uniform(1, 4)},
+        v = to_frame_px(w, a);
+    const Vec2 mm{random.normal(), random.normal()}, px{a.x * mm.x - a.y * mm.y, a.y * mm.x + a.x * mm.y};
+    const auto square = [](Sym2 s, Vec2 d) {
+      return s.xx * d.x * d.x + 2 * s.xy * d.x * d.y + s.yy * d.y * d.y;
+    };
+    CHECK(square(v, px) == doctest::Approx(double(square(w, mm))).epsilon(1e-4));
+  }
+}
