@@ -146,15 +146,9 @@ Status Alignment::take_steps(const FrameView& frame, int steps, AlignedFace* fac
     }
   if (steps <= 0) return Status::ok;
   begun->steps_left = 0;
-  return finish(face, q, landmarks);
-}
-
-Status Alignment::finish(AlignedFace* face, float* q, Span<Vec2> landmarks) {
-  const AlignedFace result = conclude(begun->camera);
-  if (!is_finite(result.pose)) return Status::not_found;
+  *face = conclude(begun->camera);
   if (!landmarks.empty()) write_landmarks(landmarks);
   for (std::size_t k = 0; k < model().parameters().count; ++k) q[k] = pass.shape().q()[k];
-  *face = result;
   return Status::ok;
 }
 

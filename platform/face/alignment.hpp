@@ -56,7 +56,6 @@ struct Alignment {
 
  private:
   bool run_next_stage();
-  Status finish(AlignedFace* face, float* q, Span<Vec2> landmarks);
   void write_landmarks(Span<Vec2> landmarks);
 };
 

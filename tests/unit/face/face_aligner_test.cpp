@@ -6,10 +6,12 @@
 
 #include <cstring>
 #include <limits>
+#include <string>
 
 #include "aligned_block.hpp"
 #include "aligner_pattern.hpp"
 #include "baked_face.hpp"
+#include "random.hpp"
 #include "renderer.hpp"
 
 using namespace pliant;
@@ -323,5 +325,52 @@ TEST_CASE("the memory is what is measured, below 150 KiB, and less of it fails c
     CHECK(create_in(arena, aligner, baked_face().model, copy.span()) == Status::out_of_memory);
     CHECK(arena.used_bytes() == 0);
     CHECK(aligner.status() == Status::not_found);
+  }
+}
+
+namespace {
+
+/// A table whose local stage, of random weights, depends on what is seen.
+Bytes seeing_table() {
+  Bytes bytes = aligner_pattern::table();
+  Random random(9);
+  const AlignerStage& local = aligner_pattern::stage(bytes, 1);
+  const std::size_t rows = 2 * aligner_pattern::kLandmarks, floats = 8 * aligner_pattern::kLandmarks;
+  for (std::size_t k = 0; k < rows; ++k) aligner_pattern::weight(bytes, 1, k) = 1e-4f;
+  for (std::size_t k = 0; k < rows * block_bytes(local); ++k)
+    bytes.data()[local.first_byte + 4 * floats + k] = static_cast<std::uint8_t>(random.below(256));
+  aligner_pattern::seal(bytes);
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("the mirror image of a picture gives the mirror image of the result, turned faces too") {
+  Picture mirrored(320, 240);
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 320; ++x) mirrored.at(x, y) = backdrop().at(319 - x, y);
+  const Camera camera = Rig::camera_of_frame(backdrop().view());
+  Rig plain, seeing(seeing_table()), there(seeing_table());
+  const auto refine = [&](Rig& rig, const Picture& picture, float turn, float x) {
+    const Pose pose{exp_rotation({0, turn, 0}), {x, 0, 700}};
+    rig.q.assign(rig.q.size(), 0);
+    REQUIRE(rig.aligner.refine(picture.view(), camera, pose, &rig.face, rig.q.data(),
+                               {rig.landmarks.data(), rig.landmarks.size()}) == Status::ok);
+  };
+  for (const float turn : {0.0f, 0.1f, -0.05f, -0.15f}) {
+    CAPTURE(turn);
+    refine(plain, backdrop(), turn, 9);
+    refine(seeing, backdrop(), turn, 9);
+    refine(there, mirrored, -turn, -9);
+    float most = 0, moved = 0;
+    for (int k = 17; k < 68; ++k) {
+      const std::string here = "ibug" + std::to_string(k),
+                        other = "ibug" + std::to_string(mirrored_landmark_number(k));
+      const Vec2 a = seeing.landmark(here.c_str()), b = there.landmark(other.c_str());
+      most = max(most, length(Vec2{319 - b.x, b.y} - a));
+      moved = max(moved, length(a - plain.landmark(here.c_str())));
+    }
+    CHECK(moved > 1);
+    CHECK(most < 0.1f * moved);
   }
 }

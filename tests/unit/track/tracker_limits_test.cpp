@@ -7,6 +7,7 @@
 
 #include "aligned_block.hpp"
 #include "face_film.hpp"
+#include "model_builder.hpp"
 #include "pliant/tracker.hpp"
 #include "random.hpp"
 #include "track/tracker_sizes.hpp"
@@ -171,4 +172,32 @@ TEST_CASE("another detection is named in a constant, so that no other one is lin
   static_assert(check(faces) == Status::ok);
   const Model& model = baked_face().model;
   CHECK(measured_bytes<Tracker>(model, faces) == measured_bytes<Tracker>(model, profile_s()));
+}
+
+TEST_CASE("without the previous frame nothing is matched against it, whatever the cues say") {
+  const FaceFilm film(320, 240, 8, [](float s, Pose& pose, auto& q) {
+    pose.t.x += 15 * s;
+    FaceFilm::set(q, "jawOpen", 0.4f * s);
+  });
+  TrackerLimits limits;
+  limits.keeps_previous = false;
+  Pose end[2];
+  for (const bool with_flow : {false, true}) {
+    InArena<Tracker> tracker(baked_face().model, limits);
+    TrackerOptions options;
+    const auto flow = static_cast<std::uint8_t>(1u << static_cast<unsigned>(Cue::flow));
+    options.estimator.cues =
+        static_cast<std::uint8_t>(with_flow ? options.estimator.cues | flow : options.estimator.cues & ~flow);
+    REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], nullptr, options) ==
+            Status::ok);
+    FrameResult result;
+    for (std::size_t k = 1; k < film.count(); ++k) {
+      REQUIRE(tracker->update(film.view(k), &result) == Status::ok);
+      CHECK(result.state == TrackState::tracking);
+    }
+    end[with_flow] = result.pose;
+  }
+  CHECK(end[0].q.y == end[1].q.y);
+  CHECK(end[0].t.x == end[1].t.x);
+  CHECK(end[0].t.z == end[1].t.z);
 }
