@@ -181,3 +181,24 @@ TEST_CASE(
   state.parameters.count = kRest.size();
   CHECK(bending.tracker->save(&state) == Status::bad_argument);
 }
+
+TEST_CASE(
+    "a printed surface that is hidden for some frames is tracked on, and given up when it stays hidden") {
+  Film film(label());
+  find(film);
+  for (int k = 0; k < 3; ++k) REQUIRE(film.show(picture(film.count)) == Status::ok);
+  const Image empty = make_background(kWidth, kHeight, 7);
+  for (int k = 0; k < 3; ++k) {
+    REQUIRE(film.show(empty) == Status::ok);
+    CHECK(film.tracker->is_started());
+    CHECK(film.result.state != TrackState::tracking);
+  }
+  for (int k = 0; k < 3; ++k) {
+    REQUIRE(film.show(picture(film.count)) == Status::ok);
+    CHECK(film.tracker->is_started());
+  }
+  CHECK(film.turned_from(kPose) < 0.02f);
+  int hidden = 0;
+  for (; hidden < 12 && film.tracker->is_started(); ++hidden) REQUIRE(film.show(empty) == Status::ok);
+  CHECK(hidden == 4);
+}

@@ -97,6 +97,28 @@ TEST_CASE("the pose of a result is that of the state, also in a frame that chang
   CHECK(steps > 3);
 }
 
+TEST_CASE("wherever a track ends, also within a step, the next one from the same start gives the same bits") {
+  const auto start_and_track = [](Tracker& tracker, std::size_t frames) {
+    REQUIRE(tracker.start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
+    FrameResult result;
+    for (std::size_t n = 1; n <= frames; ++n) REQUIRE(tracker.update(film().view(n), &result) == Status::ok);
+    return result;
+  };
+  constexpr std::size_t kNext = 44;
+  InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
+  const FrameResult first = start_and_track(tracker.object, kNext);
+  const std::vector<float> q(tracker->parameters().begin(), tracker->parameters().end());
+  for (const std::size_t last : {29u, 38u, 56u}) {
+    CAPTURE(last);
+    start_and_track(tracker.object, last);
+    const FrameResult again = start_and_track(tracker.object, kNext);
+    CHECK(again.pose.q.y == first.pose.q.y);
+    CHECK(again.pose.t.z == first.pose.t.z);
+    CHECK(again.rms_px == first.rms_px);
+    CHECK(std::equal(q.begin(), q.end(), tracker->parameters().begin()));
+  }
+}
+
 TEST_CASE("where the frames in which it is due are bad, the estimate waits for the next good ones") {
   // Every fourth frame is black.
   const auto at = steps([](std::size_t n) { return n % 4 == 0; });

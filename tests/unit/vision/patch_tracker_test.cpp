@@ -122,6 +122,13 @@ TEST_CASE("clipped highlights and shadows cost little") {
   const Errors masked = track_anchors(m, {}, {}, 45);
   CHECK(masked.rms() < 0.04);
   CHECK(masked.wrong == 0);
+  // So far away that the coarser levels must find it.
+  m.tx = 9;
+  m.ty = -6;
+  const Errors far = track_anchors(m, {}, {}, 45);
+  CHECK(far.lost <= 2);
+  CHECK(far.rms() < 0.05);
+  CHECK(far.wrong == 0);
 }
 
 TEST_CASE("with the right warp, rotation and scale cost little") {
