@@ -98,7 +98,7 @@ TEST_CASE("of more faces than there is room for the best ones stay, in any order
   Random random(7);
   for (int trial = 0; trial < 50; ++trial) {
     for (std::size_t k = kFaces - 1; k > 0; --k)
-      std::swap(faces[k], faces[static_cast<std::size_t>(random.below(static_cast<std::uint32_t>(k + 1)))]);
+      std::swap(faces[k], faces[static_cast<std::size_t>(random.below(static_cast<int>(k) + 1))]);
     CHECK(scores_of(made_of(faces)) == best);
   }
 }
