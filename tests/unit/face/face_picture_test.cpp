@@ -108,3 +108,31 @@ TEST_CASE("information in a crop's millimetres weighs a displacement as that in 
     CHECK(square(v, px) == doctest::Approx(double(square(w, mm))).epsilon(1e-4));
   }
 }
+
+TEST_CASE("a picture of a large face shows the same slope, averaged, at every reduction") {
+  Picture frame(640, 640);
+  for (int y = 0; y < 640; ++y)
+    for (int x = 0; x < 640; ++x) frame.at(x, y) = static_cast<std::uint8_t>((2 * x + y) / 8);
+  AlignedBlock block(1 << 16);
+  Arena arena(block.data(), block.size());
+  FacePicture picture;
+  picture.lay_out(arena, 64);
+  REQUIRE(!arena.exhausted());
+  std::vector<int> columns(static_cast<std::size_t>(64 * kFacePictureTuning.most_samples));
+  const Vec2 centre{320.3f, 317.8f};
+  for (const float ratio : {0.4f, 1.0f, 1.3f, 2.0f, 2.6f, 3.0f, 3.7f, 5.0f, 6.0f, 8.5f}) {
+    CAPTURE(ratio);
+    picture.take(frame.frame(), centre, ratio, columns.data());
+    const float step = max(1, ratio);
+    CHECK(length(picture.along_from_frame({step, 0}) - Vec2{1, 0}) < 1e-4f);
+    const Vec2 first = centre - step * picture.from_frame(centre);
+    float worst = 0;
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) {
+        const Vec2 at = first + step * Vec2{static_cast<float>(x), static_cast<float>(y)};
+        const float grey = picture.pixels()[64 * y + x], truth = (2 * at.x + at.y) / 8;
+        if (at.x > 0 && at.y > 0 && at.x < 639 && at.y < 639) worst = max(worst, magnitude(grey - truth));
+      }
+    CHECK(worst < 1.1f);
+  }
+}

@@ -92,6 +92,9 @@ TEST_CASE("landmarks behind the camera and parameters that are held take no part
     if (weight == 0) rig.shape->add({1e6f, 1e6f}, {1, 0, 1});
   }
   CHECK(behind > 0);
+  Vec2 x;
+  CHECK_FALSE(rig.shape->project({0.5f, 0.45f}, &x));
+  CHECK(rig.shape->project({0.02f, 0.02f}, &x));
   rig.shape->finish(1);
   CHECK(length(log_rotation(rig.shape->view().q * conjugate(near.q))) < 1e-3f);
 }

@@ -16,6 +16,15 @@ void reseal(std::vector<std::uint32_t>& words) {
 Status open(const std::vector<std::uint32_t>& words, Model* model) {
   return Model::open(words.data(), words.size() * 4, model);
 }
+/// Whether a part of a model lies within its table.
+template <class T>
+bool lies_in(const std::vector<std::uint32_t>& words, Span<const T> part) {
+  const auto* const first = reinterpret_cast<const unsigned char*>(part.data);
+  const auto* const table = reinterpret_cast<const unsigned char*>(words.data());
+  const std::size_t bytes = 4 * words.size();
+  return part.empty() || (first >= table && first <= table + bytes &&
+                          part.count <= static_cast<std::size_t>(table + bytes - first) / sizeof(T));
+}
 }  // namespace
 
 TEST_CASE("the checksum is the well-known CRC-32") {
@@ -85,8 +94,39 @@ TEST_CASE("a hostile table with a right checksum never gets through with an inde
         if (p != kNone) CHECK(p < model.parameters().count);
     }
     for (std::uint16_t c : model.base_corners()) CHECK(c < model.base_uv().count);
+    CHECK((lies_in(words, model.parameters()) && lies_in(words, model.fields()) &&
+           lies_in(words, model.cascade()) && lies_in(words, model.base_uv()) &&
+           lies_in(words, model.base_corners()) && lies_in(words, model.landmarks())));
   }
   CHECK(refused > 300);
+}
+
+TEST_CASE("a section that ends beyond the table is refused, one that ends where the table does is not") {
+  const auto good = egg_model(2).table();
+  const auto size = static_cast<std::uint32_t>(4 * good.size());
+  constexpr std::size_t kDirectory = sizeof(table::Header) / 4, kEntry = sizeof(table::Section) / 4;
+  const auto status_with = [&](std::size_t section, std::uint32_t offset, std::uint32_t count) {
+    auto words = good;
+    words[kDirectory + kEntry * section + 1] = offset;
+    words[kDirectory + kEntry * section + 2] = count;
+    reseal(words);
+    Model model;
+    return open(words, &model);
+  };
+  for (std::size_t k = 0; k < good[4]; ++k) {
+    const auto kind = static_cast<table::Kind>(good[kDirectory + kEntry * k]);
+    const std::uint32_t offset = good[kDirectory + kEntry * k + 1], count = good[kDirectory + kEntry * k + 2];
+    CAPTURE(k);
+    CHECK(status_with(k, offset, count) == Status::ok);
+    if (kind == table::Kind::samples) {  // bytes; what they are does not matter
+      CHECK(status_with(k, offset, size - offset) == Status::ok);
+      CHECK(status_with(k, offset, size - offset + 1) == Status::bad_table);
+      CHECK(status_with(k, size, 1) == Status::bad_table);
+    }
+    if (count == 0) continue;
+    CHECK(status_with(k, size + 4, count) == Status::bad_table);
+    CHECK(status_with(k, offset, 0xffffffff) == Status::bad_table);
+  }
 }
 
 TEST_CASE("null, misaligned, foreign and future tables are told apart") {

@@ -52,7 +52,10 @@ TEST_CASE("a region is placed around its centre, on the coarsest level's grid, a
   }
   CHECK(region->contains(region->origin()));
   CHECK_FALSE(region->contains(region->origin() - Vec2{1, 0}));
+  CHECK(region->contains(region->origin() + Vec2{127, 127}));
   CHECK_FALSE(region->contains(region->origin() + Vec2{128, 0}));
+  CHECK_FALSE(region->contains(region->origin() + Vec2{0, 127.5f}));
+  CHECK_FALSE(region->contains(region->origin() - Vec2{0, 0.5f}));
 }
 
 TEST_CASE("the previous region is kept where limits say so") {

@@ -93,6 +93,14 @@ TEST_CASE("templates are placed at corners of the visible surface, apart from ea
   }
 }
 
+TEST_CASE("where limits name more templates, they lie closer together") {
+  Rig few(100), many(400);
+  few.place(0, 100);
+  many.place(0, 400);
+  CHECK(few.used(0, 100) > 95);
+  CHECK(many.used(0, 400) > 2.5f * static_cast<float>(few.used(0, 100)));
+}
+
 TEST_CASE("no template is placed near a marker") {
   Rig rig;
   const Vec2 nose = film().truth("ibug30", 0);
