@@ -99,6 +99,11 @@ TEST_CASE("the parts of a table lie one behind the other") {
   CHECK(local.information[152] == 1);
   CHECK(local.rows + 2 * 51 * block_bytes(table.stage(1)) ==
         reinterpret_cast<const std::int8_t*>(table.check_weights().scale));
+  const AlignerStage& first = table.stage(0);
+  const auto of_global = reinterpret_cast<const std::int8_t*>(local.scale) -
+                         (global.basis + first.components * first.blocks * first.blocks * block_bytes(first));
+  CHECK(of_global >= 0);
+  CHECK(of_global < 4);
   const auto* const end = reinterpret_cast<const std::int8_t*>(bytes.data() + bytes.size);
   const auto padding = end - (table.check_weights().rows + 51 * block_bytes(table.stage(1)));
   CHECK(padding >= 0);

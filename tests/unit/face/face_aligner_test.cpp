@@ -330,8 +330,8 @@ TEST_CASE("the memory is what is measured, below 150 KiB, and less of it fails c
 
 namespace {
 
-/// A table whose local stage, of random weights, depends on what is seen.
-Bytes seeing_table() {
+/// A table whose local stage and score, of random weights, depend on what is seen. \param bias  of the appearance.
+Bytes seeing_table(float bias = 0) {
   Bytes bytes = aligner_pattern::table();
   Random random(9);
   const AlignerStage& local = aligner_pattern::stage(bytes, 1);
@@ -339,6 +339,16 @@ Bytes seeing_table() {
   for (std::size_t k = 0; k < rows; ++k) aligner_pattern::weight(bytes, 1, k) = 1e-4f;
   for (std::size_t k = 0; k < rows * block_bytes(local); ++k)
     bytes.data()[local.first_byte + 4 * floats + k] = static_cast<std::uint8_t>(random.below(256));
+  AlignerCheck& check = aligner_pattern::check(bytes);
+  for (int k = 0; k < kCheckKnots; ++k) check.score.at[k] = static_cast<float>(k) / (kCheckKnots - 1);
+  check.score.weight[1] = 0.02f;
+  for (std::size_t k = 0; k < aligner_pattern::kLandmarks; ++k) {
+    bytes.at<float>(check.first_byte + 4 * k) = 4e-5f;
+    bytes.at<float>(check.first_byte + 4 * (aligner_pattern::kLandmarks + k)) = bias;
+  }
+  for (std::size_t k = 0; k < aligner_pattern::kLandmarks * block_bytes(local); ++k)
+    bytes.data()[check.first_byte + 8 * aligner_pattern::kLandmarks + k] =
+        static_cast<std::uint8_t>(random.below(256));
   aligner_pattern::seal(bytes);
   return bytes;
 }
@@ -350,7 +360,8 @@ TEST_CASE("the mirror image of a picture gives the mirror image of the result, t
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) mirrored.at(x, y) = backdrop().at(319 - x, y);
   const Camera camera = Rig::camera_of_frame(backdrop().view());
-  Rig plain, seeing(seeing_table()), there(seeing_table());
+  Rig plain, seeing(seeing_table()), there(seeing_table()), likely(seeing_table(0.2f)),
+      unlikely(seeing_table(-0.2f));
   const auto refine = [&](Rig& rig, const Picture& picture, float turn, float x) {
     const Pose pose{exp_rotation({0, turn, 0}), {x, 0, 700}};
     rig.q.assign(rig.q.size(), 0);
@@ -362,6 +373,8 @@ TEST_CASE("the mirror image of a picture gives the mirror image of the result, t
     refine(plain, backdrop(), turn, 9);
     refine(seeing, backdrop(), turn, 9);
     refine(there, mirrored, -turn, -9);
+    refine(likely, backdrop(), turn, 9);
+    refine(unlikely, backdrop(), turn, 9);
     float most = 0, moved = 0;
     for (int k = 17; k < 68; ++k) {
       const std::string here = "ibug" + std::to_string(k),
@@ -372,5 +385,8 @@ TEST_CASE("the mirror image of a picture gives the mirror image of the result, t
     }
     CHECK(moved > 1);
     CHECK(most < 0.1f * moved);
+    CHECK(magnitude(there.face.score - seeing.face.score) < 0.02f);
+    CHECK(unlikely.face.score < seeing.face.score - 0.05f);
+    CHECK(likely.face.score > seeing.face.score + 0.05f);
   }
 }

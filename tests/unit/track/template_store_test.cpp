@@ -93,6 +93,20 @@ TEST_CASE("templates are placed at corners of the visible surface, apart from ea
   }
 }
 
+TEST_CASE("slots are those of frame 0, then those of one key frame after the other") {
+  TrackerLimits limits = Rig::limits_of(40);
+  limits.key_frames = 3;
+  limits.key_patches = 24;
+  InArena<TemplateStore> templates(limits);
+  std::size_t slot = 0;
+  for (std::size_t key = 0; key <= 3; ++key)
+    for (const std::size_t end = slot + (key == 0 ? 40 : 8); slot < end; ++slot) {
+      CHECK(templates->key_of(slot) == key);
+      CHECK((slot >= first_slot(limits, key) && slot < first_slot(limits, key + 1)));
+    }
+  CHECK(slot == templates->count());
+}
+
 TEST_CASE("where limits name more templates, they lie closer together") {
   Rig few(100), many(400);
   few.place(0, 100);
