@@ -141,6 +141,12 @@ TEST_CASE("a damaged section is refused") {
   auto longer = bytes;
   longer.resize(bytes.size() + 4);
   CHECK(status(longer) == Status::bad_table);
+  Springs least;
+  least.points = {{0.1f, 0.1f}, {0.9f, 0.1f}};
+  least.springs = {{0, 1, 80, 1}};
+  CHECK(status(least.bytes()) == Status::ok);
+  least.points.pop_back();
+  CHECK(status(least.bytes()) == Status::bad_table);
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               infinite = std::numeric_limits<float>::infinity();
   const auto with = [&](auto change) {

@@ -72,6 +72,20 @@ TEST_CASE("a ramp between two directions fills both") {
   CHECK(cell[0] > 40);
 }
 
+TEST_CASE("an even ramp fills all cells alike, those at the rim too") {
+  const Picture p = ramp(45, 4);
+  for (const int cell_px : {2, 4, 8}) {
+    const Map map = cells_of(p.view(), cell_px, 1);
+    for (int row = 0; row < map.rows; ++row)
+      for (int column = 0; column < map.columns; ++column)
+        for (int k = 0; k < 8; ++k) {
+          CAPTURE(row);
+          CAPTURE(column);
+          CHECK(std::abs(map.at(column, row)[k] - map.at(map.columns / 2, map.rows / 2)[k]) <= 12);
+        }
+  }
+}
+
 TEST_CASE("gain and bias of the light hardly change the cells") {
   Picture p = texture::noise(66, 66, 3), q = p;
   for (auto& v : q.pixels) v = static_cast<std::uint8_t>(40 + v / 2);

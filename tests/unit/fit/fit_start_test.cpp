@@ -38,6 +38,25 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("no view puts a model without width or without height into a box") {
+  for (const Vec2 extent : {Vec2{0, 100}, Vec2{100, 0}, Vec2{100, 100}}) {
+    ModelBuilder b;
+    b.record(Operation::constant, {}, {}, b.field(3, 2, 2, [=](float u, float v) {
+      return Vec3{extent.x * u, -extent.y * v, 20 * u * v};
+    }));
+    b.grid_mesh(2);
+    b.landmark("p", 0.5f, 0.5f);
+    const auto words = b.table();
+    Model model;
+    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+    InArena<Cascade> cascade(model);
+    View view;
+    const Status status =
+        view_from_box(cascade.object, nullptr, {100, 80}, {150, 200}, centred_camera(640, 480, 900), &view);
+    CHECK(status == (extent.x > 0 && extent.y > 0 ? Status::ok : Status::bad_argument));
+  }
+}
+
 TEST_CASE("a box without area, and a camera that is not finite, start nothing") {
   const OpenedEgg egg(6);
   InArena<Cascade> cascade(egg.model);

@@ -395,6 +395,9 @@ TEST_CASE("bad input is named and changes nothing") {
   CHECK(fit(scene.all(), scene.options(900)) == Status::capacity);
   CHECK(fit({scene.points.data(), 50}, scene.options(900)) == Status::underdetermined);  // all the same point
   for (float v : q) CHECK(v == 0.25f);
+  const Scene again(6);
+  const Correspondence four[] = {again.points[0], again.points[8], again.points[72], again.points[80]};
+  CHECK(fit({four, 4}, scene.options(900)) == Status::ok);  // the least
 }
 
 TEST_CASE("a known focal length stays, also where the points are then nearer or farther than any view") {

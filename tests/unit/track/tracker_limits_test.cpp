@@ -201,3 +201,19 @@ TEST_CASE("without the previous frame nothing is matched against it, whatever th
   CHECK(end[0].t.x == end[1].t.x);
   CHECK(end[0].t.z == end[1].t.z);
 }
+
+TEST_CASE("a limit on the samples of a point takes less memory, and refuses starts that need more") {
+  const FaceFilm film(320, 240, 1, [](float, Pose&, auto&) {});
+  const auto& model = baked_face().model;
+  TrackerLimits all, enough, few;
+  enough.samples_per_point = 60;
+  few.samples_per_point = 3;
+  CHECK(measured_bytes<Tracker>(model, enough) + 5000 < measured_bytes<Tracker>(model, all));
+  CHECK(measured_bytes<Tracker>(model, few) < measured_bytes<Tracker>(model, enough));
+  AlignedBlock block(1 << 22);
+  Tracker tracker;
+  REQUIRE(create(enough, tracker, block) == Status::ok);
+  CHECK(tracker.start_from_pose(film.view(0), film.camera, film.poses[0], nullptr) == Status::ok);
+  REQUIRE(create(few, tracker, block) == Status::ok);
+  CHECK(tracker.start_from_pose(film.view(0), film.camera, film.poses[0], nullptr) == Status::capacity);
+}
