@@ -17,7 +17,7 @@ struct ForceRejection;
 extern const ForceRejection kForceRejection;
 
 /// Capacities: they fix the memory. Defaults are for 320 x 240 on a Linux board; profile_s()
-/// (tracker_limits.hpp) shows limits for a microcontroller.
+/// (tracker_profiles.hpp) shows limits for a microcontroller.
 struct EstimatorLimits {
   /// Surface points at once: patches, markers and edge points, count. Ids are below this.
   std::uint16_t points = 128;

@@ -10,7 +10,7 @@
 #include "pliant/estimator.hpp"
 #include "pliant/frame.hpp"
 #include "pliant/model.hpp"
-#include "pliant/tracker_limits.hpp"
+#include "pliant/tracker_profiles.hpp"
 
 namespace pliant {
 

@@ -1,6 +1,6 @@
 #pragma once
 /// \file tracker_limits.hpp
-/// Capacities of a Tracker, which fix its memory, and the three profiles.
+/// Capacities of a Tracker, which fix its memory. tracker_profiles.hpp has the profiles.
 #include <cstdint>
 
 #include "pliant/estimator.hpp"
@@ -87,9 +87,8 @@ struct TrackerLimits {
   /// verifies tracks. Null also leaves the code out of the program, if the limits are `constexpr`: what a variable was
   /// initialised with is linked, whatever is assigned to it later. The same holds for the other pointers.
   const Detection* detection = &kDetection;
-  /// Aligns the face again while it is tracked, now and then, and begins anew where it is seen better than at the start: what covered
-  /// it then is gone (docs/algorithms.md, section 7.15). About 140 KiB with the built-in face. If null, or without detection, a track
-  /// stays with its start, and the code is left out of the program.
+  /// Aligns the face again now and then, and begins anew where more of it is seen than at a start by alignment (docs/algorithms.md,
+  /// section 7.15). 87 KiB with the built-in face. If null, a track stays with its start, and the code is left out of the program.
   const SecondLook* second_look = &kSecondLook;
   /// Estimates the identity parameters while the head turns far (docs/algorithms.md, section 7.20). Identity
   /// that a start gives, with a pose or a saved state, stays. If null, it always stays, and the code is left
@@ -103,80 +102,6 @@ struct TrackerLimits {
   /// then starts some frames later, with the model's base mesh. `pliant plan` tells how many frames.
   std::uint32_t search_work = 24000;
 };
-
-/// The same limits with another detection, such as kFaceDetection.
-constexpr TrackerLimits with_detection(TrackerLimits limits, const Detection& detection) {
-  limits.detection = &detection;
-  return limits;
-}
-
-/// The same limits without detection.
-constexpr TrackerLimits without_detection(TrackerLimits limits) {
-  limits.detection = nullptr;
-  return limits;
-}
-
-/// The same limits without estimation of the person.
-constexpr TrackerLimits without_person(TrackerLimits limits) {
-  limits.person = nullptr;
-  return limits;
-}
-
-/// The same limits without second looks.
-constexpr TrackerLimits without_second_look(TrackerLimits limits) {
-  limits.second_look = nullptr;
-  return limits;
-}
-
-/// The same limits without smoothing of noisy frames.
-constexpr TrackerLimits without_noise_smoothing(TrackerLimits limits) {
-  limits.noise = nullptr;
-  return limits;
-}
-
-/// The same limits without edges.
-constexpr TrackerLimits without_edges(TrackerLimits limits) {
-  limits.edges = nullptr;
-  return limits;
-}
-
-/// Profile M, the default: 320 x 240, 128 + 64 templates, edges, 512 vertices.
-constexpr TrackerLimits profile_m() {
-  return {};
-}
-
-/// Profile S, for a microcontroller: 320 x 240 frames, matched in a moving region of 192 x 192 that is read
-/// from the caller's frame during `update`; 48 + 16 templates; no edges, no rejection of image forces, no
-/// springs, no estimation of the person and no smoothing of noisy frames. With the built-in face and its
-/// expressions free the block, the object and the stack fit into 256 KiB.
-constexpr TrackerLimits profile_s() {
-  TrackerLimits l;
-  l.region_width = l.region_height = 192;
-  l.patches = 48;
-  l.key_patches = 16;
-  l.key_frames = 2;
-  l.patch_margin = 2;
-  l.keeps_previous = l.copies_frame = l.keeps_templates = l.keeps_adaptation = false;
-  l.thumbnail_width = 48;
-  l.search_work = 4000;
-  l.free_parameters = 40;
-  l.samples_per_point = 44;
-  l.samples_vertices = false;
-  l.personal_field = {};
-  return without_noise_smoothing(
-      without_second_look(without_person(without_edges(without_stretch(without_rejection(l))))));
-}
-
-/// Profile L, for a desktop or a fast board: 640 x 480, 220 + 80 templates, edges, 2,048 vertices.
-constexpr TrackerLimits profile_l() {
-  TrackerLimits l;
-  l.width = 640;
-  l.height = 480;
-  l.patches = 220;
-  l.key_patches = 80;
-  l.vertices = 2048;
-  return l;
-}
 
 /// `ok`, or `bad_argument` for limits of which no tracker can be made: frames outside 64 to 16,384 px a side,
 /// a region below 64 px a side, thumbnails above 256 px, 0 or more than 6 pyramid levels, a template's side that

@@ -16,7 +16,7 @@ void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks,
     equations_.lay_out(arena, unknowns);
     step_ = arena.take<float>(unknowns);
     const std::size_t records = model.cascade().count;
-    samples_kept_ = use == AlignerUse::alignment ? records : 0;
+    samples_kept_ = use == AlignerUse::alignment ? static_cast<std::uint32_t>(records) : 0;
     samples_ = arena.take<Vec3>(keeps_samples() ? landmarks * records : records);
     row_.lay_out(arena, unknowns);
   }

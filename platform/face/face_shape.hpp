@@ -91,8 +91,7 @@ class FaceShape {
   View view_;
   Lens lens_;
   float *q_ = nullptr, *step_ = nullptr;
-  Vec3* samples_ = nullptr;       // of each landmark; of one in frugal alignment; null in verification
-  std::size_t samples_kept_ = 0;  // from those of one landmark to the next; 0: they are not kept
+  Vec3* samples_ = nullptr;  // of each landmark; of one in frugal alignment; null in verification
   PointRow row_;
   Vec2* uv_ = nullptr;
   std::size_t count_ = 0;
@@ -102,6 +101,7 @@ class FaceShape {
   Projector::Derivatives derivatives_;
   Vec2 ideal_;  // px, without lens
   float weight_ = 0;
+  std::uint32_t samples_kept_ = 0;  // from those of one landmark to the next; 0: they are not kept
 };
 
 }  // namespace pliant

@@ -39,7 +39,8 @@ float distance_from_track(TrackerParts& t, Span<const Vec2> landmarks) {
 int count_better(TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
   const float of_start = detection_of(t).look->start_error, of_track = t.result.landmark_error;
   const float ratio = face.landmark_error / max(of_start, of_track);
-  const bool is_better = face.score >= kTuning.least_score && face.landmark_error <= min(of_start, of_track) &&
+  const bool is_better = face.score >= kTuning.least_score &&
+                         face.landmark_error <= min(of_start, of_track) &&
                          ratio <= kTuning.most_error_ratio &&
                          camera_direction(view_of(face.pose, face.camera)).z >= kTuning.least_frontal &&
                          distance_from_track(t, landmarks) >= kTuning.least_distance;

@@ -13,13 +13,14 @@ struct TrackerParts;
 
 /// Tuning of second looks. Each constant: unit, reason, experiment (docs/experiments.md, Covered starts).
 struct SecondLookTuning {
-  /// Frames from the start to the first look. Each further one waits twice as long, up to the second number. Round values.
+  /// Frames from the start to the first look. Each further one waits twice as long, up to the second number: then looks take
+  /// a hundredth of the time. Round values.
   std::uint32_t first_wait = 12, longest_wait = 96;
   /// Looks in a row that must find better landmarks, and frames from one to the next. Round values.
   int looks = 2;
   std::uint32_t wait_if_better = 4;
-  /// Estimated landmark error of the second alignment, at most: over the larger of the start's and the checks'. It must not be above the
-  /// smaller one either. Below the second number one look is enough.
+  /// Landmark error that the second alignment estimates, at most: over the larger of the start's estimate and the checks'. It must
+  /// not be above the smaller one either. Below the second number one look is enough.
   float most_error_ratio = 0.95f, sure_error_ratio = 0.7f;
   /// Mean distance of the landmarks from the tracked ones, at least, fraction of the eyes' distance: below, little is gained.
   float least_distance = 0.02f;
@@ -28,8 +29,9 @@ struct SecondLookTuning {
   /// Cosine of the turn away from the camera up to which alignments tell a person's shape: as
   /// KnownPersonTuning::least_frontal.
   float least_frontal = 0.94f;
-  /// Work of a step with the built-in face's learnt tables, instructions as WorkCosts, counted with profile M.
-  float step_work = 1.8e6f;
+  /// Work of a step with the built-in face's learnt tables, instructions as WorkCosts. With profile M 1.5 to 2.9 million were
+  /// counted.
+  float step_work = 3e6f;
 };
 inline constexpr SecondLookTuning kSecondLookTuning{};
 
@@ -37,7 +39,8 @@ inline constexpr SecondLookTuning kSecondLookTuning{};
 struct SecondLookState {
   const FaceModules* modules = nullptr;
   FaceAligner* aligner = nullptr;
-  float start_error = 0;  // landmark error of the alignment that the person is known from, as it estimates it; 0: there was none
+  float start_error =
+      0;  // landmark error of the alignment that the person is known from, as it estimates it; 0: there was none
   std::uint32_t wait = 0, frames_left = 0;  // from one look to the next, and of that
   int steps_left = 0;                       // of the alignment; 0: none is under way
   int agreed = 0;                           // looks in a row that found better landmarks

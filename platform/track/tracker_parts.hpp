@@ -47,8 +47,8 @@ struct ImageParts {
 /// the search for a face, and the fit of a start.
 struct TrackerParts : ImageParts {
   // Set by lay_out. The default limits would link all that is optional into every program.
-  TrackerLimits limits = without_noise_smoothing(without_second_look(without_person(
-      without_edges(without_detection(without_stretch(without_rejection(TrackerLimits{})))))));
+  TrackerLimits limits = without_noise_smoothing(without_second_look(
+      without_person(without_edges(without_detection(without_stretch(without_rejection(TrackerLimits{})))))));
   Model table;
   bool uses_edges = false;
   Span<float> start_q;

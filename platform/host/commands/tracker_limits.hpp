@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "host/commands/args.hpp"
-#include "pliant/tracker_limits.hpp"
+#include "pliant/tracker_profiles.hpp"
 
 namespace pliant::host {
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model_builder.hpp"
+#include "pliant/tracker_profiles.hpp"
 
 using namespace pliant;
 
