@@ -8,7 +8,7 @@ void FrameBudget::begin(bool reserves) {
   work = {};
   reserved = 0;
   kind = nullptr;
-  WaitingWork* const all[] = {&check, &key_frame, &person};
+  WaitingWork* const all[] = {&check, &key_frame, &person, &second_look};
   for (WaitingWork* waiting : all) {
     const bool is_first = kind == nullptr && waiting->waited >= kFrameBudgetTuning.most_waited;
     if (is_first) kind = waiting;

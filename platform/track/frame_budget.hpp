@@ -40,7 +40,7 @@ struct FrameBudget {
   WorkCosts costs;
   float most = 0;      ///< of a frame; instructions, as WorkCosts
   float reserved = 0;  ///< of that
-  WaitingWork check, key_frame, person;
+  WaitingWork check, key_frame, person, second_look;
   /// Of the rare work that this frame does, or that comes first; null: any.
   const WaitingWork* kind = nullptr;
 

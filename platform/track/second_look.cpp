@@ -63,13 +63,16 @@ void begin_track(TrackerParts& t) {
 void begin_look(TrackerParts& t, const FrameView& frame) {
   FaceDetectionState& detection = detection_of(t);
   SecondLookState& look = *detection.look;
-  look.wait = 2 * look.wait < kTuning.longest_wait ? 2 * look.wait : kTuning.longest_wait;
+  const bool is_doubtful = look.start_error > kTuning.doubtful_error;
+  const std::uint32_t longest = is_doubtful ? kTuning.longest_doubtful_wait : kTuning.longest_wait;
+  look.wait = 2 * look.wait < longest ? 2 * look.wait : longest;
   look.frames_left = look.wait;
   const auto place = [&](std::uint16_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); };
   const FaceBox box = box_at_landmarks(t.model(), t.estimator.view().s, place);
   const Status status = look.modules->begin(*look.aligner, frame, box, t.estimator.camera(), {},
                                             detection.face_search.room().q, &look.steps_left);
   if (status != Status::ok) look.steps_left = 0;
+  t.budget.second_look.hurry(kTuning.step_work);
 }
 
 /// Begins a track of the same face where the alignment has it.
@@ -92,12 +95,15 @@ bool conclude(TrackerParts& t, const FrameView& frame) {
     if (look.frames_left == 0) begin_look(t, frame);
     return false;
   }
-  if (!t.budget.take_now(t.budget.check, kTuning.step_work)) return false;
+  if (!t.budget.take(t.budget.second_look, kTuning.step_work)) return false;
   const AlignmentRoom room = detection.face_search.room();
   AlignedFace face;
   const Status status = look.modules->advance(*look.aligner, frame, 1, &face, room.q, room.landmarks);
   look.steps_left = status == Status::ok ? look.steps_left - 1 : 0;
-  if (look.steps_left > 0) return false;
+  if (look.steps_left > 0) {
+    t.budget.second_look.hurry(kTuning.step_work);  // the head may turn
+    return false;
+  }
   const int better = status == Status::ok ? count_better(t, face, room.landmarks) : 0;
   look.agreed = better > 0 ? look.agreed + better : 0;
   if (better > 0) look.frames_left = kTuning.wait_if_better;

@@ -225,6 +225,8 @@ void add_overdue_load(const TrackerLimits& limits, const Sizes& s, Loads& loads)
       static_cast<double>(key_frame_work(limits, s.costs, kTrackerTuning.tries_if_overdue)) - reserved;
   if (limits.detection != nullptr)
     more = std::max(more, static_cast<double>(kFaceChecksTuning.check_work) - reserved);
+  if (limits.second_look != nullptr)
+    more = std::max(more, static_cast<double>(kSecondLookTuning.step_work) - reserved);
   if (limits.person != nullptr) more = std::max(more, s.person_step - reserved - renewal_work(limits, s));
   if (more > 0) loads.push_back({"overdue work beyond what is reserved", 0, more, 1, Bound::beside});
 }
