@@ -145,6 +145,19 @@ TEST_CASE("who tells the tracker where the landmarks are, or who the person is, 
   CHECK(fake.alignments == before);
 }
 
+TEST_CASE("a look takes a step in each frame once it has begun: the head may turn") {
+  FakeFaces fake(film());
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  const int of_start = fake.steps_an_alignment;
+  std::size_t k = 0;
+  while (fake.steps <= of_start) update(tracker.object, film(), k++);
+  CHECK(k > kSecondLookTuning.first_wait);
+  for (int step = 2; step <= of_start; ++step) {
+    update(tracker.object, film(), k++);
+    CHECK(fake.steps == of_start + step);
+  }
+}
+
 TEST_CASE("looks wait longer and longer while nothing is better") {
   FakeFaces fake(film());
   run(film(), limits_with_looks());
