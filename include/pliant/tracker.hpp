@@ -170,7 +170,7 @@ class Tracker {
   Status landmark(const char* name, Vec2* x);
   Status landmark(std::size_t index, Vec2* x);  ///< The same by index.
   /// Gives landmarks the offsets that put them at these image positions in the last frame. Landmarks at the
-  /// same (u,v) get the same offset; others keep theirs.
+  /// same (u,v) get the same offset; others keep theirs. A later start replaces them, also one by a second look.
   /// \return not_started, not_found, bad_argument: nothing has changed then.
   Status place_landmarks(Span<const NamedPoint> points);
 

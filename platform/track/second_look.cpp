@@ -71,25 +71,33 @@ void begin_look(TrackerParts& t, const FrameView& frame) {
   const FaceBox box = box_at_landmarks(t.model(), t.estimator.view().s, place);
   const Status status = look.modules->begin(*look.aligner, frame, box, t.estimator.camera(), {},
                                             detection.face_search.room().q, &look.steps_left);
-  if (status != Status::ok) look.steps_left = 0;
-  t.budget.second_look.hurry(kTuning.step_work);
+  if (status == Status::ok)
+    t.budget.second_look.hurry(kTuning.step_work);
+  else
+    look.steps_left = 0;
 }
 
 /// Begins a track of the same face where the alignment has it.
 void begin_anew(TrackerParts& t, const FrameView& frame, const AlignedFace& face) {
   FaceDetectionState& detection = detection_of(t);
   StartPose found;
-  detection.marker_count = t.markers.save(t.estimator, detection.markers);
+  detection.marker_count = 0;
   detection.face_search.set_new_person(detection.kept.start, face, &detection.person, &found);
   detection.landmark_error = face.landmark_error;
   if (detection.start(t, frame, found, detection.kept.options) == Status::ok)
     t.offsets.place_pending(t.estimator);
 }
 
+/// Whether the caller has said nothing that a new start would lose: who it is, or where markers are.
+bool is_free(TrackerParts& t) {
+  Vec2 unused;
+  return !t.identity_is_given && !t.markers.position(0, t.estimator, &unused);
+}
+
 bool conclude(TrackerParts& t, const FrameView& frame) {
   FaceDetectionState& detection = detection_of(t);
   SecondLookState& look = *detection.look;
-  if (look.start_error == 0 || t.identity_is_given) return false;
+  if (look.start_error == 0 || !is_free(t)) return false;
   if (look.frames_left > 0) --look.frames_left;
   if (look.steps_left == 0) {
     if (look.frames_left == 0) begin_look(t, frame);

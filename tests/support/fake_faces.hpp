@@ -24,6 +24,7 @@ struct FakeFaces {
   float size_found = 1;                        ///< of the face in a search, over its size
   bool has_ghost = false;                      ///< the detector also gives a box without a face
   int steps_an_alignment = 6;
+  std::size_t blind_from = ~std::size_t{0};  ///< frame from which on no alignment begins
   std::size_t covered_frames = 0;  ///< at the beginning: the mouth is covered, alignments have it too low
   float covered_error = 0.05f;     ///< landmark error of those
   // What was asked of it.
@@ -121,9 +122,10 @@ inline Alignment& alignment() {
   return one;
 }
 
-inline Status begin(FaceAligner&, const FrameView&, const FaceBox& box, const Camera& camera,
+inline Status begin(FaceAligner&, const FrameView& frame, const FaceBox& box, const Camera& camera,
                     const AlignOptions& options, const float*, int* steps) {
   FakeFaces& f = fake();
+  if (frame.sequence >= f.blind_from) return Status::not_found;
   ++f.alignments;
   f.held_alignments += options.is_free != nullptr;
   *steps = f.steps_an_alignment;

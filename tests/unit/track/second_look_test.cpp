@@ -125,10 +125,12 @@ TEST_CASE("a face that is turned far is not judged anew") {
   CHECK(run(turned, limits_with_looks()).starts == 1);
 }
 
-TEST_CASE("who tells the tracker where the landmarks are, or who the person is, is not corrected") {
+TEST_CASE("who tells the tracker where landmarks or markers are, or who the person is, is not corrected") {
   FakeFaces fake(film());
   fake.covered_frames = 1;
-  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  TrackerLimits limits = limits_with_looks();
+  limits.markers = 1;
+  InArena<Tracker> tracker(baked_face().model, limits);
   SUBCASE("a pose with the person") {
     REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0],
                                      film().parameters[0].data()) == Status::ok);
@@ -139,6 +141,14 @@ TEST_CASE("who tells the tracker where the landmarks are, or who the person is, 
     for (int l = 17; l < 68; ++l) names.push_back("ibug" + std::to_string(l));
     for (const std::string& name : names) points.push_back({name.c_str(), film().truth(name, 0)});
     REQUIRE(tracker->start_from_landmarks(film().view(0), {points.data(), points.size()}) == Status::ok);
+  }
+  SUBCASE("few landmarks, with a marker") {
+    const char* const names[] = {"ibug36", "ibug45", "ibug33", "ibug48", "ibug54"};
+    std::vector<NamedPoint> points;
+    for (const char* name : names) points.push_back({name, film().truth(name, 0)});
+    const Vec2 marker = film().truth("ibug30", 0);
+    REQUIRE(tracker->start_from_landmarks(film().view(0), {points.data(), points.size()}, {}, {},
+                                          {&marker, 1}) == Status::ok);
   }
   const int before = fake.alignments;
   for (std::size_t k = 1; k < kFrames; ++k) update(tracker.object, film(), k);
@@ -156,6 +166,18 @@ TEST_CASE("a look takes a step in each frame once it has begun: the head may tur
     update(tracker.object, film(), k++);
     CHECK(fake.steps == of_start + step);
   }
+}
+
+TEST_CASE("a look that cannot begin keeps no other work waiting") {
+  int verifications[2];
+  for (const bool is_blind : {false, true}) {
+    FakeFaces fake(film());
+    if (is_blind) fake.blind_from = 1;
+    InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+    for (std::size_t k = 0; k < kFrames; ++k) update(tracker.object, film(), k);
+    verifications[is_blind] = fake.verifications;
+  }
+  CHECK(verifications[true] >= verifications[false]);
 }
 
 TEST_CASE("looks wait longer and longer while nothing is better") {
