@@ -41,7 +41,7 @@ class FaceAligner {
  public:
   /// Arena layout (create_in, measured_bytes), with the model's own learnt table.
   void lay_out(Arena& arena, const Model& model) { lay_out(arena, model, model.aligner()); }
-  /// The same in three fifths of the memory. An alignment takes a quarter more time.
+  /// The same in three fifths of the memory. An alignment takes longer: it samples the fields anew in each step.
   void lay_out_frugally(Arena& arena, const Model& model);
   /// The same for `verify` only, in two fifths of the memory. The checksum of the table is not computed again:
   /// Model::open has done it.

@@ -14,7 +14,7 @@ struct TrackerParts;
 /// Tuning of second looks. Each constant: unit, reason, experiment (docs/experiments.md, Covered starts).
 struct SecondLookTuning {
   /// Frames from the start to the first look. Each further one waits twice as long, up to the second number: then looks take
-  /// a hundredth of the time. After a start whose estimated landmark error is above `doubtful_error`, fraction of the eyes' distance,
+  /// 1.5 % of the time. After a start whose estimated landmark error is above `doubtful_error`, fraction of the eyes' distance,
   /// they wait up to the third number. Round values.
   std::uint32_t first_wait = 12, longest_wait = 96, longest_doubtful_wait = 24;
   float doubtful_error = 0.03f;

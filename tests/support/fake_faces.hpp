@@ -19,6 +19,7 @@ struct FakeFaces {
   float score = 0.999f;                        ///< of an alignment
   float verification = 0.99f;                  ///< score of a verification near the truth
   float error = 0.02f;                         ///< landmark error of an alignment
+  float tracked_error = 0;                     ///< of a verification near the truth; 0: `error`
   float held_error = 0.02f;                    ///< the same with the identity held
   pliant::Status status = pliant::Status::ok;  ///< of the tables
   float size_found = 1;                        ///< of the face in a search, over its size
@@ -27,6 +28,7 @@ struct FakeFaces {
   std::size_t blind_from = ~std::size_t{0};  ///< frame from which on no alignment begins
   std::size_t covered_frames = 0;  ///< at the beginning: the mouth is covered, alignments have it too low
   float covered_error = 0.05f;     ///< landmark error of those
+  float lowered_px = 8;            ///< by how much they have the mouth too low
   // What was asked of it.
   int steps = 0;  ///< of alignments
   int searches = 0, alignments = 0, held_alignments = 0, verifications = 0;
@@ -133,14 +135,12 @@ inline Status begin(FaceAligner&, const FrameView& frame, const FaceBox& box, co
   return Status::ok;
 }
 
-constexpr float kLoweredPx = 8;
-
 /// What an alignment makes of a covered mouth.
 inline void lower_mouth(AlignedFace* face, Span<Vec2> landmarks) {
   face->landmark_error = fake().covered_error;
   for (std::size_t i = 0; i < landmarks.count; ++i)
     if (const std::string name = baked_face().model.landmarks()[i].name; name >= "ibug48" && name <= "ibug67")
-      landmarks[i].y += kLoweredPx;
+      landmarks[i].y += fake().lowered_px;
 }
 
 /// The last step gives the truth of its frame, if the box is of its face.
@@ -186,7 +186,10 @@ inline Status verify(FaceAligner&, const FrameView& frame, const Camera& camera,
   const View view = view_of(pose, camera), right = view_of(f.film->poses[frame.sequence], f.film->camera);
   const Vec2 off = view.s * view.tau - right.s * right.tau;
   const bool is_right = truth.side > 0 && length(off) < 0.2f * truth.side;
-  *face = {camera, pose, is_right ? f.verification : 0.01f, is_right ? f.error : 0.5f};
+  *face = {camera, pose, is_right ? f.verification : 0.01f,
+           !is_right             ? 0.5f
+           : f.tracked_error > 0 ? f.tracked_error
+                                 : f.error};
   return Status::ok;
 }
 

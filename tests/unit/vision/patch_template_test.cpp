@@ -132,23 +132,39 @@ TEST_CASE("a stretch beyond the template margin masks out what leaves the stored
     }
 }
 
-TEST_CASE("the fit of an image that is a template with light, a ramp of it, a small warp and a shift recovers them") {
+namespace {
+
+/// What each unknown of a fit is multiplied by, of the active template.
+struct UnknownImages {
+  const i16* images[10];
+
+  explicit UnknownImages(Workspace& w)
+      : images{w.x,          w.y,          w.active.t,  w.stretch[0], w.stretch[1],
+               w.stretch[2], w.stretch[3], w.active.gx, w.active.gy,  w.active.m} {
+    multiply_by_position(w.active.gx, w.x, w.y, w.count, w.stretch[0], w.stretch[1]);
+    multiply_by_position(w.active.gy, w.x, w.y, w.count, w.stretch[2], w.stretch[3]);
+  }
+};
+
+}  // namespace
+
+TEST_CASE(
+    "the fit of an image that is a template with light, a ramp of it, a small warp and a shift recovers "
+    "them") {
   const Picture p = render(Texture(3), {}, 60, 60);
   Bench b(13);
   Workspace& work = b.work;
   load_template(p.view(), 24, 24, work);
-  const Template& t = work.active;
-  multiply_by_position(t.gx, work.x, work.y, work.count, work.stretch[0], work.stretch[1]);
-  multiply_by_position(t.gy, work.x, work.y, work.count, work.stretch[2], work.stretch[3]);
-  const i16* const images[] = {work.x,          work.y,          t.t,  work.stretch[0], work.stretch[1],
-                               work.stretch[2], work.stretch[3], t.gx, t.gy,            t.m};
+  const UnknownImages of(work);
+  const auto& images = of.images;
   Sym2 even{};
   for (const float ramp_sd : {0.0f, 1.0f}) {
     prepare(images, 13, ramp_sd, false, *work.system);
     const WarpSystem& system = *work.system;
     REQUIRE(system.is_solvable);
     CHECK(system.n == 169);
-    const float truth[] = {4, -3, 0.8f, 0.2f, -0.3f, 0.1f, 0.25f, 0.4f, -0.3f};  // the ramp in 16ths of a grey level
+    const float truth[] = {4,    -3,    0.8f, 0.2f, -0.3f,
+                           0.1f, 0.25f, 0.4f, -0.3f};  // the ramp in 16ths of a grey level
     for (int k = 0; k < 169; ++k) {
       float v = 150;  // bias
       for (int i = system.first; i < kUnknowns; ++i) v += truth[i] * static_cast<float>(images[i][k]);
@@ -177,12 +193,7 @@ TEST_CASE("a picture whose rows and columns change places has the same informati
     Bench b(13);
     Workspace& work = b.work;
     load_template(picture.view(), 24, 24, work);
-    const Template& t = work.active;
-    multiply_by_position(t.gx, work.x, work.y, work.count, work.stretch[0], work.stretch[1]);
-    multiply_by_position(t.gy, work.x, work.y, work.count, work.stretch[2], work.stretch[3]);
-    const i16* const images[] = {work.x,          work.y,          t.t,  work.stretch[0], work.stretch[1],
-                                 work.stretch[2], work.stretch[3], t.gx, t.gy,            t.m};
-    prepare(images, 13, 0, false, *work.system);
+    prepare(UnknownImages(work).images, 13, 0, false, *work.system);
     REQUIRE(work.system->is_solvable);
     return shift_information(*work.system, 1);
   };
