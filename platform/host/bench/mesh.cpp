@@ -26,12 +26,6 @@ struct Times {
   double median() const { return host::median(ns); }
 };
 
-std::ostream* rows;  // output of all rows; set at the start of bench_mesh
-
-void row(const std::string& variant, const char* metric, double value) {
-  BenchRows(*rows, "mesh")(variant, metric, value);
-}
-
 std::string span(int from, int to) {
   return std::to_string(from) + "_to_" + std::to_string(to);
 }
@@ -92,7 +86,7 @@ Vec3 relief(void*, Vec2 uv) {
 
 // Splits random edges: any edge of a free mesh, or subdivision edges of a restricted mesh. The restricted mesh is then welded
 // back, newest vertex first. A trial run chooses the edges, so that only the operators are timed.
-void bare_operators(int n, int target, bool restricted) {
+void bare_operators(const BenchRows& rows, int n, int target, bool restricted) {
   const Grid base(n);
   Bench b(kLarge);
   const auto begin = [&] {
@@ -128,12 +122,12 @@ void bare_operators(int n, int target, bool restricted) {
     weld.ns.push_back((t2 - t1) / static_cast<double>(made.size()));
   }
   const std::string name = span(2 * n * n, after) + (restricted ? "_ready" : "_random");
-  row("split_" + name, "ns_per_split", split.median());
-  if (restricted) row("weld_back_" + name, "ns_per_weld", weld.median());
+  rows("split_" + name, "ns_per_split", split.median());
+  if (restricted) rows("weld_back_" + name, "ns_per_weld", weld.median());
 }
 
 // Uniform refinement by a level test through the queues, and simplification back.
-void restricted_adaptation(int n, int levels) {
+void restricted_adaptation(const BenchRows& rows, int n, int levels) {
   const Grid base(n);
   Unconditional depth;
   Times refine, simplify;
@@ -158,12 +152,12 @@ void restricted_adaptation(int n, int levels) {
     simplify.ns.push_back(t3 - t2);
   }
   const std::string v = span(2 * n * n, faces);
-  row("restricted_refine_" + v, "ns_per_split", refine.median() / splits);
-  row("restricted_refine_" + v, "ms_whole", 1e-6 * refine.median());
-  row("restricted_simplify_" + v, "ns_per_weld", simplify.median() / splits);
+  rows("restricted_refine_" + v, "ns_per_split", refine.median() / splits);
+  rows("restricted_refine_" + v, "ms_whole", 1e-6 * refine.median());
+  rows("restricted_simplify_" + v, "ns_per_weld", simplify.median() / splits);
 }
 
-void contour(int n, int vertices) {
+void contour(const BenchRows& rows, int n, int vertices) {
   const Grid base(n);
   ContourOptions fine;
   fine.mean_mm = 0.001f;
@@ -184,12 +178,12 @@ void contour(int n, int vertices) {
   }
   const std::string v = "contour_" + std::to_string((n + 1) * (n + 1)) + "_to_" +
                         std::to_string(b.mesh.vertex_count()) + "_vertices";
-  row(v, "ms_whole", 1e-6 * whole.median());
-  row(v, "mean_error_mm", static_cast<double>(mean));
+  rows(v, "ms_whole", 1e-6 * whole.median());
+  rows(v, "mean_error_mm", static_cast<double>(mean));
 }
 
 // The mesh update between two frames of a tracker: 64 splits and welds on a mesh at its budget, without new ranks.
-void budgeted_pass() {
+void budgeted_pass(const BenchRows& rows) {
   const Grid base(8);
   ContourOptions fine;
   fine.mean_mm = fine.max_mm = 0;
@@ -215,22 +209,22 @@ void budgeted_pass() {
     pass.ns.push_back(t2 - t1);
     rank.ns.push_back(t1 - t0);
   }
-  row("budgeted_pass_64_operations_1000_vertices", "us", 1e-3 * pass.median());
-  row("rank_all_1000_vertices", "us", 1e-3 * rank.median());
+  rows("budgeted_pass_64_operations_1000_vertices", "us", 1e-3 * pass.median());
+  rows("rank_all_1000_vertices", "us", 1e-3 * rank.median());
 }
 
-void memory(int faces) {
+void memory(const BenchRows& rows, int faces) {
   MeshLimits l;
   l.vertices = static_cast<std::uint16_t>(faces / 2 + 2);
   l.faces = static_cast<std::uint16_t>(faces);
   const std::string v = "memory_" + std::to_string(faces);
-  row(v, "bytes_per_triangle", static_cast<double>(measured_bytes<Mesh>(l)) / faces);
-  row(v, "bytes_per_triangle_of_positions_and_queues",
+  rows(v, "bytes_per_triangle", static_cast<double>(measured_bytes<Mesh>(l)) / faces);
+  rows(v, "bytes_per_triangle_of_positions_and_queues",
       static_cast<double>(measured_bytes<Adapter>(l)) / faces);
 }
 
 /// Refines the base mesh of a model to `vertices` vertices by the contour criterion.
-void model_contour(const ModelFile& file, int vertices) {
+void model_contour(const BenchRows& rows, const ModelFile& file, int vertices) {
   const Model& model = file.model();
   ModelSurface surface(model, std::vector<float>(model.parameters().count, 0.0f));
   ContourOptions least;
@@ -250,24 +244,24 @@ void model_contour(const ModelFile& file, int vertices) {
   }
   const std::string v = "model_" + std::to_string(b.mesh.base_vertex_count()) + "_to_" +
                         std::to_string(b.mesh.vertex_count()) + "_vertices";
-  row(v, "ms_whole", 1e-6 * whole.median());
-  row(v, "mean_error_mm", static_cast<double>(compute_contour_error(b.adapter.shape(), 4).mean_mm));
+  rows(v, "ms_whole", 1e-6 * whole.median());
+  rows(v, "mean_error_mm", static_cast<double>(compute_contour_error(b.adapter.shape(), 4).mean_mm));
 }
 
 }  // namespace
 
 void bench_mesh(std::ostream& out, const ModelFile* model) {
-  rows = &out;
+  const BenchRows rows(out, "mesh");
   for (const bool restricted : {false, true}) {
-    bare_operators(22, 10000, restricted);
-    bare_operators(71, 20000, restricted);
+    bare_operators(rows, 22, 10000, restricted);
+    bare_operators(rows, 71, 20000, restricted);
   }
-  restricted_adaptation(8, 7);
-  restricted_adaptation(22, 4);
-  contour(8, 1900);
-  if (model != nullptr) model_contour(*model, 1900);
-  budgeted_pass();
-  for (const int faces : {968, 3528, 10082, 16384}) memory(faces);
+  restricted_adaptation(rows, 8, 7);
+  restricted_adaptation(rows, 22, 4);
+  contour(rows, 8, 1900);
+  if (model != nullptr) model_contour(rows, *model, 1900);
+  budgeted_pass(rows);
+  for (const int faces : {968, 3528, 10082, 16384}) memory(rows, faces);
 }
 
 }  // namespace pliant::host

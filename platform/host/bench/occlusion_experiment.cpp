@@ -38,9 +38,9 @@ struct Situation {
 };
 
 /// A person, a pose and points, and an estimator for each rejection method.
-class Scene {
+class CoveredPerson {
  public:
-  Scene(const Model& model, Dice& dice) : model_(model), dice_(dice), truth_(model) {
+  CoveredPerson(const Model& model, Dice& dice) : model_(model), dice_(dice), truth_(model) {
     before_.q.resize(model.parameters().count);
     for (std::size_t i = 0; i < before_.q.size(); ++i) {
       const Parameter& p = model.parameters()[i];
@@ -221,8 +221,8 @@ OcclusionResult measure_occlusion(const Model& model, Disturbance disturbance, d
   Dice dice;
   OcclusionResult result;
   for (int s = 0; s < scenes; ++s) {
-    Scene scene(model, dice);
-    for (int t = 0; t < trials_a_scene; ++t) scene.run(disturbance, fraction, &result);
+    CoveredPerson person(model, dice);
+    for (int t = 0; t < trials_a_scene; ++t) person.run(disturbance, fraction, &result);
   }
   const double n = static_cast<double>(scenes) * trials_a_scene;
   for (int d = 0; d < kMethods; ++d) {

@@ -25,7 +25,7 @@ namespace pliant::host {
 namespace {
 
 /// Without a start the model is in the middle of the picture, at this fraction of its height: a usual portrait.
-constexpr float kFilledFraction = 0.6f;
+constexpr float kFilledPicture = 0.6f;
 /// Cosine of the angle between the view ray and the outward normal above which a landmark starts switched off. More than 0,
 /// because landmarks of the silhouette are at 0. Chosen by eye.
 constexpr float kTurnedAway = 0.4f;
@@ -62,7 +62,7 @@ FitFile start_of(const Args& args, const ModelFile& file, const Image& image, co
   std::vector<float> q(file.model().parameters().count, 0.0f);
   const float f = setup.focal_px > 0 ? setup.focal_px : default_focal(setup.size);
   const Camera camera = setup.camera.value_or(centred_camera(image.width, image.height, f));
-  Pose pose = frontal_pose(file.model(), q.data(), camera, image.height, kFilledFraction);
+  Pose pose = frontal_pose(file.model(), q.data(), camera, image.height, kFilledPicture);
   if (!file.model().aligner().empty()) {
     const auto faces = FaceFinder(file).find(to_grey(image), path, kLeastFaceScore, camera);
     if (!faces.empty()) pose = faces[0].aligned.pose, q = faces[0].q;

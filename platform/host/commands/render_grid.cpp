@@ -19,7 +19,7 @@ constexpr int kNameHeight = static_cast<int>(kTextHeight * kTextScale);
 constexpr std::size_t kMostPictures = 64;
 constexpr std::uint8_t kPaper = 236;
 /// Height of the mean face as a fraction of a cell's; all faces have its scale. Leaves room for the widest.
-constexpr float kFilledFraction = 0.72f;
+constexpr float kFilledCell = 0.72f;
 
 struct NamedRows {
   std::vector<std::string> names;
@@ -66,7 +66,7 @@ Image draw_grid(const ModelFile& file, const std::string& people, const std::str
   const Camera camera = centred_camera(cell.width, cell.height, 3.0f * static_cast<float>(cell.height));
   PosedParameters neutral;
   neutral.q.assign(model.parameters().count, 0.0f);
-  neutral.pose = frontal_pose(model, neutral.q.data(), camera, cell.height, kFilledFraction);
+  neutral.pose = frontal_pose(model, neutral.q.data(), camera, cell.height, kFilledCell);
   const NamedRows persons = read_rows(people, model, neutral, true, console),
                   moods = read_rows(expressions, model, neutral, false, console);
 
