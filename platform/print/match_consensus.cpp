@@ -12,6 +12,9 @@ struct ConsensusTuning {
   /// Cosine of half the angle between the rotations that two matches suggest, at least: 50 degrees apart, since views of the
   /// table are 43 degrees apart.
   float least_half_cosine = 0.9f;
+  /// Of views that lead to one fit, and of which only the best is kept: rotations less than 20 degrees apart, and ratio of scales.
+  /// 179 frames (docs/experiments.md, Start by print) were found, with 10 or 36 degrees 177, with all views 172.
+  float same_half_cosine = 0.985f, same_scale_ratio = 1.3f;
 };
 constexpr ConsensusTuning kTuning;
 
@@ -28,10 +31,8 @@ View view_from(const SurfaceMatch& m, const Camera& camera) {
   return v;
 }
 
-bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b) {
-  const float dot4 = a.q.w * b.q.w + a.q.x * b.q.x + a.q.y * b.q.y + a.q.z * b.q.z;
-  return magnitude(dot4) >= kTuning.least_half_cosine && a.s <= kTuning.most_scale_ratio * b.s &&
-         b.s <= kTuning.most_scale_ratio * a.s;
+float half_cosine(const SurfaceMatch& a, const SurfaceMatch& b) {
+  return magnitude(a.q.w * b.q.w + a.q.x * b.q.x + a.q.y * b.q.y + a.q.z * b.q.z);
 }
 
 int count_votes(Span<const SurfaceMatch> matches, std::size_t of, const View& view, float tolerance_px) {
@@ -44,7 +45,27 @@ int count_votes(Span<const SurfaceMatch> matches, std::size_t of, const View& vi
   return votes;
 }
 
+/// Whether a view is nearly that which the match suggests.
+bool is_same(const ViewVotes& view, const SurfaceMatch& of, const SurfaceMatch& m, float tolerance_mm) {
+  Vec2 x;
+  return half_cosine(of, m) >= kTuning.same_half_cosine && of.s <= kTuning.same_scale_ratio * m.s &&
+         m.s <= kTuning.same_scale_ratio * of.s && Projector(view.view, true).project(m.p, &x) &&
+         length(x - m.x) <= tolerance_mm * view.view.s;
+}
+
+bool is_any_same(Span<const ViewVotes> views, Span<const SurfaceMatch> matches, const SurfaceMatch& m,
+                 float tolerance_mm) {
+  for (const ViewVotes& view : views)
+    if (is_same(view, matches[view.match], m, tolerance_mm)) return true;
+  return false;
+}
+
 }  // namespace
+
+bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b) {
+  return a.s <= kTuning.most_scale_ratio * b.s && b.s <= kTuning.most_scale_ratio * a.s &&
+         half_cosine(a, b) >= kTuning.least_half_cosine;
+}
 
 std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, float tolerance_mm,
                        Span<ViewVotes> views) {
@@ -54,10 +75,13 @@ std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, f
     const int votes = count_votes(matches, k, view, tolerance_mm * view.s);
     std::size_t at = count;
     while (at > 0 && votes > views[at - 1].votes) --at;
-    if (at == views.count) continue;
-    count = count < views.count ? count + 1 : count;
-    for (std::size_t i = count - 1; i > at; --i) views[i] = views[i - 1];
-    views[at] = {view, votes};
+    if (at == views.count || is_any_same({views.data, at}, matches, matches[k], tolerance_mm)) continue;
+    // Takes the place of the first same one, else of the last one.
+    std::size_t last = at;
+    while (last < count && !is_any_same({views.data + last, 1}, matches, matches[k], tolerance_mm)) ++last;
+    if (last == count) count < views.count ? ++count : --last;
+    for (std::size_t i = last; i > at; --i) views[i] = views[i - 1];
+    views[at] = {view, votes, k};
   }
   return count;
 }

@@ -19,11 +19,15 @@ struct SurfaceMatch {
   float sd_px = 1;
 };
 
-/// A view, and the number of matches that it explains.
+/// A view, the match that suggests it, and the number of matches that it explains.
 struct ViewVotes {
   View view;
   int votes = 0;
+  std::size_t match = 0;
 };
+
+/// Whether two matches suggest nearly the same rotation and scale.
+bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b);
 
 /// Takes each match in turn as true, and counts the others near their place in the view that it suggests.
 /// \param tolerance_mm  distance on the surface at which a match still agrees.

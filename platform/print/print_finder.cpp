@@ -142,6 +142,7 @@ bool PrintFinder::fit_views(Span<const ViewVotes> views, const FrameView& frame,
   bool is_found = false;
   for (std::size_t k = 0; k < views.count && views[k].votes >= kTuning.least_votes; ++k) {
     FoundPrint candidate;
+    seed_ = views[k].match;
     if (!fit_readings(views[k].view, frame, camera, &candidate)) continue;
     if (is_found && !agrees_better(candidate.agreement, found->agreement)) continue;
     is_found = true;
@@ -199,7 +200,6 @@ bool PrintFinder::fit_readings(const View& start, const FrameView& frame, const 
   FitReport report;
   for (float& value : q_) value = 0;
   if (!fit(frame, camera, false, kTuning.vote_fraction, &rigid, &report)) return false;
-  const Quat front = matcher_.table().views()[0];
   Candidate best, other;
   View view = rigid;
   for (std::size_t reading = 0; reading < kPrintTuning.readings; ++reading) {
@@ -212,12 +212,30 @@ bool PrintFinder::fit_readings(const View& start, const FrameView& frame, const 
       best = candidate;
       for (std::size_t k = 0; k < q_.count; ++k) best_q_[k] = q_[k];
     }
-    view = mirrored_tilt(reading == 0 ? candidate.view : rigid, front);
-    for (float& value : q_) value = reading == 0 ? -value : 0;
+    if (reading + 1 == kPrintTuning.readings) break;
+    view = tilted_back(reading == 0 ? candidate.view : rigid, reading == 0);
   }
   if (!best.is_accepted) return false;
   *found = {best.view, best.agreement, is_clear(best, other)};
   return true;
+}
+
+/// The view tilted to the other side, where what bent towards the camera bends away. The matches that agree with the view stay
+/// where they are seen: what they show may be far from the model's origin, as the front of a box is.
+View PrintFinder::tilted_back(const View& view, bool bends) {
+  for (float& value : q_) value = bends ? value : 0;
+  const float tolerance = max(kTuning.rigid_fraction * extent_px(view), kTuning.least_tolerance_px);
+  const Span<const Correspondence> points = points_near(view, tolerance);
+  for (float& value : q_) value = -value;
+  View back = mirrored_tilt(view, matcher_.table().views()[0]);
+  const Projector projector(back, true);
+  Vec2 sum;
+  for (const Correspondence& point : points) {
+    const Vec3 p = projector.rotated(fitter_.cascade().surface_point(point.uv, q_.data));
+    sum = sum + ((1 + back.rho * p.z) / back.s * (lens_.undistort(point.x) - back.c) - Vec2{p.x, p.y});
+  }
+  if (points.count > 0) back.tau = 1 / static_cast<float>(points.count) * sum;
+  return back;
 }
 
 bool PrintFinder::is_better(const Candidate& a, const Candidate& b) {
@@ -283,14 +301,16 @@ bool PrintFinder::fit_to(Span<const Correspondence> points, const FrameView& fra
   return true;
 }
 
-/// Matches that lie near their place on the present surface.
+/// Matches that lie near their place on the present surface, and suggest a view similar to the one that is fitted.
 Span<const Correspondence> PrintFinder::points_near(const View& view, float tolerance) {
   const Projector projector(view, true);
   std::size_t count = 0;
   for (std::size_t k = 0; k < match_count_ && count < points_.count; ++k) {
     const SurfaceMatch& m = matches_[k];
     Vec2 x;
-    if (!projector.project(fitter_.cascade().surface_point(m.uv, q_.data), &x)) continue;
+    if (!is_similar(m, matches_[seed_]) ||
+        !projector.project(fitter_.cascade().surface_point(m.uv, q_.data), &x))
+      continue;
     if (length(x - m.x) <= tolerance) points_[count++] = {m.uv, lens_.distort(m.x), m.sd_px, false};
   }
   return {points_.data, count};

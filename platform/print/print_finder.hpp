@@ -51,6 +51,7 @@ class PrintFinder {
                  FoundPrint* found);
   bool waits(const FoundPrint& found, bool is_quick);
   bool fit_readings(const View& start, const FrameView& frame, const Camera& camera, FoundPrint* found);
+  View tilted_back(const View& view, bool bends);
   static bool is_clear(const Candidate& best, const Candidate& other);
   static bool is_better(const Candidate& a, const Candidate& b);
   Candidate fit_candidate(const View& start, const FrameView& frame, const Camera& camera);
@@ -70,6 +71,7 @@ class PrintFinder {
   Fitter fitter_;
   Span<SurfaceMatch> matches_;
   std::size_t match_count_ = 0;
+  std::size_t seed_ = 0;  // the match whose view is fitted
   int doubtful_frames_ = 0;  // in succession, the better ones twice
   int failed_searches_ = 0;  // modulo the interval of spread corners
   Span<Correspondence> points_;

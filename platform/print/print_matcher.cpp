@@ -64,7 +64,7 @@ void PrintMatcher::lay_out(Arena& arena, const PrintTable& table, int width, int
                                             candidates_of(0, width, height) * sizeof(Corner) +
                                             2 * Arena::kAlignment);
   corners_ = arena.take_span<FrameCorner>(all_room());
-  matches_ = arena.take_span<PrintMatch>(all_room());
+  matches_ = arena.take_span<PrintMatch>(most_matches());
 }
 
 Status PrintMatcher::begin(const FrameView& frame, CornerChoice choice) {
@@ -78,7 +78,7 @@ Status PrintMatcher::begin(const FrameView& frame, CornerChoice choice) {
 }
 
 std::size_t PrintMatcher::most_matches() {
-  return all_room();
+  return kTuning.matches_per_corner * all_room();
 }
 
 bool PrintMatcher::step(std::uint32_t work) {
@@ -127,30 +127,34 @@ void PrintMatcher::add_corner(const ImageView& image, Vec2 x, PatchScale patch, 
   ++corner_count_;
 }
 
-/// Keeps the corner if a keypoint is near enough, and nearer than any elsewhere on the surface.
+/// Keeps the nearest keypoints of different places of the surface, as far as they are near enough.
 void PrintMatcher::match(std::size_t corner) {
   const auto& bits = corners_[corner].descriptor.bits;
   const Span<const PrintKeypoint> keypoints = table_.keypoints();
-  constexpr int kBeyondAll = 32 * kDescriptorWords + 1;
-  int best = kBeyondAll, other = kBeyondAll;
-  std::size_t nearest = 0;
+  constexpr std::size_t kMost = kTuning.matches_per_corner;
+  std::size_t nearest[kMost] = {};
+  int distance[kMost] = {};
+  std::size_t count = 0;
   for (std::size_t k = 0; k < keypoints.count; ++k) {
-    const int d = distance_of(bits, keypoints[k].bits, other);
-    if (d >= other) continue;
-    const bool is_same_place =
-        best < kBeyondAll && length(keypoints[k].uv() - keypoints[nearest].uv()) < kTuning.same_place;
-    if (d < best) {
-      if (!is_same_place) other = best;
-      best = d;
-      nearest = k;
-    } else if (!is_same_place) {
-      other = d;
-    }
+    const int most = count < kMost ? kTuning.most_distance + 1 : distance[kMost - 1];
+    const int d = distance_of(bits, keypoints[k].bits, most);
+    if (d >= most) continue;
+    std::size_t at = count;
+    while (at > 0 && d < distance[at - 1]) --at;
+    const auto is_same_place = [&](std::size_t other) {
+      return length(keypoints[k].uv() - keypoints[other].uv()) < kTuning.same_place;
+    };
+    bool is_worse = false;
+    for (std::size_t i = 0; i < at; ++i) is_worse = is_worse || is_same_place(nearest[i]);
+    if (is_worse) continue;
+    std::size_t last = at;
+    while (last < count && !is_same_place(nearest[last])) ++last;
+    if (last == count) count < kMost ? ++count : --last;
+    for (std::size_t i = last; i > at; --i) nearest[i] = nearest[i - 1], distance[i] = distance[i - 1];
+    nearest[at] = k, distance[at] = d;
   }
-  if (best > kTuning.most_distance ||
-      static_cast<float>(best) > kTuning.most_ratio * static_cast<float>(other))
-    return;
-  matches_[match_count_++] = {static_cast<std::uint16_t>(corner), static_cast<std::uint16_t>(nearest)};
+  for (std::size_t i = 0; i < count; ++i)
+    matches_[match_count_++] = {static_cast<std::uint16_t>(corner), static_cast<std::uint16_t>(nearest[i])};
 }
 
 }  // namespace pliant

@@ -23,19 +23,22 @@ struct PrintTuning {
   /// searches with the strongest corners in five frames.
   int spread_interval = 3;
   std::size_t corner_tiles = 8, corner_candidates = 8;
-  /// Bits that may differ in a match, and as a fraction of those that differ from the best keypoint elsewhere
-  /// on the surface. Wrong matches cost time only: views are voted for and verified. 70 and 0.8 leave too few
-  /// on a small print (an other print, 66 px high: found in 3 of 8 instead of all).
+  /// Bits that may differ in a match. Wrong matches cost time only: views are voted for and verified. 70, with one match a corner,
+  /// leaves too few on a small print (an other print, 66 px high: found in 3 of 8 instead of all); with two 74 finds as much as 80.
   int most_distance = 80;
-  float most_ratio = 0.9f;
+  /// Places of the surface that a corner is matched with, the nearest ones. Of frames of four surfaces in hard films
+  /// (docs/experiments.md, Start by print) 147 were found with one, if it was a tenth nearer than any other, 166 with the nearest one,
+  /// 182 with two, 173 with three; with three a search takes 1.4 times as long.
+  std::size_t matches_per_corner = 2;
   /// Distance in (u,v) from which on two keypoints are of different places.
   float same_place = 0.04f;
   /// What the parts of a search cost, in the cells that bound it (TrackerLimits::search_work; some 3,000 instructions each): pixels
   /// whose corners are found for one cell, cells of a descriptor, keypoints that a corner is compared with for one cell. Round
   /// values, not tuned.
   std::uint32_t pixels_per_cell = 50, cells_per_descriptor = 4, keypoints_per_cell = 100;
-  /// Views that are fitted at most, those with most votes first, and readings of each: time of a search's last frame. Not tuned.
-  std::size_t most_views = 3, readings = 3;
+  /// Views that are fitted at most, those with most votes first, and readings of each: time of a search's last frame. Of the same
+  /// frames 170 were found with 3 views, 179 with 5, 182 with 8.
+  std::size_t most_views = 5, readings = 3;
   /// Matches and blocks that are fitted at most: time and memory of the fit. Fits to blocks, after those to corners.
   std::size_t fitted_points = 96;
   int block_passes = 4;
