@@ -31,7 +31,7 @@ bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b);
 
 /// Takes each match in turn as true, and counts the others near their place in the view that it suggests.
 /// \param tolerance_mm  distance on the surface at which a match still agrees.
-/// \param views         out: the views with most votes, best first. Several may be nearly the same.
+/// \param views         out: the views with most votes, best first. Of nearly the same ones only the best is kept.
 /// \return their number. Cost: matches^2 projections.
 std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, float tolerance_mm,
                        Span<ViewVotes> views);

@@ -185,6 +185,17 @@ bool agrees(const FrameView& frame, const Block& block, float spacing, const flo
   return correlate(grey, 2 * kHalf + 1, expected) >= kTuning.least_correlation;
 }
 
+/// Whether another part of the surface is in front of the middle or of a corner of the block.
+bool is_hidden(const SurfaceProjection& projection, const Block& block, float reach) {
+  constexpr Vec2 kPlaces[] = {{0, 0}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+  if (projection.shows == nullptr) return false;
+  for (const Vec2 place : kPlaces) {
+    const Vec2 d = reach * place;
+    if (!projection.shows(projection.state, block.uv + block.uv_per_px * d, block.place_of(d))) return true;
+  }
+  return false;
+}
+
 bool is_inside(const FrameView& frame, Vec2 x, float reach) {
   return x.x >= reach && x.y >= reach && x.x < static_cast<float>(frame.width) - reach &&
          x.y < static_cast<float>(frame.height) - reach;
@@ -193,7 +204,7 @@ bool is_inside(const FrameView& frame, Vec2 x, float reach) {
 }  // namespace
 
 PrintAgreement compare_print(const FrameView& frame, const Model& model, const PrintTable& table,
-                             const SurfaceProjection& projection, float block_px) {
+                             const SurfaceProjection& projection, float block_px, PrintHistory* history) {
   PrintAgreement agreement;
   const ChartImage albedo = model.albedo();
   const BlockPlaces places(table.keypoints(), kPrintTuning.blocks);
@@ -210,9 +221,13 @@ PrintAgreement compare_print(const FrameView& frame, const Model& model, const P
     if (!is_agreed) {
       if (!bend_block(projection, kHalf * block_px, kTuning.most_bend * block_px, &block)) continue;
       is_agreed = agrees(frame, block, block_px, expected);
+      if (!is_agreed && is_hidden(projection, block, kHalf * block_px)) continue;
     }
     ++agreement.visible;
     agreement.agreed += is_agreed;
+    if (history == nullptr) continue;
+    if (is_agreed) history->add(k);
+    agreement.agreed_once += history->has(k);
   }
   return agreement;
 }

@@ -5,6 +5,7 @@
 #include "pliant/frame.hpp"
 #include "pliant/model.hpp"
 #include "print/print_table.hpp"
+#include "print/print_tuning.hpp"
 
 namespace pliant {
 
@@ -12,6 +13,8 @@ namespace pliant {
 struct SurfaceProjection {
   void* state;
   bool (*project)(void* state, Vec2 uv, Vec2* x);  ///< false behind the camera
+  /// Whether x (px) shows (u,v), and no other part of the surface in front of it. Null: always.
+  bool (*shows)(void* state, Vec2 uv, Vec2 x) = nullptr;
 
   bool operator()(Vec2 uv, Vec2* x) const { return project(state, uv, x); }
 };
@@ -20,13 +23,30 @@ struct SurfaceProjection {
 /// the albedo.
 struct PrintAgreement {
   int visible = 0, agreed = 0;
+  int agreed_once = 0;  ///< of the visible ones: now, or in an earlier comparison with the same history
+};
+
+/// The blocks that have agreed since a track began.
+class PrintHistory {
+ public:
+  void clear() { *this = {}; }
+  bool has(std::size_t block) const { return (bits_[block / 32] >> block % 32 & 1) != 0; }
+  void add(std::size_t block) { bits_[block / 32] |= std::uint32_t{1} << block % 32; }
+
+ private:
+  static constexpr std::size_t kBlocks = kPrintTuning.blocks * kPrintTuning.block_rounds;
+  std::uint32_t bits_[(kBlocks + 31) / 32] = {};
 };
 
 /// Compares blocks around the table's keypoints. A block that does not agree is compared again where the second order of the
-/// surface puts its samples; it is not counted where the surface bends away. \param block_px  spacing of the 7 x 7 samples
-/// of a block, px. Cost: 48 blocks, three projections and 900 samples each; eight and 1,350 where it is compared again.
+/// surface puts its samples; it is not counted where the surface bends away, or where another part of it is in front.
+/// \param block_px  spacing of the 7 x 7 samples of a block, px.
+/// \param history   takes the blocks that agree. Null: none.
+/// Cost: 48 blocks, three projections and 900 samples each; eight and 1,350 where it is compared again, and five `shows` where it
+/// does not agree then.
 PrintAgreement compare_print(const FrameView& frame, const Model& model, const PrintTable& table,
-                             const SurfaceProjection& projection, float block_px);
+                             const SurfaceProjection& projection, float block_px,
+                             PrintHistory* history = nullptr);
 
 /// A place of the surface as the camera sees it.
 struct SurfacePlace {

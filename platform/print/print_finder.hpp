@@ -71,7 +71,7 @@ class PrintFinder {
   Fitter fitter_;
   Span<SurfaceMatch> matches_;
   std::size_t match_count_ = 0;
-  std::size_t seed_ = 0;  // the match whose view is fitted
+  std::size_t seed_ = 0;     // the match whose view is fitted
   int doubtful_frames_ = 0;  // in succession, the better ones twice
   int failed_searches_ = 0;  // modulo the interval of spread corners
   Span<Correspondence> points_;

@@ -27,8 +27,8 @@ struct PrintTuning {
   /// leaves too few on a small print (an other print, 66 px high: found in 3 of 8 instead of all); with two 74 finds as much as 80.
   int most_distance = 80;
   /// Places of the surface that a corner is matched with, the nearest ones. Of frames of four surfaces in hard films
-  /// (docs/experiments.md, Start by print) 147 were found with one, if it was a tenth nearer than any other, 166 with the nearest one,
-  /// 182 with two, 173 with three; with three a search takes 1.4 times as long.
+  /// (docs/experiments.md, Start by print) 147 were found with one, if it was a tenth nearer than any other, 166 with the nearest
+  /// one, 182 with two, 173 with three; with three a search takes 1.4 times as long.
   std::size_t matches_per_corner = 2;
   /// Distance in (u,v) from which on two keypoints are of different places.
   float same_place = 0.04f;

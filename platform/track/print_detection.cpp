@@ -27,8 +27,10 @@ struct PrintStartTuning {
   /// what its shapes cannot. Of cloth that is stretched by a quarter 0.75 agrees, with 1.8 to 2.7 px (cloth A); right frames of the
   /// other films leave 1.4 px.
   float least_fitting_agreement = 0.85f, most_rms_px = 1.5f;
-  /// A track that began by print is degraded until this fraction has agreed once. A search finds also a surface of which a part is
-  /// folded away; the rest of it is then wrong until it is seen (cloth A: up to 0.81 agreed at errors above 5 %).
+  /// A track that began by print is degraded until this fraction of the visible blocks has agreed, each in this frame or an
+  /// earlier one: blur and what moves by hide other blocks in other frames (docs/experiments.md, Start by print). A search
+  /// finds also a surface of which a part is folded away; the rest of it is then wrong until it is seen (cloth A: up to 0.81
+  /// agreed at errors above 5 %).
   float least_confirming_agreement = 0.92f;
   /// Frames after which a start by print that is not confirmed is given up: its hidden part has no templates, and a new search finds
   /// what has come to light since. Half a second, not tuned.
@@ -42,7 +44,8 @@ struct PrintDetectionState : DetectionState {
   PrintTable table;
   PrintFinder* finder = nullptr;  // in the block, while there is no track
   int frames_since_check = 0, bad_checks = 0, unconfirmed_frames = 0;
-  float agreement = 1;  // of the last check
+  float agreement = 1;   // of the last check
+  PrintHistory history;  // of this track
   bool is_confirmed = true;
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
@@ -132,20 +135,28 @@ bool project(void* state, Vec2 uv, Vec2* x) {
   return static_cast<Estimator*>(state)->project({clamp(uv.x, 0, 1), clamp(uv.y, 0, 1)}, x);
 }
 
-/// The fraction of the print that the picture shows; 1 where too little is visible to tell.
-float agreement_of(TrackerParts& t, const FrameView& view) {
-  const PrintTable& table = self_of(t).table;
-  const float block_px = print_block_px(t.estimator.view().s * table.extent_mm());
-  const PrintAgreement a = compare_print(view, t.table, table, {&t.estimator, project}, block_px);
-  return a.visible < kTuning.least_visible ? 1 : static_cast<float>(a.agreed) / static_cast<float>(a.visible);
+/// Whether the surface that the camera sees at x is near (u,v).
+bool shows(void* state, Vec2 uv, Vec2 x) {
+  Vec2 seen;
+  return static_cast<Estimator*>(state)->surface_at(x, &seen) == 0 &&
+         length(seen - uv) <= kPrintTuning.same_place;
+}
+
+/// A fraction of the visible blocks; 1 where too few are visible to tell.
+float fraction_of(int blocks, const PrintAgreement& a) {
+  return a.visible < kTuning.least_visible ? 1 : static_cast<float>(blocks) / static_cast<float>(a.visible);
 }
 
 void check(TrackerParts& t, const FrameView& view) {
   PrintDetectionState& self = self_of(t);
   self.frames_since_check = 0;
-  self.agreement = agreement_of(t, view);
+  const float block_px = print_block_px(t.estimator.view().s * self.table.extent_mm());
+  const PrintAgreement a =
+      compare_print(view, t.table, self.table, {&t.estimator, project, shows}, block_px, &self.history);
+  self.agreement = fraction_of(a.agreed, a);
   self.bad_checks = self.agreement < kTuning.least_agreement ? self.bad_checks + 1 : 0;
-  self.is_confirmed = self.is_confirmed || self.agreement >= kTuning.least_confirming_agreement;
+  self.is_confirmed =
+      self.is_confirmed || fraction_of(a.agreed_once, a) >= kTuning.least_confirming_agreement;
 }
 
 /// Makes a frame degraded whose surface is not where the picture shows the print.
@@ -186,6 +197,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   if (self.keep_start_of_caller(options)) self.marker_count = 0;
   self.frames_since_check = self.bad_checks = self.unconfirmed_frames = 0;
   self.agreement = 1;
+  self.history.clear();
   self.is_confirmed = !self.is_own_start();
   if (!self.table.is_open() || !self.is_own_start()) return;
   check(t, view);

@@ -108,3 +108,42 @@ TEST_CASE("blocks of a surface that bends and is twisted agree, since they are p
   CHECK(agreement({8}, {8}, 5) > 0.93f);
   CHECK(agreement({10}, {10}, 4) > 0.93f);
 }
+
+TEST_CASE("blocks behind another part of the surface are not counted, others that do not agree are") {
+  PrintTable table;
+  REQUIRE(PrintTable::open(noisy_sheet().print(), &table) == Status::ok);
+  Image image = picture_under({0});
+  const Wavy map{0};
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth / 2; ++x) *image.at(x, y) = 128;
+  SurfaceProjection projection = map.projection();
+  const PrintAgreement covered = compare_print(frame_of(image), noisy_sheet(), table, projection, 4);
+  CHECK(covered.agreed > 0.3f * static_cast<float>(covered.visible));
+  CHECK(covered.agreed < 0.7f * static_cast<float>(covered.visible));
+  projection.shows = [](void*, Vec2, Vec2 x) { return x.x > 0.5f * kWidth; };
+  const PrintAgreement seen = compare_print(frame_of(image), noisy_sheet(), table, projection, 4);
+  CHECK(seen.agreed == covered.agreed);
+  CHECK(seen.agreed > 0.95f * static_cast<float>(seen.visible));
+}
+
+TEST_CASE("a history has the blocks that have agreed in any of its comparisons") {
+  PrintTable table;
+  REQUIRE(PrintTable::open(noisy_sheet().print(), &table) == Status::ok);
+  const Wavy map{0};
+  PrintHistory history;
+  PrintAgreement found;
+  for (const bool is_left : {true, false}) {
+    Image image = picture_under(map);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth / 2; ++x) *image.at(is_left ? x : x + kWidth / 2, y) = 128;
+    found = compare_print(frame_of(image), noisy_sheet(), table, map.projection(), 4, &history);
+    CHECK(found.agreed < 0.7f * static_cast<float>(found.visible));
+    if (is_left) CHECK(found.agreed_once == found.agreed);
+  }
+  CHECK(found.agreed_once > 0.85f * static_cast<float>(found.visible));
+  history.clear();
+  CHECK_FALSE(history.has(0));
+  history.add(33);
+  CHECK(history.has(33));
+  CHECK_FALSE(history.has(32));
+}

@@ -81,6 +81,20 @@ TEST_CASE(
   CHECK(film.turned_from(pose) < 0.1f);
 }
 
+TEST_CASE("a start by print behind something that moves on is confirmed when each part has been seen once") {
+  Film film(sheet());
+  const Pose pose = posed(0.1f, 0.2f, 0, 0.8f);
+  int frame = 0, first_tracked = 0;
+  for (; frame < 16; ++frame) {
+    const int first = 120 + 50 * (frame / 5 % 2);
+    REQUIRE(film.show(covered(picture_of(pose, kRest, film.count), first, first + 40)) == Status::ok);
+    if (first_tracked == 0 && film.result.state == TrackState::tracking) first_tracked = frame;
+  }
+  CHECK(first_tracked >= 5);  // not before it has moved
+  CHECK(first_tracked <= 9);
+  CHECK(film.turned_from(pose) < 0.05f);
+}
+
 TEST_CASE("a search that waits for further frames leaves the parameters of the last track as they are") {
   Film film(sheet());
   const Pose pose = posed(0.1f, 0.2f, 0, 0.8f);
