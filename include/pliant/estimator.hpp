@@ -145,6 +145,10 @@ class Estimator {
   /// Ends the frame: decides the track's state from the last `solve`. After a bad frame pose and parameters
   /// are those of the last good one.
   FrameResult end();
+  /// Makes a state that the platform has measured that of the last good frame, at rest: after an `end` that told a bad frame.
+  /// Parameters that are not free keep their values.
+  /// \param result  its state and poses become those of a tracked frame. \return as `restore`.
+  Status accept(const State& measured, FrameResult* result);
 
   const Model& model() const;                     ///< The model of the layout.
   const Camera& camera() const;                   ///< The camera of the start.

@@ -24,11 +24,10 @@ void FaceChecks::begin_track(float landmark_error) {
   bad_ = good_ = 0;
 }
 
-/// Of a frame that is tracked: how well the landmarks are known, and what that makes of its state.
-void FaceChecks::tell_worth(const View& view, FrameResult* result) const {
-  result->landmark_error = landmark_error_;
+void FaceChecks::tell_worth(const View& view, float landmark_error, FrameResult* result) {
+  result->landmark_error = landmark_error;
   const bool is_turned_away = camera_direction(view).z < kTuning.least_facing;
-  if (is_turned_away || landmark_error_ > kTuning.most_landmark_error) result->state = TrackState::degraded;
+  if (is_turned_away || landmark_error > kTuning.most_landmark_error) result->state = TrackState::degraded;
 }
 
 bool FaceChecks::endure(const FrameResult& result, int bad_frames, std::size_t key_frames) {
@@ -46,7 +45,7 @@ bool FaceChecks::conclude(const FrameView& frame, Estimator& estimator, bool has
     frames_since_ = 0;
     if (!check(frame, estimator, scratch)) return false;
   }
-  tell_worth(estimator.view(), result);
+  tell_worth(estimator.view(), landmark_error_, result);
   return true;
 }
 

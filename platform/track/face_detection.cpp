@@ -48,6 +48,34 @@ void FaceDetectionState::lay_out(Arena& arena, const Model& model, const Tracker
   if (parts != nullptr && parts->open(model) != Status::ok) parts = nullptr;
 }
 
+FaceBox FaceDetectionState::box_of(TrackerParts& t) {
+  const auto place = [&](std::uint16_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); };
+  return box_at_landmarks(t.model(), t.estimator.view().s, place);
+}
+
+void FaceDetectionState::start_found(TrackerParts& t, const FrameView& view, const StartPose& found,
+                                     const TrackerOptions& options) {
+  const bool is_known = person.is_known;
+  t.identity_is_given = t.identity_is_given && is_known;
+  if (!is_known) marker_count = 0;
+  if (start(t, view, found, options) == Status::ok && !is_known) t.offsets.place_pending(t.estimator);
+}
+
+void FaceDetectionState::begin_anew(TrackerParts& t, const FrameView& view, const AlignedFace& face) {
+  StartPose found;
+  face_search.set_new_person(kept.start, face, &person_of(t), &found);
+  landmark_error = face.landmark_error;
+  start_found(t, view, found, kept.options);
+}
+
+void FaceDetectionState::renew(TrackerParts& t, const FrameView& view, float error) {
+  const StartPose found{t.estimator.camera(), pose_of(t.estimator.view())};
+  keep_parameters(t);
+  marker_count = t.markers.save(t.estimator, markers);
+  landmark_error = error;
+  (void)start(t, view, found, kept.options);  // a track that cannot begin is lost
+}
+
 namespace {
 
 DetectionState* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
@@ -89,11 +117,7 @@ Status search(TrackerParts& t, const FrameView& view) {
   TrackerOptions options = self.kept.options;
   // To refine the mesh takes as long as two frames of the track, which does not depend on it.
   if (self.face_search.spreads_work()) options.estimator.mesh_error_mm = 0;
-  const bool is_known = self.person.is_known;
-  t.identity_is_given = t.identity_is_given && is_known;
-  if (!is_known) self.marker_count = 0;
-  status = self.start(t, view, found, options);
-  if (status == Status::ok && !is_known) t.offsets.place_pending(t.estimator);
+  self.start_found(t, view, found, options);
   return Status::ok;
 }
 
@@ -114,19 +138,13 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
   t.lay_out_tracking();
 }
 
-/// Of the track, as its parameters have it; side 0 if the model has no such landmarks.
-FaceBox box_of(TrackerParts& t) {
-  const auto place = [&](std::uint16_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); };
-  return box_at_landmarks(t.model(), t.estimator.view().s, place);
-}
-
 void give_up(TrackerParts& t) {
   KnownPerson& person = person_of(t);
   FaceDetectionState& self = self_of(t);
   person.is_known = person.is_known || (self.checks.has_confirmed() && !self.poor_start.is_poor());
   if (person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
   person.camera = t.estimator.camera();
-  self.face_search.expect(box_of(t));
+  self.face_search.expect(FaceDetectionState::box_of(t));
   DetectionState::give_up(t);
 }
 
@@ -137,6 +155,7 @@ void conclude(TrackerParts& t, const FrameView& view) {
   WaitingWork& check = t.budget.check;
   bool goes_on;
   if (t.bad_frames > 0) {
+    if (self.look != nullptr && t.limits.second_look->realign(t, view)) return;
     goes_on = self.checks.endure(t.result, t.bad_frames, t.key_frames.count());
   } else {
     const bool has_room = self.checks.is_due() && t.budget.take(check, kWork);

@@ -73,8 +73,11 @@ class FaceSearch {
   /// \return not_found: nothing yet; or what detector and aligner say of their tables.
   Status search(const SearchInput& input, KnownPerson* person, StartPose* start, float* landmark_error);
 
-  /// For an alignment that somebody else makes while a track runs.
+  /// For an alignment that somebody else makes while a track runs; and its options where the identity is held.
   AlignmentRoom room() { return {q_, landmarks_}; }
+  AlignOptions of_known_person() const { return {is_expression_}; }
+  /// Whether that alignment, which was one without a known identity, is of another person than the reference.
+  bool is_another(const AlignedFace& face) const { return reference_.tells() && !reference_.may_be(face, q_); }
   /// The person and the start of that alignment, as of somebody new.
   void set_new_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
                       StartPose* start) {

@@ -2,6 +2,7 @@
 
 #include "face/ibug_landmarks.hpp"
 #include "track/face_detection_state.hpp"
+#include "track/realignment.hpp"
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
@@ -56,7 +57,7 @@ void begin_track(TrackerParts& t) {
   SecondLookState& look = *detection.look;
   if (!detection.person.is_known) look.start_error = detection.landmark_error;
   look.wait = look.frames_left = kTuning.first_wait;
-  look.steps_left = look.agreed = 0;
+  look.steps_left = look.agreed = look.realigned = 0;
 }
 
 /// From a frontal pose and the mean face: the track, which may be wrong, tells no more than where the face is.
@@ -67,25 +68,12 @@ void begin_look(TrackerParts& t, const FrameView& frame) {
   const std::uint32_t longest = is_doubtful ? kTuning.longest_doubtful_wait : kTuning.longest_wait;
   look.wait = 2 * look.wait < longest ? 2 * look.wait : longest;
   look.frames_left = look.wait;
-  const auto place = [&](std::uint16_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); };
-  const FaceBox box = box_at_landmarks(t.model(), t.estimator.view().s, place);
-  const Status status = look.modules->begin(*look.aligner, frame, box, t.estimator.camera(), {},
+  const Status status = look.modules->begin(*look.aligner, frame, FaceDetectionState::box_of(t), t.estimator.camera(), {},
                                             detection.face_search.room().q, &look.steps_left);
   if (status == Status::ok)
     t.budget.second_look.hurry(kTuning.step_work);
   else
     look.steps_left = 0;
-}
-
-/// Begins a track of the same face where the alignment has it.
-void begin_anew(TrackerParts& t, const FrameView& frame, const AlignedFace& face) {
-  FaceDetectionState& detection = detection_of(t);
-  StartPose found;
-  detection.marker_count = 0;
-  detection.face_search.set_new_person(detection.kept.start, face, &detection.person, &found);
-  detection.landmark_error = face.landmark_error;
-  if (detection.start(t, frame, found, detection.kept.options) == Status::ok)
-    t.offsets.place_pending(t.estimator);
 }
 
 /// Whether the caller has said nothing that a new start would lose: who it is, or where markers are.
@@ -97,6 +85,7 @@ bool is_free(TrackerParts& t) {
 bool conclude(TrackerParts& t, const FrameView& frame) {
   FaceDetectionState& detection = detection_of(t);
   SecondLookState& look = *detection.look;
+  look.realigned = 0;
   if (look.start_error == 0 || !is_free(t)) return false;
   if (look.frames_left > 0) --look.frames_left;
   if (look.steps_left == 0) {
@@ -116,12 +105,12 @@ bool conclude(TrackerParts& t, const FrameView& frame) {
   look.agreed = better > 0 ? look.agreed + better : 0;
   if (better > 0) look.frames_left = kTuning.wait_if_better;
   if (look.agreed < kTuning.looks) return false;
-  begin_anew(t, frame, face);
+  detection.begin_anew(t, frame, face);
   return true;
 }
 
 }  // namespace
 
-const SecondLook kSecondLook{lay_out, begin_track, conclude};
+const SecondLook kSecondLook{lay_out, begin_track, conclude, realign};
 
 }  // namespace pliant

@@ -1,6 +1,7 @@
 #pragma once
 /// \file second_look.hpp
-/// A second alignment while a track runs: it may see more of the face than the start did (docs/algorithms.md, section 7.15).
+/// A second alignment while a track runs: it may see more of the face than the start did (docs/algorithms.md, section 7.15). The
+/// same aligner serves bad frames (realignment.hpp).
 #include <cstdint>
 
 #include "pliant/arena.hpp"
@@ -46,6 +47,7 @@ struct SecondLookState {
   std::uint32_t wait = 0, frames_left = 0;  // from one look to the next, and of that
   int steps_left = 0;                       // of the alignment; 0: none is under way
   int agreed = 0;                           // looks in a row that found better landmarks
+  int realigned = 0;                        // frames in a row that `realign` has made good
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
 };
@@ -61,6 +63,8 @@ struct SecondLook {
   /// has found better landmarks, a new track begins with this frame.
   /// \return whether it has begun, or failed: then there is no track.
   bool (*conclude)(TrackerParts& tracker, const FrameView& frame);
+  /// Ends a bad frame of a track: realignment.hpp.
+  bool (*realign)(TrackerParts& tracker, const FrameView& frame);
 };
 
 }  // namespace pliant

@@ -362,6 +362,18 @@ Status Estimator::restore(const State& state) {
   return Status::ok;
 }
 
+Status Estimator::accept(const State& measured, FrameResult* result) {
+  const Status status = restore(measured);
+  if (status != Status::ok) return status;
+  Impl& s = *impl_;
+  copy(s.state, s.parameter_count(), &s.trusted);
+  s.motion.move(s.state);
+  result->state = s.monitor.add(true);
+  result->pose = pose_of(s.state.view);
+  result->smoothed_pose = s.motion.smoothed_pose();
+  return status;
+}
+
 const Model& Estimator::model() const {
   return impl_->cascade.model();
 }

@@ -101,6 +101,12 @@ void MotionModel::smooth(const ModelState& state) {
   if (smooths_) (void)smoother_.add(pose_of(state.view), state.q, filter_.ranges(), count_, since_sample_);
 }
 
+void MotionModel::move(const ModelState& state) {
+  filter_.move_to(state.view, state.q);
+  smooth(state);
+  since_sample_ = 0;
+}
+
 void MotionModel::rest(const ModelState& state) {
   filter_.move_to(state.view, state.q);
   smoother_.restart();

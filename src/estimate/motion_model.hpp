@@ -67,7 +67,9 @@ class MotionModel {
   /// \param trusted   the state to continue from, at rest, if the result is not finite.
   void correct(const Cascade& cascade, const ModelState& state, const float* variance,
                const ModelState& trusted);
-  /// Continues from `state` at rest: the track is lost.
+  /// Continues from `state` at rest: it was measured in another way.
+  void move(const ModelState& state);
+  /// The same without a sample of the smoothed output: the track is lost.
   void rest(const ModelState& state);
 
   const ExpectedState& expected() const { return expected_; }

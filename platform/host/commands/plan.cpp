@@ -243,6 +243,18 @@ void add_face_loads(const Model& model, const AlignerTable& aligner, const Track
              static_cast<double>(kSecondLookTuning.step_work), loads);
 }
 
+/// A frame whose templates fail is aligned, by the stages of the table that refine.
+void add_alignment_loads(const AlignerTable& aligner, const TrackerLimits& limits, const Sizes& s,
+                         Loads& loads) {
+  double steps = 0;
+  for (std::size_t k = 0; k < aligner.stage_count(); ++k) steps += aligner.stage(k).refines != 0;
+  loads.push_back({"steps of an alignment", steps, steps, kCost.alignment_step});
+  loads.push_back({"ends of alignments", 1, 1, kCost.alignment_end});
+  const double vertices = limits.vertices,
+               record = limits.samples_vertices ? kCost.vertex_record : kCost.table_record;
+  loads.push_back({"vertices at its result", vertices, vertices, record * s.all_records});
+}
+
 /// What checks of a print add to a tracked frame, and the frames that search for it and start with it.
 void add_print_loads(const Sizes& s, const TrackerLimits& limits, Plan& plan) {
   const double blocks = static_cast<double>(kPrintTuning.blocks),
@@ -442,6 +454,7 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
   if (limits.detection != nullptr && !model.detector().empty() &&
       AlignerTable::open(model.aligner(), &table) == Status::ok) {
     add_face_loads(model, table, limits, sizes, plan.loads);
+    if (limits.second_look != nullptr) add_alignment_loads(table, limits, sizes, plan.alignment_loads);
     plan.search = search_plan(table, limits);
     add_search_loads(plan.search, limits.width, plan.search_loads);
     plan.start_loads = plan.search.does_both ? plan.search_loads

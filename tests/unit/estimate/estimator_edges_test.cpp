@@ -379,3 +379,44 @@ TEST_CASE("a state that was saved is restored; one that is not finite changes no
   CHECK(e->restore(state) == Status::bad_argument);
   CHECK(e->view().tau.x == doctest::Approx(double(there.tau.x)));
 }
+
+TEST_CASE(
+    "a state that the platform has measured takes the place of a bad frame's, and bad frames are counted "
+    "anew") {
+  Scene scene(lined_egg());
+  InArena<Estimator> e(scene.model, scene.limits);
+  EstimatorOptions options;
+  options.smooths = true;
+  const Pose before = Scene::pose(0.1f), now = Scene::pose(0.3f);
+  REQUIRE(e->start(scene.camera, kWidth, kHeight, before, scene.q.data(), nullptr, options) == Status::ok);
+  std::int64_t time = 0;
+  const auto bad_frame = [&] {
+    e->begin(time += 33'000'000);
+    return e->end();
+  };
+  bad_frame();
+  FrameResult result = bad_frame();
+  REQUIRE(result.state == TrackState::degraded);
+  std::vector<float> q = scene.q;
+  q[0] = 1;     // not free
+  q[4] = 0.2f;  // free
+  State measured;
+  measured.pose = now;
+  measured.q = q.data();
+  State bad = measured;
+  bad.pose.t.z = -1;
+  CHECK(e->accept(bad, &result) == Status::bad_argument);
+  CHECK(result.state == TrackState::degraded);
+  REQUIRE(e->accept(measured, &result) == Status::ok);
+  CHECK(result.state == TrackState::tracking);
+  CHECK(result.pose.q.y == doctest::Approx(double(now.q.y)));
+  CHECK(result.smoothed_pose.q.y > before.q.y + 0.2f * (now.q.y - before.q.y));
+  for (int k = 0; k < 2; ++k) {
+    result = bad_frame();
+    CHECK(result.state == TrackState::degraded);
+    CHECK(result.pose.q.y == doctest::Approx(double(now.q.y)));
+  }
+  CHECK(bad_frame().state == TrackState::lost);
+  CHECK(e->parameters()[0] == scene.q[0]);
+  CHECK(e->parameters()[4] == 0.2f);
+}

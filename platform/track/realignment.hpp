@@ -1,0 +1,28 @@
+#pragma once
+/// \file realignment.hpp
+/// Bad frames of a track in which alignment still sees the face (docs/algorithms.md, section 7.15).
+#include <cstddef>
+
+#include "pliant/frame.hpp"
+
+namespace pliant {
+
+struct TrackerParts;
+
+/// Tuning of realignments. Each constant: unit, reason, experiment (docs/experiments.md, Bad frames).
+struct RealignmentTuning {
+  /// Landmark error that the alignment estimates, at most, fraction of the distance of the outer eye corners; and its probability
+  /// to be right, at least. Round values.
+  float most_error = 0.05f, least_score = 0.95f;
+  /// Realigned frames in a row after which a new track begins, count: the light stays as it is now, or it is another person. A
+  /// second. With 6 or 12 a new track begins in light that has not settled yet.
+  int most_frames = 25;
+};
+inline constexpr RealignmentTuning kRealignmentTuning{};
+
+/// Ends a bad frame: aligns the face from the last good pose, with the person held. If that is right, the frame counts as
+/// tracked; after many such frames a new track begins, of the same person or of another one.
+/// \pre the limits name second looks. \return false: the frame stays bad.
+bool realign(TrackerParts& tracker, const FrameView& frame);
+
+}  // namespace pliant

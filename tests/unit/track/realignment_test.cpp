@@ -1,0 +1,194 @@
+// Tracks whose templates fail in frames in which alignment still sees the face. Detection and alignment are a fake that knows the
+// truth.
+#include "track/realignment.hpp"
+
+#include <doctest/doctest.h>
+
+#include "fake_faces.hpp"
+#include "model_builder.hpp"
+#include "track/second_look.hpp"
+
+using namespace pliant;
+
+namespace {
+
+constexpr std::size_t kChange = 10, kFrames = 50;
+constexpr float kWidth = 1.5f;
+
+/// A face that moves. From frame kChange to frame `back` the picture is a negative, which no template matches.
+/// \param person_after  identity parameter from frame kChange on; before it is faceWidth.
+FaceFilm film_of(std::size_t back, const char* person_after = "faceWidth", float turn = 0) {
+  FaceFilm film(
+      320, 240, kFrames,
+      [=](float s, Pose& pose, auto& q) {
+        const auto k = static_cast<std::size_t>(s * (kFrames - 1) + 0.5f);
+        FaceFilm::set(q, k < kChange ? "faceWidth" : person_after, kWidth);
+        pose.q = exp_rotation({0, turn, 0});
+        pose.t.x += 150 * s - 75;
+      },
+      0.5f);
+  for (std::size_t k = kChange; k < back; ++k)
+    for (std::uint8_t& grey : film.frames[k]) grey = static_cast<std::uint8_t>(255 - grey);
+  return film;
+}
+
+const FaceFilm& changed_film() {
+  static const FaceFilm* made = new FaceFilm(film_of(kFrames));
+  return *made;
+}
+
+TrackerLimits limits_with_looks() {
+  TrackerLimits limits = limits_with_fake();
+  limits.second_look = &kSecondLook;
+  return limits;
+}
+
+/// What a tracker that starts by itself makes of a film.
+struct Run {
+  int tracking = 0;           // frames from kChange on
+  int matched = 0;            // of these, with half of the templates
+  float error = 0;            // of the landmarks, px, the largest of tracked frames
+  std::size_t new_track = 0;  // the first frame from kChange on with so many
+};
+
+Run run(Tracker& tracker, const FaceFilm& film, std::size_t begin = 0) {
+  Run result;
+  for (std::size_t k = begin; k < kFrames; ++k) {
+    const FrameResult frame = update(tracker, film, k);
+    if (k < kChange) {
+      REQUIRE(frame.state == TrackState::tracking);
+      continue;
+    }
+    if (frame.state != TrackState::tracking) continue;
+    ++result.tracking;
+    result.error = max(result.error, film.landmark_error(tracker, k));
+    if (frame.inliers < 60) continue;
+    if (result.matched++ == 0) result.new_track = k;
+  }
+  return result;
+}
+
+Run run(const FaceFilm& film, const TrackerLimits& limits = limits_with_looks()) {
+  InArena<Tracker> tracker(baked_face().model, limits);
+  return run(tracker.object, film);
+}
+
+constexpr int kChanged = static_cast<int>(kFrames - kChange);
+
+}  // namespace
+
+TEST_CASE("a face whose templates fail is tracked by alignment, until they match again") {
+  const std::size_t back = kChange + 15;
+  const FaceFilm film = film_of(back);
+  FakeFaces fake(film);
+  const Run aligned = run(film);
+  CHECK(aligned.tracking == kChanged);
+  CHECK(aligned.error < 0.7f);
+  CHECK(fake.searches == 1);  // one track: the templates of the start match again
+  CHECK(aligned.new_track == back);
+  CHECK(aligned.matched == static_cast<int>(kFrames - back));
+  CHECK(run(film, limits_with_fake()).tracking < kChanged - 3);
+}
+
+TEST_CASE("an alignment that is not surely right leaves a frame bad") {
+  const struct {
+    std::string what;
+    float held_error = 0.02f, score = 0.999f;
+    std::size_t blind_from = ~std::size_t{0};
+  } kCases[] = {
+      {"a large landmark error", kRealignmentTuning.most_error + 0.001f},
+      {"hardly a face", 0.02f, kRealignmentTuning.least_score - 0.001f},
+      {"nothing there", 0.02f, 0.999f, kChange},
+  };
+  for (const auto& c : kCases) {
+    CAPTURE(c.what);
+    const FaceFilm& film = changed_film();
+    FakeFaces fake(film);
+    InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+    for (std::size_t k = 0; k < kChange; ++k) update(tracker.object, film, k);
+    fake.held_error = c.held_error;
+    fake.score = c.score;
+    fake.blind_from = c.blind_from;
+    CHECK(update(tracker.object, film, kChange).state == TrackState::degraded);
+  }
+}
+
+TEST_CASE("aligned frames do not count as bad ones: a bad frame after many of them does not end the track") {
+  const FaceFilm& film = changed_film();
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  for (std::size_t k = 0; k < kChange + 15; ++k) update(tracker.object, film, k);
+  fake.blind_from = kChange + 15;
+  CHECK(update(tracker.object, film, kChange + 15).state == TrackState::degraded);
+  CHECK(tracker->is_started());
+}
+
+TEST_CASE("where the templates stay away a new track begins, of the same person, and no frame is lost") {
+  const FaceFilm& film = changed_film();
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  const Run changed = run(tracker.object, film);
+  CHECK(changed.tracking == kChanged);
+  CHECK(changed.new_track == kChange + static_cast<std::size_t>(kRealignmentTuning.most_frames) - 1);
+  CHECK(changed.matched == static_cast<int>(kFrames - changed.new_track));
+  CHECK(fake.searches == 1);
+  float width;
+  REQUIRE(tracker->parameter("faceWidth", &width) == Status::ok);
+  CHECK(width == kWidth);
+}
+
+TEST_CASE(
+    "that track is of another person, if the face has surely become theirs and the caller has not said whose "
+    "it is") {
+  const FaceFilm film = film_of(kFrames, "noseLength");
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  bool is_another = false;
+  std::size_t begin = 0;
+  SUBCASE("surely") {
+    is_another = true;
+  }
+  SUBCASE("perhaps") {
+    for (; begin < kChange; ++begin) update(tracker.object, film, begin);
+    fake.error = kRealignmentTuning.most_error + 0.001f;  // without a known identity
+  }
+  SUBCASE("given") {
+    begin = 1;
+    REQUIRE(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.parameters[0].data()) ==
+            Status::ok);
+  }
+  run(tracker.object, film, begin);
+  float of_other = 0, of_first = 0;
+  REQUIRE(tracker->parameter("noseLength", &of_other) == Status::ok);
+  REQUIRE(tracker->parameter("faceWidth", &of_first) == Status::ok);
+  CHECK(of_other == (is_another ? kWidth : 0));
+  CHECK(of_first == (is_another ? 0 : kWidth));
+}
+
+TEST_CASE("a head that is turned far is degraded where it is aligned, too") {
+  const FaceFilm film = film_of(kFrames, "faceWidth", 0.95f);
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    const FrameResult frame = update(tracker.object, film, k);
+    CHECK(frame.state == TrackState::degraded);
+    CHECK(frame.landmark_error < 0.03f);
+  }
+}
+
+TEST_CASE("a look that has begun is left for a bad frame, and keeps no other work waiting afterwards") {
+  const std::size_t first_look = kSecondLookTuning.first_wait;
+  FaceFilm film = film_of(kChange);
+  for (std::uint8_t& grey : film.frames[first_look + 2]) grey = static_cast<std::uint8_t>(255 - grey);
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  for (std::size_t k = 0; k < first_look + 2; ++k) update(tracker.object, film, k);
+  REQUIRE(fake.alignments == 2);
+  CHECK(update(tracker.object, film, first_look + 2).state == TrackState::tracking);
+  CHECK(fake.held_alignments == 1);
+  const int steps = fake.steps;
+  const int before = fake.verifications;
+  for (std::size_t k = first_look + 3; k < first_look + 15; ++k) update(tracker.object, film, k);
+  CHECK(fake.steps == steps);
+  CHECK(fake.verifications >= before + 2);
+}
