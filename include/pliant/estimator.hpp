@@ -42,14 +42,12 @@ struct FrameResult {
   float score = 0;                      ///< mean correlation of the inliers of cue patch
   Pose smoothed_pose = {};              ///< if options.smooths; parameters in Estimator::smoothed_parameters
   bool pose_is_observed = false;        ///< the observations determine the whole pose without the priors
-  /// Of a Tracker with learnt tables: expected mean landmark error, as a fraction of the distance of the
-  /// outer eye corners. 0: unknown. A frame is degraded above 0.08, and with the head turned beyond 50
-  /// degrees.
+  /// Of a Tracker with learnt tables: expected mean landmark error, as a fraction of the distance of the outer eye corners. 0:
+  /// unknown. A frame is degraded above 0.08, and with the head turned beyond 50 degrees.
   float landmark_error = 0;
-  /// Of a Tracker with readers of the eyes: the common direction of both eyes relative to the head, a unit
-  /// vector in the model's axes (x to the subject's left, y up, z straight ahead). 0: not seen (lids closed,
-  /// head turned by more than 40 degrees, no good track). A person's own error is constant, some degrees;
-  /// beyond it about 2 degrees to the sides, 3 up and down.
+  /// Of a Tracker with readers of the eyes: the common direction of both eyes relative to the head, a unit vector in the model's
+  /// axes (x to the subject's left, y up, z straight ahead). 0: not seen (lids closed, head turned by more than 40 degrees, no good
+  /// track). A person's own error is constant, some degrees; beyond it about 2 degrees to the sides, 3 up and down.
   Vec3 gaze = {};
   bool is_searching = false;  ///< of a Tracker: there is no track; the next frame is searched for a face
 };
@@ -90,9 +88,8 @@ class Estimator {
   /// Adds a surface point under the lowest free id.
   /// \return not_started, bad_argument (no id, or (u,v) outside the chart), capacity.
   Status add_point(Vec2 uv, std::uint16_t* id);
-  /// Adds a point of a curve where the image has an edge. The normal of a prediction is perpendicular to the
-  /// image of the curve, clockwise on the screen.
-  /// \param along  direction of the curve in (u,v), of any length but zero. \return as add_point.
+  /// Adds a point of a curve where the image has an edge. The normal of a prediction is perpendicular to the image of the curve,
+  /// clockwise on the screen. \param along  direction of the curve in (u,v), of any length but zero. \return as add_point.
   Status add_edge_point(Vec2 uv, Vec2 along, std::uint16_t* id);
   /// Adds edge points along one of the model's curves, `spacing_mm` apart on the present surface. The first
   /// is half a spacing from the curve's start.
@@ -145,9 +142,8 @@ class Estimator {
   /// Ends the frame: decides the track's state from the last `solve`. After a bad frame pose and parameters
   /// are those of the last good one.
   FrameResult end();
-  /// Makes a state that the platform has measured that of the last good frame, at rest: after an `end` that told a bad frame.
-  /// Parameters that are not free keep their values.
-  /// \param result  its state and poses become those of a tracked frame. \return as `restore`.
+  /// After an `end` that told a bad frame: makes a state that the platform has measured that of the last good frame, at rest, but
+  /// for parameters that are not free. \param result  becomes tracking, with the new poses. \return as `restore`.
   Status accept(const State& measured, FrameResult* result);
 
   const Model& model() const;                     ///< The model of the layout.
