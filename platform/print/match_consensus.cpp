@@ -1,5 +1,7 @@
 #include "print/match_consensus.hpp"
 
+#include "print/distinct_best.hpp"
+
 namespace pliant {
 
 namespace {
@@ -53,13 +55,6 @@ bool is_same(const ViewVotes& view, const SurfaceMatch& of, const SurfaceMatch& 
          length(x - m.x) <= tolerance_mm * view.view.s;
 }
 
-bool is_any_same(Span<const ViewVotes> views, Span<const SurfaceMatch> matches, const SurfaceMatch& m,
-                 float tolerance_mm) {
-  for (const ViewVotes& view : views)
-    if (is_same(view, matches[view.match], m, tolerance_mm)) return true;
-  return false;
-}
-
 }  // namespace
 
 bool is_similar(const SurfaceMatch& a, const SurfaceMatch& b) {
@@ -73,15 +68,12 @@ std::size_t find_views(Span<const SurfaceMatch> matches, const Camera& camera, f
   for (std::size_t k = 0; k < matches.count; ++k) {
     const View view = view_from(matches[k], camera);
     const int votes = count_votes(matches, k, view, tolerance_mm * view.s);
-    std::size_t at = count;
-    while (at > 0 && votes > views[at - 1].votes) --at;
-    if (at == views.count || is_any_same({views.data, at}, matches, matches[k], tolerance_mm)) continue;
-    // Takes the place of the first same one, else of the last one.
-    std::size_t last = at;
-    while (last < count && !is_any_same({views.data + last, 1}, matches, matches[k], tolerance_mm)) ++last;
-    if (last == count) count < views.count ? ++count : --last;
-    for (std::size_t i = last; i > at; --i) views[i] = views[i - 1];
-    views[at] = {view, votes, k};
+    insert_distinct(
+        views, &count, {view, votes, k},
+        [](const ViewVotes& a, const ViewVotes& b) { return a.votes > b.votes; },
+        [&](const ViewVotes& a, const ViewVotes& b) {
+          return is_same(a, matches[a.match], matches[b.match], tolerance_mm);
+        });
   }
   return count;
 }

@@ -1,6 +1,7 @@
 #include "print/print_matcher.hpp"
 
 #include "pliant/corners.hpp"
+#include "print/distinct_best.hpp"
 #include "print/print_tuning.hpp"
 
 namespace pliant {
@@ -129,32 +130,29 @@ void PrintMatcher::add_corner(const ImageView& image, Vec2 x, PatchScale patch, 
 
 /// Keeps the nearest keypoints of different places of the surface, as far as they are near enough.
 void PrintMatcher::match(std::size_t corner) {
+  struct Near {
+    std::size_t keypoint;
+    int distance;
+  };
   const auto& bits = corners_[corner].descriptor.bits;
   const Span<const PrintKeypoint> keypoints = table_.keypoints();
   constexpr std::size_t kMost = kTuning.matches_per_corner;
-  std::size_t nearest[kMost] = {};
-  int distance[kMost] = {};
+  Near nearest[kMost];
   std::size_t count = 0;
   for (std::size_t k = 0; k < keypoints.count; ++k) {
-    const int most = count < kMost ? kTuning.most_distance + 1 : distance[kMost - 1];
-    const int d = distance_of(bits, keypoints[k].bits, most);
-    if (d >= most) continue;
-    std::size_t at = count;
-    while (at > 0 && d < distance[at - 1]) --at;
-    const auto is_same_place = [&](std::size_t other) {
-      return length(keypoints[k].uv() - keypoints[other].uv()) < kTuning.same_place;
-    };
-    bool is_worse = false;
-    for (std::size_t i = 0; i < at; ++i) is_worse = is_worse || is_same_place(nearest[i]);
-    if (is_worse) continue;
-    std::size_t last = at;
-    while (last < count && !is_same_place(nearest[last])) ++last;
-    if (last == count) count < kMost ? ++count : --last;
-    for (std::size_t i = last; i > at; --i) nearest[i] = nearest[i - 1], distance[i] = distance[i - 1];
-    nearest[at] = k, distance[at] = d;
+    const int most = count < kMost ? kTuning.most_distance + 1 : nearest[kMost - 1].distance;
+    const int distance = distance_of(bits, keypoints[k].bits, most);
+    if (distance >= most) continue;
+    insert_distinct(
+        Span<Near>{nearest, kMost}, &count, {k, distance},
+        [](const Near& a, const Near& b) { return a.distance < b.distance; },
+        [&](const Near& a, const Near& b) {
+          return length(keypoints[a.keypoint].uv() - keypoints[b.keypoint].uv()) < kTuning.same_place;
+        });
   }
   for (std::size_t i = 0; i < count; ++i)
-    matches_[match_count_++] = {static_cast<std::uint16_t>(corner), static_cast<std::uint16_t>(nearest[i])};
+    matches_[match_count_++] = {static_cast<std::uint16_t>(corner),
+                                static_cast<std::uint16_t>(nearest[i].keypoint)};
 }
 
 }  // namespace pliant
