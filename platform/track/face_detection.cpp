@@ -1,9 +1,9 @@
 // What connects FaceSearch and FaceChecks with the tracker.
 #include <new>
 
-#include "face/ibug_landmarks.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/second_look.hpp"
+#include "track/track_box.hpp"
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
@@ -46,11 +46,6 @@ void FaceDetectionState::lay_out(Arena& arena, const Model& model, const Tracker
   if (limits.second_look != nullptr) look = limits.second_look->lay_out(arena, model, limits);
   parts = arena.make<PartPoints>();
   if (parts != nullptr && parts->open(model) != Status::ok) parts = nullptr;
-}
-
-FaceBox FaceDetectionState::box_of(TrackerParts& t) {
-  const auto place = [&](std::uint16_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); };
-  return box_at_landmarks(t.model(), t.estimator.view().s, place);
 }
 
 void FaceDetectionState::start_found(TrackerParts& t, const FrameView& view, const StartPose& found,
@@ -144,7 +139,7 @@ void give_up(TrackerParts& t) {
   person.is_known = person.is_known || (self.checks.has_confirmed() && !self.poor_start.is_poor());
   if (person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
   person.camera = t.estimator.camera();
-  self.face_search.expect(FaceDetectionState::box_of(t));
+  self.face_search.expect(box_of_track(t));
   DetectionState::give_up(t);
 }
 

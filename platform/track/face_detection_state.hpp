@@ -22,8 +22,6 @@ struct FaceDetectionState : DetectionState {
   float landmark_error = 0;         // of the last start, as the alignment estimates it; 0: unknown
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
-  /// Of the track, as its parameters have it; side 0 if the model has no such landmarks.
-  static FaceBox box_of(TrackerParts& tracker);
   /// Starts the track of what was found, with the person as TrackerParts::start_q and `person` have it.
   void start_found(TrackerParts& tracker, const FrameView& frame, const StartPose& found,
                    const TrackerOptions& options);

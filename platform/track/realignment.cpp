@@ -2,6 +2,7 @@
 
 #include "track/face_detection_state.hpp"
 #include "track/second_look.hpp"
+#include "track/track_box.hpp"
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
@@ -30,7 +31,7 @@ bool is_another(TrackerParts& t, const FrameView& frame, FaceDetectionState& det
   const SecondLookState& look = *detection.look;
   const AlignmentRoom room = detection.face_search.room();
   int steps = 0;
-  return look.modules->begin(*look.aligner, frame, FaceDetectionState::box_of(t), t.estimator.camera(), {},
+  return look.modules->begin(*look.aligner, frame, box_of_track(t), t.estimator.camera(), {},
                              room.q, &steps) == Status::ok &&
          look.modules->advance(*look.aligner, frame, steps, face, room.q, room.landmarks) == Status::ok &&
          is_right(*face) && detection.face_search.is_another(*face);

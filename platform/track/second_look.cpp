@@ -3,6 +3,7 @@
 #include "face/ibug_landmarks.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/realignment.hpp"
+#include "track/track_box.hpp"
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
@@ -68,7 +69,7 @@ void begin_look(TrackerParts& t, const FrameView& frame) {
   const std::uint32_t longest = is_doubtful ? kTuning.longest_doubtful_wait : kTuning.longest_wait;
   look.wait = 2 * look.wait < longest ? 2 * look.wait : longest;
   look.frames_left = look.wait;
-  const Status status = look.modules->begin(*look.aligner, frame, FaceDetectionState::box_of(t), t.estimator.camera(), {},
+  const Status status = look.modules->begin(*look.aligner, frame, box_of_track(t), t.estimator.camera(), {},
                                             detection.face_search.room().q, &look.steps_left);
   if (status == Status::ok)
     t.budget.second_look.hurry(kTuning.step_work);
