@@ -64,18 +64,18 @@ float score_of(const Tensor& t) {
 }
 
 void RowScorer::lay_out(Arena& arena, int columns) {
-  const auto wide = static_cast<std::size_t>(columns + 2 * kRadius + 2);
+  const auto scored = static_cast<std::size_t>(columns), with_window = scored + 2 * kRadius;
   for (int k = 0; k < kWindow; ++k) {
-    gx_[k] = arena.take<i16>(wide);
-    gy_[k] = arena.take<i16>(wide);
+    gx_[k] = arena.take<i16>(with_window);
+    gy_[k] = arena.take<i16>(with_window);
   }
-  xx_ = arena.take<i32>(wide);
-  xy_ = arena.take<i32>(wide);
-  yy_ = arena.take<i32>(wide);
-  wxx_ = arena.take<i32>(wide);
-  wxy_ = arena.take<i32>(wide);
-  wyy_ = arena.take<i32>(wide);
-  smooth_ = arena.take<i16>(wide);
+  xx_ = arena.take<i32>(with_window);
+  xy_ = arena.take<i32>(with_window);
+  yy_ = arena.take<i32>(with_window);
+  wxx_ = arena.take<i32>(scored);
+  wxy_ = arena.take<i32>(scored);
+  wyy_ = arena.take<i32>(scored);
+  smooth_ = arena.take<i16>(with_window + 2);
 }
 
 void RowScorer::start(const ImageView& image, int first, int end, int y) {

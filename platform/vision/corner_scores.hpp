@@ -24,6 +24,7 @@ float score_of(const Tensor& t);
 /// Scores the columns [first, end) of one row after the other. All scored pixels keep kCornerMargin from the border.
 class RowScorer {
  public:
+  /// \param columns  scored at most.
   void lay_out(Arena& arena, int columns);
   /// The first call of `next` gives row y.
   void start(const ImageView& image, int first, int end, int y);

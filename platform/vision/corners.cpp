@@ -38,9 +38,10 @@ void lay_out(Arena& arena, int width, int height, int cell_px, Grid& g, corners:
   g.cells = arena.take<Cell>(n);
   g.order = arena.take<std::int32_t>(n);
   g.is_taken = arena.take<std::uint8_t>(n);
-  for (auto& row : g.rows) row = arena.take<float>(static_cast<std::size_t>(width) + 2);
-  g.peaks = arena.take<float>(static_cast<std::size_t>(width));
-  scorer.lay_out(arena, width);
+  const int scored = width > 2 * kCornerMargin ? width - 2 * kCornerMargin : 0;
+  for (auto& row : g.rows) row = arena.take<float>(static_cast<std::size_t>(scored) + 2);
+  g.peaks = arena.take<float>(static_cast<std::size_t>(scored));
+  scorer.lay_out(arena, scored);
 }
 
 // The pixels to score: the box around the allowed cells, less the margin.

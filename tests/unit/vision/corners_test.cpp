@@ -3,12 +3,14 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <vector>
 
 #include "aligned_block.hpp"
 #include "texture.hpp"
 #include "vision/corner_grid.hpp"
+#include "vision/corner_scores.hpp"
 
 using namespace pliant;
 using texture::Picture;
@@ -145,6 +147,33 @@ TEST_CASE("one scan serves all distances, in any order") {
       CHECK(chosen[i].score == expected.corners[i].score);
     }
   }
+}
+
+TEST_CASE("a scan of rows writes all the memory that it takes, but for what fills up 16 bytes") {
+  const Picture p = textured(77, 40);
+  const int columns = 77 - 2 * kCornerMargin;
+  Arena measuring;
+  corners::RowScorer scorer;
+  scorer.lay_out(measuring, columns);
+  AlignedBlock block(measuring.used_bytes());
+  std::vector<char> is_written(block.size(), 0);
+  for (const int pattern : {0x5a, 0xa5}) {  // what is written may have the value of one of them
+    const auto fill = static_cast<unsigned char>(pattern);
+    std::memset(block.data(), fill, block.size());
+    Arena arena(block.data(), block.size());
+    scorer.lay_out(arena, columns);
+    scorer.start(p.view(), kCornerMargin, 77 - kCornerMargin, kCornerMargin);
+    std::vector<float> scores(static_cast<std::size_t>(columns));
+    for (int y = kCornerMargin; y < 40 - kCornerMargin; ++y) scorer.next(0, scores.data());
+    for (std::size_t i = 0; i < block.size(); ++i)
+      if (block.data()[i] != fill) is_written[i] = 1;
+  }
+  std::size_t longest = 0, run = 0;
+  for (const char written : is_written) {
+    run = written != 0 ? 0 : run + 1;
+    longest = run > longest ? run : longest;
+  }
+  CHECK(longest < Arena::kAlignment);
 }
 
 TEST_CASE("pure edges are no corners") {
