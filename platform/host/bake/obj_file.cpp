@@ -33,9 +33,8 @@ class ObjReader {
 
   ObjMesh run() {
     for (std::size_t start = 0; start < text_.size();) {
-      std::size_t end = text_.find('\n', start);
-      if (end == std::string::npos) end = text_.size();
-      ++line_;
+      line_ = ++last_line_;
+      const std::size_t end = end_of_line(start);
       rest_ = std::string_view(text_).substr(start, end - start);
       if (line_ == 1) rest_ = without_byte_order_mark(rest_);
       read_line();
@@ -47,6 +46,21 @@ class ObjReader {
 
  private:
   [[noreturn]] void fail(const std::string& what) const { throw SourceError(path_, line_, what); }
+
+  /// The end of the line that starts at `start`. A line whose last character is a backslash goes on in the next one: the
+  /// characters that separate the two become blanks. A comment does not go on, since it may end in the path of a folder.
+  std::size_t end_of_line(std::size_t start) {
+    for (;; ++last_line_) {
+      const std::size_t end = std::min(text_.find('\n', start), text_.size());
+      const std::string_view line = std::string_view(text_).substr(start, end - start);
+      const std::size_t last = line.find_last_not_of('\r');
+      if (end == text_.size() || last == std::string_view::npos || line[last] != '\\' ||
+          line.find('#') != std::string_view::npos)
+        return end;
+      for (std::size_t k = start + last; k <= end; ++k) text_[k] = ' ';
+      start = end + 1;
+    }
+  }
 
   std::string_view word() {
     const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -125,9 +139,9 @@ class ObjReader {
 
   std::string path_, text_;
   std::string_view rest_;
-  int line_ = 0;
-  bool is_fixed_ = false;  // the current group
-  int material_ = 0;       // the current one
+  int line_ = 0, last_line_ = 0;  // the first and the last line of the file that the current one is made of
+  bool is_fixed_ = false;         // the current group
+  int material_ = 0;              // the current one
   ObjMesh mesh_;
 };
 

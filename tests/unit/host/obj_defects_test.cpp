@@ -68,6 +68,25 @@ TEST_CASE("each defect of an OBJ file is one line that names the file and the li
         at_face("a texture coordinate of the face is outside 0 to 1"));
 }
 
+TEST_CASE("a line of an OBJ file that ends in a backslash goes on in the next one, a comment does not") {
+  const Defects d;
+  const auto error = [&](const std::string& from, const std::string& to) {
+    return d.error_with("neutral.obj", swapped(d.good, from, to));
+  };
+  const std::string& face = d.first_face;
+  CHECK(error(face, "f 1/1/ \\\n2/2/\\\r\n  35/35/ \\\n\\\n34/34/\n") == "");
+  CHECK(error("# a comment\n", "# from E:\\models\\\n") == "");
+  CHECK(error(face, face.substr(0, face.size() - 1) + " # in E:\\\n") == "");
+  // An error is where its line starts, and lines are those of the file.
+  CHECK(error(face, "f 1/1/ \\\n2/2/ \\\n9999/35/ 34/34/\n") ==
+        d.neutral + ":" + std::to_string(d.face_line) + ": there is no vertex 9999");
+  CHECK(error(face, "f 1/1/ 2/2/ \\\n35/35/ 34/34/\nf 9999/1/ 2/2/ 3/3/\n") ==
+        d.neutral + ":" + std::to_string(d.face_line + 2) + ": there is no vertex 9999");
+  // The last line has none to go on in.
+  CHECK(d.error_with("neutral.obj", d.good + "\\\n") == "");
+  CHECK(d.error_with("neutral.obj", "v 1 2 3\\") == d.neutral + ":1: '3\\' is not a number");
+}
+
 TEST_CASE("a file of an OBJ folder that differs from neutral.obj in more than places is refused by name") {
   const Defects d;
   const std::string &good = d.good, &neutral = d.neutral, &first_face = d.first_face;
