@@ -2,7 +2,7 @@
 #include <fstream>
 
 #include "digest_run.hpp"
-#include "host/bake/bake.hpp"
+#include "host/bake/embedded.hpp"
 #include "model_builder.hpp"
 #include "sheet_model.hpp"
 

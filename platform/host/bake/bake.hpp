@@ -72,7 +72,4 @@ Source read_source(const BakeOptions& options);
 std::vector<std::uint8_t> bake_source(const Source& source, const BakeOptions& options,
                                       BakeReport* report = nullptr);
 
-/// The table as a source file, in C11 and in C++: a 4-byte aligned constant array `name` and its size `name`_bytes.
-std::string embedded(const std::vector<std::uint8_t>& table, const std::string& name);
-
 }  // namespace pliant::host::bake

@@ -325,20 +325,4 @@ std::vector<std::uint8_t> bake_source(const Source& source, const BakeOptions& o
   return Baker(source, options).run(report);
 }
 
-std::string embedded(const std::vector<std::uint8_t>& table, const std::string& name) {
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text =
-      "// A pliant model table, in C11 and C++, written by `pliant bake`; do not edit.\n#include <stdalign.h>\n"
-      "#include <stddef.h>\n\n";
-  text += "extern const unsigned char " + name + "[];\nextern const size_t " + name + "_bytes;\n\n";
-  text += "alignas(4) const unsigned char " + name + "[] = {";
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    text += i % 24 == 0 ? "\n  0x" : " 0x";
-    text += kDigits[table[i] >> 4];
-    text += kDigits[table[i] & 15u];
-    text += ',';
-  }
-  return text + "\n};\nconst size_t " + name + "_bytes = sizeof " + name + ";\n";
-}
-
 }  // namespace pliant::host::bake

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "host/bake/bake.hpp"
+#include "host/bake/embedded.hpp"
 #include "host/commands/bake_sizes.hpp"
 #include "host/commands/command.hpp"
 #include "host/io/failure.hpp"
@@ -13,16 +14,6 @@
 namespace pliant::host {
 
 namespace {
-
-/// A C++ identifier made of the file's name.
-std::string array_name(const std::string& path) {
-  const std::size_t slash = path.find_last_of('/');
-  std::string name = path.substr(slash == std::string::npos ? 0 : slash + 1);
-  name = name.substr(0, name.find('.'));
-  for (char& c : name)
-    if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'))) c = '_';
-  return name.empty() || (name[0] >= '0' && name[0] <= '9') ? "model_" + name : name;
-}
 
 bake::ParameterChoice choice_of(const Args& args) {
   bake::ParameterChoice choice;
@@ -119,7 +110,7 @@ int run_bake(const Args& args, Console& console) {
   progress.reset();
   write_file(output, {reinterpret_cast<const char*>(table.data()), table.size()});
   if (const auto source = args.text("--embed"))
-    write_file(*source, bake::embedded(table, array_name(*source)));
+    write_file(*source, bake::embedded(table, bake::array_name(*source)));
   print_report(output, report, args.has("--errors"), console);
   return 0;
 }

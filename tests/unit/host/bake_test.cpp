@@ -7,6 +7,7 @@
 
 #include "bake_sheet.hpp"
 #include "baked_model.hpp"
+#include "host/bake/embedded.hpp"
 #include "host/bake/field_grid.hpp"
 #include "host/bake/opened_table.hpp"
 #include "host/bake/size_table.hpp"
@@ -176,6 +177,17 @@ TEST_CASE("a table that could not be opened is refused") {
   Source outside = source;
   outside.landmarks.push_back({"l", {1.5f, 0.5f}});
   CHECK_THROWS_AS(bake_source(outside, {}), SourceError);
+}
+
+TEST_CASE("the array of a file has the file's name, unless that is no name in C and C++") {
+  CHECK(array_name("face.cpp") == "face");
+  CHECK(array_name("some.where/my-face.v2.cpp") == "my_face");
+  for (const char* taken : {"new", "class", "int", "restrict", "typeof", "co_await", "size_t", "main", "std"})
+    CHECK(array_name(std::string("folder/") + taken + ".cpp") == std::string("model_") + taken);
+  CHECK(array_name("newer.cpp") == "newer");
+  CHECK(array_name("3d.cpp") == "model_3d");
+  CHECK(array_name("_Bool.cpp") == "model__Bool");
+  CHECK(array_name(".cpp") == "model_");
 }
 
 TEST_CASE("an embedded table is the table") {
