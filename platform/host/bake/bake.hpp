@@ -53,7 +53,8 @@ struct BakeReport {
   std::size_t field_count = 0, base_vertices = 0, table_bytes = 0;
   bool has_texture = false;     ///< of an OBJ source
   std::size_t print_bytes = 0;  ///< 0: the surface cannot be found by its texture
-  /// Why the surface will probably not be tracked, and what to do; that its chart was mirrored. One line each.
+  /// Why the surface will probably not be tracked, and what to do; that its chart was mirrored; landmarks whose names are nearly
+  /// those that the library asks for. One line each.
   std::vector<std::string> warnings;
 };
 

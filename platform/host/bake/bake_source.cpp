@@ -8,6 +8,7 @@
 #include "host/bake/base_mesh.hpp"
 #include "host/bake/field_grid.hpp"
 #include "host/bake/grid_fit.hpp"
+#include "host/bake/landmark_names.hpp"
 #include "host/bake/opened_table.hpp"
 #include "host/bake/print_keypoints.hpp"
 #include "host/bake/source_error.hpp"
@@ -173,6 +174,7 @@ class Baker {
 
   void add_warnings() {
     report_.warnings = source_.warnings;
+    for (std::string& line : misspelt_landmarks(source_)) report_.warnings.push_back(std::move(line));
     const auto millimetres = [](float x) {
       return number_text(std::round(100 * static_cast<double>(x)) / 100) + " mm";
     };

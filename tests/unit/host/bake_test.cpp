@@ -9,6 +9,7 @@
 #include "baked_model.hpp"
 #include "host/bake/embedded.hpp"
 #include "host/bake/field_grid.hpp"
+#include "host/bake/landmark_names.hpp"
 #include "host/bake/opened_table.hpp"
 #include "host/bake/size_table.hpp"
 #include "host/bake/source_error.hpp"
@@ -188,6 +189,29 @@ TEST_CASE("the array of a file has the file's name, unless that is no name in C 
   CHECK(array_name("3d.cpp") == "model_3d");
   CHECK(array_name("_Bool.cpp") == "model__Bool");
   CHECK(array_name(".cpp") == "model_");
+}
+
+TEST_CASE("landmarks whose names are nearly those that the library asks for are told of, others are not") {
+  const struct {
+    const char *name, *warning;  // empty: none
+  } cases[] = {
+      {"ibug01", ""},
+      {"nose_tip", ""},
+      {"chin", ""},
+      {"ibug", ""},
+      {"ibug_left", ""},
+      {"ibug1", "the landmark 'ibug1' is not found by the name 'ibug01': if it is that one, rename it"},
+      {"ibug001", "the landmark 'ibug001' is not found by the name 'ibug01': if it is that one, rename it"},
+      {"iBUG_00", "the landmark 'iBUG_00' is not found by the name 'ibug00': if it is that one, rename it"},
+      {"noseTip", "the landmark 'noseTip' is not found by the name 'nose_tip': if it is that one, rename it"},
+      {"ibug68", "the landmark 'ibug68' is none of iBUG's, which are ibug00 to ibug67, counted from 0"},
+  };
+  for (const auto& c : cases) {
+    Source source = sheet(9, dome);
+    source.landmarks.push_back({c.name, {0.5f, 0.5f}});
+    CHECK(misspelt_landmarks(source) ==
+          (*c.warning == '\0' ? std::vector<std::string>{} : std::vector<std::string>{c.warning}));
+  }
 }
 
 TEST_CASE("an embedded table is the table") {

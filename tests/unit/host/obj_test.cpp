@@ -154,6 +154,17 @@ TEST_CASE("what will hardly be tracked is warned of: a surface that is tiny, or 
   }
 }
 
+TEST_CASE("a landmark whose name is nearly one of iBUG's is warned of") {
+  const ObjFolder folder("misspelt");
+  folder.write("neutral", sheet);
+  for (const bool is_misspelt : {true, false}) {
+    folder.write("landmarks.csv", std::string("landmark,vertex\n") + (is_misspelt ? "ibug1" : "ibug01") + ",5\n");
+    host::bake::BakeReport report;
+    (void)baked_coarsely(folder, &report);
+    CHECK(warns(report, "'ibug1' is not found by the name 'ibug01'") == is_misspelt);
+  }
+}
+
 TEST_CASE(
     "a surface whose faces list their corners clockwise, seen from the front, shows its back: the report "
     "tells") {
