@@ -30,6 +30,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import textwrap
 import time
 
 sys.dont_write_bytecode = True
@@ -103,6 +104,13 @@ def table(header, rows, left=1):
     lines = ['| ' + ' | '.join(header) + ' |',
              '|' + '|'.join('---' if i < left else '---:' for i in range(len(header))) + '|']
     lines += ['| ' + ' | '.join(str(cell) for cell in row) + ' |' for row in rows]
+    return '\n'.join(lines)
+
+
+def wrapped(text):
+    """The text with its prose in lines as long as those of the rest of the document; tables and commands as they are."""
+    lines = (line if line.startswith(('|', '    ')) else textwrap.fill(line, 132, break_long_words=False, break_on_hyphens=False)
+             for line in text.split('\n'))
     return '\n'.join(lines)
 
 
@@ -572,7 +580,7 @@ def replace_block(text, name, content):
     first, last = text.find(begin), text.find(end)
     if first < 0 or last < first:
         raise SystemExit('evaluate.py: docs/evaluation.md has no place for %s' % name)
-    return text[:first + len(begin)] + '\n\n' + content.strip('\n') + '\n\n' + text[last:]
+    return text[:first + len(begin)] + '\n\n' + wrapped(content.strip('\n')) + '\n\n' + text[last:]
 
 
 def block(text, name):

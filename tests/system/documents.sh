@@ -1,5 +1,6 @@
 #!/bin/sh
-# Checks the documents: every section that a comment cites exists, every link resolves, the README is short.
+# Checks the documents: every section that a comment cites exists, every link resolves, lines are no longer than those of the
+# sources, the README is short.
 # Prints each fault and fails if there was one. usage: sh tests/system/documents.sh SOURCE_FOLDER
 set -eu
 cd "$1"
@@ -65,6 +66,13 @@ for document in $documents; do
     case $target in *#*) has "$at" "#${target##*#}" || echo "$document: no such heading: $target" ;; esac
   done
 done >> "$faults"
+
+# Prose in lines of at most 132 characters, which are bytes but for those that continue a character. Tables, code and pictures may be
+# longer, and so may the entries of the changelog.
+# shellcheck disable=SC2046,SC2086
+LC_ALL=C awk 'FNR == 1 { code = 0 } /^```/ { code = !code } code || /^(\||    |```|!\[|<!--|#)/ { next }
+  { line = $0; gsub(/[\200-\277]/, "", line); if (length(line) > 132) print FILENAME ":" FNR ": more than 132 characters" }' \
+  $(echo "$documents" | grep -v '^CHANGELOG.md$') >> "$faults"
 
 # Every section that the evaluation script measures has its place, and only those.
 if command -v python3 >/dev/null 2>&1; then

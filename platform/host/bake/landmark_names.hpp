@@ -1,6 +1,6 @@
 #pragma once
 /// \file landmark_names.hpp
-/// The landmark names that the library asks for (docs/model-format.md, section Landmark), and names that are nearly one of them.
+/// The landmark names that the library asks for (docs/model-format.md), and names that are nearly one of them.
 #include <string>
 #include <vector>
 
