@@ -42,7 +42,8 @@ struct Pose {
   Vec3 t{0, 0, 1000};  ///< translation, mm
 };
 
-/// Square root, correctly rounded on every target. Negative arguments give 0.
+/// Square root, correctly rounded on every target. Negative arguments, which rounding errors make of zeros, give 0. NaN gives NaN:
+/// as a 0 it would pass for a distance of nothing, or for certainty.
 float square_root(float x);
 
 /// Sum, by components.
@@ -90,7 +91,7 @@ inline float length(Vec2 a) {
 inline float length(Vec3 a) {
   return square_root(dot(a, a));
 }
-/// a / |a|, or zero where |a| is zero.
+/// a / |a|, or zero where |a| is zero or NaN.
 Vec3 normalised(Vec3 a);
 
 /// Product.

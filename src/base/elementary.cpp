@@ -9,7 +9,7 @@ constexpr double kLn2 = 0.693147180559945309417;
 }
 
 double square_root(double x) {
-  return x > 0 ? __builtin_sqrt(x) : 0.0;  // one instruction where there is one: no libm to link
+  return x <= 0 ? 0.0 : __builtin_sqrt(x);  // one instruction where there is one: no libm to link
 }
 
 double split_exponent(double x, int& exponent) {

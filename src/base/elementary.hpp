@@ -5,7 +5,7 @@
 
 namespace pliant {
 
-/// Correctly rounded square root; 0 for negative x.
+/// Correctly rounded square root; 0 for negative x, NaN for NaN.
 double square_root(double x);
 /// ln x for normal x > 0, to 1e-14.
 double natural_log(double x);

@@ -6,7 +6,7 @@
 namespace pliant {
 
 float square_root(float x) {
-  return x > 0 ? __builtin_sqrtf(x) : 0.0f;  // one instruction: no libm to link
+  return x <= 0 ? 0.0f : __builtin_sqrtf(x);  // one instruction: no libm to link
 }
 
 Vec3 normalised(Vec3 a) {

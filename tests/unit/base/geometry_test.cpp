@@ -61,5 +61,16 @@ TEST_CASE("what is not finite is told and never spreads") {
   CHECK(exp_rotation({nan, 0, 0}).w == 1);
   CHECK(normalised(Quat{0, 0, 0, 0}).w == 1);
   CHECK(length(normalised(Vec3{})) == 0);
+  CHECK(length(normalised(Vec3{nan, 0, 1})) == 0);
   CHECK(inverse(Mat2{1, 2, 2, 4}).a == 1);
+}
+
+TEST_CASE("the square root of a little less than nothing is nothing, of no number none") {
+  CHECK(square_root(2.25f) == 1.5f);
+  for (const float x : {0.0f, -0.0f, -1e-30f, -1.0f}) CHECK(square_root(x) == 0);
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  CHECK(square_root(inf) == inf);
+  CHECK(std::isnan(square_root(nan)));
+  CHECK(std::isnan(length(Vec2{nan, 1})));
+  CHECK(std::isnan(length(Vec3{0, nan, 1})));
 }

@@ -152,6 +152,9 @@ TEST_CASE("the subset's size runs from half of the rows to all of them") {
 }
 
 TEST_CASE("elementary functions without libm") {
+  CHECK(square_root(2.0) == std::sqrt(2.0));
+  CHECK(square_root(-1e-300) == 0);
+  CHECK(std::isnan(square_root(std::nan(""))));
   for (double x = 1e-12; x < 1e12; x *= 1.7) CHECK(std::fabs(natural_log(x) - std::log(x)) < 1e-13);
   for (double x = -650; x < 650; x += 1.3) CHECK(std::fabs(exponential(x) / std::exp(x) - 1) < 2e-13);
   for (float x = -9; x < 9; x += 0.013f) CHECK(std::fabs(hyperbolic_tangent(x) - std::tanh(x)) < 2e-4f);
