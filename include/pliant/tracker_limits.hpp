@@ -100,7 +100,9 @@ struct TrackerLimits {
   /// Work of one frame without a track, cells of the search (FaceDetector::search). The default searches a
   /// frame of 320 x 240 at once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame
   /// has either a part of the search or steps of an alignment, each of the cost of 1,300 cells; the track
-  /// then starts some frames later, with the model's base mesh. `pliant plan` tells how many frames.
+  /// then starts some frames later, with the model's base mesh. A search for a print of 2,000 keypoints (40 bytes each; `bake`
+  /// makes up to 3,000) takes by default one frame at 320 x 240 and two at 640 x 480, one of 3,000 two at either size: matches are
+  /// of the first frame, and verified in the last. `pliant plan` tells how many frames either search takes, at most.
   std::uint32_t search_work = 24000;
 };
 

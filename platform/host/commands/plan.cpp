@@ -12,6 +12,7 @@
 #include "face/scaled_lines.hpp"
 #include "face/search_place.hpp"
 #include "optim/normal_equations_tuning.hpp"
+#include "print/print_table.hpp"
 #include "print/print_tuning.hpp"
 #include "track/face_checks.hpp"
 #include "track/face_search.hpp"
@@ -289,6 +290,31 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, Plan& plan) {
       {"blocks where templates are wanted", 2.0 * limits.patches, 3.0 * limits.patches, kCost.print_block});
 }
 
+/// Frames of a search for a print, at most: of one that finds as many corners as there is room for. With fewer, or cheaper ones, no
+/// frame ends before the same part.
+int most_print_search_frames(const TrackerLimits& limits, std::size_t keypoints) {
+  const PrintTuning& t = kPrintTuning;
+  std::size_t done = 0, corners = t.corners;  // those of the first level are described and compared twice
+  int frames = 1;
+  const auto add_part = [&](std::size_t cells) {
+    if (done >= limits.search_work && done > 0) {  // a new frame
+      ++frames;
+      done = 0;
+    }
+    done += cells;
+  };
+  for (int level = 0, width = limits.width, height = limits.height; level < t.levels; ++level) {
+    const std::size_t of_level = t.corners >> level;
+    add_part(static_cast<std::size_t>(width * height) / t.pixels_per_cell + t.cells_per_descriptor * of_level);
+    corners += of_level;
+    width = (width + 1) / 2;
+    height = (height + 1) / 2;
+  }
+  for (std::size_t k = 0; k < corners; ++k) add_part(keypoints / t.keypoints_per_cell + 1);
+  add_part(0);  // notes that there is none left
+  return frames;
+}
+
 /// A frame that searches for a face.
 void add_search_loads(const SearchPlan& plan, double width, Loads& loads) {
   const double steps = plan.steps;
@@ -464,8 +490,12 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
     if (!model.parts().empty())
       plan.start_loads.push_back({"readings of the parts of a face", readings, readings, kCost.parts});
   }
-  if (limits.detection != nullptr && !model.print().empty() && plan.search.all_cells == 0)
+  if (limits.detection != nullptr && !model.print().empty() && plan.search.all_cells == 0) {
     add_print_loads(sizes, limits, plan);
+    PrintTable print;
+    if (PrintTable::open(model.print(), &print) == Status::ok)
+      plan.print_search_frames = most_print_search_frames(limits, print.keypoints().count);
+  }
   add_start_loads(sizes, limits, plan.search.does_both || plan.search.all_cells == 0, plan.start_loads);
   if (limits.noise != nullptr && is_smoothed(model))
     for (Loads* loads : {&plan.loads, &plan.search_loads, &plan.start_loads})

@@ -48,6 +48,7 @@ struct Plan {
   std::vector<Load>
       start_loads;  ///< of a frame in which a track starts; with what it has searched before, where it does both
   SearchPlan search;
+  int print_search_frames = 0;  ///< frames of a search for the model's print, at most; 0: none is searched for
 };
 
 /// Sums, instructions of x86-64.

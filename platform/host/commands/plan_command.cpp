@@ -126,9 +126,13 @@ void print_sums(std::ostream& out, const Plan& plan, double mhz) {
   print_sum(out, "a frame that starts a track", plan.start_loads, mhz);
 }
 
-void print_search(std::ostream& out, const SearchPlan& plan) {
-  if (plan.all_cells == 0) return;
+void print_search(std::ostream& out, const SearchPlan& plan, int print_frames) {
   char line[320];
+  if (print_frames > 0) {
+    std::snprintf(line, sizeof line, "\na search for the print\n  frames of a search, at most %8d\n", print_frames);
+    out << line;
+  }
+  if (plan.all_cells == 0) return;
   std::snprintf(line, sizeof line,
                 "\na frame without a track: at most %u cells of the search %s %d steps of alignments\n"
                 "  cells of the whole frame    %8u\n"
@@ -171,7 +175,7 @@ int run_plan(const Args& args, Console& console) {
   print_loads(console.out, "a frame without a track", plan.search_loads);
   print_loads(console.out, "a frame that starts a track", plan.start_loads);
   print_sums(console.out, plan, mhz);
-  print_search(console.out, plan.search);
+  print_search(console.out, plan.search, plan.print_search_frames);
   return 0;
 }
 

@@ -7,6 +7,7 @@
 #include "host/io/frame_source.hpp"
 #include "host/io/image.hpp"
 #include "host/io/owned.hpp"
+#include "print/print_matcher.hpp"
 #include "print_film.hpp"
 #include "random.hpp"
 
@@ -266,4 +267,28 @@ TEST_CASE(
     const WorkCosts costs = tracker->estimator().work_costs(limits.patch_window);
     CHECK(static_cast<double>(costs.of(tracker->work())) <= most_counted_instructions(plan.loads));
   }
+}
+
+TEST_CASE("the plan bounds the frames of a search for a print, in a picture full of corners too") {
+  PrintTable table;
+  REQUIRE(PrintTable::open(host::sheet().print(), &table) == Status::ok);
+  TrackerLimits one_part = profile_s();
+  one_part.search_work = 0;
+  for (const TrackerLimits& limits : {TrackerLimits{}, profile_s(), profile_l(), one_part}) {
+    const int width = limits.width, height = limits.height;
+    Random random(1);
+    std::vector<std::uint8_t> noise(static_cast<std::size_t>(width * height));
+    for (auto& pixel : noise) pixel = static_cast<std::uint8_t>(random.below(256));
+    FrameView frame{noise.data(), width, height, static_cast<std::size_t>(width)};
+    InArena<PrintMatcher> matcher(table, width, height);
+    REQUIRE(matcher->begin(frame, CornerChoice::strongest) == Status::ok);
+    int frames = 1;
+    while (!matcher->step(limits.search_work)) ++frames;
+    const int most = make_plan(host::sheet(), limits).print_search_frames;
+    CHECK(frames <= most);
+    CHECK(most <= frames + frames / 3 + 1);  // noise has fewer corners on its smaller levels than there is room for
+  }
+  CHECK(make_plan(host::sheet(), {}).print_search_frames == 1);
+  CHECK(make_plan(host::sheet(), profile_l()).print_search_frames == 2);
+  CHECK(make_plan(baked_face().model, {}).print_search_frames == 0);
 }
