@@ -34,11 +34,11 @@ bool FrameBudget::take_now(const WaitingWork& of, float instructions) {
   return true;
 }
 
-bool FrameBudget::take(WaitingWork& waiting, float instructions) {
+bool FrameBudget::take(WaitingWork& waiting, float instructions, float if_overdue) {
   if (waiting.is_reserved) {
     reserved = 0;
   } else if (!is_free_for(waiting) || instructions > left()) {
-    waiting.work = instructions;
+    waiting.work = if_overdue;
     ++waiting.waited;
     return false;
   }

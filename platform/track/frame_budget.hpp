@@ -24,7 +24,7 @@ inline constexpr FrameBudgetTuning kFrameBudgetTuning{};
 
 /// Rare work that may wait for a frame with room, but not for ever.
 struct WaitingWork {
-  float work = 0;            ///< when it asked last; instructions, as WorkCosts
+  float work = 0;            ///< of what is done once it is overdue; instructions, as WorkCosts
   int waited = 0;            ///< frames that had no room for it
   bool is_reserved = false;  ///< this frame has room for it
 
@@ -57,8 +57,10 @@ struct FrameBudget {
   float left_for(const WaitingWork& of) const { return is_free_for(of) ? left() : 0.0f; }
   /// Counts rare work, if there is room for it.
   bool take_now(const WaitingWork& of, float instructions);
-  /// The same of work that can wait: what is refused has waited a frame.
-  bool take(WaitingWork& waiting, float instructions);
+  /// The same of work that can wait: what is refused has waited a frame. \param if_overdue  what it takes once it has waited too
+  /// long, and what is then reserved for it.
+  bool take(WaitingWork& waiting, float instructions, float if_overdue);
+  bool take(WaitingWork& waiting, float instructions) { return take(waiting, instructions, instructions); }
 };
 
 }  // namespace pliant

@@ -245,9 +245,10 @@ void TrackerParts::keep_key_frame() {
     budget.key_frame = {};
     return;
   }
-  const std::size_t tries =
-      budget.key_frame.is_reserved ? kTrackerTuning.tries_if_overdue : kTrackerTuning.tries_a_slot;
-  if (!budget.take(budget.key_frame, key_frame_work(limits, budget.costs, tries))) return;
+  const std::size_t few = kTrackerTuning.tries_if_overdue,
+                    tries = budget.key_frame.is_reserved ? few : kTrackerTuning.tries_a_slot;
+  const auto work_of = [this](std::size_t places) { return key_frame_work(limits, budget.costs, places); };
+  if (!budget.take(budget.key_frame, work_of(tries), work_of(few))) return;
   const std::size_t begin = first_slot(limits, key), end = first_slot(limits, key + 1);
   for (std::size_t slot = begin; slot < end; ++slot) templates.release(slot, estimator);
   key_frames.keep(key, estimator.view(), result.rms_px, frame);

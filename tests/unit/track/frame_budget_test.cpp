@@ -64,6 +64,20 @@ TEST_CASE("work that waits is reserved after some frames, which lowers what is l
   CHECK(budget.left() == 1000);
 }
 
+TEST_CASE("for work that does less once it is overdue, no more than that is reserved") {
+  FrameBudget budget = budget_with(90);
+  for (int n = 0; n < kFrameBudgetTuning.most_waited; ++n) {
+    budget.begin(true);
+    budget.work.search_steps = 90;
+    CHECK_FALSE(budget.take(budget.key_frame, 400, 300));
+  }
+  budget.begin(true);
+  REQUIRE(budget.key_frame.is_reserved);
+  CHECK(budget.left() == 700);
+  CHECK(budget.take(budget.key_frame, 300, 300));
+  CHECK(budget.work.rare == 300);
+}
+
 TEST_CASE("a frame does rare work of one kind; what it refuses waits, and is served at last") {
   FrameBudget budget = budget_with(0);
   for (int n = 0; n < kFrameBudgetTuning.most_waited; ++n) {
