@@ -416,7 +416,7 @@ TEST_CASE("checks that refuse a track end it, and the person who was tracked bef
   CHECK(tracker->is_started());
 }
 
-TEST_CASE("a doubtful face is tracked after three frames in which it was accepted") {
+TEST_CASE("a doubtful face is tracked after three frames in which it was accepted; when it is back, as the same person") {
   FakeFaces fake(half_size());
   fake.detection = 0.9f;
   InArena<Tracker> tracker(baked_face().model, limits_with_fake());
@@ -428,6 +428,9 @@ TEST_CASE("a doubtful face is tracked after three frames in which it was accepte
   CHECK(update(tracker.object, half_size(), 3).is_searching);
   CHECK(update(tracker.object, half_size(), 4).is_searching);
   CHECK(update(tracker.object, half_size(), 5).state == TrackState::tracking);
+  std::size_t k = 6;
+  for (; k < kBack || (k < kFrames && !tracker->is_started()); ++k) update(tracker.object, half_size(), k);
+  CHECK(k == kBack + 5);  // three as anybody, the last of them the first of three as the same person
 }
 
 TEST_CASE("a poor start is degraded") {
