@@ -15,7 +15,7 @@ enum class Interpolation : std::uint8_t {
   /// From 16 samples, by cubic convolution (Catmull-Rom). Passes through the samples, reproduces quadratics, and is
   /// continuously differentiable, also across the rim of a support rectangle inside the chart. Normals of the built-in
   /// face are a third closer to the truth than with `bilinear`. Positions are not, because the baker fits the samples
-  /// for bilinear reading. Costs 6 to 10 times as much as `bilinear`.
+  /// for bilinear reading. Takes 7 times the instructions of `bilinear` for a value, 4.5 times with the gradient.
   bicubic = 1,
 };
 
