@@ -13,7 +13,7 @@ namespace pliant::host::bake {
 
 namespace {
 
-constexpr float kFarthestMm = 10000;
+constexpr float kFarthestPointMm = 10000;
 
 int add_point(Cage& cage, const std::string& name, Vec3 position, Vec2 uv) {
   const int i = static_cast<int>(cage.size());
@@ -35,7 +35,7 @@ void read_points(Cage& cage, const std::string& folder) {
     if (p.x < 0 || uv.x < 0.5f || uv.x > 1 || uv.y < 0 || uv.y > 1 || (p.x == 0) != (uv.x == 0.5f))
       table.fail(row, "point '" + name + "' is not in the left half (x >= 0, u from 0.5 to 1)");
     const int left = add_point(cage, name, p, uv);
-    if (!(length(p) <= kFarthestMm))
+    if (!(length(p) <= kFarthestPointMm))
       table.fail(row, "point '" + name + "' is more than 10 m from the origin");
     if (p.x == 0) continue;
     const int right = add_point(cage, "-" + name, {-p.x, p.y, p.z}, {1 - uv.x, uv.y});

@@ -14,7 +14,7 @@ namespace pliant::host::bake {
 
 namespace {
 
-using Point = Eigen::Vector2d;
+using ChartPoint = Eigen::Vector2d;
 
 class Relaxation {
  public:
@@ -35,11 +35,11 @@ class Relaxation {
   }
 
   void fill_square() {
-    Point low = chart_[0], high = chart_[0];
-    for (const Point& p : chart_) low = low.cwiseMin(p), high = high.cwiseMax(p);
+    ChartPoint low = chart_[0], high = chart_[0];
+    for (const ChartPoint& p : chart_) low = low.cwiseMin(p), high = high.cwiseMax(p);
     constexpr double kMargin = 1.0 / 64;
-    for (Point& p : chart_)
-      p = Point::Constant(kMargin) + (1 - 2 * kMargin) * (p - low).cwiseQuotient(high - low);
+    for (ChartPoint& p : chart_)
+      p = ChartPoint::Constant(kMargin) + (1 - 2 * kMargin) * (p - low).cwiseQuotient(high - low);
   }
 
   void sweep() {
@@ -50,7 +50,7 @@ class Relaxation {
   /// Integral over one triangle of the squared stretch; infinite for an inverted triangle.
   double stretch(std::size_t f) const {
     const auto& t = triangles_[f];
-    const Point &a = chart_[at(t[0])], &b = chart_[at(t[1])], &c = chart_[at(t[2])];
+    const ChartPoint &a = chart_[at(t[0])], &b = chart_[at(t[1])], &c = chart_[at(t[2])];
     const double area = (c.x() - a.x()) * (b.y() - a.y()) - (b.x() - a.x()) * (c.y() - a.y());  // twice
     if (!(area > 1e-14)) return std::numeric_limits<double>::infinity();
     const Eigen::Vector3d &p = surface_[at(t[0])], &q = surface_[at(t[1])], &r = surface_[at(t[2])];
@@ -71,7 +71,7 @@ class Relaxation {
     return std::sqrt(sum / area);
   }
 
-  const std::vector<Point>& chart() const { return chart_; }
+  const std::vector<ChartPoint>& chart() const { return chart_; }
 
  private:
   double stretch_around(std::size_t v) const {
@@ -82,22 +82,22 @@ class Relaxation {
 
   /// One step down the gradient, at most half as long as the shortest edge, halved until it lowers the stretch.
   void move(std::size_t v) {
-    const Point start = chart_[v];
+    const ChartPoint start = chart_[v];
     double reach = 1;
     for (const std::size_t f : around_[v])
       for (const int w : triangles_[f])
         if (at(w) != v) reach = std::min(reach, (chart_[at(w)] - start).norm());
     const double before = stretch_around(v), h = 1e-3 * reach;
-    Point gradient;
+    ChartPoint gradient;
     for (int k = 0; k < 2; ++k) {
-      chart_[v] = start + h * Point::Unit(k);
+      chart_[v] = start + h * ChartPoint::Unit(k);
       const double ahead = stretch_around(v);
-      chart_[v] = start - h * Point::Unit(k);
+      chart_[v] = start - h * ChartPoint::Unit(k);
       gradient[k] = ahead - stretch_around(v);
     }
     chart_[v] = start;
     if (!gradient.allFinite() || gradient.norm() == 0) return;
-    const Point direction = -gradient.normalized();
+    const ChartPoint direction = -gradient.normalized();
     for (double step = 0.5 * reach; step > 0.005 * reach; step *= 0.5) {
       chart_[v] = start + step * direction;
       if (stretch_around(v) < before) return;
@@ -106,7 +106,7 @@ class Relaxation {
   }
 
   const std::vector<std::array<int, 3>>& triangles_;
-  std::vector<Point> chart_;
+  std::vector<ChartPoint> chart_;
   std::vector<Eigen::Vector3d> surface_;
   std::vector<std::vector<std::size_t>> around_;  // triangles of each vertex
   std::vector<char> is_fixed_;

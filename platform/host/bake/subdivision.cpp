@@ -4,15 +4,12 @@
 #include <algorithm>
 
 #include "host/bake/at.hpp"
+#include "host/bake/edge.hpp"
 
 namespace pliant::host::bake {
 
 namespace {
 
-using Edge = std::pair<int, int>;
-Edge edge_of(int a, int b) {
-  return {std::min(a, b), std::max(a, b)};
-}
 struct Level {
   std::vector<Stencil> stencils;
   std::vector<std::vector<int>> faces;

@@ -10,15 +10,11 @@
 #include <set>
 
 #include "host/bake/at.hpp"
+#include "host/bake/edge.hpp"
 
 namespace pliant::host::bake {
 
 namespace {
-
-using Edge = std::pair<int, int>;
-Edge edge_of(int a, int b) {
-  return {std::min(a, b), std::max(a, b)};
-}
 
 struct Point {
   double x, y;

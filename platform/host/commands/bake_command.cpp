@@ -38,7 +38,7 @@ std::vector<int> sizes_of(const std::string& list) {
   return sizes;
 }
 
-bake::BakeOptions options_of(const Args& args) {
+bake::BakeOptions bake_options(const Args& args) {
   bake::BakeOptions options;
   options.source = args.operand(0);
   options.size = args.integer("--size", options.size, 16, 512);
@@ -89,7 +89,7 @@ int run_bake(const Args& args, Console& console) {
   if (args.has("--sizes"))
     args.refuse({"-o", "--embed", "--errors", "--size", "--bits"},
                 "does not apply to --sizes, which compares sizes and writes no table");
-  bake::BakeOptions options = options_of(args);
+  bake::BakeOptions options = bake_options(args);
   std::unique_ptr<Progress> progress;
   std::string stage;
   options.progress = [&](const char* now, std::size_t done, std::size_t of) {

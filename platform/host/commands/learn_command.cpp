@@ -51,7 +51,7 @@ class StageProgress {
   std::unique_ptr<Progress> counter_;
 };
 
-learn::LearnOptions options_of(const Args& args) {
+learn::LearnOptions learn_options(const Args& args) {
   learn::LearnOptions options;
   options.seed = static_cast<std::uint64_t>(args.integer("--seed", 1, 0, 1 << 30));
   options.threads = args.integer("--threads", 2, 1, 2);
@@ -70,7 +70,7 @@ LearntTables kept_tables(const Args& args, const std::string& output) {
 
 int run_learn(const Args& args, Console& console) {
   const std::string output = args.required("-o"), only = args.text("--only").value_or("");
-  const learn::LearnOptions options = options_of(args);
+  const learn::LearnOptions options = learn_options(args);
   LearntTables tables = kept_tables(args, output);
   const ModelFile file(args.operand(0));
   OutputFile learnt(output);  // before hours of work for a file that cannot be written

@@ -3,20 +3,13 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "host/io/append.hpp"
 #include "host/io/glb.hpp"
 #include "host/io/level_tints.hpp"
 
 namespace pliant::host {
 
 namespace {
-
-/// printf into a string.
-template <class... Values>
-void append(std::string& out, const char* format, Values... values) {
-  char line[160];
-  std::snprintf(line, sizeof line, format, values...);
-  out += line;
-}
 
 double wide(float x) {
   return static_cast<double>(x);

@@ -14,7 +14,7 @@ namespace pliant::host {
 
 namespace {
 
-constexpr int kWidth = 232, kHeight = 280, kGap = 8, kCaption = 52;
+constexpr int kWidth = 232, kHeight = 280, kSpace = 8, kCaption = 52;
 constexpr Colour kInk{40, 40, 44}, kFaint{215, 60, 60};
 
 /// An orthographic view of the model, turned by 25 degrees and scaled to a panel.
@@ -47,7 +47,7 @@ class Viewpoint {
   float scale_ = 1;
 };
 
-float light_on(Vec3 n) {
+float drawn_light(Vec3 n) {
   static const Vec3 key = normalised(Vec3{-0.5f, 0.55f, 0.9f});
   return 0.3f + 0.7f * max(0, (dot(Viewpoint::turned(n), key) + 0.15f) / 1.15f);
 }
@@ -81,7 +81,7 @@ Image draw_wire(const ModelMesh& mesh, const Viewpoint& view, bool blocks_only) 
   raster.clear();
   for (const FaceId f : mesh.mesh().faces()) {
     const Corners c = corners_of(mesh, f);
-    const float light = light_on(normalised(cross(c.p[1] - c.p[0], c.p[2] - c.p[0])));
+    const float light = drawn_light(normalised(cross(c.p[1] - c.p[0], c.p[2] - c.p[0])));
     // Two barycentric coordinates take the place of (u,v); they give the distance to each edge.
     const RasterVertex a = view.corner(c.p[0], {1, 0}, light), b = view.corner(c.p[1], {0, 1}, light),
                        d = view.corner(c.p[2], {0, 0}, light);
@@ -105,7 +105,7 @@ Image draw_textured(const ModelMesh& mesh, const Viewpoint& view, const ChartTex
   std::vector<RasterVertex> corner(mesh.mesh().limits().vertices);
   for (const VertexId v : mesh.mesh().vertices()) {
     const Vec2 uv = mesh.mesh().uv(v);
-    corner[v] = view.corner(mesh.position(v), uv, light_on(mesh.surface().normal(uv)));
+    corner[v] = view.corner(mesh.position(v), uv, drawn_light(mesh.surface().normal(uv)));
   }
   Raster raster(kWidth, kHeight, 2);
   raster.clear();
@@ -182,19 +182,19 @@ Image draw_mesh_figure(const Model& model, ModelSurface& surface) {
   constexpr int kColumns = static_cast<int>(sizeof columns / sizeof columns[0]);
   const ChartTexture texture(model);
   const Viewpoint view(ModelMesh(model, surface, {}));
-  Image figure(kColumns * (kWidth + kGap) + kGap, kCaption + 3 * (kHeight + kGap) + 2 * kGap, 3, 255);
+  Image figure(kColumns * (kWidth + kSpace) + kSpace, kCaption + 3 * (kHeight + kSpace) + 2 * kSpace, 3, 255);
   for (int k = 0; k < kColumns; ++k) {
     const Column& column = columns[k];
     const ModelMesh mesh(model, surface, column.request);
-    const int x = kGap + k * (kWidth + kGap);
-    int y = kGap;
+    const int x = kSpace + k * (kWidth + kSpace);
+    int y = kSpace;
     draw_caption(figure, x, y, column.title, mesh);
-    y += kCaption + kGap;
+    y += kCaption + kSpace;
     for (const Image& panel :
          {draw_chart(mesh, column.shows_blocks), draw_wire(mesh, view, column.shows_blocks),
           draw_textured(mesh, view, texture)}) {
       paste(figure, panel, x, y);
-      y += kHeight + kGap;
+      y += kHeight + kSpace;
     }
   }
   return figure;

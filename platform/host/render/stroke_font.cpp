@@ -90,7 +90,7 @@ constexpr Source kSources[] = {
     {'>', "04690e"},
     {'\'', "0003"},
 };
-constexpr float kBlank = 3, kGap = 1.8f, kDigit = 3;
+constexpr float kBlank = 3, kSpacing = 1.8f, kDigit = 3;
 /// Lines for each piece of a curve. Enough at 40 px.
 constexpr int kPieces = 4;
 
@@ -127,7 +127,7 @@ StrokeGlyph parsed(const Source& source) {
     glyph.strokes.push_back(kind == '~' || kind == '&' ? smooth(points, kind == '&') : points);
     if (*at == ' ') ++at;
   }
-  glyph.advance = widest + kGap;
+  glyph.advance = widest + kSpacing;
   return glyph;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/io/append.hpp"
 #include "host/io/page.hpp"
 
 namespace pliant::host {
@@ -12,13 +13,6 @@ namespace {
 
 /// Margins for tick labels, px.
 constexpr int kLeft = 56, kBottom = 18, kTop = 8, kRight = 8;
-
-template <class... Values>
-void append(std::string& out, const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  out += text;
-}
 
 /// The part of a chart that lines are drawn in.
 struct Area {
