@@ -54,9 +54,7 @@ class NormalEquations {
   /// Solves (H + damping diag(H)) x = g within the limits, by Cholesky factorisation of the scaled matrix.
   ///
   /// An unknown that would leave its limits is set to the limit, and the others are solved again. An unknown
-  /// at its limit is freed when the others then pull it back inside. There are at most 12 such rounds. Unknowns
-  /// that are nearly combinations of others may need more if there is hardly any damping: the step is then within
-  /// the limits, but not the best one, and may be worse than none. With a damping of 0.1 that is rare.
+  /// at its limit is freed when the others then pull it back inside. There are at most 12 such rounds.
   /// An unknown whose scaled pivot is below 1e-6 is not determined by the observations. Its step is 0 and it
   /// is counted.
   /// Cost: n^3 / 6 a round.
@@ -102,7 +100,7 @@ class NormalEquations {
   void pin_undetermined(std::size_t k);
   void pin_pushed_out();
   bool pin_to_limits(float* step);
-  bool release_from_limits(float damping, const float* step, bool only_one);
+  bool release_from_limits(float damping, const float* step);
   void back_substitute(const float* right, float* x);
 
   float *h_ = nullptr, *factor_ = nullptr, *rows_ = nullptr, *row_residual_ = nullptr;

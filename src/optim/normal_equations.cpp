@@ -361,27 +361,21 @@ bool NormalEquations::pin_to_limits(float* step) {
   return changed;
 }
 
-/// Frees unknowns at a limit whose force points inside, now that others are at their limits: all of them, or the one that is pulled
-/// most. \return whether there were any.
-bool NormalEquations::release_from_limits(float damping, const float* step, bool only_one) {
-  float least = 0;
-  for (std::size_t i = 0; i < count_; ++i) least = max(least, magnitude(g_[i]) * scale_[i]);
-  least *= kTuning.releasing_force;
-  std::size_t released = count_;
+/// Frees unknowns at a limit whose force points inside, now that others are at their limits. \return whether there were any.
+bool NormalEquations::release_from_limits(float damping, const float* step) {
+  float largest = 0;
+  for (std::size_t i = 0; i < count_; ++i) largest = max(largest, magnitude(g_[i]) * scale_[i]);
+  bool changed = false;
   for (std::size_t k = 0; k < count_; ++k) {
     if (pinned_[k] != 1 || !(lower_[k] < upper_[k])) continue;
     float force = g_[k] - damping * h_[index(k, k)] * step[k];
     for_row(k, [&](std::size_t i, float element) { force -= element * step[i]; });
-    const float inside = (step[k] >= upper_[k] ? -force : force) * scale_[k];
-    if (inside <= least) continue;
-    if (only_one) {
-      if (released < count_) pinned_[released] = 1;
-      least = inside;
-    }
+    const float inside = step[k] >= upper_[k] ? -force : force;
+    if (inside * scale_[k] <= kTuning.releasing_force * largest) continue;
     pinned_[k] = 0;
-    released = k;
+    changed = true;
   }
-  return released < count_;
+  return changed;
 }
 
 void NormalEquations::solve(float damping, float* step) {
@@ -396,7 +390,7 @@ void NormalEquations::solve(float damping, float* step) {
     for (std::size_t i = 0; i < n; ++i) right_[i] *= scale_[i];
     factorise(damping);
     back_substitute(right_, solution_);
-    if (!pin_to_limits(step) && !release_from_limits(damping, step, round >= kTuning.releasing_rounds)) break;
+    if (!pin_to_limits(step) && !release_from_limits(damping, step)) break;
   }
   undetermined_ = 0;
   for (std::size_t i = 0; i < n; ++i) undetermined_ += pinned_[i] == 2;

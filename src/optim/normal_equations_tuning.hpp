@@ -11,10 +11,6 @@ struct NormalEquationsTuning {
   float least_pivot = 1e-6f;
   /// Rounds of setting unknowns to their limits, count. It bounds the time of a solve. Round value, not tuned.
   int limit_rounds = 12;
-  /// Rounds in which all unknowns that are pulled inside leave their limits, count; afterwards only the one that is pulled most
-  /// does. All together may return to their limits, and leave them again, for ever. Of 100 random problems with correlated columns
-  /// and no damping 11 were not solved after 12 rounds so; with 4, 6 or 8 it is 8, with 0, which takes more rounds, 30.
-  int releasing_rounds = 6;
   /// Fraction of the largest scaled force with which an unknown must be pulled inside before it leaves its limit. Smaller
   /// forces are rounding errors of the step. Round value, not tuned.
   float releasing_force = 1e-3f;
