@@ -1,7 +1,7 @@
 #include "track/face_checks.hpp"
 
 #include "track/detection_state.hpp"
-#include "track/key_frames.hpp"
+#include "track/frame_worth.hpp"
 
 namespace pliant {
 
@@ -22,12 +22,6 @@ void FaceChecks::begin_track(float landmark_error) {
   // A start that nothing has verified is checked in its own frame.
   frames_since_ = is_aligned_ ? 0 : kTuning.check_interval_frames;
   bad_ = good_ = 0;
-}
-
-void FaceChecks::tell_worth(const View& view, float landmark_error, FrameResult* result) {
-  result->landmark_error = landmark_error;
-  const bool is_turned_away = camera_direction(view).z < kTuning.least_facing;
-  if (is_turned_away || landmark_error > kTuning.most_landmark_error) result->state = TrackState::degraded;
 }
 
 bool FaceChecks::endure(const FrameResult& result, int bad_frames, std::size_t key_frames) {

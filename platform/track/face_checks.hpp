@@ -60,8 +60,6 @@ class FaceChecks {
   /// Ends a bad frame of a track. \param bad_frames  in a row, this one included. \param key_frames  in use.
   /// \return false: the track is given up.
   bool endure(const FrameResult& result, int bad_frames, std::size_t key_frames);
-  /// Writes the landmark error of a tracked frame, and what it and the turn of the head make of the frame's state.
-  static void tell_worth(const View& view, float landmark_error, FrameResult* result);
   /// Whether `conclude` checks the track if the frame is good and has room.
   bool is_due() const;
   /// Whether the check that is due comes before other rare work: the last one was bad, or the alignment made this start and it

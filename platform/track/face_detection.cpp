@@ -2,8 +2,8 @@
 #include <new>
 
 #include "track/face_detection_state.hpp"
+#include "track/found_track.hpp"
 #include "track/second_look.hpp"
-#include "track/track_box.hpp"
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
@@ -25,13 +25,6 @@ FaceDetectionState& self_of(TrackerParts& t) {
   return *static_cast<FaceDetectionState*>(t.detection);
 }
 
-KnownPerson& person_of(TrackerParts& t) {
-  KnownPerson& person = self_of(t).person;
-  person.q = t.start_q.data;
-  person.offsets = &t.offsets;
-  return person;
-}
-
 bool is_available(const Model& model, const TrackerLimits& limits) {
   return limits.width <= kLargestFramePx && limits.height <= kLargestFramePx &&
          limits.detection->modules->is_available(model);
@@ -46,29 +39,6 @@ void FaceDetectionState::lay_out(Arena& arena, const Model& model, const Tracker
   if (limits.second_look != nullptr) look = limits.second_look->lay_out(arena, model, limits);
   parts = arena.make<PartPoints>();
   if (parts != nullptr && parts->open(model) != Status::ok) parts = nullptr;
-}
-
-void FaceDetectionState::start_found(TrackerParts& t, const FrameView& view, const StartPose& found,
-                                     const TrackerOptions& options) {
-  const bool is_known = person.is_known;
-  t.identity_is_given = t.identity_is_given && is_known;
-  if (!is_known) marker_count = 0;
-  if (start(t, view, found, options) == Status::ok && !is_known) t.offsets.place_pending(t.estimator);
-}
-
-void FaceDetectionState::begin_anew(TrackerParts& t, const FrameView& view, const AlignedFace& face) {
-  StartPose found;
-  face_search.set_new_person(kept.start, face, &person_of(t), &found);
-  landmark_error = face.landmark_error;
-  start_found(t, view, found, kept.options);
-}
-
-void FaceDetectionState::renew(TrackerParts& t, const FrameView& view, float error) {
-  const StartPose found{t.estimator.camera(), pose_of(t.estimator.view())};
-  keep_parameters(t);
-  marker_count = t.markers.save(t.estimator, markers);
-  landmark_error = error;
-  (void)start(t, view, found, kept.options);  // a track that cannot begin is lost
 }
 
 namespace {
@@ -112,7 +82,7 @@ Status search(TrackerParts& t, const FrameView& view) {
   TrackerOptions options = self.kept.options;
   // To refine the mesh takes as long as two frames of the track, which does not depend on it.
   if (self.face_search.spreads_work()) options.estimator.mesh_error_mm = 0;
-  self.start_found(t, view, found, options);
+  start_found(t, view, found, options);
   return Status::ok;
 }
 
@@ -145,23 +115,22 @@ void give_up(TrackerParts& t) {
 
 void conclude(TrackerParts& t, const FrameView& view) {
   FaceDetectionState& self = self_of(t);
-  t.result.gaze = self.parts != nullptr && t.bad_frames == 0 ? self.parts->gaze : Vec3{};
+  const bool is_bad = t.bad_frames > 0;
+  t.result.gaze = self.parts != nullptr && !is_bad ? self.parts->gaze : Vec3{};
   constexpr float kWork = kFaceChecksTuning.check_work;
   WaitingWork& check = t.budget.check;
-  bool goes_on;
-  if (t.bad_frames > 0) {
-    if (self.look != nullptr && t.limits.second_look->realign(t, view)) return;
-    goes_on = self.checks.endure(t.result, t.bad_frames, t.key_frames.count());
-  } else {
+  bool goes_on = is_bad;
+  if (!is_bad) {
     const bool has_room = self.checks.is_due() && t.budget.take(check, kWork);
     goes_on = self.checks.conclude(view, t.estimator, has_room, t.unused_between_frames, &t.result) &&
               !self.poor_start.is_over(view, t.estimator);
-    if (goes_on && self.look != nullptr && t.limits.second_look->conclude(t, view)) return;
   }
+  if (goes_on && self.look != nullptr && t.limits.second_look->conclude(t, view)) return;
+  if (is_bad) goes_on = self.checks.endure(t.result, t.bad_frames, t.key_frames.count());
   if (!goes_on) give_up(t);
   if (self.poor_start.is_blinded() && t.result.state == TrackState::tracking)
     t.result.state = TrackState::degraded;
-  if (self.checks.is_urgent() || t.bad_frames > 0) check.hurry(kWork);
+  if (self.checks.is_urgent() || is_bad) check.hurry(kWork);
 }
 
 /// \return null if there are no readers.

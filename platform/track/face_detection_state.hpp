@@ -22,9 +22,6 @@ struct FaceDetectionState : DetectionState {
   float landmark_error = 0;         // of the last start, as the alignment estimates it; 0: unknown
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
-  /// Starts the track of what was found, with the person as TrackerParts::start_q and `person` have it.
-  void start_found(TrackerParts& tracker, const FrameView& frame, const StartPose& found,
-                   const TrackerOptions& options);
   /// Begins a track with this frame where an alignment during a track, which held nothing, has the face: of somebody new.
   void begin_anew(TrackerParts& tracker, const FrameView& frame, const AlignedFace& face);
   /// The same of the same person, where the track is: its templates are given up.

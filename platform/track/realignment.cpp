@@ -1,8 +1,9 @@
 #include "track/realignment.hpp"
 
 #include "track/face_detection_state.hpp"
+#include "track/found_track.hpp"
+#include "track/frame_worth.hpp"
 #include "track/second_look.hpp"
-#include "track/track_box.hpp"
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
@@ -31,8 +32,8 @@ bool is_another(TrackerParts& t, const FrameView& frame, FaceDetectionState& det
   const SecondLookState& look = *detection.look;
   const AlignmentRoom room = detection.face_search.room();
   int steps = 0;
-  return look.modules->begin(*look.aligner, frame, box_of_track(t), t.estimator.camera(), {},
-                             room.q, &steps) == Status::ok &&
+  return look.modules->begin(*look.aligner, frame, box_of_track(t), t.estimator.camera(), {}, room.q,
+                             &steps) == Status::ok &&
          look.modules->advance(*look.aligner, frame, steps, face, room.q, room.landmarks) == Status::ok &&
          is_right(*face) && detection.face_search.is_another(*face);
 }
@@ -54,7 +55,7 @@ bool realign(TrackerParts& t, const FrameView& frame) {
   if (t.estimator.accept(measured, &t.result) != Status::ok) return false;
   t.key_frames.trust(t.estimator);
   t.bad_frames = 1;  // in a row: the templates may fail as long as they like
-  detection.checks.tell_worth(t.estimator.view(), face.landmark_error, &t.result);
+  tell_worth(t.estimator.view(), face.landmark_error, &t.result);
   if (++look.realigned < kTuning.most_frames) return true;
   AlignedFace other;
   if (is_another(t, frame, detection, &other))

@@ -2,8 +2,8 @@
 
 #include "face/ibug_landmarks.hpp"
 #include "track/face_detection_state.hpp"
+#include "track/found_track.hpp"
 #include "track/realignment.hpp"
-#include "track/track_box.hpp"
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
@@ -84,6 +84,7 @@ bool is_free(TrackerParts& t) {
 }
 
 bool conclude(TrackerParts& t, const FrameView& frame) {
+  if (t.bad_frames > 0) return realign(t, frame);
   FaceDetectionState& detection = detection_of(t);
   SecondLookState& look = *detection.look;
   look.realigned = 0;
@@ -112,6 +113,6 @@ bool conclude(TrackerParts& t, const FrameView& frame) {
 
 }  // namespace
 
-const SecondLook kSecondLook{lay_out, begin_track, conclude, realign};
+const SecondLook kSecondLook{lay_out, begin_track, conclude};
 
 }  // namespace pliant

@@ -59,12 +59,11 @@ struct SecondLook {
   SecondLookState* (*lay_out)(Arena& arena, const Model& model, const TrackerLimits& limits);
   /// A track has begun.
   void (*begin_track)(TrackerParts& tracker);
-  /// Ends a good frame of a track: takes a step of the alignment, if one is due and the frame has room. Where the alignment
-  /// has found better landmarks, a new track begins with this frame.
-  /// \return whether it has begun, or failed: then there is no track.
+  /// Ends a frame of a track. After a good one it takes a step of the alignment, if one is due and the frame has room, and where the
+  /// alignment has found better landmarks a new track begins with this frame. A bad one is aligned at once (realignment.hpp).
+  /// \return true: nothing else is to be done in this frame, since the bad one is tracked after all, or a new track has begun, or
+  /// has failed to.
   bool (*conclude)(TrackerParts& tracker, const FrameView& frame);
-  /// Ends a bad frame of a track: realignment.hpp.
-  bool (*realign)(TrackerParts& tracker, const FrameView& frame);
 };
 
 }  // namespace pliant

@@ -1,0 +1,21 @@
+// Tracks that begin while another one of the face ends.
+#include "track/found_track.hpp"
+
+namespace pliant {
+
+void FaceDetectionState::begin_anew(TrackerParts& t, const FrameView& view, const AlignedFace& face) {
+  StartPose found;
+  face_search.set_new_person(kept.start, face, &person_of(t), &found);
+  landmark_error = face.landmark_error;
+  start_found(t, view, found, kept.options);
+}
+
+void FaceDetectionState::renew(TrackerParts& t, const FrameView& view, float error) {
+  const StartPose found{t.estimator.camera(), pose_of(t.estimator.view())};
+  keep_parameters(t);
+  marker_count = t.markers.save(t.estimator, markers);
+  landmark_error = error;
+  (void)start(t, view, found, kept.options);  // a track that cannot begin is lost
+}
+
+}  // namespace pliant

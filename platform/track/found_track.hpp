@@ -1,0 +1,34 @@
+#pragma once
+// What searches and second looks share. Inline, since a program for a microcontroller then has nothing of second looks.
+#include "face/ibug_landmarks.hpp"
+#include "track/face_detection_state.hpp"
+#include "track/tracker_parts.hpp"
+
+namespace pliant {
+
+/// The face box of a track, as its parameters have it; side 0 if the model has no such landmarks.
+inline FaceBox box_of_track(TrackerParts& t) {
+  const auto place = [&](std::uint16_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); };
+  return box_at_landmarks(t.model(), t.estimator.view().s, place);
+}
+
+/// The person whom the tracker knows: in its memory.
+inline KnownPerson& person_of(TrackerParts& t) {
+  KnownPerson& person = static_cast<FaceDetectionState*>(t.detection)->person;
+  person.q = t.start_q.data;
+  person.offsets = &t.offsets;
+  return person;
+}
+
+/// Starts the track of a face that was found, with the person as TrackerParts::start_q and FaceDetectionState::person have it.
+inline void start_found(TrackerParts& t, const FrameView& frame, const StartPose& found,
+                        const TrackerOptions& options) {
+  FaceDetectionState& detection = *static_cast<FaceDetectionState*>(t.detection);
+  const bool is_known = detection.person.is_known;
+  t.identity_is_given = t.identity_is_given && is_known;
+  if (!is_known) detection.marker_count = 0;
+  if (detection.start(t, frame, found, options) == Status::ok && !is_known)
+    t.offsets.place_pending(t.estimator);
+}
+
+}  // namespace pliant

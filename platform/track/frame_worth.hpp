@@ -1,0 +1,16 @@
+#pragma once
+// What a tracked frame of a face is worth. Inline, since a program for a microcontroller has one call of it.
+#include "track/face_checks.hpp"
+#include "track/key_frames.hpp"
+
+namespace pliant {
+
+/// Writes the landmark error of a tracked frame, and what it and the turn of the head make of the frame's state.
+inline void tell_worth(const View& view, float landmark_error, FrameResult* result) {
+  result->landmark_error = landmark_error;
+  const bool is_turned_away = camera_direction(view).z < kFaceChecksTuning.least_facing;
+  if (is_turned_away || landmark_error > kFaceChecksTuning.most_landmark_error)
+    result->state = TrackState::degraded;
+}
+
+}  // namespace pliant
