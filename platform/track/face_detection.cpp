@@ -115,10 +115,10 @@ void give_up(TrackerParts& t) {
 
 void conclude(TrackerParts& t, const FrameView& view) {
   FaceDetectionState& self = self_of(t);
-  const bool is_bad = t.bad_frames > 0;
-  t.result.gaze = self.parts != nullptr && !is_bad ? self.parts->gaze : Vec3{};
+  t.result.gaze = self.parts != nullptr && t.bad_frames == 0 ? self.parts->gaze : Vec3{};
   constexpr float kWork = kFaceChecksTuning.check_work;
   WaitingWork& check = t.budget.check;
+  const bool is_bad = t.bad_frames > 0;
   bool goes_on = is_bad;
   if (!is_bad) {
     const bool has_room = self.checks.is_due() && t.budget.take(check, kWork);
