@@ -7,15 +7,11 @@
 #include "estimate/frame_solver.hpp"
 #include "estimate/visible_surface.hpp"
 #include "face/aligner_table.hpp"
-#include "face/detector_table.hpp"
 #include "face/part_fit.hpp"
-#include "face/scaled_lines.hpp"
-#include "face/search_place.hpp"
 #include "optim/normal_equations_tuning.hpp"
 #include "print/print_table.hpp"
 #include "print/print_tuning.hpp"
 #include "track/face_checks.hpp"
-#include "track/face_search.hpp"
 #include "track/frame_budget.hpp"
 #include "track/key_frames.hpp"
 #include "track/noise_smoothing.hpp"
@@ -290,31 +286,6 @@ void add_print_loads(const Sizes& s, const TrackerLimits& limits, Plan& plan) {
       {"blocks where templates are wanted", 2.0 * limits.patches, 3.0 * limits.patches, kCost.print_block});
 }
 
-/// Frames of a search for a print, at most: of one that finds as many corners as there is room for. With fewer, or cheaper ones, no
-/// frame ends before the same part.
-int most_print_search_frames(const TrackerLimits& limits, std::size_t keypoints) {
-  const PrintTuning& t = kPrintTuning;
-  std::size_t done = 0, corners = t.corners;  // those of the first level are described and compared twice
-  int frames = 1;
-  const auto add_part = [&](std::size_t cells) {
-    if (done >= limits.search_work && done > 0) {  // a new frame
-      ++frames;
-      done = 0;
-    }
-    done += cells;
-  };
-  for (int level = 0, width = limits.width, height = limits.height; level < t.levels; ++level) {
-    const std::size_t of_level = t.corners >> level;
-    add_part(static_cast<std::size_t>(width * height) / t.pixels_per_cell + t.cells_per_descriptor * of_level);
-    corners += of_level;
-    width = (width + 1) / 2;
-    height = (height + 1) / 2;
-  }
-  for (std::size_t k = 0; k < corners; ++k) add_part(keypoints / t.keypoints_per_cell + 1);
-  add_part(0);  // notes that there is none left
-  return frames;
-}
-
 /// A frame that searches for a face.
 void add_search_loads(const SearchPlan& plan, double width, Loads& loads) {
   const double steps = plan.steps;
@@ -346,90 +317,6 @@ void add_start_loads(const Sizes& s, const TrackerLimits& limits, bool adapts, L
   loads.push_back({"templates captured", 2.0 * limits.patches, 3.0 * limits.patches,
                    kCost.captured_record * s.all_records});
   loads.push_back({"points of curves", s.edges, s.edges, kCost.curve_point});
-}
-
-/// Of the cells of a row, in cells of the frame's full size.
-double area_of_row(const SearchPlace& place) {
-  const double ratio = static_cast<double>(place.ratio()) / ScaledLines::kUnit;
-  return ratio * ratio * place.columns();
-}
-
-/// Makes cells and area those of a search near a box of this side, if they are more.
-void add_near_search(const TrackerLimits& l, float side, std::uint32_t* most_cells, double* most_area) {
-  std::uint32_t cells = 0;
-  double area = 0;
-  SearchPlace place;
-  const FaceBox box{{0.5f * static_cast<float>(l.width), 0.5f * static_cast<float>(l.height)}, side};
-  for (place.begin_near(l.width, l.height, l.smallest_face_px, box); !place.is_complete(); place.advance()) {
-    cells += static_cast<std::uint32_t>(place.columns());
-    area += area_of_row(place);
-  }
-  *most_cells = std::max(*most_cells, cells);
-  *most_area = std::max(*most_area, area);
-}
-
-/// The largest of a search of the whole frame.
-struct SearchExtremes {
-  std::uint32_t widest_row = 0, near_cells = 0;  // near: of a search near a candidate
-  double row_area = 0, near_area = 0;
-};
-
-/// Divides a search of the whole frame into frames, and notes what the largest of them takes.
-SearchExtremes divide_search(const TrackerLimits& limits, std::uint32_t work, SearchPlan* plan) {
-  SearchExtremes most;
-  SearchPlace place;
-  std::uint32_t done = work;
-  double area = 0;
-  for (place.begin(limits.width, limits.height, limits.smallest_face_px); !place.is_complete();
-       place.advance()) {
-    const auto columns = static_cast<std::uint32_t>(place.columns());
-    if (done >= work) {  // a new frame
-      ++plan->search_frames;
-      done = 0;
-      area = 0;
-    }
-    done += columns;
-    area += area_of_row(place);
-    most.row_area = std::max(most.row_area, area_of_row(place));
-    if (place.begins_strip())
-      add_near_search(limits, place.box(0, 0).side, &most.near_cells, &most.near_area);
-    plan->cell_area = std::max(plan->cell_area, area);
-    plan->all_cells += columns;
-    most.widest_row = std::max(most.widest_row, columns);
-  }
-  plan->cells = std::min(plan->all_cells, work - 1 + most.widest_row);
-  return most;
-}
-
-/// Each alignment begins with a search near its candidate, and the search goes on after rows that it had already.
-void add_near_cells(const SearchExtremes& most, SearchPlan* plan) {
-  const int alignments = (plan->steps + plan->alignment_steps - 1) / plan->alignment_steps;
-  const std::uint32_t rows_again = kWindowCells - 1;
-  plan->near_cells = static_cast<std::uint32_t>(alignments) * most.near_cells + rows_again * most.widest_row;
-  plan->near_area = alignments * most.near_area + rows_again * most.row_area;
-}
-
-/// Frames of an alignment that begins in a frame of its own.
-int alignment_frames(const SearchPlan& plan) {
-  int frames = 0;
-  for (int left = plan.alignment_steps; left > 0; ++frames) {
-    const int taken = std::min(plan.steps, left);
-    // Where the work is spread, the last step leaves its frame to the start of the track.
-    left -= !plan.does_both && taken == left && taken > 1 ? taken - 1 : taken;
-  }
-  return frames;
-}
-
-SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
-  SearchPlan plan;
-  const std::uint32_t work = std::max(limits.search_work, std::uint32_t{1});
-  const SearchExtremes most = divide_search(limits, work, &plan);
-  plan.does_both = limits.search_work >= kFaceSearchTuning.cells_for_both;
-  plan.steps = std::max(1, static_cast<int>(limits.search_work / kFaceSearchTuning.cells_a_step));
-  plan.alignment_steps = static_cast<int>(table.stage_count()) + 1;
-  if (plan.does_both && plan.search_frames > 1) add_near_cells(most, &plan);
-  plan.alignment_frames = alignment_frames(plan);
-  return plan;
 }
 
 }  // namespace

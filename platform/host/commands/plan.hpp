@@ -3,6 +3,7 @@
 /// Memory and work of a tracker with given limits: bytes by purpose, and how often each loop of a frame runs.
 #include <vector>
 
+#include "host/commands/search_plan.hpp"
 #include "pliant/tracker.hpp"
 
 namespace pliant::host {
@@ -21,20 +22,6 @@ struct Load {
   double most;          ///< count in any frame, at most
   double instructions;  ///< of x86-64 each, measured
   Bound bound = Bound::always;
-};
-
-/// Bounds of the frames without a track, where the model has learnt tables and the limits name detection; else 0.
-struct SearchPlan {
-  std::uint32_t cells = 0;       ///< of one frame's search, at most: the limit, and the rest of a row
-  std::uint32_t near_cells = 0;  ///< near the candidates of a search of several frames, at most in one frame
-  double near_area = 0;          ///< as cell_area
-  std::uint32_t all_cells = 0;   ///< of the search of the whole frame
-  double cell_area = 0;          ///< of the cells of one frame, at most, in cells of its full size
-  int search_frames = 0;         ///< that it takes, at most
-  int steps = 0;                 ///< of one frame's alignments, at most
-  int alignment_steps = 0;       ///< of an alignment
-  int alignment_frames = 0;      ///< that one takes; the last of them starts the track
-  bool does_both = false;        ///< a frame has a part of the search and alignments; else one of them
 };
 
 struct Plan {
