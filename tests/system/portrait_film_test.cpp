@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "host/bench/annotated_faces.hpp"
 #include "host/bench/still_film.hpp"
@@ -31,24 +32,36 @@ Image with_cup(const Image& picture, const NamedLandmarks& at) {
   return covered;
 }
 
-/// Landmark error of the last frame, fraction of the eyes' distance, of a tracker that starts by itself.
-double error_at_the_end(const TrackerLimits& limits_of, const Image& picture, const Image& covered,
-                        const NamedLandmarks& truth) {
-  static const ModelFile face(PLIANT_DETECTING_FACE);
-  TrackerLimits limits = limits_of;
+const ModelFile& face() {
+  static const ModelFile* file = new ModelFile(PLIANT_DETECTING_FACE);
+  return *file;
+}
+
+TrackerLimits limits_for(const Image& picture, TrackerLimits limits) {
   limits.width = static_cast<std::uint16_t>(picture.width);
   limits.height = static_cast<std::uint16_t>(picture.height);
-  InArena<Tracker> tracker(face.model(), limits);
+  return limits;
+}
+
+/// Of a tracker, against the truth of frame 0; \param shift  of the frame. Fraction of the eyes' distance.
+double error_of(Tracker& tracker, const NamedLandmarks& truth, Vec2 shift) {
+  NamedLandmarks found;
+  for (std::size_t l = 0; l < face().model().landmarks().count; ++l)
+    REQUIRE(tracker.landmark(l, &found[face().model().landmarks()[l].name]) == Status::ok);
+  return landmark_error(found, moved(truth, 1, shift));
+}
+
+/// Landmark error of the last frame, of a tracker that starts by itself.
+double error_at_the_end(const TrackerLimits& limits, const Image& picture, const Image& covered,
+                        const NamedLandmarks& truth) {
+  InArena<Tracker> tracker(face().model(), limits_for(picture, limits));
   StillFilm before(covered), after(picture);
   for (std::size_t k = 0; k < kFrames; ++k) {
     FrameResult result;
     REQUIRE(tracker->update((k < kCovered ? before : after).frame(k), &result) == Status::ok);
     CHECK(result.state != TrackState::lost);
   }
-  NamedLandmarks found;
-  for (std::size_t l = 0; l < face.model().landmarks().count; ++l)
-    REQUIRE(tracker->landmark(l, &found[face.model().landmarks()[l].name]) == Status::ok);
-  return landmark_error(found, moved(truth, 1, after.shift(kFrames - 1)));
+  return error_of(tracker.object, truth, after.shift(kFrames - 1));
 }
 
 struct Portrait {
@@ -69,14 +82,10 @@ struct Exposed {
   double error = 0;  // the largest of tracked frames, as landmark_error
 };
 
-Exposed track_exposed(const TrackerLimits& limits_of) {
-  const Portrait portrait = astronaut();
-  static const ModelFile face(PLIANT_DETECTING_FACE);
-  TrackerLimits limits = limits_of;
-  limits.width = static_cast<std::uint16_t>(portrait.picture.width);
-  limits.height = static_cast<std::uint16_t>(portrait.picture.height);
-  InArena<Tracker> tracker(face.model(), limits);
-  StillFilm film(portrait.picture);
+Exposed track_exposed(const TrackerLimits& limits) {
+  const auto [picture, truth] = astronaut();
+  InArena<Tracker> tracker(face().model(), limits_for(picture, limits));
+  StillFilm film(picture);
   Exposed out;
   for (std::size_t k = 0; k < kFrames; ++k) {
     FrameView frame = film.frame(k);
@@ -89,10 +98,7 @@ Exposed track_exposed(const TrackerLimits& limits_of) {
     REQUIRE(tracker->update(frame, &result) == Status::ok);
     if (result.state != TrackState::tracking) continue;
     ++out.tracked;
-    NamedLandmarks found;
-    for (std::size_t l = 0; l < face.model().landmarks().count; ++l)
-      REQUIRE(tracker->landmark(l, &found[face.model().landmarks()[l].name]) == Status::ok);
-    out.error = std::max(out.error, landmark_error(found, moved(portrait.truth, 1, film.shift(k))));
+    out.error = std::max(out.error, error_of(tracker.object, truth, film.shift(k)));
   }
   return out;
 }
@@ -112,7 +118,8 @@ TEST_CASE("a face that a cup covered at the start is aligned anew once the cup i
 
 TEST_CASE("while the exposure hunts, a face is tracked in many frames that its templates do not survive") {
   const Exposed aligned = track_exposed({}), plain = track_exposed(without_second_look({}));
-  MESSAGE("tracked " << aligned.tracked << ", to " << aligned.error << "; without alignments " << plain.tracked);
+  MESSAGE("tracked " << aligned.tracked << ", to " << aligned.error << "; without alignments "
+                     << plain.tracked);
   CHECK(aligned.tracked > plain.tracked + 20);
   CHECK(aligned.error < 0.07);
 }
