@@ -151,6 +151,7 @@ TEST_CASE("one scan serves all distances, in any order") {
 
 TEST_CASE("a scan of rows writes all the memory that it takes, but for what fills up 16 bytes") {
   const Picture p = textured(77, 40);
+  const ImageView image = p.view();  // the scorer keeps a pointer to it
   const int columns = 77 - 2 * kCornerMargin;
   Arena measuring;
   corners::RowScorer scorer;
@@ -162,7 +163,7 @@ TEST_CASE("a scan of rows writes all the memory that it takes, but for what fill
     std::memset(block.data(), fill, block.size());
     Arena arena(block.data(), block.size());
     scorer.lay_out(arena, columns);
-    scorer.start(p.view(), kCornerMargin, 77 - kCornerMargin, kCornerMargin);
+    scorer.start(image, kCornerMargin, 77 - kCornerMargin, kCornerMargin);
     std::vector<float> scores(static_cast<std::size_t>(columns));
     for (int y = kCornerMargin; y < 40 - kCornerMargin; ++y) scorer.next(0, scores.data());
     for (std::size_t i = 0; i < block.size(); ++i)
