@@ -12,7 +12,8 @@ struct TrackerParts;
 /// Tuning of realignments. Each constant: unit, reason, experiment (docs/experiments.md, Bad frames).
 struct RealignmentTuning {
   /// Landmark error that the alignment estimates, at most, fraction of the distance of the outer eye corners; and its probability
-  /// to be right, at least. Round values.
+  /// to be right, at least. Of 3,962 bad frames 2,715 have this, one of them with an error above 10 %; with 0.04 it is 2,559 and
+  /// none, with 0.06 2,754 and two. Nearly all of them have a probability above 0.98.
   float most_error = 0.05f, least_score = 0.95f;
   /// Realigned frames in a row after which a new track begins, count: the light stays as it is now, or it is another person. A
   /// second. With 6 or 12 a new track begins in light that has not settled yet.
@@ -22,7 +23,8 @@ inline constexpr RealignmentTuning kRealignmentTuning{};
 
 /// Ends a bad frame: aligns the face from the last good pose, with the person held. If that is right, the frame counts as
 /// tracked; after many such frames a new track begins, of the same person or of another one.
-/// \pre the limits name second looks. \return false: the frame stays bad.
+/// \pre the limits name second looks. \return false: the frame stays bad. Cost: 7.9 million instructions with the defaults; where a
+/// new track begins an alignment and a start besides.
 bool realign(TrackerParts& tracker, const FrameView& frame);
 
 }  // namespace pliant
