@@ -37,16 +37,23 @@ float distance_from_track(TrackerParts& t, Span<const Vec2> landmarks) {
   return sum / (static_cast<float>(landmarks.count) * eyes);
 }
 
+bool is_frontal(const View& view) {
+  return camera_direction(view).z >= kTuning.least_frontal;
+}
+
 /// How many looks an alignment of this frame counts for that is better than the start; 0: it is not.
 int count_better(TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
-  const float of_start = detection_of(t).look->start_error, of_track = t.result.landmark_error;
-  const float ratio = face.landmark_error / max(of_start, of_track);
-  const bool is_better = face.score >= kTuning.least_score &&
-                         face.landmark_error <= min(of_start, of_track) &&
-                         ratio <= kTuning.most_error_ratio &&
-                         camera_direction(view_of(face.pose, face.camera)).z >= kTuning.least_frontal &&
-                         distance_from_track(t, landmarks) >= kTuning.least_distance;
-  return !is_better ? 0 : ratio <= kTuning.sure_error_ratio ? kTuning.looks : 1;
+  const SecondLookState& look = *detection_of(t).look;
+  const float e = face.landmark_error, of_start = look.start_error, of_track = t.result.landmark_error;
+  const bool tells_shape = is_frontal(view_of(face.pose, face.camera));
+  const bool tells_more_than_start = tells_shape && look.began_turned;
+  if (face.score < kTuning.least_score || distance_from_track(t, landmarks) < kTuning.least_distance ||
+      e > (tells_more_than_start ? max(of_start, of_track) : min(of_start, of_track)))
+    return 0;
+  const float ratio = e / max(of_start, of_track);
+  if (tells_more_than_start || (ratio <= kTuning.sure_error_ratio && (tells_shape || look.began_turned)))
+    return kTuning.looks;
+  return tells_shape && ratio <= kTuning.most_error_ratio ? 1 : 0;
 }
 
 SecondLookState* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
@@ -56,7 +63,10 @@ SecondLookState* lay_out(Arena& arena, const Model& model, const TrackerLimits& 
 void begin_track(TrackerParts& t) {
   const FaceDetectionState& detection = detection_of(t);
   SecondLookState& look = *detection.look;
-  if (!detection.person.is_known) look.start_error = detection.landmark_error;
+  if (!detection.person.is_known) {
+    look.start_error = detection.landmark_error;
+    look.began_turned = !is_frontal(t.estimator.view());
+  }
   look.wait = look.frames_left = kTuning.first_wait;
   look.steps_left = look.agreed = look.realigned = 0;
 }
@@ -65,7 +75,7 @@ void begin_track(TrackerParts& t) {
 void begin_look(TrackerParts& t, const FrameView& frame) {
   FaceDetectionState& detection = detection_of(t);
   SecondLookState& look = *detection.look;
-  const bool is_doubtful = look.start_error > kTuning.doubtful_error;
+  const bool is_doubtful = look.began_turned || look.start_error > kTuning.doubtful_error;
   const std::uint32_t longest = is_doubtful ? kTuning.longest_doubtful_wait : kTuning.longest_wait;
   look.wait = 2 * look.wait < longest ? 2 * look.wait : longest;
   look.frames_left = look.wait;

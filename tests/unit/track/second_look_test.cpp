@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::size_t kFrames = 60;
 
-/// A face that moves a little. \param turn  about the vertical axis, rad.
-FaceFilm film_of(float turn = 0) {
+/// A face that moves a little. \param first, last  turn about the vertical axis, rad, in frame 0 and from frame 12 on.
+FaceFilm film_of(float first = 0, float last = 0) {
   return FaceFilm(
       320, 240, kFrames,
       [=](float s, Pose& pose, auto&) {
-        pose.q = exp_rotation({0, turn, 0});
+        pose.q = exp_rotation({0, first + (last - first) * min(1.0f, 5 * s), 0});
         pose.t.x += 20 * s;
       },
       0.5f);
@@ -120,11 +120,27 @@ TEST_CASE("one second alignment alone proves something only if it is much better
   }
 }
 
-TEST_CASE("a face that is turned far is not judged anew") {
-  const FaceFilm turned = film_of(0.5f);
-  FakeFaces fake(turned);
-  fake.covered_frames = 10;
-  CHECK(run(turned, limits_with_looks()).starts == 1);
+TEST_CASE("an alignment of a turned face counts only if it is sure and the start was turned, too") {
+  const struct {
+    std::string what;
+    float first, last, of_start;
+    int starts;
+  } kCases[] = {
+      {"turned, and hardly better", 0.5f, 0.5f, 0.027f, 1},
+      {"turned, and much better", 0.5f, 0.5f, 0.05f, 2},
+      {"much better, but the start was frontal", 0, 0.5f, 0.05f, 1},
+      {"frontal, as good as a turned start", 0.5f, 0, 0.02f, 2},
+      {"frontal, worse than a turned start", 0.5f, 0, 0.019f, 1},
+      {"frontal, as good as a frontal start", 0, 0, 0.02f, 1},
+  };
+  for (const auto& c : kCases) {
+    CAPTURE(c.what);
+    const FaceFilm film = film_of(c.first, c.last);
+    FakeFaces fake(film);
+    fake.covered_frames = 10;
+    fake.covered_error = fake.tracked_error = c.of_start;
+    CHECK(run(film, limits_with_looks()).starts == c.starts);
+  }
 }
 
 TEST_CASE("who tells the tracker where landmarks or markers are, or who the person is, is not corrected") {
