@@ -13,8 +13,8 @@ struct TrackerParts;
 struct RealignmentTuning {
   /// Landmark error that the alignment estimates, at most, fraction of the distance of the outer eye corners, as
   /// FaceChecksTuning::most_landmark_error: above it a tracked frame would be degraded; and its probability to be right, at least.
-  /// With 0.05 and 0.95 film frames in moving shadows are tracked in 87 instead of 97 %, and more of them are wrong, since tracks are
-  /// given up and begin anew in shadow.
+  /// With 0.05 and 0.95 films of moving shadows are tracked in 87 instead of 97 % of the frames, and more of them are wrong, since
+  /// tracks end and begin anew in shadow.
   float most_error = 0.08f, least_score = 0.8f;
   /// Realigned frames in a row after which a new track begins, count: the light stays as it is now, or it is another person. A
   /// second. With 6 or 12 a new track begins in light that has not settled yet.
