@@ -12,10 +12,10 @@ namespace {
 
 constexpr std::size_t kFrames = 60;
 
-/// A face that moves a little. \param first, last  turn about the vertical axis, rad, in frame 0 and from frame 12 on.
-FaceFilm film_of(float first = 0, float last = 0) {
+/// A face that moves a little. \param first, last  turn about the vertical axis, rad, in frame 0 and after a fifth of the film.
+FaceFilm film_of(float first = 0, float last = 0, std::size_t frames = kFrames) {
   return FaceFilm(
-      320, 240, kFrames,
+      320, 240, frames,
       [=](float s, Pose& pose, auto&) {
         pose.q = exp_rotation({0, first + (last - first) * min(1.0f, 5 * s), 0});
         pose.t.x += 20 * s;
@@ -123,22 +123,24 @@ TEST_CASE("one second alignment alone proves something only if it is much better
 TEST_CASE("an alignment of a turned face counts only if it is sure and the start was turned, too") {
   const struct {
     std::string what;
-    float first, last, of_start;
+    float first, last, of_start, of_track;
     int starts;
   } kCases[] = {
-      {"turned, and hardly better", 0.5f, 0.5f, 0.027f, 1},
-      {"turned, and much better", 0.5f, 0.5f, 0.05f, 2},
-      {"much better, but the start was frontal", 0, 0.5f, 0.05f, 1},
-      {"frontal, as good as a turned start", 0.5f, 0, 0.02f, 2},
-      {"frontal, worse than a turned start", 0.5f, 0, 0.019f, 1},
-      {"frontal, as good as a frontal start", 0, 0, 0.02f, 1},
+      {"turned, and hardly better", 0.5f, 0.5f, 0.027f, 0.027f, 1},
+      {"turned, and much better", 0.5f, 0.5f, 0.05f, 0.05f, 2},
+      {"much better, but the start was frontal", 0, 0.5f, 0.05f, 0.05f, 1},
+      {"frontal, as good as a turned start", 0.5f, 0, 0.02f, 0.02f, 2},
+      {"frontal, worse than a turned start", 0.5f, 0, 0.019f, 0.019f, 1},
+      {"frontal, worse than a turned start, better than its track", 0.5f, 0, 0.019f, 0.023f, 2},
+      {"frontal, as good as a frontal start", 0, 0, 0.02f, 0.02f, 1},
   };
   for (const auto& c : kCases) {
     CAPTURE(c.what);
     const FaceFilm film = film_of(c.first, c.last);
     FakeFaces fake(film);
     fake.covered_frames = 10;
-    fake.covered_error = fake.tracked_error = c.of_start;
+    fake.covered_error = c.of_start;
+    fake.tracked_error = c.of_track;
     CHECK(run(film, limits_with_looks()).starts == c.starts);
   }
 }
@@ -198,11 +200,22 @@ TEST_CASE("a look that cannot begin keeps no other work waiting") {
   CHECK(verifications[true] >= verifications[false]);
 }
 
-TEST_CASE("looks wait longer and longer while nothing is better") {
-  FakeFaces fake(film());
-  run(film(), limits_with_looks());
-  // The start, and looks that begin after 12 and 24 more frames.
-  CHECK(fake.alignments == 3);
+TEST_CASE("looks wait longer and longer while nothing is better, but not long after a start that was doubtful or turned") {
+  const struct {
+    std::string what;
+    float turn, error;
+    int alignments;  // the start, and looks that begin after 12, 24 and 48 more frames, or 12, 24, 24 and 24
+  } kCases[] = {{"sure and frontal", 0, 0.02f, 4}, {"doubtful", 0, 0.035f, 5}, {"turned", 0.5f, 0.02f, 5}};
+  constexpr std::size_t kLong = 100;
+  for (const auto& c : kCases) {
+    CAPTURE(c.what);
+    const FaceFilm film = film_of(c.turn, c.turn, kLong);
+    FakeFaces fake(film);
+    fake.error = c.error;
+    InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+    for (std::size_t k = 0; k < kLong; ++k) update(tracker.object, film, k);
+    CHECK(fake.alignments == c.alignments);
+  }
 }
 
 TEST_CASE("second looks cost memory only where the limits name them") {
