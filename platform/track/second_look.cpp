@@ -48,7 +48,7 @@ int count_better(TrackerParts& t, const AlignedFace& face, Span<const Vec2> land
   const bool tells_shape = is_frontal(view_of(face.pose, face.camera));
   const bool tells_more_than_start = tells_shape && look.began_turned;
   if (face.score < kTuning.least_score || distance_from_track(t, landmarks) < kTuning.least_distance ||
-      e > (tells_more_than_start ? max(of_start, of_track) : min(of_start, of_track)))
+      e > of_start || (e > of_track && !tells_more_than_start))
     return 0;
   const float ratio = e / max(of_start, of_track);
   if (tells_more_than_start || (ratio <= kTuning.sure_error_ratio && (tells_shape || look.began_turned)))

@@ -130,8 +130,8 @@ TEST_CASE("an alignment of a turned face counts only if it is sure and the start
       {"turned, and much better", 0.5f, 0.5f, 0.05f, 0.05f, 2},
       {"much better, but the start was frontal", 0, 0.5f, 0.05f, 0.05f, 1},
       {"frontal, as good as a turned start", 0.5f, 0, 0.02f, 0.02f, 2},
-      {"frontal, worse than a turned start", 0.5f, 0, 0.019f, 0.019f, 1},
-      {"frontal, worse than a turned start, better than its track", 0.5f, 0, 0.019f, 0.023f, 2},
+      {"frontal, as good as a turned start, worse than its track", 0.5f, 0, 0.02f, 0.019f, 2},
+      {"frontal, worse than a turned start, better than its track", 0.5f, 0, 0.019f, 0.023f, 1},
       {"frontal, as good as a frontal start", 0, 0, 0.02f, 0.02f, 1},
   };
   for (const auto& c : kCases) {
