@@ -87,7 +87,7 @@ std::vector<std::uint8_t> smoothed(const std::vector<std::uint8_t>& in, int widt
 /// Brightness of a surface with unit normal n (camera axes: x right, y down, z away): a key light from the upper left
 /// that reaches a little round the shadow side, a weak one from the right, and light from everywhere.
 float light_on(Vec3 n) {
-  const Vec3 key = normalised(Vec3{-0.55f, -0.65f, -0.85f}), fill = normalised(Vec3{0.8f, 0.1f, -0.6f});
+  static const Vec3 key = normalised(Vec3{-0.55f, -0.65f, -0.85f}), fill = normalised(Vec3{0.8f, 0.1f, -0.6f});
   return 0.22f + 0.78f * max(0.0f, (dot(n, key) + 0.2f) / 1.2f) + 0.16f * max(0.0f, dot(n, fill));
 }
 
@@ -139,22 +139,45 @@ Pose frontal_pose(Cascade& cascade, const float* q, const Camera& camera, int he
 }
 
 Renderer::Renderer(Cascade& cascade, int cells)
-    : cascade_(cascade),
-      mask_(cascade.model().mask()),
+    : mask_(cascade.model().mask()),
       albedo_(cascade.model().albedo()),
       cells_(cells),
       cover_(smoothed(filled(mask_), static_cast<int>(mask_.width), static_cast<int>(mask_.height))),
-      corners_(static_cast<std::size_t>((cells + 1) * (cells + 1))) {
-  for (int j = 0; j <= cells; ++j)
-    for (int i = 0; i <= cells; ++i)
-      corner(i, j).uv = {static_cast<float>(i) / static_cast<float>(cells),
-                         static_cast<float>(j) / static_cast<float>(cells)};
-  for (int j = 0; j <= cells; ++j)
-    for (int i = 0; i <= cells; ++i) {
+      corners_(static_cast<std::size_t>((cells + 1) * (cells + 1))),
+      surface_(cascade, use_corners()) {}
+
+/// Places the corners in the chart and chooses those whose position is used. \return these.
+std::vector<Vec2> Renderer::use_corners() {
+  for (int j = 0; j <= cells_; ++j)
+    for (int i = 0; i <= cells_; ++i)
+      corner(i, j).uv = {static_cast<float>(i) / static_cast<float>(cells_),
+                         static_cast<float>(j) / static_cast<float>(cells_)};
+  for (int j = 0; j <= cells_; ++j)
+    for (int i = 0; i <= cells_; ++i) {
       if (!(cover(corner(i, j).uv) > 0)) continue;
-      for (int b = j > 0 ? j - 1 : 0; b <= j + 1 && b <= cells; ++b)
-        for (int a = i > 0 ? i - 1 : 0; a <= i + 1 && a <= cells; ++a) corner(a, b).is_used = true;
+      for (int b = j > 0 ? j - 1 : 0; b <= j + 1 && b <= cells_; ++b)
+        for (int a = i > 0 ? i - 1 : 0; a <= i + 1 && a <= cells_; ++a) corner(a, b).is_used = true;
     }
+  std::vector<Vec2> used;
+  for (Corner& c : corners_) {
+    if (c.is_used) used.push_back(c.uv);
+    c.begins_whole_cell = c.is_used && is_covered_from(c.uv);
+  }
+  return used;
+}
+
+/// Whether the cover is whole all over the cell that begins at a corner, and a pixel around.
+bool Renderer::is_covered_from(Vec2 uv) const {
+  const float side = 1 / static_cast<float>(cells_);
+  const auto pixel = [](float t, std::uint32_t count, int more) {
+    return static_cast<int>(t * static_cast<float>(count - 1)) + more;
+  };
+  const int width = static_cast<int>(mask_.width), height = static_cast<int>(mask_.height);
+  for (int y = pixel(uv.y, mask_.height, -1); y <= pixel(uv.y + side, mask_.height, 2); ++y)
+    for (int x = pixel(uv.x, mask_.width, -1); x <= pixel(uv.x + side, mask_.width, 2); ++x)
+      if (x < 0 || y < 0 || x >= width || y >= height || cover_[static_cast<std::size_t>(y * width + x)] != 255)
+        return false;
+  return true;
 }
 
 float Renderer::cover(Vec2 uv) const {
@@ -178,9 +201,9 @@ Vec3 Renderer::normal(int i, int j) {
 }
 
 void Renderer::pose_corners(const float* q, const Pose& pose, const Camera& camera, float tone) {
-  cascade_.select(q);
+  auto position = surface_.at(q).begin();
   for (Corner& c : corners_)
-    if (c.is_used) c.position = cascade_.selected_point(c.uv);
+    if (c.is_used) c.position = *position++;
   const Projector projector(view_of(pose, camera), true);
   for (int j = 0; j <= cells_; ++j)
     for (int i = 0; i <= cells_; ++i) {
@@ -193,10 +216,11 @@ void Renderer::pose_corners(const float* q, const Pose& pose, const Camera& came
     }
 }
 
-void Renderer::draw_triangle(const Corner& a, const Corner& b, const Corner& c) {
+void Renderer::draw_triangle(const Corner& a, const Corner& b, const Corner& c, bool is_whole) {
   if (!(a.inverse_depth > 0 && b.inverse_depth > 0 && c.inverse_depth > 0)) return;
   const float area = doubled_area(a.x, b.x, c.x);
   if (!(magnitude(area) > 1e-12f)) return;
+  const float side = area < 0 ? -1.0f : 1.0f;
   const auto right = static_cast<float>(columns_ - 1), bottom = static_cast<float>(rows_ - 1);
   // Rounded up and down for values from -1.
   const int i0 = static_cast<int>(clamp(least(a.x.x, b.x.x, c.x.x), 0, right + 1) + 0.9999f);
@@ -207,14 +231,16 @@ void Renderer::draw_triangle(const Corner& a, const Corner& b, const Corner& c) 
     for (int i = i0; i <= i1; ++i) {
       // Barycentric in the image; divided by the depth they are barycentric on the surface.
       const Vec2 s{static_cast<float>(i), static_cast<float>(j)};
-      const float wa = doubled_area(s, b.x, c.x) / area, wb = doubled_area(a.x, s, c.x) / area;
-      if (wa < 0 || wb < 0 || wa + wb > 1) continue;
+      const float of_a = doubled_area(s, b.x, c.x), of_b = doubled_area(a.x, s, c.x);
+      if (side * of_a < 0 || side * of_b < 0) continue;  // most of them, without a division
+      const float wa = of_a / area, wb = of_b / area;
+      if (wa + wb > 1) continue;
       const float za = wa * a.inverse_depth, zb = wb * b.inverse_depth, zc = (1 - wa - wb) * c.inverse_depth;
       const float z = za + zb + zc;
       const auto k = static_cast<std::size_t>(j * columns_ + i);
       if (!(z > inverse_depth_[k])) continue;
       const Vec2 uv = (1 / z) * (za * a.uv + zb * b.uv + zc * c.uv);
-      if (cover(uv) < 0.5f) continue;
+      if (!is_whole && cover(uv) < 0.5f) continue;
       inverse_depth_[k] = z;
       grey_[k] = min(255.0f, albedo(uv) * (za * a.light + zb * b.light + zc * c.light) / z);
     }
@@ -240,8 +266,9 @@ Picture Renderer::draw(const float* q, const Pose& pose, const Camera& camera, c
   pose_corners(q, pose, camera, tone);
   for (int j = 0; j < cells_; ++j)
     for (int i = 0; i < cells_; ++i) {
-      draw_triangle(corner(i, j), corner(i + 1, j), corner(i, j + 1));
-      draw_triangle(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
+      const bool is_whole = corner(i, j).begins_whole_cell;
+      draw_triangle(corner(i, j), corner(i + 1, j), corner(i, j + 1), is_whole);
+      draw_triangle(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1), is_whole);
     }
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "moving_surface.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/cascade.hpp"
 #include "pliant/frame.hpp"
@@ -69,22 +70,25 @@ class Renderer {
     pliant::Vec2 uv, x;     ///< in the chart; in samples of the picture
     float inverse_depth = 0, light = 0;
     bool is_used = false;
+    bool begins_whole_cell = false;  ///< which lies in the surface all over
   };
 
+  std::vector<pliant::Vec2> use_corners();
+  bool is_covered_from(pliant::Vec2 uv) const;
   float cover(pliant::Vec2 uv) const;
   float albedo(pliant::Vec2 uv) const;
   Corner& corner(int i, int j) { return corners_[static_cast<std::size_t>(j * (cells_ + 1) + i)]; }
   pliant::Vec3 normal(int i, int j);
   void pose_corners(const float* q, const pliant::Pose& pose, const pliant::Camera& camera, float tone);
-  void draw_triangle(const Corner& a, const Corner& b, const Corner& c);
+  void draw_triangle(const Corner& a, const Corner& b, const Corner& c, bool is_whole);
   float mean_grey(int x, int y, float backdrop) const;
 
-  pliant::Cascade& cascade_;
   pliant::ChartImage mask_, albedo_;
   int cells_;
   float flat_step_ = 0;
   std::vector<std::uint8_t> cover_;  // of the mask's size: 0 outside, 255 inside
   std::vector<Corner> corners_;
+  MovingSurface surface_;  // at the used corners, in their order
   int columns_ = 0, rows_ = 0;  // samples of the picture
   std::vector<float> grey_, inverse_depth_;
 };
