@@ -29,7 +29,17 @@ endforeach()
 
 # As a subdirectory of a project in C that names no build type: the library is optimised all the same.
 # No other library is looked for. The libraries are static, and their sources are compiled one by one, whatever the project says of its own.
-configure(subdirectory main.c -DPLIANT_SOURCE_DIR=${SOURCE} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
+# Objects of the build that were compiled in the same way are taken from there.
+set(launcher ${LAUNCHER})
+if(GENERATOR STREQUAL "Ninja")
+  find_program(ninja NAMES ninja ninja-build REQUIRED)
+  execute_process(COMMAND ${ninja} -C ${BUILD} -t commands pliant_core pliant_track OUTPUT_FILE ${work}/commands
+    COMMAND_ERROR_IS_FATAL ANY)
+  set(launcher ${work}/launcher)
+  file(WRITE ${launcher} "#!/bin/sh\nexec sh '${project}/reuse_object.sh' '${BUILD}' '${work}/commands' ${LAUNCHER} \"$@\"\n")
+  file(CHMOD ${launcher} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+endif()
+configure(subdirectory main.c -DPLIANT_SOURCE_DIR=${SOURCE} -DCMAKE_CXX_COMPILER_LAUNCHER=${launcher}
   -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DBUILD_SHARED_LIBS=ON -DCMAKE_UNITY_BUILD=ON -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON)
 file(STRINGS ${work}/subdirectory/compile_commands.json commands REGEX "command.*/pliant_(core|track)\\.dir/")
 foreach(command IN LISTS commands)
