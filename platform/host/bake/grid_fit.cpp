@@ -55,6 +55,7 @@ class GridFit {
 
   std::vector<float> values_of(const std::vector<float>& grid) const {
     std::vector<float> values;
+    values.reserve(cells_.size());
     for (const Cell& c : cells_) {
       const float* g = &grid[at(c.first)];
       const float upper = g[0] + c.a * (g[1] - g[0]), lower = g[width_] + c.a * (g[width_ + 1] - g[width_]);

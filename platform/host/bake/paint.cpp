@@ -157,12 +157,27 @@ class Painter {
         most = {std::max(most.x, uv.x), std::max(most.y, uv.y)};
       }
       if (side < 0 && least.x <= 0.5f && most.x >= 0.5f && symmetric(line)) break;
+      Vec3 low = line[0], high = line[0];  // of the places that the line may reach, mm
+      for (const Vec3 p : line) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+      }
+      const float beside = 1.01f * layer.size + kTuning.disc_edge_mm;
+      low = low - Vec3{beside, beside, beside};
+      high = high + Vec3{beside, beside, beside};
       const float reach = layer.size * kTuning.chart_per_mm + kTuning.chart_margin,
                   n = static_cast<float>(side_ - 1);
       each(static_cast<int>((least.x - reach) * n), static_cast<int>((most.x + reach) * n),
            static_cast<int>((least.y - reach) * n), static_cast<int>((most.y + reach) * n),
-           [&](Pixel& p, float) { blend(p, layer.tone, layer.amount * nearness(layer, line, p.position)); });
+           [&](Pixel& p, float) {
+             if (beyond(low, high, p.position)) return;
+             blend(p, layer.tone, layer.amount * nearness(layer, line, p.position));
+           });
     }
+  }
+
+  static bool beyond(Vec3 low, Vec3 high, Vec3 p) {
+    return p.x < low.x || p.x > high.x || p.y < low.y || p.y > high.y || p.z < low.z || p.z > high.z;
   }
 
   static bool symmetric(const std::vector<Vec3>& line) {
@@ -170,12 +185,14 @@ class Painter {
   }
 
   static float nearness(const Layer& layer, const std::vector<Vec3>& line, Vec3 p) {
-    float nearest = 1e9f;
+    float nearest_squared = 1e18f;
     for (std::size_t k = 0; k < line.size(); ++k) {
       const Vec3 a = line[k], b = line[std::min(k + 1, line.size() - 1)];
       const float l2 = dot(b - a, b - a), t = l2 > 0 ? std::clamp(dot(p - a, b - a) / l2, 0.0f, 1.0f) : 0;
-      nearest = std::min(nearest, length(p - (a + t * (b - a))));
+      const Vec3 d = p - (a + t * (b - a));
+      nearest_squared = std::min(nearest_squared, dot(d, d));
     }
+    const float nearest = square_root(nearest_squared);
     if (layer.kind == "disc")
       return std::clamp((layer.size - nearest) / kTuning.disc_edge_mm + 0.5f, 0.0f, 1.0f);
     const float f = std::max(0.0f, 1 - (nearest * nearest) / (layer.size * layer.size));

@@ -54,10 +54,10 @@ class Portrait {
     middle_ = 0.5f * (ear_right_ + ear_left_);
   }
 
-  void draw(const Model& model, const Image& background) {
+  void draw(const ChartTexture& texture, const Image& background) {
     out_.picture = background;
     paint_behind();
-    paint_face(model);
+    paint_face(texture);
     if (!random_.chance(0.08f)) paint_hairline();
   }
 
@@ -147,8 +147,7 @@ class Portrait {
         [&](Vec2) { return 0.8f * skin(); }, 1, 4);
   }
 
-  void paint_face(const Model& model) {
-    const ChartTexture texture(model);
+  void paint_face(const ChartTexture& texture) {
     const std::vector<Vec3> positions = sheet_.positions(cascade_, out_.q.data());
     const std::vector<Vec3> normals = sheet_.normals(positions);
     const Projector projector(view_of(out_.pose, out_.camera), true);
@@ -220,6 +219,7 @@ std::vector<Photograph> draw_portraits(const Model& model, const FaceSheet& shee
                                        const OtherPictures& others, std::size_t count, std::uint64_t seed,
                                        int first_person, const DrawnTurn& most_turned) {
   const ExpressionVariation people(model);
+  const ChartTexture texture(model);
   Owned<Cascade> cascade(model);
   std::vector<Photograph> portraits(count);
   for (std::size_t k = 0; k < count; ++k) {
@@ -232,7 +232,7 @@ std::vector<Photograph> draw_portraits(const Model& model, const FaceSheet& shee
     const Image background = is_plain
                                  ? make_background(kSide, kSide, static_cast<std::uint32_t>(random.bits()))
                                  : others.crop(kSide, kSide, random);
-    Portrait(model, sheet, *cascade, most_turned, portrait, random).draw(model, background);
+    Portrait(model, sheet, *cascade, most_turned, portrait, random).draw(texture, background);
   }
   return portraits;
 }

@@ -61,6 +61,7 @@ void Raster::draw(const RasterVertex& a, const RasterVertex& b, const RasterVert
   const auto cross = [](Vec2 d, Vec2 e) { return d.x * e.y - d.y * e.x; };
   const float area = cross(q - p, r - p);
   if (!(magnitude(area) > 1e-12f)) return;
+  const float side = area < 0 ? -1.0f : 1.0f;
   const auto columns = static_cast<float>(width_ * samples_ - 1),
              rows = static_cast<float>(height_ * samples_ - 1);
   const int i0 = static_cast<int>(std::ceil(clamp(std::min({p.x, q.x, r.x}), 0, columns + 1)));
@@ -71,8 +72,10 @@ void Raster::draw(const RasterVertex& a, const RasterVertex& b, const RasterVert
     for (int i = i0; i <= i1; ++i) {
       const Vec2 s{static_cast<float>(i), static_cast<float>(j)};
       // Barycentric in the image; dividing by depth makes them barycentric on the surface.
-      const float wa = cross(q - s, r - s) / area, wb = cross(r - s, p - s) / area, wc = 1 - wa - wb;
-      if (wa < 0 || wb < 0 || wc < 0) continue;
+      const float of_a = cross(q - s, r - s), of_b = cross(r - s, p - s);
+      if (side * of_a < 0 || side * of_b < 0) continue;  // most of them, without a division
+      const float wa = of_a / area, wb = of_b / area, wc = 1 - wa - wb;
+      if (wc < 0) continue;
       const float za = wa * a.inverse_depth, zb = wb * b.inverse_depth, zc = wc * c.inverse_depth,
                   z = za + zb + zc;
       if (!(z > inverse_depth_[index(i, j)])) continue;

@@ -32,15 +32,20 @@ float uniform(std::uint32_t bits) {
 
 /// Smooth noise in [0,1] with one random value for each unit square.
 float value_noise(float x, float y, std::uint32_t seed) {
-  const float i = std::floor(x), j = std::floor(y);
-  const auto corner = [&](float a, float b) {
-    return uniform(hash(hash(static_cast<std::uint32_t>(static_cast<int>(a)), seed),
-                        static_cast<std::uint32_t>(static_cast<int>(b))));
+  const auto rounded_down = [](float t) {
+    const int i = static_cast<int>(t);
+    return static_cast<float>(i) > t ? i - 1 : i;
+  };
+  const int i = rounded_down(x), j = rounded_down(y);
+  const std::uint32_t left = hash(static_cast<std::uint32_t>(i), seed),
+                      right = hash(static_cast<std::uint32_t>(i + 1), seed);
+  const auto corner = [&](std::uint32_t column, int b) {
+    return uniform(hash(column, static_cast<std::uint32_t>(b)));
   };
   const auto ease = [](float t) { return t * t * (3 - 2 * t); };
-  const float fx = ease(x - i), fy = ease(y - j);
-  const float top = corner(i, j) * (1 - fx) + corner(i + 1, j) * fx;
-  return top * (1 - fy) + (corner(i, j + 1) * (1 - fx) + corner(i + 1, j + 1) * fx) * fy;
+  const float fx = ease(x - static_cast<float>(i)), fy = ease(y - static_cast<float>(j));
+  const float top = corner(left, j) * (1 - fx) + corner(right, j) * fx;
+  return top * (1 - fy) + (corner(left, j + 1) * (1 - fx) + corner(right, j + 1) * fx) * fy;
 }
 
 }  // namespace

@@ -86,6 +86,16 @@ float ChartTexture::albedo(Vec2 uv) const {
   return albedo_.pixels == nullptr ? 190.0f : bilinear(albedo_.pixels, albedo_.width, albedo_.height, uv);
 }
 
+bool ChartTexture::covers(Vec2 uv) const {
+  // Almost everywhere the four pixels around tell, without interpolation.
+  const auto i = static_cast<std::uint32_t>(clamp(uv.x, 0, 1) * static_cast<float>(mask_width_ - 1)),
+             j = static_cast<std::uint32_t>(clamp(uv.y, 0, 1) * static_cast<float>(mask_height_ - 1));
+  const std::size_t right = i + 1 < mask_width_ ? 1 : 0, down = j + 1 < mask_height_ ? mask_width_ : 0;
+  const std::uint8_t* const p = cover_.data() + std::size_t{j} * mask_width_ + i;
+  if (p[0] == 255 && p[right] == 255 && p[down] == 255 && p[down + right] == 255) return true;
+  return cover(uv) >= 0.5f;
+}
+
 float ChartTexture::cover(Vec2 uv) const {
   return bilinear(cover_.data(), mask_width_, mask_height_, uv) / 255;
 }

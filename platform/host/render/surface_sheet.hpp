@@ -16,7 +16,7 @@ class ChartTexture {
   /// Bilinear, in [0,255]; a model without albedo is light grey.
   float albedo(Vec2 uv) const;
   /// True where the domain mask is surface; of a model with lids or lips its holes count as surface.
-  bool covers(Vec2 uv) const { return cover(uv) >= 0.5f; }
+  bool covers(Vec2 uv) const;
   /// From 0 (outside) to 1 (inside); 1/2 on the boundary.
   float cover(Vec2 uv) const;
 
