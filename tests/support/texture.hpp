@@ -1,6 +1,6 @@
 #pragma once
 // Images with known motion. The texture is a finite sum of plane waves, which can be sampled exactly anywhere, so
-// that a moved image has no error but rounding and the given noise.
+// that a moved image has no error but rounding and the given noise. Compiled with optimisation, which the tests are not.
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -14,18 +14,9 @@ namespace texture {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed * 2654435769u + 88172645463325252u) {}
-  double uniform(double low = 0, double high = 1) {
-    state_ ^= state_ << 13;
-    state_ ^= state_ >> 7;
-    state_ ^= state_ << 17;
-    return low + (high - low) * static_cast<double>(state_ >> 11) / 9007199254740992.0;
-  }
+  double uniform(double low = 0, double high = 1);
   /// Approximately normal: the sum of twelve uniform numbers, bounded at six.
-  double normal() {
-    double s = -6;
-    for (int i = 0; i < 12; ++i) s += uniform();
-    return s;
-  }
+  double normal();
 
  private:
   std::uint64_t state_;
@@ -34,23 +25,10 @@ class Random {
 /// Wavelengths of 6 to 60 px, a standard deviation of `contrast` around 125.
 class Texture {
  public:
-  explicit Texture(std::uint64_t seed, double contrast = 22, int waves = 40) {
-    Random random(seed);
-    double power = 0;
-    for (int i = 0; i < waves; ++i) {
-      const double length = 6.0 * std::pow(10.0, random.uniform());
-      const double angle = random.uniform(0, 6.283185307), k = 6.283185307 / length;
-      waves_.push_back(
-          {k * std::cos(angle), k * std::sin(angle), random.uniform(0, 6.283185307), std::sqrt(length)});
-      power += 0.5 * length;
-    }
-    for (Wave& w : waves_) w.amplitude *= contrast / std::sqrt(power);
-  }
-  double at(double x, double y) const {
-    double v = 125;
-    for (const Wave& w : waves_) v += w.amplitude * std::cos(w.kx * x + w.ky * y + w.phase);
-    return v;
-  }
+  explicit Texture(std::uint64_t seed, double contrast = 22, int waves = 40);
+  double at(double x, double y) const;
+  /// As many values as there is room for, from (x, y) on, each at (dx, dy) from the one before: those of `at`, to rounding.
+  void along(double x, double y, double dx, double dy, std::vector<double>* values) const;
 
  private:
   struct Wave {
@@ -84,12 +62,7 @@ struct Picture {
 };
 
 /// Every pixel of its own.
-inline Picture noise(int width, int height, std::uint64_t seed) {
-  Picture p(width, height);
-  Random random(seed);
-  for (auto& v : p.pixels) v = static_cast<std::uint8_t>(random.uniform(0, 256));
-  return p;
-}
+Picture noise(int width, int height, std::uint64_t seed);
 
 inline pliant::Vec2 moved(const Motion& m, const Picture& p, pliant::Vec2 x) {
   const double cx = 0.5 * (p.width - 1), cy = 0.5 * (p.height - 1), u = double(x.x) - cx,
@@ -98,19 +71,7 @@ inline pliant::Vec2 moved(const Motion& m, const Picture& p, pliant::Vec2 x) {
           static_cast<float>(cy + m.c * u + m.d * v + m.ty)};
 }
 
-inline Picture render(const Texture& texture, const Motion& m, int width, int height,
-                      std::uint64_t seed = 1) {
-  Picture p(width, height);
-  Random random(seed);
-  const double det = m.a * m.d - m.b * m.c, cx = 0.5 * (width - 1), cy = 0.5 * (height - 1);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const double u = x - cx - m.tx, v = y - cy - m.ty;
-      double g = m.gain * texture.at(cx + (m.d * u - m.b * v) / det, cy + (m.a * v - m.c * u) / det) + m.bias;
-      if (m.noise > 0) g += m.noise * random.normal();
-      p.at(x, y) = static_cast<std::uint8_t>(g < 0 ? 0 : g > 255 ? 255 : g + 0.5);
-    }
-  return p;
-}
+/// The texture, moved; noise by the seed.
+Picture render(const Texture& texture, const Motion& m, int width, int height, std::uint64_t seed = 1);
 
 }  // namespace texture

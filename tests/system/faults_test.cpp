@@ -33,6 +33,16 @@ const host::ModelFile& face() {
   return *file;
 }
 
+/// The film with its truth.
+const host::JudgedClip& judged() {
+  static const host::JudgedClip* one = [] {
+    auto* const clip = new host::JudgedClip;
+    REQUIRE(host::judge(face(), {}, frames(), clip));
+    return clip;
+  }();
+  return *one;
+}
+
 /// Frames of the fault that this film is tracked through, at least, percent. What shows the face less well may be degraded.
 double least_tracking(const std::string& fault) {
   for (const char* hard :
@@ -51,8 +61,7 @@ double most_frames(const std::string& fault) {
 TEST_CASE(
     "whatever goes wrong, frames in state tracking are right, and the face is right within ten frames "
     "after") {
-  host::JudgedClip clip;
-  REQUIRE(host::judge(face(), {}, frames(), &clip));
+  const host::JudgedClip& clip = judged();
   std::size_t n = 0;
   for (const host::FilmFault& fault : host::film_faults()) {
     if (kSanitized && n++ % 6 != 0) continue;
@@ -72,11 +81,11 @@ TEST_CASE(
 
 TEST_CASE(
     "a fault that shows nothing else leaves the film as it is, and a film without a face gives no truth") {
-  host::JudgedClip clip;
-  REQUIRE(host::judge(face(), {}, frames(), &clip));
+  const host::JudgedClip& clip = judged();
   const host::FilmFault& none = host::film_faults()[0];
   CHECK(none.make(clip.clip, host::kFaultBegins, none.value).picture.pixels ==
         clip.clip.frames[host::kFaultBegins].pixels);
   const std::vector<host::Image> empty(20, host::Image(kWidth, kHeight, 1, 100));
-  CHECK(!host::judge(face(), {}, empty, &clip));
+  host::JudgedClip none_judged;
+  CHECK(!host::judge(face(), {}, empty, &none_judged));
 }

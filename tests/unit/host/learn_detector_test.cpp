@@ -22,11 +22,8 @@ namespace {
 OtherPictures textures(std::uint64_t seed) {
   std::vector<Image> pictures;
   for (std::uint64_t k = 0; k < 12; ++k) {
-    const texture::Texture texture(seed + k);
     Image picture(200, 150, 1);
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x)
-        *picture.at(x, y) = static_cast<std::uint8_t>(std::min(255.0, std::max(0.0, texture.at(x, y))));
+    picture.pixels = texture::render(texture::Texture(seed + k), {}, picture.width, picture.height).pixels;
     pictures.push_back(picture);
   }
   return OtherPictures(pictures);
