@@ -103,11 +103,11 @@ TEST_CASE("on a face half without texture edges improve rotation, and so do all 
     const FaceFilm film = make_film(seed);
     add(track(film, kTemplates), &templates);
     add(track(film, kTemplates | kEdges), &edges);
-    add(track(film, kTemplates | kFlow), &flow);
+    if (seed < 2) add(track(film, kTemplates | kFlow), &flow);  // only that it tracks
     add(track(film, kTemplates | kEdges | kFlow), &all);
   }
   for (const auto& [name, e] : {std::pair{"templates", templates}, std::pair{"templates, edges", edges},
-                                std::pair{"templates, frame to frame", flow}, std::pair{"all", all}})
+                                std::pair{"templates, frame to frame, of two films", flow}, std::pair{"all", all}})
     MESSAGE(std::string(name) << ": " << e.landmark_px << " px, " << e.turn_deg << " degrees");
   CHECK(edges.turn_deg < 0.92f * templates.turn_deg);
   CHECK(all.turn_deg < 0.90f * templates.turn_deg);

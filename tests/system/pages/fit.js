@@ -114,7 +114,8 @@ function run() {
   check("bent sheet through a lens, 9 handles", makeStates("sheet.plm", 10, 0.7, "lens.yml"), all, { px: [0.5, 1.2], degrees: [1.2, 3] });
   const face = makeStates(faceTable, 10, 0.7), ibug = [...Array(68).keys()].map(k => "ibug" + String(k).padStart(2, "0"));
   check("face, 6 landmarks", face, ["ibug30", "ibug36", "ibug45", "ibug48", "ibug54", "ibug08"], { px: [3.5, 5], degrees: [4, 7] });
-  check("face, 68 landmarks", face, ibug, { px: [1, 1.2], degrees: [1.2, 2] });
+  const few = { start: face.start, states: face.states.slice(0, 4) };  // 340 moves each
+  check("face, 68 landmarks", few, ibug, { px: [1, 1.2], degrees: [1.2, 2] });
 }
 
 try {

@@ -113,7 +113,7 @@ TEST_CASE(
     "a face that fills large frames is found and tracked in reduced ones, and its landmarks are those of the "
     "frames") {
   const Visit visit(0, 0, 0);
-  constexpr int kFactor = 11, kFrames = 6;
+  constexpr int kFactor = 11, kFrames = 3;
   std::string stream = "YUV4MPEG2 W3520 H2640 F30:1 Cmono\n";
   for (std::size_t k = 0; k < kFrames; ++k) {
     Image small(kWidth, kHeight, 1);
@@ -192,10 +192,7 @@ TEST_CASE("a track starts from the box that detect writes") {
 TEST_CASE("points of frame 0 need a start that is given, and a model without tables too") {
   const Visit visit(1, 0, 1);
   CHECK(visit.track({"--markers", visit.put("m.csv", "landmark,x,y\na,1,2\n")}).code == 2);
-  const std::string plain = visit / "plain.plm";
-  REQUIRE(
-      run_words({"bake", PLIANT_FIXTURES "/face", "-o", plain, "--size", "16", "--learnt", "none"}).code ==
-      0);
+  const std::string plain = visit.put("plain.plm", read_file(PLIANT_BAKED_FACE));
   check_refused({"track", plain, "--frames", visit.video, "--out", visit / "t.csv"}, {"plain.plm", "--init"});
 }
 
