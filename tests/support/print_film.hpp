@@ -2,8 +2,8 @@
 // Films of the sheet of the fixtures, with three bending modes, for tests of starts and tracks by print.
 #include <doctest/doctest.h>
 
-#include "host/bake/bake.hpp"
 #include "host/bake/opened_table.hpp"
+#include "host/io/files.hpp"
 #include "host/render/scene.hpp"
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
@@ -15,13 +15,8 @@ inline const Camera kCamera = centred_camera(kWidth, kHeight, 448);
 
 inline const std::vector<std::uint8_t>& sheet_bytes() {
   static const auto* bytes = [] {
-    auto* table = new std::vector<std::uint8_t>;
-    bake::BakeOptions options;
-    options.source = PLIANT_FIXTURES "/sheet";
-    options.modes = 3;
-    std::string error;
-    REQUIRE_MESSAGE(bake::bake(options, *table, error), error);
-    return table;
+    const std::string table = read_file(PLIANT_BAKED_SHEET);
+    return new std::vector<std::uint8_t>(table.begin(), table.end());
   }();
   return *bytes;
 }

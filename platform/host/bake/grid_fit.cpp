@@ -124,6 +124,7 @@ void fit_component(FieldGrid& grid, int component, const GridFit& fit, const std
                    float threshold) {
   const std::size_t n = at(grid.components);
   std::vector<float> samples;
+  samples.reserve(grid.samples.size() / n);
   for (std::size_t k = at(component); k < grid.samples.size(); k += n) samples.push_back(grid.samples[k]);
   std::vector<float> differences = fit.values_of(samples);
   for (std::size_t k = 0; k < differences.size(); ++k) differences[k] = wanted[k] - differences[k];

@@ -1,6 +1,7 @@
 // What stays of a printed surface from one track to the next, and what a new start forgets: landmark offsets, markers, camera.
 #include <doctest/doctest.h>
 
+#include "host/bake/bake.hpp"
 #include "obj_folder.hpp"
 #include "print_film.hpp"
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "host/bake/bake.hpp"
 #include "host/io/files.hpp"
 #include "print_film.hpp"
 #include "random.hpp"

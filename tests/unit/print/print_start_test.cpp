@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "host/bake/bake.hpp"
 #include "host/bake/opened_table.hpp"
 #include "host/io/image.hpp"
 #include "model_builder.hpp"
