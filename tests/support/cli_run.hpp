@@ -22,31 +22,14 @@ namespace fs = std::filesystem;
 /// A folder of its own for each test case, removed with it.
 struct Folder {
   fs::path path;
-  Folder() {
-    static int count = 0;
-    path = fs::temp_directory_path() /
-           ("pliant_cli_test_" + std::to_string(reinterpret_cast<std::uintptr_t>(&count) >> 12) + "_" +
-            std::to_string(++count));
-    fs::remove_all(path);
-    fs::create_directories(path);
-  }
-  ~Folder() { fs::remove_all(path); }
-  std::string operator/(const std::string& name) const { return (path / name).string(); }
-  std::string put(const std::string& name, const std::string& bytes) const {
-    std::ofstream(*this / name, std::ios::binary) << bytes;
-    return *this / name;
-  }
-  bool has(const std::string& name) const { return fs::exists(path / name); }
-  std::size_t file_count() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator{}));
-  }
+  Folder();
+  ~Folder();
+  std::string operator/(const std::string& name) const;
+  std::string put(const std::string& name, const std::string& bytes) const;
+  bool has(const std::string& name) const;
+  std::size_t file_count() const;
   /// Number of files that a command began and left behind.
-  std::size_t temporary_count() const {
-    std::size_t count = 0;
-    for (const auto& entry : fs::directory_iterator(path))
-      count += entry.path().extension() == ".part" ? 1 : 0;
-    return count;
-  }
+  std::size_t temporary_count() const;
 };
 
 struct Ran {
@@ -54,77 +37,26 @@ struct Ran {
   std::string out, err;
 };
 
-inline Ran run_words(const std::vector<std::string>& words) {
-  std::ostringstream out, err;
-  Console console{out, err};
-  const int code = run(words, console);
-  return {code, out.str(), err.str()};
-}
+Ran run_words(const std::vector<std::string>& words);
 
-inline bool is_one_line(const std::string& text) {
-  return !text.empty() && text.back() == '\n' && std::count(text.begin(), text.end(), '\n') == 1;
-}
+bool is_one_line(const std::string& text);
 
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
+bool contains(const std::string& text, const std::string& part);
 
 /// Bad input: exit 1 and one line that has all these parts.
-inline void check_refused(const std::vector<std::string>& words, const std::vector<std::string>& parts) {
-  const Ran r = run_words(words);
-  CAPTURE(r.err);
-  CHECK(r.code == 1);
-  CHECK(is_one_line(r.err));
-  for (const std::string& part : parts) {
-    CAPTURE(part);
-    CHECK(contains(r.err, part));
-  }
-}
+void check_refused(const std::vector<std::string>& words, const std::vector<std::string>& parts);
 
-inline std::string model_bytes() {
-  const auto bytes = TexturedModel{}.bytes();
-  return {bytes.begin(), bytes.end()};
-}
+std::string model_bytes();
 
 /// A model, twelve rendered frames of it with their truth, and the landmarks of frame 0.
 struct Sequence : Folder {
   std::string model, video, truth, points;
-  Sequence() {
-    model = put("m.plm", model_bytes());
-    std::string params = "frame,qw,qx,qy,qz,tx,ty,tz,width,browUpLeft,jawOpen\n";
-    for (int k = 0; k < 12; ++k) {
-      const auto t = static_cast<float>(k) / 11;
-      const Quat q = exp_rotation({0.05f * t, 0.25f * t, -0.1f * t});
-      std::ostringstream row;
-      row << k << "," << q.w << "," << q.x << "," << q.y << "," << q.z << "," << 20 * t << "," << -5 * t
-          << ",420,0.8," << 0.5f * t << "," << 0.1f * static_cast<float>(k % 6) << "\n";
-      params += row.str();
-    }
-    put("q.csv", params);
-    video = *this / "v.y4m";
-    truth = *this / "truth.csv";
-    const Ran r = run_words({"render", model, "--params", *this / "q.csv", "-o", video, "--truth", truth,
-                             "--truth-points", *this / "tp.csv", "--size", "200x160", "--focal", "330"});
-    REQUIRE(r.err == "");
-    REQUIRE(r.code == 0);
-    points = put("p.csv", first_points());
-  }
-  std::string first_points() const {
-    std::istringstream in(read_file(*this / "tp.csv"));
-    std::string line, out = "landmark,x,y\n";
-    while (std::getline(in, line))
-      if (line.rfind("0,", 0) == 0) out += line.substr(2) + "\n";
-    return out;
-  }
-  std::vector<std::string> track_words() const {
-    return {"track", model, "--frames", video, "--init", points, "--out", *this / "t.csv", "--focal", "330"};
-  }
+  Sequence();
+  ~Sequence();
+  std::string first_points() const;
+  std::vector<std::string> track_words() const;
 };
 
-inline float value_after(const std::string& text, const std::string& key) {
-  const std::size_t at = text.find(key + "=");
-  REQUIRE(at != std::string::npos);
-  return std::stof(text.substr(at + key.size() + 1));
-}
+float value_after(const std::string& text, const std::string& key);
 
 }  // namespace cli_run

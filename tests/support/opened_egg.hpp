@@ -11,8 +11,5 @@ struct OpenedEgg {
   pliant::Model model;
   std::vector<float> q;  // all 0
 
-  explicit OpenedEgg(int identities) : words(egg_model(identities).table()) {
-    REQUIRE(pliant::Model::open(words.data(), words.size() * 4, &model) == pliant::Status::ok);
-    q.assign(model.parameters().count, 0.0f);
-  }
+  explicit OpenedEgg(int identities);
 };

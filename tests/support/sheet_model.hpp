@@ -1,6 +1,8 @@
 #pragma once
 // A sheet of paper as a small model table in memory: it rolls up to a cylinder, bends wrongly and stretches, each by a parameter of
 // its own, and has springs.
+#include <cstring>
+
 #include "estimate/stretch_rows.hpp"
 #include "model_builder.hpp"
 
