@@ -2,6 +2,7 @@
 #include "host/bake/albedo_picture.hpp"
 
 #include <cmath>
+#include <doctest/doctest.h>
 
 #include "cli_run.hpp"
 #include "host/bake/bake.hpp"

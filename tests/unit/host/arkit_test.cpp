@@ -2,6 +2,7 @@
 #include "host/io/arkit.hpp"
 
 #include <cmath>
+#include <doctest/doctest.h>
 #include <set>
 #include <sstream>
 

@@ -2,6 +2,7 @@
 // landmarks, of triangles alike in size and shape, and a base that a mesh takes.
 #include <algorithm>
 #include <cmath>
+#include <doctest/doctest.h>
 #include <memory>
 
 #include "baked_model.hpp"

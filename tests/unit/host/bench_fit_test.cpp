@@ -1,5 +1,6 @@
 // The fitting problems of `pliant bench fit`: read, solved, and refused.
 #include <cmath>
+#include <doctest/doctest.h>
 #include <sstream>
 
 #include "cli_run.hpp"

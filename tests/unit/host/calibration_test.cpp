@@ -1,6 +1,8 @@
 // OpenCV's calibration files: what is read of them, what is refused, and what fit, track and render make of them.
 #include "host/io/calibration.hpp"
 
+#include <doctest/doctest.h>
+
 #include "cli_run.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/fit_file.hpp"

@@ -1,6 +1,8 @@
 // `pliant bake` as a user runs it: what it keeps, what it says, and what it shows while it works.
 #include "cli_run.hpp"
 
+#include <doctest/doctest.h>
+
 using namespace cli_run;
 
 namespace {

@@ -1,4 +1,5 @@
 // `pliant detect`, and the commands that find a face themselves, as a user runs them.
+#include <doctest/doctest.h>
 #include <sys/stat.h>
 
 #include "cli_run.hpp"

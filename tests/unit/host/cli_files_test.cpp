@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <doctest/doctest.h>
 #include <limits>
 
 #include "cli_run.hpp"

@@ -1,4 +1,5 @@
 // `pliant track`: the files that it writes, and its messages for bad videos and bad initial states.
+#include <doctest/doctest.h>
 #include <map>
 
 #include "cli_run.hpp"

@@ -2,6 +2,7 @@
 // errors are Eq. 5's, averaged by area and finely sampled, the face at rest unless said otherwise.
 #include <algorithm>
 #include <cmath>
+#include <doctest/doctest.h>
 
 #include "baked_face.hpp"
 #include "host/commands/mesh_curve.hpp"

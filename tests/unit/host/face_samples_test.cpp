@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <doctest/doctest.h>
 
 #include "baked_face.hpp"
 #include "host/render/scene.hpp"

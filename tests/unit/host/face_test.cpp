@@ -1,5 +1,6 @@
 // The built-in face: is it a face, do its expressions do what their names say, and nothing else?
 #include <algorithm>
+#include <doctest/doctest.h>
 
 #include "aligned_block.hpp"
 #include "baked_face.hpp"

@@ -1,6 +1,7 @@
 // Files that get their names when they are complete, and options that name files.
 #include "host/io/files.hpp"
 
+#include <doctest/doctest.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>

@@ -1,6 +1,8 @@
 // The frames of a source: their numbers and times, and mirrored.
 #include "host/commands/frame_stream.hpp"
 
+#include <doctest/doctest.h>
+
 #include "cli_run.hpp"
 #include "host/commands/frame_reduction.hpp"
 #include "host/io/failure.hpp"

@@ -1,6 +1,8 @@
 // The initial state of a track: which file is read as what, and the call of the tracker that it becomes.
 #include "host/commands/initial_state.hpp"
 
+#include <doctest/doctest.h>
+
 #include "cli_run.hpp"
 #include "host/commands/frame_stream.hpp"
 #include "host/commands/tracker_limits.hpp"

@@ -1,6 +1,8 @@
 // The file of learnt tables, and its way into a model table.
 #include "host/io/learnt_file.hpp"
 
+#include <doctest/doctest.h>
+
 #include "cli_run.hpp"
 #include "host/io/failure.hpp"
 

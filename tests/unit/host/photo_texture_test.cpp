@@ -2,6 +2,8 @@
 // around, and never from the background.
 #include "host/render/photo_texture.hpp"
 
+#include <doctest/doctest.h>
+
 #include "baked_face.hpp"
 #include "cli_run.hpp"
 #include "mesh_reader.hpp"

@@ -1,6 +1,8 @@
 // `pliant plan`: what it says beforehand is what a run takes.
 #include "host/commands/plan.hpp"
 
+#include <doctest/doctest.h>
+
 #include "baked_face.hpp"
 #include "cli_run.hpp"
 #include "host/io/fit_file.hpp"

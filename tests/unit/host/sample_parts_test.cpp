@@ -1,6 +1,7 @@
 // Parts of the training samples: reading photographs, sampling and drawing pictures, brows, what changes a picture.
 #include <algorithm>
 #include <cmath>
+#include <doctest/doctest.h>
 
 #include "baked_face.hpp"
 #include "host/io/files.hpp"

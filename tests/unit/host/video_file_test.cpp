@@ -2,6 +2,7 @@
 // the program itself, where it is installed.
 #include <csignal>
 #include <cstdlib>
+#include <doctest/doctest.h>
 
 #include "cli_run.hpp"
 #include "host/commands/live_window.hpp"

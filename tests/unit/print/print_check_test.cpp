@@ -2,6 +2,7 @@
 #include "print/print_check.hpp"
 
 #include <cmath>
+#include <doctest/doctest.h>
 
 #include "host/bake/bake.hpp"
 #include "host/io/files.hpp"
