@@ -8,7 +8,7 @@ usage: portrait_films.py PLIANT FACE.plm PORTRAITS [--people odd|even] [--count 
   --people odd|even  by their places in the order of names: odd ones to choose constants, even ones to report (even)
   --count N          people of each kind (8)
   --first N          of these people the first one (0)
-  --kinds NAME;...   (all); `--kinds list` prints their names
+  --kinds NAME;...   of KINDS below (all)
   --keep FOLDER      keeps films, tracks and the truth there, and does not draw again what is there
   --csv FILE         a row for each kind and person
 
@@ -27,6 +27,7 @@ import cv2
 import numpy
 
 import portrait_film
+import turned_heads as heads
 from portrait_film import HEIGHT, WIDTH
 
 FRAMES = 180  # at 25 a second
@@ -289,7 +290,7 @@ def someone_else(begin, fade):
 
 
 QUIET = noise(2)
-KINDS = {  # name: motion, faults, frames of a frame's time that the shutter is open for (0, or the samples of motion blur)
+KINDS = {  # name: motion, faults, samples of a shutter that is open for half of a frame's time (0: no motion blur)
     'quiet': (hand, [], 0),
     'turning': (turning, [], 0),
     'fast, motion blur': (fast, [], 5),
@@ -442,20 +443,10 @@ def run_person(pliant, face, kinds, person, other, keep, options):
 
 def main(argv):
     options = {'--people': 'even', '--count': '8', '--first': '0', '--kinds': '', '--keep': '', '--csv': ''}
-    rest = []
-    while argv:
-        word = argv.pop(0)
-        if word in options:
-            options[word] = argv.pop(0)
-        else:
-            rest.append(word)
-    kinds = options['--kinds'].split(';') if options['--kinds'] else list(KINDS)
-    if kinds == ['list']:
-        print('\n'.join(KINDS))
-        return
-    if len(rest) < 3 or options['--people'] not in ('odd', 'even'):
+    pliant, face, portraits, *more = heads.arguments(argv, options, __doc__)
+    if options['--people'] not in ('odd', 'even'):
         sys.exit(__doc__)
-    pliant, face, portraits, *more = rest
+    kinds = options['--kinds'].split(';') if options['--kinds'] else list(KINDS)
     landmarks = portrait_film.read_landmarks(portraits)
     first, count = int(options['--first']), int(options['--count'])
     people = sorted(landmarks)[options['--people'] == 'odd'::2][first:first + count]
