@@ -12,9 +12,8 @@ usage: portrait_films.py PLIANT FACE.plm PORTRAITS [--people odd|even] [--count 
   --keep FOLDER      keeps films, tracks and the truth there, and does not draw again what is there
   --csv FILE         a row for each kind and person
 
-Right: an error below 10 % of the distance of the outer corners of the eyes, over the 34 annotated landmarks; wrong: tracked, and the
-error is larger or there is no face. Where a face leaves
-the frame, frames in which a landmark is outside do not count as shown.
+Right: an error below 10 % of the distance of the outer corners of the eyes, over the 34 annotated landmarks. Wrong: tracked with a
+larger error, or without a face. Where a face leaves the frame, frames in which a landmark is outside do not count as shown.
 """
 import csv
 import math
@@ -61,7 +60,8 @@ def shaking(n, r):
 
 def driving(n, r):
     bump = 10 * math.exp(-(n % 47) / 4) * wave(n % 47, 5)
-    return (22 * max(0, wave(n, 75, r[0])) ** 3 - 22 * max(0, -wave(n, 75, r[0])) ** 3, 3 * wave(n, 21) + 0.3 * bump, 2 * wave(n, 33),
+    look = wave(n, 75, r[0]) ** 3  # aside, now and then
+    return (22 * look, 3 * wave(n, 21) + 0.3 * bump, 2 * wave(n, 33),
             160 + 5 * wave(n, 17, r[3]), 120 + 4 * wave(n, 11, r[4]) + bump, 60)
 
 
