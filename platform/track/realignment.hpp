@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "pliant/frame.hpp"
+#include "track/face_checks.hpp"
 
 namespace pliant {
 
@@ -11,11 +12,11 @@ struct TrackerParts;
 
 /// Tuning of realignments. Each constant: unit, reason, experiment (docs/experiments.md, Bad frames).
 struct RealignmentTuning {
-  /// Landmark error that the alignment estimates, at most, fraction of the distance of the outer eye corners, as
-  /// FaceChecksTuning::most_landmark_error: above it a tracked frame would be degraded; and its probability to be right, at least.
+  /// Landmark error that the alignment estimates, at most, fraction of the distance of the outer eye corners: above it a tracked
+  /// frame would be degraded; and its probability to be right, at least.
   /// With 0.05 and 0.95 films of moving shadows are tracked in 87 instead of 97 % of the frames, and more of them are wrong, since
   /// tracks end and begin anew in shadow.
-  float most_error = 0.08f, least_score = 0.8f;
+  float most_error = kFaceChecksTuning.most_landmark_error, least_score = 0.8f;
   /// Realigned frames in a row after which a new track begins, count: the light stays as it is now, or it is another person. A
   /// second. With 6 or 12 a new track begins in light that has not settled yet.
   int most_frames = 25;

@@ -30,9 +30,9 @@ struct SecondLookTuning {
   /// Probability that the second alignment is right, at least. Round value, not tuned.
   float least_score = 0.95f;
   /// Cosine of the turn away from the camera up to which alignments tell a person's shape: as
-  /// KnownPersonTuning::least_frontal. A start that was turned more is worth less than any such look, and gives way also to a
-  /// turned one that is sure. Heads that are found turned by 60 degrees (docs/experiments.md, Covered starts) then have 2.4 instead
-  /// of 3.2 degrees.
+  /// KnownPersonTuning::least_frontal. A start that was turned more gives way to the first look within it that estimates no
+  /// larger error, and to a turned one that is sure. Heads that are found turned by 60 degrees (docs/experiments.md, Covered starts)
+  /// then have a rotation error of 2.4 instead of 3.2 degrees (median).
   float least_frontal = 0.94f;
   /// Work of a step with the built-in face's learnt tables, instructions as WorkCosts. With profile M 1.5 to 2.9 million were
   /// counted.
@@ -46,7 +46,7 @@ struct SecondLookState {
   FaceAligner* aligner = nullptr;
   float start_error =
       0;  // landmark error of the alignment that the person is known from, as it estimates it; 0: there was none
-  bool began_turned = false;  // that alignment was turned away from the camera
+  bool began_turned = false;  // that alignment's face was turned by more than `least_frontal`
   std::uint32_t wait = 0, frames_left = 0;  // from one look to the next, and of that
   int steps_left = 0;                       // of the alignment; 0: none is under way
   int agreed = 0;                           // looks in a row that found better landmarks

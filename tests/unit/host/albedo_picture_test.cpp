@@ -1,8 +1,9 @@
 // A surface's albedo from a picture: by option, by the OBJ file's materials, over mirrored and relaxed charts, and rendered.
 #include "host/bake/albedo_picture.hpp"
 
-#include <cmath>
 #include <doctest/doctest.h>
+
+#include <cmath>
 
 #include "cli_run.hpp"
 #include "host/bake/bake.hpp"

@@ -1,8 +1,9 @@
 // ARKit's coefficients: every name once, in order, in range, and from the parameter that means the same.
 #include "host/io/arkit.hpp"
 
-#include <cmath>
 #include <doctest/doctest.h>
+
+#include <cmath>
 #include <set>
 #include <sstream>
 

@@ -1,8 +1,9 @@
 // The automatic base mesh of the built-in face: as many vertices as asked, along the chart's boundaries, through its
 // landmarks, of triangles alike in size and shape, and a base that a mesh takes.
+#include <doctest/doctest.h>
+
 #include <algorithm>
 #include <cmath>
-#include <doctest/doctest.h>
 #include <memory>
 
 #include "baked_model.hpp"

@@ -1,6 +1,7 @@
 // The fitting problems of `pliant bench fit`: read, solved, and refused.
-#include <cmath>
 #include <doctest/doctest.h>
+
+#include <cmath>
 #include <sstream>
 
 #include "cli_run.hpp"

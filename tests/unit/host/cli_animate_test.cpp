@@ -1,6 +1,7 @@
 // `pliant animate`: what a viewer computes from the GLB is what the model says, on any person and any model.
-#include <cmath>
 #include <doctest/doctest.h>
+
+#include <cmath>
 #include <map>
 
 #include "baked_face.hpp"

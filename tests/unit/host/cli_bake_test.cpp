@@ -1,7 +1,7 @@
 // `pliant bake` as a user runs it: what it keeps, what it says, and what it shows while it works.
-#include "cli_run.hpp"
-
 #include <doctest/doctest.h>
+
+#include "cli_run.hpp"
 
 using namespace cli_run;
 

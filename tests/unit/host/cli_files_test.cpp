@@ -1,8 +1,9 @@
 // The files of the command: CSV, JSON, fit.json, tracks and their truth.
+#include <doctest/doctest.h>
+
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <doctest/doctest.h>
 #include <limits>
 
 #include "cli_run.hpp"

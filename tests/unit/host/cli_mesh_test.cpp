@@ -1,6 +1,7 @@
 // `pliant mesh`: what it writes is read back, every criterion does what it says, and bad words are refused.
-#include <cmath>
 #include <doctest/doctest.h>
+
+#include <cmath>
 #include <set>
 
 #include "cli_run.hpp"

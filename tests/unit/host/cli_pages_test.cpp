@@ -1,6 +1,7 @@
 // The pages that the command writes: what is in them, that they need nothing else, and what is refused. How they behave in a
 // browser is tried by tests/pages.
 #include <doctest/doctest.h>
+
 #include <map>
 
 #include "cli_run.hpp"

@@ -1,5 +1,6 @@
 // `pliant track`: the files that it writes, and its messages for bad videos and bad initial states.
 #include <doctest/doctest.h>
+
 #include <map>
 
 #include "cli_run.hpp"

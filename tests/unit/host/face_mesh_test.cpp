@@ -1,8 +1,9 @@
 // The adaptive mesh on the built-in face (the paper, section 5): what each criterion pays for how much accuracy. The
 // errors are Eq. 5's, averaged by area and finely sampled, the face at rest unless said otherwise.
+#include <doctest/doctest.h>
+
 #include <algorithm>
 #include <cmath>
-#include <doctest/doctest.h>
 
 #include "baked_face.hpp"
 #include "host/commands/mesh_curve.hpp"

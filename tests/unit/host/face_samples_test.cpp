@@ -1,9 +1,10 @@
 // Training samples: reproducible, and their truth is what their picture shows.
 #include "host/learn/face_samples.hpp"
 
+#include <doctest/doctest.h>
+
 #include <algorithm>
 #include <cmath>
-#include <doctest/doctest.h>
 
 #include "baked_face.hpp"
 #include "host/render/scene.hpp"

@@ -1,6 +1,7 @@
 // The built-in face: is it a face, do its expressions do what their names say, and nothing else?
-#include <algorithm>
 #include <doctest/doctest.h>
+
+#include <algorithm>
 
 #include "aligned_block.hpp"
 #include "baked_face.hpp"

@@ -1,7 +1,8 @@
 // Parts of the training samples: reading photographs, sampling and drawing pictures, brows, what changes a picture.
+#include <doctest/doctest.h>
+
 #include <algorithm>
 #include <cmath>
-#include <doctest/doctest.h>
 
 #include "baked_face.hpp"
 #include "host/io/files.hpp"

@@ -1,8 +1,9 @@
 // Videos through the ffmpeg program: a stand-in for it on PATH, which shows how it is called and how its failure is told; and
 // the program itself, where it is installed.
+#include <doctest/doctest.h>
+
 #include <csignal>
 #include <cstdlib>
-#include <doctest/doctest.h>
 
 #include "cli_run.hpp"
 #include "host/commands/live_window.hpp"

@@ -1,8 +1,9 @@
 // The print compared with the frame where a surface is curved: a picture that is warped by a known map.
 #include "print/print_check.hpp"
 
-#include <cmath>
 #include <doctest/doctest.h>
+
+#include <cmath>
 
 #include "host/bake/bake.hpp"
 #include "host/io/files.hpp"
