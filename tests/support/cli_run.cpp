@@ -2,42 +2,6 @@
 
 namespace cli_run {
 
-Folder::Folder() {
-  static int count = 0;
-  path = fs::temp_directory_path() /
-         ("pliant_cli_test_" + std::to_string(reinterpret_cast<std::uintptr_t>(&count) >> 12) + "_" +
-          std::to_string(++count));
-  fs::remove_all(path);
-  fs::create_directories(path);
-}
-
-Folder::~Folder() {
-  fs::remove_all(path);
-}
-
-std::string Folder::operator/(const std::string& name) const {
-  return (path / name).string();
-}
-
-std::string Folder::put(const std::string& name, const std::string& bytes) const {
-  std::ofstream(*this / name, std::ios::binary) << bytes;
-  return *this / name;
-}
-
-bool Folder::has(const std::string& name) const {
-  return fs::exists(path / name);
-}
-
-std::size_t Folder::file_count() const {
-  return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator{}));
-}
-
-std::size_t Folder::temporary_count() const {
-  std::size_t count = 0;
-  for (const auto& entry : fs::directory_iterator(path)) count += entry.path().extension() == ".part" ? 1 : 0;
-  return count;
-}
-
 Ran run_words(const std::vector<std::string>& words) {
   std::ostringstream out, err;
   Console console{out, err};

@@ -10,6 +10,7 @@
 #include "host/commands/command.hpp"
 #include "host/io/files.hpp"
 #include "pliant/geometry.hpp"
+#include "scratch_folder.hpp"
 #include "textured_model.hpp"
 
 namespace cli_run {
@@ -18,19 +19,6 @@ using namespace pliant;
 using namespace pliant::host;
 
 namespace fs = std::filesystem;
-
-/// A folder of its own for each test case, removed with it.
-struct Folder {
-  fs::path path;
-  Folder();
-  ~Folder();
-  std::string operator/(const std::string& name) const;
-  std::string put(const std::string& name, const std::string& bytes) const;
-  bool has(const std::string& name) const;
-  std::size_t file_count() const;
-  /// Number of files that a command began and left behind.
-  std::size_t temporary_count() const;
-};
 
 struct Ran {
   int code;

@@ -85,20 +85,20 @@ struct IctFace {
 
   void write(const Folder& folder) const {
     const std::string rest = topology();
-    folder.file("neutral.obj", positions(-1) + rest);
+    folder.put("neutral.obj", positions(-1) + rest);
     std::string csv = "landmark,vertex\n";
     for (std::size_t k = 0; k < n[5]; ++k) {
       char line[40];
       std::snprintf(line, sizeof line, "ibug%02zu,%u\n", k, at<std::uint32_t>(landmarks(), k));
       csv += line;
     }
-    folder.file("landmarks.csv", csv);
+    folder.put("landmarks.csv", csv);
     for (std::size_t m = 0; m < modes.size(); ++m) {
       if (m >= kIctIdentities && m < n[3]) continue;
       const std::string digits = std::to_string(m);
       const std::string identity =
           "identity" + std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits;
-      folder.file((m < n[3] ? identity : modes[m]) + ".obj", positions(static_cast<int>(m)) + rest);
+      folder.put((m < n[3] ? identity : modes[m]) + ".obj", positions(static_cast<int>(m)) + rest);
     }
   }
 };

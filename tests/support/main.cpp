@@ -1,6 +1,9 @@
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
+#include <cstdio>
+#include <cstdlib>
+
 #include "real_data.hpp"
 
 namespace {
@@ -28,7 +31,13 @@ REGISTER_LISTENER("count", 1, Count);
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int result = doctest::Context(argc, argv).run();
-  const bool all_skipped = cases_run > 0 && static_cast<unsigned>(cases_without_data) == cases_run;
+  doctest::Context context(argc, argv);
+  const int result = context.run();
+  if (context.shouldExit()) return result;  // a question about the cases
+  if (cases_run == 0) {
+    std::fputs("no case has this name\n", stderr);
+    return EXIT_FAILURE;
+  }
+  const bool all_skipped = static_cast<unsigned>(cases_without_data) == cases_run;
   return result == 0 && all_skipped ? kSkipped : result;
 }

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <initializer_list>
 #include <string>
@@ -53,12 +52,10 @@ struct ObjFolder : Folder {
       }
     return text;
   }
-  void write(const std::string& name, const std::string& text) const { std::ofstream(path / name) << text; }
-  void write(const std::string& name, const Shape& shape) const { write(name + ".obj", obj(shape)); }
-  std::string file(const std::string& name) const { return (path / name).string(); }
+  void write(const std::string& name, const Shape& shape) const { put(name + ".obj", obj(shape)); }
 };
 
-inline Vec3 sheet(float s, float t) {
+inline Vec3 curved_sheet(float s, float t) {
   return {10 * s - 5, 12 * t - 6, 4 * s * (1 - s)};
 }
 inline float hill(float s, float t) {

@@ -16,11 +16,11 @@ without() {
   cmake --build "$work/$name" --target $build --parallel "$(nproc)" >> "$work/$name.log" 2>&1 || fail "$name: see $work/$name.log"
   echo "parts: without $name: $build"
 }
-without libcamera pliant_libcamera "pliant frames_test" -DPLIANT_LIBCAMERA=OFF "$@"
+without libcamera pliant_libcamera "pliant host_tests" -DPLIANT_LIBCAMERA=OFF "$@"
 "$work/libcamera/pliant" camera list > "$work/camera.log" 2>&1 && fail "a camera without libcamera"
 grep -q 'without libcamera' "$work/camera.log" || fail "no line says that libcamera is not there"
 without tests digest_test pliant_track -DPLIANT_TESTS=OFF "$@"
 # What only the host's command needs is not even looked for; without the tests Eigen is not, either.
 none="-DCMAKE_DISABLE_FIND_PACKAGE_CLI11=ON -DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON"
-without host pliant_host "pliant_track arena_test" -DPLIANT_HOST=OFF $none "$@"
+without host pliant_host "pliant_track base_tests" -DPLIANT_HOST=OFF $none "$@"
 without all pliant_host pliant_track -DPLIANT_LIBCAMERA=OFF -DPLIANT_HOST=OFF -DPLIANT_TESTS=OFF $none -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON "$@"

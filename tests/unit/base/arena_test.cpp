@@ -4,6 +4,8 @@
 
 #include <initializer_list>
 
+namespace arena_test {
+
 using namespace pliant;
 
 namespace {
@@ -88,3 +90,5 @@ TEST_CASE("a scope gives back what was taken inside it, and the high-water mark 
   CHECK_FALSE(arena.exhausted());
   CHECK(arena.high_water_bytes() == 128);
 }
+
+}  // namespace arena_test

@@ -9,6 +9,8 @@
 
 int evaluations_in_release();
 
+namespace assert_test {
+
 namespace {
 
 sigjmp_buf after_trap;
@@ -48,3 +50,5 @@ TEST_CASE("in a debug build a condition is evaluated once") {
 TEST_CASE("in a release build a condition is not evaluated") {
   CHECK(evaluations_in_release() == 0);
 }
+
+}  // namespace assert_test

@@ -8,6 +8,8 @@
 
 #include "random.hpp"
 
+namespace geometry_test {
+
 using namespace pliant;
 
 TEST_CASE("the exponential of a rotation vector agrees with sine and cosine in double") {
@@ -74,3 +76,5 @@ TEST_CASE("the square root of a little less than nothing is nothing, of no numbe
   CHECK(std::isnan(length(Vec2{nan, 1})));
   CHECK(std::isnan(length(Vec3{0, nan, 1})));
 }
+
+}  // namespace geometry_test

@@ -7,6 +7,8 @@
 
 #include "random.hpp"
 
+namespace camera_test {
+
 using namespace pliant;
 
 namespace {
@@ -170,3 +172,5 @@ TEST_CASE(
     CHECK_FALSE(is_possible({ahead, {0, 0, 500}}, other));
   }
 }
+
+}  // namespace camera_test

@@ -11,6 +11,8 @@
 #include "pliant/fit.hpp"
 #include "random.hpp"
 
+namespace lens_test {
+
 using namespace pliant;
 
 namespace {
@@ -260,3 +262,5 @@ TEST_CASE("behind a lens an estimator predicts where points are seen, and follow
       CHECK(off > 0.008f);
   }
 }
+
+}  // namespace lens_test

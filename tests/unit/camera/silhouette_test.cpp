@@ -8,6 +8,8 @@
 #include "model_builder.hpp"
 #include "random.hpp"
 
+namespace silhouette_test {
+
 using namespace pliant;
 
 namespace {
@@ -194,3 +196,5 @@ TEST_CASE("more points than there is room for are counted, not written") {
   for (float& d : egg.depth) d = -1;  // behind the camera
   CHECK(egg.find().empty());
 }
+
+}  // namespace silhouette_test

@@ -7,6 +7,8 @@
 #include "model_builder.hpp"
 #include "random.hpp"
 
+namespace visibility_test {
+
 using namespace pliant;
 
 namespace {
@@ -131,3 +133,5 @@ TEST_CASE("a mesh behind the camera is not drawn") {
   buffer->draw(mesh.object, image.data(), depth.data());
   CHECK_FALSE(buffer->hides({0, 0}, 100, 0));
 }
+
+}  // namespace visibility_test

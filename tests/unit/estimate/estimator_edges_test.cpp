@@ -8,6 +8,8 @@
 #include "pliant/estimator.hpp"
 #include "random.hpp"
 
+namespace estimator_edges_test {
+
 using namespace pliant;
 
 namespace {
@@ -420,3 +422,5 @@ TEST_CASE(
   CHECK(e->parameters()[0] == scene.q[0]);
   CHECK(e->parameters()[4] == 0.2f);
 }
+
+}  // namespace estimator_edges_test

@@ -5,6 +5,8 @@
 
 #include "estimator_scene.hpp"
 
+namespace estimator_first_pass_test {
+
 using namespace estimator_scene;
 
 TEST_CASE(
@@ -189,3 +191,5 @@ TEST_CASE(
     for (std::size_t k = 0; k < found.size(); ++k) CHECK(magnitude(found[k] - expected[k]) < 0.1f);
   }
 }
+
+}  // namespace estimator_first_pass_test

@@ -3,6 +3,8 @@
 
 #include "estimator_scene.hpp"
 
+namespace estimator_options_test {
+
 using namespace estimator_scene;
 
 namespace {
@@ -143,3 +145,5 @@ TEST_CASE("tangent_interval_frames: with 1 all tangents follow the jaw in every 
   CHECK(changed[1] == 0);
   CHECK(changed[0] > 5);
 }
+
+}  // namespace estimator_options_test

@@ -6,6 +6,8 @@
 
 #include "estimator_scene.hpp"
 
+namespace estimator_restart_test {
+
 using namespace estimator_scene;
 
 namespace {
@@ -217,3 +219,5 @@ TEST_CASE("revise corrects the rotation and what is not free, within limits; the
   CHECK(e->parameters()[1] == -0.7f);
   CHECK(length(log_rotation(e->view().q * conjugate(before * turn))) < 1e-3f);
 }
+
+}  // namespace estimator_restart_test

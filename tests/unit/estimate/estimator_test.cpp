@@ -6,6 +6,7 @@
 
 #include "estimator_scene.hpp"
 
+namespace estimator_test {
 using namespace estimator_scene;
 
 TEST_CASE("pose and expressions are tracked through a motion, the identity stays") {
@@ -496,3 +497,4 @@ TEST_CASE("an expression whose range is empty stays at 0, and the others are tra
   CHECK(e->parameters()[3] == doctest::Approx(0.5).epsilon(0.1).scale(1));
   CHECK(e->parameters()[empty] == 0);
 }
+}  // namespace estimator_test

@@ -8,6 +8,8 @@
 #include "model_builder.hpp"
 #include "random.hpp"
 
+namespace filter_test {
+
 using namespace pliant;
 
 namespace {
@@ -205,3 +207,5 @@ TEST_CASE("smoothing reduces noise at rest and lags little in motion") {
   REQUIRE(smooth->add(far, kRange, kRange, 2, 0) == Status::ok);
   CHECK(smooth->pose().t.x == far.t.x);
 }
+
+}  // namespace filter_test

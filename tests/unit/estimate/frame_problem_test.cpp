@@ -6,6 +6,8 @@
 #include "posed_egg.hpp"
 #include "random.hpp"
 
+namespace frame_problem_test {
+
 using namespace pliant;
 
 namespace {
@@ -106,3 +108,5 @@ TEST_CASE("an expression that jumps is held back by no more than Huber's loss ha
   CHECK(pull(3) == doctest::Approx(1.345).epsilon(0.01));
   CHECK(pull(6) == doctest::Approx(1.345).epsilon(0.01));
 }
+
+}  // namespace frame_problem_test

@@ -5,6 +5,8 @@
 #include "posed_egg.hpp"
 #include "random.hpp"
 
+namespace frame_solver_test {
+
 using namespace pliant;
 
 namespace {
@@ -246,3 +248,5 @@ TEST_CASE("whatever a frame may take, its solves take no more once they have mad
       CHECK(costs.of_solves(rig.solver->work()) <= most);
     }
 }
+
+}  // namespace frame_solver_test

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+namespace lens_transfer_test {
+
 using namespace pliant;
 
 namespace {
@@ -73,3 +75,5 @@ TEST_CASE("a prediction's Jacobian and normal are those of the distorted image")
   CHECK(length(p.normal) == doctest::Approx(1));
   CHECK(p.covariance.xx < before.covariance.xx);  // a barrel shrinks the corners
 }
+
+}  // namespace lens_transfer_test

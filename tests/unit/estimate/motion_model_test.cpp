@@ -6,6 +6,8 @@
 
 #include "posed_egg.hpp"
 
+namespace motion_model_test {
+
 using namespace pliant;
 
 namespace {
@@ -182,3 +184,5 @@ TEST_CASE("a result that is not finite, and a lost track, end the motion: the ne
     CHECK(run.motion->filter().pose(kShiftX).velocity == 0);
   }
 }
+
+}  // namespace motion_model_test

@@ -7,6 +7,8 @@
 #include "posed_egg.hpp"
 #include "random.hpp"
 
+namespace observation_rows_test {
+
 using namespace pliant;
 
 namespace {
@@ -169,3 +171,5 @@ TEST_CASE("keep_within keeps exactly the rows that fit, whether they were kept o
   CHECK_FALSE(rig.rows.object[1].is_kept);
   CHECK(rig.rows.object[2].is_kept);
 }
+
+}  // namespace observation_rows_test

@@ -10,6 +10,8 @@
 #include "random.hpp"
 #include "sheet_model.hpp"
 
+namespace stretch_rows_test {
+
 using namespace pliant;
 using namespace sheet;
 
@@ -272,3 +274,5 @@ TEST_CASE("springs find the bend of a sheet of which a few noisy points are seen
   }
   CHECK(error[1] < 0.6f * error[0]);
 }
+
+}  // namespace stretch_rows_test

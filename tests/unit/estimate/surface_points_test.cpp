@@ -5,6 +5,8 @@
 #include "posed_egg.hpp"
 #include "random.hpp"
 
+namespace surface_points_test {
+
 using namespace pliant;
 
 namespace {
@@ -139,3 +141,5 @@ TEST_CASE("silhouette points go to the contour in their own sector; one without 
   CHECK(placed >= 5);
   CHECK(placed < 8);
 }
+
+}  // namespace surface_points_test

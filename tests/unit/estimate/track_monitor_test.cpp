@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+namespace track_monitor_test {
+
 using namespace pliant;
 
 namespace {
@@ -69,3 +71,5 @@ TEST_CASE("a result at the bounds of all rules is good") {
   CHECK(is_good([](SolveResult&) {}, 1 + t.most_scale_change));
   CHECK(is_good([](SolveResult&) {}, 1.0001f / (1 + t.most_scale_change)));
 }
+
+}  // namespace track_monitor_test

@@ -5,6 +5,8 @@
 #include "posed_egg.hpp"
 #include "random.hpp"
 
+namespace visible_surface_test {
+
 using namespace pliant;
 
 namespace {
@@ -190,3 +192,5 @@ TEST_CASE("a finer tolerance gives a finer mesh, and operations follow the view 
   }
   CHECK(rig.surface->mesh().validate().invariant == 0);
 }
+
+}  // namespace visible_surface_test

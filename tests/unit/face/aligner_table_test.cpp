@@ -6,6 +6,8 @@
 
 #include "aligner_pattern.hpp"
 
+namespace aligner_table_test {
+
 using namespace pliant;
 using aligner_pattern::Bytes;
 
@@ -109,3 +111,5 @@ TEST_CASE("the parts of a table lie one behind the other") {
   CHECK(padding >= 0);
   CHECK(padding < 4);
 }
+
+}  // namespace aligner_table_test

@@ -4,6 +4,8 @@
 
 #include "aligned_block.hpp"
 
+namespace box_selection_test {
+
 using namespace pliant;
 
 namespace {
@@ -77,3 +79,5 @@ TEST_CASE("beyond its capacity the weakest hits are dropped") {
   CHECK(count == BoxHits::kCapacity);
   CHECK(last > 600);
 }
+
+}  // namespace box_selection_test

@@ -6,6 +6,8 @@
 
 #include "detector_pattern.hpp"
 
+namespace detector_table_test {
+
 using namespace pliant;
 using detector_pattern::Bytes;
 
@@ -110,3 +112,5 @@ TEST_CASE("a window's sum adds the leaves that its values lead to, until a tree 
   value = 100;
   CHECK(sum_of_trees({trees, 2}, cells.data(), stride) == 2 * (kTreeLeaves - 1));
 }
+
+}  // namespace detector_table_test

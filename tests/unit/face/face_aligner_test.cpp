@@ -14,6 +14,8 @@
 #include "random.hpp"
 #include "renderer.hpp"
 
+namespace face_aligner_test {
+
 using namespace pliant;
 using aligner_pattern::Bytes;
 
@@ -390,3 +392,5 @@ TEST_CASE("the mirror image of a picture gives the mirror image of the result, t
     CHECK(likely.face.score > seeing.face.score + 0.05f);
   }
 }
+
+}  // namespace face_aligner_test

@@ -11,6 +11,8 @@
 #include "detector_pattern.hpp"
 #include "texture.hpp"
 
+namespace face_detector_test {
+
 using namespace pliant;
 using detector_pattern::Bytes;
 using texture::Picture;
@@ -246,3 +248,5 @@ TEST_CASE("bad input gets a status") {
   FaceDetector nothing;
   CHECK(nothing.find(right.frame(), {&face, 1}, &count) == Status::not_found);
 }
+
+}  // namespace face_detector_test

@@ -11,6 +11,8 @@
 #include "random.hpp"
 #include "texture.hpp"
 
+namespace face_picture_test {
+
 using namespace pliant;
 using texture::Picture;
 
@@ -136,3 +138,5 @@ TEST_CASE("a picture of a large face shows the same slope, averaged, at every re
     CHECK(worst < 1.1f);
   }
 }
+
+}  // namespace face_picture_test

@@ -8,6 +8,8 @@
 
 #include "opened_egg.hpp"
 
+namespace face_shape_test {
+
 using namespace pliant;
 
 namespace {
@@ -98,3 +100,5 @@ TEST_CASE("landmarks behind the camera and parameters that are held take no part
   rig.shape->finish(1);
   CHECK(length(log_rotation(rig.shape->view().q * conjugate(near.q))) < 1e-3f);
 }
+
+}  // namespace face_shape_test

@@ -6,6 +6,8 @@
 #include <initializer_list>
 #include <limits>
 
+namespace gaze_test {
+
 using namespace pliant;
 
 namespace {
@@ -102,3 +104,5 @@ TEST_CASE("the gaze follows in a few frames, begins at once, and ends at once") 
   CHECK(length(gaze) == doctest::Approx(1));
   CHECK(length(smoothed_gaze(gaze, {})) == 0);
 }
+
+}  // namespace gaze_test

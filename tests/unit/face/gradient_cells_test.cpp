@@ -8,6 +8,8 @@
 
 #include "texture.hpp"
 
+namespace gradient_cells_test {
+
 using namespace pliant;
 using texture::Picture;
 
@@ -140,3 +142,5 @@ TEST_CASE("the strongest gradients of the largest cells neither overflow nor wra
     CHECK(sum <= 360);
   }
 }
+
+}  // namespace gradient_cells_test

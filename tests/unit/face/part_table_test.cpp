@@ -10,6 +10,8 @@
 #include "model_builder.hpp"
 #include "pliant/model.hpp"
 
+namespace part_table_test {
+
 using namespace pliant;
 
 namespace {
@@ -121,3 +123,5 @@ TEST_CASE("points without weights stay where they start; those of the left side 
     CHECK(right[k].information.xx == doctest::Approx(1));
   }
 }
+
+}  // namespace part_table_test

@@ -8,6 +8,8 @@
 
 #include "texture.hpp"
 
+namespace scaled_lines_test {
+
 using namespace pliant;
 using texture::Picture;
 
@@ -86,3 +88,5 @@ TEST_CASE("white stays white and black black at every ratio") {
       for (const std::uint8_t v : read(ScaledLines(p.frame(), ratio), -2, 3, 12)) REQUIRE(v == grey);
   }
 }
+
+}  // namespace scaled_lines_test

@@ -9,6 +9,8 @@
 #include "face/detector_table.hpp"
 #include "face/scaled_lines.hpp"
 
+namespace search_place_test {
+
 using namespace pliant;
 
 TEST_CASE("every window of every size is met exactly once, in strips of bounded width") {
@@ -118,3 +120,5 @@ TEST_CASE("near a box that is outside of the frame, tiny or huge there is an end
     CHECK(rows < 100);
   }
 }
+
+}  // namespace search_place_test

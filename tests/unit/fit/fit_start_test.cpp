@@ -5,6 +5,8 @@
 #include "opened_egg.hpp"
 #include "pliant/fit.hpp"
 
+namespace fit_start_test {
+
 using namespace pliant;
 
 TEST_CASE("a box starts a frontal view that fills it") {
@@ -77,3 +79,5 @@ TEST_CASE("a box without area, and a camera that is not finite, start nothing") 
   }
   CHECK(view.s == 7);
 }
+
+}  // namespace fit_start_test

@@ -9,6 +9,8 @@
 #include "pliant/fold_over.hpp"
 #include "random.hpp"
 
+namespace fit_test {
+
 using namespace pliant;
 
 namespace {
@@ -493,3 +495,5 @@ TEST_CASE(
   for (std::size_t k = 0; k < q.size(); ++k) CHECK(magnitude(q[k]) < 0.02f * scene.model.parameters()[k].sd);
   CHECK(report.rms_px > 0.5f);
 }
+
+}  // namespace fit_test

@@ -6,6 +6,8 @@
 #include "model_builder.hpp"
 #include "random.hpp"
 
+namespace fold_over_guard_test {
+
 using namespace pliant;
 
 namespace {
@@ -79,3 +81,5 @@ TEST_CASE("frozen parameters are part of the valid state; free ones start at res
     }
   }
 }
+
+}  // namespace fold_over_guard_test

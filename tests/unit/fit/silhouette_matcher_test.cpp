@@ -6,6 +6,8 @@
 #include "opened_egg.hpp"
 #include "random.hpp"
 
+namespace silhouette_matcher_test {
+
 using namespace pliant;
 
 namespace {
@@ -70,3 +72,5 @@ TEST_CASE("before a contour is found every landmark stays at its own place") {
   const SilhouetteMatch m = matcher->match(cascade.object, t.q.data(), Projector(t.view, true), c);
   CHECK(length(m.uv - c.uv) == 0);
 }
+
+}  // namespace silhouette_matcher_test

@@ -10,6 +10,8 @@
 #include "host/io/csv.hpp"
 #include "random.hpp"
 
+namespace albedo_picture_test {
+
 using namespace cli_run;
 
 namespace {
@@ -275,3 +277,5 @@ TEST_CASE("over a background in colour render writes colour, and the same luma a
   CHECK(cr(25, 20) > 150);
   CHECK(cr(17, 10) == 128);
 }
+
+}  // namespace albedo_picture_test

@@ -11,6 +11,8 @@
 #include "host/bake/arkit_names.hpp"
 #include "host/io/csv.hpp"
 
+namespace arkit_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
@@ -146,3 +148,5 @@ TEST_CASE("a model without any expression of ARKit's is refused by name") {
   check_refused(words, {"other.plm", "ARKit"});
   CHECK_FALSE(s.has("t.csv"));
 }
+
+}  // namespace arkit_test

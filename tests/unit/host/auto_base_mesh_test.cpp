@@ -12,6 +12,8 @@
 #include "pliant/mesh.hpp"
 #include "sanitized.hpp"
 
+namespace auto_base_mesh_test {
+
 using namespace pliant;
 
 namespace {
@@ -184,3 +186,5 @@ TEST_CASE("sizes beyond the limits are refused by name, and the table stays as i
     CHECK(table.size() == 3);
   }
 }
+
+}  // namespace auto_base_mesh_test

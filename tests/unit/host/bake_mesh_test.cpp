@@ -14,6 +14,8 @@
 #include "pliant/visibility.hpp"
 #include "random.hpp"
 
+namespace bake_mesh_test {
+
 using namespace pliant;
 using namespace pliant::host::bake;
 
@@ -245,3 +247,5 @@ TEST_CASE("a chart that is already even does not change") {
     CHECK(length(source.uv[v] - even) < 1e-3f);
   }
 }
+
+}  // namespace bake_mesh_test

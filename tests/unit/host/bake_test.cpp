@@ -15,6 +15,8 @@
 #include "host/bake/source_error.hpp"
 #include "host/bake/table_writer.hpp"
 
+namespace bake_test {
+
 using namespace pliant;
 using namespace pliant::host::bake;
 
@@ -345,3 +347,5 @@ TEST_CASE("tables of several sizes: bytes and errors in one go, and the finest w
   CHECK(finest_within(source, {}, rows[5].table_bytes - 1).size == 56);
   CHECK(finest_within(source, {}, 100).size == 0);
 }
+
+}  // namespace bake_test

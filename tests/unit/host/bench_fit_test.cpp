@@ -11,6 +11,8 @@
 #include "host/io/owned.hpp"
 #include "random.hpp"
 
+namespace bench_fit_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
@@ -97,3 +99,5 @@ TEST_CASE("a truncated or wrong problem gives one line with the name of the file
   }
   check_refused({"bench", "fit", "--problems", folder / "none"}, {"solutions.csv"});
 }
+
+}  // namespace bench_fit_test

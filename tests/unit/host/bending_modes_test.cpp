@@ -7,6 +7,8 @@
 
 #include "bake_sheet.hpp"
 
+namespace bending_modes_test {
+
 using namespace pliant;
 using namespace pliant::host::bake;
 
@@ -198,3 +200,5 @@ TEST_CASE("a surface with few vertices has few modes, one that is held whole has
   mesh.is_fixed.assign(4, 1);
   CHECK(find_bending_modes(mesh, 5, 1).displacement.empty());
 }
+
+}  // namespace bending_modes_test

@@ -6,6 +6,8 @@
 
 #include "host/learn/sample_random.hpp"
 
+namespace boosted_trees_test {
+
 using namespace pliant;
 using namespace pliant::host::learn;
 
@@ -65,3 +67,5 @@ TEST_CASE("the search finds windows with the bytes that training computes at the
   }
   CHECK(compared > 500);
 }
+
+}  // namespace boosted_trees_test

@@ -8,6 +8,8 @@
 #include "host/io/fit_file.hpp"
 #include "random.hpp"
 
+namespace calibration_test {
+
 using namespace pliant;
 using namespace cli_run;
 
@@ -196,3 +198,5 @@ TEST_CASE(
                  s / "x.json"},
                 {"c.yml", "no uniform scale"});
 }
+
+}  // namespace calibration_test

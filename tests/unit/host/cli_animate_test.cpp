@@ -10,6 +10,8 @@
 #include "host/io/fit_file.hpp"
 #include "mesh_reader.hpp"
 
+namespace cli_animate_test {
+
 using namespace cli_run;
 using namespace mesh_reader;
 
@@ -309,3 +311,5 @@ TEST_CASE("animate refuses bad words with 2 and bad input with 1 and a line that
   CHECK_FALSE(f.has("a.glb"));
   CHECK(run_words(with(good)).code == 0);
 }
+
+}  // namespace cli_animate_test

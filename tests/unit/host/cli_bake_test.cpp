@@ -3,6 +3,8 @@
 
 #include "cli_run.hpp"
 
+namespace cli_bake_test {
+
 using namespace cli_run;
 
 namespace {
@@ -227,3 +229,5 @@ TEST_CASE(
   CHECK(bench.code == 1);
   CHECK(contains(bench.err, "m.plm: has no print"));
 }
+
+}  // namespace cli_bake_test

@@ -10,6 +10,8 @@
 #include "host/io/image.hpp"
 #include "host/io/learnt_file.hpp"
 
+namespace cli_detect_test {
+
 using namespace pliant::host;
 using namespace cli_run;
 
@@ -321,3 +323,5 @@ TEST_CASE("learn refuses folders without pictures, and a part that there is not"
   CHECK_FALSE(folder.has("l.bin"));
   CHECK(folder.temporary_count() == 0);
 }
+
+}  // namespace cli_detect_test

@@ -17,6 +17,8 @@
 #include "host/io/truth.hpp"
 #include "random.hpp"
 
+namespace cli_files_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
@@ -277,3 +279,5 @@ TEST_CASE("a comparison with the truth gives the known errors") {
   CHECK(quantile({4, 1, 2, 3, 5}, 0.75) == 4);
   CHECK(std::isnan(quantile({}, 0.5)));
 }
+
+}  // namespace cli_files_test

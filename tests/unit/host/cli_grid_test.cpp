@@ -7,6 +7,8 @@
 #include "host/io/fit_file.hpp"
 #include "host/io/image.hpp"
 
+namespace cli_grid_test {
+
 using namespace cli_run;
 
 namespace {
@@ -98,3 +100,5 @@ TEST_CASE("the built-in face has seven people and five expressions, and their pa
     }
   }
 }
+
+}  // namespace cli_grid_test

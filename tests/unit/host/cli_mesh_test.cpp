@@ -8,6 +8,8 @@
 #include "host/io/image.hpp"
 #include "mesh_reader.hpp"
 
+namespace cli_mesh_test {
+
 using namespace cli_run;
 using namespace mesh_reader;
 
@@ -310,3 +312,5 @@ TEST_CASE("bad arguments and bad files are refused with a message that names the
   check_refused({"mesh", m.put("bad.plm", "PLM1")}, {"bad.plm"});
   check_refused({"mesh", m.path, "-o", m / "no/out.obj"}, {"no/out.obj"});
 }
+
+}  // namespace cli_mesh_test

@@ -12,6 +12,8 @@
 #include "host/io/page.hpp"
 #include "host/render/svg_chart.hpp"
 
+namespace cli_pages_test {
+
 using namespace cli_run;
 
 namespace {
@@ -401,3 +403,5 @@ TEST_CASE("a ribbon shows the worst state of a column, a histogram counts every 
   CHECK(contains(bars, "1 frames above"));
   check_well_formed(histogram({}, {}, style));
 }
+
+}  // namespace cli_pages_test

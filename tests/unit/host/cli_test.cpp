@@ -6,6 +6,8 @@
 #include "host/io/fit_file.hpp"
 #include "host/io/image.hpp"
 
+namespace cli_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
@@ -439,3 +441,5 @@ TEST_CASE("bake refuses a folder without a source in one line and writes nothing
   check_refused({"bake", folder / "none", "-o", folder / "m.plm"}, {"none: no such file or folder"});
   CHECK(folder.file_count() == 0);
 }
+
+}  // namespace cli_test

@@ -7,6 +7,8 @@
 #include "host/io/csv.hpp"
 #include "host/io/image.hpp"
 
+namespace cli_track_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
@@ -325,7 +327,7 @@ TEST_CASE("frames, markers and truths that a track cannot use are refused by nam
 TEST_CASE(
     "a printed surface in a film of 640 x 480 is found in the first frame, since all of it is searched at "
     "once") {
-  const cli_run::Folder folder;
+  const Folder folder;
   const std::string model = folder / "sheet.plm", film = folder / "film.y4m", track = folder / "track.csv";
   REQUIRE(run_words({"bake", PLIANT_FIXTURES "/sheet", "-o", model}).code == 0);
   const std::string params = folder.put("q.csv", "frame,tz\n0,900\n");
@@ -339,7 +341,7 @@ TEST_CASE(
 TEST_CASE(
     "what cannot be found by itself is told as what it is: a surface without a print, a print where a face "
     "is wanted") {
-  const cli_run::Folder folder;
+  const Folder folder;
   const std::string plain = folder / "plain.plm", printed = folder / "printed.plm",
                     film = folder / "film.y4m";
   REQUIRE(
@@ -355,3 +357,5 @@ TEST_CASE(
   check_refused({"fit", printed, "--image", picture, "-o", folder / "f.json"},
                 {"printed.plm", "by its print", "pliant track", "--points"});
 }
+
+}  // namespace cli_track_test

@@ -6,6 +6,8 @@
 
 #include "host/learn/sample_random.hpp"
 
+namespace detector_calibration_test {
+
 using namespace pliant;
 using namespace pliant::host::learn;
 
@@ -48,3 +50,5 @@ TEST_CASE("a tenth of many pictures calibrates, and none of few") {
   CHECK(count == 10);
   for (std::size_t k = 0; k < kFewPictures - 1; ++k) CHECK(!calibrates(k, kFewPictures - 1));
 }
+
+}  // namespace detector_calibration_test

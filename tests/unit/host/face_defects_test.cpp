@@ -7,6 +7,8 @@
 #include "host/bake/bake.hpp"
 #include "scratch_folder.hpp"
 
+namespace face_defects_test {
+
 using namespace pliant;
 using namespace pliant::host::bake;
 
@@ -26,7 +28,7 @@ std::string error_after(const std::string& file, const std::function<std::string
   const std::string changed = edit(text.str());
   if (changed == text.str()) return "the edit of " + file + " changed nothing";
   fs::remove(folder.path / file);
-  if (!changed.empty()) folder.file(file, changed);
+  if (!changed.empty()) folder.put(file, changed);
   BakeOptions options;
   options.source = folder.path.string();
   options.size = 16;
@@ -147,3 +149,5 @@ TEST_CASE("impossible options are refused") {
   CHECK_FALSE(host::bake::bake(options, table, error));
   CHECK(table.empty());
 }
+
+}  // namespace face_defects_test

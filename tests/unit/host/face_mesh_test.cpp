@@ -10,6 +10,8 @@
 #include "host/render/mesh_figure.hpp"
 #include "host/render/model_mesh.hpp"
 
+namespace face_mesh_test {
+
 using namespace pliant;
 using namespace pliant::host;
 
@@ -164,3 +166,5 @@ TEST_CASE("the figure has five columns and three rows, none of them empty, and t
   CHECK(table.find("| unconditional | depth 3 | " + std::to_string(three_levels().vertices)) !=
         std::string::npos);
 }
+
+}  // namespace face_mesh_test

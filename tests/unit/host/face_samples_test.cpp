@@ -9,6 +9,8 @@
 #include "baked_face.hpp"
 #include "host/render/scene.hpp"
 
+namespace face_samples_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace pliant::host::learn;
@@ -194,3 +196,5 @@ TEST_CASE("crops of other pictures lie within the picture, at any size") {
                       [](std::uint8_t p) { return p >= 98 && p <= 101; }));
   }
 }
+
+}  // namespace face_samples_test

@@ -8,6 +8,8 @@
 #include "pliant/mesh.hpp"
 #include "random.hpp"
 
+namespace face_test {
+
 using namespace pliant;
 
 namespace {
@@ -393,3 +395,5 @@ TEST_CASE("the surface has enough texture for corners, and eyes, lips and brows 
     CHECK_MESSAGE(sd > 5, note("tone", centre.x, centre.y, sd));
   }
 }
+
+}  // namespace face_test

@@ -13,6 +13,8 @@
 #include "host/io/failure.hpp"
 #include "host/io/interrupt.hpp"
 
+namespace files_test {
+
 using namespace pliant::host;
 using namespace cli_run;
 
@@ -192,3 +194,5 @@ TEST_CASE("an output that is an input, two outputs of one name and a name of ano
   CHECK(beside.code == 1);  // not bad usage: only pictures are read there
   CHECK(run_words({"bake", folder.path.string(), "-o", folder / "m.plm"}).code == 1);  // not bad usage
 }
+
+}  // namespace files_test

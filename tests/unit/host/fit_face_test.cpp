@@ -13,6 +13,8 @@
 #include "pliant/fold_over.hpp"
 #include "random.hpp"
 
+namespace fit_face_test {
+
 using namespace pliant;
 
 namespace {
@@ -183,3 +185,5 @@ TEST_CASE("a fitter without room for silhouette points refuses them") {
   CHECK(fitter->fit({portrait.points.data(), portrait.points.size()}, options, q.data(), &report) ==
         Status::bad_argument);
 }
+
+}  // namespace fit_face_test

@@ -7,6 +7,8 @@
 #include "host/commands/frame_reduction.hpp"
 #include "host/io/failure.hpp"
 
+namespace frame_stream_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
@@ -108,3 +110,5 @@ TEST_CASE("a reduced frame has the mean of each block, and places and cameras go
   CHECK(FrameReduction::factor_for(ImageSize{2160, 3840}) == 3);
   CHECK(FrameReduction::factor_for(ImageSize{16384, 100}) == 1);
 }
+
+}  // namespace frame_stream_test

@@ -13,6 +13,8 @@
 #include "host/io/y4m_header.hpp"
 #include "host/io/y4m_writer.hpp"
 
+namespace frames_test {
+
 using namespace pliant;
 using namespace pliant::host;
 
@@ -417,3 +419,5 @@ TEST_CASE("a source with colour gives its last frame in colour, whatever the sub
   REQUIRE(png.source != nullptr);
   CHECK(png.source->colour().pixels == picture.pixels);
 }
+
+}  // namespace frames_test

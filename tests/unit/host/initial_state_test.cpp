@@ -9,6 +9,8 @@
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
 
+namespace initial_state_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
@@ -123,3 +125,5 @@ TEST_CASE("the profile is the given one, or follows from the width of the frames
   CHECK(limits({"--profile", "m"}, 640).width == 640);
   CHECK_THROWS_AS(limits({"--profile", "x"}, 640), Failure);
 }
+
+}  // namespace initial_state_test

@@ -8,6 +8,8 @@
 #include "host/io/files.hpp"
 #include "scratch_folder.hpp"
 
+namespace jpeg_orientation_test {
+
 using namespace pliant::host;
 
 namespace {
@@ -83,3 +85,5 @@ TEST_CASE("what tells no orientation is upright: other files, other tags, values
     CHECK((k == 1 || k == 6));
   }
 }
+
+}  // namespace jpeg_orientation_test

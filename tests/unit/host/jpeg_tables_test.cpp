@@ -9,6 +9,8 @@
 #include "host/io/failure.hpp"
 #include "host/io/image.hpp"
 
+namespace jpeg_tables_test {
+
 using namespace pliant::host;
 
 namespace {
@@ -74,7 +76,7 @@ TEST_CASE(
 }
 
 TEST_CASE("such a file is refused by name before it is decoded") {
-  const cli_run::Folder folder;
+  const Folder folder;
   const std::string path = folder.put("bad.jpg", kBegin + tables({1000}) + kEnd);
   std::string message;
   try {
@@ -85,3 +87,5 @@ TEST_CASE("such a file is refused by name before it is decoded") {
   CHECK(message.find("bad.jpg") != std::string::npos);
   CHECK(message.find("Huffman") != std::string::npos);
 }
+
+}  // namespace jpeg_tables_test

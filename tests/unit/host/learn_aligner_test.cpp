@@ -11,6 +11,8 @@
 #include "pliant/face_aligner.hpp"
 #include "sanitized.hpp"
 
+namespace learn_aligner_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace pliant::host::learn;
@@ -181,3 +183,5 @@ TEST_CASE("refinement from the truth stays at the truth, and is believed more th
   CHECK(right / count > 0.7f);
   CHECK(wrong / count < 0.3f);
 }
+
+}  // namespace learn_aligner_test

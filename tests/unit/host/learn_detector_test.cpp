@@ -13,6 +13,8 @@
 #include "sanitized.hpp"
 #include "texture.hpp"
 
+namespace learn_detector_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace pliant::host::learn;
@@ -93,3 +95,5 @@ TEST_CASE("the table is the same bytes whatever the number of threads") {
   const double effort = 0.001;
   CHECK(learnt(1, effort) == learnt(2, effort));
 }
+
+}  // namespace learn_detector_test

@@ -6,6 +6,8 @@
 #include "cli_run.hpp"
 #include "host/io/failure.hpp"
 
+namespace learnt_file_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
@@ -83,3 +85,5 @@ TEST_CASE("bake refuses a bad learnt file by name, and a source's own learnt.bin
   CHECK(file.model().detector().count == 2);
   CHECK(file.model().aligner().empty());
 }
+
+}  // namespace learnt_file_test

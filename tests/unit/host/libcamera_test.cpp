@@ -12,6 +12,8 @@
 #include "host/io/owned.hpp"
 #include "pliant/pyramid.hpp"
 
+namespace libcamera_test {
+
 using namespace pliant;
 using namespace cli_run;
 
@@ -277,3 +279,5 @@ TEST_CASE("a missing camera gives one line and exit code 1") {
   CHECK(list.code == (list.out.empty() ? 1 : 0));  // a machine may have one
   CHECK(is_one_line(list.out.empty() ? list.err : list.out.substr(0, list.out.find('\n') + 1)));
 }
+
+}  // namespace libcamera_test

@@ -6,6 +6,8 @@
 
 #include "obj_folder.hpp"
 
+namespace obj_defects_test {
+
 using namespace obj_folder;
 namespace fs = std::filesystem;
 
@@ -14,7 +16,7 @@ namespace {
 /// A folder of defects, and the line of the first face of an OBJ file in it.
 struct Defects {
   ObjFolder folder{"defects"};
-  std::string good = folder.obj(sheet), neutral = folder.file("neutral.obj");
+  std::string good = folder.obj(curved_sheet), neutral = folder / "neutral.obj";
   std::string first_face = "f 1/1/ 2/2/ 35/35/ 34/34/\n";
   int face_line = static_cast<int>(std::count(
                       good.begin(), good.begin() + static_cast<std::ptrdiff_t>(good.find("\nf ")), '\n')) +
@@ -22,7 +24,7 @@ struct Defects {
 
   /// The error with this text as a file.
   std::string error_with(const char* file, const std::string& text) const {
-    folder.write(file, text);
+    folder.put(file, text);
     return error_of(folder);
   }
 };
@@ -90,8 +92,8 @@ TEST_CASE("a line of an OBJ file that ends in a backslash goes on in the next on
 TEST_CASE("a file of an OBJ folder that differs from neutral.obj in more than places is refused by name") {
   const Defects d;
   const std::string &good = d.good, &neutral = d.neutral, &first_face = d.first_face;
-  const std::string smile = d.folder.file("mouthSmile_L.obj");
-  d.folder.write("neutral.obj", good);
+  const std::string smile = d.folder / "mouthSmile_L.obj";
+  d.folder.put("neutral.obj", good);
   const auto smile_error = [&](const std::string& text) { return d.error_with("mouthSmile_L.obj", text); };
   CHECK(smile_error("v 1 2 3\n") == smile + ": has 1 vertices, not 1089 as " + neutral);
   CHECK(smile_error(swapped(good, first_face, "")) == smile + ": has 1023 faces, not 1024 as " + neutral);
@@ -104,8 +106,8 @@ TEST_CASE("a file of an OBJ folder that differs from neutral.obj in more than pl
 TEST_CASE("bad landmarks and a missing rest shape of an OBJ folder are refused by name") {
   const Defects d;
   const ObjFolder& folder = d.folder;
-  const std::string csv = folder.file("landmarks.csv");
-  folder.write("neutral.obj", d.good);
+  const std::string csv = folder / "landmarks.csv";
+  folder.put("neutral.obj", d.good);
   const auto csv_error = [&](const std::string& text) { return d.error_with("landmarks.csv", text); };
   CHECK(csv_error("landmark,vertex\nibug30,5\n") == "");
   CHECK(csv_error("\xef\xbb\xbflandmark,vertex\r\nibug30,5\r\n") == "");
@@ -122,9 +124,11 @@ TEST_CASE("bad landmarks and a missing rest shape of an OBJ folder are refused b
 
   fs::remove(folder.path / "neutral.obj");
   CHECK(error_of(folder).find("nor OBJ files") != std::string::npos);
-  folder.write("jawOpen.obj", d.good);
-  folder.write("jawLeft.obj", d.good);
+  folder.put("jawOpen.obj", d.good);
+  folder.put("jawLeft.obj", d.good);
   CHECK(error_of(folder) == d.neutral + ": cannot be read");
   fs::remove(folder.path / "jawLeft.obj");  // the only file is the rest shape
   CHECK(error_of(folder) == "");
 }
+
+}  // namespace obj_defects_test

@@ -14,6 +14,8 @@
 #include "pliant/mesh.hpp"
 #include "random.hpp"
 
+namespace obj_test {
+
 using namespace pliant::host::bake;
 using namespace obj_folder;
 namespace fs = std::filesystem;
@@ -40,12 +42,12 @@ bool warns(const host::bake::BakeReport& report, const char* of) {
 
 TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places are kept") {
   const ObjFolder folder("shapes");
-  folder.write("neutral", sheet);
-  folder.write("identity000", [](float s, float t) { return sheet(s, t) + Vec3{0, 0.5f * s, 0}; });
-  folder.write("mouthSmile_L", [](float s, float t) { return sheet(s, t) + hill(s, t) * Vec3{1, 0, 0.3f}; });
-  folder.write("jawOpen", [](float s, float t) { return sheet(s, t) + Vec3{0, -(1 - t) * (1 - t), 0}; });
-  folder.write("wiggle_R", [](float s, float t) { return sheet(s, t) + Vec3{0, 0, s * t}; });
-  folder.write("landmarks.csv", "landmark,vertex\nibug36,330\nibug45,362\nnose_tip,544\n");
+  folder.write("neutral", curved_sheet);
+  folder.write("identity000", [](float s, float t) { return curved_sheet(s, t) + Vec3{0, 0.5f * s, 0}; });
+  folder.write("mouthSmile_L", [](float s, float t) { return curved_sheet(s, t) + hill(s, t) * Vec3{1, 0, 0.3f}; });
+  folder.write("jawOpen", [](float s, float t) { return curved_sheet(s, t) + Vec3{0, -(1 - t) * (1 - t), 0}; });
+  folder.write("wiggle_R", [](float s, float t) { return curved_sheet(s, t) + Vec3{0, 0, s * t}; });
+  folder.put("landmarks.csv", "landmark,vertex\nibug36,330\nibug45,362\nnose_tip,544\n");
   BakeOptions options;
   options.source = folder.path.string();
   options.unit_mm = 10;
@@ -82,11 +84,11 @@ TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places a
   // Vertices 330 = (0, 10) and 362 = (32, 10) of the grid are the eye corners: the origin is half way
   // between.
   const float eye_t = 10.0f / 32;
-  const Vec3 origin = 10 * (0.5f * (sheet(0, eye_t) + sheet(1, eye_t)));
+  const Vec3 origin = 10 * (0.5f * (curved_sheet(0, eye_t) + curved_sheet(1, eye_t)));
   CHECK(length(baked.at("ibug36", baked.rest()) + baked.at("ibug45", baked.rest())) < 0.1f);
   for (const auto& [s, t] : {std::pair{0.2f, 0.3f}, {0.5f, 0.5f}, {0.7f, 0.9f}}) {
     auto q = baked.rest();
-    CHECK(length(baked.at(chart(s, t), q) - (10 * sheet(s, t) - origin)) < 0.1f);
+    CHECK(length(baked.at(chart(s, t), q) - (10 * curved_sheet(s, t) - origin)) < 0.1f);
     const Vec3 rest = baked.at(chart(s, t), q);
     q[smile] = 0.5f;
     CHECK(length(baked.at(chart(s, t), q) - rest - 5 * hill(s, t) * Vec3{1, 0, 0.3f}) < 0.1f);
@@ -107,9 +109,9 @@ TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places a
 
 TEST_CASE("a mirrored chart is flipped, so that seen from outside u points right and v down") {
   const ObjFolder folder("hand");
-  const auto mirrored = [](float s, float t) { return sheet(1 - s, t); };
+  const auto mirrored = [](float s, float t) { return curved_sheet(1 - s, t); };
   // The faces wind clockwise in the file's (u,v): their outside is the chart's back.
-  folder.write("neutral.obj", [&] {
+  folder.put("neutral.obj", [&] {
     std::string text = folder.obj(mirrored), result;
     std::size_t start = 0;
     while (start < text.size()) {
@@ -145,8 +147,8 @@ TEST_CASE("what will hardly be tracked is warned of: a surface that is tiny, or 
                {10, {300, 0, 0}, false, false},
                {1, {}, true, false}};
   for (const auto& c : cases) {
-    folder.write("neutral.obj",
-                 folder.obj([&](float s, float t) { return c.size * sheet(s, t) + c.origin; }));
+    folder.put("neutral.obj",
+               folder.obj([&](float s, float t) { return c.size * curved_sheet(s, t) + c.origin; }));
     host::bake::BakeReport report;
     (void)baked_coarsely(folder, &report);
     CHECK(warns(report, "across, and nothing is tracked nearer than 50 mm") == c.is_small);
@@ -156,9 +158,9 @@ TEST_CASE("what will hardly be tracked is warned of: a surface that is tiny, or 
 
 TEST_CASE("a landmark whose name is nearly one of iBUG's is warned of") {
   const ObjFolder folder("misspelt");
-  folder.write("neutral", sheet);
+  folder.write("neutral", curved_sheet);
   for (const bool is_misspelt : {true, false}) {
-    folder.write("landmarks.csv", std::string("landmark,vertex\n") + (is_misspelt ? "ibug1" : "ibug01") + ",5\n");
+    folder.put("landmarks.csv", std::string("landmark,vertex\n") + (is_misspelt ? "ibug1" : "ibug01") + ",5\n");
     host::bake::BakeReport report;
     (void)baked_coarsely(folder, &report);
     CHECK(warns(report, "'ibug1' is not found by the name 'ibug01'") == is_misspelt);
@@ -170,8 +172,8 @@ TEST_CASE(
     "tells") {
   const ObjFolder folder("back");
   for (const bool is_turned : {false, true}) {
-    folder.write("neutral.obj", folder.obj([&](float s, float t) {
-      const Vec3 p = sheet(s, t);
+    folder.put("neutral.obj", folder.obj([&](float s, float t) {
+      const Vec3 p = curved_sheet(s, t);
       return is_turned ? Vec3{-p.x, p.y, -p.z} : p;  // half a turn about y
     }));
     host::bake::BakeReport report;
@@ -200,9 +202,9 @@ TEST_CASE(
     }
     text += "usemtl b\nf" + corners + "\n";
   }
-  folder.write("any name.obj", text + "v 1e9 0 0\n");
+  folder.put("any name.obj", text + "v 1e9 0 0\n");
   BakeOptions options;
-  options.source = folder.file("any name.obj");
+  options.source = folder / "any name.obj";
   options.base_vertices = 100;
   std::vector<std::uint8_t> table;
   std::string error;
@@ -216,10 +218,10 @@ TEST_CASE(
 
 TEST_CASE("a small table gives a parameter its range, so that it goes both ways") {
   const ObjFolder folder("ranges");
-  folder.write("neutral", sheet);
-  folder.write("bend", [](float s, float t) { return sheet(s, t) + Vec3{0, 0, 3 * s * (1 - s)}; });
-  folder.write("roll_L", [](float s, float t) { return sheet(s, t) + Vec3{0, 0, t}; });
-  folder.write(
+  folder.write("neutral", curved_sheet);
+  folder.write("bend", [](float s, float t) { return curved_sheet(s, t) + Vec3{0, 0, 3 * s * (1 - s)}; });
+  folder.write("roll_L", [](float s, float t) { return curved_sheet(s, t) + Vec3{0, 0, t}; });
+  folder.put(
       "parameters.txt",
       "# ranges\nparameter group minimum maximum sd\nbend expression -1 1 0.5\nrollLeft identity -2 2 0.8\n");
   BakeOptions options;
@@ -236,10 +238,10 @@ TEST_CASE("a small table gives a parameter its range, so that it goes both ways"
   CHECK(baked.model.parameters()[baked.model.find_parameter("rollLeft")].group == Group::identity);
   std::vector<float> q(2, 0.0f);
   q[baked.model.find_parameter("bend")] = -1;
-  CHECK(length(baked.at(chart(0.5f, 0.5f), q) - (sheet(0.5f, 0.5f) - Vec3{0, 0, 0.75f})) < 0.01f);
+  CHECK(length(baked.at(chart(0.5f, 0.5f), q) - (curved_sheet(0.5f, 0.5f) - Vec3{0, 0, 0.75f})) < 0.01f);
   const auto refused = [&](const std::string& row, const std::string& what) {
-    folder.write("parameters.txt", "parameter group minimum maximum sd\n" + row);
-    CHECK(error_of(folder) == folder.file("parameters.txt") + ":2: " + what);
+    folder.put("parameters.txt", "parameter group minimum maximum sd\n" + row);
+    CHECK(error_of(folder) == folder / "parameters.txt" + ":2: " + what);
   };
   refused("flip expression -1 1 0.5\n", "there is no file for parameter 'flip'");
   refused("roll_L expression -1 1 0.5\n", "the parameter of roll_L.obj is 'rollLeft'");
@@ -274,9 +276,9 @@ TEST_CASE(
       text += "\n";
     }
   }
-  folder.write("tube.obj", text);
+  folder.put("tube.obj", text);
   BakeOptions options;
-  options.source = folder.file("tube.obj");
+  options.source = folder / "tube.obj";
   options.base_vertices = 100;
   options.modes = 3;
   std::vector<std::uint8_t> table;
@@ -359,7 +361,7 @@ TEST_CASE("scans without names bake into their mean and components") {
   for (int k = 0; k < 6; ++k) {
     const float a = static_cast<float>(k) - 2.5f;
     folder.write("scan" + std::to_string(k), [a](float s, float t) {
-      return sheet(s, t) + a * Vec3{0, s, 0} + 0.2f * a * a * hill(s, t) * Vec3{0, 0, 1};
+      return curved_sheet(s, t) + a * Vec3{0, s, 0} + 0.2f * a * a * hill(s, t) * Vec3{0, 0, 1};
     });
   }
   BakeOptions options;
@@ -379,7 +381,7 @@ TEST_CASE("scans without names bake into their mean and components") {
     for (float q1 = -3; q1 <= 3; q1 += 0.05f) {
       float worst = 0;
       for (const auto& [s, t] : {std::pair{0.2f, 0.3f}, {0.5f, 0.4f}, {0.9f, 0.8f}}) {
-        const Vec3 scan = sheet(s, t) + Vec3{0, -2.5f * s, 0} + 0.2f * 6.25f * hill(s, t) * Vec3{0, 0, 1};
+        const Vec3 scan = curved_sheet(s, t) + Vec3{0, -2.5f * s, 0} + 0.2f * 6.25f * hill(s, t) * Vec3{0, 0, 1};
         worst = max(worst, length(baked.at(chart(s, t), {q0, q1}) - scan));
       }
       best = min(best, worst);
@@ -390,11 +392,13 @@ TEST_CASE("scans without names bake into their mean and components") {
 
 TEST_CASE("a file that is the rest shape once more is told of: its parameter moves nothing") {
   const ObjFolder folder("still");
-  folder.write("neutral", sheet);
-  folder.write("bend", [](float s, float t) { return sheet(s, t) + Vec3{0, 0, s * s}; });
-  folder.write("ear_L", sheet);
+  folder.write("neutral", curved_sheet);
+  folder.write("bend", [](float s, float t) { return curved_sheet(s, t) + Vec3{0, 0, s * s}; });
+  folder.write("ear_L", curved_sheet);
   host::bake::BakeReport report;
   baked_coarsely(folder, &report);
   CHECK(warns(report, "ear_L.obj is the rest shape: the parameter 'earLeft' moves nothing"));
   CHECK_FALSE(warns(report, "bend"));
 }
+
+}  // namespace obj_test

@@ -9,6 +9,8 @@
 #include "mesh_reader.hpp"
 #include "pliant/lens.hpp"
 
+namespace photo_texture_test {
+
 using namespace cli_run;
 using namespace mesh_reader;
 
@@ -167,3 +169,5 @@ TEST_CASE("fit --texture writes the face with its photograph, and animate --imag
   animate[7] = f.put("small.png", encode_png(Image(40, 40, 3)));
   check_refused(animate, {"small.png", "not the picture of", "400x400"});
 }
+
+}  // namespace photo_texture_test

@@ -13,6 +13,8 @@
 #include "print_film.hpp"
 #include "random.hpp"
 
+namespace plan_test {
+
 using namespace pliant;
 using namespace cli_run;
 
@@ -294,3 +296,5 @@ TEST_CASE("the plan bounds the frames of a search for a print, in a picture full
   CHECK(make_plan(host::sheet(), profile_l()).print_search_frames == 2);
   CHECK(make_plan(baked_face().model, {}).print_search_frames == 0);
 }
+
+}  // namespace plan_test

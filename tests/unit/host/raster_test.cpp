@@ -16,6 +16,8 @@
 #include "random.hpp"
 #include "textured_model.hpp"
 
+namespace raster_test {
+
 using namespace pliant;
 using namespace pliant::host;
 
@@ -402,3 +404,5 @@ TEST_CASE("the mesh of an overlay is visible on a picture of any brightness") {
     CHECK(contrast >= 16);
   }
 }
+
+}  // namespace raster_test

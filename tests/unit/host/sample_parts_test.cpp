@@ -18,6 +18,8 @@
 #include "host/render/scene.hpp"
 #include "scratch_folder.hpp"
 
+namespace sample_parts_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace pliant::host::learn;
@@ -79,13 +81,13 @@ TEST_CASE("photographs are read by portion, each followed by its mirror image") 
   std::vector<std::string> names;
   for (const char* name : {"ann", "bea", "cid", "dan", "eve", "fay"}) {
     const AnnotatedPicture picture = render(baked_face().rest());
-    folder.file(std::string(name) + ".jpg", encode_jpeg(to_colour(picture.picture), 90));
+    folder.put(std::string(name) + ".jpg", encode_jpeg(to_colour(picture.picture), 90));
     for (const AnnotatedLandmark& a : picture.landmarks)
       rows +=
           std::string(name) + "," + a.name + "," + std::to_string(a.x.x) + "," + std::to_string(a.x.y) + "\n";
     names.emplace_back(name);
   }
-  folder.file("landmarks.csv", rows);
+  folder.put("landmarks.csv", rows);
   std::vector<std::string> seen;
   for (const Portion portion : {Portion::training, Portion::held_out}) {
     const auto photographs = read_photographs(baked_face().model, folder.path.string(), portion);
@@ -244,3 +246,5 @@ TEST_CASE("distances to shapes are negative inside and grow outside") {
   CHECK(outside_ellipse({0, 0}, {0, 0}, {4, 2}) == doctest::Approx(-2));
   CHECK(outside_ellipse({4, 0}, {0, 0}, {4, 2}) == doctest::Approx(0));
 }
+
+}  // namespace sample_parts_test

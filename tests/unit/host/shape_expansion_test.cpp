@@ -11,6 +11,8 @@
 #include "pliant/cascade.hpp"
 #include "random.hpp"
 
+namespace shape_expansion_test {
+
 using namespace cli_run;
 
 namespace {
@@ -91,3 +93,5 @@ TEST_CASE("parameters that only add have no products") {
   CHECK(products > 0);
   CHECK(expand_shape(face.model, {}, face.rest()).terms.empty());
 }
+
+}  // namespace shape_expansion_test

@@ -7,6 +7,8 @@
 
 #include "host/bake/at.hpp"
 
+namespace springs_test {
+
 using namespace pliant;
 using namespace pliant::host::bake;
 
@@ -62,3 +64,5 @@ TEST_CASE("springs join all points of a lattice into one, at their distances") {
     CHECK(*std::min_element(held.begin(), held.end()) >= (m > 1 ? 2 : 1));
   }
 }
+
+}  // namespace springs_test

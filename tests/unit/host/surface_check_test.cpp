@@ -13,6 +13,8 @@
 #include "pliant/mesh.hpp"
 #include "random.hpp"
 
+namespace surface_check_test {
+
 using namespace pliant;
 using namespace pliant::host::bake;
 
@@ -170,3 +172,5 @@ TEST_CASE("base meshes of awkward surfaces have their topology") {
     }
   }
 }
+
+}  // namespace surface_check_test

@@ -8,6 +8,8 @@
 #include "host/bake/source_error.hpp"
 #include "scratch_folder.hpp"
 
+namespace text_table_test {
+
 using namespace pliant;
 using namespace pliant::host::bake;
 
@@ -29,7 +31,7 @@ TEST_CASE(
     "a text table gives its rows by line, without comments, and takes the rest of a line in an open column") {
   const Folder folder("text");
   const auto path =
-      folder.file("a.txt", "# units: mm\nname  x more...\n\nfirst 1.5 a b # c\n  second -2 d\n");
+      folder.put("a.txt", "# units: mm\nname  x more...\n\nfirst 1.5 a b # c\n  second -2 d\n");
   const TextTable table(path, {"name", "x", "more..."});
   REQUIRE(table.rows().size() == 2);
   CHECK(table.rows()[0].line == 4);
@@ -42,7 +44,7 @@ TEST_CASE("each defect of a text table is one line that names the file and the l
   const Folder folder("defects");
   const auto path = (folder.path / "a.txt").string();
   const auto error = [&](const std::string& text) {
-    folder.file("a.txt", text);
+    folder.put("a.txt", text);
     return error_of([&] {
       const TextTable table(path, {"name", "x"});
       for (const TextRow& row : table.rows()) table.number(row, 1);
@@ -62,3 +64,5 @@ TEST_CASE("each defect of a text table is one line that names the file and the l
   CHECK(error("name x\na 1,5\n") == path + ":2: '1,5' in column 'x' is not a number");
   CHECK(error_of([&] { TextTable(path + "x", {"name"}); }) == path + "x: cannot be read");
 }
+
+}  // namespace text_table_test

@@ -11,6 +11,8 @@
 #include "host/io/files.hpp"
 #include "host/io/frame_source.hpp"
 
+namespace video_file_test {
+
 using namespace pliant;
 using namespace pliant::host;
 using namespace cli_run;
@@ -149,3 +151,5 @@ TEST_CASE("ffmpeg itself reads what it wrote" *
   const OpenedFrames bad = open_frames(folder.put("bad.mp4", "this is no video"));
   CHECK(contains(bad.message, "bad.mp4: cannot be read as a video: "));
 }
+
+}  // namespace video_file_test

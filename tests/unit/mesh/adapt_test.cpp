@@ -10,6 +10,8 @@
 #include "pliant/criteria.hpp"
 #include "pliant/mesh_star.hpp"
 
+namespace adapt_test {
+
 using namespace pliant;
 using shapes::limits;
 using shapes::MeshBox;
@@ -424,3 +426,5 @@ TEST_CASE("a rank that is no number counts as none") {
 TEST_CASE("an adapter takes 12 bytes a face and 24 a vertex") {
   CHECK(measured_bytes<Adapter>(limits(1024, 2048)) == 12 * 2048 + 24 * 1024);
 }
+
+}  // namespace adapt_test

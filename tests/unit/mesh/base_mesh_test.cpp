@@ -11,6 +11,8 @@
 #include "mesh_shapes.hpp"
 #include "real_data.hpp"
 
+namespace base_mesh_test {
+
 using namespace pliant;
 using shapes::limits;
 using shapes::MeshBox;
@@ -403,3 +405,5 @@ TEST_CASE("the canonical face of 468 vertices converts both ways") {
   CHECK(m.maker.corners().count / 3 >= 2 * 898);
   CHECK(folded_after_refinement(result_of(m.maker)) == 0);
 }
+
+}  // namespace base_mesh_test

@@ -7,6 +7,8 @@
 #include "aligned_block.hpp"
 #include "mesh_shapes.hpp"
 
+namespace criteria_test {
+
 using namespace pliant;
 using shapes::limits;
 using shapes::MeshBox;
@@ -280,3 +282,5 @@ TEST_CASE("either of two criteria asks for a face, both must let a vertex go") {
               compute_rank(contour, s.shape(), s.box.mesh.triangle(f))));
   }
 }
+
+}  // namespace criteria_test

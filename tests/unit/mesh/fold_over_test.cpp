@@ -7,6 +7,8 @@
 #include "opened_egg.hpp"
 #include "random.hpp"
 
+namespace fold_over_test {
+
 using namespace pliant;
 
 namespace {
@@ -128,3 +130,5 @@ TEST_CASE("positions that are not numbers count as folded") {
   p[40].x = std::numeric_limits<float>::quiet_NaN();
   CHECK(t.test->count_folded(p.data()) > 0);
 }
+
+}  // namespace fold_over_test

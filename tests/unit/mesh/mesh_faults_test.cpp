@@ -5,6 +5,8 @@
 #include "mesh_tools.hpp"
 #include "pliant/mesh.hpp"
 
+namespace mesh_faults_test {
+
 using namespace pliant;
 using shapes::limits;
 using shapes::MeshBox;
@@ -210,3 +212,5 @@ TEST_CASE("a random free mesh stays valid through all four operators") {
   CHECK(welded_edges > 20);
   CHECK(welded_faces > 20);
 }
+
+}  // namespace mesh_faults_test

@@ -9,6 +9,8 @@
 #include "mesh_shapes.hpp"
 #include "mesh_tools.hpp"
 
+namespace mesh_test {
+
 using namespace pliant;
 using shapes::limits;
 using shapes::MeshBox;
@@ -458,3 +460,5 @@ TEST_CASE("copies are equal and independent") {
   b.mesh.simplify_all();
   CHECK(b.mesh.face_count() == 18);
 }
+
+}  // namespace mesh_test

@@ -5,6 +5,8 @@
 
 #include "model_builder.hpp"
 
+namespace cascade_plan_test {
+
 using namespace pliant;
 
 namespace {
@@ -88,3 +90,5 @@ TEST_CASE("two branches that are joined need a register each") {
   CHECK(p.plan.register_of(1) != p.plan.register_of(2));
   CHECK((p.plan.link(1) & CascadePlan::kStores) != 0);
 }
+
+}  // namespace cascade_plan_test

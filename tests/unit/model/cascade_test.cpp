@@ -4,6 +4,8 @@
 #include "field_reference.hpp"
 #include "random_model.hpp"
 
+namespace cascade_test {
+
 using namespace pliant;
 
 namespace {
@@ -151,3 +153,5 @@ TEST_CASE("records that the result does not read cost nothing") {
   Random random(24);
   compare(with.model, c.object, {0.3f, 0.7f}, random_q(with.model, random), Interpolation::bilinear);
 }
+
+}  // namespace cascade_test

@@ -5,6 +5,8 @@
 #include "pliant/cascade.hpp"
 #include "random_model.hpp"
 
+namespace field_test {
+
 using namespace pliant;
 
 namespace {
@@ -264,3 +266,5 @@ TEST_CASE("tangents agree with differences inside a cell, through every operatio
   }
   CHECK(compared > 60);
 }
+
+}  // namespace field_test

@@ -5,6 +5,8 @@
 
 #include "model_builder.hpp"
 
+namespace jacobian_registers_test {
+
 using namespace pliant;
 
 namespace {
@@ -75,3 +77,5 @@ TEST_CASE("a frozen parameter has no column") {
   t.registers.add(t.registers[0], 0, {1, 0, 0});
   CHECK(t.registers.sorted(0).count == 0);
 }
+
+}  // namespace jacobian_registers_test

@@ -7,6 +7,8 @@
 #include "pliant/fold_over.hpp"
 #include "random.hpp"
 
+namespace model_test {
+
 using namespace pliant;
 
 namespace {
@@ -205,3 +207,5 @@ TEST_CASE("a model that was never opened is refused where an object is made of i
   CHECK(create_in(arena, fold_over, closed) == Status::bad_argument);
   CHECK(arena.used_bytes() == 0);
 }
+
+}  // namespace model_test

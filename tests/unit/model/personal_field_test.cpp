@@ -9,6 +9,8 @@
 #include "pliant/field.hpp"
 #include "random.hpp"
 
+namespace personal_field_test {
+
 using namespace pliant;
 
 namespace {
@@ -79,3 +81,5 @@ TEST_CASE("a size outside 2 to 256 has no room") {
     CHECK_FALSE(field->has_room());
   }
 }
+
+}  // namespace personal_field_test

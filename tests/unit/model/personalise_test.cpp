@@ -5,6 +5,8 @@
 #include "pliant/cascade.hpp"
 #include "random_model.hpp"
 
+namespace personalise_test {
+
 using namespace pliant;
 
 namespace {
@@ -265,3 +267,5 @@ TEST_CASE(
   REQUIRE(personal->is_personalised());
   CHECK(worst_difference(personal.object, exact.object, q, random, 2000) < 2e-3f);
 }
+
+}  // namespace personalise_test

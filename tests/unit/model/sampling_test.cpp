@@ -5,6 +5,8 @@
 #include "field_reference.hpp"
 #include "random_model.hpp"
 
+namespace sampling_test {
+
 using namespace pliant;
 
 namespace {
@@ -237,3 +239,5 @@ TEST_CASE("a smooth surface has truer tangents by bicubic sampling than by bilin
   }
   CHECK(off[1] < 0.2 * off[0]);
 }
+
+}  // namespace sampling_test

@@ -13,6 +13,8 @@
 #include "pliant/cascade.hpp"
 #include "random.hpp"
 
+namespace euler_test {
+
 using namespace pliant;
 
 namespace {
@@ -339,3 +341,5 @@ TEST_CASE("an unknown that nothing observes stays where it is, and the others ar
     CHECK(plane.x[1] == 7);
   }
 }
+
+}  // namespace euler_test

@@ -16,6 +16,8 @@
 #include "random.hpp"
 #include "sanitized.hpp"
 
+namespace image_forces_test {
+
 using namespace pliant;
 
 namespace {
@@ -342,3 +344,5 @@ TEST_CASE("few points are all kept, and bad arguments change nothing") {
     CHECK(create_in(arena, other, runner.limits) == Status::out_of_memory);
   }
 }
+
+}  // namespace image_forces_test

@@ -12,6 +12,8 @@
 #include "mcd_runner.hpp"
 #include "real_data.hpp"
 
+namespace mcd_data_test {
+
 using namespace pliant;
 
 namespace {
@@ -239,3 +241,5 @@ TEST_CASE("an independent program's results, every data set") {
   CHECK(sets == 38);
   CHECK(agreed >= 36);
 }
+
+}  // namespace mcd_data_test

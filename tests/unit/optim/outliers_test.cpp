@@ -13,6 +13,7 @@
 #include "mcd_runner.hpp"
 #include "random.hpp"
 
+namespace outliers_test {
 using namespace pliant;
 
 namespace {
@@ -495,3 +496,5 @@ TEST_CASE("every smaller block fails cleanly, and the largest data fit their lim
   MESSAGE("bytes at 4096 x 24: ", measured_bytes<Mcd>(McdLimits{4096, 24}),
           ", at 256 x 6: ", measured_bytes<Mcd>(McdLimits{256, 6}));
 }
+
+}  // namespace outliers_test

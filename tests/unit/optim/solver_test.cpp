@@ -13,6 +13,8 @@
 #include "pliant/robust.hpp"
 #include "random.hpp"
 
+namespace solver_test {
+
 using namespace pliant;
 
 namespace {
@@ -301,3 +303,5 @@ TEST_CASE("a dense observation adds what the same columns add by number") {
       CHECK(dense.equations.h(1, 4) == doctest::Approx(double(numbered.equations.h(1, 4))).epsilon(1e-4));
   }
 }
+
+}  // namespace solver_test

@@ -8,6 +8,8 @@
 #include <random>
 #include <vector>
 
+namespace distinct_best_test {
+
 using namespace pliant;
 
 namespace {
@@ -64,3 +66,5 @@ TEST_CASE("of items that are equally good the first one stays") {
   CHECK(found[0].kind == 1);
   CHECK(found[1].kind == 2);
 }
+
+}  // namespace distinct_best_test

@@ -5,6 +5,8 @@
 #include "obj_folder.hpp"
 #include "print_film.hpp"
 
+namespace print_again_test {
+
 using namespace pliant;
 using namespace pliant::host;
 
@@ -19,7 +21,7 @@ const std::vector<std::uint8_t>& label_bytes() {
     folder.write("neutral", obj_folder::Shape([](float s, float t) {
                    return Vec3{300 * (s - 0.5f), 240 * (t - 0.5f), 60 * s * (1 - s)};
                  }));
-    folder.write("landmarks.csv", std::string("landmark,vertex\na,0\nb,32\nc,1056\nd,1088\nmiddle,544\n"));
+    folder.put("landmarks.csv", std::string("landmark,vertex\na,0\nb,32\nc,1056\nd,1088\nmiddle,544\n"));
     bake::BakeOptions options;
     options.source = folder.path.string();
     options.texture = PLIANT_FIXTURES "/sheet/print.png";
@@ -203,3 +205,5 @@ TEST_CASE(
   for (; hidden < 12 && film.tracker->is_started(); ++hidden) REQUIRE(film.show(empty) == Status::ok);
   CHECK(hidden == 4);
 }
+
+}  // namespace print_again_test

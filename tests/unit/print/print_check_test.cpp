@@ -11,6 +11,8 @@
 #include "random.hpp"
 #include "scratch_folder.hpp"
 
+namespace print_check_test {
+
 using namespace pliant;
 using namespace pliant::host;
 
@@ -150,3 +152,5 @@ TEST_CASE("a history has the blocks that have agreed in any of its comparisons")
   CHECK(history.has(33));
   CHECK_FALSE(history.has(32));
 }
+
+}  // namespace print_check_test

@@ -18,6 +18,8 @@
 #include "random.hpp"
 #include "scratch_folder.hpp"
 
+namespace print_start_test {
+
 using namespace pliant;
 using namespace pliant::host;
 
@@ -197,7 +199,7 @@ TEST_CASE("a print that repeats itself, and one without corners, give no table; 
         for (int x = left; x < std::min(256, left + width); ++x)
           *picture.at(x, y) = static_cast<std::uint8_t>(grey);
     }
-    const std::string bytes = encode_png(picture), path = folder.file("print.png", bytes);
+    const std::string bytes = encode_png(picture), path = folder.put("print.png", bytes);
     bake::BakeOptions options;
     options.source = PLIANT_FIXTURES "/sheet/sheet.obj";
     options.size = 64;
@@ -377,3 +379,5 @@ TEST_CASE("a model with a damaged print, or with a print but no albedo, is not s
     CHECK(film.result.state == TrackState::tracking);
   }
 }
+
+}  // namespace print_start_test

@@ -8,6 +8,8 @@
 #include "printed_shapes.hpp"
 #include "random.hpp"
 
+namespace print_state_test {
+
 using namespace pliant;
 using namespace pliant::host;
 
@@ -140,3 +142,5 @@ TEST_CASE(
     CHECK(tracked >= 38);
   }
 }
+
+}  // namespace print_state_test

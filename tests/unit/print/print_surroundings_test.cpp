@@ -9,6 +9,8 @@
 #include "printed_shapes.hpp"
 #include "random.hpp"
 
+namespace print_surroundings_test {
+
 using namespace pliant;
 using namespace pliant::host;
 
@@ -159,3 +161,5 @@ TEST_CASE(
   }
   CHECK(found >= 4);
 }
+
+}  // namespace print_surroundings_test

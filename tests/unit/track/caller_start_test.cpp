@@ -9,6 +9,8 @@
 #include "model_builder.hpp"
 #include "track/start_fit.hpp"
 
+namespace caller_start_test {
+
 using namespace pliant;
 
 namespace {
@@ -248,3 +250,5 @@ TEST_CASE("what is told before the first frame, and after a start that failed, i
   CHECK(tracker->result().tracked == 0);
   CHECK(tracker->work().searches == 0);
 }
+
+}  // namespace caller_start_test

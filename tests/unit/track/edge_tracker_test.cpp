@@ -8,6 +8,8 @@
 #include "face_film.hpp"
 #include "model_builder.hpp"
 
+namespace edge_tracker_test {
+
 using namespace pliant;
 
 namespace {
@@ -85,3 +87,5 @@ TEST_CASE("edges are followed through light that fades slowly, and are others wh
   CHECK(at_once < 0.6f * static_cast<float>(last));
   CHECK(not_followed < 0.6f * static_cast<float>(last));
 }
+
+}  // namespace edge_tracker_test

@@ -7,6 +7,8 @@
 
 #include "random.hpp"
 
+namespace face_candidates_test {
+
 using namespace pliant;
 
 namespace {
@@ -113,3 +115,5 @@ TEST_CASE("a place that no detection gives is the only candidate, whatever was t
   c.clear();
   CHECK(c.empty());
 }
+
+}  // namespace face_candidates_test

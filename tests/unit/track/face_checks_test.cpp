@@ -6,6 +6,8 @@
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
 
+namespace face_checks_test {
+
 using namespace pliant;
 
 namespace {
@@ -174,3 +176,5 @@ TEST_CASE("a head that is turned by more than 50 degrees is degraded, and tracke
     if (turn > 54) CHECK(result.state == TrackState::degraded);
   }
 }
+
+}  // namespace face_checks_test

@@ -1,10 +1,10 @@
-// A tracker that finds faces by itself: states, bounded work, memory, recovery. Detection and alignment are a fake that knows
-// the truth.
+// A tracker that finds faces by itself: states, bounded work, memory, recovery. Detection is a fake that knows the truth.
 #include <doctest/doctest.h>
 
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
 
+namespace face_start_test {
 using namespace pliant;
 
 namespace {
@@ -497,3 +497,4 @@ TEST_CASE("search and tracking share their memory; detection without tables cost
   CHECK(tracker->update(half_size().view(0), &result) == Status::not_started);
   CHECK(tracker->start_by_detection() == Status::not_found);
 }
+}  // namespace face_start_test

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+namespace frame_budget_test {
+
 using namespace pliant;
 
 namespace {
@@ -143,3 +145,5 @@ TEST_CASE("the work of a frame is that of all its loops") {
   CHECK(costs.of(work) == doctest::Approx(static_cast<double>(solves + 3 * costs.search_step +
                                                               100 * costs.coarse_pixel + 1000)));
 }
+
+}  // namespace frame_budget_test

@@ -4,6 +4,8 @@
 
 #include <limits>
 
+namespace frame_order_test {
+
 using namespace pliant;
 
 namespace {
@@ -48,3 +50,5 @@ TEST_CASE("after forget_time the next frame may have any time") {
   order.note(frame(kEarliest, 7));
   CHECK(order.is_stale(frame(kEarliest, 7)));
 }
+
+}  // namespace frame_order_test

@@ -8,6 +8,8 @@
 #include "model_builder.hpp"
 #include "pliant/tracker_profiles.hpp"
 
+namespace frame_region_test {
+
 using namespace pliant;
 
 namespace {
@@ -91,3 +93,5 @@ TEST_CASE("frames of another size or format are refused") {
   CHECK(in_place->check_frame(view) == Status::bad_argument);
   CHECK(copied->check_frame(view) == Status::ok);
 }
+
+}  // namespace frame_region_test

@@ -9,6 +9,8 @@
 #include "model_builder.hpp"
 #include "track/tracker_sizes.hpp"
 
+namespace key_frames_test {
+
 using namespace pliant;
 
 namespace {
@@ -171,3 +173,5 @@ TEST_CASE("without room for its templates no key frame is kept") {
   rig.keys->keep(0, rig.turned(0), 0.3f, 0);
   CHECK(rig.keys->choose(rig.turned(1), rig.good, 1) == 0);
 }
+
+}  // namespace key_frames_test

@@ -6,6 +6,8 @@
 #include "baked_face.hpp"
 #include "sheet_model.hpp"
 
+namespace landmark_fit_test {
+
 using namespace pliant;
 
 namespace {
@@ -95,3 +97,5 @@ TEST_CASE("the landmarks of jaw and cheeks, ibug00 to ibug16, lie on the silhoue
   for (const char* name : {"", "ibug", "ibug0", "ibug1", "ibug1x", "ibug0x", "ibug011", "nose_tip", "xbug03"})
     CHECK_FALSE(is_silhouette_landmark(name));
 }
+
+}  // namespace landmark_fit_test

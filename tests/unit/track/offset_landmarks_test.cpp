@@ -14,6 +14,8 @@
 #include "track/markers.hpp"
 #include "track/surface_offset.hpp"
 
+namespace offset_landmarks_test {
+
 using namespace pliant;
 
 namespace {
@@ -404,3 +406,5 @@ TEST_CASE("what an alignment says of ibug48 holds for mouth_right, the same plac
   for (const Landmark& l : face.landmarks())
     if (l.name[0] == 'i') CHECK(length(offset_of(l.name)) > 1);
 }
+
+}  // namespace offset_landmarks_test

@@ -13,6 +13,8 @@
 #include "track/frame_budget.hpp"
 #include "track/tracker_sizes.hpp"
 
+namespace person_refinement_test {
+
 using namespace pliant;
 
 namespace {
@@ -180,3 +182,5 @@ TEST_CASE("where the landmarks are seen in frame 0 tells of the person what temp
   CHECK(std::abs(with + 1.5f) < 0.45f);
   CHECK(std::abs(with + 1.5f) < 0.5f * std::abs(without + 1.5f));
 }
+
+}  // namespace person_refinement_test

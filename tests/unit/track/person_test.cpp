@@ -9,6 +9,8 @@
 #include "track/person_estimate.hpp"
 #include "track/person_rows.hpp"
 
+namespace person_test {
+
 using namespace pliant;
 
 namespace {
@@ -293,3 +295,5 @@ TEST_CASE("expressions that are free are unknowns, and observations without info
   rows.add(o, {0.5f, 0.5f}, v.cascade.surface_frame({0.5f, 0.5f}, v.q.data()), &v.key, e);
   for (std::size_t k = 0; k < rows.count(); ++k) CHECK(e.h(k, k) == 0);
 }
+
+}  // namespace person_test

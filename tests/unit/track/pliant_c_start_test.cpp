@@ -7,6 +7,8 @@
 
 #include "c_rig.hpp"
 
+namespace pliant_c_start_test {
+
 using namespace pliant;
 using namespace c_rig;
 
@@ -191,3 +193,5 @@ TEST_CASE("a landmark behind the camera has no image position") {
   CHECK(pliant_get_landmark(t, "nose_tip", &x, &y) == PLIANT_UNDERDETERMINED);
   CHECK(x == 7);
 }
+
+}  // namespace pliant_c_start_test

@@ -7,6 +7,8 @@
 
 #include "c_rig.hpp"
 
+namespace pliant_c_test {
+
 using namespace pliant;
 using namespace c_rig;
 
@@ -248,3 +250,5 @@ TEST_CASE("wrong queries return a status, write nothing, and do not change the t
   CHECK(values == nullptr);
   check_tracks(t, 1);
 }
+
+}  // namespace pliant_c_test

@@ -8,6 +8,8 @@
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
 
+namespace poor_start_test {
+
 using namespace pliant;
 
 namespace {
@@ -107,3 +109,5 @@ TEST_CASE("poor starts: the bound itself, and a face outside of the frame") {
   start.begin(0, 100, film().view(0), estimator);
   for (int k = 0; k < 20; ++k) CHECK_FALSE(start.is_over(tiny, estimator));
 }
+
+}  // namespace poor_start_test

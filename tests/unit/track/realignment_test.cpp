@@ -8,6 +8,8 @@
 #include "model_builder.hpp"
 #include "track/second_look.hpp"
 
+namespace realignment_test {
+
 using namespace pliant;
 
 namespace {
@@ -192,3 +194,5 @@ TEST_CASE("a look that has begun is left for a bad frame, and keeps no other wor
   CHECK(fake.steps == steps);
   CHECK(fake.verifications >= before + 2);
 }
+
+}  // namespace realignment_test

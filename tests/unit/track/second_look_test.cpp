@@ -6,6 +6,8 @@
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
 
+namespace second_look_test {
+
 using namespace pliant;
 
 namespace {
@@ -228,3 +230,5 @@ TEST_CASE("second looks cost memory only where the limits name them") {
         measured_bytes<Tracker>(baked_face().model, without_detection(without)));
   CHECK(profile_s().second_look == nullptr);
 }
+
+}  // namespace second_look_test

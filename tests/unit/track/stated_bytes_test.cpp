@@ -11,6 +11,8 @@
 #include "pliant/patch_tracker.hpp"
 #include "pliant/tracker.hpp"
 
+namespace stated_bytes_test {
+
 using namespace pliant;
 
 namespace {
@@ -88,3 +90,5 @@ TEST_CASE("FaceDetector, FaceAligner, PatchLimits and McdLimits state their byte
   check_about(measured_bytes<Mcd>(McdLimits{256, 6}), 50e3);
   check_about(measured_bytes<Mcd>(McdLimits{4096, 24}), 1e6);
 }
+
+}  // namespace stated_bytes_test

@@ -10,6 +10,8 @@
 #include "track/template_placement.hpp"
 #include "track/tracker_sizes.hpp"
 
+namespace template_store_test {
+
 using namespace pliant;
 
 namespace {
@@ -288,3 +290,5 @@ TEST_CASE("a frame's searches end after the steps that it may take, those of a f
   }
   CHECK(longest > 100);
 }
+
+}  // namespace template_store_test

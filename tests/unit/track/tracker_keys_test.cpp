@@ -12,6 +12,8 @@
 #include "track/template_tuning.hpp"
 #include "track/tracker_sizes.hpp"
 
+namespace tracker_keys_test {
+
 using namespace pliant;
 
 namespace {
@@ -230,3 +232,5 @@ TEST_CASE("the small profile: arena, the object itself and the worst stack are w
   CHECK(all <= 256 * 1024);
 }
 #endif
+
+}  // namespace tracker_keys_test

@@ -12,6 +12,8 @@
 #include "random.hpp"
 #include "track/tracker_sizes.hpp"
 
+namespace tracker_limits_test {
+
 using namespace pliant;
 
 namespace {
@@ -217,3 +219,5 @@ TEST_CASE("a limit on the samples of a point takes less memory, and refuses star
   REQUIRE(create(few, tracker, block) == Status::ok);
   CHECK(tracker.start_from_pose(film.view(0), film.camera, film.poses[0], nullptr) == Status::capacity);
 }
+
+}  // namespace tracker_limits_test

@@ -8,6 +8,8 @@
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
 
+namespace tracker_mesh_test {
+
 using namespace pliant;
 
 namespace {
@@ -149,3 +151,5 @@ TEST_CASE("without room for texture, or with a score of the caller's own, none i
                     without = measured_bytes<Tracker>(baked_face().model, limits_with(0));
   CHECK(with - without == 32 * 32);
 }
+
+}  // namespace tracker_mesh_test

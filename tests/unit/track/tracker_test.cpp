@@ -13,6 +13,8 @@
 #include "heap_trap.hpp"
 #include "model_builder.hpp"
 
+namespace tracker_test {
+
 using namespace pliant;
 
 namespace {
@@ -263,3 +265,5 @@ TEST_CASE("times may have any origin: the same film later gives the same bits") 
     CHECK(end[run].t.z == end[0].t.z);
   }
 }
+
+}  // namespace tracker_test

@@ -7,6 +7,8 @@
 #include "random.hpp"
 #include "vision/coarse_translation_tuning.hpp"
 
+namespace coarse_translation_test {
+
 using namespace pliant;
 
 namespace {
@@ -112,3 +114,5 @@ TEST_CASE("no search compares more pixels than the bound that `pliant plan` prin
     CHECK(compared > 0);
   }
 }
+
+}  // namespace coarse_translation_test

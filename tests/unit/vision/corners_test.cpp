@@ -12,6 +12,8 @@
 #include "vision/corner_grid.hpp"
 #include "vision/corner_scores.hpp"
 
+namespace corners_test {
+
 using namespace pliant;
 using texture::Picture;
 
@@ -290,3 +292,5 @@ TEST_CASE("too little scratch is a status") {
   CHECK(find_corners(p.view(), o, {}, exact, {out.data(), 10}, count) == Status::ok);
   CHECK(count > 0);
 }
+
+}  // namespace corners_test

@@ -6,6 +6,8 @@
 
 #include "texture.hpp"
 
+namespace edge_profile_test {
+
 using namespace pliant;
 using texture::Picture;
 
@@ -63,3 +65,5 @@ TEST_CASE("the noise of an even image is measured, and amplified as stated") {
   CHECK(measured / profiles == doctest::Approx(sampled).epsilon(0.3));
   CHECK(derivative / steps == doctest::Approx(double(kWhiteNoiseGain.derivative) * sampled).epsilon(0.3));
 }
+
+}  // namespace edge_profile_test

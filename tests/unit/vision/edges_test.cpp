@@ -10,6 +10,8 @@
 #include "aligned_block.hpp"
 #include "texture.hpp"
 
+namespace edges_test {
+
 using namespace pliant;
 using texture::Picture;
 
@@ -392,3 +394,5 @@ TEST_CASE(
     }
   }
 }
+
+}  // namespace edges_test

@@ -8,6 +8,8 @@
 #include "random.hpp"
 #include "vision/noise_tuning.hpp"
 
+namespace noise_filter_test {
+
 using namespace pliant;
 
 namespace {
@@ -142,3 +144,5 @@ TEST_CASE("a smoothed frame is the binomial mean of 5 x 5 pixels, the border con
 TEST_CASE("a filter takes a copy of the frame and five lines of sums") {
   CHECK(measured_bytes<NoiseFilter>(320, 240) == 320 * 240 + 5 * 320 * 2);
 }
+
+}  // namespace noise_filter_test

@@ -6,6 +6,8 @@
 
 #include "patch_rig.hpp"
 
+namespace normal_flow_test {
+
 using namespace patch_rig;
 
 namespace {
@@ -195,3 +197,5 @@ TEST_CASE("slots accept edges too, with the predicted warp") {
   const Sym2& s = r.information;
   CHECK(magnitude(s.xx * after.normal().y - s.xy * after.normal().x) < 0.05f * s.xx);
 }
+
+}  // namespace normal_flow_test

@@ -10,6 +10,8 @@
 #include "texture.hpp"
 #include "vision/patch_sampling.hpp"
 
+namespace patch_pairs_test {
+
 using namespace pliant::patch;
 
 namespace {
@@ -151,3 +153,5 @@ TEST_CASE("a row of a template by pairs is the definition's") {
     if (k + 2 < kCount) CHECK(smooth[k] == (3 * v[k] + 10 * v[k + 1] + 3 * v[k + 2]) >> 1);
   }
 }
+
+}  // namespace patch_pairs_test

@@ -5,6 +5,8 @@
 
 #include "vision/patch_tuning.hpp"
 
+namespace patch_result_test {
+
 using namespace pliant;
 using namespace pliant::patch;
 
@@ -81,3 +83,5 @@ TEST_CASE("each reason to refuse a result is named") {
   near.max_move_px = 1;
   CHECK(judge(good, good.x + Vec2{0.8f, 0.8f}, near) == PatchStatus::diverged);
 }
+
+}  // namespace patch_result_test

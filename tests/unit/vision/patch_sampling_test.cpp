@@ -9,6 +9,8 @@
 #include "texture.hpp"
 #include "vision/bilinear.hpp"
 
+namespace patch_sampling_test {
+
 using namespace pliant;
 using namespace pliant::patch;
 using texture::Picture;
@@ -135,3 +137,5 @@ TEST_CASE("a lattice that is turned and stretched gives the bilinear samples of 
       }
   }
 }
+
+}  // namespace patch_sampling_test

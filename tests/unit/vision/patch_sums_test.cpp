@@ -7,6 +7,8 @@
 
 #include "texture.hpp"
 
+namespace patch_sums_test {
+
 using namespace pliant::patch;
 
 namespace {
@@ -89,3 +91,5 @@ TEST_CASE("stretch images are gradients times positions, over sixteen") {
     CHECK(by_y[k] == (y[k] * g[k]) >> 4);
   }
 }
+
+}  // namespace patch_sums_test

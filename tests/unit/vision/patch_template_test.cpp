@@ -12,9 +12,12 @@
 #include "vision/patch_sums.hpp"
 #include "vision/patch_warp_system.hpp"
 
+namespace patch_template_test {
+
 using namespace pliant;
 using namespace pliant::patch;
 using namespace patch_rig;
+using texture::Texture;
 
 namespace {
 
@@ -203,3 +206,5 @@ TEST_CASE("a picture whose rows and columns change places has the same informati
   CHECK(b.xy == doctest::Approx(double(a.xy)).epsilon(1e-3));
   CHECK(b.yy == doctest::Approx(double(a.xx)).epsilon(1e-3));
 }
+
+}  // namespace patch_template_test

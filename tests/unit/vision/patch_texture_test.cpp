@@ -9,6 +9,8 @@
 #include "vision/patch_tuning.hpp"
 #include "vision/structure_tensor.hpp"
 
+namespace patch_texture_test {
+
 using namespace pliant;
 using namespace pliant::patch;
 
@@ -73,3 +75,5 @@ TEST_CASE("a confined tensor is regular, and its solution does not move along th
   CHECK(s.xy == doctest::Approx(0).scale(1));
   CHECK(s.yy == doctest::Approx(9));
 }
+
+}  // namespace patch_texture_test

@@ -10,6 +10,8 @@
 #include "patch_rig.hpp"
 #include "pliant/patch_tracker.hpp"
 
+namespace patch_tracker_robustness_test {
+
 using namespace patch_rig;
 
 TEST_CASE("windows that leave the image are refused with that reason") {
@@ -330,3 +332,5 @@ TEST_CASE("a kept template serves searches that allow for other ramps, and none"
     CHECK(k.information.xx == f.information.xx);
   }
 }
+
+}  // namespace patch_tracker_robustness_test

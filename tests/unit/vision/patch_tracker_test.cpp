@@ -10,6 +10,8 @@
 
 #include "patch_rig.hpp"
 
+namespace patch_tracker_test {
+
 using namespace patch_rig;
 
 namespace {
@@ -368,3 +370,5 @@ TEST_CASE("the same call gives the same bits, whatever was tracked before") {
     CHECK(r.iterations == s.iterations);
   }
 }
+
+}  // namespace patch_tracker_test

@@ -7,6 +7,8 @@
 #include "aligned_block.hpp"
 #include "texture.hpp"
 
+namespace pyramid_test {
+
 using namespace pliant;
 using texture::Picture;
 
@@ -166,3 +168,5 @@ TEST_CASE("every smaller arena fails cleanly, and the measured size is enough") 
     REQUIRE(arena.used_bytes() == (n < bytes ? 0 : bytes));
   }
 }
+
+}  // namespace pyramid_test

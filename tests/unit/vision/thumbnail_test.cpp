@@ -9,6 +9,8 @@
 
 #include "texture.hpp"
 
+namespace thumbnail_test {
+
 using namespace pliant;
 using texture::Picture;
 
@@ -104,3 +106,5 @@ TEST_CASE("rows that are black, white, of one pixel or of the largest width are 
   CHECK(one[7] == 255);
   level_rows(one.data(), 96, 0);  // nothing
 }
+
+}  // namespace thumbnail_test
