@@ -8,6 +8,8 @@
 #include "host/io/owned.hpp"
 #include "pliant/tracker.hpp"
 
+namespace blink_test {
+
 using namespace pliant;
 
 namespace {
@@ -133,3 +135,5 @@ TEST_CASE(
   }
   CHECK(seen >= 32);
 }
+
+}  // namespace blink_test

@@ -10,6 +10,8 @@
 #include "pliant/tracker.hpp"
 #include "sanitized.hpp"
 
+namespace corruption_test {
+
 using namespace pliant;
 
 namespace {
@@ -260,3 +262,5 @@ TEST_CASE("the face is reported lost within three frames of total occlusion and 
   CHECK(n < 60);
   CHECK(s.error(n) < 1.5f);
 }
+
+}  // namespace corruption_test

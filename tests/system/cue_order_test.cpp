@@ -9,6 +9,8 @@
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
 
+namespace cue_order_test {
+
 using namespace pliant;
 
 namespace {
@@ -112,3 +114,5 @@ TEST_CASE("on a face half without texture edges improve rotation, and so do all 
   CHECK(edges.turn_deg < 0.92f * templates.turn_deg);
   CHECK(all.turn_deg < 0.90f * templates.turn_deg);
 }
+
+}  // namespace cue_order_test

@@ -10,6 +10,8 @@
 #include "host/bench/film_faults.hpp"
 #include "sanitized.hpp"
 
+namespace faults_test {
+
 using namespace pliant;
 
 namespace {
@@ -89,3 +91,5 @@ TEST_CASE(
   host::JudgedClip none_judged;
   CHECK(!host::judge(face(), {}, empty, &none_judged));
 }
+
+}  // namespace faults_test

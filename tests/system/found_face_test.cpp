@@ -10,6 +10,8 @@
 #include "host/render/scene.hpp"
 #include "random.hpp"
 
+namespace found_face_test {
+
 using namespace pliant;
 using namespace pliant::host;
 
@@ -146,3 +148,5 @@ TEST_CASE("a box says which face is aligned; one outside the picture finds none"
   CHECK(landmark_error(named(*again), astronaut_truth()) < 0.06);
   CHECK_FALSE(finder.align(astronaut(), {{-5000, -5000}, 100}).has_value());
 }
+
+}  // namespace found_face_test

@@ -14,6 +14,8 @@
 #include "real_data.hpp"
 #include "sanitized.hpp"
 
+namespace ict_face_test {
+
 using namespace pliant;
 using namespace pliant::host::bake;
 
@@ -99,3 +101,5 @@ TEST_CASE(
   CHECK(sum / points < 0.002);
   CHECK(worst < 0.05f);
 }
+
+}  // namespace ict_face_test

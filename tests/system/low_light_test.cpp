@@ -7,6 +7,8 @@
 #include "vision/noise_filter.hpp"
 #include "vision/noise_tuning.hpp"
 
+namespace low_light_test {
+
 using namespace pliant;
 
 namespace {
@@ -142,3 +144,5 @@ TEST_CASE("the model of a surface that is no face has no filter") {
   const OpenedEgg egg(2);
   CHECK(bytes(egg.model, limits) == bytes(egg.model, plain));
 }
+
+}  // namespace low_light_test

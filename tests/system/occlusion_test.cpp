@@ -4,6 +4,8 @@
 #include "baked_face.hpp"
 #include "host/bench/occlusion_experiment.hpp"
 
+namespace occlusion_test {
+
 using namespace pliant;
 using namespace pliant::host;
 
@@ -58,3 +60,5 @@ TEST_CASE("a jaw that drops is kept by weights and rejected by forces on the rig
   CHECK(px(r, RejectionMethod::forces) > 2 * px(r, RejectionMethod::weights));
   CHECK(px(r, RejectionMethod::on_doubt) < 1.05 * px(r, RejectionMethod::weights_predicted));
 }
+
+}  // namespace occlusion_test

@@ -12,6 +12,8 @@
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
 
+namespace portrait_film_test {
+
 using namespace pliant;
 using namespace pliant::host;
 
@@ -123,3 +125,5 @@ TEST_CASE("while the exposure hunts, a face is tracked in many frames that its t
   CHECK(aligned.tracked > plain.tracked + 20);
   CHECK(aligned.error < 0.07);
 }
+
+}  // namespace portrait_film_test

@@ -11,6 +11,8 @@
 #include "random.hpp"
 #include "track/landmark_fit.hpp"
 
+namespace pose_truth_test {
+
 using namespace pliant;
 
 namespace {
@@ -132,3 +134,5 @@ TEST_CASE("an unknown head is tracked through 35 degrees, with its expressions")
   }
   CHECK(sum / count < 0.06f);
 }
+
+}  // namespace pose_truth_test

@@ -18,6 +18,8 @@
 #include "real_data.hpp"
 #include "sanitized.hpp"
 
+namespace talking_face_test {
+
 using namespace pliant;
 
 namespace {
@@ -168,3 +170,5 @@ TEST_CASE("51 points of his face are tracked without templates") {
   CHECK(r.tracking == kFrames);
   CHECK(r.marker_nme < 2.85f);  // measured 2.66 %; the margin as above
 }
+
+}  // namespace talking_face_test

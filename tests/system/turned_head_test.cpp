@@ -11,6 +11,8 @@
 #include "random.hpp"
 #include "sanitized.hpp"
 
+namespace turned_head_test {
+
 using namespace pliant;
 
 namespace {
@@ -122,3 +124,5 @@ TEST_CASE("an identity that the caller estimates is left to the caller") {
   run(film, without, without_person(limits), all.data());
   CHECK(with.turn == without.turn);
 }
+
+}  // namespace turned_head_test

@@ -6,6 +6,8 @@
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
 
+namespace yawn_test {
+
 using namespace pliant;
 
 namespace {
@@ -73,3 +75,5 @@ TEST_CASE("a mouth that opens wide in seven frames and closes again is tracked")
     CHECK(error.worst_px < 2.5f);
   }
 }
+
+}  // namespace yawn_test

@@ -109,7 +109,7 @@ class ModeProblem {
   using Form = std::vector<std::pair<int, Vector>>;
 
   /// Adds the energy 1/2 sum of q(i,k) f_i f_k.
-  void add_forms(const std::vector<Form>& forms, const Matrix& q) {
+  void add_forms(const std::vector<Form>& forms, const Eigen::Matrix3d& q) {
     for (std::size_t i = 0; i < forms.size(); ++i)
       for (std::size_t k = 0; k < forms.size(); ++k)
         for (const auto& [v, g] : forms[i])
@@ -221,11 +221,10 @@ class ModeProblem {
   /// The least energy of a constant curvature that has these angles. At a free edge there is no angle, and so no moment.
   void add_bending(const std::vector<Form>& angles, const std::vector<Eigen::Vector3d>& by_curvature,
                    double area) {
-    const auto n = static_cast<Eigen::Index>(angles.size());
-    Matrix b(n, 3);
-    for (Eigen::Index k = 0; k < n; ++k) b.row(k) = by_curvature[static_cast<std::size_t>(k)];
-    Matrix compliance = b * law(2).inverse() * b.transpose();
-    compliance += kTuning.regular * compliance.trace() * Matrix::Identity(n, n);
+    Eigen::Matrix3d b = Eigen::Matrix3d::Zero();  // rows beyond the angles stay so: they change no other's entries
+    for (std::size_t k = 0; k < angles.size(); ++k) b.row(static_cast<Eigen::Index>(k)) = by_curvature[k];
+    Eigen::Matrix3d compliance = b * law(2).inverse() * b.transpose();
+    compliance.diagonal().array() += kTuning.regular * compliance.trace();
     const double bending = kTuning.thickness * kTuning.thickness / 12;
     add_forms(angles, bending * area * compliance.inverse());
   }
@@ -263,9 +262,12 @@ class ModeProblem {
     for (std::size_t k = 0; k < motions.size(); ++k) rigid_.col(static_cast<Eigen::Index>(k)) = motions[k];
   }
 
-  void remove_rigid(Matrix& block) const {
-    block -= rigid_ * (rigid_.transpose() * (mass_.asDiagonal() * block));
-  }
+  /// Each column times the mass.
+  Matrix weighed(const Matrix& block) const { return mass_.asDiagonal() * block; }
+
+  static Matrix products(const Matrix& a, const Matrix& b) { return a.transpose() * b; }
+
+  void remove_rigid(Matrix& block) const { block -= rigid_ * products(rigid_, weighed(block)); }
 
   void iterate(Eigen::Index wanted, Eigen::Index size) {
     Sparse shifted = stiffness_;
@@ -279,12 +281,11 @@ class ModeProblem {
         block_(r, c) = static_cast<double>((state = state * 1664525u + 1013904223u) >> 8) / (1 << 23) - 1;
     Eigen::VectorXd before = Eigen::VectorXd::Zero(wanted);
     for (int round = 0; round < kTuning.most_rounds; ++round) {
-      block_ = factors_.solve(mass_.asDiagonal() * block_).eval();
+      block_ = factors_.solve(weighed(block_)).eval();
       remove_rigid(block_);
       for (Eigen::Index c = 0; c < size; ++c) block_.col(c).normalize();
-      const Matrix k = block_.transpose() * (stiffness_.selfadjointView<Eigen::Lower>() * block_),
-                   m = block_.transpose() * (mass_.asDiagonal() * block_);
-      const SymmetricEigen eigen = symmetric_eigen(k, m);
+      const Matrix forces = stiffness_.selfadjointView<Eigen::Lower>() * block_;
+      const SymmetricEigen eigen = symmetric_eigen(products(block_, forces), products(block_, weighed(block_)));
       value_ = eigen.values.cwiseMax(1e-30);
       block_ = (block_ * eigen.vectors).eval();
       const Eigen::VectorXd now = value_.head(wanted);

@@ -10,6 +10,8 @@
 #include "host/io/files.hpp"
 #include "model_builder.hpp"
 
+namespace part_fit_test {
+
 using namespace pliant;
 
 namespace {
@@ -244,3 +246,5 @@ TEST_CASE("a model without learnt readers, or without their landmarks, has no po
   CHECK(points.open(baked_face().model) == Status::not_found);
   CHECK(points.side_count == 0);
 }
+
+}  // namespace part_fit_test

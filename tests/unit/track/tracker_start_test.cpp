@@ -9,6 +9,8 @@
 #include "model_builder.hpp"
 #include "pliant/tracker.hpp"
 
+namespace tracker_start_test {
+
 using namespace pliant;
 
 namespace {
@@ -242,3 +244,5 @@ TEST_CASE("wrong arguments of a start change nothing; a start that fails later l
   CHECK(t.place_landmarks({}) == Status::not_started);
   REQUIRE(t.start_from_landmarks(frame, all_points()) == Status::ok);
 }
+
+}  // namespace tracker_start_test
