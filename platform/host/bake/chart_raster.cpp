@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <map>
 
 #include "host/bake/at.hpp"
+#include "host/bake/edge.hpp"
 
 namespace pliant::host::bake {
 
@@ -171,16 +171,16 @@ class Rasteriser {
 
   /// Triangles of the surface with an edge on its boundary.
   std::vector<std::size_t> boundary_triangles(const std::vector<char>& is_hole) const {
-    std::map<std::pair<int, int>, int> uses;
-    const auto edge = [](const std::array<int, 3>& t, std::size_t k) {
-      return std::minmax(t[k], t[(k + 1) % 3]);
-    };
-    for (std::size_t f = 0; f < triangles_.size(); ++f)
-      for (std::size_t k = 0; k < 3 && !is_hole[f]; ++k) ++uses[edge(triangles_[f], k)];
+    const std::vector<Edge> boundary = boundary_edges(triangles_, is_hole);
     std::vector<std::size_t> found;
-    for (std::size_t f = 0; f < triangles_.size(); ++f)
-      for (std::size_t k = 0; k < 3 && !is_hole[f]; ++k)
-        if (uses[edge(triangles_[f], k)] == 1 && (found.empty() || found.back() != f)) found.push_back(f);
+    for (std::size_t f = 0; f < triangles_.size(); ++f) {
+      const auto& t = triangles_[f];
+      const auto lies_there = [&](int a, int b) {
+        return std::binary_search(boundary.begin(), boundary.end(), edge_of(a, b));
+      };
+      if (!is_hole[f] && (lies_there(t[0], t[1]) || lies_there(t[1], t[2]) || lies_there(t[2], t[0])))
+        found.push_back(f);
+    }
     return found;
   }
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "host/bake/at.hpp"
+#include "host/bake/edge.hpp"
 
 namespace pliant::host::bake {
 
@@ -24,14 +24,9 @@ class Relaxation {
     for (const Vec2 p : uv) chart_.emplace_back(static_cast<double>(p.x), static_cast<double>(p.y));
     for (const Vec3 p : position)
       surface_.emplace_back(static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z));
-    std::map<std::pair<int, int>, int> uses;
     for (std::size_t f = 0; f < triangles.size(); ++f)
-      for (std::size_t k = 0; k < 3; ++k) {
-        around_[at(triangles[f][k])].push_back(f);
-        ++uses[std::minmax(triangles[f][k], triangles[f][(k + 1) % 3])];
-      }
-    for (const auto& [edge, count] : uses)
-      if (count == 1) is_fixed_[at(edge.first)] = is_fixed_[at(edge.second)] = 1;
+      for (const int v : triangles[f]) around_[at(v)].push_back(f);
+    for (const auto& [a, b] : boundary_edges(triangles)) is_fixed_[at(a)] = is_fixed_[at(b)] = 1;
   }
 
   void fill_square() {
