@@ -1,6 +1,7 @@
 // One line that names file and line for every defect of the built-in face's tables, and of options.
 #include <doctest/doctest.h>
 
+#include <fstream>
 #include <functional>
 #include <sstream>
 
