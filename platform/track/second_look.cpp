@@ -3,6 +3,7 @@
 #include "face/ibug_landmarks.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/found_track.hpp"
+#include "track/landmark_fit.hpp"
 #include "track/realignment.hpp"
 #include "track/tracker_parts.hpp"
 
@@ -56,6 +57,23 @@ int count_better(TrackerParts& t, const AlignedFace& face, Span<const Vec2> land
   return tells_shape && ratio <= kTuning.most_error_ratio ? 1 : 0;
 }
 
+/// Moves the offsets to the mean of the landmarks of the start and of the looks so far, this one included. Alignments of one face
+/// differ, with its expression most of all.
+void average_landmarks(TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
+  SecondLookState& look = *detection_of(t).look;
+  if (face.score < kTuning.least_score ||
+      camera_direction(view_of(face.pose, face.camera)).z < kTuning.least_average_frontal ||
+      face.landmark_error > min(kTuning.most_average_error, kTuning.most_average_ratio * look.start_error))
+    return;
+  const float gain = max(kTuning.least_gain, 1 / (kTuning.share_of_start + static_cast<float>(++look.averaged)));
+  const Span<const Landmark> all = t.model().landmarks();
+  for (std::size_t k = 0; k < all.count; ++k) {
+    Vec2 x;
+    if (is_ibug_landmark(all[k].name) && t.offsets.project(k, t.estimator, &x))
+      t.offsets.place({all[k].u, all[k].v}, x + gain * (landmarks[k] - x), t.estimator);
+  }
+}
+
 SecondLookState* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
   return create_part<SecondLookState>(arena, model, limits);
 }
@@ -66,6 +84,7 @@ void begin_track(TrackerParts& t) {
   if (!detection.person.is_known) {
     look.start_error = detection.landmark_error;
     look.began_turned = !is_frontal(t.estimator.view());
+    look.averaged = 0;
   }
   look.wait = look.frames_left = kTuning.first_wait;
   look.steps_left = look.agreed = look.realigned = 0;
@@ -116,7 +135,10 @@ bool conclude(TrackerParts& t, const FrameView& frame) {
   const int better = status == Status::ok ? count_better(t, face, room.landmarks) : 0;
   look.agreed = better > 0 ? look.agreed + better : 0;
   if (better > 0) look.frames_left = kTuning.wait_if_better;
-  if (look.agreed < kTuning.looks) return false;
+  if (look.agreed < kTuning.looks) {
+    if (status == Status::ok && better == 0) average_landmarks(t, face, room.landmarks);
+    return false;
+  }
   detection.begin_anew(t, frame, face);
   return true;
 }

@@ -19,9 +19,10 @@ struct SecondLookTuning {
   /// they wait up to the third number. Round values.
   std::uint32_t first_wait = 12, longest_wait = 96, longest_doubtful_wait = 24;
   float doubtful_error = 0.03f;
-  /// Looks in a row that must find better landmarks, and frames from one to the next. Round values.
+  /// Looks in a row that must find better landmarks, and frames from one to the next: a second, so that they see two expressions. With
+  /// 4 a track began anew while its person spoke, with lips that were off from then on (docs/experiments.md, Means of alignments).
   int looks = 2;
-  std::uint32_t wait_if_better = 4;
+  std::uint32_t wait_if_better = 25;
   /// Landmark error that the second alignment estimates, at most: over the larger of the start's estimate and the checks'. It must
   /// not be above the smaller one either. Below the second number one look is enough.
   float most_error_ratio = 0.95f, sure_error_ratio = 0.7f;
@@ -34,6 +35,12 @@ struct SecondLookTuning {
   /// larger error, and to a turned one that is sure. Heads that are found turned by 60 degrees (docs/experiments.md, Covered starts)
   /// then have a rotation error of 2.4 instead of 3.2 degrees (median).
   float least_frontal = 0.94f;
+  /// Other looks count for the mean of the landmarks: cosine of the turn away from the camera, at least (26 degrees, as of a face
+  /// above the camera of a laptop); estimated landmark error, at most, fraction of the eyes' distance and of the start's. The start
+  /// counts as two looks, since a look's distances from the track have the track's own errors, too; and a look for a tenth, at least,
+  /// so that slow changes are followed. docs/experiments.md, Means of alignments.
+  float least_average_frontal = 0.9f, most_average_error = 0.04f, most_average_ratio = 1.2f;
+  float share_of_start = 2, least_gain = 0.1f;
   /// Work of a step with the built-in face's learnt tables, instructions as WorkCosts. With profile M 1.5 to 2.9 million were
   /// counted.
   float step_work = 3e6f;
@@ -50,6 +57,7 @@ struct SecondLookState {
   std::uint32_t wait = 0, frames_left = 0;  // from one look to the next, and of that
   int steps_left = 0;                       // of the alignment; 0: none is under way
   int agreed = 0;                           // looks in a row that found better landmarks
+  int averaged = 0;                         // looks in the mean of the landmarks, beside the start
   int realigned = 0;                        // frames in a row that `realign` has made good
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);

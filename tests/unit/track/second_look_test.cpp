@@ -45,9 +45,10 @@ float mouth_error(Tracker& tracker, const FaceFilm& of, std::size_t k) {
 
 /// What a tracker that starts by itself makes of a film.
 struct Run {
-  int starts = 0;   // tracks that began
-  int lost = 0;     // frames without one
-  float error = 0;  // mouth_error in the last frame
+  int starts = 0;              // tracks that began
+  std::size_t last_start = 0;  // frame of the last one
+  int lost = 0;                // frames without one
+  float error = 0;             // mouth_error in the last frame
 };
 
 Run run(const FaceFilm& of, const TrackerLimits& limits) {
@@ -58,7 +59,9 @@ Run run(const FaceFilm& of, const TrackerLimits& limits) {
     const FrameResult frame = update(tracker.object, of, k);
     result.lost += frame.state == TrackState::lost;
     result.error = mouth_error(tracker.object, of, k);
-    result.starts += k == 0 || magnitude(result.error - before) > 3;
+    if (k > 0 && magnitude(result.error - before) < 3) continue;  // a mean moves by less
+    ++result.starts;
+    result.last_start = k;
   }
   return result;
 }
@@ -106,6 +109,34 @@ TEST_CASE("a second alignment that is not better changes nothing") {
   }
 }
 
+TEST_CASE("looks that are not better count for the mean of the landmarks, if they are good") {
+  const struct {
+    std::string what;
+    float of_start, of_look, score = 0.999f, turn = 0;
+    float error = 8;  // of the mouth after the two looks of the film, px; half of it if they count, as a start does
+  } kCases[] = {
+      {"hardly better", 0.021f, 0.02f, 0.999f, 0, 4},
+      {"a little worse", 0.02f, 0.0235f, 0.999f, 0, 4},
+      {"a little worse, turned by 20 degrees", 0.02f, 0.0235f, 0.999f, 0.35f, 4},
+      {"turned by 30 degrees", 0.02f, 0.0235f, 0.999f, 0.52f},
+      {"worse than the start", 0.02f, 0.0245f},
+      {"bad, as the start was", 0.042f, 0.041f},
+      {"probably no face", 0.021f, 0.02f, 0.94f},
+  };
+  for (const auto& c : kCases) {
+    CAPTURE(c.what);
+    const FaceFilm film = film_of(0, c.turn);
+    FakeFaces fake(film);
+    fake.covered_frames = 10;
+    fake.covered_error = c.of_start;
+    fake.error = c.of_look;
+    fake.score = c.score;
+    const Run result = run(film, limits_with_looks());
+    CHECK(result.starts == 1);
+    CHECK(magnitude(result.error - c.error) < 1);
+  }
+}
+
 TEST_CASE("one second alignment alone proves something only if it is much better") {
   for (const float of_start : {0.027f, 0.05f}) {
     CAPTURE(of_start);
@@ -120,6 +151,15 @@ TEST_CASE("one second alignment alone proves something only if it is much better
     CHECK(fake.alignments >= 3);
     CHECK((mouth_error(tracker.object, film(), kFrames - 1) > 6) == (of_start == 0.027f));
   }
+}
+
+TEST_CASE("two looks that prove something together are a second apart: they see two expressions") {
+  FakeFaces fake(film());
+  fake.covered_frames = 10;
+  fake.covered_error = 0.027f;
+  const Run result = run(film(), limits_with_looks());
+  CHECK(result.starts == 2);
+  CHECK(result.last_start >= kSecondLookTuning.first_wait + 25);
 }
 
 TEST_CASE("an alignment of a turned face counts only if it is sure and the start was turned, too") {
