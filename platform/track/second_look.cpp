@@ -135,12 +135,12 @@ bool conclude(TrackerParts& t, const FrameView& frame) {
   const int better = status == Status::ok ? count_better(t, face, room.landmarks) : 0;
   look.agreed = better > 0 ? look.agreed + better : 0;
   if (better > 0) look.frames_left = kTuning.wait_if_better;
-  if (look.agreed < kTuning.looks) {
-    if (status == Status::ok && better == 0) average_landmarks(t, face, room.landmarks);
-    return false;
+  if (look.agreed >= kTuning.looks) {
+    detection.begin_anew(t, frame, face);
+    return true;
   }
-  detection.begin_anew(t, frame, face);
-  return true;
+  if (status == Status::ok && better == 0) average_landmarks(t, face, room.landmarks);
+  return false;
 }
 
 }  // namespace
