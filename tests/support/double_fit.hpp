@@ -1,10 +1,12 @@
 #pragma once
 // The fit of linear shapes in double precision, written apart from the library with Eigen: Levenberg-Marquardt on the
 // same residuals, priors and limits. What it reaches is the reference for what the library reaches.
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <vector>
 
+#include "dense.hpp"
 #include "fit/fit_tuning.hpp"
 #include "pliant/fit.hpp"
 
@@ -87,7 +89,7 @@ struct DoubleFit {
     double total = 0.5 * z_f * z_f + 0.5 * s.q.cwiseQuotient(sd).squaredNorm();
     Matrix row(2, n);
     for (std::size_t i = 0; i < mean.size(); ++i) {
-      const Eigen::Vector3d turned = r * (mean[i] + basis[i] * s.q), p = turned + s.t;
+      const Eigen::Vector3d turned = r * (mean[i] + basis[i].lazyProduct(s.q)), p = turned + s.t;
       const Eigen::Vector2d image = f * p.head<2>() / p.z(), e = (x[i] - centre - image) / point_sd[i];
       total += 0.5 * e.squaredNorm();
       if (h == nullptr) continue;
@@ -95,10 +97,10 @@ struct DoubleFit {
       d << f / p.z(), 0, -image.x() / p.z(), 0, f / p.z(), -image.y() / p.z();
       Eigen::Matrix3d cross;
       cross << 0, turned.z(), -turned.y(), -turned.z(), 0, turned.x(), turned.y(), -turned.x(), 0;
-      row << d * cross, d, image, d * r * basis[i];
+      row << d * cross, d, image, (d * r).lazyProduct(basis[i]);
       row /= point_sd[i];
-      h->noalias() += row.transpose() * row;
-      g->noalias() += row.transpose() * e;
+      add_product(*h, row, row);
+      *g += row.transpose().lazyProduct(e);
     }
     if (h == nullptr) return total;
     (*h)(6, 6) += 1 / (log_f_sd * log_f_sd);
@@ -140,7 +142,7 @@ struct DoubleFit {
       for (int k = 0; k < 25 && !accepted; ++k) {
         Matrix a = h;
         a.diagonal() *= 1 + damping;
-        const State trial = moved(s, a.llt().solve(g));
+        const State trial = moved(s, solve_symmetric(a, g));
         const double value = cost(trial);
         accepted = value < best;
         damping = accepted ? std::max(0.1 * damping, 1e-12) : 10 * damping;

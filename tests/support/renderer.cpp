@@ -261,7 +261,7 @@ Picture Renderer::draw(const float* q, const Pose& pose, const Camera& camera, c
   Picture out = backdrop;
   columns_ = kSamples * out.width;
   rows_ = kSamples * out.height;
-  grey_.assign(static_cast<std::size_t>(columns_ * rows_), 0);
+  grey_.resize(static_cast<std::size_t>(columns_ * rows_));
   inverse_depth_.assign(grey_.size(), 0);
   pose_corners(q, pose, camera, tone);
   for (int j = 0; j < cells_; ++j)

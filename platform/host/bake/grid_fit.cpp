@@ -3,6 +3,7 @@
 #include "host/bake/grid_fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "host/bake/at.hpp"
@@ -30,7 +31,8 @@ class GridFit {
     for (const FitPlace& p : places) {
       const float x = p.uv.x * static_cast<float>(width - 1), y = p.uv.y * static_cast<float>(height - 1);
       const int i = std::min(static_cast<int>(x), width - 2), j = std::min(static_cast<int>(y), height - 2);
-      cells_.push_back({j * width + i, x - static_cast<float>(i), y - static_cast<float>(j)});
+      const float a = x - static_cast<float>(i), b = y - static_cast<float>(j);
+      cells_.push_back({at(j * width + i), a, b, {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b}});
     }
   }
 
@@ -56,18 +58,15 @@ class GridFit {
   std::vector<float> values_of(const std::vector<float>& grid) const {
     std::vector<float> values;
     values.reserve(cells_.size());
-    for (const Cell& c : cells_) {
-      const float* g = &grid[at(c.first)];
-      const float upper = g[0] + c.a * (g[1] - g[0]), lower = g[width_] + c.a * (g[width_ + 1] - g[width_]);
-      values.push_back(upper + c.b * (lower - upper));
-    }
+    for (const Cell& c : cells_) values.push_back(value(c, grid));
     return values;
   }
 
  private:
   struct Cell {
-    int first;  // its sample with the lowest indices
+    std::size_t first;  // its sample with the lowest indices
     float a, b;
+    std::array<float, 4> weights;  // of its samples, row by row
   };
   static float dot_product(const std::vector<float>& x, const std::vector<float>& y) {
     double sum = 0;
@@ -75,42 +74,46 @@ class GridFit {
     return static_cast<float>(sum);
   }
 
+  float value(const Cell& c, const std::vector<float>& grid) const {
+    const float *upper = &grid[c.first], *lower = upper + width_;
+    const float top = upper[0] + c.a * (upper[1] - upper[0]);
+    return top + c.b * (lower[0] + c.a * (lower[1] - lower[0]) - top);
+  }
+  void add_to(std::vector<float>& grid, const Cell& c, float value) const {
+    float *upper = &grid[c.first], *lower = upper + width_;
+    upper[0] += c.weights[0] * value;
+    upper[1] += c.weights[1] * value;
+    lower[0] += c.weights[2] * value;
+    lower[1] += c.weights[3] * value;
+  }
+
   /// The transpose of values_of.
   std::vector<float> gather(const std::vector<float>& values) const {
     std::vector<float> grid(at(width_ * height_), 0.0f);
-    for (std::size_t k = 0; k < cells_.size(); ++k) {
-      const Cell& c = cells_[k];
-      float* g = &grid[at(c.first)];
-      g[0] += (1 - c.a) * (1 - c.b) * values[k];
-      g[1] += c.a * (1 - c.b) * values[k];
-      g[width_] += (1 - c.a) * c.b * values[k];
-      g[width_ + 1] += c.a * c.b * values[k];
-    }
+    for (std::size_t k = 0; k < cells_.size(); ++k) add_to(grid, cells_[k], values[k]);
     return grid;
   }
 
   /// Sum of the differences to the four neighbours; neighbours outside the grid are left out, which keeps the matrix symmetric.
   std::vector<float> laplacian(const std::vector<float>& grid) const {
-    std::vector<float> result(grid.size(), 0.0f);
-    for (int j = 0; j < height_; ++j)
-      for (int i = 0; i < width_; ++i) {
-        const std::size_t k = at(j * width_ + i);
-        if (i + 1 < width_) {
-          const float step = grid[k + 1] - grid[k];
-          result[k] += step;
-          result[k + 1] -= step;
-        }
-        if (j + 1 < height_) {
-          const float step = grid[k + at(width_)] - grid[k];
-          result[k] += step;
-          result[k + at(width_)] -= step;
-        }
-      }
+    std::vector<float> result(grid.size());
+    for (int j = 0; j < height_; ++j) {
+      const float* row = &grid[at(j * width_)];
+      const float *above = j > 0 ? row - width_ : row, *below = j + 1 < height_ ? row + width_ : row;
+      float* sums = &result[at(j * width_)];
+      const auto sum = [&](int i, int left, int right) {
+        sums[i] = (above[i] - row[i]) + (row[left] - row[i]) + (row[right] - row[i]) + (below[i] - row[i]);
+      };
+      sum(0, 0, 1);
+      for (int i = 1; i + 1 < width_; ++i) sum(i, i - 1, i + 1);
+      sum(width_ - 1, width_ - 2, width_ - 1);
+    }
     return result;
   }
 
   std::vector<float> normal_matrix_times(const std::vector<float>& x) const {
-    std::vector<float> result = gather(values_of(x));
+    std::vector<float> result(x.size(), 0.0f);
+    for (const Cell& c : cells_) add_to(result, c, value(c, x));
     const std::vector<float> smooth = laplacian(laplacian(x));
     for (std::size_t k = 0; k < result.size(); ++k) result[k] += kTuning.smoothness * smooth[k];
     return result;

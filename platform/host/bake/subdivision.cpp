@@ -36,6 +36,7 @@ class StencilSum {
   Stencil take() {
     std::sort(used_.begin(), used_.end());
     Stencil result;
+    result.reserve(used_.size());
     for (int p : used_) {
       result.push_back({p, sum_[at(p)]});
       sum_[at(p)] = 0;
@@ -192,6 +193,7 @@ std::vector<int> path_through(const SubdividedCage& fine, const std::vector<int>
 template <class T>
 std::vector<T> fine_values(const SubdividedCage& fine, const std::vector<T>& controls) {
   std::vector<T> values;
+  values.reserve(fine.stencils.size());
   for (const Stencil& s : fine.stencils) {
     T value{};
     for (const auto& [point, weight] : s) value = value + weight * controls[at(point)];

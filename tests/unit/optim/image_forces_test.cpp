@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "aligned_block.hpp"
+#include "dense.hpp"
 #include "mcd_runner.hpp"
 #include "pliant/robust.hpp"
 #include "random.hpp"
@@ -122,20 +123,24 @@ Parameters solve(const Scene& scene, const Trial& trial, const std::vector<std::
     for (std::size_t i = 0; i < kPoints; ++i)
       if (keep[i] != 0) lengths.push_back(length(r[i]));
     const float scale = std::max(robust_scale(lengths.data(), lengths.size()), 0.1f);
-    Eigen::Matrix<double, kUnknowns, kUnknowns> h = Eigen::Matrix<double, kUnknowns, kUnknowns>::Zero();
-    h.diagonal().tail<8>().setConstant(0.05);
-    Parameters g = Parameters::Zero();
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2 * kPoints, kUnknowns), weighted = rows;
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(2 * kPoints);
     for (std::size_t i = 0; i < kPoints; ++i) {
       if (keep[i] == 0) continue;
       const Loss loss = round == 0 && !starts_robust
                             ? Loss::squares
                             : (round < 4 && !starts_robust ? Loss::huber : Loss::tukey);
       const double w = static_cast<double>(evaluate(loss, length(r[i]) / scale).weight);
-      h += w * scene.b[i].transpose() * scene.b[i];
-      g += w * scene.b[i].transpose() *
-           Eigen::Vector2d(static_cast<double>(trial.force[i].x), static_cast<double>(trial.force[i].y));
+      const auto row = static_cast<Eigen::Index>(2 * i);
+      rows.middleRows<2>(row) = scene.b[i];
+      weighted.middleRows<2>(row) = w * scene.b[i];
+      force(row) = static_cast<double>(trial.force[i].x);
+      force(row + 1) = static_cast<double>(trial.force[i].y);
     }
-    q = h.ldlt().solve(g);
+    Eigen::MatrixXd h = Eigen::MatrixXd::Zero(kUnknowns, kUnknowns);
+    h.diagonal().tail<8>().setConstant(0.05);
+    add_product(h, rows, weighted);
+    q = solve_symmetric(h, weighted.transpose().lazyProduct(force));
   }
   return q;
 }

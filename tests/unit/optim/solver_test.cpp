@@ -2,7 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "aligned_block.hpp"
+#include "dense.hpp"
 #include "pliant/robust.hpp"
 #include "random.hpp"
 
@@ -53,8 +53,9 @@ void fill(NormalEquations& e, std::size_t n, Random& random, Eigen::MatrixXd& h,
     e.add(unknown.data(), column.data(), column.size(), r, w);
     Eigen::Matrix2d wd;
     wd << double(w.xx), double(w.xy), double(w.xy), double(w.yy);
-    h += b.transpose() * wd * b;
-    g += b.transpose() * wd * Eigen::Vector2d(double(r.x), double(r.y));
+    const Eigen::MatrixXd weighted = wd.lazyProduct(b);
+    add_product(h, b, weighted);
+    g += weighted.transpose().lazyProduct(Eigen::Vector2d(double(r.x), double(r.y)));
   }
 }
 
@@ -69,8 +70,8 @@ TEST_CASE("accumulated equations and their solution agree with double precision"
     fill(e.equations, n, random, h, g);
     std::vector<float> step(n), variance(n);
     e.equations.solve(0, step.data());
-    const Eigen::VectorXd exact = h.ldlt().solve(g);
-    const Eigen::MatrixXd inverse = h.inverse();
+    const Eigen::VectorXd exact = solve_symmetric(h, g);
+    const Eigen::MatrixXd inverse = solve_symmetric(h, Eigen::MatrixXd::Identity(h.rows(), h.cols()));
     e.equations.variances(variance.data());
     for (std::size_t k = 0; k < n; ++k) {
       const auto i = static_cast<Eigen::Index>(k);
@@ -95,7 +96,7 @@ TEST_CASE("limits hold, and the other unknowns take the best value given them") 
   CHECK(magnitude(step[7]) == doctest::Approx(double(bound)));
   Eigen::VectorXd x(8);
   for (int k = 0; k < 8; ++k) x(k) = double(step[static_cast<std::size_t>(k)]);
-  const Eigen::VectorXd gradient = g - h * x;
+  const Eigen::VectorXd gradient = g - h.lazyProduct(x);
   for (int k = 0; k < 7; ++k) CHECK(std::abs(gradient(k)) < 1e-3 * std::sqrt(h(k, k)));
   CHECK(gradient(7) * x(7) > 0);  // it would still like to go further
 }
@@ -117,7 +118,7 @@ TEST_CASE("with many limits the step is the best within them: forces at each pus
     e.equations.solve(0, step.data());
     Eigen::VectorXd x(20);
     for (std::size_t k = 0; k < n; ++k) x(Eigen::Index(k)) = double(step[k]);
-    const Eigen::VectorXd force = g - h * x;
+    const Eigen::VectorXd force = g - h.lazyProduct(x);
     const double largest = (g.array() / h.diagonal().array().sqrt()).abs().maxCoeff();
     for (std::size_t k = 0; k < n; ++k) {
       const auto i = Eigen::Index(k);
