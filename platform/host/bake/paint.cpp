@@ -1,7 +1,9 @@
 #include "host/bake/paint.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <stdexcept>
 
@@ -47,22 +49,26 @@ struct Pixel {
 class Noise {
  public:
   explicit Noise(unsigned seed) : seed_(seed) {}
-  float operator()(Vec3 p) const {
+  float operator()(Vec3 p) {
     const Vec3 base{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
+    if (!(base.x == base_.x && base.y == base_.y && base.z == base_.z)) move_to(base);
     const Vec3 f = p - base;
     const auto smooth = [](float t) { return t * t * (3 - 2 * t); };
+    const float x[2] = {1 - smooth(f.x), smooth(f.x)}, y[2] = {1 - smooth(f.y), smooth(f.y)},
+                z[2] = {1 - smooth(f.z), smooth(f.z)};
     float value = 0;
-    for (int k = 0; k < 8; ++k) {
-      const int dx = k & 1, dy = k >> 1 & 1, dz = k >> 2;
-      const float weight = (dx ? smooth(f.x) : 1 - smooth(f.x)) * (dy ? smooth(f.y) : 1 - smooth(f.y)) *
-                           (dz ? smooth(f.z) : 1 - smooth(f.z));
-      value += weight * corner(static_cast<int>(base.x) + dx, static_cast<int>(base.y) + dy,
-                               static_cast<int>(base.z) + dz);
-    }
+    for (unsigned k = 0; k < 8; ++k) value += x[k & 1] * y[k >> 1 & 1] * z[k >> 2] * corners_[k];
     return value;
   }
 
  private:
+  /// Another cube. Neighbouring points are mostly in the same one.
+  void move_to(Vec3 base) {
+    base_ = base;
+    for (int k = 0; k < 8; ++k)
+      corners_[at(k)] = corner(static_cast<int>(base.x) + (k & 1), static_cast<int>(base.y) + (k >> 1 & 1),
+                               static_cast<int>(base.z) + (k >> 2));
+  }
   float corner(int x, int y, int z) const {
     unsigned h = seed_ + 0x9e3779b9u * static_cast<unsigned>(x) + 0x85ebca6bu * static_cast<unsigned>(y) +
                  0xc2b2ae35u * static_cast<unsigned>(z);
@@ -74,6 +80,8 @@ class Noise {
     return static_cast<float>(h & 0xffffu) / 32767.5f - 1;
   }
   unsigned seed_;
+  Vec3 base_{std::numeric_limits<float>::quiet_NaN(), 0, 0};  // the last cube; none at first
+  std::array<float, 8> corners_{};
 };
 
 class Painter {
@@ -138,7 +146,7 @@ class Painter {
   }
 
   void add_noise(const Layer& layer) {
-    const Noise noise(layer.seed);
+    Noise noise(layer.seed);
     each(0, side_ - 1, 0, side_ - 1,
          [&](Pixel& p, float) { p.tone += layer.amount * noise((1 / layer.size) * p.position); });
   }

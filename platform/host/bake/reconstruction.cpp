@@ -23,19 +23,28 @@ std::vector<std::size_t> surface_vertices(const Source& source) {
 
 namespace {
 
+/// The shapes that a parameter moves when the others are at zero.
+std::vector<const SourceShape*> shapes_of(const Source& source, std::size_t parameter) {
+  std::vector<const SourceShape*> result;
+  for (const SourceShape& shape : source.shapes)
+    if (shape.parameter == parameter && (shape.second < 0 || at(shape.second) == parameter))
+      result.push_back(&shape);
+  return result;
+}
+
 /// A vertex of the source with one parameter at x, the others at zero.
-Vec3 moved(const Source& source, std::size_t vertex, std::size_t parameter, float x) {
+/// \param shapes  shapes_of this parameter.
+Vec3 moved(const Source& source, std::size_t vertex, const std::vector<const SourceShape*>& shapes, float x) {
   Vec3 p = source.neutral[vertex];
-  for (const SourceShape& shape : source.shapes) {
-    if (shape.parameter != parameter) continue;
-    if (shape.second >= 0 && at(shape.second) != parameter) continue;
-    if (shape.weight.empty()) {
-      p = p + (shape.second >= 0 ? x * x : x) * shape.displacement[vertex];
+  for (const SourceShape* shape : shapes) {
+    if (shape->weight.empty()) {
+      p = p + (shape->second >= 0 ? x * x : x) * shape->displacement[vertex];
       continue;
     }
-    const float angle = x * shape.weight[vertex], c = std::cos(angle), s = std::sin(angle);
-    const Vec3 arm = p - shape.pivot;  // Rodrigues
-    p = shape.pivot + c * arm + s * cross(shape.axis, arm) + ((1 - c) * dot(shape.axis, arm)) * shape.axis;
+    const float angle = x * shape->weight[vertex], cosine = std::cos(angle), sine = std::sin(angle);
+    const Vec3 arm = p - shape->pivot;  // Rodrigues
+    p = shape->pivot + cosine * arm + sine * cross(shape->axis, arm) +
+        ((1 - cosine) * dot(shape->axis, arm)) * shape->axis;
   }
   return p;
 }
@@ -68,6 +77,8 @@ Reconstruction reconstruct(const Model& model, const Source& source) {
   Owned<Cascade> cascade(model);
   Reconstruction result;
   const std::vector<std::size_t> measured = measured_parameters(source);
+  std::vector<std::vector<const SourceShape*>> shapes;
+  for (const std::size_t k : measured) shapes.push_back(shapes_of(source, k));
   std::vector<std::vector<float>> off(measured.size());
   std::vector<float> rest, q(source.parameters.size(), 0.0f);
   std::vector<Vec3> baked(cascade->samples_per_point());
@@ -78,7 +89,7 @@ Reconstruction reconstruct(const Model& model, const Source& source) {
       const std::size_t k = measured[m];
       const SourceParameter& p = source.parameters[k];
       q[k] = p.group == Group::identity ? std::min(p.sd, p.maximum) : p.maximum;
-      off[m].push_back(length(cascade->evaluate(baked.data(), q.data()) - moved(source, v, k, q[k])));
+      off[m].push_back(length(cascade->evaluate(baked.data(), q.data()) - moved(source, v, shapes[m], q[k])));
       q[k] = 0;
     }
   }

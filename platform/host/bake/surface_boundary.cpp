@@ -30,27 +30,27 @@ SurfaceBoundary find_boundary(const Source& source, bool half) {
         std::all_of(t.begin(), t.end(), [&](int v) { return source.uv[at(v)].x >= 0.5f - 1e-5f; });
     boundary.is_inside.push_back(!source.is_hole[f] && (right || !half));
   }
-  // Directed edges of the triangles inside, and which kinds of triangles have the same edge in the other direction.
-  struct Use {
-    bool forth = false, back = false, hole = false, other_half = false;
-  };
-  std::map<std::pair<int, int>, Use> uses;
+  // Directed edges of the triangles inside, and which kinds of triangles have the same edge in the other direction. Sorted, not
+  // kept in a map, which would take five times as long.
+  enum : unsigned { kForth = 1, kBack = 2, kHole = 4, kOtherHalf = 8 };
+  std::vector<std::pair<std::pair<int, int>, unsigned>> uses;
   for (std::size_t f = 0; f < source.triangles.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k) {
       const int a = source.triangles[f][k], b = source.triangles[f][(k + 1) % 3];
-      if (boundary.is_inside[f]) {
-        uses[{a, b}].forth = true;
-        uses[{b, a}].back = true;
-      } else {
-        (source.is_hole[f] ? uses[{b, a}].hole : uses[{b, a}].other_half) = true;
-      }
+      if (boundary.is_inside[f]) uses.push_back({{a, b}, kForth});
+      uses.push_back({{b, a}, boundary.is_inside[f] ? kBack : source.is_hole[f] ? kHole : kOtherHalf});
     }
+  std::sort(uses.begin(), uses.end());
   std::map<int, std::pair<int, Side>> next;
-  for (const auto& [edge, use] : uses)
-    if (use.forth && !use.back)
-      next[edge.first] = {edge.second, use.hole         ? Side::opening
-                                       : use.other_half ? Side::other_half
-                                                        : Side::outside};
+  for (auto use = uses.begin(); use != uses.end();) {
+    const auto [a, b] = use->first;
+    unsigned all = 0;
+    for (const auto edge = use->first; use != uses.end() && use->first == edge; ++use) all |= use->second;
+    if ((all & kForth) != 0 && (all & kBack) == 0)
+      next[a] = {b, (all & kHole) != 0        ? Side::opening
+                    : (all & kOtherHalf) != 0 ? Side::other_half
+                                              : Side::outside};
+  }
   while (!next.empty()) {
     BoundaryLoop loop;
     int v = next.begin()->first;
