@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "host/render/synthetic.hpp"
 #include "pliant/visibility.hpp"
 
 using namespace pliant;
@@ -9,87 +10,6 @@ using namespace pliant;
 namespace {
 
 constexpr int kSamples = 2;  // along each side of a pixel
-
-/// A well-mixed 32-bit number from two.
-std::uint32_t hash(std::uint32_t a, std::uint32_t b) {
-  std::uint32_t h = a * 0x9e3779b1u ^ (b + 0x85ebca6bu) * 0xc2b2ae35u;
-  h = (h ^ h >> 15) * 0x2c1b3c6du;
-  h = (h ^ h >> 12) * 0x297a2d39u;
-  return h ^ h >> 15;
-}
-
-/// In [0,1).
-float uniform(std::uint32_t bits) {
-  return static_cast<float>(bits >> 8) * (1.0f / 16777216.0f);
-}
-
-/// Smooth noise in [0,1] with one random value a unit square; x and y are not negative.
-float value_noise(float x, float y, std::uint32_t seed) {
-  const auto i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
-  const auto value = [seed](std::uint32_t a, std::uint32_t b) { return uniform(hash(hash(a, seed), b)); };
-  const auto ease = [](float t) { return t * t * (3 - 2 * t); };
-  const float fx = ease(x - static_cast<float>(i)), fy = ease(y - static_cast<float>(j));
-  const float top = value(i, j) * (1 - fx) + value(i + 1, j) * fx;
-  return top * (1 - fy) + (value(i, j + 1) * (1 - fx) + value(i + 1, j + 1) * fx) * fy;
-}
-
-/// Bilinear value of an image over the chart, whose first and last pixels lie at 0 and 1.
-float bilinear(const std::uint8_t* pixels, std::uint32_t width, std::uint32_t height, Vec2 uv) {
-  const float x = clamp(uv.x, 0, 1) * static_cast<float>(width - 1),
-              y = clamp(uv.y, 0, 1) * static_cast<float>(height - 1);
-  const auto i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
-  const std::uint32_t i1 = i + 1 < width ? i + 1 : i, j1 = j + 1 < height ? j + 1 : j;
-  const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
-  const auto at = [&](std::uint32_t a, std::uint32_t b) {
-    return static_cast<float>(pixels[std::size_t{b} * width + a]);
-  };
-  const float top = at(i, j) * (1 - fx) + at(i1, j) * fx;
-  return top * (1 - fy) + (at(i, j1) * (1 - fx) + at(i1, j1) * fx) * fy;
-}
-
-/// 255 for every pixel of the mask that is not joined to its rim by zeros, else 0.
-std::vector<std::uint8_t> filled(const ChartImage& mask) {
-  const int width = static_cast<int>(mask.width), height = static_cast<int>(mask.height);
-  std::vector<std::uint8_t> inside(static_cast<std::size_t>(width * height), 255);
-  std::vector<int> pending;
-  const auto visit = [&](int x, int y) {
-    const int k = y * width + x;
-    if (x < 0 || y < 0 || x >= width || y >= height || mask.pixels[k] != 0) return;
-    if (inside[static_cast<std::size_t>(k)] == 0) return;
-    inside[static_cast<std::size_t>(k)] = 0;
-    pending.push_back(k);
-  };
-  for (int x = 0; x < width; ++x) visit(x, 0), visit(x, height - 1);
-  for (int y = 0; y < height; ++y) visit(0, y), visit(width - 1, y);
-  while (!pending.empty()) {
-    const int x = pending.back() % width, y = pending.back() / width;
-    pending.pop_back();
-    visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
-  }
-  return inside;
-}
-
-/// Mean over 5 x 5 pixels: its half-way line is a border without the stairs of the mask.
-std::vector<std::uint8_t> smoothed(const std::vector<std::uint8_t>& in, int width, int height) {
-  std::vector<std::uint8_t> out(in.size());
-  const auto limited = [](int x, int size) { return x < 0 ? 0 : x < size ? x : size - 1; };
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      int sum = 0;
-      for (int k = 0; k < 25; ++k)
-        sum += in[static_cast<std::size_t>(limited(y + k / 5 - 2, height) * width +
-                                           limited(x + k % 5 - 2, width))];
-      out[static_cast<std::size_t>(y * width + x)] = static_cast<std::uint8_t>(sum / 25);
-    }
-  return out;
-}
-
-/// Brightness of a surface with unit normal n (camera axes: x right, y down, z away): a key light from the upper left
-/// that reaches a little round the shadow side, a weak one from the right, and light from everywhere.
-float light_on(Vec3 n) {
-  static const Vec3 key = normalised(Vec3{-0.55f, -0.65f, -0.85f}), fill = normalised(Vec3{0.8f, 0.1f, -0.6f});
-  return 0.22f + 0.78f * max(0.0f, (dot(n, key) + 0.2f) / 1.2f) + 0.16f * max(0.0f, dot(n, fill));
-}
 
 float least(float a, float b, float c) {
   return min(a, min(b, c));
@@ -102,29 +22,15 @@ float most(float a, float b, float c) {
 
 Picture make_backdrop(int width, int height, std::uint32_t seed) {
   Picture picture(width, height);
-  const float unit = 6.0f / static_cast<float>(width > height ? width : height);
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const float u = static_cast<float>(x) * unit, v = static_cast<float>(y) * unit;
-      const float blotches = 0.6f * value_noise(u, v, seed) + 0.3f * value_noise(3 * u, 3 * v, seed + 1) +
-                             0.1f * value_noise(11 * u, 11 * v, seed + 2);
-      picture.at(x, y) = static_cast<std::uint8_t>(45 + 90 * blotches);
-    }
+    for (int x = 0; x < width; ++x)
+      picture.at(x, y) =
+          static_cast<std::uint8_t>(host::backdrop_grey(x, y, width > height ? width : height, seed));
   return picture;
 }
 
 void add_noise(Picture& picture, float sd, std::uint32_t seed) {
-  for (std::size_t i = 0; i < picture.pixels.size(); i += 2) {
-    // Box and Muller: two uniform numbers give two normal ones.
-    const auto k = static_cast<std::uint32_t>(i);
-    const float radius = sd * std::sqrt(-2 * std::log(uniform(hash(seed, k)) + 1.0f / 33554432.0f));
-    const float angle = 6.2831853f * uniform(hash(seed, k + 1));
-    const float noise[2] = {radius * std::cos(angle), radius * std::sin(angle)};
-    for (std::size_t c = 0; c < 2 && i + c < picture.pixels.size(); ++c) {
-      const float grey = static_cast<float>(picture.pixels[i + c]) + noise[c];
-      picture.pixels[i + c] = static_cast<std::uint8_t>(clamp(grey + 0.5f, 0, 255));
-    }
-  }
+  host::add_normal_noise(picture.pixels, 1, sd, seed);
 }
 
 Pose frontal_pose(Cascade& cascade, const float* q, const Camera& camera, int height, float fraction) {
@@ -142,7 +48,9 @@ Renderer::Renderer(Cascade& cascade, int cells)
     : mask_(cascade.model().mask()),
       albedo_(cascade.model().albedo()),
       cells_(cells),
-      cover_(smoothed(filled(mask_), static_cast<int>(mask_.width), static_cast<int>(mask_.height))),
+      cover_(host::smooth_cover(
+          host::without_holes(mask_.pixels, static_cast<int>(mask_.width), static_cast<int>(mask_.height)),
+          static_cast<int>(mask_.width), static_cast<int>(mask_.height))),
       corners_(static_cast<std::size_t>((cells + 1) * (cells + 1))),
       surface_(cascade, use_corners()) {}
 
@@ -175,18 +83,19 @@ bool Renderer::is_covered_from(Vec2 uv) const {
   const int width = static_cast<int>(mask_.width), height = static_cast<int>(mask_.height);
   for (int y = pixel(uv.y, mask_.height, -1); y <= pixel(uv.y + side, mask_.height, 2); ++y)
     for (int x = pixel(uv.x, mask_.width, -1); x <= pixel(uv.x + side, mask_.width, 2); ++x)
-      if (x < 0 || y < 0 || x >= width || y >= height || cover_[static_cast<std::size_t>(y * width + x)] != 255)
+      if (x < 0 || y < 0 || x >= width || y >= height ||
+          cover_[static_cast<std::size_t>(y * width + x)] != 255)
         return false;
   return true;
 }
 
 float Renderer::cover(Vec2 uv) const {
-  return bilinear(cover_.data(), mask_.width, mask_.height, uv) / 255;
+  return host::chart_value(cover_.data(), mask_.width, mask_.height, uv) / 255;
 }
 
 float Renderer::albedo(Vec2 uv) const {
   if (albedo_.pixels == nullptr) return 190;
-  const float grey = bilinear(albedo_.pixels, albedo_.width, albedo_.height, uv);
+  const float grey = host::chart_value(albedo_.pixels, albedo_.width, albedo_.height, uv);
   if (!(flat_step_ > 0) || uv.x >= 0.5f) return grey;
   return flat_step_ * (0.5f + static_cast<float>(static_cast<int>(grey / flat_step_)));
 }
@@ -212,7 +121,7 @@ void Renderer::pose_corners(const float* q, const Pose& pose, const Camera& came
       if (!c.is_used || !projector.project(c.position, &c.x)) continue;
       c.x = kSamples * (c.x + Vec2{0.5f, 0.5f}) - Vec2{0.5f, 0.5f};
       c.inverse_depth = 1 / projector.to_camera(c.position).z;
-      c.light = tone * light_on(projector.rotated(normal(i, j)));
+      c.light = tone * host::light_on(projector.rotated(normal(i, j)));
     }
 }
 

@@ -2,22 +2,17 @@
 
 #include <algorithm>
 
+#include "host/render/synthetic.hpp"
+
 namespace pliant::host {
 
 namespace {
 
-/// Bilinear value at (u,v) of an image over the chart, first and last pixels at 0 and 1.
-float bilinear(const std::uint8_t* pixels, std::uint32_t width, std::uint32_t height, Vec2 uv) {
-  const float x = clamp(uv.x, 0, 1) * static_cast<float>(width - 1),
-              y = clamp(uv.y, 0, 1) * static_cast<float>(height - 1);
-  const auto i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
-  const std::uint32_t i1 = i + 1 < width ? i + 1 : i, j1 = j + 1 < height ? j + 1 : j;
-  const float fx = x - static_cast<float>(i), fy = y - static_cast<float>(j);
-  const auto at = [&](std::uint32_t a, std::uint32_t b) {
-    return static_cast<float>(pixels[std::size_t{b} * width + a]);
-  };
-  const float top = at(i, j) * (1 - fx) + at(i1, j) * fx;
-  return top * (1 - fy) + (at(i, j1) * (1 - fx) + at(i1, j1) * fx) * fy;
+int width_of(const Model& model) {
+  return static_cast<int>(model.mask().width);
+}
+int height_of(const Model& model) {
+  return static_cast<int>(model.mask().height);
 }
 
 /// Whether holes of the chart are eyes and mouths, where the surface goes on behind lids and lips.
@@ -32,58 +27,19 @@ std::vector<std::uint8_t> inside_of(const ChartImage& mask) {
   return inside;
 }
 
-/// Zeros that are connected to the border are outside. All other zeros are holes and count as inside.
-std::vector<std::uint8_t> fill_holes(const ChartImage& mask) {
-  const int width = static_cast<int>(mask.width), height = static_cast<int>(mask.height);
-  const auto index = [&](int x, int y) {
-    return static_cast<std::size_t>(y) * mask.width + static_cast<std::size_t>(x);
-  };
-  std::vector<std::uint8_t> inside(index(0, height), 1);
-  std::vector<std::pair<int, int>> stack;
-  const auto visit = [&](int x, int y) {
-    if (x < 0 || y < 0 || x >= width || y >= height) return;
-    if (mask.pixels[index(x, y)] != 0 || inside[index(x, y)] == 0) return;
-    inside[index(x, y)] = 0;
-    stack.emplace_back(x, y);
-  };
-  for (int x = 0; x < width; ++x) visit(x, 0), visit(x, height - 1);
-  for (int y = 0; y < height; ++y) visit(0, y), visit(width - 1, y);
-  while (!stack.empty()) {
-    const auto [x, y] = stack.back();
-    stack.pop_back();
-    visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
-  }
-  return inside;
-}
-
-/// Mean over 5 x 5 pixels of 0 and 255. Its contour at 1/2 is the boundary without the steps of the mask.
-std::vector<std::uint8_t> smoothed(const std::vector<std::uint8_t>& inside, std::uint32_t width,
-                                   std::uint32_t height) {
-  std::vector<std::uint8_t> out(inside.size());
-  const auto limited = [](int x, std::uint32_t size) {
-    return static_cast<std::size_t>(std::clamp(x, 0, static_cast<int>(size) - 1));
-  };
-  for (int y = 0; y < static_cast<int>(height); ++y)
-    for (int x = 0; x < static_cast<int>(width); ++x) {
-      int sum = 0;
-      for (int j = -2; j <= 2; ++j)
-        for (int i = -2; i <= 2; ++i) sum += inside[limited(y + j, height) * width + limited(x + i, width)];
-      out[limited(y, height) * width + limited(x, width)] = static_cast<std::uint8_t>(sum * 255 / 25);
-    }
-  return out;
-}
-
 }  // namespace
 
 ChartTexture::ChartTexture(const Model& model)
     : albedo_(model.albedo()),
       mask_width_(model.mask().width),
       mask_height_(model.mask().height),
-      cover_(smoothed(has_lids_or_lips(model) ? fill_holes(model.mask()) : inside_of(model.mask()), mask_width_,
-                      mask_height_)) {}
+      cover_(smooth_cover(has_lids_or_lips(model)
+                              ? without_holes(model.mask().pixels, width_of(model), height_of(model))
+                              : inside_of(model.mask()),
+                          width_of(model), height_of(model))) {}
 
 float ChartTexture::albedo(Vec2 uv) const {
-  return albedo_.pixels == nullptr ? 190.0f : bilinear(albedo_.pixels, albedo_.width, albedo_.height, uv);
+  return albedo_.pixels == nullptr ? 190.0f : chart_value(albedo_.pixels, albedo_.width, albedo_.height, uv);
 }
 
 bool ChartTexture::covers(Vec2 uv) const {
@@ -97,7 +53,7 @@ bool ChartTexture::covers(Vec2 uv) const {
 }
 
 float ChartTexture::cover(Vec2 uv) const {
-  return bilinear(cover_.data(), mask_width_, mask_height_, uv) / 255;
+  return chart_value(cover_.data(), mask_width_, mask_height_, uv) / 255;
 }
 
 SurfaceSheet::SurfaceSheet(const Model& model, const ChartTexture& texture, int cells)
