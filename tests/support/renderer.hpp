@@ -1,9 +1,10 @@
 #pragma once
 // A small software renderer for tests that run on every target: a model's surface with its albedo, lit from beside the
-// camera, over a blotchy backdrop, with sensor noise. It needs no part of the host library.
+// camera, over a blotchy backdrop, with sensor noise. It needs nothing of the host library but headers.
 #include <cstdint>
 #include <vector>
 
+#include "host/render/raster.hpp"
 #include "moving_surface.hpp"
 #include "pliant/camera.hpp"
 #include "pliant/cascade.hpp"
@@ -67,8 +68,7 @@ class Renderer {
  private:
   struct Corner {
     pliant::Vec3 position;  ///< in the model
-    pliant::Vec2 uv, x;     ///< in the chart; in samples of the picture
-    float inverse_depth = 0, light = 0;
+    pliant::host::RasterVertex drawn;
     bool is_used = false;
     bool begins_whole_cell = false;  ///< which lies in the surface all over
   };
@@ -80,8 +80,6 @@ class Renderer {
   Corner& corner(int i, int j) { return corners_[static_cast<std::size_t>(j * (cells_ + 1) + i)]; }
   pliant::Vec3 normal(int i, int j);
   void pose_corners(const float* q, const pliant::Pose& pose, const pliant::Camera& camera, float tone);
-  void draw_triangle(const Corner& a, const Corner& b, const Corner& c, bool is_whole);
-  float mean_grey(int x, int y, float backdrop) const;
 
   pliant::ChartImage mask_, albedo_;
   int cells_;
@@ -89,6 +87,5 @@ class Renderer {
   std::vector<std::uint8_t> cover_;  // of the mask's size: 0 outside, 255 inside
   std::vector<Corner> corners_;
   MovingSurface surface_;  // at the used corners, in their order
-  int columns_ = 0, rows_ = 0;  // samples of the picture
-  std::vector<float> grey_, inverse_depth_;
+  pliant::host::Raster raster_{0, 0, 1};
 };

@@ -1,9 +1,9 @@
 #pragma once
 /// \file raster.hpp
-/// A software rasteriser: perspective-correct triangles, a depth buffer and supersampling.
+/// A software rasteriser: perspective-correct triangles, a depth buffer and supersampling. Without the host library, so that tests
+/// draw with it on every target.
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <vector>
 
 #include "pliant/geometry.hpp"
@@ -21,12 +21,17 @@ struct RasterVertex {
 /// A grey picture of `width` x `height` pixels with `samples` x `samples` samples each.
 class Raster {
  public:
-  Raster(int width, int height, int samples);
+  Raster(int width, int height, int samples)
+      : width_(width),
+        height_(height),
+        samples_(samples),
+        inverse_depth_(index(0, height * samples)),
+        grey_(inverse_depth_.size()) {}
 
   int width() const { return width_; }
   int height() const { return height_; }
   /// Removes everything that was drawn.
-  void clear();
+  void clear() { std::fill(inverse_depth_.begin(), inverse_depth_.end(), 0.0f); }
 
   /// Draws a triangle of either winding. At each sample that it covers, and where nothing nearer was drawn, it calls
   /// `shade(uv, light, &grey)`, which returns whether there is surface and sets its brightness.
@@ -55,6 +60,22 @@ class Raster {
   std::vector<float> grey_;
 };
 
+inline float Raster::value(int x, int y, float background) const {
+  float sum = 0;
+  for (int j = y * samples_; j < (y + 1) * samples_; ++j)
+    for (int i = x * samples_; i < (x + 1) * samples_; ++i)
+      sum += inverse_depth_[index(i, j)] > 0 ? grey_[index(i, j)] : background;
+  return sum / static_cast<float>(samples_ * samples_);
+}
+
+inline float Raster::coverage(int x, int y) const {
+  int covered = 0;
+  for (int j = y * samples_; j < (y + 1) * samples_; ++j)
+    for (int i = x * samples_; i < (x + 1) * samples_; ++i)
+      covered += inverse_depth_[index(i, j)] > 0 ? 1 : 0;
+  return static_cast<float>(covered) / static_cast<float>(samples_ * samples_);
+}
+
 template <class Shade>
 void Raster::draw(const RasterVertex& a, const RasterVertex& b, const RasterVertex& c, const Shade& shade) {
   const Vec2 p = to_samples(a.x), q = to_samples(b.x), r = to_samples(c.x);
@@ -64,10 +85,15 @@ void Raster::draw(const RasterVertex& a, const RasterVertex& b, const RasterVert
   const float side = area < 0 ? -1.0f : 1.0f;
   const auto columns = static_cast<float>(width_ * samples_ - 1),
              rows = static_cast<float>(height_ * samples_ - 1);
-  const int i0 = static_cast<int>(std::ceil(clamp(std::min({p.x, q.x, r.x}), 0, columns + 1)));
-  const int i1 = static_cast<int>(std::floor(clamp(std::max({p.x, q.x, r.x}), -1, columns)));
-  const int j0 = static_cast<int>(std::ceil(clamp(std::min({p.y, q.y, r.y}), 0, rows + 1)));
-  const int j1 = static_cast<int>(std::floor(clamp(std::max({p.y, q.y, r.y}), -1, rows)));
+  // Without SSE4.1 std::ceil is a call.
+  const auto up = [](float t) { return static_cast<int>(t) + (static_cast<float>(static_cast<int>(t)) < t); };
+  const auto down = [](float t) {
+    return static_cast<int>(t) - (static_cast<float>(static_cast<int>(t)) > t);
+  };
+  const int i0 = up(clamp(min(p.x, min(q.x, r.x)), 0, columns + 1)),
+            i1 = down(clamp(max(p.x, max(q.x, r.x)), -1, columns)),
+            j0 = up(clamp(min(p.y, min(q.y, r.y)), 0, rows + 1)),
+            j1 = down(clamp(max(p.y, max(q.y, r.y)), -1, rows));
   for (int j = j0; j <= j1; ++j)
     for (int i = i0; i <= i1; ++i) {
       const Vec2 s{static_cast<float>(i), static_cast<float>(j)};
