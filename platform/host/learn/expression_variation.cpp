@@ -19,12 +19,34 @@ void ExpressionVariation::limit(std::vector<float>& q) const {
     q[k] = clamp(q[k], model_.parameters()[k].minimum, model_.parameters()[k].maximum);
 }
 
-void ExpressionVariation::express(std::vector<float>& q, SampleRandom& random) const {
-  const auto parameters = model_.parameters();
+/// The mouth at rest, in which the lips meet, or a movement that leaves them together.
+void ExpressionVariation::shut_mouth(std::vector<float>& q, SampleRandom& random) const {
+  for (std::size_t k = 0; k < q.size(); ++k) {
+    const std::string name = model_.parameters()[k].name;
+    if (name.compare(0, 5, "mouth") == 0 || name.compare(0, 3, "jaw") == 0) q[k] = 0;
+  }
+  static const char* const kNames[] = {"mouthPucker", "mouthFrown", "mouthSmile",
+                                       "mouthPress",  "mouthLeft",  "mouthRight"};
+  const char* const name = kNames[random.below(sizeof kNames / sizeof *kNames)];
+  if (random.chance(0.5f)) add(q, name, random.between(0.1f, 0.7f));
+}
+
+void ExpressionVariation::move_mouth(std::vector<float>& q, SampleRandom& random) const {
   if (random.chance(tuning_.jaw_chance)) {
     const float t = random.unit();
-    add(q, "jawOpen", 0.15f * t + 0.75f * t * t * t);
+    add(q, "jawOpen", 0.3f * t + 0.6f * t * t * t);
   }
+  if (random.chance(tuning_.lips_chance)) {
+    static const char* const kNames[] = {"mouthPucker", "mouthFunnel",  "mouthFrown",     "mouthStretch",
+                                         "mouthSmile",  "mouthUpperUp", "mouthLowerDown", "mouthPress",
+                                         "mouthLeft",   "mouthRight",   "jawLeft",        "jawRight"};
+    const char* const name = kNames[random.below(sizeof kNames / sizeof *kNames)];
+    add(q, name, random.between(0.1f, 0.7f));
+  }
+}
+
+void ExpressionVariation::express(std::vector<float>& q, SampleRandom& random) const {
+  const auto parameters = model_.parameters();
   if (random.chance(tuning_.blink_chance)) {
     const float closed = random.chance(0.6f) ? random.between(0.85f, 1) : random.between(0.2f, 0.8f);
     for (const char* name : {"eyeBlinkLeft", "eyeBlinkRight", "eyeBlink"})
@@ -42,13 +64,10 @@ void ExpressionVariation::express(std::vector<float>& q, SampleRandom& random) c
       add(q, "browDown", raised);
     }
   }
-  if (random.chance(tuning_.lips_chance)) {
-    static const char* const kNames[] = {"mouthPucker", "mouthFunnel",  "mouthFrown",     "mouthStretch",
-                                         "mouthSmile",  "mouthUpperUp", "mouthLowerDown", "mouthPress",
-                                         "mouthLeft",   "mouthRight",   "jawLeft",        "jawRight"};
-    const char* const name = kNames[random.below(sizeof kNames / sizeof *kNames)];
-    add(q, name, random.between(0.1f, 0.7f));
-  }
+  if (random.chance(tuning_.shut_chance))
+    shut_mouth(q, random);
+  else
+    move_mouth(q, random);
 }
 
 std::vector<float> ExpressionVariation::varied(const std::vector<float>& q, SampleRandom& random) const {

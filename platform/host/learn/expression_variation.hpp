@@ -8,10 +8,12 @@
 
 namespace pliant::host::learn {
 
-/// Which changes are made how often. Chosen by eye: the photographs smile with open eyes, people do not always.
+/// Which changes are made how often. Chosen by eye: the photographs smile with open eyes, people do not always. `shut_chance` and
+/// how far mouths open: docs/experiments.md, Shut lips.
 struct ExpressionVariationTuning {
   float unchanged_chance = 0.15f;
   float relax_chance = 0.5f;   ///< the photograph's own expression gets weaker
+  float shut_chance = 0.2f;    ///< lips that meet, whatever the photograph's do
   float jaw_chance = 0.4f;     ///< mouth opened
   float blink_chance = 0.25f;  ///< eyes closed, or nearly
   float brow_chance = 0.35f;   ///< brows raised or lowered
@@ -32,6 +34,8 @@ class ExpressionVariation {
 
  private:
   void add(std::vector<float>& q, const char* name, float fraction) const;
+  void shut_mouth(std::vector<float>& q, SampleRandom& random) const;
+  void move_mouth(std::vector<float>& q, SampleRandom& random) const;
   void express(std::vector<float>& q, SampleRandom& random) const;
   void limit(std::vector<float>& q) const;
 

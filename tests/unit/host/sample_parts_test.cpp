@@ -224,6 +224,31 @@ TEST_CASE("varied expressions stay within the limits, and random faces differ") 
   CHECK(closed > 5);
 }
 
+TEST_CASE("lips meet as often as is wanted, whatever the photograph's do") {
+  BakedModel& face = baked_face();
+  const Landmark &upper = face.model.landmarks()[face.model.find_landmark("ibug62")],
+                 &lower = face.model.landmarks()[face.model.find_landmark("ibug66")];
+  std::vector<float> open = face.rest();
+  open[face.model.find_parameter("jawOpen")] = 0.5f;
+  const auto gap_mm = [&](const std::vector<float>& q) {
+    return length(face.cascade.surface_point({upper.u, upper.v}, q.data()) -
+                  face.cascade.surface_point({lower.u, lower.v}, q.data()));
+  };
+  REQUIRE(gap_mm(open) > 5);
+  const auto shut_of_100 = [&](float chance) {
+    ExpressionVariationTuning tuning;
+    tuning.unchanged_chance = tuning.relax_chance = 0;
+    tuning.shut_chance = chance;
+    const ExpressionVariation variation(face.model, tuning);
+    SampleRandom random(4, 2);
+    int shut = 0;
+    for (int k = 0; k < 100; ++k) shut += gap_mm(variation.varied(open, random)) < 2 ? 1 : 0;
+    return shut;
+  };
+  CHECK(shut_of_100(1) > 90);
+  CHECK(shut_of_100(0) < 10);
+}
+
 TEST_CASE("face is put into the box that was wanted") {
   const Model& model = baked_face().model;
   const auto points = landmarks_mm();
