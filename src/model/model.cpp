@@ -6,31 +6,18 @@
 namespace pliant {
 
 std::uint32_t crc32(const void* data, std::size_t bytes, std::uint32_t previous) {
-  // Four bytes at a time, as eight halves of a byte: remainder[n] are those of a half with n more behind it. They take 512 bytes
-  // of stack instead of 4 KiB.
-  std::uint32_t remainder[8][16];
-  for (std::uint32_t i = 0; i < 16; ++i) {
-    std::uint32_t c = i;
+  // Both halves of a byte at a time, first the remainders of the upper one: they take 128 bytes of stack instead of 1 KiB.
+  std::uint32_t remainder[32];
+  for (std::uint32_t i = 0; i < 32; ++i) {
+    std::uint32_t c = i < 16 ? i : remainder[i - 16];
     for (int k = 0; k < 4; ++k) c = (c & 1u) ? 0xedb88320u ^ (c >> 1) : c >> 1;
-    remainder[0][i] = c;
+    remainder[i] = c;
   }
-  for (std::size_t n = 1; n < 8; ++n)
-    for (std::size_t i = 0; i < 16; ++i) {
-      const std::uint32_t c = remainder[n - 1][i];
-      remainder[n][i] = remainder[0][c & 15u] ^ (c >> 4);
-    }
   const auto* p = static_cast<const std::uint8_t*>(data);
   std::uint32_t c = ~previous;
-  for (; bytes >= 4; bytes -= 4, p += 4) {
-    c ^= p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
-    std::uint32_t next = 0;
-    for (std::size_t n = 0; n < 8; ++n, c >>= 4) next ^= remainder[7 - n][c & 15u];
-    c = next;
-  }
-  for (; bytes > 0; --bytes, ++p) {
-    c ^= *p;
-    c = remainder[0][c & 15u] ^ (c >> 4);
-    c = remainder[0][c & 15u] ^ (c >> 4);
+  for (std::size_t i = 0; i < bytes; ++i) {
+    c ^= p[i];
+    c = remainder[16 + (c & 15u)] ^ remainder[c >> 4 & 15u] ^ (c >> 8);
   }
   return ~c;
 }
