@@ -6,7 +6,7 @@
 namespace pliant {
 
 std::uint32_t crc32(const void* data, std::size_t bytes, std::uint32_t previous) {
-  // Both halves of a byte at a time, first the remainders of the upper one: they take 128 bytes of stack instead of 1 KiB.
+  // Remainders of the 16 upper halves of a byte, then of the 16 lower ones: 128 bytes of stack, where whole bytes take 1 KiB.
   std::uint32_t remainder[32];
   for (std::uint32_t i = 0; i < 32; ++i) {
     std::uint32_t c = i < 16 ? i : remainder[i - 16];

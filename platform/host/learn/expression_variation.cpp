@@ -34,7 +34,7 @@ void ExpressionVariation::shut_mouth(std::vector<float>& q, SampleRandom& random
 void ExpressionVariation::move_mouth(std::vector<float>& q, SampleRandom& random) const {
   if (random.chance(tuning_.jaw_chance)) {
     const float t = random.unit();
-    add(q, "jawOpen", 0.3f * t + 0.6f * t * t * t);
+    add(q, "jawOpen", tuning_.jaw_linear * t + tuning_.jaw_cubic * t * t * t);
   }
   if (random.chance(tuning_.lips_chance)) {
     static const char* const kNames[] = {"mouthPucker", "mouthFunnel",  "mouthFrown",     "mouthStretch",
