@@ -7,6 +7,7 @@
 #include "host/bench/bench.hpp"
 #include "host/bench/fit_problem.hpp"
 #include "host/bench/rows.hpp"
+#include "host/bench/split_mix.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
@@ -18,21 +19,12 @@ namespace {
 constexpr int kProblems = 10, kRepeats = 15;
 constexpr std::size_t kProblemsOfDynamics = 3;  // few, because each takes long
 
-/// splitmix64. It continues the sequence of the program that wrote the problems.
-struct Generator {
-  std::uint64_t state;
-  double uniform() {
-    std::uint64_t z = (state += 0x9E3779B97F4A7C15ull);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
-  }
-  double normal() {
-    double u = uniform();
-    while (u <= 0) u = uniform();
-    return std::sqrt(-2 * std::log(u)) * std::cos(6.283185307179586 * uniform());
-  }
-};
+/// Box and Muller's normal number, as the program has it that wrote the problems: the sequence continues theirs.
+double normal(SplitMix& random) {
+  double u = random.uniform();
+  while (u <= 0) u = random.uniform();
+  return std::sqrt(-2 * std::log(u)) * std::cos(6.283185307179586 * random.uniform());
+}
 
 /// One problem and its initial state.
 struct Case {
@@ -45,12 +37,12 @@ struct Case {
 
   /// Initial state of tracking: near the truth. Skips the random numbers that were used for the outliers.
   void start_near_truth(std::uint64_t seed) {
-    Generator random{seed};
+    SplitMix random{seed};
     for (std::size_t i = 0; i < 2 * (fit.point_count() / 10); ++i) random.uniform();
     camera = fit.camera_true();
     coefficients = fit.coefficients_true();
-    for (std::size_t i = 0; i < 6; ++i) camera[i] += (i < 3 ? 0.02 : 3.0) * random.normal();
-    for (double& c : coefficients) c += 0.2 * random.normal();
+    for (std::size_t i = 0; i < 6; ++i) camera[i] += (i < 3 ? 0.02 : 3.0) * normal(random);
+    for (double& c : coefficients) c += 0.2 * normal(random);
   }
 };
 

@@ -86,16 +86,16 @@ struct Region {
 
 constexpr double kMargin = 16;  // px between both ends of a motion and the border or the occluder
 
-struct Case {
+struct KltCase {
   std::string name;
   Affinity motion;
   bool is_occluded;
 };
 
-std::vector<Case> read_cases(const std::string& folder, const std::string& size, int width, int height) {
+std::vector<KltCase> read_cases(const std::string& folder, const std::string& size, int width, int height) {
   const std::string path = folder + "/truth.csv";
   const CsvTable table(path, read_file(path));
-  std::vector<Case> cases;
+  std::vector<KltCase> cases;
   for (std::size_t r = 0; r < table.row_count(); ++r) {
     if (table.cell(r, table.column("size")) != size) continue;
     const auto at = [&](const char* name) { return double(table.number(r, table.column(name))); };
@@ -117,7 +117,7 @@ std::vector<Vec2> read_points(const std::string& path) {
 }
 
 // Runs one case. The search starts at the old position or, if predicted, at the true motion with its warp.
-KltOutcome run_case(KltRig& rig, const std::vector<Vec2>& points, const Case& c, bool is_predicted) {
+KltOutcome run_case(KltRig& rig, const std::vector<Vec2>& points, const KltCase& c, bool is_predicted) {
   const double w = rig.before->level(0).width, h = rig.before->level(0).height;
   const Region inner = Region{0, 0, w, h}.grown(-kMargin), hidden{0.3 * w, 0.25 * h, 0.6 * w, 0.75 * h};
   KltOutcome o;
@@ -144,7 +144,7 @@ void bench_cases(const BenchRows& row, const std::string& folder, const std::str
   for (std::size_t i = 0; i < points.size(); ++i)
     (void)rig.tracker->capture(static_cast<int>(i), *rig.before, points[i]);
   const ImageView& image = rig.before->level(0);
-  for (const Case& c : read_cases(folder, size, image.width, image.height)) {
+  for (const KltCase& c : read_cases(folder, size, image.width, image.height)) {
     const LumaPicture b = read_luma(folder + "/B_" + c.name + "_" + size + ".pgm");
     require(rig.after->build(view_of(b)), c.name);
     run_case(rig, points, c, false).print(row, variant + "_" + c.name);

@@ -2,6 +2,7 @@
 // from six, and from 500 random ones. Times are medians. "missed" counts the outliers that are not flagged in the last run.
 #include "host/bench/bench.hpp"
 #include "host/bench/rows.hpp"
+#include "host/bench/split_mix.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
 #include "pliant/outliers.hpp"
@@ -10,29 +11,19 @@ namespace pliant::host {
 
 namespace {
 
-/// splitmix64. Normal numbers are sums of twelve uniform ones, so that the data are the same on every machine.
-struct Generator {
-  std::uint64_t state;
-
-  double uniform() {
-    std::uint64_t z = (state += 0x9e3779b97f4a7c15ull);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  }
-  double normal() {
-    double sum = -6;
-    for (int i = 0; i < 12; ++i) sum += uniform();
-    return sum;
-  }
-};
+/// The sum of twelve uniform numbers: without functions that differ between C libraries.
+double nearly_normal(SplitMix& random) {
+  double sum = -6;
+  for (int i = 0; i < 12; ++i) sum += random.uniform();
+  return sum;
+}
 
 std::vector<float> shifted_gaussian(std::size_t rows, std::size_t columns) {
-  Generator random{7};
+  SplitMix random{7};
   std::vector<float> data(rows * columns);
   for (std::size_t i = 0; i < rows; ++i)
     for (std::size_t j = 0; j < columns; ++j)
-      data[i * columns + j] = static_cast<float>(random.normal()) + (5 * i < rows ? 10.0f : 0.0f);
+      data[i * columns + j] = static_cast<float>(nearly_normal(random)) + (5 * i < rows ? 10.0f : 0.0f);
   return data;
 }
 

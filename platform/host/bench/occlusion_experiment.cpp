@@ -13,7 +13,7 @@ namespace pliant::host {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
-constexpr std::size_t kPoints = 120;
+constexpr std::size_t kSurfacePoints = 120;
 constexpr float kNoisePx = 0.4f;
 
 /// Random numbers. std::mt19937 gives the same numbers everywhere; the distributions of the standard library may not.
@@ -52,7 +52,7 @@ class CoveredPerson {
     const Camera camera = centred_camera(kWidth, kHeight, 450);
     before_.view = view_of(pose, camera);
     EstimatorLimits limits;
-    limits.points = kPoints;
+    limits.points = kSurfacePoints;
     limits.vertices = 1024;
     for (int d = 0; d < kMethods; ++d) {
       estimators_.push_back(std::make_unique<Owned<Estimator>>(model, limits));
@@ -108,7 +108,7 @@ class CoveredPerson {
   }
 
   void choose_points(Estimator& e) {
-    while (uv_.size() < kPoints) {
+    while (uv_.size() < kSurfacePoints) {
       const Vec2 uv{dice_.uniform(0.03f, 0.97f), dice_.uniform(0.03f, 0.97f)};
       std::uint16_t id;
       if (!model_.is_on_surface(uv) || e.add_point(uv, &id) != Status::ok) continue;
@@ -154,18 +154,18 @@ class CoveredPerson {
   std::vector<Observation> observe(const Situation& after, const Situation& foreign, Disturbance disturbance,
                                    double fraction) {
     const bool is_clean = disturbance == Disturbance::none || disturbance == Disturbance::expression;
-    const Vec2 middle = image_of(before_, static_cast<std::size_t>(dice_.uniform(0, kPoints - 0.5f)));
+    const Vec2 middle = image_of(before_, static_cast<std::size_t>(dice_.uniform(0, kSurfacePoints - 0.5f)));
     std::vector<std::pair<float, std::size_t>> order;
-    for (std::size_t i = 0; i < kPoints; ++i)
+    for (std::size_t i = 0; i < kSurfacePoints; ++i)
       order.push_back(
           {disturbance == Disturbance::random ? dice_.uniform(0, 1) : length(image_of(before_, i) - middle),
            i});
     std::sort(order.begin(), order.end());
-    std::vector<bool> is_false(kPoints, false);
-    for (std::size_t k = 0; !is_clean && k < static_cast<std::size_t>(fraction * kPoints); ++k)
+    std::vector<bool> is_false(kSurfacePoints, false);
+    for (std::size_t k = 0; !is_clean && k < static_cast<std::size_t>(fraction * kSurfacePoints); ++k)
       is_false[order[k].second] = true;
-    std::vector<Observation> out(kPoints);
-    for (std::size_t i = 0; i < kPoints; ++i) {
+    std::vector<Observation> out(kSurfacePoints);
+    for (std::size_t i = 0; i < kSurfacePoints; ++i) {
       Vec2 x = image_of(after, i);
       if (is_false[i] && disturbance == Disturbance::random)
         x = x + Vec2{dice_.uniform(-12, 12), dice_.uniform(-12, 12)};
@@ -191,12 +191,12 @@ class CoveredPerson {
     (void)e.solve({seen.data(), seen.size()});
     *us += 1e3 * (process_ms() - start);
     double sum = 0;
-    for (std::size_t i = 0; i < kPoints; ++i) {
+    for (std::size_t i = 0; i < kSurfacePoints; ++i) {
       Vec2 x{};
       (void)e.project(uv_[i], &x);
       sum += static_cast<double>(length(x - image_of(truth, i)));
     }
-    return sum / kPoints;
+    return sum / kSurfacePoints;
   }
 
   const Model& model_;
