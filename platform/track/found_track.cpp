@@ -3,11 +3,22 @@
 
 namespace pliant {
 
+namespace {
+
+/// The mesh stays: the face has nearly the same shape.
+TrackerOptions with_present_mesh(const TrackerOptions& kept) {
+  TrackerOptions options = kept;
+  options.estimator.mesh_error_mm = -1;
+  return options;
+}
+
+}  // namespace
+
 void FaceDetectionState::begin_anew(TrackerParts& t, const FrameView& view, const AlignedFace& face) {
   StartPose found;
   face_search.set_new_person(kept.start, face, &person_of(t), &found);
   landmark_error = face.landmark_error;
-  start_found(t, view, found, kept.options);
+  start_found(t, view, found, with_present_mesh(kept.options));
 }
 
 void FaceDetectionState::renew(TrackerParts& t, const FrameView& view, float error) {
@@ -15,7 +26,7 @@ void FaceDetectionState::renew(TrackerParts& t, const FrameView& view, float err
   keep_parameters(t);
   marker_count = t.markers.save(t.estimator, markers);
   landmark_error = error;
-  (void)start(t, view, found, kept.options);  // a track that cannot begin is lost
+  (void)start(t, view, found, with_present_mesh(kept.options));  // a track that cannot begin is lost
 }
 
 }  // namespace pliant

@@ -59,7 +59,8 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   s.started = false;
   if (options.mesh_operations > 0 && !s.keeps_adaptation) return Status::capacity;
   status = s.choose_free(is_free);
-  if (status == Status::ok) status = s.surface.start(model());
+  const bool keeps_mesh = options.mesh_error_mm < 0 && s.surface.mesh().vertex_count() > 0;
+  if (status == Status::ok && !keeps_mesh) status = s.surface.start(model());
   if (status != Status::ok) return status;
   s.camera = camera;
   s.lens = lens;

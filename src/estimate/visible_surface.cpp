@@ -43,8 +43,6 @@ void VisibleSurface::lay_out(Arena& arena, std::size_t parameters, const Visible
 }
 
 Status VisibleSurface::start(const Model& model) {
-  images_are_current_ = depth_is_drawn_ = false;
-  first_outdated_ = kNone;
   const Status status = mesh_.set_base(model.base_uv(), model.base_corners());
   forget_unused_samples();
   return status;
@@ -58,6 +56,7 @@ void VisibleSurface::forget_unused_samples() {
 
 void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy) {
   policy_ = policy;
+  images_are_current_ = depth_is_drawn_ = false;
   copy(state.q, parameters_, surface_q_);
   select_surface(cascade);
   const Surface surface{
@@ -77,8 +76,8 @@ void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const Mesh
   }
   const bool adapts = policy.error_mm > 0 || policy.operations > 0;
   if (adapts && adapter_.start(mesh_, surface, criterion) == Status::ok) adapter_.adapt(options);
-  if (!keeps_samples()) return;
-  for (VertexId v : mesh_.vertices()) place_vertex(cascade, state.q, v);
+  first_outdated_ = keeps_samples() ? VertexId{0} : kNone;
+  renew_vertices(cascade, state.q, kAllVertices);
 }
 
 /// The surface that the mesh is adapted to. A vector that hardly moves a vertex bends a triangle by much less.

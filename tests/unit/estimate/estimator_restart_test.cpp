@@ -126,6 +126,29 @@ TEST_CASE("a mesh that was refined for another person is that of the present one
   }
 }
 
+TEST_CASE("a new start keeps the mesh if it is told to, with the vertices where the present person has them") {
+  Scene scene;
+  scene.limits.vertices = 600;
+  InArena<Estimator> e(scene.model, scene.limits);
+  EstimatorOptions refining, keeping;
+  refining.mesh_error_mm = 0.1f;
+  keeping.mesh_error_mm = -1;
+  scene.start(e.object, 0.1f, keeping);  // nothing to keep yet
+  const int base = e->mesh().vertex_count();
+  scene.start(e.object, 0.1f, refining);
+  std::vector<Vec2> uv;
+  for (const VertexId v : e->mesh().vertices()) uv.push_back(e->mesh().uv(v));
+  REQUIRE(e->mesh().vertex_count() > base);
+  scene.q[0] += 1;
+  scene.start(e.object, 0.2f, keeping);
+  REQUIRE(static_cast<std::size_t>(e->mesh().vertex_count()) == uv.size());
+  for (const VertexId v : e->mesh().vertices()) {
+    CHECK(e->mesh().uv(v).x == uv[v].x);
+    CHECK(e->mesh().uv(v).y == uv[v].y);
+    CHECK(length(e->vertex_positions()[v] - e->surface_point(e->mesh().uv(v))) < 0.1f);
+  }
+}
+
 TEST_CASE("a model without parameters starts without values for them, and its pose is found") {
   ModelBuilder rigid;
   rigid.record(Operation::constant, {}, {}, rigid.field(3, 9, 9, [](float u, float v) {
