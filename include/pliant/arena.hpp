@@ -42,6 +42,10 @@ enum class Purpose : std::uint8_t {
 };
 constexpr std::size_t kPurposeCount = 15;  ///< number of purposes
 
+/// An object in its default state. GCC clears a member as one block, and sets a whole object member by member: several times the code.
+template <class T>
+struct InDefaultState { T object{}; };
+
 /// Bump allocator over one block. An arena without a block only measures: every `take` advances the count and
 /// returns null. The same code thus measures an object and lays it out, so the two cannot differ. Objects in
 /// an arena are trivially destructible. Not copyable. Cost: O(1) a call.
@@ -67,13 +71,8 @@ class Arena {
   /// One T in its default state.
   template <class T>
   T* make() {
-    // GCC clears a member with an initialiser as one block. By `new (room) T()` it would set each member of T, which is
-    // several times the code.
-    struct Whole {
-      T object{};
-    };
-    void* const room = take<Whole>(1);
-    return room == nullptr ? nullptr : &(new (room) Whole)->object;
+    void* const room = take<InDefaultState<T>>(1);
+    return room == nullptr ? nullptr : &(new (room) InDefaultState<T>)->object;
   }
   /// Sets the purpose of what is taken from now on.
   constexpr void count_as(Purpose purpose) { purpose_ = purpose; }
@@ -141,8 +140,8 @@ class Arena {
 template <class T, class... Args>
 [[gnu::noinline]] void lay_out_part(Arena& arena, T* part, const Args&... args) {
   if (part != nullptr) return part->lay_out(arena, args...);
-  T measured;
-  measured.lay_out(arena, args...);
+  InDefaultState<T> measured;
+  measured.object.lay_out(arena, args...);
 }
 
 /// Takes a part of an object from the arena and lays it out. \return null if the arena measures or is exhausted.
