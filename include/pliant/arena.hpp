@@ -42,9 +42,11 @@ enum class Purpose : std::uint8_t {
 };
 constexpr std::size_t kPurposeCount = 15;  ///< number of purposes
 
-/// An object in its default state. GCC clears a member as one block, and sets a whole object member by member: several times the code.
+/// An object in its default state. GCC clears a member as one block; a whole object it sets member by member, with more code.
 template <class T>
-struct InDefaultState { T object{}; };
+struct InDefaultState {
+  T object{};  ///< The object.
+};
 
 /// Bump allocator over one block. An arena without a block only measures: every `take` advances the count and
 /// returns null. The same code thus measures an object and lays it out, so the two cannot differ. Objects in
@@ -86,7 +88,7 @@ class Arena {
   constexpr bool is_measuring() const { return base_ == nullptr; }
   /// True where the block is aligned to kAlignment.
   bool is_aligned() const { return reinterpret_cast<std::uintptr_t>(base_) % kAlignment == 0; }
-  constexpr bool exhausted() const { return exhausted_; }  ///< True once something did not fit.
+  constexpr bool exhausted() const { return exhausted_; }     ///< True once something did not fit.
   constexpr std::size_t used_bytes() const { return used_; }  ///< Bytes taken, padding included.
   constexpr std::size_t size_bytes() const { return size_; }  ///< Bytes of the block.
   constexpr std::size_t high_water_bytes() const { return high_water_; }  ///< The most ever in use at once.
@@ -191,8 +193,7 @@ template <class T, class... Args>
 std::size_t measured_bytes(const Args&... args) {
   if (!are_usable(args...)) return 0;
   Arena trial;
-  T object;
-  object.lay_out(trial, args...);
+  lay_out_part(trial, static_cast<T*>(nullptr), args...);
   return trial.used_bytes();
 }
 

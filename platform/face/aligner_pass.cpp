@@ -153,8 +153,9 @@ AlignerEvidence AlignerPass::weigh(const AlignerTable& table) {
   const std::size_t bytes = block_bytes(stage);
   const LocalWeights local = table.local(last);
   const CheckWeights check = table.check_weights();
+  const float* const usual = table.check().usual;
   AlignerEvidence evidence;
-  float weights = 0, squares = 0;
+  float weights = 0, squares = 0, above[kFaceParts] = {};  // what is usual, each part
   prepare(stage);
   shape_.select();
   for (std::size_t k = 0; k < shape_.landmark_count(); ++k) {
@@ -166,12 +167,17 @@ AlignerEvidence AlignerPass::weigh(const AlignerTable& table) {
     const auto appearance = [&](std::size_t row, const std::uint8_t* block) {
       return check.scale[row] * static_cast<float>(dot_bytes(check.rows + row * bytes, block, bytes));
     };
-    evidence.appearance += seen.weight * ((1 - gate_) * appearance(t, block_) +
-                                          gate_ * appearance(other, mirrored_) + check.bias[t]);
+    const float look = seen.weight * ((1 - gate_) * appearance(t, block_) +
+                                      gate_ * appearance(other, mirrored_) + check.bias[t]);
+    const int part = part_of_landmark(table.landmark_numbers()[t]);
+    evidence.appearance += look;
+    above[part] += look - seen.weight * usual[part];
     const Vec2 residual = map_.to_crop(target_[k]) - map_.to_crop(seen.x);
     squares += seen.weight * dot(residual, residual);
     weights += seen.weight;
   }
+  for (int p = 0; p < kFaceParts; ++p)
+    evidence.least_part = min(evidence.least_part, usual[kFaceParts + p] * above[p]);
   evidence.displacement = stage.mm_per_px * square_root(squares / max(weights, 1e-6f));
   evidence.parameters = shape_.mean_square_parameter();
   return evidence;

@@ -14,6 +14,7 @@ struct AlignerEvidence {
   float appearance = 0;    ///< weighted sum of the blocks (CheckWeights)
   float displacement = 0;  ///< root mean square of the displacements left, mm
   float parameters = 0;    ///< mean square of the parameters, in standard deviations
+  float least_part = 0;    ///< how far the least part is below what is usual, standard deviations; at most 0
 };
 
 /// The frame, the face in it, and the crop.

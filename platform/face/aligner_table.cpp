@@ -15,6 +15,13 @@ int mirrored_landmark_number(int number) {
   return number;
 }
 
+int part_of_landmark(int number) {
+  const auto is_in = [number](int first, int last) { return number >= first && number <= last; };
+  if (!is_in(17, 47)) return 3;
+  if (is_in(27, 35)) return 2;
+  return is_in(22, 26) || number >= 42 ? 1 : 0;
+}
+
 namespace {
 
 constexpr std::size_t padded(std::size_t bytes) {
@@ -25,7 +32,7 @@ static_assert(sizeof(AlignerHeader) == 20 && sizeof(AlignerStage) == 20 && sizeo
 
 bool is_valid(const AlignerCurve& c) {
   return are_within(c.weight, kCheckFeatures, -1e6f, 1e6f) && are_within(c.at, kCheckKnots, 0, 1) &&
-         are_within(&c.low, 1, -1e6f, 1e6f) && are_within(&c.high, 1, -1e6f, 1e6f) && c.high > c.low;
+         c.low >= -1e6f && c.high <= 1e6f && c.high > c.low;
 }
 
 bool are_ascending(const std::uint8_t* numbers, std::size_t count) {
@@ -119,11 +126,11 @@ Status AlignerTable::open(Span<const std::uint8_t> bytes, AlignerTable* table, b
   }
   const AlignerStage& last = out.stages_[stages - 1];
   if (last.components != 0 || !is_valid(out.check_->score) || !is_valid(out.check_->error) ||
+      !are_within(out.check_->usual, 2 * kFaceParts, -1e3f, 1e3f) ||
       !fits(out.check_->first_byte, check_weight_bytes(last, landmarks), total))
     return Status::bad_table;
-  const CheckWeights check = out.check_weights();
-  if (!are_within(check.scale, landmarks, 0, 1e3f) || !are_within(check.bias, landmarks, -1e3f, 1e3f))
-    return Status::bad_table;
+  // Scales, then biases.
+  if (!are_within(out.check_weights().scale, 2 * landmarks, -1e3f, 1e3f)) return Status::bad_table;
   *table = out;
   return Status::ok;
 }

@@ -14,7 +14,7 @@
 
 namespace pliant {
 
-constexpr std::uint32_t kAlignerMagic = 0x314e4c41, kAlignerVersion = 1;  // "ALN1"
+constexpr std::uint32_t kAlignerMagic = 0x314e4c41, kAlignerVersion = 2;  // "ALN1"
 constexpr int kMostAlignerLandmarks = 68, kMostAlignerStages = 8, kMostAlignerComponents = 32;
 constexpr int kMostBlocks = 4;  // a side of the grid of blocks of a global stage
 constexpr int kMostBlockBytes = kMostBlockCells * kMostBlockCells * kBlockChannels;
@@ -44,6 +44,7 @@ struct AlignerStage {
 
 constexpr int kCheckKnots = 16;
 constexpr int kCheckFeatures = 4;  // 1, appearance, displacement, parameters
+constexpr int kFaceParts = 4;      // each eye with its brow, nose, mouth
 
 /// Verification: a weighted sum of features, then a curve through `at` at equal distances from `low` to `high`.
 struct AlignerCurve {
@@ -52,9 +53,11 @@ struct AlignerCurve {
   float at[kCheckKnots];
 };
 
-/// The appearance is a weighted sum of the bytes of the last stage's blocks.
+/// The appearance is a weighted sum of the bytes of the last stage's blocks. On faces that are aligned right each part has a mean
+/// (of a landmark) and a deviation (of the sum).
 struct AlignerCheck {
   AlignerCurve score, error;
+  float usual[2 * kFaceParts];  // the means, then 1 / deviation each
   std::uint32_t first_byte;  // of its weights
   std::uint32_t reserved;
 };
@@ -91,6 +94,8 @@ struct CheckWeights {
 
 /// Number of the landmark on the other side of the face, by the iBUG scheme.
 int mirrored_landmark_number(int number);
+/// The part of the face that it belongs to: 0 right eye and brow, 1 left, 2 nose, 3 mouth and jaw.
+int part_of_landmark(int number);
 /// Whether the sizes and numbers of a stage are in range. The offset of its weights is not checked.
 bool is_valid(const AlignerStage& stage);
 /// Bytes of one block of a stage.

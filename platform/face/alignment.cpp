@@ -85,6 +85,7 @@ AlignedFace Alignment::conclude(const Camera& camera) {
   face.pose = pose_of(pass.shape().view());
   face.score = value_of(table->check().score, evidence);
   face.landmark_error = value_of(table->check().error, evidence);
+  face.least_part = evidence.least_part;
   return face;
 }
 

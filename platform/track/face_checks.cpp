@@ -16,9 +16,10 @@ void FaceChecks::lay_out(const TrackerLimits& limits) {
   most_bad_frames_ = kTuning.most_bad_frames + limits.key_frames;
 }
 
-void FaceChecks::begin_track(float landmark_error) {
+void FaceChecks::begin_track(float landmark_error, bool is_of_known_person) {
   landmark_error_ = landmark_error;
   is_aligned_ = landmark_error > 0;
+  if (!is_of_known_person) is_doubtful_ = is_aligned_;
   // A start that nothing has verified is checked in its own frame.
   frames_since_ = is_aligned_ ? 0 : kTuning.check_interval_frames;
   bad_ = good_ = 0;
@@ -31,18 +32,6 @@ bool FaceChecks::endure(const FrameResult& result, int bad_frames, std::size_t k
          blind_frames_ < kTuning.most_blind_frames + static_cast<int>(key_frames);
 }
 
-bool FaceChecks::conclude(const FrameView& frame, Estimator& estimator, bool has_room,
-                          Span<unsigned char> scratch, FrameResult* result) {
-  const bool checks = has_room && is_due();
-  ++frames_since_;
-  if (checks) {
-    frames_since_ = 0;
-    if (!check(frame, estimator, scratch)) return false;
-  }
-  tell_worth(estimator.view(), landmark_error_, result);
-  return true;
-}
-
 bool FaceChecks::is_due() const {
   const bool is_sure = has_confirmed() && landmark_error_ <= kTuning.doubtful_error;
   const int interval = is_sure ? kTuning.known_interval_frames : kTuning.check_interval_frames;
@@ -50,7 +39,7 @@ bool FaceChecks::is_due() const {
 }
 
 /// \return false after too many bad checks in a row.
-bool FaceChecks::check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch) {
+inline bool FaceChecks::check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch) {
   Arena arena(scratch.data, scratch.count);
   FaceAligner* const aligner = modules_->lay_out_verifier(arena, estimator.model());
   AlignedFace face;
@@ -66,6 +55,16 @@ bool FaceChecks::check(const FrameView& frame, Estimator& estimator, Span<unsign
   landmark_error_ = landmark_error_ > 0
                         ? landmark_error_ + kTuning.error_rate * (face.landmark_error - landmark_error_)
                         : face.landmark_error;
+  if (face.least_part >= kTuning.least_part || landmark_error_ <= kTuning.doubtful_error)
+    is_doubtful_ = false;
+  return true;
+}
+
+bool FaceChecks::conclude(const FrameView& frame, Estimator& estimator, bool checks,
+                          Span<unsigned char> scratch, FrameResult* result) {
+  frames_since_ = checks ? 0 : frames_since_ + 1;
+  if (checks && !check(frame, estimator, scratch)) return false;
+  tell_worth(estimator.view(), landmark_error_, is_doubtful_ && good_ > 0, result);
   return true;
 }
 

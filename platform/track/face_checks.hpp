@@ -29,6 +29,10 @@ struct FaceChecksTuning {
   /// Estimated landmark error above which a tracked frame is degraded, fraction of the eyes' distance. Round
   /// value, not tuned.
   float most_landmark_error = 0.08f;
+  /// AlignedFace::least_part below which a part of the face may be covered. What was covered at the start is a guess: a track that an
+  /// alignment began is degraded until a check sees all parts, or estimates the landmark error at `doubtful_error` at most. Chosen on
+  /// twelve people (docs/experiments.md, Covered parts).
+  float least_part = -2;
   /// Cosine of the head's turn away from the camera beyond which a tracked frame is degraded: 50 degrees. Of the built-in face's
   /// landmarks on the far side that a frontal face shows, a third are then seen; 11 of 19 at 40 degrees, 1 of 19 at 60.
   float least_facing = 0.643f;
@@ -50,17 +54,17 @@ class FaceChecks {
   void lay_out(const TrackerLimits& limits);
 
   /// A track has begun. `conclude` follows in the same frame.
-  /// \param landmark_error  estimate; 0: unknown.
-  void begin_track(float landmark_error);
-  /// Ends a good frame of a track: checks it where a check is due, and writes landmark_error and whether it is degraded.
-  /// \param has_room  false: a check that is due waits. \param scratch  unused memory.
+  /// \param landmark_error  estimate; 0: unknown. \param is_of_known_person  whose shape an earlier start has found.
+  void begin_track(float landmark_error, bool is_of_known_person);
+  /// Ends a good frame of a track: checks it if told to, and writes landmark_error and whether it is degraded.
+  /// \param checks  a check is due, and the frame has room for it. \param scratch  unused memory.
   /// \return false: the track is given up.
-  bool conclude(const FrameView& frame, Estimator& estimator, bool has_room, Span<unsigned char> scratch,
+  bool conclude(const FrameView& frame, Estimator& estimator, bool checks, Span<unsigned char> scratch,
                 FrameResult* result);
   /// Ends a bad frame of a track. \param bad_frames  in a row, this one included. \param key_frames  in use.
   /// \return false: the track is given up.
   bool endure(const FrameResult& result, int bad_frames, std::size_t key_frames);
-  /// Whether `conclude` checks the track if the frame is good and has room.
+  /// Whether a good frame is to be checked.
   bool is_due() const;
   /// Whether the check that is due comes before other rare work: the last one was bad, or the alignment made this start and it
   /// is not confirmed yet. Where such checks wait too, 47 rendered heads with faults (docs/experiments.md) are wrong in
@@ -71,12 +75,14 @@ class FaceChecks {
   bool has_confirmed() const { return good_ >= kFaceChecksTuning.checks_of_known_person; }
 
  private:
-  bool check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch);
+  // Inlined: a call is 24 bytes more of a microcontroller's program.
+  [[gnu::always_inline]] inline bool check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch);
 
   const FaceModules* modules_ = nullptr;
   int most_bad_frames_ = 0, blind_frames_ = 0;
   int frames_since_ = 0, bad_ = 0, good_ = 0;
   bool is_aligned_ = false;  // the track began where an alignment put it, not at the caller's landmarks
+  bool is_doubtful_ = false;  // no check since an alignment found the person's shape has seen all parts of the face
   float landmark_error_ = 0;
 };
 

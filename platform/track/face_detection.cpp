@@ -17,7 +17,7 @@ struct PartTrackingTuning {
   std::uint32_t interval_frames = 1;
   /// Time between readings that a parameter has to change in, ns: not less where a clock stands still, and not so much that a
   /// pause frees it. Round values, not tuned.
-  std::int32_t shortest_ns = 10'000'000, longest_ns = 200'000'000;
+  std::uint32_t shortest_ns = 10'000'000, longest_ns = 200'000'000;
 };
 constexpr PartTrackingTuning kPartTracking{};
 
@@ -104,11 +104,10 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
 }
 
 void give_up(TrackerParts& t) {
-  KnownPerson& person = person_of(t);
   FaceDetectionState& self = self_of(t);
-  person.is_known = person.is_known || (self.checks.has_confirmed() && !self.poor_start.is_poor());
-  if (person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
-  person.camera = t.estimator.camera();
+  self.note_person();
+  if (self.person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
+  self.person.camera = t.estimator.camera();
   self.face_search.expect(box_of_track(t));
   DetectionState::give_up(t);
 }
@@ -121,8 +120,8 @@ void conclude(TrackerParts& t, const FrameView& view) {
   const bool is_bad = t.bad_frames > 0;
   bool goes_on = is_bad;
   if (!is_bad) {
-    const bool has_room = self.checks.is_due() && t.budget.take(check, kWork);
-    goes_on = self.checks.conclude(view, t.estimator, has_room, t.unused_between_frames, &t.result) &&
+    const bool checks = self.checks.is_due() && t.budget.take(check, kWork);
+    goes_on = self.checks.conclude(view, t.estimator, checks, t.unused_between_frames, &t.result) &&
               !self.poor_start.is_over(view, t.estimator);
   }
   if (goes_on && self.look != nullptr && t.limits.second_look->conclude(t, view)) return;
@@ -145,12 +144,12 @@ PartFit* read_at_view(TrackerParts& t, const FrameView& view, float centring) {
   return fit;
 }
 
-/// ns. Times come from outside: their difference may wrap.
-std::int32_t time_to_change(std::int64_t last_ns, std::int64_t now_ns) {
-  const auto elapsed =
-      static_cast<std::int64_t>(static_cast<std::uint64_t>(now_ns) - static_cast<std::uint64_t>(last_ns));
-  if (elapsed < kPartTracking.shortest_ns) return kPartTracking.shortest_ns;
-  return elapsed < kPartTracking.longest_ns ? static_cast<std::int32_t>(elapsed) : kPartTracking.longest_ns;
+/// ns. Times come from outside: one that goes back counts as a pause.
+std::uint32_t time_to_change(std::int64_t last_ns, std::int64_t now_ns) {
+  const std::uint64_t elapsed = static_cast<std::uint64_t>(now_ns) - static_cast<std::uint64_t>(last_ns);
+  if (elapsed >= kPartTracking.longest_ns) return kPartTracking.longest_ns;
+  const auto less = static_cast<std::uint32_t>(elapsed);
+  return less < kPartTracking.shortest_ns ? kPartTracking.shortest_ns : less;
 }
 
 void read_parts(TrackerParts& t, const FrameView& view) {
@@ -191,7 +190,7 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   calibrate_parts(t, view);
   self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);
   self.face_search.end();
-  self.checks.begin_track(self.landmark_error);
+  self.checks.begin_track(self.landmark_error, self.person.is_known);
   if (self.look != nullptr) t.limits.second_look->begin_track(t);
   self.landmark_error = 0;
   t.budget.check.is_reserved = true;

@@ -5,11 +5,11 @@
 
 namespace pliant {
 
-/// Writes the landmark error of a tracked frame, and what it and the turn of the head make of the frame's state.
-inline void tell_worth(const View& view, float landmark_error, FrameResult* result) {
+/// Writes the landmark error of a tracked frame, and what it, the turn of the head and a doubtful start make of the frame's state.
+inline void tell_worth(const View& view, float landmark_error, bool is_doubtful, FrameResult* result) {
   result->landmark_error = landmark_error;
   const bool is_turned_away = camera_direction(view).z < kFaceChecksTuning.least_facing;
-  if (is_turned_away || landmark_error > kFaceChecksTuning.most_landmark_error)
+  if (is_doubtful || is_turned_away || landmark_error > kFaceChecksTuning.most_landmark_error)
     result->state = TrackState::degraded;
 }
 

@@ -56,7 +56,6 @@ void VisibleSurface::forget_unused_samples() {
 
 void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy) {
   policy_ = policy;
-  images_are_current_ = depth_is_drawn_ = false;
   copy(state.q, parameters_, surface_q_);
   select_surface(cascade);
   const Surface surface{
@@ -76,7 +75,7 @@ void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const Mesh
   }
   const bool adapts = policy.error_mm > 0 || policy.operations > 0;
   if (adapts && adapter_.start(mesh_, surface, criterion) == Status::ok) adapter_.adapt(options);
-  first_outdated_ = keeps_samples() ? VertexId{0} : kNone;
+  if (keeps_samples()) first_outdated_ = 0;
   renew_vertices(cascade, state.q, kAllVertices);
 }
 

@@ -21,6 +21,8 @@ struct FakeFaces {
   float error = 0.02f;                         ///< landmark error of an alignment
   float tracked_error = 0;                     ///< of a verification near the truth; 0: `error`
   float held_error = 0.02f;                    ///< the same with the identity held
+  float least_part = 0;                        ///< of a verification, from frame `least_part_from` on
+  std::size_t least_part_from = 0;
   pliant::Status status = pliant::Status::ok;  ///< of the tables
   float size_found = 1;                        ///< of the face in a search, over its size
   bool has_ghost = false;                      ///< the detector also gives a box without a face
@@ -154,13 +156,13 @@ inline Status advance(FaceAligner&, const FrameView& frame, int steps, AlignedFa
   if (left > 0) return Status::ok;
   const std::size_t k = frame.sequence;
   const FaceBox truth = f.box(k);
-  *face = {camera, {}, 0.01f, 0.5f};
+  *face = {camera, {}, 0.01f, 0.5f, 0};
   if (!(truth.side > 0) || length(truth.center - box.center) > 0.5f * truth.side ||
       magnitude(truth.side - box.side) > 0.2f * truth.side)
     return Status::ok;
   View view = view_of(f.film->poses[k], f.film->camera);
   view.rho = view.s / camera.f;
-  *face = {camera, pose_of(view), f.score, options.is_free != nullptr ? f.held_error : f.error};
+  *face = {camera, pose_of(view), f.score, options.is_free != nullptr ? f.held_error : f.error, 0};
   for (std::size_t i = 0; i < f.film->parameters[k].size(); ++i)
     if (options.is_free == nullptr || options.is_free[i] != 0) q[i] = f.film->parameters[k][i];
   for (std::size_t i = 0; i < landmarks.count; ++i)
@@ -189,7 +191,8 @@ inline Status verify(FaceAligner&, const FrameView& frame, const Camera& camera,
   *face = {camera, pose, is_right ? f.verification : 0.01f,
            !is_right             ? 0.5f
            : f.tracked_error > 0 ? f.tracked_error
-                                 : f.error};
+                                 : f.error,
+           frame.sequence < f.least_part_from ? 0.0f : f.least_part};
   return Status::ok;
 }
 

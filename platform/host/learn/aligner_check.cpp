@@ -23,16 +23,20 @@ float dot_row(const float* row, const std::uint8_t* block, std::size_t bytes) {
   return sum;
 }
 
-/// The appearance. \param mirrored  index of the landmark on the other side, a landmark.
+/// What a landmark adds to the appearance. \param mirrored  index of the landmark on the other side, a landmark.
+float score_of(const Appearance& a, const Evidence& e, const std::vector<std::size_t>& mirrored,
+               std::size_t k) {
+  const std::size_t bytes = e.blocks.size() / e.weights.size();
+  const float left = dot_row(a.rows.data() + k * bytes, e.blocks.data() + k * bytes, bytes);
+  const float right =
+      dot_row(a.rows.data() + mirrored[k] * bytes, e.mirrored_blocks.data() + k * bytes, bytes);
+  return e.weights[k] * ((1 - e.gate) * left + e.gate * right + a.bias[k]);
+}
+
+/// The appearance.
 double score_of(const Appearance& a, const Evidence& e, const std::vector<std::size_t>& mirrored) {
-  const std::size_t landmarks = e.weights.size(), bytes = e.blocks.size() / landmarks;
   float sum = 0;
-  for (std::size_t k = 0; k < landmarks; ++k) {
-    const float left = dot_row(a.rows.data() + k * bytes, e.blocks.data() + k * bytes, bytes);
-    const float right =
-        dot_row(a.rows.data() + mirrored[k] * bytes, e.mirrored_blocks.data() + k * bytes, bytes);
-    sum += e.weights[k] * ((1 - e.gate) * left + e.gate * right + a.bias[k]);
-  }
+  for (std::size_t k = 0; k < e.weights.size(); ++k) sum += score_of(a, e, mirrored, k);
   return static_cast<double>(sum);
 }
 
@@ -180,13 +184,30 @@ AlignerCurve error_curve(const std::vector<const Evidence*>& faces) {
   return curve;
 }
 
+/// What a part's appearance is on faces that are aligned right.
+void learn_part(const std::vector<const Evidence*>& right, std::size_t part, LearntCheck* check) {
+  double sum = 0, weight = 0, squares = 0;
+  for (const Evidence* e : right) {
+    sum += e->part[part];
+    weight += e->part_weight[part];
+  }
+  const double mean = sum / std::max(weight, 1.0);
+  for (const Evidence* e : right) squares += std::pow(e->part[part] - mean * e->part_weight[part], 2);
+  const double variance = squares / static_cast<double>(std::max<std::size_t>(right.size(), 1));
+  check->part_mean[part] = static_cast<float>(mean);
+  check->part_scale[part] = static_cast<float>(1 / std::sqrt(std::max(variance, 1e-6)));
+}
+
 /// The examples of verification, and what is learnt from them.
 class CheckLearning {
  public:
   CheckLearning(const AlignerCascade& cascade, const AlignerCheckTuning& tuning)
       : options_(cascade.options()), tuning_(tuning) {
     const OpenAlignerTable table(cascade.table(cascade.folds()));
-    for (std::size_t k = 0; k < table->landmark_count(); ++k) mirrored_.push_back(table->mirrored(k));
+    for (std::size_t k = 0; k < table->landmark_count(); ++k) {
+      mirrored_.push_back(table->mirrored(k));
+      part_.push_back(static_cast<std::size_t>(part_of_landmark(table->landmark_numbers()[k])));
+    }
   }
 
   void add(std::vector<Evidence> more) { std::move(more.begin(), more.end(), std::back_inserter(all_)); }
@@ -210,20 +231,32 @@ class CheckLearning {
   double score(const Evidence& e) const { return score_of(learnt_[e.half], e, mirrored_); }
 
   LearntCheck conclude() {
-    run_parallel(options_.threads, all_.size(),
-                 [&](std::size_t k, std::size_t) { all_[k].appearance = score(all_[k]); });
-    std::vector<const Evidence*> faces;
-    for (const Evidence& e : all_)
-      if (e.is_face && e.error >= 0) faces.push_back(&e);
+    run_parallel(options_.threads, all_.size(), [&](std::size_t k, std::size_t) { score_parts(&all_[k]); });
+    std::vector<const Evidence*> faces, right;
+    for (const Evidence& e : all_) {
+      if (!e.is_face || e.error < 0) continue;
+      faces.push_back(&e);
+      if (e.error <= tuning_.right_error) right.push_back(&e);
+    }
     LearntCheck check;
     check.score = score_curve(examples_, labels_);
     check.error = error_curve(faces);
+    for (std::size_t p = 0; p < kFaceParts; ++p) learn_part(right, p, &check);
     check.rows.assign(learnt_[2].rows.begin(), learnt_[2].rows.end());
     check.bias.assign(learnt_[2].bias.begin(), learnt_[2].bias.end());
     return check;
   }
 
  private:
+  /// The appearance, and each part's.
+  void score_parts(Evidence* e) const {
+    e->appearance = score(*e);
+    for (std::size_t k = 0; k < e->weights.size(); ++k) {
+      e->part[part_[k]] += static_cast<double>(score_of(learnt_[e->half], *e, mirrored_, k));
+      e->part_weight[part_[k]] += static_cast<double>(e->weights[k]);
+    }
+  }
+
   void choose_examples() {
     examples_.clear();
     labels_.clear();
@@ -236,7 +269,7 @@ class CheckLearning {
 
   LearnOptions options_;
   AlignerCheckTuning tuning_;
-  std::vector<std::size_t> mirrored_;
+  std::vector<std::size_t> mirrored_, part_;  // a landmark
   std::vector<Evidence> all_;
   std::vector<const Evidence*> examples_;
   std::vector<float> labels_;

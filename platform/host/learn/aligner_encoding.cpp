@@ -138,7 +138,9 @@ std::vector<std::uint8_t> encode_aligner(const std::vector<int>& numbers,
     else
       put_global(bytes, stages[k].global, block_bytes(shape) * shape.blocks * shape.blocks);
   }
-  const AlignerCheck written{check.score, check.error, static_cast<std::uint32_t>(bytes.size()), 0};
+  AlignerCheck written{check.score, check.error, {}, static_cast<std::uint32_t>(bytes.size()), 0};
+  std::copy(check.part_mean.begin(), check.part_mean.end(), written.usual);
+  std::copy(check.part_scale.begin(), check.part_scale.end(), written.usual + kFaceParts);
   bytes.replace(check_at, written);
   const Quantised q(check.rows, block_bytes(stages.back().shape));
   bytes.put_floats(q.scale);

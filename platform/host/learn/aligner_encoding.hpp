@@ -1,6 +1,7 @@
 #pragma once
 /// \file aligner_encoding.hpp
 /// Learnt weights of alignment as real numbers, and their encoding as the table that the library reads.
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct LearntStage {
 /// Weights of verification.
 struct LearntCheck {
   AlignerCurve score{}, error{};
+  std::array<float, kFaceParts> part_mean{}, part_scale{};
   std::vector<double> rows;  ///< L x D of the last stage
   std::vector<double> bias;  ///< L
 };

@@ -1,6 +1,7 @@
 #pragma once
 /// \file aligner_evidence.hpp
 /// Alignments as verification sees them: of faces, right and wrong, and of pictures without faces.
+#include <array>
 #include <functional>
 
 #include "host/learn/aligner_cascade.hpp"
@@ -19,6 +20,8 @@ struct Evidence {
   float error = 0;  // of the landmarks; 1 where there is no face
   int half = 0;     // examples of one half are scored by weights learnt from the other
   double appearance = 0;
+  std::array<double, kFaceParts> part{};         // of the appearance, each part's
+  std::array<double, kFaceParts> part_weight{};  // of the weights
   bool is_face = true;
 };
 

@@ -82,7 +82,24 @@ TEST_CASE("values out of range do not open, even with the right checksum") {
   CHECK(with([&](Bytes& b) { weight(b, 0, 4) = nan; }) == Status::bad_table);
   CHECK(with([](Bytes& b) { check(b).score.at[3] = 1.5f; }) == Status::bad_table);
   CHECK(with([](Bytes& b) { check(b).score.high = -1; }) == Status::bad_table);
+  CHECK(with([&](Bytes& b) { check(b).usual[0] = nan; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { check(b).usual[7] = 2e3f; }) == Status::bad_table);
   CHECK(with([](Bytes& b) { check(b).first_byte += 4; }) == Status::bad_table);
+}
+
+TEST_CASE("each landmark belongs to a part of the face, and its counterpart to the part on the other side") {
+  int count[kFaceParts] = {};
+  for (int n = 0; n < 68; ++n) {
+    const int part = part_of_landmark(n), other = part_of_landmark(mirrored_landmark_number(n));
+    REQUIRE(part >= 0);
+    REQUIRE(part < kFaceParts);
+    CHECK(other == (part < 2 ? 1 - part : part));
+    ++count[part];
+  }
+  CHECK(count[0] == 11);
+  CHECK(count[1] == 11);
+  CHECK(count[2] == 9);
+  CHECK(count[3] == 37);
 }
 
 TEST_CASE("the parts of a table lie one behind the other") {

@@ -357,6 +357,34 @@ Bytes seeing_table(float bias = 0) {
 
 }  // namespace
 
+TEST_CASE(
+    "the least part is that with the least appearance in its own deviations, none that looks as usual") {
+  // \param nose, mouth  appearance of each of their landmarks.
+  const auto least_part = [](float nose, float mouth, float scale_of_mouth, float mean_of_mouth = 0) {
+    Bytes bytes = aligner_pattern::table();
+    AlignerCheck& check = aligner_pattern::check(bytes);
+    for (int p = 0; p < kFaceParts; ++p) check.usual[kFaceParts + p] = p == 3 ? scale_of_mouth : 1;
+    check.usual[3] = mean_of_mouth;
+    for (std::size_t k = 10; k < aligner_pattern::kLandmarks; ++k) {
+      float& bias = bytes.at<float>(check.first_byte + 4 * (aligner_pattern::kLandmarks + k));
+      bias = k < 19 ? nose : k < 31 ? 0.0f : mouth;
+    }
+    aligner_pattern::seal(bytes);
+    Rig rig(bytes);
+    const Camera camera = Rig::camera_of_frame(backdrop().view());
+    rig.q.assign(rig.q.size(), 0);
+    REQUIRE(rig.aligner.refine(backdrop().view(), camera, {{}, {0, 0, 700}}, &rig.face, rig.q.data(),
+                               {rig.landmarks.data(), rig.landmarks.size()}) == Status::ok);
+    return rig.face.least_part;
+  };
+  CHECK(least_part(0, 0, 1) == 0);
+  CHECK(least_part(0.1f, 0.1f, 1) == 0);
+  CHECK(least_part(0.1f, -0.1f, 1) == doctest::Approx(-2).epsilon(0.02));
+  CHECK(least_part(-0.05f, -0.1f, 1) == doctest::Approx(-2).epsilon(0.02));
+  CHECK(least_part(-0.05f, -0.1f, 0.1f) == doctest::Approx(-0.45).epsilon(0.02));
+  CHECK(least_part(0, 0.1f, 1, 0.2f) == doctest::Approx(-2).epsilon(0.02));
+}
+
 TEST_CASE("the mirror image of a picture gives the mirror image of the result, turned faces too") {
   Picture mirrored(320, 240);
   for (int y = 0; y < 240; ++y)

@@ -52,12 +52,12 @@ class StandingTrack {
   Frames play(float landmark_error, Before&& before, IsNoted&& is_noted) {
     FaceChecks checks;
     checks.lay_out(limits_);
-    checks.begin_track(landmark_error);
+    checks.begin_track(landmark_error, false);
     Frames frames;
     for (std::size_t n = 1; n < kFrames; ++n) {
       const bool has_room = before(n);
       FrameResult result;
-      REQUIRE(checks.conclude(film().view(0), tracker_->estimator(), has_room,
+      REQUIRE(checks.conclude(film().view(0), tracker_->estimator(), has_room && checks.is_due(),
                               {scratch_.data(), scratch_.size()}, &result));
       if (is_noted(checks)) frames.push_back(n);
     }
@@ -81,6 +81,41 @@ TEST_CASE("checks stay frequent while the landmark error is large") {
   FakeFaces fake(film());
   fake.error = 1.5f * kFaceChecksTuning.doubtful_error;
   CHECK(checked(fake, [](std::size_t, FrameView&) {}) == Frames{1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23});
+}
+
+TEST_CASE("a track that was found with a covered part is degraded until a check sees the whole face") {
+  struct Seen {
+    std::size_t degraded = 0;
+    bool at_the_end = false;
+  };
+  // \param least_part  of checks, until frame `until`.
+  const auto play = [](float least_part, float error, std::size_t until, bool is_found = true) {
+    FakeFaces fake(film());
+    fake.least_part = least_part;
+    fake.error = error;
+    InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+    if (!is_found)
+      REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) ==
+              Status::ok);
+    Seen seen;
+    for (std::size_t n = is_found ? 0 : 1; n < kFrames; ++n) {
+      if (n == until) fake.least_part = 0;
+      const FrameResult result = update(tracker.object, film(), n);
+      REQUIRE(result.state != TrackState::lost);
+      seen.at_the_end = result.state == TrackState::degraded;
+      seen.degraded += seen.at_the_end;
+    }
+    return seen;
+  };
+  constexpr float kCovered = kFaceChecksTuning.least_part - 0.1f, kSeen = kFaceChecksTuning.least_part + 0.1f;
+  constexpr float kDoubtful = 1.1f * kFaceChecksTuning.doubtful_error, kSmall = 0.02f;
+  CHECK(play(kCovered, kDoubtful, kFrames).degraded == kFrames - 1);  // the first check is in frame 1
+  CHECK(play(kSeen, kDoubtful, kFrames).degraded == 0);
+  CHECK(play(kCovered, kSmall, kFrames).degraded == 0);
+  const Seen uncovered = play(kCovered, kDoubtful, 10);
+  CHECK(uncovered.degraded >= 9);
+  CHECK(!uncovered.at_the_end);
+  CHECK(play(kCovered, kDoubtful, kFrames, false).degraded == 0);  // the caller has said where the face is
 }
 
 TEST_CASE("after a bad check the next frame is checked") {

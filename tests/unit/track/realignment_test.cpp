@@ -128,6 +128,9 @@ TEST_CASE("aligned frames do not count as bad ones: a bad frame after many of th
 TEST_CASE("where the templates stay away a new track begins, of the same person, and no frame is lost") {
   const FaceFilm& film = changed_film();
   FakeFaces fake(film);
+  fake.least_part = kFaceChecksTuning.least_part - 1;  // but who it is was found by a start that saw all
+  fake.tracked_error = fake.held_error = 1.1f * kFaceChecksTuning.doubtful_error;
+  fake.least_part_from = kChange;
   InArena<Tracker> tracker(baked_face().model, limits_with_looks());
   const Run changed = run(tracker.object, film);
   CHECK(changed.tracking == kChanged);
