@@ -73,6 +73,37 @@ TEST_CASE("one face is found in a photograph, and its landmarks are where people
   }
 }
 
+TEST_CASE(
+    "a mask over the mouth and dark glasses show in the least part, and a picture in low light does not") {
+  const NamedLandmarks truth = astronaut_truth();
+  const float eyes = eye_distance(truth);
+  FaceFinder finder(face_file());
+  const auto least_part = [&](const Image& picture) {
+    const auto faces = finder.find(picture, "astronaut", 0.5f);
+    REQUIRE(faces.size() == 1);
+    MESSAGE("least part " << faces[0].aligned.least_part << ", landmarks "
+                          << 100 * landmark_error(named(faces[0]), truth) << " %, expected "
+                          << 100 * faces[0].aligned.landmark_error << " %");
+    return faces[0].aligned.least_part;
+  };
+  // Two landmarks, how far around them, over the eyes' distance, and with what.
+  const auto covered = [&](const char* a, const char* b, float up, float down, int grey) {
+    Image picture = astronaut();
+    const Vec2 left = truth.at(a), right = truth.at(b);
+    for (int j = static_cast<int>(min(left.y, right.y) - up * eyes);
+         j < static_cast<int>(max(left.y, right.y) + down * eyes); ++j)
+      for (int i = static_cast<int>(left.x - 0.3f * eyes); i < static_cast<int>(right.x + 0.3f * eyes); ++i)
+        if (picture.contains(i, j)) *picture.at(i, j) = static_cast<std::uint8_t>(grey + (3 * i + j) % 9);
+    return picture;
+  };
+  Image dark = astronaut();
+  for (std::uint8_t& grey : dark.pixels) grey = static_cast<std::uint8_t>(grey / 4);
+  CHECK(least_part(astronaut()) > -1);
+  CHECK(least_part(dark) > -1);
+  CHECK(least_part(covered("ibug48", "ibug54", 0.2f, 0.3f, 150)) < -2);
+  CHECK(least_part(covered("ibug36", "ibug45", 0.15f, 0.15f, 60)) < -2);
+}
+
 TEST_CASE("an aligner that keeps no samples takes less memory, and finds the same landmarks") {
   FaceFinder finder(face_file());
   const Image picture = resized(astronaut(), 0.6f);
