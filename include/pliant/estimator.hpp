@@ -42,8 +42,8 @@ struct FrameResult {
   float score = 0;                      ///< mean correlation of the inliers of cue patch
   Pose smoothed_pose = {};              ///< if options.smooths; parameters in Estimator::smoothed_parameters
   bool pose_is_observed = false;        ///< the observations determine the whole pose without the priors
-  /// Of a Tracker with learnt tables: expected mean landmark error, as a fraction of the distance of the outer eye corners. 0:
-  /// unknown. A frame is degraded above 0.08, with the head turned beyond 50 degrees, or a part unseen since the start (7.15).
+  /// Of a Tracker with learnt tables: expected mean landmark error over the distance of the outer eye corners. 0: unknown. A frame
+  /// is degraded above 0.08, with the head turned beyond 50 degrees, and after a doubtful start (docs/algorithms.md, 7.15).
   float landmark_error = 0;
   /// Of a Tracker with readers of the eyes: the common direction of both eyes relative to the head, a unit vector in the model's
   /// axes (x to the subject's left, y up, z straight ahead). 0: not seen (lids closed, head turned by more than 40 degrees, no good

@@ -155,7 +155,7 @@ AlignerEvidence AlignerPass::weigh(const AlignerTable& table) {
   const CheckWeights check = table.check_weights();
   const float* const usual = table.check().usual;
   AlignerEvidence evidence;
-  float weights = 0, squares = 0, above[kFaceParts] = {};  // what is usual, each part
+  float weights = 0, squares = 0, above[kFaceParts] = {};  // each part's appearance less the usual one
   prepare(stage);
   shape_.select();
   for (std::size_t k = 0; k < shape_.landmark_count(); ++k) {
@@ -167,11 +167,11 @@ AlignerEvidence AlignerPass::weigh(const AlignerTable& table) {
     const auto appearance = [&](std::size_t row, const std::uint8_t* block) {
       return check.scale[row] * static_cast<float>(dot_bytes(check.rows + row * bytes, block, bytes));
     };
-    const float look = seen.weight * ((1 - gate_) * appearance(t, block_) +
-                                      gate_ * appearance(other, mirrored_) + check.bias[t]);
+    const float of_landmark = seen.weight * ((1 - gate_) * appearance(t, block_) +
+                                             gate_ * appearance(other, mirrored_) + check.bias[t]);
     const int part = part_of_landmark(table.landmark_numbers()[t]);
-    evidence.appearance += look;
-    above[part] += look - seen.weight * usual[part];
+    evidence.appearance += of_landmark;
+    above[part] += of_landmark - seen.weight * usual[part];
     const Vec2 residual = map_.to_crop(target_[k]) - map_.to_crop(seen.x);
     squares += seen.weight * dot(residual, residual);
     weights += seen.weight;

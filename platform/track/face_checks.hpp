@@ -29,9 +29,9 @@ struct FaceChecksTuning {
   /// Estimated landmark error above which a tracked frame is degraded, fraction of the eyes' distance. Round
   /// value, not tuned.
   float most_landmark_error = 0.08f;
-  /// AlignedFace::least_part below which a part of the face may be covered. What was covered at the start is a guess: a track that an
-  /// alignment began is degraded until a check sees all parts, or estimates the landmark error at `doubtful_error` at most. Chosen on
-  /// twelve people (docs/experiments.md, Covered parts).
+  /// AlignedFace::least_part below which a part of the face may be covered, standard deviations. What was covered at the start is a
+  /// guess: a track that an alignment began is degraded until a check sees all parts, or estimates the landmark error at
+  /// `doubtful_error` at most. Chosen on twelve people (docs/experiments.md, Covered parts).
   float least_part = -2;
   /// Cosine of the head's turn away from the camera beyond which a tracked frame is degraded: 50 degrees. Of the built-in face's
   /// landmarks on the far side that a frontal face shows, a third are then seen; 11 of 19 at 40 degrees, 1 of 19 at 60.
@@ -76,13 +76,15 @@ class FaceChecks {
 
  private:
   // Inlined: a call is 24 bytes more of a microcontroller's program.
-  [[gnu::always_inline]] inline bool check(const FrameView& frame, Estimator& estimator, Span<unsigned char> scratch);
+  [[gnu::always_inline]] inline bool check(const FrameView& frame, Estimator& estimator,
+                                           Span<unsigned char> scratch);
 
   const FaceModules* modules_ = nullptr;
   int most_bad_frames_ = 0, blind_frames_ = 0;
   int frames_since_ = 0, bad_ = 0, good_ = 0;
   bool is_aligned_ = false;  // the track began where an alignment put it, not at the caller's landmarks
-  bool is_doubtful_ = false;  // no check since an alignment found the person's shape has seen all parts of the face
+  bool is_doubtful_ =
+      false;  // no check since an alignment found the person's shape has seen all parts of the face
   float landmark_error_ = 0;
 };
 

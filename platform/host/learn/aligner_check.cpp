@@ -250,11 +250,14 @@ class CheckLearning {
  private:
   /// The appearance, and each part's.
   void score_parts(Evidence* e) const {
-    e->appearance = score(*e);
+    float sum = 0;
     for (std::size_t k = 0; k < e->weights.size(); ++k) {
-      e->part[part_[k]] += static_cast<double>(score_of(learnt_[e->half], *e, mirrored_, k));
+      const float of_landmark = score_of(learnt_[e->half], *e, mirrored_, k);
+      sum += of_landmark;
+      e->part[part_[k]] += static_cast<double>(of_landmark);
       e->part_weight[part_[k]] += static_cast<double>(e->weights[k]);
     }
+    e->appearance = static_cast<double>(sum);
   }
 
   void choose_examples() {
