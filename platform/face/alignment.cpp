@@ -49,7 +49,7 @@ Status Alignment::check_input(const FrameView& frame, const Camera& camera, cons
       !is_within(camera.cy, -kTuning.most_px, kTuning.most_px))
     return Status::bad_argument;
   begun->steps_left = 0;
-  return Lens::make(camera, frame.width, frame.height, &lens);
+  return Lens::make(camera, frame.width, frame.height, &begun->lens);
 }
 
 Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera) {
@@ -58,19 +58,21 @@ Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, const
   if (!is_within(box.center.x, -half, static_cast<float>(frame.width - 1) + half) ||
       !is_within(box.center.y, -half, static_cast<float>(frame.height - 1) + half))
     return Status::not_found;
-  const Status placed = view_of_box(pass.shape().cascade(), start_q, box, camera, lens, &start_view);
+  const Status placed =
+      view_of_box(pass.shape().cascade(), start_q, box, camera, begun->lens, &begun->start_view);
   if (placed != Status::ok) return placed;
   // Where the distance is at its limit the face has another size.
-  return is_within(kFaceBoxMm * start_view.s, 1, kTuning.most_px) && is_finite(start_view.tau)
-             ? Status::ok
-             : Status::not_found;
+  const View& view = begun->start_view;
+  return is_within(kFaceBoxMm * view.s, 1, kTuning.most_px) && is_finite(view.tau) ? Status::ok
+                                                                                   : Status::not_found;
 }
 
 Status Alignment::start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera) {
   if (!is_finite(pose) || !is_within(pose.t.z, 1.0f / kMaxRho, 1.0f / kMinRho)) return Status::bad_argument;
-  start_view = view_of({normalised(pose.q), pose.t}, camera);
-  const float side = kFaceBoxMm * start_view.s;
-  const Vec2 x = start_view.c + start_view.s * start_view.tau;
+  View& view = begun->start_view;
+  view = view_of({normalised(pose.q), pose.t}, camera);
+  const float side = kFaceBoxMm * view.s;
+  const Vec2 x = view.c + view.s * view.tau;
   if (!is_within(side, 1, kTuning.most_px) || !is_finite(x)) return Status::bad_argument;
   if (!is_within(x.x, -side, static_cast<float>(frame.width) + side) ||
       !is_within(x.y, -side, static_cast<float>(frame.height) + side))
@@ -109,10 +111,16 @@ void Alignment::write_landmarks(Span<Vec2> landmarks) {
 Status Alignment::begin(const FrameView& frame, const Camera& of, const AlignOptions& options,
                         bool is_refinement) {
   if (use == AlignerUse::verification) return Status::bad_argument;
-  pass.shape().start(start_view, start_q, options.is_free, lens);
-  *begun = {of, frame.width, frame.height, is_refinement, 0, 1};  // one step concludes
+  Begun& b = *begun;
+  pass.shape().start(b.start_view, start_q, options.is_free, b.lens);
+  b.camera = of;
+  b.width = frame.width;
+  b.height = frame.height;
+  b.refines = is_refinement;
+  b.next_stage = 0;
+  b.steps_left = 1;  // one step concludes
   for (std::size_t k = 0; k < table->stage_count(); ++k)
-    begun->steps_left += !begun->refines || table->stage(k).refines != 0;
+    b.steps_left += !b.refines || table->stage(k).refines != 0;
   return Status::ok;
 }
 

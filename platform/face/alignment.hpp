@@ -21,10 +21,10 @@ struct Alignment {
   AlignerUse use = AlignerUse::alignment;
   AlignerPass pass;
   float* start_q = nullptr;
-  Lens lens;
-  View start_view;
-  /// An alignment whose steps are taken one by one.
+  /// An alignment that has begun: from where, and the steps that are left.
   struct Begun {
+    Lens lens;
+    View start_view;
     Camera camera;
     int width = 0, height = 0;  // of its frames
     bool refines = false;
@@ -36,16 +36,16 @@ struct Alignment {
   void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> bytes, AlignerUse use);
   const Model& model() { return pass.shape().cascade().model(); }
 
-  /// Ends the alignment begun, and makes the lens.
+  /// Ends the alignment begun, and makes begun->lens.
   Status check_input(const FrameView& frame, const Camera& camera, const float* q, const AlignedFace* face);
   bool has_room(Span<Vec2> landmarks) {
     return landmarks.empty() || landmarks.count >= model().landmarks().count;
   }
-  /// Sets start_view, for the parameters start_q.
+  /// Sets begun->start_view, for the parameters start_q.
   Status start_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera);
   Status start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera);
 
-  /// Begins at start_view, with start_q.
+  /// Begins at begun->start_view, with start_q.
   Status begin(const FrameView& frame, const Camera& camera, const AlignOptions& options, bool refines);
   Status begin_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera, const float* q,
                       const AlignOptions& options);

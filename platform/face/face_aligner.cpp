@@ -91,7 +91,7 @@ Status FaceAligner::verify(const FrameView& frame, const Camera& camera, const P
   if (!are_finite(q, s.model().parameters().count)) return Status::bad_argument;
   status = s.start_at_pose(frame, pose, camera);
   if (status != Status::ok) return status;
-  if (!s.pass.start(frame, s.lens, s.start_view, q, nullptr)) return Status::not_found;
+  if (!s.pass.start(frame, s.begun->lens, s.begun->start_view, q, nullptr)) return Status::not_found;
   *face = s.conclude(camera);
   face->pose = pose;
   return Status::ok;
