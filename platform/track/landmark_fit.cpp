@@ -33,8 +33,9 @@ Camera start_camera(const Camera* known, float focal_px, int width, int height) 
   return centred_camera(width, height, focal_px > 0 ? focal_px : kDefaultFocalRatio * side);
 }
 
-void LandmarkFit::lay_out(Arena& arena, const Model& model, std::size_t points) {
+void LandmarkFit::lay_out(Arena& arena, const Model& model, std::size_t points, bool samples_base_mesh) {
   FitLimits limits;
+  limits.samples_base_mesh = samples_base_mesh;
   limits.points = static_cast<std::uint16_t>(points);
   limits.silhouette = true;
   fitter_.lay_out(arena, model, limits);

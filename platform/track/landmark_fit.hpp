@@ -51,8 +51,8 @@ Camera start_camera(const Camera* known, float focal_px, int width, int height);
 /// with the plain deviations.
 class LandmarkFit {
  public:
-  /// Lays out memory for that many points, silhouette points included.
-  void lay_out(Arena& arena, const Model& model, std::size_t points);
+  /// Lays out memory for that many points, silhouette points included. \param samples_base_mesh  as in FitLimits.
+  void lay_out(Arena& arena, const Model& model, std::size_t points, bool samples_base_mesh = false);
 
   /// \param points   sd_px is set here. \param options  is_free null: the two stages above; else one fit of those.
   /// \param q        all parameters, start and result.

@@ -19,12 +19,12 @@ struct FitMemory {
 
 }  // namespace
 
-std::size_t start_fit_bytes(const Model& model, std::size_t points) {
+std::size_t start_fit_bytes(const Model& model, std::size_t points, bool samples_base_mesh) {
   if (points == 0) return 0;
   Arena trial;
   FitMemory(trial, points);
   LandmarkFit measured;
-  measured.lay_out(trial, model, points);
+  measured.lay_out(trial, model, points, samples_base_mesh);
   return trial.used_bytes();
 }
 
@@ -33,7 +33,8 @@ Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint>
   const FitMemory memory(arena, points.count);
   if (arena.exhausted()) return Status::out_of_memory;
   LandmarkFit& fit = *new (memory.fit) LandmarkFit();
-  Status status = create_in(arena, fit, model, points.count);
+  const bool samples_base_mesh = start_fit_bytes(model, points.count, true) <= arena.size_bytes();
+  Status status = create_in(arena, fit, model, points.count, samples_base_mesh);
   if (status != Status::ok) return status;
   for (std::size_t k = 0; k < points.count; ++k) {
     const Landmark& l = model.landmarks()[model.find_landmark(points[k].name)];

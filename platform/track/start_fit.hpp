@@ -26,10 +26,11 @@ struct StartPose {
   Pose pose;
 };
 
-/// Bytes that fit_to_landmarks takes for a number of points.
-std::size_t start_fit_bytes(const Model& model, std::size_t points);
+/// Bytes that fit_to_landmarks takes for a number of points. \param samples_base_mesh  what it takes if the arena has them: half the
+/// time.
+std::size_t start_fit_bytes(const Model& model, std::size_t points, bool samples_base_mesh = false);
 
-/// \param points   names that the model has, and finite positions. \param options  with the frame's size and what is known of the camera.
+/// \param arena    empty. \param points   names that the model has, and finite positions. \param options  with the frame's size and what is known of the camera.
 /// \param q        all parameters, the result. \param offsets  pending ones where the person's differ, if wanted.
 /// \return the statuses of LandmarkFit::fit.
 Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint> points,

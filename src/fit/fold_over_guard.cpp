@@ -13,7 +13,7 @@ void FoldOverGuard::lay_out(Arena& arena, const Model& model, bool samples) {
 }
 
 void FoldOverGuard::start(Cascade& cascade, const float* q) {
-  if (!test_.is_started()) test_.start(cascade);
+  if (!test_.is_started()) test_.start_at_rest(cascade);
   for (std::size_t i = 0; i < cascade.parameter_count(); ++i)
     valid_q_[i] = cascade.column_of(i) == kNone ? q[i] : 0.0f;
   const bool are_all_free = cascade.column_count() == cascade.parameter_count();
@@ -32,11 +32,21 @@ void FoldOverGuard::compute_positions(Cascade& cascade, const float* q, Vec3* po
     position[v] = cascade.evaluate(samples_.data + v * cascade.model().cascade().count, q);
 }
 
+/// Of the step from valid_position_ to position_. Which faces are meant to fold over takes most of a short fit's time to find
+/// out, and matters only where one does.
+float FoldOverGuard::step_fraction(Cascade& cascade) {
+  const float fraction = test_.step_fraction(valid_position_, position_);
+  if (fraction == 1 || is_exact_) return fraction;
+  test_.start(cascade);
+  is_exact_ = true;
+  return test_.step_fraction(valid_position_, position_);
+}
+
 bool FoldOverGuard::move_back(Cascade& cascade, float* q) {
   const std::size_t parameters = cascade.parameter_count();
   for (int k = 0; k < kFitTuning.fold_over_tries; ++k) {
     compute_positions(cascade, q, position_);
-    const float fraction = test_.step_fraction(valid_position_, position_);
+    const float fraction = step_fraction(cascade);
     if (fraction == 1) {
       for (std::size_t i = 0; i < parameters; ++i) valid_q_[i] = q[i];
       Vec3* const before = valid_position_;

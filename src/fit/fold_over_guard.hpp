@@ -22,8 +22,10 @@ class FoldOverGuard {
 
  private:
   void compute_positions(Cascade& cascade, const float* q, Vec3* position);
+  float step_fraction(Cascade& cascade);
 
   FoldOverTest test_;
+  bool is_exact_ = false;            // test_ knows the faces that are meant to fold over
   Span<Vec3> samples_;               // of the base mesh's vertices; empty: positions come from the tables
   bool are_samples_of_all_ = false;  // they were taken with all parameters free
   Vec3 *valid_position_ = nullptr, *position_ = nullptr;  // of the base mesh, at valid_q_ and at a trial

@@ -49,16 +49,24 @@ void FoldOverTest::compute_positions(Cascade& cascade, const float* q, Vec3* pos
     position[v] = cascade.selected_point(model_.base_uv()[v]);
 }
 
+void FoldOverTest::start_at_rest(Cascade& cascade) {
+  const auto corners = model_.base_corners();
+  for (std::size_t k = 0; k < model_.parameters().count; ++k) q_[k] = 0;
+  compute_positions(cascade, q_, position_);
+  watched_count_ = 0;
+  for (std::size_t f = 0; f < corners.count / 3; ++f) {
+    const Edges e = edges_of(corners, f, position_);
+    rest_normal_[f] = normalised(cross(e.a, e.b));
+    watched_count_ += dot(rest_normal_[f], rest_normal_[f]) > 0;
+  }
+  vertex_count_ = model_.base_uv().count;
+}
+
 void FoldOverTest::start(Cascade& cascade) {
+  start_at_rest(cascade);
   const auto corners = model_.base_corners();
   const auto parameters = model_.parameters();
   const std::size_t faces = corners.count / 3;
-  for (std::size_t k = 0; k < parameters.count; ++k) q_[k] = 0;
-  compute_positions(cascade, q_, position_);
-  for (std::size_t f = 0; f < faces; ++f) {
-    const Edges e = edges_of(corners, f, position_);
-    rest_normal_[f] = normalised(cross(e.a, e.b));
-  }
   for (std::size_t k = 0; k < parameters.count; ++k)
     for (int side = 0; side < 2; ++side) {
       const float limit = side == 0 ? parameters[k].minimum : parameters[k].maximum;
@@ -73,7 +81,6 @@ void FoldOverTest::start(Cascade& cascade) {
     }
   watched_count_ = 0;
   for (std::size_t f = 0; f < faces; ++f) watched_count_ += dot(rest_normal_[f], rest_normal_[f]) > 0;
-  vertex_count_ = model_.base_uv().count;
 }
 
 std::size_t FoldOverTest::count_folded(const Vec3* position) const {

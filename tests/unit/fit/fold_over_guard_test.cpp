@@ -12,14 +12,15 @@ using namespace pliant;
 
 namespace {
 
-/// A sheet of 100 x 100 mm whose points slide along u by q * 10 mm * tent(u): half of it folds over at q = 5.
-std::vector<std::uint32_t> sheet() {
+/// A sheet of 100 x 100 mm whose points slide along u by q * 10 mm * tent(u), with q the sum of two parameters between
+/// -limit and limit: half of it folds over at q = 5.
+std::vector<std::uint32_t> sheet(float limit) {
   ModelBuilder b;
   b.record(Operation::constant, {}, {}, b.field(3, 17, 17, [](float u, float v) {
     return Vec3{100 * u, -100 * v, 0};
   }));
   for (const char* name : {"first", "second"}) {
-    const std::uint16_t q = b.parameter(name, Group::expression, -4, 4, 1);
+    const std::uint16_t q = b.parameter(name, Group::expression, -limit, limit, 1);
     b.record(Operation::add_vector, {b.last()}, {q}, b.field(3, 17, 17, [](float u, float) {
       return Vec3{10 * (u < 0.5f ? 2 * u : 2 - 2 * u), 0, 0};
     }));
@@ -30,9 +31,11 @@ std::vector<std::uint32_t> sheet() {
 }
 
 struct Guarded {
-  std::vector<std::uint32_t> words = sheet();
+  std::vector<std::uint32_t> words;
   Model model;
-  Guarded() { REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok); }
+  explicit Guarded(float limit = 4) : words(sheet(limit)) {
+    REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+  }
 };
 
 }  // namespace
@@ -54,6 +57,23 @@ TEST_CASE("a valid state stays, a folded one moves back to nine tenths of the wa
     const std::size_t last = g.model.base_uv().count - 1;
     for (const std::size_t v : {std::size_t{0}, last})
       CHECK(length(guard->positions()[v] - cascade->surface_point(g.model.base_uv()[v], q)) < 1e-3f);
+  }
+}
+
+TEST_CASE("a fold that one parameter makes within its limits is meant, and stays") {
+  const Guarded g(5.5f);
+  for (const bool samples : {false, true}) {
+    CAPTURE(samples);
+    InArena<Cascade> cascade(g.model);
+    InArena<FoldOverGuard> guard(g.model, samples);
+    float q[2] = {2, 2};
+    guard->start(cascade.object, q);
+    CHECK_FALSE(guard->move_back(cascade.object, q));
+    for (const float sum : {5.2f, 9.0f}) {
+      q[0] = q[1] = 0.5f * sum;
+      CHECK_FALSE(guard->move_back(cascade.object, q));
+      CHECK(q[0] == 0.5f * sum);
+    }
   }
 }
 

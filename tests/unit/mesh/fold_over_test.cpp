@@ -92,6 +92,20 @@ TEST_CASE("faces that a parameter folds over within its own limits are not watch
   CHECK(t.test->step_fraction(t.at({0, 0}).data(), t.at({20, 0}).data()) == 1);
 }
 
+TEST_CASE("measured at rest alone every face is watched") {
+  const Sheet sheet(5.5f);
+  Tested t(sheet.model);
+  t.test->start_at_rest(t.cascade.object);
+  CHECK(t.test->is_started());
+  CHECK(t.test->watched_count() == 128);
+  CHECK(t.test->count_folded(t.at({5.4f, 0}).data()) == 64);
+  CHECK(t.test->step_fraction(t.at({0, 0}).data(), t.at({4.99f, 0}).data()) == 1);
+  CHECK(t.test->step_fraction(t.at({0, 0}).data(), t.at({20, 0}).data()) ==
+        doctest::Approx(0.9 * 0.25).epsilon(1e-3));
+  t.test->start(t.cascade.object);
+  CHECK(t.test->watched_count() == 0);
+}
+
 TEST_CASE("random steps of a model with rotations end unfolded when what they lead to is checked again") {
   const OpenedEgg egg(6);
   Tested t(egg.model);
