@@ -83,7 +83,7 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 /// texture), the tracker is not started, `is_started` is false, and the next frame may have any time.
 ///
 /// Costs with profiles M and S at 320 x 240 on a PC, in units of a tracked frame: a start from a pose or a state 7 and 11, from
-/// a box 8 and 13, from 68 landmarks 23 and 52, a frame that is searched 6 and 3. `pliant plan` has the instructions.
+/// a box 8 and 13, from 68 landmarks 16 and 44, a frame that is searched 6 and 3. `pliant plan` has the instructions.
 class Tracker {
  public:
   Tracker() = default;
