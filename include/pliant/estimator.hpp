@@ -24,8 +24,8 @@ namespace pliant {
 enum class TrackState : std::uint8_t {
   tracking = 0,  ///< pose and parameters are those of this frame
   /// Either the frame was bad, and pose and parameters are those of the last good one; or they are this
-  /// frame's but less exact: the Tracker expects a large landmark error, or the head is turned so far that
-  /// half of the face is hidden; or, with a print, too little of it is seen or the residual is too large.
+  /// frame's but less exact: a large landmark error is expected, the head is turned so far that half of the face is
+  /// hidden, a part was covered or the face overexposed at the start, or too little of a print is seen.
   degraded = 1,
   lost = 2,  ///< several bad frames in a row, or no track
 };
@@ -49,7 +49,7 @@ struct FrameResult {
   /// axes (x to the subject's left, y up, z straight ahead). 0: not seen (lids closed, head turned by more than 40 degrees, no good
   /// track). A person's own error is constant, some degrees; beyond it about 2 degrees to the sides, 3 up and down.
   Vec3 gaze = {};
-  bool is_searching = false;  ///< of a Tracker: there is no track; the next frame is searched for a face
+  bool is_searching = false;  ///< of a Tracker: there is no track; the next frame is searched for the face or print
 };
 
 /// A state to save and restore. The arrays are the caller's and hold one value for each of the model's parameters.

@@ -89,7 +89,7 @@ class FaceAligner {
   Status refine(const FrameView& frame, const Camera& camera, const Pose& start, AlignedFace* face, float* q,
                 Span<Vec2> landmarks = {}, const AlignOptions& options = {});
 
-  /// Score and landmark error of a given pose and parameters. Moves nothing. Cost: about a fifth of an alignment.
+  /// Score, landmark error and least part of a given pose and parameters. Moves nothing. Cost: about a fifth of an alignment.
   /// \return as `align`.
   Status verify(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
                 AlignedFace* face);

@@ -27,8 +27,8 @@ class FoldOverTest {
   /// and limit, about 10 ms for 150 parameters on a host.
   /// \param cascade  of the same model, with any choice of free parameters.
   void start(Cascade& cascade);
-  /// Measures the model at rest alone. Until `start` all faces are watched, those that are meant to fold over too: where
-  /// step_fraction is 1 then, it is 1 after `start`. Cost: a sample a vertex.
+  /// Measures the model at rest alone. Until `start`, faces that are meant to fold over are watched too. So step_fraction can only
+  /// be too small: where it is 1 now, it is 1 after `start`. Cost: a sample a vertex.
   void start_at_rest(Cascade& cascade);
   bool is_started() const { return vertex_count_ > 0; }  ///< True after either.
 

@@ -16,8 +16,8 @@ struct FrameWork {
   std::uint32_t factorisations = 0;  ///< of the normal equations
   std::uint32_t forces = 0;          ///< observations whose image forces were compared, for rejection
   std::uint32_t coarse_pixels = 0;   ///< of thumbnails, compared for the coarse translation
-  float rare =
-      0;  ///< a key frame, an estimate of the person, a check of the track; instructions, as WorkCosts
+  /// A key frame, an estimate of the person, a check of the track, a step of a second look; instructions, as WorkCosts.
+  float rare = 0;
 };
 
 /// Tuning of WorkCosts, instructions of x86-64: those of a function, over the turns of its loop, counted by callgrind on the

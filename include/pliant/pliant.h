@@ -111,13 +111,14 @@ pliant_status pliant_get_parameter(const pliant_tracker *tracker, const char *na
 /** All parameters in the last frame, in the model's order, valid until the next call. \return PLIANT_NOT_STARTED. */
 pliant_status pliant_get_parameters(const pliant_tracker *tracker, const float **values);
 
-/** Image position of a landmark in the last frame, px; after a start from landmarks, where this person has it.
+/** Image position of a landmark in the last frame, px; after a start from landmarks or by detection, where this person has it.
  *  \return PLIANT_NOT_STARTED, PLIANT_NOT_FOUND, PLIANT_UNDERDETERMINED (behind the camera). */
 pliant_status pliant_get_landmark(pliant_tracker *tracker, const char *name, float *x, float *y);
 /** The same for a landmark by its index. Statuses as pliant_get_landmark. */
 pliant_status pliant_get_landmark_at(pliant_tracker *tracker, size_t index, float *x, float *y);
 
 /** Gives landmarks the offsets that put them at these image positions in the last frame. Others keep theirs.
+ *  Until a later start of the caller or of another person they stay.
  *  \return PLIANT_NOT_STARTED, PLIANT_NOT_FOUND. */
 pliant_status pliant_place_landmarks(pliant_tracker *tracker, const pliant_point *points, size_t count);
 

@@ -26,7 +26,7 @@ enum {
   PLIANT_UNDERDETERMINED = 11,      /**< landmarks that do not determine the pose; a landmark behind the camera */
   PLIANT_SIZE_MISMATCH = 12,        /**< a frame of another size than the limits */
   PLIANT_NOT_STARTED = 13,          /**< there is no track: no start has succeeded yet, or it was given up */
-  PLIANT_NOT_FOUND = 14,            /**< no landmark or parameter of that name or index */
+  PLIANT_NOT_FOUND = 14,            /**< no landmark or parameter of that name or index; no tables for detection */
   PLIANT_END_OF_STREAM = 15,        /**< frame sources: there is no further frame */
   PLIANT_IO_ERROR = 16,             /**< frame sources: a read failed */
   PLIANT_NO_ROOM = 17,              /**< not used; 18 to 26: meshes, as status.hpp says */
@@ -111,7 +111,8 @@ typedef struct pliant_state {
 } pliant_state;
 
 /** What a frame is worth. Degraded: it was bad and has the last good frame's results, or its own are less exact
- *  (landmark_error above 0.08, a head turned by more than 50 degrees, a print seen in part). Lost: several bad frames in a
+ *  (landmark_error above 0.08, a head turned by more than 50 degrees, a part of the face covered or the face overexposed at the
+ *  start, a print seen in part). Lost: several bad frames in a
  *  row, or no track. */
 enum { PLIANT_TRACKING = 0, PLIANT_DEGRADED = 1, PLIANT_LOST = 2 };
 
@@ -123,7 +124,7 @@ typedef struct pliant_result {
   uint16_t tracked, inliers; /**< observations found; observations used in the end */
   int32_t state;             /**< PLIANT_TRACKING, PLIANT_DEGRADED or PLIANT_LOST */
   float landmark_error;      /**< expected, as a fraction of the distance of the outer eye corners; 0: unknown */
-  int32_t is_searching;      /**< 1: there is no track; the next frame is searched for a face */
+  int32_t is_searching;      /**< 1: there is no track; the next frame is searched for the face or print */
   float gaze[3];             /**< of both eyes relative to the head: unit vector to the subject's left, up, ahead; 0: not seen */
 } pliant_result;
 

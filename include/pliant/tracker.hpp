@@ -68,7 +68,7 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 /// Templates are captured at surface points in frame 0 and in key frames. Each is matched in every frame,
 /// warped as the model predicts, so that it does not drift. A point whose template is not found is tracked
 /// from the previous frame, for some frames and with less weight. A key frame is kept when the track is good
-/// and the head has turned away from all key frames: newly visible surface gets templates, and points that
+/// and the head has turned away from all key frames, or is 1.5 times as large or as small: newly visible surface gets templates, and points that
 /// are still found get a second one. Frame 0's templates stay.
 ///
 /// With a model that has learnt tables (pliant learn), or a print (the keypoints of its albedo), no start is
@@ -83,7 +83,8 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 /// texture), the tracker is not started, `is_started` is false, and the next frame may have any time.
 ///
 /// Costs with profiles M and S at 320 x 240 on a PC, in units of a tracked frame: a start from a pose or a state 7 and 11, from
-/// a box 8 and 13, from 68 landmarks 16 and 44, a frame that is searched 6 and 3. `pliant plan` has the instructions.
+/// a box 8 and 13, from 68 landmarks 16 and 44, a frame that is searched 6 and 3.
+/// `pliant plan` has the instructions of frames that are searched and of starts by search.
 class Tracker {
  public:
   Tracker() = default;
@@ -112,7 +113,8 @@ class Tracker {
 
   /// Starts from landmarks, at least 4 and at most TrackerLimits::start_points. Person, pose and, where it is
   /// unknown, the focal length are fitted to them. Residuals of the fit that noise does not explain become
-  /// landmark offsets: `landmark` then gives the place that this person has.
+  /// landmark offsets: `landmark` then gives the place that this person has. With learnt tables and fewer than 12 points the face
+  /// is aligned in the frame from there; where that is verified, pose, person and landmarks are those of the alignment.
   /// \return not_found (a name that the model does not have), capacity, too_few_points, underdetermined (points on one
   ///         line, or within 4 px), the other statuses of Fitter::fit, and those of start_from_pose.
   Status start_from_landmarks(const FrameView& frame, Span<const NamedPoint> points,
@@ -170,7 +172,8 @@ class Tracker {
   Status landmark(const char* name, Vec2* x);
   Status landmark(std::size_t index, Vec2* x);  ///< The same by index.
   /// Gives landmarks the offsets that put them at these image positions in the last frame. Landmarks at the
-  /// same (u,v) get the same offset; others keep theirs. A later start replaces them, also one by a second look.
+  /// same (u,v) get the same offset; others keep theirs. No second look (TrackerLimits::second_look) changes them from then on; a
+  /// later start of the caller or of another person does.
   /// \return not_started, not_found, bad_argument: nothing has changed then.
   Status place_landmarks(Span<const NamedPoint> points);
 

@@ -62,7 +62,7 @@ struct TrackerLimits {
   /// must be planar.
   bool copies_frame = true;
   /// Smooths frames of a face with much noise, as in low light, before anything else reads them: where the standard
-  /// deviation of the noise is above 0.42 of that of the grey levels; both are measured in each frame. width x
+  /// deviation of the noise is 2 grey levels or more and above 0.42 of that of the grey levels, measured in each frame. width x
   /// (height + 10) bytes. If null, frames are used as they are, and the code is left out of the program.
   const NoiseSmoothing* noise = &kNoiseSmoothing;
   std::uint16_t thumbnail_width = 96;                  ///< widest thumbnail for coarse search, px
@@ -84,8 +84,8 @@ struct TrackerLimits {
   /// needs more, the block grows.
   std::uint16_t start_points = 68;
   /// If null, or if the model has no tables for it, or for frames above 8,192 px a side, the tracker neither finds its model nor
-  /// verifies tracks. Null also leaves the code out of the program, if the limits are `constexpr`: what a variable was
-  /// initialised with is linked, whatever is assigned to it later. The same holds for the other pointers.
+  /// verifies tracks. Null also keeps the code out of the program, but only where the limits are `constexpr`: a variable links
+  /// what it was initialised with, even if it is changed later. The same holds for the other pointers.
   const Detection* detection = &kDetection;
   /// Aligns the face again while it is tracked: in each frame in which the templates fail, so that it is tracked in changing light;
   /// and now and then, to begin anew where more of the face is seen than at a start by alignment (docs/algorithms.md, section 7.15).
@@ -100,9 +100,9 @@ struct TrackerLimits {
   /// Work of one frame without a track, cells of the search (FaceDetector::search). The default searches a
   /// frame of 320 x 240 at once, in the time of a few updates, and aligns what it finds. Below 12,000 a frame
   /// has either a part of the search or steps of an alignment, each of the cost of 1,300 cells; the track
-  /// then starts some frames later, with the model's base mesh. A search for a print of 2,000 keypoints (40 bytes each; `bake`
-  /// makes up to 3,000) takes by default one frame at 320 x 240 and two at 640 x 480, one of 3,000 two at either size: matches are
-  /// of the first frame, and verified in the last. `pliant plan` tells how many frames either search takes, at most.
+  /// then starts some frames later, with the model's base mesh. A search for a print of 2,000 keypoints (40 bytes each) takes by
+  /// default one frame at 320 x 240 and two at 640 x 480; one of 3,000, the most that `bake` makes, takes two at either size.
+  /// Corners are matched in the first of them, and the result is verified in the last. `pliant plan` has the frames of both searches.
   std::uint32_t search_work = 24000;
 };
 

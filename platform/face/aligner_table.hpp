@@ -1,5 +1,5 @@
 #pragma once
-// The learnt table of alignment (docs/model-format.md). One little-endian block, read in place. `open` checks
+// The learnt table of alignment. One little-endian block, read in place. `open` checks
 // every size, index and number once; whatever opens is safe to use.
 //
 // Layout: AlignerHeader, the numbers of the landmarks (a byte each, padded to 4), AlignerStages,

@@ -25,8 +25,10 @@ inline void start_found(TrackerParts& t, const FrameView& frame, const StartPose
                         const TrackerOptions& options) {
   FaceDetectionState& detection = *static_cast<FaceDetectionState*>(t.detection);
   const bool is_known = detection.person.is_known;
-  t.identity_is_given = t.identity_is_given && is_known;
-  if (!is_known) detection.marker_count = 0;
+  if (!is_known) {
+    t.identity_is_given = t.landmarks_are_given = false;
+    detection.marker_count = 0;
+  }
   if (detection.start(t, frame, found, options) == Status::ok && !is_known)
     t.offsets.place_pending(t.estimator);
 }

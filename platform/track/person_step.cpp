@@ -106,6 +106,7 @@ bool take_step(TrackerParts& t, PersonStep* step) {
   t.result.pose = pose_of(e.view());
   t.key_frames.turn(turn);
   t.offsets.keep_all(*t.key_frames.view_of(0), e, places.landmarks, places.moved);
+  if (!t.keeps_landmark_offsets) t.offsets.clear();
   if (t.detection != nullptr && t.detection->calls->keep_parts != nullptr)
     t.detection->calls->keep_parts(t, places.moved);
   t.markers.keep_all(*t.key_frames.view_of(0), e, places.markers);

@@ -61,11 +61,12 @@ int count_better(TrackerParts& t, const AlignedFace& face, Span<const Vec2> land
 /// differ, with its expression most of all.
 void average_landmarks(TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
   SecondLookState& look = *detection_of(t).look;
-  if (face.score < kTuning.least_score ||
+  if (!t.keeps_landmark_offsets || face.score < kTuning.least_score ||
       camera_direction(view_of(face.pose, face.camera)).z < kTuning.least_average_frontal ||
       face.landmark_error > min(kTuning.most_average_error, kTuning.most_average_ratio * look.start_error))
     return;
-  const float gain = max(kTuning.least_gain, 1 / (kTuning.share_of_start + static_cast<float>(++look.averaged)));
+  const float gain =
+      max(kTuning.least_gain, 1 / (kTuning.looks_of_start + static_cast<float>(++look.averaged)));
   const Span<const Landmark> all = t.model().landmarks();
   for (std::size_t k = 0; k < all.count; ++k) {
     Vec2 x;
@@ -106,10 +107,10 @@ void begin_look(TrackerParts& t, const FrameView& frame) {
     look.steps_left = 0;
 }
 
-/// Whether the caller has said nothing that a new start would lose: who it is, or where markers are.
+/// Whether the caller has said nothing that a new start would lose: who it is, or where landmarks or markers are.
 bool is_free(TrackerParts& t) {
   Vec2 unused;
-  return !t.identity_is_given && !t.markers.position(0, t.estimator, &unused);
+  return !t.identity_is_given && !t.landmarks_are_given && !t.markers.position(0, t.estimator, &unused);
 }
 
 bool conclude(TrackerParts& t, const FrameView& frame) {

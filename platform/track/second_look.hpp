@@ -40,7 +40,7 @@ struct SecondLookTuning {
   /// counts as two looks, since a look's distances from the track have the track's own errors, too; and a look for a tenth, at least,
   /// so that slow changes are followed. docs/experiments.md, Means of alignments.
   float least_average_frontal = 0.9f, most_average_error = 0.04f, most_average_ratio = 1.2f;
-  float share_of_start = 2, least_gain = 0.1f;
+  float looks_of_start = 2, least_gain = 0.1f;
   /// Work of a step with the built-in face's learnt tables, instructions as WorkCosts. With profile M 1.5 to 2.9 million were
   /// counted.
   float step_work = 3e6f;

@@ -69,8 +69,10 @@ struct TrackerParts : ImageParts {
   std::uint32_t last_kept = 0;  // frame that became a key frame
   int bad_frames = 0;           // in a row
   bool is_started = false;
-  bool identity_is_given = false;   // by the caller, with the pose: it stays
-  bool block_is_of_search = false;  // else of the tracking, which is laid out in it
+  bool identity_is_given = false;      // by the caller, with the pose: it stays
+  bool keeps_landmark_offsets = true;  // as StartOptions
+  bool landmarks_are_given = false;    // by place_landmarks: they stay
+  bool block_is_of_search = false;     // else of the tracking, which is laid out in it
 
   const Model& model() const { return table; }
   MatchFrame match_frame() { return {templates, region, observations, {&key_frames, &estimator.view()}}; }

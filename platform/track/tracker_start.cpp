@@ -85,7 +85,8 @@ Status TrackerParts::start_at_fit(Status fitted, const FrameView& frame_0, const
                                   Span<const Vec2> marker_places) {
   begin_stream();
   const FrameView& view = quiet(frame_0);
-  identity_is_given = false;
+  identity_is_given = landmarks_are_given = false;
+  keeps_landmark_offsets = rough.options.keeps_landmark_offsets;
   const bool is_fitted = fitted == Status::ok;
   refine(view, is_fitted ? rough : RoughStart{nullptr, RoughStart::kExact, rough.options}, from);
   if (is_fitted) fitted = start(view, *from, with, marker_places);
@@ -170,6 +171,8 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   const FrameView& quiet = impl_->quiet(frame);
   impl_->refine(quiet, {nullptr, RoughStart::kExact, known}, &from);
   impl_->identity_is_given = q != nullptr;
+  impl_->landmarks_are_given = false;
+  impl_->keeps_landmark_offsets = true;
   return impl_->start(quiet, from, options, markers);
 }
 
@@ -232,6 +235,7 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
     return Status::bad_argument;
   t.detection->calls->begin_search(t, start, options);
   t.begin_stream();
+  t.keeps_landmark_offsets = start.keeps_landmark_offsets;
   return Status::ok;
 }
 

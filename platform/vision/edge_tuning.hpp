@@ -24,8 +24,8 @@ struct EdgeTuning {
   float indifference_px = 1;
   /// Preference of an alternative relative to the best edge, at least. Round value, not tuned.
   float min_alternative_fraction = 0.5f;
-  /// If more edges than hypotheses reach this fraction of the best one's preference, the point is ambiguous. From
-  /// docs/algorithms.md, section 7.4; not tuned.
+  /// If more edges than hypotheses reach this fraction of the best one's preference, the point is ambiguous. Round
+  /// value, not tuned.
   float ambiguous_fraction = 0.8f;
   /// Noise of a pixel that is assumed at least, grey levels: rounding.
   float noise_floor_grey = 1;

@@ -183,4 +183,32 @@ TEST_CASE("where the landmarks are seen in frame 0 tells of the person what temp
   CHECK(std::abs(with + 1.5f) < 0.5f * std::abs(without + 1.5f));
 }
 
+TEST_CASE("steps of the person give no offsets to who wants the model's landmarks") {
+  BakedModel& face = baked_face();
+  InArena<Tracker> tracker(face.model, TrackerLimits{});
+  const char* const names[] = {"ibug36", "ibug39", "ibug42", "ibug45",
+                               "ibug33", "ibug48", "ibug54", "ibug57"};
+  std::vector<NamedPoint> points;
+  for (const char* name : names) points.push_back({name, film().truth(name, 0)});
+  StartOptions start;
+  start.camera = &film().camera;
+  start.keeps_landmark_offsets = false;
+  REQUIRE(tracker->start_from_landmarks(film().view(0), {points.data(), points.size()}, start) == Status::ok);
+  const std::vector<float> before(tracker->parameters().begin(), tracker->parameters().end());
+  FrameResult result;
+  for (std::size_t n = 1; n < kFrames; ++n) REQUIRE(tracker->update(film().view(n), &result) == Status::ok);
+  const std::vector<float> q(tracker->parameters().begin(), tracker->parameters().end());
+  bool has_moved = false;
+  for (std::size_t k = 0; k < q.size(); ++k) has_moved = has_moved || (is_identity(k) && q[k] != before[k]);
+  CHECK(has_moved);
+  const Projector projector(tracker->estimator().view(), true);
+  for (const char* name : names) {
+    CAPTURE(name);
+    Vec2 x, of_model;
+    REQUIRE(tracker->landmark(name, &x) == Status::ok);
+    REQUIRE(projector.project(face.at(name, q), &of_model));
+    CHECK(length(x - of_model) < 0.05f);  // the personal field is rounded to 16 bits
+  }
+}
+
 }  // namespace person_refinement_test

@@ -113,7 +113,8 @@ TEST_CASE("looks that are not better count for the mean of the landmarks, if the
   const struct {
     std::string what;
     float of_start, of_look, score = 0.999f, turn = 0;
-    float error = 8;  // of the mouth after the two looks of the film, px; half of it if they count, as a start does
+    float error =
+        8;  // of the mouth after the two looks of the film, px; half of it if they count, as a start does
   } kCases[] = {
       {"hardly better", 0.021f, 0.02f, 0.999f, 0, 4},
       {"a little worse", 0.02f, 0.0235f, 0.999f, 0, 4},
@@ -212,9 +213,36 @@ TEST_CASE("who tells the tracker where landmarks or markers are, or who the pers
     REQUIRE(tracker->start_from_landmarks(film().view(0), {points.data(), points.size()}, {}, {},
                                           {&marker, 1}) == Status::ok);
   }
+  SUBCASE("a face that is found, and a landmark that is then placed") {
+    update(tracker.object, film(), 0);
+    const NamedPoint point{"ibug30", film().truth("ibug30", 0)};
+    REQUIRE(tracker->place_landmarks({&point, 1}) == Status::ok);
+  }
   const int before = fake.alignments;
   for (std::size_t k = 1; k < kFrames; ++k) update(tracker.object, film(), k);
   CHECK(fake.alignments == before);
+}
+
+TEST_CASE("looks give no offsets to who wants the model's landmarks") {
+  FakeFaces fake(film());
+  fake.covered_frames = 10;
+  fake.covered_error = 0.021f;  // a mean that would move them
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  StartOptions start;
+  start.keeps_landmark_offsets = false;
+  REQUIRE(tracker->start_by_detection(start) == Status::ok);
+  for (std::size_t k = 0; k < kFrames; ++k) update(tracker.object, film(), k);
+  CHECK(fake.alignments > 1);
+  BakedModel& face = baked_face();
+  const Projector projector(tracker->estimator().view(), true);
+  const Span<const float> q = tracker->parameters();
+  for (const char* name : {"ibug30", "ibug57", "ibug36"}) {
+    CAPTURE(name);
+    Vec2 x, of_model;
+    REQUIRE(tracker->landmark(name, &x) == Status::ok);
+    REQUIRE(projector.project(face.at(name, {q.begin(), q.end()}), &of_model));
+    CHECK(length(x - of_model) < 0.01f);
+  }
 }
 
 TEST_CASE("a look takes a step in each frame once it has begun: the head may turn") {
@@ -242,7 +270,9 @@ TEST_CASE("a look that cannot begin keeps no other work waiting") {
   CHECK(verifications[true] >= verifications[false]);
 }
 
-TEST_CASE("looks wait longer and longer while nothing is better, but not long after a start that was doubtful or turned") {
+TEST_CASE(
+    "looks wait longer and longer while nothing is better, but not long after a start that was doubtful or "
+    "turned") {
   const struct {
     std::string what;
     float turn, error;
