@@ -19,7 +19,10 @@ void LiveWindow::show(const Image& image) {
   try {
     video_->write(image);
   } catch (const Failure&) {
-    video_.reset();  // a window that is closed no longer reads
+    // A window that is closed no longer reads, and neither does a player that has failed.
+    const std::string why = video_->end_program();
+    video_.reset();
+    if (!why.empty()) fail_input("ffplay", why);
   }
 }
 

@@ -12,7 +12,7 @@ class LiveWindow {
   /// \param rate  pictures a second, at most. Bad input if there is no ffplay program.
   explicit LiveWindow(FrameRate rate);
 
-  /// Shows a picture of the first one's size. Nothing happens once the window is closed.
+  /// Shows a picture of the first one's size. Nothing happens once the window is closed. Bad input if ffplay fails.
   void show(const Image& image);
   /// Whether the window can show another picture: its user has not closed it.
   bool is_open() const { return video_.has_value(); }

@@ -175,13 +175,14 @@ int run_track(const Args& args, Console& console) {
   Progress progress(console, "frame", expected);
   // Ctrl-C ends the track, and the result is kept.
   const InterruptWatch watch;
-  const auto goes_on = [&] { return !watch.was_interrupted() && output.is_watched(); };
+  const auto goes_on = [&] { return !watch.was_interrupted() && output.goes_on(); };
   for (int count = 1; count != last && goes_on() && frames.next(&frame); ++count) {
     run.track(frame);
     progress.show(static_cast<std::size_t>(count) + 1);
   }
-  // Also where the stream was cut off: the frames before that have their rows.
+  // Also where the stream was cut off or a picture could not be written: the frames before that have their rows.
   console.out << output.commit(run.used_bytes(), run.focal_px()) << "\n";
+  if (!output.failure().empty()) throw Failure(kBadInput, output.failure());
   if (watch.was_interrupted()) return frames.is_live() ? 0 : kInterrupted;
   if (frames.message().empty()) return 0;
   throw Failure(kBadInput, frames.message());

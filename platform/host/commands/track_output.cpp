@@ -122,8 +122,12 @@ void TrackOutput::write(const TrackRow& row, const FrameView& frame) {
 std::string TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
   const std::string line = summary(arena_bytes, focal_px);  // before the files, which add to the peak memory
   table_.commit();
-  if (overlay_) overlay_->commit();
-  if (window_) window_->close();
+  try {
+    if (overlay_) overlay_->commit();
+    if (window_) window_->close();
+  } catch (const Failure& failure) {
+    failure_ = failure.what();
+  }
   if (sheet_file_) {
     sheet_file_->write(encode_png(sheet_.image()));
     sheet_file_->commit();
@@ -167,9 +171,20 @@ void TrackOutput::show(const TrackRow& row, const FrameStream& frames, const Fra
                            std::to_string(row.frame) + "  " + state_text(row.state), row.state};
   if (!draws) return sheet_.add([shown] { return shown.drawn(); });
   const Image image = shown.drawn();
-  if (overlay_) overlay_->write(image);
-  if (window_) window_->show(image);
+  show(image);
   if (is_on_sheet) sheet_.add([image] { return image; });
+}
+
+/// A disk that is full or a player that ends takes the pictures, not the track.
+void TrackOutput::show(const Image& image) {
+  try {
+    if (overlay_) overlay_->write(image);
+    if (window_) window_->show(image);
+  } catch (const Failure& failure) {
+    failure_ = failure.what();
+    overlay_.reset();
+    window_.reset();
+  }
 }
 
 }  // namespace pliant::host

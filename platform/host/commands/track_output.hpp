@@ -40,8 +40,10 @@ class TrackOutput {
   /// \param milliseconds  that the update took; not counted for frame 0.
   void add(const FrameStream& frames, const FrameView& frame, ReducedTracker& tracker, double milliseconds);
 
-  /// Whether someone still watches, where --show is given: the window was not closed.
-  bool is_watched() const { return window_ == nullptr || window_->is_open(); }
+  /// Whether another frame is wanted: neither was the window of --show closed, nor has a file failed that is not the track.
+  bool goes_on() const { return failure_.empty() && (window_ == nullptr || window_->is_open()); }
+  /// Why an overlay or a window failed; empty if none did. The track is to be kept.
+  const std::string& failure() const { return failure_; }
 
   /// Adds a frame that was searched for a face in vain: state lost, no pose, no parameters, no points.
   void add_lost(const FrameStream& frames, const FrameView& frame);
@@ -59,6 +61,7 @@ class TrackOutput {
   /// Draws the frame where it is wanted. \param marks  is called only then.
   void show(const TrackRow& row, const FrameStream& frames, const FrameView& frame,
             const std::function<TrackMarks()>& marks, double milliseconds);
+  void show(const Image& image);
 
   Model model_;
   OutputFile table_;
@@ -68,6 +71,7 @@ class TrackOutput {
   FrameRate rate_;
   std::unique_ptr<Y4mWriter> overlay_;
   std::unique_ptr<LiveWindow> window_;
+  std::string failure_;
   std::unique_ptr<OutputFile> sheet_file_;
   std::unique_ptr<TruthComparison> truth_;
   ContactSheet sheet_;  // of --sheet and --report

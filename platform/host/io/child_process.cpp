@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <utility>
 
@@ -33,7 +34,8 @@ std::string last_line(std::FILE* file) {
 
 std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>& words, Pipe pipe) {
   int ends[2];
-  std::FILE* errors = ::fdopen(::memfd_create("errors", MFD_CLOEXEC), "w+b");  // a device may have no folder to write to
+  std::FILE* errors =
+      ::fdopen(::memfd_create("errors", MFD_CLOEXEC), "w+b");  // a device may have no folder to write to
   if (errors == nullptr || ::pipe2(ends, O_CLOEXEC) != 0) {
     if (errors != nullptr) std::fclose(errors);
     return nullptr;
@@ -63,10 +65,16 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
 std::string ChildProcess::finish() {
   if (stream_ != nullptr) std::fclose(std::exchange(stream_, nullptr));
   int status = 0;
-  if (id_ > 0) ::waitpid(std::exchange(id_, -1), &status, 0);
+  while (id_ > 0 && ::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
+  }
+  id_ = -1;
   if (status == 0) return "";
-  const std::string line = last_line(errors_);
+  const std::string line = last_error();
   return line.empty() ? "failed" : line;
+}
+
+std::string ChildProcess::last_error() {
+  return last_line(errors_);
 }
 
 ChildProcess::~ChildProcess() {

@@ -28,6 +28,8 @@ class ChildProcess {
   /// Closes the pipe and waits for the program's end. \return the last line that the program wrote to standard error if it
   /// failed, "failed" if it wrote none; empty on success.
   std::string finish();
+  /// The last line that the program has written to standard error, whether it failed or not; empty without one.
+  std::string last_error();
 
  private:
   ChildProcess(pid_t id, std::FILE* stream, std::FILE* errors) : id_(id), stream_(stream), errors_(errors) {}

@@ -46,6 +46,11 @@ std::FILE* create_beside(const std::string& target, std::string* path) {
   return file < 0 ? nullptr : ::fdopen(file, "wb");
 }
 
+/// Whether a write to a pipe failed because of a signal (interrupt.hpp): the rest is still to be written.
+bool was_interrupted() {
+  return errno == EINTR;
+}
+
 }  // namespace
 
 std::string read_file(const std::string& path, std::size_t limit_bytes) {
@@ -81,7 +86,8 @@ OutputFile::OutputFile(const std::string& path) : name_(path), target_(path) {
     if (std::filesystem::exists(status))
       target_ = std::filesystem::canonical(path, ignored).string();
     else if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored)))
-      target_ = (std::filesystem::path(path).parent_path() / std::filesystem::read_symlink(path, ignored)).string();
+      target_ =
+          (std::filesystem::path(path).parent_path() / std::filesystem::read_symlink(path, ignored)).string();
     file_ = create_beside(target_, &temporary_);
     has_no_name_ = temporary_.empty();
   }
@@ -103,15 +109,30 @@ void OutputFile::fail() const {
 }
 
 void OutputFile::write(std::string_view bytes) {
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) fail();
-  if (file_ == stdout && std::fflush(file_) != 0) fail();  // who reads a live track gets each row at once
+  while (!bytes.empty()) {
+    errno = 0;
+    const std::size_t written = std::fwrite(bytes.data(), 1, bytes.size(), file_);
+    bytes.remove_prefix(written);
+    if (!bytes.empty() && !was_interrupted()) fail();
+  }
+  if (file_ == stdout) flush();  // who reads a live track gets each row at once
+}
+
+void OutputFile::flush() {
+  errno = 0;
+  while (std::fflush(file_) != 0)
+    if (!was_interrupted()) fail();
+}
+
+std::string OutputFile::end_program() {
+  return program_->finish();
 }
 
 void OutputFile::commit() {
-  if (std::fflush(file_) != 0) fail();
+  flush();
   if (file_ == stdout) return;
   if (program_ != nullptr) {
-    if (const std::string why = program_->finish(); !why.empty()) fail_input(name_, why);
+    if (const std::string why = end_program(); !why.empty()) fail_input(name_, why);
     return;
   }
   // The bytes are on the disk before the name is, so that a power cut leaves the old file or the new one.

@@ -36,9 +36,13 @@ class OutputFile {
   void write(std::string_view bytes);
   /// Flushes the bytes to the disk and gives the file its name. Nothing may be written afterwards.
   void commit();
+  /// Of a program that may not have read all: closes its input and waits for its end. Nothing may be written afterwards.
+  /// \return why it failed; empty if it did not.
+  std::string end_program();
 
  private:
   [[noreturn]] void fail() const;
+  void flush();
   bool is_direct() const { return temporary_.empty() && !has_no_name_; }
 
   std::string name_, target_;

@@ -55,7 +55,7 @@ Image enlarged(const Image& image, int factor);
 /// Shrinks a picture by averaging to at most `width` x `height` pixels, with its proportions; a copy if it fits already.
 Image shrunk_to(const Image& image, int width, int height);
 
-/// Reads JPEG, PNG, BMP, and PGM and PPM of 8 bits, of at most 16,384 pixels a side and 100 million in all as colour. A JPEG is
+/// Reads JPEG, PNG, and PGM and PPM of 8 bits, of at most 16,384 pixels a side and 100 million in all as colour. A JPEG is
 /// turned as its camera was held. Bad input otherwise.
 Image read_image(const std::string& path);
 /// The bytes of a PNG file.

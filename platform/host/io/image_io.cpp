@@ -23,7 +23,6 @@
 // The others have no safe mark at their beginning, or go on reading behind the end of a file that is cut off.
 #define STBI_ONLY_JPEG
 #define STBI_ONLY_PNG
-#define STBI_ONLY_BMP
 #define STBI_ONLY_PNM
 #include <stb_image.h>
 #define STB_IMAGE_WRITE_STATIC

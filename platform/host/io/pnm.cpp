@@ -67,6 +67,15 @@ std::string read_header(std::FILE* f, Header& h) {
   return {};
 }
 
+std::size_t bytes_of(const Header& h) {
+  return static_cast<std::size_t>(h.width) * static_cast<std::size_t>(h.height) *
+         static_cast<std::size_t>(h.channels);
+}
+
+std::string early(std::size_t missing) {
+  return "ends " + std::to_string(missing) + " bytes early";
+}
+
 // One row of samples, as luma.
 void to_luma(const std::uint8_t* row, const Header& h, std::uint8_t* out) {
   for (int x = 0; x < h.width; ++x, row += h.channels) {
@@ -86,6 +95,9 @@ int pnm_maximum(const std::string& bytes, std::string& message) {
   const File file(::fmemopen(const_cast<char*>(bytes.data()), bytes.size(), "rb"));
   Header h;
   message = file ? read_header(file.get(), h) : "not a PGM or PPM picture";
+  if (!message.empty()) return h.maximum;
+  const std::size_t have = bytes.size() - static_cast<std::size_t>(std::ftell(file.get()));
+  if (have < bytes_of(h)) message = early(bytes_of(h) - have);
   return h.maximum;
 }
 
@@ -106,8 +118,7 @@ Status read_pnm(const std::string& path, LumaPicture& picture, std::string& mess
   for (int y = 0; y < h.height; ++y) {
     const std::size_t got = std::fread(row.data(), 1, row_bytes, file.get());
     if (got < row_bytes) {
-      const std::size_t missing = row_bytes * static_cast<std::size_t>(h.height - y) - got;
-      message = path + ": ends " + std::to_string(missing) + " bytes early";
+      message = path + ": " + early(row_bytes * static_cast<std::size_t>(h.height - y) - got);
       return Status::truncated;
     }
     pixels.resize(pixels.size() + width);

@@ -17,7 +17,8 @@ struct LumaPicture {
 /// values are scaled to 255. Otherwise `io_error` or `truncated`, and `message` names the file and the error.
 Status read_pnm(const std::string& path, LumaPicture& picture, std::string& message);
 
-/// The largest value that the header of such a picture tells. For any other `message` says what is wrong.
+/// The largest value that the header of such a picture tells. For any other, and for one that is cut off, `message` says what is
+/// wrong.
 int pnm_maximum(const std::string& bytes, std::string& message);
 /// A value of a picture with this largest one, as one of 255.
 std::uint8_t stretched(int value, int maximum);

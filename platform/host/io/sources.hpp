@@ -20,8 +20,10 @@ bool is_picture_of_folder(const std::filesystem::directory_entry& entry);
 /// Opens a video file through the ffmpeg program, the first video track in it.
 OpenedFrames open_video(const std::string& path);
 class ChildProcess;
-/// Opens the Y4M stream that a program writes. `name` names it in messages.
-OpenedFrames open_y4m_from(std::unique_ptr<ChildProcess> program, const std::string& name);
+/// Opens the Y4M stream that a program writes. `name` names it in messages. \param rate  n:d, frames a second, that counts instead of
+/// the stream's; empty: the stream's.
+OpenedFrames open_y4m_from(std::unique_ptr<ChildProcess> program, const std::string& name,
+                           const std::string& rate);
 
 struct CameraSpec;
 /// Opens and starts a camera. Without libcamera in the build it returns an error.

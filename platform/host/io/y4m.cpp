@@ -58,8 +58,13 @@ class Stream {
   }
   bool has_failed() const { return std::ferror(file_) != 0; }
   const std::string& name() const { return name_; }
-  // At the end of the data: what a program that failed says; empty otherwise.
-  std::string why_it_ended() { return program_ == nullptr ? "" : program_->finish(); }
+  // At the end of the data: what a program says of its failure, or of data that it could not read though it did not fail, as where
+  // a file is cut off; empty otherwise.
+  std::string why_it_ended() {
+    if (program_ == nullptr) return "";
+    const std::string failure = program_->finish();
+    return failure.empty() ? program_->last_error() : failure;
+  }
 
  private:
   std::unique_ptr<ChildProcess> program_;
@@ -147,7 +152,7 @@ class Y4mSource : public FrameSource {
   std::vector<std::uint8_t> luma_, chroma_;
 };
 
-OpenedFrames open_stream(std::unique_ptr<Stream> stream) {
+OpenedFrames open_stream(std::unique_ptr<Stream> stream, const std::string& rate = "") {
   const std::string& name = stream->name();
   bool is_whole = false;
   const std::string line = stream->line(is_whole);
@@ -157,7 +162,8 @@ OpenedFrames open_stream(std::unique_ptr<Stream> stream) {
     return {nullptr, name + (why.empty() ? ": is empty" : ": cannot be read as a video: " + why)};
   }
   Y4mHeader header;
-  if (const std::string wrong = parse_y4m_header(line, header); !wrong.empty())
+  const std::string counts = rate.empty() ? line : line + " F" + rate;  // the last one counts
+  if (const std::string wrong = parse_y4m_header(counts, header); !wrong.empty())
     return {nullptr, name + ": " + wrong};
   if (!is_whole) return {nullptr, name + ": ends, or goes on without end, in its first line"};
   return {std::make_unique<Y4mSource>(std::move(stream), header), {}};
@@ -172,8 +178,9 @@ OpenedFrames open_y4m(const std::string& path) {
   return open_stream(std::make_unique<Stream>(file, name));
 }
 
-OpenedFrames open_y4m_from(std::unique_ptr<ChildProcess> program, const std::string& name) {
-  return open_stream(std::make_unique<Stream>(std::move(program), name));
+OpenedFrames open_y4m_from(std::unique_ptr<ChildProcess> program, const std::string& name,
+                           const std::string& rate) {
+  return open_stream(std::make_unique<Stream>(std::move(program), name), rate);
 }
 
 }  // namespace pliant::host

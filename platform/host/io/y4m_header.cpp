@@ -29,6 +29,12 @@ bool parse_rate(const std::string& text, FrameRate& rate) {
   return rate.per_second() >= kLeast && rate.per_second() <= kMost;
 }
 
+// Whether the ratio of a pixel's sides is 1, or unknown (0:0).
+bool are_square(const std::string& ratio) {
+  const std::size_t colon = ratio.find(':');
+  return colon != std::string::npos && ratio.substr(0, colon) == ratio.substr(colon + 1);
+}
+
 // Sets size and bytes of the chroma planes (and alpha) for a colour space of eight bits. False for any other.
 bool set_chroma(Y4mHeader& h) {
   const std::string& c = h.chroma;
@@ -70,6 +76,10 @@ std::string parse_y4m_header(const std::string& line, Y4mHeader& h) {
       if (!parse_rate(value, h.rate)) return "its header has no possible frame rate in " + word;
     } else if (word[0] == 'C') {
       h.chroma = value;
+    } else if (word[0] == 'A') {
+      if (!are_square(value))
+        return "its pixels are not square (" + word +
+               "); ffmpeg -i IN -vf \"scale=iw*sar:ih,setsar=1\" OUT makes them so";
     }
   }
   if (!has_width) return "its header has no width (W)";

@@ -26,6 +26,8 @@ class Y4mWriter {
   /// write.
   void write(const Image& image);
   void commit() { file_.commit(); }
+  /// As of OutputFile.
+  std::string end_program() { return file_.end_program(); }
 
  private:
   void begin(const Image& first);

@@ -254,6 +254,14 @@ TEST_CASE("a video that ends in mid-frame gives a row for every whole frame, one
   CHECK(s.temporary_count() == 0);
 }
 
+TEST_CASE("where the overlay cannot be written the track is kept, with one line and exit 1") {
+  const Sequence s;
+  auto words = s.track_words();
+  words.insert(words.end(), {"--overlay", "/dev/full"});
+  check_refused(words, {"/dev/full", "No space left"});
+  CHECK(CsvTable("t", read_file(s / "t.csv")).row_count() >= 1);
+}
+
 TEST_CASE("a Y4M stream with a wrong size or without a header is refused in one line") {
   const Sequence s;
   const std::string whole = read_file(s.video), body = whole.substr(whole.find('\n') + 1);
@@ -311,7 +319,8 @@ TEST_CASE("frames, markers and truths that a track cannot use are refused by nam
   const std::string flat = "YUV4MPEG2 W200 H160 F30:1 Cmono\nFRAME\n" + std::string(200 * 160, 'g');
   words[3] = s.put("flat.y4m", flat);
   check_refused(words, {"flat.y4m", "frame 0", "has no texture there"});
-  check_refused({"track", s.model, "--frames", s.video, "--out", s / "t.csv"}, {"m.plm", "nor a print", "--box"});
+  check_refused({"track", s.model, "--frames", s.video, "--out", s / "t.csv"},
+                {"m.plm", "nor a print", "--box"});
   words = s.track_words();
   words.insert(words.end(), {"--markers", s.put("marks.csv", "landmark,x,y\na,1,2\nb,3,NaN\n")});
   check_refused(words, {"marks.csv: line 3", "'y'"});

@@ -67,6 +67,27 @@ TEST_CASE("the first Ctrl-C sets a flag, the second has its usual effect") {
   std::signal(SIGINT, before);
 }
 
+TEST_CASE("Ctrl-C ends a read that waits for input") {
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  const InterruptWatch watch;
+  const ::pid_t child = ::fork();
+  if (child == 0) {
+    ::usleep(20000);
+    ::kill(::getppid(), SIGINT);
+    ::usleep(2000000);  // a read that the signal has not ended gets a byte
+    ::_exit(::write(ends[1], "x", 1) == 1 ? 0 : 1);
+  }
+  REQUIRE(child > 0);
+  char byte;
+  CHECK(::read(ends[0], &byte, 1) == -1);
+  CHECK(watch.was_interrupted());
+  ::kill(child, SIGKILL);
+  CHECK(::waitpid(child, nullptr, 0) == child);
+  ::close(ends[0]);
+  ::close(ends[1]);
+}
+
 TEST_CASE("a signal that is ignored, as nohup does with the end of a terminal, ends nothing") {
   const auto before = std::signal(SIGHUP, SIG_IGN);
   {
@@ -162,7 +183,8 @@ TEST_CASE("an output that is an input, two outputs of one name and a name of ano
       {{"--out", model}, "--out would overwrite the input"},
       {{"--out", folder / "t.csv", "--overlay", folder / "same.y4m"}, "--overlay would overwrite the input"},
       {{"--out", folder / "t", "--report", folder / "t"}, "two outputs have the name"},
-      {{"--out", folder / "t", "--report", folder / "../" + folder.path.filename().string() + "/./t"}, "two outputs have the name"},
+      {{"--out", folder / "t", "--report", folder / "../" + folder.path.filename().string() + "/./t"},
+       "two outputs have the name"},
       {{"--out", "-", "--overlay", "-"}, "two outputs have the name -"},
       {{"--out", folder / "t.csv", "--overlay", folder / "o.mp4"}, "--overlay writes Y4M"},
       {{"--out", folder / "t.csv", "--sheet", folder / "s.JPG"}, "--sheet writes PNG"},
@@ -183,14 +205,16 @@ TEST_CASE("an output that is an input, two outputs of one name and a name of ano
   for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
            {"bake", folder.path.string(), "-o", points},
            {"track", model, "--frames", folder.path.string(), "--out", folder / "t.csv", "--sheet", frame},
-           {"track", model, "--frames", folder.path.string(), "--out", folder / "t.csv", "--sheet", folder / "new.png"}}) {
+           {"track", model, "--frames", folder.path.string(), "--out", folder / "t.csv", "--sheet",
+            folder / "new.png"}}) {
     const Ran r = run_words(words);
     CAPTURE(r.err);
     CHECK(r.code == 2);
     CHECK(contains(r.err, "would be read with the folder " + folder.path.string() + ": " + words.back()));
   }
   CHECK(read_file(points) == "points");
-  const Ran beside = run_words({"detect", model, "--image", folder.path.string(), "-o", folder / "faces.txt"});
+  const Ran beside =
+      run_words({"detect", model, "--image", folder.path.string(), "-o", folder / "faces.txt"});
   CHECK(beside.code == 1);  // not bad usage: only pictures are read there
   CHECK(run_words({"bake", folder.path.string(), "-o", folder / "m.plm"}).code == 1);  // not bad usage
 }

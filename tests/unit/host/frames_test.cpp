@@ -143,6 +143,16 @@ TEST_CASE("colour becomes luma by the weights of BT.601, and a smaller maximum i
   CHECK(image.pixels == std::vector<std::uint8_t>{0, 0, 0, 255, 255, 255, 128, 128, 128, 255, 255, 255});
 }
 
+TEST_CASE("a picture that is cut off is none, whoever reads it") {
+  const Folder folder;
+  const std::string whole = "P6 4 1 255\n" + std::string(12, 'x');
+  CHECK(host::read_image(folder.write("whole.ppm", whole)).width == 4);
+  const std::string path = folder.write("cut.ppm", whole.substr(0, whole.size() - 5));
+  CHECK(contains(read_all(path).message, "cut.ppm: ends 5 bytes early"));
+  CHECK_THROWS_WITH_AS(host::read_image(path), doctest::Contains("cut.ppm: ends 5 bytes early"),
+                       host::Failure);
+}
+
 TEST_CASE("one picture is a stream of one frame") {
   const Folder folder;
   CHECK(read_all(folder.write("x.pgm", pgm(5, 5, 1))).frames.size() == 1);
@@ -291,6 +301,19 @@ TEST_CASE("a size that does not fit the frames is noticed at the next frame") {
   CHECK(large.frames.empty());
   CHECK(large.end == Status::truncated);
   CHECK(contains(large.message, "bytes are missing"));
+}
+
+TEST_CASE("pixels that are not square are refused: a face would be too narrow") {
+  for (const char* aspect : {"", "A1:1 ", "A0:0 ", "A59:59 "}) {
+    CAPTURE(aspect);
+    Y4mHeader h;
+    CHECK(parse_y4m_header(std::string("YUV4MPEG2 ") + aspect + "W4 H3", h).empty());
+  }
+  for (const char* aspect : {"A2:1 ", "A128:117 ", "A ", "A1 "}) {
+    CAPTURE(aspect);
+    Y4mHeader h;
+    CHECK(contains(parse_y4m_header(std::string("YUV4MPEG2 ") + aspect + "W4 H3", h), "not square"));
+  }
 }
 
 TEST_CASE("an unknown or zero rate is 25") {

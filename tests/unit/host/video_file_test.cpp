@@ -90,6 +90,33 @@ TEST_CASE("what ffmpeg says of its failure is told, at the start and after some 
   CHECK(some.source->message() == clip + ": frame 2: ffmpeg: damaged");
 }
 
+TEST_CASE("what ffmpeg says of a file that is cut off is told, though it does not call it a failure") {
+  const Folder folder;
+  put_program(folder, "ffmpeg", kTwoFrames + std::string("echo 'ended prematurely' >&2\n"));
+  const SearchPath path(folder.path.string(), false);
+  const std::string clip = folder.put("clip.mkv", "x");
+  const OpenedFrames some = open_frames(clip);
+  REQUIRE(some.source != nullptr);
+  Status end;
+  CHECK(frame_count(*some.source, &end) == 2);
+  CHECK(end == Status::truncated);
+  CHECK(some.source->message() == clip + ": frame 2: ffmpeg: ended prematurely");
+}
+
+TEST_CASE("the rate is the mean one that ffprobe tells, else that of ffmpeg's stream") {
+  const Folder folder;
+  put_program(folder, "ffmpeg", kTwoFrames);
+  const SearchPath path(folder.path.string(), false);
+  const std::string clip = folder.put("clip.mp4", "x");
+  for (const auto& [says, rate] : {std::pair("96/7", 96.0 / 7), {"0/0", 25.0}, {"N/A", 25.0}, {"", 25.0}}) {
+    CAPTURE(says);
+    put_program(folder, "ffprobe", "printf '" + std::string(says) + "\\n'\n");
+    const OpenedFrames opened = open_frames(clip);
+    REQUIRE(opened.source != nullptr);
+    CHECK(opened.source->rate().per_second() == doctest::Approx(rate));
+  }
+}
+
 TEST_CASE("without ffmpeg the message says what to install; Y4M and empty files do not need it") {
   const Folder folder;
   const SearchPath path(folder.path.string(), true);
@@ -128,6 +155,14 @@ TEST_CASE("a window gets every picture, and its closing or its lack is no crash"
   for (int k = 0; k < 1000 && closed.is_open(); ++k) closed.show(Image(200, 200, 1));
   CHECK_FALSE(closed.is_open());
   closed.close();
+
+  put_program(folder, "ffplay", "echo 'no display' >&2; exit 1\n");
+  LiveWindow failing({25, 1});
+  const auto show = [&] {
+    for (int k = 0; k < 1000; ++k) failing.show(Image(200, 200, 1));
+  };
+  CHECK_THROWS_WITH_AS(show(), "ffplay: no display", Failure);
+  CHECK_FALSE(failing.is_open());
   std::signal(SIGPIPE, before);
 
   const Folder empty;
