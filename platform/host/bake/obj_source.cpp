@@ -230,7 +230,7 @@ class FolderReader {
       report_progress(scans.size());
     }
     if (scans.size() < 2 || at(options_.components) >= scans.size())
-      throw SourceError(folder_, 0,
+      throw SourceError(folder_.empty() ? files_.front() : folder_, 0,
                         std::to_string(scans.size()) + " scans have at most " +
                             std::to_string(scans.size() - 1) + " components");
     PrincipalComponents pca = find_components(scans, options_.components);

@@ -136,7 +136,7 @@ double Args::number(const char* name, double otherwise, double low, double high)
   if (!value) return otherwise;
   const auto parsed = parse_number(*value);
   if (!parsed || *parsed < low || *parsed > high)
-    fail_usage(std::string(name) + ": not a number in range: " + *value);
+    fail_usage(std::string(name) + ": not a number from " + number_text(low) + " to " + number_text(high) + ": " + *value);
   return *parsed;
 }
 

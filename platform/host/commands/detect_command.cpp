@@ -1,6 +1,7 @@
 // `pliant detect`: finds the faces in pictures.
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "host/commands/command.hpp"
 #include "host/commands/face_finder.hpp"
@@ -104,11 +105,14 @@ int run_detect(const Args& args, Console& console) {
   const std::vector<std::string> paths = pictures_of(args.required("--image"));
   if (args.has("--overlay") && std::filesystem::is_directory(args.required("--image")))
     fail_usage("--overlay draws one picture; --image is a folder");
+  const auto path = args.text("-o");
+  std::optional<OutputFile> output;  // opened before the search, which takes long for many pictures
+  if (path) output.emplace(*path);
   const Found found = find_faces(args, file, paths, console);
-  const auto output = args.text("-o");
   if (output) {
-    write_file(*output, found.table);
-    console.out << *output << ": " << found.faces << " faces in " << found.with_face << " of " << paths.size()
+    output->write(found.table);
+    output->commit();
+    console.out << *path << ": " << found.faces << " faces in " << found.with_face << " of " << paths.size()
                 << " pictures";
     if (found.unread > 0) console.out << ", of which " << found.unread << " could not be read";
     console.out << "\n";

@@ -165,7 +165,9 @@ FitFile fit_to_face(const ModelFile& file, const std::string& path, const FoundF
   for (std::size_t k = 0; k < face.q.size(); ++k)
     if (setup.is_free.empty() || setup.is_free[k] != 0) setup.q[k] = face.q[k];
   FitFile fit = fit_to_points(file, path, points, setup);
-  fit.landmark_error = face.aligned.landmark_error;
+  // A fit that may not move everything, or that has not converged, is farther from the face than the alignment.
+  if (setup.is_free.empty() && setup.method == FitMethod::gauss_newton)
+    fit.landmark_error = face.aligned.landmark_error;
   return fit;
 }
 
@@ -193,7 +195,8 @@ void warn_of(const FitFile& fit, bool has_points, Console& console) {
     console.err << "the landmarks are doubtful: it may be no face, or hidden in part\n";
   if (!has_points || fit.points.empty()) return;
   if (rotation_matrix(fit.pose.q).m[2][2] < 0)
-    console.err << "the surface shows its back: in points v is 0 at the top, where OBJ files have 1\n";
+    console.err << "the surface shows its back: is y upwards in the points, are they mirrored, or is v 1 at "
+                   "the top, as in OBJ files?\n";
 }
 
 int run_fit(const Args& args, Console& console) {

@@ -155,7 +155,8 @@ void print_memory(const Model& model, std::ostream& out) {
         measured_bytes<Fitter>(model, FitLimits{}));
   const TrackerLimits limits;
   print(out, "  tracker, %3u x %-3u    %8zu bytes (%u patches, %u vertices)\n", limits.width, limits.height,
-        measured_bytes<Tracker>(model, limits), limits.patches, limits.vertices);
+        measured_bytes<Tracker>(model, limits), static_cast<unsigned>(limits.patches + limits.key_patches),
+        limits.vertices);
 }
 
 int run_info(const Args& args, Console& console) {

@@ -113,7 +113,7 @@ Command learn_command() {
            {"--threads", "N", "1 or 2 (2); the tables do not depend on it"},
            {"--only", "PART", "learn this part again, and keep the other parts of the file of -o"},
            {"--effort", "F", "samples as a fraction of the usual number (1), for trials"},
-           {"-o", "FILE", "the learnt tables to write, for `pliant bake --learnt`", Takes::output}},
+           {"-o", "BIN", "the learnt tables to write, for `pliant bake --learnt`", Takes::output}},
           1,
           run_learn};
 }

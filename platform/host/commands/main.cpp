@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -7,6 +8,8 @@
 #include "host/commands/command.hpp"
 
 int main(int argc, char** argv) {
+  // Where standard error is closed the first file opened would become it, and get its messages.
+  for (int fd = 0; fd <= STDERR_FILENO;) fd = open("/dev/null", O_RDWR);
   setenv("LIBCAMERA_LOG_LEVELS", "*:WARN", 0);  // without its greeting, unless someone asks for it
   std::signal(SIGPIPE, SIG_IGN);                // a reader that goes away is a failed write, which is told
   pliant::host::Console console{std::cout, std::cerr, isatty(STDERR_FILENO) != 0};

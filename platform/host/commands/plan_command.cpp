@@ -146,7 +146,7 @@ void print_search(std::ostream& out, const SearchPlan& plan, int print_frames) {
 
 int run_plan(const Args& args, Console& console) {
   const TrackerLimits limits = limits_from(args);
-  const double mhz = args.number("--mhz", 0, 0, 1e6);
+  const double mhz = args.number("--mhz", 0, 1e-3, 1e6);
   const bool has_model = args.operand_count() > 0;
   std::unique_ptr<ModelFile> file;
   std::vector<std::uint32_t> stand_in;

@@ -85,21 +85,6 @@ Image background_of(const Args& args, const ImageSize& size, std::uint32_t seed)
   return is_grey(image) ? to_grey(image) : image;
 }
 
-/// Clamps all parameters to the model's limits. \return the names of those that were outside.
-std::vector<std::string> clamp_to_limits(const Model& model, std::vector<PosedParameters>& rows) {
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < model.parameters().count; ++k) {
-    const Parameter& p = model.parameters()[k];
-    bool is_outside = false;
-    for (PosedParameters& row : rows) {
-      is_outside = is_outside || row.q[k] < p.minimum || row.q[k] > p.maximum;
-      row.q[k] = clamp(row.q[k], p.minimum, p.maximum);
-    }
-    if (is_outside) names.push_back(p.name);
-  }
-  return names;
-}
-
 std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, const Camera& camera,
                                        int height, Console& console) {
   const Model& model = file.model();

@@ -4,6 +4,7 @@
 
 #include "host/commands/image_fit.hpp"
 #include "host/io/failure.hpp"
+#include "host/io/fit_file.hpp"
 #include "host/io/track_table.hpp"
 #include "host/render/draw.hpp"
 #include "host/render/scene.hpp"
@@ -37,6 +38,7 @@ NamedRows read_rows(const std::string& path, const Model& model, const PosedPara
   const auto is_ours = [&](const std::string& c) { return c == "name" || (has_tone && c == "tone"); };
   unmatched.erase(std::remove_if(unmatched.begin(), unmatched.end(), is_ours), unmatched.end());
   list_unmatched(unmatched, path, console.err);
+  list_clamped(clamp_to_limits(model, out.rows), path, console.err);
   if (out.rows.empty()) fail_input(path, "has no rows");
   if (out.rows.size() > kMostPictures) fail_input(path, "has more than 64 rows");
   const auto tone = has_tone ? table.find_column("tone") : std::nullopt;
@@ -47,14 +49,12 @@ NamedRows read_rows(const std::string& path, const Model& model, const PosedPara
   return out;
 }
 
-/// The identity of `person` with the expression of `expression`, clamped to their limits.
+/// The identity of `person` with the expression of `expression`.
 std::vector<float> combined(const Model& model, const PosedParameters& person,
                             const PosedParameters& expression) {
   std::vector<float> q;
-  for (std::size_t k = 0; k < model.parameters().count; ++k) {
-    const Parameter& p = model.parameters()[k];
-    q.push_back(clamp(p.group == Group::identity ? person.q[k] : expression.q[k], p.minimum, p.maximum));
-  }
+  for (std::size_t k = 0; k < model.parameters().count; ++k)
+    q.push_back(model.parameters()[k].group == Group::identity ? person.q[k] : expression.q[k]);
   return q;
 }
 

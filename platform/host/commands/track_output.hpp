@@ -42,6 +42,8 @@ class TrackOutput {
 
   /// Whether another frame is wanted: neither was the window of --show closed, nor has a file failed that is not the track.
   bool goes_on() const { return failure_.empty() && (window_ == nullptr || window_->is_open()); }
+  /// Whether no frame so far has a pose.
+  bool has_no_pose() const { return known_ == 0; }
   /// Why an overlay or a window failed; empty if none did. The track is to be kept.
   const std::string& failure() const { return failure_; }
 

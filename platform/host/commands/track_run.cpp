@@ -37,6 +37,11 @@ void TrackRun::start(const FrameView& frame, const Initial& initial, const Initi
 
 void TrackRun::begin_search(ReducedTracker& tracker, const std::string& model) const {
   const Status status = tracker.start_by_detection(initial_, options_);
+  const ImageSize size = frames_.size();
+  if (status == Status::not_found && std::max(size.width, size.height) > kLargestFramePx)
+    fail_input(frames_.name(), "is searched up to " + std::to_string(kLargestFramePx) + " pixels a side, not at " +
+                                   std::to_string(size.width) + "x" + std::to_string(size.height) +
+                                   ": give --init or --box");
   if (status == Status::not_found)
     fail_input(model,
                "has neither learnt tables, for a face, nor a print to be found by: give --init or --box, or bake a face "

@@ -80,6 +80,8 @@ OutputFile::OutputFile(const std::string& path) : name_(path), target_(path) {
   const auto status = std::filesystem::status(path, ignored);
   if (std::filesystem::is_directory(status)) fail_input(path, "is a directory");
   const bool is_special = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+  if (std::filesystem::is_regular_file(status) && ::access(path.c_str(), W_OK) != 0)
+    fail_input(path, std::string("cannot be written: ") + std::strerror(errno));
   if (is_special) {  // a device or pipe; the canonical path of /dev/stdout is none that can be opened
     file_ = std::fopen(path.c_str(), "wb");
   } else {

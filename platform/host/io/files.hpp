@@ -22,7 +22,7 @@ std::string read_file(const std::string& path, std::size_t limit_bytes = std::si
 /// written directly, and "-" is standard output.
 class OutputFile {
  public:
-  /// Creates the temporary file. Bad input if that is impossible.
+  /// Creates the temporary file. Bad input if that is impossible, or if there is a file of that name that may not be written.
   explicit OutputFile(const std::string& path);
   /// Writes to a program, which messages call `name`. `commit` waits for its end.
   OutputFile(std::unique_ptr<ChildProcess> program, const std::string& name);

@@ -74,7 +74,8 @@ Pose parse_pose(const Members& pose) {
   const auto q = pose.numbers("q", 4), t = pose.numbers("t", 3);
   const float squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   if (!(squared > 0.9f && squared < 1.1f)) fail_input(pose.where("q"), "is not a unit quaternion");
-  if (!(t[2] > 0)) fail_input(pose.where("t"), "lies behind the camera");
+  if (!(t[2] * kMaxRho > 0.999f && t[2] * kMinRho < 1.001f))  // as in track tables
+    fail_input(pose.where("t"), "does not lie between 50 mm and 100 m in front of the camera");
   return {unit_of({q[0], q[1], q[2], q[3]}), {t[0], t[1], t[2]}};
 }
 

@@ -139,4 +139,18 @@ std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const 
   return rows;
 }
 
+std::vector<std::string> clamp_to_limits(const Model& model, std::vector<PosedParameters>& rows) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < model.parameters().count; ++k) {
+    const Parameter& p = model.parameters()[k];
+    bool is_outside = false;
+    for (PosedParameters& row : rows) {
+      is_outside = is_outside || row.q[k] < p.minimum || row.q[k] > p.maximum;
+      row.q[k] = clamp(row.q[k], p.minimum, p.maximum);
+    }
+    if (is_outside) names.push_back(p.name);
+  }
+  return names;
+}
+
 }  // namespace pliant::host

@@ -56,4 +56,7 @@ std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const 
                                                    const PosedParameters& neutral,
                                                    std::vector<std::string>* unmatched);
 
+/// Clamps all parameters to the model's limits. \return the names of those that were outside.
+std::vector<std::string> clamp_to_limits(const Model& model, std::vector<PosedParameters>& rows);
+
 }  // namespace pliant::host

@@ -169,6 +169,8 @@ TEST_CASE("a film without a face has rows in state lost, and is no error") {
   CHECK(r.code == 0);
   CHECK(value_after(r.out, "frames") == 8);
   CHECK(value_after(r.out, "tracked") == 0);
+  CHECK(contains(r.err, "no face was found"));
+  CHECK_FALSE(contains(Visit(8, 0, 6).track().err, "no face"));
 }
 
 TEST_CASE("a track starts from the box that detect writes") {
@@ -229,6 +231,13 @@ TEST_CASE("detect writes a row a face, of a picture or of a folder, and draws th
   CHECK(run_words({"detect", kFace, "--image", folder / "in", "--overlay", folder / "o.png"}).code == 2);
 }
 
+TEST_CASE("a table that cannot be written is told before a folder of pictures is searched") {
+  const Folder folder;
+  fs::create_directories(folder / "in");
+  folder.put("in/a.png", "no picture");
+  check_refused({"detect", kFace, "--image", folder / "in", "-o", folder / "missing/f.csv"}, {"missing/f.csv", "cannot be written"});
+}
+
 TEST_CASE("a picture of a folder that cannot be read has a line on stderr, and the others are searched") {
   const Folder folder;
   fs::create_directories(folder / "in");
@@ -265,6 +274,10 @@ TEST_CASE("fit needs no points: it finds the face, and says how far its landmark
   const FitFile fit = parse_fit(json, read_file(json));
   CHECK(fit.landmark_error > 0);
   CHECK(fit.points.size() == 51);
+  const Ran held = run_words({"fit", kFace, "--image", kAstronaut, "--parameters", "none", "-o", json});
+  REQUIRE(held.code == 0);
+  CHECK_FALSE(contains(held.out, "expected landmark error"));  // that is the alignment's, which moved all
+  CHECK(parse_fit(json, read_file(json)).landmark_error == 0);
   const std::string grey = folder.put("grey.png", encode_png(Image(200, 200, 1, 90)));
   check_refused({"fit", kFace, "--image", grey, "-o", folder / "x.json"}, {"grey.png", "no face found"});
 }

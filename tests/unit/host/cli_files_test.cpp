@@ -65,6 +65,8 @@ TEST_CASE("fit.json keeps every bit, and errors in it are named") {
   CHECK(contains(complaint("\"width\": 321", "\"width\": 0"), "'width'"));
   CHECK(contains(complaint("\"f\":333", "\"f\":-333"), "'f'"));
   CHECK(contains(complaint("612.34", "-612.34"), "'t'"));
+  CHECK(contains(complaint("612.34", "0.001"), "between 50 mm and 100 m"));
+  CHECK(contains(complaint("612.34", "1e9"), "between 50 mm and 100 m"));
   CHECK(contains(complaint("\"a\":0.1", "\"a\":null"), "'a'"));
   CHECK(contains(complaint("\"pose\"", "\"prose\""), "'pose'"));
   CHECK(contains(complaint("\"q\":[", "\"q\":[1, "), "'q'"));

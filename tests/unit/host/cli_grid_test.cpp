@@ -56,6 +56,17 @@ TEST_CASE("a grid shows each person in a column and each expression in a row") {
   for (int c = 0; c < 3; ++c) CHECK(cell(grid, 3, c, 2, 0).pixels != cell(grid, 3, c, 2, 1).pixels);
 }
 
+TEST_CASE("grid says which parameters it clamps") {
+  const Folder f;
+  const std::string model = f.put("m.plm", model_bytes()),
+                    people = f.put("people.csv", "name,width\nmean,0\n"),
+                    moods = f.put("moods.csv", "name,jawOpen\nopen,9\n");
+  const Ran r = run_words({"render", model, "--grid", f / "g.png", "--people", people, "--params", moods});
+  CHECK(r.code == 0);
+  CHECK(contains(r.err, "moods.csv"));
+  CHECK(contains(r.err, "jawOpen"));
+}
+
 TEST_CASE("grid refuses bad words with 2 and bad input with 1 and a line that names it") {
   const Folder f;
   const std::string model = f.put("m.plm", model_bytes());

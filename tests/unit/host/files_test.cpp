@@ -99,6 +99,14 @@ TEST_CASE("a signal that is ignored, as nohup does with the end of a terminal, e
   CHECK(is_ignored);
 }
 
+TEST_CASE("a file that may not be written is not replaced" * doctest::skip(::geteuid() == 0)) {
+  const Folder folder;
+  const std::string path = folder.put("kept.csv", "kept");
+  REQUIRE(::chmod(path.c_str(), 0444) == 0);
+  CHECK_THROWS_WITH_AS(OutputFile{path}, doctest::Contains("cannot be written: Permission denied"), Failure);
+  CHECK(read_file(path) == "kept");
+}
+
 TEST_CASE("two writers of one file do not mix: the last commit wins") {
   const Folder folder;
   const std::string path = folder / "a.txt";
