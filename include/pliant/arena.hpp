@@ -63,7 +63,7 @@ class Arena {
 
   static constexpr std::size_t kAlignment = 16;  ///< Alignment of the block and of everything taken from it.
 
-  /// Room for `count` values of T, uninitialised. On overflow the arena is `exhausted` and returns null from then on.
+  /// Room for `count` values of T (fewer than half the address space), uninitialised. On overflow the arena is `exhausted` and returns null from then on.
   template <class T>
   constexpr T* take(std::size_t count) {
     static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= kAlignment);

@@ -35,7 +35,7 @@ struct FrameResult {
   TrackState state = TrackState::lost;  ///< what the frame is worth
   Pose pose;  ///< of this frame, after a bad one of the last good frame; without a track frontal, 1000 mm away
   std::uint16_t tracked = 0;            ///< points with a usable observation
-  std::uint16_t inliers = 0;            ///< points with weight at the end
+  std::uint16_t inliers = 0;  ///< points with weight at the end; of a bad frame that is aligned after all (7.15) those of its solve
   float rms_px = 0;                     ///< of the inliers; of an edge, across it
   std::uint16_t iterations = 0;         ///< of all solves of the frame
   std::uint16_t vertices = 0;           ///< of the mesh
@@ -111,7 +111,7 @@ class Estimator {
   /// motion is predicted. One that runs backwards or grows by 2 s or more resets all velocities, and counts
   /// as 1/30 s.
   void begin(std::int64_t time_ns);
-  /// Moves the predicted view so that the model moves by about `px` in the image: a motion measured by the platform.
+  /// Predicts a measured motion in place of that of `begin`: about `px` in the image since the last good frame, or the proposed view.
   void translate(Vec2 px);
   /// Makes `view` (finite, s > 0) the predicted view, with the parameters of the last good frame, to search for a lost model.
   void propose(const View& view);

@@ -101,7 +101,7 @@ struct EstimatorOptions {
   /// refine it takes as long as two frames.
   float mesh_error_mm = 0.3f;
   /// Splits and welds after a good frame, at most, count, with which the mesh follows the view. 0: the mesh
-  /// of the start stays. Pose and parameters do not depend on the mesh.
+  /// of the start stays. Pose and parameters depend on the mesh only in what is taken as visible, and by that hardly.
   std::uint16_t mesh_operations = 0;
   /// Vertices while the mesh follows the view, count. 0: those of the limits.
   std::uint16_t vertex_budget = 0;

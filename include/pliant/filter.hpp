@@ -69,9 +69,11 @@ class Smoother {
   void lay_out(Arena& arena, std::size_t parameters);
   /// The next sample is taken unchanged.
   void restart() { is_fresh_ = true; }
+  /// The model has been turned by this rotation in its own axes: so is the smoothed pose.
+  void turn(Quat by) { pose_.q = normalised(pose_.q * by); }
   /// Adds a sample, `seconds` after the one before.
   /// \param range  of each parameter; greater than 0 where its speed counts.
-  /// \return bad_argument for null, anything not finite, or seconds <= 0 after the first sample; capacity.
+  /// \return bad_argument for null, anything but a range that is not finite, or seconds <= 0 after the first sample; capacity.
   ///         Then nothing has changed.
   Status add(const Pose& pose, const float* q, const float* range, std::size_t parameters, float seconds);
   const Pose& pose() const { return pose_; }      ///< The smoothed pose.

@@ -119,7 +119,7 @@ enum { PLIANT_TRACKING = 0, PLIANT_DEGRADED = 1, PLIANT_LOST = 2 };
 /** The result of a frame. */
 typedef struct pliant_result {
   pliant_pose pose;          /**< after a bad frame that of the last good one; without a track frontal, 1000 mm away */
-  pliant_camera camera;      /**< that of the start; all 0 without a track */
+  pliant_camera camera;      /**< that of the start; its f is 0 without a track */
   float rms_px;              /**< of the inliers' residuals */
   uint16_t tracked, inliers; /**< observations found; observations used in the end */
   int32_t state;             /**< PLIANT_TRACKING, PLIANT_DEGRADED or PLIANT_LOST */

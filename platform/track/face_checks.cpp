@@ -23,11 +23,12 @@ void FaceChecks::begin_track(float landmark_error, bool is_of_known_person) {
   // A start that nothing has verified is checked in its own frame.
   frames_since_ = is_aligned_ ? 0 : kTuning.check_interval_frames;
   bad_ = good_ = 0;
+  see();
 }
 
 bool FaceChecks::endure(const FrameResult& result, int bad_frames, std::size_t key_frames) {
   frames_since_ = kTuning.known_interval_frames;  // the next good frame is checked
-  blind_frames_ = (bad_frames > 1 ? blind_frames_ : 0) + (result.inliers == 0);
+  blind_frames_ += result.inliers == 0;
   return bad_frames < most_bad_frames_ &&
          blind_frames_ < kTuning.most_blind_frames + static_cast<int>(key_frames);
 }
@@ -62,6 +63,7 @@ inline bool FaceChecks::check(const FrameView& frame, Estimator& estimator, Span
 
 bool FaceChecks::conclude(const FrameView& frame, Estimator& estimator, bool checks,
                           Span<unsigned char> scratch, FrameResult* result) {
+  see();
   frames_since_ = checks ? 0 : frames_since_ + 1;
   if (checks && !check(frame, estimator, scratch)) return false;
   tell_worth(estimator.view(), landmark_error_, is_doubtful_ && good_ > 0, result);

@@ -64,6 +64,8 @@ class FaceChecks {
   /// Ends a bad frame of a track. \param bad_frames  in a row, this one included. \param key_frames  in use.
   /// \return false: the track is given up.
   bool endure(const FrameResult& result, int bad_frames, std::size_t key_frames);
+  /// The face was seen in this frame: bad frames before it are not of the same row. `begin_track` and `conclude` do so too.
+  void see() { blind_frames_ = 0; }
   /// Whether a good frame is to be checked.
   bool is_due() const;
   /// Whether the check that is due comes before other rare work: the last one was bad, or the alignment made this start and it

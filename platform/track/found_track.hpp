@@ -27,6 +27,7 @@ inline void start_found(TrackerParts& t, const FrameView& frame, const StartPose
   const bool is_known = detection.person.is_known;
   if (!is_known) {
     t.identity_is_given = t.landmarks_are_given = false;
+    t.keeps_landmark_offsets = detection.kept.start.keeps_landmark_offsets;
     detection.marker_count = 0;
   }
   if (detection.start(t, frame, found, options) == Status::ok && !is_known)

@@ -55,6 +55,7 @@ bool realign(TrackerParts& t, const FrameView& frame) {
   if (t.estimator.accept(measured, &t.result) != Status::ok) return false;
   t.key_frames.trust(t.estimator);
   t.bad_frames = 1;  // in a row: the templates may fail as long as they like
+  detection.checks.see();
   tell_worth(t.estimator.view(), face.landmark_error, false, &t.result);
   if (++look.realigned < kTuning.most_frames) return true;
   AlignedFace other;

@@ -86,14 +86,15 @@ Status TrackerParts::start_at_fit(Status fitted, const FrameView& frame_0, const
   begin_stream();
   const FrameView& view = quiet(frame_0);
   identity_is_given = landmarks_are_given = false;
-  keeps_landmark_offsets = rough.options.keeps_landmark_offsets;
   const bool is_fitted = fitted == Status::ok;
   refine(view, is_fitted ? rough : RoughStart{nullptr, RoughStart::kExact, rough.options}, from);
   if (is_fitted) fitted = start(view, *from, with, marker_places);
-  if (fitted == Status::ok)
+  if (fitted == Status::ok) {
     offsets.place_pending(estimator);
-  else
+    keeps_landmark_offsets = rough.options.keeps_landmark_offsets;
+  } else {
     offsets.clear();
+  }
   return fitted;
 }
 
@@ -172,8 +173,9 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   impl_->refine(quiet, {nullptr, RoughStart::kExact, known}, &from);
   impl_->identity_is_given = q != nullptr;
   impl_->landmarks_are_given = false;
-  impl_->keeps_landmark_offsets = true;
-  return impl_->start(quiet, from, options, markers);
+  const Status started = impl_->start(quiet, from, options, markers);
+  if (started == Status::ok) impl_->keeps_landmark_offsets = true;
+  return started;
 }
 
 Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoint> points,

@@ -198,6 +198,7 @@ SurfaceFrame Estimator::point_frame(std::uint16_t id) {
 void Estimator::begin(std::int64_t time_ns) {
   Impl& s = *impl_;
   s.predictions = {};
+  s.tau_before = s.state.view.tau;
   if (s.motion.predict(time_ns, s.monitor.bad_frames(), s.cascade, &s.state)) s.surface.invalidate_images();
   s.solver.begin();
   ++s.frame;
@@ -208,7 +209,7 @@ void Estimator::begin(std::int64_t time_ns) {
 void Estimator::translate(Vec2 px) {
   if (!is_finite(px)) return;
   View& view = impl_->state.view;
-  view.tau = view.tau + (1.0f / view.s) * px;
+  view.tau = impl_->tau_before + (1.0f / view.s) * px;
   impl_->motion.expect_offset(view.tau);
   impl_->note_new_view();
 }
@@ -217,6 +218,7 @@ void Estimator::propose(const View& view) {
   Impl& s = *impl_;
   s.predictions = {};
   s.state.view = view;
+  s.tau_before = view.tau;
   s.motion.expect(view);
   copy(s.trusted.q, s.parameter_count(), s.state.q);
   s.restore_surface();

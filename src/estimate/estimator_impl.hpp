@@ -23,6 +23,7 @@ struct Estimator::Impl : StateParts {
   StretchRows* springs = nullptr;
   TrackMonitor monitor;
 
+  Vec2 tau_before;                     // at the beginning of the frame, or proposed: what `translate` is relative to
   Span<const Prediction> predictions;  // of all points at `state`; empty when either has changed
   std::size_t sample_capacity = 0;     // a point
   std::uint32_t tangent_interval = 1, vertex_interval = 1;  // frames

@@ -107,6 +107,11 @@ void MotionModel::move(const ModelState& state) {
   since_sample_ = 0;
 }
 
+void MotionModel::turn(const ModelState& state, Quat by) {
+  filter_.move_to(state.view, state.q);
+  smoother_.turn(by);
+}
+
 void MotionModel::rest(const ModelState& state) {
   filter_.move_to(state.view, state.q);
   smoother_.restart();

@@ -69,7 +69,9 @@ class MotionModel {
                const ModelState& trusted);
   /// Continues from `state` at rest: it was measured in another way.
   void move(const ModelState& state);
-  /// The same without a sample of the smoothed output: the track is lost.
+  /// The model has been turned by this rotation in its own axes: a filter at rest, and a smoothed output that turns with it.
+  void turn(const ModelState& state, Quat by);
+  /// As `move`, without a sample of the smoothed output: the track is lost.
   void rest(const ModelState& state);
 
   const ExpectedState& expected() const { return expected_; }

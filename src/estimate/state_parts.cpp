@@ -18,7 +18,7 @@ void StateParts::revise(Cascade& cascade, const float* q, Quat turn) {
   }
   state.view.q = normalised(state.view.q * turn);
   trusted.view.q = normalised(trusted.view.q * turn);
-  motion.rest(state);
+  motion.turn(state, turn);
   for (std::uint16_t i = 0; i < points.capacity(); ++i)
     if (points.has(i)) points.sample_again(i, turn, cascade, state.q);
 }

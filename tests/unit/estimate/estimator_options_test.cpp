@@ -92,6 +92,27 @@ TEST_CASE("predicts_motion: a steady motion is predicted where it goes") {
   CHECK(off[1] < 0.4f * off[0]);
 }
 
+TEST_CASE("a measured motion takes the place of the predicted one") {
+  EstimatorOptions options;
+  options.predicts_motion = true;
+  Tracked tracked(options);
+  for (int k = 1; k < 15; ++k) tracked.frame(k, 0.02f * float(k), 0);
+  Estimator& e = tracked.estimator.object;
+  const auto middle = [&] { return e.view().c + e.view().s * e.view().tau; };
+  const Vec2 before = middle();
+  e.begin(15 * std::int64_t{33'000'000});
+  for (const Vec2 by : {Vec2{8, 3}, Vec2{-20, 0}}) {  // measured again, it is not added
+    e.translate(by);
+    CHECK(length(middle() - before - by) < 1e-2f);
+  }
+  View key = e.view();
+  key.tau = {0.1f * key.tau.x + 3, key.tau.y};
+  e.propose(key);
+  const Vec2 proposed = middle();
+  e.translate({5, 5});
+  CHECK(length(middle() - proposed - Vec2{5, 5}) < 1e-2f);
+}
+
 TEST_CASE("smooths: the smoothed pose lags behind the pose, and is missing without the option") {
   EstimatorOptions options;
   options.smooths = true;

@@ -141,7 +141,8 @@ TEST_CASE(
   const auto ends_at = [&](std::size_t key_frames, int blind_from, int blind_to) {
     FaceChecks checks;
     checks.lay_out(limits);
-    for (int again = 0; again < 2; ++again)  // a good frame between: counted anew
+    for (int again = 0; again < 2; ++again) {
+      checks.see();  // a frame in which the face is seen: counted anew
       for (int n = 1; n < 30; ++n) {
         FrameResult result;
         result.inliers = n >= blind_from && n <= blind_to ? 0 : 12;
@@ -150,6 +151,7 @@ TEST_CASE(
           break;
         }
       }
+    }
     return 0;
   };
   CHECK(ends_at(1, 1, 30) == 4);
@@ -158,6 +160,25 @@ TEST_CASE(
   CHECK(ends_at(1, 3, 30) == 6);
   CHECK(ends_at(1, 2, 4) == 8);
   CHECK(ends_at(1, 0, 0) == 8);
+}
+
+TEST_CASE(
+    "blind frames of earlier rows are forgotten when the face is seen, good or aligned, and by a new track") {
+  FakeFaces fake(film());
+  FaceChecks checks;
+  checks.lay_out(limits_with_fake());
+  const FrameResult blind;
+  const auto is_kept = [&](int n) { return checks.endure(blind, n, 1); };
+  for (int row = 0; row < 3; ++row) {
+    CHECK(is_kept(1));
+    CHECK(is_kept(2));
+    CHECK(is_kept(3));
+    row == 0 ? checks.see() : checks.begin_track(0.02f, false);
+  }
+  CHECK(is_kept(2));  // the first after an aligned one, which counts as bad
+  CHECK(is_kept(3));
+  CHECK(is_kept(4));
+  CHECK_FALSE(is_kept(5));
 }
 
 TEST_CASE("a check that is due waits for a frame with room") {

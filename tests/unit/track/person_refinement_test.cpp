@@ -183,6 +183,23 @@ TEST_CASE("where the landmarks are seen in frame 0 tells of the person what temp
   CHECK(std::abs(with + 1.5f) < 0.5f * std::abs(without + 1.5f));
 }
 
+TEST_CASE("the smoothed pose turns with a step of the person") {
+  InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
+  TrackerOptions options;
+  options.estimator.smooths = true;
+  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr, options) ==
+          Status::ok);
+  float before = 0;
+  for (std::size_t n = 1; n < kFrames; ++n) {
+    FrameResult result;
+    REQUIRE(tracker->update(film().view(n), &result) == Status::ok);
+    const float lag = length(log_rotation(result.pose.q * conjugate(result.smoothed_pose.q)));
+    CAPTURE(n);
+    if (n > 5) CHECK(std::abs(lag - before) < 0.015f);  // steps turn by up to twice as much, and the motion begins at once
+    before = lag;
+  }
+}
+
 TEST_CASE("steps of the person give no offsets to who wants the model's landmarks") {
   BakedModel& face = baked_face();
   InArena<Tracker> tracker(face.model, TrackerLimits{});

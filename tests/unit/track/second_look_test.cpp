@@ -231,6 +231,12 @@ TEST_CASE("looks give no offsets to who wants the model's landmarks") {
   StartOptions start;
   start.keeps_landmark_offsets = false;
   REQUIRE(tracker->start_by_detection(start) == Status::ok);
+  SUBCASE("alone") {}
+  SUBCASE("though a start that would have had them fails") {
+    const NamedPoint one{"ibug30", {}};
+    const NamedPoint points[] = {one, one, one, one, one};
+    REQUIRE(tracker->start_from_landmarks(film().view(0), {points, 5}) == Status::underdetermined);
+  }
   for (std::size_t k = 0; k < kFrames; ++k) update(tracker.object, film(), k);
   CHECK(fake.alignments > 1);
   BakedModel& face = baked_face();
