@@ -68,7 +68,7 @@ struct TrackerLimits {
   std::uint16_t thumbnail_width = 96;                  ///< widest thumbnail for coarse search, px
   std::uint16_t free_parameters = 0;                   ///< as EstimatorLimits::free_parameters
   std::uint16_t samples_per_point = 0;                 ///< as EstimatorLimits::samples_per_point
-  bool samples_vertices = true;                        ///< as EstimatorLimits::samples_vertices
+  bool samples_vertices = true;                        ///< as EstimatorLimits, and as FitLimits::samples_base_mesh
   std::uint16_t rejection_sample = 256;                ///< as EstimatorLimits::rejection_sample
   const ForceRejection* rejection = &kForceRejection;  ///< as EstimatorLimits::rejection
   const StretchPrior* stretch = &kStretchPrior;        ///< as EstimatorLimits::stretch

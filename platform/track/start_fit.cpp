@@ -29,11 +29,11 @@ std::size_t start_fit_bytes(const Model& model, std::size_t points, bool samples
 }
 
 Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint> points,
-                        const FitOptions& options, float* q, StartPose* start, LandmarkOffsets* offsets) {
+                        bool samples_base_mesh, const FitOptions& options, float* q, StartPose* start,
+                        LandmarkOffsets* offsets) {
   const FitMemory memory(arena, points.count);
   if (arena.exhausted()) return Status::out_of_memory;
   LandmarkFit& fit = *new (memory.fit) LandmarkFit();
-  const bool samples_base_mesh = start_fit_bytes(model, points.count, true) <= arena.size_bytes();
   Status status = create_in(arena, fit, model, points.count, samples_base_mesh);
   if (status != Status::ok) return status;
   for (std::size_t k = 0; k < points.count; ++k) {

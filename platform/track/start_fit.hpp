@@ -26,15 +26,16 @@ struct StartPose {
   Pose pose;
 };
 
-/// Bytes that fit_to_landmarks takes for a number of points. \param samples_base_mesh  what it takes if the arena has them: half the
-/// time.
-std::size_t start_fit_bytes(const Model& model, std::size_t points, bool samples_base_mesh = false);
+/// Bytes that fit_to_landmarks takes for a number of points. \param samples_base_mesh  as in FitLimits.
+std::size_t start_fit_bytes(const Model& model, std::size_t points, bool samples_base_mesh);
 
-/// \param arena    empty. \param points   names that the model has, and finite positions. \param options  with the frame's size and what is known of the camera.
-/// \param q        all parameters, the result. \param offsets  pending ones where the person's differ, if wanted.
+/// \param points   names that the model has, and finite positions. \param samples_base_mesh  as in FitLimits.
+/// \param options  with the frame's size and what is known of the camera. \param q  all parameters, the result.
+/// \param offsets  pending ones where the person's differ, if wanted.
 /// \return the statuses of LandmarkFit::fit.
 Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint> points,
-                        const FitOptions& options, float* q, StartPose* start, LandmarkOffsets* offsets);
+                        bool samples_base_mesh, const FitOptions& options, float* q, StartPose* start,
+                        LandmarkOffsets* offsets);
 
 /// The pose of the model with parameters q, frontal, in the box, and its face box (side 0 for a model without
 /// eye and mouth corners). Statuses of view_from_box.

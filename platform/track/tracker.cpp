@@ -57,7 +57,8 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   PersonState* const person =
       limits.person == nullptr ? nullptr : limits.person->lay_out(arena, model, limits);
   unsigned char* const block = arena.take<unsigned char>(0);
-  const std::size_t before = arena.used_bytes(), fit = start_fit_bytes(model, limits.start_points);
+  const std::size_t before = arena.used_bytes(),
+                    fit = start_fit_bytes(model, limits.start_points, limits.samples_vertices);
   const std::size_t needed = search > fit ? search : fit;
   TrackerParts::lay_out_tracking(arena, impl_, model, limits);
   const std::size_t tracking = arena.used_bytes() - before;

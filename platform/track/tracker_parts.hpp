@@ -50,7 +50,6 @@ struct TrackerParts : ImageParts {
   TrackerLimits limits = without_noise_smoothing(without_second_look(
       without_person(without_edges(without_detection(without_stretch(without_rejection(TrackerLimits{})))))));
   Model table;
-  bool uses_edges = false;
   Span<float> start_q;
   LandmarkOffsets offsets;
   Span<unsigned char> block;  // of search, fit and tracking
@@ -68,6 +67,7 @@ struct TrackerParts : ImageParts {
   std::uint32_t frame = 0;
   std::uint32_t last_kept = 0;  // frame that became a key frame
   int bad_frames = 0;           // in a row
+  bool uses_edges = false;
   bool is_started = false;
   bool identity_is_given = false;      // by the caller, with the pose: it stays
   bool keeps_landmark_offsets = true;  // as StartOptions

@@ -198,7 +198,7 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
   fit.camera = known.camera;
   t.offsets.clear();
   status = t.fit_before_tracking([&](Arena& arena) {
-    return fit_to_landmarks(arena, t.model(), points, fit, t.start_q.data, &found,
+    return fit_to_landmarks(arena, t.model(), points, t.limits.samples_vertices, fit, t.start_q.data, &found,
                             start.keeps_landmark_offsets ? &t.offsets : nullptr);
   });
   return t.start_at_fit(status, frame, {nullptr, points.count, known}, &found, options, markers);
