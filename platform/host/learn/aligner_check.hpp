@@ -19,8 +19,8 @@ struct AlignerCheckTuning {
   double searches_per_face =
       1;                 ///< pictures without faces that the detector searches, for each alignment of a face
   int found_starts = 4;  ///< alignments of each place that the detector takes for a face
-  double regularisation = 3e-5;
-  int rounds = 12;  ///< passes over the examples
+  double regularisation = 3e-5;  ///< of the squared weights against the mean loss; other values not recorded
+  int rounds = 12;               ///< passes over the examples
 };
 
 /// Learns from the cascade's examples, where its stages left them, and from alignments in pictures without faces: at random

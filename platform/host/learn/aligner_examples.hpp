@@ -15,12 +15,12 @@ namespace pliant::host::learn {
 
 /// Errors of starts. Chosen to cover what a detector's boxes, fits of five points and poses of earlier frames err by.
 struct AlignerStartTuning {
-  float box_shift = 0.08f;      ///< standard deviation of a box's centre, fraction of its side
-  float box_log_side = 0.10f;   ///< standard deviation of the logarithm of a box's side
-  float pose_chance = 0.3f;     ///< starts from a pose near the truth
-  float pose_turn_rad = 0.10f;  ///< standard deviation about each axis
-  float pose_log_scale = 0.05f;
-  float pose_shift_mm = 4;
+  float box_shift = 0.08f;       ///< standard deviation of a box's centre, fraction of its side
+  float box_log_side = 0.10f;    ///< standard deviation of the logarithm of a box's side
+  float pose_chance = 0.3f;      ///< starts from a pose near the truth
+  float pose_turn_rad = 0.10f;   ///< standard deviation about each axis
+  float pose_log_scale = 0.05f;  ///< standard deviation of the logarithm of the scale
+  float pose_shift_mm = 4;       ///< standard deviation along each axis of the picture, mm
   float pose_parameters = 0.5f;  ///< of each parameter, in its own deviations
 };
 

@@ -12,10 +12,11 @@ namespace {
 
 /// Lengths as fractions of the distance between the outer eye corners. Chosen by eye on fitted portraits.
 struct BrowSearchTuning {
-  float low = 0.19f, high = -0.09f;  ///< range of the move, down positive
-  float usual = 0.08f, usual_sd = 0.05f;
-  float uneven_sd = 0.02f;  ///< difference of the moves of both brows
-  float tilt_sd = 0.035f, bend_sd = 0.02f;
+  float low = 0.19f, high = -0.09f;       ///< range of the move, down positive
+  float usual = 0.08f, usual_sd = 0.05f;  ///< the move that is expected, and its standard deviation
+  float uneven_sd = 0.02f;                ///< difference of the moves of both brows
+  float tilt_sd = 0.035f,
+        bend_sd = 0.02f;     ///< of the ends against each other, and of the middle against the ends
   float half_band = 0.024f;  ///< half of a brow's height
   float lid_gap = 0.055f;    ///< of a brow's middle above the upper lid, at least
   float prior =

@@ -8,13 +8,13 @@
 
 namespace pliant::host::learn {
 
-/// Which changes are made how often. Chosen by eye: the photographs smile with open eyes, people do not always. `shut_chance` and
+/// Which changes are made how often: a chance is the probability in a sample. Chosen by eye: the photographs smile with open eyes, people do not always. `shut_chance` and
 /// how far mouths open (`jaw_linear`, `jaw_cubic`): docs/experiments.md, Shut lips.
 struct ExpressionVariationTuning {
-  float unchanged_chance = 0.15f;
-  float relax_chance = 0.5f;  ///< the photograph's own expression gets weaker
-  float shut_chance = 0.2f;   ///< lips that meet, whatever the photograph's do
-  float jaw_chance = 0.4f;    ///< mouth opened
+  float unchanged_chance = 0.15f;  ///< the photograph's expression stays as it is
+  float relax_chance = 0.5f;       ///< the photograph's own expression gets weaker
+  float shut_chance = 0.2f;        ///< lips that meet, whatever the photograph's do
+  float jaw_chance = 0.4f;         ///< mouth opened
   float jaw_linear = 0.3f,
         jaw_cubic = 0.6f;      ///< by linear t + cubic t^3 of the largest opening, t uniform in [0, 1]
   float blink_chance = 0.25f;  ///< eyes closed, or nearly
