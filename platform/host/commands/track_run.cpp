@@ -1,8 +1,10 @@
 #include "host/commands/track_run.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 #include "host/io/failure.hpp"
+#include "pliant/face_detector.hpp"
 
 namespace pliant::host {
 
