@@ -108,12 +108,16 @@ TEST_CASE("the rate is the mean one that ffprobe tells, else that of ffmpeg's st
   put_program(folder, "ffmpeg", kTwoFrames);
   const SearchPath path(folder.path.string(), false);
   const std::string clip = folder.put("clip.mp4", "x");
-  for (const auto& [says, rate] : {std::pair("96/7", 96.0 / 7), {"0/0", 25.0}, {"N/A", 25.0}, {"", 25.0}}) {
-    CAPTURE(says);
-    put_program(folder, "ffprobe", "printf '" + std::string(says) + "\\n'\n");
+  const struct {
+    std::string says;
+    double rate;
+  } kCases[] = {{"96/7", 96.0 / 7}, {"0/0", 25}, {"N/A", 25}, {"", 25}};
+  for (const auto& c : kCases) {
+    CAPTURE(c.says);
+    put_program(folder, "ffprobe", "printf '" + c.says + "\\n'\n");
     const OpenedFrames opened = open_frames(clip);
     REQUIRE(opened.source != nullptr);
-    CHECK(opened.source->rate().per_second() == doctest::Approx(rate));
+    CHECK(opened.source->rate().per_second() == doctest::Approx(c.rate));
   }
 }
 
