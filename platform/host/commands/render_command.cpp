@@ -85,6 +85,14 @@ Image background_of(const Args& args, const ImageSize& size, std::uint32_t seed)
   return is_grey(image) ? to_grey(image) : image;
 }
 
+/// Whether the table is of a track, and no row has a pose.
+bool is_lost_throughout(const CsvTable& table) {
+  const auto state = table.find_column("state");
+  for (std::size_t r = 0; state && r < table.row_count(); ++r)
+    if (table.cell(r, *state) != "lost") return false;
+  return state.has_value();
+}
+
 std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, const Camera& camera,
                                        int height, Console& console) {
   const Model& model = file.model();
@@ -103,6 +111,7 @@ std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, 
   auto rows = read_posed_parameters(table, model, neutral, &unmatched);
   list_unmatched(unmatched, path, console.err);
   if (rows.empty()) fail_input(path, "has no rows");
+  if (is_lost_throughout(table)) fail_input(path, "is of a track that has found nothing");
   list_clamped(clamp_to_limits(model, rows), path, console.err);
   return rows;
 }

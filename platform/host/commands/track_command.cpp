@@ -62,6 +62,7 @@ Markers read_markers(const Args& args, const Model& model) {
     markers.names.push_back(p.name);
     markers.x.push_back(p.x);
   }
+  if (markers.x.empty()) fail_input(*path, "has no markers");
   if (markers.x.size() > kMaxMarkers)
     fail_input(*path, "more than " + std::to_string(kMaxMarkers) + " markers");
   return markers;

@@ -262,6 +262,13 @@ TEST_CASE("where the overlay cannot be written the track is kept, with one line 
   CHECK(CsvTable("t", read_file(s / "t.csv")).row_count() >= 1);
 }
 
+TEST_CASE("a track that has found nothing is not rendered") {
+  const Sequence s;
+  const std::string lost = s.put("lost.csv", "frame,state,jawOpen\n0,lost,\n1,lost,\n");
+  check_refused({"render", s.model, "--params", lost, "-o", s / "r.y4m"}, {"lost.csv", "found nothing"});
+  CHECK_FALSE(s.has("r.y4m"));
+}
+
 TEST_CASE("a Y4M stream with a wrong size or without a header is refused in one line") {
   const Sequence s;
   const std::string whole = read_file(s.video), body = whole.substr(whole.find('\n') + 1);
@@ -331,6 +338,8 @@ TEST_CASE("frames, markers and truths that a track cannot use are refused by nam
   words.insert(words.end(), {"--truth", s.put("no_truth.csv", "frame,qw,qx,qy,qz\n0,1,0,0,0\n")});
   check_refused(words, {"no_truth.csv", "landmarks"});
   CHECK_FALSE(s.has("t.csv"));
+  s.put("marks.csv", "landmark,x,y\n");
+  check_refused(words, {"marks.csv", "no markers"});
 }
 
 TEST_CASE(
