@@ -60,7 +60,7 @@ Image read_image(const std::string& path) {
   if (!has_sound_huffman_tables(bytes))
     fail_input(path, "a damaged picture: a Huffman table of more than 256 codes");
   if (stbi_info_from_memory(data, length, &width, &height, &channels) == 0)
-    fail_input(path, "is not a PNG, JPEG, PGM or PPM picture: " + reason());
+    fail_input(path, "is not a picture that is read (PNG, JPEG, PGM, PPM): " + reason());
   if (width > 16384 || height > 16384) fail_input(path, "is larger than 16384 pixels on a side");
   if (std::int64_t{width} * height > kMostPixels) fail_input(path, "has more than 100 million pixels");
   // stb takes every value of such a picture as one of 255, and reads past the end where values have more than 8 bits.
