@@ -78,7 +78,8 @@ class FaceAligner {
   Status begin(const FrameView& frame, const FaceBox& box, const Camera& camera, const float* q, int* steps,
                const AlignOptions& options = {});
   /// Takes steps of the alignment begun. A later frame must show the face near where the steps before have
-  /// found it. The last step writes the results.
+  /// found it. The last step writes the results. Each call takes the picture anew around the face, so that several calls in one
+  /// frame end a little elsewhere than `align`.
   /// \return as `align`, where not_found ends the alignment; size_mismatch (another size than in `begin`);
   ///         not_started (no alignment, or all its steps were taken).
   Status advance(const FrameView& frame, int steps, AlignedFace* face, float* q, Span<Vec2> landmarks = {});
