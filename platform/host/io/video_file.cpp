@@ -24,6 +24,9 @@ std::string mean_rate(const std::vector<std::string>& input) {
   if (std::fgets(line, sizeof line, ffprobe->stream()) == nullptr) return "";
   int n = 0, d = 0;
   if (std::sscanf(line, "%d/%d", &n, &d) != 2 || n <= 0 || d <= 0) return "";
+  for (constexpr int kMost = 999'999'999; n > kMost || d > kMost; d /= 10) n /= 10;  // nine digits are read
+  const double rate = static_cast<double>(n) / d;
+  if (!(rate >= 1e-3 && rate <= 1e6)) return "";  // as of a Y4M header
   return std::to_string(n) + ":" + std::to_string(d);
 }
 
@@ -34,8 +37,8 @@ OpenedFrames open_video(const std::string& path) {
   // anything but files.
   // Each frame of the file once, also where their times are irregular; square pixels.
   const std::string square = "scale=if(gt(abs(sar-1)\\,0.001)\\,2*trunc(iw*sar/2+0.5)\\,iw):ih,setsar=1";
-  const std::vector<std::string> input{"-v",        "error", "-protocol_whitelist",
-                                       "file,pipe", "-i",    "file:" + path},
+  const std::vector<std::string> input{"-v",        "repeat+error", "-protocol_whitelist",
+                                       "file,pipe", "-i",           "file:" + path},
       frames{"-nostdin", "-map", "0:v:0?", "-vsync", "passthrough", "-vf", square},
       output{"-f", "yuv4mpegpipe", "-pix_fmt", "yuvj420p", "-strict", "-1", "-"};
   std::vector<std::string> words{"ffmpeg"};
