@@ -63,7 +63,7 @@ class Arena {
 
   static constexpr std::size_t kAlignment = 16;  ///< Alignment of the block and of everything taken from it.
 
-  /// Room for `count` values of T (fewer than half the address space), uninitialised. On overflow the arena is `exhausted` and returns null from then on.
+  /// Room for `count` values of T, uninitialised, less than half the address space. Without room the arena is `exhausted`: null.
   template <class T>
   constexpr T* take(std::size_t count) {
     static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= kAlignment);
@@ -88,7 +88,7 @@ class Arena {
   constexpr bool is_measuring() const { return base_ == nullptr; }
   /// True where the block is aligned to kAlignment.
   bool is_aligned() const { return reinterpret_cast<std::uintptr_t>(base_) % kAlignment == 0; }
-  constexpr bool exhausted() const { return exhausted_; }  ///< True once something did not fit.
+  constexpr bool exhausted() const { return exhausted_; }     ///< True once something did not fit.
   constexpr std::size_t used_bytes() const { return used_; }  ///< Bytes taken, padding included.
   constexpr std::size_t size_bytes() const { return size_; }  ///< Bytes of the block.
   constexpr std::size_t high_water_bytes() const { return high_water_; }  ///< The most ever in use at once.

@@ -111,7 +111,7 @@ class Estimator {
   /// motion is predicted. One that runs backwards or grows by 2 s or more resets all velocities, and counts
   /// as 1/30 s.
   void begin(std::int64_t time_ns);
-  /// Predicts a measured motion in place of that of `begin`: about `px` in the image since the last good frame, or the proposed view.
+  /// Predicts a measured motion, not that of `begin`: about `px` in the image since the last good frame, or the proposed view.
   void translate(Vec2 px);
   /// Makes `view` (finite, s > 0) the predicted view, with the parameters of the last good frame, to search for a lost model.
   void propose(const View& view);

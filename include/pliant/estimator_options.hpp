@@ -97,11 +97,11 @@ struct EstimatorOptions {
   /// reduce them. On a real face the residuals are about 1 mm, ten times the noise of the image.
   float model_error_mm = 1.0f;
   /// Mean error to which the mesh is refined at the start (contour criterion), mm. 0, and mesh_operations 0:
-  /// it stays the model's base mesh. Negative: an estimator that has started keeps its mesh, for a start at nearly the same shape; to
-  /// refine it takes as long as two frames.
+  /// it stays the model's base mesh. Negative: an estimator that has started keeps its mesh, for a start at nearly the same shape;
+  /// refining it takes as long as two frames.
   float mesh_error_mm = 0.3f;
   /// Splits and welds after a good frame, at most, count, with which the mesh follows the view. 0: the mesh
-  /// of the start stays. Pose and parameters depend on the mesh only in what is taken as visible, and by that hardly.
+  /// of the start stays. The mesh changes pose and parameters only by what it takes as visible.
   std::uint16_t mesh_operations = 0;
   /// Vertices while the mesh follows the view, count. 0: those of the limits.
   std::uint16_t vertex_budget = 0;

@@ -21,8 +21,8 @@ struct AlignedFace {
   float score = 0;  ///< probability that this is a face, aligned right: 0 to 1
   /// Expected mean error of the landmarks, as a fraction of the distance of the outer eye corners.
   float landmark_error = 0;
-  /// Of the part of the face (an eye, the nose, the mouth) that looks least like one: how far it is below the mean of faces that are
-  /// aligned right, in standard deviations; at most 0. With the built-in face's tables about -2.5 where a mask covers the mouth
+  /// Of the part of the face (an eye, the nose, the mouth) that looks least like one: how far it is below the mean of faces that
+  /// are aligned right, in standard deviations; at most 0. With the built-in face's tables about -2.5 where a mask covers the mouth
   /// (docs/algorithms.md, section 7.14).
   float least_part = 0;
 };

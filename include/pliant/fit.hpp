@@ -29,8 +29,8 @@ struct FitLimits {
   std::uint16_t points = 160;  ///< correspondences at most
   /// Room for silhouette points: about 95 bytes a vertex of the base mesh, 8 a point, and 9 KiB.
   bool silhouette = false;
-  /// Room for samples of the base mesh, 12 bytes a vertex and record: fits take two thirds of the time, many with all parameters free
-  /// half. The last bits may differ.
+  /// Room for samples of the base mesh, 12 bytes a vertex and record: fits take two thirds of the time, many with all parameters
+  /// free half. The last bits may differ.
   bool samples_base_mesh = false;
 };
 

@@ -112,8 +112,7 @@ typedef struct pliant_state {
 
 /** What a frame is worth. Degraded: it was bad and has the last good frame's results, or its own are less exact
  *  (landmark_error above 0.08, a head turned by more than 50 degrees, a part of the face covered or the face overexposed at the
- *  start, a print seen in part). Lost: several bad frames in a
- *  row, or no track. */
+ *  start, a print seen in part). Lost: several bad frames in a row, or no track. */
 enum { PLIANT_TRACKING = 0, PLIANT_DEGRADED = 1, PLIANT_LOST = 2 };
 
 /** The result of a frame. */

@@ -68,8 +68,8 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 /// Templates are captured at surface points in frame 0 and in key frames. Each is matched in every frame,
 /// warped as the model predicts, so that it does not drift. A point whose template is not found is tracked
 /// from the previous frame, for some frames and with less weight. A key frame is kept when the track is good
-/// and the head has turned away from all key frames, or is 1.5 times as large or as small: newly visible surface gets templates, and points that
-/// are still found get a second one. Frame 0's templates stay.
+/// and the head has turned away from all key frames, or is 1.5 times as large or as small: newly visible surface gets
+/// templates, and points that are still found get a second one. Frame 0's templates stay.
 ///
 /// With a model that has learnt tables (pliant learn), or a print (the keypoints of its albedo), no start is
 /// needed: while there is no track, `update` searches the frame for the face, or the printed surface, and

@@ -88,7 +88,7 @@ struct TrackerLimits {
   /// what it was initialised with, even if it is changed later. The same holds for the other pointers.
   const Detection* detection = &kDetection;
   /// Aligns the face again while it is tracked: in each frame in which the templates fail, so that it is tracked in changing light;
-  /// and now and then, to begin anew where more of the face is seen than at a start by alignment (docs/algorithms.md, section 7.15).
+  /// and now and then, to begin anew where more of the face is seen than at a start by alignment (docs/algorithms.md, 7.15).
   /// 87 KiB with the built-in face. If null, neither is done, and the code is left out of the program.
   const SecondLook* second_look = &kSecondLook;
   /// Estimates the identity parameters while the head turns far (docs/algorithms.md, section 7.20). Identity
@@ -102,7 +102,7 @@ struct TrackerLimits {
   /// has either a part of the search or steps of an alignment, each of the cost of 1,300 cells; the track
   /// then starts some frames later, with the model's base mesh. A search for a print of 2,000 keypoints (40 bytes each) takes by
   /// default one frame at 320 x 240 and two at 640 x 480; one of 3,000, the most that `bake` makes, takes two at either size.
-  /// Corners are matched in the first of them, and the result is verified in the last. `pliant plan` has the frames of both searches.
+  /// Corners are matched in the first frame, and the result is verified in the last. `pliant plan` has the frames of both searches.
   std::uint32_t search_work = 24000;
 };
 
