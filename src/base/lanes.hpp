@@ -2,6 +2,7 @@
 // Four floats at a time. With SSE or NEON they are the compiler's vector type, elsewhere a struct of scalars: the vector type
 // would go through memory there. The results are the same: only `sum` adds across lanes.
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 namespace pliant {
@@ -9,6 +10,7 @@ namespace pliant {
 constexpr std::size_t kLanes = 4;
 
 #if defined(__SSE2__) || defined(__ARM_NEON)
+#define PLIANT_HAS_VECTORS 1
 constexpr bool kHasVectors = true;
 
 typedef float Lanes __attribute__((vector_size(16)));
@@ -28,7 +30,23 @@ inline float sum(Lanes v) {
   return (v[0] + v[1]) + (v[2] + v[3]);
 }
 
+/// Four signed integers of two bytes each, the first in the lowest bits.
+inline Lanes to_lanes(std::uint64_t four) {
+#if __has_builtin(__builtin_shufflevector)
+  typedef std::int16_t Shorts __attribute__((vector_size(8)));
+  typedef std::int32_t Integers __attribute__((vector_size(16)));
+  Shorts v;
+  std::memcpy(&v, &four, sizeof v);
+  const auto twice = __builtin_shufflevector(v, v, 0, 0, 1, 1, 2, 2, 3, 3);
+  return __builtin_convertvector(reinterpret_cast<Integers>(twice) >> 16, Lanes);
+#else  // GCC before 12
+  const auto at = [four](int k) { return static_cast<float>(static_cast<std::int16_t>(four >> (16 * k))); };
+  return Lanes{at(0), at(1), at(2), at(3)};
+#endif
+}
+
 #else
+#define PLIANT_HAS_VECTORS 0
 constexpr bool kHasVectors = false;
 
 // Inlined even where size counts: a call would pass all lanes through memory.

@@ -167,18 +167,19 @@ void Cascade::sample_point(Vec2 uv, const float* q, Vec3* samples, float slack_m
   PLIANT_ASSERT((q != nullptr || parameter_count() == 0) && samples != nullptr && slack_mm >= 0);
   State& s = *state_;
   const FieldSource source = s.source(model_);
+  const ChartPoint at(uv);
   Vec3* to = samples;
   for (const std::uint16_t i : s.plan.needed()) {
     const CascadeRecord& r = model_.cascade()[i];
     if (s.plan.is_live(i)) {
-      *to++ = source.sample(r, uv);
+      *to++ = source.sample(r, at);
       continue;
     }
     const auto value_of = [&](int k) { return r.source[k] == kNone ? Vec3{} : s.values.point[r.source[k]]; };
     Vec3& p = s.values.point[i];
     p = i == s.plan.personal_record()
             ? s.person.sample(model_, uv, s.interpolation, nullptr, nullptr)
-            : apply_without_derivatives(r, q, value_of(0), value_of(1), source.sample(r, uv));
+            : apply_without_derivatives(r, q, value_of(0), value_of(1), source.sample(r, at));
     if (s.plan.role(i) == CascadePlan::Role::cached) *to++ = p;
   }
   SampledPointEvaluator::compact(s.plan, model_.parameters(), slack_mm, samples);

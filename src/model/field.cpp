@@ -8,6 +8,8 @@
 
 #include <cstring>
 
+#include "base/integers.hpp"
+#include "model/field_lanes.hpp"
 #include "model/field_sampling.hpp"
 
 namespace pliant {
@@ -25,8 +27,7 @@ Cell locate(const Field& f, const ChartPoint& at) {
   const float u = f.mirror ? at.mirrored_u : at.u;
   const float w = static_cast<float>(f.width - 1), h = static_cast<float>(f.height - 1);
   const float x = (u - f.u0) * (w / (f.u1 - f.u0)), y = (at.v - f.v0) * (h / (f.v1 - f.v0));
-  const int i = x >= w - 1 ? f.width - 2 : static_cast<int>(x);
-  const int j = y >= h - 1 ? f.height - 2 : static_cast<int>(y);
+  const int i = smaller(static_cast<int>(x), f.width - 2), j = smaller(static_cast<int>(y), f.height - 2);
   return {static_cast<std::size_t>(i), static_cast<std::size_t>(j), x - static_cast<float>(i),
           y - static_cast<float>(j)};
 }
@@ -141,9 +142,19 @@ Vec3 sample_vector(const std::uint8_t* samples, const Field& f, const Cell& cell
   return {f.mirror ? -value[0] : value[0], value[1], value[2]};
 }
 
-/// Any field, any way.
-Vec3 sample_any(const std::uint8_t* samples, const Field& f, const Cell& cell, Interpolation interpolation,
-                Vec3* du, Vec3* dv) {
+/// The same of two bytes a component.
+Vec3 sample_words(const std::uint8_t* samples, const Field& f, const Cell& cell) {
+#if PLIANT_HAS_VECTORS
+  const std::size_t first = cell.j * f.width + cell.i;
+  return sample_lanes(f, samples + f.first_byte + 6 * first, cell.a, cell.b);
+#else
+  return sample_vector<std::int16_t>(samples, f, cell);
+#endif
+}
+
+/// Any field, any way. Of a copy of the cell: where this is not called, the cell stays in registers.
+Vec3 sample_any(const std::uint8_t* samples, const Field& f, Cell cell, Interpolation interpolation, Vec3* du,
+                Vec3* dv) {
   const auto bilinear = f.bits == 16 ? interpolate_bilinear<std::int16_t> : interpolate_bilinear<std::int8_t>;
   Interpolated s;
   s.with_gradient = du != nullptr;
@@ -162,6 +173,8 @@ Vec3 sample_any(const std::uint8_t* samples, const Field& f, const Cell& cell, I
 
 }  // namespace
 
+ChartPoint::ChartPoint(Vec2 uv) : u(clamp(uv.x, 0, 1)), mirrored_u(1 - u), v(clamp(uv.y, 0, 1)) {}
+
 void prefetch_field(const std::uint8_t* samples, const Field& f, Vec2 uv) {
   const ChartPoint at(uv);
   if (!is_in_support(f, at)) return;
@@ -176,18 +189,21 @@ Vec3 sample_in_support(const std::uint8_t* samples, const Field& f, const ChartP
                        Interpolation interpolation) {
   const Cell cell = locate(f, at);
   if (interpolation == Interpolation::bilinear && f.components == 3)
-    return f.bits == 16 ? sample_vector<std::int16_t>(samples, f, cell)
-                        : sample_vector<std::int8_t>(samples, f, cell);
+    return f.bits == 16 ? sample_words(samples, f, cell) : sample_vector<std::int8_t>(samples, f, cell);
   return sample_any(samples, f, cell, interpolation, nullptr, nullptr);
+}
+
+Vec3 sample_at(const std::uint8_t* samples, const Field& f, const ChartPoint& at,
+               Interpolation interpolation) {
+  return is_in_support(f, at) ? sample_in_support(samples, f, at, interpolation) : Vec3{};
 }
 
 Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,
                   Vec3* dv) {
-  if (du != nullptr) *du = *dv = {};
   const ChartPoint at(uv);
-  if (!is_in_support(f, at)) return {};
-  return du == nullptr ? sample_in_support(samples, f, at, interpolation)
-                       : sample_any(samples, f, locate(f, at), interpolation, du, dv);
+  if (du == nullptr) return sample_at(samples, f, at, interpolation);
+  *du = *dv = {};
+  return is_in_support(f, at) ? sample_any(samples, f, locate(f, at), interpolation, du, dv) : Vec3{};
 }
 
 Vec3 sample(const Model& model, const Field& field, Vec2 uv, Interpolation interpolation) {

@@ -8,7 +8,7 @@ namespace pliant {
 struct ChartPoint {
   float u, mirrored_u, v;
 
-  explicit ChartPoint(Vec2 uv) : u(clamp(uv.x, 0, 1)), mirrored_u(1 - u), v(clamp(uv.y, 0, 1)) {}
+  explicit ChartPoint(Vec2 uv);
 };
 
 /// No value of the field's component c is larger.
@@ -28,6 +28,10 @@ void prefetch_field(const std::uint8_t* samples, const Field& f, Vec2 uv);
 /// Value of `f`, from samples that start at `samples` + f.first_byte. \pre is_in_support(f, at)
 Vec3 sample_in_support(const std::uint8_t* samples, const Field& f, const ChartPoint& at,
                        Interpolation interpolation);
+
+/// The same anywhere: zero outside the support.
+Vec3 sample_at(const std::uint8_t* samples, const Field& f, const ChartPoint& at,
+               Interpolation interpolation);
 
 /// Value of `f` at (u,v), from samples that start at `samples` + f.first_byte. With `du`, also the derivatives along u and
 /// v, in `du` and `dv`; null for both otherwise.

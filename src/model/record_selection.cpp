@@ -13,6 +13,10 @@ float largest_component(const Field& f) {
   return largest;
 }
 
+std::uint16_t field_of(const CascadeRecord& r) {
+  return r.field != kNone ? r.field : r.weight;
+}
+
 /// Whether the record's value is that of its source at every (u,v), to within the slack.
 bool changes_nothing(const CascadeRecord& r, const Field* fields, const float* q, float slack_mm) {
   if (r.operation != Operation::add_vector) return keeps_source(r, q);
@@ -22,11 +26,9 @@ bool changes_nothing(const CascadeRecord& r, const Field* fields, const float* q
 
 }  // namespace
 
-Vec3 FieldSource::sample(const CascadeRecord& r, Vec2 uv, Vec3* du, Vec3* dv) const {
-  const std::uint16_t field = r.field != kNone ? r.field : r.weight;
-  if (du != nullptr) *du = *dv = {};
-  return field == kNone ? Vec3{}
-                        : sample_field(model.samples(), model.fields()[field], uv, interpolation, du, dv);
+Vec3 FieldSource::sample(const CascadeRecord& r, const ChartPoint& at) const {
+  const std::uint16_t field = field_of(r);
+  return field == kNone ? Vec3{} : sample_at(model.samples(), model.fields()[field], at, interpolation);
 }
 
 void RecordSelection::lay_out(Arena& arena, std::size_t records, const RecordValues& values) {
@@ -86,7 +88,7 @@ Vec3 RecordSelection::point(const FieldSource& source, const CascadePlan& plan, 
       continue;
     }
     const Vec3 p1 = r.source[1] == kNone ? Vec3{} : point[value_of_[r.source[1]]];
-    const Vec3 s = source.sample(r, uv);
+    const Vec3 s = source.sample(r, at);
     point[i] = r.operation == Operation::constant ? s : apply_without_derivatives(r, q_, p0, p1, s);
   }
   return point[value_of_[plan.result()]];
@@ -98,8 +100,11 @@ void RecordSelection::compute_frame(const FieldSource& source, std::size_t recor
   const std::size_t first = r.source[0] == kNone ? kNone : value_of_[r.source[0]];
   const std::size_t second = r.source[1] == kNone ? kNone : value_of_[r.source[1]];
   const RecordValues& v = values_;
-  Vec3 su, sv;
-  const Vec3 s = source.sample(r, uv, &su, &sv);
+  const std::uint16_t field = field_of(r);
+  Vec3 s, su, sv;
+  if (field != kNone)
+    s = sample_field(source.model.samples(), source.model.fields()[field], uv, source.interpolation, &su,
+                     &sv);
   const FieldStep f =
       apply(r, q_, first == kNone ? Vec3{} : v.point[first], second == kNone ? Vec3{} : v.point[second], s);
   const auto tangent = [&](const Vec3* of, Vec3 along) {
@@ -117,7 +122,7 @@ void RecordSelection::announce(const FieldSource& source, const CascadePlan& pla
   const ChartPoint at(uv);
   for (const std::uint16_t i : listed()) {
     const CascadeRecord& r = source.model.cascade()[i];
-    const std::uint16_t field = r.field != kNone ? r.field : r.weight;
+    const std::uint16_t field = field_of(r);
     if (i == plan.personal_record())
       source.person.announce(source.model, uv);
     else if (field != kNone && is_in_support(source.model.fields()[field], at))

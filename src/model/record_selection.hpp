@@ -19,7 +19,7 @@ struct FieldSource {
   Interpolation interpolation;
 
   /// The record's own sample (of its field, or of its weight field in x); zero when it has none.
-  Vec3 sample(const CascadeRecord& r, Vec2 uv, Vec3* du = nullptr, Vec3* dv = nullptr) const;
+  Vec3 sample(const CascadeRecord& r, const ChartPoint& at) const;
 };
 
 class RecordSelection {

@@ -13,16 +13,20 @@ namespace {
 /// its record lacks the flag kMaySkip.
 constexpr float kLeftOut = 3e38f;
 
-bool is_zero(Vec3 v) {
-  return v.x == 0 && v.y == 0 && v.z == 0;
+/// By its bits: cheaper than three comparisons of floats.
+bool is_zero(const Vec3& v) {
+  std::uint32_t bits[3];
+  std::memcpy(bits, &v, sizeof bits);
+  return ((bits[0] | bits[1] | bits[2]) << 1) == 0;
 }
 
 /// Whether the n-th sample may be left out.
-bool is_negligible(const CascadePlan& plan, Span<const Parameter> parameters, std::size_t n, Vec3 s,
-                   float slack_mm) {
+inline bool is_negligible(const CascadePlan& plan, Span<const Parameter> parameters, std::size_t n,
+                          const Vec3& s, float slack_mm) {
   const unsigned link = plan.link(n);
   if ((link & CascadePlan::kMaySkip) == 0) return false;
-  if (is_zero(s) || (link & CascadePlan::kAddsHere) == 0) return is_zero(s);
+  if (is_zero(s)) return true;
+  if (slack_mm == 0 || (link & CascadePlan::kAddsHere) == 0) return false;
   const Parameter& p = parameters[plan.first_parameters()[n]];
   const float most = max(magnitude(p.minimum), magnitude(p.maximum));
   return most * max(magnitude(s.x), max(magnitude(s.y), magnitude(s.z))) < slack_mm;
@@ -58,9 +62,10 @@ void SampledPointEvaluator::lay_out(Arena& arena, const Model& model, const Casc
 void SampledPointEvaluator::compact(const CascadePlan& plan, Span<const Parameter> parameters, float slack_mm,
                                     Vec3* samples) {
   Vec3 *to = samples, *marker = nullptr;  // the marker that counts the present vectors
-  for (std::size_t n = 0; n < plan.sampled_count();) {
+  const std::size_t count = plan.sampled_count();
+  for (std::size_t n = 0; n < count;) {
     std::size_t end = n;
-    while (end < plan.sampled_count() && is_negligible(plan, parameters, end, samples[end], slack_mm)) ++end;
+    while (end < count && is_negligible(plan, parameters, end, samples[end], slack_mm)) ++end;
     if (end > n) {
       marker = to++;
       *marker = {kLeftOut, static_cast<float>(end - n), 0};

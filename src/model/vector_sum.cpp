@@ -5,6 +5,7 @@
 
 #include <cstring>
 
+#include "model/field_lanes.hpp"
 #include "model/field_sampling.hpp"
 
 namespace pliant {
@@ -69,27 +70,33 @@ void VectorSum::compute(std::size_t first, std::size_t j, Interpolation interpol
 void VectorSum::add(const Field& f, float amount, std::size_t first, std::size_t j,
                     Interpolation interpolation, Span<Vec3> out) const {
   const float v = static_cast<float>(j) / static_cast<float>(height_ - 1);
+  if (v < f.v0 || v > f.v1) return;
   for (std::size_t i = 0; i < out.count; ++i) {
     const float u = static_cast<float>(first + i) / static_cast<float>(width_ - 1);
-    out[i] = out[i] + amount * sample(model_, f, {u, v}, interpolation);
+    out[i] = out[i] + amount * sample_at(model_.samples(), f, ChartPoint({u, v}), interpolation);
   }
 }
 
 void VectorSum::add_samples(const Field& f, float amount, std::size_t first, std::size_t j,
                             Span<Vec3> out) const {
   const std::size_t i0 = first_node(f.u0, width_), j0 = first_node(f.v0, height_);
-  if (j < j0 || j >= j0 + f.height) return;
-  const std::uint8_t* const row = model_.samples() + f.first_byte + 6 * (j - j0) * f.width;
+  const std::size_t begin = first > i0 ? first : i0, out_end = first + out.count, end = i0 + f.width;
+  if (j < j0 || j >= j0 + f.height || begin >= out_end || begin >= end) return;
+  const std::uint8_t* samples = model_.samples() + f.first_byte + 6 * ((j - j0) * f.width + (begin - i0));
   const Vec3 offset = amount * Vec3{f.offset[0], f.offset[1], f.offset[2]},
              scale = amount * Vec3{f.scale[0], f.scale[1], f.scale[2]};
-  for (std::size_t k = 0; k < out.count; ++k) {
-    const std::size_t i = first + k - i0;  // wraps before the first
-    if (i >= f.width) continue;
+  Vec3* const to = out.data + (begin - first);
+  const std::size_t count = (end < out_end ? end : out_end) - begin;
+  std::size_t k = 0;
+#if PLIANT_HAS_VECTORS
+  k = add_lanes(samples, count, scale, offset, to);
+#endif
+  for (samples += 6 * k; k < count; ++k, samples += 6) {
     std::int16_t s[3];
-    std::memcpy(s, row + 6 * i, sizeof s);
-    out[k] = out[k] + Vec3{offset.x + scale.x * static_cast<float>(s[0]),
-                           offset.y + scale.y * static_cast<float>(s[1]),
-                           offset.z + scale.z * static_cast<float>(s[2])};
+    std::memcpy(s, samples, sizeof s);
+    to[k] = to[k] + Vec3{offset.x + scale.x * static_cast<float>(s[0]),
+                         offset.y + scale.y * static_cast<float>(s[1]),
+                         offset.z + scale.z * static_cast<float>(s[2])};
   }
 }
 

@@ -2,7 +2,10 @@
 // rims of the support.
 #include <doctest/doctest.h>
 
+#include <vector>
+
 #include "field_reference.hpp"
+#include "model/field_sampling.hpp"
 #include "random_model.hpp"
 
 namespace sampling_test {
@@ -57,6 +60,33 @@ TEST_CASE("bilinear sampling reproduces a bilinear field and its gradient, and i
     CHECK(length(p - Vec3{3 * uv.x - uv.y, 2 + uv.x * uv.y, uv.y}) < 2e-3f);
     CHECK(length(du - Vec3{3, uv.y, 0}) < 0.05f);
     CHECK(length(dv - Vec3{-1, uv.x, 1}) < 0.05f);
+  }
+}
+
+TEST_CASE(
+    "a value alone has the bits of the value with its gradient, and nothing beyond the last sample is read") {
+  Random random(7);
+  for (const bool mirror : {false, true}) {
+    const auto f = [&](float, float) {
+      return Vec3{random.uniform(-9, 9), random.uniform(-9, 9), random.uniform(-9, 9)};
+    };
+    const OpenModel m = with_field(f, 5, 4, 0.25f, 0.125f, 1, 1, mirror);
+    const Field& field = m.model.fields()[1];
+    // In a block of exactly their size: the sanitizers know its end.
+    const std::size_t bytes = std::size_t{6} * field.width * field.height;
+    const std::uint8_t* const in_table = m.model.samples() + field.first_byte;
+    const std::vector<std::uint8_t> alone(in_table, in_table + bytes);
+    Field moved = field;
+    moved.first_byte = 0;
+    for (int k = 0; k < 200; ++k) {
+      const Vec2 uv = k == 0   ? Vec2{1, 1}
+                      : k == 1 ? Vec2{0, 1}
+                               : Vec2{random.uniform(0, 1), random.uniform(0, 1)};
+      Vec3 du, dv;
+      const Vec3 value = sample_field(alone.data(), moved, uv, Interpolation::bilinear, nullptr, nullptr);
+      const Vec3 same = sample_with_gradient(m.model, field, uv, &du, &dv);
+      CHECK((value.x == same.x && value.y == same.y && value.z == same.z));
+    }
   }
 }
 
