@@ -142,15 +142,29 @@ Vec3 sample_vector(const std::uint8_t* samples, const Field& f, const Cell& cell
   return {f.mirror ? -value[0] : value[0], value[1], value[2]};
 }
 
+#if PLIANT_HAS_VECTORS
+LaneCorners corners_of(const std::uint8_t* samples, const Field& f, const Cell& cell) {
+  return {f, samples + f.first_byte + 6 * (cell.j * f.width + cell.i)};
+}
+
 /// The same of two bytes a component.
 Vec3 sample_words(const std::uint8_t* samples, const Field& f, const Cell& cell) {
-#if PLIANT_HAS_VECTORS
-  const std::size_t first = cell.j * f.width + cell.i;
-  return sample_lanes(f, samples + f.first_byte + 6 * first, cell.a, cell.b);
-#else
-  return sample_vector<std::int16_t>(samples, f, cell);
-#endif
+  return lane_value(corners_of(samples, f, cell), f, cell.a, cell.b);
 }
+#else
+Vec3 sample_words(const std::uint8_t* samples, const Field& f, const Cell& cell) {
+  return sample_vector<std::int16_t>(samples, f, cell);
+}
+#endif
+
+/// Cells per unit of u and v, the first negative for a mirrored field.
+struct CellsPerUnit {
+  float u, v;
+
+  explicit CellsPerUnit(const Field& f)
+      : u(static_cast<float>(f.width - 1) / (f.u1 - f.u0) * (f.mirror ? -1.0f : 1.0f)),
+        v(static_cast<float>(f.height - 1) / (f.v1 - f.v0)) {}
+};
 
 /// Any field, any way. Of a copy of the cell: where this is not called, the cell stays in registers.
 Vec3 sample_any(const std::uint8_t* samples, const Field& f, Cell cell, Interpolation interpolation, Vec3* du,
@@ -162,10 +176,9 @@ Vec3 sample_any(const std::uint8_t* samples, const Field& f, Cell cell, Interpol
   const bool flips = f.mirror && f.components == 3;
   const float sx = flips ? -f.scale[0] : f.scale[0], ox = flips ? -f.offset[0] : f.offset[0];
   if (du != nullptr) {
-    const float per_u = static_cast<float>(f.width - 1) / (f.u1 - f.u0) * (f.mirror ? -1.0f : 1.0f);
-    const float per_v = static_cast<float>(f.height - 1) / (f.v1 - f.v0);
-    *du = {sx * s.along_u[0] * per_u, f.scale[1] * s.along_u[1] * per_u, f.scale[2] * s.along_u[2] * per_u};
-    *dv = {sx * s.along_v[0] * per_v, f.scale[1] * s.along_v[1] * per_v, f.scale[2] * s.along_v[2] * per_v};
+    const CellsPerUnit per(f);
+    *du = {sx * s.along_u[0] * per.u, f.scale[1] * s.along_u[1] * per.u, f.scale[2] * s.along_u[2] * per.u};
+    *dv = {sx * s.along_v[0] * per.v, f.scale[1] * s.along_v[1] * per.v, f.scale[2] * s.along_v[2] * per.v};
   }
   if (f.components == 1) return {f.offset[0] + f.scale[0] * s.value[0], 0, 0};
   return {ox + sx * s.value[0], f.offset[1] + f.scale[1] * s.value[1], f.offset[2] + f.scale[2] * s.value[2]};
@@ -203,7 +216,21 @@ Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpol
   const ChartPoint at(uv);
   if (du == nullptr) return sample_at(samples, f, at, interpolation);
   *du = *dv = {};
-  return is_in_support(f, at) ? sample_any(samples, f, locate(f, at), interpolation, du, dv) : Vec3{};
+  return is_in_support(f, at) ? sample_with_gradient(samples, f, at, interpolation, du, dv) : Vec3{};
+}
+
+Vec3 sample_with_gradient(const std::uint8_t* samples, const Field& f, const ChartPoint& at,
+                          Interpolation interpolation, Vec3* du, Vec3* dv) {
+  const Cell cell = locate(f, at);
+#if PLIANT_HAS_VECTORS
+  if (interpolation == Interpolation::bilinear && f.components == 3 && f.bits == 16) {
+    const LaneCorners corners = corners_of(samples, f, cell);
+    const CellsPerUnit per(f);
+    lane_gradient(corners, f, cell.a, cell.b, per.u, per.v, du, dv);
+    return lane_value(corners, f, cell.a, cell.b);
+  }
+#endif
+  return sample_any(samples, f, cell, interpolation, du, dv);
 }
 
 Vec3 sample(const Model& model, const Field& field, Vec2 uv, Interpolation interpolation) {

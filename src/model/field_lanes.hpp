@@ -17,17 +17,43 @@ inline Lanes read_lanes(const std::uint8_t* at, int skipped_bits = 0) {
   return to_lanes(word >> skipped_bits);
 }
 
-/// Bilinear value of a field in a cell at (a, b) of it. \param p  the cell's first sample.
-inline Vec3 sample_lanes(const Field& f, const std::uint8_t* p, float a, float b) {
-  // Two samples are 12 bytes, and nothing is read beyond: the second one without its last two bytes' neighbour.
-  const auto first = [](const std::uint8_t* row) { return read_lanes(row); };
-  const auto second = [](const std::uint8_t* row) { return read_lanes(row + 4, 16); };
-  const std::uint8_t* const next_row = p + std::size_t{6} * f.width;
-  const Lanes s00 = first(p), s01 = first(next_row), along_u = splat(a), along_v = splat(b);
-  const Lanes top = s00 + along_u * (second(p) - s00), bottom = s01 + along_u * (second(next_row) - s01);
-  const Lanes scale{f.scale[0], f.scale[1], f.scale[2], 0}, offset{f.offset[0], f.offset[1], f.offset[2], 0};
-  const Lanes value = offset + scale * (top + along_v * (bottom - top));
-  return {f.mirror ? -value[0] : value[0], value[1], value[2]};
+/// The samples at the corners of a cell.
+struct LaneCorners {
+  Lanes s00, s10, s01, s11;
+
+  /// \param p  the first of them.
+  LaneCorners(const Field& f, const std::uint8_t* p) {
+    // Two samples are 12 bytes, and nothing is read beyond: the second one is read from the third component of the first on.
+    const std::uint8_t* const next_row = p + std::size_t{6} * f.width;
+    s00 = read_lanes(p);
+    s10 = read_lanes(p + 4, 16);
+    s01 = read_lanes(next_row);
+    s11 = read_lanes(next_row + 4, 16);
+  }
+};
+
+inline Lanes first_three(const float* v) {
+  return Lanes{v[0], v[1], v[2], 0};
+}
+
+/// Of a mirrored field x has the other sign.
+inline Vec3 reflected(Lanes v, const Field& f) {
+  return {f.mirror ? -v[0] : v[0], v[1], v[2]};
+}
+
+/// Bilinear value at (a, b) of a cell.
+inline Vec3 lane_value(const LaneCorners& s, const Field& f, float a, float b) {
+  const Lanes along_u = splat(a);
+  const Lanes top = s.s00 + along_u * (s.s10 - s.s00), bottom = s.s01 + along_u * (s.s11 - s.s01);
+  return reflected(first_three(f.offset) + first_three(f.scale) * (top + splat(b) * (bottom - top)), f);
+}
+
+/// Its derivatives; `per_u` and `per_v` are cells per unit of u and v, the first negative for a mirrored field.
+inline void lane_gradient(const LaneCorners& s, const Field& f, float a, float b, float per_u, float per_v,
+                          Vec3* du, Vec3* dv) {
+  const Lanes top = s.s10 - s.s00, left = s.s01 - s.s00, scale = first_three(f.scale);
+  *du = reflected(scale * (top + splat(b) * ((s.s11 - s.s01) - top)) * splat(per_u), f);
+  *dv = reflected(scale * (left + splat(a) * ((s.s11 - s.s10) - left)) * splat(per_v), f);
 }
 
 /// Adds offset + scale * sample to four vectors each time. \return how many were added, a multiple of four.

@@ -33,6 +33,10 @@ Vec3 sample_in_support(const std::uint8_t* samples, const Field& f, const ChartP
 Vec3 sample_at(const std::uint8_t* samples, const Field& f, const ChartPoint& at,
                Interpolation interpolation);
 
+/// Value and derivatives along u and v. \pre is_in_support(f, at)
+Vec3 sample_with_gradient(const std::uint8_t* samples, const Field& f, const ChartPoint& at,
+                          Interpolation interpolation, Vec3* du, Vec3* dv);
+
 /// Value of `f` at (u,v), from samples that start at `samples` + f.first_byte. With `du`, also the derivatives along u and
 /// v, in `du` and `dv`; null for both otherwise.
 Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,

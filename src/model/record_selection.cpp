@@ -149,7 +149,7 @@ SurfaceFrame RecordSelection::frame(const FieldSource& source, const CascadePlan
       if (!is_in_support(field, at)) continue;
       const float amount = q_[r.parameter[0]];
       Vec3 su, sv;
-      const Vec3 s = sample_field(source.model.samples(), field, uv, source.interpolation, &su, &sv);
+      const Vec3 s = sample_with_gradient(source.model.samples(), field, at, source.interpolation, &su, &sv);
       v.point[i] = v.point[i] + amount * s;
       v.tangent_u[i] = v.tangent_u[i] + amount * su;
       v.tangent_v[i] = v.tangent_v[i] + amount * sv;

@@ -70,7 +70,6 @@ void VectorSum::compute(std::size_t first, std::size_t j, Interpolation interpol
 void VectorSum::add(const Field& f, float amount, std::size_t first, std::size_t j,
                     Interpolation interpolation, Span<Vec3> out) const {
   const float v = static_cast<float>(j) / static_cast<float>(height_ - 1);
-  if (v < f.v0 || v > f.v1) return;
   for (std::size_t i = 0; i < out.count; ++i) {
     const float u = static_cast<float>(first + i) / static_cast<float>(width_ - 1);
     out[i] = out[i] + amount * sample_at(model_.samples(), f, ChartPoint({u, v}), interpolation);
