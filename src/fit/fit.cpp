@@ -30,6 +30,8 @@ struct Fitter::State {
 
 namespace {
 
+constexpr float kFarthestPx = 1e6f;  // of a point: sums of squares stay finite
+
 Status check_points(Span<const Correspondence> points, const FitOptions& options) {
   if (options.width <= 0 || options.height <= 0 || !is_finite(options.focal_px) || options.focal_px < 0 ||
       !(options.stiffness >= 0) || !(options.misfit_mm >= 0))
@@ -37,8 +39,8 @@ Status check_points(Span<const Correspondence> points, const FitOptions& options
   if (options.start != nullptr && !is_possible(pose_of(*options.start), camera_of(*options.start)))
     return Status::bad_argument;
   for (const Correspondence& c : points) {
-    if (!is_finite(c.x) || !is_finite(c.uv) || !is_finite(c.sd_px) || !(c.sd_px > 0))
-      return Status::bad_argument;
+    const bool is_near = magnitude(c.x.x) <= kFarthestPx && magnitude(c.x.y) <= kFarthestPx;
+    if (!is_near || !is_finite(c.uv) || !is_finite(c.sd_px) || !(c.sd_px > 0)) return Status::bad_argument;
     if (c.uv.x < 0 || c.uv.x > 1 || c.uv.y < 0 || c.uv.y > 1) return Status::bad_argument;
   }
   return Status::ok;
