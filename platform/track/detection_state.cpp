@@ -23,6 +23,7 @@ Status DetectionState::start(TrackerParts& t, const FrameView& frame, const Star
   restore_markers = [](TrackerParts& of) {
     of.markers.restore(of.estimator, of.detection->markers, of.detection->marker_count);
   };
+  t.budget.forget_waiting();  // what is left of a track before
   const Status status = t.start(frame, found, options, {});
   restore_markers = nullptr;
   return status;

@@ -105,9 +105,8 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
 
 void give_up(TrackerParts& t) {
   FaceDetectionState& self = self_of(t);
-  self.note_person();
+  self.note_person(t.estimator.camera());
   if (self.person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
-  self.person.camera = t.estimator.camera();
   self.face_search.expect(box_of_track(t));
   DetectionState::give_up(t);
 }

@@ -22,9 +22,10 @@ struct FaceDetectionState : DetectionState {
   float landmark_error = 0;         // of the last start, as the alignment estimates it; 0: unknown
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
-  /// The person of a track that was confirmed is known from then on.
-  void note_person() {
+  /// The person of a track that was confirmed is known from then on, seen by this camera.
+  void note_person(const Camera& camera) {
     if (!person.is_known) person.is_known = checks.has_confirmed() && !poor_start.is_poor();
+    person.camera = camera;
   }
   /// Begins a track with this frame where an alignment during a track, which held nothing, has the face: of somebody new.
   void begin_anew(TrackerParts& tracker, const FrameView& frame, const AlignedFace& face);

@@ -24,7 +24,7 @@ void FaceDetectionState::begin_anew(TrackerParts& t, const FrameView& view, cons
 void FaceDetectionState::renew(TrackerParts& t, const FrameView& view, float error) {
   const StartPose found{t.estimator.camera(), pose_of(t.estimator.view())};
   keep_parameters(t);
-  note_person();
+  note_person(found.camera);
   marker_count = t.markers.save(t.estimator, markers);
   landmark_error = error;
   (void)start(t, view, found, with_present_mesh(kept.options));  // a track that cannot begin is lost

@@ -44,6 +44,8 @@ struct FrameBudget {
   /// Of the rare work that this frame does, or that comes first; null: any.
   const WaitingWork* kind = nullptr;
 
+  /// Nothing waits any more: another track begins.
+  void forget_waiting() { check = key_frame = person = second_look = {}; }
   /// Begins a frame. One overdue work comes first, with what is reserved for it. \param reserves  false: nothing, since the frame
   /// may need all.
   void begin(bool reserves);

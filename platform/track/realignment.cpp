@@ -43,10 +43,7 @@ bool is_another(TrackerParts& t, const FrameView& frame, FaceDetectionState& det
 bool realign(TrackerParts& t, const FrameView& frame) {
   auto& detection = *static_cast<FaceDetectionState*>(t.detection);
   SecondLookState& look = *detection.look;
-  if (look.steps_left > 0) {  // the aligner is needed here
-    look.steps_left = 0;
-    t.budget.second_look = {};
-  }
+  look.stop(t.budget);  // the aligner is needed here
   AlignedFace face;
   if (!align(t, frame, detection, &face)) return false;
   State measured;

@@ -16,6 +16,12 @@ void SecondLookState::lay_out(Arena& arena, const Model& model, const TrackerLim
   (aligner == nullptr ? measured : *aligner).lay_out_frugally(arena, model);
 }
 
+void SecondLookState::stop(FrameBudget& budget) {
+  if (steps_left == 0) return;
+  steps_left = 0;
+  budget.second_look = {};
+}
+
 namespace {
 
 constexpr const SecondLookTuning& kTuning = kSecondLookTuning;
@@ -118,7 +124,10 @@ bool conclude(TrackerParts& t, const FrameView& frame) {
   FaceDetectionState& detection = detection_of(t);
   SecondLookState& look = *detection.look;
   look.realigned = 0;
-  if (look.start_error == 0 || !is_free(t)) return false;
+  if (look.start_error == 0 || !is_free(t)) {
+    look.stop(t.budget);  // the caller may have placed landmarks in the middle of it
+    return false;
+  }
   if (look.frames_left > 0) --look.frames_left;
   if (look.steps_left == 0) {
     if (look.frames_left == 0) begin_look(t, frame);

@@ -10,6 +10,7 @@
 
 namespace pliant {
 
+struct FrameBudget;
 struct TrackerParts;
 
 /// Tuning of second looks. Each constant: unit, reason, experiment (docs/experiments.md, Covered starts).
@@ -61,6 +62,8 @@ struct SecondLookState {
   int realigned = 0;                        // frames in a row that `realign` has made good
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
+  /// Drops the alignment that is under way, and what the budget keeps for it.
+  void stop(FrameBudget& budget);
 };
 
 /// The calls of a tracker. It makes them through TrackerLimits::second_look only, so that a program whose limits

@@ -40,7 +40,7 @@ bool MotionModel::predict(std::int64_t time_ns, int bad_frames, const Cascade& c
   const bool repeats = elapsed >= 0 && elapsed < t.least_step_ns;
   const bool follows = !repeats && elapsed > 0 && elapsed < t.jump_ns;  // never after kNoTime
   seconds_ = follows ? static_cast<float>(elapsed) * 1e-9f : t.nominal_step;
-  since_sample_ += seconds_;
+  if (!repeats) since_sample_ += seconds_;
   time_ns_ = time_ns;
   if (!follows && !repeats) filter_.forget_velocities();
   filter_.predict(repeats ? 0.0f : seconds_);

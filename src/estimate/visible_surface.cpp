@@ -43,9 +43,7 @@ void VisibleSurface::lay_out(Arena& arena, std::size_t parameters, const Visible
 }
 
 Status VisibleSurface::start(const Model& model) {
-  const Status status = mesh_.set_base(model.base_uv(), model.base_corners());
-  forget_unused_samples();
-  return status;
+  return mesh_.set_base(model.base_uv(), model.base_corners());
 }
 
 /// A vertex that takes one of these ids is sampled anew, also at the place of the one before.
@@ -56,6 +54,7 @@ void VisibleSurface::forget_unused_samples() {
 
 void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy) {
   policy_ = policy;
+  forget_unused_samples();  // a mesh that is kept has those of the person before
   copy(state.q, parameters_, surface_q_);
   select_surface(cascade);
   const Surface surface{

@@ -223,6 +223,26 @@ TEST_CASE("who tells the tracker where landmarks or markers are, or who the pers
   CHECK(fake.alignments == before);
 }
 
+TEST_CASE("a look that ends where landmarks are placed keeps other rare work from no frame") {
+  const FaceFilm& turning = film(0, 0.5f, 150);
+  std::vector<std::size_t> keys[2];  // frames
+  for (const bool places : {false, true}) {
+    FakeFaces fake(turning);
+    InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+    std::size_t k = 0;
+    while (fake.steps <= fake.steps_an_alignment) update(tracker.object, turning, k++);  // a look has begun
+    const NamedPoint point{"ibug30", turning.truth("ibug30", k - 1)};
+    if (places) REQUIRE(tracker->place_landmarks({&point, 1}) == Status::ok);
+    while (k < kFrames) {
+      const std::size_t before = tracker->key_frame_count();
+      update(tracker.object, turning, k++);
+      if (tracker->key_frame_count() > before) keys[places].push_back(k);
+    }
+  }
+  CHECK(keys[0].size() > 0);
+  CHECK(keys[1] == keys[0]);
+}
+
 TEST_CASE("looks give no offsets to who wants the model's landmarks") {
   FakeFaces fake(film());
   fake.covered_frames = 10;
