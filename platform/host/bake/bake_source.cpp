@@ -14,6 +14,7 @@
 #include "host/bake/source_error.hpp"
 #include "host/bake/table_writer.hpp"
 #include "host/io/numbers.hpp"
+#include "host/io/track_table.hpp"
 
 namespace pliant::host::bake {
 
@@ -118,10 +119,14 @@ class Baker {
       for (std::size_t i = 0; i < k; ++i)
         if (source_.landmarks[i].name == l.name) fail("the landmark '" + l.name + "' appears twice");
     }
+    for (const SourceParameter& p : source_.parameters)
+      if (is_track_column(p.name))
+        fail("the parameter '" + p.name + "' has the name of another column of a track: rename it");
     for (const SourceShape& shape : source_.shapes) {
       const SourceParameter& p = source_.parameters[shape.parameter];
-      float reach = std::max({1.0f, p.maximum, -p.minimum});
-      if (shape.second >= 0) reach *= std::max(1.0f, source_.parameters[at(shape.second)].maximum);
+      float reach = std::max(1.0f, std::abs(p.farthest()));
+      if (shape.second >= 0)
+        reach *= std::max(1.0f, std::abs(source_.parameters[at(shape.second)].farthest()));
       bool is_near = true;  // false for what is not a number
       for (const Vec3 d : shape.displacement) is_near &= length(d) * reach <= kFarthest;
       for (const float w : shape.weight) is_near &= magnitude(w) * reach <= kFarthest;
@@ -236,7 +241,8 @@ class Baker {
   /// The value of a parameter at which the error of its shape is judged.
   float most_of(std::size_t parameter) const {
     const SourceParameter& p = source_.parameters[parameter];
-    return p.group == Group::identity ? std::min(kTuning.identity_sds * p.sd, p.maximum) : p.maximum;
+    const float most = std::abs(p.farthest());
+    return p.group == Group::identity ? std::min(kTuning.identity_sds * p.sd, most) : most;
   }
 
   /// The coarsest grid within the tolerance. If no sampled grid is within it, the finest grid fitted by least squares, or the

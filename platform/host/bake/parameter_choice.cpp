@@ -19,13 +19,13 @@ std::string other_side(const std::string& name) {
   return "";
 }
 
-/// Sum over the vertices of their motion by a parameter at its largest value.
+/// Sum over the vertices of their motion by a parameter at its farther limit.
 float reach(const Source& source, std::size_t parameter) {
   double sum = 0;
   for (const SourceShape& shape : source.shapes)
     if (shape.parameter == parameter && shape.second < 0)
       for (const Vec3 d : shape.displacement) sum += static_cast<double>(length(d));
-  return static_cast<float>(sum) * source.parameters[parameter].maximum;
+  return static_cast<float>(sum) * std::abs(source.parameters[parameter].farthest());
 }
 
 /// One expression, or the two sides of one: both are chosen or none.

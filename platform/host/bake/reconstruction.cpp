@@ -88,7 +88,8 @@ Reconstruction reconstruct(const Model& model, const Source& source) {
     for (std::size_t m = 0; m < measured.size(); ++m) {
       const std::size_t k = measured[m];
       const SourceParameter& p = source.parameters[k];
-      q[k] = p.group == Group::identity ? std::min(p.sd, p.maximum) : p.maximum;
+      const float farthest = p.farthest();
+      q[k] = p.group == Group::identity ? std::clamp(farthest, -p.sd, p.sd) : farthest;
       off[m].push_back(length(cascade->evaluate(baked.data(), q.data()) - moved(source, v, shapes[m], q[k])));
       q[k] = 0;
     }

@@ -16,6 +16,9 @@ struct SourceParameter {
   std::string name;
   Group group;
   float minimum, maximum, sd;
+
+  /// The limit that is farther from rest.
+  float farthest() const { return maximum >= -minimum ? maximum : minimum; }
 };
 
 /// One step of the cascade. It adds the parameter times `displacement` (Eq. 4), or rotates each vertex about the axis by the

@@ -64,25 +64,51 @@ Image enlarged(const Image& image, int factor) {
   return out;
 }
 
+namespace {
+
+/// The samples of a line that one of fewer covers, and the parts of it that they are.
+struct Cover {
+  int first = 0;
+  std::vector<float> part;
+};
+
+std::vector<Cover> covers(int samples, int fewer) {
+  std::vector<Cover> out(static_cast<std::size_t>(fewer));
+  const double step = static_cast<double>(samples) / fewer;
+  for (int k = 0; k < fewer; ++k) {
+    const double low = k * step, high = k + 1 == fewer ? samples : low + step;
+    Cover& cover = out[static_cast<std::size_t>(k)];
+    cover.first = static_cast<int>(low);
+    for (int i = cover.first; i < samples && i < high; ++i)
+      cover.part.push_back(static_cast<float>((std::min(high, i + 1.0) - std::max<double>(low, i)) / step));
+  }
+  return out;
+}
+
+std::uint8_t covered_mean(const Image& image, const Cover& columns, const Cover& rows, int channel) {
+  float sum = 0;
+  for (std::size_t j = 0; j < rows.part.size(); ++j)
+    for (std::size_t i = 0; i < columns.part.size(); ++i)
+      sum += rows.part[j] * columns.part[i] *
+             static_cast<float>(
+                 image.at(columns.first + static_cast<int>(i), rows.first + static_cast<int>(j))[channel]);
+  return static_cast<std::uint8_t>(std::min(sum + 0.5f, 255.0f));
+}
+
+}  // namespace
+
 Image shrunk_to(const Image& image, int width, int height) {
   const double scale =
       std::min({1.0, static_cast<double>(width) / image.width, static_cast<double>(height) / image.height});
   if (scale >= 1.0) return image;
-  Image out(std::max(1, static_cast<int>(image.width * scale)),
-            std::max(1, static_cast<int>(image.height * scale)), image.channels);
+  const auto side = [scale](int of) { return std::max(1, static_cast<int>(std::lround(of * scale))); };
+  Image out(side(image.width), side(image.height), image.channels);
+  const std::vector<Cover> columns = covers(image.width, out.width), rows = covers(image.height, out.height);
   for (int y = 0; y < out.height; ++y)
-    for (int x = 0; x < out.width; ++x) {
-      const int x0 = x * image.width / out.width, x1 = std::max(x0 + 1, (x + 1) * image.width / out.width);
-      const int y0 = y * image.height / out.height,
-                y1 = std::max(y0 + 1, (y + 1) * image.height / out.height);
-      for (int c = 0; c < image.channels; ++c) {
-        int sum = 0;
-        for (int j = y0; j < y1; ++j)
-          for (int i = x0; i < x1; ++i) sum += image.at(i, j)[c];
-        const int count = (x1 - x0) * (y1 - y0);
-        out.at(x, y)[c] = static_cast<std::uint8_t>((sum + count / 2) / count);
-      }
-    }
+    for (int x = 0; x < out.width; ++x)
+      for (int c = 0; c < image.channels; ++c)
+        out.at(x, y)[c] =
+            covered_mean(image, columns[static_cast<std::size_t>(x)], rows[static_cast<std::size_t>(y)], c);
   return out;
 }
 

@@ -32,6 +32,15 @@ std::string text_of_px(float x) {
   return decimal_text(static_cast<double>(x));
 }
 
+template <std::size_t kCount>
+bool is_in(const std::string& name, const char* const (&names)[kCount]) {
+  return std::find(std::begin(names), std::end(names), name) != std::end(names);
+}
+
+bool is_of_point(const std::string& name) {
+  return name.rfind("x_", 0) == 0 || name.rfind("y_", 0) == 0;
+}
+
 /// The column of a table and what it sets.
 struct Target {
   std::size_t column;
@@ -44,14 +53,12 @@ std::vector<Target> targets(const CsvTable& table, const Model& model, std::vect
   for (std::size_t c = 0; c < table.columns().size(); ++c) {
     const std::string& name = table.columns()[c];
     const auto pose = std::find(std::begin(kPoseColumns), std::end(kPoseColumns), name);
-    const bool is_first =
-        std::find(std::begin(kFirstColumns), std::end(kFirstColumns), name) != std::end(kFirstColumns);
     const auto parameters = parameters_named(model, name);
     if (pose != std::end(kPoseColumns))
       out.push_back({c, {}, static_cast<std::size_t>(pose - std::begin(kPoseColumns))});
     else if (!parameters.empty())
       out.push_back({c, parameters});
-    else if (!is_first && name.rfind("x_", 0) != 0 && name.rfind("y_", 0) != 0)
+    else if (!is_in(name, kFirstColumns) && !is_of_point(name))
       unmatched->push_back(name);
   }
   return out;
@@ -75,6 +82,10 @@ const char* state_text(TrackState state) {
       return "lost";
   }
   return "lost";
+}
+
+bool is_track_column(const std::string& name) {
+  return is_in(name, kFirstColumns) || is_in(name, kPoseColumns) || is_of_point(name);
 }
 
 std::string track_header(const Model& model, const std::vector<std::string>& point_names) {

@@ -35,6 +35,8 @@ GazeAngles gaze_angles(Vec3 gaze);
 /// The state as the table spells it: tracking, degraded or lost.
 const char* state_text(TrackState state);
 
+/// Whether a track has a column of this name besides those of parameters: no parameter can be called so.
+bool is_track_column(const std::string& name);
 /// The header: the fixed columns, a parameter each, then x_NAME,y_NAME for each point name.
 std::string track_header(const Model& model, const std::vector<std::string>& point_names);
 /// The same with other columns instead of the parameters.

@@ -216,6 +216,44 @@ TEST_CASE(
   CHECK(length(baked.at(Vec2{0.9f, 0.9f}, {}) - Vec3{90, 10, 0}) < 0.05f);
 }
 
+TEST_CASE("a parameter may go either way alone: its field is as exact at its farther limit") {
+  const ObjFolder folder("one_way");
+  const auto dented = [](float s, float t) {
+    const float off = (s - 0.5f) * (s - 0.5f) + (t - 0.5f) * (t - 0.5f);
+    return curved_sheet(s, t) + Vec3{0, 0, 3 * std::exp(-20 * off)};
+  };
+  folder.write("neutral", curved_sheet);
+  folder.write("dent", dented);
+  for (const char* const range : {"-1 1", "-1 0", "-1 0.05", "0 1"}) {
+    CAPTURE(range);
+    folder.put("parameters.txt",
+               "parameter group minimum maximum sd\ndent expression " + std::string(range) + " 0.5\n");
+    BakeOptions options;
+    options.source = folder.path.string();
+    std::vector<std::uint8_t> table;
+    std::string error;
+    REQUIRE_MESSAGE(host::bake::bake(options, table, error), error);
+    BakedModel baked(table);
+    const float way = range[0] == '-' ? -1.0f : 1.0f;
+    for (const Vec2 at : {Vec2{0.5f, 0.5f}, Vec2{0.4f, 0.6f}, Vec2{0.7f, 0.5f}}) {
+      const Vec3 rest = curved_sheet(at.x, at.y), there = rest + way * (dented(at.x, at.y) - rest);
+      CHECK(length(baked.at(chart(at.x, at.y), {way}) - there) < 0.02f);
+    }
+  }
+}
+
+TEST_CASE("a parameter has no name of another column of a track") {
+  const ObjFolder folder("column");
+  folder.write("neutral", curved_sheet);
+  for (const char* const name : {"tx", "state", "x_centre"}) {
+    const fs::path file = folder.path / (std::string(name) + ".obj");
+    folder.write(name, [](float s, float t) { return curved_sheet(s, t) + Vec3{0, 0, s}; });
+    CHECK(error_of(folder).find("'" + std::string(name) + "' has the name of another column of a track") !=
+          std::string::npos);
+    fs::remove(file);
+  }
+}
+
 TEST_CASE("a small table gives a parameter its range, so that it goes both ways") {
   const ObjFolder folder("ranges");
   folder.write("neutral", curved_sheet);
