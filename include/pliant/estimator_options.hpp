@@ -44,6 +44,8 @@ struct EstimatorLimits {
   /// Size of the field into which `start` personalises the model (Cascade::personalise), 6 bytes a sample. With it,
   /// new points, tangents and adaptation cost as much as the expressions alone.
   PersonalFieldLimits personal_field;
+  /// How it is filled. If null, there is no such field, and 2 kB of code are not linked.
+  Status (Cascade::*personalise)(const float* q) = &Cascade::personalise;
   /// If not empty, at least adaptation_bytes: memory in which `start` adapts the mesh, and which others may
   /// use between starts. `start` then returns capacity for options with mesh_operations. Empty: the estimator
   /// has memory of its own for that.
@@ -53,6 +55,14 @@ struct EstimatorLimits {
 /// Bytes that the adaptation of a mesh takes at most (EstimatorLimits::vertices).
 constexpr std::size_t adaptation_bytes(std::uint16_t vertices) {
   return std::size_t{48} * vertices + 128;  // Adapter, and the alignment of its arrays
+}
+
+/// The same limits without a field of the person.
+template <class Limits>
+constexpr Limits without_personal_field(Limits limits) {
+  limits.personal_field = {};
+  limits.personalise = nullptr;
+  return limits;
 }
 
 /// The same limits without rejection of image forces.

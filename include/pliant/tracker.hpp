@@ -17,8 +17,8 @@ namespace pliant {
 /// Options of a start. They take no memory.
 struct TrackerOptions {
   EstimatorOptions estimator;  ///< of the estimator
-  /// One flag a parameter of the model: nonzero, it is estimated; else it keeps the start's value. Null: the expression
-  /// parameters are estimated. Read during the start only.
+  /// One flag a parameter of the model: nonzero, it is estimated in every frame; else it keeps the start's value, but for the
+  /// identity, which TrackerLimits::person estimates besides (without_person holds it). Null: the expressions. Read during the start.
   const std::uint8_t* is_free = nullptr;
   float marker_exclusion_px = 8;  ///< no template is captured within this distance of a marker, px
 };
@@ -43,7 +43,7 @@ struct StartOptions {
   float focal_px = 0;
   /// Intrinsics and lens, if known, which replace focal_px. May be Tracker::camera.
   const Camera* camera = nullptr;
-  /// If false, `landmark` gives the positions of the model, without offsets.
+  /// If false, `landmark` gives the positions of the model, without offsets, until landmarks are placed (Tracker::place_landmarks).
   bool keeps_landmark_offsets = true;
   /// Of start_from_box. A box of FaceDetector or of `pliant detect` is a `face_box`.
   BoxConvention box = BoxConvention::landmarks;
@@ -80,7 +80,8 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 ///
 /// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays
 /// first. If one of those is wrong, nothing changes. If the start fails later (in the fit, the pose or the
-/// texture), the tracker is not started, `is_started` is false, and the next frame may have any time.
+/// texture), the tracker is not started, `is_started` is false, and the next frame may have any time. If it failed in the texture,
+/// that is searched with its camera and options.
 ///
 /// Costs with profiles M and S at 320 x 240 on a PC, in units of a tracked frame: a start from a pose or a state 7 and 11, from
 /// a box 8 and 13, from 68 landmarks 16 and 44, a frame that is searched 6 and 3.
@@ -141,7 +142,8 @@ class Tracker {
   /// tracked from this frame on.
   /// \return not_started (no track and no detection), bad_table, bad_checksum and their like (detector, aligner or print is
   ///         damaged; bad_table also for a model that lacks landmarks of the aligner), bad_argument, size_mismatch,
-  ///         stale_frame (neither the time nor the sequence number is later than the last frame's). Nothing has changed then.
+  ///         stale_frame (neither the time nor the sequence number is later than the last frame's): nothing has changed then. Or
+  ///         capacity: what was found cannot be tracked within the limits (free_parameters, samples_per_point, keeps_adaptation).
   Status update(const FrameView& frame, FrameResult* result);
 
   // Preconditions of what follows: the tracker was laid out, and pointers for results are not null. Without a layout, what returns
@@ -151,8 +153,8 @@ class Tracker {
   const Model& model() const;
   /// True while there is a track: after a start of any kind, until the track is given up.
   bool is_started() const;
-  /// Of the last frame; after a start that of frame 0: tracking, at the pose of the start. Before the first frame and after a
-  /// start that failed: lost, and whether the next frame is searched.
+  /// Of the last frame; after a start that of frame 0: tracking at the start's pose, or degraded if that is turned far. Before the
+  /// first frame and after a start that failed: lost, and whether the next frame is searched.
   const FrameResult& result() const;
   /// Loops of the last frame; 0 for one without a track. `pliant plan` prints the bounds.
   const FrameWork& work() const;

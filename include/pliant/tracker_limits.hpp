@@ -65,15 +65,16 @@ struct TrackerLimits {
   /// deviation of the noise is 2 grey levels or more and above 0.42 of that of the grey levels, measured in each frame. width x
   /// (height + 10) bytes. If null, frames are used as they are, and the code is left out of the program.
   const NoiseSmoothing* noise = &kNoiseSmoothing;
-  std::uint16_t thumbnail_width = 96;                  ///< widest thumbnail for coarse search, px
-  std::uint16_t free_parameters = 0;                   ///< as EstimatorLimits::free_parameters
-  std::uint16_t samples_per_point = 0;                 ///< as EstimatorLimits::samples_per_point
-  bool samples_vertices = true;                        ///< as EstimatorLimits, and as FitLimits::samples_base_mesh
-  std::uint16_t rejection_sample = 256;                ///< as EstimatorLimits::rejection_sample
+  std::uint16_t thumbnail_width = 96;    ///< widest thumbnail for coarse search, px
+  std::uint16_t free_parameters = 0;     ///< as EstimatorLimits::free_parameters
+  std::uint16_t samples_per_point = 0;   ///< as EstimatorLimits::samples_per_point
+  bool samples_vertices = true;          ///< as EstimatorLimits, and as FitLimits::samples_base_mesh
+  std::uint16_t rejection_sample = 256;  ///< as EstimatorLimits::rejection_sample
   const ForceRejection* rejection = &kForceRejection;  ///< as EstimatorLimits::rejection
   const StretchPrior* stretch = &kStretchPrior;        ///< as EstimatorLimits::stretch
   /// As EstimatorLimits::personal_field. 128 x 128 is the grid on which tables are baked: the person loses nothing.
   PersonalFieldLimits personal_field = {128, 128};
+  Status (Cascade::*personalise)(const float* q) = &Cascade::personalise;  ///< as EstimatorLimits
   /// Side of the grid over (u,v) that notes image texture for an adaptive mesh
   /// (EstimatorOptions::mesh_operations), cells; one byte a cell. 0: the mesh adapts to the view alone.
   std::uint8_t texture_cells = 0;

@@ -64,9 +64,8 @@ constexpr TrackerLimits profile_s() {
   l.free_parameters = 40;
   l.samples_per_point = 44;
   l.samples_vertices = false;
-  l.personal_field = {};
-  return without_noise_smoothing(
-      without_second_look(without_person(without_edges(without_stretch(without_rejection(l))))));
+  return without_noise_smoothing(without_second_look(
+      without_person(without_edges(without_stretch(without_rejection(without_personal_field(l)))))));
 }
 
 /// Profile L, for a desktop or a fast board: 640 x 480, 220 + 80 templates, edges, 2,048 vertices.

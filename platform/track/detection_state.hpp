@@ -40,6 +40,11 @@ struct DetectionState {
   static void give_up(TrackerParts& tracker);
 };
 
+/// What a search answers with after a start: a track that does not fit the limits will never begin.
+inline Status answer_of(Status start) {
+  return start == Status::capacity ? start : Status::ok;
+}
+
 /// What is known of a start of the caller's.
 struct RoughStart {
   static constexpr std::size_t kExact = ~std::size_t{0};

@@ -82,8 +82,7 @@ Status search(TrackerParts& t, const FrameView& view) {
   TrackerOptions options = self.kept.options;
   // To refine the mesh takes as long as two frames of the track, which does not depend on it.
   if (self.face_search.spreads_work()) options.estimator.mesh_error_mm = 0;
-  start_found(t, view, found, options);
-  return Status::ok;
+  return answer_of(start_found(t, view, found, options));
 }
 
 void end_search(TrackerParts& t) {

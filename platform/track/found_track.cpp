@@ -18,7 +18,7 @@ void FaceDetectionState::begin_anew(TrackerParts& t, const FrameView& view, cons
   StartPose found;
   face_search.set_new_person(kept.start, face, &person_of(t), &found);
   landmark_error = face.landmark_error;
-  start_found(t, view, found, with_present_mesh(kept.options));
+  (void)start_found(t, view, found, with_present_mesh(kept.options));  // a track that cannot begin is lost
 }
 
 void FaceDetectionState::renew(TrackerParts& t, const FrameView& view, float error) {

@@ -21,8 +21,9 @@ inline KnownPerson& person_of(TrackerParts& t) {
 }
 
 /// Starts the track of a face that was found, with the person as TrackerParts::start_q and FaceDetectionState::person have it.
-inline void start_found(TrackerParts& t, const FrameView& frame, const StartPose& found,
-                        const TrackerOptions& options) {
+/// \return the status of TrackerParts::start.
+inline Status start_found(TrackerParts& t, const FrameView& frame, const StartPose& found,
+                          const TrackerOptions& options) {
   FaceDetectionState& detection = *static_cast<FaceDetectionState*>(t.detection);
   const bool is_known = detection.person.is_known;
   if (!is_known) {
@@ -30,8 +31,9 @@ inline void start_found(TrackerParts& t, const FrameView& frame, const StartPose
     t.keeps_landmark_offsets = detection.kept.start.keeps_landmark_offsets;
     detection.marker_count = 0;
   }
-  if (detection.start(t, frame, found, options) == Status::ok && !is_known)
-    t.offsets.place_pending(t.estimator);
+  const Status status = detection.start(t, frame, found, options);
+  if (status == Status::ok && !is_known) t.offsets.place_pending(t.estimator);
+  return status;
 }
 
 }  // namespace pliant

@@ -105,7 +105,7 @@ bool take_step(TrackerParts& t, PersonStep* step) {
   if (e.revise(s.q, turn) != Status::ok) return false;
   t.result.pose = pose_of(e.view());
   Quat& smoothed = t.result.smoothed_pose.q;
-  if (t.result.smoothed_pose.t.z > 0) smoothed = normalised(smoothed * turn);  // else nothing is smoothed
+  if (t.smooths) smoothed = normalised(smoothed * turn);
   t.key_frames.turn(turn);
   t.offsets.keep_all(*t.key_frames.view_of(0), e, places.landmarks, places.moved);
   if (!t.keeps_landmark_offsets) t.offsets.clear();

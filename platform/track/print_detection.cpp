@@ -117,8 +117,7 @@ Status search(TrackerParts& t, const FrameView& view) {
   Status status = finder.search(view, t.limits.search_work, camera, t.start_q.data, &found);
   if (status != Status::ok) return status == Status::not_found ? Status::ok : status;
   t.templates.set_check({&t, accepts_template});
-  (void)self.start(t, view, {camera, pose_of(found.view)}, self.kept.options);
-  return Status::ok;
+  return answer_of(self.start(t, view, {camera, pose_of(found.view)}, self.kept.options));
 }
 
 void end_search(TrackerParts& t) {

@@ -3,6 +3,7 @@
 #include <new>
 
 #include "face/ibug_landmarks.hpp"
+#include "pliant/lens.hpp"
 #include "track/landmark_fit.hpp"
 
 namespace pliant {
@@ -60,29 +61,41 @@ FaceBox box_of(Cascade& cascade, const float* q, const View& view) {
   });
 }
 
+/// The box where the camera shows it.
+FaceBox seen(const FaceBox& ideal, const Lens& lens) {
+  if (lens.is_none()) return ideal;
+  const Vec2 half{0.5f * ideal.side, 0};
+  return {lens.distort(ideal.center),
+          lens.distort(ideal.center + half).x - lens.distort(ideal.center - half).x};
+}
+
 }  // namespace
 
-Status fit_to_box(Arena& arena, const Model& model, Vec2 corner, Vec2 size, BoxConvention convention,
-                  const float* q, StartPose* start, FaceBox* box) {
+Status fit_to_box(Arena& arena, const Model& model, GivenBox given, int width, int height, const float* q,
+                  StartPose* start, FaceBox* box) {
   Cascade* const room = arena.take<Cascade>(1);
   if (room == nullptr) return Status::out_of_memory;
   Cascade& cascade = *new (room) Cascade();
   Status status = create_in(arena, cascade, model);
+  Lens lens;
+  if (status == Status::ok) status = Lens::make(start->camera, width, height, &lens);
   if (status != Status::ok) return status;
-  if (convention == BoxConvention::opencv) {
-    corner = corner + Vec2{kStartFitTuning.opencv_left * size.x, kStartFitTuning.opencv_top * size.x};
-    size = {kStartFitTuning.opencv_size * size.x, kStartFitTuning.opencv_size * size.x};
+  if (given.convention == BoxConvention::opencv) {
+    const float side = given.size.x;
+    given.corner = given.corner + Vec2{kStartFitTuning.opencv_left * side, kStartFitTuning.opencv_top * side};
+    given.size = {kStartFitTuning.opencv_size * side, kStartFitTuning.opencv_size * side};
   }
+  const Vec2 corner = lens.undistort(given.corner), size = lens.undistort(given.corner + given.size) - corner;
   View view;
   status = view_from_box(cascade, q, corner, size, start->camera, &view);
-  *box = status == Status::ok ? box_of(cascade, q, view) : FaceBox{};
-  if (convention == BoxConvention::face_box && box->side > 0) {
-    const Vec2 centre = corner + 0.5f * size;
+  *box = status == Status::ok ? seen(box_of(cascade, q, view), lens) : FaceBox{};
+  if (given.convention == BoxConvention::face_box && box->side > 0) {
+    const Vec2 centre = given.corner + 0.5f * given.size;
     view.s = clamp(size.x / kFaceBoxMm, kMinRho * start->camera.f, kMaxRho * start->camera.f);
     view.rho = view.s / start->camera.f;
     for (int k = 0; k < kStartFitTuning.centring_steps; ++k)
-      view.tau = view.tau + (1 / view.s) * (centre - box_of(cascade, q, view).center);
-    *box = {centre, size.x};
+      view.tau = view.tau + (1 / view.s) * (lens.undistort(centre) - box_of(cascade, q, view).center);
+    *box = {centre, given.size.x};
   }
   if (status == Status::ok) start->pose = pose_of(view);
   return status;

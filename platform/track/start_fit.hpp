@@ -37,9 +37,15 @@ Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint>
                         bool samples_base_mesh, const FitOptions& options, float* q, StartPose* start,
                         LandmarkOffsets* offsets);
 
-/// The pose of the model with parameters q, frontal, in the box, and its face box (side 0 for a model without
-/// eye and mouth corners). Statuses of view_from_box.
-Status fit_to_box(Arena& arena, const Model& model, Vec2 corner, Vec2 size, BoxConvention convention,
-                  const float* q, StartPose* start, FaceBox* box);
+/// A box in the picture.
+struct GivenBox {
+  Vec2 corner, size;  // px
+  BoxConvention convention;
+};
+
+/// The pose of the model with parameters q, frontal, in the box of a picture of this size, and its face box (side 0 for a model
+/// without eye and mouth corners). Statuses of Lens::make and view_from_box.
+Status fit_to_box(Arena& arena, const Model& model, GivenBox given, int width, int height, const float* q,
+                  StartPose* start, FaceBox* box);
 
 }  // namespace pliant

@@ -10,7 +10,7 @@ namespace pliant {
 namespace {
 
 EstimatorLimits estimator_limits(const TrackerLimits& limits) {
-  EstimatorLimits e = without_stretch(without_rejection(EstimatorLimits{}));
+  EstimatorLimits e = without_personal_field(without_stretch(without_rejection(EstimatorLimits{})));
   e.points = static_cast<std::uint16_t>(all_points(limits));
   e.silhouette_points = limits.edges == nullptr ? std::uint16_t{0} : limits.silhouette_points;
   e.vertices = limits.vertices;
@@ -21,6 +21,7 @@ EstimatorLimits estimator_limits(const TrackerLimits& limits) {
   e.rejection = limits.rejection;
   e.stretch = limits.stretch;
   e.personal_field = limits.personal_field;
+  e.personalise = limits.personalise;
   return e;
 }
 

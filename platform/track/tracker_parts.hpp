@@ -47,8 +47,8 @@ struct ImageParts {
 /// the search for a face, and the fit of a start.
 struct TrackerParts : ImageParts {
   // Set by lay_out. The default limits would link all that is optional into every program.
-  TrackerLimits limits = without_noise_smoothing(without_second_look(
-      without_person(without_edges(without_detection(without_stretch(without_rejection(TrackerLimits{})))))));
+  TrackerLimits limits = without_noise_smoothing(without_second_look(without_person(without_edges(
+      without_detection(without_stretch(without_rejection(without_personal_field(TrackerLimits{}))))))));
   Model table;
   Span<float> start_q;
   LandmarkOffsets offsets;
@@ -67,7 +67,7 @@ struct TrackerParts : ImageParts {
   std::uint32_t frame = 0;
   std::uint32_t last_kept = 0;  // frame that became a key frame
   int bad_frames = 0;           // in a row
-  bool uses_edges = false;
+  bool uses_edges = false, smooths = false;
   bool is_started = false;
   bool identity_is_given = false;      // by the caller, with the pose: it stays
   bool keeps_landmark_offsets = true;  // as StartOptions

@@ -109,8 +109,12 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
   Status status = estimator.start(from.camera, view.width, view.height, from.pose, start_q.data, with.is_free,
                                   of_estimator);
   if (status == Status::ok) status = capture_frame_0(view, marker_places, with.marker_exclusion_px);
-  if (status != Status::ok) return status;
-  if (with.estimator.smooths) result.smoothed_pose = result.pose;
+  if (status != Status::ok) {  // the search that follows is as the caller said, where the camera is one
+    if (detection != nullptr && status != Status::bad_argument) detection->keep_start_of_caller(with);
+    return status;
+  }
+  smooths = with.estimator.smooths;
+  if (smooths) result.smoothed_pose = result.pose;
   uses_edges = edges != nullptr && with.estimator.uses(Cue::edge);
   order.note(view);
   frame = last_kept = 0;
@@ -220,7 +224,8 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
   found.camera = start_camera(known.camera, start.focal_px, frame.width, frame.height);
   FaceBox box;
   status = t.fit_before_tracking([&](Arena& arena) {
-    return fit_to_box(arena, t.model(), corner, size, start.box, t.start_q.data, &found, &box);
+    return fit_to_box(arena, t.model(), {corner, size, start.box}, frame.width, frame.height, t.start_q.data,
+                      &found, &box);
   });
   return t.start_at_fit(status, frame, {&box, 0, known}, &found, options, markers);
 }

@@ -40,7 +40,7 @@ void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits&
   if (impl_ == nullptr) return;
   impl_->stretch = limits.stretch;
   impl_->springs = springs;
-  impl_->personalises = limits.personal_field.width > 0;
+  impl_->personalise = limits.personal_field.width > 0 ? limits.personalise : nullptr;
   impl_->sample_capacity = samples;
   impl_->keeps_adaptation = limits.adaptation_memory.empty();
 }
@@ -104,7 +104,7 @@ Status Estimator::Impl::start_parts(const EstimatorOptions& options) {
                 options.rejection,
                 {options.cues, options.model_error_mm, options.cue_scale_rate}});
   Status status = motion.start(cascade, state, options);
-  if (status == Status::ok && personalises) status = cascade.personalise(state.q);
+  if (status == Status::ok && personalise != nullptr) status = (cascade.*personalise)(state.q);
   if (status == Status::ok && springs != nullptr) status = stretch->start(*springs, cascade, state.q);
   if (status != Status::ok) return status;
   points.clear(cascade.samples_per_point());

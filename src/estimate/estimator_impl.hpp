@@ -23,11 +23,12 @@ struct Estimator::Impl : StateParts {
   StretchRows* springs = nullptr;
   TrackMonitor monitor;
 
-  Vec2 tau_before;                     // at the beginning of the frame, or proposed: what `translate` is relative to
+  Vec2 tau_before;  // at the beginning of the frame, or proposed: what `translate` is relative to
   Span<const Prediction> predictions;  // of all points at `state`; empty when either has changed
   std::size_t sample_capacity = 0;     // a point
   std::uint32_t tangent_interval = 1, vertex_interval = 1;  // frames
-  bool personalises = false, keeps_adaptation = false;
+  Status (Cascade::*personalise)(const float* q) = nullptr;
+  bool keeps_adaptation = false;
   bool surface_is_trusted = false;  // all vertices are at the trusted parameters
 
   std::size_t parameter_count() const { return cascade.parameter_count(); }

@@ -170,7 +170,9 @@ void VisibleSurface::project(const View& view) {
   const Projector projector(view, true);
   for (VertexId v : mesh_.vertices()) {
     const Vec3 r = projector.rotated(position_[v]);
-    depth_[v] = projector.project_rotated(r, &image_[v]) ? kTuning.nominal_distance_mm + r.z : -1.0f;
+    const bool is_in_front = projector.project_rotated(r, &image_[v]);
+    depth_[v] = is_in_front ? kTuning.nominal_distance_mm + r.z : -1.0f;
+    if (!is_in_front) image_[v] = view.c;  // some read it all the same
   }
   images_are_current_ = true;
 }

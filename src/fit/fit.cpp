@@ -5,6 +5,7 @@
 #include "fit/fit_start.hpp"
 #include "fit/fit_tuning.hpp"
 #include "fit/fold_over_guard.hpp"
+#include "fit/other_solutions.hpp"
 #include "fit/silhouette_matcher.hpp"
 #include "pliant/lens.hpp"
 
@@ -14,6 +15,7 @@ struct Fitter::State {
   FitLimits limits;
   FitWorkspace work;
   FoldOverGuard fold_over;
+  OtherSolutions others;
   SilhouetteMatcher* silhouette = nullptr;  // null without limits.silhouette
   Vec3* position = nullptr;                 // a point, at the initial parameters
   Correspondence* ideal = nullptr;          // the points without the lens
@@ -83,6 +85,7 @@ void Fitter::State::lay_out(Arena& arena, const Model& model, const FitLimits& m
   ideal = arena.take<Correspondence>(limits.points);
   q = arena.take<float>(model.parameters().count);
   fold_over.lay_out(arena, model, limits.samples_base_mesh);
+  others.lay_out(arena, model);
   if (!limits.silhouette) return;
   silhouette = create_part<SilhouetteMatcher>(arena, model);
   work.contour_normal = arena.take<Vec2>(limits.points);
@@ -147,8 +150,11 @@ Status Fitter::State::fit(Span<const Correspondence> points, const FitOptions& o
   for (std::size_t i = 0; i < cascade.parameter_count(); ++i) q[i] = result[i];
   FitProblem problem{work, points, options, q};
   start(problem);
+  others.start(q);
   FitReport out;
   out.iterations = minimise_in_stages(problem, has_silhouette);
+  if (options.start == nullptr && others.find_better(problem, fold_over.positions()))
+    out.iterations += minimise_in_stages(problem, has_silhouette);
   const Status status = finish(problem, &out, details);
   if (status != Status::ok) return status;
   for (std::size_t i = 0; i < cascade.parameter_count(); ++i) result[i] = q[i];

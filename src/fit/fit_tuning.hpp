@@ -1,5 +1,6 @@
 #pragma once
 // Tuning of the fit of one image.
+#include <cstddef>
 
 namespace pliant {
 
@@ -37,6 +38,24 @@ struct FitTuning {
   float max_turn_rad = 0.5f, max_log_step = 0.7f;
 };
 inline constexpr FitTuning kFitTuning{};
+
+/// Tuning of the search for other solutions.
+struct OtherSolutionTuning {
+  /// Other states are tried where the points at rest are nearly in a plane: standard deviation across it, at most, as a fraction of
+  /// their spread. Five and more landmarks of the built-in face have 0.14 and more, sheets 0.
+  float most_relief = 0.1f;
+  /// They are also tried with so few points, count, unless the model is of people: of 60 portraits no fit to 5, 9 or all landmarks
+  /// had a better solution. And where the robust cost is above this a point: it is two standard deviations away on average. The page
+  /// of points does both.
+  std::size_t few_points = 9;
+  float good_cost = 2;
+  /// Another solution counts if its cost is below this fraction of the first one's.
+  float clearly_better = 0.7f;
+  /// States that are tried, and iterations from each, count; and the tilts of four of them, rad. As the page of points has them.
+  int states = 6, iterations = 8;
+  float tilt_rad = 0.5f;
+};
+inline constexpr OtherSolutionTuning kOtherSolutionTuning{};
 
 /// Tuning of the match of silhouette landmarks.
 struct SilhouetteMatchTuning {

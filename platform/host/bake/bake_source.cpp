@@ -160,13 +160,16 @@ class Baker {
 
   /// Whether the surface, projected along z, has its corners clockwise.
   bool shows_back() const {
-    double area = 0;
+    double area = 0, all = 0;
     for (std::size_t k = 0; k < source_.triangles.size(); ++k) {
       if (k < source_.is_hole.size() && source_.is_hole[k] != 0) continue;
       const auto p = [&](std::size_t corner) { return source_.neutral[at(source_.triangles[k][corner])]; };
-      area += static_cast<double>(cross(p(1) - p(0), p(2) - p(0)).z);
+      const Vec3 normal = cross(p(1) - p(0), p(2) - p(0));
+      area += static_cast<double>(normal.z);
+      all += static_cast<double>(length(normal));
     }
-    return area < 0;
+    constexpr double kRounding = 1e-3;  // of a closed surface, which has no such side
+    return area < -kRounding * all;
   }
 
   Vec3 middle() const {
@@ -185,12 +188,15 @@ class Baker {
     };
     if (shows_back())
       report_.warnings.push_back(
-          "seen from the front, along z, this surface shows its back, which is neither drawn nor tracked: "
-          "turn it round, or reverse the order of the corners of its faces");
+          "seen from the front, along z, this surface shows its back: a rendered picture without a turn, or "
+          "a start "
+          "from a box, sees nothing of it. A start by print or points turns it. Else turn its vertices; to "
+          "reverse the "
+          "corners of its faces would mirror the print");
     if (diagonal_ < kTuning.least_tracked_mm)
       report_.warnings.push_back("the surface is " + millimetres(diagonal_) +
                                  " across, and nothing is tracked nearer than 50 mm: is it in centimetres "
-                                 "(--unit 10) or metres (--unit 1000)?");
+                                 "(--unit 10), inches (--unit 25.4) or metres (--unit 1000)?");
     if (length(middle()) > kTuning.most_off_origin * diagonal_)
       report_.warnings.push_back(
           "the origin is " + millimetres(length(middle())) + " from the surface, which is " +

@@ -1,6 +1,7 @@
 #include "host/bench/recorded_detection.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 
 #include "host/bench/detection_run.hpp"
@@ -49,7 +50,7 @@ void measure_recorded_film(const ModelFile& file, const std::string& film, const
       const double error = has_track ? landmark_error(s.run->landmarks(), truth[k]) : kUnknown;
       if (s.right < 0 && error < kRightError) s.right = static_cast<int>(k - s.first);
       if (k - s.first < kWithin) continue;
-      if (has_track) s.error_sum += error, ++s.frames;
+      if (has_track && std::isfinite(error)) s.error_sum += error, ++s.frames;
       s.lost += has_track ? 0 : 1;
     }
     if (!starts.empty() && k + 1 == starts.front().first + kWithin + kJudged) {

@@ -21,14 +21,18 @@ bool is_source_in(const std::string& folder, bool is_operand, const std::string&
   const std::filesystem::path file(path);
   const std::string ending = in_lower_case(file.extension().string());
   const bool is_of_surface = ending == ".txt" || ending == ".obj" || ending == ".mtl";
-  return (has_picture_extension(path) || (is_operand && is_of_surface)) && std::filesystem::is_directory(folder, ignored) &&
+  return (has_picture_extension(path) || (is_operand && is_of_surface)) &&
+         std::filesystem::is_directory(folder, ignored) &&
          std::filesystem::equivalent(std::filesystem::absolute(file, ignored).parent_path(), folder, ignored);
 }
 
 bool is_same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;
-  const auto spelt = [&](const std::string& path) { return std::filesystem::absolute(path, ignored).lexically_normal(); };
-  return spelt(a) == spelt(b) || std::filesystem::equivalent(a, b, ignored);  // the latter: of files that are there
+  const auto spelt = [&](const std::string& path) {
+    return std::filesystem::absolute(path, ignored).lexically_normal();
+  };
+  return spelt(a) == spelt(b) ||
+         std::filesystem::equivalent(a, b, ignored);  // the latter: of files that are there
 }
 
 /// Bad usage if the name ends as that of another format than the option writes.
@@ -136,7 +140,8 @@ double Args::number(const char* name, double otherwise, double low, double high)
   if (!value) return otherwise;
   const auto parsed = parse_number(*value);
   if (!parsed || *parsed < low || *parsed > high)
-    fail_usage(std::string(name) + ": not a number from " + number_text(low) + " to " + number_text(high) + ": " + *value);
+    fail_usage(std::string(name) + ": not a number from " + number_text(low) + " to " + number_text(high) +
+               ": " + *value);
   return *parsed;
 }
 
@@ -166,7 +171,8 @@ std::optional<std::vector<float>> Args::numbers(const char* name, std::size_t co
   for (std::size_t start = 0; start <= value->size();) {
     const std::size_t comma = std::min(value->find(',', start), value->size());
     const auto number = parse_number(value->substr(start, comma - start));
-    if (!number) fail_usage(std::string(name) + ": not numbers separated by commas: " + *value);
+    if (!number || !std::isfinite(static_cast<float>(*number)))
+      fail_usage(std::string(name) + ": not numbers separated by commas: " + *value);
     parsed.push_back(static_cast<float>(*number));
     start = comma + 1;
   }

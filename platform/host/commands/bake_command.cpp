@@ -138,7 +138,8 @@ Command bake_command() {
         "in a group "
         "\"fixed\" do not move"},
        {"--stiffness", "F",
-        "of the bending modes: with 1 the first moves the surface by 5 % of its diagonal at one standard "
+        "of the bending modes: with 1 the first moves the surface by 5 % of its diagonal, root mean square, "
+        "at one standard "
         "deviation, with 4 by half of it (1)"},
        {"--stretch", "SD",
         "add springs between points of the surface, with this standard deviation of their lengths, as a "

@@ -228,8 +228,8 @@ FitFile fit_to_box(const ModelFile& file, const GivenBox& box, const FitSetup& s
                                2);
   Arena arena(block.data(), block.size() * sizeof(ArenaLine));
   FaceBox found;
-  const Status status =
-      pliant::fit_to_box(arena, file.model(), box.corner, box.size, box.convention, q.data(), &start, &found);
+  const Status status = pliant::fit_to_box(arena, file.model(), box, setup.size.width, setup.size.height,
+                                           q.data(), &start, &found);
   require(status, file.path() + ": box");
   if (face != nullptr) *face = found;
   FitFile fit = fit_of_view(file.model(), setup.size, view_of(start.pose, start.camera), q);

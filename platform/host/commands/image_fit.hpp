@@ -12,6 +12,7 @@
 #include "pliant/face_box.hpp"
 #include "pliant/fit.hpp"
 #include "pliant/tracker.hpp"
+#include "track/start_fit.hpp"
 
 namespace pliant::host {
 
@@ -36,12 +37,6 @@ void check_points(const ModelFile& file, const std::string& source, const std::v
 /// determine the pose.
 FitFile fit_to_points(const ModelFile& file, const std::string& source, const std::vector<NamedPoint>& points,
                       const FitSetup& setup);
-
-/// The box of a face, as a command line gives it.
-struct GivenBox {
-  Vec2 corner, size;  ///< px
-  BoxConvention convention;
-};
 
 /// Reads `option` (X,Y,W,H) and --box-of. Bad usage: no numbers, a size that is not positive, or an unknown convention.
 /// \return nothing without the option.

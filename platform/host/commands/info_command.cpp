@@ -5,6 +5,7 @@
 
 #include "host/commands/command.hpp"
 #include "host/io/files.hpp"
+#include "host/io/owned.hpp"
 #include "pliant/cascade.hpp"
 #include "pliant/fit.hpp"
 #include "pliant/tracker.hpp"
@@ -81,6 +82,21 @@ void print_bytes(const Model& model, std::ostream& out) {
   row("names and curves",
       model.parameters().count * sizeof(Parameter) + model.landmarks().count * sizeof(Landmark) +
           model.curves().count * sizeof(Curve) + model.curve_points().count * sizeof(Vec2));
+}
+
+/// Extent of the base mesh at rest.
+void print_size(const Model& model, std::ostream& out) {
+  Owned<Cascade> cascade(model);
+  const std::vector<float> q(model.parameters().count, 0.0f);
+  Vec3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+  for (const Vec2 uv : model.base_uv()) {
+    const Vec3 p = cascade->surface_point(uv, q.data());
+    low = {min(low.x, p.x), min(low.y, p.y), min(low.z, p.z)};
+    high = {max(high.x, p.x), max(high.y, p.y), max(high.z, p.z)};
+  }
+  const Vec3 size = high - low;
+  print(out, "size at rest: %.4g x %.4g x %.4g mm\n", static_cast<double>(size.x),
+        static_cast<double>(size.y), static_cast<double>(size.z));
 }
 
 void print_curves(const Model& model, std::ostream& out) {
@@ -165,6 +181,7 @@ int run_info(const Args& args, Console& console) {
   std::ostream& out = console.out;
   out << file.path();
   print(out, ": %zu bytes, crc %08x\n", model.table_bytes(), static_cast<unsigned>(model.crc()));
+  print_size(model, out);
   print_bytes(model, out);
   print_parameters(model, Group::identity, "identity", out);
   print_parameters(model, Group::expression, "expression", out);

@@ -19,10 +19,10 @@ struct TrainingPictures {
   std::vector<learn::Photograph> photographs;
   learn::OtherPictures others;
 
-  TrainingPictures(const Args& args, const Model& model, Console& console) {
+  TrainingPictures(const Args& args, const Model& model, int threads, Console& console) {
     const std::string faces = args.required("--faces"), pictures = args.required("--others");
     if (faces != "none") {
-      photographs = learn::read_photographs(model, faces, learn::Portion::training);
+      photographs = learn::read_photographs(model, faces, learn::Portion::training, threads);
       if (photographs.empty()) fail_input(faces, "has no photograph to learn from");
     }
     others = learn::read_other_pictures(pictures);
@@ -55,8 +55,19 @@ learn::LearnOptions learn_options(const Args& args) {
   learn::LearnOptions options;
   options.seed = static_cast<std::uint64_t>(args.integer("--seed", 1, 0, 1 << 30));
   options.threads = args.integer("--threads", 2, 1, 2);
-  options.effort = args.number("--effort", 1, 0.001, 10);
+  options.effort = args.number("--effort", 1, 0.001, 4);
   return options;
+}
+
+/// Bad input unless the model is a face with the landmarks that training places.
+void check_landmarks(const ModelFile& file) {
+  const auto check = [&](const std::string& name) {
+    if (file.model().find_landmark(name.c_str()) == kNone)
+      fail_input(file.path(), "is no face that can be learnt: it has no landmark '" + name + "'");
+  };
+  for (int k = 0; k < 68; ++k) check((k < 10 ? "ibug0" : "ibug") + std::to_string(k));
+  check("eye_right");
+  check("eye_left");
 }
 
 /// The tables that stay: those of the output file that `--only` does not name.
@@ -73,8 +84,9 @@ int run_learn(const Args& args, Console& console) {
   const learn::LearnOptions options = learn_options(args);
   LearntTables tables = kept_tables(args, output);
   const ModelFile file(args.operand(0));
+  check_landmarks(file);
   OutputFile learnt(output);  // before hours of work for a file that cannot be written
-  const TrainingPictures pictures(args, file.model(), console);
+  const TrainingPictures pictures(args, file.model(), options.threads, console);
   const auto samples = [&](const learn::FaceSampleTuning& tuning) {
     return learn::FaceSamples(file.model(), pictures.photographs, pictures.others, options.seed, tuning);
   };
@@ -100,22 +112,23 @@ int run_learn(const Args& args, Console& console) {
 }  // namespace
 
 Command learn_command() {
-  return {"learn",
-          "Learns from photographs how to find a face and how to align the model with it.",
-          "face.plm --faces FOLDER|none --others FOLDER [--seed N] [--threads N] [--only detector|aligner|parts] "
-          "[--effort F] -o learnt.bin",
-          {{"--faces", "FOLDER",
-            "photographs NAME.jpg of one face each, and landmarks.csv with name,landmark,x,y; a third of "
-            "them, by their names, is left out for testing; none: learns from renders of the model alone",
-            Takes::input},
-           {"--others", "FOLDER", "photographs without faces, in the folder and below it", Takes::input},
-           {"--seed", "N", "of all random choices: the same seed gives the same tables (1)"},
-           {"--threads", "N", "1 or 2 (2); the tables do not depend on it"},
-           {"--only", "PART", "learn this part again, and keep the other parts of the file of -o"},
-           {"--effort", "F", "samples as a fraction of the usual number (1), for trials"},
-           {"-o", "BIN", "the learnt tables to write, for `pliant bake --learnt`", Takes::output}},
-          1,
-          run_learn};
+  return {
+      "learn",
+      "Learns from photographs how to find a face and how to align the model with it.",
+      "face.plm --faces FOLDER|none --others FOLDER [--seed N] [--threads N] [--only detector|aligner|parts] "
+      "[--effort F] -o learnt.bin",
+      {{"--faces", "FOLDER",
+        "photographs NAME.jpg of one face each, and landmarks.csv with name,landmark,x,y; a third of "
+        "them, by their names, is left out for testing; none: learns from renders of the model alone",
+        Takes::input},
+       {"--others", "FOLDER", "photographs without faces, in the folder and below it", Takes::input},
+       {"--seed", "N", "of all random choices: the same seed gives the same tables (1)"},
+       {"--threads", "N", "1 or 2 (2); the tables do not depend on it"},
+       {"--only", "PART", "learn this part again, and keep the other parts of the file of -o"},
+       {"--effort", "F", "samples as a fraction of the usual number (1), for trials"},
+       {"-o", "BIN", "the learnt tables to write, for `pliant bake --learnt`", Takes::output}},
+      1,
+      run_learn};
 }
 
 }  // namespace pliant::host

@@ -129,7 +129,8 @@ void print_sums(std::ostream& out, const Plan& plan, double mhz) {
 void print_search(std::ostream& out, const SearchPlan& plan, int print_frames) {
   char line[320];
   if (print_frames > 0) {
-    std::snprintf(line, sizeof line, "\na search for the print\n  frames of a search, at most %8d\n", print_frames);
+    std::snprintf(line, sizeof line, "\na search for the print\n  frames of a search, at most %8d\n",
+                  print_frames);
     out << line;
   }
   if (plan.all_cells == 0) return;
@@ -155,13 +156,14 @@ int run_plan(const Args& args, Console& console) {
   if (has_model) {
     file = std::make_unique<ModelFile>(args.operand(0));
     model = file->model();
-    table_bytes = read_file(args.operand(0)).size();
+    table_bytes = model.table_bytes();
   } else {
     stand_in = stand_in_table(args.integer("--parameters", 60, 1, kMostParameters));
     require(Model::open(stand_in.data(), stand_in.size() * 4, &model), "stand-in model");
   }
   if (!are_usable(model, limits))
-    fail_usage("--vertices: at least the " + std::to_string(model.base_uv().count) + " of the model's base mesh");
+    fail_usage("--vertices: at least the " + std::to_string(model.base_uv().count) +
+               " of the model's base mesh");
   const Plan plan = make_plan(model, limits);
   char line[200];
   std::snprintf(line, sizeof line, "%d x %d pixels, %d patches, %d vertices, %zu parameters of %zu%s\n\n",

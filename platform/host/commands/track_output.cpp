@@ -101,7 +101,7 @@ void TrackOutput::add_lost(const FrameStream& frames, const FrameView& frame) {
   row.points.resize((with_landmarks_ ? model_.landmarks().count : 0) + marker_count_);
   write(row, frame);
   show(
-      row, frames, frame, [] { return TrackMarks{}; }, 0);
+      row, frames, frame, [] { return TrackMarks{}; }, std::nullopt);
 }
 
 void TrackOutput::write(const TrackRow& row, const FrameView& frame) {
@@ -150,19 +150,21 @@ std::string TrackOutput::summary(std::size_t arena_bytes, float focal_px) const 
   std::string out = line;
   if (const std::size_t peak = peak_memory_kib(); peak > 0) out += " peak_kib=" + std::to_string(peak);
   if (truth_) {
-    if (!model_.landmarks().empty()) {
+    if (!model_.landmarks().empty() && truth_->frame_count() > 0) {
       std::snprintf(line, sizeof line, " landmark_px=%.3f", truth_->mean_landmark_px());
       out += line;
     }
-    std::snprintf(line, sizeof line, " rotation_deg=%.3f compared=%zu", truth_->median_rotation_deg(),
-                  truth_->frame_count());
-    out += line;
+    if (truth_->frame_count() > 0) {
+      std::snprintf(line, sizeof line, " rotation_deg=%.3f", truth_->median_rotation_deg());
+      out += line;
+    }
+    out += " compared=" + std::to_string(truth_->frame_count());
   }
   return out;
 }
 
 void TrackOutput::show(const TrackRow& row, const FrameStream& frames, const FrameView& frame,
-                       const std::function<TrackMarks()>& marks, double milliseconds) {
+                       const std::function<TrackMarks()>& marks, std::optional<double> milliseconds) {
   if (report_) report_->add(row, milliseconds);
   const bool draws = overlay_ || window_, is_on_sheet = (sheet_file_ || report_) && sheet_.wants_next();
   if (!is_on_sheet) sheet_.skip();

@@ -62,7 +62,7 @@ class TrackOutput {
   void write(const TrackRow& row, const FrameView& frame);
   /// Draws the frame where it is wanted. \param marks  is called only then.
   void show(const TrackRow& row, const FrameStream& frames, const FrameView& frame,
-            const std::function<TrackMarks()>& marks, double milliseconds);
+            const std::function<TrackMarks()>& marks, std::optional<double> milliseconds);
   void show(const Image& image);
 
   Model model_;

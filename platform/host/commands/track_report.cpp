@@ -49,8 +49,8 @@ std::string tile(const std::string& value, const std::string& name) {
 
 }  // namespace
 
-void TrackReport::add(const TrackRow& row, double milliseconds) {
-  if (!rows_.empty()) milliseconds_.push_back(milliseconds);
+void TrackReport::add(const TrackRow& row, std::optional<double> milliseconds) {
+  if (!rows_.empty() && milliseconds) milliseconds_.push_back(*milliseconds);
   rows_.push_back(row);
   rows_.back().points.clear();
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// \file track_report.hpp
 /// `pliant track --report`: one run as a self-contained page.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,7 @@ class TrackReport {
   explicit TrackReport(const Model& model) : model_(model) {}
 
   /// Adds a frame: its row and its time. The time of frame 0 is not counted.
-  void add(const TrackRow& row, double milliseconds);
+  void add(const TrackRow& row, std::optional<double> milliseconds);
 
   /// The page: nine frames, state, pose, expressions, observations, times, memory.
   std::string page(const ReportFacts& facts, const ContactSheet& sheet) const;

@@ -48,11 +48,16 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::vector<std::string>
   posix_spawn_file_actions_addopen(&actions, reads ? STDIN_FILENO : STDOUT_FILENO, "/dev/null",
                                    reads ? O_RDONLY : O_WRONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, ::fileno(errors), STDERR_FILENO);
+  // A program that is written to ends with its input, not with Ctrl-C, which ends the track.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  if (!reads) posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   pid_t id = -1;
-  const int error = ::posix_spawnp(&id, arguments[0], &actions, nullptr, arguments.data(), environ);
+  const int error = ::posix_spawnp(&id, arguments[0], &actions, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   ::close(theirs);
   std::FILE* stream = error == 0 ? ::fdopen(ours, reads ? "rb" : "wb") : nullptr;

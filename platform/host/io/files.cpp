@@ -74,6 +74,7 @@ OutputFile::OutputFile(const std::string& path) : name_(path), target_(path) {
   if (path == "-") {
     name_ = "standard output";
     file_ = stdout;
+    write_at_once();
     return;
   }
   std::error_code ignored;
@@ -94,12 +95,20 @@ OutputFile::OutputFile(const std::string& path) : name_(path), target_(path) {
     has_no_name_ = temporary_.empty();
   }
   if (file_ == nullptr) fail_input(path, std::string("cannot be written: ") + std::strerror(errno));
+  write_at_once();
   if (std::filesystem::exists(status) && !is_special)
     ::fchmod(::fileno(file_), static_cast<mode_t>(status.permissions()));
 }
 
 OutputFile::OutputFile(std::unique_ptr<ChildProcess> program, const std::string& name)
-    : name_(name), program_(std::move(program)), file_(program_->stream()) {}
+    : name_(name), program_(std::move(program)), file_(program_->stream()) {
+  write_at_once();
+}
+
+/// Without a buffer: one whose writing a signal interrupts drops what it holds, and who reads a live track gets each row at once.
+void OutputFile::write_at_once() {
+  std::setvbuf(file_, nullptr, _IONBF, 0);
+}
 
 OutputFile::~OutputFile() {
   if (file_ != nullptr && file_ != stdout && program_ == nullptr) std::fclose(file_);
@@ -117,13 +126,6 @@ void OutputFile::write(std::string_view bytes) {
     bytes.remove_prefix(written);
     if (!bytes.empty() && !was_interrupted()) fail();
   }
-  if (file_ == stdout) flush();  // who reads a live track gets each row at once
-}
-
-void OutputFile::flush() {
-  errno = 0;
-  while (std::fflush(file_) != 0)
-    if (!was_interrupted()) fail();
 }
 
 std::string OutputFile::end_program() {
@@ -131,7 +133,6 @@ std::string OutputFile::end_program() {
 }
 
 void OutputFile::commit() {
-  flush();
   if (file_ == stdout) return;
   if (program_ != nullptr) {
     if (const std::string why = end_program(); !why.empty()) fail_input(name_, why);

@@ -42,7 +42,7 @@ class OutputFile {
 
  private:
   [[noreturn]] void fail() const;
-  void flush();
+  void write_at_once();
   bool is_direct() const { return temporary_.empty() && !has_no_name_; }
 
   std::string name_, target_;

@@ -52,7 +52,7 @@ Image to_grey(const Image& image);
 Image to_colour(const Image& image);
 /// Enlarges a picture by an integer factor, bilinearly.
 Image enlarged(const Image& image, int factor);
-/// Shrinks a picture by averaging to at most `width` x `height` pixels, with its proportions; a copy if it fits already.
+/// Shrinks a picture by cubic convolution to at most `width` x `height` pixels, with its proportions; a copy if it fits already.
 Image shrunk_to(const Image& image, int width, int height);
 
 /// Reads JPEG, PNG, and PGM and PPM of 8 bits, of at most 16,384 pixels a side and 100 million in all as colour. A JPEG is

@@ -80,15 +80,17 @@ Image read_image(const std::string& path) {
 
 std::string encode_png(const Image& image) {
   std::string bytes;
-  stbi_write_png_to_func(append, &bytes, image.width, image.height, image.channels, image.pixels.data(),
-                         image.width * image.channels);
+  const int done = stbi_write_png_to_func(append, &bytes, image.width, image.height, image.channels,
+                                          image.pixels.data(), image.width * image.channels);
+  if (done == 0) throw Failure(kBadInput, "a picture of this size cannot be written");
   return bytes;
 }
 
 std::string encode_jpeg(const Image& image, int quality) {
   std::string bytes;
-  stbi_write_jpg_to_func(append, &bytes, image.width, image.height, image.channels, image.pixels.data(),
-                         quality);
+  const int done = stbi_write_jpg_to_func(append, &bytes, image.width, image.height, image.channels,
+                                          image.pixels.data(), quality);
+  if (done == 0) throw Failure(kBadInput, "a picture of this size cannot be written");
   return bytes;
 }
 

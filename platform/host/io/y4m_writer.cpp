@@ -61,8 +61,7 @@ void Y4mWriter::write(const Image& image) {
     for (std::size_t i = 0; i < n; ++i, p += 3)
       frame_[i] = static_cast<char>((299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000);
   if (!is_grey_) set_chroma(image);
-  file_.write("FRAME\n");
-  file_.write(frame_);
+  file_.write("FRAME\n" + frame_);
 }
 
 // Cb = -0.168736 R - 0.331264 G + 0.5 B and Cr = 0.5 R - 0.418688 G - 0.081312 B, of the mean of 2 x 2 pixels.

@@ -59,6 +59,26 @@ TEST_CASE("no view puts a model without width or without height into a box") {
   }
 }
 
+TEST_CASE("points beyond a million px are refused: their squares would be infinite") {
+  const OpenedEgg egg(6);
+  InArena<Fitter> fitter(egg.model, FitLimits{});
+  std::vector<Correspondence> points(8);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const auto step = static_cast<float>(k);
+    points[k].uv = {0.2f + 0.05f * step, k % 2 == 0 ? 0.3f : 0.6f};
+    points[k].x = {100 + 20 * step, k % 2 == 0 ? 100.0f : 180.0f};
+  }
+  FitOptions options;
+  options.width = 320;
+  options.height = 240;
+  for (const float far : {1e30f, -1.1e6f}) {
+    points[3].x.y = far;
+    FitReport report;
+    std::vector<float> q = egg.q;
+    CHECK(fitter->fit({points.data(), points.size()}, options, q.data(), &report) == Status::bad_argument);
+  }
+}
+
 TEST_CASE("a box without area, and a camera that is not finite, start nothing") {
   const OpenedEgg egg(6);
   InArena<Cascade> cascade(egg.model);

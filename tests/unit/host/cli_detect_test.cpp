@@ -235,7 +235,8 @@ TEST_CASE("a table that cannot be written is told before a folder of pictures is
   const Folder folder;
   fs::create_directories(folder / "in");
   folder.put("in/a.png", "no picture");
-  check_refused({"detect", kFace, "--image", folder / "in", "-o", folder / "missing/f.csv"}, {"missing/f.csv", "cannot be written"});
+  check_refused({"detect", kFace, "--image", folder / "in", "-o", folder / "missing/f.csv"},
+                {"missing/f.csv", "cannot be written"});
 }
 
 TEST_CASE("a picture of a folder that cannot be read has a line on stderr, and the others are searched") {
@@ -318,9 +319,12 @@ TEST_CASE("detect refuses a model without learnt tables, and damaged tables, by 
                 {"f.plm: learnt tables"});
 }
 
-TEST_CASE("learn refuses folders without pictures, and a part that there is not") {
+TEST_CASE("learn refuses a model that is no face, folders without pictures, and a part that there is not") {
   const Folder folder;
-  const std::string model = folder.put("m.plm", model_bytes());
+  const std::string model = kFace;
+  check_refused({"learn", folder.put("m.plm", model_bytes()), "--faces", "none", "--others", folder / "",
+                 "-o", folder / "l.bin"},
+                {"m.plm", "no landmark 'ibug"});
   const std::string landmarks = folder.put("landmarks.csv", "name,landmark,x,y\n");
   check_refused({"learn", model, "--faces", folder / "none", "--others", folder / "", "-o", folder / "l.bin"},
                 {"landmarks.csv"});
@@ -331,8 +335,9 @@ TEST_CASE("learn refuses folders without pictures, and a part that there is not"
                  "--only", "detector"},
                 {"l.bin"});
   // Before anything is read, let alone learnt.
-  check_refused({"learn", model, "--faces", folder / "none", "--others", folder / "", "-o", folder / "none/l.bin"},
-                {"none/l.bin: cannot be written"});
+  check_refused(
+      {"learn", model, "--faces", folder / "none", "--others", folder / "", "-o", folder / "none/l.bin"},
+      {"none/l.bin: cannot be written"});
   CHECK_FALSE(folder.has("l.bin"));
   CHECK(folder.temporary_count() == 0);
 }

@@ -4,8 +4,10 @@
 #include <map>
 
 #include "cli_run.hpp"
+#include "host/commands/track_report.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/image.hpp"
+#include "random_model.hpp"
 
 namespace cli_track_test {
 
@@ -47,6 +49,20 @@ TEST_CASE("track measures the rendered motion, and its table has the documented 
   CHECK(sheet.width == 3 * 400 + 4 * 4);
   const std::string overlay = read_file(s / "o.y4m");
   CHECK(overlay.rfind("YUV4MPEG2 W400 H320 F30:1", 0) == 0);
+}
+
+TEST_CASE("a report counts no time of frames without a track") {
+  const OpenModel egg(egg_model(3));
+  TrackReport report(egg.model);
+  TrackRow row;
+  row.q.resize(egg.model.parameters().count);
+  row.state = TrackState::lost;
+  for (int k = 0; k < 6; ++k) report.add(row, std::nullopt);
+  row.state = TrackState::tracking;
+  for (int k = 0; k < 4; ++k) report.add(row, 5.25);
+  ContactSheet sheet(1);
+  sheet.add([] { return Image(8, 8, 1, 0); });
+  CHECK(contains(report.page({}, sheet), "5.25 ms"));
 }
 
 TEST_CASE("what is drawn does not change what is tracked") {

