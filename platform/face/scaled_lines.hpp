@@ -12,8 +12,8 @@ namespace pliant {
 class ScaledLines {
  public:
   static constexpr int kUnit = 256;                    ///< of ratios: pixels of the frame a pixel, times 256
-  static constexpr int kLargestAreaRatio = 4 * kUnit;  ///< see above
-  static constexpr int kLargestRatio = 8192 / 32 * kUnit;  ///< see above
+  static constexpr int kLargestAreaRatio = 4 * kUnit;      ///< up to which a pixel is the mean of all
+  static constexpr int kLargestRatio = 8192 / 32 * kUnit;  ///< of the largest frame reduced to 32 px
 
   ScaledLines() = default;
   /// \pre The frame is readable and has at most 8192 x 8192 pixels; kUnit <= ratio <= kLargestRatio.

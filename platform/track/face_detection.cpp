@@ -12,9 +12,6 @@ namespace {
 
 /// Tuning of part readers in a track. Each constant: unit, reason, experiment.
 struct PartTrackingTuning {
-  /// Frames from one reading to the next, count; what was read holds between them. On the Talking Face video 2 finds 19 of 28
-  /// blinks, 1 finds 24.
-  std::uint32_t interval_frames = 1;
   /// Time between readings that a parameter has to change in, ns: not less where a clock stands still, and not so much that a
   /// pause frees it. Round values, not tuned.
   std::uint32_t shortest_ns = 10'000'000, longest_ns = 200'000'000;
@@ -154,12 +151,11 @@ void read_parts(TrackerParts& t, const FrameView& view) {
   FaceDetectionState& self = self_of(t);
   if (self.parts == nullptr) return;
   PartPoints& points = *self.parts;
-  if (t.frame % kPartTracking.interval_frames == 0)
-    if (PartFit* const fit = read_at_view(t, view, kPartFitTuning.centring); fit != nullptr) {
-      fit->fit(1e-9f * static_cast<float>(time_to_change(self.last_read_ns, view.time_ns)), &points);
-      self.last_read_ns = view.time_ns;
-      points.gaze = smoothed_gaze(points.gaze, fit->gaze(points));
-    }
+  if (PartFit* const fit = read_at_view(t, view, kPartFitTuning.centring); fit != nullptr) {
+    fit->fit(1e-9f * static_cast<float>(time_to_change(self.last_read_ns, view.time_ns)), &points);
+    self.last_read_ns = view.time_ns;
+    points.gaze = smoothed_gaze(points.gaze, fit->gaze(points));
+  }
   for (std::size_t k = 0; k < points.parameter_count; ++k)
     if (points.sd[k] > 0) t.estimator.expect(points.parameter[k], points.last[k], points.sd[k]);
 }

@@ -11,7 +11,6 @@
 
 namespace pliant::mcd {
 
-inline constexpr std::size_t kPacked = kMcdMaxColumns * (kMcdMaxColumns + 1) / 2;
 inline constexpr std::size_t kBlock = 64;       // rows gathered at a time
 inline constexpr std::size_t kRowPadding = 16;  // distances are computed for multiples of this many rows
 inline constexpr std::size_t kHistogram = 4096;

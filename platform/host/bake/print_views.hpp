@@ -13,7 +13,7 @@ std::vector<Quat> choose_print_views(const SurfaceSheet& sheet);
 
 /// An orthographic picture of a surface.
 struct PrintPicture {
-  Image grey;            ///< light grey where there is no surface
+  Image grey;            ///< medium grey where there is no surface
   std::vector<Vec2> uv;  ///< of the surface in each pixel; negative where there is none
 };
 

@@ -42,7 +42,6 @@ TrackOutput::TrackOutput(const Args& args, const Model& model, const std::vector
       arkit_(arkit_of(args, model)),
       with_landmarks_(has_landmarks(args)),
       marker_count_(marker_names.size()),
-      rate_(rate),
       sheet_(expected) {
   if (const auto path = args.text("--overlay")) overlay_ = std::make_unique<Y4mWriter>(*path, rate);
   if (args.has("--show")) window_ = std::make_unique<LiveWindow>(rate);

@@ -70,7 +70,6 @@ class TrackOutput {
   std::unique_ptr<ArkitExpression> arkit_;  // null: columns are the model's parameters
   bool with_landmarks_;
   std::size_t marker_count_;
-  FrameRate rate_;
   std::unique_ptr<Y4mWriter> overlay_;
   std::unique_ptr<LiveWindow> window_;
   std::string failure_;

@@ -55,18 +55,15 @@ std::vector<std::uint8_t> AlignerCascade::table(int fold, const LearntCheck* che
   return encode_aligner(numbers_, stages, check != nullptr ? *check : blank);
 }
 
-StageReport AlignerCascade::learn(const AlignerStage& shape) {
+void AlignerCascade::learn(const AlignerStage& shape) {
   if (!is_valid(shape)) fail_input("alignment", "a stage is out of range");
-  StageReport report;
   if (shape.components == 0)
-    learn_local(shape, &report);
+    learn_local(shape);
   else
-    learn_global(shape, &report);
+    learn_global(shape);
   blocks_.clear();
   wanted_.clear();
   move_examples();
-  report_errors(&report);
-  return report;
 }
 
 double AlignerCascade::choose_ridge(const std::vector<RidgeSums>& folds) const {
@@ -97,7 +94,7 @@ std::vector<double> AlignerCascade::information(const std::vector<double>& momen
   return {yy / determinant, -xy / determinant, xx / determinant};
 }
 
-void AlignerCascade::learn_local(const AlignerStage& shape, StageReport* report) {
+void AlignerCascade::learn_local(const AlignerStage& shape) {
   const std::size_t landmarks = numbers_.size(), bytes = block_bytes(shape), n = examples_.size();
   blocks_.assign(landmarks, std::vector<std::uint8_t>(n * bytes));
   wanted_.assign(landmarks, std::vector<double>(2 * n));
@@ -132,15 +129,13 @@ void AlignerCascade::learn_local(const AlignerStage& shape, StageReport* report)
     const auto o = static_cast<std::size_t>(other - numbers_.begin());
     if (k <= o) pairs.emplace_back(k, o);
   }
-  std::vector<double> ridges(pairs.size());
   run_parallel(options_.threads, pairs.size(), [&](std::size_t p, std::size_t) {
-    learn_pair(shape, pairs[p].first, pairs[p].second, &learnt, &ridges[p]);
+    learn_pair(shape, pairs[p].first, pairs[p].second, &learnt);
   });
   run_parallel(options_.threads, pairs.size(), [&](std::size_t p, std::size_t) {
     learn_information(shape, pairs[p].first, pairs[p].second, &learnt);
     if (pairs[p].first != pairs[p].second) learn_information(shape, pairs[p].second, pairs[p].first, &learnt);
   });
-  report->ridge = upper_median(ridges);
   for (std::size_t f = 0; f < learnt.size(); ++f) stages_[f].push_back(std::move(learnt[f]));
 }
 
@@ -154,7 +149,7 @@ double AlignerCascade::weight_of(std::size_t e, std::size_t k) const {
 /// Learns the weights of a landmark and of its counterpart on the other side. Every example teaches twice: landmark k as it is,
 /// and landmark `other` of the mirror image. The weights of landmark `other` are those that read k's mirrored block.
 void AlignerCascade::learn_pair(const AlignerStage& shape, std::size_t k, std::size_t other,
-                                std::vector<LearntStage>* learnt, double* ridge) const {
+                                std::vector<LearntStage>* learnt) const {
   const std::size_t bytes = block_bytes(shape), inputs = 2 * bytes + 1;
   std::vector<RidgeSums> folds(static_cast<std::size_t>(tuning_.folds));
   for (std::size_t f = 0; f < folds.size(); ++f) {
@@ -182,14 +177,14 @@ void AlignerCascade::learn_pair(const AlignerStage& shape, std::size_t k, std::s
       }
     }
   }
-  *ridge = choose_ridge(folds);
+  const double ridge = choose_ridge(folds);
   RidgeSums all;
   all.resize(inputs, 2);
   for (const RidgeSums& f : folds) all.add(f, 1);
   for (std::size_t f = 0; f < learnt->size(); ++f) {
     RidgeSums others = all;
     if (f < folds.size()) others.add(folds[f], -1);
-    const std::vector<double> w = solve_ridge(others, *ridge);
+    const std::vector<double> w = solve_ridge(others, ridge);
     LearntLocal& local = (*learnt)[f].local;
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const double* const row = w.data() + axis * inputs;
@@ -259,7 +254,7 @@ void AlignerCascade::collect_grids(const AlignerStage& shape) {
   });
 }
 
-void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report) {
+void AlignerCascade::learn_global(const AlignerStage& shape) {
   const std::size_t bytes = grid_bytes(shape), outputs = 2 * numbers_.size();
   collect_grids(shape);
   std::vector<RidgeSums> folds(static_cast<std::size_t>(tuning_.folds));
@@ -270,7 +265,7 @@ void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report
       if (examples_[e].fold == static_cast<int>(f) && !examples_[e].is_refinement)
         rows.add(blocks_[0].data() + e * bytes, &wanted_[0][outputs * e], 1);
   });
-  report->ridge = choose_ridge(folds);
+  const double ridge = choose_ridge(folds);
   RidgeSums all;
   all.resize(bytes + 1, outputs);
   for (const RidgeSums& f : folds) all.add(f, 1);
@@ -279,7 +274,7 @@ void AlignerCascade::learn_global(const AlignerStage& shape, StageReport* report
     RidgeSums others = all;
     if (f < folds.size()) others.add(folds[f], -1);
     learnt[f].shape = shape;
-    learnt[f].global = reduce_to_components(others, solve_ridge(others, report->ridge), shape.components);
+    learnt[f].global = reduce_to_components(others, solve_ridge(others, ridge), shape.components);
     learnt[f].shape.components = static_cast<std::uint8_t>(learnt[f].global.bias.size());
   });
   learn_global_information(bytes, &learnt);
@@ -341,25 +336,6 @@ void AlignerCascade::move_examples() {
     example.view = pass.shape().view();
     example.q.assign(pass.shape().q(), pass.shape().q() + example.q.size());
   });
-}
-
-void AlignerCascade::report_errors(StageReport* report) {
-  std::vector<double> errors(examples_.size());
-  run_parallel(options_.threads, examples_.size(), [&](std::size_t e, std::size_t thread) {
-    AlignerPass& pass = **passes_[thread];
-    const AlignerExample& example = examples_[e];
-    pass.shape().start(example.view, example.q.data(), nullptr, Lens{});
-    pass.shape().begin();
-    std::vector<Vec2> at;
-    for (std::size_t k = 0; k < numbers_.size(); ++k) at.push_back(pass.shape().evaluate(k).x);
-    errors[e] = static_cast<double>(mean_error(example, at, kTrustAnnotated));
-  });
-  errors.erase(std::remove_if(errors.begin(), errors.end(), [](double e) { return e < 0; }), errors.end());
-  report->median = upper_median(errors);
-  for (const double e : errors) {
-    report->mean += e / static_cast<double>(errors.size());
-    report->right += (e < 0.06 ? 1.0 : 0.0) / static_cast<double>(errors.size());
-  }
 }
 
 void AlignerCascade::learn_blend() {

@@ -27,13 +27,6 @@ struct AlignerCascadeTuning {
   double most_displacement_mm = 40;
 };
 
-/// What a stage reached on examples of people it did not learn from.
-struct StageReport {
-  double ridge = 0;
-  double median = 0, mean = 0,
-         right = 0;  ///< mean error of annotated landmarks over the eyes' distance; part below 6 %
-};
-
 /// Learns a cascade of the given stages.
 class AlignerCascade {
  public:
@@ -43,7 +36,7 @@ class AlignerCascade {
   std::vector<AlignerExample>& examples() { return examples_; }
 
   /// Learns one more stage and moves all examples by it.
-  StageReport learn(const AlignerStage& shape);
+  void learn(const AlignerStage& shape);
   /// Sets the blend of the last stage. After the last `learn`.
   void learn_blend();
 
@@ -58,19 +51,18 @@ class AlignerCascade {
   AlignerPass& pass(std::size_t thread) { return **passes_[thread]; }
 
  private:
-  void learn_local(const AlignerStage& shape, StageReport* report);
-  void learn_global(const AlignerStage& shape, StageReport* report);
+  void learn_local(const AlignerStage& shape);
+  void learn_global(const AlignerStage& shape);
   void collect_grids(const AlignerStage& shape);
   void learn_global_information(std::size_t bytes, std::vector<LearntStage>* learnt) const;
   void learn_pair(const AlignerStage& shape, std::size_t k, std::size_t other,
-                  std::vector<LearntStage>* learnt, double* ridge) const;
+                  std::vector<LearntStage>* learnt) const;
   void learn_information(const AlignerStage& shape, std::size_t k, std::size_t other,
                          std::vector<LearntStage>* learnt) const;
   double weight_of(std::size_t example, std::size_t k) const;
   double choose_ridge(const std::vector<RidgeSums>& folds) const;
   std::vector<double> information(const std::vector<double>& moments, double weight) const;
   void move_examples();
-  void report_errors(StageReport* report);
 
   const Model& model_;
   std::vector<int> numbers_;

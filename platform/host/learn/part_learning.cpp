@@ -176,12 +176,10 @@ class PartCascade {
   void measure(std::size_t point) {
     const std::vector<double>& weights = weights_of(point);
     double moment[3] = {0, 0, 0}, weight = 1e-9;
-    std::vector<double> errors;
     for (std::size_t k = 0; k < examples_.size(); ++k) {
       const double w = weights[k];
       if (!(w > 0)) continue;
       const Vec2 r = examples_[k].truth[point] - examples_[k].at[point];
-      errors.push_back(static_cast<double>(length(r)));
       moment[0] += w * static_cast<double>(r.x * r.x);
       moment[1] += w * static_cast<double>(r.x * r.y);
       moment[2] += w * static_cast<double>(r.y * r.y);
@@ -190,7 +188,6 @@ class PartCascade {
     const double xx = moment[0] / weight + tuning_.least_variance, xy = moment[1] / weight,
                  yy = moment[2] / weight + tuning_.least_variance, determinant = xx * yy - xy * xy;
     out_.information.insert(out_.information.end(), {yy / determinant, -xy / determinant, xx / determinant});
-    out_.error.push_back(upper_median(errors));
   }
 
   std::vector<PartExample> examples_;

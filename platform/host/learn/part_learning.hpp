@@ -36,7 +36,6 @@ struct LearntPart {
   std::vector<double> start;        ///< 2 L
   std::vector<double> information;  ///< 3 L
   std::vector<LearntPartStage> stages;
-  std::vector<double> error;  ///< median distance of each point from the truth on people left out, mm
 };
 
 /// Learns one part from `samples` pictures of faces.

@@ -37,7 +37,7 @@ class RidgeRows {
   std::size_t rows_ = 0;
 };
 
-/// Minimises sum w |y - W x|^2 + strength * weight * mean(diag xx / weight) |W|^2 over W; the constant's column is free.
+/// Minimises sum w |y - W x|^2 + strength * weight * (mean variance of the inputs) |W|^2 over W; the constant's column is free.
 /// \return outputs x inputs, by rows; the constant last.
 std::vector<double> solve_ridge(const RidgeSums& sums, double strength);
 
