@@ -46,7 +46,7 @@ struct Instructions {
   double cell_area = 43;        ///< of a cell at full size that a cell of the search is reduced from
   double strip_column = 23000;  ///< of the frame: rows above the one where the search goes on
   double alignment_step = 1.8e6, alignment_end = 1.1e6;
-  double personal_sample = 28;  ///< of one field at one sample of the person's
+  double personal_sample = 22;  ///< of one field at one sample of the person's
   double adapted_vertex = 60000;
   double captured_record = 400;  ///< of a template of frame 0
   double curve_point = 60000;    ///< a new one
