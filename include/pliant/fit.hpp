@@ -13,6 +13,9 @@
 
 namespace pliant {
 
+/// No position in an image is farther away, px: sums of squares stay finite.
+constexpr float kFarthestPx = 1e6f;
+
 /// A surface point and its position in the image.
 struct Correspondence {
   Vec2 uv;             ///< in [0,1]^2

@@ -10,7 +10,6 @@ namespace {
 
 /// Whether an image position, or the size of a box, is a number and not far outside every picture.
 bool is_near(Vec2 x) {
-  constexpr float kFarthestPx = 1e6f;
   return magnitude(x.x) <= kFarthestPx && magnitude(x.y) <= kFarthestPx;
 }
 

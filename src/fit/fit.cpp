@@ -32,8 +32,6 @@ struct Fitter::State {
 
 namespace {
 
-constexpr float kFarthestPx = 1e6f;  // of a point: sums of squares stay finite
-
 Status check_points(Span<const Correspondence> points, const FitOptions& options) {
   if (options.width <= 0 || options.height <= 0 || !is_finite(options.focal_px) || options.focal_px < 0 ||
       !(options.stiffness >= 0) || !(options.misfit_mm >= 0))

@@ -39,7 +39,7 @@ struct FitTuning {
 };
 inline constexpr FitTuning kFitTuning{};
 
-/// Tuning of the search for other solutions.
+/// Tuning of the search for other solutions (docs/experiments.md, Other solutions of a fit).
 struct OtherSolutionTuning {
   /// Other states are tried where the points at rest are nearly in a plane: standard deviation across it, at most, as a fraction of
   /// their spread. Five and more landmarks of the built-in face have 0.14 and more, sheets 0.

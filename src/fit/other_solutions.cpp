@@ -69,8 +69,12 @@ View turned(const FitProblem& problem, const View& view, Quat by) {
   return out;
 }
 
-float robust_cost(FitProblem& problem) {
+void renew_scale(FitProblem& problem) {
   if (problem.options.robust) problem.update_scale();
+}
+
+float robust_cost(FitProblem& problem) {
+  renew_scale(problem);
   return problem.cost(problem.q, problem.view);
 }
 
@@ -121,7 +125,7 @@ bool OtherSolutions::find_better(FitProblem& problem, const Vec3* position) {
     copy(problem.q, best_q_);
     for (int k = 0; k < kTuning.states; ++k) {
       set_state(problem, first, normal, k);
-      (void)robust_cost(problem);  // a scale that is wide at first
+      renew_scale(problem);  // wide at first
       problem.minimise(kTuning.iterations);
       const float cost = robust_cost(problem);
       if (!(cost < least)) continue;

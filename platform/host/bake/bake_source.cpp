@@ -189,10 +189,8 @@ class Baker {
     if (shows_back())
       report_.warnings.push_back(
           "seen from the front, along z, this surface shows its back: a rendered picture without a turn, or "
-          "a start "
-          "from a box, sees nothing of it. A start by print or points turns it. Else turn its vertices; to "
-          "reverse the "
-          "corners of its faces would mirror the print");
+          "a start from a box, sees nothing of it. A start by print or points turns it. Else turn its "
+          "vertices; to reverse the corners of its faces would mirror the print");
     if (diagonal_ < kTuning.least_tracked_mm)
       report_.warnings.push_back("the surface is " + millimetres(diagonal_) +
                                  " across, and nothing is tracked nearer than 50 mm: is it in centimetres "
