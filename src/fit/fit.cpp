@@ -17,7 +17,7 @@ struct Fitter::State {
   FoldOverGuard fold_over;
   OtherSolutions others;
   SilhouetteMatcher* silhouette = nullptr;  // null without limits.silhouette
-  Vec3* position = nullptr;                 // a point, at the initial parameters
+  Vec3* position = nullptr;                 // a point, while the shape is held
   Correspondence* ideal = nullptr;          // the points without the lens
   float* q = nullptr;                       // the present parameters
 
@@ -26,7 +26,7 @@ struct Fitter::State {
              const FitDetails& details);
   void start(FitProblem& problem);
   int minimise_in_stages(FitProblem& problem, bool has_silhouette);
-  void match_silhouette(const FitProblem& problem);
+  bool match_silhouette(const FitProblem& problem);
   Status finish(FitProblem& problem, FitReport* report, const FitDetails& details);
 };
 
@@ -173,10 +173,8 @@ void Fitter::State::start(FitProblem& problem) {
     q[p] = stepped(cascade.model().parameters()[p], q[p], 0);
   }
   for (std::size_t i = 0; limits.silhouette && i < limits.points; ++i) work.contour_normal[i] = {};
-  for (std::size_t i = 0; i < problem.points.count; ++i) {
+  for (std::size_t i = 0; i < problem.points.count; ++i)
     cascade.sample_point(problem.points[i].uv, q, work.samples_of(i));
-    position[i] = problem.position(i, q);
-  }
   const auto larger = static_cast<float>(options.width > options.height ? options.width : options.height);
   problem.prior_focal = options.focal_px > 0 ? options.focal_px : kDefaultFocalRatio * larger;
   if (options.start != nullptr) {
@@ -185,9 +183,9 @@ void Fitter::State::start(FitProblem& problem) {
     const Camera camera = options.camera != nullptr
                               ? *options.camera
                               : centred_camera(options.width, options.height, problem.prior_focal);
-    problem.shape_is_free = false;
-    find_initial_view(problem, position, {camera.cx, camera.cy});
-    problem.shape_is_free = true;
+    problem.hold_shape(position);
+    find_initial_view(problem, {camera.cx, camera.cy});
+    problem.held_position = nullptr;
   }
   problem.focal_is_known = options.focal_px > 0;
 }
@@ -199,31 +197,36 @@ int Fitter::State::minimise_in_stages(FitProblem& problem, bool has_silhouette) 
   const int each = options.iterations / (stages * matches), most = each > 0 ? each : 1;
   int iterations = 0;
   fold_over.start(work.cascade, problem.q);
-  fold_over.move_back(work.cascade, problem.q);
+  fold_over.move_back(problem.q);
   for (int stage = 0; stage < stages; ++stage)
     for (int k = 0; k < matches; ++k) {
-      if (has_silhouette) match_silhouette(problem);
+      const bool slides = has_silhouette && match_silhouette(problem);
       problem.loss = !options.robust ? Loss::squares : stage == stages - 1 ? Loss::tukey : Loss::huber;
       if (options.robust) problem.update_scale();
       iterations += problem.minimise(most).iterations;
-      if (!fold_over.move_back(work.cascade, problem.q)) continue;
-      problem.shape_is_free = false;  // the pose follows
+      // The next match needs the present shape only where a landmark slides along its contour.
+      const bool needs_shape = slides || k + 1 == matches;
+      if (!needs_shape || !fold_over.move_back(problem.q)) continue;
+      problem.hold_shape(position);  // the pose follows
       iterations += problem.minimise(most).iterations;
-      problem.shape_is_free = true;
+      problem.held_position = nullptr;
     }
   return iterations;
 }
 
-/// At the shape that fold_over has seen last.
-void Fitter::State::match_silhouette(const FitProblem& problem) {
+/// At the shape that fold_over has seen last. \return whether a landmark is away from its own place.
+bool Fitter::State::match_silhouette(const FitProblem& problem) {
   const Projector projector(problem.view, true);
-  silhouette->find_contour(fold_over.positions(), projector);
+  silhouette->begin(fold_over.positions());
+  bool slides = false;
   for (std::size_t i = 0; i < problem.points.count; ++i) {
     if (!problem.points[i].is_silhouette) continue;
     const SilhouetteMatch match = silhouette->match(work.cascade, problem.q, projector, problem.points[i]);
     work.contour_normal[i] = match.normal;
+    slides = slides || dot(match.normal, match.normal) > 0;
     work.cascade.sample_point(match.uv, problem.q, work.samples_of(i));
   }
+  return slides;
 }
 
 /// Writes standard deviations, residuals and counts of the accepted state.

@@ -37,6 +37,12 @@ Vec2 FitProblem::residual(std::size_t point, const Projector& projector) const {
   return counted(point, x - observed);
 }
 
+void FitProblem::hold_shape(Vec3* at) {
+  held_position = nullptr;
+  for (std::size_t i = 0; i < points.count; ++i) at[i] = position(i, q);
+  held_position = at;
+}
+
 /// log(f / expected f), where f = s / rho.
 float FitProblem::focal_log(const View& v) const {
   return log_ratio(v.s, v.rho * prior_focal);
@@ -70,7 +76,7 @@ void FitProblem::add_point(NormalEquations& equations, std::size_t point, const 
                            const Jacobian& jacobian, Vec2 residual, float weight) {
   const float w = weight / (points[point].sd_px * points[point].sd_px);
   const Vec2 across = counted(point, {1, 0}), down = counted(point, {0, 1});  // the columns of n n^T, or of I
-  work.row.add_to(equations, {d.pose, pose_unknowns()}, d, shape_is_free ? jacobian : Jacobian{}, residual,
+  work.row.add_to(equations, {d.pose, pose_unknowns()}, d, jacobian, residual,
                   {w * across.x, w * across.y, w * down.y});
 }
 
@@ -80,7 +86,8 @@ float FitProblem::linearise(NormalEquations& equations) {
   float sum = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     Jacobian jacobian;
-    const Vec3 p = work.cascade.evaluate(work.samples_of(i), q, &jacobian);
+    const Vec3 p =
+        is_shape_free() ? work.cascade.evaluate(work.samples_of(i), q, &jacobian) : held_position[i];
     Vec2 x;
     Projector::Derivatives d;
     if (!projector.project(p, &x, &d)) continue;
@@ -130,7 +137,7 @@ SolverReport FitProblem::minimise(int iterations) {
       this, [](void* p, NormalEquations& e) { return static_cast<FitProblem*>(p)->linearise(e); },
       [](void* p, const float* s) { return static_cast<FitProblem*>(p)->try_step(s); },
       [](void* p) { static_cast<FitProblem*>(p)->accept(); }};
-  if (shape_is_free && options.method == FitMethod::euler)
+  if (is_shape_free() && options.method == FitMethod::euler)
     return integrate(problem, options.euler, work.equations, work.step);
   SolverOptions solver;
   solver.max_accepted = iterations;

@@ -37,18 +37,21 @@ struct FitProblem {
   View view{}, trial{};  // accepted and trial view
   Loss loss = Loss::huber;
   float scale = 1;  // robust scale sigma, in standard deviations of a point
-  bool shape_is_free = true;
+  const Vec3* held_position = nullptr;  // a point, mm, at q: only the pose is fitted; null: the shape, too
   bool focal_is_known = true;
   float prior_focal = 0;  // px
 
   std::size_t pose_unknowns() const {
     return static_cast<std::size_t>(focal_is_known ? kPoseUnknowns : kPoseUnknownsWithFocal);
   }
-  std::size_t columns() const { return shape_is_free ? work.cascade.column_count() : 0; }
+  bool is_shape_free() const { return held_position == nullptr; }
+  std::size_t columns() const { return is_shape_free() ? work.cascade.column_count() : 0; }
 
   Vec3 position(std::size_t point, const float* parameters) const {
-    return work.cascade.evaluate(work.samples_of(point), parameters);
+    return is_shape_free() ? work.cascade.evaluate(work.samples_of(point), parameters) : held_position[point];
   }
+  /// Holds the shape at q. \param at  room for a position of each point.
+  void hold_shape(Vec3* at);
   /// The part of a residual that counts: all of it, or that across the contour.
   Vec2 counted(std::size_t point, Vec2 residual) const;
   /// That of projected minus observed position at the accepted state. A point behind the camera is far off.

@@ -89,7 +89,8 @@ View turned_view(const View& like, float yaw_rad, const Means& mean) {
 
 }  // namespace
 
-void find_initial_view(FitProblem& problem, const Vec3* position, Vec2 centre) {
+void find_initial_view(FitProblem& problem, Vec2 centre) {
+  const Vec3* const position = problem.held_position;
   const Means mean = means_of(problem.points, position);
   const WeakPerspectiveRows rows = solve_rows(problem.points, position, mean);
   const float yaw = kFitTuning.start_yaw_rad;

@@ -9,25 +9,25 @@ class FoldOverGuard {
   /// \param samples  whether the vertices' samples are kept: 12 bytes a vertex and record for a tenth of the time.
   void lay_out(Arena& arena, const Model& model, bool samples);
 
-  /// Starts from the frozen parameters of `q` with all free ones at rest.
-  void start(Cascade& cascade, const float* q);
+  /// Starts from the frozen parameters of `q` with all free ones of `cascade` at rest.
+  void start(const Cascade& cascade, const float* q);
 
   /// Where `q` folds the surface, moves it back towards the state of the last call (or of `start`); then remembers it.
   /// \param q  all parameters; changed in place.
   /// \return whether q was moved.
-  bool move_back(Cascade& cascade, float* q);
+  bool move_back(float* q);
 
   /// Positions of the base mesh's vertices at the state of the last call, mm.
   const Vec3* positions() const { return valid_position_; }
 
  private:
-  void compute_positions(Cascade& cascade, const float* q, Vec3* position);
-  float step_fraction(Cascade& cascade);
+  void compute_positions(const float* q, Vec3* position);
+  float step_fraction();
 
+  Cascade cascade_;  // of which all parameters are free, whichever a fit has, so that its samples last
   FoldOverTest test_;
   bool is_exact_ = false;            // test_ knows the faces that are meant to fold over
   Span<Vec3> samples_;               // of the base mesh's vertices; empty: positions come from the tables
-  bool are_samples_of_all_ = false;  // they were taken with all parameters free
   Vec3 *valid_position_ = nullptr, *position_ = nullptr;  // of the base mesh, at valid_q_ and at a trial
   float* valid_q_ = nullptr;
 };

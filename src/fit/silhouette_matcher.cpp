@@ -36,23 +36,31 @@ void SilhouetteMatcher::lay_out(Arena& arena, const Model& model) {
 
 Status SilhouetteMatcher::start(const Model& model) {
   found_ = 0;
+  is_found_ = true;
   return mesh_.set_base(model.base_uv(), model.base_corners());
 }
 
-void SilhouetteMatcher::find_contour(const Vec3* position, const Projector& projector) {
+void SilhouetteMatcher::begin(const Vec3* position) {
+  position_ = position;
+  is_found_ = false;
+}
+
+void SilhouetteMatcher::find_contour(const Projector& projector) {
   for (VertexId v : mesh_.vertices())
     vertex_depth_[v] =
-        projector.project(position[v], &image_[v]) ? projector.to_camera(position[v]).z : -1.0f;
+        projector.project(position_[v], &image_[v]) ? projector.to_camera(position_[v]).z : -1.0f;
   depth_.draw(mesh_, image_, vertex_depth_);
-  const std::size_t found = finder_.find({mesh_, position, image_, vertex_depth_}, projector, &depth_,
+  const std::size_t found = finder_.find({mesh_, position_, image_, vertex_depth_}, projector, &depth_,
                                          kVisibilityTuning.hidden_margin_mm, contour_);
   found_ = found < contour_.count ? found : contour_.count;
+  is_found_ = true;
 }
 
 SilhouetteMatch SilhouetteMatcher::match(Cascade& cascade, const float* q, const Projector& projector,
-                                         const Correspondence& landmark) const {
+                                         const Correspondence& landmark) {
   SilhouetteMatch best{landmark.uv, {}};
   if (!is_turned_away(cascade, q, projector, landmark.uv)) return best;
+  if (!is_found_) find_contour(projector);
   float nearest = 1e30f;
   for (std::size_t k = 0; k < found_; ++k) {
     const SilhouettePoint& o = contour_[k];

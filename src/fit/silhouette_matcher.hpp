@@ -25,14 +25,16 @@ class SilhouetteMatcher {
   /// \return the statuses of Mesh::set_base.
   Status start(const Model& model);
 
-  /// Finds the contour of the base mesh. `match` refers to it until the next call. Cost: O(faces).
-  /// \param position  of its vertices, mm.
-  void find_contour(const Vec3* position, const Projector& projector);
-  /// The place of a landmark. Cost: O(contour points).
+  /// Begins matches to the contour of the base mesh at one pose. It is found for the first landmark that needs it.
+  /// \param position  of its vertices, mm; must stay until the last match.
+  void begin(const Vec3* position);
+  /// The place of a landmark. Cost: O(contour points), once O(faces); little where its own place faces the camera.
   SilhouetteMatch match(Cascade& cascade, const float* q, const Projector& projector,
-                        const Correspondence& landmark) const;
+                        const Correspondence& landmark);
 
  private:
+  void find_contour(const Projector& projector);
+
   Mesh mesh_;
   DepthBuffer depth_;
   SilhouetteFinder finder_;
@@ -40,6 +42,8 @@ class SilhouetteMatcher {
   float* vertex_depth_ = nullptr;
   Span<SilhouettePoint> contour_;
   std::size_t found_ = 0;
+  const Vec3* position_ = nullptr;
+  bool is_found_ = false;
 };
 
 }  // namespace pliant

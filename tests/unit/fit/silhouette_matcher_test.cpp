@@ -28,7 +28,7 @@ void match_all(const Turned& t, const Check& check) {
   const Projector projector(t.view, true);
   std::vector<Vec3> position;
   for (const Vec2 uv : t.model.base_uv()) position.push_back(cascade->surface_point(uv, t.q.data()));
-  matcher->find_contour(position.data(), projector);
+  matcher->begin(position.data());
   for (const Landmark& l : t.model.landmarks()) {
     Correspondence c;
     c.uv = {l.u, l.v};
