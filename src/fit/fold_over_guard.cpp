@@ -5,7 +5,7 @@
 namespace pliant {
 
 void FoldOverGuard::lay_out(Arena& arena, const Model& model, bool samples) {
-  cascade_.lay_out(arena, model);
+  cascade_ = create_part<Cascade>(arena, model);
   test_.lay_out(arena, model);
   valid_position_ = arena.take<Vec3>(model.base_uv().count);
   position_ = arena.take<Vec3>(model.base_uv().count);
@@ -15,20 +15,20 @@ void FoldOverGuard::lay_out(Arena& arena, const Model& model, bool samples) {
 
 void FoldOverGuard::start(const Cascade& cascade, const float* q) {
   if (!test_.is_started()) {
-    test_.start_at_rest(cascade_);
-    const auto uv = cascade_.model().base_uv();
+    test_.start_at_rest(*cascade_);
+    const auto uv = cascade_->model().base_uv();
     for (std::size_t v = 0; !samples_.empty() && v < uv.count; ++v)
-      cascade_.sample_point(uv[v], q, samples_.data + v * cascade_.model().cascade().count);
+      cascade_->sample_point(uv[v], q, samples_.data + v * cascade_->model().cascade().count);
   }
-  for (std::size_t i = 0; i < cascade_.parameter_count(); ++i)
+  for (std::size_t i = 0; i < cascade_->parameter_count(); ++i)
     valid_q_[i] = cascade.column_of(i) == kNone ? q[i] : 0.0f;
   compute_positions(valid_q_, valid_position_);
 }
 
 void FoldOverGuard::compute_positions(const float* q, Vec3* position) {
-  if (samples_.empty()) return test_.compute_positions(cascade_, q, position);
-  for (std::size_t v = 0; v < cascade_.model().base_uv().count; ++v)
-    position[v] = cascade_.evaluate(samples_.data + v * cascade_.model().cascade().count, q);
+  if (samples_.empty()) return test_.compute_positions(*cascade_, q, position);
+  for (std::size_t v = 0; v < cascade_->model().base_uv().count; ++v)
+    position[v] = cascade_->evaluate(samples_.data + v * cascade_->model().cascade().count, q);
 }
 
 /// Of the step from valid_position_ to position_. Which faces are meant to fold over takes most of a short fit's time to find
@@ -36,13 +36,13 @@ void FoldOverGuard::compute_positions(const float* q, Vec3* position) {
 float FoldOverGuard::step_fraction() {
   const float fraction = test_.step_fraction(valid_position_, position_);
   if (fraction == 1 || is_exact_) return fraction;
-  test_.start(cascade_);
+  test_.start(*cascade_);
   is_exact_ = true;
   return test_.step_fraction(valid_position_, position_);
 }
 
 bool FoldOverGuard::move_back(float* q) {
-  const std::size_t parameters = cascade_.parameter_count();
+  const std::size_t parameters = cascade_->parameter_count();
   for (int k = 0; k < kFitTuning.fold_over_tries; ++k) {
     compute_positions(q, position_);
     const float fraction = step_fraction();

@@ -24,7 +24,7 @@ class FoldOverGuard {
   void compute_positions(const float* q, Vec3* position);
   float step_fraction();
 
-  Cascade cascade_;  // of which all parameters are free, whichever a fit has, so that its samples last
+  Cascade* cascade_ = nullptr;  // all its parameters are free, whichever a fit has, so that its samples last
   FoldOverTest test_;
   bool is_exact_ = false;            // test_ knows the faces that are meant to fold over
   Span<Vec3> samples_;               // of the base mesh's vertices; empty: positions come from the tables

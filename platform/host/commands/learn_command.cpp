@@ -17,7 +17,7 @@ namespace {
 /// What training reads, in memory.
 struct TrainingPictures {
   std::vector<learn::Photograph> photographs;
-  learn::OtherPictures others;
+  learn::OtherPictures others, drawn;
 
   TrainingPictures(const Args& args, const Model& model, int threads, Console& console) {
     const std::string faces = args.required("--faces"), pictures = args.required("--others");
@@ -26,9 +26,9 @@ struct TrainingPictures {
       if (photographs.empty()) fail_input(faces, "has no photograph to learn from");
     }
     others = learn::read_other_pictures(pictures);
-    if (others.count() == 0) fail_input(pictures, "has no pictures");
+    if (const auto folder = args.text("--drawn")) drawn = learn::read_other_pictures(*folder);
     console.out << photographs.size() << " photographs with their mirror images, " << others.count()
-                << " pictures without faces\n";
+                << " pictures without faces, " << drawn.count() << " that are drawn\n";
   }
 };
 
@@ -99,7 +99,7 @@ int run_learn(const Args& args, Console& console) {
     tables.detector = learn::learn_detector(samples({}), pictures.others, options, show);
   if (learns("aligner"))
     tables.aligner = learn::learn_aligner(file.model(), samples(learn::aligner_sample_tuning()),
-                                          pictures.others, tables.detector, options, show);
+                                          pictures.others, pictures.drawn, tables.detector, options, show);
   if (learns("parts"))
     tables.parts = learn::learn_parts(file.model(), pictures.photographs, pictures.others, options, show);
   learnt.write(format_learnt(tables));
@@ -115,13 +115,17 @@ Command learn_command() {
   return {
       "learn",
       "Learns from photographs how to find a face and how to align the model with it.",
-      "face.plm --faces FOLDER|none --others FOLDER [--seed N] [--threads N] [--only detector|aligner|parts] "
-      "[--effort F] -o learnt.bin",
+      "face.plm --faces FOLDER|none --others FOLDER [--drawn FOLDER] [--seed N] [--threads N] "
+      "[--only detector|aligner|parts] [--effort F] -o learnt.bin",
       {{"--faces", "FOLDER",
         "photographs NAME.jpg of one face each, and landmarks.csv with name,landmark,x,y; a third of "
         "them, by their names, is left out for testing; none: learns from renders of the model alone",
         Takes::input},
        {"--others", "FOLDER", "photographs without faces, in the folder and below it", Takes::input},
+       {"--drawn", "FOLDER",
+        "pictures without faces that are no photographs, as text and windows of programs, so that these "
+        "do not pass for faces",
+        Takes::input},
        {"--seed", "N", "of all random choices: the same seed gives the same tables (1)"},
        {"--threads", "N", "1 or 2 (2); the tables do not depend on it"},
        {"--only", "PART", "learn this part again, and keep the other parts of the file of -o"},

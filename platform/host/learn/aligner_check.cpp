@@ -40,14 +40,31 @@ double score_of(const Appearance& a, const Evidence& e, const std::vector<std::s
   return static_cast<double>(sum);
 }
 
+void add_to(const std::vector<float>& more, std::vector<float>* sum) {
+  for (std::size_t k = 0; k < sum->size(); ++k) (*sum)[k] += more[k];
+}
+
 void add_row(float by, const std::uint8_t* block, std::size_t bytes, float* row) {
   for (std::size_t i = 0; i < bytes; ++i) row[i] += by * static_cast<float>(block[i]);
 }
 
+/// What an appearance is learnt from.
+struct Examples {
+  std::vector<const Evidence*> evidence;
+  std::vector<float> labels;   // probabilities that it is a face, aligned right
+  std::vector<double> before;  // appearances that are there already, and are added; none: 0
+
+  void add(const Evidence& e, float label) {
+    evidence.push_back(&e);
+    labels.push_back(label);
+  }
+};
+
 /// Logistic regression by stochastic gradient descent, the mean of the second half of the way.
-Appearance learn_appearance(const std::vector<const Evidence*>& examples, const std::vector<float>& labels,
-                            const std::vector<std::size_t>& mirrored, std::uint64_t seed,
-                            const AlignerCheckTuning& tuning) {
+Appearance learn_appearance(const Examples& from, const std::vector<std::size_t>& mirrored,
+                            std::uint64_t seed, const AlignerCheckTuning& tuning) {
+  const std::vector<const Evidence*>& examples = from.evidence;
+  const std::vector<float>& labels = from.labels;
   const std::size_t landmarks = examples[0]->weights.size(), bytes = examples[0]->blocks.size() / landmarks;
   Appearance now{std::vector<float>(landmarks * bytes), std::vector<float>(landmarks)}, mean = now;
   double positives = 0;
@@ -64,7 +81,8 @@ Appearance learn_appearance(const std::vector<const Evidence*>& examples, const 
     const std::size_t e = random.below(examples.size());
     const Evidence& x = *examples[e];
     const double rate = 0.02 / (1 + 0.02 * tuning.regularisation * 2e3 * static_cast<double>(t));
-    const double z = scale * score_of(now, x, mirrored);
+    const double before = from.before.empty() ? 0 : from.before[e];
+    const double z = before + scale * score_of(now, x, mirrored);
     const double label = static_cast<double>(labels[e]);
     const double slope = (label - 1 / (1 + std::exp(-z))) * balance[label > 0.5 ? 1 : 0];
     scale *= 1 - rate * tuning.regularisation;
@@ -216,14 +234,29 @@ class CheckLearning {
   void learn() {
     choose_examples();
     run_parallel(options_.threads, 3, [&](std::size_t k, std::size_t) {
-      std::vector<const Evidence*> chosen;
-      std::vector<float> labels;
+      Examples chosen;
       for (std::size_t e = 0; e < examples_.size(); ++e)
-        if (examples_[e]->half != static_cast<int>(k)) {
-          chosen.push_back(examples_[e]);
-          labels.push_back(labels_[e]);
-        }
-      learnt_[k] = learn_appearance(chosen, labels, mirrored_, options_.seed + k, tuning_);
+        if (examples_[e]->half != static_cast<int>(k)) chosen.add(*examples_[e], labels_[e]);
+      learnt_[k] = learn_appearance(chosen, mirrored_, options_.seed + k, tuning_);
+    });
+  }
+
+  /// Learns that drawn pictures are no faces. The other examples' labels are what was learnt of them: without that, verification
+  /// told the error of covered faces worse (docs/experiments.md, Text).
+  void learn_drawn(const std::vector<Evidence>& drawn) {
+    run_parallel(options_.threads, 3, [&](std::size_t k, std::size_t) {
+      Examples chosen;
+      const auto add = [&](const Evidence& e, bool is_drawn) {
+        if (e.half == static_cast<int>(k)) return;
+        const double z = score_of(learnt_[k], e, mirrored_);
+        chosen.before.push_back(z);
+        chosen.add(e, is_drawn ? 0 : static_cast<float>(1 / (1 + std::exp(-z))));
+      };
+      for (const Evidence* e : examples_) add(*e, false);
+      for (const Evidence& e : drawn) add(e, true);
+      const Appearance more = learn_appearance(chosen, mirrored_, options_.seed + k, tuning_);
+      add_to(more.rows, &learnt_[k].rows);
+      add_to(more.bias, &learnt_[k].bias);
     });
   }
 
@@ -281,7 +314,7 @@ class CheckLearning {
 
 }  // namespace
 
-LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others,
+LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others, const OtherPictures& drawn,
                         const std::vector<std::uint8_t>& detector, const LearnProgress& progress,
                         const AlignerCheckTuning& tuning) {
   const auto per_face = [&](double ratio) {
@@ -310,6 +343,8 @@ LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others,
   }
   tell(5);
   learning.learn();
+  if (drawn.count() > 0 && !detector.empty())
+    learning.learn_drawn(collector.of_found(drawn, detector, per_face(tuning.drawn_per_face)));
   return learning.conclude();
 }
 

@@ -18,15 +18,18 @@ struct AlignerCheckTuning {
   double mined_score = -2;    ///< appearance from which on these are kept
   double searches_per_face =
       1;                 ///< pictures without faces that the detector searches, for each alignment of a face
+  double drawn_per_face = 0.3;  ///< and drawn pictures
   int found_starts = 4;  ///< alignments of each place that the detector takes for a face
   double regularisation = 3e-5;  ///< of the squared weights against the mean loss; other values not recorded
   int rounds = 12;               ///< passes over the examples
 };
 
 /// Learns from the cascade's examples, where its stages left them, and from alignments in pictures without faces: at random
-/// places, and where a detector takes them for faces.
-/// \param detector  its learnt table; may be empty.
-LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others,
+/// places, and where a detector takes them for faces. Drawn pictures come last: on them the appearance changes, and on all other
+/// examples it stays what it was, as far as it can.
+/// \param others, drawn  pictures without faces. Of drawn ones only what the detector finds is aligned. Either may be empty.
+/// \param detector       its learnt table; may be empty.
+LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others, const OtherPictures& drawn,
                         const std::vector<std::uint8_t>& detector, const LearnProgress& progress,
                         const AlignerCheckTuning& tuning = {});
 

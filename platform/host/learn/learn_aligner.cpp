@@ -59,7 +59,7 @@ FaceSampleTuning aligner_sample_tuning() {
 }
 
 std::vector<std::uint8_t> learn_aligner(const Model& model, const FaceSamples& faces,
-                                        const OtherPictures& others,
+                                        const OtherPictures& others, const OtherPictures& drawn,
                                         const std::vector<std::uint8_t>& detector,
                                         const LearnOptions& options, const LearnProgress& progress) {
   std::vector<int> numbers;
@@ -72,7 +72,7 @@ std::vector<std::uint8_t> learn_aligner(const Model& model, const FaceSamples& f
     cascade.learn(stage);
   }
   cascade.learn_blend();
-  const LearntCheck check = learn_check(cascade, others, detector, progress);
+  const LearntCheck check = learn_check(cascade, others, drawn, detector, progress);
   return cascade.table(cascade.folds(), &check);
 }
 

@@ -16,11 +16,12 @@ FaceSampleTuning aligner_sample_tuning();
 
 /// Learns a table for FaceAligner (face/aligner_table.hpp): the stages one after the other, then the verification.
 /// \param model   of the samples; needs the landmarks ibug17 to ibug67.
-/// \param others    pictures without faces.
+/// \param others    pictures without faces, also behind faces.
+/// \param drawn     further ones that only teach the verification: screens, text, diagrams. May be empty.
 /// \param detector  table of the detector whose finds are aligned; its false ones teach the verification. May be empty.
 /// The bytes depend on the samples, the pictures, `seed` and `effort` alone.
 std::vector<std::uint8_t> learn_aligner(const Model& model, const FaceSamples& faces,
-                                        const OtherPictures& others,
+                                        const OtherPictures& others, const OtherPictures& drawn,
                                         const std::vector<std::uint8_t>& detector,
                                         const LearnOptions& options, const LearnProgress& progress);
 

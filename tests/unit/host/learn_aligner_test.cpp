@@ -62,7 +62,7 @@ std::vector<std::uint8_t> learn_table(int threads) {
   cascade.learn_blend();
   AlignerCheckTuning check;
   check.rounds = 4;
-  const LearntCheck learnt = learn_check(cascade, no_others, {}, {}, check);
+  const LearntCheck learnt = learn_check(cascade, no_others, no_others, {}, {}, check);
   return cascade.table(cascade.folds(), &learnt);
 }
 
