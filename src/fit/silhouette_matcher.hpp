@@ -43,7 +43,7 @@ class SilhouetteMatcher {
   Span<SilhouettePoint> contour_;
   std::size_t found_ = 0;
   const Vec3* position_ = nullptr;
-  bool is_found_ = false;
+  bool is_found_ = false;  // the contour of position_; before the first `begin` there is none to find
 };
 
 }  // namespace pliant

@@ -58,5 +58,5 @@ TEST_CASE("a face is found in few pages of text") {
   for (std::uint32_t number = 0; number < kPages; ++number)
     found += !finder.find(Page(number).picture(), "page", host::kLeastFaceScore).empty();
   MESSAGE("faces in " << found << " of " << kPages << " pages");
-  CHECK(found < 10);  // 13 with verification learnt from photographs alone, 7 with text, too
+  CHECK(found < 10);  // half-way between 13, with verification learnt from photographs alone, and 7, with text, too
 }
