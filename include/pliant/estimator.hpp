@@ -24,8 +24,8 @@ namespace pliant {
 enum class TrackState : std::uint8_t {
   tracking = 0,  ///< pose and parameters are those of this frame
   /// Either the frame was bad, and pose and parameters are those of the last good one; or they are this
-  /// frame's but less exact: a large landmark error is expected, the head is turned so far that half of the face is
-  /// hidden, a part was covered or the face overexposed at the start, or too little of a print is seen.
+  /// frame's but less exact: a large landmark error is expected, the head is turned by more than 50 degrees,
+  /// a part was covered or the face overexposed at the start, or too little of a print is seen.
   degraded = 1,
   lost = 2,  ///< several bad frames in a row, or no track
 };

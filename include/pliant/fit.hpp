@@ -82,7 +82,7 @@ struct FitReport {
 struct FitDetails {
   /// A-posteriori standard deviation of each parameter. A frozen one gets 0, one that no point moves its prior's.
   float* sd = nullptr;
-  /// Projected minus observed position of each point, px; of a matched silhouette point the part across the contour.
+  /// Projected minus observed position of each point, px; of a matched silhouette point the part across the silhouette.
   Vec2* residuals = nullptr;
   float* weights = nullptr;  ///< robust weight in [0,1], a point
 };
@@ -91,11 +91,11 @@ struct FitDetails {
 ///
 /// The result never folds the surface over (fold_over.hpp): where a stage leads to a fold-over, the
 /// parameters move back towards where the stage began, and the pose is fitted again. Silhouette points are
-/// matched to the model's contour (silhouette.hpp) at the present pose: a point stays at its own (u,v) while
-/// that faces the camera; afterwards it takes the nearest contour point within reach, and only its distance
-/// across the contour counts.
+/// matched to the model's silhouette (silhouette.hpp) at the present pose: a point stays at its own (u,v) while
+/// that faces the camera; afterwards it takes the nearest point of the silhouette within reach, and only its
+/// distance across the silhouette counts.
 /// Bytes: 12 for each point and record of the cascade, 40 a point, 4 n^2 + 130 n for n unknowns (all parameters, and 7 of
-/// the view), 36 a vertex and 12 a face of the base mesh, and a Cascade: 203 kB with the default limits and the built-in face.
+/// the view), 36 a vertex and 12 a face of the base mesh, and a Cascade: 210 kB with the default limits and the built-in face.
 class Fitter {
  public:
   /// Arena layout (create_in, measured_bytes).
@@ -117,7 +117,7 @@ class Fitter {
   Status fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
              const FitDetails& details = {});
 
-  /// Whether the last fit matched a silhouette point to the contour, away from its own (u,v).
+  /// Whether the last fit matched a silhouette point to the silhouette, away from its own (u,v).
   /// \pre point < FitLimits::points; laid out.
   bool has_slid(std::size_t point) const;
 

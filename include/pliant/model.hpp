@@ -73,7 +73,7 @@ struct Parameter {
 /// A vector field V(u,v) (three components) or weight field w(u,v) (one), sampled on a grid over a rectangle
 /// of the chart and zero outside it. Sample (i,j) sits at u = u0 + i (u1 - u0) / (width - 1), v likewise;
 /// rows from v0 to v1; components interleaved. Value of component c = offset[c] + scale[c] * integer, at most
-/// 1e6 in magnitude. Unless the rectangle is the whole chart, its rim must decode to zero (offset zero).
+/// 1e6 in magnitude. Unless the rectangle is the whole chart, its rim should decode to zero (offset zero; not checked).
 struct Field {
   std::uint16_t width, height;  ///< samples, each at least 2
   std::uint8_t components;      ///< 1 or 3

@@ -87,7 +87,8 @@ pliant_status pliant_save(const pliant_tracker *tracker, pliant_state *state);
  *  on. Cost: docs/evaluation.md.
  *  \return PLIANT_NOT_STARTED (no track, and the table has neither learnt tables nor a print), 4 to 9 (the tables of
  *          detector, aligner or print), PLIANT_BAD_ARGUMENT (the frame), PLIANT_SIZE_MISMATCH, PLIANT_STALE_FRAME
- *          (neither time nor sequence is after the last frame's). */
+ *          (neither time nor sequence is after the last frame's), PLIANT_CAPACITY (what was found has more free parameters
+ *          than the limits allow: 40 with profile S). */
 pliant_status pliant_update(pliant_tracker *tracker, const pliant_frame *frame, pliant_result *result);
 
 /** The result of the last frame; after a start, of frame 0. \return PLIANT_NOT_STARTED (neither a track nor a search). */

@@ -33,9 +33,9 @@ struct PosedMesh {
 
 /// Finds the silhouette of a posed mesh. Bytes: 16 a vertex.
 ///
-/// On the occluding contour the normal is perpendicular to the viewing ray. The cosine between them is
+/// On the silhouette the normal is perpendicular to the viewing ray. The cosine between them is
 /// computed at the vertices, with the mean of the face normals weighted by area. Its zero on each mesh edge
-/// is found by linear interpolation: one point on each edge that the contour crosses, two on each face. With
+/// is found by linear interpolation: one point on each edge that it crosses, two on each face. With
 /// the normal n of the surface there, in camera axes, the image normal of a pinhole camera is parallel to
 /// (n_x, n_y).
 class SilhouetteFinder {

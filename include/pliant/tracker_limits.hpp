@@ -46,7 +46,7 @@ struct TrackerLimits {
   std::uint8_t key_frames = 4;      ///< later key frames kept at a time
   std::uint16_t markers = 0;        ///< image points that are tracked with the surface and never observed
   std::uint16_t curve_points = 96;  ///< edge points on lids, lips and brows; 0: edges are not matched there
-  /// Edge points on the silhouette. 1.3 kB each with the built-in face, and 16 bytes a vertex if there are any.
+  /// Edge points on the silhouette. 1.4 kB each with the built-in face, and 16 bytes a vertex if there are any.
   std::uint16_t silhouette_points = 0;
   /// If null, edges are not matched: there are no edge points, and their code, 4 kB on a Cortex-M, is not linked.
   const EdgeMatching* edges = &kEdgeMatching;

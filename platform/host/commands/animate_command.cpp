@@ -141,7 +141,7 @@ Command animate_command() {
        {"--image", "FILE", "the picture of that fit; it becomes the texture", Takes::input},
        {"--from", "PLM", "the model that was tracked. Values keep their fraction of its ranges",
         Takes::input},
-       {"--vertices", "N", "vertices of the mesh, about (2000)"},
+       {"--vertices", "N", "vertices of the mesh, about, 16 to 21000 (2000)"},
        {"--tolerance", "MM", "omit corrective targets that move no vertex this far, in millimetres (0.1)"},
        {"--rate", "FPS", "frames a second of a table without time_s (30)"},
        {"-o", "GLB",

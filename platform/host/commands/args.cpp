@@ -158,7 +158,7 @@ std::optional<ImageSize> Args::size(const char* name) const {
   const auto side = [&](const std::string& digits) {
     const double pixels = parse_number(digits).value_or(0);
     if (pixels < 16 || pixels > 8192 || pixels != std::floor(pixels))
-      fail_usage(std::string(name) + ": not a size like 320x240: " + *value);
+      fail_usage(std::string(name) + ": not a size like 320x240, 16 to 8192 pixels a side: " + *value);
     return static_cast<int>(pixels);
   };
   return ImageSize{side(value->substr(0, x)), side(x == std::string::npos ? "" : value->substr(x + 1))};

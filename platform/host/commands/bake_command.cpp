@@ -128,23 +128,21 @@ Command bake_command() {
       "[--flash KIB]",
       {{"-o", "PLM", "the model table to write", Takes::output},
        {"--embed", "CPP", "also write the table as an array in C11 and C++, for firmware", Takes::output},
-       {"--size", "N", "samples on a side of a field over the whole chart (128)"},
+       {"--size", "N", "samples on a side of a field over the whole chart, 16 to 512 (128)"},
        {"--bits", "N", "bits of a sample: 16 or 8 (16)"},
        {"--unit", "MM", "unit of the OBJ files, millimetres (1)"},
-       {"--base-mesh", "N", "vertices of the base mesh, about (480)"},
-       {"--pca", "N", "treat all OBJ files as scans, and keep N principal components"},
+       {"--base-mesh", "N", "vertices of the base mesh, about, 60 to 5000 (480)"},
+       {"--pca", "N", "treat all OBJ files as scans, and keep N principal components, 1 to 192"},
        {"--modes", "N",
-        "add the N ways in which the surface of the OBJ file bends most easily, mode00, mode01, ...; faces "
-        "in a group "
-        "\"fixed\" do not move"},
+        "add the N ways, 1 to 64, in which the surface of the OBJ file bends most easily, mode00, mode01, "
+        "...; faces in a group \"fixed\" do not move"},
        {"--stiffness", "F",
         "of the bending modes: with 1 the first moves the surface by 5 % of its diagonal, root mean square, "
         "at one standard "
         "deviation, with 4 by half of it (1)"},
        {"--stretch", "SD",
         "add springs between points of the surface, with this standard deviation of their lengths, as a "
-        "fraction; 0: none "
-        "(0.03 with --modes, else none)"},
+        "fraction of 0 to 1; 0: none (0.03 with --modes, else none)"},
        {"--texture", "PICTURE",
         "the albedo of the OBJ file's surface over its u,v, or none (the pictures of its materials, if it "
         "has some)",

@@ -129,7 +129,7 @@ Command learn_command() {
        {"--seed", "N", "of all random choices: the same seed gives the same tables (1)"},
        {"--threads", "N", "1 or 2 (2); the tables do not depend on it"},
        {"--only", "PART", "learn this part again, and keep the other parts of the file of -o"},
-       {"--effort", "F", "samples as a fraction of the usual number (1), for trials"},
+       {"--effort", "F", "samples as a fraction of the usual number, 0.001 to 4 (1), for trials"},
        {"-o", "BIN", "the learnt tables to write, for `pliant bake --learnt`", Takes::output}},
       1,
       run_learn};

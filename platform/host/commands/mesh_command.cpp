@@ -164,10 +164,10 @@ Command mesh_command() {
           "figure.png] "
           "[--curve] [--param NAME=VALUE ...]",
           {{"--criterion", "NAME", "where to refine: none, uniform, normals, contour (contour)"},
-           {"--depth", "N", "bisections: those of uniform (3), the most of any other (12)"},
+           {"--depth", "N", "bisections, 0 to 24: those of uniform (3), the most of any other (12)"},
            {"--threshold", "X",
             "normals: degrees between faces (30); contour: mean error of a triangle in mm (0.3)"},
-           {"--budget", "N", "most vertices; without a threshold, the best mesh of so many"},
+           {"--budget", "N", "most vertices, up to 21845; without a threshold, the best mesh of so many"},
            {"--param", "NAME=VALUE", "a parameter of the model; may be given several times", Takes::texts},
            {"-o", "FILE", "the mesh to write: OBJ, PLY or GLB by its ending", Takes::output},
            {"--mirror-u", nullptr, "OBJ and PLY: write 1 - u, the u of a source whose chart bake mirrored"},

@@ -184,7 +184,7 @@ Command render_command() {
        {"--size", "WxH", "size of the frames, pixels (320x240)"},
        {"--focal", "PX", "focal length, pixels (1.4 times the larger side)"},
        {"--calibration", "YML", "intrinsics and lens, as OpenCV's calibration writes them", Takes::input},
-       {"--noise", "SD", "standard deviation of sensor noise, grey levels (2)"},
+       {"--noise", "SD", "standard deviation of sensor noise, grey levels, 0 to 128 (2)"},
        {"--seed", "N", "seed of noise and background (1)"},
        {"--rate", "FPS", "frames a second (30)"},
        {"--background", "PICTURE",

@@ -234,14 +234,14 @@ Command track_command() {
        {"--mirror", nullptr,
         "mirror every frame first; initial state, markers and results are those of the mirrored frames"},
        {"--freeze", "GROUP",
-        "parameters to keep: identity, which else follows what a head that turns far shows of it, or "
-        "expression too, to track the pose alone"},
+        "keep the start's parameters: identity, which else follows what a head that turns far shows of it; or "
+        "expression, which keeps both, so that the pose alone is tracked"},
        {"--profile", "s|m|l",
         "capacities for a small, medium or large device; default: by the frames' width"},
        {"--count", "N", "stop after N frames"},
        {"--cues", "LIST", "observations to use, of patch,flow,edge (all)"},
        {"--mesh-operations", "N",
-        "splits and welds per frame, with which the mesh adapts to view and texture (0)"},
+        "splits and welds per frame, 0 to 1000, with which the mesh adapts to view and texture (0)"},
        {"--overlay", "Y4M", "the video with the mesh drawn on it", Takes::output},
        {"--show", nullptr,
         "play that video while it is made, through the program ffplay; closing the window ends the track"},
