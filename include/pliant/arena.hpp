@@ -63,11 +63,11 @@ class Arena {
 
   static constexpr std::size_t kAlignment = 16;  ///< Alignment of the block and of everything taken from it.
 
-  /// Room for `count` values of T, uninitialised, less than half the address space. Without room the arena is `exhausted`: null.
+  /// Room for `count` values of T, uninitialised. Without room (the address space is one limit) null; the arena is `exhausted`.
   template <class T>
   constexpr T* take(std::size_t count) {
     static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= kAlignment);
-    unsigned char* const room = take_bytes(count * sizeof(T));
+    unsigned char* const room = take_bytes(count, sizeof(T));
     return room == nullptr ? nullptr : reinterpret_cast<T*>(room);
   }
   /// One T in its default state.
@@ -76,16 +76,14 @@ class Arena {
     void* const room = take<InDefaultState<T>>(1);
     return room == nullptr ? nullptr : &(new (room) InDefaultState<T>)->object;
   }
-  /// Sets the purpose of what is taken from now on.
-  constexpr void count_as(Purpose purpose) { purpose_ = purpose; }
+  constexpr void count_as(Purpose purpose) { purpose_ = purpose; }  ///< Sets the purpose of what is taken from now on.
   /// `count` values as a span.
   template <class T>
   constexpr Span<T> take_span(std::size_t count) {
     return {take<T>(count), count};
   }
 
-  /// True without a block: sizes are only counted.
-  constexpr bool is_measuring() const { return base_ == nullptr; }
+  constexpr bool is_measuring() const { return base_ == nullptr; }  ///< True without a block: sizes are only counted.
   /// True where the block is aligned to kAlignment.
   bool is_aligned() const { return reinterpret_cast<std::uintptr_t>(base_) % kAlignment == 0; }
   constexpr bool exhausted() const { return exhausted_; }     ///< True once something did not fit.
@@ -118,10 +116,12 @@ class Arena {
 
  private:
   // Not inlined, for the sake of code size: some forty types use it.
-  [[gnu::noinline]] constexpr unsigned char* take_bytes(std::size_t wanted) {
-    const std::size_t start = used_, bytes = (wanted + kAlignment - 1) / kAlignment * kAlignment;
-    if (base_ != nullptr && (exhausted_ || bytes > size_ - start)) {
-      exhausted_ = true;
+  [[gnu::noinline]] constexpr unsigned char* take_bytes(std::size_t count, std::size_t size) {
+    constexpr std::size_t kMost = SIZE_MAX / kAlignment * kAlignment;
+    const std::size_t start = used_, bytes = (count * size + kAlignment - 1) / kAlignment * kAlignment;
+    exhausted_ = exhausted_ || count > kMost / size || bytes > (base_ == nullptr ? kMost : size_) - start;
+    if (exhausted_) {
+      used_ = base_ == nullptr ? kMost : start;  // measured as more than any block has
       return nullptr;
     }
     used_ = start + bytes;

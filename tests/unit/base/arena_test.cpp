@@ -65,6 +65,22 @@ TEST_CASE("every smaller block fails cleanly, the measured one succeeds") {
   }
 }
 
+TEST_CASE("more than the address space has does not fit, and is not measured as little") {
+  alignas(Arena::kAlignment) unsigned char block[256];
+  for (const std::size_t count :
+       {SIZE_MAX / 8, SIZE_MAX / 8 + 1, SIZE_MAX / 8 + 2, SIZE_MAX / 4 + 2, SIZE_MAX - 3, SIZE_MAX}) {
+    CAPTURE(count);
+    Arena arena(block, sizeof block), measuring;
+    CHECK(arena.take<double>(count) == nullptr);
+    CHECK(arena.exhausted());
+    CHECK(measuring.take<double>(count) == nullptr);
+    CHECK(measuring.used_bytes() >= SIZE_MAX - Arena::kAlignment);
+  }
+  Arena sum;
+  for (int k = 0; k < 3; ++k) (void)sum.take<char>(SIZE_MAX / 2);
+  CHECK(sum.used_bytes() >= SIZE_MAX - Arena::kAlignment);
+}
+
 TEST_CASE("a block that is not aligned is refused and nothing changes") {
   alignas(Arena::kAlignment) unsigned char block[256];
   for (std::size_t off = 1; off < Arena::kAlignment; ++off) {
