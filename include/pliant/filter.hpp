@@ -73,7 +73,7 @@ class Smoother {
   void turn(Quat by) { pose_.q = normalised(pose_.q * by); }
   /// Adds a sample, `seconds` after the one before.
   /// \param range  of each parameter; greater than 0 where its speed counts.
-  /// \return bad_argument for null, anything but a range that is not finite, or seconds <= 0 after the first sample; capacity.
+  /// \return bad_argument for null, anything but a range that is not finite, or less than 1 us after the first sample; capacity.
   ///         Then nothing has changed.
   Status add(const Pose& pose, const float* q, const float* range, std::size_t parameters, float seconds);
   const Pose& pose() const { return pose_; }      ///< The smoothed pose.

@@ -55,8 +55,9 @@ constexpr float acceleration(int unknown) {
 
 float low_pass_gain(float cutoff_hz, float seconds) {
   constexpr float kTwoPi = 6.2831853f;
+  constexpr float kAll = 1e9f;  // far more than what a quotient still tells from 1; a speed in empty ranges is infinite
   const float x = kTwoPi * cutoff_hz * seconds;
-  return x / (1 + x);
+  return x < kAll ? x / (1 + x) : 1.0f;
 }
 
 /// Follows the speed of what moved by `step`. \return the gain of its own low pass.
@@ -162,7 +163,7 @@ Status Smoother::add(const Pose& pose, const float* q, const float* range, std::
   if (parameters > capacity_) return Status::capacity;
   bool good = q != nullptr && range != nullptr && is_finite(pose) && is_finite(seconds);
   for (std::size_t i = 0; good && i < parameters; ++i) good = is_finite(q[i]);
-  if (!good || (!is_fresh_ && !(seconds > 0))) return Status::bad_argument;
+  if (!good || (!is_fresh_ && !(seconds >= t.least_seconds))) return Status::bad_argument;
   if (is_fresh_) {
     pose_ = pose;
     turn_speed_ = shift_speed_ = {};

@@ -43,6 +43,8 @@ struct SmoothingTuning {
   float parameter_gain = 3;
   /// Hz. Cut-off frequency of the speeds themselves. The default of the paper.
   float speed_cutoff = 1;
+  /// s. Shortest time between two samples, so that speeds stay finite. Round value.
+  float least_seconds = 1e-6f;
 };
 inline constexpr SmoothingTuning kSmoothingTuning{};
 

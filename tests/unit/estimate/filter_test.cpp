@@ -208,4 +208,20 @@ TEST_CASE("smoothing reduces noise at rest and lags little in motion") {
   CHECK(smooth->pose().t.x == far.t.x);
 }
 
+TEST_CASE("the smoothed result stays finite, however short or long the time and however small a range") {
+  constexpr float kNarrow[2] = {1, 1e-39f};
+  for (const float seconds : {1e-45f, 1e-39f, 1e-30f, 1e-6f, 1e6f, 1e30f, 3e38f}) {
+    CAPTURE(seconds);
+    InArena<Smoother> smooth(std::size_t{2});
+    for (int k = 0; k < 4; ++k) {
+      const Motion m = steady(static_cast<float>(k));
+      const Status status = smooth->add(pose_of(m.view), m.q, kNarrow, 2, seconds);
+      CHECK(status == (k == 0 || seconds >= 1e-6f ? Status::ok : Status::bad_argument));
+    }
+    CHECK(is_finite(smooth->pose()));
+    CHECK(std::isfinite(smooth->parameters()[0]));
+    CHECK(std::isfinite(smooth->parameters()[1]));
+  }
+}
+
 }  // namespace filter_test
