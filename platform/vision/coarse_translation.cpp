@@ -134,7 +134,8 @@ class Search {
 };
 
 PixelBox clipped(const PixelBox& box, const ImageView& image) {
-  return {larger(box.x0, 0), larger(box.y0, 0), smaller(box.x1, image.width), smaller(box.y1, image.height)};
+  return {within(box.x0, 0, image.width), within(box.y0, 0, image.height), within(box.x1, 0, image.width),
+          within(box.y1, 0, image.height)};
 }
 
 }  // namespace

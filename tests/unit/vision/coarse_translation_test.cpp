@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
 #include <vector>
 
 #include "random.hpp"
@@ -88,6 +89,19 @@ TEST_CASE("the widest image of a frame is compared without overflow, a wider one
     const float correlation = find_coarse_translation(image, {0, 0, width, 8}, image, 1).correlation;
     CHECK(correlation == doctest::Approx(width == 16384 ? 1.0 : 0.0));
   }
+}
+
+TEST_CASE("a box that is far outside, or turned inside out, gives nothing; a huge one is clipped") {
+  const Texture texture;
+  const auto p = texture.image(40, 40);
+  constexpr int kMost = std::numeric_limits<int>::max(), kLeast = std::numeric_limits<int>::min();
+  const CoarseTranslation whole = find_coarse_translation(view(p), {0, 0, 80, 60}, view(p), 2),
+                          huge = find_coarse_translation(view(p), {kLeast, kLeast, kMost, kMost}, view(p), 2);
+  CHECK(huge.correlation == whole.correlation);
+  CHECK(huge.compared_pixels == whole.compared_pixels);
+  for (const PixelBox& box : {PixelBox{kMost, 0, kMost, 60}, {kLeast, 0, kLeast, 60}, {kMost, kMost, kLeast, kLeast},
+                              {0, kMost, 80, kLeast}, {kMost, 0, kLeast, 60}})
+    CHECK(find_coarse_translation(view(p), box, view(p), 2).compared_pixels == 0);
 }
 
 TEST_CASE("a range beyond the image is as good as its larger side, and as fast") {
