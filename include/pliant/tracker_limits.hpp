@@ -42,7 +42,7 @@ struct TrackerLimits {
   /// memory; points outside it are not observed.
   std::uint16_t region_width = 0, region_height = 0;
   std::uint16_t patches = 128;      ///< templates captured in frame 0, at least 6
-  std::uint16_t key_patches = 64;   ///< templates captured in later key frames, all key frames together
+  std::uint16_t key_patches = 64;   ///< templates captured in all later key frames: at least one each; or 0, and there are none
   std::uint8_t key_frames = 4;      ///< later key frames kept at a time
   std::uint16_t markers = 0;        ///< image points that are tracked with the surface and never observed
   std::uint16_t curve_points = 96;  ///< edge points on lids, lips and brows; 0: edges are not matched there
@@ -110,8 +110,8 @@ struct TrackerLimits {
 /// `ok`, or `bad_argument` for limits of which no tracker can be made: frames outside 64 to 16,384 px a side,
 /// a region below 64 px a side, thumbnails above 256 px, 0 or more than 6 pyramid levels, a template's side that
 /// is even or outside 7 to 21 px, a margin above 16 px, fewer than 6 templates in frame 0 or more than 16,384 in
-/// all, a personal field of 1 sample or more than 256 a side, a start from 1 to 3 landmarks, or more points than
-/// ids.
+/// all, fewer templates of key frames than key frames (but for none), a personal field of 1 sample or more than 256 a side, a
+/// start from 1 to 3 landmarks, or more points than ids.
 constexpr Status check(const TrackerLimits& l) {
   const auto is_between = [](int low, int value, int high) { return low <= value && value <= high; };
   const bool has_region = l.region_width != 0 || l.region_height != 0;
@@ -125,7 +125,8 @@ constexpr Status check(const TrackerLimits& l) {
       is_between(64, l.width, 16384) && is_between(64, l.height, 16384) && (!has_region || region_fits) &&
       l.thumbnail_width <= 256 && is_between(1, l.pyramid_levels, 6) && is_between(7, l.patch_window, 21) &&
       l.patch_window % 2 == 1 && l.patch_margin <= 16 && l.patches >= 6 && templates <= 16384 &&
-      (!has_person || person_fits) && (l.start_points == 0 || l.start_points >= 4) && points < 0xFFFF;
+      (!has_person || person_fits) && (l.start_points == 0 || l.start_points >= 4) && points < 0xFFFF &&
+      (l.key_patches == 0 || l.key_patches >= l.key_frames);
   return is_possible ? Status::ok : Status::bad_argument;
 }
 

@@ -49,6 +49,7 @@ TEST_CASE("limits of which no tracker can be made are refused, and measure nothi
   refused([](TrackerLimits& l) { l.patch_margin = 17; });
   refused([](TrackerLimits& l) { l.patches = 5; });
   refused([](TrackerLimits& l) { l.patches = 16000, l.key_patches = 400; });
+  refused([](TrackerLimits& l) { l.key_patches = 3; });
   refused([](TrackerLimits& l) { l.markers = 65535; });
   refused([](TrackerLimits& l) { l.personal_field = {1, 128}; });
   refused([](TrackerLimits& l) { l.personal_field = {128, 257}; });
