@@ -22,7 +22,7 @@ enum {
   PLIANT_BAD_CHECKSUM = 7,          /**< model table: the CRC-32 is wrong */
   PLIANT_BAD_TABLE = 8,             /**< model table: a count, offset, index or value is out of range */
   PLIANT_MISALIGNED = 9,            /**< model table: its address is not a multiple of four bytes */
-  PLIANT_TOO_FEW_POINTS = 10,       /**< fewer than 4 landmarks, or fewer than 6 surface points with texture */
+  PLIANT_TOO_FEW_POINTS = 10,       /**< fewer than 4 landmarks, or too few surface points with texture */
   PLIANT_UNDERDETERMINED = 11,      /**< landmarks that do not determine the pose; a landmark behind the camera */
   PLIANT_SIZE_MISMATCH = 12,        /**< a frame of another size than the limits */
   PLIANT_NOT_STARTED = 13,          /**< there is no track: no start has succeeded yet, or it was given up */
@@ -51,7 +51,7 @@ typedef struct pliant_tracker pliant_tracker;
 typedef struct pliant_limits {
   uint16_t width, height;               /**< of the frames, px; at least 64 */
   uint16_t region_width, region_height; /**< part of the frame that is matched, px; at least 64; 0 and 0: all of it */
-  uint16_t patches, key_patches;        /**< templates of frame 0, at least 6; of all later key frames together */
+  uint16_t patches, key_patches;        /**< templates of frame 0, at least 8; of all later key frames together */
   uint16_t vertices;                    /**< of the mesh, at least those of the model's base mesh */
   uint16_t start_points;                /**< landmarks of a start; at least 4, or 0: no start from landmarks */
   uint16_t profile;                     /**< 'S', 'M' or 'L': every other limit is as there */

@@ -107,8 +107,8 @@ class Tracker {
   /// \param q        all parameters, in the model's order, which are clamped to their limits; null: all 0.
   /// \param markers  image positions in `frame`, px, at most TrackerLimits::markers. Each is cast onto the posed mesh;
   ///                 one that misses it keeps its offset from the nearest surface point.
-  /// \return bad_argument, size_mismatch, capacity (markers), too_few_points (fewer than 6 templates found
-  ///         texture), or a status of Estimator::start.
+  /// \return bad_argument, size_mismatch, capacity (markers), too_few_points (fewer than 6 templates found texture,
+  ///         or fewer than 8 with the points on edges: no frame would be tracked), or a status of Estimator::start.
   Status start_from_pose(const FrameView& frame, const Camera& camera, const Pose& pose, const float* q,
                          const TrackerOptions& options = {}, Span<const Vec2> markers = {});
 

@@ -41,7 +41,7 @@ struct TrackerLimits {
   /// frame. Else at least 64 a side, of which no more counts than the frame has. A smaller region costs less
   /// memory; points outside it are not observed.
   std::uint16_t region_width = 0, region_height = 0;
-  std::uint16_t patches = 128;      ///< templates captured in frame 0, at least 6
+  std::uint16_t patches = 128;      ///< templates captured in frame 0, at least 8
   std::uint16_t key_patches = 64;   ///< templates captured in all later key frames: at least one each; or 0, and there are none
   std::uint8_t key_frames = 4;      ///< later key frames kept at a time
   std::uint16_t markers = 0;        ///< image points that are tracked with the surface and never observed
@@ -109,7 +109,7 @@ struct TrackerLimits {
 
 /// `ok`, or `bad_argument` for limits of which no tracker can be made: frames outside 64 to 16,384 px a side,
 /// a region below 64 px a side, thumbnails above 256 px, 0 or more than 6 pyramid levels, a template's side that
-/// is even or outside 7 to 21 px, a margin above 16 px, fewer than 6 templates in frame 0 or more than 16,384 in
+/// is even or outside 7 to 21 px, a margin above 16 px, fewer than 8 templates in frame 0 or more than 16,384 in
 /// all, fewer templates of key frames than key frames (but for none), a personal field of 1 sample or more than 256 a side, a
 /// start from 1 to 3 landmarks, or more points than ids.
 constexpr Status check(const TrackerLimits& l) {
@@ -124,7 +124,7 @@ constexpr Status check(const TrackerLimits& l) {
   const bool is_possible =
       is_between(64, l.width, 16384) && is_between(64, l.height, 16384) && (!has_region || region_fits) &&
       l.thumbnail_width <= 256 && is_between(1, l.pyramid_levels, 6) && is_between(7, l.patch_window, 21) &&
-      l.patch_window % 2 == 1 && l.patch_margin <= 16 && l.patches >= 6 && templates <= 16384 &&
+      l.patch_window % 2 == 1 && l.patch_margin <= 16 && l.patches >= 8 && templates <= 16384 &&
       (!has_person || person_fits) && (l.start_points == 0 || l.start_points >= 4) && points < 0xFFFF &&
       (l.key_patches == 0 || l.key_patches >= l.key_frames);
   return is_possible ? Status::ok : Status::bad_argument;

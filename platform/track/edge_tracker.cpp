@@ -35,10 +35,14 @@ void EdgeTracker::lay_out(Arena& arena, const TrackerLimits& limits) {
   edges_ = arena.take<Edge>(capacity_);
 }
 
-void EdgeTracker::start(Estimator& estimator, const FrameRegion& region) {
+std::size_t EdgeTracker::start(Estimator& estimator, const FrameRegion& region) {
   add_points(estimator);
-  for (std::size_t k = 0; k < count_; ++k)
+  std::size_t used = 0;
+  for (std::size_t k = 0; k < count_; ++k) {
     if (!edges_[k].is_silhouette) capture_reference(edges_[k], estimator, region);
+    used += edges_[k].is_used;
+  }
+  return used;
 }
 
 void EdgeTracker::add_points(Estimator& estimator) {

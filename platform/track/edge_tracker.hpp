@@ -40,8 +40,8 @@ class EdgeTracker {
 
   /// Frame 0: adds edge points along the model's curves and around its silhouette to the estimator, as far as there is
   /// room. A point of a curve takes its contrast in this frame as reference, and its offset from the model's curve; one
-  /// without an edge is not matched later.
-  void start(Estimator& estimator, const FrameRegion& region);
+  /// without an edge is not matched later. \return how many will be matched.
+  std::size_t start(Estimator& estimator, const FrameRegion& region);
 
   /// Matches all edge points. \param image_scale  of the view, px per mm. \return how many observations were written.
   std::size_t match(const PredictionTable& predictions, const FrameRegion& region, float image_scale,
@@ -71,7 +71,7 @@ class EdgeTracker {
 /// Makes an edge tracker, and its calls (`kEdgeMatching`, tracker_limits.hpp).
 struct EdgeMatching {
   EdgeTracker* (*lay_out)(Arena& arena, const TrackerLimits& limits);
-  void (EdgeTracker::*start)(Estimator& estimator, const FrameRegion& region);
+  std::size_t (EdgeTracker::*start)(Estimator& estimator, const FrameRegion& region);
   std::size_t (EdgeTracker::*match)(const PredictionTable& predictions, const FrameRegion& region,
                                     float image_scale, Span<Observation> out);
   void (EdgeTracker::*end_frame)(Span<const Observation> out);

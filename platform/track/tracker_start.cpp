@@ -1,4 +1,5 @@
 // The starts of a tracker by its caller.
+#include "estimate/track_monitor.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/template_tuning.hpp"
 #include "track/tracker_parts.hpp"
@@ -7,6 +8,15 @@
 namespace pliant {
 
 namespace {
+
+constexpr TrackerLimits with_templates(std::uint16_t patches) {
+  TrackerLimits limits = profile_s();
+  limits.patches = patches;
+  return limits;
+}
+static_assert(is_usable(with_templates(kTrackMonitorTuning.least_inliers)) &&
+                  !is_usable(with_templates(kTrackMonitorTuning.least_inliers - 1)),
+              "templates of frame 0 can be enough for a tracked frame");
 
 /// Whether an image position, or the size of a box, is a number and not far outside every picture.
 bool is_near(Vec2 x) {
@@ -107,6 +117,7 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
   texture.start(&of_estimator);
   Status status = estimator.start(from.camera, view.width, view.height, from.pose, start_q.data, with.is_free,
                                   of_estimator);
+  uses_edges = edges != nullptr && with.estimator.uses(Cue::edge);
   if (status == Status::ok) status = capture_frame_0(view, marker_places, with.marker_exclusion_px);
   if (status != Status::ok) {  // the search that follows is as the caller said, where the camera is one
     if (detection != nullptr && status != Status::bad_argument) detection->keep_start_of_caller(with);
@@ -114,7 +125,6 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
   }
   smooths = with.estimator.smooths;
   if (smooths) result.smoothed_pose = result.pose;
-  uses_edges = edges != nullptr && with.estimator.uses(Cue::edge);
   order.note(view);
   frame = last_kept = 0;
   bad_frames = 0;
@@ -145,7 +155,13 @@ Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> mar
   std::uint16_t captured = 0;
   for (std::size_t k = 0; k < limits.patches; ++k)
     captured = static_cast<std::uint16_t>(captured + templates[k].is_used);
-  if (captured < kTrackerTuning.least_templates) return Status::too_few_points;
+  std::size_t points = captured;
+  if (edges != nullptr) {
+    const std::size_t of_edges = (edges->*limits.edges->start)(estimator, region);
+    if (uses_edges) points += of_edges;
+  }
+  if (captured < kTrackerTuning.least_templates || points < kTrackMonitorTuning.least_inliers)
+    return Status::too_few_points;
   result = {TrackState::tracking,
             pose_of(estimator.view()),
             captured,
@@ -153,7 +169,6 @@ Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> mar
             0,
             0,
             static_cast<std::uint16_t>(estimator.mesh().vertex_count())};
-  if (edges != nullptr) (edges->*limits.edges->start)(estimator, region);
   key_frames.trust(estimator);
   key_frames.keep(0, estimator.view(), 0, 0);
   return Status::ok;

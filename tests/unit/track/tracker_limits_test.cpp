@@ -47,7 +47,7 @@ TEST_CASE("limits of which no tracker can be made are refused, and measure nothi
   refused([](TrackerLimits& l) { l.patch_window = 12; });
   refused([](TrackerLimits& l) { l.patch_window = 23; });
   refused([](TrackerLimits& l) { l.patch_margin = 17; });
-  refused([](TrackerLimits& l) { l.patches = 5; });
+  refused([](TrackerLimits& l) { l.patches = 7; });
   refused([](TrackerLimits& l) { l.patches = 16000, l.key_patches = 400; });
   refused([](TrackerLimits& l) { l.key_patches = 3; });
   refused([](TrackerLimits& l) { l.markers = 65535; });
@@ -72,6 +72,40 @@ TEST_CASE("limits without room for the model's base mesh are refused, not found 
   limits.vertices = least;
   Tracker tracker;
   CHECK(create(limits, tracker, block) == Status::ok);
+}
+
+TEST_CASE("a start with a few templates is refused, or the next frame is tracked") {
+  const FaceFilm film(320, 240, 1, [](float, Pose&, auto&) {});
+  AlignedBlock block(1 << 22);
+  for (const bool has_edges : {false, true}) {
+    const TrackerLimits limits = without_detection(has_edges ? profile_m() : without_edges(profile_m()));
+    int refused = 0, started = 0;
+    for (int k = 0; k < 90; ++k) {  // of the textured part of the picture: left to right, larger and larger
+      const int side = 10 + 2 * (k / 5), left = 110 + 20 * (k % 5);
+      std::vector<std::uint8_t> pixels(film.frames[0].size(), 128);
+      for (int y = 120 - side / 2; y < 120 + side / 2; ++y)
+        for (int x = left; x < left + side; ++x) {
+          const auto at = static_cast<std::size_t>(320 * y + x);
+          pixels[at] = film.frames[0][at];
+        }
+      FrameView view = film.view(0);
+      view.data = pixels.data();
+      Tracker tracker;
+      REQUIRE(create(limits, tracker, block) == Status::ok);
+      const Status status = tracker.start_from_pose(view, film.camera, film.poses[0], nullptr);
+      ++(status == Status::ok ? started : refused);
+      if (status != Status::ok) continue;
+      CAPTURE(k);
+      CAPTURE(tracker.result().tracked);
+      view.time_ns += 33'000'000;
+      ++view.sequence;
+      FrameResult result;
+      REQUIRE(tracker.update(view, &result) == Status::ok);
+      CHECK(result.state == TrackState::tracking);
+    }
+    CHECK(refused > 20);
+    CHECK(started > 20);
+  }
 }
 
 TEST_CASE("random limits are refused or give a tracker that starts and tracks, or says why not") {
