@@ -3,6 +3,7 @@
 /// The composition: frames + vision + core -> pose, expression and surface points, frame by frame.
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
@@ -10,52 +11,10 @@
 #include "pliant/estimator.hpp"
 #include "pliant/frame.hpp"
 #include "pliant/model.hpp"
+#include "pliant/tracker_options.hpp"
 #include "pliant/tracker_profiles.hpp"
 
 namespace pliant {
-
-/// Options of a start. They take no memory.
-struct TrackerOptions {
-  EstimatorOptions estimator;  ///< of the estimator
-  /// One flag a parameter of the model: nonzero, it is estimated in every frame; else it keeps the start's value, but for the
-  /// identity, which TrackerLimits::person estimates besides (without_person holds it). Null: the expressions. Read during the start.
-  const std::uint8_t* is_free = nullptr;
-  float marker_exclusion_px = 8;  ///< no template is captured within this distance of a marker, px
-};
-
-/// A landmark by the model's name for it (`ibug30`, `nose_tip`, ...), and where it is seen.
-struct NamedPoint {
-  const char* name = nullptr;  ///< of a landmark
-  Vec2 x;                      ///< px
-};
-
-/// What a face detector's box encloses.
-enum class BoxConvention : std::uint8_t {
-  landmarks = 0,  ///< brows to chin, ear to ear
-  /// The square that OpenCV's cascades give: from the middle of the forehead to just above the chin.
-  opencv = 1,
-  face_box = 2,  ///< a FaceBox: corner = center - side / 2, size = side
-};
-
-/// Options of a start besides landmarks or a box.
-struct StartOptions {
-  /// Focal length, px. 0: unknown. A start from landmarks then estimates it, all others take 1.4 times the larger side.
-  float focal_px = 0;
-  /// Intrinsics and lens, if known, which replace focal_px. May be Tracker::camera.
-  const Camera* camera = nullptr;
-  /// If false, `landmark` gives the positions of the model, without offsets, until landmarks are placed (Tracker::place_landmarks).
-  bool keeps_landmark_offsets = true;
-  /// Of start_from_box. A box of FaceDetector or of `pliant detect` is a `face_box`.
-  BoxConvention box = BoxConvention::landmarks;
-};
-
-/// A tracker's state for another start: after a pause, or in another process. The arrays are the caller's.
-struct SavedState {
-  Camera camera;                ///< intrinsics and lens
-  Pose pose;                    ///< of the model
-  Span<float> parameters;       ///< all of the model's, in its order
-  Span<Vec3> landmark_offsets;  ///< mm, one for each of the model's landmarks, in its order
-};
 
 /// create_in refuses limits without room for the model's base mesh (arena.hpp).
 inline bool are_usable(const Model& model, const TrackerLimits& limits) {
@@ -173,6 +132,11 @@ class Tracker {
   /// \return not_started, not_found, underdetermined (behind the camera): x is untouched.
   Status landmark(const char* name, Vec2* x);
   Status landmark(std::size_t index, Vec2* x);  ///< The same by index.
+  /// The same: a literal 0 is an index, not a null name.
+  template <class Integer, class = std::enable_if_t<std::is_integral_v<Integer>>>
+  Status landmark(Integer index, Vec2* x) {
+    return landmark(static_cast<std::size_t>(index), x);
+  }
   /// Gives landmarks the offsets that put them at these image positions in the last frame. Landmarks at the
   /// same (u,v) get the same offset; others keep theirs. No second look (TrackerLimits::second_look) changes them from then on; a
   /// later start of the caller or of another person does.

@@ -58,6 +58,26 @@ TEST_CASE("pose, expression and landmarks of a rendered face are followed") {
   CHECK(tracker->estimator().parameters()[brow] > 0.4f);
 }
 
+TEST_CASE("a landmark is told by its index of any integer type, 0 as well, or by its name") {
+  InArena<Tracker> tracker(face().model, TrackerLimits{});
+  REQUIRE(start(tracker.object) == Status::ok);
+  enum Place { first };
+  Vec2 by_name, x;
+  REQUIRE(tracker->landmark(face().model.landmarks()[0].name, &by_name) == Status::ok);
+  const auto is_first = [&](Status status) {
+    const bool same = status == Status::ok && x.x == by_name.x && x.y == by_name.y;
+    x = {};
+    return same;
+  };
+  CHECK(is_first(tracker->landmark(0, &x)));
+  CHECK(is_first(tracker->landmark(0u, &x)));
+  CHECK(is_first(tracker->landmark(std::size_t{0}, &x)));
+  CHECK(is_first(tracker->landmark(std::uint16_t{0}, &x)));
+  CHECK(is_first(tracker->landmark(first, &x)));
+  CHECK(tracker->landmark(-1, &x) == Status::not_found);
+  CHECK(tracker->landmark(nullptr, &x) == Status::not_found);
+}
+
 TEST_CASE("smoothed results begin with frame 0") {
   TrackerOptions options;
   options.estimator.smooths = true;
