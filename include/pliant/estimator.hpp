@@ -77,8 +77,8 @@ class Estimator {
   /// adapted to the surface at `q`.
   /// \param q        all parameters; values outside a parameter's range are clamped. Null only for a model without parameters.
   /// \param is_free  a flag for each parameter: the free ones are estimated. Null: the expressions are free.
-  /// \return bad_argument if pose and camera are not `is_possible` (camera.hpp), q is not finite, or
-  ///         Lens::make refuses the lens; then nothing has changed. capacity for more free parameters or
+  /// \return bad_argument if pose and camera are not `is_possible` (camera.hpp), q is not finite, or the
+  ///         lens (Lens::make) or an option is refused; then nothing has changed. capacity for more free parameters or
   ///         samples than the limits allow; bad_table for damaged springs; the statuses of Mesh::set_base and
   ///         Cascade::personalise; then the estimator is not started.
   Status start(const Camera& camera, int width, int height, const Pose& pose, const float* q,

@@ -8,6 +8,7 @@
 #include "pliant/cascade.hpp"
 #include "pliant/criteria.hpp"
 #include "pliant/observation.hpp"
+#include "pliant/status.hpp"
 #include "pliant/stretch_prior.hpp"
 
 namespace pliant {
@@ -87,12 +88,12 @@ enum class Rejection : std::uint8_t {
 /// A time that is not known.
 inline constexpr std::int64_t kNoTime = INT64_MIN;
 
-/// Options: they do not change the memory.
+/// Options: they do not change the memory. Those out of their bounds are refused (check).
 struct EstimatorOptions {
   /// Time of the frame that the start describes, ns, with the origin of Estimator::begin. A tracker sets it itself. kNoTime: the
   /// first frame counts as 1/30 s later.
   std::int64_t time_ns = kNoTime;
-  /// Trial steps of each minimisation, at most, count. A solve minimises with Huber's loss and then with
+  /// Trial steps of each minimisation, at most, count, 0 to 1,000. A solve minimises with Huber's loss and then with
   /// Tukey's. Round value, not tuned.
   int iterations = 4;
   Rejection rejection = Rejection::on_doubt;  ///< what is done about outliers
@@ -100,13 +101,14 @@ struct EstimatorOptions {
   std::uint8_t cues = 0x07;
   /// Whether a cue takes part.
   bool uses(Cue cue) const { return (cues >> static_cast<unsigned>(cue) & 1u) != 0; }
-  /// Fraction by which a cue's noise scale follows its residuals, a frame. 0: never. Round value, not tuned.
+  /// Fraction by which a cue's noise scale follows its residuals, a frame, 0 to 1. 0: never. Round value, not
+  /// tuned.
   float cue_scale_rate = 0.1f;
-  /// Standard deviation of the distance between the real surface and the model at its best, mm. It is added
+  /// Standard deviation of the distance between the real surface and the model at its best, mm, 0 to 1,000. It is added
   /// to the noise of every observation but edges. Model errors are spatially correlated: more points do not
   /// reduce them. On a real face the residuals are about 1 mm, ten times the noise of the image.
   float model_error_mm = 1.0f;
-  /// Mean error to which the mesh is refined at the start (contour criterion), mm. 0, and mesh_operations 0:
+  /// Mean error to which the mesh is refined at the start (contour criterion), mm, finite. 0, and mesh_operations 0:
   /// it stays the model's base mesh. Negative: an estimator that has started keeps its mesh, for a start at nearly the same shape;
   /// refining it takes as long as two frames.
   float mesh_error_mm = 0.3f;
@@ -132,5 +134,8 @@ struct EstimatorOptions {
   /// updated. Vertices serve visibility only.
   std::uint8_t vertex_interval_frames = 4;
 };
+
+/// `ok`, or `bad_argument` for an option out of its bounds.
+Status check(const EstimatorOptions& options);
 
 }  // namespace pliant

@@ -37,8 +37,8 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 /// markers and camera stay; templates and key frames are new. Another person has no markers. Not every person is told from
 /// another; where an alignment takes several frames (profile S), hardly any is (docs/algorithms.md, section 7.15).
 ///
-/// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names and arrays
-/// first. If one of those is wrong, nothing changes. If the start fails later (in the fit, the pose or the
+/// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names, arrays and
+/// options first. If one of those is wrong, nothing changes. If the start fails later (in the fit, the pose or the
 /// texture), the tracker is not started, `is_started` is false, and the next frame may have any time. If it failed in the texture,
 /// that is searched with its camera and options.
 ///
@@ -59,7 +59,7 @@ class Tracker {
   /// \param start    camera or focal length, if known, and `keeps_landmark_offsets`.
   /// \param options  of the tracks that follow.
   /// \return not_found (the limits name no detection, or the model has no tables for it), bad_argument (the
-  ///         camera or the focal length): nothing has changed.
+  ///         camera, the focal length or an option): nothing has changed.
   Status start_by_detection(const StartOptions& start = {}, const TrackerOptions& options = {});
 
   /// Starts from a known pose.

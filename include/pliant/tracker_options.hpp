@@ -16,8 +16,13 @@ struct TrackerOptions {
   /// One flag a parameter of the model: nonzero, it is estimated in every frame; else it keeps the start's value, but for the
   /// identity, which TrackerLimits::person estimates besides (without_person holds it). Null: the expressions. Read during the start.
   const std::uint8_t* is_free = nullptr;
-  float marker_exclusion_px = 8;  ///< no template is captured within this distance of a marker, px
+  float marker_exclusion_px = 8;  ///< no template is captured within this distance of a marker, px, at least 0
 };
+
+/// `ok`, or `bad_argument` for an option out of its bounds.
+inline Status check(const TrackerOptions& o) {
+  return o.marker_exclusion_px >= 0 ? check(o.estimator) : Status::bad_argument;
+}
 
 /// A landmark by the model's name for it (`ibug30`, `nose_tip`, ...), and where it is seen.
 struct NamedPoint {

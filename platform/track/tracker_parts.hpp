@@ -85,7 +85,7 @@ struct TrackerParts : ImageParts {
   /// The frame, smoothed if it is noisy.
   const FrameView& quiet(const FrameView& view);
 
-  Status check_start(const FrameView& frame, Span<const Vec2> markers) const;
+  Status check_start(const FrameView& frame, const TrackerOptions& options, Span<const Vec2> markers) const;
   Status check_landmarks(Span<const NamedPoint> points) const;
   bool fits_model(const SavedState& state) const;
   /// Ends the track, if there is one. The result becomes that of a frame without one.

@@ -34,8 +34,10 @@ StartOptions with_copy(const StartOptions& start, Camera* camera) {
 
 }  // namespace
 
-Status TrackerParts::check_start(const FrameView& view, Span<const Vec2> marker_places) const {
-  const Status status = region.check_frame(view);
+Status TrackerParts::check_start(const FrameView& view, const TrackerOptions& options,
+                                 Span<const Vec2> marker_places) const {
+  Status status = region.check_frame(view);
+  if (status == Status::ok) status = check(options);
   if (status != Status::ok) return status;
   if (marker_places.count > limits.markers) return Status::capacity;
   if (marker_places.count > 0 && marker_places.data == nullptr) return Status::bad_argument;
@@ -177,7 +179,7 @@ Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> mar
 Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, const Pose& pose,
                                 const float* q, const TrackerOptions& options, Span<const Vec2> markers) {
   if (impl_ == nullptr) return Status::not_started;
-  const Status status = impl_->check_start(frame, markers);
+  const Status status = impl_->check_start(frame, options, markers);
   if (status != Status::ok) return status;
   for (std::size_t k = 0; q != nullptr && k < impl_->start_q.count; ++k)
     if (!is_finite(q[k])) return Status::bad_argument;
@@ -201,7 +203,7 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
                                      Span<const Vec2> markers) {
   if (impl_ == nullptr) return Status::not_started;
   Impl& t = *impl_;
-  Status status = t.check_start(frame, markers);
+  Status status = t.check_start(frame, options, markers);
   if (status == Status::ok && points.count > t.limits.start_points) status = Status::capacity;
   if (status == Status::ok && points.count < kLandmarkFitTuning.least_points) status = Status::too_few_points;
   if (status == Status::ok) status = t.check_landmarks(points);
@@ -226,7 +228,7 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
                                const TrackerOptions& options, Span<const Vec2> markers) {
   if (impl_ == nullptr) return Status::not_started;
   Impl& t = *impl_;
-  Status status = t.check_start(frame, markers);
+  Status status = t.check_start(frame, options, markers);
   if (status == Status::ok && !(start.focal_px >= 0 && size.x > 0 && size.y > 0 && is_near(corner) &&
                                 is_near(size) && start.box <= BoxConvention::face_box))
     status = Status::bad_argument;
@@ -252,7 +254,8 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
   const Camera camera = start_camera(start.camera, start.focal_px, t.limits.width, t.limits.height);
   const Pose anywhere{{}, {0, 0, 1000}};
   if (!(start.focal_px >= 0) || !is_possible(anywhere, camera) ||
-      Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok)
+      Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok ||
+      check(options) != Status::ok)
     return Status::bad_argument;
   t.detection->calls->begin_search(t, start, options);
   t.begin_stream();

@@ -16,6 +16,13 @@ std::uint32_t interval(std::uint8_t frames) {
 
 }  // namespace
 
+Status check(const EstimatorOptions& o) {
+  const bool good = o.iterations >= 0 && o.iterations <= 1000 && o.rejection <= Rejection::on_doubt &&
+                    o.cue_scale_rate >= 0 && o.cue_scale_rate <= 1 && o.model_error_mm >= 0 &&
+                    o.model_error_mm <= 1000 && is_finite(o.mesh_error_mm);
+  return good ? Status::ok : Status::bad_argument;
+}
+
 void Estimator::lay_out(Arena& arena, const Model& model, const EstimatorLimits& limits) {
   const std::size_t parameters = model.parameters().count;
   const std::size_t samples = at_most(limits.samples_per_point, model.cascade().count);
@@ -50,7 +57,8 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   PLIANT_ASSERT(impl_ != nullptr);
   Impl& s = *impl_;
   const bool has_values = q != nullptr || s.parameter_count() == 0;
-  if (!has_values || width <= 0 || height <= 0 || !is_possible(pose, camera)) return Status::bad_argument;
+  if (!has_values || width <= 0 || height <= 0 || !is_possible(pose, camera) || check(options) != Status::ok)
+    return Status::bad_argument;
   for (std::size_t i = 0; i < s.parameter_count(); ++i)
     if (!is_finite(q[i])) return Status::bad_argument;
   Lens lens;

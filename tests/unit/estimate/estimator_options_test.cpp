@@ -1,6 +1,8 @@
 // Each option of the estimator has an effect.
 #include <doctest/doctest.h>
 
+#include <limits>
+
 #include "estimator_scene.hpp"
 
 namespace estimator_options_test {
@@ -77,6 +79,52 @@ TEST_CASE("mesh_error_mm: a smaller error takes more vertices") {
   Tracked base(options);
   CHECK(static_cast<std::size_t>(base.estimator->mesh().vertex_count()) ==
         base.estimator->model().base_uv().count);
+}
+
+TEST_CASE("options out of their bounds are refused, and nothing changes; at their bounds all stays finite") {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
+  const auto with = [](auto change) {
+    EstimatorOptions options;
+    change(options);
+    return options;
+  };
+  Tracked tracked({});
+  const auto start = [&](const EstimatorOptions& options) {
+    Scene& s = tracked.scene;
+    return tracked.estimator->start(s.camera, kWidth, kHeight, s.pose(0), s.q.data(), nullptr, options);
+  };
+  for (const float bad : {nan, infinite, -infinite, -0.1f, 1e30f}) {
+    CHECK(start(with([&](auto& o) { o.cue_scale_rate = bad; })) == Status::bad_argument);
+    CHECK(start(with([&](auto& o) { o.model_error_mm = bad; })) == Status::bad_argument);
+    if (!is_finite(bad)) CHECK(start(with([&](auto& o) { o.mesh_error_mm = bad; })) == Status::bad_argument);
+  }
+  CHECK(start(with([](auto& o) { o.cue_scale_rate = 100; })) == Status::bad_argument);
+  CHECK(start(with([](auto& o) { o.iterations = -1; })) == Status::bad_argument);
+  CHECK(start(with([](auto& o) { o.iterations = 1001; })) == Status::bad_argument);
+  CHECK(start(with([](auto& o) { o.rejection = static_cast<Rejection>(5); })) == Status::bad_argument);
+  tracked.frame(1, 0.02f, 0.1f);  // still started, with its points
+
+  const EstimatorOptions extremes[] = {
+      with([](auto& o) { o.cue_scale_rate = 1; }),      with([](auto& o) { o.model_error_mm = 0; }),
+      with([](auto& o) { o.model_error_mm = 1e-30f; }), with([](auto& o) { o.model_error_mm = 1000; }),
+      with([](auto& o) { o.mesh_error_mm = 1e-30f; }),  with([](auto& o) { o.mesh_error_mm = 1e30f; }),
+      with([](auto& o) { o.iterations = 0; }),          with([](auto& o) { o.iterations = 1000; })};
+  for (const EstimatorOptions& options : extremes) {
+    CAPTURE(&options - extremes);
+    Scene scene;
+    InArena<Estimator> estimator{scene.model, scene.limits};
+    scene.start(estimator.object, 0, options);
+    for (int k = 1; k < 6; ++k) {
+      estimator->begin(k * std::int64_t{33'000'000});
+      auto seen = scene.observe(0.02f * float(k), scene.q, 2);
+      estimator->solve(span(seen));
+      const FrameResult result = estimator->end();
+      CHECK(is_finite(result.pose));
+      CHECK(is_finite(result.rms_px));
+      CHECK(is_finite(estimator->cue_scale(Cue::patch)));
+    }
+    for (const float value : estimator->parameters()) CHECK(is_finite(value));
+  }
 }
 
 TEST_CASE("predicts_motion: a steady motion is predicted where it goes") {

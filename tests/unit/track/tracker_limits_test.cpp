@@ -187,6 +187,27 @@ TEST_CASE("a pose, a camera or a box that no picture has is refused") {
   for (const auto& b : boxes) CHECK(tracker.start_from_box(film.view(0), b.corner, b.size) != Status::ok);
 }
 
+TEST_CASE("options out of their bounds are refused by every start, and the track goes on") {
+  const FaceFilm film(320, 240, 2, [](float, Pose&, auto&) {});
+  AlignedBlock block(1 << 22);
+  Tracker tracker;
+  REQUIRE(create({}, tracker, block) == Status::ok);
+  const FrameView frame = film.view(0);
+  REQUIRE(tracker.start_from_pose(frame, film.camera, film.poses[0], nullptr) == Status::ok);
+  TrackerOptions fast, negative, unknown;
+  fast.estimator.cue_scale_rate = 100;
+  negative.marker_exclusion_px = -8;
+  unknown.marker_exclusion_px = kNan;
+  for (const TrackerOptions& bad : {fast, negative, unknown}) {
+    CHECK(tracker.start_from_pose(frame, film.camera, film.poses[0], nullptr, bad) == Status::bad_argument);
+    CHECK(tracker.start_from_box(frame, {100, 60}, {90, 90}, {}, bad) == Status::bad_argument);
+    CHECK(tracker.start_by_detection({}, bad) != Status::ok);
+  }
+  FrameResult result;
+  REQUIRE(tracker.update(film.view(1), &result) == Status::ok);
+  CHECK(result.state == TrackState::tracking);
+}
+
 TEST_CASE("the largest limits: sizes that follow from them do not overflow") {
   // A constant expression has no overflow, or it is not compiled.
   constexpr auto largest = [] {

@@ -333,4 +333,28 @@ TEST_CASE("a kept template serves searches that allow for other ramps, and none"
   }
 }
 
+TEST_CASE("extreme options give a reason, or a finite result") {
+  const Texture texture(2);
+  Rig rig;
+  rig.show(render(texture, {}, kWidth, kHeight), render(texture, shift(2, 1), kWidth, kHeight));
+  REQUIRE(rig.tracker.capture(0, rig.before, {120, 90}) == PatchStatus::ok);
+  const float infinite = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float x : {-infinite, -1.0f, 1e-45f, 1e-30f, 1e20f, infinite, nan})
+    for (float PatchOptions::*member :
+         {&PatchOptions::start_sd_px, &PatchOptions::max_move_px, &PatchOptions::min_correlation,
+          &PatchOptions::ramp_sd, &PatchOptions::max_return_px}) {
+      CAPTURE(x);
+      PatchOptions options;
+      options.*member = x;
+      for (const PatchResult& r : {rig.tracker.track(0, rig.after, {120, 90}, {}, options),
+                                   rig.tracker.track_between(rig.before, {120, 90}, rig.after, {120, 90}, options)}) {
+        CHECK(is_finite(r.x));
+        CHECK(is_finite(r.residual));
+        CHECK(is_finite(r.information.xx));
+        CHECK(is_finite(r.correlation));
+        CHECK(is_finite(r.return_px));
+      }
+    }
+}
+
 }  // namespace patch_tracker_robustness_test
