@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "host/bake/at.hpp"
 #include "host/bake/chart_raster.hpp"
-#include "host/io/words.hpp"
 
 namespace pliant::host::bake {
 
@@ -31,26 +29,6 @@ float grey_at(const Image& picture, Vec2 uv) {
 }
 
 }  // namespace
-
-std::map<std::string, std::string> read_picture_names(const std::string& path) {
-  const std::string folder = path.substr(0, path.find_last_of('/') + 1);
-  std::map<std::string, std::string> names;
-  std::ifstream in(path);
-  std::string material;
-  for (std::string line; std::getline(in, line);) {
-    line = trimmed(line);
-    const std::size_t blank = line.find_first_of(" \t");
-    if (blank == std::string::npos) continue;
-    const std::string key = line.substr(0, blank);
-    std::string rest = trimmed(line.substr(blank));
-    if (key == "newmtl") material = rest;
-    if (key != "map_Kd" || rest.empty()) continue;
-    if (rest[0] == '-') rest = rest.substr(rest.find_last_of(" \t") + 1);  // options; the name is last
-    std::replace(rest.begin(), rest.end(), '\\', '/');
-    names[material] = rest[0] == '/' ? rest : folder + rest;
-  }
-  return names;
-}
 
 GreyImage albedo_of(const Source& source, const PaintedSurface& painted, int most_side) {
   int side = kLeastSide;

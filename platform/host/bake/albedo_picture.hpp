@@ -2,7 +2,6 @@
 /// \file albedo_picture.hpp
 /// The albedo of a surface from the pictures of an OBJ file's materials.
 #include <array>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -10,10 +9,6 @@
 #include "host/io/image.hpp"
 
 namespace pliant::host::bake {
-
-/// Reads the names of the pictures (`map_Kd`) of a material library by the names of its materials. A name has the library's
-/// folder in front. Empty if the file cannot be read.
-std::map<std::string, std::string> read_picture_names(const std::string& path);
 
 /// Where the albedo of a surface comes from.
 struct PaintedSurface {

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "host/bake/albedo_picture.hpp"
+#include "host/bake/material_library.hpp"
 #include "host/bake/at.hpp"
 #include "host/bake/bending_modes.hpp"
 #include "host/bake/chart_raster.hpp"
@@ -310,7 +311,7 @@ class FolderReader {
       if (!fs::exists(folder + library))
         source_.warnings.push_back("there is no material file " + folder + library +
                                    ": the surface has no texture from it");
-      names.merge(read_picture_names(folder + library));
+      names.merge(read_picture_names(folder + library, &source_.warnings));
     }
     std::map<std::string, int> ids;
     for (std::size_t m = 0; m < rest_.materials.size(); ++m) {

@@ -110,6 +110,24 @@ TEST_CASE("bake takes the pictures of the OBJ file's materials") {
     CHECK(std::fabs(albedo_at(table, false, 0.3f, 0.8f) - 130) < 3);
     CHECK(albedo_at(table, false, 0.8f, 0.8f) == 20);
   }
+  SUBCASE("a name with blanks behind options is read whole") {
+    folder.put("paints.mtl",
+               "newmtl left\nmap_Kd -s 1 1 -clamp on -o 0 0 0 -mm 0 1 ramp one.png\n"
+               "newmtl right\nmap_Kd -s 1.0 1.0 1.0 dark.png\n");
+    const Ran result = run_words(words);
+    REQUIRE(result.code == 0);
+    CHECK(std::fabs(albedo_at(table, false, 0.3f, 0.8f) - 130) < 3);
+    CHECK(albedo_at(table, false, 0.8f, 0.8f) == 20);
+    CHECK(!contains(result.err, "scaled"));
+  }
+  SUBCASE("a picture that is scaled or moved is told") {
+    for (const std::string option : {"-s 2 2 1", "-o 0.5", "-t 0 0.1 0"}) {
+      folder.put("paints.mtl", "newmtl right\nmap_Kd " + option + " dark.png\n");
+      const Ran result = run_words(words);
+      CHECK(result.code == 0);
+      CHECK(contains(result.err, "paints.mtl: the picture of material 'right' is scaled or moved"));
+    }
+  }
   SUBCASE("a material without a picture is light grey") {
     folder.put("paints.mtl", "newmtl right\nmap_Kd dark.png\n");
     REQUIRE(run_words(words).code == 0);
