@@ -52,13 +52,21 @@ std::vector<std::uint8_t> free_parameters(const Args& args, const Model& model) 
   return is_free;
 }
 
-Markers read_markers(const Args& args, const Model& model) {
+bool is_in_picture(Vec2 x, ImageSize size) {
+  return x.x >= -0.5f && x.y >= -0.5f && x.x <= static_cast<float>(size.width) - 0.5f &&
+         x.y <= static_cast<float>(size.height) - 0.5f;
+}
+
+Markers read_markers(const Args& args, const Model& model, ImageSize size) {
   Markers markers;
   const auto path = args.text("--markers");
   if (!path) return markers;
   for (const NamedPoint& p : read_points(*path)) {
     if (has_landmarks(args) && model.find_landmark(p.name.c_str()) != kNone)
       fail_input(p.where, "marker '" + p.name + "' has the name of a landmark, which has columns of its own");
+    if (!is_in_picture(p.x, size))
+      fail_input(p.where, "marker '" + p.name + "' is outside the picture of " + std::to_string(size.width) + "x" +
+                              std::to_string(size.height) + " pixels");
     markers.names.push_back(p.name);
     markers.x.push_back(p.x);
   }
@@ -157,7 +165,7 @@ int run_track(const Args& args, Console& console) {
   FrameStream frames(args.required("--frames"), args.has("--mirror"));
   const InitialOptions initial_how = initial_options(args, frames.size(), console.err);
   const std::optional<Initial> initial = initial_of(args, file, frames, initial_how, console.err);
-  const Markers markers = read_markers(args, model);
+  const Markers markers = read_markers(args, model, frames.size());
 
   FrameView frame = first_frame(args, frames);
   const auto make_tracker = [&](ImageSize size) {

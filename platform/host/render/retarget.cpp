@@ -34,6 +34,11 @@ class Wiring {
     unmatched->erase(std::remove_if(unmatched->begin(), unmatched->end(), is_half), unmatched->end());
   }
   const std::vector<std::size_t>& columns_of(std::size_t k) const { return columns_of_[k]; }
+  bool uses(std::size_t column) const {
+    return std::any_of(columns_of_.begin(), columns_of_.end(), [column](const auto& of) {
+      return std::find(of.begin(), of.end(), column) != of.end();
+    });
+  }
 
  private:
   std::vector<std::vector<std::size_t>> columns_of_;
@@ -68,6 +73,16 @@ std::vector<std::vector<float>> read_columns(const CsvTable& table, const Model*
     }
   }
   return q;
+}
+
+/// The columns in use whose names are no parameters of the source.
+std::vector<std::string> columns_without_parameter(const CsvTable& table, const Model& source,
+                                                   const Wiring& wiring) {
+  std::vector<std::string> names;
+  for (std::size_t c = 0; c < table.columns().size(); ++c)
+    if (wiring.uses(c) && parameters_named(source, table.columns()[c]).empty())
+      names.push_back(table.columns()[c]);
+  return names;
 }
 
 /// True if the row has neither pose nor expression.
@@ -152,6 +167,7 @@ Retargeted retarget(const CsvTable& table, const Model& model, const RetargetSet
     out.frames.push_back(std::move(frame));
   }
   set_times(table, setup.rate, &out.frames);
+  if (setup.source != nullptr) out.unscaled = columns_without_parameter(table, *setup.source, wiring);
   for (std::uint16_t k = 0; k < identity.size(); ++k) {
     if (!wiring.columns_of(k).empty()) out.driven.push_back(k);
     if (is_limited[k]) out.limited.push_back(model.parameters()[k].name);

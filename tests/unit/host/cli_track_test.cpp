@@ -349,6 +349,10 @@ TEST_CASE("frames, markers and truths that a track cannot use are refused by nam
   check_refused(words, {"marks.csv: line 3", "'y'"});
   s.put("marks.csv", "landmark,x,y\n");
   check_refused(words, {"marks.csv", "no markers"});
+  for (const char* place : {"-1,80", "100,-0.6", "200,80", "100,160", "1e5,0"}) {
+    s.put("marks.csv", std::string("landmark,x,y\na,0,0\nb,199.4,159.4\nc,") + place + "\n");
+    check_refused(words, {"marks.csv: line 4", "marker 'c' is outside the picture of 200x160 pixels"});
+  }
   s.put("marks.csv", "landmark,x,y\nnose_tip,1,2\n");
   words.push_back("--landmarks");
   check_refused(words, {"marks.csv: line 2", "nose_tip"});
