@@ -29,8 +29,8 @@ struct AlignedFace {
 
 /// Options of one alignment.
 struct AlignOptions {
-  /// One flag a parameter of the model: nonzero, it is estimated; else it keeps its value in q. Null: all are
-  /// estimated.
+  /// One flag a parameter of the model: nonzero, it is estimated; else it keeps its value in q, or the nearer limit of its range,
+  /// as in a Tracker. Null: all are estimated.
   const std::uint8_t* is_free = nullptr;
 };
 
@@ -61,7 +61,7 @@ class FaceAligner {
 
   /// Aligns the model to the face in a box, from a frontal pose and the mean face.
   /// \param camera     intrinsics and lens of the frame.
-  /// \param q          all parameters: the result. Those held by `options` are read and keep their value.
+  /// \param q          all parameters: the result. Those held by `options` are read and keep their value, within their range.
   /// \param landmarks  image positions of all landmarks of the model, px, in its order; may be empty.
   /// \return `status`, or with nothing changed: bad_argument (an unreadable frame, a box or camera that is
   ///         not finite or not positive, a principal point beyond 100,000 px, null q or face, too few

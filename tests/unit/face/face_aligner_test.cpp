@@ -131,6 +131,23 @@ TEST_CASE("parameters that are held keep their value, and the others follow") {
   CHECK(rig.align(backdrop().view(), {{150, 110}, 90}, {is_free.data()}) == Status::bad_argument);
 }
 
+TEST_CASE("parameters that are held outside their range count as its nearer limit, and are told so") {
+  const Span<const Parameter> parameters = baked_face().model.parameters();
+  const std::vector<std::uint8_t> none_is_free(parameters.count, 0);
+  const AlignOptions held{none_is_free.data()};
+  Rig outside(aligner_pattern::table(4, 3)), limit(aligner_pattern::table(4, 3));
+  for (std::size_t k = 0; k < parameters.count; ++k) {
+    const bool is_above = k % 2 == 0;
+    limit.q[k] = is_above ? parameters[k].maximum : parameters[k].minimum;
+    outside.q[k] = limit.q[k] + (is_above ? 100.0f : -1e30f);
+  }
+  REQUIRE(outside.align(backdrop().view(), {{150, 110}, 90}, held) == Status::ok);
+  REQUIRE(limit.align(backdrop().view(), {{150, 110}, 90}, held) == Status::ok);
+  CHECK(are_equal(outside, limit));
+  for (std::size_t k = 0; k < parameters.count; ++k)
+    CHECK(outside.q[k] == (k % 2 == 0 ? parameters[k].maximum : parameters[k].minimum));
+}
+
 TEST_CASE("verification moves nothing, and refinement of a table without displacements stays") {
   Rig rig;
   REQUIRE(rig.align(backdrop().view(), {{150, 110}, 90}) == Status::ok);
