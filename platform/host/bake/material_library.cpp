@@ -81,13 +81,14 @@ std::map<std::string, std::string> read_picture_names(const std::string& path,
   std::map<std::string, std::string> names;
   std::ifstream in(path);
   std::string material;
-  for (std::string line; std::getline(in, line);) {
-    line = trimmed(line);
+  bool is_first = true;
+  for (std::string line; std::getline(in, line); is_first = false) {
+    line = trimmed(is_first ? std::string(without_byte_order_mark(line)) : line);
     const std::size_t blank = line.find_first_of(" \t");
     if (blank == std::string::npos) continue;
     const std::string key = line.substr(0, blank), rest = trimmed(line.substr(blank));
-    if (key == "newmtl") material = rest;
-    if (key != "map_Kd") continue;
+    if (key == "newmtl") names.emplace(material = rest, "");
+    if (key != "map_Kd" && key != "map_kd") continue;
     const MapLine map(rest);
     std::string name = map.name();
     if (name.empty()) continue;

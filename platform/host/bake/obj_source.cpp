@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <map>
+#include <sstream>
 
 #include "host/bake/albedo_picture.hpp"
 #include "host/bake/material_library.hpp"
@@ -29,6 +31,20 @@ namespace fs = std::filesystem;
 
 bool is_obj_file(const std::string& source) {
   return ends_with(in_lower_case(source), ".obj") && !fs::is_directory(source);
+}
+
+/// The material files that `mtllib` lines name: one a line, with blanks in its name, or several.
+std::vector<std::string> libraries_in(const std::string& folder, const std::vector<std::string>& lines) {
+  std::vector<std::string> names;
+  for (std::string line : lines) {
+    std::replace(line.begin(), line.end(), '\\', '/');
+    std::istringstream words(line);
+    const std::vector<std::string> each{std::istream_iterator<std::string>(words), {}};
+    const bool are_several = each.size() > 1 && !fs::exists(folder + line) && fs::exists(folder + each[0]);
+    names.insert(names.end(), are_several ? each.begin() : each.end(), each.end());
+    if (!are_several) names.push_back(line);
+  }
+  return names;
 }
 
 /// Vertices of a mesh, count, at most: about four samples of the largest rest shape each. Bounds the time.
@@ -307,16 +323,20 @@ class FolderReader {
   void find_pictures(std::vector<int>& picture_of) {
     std::map<std::string, std::string> names;
     const std::string folder = rest_.path.substr(0, rest_.path.find_last_of('/') + 1);
-    for (const std::string& library : rest_.libraries) {
+    for (const std::string& library : libraries_in(folder, rest_.libraries)) {
       if (!fs::exists(folder + library))
         source_.warnings.push_back("there is no material file " + folder + library +
                                    ": the surface has no texture from it");
       names.merge(read_picture_names(folder + library, &source_.warnings));
     }
+    for (const std::string& material : rest_.materials)
+      if (!names.empty() && !material.empty() && names.count(material) == 0)
+        source_.warnings.push_back("no material file has the material '" + material +
+                                   "': its part of the surface has no texture");
     std::map<std::string, int> ids;
     for (std::size_t m = 0; m < rest_.materials.size(); ++m) {
       const auto name = names.find(rest_.materials[m]);
-      if (name == names.end()) continue;
+      if (name == names.end() || name->second.empty()) continue;
       const auto [entry, fresh] = ids.insert({name->second, static_cast<int>(ids.size())});
       if (fresh) {
         if (!fs::exists(name->second))

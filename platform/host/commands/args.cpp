@@ -96,16 +96,17 @@ void Args::check_files(const std::vector<Option>& options) {
     const auto path = text(option.name);
     if (option.takes != Takes::output || !path) continue;
     for (std::size_t k = 0; k < inputs.size(); ++k) {
-      if (*path != "-" && is_same_file(*path, inputs[k]))
+      if (!is_standard_output(*path) && is_same_file(*path, inputs[k]))
         fail_usage(std::string(option.name) + " would overwrite the input " + inputs[k]);
       if (is_source_in(inputs[k], k < operands_.size(), *path))
         fail_usage(std::string(option.name) + " would be read with the folder " + inputs[k] + ": " + *path);
     }
     for (const std::string& other : outputs)
-      if (is_same_file(*path, other)) fail_usage("two outputs have the name " + other);
+      if (is_same_file(*path, other) || (is_standard_output(*path) && is_standard_output(other)))
+        fail_usage("two outputs have the name " + other);
     check_ending(option, *path);
     outputs.push_back(*path);
-    writes_to_standard_output_ = writes_to_standard_output_ || *path == "-";
+    writes_to_standard_output_ = writes_to_standard_output_ || is_standard_output(*path);
   }
 }
 
@@ -157,8 +158,9 @@ std::optional<ImageSize> Args::size(const char* name) const {
   const std::size_t x = value->find_first_of("xX");
   const auto side = [&](const std::string& digits) {
     const double pixels = parse_number(digits).value_or(0);
-    if (pixels < 16 || pixels > 8192 || pixels != std::floor(pixels))
-      fail_usage(std::string(name) + ": not a size like 320x240, 16 to 8192 pixels a side: " + *value);
+    if (pixels < 16 || pixels > kMaxFrameSide || pixels != std::floor(pixels))
+      fail_usage(std::string(name) + ": not a size like 320x240, 16 to " + std::to_string(kMaxFrameSide) +
+                 " pixels a side: " + *value);
     return static_cast<int>(pixels);
   };
   return ImageSize{side(value->substr(0, x)), side(x == std::string::npos ? "" : value->substr(x + 1))};

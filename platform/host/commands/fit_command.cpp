@@ -274,7 +274,7 @@ Command fit_command() {
         "to "
         "chin, ear to ear"},
        {"--pose", "JSON", "an earlier fit; with --points, where the fit begins", Takes::input},
-       {"--size", "WxH", "size of the image, 16 to 8192 pixels a side, if there is no --image"},
+       {"--size", "WxH", "size of the image, 16 to 16384 pixels a side, if there is no --image"},
        {"--image", "FILE",
         "the image; the model is aligned with the face in it, unless points or a pose are given",
         Takes::input},

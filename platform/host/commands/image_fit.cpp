@@ -4,6 +4,7 @@
 
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
+#include "host/io/words.hpp"
 #include "pliant/fit.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/offset_landmarks.hpp"
@@ -156,9 +157,10 @@ std::vector<NamedPoint> person_landmarks(const Model& model, const FitFile& fit)
   return landmarks;
 }
 
-bool is_fit(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  return first != std::string::npos && text[first] == '{';
+bool is_fit(std::string_view text) {
+  const std::string_view json = without_byte_order_mark(text);
+  const std::size_t first = json.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && json[first] == '{';
 }
 
 void check_model(const FitFile& fit, const std::string& path, const ModelFile& file) {
@@ -177,9 +179,8 @@ void set_camera(float focal_px, const std::optional<Camera>& camera, FitFile* fi
     fit->camera.f = camera_of(view).f;
 }
 
-FitFile read_fit(const std::string& path, const ModelFile& file, const ImageSize& size,
-                 const std::string& image, float focal_px, const std::optional<Camera>& camera) {
-  const std::string text = read_file(path);
+FitFile fit_in(const std::string& path, const std::string& text, const ModelFile& file, const ImageSize& size,
+               const std::string& image, float focal_px, const std::optional<Camera>& camera) {
   if (!is_fit(text)) {
     FitSetup setup;
     setup.size = size;

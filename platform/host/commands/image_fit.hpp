@@ -51,7 +51,7 @@ FitFile fit_to_box(const ModelFile& file, const GivenBox& box, const FitSetup& s
 FitFile fit_of_view(const Model& model, const ImageSize& size, const View& view, const std::vector<float>& q);
 
 /// Whether the text of a file is that of a fit.json; else it is that of a points.csv.
-bool is_fit(const std::string& text);
+bool is_fit(std::string_view text);
 
 /// Bad input in `path` unless the fit is of this model.
 void check_model(const FitFile& fit, const std::string& path, const ModelFile& file);
@@ -60,11 +60,10 @@ void check_model(const FitFile& fit, const std::string& path, const ModelFile& f
 /// If neither is, it stays as it is. \param focal_px, camera  as in FitSetup.
 void set_camera(float focal_px, const std::optional<Camera>& camera, FitFile* fit);
 
-/// Reads a fit.json, or fits the model to a points.csv. Bad input: a fit of another model, or of another image size
-/// than that of `image`. \param focal_px, camera  as in set_camera, and in FitSetup.
-FitFile read_fit(const std::string& path, const ModelFile& file, const ImageSize& size,
-                 const std::string& image, float focal_px,
-                 const std::optional<Camera>& camera = std::nullopt);
+/// The fit in the text of the file `path`: that of a fit.json, or the model's to a points.csv. Bad input: a fit of another model, or
+/// of another image size than that of `image`. \param focal_px, camera  as in set_camera, and in FitSetup.
+FitFile fit_in(const std::string& path, const std::string& text, const ModelFile& file, const ImageSize& size,
+               const std::string& image, float focal_px, const std::optional<Camera>& camera = std::nullopt);
 
 /// Landmarks with an offset from the model, and their image positions, px (track/offset_landmarks.hpp). Empty if
 /// noise explains the residuals of the fit.

@@ -66,7 +66,7 @@ Initial read_initial(const std::string& path, const ModelFile& file, const Image
     if (std::none_of(points.begin(), points.end(), [](const NamedPoint& p) { return p.uv.has_value(); }))
       return InitialLandmarks{path, points};
   }
-  const FitFile fit = read_fit(path, file, size, frames, options.focal_px, options.camera);
+  const FitFile fit = fit_in(path, text, file, size, frames, options.focal_px, options.camera);
   return state_of(fit, path, file.model(), options.keeps_landmark_offsets, err);
 }
 

@@ -43,7 +43,7 @@ struct InitialOptions {
 StartOptions start_options(const InitialOptions& options);
 
 /// Reads a fit.json, or a points.csv. Points with u,v of their own are fitted here: the tracker takes landmarks by
-/// name. Bad input: what `read_fit` and `check_points` refuse. Parameters that the model does not have are listed on
+/// name. Bad input: what `fit_in` and `check_points` refuse. Parameters that the model does not have are listed on
 /// `err`.
 /// \param frames  name of the frames, for messages.
 Initial read_initial(const std::string& path, const ModelFile& file, const ImageSize& size,

@@ -91,10 +91,10 @@ std::string bytes_of(const MeshData& data, MeshFormat format, const Model& model
   return glb_bytes(data, albedo_png(model));
 }
 
-const char* reason(AdaptStop stop) {
+const char* reason(AdaptStop stop, bool is_deepest) {
   switch (stop) {
     case AdaptStop::converged:
-      return "within tolerance";
+      return is_deepest ? "as deep as --depth allows" : "within tolerance";
     case AdaptStop::no_room:
       return "no room for more";
     case AdaptStop::operations:
@@ -116,7 +116,7 @@ void print_report(const ModelMesh& mesh, const std::string& path, std::ostream& 
                 static_cast<double>(error.area_mm2));
   out << line;
   std::snprintf(line, sizeof line, "adapted in %.1f ms: %d splits, %d welds, %s\n", mesh.milliseconds(),
-                mesh.report().splits, mesh.report().welds, reason(mesh.report().stop));
+                mesh.report().splits, mesh.report().welds, reason(mesh.report().stop, size.deepest >= mesh.mesh().limits().max_level));
   out << line;
 }
 

@@ -53,8 +53,8 @@ std::vector<std::uint32_t> stand_in_table(int parameters) {
 
 TrackerLimits limits_from(const Args& args) {
   const TrackerLimits of_profile = tracker_limits(args, std::nullopt);
-  const ImageSize size{args.integer("--width", of_profile.width, 64, 8192),
-                       args.integer("--height", of_profile.height, 64, 8192)};
+  const ImageSize size{args.integer("--width", of_profile.width, 64, kMaxFrameSide),
+                       args.integer("--height", of_profile.height, 64, kMaxFrameSide)};
   TrackerLimits l = tracker_limits(args, size);
   l.markers = static_cast<std::uint16_t>(args.integer("--markers", l.markers, 0, 4096));
   if (args.has("--parameters"))

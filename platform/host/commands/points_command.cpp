@@ -46,8 +46,14 @@ bool is_box(const std::string& text) {
          text.find_first_not_of("0123456789.,-+eE ") == std::string::npos;
 }
 
-FitFile start_of(const Args& args, const ModelFile& file, const Image& image, const std::string& path,
-                 std::ostream& err) {
+/// The text of the file that --start names, if it names one: read once, since it may be a pipe.
+std::optional<std::string> start_text(const Args& args) {
+  const auto start = args.text("--start");
+  return start && !is_box(*start) ? std::optional(read_file(*start)) : std::nullopt;
+}
+
+FitFile start_of(const Args& args, const std::optional<std::string>& text, const ModelFile& file,
+                 const Image& image, const std::string& path, std::ostream& err) {
   FitSetup setup;
   setup.size = {image.width, image.height};
   setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
@@ -55,8 +61,8 @@ FitFile start_of(const Args& args, const ModelFile& file, const Image& image, co
   const auto start = args.text("--start");
   if (start && is_box(*start)) return fit_to_box(file, *box_of(args, "--start"), setup);
   if (start) {
-    FitFile fit = read_fit(*start, file, setup.size, path, setup.focal_px, setup.camera);
-    if (is_fit(read_file(*start))) fit.points.clear();  // the points of the fit are not needed
+    FitFile fit = fit_in(*start, *text, file, setup.size, path, setup.focal_px, setup.camera);
+    if (is_fit(*text)) fit.points.clear();  // the points of the fit are not needed
     return fit;
   }
   std::vector<float> q(file.model().parameters().count, 0.0f);
@@ -89,14 +95,11 @@ struct GivenPoints {
   }
 };
 
-GivenPoints given_points(const Args& args) {
+GivenPoints points_in(const std::string& path, const std::string& text) {
   GivenPoints given;
-  const auto start = args.text("--start");
-  if (!start || is_box(*start)) return given;
-  const std::string text = read_file(*start);
   if (is_fit(text)) return given;
-  given.all = parse_points(*start, text);
-  const CsvTable table(*start, text);
+  given.all = parse_points(path, text);
+  const CsvTable table(path, text);
   const auto placed = table.find_column("placed");
   const std::size_t name = table.column("landmark");
   for (std::size_t row = 0; placed && row < table.row_count(); ++row)
@@ -201,7 +204,9 @@ Photograph photograph_of(const Args& args) {
   if (args.has("--image") == args.has("--frames")) fail_usage("one of --image and --frames is needed");
   if (args.has("--image")) {
     const std::string path = args.required("--image");
-    return {path, read_image(path), picture_address(path)};
+    const std::string bytes = read_file(path);
+    const Image image = image_in(path, bytes);
+    return {path, image, picture_address(image, bytes)};
   }
   FrameStream stream(args.required("--frames"), false);
   FrameView frame;
@@ -218,10 +223,11 @@ int run_points(const Args& args, Console& console) {
   const Image& image = photograph.image;
   const ModelFile file(args.operand(0));
   const Model& model = file.model();
-  const FitFile start = start_of(args, file, image, path, console.err);
+  const auto text = start_text(args);
+  const FitFile start = start_of(args, text, file, image, path, console.err);
   std::vector<float> q(model.parameters().count, 0.0f);
   (void)apply(start.parameters, "start", model, q.data());
-  const GivenPoints given = given_points(args);
+  const GivenPoints given = text ? points_in(*args.text("--start"), *text) : GivenPoints{};
   const bool has_uv = model.landmarks().empty() || given.have_uv();
   const std::vector<Handle> handles = handles_of(model, given.all);
   std::vector<Vec2> uv;

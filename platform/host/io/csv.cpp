@@ -95,11 +95,15 @@ std::size_t CsvTable::column(std::string_view name) const {
 }
 
 float CsvTable::number(std::size_t row, std::size_t column) const {
+  return static_cast<float>(precise_number(row, column));
+}
+
+double CsvTable::precise_number(std::size_t row, std::size_t column) const {
   const std::string& text = cell(row, column);
   const auto value = parse_number(text);
   if (!value || *value > 1e30 || *value < -1e30)
     fail_input(where(row), "column '" + columns_[column] + "': not a finite number: '" + text + "'");
-  return static_cast<float>(*value);
+  return *value;
 }
 
 std::size_t CsvTable::whole_number(std::size_t row, std::size_t column) const {

@@ -30,6 +30,7 @@ class CsvTable {
   const std::string& cell(std::size_t row, std::size_t column) const { return rows_[row].cells[column]; }
   /// A cell as a finite number; bad input otherwise.
   float number(std::size_t row, std::size_t column) const;
+  double precise_number(std::size_t row, std::size_t column) const;  ///< The same, for times of a clock.
   /// A cell as a whole number from 0 to ten million, of a frame or a vertex; bad input otherwise.
   std::size_t whole_number(std::size_t row, std::size_t column) const;
   /// "FILE: line N", for messages about a row.

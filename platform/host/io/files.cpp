@@ -46,6 +46,32 @@ std::FILE* create_beside(const std::string& target, std::string* path) {
   return file < 0 ? nullptr : ::fdopen(file, "wb");
 }
 
+/// The descriptor that a path like /dev/stdout or /dev/fd/3 names; -1 for any other. Such a path must not be resolved: what the shell
+/// redirects to a file would replace that file.
+int descriptor_of(const std::string& path) {
+  if (path == "/dev/stdout" || path == "/dev/stderr") return path == "/dev/stdout" ? STDOUT_FILENO : STDERR_FILENO;
+  for (const std::string folder : {"/dev/fd/", "/proc/self/fd/"}) {
+    if (path.rfind(folder, 0) != 0) continue;
+    const std::string digits = path.substr(folder.size());
+    const bool is_number = !digits.empty() && digits.size() < 6 &&
+                           digits.find_first_not_of("0123456789") == std::string::npos;
+    return is_number ? std::stoi(digits) : -1;
+  }
+  return -1;
+}
+
+/// Where symbolic links lead, also to a file that is not there yet. Bad input if they lead in a circle.
+std::string followed(const std::string& name) {
+  constexpr int kMostLinks = 40;  // as Linux
+  std::error_code ignored;
+  std::filesystem::path path = name;
+  for (int k = 0; std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored)); ++k) {
+    if (k == kMostLinks) fail_input(name, std::string("cannot be written: ") + std::strerror(ELOOP));
+    path = path.parent_path() / std::filesystem::read_symlink(path, ignored);
+  }
+  return path.string();
+}
+
 /// Whether a write to a pipe failed because of a signal (interrupt.hpp): the rest is still to be written.
 bool was_interrupted() {
   return errno == EINTR;
@@ -70,8 +96,12 @@ std::string read_file(const std::string& path, std::size_t limit_bytes) {
   return bytes;
 }
 
+bool is_standard_output(const std::string& path) {
+  return path == "-" || descriptor_of(path) == STDOUT_FILENO;
+}
+
 OutputFile::OutputFile(const std::string& path) : name_(path), target_(path) {
-  if (path == "-") {
+  if (is_standard_output(path)) {
     name_ = "standard output";
     file_ = stdout;
     write_at_once();
@@ -83,20 +113,19 @@ OutputFile::OutputFile(const std::string& path) : name_(path), target_(path) {
   const bool is_special = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
   if (std::filesystem::is_regular_file(status) && ::access(path.c_str(), W_OK) != 0)
     fail_input(path, std::string("cannot be written: ") + std::strerror(errno));
-  if (is_special) {  // a device or pipe; the canonical path of /dev/stdout is none that can be opened
+  if (const int descriptor = descriptor_of(path); descriptor >= 0) {
+    file_ = ::fdopen(::dup(descriptor), "wb");
+  } else if (is_special) {
     file_ = std::fopen(path.c_str(), "wb");
   } else {
-    if (std::filesystem::exists(status))
-      target_ = std::filesystem::canonical(path, ignored).string();
-    else if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored)))
-      target_ =
-          (std::filesystem::path(path).parent_path() / std::filesystem::read_symlink(path, ignored)).string();
+    target_ = followed(path);
     file_ = create_beside(target_, &temporary_);
-    has_no_name_ = temporary_.empty();
+    has_no_name_ = file_ != nullptr && temporary_.empty();
+    if (file_ == nullptr && std::filesystem::exists(status)) file_ = std::fopen(target_.c_str(), "wb");
   }
   if (file_ == nullptr) fail_input(path, std::string("cannot be written: ") + std::strerror(errno));
   write_at_once();
-  if (std::filesystem::exists(status) && !is_special)
+  if (std::filesystem::exists(status) && !is_direct())
     ::fchmod(::fileno(file_), static_cast<mode_t>(status.permissions()));
 }
 
@@ -148,8 +177,14 @@ void OutputFile::commit() {
     if (temporary_.empty()) fail();
   }
   if (std::fclose(std::exchange(file_, nullptr)) != 0) fail();
-  if (!temporary_.empty() && std::rename(temporary_.c_str(), target_.c_str()) != 0) fail();
-  temporary_.clear();
+  if (temporary_.empty() || std::rename(temporary_.c_str(), target_.c_str()) == 0) {
+    temporary_.clear();
+    return;
+  }
+  if (errno != EBUSY) fail();  // else a file that is mounted by itself, as in a container: it can be written, not replaced
+  std::error_code why;
+  std::filesystem::copy_file(temporary_, target_, std::filesystem::copy_options::overwrite_existing, why);
+  if (why) fail_input(name_, "writing failed: " + why.message());
 }
 
 void write_file(const std::string& path, std::string_view bytes) {

@@ -58,6 +58,8 @@ Image shrunk_to(const Image& image, int width, int height);
 /// Reads JPEG, PNG, and PGM and PPM of 8 bits, of at most 16,384 pixels a side and 100 million in all as colour. A JPEG is
 /// turned as its camera was held. Bad input otherwise.
 Image read_image(const std::string& path);
+/// The same of the bytes of that file.
+Image image_in(const std::string& path, const std::string& bytes);
 /// The bytes of a PNG file.
 std::string encode_png(const Image& image);
 /// The bytes of a JPEG file. \param quality  1 to 100.

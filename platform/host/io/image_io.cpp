@@ -53,7 +53,10 @@ void append(void* context, void* data, int size) {
 }  // namespace
 
 Image read_image(const std::string& path) {
-  const std::string bytes = read_file(path);
+  return image_in(path, read_file(path));
+}
+
+Image image_in(const std::string& path, const std::string& bytes) {
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   const int length = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;

@@ -49,6 +49,7 @@ int orientation_of(std::string_view bytes) {
 int jpeg_orientation(std::string_view jpeg) {
   if (byte_at(jpeg, 0) != 0xFF || byte_at(jpeg, 1) != 0xD8) return 1;
   for (std::size_t at = 2; at + 4 <= jpeg.size() && byte_at(jpeg, at) == 0xFF;) {
+    while (at + 4 < jpeg.size() && byte_at(jpeg, at + 1) == 0xFF) ++at;  // fill bytes (ISO 10918-1, B.1.1.2)
     const unsigned marker = byte_at(jpeg, at + 1);
     const std::size_t length = 256 * byte_at(jpeg, at + 2) + byte_at(jpeg, at + 3);
     if (marker == kFirstScan || length < 2) return 1;

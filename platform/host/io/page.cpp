@@ -16,6 +16,10 @@ std::string without_exif(const std::string& jpeg) {
   std::string out = jpeg.substr(0, 2);
   std::size_t at = 2;
   while (at + 4 <= jpeg.size() && jpeg[at] == '\xff' && jpeg[at + 1] != '\xda') {
+    if (jpeg[at + 1] == '\xff') {  // a fill byte
+      ++at;
+      continue;
+    }
     const std::size_t length = 2 + (static_cast<std::size_t>(static_cast<unsigned char>(jpeg[at + 2])) << 8 |
                                     static_cast<unsigned char>(jpeg[at + 3]));
     if (at + length > jpeg.size()) return jpeg;
@@ -84,9 +88,7 @@ std::string base64(const std::string& bytes) {
   return out;
 }
 
-std::string picture_address(const std::string& path) {
-  const Image image = read_image(path);  // reports a file that is not a picture
-  const std::string bytes = read_file(path);
+std::string picture_address(const Image& image, const std::string& bytes) {
   const bool is_jpeg = bytes.compare(0, 2, "\xff\xd8") == 0;
   if (is_jpeg && jpeg_orientation(bytes) != 1) return jpeg_address(image, kTurnedQuality);
   if (is_jpeg) return "data:image/jpeg;base64," + base64(without_exif(bytes));

@@ -84,6 +84,16 @@ void set_colour(int y, int cb, int cr, std::uint8_t* rgb) {
   rgb[2] = byte(1000 * y + 1772 * cb);
 }
 
+// The values of a limited range (BT.601), in which black is `low` and there are `steps` to the end, as those of the full one.
+void expand(std::vector<std::uint8_t>& plane, int low, int steps, int low_of_full) {
+  std::uint8_t full[256];
+  for (int v = 0; v < 256; ++v) {
+    const int of_full = low_of_full + ((v - low) * 510 + (v < low ? -steps : steps)) / (2 * steps);
+    full[v] = static_cast<std::uint8_t>(of_full < 0 ? 0 : of_full > 255 ? 255 : of_full);
+  }
+  for (std::uint8_t& v : plane) v = full[v];
+}
+
 class Y4mSource : public FrameSource {
  public:
   Y4mSource(std::unique_ptr<Stream> stream, const Y4mHeader& header)
@@ -129,6 +139,10 @@ class Y4mSource : public FrameSource {
     if (const Status s = read_plane(index, luma_, header_.luma_bytes, header_.chroma_bytes); s != Status::ok)
       return s;
     if (const Status s = read_plane(index, chroma_, header_.chroma_bytes, 0); s != Status::ok) return s;
+    if (header_.is_limited) {
+      expand(luma_, 16, 219, 0);
+      expand(chroma_, 128, 224, 128);
+    }
     frame.data = luma_.data();
     return Status::ok;
   }

@@ -1,6 +1,8 @@
 #include "host/io/y4m_header.hpp"
 
 #include <cctype>
+#include <cstdint>
+#include <cstdlib>
 #include <sstream>
 
 #include "host/io/sources.hpp"
@@ -29,10 +31,12 @@ bool parse_rate(const std::string& text, FrameRate& rate) {
   return rate.per_second() >= kLeast && rate.per_second() <= kMost;
 }
 
-// Whether the ratio of a pixel's sides is 1, or unknown (0:0).
+// Whether the ratio of a pixel's sides is 1 to within a thousandth, as a change of size leaves it, or unknown (0:0).
 bool are_square(const std::string& ratio) {
   const std::size_t colon = ratio.find(':');
-  return colon != std::string::npos && ratio.substr(0, colon) == ratio.substr(colon + 1);
+  if (colon == std::string::npos) return false;
+  const int across = number_of(ratio.substr(0, colon)), down = number_of(ratio.substr(colon + 1));
+  return across >= 0 && down >= 0 && std::abs(std::int64_t{1000} * (across - down)) <= down;
 }
 
 // Sets size and bytes of the chroma planes (and alpha) for a colour space of eight bits. False for any other.
@@ -76,6 +80,8 @@ std::string parse_y4m_header(const std::string& line, Y4mHeader& h) {
       if (!parse_rate(value, h.rate)) return "its header has no possible frame rate in " + word;
     } else if (word[0] == 'C') {
       h.chroma = value;
+    } else if (word == "XCOLORRANGE=LIMITED") {
+      h.is_limited = true;
     } else if (word[0] == 'A') {
       if (!are_square(value))
         return "its pixels are not square (" + word +

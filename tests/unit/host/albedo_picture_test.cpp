@@ -143,6 +143,20 @@ TEST_CASE("bake takes the pictures of the OBJ file's materials") {
     REQUIRE(run_words(without).code == 0);
     CHECK(ModelFile(table).model().albedo().pixels == nullptr);
   }
+  SUBCASE("materials that no file has are told; a byte order mark and several files a line are none") {
+    folder.put("paints.mtl", "\xef\xbb\xbfnewmtl left\nmap_kd dark.png\nnewmtl right # comment\nmap_Kd dark.png\n");
+    const Ran result = run_words(words);
+    REQUIRE(result.code == 0);
+    CHECK(contains(result.err, "no material file has the material 'right'"));
+    CHECK(!contains(result.err, "'left'"));
+    CHECK(albedo_at(table, false, 0.3f, 0.8f) == 20);
+    folder.put("more.mtl", "newmtl right\nmap_Kd dark.png\n");
+    folder.put("sheet.obj", sheet_obj(false, "mtllib .\\paints.mtl more.mtl\n"));
+    const Ran both = run_words(words);
+    REQUIRE(both.code == 0);
+    CHECK(both.err == "");
+    CHECK(albedo_at(table, false, 0.8f, 0.8f) == 20);
+  }
   SUBCASE("a picture that is not there is refused") {
     folder.put("paints.mtl", "newmtl right\nmap_Kd lost.png\n");
     check_refused(words,

@@ -217,6 +217,20 @@ TEST_CASE(
   check_refused(
       {"animate", model, "--params", f.put("l.csv", head + "0,0,lost,,,,,,,,\n"), "-o", f / "l.glb"},
       {"l.csv", "no row with a pose or expression"});
+  check_refused({"animate", model, "--params", f.put("n.csv", "frame,tongueOut\n0,1\n"), "-o", f / "n.glb"},
+                {"n.csv", "it does not have tongueOut"});
+}
+
+TEST_CASE("times of a clock, far from 0, keep their milliseconds") {
+  const Folder f;
+  const std::string model = f.put("m.plm", model_bytes());
+  const std::string params =
+      f.put("t.csv", "frame,time_s,jawOpen\n0,1700000000,0\n1,1700000000.033,0.5\n2,1700000000.067,1\n");
+  const Animation a = animate({"animate", model, "--params", params}, f / "a.glb");
+  REQUIRE(a.times.size() == 3);
+  CHECK(a.times[0] == 0);
+  CHECK(a.times[1] == doctest::Approx(0.033).epsilon(1e-4));
+  CHECK(a.times[2] == doctest::Approx(0.067).epsilon(1e-4));
 }
 
 TEST_CASE("a track plays on another person and another model at the same fraction of each range") {

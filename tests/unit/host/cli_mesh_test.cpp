@@ -182,6 +182,7 @@ TEST_CASE("a budget is kept, whatever the criterion, and a depth as well") {
   for (const char* criterion : {"normals", "contour"}) {
     const Ran r = m.mesh({"--criterion", criterion, "--threshold", "0.5", "--depth", "2"});
     CHECK(reported(r.out, "deepest level ") == 2);
+    CHECK(contains(r.out, "as deep as --depth allows"));
   }
   const Ran below = m.mesh({"--budget", "20"});
   CHECK(reported(below.out, "m.plm: ") == 49);

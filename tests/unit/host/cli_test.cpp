@@ -35,7 +35,7 @@ TEST_CASE("bad usage exits with 2 and names the wrong argument") {
       {{"track", "m.plm", "--show=yes"}, "--show"},
       {{"render", "m.plm", "--landmarks"}, "argument was not expected: --landmarks"},
       {{"render", "m.plm", "-o", "a", "--noise", "loud"}, "--noise: not a number from 0 to 128: loud"},
-      {{"render", "m.plm", "-o", "a", "--size", "320"}, "--size: not a size like 320x240, 16 to 8192 pixels a side: 320"},
+      {{"render", "m.plm", "-o", "a", "--size", "320"}, "--size: not a size like 320x240, 16 to 16384 pixels a side: 320"},
       {{"bake", "x", "-o", "y", "--pca", "0"}, "--pca: not a number from 1 to 192: 0"},
       {{"bake", "x", "-o", "y", "--bits", "12"}, "--bits must be 8 or 16"},
       {{"mesh", "m.plm", "-o", ""}, "-o has an empty name"},

@@ -118,6 +118,49 @@ TEST_CASE("what is written to a full pipe arrives whole, though Ctrl-C interrupt
   ::close(ends[0]);
 }
 
+TEST_CASE("what a descriptor is redirected to keeps what was written before and after") {
+  const Folder folder;
+  const std::string path = folder / "log.txt";
+  const int log = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  REQUIRE(log >= 0);
+  const auto put = [&](const char* text) { REQUIRE(::write(log, text, std::strlen(text)) >= 0); };
+  put("before ");
+  for (const char* name : {"/dev/fd/", "/proc/self/fd/"}) write_file(name + std::to_string(log), "file ");
+  put("after");
+  ::close(log);
+  CHECK(read_file(path) == "before file file after");
+  CHECK(is_standard_output("-"));
+  CHECK(is_standard_output("/dev/stdout"));
+  CHECK(is_standard_output("/dev/fd/1"));
+  CHECK_FALSE(is_standard_output("/dev/fd/12"));
+  CHECK_FALSE(is_standard_output("dev/stdout"));
+}
+
+TEST_CASE("links are followed to a file that is not there yet, through several of them; a loop is refused") {
+  const Folder folder;
+  fs::create_directory(folder.path / "in");
+  fs::create_symlink("in/real.txt", folder.path / "second");
+  fs::create_symlink("second", folder.path / "first");
+  write_file(folder / "first", "text");
+  CHECK(fs::is_symlink(folder.path / "first"));
+  CHECK(fs::is_symlink(folder.path / "second"));
+  CHECK(read_file(folder / "in/real.txt") == "text");
+  fs::create_symlink("b", folder.path / "a");
+  fs::create_symlink("a", folder.path / "b");
+  CHECK_THROWS_AS(write_file(folder / "a", "text"), Failure);
+  CHECK(fs::is_symlink(folder.path / "a"));
+  CHECK(fs::is_symlink(folder.path / "b"));
+}
+
+TEST_CASE("a file in a folder that takes no other is written in place" * doctest::skip(::geteuid() == 0)) {
+  const Folder folder;
+  const std::string path = folder.put("f.txt", "before");
+  fs::permissions(folder.path, fs::perms::owner_read | fs::perms::owner_exec);
+  write_file(path, "now");
+  fs::permissions(folder.path, fs::perms::owner_all);
+  CHECK(read_file(path) == "now");
+}
+
 TEST_CASE("a signal that is ignored, as nohup does with the end of a terminal, ends nothing") {
   const auto before = std::signal(SIGHUP, SIG_IGN);
   {
@@ -224,6 +267,7 @@ TEST_CASE("an output that is an input, two outputs of one name and a name of ano
       {{"--out", folder / "t", "--report", folder / "../" + folder.path.filename().string() + "/./t"},
        "two outputs have the name"},
       {{"--out", "-", "--overlay", "-"}, "two outputs have the name -"},
+      {{"--out", "/dev/stdout", "--overlay", "-"}, "two outputs have the name /dev/stdout"},
       {{"--out", folder / "t.csv", "--overlay", folder / "o.mp4"}, "--overlay writes Y4M"},
       {{"--out", folder / "t.csv", "--sheet", folder / "s.JPG"}, "--sheet writes PNG"},
       {{"--out", folder / "t.json"}, "--out writes CSV"},

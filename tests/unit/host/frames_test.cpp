@@ -304,15 +304,26 @@ TEST_CASE("a size that does not fit the frames is noticed at the next frame") {
 }
 
 TEST_CASE("pixels that are not square are refused: a face would be too narrow") {
-  for (const char* aspect : {"", "A1:1 ", "A0:0 ", "A59:59 "}) {
+  for (const char* aspect : {"", "A1:1 ", "A0:0 ", "A59:59 ", "A1445:1444 ", "A1001:1000 ", "A1000:1001 "}) {
     CAPTURE(aspect);
     Y4mHeader h;
     CHECK(parse_y4m_header(std::string("YUV4MPEG2 ") + aspect + "W4 H3", h).empty());
   }
-  for (const char* aspect : {"A2:1 ", "A128:117 ", "A ", "A1 "}) {
+  for (const char* aspect : {"A2:1 ", "A128:117 ", "A1002:1000 ", "A1000:1002 ", "A1:0 ", "A-1:-1 ", "A ", "A1 "}) {
     CAPTURE(aspect);
     Y4mHeader h;
     CHECK(contains(parse_y4m_header(std::string("YUV4MPEG2 ") + aspect + "W4 H3", h), "not square"));
+  }
+}
+
+TEST_CASE("a limited range is read as the full one") {
+  const Folder folder;
+  const std::string luma{'\0', '\x10', '\x11', '\x7e', '\xeb', '\xff'};
+  for (const char* range : {"", "XCOLORRANGE=FULL ", "XCOLORRANGE=LIMITED "}) {
+    const Run run = read_all(folder.write("r.y4m", std::string("YUV4MPEG2 W3 H2 Cmono ") + range + "F25:1\nFRAME\n" + luma));
+    REQUIRE(run.frames.size() == 1);
+    const std::string full{'\0', '\0', '\x01', '\x80', '\xff', '\xff'};
+    CHECK(run.frames[0] == (std::string(range) == "XCOLORRANGE=LIMITED " ? full : luma));
   }
 }
 
@@ -433,6 +444,10 @@ TEST_CASE("a source with colour gives its last frame in colour, whatever the sub
   const auto two = colour_of("444", chroma_444);
   REQUIRE(two.size() == 12);
   for (std::size_t i = 0; i < 12; ++i) CHECK(two[i] == (i % 6 < 3 ? neutral : red)[i % 3]);
+
+  const auto limited = colour_of("420jpeg XCOLORRANGE=LIMITED", "\x80\xd8");  // luma 97.8, Cr 228.2
+  REQUIRE(limited.size() == 12);
+  for (std::size_t i = 0; i < 12; ++i) CHECK(limited[i] == std::vector<std::uint8_t>{238, 27, 98}[i % 3]);
 
   Image picture(8, 8, 3, 10);
   picture.at(3, 3)[1] = 200;

@@ -67,6 +67,8 @@ TEST_CASE("points are landmarks for the tracker, points with u,v are fitted here
   REQUIRE(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "-o", s / "fit.json"}).code ==
           0);
   CHECK(std::holds_alternative<InitialState>(s.read(s / "fit.json")));
+  const std::string marked = "\xef\xbb\xbf" + read_file(s / "fit.json");
+  CHECK(std::holds_alternative<InitialState>(s.read(s.put("marked.json", marked))));
   CHECK(s.err.str().empty());
 }
 

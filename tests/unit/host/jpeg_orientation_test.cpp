@@ -79,6 +79,8 @@ TEST_CASE("what tells no orientation is upright: other files, other tags, values
   CHECK(jpeg_orientation(with("")) == 1);
   for (const int value : {0, 9, 65535}) CHECK(jpeg_orientation(with(exif(value, true))) == 1);
   CHECK(jpeg_orientation(with(exif(6, true, 4))) == 1);
+  CHECK(jpeg_orientation(with("\xFF\xFF" + exif(6, true))) == 6);  // fill bytes before the marker
+  CHECK(jpeg_orientation(with("\xFF\xFF")) == 1);
   const std::string whole = with(exif(6, false));
   for (std::size_t n = 0; n < 60; ++n) {
     const int k = jpeg_orientation(whole.substr(0, n));

@@ -56,8 +56,8 @@ TEST_CASE("the bytes of all purposes add up to the bytes of a tracker, for any l
       limits.width = among(64, 900);
       limits.height = among(64, 700);
       limits.patches = among(8, 300);
-      limits.key_patches = among(0, 100);
       limits.key_frames = static_cast<std::uint8_t>(among(0, 8));
+      limits.key_patches = k % 4 == 0 ? std::uint16_t{0} : among(limits.key_frames, 100);
       limits.vertices = among(200, 3000);
       limits.markers = among(0, 50);
       limits.keeps_previous = k % 2 == 0;
