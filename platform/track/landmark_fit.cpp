@@ -13,12 +13,6 @@ float spread_of(Span<const Correspondence> points) {
   return length(high - low);
 }
 
-bool is_ibug_landmark(const char* name) {
-  for (const char* expected = "ibug"; *expected != '\0'; ++expected, ++name)
-    if (*name != *expected) return false;
-  return true;
-}
-
 bool is_silhouette_landmark(const char* name) {
   if (!is_ibug_landmark(name)) return false;
   name += 4;

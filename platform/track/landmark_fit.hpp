@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "model/ibug_names.hpp"
 #include "pliant/arena.hpp"
 #include "pliant/fit.hpp"
 #include "pliant/model.hpp"
@@ -36,9 +37,6 @@ inline constexpr LandmarkFitTuning kLandmarkFitTuning{};
 
 /// Diagonal of the points' bounding box, px; negative or not a number without points.
 float spread_of(Span<const Correspondence> points);
-
-/// Whether a landmark's name begins with `ibug`.
-bool is_ibug_landmark(const char* name);
 
 /// Whether a landmark's name is one of `ibug00` to `ibug16`: annotations put those on the silhouette of the face.
 bool is_silhouette_landmark(const char* name);

@@ -1,6 +1,7 @@
 #include "fit/fit_start.hpp"
 
 #include "fit/fit_tuning.hpp"
+#include "model/ibug_names.hpp"
 
 namespace pliant {
 
@@ -129,7 +130,7 @@ Status view_from_box(Cascade& cascade, const float* q, Vec2 corner, Vec2 size, c
   };
   std::size_t found = 0;
   for (const Landmark& l : model.landmarks())
-    if (l.name[0] == 'i' && l.name[1] == 'b' && l.name[2] == 'u' && l.name[3] == 'g') {
+    if (is_ibug_landmark(l.name)) {
       include(cascade.surface_point({l.u, l.v}, q));
       ++found;
     }

@@ -10,6 +10,7 @@
 #include "host/bake/obj_source.hpp"
 #include "host/bake/source_error.hpp"
 #include "host/bake/springs.hpp"
+#include "host/io/ibug_names.hpp"
 #include "host/io/learnt_file.hpp"
 
 namespace pliant::host::bake {
@@ -65,7 +66,7 @@ Source read_all(const BakeOptions& options) {
 }
 
 bool has_landmark(const Source& source, int number) {
-  const std::string name = std::string("ibug") + (number < 10 ? "0" : "") + std::to_string(number);
+  const std::string name = ibug_name(number);
   return std::any_of(source.landmarks.begin(), source.landmarks.end(),
                      [&name](const auto& l) { return l.name == name; });
 }

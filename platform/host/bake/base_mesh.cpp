@@ -15,6 +15,7 @@
 #include "host/bake/surface_boundary.hpp"
 #include "host/bake/triangulation.hpp"
 #include "host/io/owned.hpp"
+#include "host/io/polygon.hpp"
 #include "pliant/base_mesh.hpp"
 
 namespace pliant::host::bake {
@@ -206,7 +207,7 @@ class BaseMesher {
   bool is_usable(Vec2 p) const {
     bool inside = false;
     for (const std::vector<Vec2>& loop : loops_) {
-      if (is_inside(loop, p)) inside = !inside;
+      inside ^= is_inside(loop, p);
       for (std::size_t k = 0; k < loop.size(); ++k) {
         const Vec2 a = loop[k] - p, b = loop[(k + 1) % loop.size()] - p;
         if (dot(a, b) < kTuning.flat_cosine * length(a) * length(b)) return false;

@@ -2,18 +2,17 @@
 
 #include <algorithm>
 
+#include "host/io/ibug_names.hpp"
 #include "host/io/words.hpp"
 
 namespace pliant::host::bake {
 
 namespace {
 
-constexpr int kIbugCount = 68;
-
 const std::vector<std::string>& standard_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all = {"eye_right", "eye_left", "nose_tip", "mouth_right", "mouth_left"};
-    for (int k = 0; k < kIbugCount; ++k) all.push_back((k < 10 ? "ibug0" : "ibug") + std::to_string(k));
+    for (int k = 0; k < kIbugCount; ++k) all.push_back(ibug_name(k));
     return all;
   }();
   return names;

@@ -5,6 +5,7 @@
 
 #include "host/bake/at.hpp"
 #include "host/bake/segment_grid.hpp"
+#include "host/io/polygon.hpp"
 
 namespace pliant::host::bake {
 
@@ -24,15 +25,6 @@ struct LoopPointTuning {
 constexpr LoopPointTuning kTuning{};
 
 }  // namespace
-
-bool is_inside(const std::vector<Vec2>& polygon, Vec2 p) {
-  bool inside = false;
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Vec2 a = polygon[k], b = polygon[(k + 1) % polygon.size()];
-    if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)) inside = !inside;
-  }
-  return inside;
-}
 
 LoopPoints::LoopPoints(const Source& source, const SurfaceBoundary& boundary)
     : source_(source), boundary_(boundary) {

@@ -12,9 +12,6 @@ namespace pliant::host::bake {
 /// Wanted length of the edges at a place, millimetres.
 using WantedLength = std::function<float(Vec3)>;
 
-/// True if p lies inside a polygon, by the parity of crossings.
-bool is_inside(const std::vector<Vec2>& polygon, Vec2 p);
-
 class LoopPoints {
  public:
   LoopPoints(const Source& source, const SurfaceBoundary& boundary);

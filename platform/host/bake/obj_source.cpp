@@ -21,6 +21,7 @@
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/ibug_names.hpp"
 #include "host/io/words.hpp"
 
 namespace pliant::host::bake {
@@ -422,8 +423,7 @@ class FolderReader {
       SourceCurve curve{c.name, c.kind, {}};
       bool complete = true;
       const auto append = [&](int k) {
-        const auto vertex =
-            landmark_vertex_.find(std::string("ibug") + (k < 10 ? "0" : "") + std::to_string(k));
+        const auto vertex = landmark_vertex_.find(ibug_name(k));
         complete &= vertex != landmark_vertex_.end();
         if (complete) curve.points.push_back(source_.uv[at(vertex->second)]);
       };

@@ -11,6 +11,7 @@
 
 #include "host/bake/at.hpp"
 #include "host/bake/edge.hpp"
+#include "host/io/polygon.hpp"
 
 namespace pliant::host::bake {
 
@@ -192,11 +193,8 @@ class Triangulator {
   bool is_inside(Point p) const {
     bool inside = false;  // by the parity of crossings with all loops
     for (const auto& loop : domain_.loops)
-      for (std::size_t k = 0; k < loop.size(); ++k) {
-        const Point a = points_[at(loop[k])], b = points_[at(loop[(k + 1) % loop.size()])];
-        if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x))
-          inside = !inside;
-      }
+      for (std::size_t k = 0; k < loop.size(); ++k)
+        inside ^= crosses_edge(p, points_[at(loop[k])], points_[at(loop[(k + 1) % loop.size()])]);
     return inside;
   }
 

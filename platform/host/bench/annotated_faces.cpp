@@ -4,17 +4,10 @@
 
 #include "host/io/csv.hpp"
 #include "host/io/files.hpp"
+#include "host/io/ibug_names.hpp"
 #include "host/learn/photographs.hpp"
 
 namespace pliant::host {
-
-namespace {
-
-bool is_inner(const std::string& name) {
-  return name.size() == 6 && name.compare(0, 4, "ibug") == 0 && name >= "ibug17";
-}
-
-}  // namespace
 
 std::vector<AnnotatedFace> read_held_out_faces(const std::string& folder) {
   const std::string path = folder + "/landmarks.csv";
@@ -56,7 +49,7 @@ double landmark_error(const NamedLandmarks& found, const NamedLandmarks& truth) 
   int count = 0;
   for (const auto& [name, x] : truth) {
     const auto at = found.find(name);
-    if (!is_inner(name) || at == found.end()) continue;
+    if (ibug_number(name) < 17 || at == found.end()) continue;
     sum += static_cast<double>(length(at->second - x));
     ++count;
   }

@@ -1,6 +1,5 @@
 // `pliant fit`: fits a model to one image.
 #include <cmath>
-#include <cstring>
 
 #include "host/commands/calibration_option.hpp"
 #include "host/commands/command.hpp"
@@ -9,6 +8,7 @@
 #include "host/io/calibration.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/ibug_names.hpp"
 #include "host/io/numbers.hpp"
 #include "host/io/owned.hpp"
 #include "host/render/overlay.hpp"
@@ -158,7 +158,7 @@ FitFile fit_to_face(const ModelFile& file, const std::string& path, const FoundF
   for (std::size_t k = 0; k < face.landmarks.size(); ++k) {
     const char* name = file.model().landmarks()[k].name;
     // The alignment finds those from the brows to the lips; those of the jaw follow the model.
-    if (std::strncmp(name, "ibug", 4) == 0 && std::strcmp(name, "ibug17") >= 0)
+    if (ibug_number(name) >= 17)
       points.push_back({name, face.landmarks[k], name});
   }
   setup.view = with_focal(view_of(face.aligned.pose, face.aligned.camera), setup.camera ? 0 : setup.focal_px);

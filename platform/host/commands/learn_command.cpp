@@ -4,6 +4,7 @@
 #include "host/commands/command.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/ibug_names.hpp"
 #include "host/io/learnt_file.hpp"
 #include "host/learn/face_samples.hpp"
 #include "host/learn/learn_aligner.hpp"
@@ -65,7 +66,7 @@ void check_landmarks(const ModelFile& file) {
     if (file.model().find_landmark(name.c_str()) == kNone)
       fail_input(file.path(), "is no face that can be learnt: it has no landmark '" + name + "'");
   };
-  for (int k = 0; k < 68; ++k) check((k < 10 ? "ibug0" : "ibug") + std::to_string(k));
+  for (int k = 0; k < kIbugCount; ++k) check(ibug_name(k));
   check("eye_right");
   check("eye_left");
 }

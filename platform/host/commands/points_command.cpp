@@ -14,6 +14,7 @@
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/ibug_names.hpp"
 #include "host/io/json.hpp"
 #include "host/io/owned.hpp"
 #include "host/io/page.hpp"
@@ -186,7 +187,7 @@ Json chains() {
   for (const Chain& chain : kChains) {
     Json names;
     for (int k = chain.first; k <= chain.last; ++k)
-      names.push_back((k < 10 ? "ibug0" : "ibug") + std::to_string(k));
+      names.push_back(ibug_name(k));
     out.push_back(Json::object({{"closed", chain.is_closed}, {"names", names}}));
   }
   return out;

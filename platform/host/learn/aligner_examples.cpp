@@ -1,7 +1,8 @@
 #include "host/learn/aligner_examples.hpp"
 
 #include <cmath>
-#include <cstdio>
+
+#include "host/io/ibug_names.hpp"
 
 #include "face/box_view.hpp"
 
@@ -10,10 +11,9 @@ namespace pliant::host::learn {
 std::vector<std::uint16_t> landmark_indices(const Model& model, const std::vector<int>& numbers) {
   std::vector<std::uint16_t> out;
   for (const int n : numbers) {
-    char name[8];
-    std::snprintf(name, sizeof name, "ibug%02d", n % 100);
-    const std::uint16_t k = model.find_landmark(name);
-    if (k == kNone) fail_input("the model", std::string("has no landmark ") + name);
+    const std::string name = ibug_name(n);
+    const std::uint16_t k = model.find_landmark(name.c_str());
+    if (k == kNone) fail_input("the model", "has no landmark " + name);
     out.push_back(k);
   }
   return out;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "host/io/ibug_names.hpp"
 #include "host/learn/mipmap.hpp"
 
 namespace pliant::host::learn {
@@ -154,11 +155,7 @@ class BrowSearch {
 }  // namespace
 
 std::vector<AnnotatedLandmark> find_brows(const Model& model, const Photograph& fitted) {
-  const auto number = [&](int k) {
-    const std::string name =
-        std::string("ibug") + static_cast<char>('0' + k / 10) + static_cast<char>('0' + k % 10);
-    return model.find_landmark(name.c_str());
-  };
+  const auto number = [&](int k) { return model.find_landmark(ibug_name(k).c_str()); };
   for (const int k : {17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 36, 37, 38, 43, 44, 45})
     if (number(k) == kNone) return {};
   const auto at = [&](int k) { return fitted.landmarks[number(k)]; };

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "host/io/ibug_names.hpp"
 #include "host/render/shown_mesh.hpp"
 
 namespace pliant::host::learn {
@@ -18,8 +19,8 @@ bool is_mouth(const Model& model, Vec2 uv) {
   float nearest[2] = {1e9f, 1e9f};  // to the mouth, to an eye
   const auto landmarks = model.landmarks();
   for (const Landmark& l : landmarks) {
-    const std::string name = l.name;
-    const bool is_lip = name >= "ibug48" && name <= "ibug67", is_lid = name >= "ibug36" && name <= "ibug47";
+    const int k = ibug_number(l.name);
+    const bool is_lip = k >= 48 && k < kIbugCount, is_lid = k >= 36 && k <= 47;
     if (!is_lip && !is_lid) continue;
     float& distance = nearest[is_lip ? 0 : 1];
     distance = min(distance, length(uv - Vec2{l.u, l.v}));

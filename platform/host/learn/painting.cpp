@@ -1,5 +1,7 @@
 #include "host/learn/painting.hpp"
 
+#include "host/io/polygon.hpp"
+
 namespace pliant::host::learn {
 
 float outside_capsule(Vec2 x, Vec2 a, Vec2 b, float radius) {
@@ -14,8 +16,7 @@ float outside_polygon(Vec2 x, const std::vector<Vec2>& polygon) {
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const Vec2 a = polygon[k], b = polygon[(k + 1) % polygon.size()];
     nearest = min(nearest, outside_capsule(x, a, b, 0));
-    if ((a.y > x.y) != (b.y > x.y) && x.x < a.x + (x.y - a.y) * (b.x - a.x) / (b.y - a.y))
-      is_inside = !is_inside;
+    is_inside ^= crosses_edge(x, a, b);
   }
   return is_inside ? -nearest : nearest;
 }

@@ -5,6 +5,7 @@
 
 #include "host/io/csv.hpp"
 #include "host/io/files.hpp"
+#include "host/io/ibug_names.hpp"
 #include "host/io/owned.hpp"
 #include "host/learn/brow_search.hpp"
 #include "host/learn/parallel.hpp"
@@ -21,10 +22,6 @@ struct PhotographTuning {
   float focal_ratio = 4;
 };
 constexpr PhotographTuning kTuning{};
-
-std::string numbered(int k) {
-  return std::string("ibug") + static_cast<char>('0' + k / 10) + static_cast<char>('0' + k % 10);
-}
 
 /// iBUG's landmark at the mirrored place.
 int mirrored_ibug(int k) {
@@ -86,7 +83,10 @@ bool fit_points(const Model& model, const std::vector<AnnotatedLandmark>& landma
 /// Whether one of the brows' landmarks is annotated.
 bool has_brows(const AnnotatedPicture& annotated) {
   return std::any_of(annotated.landmarks.begin(), annotated.landmarks.end(),
-                     [](const AnnotatedLandmark& a) { return a.name >= "ibug17" && a.name <= "ibug26"; });
+                     [](const AnnotatedLandmark& a) {
+                       const int k = ibug_number(a.name);
+                       return k >= 17 && k <= 26;
+                     });
 }
 
 }  // namespace
@@ -98,11 +98,7 @@ bool is_held_out(std::string_view name) {
 }
 
 std::string mirrored_landmark(const std::string& name) {
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-  if (name.size() == 6 && name.compare(0, 4, "ibug") == 0 && is_digit(name[4]) && is_digit(name[5])) {
-    const int k = 10 * (name[4] - '0') + (name[5] - '0');
-    return k < 68 ? numbered(mirrored_ibug(k)) : name;
-  }
+  if (const int k = ibug_number(name); k >= 0) return k < kIbugCount ? ibug_name(mirrored_ibug(k)) : name;
   static const char* const kEndings[][2] = {
       {"_left", "_right"}, {"_right", "_left"}, {"_l", "_r"}, {"_r", "_l"}};
   for (const auto& [ending, other] : kEndings) {

@@ -5,6 +5,7 @@
 
 #include "host/bake/triangulation.hpp"
 #include "host/io/image.hpp"
+#include "host/io/polygon.hpp"
 #include "pliant/visibility.hpp"
 
 namespace pliant::host {
@@ -45,16 +46,6 @@ std::vector<std::vector<std::uint16_t>> find_openings(const MeshData& mesh) {
   return loops;
 }
 
-bool is_inside(const std::vector<Vec2>& loop, Vec2 x) {
-  bool inside = false;
-  for (std::size_t k = 0; k < loop.size(); ++k) {
-    const Vec2 a = loop[k], b = loop[(k + 1) % loop.size()];
-    if ((a.y > x.y) == (b.y > x.y)) continue;
-    inside ^= x.x < a.x + (x.y - a.y) * (b.x - a.x) / (b.y - a.y);
-  }
-  return inside;
-}
-
 /// Points of a lattice inside the loop, closer together than those of the loop: the surface behind lips and lids is curved
 /// more strongly.
 std::vector<Vec2> lattice_within(const std::vector<Vec2>& loop) {
@@ -73,7 +64,7 @@ std::vector<Vec2> lattice_within(const std::vector<Vec2>& loop) {
       const bool is_close = std::any_of(loop.begin(), loop.end(), [&](Vec2 p) {
         return length(p - Vec2{x, y}) < 0.6f * spacing;
       });
-      if (!is_close && is_inside(loop, {x, y})) points.push_back({x, y});
+      if (!is_close && is_inside(loop, Vec2{x, y})) points.push_back({x, y});
     }
   return points;
 }
