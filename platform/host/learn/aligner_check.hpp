@@ -18,8 +18,8 @@ struct AlignerCheckTuning {
   double mined_score = -2;    ///< appearance from which on these are kept
   double searches_per_face =
       1;                 ///< pictures without faces that the detector searches, for each alignment of a face
-  /// Drawn pictures that the detector searches, for each alignment of a face. With 1 less text is taken for a face, and covered faces
-  /// are recognised worse (docs/experiments.md, Text).
+  /// Drawn pictures that the detector searches, for each alignment of a face. With 1 less text is taken for a face, and covered
+  /// faces are recognised worse (docs/experiments.md, Text).
   double drawn_per_face = 0.3;
   int found_starts = 4;  ///< alignments of each place that the detector takes for a face
   double regularisation = 3e-5;  ///< of the squared weights against the mean loss; other values not recorded

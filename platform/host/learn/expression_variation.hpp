@@ -8,8 +8,8 @@
 
 namespace pliant::host::learn {
 
-/// Which changes are made how often: a chance is the probability in a sample. Chosen by eye: the photographs smile with open eyes, people do not always. `shut_chance` and
-/// how far mouths open (`jaw_linear`, `jaw_cubic`): docs/experiments.md, Shut lips.
+/// Which changes are made how often: a chance is the probability in a sample. Chosen by eye: the photographs smile with open eyes,
+/// people do not always. `shut_chance` and how far mouths open (`jaw_linear`, `jaw_cubic`): docs/experiments.md, Shut lips.
 struct ExpressionVariationTuning {
   float unchanged_chance = 0.15f;  ///< the photograph's expression stays as it is
   float relax_chance = 0.5f;       ///< the photograph's own expression gets weaker

@@ -29,8 +29,8 @@ struct FaceSampleTuning {
   float margin_px = 6;                       ///< of the face box to the border, at least
   float roll_degrees = 30;                   ///< turn in the picture, at most
   /// Of the samples: of drawn portraits; the others are of photographs. Alignment has a fraction of its own. With people who turned
-  /// little, alignment of photographs of people left out got worse with more (median 2.25 % with none, 2.31 % with a tenth; right 93.2 %
-  /// and 92.8 %); a few keep hats and odd skins in.
+  /// little, alignment of photographs of people left out got worse with more (median 2.25 % with none, 2.31 % with a tenth; right
+  /// 93.2 % and 92.8 %); a few keep hats and odd skins in.
   float drawn_fraction = 0.04f;
   std::size_t drawn_people = 40;
   DrawnTurn drawn_turn;
@@ -60,7 +60,8 @@ struct FaceSampleTuning {
 class FaceSamples {
  public:
   /// \param model        outlives this object; needs iBUG landmarks.
-  /// \param photographs  may be empty: then all samples are of drawn portraits; outlive this object, as do `others`, which may be empty.
+  /// \param photographs  may be empty: then all samples are of drawn portraits; outlive this object, as do `others`, which may be
+  ///                     empty.
   FaceSamples(const Model& model, const std::vector<Photograph>& photographs, const OtherPictures& others,
               std::uint64_t seed, const FaceSampleTuning& tuning = {});
   ~FaceSamples();

@@ -10,8 +10,8 @@
 
 namespace pliant::host::learn {
 
-/// How samples for alignment differ from those for detection: more of them show drawn people, who turn further. A photograph that is
-/// turned shows no nostrils and no chin from below; with fewer drawn people pitch was underestimated.
+/// How samples for alignment differ from those for detection: more of them show drawn people, who turn further. A photograph that
+/// is turned shows no nostrils and no chin from below; with fewer drawn people pitch was underestimated.
 FaceSampleTuning aligner_sample_tuning();
 
 /// Learns a table for FaceAligner (face/aligner_table.hpp): the stages one after the other, then the verification.

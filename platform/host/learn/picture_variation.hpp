@@ -7,8 +7,8 @@
 
 namespace pliant::host::learn {
 
-/// How strongly and how often pictures are varied: a chance is the probability in a sample. Chosen by eye on sheets of samples, so that the worst are still
-/// recognised by a person.
+/// How strongly and how often pictures are varied: a chance is the probability in a sample. Chosen by eye on sheets of samples, so
+/// that the worst are still recognised by a person.
 struct PictureVariationTuning {
   float gamma_octaves = 0.9f;                ///< largest change of the exponent, either way
   float side_light_chance = 0.5f;            ///< light that falls off across the face
