@@ -54,7 +54,6 @@ void VisibleSurface::forget_unused_samples() {
 
 void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const MeshPolicy& policy) {
   policy_ = policy;
-  forget_unused_samples();  // a mesh that is kept has those of the person before
   copy(state.q, parameters_, surface_q_);
   select_surface(cascade);
   const Surface surface{
@@ -74,6 +73,7 @@ void VisibleSurface::adapt(Cascade& cascade, const ModelState& state, const Mesh
   }
   const bool adapts = policy.error_mm > 0 || policy.operations > 0;
   if (adapts && adapter_.start(mesh_, surface, criterion) == Status::ok) adapter_.adapt(options);
+  forget_unused_samples();  // a mesh that is kept has those of the person before, also of vertices that it has just lost
   if (keeps_samples()) first_outdated_ = 0;
   renew_vertices(cascade, state.q, kAllVertices);
 }
