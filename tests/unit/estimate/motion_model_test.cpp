@@ -98,6 +98,28 @@ TEST_CASE("the smoothed pose follows slowly, only where it is asked for") {
   CHECK(rough.motion->smoothed_pose().t.x == Pose{}.t.x);
 }
 
+TEST_CASE("the first smoothed step takes the time since the start, whatever came before it") {
+  for (const std::int64_t wait : {kFrame, 3 * kFrame}) {
+    Run run(false, true);
+    run.frame(3);
+    run.motion->predict(run.time += 5 * kFrame, 1, run.egg.cascade.object, &run.egg.state);  // a bad frame: no sample
+    EstimatorOptions options;
+    options.smooths = true;
+    options.time_ns = run.time;
+    REQUIRE(run.motion->start(run.egg.cascade.object, run.egg.state, options) == Status::ok);
+    InArena<Smoother> reference(std::size_t{run.egg.parameters()});
+    const auto add = [&](float seconds) {
+      return reference->add(pose_of(run.egg.state.view), run.egg.state.q, run.motion->filter().ranges(),
+                            run.egg.parameters(), seconds);
+    };
+    REQUIRE(add(0) == Status::ok);
+    run.time += wait - kFrame;  // `frame` adds one
+    run.frame(5);
+    REQUIRE(add(static_cast<float>(wait) * 1e-9f) == Status::ok);
+    CHECK(run.motion->smoothed_pose().t.x == reference->pose().t.x);
+  }
+}
+
 TEST_CASE("the smoothed pose allows for the time of bad frames, which give no sample") {
   // The same samples at the same times: once with frames between them that are bad, once without.
   Run dropped(false, true), bad(false, true);

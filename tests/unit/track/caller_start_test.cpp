@@ -8,6 +8,7 @@
 
 #include "fake_faces.hpp"
 #include "model_builder.hpp"
+#include "pliant/lens.hpp"
 #include "track/start_fit.hpp"
 
 namespace caller_start_test {
@@ -75,6 +76,48 @@ TEST_CASE("a face box of a face that is farther than a pose can be has the model
   Vec2 nose;
   REQUIRE(Projector(view_of(start.pose, camera), true).project(face.at("ibug30", face.rest()), &nose));
   CHECK(length(nose - centre) < 0.2f);
+}
+
+TEST_CASE("a box is where the lens shows the face") {
+  BakedModel& face = baked_face();
+  Camera camera = centred_camera(320, 240, 300);
+  camera.k1 = -0.15f;
+  Lens lens;
+  REQUIRE(Lens::make(camera, 320, 240, &lens) == Status::ok);
+  const auto fit = [&](const Camera& with, Vec2 corner, Vec2 size, BoxConvention convention, FaceBox* box) {
+    AlignedBlock block(std::size_t{1} << 20);
+    Arena arena(block.data(), block.size());
+    StartPose start{with, {}};
+    REQUIRE(fit_to_box(arena, face.model, {corner, size, convention}, 320, 240, face.rest().data(), &start, box) ==
+            Status::ok);
+    return start.pose;
+  };
+  const Vec2 centre{60, 50}, size{60, 60}, corner = centre - 0.5f * size;
+  REQUIRE(length(lens.undistort(centre) - centre) > 2);
+  FaceBox box;
+  const auto middle_of = [&](const Pose& pose) {
+    const Projector projector(view_of(pose, camera), true);
+    Vec2 middle;
+    for (const char* name : {"ibug36", "ibug45", "ibug48", "ibug54"}) {
+      Vec2 x;
+      REQUIRE(projector.project(face.at(name, face.rest()), &x));
+      middle = middle + 0.25f * lens.distort(x);
+    }
+    return middle;
+  };
+  CHECK(length(middle_of(fit(camera, corner, size, BoxConvention::face_box, &box)) - centre) < 0.5f);
+  CHECK(length(box.center - centre) < 1e-3f);
+  CHECK(box.side == size.x);
+
+  // Of the other conventions the pose is that of a pinhole which sees the box without the lens.
+  const Pose seen = fit(camera, corner, size, BoxConvention::landmarks, &box);
+  CHECK(length(box.center - middle_of(seen)) < 0.5f);
+  const Vec2 ideal = lens.undistort(corner);
+  FaceBox of_pinhole;
+  const Pose pinhole = fit(centred_camera(320, 240, 300), ideal, lens.undistort(corner + size) - ideal,
+                           BoxConvention::landmarks, &of_pinhole);
+  CHECK(length(seen.t - pinhole.t) < 1e-3f);
+  CHECK(box.side < of_pinhole.side);
 }
 
 TEST_CASE("boxes of all conventions, of one face, give about the same pose, with and without tables") {

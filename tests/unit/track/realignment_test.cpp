@@ -125,6 +125,22 @@ TEST_CASE("aligned frames do not count as bad ones: a bad frame after many of th
   CHECK(tracker->is_started());
 }
 
+TEST_CASE("a track that begins anew as the same person keeps the camera") {
+  const FaceFilm& film = changed_film();
+  FakeFaces fake(film);
+  Camera camera = film.camera;
+  camera.k1 = 0.001f;
+  camera.cx += 0.125f;
+  StartOptions start;
+  start.camera = &camera;
+  InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+  REQUIRE(tracker->start_by_detection(start) == Status::ok);
+  CHECK(run(tracker.object, film).new_track > kChange);
+  CHECK(tracker->camera().k1 == camera.k1);
+  CHECK(tracker->camera().cx == camera.cx);
+  CHECK(tracker->camera().f == camera.f);
+}
+
 TEST_CASE("where the templates stay away a new track begins, of the same person, and no frame is lost") {
   const FaceFilm& film = changed_film();
   FakeFaces fake(film);

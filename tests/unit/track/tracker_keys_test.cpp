@@ -125,6 +125,30 @@ TEST_CASE(
   compare(profile_s(), 0.81f, 5);
 }
 
+TEST_CASE("a new start has the bits of a first one: no rare work waits that the track before has left") {
+  const FaceFilm& film = stranger(0);
+  constexpr std::size_t kCompared = 12;
+  const auto track = [&](Tracker& tracker, std::size_t last) {
+    REQUIRE(tracker.start_from_pose(film.view(0), film.camera, film.poses[0], nullptr) == Status::ok);
+    std::vector<FrameResult> results(last);
+    for (std::size_t k = 0; k < last; ++k)
+      REQUIRE(tracker.update(film.view(k + 1), &results[k]) == Status::ok);
+    return results;
+  };
+  InArena<Tracker> once(baked_face().model, TrackerLimits{}), again(baked_face().model, TrackerLimits{});
+  const std::vector<FrameResult> first = track(once.object, kCompared);
+  for (std::size_t before = 5; before < kFrames; before += 6) {
+    CAPTURE(before);
+    track(again.object, before);
+    const std::vector<FrameResult> second = track(again.object, kCompared);
+    for (std::size_t k = 0; k < kCompared; ++k) {
+      CHECK(second[k].pose.q.y == first[k].pose.q.y);
+      CHECK(second[k].pose.t.z == first[k].pose.t.z);
+      CHECK(second[k].iterations == first[k].iterations);
+    }
+  }
+}
+
 TEST_CASE("key frames beyond the limit replace each other, never frame 0") {
   TrackerLimits limits;
   limits.key_frames = 1;
