@@ -76,14 +76,18 @@ class Arena {
     void* const room = take<InDefaultState<T>>(1);
     return room == nullptr ? nullptr : &(new (room) InDefaultState<T>)->object;
   }
-  constexpr void count_as(Purpose purpose) { purpose_ = purpose; }  ///< Sets the purpose of what is taken from now on.
+  constexpr void count_as(Purpose purpose) {
+    purpose_ = purpose;
+  }  ///< Sets the purpose of what is taken from now on.
   /// `count` values as a span.
   template <class T>
   constexpr Span<T> take_span(std::size_t count) {
     return {take<T>(count), count};
   }
 
-  constexpr bool is_measuring() const { return base_ == nullptr; }  ///< True without a block: sizes are only counted.
+  constexpr bool is_measuring() const {
+    return base_ == nullptr;
+  }  ///< True without a block: sizes are only counted.
   /// True where the block is aligned to kAlignment.
   bool is_aligned() const { return reinterpret_cast<std::uintptr_t>(base_) % kAlignment == 0; }
   constexpr bool exhausted() const { return exhausted_; }     ///< True once something did not fit.

@@ -129,8 +129,14 @@ void check_uses(const Cage& cage, const std::string& file) {
     if (!is_used[i]) throw SourceError(file, 0, "point '" + cage.names[i] + "' belongs to no patch");
 }
 
-/// Winds all faces alike, and so that seen from outside u points right and v points down.
-void wind_faces(Cage& cage, const std::string& file) {
+/// A face beside another one. flips: one of the two has to be reversed, so that both are wound alike.
+struct Neighbour {
+  std::size_t face;
+  bool flips;
+};
+
+/// Of each face, those with which it shares an edge.
+std::vector<std::vector<Neighbour>> neighbours_of(const Cage& cage, const std::string& file) {
   std::map<std::pair<int, int>, std::vector<std::pair<std::size_t, bool>>> edges;
   for (std::size_t f = 0; f < cage.faces.size(); ++f) {
     const auto& c = cage.faces[f].corners;
@@ -144,21 +150,31 @@ void wind_faces(Cage& cage, const std::string& file) {
                               " " + cage.names[static_cast<std::size_t>(b)]);
     }
   }
-  std::vector<std::vector<std::pair<std::size_t, bool>>> neighbours(cage.faces.size());
+  std::vector<std::vector<Neighbour>> neighbours(cage.faces.size());
   for (const auto& [edge, sides] : edges) {
     if (sides.size() < 2) continue;
-    const bool flip = sides[0].second == sides[1].second;
-    neighbours[sides[0].first].push_back({sides[1].first, flip});
-    neighbours[sides[1].first].push_back({sides[0].first, flip});
+    const bool flips = sides[0].second == sides[1].second;
+    neighbours[sides[0].first].push_back({sides[1].first, flips});
+    neighbours[sides[1].first].push_back({sides[0].first, flips});
   }
+  return neighbours;
+}
+
+void reverse(CageFace& face) {
+  face.corners = {face.corners.rbegin(), face.corners.rend()};
+}
+
+/// Winds all faces like the first one.
+void wind_alike(Cage& cage, const std::string& file) {
+  const auto neighbours = neighbours_of(cage, file);
   std::vector<int> turn(cage.faces.size(), 0);  // 1: keep, -1: reverse, 0: not reached
   turn[0] = 1;
   std::deque<std::size_t> open{0};
   while (!open.empty()) {
     const std::size_t f = open.front();
     open.pop_front();
-    for (const auto& [g, flip] : neighbours[f]) {
-      const int wanted = flip ? -turn[f] : turn[f];
+    for (const auto& [g, flips] : neighbours[f]) {
+      const int wanted = flips ? -turn[f] : turn[f];
       if (turn[g] == 0) {
         turn[g] = wanted;
         open.push_back(g);
@@ -167,12 +183,19 @@ void wind_faces(Cage& cage, const std::string& file) {
       }
     }
   }
-  float area =
-      0;  // twice the area over (u,v). Counter-clockwise seen from outside is negative, as v points down.
   for (std::size_t f = 0; f < cage.faces.size(); ++f) {
     if (turn[f] == 0) throw SourceError(file, 0, "the patches are not connected");
-    auto& c = cage.faces[f].corners;
-    if (turn[f] < 0) c = {c.rbegin(), c.rend()};
+    if (turn[f] < 0) reverse(cage.faces[f]);
+  }
+}
+
+/// Winds all faces alike, and so that seen from outside u points right and v points down.
+void wind_faces(Cage& cage, const std::string& file) {
+  wind_alike(cage, file);
+  float area =
+      0;  // twice the area over (u,v). Counter-clockwise seen from outside is negative, as v points down.
+  for (const CageFace& face : cage.faces) {
+    const auto& c = face.corners;
     for (std::size_t k = 0; k < c.size(); ++k) {
       const Vec2 p = cage.uv[static_cast<std::size_t>(c[k])],
                  q = cage.uv[static_cast<std::size_t>(c[(k + 1) % c.size()])];
@@ -180,7 +203,7 @@ void wind_faces(Cage& cage, const std::string& file) {
     }
   }
   if (area > 0)
-    for (CageFace& face : cage.faces) face.corners = {face.corners.rbegin(), face.corners.rend()};
+    for (CageFace& face : cage.faces) reverse(face);
 }
 
 }  // namespace

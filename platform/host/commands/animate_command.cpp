@@ -66,7 +66,8 @@ Input read_input(const Args& args, const ModelFile& file, Console& console) {
   if (input.who.empty()) input.who = input.track.has_identity ? "the track's" : "the mean";
   list_unmatched(input.track.unmatched, path, console.err);
   if (!input.track.unscaled.empty()) {
-    console.err << path << ": " << source->path() << " has no parameter of these names, their values are taken as they are:";
+    console.err << path << ": " << source->path()
+                << " has no parameter of these names, their values are taken as they are:";
     for (const std::string& name : input.track.unscaled) console.err << " " << name;
     console.err << "\n";
   }

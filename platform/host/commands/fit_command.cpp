@@ -158,8 +158,7 @@ FitFile fit_to_face(const ModelFile& file, const std::string& path, const FoundF
   for (std::size_t k = 0; k < face.landmarks.size(); ++k) {
     const char* name = file.model().landmarks()[k].name;
     // The alignment finds those from the brows to the lips; those of the jaw follow the model.
-    if (ibug_number(name) >= 17)
-      points.push_back({name, face.landmarks[k], name});
+    if (ibug_number(name) >= 17) points.push_back({name, face.landmarks[k], name});
   }
   setup.view = with_focal(view_of(face.aligned.pose, face.aligned.camera), setup.camera ? 0 : setup.focal_px);
   for (std::size_t k = 0; k < face.q.size(); ++k)
@@ -199,6 +198,28 @@ void warn_of(const FitFile& fit, bool has_points, Console& console) {
                    "the top, as in OBJ files?\n";
 }
 
+FitSetup fit_setup(const Args& args, const Model& model, const ImageSize& size, std::ostream& err) {
+  FitSetup setup;
+  setup.size = size;
+  setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
+  setup.camera = calibration_of(args, setup.size, err);
+  setup.is_free = free_parameters(model, args.text("--parameters"));
+  setup.match_silhouette = matches_silhouette(args);
+  read_method(args, setup);
+  setup.q.assign(model.parameters().count, 0.0f);
+  return setup;
+}
+
+void print_summary(const FitFile& fit, const std::string& output, std::ostream& out) {
+  out << output << ": " << fit.inliers << " of " << fit.points.size() << " points, rms "
+      << number_text(static_cast<double>(fit.rms_px)) << " px, f "
+      << number_text(static_cast<double>(fit.camera.f)) << " px";
+  if (fit.landmark_error > 0)
+    out << ", expected landmark error " << decimal_text(static_cast<double>(fit.landmark_error))
+        << " of the distance of the outer eye corners";
+  out << "\n";
+}
+
 int run_fit(const Args& args, Console& console) {
   const std::string output = args.required("-o");
   check_usage(args);
@@ -213,14 +234,7 @@ int run_fit(const Args& args, Console& console) {
     check_model(*earlier, *path, file);
   }
 
-  FitSetup setup;
-  setup.size = image_size(args, image, earlier);
-  setup.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
-  setup.camera = calibration_of(args, setup.size, console.err);
-  setup.is_free = free_parameters(model, args.text("--parameters"));
-  setup.match_silhouette = matches_silhouette(args);
-  read_method(args, setup);
-  setup.q.assign(model.parameters().count, 0.0f);
+  FitSetup setup = fit_setup(args, model, image_size(args, image, earlier), console.err);
   FitFile fit;
   if (earlier) fit = initial_fit(*earlier, args.required("--pose"), model, setup, console.err);
   std::optional<FaceBox> face_box;
@@ -240,13 +254,7 @@ int run_fit(const Args& args, Console& console) {
   write_file(output, fit_text(fit));
   if (const auto path = args.text("--overlay")) draw_overlay(*path, model, fit, image);
   if (const auto path = args.text("--texture")) write_textured(*path, model, fit, image);
-  console.out << output << ": " << fit.inliers << " of " << fit.points.size() << " points, rms "
-              << number_text(static_cast<double>(fit.rms_px)) << " px, f "
-              << number_text(static_cast<double>(fit.camera.f)) << " px";
-  if (fit.landmark_error > 0)
-    console.out << ", expected landmark error " << decimal_text(static_cast<double>(fit.landmark_error))
-                << " of the distance of the outer eye corners";
-  console.out << "\n";
+  print_summary(fit, output, console.out);
   warn_of(fit, points.has_value(), console);
   check_convergence(fit, setup.method, points ? *points : args.text("--image").value_or(output));
   return 0;

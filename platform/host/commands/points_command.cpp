@@ -186,8 +186,7 @@ Json chains() {
   Json out;
   for (const Chain& chain : kChains) {
     Json names;
-    for (int k = chain.first; k <= chain.last; ++k)
-      names.push_back(ibug_name(k));
+    for (int k = chain.first; k <= chain.last; ++k) names.push_back(ibug_name(k));
     out.push_back(Json::object({{"closed", chain.is_closed}, {"names", names}}));
   }
   return out;

@@ -2,9 +2,8 @@
 
 #include <cmath>
 
-#include "host/io/ibug_names.hpp"
-
 #include "face/box_view.hpp"
+#include "host/io/ibug_names.hpp"
 
 namespace pliant::host::learn {
 

@@ -82,11 +82,10 @@ bool fit_points(const Model& model, const std::vector<AnnotatedLandmark>& landma
 
 /// Whether one of the brows' landmarks is annotated.
 bool has_brows(const AnnotatedPicture& annotated) {
-  return std::any_of(annotated.landmarks.begin(), annotated.landmarks.end(),
-                     [](const AnnotatedLandmark& a) {
-                       const int k = ibug_number(a.name);
-                       return k >= 17 && k <= 26;
-                     });
+  return std::any_of(annotated.landmarks.begin(), annotated.landmarks.end(), [](const AnnotatedLandmark& a) {
+    const int k = ibug_number(a.name);
+    return k >= 17 && k <= 26;
+  });
 }
 
 }  // namespace

@@ -21,8 +21,9 @@ struct Retargeted {
   std::vector<std::uint16_t>
       driven;  ///< expression parameters of the target model that a column drives, ascending
   std::vector<std::string> unmatched;  ///< columns that drive nothing
-  std::vector<std::string> unscaled;   ///< columns that the source model has no parameter for: taken as they are
-  std::vector<std::string> limited;    ///< driven parameters whose values exceed the limits and are clamped
+  std::vector<std::string>
+      unscaled;  ///< columns that the source model has no parameter for: taken as they are
+  std::vector<std::string> limited;  ///< driven parameters whose values exceed the limits and are clamped
   bool has_pose = false;
   bool has_identity = false;  ///< the track has columns of identity
   std::size_t lost = 0;       ///< frames without pose and expression; they repeat the frame before

@@ -82,7 +82,8 @@ TEST_CASE("mesh_error_mm: a smaller error takes more vertices") {
 }
 
 TEST_CASE("options out of their bounds are refused, and nothing changes; at their bounds all stays finite") {
-  const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              infinite = std::numeric_limits<float>::infinity();
   const auto with = [](auto change) {
     EstimatorOptions options;
     change(options);

@@ -102,7 +102,8 @@ TEST_CASE("the first smoothed step takes the time since the start, whatever came
   for (const std::int64_t wait : {kFrame, 3 * kFrame}) {
     Run run(false, true);
     run.frame(3);
-    run.motion->predict(run.time += 5 * kFrame, 1, run.egg.cascade.object, &run.egg.state);  // a bad frame: no sample
+    run.motion->predict(run.time += 5 * kFrame, 1, run.egg.cascade.object,
+                        &run.egg.state);  // a bad frame: no sample
     EstimatorOptions options;
     options.smooths = true;
     options.time_ns = run.time;

@@ -258,10 +258,12 @@ TEST_CASE("a track plays on another person and another model at the same fractio
   CHECK(plain.weight(1, "jawOpen") == doctest::Approx(0.225));
   const Animation scaled = animate({"animate", small, "--params", params, "--from", f.model}, f / "s.glb");
   CHECK(scaled.weight(1, "jawOpen") == doctest::Approx(0.5));
-  const Ran from_small = run_words({"animate", f.model, "--params", params, "--from", small, "-o", f / "x.glb"});
+  const Ran from_small =
+      run_words({"animate", f.model, "--params", params, "--from", small, "-o", f / "x.glb"});
   CHECK(from_small.code == 0);
-  CHECK(contains(from_small.err, "t.csv: " + small + " has no parameter of these names, their values are taken as they "
-                                 "are: mouthSmileLeft\n"));
+  CHECK(contains(from_small.err, "t.csv: " + small +
+                                     " has no parameter of these names, their values are taken as they "
+                                     "are: mouthSmileLeft\n"));
   const std::string wide = f.put("w.csv", "frame,jawOpen\n0,0\n1,0.9\n");
   const Ran r = run_words({"animate", f.model, "--params", wide, "-o", f / "w.glb"});
   CHECK(r.code == 0);

@@ -88,8 +88,8 @@ TEST_CASE("a box is where the lens shows the face") {
     AlignedBlock block(std::size_t{1} << 20);
     Arena arena(block.data(), block.size());
     StartPose start{with, {}};
-    REQUIRE(fit_to_box(arena, face.model, {corner, size, convention}, 320, 240, face.rest().data(), &start, box) ==
-            Status::ok);
+    REQUIRE(fit_to_box(arena, face.model, {corner, size, convention}, 320, 240, face.rest().data(), &start,
+                       box) == Status::ok);
     return start.pose;
   };
   const Vec2 centre{60, 50}, size{60, 60}, corner = centre - 0.5f * size;

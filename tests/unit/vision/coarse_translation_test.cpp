@@ -99,8 +99,11 @@ TEST_CASE("a box that is far outside, or turned inside out, gives nothing; a hug
                           huge = find_coarse_translation(view(p), {kLeast, kLeast, kMost, kMost}, view(p), 2);
   CHECK(huge.correlation == whole.correlation);
   CHECK(huge.compared_pixels == whole.compared_pixels);
-  for (const PixelBox& box : {PixelBox{kMost, 0, kMost, 60}, {kLeast, 0, kLeast, 60}, {kMost, kMost, kLeast, kLeast},
-                              {0, kMost, 80, kLeast}, {kMost, 0, kLeast, 60}})
+  for (const PixelBox& box : {PixelBox{kMost, 0, kMost, 60},
+                              {kLeast, 0, kLeast, 60},
+                              {kMost, kMost, kLeast, kLeast},
+                              {0, kMost, 80, kLeast},
+                              {kMost, 0, kLeast, 60}})
     CHECK(find_coarse_translation(view(p), box, view(p), 2).compared_pixels == 0);
 }
 
