@@ -185,7 +185,7 @@ class Estimator {
 
   /// Corrects what the start assumed: the parameters that are not free, and the model's rotation. Points are sampled
   /// anew, vertices in the frames that follow; a personal field is given up. Earlier frames keep their poses.
-  /// \param q  all parameters, finite. \param turn  the pose becomes q * turn. \return not_started, bad_argument.
+  /// \param q  all parameters, finite. \param turn  of unit length; the pose becomes q * turn. \return not_started, bad_argument.
   Status revise(const float* q, Quat turn);
   /// Moves a point over the surface in the `revise` that follows. \pre has_point(id); uv within 0..1.
   void slide_point(std::uint16_t id, Vec2 uv);

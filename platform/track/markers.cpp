@@ -62,7 +62,7 @@ bool Markers::position(std::size_t k, Estimator& estimator, Vec2* x) const {
 bool Markers::are_far_from(Vec2 x, Estimator& estimator) const {
   for (std::size_t k = 0; k < count_; ++k) {
     Vec2 at;
-    if (!position(k, estimator, &at)) return false;
+    if (!position(k, estimator, &at)) continue;
     if (dot(x - at, x - at) < exclusion_px_ * exclusion_px_) return false;
   }
   return true;

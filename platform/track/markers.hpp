@@ -32,7 +32,8 @@ class Markers {
   void keep_all(const View& view, Estimator& estimator, const Vec2* x);
   /// Image position of marker k, px. False for k beyond the markers placed, and behind the camera.
   bool position(std::size_t k, Estimator& estimator, Vec2* x) const;
-  /// Whether every marker is visible and farther than exclusion_px from x.
+  std::size_t count() const { return count_; }
+  /// Whether every marker is behind the camera or farther than exclusion_px from x.
   bool are_far_from(Vec2 x, Estimator& estimator) const;
 
  private:

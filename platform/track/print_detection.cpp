@@ -127,6 +127,7 @@ void end_search(TrackerParts& t) {
 
 void refine(TrackerParts& t, const FrameView&, const RoughStart& rough, StartPose*) {
   self_of(t).of_caller = &rough.options;
+  self_of(t).marker_count = 0;  // also if this start fails
   t.templates.set_check({&t, accepts_template});
 }
 

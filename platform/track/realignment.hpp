@@ -17,8 +17,8 @@ struct RealignmentTuning {
   /// With 0.05 and 0.95 films of moving shadows are tracked in 87 instead of 97 % of the frames, and more of them are wrong, since
   /// tracks end and begin anew in shadow.
   float most_error = kFaceChecksTuning.most_landmark_error, least_score = 0.8f;
-  /// Realigned frames in a row after which a new track begins, count: the light stays as it is now, or it is another person. A
-  /// second. With 6 or 12 a new track begins in light that has not settled yet.
+  /// Realigned frames since the last good one, bad frames between them not counted, after which a new track begins: the light stays
+  /// as it is now, or it is another person. A second. With 6 or 12 a new track begins in light that has not settled yet.
   int most_frames = 25;
 };
 inline constexpr RealignmentTuning kRealignmentTuning{};

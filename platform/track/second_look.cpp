@@ -114,9 +114,8 @@ void begin_look(TrackerParts& t, const FrameView& frame) {
 }
 
 /// Whether the caller has said nothing that a new start would lose: who it is, or where landmarks or markers are.
-bool is_free(TrackerParts& t) {
-  Vec2 unused;
-  return !t.identity_is_given && !t.landmarks_are_given && !t.markers.position(0, t.estimator, &unused);
+bool is_free(const TrackerParts& t) {
+  return !t.identity_is_given && !t.landmarks_are_given && t.markers.count() == 0;
 }
 
 bool conclude(TrackerParts& t, const FrameView& frame) {

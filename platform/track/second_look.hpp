@@ -59,7 +59,7 @@ struct SecondLookState {
   int steps_left = 0;                       // of the alignment; 0: none is under way
   int agreed = 0;                           // looks in a row that found better landmarks
   int averaged = 0;                         // looks in the mean of the landmarks, beside the start
-  int realigned = 0;                        // frames in a row that `realign` has made good
+  int realigned = 0;                        // frames since the last good one that `realign` has made good
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
   /// Drops the alignment that is under way, and what the budget keeps for it.

@@ -1,6 +1,7 @@
 // The tracker: a composition of its parts. `update` is the pipeline: detect or predict, match, solve, conclude.
 #include <new>
 
+#include "base/integers.hpp"
 #include "track/template_tuning.hpp"
 #include "track/tracker_parts.hpp"
 #include "track/tracker_sizes.hpp"
@@ -229,7 +230,8 @@ void TrackerParts::conclude() {
   note_work();
   const bool is_good = result.state == TrackState::tracking;
   matcher.end_frame(match_frame(), is_good);
-  bad_frames = is_good ? 0 : bad_frames + 1;
+  constexpr int kMostBadFrames = 1000000;  // nothing counts that far
+  bad_frames = is_good ? 0 : smaller(bad_frames + 1, kMostBadFrames);
   if (!is_good) return;
   const std::size_t of_templates = matcher.observation_count();
   if (edges != nullptr)

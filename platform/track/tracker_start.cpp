@@ -42,7 +42,7 @@ Status TrackerParts::check_start(const FrameView& view, const TrackerOptions& op
   if (marker_places.count > limits.markers) return Status::capacity;
   if (marker_places.count > 0 && marker_places.data == nullptr) return Status::bad_argument;
   for (Vec2 x : marker_places)
-    if (!is_finite(x)) return Status::bad_argument;
+    if (!is_near(x)) return Status::bad_argument;
   return Status::ok;
 }
 
@@ -259,6 +259,7 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
     return Status::bad_argument;
   t.detection->calls->begin_search(t, start, options);
   t.begin_stream();
+  t.identity_is_given = t.landmarks_are_given = false;
   t.keeps_landmark_offsets = start.keeps_landmark_offsets;
   return Status::ok;
 }

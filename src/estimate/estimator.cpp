@@ -442,7 +442,8 @@ Status Estimator::revise(const float* q, Quat turn) {
 }
 
 Status Estimator::Impl::revise(const float* q, Quat turn) {
-  bool is_good = q != nullptr && is_finite(turn.w + turn.x + turn.y + turn.z);
+  const float norm = turn.w * turn.w + turn.x * turn.x + turn.y * turn.y + turn.z * turn.z;
+  bool is_good = q != nullptr && norm > 0.5f && norm < 2;  // as is_possible
   for (std::size_t i = 0; is_good && i < parameter_count(); ++i) is_good = is_finite(q[i]);
   if (!is_good) return Status::bad_argument;
   forget_person();

@@ -41,7 +41,7 @@ bool MotionModel::predict(std::int64_t time_ns, int bad_frames, const Cascade& c
   const bool follows = !repeats && elapsed > 0 && elapsed < t.jump_ns;  // never after kNoTime
   seconds_ = follows ? static_cast<float>(elapsed) * 1e-9f : t.nominal_step;
   if (!repeats) since_sample_ += seconds_;
-  time_ns_ = time_ns;
+  if (!repeats) time_ns_ = time_ns;  // else steps of less than that add up
   if (!follows && !repeats) filter_.forget_velocities();
   filter_.predict(repeats ? 0.0f : seconds_);
   const bool is_known = bad_frames == 0 && follows, moves = predicts_motion_ && is_known;
@@ -96,9 +96,10 @@ void MotionModel::correct(const Cascade& cascade, const ModelState& state, const
   since_sample_ = 0;
 }
 
-/// Adds a sample to the smoothed output, if there is one.
+/// Adds a sample to the smoothed output, if there is one. Where the clock stands still the sample counts as one of the usual rate.
 void MotionModel::smooth(const ModelState& state) {
-  if (smooths_) (void)smoother_.add(pose_of(state.view), state.q, filter_.ranges(), count_, since_sample_);
+  const float seconds = since_sample_ > 0 ? since_sample_ : kMotionModelTuning.nominal_step;
+  if (smooths_) (void)smoother_.add(pose_of(state.view), state.q, filter_.ranges(), count_, seconds);
 }
 
 void MotionModel::move(const ModelState& state) {

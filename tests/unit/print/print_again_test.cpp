@@ -146,6 +146,22 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a start of the caller's that fails forgets the markers of the track before") {
+  TrackerLimits limits;
+  limits.markers = 1;
+  Film film(label(), limits);
+  const Vec2 marker{160, 120};
+  const Image first = picture(0);
+  REQUIRE(film.tracker->start_from_pose(view(first, film), kCamera, kPose, nullptr, {}, {&marker, 1}) == Status::ok);
+  for (int k = 0; k < 6; ++k) REQUIRE(film.show(picture(film.count)) == Status::ok);
+  lose(film);
+  const Image grey(kWidth, kHeight, 1, 90);
+  CHECK(film.tracker->start_from_pose(view(grey, film), kCamera, kPose, nullptr) == Status::too_few_points);
+  find(film);
+  Vec2 at;
+  CHECK_FALSE(film.tracker->marker(0, &at));
+}
+
 TEST_CASE("the focal length that a start from landmarks has found stays where the surface is found again") {
   Film film(label());
   const Camera wide = centred_camera(kWidth, kHeight, 300);

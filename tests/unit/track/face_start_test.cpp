@@ -176,7 +176,7 @@ TEST_CASE("frames beyond what a detector searches are tracked after a start, and
   TrackerLimits limits = limits_with_fake();
   limits.width = kLargestFramePx + 1;
   limits.height = 64;
-  limits.patches = 6;
+  limits.patches = 8;
   limits.key_patches = 0;
   InArena<Tracker> tracker(baked_face().model, limits);
   CHECK(tracker->start_by_detection() == Status::not_found);

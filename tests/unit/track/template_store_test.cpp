@@ -117,6 +117,24 @@ TEST_CASE("where limits name more templates, they lie closer together") {
   CHECK(many.used(0, 400) > 2.5f * static_cast<float>(few.used(0, 100)));
 }
 
+TEST_CASE("a marker behind the camera keeps no template away") {
+  Rig rig;
+  const Vec2 far{1500, 120};
+  REQUIRE(rig.markers->place(rig.estimator.object, {&far, 1}, 25) == Status::ok);
+  CHECK(rig.markers->count() == 1);
+  MarkerPlace place;
+  REQUIRE(rig.markers->save(rig.estimator.object, &place) == 1);
+  Pose turned = film().poses[0];
+  turned.q = exp_rotation({0, 0.6f, 0});
+  REQUIRE(rig.estimator->start(film().camera, 320, 240, turned, film().parameters[0].data(), nullptr, {}) ==
+          Status::ok);
+  rig.markers->restore(rig.estimator.object, &place, 1);
+  Vec2 at;
+  REQUIRE_FALSE(rig.markers->position(0, rig.estimator.object, &at));
+  rig.place(0, 40);
+  CHECK(rig.used(0, 40) > 10);
+}
+
 TEST_CASE("no template is placed near a marker") {
   Rig rig;
   const Vec2 nose = film().truth("ibug30", 0);

@@ -92,6 +92,27 @@ TEST_CASE("smoothed results begin with frame 0") {
   CHECK(length(next.smoothed_pose.t - before.t) > 0);
 }
 
+TEST_CASE("smoothed results follow where the clock stands still, and where it creeps") {
+  for (const std::int64_t step_ns : {0, 700'000, 33'000'000}) {
+    CAPTURE(step_ns);
+    TrackerOptions options;
+    options.estimator.smooths = true;
+    InArena<Tracker> tracker(face().model, TrackerLimits{});
+    REQUIRE(start(tracker.object, {}, options) == Status::ok);
+    FrameResult result;
+    for (int k = 1; k < kFrames; ++k) {
+      FrameView view = film().view(static_cast<std::size_t>(k));
+      view.time_ns = film().view(0).time_ns + k * step_ns;
+      view.sequence = film().view(0).sequence + static_cast<std::uint32_t>(k);
+      REQUIRE(tracker->update(view, &result) == Status::ok);
+    }
+    const Quat first = film().poses[0].q;
+    const float moved = length(log_rotation(result.pose.q * conjugate(first))),
+                followed = length(log_rotation(result.smoothed_pose.q * conjugate(first)));
+    CHECK(followed > 0.8f * moved);
+  }
+}
+
 TEST_CASE("no heap call is made from the first frame on, in a block of exactly the stated size") {
   const TrackerLimits limits;
   const std::size_t bytes = measured_bytes<Tracker>(face().model, limits);
