@@ -153,6 +153,7 @@ AlignerEvidence AlignerPass::weigh(const AlignerTable& table) {
   const std::size_t bytes = block_bytes(stage);
   const LocalWeights local = table.local(last);
   const CheckWeights check = table.check_weights();
+  const CheckWeights text = table.tells_text() ? table.text_weights() : CheckWeights{};
   const float* const usual = table.check().usual;
   AlignerEvidence evidence;
   float weights = 0, squares = 0, above[kFaceParts] = {};  // each part's appearance less the usual one
@@ -164,11 +165,14 @@ AlignerEvidence AlignerPass::weigh(const AlignerTable& table) {
     image_[k] = seen.x;
     target_[k] = predict_local(table, stage, local, t, seen.x);
     const std::size_t other = table.mirrored(t);
-    const auto appearance = [&](std::size_t row, const std::uint8_t* block) {
-      return check.scale[row] * static_cast<float>(dot_bytes(check.rows + row * bytes, block, bytes));
+    const auto sum_of = [&](const CheckWeights& w) {
+      const auto along = [&](std::size_t row, const std::uint8_t* block) {
+        return w.scale[row] * static_cast<float>(dot_bytes(w.rows + row * bytes, block, bytes));
+      };
+      return seen.weight * ((1 - gate_) * along(t, block_) + gate_ * along(other, mirrored_) + w.bias[t]);
     };
-    const float of_landmark = seen.weight * ((1 - gate_) * appearance(t, block_) +
-                                             gate_ * appearance(other, mirrored_) + check.bias[t]);
+    const float of_landmark = sum_of(check);
+    if (table.tells_text()) evidence.text += sum_of(text);
     const int part = part_of_landmark(table.landmark_numbers()[t]);
     evidence.appearance += of_landmark;
     above[part] += of_landmark - seen.weight * usual[part];

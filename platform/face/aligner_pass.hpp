@@ -12,6 +12,7 @@ namespace pliant {
 /// What the last stage's blocks say about a face.
 struct AlignerEvidence {
   float appearance = 0;    ///< weighted sum of the blocks (CheckWeights)
+  float text = 0;          ///< the text form; below 0 on text
   float displacement = 0;  ///< root mean square of the displacements left, mm
   float parameters = 0;    ///< mean square of the parameters, in standard deviations
   float least_part = 0;    ///< how far the least part is below what is usual, standard deviations; at most 0

@@ -129,8 +129,12 @@ Status AlignerTable::open(Span<const std::uint8_t> bytes, AlignerTable* table, b
       !are_within(out.check_->usual, 2 * kFaceParts, -1e3f, 1e3f) ||
       !fits(out.check_->first_byte, check_weight_bytes(last, landmarks), total))
     return Status::bad_table;
+  if (out.tells_text() && !fits(out.check_->text_byte, check_weight_bytes(last, landmarks), total))
+    return Status::bad_table;
   // Scales, then biases.
   if (!are_within(out.check_weights().scale, 2 * landmarks, -1e3f, 1e3f)) return Status::bad_table;
+  if (out.tells_text() && !are_within(out.text_weights().scale, 2 * landmarks, -1e3f, 1e3f))
+    return Status::bad_table;
   *table = out;
   return Status::ok;
 }
@@ -160,8 +164,8 @@ GlobalWeights AlignerTable::global(std::size_t stage) const {
   return w;
 }
 
-CheckWeights AlignerTable::check_weights() const {
-  const std::uint8_t* at = bytes_ + check_->first_byte;
+CheckWeights AlignerTable::check_weights(std::uint32_t first_byte) const {
+  const std::uint8_t* at = bytes_ + first_byte;
   CheckWeights w;
   w.scale = take<float>(at, landmarks_);
   w.bias = take<float>(at, landmarks_);

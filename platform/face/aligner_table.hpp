@@ -54,12 +54,12 @@ struct AlignerCurve {
 };
 
 /// The appearance is a weighted sum of the bytes of the last stage's blocks. On faces that are aligned right each part has a mean
-/// (of a landmark) and a deviation (of the sum).
+/// (of a landmark) and a deviation (of the sum). The text form is another such sum: it is below 0 on text, and about 0 elsewhere.
 struct AlignerCheck {
   AlignerCurve score, error;
   float usual[2 * kFaceParts];  // the means, then 1 / deviation each
-  std::uint32_t first_byte;  // of its weights
-  std::uint32_t reserved;
+  std::uint32_t first_byte;  // of the appearance's weights
+  std::uint32_t text_byte;   // of those of the text form; 0: none
 };
 
 // The weights of local stages and of the appearance change with the yaw. Those stored are for a face that is
@@ -86,7 +86,7 @@ struct GlobalWeights {
   const std::int8_t* basis;   // a row a component
 };
 
-/// Appearance: sum of scale * (row . block) + bias over the landmarks.
+/// Appearance or text form: sum of scale * (row . block) + bias over the landmarks.
 struct CheckWeights {
   const float *scale, *bias;  // a landmark
   const std::int8_t* rows;    // a landmark
@@ -124,11 +124,15 @@ class AlignerTable {
   const AlignerCheck& check() const { return *check_; }
   LocalWeights local(std::size_t stage) const;
   GlobalWeights global(std::size_t stage) const;
-  CheckWeights check_weights() const;
+  CheckWeights check_weights() const { return check_weights(check_->first_byte); }
+  bool tells_text() const { return check_->text_byte != 0; }
+  CheckWeights text_weights() const { return check_weights(check_->text_byte); }  ///< \pre tells_text()
   /// Index of the landmark on the other side of the face; k itself in the middle.
   std::size_t mirrored(std::size_t k) const { return mirrored_[k]; }
 
  private:
+  CheckWeights check_weights(std::uint32_t first_byte) const;
+
   const std::uint8_t* bytes_ = nullptr;
   std::size_t landmarks_ = 0;
   const std::uint8_t* numbers_ = nullptr;

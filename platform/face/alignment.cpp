@@ -10,8 +10,8 @@ namespace {
 constexpr AlignmentTuning kTuning = kAlignmentTuning;
 
 /// The curve at a weighted sum of the features.
-float value_of(const AlignerCurve& curve, const AlignerEvidence& evidence) {
-  const float features[kCheckFeatures] = {1, evidence.appearance, evidence.displacement, evidence.parameters};
+float value_of(const AlignerCurve& curve, float appearance, const AlignerEvidence& evidence) {
+  const float features[kCheckFeatures] = {1, appearance, evidence.displacement, evidence.parameters};
   float sum = 0;
   for (int k = 0; k < kCheckFeatures; ++k) sum += curve.weight[k] * features[k];
   const float last = static_cast<float>(kCheckKnots - 1);
@@ -85,8 +85,9 @@ AlignedFace Alignment::conclude(const Camera& camera) {
   AlignedFace face;
   face.camera = camera;
   face.pose = pose_of(pass.shape().view());
-  face.score = value_of(table->check().score, evidence);
-  face.landmark_error = value_of(table->check().error, evidence);
+  // Text only speaks against a face (docs/experiments.md, Text).
+  face.score = value_of(table->check().score, evidence.appearance + min(evidence.text, 0), evidence);
+  face.landmark_error = value_of(table->check().error, evidence.appearance, evidence);
   face.least_part = evidence.least_part;
   return face;
 }

@@ -40,10 +40,6 @@ double score_of(const Appearance& a, const Evidence& e, const std::vector<std::s
   return static_cast<double>(sum);
 }
 
-void add_to(const std::vector<float>& more, std::vector<float>* sum) {
-  for (std::size_t k = 0; k < sum->size(); ++k) (*sum)[k] += more[k];
-}
-
 void add_row(float by, const std::uint8_t* block, std::size_t bytes, float* row) {
   for (std::size_t i = 0; i < bytes; ++i) row[i] += by * static_cast<float>(block[i]);
 }
@@ -52,7 +48,7 @@ void add_row(float by, const std::uint8_t* block, std::size_t bytes, float* row)
 struct Examples {
   std::vector<const Evidence*> evidence;
   std::vector<float> labels;   // probabilities that it is a face, aligned right
-  std::vector<double> before;  // appearances that are there already, and are added; none: 0
+  std::vector<double> before;  // what is added to the sums that are learnt; none: 0
 
   void add(const Evidence& e, float label) {
     evidence.push_back(&e);
@@ -109,17 +105,25 @@ Appearance learn_appearance(const Examples& from, const std::vector<std::size_t>
   return mean;
 }
 
-std::vector<double> features_of(const Evidence& e) {
+using Features = std::vector<double>;  // kCheckFeatures of them
+using FeaturesOf = Features (*)(const Evidence&);
+
+Features features_of(const Evidence& e) {
   return {1, e.appearance, static_cast<double>(e.displacement), static_cast<double>(e.parameters)};
 }
 
+/// The same with the text form added to the appearance, whatever its sign. A curve fitted to what the library adds was not tried.
+Features features_with_text(const Evidence& e) {
+  return {1, e.appearance + e.text, static_cast<double>(e.displacement), static_cast<double>(e.parameters)};
+}
+
 /// Weighted least squares of `wanted` by the features.
-std::vector<double> solve_features(const std::vector<const Evidence*>& examples,
+std::vector<double> solve_features(const std::vector<const Evidence*>& examples, FeaturesOf features,
                                    const std::vector<double>& wanted, const std::vector<double>& weight) {
   constexpr int n = kCheckFeatures;
   double h[n][n + 1] = {};
   for (std::size_t e = 0; e < examples.size(); ++e) {
-    const std::vector<double> f = features_of(*examples[e]);
+    const Features f = features(*examples[e]);
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t j = 0; j < n; ++j) h[i][j] += weight[e] * f[i] * f[j];
       h[i][n] += weight[e] * f[i] * wanted[e];
@@ -138,8 +142,7 @@ std::vector<double> solve_features(const std::vector<const Evidence*>& examples,
   return out;
 }
 
-double weighted_sum(const std::vector<double>& w, const Evidence& e) {
-  const std::vector<double> f = features_of(e);
+double weighted_sum(const std::vector<double>& w, const Features& f) {
   double sum = 0;
   for (std::size_t k = 0; k < w.size(); ++k) sum += w[k] * f[k];
   return sum;
@@ -154,12 +157,13 @@ AlignerCurve score_curve(const std::vector<const Evidence*>& examples, const std
   for (int round = 0; round < 30; ++round) {
     std::vector<double> wanted(labels.size()), weight(labels.size());
     for (std::size_t e = 0; e < labels.size(); ++e) {
-      const double z = std::clamp(weighted_sum(w, *examples[e]), -12.0, 12.0), p = 1 / (1 + std::exp(-z));
+      const double z = std::clamp(weighted_sum(w, features_with_text(*examples[e])), -12.0, 12.0),
+                   p = 1 / (1 + std::exp(-z));
       const double slope = std::max(p * (1 - p), 1e-5);
       wanted[e] = z + 0.7 * (static_cast<double>(labels[e]) - p) / slope;
       weight[e] = slope * (labels[e] > 0.5f ? n / positives : n / (n - positives));
     }
-    w = solve_features(examples, wanted, weight);
+    w = solve_features(examples, features_with_text, wanted, weight);
   }
   AlignerCurve curve{};
   for (std::size_t k = 0; k < w.size(); ++k) curve.weight[k] = static_cast<float>(w[k]);
@@ -174,11 +178,11 @@ AlignerCurve score_curve(const std::vector<const Evidence*>& examples, const std
 AlignerCurve error_curve(const std::vector<const Evidence*>& faces) {
   std::vector<double> wanted, weight(faces.size(), 1);
   for (const Evidence* e : faces) wanted.push_back(std::min(static_cast<double>(e->error), 0.4));
-  const std::vector<double> w = solve_features(faces, wanted, weight);
+  const std::vector<double> w = solve_features(faces, features_of, wanted, weight);
   AlignerCurve curve{};
   for (std::size_t k = 0; k < w.size(); ++k) curve.weight[k] = static_cast<float>(w[k]);
   std::vector<double> sums;
-  for (const Evidence* e : faces) sums.push_back(weighted_sum(w, *e));
+  for (const Evidence* e : faces) sums.push_back(weighted_sum(w, features_of(*e)));
   std::vector<double> sorted = sums;
   std::sort(sorted.begin(), sorted.end());
   curve.low = static_cast<float>(sorted[sorted.size() / 100]);
@@ -241,8 +245,8 @@ class CheckLearning {
     });
   }
 
-  /// Learns that drawn pictures are no faces. The other examples' labels are what was learnt of them: without that, verification
-  /// told the error of covered faces worse (docs/experiments.md, Text).
+  /// Learns the text form from drawn pictures, which are no faces. The other examples' labels are what was learnt of them: without
+  /// that, verification told the error of covered faces worse (docs/experiments.md, Text).
   void learn_drawn(const std::vector<Evidence>& drawn) {
     run_parallel(options_.threads, 3, [&](std::size_t k, std::size_t) {
       Examples chosen;
@@ -254,9 +258,7 @@ class CheckLearning {
       };
       for (const Evidence* e : examples_) add(*e, false);
       for (const Evidence& e : drawn) add(e, true);
-      const Appearance more = learn_appearance(chosen, mirrored_, options_.seed + k, tuning_);
-      add_to(more.rows, &learnt_[k].rows);
-      add_to(more.bias, &learnt_[k].bias);
+      text_[k] = learn_appearance(chosen, mirrored_, options_.seed + k, tuning_);
     });
   }
 
@@ -277,11 +279,13 @@ class CheckLearning {
     for (std::size_t p = 0; p < kFaceParts; ++p) learn_part(right, p, &check);
     check.rows.assign(learnt_[2].rows.begin(), learnt_[2].rows.end());
     check.bias.assign(learnt_[2].bias.begin(), learnt_[2].bias.end());
+    check.text_rows.assign(text_[2].rows.begin(), text_[2].rows.end());
+    check.text_bias.assign(text_[2].bias.begin(), text_[2].bias.end());
     return check;
   }
 
  private:
-  /// The appearance, and each part's.
+  /// The appearance, each part's, and the text form.
   void score_parts(Evidence* e) const {
     float sum = 0;
     for (std::size_t k = 0; k < e->weights.size(); ++k) {
@@ -291,6 +295,7 @@ class CheckLearning {
       e->part_weight[part_[k]] += static_cast<double>(e->weights[k]);
     }
     e->appearance = static_cast<double>(sum);
+    e->text = text_[e->half].rows.empty() ? 0 : score_of(text_[e->half], *e, mirrored_);
   }
 
   void choose_examples() {
@@ -309,7 +314,8 @@ class CheckLearning {
   std::vector<Evidence> all_;
   std::vector<const Evidence*> examples_;
   std::vector<float> labels_;
-  Appearance learnt_[3];
+  // Without each half, and of all. The text forms are empty if there are no drawn pictures.
+  Appearance learnt_[3], text_[3];
 };
 
 }  // namespace

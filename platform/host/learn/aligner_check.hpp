@@ -27,8 +27,8 @@ struct AlignerCheckTuning {
 };
 
 /// Learns from the cascade's examples, where its stages left them, and from alignments in pictures without faces: at random
-/// places, and where a detector takes them for faces. Drawn pictures come last: on them the appearance changes, and on all other
-/// examples it stays what it was, as far as it can.
+/// places, and where a detector takes them for faces. Drawn pictures come last: from them the text form is learnt, which is to be 0
+/// on all other examples, as far as it can.
 /// \param others, drawn  pictures without faces. Of drawn ones only what the detector finds is aligned. Either may be empty.
 /// \param detector       its learnt table; may be empty.
 LearntCheck learn_check(AlignerCascade& cascade, const OtherPictures& others, const OtherPictures& drawn,

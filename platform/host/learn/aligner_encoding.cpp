@@ -69,6 +69,14 @@ void put_local(Bytes& bytes, const LearntLocal& w, std::size_t block) {
   put_rows(bytes, q.rows);
 }
 
+void put_check(Bytes& bytes, const std::vector<double>& rows, const std::vector<double>& bias,
+               std::size_t block) {
+  const Quantised q(rows, block);
+  bytes.put_floats(q.scale);
+  bytes.put_floats(bias);
+  put_rows(bytes, q.rows);
+}
+
 /// A component's scale holds the scale of its column of outputs too.
 void put_global(Bytes& bytes, const LearntGlobal& w, std::size_t row) {
   const std::size_t components = w.bias.size(), outputs = w.mean.size();
@@ -141,11 +149,13 @@ std::vector<std::uint8_t> encode_aligner(const std::vector<int>& numbers,
   AlignerCheck written{check.score, check.error, {}, static_cast<std::uint32_t>(bytes.size()), 0};
   std::copy(check.part_mean.begin(), check.part_mean.end(), written.usual);
   std::copy(check.part_scale.begin(), check.part_scale.end(), written.usual + kFaceParts);
+  const std::size_t block = block_bytes(stages.back().shape);
+  put_check(bytes, check.rows, check.bias, block);
+  if (!check.text_rows.empty()) {
+    written.text_byte = static_cast<std::uint32_t>(bytes.size());
+    put_check(bytes, check.text_rows, check.text_bias, block);
+  }
   bytes.replace(check_at, written);
-  const Quantised q(check.rows, block_bytes(stages.back().shape));
-  bytes.put_floats(q.scale);
-  bytes.put_floats(check.bias);
-  put_rows(bytes, q.rows);
   bytes.replace(offsetof(AlignerHeader, total_bytes), static_cast<std::uint32_t>(bytes.size()));
   std::vector<std::uint8_t> out = bytes.take();
   seal_aligner(out.data(), out.size());

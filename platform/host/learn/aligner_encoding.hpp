@@ -39,6 +39,7 @@ struct LearntCheck {
   std::array<float, kFaceParts> part_mean{}, part_scale{};
   std::vector<double> rows;  ///< L x D of the last stage
   std::vector<double> bias;  ///< L
+  std::vector<double> text_rows, text_bias;  ///< of the text form, as many; empty: none
 };
 
 /// Writes the checksum of a table into its header.

@@ -84,4 +84,16 @@ inline Bytes table(float dx = 0, float dy = 0) {
   return bytes;
 }
 
+/// Gives a table a text form: each landmark that is seen adds `bias`.
+inline void add_text(Bytes& bytes, float bias) {
+  using namespace pliant;
+  check(bytes).text_byte = static_cast<std::uint32_t>(bytes.size);
+  bytes.size += check_weight_bytes(stage(bytes, 1), kLandmarks);
+  bytes.words.resize((bytes.size + 3) / 4, 0);
+  bytes.at<AlignerHeader>(0).total_bytes = static_cast<std::uint32_t>(bytes.size);
+  for (std::size_t k = 0; k < kLandmarks; ++k)
+    bytes.at<float>(check(bytes).text_byte + 4 * (kLandmarks + k)) = bias;
+  seal(bytes);
+}
+
 }  // namespace aligner_pattern

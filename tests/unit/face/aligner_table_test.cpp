@@ -85,6 +85,12 @@ TEST_CASE("values out of range do not open, even with the right checksum") {
   CHECK(with([&](Bytes& b) { check(b).usual[0] = nan; }) == Status::bad_table);
   CHECK(with([](Bytes& b) { check(b).usual[7] = 2e3f; }) == Status::bad_table);
   CHECK(with([](Bytes& b) { check(b).first_byte += 4; }) == Status::bad_table);
+  CHECK(with([](Bytes& b) { add_text(b, 1); }) == Status::ok);
+  CHECK(with([](Bytes& b) { add_text(b, 2e3f); }) == Status::bad_table);
+  CHECK(with([](Bytes& b) {
+          add_text(b, 1);
+          check(b).text_byte += 4;
+        }) == Status::bad_table);
 }
 
 TEST_CASE("each landmark belongs to a part of the face, and its counterpart to the part on the other side") {

@@ -92,6 +92,33 @@ TEST_CASE("displacements of all landmarks to the right move the face to the righ
   CHECK(magnitude(moved.y) < 0.6f);
 }
 
+TEST_CASE("the text form only lowers the score, and leaves the estimated error and the parts as they are") {
+  const auto scored_by_appearance = [] {
+    Bytes bytes = aligner_pattern::table();
+    AlignerCheck& check = aligner_pattern::check(bytes);
+    check.score.weight[1] = check.error.weight[1] = 1;
+    for (int k = 0; k < kCheckKnots; ++k) check.score.at[k] = check.error.at[k] = static_cast<float>(k) / 15;
+    check.usual[4] = 1;
+    aligner_pattern::seal(bytes);
+    return bytes;
+  };
+  Bytes with_text = scored_by_appearance();
+  aligner_pattern::add_text(with_text, -0.01f);
+  Rig plain(scored_by_appearance()), textual(with_text);
+  const FaceBox box{{150, 110}, 90};
+  REQUIRE(plain.align(backdrop().view(), box) == Status::ok);
+  REQUIRE(textual.align(backdrop().view(), box) == Status::ok);
+  CHECK(plain.face.score == 0.5f);
+  CHECK(textual.face.score < 0.4f);
+  CHECK(textual.face.landmark_error == plain.face.landmark_error);
+  CHECK(textual.face.least_part == plain.face.least_part);
+  Bytes against_text = scored_by_appearance();
+  aligner_pattern::add_text(against_text, 0.01f);
+  Rig sure(against_text);
+  REQUIRE(sure.align(backdrop().view(), box) == Status::ok);
+  CHECK(sure.face.score == plain.face.score);
+}
+
 TEST_CASE("equal calls give equal bits, whatever came between") {
   Rig a(aligner_pattern::table(3, 2)), b(aligner_pattern::table(3, 2));
   REQUIRE(b.align(backdrop().view(), {{40, 30}, 200}) == Status::ok);
