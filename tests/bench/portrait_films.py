@@ -242,6 +242,27 @@ def half(a, b):
     return -a + 0.05
 
 
+def hat(low, brim):
+    """A crown whose lower edge is that high above the eyes, and a brim that reaches that far to the sides."""
+    def shape(a, b):
+        crown = numpy.maximum(numpy.abs(a) - 0.8 + 0.1 * b, numpy.maximum(b + low, -1.7 - b))
+        return numpy.minimum(crown, 0.13 * (numpy.hypot(a / brim, (b + low - 0.05 * a * a) / 0.13) - 1))
+    return shape
+
+
+def shade(low, factor):
+    """Of a brim: what is less far below the eyes is darker."""
+    def apply(f, n, s):
+        p = dict(zip(s['names'], s['points']))
+        right, left = p['ibug36'], p['ibug45']
+        unit = numpy.hypot(*(left - right))
+        e, middle = (left - right) / unit, (right + left) / 2
+        b = ((Y - middle[1]) * e[0] - (X - middle[0]) * e[1]) / unit
+        lit = numpy.clip((b - low) / 0.2, 0, 1)
+        return f * (factor + (1 - factor) * lit)
+    return apply
+
+
 def arm(f, n, s):
     at = -200 + 9 * (n % 80)
     inside = numpy.clip(20 - numpy.abs(X - at + (Y - 120) / 3) / 1.2, 0, 1)
@@ -333,6 +354,10 @@ KINDS = {  # name: motion, faults, samples of a shutter that is open for half of
     'fingers, then off': (hand, [covered(fingers, 0, 60)], 0),
     'half behind a door, then out': (hand, [covered(half, 0, 60)], 0),
     'fingers come and go': (turning, [covered(fingers, 40, 80), covered(fingers, 100, 140)], 0),
+    'hat': (turning, [shade(0.3, 0.35), covered(hat(0.3, 1.4), 0, 999, 40)], 0),
+    'hat, fog': (turning, [shade(0.3, 0.5), covered(hat(0.35, 1.3), 0, 999, 40), fog], 0),
+    'cap over the brows': (turning, [shade(0.2, 0.5), covered(hat(0.22, 0.9), 0, 999, 60)], 0),
+    'pale cap': (turning, [shade(0.5, 0.6), covered(hat(0.25, 0.8), 0, 999, 200)], 0),
     'arm': (hand, [arm], 0),
     'hidden for a second': (hand, [hidden(60, 85)], 0),
     'leaves and returns': (leaving, [], 0),
