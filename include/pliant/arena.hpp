@@ -76,18 +76,16 @@ class Arena {
     void* const room = take<InDefaultState<T>>(1);
     return room == nullptr ? nullptr : &(new (room) InDefaultState<T>)->object;
   }
-  constexpr void count_as(Purpose purpose) {
-    purpose_ = purpose;
-  }  ///< Sets the purpose of what is taken from now on.
+  /// Sets the purpose of what is taken from now on.
+  constexpr void count_as(Purpose purpose) { purpose_ = purpose; }
   /// `count` values as a span.
   template <class T>
   constexpr Span<T> take_span(std::size_t count) {
     return {take<T>(count), count};
   }
 
-  constexpr bool is_measuring() const {
-    return base_ == nullptr;
-  }  ///< True without a block: sizes are only counted.
+  /// True without a block: sizes are only counted.
+  constexpr bool is_measuring() const { return base_ == nullptr; }
   /// True where the block is aligned to kAlignment.
   bool is_aligned() const { return reinterpret_cast<std::uintptr_t>(base_) % kAlignment == 0; }
   constexpr bool exhausted() const { return exhausted_; }     ///< True once something did not fit.
@@ -124,11 +122,8 @@ class Arena {
     constexpr std::size_t kMost = SIZE_MAX / kAlignment * kAlignment;
     const std::size_t start = used_, bytes = (count * size + kAlignment - 1) / kAlignment * kAlignment;
     exhausted_ = exhausted_ || count > kMost / size || bytes > (base_ == nullptr ? kMost : size_) - start;
-    if (exhausted_) {
-      used_ = base_ == nullptr ? kMost : start;  // measured as more than any block has
-      return nullptr;
-    }
-    used_ = start + bytes;
+    used_ = !exhausted_ ? start + bytes : base_ == nullptr ? kMost : start;  // kMost: more than any block has
+    if (exhausted_) return nullptr;
     if (by_purpose_ != nullptr) by_purpose_[static_cast<std::size_t>(purpose_)] += bytes;
     if (used_ > high_water_) high_water_ = used_;
     return base_ == nullptr ? nullptr : base_ + start;
