@@ -128,9 +128,10 @@ Status Alignment::begin(const FrameView& frame, const Camera& of, const AlignOpt
 Status Alignment::begin_in_box(const FrameView& frame, const FaceBox& box, const Camera& of, const float* q,
                                const AlignOptions& options) {
   for (std::size_t k = 0; k < model().parameters().count; ++k) {
+    const Parameter& p = model().parameters()[k];
     const bool is_held = options.is_free != nullptr && options.is_free[k] == 0;
     if (is_held && !is_finite(q[k])) return Status::bad_argument;
-    start_q[k] = is_held ? q[k] : 0.0f;
+    start_q[k] = is_held ? clamp(q[k], p.minimum, p.maximum) : 0.0f;
   }
   const Status placed = start_in_box(frame, box, of);
   return placed == Status::ok ? begin(frame, of, options, false) : placed;
