@@ -93,7 +93,10 @@ TEST_CASE("sums of pairs are the plain sums") {
 TEST_CASE("samples by pairs are the plain samples, for every window and phase") {
   texture::Random random(5);
   std::vector<std::uint8_t> pixels(64 * 64);
-  for (auto& p : pixels) p = static_cast<std::uint8_t>(random.uniform(0, 2) * random.uniform(0, 256));
+  for (auto& p : pixels) {
+    const int grey = static_cast<int>(random.uniform(0, 2) * random.uniform(0, 256));  // up to 512
+    p = static_cast<std::uint8_t>(grey);
+  }
   pixels[700] = 255;
   for (int window = kMinWindow; window <= kMaxWindow; window += 2) {
     const int row_length = block_stride(window);
