@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "host/io/failure.hpp"
+#include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
 #include "host/io/sources.hpp"
 #include "host/io/words.hpp"

@@ -3,6 +3,7 @@
 /// A model fitted to one image: to points, to a face detector's box, or as an earlier fit.json says.
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/commands/args.hpp"

@@ -9,6 +9,7 @@
 #include "host/commands/tracker_limits.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/sources.hpp"
 
 namespace pliant::host {
 

@@ -2,6 +2,7 @@
 // section 6).
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <set>
 
 #include "host/commands/calibration_option.hpp"
