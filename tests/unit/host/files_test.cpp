@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstring>
 
 #include "cli_run.hpp"
 #include "host/io/failure.hpp"
