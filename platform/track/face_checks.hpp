@@ -39,10 +39,10 @@ struct FaceChecksTuning {
   /// Bad frames in a row after which a track is given up, besides one for each key frame that there is room for: three until it
   /// counts as lost, one for the last good frame.
   int most_bad_frames = 4;
-  /// Blind frames since the last good one, in which the pose had no inliers, after which a track is given up, besides one for each key frame in use: two from the last good
-  /// frame, one from each key frame, one more from the last good frame. After a cut to another picture all are blind. With as
-  /// many bad frames of any kind a track in changing exposure ended in the brightest frames and began anew on what was left
-  /// of the face (docs/experiments.md, Films of portraits with faults).
+  /// Blind frames since the last good one, in which the pose had no inliers, after which a track is given up, besides one for each
+  /// key frame in use: two from the last good frame, one from each key frame, one more from the last good frame. After a cut to
+  /// another picture all are blind. With as many bad frames of any kind a track in changing exposure ended in the brightest frames
+  /// and began anew on what was left of the face (docs/experiments.md, Films of portraits with faults).
   int most_blind_frames = 3;
 };
 inline constexpr FaceChecksTuning kFaceChecksTuning{};

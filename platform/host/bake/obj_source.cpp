@@ -8,11 +8,11 @@
 #include <sstream>
 
 #include "host/bake/albedo_picture.hpp"
-#include "host/bake/material_library.hpp"
 #include "host/bake/at.hpp"
 #include "host/bake/bending_modes.hpp"
 #include "host/bake/chart_raster.hpp"
 #include "host/bake/chart_relaxation.hpp"
+#include "host/bake/material_library.hpp"
 #include "host/bake/obj_file.hpp"
 #include "host/bake/principal_components.hpp"
 #include "host/bake/source_error.hpp"

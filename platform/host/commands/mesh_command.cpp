@@ -116,7 +116,8 @@ void print_report(const ModelMesh& mesh, const std::string& path, std::ostream& 
                 static_cast<double>(error.area_mm2));
   out << line;
   std::snprintf(line, sizeof line, "adapted in %.1f ms: %d splits, %d welds, %s\n", mesh.milliseconds(),
-                mesh.report().splits, mesh.report().welds, reason(mesh.report().stop, size.deepest >= mesh.mesh().limits().max_level));
+                mesh.report().splits, mesh.report().welds,
+                reason(mesh.report().stop, size.deepest >= mesh.mesh().limits().max_level));
   out << line;
 }
 

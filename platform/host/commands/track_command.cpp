@@ -65,8 +65,8 @@ Markers read_markers(const Args& args, const Model& model, ImageSize size) {
     if (has_landmarks(args) && model.find_landmark(p.name.c_str()) != kNone)
       fail_input(p.where, "marker '" + p.name + "' has the name of a landmark, which has columns of its own");
     if (!is_in_picture(p.x, size))
-      fail_input(p.where, "marker '" + p.name + "' is outside the picture of " + std::to_string(size.width) + "x" +
-                              std::to_string(size.height) + " pixels");
+      fail_input(p.where, "marker '" + p.name + "' is outside the picture of " + std::to_string(size.width) +
+                              "x" + std::to_string(size.height) + " pixels");
     markers.names.push_back(p.name);
     markers.x.push_back(p.x);
   }
@@ -242,8 +242,8 @@ Command track_command() {
        {"--mirror", nullptr,
         "mirror every frame first; initial state, markers and results are those of the mirrored frames"},
        {"--freeze", "GROUP",
-        "keep the start's parameters: identity, which else follows what a head that turns far shows of it; or "
-        "expression, which keeps both, so that the pose alone is tracked"},
+        "keep the start's parameters: identity, which else follows what a head that turns far shows of it; "
+        "or expression, which keeps both, so that the pose alone is tracked"},
        {"--profile", "s|m|l",
         "capacities for a small, medium or large device; default: by the frames' width"},
        {"--count", "N", "stop after N frames"},

@@ -24,7 +24,8 @@ class YamlKeys {
   YamlKeys(std::string source, const std::string& text) : source_(std::move(source)) {
     if (text.size() > kMostBytes)
       fail_input(source_, "is larger than " + std::to_string(kMostBytes) + " bytes");
-    if (text.find("<?xml") < 4) fail_input(source_, "is XML; OpenCV writes YAML where the file's name ends in .yml");
+    if (text.find("<?xml") < 4)
+      fail_input(source_, "is XML; OpenCV writes YAML where the file's name ends in .yml");
     try {
       root_ = YAML::Load(text);
     } catch (const YAML::Exception& e) {

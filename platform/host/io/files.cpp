@@ -49,12 +49,13 @@ std::FILE* create_beside(const std::string& target, std::string* path) {
 /// The descriptor that a path like /dev/stdout or /dev/fd/3 names; -1 for any other. Such a path must not be resolved: what the shell
 /// redirects to a file would replace that file.
 int descriptor_of(const std::string& path) {
-  if (path == "/dev/stdout" || path == "/dev/stderr") return path == "/dev/stdout" ? STDOUT_FILENO : STDERR_FILENO;
+  if (path == "/dev/stdout" || path == "/dev/stderr")
+    return path == "/dev/stdout" ? STDOUT_FILENO : STDERR_FILENO;
   for (const std::string folder : {"/dev/fd/", "/proc/self/fd/"}) {
     if (path.rfind(folder, 0) != 0) continue;
     const std::string digits = path.substr(folder.size());
-    const bool is_number = !digits.empty() && digits.size() < 6 &&
-                           digits.find_first_not_of("0123456789") == std::string::npos;
+    const bool is_number =
+        !digits.empty() && digits.size() < 6 && digits.find_first_not_of("0123456789") == std::string::npos;
     return is_number ? std::stoi(digits) : -1;
   }
   return -1;
@@ -181,7 +182,8 @@ void OutputFile::commit() {
     temporary_.clear();
     return;
   }
-  if (errno != EBUSY) fail();  // else a file that is mounted by itself, as in a container: it can be written, not replaced
+  if (errno != EBUSY)
+    fail();  // else a file that is mounted by itself, as in a container: it can be written, not replaced
   std::error_code why;
   std::filesystem::copy_file(temporary_, target_, std::filesystem::copy_options::overwrite_existing, why);
   if (why) fail_input(name_, "writing failed: " + why.message());

@@ -17,8 +17,8 @@ struct Y4mHeader {
   std::size_t luma_bytes = 0, chroma_bytes = 0;  ///< of one frame; chroma: everything after luma
 };
 
-/// Reads "YUV4MPEG2 W320 H240 F25:1 ...", without its line feed. Interlacing and unknown tags are
-/// ignored, and X tags but for that of a limited range; pixels that are not square are an error; a missing or zero rate is 25. Returns the error; empty on success.
+/// Reads "YUV4MPEG2 W320 H240 F25:1 ...", without its line feed. Interlacing and unknown tags are ignored, and X tags but for that
+/// of a limited range; pixels that are not square are an error; a missing or zero rate is 25. Returns the error; empty on success.
 std::string parse_y4m_header(const std::string& line, Y4mHeader& header);
 
 }  // namespace pliant::host

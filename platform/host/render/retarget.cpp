@@ -110,7 +110,8 @@ void set_times(const CsvTable& table, double rate, std::vector<RetargetFrame>* f
   const auto column = table.find_column("time_s");
   for (std::size_t r = 0; r < frames->size(); ++r) {
     const double time = column ? table.precise_number(r, *column) : static_cast<double>(r) / rate;
-    const double first = r > 0 ? frames->front().time_s : time, before = r > 0 ? (*frames)[r - 1].time_s : time;
+    const double first = r > 0 ? frames->front().time_s : time,
+                 before = r > 0 ? (*frames)[r - 1].time_s : time;
     if (r > 0 && !(static_cast<float>(time - first) > static_cast<float>(before - first)))
       fail_input(table.where(r), "column 'time_s' does not ascend");
     (*frames)[r].time_s = time;
@@ -150,7 +151,8 @@ Retargeted retarget(const CsvTable& table, const Model& model, const RetargetSet
   while (known < rows.size() && is_lost(table, known, used)) ++known;
   if (known == rows.size()) {
     std::string why = "has no row with a pose or expression of the model";
-    for (const std::string& name : out.unmatched) why += (&name == &out.unmatched[0] ? "; it does not have " : ", ") + name;
+    for (const std::string& name : out.unmatched)
+      why += (&name == &out.unmatched[0] ? "; it does not have " : ", ") + name;
     fail_input(table.source(), why);
   }
   const std::vector<float> identity = identity_of(model, setup, rows);

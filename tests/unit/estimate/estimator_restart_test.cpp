@@ -251,7 +251,8 @@ TEST_CASE("revise corrects the rotation and what is not free, within limits; the
   CHECK(e->revise(q.data(), turn) == Status::bad_argument);
   q[2] = 0;
   CHECK(e->revise(q.data(), {1, 0, std::numeric_limits<float>::infinity(), 0}) == Status::bad_argument);
-  for (const float w : {0.0f, 1e-30f, 2.0f, 1e30f}) CHECK(e->revise(q.data(), {w, 0, 0, 0}) == Status::bad_argument);
+  for (const float w : {0.0f, 1e-30f, 2.0f, 1e30f})
+    CHECK(e->revise(q.data(), {w, 0, 0, 0}) == Status::bad_argument);
   CHECK(e->parameters()[0] == scene.q[0]);
   REQUIRE(e->revise(q.data(), turn) == Status::ok);
   CHECK(e->parameters()[0] == scene.model.parameters()[0].maximum);

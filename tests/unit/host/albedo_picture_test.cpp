@@ -144,7 +144,8 @@ TEST_CASE("bake takes the pictures of the OBJ file's materials") {
     CHECK(ModelFile(table).model().albedo().pixels == nullptr);
   }
   SUBCASE("materials that no file has are told; a byte order mark and several files a line are none") {
-    folder.put("paints.mtl", "\xef\xbb\xbfnewmtl left\nmap_kd dark.png\nnewmtl right # comment\nmap_Kd dark.png\n");
+    folder.put("paints.mtl",
+               "\xef\xbb\xbfnewmtl left\nmap_kd dark.png\nnewmtl right # comment\nmap_Kd dark.png\n");
     const Ran result = run_words(words);
     REQUIRE(result.code == 0);
     CHECK(contains(result.err, "no material file has the material 'right'"));

@@ -121,7 +121,8 @@ TEST_CASE("files without a calibration are refused with a message that names the
     CHECK(said != "");
     CHECK(contains(said, c.part));
   }
-  CHECK(contains(refusal("<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>640</image_width>\n"), "is XML"));
+  CHECK(contains(refusal("<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>640</image_width>\n"),
+                 "is XML"));
   CHECK(refusal("") != "");
   CHECK(refusal(std::string(5000, '[')) != "");
   CHECK(refusal(std::string("a: [\n") + std::string(1 << 20, '1')) != "");

@@ -263,7 +263,8 @@ TEST_CASE("a JPEG is embedded unchanged but without its EXIF data") {
   const std::string marked = plain.substr(0, 2) + exif + plain.substr(2);
   CHECK(address_bytes(picture_address(image_in("m.jpg", marked), marked)) == plain);
   CHECK(address_bytes(picture_address(image, plain)) == plain);
-  const std::string filled = plain.substr(0, 2) + "\xff\xff" + exif + plain.substr(2);  // two fill bytes before the marker
+  const std::string filled =
+      plain.substr(0, 2) + "\xff\xff" + exif + plain.substr(2);  // two fill bytes before the marker
   CHECK(address_bytes(picture_address(image, filled)) == plain);
   const std::string png = encode_png(image);
   CHECK(address_bytes(picture_address(image, png)) == png);

@@ -309,7 +309,8 @@ TEST_CASE("pixels that are not square are refused: a face would be too narrow") 
     Y4mHeader h;
     CHECK(parse_y4m_header(std::string("YUV4MPEG2 ") + aspect + "W4 H3", h).empty());
   }
-  for (const char* aspect : {"A2:1 ", "A128:117 ", "A1002:1000 ", "A1000:1002 ", "A1:0 ", "A-1:-1 ", "A ", "A1 "}) {
+  for (const char* aspect :
+       {"A2:1 ", "A128:117 ", "A1002:1000 ", "A1000:1002 ", "A1:0 ", "A-1:-1 ", "A ", "A1 "}) {
     CAPTURE(aspect);
     Y4mHeader h;
     CHECK(contains(parse_y4m_header(std::string("YUV4MPEG2 ") + aspect + "W4 H3", h), "not square"));
@@ -320,7 +321,8 @@ TEST_CASE("a limited range is read as the full one") {
   const Folder folder;
   const std::string luma{'\0', '\x10', '\x11', '\x7e', '\xeb', '\xff'};
   for (const char* range : {"", "XCOLORRANGE=FULL ", "XCOLORRANGE=LIMITED "}) {
-    const Run run = read_all(folder.write("r.y4m", std::string("YUV4MPEG2 W3 H2 Cmono ") + range + "F25:1\nFRAME\n" + luma));
+    const Run run = read_all(
+        folder.write("r.y4m", std::string("YUV4MPEG2 W3 H2 Cmono ") + range + "F25:1\nFRAME\n" + luma));
     REQUIRE(run.frames.size() == 1);
     const std::string full{'\0', '\0', '\x01', '\x80', '\xff', '\xff'};
     CHECK(run.frames[0] == (std::string(range) == "XCOLORRANGE=LIMITED " ? full : luma));

@@ -152,7 +152,8 @@ TEST_CASE("a start of the caller's that fails forgets the markers of the track b
   Film film(label(), limits);
   const Vec2 marker{160, 120};
   const Image first = picture(0);
-  REQUIRE(film.tracker->start_from_pose(view(first, film), kCamera, kPose, nullptr, {}, {&marker, 1}) == Status::ok);
+  REQUIRE(film.tracker->start_from_pose(view(first, film), kCamera, kPose, nullptr, {}, {&marker, 1}) ==
+          Status::ok);
   for (int k = 0; k < 6; ++k) REQUIRE(film.show(picture(film.count)) == Status::ok);
   lose(film);
   const Image grey(kWidth, kHeight, 1, 90);

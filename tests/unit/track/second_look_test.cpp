@@ -213,15 +213,23 @@ TEST_CASE("who tells the tracker where landmarks or markers are, or who the pers
     REQUIRE(tracker->start_from_landmarks(film().view(0), {points.data(), points.size()}, {}, {},
                                           {&marker, 1}) == Status::ok);
   }
-  SUBCASE("few landmarks, with a marker far beside the head, which is behind the camera when the head has turned") {
+  SUBCASE(
+      "few landmarks, with a marker far beside the head, which is behind the camera when the head has "
+      "turned") {
     static const FaceFilm* turning = new FaceFilm(
-        320, 240, kFrames, [](float s, Pose& pose, auto&) { pose.q = exp_rotation({0, 0.5f * min(1.0f, 5 * s), 0}); }, 0.5f);
+        320, 240, kFrames,
+        [](float s, Pose& pose, auto&) {
+          pose.q = exp_rotation({0, 0.5f * min(1.0f, 5 * s), 0});
+        },
+        0.5f);
     FakeFaces turns(*turning);
     const Vec2 far{1500, 120};
     InArena<Tracker> marked(baked_face().model, limits);
     std::vector<NamedPoint> points;
-    for (const char* name : {"ibug36", "ibug45", "ibug33", "ibug48", "ibug54"}) points.push_back({name, turning->truth(name, 0)});
-    REQUIRE(marked->start_from_landmarks(turning->view(0), {points.data(), points.size()}, {}, {}, {&far, 1}) == Status::ok);
+    for (const char* name : {"ibug36", "ibug45", "ibug33", "ibug48", "ibug54"})
+      points.push_back({name, turning->truth(name, 0)});
+    REQUIRE(marked->start_from_landmarks(turning->view(0), {points.data(), points.size()}, {}, {},
+                                         {&far, 1}) == Status::ok);
     const int at_start = turns.alignments;
     for (std::size_t k = 1; k < kFrames; ++k) update(marked.object, *turning, k);
     Vec2 x;
