@@ -117,7 +117,7 @@ class Fitter {
   Status fit(Span<const Correspondence> points, const FitOptions& options, float* q, FitReport* report,
              const FitDetails& details = {});
 
-  /// Whether the last fit matched a silhouette point to the silhouette, away from its own (u,v).
+  /// Whether the last fit matched a silhouette point elsewhere than at its own (u,v).
   /// \pre point < FitLimits::points; laid out.
   bool has_slid(std::size_t point) const;
 

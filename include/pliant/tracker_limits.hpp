@@ -42,8 +42,8 @@ struct TrackerLimits {
   /// memory; points outside it are not observed.
   std::uint16_t region_width = 0, region_height = 0;
   std::uint16_t patches = 128;  ///< templates captured in frame 0, at least 8
-  std::uint16_t key_patches =
-      64;  ///< templates captured in all later key frames: at least one each; or 0, and there are none
+  /// Templates captured in all later key frames together: at least one in each, or 0, and there are none.
+  std::uint16_t key_patches = 64;
   std::uint8_t key_frames = 4;      ///< later key frames kept at a time
   std::uint16_t markers = 0;        ///< image points that are tracked with the surface and never observed
   std::uint16_t curve_points = 96;  ///< edge points on lids, lips and brows; 0: edges are not matched there

@@ -55,8 +55,8 @@ constexpr float acceleration(int unknown) {
 
 float low_pass_gain(float cutoff_hz, float seconds) {
   constexpr float kTwoPi = 6.2831853f;
-  constexpr float kAll =
-      1e9f;  // far more than what a quotient still tells from 1; a speed in empty ranges is infinite
+  // Far more than what a quotient still tells from 1: a speed in empty ranges is infinite.
+  constexpr float kAll = 1e9f;
   const float x = kTwoPi * cutoff_hz * seconds;
   return x < kAll ? x / (1 + x) : 1.0f;
 }

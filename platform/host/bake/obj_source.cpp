@@ -42,8 +42,10 @@ std::vector<std::string> libraries_in(const std::string& folder, const std::vect
     std::istringstream words(line);
     const std::vector<std::string> each{std::istream_iterator<std::string>(words), {}};
     const bool are_several = each.size() > 1 && !fs::exists(folder + line) && fs::exists(folder + each[0]);
-    names.insert(names.end(), are_several ? each.begin() : each.end(), each.end());
-    if (!are_several) names.push_back(line);
+    if (are_several)
+      names.insert(names.end(), each.begin(), each.end());
+    else
+      names.push_back(line);
   }
   return names;
 }

@@ -182,8 +182,8 @@ void OutputFile::commit() {
     temporary_.clear();
     return;
   }
-  if (errno != EBUSY)
-    fail();  // else a file that is mounted by itself, as in a container: it can be written, not replaced
+  if (errno != EBUSY) fail();
+  // A file that is mounted by itself, as in a container, can be written, not replaced.
   std::error_code why;
   std::filesystem::copy_file(temporary_, target_, std::filesystem::copy_options::overwrite_existing, why);
   if (why) fail_input(name_, "writing failed: " + why.message());
