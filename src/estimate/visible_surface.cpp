@@ -97,6 +97,8 @@ void VisibleSurface::follow_view(Cascade& cascade, const ModelState& state, std:
   const AdaptReport report = adapter_.adapt(options);
   if (report.splits + report.welds == 0) return;
   if (!keeps_samples()) return update(cascade, state, frame, 1, true);
+  // One that is welded before its turn to be renewed would keep its samples, where a split takes its id for the same place.
+  if (first_outdated_ != kNone) forget_unused_samples();
   for (VertexId v : mesh_.vertices()) {
     const Vec2 uv = mesh_.uv(v);
     if (uv.x != uv_[v].x || uv.y != uv_[v].y) place_vertex(cascade, state.q, v);

@@ -36,6 +36,39 @@ struct Rig {
   }
 };
 
+/// The surface of a person that changes while the mesh becomes coarser, `lead` frames after it has begun to. \return vertices that
+/// are not on it when the mesh is fine again.
+std::size_t count_old_vertices(std::uint32_t lead) {
+  Rig rig;
+  MeshPolicy follows;
+  follows.operations = 100;
+  follows.view = {pose_of(rig.egg.state.view), rig.egg.camera.f, 320, 240, 640, 480};
+  follows.view.tolerance_px = 0.005f;
+  REQUIRE(rig.surface->start(rig.egg.model) == Status::ok);
+  rig.surface->adapt(rig.egg.cascade.object, rig.egg.state, follows);
+  rig.update(0, 1);
+  const int fine = rig.surface->mesh().vertex_count();
+  std::uint32_t frame = 1;
+  const auto follow_at = [&](float distance_mm, std::uint32_t frames) {
+    rig.egg.pose({{}, {0, 5, distance_mm}});
+    for (const std::uint32_t end = frame + frames; frame < end; ++frame) {
+      rig.surface->follow_view(rig.egg.cascade.object, rig.egg.state, frame);
+      rig.update(frame, 4);
+    }
+  };
+  follow_at(7000, lead);
+  rig.egg.q[0] = 1;
+  rig.egg.cascade->set_free(Group::expression);
+  rig.surface->revise(rig.egg.state.q, {});
+  CHECK(rig.exact_count() == 0);
+  follow_at(7000, 64);
+  CHECK(rig.surface->mesh().vertex_count() < fine - 50);
+  follow_at(700, 64);
+  CHECK(rig.surface->mesh().vertex_count() >= fine);
+  rig.update(frame, 1);
+  return static_cast<std::size_t>(rig.surface->mesh().vertex_count()) - rig.exact_count();
+}
+
 }  // namespace
 
 TEST_CASE("all vertices lie on the surface after a full update, with samples and without") {
@@ -191,6 +224,14 @@ TEST_CASE("a finer tolerance gives a finer mesh, and operations follow the view 
     CHECK(rig.surface->mesh().vertex_count() <= 150);
   }
   CHECK(rig.surface->mesh().validate().invariant == 0);
+}
+
+TEST_CASE(
+    "a vertex that is welded and split again while samples are renewed has none of the person before") {
+  for (std::uint32_t lead = 0; lead < 32; ++lead) {
+    CAPTURE(lead);
+    CHECK(count_old_vertices(lead) == 0);
+  }
 }
 
 }  // namespace visible_surface_test
