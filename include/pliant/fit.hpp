@@ -108,8 +108,8 @@ class Fitter {
   ///                without parameters.
   /// \return ok, or with nothing changed:
   ///   - bad_argument: null points, q or report; NaN; a point beyond a million px; sd_px <= 0; uv outside [0,1]^2; no image
-  ///     size; focal length, stiffness or misfit < 0; a start that is no view; silhouette points without room for them; a camera
-  ///     that Lens::make refuses
+  ///     size; focal length, stiffness, misfit, steps or decrease of the dynamics < 0, or their delta not above 0; a start that
+  ///     is no view; silhouette points without room for them; a camera that Lens::make refuses
   ///   - capacity: more points than the limits, or the fitter was never laid out
   ///   - too_few_points
   ///   - underdetermined: all points are on one line of the image, or the pose stays open

@@ -36,6 +36,8 @@ Status check_points(Span<const Correspondence> points, const FitOptions& options
   if (options.width <= 0 || options.height <= 0 || !is_finite(options.focal_px) || options.focal_px < 0 ||
       !(options.stiffness >= 0) || !(options.misfit_mm >= 0))
     return Status::bad_argument;
+  const EulerOptions& euler = options.euler;
+  if (!(euler.delta > 0) || euler.steps < 0 || !(euler.relative_decrease >= 0)) return Status::bad_argument;
   if (options.start != nullptr && !is_possible(pose_of(*options.start), camera_of(*options.start)))
     return Status::bad_argument;
   for (const Correspondence& c : points) {

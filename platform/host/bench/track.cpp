@@ -230,7 +230,7 @@ void bench_cues(std::ostream& out, const ModelFile& file) {
 }
 
 void bench_drift(std::ostream& out, const ModelFile& file) {
-  constexpr std::size_t kFrames = 5000, kCycle = 2 * kUnique - 2;
+  constexpr std::size_t kFrameCount = 5000, kCycle = 2 * kUnique - 2;
   const Model& model = file.model();
   const Film film(model, {320, 240});
   TrackerLimits limits;
@@ -238,7 +238,7 @@ void bench_drift(std::ostream& out, const ModelFile& file) {
   Owned<Cascade> cascade(model);
   require(tracker->start_from_pose(film.view(0), film.camera, film.poses[0], film.q[0].data()), "start");
   double sum = 0;
-  for (std::size_t n = 1; n <= kFrames; ++n) {
+  for (std::size_t n = 1; n <= kFrameCount; ++n) {
     FrameResult result;
     require(tracker->update(film.view(n), &result), "frame");
     sum += landmark_error(model, film, n, *tracker, *cascade);

@@ -68,8 +68,7 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
   }
   std::vector<CLI::Option*> positional;
   for (std::size_t k = 0; k < operands + optional; ++k)
-    positional.push_back(
-        app.add_option(k == 0 ? "FILE" : "FILE" + std::to_string(k + 1))->required(k < operands));
+    positional.push_back(app.add_option("operand" + std::to_string(k + 1)));
   std::vector<std::string> backwards(words.rbegin(), words.rend());
   for (std::string& word : backwards)
     if (word.rfind("-o=", 0) == 0) word.erase(2, 1);  // else the value of a short option begins with the =
@@ -82,6 +81,7 @@ Args::Args(const std::vector<std::string>& words, const std::vector<Option>& opt
     if (given->count() > 0 && !given->get_positional()) values_[given->get_name()] = given->results();
   for (const CLI::Option* given : positional)
     if (given->count() > 0) operands_.push_back(given->results()[0]);
+  if (operands_.size() < operands) fail_usage("an operand is missing");
   check_files(options);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/io/ibug_names.hpp"
 #include "host/learn/painting.hpp"
 
 namespace pliant::host::learn {
@@ -54,9 +55,7 @@ class Canvas {
 
  private:
   std::size_t number(int k) const {
-    const std::string name =
-        std::string("ibug") + static_cast<char>('0' + k / 10) + static_cast<char>('0' + k % 10);
-    return model_.find_landmark(name.c_str());
+    return model_.find_landmark(ibug_name(k).c_str());
   }
   void measure_skin() {
     float sum = 0, count = 0;

@@ -21,7 +21,7 @@ TEST_CASE("bad usage exits with 2 and names the wrong argument") {
       {{"dance"}, "no such command: dance"},
       {{"plan", "--mhz", "-1"}, "--mhz: not a number from 0.001 to 1000000: -1"},
       {{"plan", "m.plm", "b"}, "argument was not expected: b"},
-      {{"info"}, "FILE is required"},
+      {{"info"}, "an operand is missing"},
       {{"info", "a", "b"}, "argument was not expected: b"},
       {{"fit", "m.plm", "--points", "p.csv"}, "-o is missing"},
       {{"fit", "m.plm", "-o", "f.json"}, "one of --points, --box, --pose and --image"},
