@@ -211,6 +211,19 @@ Vec3 sample_at(const std::uint8_t* samples, const Field& f, const ChartPoint& at
   return is_in_support(f, at) ? sample_in_support(samples, f, at, interpolation) : Vec3{};
 }
 
+void add_row(const std::uint8_t* samples, const Field& f, float amount, const ChartRow& row,
+             Interpolation interpolation, Span<Vec3> sums) {
+  if (row.v < f.v0 || row.v > f.v1) return;
+  const bool is_usual = interpolation == Interpolation::bilinear && f.components == 3 && f.bits == 16;
+  for (std::size_t k = 0; k < sums.count; ++k) {
+    const ChartPoint at({static_cast<float>(row.first + k) / static_cast<float>(row.steps), row.v});
+    if (!is_in_support(f, at)) continue;
+    const Vec3 value = is_usual ? sample_words(samples, f, locate(f, at))
+                                : sample_in_support(samples, f, at, interpolation);
+    sums[k] = sums[k] + amount * value;
+  }
+}
+
 Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,
                   Vec3* dv) {
   const ChartPoint at(uv);

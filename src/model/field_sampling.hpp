@@ -37,6 +37,16 @@ Vec3 sample_at(const std::uint8_t* samples, const Field& f, const ChartPoint& at
 Vec3 sample_with_gradient(const std::uint8_t* samples, const Field& f, const ChartPoint& at,
                           Interpolation interpolation, Vec3* du, Vec3* dv);
 
+/// Points of a row of a grid over the chart: those at u = first / steps, (first + 1) / steps, ...
+struct ChartRow {
+  float v;
+  std::size_t first, steps;
+};
+
+/// Adds amount * `f` at the points of a row to `sums`: the bits of `sample_at`, in a third of its instructions.
+void add_row(const std::uint8_t* samples, const Field& f, float amount, const ChartRow& row,
+             Interpolation interpolation, Span<Vec3> sums);
+
 /// Value of `f` at (u,v), from samples that start at `samples` + f.first_byte. With `du`, also the derivatives along u and
 /// v, in `du` and `dv`; null for both otherwise.
 Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,

@@ -33,6 +33,16 @@ bool VectorSum::has_samples_at_nodes(const Field& f) const {
          lies_at_nodes(f.v0, f.v1, f.height, height_);
 }
 
+/// False where the field is zero at the nodes (first, j) to (last, j).
+bool VectorSum::overlaps(const Field& f, std::size_t first, std::size_t last, std::size_t j) const {
+  constexpr float kMargin = 0.5f;  // nodes: a corner may be rounded
+  const float across = static_cast<float>(width_ - 1), down = static_cast<float>(height_ - 1);
+  const float low_u = f.mirror ? 1 - f.u1 : f.u0, high_u = f.mirror ? 1 - f.u0 : f.u1;
+  return static_cast<float>(j) > f.v0 * down - kMargin && static_cast<float>(j) < f.v1 * down + kMargin &&
+         static_cast<float>(last) > low_u * across - kMargin &&
+         static_cast<float>(first) < high_u * across + kMargin;
+}
+
 bool VectorSum::applies() const {
   const auto cascade = model_.cascade();
   for (std::size_t n = 0; n < records_.count; ++n) {
@@ -60,6 +70,7 @@ void VectorSum::compute(std::size_t first, std::size_t j, Interpolation interpol
     const CascadeRecord& r = model_.cascade()[records_[n]];
     const Field& field = model_.fields()[r.field];
     const float amount = q_[r.parameter[0]];
+    if (!overlaps(field, first, first + out.count - 1, j)) continue;
     if (has_samples_at_nodes(field))
       add_samples(field, amount, first, j, out);
     else
@@ -70,10 +81,7 @@ void VectorSum::compute(std::size_t first, std::size_t j, Interpolation interpol
 void VectorSum::add(const Field& f, float amount, std::size_t first, std::size_t j,
                     Interpolation interpolation, Span<Vec3> out) const {
   const float v = static_cast<float>(j) / static_cast<float>(height_ - 1);
-  for (std::size_t i = 0; i < out.count; ++i) {
-    const float u = static_cast<float>(first + i) / static_cast<float>(width_ - 1);
-    out[i] = out[i] + amount * sample_at(model_.samples(), f, ChartPoint({u, v}), interpolation);
-  }
+  add_row(model_.samples(), f, amount, {v, first, width_ - 1}, interpolation, out);
 }
 
 void VectorSum::add_samples(const Field& f, float amount, std::size_t first, std::size_t j,
