@@ -20,12 +20,14 @@ struct Fitter::State {
   Vec3* position = nullptr;                 // a point, while the shape is held
   Correspondence* ideal = nullptr;          // the points without the lens
   float* q = nullptr;                       // the present parameters
+  float* first_q = nullptr;                 // those that the stages begin with
 
   void lay_out(Arena& arena, const Model& model, const FitLimits& most);
   Status fit(Span<const Correspondence> points, const FitOptions& options, float* result, FitReport* report,
              const FitDetails& details);
   void start(FitProblem& problem);
-  int minimise_in_stages(FitProblem& problem, bool has_silhouette);
+  int minimise(FitProblem& problem, bool has_silhouette);
+  int minimise_in_stages(FitProblem& problem, bool has_silhouette, bool moves_back);
   bool match_silhouette(const FitProblem& problem);
   Status finish(FitProblem& problem, FitReport* report, const FitDetails& details);
 };
@@ -84,6 +86,7 @@ void Fitter::State::lay_out(Arena& arena, const Model& model, const FitLimits& m
   position = arena.take<Vec3>(limits.points);
   ideal = arena.take<Correspondence>(limits.points);
   q = arena.take<float>(model.parameters().count);
+  first_q = arena.take<float>(model.parameters().count);
   fold_over.lay_out(arena, model, limits.samples_base_mesh);
   others.lay_out(arena, model);
   if (!limits.silhouette) return;
@@ -152,9 +155,9 @@ Status Fitter::State::fit(Span<const Correspondence> points, const FitOptions& o
   start(problem);
   others.start(q);
   FitReport out;
-  out.iterations = minimise_in_stages(problem, has_silhouette);
+  out.iterations = minimise(problem, has_silhouette);
   if (options.start == nullptr && others.find_better(problem, fold_over.positions()))
-    out.iterations += minimise_in_stages(problem, has_silhouette);
+    out.iterations += minimise(problem, has_silhouette);
   const Status status = finish(problem, &out, details);
   if (status != Status::ok) return status;
   for (std::size_t i = 0; i < cascade.parameter_count(); ++i) result[i] = q[i];
@@ -192,23 +195,38 @@ void Fitter::State::start(FitProblem& problem) {
   problem.focal_is_known = options.focal_px > 0;
 }
 
+/// Hardly any fit folds the surface over. So its stages are looked at only where it has, when they are made once more.
 /// \return iterations.
-int Fitter::State::minimise_in_stages(FitProblem& problem, bool has_silhouette) {
+int Fitter::State::minimise(FitProblem& problem, bool has_silhouette) {
+  const std::size_t parameters = work.cascade.parameter_count();
+  const View view = problem.view;
+  for (std::size_t i = 0; i < parameters; ++i) first_q[i] = problem.q[i];
+  fold_over.start(work.cascade, problem.q);
+  const int iterations = minimise_in_stages(problem, has_silhouette, false);
+  fold_over.see(problem.q);
+  if (!fold_over.has_folded()) return iterations;
+  problem.view = view;
+  for (std::size_t i = 0; i < parameters; ++i) problem.q[i] = first_q[i];
+  return iterations + minimise_in_stages(problem, has_silhouette, true);
+}
+
+/// \param moves_back  a stage that folds the surface over is moved back towards where it began.
+int Fitter::State::minimise_in_stages(FitProblem& problem, bool has_silhouette, bool moves_back) {
   const FitOptions& options = problem.options;
   const int stages = kFitTuning.stages, matches = has_silhouette ? kFitTuning.silhouette_matches : 1;
   const int each = options.iterations / (stages * matches), most = each > 0 ? each : 1;
   int iterations = 0;
-  fold_over.start(work.cascade, problem.q);
-  fold_over.move_back(problem.q);
+  if (moves_back) {
+    fold_over.expect_shapes();
+    fold_over.move_back(problem.q);
+  }
   for (int stage = 0; stage < stages; ++stage)
     for (int k = 0; k < matches; ++k) {
       const bool slides = has_silhouette && match_silhouette(problem);
       problem.loss = !options.robust ? Loss::squares : stage == stages - 1 ? Loss::tukey : Loss::huber;
       if (options.robust) problem.update_scale();
       iterations += problem.minimise(most).iterations;
-      // The next match needs the present shape only where a landmark slides along its contour.
-      const bool needs_shape = slides || k + 1 == matches;
-      if (!needs_shape || !fold_over.move_back(problem.q)) continue;
+      if (!moves_back || !(slides || k + 1 == matches) || !fold_over.move_back(problem.q)) continue;
       problem.hold_shape(position);  // the pose follows
       iterations += problem.minimise(most).iterations;
       problem.held_position = nullptr;
@@ -216,14 +234,23 @@ int Fitter::State::minimise_in_stages(FitProblem& problem, bool has_silhouette) 
   return iterations;
 }
 
-/// At the shape that fold_over has seen last. \return whether a landmark is away from its own place.
+/// \return whether a landmark is away from its own place.
 bool Fitter::State::match_silhouette(const FitProblem& problem) {
   const Projector projector(problem.view, true);
-  silhouette->begin(fold_over.positions());
-  bool slides = false;
+  bool has_contour = false, slides = false;
   for (std::size_t i = 0; i < problem.points.count; ++i) {
-    if (!problem.points[i].is_silhouette) continue;
-    const SilhouetteMatch match = silhouette->match(work.cascade, problem.q, projector, problem.points[i]);
+    const Correspondence& landmark = problem.points[i];
+    if (!landmark.is_silhouette) continue;
+    SilhouetteMatch match{landmark.uv, {}};
+    if (SilhouetteMatcher::is_turned_away(work.cascade, problem.q, projector, landmark.uv)) {
+      if (!has_contour) {
+        fold_over.expect_shapes();
+        fold_over.see(problem.q);
+        silhouette->find_contour(fold_over.positions(), projector);
+      }
+      has_contour = true;
+      match = silhouette->nearest(landmark);
+    }
     work.contour_normal[i] = match.normal;
     slides = slides || dot(match.normal, match.normal) > 0;
     work.cascade.sample_point(match.uv, problem.q, work.samples_of(i));

@@ -14,21 +14,34 @@ void FoldOverGuard::lay_out(Arena& arena, const Model& model, bool samples) {
 }
 
 void FoldOverGuard::start(const Cascade& cascade, const float* q) {
-  if (!test_.is_started()) {
-    test_.start_at_rest(*cascade_);
-    const auto uv = cascade_->model().base_uv();
-    for (std::size_t v = 0; !samples_.empty() && v < uv.count; ++v)
-      cascade_->sample_point(uv[v], q, samples_.data + v * cascade_->model().cascade().count);
-  }
+  if (!test_.is_started()) test_.start_at_rest(*cascade_);
   for (std::size_t i = 0; i < cascade_->parameter_count(); ++i)
     valid_q_[i] = cascade.column_of(i) == kNone ? q[i] : 0.0f;
   compute_positions(valid_q_, valid_position_);
+  seen_ = valid_position_;
+}
+
+void FoldOverGuard::expect_shapes() {
+  if (has_samples_ || samples_.empty()) return;
+  const auto uv = cascade_->model().base_uv();
+  for (std::size_t v = 0; v < uv.count; ++v)
+    cascade_->sample_point(uv[v], valid_q_, samples_.data + v * cascade_->model().cascade().count);
+  has_samples_ = true;
 }
 
 void FoldOverGuard::compute_positions(const float* q, Vec3* position) {
-  if (samples_.empty()) return test_.compute_positions(*cascade_, q, position);
+  if (!has_samples_) return test_.compute_positions(*cascade_, q, position);
   for (std::size_t v = 0; v < cascade_->model().base_uv().count; ++v)
     position[v] = cascade_->evaluate(samples_.data + v * cascade_->model().cascade().count, q);
+}
+
+void FoldOverGuard::see(const float* q) {
+  compute_positions(q, position_);
+  seen_ = position_;
+}
+
+bool FoldOverGuard::has_folded() {
+  return step_fraction() < 1;
 }
 
 /// Of the step from valid_position_ to position_. Which faces are meant to fold over takes most of a short fit's time to find
@@ -44,7 +57,7 @@ float FoldOverGuard::step_fraction() {
 bool FoldOverGuard::move_back(float* q) {
   const std::size_t parameters = cascade_->parameter_count();
   for (int k = 0; k < kFitTuning.fold_over_tries; ++k) {
-    compute_positions(q, position_);
+    see(q);
     const float fraction = step_fraction();
     if (fraction == 1) {
       for (std::size_t i = 0; i < parameters; ++i) valid_q_[i] = q[i];
@@ -56,6 +69,7 @@ bool FoldOverGuard::move_back(float* q) {
     for (std::size_t i = 0; i < parameters; ++i) q[i] = valid_q_[i] + fraction * (q[i] - valid_q_[i]);
   }
   for (std::size_t i = 0; i < parameters; ++i) q[i] = valid_q_[i];
+  seen_ = valid_position_;
   return true;
 }
 

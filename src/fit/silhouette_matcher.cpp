@@ -13,13 +13,14 @@ bool is_within_reach(Vec2 own, Vec2 uv) {
   return magnitude(uv.y - own.y) <= kTuning.reach_v && magnitude(uv.x - own.x) <= reach_u;
 }
 
-bool is_turned_away(Cascade& cascade, const float* q, const Projector& projector, Vec2 uv) {
+}  // namespace
+
+bool SilhouetteMatcher::is_turned_away(Cascade& cascade, const float* q, const Projector& projector,
+                                       Vec2 uv) {
   const SurfaceFrame own = cascade.surface_frame(uv, q);
   const Vec3 normal = projector.rotated(normalised(cross(own.pv, own.pu)));
   return -dot(normal, normalised(projector.to_camera(own.p))) < kTuning.turned_away_cosine;
 }
-
-}  // namespace
 
 void SilhouetteMatcher::lay_out(Arena& arena, const Model& model) {
   MeshLimits limits;
@@ -31,36 +32,25 @@ void SilhouetteMatcher::lay_out(Arena& arena, const Model& model) {
   image_ = arena.take<Vec2>(limits.vertices);
   vertex_depth_ = arena.take<float>(limits.vertices);
   contour_ = arena.take_span<SilhouettePoint>(limits.vertices);
-  found_ = 0;
 }
 
 Status SilhouetteMatcher::start(const Model& model) {
   found_ = 0;
-  is_found_ = true;
   return mesh_.set_base(model.base_uv(), model.base_corners());
 }
 
-void SilhouetteMatcher::begin(const Vec3* position) {
-  position_ = position;
-  is_found_ = false;
-}
-
-void SilhouetteMatcher::find_contour(const Projector& projector) {
+void SilhouetteMatcher::find_contour(const Vec3* position, const Projector& projector) {
   for (VertexId v : mesh_.vertices())
     vertex_depth_[v] =
-        projector.project(position_[v], &image_[v]) ? projector.to_camera(position_[v]).z : -1.0f;
+        projector.project(position[v], &image_[v]) ? projector.to_camera(position[v]).z : -1.0f;
   depth_.draw(mesh_, image_, vertex_depth_);
-  const std::size_t found = finder_.find({mesh_, position_, image_, vertex_depth_}, projector, &depth_,
+  const std::size_t found = finder_.find({mesh_, position, image_, vertex_depth_}, projector, &depth_,
                                          kVisibilityTuning.hidden_margin_mm, contour_);
   found_ = found < contour_.count ? found : contour_.count;
-  is_found_ = true;
 }
 
-SilhouetteMatch SilhouetteMatcher::match(Cascade& cascade, const float* q, const Projector& projector,
-                                         const Correspondence& landmark) {
+SilhouetteMatch SilhouetteMatcher::nearest(const Correspondence& landmark) const {
   SilhouetteMatch best{landmark.uv, {}};
-  if (!is_turned_away(cascade, q, projector, landmark.uv)) return best;
-  if (!is_found_) find_contour(projector);
   float nearest = 1e30f;
   for (std::size_t k = 0; k < found_; ++k) {
     const SilhouettePoint& o = contour_[k];

@@ -25,16 +25,16 @@ class SilhouetteMatcher {
   /// \return the statuses of Mesh::set_base.
   Status start(const Model& model);
 
-  /// Begins matches to the contour of the base mesh at one pose. It is found for the first landmark that needs it.
-  /// \param position  of its vertices, mm; must stay until the last match.
-  void begin(const Vec3* position);
-  /// The place of a landmark. Cost: O(contour points), once O(faces); little where its own place faces the camera.
-  SilhouetteMatch match(Cascade& cascade, const float* q, const Projector& projector,
-                        const Correspondence& landmark);
+  /// Whether a landmark's own place has turned away from the camera.
+  static bool is_turned_away(Cascade& cascade, const float* q, const Projector& projector, Vec2 uv);
+
+  /// Finds the contour of the base mesh at one pose. \param position  of its vertices, mm. Cost: O(faces).
+  void find_contour(const Vec3* position, const Projector& projector);
+  /// The place of a landmark whose own one has turned away; that one where the contour has no point within reach. Cost:
+  /// O(contour points).
+  SilhouetteMatch nearest(const Correspondence& landmark) const;
 
  private:
-  void find_contour(const Projector& projector);
-
   Mesh mesh_;
   DepthBuffer depth_;
   SilhouetteFinder finder_;
@@ -42,8 +42,6 @@ class SilhouetteMatcher {
   float* vertex_depth_ = nullptr;
   Span<SilhouettePoint> contour_;
   std::size_t found_ = 0;
-  const Vec3* position_ = nullptr;
-  bool is_found_ = false;  // the contour of position_; before the first `begin` there is none to find
 };
 
 }  // namespace pliant

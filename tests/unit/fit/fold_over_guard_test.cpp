@@ -33,74 +33,85 @@ std::vector<std::uint32_t> sheet(float limit) {
 struct Guarded {
   std::vector<std::uint32_t> words;
   Model model;
-  explicit Guarded(float limit = 4) : words(sheet(limit)) {
+  InArena<Cascade> cascade;
+  InArena<FoldOverGuard> guard;
+
+  explicit Guarded(float limit = 4, bool has_samples = false)
+      : words(sheet(limit)), model(opened(words)), cascade(model), guard(model, has_samples) {}
+  static Model opened(const std::vector<std::uint32_t>& words) {
+    Model model;
     REQUIRE(Model::open(words.data(), words.size() * 4, &model) == Status::ok);
+    return model;
   }
-  /// Runs `check(cascade, guard)` without and with samples of the base mesh.
-  template <class Check>
-  void run(Check&& check) const {
-    for (const bool samples : {false, true}) {
-      CAPTURE(samples);
-      InArena<Cascade> cascade(model);
-      InArena<FoldOverGuard> guard(model, samples);
-      check(cascade.object, guard.object);
-    }
-  }
+  void start(const float* q) { guard->start(cascade.object, q); }
 };
 
 }  // namespace
 
 TEST_CASE("a valid state stays, a folded one moves back to nine tenths of the way to the fold") {
-  const Guarded g;
-  g.run([&](Cascade& cascade, FoldOverGuard& guard) {
-    float q[2] = {2, 2};
-    guard.start(cascade, q);
-    CHECK_FALSE(guard.move_back(q));
-    CHECK(q[0] == 2);
-    q[0] = q[1] = 4;  // 8 in all; from 4 the fold at 5 is a quarter of the way
-    CHECK(guard.move_back(q));
-    CHECK(double(q[0] + q[1]) == doctest::Approx(4 + 0.9 * 1).epsilon(0.01));
-    CHECK(double(q[0]) == doctest::Approx(double(q[1])));
-    const std::size_t last = g.model.base_uv().count - 1;
-    for (const std::size_t v : {std::size_t{0}, last})
-      CHECK(length(guard.positions()[v] - cascade.surface_point(g.model.base_uv()[v], q)) < 1e-3f);
-  });
+  Guarded g;
+  float q[2] = {2, 2};
+  g.start(q);
+  CHECK_FALSE(g.guard->move_back(q));
+  CHECK(q[0] == 2);
+  q[0] = q[1] = 4;  // 8 in all; from 4 the fold at 5 is a quarter of the way
+  CHECK(g.guard->move_back(q));
+  CHECK(double(q[0] + q[1]) == doctest::Approx(4 + 0.9 * 1).epsilon(0.01));
+  CHECK(double(q[0]) == doctest::Approx(double(q[1])));
+  const std::size_t last = g.model.base_uv().count - 1;
+  for (const std::size_t v : {std::size_t{0}, last})
+    CHECK(length(g.guard->positions()[v] - g.cascade->surface_point(g.model.base_uv()[v], q)) < 1e-3f);
+}
+
+TEST_CASE("a fold is told from the state at rest to what was seen last, with samples and without") {
+  for (const bool has_samples : {false, true}) {
+    Guarded g(4, has_samples);
+    float q[2] = {0, 0};
+    g.start(q);
+    const std::size_t middle = g.model.base_uv().count / 2;
+    for (const float each : {4.0f, 2.4f}) {
+      g.guard->expect_shapes();
+      q[0] = q[1] = each;
+      g.guard->see(q);
+      CHECK(g.guard->has_folded() == (2 * each > 5));
+      const Vec3 at = g.cascade->surface_point(g.model.base_uv()[middle], q);
+      CHECK(length(g.guard->positions()[middle] - at) < 1e-3f);
+    }
+  }
 }
 
 TEST_CASE("a fold that one parameter makes within its limits is meant, and stays") {
-  const Guarded g(5.5f);
-  g.run([&](Cascade& cascade, FoldOverGuard& guard) {
-    float q[2] = {2, 2};
-    guard.start(cascade, q);
-    CHECK_FALSE(guard.move_back(q));
-    for (const float sum : {5.2f, 9.0f}) {
-      q[0] = q[1] = 0.5f * sum;
-      CHECK_FALSE(guard.move_back(q));
-      CHECK(q[0] == 0.5f * sum);
-    }
-  });
+  Guarded g(5.5f);
+  float q[2] = {2, 2};
+  g.start(q);
+  CHECK_FALSE(g.guard->move_back(q));
+  for (const float sum : {5.2f, 9.0f}) {
+    q[0] = q[1] = 0.5f * sum;
+    g.guard->see(q);
+    CHECK_FALSE(g.guard->has_folded());
+    CHECK_FALSE(g.guard->move_back(q));
+    CHECK(q[0] == 0.5f * sum);
+  }
 }
 
 TEST_CASE("frozen parameters are part of the valid state; free ones start at rest") {
-  const Guarded g;
-  g.run([&](Cascade& cascade, FoldOverGuard& guard) {
-    const std::uint8_t is_free[] = {0, 1};
-    for (int turn = 0; turn < 2; ++turn) {  // samples of frozen parameters are no others' samples
-      cascade.set_all_free();
-      float free[2] = {2, 2};
-      guard.start(cascade, free);
-      CHECK_FALSE(guard.move_back(free));
-      cascade.set_free(is_free);
-      float q[2] = {turn == 0 ? 3.0f : 2.0f, 4};  // together 7 and 6: folded
-      const float frozen = q[0];
-      guard.start(cascade, q);
-      CHECK(guard.move_back(q));
-      CHECK(q[0] == frozen);
-      CHECK(q[1] > 0);
-      CHECK(q[0] + q[1] < 5);
-      CHECK(q[0] + q[1] > 4);
-    }
-  });
+  Guarded g;
+  const std::uint8_t is_free[] = {0, 1};
+  for (int turn = 0; turn < 2; ++turn) {  // frozen parameters are those of this start
+    g.cascade->set_all_free();
+    float free[2] = {2, 2};
+    g.start(free);
+    CHECK_FALSE(g.guard->move_back(free));
+    g.cascade->set_free(is_free);
+    float q[2] = {turn == 0 ? 3.0f : 2.0f, 4};  // together 7 and 6: folded
+    const float frozen = q[0];
+    g.start(q);
+    CHECK(g.guard->move_back(q));
+    CHECK(q[0] == frozen);
+    CHECK(q[1] > 0);
+    CHECK(q[0] + q[1] < 5);
+    CHECK(q[0] + q[1] > 4);
+  }
 }
 
 }  // namespace fold_over_guard_test
