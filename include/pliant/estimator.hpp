@@ -165,8 +165,8 @@ class Estimator {
   WorkCosts work_costs(int window) const;
 
   Vec3 surface_point(Vec2 uv);  ///< Position of any (u,v) at the present parameters, mm, model axes.
-  /// Image position of any (u,v) at the present state. \return false behind the camera.
-  bool project(Vec2 uv, Vec2* x);
+  void surface_points(Span<const Vec2> uv, Vec3* positions);  ///< The same of several, which takes less time.
+  bool project(Vec2 uv, Vec2* x);  ///< Image position of any (u,v) at the present state. False behind the camera.
   /// Finds (u,v) of the visible surface under an image position (finite), or of the visible point nearest to it.
   /// \return distance in the image between x and that point, px; 0 on the surface; negative when nothing is visible.
   float surface_at(Vec2 x, Vec2* uv);

@@ -32,12 +32,20 @@ void measure_bend(Template& t, Vec2 uv, float window_px, Estimator& estimator) {
   if (facing == 0) return;
   const Mat2 to_uv = inverse(t.reference);
   const float reach = kTemplateStoreTuning.bend_reach * window_px;
+  const auto step_of = [](std::size_t i) {
+    return Vec2{static_cast<float>(i % 3) - 1, static_cast<float>(i / 3) - 1};
+  };
+  Vec2 around[9];
+  Vec3 at[9];
+  for (std::size_t i = 0; i < 9; ++i) {
+    const Vec2 to = uv + to_uv * (reach * step_of(i));
+    around[i] = {clamp(to.x, 0, 1), clamp(to.y, 0, 1)};
+  }
+  estimator.surface_points({around, 9}, at);
   float xx = 0, xy = 0, yy = 0;
-  for (int i = 0; i < 9; ++i) {
-    const float x = static_cast<float>(i % 3 - 1), y = static_cast<float>(i / 3 - 1);
-    const Vec2 to = uv + to_uv * (reach * Vec2{x, y});
-    const Vec3 p = estimator.surface_point({clamp(to.x, 0, 1), clamp(to.y, 0, 1)});
-    const float depth = dot(normal, middle.p - p) / facing;  // mm behind the tangent plane
+  for (std::size_t i = 0; i < 9; ++i) {
+    const float x = step_of(i).x, y = step_of(i).y;
+    const float depth = dot(normal, middle.p - at[i]) / facing;  // mm behind the tangent plane
     xx += (3 * x * x - 2) * depth;
     xy += x * y * depth;
     yy += (3 * y * y - 2) * depth;

@@ -375,7 +375,14 @@ float Estimator::cue_scale(Cue cue) const {
 // --- The surface ---
 
 Vec3 Estimator::surface_point(Vec2 uv) {
-  return impl_->cascade.surface_point(uv, impl_->state.q);
+  Vec3 position;
+  surface_points({&uv, 1}, &position);
+  return position;
+}
+
+void Estimator::surface_points(Span<const Vec2> uv, Vec3* positions) {
+  impl_->cascade.select(impl_->state.q);
+  for (std::size_t k = 0; k < uv.count; ++k) positions[k] = impl_->cascade.selected_point(uv[k]);
 }
 
 bool Estimator::project(Vec2 uv, Vec2* x) {

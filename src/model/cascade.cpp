@@ -133,7 +133,7 @@ Status Cascade::fill_personal_field(std::size_t record, const float* q) {
   select(q);
   const std::uint16_t root = root_field(model_.cascade(), record);
   const VectorSum sum(model_, s.selection.listed(), q, s.person.width(), s.person.height());
-  if (sum.applies() && s.selection.is_chain(model_, s.plan)) {
+  if (sum.applies() && s.selection.is_chain()) {
     const Vec3 largest = sum.largest();
     const auto differences = [&](std::size_t i, std::size_t j, Span<Vec3> out) {
       sum.compute(i, j, s.interpolation, out);

@@ -45,25 +45,22 @@ void RecordSelection::select(const Model& model, const CascadePlan& plan, const 
   const std::uint16_t personal_record = plan.personal_record();
   std::uint16_t* const value_of = value_of_;
   std::uint16_t* to = listed_;
+  bool is_chain = true;
   for (const std::uint16_t i : plan.needed()) {
     const CascadeRecord& r = records[i];
     if (i != personal_record && changes_nothing(r, fields, q, slack_mm)) {
       value_of[i] = value_of[r.source[0]];
-    } else {
-      value_of[i] = i;
-      *to++ = i;
+      continue;
     }
+    value_of[i] = i;
+    if (to != listed_)
+      is_chain = is_chain && i != personal_record && r.source[0] != kNone && r.source[1] == kNone &&
+                 value_of[r.source[0]] == to[-1];
+    *to++ = i;
   }
   q_ = q;
   count_ = static_cast<std::size_t>(to - listed_);
-}
-
-bool RecordSelection::is_chain(const Model& model, const CascadePlan& plan) const {
-  for (std::size_t n = 1; n < count_; ++n) {
-    const CascadeRecord& r = model.cascade()[listed_[n]];
-    if (value_of_[r.source[0]] != listed_[n - 1]) return false;
-  }
-  return count_ > 0 && value_of_[plan.result()] == listed_[count_ - 1];
+  is_chain_ = is_chain && count_ > 0 && value_of[plan.result()] == to[-1];
 }
 
 Vec3 RecordSelection::point(const FieldSource& source, const CascadePlan& plan, Vec2 uv) {
@@ -72,50 +69,46 @@ Vec3 RecordSelection::point(const FieldSource& source, const CascadePlan& plan, 
   const Field* const fields = source.model.fields().data;
   const std::uint8_t* const samples = source.model.samples();
   Vec3* const point = values_.point;
+  const bool is_chain = is_chain_;
   const ChartPoint at(uv);
+  Vec3 p;  // of the record before; in a chain nothing else is read
   for (const std::uint16_t i : listed()) {
     if (i == plan.personal_record()) {
-      point[i] = source.person.sample(source.model, uv, source.interpolation, nullptr, nullptr);
+      point[i] = p = source.person.sample(source.model, uv, source.interpolation, nullptr, nullptr);
       continue;
     }
     const CascadeRecord& r = records[i];
-    const Vec3 p0 = r.source[0] == kNone ? Vec3{} : point[value_of_[r.source[0]]];
+    if (!is_chain) p = r.source[0] == kNone ? Vec3{} : point[value_of_[r.source[0]]];
     if (r.operation == Operation::add_vector) {  // most of them, and most of those are of a part of the chart
       const Field& field = fields[r.field];
-      point[i] = p0;
       if (is_in_support(field, at))
-        point[i] = p0 + q_[r.parameter[0]] * sample_in_support(samples, field, at, source.interpolation);
-      continue;
+        p = p + q_[r.parameter[0]] * sample_in_support(samples, field, at, source.interpolation);
+    } else {
+      const Vec3 p1 = r.source[1] == kNone ? Vec3{} : point[value_of_[r.source[1]]];
+      const Vec3 s = source.sample(r, at);
+      p = r.operation == Operation::constant ? s : apply_without_derivatives(r, q_, p, p1, s);
     }
-    const Vec3 p1 = r.source[1] == kNone ? Vec3{} : point[value_of_[r.source[1]]];
-    const Vec3 s = source.sample(r, at);
-    point[i] = r.operation == Operation::constant ? s : apply_without_derivatives(r, q_, p0, p1, s);
+    if (!is_chain) point[i] = p;
   }
-  return point[value_of_[plan.result()]];
+  return is_chain ? p : point[value_of_[plan.result()]];
 }
 
 /// Chain rule along u and v (field_step.hpp): the sources' tangents, mapped, and the change of the record's own sample.
-void RecordSelection::compute_frame(const FieldSource& source, std::size_t record, Vec2 uv) {
-  const CascadeRecord& r = source.model.cascade()[record];
-  const std::size_t first = r.source[0] == kNone ? kNone : value_of_[r.source[0]];
-  const std::size_t second = r.source[1] == kNone ? kNone : value_of_[r.source[1]];
-  const RecordValues& v = values_;
+SurfaceFrame RecordSelection::next_frame(const FieldSource& source, const CascadeRecord& r, Vec2 uv,
+                                         const SurfaceFrame& first, const SurfaceFrame& second) const {
   const std::uint16_t field = field_of(r);
   Vec3 s, su, sv;
   if (field != kNone)
     s = sample_field(source.model.samples(), source.model.fields()[field], uv, source.interpolation, &su,
                      &sv);
-  const FieldStep f =
-      apply(r, q_, first == kNone ? Vec3{} : v.point[first], second == kNone ? Vec3{} : v.point[second], s);
-  const auto tangent = [&](const Vec3* of, Vec3 along) {
+  const FieldStep f = apply(r, q_, first.p, second.p, s);
+  const auto tangent = [&](Vec3 of_first, Vec3 of_second, Vec3 along) {
     Vec3 t;
-    if (first != kNone) t = f.maps ? f.map * of[first] : f.keep * of[first];
-    if (second != kNone) t = t + f.keep_second * of[second];
+    if (r.source[0] != kNone) t = f.maps ? f.map * of_first : f.keep * of_first;
+    if (r.source[1] != kNone) t = t + f.keep_second * of_second;
     return r.field != kNone ? t + f.along_field * along : t + along.x * f.along_weight;
   };
-  v.point[record] = f.p;
-  v.tangent_u[record] = tangent(v.tangent_u, su);
-  v.tangent_v[record] = tangent(v.tangent_v, sv);
+  return {f.p, tangent(first.pu, second.pu, su), tangent(first.pv, second.pv, sv)};
 }
 
 void RecordSelection::announce(const FieldSource& source, const CascadePlan& plan, Vec2 uv) const {
@@ -133,32 +126,43 @@ void RecordSelection::announce(const FieldSource& source, const CascadePlan& pla
 SurfaceFrame RecordSelection::frame(const FieldSource& source, const CascadePlan& plan, Vec2 uv) {
   PLIANT_ASSERT(count_ > 0);  // `select` was called
   const RecordValues& v = values_;
+  const auto value_of = [&](std::uint16_t from) {
+    if (from == kNone) return SurfaceFrame{};
+    const std::size_t i = value_of_[from];
+    return SurfaceFrame{v.point[i], v.tangent_u[i], v.tangent_v[i]};
+  };
+  const bool is_chain = is_chain_;
   const ChartPoint at(uv);
-  for (std::size_t n = 0; n < count_; ++n) {
-    const std::size_t i = listed_[n];
+  SurfaceFrame of{};  // as in `point`
+  for (const std::uint16_t i : listed()) {
     const CascadeRecord& r = source.model.cascade()[i];
     if (i == plan.personal_record()) {
-      v.point[i] =
-          source.person.sample(source.model, uv, source.interpolation, &v.tangent_u[i], &v.tangent_v[i]);
-    } else if (r.operation == Operation::add_vector) {  // as in `point`
-      const std::size_t first = value_of_[r.source[0]];
-      const Field& field = source.model.fields()[r.field];
-      v.point[i] = v.point[first];
-      v.tangent_u[i] = v.tangent_u[first];
-      v.tangent_v[i] = v.tangent_v[first];
-      if (!is_in_support(field, at)) continue;
-      const float amount = q_[r.parameter[0]];
-      Vec3 su, sv;
-      const Vec3 s = sample_with_gradient(source.model.samples(), field, at, source.interpolation, &su, &sv);
-      v.point[i] = v.point[i] + amount * s;
-      v.tangent_u[i] = v.tangent_u[i] + amount * su;
-      v.tangent_v[i] = v.tangent_v[i] + amount * sv;
+      of.p = source.person.sample(source.model, uv, source.interpolation, &of.pu, &of.pv);
     } else {
-      compute_frame(source, i, uv);
+      if (!is_chain) of = value_of(r.source[0]);
+      if (r.operation == Operation::add_vector)
+        add_vector(source, r, at, &of);
+      else
+        of = next_frame(source, r, uv, of, value_of(r.source[1]));
     }
+    if (is_chain) continue;
+    v.point[i] = of.p;
+    v.tangent_u[i] = of.pu;
+    v.tangent_v[i] = of.pv;
   }
-  const std::size_t last = value_of_[plan.result()];
-  return {v.point[last], v.tangent_u[last], v.tangent_v[last]};
+  return is_chain ? of : value_of(plan.result());
+}
+
+void RecordSelection::add_vector(const FieldSource& source, const CascadeRecord& r, const ChartPoint& at,
+                                 SurfaceFrame* to) const {
+  const Field& field = source.model.fields()[r.field];
+  if (!is_in_support(field, at)) return;
+  const float amount = q_[r.parameter[0]];
+  Vec3 su, sv;
+  const Vec3 s = sample_with_gradient(source.model.samples(), field, at, source.interpolation, &su, &sv);
+  to->p = to->p + amount * s;
+  to->pu = to->pu + amount * su;
+  to->pv = to->pv + amount * sv;
 }
 
 }  // namespace pliant

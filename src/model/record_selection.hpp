@@ -31,9 +31,8 @@ class RecordSelection {
   void select(const Model& model, const CascadePlan& plan, const float* q, float slack_mm);
 
   Span<const std::uint16_t> listed() const { return {listed_, count_}; }
-  /// Whether each listed record has the one before as its source, and the last one is the result. To be asked only where all
-  /// but the first have exactly one source (VectorSum::applies): a record without one has nothing to look up.
-  bool is_chain(const Model& model, const CascadePlan& plan) const;
+  /// Whether each listed record but the first has the one before as its only source, and the last one is the result.
+  bool is_chain() const { return is_chain_; }
   /// Starts to fetch what `frame` will read.
   void announce(const FieldSource& source, const CascadePlan& plan, Vec2 uv) const;
   /// Position, or position and tangents, of the plan's result at the selected q.
@@ -41,13 +40,17 @@ class RecordSelection {
   SurfaceFrame frame(const FieldSource& source, const CascadePlan& plan, Vec2 uv);
 
  private:
-  void compute_frame(const FieldSource& source, std::size_t record, Vec2 uv);
+  SurfaceFrame next_frame(const FieldSource& source, const CascadeRecord& r, Vec2 uv,
+                          const SurfaceFrame& first, const SurfaceFrame& second) const;
+  void add_vector(const FieldSource& source, const CascadeRecord& r, const ChartPoint& at,
+                  SurfaceFrame* to) const;
 
   std::uint16_t* listed_ = nullptr;
   std::uint16_t* value_of_ = nullptr;  // a record: the listed record that has the same value
   RecordValues values_;
   const float* q_ = nullptr;
   std::size_t count_ = 0;
+  bool is_chain_ = false;
 };
 
 }  // namespace pliant

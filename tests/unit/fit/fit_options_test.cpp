@@ -10,25 +10,57 @@ namespace fit_options_test {
 
 using namespace pliant;
 
-TEST_CASE("extreme options give a status, or a finite result") {
-  const OpenedEgg egg(6);
-  const View view = view_of({exp_rotation({0.1f, 0.2f, 0}), {20, -10, 700}}, centred_camera(640, 480, 900));
-  InArena<Fitter> fitter(egg.model, FitLimits{});
+namespace {
+
+/// An egg's landmarks, and a fitter.
+struct SeenEgg : OpenedEgg {
+  InArena<Fitter> fitter{model, FitLimits{}};
   std::vector<Correspondence> points;
-  for (const Landmark& l : egg.model.landmarks()) {
-    Vec2 x;
-    const Vec3 p = fitter->cascade().surface_point({l.u, l.v}, egg.q.data());
-    REQUIRE(Projector(view, true).project(p, &x));
-    points.push_back({{l.u, l.v}, x, 0.5f});
+
+  SeenEgg() : OpenedEgg(6) {
+    const View view =
+        view_of({exp_rotation({0.1f, 0.2f, 0}), {20, -10, 700}}, centred_camera(640, 480, 900));
+    for (const Landmark& l : model.landmarks()) {
+      Vec2 x;
+      const Vec3 p = fitter->cascade().surface_point({l.u, l.v}, q.data());
+      REQUIRE(Projector(view, true).project(p, &x));
+      points.push_back({{l.u, l.v}, x, 0.5f});
+    }
   }
-  const auto with = [](auto change) {
-    FitOptions options;
-    options.width = 640;
-    options.height = 480;
-    options.focal_px = 900;
-    change(options);
-    return options;
-  };
+  Span<const Correspondence> all() const { return {points.data(), points.size()}; }
+};
+
+template <class Change>
+FitOptions with(const Change& change) {
+  FitOptions options;
+  options.width = 640;
+  options.height = 480;
+  options.focal_px = 900;
+  change(options);
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("options of the dynamics that are no lengths or counts are refused") {
+  SeenEgg egg;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const FitOptions wrong[] = {with([](auto& o) { o.euler.delta = 0; }),
+                              with([=](auto& o) { o.euler.delta = nan; }),
+                              with([](auto& o) { o.euler.steps = -1; }),
+                              with([](auto& o) { o.euler.relative_decrease = -0.1f; }),
+                              with([=](auto& o) { o.euler.relative_decrease = nan; })};
+  for (FitOptions options : wrong) {
+    options.method = FitMethod::euler;
+    std::vector<float> q = egg.q;
+    FitReport report;
+    CHECK(egg.fitter->fit(egg.all(), options, q.data(), &report) == Status::bad_argument);
+    CHECK(q == egg.q);
+  }
+}
+
+TEST_CASE("extreme options give a status, or a finite result") {
+  SeenEgg egg;
   const float infinite = std::numeric_limits<float>::infinity();
   std::vector<FitOptions> extremes = {with([](auto&) {}), with([](auto& o) { o.iterations = -5; }),
                                       with([](auto& o) { o.iterations = 3000; }),
@@ -48,8 +80,7 @@ TEST_CASE("extreme options give a status, or a finite result") {
     CAPTURE(k);
     std::vector<float> q = egg.q, sd(q.size());
     FitReport report;
-    if (fitter->fit({points.data(), points.size()}, extremes[k], q.data(), &report, {sd.data()}) !=
-        Status::ok)
+    if (egg.fitter->fit(egg.all(), extremes[k], q.data(), &report, {sd.data()}) != Status::ok)
       continue;
     ++fitted;
     CHECK(is_finite(report.rms_px));

@@ -243,26 +243,6 @@ TEST_CASE(
   CHECK(report.rms_px > 1.2f * exact.rms_px);
 }
 
-TEST_CASE("options of the dynamics that are no lengths or counts are refused") {
-  const Scene scene(9, 0, 0.3f);
-  InArena<Fitter> fitter(scene.model, limits());
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  const EulerOptions wrong[] = {{EulerStep::published, 0, 600, 0},
-                                {EulerStep::published, nan, 600, 0},
-                                {EulerStep::published, 1e-3f, -1, 0},
-                                {EulerStep::published, 1e-3f, 600, -0.1f},
-                                {EulerStep::published, 1e-3f, 600, nan}};
-  for (const EulerOptions& euler : wrong) {
-    FitOptions options = scene.options(900);
-    options.method = FitMethod::euler;
-    options.euler = euler;
-    std::vector<float> q(scene.truth.size(), 0.1f);
-    FitReport report;
-    CHECK(fitter->fit(scene.all(), options, q.data(), &report) == Status::bad_argument);
-    CHECK(q == std::vector<float>(scene.truth.size(), 0.1f));
-  }
-}
-
 TEST_CASE("without stiffness the prior does not hold the parameters back") {
   const Scene scene(10, 0, 0.3f);
   InArena<Fitter> fitter(scene.model, limits());
