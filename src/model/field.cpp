@@ -22,14 +22,28 @@ struct Cell {
   float a, b;
 };
 
+/// One axis of a field's grid.
+struct GridAxis {
+  float low, cells_per_unit;
+  int last;  // cell
+
+  GridAxis(float from, float to, int samples)
+      : low(from), cells_per_unit(static_cast<float>(samples - 1) / (to - from)), last(samples - 2) {}
+  /// The cell at `at`, which is within the field's support, and in `within` the position within it.
+  std::size_t cell(float at, float* within) const {
+    const float x = (at - low) * cells_per_unit;
+    const int i = smaller(static_cast<int>(x), last);
+    *within = x - static_cast<float>(i);
+    return static_cast<std::size_t>(i);
+  }
+};
+
 /// \pre is_in_support(f, at)
 Cell locate(const Field& f, const ChartPoint& at) {
-  const float u = f.mirror ? at.mirrored_u : at.u;
-  const float w = static_cast<float>(f.width - 1), h = static_cast<float>(f.height - 1);
-  const float x = (u - f.u0) * (w / (f.u1 - f.u0)), y = (at.v - f.v0) * (h / (f.v1 - f.v0));
-  const int i = smaller(static_cast<int>(x), f.width - 2), j = smaller(static_cast<int>(y), f.height - 2);
-  return {static_cast<std::size_t>(i), static_cast<std::size_t>(j), x - static_cast<float>(i),
-          y - static_cast<float>(j)};
+  Cell cell;
+  cell.i = GridAxis(f.u0, f.u1, f.width).cell(f.mirror ? at.mirrored_u : at.u, &cell.a);
+  cell.j = GridAxis(f.v0, f.v1, f.height).cell(at.v, &cell.b);
+  return cell;
 }
 
 /// Interpolated integers of a field as floats, and, if wanted, their derivatives along both axes, per side of a cell.
@@ -215,11 +229,16 @@ void add_row(const std::uint8_t* samples, const Field& f, float amount, const Ch
              Interpolation interpolation, Span<Vec3> sums) {
   if (row.v < f.v0 || row.v > f.v1) return;
   const bool is_usual = interpolation == Interpolation::bilinear && f.components == 3 && f.bits == 16;
+  const GridAxis along_u(f.u0, f.u1, f.width);
+  Cell cell;
+  cell.j = GridAxis(f.v0, f.v1, f.height).cell(row.v, &cell.b);
   for (std::size_t k = 0; k < sums.count; ++k) {
     const ChartPoint at({static_cast<float>(row.first + k) / static_cast<float>(row.steps), row.v});
-    if (!is_in_support(f, at)) continue;
-    const Vec3 value = is_usual ? sample_words(samples, f, locate(f, at))
-                                : sample_in_support(samples, f, at, interpolation);
+    const float u = f.mirror ? at.mirrored_u : at.u;
+    if (u < f.u0 || u > f.u1) continue;
+    cell.i = along_u.cell(u, &cell.a);
+    const Vec3 value = is_usual ? sample_words(samples, f, cell)
+                                : sample_any(samples, f, cell, interpolation, nullptr, nullptr);
     sums[k] = sums[k] + amount * value;
   }
 }
