@@ -618,6 +618,7 @@ def main(words):
     if unknown:
         sys.exit('evaluate.py: no such section: %s' % ', '.join(unknown))
     os.environ['LC_ALL'] = 'C'
+    failed = False
     stamp = 'Measured %s%s.' % (time.strftime('%Y-%m-%d', time.gmtime()), ', revision ' + revision() if revision() else '')
     with tempfile.TemporaryDirectory() as work:
         s = Setup(options, work)
@@ -638,11 +639,12 @@ def main(words):
                 content = 'Not measured: %s is missing.' % str(reason)
             except (ValueError, KeyError, StopIteration, AttributeError, IndexError) as fault:
                 print('  failed, kept as it is: %s: %s' % (type(fault).__name__, fault), file=sys.stderr)
+                failed = True
                 continue
             with open(DOCUMENT, 'w') as file:
                 file.write(replace_block(text, name, content))
             print('  %.0f s' % (time.time() - began), file=sys.stderr)
-    return 0
+    return 1 if failed else 0
 
 
 if __name__ == '__main__':

@@ -129,7 +129,7 @@ void print_floor(const char* kind, const Model& model, const host::FitFile& star
 int run(int count, char** words) {
   int width = 0, height = 0;
   if ((count != 5 && count != 6) || std::sscanf(words[2], "%dx%d", &width, &height) != 2) {
-    std::cerr << "usage: floor face.plm WxH INIT.csv TRUTH.csv [MARKERS.csv]\n"
+    std::cerr << "usage: tracking_floor face.plm WxH INIT.csv TRUTH.csv [MARKERS.csv]\n"
                  "INIT and MARKERS as landmark,x,y in frame 0, TRUTH as frame,landmark,x,y.\n";
     return 2;
   }
@@ -141,6 +141,7 @@ int run(int count, char** words) {
   std::vector<float> q(model.parameters().count, 0.0f);
   host::apply(start.parameters, words[3], model, q.data());
   const std::map<int, Frame> truth = read_truth(words[4]);
+  if (truth.empty()) host::fail_input(words[4], "has no rows");
   std::vector<Named> landmarks;
   for (const Named& l : landmarks_of(model))
     if (truth.begin()->second.count(l.name)) landmarks.push_back(l);
@@ -156,7 +157,7 @@ int main(int count, char** words) {
   try {
     return pliant::run(count, words);
   } catch (const pliant::host::Failure& failure) {
-    std::cerr << "floor: " << failure.what() << "\n";
+    std::cerr << "tracking_floor: " << failure.what() << "\n";
     return failure.exit_code();
   }
 }

@@ -194,8 +194,10 @@ int run(int count, char** words) {
   const Model& model = file.model();
   const Truth truth = read_truth(words[2]);
   const host::CsvTable table(words[3], host::read_file(words[3]));
-  const auto rows =
-      host::read_posed_parameters(table, model, {{}, std::vector<float>(model.parameters().count)}, nullptr);
+  std::vector<std::string> unmatched;
+  const auto rows = host::read_posed_parameters(
+      table, model, {{}, std::vector<float>(model.parameters().count)}, &unmatched);
+  if (!unmatched.empty()) host::fail_input(words[3], "the model has no parameter " + unmatched[0]);
   const std::size_t state = table.column("state");
   std::ofstream details;
   if (count == 5) details.open(words[4]);

@@ -4,6 +4,8 @@
 // One file in eight is damaged byte by byte: it is refused by one line, or its table opens and has a valid base mesh.
 //
 // usage: any_mesh_fuzz [COUNT [FIRST_SEED]]
+#include <unistd.h>
+
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -108,7 +110,7 @@ int main(int argc, char** argv) {
   const auto first = static_cast<std::uint64_t>(argc > 2 ? std::atoll(argv[2]) : 1);
   const std::string path =
       (std::filesystem::temp_directory_path() /
-       ("pliant_any_mesh_" + std::to_string(first) + "_" + std::to_string(count) + ".obj"))
+       ("pliant_any_mesh_" + std::to_string(first) + "_" + std::to_string(getpid()) + ".obj"))
           .string();
   std::map<std::string, Counts> all;
   double slowest = 0;

@@ -23,14 +23,18 @@ struct Bytes {
   const std::uint8_t* at;
   const std::uint8_t* end;
   unsigned next() { return at < end ? *at++ : 0; }
-  unsigned word() { return next() | next() << 8; }
+  unsigned word() {  // one call after the other: the order within an expression is the compiler's
+    const unsigned low = next();
+    return low | next() << 8;
+  }
   /// Usual numbers more often than any bits.
   float number(float usual) {
     static constexpr float kEdges[] = {0, -0.0f, 1, -1, 1e-38f, 1e20f, -1e30f, 3e38f, 64, 1e-6f};
     const unsigned kind = next();
     if (kind < 160) return usual * (1 + (static_cast<float>(next()) - 128) / 512);
     if (kind < 200) return kEdges[kind % 10];
-    const std::uint32_t bits = word() | word() << 16;
+    std::uint32_t bits = word();
+    bits |= word() << 16;
     float any;
     std::memcpy(&any, &bits, sizeof any);
     return any;
@@ -129,9 +133,11 @@ class Calls {
       const float q[4] = {bytes_.number(0), bytes_.number(0.1f), bytes_.number(0), bytes_.number(0.1f)};
       return check(pliant_start_from_pose(tracker_, &f, &c, &p, q));
     }
-    if (how == 2)
-      return check(pliant_start_from_box(tracker_, &f, bytes_.number(20), bytes_.number(20),
-                                         bytes_.number(50), bytes_.number(60), &o));
+    if (how == 2) {
+      const float x = bytes_.number(20), y = bytes_.number(20);
+      const float width = bytes_.number(50), height = bytes_.number(60);
+      return check(pliant_start_from_box(tracker_, &f, x, y, width, height, &o));
+    }
     if (how == 3) return start_from_points(f, o);
     pliant_state s = state();
     s.camera = c;

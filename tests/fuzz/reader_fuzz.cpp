@@ -24,6 +24,7 @@
 #include "host/io/learnt_file.hpp"
 #include "host/io/pnm.hpp"
 #include "host/io/points_file.hpp"
+#include "host/io/sources.hpp"
 #include "host/io/track_table.hpp"
 #include "host/io/truth.hpp"
 #include "model_table.hpp"
@@ -152,7 +153,9 @@ void read_arguments(const std::string& text) {
   require(args.operand_count() == 1 || args.operand_count() == 2);
   const int n = args.integer("--number", 3, -5, 1000);
   require(n >= -5 && n <= 1000);
-  if (const auto size = args.size("--size")) require(size->width >= 16 && size->height <= 8192);
+  if (const auto size = args.size("--size"))
+    require(size->width >= 16 && size->height >= 16 && size->width <= kMaxFrameSide &&
+            size->height <= kMaxFrameSide);
   if (const auto box = args.numbers("--box", 4)) require(box->size() == 4);
 }
 

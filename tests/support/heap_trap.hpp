@@ -1,17 +1,12 @@
 #pragma once
 // Counts every heap call of the program while armed: malloc and its relatives, and through them operator new. Works with
 // glibc; under a sanitizer, which needs malloc for itself, only operator new is counted.
+#include <cerrno>
 #include <cstddef>
 #include <cstdlib>
 #include <new>
 
-#if defined(__SANITIZE_ADDRESS__)
-#define PLIANT_TEST_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define PLIANT_TEST_SANITIZED 1
-#endif
-#endif
+#include "sanitized.hpp"
 
 namespace heap_trap {
 inline volatile bool armed = false;
@@ -55,6 +50,13 @@ void* memalign(std::size_t a, std::size_t n) {
 void* aligned_alloc(std::size_t a, std::size_t n) {
   heap_trap::note();
   return __libc_memalign(a, n);
+}
+int posix_memalign(void** out, std::size_t a, std::size_t n) {
+  heap_trap::note();
+  void* const p = __libc_memalign(a, n);
+  if (p == nullptr) return ENOMEM;
+  *out = p;
+  return 0;
 }
 void free(void* p) {
   heap_trap::note();

@@ -1,11 +1,11 @@
 #include "host/bake/material_library.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <optional>
 #include <string_view>
 
+#include "host/io/numbers.hpp"
 #include "host/io/words.hpp"
 
 namespace pliant::host::bake {
@@ -22,13 +22,6 @@ constexpr MapOption kMapOptions[] = {
     {"-s", 3, 1.0f},    {"-o", 3, 0.0f},    {"-t", 3, 0.0f},     {"-blendu", 1, {}}, {"-cc", 1, {}},
     {"-blendv", 1, {}}, {"-bm", 1, {}},     {"-imfchan", 1, {}}, {"-mm", 2, {}},     {"-clamp", 1, {}},
     {"-type", 1, {}},   {"-texres", 1, {}}, {"-boost", 1, {}}};
-
-std::optional<float> number_in(std::string_view word) {
-  float value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (word.empty() || error != std::errc() || end != word.data() + word.size()) return {};
-  return value;
-}
 
 /// What follows `map_Kd`: options, then a name to the end of the line.
 class MapLine {
@@ -62,7 +55,7 @@ class MapLine {
   void skip(const MapOption& option) {
     for (int k = 0; k < option.words; ++k) {
       const std::string_view word = first_word();
-      const std::optional<float> number = number_in(word);
+      const std::optional<float> number = parse_float(word);
       if (k > 0 && !number) return;
       if (option.neutral) is_moved_ |= number != option.neutral;
       drop(word);

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <fstream>
+#include <optional>
 #include <string_view>
 
 #include "host/bake/source_error.hpp"
+#include "host/io/numbers.hpp"
 #include "host/io/words.hpp"
 
 namespace pliant::host::bake {
@@ -74,13 +75,10 @@ class ObjReader {
   }
 
   float number() {
-    std::string_view text = word();
-    if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);  // which from_chars does not know
-    float value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (text.empty() || error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-      fail("'" + std::string(text) + "' is not a number");
-    return value;
+    const std::string_view text = word();
+    const std::optional<float> value = parse_float(text);
+    if (!value) fail("'" + std::string(text) + "' is not a number");
+    return *value;
   }
 
   int index(std::string_view text, std::size_t count, const char* of) {

@@ -1,11 +1,11 @@
 #include "host/bake/text_table.hpp"
 
-#include <cmath>
-#include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include "host/bake/source_error.hpp"
+#include "host/io/numbers.hpp"
 #include "host/io/words.hpp"
 
 namespace pliant::host::bake {
@@ -63,11 +63,9 @@ const std::string& TextTable::name(const TextRow& row, std::size_t column) const
 
 float TextTable::number(const TextRow& row, std::size_t column) const {
   const std::string& cell = row.cells[column];
-  char* end = nullptr;
-  const float value = std::strtof(cell.c_str(), &end);
-  if (end == cell.c_str() || *end != 0 || !std::isfinite(value))
-    fail(row, "'" + cell + "' in column '" + columns_[column] + "' is not a number");
-  return value;
+  const std::optional<float> value = parse_float(cell);
+  if (!value) fail(row, "'" + cell + "' in column '" + columns_[column] + "' is not a number");
+  return *value;
 }
 
 Vec3 TextTable::vector(const TextRow& row, std::size_t first_column) const {

@@ -114,32 +114,34 @@ int run_bench(const Args& args, Console& console) {
 }  // namespace
 
 Command bench_command() {
-  return {
-      "bench",
-      "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
-      "mesh|fields [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | "
-      "mcd | track|cost|cues|drift|occlusion --model face.plm | fit --problems FOLDER | "
-      "detection --model face.plm [--portraits FOLDER] [--others FOLDER] [--film VIDEO --truth CSV] "
-      "[--details CSV] | print --model sheet.plm [--others FOLDER] [--count N] | "
-      "faults --model face.plm --film VIDEO [--count N] [--profile s|m|l] [--vertices V] [--points N]",
-      {{"--model", "PLM", "a model to measure with; optional for mesh and fields", Takes::input},
-       {"--pairs", "FOLDER", "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv"},
-       {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", Takes::texts},
-       {"--frames", "VIDEO", "a Y4M file or folder of pictures, to time tracking on", Takes::input},
-       {"--problems", "FOLDER", "fitting problems as text, and solutions.csv with the optimum of each"},
-       {"--portraits", "FOLDER", "photographs of one face each, and landmarks.csv: name,landmark,x,y"},
-       {"--others", "FOLDER", "photographs without faces; of print, without the surface"},
-       {"--film", "VIDEO", "a film of one face; of detection, with --truth", Takes::input},
-       {"--truth", "CSV", "frame,landmark,x,y of every frame of --film", Takes::input},
-       {"--details", "CSV", "a file to write: a row a picture or start", Takes::output},
-       {"--count", "N",
-        "frames of --frames (480), or pictures of a folder (all), that are read at most; starts "
-        "a case of print (40), clips of faults (4)"},
-       kProfileOption,
-       kVerticesOption,
-       kPointsOption},
-      1,
-      run_bench};
+  return {"bench",
+          "Measures the library on this machine: rows of topic,peer,variant,metric,value.",
+          "mesh|fields [--model face.plm] | klt --pairs FOLDER | klt --motion FOLDER | klt --frames VIDEO | "
+          "mcd | track|cost|cues|drift|occlusion --model face.plm | fit --problems FOLDER | "
+          "detection --model face.plm [--portraits FOLDER] [--others FOLDER] [--film VIDEO --truth CSV] "
+          "[--details CSV] | print --model sheet.plm [--others FOLDER] [--count N] | "
+          "faults --model face.plm --film VIDEO [--count N] [--profile s|m|l] [--vertices V] [--points N]",
+          {{"--model", "PLM", "a model to measure with; optional for mesh and fields", Takes::input},
+           {"--pairs", "FOLDER",
+            "pairs of pictures with known motion: A_SIZE.pgm, B_CASE_SIZE.pgm, truth.csv", Takes::input},
+           {"--motion", "FOLDER", "00001.pgm ... and motion.csv, to measure drift; may repeat", Takes::texts},
+           {"--frames", "VIDEO", "a Y4M file or folder of pictures, to time tracking on", Takes::input},
+           {"--problems", "FOLDER", "fitting problems as text, and solutions.csv with the optimum of each",
+            Takes::input},
+           {"--portraits", "FOLDER", "photographs of one face each, and landmarks.csv: name,landmark,x,y",
+            Takes::input},
+           {"--others", "FOLDER", "photographs without faces; of print, without the surface", Takes::input},
+           {"--film", "VIDEO", "a film of one face; of detection, with --truth", Takes::input},
+           {"--truth", "CSV", "frame,landmark,x,y of every frame of --film", Takes::input},
+           {"--details", "CSV", "a file to write: a row a picture or start", Takes::output},
+           {"--count", "N",
+            "frames of --frames (480), or pictures of a folder (all), that are read at most; starts "
+            "a case of print (40), clips of faults (4)"},
+           kProfileOption,
+           kVerticesOption,
+           kPointsOption},
+          1,
+          run_bench};
 }
 
 }  // namespace pliant::host

@@ -63,7 +63,7 @@ void leaves_and_returns(const ModelFile& file, const std::vector<AnnotatedFace>&
         if (found < 0 && error < kRightError) found = static_cast<int>(k - kBack);
       }
     }
-    report.add(name, faces[n].name, found, error, static_cast<double>(lost));
+    report.add(name, faces[n].name, found, error, kUnknown, static_cast<double>(lost));
     if (!is_started) continue;
     ++started;
     if (lost < 0)
@@ -153,14 +153,15 @@ void measure_pushed(const ModelFile& file, const std::vector<AnnotatedFace>& fac
 
 void measure_without_faces(const ModelFile& file, const learn::OtherPictures& others, std::size_t count,
                            DetectionReport& report) {
-  std::size_t starts = 0, kept = 0, frames = 0;
+  std::size_t shown = 0, starts = 0, kept = 0, frames = 0;
   double milliseconds = 0;
   for (std::size_t n = 0; n < count; ++n) {
     const Image picture = shrunk_to(others.picture(n), 640, 480);
+    if (picture.width < 64 || picture.height < 64) continue;
+    ++shown;
     StillFilmOptions options;
     options.seed = static_cast<std::uint32_t>(n + 1);
     StillFilm film(picture, options);
-    if (picture.width < 64 || picture.height < 64) continue;
     DetectionRun run(file, picture.width, picture.height);
     int start = -1;
     for (std::size_t k = 0; k < kFilmFrames; ++k) {
@@ -177,7 +178,7 @@ void measure_without_faces(const ModelFile& file, const learn::OtherPictures& ot
     report.add("without_face", std::to_string(n), start, kUnknown,
                static_cast<double>(run.result().landmark_error));
   }
-  report.rows("without_faces", "pictures", static_cast<double>(count));
+  report.rows("without_faces", "pictures", static_cast<double>(shown));
   report.rows("without_faces", "false_starts", static_cast<double>(starts));
   report.rows("without_faces", "kept_to_the_end", static_cast<double>(kept));
   report.rows("without_faces", "mean_ms_a_frame",

@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "host/bench/detection_run.hpp"
+#include "host/io/csv.hpp"
+#include "host/io/numbers.hpp"
 
 namespace pliant::host {
 
 namespace {
 
 std::string text_of(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.4f", value);
-  return std::isnan(value) ? "" : buffer;
+  return std::isnan(value) ? "" : decimal_text(value);
 }
 
 }  // namespace
@@ -21,13 +20,13 @@ std::string text_of(double value) {
 DetectionReport::DetectionReport(std::ostream& out, const std::optional<std::string>& details)
     : rows(out, "detection") {
   if (details) details_ = std::make_unique<OutputFile>(*details);
-  add_line("case,name,frame,error,estimate");
+  add_line("case,name,frame,error,estimate,lost");
 }
 
-void DetectionReport::add(const char* what, const std::string& name, int frame, double error,
-                          double estimate) {
-  add_line(std::string(what) + "," + name + "," + std::to_string(frame) + "," + text_of(error) + "," +
-           text_of(estimate));
+void DetectionReport::add(const char* what, const std::string& name, int frame, double error, double estimate,
+                          double lost) {
+  add_line(std::string(what) + "," + csv_cell(name) + "," + std::to_string(frame) + "," + text_of(error) +
+           "," + text_of(estimate) + "," + text_of(lost));
 }
 
 void DetectionReport::commit() {

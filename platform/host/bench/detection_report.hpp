@@ -22,8 +22,10 @@ class DetectionReport {
   /// \param details  file of the cases, or none.
   DetectionReport(std::ostream& out, const std::optional<std::string>& details);
 
-  /// \param frame  in which it was found, -1: never. \param error, estimate  NaN: none.
-  void add(const char* what, const std::string& name, int frame, double error, double estimate);
+  /// \param frame  in which it was found, -1: never. \param error, estimate, lost  NaN: none. `lost` is the frame in which a track
+  ///               was lost, or how many frames had none.
+  void add(const char* what, const std::string& name, int frame, double error, double estimate,
+           double lost = kUnknown);
   void commit();
 
   const BenchRows rows;

@@ -17,7 +17,7 @@ constexpr std::size_t kClipStep = 300;  ///< frames from the beginning of one cl
 std::vector<JudgedClip> read_clips(const ModelFile& file, const TrackerLimits& limits,
                                    const std::string& film, std::size_t most) {
   OpenedFrames opened = open_frames(film);
-  if (!opened.source) fail_input(film, opened.message);
+  if (!opened.source) throw Failure(kBadInput, opened.message);
   std::vector<JudgedClip> clips;
   std::vector<Image> frames;
   JudgedClip judged;
@@ -29,8 +29,10 @@ std::vector<JudgedClip> read_clips(const ModelFile& file, const TrackerLimits& l
     if (judge(file, limits, std::move(frames), &judged)) clips.push_back(std::move(judged));
     frames.clear();
   }
+  if (!opened.source->message().empty()) throw Failure(kBadInput, opened.source->message());
   if (clips.empty())
-    fail_input(film, "no part of 120 frames in which the face is found and tracked throughout");
+    fail_input(film, "no part of " + std::to_string(kClipFrames) +
+                         " frames in which the face is found and tracked throughout");
   return clips;
 }
 

@@ -5,6 +5,7 @@
 #include <deque>
 
 #include "host/bench/detection_run.hpp"
+#include "host/io/failure.hpp"
 #include "host/io/frame_source.hpp"
 
 namespace pliant::host {
@@ -27,7 +28,7 @@ void measure_recorded_film(const ModelFile& file, const std::string& film, const
   constexpr std::size_t kEvery = 100, kWithin = 10, kJudged = 200;
   const std::vector<NamedLandmarks> truth = read_annotated_frames(truth_path);
   OpenedFrames opened = open_frames(film);
-  if (!opened.source) fail_input(film, opened.message);
+  if (!opened.source) throw Failure(kBadInput, opened.message);
   std::deque<FilmStart> starts;
   std::vector<double> right_errors;
   std::size_t cases = 0, right = 0, lost = 0;
@@ -38,7 +39,7 @@ void measure_recorded_film(const ModelFile& file, const std::string& film, const
     lost += s.lost;
     const double error = s.frames > 0 ? s.error_sum / static_cast<double>(s.frames) : kUnknown;
     if (s.frames > 0) right_errors.push_back(error);
-    report.add("film", std::to_string(s.first), s.right, error, static_cast<double>(s.lost));
+    report.add("film", std::to_string(s.first), s.right, error, kUnknown, static_cast<double>(s.lost));
   };
   FrameView frame;
   for (std::size_t k = 0; k < truth.size() && opened.source->next(frame) == Status::ok; ++k) {
@@ -58,6 +59,7 @@ void measure_recorded_film(const ModelFile& file, const std::string& film, const
       starts.pop_front();
     }
   }
+  if (!opened.source->message().empty()) throw Failure(kBadInput, opened.source->message());
   report.rows("film", "starts", static_cast<double>(cases));
   report.rows("film", "right_in_10_frames_percent",
               100 * static_cast<double>(right) / static_cast<double>(std::max<std::size_t>(cases, 1)));

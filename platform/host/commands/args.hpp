@@ -53,7 +53,7 @@ class Args {
   /// A finite number in [low, high]; `otherwise` without the option.
   double number(const char* name, double otherwise, double low, double high) const;
   int integer(const char* name, int otherwise, int low, int high) const;
-  /// "WxH", 16 to 8192 pixels a side.
+  /// "WxH", 16 to 16384 pixels a side.
   std::optional<ImageSize> size(const char* name) const;
   /// Exactly `count` finite numbers, separated by commas.
   std::optional<std::vector<float>> numbers(const char* name, std::size_t count) const;

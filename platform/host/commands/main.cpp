@@ -10,8 +10,8 @@
 int main(int argc, char** argv) {
   // Where standard error is closed the first file opened would become it, and get its messages. A write to a closed standard output
   // must fail.
-  for (int fd = 0; fd < STDERR_FILENO;) fd = open("/dev/null", O_RDONLY);
-  if (fcntl(STDERR_FILENO, F_GETFD) < 0) open("/dev/null", O_WRONLY);
+  for (int fd = 0; fd <= STDERR_FILENO; ++fd)
+    if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", fd == STDERR_FILENO ? O_WRONLY : O_RDONLY) < 0) break;
   setenv("LIBCAMERA_LOG_LEVELS", "*:WARN", 0);  // without its greeting, unless someone asks for it
   std::signal(SIGPIPE, SIG_IGN);                // a reader that goes away is a failed write, which is told
   pliant::host::Console console{std::cout, std::cerr, isatty(STDERR_FILENO) != 0};

@@ -18,7 +18,7 @@ class Members {
   Members(std::string where, const Json* value) : where_(std::move(where)), value_(value) {
     if (value == nullptr || !value->is_object()) fail_input(where_, "is missing or not an object");
   }
-  std::string where(const std::string& name) const { return where_ + ": '" + name + "'"; }
+  std::string where(const std::string& name) const { return where_ + ": " + quoted(name); }
   /// Null if there is no such member.
   const Json* find(const char* name) const {
     const auto found = value_->find(name);
@@ -126,6 +126,11 @@ std::string lines_of(const Json& object) {
 Quat unit_of(Quat q) {
   const float squared = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
   return magnitude(squared - 1) < 1e-6f ? q : normalised(q);
+}
+
+bool is_nearly_unit(Quat q) {
+  const float squared = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+  return squared > 0.25f && squared < 4;
 }
 
 FitFile parse_fit(const std::string& source, const std::string& text) {

@@ -43,6 +43,8 @@ std::string fit_text(const FitFile& fit);
 
 /// Normalises a quaternion from a file unless it has unit length already; normalising again could change its last bit.
 Quat unit_of(Quat q);
+/// Whether a row of a table may mean a rotation: half to twice the unit length, as where one component alone is given.
+bool is_nearly_unit(Quat q);
 
 /// The parameters that a name drives: the parameter of that name, or both sides if the name stands for a pair (`browInnerUp`).
 /// Empty if there is none.

@@ -26,7 +26,7 @@ class Bounds {
     if (event != Event::key) return "";
     if (members_.back().size() == kMaxJsonMembers) return "too many members";
     const auto& name = value.get_ref<const std::string&>();
-    return members_.back().insert(name).second ? "" : "'" + name + "' appears twice";
+    return members_.back().insert(name).second ? "" : quoted(name) + " appears twice";
   }
 
  private:
@@ -46,6 +46,11 @@ std::string place(std::string_view text, std::streamoff offset) {
 
 std::string json_text(const Json& value) {
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string quoted(const std::string& name) {
+  const std::string text = json_text(name);  // in double quotes
+  return "'" + text.substr(1, text.size() - 2) + "'";
 }
 
 Json parse_json(const std::string& source, const std::string& text) {

@@ -19,6 +19,9 @@ constexpr std::size_t kMaxJsonDepth = 32, kMaxJsonMembers = 1000, kMaxJsonBytes 
 /// One line, in which bytes that are no UTF-8, in a name that someone gave, are replaced.
 std::string json_text(const Json& value);
 
+/// A name that a file gives, in single quotes, on one line.
+std::string quoted(const std::string& name);
+
 /// Parses a text that is one value. Bad input, with `source`, line and column, for anything but strict JSON: comments, trailing
 /// commas, NaN, numbers that no float holds, repeated members, text after the value; or more than the bounds above.
 Json parse_json(const std::string& source, const std::string& text);

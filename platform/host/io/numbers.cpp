@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace pliant::host {
 
@@ -14,6 +15,13 @@ std::optional<double> parse_number(std::string_view text) {
   const auto [end, error] = std::from_chars(first, last, value);
   if (error != std::errc() || end != last || !std::isfinite(value)) return std::nullopt;
   return value;
+}
+
+std::optional<float> parse_float(std::string_view text) {
+  const std::optional<double> value = parse_number(text);
+  constexpr double kMost = std::numeric_limits<float>::max();
+  if (!value || std::fabs(*value) > kMost) return std::nullopt;
+  return static_cast<float>(*value);
 }
 
 std::string number_text(double value) {

@@ -10,6 +10,9 @@ namespace pliant::host {
 /// The finite decimal number that `text` spells from its first to its last character; nothing otherwise.
 std::optional<double> parse_number(std::string_view text);
 
+/// The same as a float; nothing where it is larger than any.
+std::optional<float> parse_float(std::string_view text);
+
 /// A number as files hold it that are read again: nine significant digits, the fewest that keep every float.
 std::string number_text(double value);
 

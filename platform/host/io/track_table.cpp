@@ -139,9 +139,7 @@ std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const 
       if (target.parameters.empty()) *pose_member(now.pose, target.pose_index) = value;
       for (const std::uint16_t k : target.parameters) now.q[k] = value;
     }
-    const Quat& q = now.pose.q;
-    if (!(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z > 0.25f))
-      fail_input(table.where(r), "the quaternion is not of unit length");
+    if (!is_nearly_unit(now.pose.q)) fail_input(table.where(r), "the quaternion is not of unit length");
     if (!(now.pose.t.z * kMaxRho > 0.999f && now.pose.t.z * kMinRho < 1.001f))
       fail_input(table.where(r), "column 'tz': not between 50 mm and 100 m in front of the camera");
     now.pose.q = unit_of(now.pose.q);

@@ -53,7 +53,7 @@ struct PosedParameters {
 
 /// Reads any CSV with columns of those names. A missing column keeps the value of `neutral`, an empty cell
 /// that of the row before. Columns that are neither parameters nor of the track CSV go to `unmatched`. Bad
-/// input for a cell that is no finite number, or a quaternion without length.
+/// input for a cell that is no finite number, a quaternion that is not nearly of unit length, or a place out of range.
 std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const Model& model,
                                                    const PosedParameters& neutral,
                                                    std::vector<std::string>* unmatched);

@@ -5,6 +5,7 @@
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
+#include "host/io/fit_file.hpp"
 #include "host/io/statistics.hpp"
 
 namespace pliant::host {
@@ -28,8 +29,9 @@ TruthComparison::TruthComparison(const std::string& path, const Model& model) {
   for (std::size_t r = 0; r < table.row_count(); ++r) {
     Row row;
     if (table.cell(r, q[0]).empty()) continue;
-    row.q = normalised(
-        Quat{table.number(r, q[0]), table.number(r, q[1]), table.number(r, q[2]), table.number(r, q[3])});
+    row.q = {table.number(r, q[0]), table.number(r, q[1]), table.number(r, q[2]), table.number(r, q[3])};
+    if (!is_nearly_unit(row.q)) fail_input(table.where(r), "the quaternion is not of unit length");
+    row.q = normalised(row.q);
     for (const Columns& c : landmarks) {
       const bool is_there = c.x && c.y && !table.cell(r, *c.x).empty() && !table.cell(r, *c.y).empty();
       row.landmarks.push_back(is_there ? std::optional<Vec2>({table.number(r, *c.x), table.number(r, *c.y)})

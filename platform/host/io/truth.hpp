@@ -14,7 +14,7 @@ namespace pliant::host {
 class TruthComparison {
  public:
   /// Reads a track CSV. Bad input unless it has the columns frame, qw, qx, qy, qz and x_NAME, y_NAME of at least one of
-  /// the model's landmarks, if it has some.
+  /// the model's landmarks, if it has some, and its quaternions are nearly of unit length.
   TruthComparison(const std::string& path, const Model& model);
 
   /// Compares one frame that was not lost; `landmarks` in the model's order.

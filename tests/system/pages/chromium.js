@@ -15,12 +15,24 @@ class Chromium {
     this.waiting = new Map();
     this.events = [];
     let buffer = "";
+    this.process.stdio[4].setEncoding("utf8");
     this.process.stdio[4].on("data", part => {
       buffer += part;
       for (let end; (end = buffer.indexOf("\0")) >= 0; buffer = buffer.slice(end + 1)) this.receive(JSON.parse(buffer.slice(0, end)));
     });
     this.process.stdio[3].on("error", () => {});
-    this.closed = new Promise(resolve => this.process.on("exit", resolve));
+    this.has_ended = false;
+    this.closed = new Promise(resolve => {
+      const end = () => {
+        // Else Node, left without work, would end with success.
+        this.has_ended = true;
+        for (const { reject } of this.waiting.values()) reject(new Error("Chromium has ended"));
+        this.waiting.clear();
+        resolve();
+      };
+      this.process.on("exit", end);
+      this.process.on("error", end);
+    });
   }
   receive(message) {
     if (message.id === undefined) return this.events.push(message);
@@ -30,6 +42,7 @@ class Chromium {
     else resolve(message.result);
   }
   send(method, params = {}) {
+    if (this.has_ended) return Promise.reject(new Error("Chromium has ended"));
     const id = ++this.next;
     this.process.stdio[3].write(JSON.stringify({ id, method, params, sessionId: this.session }) + "\0");
     return new Promise((resolve, reject) => this.waiting.set(id, { resolve, reject }));

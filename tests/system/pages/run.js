@@ -20,6 +20,7 @@ const [, , command, fixtures] = process.argv;
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "pliant_pages_"));
 const pliant = (...words) => execFileSync(command, words, { cwd: folder, encoding: "utf8" });
 
+process.exitCode = 1;  // until all checks have passed
 (async () => {
   pliant("bake", path.join(fixtures, "face"), "-o", "face.plm");
   for (const check of [checkPoints, checkSheet, checkFace, checkReport]) {

@@ -24,6 +24,7 @@ TEST_CASE("the exponential of a rotation vector agrees with sine and cosine in d
     const double sign = std::cos(angle / 2) < 0 ? -1 : 1;
     CHECK(double(q.w) == doctest::Approx(sign * std::cos(angle / 2)).epsilon(2e-6));
     CHECK(double(q.x) == doctest::Approx(sign * s * double(w.x)).epsilon(2e-6));
+    CHECK(double(q.y) == doctest::Approx(sign * s * double(w.y)).epsilon(2e-6));
     CHECK(double(q.z) == doctest::Approx(sign * s * double(w.z)).epsilon(2e-6));
   }
 }

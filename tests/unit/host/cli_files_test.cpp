@@ -83,6 +83,7 @@ TEST_CASE("text that is not JSON is refused with line and column, at any depth o
                {"[1 2]", "column 5: syntax error while parsing array - unexpected number literal"},
                {"{\"a\" 1}", "while parsing object separator"},
                {"{\"a\":1,\"a\":2}", "column 10: 'a' appears twice"},
+               {"{\"a\\nb\":1,\"a\\nb\":2}", "column 16: 'a\\nb' appears twice"},
                {"nul", "invalid literal"},
                {"[01]", "unexpected number literal"},
                {"[1.]", "expected digit after '.'"},

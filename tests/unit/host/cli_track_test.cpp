@@ -359,6 +359,13 @@ TEST_CASE("frames, markers and truths that a track cannot use are refused by nam
   words = s.track_words();
   words.insert(words.end(), {"--truth", s.put("no_truth.csv", "frame,qw,qx,qy,qz\n0,1,0,0,0\n")});
   check_refused(words, {"no_truth.csv", "landmarks"});
+  for (const char* w : {"0", "1e20"}) {
+    const std::string row = std::string("0,") + w + ",0,0,0,1,2\n";
+    s.put("no_truth.csv", "frame,qw,qx,qy,qz,x_nose_tip,y_nose_tip\n" + row);
+    check_refused(words, {"no_truth.csv: line 2", "quaternion"});
+    check_refused({"render", s.model, "--params", s / "no_truth.csv", "-o", s / "no.y4m"},
+                  {"no_truth.csv: line 2", "quaternion"});
+  }
   CHECK_FALSE(s.has("t.csv"));
 }
 

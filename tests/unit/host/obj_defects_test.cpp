@@ -43,6 +43,8 @@ TEST_CASE("each defect of an OBJ file is one line that names the file and the li
   CHECK(neutral_error(swapped(good, first_face, first_face.substr(0, first_face.size() - 1) + " # the first\n")) == "");
   CHECK(neutral_error(swapped(good, "v 5.000000 ", "v +5.000000 ")) == "");
   CHECK(neutral_error(swapped(good, "v 5.000000 ", "v +-5.000000 ")) == neutral + ":35: '+-5.000000' is not a number");
+  CHECK(neutral_error(swapped(good, "v 5.000000 ", "v 5.000000e-60 ")) == "");  // less than any float: 0
+  CHECK(neutral_error(swapped(good, "v 5.000000 ", "v 5e60 ")) == neutral + ":35: '5e60' is not a number");
   CHECK(neutral_error("") == neutral + ": holds no vertices");
   CHECK(neutral_error("v 1 2\n") == neutral + ":1: '' is not a number");
   CHECK(neutral_error("v 1 2 nan\n") == neutral + ":1: 'nan' is not a number");

@@ -61,6 +61,8 @@ TEST_CASE("each defect of a text table is one line that names the file and the l
   CHECK(error("name x\na 1 2\n") == path + ":2: '2' is one value too many");
   CHECK(error("name x\na nan\n") == path + ":2: 'nan' in column 'x' is not a number");
   CHECK(error("name x\na inf\n") == path + ":2: 'inf' in column 'x' is not a number");
+  CHECK(error("name x\na +1e-60\n") == "");
+  CHECK(error("name x\na 0x10\n") == path + ":2: '0x10' in column 'x' is not a number");
   CHECK(error("name x\na 1,5\n") == path + ":2: '1,5' in column 'x' is not a number");
   CHECK(error_of([&] { TextTable(path + "x", {"name"}); }) == path + "x: cannot be read");
 }

@@ -149,7 +149,9 @@ TEST_CASE("random limits are refused or give a tracker that starts and tracks, o
     if (status != Status::ok) continue;
     ++made;
     const FrameView first = film.view(0);
-    if (tracker.start_from_pose(first, film.camera, film.poses[0], nullptr) != Status::ok) continue;
+    const Status start = tracker.start_from_pose(first, film.camera, film.poses[0], nullptr);
+    CHECK((start == Status::size_mismatch) == (l.width != first.width || l.height != first.height));
+    if (start != Status::ok) continue;
     ++started;
     FrameResult result;
     for (std::size_t i = 1; i < 3; ++i) CHECK(tracker.update(film.view(i), &result) == Status::ok);
