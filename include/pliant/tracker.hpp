@@ -112,8 +112,8 @@ class Tracker {
   const Model& model() const;
   /// True while there is a track: after a start of any kind, until the track is given up.
   bool is_started() const;
-  /// Of the last frame; after a start that of frame 0: tracking at the start's pose, or degraded if that is turned far. Before the
-  /// first frame and after a start that failed: lost, and whether the next frame is searched.
+  /// Of the last frame; after a start that of frame 0: tracking at the start's pose, or degraded if that is turned far or shows no
+  /// face. Before the first frame and after a start that failed: lost, and whether the next frame is searched.
   const FrameResult& result() const;
   /// Loops of the last frame; 0 for one without a track. `pliant plan` prints the bounds.
   const FrameWork& work() const;

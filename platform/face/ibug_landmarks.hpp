@@ -25,4 +25,19 @@ FaceBox box_at_landmarks(const Model& model, float scale, const Place& place) {
   return face_box_of(x[0], x[1], x[2], x[3], scale);
 }
 
+/// Mean distance of a model's landmarks from where `place(index, &x)` has them, over that of their outer eye corners. Negative for a
+/// model that lacks these, and where `place` is false.
+template <class Place>
+float mean_distance(const Model& model, Span<const Vec2> landmarks, const Place& place) {
+  std::uint16_t corners[4];
+  if (!find_box_corners(model, corners)) return -1;
+  float sum = 0;
+  for (std::size_t k = 0; k < landmarks.count; ++k) {
+    Vec2 x;
+    if (!place(k, &x)) return -1;
+    sum += length(landmarks[k] - x);
+  }
+  return sum / (static_cast<float>(landmarks.count) * length(landmarks[corners[1]] - landmarks[corners[0]]));
+}
+
 }  // namespace pliant

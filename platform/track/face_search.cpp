@@ -1,5 +1,6 @@
 #include "track/face_search.hpp"
 
+#include "face/ibug_landmarks.hpp"
 #include "track/detection_state.hpp"
 #include "track/landmark_fit.hpp"
 
@@ -194,6 +195,43 @@ void FaceSearch::set_person(const StartOptions& options, const AlignedFace& face
   if (options.keeps_landmark_offsets) person->offsets->set_pending(landmarks_, model_);
 }
 
+namespace {
+
+bool is_same(const FaceBox& a, const FaceBox& b) {
+  return length(a.center - b.center) <= kTuning.most_box_shift * a.side &&
+         a.side <= kTuning.most_box_ratio * b.side && b.side <= kTuning.most_box_ratio * a.side;
+}
+
+}  // namespace
+
+/// Aligns the mean face in a box. \param found  the box of the result.
+Status FaceSearch::align_in(const FaceBox& box, const FrameView& frame, const Camera& camera,
+                            AlignedFace* face, FaceBox* found) {
+  int steps = 0;
+  Status status = modules_->begin(*aligner_, frame, box, camera, {}, q_, &steps);
+  if (status == Status::ok) status = modules_->advance(*aligner_, frame, steps, face, q_, landmarks_);
+  if (status == Status::ok)
+    *found = box_at_landmarks(model_, view_of(face->pose, face->camera).s,
+                              [&](std::uint16_t n, Vec2* x) { return *x = landmarks_[n], true; });
+  return status;
+}
+
+/// Aligns the face in a box of the caller's, and again in the box of the result until the two are the same: in a box that is too
+/// large the mouth may be aligned to the nose. Then the detector is asked for its box.
+Status FaceSearch::align_near(FaceBox box, const FrameView& frame, const Camera& camera, AlignedFace* face) {
+  FaceBox found;
+  Status status = align_in(box, frame, camera, face, &found);
+  for (int k = 1; status == Status::ok && k < kTuning.most_box_alignments && !is_same(found, box); ++k) {
+    box = found;
+    status = align_in(box, frame, camera, face, &found);
+  }
+  DetectedFace seen;
+  if (status != Status::ok || modules_->search_near(*detector_, frame, found, &seen) != Status::ok ||
+      !(seen.score > 0) || is_same(seen.box, found))
+    return status;
+  return align_in(seen.box, frame, camera, face, &found);
+}
+
 void FaceSearch::refine(const SearchInput& input, const FaceBox* box, KnownPerson* person, StartPose* start,
                         float* landmark_error) {
   begin();
@@ -201,15 +239,9 @@ void FaceSearch::refine(const SearchInput& input, const FaceBox* box, KnownPerso
   if (lay_out_search(input.block) != Status::ok) return;
   for (std::size_t k = 0; k < model_.parameters().count; ++k) q_[k] = person->q[k];
   AlignedFace face;
-  int steps = 0;
-  Status status = Status::ok;
-  if (box != nullptr) {
-    status = modules_->begin(*aligner_, input.frame, *box, start->camera, {}, q_, &steps);
-    if (status == Status::ok)
-      status = modules_->advance(*aligner_, input.frame, steps, &face, q_, landmarks_);
-  } else {
-    status = modules_->refine(*aligner_, input.frame, start->camera, start->pose, {}, &face, q_, landmarks_);
-  }
+  const Status status = box != nullptr ? align_near(*box, input.frame, start->camera, &face)
+                                       : modules_->refine(*aligner_, input.frame, start->camera, start->pose,
+                                                          {}, &face, q_, landmarks_);
   if (status != Status::ok || !(face.score >= kTuning.least_refined)) return;
   set_person(input.options, face, person, start);
   *landmark_error = face.landmark_error;

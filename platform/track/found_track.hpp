@@ -12,6 +12,12 @@ inline FaceBox box_of_track(TrackerParts& t) {
   return box_at_landmarks(t.model(), t.estimator.view().s, place);
 }
 
+/// Mean distance of landmarks from the tracked ones, over that of their outer eye corners. Negative if one is behind the camera.
+inline float distance_from_track(TrackerParts& t, Span<const Vec2> landmarks) {
+  return mean_distance(t.model(), landmarks,
+                       [&](std::size_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); });
+}
+
 /// The person whom the tracker knows: in its memory.
 inline KnownPerson& person_of(TrackerParts& t) {
   KnownPerson& person = static_cast<FaceDetectionState*>(t.detection)->person;

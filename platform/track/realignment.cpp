@@ -1,5 +1,6 @@
 #include "track/realignment.hpp"
 
+#include "face/ibug_landmarks.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/found_track.hpp"
 #include "track/frame_worth.hpp"
@@ -27,6 +28,28 @@ bool align(TrackerParts& t, const FrameView& frame, FaceDetectionState& detectio
   return status == Status::ok && is_right(*face);
 }
 
+/// Whether an alignment of the mean face in the box of the result comes out there, too.
+bool is_confirmed(TrackerParts& t, const FrameView& frame, FaceDetectionState& detection,
+                  const AlignedFace& face) {
+  const FaceModules& modules = *detection.look->modules;
+  FaceAligner& aligner = *detection.look->aligner;
+  const Span<const Vec2> found = detection.face_search.room().landmarks;
+  Arena scratch(t.unused_between_frames.data, t.unused_between_frames.count);
+  const Span<Vec2> again = scratch.take_span<Vec2>(found.count);
+  float* const q = scratch.take<float>(t.model().parameters().count);
+  if (scratch.exhausted()) return true;
+  const FaceBox box = box_at_landmarks(t.model(), view_of(face.pose, face.camera).s,
+                                       [&](std::uint16_t k, Vec2* x) { return *x = found[k], true; });
+  AlignedFace other;
+  int steps = 0;
+  if (modules.begin(aligner, frame, box, face.camera, {}, q, &steps) != Status::ok ||
+      modules.advance(aligner, frame, steps, &other, q, again) != Status::ok)
+    return false;
+  const float distance =
+      mean_distance(t.model(), again, [&](std::size_t k, Vec2* x) { return *x = found[k], true; });
+  return distance <= kTuning.most_disagreement;
+}
+
 /// As anybody, to see whether it is somebody else.
 bool is_another(TrackerParts& t, const FrameView& frame, FaceDetectionState& detection, AlignedFace* face) {
   const SecondLookState& look = *detection.look;
@@ -46,6 +69,8 @@ bool realign(TrackerParts& t, const FrameView& frame) {
   look.stop(t.budget);  // the aligner is needed here
   AlignedFace face;
   if (!align(t, frame, detection, &face)) return false;
+  const float distance = distance_from_track(t, detection.face_search.room().landmarks);
+  if (distance > kTuning.most_distance && !is_confirmed(t, frame, detection, face)) return false;
   State measured;
   measured.pose = face.pose;
   measured.q = detection.face_search.room().q;

@@ -17,6 +17,10 @@ struct RealignmentTuning {
   /// With 0.05 and 0.95 films of moving shadows are tracked in 87 instead of 97 % of the frames, and more of them are wrong, since
   /// tracks end and begin anew in shadow.
   float most_error = kFaceChecksTuning.most_landmark_error, least_score = 0.8f;
+  /// Mean distance of the landmarks from the last good frame's above which another alignment has to confirm them, which begins with
+  /// the mean face in their box; and from those of that one, at most; fractions of the distance of the outer eye corners. After a cut
+  /// to another size the mouth may be aligned to the nose, which looks right from there (docs/experiments.md, Cuts). Round values.
+  float most_distance = 0.05f, most_disagreement = 0.12f;
   /// Realigned frames since the last good one, bad frames between them not counted, after which a new track begins: the light stays
   /// as it is now, or it is another person. A second. With 6 or 12 a new track begins in light that has not settled yet.
   int most_frames = 25;
@@ -25,8 +29,8 @@ inline constexpr RealignmentTuning kRealignmentTuning{};
 
 /// Ends a bad frame: aligns the face from the last good pose, with the person held. If that is right, the frame counts as
 /// tracked; after many such frames a new track begins, of the same person or of another one.
-/// \pre the limits name second looks. \return false: the frame stays bad. Cost: 7.9 million instructions with the defaults; where a
-/// new track begins an alignment and a start besides.
+/// \pre the limits name second looks. \return false: the frame stays bad. Cost: 7.9 million instructions with the defaults, 16 million
+/// where another alignment has to confirm it; where a new track begins an alignment and a start besides.
 bool realign(TrackerParts& tracker, const FrameView& frame);
 
 }  // namespace pliant

@@ -30,20 +30,6 @@ FaceDetectionState& detection_of(TrackerParts& t) {
   return *static_cast<FaceDetectionState*>(t.detection);
 }
 
-/// Mean distance of landmarks from the tracked ones, over that of their outer eye corners. Negative if one is behind the camera.
-float distance_from_track(TrackerParts& t, Span<const Vec2> landmarks) {
-  std::uint16_t corners[4];
-  if (!find_box_corners(t.model(), corners)) return -1;
-  float sum = 0;
-  for (std::size_t k = 0; k < landmarks.count; ++k) {
-    Vec2 x;
-    if (!t.offsets.project(k, t.estimator, &x)) return -1;
-    sum += length(landmarks[k] - x);
-  }
-  const float eyes = length(landmarks[corners[1]] - landmarks[corners[0]]);
-  return sum / (static_cast<float>(landmarks.count) * eyes);
-}
-
 bool is_frontal(const View& view) {
   return camera_direction(view).z >= kTuning.least_frontal;
 }

@@ -26,8 +26,8 @@ struct SurfacePointsTuning {
   /// degrees has too few pixels. Round value, not tuned.
   float least_facing = 0.3f;
   /// A segment of a curve is divided into pieces of this length to measure it on the surface, mm, and into this many at most,
-  /// count. The curves of the built-in face have segments of a millimetre, which are straight enough. Round values, not tuned.
-  float piece_mm = 2;
+  /// count. The curves of the built-in face have segments of a millimetre. Round values, not tuned.
+  float piece_mm = 0.5f;
   int most_pieces = 8;
 };
 inline constexpr SurfacePointsTuning kSurfacePointsTuning{};

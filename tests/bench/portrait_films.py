@@ -84,6 +84,23 @@ def leaving(n, r):
     return yaw, pitch, roll, x + 400 * max(0, wave(n, 180, -0.2)) ** 3, y, eyes
 
 
+def cut(n, r, moves):
+    """Every 30 frames the film is cut to another size of the face, from 36 to 84 px, and with `moves` to another place."""
+    yaw, pitch, roll, x, y, eyes = hand(n, r)
+    draw = numpy.random.RandomState(int(1e6 * r[0]) + int(n) // 30)
+    size = 60 * 2 ** draw.uniform(-0.7, 0.5)
+    room = max(0, 1 - size / 90) if moves else 0
+    return (yaw, pitch, roll, x + 110 * room * draw.uniform(-1, 1), y + 70 * room * draw.uniform(-1, 1), size / 60 * eyes)
+
+
+def cut_size(n, r):
+    return cut(n, r, False)
+
+
+def cut_size_and_place(n, r):
+    return cut(n, r, True)
+
+
 # --- Faults: f(frame, n, state) changes a frame; state keeps what lasts: a random generator, the frame before, the landmarks ---
 
 def grid():
@@ -322,6 +339,8 @@ KINDS = {  # name: motion, faults, samples of a shutter that is open for half of
     'tree shadows': (hand, [trees(4)], 0),
     'nearing': (nearing, [], 0),
     'rolling': (rolling, [], 0),
+    'cuts to other sizes': (cut_size, [], 0),
+    'cuts to other sizes and places': (cut_size_and_place, [], 0),
     'small': (small, [], 0),
     'small, jpeg 20': (small, [jpeg(20)], 0),
     'exposure 1.2 stops': (hand, [exposure(1.2, 50)], 0),

@@ -31,6 +31,8 @@ struct FakeFaces {
   std::size_t covered_frames = 0;  ///< at the beginning: the mouth is covered, alignments have it too low
   float covered_error = 0.05f;     ///< landmark error of those
   float lowered_px = 8;            ///< by how much they have the mouth too low
+  float refined_too_low_px =
+      0;  ///< by how much an alignment that begins near the right pose has the face too low
   // What was asked of it.
   int steps = 0;  ///< of alignments
   int searches = 0, alignments = 0, held_alignments = 0, verifications = 0;
@@ -176,8 +178,15 @@ inline Status refine(FaceAligner& aligner, const FrameView& frame, const Camera&
   const View view = view_of(start, camera);
   const FaceBox near{view.c + view.s * view.tau, kFaceBoxMm * view.s};
   int steps = 0;
-  const Status status = begin(aligner, frame, near, camera, options, q, &steps);
-  return status == Status::ok ? advance(aligner, frame, steps, face, q, landmarks) : status;
+  Status status = begin(aligner, frame, near, camera, options, q, &steps);
+  if (status == Status::ok) status = advance(aligner, frame, steps, face, q, landmarks);
+  if (status != Status::ok) return status;
+  const float down = fake().refined_too_low_px;
+  View found = view_of(face->pose, camera);
+  found.tau.y += down / found.s;
+  face->pose = pose_of(found);
+  for (Vec2& x : landmarks) x.y += down;
+  return status;
 }
 
 inline Status verify(FaceAligner&, const FrameView& frame, const Camera& camera, const Pose& pose,

@@ -183,6 +183,41 @@ TEST_CASE("a track that was put on the backdrop is told lost within 5 frames; th
 }
 
 TEST_CASE(
+    "a start from a box that is too large, too small or beside the face is no track of something else") {
+  const Place place = drifting({220, 180}, 1, 0);
+  const Camera camera = centred_camera(kWidth, kHeight, 1.4f * kWidth);
+  const Vec2 eyes = 0.5f * (place.of(head().at("ibug36")) + place.of(head().at("ibug45"))),
+             mouth = 0.5f * (place.of(head().at("ibug48")) + place.of(head().at("ibug54")));
+  const float side = 2 * length(mouth - eyes);
+  StartOptions start;
+  start.camera = &camera;
+  start.box = BoxConvention::face_box;
+  int right = 0, all = 0;
+  for (const float size : {0.7f, 1.0f, 1.4f, 2.0f})
+    for (const Vec2 shift : {Vec2{0, 0}, Vec2{0.15f, 0}, Vec2{0, 0.15f}, Vec2{0, -0.15f}}) {
+      CAPTURE(size);
+      CAPTURE(shift.x);
+      CAPTURE(shift.y);
+      Run run;
+      const Picture first = draw(place, 1000);
+      const Vec2 box{size * side, size * side}, middle = 0.5f * (eyes + mouth) + size * side * shift;
+      REQUIRE(run.tracker->start_from_box(first.view(run.frame++), middle - 0.5f * box, box, start) ==
+              Status::ok);
+      run.result = run.tracker->result();
+      for (std::size_t k = 1; k < 6; ++k) {
+        ++all;
+        if (run.result.state == TrackState::tracking) {
+          CHECK(run.error(place) < 0.06f);
+          ++right;
+        }
+        run.show(place);
+      }
+    }
+  MESSAGE("right " << right << " of " << all);
+  CHECK(right > all * 9 / 10);
+}
+
+TEST_CASE(
     "a tracker with little work a frame finds a person who moves, within the frames that the plan states") {
   TrackerLimits little = limits();
   little.search_work = 4000;

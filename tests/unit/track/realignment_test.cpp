@@ -115,6 +115,28 @@ TEST_CASE("an alignment that is not surely right leaves a frame bad") {
   }
 }
 
+TEST_CASE("an alignment away from the last good place has to be confirmed by one that begins in its box") {
+  const FaceFilm& film = changed_film();
+  const float eyes = length(film.truth("ibug45", kChange) - film.truth("ibug36", kChange));
+  const struct {
+    float too_low;  // of the eyes' distance
+    int alignments;
+    TrackState state;
+  } kCases[] = {{0, 1, TrackState::tracking},
+                {1.5f * kRealignmentTuning.most_distance, 2, TrackState::tracking},
+                {1.5f * kRealignmentTuning.most_disagreement, 2, TrackState::degraded}};
+  for (const auto& c : kCases) {
+    CAPTURE(c.too_low);
+    FakeFaces fake(film);
+    InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+    for (std::size_t k = 0; k < kChange; ++k) update(tracker.object, film, k);
+    const int before = fake.alignments;
+    fake.refined_too_low_px = c.too_low * eyes;
+    CHECK(update(tracker.object, film, kChange).state == c.state);
+    CHECK(fake.alignments == before + c.alignments);
+  }
+}
+
 TEST_CASE("aligned frames do not count as bad ones: a bad frame after many of them does not end the track") {
   const FaceFilm& film = changed_film();
   FakeFaces fake(film);
