@@ -8,13 +8,13 @@
 #include "aligned_block.hpp"
 #include "mesh_shapes.hpp"
 #include "mesh_tools.hpp"
+#include "random.hpp"
 
 namespace mesh_test {
 
 using namespace pliant;
 using shapes::limits;
 using shapes::MeshBox;
-using shapes::Random;
 using shapes::Triangles;
 
 TEST_CASE("every base is accepted, valid and has the Euler number of its kind") {
