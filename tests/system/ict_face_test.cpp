@@ -97,7 +97,7 @@ TEST_CASE(
       ++points;
     }
   }
-  MESSAGE("folded neutral: " << sum / points << " mm mean, " << worst << " mm worst");
+  MESSAGE("personalised surface: " << sum / points << " mm mean, " << worst << " mm worst");
   CHECK(sum / points < 0.002);
   CHECK(worst < 0.05f);
 }

@@ -320,7 +320,7 @@ TEST_CASE("at every capacity from the base to full, running out leaves the mesh 
   }
 }
 
-// A reference that knows nothing of half-edges: triangles by coordinates, neighbours by search, and a record
+// A reference without half-edges: triangles by coordinates, neighbours by search, and a record
 // of which edge every point was put on.
 namespace {
 struct NaiveMesh {
