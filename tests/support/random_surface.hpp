@@ -1,7 +1,6 @@
 #pragma once
 // Random meshes over a chart as OBJ files: grids, discs, annuli, meshes with holes, closed surfaces with a cut, islands; and
 // the same with one defect.
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>

@@ -7,7 +7,6 @@
 #include <algorithm>
 
 #include "host/bake/chart_raster.hpp"
-#include "host/bake/size_table.hpp"
 #include "baked_model.hpp"
 #include "host/io/owned.hpp"
 #include "random.hpp"

@@ -2,7 +2,6 @@
 /// \file aligner_cascade.hpp
 /// Learns the stages of alignment, one after the other, each from the faces as the stages before it left them.
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "host/learn/aligner_encoding.hpp"

@@ -1,6 +1,8 @@
 // The pliant command: what info, fit, render and bake write, and what they say about bad input.
 #include <doctest/doctest.h>
 
+#include <sstream>
+
 #include "cli_run.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/fit_file.hpp"
