@@ -17,7 +17,8 @@ const PartRecord kParts[] = {
 
 /// Tuning of the training of parts. Each constant: reason, experiment.
 struct PartsTuning {
-  int samples = 9000;  ///< pictures, count
+  /// Pictures that are drawn, count. Round value, not tuned.
+  int samples = 9000;
 };
 constexpr PartsTuning kTuning{};
 
