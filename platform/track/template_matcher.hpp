@@ -82,7 +82,7 @@ class TemplateMatcher {
   std::uint32_t most_steps_ = 0;
   Search* searches_ = nullptr;  // of one frame: other parts may use the memory between frames
   std::size_t capacity_ = 0, count_ = 0;
-  int frame_width_ = 0;     // px
+  int frame_width_ = 0;    // px
   float half_window_ = 0;  // px
   bool uses_frame_to_frame_ = false, is_trusted_ = false, had_first_pass_ = false;
   std::uint32_t frame_ = 0;

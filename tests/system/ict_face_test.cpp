@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
-#include "host/bake/chart_raster.hpp"
 #include "baked_model.hpp"
+#include "host/bake/chart_raster.hpp"
 #include "host/io/owned.hpp"
 #include "random.hpp"
 #include "real_data.hpp"

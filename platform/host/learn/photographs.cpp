@@ -86,7 +86,8 @@ bool is_held_out(std::string_view name) {
 }
 
 std::string mirrored_landmark(const std::string& name) {
-  if (const int k = ibug_number(name); k >= 0) return k < kIbugCount ? ibug_name(mirrored_landmark_number(k)) : name;
+  if (const int k = ibug_number(name); k >= 0)
+    return k < kIbugCount ? ibug_name(mirrored_landmark_number(k)) : name;
   static const char* const kEndings[][2] = {
       {"_left", "_right"}, {"_right", "_left"}, {"_l", "_r"}, {"_r", "_l"}};
   for (const auto& [ending, other] : kEndings) {
