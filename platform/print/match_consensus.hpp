@@ -1,7 +1,6 @@
 #pragma once
 // Views of a surface that many matches agree on (docs/algorithms.md, section 7.17).
 #include <cstddef>
-#include <cstdint>
 
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"

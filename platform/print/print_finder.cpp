@@ -28,7 +28,8 @@ struct PrintFinderTuning {
   float clear_ratio = 1.3f, same_half_cosine = 0.996f;
   /// Spacing of a block's samples, as a fraction of the surface's extent in the frame, and its bounds, px.
   float block_fraction = 0.01f, least_block_px = 1, most_block_px = 4;
-  /// Acceptance: points with weight in the fit, blocks that agree, and their least fraction of those that are visible.
+  /// Acceptance: points with weight in the fit, blocks that agree, count, and their least fraction of those that are visible. Of
+  /// wrong views up to 0.32 agreed (below). The counts are round values, not tuned.
   std::size_t least_points = 8;
   int least_agreed = 10;
   float least_agreement = 0.5f;
@@ -39,7 +40,8 @@ struct PrintFinderTuning {
   /// fitted: that at which a track counts as confirmed (PrintStartTuning). From a start with less a track is degraded, and given up
   /// after half a second: a page that curls began with 0.87 and a corner folded over, and 9 of 78 frames were tracked instead of 63.
   float whole_agreement = 0.92f;
-  /// Fraction and number from which on a frame counts twice of those after which a start waits no longer.
+  /// Fraction and number of agreeing blocks from which on a frame counts twice of those after which a start waits no longer. Round
+  /// values, not tuned.
   float sure_agreement = 0.8f;
   int sure_agreed = 24;
   int most_doubtful_frames = 4;

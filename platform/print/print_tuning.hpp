@@ -11,10 +11,11 @@ namespace pliant {
 
 struct PrintTuning {
   /// Corners, in the print as in the frame: side of a cell and least distance, px, least measure (grey/px)^2,
-  /// and least ratio of the eigenvalues.
+  /// and least ratio of the eigenvalues. Round values.
   int corner_cell_px = 8;
   float corner_distance_px = 5, least_corner = 6, least_corner_ratio = 0.05f;
-  /// Levels of the frame that are searched, and corners of the first; each further one has half as many.
+  /// Levels of the frame that are searched, and corners of the first, count; each further one has half as many. Time and memory
+  /// of a search grow with them. Round values.
   int levels = 3;
   std::size_t corners = 320;
   /// One failed search in so many takes corners from all tiles of the frame, so many a side, out of so many times as many
@@ -30,7 +31,7 @@ struct PrintTuning {
   /// (docs/experiments.md, Start by print) 147 were found with one, if it was a tenth nearer than any other, 166 with the nearest
   /// one, 182 with two, 173 with three; with three a search takes 1.4 times as long.
   std::size_t matches_per_corner = 2;
-  /// Distance in (u,v) from which on two keypoints are of different places.
+  /// Distance in (u,v) from which on two keypoints are of different places. Round value, not tuned.
   float same_place = 0.04f;
   /// What the parts of a search cost, in the cells that bound it (TrackerLimits::search_work; some 3,000 instructions each): pixels
   /// whose corners are found for one cell, cells of a descriptor, keypoints that a corner is compared with for one cell. Round
@@ -39,12 +40,14 @@ struct PrintTuning {
   /// Views that are fitted at most, those with most votes first, and readings of each: time of a search's last frame. Of the same
   /// frames 170 were found with 3 views, 179 with 5, 182 with 8.
   std::size_t most_views = 5, readings = 3;
-  /// Matches and blocks that are fitted at most: time and memory of the fit. Fits to blocks, after those to corners.
+  /// Matches and blocks that are fitted at most, count: time and memory of the fit. Fits to blocks, after those to corners, count:
+  /// each finds blocks from a better view than the one before. Round values.
   std::size_t fitted_points = 96;
   int block_passes = 4;
-  /// Blocks that a check compares, count, at most; times as many places are tried until so many face the camera, and frames between
-  /// checks of a running track. With one time 8 to 12 blocks of a ball can be compared, and most of its right views have too few.
+  /// Blocks that a check compares, count, at most, a round value; and times as many places that are tried until so many face the
+  /// camera. With one time 8 to 12 blocks of a ball can be compared, and most of its right views have too few.
   std::size_t blocks = 48, block_rounds = 4;
+  /// Frames from one check of a running track to the next: halves its cost. Round value, not tuned.
   int check_interval_frames = 2;
 };
 inline constexpr PrintTuning kPrintTuning{};

@@ -23,7 +23,8 @@ struct EdgeTrackerTuning {
   /// Pixels per mm above which edges are matched on a coarser pyramid level. Lids and lips are soft: a step
   /// at a pixel a millimetre is a noisy slope at two. Chosen on the Talking Face video at two sizes.
   float most_px_per_mm = 1.4f;
-  /// Coarsest level for that. A level that the pyramid does not have is left out by find_edge.
+  /// Coarsest level for that, beyond the three levels of a default pyramid. A level that the pyramid does not have is left out
+  /// by find_edge.
   int coarsest_level = 4;
   /// Fraction by which a matched edge's contrast moves its reference, a frame. Round value, not tuned.
   float contrast_rate = 0.1f;

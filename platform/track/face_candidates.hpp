@@ -8,7 +8,8 @@ namespace pliant {
 
 /// Tuning of the candidates. Each constant: unit, reason, experiment.
 struct FaceCandidatesTuning {
-  /// Probability that the detector gives a box, at least, for an alignment. Low: alignment and its own verification decide.
+  /// Probability that the detector gives a box, at least, for an alignment. Low: alignment and its own verification decide. Round
+  /// value, not tuned.
   float least_detection = 0.2f;
   /// Detections that wait for an alignment, count, at most. Round value, not tuned.
   std::size_t most_candidates = 8;

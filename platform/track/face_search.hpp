@@ -13,7 +13,8 @@ namespace pliant {
 
 /// Tuning of the search. Each constant: unit, reason, experiment.
 struct FaceSearchTuning {
-  /// Probability by the detector above which a search over several frames stops for an alignment before it is complete.
+  /// Probability by the detector above which a search over several frames stops for an alignment before it is complete. Round
+  /// value, not tuned.
   float sure_detection = 0.9f;
   /// Probability that the alignment is right, at least, for a start. Round value, not tuned.
   float least_start = 0.7f;
@@ -24,9 +25,10 @@ struct FaceSearchTuning {
   float sure_start_odds = 10000;
   int doubtful_frames = 3;
   /// Estimated landmark error, at most, of an alignment with the identity of the last person, fraction of the eyes'
-  /// distance. Above it another person is fitted.
+  /// distance. Above it another person is fitted. Round value, not tuned.
   float most_known_error = 0.06f;
-  /// Work of the search in a frame, cells, from which on a frame has alignments besides.
+  /// Work of the search in a frame, cells, from which on a frame has alignments besides: one of six steps takes two thirds of them.
+  /// Round value, not tuned.
   std::uint32_t cells_for_both = 12000;
   /// Cells of the search that cost as much as a step of an alignment. On the Cortex-M7 a step takes 5 million instructions and
   /// so many cells 4; on a PC half as much, where the default search of 24,000 cells leaves three alignments of six steps.
@@ -37,7 +39,7 @@ struct FaceSearchTuning {
   /// of the sides, at most. Round values, not tuned (docs/experiments.md, Boxes of others).
   int most_box_alignments = 4;
   float most_box_shift = 0.1f, most_box_ratio = 1.15f;
-  /// Points of a start from landmarks from which on the picture is not asked, count.
+  /// Points of a start from landmarks from which on the picture is not asked, count. Round value, not tuned.
   std::size_t enough_points = 12;
 };
 inline constexpr FaceSearchTuning kFaceSearchTuning{};

@@ -1,6 +1,6 @@
 #pragma once
 /// \file frame_region.hpp
-/// The part of the frame in which is matched: its image pyramid, the previous frame's, and where both lie.
+/// The part of the frame in which templates are matched: its image pyramid, the previous frame's, and where both lie.
 #include "pliant/coarse_translation.hpp"
 #include "pliant/frame.hpp"
 #include "pliant/pyramid.hpp"

@@ -1,5 +1,6 @@
 #include "track/landmark_fit.hpp"
 
+#include "model/ibug_names.hpp"
 #include "track/offset_landmarks.hpp"
 
 namespace pliant {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "model/ibug_names.hpp"
 #include "pliant/arena.hpp"
 #include "pliant/fit.hpp"
 #include "pliant/model.hpp"

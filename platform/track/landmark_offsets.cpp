@@ -1,5 +1,6 @@
 #include "track/landmark_offsets.hpp"
 
+#include "model/ibug_names.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/surface_offset.hpp"
 

@@ -3,7 +3,6 @@
 /// Landmarks as this person has them. A model of many people does not have every person's lip border or brow
 /// at the right place, so residuals remain after a fit. A track would repeat them as a constant error in
 /// every frame.
-#include <cstddef>
 #include <cstdint>
 
 #include "pliant/arena.hpp"

@@ -29,12 +29,13 @@ struct PersonRefinementTuning {
   std::uint32_t whole_steps = 4;
   float later_rate = 0.25f;
   std::uint32_t step_frames = 8;
-  /// Standard deviation of the start's identity, in those of the population.
+  /// Standard deviation of the start's identity, in those of the population: that of the prior. Not tuned.
   float start_sd = 1;
   /// A step below this is not worth its time: standard deviations of an identity parameter; rad. Round
   /// values, not tuned.
   float least_step_sd = 0.05f, least_turn = 0.002f;
-  /// Steps in (u,v), each way, in which a template's point goes back to where it was seen.
+  /// Longest step in (u,v), each way, by which a template's point goes back to where it was seen, and steps of Newton's
+  /// method, count. Round values, not tuned.
   float most_slide = 0.02f;
   int slides = 2;
   /// Templates of which a frame prepares the step, count: 2.6 million instructions. Round value, not tuned.

@@ -7,6 +7,7 @@
 #include "track/detection_state.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/tracker_parts.hpp"
+#include "track/tracker_sizes.hpp"
 
 namespace pliant {
 
@@ -162,8 +163,8 @@ void check(TrackerParts& t, const FrameView& view) {
 /// Makes a frame degraded whose surface is not where the picture shows the print.
 void doubt(TrackerParts& t) {
   const PrintDetectionState& self = self_of(t);
-  const float most_rms_px = kTuning.most_rms_px * static_cast<float>(t.limits.width) / 320;
-  const bool fits = self.agreement >= kTuning.least_fitting_agreement || t.result.rms_px <= most_rms_px;
+  const bool fits = self.agreement >= kTuning.least_fitting_agreement ||
+                    t.result.rms_px <= scaled_px(t.limits, kTuning.most_rms_px);
   if (!self.is_confirmed || self.agreement < kTuning.least_sure_agreement || !fits)
     t.result.state = TrackState::degraded;
 }

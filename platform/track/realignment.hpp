@@ -1,8 +1,6 @@
 #pragma once
 /// \file realignment.hpp
 /// Bad frames of a track in which alignment still sees the face (docs/algorithms.md, section 7.15).
-#include <cstddef>
-
 #include "pliant/frame.hpp"
 #include "track/face_checks.hpp"
 

@@ -1,6 +1,7 @@
 #include "track/second_look.hpp"
 
 #include "face/ibug_landmarks.hpp"
+#include "model/ibug_names.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/found_track.hpp"
 #include "track/landmark_fit.hpp"

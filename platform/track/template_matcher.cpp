@@ -48,7 +48,7 @@ Observation not_found(std::uint16_t id, Reason reason) {
 
 void TemplateMatcher::lay_out(Arena& arena, const TrackerLimits& limits) {
   capacity_ = all_slots(limits);
-  frame_width_ = static_cast<float>(limits.width);
+  frame_width_ = limits.width;
   half_window_ = static_cast<float>(limits.patch_window / 2);
   arena.count_as(Purpose::points);
   searches_ = arena.take<Search>(capacity_);
@@ -131,7 +131,7 @@ TemplateMatcher::Action TemplateMatcher::action(const Search& search, const Obse
   if (!was_found)
     return length(p.x - search.prediction) > kTuning.rematch_move_px ? Action::search
                                                                      : Action::track_from_previous;
-  const bool is_elsewhere = length(last.x - p.x) > scaled(kTuning.rematch_distance_px);
+  const bool is_elsewhere = length(last.x - p.x) > scaled_px(frame_width_, kTuning.rematch_distance_px);
   return is_elsewhere || last.score < kTuning.min_correlation ? Action::search : Action::none;
 }
 
@@ -175,7 +175,7 @@ PatchOptions TemplateMatcher::search_options(const Template& point, bool is_pend
   options.first_level = !is_known || is_after_first_pass ? -1 : round == 0 ? first_level() : 0;
   options.start_sd_px =
       is_known ? kPerAxis * (is_after_first_pass ? later_innovation_px_ : innovation_px_) : 0;
-  options.max_move_px = scaled(is_pending ? kTuning.first_reach_px : kTuning.later_reach_px);
+  options.max_move_px = scaled_px(frame_width_, is_pending ? kTuning.first_reach_px : kTuning.later_reach_px);
   return options;
 }
 
@@ -192,7 +192,7 @@ Observation TemplateMatcher::track_from_previous(const MatchFrame& frame, std::s
   if (!uses_frame_to_frame_ || !point.was_found || point.frames_apart >= kTuning.frame_to_frame_most)
     return not_found(p.id, Reason::low_correlation);
   PatchOptions options;
-  options.max_return_px = scaled(kTuning.forward_backward_px);
+  options.max_return_px = scaled_px(frame_width_, kTuning.forward_backward_px);
   const PatchResult result = frame.templates.match_from_previous(point.found_at, frame.region, p.x, options);
   const bool has_returned = result.status == PatchStatus::ok || result.status == PatchStatus::inconsistent;
   count(result, has_returned ? 2 : 1);
@@ -233,10 +233,6 @@ void TemplateMatcher::end_frame(const MatchFrame& frame, bool is_good) {
   };
   innovation_px_ = rms(0);
   if (had_first_pass_ || !is_good) later_innovation_px_ = rms(1);
-}
-
-float TemplateMatcher::scaled(float px) const {
-  return px * frame_width_ / 320;
 }
 
 }  // namespace pliant

@@ -77,13 +77,13 @@ class TemplateMatcher {
   void count(const PatchResult& result, std::uint32_t searches);
   PatchOptions search_options(const Template& point, bool is_pending, int round) const;
   int first_level() const;
-  float scaled(float px) const;
 
   FrameWork work_;
   std::uint32_t most_steps_ = 0;
   Search* searches_ = nullptr;  // of one frame: other parts may use the memory between frames
   std::size_t capacity_ = 0, count_ = 0;
-  float frame_width_ = 0, half_window_ = 0;  // px
+  int frame_width_ = 0;    // px
+  float half_window_ = 0;  // px
   bool uses_frame_to_frame_ = false, is_trusted_ = false, had_first_pass_ = false;
   std::uint32_t frame_ = 0;
   // Root mean square distance of points from where they were expected in the last frame, px: of those

@@ -28,9 +28,13 @@ constexpr int region_height(const TrackerLimits& limits) {
                                                                           : limits.height;
 }
 
+/// Pixels at 320 px of image width, in those of a frame of another width.
+constexpr float scaled_px(int frame_width, float px) {
+  return px * static_cast<float>(frame_width) / 320;
+}
 /// Pixels at 320 px of image width, in the frame's own.
 constexpr float scaled_px(const TrackerLimits& limits, float px) {
-  return px * static_cast<float>(limits.width) / 320;
+  return scaled_px(limits.width, px);
 }
 
 /// First slot of key frame k; that of k + 1 ends it. Frame 0 is key frame 0.

@@ -1,5 +1,5 @@
-// One-dimensional search for an edge along its normal (docs/algorithms.md, section 7.4; moving edges; the paper's
-// edge tracker searches for the zeros of the second derivative, which are the maxima of the first).
+// One-dimensional search for an edge along its normal (docs/algorithms.md, section 7.4). The paper's edge tracker searches for
+// zeros of the second derivative; they are the maxima of the first, which are searched for here.
 #include "pliant/edges.hpp"
 
 #include "base/integers.hpp"

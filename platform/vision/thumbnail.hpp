@@ -1,6 +1,5 @@
 #pragma once
 // Thumbnails: frames reduced to a few thousand pixels for coarse search.
-#include <cstddef>
 #include <cstdint>
 
 #include "pliant/frame.hpp"

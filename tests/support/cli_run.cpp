@@ -1,5 +1,8 @@
 #include "cli_run.hpp"
 
+#include <algorithm>
+#include <sstream>
+
 namespace cli_run {
 
 Ran run_words(const std::vector<std::string>& words) {

@@ -2,10 +2,7 @@
 // Runs the pliant command in-process, as a user would run it, in a folder of its own.
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "host/commands/command.hpp"
 #include "host/io/files.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 // A drawing, and a detector's table that finds it, made by hand.
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <vector>
 

@@ -2,8 +2,6 @@
 // Detection and alignment that know the truth of a film: for tests of what a tracker makes of their results.
 #include <doctest/doctest.h>
 
-#include <vector>
-
 #include "face_film.hpp"
 #include "pliant/tracker.hpp"
 #include "track/detection_state.hpp"

@@ -3,7 +3,6 @@
 // compared with.
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <vector>
 

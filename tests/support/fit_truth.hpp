@@ -163,7 +163,7 @@ inline std::vector<Correspondence> with_outliers(const Person& person, std::uint
 }
 
 struct Summary {
-  std::vector<double> excess, outlier_turn, outlier_change;
+  std::vector<double> excess, outlier_turn;
   std::vector<Errors> fit, null;
 
   static std::vector<double> of(const std::vector<Errors>& errors, double Errors::*member) {

@@ -7,23 +7,11 @@
 
 #include "aligned_block.hpp"
 #include "pliant/mesh.hpp"
+#include "random.hpp"
 
 namespace shapes {
 
 using pliant::Vec2;
-
-// splitmix64
-struct Random {
-  std::uint64_t state;
-  std::uint64_t next() {
-    std::uint64_t z = (state += 0x9E3779B97F4A7C15ull);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
-    return z ^ (z >> 31);
-  }
-  std::size_t below(std::size_t n) { return static_cast<std::size_t>(next() % n); }
-  float uniform() { return static_cast<float>(next() >> 40) * 0x1p-24f; }
-};
 
 struct Triangles {
   std::vector<Vec2> uv;
@@ -46,7 +34,7 @@ inline Triangles block_grid(int n, Random* random = nullptr) {
     for (int i = 0; i <= n; ++i) {
       Vec2 p{static_cast<float>(i) * cell, static_cast<float>(j) * cell};
       if (random != nullptr && i > 0 && i < n && j > 0 && j < n)
-        p = p + 0.3f * cell * Vec2{random->uniform() - 0.5f, random->uniform() - 0.5f};
+        p = p + 0.3f * cell * Vec2{random->uniform(-0.5f, 0.5f), random->uniform(-0.5f, 0.5f)};
       t.uv.push_back(p);
     }
   for (int j = 0; j < n; ++j)

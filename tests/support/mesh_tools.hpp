@@ -6,6 +6,7 @@
 
 #include "mesh_shapes.hpp"
 #include "pliant/mesh.hpp"
+#include "random.hpp"
 
 #define CHECK_VALID(mesh)                                                                 \
   do {                                                                                    \
@@ -26,7 +27,7 @@ inline void refine_all(pliant::Mesh& mesh, int levels) {
 }
 
 inline std::vector<shapes::Triangles> bases() {
-  shapes::Random random{7};
+  Random random{7};
   return {shapes::block_grid(1),
           shapes::block_grid(4),
           shapes::block_grid(5, &random),
@@ -38,10 +39,10 @@ inline std::vector<shapes::Triangles> bases() {
 }
 
 // Ids are dense, so this is close to uniform.
-inline pliant::FaceId random_face(const pliant::Mesh& mesh, shapes::Random& random) {
+inline pliant::FaceId random_face(const pliant::Mesh& mesh, Random& random) {
   return static_cast<pliant::FaceId>(mesh.faces().next_used(random.below(mesh.faces().used_count())));
 }
 
-inline pliant::VertexId random_vertex(const pliant::Mesh& mesh, shapes::Random& random) {
+inline pliant::VertexId random_vertex(const pliant::Mesh& mesh, Random& random) {
   return static_cast<pliant::VertexId>(mesh.vertices().next_used(random.below(mesh.vertices().used_count())));
 }

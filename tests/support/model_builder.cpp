@@ -146,42 +146,52 @@ std::vector<std::uint32_t> ModelBuilder::table() const {
   return words;
 }
 
-ModelBuilder egg_model(int identities) {
-  using namespace pliant;
-  ModelBuilder b;
+namespace {
+
+using namespace pliant;
+
+/// The neutral egg: 150 x 200 mm, with a nose.
+void add_egg(ModelBuilder& b) {
   const auto egg = [](float u, float v) {
     const float x = 2 * u - 1, y = 1 - 2 * v;
     const float nose = max(0.0f, 1 - 9 * (x * x + (y + 0.1f) * (y + 0.1f)));
     return Vec3{75 * x, 100 * y, 45 * (1 - x * x) + 25 * (1 - y * y) - 30 + 22 * nose * nose};
   };
   b.record(Operation::constant, {}, {}, b.field(3, 65, 65, egg));
-  for (int k = 0; k < identities; ++k) {
-    const float a = 1 + static_cast<float>(k % 3), c = 1 + static_cast<float>(k / 3);
-    const auto wave = [=](float u, float v) {
-      const auto bump = [](float t) {
-        t = t - static_cast<float>(static_cast<int>(t));
-        return 16 * t * t * (1 - t) * (1 - t) - 0.5f;
-      };
-      return Vec3{2 * bump(a * u * 0.5f + 0.2f), 3 * bump(c * v * 0.5f + 0.1f),
-                  4 * bump(a * u * 0.7f) * bump(c * v * 0.7f)};
+}
+
+/// Identity k: waves over the whole surface.
+void add_identity(ModelBuilder& b, int k) {
+  const float a = 1 + static_cast<float>(k % 3), c = 1 + static_cast<float>(k / 3);
+  const auto wave = [=](float u, float v) {
+    const auto bump = [](float t) {
+      t = t - static_cast<float>(static_cast<int>(t));
+      return 16 * t * t * (1 - t) * (1 - t) - 0.5f;
     };
-    const std::uint16_t q = b.parameter("identity" + std::to_string(k), Group::identity, -3, 3, 1);
-    b.record(Operation::add_vector, {b.last()}, {q}, b.field(3, 33, 33, wave));
-  }
-  const auto bump = [](float u0, float v0, float r) {
-    return [=](float u, float v) {
-      const float t = max(0.0f, 1 - ((u - u0) * (u - u0) + (v - v0) * (v - v0)) / (r * r));
-      return Vec3{6 * t * t, 10 * t * t, 3 * t * t};
-    };
+    return Vec3{2 * bump(a * u * 0.5f + 0.2f), 3 * bump(c * v * 0.5f + 0.1f),
+                4 * bump(a * u * 0.7f) * bump(c * v * 0.7f)};
+  };
+  const std::uint16_t q = b.parameter("identity" + std::to_string(k), Group::identity, -3, 3, 1);
+  b.record(Operation::add_vector, {b.last()}, {q}, b.field(3, 33, 33, wave));
+}
+
+/// A bump on the left, and its mirror image on the right.
+void add_bumps(ModelBuilder& b) {
+  const auto bump = [](float u, float v) {
+    const float t = max(0.0f, 1 - ((u - 0.7f) * (u - 0.7f) + (v - 0.4f) * (v - 0.4f)) / (0.2f * 0.2f));
+    return Vec3{6 * t * t, 10 * t * t, 3 * t * t};
   };
   const std::uint16_t left = b.parameter("bumpLeft", Group::expression, 0, 1, 0.4f);
   const std::uint16_t right = b.parameter("bumpRight", Group::expression, 0, 1, 0.4f);
-  b.record(Operation::add_vector, {b.last()}, {left},
-           b.field(3, 33, 33, bump(0.7f, 0.4f, 0.2f), 0.5f, 0.2f, 0.9f, 0.6f));
+  b.record(Operation::add_vector, {b.last()}, {left}, b.field(3, 33, 33, bump, 0.5f, 0.2f, 0.9f, 0.6f));
   Field mirrored = b.fields.back();
   mirrored.mirror = 1;
   b.fields.push_back(mirrored);
   b.record(Operation::add_vector, {b.last()}, {right}, static_cast<std::uint16_t>(b.fields.size() - 1));
+}
+
+/// The lower part turns about a hinge.
+void add_jaw(ModelBuilder& b) {
   const std::uint16_t jaw = b.parameter("jawOpen", Group::expression, 0, 0.5f, 0.2f);
   const std::uint16_t w = b.field(1, 17, 33, [](float, float v) {
     const float t = clamp((v - 0.6f) / 0.3f, 0, 1);
@@ -191,11 +201,25 @@ ModelBuilder egg_model(int identities) {
   hinge.axis[0] = 1;
   hinge.pivot[1] = -20;
   hinge.pivot[2] = -60;
+}
+
+void add_stretch(ModelBuilder& b) {
   const std::uint16_t stretch = b.parameter("stretch", Group::expression, -0.2f, 0.2f, 0.1f);
   const std::uint16_t all = b.field(1, 9, 9, [](float u, float v) {
     return Vec3{16 * u * (1 - u) * v * (1 - v), 0, 0};
   });
   b.record(Operation::scale, {b.last()}, {stretch}, kNone, all);
+}
+
+}  // namespace
+
+ModelBuilder egg_model(int identities) {
+  ModelBuilder b;
+  add_egg(b);
+  for (int k = 0; k < identities; ++k) add_identity(b, k);
+  add_bumps(b);
+  add_jaw(b);
+  add_stretch(b);
   b.grid_mesh(8);
   for (int j = 0; j < 9; ++j)
     for (int i = 0; i < 9; ++i)

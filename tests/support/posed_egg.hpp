@@ -2,8 +2,6 @@
 // An egg in front of a camera: what the tests of the estimator's parts work on.
 #include <doctest/doctest.h>
 
-#include <vector>
-
 #include "estimate/motion_model.hpp"
 #include "opened_egg.hpp"
 

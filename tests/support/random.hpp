@@ -1,5 +1,6 @@
 #pragma once
 // A small seeded generator (splitmix64), so that every test run is the same on every machine.
+#include <cstddef>
 #include <cstdint>
 
 struct Random {
@@ -12,6 +13,7 @@ struct Random {
     return z ^ (z >> 31);
   }
   int below(int n) { return static_cast<int>(bits() % static_cast<std::uint64_t>(n)); }
+  std::size_t below(std::size_t n) { return static_cast<std::size_t>(bits() % n); }
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
   float uniform(float lo, float hi) { return lo + (hi - lo) * static_cast<float>(uniform()); }
   // Sum of twelve uniforms: close enough to a Gaussian of unit deviation, without libm.

@@ -1,7 +1,6 @@
 #pragma once
 // Random meshes over a chart as OBJ files: grids, discs, annuli, meshes with holes, closed surfaces with a cut, islands; and
 // the same with one defect.
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -341,14 +340,49 @@ class SurfaceMaker {
     }
   }
 
-  void spoil(RandomSurface& s) {
-    const std::size_t f = any_face(s);
-    std::vector<int>& face = s.faces[f];
-    const auto v = static_cast<std::size_t>(face[0]);
-    switch (random_.below(16)) {
+  /// Adds lines to the file that are wrong, or isolated vertices, which are no defect. \return false for other kinds.
+  static bool spoil_lines(RandomSurface& s, int kind) {
+    static constexpr struct {
+      int kind;
+      const char *defect, *lines;
+    } kLines[] = {{4, "", "v 1e9 -1e9 0\nv 0 0 0\n"}, {5, "not a number", "v nan 0 0\n"},
+                  {8, "no u,v", "f 1 2 3\n"},         {9, "index", "f 1/1 2/2 9999999/1\n"},
+                  {14, "infinite", "v 1e99 0 0\n"},   {15, "half a line", "f 1/1 2"}};
+    for (const auto& l : kLines)
+      if (l.kind == kind) {
+        s.defect = l.defect, s.extra = l.lines;
+        return true;
+      }
+    return false;
+  }
+
+  /// Moves vertices. \return false for other kinds.
+  static bool spoil_vertices(RandomSurface& s, int kind, std::size_t v) {
+    switch (kind) {
       case 0:
         s.defect = RandomSurface::kPerhaps, s.uv[v] = {1 - s.uv[v].x, 1 - s.uv[v].y};
-        break;
+        return true;
+      case 6:
+        s.defect = "far away", s.position[v].x = 1e9f;
+        return true;
+      case 7:
+        s.defect = "u outside", s.uv[v].x = 1.5f;
+        return true;
+      case 11:
+        s.defect = "all u,v alike";
+        for (Vec2& p : s.uv) p = {0.5f, 0.5f};
+        return true;
+      case 12:
+        s.defect = "u,v on a line";
+        for (Vec2& p : s.uv) p.y = 0.5f;
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  static void spoil_faces(RandomSurface& s, int kind, std::vector<int>& face) {
+    switch (kind) {
       case 1:
         s.defect = "a face given twice", s.faces.push_back(face);
         break;
@@ -359,45 +393,20 @@ class SurfaceMaker {
         s.defect = "a third face at an edge", s.position.push_back({0, 0, 1}), s.uv.push_back({0.5f, 0.5f});
         s.faces.push_back({face[0], face[1], static_cast<int>(s.uv.size()) - 1});
         break;
-      case 4:
-        s.extra = "v 1e9 -1e9 0\nv 0 0 0\n";
-        break;  // isolated vertices are no defect
-      case 5:
-        s.defect = "not a number", s.extra = "v nan 0 0\n";
-        break;
-      case 6:
-        s.defect = "far away", s.position[v].x = 1e9f;
-        break;
-      case 7:
-        s.defect = "u outside", s.uv[v].x = 1.5f;
-        break;
-      case 8:
-        s.defect = "no u,v", s.extra = "f 1 2 3\n";
-        break;
-      case 9:
-        s.defect = "index", s.extra = "f 1/1 2/2 9999999/1\n";
-        break;
       case 10:
         s.defect = "a corner twice", face[1] = face[0];
         break;
-      case 11:
-        s.defect = "all u,v alike";
-        for (Vec2& p : s.uv) p = {0.5f, 0.5f};
-        break;
-      case 12:
-        s.defect = "u,v on a line";
-        for (Vec2& p : s.uv) p.y = 0.5f;
-        break;
-      case 13:
+      default:
         s.defect = "a part upon another", add_copy(s);
         break;
-      case 14:
-        s.defect = "infinite", s.extra = "v 1e99 0 0\n";
-        break;
-      default:
-        s.defect = "half a line", s.extra = "f 1/1 2";
-        break;
     }
+  }
+
+  void spoil(RandomSurface& s) {
+    std::vector<int>& face = s.faces[any_face(s)];
+    const int kind = random_.below(16);
+    if (!spoil_lines(s, kind) && !spoil_vertices(s, kind, static_cast<std::size_t>(face[0])))
+      spoil_faces(s, kind, face);
   }
 
   Random random_;

@@ -1,5 +1,7 @@
 #include "texture.hpp"
 
+#include <cmath>
+
 namespace texture {
 
 double Random::uniform(double low, double high) {

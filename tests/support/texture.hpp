@@ -1,7 +1,6 @@
 #pragma once
 // Images with known motion. The texture is a finite sum of plane waves, which can be sampled exactly anywhere, so
 // that a moved image has no error but rounding and the given noise. Compiled with optimisation, which the tests are not.
-#include <cmath>
 #include <cstdint>
 #include <vector>
 

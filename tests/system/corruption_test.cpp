@@ -195,8 +195,7 @@ TEST_CASE("tracking continues if times jump, repeat or run backward") {
   Sequence s;
   std::size_t jump = 0;
   const float worst = play(s, 0, [&](Sequence& q, std::size_t n) {
-    const TrackState state = q.give(film().frames[shown(n)], q.time + jumps[jump++ % 7]);
-    return state;
+    return q.give(film().frames[shown(n)], q.time + jumps[jump++ % 7]);
   });
   CHECK(worst < 2);
 }

@@ -3,16 +3,14 @@
 
 #include <doctest/doctest.h>
 
-#include <cstdlib>
-
 #include "baked_face.hpp"
 #include "host/bake/bake.hpp"
 #include "host/commands/image_fit.hpp"
-#include "host/io/csv.hpp"
 #include "host/io/files.hpp"
 #include "ict_face.hpp"
 #include "real_data.hpp"
 #include "sanitized.hpp"
+#include "talking_face.hpp"
 
 using namespace pliant;
 using namespace fit_truth;
@@ -45,22 +43,6 @@ const std::vector<std::uint8_t>& ict_table() {
   return table;
 }
 
-/// The 25 annotated points of frame 0 that have an iBUG name.
-std::vector<host::NamedPoint> talking_face_points() {
-  const std::string folder = std::string(std::getenv("PLIANT_DATA")) + "/franck";
-  const host::CsvTable table("points", host::read_file(folder + "/points_original.csv"));
-  std::vector<host::NamedPoint> out;
-  std::istringstream lines(host::read_file(folder + "/fgnet68_to_ict.csv"));
-  for (std::string line; std::getline(lines, line);) {
-    unsigned point, ibug;
-    if (std::sscanf(line.c_str(), "%u,%u", &point, &ibug) != 2) continue;
-    char name[16];
-    std::snprintf(name, sizeof name, "ibug%02u", ibug);
-    out.push_back({name, {table.number(0, 1 + 2 * point), table.number(0, 2 + 2 * point)}, name});
-  }
-  return out;
-}
-
 }  // namespace
 
 TEST_CASE(
@@ -79,14 +61,15 @@ TEST_CASE(
 }
 
 TEST_CASE("a real face: 25 points of a photograph give a plausible person") {
-  if (require_data() == nullptr) return;
+  const char* data = require_data();
+  if (data == nullptr) return;
   const std::string path = std::string(PLIANT_SCRATCH) + "/fit_truth_ict.plm";
   host::write_file(path, std::string(ict_table().begin(), ict_table().end()));
   const host::ModelFile file(path);
-  const auto named = talking_face_points();
+  const auto named = TalkingFace(std::string(data) + "/franck", 1).initial_landmarks();
   REQUIRE(named.size() == 25);
   host::FitSetup setup;
-  setup.size = {720, 576};
+  setup.size = {TalkingFace::kWidth, TalkingFace::kHeight};
   const host::FitFile fit = host::fit_to_points(file, "points", named, setup);
   std::vector<float> q(file.model().parameters().count, 0.0f);
   host::apply(fit.parameters, "fit", file.model(), q.data());
@@ -111,8 +94,8 @@ TEST_CASE("a real face: 25 points of a photograph give a plausible person") {
   for (const host::NamedPoint& p : named)
     points.push_back({face.uv(p.name), p.x, 0.005f * length(high - low)});
   FitOptions options;
-  options.width = 720;
-  options.height = 576;
+  options.width = TalkingFace::kWidth;
+  options.height = TalkingFace::kHeight;
   options.robust = false;
   InArena<Fitter> fitter(face.model, FitLimits{});
   std::vector<float> plain = face.rest();

@@ -6,9 +6,8 @@
 
 #include <algorithm>
 
-#include "host/bake/chart_raster.hpp"
-#include "host/bake/size_table.hpp"
 #include "baked_model.hpp"
+#include "host/bake/chart_raster.hpp"
 #include "host/io/owned.hpp"
 #include "random.hpp"
 #include "real_data.hpp"
@@ -97,7 +96,7 @@ TEST_CASE(
       ++points;
     }
   }
-  MESSAGE("folded neutral: " << sum / points << " mm mean, " << worst << " mm worst");
+  MESSAGE("personalised surface: " << sum / points << " mm mean, " << worst << " mm worst");
   CHECK(sum / points < 0.002);
   CHECK(worst < 0.05f);
 }

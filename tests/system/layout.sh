@@ -9,7 +9,7 @@ trap 'rm -f "$faults"' EXIT
 # fault RULE: what grep or awk found, "file:line:text", one line each.
 fault() { sed "s|^\([^:]*:[0-9]*\):.*|\1: $1|" >> "$faults"; }
 
-# --- The core knows nothing of the platform.
+# --- The core includes nothing of the platform.
 # A private include of the core is a file of the core, and so is not found under platform.
 grep -rnE '^ *# *include "' src | grep -v '"pliant/' | while IFS= read -r line; do
   name=$(echo "$line" | sed 's/.*include "\([^"]*\)".*/\1/')

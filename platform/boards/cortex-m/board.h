@@ -28,7 +28,7 @@ int board_open(const char *path);
 /** Bytes read; fewer than asked at the end of the file. */
 size_t board_read(int file, void *to, size_t bytes);
 
-/** Instructions executed so far, in steps of BOARD_INSTRUCTIONS_PER_TICK, modulo 2^24 steps; 0 where nobody counts. */
+/** Instructions executed so far, in steps of BOARD_INSTRUCTIONS_PER_TICK, modulo 2^24 steps; 0 where the board has no counter. */
 uint32_t board_ticks(void);
 #define BOARD_INSTRUCTIONS_PER_TICK 40u
 #define BOARD_TICK_MASK 0xffffffu

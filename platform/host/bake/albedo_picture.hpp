@@ -1,8 +1,6 @@
 #pragma once
 /// \file albedo_picture.hpp
 /// The albedo of a surface from the pictures of an OBJ file's materials.
-#include <array>
-#include <string>
 #include <vector>
 
 #include "host/bake/source.hpp"

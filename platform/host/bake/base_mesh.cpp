@@ -27,22 +27,23 @@ namespace {
 struct BaseMeshTuning {
   /// Samples on a side of the raster of the rest shape, count: a sample every millimetre of a face.
   int raster_side = 257;
-  /// Vertices of one half, the middle line included, as a fraction of the whole.
+  /// Vertices of one half, the middle line included, as a fraction of the whole: the line belongs to both halves.
   double half_fraction = 0.52;
   /// Least edge length of the search for a surface as large as a face, millimetres, the largest over the least, and halvings of the
   /// range, count: to within 0.03 %.
   double least_edge_mm = 1, edge_range = 100;
   int bisections = 14;
-  /// Points at which a trial stops, as a multiple of the wanted ones, and points of a base mesh, count, at most.
+  /// Points at which a trial stops, as a multiple of the wanted ones, and points of a base mesh, count, at most. Round
+  /// values.
   double trial_fraction = 3;
   std::size_t most_points = 9000;
   /// Vertices of the source that may become points, count, at most. Bounds the time; more do not change the shape.
   std::size_t most_candidates = 100000;
-  /// Candidates for each wanted vertex, count, at least.
+  /// Candidates for each wanted vertex, count, at least. Round value.
   int candidates_each = 8;
   /// Rounds of moving points and flipping edges, count. Later rounds move points by less than a per cent of an edge.
   int relaxations = 40;
-  /// Length of edges at openings as a fraction of the length elsewhere. Lips and lids need smaller triangles.
+  /// Length of edges at openings as a fraction of the length elsewhere. Lips and lids need smaller triangles. Round value.
   float opening_fraction = 0.5f;
   /// Increase of the wanted length per millimetre away from an opening, no unit. Keeps neighbours alike in size.
   float growth = 0.35f;

@@ -33,7 +33,8 @@ struct ModeTuning {
   double poisson = 0.3;
   /// Fraction of the trace that keeps a patch of triangles regular whose corners lie on a conic. Small against 1; not tuned.
   double regular = 1e-4;
-  /// The iteration ends when no eigenvalue changes by more than this fraction, or after so many rounds, count.
+  /// The iteration ends when no eigenvalue changes by more than this fraction, or after so many rounds, count. Round
+  /// values, not tuned.
   double convergence = 1e-8;
   int most_rounds = 400;
   /// Shift that makes the matrix positive definite, in units of the bending stiffness: far below the first eigenvalue, which is

@@ -2,7 +2,6 @@
 /// \file cage.hpp
 /// The control cage of a symmetric surface: named points and the quads between them. Subdivision makes the smooth surface of
 /// it. The tables give the left half and the middle. The right half is the mirror image; its names start with "-".
-#include <array>
 #include <string>
 #include <unordered_map>
 #include <vector>

@@ -4,7 +4,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "host/bake/at.hpp"
@@ -42,6 +41,9 @@ class Relaxation {
       if (!is_fixed_[v] && !around_[v].empty()) move(v);
   }
 
+  const std::vector<ChartPoint>& chart() const { return chart_; }
+
+ private:
   /// Integral over one triangle of the squared stretch; infinite for an inverted triangle.
   double stretch(std::size_t f) const {
     const auto& t = triangles_[f];
@@ -55,20 +57,6 @@ class Relaxation {
     return 0.5 * (along_u.squaredNorm() + along_v.squaredNorm()) / (area * area) * surface_area;
   }
 
-  double whole_stretch() const {
-    double sum = 0, area = 0;
-    for (std::size_t f = 0; f < triangles_.size(); ++f) {
-      const auto& t = triangles_[f];
-      const Eigen::Vector3d &p = surface_[at(t[0])], &q = surface_[at(t[1])], &r = surface_[at(t[2])];
-      sum += stretch(f);
-      area += 0.5 * (q - p).cross(r - p).norm();
-    }
-    return std::sqrt(sum / area);
-  }
-
-  const std::vector<ChartPoint>& chart() const { return chart_; }
-
- private:
   double stretch_around(std::size_t v) const {
     double sum = 0;
     for (const std::size_t f : around_[v]) sum += stretch(f);
@@ -116,11 +104,6 @@ void relax_chart(std::vector<Vec2>& uv, const std::vector<Vec3>& position,
   for (int k = 0; k < sweeps; ++k) work.sweep();
   for (std::size_t v = 0; v < uv.size(); ++v)
     uv[v] = {static_cast<float>(work.chart()[v].x()), static_cast<float>(work.chart()[v].y())};
-}
-
-double chart_stretch(const std::vector<Vec2>& uv, const std::vector<Vec3>& position,
-                     const std::vector<std::array<int, 3>>& triangles) {
-  return Relaxation(uv, position, triangles).whole_stretch();
 }
 
 }  // namespace pliant::host::bake

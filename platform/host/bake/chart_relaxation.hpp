@@ -18,9 +18,4 @@ namespace pliant::host::bake {
 void relax_chart(std::vector<Vec2>& uv, const std::vector<Vec3>& position,
                  const std::vector<std::array<int, 3>>& triangles, int sweeps = 200);
 
-/// Root mean square of the surface's stretch, millimetres per chart unit. Its lower bound is the square root of the surface's
-/// area over the chart's area.
-double chart_stretch(const std::vector<Vec2>& uv, const std::vector<Vec3>& position,
-                     const std::vector<std::array<int, 3>>& triangles);
-
 }  // namespace pliant::host::bake

@@ -14,6 +14,7 @@ namespace {
 /// Tuning of the points along the boundary. Each constant: unit, reason, experiment. None was tuned by an experiment.
 struct LoopPointTuning {
   /// Distance in the chart up to which a landmark lies on a boundary loop, and least distance between anchors there.
+  /// Round values.
   float on_loop = 0.003f, anchor_spacing = 0.015f;
   /// Points on a loop without anchors, count, at least. Fewer do not enclose an area in basic blocks.
   int least_loop_points = 6;

@@ -3,7 +3,6 @@
 /// Reads a source from an OBJ file, or from a folder of OBJ files with one topology.
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "host/bake/source.hpp"
 

@@ -13,18 +13,20 @@ namespace {
 
 /// Tuning of the views. Each constant: unit, reason, experiment.
 struct PrintViewTuning {
-  /// Cosine of the angle up to which a view shows surface well: 37 degrees.
+  /// Cosine of the angle up to which a view shows surface well: 37 degrees. Round value, not tuned.
   float least_cosine = 0.8f;
-  /// A further side has at least this fraction of the surface.
+  /// Fraction of the surface that a further side adds, at least, and sides, count, at most: keypoints are shared among the views.
+  /// Round values, not tuned.
   float least_side = 0.1f;
   std::size_t most_sides = 8;
-  /// Up to so many sides each is also seen tilted, by this angle (radians) in so many directions.
+  /// Up to so many sides each is also seen tilted, by this angle, radians (43 degrees), in so many directions, count. Round
+  /// values, not tuned.
   std::size_t most_tilted_sides = 2;
   float tilt = 0.75f;
   int tilts = 6;
-  /// Grey of the surroundings.
+  /// Grey of the surroundings: the middle.
   float background = 128;
-  /// Distance of the eye, in extents, of the nearly parallel projection.
+  /// Distance of the eye, in extents, of the nearly parallel projection. Round value, not tuned.
   float eye_extents = 1000;
 };
 constexpr PrintViewTuning kTuning;

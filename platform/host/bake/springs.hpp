@@ -1,8 +1,6 @@
 #pragma once
 /// \file springs.hpp
 /// Springs over a surface that bends and does not stretch: the section `stretch` of a model table.
-#include <vector>
-
 #include "host/bake/source.hpp"
 
 namespace pliant::host::bake {

@@ -1,7 +1,6 @@
 #pragma once
 /// \file table_writer.hpp
 /// Collects the parts of a model table and writes its bytes (docs/model-format.md).
-#include <string>
 #include <vector>
 
 #include "host/bake/field_grid.hpp"

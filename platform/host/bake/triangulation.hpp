@@ -2,7 +2,6 @@
 /// \file triangulation.hpp
 /// Constrained Delaunay triangulation in the chart, and edge flips by the triangles' shape in space.
 #include <array>
-#include <functional>
 #include <vector>
 
 #include "pliant/geometry.hpp"

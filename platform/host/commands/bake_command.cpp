@@ -1,6 +1,7 @@
 // `pliant bake`: makes a model table from a readable source.
 #include <algorithm>
 #include <memory>
+#include <string>
 
 #include "host/bake/bake.hpp"
 #include "host/bake/embedded.hpp"

@@ -1,6 +1,5 @@
 #pragma once
 /// \file bake_sizes.hpp
-#include <string>
 #include <vector>
 
 #include "host/bake/bake.hpp"

@@ -10,15 +10,14 @@
 namespace pliant::host {
 
 namespace {
-constexpr float kNotedErrorPx = 0.1f;                         // half of the error of a good match
-constexpr std::size_t kMostFileBytes = std::size_t{1} << 20;  // calibrations have a few kilobytes
+constexpr float kNotedErrorPx = 0.1f;  // half of the error of a good match
 }  // namespace
 
 std::optional<Camera> calibration_of(const Args& args, const ImageSize& size, std::ostream& err) {
   const auto path = args.text("--calibration");
   if (!path) return std::nullopt;
   if (args.has("--focal")) fail_usage("--calibration and --focal exclude each other");
-  const Calibration calibration = parse_calibration(*path, read_file(*path, kMostFileBytes), size);
+  const Calibration calibration = parse_calibration(*path, read_file(*path, kMostCalibrationBytes), size);
   if (calibration.off_px > kNotedErrorPx)
     err << *path << ": reduced to two radial coefficients; the error is up to "
         << number_text(static_cast<double>(std::round(100 * calibration.off_px) / 100)) << " px\n";

@@ -1,5 +1,4 @@
 // `pliant detect`: finds the faces in pictures.
-#include <algorithm>
 #include <filesystem>
 #include <optional>
 
@@ -20,12 +19,8 @@ namespace {
 std::vector<std::string> pictures_of(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_directory(path, error)) return {path};
-  std::vector<std::string> paths;
-  for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
-       entry.increment(error))
-    if (is_picture_of_folder(*entry)) paths.push_back(entry->path().string());
+  std::vector<std::string> paths = pictures_in(path, error);
   if (error) fail_input(path, error.message());
-  std::sort(paths.begin(), paths.end(), is_naturally_before);
   if (paths.empty()) fail_input(path, "has no pictures");
   return paths;
 }
@@ -37,7 +32,8 @@ std::string name_of(const std::string& path) {
 std::string header(const Model& model, bool has_landmarks) {
   std::string line = "file,face,score,x,y,width,height";
   if (has_landmarks)
-    for (const Landmark& l : model.landmarks()) line += std::string(",x_") + l.name + ",y_" + l.name;
+    for (const Landmark& l : model.landmarks())
+      line += "," + csv_cell(std::string("x_") + l.name) + "," + csv_cell(std::string("y_") + l.name);
   return line + "\n";
 }
 

@@ -17,7 +17,8 @@ namespace pliant::host {
 
 namespace {
 
-constexpr int kMostVertices = 21845;
+constexpr int kMostVertices = kMostMeshFaces;
+static_assert(kMostVertices == 21845, "the help states the number");
 
 MeshCriterion criterion_named(const std::string& name) {
   if (name == "none") return MeshCriterion::none;

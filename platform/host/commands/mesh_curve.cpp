@@ -36,17 +36,17 @@ class Table {
 
 std::string mesh_curve(const Model& model, ModelSurface& surface, const std::vector<float>& tolerances_mm) {
   Table table(model, surface);
-  constexpr int kDeepest = 12;
+  constexpr int kDepth = 12;  // deep enough that tolerances and budgets are what ends refinement
   table.add("base mesh", "", 0, {});
   for (const int depth : {1, 2, 3, 4})
     table.add("unconditional", "depth %.0f", depth, {MeshCriterion::uniform, depth, 0, 0});
   for (const float degrees : {60.0f, 45.0f, 30.0f, 20.0f})
     table.add("normals", "%.0f degrees", static_cast<double>(degrees),
-              {MeshCriterion::normals, kDeepest, degrees, 0});
+              {MeshCriterion::normals, kDepth, degrees, 0});
   for (const float mm : tolerances_mm) {
     const int vertices =
-        table.add("contour", "%.2f mm", static_cast<double>(mm), {MeshCriterion::contour, kDeepest, mm, 0});
-    table.add("budget", "%.0f vertices", vertices, {MeshCriterion::contour, kDeepest, 0, vertices});
+        table.add("contour", "%.2f mm", static_cast<double>(mm), {MeshCriterion::contour, kDepth, mm, 0});
+    table.add("budget", "%.0f vertices", vertices, {MeshCriterion::contour, kDepth, 0, vertices});
   }
   return table.text();
 }

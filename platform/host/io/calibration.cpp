@@ -13,8 +13,6 @@ namespace pliant::host {
 
 namespace {
 
-/// Bytes of a calibration, at most: they have a few hundred, or tens of thousands with the points that were used.
-constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 /// Elements of a matrix, at most.
 constexpr std::size_t kMostNumbers = 64;
 
@@ -22,8 +20,8 @@ constexpr std::size_t kMostNumbers = 64;
 class YamlKeys {
  public:
   YamlKeys(std::string source, const std::string& text) : source_(std::move(source)) {
-    if (text.size() > kMostBytes)
-      fail_input(source_, "is larger than " + std::to_string(kMostBytes) + " bytes");
+    if (text.size() > kMostCalibrationBytes)
+      fail_input(source_, "is larger than " + std::to_string(kMostCalibrationBytes) + " bytes");
     if (text.find("<?xml") < 4)
       fail_input(source_, "is XML; OpenCV writes YAML where the file's name ends in .yml");
     try {

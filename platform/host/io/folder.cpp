@@ -121,17 +121,21 @@ OpenedFrames open_pictures(std::vector<std::string> paths) {
   return opened;
 }
 
-OpenedFrames open_folder(const std::string& path) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
+std::vector<std::string> pictures_in(const std::string& folder, std::error_code& error) {
+  std::vector<std::string> paths;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error))
-    if (is_picture_of_folder(*entry)) names.push_back(entry->path().filename().string());
+    if (is_picture_of_folder(*entry)) paths.push_back(entry->path().string());
+  std::sort(paths.begin(), paths.end(), is_naturally_before);
+  return paths;
+}
+
+OpenedFrames open_folder(const std::string& path) {
+  std::error_code error;
+  std::vector<std::string> paths = pictures_in(path, error);
   if (error) return {nullptr, path + ": " + error.message()};
-  if (names.empty()) return {nullptr, path + ": no PNG, JPEG, PGM or PPM picture in this folder"};
-  std::sort(names.begin(), names.end(), is_naturally_before);
-  for (std::string& name : names) name = (std::filesystem::path(path) / name).string();
-  return open_pictures(std::move(names));
+  if (paths.empty()) return {nullptr, path + ": no PNG, JPEG, PGM or PPM picture in this folder"};
+  return open_pictures(std::move(paths));
 }
 
 }  // namespace pliant::host

@@ -1,7 +1,6 @@
 #pragma once
 /// \file jpeg_tables.hpp
 /// A check that a JPEG file must pass before stb_image reads it.
-#include <cstddef>
 #include <string_view>
 
 namespace pliant::host {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "host/io/frame_source.hpp"
@@ -14,8 +15,11 @@ OpenedFrames open_pictures(std::vector<std::string> paths);
 
 /// Whether a name ends as that of a picture: .png, .jpg, .jpeg, .pgm, .ppm or .pnm, in any case.
 bool has_picture_extension(const std::string& path);
+
 /// Whether an entry of a folder is a picture that is read with the folder: by its ending, a file, and not hidden.
 bool is_picture_of_folder(const std::filesystem::directory_entry& entry);
+/// Paths of the pictures of a folder, ordered by name. \param error  out: why the folder cannot be read.
+std::vector<std::string> pictures_in(const std::string& folder, std::error_code& error);
 
 /// Opens a video file through the ffmpeg program, the first video track in it.
 OpenedFrames open_video(const std::string& path);

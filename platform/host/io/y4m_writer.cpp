@@ -1,6 +1,7 @@
 #include "host/io/y4m_writer.hpp"
 
 #include <algorithm>
+#include <cstdint>
 
 #include "host/io/failure.hpp"
 #include "host/io/sources.hpp"

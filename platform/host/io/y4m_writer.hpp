@@ -2,7 +2,6 @@
 /// \file y4m_writer.hpp
 /// Writes a Y4M file that players and ffmpeg read: grey, or colour as YUV 4:2:0 (BT.601, full range, and
 /// marked so).
-#include <cstdint>
 #include <memory>
 #include <string>
 

@@ -32,6 +32,24 @@ LearntStage idle_stage(std::size_t landmarks) {
   return idle;
 }
 
+/// Sets the weights of two landmarks that mirror each other from the solution of learn_pair.
+void set_pair(const std::vector<double>& solution, std::size_t bytes, std::size_t k, std::size_t other,
+              LearntLocal* local) {
+  const std::size_t inputs = 2 * bytes + 1;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const double* const row = solution.data() + axis * inputs;
+    const double sign = axis == 0 ? -1 : 1;
+    double* const of_k = local->rows.data() + (2 * k + axis) * bytes;
+    double* const of_other = local->rows.data() + (2 * other + axis) * bytes;
+    for (std::size_t i = 0; i < bytes; ++i) {
+      of_other[i] = sign * row[bytes + i];
+      of_k[i] = row[i];
+    }
+    local->bias[2 * other + axis] = sign * row[inputs - 1];
+    local->bias[2 * k + axis] = row[inputs - 1];
+  }
+}
+
 }  // namespace
 
 AlignerCascade::AlignerCascade(const Model& model, std::vector<int> numbers, const LearnOptions& options,
@@ -146,58 +164,49 @@ double AlignerCascade::weight_of(std::size_t e, std::size_t k) const {
   return tuning_.weight_of_trust[examples_[e].trust[k]];
 }
 
+/// Sums up a landmark's examples of one fold, and those of its counterpart on the other side, mirrored.
+void AlignerCascade::sum_pair(const AlignerStage& shape, std::size_t k, std::size_t other, int fold,
+                              RidgeSums* sums) const {
+  const std::size_t bytes = block_bytes(shape);
+  sums->resize(2 * bytes + 1, 2);
+  RidgeRows rows(*sums);
+  std::vector<float> x(2 * bytes);
+  std::vector<std::uint8_t> mirrored(bytes);
+  for (std::size_t e = 0; e < examples_.size(); ++e) {
+    if (examples_[e].fold != fold) continue;
+    for (const bool is_mirrored : {false, true}) {
+      const std::size_t l = is_mirrored ? other : k;
+      const double weight = weight_of(e, l);
+      if (!(weight > 0)) continue;
+      const std::uint8_t* const block = blocks_[l].data() + e * bytes;
+      mirror_block(block, shape.cells, mirrored.data());
+      const std::uint8_t* const near = is_mirrored ? mirrored.data() : block;
+      const std::uint8_t* const far = is_mirrored ? block : mirrored.data();
+      const float right = is_mirrored ? 1 - gates_[e] : gates_[e];
+      for (std::size_t i = 0; i < bytes; ++i) {
+        x[i] = (1 - right) * static_cast<float>(near[i]);
+        x[bytes + i] = right * static_cast<float>(far[i]);
+      }
+      const double y[2] = {is_mirrored ? -wanted_[l][2 * e] : wanted_[l][2 * e], wanted_[l][2 * e + 1]};
+      rows.add(x.data(), y, weight);
+    }
+  }
+}
+
 /// Learns the weights of a landmark and of its counterpart on the other side. Every example teaches twice: landmark k as it is,
 /// and landmark `other` of the mirror image. The weights of landmark `other` are those that read k's mirrored block.
 void AlignerCascade::learn_pair(const AlignerStage& shape, std::size_t k, std::size_t other,
                                 std::vector<LearntStage>* learnt) const {
-  const std::size_t bytes = block_bytes(shape), inputs = 2 * bytes + 1;
   std::vector<RidgeSums> folds(static_cast<std::size_t>(tuning_.folds));
-  for (std::size_t f = 0; f < folds.size(); ++f) {
-    folds[f].resize(inputs, 2);
-    RidgeRows rows(folds[f]);
-    std::vector<float> x(2 * bytes);
-    std::vector<std::uint8_t> mirrored(bytes);
-    for (std::size_t e = 0; e < examples_.size(); ++e) {
-      if (examples_[e].fold != static_cast<int>(f)) continue;
-      for (const bool is_mirrored : {false, true}) {
-        const std::size_t l = is_mirrored ? other : k;
-        const double weight = weight_of(e, l);
-        if (!(weight > 0)) continue;
-        const std::uint8_t* const block = blocks_[l].data() + e * bytes;
-        mirror_block(block, shape.cells, mirrored.data());
-        const std::uint8_t* const near = is_mirrored ? mirrored.data() : block;
-        const std::uint8_t* const far = is_mirrored ? block : mirrored.data();
-        const float right = is_mirrored ? 1 - gates_[e] : gates_[e];
-        for (std::size_t i = 0; i < bytes; ++i) {
-          x[i] = (1 - right) * static_cast<float>(near[i]);
-          x[bytes + i] = right * static_cast<float>(far[i]);
-        }
-        const double y[2] = {is_mirrored ? -wanted_[l][2 * e] : wanted_[l][2 * e], wanted_[l][2 * e + 1]};
-        rows.add(x.data(), y, weight);
-      }
-    }
-  }
+  for (std::size_t f = 0; f < folds.size(); ++f) sum_pair(shape, k, other, static_cast<int>(f), &folds[f]);
   const double ridge = choose_ridge(folds);
   RidgeSums all;
-  all.resize(inputs, 2);
+  all.resize(folds[0].inputs, 2);
   for (const RidgeSums& f : folds) all.add(f, 1);
   for (std::size_t f = 0; f < learnt->size(); ++f) {
     RidgeSums others = all;
     if (f < folds.size()) others.add(folds[f], -1);
-    const std::vector<double> w = solve_ridge(others, ridge);
-    LearntLocal& local = (*learnt)[f].local;
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-      const double* const row = w.data() + axis * inputs;
-      const double sign = axis == 0 ? -1 : 1;
-      double* const of_k = local.rows.data() + (2 * k + axis) * bytes;
-      double* const of_other = local.rows.data() + (2 * other + axis) * bytes;
-      for (std::size_t i = 0; i < bytes; ++i) {
-        of_other[i] = sign * row[bytes + i];
-        of_k[i] = row[i];
-      }
-      local.bias[2 * other + axis] = sign * row[inputs - 1];
-      local.bias[2 * k + axis] = row[inputs - 1];
-    }
+    set_pair(solve_ridge(others, ridge), block_bytes(shape), k, other, &(*learnt)[f].local);
   }
 }
 

@@ -2,7 +2,6 @@
 /// \file aligner_cascade.hpp
 /// Learns the stages of alignment, one after the other, each from the faces as the stages before it left them.
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "host/learn/aligner_encoding.hpp"
@@ -55,6 +54,7 @@ class AlignerCascade {
   void learn_global(const AlignerStage& shape);
   void collect_grids(const AlignerStage& shape);
   void learn_global_information(std::size_t bytes, std::vector<LearntStage>* learnt) const;
+  void sum_pair(const AlignerStage& shape, std::size_t k, std::size_t other, int fold, RidgeSums* sums) const;
   void learn_pair(const AlignerStage& shape, std::size_t k, std::size_t other,
                   std::vector<LearntStage>* learnt) const;
   void learn_information(const AlignerStage& shape, std::size_t k, std::size_t other,

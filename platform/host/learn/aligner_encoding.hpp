@@ -57,7 +57,7 @@ class OpenAlignerTable {
   AlignerTable table_;
 };
 
-/// A check that knows nothing: score 1, error 0.
+/// A check without weights: whatever it is given, score 1 and error 0.
 LearntCheck blank_check(std::size_t landmarks, const AlignerStage& last);
 
 /// The table. Weights become int8 with one scale a row.

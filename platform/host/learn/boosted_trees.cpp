@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string>
 
+#include "host/io/failure.hpp"
 #include "host/learn/parallel.hpp"
 #include "host/learn/sample_random.hpp"
 
@@ -12,7 +15,9 @@ namespace {
 
 constexpr std::size_t kBins = 256;
 // Slopes and curvatures of the loss are integers, so that their sums do not depend on the order: this much is 1 on average
-// over a class.
+// over a class. The slopes of one class add up to kUnit / 2 a window of both at most, and so stay within the 32 bits of Terms
+// below 2^18 windows. They begin with half of that, and become smaller as the trees learn: in practice there is room for 2^19
+// windows. `weigh` checks it.
 constexpr double kUnit = 1 << 14;
 
 /// The sums of slope (y - p, upper half) and curvature (p (1 - p), lower half) in one word.
@@ -66,13 +71,22 @@ class Booster {
     const double each = kUnit * 0.5 * static_cast<double>(count_),
                  face = each / static_cast<double>(face_count_),
                  other = each / static_cast<double>(count_ - face_count_);
+    Terms slope_of_class[2] = {}, curvature_of_all = 0;
     for (std::size_t i = 0; i < count_; ++i) {
       const bool is_face = i < face_count_;
       const double p = 1 / (1 + std::exp(-2.0 / kLeafUnit * sums_[i])), weight = is_face ? face : other;
       const auto slope = static_cast<Terms>(std::lround(weight * ((is_face ? 1 : 0) - p)));
       const auto curvature = static_cast<Terms>(std::lround(weight * p * (1 - p)));
       terms_[i] = slope * (Terms{1} << 32) + curvature;
+      slope_of_class[is_face] += slope;
+      curvature_of_all += curvature;
     }
+    // Slopes of faces are positive, those of others negative: no node's sums exceed these.
+    const bool fit =
+        slope_of_class[1] <= INT32_MAX && slope_of_class[0] >= INT32_MIN && curvature_of_all <= UINT32_MAX;
+    if (!fit)
+      fail_input("detection",
+                 std::to_string(count_) + " windows are too many to sum up; learn with less effort");
   }
 
   double gain_of(Terms t) const {

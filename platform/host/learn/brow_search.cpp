@@ -18,6 +18,9 @@ struct BrowSearchTuning {
   float uneven_sd = 0.02f;                ///< difference of the moves of both brows
   float tilt_sd = 0.035f,
         bend_sd = 0.02f;     ///< of the ends against each other, and of the middle against the ends
+  /// Tilts and bends that are tried: steps either way, count, some 1.6 deviations, and their length. Round values.
+  int tilt_steps = 6, bend_steps = 3;
+  float shape_step = 0.01f;
   float half_band = 0.024f;  ///< half of a brow's height
   float lid_gap = 0.055f;    ///< of a brow's middle above the upper lid, at least
   float prior =
@@ -79,10 +82,11 @@ class BrowSearch {
     measure_contrast(brow);
     std::array<ScoredChange, kRows> best;
     for (std::size_t a = 0; a < kRows; ++a)
-      for (int b = -6; b <= 6; ++b)
-        for (int c = -3; c <= 3; ++c) {
+      for (int b = -kTuning.tilt_steps; b <= kTuning.tilt_steps; ++b)
+        for (int c = -kTuning.bend_steps; c <= kTuning.bend_steps; ++c) {
           const BrowChange change{kTuning.high + kRowStep * static_cast<float>(a),
-                                  0.01f * static_cast<float>(b), 0.01f * static_cast<float>(c)};
+                                  kTuning.shape_step * static_cast<float>(b),
+                                  kTuning.shape_step * static_cast<float>(c)};
           if (brow[2].y + change.at(0) > lid - kTuning.lid_gap) continue;
           if (const float s = score(change); s > best[a].score) best[a] = {change, s};
         }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "host/learn/detector_windows.hpp"
 #include "host/learn/parallel.hpp"

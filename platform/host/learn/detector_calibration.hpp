@@ -1,7 +1,6 @@
 #pragma once
 /// \file detector_calibration.hpp
 /// The probability that a hit of the detector is a face.
-#include <cstdint>
 #include <vector>
 
 #include "face/detector_table.hpp"

@@ -14,19 +14,19 @@ struct DetectorLearningTuning {
   /// found instead of 100 and 92.5 %, in a frontal face no longer a chin or a whole head. The misses among the 53 had been
   /// looked at before.
   std::size_t samples = 24000;
-  /// Windows that each sample gives, count.
+  /// Windows that each sample gives, count, shifted and zoomed at random. Round value, not tuned.
   std::size_t windows_a_sample = 2;
-  /// Largest shift of a window, as a fraction of its side: half a cell is 1/24.
+  /// Largest shift of a window, as a fraction of its side: half a cell is 1/24, and a little more is taken.
   float shift = 0.05f;
-  /// Largest change of a window's size: half the step between the sizes that are searched is 2^(1/8).
+  /// Largest change of a window's size: half the step between the sizes that are searched is 2^(1/8), 1.09.
   float zoom = 1.1f;
-  /// Windows of pictures without faces, at random places, before the first round, count.
+  /// Windows of pictures without faces, at random places, before the first round, count. Round value.
   std::size_t random_others = 20000;
-  /// Hits that are added before each later round, and windows of others in all, count.
+  /// Hits that are added before each later round, and windows of others in all, count (see samples).
   std::size_t hits_a_round = 20000, most_others = 80000;
-  /// Hits that one picture may add in a round, count.
+  /// Hits that one picture may add in a round, count: no single picture fills a round. Round value, not tuned.
   std::size_t hits_a_picture = 40;
-  /// Samples of faces that are searched beside the face in a round, count.
+  /// Samples of faces that are searched beside the face in a round, count (see samples).
   std::size_t searched_samples = 6000;
   /// Of the hits of a round: those beside faces, as a fraction at most. A chin taken for a face, or a head, hides the face.
   double beside_hits = 0.5;

@@ -14,12 +14,23 @@ namespace {
 
 constexpr int kApronCells = kWindowCells + 2 * kDetectorReach, kApronPx = kApronCells * kDetectorCellPx + 2;
 
-// Memory of an object that lives in an arena.
-struct Room {
-  explicit Room(std::size_t bytes)
-      : lines(bytes / sizeof(ArenaLine) + 2), arena(lines.data(), lines.size() * sizeof(ArenaLine)) {}
-  std::vector<ArenaLine> lines;
-  Arena arena;
+// A part that is laid out in an arena, in memory of the size that it measures.
+template <class Part>
+class LaidOut {
+ public:
+  explicit LaidOut(int size) {
+    Arena measuring;
+    part_.lay_out(measuring, size);
+    lines_.resize(measuring.used_bytes() / sizeof(ArenaLine));
+    Arena arena(lines_.data(), lines_.size() * sizeof(ArenaLine));
+    part_.lay_out(arena, size);
+    PLIANT_ASSERT(!arena.exhausted());
+  }
+  Part* operator->() { return &part_; }
+
+ private:
+  std::vector<ArenaLine> lines_;
+  Part part_;
 };
 
 Window copy_of(const std::uint8_t* cells, int stride) {
@@ -47,30 +58,26 @@ Window window_of(const Image& picture, const FaceBox& box) {
     lines.read(first(box.center.x), first(box.center.y) + y, kApronPx, scratch.data(),
                pixels.data() + y * kApronPx);
   std::array<std::uint8_t, kApronCells * kApronCells * kCellChannels> cells;
-  Room room(sizeof(CellSums) * kApronCells * kApronCells);
-  GradientCells gradient;
-  gradient.lay_out(room.arena, kApronCells * kApronCells);
-  gradient.compute({pixels.data(), kApronPx, kApronPx, kApronPx}, kApronCells, kApronCells, kDetectorCellPx,
-                   kDetectorReach, cells.data());
+  LaidOut<GradientCells> gradient(kApronCells * kApronCells);
+  gradient->compute({pixels.data(), kApronPx, kApronPx, kApronPx}, kApronCells, kApronCells, kDetectorCellPx,
+                    kDetectorReach, cells.data());
   return copy_of(cells.data() + kDetectorReach * (kApronCells + 1) * kCellChannels,
                  kApronCells * kCellChannels);
 }
 
 std::vector<WindowHit> find_hits(const Image& picture, const std::vector<DetectorTree>& trees) {
   std::vector<WindowHit> hits;
-  Room room(std::size_t{1} << 17);
-  CellStrip strip;
-  strip.lay_out(room.arena, SearchPlace::most_columns(picture.width));
+  LaidOut<CellStrip> strip(SearchPlace::most_columns(picture.width));
   SearchPlace at;
   for (at.begin(picture.width, picture.height, kWindowPx); !at.is_complete(); at.advance()) {
-    if (at.begins_strip()) strip.begin(at.first_column(), at.columns(), at.row());
-    strip.add_row(ScaledLines(frame_of(picture), at.ratio()));
-    if (strip.rows() < kWindowCells) continue;
+    if (at.begins_strip()) strip->begin(at.first_column(), at.columns(), at.row());
+    strip->add_row(ScaledLines(frame_of(picture), at.ratio()));
+    if (strip->rows() < kWindowCells) continue;
     for (int k = 0; k + kWindowCells <= at.columns(); ++k) {
-      const int sum = sum_of_trees({trees.data(), trees.size()}, strip.window(k), strip.stride());
+      const int sum = sum_of_trees({trees.data(), trees.size()}, strip->window(k), strip->stride());
       if (sum != kRejected)
         hits.push_back(
-            {at.box(k, strip.next_row() - kWindowCells), sum, copy_of(strip.window(k), strip.stride())});
+            {at.box(k, strip->next_row() - kWindowCells), sum, copy_of(strip->window(k), strip->stride())});
     }
   }
   return hits;

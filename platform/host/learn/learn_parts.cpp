@@ -17,7 +17,8 @@ const PartRecord kParts[] = {
 
 /// Tuning of the training of parts. Each constant: reason, experiment.
 struct PartsTuning {
-  int samples = 9000;  ///< pictures, count
+  /// Pictures that are drawn, count. Round value, not tuned.
+  int samples = 9000;
 };
 constexpr PartsTuning kTuning{};
 
@@ -31,8 +32,29 @@ FaceSampleTuning sample_tuning() {
   t.yaw_degrees = 40;
   t.gaze_chance = 0.8f;
   t.expressions.blink_chance = 0.45f;
-  t.occluders = {0.2f, 0.02f, 0.02f, 0.03f, 0.02f, 0.04f};
-  t.variation = {0.7f, 0.5f, 0.3f, 0.08f, 0.5f, 1.4f, 0.05f, 0.3f, 1.0f, 0.08f, 4, 0.5f, 8, 0.25f, 0.3f};
+  // Glasses about as often as for the aligner: eyes are read through them. What hides the face is rarer. Not tuned.
+  t.occluders.glasses_chance = 0.2f;
+  t.occluders.mask_chance = 0.02f;
+  t.occluders.hand_chance = 0.02f;
+  t.occluders.hair_chance = 0.03f;
+  t.occluders.bar_chance = 0.02f;
+  t.occluders.moustache_chance = 0.04f;
+  // Light, blur, noise and compression are weaker and rarer than for the aligner, most by a third to a half. Not tuned.
+  t.variation.gamma_octaves = 0.7f;
+  t.variation.side_light_chance = 0.5f;
+  t.variation.darkest_side = 0.3f;
+  t.variation.hard_shadow_chance = 0.08f;
+  t.variation.gain_low = 0.5f;
+  t.variation.gain_high = 1.4f;
+  t.variation.low_contrast_chance = 0.05f;
+  t.variation.blur_chance = 0.3f;
+  t.variation.blur_px = 1.0f;
+  t.variation.motion_chance = 0.08f;
+  t.variation.motion_px = 4;
+  t.variation.noise_chance = 0.5f;
+  t.variation.noise_grey = 8;
+  t.variation.noise_contrast = 0.25f;
+  t.variation.blocks_chance = 0.3f;
   return t;
 }
 

@@ -43,8 +43,8 @@ class Canvas {
   /// A place given in sides of the face box from its middle.
   Vec2 place(Vec2 from_middle) const { return sample_.box.center + sample_.box.side * from_middle; }
 
-  /// Blends `grey(x)` in where `outside(x)` is negative, which is within `bounds`. Landmarks inside by more than a pixel are hidden if the opacity
-  /// is above a half.
+  /// Blends `grey(x)` in where `outside(x)` is negative, which is within `bounds`. Landmarks inside by more than a pixel are
+  /// hidden if the opacity is above a half.
   template <class Outside, class Grey>
   void paint(const PaintBounds& bounds, const Outside& outside, const Grey& grey, float opacity,
              float softness = 1) {
@@ -89,28 +89,44 @@ std::vector<Vec3> rim(Vec3 middle, float half_width, float half_height, float sq
   return out;
 }
 
-void add_glasses(Canvas& canvas) {
+struct Glasses {
+  bool is_dark = false;
+  Vec3 right, left;                                             // middles of the eyes, mm
+  float half_width = 0, half_height = 0, lower = 0, front = 0;  // mm
+  float thickness = 0;                                          // of the frame, px
+  std::vector<std::vector<Vec2>> rims;                          // right, left; px
+};
+
+Glasses choose_glasses(Canvas& canvas) {
   SampleRandom& random = canvas.random();
-  const bool is_dark = random.chance(0.35f);
-  const Vec3 right = 0.5f * (canvas.landmark_mm(36) + canvas.landmark_mm(39)),
-             left = 0.5f * (canvas.landmark_mm(42) + canvas.landmark_mm(45));
-  const float apart = 0.5f * length(left - right);
-  const float half_width = apart * random.between(0.68f, 0.88f),
-              half_height = half_width * random.between(0.55f, 0.95f);
-  const float ahead = random.between(8, 14), lower = random.between(-1, 7), wrap = random.between(0, 0.004f);
-  const float squareness = random.between(0.5f, 1), thickness = max(canvas.px(random.between(1, 4)), 0.7f);
-  const float front = max(canvas.landmark_mm(27).z, max(right.z, left.z)) + ahead * 0.3f;
-  std::vector<std::vector<Vec2>> rims;
-  for (const Vec3 eye : {right, left}) {
+  Glasses g;
+  g.is_dark = random.chance(0.35f);
+  g.right = 0.5f * (canvas.landmark_mm(36) + canvas.landmark_mm(39));
+  g.left = 0.5f * (canvas.landmark_mm(42) + canvas.landmark_mm(45));
+  const float apart = 0.5f * length(g.left - g.right);
+  g.half_width = apart * random.between(0.68f, 0.88f);
+  g.half_height = g.half_width * random.between(0.55f, 0.95f);
+  const float ahead = random.between(8, 14);
+  g.lower = random.between(-1, 7);
+  const float wrap = random.between(0, 0.004f), squareness = random.between(0.5f, 1);
+  g.thickness = max(canvas.px(random.between(1, 4)), 0.7f);
+  g.front = max(canvas.landmark_mm(27).z, max(g.right.z, g.left.z)) + ahead * 0.3f;
+  for (const Vec3 eye : {g.right, g.left}) {
     std::vector<Vec2> outline;
-    for (const Vec3 p : rim({eye.x, eye.y - lower, front + 2}, half_width, half_height, squareness, wrap))
+    const Vec3 middle{eye.x, eye.y - g.lower, g.front + 2};
+    for (const Vec3 p : rim(middle, g.half_width, g.half_height, squareness, wrap))
       outline.push_back(canvas.project(p));
-    rims.push_back(outline);
+    g.rims.push_back(outline);
   }
+  return g;
+}
+
+void paint_lenses(Canvas& canvas, const Glasses& g) {
+  SampleRandom& random = canvas.random();
   const float dark = random.between(5, 60),
-              tint = is_dark ? random.between(0.55f, 1) : random.between(0, 0.15f);
+              tint = g.is_dark ? random.between(0.55f, 1) : random.between(0, 0.15f);
   const float shine = random.chance(0.3f) ? random.between(30, 140) : 0, slope = random.between(-1, 1);
-  for (const auto& outline : rims) {
+  for (const auto& outline : g.rims) {
     const Vec2 middle = 0.5f * (outline[0] + outline[10]);
     const auto glass = [&](Vec2 x) { return outside_polygon(x, outline); };
     const auto tone = [&](Vec2 x) {
@@ -119,27 +135,39 @@ void add_glasses(Canvas& canvas) {
     };
     canvas.paint({outline, 1}, glass, tone, tint);
   }
+}
+
+/// Rims, bridge and temples.
+void paint_frame(Canvas& canvas, const Glasses& g) {
+  SampleRandom& random = canvas.random();
   const float frame = random.chance(0.75f) ? random.between(5, 70) : random.between(120, 230);
-  const auto line = [&](Vec2 a, Vec2 b, float width) {
+  const auto line = [&](Vec2 a, Vec2 b) {
     canvas.paint(
-        {{a, b}, width}, [&](Vec2 x) { return outside_capsule(x, a, b, 0.5f * width); },
+        {{a, b}, g.thickness}, [&](Vec2 x) { return outside_capsule(x, a, b, 0.5f * g.thickness); },
         [&](Vec2) { return frame; }, 0.9f);
   };
-  if (!is_dark || random.chance(0.7f))
-    for (const auto& outline : rims)
+  if (!g.is_dark || random.chance(0.7f))
+    for (const auto& outline : g.rims)
       canvas.paint(
-          {outline, thickness},
-          [&](Vec2 x) { return magnitude(outside_polygon(x, outline)) - 0.5f * thickness; },
+          {outline, g.thickness},
+          [&](Vec2 x) { return magnitude(outside_polygon(x, outline)) - 0.5f * g.thickness; },
           [&](Vec2) { return frame; }, 0.9f);
-  line(rims[0][0], rims[1][10], thickness);
+  line(g.rims[0][0], g.rims[1][10]);
   // Temples back to the ears; the far one is hidden by the head.
-  const Vec3 hinge_right{right.x - half_width, right.y - lower + 0.3f * half_height, front - 4},
-      hinge_left{left.x + half_width, left.y - lower + 0.3f * half_height, front - 4};
+  const float height = 0.3f * g.half_height;
+  const Vec3 hinge_right{g.right.x - g.half_width, g.right.y - g.lower + height, g.front - 4},
+      hinge_left{g.left.x + g.half_width, g.left.y - g.lower + height, g.front - 4};
   for (const Vec3 hinge : {hinge_right, hinge_left}) {
     const Vec3 ear{hinge.x * 1.12f, hinge.y, hinge.z - 75};
     const Vec2 a = canvas.project(hinge), b = canvas.project(ear);
-    if ((b.x - a.x) * (hinge.x > 0 ? 1 : -1) > 0) line(a, b, thickness);
+    if ((b.x - a.x) * (hinge.x > 0 ? 1 : -1) > 0) line(a, b);
   }
+}
+
+void add_glasses(Canvas& canvas) {
+  const Glasses glasses = choose_glasses(canvas);
+  paint_lenses(canvas, glasses);
+  paint_frame(canvas, glasses);
 }
 
 void add_mask(Canvas& canvas) {

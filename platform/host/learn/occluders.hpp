@@ -7,14 +7,14 @@
 
 namespace pliant::host::learn {
 
-/// How often. Chosen by eye.
+/// Probability that a sample has each of them. Chosen by eye on sheets of samples, not tuned.
 struct OccluderTuning {
-  float glasses_chance = 0.22f;    ///< of them, a third are sunglasses
+  float glasses_chance = 0.22f;    ///< glasses, of which a third are dark
   float mask_chance = 0.03f;       ///< cloth over mouth and nose
   float hand_chance = 0.07f;       ///< fingers at the face
   float hair_chance = 0.06f;       ///< strands over forehead and cheeks
   float bar_chance = 0.07f;        ///< something before the face: a bar, a plate, a part of another picture
-  float moustache_chance = 0.06f;  ///< and beards
+  float moustache_chance = 0.06f;  ///< moustaches and beards
 };
 
 /// Draws occluders into the picture at random. Landmarks under them lose their trust; their positions stay.

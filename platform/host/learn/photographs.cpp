@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "face/aligner_table.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/files.hpp"
 #include "host/io/ibug_names.hpp"
@@ -22,18 +23,6 @@ struct PhotographTuning {
   float focal_ratio = 4;
 };
 constexpr PhotographTuning kTuning{};
-
-/// iBUG's landmark at the mirrored place.
-int mirrored_ibug(int k) {
-  static constexpr int kEyes[] = {45, 44, 43, 42, 47, 46, 39, 38, 37, 36, 41, 40};
-  static constexpr int kMouth[] = {54, 53, 52, 51, 50, 49, 48, 59, 58, 57,
-                                   56, 55, 64, 63, 62, 61, 60, 67, 66, 65};
-  if (k <= 16) return 16 - k;
-  if (k <= 26) return 17 + 26 - k;
-  if (k <= 30) return k;
-  if (k <= 35) return 31 + 35 - k;
-  return k <= 47 ? kEyes[k - 36] : kMouth[k - 48];
-}
 
 void set_landmarks(const Model& model, const AnnotatedPicture& annotated, Photograph& out) {
   Owned<Cascade> cascade(model);
@@ -97,7 +86,8 @@ bool is_held_out(std::string_view name) {
 }
 
 std::string mirrored_landmark(const std::string& name) {
-  if (const int k = ibug_number(name); k >= 0) return k < kIbugCount ? ibug_name(mirrored_ibug(k)) : name;
+  if (const int k = ibug_number(name); k >= 0)
+    return k < kIbugCount ? ibug_name(mirrored_landmark_number(k)) : name;
   static const char* const kEndings[][2] = {
       {"_left", "_right"}, {"_right", "_left"}, {"_l", "_r"}, {"_r", "_l"}};
   for (const auto& [ending, other] : kEndings) {

@@ -2,7 +2,6 @@
 /// \file ridge.hpp
 /// Ridge regression with folds: normal equations for each fold, so that solutions without one fold cost a factorisation only.
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 namespace pliant::host::learn {

@@ -10,8 +10,8 @@ namespace {
 
 MeshLimits limits_of(const MeshRequest& request) {
   MeshLimits limits;
-  limits.faces = 21845;
-  limits.vertices = 21845;
+  limits.faces = kMostMeshFaces;
+  limits.vertices = kMostMeshFaces;
   limits.max_level = static_cast<std::uint8_t>(std::min<int>(request.depth, MeshLimits::kDeepest));
   return limits;
 }

@@ -1,7 +1,7 @@
 #pragma once
 /// \file model_mesh.hpp
 /// A model's mesh, adapted to the surface at given parameters.
-#include <string>
+#include <cstdint>
 #include <vector>
 
 #include "host/io/owned.hpp"
@@ -9,6 +9,9 @@
 #include "pliant/criteria.hpp"
 
 namespace pliant::host {
+
+/// Faces of a mesh, at most: the numbers of three half-edges a face have 16 bits. Vertices are fewer.
+constexpr std::uint16_t kMostMeshFaces = 65535 / 3;
 
 enum class MeshCriterion { none, uniform, normals, contour };
 

@@ -1,6 +1,8 @@
 #pragma once
 /// \file shown_mesh.hpp
 /// A model's mesh for files that other programs read.
+#include <string>
+
 #include "host/io/mesh_files.hpp"
 #include "host/render/model_mesh.hpp"
 

@@ -6,12 +6,12 @@ namespace pliant::figure9 {
 
 namespace {
 
-constexpr int kOperationsPerFrame = 64, kShares = 4;
+constexpr int kOperationsPerFrame = 64, kParts = 4;
 
 MeshLimits mesh_limits() {
   MeshLimits limits;
-  limits.vertices = 12000;
-  limits.faces = 21845;
+  limits.vertices = kMostVertices;
+  limits.faces = host::kMostMeshFaces;
   limits.max_level = MeshLimits::kDeepest;
   return limits;
 }
@@ -54,7 +54,7 @@ AdaptedMesh::AdaptedMesh(const Model& model, const std::vector<float>& q, const 
   if (setting.kind == MeshKind::budgeted) contour_ = kUnderBudget;
   seen_.contour = kUnderBudget;
   seen_.score = &score;
-  look_from(pose);
+  set_view(pose);
   uniform_.levels = setting.kind == MeshKind::unconditional ? 3 : 0;
   host::require(mesh_->set_base(model.base_uv(), model.base_corners()), "base mesh");
   host::require(adapter_->start(*mesh_, surface_.surface(), criterion()), "base mesh");
@@ -63,7 +63,7 @@ AdaptedMesh::AdaptedMesh(const Model& model, const std::vector<float>& q, const 
   adapter_->adapt(options);
 }
 
-void AdaptedMesh::look_from(const Pose& pose) {
+void AdaptedMesh::set_view(const Pose& pose) {
   const Vec3 camera = rotation_matrix(conjugate(pose.q)) * (-1.0f * normalised(pose.t));
   seen_.to_camera = {camera.x, -camera.y, -camera.z};
 }
@@ -86,8 +86,8 @@ Criterion AdaptedMesh::criterion() {
 
 bool AdaptedMesh::update(const Pose& pose, int frame) {
   if (setting_.kind != MeshKind::adaptive) return false;
-  look_from(pose);
-  adapter_->rerank(frame % kShares, kShares);
+  set_view(pose);
+  adapter_->rerank(frame % kParts, kParts);
   AdaptOptions options;
   options.vertex_budget = setting_.vertices;
   options.max_operations = kOperationsPerFrame;

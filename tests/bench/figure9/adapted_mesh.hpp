@@ -2,6 +2,7 @@
 /// \file adapted_mesh.hpp
 /// The mesh that a run tracks with: the model's base mesh adapted to the person by one of the criteria, once or frame by
 /// frame.
+#include <cstdint>
 #include <vector>
 
 #include "host/render/model_mesh.hpp"
@@ -9,6 +10,9 @@
 #include "pliant/corners.hpp"
 
 namespace pliant::figure9 {
+
+/// Vertices of a mesh, at most. A slot of the matcher is kept for each.
+constexpr std::uint16_t kMostVertices = 12000;
 
 enum class MeshKind { base, normals, contour, unconditional, budgeted, adaptive };
 
@@ -49,13 +53,13 @@ class AdaptedMesh {
               const ChartScore& score);
 
   const Mesh& mesh() const { return *mesh_.operator->(); }
-  /// `adaptive` follows the view: at most 64 operations, a quarter of the ranks made anew. Others stay as they are.
+  /// `adaptive` is adapted to the view: at most 64 operations, a quarter of the ranks made anew. Others stay as they are.
   /// \return whether the mesh may have changed.
   bool update(const Pose& pose, int frame);
 
  private:
   Criterion criterion();
-  void look_from(const Pose& pose);
+  void set_view(const Pose& pose);
 
   MeshSetting setting_;
   host::ModelSurface surface_;

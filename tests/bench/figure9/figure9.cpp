@@ -17,14 +17,14 @@ namespace {
 struct Run {
   std::string name;
   MeshKind kind = MeshKind::base;
-  int vertices = 0, followed = 0, failures = 0;
+  int vertices = 0, tracked = 0, failures = 0;
   std::vector<double> error, milliseconds;
   std::vector<double> clear;  // error of the frames in which nothing passes before the face
 };
 
 void track(Run& run, const Model& model, const Experiment& e, int budget, bool has_anchors) {
   MeshTracker tracker(model, e, {run.kind, budget}, has_anchors);
-  run.followed = tracker.followed();
+  run.tracked = tracker.tracked();
   for (std::size_t k = 1; k < e.frames.size(); ++k) {
     const Outcome o = tracker.update(k);
     run.error.push_back(o.error_px);
@@ -39,7 +39,7 @@ void print_table(const std::vector<Run>& runs) {
   std::cout << "mesh,vertices,followed,mean_px,median_px,p95_px,last_100_px,clear_px,failures,median_ms\n";
   for (const Run& r : runs) {
     const Summary s = summarise(r.error);
-    std::cout << r.name << "," << r.vertices << "," << r.followed << "," << s.mean << "," << s.median << ","
+    std::cout << r.name << "," << r.vertices << "," << r.tracked << "," << s.mean << "," << s.median << ","
               << s.p95 << "," << s.last_100 << "," << summarise(r.clear).mean << "," << r.failures << ","
               << summarise(r.milliseconds).median << "\n";
   }

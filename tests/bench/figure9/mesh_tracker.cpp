@@ -11,7 +11,8 @@ namespace pliant::figure9 {
 
 namespace {
 
-constexpr std::uint16_t kVertexSlots = 6000, kAnchors = 128;
+/// A slot of each vertex that a mesh may have; those of the anchors come after them.
+constexpr std::uint16_t kVertexSlots = kMostVertices, kAnchors = 128;
 constexpr float kMarkerExclusionPx = 8, kMinFacing = 0.3f;
 
 FrameView view_of_image(const host::Image& image, double time_s) {
@@ -51,7 +52,7 @@ MeshTracker::MeshTracker(const Model& model, const Experiment& experiment, const
       current_(pyramid_limits(experiment)),
       previous_(pyramid_limits(experiment)),
       patches_(patch_limits()),
-      followed_(kVertexSlots + kAnchors),
+      tracked_(kVertexSlots + kAnchors),
       slot_of_(kVertexSlots + kAnchors) {
   const Experiment& e = experiment_;
   const FrameView frame = view_of_image(e.frames[0], 0);
@@ -62,26 +63,26 @@ MeshTracker::MeshTracker(const Model& model, const Experiment& experiment, const
   score_chart();
   mesh_ = std::make_unique<AdaptedMesh>(model, e.q, setting, e.pose, score_);
   cast_markers();
-  follow_vertices();
-  if (has_anchors) follow_corners();
+  track_vertices();
+  if (has_anchors) track_corners();
 }
 
-int MeshTracker::followed() const {
+int MeshTracker::tracked() const {
   return static_cast<int>(
-      std::count_if(followed_.begin(), followed_.end(), [](const Followed& f) { return f.is_used; }));
+      std::count_if(tracked_.begin(), tracked_.end(), [](const Tracked& f) { return f.is_used; }));
 }
 
-MeshTracker::Sight MeshTracker::sight_in_frame_0(Vec2 uv) {
+MeshTracker::SeenPoint MeshTracker::seen_in_frame_0(Vec2 uv) {
   const Projector projector(view_of(experiment_.pose, experiment_.camera), true);
   const SurfaceFrame frame = cascade_->surface_frame(uv, experiment_.q.data());
-  Sight sight;
+  SeenPoint seen;
   Projector::Derivatives d;
-  if (!projector.project(frame.p, &sight.x, &d)) return sight;
+  if (!projector.project(frame.p, &seen.x, &d)) return seen;
   const Vec2 along_u = d.along(frame.pu), along_v = d.along(frame.pv);
-  sight.jacobian = {along_u.x, along_v.x, along_u.y, along_v.y};
+  seen.jacobian = {along_u.x, along_v.x, along_u.y, along_v.y};
   const Vec3 normal = projector.rotated(normalised(cross(frame.pv, frame.pu)));
-  sight.facing = -dot(normal, normalised(projector.to_camera(frame.p)));
-  return sight;
+  seen.facing = -dot(normal, normalised(projector.to_camera(frame.p)));
+  return seen;
 }
 
 void MeshTracker::score_chart() {
@@ -89,8 +90,8 @@ void MeshTracker::score_chart() {
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
       const Vec2 uv{(static_cast<float>(i) + 0.5f) / n, (static_cast<float>(j) + 0.5f) / n};
-      const Sight sight = sight_in_frame_0(uv);
-      if (sight.facing >= kMinFacing) score_.set(uv, corner_score(first_->level(0), sight.x));
+      const SeenPoint seen = seen_in_frame_0(uv);
+      if (seen.facing >= kMinFacing) score_.set(uv, corner_score(first_->level(0), seen.x));
     }
   score_.normalise();
 }
@@ -99,7 +100,7 @@ void MeshTracker::score_chart() {
 void MeshTracker::cast_markers() {
   const Mesh& mesh = mesh_->mesh();
   const Projector projector(view_of(experiment_.pose, experiment_.camera), true);
-  std::vector<Vec2> image(static_cast<std::size_t>(mesh.vertex_count()) + 12000);
+  std::vector<Vec2> image(kMostVertices);
   for (VertexId v : mesh.vertices())
     projector.project(cascade_->surface_point(mesh.uv(v), experiment_.q.data()), &image[v]);
   for (const std::optional<Vec2>& x : experiment_.truth[0]) {
@@ -126,19 +127,19 @@ bool MeshTracker::is_near_marker(Vec2 x) const {
   return false;
 }
 
-/// Brings the followed vertices into line with the mesh.
-void MeshTracker::follow_vertices() {
+/// Brings the tracked vertices into line with the mesh.
+void MeshTracker::track_vertices() {
   const Mesh& mesh = mesh_->mesh();
   for (std::size_t slot = 0; slot < kVertexSlots; ++slot) {
     const auto v = static_cast<VertexId>(slot);
     const bool is_live = mesh.is_live_vertex(v);
-    Followed& f = followed_[slot];
+    Tracked& f = tracked_[slot];
     if (f.is_used && (!is_live || mesh.uv(v).x != f.uv.x || mesh.uv(v).y != f.uv.y)) drop(slot);
-    if (is_live && !f.is_used) follow(slot, mesh.uv(v));
+    if (is_live && !f.is_used) track(slot, mesh.uv(v));
   }
 }
 
-void MeshTracker::follow_corners() {
+void MeshTracker::track_corners() {
   CornerOptions options;
   options.min_score = 1;
   options.quality = 0;
@@ -146,33 +147,33 @@ void MeshTracker::follow_corners() {
   options.min_distance_px = 5;
   std::size_t slot = kVertexSlots;
   for (const Vec2 x : host::best_corners(first_->level(0), 2000, options)) {
-    if (slot == followed_.size()) break;
+    if (slot == tracked_.size()) break;
     Vec2 uv;
     if (estimator_->surface_at(x, &uv) != 0) continue;
-    follow(slot, uv);
-    slot += followed_[slot].is_used;
+    track(slot, uv);
+    slot += tracked_[slot].is_used;
   }
 }
 
-void MeshTracker::follow(std::size_t slot, Vec2 uv) {
+void MeshTracker::track(std::size_t slot, Vec2 uv) {
   if (!estimator_->model().is_on_surface(uv)) return;
   std::uint16_t id = 0;
   if (estimator_->add_point(uv, &id) != Status::ok) return;
-  const Sight sight = sight_in_frame_0(uv);
-  // A vertex that frame 0 does not show is not followed: a template of a later frame would hold on to that frame's error.
-  if (sight.facing < kMinFacing || is_near_marker(sight.x) ||
-      patches_->capture(static_cast<int>(slot), *first_, sight.x) != PatchStatus::ok) {
+  const SeenPoint seen = seen_in_frame_0(uv);
+  // A vertex that frame 0 does not show is not tracked: a template of a later frame would hold on to that frame's error.
+  if (seen.facing < kMinFacing || is_near_marker(seen.x) ||
+      patches_->capture(static_cast<int>(slot), *first_, seen.x) != PatchStatus::ok) {
     estimator_->remove_point(id);
     return;
   }
-  followed_[slot] = {true, uv, id, sight.jacobian};
+  tracked_[slot] = {true, uv, id, seen.jacobian};
   slot_of_[id] = slot;
 }
 
 void MeshTracker::drop(std::size_t slot) {
-  estimator_->remove_point(followed_[slot].id);
+  estimator_->remove_point(tracked_[slot].id);
   patches_->release(static_cast<int>(slot));
-  followed_[slot].is_used = false;
+  tracked_[slot].is_used = false;
 }
 
 Outcome MeshTracker::update(std::size_t frame) {
@@ -182,10 +183,10 @@ Outcome MeshTracker::update(std::size_t frame) {
   host::require(current_->build(view_of_image(experiment_.frames[frame], t)), "frame");
   estimator_->begin(static_cast<std::int64_t>(t * 1e9));
   expect_motion();
-  for (int round = 0; round < 2; ++round) look_and_solve(round);
+  for (int round = 0; round < 2; ++round) match_and_solve(round);
   result_ = estimator_->end();
   if (result_.state == TrackState::tracking && mesh_->update(result_.pose, static_cast<int>(frame)))
-    follow_vertices();
+    track_vertices();
   Outcome out;
   out.milliseconds =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -212,13 +213,13 @@ void MeshTracker::expect_motion() {
   if (shift.correlation >= 0.5f) estimator_->translate(grow * shift.by);
 }
 
-void MeshTracker::look_and_solve(int round) {
+void MeshTracker::match_and_solve(int round) {
   observations_.clear();
-  for (const Prediction& p : estimator_->predict()) observations_.push_back(look(slot_of_[p.id], p, round));
+  for (const Prediction& p : estimator_->predict()) observations_.push_back(match(slot_of_[p.id], p, round));
   estimator_->solve({observations_.data(), observations_.size()});
 }
 
-Observation MeshTracker::look(std::size_t slot, const Prediction& p, int round) {
+Observation MeshTracker::match(std::size_t slot, const Prediction& p, int round) {
   Observation o;
   o.id = p.id;
   o.reason = Reason::not_visible;
@@ -227,7 +228,7 @@ Observation MeshTracker::look(std::size_t slot, const Prediction& p, int round) 
   options.min_correlation = round == 0 ? 0.45f : 0.55f;
   options.first_level = round == 0 ? -1 : 0;
   options.max_move_px = (round == 0 ? 16.0f : 3.0f) * static_cast<float>(experiment_.frames[0].width) / 320;
-  const Mat2 warp = p.jacobian * inverse(followed_[slot].reference);
+  const Mat2 warp = p.jacobian * inverse(tracked_[slot].reference);
   const PatchResult found = patches_->track(static_cast<int>(slot), *current_, p.x, warp, options);
   o.reason = found.status == PatchStatus::ok ? Reason::found : Reason::low_correlation;
   o.x = found.x;

@@ -18,8 +18,8 @@ struct Outcome {
   int vertices = 0;  ///< of the mesh
 };
 
-/// Every vertex that frame 0 shows, with texture around it and no marker near, is compared with what it looked like there. With anchors, corners of frame 0 are followed too,
-/// on the surface itself. Twice a frame: predict, look, solve.
+/// Every vertex that frame 0 shows, with texture around it and no marker near, has a template of that frame. With anchors,
+/// corners of frame 0 are tracked too, on the surface itself. Twice a frame: predict, match, solve.
 class MeshTracker {
  public:
   MeshTracker(const Model& model, const Experiment& experiment, const MeshSetting& setting, bool has_anchors);
@@ -28,10 +28,10 @@ class MeshTracker {
   Outcome update(std::size_t frame);
   int vertices() const { return mesh_->mesh().vertex_count(); }
   /// Patches there are.
-  int followed() const;
+  int tracked() const;
 
  private:
-  struct Followed {
+  struct Tracked {
     bool is_used = false;
     Vec2 uv;
     std::uint16_t id = 0;
@@ -42,23 +42,23 @@ class MeshTracker {
     bool is_on_mesh = false;
     FaceId face = 0;
   };
-  struct Sight {
+  struct SeenPoint {
     Vec2 x;
     Mat2 jacobian;
     float facing = -1;
   };
 
-  Sight sight_in_frame_0(Vec2 uv);
+  SeenPoint seen_in_frame_0(Vec2 uv);
   void score_chart();
   void cast_markers();
-  void follow_vertices();
-  void follow_corners();
-  void follow(std::size_t slot, Vec2 uv);
+  void track_vertices();
+  void track_corners();
+  void track(std::size_t slot, Vec2 uv);
   void drop(std::size_t slot);
   bool is_near_marker(Vec2 x) const;
   void expect_motion();
-  void look_and_solve(int round);
-  Observation look(std::size_t slot, const Prediction& p, int round);
+  void match_and_solve(int round);
+  Observation match(std::size_t slot, const Prediction& p, int round);
   bool find_face(Marker& marker) const;
   bool project_marker(Marker& marker, Vec2* x);
   double marker_error(std::size_t frame);
@@ -70,7 +70,7 @@ class MeshTracker {
   host::Owned<Pyramid> first_, current_, previous_;
   host::Owned<PatchTracker> patches_;
   std::unique_ptr<AdaptedMesh> mesh_;
-  std::vector<Followed> followed_;
+  std::vector<Tracked> tracked_;
   std::vector<std::size_t> slot_of_;  // of a surface point
   std::vector<Marker> markers_;
   std::vector<Observation> observations_;

@@ -1,9 +1,10 @@
 #include "statistics.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <random>
+
+#include "host/io/statistics.hpp"
 
 namespace pliant::figure9 {
 
@@ -13,20 +14,12 @@ double mean_of(const double* first, std::size_t count) {
   return count == 0 ? 0 : std::accumulate(first, first + count, 0.0) / static_cast<double>(count);
 }
 
-double quantile(std::vector<double> values, double fraction) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const double at = fraction * static_cast<double>(values.size() - 1);
-  const auto k = static_cast<std::size_t>(at);
-  const double next = values[std::min(k + 1, values.size() - 1)];
-  return values[k] + (at - std::floor(at)) * (next - values[k]);
-}
-
 }  // namespace
 
 Summary summarise(const std::vector<double>& error) {
+  if (error.empty()) return {};
   const std::size_t tail = std::min<std::size_t>(100, error.size());
-  return {mean_of(error.data(), error.size()), quantile(error, 0.5), quantile(error, 0.95),
+  return {mean_of(error.data(), error.size()), host::quantile(error, 0.5), host::quantile(error, 0.95),
           mean_of(error.data() + error.size() - tail, tail)};
 }
 
@@ -49,8 +42,8 @@ Difference paired_difference(const std::vector<double>& a, const std::vector<dou
       sum += static_cast<double>(block) * mean_of(&difference[start(random)], block);
     means.push_back(sum / static_cast<double>(count));
   }
-  out.low = quantile(means, 0.025);
-  out.high = quantile(means, 0.975);
+  out.low = host::quantile(means, 0.025);
+  out.high = host::quantile(means, 0.975);
   return out;
 }
 

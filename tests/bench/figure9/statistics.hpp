@@ -8,6 +8,7 @@ namespace pliant::figure9 {
 struct Summary {
   double mean = 0, median = 0, p95 = 0, last_100 = 0;
 };
+/// All 0 if there are no values.
 Summary summarise(const std::vector<double>& error);
 
 /// The mean of a - b, frame by frame, with its 95 % interval by block bootstrap: blocks of 30 frames drawn with

@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "aligned_block.hpp"
 #include "model_builder.hpp"
 #include "pliant/fit.hpp"
 #include "random_model.hpp"

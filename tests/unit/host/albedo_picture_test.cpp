@@ -3,7 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "cli_run.hpp"
 #include "host/bake/bake.hpp"
@@ -97,72 +99,96 @@ TEST_CASE("bake --texture stores the picture as albedo, the right way round") {
   }
 }
 
-TEST_CASE("bake takes the pictures of the OBJ file's materials") {
-  const Folder folder;
-  folder.put("ramp one.png", encode_png(ramp(64, 64)));
-  folder.put("dark.png", encode_png(Image(8, 8, 3, 20)));
-  const std::string sheet = folder.put("sheet.obj", sheet_obj(false)), table = folder / "m.plm";
-  const std::vector<std::string> words{"bake", sheet, "-o", table, "--base-mesh", "60"};
-  SUBCASE("each part has its own; options and blanks in names are read") {
-    folder.put("paints.mtl",
-               "newmtl left\nKd 1 1 1\nmap_Kd ramp one.png\r\n\nnewmtl right\nmap_Kd -s 1 1 1 dark.png\n");
-    REQUIRE(run_words(words).code == 0);
-    CHECK(std::fabs(albedo_at(table, false, 0.3f, 0.8f) - 130) < 3);
-    CHECK(albedo_at(table, false, 0.8f, 0.8f) == 20);
+namespace {
+
+/// The sheet of two materials in a folder with two pictures.
+struct MaterialFolder : Folder {
+  std::string sheet, table;
+  std::vector<std::string> words;
+
+  MaterialFolder() : sheet(put("sheet.obj", sheet_obj(false))), table(*this / "m.plm") {
+    put("ramp one.png", encode_png(ramp(64, 64)));
+    put("dark.png", encode_png(Image(8, 8, 3, 20)));
+    words = {"bake", sheet, "-o", table, "--base-mesh", "60"};
   }
-  SUBCASE("a name with blanks behind options is read whole") {
-    folder.put("paints.mtl",
-               "newmtl left\nmap_Kd -s 1 1 -clamp on -o 0 0 0 -mm 0 1 ramp one.png\n"
-               "newmtl right\nmap_Kd -s 1.0 1.0 1.0 dark.png\n");
-    const Ran result = run_words(words);
-    REQUIRE(result.code == 0);
-    CHECK(std::fabs(albedo_at(table, false, 0.3f, 0.8f) - 130) < 3);
-    CHECK(albedo_at(table, false, 0.8f, 0.8f) == 20);
-    CHECK(!contains(result.err, "scaled"));
+  float left() const { return albedo_at(table, false, 0.3f, 0.8f); }
+  float right() const { return albedo_at(table, false, 0.8f, 0.8f); }
+};
+
+}  // namespace
+
+TEST_CASE("bake takes the pictures of the OBJ file's materials: options and blanks in names are read") {
+  const MaterialFolder folder;
+  folder.put("paints.mtl",
+             "newmtl left\nKd 1 1 1\nmap_Kd ramp one.png\r\n\nnewmtl right\nmap_Kd -s 1 1 1 dark.png\n");
+  REQUIRE(run_words(folder.words).code == 0);
+  CHECK(std::fabs(folder.left() - 130) < 3);
+  CHECK(folder.right() == 20);
+}
+
+TEST_CASE("the name of a material's picture with blanks behind options is read whole") {
+  const MaterialFolder folder;
+  folder.put("paints.mtl",
+             "newmtl left\nmap_Kd -s 1 1 -clamp on -o 0 0 0 -mm 0 1 ramp one.png\n"
+             "newmtl right\nmap_Kd -s 1.0 1.0 1.0 dark.png\n");
+  const Ran result = run_words(folder.words);
+  REQUIRE(result.code == 0);
+  CHECK(std::fabs(folder.left() - 130) < 3);
+  CHECK(folder.right() == 20);
+  CHECK(!contains(result.err, "scaled"));
+}
+
+TEST_CASE("bake tells of a material's picture that is scaled or moved") {
+  const MaterialFolder folder;
+  for (const std::string option : {"-s 2 2 1", "-o 0.5", "-t 0 0.1 0"}) {
+    folder.put("paints.mtl", "newmtl right\nmap_Kd " + option + " dark.png\n");
+    const Ran result = run_words(folder.words);
+    CHECK(result.code == 0);
+    CHECK(contains(result.err, "paints.mtl: the picture of material 'right' is scaled or moved"));
   }
-  SUBCASE("a picture that is scaled or moved is told") {
-    for (const std::string option : {"-s 2 2 1", "-o 0.5", "-t 0 0.1 0"}) {
-      folder.put("paints.mtl", "newmtl right\nmap_Kd " + option + " dark.png\n");
-      const Ran result = run_words(words);
-      CHECK(result.code == 0);
-      CHECK(contains(result.err, "paints.mtl: the picture of material 'right' is scaled or moved"));
-    }
-  }
-  SUBCASE("a material without a picture is light grey") {
-    folder.put("paints.mtl", "newmtl right\nmap_Kd dark.png\n");
-    REQUIRE(run_words(words).code == 0);
-    CHECK(albedo_at(table, false, 0.3f, 0.8f) == 190);
-    CHECK(albedo_at(table, false, 0.8f, 0.8f) == 20);
-  }
-  SUBCASE("without a library, and with --texture none, there is no albedo") {
-    REQUIRE(run_words(words).code == 0);
-    CHECK(ModelFile(table).model().albedo().pixels == nullptr);
-    folder.put("paints.mtl", "newmtl right\nmap_Kd dark.png\n");
-    auto without = words;
-    without.insert(without.end(), {"--texture", "none"});
-    REQUIRE(run_words(without).code == 0);
-    CHECK(ModelFile(table).model().albedo().pixels == nullptr);
-  }
-  SUBCASE("materials that no file has are told; a byte order mark and several files a line are none") {
-    folder.put("paints.mtl",
-               "\xef\xbb\xbfnewmtl left\nmap_kd dark.png\nnewmtl right # comment\nmap_Kd dark.png\n");
-    const Ran result = run_words(words);
-    REQUIRE(result.code == 0);
-    CHECK(contains(result.err, "no material file has the material 'right'"));
-    CHECK(!contains(result.err, "'left'"));
-    CHECK(albedo_at(table, false, 0.3f, 0.8f) == 20);
-    folder.put("more.mtl", "newmtl right\nmap_Kd dark.png\n");
-    folder.put("sheet.obj", sheet_obj(false, "mtllib .\\paints.mtl more.mtl\n"));
-    const Ran both = run_words(words);
-    REQUIRE(both.code == 0);
-    CHECK(both.err == "");
-    CHECK(albedo_at(table, false, 0.8f, 0.8f) == 20);
-  }
-  SUBCASE("a picture that is not there is refused") {
-    folder.put("paints.mtl", "newmtl right\nmap_Kd lost.png\n");
-    check_refused(words,
-                  {"lost.png: the picture of material 'right' cannot be read (--texture none does without)"});
-  }
+}
+
+TEST_CASE("a material without a picture is light grey") {
+  const MaterialFolder folder;
+  folder.put("paints.mtl", "newmtl right\nmap_Kd dark.png\n");
+  REQUIRE(run_words(folder.words).code == 0);
+  CHECK(folder.left() == 190);
+  CHECK(folder.right() == 20);
+}
+
+TEST_CASE("without a material library, and with --texture none, there is no albedo") {
+  const MaterialFolder folder;
+  REQUIRE(run_words(folder.words).code == 0);
+  CHECK(ModelFile(folder.table).model().albedo().pixels == nullptr);
+  folder.put("paints.mtl", "newmtl right\nmap_Kd dark.png\n");
+  auto without = folder.words;
+  without.insert(without.end(), {"--texture", "none"});
+  REQUIRE(run_words(without).code == 0);
+  CHECK(ModelFile(folder.table).model().albedo().pixels == nullptr);
+}
+
+TEST_CASE("bake tells of materials that no file has; a byte order mark and several files a line are read") {
+  const MaterialFolder folder;
+  folder.put("paints.mtl",
+             "\xef\xbb\xbfnewmtl left\nmap_kd dark.png\nnewmtl right # comment\nmap_Kd dark.png\n");
+  const Ran result = run_words(folder.words);
+  REQUIRE(result.code == 0);
+  CHECK(contains(result.err, "no material file has the material 'right'"));
+  CHECK(!contains(result.err, "'left'"));
+  CHECK(folder.left() == 20);
+  folder.put("more.mtl", "newmtl right\nmap_Kd dark.png\n");
+  folder.put("sheet.obj", sheet_obj(false, "mtllib .\\paints.mtl more.mtl\n"));
+  const Ran both = run_words(folder.words);
+  REQUIRE(both.code == 0);
+  CHECK(both.err == "");
+  CHECK(folder.right() == 20);
+}
+
+TEST_CASE("a material's picture that is not there is refused") {
+  const MaterialFolder folder;
+  folder.put("paints.mtl", "newmtl right\nmap_Kd lost.png\n");
+  check_refused(folder.words,
+                {"lost.png: the picture of material 'right' cannot be read (--texture none does without)"});
 }
 
 TEST_CASE("the picture stays on the surface when the chart is relaxed, and render shows it") {

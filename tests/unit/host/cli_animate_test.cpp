@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <map>
+#include <sstream>
 
 #include "baked_face.hpp"
 #include "cli_run.hpp"

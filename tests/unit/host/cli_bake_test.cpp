@@ -1,6 +1,9 @@
 // `pliant bake` as a user runs it: what it keeps, what it says, and what it shows while it works.
 #include <doctest/doctest.h>
 
+#include <fstream>
+#include <sstream>
+
 #include "cli_run.hpp"
 
 namespace cli_bake_test {

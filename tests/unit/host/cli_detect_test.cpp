@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+
 #include "cli_run.hpp"
 #include "face_film.hpp"
 #include "host/commands/tracker_limits.hpp"

@@ -1,6 +1,8 @@
 // `pliant render --grid`: people by expressions on one picture; and the people that come with the built-in face.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "baked_face.hpp"
 #include "cli_run.hpp"
 #include "host/io/csv.hpp"

@@ -1,6 +1,7 @@
 // `pliant mesh`: what it writes is read back, every criterion does what it says, and bad words are refused.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 

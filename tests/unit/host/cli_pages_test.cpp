@@ -2,7 +2,9 @@
 // browser is tried by tests/pages.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <map>
+#include <sstream>
 
 #include "cli_run.hpp"
 #include "host/io/csv.hpp"

@@ -1,6 +1,8 @@
 // The pliant command: what info, fit, render and bake write, and what they say about bad input.
 #include <doctest/doctest.h>
 
+#include <sstream>
+
 #include "cli_run.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/fit_file.hpp"
@@ -201,19 +203,26 @@ TEST_CASE("a points file with a fault gives one line that names the line, column
   }
 }
 
-TEST_CASE(
-    "fit finds the pose and shape that were drawn, from all points, from five, from a box and from a pose") {
+namespace {
+
+FitFile fit_of(const Sequence& s, const std::vector<std::string>& more) {
+  std::vector<std::string> words{"fit", s.model, "-o", s / "fit.json"};
+  words.insert(words.end(), more.begin(), more.end());
+  const Ran r = run_words(words);
+  CAPTURE(r.err);
+  REQUIRE(r.code == 0);
+  return parse_fit("fit.json", read_file(s / "fit.json"));
+}
+
+FitFile fit_to_all(const Sequence& s) {
+  return fit_of(s, {"--points", s.points, "--size", "200x160", "--focal", "330", "--overlay", s / "o.png"});
+}
+
+}  // namespace
+
+TEST_CASE("fit finds the pose and shape that were drawn, from all points and from five") {
   const Sequence s;
-  const auto fit_of = [&](std::vector<std::string> more) {
-    std::vector<std::string> words{"fit", s.model, "-o", s / "fit.json"};
-    words.insert(words.end(), more.begin(), more.end());
-    const Ran r = run_words(words);
-    CAPTURE(r.err);
-    REQUIRE(r.code == 0);
-    return parse_fit("fit.json", read_file(s / "fit.json"));
-  };
-  const FitFile all =
-      fit_of({"--points", s.points, "--size", "200x160", "--focal", "330", "--overlay", s / "o.png"});
+  const FitFile all = fit_to_all(s);
   CHECK(length(log_rotation(all.pose.q)) < 0.02f);
   CHECK(all.pose.t.z == doctest::Approx(420).epsilon(0.02));
   CHECK(all.camera.f == doctest::Approx(330));
@@ -229,14 +238,17 @@ TEST_CASE(
   while (std::getline(in, line))
     for (const char* name : {"eye_", "nose_", "mouth_"})
       if (line.rfind(name, 0) == 0) five += line + "\n";
-  const FitFile few = fit_of(
-      {"--points", s.put("five.csv", five), "--size", "200x160", "--focal", "330", "--parameters", "none"});
+  const FitFile few = fit_of(s, {"--points", s.put("five.csv", five), "--size", "200x160", "--focal", "330",
+                                 "--parameters", "none"});
   CHECK(few.points.size() == 5);
   CHECK(few.parameters[0].second == 0);
+}
 
-  // The same points by (u,v) and under other names, but for one.
+TEST_CASE("fit finds the same from points by (u,v) and under other names, but for one") {
+  const Sequence s;
+  const FitFile all = fit_to_all(s);
   const ModelFile model(s.model);
-  std::string by_uv = "landmark,x,y,u,v\n";
+  std::string by_uv = "landmark,x,y,u,v\n", line;
   std::istringstream rows(s.first_points());
   std::getline(rows, line);
   for (int n = 0; std::getline(rows, line); ++n) {
@@ -246,39 +258,49 @@ TEST_CASE(
                     : "p" + std::to_string(n) + line.substr(line.find(',')) + "," + std::to_string(l.u) +
                           "," + std::to_string(l.v) + "\n";
   }
-  const FitFile same = fit_of({"--points", s.put("uv.csv", by_uv), "--size", "200x160", "--focal", "330"});
+  const FitFile same = fit_of(s, {"--points", s.put("uv.csv", by_uv), "--size", "200x160", "--focal", "330"});
   CHECK(same.points[1].landmark == "p1");
   CHECK(same.pose.t.z == doctest::Approx(static_cast<double>(all.pose.t.z)).epsilon(1e-4));
   CHECK(same.rms_px == doctest::Approx(static_cast<double>(all.rms_px)).epsilon(0.01));
+}
 
-  const FitFile boxed = fit_of({"--box", "50,40,100,80", "--box-of", "landmarks", "--size", "200x160"});
+TEST_CASE("fit starts from a box and from the pose of another fit") {
+  const Sequence s;
+  const FitFile boxed = fit_of(s, {"--box", "50,40,100,80", "--box-of", "landmarks", "--size", "200x160"});
   CHECK(boxed.points.empty());
   CHECK(boxed.unseen.size() == 4);
   CHECK(boxed.camera.f == doctest::Approx(1.4 * 200));
 
   s.put("start.json", read_file(s / "fit.json"));
-  const FitFile again = fit_of({"--pose", s / "start.json"});
+  const FitFile again = fit_of(s, {"--pose", s / "start.json"});
   CHECK(again.pose.t.z == doctest::Approx(static_cast<double>(boxed.pose.t.z)));
-  const FitFile from_pose = fit_of({"--pose", s / "start.json", "--points", s.points, "--focal", "330"});
+  const FitFile from_pose = fit_of(s, {"--pose", s / "start.json", "--points", s.points, "--focal", "330"});
   CHECK(length(log_rotation(from_pose.pose.q)) < 0.02f);
   CHECK(from_pose.rms_px < 0.2f);
+}
 
-  check_refused({"fit", s.model, "--pose", s / "start.json", "--size", "320x240", "-o", s / "x.json"},
-                {"start.json", "200x160"});
+TEST_CASE("fit refuses a size that is not that of the pose or the picture, and what is no picture") {
+  const Sequence s;
+  (void)fit_to_all(s);
+  check_refused({"fit", s.model, "--pose", s / "fit.json", "--size", "320x240", "-o", s / "x.json"},
+                {"fit.json", "200x160"});
   check_refused(
       {"fit", s.model, "--points", s.points, "--image", s / "o.png", "--size", "320x240", "-o", s / "x.json"},
       {"o.png", "400x320"});
   check_refused({"fit", s.model, "--points", s.points, "--image", s.points, "-o", s / "x.json"},
                 {"p.csv", "not a picture"});
+  CHECK_FALSE(s.has("x.json"));
+}
+
+TEST_CASE("fit without a size, with a box outside of it or with unknown parameters is bad usage") {
+  const Sequence s;
   CHECK(run_words({"fit", s.model, "--points", s.points, "-o", s / "x.json"}).code == 2);
   for (const char* box : {"1e30,0,50,50", "0,161,50,50", "-90,0,50,50"})
     CHECK(run_words({"fit", s.model, "--box", box, "--size", "200x160", "-o", s / "x.json"}).code == 2);
-  CHECK(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "--parameters", "1.5", "-o",
-                   s / "x.json"})
-            .code == 2);
-  CHECK(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "--parameters", "nose", "-o",
-                   s / "x.json"})
-            .code == 2);
+  for (const char* parameters : {"1.5", "nose"})
+    CHECK(run_words({"fit", s.model, "--points", s.points, "--size", "200x160", "--parameters", parameters,
+                     "-o", s / "x.json"})
+              .code == 2);
   CHECK_FALSE(s.has("x.json"));
 }
 

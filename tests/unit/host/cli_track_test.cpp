@@ -1,7 +1,9 @@
 // `pliant track`: the files that it writes, and its messages for bad videos and bad initial states.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <map>
+#include <sstream>
 
 #include "cli_run.hpp"
 #include "host/commands/track_report.hpp"

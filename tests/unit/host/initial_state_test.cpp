@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <sstream>
+
 #include "cli_run.hpp"
 #include "host/commands/frame_stream.hpp"
 #include "host/commands/tracker_limits.hpp"

@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "cli_run.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/image.hpp"
+#include "scratch_folder.hpp"
 
 namespace jpeg_tables_test {
 

@@ -38,39 +38,59 @@ bool warns(const host::bake::BakeReport& report, const char* of) {
                      [of](const std::string& warning) { return warning.find(of) != std::string::npos; });
 }
 
+/// A curved sheet with an identity and three expressions, in centimetres, baked once.
+struct BakedShapes {
+  std::size_t calls = 0, last = 0, of = 0;  // of the progress of files
+  BakeReport report;
+  std::vector<std::uint8_t> table;
+};
+
+const BakedShapes& baked_shapes() {
+  static const BakedShapes baked = [] {
+    const ObjFolder folder("shapes");
+    folder.write("neutral", curved_sheet);
+    folder.write("identity000", [](float s, float t) { return curved_sheet(s, t) + Vec3{0, 0.5f * s, 0}; });
+    folder.write("mouthSmile_L", [](float s, float t) {
+      return curved_sheet(s, t) + hill(s, t) * Vec3{1, 0, 0.3f};
+    });
+    folder.write("jawOpen", [](float s, float t) {
+      return curved_sheet(s, t) + Vec3{0, -(1 - t) * (1 - t), 0};
+    });
+    folder.write("wiggle_R", [](float s, float t) { return curved_sheet(s, t) + Vec3{0, 0, s * t}; });
+    folder.put("landmarks.csv", "landmark,vertex\nibug36,330\nibug45,362\nnose_tip,544\n");
+    BakedShapes out;
+    BakeOptions options;
+    options.source = folder.path.string();
+    options.unit_mm = 10;
+    options.base_vertices = 120;
+    options.progress = [&](const char* stage, std::size_t done, std::size_t of) {
+      if (std::string(stage) != "files") return;
+      ++out.calls;
+      out.last = done;
+      out.of = of;
+    };
+    std::string error;
+    REQUIRE_MESSAGE(host::bake::bake(options, out.table, error, &out.report), error);
+    return out;
+  }();
+  return baked;
+}
+
 }  // namespace
 
-TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places are kept") {
-  const ObjFolder folder("shapes");
-  folder.write("neutral", curved_sheet);
-  folder.write("identity000", [](float s, float t) { return curved_sheet(s, t) + Vec3{0, 0.5f * s, 0}; });
-  folder.write("mouthSmile_L", [](float s, float t) { return curved_sheet(s, t) + hill(s, t) * Vec3{1, 0, 0.3f}; });
-  folder.write("jawOpen", [](float s, float t) { return curved_sheet(s, t) + Vec3{0, -(1 - t) * (1 - t), 0}; });
-  folder.write("wiggle_R", [](float s, float t) { return curved_sheet(s, t) + Vec3{0, 0, s * t}; });
-  folder.put("landmarks.csv", "landmark,vertex\nibug36,330\nibug45,362\nnose_tip,544\n");
-  BakeOptions options;
-  options.source = folder.path.string();
-  options.unit_mm = 10;
-  options.base_vertices = 120;
-  std::size_t calls = 0, last = 0;
-  options.progress = [&](const char* stage, std::size_t done, std::size_t of) {
-    if (std::string(stage) != "files") return;
-    ++calls;
-    last = done;
-    CHECK(of == 5);
-  };
-  std::vector<std::uint8_t> table;
-  std::string error;
-  BakeReport report;
-  REQUIRE_MESSAGE(host::bake::bake(options, table, error, &report), error);
-  BakedModel baked(table);
-  CHECK(calls == 4);
-  CHECK(last == 5);
+TEST_CASE(
+    "a folder of OBJ files bakes into its shapes: names and errors are reported, and progress is told") {
+  const BakedShapes& shapes = baked_shapes();
+  CHECK(shapes.calls == 4);
+  CHECK(shapes.last == 5);
+  CHECK(shapes.of == 5);
+  const BakeReport& report = shapes.report;
   CHECK(report.unmatched == std::vector<std::string>{"wiggleRight"});
   CHECK(report.errors.rest.max_mm < 0.05f);
   CHECK(report.errors.expression.max_mm < 0.1f);
   CHECK(report.errors.parameters.size() == 4);
 
+  const BakedModel baked(shapes.table);
   const Model& model = baked.model;
   CHECK(model.parameters().count == 4);
   CHECK(model.parameters()[0].group == Group::identity);
@@ -80,7 +100,12 @@ TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places a
   const auto smile = model.find_parameter("mouthSmileLeft");
   CHECK(model.parameters()[smile].group == Group::expression);
   CHECK(model.parameters()[smile].maximum == 1);
+}
 
+TEST_CASE("the shapes of a folder keep their unit and their places") {
+  BakedModel baked(baked_shapes().table);
+  const Model& model = baked.model;
+  const auto smile = model.find_parameter("mouthSmileLeft");
   // Vertices 330 = (0, 10) and 362 = (32, 10) of the grid are the eye corners: the origin is half way
   // between.
   const float eye_t = 10.0f / 32;
@@ -97,13 +122,16 @@ TEST_CASE("a folder of OBJ files bakes into its shapes: unit, names and places a
   CHECK_FALSE(model.is_on_surface({0.05f, 0.5f}));
   CHECK(model.landmarks().count == 3);
   CHECK(length(baked.uv("nose_tip") - chart(16.0f / 32, 16.0f / 32)) < 1e-5f);
+}
 
+TEST_CASE("the base mesh of a folder of shapes has one boundary") {
+  const BakedModel baked(baked_shapes().table);
   MeshLimits limits;
   AlignedBlock block(measured_bytes<Mesh>(limits));
   Arena arena(block.data(), block.size());
   Mesh mesh;
   REQUIRE(create_in(arena, mesh, limits) == Status::ok);
-  CHECK(mesh.set_base(model.base_uv(), model.base_corners()) == Status::ok);
+  CHECK(mesh.set_base(baked.model.base_uv(), baked.model.base_corners()) == Status::ok);
   CHECK(mesh.compute_statistics().boundary_loops == 1);
 }
 

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "baked_face.hpp"
 #include "cli_run.hpp"
 #include "host/io/fit_file.hpp"

@@ -4,8 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-
-#include "host/bake/at.hpp"
+#include <vector>
 
 namespace springs_test {
 

@@ -9,13 +9,13 @@
 #include "mesh_shapes.hpp"
 #include "pliant/criteria.hpp"
 #include "pliant/mesh_star.hpp"
+#include "random.hpp"
 
 namespace adapt_test {
 
 using namespace pliant;
 using shapes::limits;
 using shapes::MeshBox;
-using shapes::Random;
 using shapes::Triangles;
 
 namespace {
@@ -99,7 +99,7 @@ TEST_CASE("the rank queue gives what a sorted set gives") {
         queue.remove(id);
         CHECK(!queue.contains(id));
       } else {
-        key[id] = random.next() >> 16 << 16 | id;
+        key[id] = random.bits() >> 16 << 16 | id;
         queue.set(id, key[id]);
         reference.insert({key[id], id});
       }

@@ -9,6 +9,7 @@
 
 #include "aligned_block.hpp"
 #include "mesh_shapes.hpp"
+#include "random.hpp"
 #include "real_data.hpp"
 
 namespace base_mesh_test {
@@ -16,7 +17,6 @@ namespace base_mesh_test {
 using namespace pliant;
 using shapes::limits;
 using shapes::MeshBox;
-using shapes::Random;
 using shapes::Triangles;
 
 namespace {

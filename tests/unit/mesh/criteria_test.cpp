@@ -6,6 +6,7 @@
 
 #include "aligned_block.hpp"
 #include "mesh_shapes.hpp"
+#include "random.hpp"
 
 namespace criteria_test {
 
@@ -85,10 +86,10 @@ TEST_CASE("Eq. 5-7: the contour error of a flat surface is zero") {
 TEST_CASE(
     "Eq. 6 and 7: on a paraboloid the mean is a twelfth of the sum of squared edges, the maximum a quarter "
     "of the longest") {
-  shapes::Random random{9};
+  Random random{9};
   for (int i = 0; i < 50; ++i) {
-    const Vec2 c{random.uniform(), random.uniform()};
-    const Vec2 a = c + Vec2{0.1f + random.uniform(), 0}, b = c + Vec2{0, 0.1f + random.uniform()};
+    const Vec2 c{random.uniform(0, 1), random.uniform(0, 1)};
+    const Vec2 a = c + Vec2{random.uniform(0.1f, 1.1f), 0}, b = c + Vec2{0, random.uniform(0.1f, 1.1f)};
     // A right angle at c: the maximum is in the middle of the hypotenuse, the subdivision edge.
     Sampled s(one_triangle(a, b, c), surface_of(paraboloid));
     const float mean = (squared(b - a) + squared(c - b) + squared(a - c)) / 12, most = squared(b - a) / 4;

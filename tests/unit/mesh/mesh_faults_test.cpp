@@ -4,13 +4,13 @@
 #include "mesh_shapes.hpp"
 #include "mesh_tools.hpp"
 #include "pliant/mesh.hpp"
+#include "random.hpp"
 
 namespace mesh_faults_test {
 
 using namespace pliant;
 using shapes::limits;
 using shapes::MeshBox;
-using shapes::Random;
 using shapes::Triangles;
 
 namespace {

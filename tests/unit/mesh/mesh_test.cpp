@@ -8,13 +8,13 @@
 #include "aligned_block.hpp"
 #include "mesh_shapes.hpp"
 #include "mesh_tools.hpp"
+#include "random.hpp"
 
 namespace mesh_test {
 
 using namespace pliant;
 using shapes::limits;
 using shapes::MeshBox;
-using shapes::Random;
 using shapes::Triangles;
 
 TEST_CASE("every base is accepted, valid and has the Euler number of its kind") {
@@ -320,7 +320,7 @@ TEST_CASE("at every capacity from the base to full, running out leaves the mesh 
   }
 }
 
-// A reference that knows nothing of half-edges: triangles by coordinates, neighbours by search, and a record
+// A reference without half-edges: triangles by coordinates, neighbours by search, and a record
 // of which edge every point was put on.
 namespace {
 struct NaiveMesh {

@@ -134,84 +134,107 @@ struct EggProblem {
   double rms(float cost) const { return std::sqrt(2 * double(cost) / double(uv.size())); }
 };
 
+/// Linear forces in units of about one: f_i = x_i - B_i q, and K = -diag(0.5, 1, ...).
+struct LinearProblem {
+  static constexpr int kUnknowns = 5, kPoints = 30;
+  std::vector<Vec2> column, x;
+  float q[kUnknowns] = {}, trial[kUnknowns] = {}, k[kUnknowns] = {};
+
+  explicit LinearProblem(std::uint64_t seed) {
+    Random random(seed);
+    for (int i = 0; i < kPoints; ++i) {
+      x.push_back({random.normal(), random.normal()});
+      for (int j = 0; j < kUnknowns; ++j) column.push_back({random.normal(), random.normal()});
+    }
+    for (int j = 0; j < kUnknowns; ++j) k[j] = 0.5f * static_cast<float>(j + 1);
+  }
+  float cost(const float* p) const {
+    float sum = 0;
+    for (int j = 0; j < kUnknowns; ++j) sum += 0.5f * k[j] * p[j] * p[j];
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const Vec2 f = force(i, p);
+      sum += 0.5f * dot(f, f);
+    }
+    return sum;
+  }
+  Vec2 force(std::size_t i, const float* p) const {
+    Vec2 f = x[i];
+    for (std::size_t j = 0; j < kUnknowns; ++j) f = f - p[j] * column[i * kUnknowns + j];
+    return f;
+  }
+  float linearise(NormalEquations& e) const {
+    const std::uint16_t all[kUnknowns] = {0, 1, 2, 3, 4};
+    e.reset(kUnknowns);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      e.add(all, &column[i * kUnknowns], kUnknowns, force(i, q), {1, 0, 1});
+    for (std::size_t j = 0; j < kUnknowns; ++j) e.add_prior(j, -q[j], k[j]);
+    return cost(q);
+  }
+  LeastSquaresProblem problem() {
+    return {this, [](void* c, NormalEquations& e) { return static_cast<LinearProblem*>(c)->linearise(e); },
+            [](void* c, const float* s) {
+              auto& l = *static_cast<LinearProblem*>(c);
+              for (int j = 0; j < kUnknowns; ++j) l.trial[j] = l.q[j] + s[j];
+              return l.cost(l.trial);
+            },
+            [](void* c) {
+              auto& l = *static_cast<LinearProblem*>(c);
+              for (int j = 0; j < kUnknowns; ++j) l.q[j] = l.trial[j];
+            }};
+  }
+};
+
+/// The same in double precision.
+struct LinearReference {
+  Eigen::MatrixXd b = Eigen::MatrixXd(2 * LinearProblem::kPoints, LinearProblem::kUnknowns);
+  Eigen::VectorXd x = Eigen::VectorXd(2 * LinearProblem::kPoints),
+                  k = Eigen::VectorXd(LinearProblem::kUnknowns);
+
+  explicit LinearReference(const LinearProblem& p) {
+    for (int i = 0; i < p.kPoints; ++i) {
+      x(2 * i) = double(p.x[std::size_t(i)].x);
+      x(2 * i + 1) = double(p.x[std::size_t(i)].y);
+      for (int j = 0; j < p.kUnknowns; ++j) {
+        b(2 * i, j) = double(p.column[std::size_t(i * p.kUnknowns + j)].x);
+        b(2 * i + 1, j) = double(p.column[std::size_t(i * p.kUnknowns + j)].y);
+      }
+    }
+    for (int j = 0; j < p.kUnknowns; ++j) k(j) = -double(p.k[j]);
+  }
+  /// Plain integration from 0.
+  Eigen::VectorXd integrated(int steps, double length) const {
+    Eigen::VectorXd q = Eigen::VectorXd::Zero(LinearProblem::kUnknowns);
+    for (int step = 0; step < steps; ++step) {
+      const Eigen::VectorXd error = x - b.lazyProduct(q);
+      q += length * (k.cwiseProduct(q) + b.transpose().lazyProduct(error));
+    }
+    return q;
+  }
+  Eigen::VectorXd limit() const {
+    Eigen::MatrixXd h = Eigen::MatrixXd::Zero(LinearProblem::kUnknowns, LinearProblem::kUnknowns);
+    h.diagonal() = -k;
+    add_product(h, b, b);
+    return solve_symmetric(h, b.transpose().lazyProduct(x));
+  }
+};
+
 }  // namespace
 
 TEST_CASE(
     "Eq. 12 and 13: with units of its size the published step follows the plain integration, stiffness "
     "included") {
-  // Linear forces in units of about one: f_i = x_i - B_i q, and K = -diag(0.5, 1, ...).
-  constexpr int kUnknowns = 5, kPoints = 30, kSteps = 600;
-  Random random(7);
-  struct Linear {
-    std::vector<Vec2> column, x;
-    float q[kUnknowns] = {}, trial[kUnknowns] = {}, k[kUnknowns] = {};
-    float cost(const float* p) const {
-      float sum = 0;
-      for (int j = 0; j < kUnknowns; ++j) sum += 0.5f * k[j] * p[j] * p[j];
-      for (std::size_t i = 0; i < x.size(); ++i) {
-        const Vec2 f = force(i, p);
-        sum += 0.5f * dot(f, f);
-      }
-      return sum;
-    }
-    Vec2 force(std::size_t i, const float* p) const {
-      Vec2 f = x[i];
-      for (std::size_t j = 0; j < kUnknowns; ++j) f = f - p[j] * column[i * kUnknowns + j];
-      return f;
-    }
-  } linear;
-  for (int i = 0; i < kPoints; ++i) {
-    linear.x.push_back({random.normal(), random.normal()});
-    for (int j = 0; j < kUnknowns; ++j) linear.column.push_back({random.normal(), random.normal()});
-  }
-  for (int j = 0; j < kUnknowns; ++j) linear.k[j] = 0.5f * static_cast<float>(j + 1);
-  const LeastSquaresProblem problem{
-      &linear,
-      [](void* c, NormalEquations& e) {
-        auto& l = *static_cast<Linear*>(c);
-        const std::uint16_t all[kUnknowns] = {0, 1, 2, 3, 4};
-        e.reset(kUnknowns);
-        for (std::size_t i = 0; i < l.x.size(); ++i)
-          e.add(all, &l.column[i * kUnknowns], kUnknowns, l.force(i, l.q), {1, 0, 1});
-        for (std::size_t j = 0; j < kUnknowns; ++j) e.add_prior(j, -l.q[j], l.k[j]);
-        return l.cost(l.q);
-      },
-      [](void* c, const float* s) {
-        auto& l = *static_cast<Linear*>(c);
-        for (int j = 0; j < kUnknowns; ++j) l.trial[j] = l.q[j] + s[j];
-        return l.cost(l.trial);
-      },
-      [](void* c) {
-        auto& l = *static_cast<Linear*>(c);
-        for (int j = 0; j < kUnknowns; ++j) l.q[j] = l.trial[j];
-      }};
-  Eigen::MatrixXd b(2 * kPoints, kUnknowns);
-  Eigen::VectorXd x(2 * kPoints), k(kUnknowns), q = Eigen::VectorXd::Zero(kUnknowns);
-  for (int i = 0; i < kPoints; ++i) {
-    x(2 * i) = double(linear.x[std::size_t(i)].x);
-    x(2 * i + 1) = double(linear.x[std::size_t(i)].y);
-    for (int j = 0; j < kUnknowns; ++j) {
-      b(2 * i, j) = double(linear.column[std::size_t(i * kUnknowns + j)].x);
-      b(2 * i + 1, j) = double(linear.column[std::size_t(i * kUnknowns + j)].y);
-    }
-  }
-  for (int j = 0; j < kUnknowns; ++j) k(j) = -double(linear.k[j]);
-  for (int step = 0; step < kSteps; ++step) {
-    const Eigen::VectorXd error = x - b.lazyProduct(q);
-    q += 1e-3 * (k.cwiseProduct(q) + b.transpose().lazyProduct(error));
-  }
+  constexpr int kUnknowns = LinearProblem::kUnknowns, kSteps = 600;
+  LinearProblem linear(7);
   InArena<NormalEquations> equations(std::size_t{kUnknowns});
   std::vector<float> scratch(3 * kUnknowns);
-  const SolverReport report = integrate(problem, EulerOptions{}, equations.object, scratch.data());
+  const SolverReport report = integrate(linear.problem(), EulerOptions{}, equations.object, scratch.data());
   CHECK(report.iterations == kSteps);
   CHECK(report.stop_reason == StopReason::iteration_limit);
+  const LinearReference reference(linear);
+  const Eigen::VectorXd q = reference.integrated(kSteps, 1e-3);
   for (int j = 0; j < kUnknowns; ++j)
     CHECK(double(linear.q[j]) == doctest::Approx(q(j)).epsilon(1e-4).scale(1));
-  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(kUnknowns, kUnknowns);
-  h.diagonal() = -k;
-  add_product(h, b, b);
-  const Eigen::VectorXd limit = solve_symmetric(h, b.transpose().lazyProduct(x));
-  CHECK((q - limit).norm() < 1e-3);  // and 600 steps of 1e-3 arrive, with eigenvalues around 60
+  CHECK((q - reference.limit()).norm() < 1e-3);  // 600 steps of 1e-3 arrive, with eigenvalues around 60
 }
 
 TEST_CASE("in pixels the published step diverges, and says so") {

@@ -158,7 +158,7 @@ TEST_CASE("frames that estimate the person, prepare a step or take it stay withi
 
 namespace {
 
-/// The parameter at the end of the film, which is -1.5 and of which a start by pose knows nothing.
+/// The parameter at the end of the film. The truth is -1.5; a start by pose begins with 0.
 float nose_length_at_the_end(bool places_landmarks) {
   InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
   REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], nullptr) == Status::ok);
