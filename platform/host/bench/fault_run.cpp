@@ -66,7 +66,7 @@ bool judge(const ModelFile& file, TrackerLimits limits, std::vector<Image> frame
   for (std::size_t k = 0; k < clip.frames.size(); ++k) {
     run.update(frame_of(clip.frames[k], k));
     // Degraded frames of a head that is turned far are near enough to the truth, and else there would be no such clips.
-    if (k >= kMostStartFrames && (!run.has_track() || run.result().state == TrackState::lost)) return false;
+    if (k >= kMostStartFrames && !run.has_track()) return false;
     out->truth.push_back(run.landmarks());
     add_place(out->truth.back(), &clip);
   }
