@@ -156,7 +156,7 @@ Status Fitter::State::fit(Span<const Correspondence> points, const FitOptions& o
   others.start(q);
   FitReport out;
   out.iterations = minimise(problem, has_silhouette);
-  if (options.start == nullptr && others.find_better(problem, fold_over.positions()))
+  if (options.start == nullptr && others.find_better(problem, fold_over))
     out.iterations += minimise(problem, has_silhouette);
   const Status status = finish(problem, &out, details);
   if (status != Status::ok) return status;
@@ -203,8 +203,7 @@ int Fitter::State::minimise(FitProblem& problem, bool has_silhouette) {
   for (std::size_t i = 0; i < parameters; ++i) first_q[i] = problem.q[i];
   fold_over.start(work.cascade, problem.q);
   const int iterations = minimise_in_stages(problem, has_silhouette, false);
-  fold_over.see(problem.q);
-  if (!fold_over.has_folded()) return iterations;
+  if (!fold_over.has_folded(problem.q)) return iterations;
   problem.view = view;
   for (std::size_t i = 0; i < parameters; ++i) problem.q[i] = first_q[i];
   return iterations + minimise_in_stages(problem, has_silhouette, true);

@@ -16,6 +16,9 @@ struct FitTuning {
   /// Times that a folded-over state is moved back before the last valid one is taken, count. One is enough where positions are
   /// linear in the parameters; with rotations the fold-over may remain. Not tuned.
   int fold_over_tries = 6;
+  /// Vectors that move no vertex by this, mm, are left out of the question whether a fit has folded the surface over, which is one of
+  /// right angles in triangles of 8 mm. Round value, not tuned.
+  float fold_over_slack_mm = 0.2f;
   /// Standard deviation of log(f / expected f) where the focal length is not known. 0.3 spans most cameras of phones and
   /// laptops, whose f is 0.7 to 2 times the larger side. Not tuned.
   float focal_log_sd = 0.3f;

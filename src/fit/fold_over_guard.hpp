@@ -17,15 +17,15 @@ class FoldOverGuard {
   void expect_shapes();
   /// Notes the shape at q.
   void see(const float* q);
-  /// Whether the surface folds over on the straight way from the state of `start` to the shape that `see` noted.
-  bool has_folded();
+  /// Whether the surface folds over on the straight way from the state of `start` to q. It is seen without what hardly moves it.
+  bool has_folded(const float* q);
 
   /// Where `q` folds the surface, moves it back towards the state of the last call (or of `start`); then remembers it.
   /// \param q  all parameters; changed in place.
   /// \return whether q was moved.
   bool move_back(float* q);
 
-  /// Positions of the base mesh's vertices at the state of the last call, mm.
+  /// Positions of the base mesh's vertices at the state of the last call of `start`, `see` or `move_back`, mm.
   const Vec3* positions() const { return seen_; }
 
  private:

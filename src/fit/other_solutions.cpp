@@ -109,7 +109,7 @@ void OtherSolutions::set_state(FitProblem& problem, const View& first, Vec3 norm
   problem.view = turned(problem, first, by);
 }
 
-bool OtherSolutions::find_better(FitProblem& problem, const Vec3* position) {
+bool OtherSolutions::find_better(FitProblem& problem, FoldOverGuard& shapes) {
   if (problem.options.method != FitMethod::gauss_newton) return false;
   const View first = problem.view;
   const Loss loss = problem.loss;
@@ -119,7 +119,8 @@ bool OtherSolutions::find_better(FitProblem& problem, const Vec3* position) {
   View best = first;
   bool is_found = false;
   if (is_doubtful(problem, at_first, start_q_)) {
-    const Vec3 normal = mean_normal(problem.work.cascade.model(), position);
+    shapes.see(problem.q);
+    const Vec3 normal = mean_normal(problem.work.cascade.model(), shapes.positions());
     float least = kTuning.clearly_better * at_first;
     copy(problem.q, first_q_);
     copy(problem.q, best_q_);

@@ -2,6 +2,7 @@
 // Other solutions of a fit (docs/algorithms.md, section 4.4). From afar a shallow surface looks much the same if it is tilted the
 // other way and bent the other way, and a fit ends in the solution that it starts near.
 #include "fit/fit_problem.hpp"
+#include "fit/fold_over_guard.hpp"
 
 namespace pliant {
 
@@ -12,8 +13,8 @@ class OtherSolutions {
   void start(const float* q);
   /// Minimises from other states too, where few points or large residuals call for it. One that fits clearly better becomes the
   /// problem's state; else nothing changes.
-  /// \param position  of the base mesh's vertices at the present state, mm. \return whether one is better.
-  bool find_better(FitProblem& problem, const Vec3* position);
+  /// \param shapes  gives the positions of the base mesh's vertices. \return whether one is better.
+  bool find_better(FitProblem& problem, FoldOverGuard& shapes);
 
  private:
   void copy(const float* from, float* to) const;

@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::uint16_t kMostSide = 256;
 constexpr float kMostSteps = 32767;  // of an int16 sample
+constexpr std::size_t kTogether = 64;  // samples of a row that are computed at once, on the stack
 
 std::int16_t quantised(float value, float offset, float scale) {
   const float steps = scale > 0 ? clamp((value - offset) / scale, -kMostSteps, kMostSteps) : 0.0f;
@@ -38,14 +39,14 @@ Status PersonalField::fill(std::uint16_t root, const Vec3* largest, Compute comp
     range.include(*largest);
     range.include(-1 * *largest);
   }
-  Vec3 some[32];
+  Vec3 some[kTogether];
   for (int pass = largest != nullptr ? 1 : 0; pass < 2; ++pass) {
     if (pass == 1) set_range(range);
     for (std::size_t j = 0; j < limits_.height; ++j)
       for (std::size_t i = 0; i < limits_.width; ++i) {
-        if (i % 32 == 0)
-          compute(state, i, j, {some, limits_.width - i < 32 ? limits_.width - i : std::size_t{32}});
-        const Vec3 d = some[i % 32];
+        if (i % kTogether == 0)
+          compute(state, i, j, {some, limits_.width - i < kTogether ? limits_.width - i : kTogether});
+        const Vec3 d = some[i % kTogether];
         if (pass == 1) {
           set_sample(i, j, d);
         } else {

@@ -63,7 +63,7 @@ TEST_CASE("a valid state stays, a folded one moves back to nine tenths of the wa
     CHECK(length(g.guard->positions()[v] - g.cascade->surface_point(g.model.base_uv()[v], q)) < 1e-3f);
 }
 
-TEST_CASE("a fold is told from the state at rest to what was seen last, with samples and without") {
+TEST_CASE("a fold is told between the state at rest and another one, which is seen with samples and without") {
   for (const bool has_samples : {false, true}) {
     Guarded g(4, has_samples);
     float q[2] = {0, 0};
@@ -72,8 +72,8 @@ TEST_CASE("a fold is told from the state at rest to what was seen last, with sam
     for (const float each : {4.0f, 2.4f}) {
       g.guard->expect_shapes();
       q[0] = q[1] = each;
+      CHECK(g.guard->has_folded(q) == (2 * each > 5));
       g.guard->see(q);
-      CHECK(g.guard->has_folded() == (2 * each > 5));
       const Vec3 at = g.cascade->surface_point(g.model.base_uv()[middle], q);
       CHECK(length(g.guard->positions()[middle] - at) < 1e-3f);
     }
@@ -87,8 +87,7 @@ TEST_CASE("a fold that one parameter makes within its limits is meant, and stays
   CHECK_FALSE(g.guard->move_back(q));
   for (const float sum : {5.2f, 9.0f}) {
     q[0] = q[1] = 0.5f * sum;
-    g.guard->see(q);
-    CHECK_FALSE(g.guard->has_folded());
+    CHECK_FALSE(g.guard->has_folded(q));
     CHECK_FALSE(g.guard->move_back(q));
     CHECK(q[0] == 0.5f * sum);
   }
