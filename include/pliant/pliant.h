@@ -52,8 +52,8 @@ pliant_status pliant_start_by_detection(pliant_tracker *tracker, const pliant_st
 
 /** Starts from a known pose. The frame of a start is frame 0; templates are captured in it. Cost: several updates.
  *  All starts check pointers, frame, counts and names first; if one of these is wrong, nothing has changed. If the
- *  camera, the pose, the fit or the texture of the frame is at fault, the tracker is not started, and the next frame
- *  may have any time.
+ *  camera, the pose, the fit or the texture of the frame is at fault, a track that was there has ended, and the next
+ *  frame may have any time.
  *  \param parameters  all, in the model's order, which are clamped to their limits; null: all 0.
  *  \return PLIANT_BAD_ARGUMENT, PLIANT_SIZE_MISMATCH, PLIANT_TOO_FEW_POINTS (texture), PLIANT_CAPACITY (a model that
  *          is larger than the limits), PLIANT_BAD_TABLE (springs), 19 to 24 and 26 (base mesh). */

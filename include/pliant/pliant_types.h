@@ -125,6 +125,7 @@ typedef struct pliant_result {
   float landmark_error;      /**< expected, as a fraction of the distance of the outer eye corners; 0: unknown */
   int32_t is_searching;      /**< 1: there is no track; the next frame is searched for the face or print */
   float gaze[3];             /**< of both eyes relative to the head: unit vector to the subject's left, up, ahead; 0: not seen */
+  uint32_t track, person;    /**< count the tracks and the persons, from 1: another number where another one has begun */
 } pliant_result;
 
 /* The layout that the library was compiled with. */
@@ -142,7 +143,7 @@ PLIANT_HAS_SIZE(pliant_pose, 28);
 PLIANT_HAS_SIZE(pliant_point, sizeof(void *) + 8);
 PLIANT_HAS_SIZE(pliant_start_options, sizeof(void *) + (sizeof(void *) == 8 ? 16 : 12));
 PLIANT_HAS_SIZE(pliant_state, 4 * sizeof(void *) + 52 + (sizeof(void *) == 8 ? 4 : 0));
-PLIANT_HAS_SIZE(pliant_result, 84);
+PLIANT_HAS_SIZE(pliant_result, 92);
 #undef PLIANT_HAS_SIZE
 
 #endif

@@ -179,7 +179,10 @@ void calibrate_parts(TrackerParts& t, const FrameView& view) {
 
 void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {
   FaceDetectionState& self = self_of(t);
-  if (self.keep_start_of_caller(options)) self.person.is_known = false;
+  if (self.keep_start_of_caller(options))
+    self.person.is_known = false;
+  else if (!self.person.is_known)
+    ++t.person_number;
   self.last_read_ns = view.time_ns;
   calibrate_parts(t, view);
   self.poor_start.begin(t.result.tracked, t.limits.patches, view, t.estimator);

@@ -63,7 +63,9 @@ pliant_result result_of(const Tracker& tracker) {
           static_cast<std::int32_t>(r.state),
           r.landmark_error,
           r.is_searching ? 1 : 0,
-          {r.gaze.x, r.gaze.y, r.gaze.z}};
+          {r.gaze.x, r.gaze.y, r.gaze.z},
+          tracker.track_number(),
+          tracker.person_number()};
 }
 
 Span<const NamedPoint> points_of(const pliant_point* points, std::size_t count) {

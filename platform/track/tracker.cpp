@@ -280,6 +280,14 @@ bool Tracker::is_started() const {
   return impl_ != nullptr && impl_->is_started;
 }
 
+std::uint32_t Tracker::track_number() const {
+  return impl_ == nullptr ? 0 : impl_->track_number;
+}
+
+std::uint32_t Tracker::person_number() const {
+  return impl_ == nullptr ? 0 : impl_->person_number;
+}
+
 const FrameWork& Tracker::work() const {
   PLIANT_ASSERT(impl_ != nullptr);
   return impl_->budget.work;

@@ -134,6 +134,8 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
   budget.most = most_frame_work(limits, budget.costs, spring_rows(model(), limits));
   matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow));
   is_started = true;
+  ++track_number;
+  if (detection == nullptr || !detection->is_own_start()) ++person_number;
   if (person != nullptr) limits.person->start(*this, with);
   if (detection != nullptr) detection->calls->begin_track(*this, view, with);
   return Status::ok;

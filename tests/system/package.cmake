@@ -29,7 +29,8 @@ run(${DPKG_DEB} -x ${packages} ${work}/unpacked)
 
 file(GLOB_RECURSE face ${work}/unpacked/usr/share/pliant/face.plm)
 file(GLOB_RECURSE config ${work}/unpacked/usr/lib/*/pliantConfig.cmake)
-if(NOT face OR NOT config OR NOT EXISTS ${work}/unpacked/usr/share/doc/pliant/LICENSE)
+if(NOT face OR NOT config OR NOT EXISTS ${work}/unpacked/usr/share/doc/pliant/LICENSE OR
+   NOT EXISTS ${work}/unpacked/usr/share/doc/pliant/docs/porting.md)
   message(FATAL_ERROR "the package lacks the face, the CMake files or the licence")
 endif()
 run(${work}/unpacked/usr/bin/pliant detect ${face} --image ${SOURCE}/fixtures/astronaut/astronaut.png)

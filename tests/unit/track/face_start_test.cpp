@@ -50,6 +50,8 @@ TEST_CASE("a tracker needs no start: it finds the face in its first frame and tr
   FakeFaces fake(half_size());
   InArena<Tracker> tracker(baked_face().model, limits_with_fake());
   CHECK_FALSE(tracker->is_started());
+  CHECK(tracker->track_number() == 0);
+  CHECK(tracker->person_number() == 0);
   const FrameResult first = update(tracker.object, half_size(), 0);
   CHECK(first.state == TrackState::tracking);
   CHECK_FALSE(first.is_searching);
@@ -62,6 +64,8 @@ TEST_CASE("a tracker needs no start: it finds the face in its first frame and tr
   }
   CHECK(fake.searches == 1);
   CHECK(fake.verifications >= 4);
+  CHECK(tracker->track_number() == 1);
+  CHECK(tracker->person_number() == 1);
 }
 
 TEST_CASE(
@@ -114,6 +118,8 @@ TEST_CASE("markers stay with a person who is found again, and not with another o
       update(tracker.object, film, k);
     }
     REQUIRE(tracker->is_started());
+    CHECK(tracker->track_number() == 2);
+    CHECK(tracker->person_number() == (is_same ? 1 : 2));
     for (std::size_t k = 0; k < 2; ++k) {
       Vec2 x;
       REQUIRE(tracker->marker(k, &x) == is_same);
@@ -121,6 +127,7 @@ TEST_CASE("markers stay with a person who is found again, and not with another o
     }
     CHECK(tracker->start_by_detection() == Status::ok);  // forgets the person
     update(tracker.object, film, kLast + 1);
+    CHECK(tracker->person_number() == (is_same ? 2 : 3));
     Vec2 x;
     CHECK_FALSE(tracker->marker(0, &x));
   }

@@ -89,6 +89,8 @@ TEST_CASE("landmarks given beside the model's are read where they were given, un
   pliant_result result;
   REQUIRE(pliant_update(t, &next, &result) == PLIANT_OK);
   CHECK(result.state == PLIANT_TRACKING);
+  CHECK(result.track == 1);
+  CHECK(result.person == 1);
   CHECK(error() < 2);
   const pliant_start_options without{nullptr, 0, 1, 0};
   REQUIRE(pliant_start_from_landmarks(t, &first, points.data(), points.size(), &without) == PLIANT_OK);
@@ -96,6 +98,9 @@ TEST_CASE("landmarks given beside the model's are read where they were given, un
   const pliant_camera camera = rig().c_camera();
   const pliant_pose pose = rig().c_pose();
   REQUIRE(pliant_start_from_pose(t, &first, &camera, &pose, nullptr) == PLIANT_OK);
+  REQUIRE(pliant_get_result(t, &result) == PLIANT_OK);
+  CHECK(result.track == 3);
+  CHECK(result.person == 3);
   for (size_t k = 17; k < 60; ++k)
     CHECK(length(landmark(t, rig().points[k].landmark) - Vec2{rig().points[k].x, rig().points[k].y}) < 0.01f);
   REQUIRE(pliant_place_landmarks(t, points.data(), points.size()) == PLIANT_OK);
