@@ -51,7 +51,6 @@ TEST_CASE("a tracker needs no start: it finds the face in its first frame and tr
   InArena<Tracker> tracker(baked_face().model, limits_with_fake());
   CHECK_FALSE(tracker->is_started());
   CHECK(tracker->track_number() == 0);
-  CHECK(tracker->person_number() == 0);
   const FrameResult first = update(tracker.object, half_size(), 0);
   CHECK(first.state == TrackState::tracking);
   CHECK_FALSE(first.is_searching);
