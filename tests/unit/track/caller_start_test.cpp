@@ -358,4 +358,19 @@ TEST_CASE(
   CHECK((seen[0] == seen[1]));
 }
 
+TEST_CASE("search and tracking share their memory; detection without tables costs nothing") {
+  TrackerLimits none = without_detection(TrackerLimits{});
+  const Model& model = baked_face().model;
+  REQUIRE(model.detector().empty());
+  const std::size_t tracking = measured_bytes<Tracker>(model, none);
+  CHECK(measured_bytes<Tracker>(model, TrackerLimits{}) <= tracking + model.parameters().count + 16);
+  FakeFaces fake(film_of_face());
+  CHECK(measured_bytes<Tracker>(model, limits_with_fake()) < tracking + 4096);
+  CHECK(measured_bytes<Tracker>(model, none) == tracking);
+  InArena<Tracker> tracker(model, none);
+  FrameResult result;
+  CHECK(tracker->update(film_of_face().view(0), &result) == Status::not_started);
+  CHECK(tracker->start_by_detection() == Status::not_found);
+}
+
 }  // namespace caller_start_test
