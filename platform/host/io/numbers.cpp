@@ -19,7 +19,7 @@ std::optional<double> parse_number(std::string_view text) {
 
 std::optional<float> parse_float(std::string_view text) {
   const std::optional<double> value = parse_number(text);
-  constexpr double kMost = std::numeric_limits<float>::max();
+  constexpr auto kMost = static_cast<double>(std::numeric_limits<float>::max());
   if (!value || std::fabs(*value) > kMost) return std::nullopt;
   return static_cast<float>(*value);
 }
