@@ -32,8 +32,8 @@ struct FitLimits {
   std::uint16_t points = 160;  ///< correspondences at most
   /// Room for silhouette points: about 95 bytes a vertex of the base mesh, 8 a point, and 9 KiB.
   bool silhouette = false;
-  /// Room for samples of the base mesh, 12 bytes a vertex and record: fits take two thirds of the time, many with all parameters
-  /// free half. The last bits may differ.
+  /// Room for samples of the base mesh, 12 bytes a vertex and record: fits of silhouette points that have turned away, or that fold
+  /// the surface over, take two thirds of the time. The last bits may differ.
   bool samples_base_mesh = false;
 };
 
@@ -57,7 +57,8 @@ struct FitOptions {
   float misfit_mm = 3.0f;
   bool robust = true;  ///< true: Huber's, then Tukey's loss of the residual's length; false: its square
   /// Steps of Gauss-Newton, count. They are divided equally among the stages: three, or nine with silhouette points. A stage
-  /// has at least one step. A stage that folds the surface over gets the same number once more, to fit the pose again.
+  /// has at least one step. If the surface is folded over at the end, all are made again, and each stage that folds it over gets the
+  /// same number once more, to fit the pose again.
   int iterations = 30;
   /// Weight of the parameters' prior, >= 0. The stiffness of Eq. 12 is K = -stiffness / sd^2. 0: Eq. 8 alone.
   float stiffness = 1;
@@ -71,7 +72,7 @@ struct FitReport {
   View view;                     ///< pose and camera
   float rms_px = 0;              ///< over the points used
   std::size_t used = 0;          ///< points with a weight above 0 at the end (inliers)
-  int iterations = 0;            ///< over all stages
+  int iterations = 0;            ///< over all stages, also those that are made again
   std::size_t undetermined = 0;  ///< unknowns that the points and priors left open
   /// A-posteriori standard deviations of the view in the order of PoseUnknown: turn (rad), log s, offset
   /// (mm), log rho. The last is 0 with a known focal length.
@@ -101,7 +102,7 @@ class Fitter {
   /// Arena layout (create_in, measured_bytes).
   void lay_out(Arena& arena, const Model& model, const FitLimits& limits);
 
-  /// Estimates pose, camera and the free parameters. Cost: at most options.iterations linearisations of all points, twice
+  /// Estimates pose, camera and the free parameters. Cost: at most options.iterations linearisations of all points, three times
   /// that where the surface folds over; without a start also 50 of the pose alone.
   /// \param points  at least four.
   /// \param q       all parameters: initial values, of free ones clamped to their ranges, and result. Null only for a model
