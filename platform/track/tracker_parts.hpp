@@ -66,7 +66,7 @@ struct TrackerParts : ImageParts {
   FrameOrder order;
   std::uint32_t frame = 0;
   std::uint32_t last_kept = 0;  // frame that became a key frame
-  std::uint32_t track_number = 0, person_number = 0;
+  std::uint32_t track_number = 0, person_number = 0;  // as of Tracker
   int bad_frames = 0;           // in a row
   bool uses_edges = false, smooths = false;
   bool is_started = false;
