@@ -45,6 +45,23 @@ inline Lanes to_lanes(std::uint64_t four) {
 #endif
 }
 
+/// -most where v is smaller, most where it is larger.
+inline Lanes limited(Lanes v, float most) {
+  const Lanes high = splat(most), low = splat(-most);
+  v = v < low ? low : v;
+  return v > high ? high : v;
+}
+
+/// The nearest integers, those half-way away from zero. They fit two bytes.
+inline void store_rounded(Lanes v, std::int16_t* at) {
+  typedef std::int16_t Shorts __attribute__((vector_size(8)));
+  typedef std::int32_t Integers __attribute__((vector_size(16)));
+  const Lanes half = splat(0.5f);
+  const auto shorts =
+      __builtin_convertvector(__builtin_convertvector(v < splat(0) ? v - half : v + half, Integers), Shorts);
+  std::memcpy(at, &shorts, sizeof shorts);
+}
+
 #else
 #define PLIANT_HAS_VECTORS 0
 constexpr bool kHasVectors = false;

@@ -146,7 +146,7 @@ Status Fitter::State::fit(Span<const Correspondence> points, const FitOptions& o
     if (!is_finite(result[i])) return Status::bad_argument;
   const bool has_silhouette = has_silhouette_points(points);
   if (has_silhouette && !limits.silhouette) return Status::bad_argument;
-  if (limits.silhouette) {
+  if (has_silhouette) {
     const Status started = silhouette->start(cascade.model());
     if (started != Status::ok) return started;
   }

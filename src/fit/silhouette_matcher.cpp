@@ -36,7 +36,7 @@ void SilhouetteMatcher::lay_out(Arena& arena, const Model& model) {
 
 Status SilhouetteMatcher::start(const Model& model) {
   found_ = 0;
-  return mesh_.set_base(model.base_uv(), model.base_corners());
+  return mesh_.face_count() > 0 ? Status::ok : mesh_.set_base(model.base_uv(), model.base_corners());
 }
 
 void SilhouetteMatcher::find_contour(const Vec3* position, const Projector& projector) {

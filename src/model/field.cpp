@@ -198,6 +198,23 @@ Vec3 sample_any(const std::uint8_t* samples, const Field& f, Cell cell, Interpol
   return {ox + sx * s.value[0], f.offset[1] + f.scale[1] * s.value[1], f.offset[2] + f.scale[2] * s.value[2]};
 }
 
+/// Calls use(k, cell) for those of the first `count` points of a row that are in the field's support. \pre its v is
+template <class Use>
+void for_cells(const Field& f, const ChartRow& row, std::size_t count, const Use& use) {
+  const GridAxis along_u(f.u0, f.u1, f.width);
+  const float low = f.u0, high = f.u1;
+  const bool is_mirrored = f.mirror;
+  Cell cell;
+  cell.j = GridAxis(f.v0, f.v1, f.height).cell(row.v, &cell.b);
+  for (std::size_t k = 0; k < count; ++k) {
+    const ChartPoint at({static_cast<float>(row.first + k) / static_cast<float>(row.steps), row.v});
+    const float u = is_mirrored ? at.mirrored_u : at.u;
+    if (u < low || u > high) continue;
+    cell.i = along_u.cell(u, &cell.a);
+    use(k, cell);
+  }
+}
+
 }  // namespace
 
 ChartPoint::ChartPoint(Vec2 uv) : u(clamp(uv.x, 0, 1)), mirrored_u(1 - u), v(clamp(uv.y, 0, 1)) {}
@@ -229,18 +246,23 @@ void add_row(const std::uint8_t* samples, const Field& f, float amount, const Ch
              Interpolation interpolation, Span<Vec3> sums) {
   if (row.v < f.v0 || row.v > f.v1) return;
   const bool is_usual = interpolation == Interpolation::bilinear && f.components == 3 && f.bits == 16;
-  const GridAxis along_u(f.u0, f.u1, f.width);
-  Cell cell;
-  cell.j = GridAxis(f.v0, f.v1, f.height).cell(row.v, &cell.b);
-  for (std::size_t k = 0; k < sums.count; ++k) {
-    const ChartPoint at({static_cast<float>(row.first + k) / static_cast<float>(row.steps), row.v});
-    const float u = f.mirror ? at.mirrored_u : at.u;
-    if (u < f.u0 || u > f.u1) continue;
-    cell.i = along_u.cell(u, &cell.a);
-    const Vec3 value = is_usual ? sample_words(samples, f, cell)
-                                : sample_any(samples, f, cell, interpolation, nullptr, nullptr);
-    sums[k] = sums[k] + amount * value;
+#if PLIANT_HAS_VECTORS
+  if (is_usual) {
+    // Of a mirrored field x has the other sign.
+    const Lanes amounts{f.mirror ? -amount : amount, amount, amount, 0};
+    const Lanes offset = first_three(f.offset), scale = first_three(f.scale);
+    for_cells(f, row, sums.count, [&](std::size_t k, const Cell& cell) {
+      const Lanes steps = lane_steps(corners_of(samples, f, cell), cell.a, splat(cell.b));
+      const Lanes added = amounts * (offset + scale * steps);
+      sums[k] = sums[k] + Vec3{added[0], added[1], added[2]};
+    });
+    return;
   }
+#endif
+  for_cells(f, row, sums.count, [&](std::size_t k, const Cell& cell) {
+    sums[k] = sums[k] + amount * (is_usual ? sample_words(samples, f, cell)
+                                           : sample_any(samples, f, cell, interpolation, nullptr, nullptr));
+  });
 }
 
 Vec3 sample_field(const std::uint8_t* samples, const Field& f, Vec2 uv, Interpolation interpolation, Vec3* du,

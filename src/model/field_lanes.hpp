@@ -41,11 +41,14 @@ inline Vec3 reflected(Lanes v, const Field& f) {
   return {f.mirror ? -v[0] : v[0], v[1], v[2]};
 }
 
-/// Bilinear value at (a, b) of a cell.
-inline Vec3 lane_value(const LaneCorners& s, const Field& f, float a, float b) {
+/// Bilinear value at (a, b) of a cell, in the field's steps.
+inline Lanes lane_steps(const LaneCorners& s, float a, Lanes b) {
   const Lanes along_u = splat(a);
   const Lanes top = s.s00 + along_u * (s.s10 - s.s00), bottom = s.s01 + along_u * (s.s11 - s.s01);
-  return reflected(first_three(f.offset) + first_three(f.scale) * (top + splat(b) * (bottom - top)), f);
+  return top + b * (bottom - top);
+}
+inline Vec3 lane_value(const LaneCorners& s, const Field& f, float a, float b) {
+  return reflected(first_three(f.offset) + first_three(f.scale) * lane_steps(s, a, splat(b)), f);
 }
 
 /// Its derivatives; `per_u` and `per_v` are cells per unit of u and v, the first negative for a mirrored field.
@@ -56,23 +59,35 @@ inline void lane_gradient(const LaneCorners& s, const Field& f, float a, float b
   *dv = reflected(scale * (left + splat(a) * ((s.s11 - s.s10) - left)) * splat(per_v), f);
 }
 
+/// One vector four times, as its components follow each other in memory.
+struct FourTimes {
+  Lanes part[3];
+
+  FourTimes(float x, float y, float z) : part{{x, y, z, x}, {y, z, x, y}, {z, x, y, z}} {}
+  const Lanes& operator[](std::size_t k) const { return part[k]; }
+};
+
 /// Adds offset + scale * sample to four vectors each time. \return how many were added, a multiple of four.
 inline std::size_t add_lanes(const std::uint8_t* samples, std::size_t count, Vec3 scale, Vec3 offset,
                              Vec3* to) {
-  const auto repeated = [](Vec3 v, Lanes(&out)[3]) {
-    out[0] = Lanes{v.x, v.y, v.z, v.x};
-    out[1] = Lanes{v.y, v.z, v.x, v.y};
-    out[2] = Lanes{v.z, v.x, v.y, v.z};
-  };
-  Lanes scales[3], offsets[3];
-  repeated(scale, scales);
-  repeated(offset, offsets);
+  const FourTimes scales(scale.x, scale.y, scale.z), offsets(offset.x, offset.y, offset.z);
   std::size_t n = 0;
   for (; n + 4 <= count; n += 4, samples += 24) {
     float* const sum = &to[n].x;
     for (std::size_t k = 0; k < 3; ++k)
       store(load(sum + 4 * k) + (offsets[k] + scales[k] * read_lanes(samples + 8 * k)), sum + 4 * k);
   }
+  return n;
+}
+
+/// The samples of four vectors each time: (value - offset) / scale, at most `most` on either side of zero, to the nearest
+/// integer. \return how many were written, a multiple of four. \pre the field's scales are positive
+inline std::size_t quantise_lanes(Span<const Vec3> values, const Field& f, float most, std::int16_t* to) {
+  const FourTimes scales(f.scale[0], f.scale[1], f.scale[2]), offsets(f.offset[0], f.offset[1], f.offset[2]);
+  std::size_t n = 0;
+  for (; n + 4 <= values.count; n += 4)
+    for (std::size_t k = 0; k < 3; ++k)
+      store_rounded(limited((load(&values[n].x + 4 * k) - offsets[k]) / scales[k], most), to + 3 * n + 4 * k);
   return n;
 }
 

@@ -1,5 +1,6 @@
 #include "model/personal_field.hpp"
 
+#include "model/field_lanes.hpp"
 #include "model/field_sampling.hpp"
 
 namespace pliant {
@@ -43,13 +44,15 @@ Status PersonalField::fill(std::uint16_t root, const Vec3* largest, Compute comp
   for (int pass = largest != nullptr ? 1 : 0; pass < 2; ++pass) {
     if (pass == 1) set_range(range);
     for (std::size_t j = 0; j < limits_.height; ++j)
-      for (std::size_t i = 0; i < limits_.width; ++i) {
-        if (i % kTogether == 0)
-          compute(state, i, j, {some, limits_.width - i < kTogether ? limits_.width - i : kTogether});
-        const Vec3 d = some[i % kTogether];
+      for (std::size_t i = 0; i < limits_.width; i += kTogether) {
+        const std::size_t left = limits_.width - i;
+        const Span<Vec3> differences{some, left < kTogether ? left : kTogether};
+        compute(state, i, j, differences);
         if (pass == 1) {
-          set_sample(i, j, d);
-        } else {
+          set_samples(i, j, differences);
+          continue;
+        }
+        for (const Vec3 d : differences) {
           if (!is_usable(d)) return Status::bad_argument;
           range.include(d);
         }
@@ -72,10 +75,18 @@ void PersonalField::set_range(const Range& range) {
   }
 }
 
-void PersonalField::set_sample(std::size_t i, std::size_t j, Vec3 difference) {
+/// Of nodes (i, j) and those that follow it.
+void PersonalField::set_samples(std::size_t i, std::size_t j, Span<const Vec3> differences) {
   std::int16_t* const to = samples_ + 3 * (j * limits_.width + i);
-  const float value[3] = {difference.x, difference.y, difference.z};
-  for (int c = 0; c < 3; ++c) to[c] = quantised(value[c], field_.offset[c], field_.scale[c]);
+  std::size_t n = 0;
+#if PLIANT_HAS_VECTORS
+  const float* const scale = field_.scale;
+  if (scale[0] > 0 && scale[1] > 0 && scale[2] > 0) n = quantise_lanes(differences, field_, kMostSteps, to);
+#endif
+  for (; n < differences.count; ++n) {
+    const float value[3] = {differences[n].x, differences[n].y, differences[n].z};
+    for (int c = 0; c < 3; ++c) to[3 * n + c] = quantised(value[c], field_.offset[c], field_.scale[c]);
+  }
 }
 
 void PersonalField::announce(const Model& model, Vec2 uv) const {

@@ -48,7 +48,7 @@ class PersonalField {
   /// One function for all kinds of differences: code is scarce on microcontrollers.
   Status fill(std::uint16_t root, const Vec3* largest, Compute compute, const void* state);
   void set_range(const Range& range);
-  void set_sample(std::size_t i, std::size_t j, Vec3 difference);
+  void set_samples(std::size_t i, std::size_t j, Span<const Vec3> differences);
   static bool is_usable(Vec3 difference) {
     return is_finite(difference) && dot(difference, difference) <= 1e18f;  // mm^2
   }
