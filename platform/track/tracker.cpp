@@ -145,6 +145,7 @@ const FrameView& TrackerParts::quiet(const FrameView& view) {
 
 Status TrackerParts::track(const FrameView& view) {
   budget.begin(bad_frames == 0);
+  if (edges_wait) start_edges();
   const Status status = predict(view);
   if (status != Status::ok) return status;
   match_and_solve(view);
@@ -234,7 +235,7 @@ void TrackerParts::conclude() {
   bad_frames = is_good ? 0 : smaller(bad_frames + 1, kMostBadFrames);
   if (!is_good) return;
   const std::size_t of_templates = matcher.observation_count();
-  if (edges != nullptr)
+  if (uses_edges)
     (edges->*limits.edges->end_frame)({observations.data + of_templates, observation_count - of_templates});
   key_frames.trust(estimator);
   texture.note_frame(estimator, region, frame);

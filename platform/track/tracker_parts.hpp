@@ -69,6 +69,7 @@ struct TrackerParts : ImageParts {
   std::uint32_t track_number = 0, person_number = 0;  // as of Tracker
   int bad_frames = 0;           // in a row
   bool uses_edges = false, smooths = false;
+  bool edges_wait = false;  // for the next frame, to start
   bool is_started = false;
   bool identity_is_given = false;      // by the caller, with the pose: it stays
   bool keeps_landmark_offsets = true;  // as StartOptions
@@ -101,6 +102,9 @@ struct TrackerParts : ImageParts {
   Status start(const FrameView& frame, const StartPose& from, const TrackerOptions& with,
                Span<const Vec2> marker_places);
   Status capture_frame_0(const FrameView& view, Span<const Vec2> marker_places, float marker_exclusion_px);
+
+  /// In the image of frame 0. \return how many edge points will be matched.
+  std::size_t start_edges();
 
   void limit_searches();
   void limit_solves();

@@ -141,6 +141,11 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
   return Status::ok;
 }
 
+std::size_t TrackerParts::start_edges() {
+  edges_wait = false;
+  return (edges->*limits.edges->start)(estimator, region);
+}
+
 /// Templates, edges and thumbnail of frame 0.
 Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> marker_places,
                                      float marker_exclusion_px) {
@@ -160,10 +165,9 @@ Status TrackerParts::capture_frame_0(const FrameView& view, Span<const Vec2> mar
   for (std::size_t k = 0; k < limits.patches; ++k)
     captured = static_cast<std::uint16_t>(captured + templates[k].is_used);
   std::size_t points = captured;
-  if (edges != nullptr) {
-    const std::size_t of_edges = (edges->*limits.edges->start)(estimator, region);
-    if (uses_edges) points += of_edges;
-  }
+  // A start is the longest frame. Edges are not needed before the next one, and its picture is kept until then.
+  edges_wait = uses_edges && limits.keeps_previous && points >= kTrackMonitorTuning.least_inliers;
+  if (uses_edges && !edges_wait) points += start_edges();
   if (captured < kTrackerTuning.least_templates || points < kTrackMonitorTuning.least_inliers)
     return Status::too_few_points;
   result = {TrackState::tracking,

@@ -302,6 +302,8 @@ void add_search_loads(const SearchPlan& plan, double width, Loads& loads) {
   if (plan.does_both) loads.push_back({"steps of alignments", steps, steps, kCost.alignment_step});
 }
 
+constexpr const char* kPointsOfCurves = "points of curves";
+
 /// The start of a track, besides.
 void add_start_loads(const Sizes& s, const TrackerLimits& limits, bool adapts, Loads& loads) {
   const double samples = static_cast<double>(limits.personal_field.width) * limits.personal_field.height;
@@ -316,7 +318,8 @@ void add_start_loads(const Sizes& s, const TrackerLimits& limits, bool adapts, L
                    static_cast<double>(kTrackerTuning.corner_pixel)});
   loads.push_back({"templates captured", 2.0 * limits.patches, 3.0 * limits.patches,
                    kCost.captured_record * s.all_records});
-  loads.push_back({"points of curves", s.edges, s.edges, kCost.curve_point});
+  // With a few templates a start needs its edges at once.
+  loads.push_back({kPointsOfCurves, limits.keeps_previous ? 0 : s.edges, s.edges, kCost.curve_point});
 }
 
 }  // namespace
@@ -384,6 +387,8 @@ Plan make_plan(const Model& model, const TrackerLimits& limits) {
       plan.print_search_frames = most_print_search_frames(limits, print.keypoints().count);
   }
   add_start_loads(sizes, limits, plan.search.does_both || plan.search.all_cells == 0, plan.start_loads);
+  if (limits.keeps_previous && sizes.edges > 0)
+    plan.edge_loads.push_back({kPointsOfCurves, sizes.edges, sizes.edges, kCost.curve_point});
   if (limits.noise != nullptr && is_smoothed(model))
     for (Loads* loads : {&plan.loads, &plan.search_loads, &plan.start_loads})
       if (!loads->empty()) add_noise_loads(sizes, *loads);

@@ -31,6 +31,7 @@ struct Plan {
   int most_iterations = 0;         ///< Gauss-Newton steps of a frame, at most; as FrameResult counts them
   std::vector<Load> loads;         ///< of a frame with a track
   std::vector<Load> alignment_loads;  ///< of a frame with a track whose templates fail, besides
+  std::vector<Load> edge_loads;       ///< of the first frame after a start, besides
   std::vector<Load> search_loads;  ///< of a frame that searches for a face or a print
   std::vector<Load>
       start_loads;  ///< of a frame in which a track starts; with what it has searched before, where it does both

@@ -118,11 +118,14 @@ void print_sums(std::ostream& out, const Plan& plan, double mhz) {
                 "usually", "at most", mhz > 0 ? "    usually  at most" : "");
   out << line;
   print_sum(out, "a frame with a track", plan.loads, mhz);
-  if (!plan.alignment_loads.empty()) {
+  const auto print_with = [&](const char* what, const std::vector<Load>& more) {
+    if (more.empty()) return;
     std::vector<Load> both = plan.loads;
-    both.insert(both.end(), plan.alignment_loads.begin(), plan.alignment_loads.end());
-    print_sum(out, "whose templates fail", both, mhz);
-  }
+    both.insert(both.end(), more.begin(), more.end());
+    print_sum(out, what, both, mhz);
+  };
+  print_with("whose templates fail", plan.alignment_loads);
+  print_with("the first after a start", plan.edge_loads);
   print_sum(out, "a frame without", plan.search_loads, mhz);
   print_sum(out, "a frame that starts a track", plan.start_loads, mhz);
 }
@@ -175,6 +178,7 @@ int run_plan(const Args& args, Console& console) {
   print_bytes(console.out, plan, table_bytes);
   print_loads(console.out, "a frame", plan.loads);
   print_loads(console.out, "besides, if its templates fail", plan.alignment_loads);
+  print_loads(console.out, "besides, in the first after a start", plan.edge_loads);
   print_loads(console.out, "a frame without a track", plan.search_loads);
   print_loads(console.out, "a frame that starts a track", plan.start_loads);
   print_sums(console.out, plan, mhz);

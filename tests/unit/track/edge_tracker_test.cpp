@@ -7,6 +7,7 @@
 
 #include "face_film.hpp"
 #include "model_builder.hpp"
+#include "pliant/tracker.hpp"
 
 namespace edge_tracker_test {
 
@@ -68,7 +69,33 @@ struct Rig {
   }
 };
 
+/// Points that the first frame after a start observes, with edges or without.
+int observed_first(bool keeps_previous, bool with_edges) {
+  TrackerLimits limits;
+  limits.keeps_previous = keeps_previous;
+  TrackerOptions options;
+  if (!with_edges)
+    options.estimator.cues &= static_cast<std::uint8_t>(~(1u << static_cast<unsigned>(Cue::edge)));
+  InArena<Tracker> tracker(baked_face().model, limits);
+  REQUIRE(tracker->start_from_pose(film().view(0), film().camera, film().poses[0], baked_face().rest().data(),
+                                   options) == Status::ok);
+  FrameView next = film().view(0);
+  next.time_ns += 40000000;
+  ++next.sequence;
+  FrameResult result;
+  REQUIRE(tracker->update(next, &result) == Status::ok);
+  return result.tracked;
+}
+
 }  // namespace
+
+// Where the frame before is kept, edges are captured when the next one comes.
+TEST_CASE("the first frame after a start observes edges, whether the frame before is kept or not") {
+  for (const bool keeps_previous : {true, false}) {
+    CAPTURE(keeps_previous);
+    CHECK(observed_first(keeps_previous, true) > observed_first(keeps_previous, false) + 20);
+  }
+}
 
 TEST_CASE("edges are followed through light that fades slowly, and are others where it fades at once") {
   constexpr float kDark = 0.25f;
