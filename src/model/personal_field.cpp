@@ -85,7 +85,7 @@ void PersonalField::set_samples(std::size_t i, std::size_t j, Span<const Vec3> d
 #endif
   for (; n < differences.count; ++n) {
     const float value[3] = {differences[n].x, differences[n].y, differences[n].z};
-    for (int c = 0; c < 3; ++c) to[3 * n + c] = quantised(value[c], field_.offset[c], field_.scale[c]);
+    for (std::size_t c = 0; c < 3; ++c) to[3 * n + c] = quantised(value[c], field_.offset[c], field_.scale[c]);
   }
 }
 
