@@ -34,6 +34,7 @@ import textwrap
 import time
 
 sys.dont_write_bytecode = True
+import eyes  # noqa: E402
 import score  # noqa: E402
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -282,6 +283,21 @@ def recorded_variants(s):
             print('  left out: %s: %s' % (name, reason), file=sys.stderr)
     header = ['configuration'] + ['%s, %s' % (size, what) for size in ('720x576', '360x288') for what in ('NME %', 'mouth', 'mouth px')]
     return table(header, rows)
+
+
+def recorded_eyes(s):
+    base, paths = franck_points(s, 'mp4', 0, 2400)
+    film, out = franck_film(s, 'mp4', base, 2400), s.path('track.csv')
+    labels = os.path.join(base, 'blinks_mp4.csv')
+    rows = []
+    for start, words in (('25 annotated points', ('--init', paths['points'])), ('found without points', ())):
+        text = run([s.pliant, 'track', s.face, '--frames', film, *words, '--landmarks', '--out', out]).stdout
+        m = eyes.score_eyes(out, paths['truth'], labels, float(pairs_of(text.strip().splitlines()[-1])['f_px']))
+        rows.append([start, '%d of %d' % (m['found'], m['blinks']), str(m['false']), str(m['late_frames']),
+                     '%.3f / %.3f' % (m['gap_right'], m['gap_left']), str(m['gaze_frames']),
+                     '%.1f, %.1f, %.2f' % (m['gaze_up_mean'], m['gaze_up_sd'], m['gaze_up'])])
+    return table(['start', 'blinks found', 'false', 'closing late, frames', 'gap, right / left', 'frames with a gaze',
+                  'gaze up: mean, sd, correlation'], rows)
 
 
 def figure9_tables(text):
@@ -555,6 +571,7 @@ SECTIONS = {
     'demo': (demo, False),
     'recorded': (recorded, False),
     'recorded-variants': (recorded_variants, False),
+    'recorded-eyes': (recorded_eyes, False),
     'detection': (detection, False),
     'faults': (faults, False),
     'print': (print_starts, False),
