@@ -17,47 +17,96 @@ bool is_right(const AlignedFace& face) {
   return face.score >= kTuning.least_score && face.landmark_error <= kTuning.most_error;
 }
 
-/// From the last good pose, as the same person.
-bool align(TrackerParts& t, const FrameView& frame, FaceDetectionState& detection, AlignedFace* face) {
+/// From that pose, as the same person, into the room of the search.
+Status align(TrackerParts& t, const FrameView& frame, FaceDetectionState& detection, const Pose& pose,
+             AlignedFace* face) {
   const SecondLookState& look = *detection.look;
   const AlignmentRoom room = detection.face_search.room();
   for (std::size_t k = 0; k < t.model().parameters().count; ++k) room.q[k] = t.estimator.parameters()[k];
+  return look.modules->refine(*look.aligner, frame, t.estimator.camera(), pose,
+                              detection.face_search.of_known_person(), face, room.q, room.landmarks);
+}
+
+/// From the mean face in a box, as anybody.
+Status align_in(const FaceBox& box, TrackerParts& t, const FrameView& frame, const AlignmentRoom& room,
+                AlignedFace* face) {
+  const SecondLookState& look = *static_cast<FaceDetectionState*>(t.detection)->look;
+  int steps = 0;
   const Status status =
-      look.modules->refine(*look.aligner, frame, t.estimator.camera(), pose_of(t.estimator.view()),
-                           detection.face_search.of_known_person(), face, room.q, room.landmarks);
-  return status == Status::ok && is_right(*face);
+      look.modules->begin(*look.aligner, frame, box, t.estimator.camera(), {}, room.q, &steps);
+  if (status != Status::ok) return status;
+  return look.modules->advance(*look.aligner, frame, steps, face, room.q, room.landmarks);
 }
 
-/// Whether an alignment of the mean face in the box of the result comes out there, too.
-bool is_confirmed(TrackerParts& t, const FrameView& frame, FaceDetectionState& detection,
-                  const AlignedFace& face) {
-  const FaceModules& modules = *detection.look->modules;
-  FaceAligner& aligner = *detection.look->aligner;
-  const Span<const Vec2> found = detection.face_search.room().landmarks;
+enum class Found { nowhere, here, begun_anew };
+
+FaceBox box_of(const TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
+  return box_at_landmarks(t.model(), view_of(face.pose, face.camera).s,
+                          [&](std::uint16_t k, Vec2* x) { return *x = landmarks[k], true; });
+}
+
+bool is_same(const FaceBox& a, const FaceBox& b) {
+  return length(a.center - b.center) <= kTuning.most_box_shift * a.side &&
+         a.side <= kTuning.most_box_ratio * b.side && b.side <= kTuning.most_box_ratio * a.side;
+}
+
+/// Beside the room of the search, until the frame ends.
+AlignmentRoom take_room(TrackerParts& t) {
   Arena scratch(t.unused_between_frames.data, t.unused_between_frames.count);
-  const Span<Vec2> again = scratch.take_span<Vec2>(found.count);
   float* const q = scratch.take<float>(t.model().parameters().count);
+  const AlignmentRoom room{q, scratch.take_span<Vec2>(t.model().landmarks().count)};
   PLIANT_ASSERT(!scratch.exhausted());  // a check takes far more of this memory
-  const FaceBox box = box_at_landmarks(t.model(), view_of(face.pose, face.camera).s,
-                                       [&](std::uint16_t k, Vec2* x) { return *x = found[k], true; });
-  AlignedFace other;
-  int steps = 0;
-  if (modules.begin(aligner, frame, box, face.camera, {}, q, &steps) != Status::ok ||
-      modules.advance(aligner, frame, steps, &other, q, again) != Status::ok)
-    return false;
-  const float distance =
-      mean_distance(t.model(), again, [&](std::size_t k, Vec2* x) { return *x = found[k], true; });
-  return distance <= kTuning.most_disagreement;
+  return room;
 }
 
-/// As anybody, to see whether it is somebody else.
+/// Mean distance of two alignments' landmarks, fraction of the eyes' distance.
+float distance_between(const TrackerParts& t, Span<const Vec2> a, Span<const Vec2> b) {
+  return mean_distance(t.model(), a, [&](std::size_t k, Vec2* x) { return *x = b[k], true; });
+}
+
+/// Near the last good pose, in `face` and the room of the search. If that is away from there, or not surely right, the mean face is
+/// aligned in the box of the result, too. Where that comes out elsewhere, and is far more certain, the next frame begins.
+Found find_near(TrackerParts& t, const FrameView& frame, FaceDetectionState& detection, AlignedFace* face) {
+  const Span<const Vec2> landmarks = detection.face_search.room().landmarks;
+  if (align(t, frame, detection, pose_of(t.estimator.view()), face) != Status::ok ||
+      face->score < kTuning.least_seen_score)
+    return Found::nowhere;
+  if (is_right(*face) && distance_from_track(t, landmarks) <= kTuning.most_distance) return Found::here;
+  const AlignmentRoom own = take_room(t);
+  AlignedFace mean;
+  if (align_in(box_of(t, *face, landmarks), t, frame, own, &mean) != Status::ok) return Found::nowhere;
+  const float distance = distance_between(t, own.landmarks, landmarks);
+  if (distance > kTuning.most_distance && mean.score >= kTuning.least_sure_score &&
+      mean.landmark_error <= kTuning.sure_error_ratio * face->landmark_error) {
+    detection.look->suspected = box_of(t, mean, own.landmarks);
+    return Found::nowhere;
+  }
+  return is_right(*face) && distance <= kTuning.most_disagreement ? Found::here : Found::nowhere;
+}
+
+/// In the box of such a mean face in the frame before: if it has stayed there, it is the same person, who is then aligned from there,
+/// or another one, with whom a new track begins.
+Found find_at(const FaceBox& box, TrackerParts& t, const FrameView& frame, FaceDetectionState& detection,
+              AlignedFace* face) {
+  const AlignmentRoom room = detection.face_search.room(), own = take_room(t);
+  AlignedFace mean;
+  if (align_in(box, t, frame, own, &mean) != Status::ok || mean.score < kTuning.least_sure_score ||
+      !is_right(mean) || !is_same(box, box_of(t, mean, own.landmarks)))
+    return Found::nowhere;
+  for (std::size_t k = 0; k < t.model().parameters().count; ++k) room.q[k] = own.q[k];
+  if (detection.face_search.is_another(mean)) {
+    for (std::size_t k = 0; k < own.landmarks.count; ++k) room.landmarks[k] = own.landmarks[k];
+    detection.begin_anew(t, frame, mean);
+    return Found::begun_anew;
+  }
+  const bool is_there = align(t, frame, detection, mean.pose, face) == Status::ok && is_right(*face) &&
+                        distance_between(t, own.landmarks, room.landmarks) <= kTuning.most_disagreement;
+  return is_there ? Found::here : Found::nowhere;
+}
+
+/// Whether it is somebody else who is tracked.
 bool is_another(TrackerParts& t, const FrameView& frame, FaceDetectionState& detection, AlignedFace* face) {
-  const SecondLookState& look = *detection.look;
-  const AlignmentRoom room = detection.face_search.room();
-  int steps = 0;
-  return look.modules->begin(*look.aligner, frame, box_of_track(t), t.estimator.camera(), {}, room.q,
-                             &steps) == Status::ok &&
-         look.modules->advance(*look.aligner, frame, steps, face, room.q, room.landmarks) == Status::ok &&
+  return align_in(box_of_track(t), t, frame, detection.face_search.room(), face) == Status::ok &&
          is_right(*face) && detection.face_search.is_another(*face);
 }
 
@@ -67,10 +116,12 @@ bool realign(TrackerParts& t, const FrameView& frame) {
   auto& detection = *static_cast<FaceDetectionState*>(t.detection);
   SecondLookState& look = *detection.look;
   look.stop(t.budget);  // the aligner is needed here
+  const FaceBox suspected = look.suspected;
+  look.suspected = {};
   AlignedFace face;
-  if (!align(t, frame, detection, &face)) return false;
-  const float distance = distance_from_track(t, detection.face_search.room().landmarks);
-  if (distance > kTuning.most_distance && !is_confirmed(t, frame, detection, face)) return false;
+  const Found found = suspected.side > 0 ? find_at(suspected, t, frame, detection, &face)
+                                         : find_near(t, frame, detection, &face);
+  if (found != Found::here) return found == Found::begun_anew;
   State measured;
   measured.pose = face.pose;
   measured.q = detection.face_search.room().q;

@@ -3,6 +3,7 @@
 /// Bad frames of a track in which alignment still sees the face (docs/algorithms.md, section 7.15).
 #include "pliant/frame.hpp"
 #include "track/face_checks.hpp"
+#include "track/second_look.hpp"
 
 namespace pliant {
 
@@ -17,8 +18,17 @@ struct RealignmentTuning {
   float most_error = kFaceChecksTuning.most_landmark_error, least_score = 0.8f;
   /// Mean distance of the landmarks from the last good frame's above which another alignment has to confirm them, which begins with
   /// the mean face in their box; and from those of that one, at most; fractions of the distance of the outer eye corners. After a cut
-  /// to another size the mouth may be aligned to the nose, which looks right from there (docs/experiments.md, Cuts). Round values.
+  /// to another size the mouth may be aligned to the nose, which looks right from there (docs/experiments.md, Cuts; this and the
+  /// following constants). Round values.
   float most_distance = 0.05f, most_disagreement = 0.12f;
+  /// Where they are away from each other the second one is believed, if its probability is at least this, and its estimated error
+  /// at most this fraction of the first one's. Those of a second look (SecondLookTuning).
+  float least_sure_score = kSecondLookTuning.least_score,
+        sure_error_ratio = kSecondLookTuning.sure_error_ratio;
+  /// And if the box of its face stays in the next frame: shift, as a fraction of the side, and ratio of the sides, at most.
+  float most_box_shift = 0.15f, most_box_ratio = 1.08f;
+  /// Probability of the first alignment, at least, for a second one to be made: below it there is no face. That of a bad check.
+  float least_seen_score = kFaceChecksTuning.least_check;
   /// Realigned frames since the last good one, bad frames between them not counted, after which a new track begins: the light stays
   /// as it is now, or it is another person. A second. With 6 or 12 a new track begins in light that has not settled yet.
   int most_frames = 25;
@@ -26,9 +36,10 @@ struct RealignmentTuning {
 inline constexpr RealignmentTuning kRealignmentTuning{};
 
 /// Ends a bad frame: aligns the face from the last good pose, with the person held. If that is right, the frame counts as
-/// tracked; after many such frames a new track begins, of the same person or of another one.
-/// \pre the limits name second looks. \return false: the frame stays bad. Cost: 7.9 million instructions with the defaults, 16 million
-/// where another alignment has to confirm it; where a new track begins an alignment and a start besides.
+/// tracked; after many such frames a new track begins, of the same person or of another one. If it is not, but the mean face is seen
+/// surely elsewhere in its box, the next bad frame begins there.
+/// \pre the limits name second looks. \return false: the frame stays bad. Cost: 7.9 million instructions with the defaults, 20 million
+/// where the mean face is aligned, too; where a new track begins a start besides.
 bool realign(TrackerParts& tracker, const FrameView& frame);
 
 }  // namespace pliant

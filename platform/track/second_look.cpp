@@ -82,6 +82,7 @@ void begin_track(TrackerParts& t) {
   }
   look.wait = look.frames_left = kTuning.first_wait;
   look.steps_left = look.agreed = look.realigned = 0;
+  look.suspected = {};
 }
 
 /// From a frontal pose and the mean face: the track, which may be wrong, tells no more than where the face is.
@@ -110,6 +111,7 @@ bool conclude(TrackerParts& t, const FrameView& frame) {
   FaceDetectionState& detection = detection_of(t);
   SecondLookState& look = *detection.look;
   look.realigned = 0;
+  look.suspected = {};
   if (look.start_error == 0 || !is_free(t)) {
     look.stop(t.budget);  // the caller may have placed landmarks in the middle of it
     return false;

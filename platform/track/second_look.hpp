@@ -60,6 +60,7 @@ struct SecondLookState {
   int agreed = 0;                           // looks in a row that found better landmarks
   int averaged = 0;                         // looks in the mean of the landmarks, beside the start
   int realigned = 0;                        // frames since the last good one that `realign` has made good
+  FaceBox suspected;  // where `realign` goes on after the bad frame before; side 0: at the last good place
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits);
   /// Drops the alignment that is under way, and what the budget keeps for it.

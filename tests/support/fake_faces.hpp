@@ -12,14 +12,14 @@
 struct FakeFaces {
   // What it does.
   const FaceFilm* film = nullptr;
-  std::uint32_t calls_a_search = 1;            ///< calls until a bounded search is complete
-  float detection = 0.999f;                    ///< score of the face in the detector
-  float score = 0.999f;                        ///< of an alignment
-  float verification = 0.99f;                  ///< score of a verification near the truth
-  float error = 0.02f;                         ///< landmark error of an alignment
-  float tracked_error = 0;                     ///< of a verification near the truth; 0: `error`
-  float held_error = 0.02f;                    ///< the same with the identity held
-  float least_part = 0;                        ///< of a verification, from frame `least_part_from` on
+  std::uint32_t calls_a_search = 1;  ///< calls until a bounded search is complete
+  float detection = 0.999f;          ///< score of the face in the detector
+  float score = 0.999f;              ///< of an alignment
+  float verification = 0.99f;        ///< score of a verification near the truth
+  float error = 0.02f;               ///< landmark error of an alignment
+  float tracked_error = 0;           ///< of a verification near the truth; 0: `error`
+  float held_error = 0.02f;          ///< the same with the identity held
+  float least_part = 0;              ///< of a verification, from frame `least_part_from` on
   std::size_t least_part_from = 0;
   pliant::Status status = pliant::Status::ok;  ///< of the tables
   float size_found = 1;                        ///< of the face in a search, over its size
@@ -29,8 +29,9 @@ struct FakeFaces {
   std::size_t covered_frames = 0;  ///< at the beginning: the mouth is covered, alignments have it too low
   float covered_error = 0.05f;     ///< landmark error of those
   float lowered_px = 8;            ///< by how much they have the mouth too low
-  float refined_too_low_px =
-      0;  ///< by how much an alignment that begins near the right pose has the face too low
+  /// By how much an alignment that begins near the right pose, but not at it, has the face too low.
+  float refined_too_low_px = 0;
+  float restless_px = 0;  ///< by how much every second alignment that begins in a box has the face too low
   // What was asked of it.
   int steps = 0;  ///< of alignments
   int searches = 0, alignments = 0, held_alignments = 0, verifications = 0;
@@ -145,6 +146,13 @@ inline void lower_mouth(AlignedFace* face, Span<Vec2> landmarks) {
       landmarks[i].y += fake().lowered_px;
 }
 
+inline void lower(float px, AlignedFace* face, Span<Vec2> landmarks) {
+  View view = view_of(face->pose, face->camera);
+  view.tau.y += px / view.s;
+  face->pose = pose_of(view);
+  for (Vec2& x : landmarks) x.y += px;
+}
+
 /// The last step gives the truth of its frame, if the box is of its face.
 inline Status advance(FaceAligner&, const FrameView& frame, int steps, AlignedFace* face, float* q,
                       Span<Vec2> landmarks) {
@@ -168,6 +176,7 @@ inline Status advance(FaceAligner&, const FrameView& frame, int steps, AlignedFa
   for (std::size_t i = 0; i < landmarks.count; ++i)
     landmarks[i] = f.film->truth(baked_face().model.landmarks()[i].name, k);
   if (k < f.covered_frames) lower_mouth(face, landmarks);
+  if (options.is_free == nullptr && f.alignments % 2 == 0) lower(f.restless_px, face, landmarks);
   return Status::ok;
 }
 
@@ -179,11 +188,8 @@ inline Status refine(FaceAligner& aligner, const FrameView& frame, const Camera&
   Status status = begin(aligner, frame, near, camera, options, q, &steps);
   if (status == Status::ok) status = advance(aligner, frame, steps, face, q, landmarks);
   if (status != Status::ok) return status;
-  const float down = fake().refined_too_low_px;
-  View found = view_of(face->pose, camera);
-  found.tau.y += down / found.s;
-  face->pose = pose_of(found);
-  for (Vec2& x : landmarks) x.y += down;
+  const View found = view_of(face->pose, camera);
+  if (length(view.s * view.tau - found.s * found.tau) > 1) lower(fake().refined_too_low_px, face, landmarks);
   return status;
 }
 

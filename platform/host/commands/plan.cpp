@@ -240,13 +240,14 @@ void add_face_loads(const Model& model, const AlignerTable& aligner, const Track
              static_cast<double>(kSecondLookTuning.step_work), loads);
 }
 
-/// A frame whose templates fail is aligned, by the stages of the table that refine.
+/// A frame whose templates fail is aligned, by the stages of the table that refine, and the mean face where the result is doubtful.
 void add_alignment_loads(const AlignerTable& aligner, const TrackerLimits& limits, const Sizes& s,
                          Loads& loads) {
   double steps = 0;
   for (std::size_t k = 0; k < aligner.stage_count(); ++k) steps += aligner.stage(k).refines != 0;
-  loads.push_back({"steps of an alignment", steps, steps, kCost.alignment_step});
-  loads.push_back({"ends of alignments", 1, 1, kCost.alignment_end});
+  const double of_mean_face = static_cast<double>(aligner.stage_count());
+  loads.push_back({"steps of alignments", steps, steps + of_mean_face, kCost.alignment_step});
+  loads.push_back({"ends of alignments", 1, 2, kCost.alignment_end});
   const double vertices = limits.vertices,
                record = limits.samples_vertices ? kCost.vertex_record : kCost.table_record;
   loads.push_back({"vertices at its result", vertices, vertices, record * s.all_records});

@@ -137,6 +137,46 @@ TEST_CASE("an alignment away from the last good place has to be confirmed by one
   }
 }
 
+/// An alignment from the last place ends elsewhere than the face is.
+TEST_CASE(
+    "where the mean face comes out elsewhere, surely, and stays in the next frame, it is tracked there") {
+  const float held_error = 0.06f, sure = kRealignmentTuning.sure_error_ratio * held_error;
+  const FaceFilm of_another = film_of(kFrames, "noseLength");
+  const struct {
+    std::string what;
+    const FaceFilm& film;
+    float error, score, restless;  // the last one as a fraction of the box's side
+    TrackState state;
+    bool is_another;
+  } kCases[] = {
+      {"the same person", changed_film(), 0.99f * sure, 0.999f, 0, TrackState::tracking, false},
+      {"another person", of_another, 0.99f * sure, 0.999f, 0, TrackState::tracking, true},
+      {"not surely", changed_film(), 1.01f * sure, 0.999f, 0, TrackState::degraded, false},
+      {"hardly a face", changed_film(), 0.99f * sure, kRealignmentTuning.least_sure_score - 0.01f, 0,
+       TrackState::degraded, false},
+      {"it does not stay", changed_film(), 0.99f * sure, 0.999f, 1.01f * kRealignmentTuning.most_box_shift,
+       TrackState::degraded, false},
+  };
+  for (const auto& c : kCases) {
+    CAPTURE(c.what);
+    FakeFaces fake(c.film);
+    InArena<Tracker> tracker(baked_face().model, limits_with_looks());
+    for (std::size_t k = 0; k < kChange; ++k) update(tracker.object, c.film, k);
+    const std::uint32_t track = tracker->track_number(), person = tracker->person_number();
+    const float eyes = length(c.film.truth("ibug45", kChange) - c.film.truth("ibug36", kChange));
+    fake.refined_too_low_px = 1.5f * kRealignmentTuning.most_disagreement * eyes;
+    fake.restless_px = c.restless * fake.box(kChange).side;
+    fake.held_error = held_error;
+    fake.error = c.error;
+    fake.score = c.score;
+    CHECK(update(tracker.object, c.film, kChange).state == TrackState::degraded);
+    CHECK(update(tracker.object, c.film, kChange + 1).state == c.state);
+    CHECK(tracker->track_number() == track + c.is_another);
+    CHECK(tracker->person_number() == person + c.is_another);
+    if (c.state == TrackState::tracking) CHECK(c.film.landmark_error(tracker.object, kChange + 1) < 0.7f);
+  }
+}
+
 TEST_CASE("aligned frames do not count as bad ones: a bad frame after many of them does not end the track") {
   const FaceFilm& film = changed_film();
   FakeFaces fake(film);
