@@ -1,6 +1,7 @@
 // Alignment by cascaded regression on the landmarks of a model, and verification (docs/algorithms.md, sections 7.13 and 7.14).
 #include "face/alignment.hpp"
 
+#include "base/arrays.hpp"
 #include "face/box_view.hpp"
 
 namespace pliant {
@@ -159,7 +160,7 @@ Status Alignment::take_steps(const FrameView& frame, int steps, AlignedFace* fac
   begun->steps_left = 0;
   *face = conclude(begun->camera);
   if (!landmarks.empty()) write_landmarks(landmarks);
-  for (std::size_t k = 0; k < model().parameters().count; ++k) q[k] = pass.shape().q()[k];
+  copy(pass.shape().q(), model().parameters().count, q);
   return Status::ok;
 }
 

@@ -1,19 +1,10 @@
 // The aligner's calls: each checks its input, then begins an alignment (alignment.hpp) and takes its steps.
 #include "pliant/face_aligner.hpp"
 
+#include "base/arrays.hpp"
 #include "face/alignment.hpp"
 
 namespace pliant {
-
-namespace {
-
-bool are_finite(const float* q, std::size_t count) {
-  for (std::size_t k = 0; k < count; ++k)
-    if (!is_finite(q[k])) return false;
-  return true;
-}
-
-}  // namespace
 
 struct FaceAligner::State : Alignment {};
 
@@ -77,7 +68,7 @@ Status FaceAligner::refine(const FrameView& frame, const Camera& camera, const P
   if (!s.has_room(landmarks) || !are_finite(q, parameters)) return Status::bad_argument;
   status = s.start_at_pose(frame, start, camera);
   if (status != Status::ok) return status;
-  for (std::size_t k = 0; k < parameters; ++k) s.start_q[k] = q[k];
+  copy(q, parameters, s.start_q);
   status = s.begin(frame, camera, options, true);
   return status == Status::ok ? s.take_steps(frame, s.begun->steps_left, face, q, landmarks) : status;
 }

@@ -1,5 +1,7 @@
 #include "face/face_shape.hpp"
 
+#include "base/arrays.hpp"
+
 namespace pliant {
 
 namespace {
@@ -25,7 +27,7 @@ void FaceShape::lay_out(Arena& arena, const Model& model, std::size_t landmarks,
 }
 
 void FaceShape::set_corners(const Vec2 (&corners)[4]) {
-  for (std::size_t k = 0; k < 4; ++k) corners_[k] = corners[k];
+  copy(corners, 4, corners_);
 }
 
 void FaceShape::start(const View& view, const float* q, const std::uint8_t* is_free, const Lens& lens) {
@@ -133,10 +135,8 @@ float FaceShape::mean_square_parameter() const {
 }
 
 bool FaceShape::is_usable() const {
-  for (std::size_t k = 0; k < cascade_.parameter_count(); ++k)
-    if (!is_finite(q_[k])) return false;
-  return is_finite(view_.s) && is_finite(view_.tau) && is_finite(view_.rho) && is_finite(view_.q.w) &&
-         view_.s > 1e-6f && view_.s < 1e6f;
+  return are_finite(q_, cascade_.parameter_count()) && is_finite(view_.s) && is_finite(view_.tau) &&
+         is_finite(view_.rho) && is_finite(view_.q.w) && view_.s > 1e-6f && view_.s < 1e6f;
 }
 
 }  // namespace pliant

@@ -1,5 +1,6 @@
 #include "face/part_fit.hpp"
 
+#include "base/arrays.hpp"
 #include "face/ibug_landmarks.hpp"
 
 namespace pliant {
@@ -94,7 +95,7 @@ void PartFit::read(const FrameView& frame, const Lens& lens, const View& view, c
                    PartPoints* points) {
   view_ = view;
   lens_ = lens;
-  for (std::size_t k = 0; k < cascade_.parameter_count(); ++k) q_[k] = q[k];
+  copy(q, cascade_.parameter_count(), q_);
   for (std::size_t s = 0; s < points->side_count; ++s) {
     PartSide& side = points->side[s];
     const PartRecord& part = points->table[side.part];
@@ -229,7 +230,7 @@ void PartFit::calibrate(PartPoints* points) {
   choose_parameters(points);
   find_openings(points);
   float values[kMostPartParameters];
-  for (std::size_t n = 0; n < points->parameter_count; ++n) values[n] = points->last[n];
+  copy(points->last, points->parameter_count, values);
   for (Vec2& offset : points->offset_mm) offset = {};
   for (float& start : points->start) start = 0;
   points->is_calibrated = false;

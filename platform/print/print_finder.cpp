@@ -1,5 +1,6 @@
 #include "print/print_finder.hpp"
 
+#include "base/arrays.hpp"
 #include "pliant/lens.hpp"
 #include "print/print_tuning.hpp"
 
@@ -134,7 +135,7 @@ Status PrintFinder::search(const FrameView& frame, std::uint32_t work, const Cam
     return Status::not_found;
   }
   if (waits(*found, begins)) return Status::not_found;
-  for (std::size_t i = 0; i < found_q_.count; ++i) q[i] = found_q_[i];
+  copy(found_q_.data, found_q_.count, q);
   return Status::ok;
 }
 
@@ -149,7 +150,7 @@ bool PrintFinder::fit_views(Span<const ViewVotes> views, const FrameView& frame,
     if (is_found && !agrees_better(candidate.agreement, found->agreement)) continue;
     is_found = true;
     *found = candidate;
-    for (std::size_t i = 0; i < best_q_.count; ++i) found_q_[i] = best_q_[i];
+    copy(best_q_.data, best_q_.count, found_q_.data);
     if (candidate.is_clear && is_whole(candidate.agreement)) break;
   }
   return is_found;
@@ -212,7 +213,7 @@ bool PrintFinder::fit_readings(const View& start, const FrameView& frame, const 
     } else {
       other = best;
       best = candidate;
-      for (std::size_t k = 0; k < q_.count; ++k) best_q_[k] = q_[k];
+      copy(q_.data, q_.count, best_q_.data);
     }
     if (reading + 1 == kPrintTuning.readings) break;
     view = tilted_back(reading == 0 ? candidate.view : rigid, reading == 0);

@@ -1,5 +1,6 @@
 #include "track/detection_state.hpp"
 
+#include "base/arrays.hpp"
 #include "track/tracker_parts.hpp"
 
 namespace pliant {
@@ -37,7 +38,7 @@ bool DetectionState::keep_start_of_caller(const TrackerOptions& options) {
 }
 
 void DetectionState::keep_parameters(TrackerParts& t) {
-  for (std::size_t k = 0; k < t.start_q.count; ++k) t.start_q[k] = t.estimator.parameters()[k];
+  copy(t.estimator.parameters().data, t.start_q.count, t.start_q.data);
 }
 
 void DetectionState::give_up(TrackerParts& t) {

@@ -1,5 +1,6 @@
 #include "track/face_search.hpp"
 
+#include "base/arrays.hpp"
 #include "face/ibug_landmarks.hpp"
 #include "track/detection_state.hpp"
 #include "track/landmark_fit.hpp"
@@ -187,7 +188,7 @@ void FaceSearch::go_on() {
 void FaceSearch::set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
                             StartPose* start) {
   *start = {face.camera, face.pose};
-  for (std::size_t k = 0; k < model_.parameters().count; ++k) person->q[k] = q_[k];
+  copy(q_, model_.parameters().count, person->q);
   if (whom_ == Whom::known) return;
   reference_.set(face, q_);
   person->is_known = false;
@@ -237,7 +238,7 @@ void FaceSearch::refine(const SearchInput& input, const FaceBox* box, KnownPerso
   begin();
   whom_ = Whom::another;
   if (lay_out_search(input.block) != Status::ok) return;
-  for (std::size_t k = 0; k < model_.parameters().count; ++k) q_[k] = person->q[k];
+  copy(person->q, model_.parameters().count, q_);
   AlignedFace face;
   const Status status = box != nullptr ? align_near(*box, input.frame, start->camera, &face)
                                        : modules_->refine(*aligner_, input.frame, start->camera, start->pose,

@@ -1,5 +1,7 @@
 #include "track/kept_start.hpp"
 
+#include "base/arrays.hpp"
+
 namespace pliant {
 
 void KeptStart::lay_out(Arena& arena, const Model& model) {
@@ -16,7 +18,7 @@ void KeptStart::keep(const StartOptions& from) {
 void KeptStart::keep(const TrackerOptions& from) {
   options = from;
   if (from.is_free == nullptr) return;
-  for (std::size_t k = 0; k < is_free_.count; ++k) is_free_[k] = from.is_free[k];
+  copy(from.is_free, is_free_.count, is_free_.data);
   options.is_free = is_free_.data;
 }
 

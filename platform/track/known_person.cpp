@@ -1,5 +1,6 @@
 #include "track/known_person.hpp"
 
+#include "base/arrays.hpp"
 #include "track/key_frames.hpp"
 
 namespace pliant {
@@ -18,7 +19,7 @@ void IdentityReference::lay_out(Arena& arena, const Model& model) {
 }
 
 void IdentityReference::set(const AlignedFace& face, const float* q) {
-  for (std::size_t k = 0; k < parameters_.count; ++k) q_[k] = q[k];
+  copy(q, parameters_.count, q_);
   is_frontal_ = is_frontal(face);
 }
 

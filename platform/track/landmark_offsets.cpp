@@ -1,5 +1,6 @@
 #include "track/landmark_offsets.hpp"
 
+#include "base/arrays.hpp"
 #include "model/ibug_names.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/surface_offset.hpp"
@@ -31,7 +32,7 @@ void LandmarkOffsets::clear() {
 
 void LandmarkOffsets::set(Span<const Vec3> offsets) {
   PLIANT_ASSERT(offsets.count == values_.count);
-  for (std::size_t k = 0; k < values_.count; ++k) values_[k] = offsets[k];
+  copy(offsets.data, values_.count, values_.data);
 }
 
 void LandmarkOffsets::place(Vec2 uv, Vec2 x, Estimator& estimator) {

@@ -1,5 +1,6 @@
 #include "track/person_refinement.hpp"
 
+#include "base/arrays.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/person_estimate.hpp"
 #include "track/person_rows.hpp"
@@ -208,7 +209,7 @@ void plan_step(TrackerParts& t) {
   gather_landmarks(t, equations, scratch);
   s.step_frame = t.frame;
   if (!s.estimate.solve(s.start_q, s.sd, equations, s.best)) return;
-  for (std::size_t k = 0; k < t.start_q.count; ++k) s.step.q[k] = t.estimator.parameters()[k];
+  copy(t.estimator.parameters().data, t.start_q.count, s.step.q);
   if (choose_step(s, t.model(), s.step.q, &s.step.turn)) begin_step(t, &s.step);
 }
 

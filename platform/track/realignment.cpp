@@ -1,5 +1,6 @@
 #include "track/realignment.hpp"
 
+#include "base/arrays.hpp"
 #include "face/ibug_landmarks.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/found_track.hpp"

@@ -1,4 +1,5 @@
 // The starts of a tracker by its caller.
+#include "base/arrays.hpp"
 #include "estimate/track_monitor.hpp"
 #include "track/landmark_fit.hpp"
 #include "track/template_tuning.hpp"
@@ -187,8 +188,7 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   if (impl_ == nullptr) return Status::not_started;
   const Status status = impl_->check_start(frame, options, markers);
   if (status != Status::ok) return status;
-  for (std::size_t k = 0; q != nullptr && k < impl_->start_q.count; ++k)
-    if (!is_finite(q[k])) return Status::bad_argument;
+  if (q != nullptr && !are_finite(q, impl_->start_q.count)) return Status::bad_argument;
   impl_->begin_stream();
   impl_->offsets.clear();
   for (std::size_t k = 0; k < impl_->start_q.count; ++k) impl_->start_q[k] = q == nullptr ? 0 : q[k];
@@ -287,9 +287,8 @@ Status Tracker::save(SavedState* state) const {
   if (state == nullptr || !impl_->fits_model(*state)) return Status::bad_argument;
   state->camera = camera();
   state->pose = impl_->result.pose;
-  for (std::size_t k = 0; k < state->parameters.count; ++k) state->parameters[k] = parameters()[k];
-  for (std::size_t k = 0; k < state->landmark_offsets.count; ++k)
-    state->landmark_offsets[k] = impl_->offsets.values()[k];
+  copy(parameters().data, state->parameters.count, state->parameters.data);
+  copy(impl_->offsets.values().data, state->landmark_offsets.count, state->landmark_offsets.data);
   return Status::ok;
 }
 

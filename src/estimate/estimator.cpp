@@ -59,8 +59,7 @@ Status Estimator::start(const Camera& camera, int width, int height, const Pose&
   const bool has_values = q != nullptr || s.parameter_count() == 0;
   if (!has_values || width <= 0 || height <= 0 || !is_possible(pose, camera) || check(options) != Status::ok)
     return Status::bad_argument;
-  for (std::size_t i = 0; i < s.parameter_count(); ++i)
-    if (!is_finite(q[i])) return Status::bad_argument;
+  if (!are_finite(q, s.parameter_count())) return Status::bad_argument;
   Lens lens;
   Status status = Lens::make(camera, width, height, &lens);
   if (status != Status::ok) return status;
@@ -450,9 +449,8 @@ Status Estimator::revise(const float* q, Quat turn) {
 
 Status Estimator::Impl::revise(const float* q, Quat turn) {
   const float norm = turn.w * turn.w + turn.x * turn.x + turn.y * turn.y + turn.z * turn.z;
-  bool is_good = q != nullptr && norm > 0.5f && norm < 2;  // as is_possible
-  for (std::size_t i = 0; is_good && i < parameter_count(); ++i) is_good = is_finite(q[i]);
-  if (!is_good) return Status::bad_argument;
+  const bool is_turn = norm > 0.5f && norm < 2;  // as is_possible
+  if (q == nullptr || !is_turn || !are_finite(q, parameter_count())) return Status::bad_argument;
   forget_person();
   StateParts::revise(cascade, q, turn);
   predictions = {};

@@ -19,9 +19,8 @@ void Estimator::save(State* state) const {
 Status Estimator::restore(const State& state) {
   if (!is_started()) return Status::not_started;
   Impl& s = *impl_;
-  bool good = state.q != nullptr && is_possible(state.pose, s.camera);
-  for (std::size_t i = 0; good && i < s.parameter_count(); ++i) good = is_finite(state.q[i]);
-  if (!good) return Status::bad_argument;
+  if (state.q == nullptr || !is_possible(state.pose, s.camera) || !are_finite(state.q, s.parameter_count()))
+    return Status::bad_argument;
   s.set_view(state.pose);
   s.predictions = {};
   s.motion.expect(s.state.view);

@@ -2,6 +2,7 @@
 // independent: the coupling of the parameters is in the solver, which has their full normal equations.
 #include "pliant/filter.hpp"
 
+#include "base/arrays.hpp"
 #include "estimate/filter_tuning.hpp"
 
 namespace pliant {
@@ -11,6 +12,12 @@ namespace {
 bool is_finite_view(const View& v) {
   return is_finite(Vec3{v.q.x, v.q.y, v.q.z}) && is_finite(v.q.w) && is_finite(v.s) && v.s > 0 &&
          is_finite(v.tau) && is_finite(v.rho) && v.rho > 0;
+}
+
+bool are_variances(const float* x, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i)
+    if (!is_finite(x[i]) || x[i] < 0) return false;
+  return true;
 }
 
 MotionState at_rest(float acceleration) {
@@ -79,11 +86,11 @@ void MotionFilter::lay_out(Arena& arena, std::size_t parameters) {
 
 Status MotionFilter::start(const View& view, const float* q, const float* range, std::size_t parameters) {
   if (parameters > capacity_) return Status::capacity;
-  bool good = q != nullptr && range != nullptr && is_finite_view(view);
-  for (std::size_t i = 0; good && i < parameters; ++i) good = is_finite(q[i]) && is_finite(range[i]);
-  if (!good) return Status::bad_argument;
+  if (q == nullptr || range == nullptr || !is_finite_view(view) || !are_finite(q, parameters) ||
+      !are_finite(range, parameters))
+    return Status::bad_argument;
   count_ = parameters;
-  for (std::size_t i = 0; i < count_; ++i) range_[i] = range[i];
+  copy(range, count_, range_);
   move_to(view, q);
   return Status::ok;
 }
@@ -129,11 +136,10 @@ void MotionFilter::predict(float seconds) {
 
 Status MotionFilter::correct(const View& view, const float* q, const float* pose_variance,
                              const float* variance) {
-  bool good = q != nullptr && pose_variance != nullptr && variance != nullptr && is_finite_view(view);
-  for (int k = 0; good && k < kPoseUnknowns; ++k) good = is_finite(pose_variance[k]) && pose_variance[k] >= 0;
-  for (std::size_t i = 0; good && i < count_; ++i)
-    good = is_finite(q[i]) && is_finite(variance[i]) && variance[i] >= 0;
-  if (!good) return Status::bad_argument;
+  if (q == nullptr || pose_variance == nullptr || variance == nullptr || !is_finite_view(view) ||
+      !are_finite(q, count_) || !are_variances(pose_variance, kPoseUnknowns) ||
+      !are_variances(variance, count_))
+    return Status::bad_argument;
   const Vec3 turn = log_rotation(view.q * conjugate(view_.q));
   const float innovation[kPoseUnknowns] = {turn.x,
                                            turn.y,
@@ -162,9 +168,9 @@ Status Smoother::add(const Pose& pose, const float* q, const float* range, std::
                      float seconds) {
   constexpr SmoothingTuning t = kSmoothingTuning;
   if (parameters > capacity_) return Status::capacity;
-  bool good = q != nullptr && range != nullptr && is_finite(pose) && is_finite(seconds);
-  for (std::size_t i = 0; good && i < parameters; ++i) good = is_finite(q[i]);
-  if (!good || (!is_fresh_ && !(seconds >= t.least_seconds))) return Status::bad_argument;
+  if (q == nullptr || range == nullptr || !is_finite(pose) || !is_finite(seconds) ||
+      !are_finite(q, parameters) || (!is_fresh_ && seconds < t.least_seconds))
+    return Status::bad_argument;
   if (is_fresh_) {
     pose_ = pose;
     turn_speed_ = shift_speed_ = {};

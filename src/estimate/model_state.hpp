@@ -2,6 +2,7 @@
 // The state of a tracked model.
 #include <cstddef>
 
+#include "base/arrays.hpp"
 #include "pliant/arena.hpp"
 #include "pliant/camera.hpp"
 
@@ -14,10 +15,6 @@ struct ModelState {
 
   void lay_out(Arena& arena, std::size_t parameters) { q = arena.take<float>(parameters); }
 };
-
-inline void copy(const float* from, std::size_t count, float* to) {
-  for (std::size_t i = 0; i < count; ++i) to[i] = from[i];
-}
 
 inline void copy(const ModelState& from, std::size_t parameters, ModelState* to) {
   to->view = from.view;

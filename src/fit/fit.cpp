@@ -1,6 +1,7 @@
 // The fit of one image: initial view, stages of minimisation, report.
 #include "pliant/fit.hpp"
 
+#include "base/arrays.hpp"
 #include "fit/fit_problem.hpp"
 #include "fit/fit_start.hpp"
 #include "fit/fit_tuning.hpp"
@@ -142,15 +143,15 @@ Status Fitter::State::fit(Span<const Correspondence> points, const FitOptions& o
   if (points.count < 4) return Status::too_few_points;
   if (lie_on_a_line(points)) return Status::underdetermined;
   Cascade& cascade = work.cascade;
-  for (std::size_t i = 0; i < cascade.parameter_count(); ++i)
-    if (!is_finite(result[i])) return Status::bad_argument;
+  const std::size_t parameters = cascade.parameter_count();
+  if (!are_finite(result, parameters)) return Status::bad_argument;
   const bool has_silhouette = has_silhouette_points(points);
   if (has_silhouette && !limits.silhouette) return Status::bad_argument;
   if (has_silhouette) {
     const Status started = silhouette->start(cascade.model());
     if (started != Status::ok) return started;
   }
-  for (std::size_t i = 0; i < cascade.parameter_count(); ++i) q[i] = result[i];
+  copy(result, parameters, q);
   FitProblem problem{work, points, options, q};
   start(problem);
   others.start(q);
@@ -160,7 +161,7 @@ Status Fitter::State::fit(Span<const Correspondence> points, const FitOptions& o
     out.iterations += minimise(problem, has_silhouette);
   const Status status = finish(problem, &out, details);
   if (status != Status::ok) return status;
-  for (std::size_t i = 0; i < cascade.parameter_count(); ++i) result[i] = q[i];
+  copy(q, parameters, result);
   *report = out;
   return Status::ok;
 }
@@ -200,12 +201,12 @@ void Fitter::State::start(FitProblem& problem) {
 int Fitter::State::minimise(FitProblem& problem, bool has_silhouette) {
   const std::size_t parameters = work.cascade.parameter_count();
   const View view = problem.view;
-  for (std::size_t i = 0; i < parameters; ++i) first_q[i] = problem.q[i];
+  copy(problem.q, parameters, first_q);
   fold_over.start(work.cascade, problem.q);
   const int iterations = minimise_in_stages(problem, has_silhouette, false);
   if (!fold_over.has_folded(problem.q)) return iterations;
   problem.view = view;
-  for (std::size_t i = 0; i < parameters; ++i) problem.q[i] = first_q[i];
+  copy(first_q, parameters, problem.q);
   return iterations + minimise_in_stages(problem, has_silhouette, true);
 }
 

@@ -1,5 +1,6 @@
 #include "fit/fit_problem.hpp"
 
+#include "base/arrays.hpp"
 #include "base/elementary.hpp"
 #include "fit/fit_tuning.hpp"
 
@@ -119,7 +120,7 @@ void FitProblem::add_priors(NormalEquations& equations) {
 float FitProblem::try_step(const float* step) {
   trial = moved(view, step, static_cast<int>(pose_unknowns()));
   float* next = work.trial_q;
-  for (std::size_t i = 0; i < work.cascade.parameter_count(); ++i) next[i] = q[i];
+  copy(q, work.cascade.parameter_count(), next);
   for (std::size_t k = 0; k < columns(); ++k) {
     float& value = next[work.cascade.parameter_of(k)];
     value = stepped(parameter(k), value, step[pose_unknowns() + k]);
@@ -129,7 +130,7 @@ float FitProblem::try_step(const float* step) {
 
 void FitProblem::accept() {
   view = trial;
-  for (std::size_t i = 0; i < work.cascade.parameter_count(); ++i) q[i] = work.trial_q[i];
+  copy(work.trial_q, work.cascade.parameter_count(), q);
 }
 
 SolverReport FitProblem::minimise(int iterations) {

@@ -1,5 +1,6 @@
 #include "fit/fold_over_guard.hpp"
 
+#include "base/arrays.hpp"
 #include "fit/fit_tuning.hpp"
 
 namespace pliant {
@@ -63,7 +64,7 @@ bool FoldOverGuard::move_back(float* q) {
     see(q);
     const float fraction = step_fraction();
     if (fraction == 1) {
-      for (std::size_t i = 0; i < parameters; ++i) valid_q_[i] = q[i];
+      copy(q, parameters, valid_q_);
       Vec3* const before = valid_position_;
       valid_position_ = position_;
       position_ = before;
@@ -71,7 +72,7 @@ bool FoldOverGuard::move_back(float* q) {
     }
     for (std::size_t i = 0; i < parameters; ++i) q[i] = valid_q_[i] + fraction * (q[i] - valid_q_[i]);
   }
-  for (std::size_t i = 0; i < parameters; ++i) q[i] = valid_q_[i];
+  copy(valid_q_, parameters, q);
   seen_ = valid_position_;
   return true;
 }

@@ -1,5 +1,6 @@
 #include "fit/other_solutions.hpp"
 
+#include "base/arrays.hpp"
 #include "fit/fit_tuning.hpp"
 
 namespace pliant {
@@ -87,17 +88,13 @@ void OtherSolutions::lay_out(Arena& arena, const Model& model) {
   best_q_ = arena.take<float>(parameters_);
 }
 
-void OtherSolutions::copy(const float* from, float* to) const {
-  for (std::size_t k = 0; k < parameters_; ++k) to[k] = from[k];
-}
-
 void OtherSolutions::start(const float* q) {
-  copy(q, start_q_);
+  copy(q, parameters_, start_q_);
 }
 
 /// The k-th other state: the other tilt, with the same shape or with the opposite one; then tilts with the shape of the start.
 void OtherSolutions::set_state(FitProblem& problem, const View& first, Vec3 normal, int k) const {
-  copy(k == 0 ? first_q_ : start_q_, problem.q);
+  copy(k == 0 ? first_q_ : start_q_, parameters_, problem.q);
   for (std::size_t c = 0; k == 1 && c < problem.columns(); ++c) {
     const std::uint16_t p = problem.work.cascade.parameter_of(c);
     problem.q[p] =
@@ -122,8 +119,8 @@ bool OtherSolutions::find_better(FitProblem& problem, FoldOverGuard& shapes) {
     shapes.see(problem.q);
     const Vec3 normal = mean_normal(problem.work.cascade.model(), shapes.positions());
     float least = kTuning.clearly_better * at_first;
-    copy(problem.q, first_q_);
-    copy(problem.q, best_q_);
+    copy(problem.q, parameters_, first_q_);
+    copy(problem.q, parameters_, best_q_);
     for (int k = 0; k < kTuning.states; ++k) {
       set_state(problem, first, normal, k);
       renew_scale(problem);  // wide at first
@@ -133,9 +130,9 @@ bool OtherSolutions::find_better(FitProblem& problem, FoldOverGuard& shapes) {
       is_found = true;
       least = cost;
       best = problem.view;
-      copy(problem.q, best_q_);
+      copy(problem.q, parameters_, best_q_);
     }
-    copy(best_q_, problem.q);
+    copy(best_q_, parameters_, problem.q);
   }
   problem.view = best;
   problem.loss = loss;

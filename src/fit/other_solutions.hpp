@@ -17,7 +17,6 @@ class OtherSolutions {
   bool find_better(FitProblem& problem, FoldOverGuard& shapes);
 
  private:
-  void copy(const float* from, float* to) const;
   void set_state(FitProblem& problem, const View& first, Vec3 normal, int k) const;
 
   std::size_t parameters_ = 0;

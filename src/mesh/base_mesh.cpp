@@ -5,6 +5,7 @@
 // Two neighbours that share a whole edge then both have it as subdivision edge: they form a basic block.
 #include "pliant/base_mesh.hpp"
 
+#include "base/arrays.hpp"
 #include "base/heap_sort.hpp"
 #include "mesh/perfect_matching.hpp"
 
@@ -130,7 +131,7 @@ Status BaseMeshMaker::prepare(Span<const Vec2> uv, Span<const std::uint16_t> cor
   Status status = Mesh::check_triangles(uv, corners, input);
   if (status != Status::ok) return status;
   face_count_ = corners.count / 3;
-  for (std::size_t i = 0; i < corners.count; ++i) corners_[i] = corners[i];
+  copy(corners.data, corners.count, corners_);
   status = find_neighbours();
   if (status == Status::ok) status = orient(uv, winding);
   if (status == Status::ok) status = mesh_.set_triangles(uv, {corners_, corners.count});
@@ -261,7 +262,7 @@ Status BaseMeshMaker::by_pairing(Span<const Vec2> uv, Span<const std::uint16_t> 
     return Status::not_basic_blocks;
   }
   vertex_count_ = uv.count;
-  for (std::size_t v = 0; v < vertex_count_; ++v) uv_[v] = uv[v];
+  copy(uv.data, vertex_count_, uv_);
   for (std::size_t i = 0; i < face_count_; ++i) {
     const auto f = static_cast<FaceId>(i);
     HalfEdgeId h = mate_[i] == kNone ? longest_boundary_edge(f, position) : kNone;

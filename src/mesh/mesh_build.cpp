@@ -1,4 +1,5 @@
 // Makes a half-edge mesh of triangles and checks them, without memory besides the mesh's own.
+#include "base/arrays.hpp"
 #include "pliant/mesh.hpp"
 #include "pliant/mesh_star.hpp"
 
@@ -126,7 +127,7 @@ Status Mesh::set_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corner
   clear();
   Status status = check_triangles(uv, corners, limits_);
   if (status != Status::ok) return status;
-  for (std::size_t i = 0; i < corners.count; ++i) corner_[i] = corners[i];
+  copy(corners.data, corners.count, corner_);
   for (std::size_t v = 0; v < uv.count; ++v) vertices_[v].uv = uv[v];
   face_ids_.reset(corners.count / 3);
   vertex_ids_.reset(uv.count);
@@ -168,14 +169,11 @@ Status Mesh::copy_from(const Mesh& other) {
   if (vertices_ == nullptr || other.limits_.vertices != limits_.vertices ||
       other.limits_.faces != limits_.faces || other.limits_.max_level != limits_.max_level)
     return Status::bad_argument;
-  for (std::size_t h = 0; h < 3 * std::size_t{limits_.faces}; ++h) {
-    corner_[h] = other.corner_[h];
-    twin_[h] = other.twin_[h];
-  }
-  for (std::size_t v = 0; v < limits_.vertices; ++v) {
-    vertices_[v] = other.vertices_[v];
-    changes_[v] = other.changes_[v];
-  }
+  const std::size_t half_edges = 3 * std::size_t{limits_.faces};
+  copy(other.corner_, half_edges, corner_);
+  copy(other.twin_, half_edges, twin_);
+  copy(other.vertices_, limits_.vertices, vertices_);
+  copy(other.changes_, limits_.vertices, changes_);
   face_ids_.copy_from(other.face_ids_);
   vertex_ids_.copy_from(other.vertex_ids_);
   change_count_ = other.change_count_;
