@@ -1,14 +1,13 @@
 #pragma once
 /// \file model.hpp
-/// The model table (`.plm`): a deformable model as data. It is one little-endian block, aligned to 4 bytes,
-/// that is read in place, from flash. `Model::open` checks every offset, count and range once. Basic blocks,
-/// and the contents of detector, aligner, parts, print and stretch, are checked when they are used.
+/// The model table (`.plm`): a deformable model as data, one little-endian block, aligned to 4 bytes, that is read in place.
+/// `Model::open` checks every offset, count and range once; basic blocks, print, stretch and learnt sections when they are used.
 ///
-/// The chart is (u,v) in [0,1]^2. Seen from outside the surface, v points down where u points right. On a
-/// face, u points to the subject's left, and v = 0 is the top of the forehead.
+/// The chart is (u,v) in [0,1]^2. Seen from outside the surface, v points down where u points right. On a face, u points to the
+/// subject's left, and v = 0 is the top of the forehead.
 ///
-/// Layout (docs/model-format.md): a Header, then `section_count` Sections, then their contents, each aligned
-/// to 4 bytes. The records below are the file format: members are never reordered, and there is no padding.
+/// Layout (docs/model-format.md): a Header, then `section_count` Sections, then their contents, each aligned to 4 bytes. The
+/// records below are the file format: members are never reordered, and there is no padding.
 #include <cstddef>
 #include <cstdint>
 
@@ -114,8 +113,9 @@ struct CascadeRecord {
 
 /// A named place on the surface.
 struct Landmark {
-  char name[table::kNameBytes];  ///< ends in a zero
-  float u, v;                    ///< place on the surface
+  char name[table::kNameBytes];       ///< ends in a zero
+  float u, v;                         ///< place on the surface
+  Vec2 uv() const { return {u, v}; }  ///< the same as a vector
 };
 
 /// What a curve runs along.

@@ -37,17 +37,18 @@ void AlignerPass::lay_out(Arena& arena, const Model& model, std::size_t landmark
 
 std::size_t AlignerPass::choose_landmarks(const Model& model, const std::uint8_t* numbers,
                                           std::size_t count) {
-  const auto uv_of = [&](std::uint16_t k) { return Vec2{model.landmarks()[k].u, model.landmarks()[k].v}; };
+  const Span<const Landmark> all = model.landmarks();
   std::uint16_t corner[4];
   if (!find_box_corners(model, corner)) return 0;
-  const Vec2 corners[4] = {uv_of(corner[0]), uv_of(corner[1]), uv_of(corner[2]), uv_of(corner[3])};
+  const Vec2 corners[4] = {all[corner[0]].uv(), all[corner[1]].uv(), all[corner[2]].uv(),
+                           all[corner[3]].uv()};
   shape_.set_corners(corners);
   std::size_t chosen = 0;
   std::uint16_t found = 0;
   for (std::size_t k = 0; k < count; ++k) {
     found = find_ibug(model, numbers[k], found + std::size_t{1});
     if (found == kNone) continue;
-    shape_.set_landmark(chosen, uv_of(found));
+    shape_.set_landmark(chosen, all[found].uv());
     model_index_[chosen] = found;
     index_[chosen++] = static_cast<std::uint16_t>(k);
   }

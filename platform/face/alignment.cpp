@@ -102,7 +102,7 @@ void Alignment::write_landmarks(Span<Vec2> landmarks) {
     std::size_t k = 0;
     while (k < shape.landmark_count() && pass.model_index(k) != i) ++k;
     if (k == shape.landmark_count()) {
-      if (!shape.project({all[i].u, all[i].v}, &landmarks[i])) landmarks[i] = shape.view().c;
+      if (!shape.project(all[i].uv(), &landmarks[i])) landmarks[i] = shape.view().c;
     } else {
       const Vec2 x = pass.image(k);
       landmarks[i] = x + w.blend[pass.table_index(k)] * (pass.target(k) - x);

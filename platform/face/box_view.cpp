@@ -12,7 +12,7 @@ Status view_of_box(Cascade& cascade, const float* q, const FaceBox& box, const C
   Vec3 middle;
   for (const std::uint16_t k : corners) {
     const Landmark& l = model.landmarks()[k];
-    middle = middle + 0.25f * cascade.surface_point({l.u, l.v}, q);
+    middle = middle + 0.25f * cascade.surface_point(l.uv(), q);
   }
   View out;
   out.rho = clamp(box.side / (kFaceBoxMm * camera.f), kMinRho, kMaxRho);

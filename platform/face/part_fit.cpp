@@ -11,10 +11,6 @@ constexpr const PartFitTuning& kTuning = kPartFitTuning;
 constexpr std::size_t kShift = 2;  // unknowns before the parameters
 constexpr Vec2 kAxes[kShift] = {{1, 0}, {0, 1}};
 
-Vec2 uv_of(const Model& model, std::uint16_t landmark) {
-  return {model.landmarks()[landmark].u, model.landmarks()[landmark].v};
-}
-
 /// Weight of a point's height in that of the upper lid, and in the gap between the lids.
 float weight_in_lid(int number) {
   return number == 37 || number == 38 ? 0.5f : 0.0f;
@@ -51,11 +47,11 @@ Status PartPoints::open(const Model& model) {
       for (int a = 0; a < 2; ++a) {
         const std::uint16_t anchor = find_ibug(model, of_side(table[k].anchor[a]));
         if (anchor == kNone) return Status::not_found;
-        s.anchor[a] = uv_of(model, anchor);
+        s.anchor[a] = model.landmarks()[anchor].uv();
       }
       for (std::size_t p = 0; p < s.count; ++p, ++count) {
         landmark[count] = find_ibug(model, of_side(table[k].number[p]));
-        uv[count] = is_fitted(count) ? uv_of(model, landmark[count]) : s.anchor[0];
+        uv[count] = is_fitted(count) ? model.landmarks()[landmark[count]].uv() : s.anchor[0];
       }
       ++side_count;
     }

@@ -11,10 +11,6 @@ namespace {
 
 constexpr float kIsPending = 1;
 
-Vec2 uv_of(const Landmark& landmark) {
-  return {landmark.u, landmark.v};
-}
-
 bool is_at(const Landmark& landmark, Vec2 uv) {
   return landmark.u == uv.x && landmark.v == uv.y;
 }
@@ -55,7 +51,7 @@ void LandmarkOffsets::set_pending(Span<const Vec2> places, const Model& model) {
   for (std::size_t k = 0; k < values_.count; ++k) {
     if (!is_ibug_landmark(all[k].name)) continue;
     for (std::size_t same = 0; same < values_.count; ++same)
-      if (is_at(all[same], uv_of(all[k]))) values_[same] = {places[k].x, places[k].y, kIsPending};
+      if (is_at(all[same], all[k].uv())) values_[same] = {places[k].x, places[k].y, kIsPending};
   }
 }
 
@@ -65,7 +61,7 @@ void LandmarkOffsets::place_pending(Estimator& estimator) {
     if (pending.z != kIsPending) continue;
     values_[k] = {};
     find_offset(estimator.view(), estimator.lens(),
-                estimator.surface_point(uv_of(estimator.model().landmarks()[k])), {pending.x, pending.y},
+                estimator.surface_point(estimator.model().landmarks()[k].uv()), {pending.x, pending.y},
                 &values_[k]);
   }
 }
@@ -73,14 +69,14 @@ void LandmarkOffsets::place_pending(Estimator& estimator) {
 void LandmarkOffsets::project_all(const View& view, Estimator& estimator, Vec2* x) const {
   for (std::size_t k = 0; k < values_.count; ++k)
     x[k] = place_in(view, estimator.lens(),
-                    estimator.surface_point(uv_of(estimator.model().landmarks()[k])) + values_[k]);
+                    estimator.surface_point(estimator.model().landmarks()[k].uv()) + values_[k]);
 }
 
 void LandmarkOffsets::keep_all(const View& view, Estimator& estimator, const Vec2* x, Vec3* moved) {
   for (std::size_t k = 0; k < values_.count; ++k) {
     const Vec3 before = values_[k];
     if (x[k].x > kNowhere.x)
-      find_offset(view, estimator.lens(), estimator.surface_point(uv_of(estimator.model().landmarks()[k])),
+      find_offset(view, estimator.lens(), estimator.surface_point(estimator.model().landmarks()[k].uv()),
                   x[k], &values_[k]);
     moved[k] = values_[k] - before;
   }
@@ -88,7 +84,7 @@ void LandmarkOffsets::keep_all(const View& view, Estimator& estimator, const Vec
 
 bool LandmarkOffsets::project(std::size_t k, Estimator& estimator, Vec2* x) const {
   PLIANT_ASSERT(k < values_.count);
-  return project_beside(estimator, uv_of(estimator.model().landmarks()[k]), values_[k], x);
+  return project_beside(estimator, estimator.model().landmarks()[k].uv(), values_[k], x);
 }
 
 }  // namespace pliant

@@ -133,7 +133,7 @@ void gather_landmarks(TrackerParts& t, PersonEquations& equations, Arena& scratc
   for (std::size_t k = 0; k < t.model().landmarks().count; ++k) {
     const Landmark& l = t.model().landmarks()[k];
     if (is_silhouette_landmark(l.name)) continue;
-    const Vec2 uv{l.u, l.v};
+    const Vec2 uv = l.uv();
     const SurfaceFrame surface = t.estimator.surface_frame(uv, q);
     Observation o{};
     o.cue = Cue::patch;

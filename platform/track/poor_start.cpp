@@ -17,7 +17,7 @@ Light light_on(const FrameView& frame, Estimator& estimator) {
   int sum = 0, count = 0, bright = 0;
   for (std::size_t k = 0; k < landmarks.count; k += kTuning.landmark_step) {
     Vec2 x;
-    if (!estimator.project({landmarks[k].u, landmarks[k].v}, &x)) continue;
+    if (!estimator.project(landmarks[k].uv(), &x)) continue;
     if (!(x.x >= 0 && x.x < static_cast<float>(frame.width) && x.y >= 0 &&
           x.y < static_cast<float>(frame.height)))
       continue;

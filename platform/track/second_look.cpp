@@ -64,7 +64,7 @@ void average_landmarks(TrackerParts& t, const AlignedFace& face, Span<const Vec2
   for (std::size_t k = 0; k < all.count; ++k) {
     Vec2 x;
     if (is_ibug_landmark(all[k].name) && t.offsets.project(k, t.estimator, &x))
-      t.offsets.place({all[k].u, all[k].v}, x + gain * (landmarks[k] - x), t.estimator);
+      t.offsets.place(all[k].uv(), x + gain * (landmarks[k] - x), t.estimator);
   }
 }
 

@@ -39,7 +39,7 @@ Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint>
   if (status != Status::ok) return status;
   for (std::size_t k = 0; k < points.count; ++k) {
     const Landmark& l = model.landmarks()[model.find_landmark(points[k].name)];
-    memory.points[k] = {{l.u, l.v}, points[k].x, 1, is_silhouette_landmark(l.name)};
+    memory.points[k] = {l.uv(), points[k].x, 1, is_silhouette_landmark(l.name)};
   }
   for (std::size_t k = 0; k < model.parameters().count; ++k) q[k] = 0;
   status = fit.fit(memory.points, options, q);
@@ -57,7 +57,7 @@ FaceBox box_of(Cascade& cascade, const float* q, const View& view) {
   const Projector projector(view, true);
   return box_at_landmarks(cascade.model(), view.s, [&](std::uint16_t k, Vec2* x) {
     const Landmark& l = cascade.model().landmarks()[k];
-    return projector.project(cascade.surface_point({l.u, l.v}, q), x);
+    return projector.project(cascade.surface_point(l.uv(), q), x);
   });
 }
 

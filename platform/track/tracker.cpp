@@ -341,7 +341,7 @@ Status Tracker::place_landmarks(Span<const NamedPoint> points) {
   if (status != Status::ok) return status;
   for (const NamedPoint& p : points) {
     const Landmark& l = model().landmarks()[model().find_landmark(p.name)];
-    impl_->offsets.place({l.u, l.v}, p.x, impl_->estimator);
+    impl_->offsets.place(l.uv(), p.x, impl_->estimator);
     impl_->landmarks_are_given = impl_->keeps_landmark_offsets = true;
   }
   return Status::ok;

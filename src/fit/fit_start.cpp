@@ -131,7 +131,7 @@ Status view_from_box(Cascade& cascade, const float* q, Vec2 corner, Vec2 size, c
   std::size_t found = 0;
   for (const Landmark& l : model.landmarks())
     if (is_ibug_landmark(l.name)) {
-      include(cascade.surface_point({l.u, l.v}, q));
+      include(cascade.surface_point(l.uv(), q));
       ++found;
     }
   if (found < 4)

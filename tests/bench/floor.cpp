@@ -37,7 +37,7 @@ struct Named {
 std::vector<Named> landmarks_of(const Model& model) {
   std::vector<Named> out;
   for (const Landmark& l : model.landmarks())
-    if (std::string(l.name).rfind("ibug", 0) == 0) out.push_back({l.name, {l.u, l.v}});
+    if (std::string(l.name).rfind("ibug", 0) == 0) out.push_back({l.name, l.uv()});
   return out;
 }
 

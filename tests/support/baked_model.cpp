@@ -29,7 +29,7 @@ std::vector<float> BakedModel::posed(const std::string& name, float fraction) co
 pliant::Vec2 BakedModel::uv(const std::string& landmark) const {
   const auto k = model.find_landmark(landmark.c_str());
   REQUIRE_MESSAGE(k != pliant::kNone, landmark);
-  return {model.landmarks()[k].u, model.landmarks()[k].v};
+  return model.landmarks()[k].uv();
 }
 
 pliant::Vec3 BakedModel::at(pliant::Vec2 where, const std::vector<float>& q) {

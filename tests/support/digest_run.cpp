@@ -142,7 +142,7 @@ Status Run::fit() {
   const Projector projector(view_of(pose, camera), true);
   for (std::size_t k = 0; k < points.count; ++k) {
     const Landmark& l = model.landmarks()[k];
-    points[k] = Correspondence{{l.u, l.v}, {}};
+    points[k] = Correspondence{l.uv(), {}};
     if (!projector.project(cascade.surface_point(points[k].uv, truth.data), &points[k].x))
       return Status::underdetermined;
     const float dx = 0.3f * random.normal();  // one by one: the order of evaluation of arguments is open

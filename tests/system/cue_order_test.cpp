@@ -50,7 +50,7 @@ float landmark_error(const FaceFilm& film, Tracker& tracker, std::size_t k) {
   float sum = 0;
   for (const Landmark& l : landmarks) {
     Vec2 x;
-    REQUIRE(tracker.estimator().project({l.u, l.v}, &x));
+    REQUIRE(tracker.estimator().project(l.uv(), &x));
     sum += length(x - film.truth(l.name, k));
   }
   return sum / static_cast<float>(landmarks.count);

@@ -65,10 +65,8 @@ std::vector<float> landmarks_start(Camera* camera, Pose* pose) {
   std::vector<Correspondence> points;
   for (const Landmark& l : model.landmarks())
     if (std::string(l.name).rfind("ibug", 0) == 0)
-      points.push_back({{l.u, l.v},
-                        film().truth(l.name, 0) + Vec2{0.5f * random.normal(), 0.5f * random.normal()},
-                        1,
-                        false});
+      points.push_back(
+          {l.uv(), film().truth(l.name, 0) + Vec2{0.5f * random.normal(), 0.5f * random.normal()}, 1, false});
   FitOptions options;
   options.width = kWidth;
   options.height = kHeight;

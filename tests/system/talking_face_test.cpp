@@ -112,7 +112,7 @@ class Comparison {
   Vec2 at(Tracker& tracker, const std::string& landmark) const {
     const Landmark& l = model_.landmarks()[model_.find_landmark(landmark.c_str())];
     Vec2 x;
-    REQUIRE(tracker.estimator().project({l.u, l.v}, &x));
+    REQUIRE(tracker.estimator().project(l.uv(), &x));
     return x;
   }
 

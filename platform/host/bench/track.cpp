@@ -76,8 +76,8 @@ double landmark_error(const Model& model, const Film& film, std::size_t n, Track
   double sum = 0;
   for (const Landmark& l : model.landmarks()) {
     Vec2 truth, x;
-    if (projector.project(cascade.surface_point({l.u, l.v}, film.q[k].data()), &truth) &&
-        tracker.estimator().project({l.u, l.v}, &x))
+    if (projector.project(cascade.surface_point(l.uv(), film.q[k].data()), &truth) &&
+        tracker.estimator().project(l.uv(), &x))
       sum += static_cast<double>(length(x - truth));
   }
   return sum / static_cast<double>(std::max<std::size_t>(model.landmarks().count, 1));

@@ -23,8 +23,7 @@ constexpr float kUnseenFraction = 0.95f;
 Vec2 landmark_uv(const ModelFile& file, const NamedPoint& p) {
   const std::uint16_t k = file.model().find_landmark(p.name.c_str());
   if (k == kNone) fail_input(p.where, "landmark '" + p.name + "' is not in " + file.path());
-  const Landmark& landmark = file.model().landmarks()[k];
-  return {landmark.u, landmark.v};
+  return file.model().landmarks()[k].uv();
 }
 
 std::vector<Correspondence> correspondences(const ModelFile& file, const std::string& source,
@@ -140,7 +139,7 @@ std::vector<NamedPoint> person_landmarks(const Model& model, const FitFile& fit)
   for (const FitPoint& p : fit.points) {
     const std::uint16_t k = model.find_landmark(p.landmark.c_str());
     const Landmark at = k == kNone ? Landmark{} : model.landmarks()[k];
-    points.push_back({{at.u, at.v}, p.x});
+    points.push_back({at.uv(), p.x});
     residuals.push_back(p.residual);
     is_landmark.push_back(k != kNone && p.used && p.is_landmark);
     if (is_landmark.back() != 0) landmarks.push_back({p.landmark, p.x, ""});

@@ -113,7 +113,7 @@ GivenPoints points_in(const std::string& path, const std::string& text) {
 /// their own are there as well, under their names.
 std::vector<Handle> handles_of(const Model& model, const std::vector<NamedPoint>& given) {
   std::vector<Handle> handles;
-  for (const Landmark& l : model.landmarks()) handles.push_back({l.name, {l.u, l.v}});
+  for (const Landmark& l : model.landmarks()) handles.push_back({l.name, l.uv()});
   for (int k = 0; model.landmarks().empty() && k < 9; ++k) {
     const Vec2 wanted{0.5f * static_cast<float>(k % 3), 0.5f * static_cast<float>(k / 3)};
     Vec2 uv = model.base_uv()[0];

@@ -23,7 +23,7 @@ bool is_mouth(const Model& model, Vec2 uv) {
     const bool is_lip = k >= 48 && k < kIbugCount, is_lid = k >= 36 && k <= 47;
     if (!is_lip && !is_lid) continue;
     float& distance = nearest[is_lip ? 0 : 1];
-    distance = min(distance, length(uv - Vec2{l.u, l.v}));
+    distance = min(distance, length(uv - l.uv()));
   }
   return nearest[0] < nearest[1];
 }
@@ -81,7 +81,7 @@ FaceSheet::FaceSheet(const Model& model, int depth) {
   Owned<Cascade> cascade(model);
   samples_ = sampled(*cascade, uv);
   std::vector<Vec2> landmark_uv;
-  for (const Landmark& l : model.landmarks()) landmark_uv.push_back({l.u, l.v});
+  for (const Landmark& l : model.landmarks()) landmark_uv.push_back(l.uv());
   landmark_samples_ = sampled(*cascade, landmark_uv);
 }
 

@@ -38,7 +38,7 @@ PartExample PartExamples::describe(const FaceSample& sample, bool is_left, Sampl
   for (const std::uint16_t k : side.anchors) {
     const Landmark& l = cascade_->model().landmarks()[k];
     Vec2 x = view.c;
-    Projector(view, true).project(cascade_->surface_point({l.u, l.v}, sample.q.data()), &x);
+    Projector(view, true).project(cascade_->surface_point(l.uv(), sample.q.data()), &x);
     middle = middle + 0.5f * x;
   }
   PartExample out;

@@ -44,7 +44,7 @@ void PhotoMesh::bend(const Photograph& photograph, Cascade& cascade) {
   std::vector<Residual> residuals;
   const float limit = kTuning.most_mm * fit_.s;
   for (std::size_t k = 0; k < photograph.landmarks.size(); ++k) {
-    const Vec2 uv{landmarks[k].u, landmarks[k].v};
+    const Vec2 uv = landmarks[k].uv();
     Vec2 x;
     if (photograph.trust[k] == kTrustNone ||
         !projector.project(cascade.surface_point(uv, photograph.q.data()), &x))
@@ -191,7 +191,7 @@ Pupils PhotoMesh::pupils(const PhotoTurn& turn, Cascade& cascade, const TextureR
     const std::uint16_t eye = model.find_landmark(side == 0 ? "eye_right" : "eye_left");
     Vec2 rest;
     if (pupils_.trust[side] == kTrustNone || eye == kNone) continue;
-    const Vec2 uv{model.landmarks()[eye].u, model.landmarks()[eye].v};
+    const Vec2 uv = model.landmarks()[eye].uv();
     const Vec3 middle = cascade.surface_point(uv, turn.q.data());
     if (!source.project(middle, &rest)) continue;
     std::size_t nearest = 0;

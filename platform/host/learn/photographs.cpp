@@ -31,8 +31,7 @@ void set_landmarks(const Model& model, const AnnotatedPicture& annotated, Photog
   out.landmarks.assign(landmarks.count, {});
   out.trust.assign(landmarks.count, kTrustNone);
   for (std::size_t k = 0; k < landmarks.count; ++k)
-    if (projector.project(cascade->surface_point({landmarks[k].u, landmarks[k].v}, out.q.data()),
-                          &out.landmarks[k]))
+    if (projector.project(cascade->surface_point(landmarks[k].uv(), out.q.data()), &out.landmarks[k]))
       out.trust[k] = kTrustFitted;
   for (const AnnotatedLandmark& a : annotated.landmarks)
     for (const int side : {0, 1})
@@ -54,7 +53,7 @@ bool fit_points(const Model& model, const std::vector<AnnotatedLandmark>& landma
     const std::uint16_t k = model.find_landmark(a.name.c_str());
     if (k == kNone) continue;
     const Landmark& landmark = model.landmarks()[k];
-    points.push_back({{landmark.u, landmark.v}, a.x, 1, is_silhouette_landmark(a.name.c_str())});
+    points.push_back({landmark.uv(), a.x, 1, is_silhouette_landmark(a.name.c_str())});
   }
   if (points.size() < kLandmarkFitTuning.least_points) return false;
   FitOptions options;

@@ -75,7 +75,7 @@ std::vector<std::optional<Vec2>> project_landmarks(const Model& model, Cascade& 
   std::vector<std::optional<Vec2>> out;
   for (const Landmark& landmark : model.landmarks()) {
     Vec2 x;
-    const bool is_seen = projector.project(cascade.surface_point({landmark.u, landmark.v}, q), &x);
+    const bool is_seen = projector.project(cascade.surface_point(landmark.uv(), q), &x);
     out.push_back(is_seen ? std::optional<Vec2>(lens.distort(x)) : std::nullopt);
   }
   return out;

@@ -147,7 +147,7 @@ void fit_start(Experiment& e, const Model& model, const std::string& path, Casca
   for (const Landmark& l : model.landmarks()) {
     Vec2 x;
     if (std::string(l.name).rfind("ibug", 0) != 0 ||
-        !projector.project(cascade.surface_point({l.u, l.v}, state.q.data()), &x))
+        !projector.project(cascade.surface_point(l.uv(), state.q.data()), &x))
       continue;
     const Vec2 off{noise(random), noise(random)};
     points.push_back({l.name, x + off, "landmark"});

@@ -155,7 +155,7 @@ float turn_between(const Quat& a, const Quat& b) {
 FitReport fit_with(Scene& scene, const Camera& camera, std::vector<Vec2>* residuals) {
   std::vector<Correspondence> points;
   for (const Landmark& l : scene.model.landmarks())
-    points.push_back({{l.u, l.v}, scene.seen({l.u, l.v}, 0.3f), 0.2f});
+    points.push_back({l.uv(), scene.seen(l.uv(), 0.3f), 0.2f});
   FitLimits limits;
   limits.points = 100;
   InArena<Fitter> fitter(scene.model, limits);

@@ -25,7 +25,7 @@ struct Rig : OpenedEgg {
     REQUIRE(Lens::make(camera, 320, 240, &lens) == Status::ok);
     start = view_of({{}, {0, 0, 700}}, camera);
     for (std::size_t k = 0; k < model.landmarks().count; ++k)
-      shape->set_landmark(k, {model.landmarks()[k].u, model.landmarks()[k].v});
+      shape->set_landmark(k, model.landmarks()[k].uv());
     shape->set_landmark_count(model.landmarks().count);
   }
   /// One step towards where `move` takes the landmarks' offsets from the middle of the image.

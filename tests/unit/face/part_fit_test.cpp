@@ -154,8 +154,8 @@ TEST_CASE("where the estimate of the person moves the model's lids, the lids are
   InArena<Cascade> cascade(model());
   std::vector<Vec3> moved;  // what keeps landmarks where they are
   for (const Landmark& l : model().landmarks())
-    moved.push_back(cascade->surface_point({l.u, l.v}, film().parameters[0].data()) -
-                    cascade->surface_point({l.u, l.v}, other.data()));
+    moved.push_back(cascade->surface_point(l.uv(), film().parameters[0].data()) -
+                    cascade->surface_point(l.uv(), other.data()));
   const auto blink_as_other = [&](bool moves) {
     Rig rig;
     rig.read(film().view(0));

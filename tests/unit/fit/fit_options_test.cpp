@@ -22,9 +22,9 @@ struct SeenEgg : OpenedEgg {
         view_of({exp_rotation({0.1f, 0.2f, 0}), {20, -10, 700}}, centred_camera(640, 480, 900));
     for (const Landmark& l : model.landmarks()) {
       Vec2 x;
-      const Vec3 p = fitter->cascade().surface_point({l.u, l.v}, q.data());
+      const Vec3 p = fitter->cascade().surface_point(l.uv(), q.data());
       REQUIRE(Projector(view, true).project(p, &x));
-      points.push_back({{l.u, l.v}, x, 0.5f});
+      points.push_back({l.uv(), x, 0.5f});
     }
   }
   Span<const Correspondence> all() const { return {points.data(), points.size()}; }

@@ -34,10 +34,9 @@ struct Scene {
     InArena<Cascade> cascade(model);
     for (const Landmark& l : model.landmarks()) {
       Vec2 x;
-      REQUIRE(Projector(view, true).project(cascade->surface_point({l.u, l.v}, truth.data()), &x));
-      points.push_back({{l.u, l.v},
-                        x + Vec2{noise_px * random.normal(), noise_px * random.normal()},
-                        max(noise_px, 0.1f)});
+      REQUIRE(Projector(view, true).project(cascade->surface_point(l.uv(), truth.data()), &x));
+      points.push_back(
+          {l.uv(), x + Vec2{noise_px * random.normal(), noise_px * random.normal()}, max(noise_px, 0.1f)});
     }
   }
   Span<const Correspondence> all() const { return {points.data(), points.size()}; }

@@ -31,7 +31,7 @@ void match_all(const Turned& t, const Check& check) {
   matcher->find_contour(position.data(), projector);
   for (const Landmark& l : t.model.landmarks()) {
     Correspondence c;
-    c.uv = {l.u, l.v};
+    c.uv = l.uv();
     c.is_silhouette = true;
     REQUIRE(projector.project(cascade->surface_point(c.uv, t.q.data()), &c.x));
     const SurfaceFrame own = cascade->surface_frame(c.uv, t.q.data());

@@ -113,7 +113,7 @@ TEST_CASE(
     for (const Landmark& l : c->face.model.landmarks()) {
       const std::string name = l.name;
       if (name == "eye_left" || name == "eye_right") continue;  // in the middle of an opening
-      const Vec3 place = c->face.at(Vec2{l.u, l.v}, c->face.rest());
+      const Vec3 place = c->face.at(l.uv(), c->face.rest());
       float nearest_mm = 1e9f;
       for (const Vec3 p : c->position) nearest_mm = min(nearest_mm, length(p - place));
       CHECK_MESSAGE(nearest_mm < 0.6f * edge, name);

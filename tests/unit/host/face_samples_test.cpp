@@ -30,7 +30,7 @@ AnnotatedPicture annotated_render() {
     const std::string name = landmark.name;
     Vec2 x;
     if (name.compare(0, 4, "ibug") == 0 && name > "ibug16" &&
-        projector.project(face.at(Vec2{landmark.u, landmark.v}, q), &x))
+        projector.project(face.at(landmark.uv(), q), &x))
       out.landmarks.push_back({name, x});
   }
   return out;
@@ -125,7 +125,7 @@ TEST_CASE("landmarks of a sample are where its pose, camera and parameters put t
     for (std::size_t k = 0; k < sample.landmarks.size(); ++k) {
       const Landmark& landmark = face.model.landmarks()[k];
       Vec2 x;
-      REQUIRE(projector.project(face.at(Vec2{landmark.u, landmark.v}, sample.q), &x));
+      REQUIRE(projector.project(face.at(landmark.uv(), sample.q), &x));
       // Annotated points in the plane keep the residual of the fit.
       CHECK(distance(sample.landmarks[k], x) <
             (sample.trust[k] == kTrustFitted ? 0.02f : 0.03f * sample.box.side));
@@ -151,7 +151,7 @@ TEST_CASE("photograph turned in depth is drawn as the model projects, and shows 
     for (std::size_t k = 0; k < sample.landmarks.size(); ++k) {
       const Landmark& landmark = face.model.landmarks()[k];
       Vec2 x;
-      REQUIRE(projector.project(face.at(Vec2{landmark.u, landmark.v}, sample.q), &x));
+      REQUIRE(projector.project(face.at(landmark.uv(), sample.q), &x));
       CHECK(distance(sample.landmarks[k], x) < 0.05f);
       is_some_hidden |= sample.trust[k] == kTrustNone;
     }

@@ -44,7 +44,7 @@ struct Portrait {
     for (const Landmark& l : face.model.landmarks()) {
       if (std::strncmp(l.name, "ibug", 4) != 0) continue;
       const bool is_silhouette = is_jaw_name(l.name);
-      Correspondence c{{l.u, l.v}, {}, 0.5f, is_silhouette};
+      Correspondence c{l.uv(), {}, 0.5f, is_silhouette};
       const Vec2 seen = is_silhouette ? where_it_turns_away(projector, c.uv) : c.uv;
       REQUIRE(projector.project(face.at(seen, truth), &c.x));
       c.x = c.x + Vec2{0.5f * random.normal(), 0.5f * random.normal()};

@@ -38,7 +38,7 @@ AnnotatedPicture render(const std::vector<float>& q) {
   for (const Landmark& landmark : face.model.landmarks()) {
     Vec2 x;
     if (std::string(landmark.name).compare(0, 4, "ibug") == 0 &&
-        projector.project(face.at(Vec2{landmark.u, landmark.v}, q), &x))
+        projector.project(face.at(landmark.uv(), q), &x))
       out.landmarks.push_back({landmark.name, x});
   }
   return out;
@@ -62,7 +62,7 @@ FaceSample sample_of(const AnnotatedPicture& picture) {
 std::vector<Vec3> landmarks_mm() {
   std::vector<Vec3> out;
   for (const Landmark& l : baked_face().model.landmarks())
-    out.push_back(baked_face().at(Vec2{l.u, l.v}, baked_face().rest()));
+    out.push_back(baked_face().at(l.uv(), baked_face().rest()));
   return out;
 }
 
@@ -231,8 +231,8 @@ TEST_CASE("lips meet as often as is wanted, whatever the photograph's do") {
   std::vector<float> open = face.rest();
   open[face.model.find_parameter("jawOpen")] = 0.5f;
   const auto gap_mm = [&](const std::vector<float>& q) {
-    return length(face.cascade.surface_point({upper.u, upper.v}, q.data()) -
-                  face.cascade.surface_point({lower.u, lower.v}, q.data()));
+    return length(face.cascade.surface_point(upper.uv(), q.data()) -
+                  face.cascade.surface_point(lower.uv(), q.data()));
   };
   REQUIRE(gap_mm(open) > 5);
   const auto shut_of_100 = [&](float chance) {

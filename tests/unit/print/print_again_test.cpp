@@ -67,8 +67,8 @@ Vec2 truth(const char* name, const Pose& pose, const Camera& camera) {
   static auto* cascade = new InArena<Cascade>(label());
   const Landmark& l = label().landmarks()[label().find_landmark(name)];
   Vec2 x;
-  REQUIRE(Projector(pliant::view_of(pose, camera), true)
-              .project((*cascade)->surface_point({l.u, l.v}, nullptr), &x));
+  REQUIRE(
+      Projector(pliant::view_of(pose, camera), true).project((*cascade)->surface_point(l.uv(), nullptr), &x));
   return x;
 }
 

@@ -86,7 +86,7 @@ struct Start {
     const auto k = baked_face().model.find_landmark(name.c_str());
     const Landmark& l = baked_face().model.landmarks()[k];
     Vec2 x;
-    REQUIRE(project_beside(estimator.object, {l.u, l.v}, is_personal ? offsets->values()[k] : Vec3{}, &x));
+    REQUIRE(project_beside(estimator.object, l.uv(), is_personal ? offsets->values()[k] : Vec3{}, &x));
     return x;
   }
   /// Mean error of the landmarks given, px.
@@ -368,7 +368,7 @@ TEST_CASE("landmarks with one (u,v) get the same offset; a landmark without a gi
     const Landmark& l = model.landmarks()[k];
     bool is_given = false;
     for (const std::string& name : person.names)
-      is_given = is_given || length(person.face.uv(name) - Vec2{l.u, l.v}) == 0;
+      is_given = is_given || length(person.face.uv(name) - l.uv()) == 0;
     CAPTURE(l.name);
     CHECK(is_given == (length(start.offsets->values()[k]) > 0));
   }
@@ -390,7 +390,7 @@ TEST_CASE("what an alignment says of ibug48 holds for mouth_right, the same plac
   std::vector<Vec2> aligned;
   for (const Landmark& l : face.landmarks()) {
     Vec2 x;
-    REQUIRE(e->project({l.u, l.v}, &x));
+    REQUIRE(e->project(l.uv(), &x));
     aligned.push_back(x +
                       Vec2{l.name[0] == 'i' ? 3.0f : 0.0f, 0});  // only those of the ibug scheme are aligned
   }
