@@ -13,6 +13,14 @@ std::uint16_t find_ibug(const Model& model, int number, std::size_t expected = 0
 /// the face first. \return false if the model lacks one.
 bool find_box_corners(const Model& model, std::uint16_t (&corners)[4]);
 
+/// Where landmarks are, for the two functions below.
+inline auto places_of(Span<const Vec2> landmarks) {
+  return [landmarks](std::size_t k, Vec2* x) {
+    *x = landmarks[k];
+    return true;
+  };
+}
+
 /// The face box of a model whose landmark k is at x where `place(k, &x)` returns true. Side 0 if one is not seen or the model
 /// lacks it. \param scale  px per mm.
 template <class Place>

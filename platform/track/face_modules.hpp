@@ -40,4 +40,18 @@ struct FaceModules {
 /// FaceDetector and FaceAligner.
 extern const FaceModules kFaceModules;
 
+/// Where an alignment writes its results.
+struct AlignmentRoom {
+  float* q;  ///< all parameters
+  Span<Vec2> landmarks;
+};
+
+/// Aligns the mean face in a box, in all steps at once.
+inline Status align_in_box(const FaceModules& modules, FaceAligner& aligner, const FrameView& frame,
+                           const FaceBox& box, const Camera& camera, AlignmentRoom room, AlignedFace* face) {
+  int steps = 0;
+  const Status status = modules.begin(aligner, frame, box, camera, {}, room.q, &steps);
+  return status == Status::ok ? modules.advance(aligner, frame, steps, face, room.q, room.landmarks) : status;
+}
+
 }  // namespace pliant

@@ -208,12 +208,9 @@ bool is_same(const FaceBox& a, const FaceBox& b) {
 /// Aligns the mean face in a box. \param found  the box of the result.
 Status FaceSearch::align_in(const FaceBox& box, const FrameView& frame, const Camera& camera,
                             AlignedFace* face, FaceBox* found) {
-  int steps = 0;
-  Status status = modules_->begin(*aligner_, frame, box, camera, {}, q_, &steps);
-  if (status == Status::ok) status = modules_->advance(*aligner_, frame, steps, face, q_, landmarks_);
+  const Status status = align_in_box(*modules_, *aligner_, frame, box, camera, room(), face);
   if (status == Status::ok)
-    *found = box_at_landmarks(model_, view_of(face->pose, face->camera).s,
-                              [&](std::uint16_t n, Vec2* x) { return *x = landmarks_[n], true; });
+    *found = box_at_landmarks(model_, view_of(face->pose, face->camera).s, places_of(landmarks_));
   return status;
 }
 

@@ -51,12 +51,6 @@ struct SearchInput {
   const StartOptions& options;
 };
 
-/// Where an alignment writes its results.
-struct AlignmentRoom {
-  float* q;  ///< all parameters
-  Span<Vec2> landmarks;
-};
-
 /// Searches and aligns, frame by frame. The tracker makes the tracks.
 class FaceSearch {
  public:

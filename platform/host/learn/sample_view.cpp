@@ -22,10 +22,7 @@ std::vector<Vec2> projected(const std::vector<Vec3>& points, const Pose& pose, c
 
 FaceBox face_box_in(const Model& model, const std::vector<Vec2>& landmarks, const Pose& pose,
                     const Camera& camera) {
-  return box_at_landmarks(model, view_of(pose, camera).s, [&](std::uint16_t k, Vec2* x) {
-    *x = landmarks[k];
-    return true;
-  });
+  return box_at_landmarks(model, view_of(pose, camera).s, places_of({landmarks.data(), landmarks.size()}));
 }
 
 void place_face(const Model& model, const std::vector<Vec3>& landmarks, Quat rotation,
