@@ -107,8 +107,9 @@ class NormalEquations {
   float *spread_x_ = nullptr, *spread_y_ = nullptr;  // rows of a sparse observation, for vectors; zero between calls
   float *g_ = nullptr, *scale_ = nullptr, *lower_ = nullptr, *upper_ = nullptr, *right_ = nullptr,
         *solution_ = nullptr, *compact_ = nullptr;
-  std::uint8_t* pinned_ = nullptr;  // 1: to a limit; 2: undetermined
-  std::uint16_t* free_ = nullptr;   // the others, ascending: of these is the factor
+  enum class Pin : std::uint8_t { none, at_limit, undetermined };
+  Pin* pinned_ = nullptr;
+  std::uint16_t* free_ = nullptr;  // unknowns that were not pinned, ascending: of these is the factor
   std::size_t capacity_ = 0, count_ = 0, free_count_ = 0, undetermined_ = 0;
   std::size_t stride_ = 0, gathered_ = 0;  // of rows_
   std::uint32_t factorisations_ = 0;

@@ -97,7 +97,7 @@ void NormalEquations::lay_out(Arena& arena, std::size_t unknowns) {
   }
   float** const vectors[] = {&g_, &scale_, &lower_, &upper_, &right_, &solution_, &compact_};
   for (float** vector : vectors) *vector = arena.take<float>(unknowns);
-  pinned_ = arena.take<std::uint8_t>(unknowns);
+  pinned_ = arena.take<Pin>(unknowns);
   free_ = arena.take<std::uint16_t>(unknowns);
   capacity_ = unknowns;
   count_ = gathered_ = 0;
@@ -254,7 +254,7 @@ void NormalEquations::for_row(std::size_t k, F f) const {
 void NormalEquations::copy_scaled(float damping) {
   free_count_ = 0;
   for (std::size_t i = 0; i < count_; ++i)
-    if (pinned_[i] == 0) free_[free_count_++] = static_cast<std::uint16_t>(i);
+    if (pinned_[i] == Pin::none) free_[free_count_++] = static_cast<std::uint16_t>(i);
   float* to = factor_;
   for (std::size_t k = 0; k < free_count_; ++k, to += free_count_ - k + 1) {
     const std::size_t i = free_[k];
@@ -273,7 +273,7 @@ float* NormalEquations::factor_row(std::size_t i) {
 /// Marks an unknown that the observations do not determine, given the unknowns before it.
 void NormalEquations::pin_undetermined(std::size_t k) {
   float* row = factor_row(k);
-  pinned_[free_[k]] = 2;
+  pinned_[free_[k]] = Pin::undetermined;
   row[k] = 1;
   for (std::size_t j = k + 1; j < free_count_; ++j) row[j] = 0;
 }
@@ -317,13 +317,13 @@ void NormalEquations::back_substitute(const float* right, float* x) {
   for (std::size_t k = 0; k < n; ++k) y[k] = right[free_[k]];
   for (std::size_t k = 0; k < n; ++k) {
     const float* row = factor_row(k);
-    y[k] = pinned_[free_[k]] == 2 ? 0.0f : y[k] / row[k];
+    y[k] = pinned_[free_[k]] == Pin::undetermined ? 0.0f : y[k] / row[k];
     subtract_scaled(y + k + 1, y[k], row + k + 1, n - k - 1);
   }
   for (std::size_t k = n; k-- > 0;) {
     const float* row = factor_row(k);
     const float rest = y[k] - dot_product(row + k + 1, y + k + 1, n - k - 1);
-    y[k] = pinned_[free_[k]] == 2 ? 0.0f : rest / row[k];
+    y[k] = pinned_[free_[k]] == Pin::undetermined ? 0.0f : rest / row[k];
   }
   for (std::size_t i = 0; i < count_; ++i) x[i] = 0;
   for (std::size_t k = 0; k < n; ++k) x[free_[k]] = y[k];
@@ -335,7 +335,7 @@ void NormalEquations::start_scaled() {
   for (std::size_t i = 0; i < count_; ++i) {
     const float d = h_[index(i, i)];
     scale_[i] = d > 0 ? 1.0f / square_root(d) : 1.0f;
-    pinned_[i] = d > 0 ? 0 : 2;
+    pinned_[i] = d > 0 ? Pin::none : Pin::undetermined;
   }
 }
 
@@ -343,7 +343,7 @@ void NormalEquations::start_scaled() {
 void NormalEquations::pin_pushed_out() {
   for (std::size_t i = 0; i < count_; ++i) {
     const bool is_pushed_out = (g_[i] > 0 && upper_[i] == 0) || (g_[i] < 0 && lower_[i] == 0);
-    if (pinned_[i] == 0 && is_pushed_out) pinned_[i] = 1;
+    if (pinned_[i] == Pin::none && is_pushed_out) pinned_[i] = Pin::at_limit;
   }
 }
 
@@ -351,11 +351,11 @@ void NormalEquations::pin_pushed_out() {
 bool NormalEquations::pin_to_limits(float* step) {
   bool changed = false;
   for (std::size_t i = 0; i < count_; ++i) {
-    if (pinned_[i] == 1) continue;
-    step[i] = pinned_[i] == 2 ? 0.0f : solution_[i] * scale_[i];
+    if (pinned_[i] == Pin::at_limit) continue;
+    step[i] = pinned_[i] == Pin::undetermined ? 0.0f : solution_[i] * scale_[i];
     if (step[i] >= lower_[i] && step[i] <= upper_[i]) continue;
     step[i] = clamped(i, step[i]);
-    pinned_[i] = 1;
+    pinned_[i] = Pin::at_limit;
     changed = true;
   }
   return changed;
@@ -367,12 +367,12 @@ bool NormalEquations::release_from_limits(float damping, const float* step) {
   for (std::size_t i = 0; i < count_; ++i) largest = max(largest, magnitude(g_[i]) * scale_[i]);
   bool changed = false;
   for (std::size_t k = 0; k < count_; ++k) {
-    if (pinned_[k] != 1 || !(lower_[k] < upper_[k])) continue;
+    if (pinned_[k] != Pin::at_limit || !(lower_[k] < upper_[k])) continue;
     float force = g_[k] - damping * h_[index(k, k)] * step[k];
     for_row(k, [&](std::size_t i, float element) { force -= element * step[i]; });
     const float inside = step[k] >= upper_[k] ? -force : force;
     if (inside * scale_[k] <= kTuning.releasing_force * largest) continue;
-    pinned_[k] = 0;
+    pinned_[k] = Pin::none;
     changed = true;
   }
   return changed;
@@ -386,14 +386,15 @@ void NormalEquations::solve(float damping, float* step) {
   for (int round = 0; round < kTuning.limit_rounds; ++round) {
     for (std::size_t i = 0; i < n; ++i) right_[i] = g_[i];
     for (std::size_t k = 0; k < n; ++k)  // the columns of pinned unknowns move to the right-hand side
-      if (pinned_[k] == 1) for_row(k, [&](std::size_t i, float element) { right_[i] -= element * step[k]; });
+      if (pinned_[k] == Pin::at_limit)
+        for_row(k, [&](std::size_t i, float element) { right_[i] -= element * step[k]; });
     for (std::size_t i = 0; i < n; ++i) right_[i] *= scale_[i];
     factorise(damping);
     back_substitute(right_, solution_);
     if (!pin_to_limits(step) && !release_from_limits(damping, step)) break;
   }
   undetermined_ = 0;
-  for (std::size_t i = 0; i < n; ++i) undetermined_ += pinned_[i] == 2;
+  for (std::size_t i = 0; i < n; ++i) undetermined_ += pinned_[i] == Pin::undetermined;
 }
 
 void NormalEquations::variances(float* variance) {
@@ -401,19 +402,19 @@ void NormalEquations::variances(float* variance) {
   factorise(0);
   undetermined_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
-    undetermined_ += pinned_[i] == 2;
+    undetermined_ += pinned_[i] == Pin::undetermined;
     variance[i] = 0;
   }
   const std::size_t n = free_count_;
   for (std::size_t k = 0; k < n; ++k) {
-    if (pinned_[free_[k]] == 2) continue;
+    if (pinned_[free_[k]] == Pin::undetermined) continue;
     // |U^-T e_k|^2, by forward substitution from k on.
     for (std::size_t j = k; j < n; ++j) compact_[j] = 0;
     compact_[k] = 1;
     float total = 0;
     for (std::size_t i = k; i < n; ++i) {
       const float* row = factor_row(i);
-      const float y = pinned_[free_[i]] == 2 ? 0.0f : compact_[i] / row[i];
+      const float y = pinned_[free_[i]] == Pin::undetermined ? 0.0f : compact_[i] / row[i];
       total += y * y;
       subtract_scaled(compact_ + i + 1, y, row + i + 1, n - i - 1);
     }
