@@ -65,7 +65,8 @@ Vec3 VectorSum::largest() const {
 }
 
 void VectorSum::compute(std::size_t first, std::size_t j, Interpolation interpolation, Span<Vec3> out) const {
-  for (Vec3& v : out) v = {};
+  const ChartRow row{static_cast<float>(j) / static_cast<float>(height_ - 1), first, width_ - 1};
+  for (Vec3& sum : out) sum = {};
   for (std::size_t n = 1; n < records_.count; ++n) {
     const CascadeRecord& r = model_.cascade()[records_[n]];
     const Field& field = model_.fields()[r.field];
@@ -74,14 +75,8 @@ void VectorSum::compute(std::size_t first, std::size_t j, Interpolation interpol
     if (has_samples_at_nodes(field))
       add_samples(field, amount, first, j, out);
     else
-      add(field, amount, first, j, interpolation, out);
+      add_row(model_.samples(), field, amount, row, interpolation, out);
   }
-}
-
-void VectorSum::add(const Field& f, float amount, std::size_t first, std::size_t j,
-                    Interpolation interpolation, Span<Vec3> out) const {
-  const float v = static_cast<float>(j) / static_cast<float>(height_ - 1);
-  add_row(model_.samples(), f, amount, {v, first, width_ - 1}, interpolation, out);
 }
 
 void VectorSum::add_samples(const Field& f, float amount, std::size_t first, std::size_t j,

@@ -25,8 +25,6 @@ class VectorSum {
  private:
   bool has_samples_at_nodes(const Field& field) const;
   bool overlaps(const Field& field, std::size_t first, std::size_t last, std::size_t j) const;
-  void add(const Field& field, float amount, std::size_t first, std::size_t j, Interpolation interpolation,
-           Span<Vec3> out) const;
   void add_samples(const Field& field, float amount, std::size_t first, std::size_t j, Span<Vec3> out) const;
 
   const Model& model_;
