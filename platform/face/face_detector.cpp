@@ -1,5 +1,6 @@
 #include "pliant/face_detector.hpp"
 
+#include "base/integers.hpp"
 #include "face/box_selection.hpp"
 #include "face/cell_strip.hpp"
 #include "face/detector_table.hpp"
@@ -46,8 +47,8 @@ std::uint32_t FaceDetector::State::step(const FrameView& frame) {
   const ScaledLines lines(frame, place.ratio());
   if (place.begins_strip() || strip_is_of_other) {
     // Where another search was between, the rows of cells above this one are computed again.
-    const int above = place.row() - (kWindowCells - 1), first = place.first_row();
-    strip.begin(place.first_column(), place.columns(), above > first ? above : first);
+    const int above = place.row() - (kWindowCells - 1);
+    strip.begin(place.first_column(), place.columns(), larger(above, place.first_row()));
     while (strip.next_row() < place.row()) strip.add_row(lines);
     strip_is_of_other = false;
   }

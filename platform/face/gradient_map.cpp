@@ -37,7 +37,7 @@ struct RootTable {
     int r = 0;
     for (int x = 0; x < 256; ++x) {
       while ((2 * r + 1) * (2 * r + 1) <= 4 * 256 * x) ++r;
-      root[x] = static_cast<std::uint8_t>(r < 255 ? r : 255);
+      root[x] = static_cast<std::uint8_t>(smaller(r, 255));
     }
   }
 };

@@ -1,5 +1,7 @@
 #include "face/part_reader.hpp"
 
+#include "base/integers.hpp"
+
 namespace pliant {
 
 namespace {
@@ -29,7 +31,7 @@ void PartReader::prepare(const FrameView& frame, const CropMap& map, bool is_mir
   // No larger than the turned crop needs.
   const float across = (magnitude(map.right.x) + magnitude(map.right.y)) / max(1, length(map.right));
   const int needed = static_cast<int>(across * static_cast<float>(map.side + 2)) + 4;
-  picture_.set_side(needed < kPictureSide ? needed : kPictureSide);
+  picture_.set_side(smaller(needed, kPictureSide));
   picture_.take(frame, map.origin, length(map.right), gradients_.scratch());
   gradients_.compute(picture_, map, is_mirrored);
   half_ = 0.5f * static_cast<float>(map.side - 1);

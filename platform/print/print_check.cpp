@@ -114,7 +114,7 @@ bool find_block(const SurfaceProjection& project, Vec2 uv, Block* block) {
 class BlockPlaces {
  public:
   BlockPlaces(Span<const PrintKeypoint> keypoints, std::size_t blocks)
-      : keypoints_(keypoints), blocks_(blocks < keypoints.count ? blocks : keypoints.count) {
+      : keypoints_(keypoints), blocks_(smaller(blocks, keypoints.count)) {
     const std::size_t most = kPrintTuning.block_rounds * blocks_;
     count_ = most < keypoints.count ? most : blocks_;
   }

@@ -1,5 +1,6 @@
 #include "print/print_matcher.hpp"
 
+#include "base/integers.hpp"
 #include "pliant/corners.hpp"
 #include "print/distinct_best.hpp"
 #include "print/print_tuning.hpp"
@@ -19,8 +20,8 @@ std::size_t room_of(int level) {
 std::size_t candidates_of(int level, int width, int height) {
   const int cell = kTuning.corner_cell_px;
   const auto cells = static_cast<std::size_t>(corner_cells(width, cell) * corner_cells(height, cell));
-  const std::size_t room = room_of(level), most = kTuning.corner_candidates * room;
-  return cells < room ? room : cells < most ? cells : most;
+  const std::size_t room = room_of(level);
+  return smaller(larger(cells, room), kTuning.corner_candidates * room);
 }
 
 std::size_t all_room() {

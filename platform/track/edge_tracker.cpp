@@ -1,5 +1,6 @@
 #include "track/edge_tracker.hpp"
 
+#include "base/integers.hpp"
 #include "track/tracker_sizes.hpp"
 
 namespace pliant {
@@ -55,10 +56,9 @@ void EdgeTracker::add_points(Estimator& estimator) {
   for (std::size_t c = 0; c < curves.count && count_ < of_curves; ++c) {
     if (curves[c].kind == CurveKind::boundary) continue;
     std::uint16_t ids[kTuning.most_of_curve];
-    const std::size_t room = of_curves - count_;
     std::size_t n = 0;
-    const Status status = estimator.add_curve(
-        c, kTuning.spacing_mm, {ids, room < kTuning.most_of_curve ? room : kTuning.most_of_curve}, &n);
+    const Status status = estimator.add_curve(c, kTuning.spacing_mm,
+                                              {ids, smaller(of_curves - count_, kTuning.most_of_curve)}, &n);
     for (std::size_t k = 0; k < n; ++k) add(ids[k], false);
     if (status != Status::ok && status != Status::capacity) return;
   }

@@ -13,7 +13,7 @@ void FrameBudget::begin(bool reserves) {
     const bool is_first = kind == nullptr && waiting->waited >= kFrameBudgetTuning.most_waited;
     if (is_first) kind = waiting;
     waiting->is_reserved = is_first && reserves;
-    if (waiting->is_reserved) reserved = waiting->work < most_reserved() ? waiting->work : most_reserved();
+    if (waiting->is_reserved) reserved = min(waiting->work, most_reserved());
   }
 }
 

@@ -1,5 +1,6 @@
 #include "track/key_frames.hpp"
 
+#include "base/integers.hpp"
 #include "track/tracker_sizes.hpp"
 #include "vision/thumbnail.hpp"
 
@@ -89,7 +90,7 @@ Vec2 KeyFrames::middle_of(const Estimator& estimator) const {
 }
 
 CoarseMotion KeyFrames::find_motion(int bad_frames) const {
-  const int side = width_ > height_ ? width_ : height_;
+  const int side = larger(width_, height_);
   // Turn 0 is the last good frame's, turn k + 1 that of key frame k.
   const std::size_t turn = bad_frames < kTuning.bad_frames_before_keys
                                ? 0

@@ -1,5 +1,6 @@
 #include "track/landmark_fit.hpp"
 
+#include "base/integers.hpp"
 #include "model/ibug_names.hpp"
 #include "track/offset_landmarks.hpp"
 
@@ -24,7 +25,7 @@ bool is_silhouette_landmark(const char* name) {
 
 Camera start_camera(const Camera* known, float focal_px, int width, int height) {
   if (known != nullptr) return *known;
-  const float side = static_cast<float>(width > height ? width : height);
+  const float side = static_cast<float>(larger(width, height));
   return centred_camera(width, height, focal_px > 0 ? focal_px : kDefaultFocalRatio * side);
 }
 

@@ -1,5 +1,6 @@
 #include "track/person_equations.hpp"
 
+#include "base/integers.hpp"
 #include "pliant/geometry.hpp"
 
 namespace pliant {
@@ -47,7 +48,7 @@ void PersonEquations::eliminate(std::size_t first) {
 
 void PersonEquations::count_from_zero(std::size_t first, const float* now) {
   for (std::size_t i = first; i < count_; ++i)
-    for (std::size_t j = first; j < count_; ++j) g_[i] += h(i < j ? i : j, i < j ? j : i) * now[j - first];
+    for (std::size_t j = first; j < count_; ++j) g_[i] += h(smaller(i, j), larger(i, j)) * now[j - first];
 }
 
 bool PersonEquations::solve(std::size_t first, float* x) {

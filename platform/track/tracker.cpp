@@ -61,7 +61,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   unsigned char* const block = arena.take<unsigned char>(0);
   const std::size_t before = arena.used_bytes(),
                     fit = start_fit_bytes(model, limits.start_points, limits.samples_vertices);
-  const std::size_t needed = search > fit ? search : fit;
+  const std::size_t needed = larger(search, fit);
   TrackerParts::lay_out_tracking(arena, impl_, model, limits);
   const std::size_t tracking = arena.used_bytes() - before;
   arena.count_as(Purpose::solver);
@@ -72,7 +72,7 @@ void Tracker::lay_out(Arena& arena, const Model& model, const TrackerLimits& lim
   impl_->start_q = q;
   for (float& value : q) value = 0;
   impl_->offsets.clear();
-  impl_->block = {block, needed > tracking ? needed : tracking};
+  impl_->block = {block, larger(needed, tracking)};
   impl_->detection = detection;
   impl_->noise = noise;
   impl_->person = person;
@@ -103,20 +103,15 @@ void ImageParts::lay_out_unused_between_frames(Arena& arena, const Model& model,
       arena.take_span<Observation>(all_slots(limits) + EdgeTracker::kAlternatives * edge_points(limits));
   prediction_index = arena.take<std::uint16_t>(all_points(limits));
   arena.count_as(Purpose::corners);
-  const std::size_t corners = TemplatePlacement::scratch_bytes(limits);
-  const std::size_t adaptation = limits.keeps_adaptation ? 0 : adaptation_bytes(limits.vertices);
-  std::size_t bytes = corners > adaptation ? corners : adaptation;
-  if (limits.detection != nullptr && limits.detection->read_bytes != nullptr) {
-    const std::size_t reading = limits.detection->read_bytes(model, limits);
-    if (reading > bytes) bytes = reading;
+  std::size_t bytes = TemplatePlacement::scratch_bytes(limits);
+  if (!limits.keeps_adaptation) bytes = larger(bytes, adaptation_bytes(limits.vertices));
+  if (limits.detection != nullptr && limits.detection->read_bytes != nullptr)
+    bytes = larger(bytes, limits.detection->read_bytes(model, limits));
+  if (limits.detection != nullptr) {  // a check takes the other parts' memory, too
+    const std::size_t others = arena.used_bytes() - before;
+    bytes = larger(others + bytes, limits.detection->check_bytes(model, limits)) - others;
   }
-  if (limits.detection != nullptr) {
-    const std::size_t others = arena.used_bytes() - before,
-                      check = limits.detection->check_bytes(model, limits);
-    if (check > others + bytes) bytes = check - others;
-  }
-  const std::size_t person = limits.person == nullptr ? 0 : limits.person->scratch_bytes(model, limits);
-  if (person > bytes) bytes = person;
+  if (limits.person != nullptr) bytes = larger(bytes, limits.person->scratch_bytes(model, limits));
   scratch = arena.take_span<unsigned char>(bytes);
   placement.set_scratch(scratch);
   unused_between_frames = {first, arena.used_bytes() - before};

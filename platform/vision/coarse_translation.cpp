@@ -147,8 +147,7 @@ CoarseTranslation find_coarse_translation(const ImageView& reference, const Pixe
   if (reference.width > kMostSide || reference.height > kMostSide) return {};
   const PixelBox inside = clipped(box, reference);
   if (inside.x1 - inside.x0 < kTuning.min_side_px || inside.y1 - inside.y0 < kTuning.min_side_px) return {};
-  const int side = reference.width > reference.height ? reference.width : reference.height;
-  if (range_px > side) range_px = side;  // beyond, nothing overlaps
+  range_px = smaller(range_px, larger(reference.width, reference.height));  // beyond, nothing overlaps
   Search search(reference, current, inside, range_px);
   constexpr int kStep = kTuning.first_step_px;
   search.try_around(0, 0, range_px / kStep * kStep, kStep);

@@ -1,6 +1,7 @@
 // Noise of a frame, and binomial smoothing (docs/algorithms.md, section 7.22).
 #include "vision/noise_filter.hpp"
 
+#include "base/integers.hpp"
 #include "base/wide_vectors.hpp"
 #include "pliant/geometry.hpp"
 #include "vision/binomial.hpp"
@@ -77,8 +78,7 @@ FrameNoise noise_of(const FrameView& frame) {
     for (int x = 1; x + 1 < frame.width; x += step) {
       const std::uint8_t* const at = frame.data + y * down + x * right;
       if (*at < kTuning.darkest || *at > kTuning.brightest) continue;
-      const int r = response(at, down, right);
-      ++of_response[r < 255 ? r : 255];
+      ++of_response[smaller(response(at, down, right), 255)];
       sum += *at;
       squares += *at * *at;
       ++places;

@@ -1,5 +1,6 @@
 #include "vision/patch_search.hpp"
 
+#include "base/integers.hpp"
 #include "vision/patch_result.hpp"
 #include "vision/patch_tuning.hpp"
 
@@ -23,7 +24,7 @@ float level_scale(int level) {
 // The level that the search starts on, of `levels`: as asked, or the finest on which three deviations of the start
 // are within reach, 1.5 px.
 int first_level(const PatchOptions& o, int levels) {
-  if (o.first_level >= 0) return o.first_level < levels ? o.first_level : levels - 1;
+  if (o.first_level >= 0) return smaller(o.first_level, levels - 1);
   if (!(o.start_sd_px > 0)) return levels - 1;
   int l = 0;
   while (l + 1 < levels && o.start_sd_px > kPatchTuning.near_start_px * static_cast<float>(1 << l)) ++l;
@@ -110,7 +111,7 @@ PatchResult search(SearchState& state, const TemplateSource& source, const Pyram
   PatchResult result;
   result.x = start;
   const int stored = source.pyramid != nullptr ? source.pyramid->levels() : state.slots.levels(source.slot);
-  const int top = first_level(o, stored < current.levels() ? stored : current.levels());
+  const int top = first_level(o, smaller(stored, current.levels()));
   if (!is_finite(start) || top < 0) return result;
   result.status = PatchStatus::outside_image;
   if (!contains(current.level(0), start, 0)) return result;

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "base/integers.hpp"
+
 namespace pliant::patch {
 
 void PatchSlots::lay_out(Arena& arena, const PatchLimits& limits) {
@@ -25,7 +27,7 @@ void PatchSlots::lay_out(Arena& arena, const PatchLimits& limits) {
 }
 
 void PatchSlots::store(int slot, const Pyramid& pyramid, Vec2 x) {
-  const int levels = limits_.levels < pyramid.levels() ? limits_.levels : pyramid.levels();
+  const int levels = smaller(limits_.levels, pyramid.levels());
   for (int l = 0; l < levels; ++l) {
     const int k = square(slot, l);
     const float scale = 1.0f / static_cast<float>(1 << l);

@@ -1,5 +1,6 @@
 #pragma once
 // Integers within bounds. geometry.hpp has the same for floats.
+#include <cstddef>
 
 namespace pliant {
 
@@ -7,6 +8,12 @@ constexpr int smaller(int a, int b) {
   return a < b ? a : b;
 }
 constexpr int larger(int a, int b) {
+  return a > b ? a : b;
+}
+constexpr std::size_t smaller(std::size_t a, std::size_t b) {
+  return a < b ? a : b;
+}
+constexpr std::size_t larger(std::size_t a, std::size_t b) {
   return a > b ? a : b;
 }
 /// x, or the nearer end of [low, high]; low is at most high.

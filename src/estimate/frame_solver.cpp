@@ -1,5 +1,7 @@
 #include "estimate/frame_solver.hpp"
 
+#include "base/integers.hpp"
+
 namespace pliant {
 
 namespace {
@@ -15,8 +17,7 @@ void FrameSolver::lay_out(Arena& arena, const FrameSolverLimits& limits) {
   arena.count_as(Purpose::points);
   rows_.lay_out(arena, limits.points);
   was_rejected_ = arena.take<std::uint8_t>(limits.points);
-  const std::size_t sample =
-      limits.rejection_sample < limits.points ? limits.rejection_sample : limits.points;
+  const std::size_t sample = smaller(limits.rejection_sample, limits.points);
   rejection_ = sample > 0 ? limits.rejection : nullptr;
   arena.count_as(Purpose::rejection);
   forces_ = rejection_ != nullptr ? rejection_->lay_out(arena, sample) : nullptr;
@@ -154,9 +155,7 @@ void FrameSolver::solve_by_forces(FrameProblem& problem, SolverReport* report) {
   if (policy_.rejection == Rejection::forces) return;
   problem.scale = rows_.scale();
   rows_.keep_within(kTuning.readmission_scales * problem.scale);
-  const int steps = steps_left();
-  problem.minimise(steps < kTuning.readmission_iterations ? steps : kTuning.readmission_iterations,
-                   kTuning.relative_decrease, report);
+  problem.minimise(smaller(steps_left(), kTuning.readmission_iterations), kTuning.relative_decrease, report);
 }
 
 /// True if the residuals are well above the usual noise of the cues, or many rows have no weight. Coherent motion of an

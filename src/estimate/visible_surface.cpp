@@ -1,5 +1,7 @@
 #include "estimate/visible_surface.hpp"
 
+#include "base/integers.hpp"
+
 namespace pliant {
 
 namespace {
@@ -208,7 +210,7 @@ Span<const SilhouettePoint> VisibleSurface::find_contour(const View& view, std::
   const std::size_t all = finder_.find({mesh_, position_, image_, depth_}, projector, &depth_buffer_,
                                        kVisibilityTuning.hidden_margin_mm, contour_);
   std::size_t count = 0;
-  for (std::size_t k = 0; k < (all < contour_.count ? all : contour_.count); ++k)
+  for (std::size_t k = 0; k < smaller(all, contour_.count); ++k)
     if (!contour_[k].is_border)
       contour_[count++] = contour_[k];  // where the mesh ends there need not be an image edge
   return {contour_.data, count};

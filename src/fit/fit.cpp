@@ -2,6 +2,7 @@
 #include "pliant/fit.hpp"
 
 #include "base/arrays.hpp"
+#include "base/integers.hpp"
 #include "fit/fit_problem.hpp"
 #include "fit/fit_start.hpp"
 #include "fit/fit_tuning.hpp"
@@ -181,8 +182,8 @@ void Fitter::State::start(FitProblem& problem) {
   for (std::size_t i = 0; limits.silhouette && i < limits.points; ++i) work.contour_normal[i] = {};
   for (std::size_t i = 0; i < problem.points.count; ++i)
     cascade.sample_point(problem.points[i].uv, q, work.samples_of(i));
-  const auto larger = static_cast<float>(options.width > options.height ? options.width : options.height);
-  problem.prior_focal = options.focal_px > 0 ? options.focal_px : kDefaultFocalRatio * larger;
+  const auto side = static_cast<float>(larger(options.width, options.height));
+  problem.prior_focal = options.focal_px > 0 ? options.focal_px : kDefaultFocalRatio * side;
   if (options.start != nullptr) {
     problem.view = *options.start;
   } else {

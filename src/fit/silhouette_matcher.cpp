@@ -1,5 +1,6 @@
 #include "fit/silhouette_matcher.hpp"
 
+#include "base/integers.hpp"
 #include "fit/fit_tuning.hpp"
 
 namespace pliant {
@@ -46,7 +47,7 @@ void SilhouetteMatcher::find_contour(const Vec3* position, const Projector& proj
   depth_.draw(mesh_, image_, vertex_depth_);
   const std::size_t found = finder_.find({mesh_, position, image_, vertex_depth_}, projector, &depth_,
                                          kVisibilityTuning.hidden_margin_mm, contour_);
-  found_ = found < contour_.count ? found : contour_.count;
+  found_ = smaller(found, contour_.count);
 }
 
 SilhouetteMatch SilhouetteMatcher::nearest(const Correspondence& landmark) const {

@@ -5,6 +5,7 @@
 
 #include <cstring>
 
+#include "base/integers.hpp"
 #include "model/field_lanes.hpp"
 #include "model/field_sampling.hpp"
 
@@ -82,13 +83,13 @@ void VectorSum::compute(std::size_t first, std::size_t j, Interpolation interpol
 void VectorSum::add_samples(const Field& f, float amount, std::size_t first, std::size_t j,
                             Span<Vec3> out) const {
   const std::size_t i0 = first_node(f.u0, width_), j0 = first_node(f.v0, height_);
-  const std::size_t begin = first > i0 ? first : i0, out_end = first + out.count, end = i0 + f.width;
+  const std::size_t begin = larger(first, i0), out_end = first + out.count, end = i0 + f.width;
   if (j < j0 || j >= j0 + f.height || begin >= out_end || begin >= end) return;
   const std::uint8_t* samples = model_.samples() + f.first_byte + 6 * ((j - j0) * f.width + (begin - i0));
   const Vec3 offset = amount * Vec3{f.offset[0], f.offset[1], f.offset[2]},
              scale = amount * Vec3{f.scale[0], f.scale[1], f.scale[2]};
   Vec3* const to = out.data + (begin - first);
-  const std::size_t count = (end < out_end ? end : out_end) - begin;
+  const std::size_t count = smaller(end, out_end) - begin;
   std::size_t k = 0;
 #if PLIANT_HAS_VECTORS
   k = add_lanes(samples, count, scale, offset, to);

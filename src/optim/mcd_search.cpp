@@ -2,11 +2,13 @@
 // subset does.
 #include "optim/mcd_search.hpp"
 
+#include "base/integers.hpp"
+
 namespace pliant::mcd {
 
 namespace {
 bool was_seen(const Search& search) {
-  const std::size_t count = search.seen_count < kRemembered ? search.seen_count : kRemembered;
+  const std::size_t count = smaller(search.seen_count, kRemembered);
   const ScaledNumber last = search.seen[search.seen_count % kRemembered];
   for (std::size_t i = 0; i < count; ++i)
     if (i != search.seen_count % kRemembered && is_close(search.seen[i], last, kTuning.same_determinant))

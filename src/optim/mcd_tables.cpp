@@ -1,6 +1,7 @@
 // Chi-square and the correction factors of the minimum covariance determinant (docs/algorithms.md, section 6.4). They are
 // computed, not stored: for any fraction h/n and any number of columns, in a few microseconds a call of the estimator.
 #include "base/elementary.hpp"
+#include "base/integers.hpp"
 #include "pliant/outliers.hpp"
 
 namespace pliant {
@@ -11,7 +12,7 @@ std::size_t mcd_subset_size(std::size_t rows, std::size_t columns, double alpha)
   const double h = 2.0 * static_cast<double>(middle) - static_cast<double>(rows) +
                    2.0 * static_cast<double>(rows - middle) * alpha;
   const auto floor = static_cast<std::size_t>(h);
-  return floor < rows ? floor : rows;
+  return smaller(floor, rows);
 }
 
 namespace {
