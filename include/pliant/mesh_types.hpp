@@ -17,10 +17,12 @@ using HalfEdgeId = std::uint16_t;
 /// Capacities of a mesh. Bytes: 14 a vertex, 12 a face and a bit for each; 19 a triangle where there are twice as many
 /// faces as vertices.
 struct MeshLimits {
-  std::uint16_t vertices = 1024;                ///< at most 65,534
-  std::uint16_t faces = 2048;                   ///< at most 21,845
-  std::uint8_t max_level = 12;                  ///< bisections on top of the base mesh; at most kDeepest
-  static constexpr std::uint8_t kDeepest = 24;  ///< highest level
+  std::uint16_t vertices = 1024;                         ///< at most kMostVertices
+  std::uint16_t faces = 2048;                            ///< at most kMostFaces
+  std::uint8_t max_level = 12;                           ///< bisections on top of the base mesh; at most kDeepest
+  static constexpr std::uint16_t kMostVertices = 65534;  ///< ids have 16 bits
+  static constexpr std::uint16_t kMostFaces = 21845;     ///< ids of their half-edges have 16 bits
+  static constexpr std::uint8_t kDeepest = 24;           ///< highest level
 };
 
 /// A triangle and its neighbours: a live face, or one that a weld would restore. Edge i runs from corner i to

@@ -20,8 +20,7 @@ bool are_beside(float x, float reach, float a, float b, float c) {
 void VisibleSurface::lay_out(Arena& arena, std::size_t parameters, const VisibleSurfaceLimits& limits) {
   MeshLimits mesh;
   mesh.vertices = limits.vertices;
-  const unsigned faces = 2u * limits.vertices;
-  mesh.faces = static_cast<std::uint16_t>(faces < 21845u ? faces : 21845u);
+  mesh.faces = static_cast<std::uint16_t>(smaller(2 * limits.vertices, MeshLimits::kMostFaces));
   arena.count_as(Purpose::mesh);
   mesh_.lay_out(arena, mesh);
   arena.count_as(Purpose::adaptation);

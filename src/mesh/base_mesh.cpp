@@ -7,6 +7,7 @@
 
 #include "base/arrays.hpp"
 #include "base/heap_sort.hpp"
+#include "base/integers.hpp"
 #include "mesh/perfect_matching.hpp"
 
 namespace pliant {
@@ -16,14 +17,14 @@ float doubled_area(Vec2 a, Vec2 b, Vec2 c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-constexpr std::uint16_t kMostFaces = 21845;
+constexpr int kMostFaces = MeshLimits::kMostFaces;
 
 MeshLimits output_limits(const BaseMeshLimits& l) {
   MeshLimits m;
-  const unsigned vertices = l.splits ? l.vertices + unsigned{l.faces} : l.vertices;
-  const unsigned faces = l.splits ? 3u * l.faces : l.faces;
-  m.vertices = static_cast<std::uint16_t>(vertices > 65534 ? 65534 : vertices);
-  m.faces = static_cast<std::uint16_t>(faces > kMostFaces ? kMostFaces : faces);
+  const int vertices = l.splits ? l.vertices + l.faces : l.vertices;
+  const int faces = l.splits ? 3 * l.faces : l.faces;
+  m.vertices = static_cast<std::uint16_t>(smaller(vertices, MeshLimits::kMostVertices));
+  m.faces = static_cast<std::uint16_t>(smaller(faces, kMostFaces));
   m.max_level = 1;
   return m;
 }
@@ -32,8 +33,8 @@ MeshLimits output_limits(const BaseMeshLimits& l) {
 
 void BaseMeshMaker::lay_out(Arena& arena, const BaseMeshLimits& limits) {
   limits_ = limits;
-  const std::uint16_t most = limits.splits ? kMostFaces / 3 : kMostFaces;
-  if (limits_.faces > most) limits_.faces = most;
+  limits_.faces =
+      static_cast<std::uint16_t>(smaller(limits.faces, limits.splits ? kMostFaces / 3 : kMostFaces));
   const MeshLimits out = output_limits(limits_);
   const std::size_t faces = limits_.faces;
   mesh_.lay_out(arena, out);

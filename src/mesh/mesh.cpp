@@ -34,8 +34,8 @@ Vec2 barycentre(Vec2 a, Vec2 b, Vec2 c) {
 
 void Mesh::lay_out(Arena& arena, const MeshLimits& limits) {
   limits_ = limits;
-  if (limits_.vertices > 65534) limits_.vertices = 65534;
-  if (limits_.faces > 21845) limits_.faces = 21845;
+  if (limits_.vertices > MeshLimits::kMostVertices) limits_.vertices = MeshLimits::kMostVertices;
+  if (limits_.faces > MeshLimits::kMostFaces) limits_.faces = MeshLimits::kMostFaces;
   if (limits_.max_level > MeshLimits::kDeepest) limits_.max_level = MeshLimits::kDeepest;
   corner_ = arena.take<VertexId>(3 * std::size_t{limits_.faces});
   twin_ = arena.take<HalfEdgeId>(3 * std::size_t{limits_.faces});

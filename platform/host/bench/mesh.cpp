@@ -30,7 +30,7 @@ std::string span(int from, int to) {
   return std::to_string(from) + "_to_" + std::to_string(to);
 }
 
-constexpr MeshLimits kLarge{12000, 21845, 20};
+constexpr MeshLimits kLarge{12000, MeshLimits::kMostFaces, 20};
 
 struct Bench {
   explicit Bench(const MeshLimits& l)

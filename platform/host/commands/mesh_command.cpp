@@ -17,7 +17,7 @@ namespace pliant::host {
 
 namespace {
 
-constexpr int kMostVertices = kMostMeshFaces;
+constexpr int kMostVertices = MeshLimits::kMostFaces;
 static_assert(kMostVertices == 21845, "the help states the number");
 
 MeshCriterion criterion_named(const std::string& name) {

@@ -10,8 +10,7 @@ namespace {
 
 MeshLimits limits_of(const MeshRequest& request) {
   MeshLimits limits;
-  limits.faces = kMostMeshFaces;
-  limits.vertices = kMostMeshFaces;
+  limits.faces = limits.vertices = MeshLimits::kMostFaces;
   limits.max_level = static_cast<std::uint8_t>(std::min<int>(request.depth, MeshLimits::kDeepest));
   return limits;
 }

@@ -10,9 +10,6 @@
 
 namespace pliant::host {
 
-/// Faces of a mesh, at most: the numbers of three half-edges a face have 16 bits. Vertices are fewer.
-constexpr std::uint16_t kMostMeshFaces = 65535 / 3;
-
 enum class MeshCriterion { none, uniform, normals, contour };
 
 /// How a mesh is adapted. With a threshold of 0 it is as good as the budget allows.

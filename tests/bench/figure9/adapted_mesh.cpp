@@ -11,7 +11,7 @@ constexpr int kOperationsPerFrame = 64, kParts = 4;
 MeshLimits mesh_limits() {
   MeshLimits limits;
   limits.vertices = kMostVertices;
-  limits.faces = host::kMostMeshFaces;
+  limits.faces = MeshLimits::kMostFaces;
   limits.max_level = MeshLimits::kDeepest;
   return limits;
 }
