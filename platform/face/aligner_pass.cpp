@@ -15,6 +15,12 @@ struct AlignerPassTuning {
 };
 constexpr AlignerPassTuning kTuning{};
 
+/// What one row of learnt weights says of a block.
+template <class Weights>
+float response(const Weights& w, std::size_t row, const std::uint8_t* block, std::size_t bytes) {
+  return w.scale[row] * static_cast<float>(dot_bytes(w.rows + row * bytes, block, bytes));
+}
+
 Vec2 limited(Vec2 mm) {
   constexpr float kMost = kTuning.most_displacement_mm;
   return {clamp(mm.x, -kMost, kMost), clamp(mm.y, -kMost, kMost)};
@@ -96,7 +102,7 @@ Vec2 AlignerPass::predict_local(const AlignerTable& table, const AlignerStage& s
   const Vec2 middle = describe_around(x, stage, block_);
   mirror_block(block_, stage.cells, mirrored_);
   const auto along = [&](std::size_t row, const std::uint8_t* block) {
-    return w.scale[row] * static_cast<float>(dot_bytes(w.rows + row * bytes, block, bytes));
+    return response(w, row, block, bytes);
   };
   const float left = 1 - gate_, right = gate_;
   const Vec2 mm{
@@ -167,10 +173,8 @@ AlignerEvidence AlignerPass::weigh(const AlignerTable& table) {
     target_[k] = predict_local(table, stage, local, t, seen.x);
     const std::size_t other = table.mirrored(t);
     const auto sum_of = [&](const CheckWeights& w) {
-      const auto along = [&](std::size_t row, const std::uint8_t* block) {
-        return w.scale[row] * static_cast<float>(dot_bytes(w.rows + row * bytes, block, bytes));
-      };
-      return seen.weight * ((1 - gate_) * along(t, block_) + gate_ * along(other, mirrored_) + w.bias[t]);
+      return seen.weight * ((1 - gate_) * response(w, t, block_, bytes) +
+                            gate_ * response(w, other, mirrored_, bytes) + w.bias[t]);
     };
     const float of_landmark = sum_of(check);
     if (table.tells_text()) evidence.text += sum_of(text);
