@@ -146,71 +146,132 @@ TEST_CASE("an unobserved unknown stays and is counted") {
   CHECK(step[1] == doctest::Approx(2));
 }
 
+/// A problem of n unknowns, by its cost and its equations at x.
+template <std::size_t n>
+struct Problem {
+  float (*cost)(const float* x);
+  void (*linearise)(const float* x, NormalEquations& equations);
+  float x[n] = {}, trial[n] = {};
+
+  SolverReport minimise(const SolverOptions& options) {
+    Equations e(n);
+    float step[n];
+    const LeastSquaresProblem problem{this,
+                                      [](void* p, NormalEquations& equations) {
+                                        const auto& self = *static_cast<Problem*>(p);
+                                        equations.reset(n);
+                                        self.linearise(self.x, equations);
+                                        return self.cost(self.x);
+                                      },
+                                      [](void* p, const float* by) {
+                                        auto& self = *static_cast<Problem*>(p);
+                                        for (std::size_t k = 0; k < n; ++k) self.trial[k] = self.x[k] + by[k];
+                                        return self.cost(self.trial);
+                                      },
+                                      [](void* p) {
+                                        auto& self = *static_cast<Problem*>(p);
+                                        std::copy_n(self.trial, n, self.x);
+                                      }};
+    return pliant::minimise(problem, options, e.equations, step);
+  }
+};
+
+/// Rosenbrock's function, halved.
+Problem<2> valley() {
+  return {[](const float* x) {
+            const float a = 10 * (x[1] - x[0] * x[0]), b = 1 - x[0];
+            return 0.5f * (a * a + b * b);
+          },
+          [](const float* x, NormalEquations& equations) {
+            const std::uint16_t unknown[2] = {0, 1};
+            const Vec2 column[2] = {{-20 * x[0], -1}, {10, 0}};
+            equations.add(unknown, column, 2, {-10 * (x[1] - x[0] * x[0]), -(1 - x[0])}, {1, 0, 1});
+          },
+          {-1.2f, 1}};
+}
+
 TEST_CASE("the minimiser finds the bottom of Rosenbrock's valley") {
-  struct Valley {
-    float x[2] = {-1.2f, 1}, trial[2] = {};
-    static float cost(const float* v) {
-      const float a = 10 * (v[1] - v[0] * v[0]), b = 1 - v[0];
-      return 0.5f * (a * a + b * b);
-    }
-  } valley;
-  Equations e(2);
-  const LeastSquaresProblem problem{
-      &valley,
-      [](void* c, NormalEquations& eq) {
-        auto& v = *static_cast<Valley*>(c);
-        eq.reset(2);
-        const std::uint16_t unknown[2] = {0, 1};
-        const Vec2 column[2] = {{-20 * v.x[0], -1}, {10, 0}};
-        eq.add(unknown, column, 2, {-10 * (v.x[1] - v.x[0] * v.x[0]), -(1 - v.x[0])}, {1, 0, 1});
-        return Valley::cost(v.x);
-      },
-      [](void* c, const float* step) {
-        auto& v = *static_cast<Valley*>(c);
-        for (int k = 0; k < 2; ++k) v.trial[k] = v.x[k] + step[k];
-        return Valley::cost(v.trial);
-      },
-      [](void* c) {
-        auto& v = *static_cast<Valley*>(c);
-        for (int k = 0; k < 2; ++k) v.x[k] = v.trial[k];
-      }};
+  Problem<2> problem = valley();
   SolverOptions options;
   options.max_accepted = 60;
-  float step[2];
-  const SolverReport report = minimise(problem, options, e.equations, step);
+  const SolverReport report = problem.minimise(options);
+  CHECK(report.stop_reason != StopReason::iteration_limit);
   CHECK(report.final_cost < 1e-8f);
-  CHECK(valley.x[0] == doctest::Approx(1).epsilon(1e-3));
-  CHECK(valley.x[1] == doctest::Approx(1).epsilon(1e-3));
+  CHECK(problem.x[0] == doctest::Approx(1).epsilon(1e-3));
+  CHECK(problem.x[1] == doctest::Approx(1).epsilon(1e-3));
   CHECK(report.iterations < 60);  // trial steps, with those refused
 }
 
+TEST_CASE("limits of steps end the minimiser where it is") {
+  SolverOptions accepted;
+  accepted.max_accepted = 2;
+  SolverOptions tried;
+  tried.max_accepted = 60;
+  tried.max_steps = 3;
+  for (const SolverOptions& options : {accepted, tried}) {
+    Problem<2> problem = valley();
+    const SolverReport report = problem.minimise(options);
+    CHECK(report.stop_reason == StopReason::iteration_limit);
+    CHECK(report.iterations >= 2);
+    CHECK(report.iterations <= options.max_steps);
+    CHECK(report.final_cost < report.initial_cost);
+    CHECK(report.final_cost == problem.cost(problem.x));
+  }
+  SolverOptions none;
+  none.max_steps = 0;
+  Problem<2> problem = valley();
+  CHECK(problem.minimise(none).iterations == 0);
+  CHECK(problem.x[0] == -1.2f);
+}
+
+TEST_CASE("small decreases, measured or predicted, end the minimiser early") {
+  SolverOptions exact;
+  exact.max_accepted = 60;
+  SolverOptions measured = exact, predicted = exact;
+  measured.measured_decrease = 0.5f;
+  predicted.measured_decrease = 0;
+  predicted.predicted_decrease = 0.9f;
+  Problem<2> best = valley();
+  const SolverReport to_the_end = best.minimise(exact);
+  for (const SolverOptions& options : {measured, predicted}) {
+    Problem<2> problem = valley();
+    const SolverReport report = problem.minimise(options);
+    CHECK(report.stop_reason == StopReason::converged);
+    CHECK(report.iterations < to_the_end.iterations);
+  }
+}
+
+TEST_CASE("steps that never lower the cost, or make it NaN, end the minimiser after `max_refused`") {
+  const auto slope = [](const float* x, NormalEquations& equations) {
+    const std::uint16_t unknown[1] = {0};
+    const Vec2 column[1] = {{1, 0}};
+    equations.add(unknown, column, 1, {1 - x[0], 0}, {1, 0, 0});
+  };
+  Problem<1> level{[](const float*) { return 1.0f; }, slope};
+  Problem<1> hole{[](const float* x) { return x[0] > 0 ? std::numeric_limits<float>::quiet_NaN() : 1.0f; },
+                  slope};
+  for (Problem<1>* problem : {&level, &hole})
+    for (const int most : {1, 4}) {
+      SolverOptions options;
+      options.max_refused = most;
+      const SolverReport report = problem->minimise(options);
+      CHECK(report.stop_reason == StopReason::no_decrease);
+      CHECK(report.ends_with_refused_step);
+      CHECK(report.iterations == most);
+      CHECK(report.final_cost == 1);
+      CHECK(problem->x[0] == 0);
+    }
+}
+
 TEST_CASE("the minimiser counts the unknowns that no observation determines") {
-  struct Line {  // of three unknowns only the sum of the first two is observed
-    float x[3] = {}, trial[3] = {};
-    static float cost(const float* x) { return 0.5f * (x[0] + x[1] - 4) * (x[0] + x[1] - 4); }
-  } line;
-  Equations e(3);
-  const LeastSquaresProblem problem{
-      &line,
-      [](void* p, NormalEquations& equations) {
-        const float* const x = static_cast<Line*>(p)->x;
-        equations.reset(3);
+  Problem<3> line{
+      [](const float* x) { return 0.5f * (x[0] + x[1] - 4) * (x[0] + x[1] - 4); },
+      [](const float* x, NormalEquations& equations) {  // only the sum of the first two is observed
         const std::uint16_t unknown[] = {0, 1};
         const Vec2 column[] = {{1, 0}, {1, 0}};
         equations.add(unknown, column, 2, {4 - x[0] - x[1], 0}, {1, 0, 0});
-        return Line::cost(x);
-      },
-      [](void* p, const float* step) {
-        Line& l = *static_cast<Line*>(p);
-        for (int k = 0; k < 3; ++k) l.trial[k] = l.x[k] + step[k];
-        return Line::cost(l.trial);
-      },
-      [](void* p) {
-        Line& l = *static_cast<Line*>(p);
-        for (int k = 0; k < 3; ++k) l.x[k] = l.trial[k];
       }};
-  float step[3];
-  const SolverReport report = minimise(problem, {}, e.equations, step);
+  const SolverReport report = line.minimise({});
   CHECK(report.final_cost < 1e-6f);
   CHECK(report.undetermined == 1);
   CHECK(line.x[2] == 0);
