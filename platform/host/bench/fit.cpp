@@ -7,10 +7,10 @@
 #include "host/bench/bench.hpp"
 #include "host/bench/fit_problem.hpp"
 #include "host/bench/rows.hpp"
-#include "host/bench/split_mix.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
+#include "host/learn/sample_random.hpp"
 
 namespace pliant::host {
 
@@ -20,7 +20,7 @@ constexpr int kProblems = 10, kRepeats = 15;
 constexpr std::size_t kProblemsOfDynamics = 3;  // few, because each takes long
 
 /// Box and Muller's normal number, as the program has it that wrote the problems: the sequence continues theirs.
-double normal(SplitMix& random) {
+double normal(learn::SplitMix& random) {
   double u = random.uniform();
   while (u <= 0) u = random.uniform();
   return std::sqrt(-2 * std::log(u)) * std::cos(6.283185307179586 * random.uniform());
@@ -37,7 +37,7 @@ struct Case {
 
   /// Initial state of tracking: near the truth. Skips the random numbers that were used for the outliers.
   void start_near_truth(std::uint64_t seed) {
-    SplitMix random{seed};
+    learn::SplitMix random{seed};
     for (std::size_t i = 0; i < 2 * (fit.point_count() / 10); ++i) random.uniform();
     camera = fit.camera_true();
     coefficients = fit.coefficients_true();

@@ -2,9 +2,9 @@
 // from six, and from 500 random ones. Times are medians. "missed" counts the outliers that are not flagged in the last run.
 #include "host/bench/bench.hpp"
 #include "host/bench/rows.hpp"
-#include "host/bench/split_mix.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
+#include "host/learn/sample_random.hpp"
 #include "pliant/outliers.hpp"
 
 namespace pliant::host {
@@ -12,14 +12,14 @@ namespace pliant::host {
 namespace {
 
 /// The sum of twelve uniform numbers: without functions that differ between C libraries.
-double nearly_normal(SplitMix& random) {
+double nearly_normal(learn::SplitMix& random) {
   double sum = -6;
   for (int i = 0; i < 12; ++i) sum += random.uniform();
   return sum;
 }
 
 std::vector<float> shifted_gaussian(std::size_t rows, std::size_t columns) {
-  SplitMix random{7};
+  learn::SplitMix random{7};
   std::vector<float> data(rows * columns);
   for (std::size_t i = 0; i < rows; ++i)
     for (std::size_t j = 0; j < columns; ++j)

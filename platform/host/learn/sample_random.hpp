@@ -1,18 +1,33 @@
 #pragma once
 /// \file sample_random.hpp
-/// Random numbers of training samples: a stream for each pair of seed and index, the same on every machine.
+/// Random numbers, the same on every machine; for training samples a stream for each pair of seed and index.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 
 namespace pliant::host::learn {
 
-/// A generator (SplitMix64). Streams of different indices are independent, so that samples can be drawn in any order.
+/// The generator SplitMix64 (Steele, Lea and Flood 2014).
+struct SplitMix {
+  std::uint64_t state;
+
+  static std::uint64_t mixed(std::uint64_t x) {
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+  }
+  std::uint64_t bits() { return mixed(state += 0x9e3779b97f4a7c15u); }
+  /// In [0, 1).
+  double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+};
+
+/// Streams of different indices are independent, so that samples can be drawn in any order.
 class SampleRandom {
  public:
-  SampleRandom(std::uint64_t seed, std::uint64_t index) : state_(mixed(seed) ^ mixed(~index)) {}
+  SampleRandom(std::uint64_t seed, std::uint64_t index)
+      : generator_{SplitMix::mixed(seed) ^ SplitMix::mixed(~index)} {}
 
-  std::uint64_t bits() { return mixed(state_ += 0x9e3779b97f4a7c15u); }
+  std::uint64_t bits() { return generator_.bits(); }
   /// In [0, 1).
   float unit() { return static_cast<float>(bits() >> 40) * (1.0f / 16777216); }
   /// In [low, high).
@@ -31,12 +46,7 @@ class SampleRandom {
   }
 
  private:
-  static std::uint64_t mixed(std::uint64_t x) {
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return x ^ x >> 31;
-  }
-  std::uint64_t state_;
+  SplitMix generator_;
 };
 
 }  // namespace pliant::host::learn
