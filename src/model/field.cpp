@@ -81,6 +81,12 @@ struct CubicTaps {
   float weight[4], slope[4];
 };
 
+/// A sample that is missing beyond the rim, as a combination of those at the rim, next to it, and opposite.
+struct Beyond {
+  float rim, next, opposite;
+};
+constexpr Beyond kReflection{0, 1, 0}, kLine{2, -1, 0}, kParabola{3, -3, 1};
+
 /// \param first_is_rim  the first sample lies on a rim inside the chart; `last_is_rim` likewise.
 CubicTaps cubic_taps(std::size_t cell, float a, std::size_t count, bool first_is_rim, bool last_is_rim) {
   const float a2 = a * a, a3 = a2 * a;
@@ -89,24 +95,17 @@ CubicTaps cubic_taps(std::size_t cell, float a, std::size_t count, bool first_is
                0.5f * (a3 - a2)},
               {0.5f * (4 * a - 1 - 3 * a2), 0.5f * (9 * a2 - 10 * a), 0.5f * (8 * a + 1 - 9 * a2),
                0.5f * (3 * a2 - 2 * a)}};
-  // The missing sample is a combination of others: its weight moves to them. Its tap becomes the opposite sample.
+  // The weight of the missing sample moves to the others. Its tap becomes the opposite sample.
   const auto replace = [&](std::size_t missing, std::size_t rim, std::size_t next, std::size_t opposite,
                            bool is_rim) {
     const float w = t.weight[missing], s = t.slope[missing];
-    const bool is_line = count == 2;  // too few for a parabola
-    const float to_rim = is_rim    ? 0
-                         : is_line ? 2
-                                   : 3,
-                to_next = is_rim    ? 1
-                          : is_line ? -1
-                                    : -3,
-                to_opposite = is_rim || is_line ? 0 : 1;
-    t.weight[rim] += to_rim * w;
-    t.slope[rim] += to_rim * s;
-    t.weight[next] += to_next * w;
-    t.slope[next] += to_next * s;
-    t.weight[missing] = to_opposite * w;
-    t.slope[missing] = to_opposite * s;
+    const Beyond& by = is_rim ? kReflection : count == 2 ? kLine : kParabola;
+    t.weight[rim] += by.rim * w;
+    t.slope[rim] += by.rim * s;
+    t.weight[next] += by.next * w;
+    t.slope[next] += by.next * s;
+    t.weight[missing] = by.opposite * w;
+    t.slope[missing] = by.opposite * s;
     t.at[missing] = opposite;
   };
   // With two samples both ends are missing; the first replacement must not feed the second.
