@@ -28,6 +28,33 @@ void place_samples(float first, float ratio, int n, int most, int* out) {
     out[k] = within(whole(clamp(from + spacing * static_cast<float>(k), -1, 1e6f)), 0, most);
 }
 
+/// A row of the picture: each pixel is the rounded mean of n x n samples.
+/// \param lines  n of the frame. \param column  bytes from the beginning of a line to each sample, n a pixel.
+void write_means(const std::uint8_t* const* lines, const int* column, int n, int side, std::uint8_t* to) {
+  std::uint8_t* const end = to + side;
+  if (n == 1) {
+    while (to != end) *to++ = lines[0][*column++];
+    return;
+  }
+  if (n == 2) {
+    for (; to != end; column += 2) {
+      const int upper = lines[0][column[0]] + lines[0][column[1]];
+      *to++ = static_cast<std::uint8_t>((upper + lines[1][column[0]] + lines[1][column[1]] + 2) / 4);
+    }
+    return;
+  }
+  // Of at most 36 samples: 2^20 / n^2, rounded up, divides their sums exactly.
+  static_assert(kMostSamples <= 6, "");
+  const auto square = static_cast<std::uint32_t>(n * n), half_square = square / 2,
+             reciprocal = (1u << 20) / square + 1;
+  for (; to != end; column += n) {
+    std::uint32_t sum = half_square;
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) sum += lines[j][column[i]];
+    *to++ = static_cast<std::uint8_t>((sum * reciprocal) >> 20);
+  }
+}
+
 }  // namespace
 
 Sym2 to_frame_px(Sym2 w, Vec2 a) {
@@ -56,31 +83,12 @@ void FacePicture::take(const FrameView& frame, Vec2 centre, float ratio, int* co
     place_samples(position(first_.x, x), ratio_, n, frame.width - 1, columns + x * n);
     for (int k = 0; k < n; ++k) columns[x * n + k] *= frame.pixel_step_bytes;
   }
-  // Sums of at most 36 samples, rounded: 2^20 / n^2, rounded up, divides them exactly.
-  static_assert(kMostSamples <= 6, "");
-  const auto square = static_cast<std::uint32_t>(n * n), half_square = square / 2,
-             reciprocal = (1u << 20) / square + 1;
-  std::uint8_t* to = pixels_;
   for (int y = 0; y < side_; ++y) {
     int row[kMostSamples];
     place_samples(position(first_.y, y), ratio_, n, frame.height - 1, row);
     const std::uint8_t* lines[kMostSamples];
     for (int k = 0; k < n; ++k) lines[k] = frame.data + static_cast<std::size_t>(row[k]) * frame.stride_bytes;
-    const int* column = columns;
-    if (n == 1)
-      for (int x = 0; x < side_; ++x) *to++ = lines[0][*column++];
-    else if (n == 2)
-      for (int x = 0; x < side_; ++x, column += 2) {
-        const int upper = lines[0][column[0]] + lines[0][column[1]];
-        *to++ = static_cast<std::uint8_t>((upper + lines[1][column[0]] + lines[1][column[1]] + 2) / 4);
-      }
-    else
-      for (int x = 0; x < side_; ++x, column += n) {
-        std::uint32_t sum = half_square;
-        for (int j = 0; j < n; ++j)
-          for (int i = 0; i < n; ++i) sum += lines[j][column[i]];
-        *to++ = static_cast<std::uint8_t>((sum * reciprocal) >> 20);
-      }
+    write_means(lines, columns, n, side_, pixels_ + y * side_);
   }
 }
 
