@@ -79,6 +79,7 @@ class BaseMeshMaker {
   Status prepare(Span<const Vec2> uv, Span<const std::uint16_t> corners, Winding winding,
                  Span<const Vec3> position);
   Status find_neighbours();
+  Status orient_part(FaceId first, Span<const Vec2> uv, Winding winding);
   Status orient(Span<const Vec2> uv, Winding winding);
   std::size_t sort_edges(Span<const Vec3> position);
   void split_edges(std::size_t edge_count);

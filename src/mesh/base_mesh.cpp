@@ -80,38 +80,44 @@ Status BaseMeshMaker::find_neighbours() {
   return Status::ok;
 }
 
-// Gives each connected part the winding of its first face, then inverts the whole part if the caller asks for it.
+// Gives the connected part of a face its winding, then inverts the whole part if the caller asks for it.
+Status BaseMeshMaker::orient_part(FaceId first, Span<const Vec2> uv, Winding winding) {
+  std::size_t head = 0, tail = 0;
+  float area = 0;
+  queue_[tail++] = first;
+  flag_[first] = 1;
+  while (head < tail) {
+    const FaceId f = queue_[head++];
+    const std::uint16_t* c = corners_ + 3 * std::size_t{f};
+    const float own = doubled_area(uv[c[0]], uv[c[1]], uv[c[2]]);
+    area += flip_[f] != 0 ? -own : own;
+    for (int k = 0; k < 3; ++k) {
+      const HalfEdgeId h = Mesh::half_edge(f, k), t = neighbour_[h];
+      if (t == kNone) continue;
+      const FaceId g = Mesh::face_of(t);
+      const std::uint8_t wanted =
+          corners_[h] == corners_[t] ? 1 - flip_[f] : flip_[f];  // alike as given: one turns
+      if (flag_[g] == 0) {
+        flag_[g] = 1;
+        flip_[g] = wanted;
+        queue_[tail++] = g;
+      } else if (flip_[g] != wanted) {
+        return Status::non_orientable;
+      }
+    }
+  }
+  const bool turn =
+      (winding == Winding::counter_clockwise && area < 0) || (winding == Winding::clockwise && area > 0);
+  for (std::size_t i = 0; turn && i < tail; ++i) flip_[queue_[i]] ^= 1;
+  return Status::ok;
+}
+
 Status BaseMeshMaker::orient(Span<const Vec2> uv, Winding winding) {
   for (std::size_t f = 0; f < face_count_; ++f) flag_[f] = flip_[f] = 0;
   for (std::size_t first = 0; first < face_count_; ++first) {
     if (flag_[first] != 0) continue;
-    std::size_t head = 0, tail = 0;
-    float area = 0;
-    queue_[tail++] = static_cast<FaceId>(first);
-    flag_[first] = 1;
-    while (head < tail) {
-      const FaceId f = queue_[head++];
-      const std::uint16_t* c = corners_ + 3 * std::size_t{f};
-      const float own = doubled_area(uv[c[0]], uv[c[1]], uv[c[2]]);
-      area += flip_[f] != 0 ? -own : own;
-      for (int k = 0; k < 3; ++k) {
-        const HalfEdgeId h = Mesh::half_edge(f, k), t = neighbour_[h];
-        if (t == kNone) continue;
-        const FaceId g = Mesh::face_of(t);
-        const std::uint8_t wanted =
-            corners_[h] == corners_[t] ? 1 - flip_[f] : flip_[f];  // alike as given: one turns
-        if (flag_[g] == 0) {
-          flag_[g] = 1;
-          flip_[g] = wanted;
-          queue_[tail++] = g;
-        } else if (flip_[g] != wanted) {
-          return Status::non_orientable;
-        }
-      }
-    }
-    const bool turn =
-        (winding == Winding::counter_clockwise && area < 0) || (winding == Winding::clockwise && area > 0);
-    for (std::size_t i = 0; turn && i < tail; ++i) flip_[queue_[i]] ^= 1;
+    const Status status = orient_part(static_cast<FaceId>(first), uv, winding);
+    if (status != Status::ok) return status;
   }
   for (std::size_t f = 0; f < face_count_; ++f) {
     if (flip_[f] == 0) continue;
