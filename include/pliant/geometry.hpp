@@ -63,6 +63,11 @@ constexpr float dot(Vec2 a, Vec2 b) {
   return a.x * b.x + a.y * b.y;
 }
 
+/// Twice the signed area of a triangle. With y (or v) down, a triangle that is clockwise on the screen has a positive area.
+constexpr float doubled_area(Vec2 a, Vec2 b, Vec2 c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
 /// Sum, by components.
 constexpr Vec3 operator+(Vec3 a, Vec3 b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};

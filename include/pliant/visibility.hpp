@@ -48,12 +48,6 @@ class DepthBuffer {
   float cells_per_px_ = 0;
 };
 
-/// Twice the signed area of a triangle. With y (or v) down, a triangle that is clockwise on the screen has a
-/// positive area.
-constexpr float doubled_area(Vec2 a, Vec2 b, Vec2 c) {
-  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-}
-
 /// True if the face turns its outer side to the camera: its orientation in the image is that in the chart.
 /// Seen from outside, v points down where u points right (model.hpp).
 /// \param image  px, by vertex id.

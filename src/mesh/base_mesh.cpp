@@ -13,10 +13,6 @@
 namespace pliant {
 namespace {
 
-float doubled_area(Vec2 a, Vec2 b, Vec2 c) {
-  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-}
-
 constexpr int kMostFaces = MeshLimits::kMostFaces;
 
 MeshLimits output_limits(const BaseMeshLimits& l) {

@@ -29,8 +29,7 @@ Status Mesh::check_triangles(Span<const Vec2> uv, Span<const std::uint16_t> corn
     if (v >= uv.count) return Status::bad_index;
   for (std::size_t i = 0; i < corners.count; i += 3) {
     const std::uint16_t* c = corners.data + i;
-    const Vec2 ab = uv[c[1]] - uv[c[0]], ac = uv[c[2]] - uv[c[0]];
-    const float area = ab.x * ac.y - ab.y * ac.x;
+    const float area = doubled_area(uv[c[0]], uv[c[1]], uv[c[2]]);
     if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0] || !is_finite(area) || !(area < 0 || area > 0))
       return Status::degenerate_face;
   }

@@ -89,8 +89,7 @@ MeshStatistics Mesh::compute_statistics() const {
   for (const FaceId f : faces()) {
     const int l = face_level(f);
     if (l <= MeshLimits::kDeepest) ++s.faces_at_level[l];
-    const Vec2 a = uv(corner(f, 0)), ab = uv(corner(f, 1)) - a, ac = uv(corner(f, 2)) - a;
-    if (ab.x * ac.y - ab.y * ac.x < 0) ++s.folded_faces;
+    if (doubled_area(uv(corner(f, 0)), uv(corner(f, 1)), uv(corner(f, 2))) < 0) ++s.folded_faces;
   }
   return s;
 }

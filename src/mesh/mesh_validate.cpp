@@ -7,10 +7,6 @@
 namespace pliant {
 namespace {
 
-float doubled_area(Vec2 a, Vec2 b, Vec2 c) {
-  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-}
-
 // FNV-1a, a 32-bit word at a time.
 struct Digest {
   std::uint32_t value = 2166136261u;

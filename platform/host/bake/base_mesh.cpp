@@ -270,9 +270,9 @@ class BaseMesher {
 
   bool inverts_one(const std::vector<std::size_t>& star) const {
     return std::any_of(star.begin(), star.end(), [&](std::size_t f) {
-      const Vec2 a = domain_.points[at(triangles_[f][0])], b = domain_.points[at(triangles_[f][1])],
-                 c = domain_.points[at(triangles_[f][2])];
-      return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) <= kTuning.least_doubled_area;
+      const auto& t = triangles_[f];
+      return doubled_area(domain_.points[at(t[0])], domain_.points[at(t[1])], domain_.points[at(t[2])]) <=
+             kTuning.least_doubled_area;
     });
   }
 
