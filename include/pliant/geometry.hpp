@@ -152,6 +152,22 @@ constexpr float min(float a, float b) {
 constexpr float max(float a, float b) {
   return a < b ? b : a;
 }
+/// The smaller one of each component.
+constexpr Vec2 min(Vec2 a, Vec2 b) {
+  return {min(a.x, b.x), min(a.y, b.y)};
+}
+/// The larger one of each component.
+constexpr Vec2 max(Vec2 a, Vec2 b) {
+  return {max(a.x, b.x), max(a.y, b.y)};
+}
+/// The smaller one of each component.
+constexpr Vec3 min(Vec3 a, Vec3 b) {
+  return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+/// The larger one of each component.
+constexpr Vec3 max(Vec3 a, Vec3 b) {
+  return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
 /// x, or the nearer end of [lo, hi].
 constexpr float clamp(float x, float lo, float hi) {
   return x < lo ? lo : (hi < x ? hi : x);

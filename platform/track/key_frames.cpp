@@ -76,8 +76,8 @@ PixelBox KeyFrames::box_of(const Estimator& estimator) const {
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
   for (VertexId v : estimator.mesh().vertices()) {
     const Vec2 x = estimator.vertex_seen(v);
-    low = {min(low.x, x.x), min(low.y, x.y)};
-    high = {max(high.x, x.x), max(high.y, x.y)};
+    low = min(low, x);
+    high = max(high, x);
   }
   const auto pixel = [fraction](float x) { return static_cast<int>(clamp(fraction * x, -1e4f, 1e4f)); };
   return {pixel(low.x), pixel(low.y), pixel(high.x) + 1, pixel(high.y) + 1};

@@ -9,8 +9,8 @@ namespace pliant {
 float spread_of(Span<const Correspondence> points) {
   Vec2 low{1e30f, 1e30f}, high{-1e30f, -1e30f};
   for (const Correspondence& c : points) {
-    low = {min(low.x, c.x.x), min(low.y, c.x.y)};
-    high = {max(high.x, c.x.x), max(high.y, c.x.y)};
+    low = min(low, c.x);
+    high = max(high, c.x);
   }
   return length(high - low);
 }

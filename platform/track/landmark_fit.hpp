@@ -34,7 +34,7 @@ struct LandmarkFitTuning {
 };
 inline constexpr LandmarkFitTuning kLandmarkFitTuning{};
 
-/// Diagonal of the points' bounding box, px; negative or not a number without points.
+/// Diagonal of the points' bounding box, px; infinite without points.
 float spread_of(Span<const Correspondence> points);
 
 /// Whether a landmark's name is one of `ibug00` to `ibug16`: annotations put those on the silhouette of the face.

@@ -111,8 +111,8 @@ TemplatePlacement::CellBox TemplatePlacement::cells_of(const Estimator& estimato
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
   for (int k = 0; k < 3; ++k) {
     const Vec2 x = estimator.vertex_seen(estimator.mesh().corner(face, k)) - region.origin();
-    low = {min(low.x, x.x), min(low.y, x.y)};
-    high = {max(high.x, x.x), max(high.y, x.y)};
+    low = min(low, x);
+    high = max(high, x);
   }
   return {cell(low.x - margin_px, across_), cell(low.y - margin_px, down_), cell(high.x + margin_px, across_),
           cell(high.y + margin_px, down_)};

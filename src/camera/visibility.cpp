@@ -34,8 +34,8 @@ void DepthBuffer::draw(const Mesh& mesh, const Vec2* image, const float* depth) 
   Vec2 low{kFar, kFar}, high{-kFar, -kFar};
   for (VertexId v : mesh.vertices()) {
     if (!(depth[v] > 0)) continue;
-    low = {min(low.x, image[v].x), min(low.y, image[v].y)};
-    high = {max(high.x, image[v].x), max(high.y, image[v].y)};
+    low = min(low, image[v]);
+    high = max(high, image[v]);
   }
   for (int i = 0; i < across_ * down_; ++i) depth_[i] = kFar;
   const float width = max(high.x - low.x, 1), height = max(high.y - low.y, 1);

@@ -125,8 +125,8 @@ Status view_from_box(Cascade& cascade, const float* q, Vec2 corner, Vec2 size, c
     return Status::bad_argument;
   Vec3 low{1e9f, 1e9f, 1e9f}, high{-1e9f, -1e9f, -1e9f};
   const auto include = [&](Vec3 p) {
-    low = {min(low.x, p.x), min(low.y, p.y), min(low.z, p.z)};
-    high = {max(high.x, p.x), max(high.y, p.y), max(high.z, p.z)};
+    low = min(low, p);
+    high = max(high, p);
   };
   std::size_t found = 0;
   for (const Landmark& l : model.landmarks())

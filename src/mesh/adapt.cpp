@@ -57,8 +57,8 @@ Status Adapter::start(Mesh& mesh, const Surface& surface, const Criterion& crite
   Vec2 low = mesh.uv(0), high = low;
   for (const VertexId v : mesh.vertices()) {
     const Vec2 p = mesh.uv(v);
-    low = {min(low.x, p.x), min(low.y, p.y)};
-    high = {max(high.x, p.x), max(high.y, p.y)};
+    low = min(low, p);
+    high = max(high, p);
   }
   chart_origin_ = low;
   chart_scale_ = {high.x > low.x ? 65535.0f / (high.x - low.x) : 0,

@@ -83,8 +83,8 @@ struct RandomSurface {
     for (const auto& f : faces)
       for (const int v : f) {
         const pliant::Vec3 p = position[static_cast<std::size_t>(v)];
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+        low = min(low, p);
+        high = max(high, p);
       }
     return length(high - low);
   }

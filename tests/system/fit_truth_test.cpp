@@ -88,8 +88,8 @@ TEST_CASE("a real face: 25 points of a photograph give a plausible person") {
   std::vector<Correspondence> points;
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
   for (const host::NamedPoint& p : named) {
-    low = {min(low.x, p.x.x), min(low.y, p.x.y)};
-    high = {max(high.x, p.x.x), max(high.y, p.x.y)};
+    low = min(low, p.x);
+    high = max(high, p.x);
   }
   for (const host::NamedPoint& p : named)
     points.push_back({face.uv(p.name), p.x, 0.005f * length(high - low)});

@@ -84,8 +84,8 @@ class ModeProblem {
   void normalise() {
     Vec3 low = mesh_.position[0], high = low;
     for (const Vec3 p : mesh_.position) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+      low = min(low, p);
+      high = max(high, p);
     }
     diagonal_ = std::max(1e-12, static_cast<double>(length(high - low)));
     for (const Vec3 p : mesh_.position)

@@ -30,8 +30,8 @@ FieldGrid grid_of(const ChartRaster& raster, const std::vector<Vec3>& values) {
   FieldGrid grid = empty_grid(raster.width, raster.height, 3);
   Vec3 low = values[0], high = low;
   for (const Vec3 p : values) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    low = min(low, p);
+    high = max(high, p);
   }
   for (std::size_t k = 0; k < raster.samples.size(); ++k) {
     const Vec3 p = value_at(raster.samples[k], values);

@@ -161,14 +161,14 @@ class Painter {
         const Vec3 p = canvas_.position[at(v)];
         line.push_back({side * p.x, p.y, p.z});
         const Vec2 uv{side > 0 ? canvas_.uv[at(v)].x : 1 - canvas_.uv[at(v)].x, canvas_.uv[at(v)].y};
-        least = {std::min(least.x, uv.x), std::min(least.y, uv.y)};
-        most = {std::max(most.x, uv.x), std::max(most.y, uv.y)};
+        least = min(least, uv);
+        most = max(most, uv);
       }
       if (side < 0 && least.x <= 0.5f && most.x >= 0.5f && symmetric(line)) break;
       Vec3 low = line[0], high = line[0];  // of the places that the line may reach, mm
       for (const Vec3 p : line) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+        low = min(low, p);
+        high = max(high, p);
       }
       const float beside = 1.01f * layer.size + kTuning.disc_edge_mm;
       low = low - Vec3{beside, beside, beside};

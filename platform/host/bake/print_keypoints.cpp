@@ -48,8 +48,8 @@ SurfaceSize size_of(const SurfaceSheet& sheet, const ChartImage& albedo) {
   sheet.for_each_triangle([&](std::size_t a, std::size_t b, std::size_t c) {
     if (!sheet.is_used(a) || !sheet.is_used(b) || !sheet.is_used(c)) return;
     const Vec3 p = sheet.position(a);
-    low = {min(low.x, p.x), min(low.y, p.y), min(low.z, p.z)};
-    high = {max(high.x, p.x), max(high.y, p.y), max(high.z, p.z)};
+    low = min(low, p);
+    high = max(high, p);
     area += 0.5f * length(cross(sheet.position(b) - p, sheet.position(c) - p));
     chart += 0.5f / static_cast<float>(sheet.cells() * sheet.cells());
   });

@@ -125,8 +125,8 @@ struct PrintProjection {
     for (std::size_t k = 0; k < p.size(); ++k) {
       if (!sheet.is_used(k)) continue;
       p[k] = rotation.rotated(sheet.position(k));
-      low = {min(low.x, p[k].x), min(low.y, p[k].y), min(low.z, p[k].z)};
-      high = {max(high.x, p[k].x), max(high.y, p[k].y), max(high.z, p[k].z)};
+      low = min(low, p[k]);
+      high = max(high, p[k]);
     }
     width = static_cast<int>(scale * (high.x - low.x)) + 2 * kMargin + 1;
     height = static_cast<int>(scale * (high.y - low.y)) + 2 * kMargin + 1;

@@ -54,8 +54,8 @@ SegmentGrid::SegmentGrid(const std::vector<Segment>& segments) : segments_(segme
   Vec2 low = segments[0].a, high = low;
   for (const Segment& s : segments)
     for (const Vec2 p : {s.a, s.b}) {
-      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+      low = min(low, p);
+      high = max(high, p);
     }
   const int n = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(segments.size()))), 1, kMostCells);
   cells_.resize(at(n * n));

@@ -90,8 +90,8 @@ double surface_error(const std::vector<std::optional<Vec2>>& a,
   int count = 0;
   for (std::size_t k = 0; k < truth.size(); ++k) {
     if (!truth[k]) continue;
-    low = {min(low.x, truth[k]->x), min(low.y, truth[k]->y)};
-    high = {max(high.x, truth[k]->x), max(high.y, truth[k]->y)};
+    low = min(low, *truth[k]);
+    high = max(high, *truth[k]);
     sum += a[k] ? static_cast<double>(length(*a[k] - *truth[k])) : 1e3;
     ++count;
   }

@@ -91,8 +91,8 @@ void print_size(const Model& model, std::ostream& out) {
   Vec3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
   for (const Vec2 uv : model.base_uv()) {
     const Vec3 p = cascade->surface_point(uv, q.data());
-    low = {min(low.x, p.x), min(low.y, p.y), min(low.z, p.z)};
-    high = {max(high.x, p.x), max(high.y, p.y), max(high.z, p.z)};
+    low = min(low, p);
+    high = max(high, p);
   }
   const Vec3 size = high - low;
   print(out, "size at rest: %.4g x %.4g x %.4g mm\n", static_cast<double>(size.x),

@@ -66,8 +66,8 @@ int GlbFile::add(const std::vector<Vec3>& values, Use use) {
   Vec3 low = values.empty() ? Vec3{} : values[0], high = low;
   for (const Vec3 v : values) {
     put(bytes, v);
-    low = {min(low.x, v.x), min(low.y, v.y), min(low.z, v.z)};
-    high = {max(high.x, v.x), max(high.y, v.y), max(high.z, v.z)};
+    low = min(low, v);
+    high = max(high, v);
   }
   const int view = add_view(bytes, use == Use::vertices ? kVertexData : kNoTarget);
   return add_accessor(view, kFloat, values.size(), "VEC3", {low.x, low.y, low.z}, {high.x, high.y, high.z});

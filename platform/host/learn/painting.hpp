@@ -26,8 +26,8 @@ struct PaintBounds {
   template <class Points>
   void take(const Points& points, float reach) {
     for (const Vec2 p : points) {
-      low = {min(low.x, p.x - reach), min(low.y, p.y - reach)};
-      high = {max(high.x, p.x + reach), max(high.y, p.y + reach)};
+      low = min(low, p - Vec2{reach, reach});
+      high = max(high, p + Vec2{reach, reach});
     }
   }
 };

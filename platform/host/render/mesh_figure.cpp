@@ -23,9 +23,10 @@ class Viewpoint {
   explicit Viewpoint(const ModelMesh& mesh) {
     Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
     for (const VertexId v : mesh.mesh().vertices()) {
-      const Vec3 p = turned(mesh.position(v));
-      low = {min(low.x, p.x), min(low.y, p.y)};
-      high = {max(high.x, p.x), max(high.y, p.y)};
+      const Vec3 at = turned(mesh.position(v));
+      const Vec2 p{at.x, at.y};
+      low = min(low, p);
+      high = max(high, p);
     }
     centre_ = 0.5f * (low + high);
     scale_ = 0.96f * min(kWidth / (high.x - low.x), kHeight / (high.y - low.y));

@@ -76,8 +76,8 @@ float largest(const std::vector<Vec3>& moves) {
 float size_of(const std::vector<Vec3>& points) {
   Vec3 low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
   for (const Vec3 p : points) {
-    low = {min(low.x, p.x), min(low.y, p.y), min(low.z, p.z)};
-    high = {max(high.x, p.x), max(high.y, p.y), max(high.z, p.z)};
+    low = min(low, p);
+    high = max(high, p);
   }
   return points.empty() ? 0 : length(high - low);
 }

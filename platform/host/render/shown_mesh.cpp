@@ -52,8 +52,8 @@ std::vector<Vec2> lattice_within(const std::vector<Vec2>& loop) {
   Vec2 low{1, 1}, high{0, 0};
   float spacing = 0;
   for (std::size_t k = 0; k < loop.size(); ++k) {
-    low = {min(low.x, loop[k].x), min(low.y, loop[k].y)};
-    high = {max(high.x, loop[k].x), max(high.y, loop[k].y)};
+    low = min(low, loop[k]);
+    high = max(high, loop[k]);
     spacing +=
         kLatticeFraction * length(loop[(k + 1) % loop.size()] - loop[k]) / static_cast<float>(loop.size());
   }

@@ -203,8 +203,8 @@ void MeshTracker::expect_motion() {
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
   for (VertexId v : estimator_->mesh().vertices()) {
     const Vec2 x = estimator_->vertex_images()[v];
-    low = {min(low.x, x.x), min(low.y, x.y)};
-    high = {max(high.x, x.x), max(high.y, x.y)};
+    low = min(low, x);
+    high = max(high, x);
   }
   const auto pixel = [grow](float x) { return static_cast<int>(x / grow); };
   const CoarseTranslation shift = find_coarse_translation(

@@ -19,8 +19,8 @@ TEST_CASE("a box starts a frontal view that fills it") {
   for (Vec2 uv : egg.model.base_uv()) {
     Vec2 x;
     REQUIRE(Projector(view, true).project(cascade->surface_point(uv, egg.q.data()), &x));
-    low = {min(low.x, x.x), min(low.y, x.y)};
-    high = {max(high.x, x.x), max(high.y, x.y)};
+    low = min(low, x);
+    high = max(high, x);
   }
   CHECK(low.x == doctest::Approx(100).epsilon(0.1));
   CHECK(high.y == doctest::Approx(280).epsilon(0.05));

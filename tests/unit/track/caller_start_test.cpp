@@ -127,8 +127,8 @@ TEST_CASE("boxes of all conventions, of one face, give about the same pose, with
   Vec2 low{1e9f, 1e9f}, high{-1e9f, -1e9f};
   for (int k = 0; k < 68; ++k) {
     const Vec2 x = film.truth((k < 10 ? "ibug0" : "ibug") + std::to_string(k), 0);
-    low = {min(low.x, x.x), min(low.y, x.y)};
-    high = {max(high.x, x.x), max(high.y, x.y)};
+    low = min(low, x);
+    high = max(high, x);
   }
   const Vec2 size = high - low;
   // Of OpenCV's square the middle of the forehead and a place just above the chin are known.

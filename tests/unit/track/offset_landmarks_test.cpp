@@ -312,8 +312,8 @@ TEST_CASE("with noisy points of an exact model, the result is no worse than the 
     auto given = given_by(person, random, 0);
     Vec2 low = given[0], high = given[0];
     for (const Vec2 x : given) {
-      low = {min(low.x, x.x), min(low.y, x.y)};
-      high = {max(high.x, x.x), max(high.y, x.y)};
+      low = min(low, x);
+      high = max(high, x);
     }
     const float sd = kLandmarkFitTuning.annotation_sd_fraction * length(high - low);
     for (Vec2& x : given) x = x + sd * Vec2{random.normal(), random.normal()};

@@ -24,8 +24,8 @@ TEST_CASE("a start from landmarks, from a box, from a pose and from a saved stat
   check_tracks(t, 1);
   Vec2 low{1e9f, 1e9f}, high{};
   for (const pliant_point& q : rig().points) {
-    low = {min(low.x, q.x), min(low.y, q.y)};
-    high = {max(high.x, q.x), max(high.y, q.y)};
+    low = min(low, {q.x, q.y});
+    high = max(high, {q.x, q.y});
   }
   const pliant_start_options options{nullptr, camera.f, 0, 0};
   REQUIRE(pliant_start_from_box(t, &first, low.x, low.y, high.x - low.x, high.y - low.y, &options) ==

@@ -140,8 +140,8 @@ TEST_CASE("a start from a box puts the face into it, and a known camera or focal
   for (const Landmark& l : baked_face().model.landmarks()) {
     if (std::strncmp(l.name, "ibug", 4) != 0) continue;
     const Vec2 x = film().truth(l.name, 0);
-    low = {min(low.x, x.x), min(low.y, x.y)};
-    high = {max(high.x, x.x), max(high.y, x.y)};
+    low = min(low, x);
+    high = max(high, x);
   }
   REQUIRE(tracker->start_from_box(film().view(0), low, high - low) == Status::ok);
   CHECK(film().landmark_error(tracker.object, 0) < 6);
