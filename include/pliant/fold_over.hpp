@@ -33,7 +33,8 @@ class FoldOverTest {
   bool is_started() const { return vertex_count_ > 0; }  ///< True after either.
 
   /// Positions of the base mesh's vertices at q (mm). Cost: one sample a vertex and active record.
-  void compute_positions(Cascade& cascade, const float* q, Vec3* position) const;
+  /// \param slack_mm  as Cascade::select.
+  void compute_positions(Cascade& cascade, const float* q, Vec3* position, float slack_mm = 0) const;
 
   std::size_t vertex_count() const { return vertex_count_; }    ///< Vertices of the base mesh.
   std::size_t watched_count() const { return watched_count_; }  ///< Faces that are watched.

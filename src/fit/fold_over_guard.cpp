@@ -42,9 +42,7 @@ void FoldOverGuard::see(const float* q) {
 }
 
 bool FoldOverGuard::has_folded(const float* q) {
-  cascade_->select(q, kFitTuning.fold_over_slack_mm);
-  const auto uv = cascade_->model().base_uv();
-  for (std::size_t v = 0; v < uv.count; ++v) position_[v] = cascade_->selected_point(uv[v]);
+  test_.compute_positions(*cascade_, q, position_, kFitTuning.fold_over_slack_mm);
   return step_fraction() < 1;
 }
 

@@ -43,8 +43,8 @@ void FoldOverTest::lay_out(Arena& arena, const Model& model) {
   vertex_count_ = watched_count_ = 0;
 }
 
-void FoldOverTest::compute_positions(Cascade& cascade, const float* q, Vec3* position) const {
-  cascade.select(q);
+void FoldOverTest::compute_positions(Cascade& cascade, const float* q, Vec3* position, float slack_mm) const {
+  cascade.select(q, slack_mm);
   for (std::size_t v = 0; v < model_.base_uv().count; ++v)
     position[v] = cascade.selected_point(model_.base_uv()[v]);
 }
