@@ -2,6 +2,7 @@
 
 #include "track/template_tuning.hpp"
 #include "track/tracker_sizes.hpp"
+#include "vision/strain.hpp"
 
 namespace pliant {
 
@@ -69,8 +70,7 @@ float ramp_sd(Vec2 of_mm, const KeyDepths& depths) {
 }  // namespace
 
 float strain(const Mat2& now, const Mat2& reference) {
-  const Mat2 w = now * inverse(reference);
-  return max(max(magnitude(w.a - 1), magnitude(w.d - 1)), max(magnitude(w.b), magnitude(w.c)));
+  return strain(now * inverse(reference));
 }
 
 void TemplateStore::lay_out(Arena& arena, const TrackerLimits& limits) {

@@ -3,6 +3,7 @@
 #include "base/integers.hpp"
 #include "vision/patch_result.hpp"
 #include "vision/patch_tuning.hpp"
+#include "vision/strain.hpp"
 
 namespace pliant::patch {
 namespace {
@@ -12,9 +13,8 @@ Mat2 less_identity(const Mat2& m) {
 }
 
 // How far W moves the edge of a window, px.
-float strain_of(const Mat2& w, int window) {
-  const float change = max(max(magnitude(w.a - 1), magnitude(w.d - 1)), max(magnitude(w.b), magnitude(w.c)));
-  return change * static_cast<float>(window / 2);
+float window_strain_px(const Mat2& w, int window) {
+  return strain(w) * static_cast<float>(window / 2);
 }
 
 float level_scale(int level) {
@@ -43,7 +43,7 @@ bool use_cached(CachedTemplate& cached, const TemplateSource& source, bool is_wa
   work.system = cached.system;
   work.has_system =
       cached.is_made && cached.accepts_edges == accepts_edges && are_alike(cached.ramp_sd, work.ramp_sd) &&
-      strain_of(source.warp * inverse(cached.warp), work.window) <= kPatchTuning.unwarped_strain_px;
+      window_strain_px(source.warp * inverse(cached.warp), work.window) <= kPatchTuning.unwarped_strain_px;
   if (work.has_system) {
     work.residual_warp = less_identity(cached.warp * source.to_template);
     return true;
@@ -74,7 +74,7 @@ PatchStatus search_finest(const ImageView& image, SearchOptions options, bool is
 }  // namespace
 
 TemplateSource TemplateSource::of_slot(int slot, const Mat2& warp, int window) {
-  return {nullptr, {}, slot, warp, inverse(warp), strain_of(warp, window)};
+  return {nullptr, {}, slot, warp, inverse(warp), window_strain_px(warp, window)};
 }
 
 bool contains(const ImageView& image, Vec2 x, int margin) {
