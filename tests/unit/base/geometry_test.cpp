@@ -66,6 +66,25 @@ TEST_CASE("what is not finite is told and never spreads") {
   CHECK(length(normalised(Vec3{})) == 0);
   CHECK(length(normalised(Vec3{nan, 0, 1})) == 0);
   CHECK(inverse(Mat2{1, 2, 2, 4}).a == 1);
+  CHECK(inverse(Mat2{nan, 0, 0, 1}).a == 1);
+}
+
+TEST_CASE("of two numbers the first one counts where one is none; vectors are compared by components") {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  CHECK(min(1, nan) == 1);
+  CHECK(max(1, nan) == 1);
+  CHECK(std::isnan(min(nan, 1)));
+  CHECK(std::isnan(max(nan, 1)));
+  CHECK(length(min(Vec2{1, 5}, Vec2{2, 3}) - Vec2{1, 3}) == 0);
+  CHECK(length(max(Vec2{1, 5}, Vec2{2, 3}) - Vec2{2, 5}) == 0);
+  CHECK(length(min(Vec3{1, 5, -1}, Vec3{2, 3, 4}) - Vec3{1, 3, -1}) == 0);
+  CHECK(length(max(Vec3{1, 5, -1}, Vec3{2, 3, 4}) - Vec3{2, 5, 4}) == 0);
+}
+
+TEST_CASE("the area of a triangle is positive where it is clockwise on the screen, and 0 on a line") {
+  CHECK(doubled_area({0, 0}, {4, 0}, {0, 3}) == 12);
+  CHECK(doubled_area({0, 0}, {0, 3}, {4, 0}) == -12);
+  CHECK(doubled_area({1, 1}, {2, 2}, {5, 5}) == 0);
 }
 
 TEST_CASE("the square root of a little less than nothing is nothing, of no number none") {

@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
+#include "pliant/estimator_options.hpp"
 #include "posed_egg.hpp"
 #include "random.hpp"
 
@@ -91,6 +94,15 @@ TEST_CASE("with the most vertices that a limit can name the mesh is refined too"
   const int base = surface->mesh().vertex_count();
   surface->adapt(egg.cascade.object, egg.state, {});
   CHECK(surface->mesh().vertex_count() > base);
+}
+
+TEST_CASE("adaptation takes no more memory than is stated, whatever the number of vertices") {
+  for (const int vertices : {3, 4, 5, 511, 512, 2048, 10922, 10923, 21845, 65534}) {
+    MeshLimits limits;
+    limits.vertices = static_cast<std::uint16_t>(vertices);
+    limits.faces = static_cast<std::uint16_t>(std::min(2 * vertices, int{MeshLimits::kMostFaces}));
+    CHECK(measured_bytes<Adapter>(limits) <= adaptation_bytes(limits.vertices));
+  }
 }
 
 TEST_CASE("a slow expression moves one vertex in the interval, a fast one all of them") {
