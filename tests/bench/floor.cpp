@@ -5,12 +5,13 @@
 #include <map>
 #include <optional>
 
+#include "host/commands/image_fit.hpp"
 #include "host/io/csv.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/owned.hpp"
-#include "host/commands/image_fit.hpp"
 #include "pliant/estimator.hpp"
 #include "pliant/fit.hpp"
+#include "program.hpp"
 
 namespace pliant {
 namespace {
@@ -154,10 +155,5 @@ int run(int count, char** words) {
 }  // namespace pliant
 
 int main(int count, char** words) {
-  try {
-    return pliant::run(count, words);
-  } catch (const pliant::host::Failure& failure) {
-    std::cerr << "tracking_floor: " << failure.what() << "\n";
-    return failure.exit_code();
-  }
+  return pliant::run_program("tracking_floor", pliant::run, count, words);
 }

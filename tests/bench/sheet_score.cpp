@@ -15,6 +15,7 @@
 #include "host/io/owned.hpp"
 #include "host/io/track_table.hpp"
 #include "pliant/cascade.hpp"
+#include "program.hpp"
 
 namespace pliant {
 namespace {
@@ -236,10 +237,5 @@ int run(int count, char** words) {
 }  // namespace pliant
 
 int main(int count, char** words) {
-  try {
-    return pliant::run(count, words);
-  } catch (const pliant::host::Failure& failure) {
-    std::cerr << "sheet_score: " << failure.what() << "\n";
-    return failure.exit_code();
-  }
+  return pliant::run_program("sheet_score", pliant::run, count, words);
 }

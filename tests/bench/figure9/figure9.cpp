@@ -5,8 +5,8 @@
 #include <fstream>
 #include <iostream>
 
+#include "../program.hpp"
 #include "error_plot.hpp"
-#include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "mesh_tracker.hpp"
 #include "statistics.hpp"
@@ -129,10 +129,5 @@ int run(int count, char** words) {
 }  // namespace pliant::figure9
 
 int main(int count, char** words) {
-  try {
-    return pliant::figure9::run(count, words);
-  } catch (const pliant::host::Failure& failure) {
-    std::cerr << "figure9: " << failure.what() << "\n";
-    return 1;
-  }
+  return pliant::run_program("figure9", pliant::figure9::run, count, words);
 }
