@@ -214,7 +214,7 @@ TEST_CASE(
       }
     }
   MESSAGE("right " << right << " of " << all);
-  CHECK(right > all * 9 / 10);
+  CHECK(right >= all - 2);  // 80 of 80 were measured; two frames are left to other learnt tables
 }
 
 TEST_CASE(
