@@ -179,7 +179,7 @@ class Estimator {
   /// Vertices follow the expression a few at a time (options.vertex_interval_frames), on fast motion all.
   /// Those without cached samples are accurate to about 1 mm. `refresh_vertices` makes all exact.
   const Vec3* vertex_positions() const;
-  const Vec2* vertex_images() const;   ///< Their pinhole images, px: of the last `end`, or of a `predict` since that drew depth anew.
+  const Vec2* vertex_images() const;   ///< Their pinhole images, px: of the last `end`, or of a later `predict` that drew depth.
   Vec2 vertex_seen(VertexId v) const;  ///< Image of one vertex as seen through the lens, px.
   void refresh_vertices();             ///< Updates all vertices to the present state.
 

@@ -57,8 +57,8 @@ struct FitOptions {
   float misfit_mm = 3.0f;
   bool robust = true;  ///< true: Huber's, then Tukey's loss of the residual's length; false: its square
   /// Steps of Gauss-Newton, count. They are divided equally among the stages: three, or nine with silhouette points. A stage
-  /// has at least one step. If the surface is folded over at the end, all are made again, and each stage that folds it over gets the
-  /// same number once more, to fit the pose again.
+  /// has at least one step. If the surface is folded over at the end, all are made again, and each stage that folds it over gets
+  /// the same number once more, to fit the pose again.
   int iterations = 30;
   /// Weight of the parameters' prior, >= 0. The stiffness of Eq. 12 is K = -stiffness / sd^2. 0: Eq. 8 alone.
   float stiffness = 1;

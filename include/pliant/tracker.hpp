@@ -39,8 +39,8 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 ///
 /// Every other start needs a frame, which becomes frame 0. A start checks frame, counts, names, arrays and
 /// options first. If one of those is wrong, nothing changes. If the start fails later (in the fit, the camera, the pose or
-/// the texture), the tracker is not started, `is_started` is false, and the next frame may have any time. If it failed in the texture,
-/// that is searched with its camera and options.
+/// the texture), the tracker is not started, `is_started` is false, and the next frame may have any time. If it failed in the
+/// texture, that is searched with its camera and options.
 ///
 /// Costs with profiles M and S at 320 x 240 on a PC, in units of a tracked frame: a start from a pose or a state 7 and 11, from
 /// a box about 27 and 45, from 68 landmarks 16 and 44, a frame that is searched 6 and 3.
@@ -112,11 +112,12 @@ class Tracker {
   const Model& model() const;
   /// True while there is a track: after a start of any kind, until the track is given up.
   bool is_started() const;
-  /// Counts the tracks, from 1: another number where a track has begun, by a start, after a loss, or in the middle of a film (7.15).
-  /// What a program gathers over frames, as a neutral gaze, may begin anew there. 0 before the first.
+  /// Counts the tracks, from 1: another number where a track has begun, by a start, after a loss, or in the middle of a film
+  /// (7.15). What a program gathers over frames, as a neutral gaze, may begin anew there. 0 before the first.
   std::uint32_t track_number() const;
   /// Counts the persons, from 1: the same number where a track begins as the same person. A start of the caller's counts as of
-  /// another one, and so does a track that has found the shape of the same person anew. A print that is found by itself does not count.
+  /// another one, and so does a track that has found the shape of the same person anew. A print that is found by itself does not
+  /// count.
   std::uint32_t person_number() const;
   /// Of the last frame; after a start that of frame 0: tracking at the start's pose, or degraded if that is turned far or shows no
   /// face. Before the first frame and after a start that failed: lost, and whether the next frame is searched.

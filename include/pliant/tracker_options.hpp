@@ -14,7 +14,8 @@ namespace pliant {
 struct TrackerOptions {
   EstimatorOptions estimator;  ///< of the estimator
   /// One flag a parameter of the model: nonzero, it is estimated in every frame; else it keeps the start's value, but for the
-  /// identity, which TrackerLimits::person estimates besides (without_person holds it). Null: the expressions. Read during the start.
+  /// identity, which TrackerLimits::person estimates besides (without_person holds it). Null: the expressions. Read during the
+  /// start.
   const std::uint8_t* is_free = nullptr;
   float marker_exclusion_px =
       8;  ///< no template is captured within this distance of a marker, px, at least 0

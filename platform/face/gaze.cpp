@@ -14,7 +14,8 @@ Vec2 pupil_of(const SeenEye& eye, const View& view, const Projector& projector) 
   return eye.pupil - (kTuning.lid_weight * higher * view.s) * down_of(projector);
 }
 
-/// The iris lies where the pupil's ray meets the sphere around the eyeball's middle, on the near side. \return 0: it does not meet it.
+/// The iris lies where the pupil's ray meets the sphere around the eyeball's middle, on the near side. \return 0: it does not meet
+/// it.
 Vec3 direction_of(const SeenEye& eye, const View& view, const Projector& projector) {
   const Vec3 offset{eye.corners.x > 0 ? kTuning.ball_mm.x : -kTuning.ball_mm.x, kTuning.ball_mm.y,
                     kTuning.ball_mm.z};

@@ -33,8 +33,8 @@ FaceBox box_at_landmarks(const Model& model, float scale, const Place& place) {
   return face_box_of(x[0], x[1], x[2], x[3], scale);
 }
 
-/// Mean distance of a model's landmarks from where `place(index, &x)` has them, over that of their outer eye corners. Negative for a
-/// model that lacks these, and where `place` is false.
+/// Mean distance of a model's landmarks from where `place(index, &x)` has them, over that of their outer eye corners. Negative for
+/// a model that lacks these, and where `place` is false.
 template <class Place>
 float mean_distance(const Model& model, Span<const Vec2> landmarks, const Place& place) {
   std::uint16_t corners[4];

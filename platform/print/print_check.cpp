@@ -109,8 +109,8 @@ bool find_block(const SurfaceProjection& project, Vec2 uv, Block* block) {
   return make_block({uv, x, {a.x, b.x, a.y, b.y}}, block);
 }
 
-/// The places that blocks are made around: keypoints from all over the table, each round between those of the rounds before. It takes
-/// further rounds until as many places face the camera as a round has: of a closed surface less than half do.
+/// The places that blocks are made around: keypoints from all over the table, each round between those of the rounds before. It
+/// takes further rounds until as many places face the camera as a round has: of a closed surface less than half do.
 class BlockPlaces {
  public:
   BlockPlaces(Span<const PrintKeypoint> keypoints, std::size_t blocks)

@@ -8,11 +8,11 @@ namespace pliant {
 
 namespace {
 
-/// Tuning of the fit to matches and of its acceptance. Chosen on the poster of `fixtures/sheet` with `pliant bench print`, and judged
-/// on other prints (docs/evaluation.md, Start by print). What other values give was not recorded, except where it is told.
+/// Tuning of the fit to matches and of its acceptance. Chosen on the poster of `fixtures/sheet` with `pliant bench print`, and
+/// judged on other prints (docs/evaluation.md, Start by print). What other values give was not recorded, except where it is told.
 struct PrintFinderTuning {
-  /// Matches that must agree on a view. It is verification that decides: with 6 the poster, 53 px high, is found in 0 of 8, with 4 in
-  /// 3, with 3 in 6, and no picture without it is taken for it.
+  /// Matches that must agree on a view. It is verification that decides: with 6 the poster, 53 px high, is found in 0 of 8, with 4
+  /// in 3, with 3 in 6, and no picture without it is taken for it.
   int least_votes = 3;
   /// Distances at which a match agrees, as fractions of the surface's extent: with the view that one match suggests, after
   /// the fit of the pose of the surface at rest, and after the fit of its parameters.
@@ -34,12 +34,13 @@ struct PrintFinderTuning {
   std::size_t least_points = 8;
   int least_agreed = 10;
   float least_agreement = 0.5f;
-  /// Fraction of the visible blocks from which on a view is also read as mirrored_tilt. Of wrong views up to 0.32 agreed, of right ones
-  /// tilted to the wrong side 0.41 and more.
+  /// Fraction of the visible blocks from which on a view is also read as mirrored_tilt. Of wrong views up to 0.32 agreed, of right
+  /// ones tilted to the wrong side 0.41 and more.
   float least_promise = 0.2f;
   /// Fraction of agreeing blocks from which on a start does not wait for another search that takes one frame, and no other view is
   /// fitted: that at which a track counts as confirmed (PrintStartTuning). From a start with less a track is degraded, and given up
-  /// after half a second: a page that curls began with 0.87 and a corner folded over, and 9 of 78 frames were tracked instead of 63.
+  /// after half a second: a page that curls began with 0.87 and a corner folded over, and 9 of 78 frames were tracked instead of
+  /// 63.
   float whole_agreement = 0.92f;
   /// Fraction and number of agreeing blocks from which on a frame counts twice of those after which a start waits no longer. Round
   /// values, not tuned.
@@ -156,8 +157,8 @@ bool PrintFinder::fit_views(Span<const ViewVotes> views, const FrameView& frame,
   return is_found;
 }
 
-/// Whether a start waits for another search. One that is nearly certain does so only where the search has taken one frame (is_quick)
-/// and the surface is not small: small ones are found in few frames.
+/// Whether a start waits for another search. One that is nearly certain does so only where the search has taken one frame
+/// (is_quick) and the surface is not small: small ones are found in few frames.
 bool PrintFinder::waits(const FoundPrint& found, bool is_quick) {
   const bool is_certain = found.is_clear && is_sure(found.agreement);
   const bool is_small = print_block_px(extent_px(found.view)) <= kTuning.least_block_px;

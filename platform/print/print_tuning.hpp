@@ -19,9 +19,9 @@ struct PrintTuning {
   int levels = 3;
   std::size_t corners = 320;
   /// One failed search in so many takes corners from all tiles of the frame, so many a side, out of so many times as many
-  /// candidates. A ball with the craters of the moon, before a lawn and a bush, has 0 to 5 right matches with the strongest corners and
-  /// is not found in 40 frames; with these it is in their first frame. With an interval of 2 small, bent or tilted prints get fewer
-  /// searches with the strongest corners in five frames.
+  /// candidates. A ball with the craters of the moon, before a lawn and a bush, has 0 to 5 right matches with the strongest corners
+  /// and is not found in 40 frames; with these it is in their first frame. With an interval of 2 small, bent or tilted prints get
+  /// fewer searches with the strongest corners in five frames.
   int spread_interval = 3;
   std::size_t corner_tiles = 8, corner_candidates = 8;
   /// Bits that may differ in a match. Wrong matches cost time only: views are voted for and verified. 70, with one match a corner,

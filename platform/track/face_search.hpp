@@ -35,8 +35,8 @@ struct FaceSearchTuning {
   std::uint32_t cells_a_step = 1300;
   /// Probability that an alignment is right, at least, for a start of the caller's to be moved there. Round value.
   float least_refined = 0.5f;
-  /// Alignments of a start from a box, count, at most, until one does not leave its box: shift, as a fraction of the side, and ratio
-  /// of the sides, at most. Round values, not tuned (docs/experiments.md, Boxes of others).
+  /// Alignments of a start from a box, count, at most, until one does not leave its box: shift, as a fraction of the side, and
+  /// ratio of the sides, at most. Round values, not tuned (docs/experiments.md, Boxes of others).
   int most_box_alignments = 4;
   float most_box_shift = 0.1f, most_box_ratio = 1.15f;
   /// Points of a start from landmarks from which on the picture is not asked, count. Round value, not tuned.

@@ -27,7 +27,8 @@ class LandmarkOffsets {
   /// differ a little from the surface that was fitted.
   void set_pending(Span<const Correspondence> places, const Model& model);
   void place_pending(Estimator& estimator);
-  /// The same for an alignment: image positions of all landmarks, px. Those named ibugNN are stored, also for others at their (u,v).
+  /// The same for an alignment: image positions of all landmarks, px. Those named ibugNN are stored, also for others at their
+  /// (u,v).
   void set_pending(Span<const Vec2> places, const Model& model);
 
   /// Image position (px) of landmark k at the estimator's state; false behind the camera.

@@ -33,8 +33,8 @@ struct PrintStartTuning {
   /// finds also a surface of which a part is folded away; the rest of it is then wrong until it is seen (cloth A: up to 0.81
   /// agreed at errors above 5 %).
   float least_confirming_agreement = 0.92f;
-  /// Frames after which a start by print that is not confirmed is given up: its hidden part has no templates, and a new search finds
-  /// what has come to light since. Half a second, not tuned.
+  /// Frames after which a start by print that is not confirmed is given up: its hidden part has no templates, and a new search
+  /// finds what has come to light since. Half a second, not tuned.
   int most_unconfirmed_frames = 15;
   /// Bad frames in a row after which a track is given up. The search is more certain than key frames.
   int most_bad_frames = 4;

@@ -20,8 +20,9 @@ struct SecondLookTuning {
   /// they wait up to the third number. Round values.
   std::uint32_t first_wait = 12, longest_wait = 96, longest_doubtful_wait = 24;
   float doubtful_error = 0.03f;
-  /// Looks in a row that must find better landmarks, and frames from one to the next: a second, so that they see two expressions. With
-  /// 4 a track began anew while its person spoke, with lips that were off from then on (docs/experiments.md, Means of alignments).
+  /// Looks in a row that must find better landmarks, and frames from one to the next: a second, so that they see two expressions.
+  /// With 4 a track began anew while its person spoke, with lips that were off from then on (docs/experiments.md, Means of
+  /// alignments).
   int looks = 2;
   std::uint32_t wait_if_better = 25;
   /// Landmark error that the second alignment estimates, at most: over the larger of the start's estimate and the checks'. It must
@@ -33,13 +34,13 @@ struct SecondLookTuning {
   float least_score = 0.95f;
   /// Cosine of the turn away from the camera up to which alignments tell a person's shape: as
   /// KnownPersonTuning::least_frontal. A start that was turned more gives way to the first look within it that estimates no
-  /// larger error, and to a turned one that is sure. Heads that are found turned by 60 degrees (docs/experiments.md, Covered starts)
-  /// then have a rotation error of 2.4 instead of 3.2 degrees (median).
+  /// larger error, and to a turned one that is sure. Heads that are found turned by 60 degrees (docs/experiments.md, Covered
+  /// starts) then have a rotation error of 2.4 instead of 3.2 degrees (median).
   float least_frontal = 0.94f;
   /// Other looks count for the mean of the landmarks: cosine of the turn away from the camera, at least (26 degrees, as of a face
   /// above the camera of a laptop); estimated landmark error, at most, fraction of the eyes' distance and of the start's. The start
-  /// counts as two looks, since a look's distances from the track have the track's own errors, too; and a look for a tenth, at least,
-  /// so that slow changes are followed. docs/experiments.md, Means of alignments.
+  /// counts as two looks, since a look's distances from the track have the track's own errors, too; and a look for a tenth, at
+  /// least, so that slow changes are followed. docs/experiments.md, Means of alignments.
   float least_average_frontal = 0.9f, most_average_error = 0.04f, most_average_ratio = 1.2f;
   float looks_of_start = 2, least_gain = 0.1f;
   /// Work of a step with the built-in face's learnt tables, instructions as WorkCosts. With profile M 1.5 to 2.9 million were
@@ -74,8 +75,8 @@ struct SecondLook {
   SecondLookState* (*lay_out)(Arena& arena, const Model& model, const TrackerLimits& limits);
   /// A track has begun.
   void (*begin_track)(TrackerParts& tracker);
-  /// Ends a frame of a track. After a good one it takes a step of the alignment, if one is due and the frame has room, and where the
-  /// alignment has found better landmarks a new track begins with this frame. A bad one is aligned at once (realignment.hpp).
+  /// Ends a frame of a track. After a good one it takes a step of the alignment, if one is due and the frame has room, and where
+  /// the alignment has found better landmarks a new track begins with this frame. A bad one is aligned at once (realignment.hpp).
   /// \return true: nothing else is to be done in this frame, since the bad one is tracked after all, or a new track has begun, or
   /// has failed to.
   bool (*conclude)(TrackerParts& tracker, const FrameView& frame);

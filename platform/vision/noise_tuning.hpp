@@ -9,9 +9,9 @@ struct NoiseTuning {
   int most_places = 4096, least_places = 256;
   /// Grey levels beyond which a place is clipped, and its noise with it: as PatchTuning.
   int darkest = 6, brightest = 249;
-  /// Noise over the frame's contrast from which on frames are smoothed, and from which on smoothed ones are again. Around one threshold they
-  /// would be smoothed in turns: the recorded face, at threshold, then trembles by 0.185 instead of 0.115 px. How they were chosen:
-  /// docs/experiments.md, Films of portraits with faults.
+  /// Noise over the frame's contrast from which on frames are smoothed, and from which on smoothed ones are again. Around one
+  /// threshold they would be smoothed in turns: the recorded face, at threshold, then trembles by 0.185 instead of 0.115 px. How
+  /// they were chosen: docs/experiments.md, Films of portraits with faults.
   float noisy = 0.42f, still_noisy = 0.35f;
   /// Least such noise, grey levels: below, it is of the steps of grey. Round value, not tuned.
   float least_noise = 2;

@@ -39,8 +39,8 @@ struct SolveScratch {
   void lay_out(Arena& arena, std::size_t parameters, std::size_t unknowns);
 };
 
-/// Robust least squares over rows of observations, with the parameters' own prior, the temporal prior and that against stretch. `state` is the
-/// accepted state. A struct of references: it lives for one solve.
+/// Robust least squares over rows of observations, with the parameters' own prior, the temporal prior and that against stretch.
+/// `state` is the accepted state. A struct of references: it lives for one solve.
 struct FrameProblem {
   const SolveInput& input;
   ObservationRows& rows;

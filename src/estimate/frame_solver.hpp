@@ -94,7 +94,8 @@ class FrameSolver {
   /// Of the solves of this frame.
   const SolveResult& result() const { return result_; }
 
-  /// Ends solves of this frame early, once they have taken so much: the state is then less exact. \param most  in the unit of `costs`.
+  /// Ends solves of this frame early, once they have taken so much: the state is then less exact. \param most  in the unit of
+  /// `costs`.
   void limit_work(const WorkCosts& costs, float most) {
     costs_ = costs;
     most_work_ = most;

@@ -23,9 +23,9 @@ struct MotionModelTuning {
   /// what heads do in a thirtieth of a second; not optimised.
   float least_sd[kPoseUnknowns] = {0.03f, 0.03f, 0.03f, 0.02f, 4, 4};
   float most_sd[kPoseUnknowns] = {0.2f, 0.2f, 0.2f, 0.2f, 40, 40};
-  /// Ranges per second by which a parameter misses what its velocity leads to, one standard deviation. What misses by more counts by
-  /// Huber's loss. What crosses its range in a tenth of a second is followed better than with 2.5 and a mean without velocity, and
-  /// the recorded face trembles less (docs/experiments.md, Change of parameters).
+  /// Ranges per second by which a parameter misses what its velocity leads to, one standard deviation. What misses by more counts
+  /// by Huber's loss. What crosses its range in a tenth of a second is followed better than with 2.5 and a mean without velocity,
+  /// and the recorded face trembles less (docs/experiments.md, Change of parameters).
   float parameter_rate = 2.2f;
   /// s. Longest time over which `parameter_rate` acts. Round value, not tuned.
   float longest_parameter_time = 0.5f;

@@ -1,5 +1,6 @@
 #pragma once
-// The tracked points of the surface: patches and markers at fixed (u,v), edges on curves of the model, and points on the silhouette.
+// The tracked points of the surface: patches and markers at fixed (u,v), edges on curves of the model, and points on the
+// silhouette.
 #include <cstdint>
 
 #include "base/prefetch.hpp"

@@ -38,8 +38,8 @@ struct VisibleSurfaceTuning {
   float drawing_turn_rad = 0.03f, drawing_scale = 0.03f;
   /// Newton steps that take `surface_at` from the flat face onto the surface, count. Round value, not tuned.
   int newton_steps = 4;
-  /// They end below this distance in the image, px; and leave the point where it was for a step of more than this in (u,v), or where
-  /// the image of the chart's unit square is less than this, px^2. Round values, not tuned.
+  /// They end below this distance in the image, px; and leave the point where it was for a step of more than this in (u,v), or
+  /// where the image of the chart's unit square is less than this, px^2. Round values, not tuned.
   float newton_near_px = 1e-3f, newton_most_step = 0.1f, newton_least_area_px2 = 1e-3f;
   /// Largest error of an adapted mesh over its mean error. Round value, not tuned.
   float most_over_mean_error = 4;

@@ -16,8 +16,8 @@ struct FitTuning {
   /// Times that a folded-over state is moved back before the last valid one is taken, count. One is enough where positions are
   /// linear in the parameters; with rotations the fold-over may remain. Not tuned.
   int fold_over_tries = 6;
-  /// Vectors that move no vertex by this, mm, are left out of the question whether a fit has folded the surface over, which is one of
-  /// right angles in triangles of 8 mm. Round value, not tuned.
+  /// Vectors that move no vertex by this, mm, are left out of the question whether a fit has folded the surface over, which is one
+  /// of right angles in triangles of 8 mm. Round value, not tuned.
   float fold_over_slack_mm = 0.2f;
   /// Standard deviation of log(f / expected f) where the focal length is not known. 0.3 spans most cameras of phones and
   /// laptops, whose f is 0.7 to 2 times the larger side. Not tuned.
@@ -48,8 +48,8 @@ struct OtherSolutionTuning {
   /// their spread. Five and more landmarks of the built-in face have 0.14 and more, sheets 0.
   float most_relief = 0.1f;
   /// They are also tried with so few points, count, unless the model is of people: of 60 portraits no fit to 5, 9 or all landmarks
-  /// had a better solution. And where the robust cost is above this a point: it is two standard deviations away on average. The page
-  /// of points does both.
+  /// had a better solution. And where the robust cost is above this a point: it is two standard deviations away on average. The
+  /// page of points does both.
   std::size_t few_points = 9;
   float good_cost = 2;
   /// Another solution counts if its cost is below this fraction of the first one's.
@@ -68,8 +68,8 @@ struct SilhouetteMatchTuning {
   /// before the contour (0), so that a landmark does not jump when it gets there. Not tuned.
   float turned_away_cosine = 0.1f;
   /// Largest distance of a contour point from the landmark's (u,v): along v, in units of the chart; along u, the larger of a
-  /// distance and a fraction of the distance to the middle of the face. Further away is the contour of the nose. Fits the charts of the
-  /// built-in face and of ICT-FaceKit; the experiment is not recorded.
+  /// distance and a fraction of the distance to the middle of the face. Further away is the contour of the nose. Fits the charts of
+  /// the built-in face and of ICT-FaceKit; the experiment is not recorded.
   float reach_v = 0.12f, reach_u = 0.15f, reach_u_fraction = 0.6f;
 };
 inline constexpr SilhouetteMatchTuning kSilhouetteMatchTuning{};

@@ -25,8 +25,9 @@ struct SparseRows {
   Sym2 w;
 };
 
-/// g += B^T W r and, in H, h_(k, j) += (B^T W B)_(k, j) for each column k of B and all j >= k. B is spread over n columns with zeros, in x
-/// and y, which are zero before and afterwards. Rounded up to whole vectors: beyond a row's end, zeros are added to the next row.
+/// g += B^T W r and, in H, h_(k, j) += (B^T W B)_(k, j) for each column k of B and all j >= k. B is spread over n columns with
+/// zeros, in x and y, which are zero before and afterwards. Rounded up to whole vectors: beyond a row's end, zeros are added to the
+/// next row.
 PLIANT_WIDE_VECTORS
 void add_spread(float* __restrict h, float* __restrict g, std::size_t n, const SparseRows& b,
                 float* __restrict x, float* __restrict y) {

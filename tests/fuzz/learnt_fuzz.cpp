@@ -1,6 +1,6 @@
 // Random changes in the learnt tables of a face, with right checksums; then detector, aligner and a tracker with its part readers
-// run on frames with the face, with others and with none. A table is refused by a status, or what it gives is finite, in range and consistent. For
-// memory and undefined behaviour the program is compiled with sanitizers.
+// run on frames with the face, with others and with none. A table is refused by a status, or what it gives is finite, in range and
+// consistent. For memory and undefined behaviour the program is compiled with sanitizers.
 //
 // usage: learnt_fuzz TABLE.plm FILM.y4m [COUNT [FIRST_SEED]]
 #include <cstdio>

@@ -96,8 +96,8 @@ constexpr unsigned kTemplates = bit(Cue::patch), kEdges = bit(Cue::edge), kFlow 
 
 // Sums over twelve films, because a few films' ratios move by several percent with any change of sampling. Measured ratios of
 // rotation errors to those of templates alone: 0.84 with edges, 0.80 with all cues. Each bound is half way from the measured ratio
-// to no effect. Before templates allowed for ramps of light these were 0.58 and 0.52, of errors that were larger; landmarks had 0.91
-// with all cues, and now have 0.98 with edges and 1.02 with all: of them nothing is claimed. What frame-to-frame tracking is
+// to no effect. Before templates allowed for ramps of light these were 0.58 and 0.52, of errors that were larger; landmarks had
+// 0.91 with all cues, and now have 0.98 with edges and 1.02 with all: of them nothing is claimed. What frame-to-frame tracking is
 // for shows on recorded faces (docs/evaluation.md, Recorded face).
 TEST_CASE("on a face half without texture edges improve rotation, and so do all cues together") {
   Error templates, edges, flow, all;

@@ -1,5 +1,5 @@
-// Which rejection method is better in each case of the occlusion experiment, on the built-in face (docs/algorithms.md, section 6.5).
-// Beside each bound is the measured ratio of the two sides' errors. Scenes are seeded; the bounds leave room for other fits.
+// Which rejection method is better in each case of the occlusion experiment, on the built-in face (docs/algorithms.md, section
+// 6.5). Beside each bound is the measured ratio of the two sides' errors. Scenes are seeded; the bounds leave room for other fits.
 #include <doctest/doctest.h>
 
 #include "baked_face.hpp"

@@ -40,8 +40,8 @@ struct FieldTuning {
   /// Diagonal below which a user is warned, millimetres. A camera is 50 mm or more from what it tracks, and sheets of 40, 20 and
   /// 10 mm that fill a third of the frame were found in 39, 27 and 0 of 40 frames.
   float least_tracked_mm = 30;
-  /// Distance of the surface's middle from the origin, in diagonals, above which a user is warned. With 1.5 a sheet was tracked in all
-  /// frames, with 25 in 83 of 100; one 5 diagonals in front of its origin was not found, since that was behind the camera.
+  /// Distance of the surface's middle from the origin, in diagonals, above which a user is warned. With 1.5 a sheet was tracked in
+  /// all frames, with 25 in 83 of 100; one 5 diagonals in front of its origin was not found, since that was behind the camera.
   float most_off_origin = 3;
 };
 constexpr FieldTuning kTuning{};

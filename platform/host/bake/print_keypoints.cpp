@@ -19,8 +19,8 @@ struct PrintKeypointTuning {
   int least_side_px = 60;       ///< and at the coarsest
   float level_ratio = 1.4142f;  ///< of scales: a descriptor stands 20 % of change
   /// Diagonals of the surface, px, at which corners are also described with half a patch: in a small print a whole one reaches
-  /// beyond the surface. Without, the poster is found in 1 of 8 at a height of 66 px, with in 6. 226 instead of 160 finds less on another
-  /// print: the table has too many.
+  /// beyond the surface. Without, the poster is found in 1 of 8 at a height of 66 px, with in 6. 226 instead of 160 finds less on
+  /// another print: the table has too many.
   float least_half_side_px = 40, most_half_side_px = 160;
   /// Keypoints of a picture at most: of the first view of a side, and of a tilted one.
   std::size_t frontal = 180, tilted = 90;
@@ -30,9 +30,9 @@ struct PrintKeypointTuning {
   /// and of a label with little on it 0.28 to 0.35, of posters and photographs 0.7 and more.
   float least_own = 0.2f;
   float most_beyond = 0.25f;  ///< fraction of a patch that may lie beyond the surface
-  /// From every keypoint elsewhere on the surface: of noise, some 30 bits differ. Where less than this fraction is left, it is the second:
-  /// else of blotches 0.08 are left, as of a checkerboard, and a photograph 53 px high is found in 6 of 8 instead of all. For all prints the
-  /// second loses bent ones (poster: 14 of 20 instead of 18).
+  /// From every keypoint elsewhere on the surface: of noise, some 30 bits differ. Where less than this fraction is left, it is the
+  /// second: else of blotches 0.08 are left, as of a checkerboard, and a photograph 53 px high is found in 6 of 8 instead of all.
+  /// For all prints the second loses bent ones (poster: 14 of 20 instead of 18).
   int least_difference_bits = 48, least_difference_bits_of_plain = 32;
   float plain = 0.5f;
 };

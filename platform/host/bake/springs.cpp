@@ -12,8 +12,8 @@ namespace {
 
 /// Tuning of the springs. Each constant: unit, reason, experiment.
 struct SpringTuning {
-  /// Points, count, at most: a fifth of a sheet's width apart. 36 and 64 points are not more accurate and cost more; with an occluder
-  /// of strong texture they made 26 of 300 frames wrong, 24 points 9 (docs/experiments.md, Sheet).
+  /// Points, count, at most: a fifth of a sheet's width apart. 36 and 64 points are not more accurate and cost more; with an
+  /// occluder of strong texture they made 26 of 300 frames wrong, 24 points 9 (docs/experiments.md, Sheet).
   std::size_t points = 24;
   /// Springs of a point, count, at most: its neighbours in a triangular lattice.
   std::size_t neighbours = 6;
@@ -22,7 +22,8 @@ struct SpringTuning {
 };
 constexpr SpringTuning kTuning{};
 
-/// Farthest-point sampling: each next point is the vertex that is farthest from those before; the second of two at one place never is.
+/// Farthest-point sampling: each next point is the vertex that is farthest from those before; the second of two at one place never
+/// is.
 std::vector<std::size_t> spread(const Source& source) {
   const std::vector<std::size_t> from = surface_vertices(source);
   std::vector<std::size_t> chosen;

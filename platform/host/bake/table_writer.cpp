@@ -190,7 +190,8 @@ std::vector<std::uint8_t> TableWriter::bytes() const {
   const bool has_detector = !learnt_.detector.empty(), has_aligner = !learnt_.aligner.empty(),
              has_parts = !learnt_.parts.empty();
   Layout layout(8u + (has_curves ? 2u : 0u) + (has_albedo ? 1u : 0u) + (has_detector ? 1u : 0u) +
-                (has_aligner ? 1u : 0u) + (has_parts ? 1u : 0u) + (print_.empty() ? 0u : 1u) + (springs_.springs.empty() ? 0u : 1u));
+                (has_aligner ? 1u : 0u) + (has_parts ? 1u : 0u) + (print_.empty() ? 0u : 1u) +
+                (springs_.springs.empty() ? 0u : 1u));
   layout.add(table::Kind::parameters, parameters_);
   layout.add(table::Kind::fields, fields_);
   layout.add(table::Kind::samples, samples_);

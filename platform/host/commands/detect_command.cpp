@@ -64,8 +64,8 @@ struct Found {
   std::size_t faces = 0, with_face = 0, unread = 0;
 };
 
-/// Finds the faces of each picture. In a folder a picture that cannot be read, or is too large, has no rows and a line of its own on
-/// `err`: one bad file among thousands does not cost the work on the others.
+/// Finds the faces of each picture. In a folder a picture that cannot be read, or is too large, has no rows and a line of its own
+/// on `err`: one bad file among thousands does not cost the work on the others.
 Found find_faces(const Args& args, const ModelFile& file, const std::vector<std::string>& paths,
                  Console& console) {
   const auto min_score = static_cast<float>(args.number("--min-score", double(kLeastFaceScore), 0, 1));

@@ -180,7 +180,8 @@ float extent_of(const FitFile& fit) {
   return spread_of({points.data(), points.size()});
 }
 
-/// Bad input: a fit by the dynamics that is far from its points. It is written all the same, as is the track of a film that is cut off.
+/// Bad input: a fit by the dynamics that is far from its points. It is written all the same, as is the track of a film that is cut
+/// off.
 void check_convergence(const FitFile& fit, FitMethod method, const std::string& source) {
   if (method != FitMethod::euler || fit.points.empty()) return;
   if (fit.rms_px <= kUnconvergedFraction * extent_of(fit)) return;

@@ -9,8 +9,9 @@ namespace {
 
 /// Tuning of the reduction. Each constant: unit, reason, experiment.
 struct FrameReductionTuning {
-  /// Scale up to which a face is tracked in the frames as they are, px a mm: 400 px between the outer corners of the eyes. A template
-  /// has 11 px a side, and at a larger scale too little on it. Chosen on the recorded face (docs/experiments.md, Enlarged).
+  /// Scale up to which a face is tracked in the frames as they are, px a mm: 400 px between the outer corners of the eyes. A
+  /// template has 11 px a side, and at a larger scale too little on it. Chosen on the recorded face (docs/experiments.md,
+  /// Enlarged).
   float most_px_per_mm = 4.4f;
   /// Larger side of frames in which a face is found whatever its size, px: one that fills them has 4.4 px a mm.
   int overview_side = 1280;

@@ -18,8 +18,8 @@ class FrameReduction {
 
   int factor() const { return factor_; }
   ImageSize reduced(ImageSize size) const { return {size.width / factor_, size.height / factor_}; }
-  /// The frame, each pixel the mean of factor x factor; what is left at the right and at the bottom is cut off. Valid until the next
-  /// call, and with a factor of 1 as long as the frame is.
+  /// The frame, each pixel the mean of factor x factor; what is left at the right and at the bottom is cut off. Valid until the
+  /// next call, and with a factor of 1 as long as the frame is.
   FrameView reduced(const FrameView& frame);
   /// The camera that sees the reduced frames.
   Camera reduced(const Camera& camera) const;

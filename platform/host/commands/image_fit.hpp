@@ -61,8 +61,8 @@ void check_model(const FitFile& fit, const std::string& path, const ModelFile& f
 /// If neither is, it stays as it is. \param focal_px, camera  as in FitSetup.
 void set_camera(float focal_px, const std::optional<Camera>& camera, FitFile* fit);
 
-/// The fit in the text of the file `path`: that of a fit.json, or the model's to a points.csv. Bad input: a fit of another model, or
-/// of another image size than that of `image`. \param focal_px, camera  as in set_camera, and in FitSetup.
+/// The fit in the text of the file `path`: that of a fit.json, or the model's to a points.csv. Bad input: a fit of another model,
+/// or of another image size than that of `image`. \param focal_px, camera  as in set_camera, and in FitSetup.
 FitFile fit_in(const std::string& path, const std::string& text, const ModelFile& file, const ImageSize& size,
                const std::string& image, float focal_px, const std::optional<Camera>& camera = std::nullopt);
 

@@ -49,8 +49,8 @@ StartOptions start_options(const InitialOptions& options);
 Initial read_initial(const std::string& path, const ModelFile& file, const ImageSize& size,
                      const std::string& frames, const InitialOptions& options, std::ostream& err);
 
-/// Starts the tracker: start_from_landmarks, start_from_box, or start_from_pose and place_landmarks. Bad input, with the name of the
-/// file: landmarks that do not determine the pose. \return every other status of the start.
+/// Starts the tracker: start_from_landmarks, start_from_box, or start_from_pose and place_landmarks. Bad input, with the name of
+/// the file: landmarks that do not determine the pose. \return every other status of the start.
 Status start_tracker(Tracker& tracker, const FrameView& frame, const Initial& initial,
                      const InitialOptions& options, const TrackerOptions& tracker_options,
                      const std::vector<Vec2>& markers);

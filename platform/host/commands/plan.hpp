@@ -44,8 +44,8 @@ double usual_instructions(const std::vector<Load>& loads);
 double most_instructions(const std::vector<Load>& loads);
 /// The same of what Tracker::work counts.
 double most_counted_instructions(const std::vector<Load>& loads);
-/// Instructions of a Cortex-M7 for one of x86-64, an estimate: 1.81 in the tracked frames of the firmware example, 1.70 with detection,
-/// 1.16 in its frames of a search (docs/evaluation.md, Work of a frame). It has no vectors.
+/// Instructions of a Cortex-M7 for one of x86-64, an estimate: 1.81 in the tracked frames of the firmware example, 1.70 with
+/// detection, 1.16 in its frames of a search (docs/evaluation.md, Work of a frame). It has no vectors.
 constexpr double kCortexM7Factor = 1.8;
 
 /// The plan for the default options with free expressions.

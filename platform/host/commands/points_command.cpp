@@ -109,8 +109,8 @@ GivenPoints points_in(const std::string& path, const std::string& text) {
   return given;
 }
 
-/// The landmarks; of a model without, the vertices nearest to the corners, sides and middle of the chart. Given points with a (u,v) of
-/// their own are there as well, under their names.
+/// The landmarks; of a model without, the vertices nearest to the corners, sides and middle of the chart. Given points with a (u,v)
+/// of their own are there as well, under their names.
 std::vector<Handle> handles_of(const Model& model, const std::vector<NamedPoint>& given) {
   std::vector<Handle> handles;
   for (const Landmark& l : model.landmarks()) handles.push_back({l.name, l.uv()});

@@ -28,7 +28,8 @@ bool has_landmarks(const Args& args);
 /// The track table, and the overlay, sheet, report and comparison with a truth where the command line names them.
 class TrackOutput {
  public:
-  /// Opens the files that --out, --overlay, --sheet, --report and --truth name and the window of --show, and writes the header of the table.
+  /// Opens the files that --out, --overlay, --sheet, --report and --truth name and the window of --show, and writes the header of
+  /// the table.
   /// \param expected  number of frames; 0: unknown.
   /// Bad input: --arkit, and the model has no expression that ARKit has.
   TrackOutput(const Args& args, const Model& model, const std::vector<std::string>& marker_names,

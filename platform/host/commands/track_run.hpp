@@ -19,9 +19,9 @@ struct Markers {
   std::vector<Vec2> x;  ///< px
 };
 
-/// Where the first start shows a face that is larger than templates are made for, the run takes a tracker of reduced frames and starts
-/// it on the same frame. In large frames a second tracker looks for such a face, in frames that are much reduced: at its full size it
-/// may not be found. All that goes in and comes out is in pixels of the whole frames.
+/// Where the first start shows a face that is larger than templates are made for, the run takes a tracker of reduced frames and
+/// starts it on the same frame. In large frames a second tracker looks for such a face, in frames that are much reduced: at its
+/// full size it may not be found. All that goes in and comes out is in pixels of the whole frames.
 class TrackRun {
  public:
   /// All references must outlive the run. \param err  where a line says that frames are reduced.

@@ -17,8 +17,8 @@ namespace pliant::host {
 
 namespace {
 
-/// Makes a file with a name that did not exist, beside `target`. \param make  makes the one of a path; false with errno EEXIST where
-/// there is one. \return its path; empty with errno set if that is impossible.
+/// Makes a file with a name that did not exist, beside `target`. \param make  makes the one of a path; false with errno EEXIST
+/// where there is one. \return its path; empty with errno set if that is impossible.
 template <class Make>
 std::string name_beside(const std::string& target, Make&& make) {
   constexpr int kMostNames = 1000;  // temporary files of one process in one folder
@@ -31,8 +31,8 @@ std::string name_beside(const std::string& target, Make&& make) {
   return {};
 }
 
-/// Creates a temporary file in the folder of `target`: without a name, so that nothing is left of it where the program is ended, or,
-/// where the file system has no such files, with one. Null with errno set if that is impossible.
+/// Creates a temporary file in the folder of `target`: without a name, so that nothing is left of it where the program is ended,
+/// or, where the file system has no such files, with one. Null with errno set if that is impossible.
 std::FILE* create_beside(const std::string& target, std::string* path) {
   path->clear();
   const auto folder = std::filesystem::path(target).parent_path().string();
@@ -46,8 +46,8 @@ std::FILE* create_beside(const std::string& target, std::string* path) {
   return file < 0 ? nullptr : ::fdopen(file, "wb");
 }
 
-/// The descriptor that a path like /dev/stdout or /dev/fd/3 names; -1 for any other. Such a path must not be resolved: what the shell
-/// redirects to a file would replace that file.
+/// The descriptor that a path like /dev/stdout or /dev/fd/3 names; -1 for any other. Such a path must not be resolved: what the
+/// shell redirects to a file would replace that file.
 int descriptor_of(const std::string& path) {
   if (path == "/dev/stdout" || path == "/dev/stderr")
     return path == "/dev/stdout" ? STDOUT_FILENO : STDERR_FILENO;

@@ -21,9 +21,9 @@ std::string read_file(const std::string& path, std::size_t limit_bytes = std::si
 bool is_standard_output(const std::string& path);
 
 /// A file that gets its name only when it is complete. Until `commit`, the bytes are in a temporary file in the same folder. It has
-/// no name, or, where the file system has no such files, one that the destructor removes. A symbolic link is followed: its target is
-/// replaced. What cannot be replaced is written directly: a device, a pipe, a descriptor as /dev/fd/3, and a file in a folder that
-/// takes no other; a file that is a mount point gets the bytes at the end. "-" is standard output.
+/// no name, or, where the file system has no such files, one that the destructor removes. A symbolic link is followed: its target
+/// is replaced. What cannot be replaced is written directly: a device, a pipe, a descriptor as /dev/fd/3, and a file in a folder
+/// that takes no other; a file that is a mount point gets the bytes at the end. "-" is standard output.
 class OutputFile {
  public:
   /// Creates the temporary file. Bad input if that is impossible, or if there is a file of that name that may not be written.

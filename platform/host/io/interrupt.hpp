@@ -8,8 +8,8 @@
 namespace pliant::host {
 
 /// While an object of this class exists, the first SIGINT, SIGTERM or SIGHUP only sets a flag, and ends a read that waits for input
-/// (errno EINTR); a second one has the effect that it had before. One that is ignored (nohup, a script's background) stays so. There
-/// may be one object at a time.
+/// (errno EINTR); a second one has the effect that it had before. One that is ignored (nohup, a script's background) stays so.
+/// There may be one object at a time.
 class InterruptWatch {
  public:
   InterruptWatch() {

@@ -28,7 +28,8 @@ std::string script_json(const std::string& json);
 std::string base64(const std::string& bytes);
 
 /// A picture as a data: address, of which a browser shows what `image_in` reads of the file's bytes. PNG and JPEG keep their bytes,
-/// without a JPEG's EXIF data (location). A JPEG whose orientation is not upright is turned and written anew. Other formats become PNG.
+/// without a JPEG's EXIF data (location). A JPEG whose orientation is not upright is turned and written anew. Other formats become
+/// PNG.
 std::string picture_address(const Image& image, const std::string& bytes);
 std::string png_address(const Image& image);
 std::string jpeg_address(const Image& image, int quality);

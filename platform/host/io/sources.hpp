@@ -24,8 +24,8 @@ std::vector<std::string> pictures_in(const std::string& folder, std::error_code&
 /// Opens a video file through the ffmpeg program, the first video track in it.
 OpenedFrames open_video(const std::string& path);
 class ChildProcess;
-/// Opens the Y4M stream that a program writes. `name` names it in messages. \param rate  n:d, frames a second, that counts instead of
-/// the stream's; empty: the stream's.
+/// Opens the Y4M stream that a program writes. `name` names it in messages. \param rate  n:d, frames a second, that counts instead
+/// of the stream's; empty: the stream's.
 OpenedFrames open_y4m_from(std::unique_ptr<ChildProcess> program, const std::string& name,
                            const std::string& rate);
 

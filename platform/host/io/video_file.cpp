@@ -10,8 +10,8 @@ namespace pliant::host {
 
 namespace {
 
-/// Frames a second in the mean, n:d; empty if the program ffprobe, which comes with ffmpeg, does not tell. Of irregular times ffmpeg
-/// writes the smallest distance into the Y4M header.
+/// Frames a second in the mean, n:d; empty if the program ffprobe, which comes with ffmpeg, does not tell. Of irregular times
+/// ffmpeg writes the smallest distance into the Y4M header.
 std::string mean_rate(const std::vector<std::string>& input) {
   std::vector<std::string> words{"ffprobe"};
   words.insert(words.end(), input.begin(), input.end());

@@ -6,8 +6,8 @@ namespace pliant::host {
 
 namespace {
 
-/// A point is two digits, x and y, in half units: 0 to 9, then a to i. Strokes are separated by blanks. A stroke that begins with ~ is
-/// a smooth curve through its points, one that begins with & a closed one.
+/// A point is two digits, x and y, in half units: 0 to 9, then a to i. Strokes are separated by blanks. A stroke that begins with ~
+/// is a smooth curve through its points, one that begins with & a closed one.
 struct Source {
   char character;
   const char* strokes;

@@ -256,7 +256,9 @@ Picture lit_by_ramp(const Picture& p, Vec2 x, float ramp) {
       const float right = clamp(static_cast<float>(i) - x.x, -15, 15),
                   down = clamp(static_cast<float>(j) - x.y, -15, 15);
       lit.at(i, j) = static_cast<std::uint8_t>(
-          clamp(static_cast<float>(p.pixels[static_cast<std::size_t>(j * p.width + i)]) + ramp * (right + 0.5f * down) + 0.5f, 6, 249));
+          clamp(static_cast<float>(p.pixels[static_cast<std::size_t>(j * p.width + i)]) +
+                    ramp * (right + 0.5f * down) + 0.5f,
+                6, 249));
     }
   return lit;
 }
