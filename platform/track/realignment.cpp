@@ -23,7 +23,7 @@ Status align(TrackerParts& t, const FrameView& frame, FaceDetectionState& detect
              AlignedFace* face) {
   const SecondLookState& look = *detection.look;
   const AlignmentRoom room = detection.face_search.room();
-  for (std::size_t k = 0; k < t.model().parameters().count; ++k) room.q[k] = t.estimator.parameters()[k];
+  copy(t.estimator.parameters().data, t.model().parameters().count, room.q);
   return look.modules->refine(*look.aligner, frame, t.estimator.camera(), pose,
                               detection.face_search.of_known_person(), face, room.q, room.landmarks);
 }
@@ -32,21 +32,16 @@ Status align(TrackerParts& t, const FrameView& frame, FaceDetectionState& detect
 Status align_in(const FaceBox& box, TrackerParts& t, const FrameView& frame, const AlignmentRoom& room,
                 AlignedFace* face) {
   const SecondLookState& look = *static_cast<FaceDetectionState*>(t.detection)->look;
-  int steps = 0;
-  const Status status =
-      look.modules->begin(*look.aligner, frame, box, t.estimator.camera(), {}, room.q, &steps);
-  if (status != Status::ok) return status;
-  return look.modules->advance(*look.aligner, frame, steps, face, room.q, room.landmarks);
+  return align_in_box(*look.modules, *look.aligner, frame, box, t.estimator.camera(), room, face);
 }
 
 enum class Found { nowhere, here, begun_anew };
 
 FaceBox box_of(const TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
-  return box_at_landmarks(t.model(), view_of(face.pose, face.camera).s,
-                          [&](std::uint16_t k, Vec2* x) { return *x = landmarks[k], true; });
+  return box_at_landmarks(t.model(), view_of(face.pose, face.camera).s, places_of(landmarks));
 }
 
-bool is_same(const FaceBox& a, const FaceBox& b) {
+bool has_stayed(const FaceBox& a, const FaceBox& b) {
   return length(a.center - b.center) <= kTuning.most_box_shift * a.side &&
          a.side <= kTuning.most_box_ratio * b.side && b.side <= kTuning.most_box_ratio * a.side;
 }
@@ -62,7 +57,7 @@ AlignmentRoom take_room(TrackerParts& t) {
 
 /// Mean distance of two alignments' landmarks, fraction of the eyes' distance.
 float distance_between(const TrackerParts& t, Span<const Vec2> a, Span<const Vec2> b) {
-  return mean_distance(t.model(), a, [&](std::size_t k, Vec2* x) { return *x = b[k], true; });
+  return mean_distance(t.model(), a, places_of(b));
 }
 
 /// Near the last good pose, in `face` and the room of the search. If that is away from there, or not surely right, the mean face is
@@ -72,7 +67,8 @@ Found find_near(TrackerParts& t, const FrameView& frame, FaceDetectionState& det
   if (align(t, frame, detection, pose_of(t.estimator.view()), face) != Status::ok ||
       face->score < kTuning.least_seen_score)
     return Found::nowhere;
-  if (is_right(*face) && distance_from_track(t, landmarks) <= kTuning.most_distance) return Found::here;
+  const float moved = distance_from_track(t, landmarks);  // negative: a landmark was behind the camera
+  if (is_right(*face) && moved >= 0 && moved <= kTuning.most_distance) return Found::here;
   const AlignmentRoom own = take_room(t);
   AlignedFace mean;
   if (align_in(box_of(t, *face, landmarks), t, frame, own, &mean) != Status::ok) return Found::nowhere;
@@ -92,11 +88,11 @@ Found find_at(const FaceBox& box, TrackerParts& t, const FrameView& frame, FaceD
   const AlignmentRoom room = detection.face_search.room(), own = take_room(t);
   AlignedFace mean;
   if (align_in(box, t, frame, own, &mean) != Status::ok || mean.score < kTuning.least_sure_score ||
-      !is_right(mean) || !is_same(box, box_of(t, mean, own.landmarks)))
+      !is_right(mean) || !has_stayed(box, box_of(t, mean, own.landmarks)))
     return Found::nowhere;
-  for (std::size_t k = 0; k < t.model().parameters().count; ++k) room.q[k] = own.q[k];
+  copy(own.q, t.model().parameters().count, room.q);
   if (detection.face_search.is_another(mean)) {
-    for (std::size_t k = 0; k < own.landmarks.count; ++k) room.landmarks[k] = own.landmarks[k];
+    copy(own.landmarks.data, own.landmarks.count, room.landmarks.data);
     detection.begin_anew(t, frame, mean);
     return Found::begun_anew;
   }
