@@ -1,6 +1,7 @@
 #include "host/render/overlay.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/io/calibration.hpp"
 #include "host/io/owned.hpp"
@@ -18,6 +19,13 @@ constexpr Colour kMesh{96, 232, 214}, kMeshOnBright{0, 96, 110}, kLandmark{255, 
 /// as skin changes colour less often so.
 constexpr int kBright = 150;
 
+/// Opacity of the mesh's lines, and the fraction of a face that they cover, at most.
+constexpr float kMeshOpacity = 0.42f, kMostCovered = 0.2f;
+
+/// Unit of the marks on a face, at most, as a fraction of its side. With it the dots of 68 landmarks cover 3 % of a face, and the
+/// lines of the built-in face's mesh a quarter; with lines of one pixel a face of 40 pixels was not to be seen.
+constexpr float kMostFaceUnit = 0.0075f;
+
 constexpr Vec2 kNowhere{-1e9f, -1e9f}, kUnknown{-2e9f, -2e9f};
 
 /// Whether a picture of three channels is bright at this place.
@@ -27,6 +35,11 @@ bool is_bright(const Image& image, Vec2 x) {
     return false;
   const std::uint8_t* p = image.at(static_cast<int>(x.x), static_cast<int>(x.y));
   return 299 * p[0] + 587 * p[1] + 114 * p[2] >= 1000 * kBright;
+}
+
+/// Width of the pixels that a line of this width covers (draw_line): a thin one is as pale as it is thin.
+float drawn_width(float width) {
+  return width < 1 ? 0.25f * (1 + width) * (1 + width) : width;
 }
 
 }  // namespace
@@ -82,34 +95,48 @@ std::vector<std::optional<Vec2>> project_landmarks(const Model& model, Cascade& 
 }
 
 Overlay::Overlay(const Image& picture)
-    : scale_(picture.width < 480 ? 2 : 1), image_(to_colour(enlarged(picture, scale_))) {}
+    : scale_(picture.width < 480 ? 2 : 1), image_(to_colour(enlarged(picture, scale_))), face_unit_(unit()) {}
 
 Vec2 Overlay::scaled(Vec2 x) const {
   const auto s = static_cast<float>(scale_);
   return {s * (x.x + 0.5f) - 0.5f, s * (x.y + 0.5f) - 0.5f};
 }
 
+void Overlay::set_face(float side) {
+  face_unit_ = std::min(unit(), kMostFaceUnit * side);
+}
+
 void Overlay::draw_mesh(const WireMesh& mesh) {
   std::vector<std::array<std::uint16_t, 2>> edges;
-  for (const auto& f : mesh.faces)
+  float area = 0;
+  for (const auto& f : mesh.faces) {
+    area += 0.5f * std::abs(doubled_area(scaled(mesh.x[f[0]]), scaled(mesh.x[f[1]]), scaled(mesh.x[f[2]])));
     for (std::size_t k = 0; k < 3; ++k)
       edges.push_back({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});
+  }
+  if (area > 0) set_face(std::sqrt(area));
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  float length_px = 0;
+  for (const auto& [a, b] : edges) length_px += length(scaled(mesh.x[b]) - scaled(mesh.x[a]));
+  const float covered = length_px * drawn_width(face_unit_) * kMeshOpacity / area;
+  const float opacity = kMeshOpacity * (covered > kMostCovered ? kMostCovered / covered : 1);
   const Image below = image_;  // the colour of an edge must not depend on those that are drawn already
   for (const auto& [a, b] : edges) {
     const Vec2 from = scaled(mesh.x[a]), to = scaled(mesh.x[b]);
-    draw_line(image_, from, to, unit(), is_bright(below, 0.5f * (from + to)) ? kMeshOnBright : kMesh, 0.42f);
+    draw_line(image_, from, to, face_unit_, is_bright(below, 0.5f * (from + to)) ? kMeshOnBright : kMesh,
+              opacity);
   }
 }
 
 // Light marks have a dark edge, so that they are seen on bright pictures.
 void Overlay::draw_landmark(Vec2 x) {
-  draw_dot(image_, scaled(x), 2.3f * unit(), kEdge, 0.4f);
-  draw_dot(image_, scaled(x), 1.6f * unit(), kLandmark, 0.95f);
+  draw_dot(image_, scaled(x), 2.3f * face_unit_, kEdge, 0.4f);
+  draw_dot(image_, scaled(x), 1.6f * face_unit_, kLandmark, 0.95f);
 }
 
 void Overlay::draw_box(Vec2 centre, float side) {
+  set_face(static_cast<float>(scale_) * side);
   const float half = side / 2;
   const Vec2 corners[] = {{-half, -half}, {half, -half}, {half, half}, {-half, half}};
   for (std::size_t k = 0; k < 4; ++k)

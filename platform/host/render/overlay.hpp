@@ -28,7 +28,8 @@ std::vector<std::optional<Vec2>> project_landmarks(const Model& model, Cascade& 
                                                    const Camera& camera, const ImageSize& size,
                                                    const float* q);
 
-/// A picture to draw on. It is enlarged twice if it is less than 480 pixels wide.
+/// A picture to draw on. It is enlarged twice if it is less than 480 pixels wide. Lines and dots on a face whose mesh or box is
+/// narrower than about a fifth of the picture are finer, so that the face is still seen below them.
 class Overlay {
  public:
   explicit Overlay(const Image& picture);
@@ -50,10 +51,13 @@ class Overlay {
 
  private:
   Vec2 scaled(Vec2 x) const;
+  /// What is drawn next lies on a face of this side, px of the overlay.
+  void set_face(float side);
   /// Width of a thin line: one pixel in a picture 640 pixels wide.
   float unit() const { return static_cast<float>(image_.width) / 640; }
   int scale_;
   Image image_;
+  float face_unit_;  // unit() on the face that was drawn last, or less
 };
 
 }  // namespace pliant::host

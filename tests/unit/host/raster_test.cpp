@@ -425,4 +425,40 @@ TEST_CASE("the mesh of an overlay is visible on a picture of any brightness") {
   }
 }
 
+// A face of 40 pixels in a picture 1280 pixels wide, with a mesh as fine as that of a large frame.
+TEST_CASE("a small face is still seen below the marks of an overlay") {
+  constexpr int kCells = 36;
+  constexpr float kSide = 40, kFirst = 100;
+  WireMesh mesh;
+  for (int j = 0; j <= kCells; ++j)
+    for (int i = 0; i <= kCells; ++i)
+      mesh.x.push_back(
+          {kFirst + kSide * static_cast<float>(i) / kCells, kFirst + kSide * static_cast<float>(j) / kCells});
+  const auto at = [](int i, int j) { return static_cast<std::uint16_t>(j * (kCells + 1) + i); };
+  for (int j = 0; j < kCells; ++j)
+    for (int i = 0; i < kCells; ++i) {
+      mesh.faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      mesh.faces.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  Image picture(1280, 240, 1, 120);
+  for (int j = 100; j < 140; ++j)
+    for (int i = 100; i < 120; ++i) *picture.at(i, j) = 40;  // the left half of the face is dark
+  Overlay overlay(picture);
+  overlay.draw_mesh(mesh);
+  for (int k = 0; k < 68; ++k)
+    overlay.draw_landmark(
+        {kFirst + 4.0f * static_cast<float>(k % 10), kFirst + 5.0f * static_cast<float>(k / 10)});
+  const auto mean = [&](int first, int last) {
+    int sum = 0;
+    for (int j = 102; j < 138; ++j)
+      for (int i = first; i < last; ++i) {
+        const std::uint8_t* p = overlay.image().at(i, j);
+        sum += (299 * p[0] + 587 * p[1] + 114 * p[2]) / 1000;
+      }
+    return sum / (36 * (last - first));
+  };
+  CHECK(mean(102, 118) > 45);                    // there are marks
+  CHECK(mean(122, 138) - mean(102, 118) >= 48);  // of a contrast of 80
+}
+
 }  // namespace raster_test
