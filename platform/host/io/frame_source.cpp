@@ -50,7 +50,7 @@ OpenedFrames open_frames(const std::string& name) {
   if (status.type() == std::filesystem::file_type::not_found)
     return {nullptr, name + ": no such file or folder"};
   if (std::filesystem::is_directory(status)) return open_folder(name);
-  if (has_picture_extension(name)) return open_pictures({name});
+  if (has_picture_extension(name) && !is_animated_png(name)) return open_pictures({name});
   return is_y4m(name, status) ? open_y4m(name) : open_video(name);
 }
 

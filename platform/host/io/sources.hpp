@@ -21,6 +21,8 @@ bool is_picture_of_folder(const std::filesystem::directory_entry& entry);
 /// Paths of the pictures of a folder, ordered by name. \param error  out: why the folder cannot be read.
 std::vector<std::string> pictures_in(const std::string& folder, std::error_code& error);
 
+/// Whether a file is a PNG with several frames (APNG), which is a video whatever its name.
+bool is_animated_png(const std::string& path);
 /// Opens a video file through the ffmpeg program, the first video track in it.
 OpenedFrames open_video(const std::string& path);
 class ChildProcess;

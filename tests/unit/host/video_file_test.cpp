@@ -122,6 +122,41 @@ TEST_CASE("the rate is the mean one that ffprobe tells, else that of ffmpeg's st
   }
 }
 
+TEST_CASE("a PNG with several frames is a video, whatever its name") {
+  const Folder folder;
+  put_program(folder, "ffmpeg",
+              "for a in \"$@\"; do echo \"$a\" >> \"${0%/*}/words\"; done\n" + std::string(kTwoFrames));
+  const SearchPath path(folder.path.string(), false);
+  const auto chunk = [](const std::string& type, std::size_t bytes) {
+    return std::string(3, '\0') + static_cast<char>(bytes) + type + std::string(bytes + 4, 'x');
+  };
+  const std::string head = "\x89PNG\r\n\x1a\n" + chunk("IHDR", 13);
+  const OpenedFrames opened =
+      open_frames(folder.put("clip.png", head + chunk("sRGB", 1) + chunk("acTL", 8) + chunk("IDAT", 3)));
+  REQUIRE(opened.source != nullptr);
+  Status end;
+  CHECK(frame_count(*opened.source, &end) == 2);
+  CHECK(contains(read_file(folder / "words"), "-f\napng\n-i\nfile:" + (folder / "clip.png") + "\n"));
+  // One frame; a chunk behind the picture; cut off; a length that is none: pictures, which these are not.
+  const std::string length_of_none = "\xff\xff\xff\xf0zzzz";
+  for (const std::string& still : {head + chunk("IDAT", 3) + chunk("acTL", 8), head, head.substr(0, 12),
+                                   head + length_of_none + length_of_none, std::string()})
+    CHECK(open_frames(folder.put("still.png", still)).source == nullptr);
+  CHECK_FALSE(contains(read_file(folder / "words"), "still.png"));
+}
+
+TEST_CASE("an animated WebP that ffmpeg does not read is named as what it is") {
+  const Folder folder;
+  put_program(folder, "ffmpeg", "echo 'Error marking filters as finished' >&2; exit 1\n");
+  const SearchPath path(folder.path.string(), false);
+  const std::string before_flags = "RIFF1234WEBPVP8X" + std::string("\x0a\0\0\0", 4);
+  const std::string clip = folder.put("clip.webp", before_flags + "\x02");
+  CHECK(contains(open_frames(clip).message, clip + ": is an animated WebP"));
+  const std::string still = folder.put("still.webp", before_flags + "\x10");
+  CHECK(open_frames(still).message ==
+        still + ": cannot be read as a video: Error marking filters as finished");
+}
+
 TEST_CASE("without ffmpeg the message says what to install; Y4M and empty files do not need it") {
   const Folder folder;
   const SearchPath path(folder.path.string(), true);
