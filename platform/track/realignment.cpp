@@ -81,8 +81,8 @@ Found find_near(TrackerParts& t, const FrameView& frame, FaceDetectionState& det
   return is_right(*face) && distance <= kTuning.most_disagreement ? Found::here : Found::nowhere;
 }
 
-/// In the box of such a mean face in the frame before: if it has stayed there, it is the same person, who is then aligned from there,
-/// or another one, with whom a new track begins.
+/// In the box of such a mean face in the frame before: if it has stayed there, it is the same person, who is then aligned from
+/// there, or another one, with whom a new track begins.
 Found find_at(const FaceBox& box, TrackerParts& t, const FrameView& frame, FaceDetectionState& detection,
               AlignedFace* face) {
   const AlignmentRoom room = detection.face_search.room(), own = take_room(t);

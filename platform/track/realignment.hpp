@@ -17,9 +17,9 @@ struct RealignmentTuning {
   /// tracks end and begin anew in shadow.
   float most_error = kFaceChecksTuning.most_landmark_error, least_score = 0.8f;
   /// Mean distance of the landmarks from the last good frame's above which another alignment has to confirm them, which begins with
-  /// the mean face in their box; and from those of that one, at most; fractions of the distance of the outer eye corners. After a cut
-  /// to another size the mouth may be aligned to the nose, which looks right from there (docs/experiments.md, Cuts; this and the
-  /// following constants). Round values.
+  /// the mean face in their box; and from those of that one, at most; fractions of the distance of the outer eye corners. After a
+  /// cut to another size the mouth may be aligned to the nose, which looks right from there (docs/experiments.md, Cuts; this and
+  /// the following constants). Round values.
   float most_distance = 0.05f, most_disagreement = 0.12f;
   /// Where they are away from each other the second one is believed, if its probability is at least this, and its estimated error
   /// at most this fraction of the first one's. Those of a second look (SecondLookTuning).
@@ -36,10 +36,10 @@ struct RealignmentTuning {
 inline constexpr RealignmentTuning kRealignmentTuning{};
 
 /// Ends a bad frame: aligns the face from the last good pose, with the person held. If that is right, the frame counts as
-/// tracked; after many such frames a new track begins, of the same person or of another one. If it is not, but the mean face is seen
-/// surely elsewhere in its box, the next bad frame begins there.
-/// \pre the limits name second looks. \return false: the frame stays bad. Cost: 7.9 million instructions with the defaults, 20 million
-/// where the mean face is aligned, too; where a new track begins a start besides.
+/// tracked; after many such frames a new track begins, of the same person or of another one. If it is not, but the mean face is
+/// seen surely elsewhere in its box, the next bad frame begins there.
+/// \pre the limits name second looks. \return false: the frame stays bad. Cost: 7.9 million instructions with the defaults,
+/// 20 million where the mean face is aligned, too; where a new track begins a start besides.
 bool realign(TrackerParts& tracker, const FrameView& frame);
 
 }  // namespace pliant
