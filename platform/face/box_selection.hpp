@@ -14,6 +14,13 @@ struct BoxHit {
 /// The area that two boxes share as a fraction of the area that they cover together.
 float overlap(const FaceBox& a, const FaceBox& b);
 
+/// Whether one box has not become another.
+/// \param most_shift  of the middle, as a fraction of the side. \param most_ratio  of the sides.
+inline bool is_same(const FaceBox& a, const FaceBox& b, float most_shift, float most_ratio) {
+  return length(a.center - b.center) <= most_shift * a.side && a.side <= most_ratio * b.side &&
+         b.side <= most_ratio * a.side;
+}
+
 /// Collects the hits with the highest sums.
 class BoxHits {
  public:

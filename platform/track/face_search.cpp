@@ -1,6 +1,7 @@
 #include "track/face_search.hpp"
 
 #include "base/arrays.hpp"
+#include "face/box_selection.hpp"
 #include "face/ibug_landmarks.hpp"
 #include "track/detection_state.hpp"
 #include "track/landmark_fit.hpp"
@@ -196,15 +197,6 @@ void FaceSearch::set_person(const StartOptions& options, const AlignedFace& face
   if (options.keeps_landmark_offsets) person->offsets->set_pending(landmarks_, model_);
 }
 
-namespace {
-
-bool is_same(const FaceBox& a, const FaceBox& b) {
-  return length(a.center - b.center) <= kTuning.most_box_shift * a.side &&
-         a.side <= kTuning.most_box_ratio * b.side && b.side <= kTuning.most_box_ratio * a.side;
-}
-
-}  // namespace
-
 /// Aligns the mean face in a box. \param found  the box of the result.
 Status FaceSearch::align_in(const FaceBox& box, const FrameView& frame, const Camera& camera,
                             AlignedFace* face, FaceBox* found) {
@@ -219,13 +211,15 @@ Status FaceSearch::align_in(const FaceBox& box, const FrameView& frame, const Ca
 Status FaceSearch::align_near(FaceBox box, const FrameView& frame, const Camera& camera, AlignedFace* face) {
   FaceBox found;
   Status status = align_in(box, frame, camera, face, &found);
-  for (int k = 1; status == Status::ok && k < kTuning.most_box_alignments && !is_same(found, box); ++k) {
+  for (int k = 1; status == Status::ok && k < kTuning.most_box_alignments &&
+                  !is_same(found, box, kTuning.most_box_shift, kTuning.most_box_ratio);
+       ++k) {
     box = found;
     status = align_in(box, frame, camera, face, &found);
   }
   DetectedFace seen;
   if (status != Status::ok || modules_->search_near(*detector_, frame, found, &seen) != Status::ok ||
-      !(seen.score > 0) || is_same(seen.box, found))
+      !(seen.score > 0) || is_same(seen.box, found, kTuning.most_box_shift, kTuning.most_box_ratio))
     return status;
   return align_in(seen.box, frame, camera, face, &found);
 }

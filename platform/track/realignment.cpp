@@ -1,6 +1,7 @@
 #include "track/realignment.hpp"
 
 #include "base/arrays.hpp"
+#include "face/box_selection.hpp"
 #include "face/ibug_landmarks.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/found_track.hpp"
@@ -39,11 +40,6 @@ enum class Found { nowhere, here, begun_anew };
 
 FaceBox box_of(const TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
   return box_at_landmarks(t.model(), view_of(face.pose, face.camera).s, places_of(landmarks));
-}
-
-bool has_stayed(const FaceBox& a, const FaceBox& b) {
-  return length(a.center - b.center) <= kTuning.most_box_shift * a.side &&
-         a.side <= kTuning.most_box_ratio * b.side && b.side <= kTuning.most_box_ratio * a.side;
 }
 
 /// Beside the room of the search, until the frame ends.
@@ -88,7 +84,8 @@ Found find_at(const FaceBox& box, TrackerParts& t, const FrameView& frame, FaceD
   const AlignmentRoom room = detection.face_search.room(), own = take_room(t);
   AlignedFace mean;
   if (align_in(box, t, frame, own, &mean) != Status::ok || mean.score < kTuning.least_sure_score ||
-      !is_right(mean) || !has_stayed(box, box_of(t, mean, own.landmarks)))
+      !is_right(mean) ||
+      !is_same(box, box_of(t, mean, own.landmarks), kTuning.most_box_shift, kTuning.most_box_ratio))
     return Found::nowhere;
   copy(own.q, t.model().parameters().count, room.q);
   if (detection.face_search.is_another(mean)) {

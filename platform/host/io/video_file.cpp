@@ -33,11 +33,15 @@ std::string mean_rate(const std::vector<std::string>& input) {
   return std::to_string(n) + ":" + std::to_string(d);
 }
 
+/// Null for anything else than a file: a pipe cannot be read twice.
+std::FILE* open_regular(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error) ? std::fopen(path.c_str(), "rb") : nullptr;
+}
+
 /// Whether a file is a WebP with several frames: an extended one whose flag for them is set.
 bool is_animated_webp(const std::string& path) {
-  std::error_code error;
-  std::FILE* const file =
-      std::filesystem::is_regular_file(path, error) ? std::fopen(path.c_str(), "rb") : nullptr;
+  std::FILE* const file = open_regular(path);
   if (file == nullptr) return false;
   char head[21] = {};
   const bool is_whole = std::fread(head, 1, sizeof head, file) == sizeof head;
@@ -49,9 +53,7 @@ bool is_animated_webp(const std::string& path) {
 }  // namespace
 
 bool is_animated_png(const std::string& path) {
-  std::error_code error;
-  std::FILE* const file =  // a pipe is not read twice
-      std::filesystem::is_regular_file(path, error) ? std::fopen(path.c_str(), "rb") : nullptr;
+  std::FILE* const file = open_regular(path);
   if (file == nullptr) return false;
   unsigned char head[8];  // of the file, then of a chunk: length and type
   bool is_known = false;

@@ -247,6 +247,23 @@ TEST_CASE(
   CHECK(smoothed(make_plan(host::sheet(), {}).loads) == 0);
 }
 
+TEST_CASE("edges are work of the frame after a start where the frame before is kept, else of the start") {
+  const auto usual = [](const std::vector<Load>& loads) {
+    double edges = 0;
+    for (const Load& load : loads)
+      if (load.what == std::string("points of curves")) edges += load.usual;
+    return edges;
+  };
+  for (const bool keeps_previous : {true, false}) {
+    TrackerLimits limits;
+    limits.keeps_previous = keeps_previous;
+    const Plan plan = make_plan(baked_face().model, limits);
+    const double edges = limits.curve_points + limits.silhouette_points;
+    CHECK(usual(plan.edge_loads) == (keeps_previous ? edges : 0));
+    CHECK(usual(plan.start_loads) == (keeps_previous ? 0 : edges));
+  }
+}
+
 TEST_CASE(
     "the plan of a printed sheet has its checks, its search and its springs, and bounds what a track "
     "counts") {
@@ -292,7 +309,8 @@ TEST_CASE("the plan bounds the frames of a search for a print, in a picture full
     while (!matcher->step(limits.search_work)) ++frames;
     const int most = make_plan(host::sheet(), limits).print_search_frames;
     CHECK(frames <= most);
-    CHECK(most <= frames + frames / 3 + 1);  // noise has fewer corners on its smaller levels than there is room for
+    CHECK(most <=
+          frames + frames / 3 + 1);  // noise has fewer corners on its smaller levels than there is room for
   }
   CHECK(make_plan(host::sheet(), {}).print_search_frames == 1);
   CHECK(make_plan(host::sheet(), profile_l()).print_search_frames == 2);
