@@ -42,8 +42,8 @@ inline bool are_usable(const Model& model, const TrackerLimits& limits) {
 /// the texture), the tracker is not started, `is_started` is false, and the next frame may have any time. If it failed in the
 /// texture, that is searched with its camera and options.
 ///
-/// Costs with profiles M and S at 320 x 240 on a PC, in units of a tracked frame: a start from a pose or a state 7 and 11, from
-/// a box about 27 and 45, from 68 landmarks 16 and 44, a frame that is searched 6 and 3.
+/// Costs as multiples of a tracked frame's instructions, with profiles M and S on a PC: a start from a pose or a state 4 and 8,
+/// from a box about 8 and 13, from 68 landmarks 13 and 31, a frame that is searched 8 and 3.
 /// `pliant plan` has the instructions of frames that are searched and of starts by search.
 class Tracker {
  public:
@@ -56,7 +56,7 @@ class Tracker {
 
   /// Ends the track, if there is one, and forgets the person: the next `update` searches for the face or
   /// printed surface. A new tracker does so with default options. The next frame may have any time.
-  /// \param start    camera or focal length, if known, and `keeps_landmark_offsets`.
+  /// \param start    camera or focal length, if known.
   /// \param options  of the tracks that follow.
   /// \return not_found (the limits name no detection, or the model has no tables for it), bad_argument (the
   ///         camera, the focal length or an option): nothing has changed.

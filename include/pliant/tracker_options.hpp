@@ -19,6 +19,9 @@ struct TrackerOptions {
   const std::uint8_t* is_free = nullptr;
   float marker_exclusion_px =
       8;  ///< no template is captured within this distance of a marker, px, at least 0
+  /// If false, `landmark` gives the positions of the model, without the offsets of a person, until landmarks are placed
+  /// (Tracker::place_landmarks).
+  bool keeps_landmark_offsets = true;
 };
 
 /// `ok`, or `bad_argument` for an option out of its bounds.
@@ -46,8 +49,6 @@ struct StartOptions {
   float focal_px = 0;
   /// Intrinsics and lens, if known, which replace focal_px. May be Tracker::camera.
   const Camera* camera = nullptr;
-  /// If false, `landmark` gives the positions of the model, without offsets, until landmarks are placed (Tracker::place_landmarks).
-  bool keeps_landmark_offsets = true;
   /// Of start_from_box. A box of FaceDetector or of `pliant detect` is a `face_box`.
   BoxConvention box = BoxConvention::landmarks;
 };

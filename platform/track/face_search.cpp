@@ -140,7 +140,7 @@ FaceSearch::Answer FaceSearch::align(const SearchInput& input, int* steps, Known
     times_seen_ = 0;
     return Answer::no;
   }
-  set_person(input.options, face, person, start);
+  set_person(face, person, start);
   *landmark_error = face.landmark_error;
   return Answer::yes;
 }
@@ -186,15 +186,14 @@ void FaceSearch::go_on() {
 }
 
 /// The person as aligned: pose and parameters; of a new one also the landmarks, where the alignment found them.
-void FaceSearch::set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
-                            StartPose* start) {
+void FaceSearch::set_person(const AlignedFace& face, KnownPerson* person, StartPose* start) {
   *start = {face.camera, face.pose};
   copy(q_, model_.parameters().count, person->q);
   if (whom_ == Whom::known) return;
   reference_.set(face, q_);
   person->is_known = false;
   person->offsets->clear();
-  if (options.keeps_landmark_offsets) person->offsets->set_pending(landmarks_, model_);
+  person->offsets->set_pending(landmarks_, model_);
 }
 
 /// Aligns the mean face in a box. \param found  the box of the result.
@@ -235,7 +234,7 @@ void FaceSearch::refine(const SearchInput& input, const FaceBox* box, KnownPerso
                                        : modules_->refine(*aligner_, input.frame, start->camera, start->pose,
                                                           {}, &face, q_, landmarks_);
   if (status != Status::ok || !(face.score >= kTuning.least_refined)) return;
-  set_person(input.options, face, person, start);
+  set_person(face, person, start);
   *landmark_error = face.landmark_error;
 }
 

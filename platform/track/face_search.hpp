@@ -79,10 +79,9 @@ class FaceSearch {
   /// Whether that alignment, which was one without a known identity, is of another person than the reference.
   bool is_another(const AlignedFace& face) const { return reference_.tells() && !reference_.may_be(face, q_); }
   /// The person and the start of that alignment, as of somebody new.
-  void set_new_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
-                      StartPose* start) {
+  void set_new_person(const AlignedFace& face, KnownPerson* person, StartPose* start) {
     whom_ = Whom::another;
-    set_person(options, face, person, start);
+    set_person(face, person, start);
   }
 
   /// A start of the caller's begins: it may be of another person.
@@ -111,8 +110,7 @@ class FaceSearch {
   bool is_accepted(const AlignedFace& face) const;
   void go_on();
   Whom first_question() const;
-  void set_person(const StartOptions& options, const AlignedFace& face, KnownPerson* person,
-                  StartPose* start);
+  void set_person(const AlignedFace& face, KnownPerson* person, StartPose* start);
 
   const FaceModules* modules_ = nullptr;
   Model model_;

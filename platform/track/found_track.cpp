@@ -16,7 +16,7 @@ TrackerOptions with_present_mesh(const TrackerOptions& kept) {
 
 void FaceDetectionState::begin_anew(TrackerParts& t, const FrameView& view, const AlignedFace& face) {
   StartPose found;
-  face_search.set_new_person(kept.start, face, &person_of(t), &found);
+  face_search.set_new_person(face, &person_of(t), &found);
   landmark_error = face.landmark_error;
   (void)start_found(t, view, found, with_present_mesh(kept.options));  // a track that cannot begin is lost
 }

@@ -31,15 +31,12 @@ inline KnownPerson& person_of(TrackerParts& t) {
 inline Status start_found(TrackerParts& t, const FrameView& frame, const StartPose& found,
                           const TrackerOptions& options) {
   FaceDetectionState& detection = *static_cast<FaceDetectionState*>(t.detection);
-  const bool is_known = detection.person.is_known;
-  if (!is_known) {
+  if (!detection.person.is_known) {
     t.identity_is_given = t.landmarks_are_given = false;
-    t.keeps_landmark_offsets = detection.kept.start.keeps_landmark_offsets;
+    t.keeps_landmark_offsets = options.keeps_landmark_offsets;
     detection.marker_count = 0;
   }
-  const Status status = detection.start(t, frame, found, options);
-  if (status == Status::ok && !is_known) t.offsets.place_pending(t.estimator);
-  return status;
+  return detection.start(t, frame, found, options);
 }
 
 }  // namespace pliant

@@ -85,11 +85,16 @@ StartOptions options_of(const pliant_start_options* from, Camera* camera) {
   StartOptions to;
   if (from == nullptr) return to;
   to.focal_px = from->focal_px;
-  to.keeps_landmark_offsets = from->drops_landmark_offsets == 0;
   to.box = static_cast<BoxConvention>(from->box <= PLIANT_BOX_FACE ? from->box : 255);  // another is refused
   if (from->camera == nullptr) return to;
   *camera = camera_of(*from->camera);
   to.camera = camera;
+  return to;
+}
+
+TrackerOptions tracker_options_of(const pliant_start_options* from) {
+  TrackerOptions to;
+  to.keeps_landmark_offsets = from == nullptr || from->drops_landmark_offsets == 0;
   return to;
 }
 
@@ -189,7 +194,7 @@ pliant_status pliant_create(void* memory, size_t bytes, const void* table, size_
 pliant_status pliant_start_by_detection(pliant_tracker* t, const pliant_start_options* options) {
   if (t == nullptr) return PLIANT_BAD_ARGUMENT;
   Camera camera;
-  return plain(t->tracker.start_by_detection(options_of(options, &camera)));
+  return plain(t->tracker.start_by_detection(options_of(options, &camera), tracker_options_of(options)));
 }
 
 pliant_status pliant_start_from_pose(pliant_tracker* t, const pliant_frame* frame,
@@ -205,15 +210,15 @@ pliant_status pliant_start_from_landmarks(pliant_tracker* t, const pliant_frame*
   if (t == nullptr || frame == nullptr || points == nullptr) return PLIANT_BAD_ARGUMENT;
   Camera camera;
   return plain(t->tracker.start_from_landmarks(view_of(*frame), points_of(points, count),
-                                               options_of(options, &camera)));
+                                               options_of(options, &camera), tracker_options_of(options)));
 }
 
 pliant_status pliant_start_from_box(pliant_tracker* t, const pliant_frame* frame, float x, float y,
                                     float width, float height, const pliant_start_options* options) {
   if (t == nullptr || frame == nullptr) return PLIANT_BAD_ARGUMENT;
   Camera camera;
-  return plain(
-      t->tracker.start_from_box(view_of(*frame), {x, y}, {width, height}, options_of(options, &camera)));
+  return plain(t->tracker.start_from_box(view_of(*frame), {x, y}, {width, height},
+                                         options_of(options, &camera), tracker_options_of(options)));
 }
 
 pliant_status pliant_start_from_state(pliant_tracker* t, const pliant_frame* frame,

@@ -46,7 +46,7 @@ Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint>
   if (status != Status::ok) return status;
   start->camera = options.camera != nullptr ? *options.camera : camera_of(fit.report().view);
   start->pose = pose_of(fit.report().view);
-  if (offsets != nullptr) offsets->set_pending(fit.offset_landmarks(memory.points), model);
+  offsets->set_pending(fit.offset_landmarks(memory.points), model);
   return status;
 }
 

@@ -31,7 +31,7 @@ std::size_t start_fit_bytes(const Model& model, std::size_t points, bool samples
 
 /// \param points   names that the model has, and finite positions. \param samples_base_mesh  as in FitLimits.
 /// \param options  with the frame's size and what is known of the camera. \param q  all parameters, the result.
-/// \param offsets  pending ones where the person's differ, if wanted.
+/// \param offsets  out: pending ones where the person's differ.
 /// \return the statuses of LandmarkFit::fit.
 Status fit_to_landmarks(Arena& arena, const Model& model, Span<const NamedPoint> points,
                         bool samples_base_mesh, const FitOptions& options, float* q, StartPose* start,

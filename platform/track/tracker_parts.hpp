@@ -72,7 +72,7 @@ struct TrackerParts : ImageParts {
   bool edges_wait = false;  // for the next frame, to start
   bool is_started = false;
   bool identity_is_given = false;      // by the caller, with the pose: it stays
-  bool keeps_landmark_offsets = true;  // as StartOptions
+  bool keeps_landmark_offsets = true;  // as TrackerOptions
   bool landmarks_are_given = false;    // by place_landmarks: they stay
   bool block_is_of_search = false;     // else of the tracking, which is laid out in it
 

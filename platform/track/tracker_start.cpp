@@ -101,12 +101,7 @@ Status TrackerParts::start_at_fit(Status fitted, const FrameView& frame_0, const
   const bool is_fitted = fitted == Status::ok;
   refine(view, is_fitted ? rough : RoughStart{nullptr, RoughStart::kExact, rough.options}, from);
   if (is_fitted) fitted = start(view, *from, with, marker_places);
-  if (fitted == Status::ok) {
-    offsets.place_pending(estimator);
-    keeps_landmark_offsets = rough.options.keeps_landmark_offsets;
-  } else {
-    offsets.clear();
-  }
+  if (fitted != Status::ok) offsets.clear();
   return fitted;
 }
 
@@ -136,7 +131,14 @@ Status TrackerParts::start(const FrameView& view, const StartPose& from, const T
   matcher.start(limits.keeps_previous && with.estimator.uses(Cue::flow));
   is_started = true;
   ++track_number;
-  if (detection == nullptr || !detection->is_own_start()) ++person_number;
+  if (detection == nullptr || !detection->is_own_start()) {
+    ++person_number;
+    keeps_landmark_offsets = with.keeps_landmark_offsets;
+  }
+  if (keeps_landmark_offsets)
+    offsets.place_pending(estimator);
+  else
+    offsets.clear();
   if (person != nullptr) limits.person->start(*this, with);
   if (detection != nullptr) detection->calls->begin_track(*this, view, with);
   return Status::ok;
@@ -199,9 +201,7 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   impl_->refine(quiet, {nullptr, RoughStart::kExact, known}, &from);
   impl_->identity_is_given = q != nullptr;
   impl_->landmarks_are_given = false;
-  const Status started = impl_->start(quiet, from, options, markers);
-  if (started == Status::ok) impl_->keeps_landmark_offsets = true;
-  return started;
+  return impl_->start(quiet, from, options, markers);
 }
 
 Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoint> points,
@@ -225,7 +225,7 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
   t.offsets.clear();
   status = t.fit_before_tracking([&](Arena& arena) {
     return fit_to_landmarks(arena, t.model(), points, t.limits.samples_vertices, fit, t.start_q.data, &found,
-                            start.keeps_landmark_offsets ? &t.offsets : nullptr);
+                            &t.offsets);
   });
   return t.start_at_fit(status, frame, {nullptr, points.count, known}, &found, options, markers);
 }
@@ -266,7 +266,6 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
   t.detection->calls->begin_search(t, start, options);
   t.begin_stream();
   t.identity_is_given = t.landmarks_are_given = false;
-  t.keeps_landmark_offsets = start.keeps_landmark_offsets;
   return Status::ok;
 }
 
@@ -278,7 +277,8 @@ Status Tracker::start_from_state(const FrameView& frame, const SavedState& state
     if (!is_finite(offset)) return Status::bad_argument;
   const Status status =
       start_from_pose(frame, state.camera, state.pose, state.parameters.data, options, markers);
-  if (status == Status::ok && !state.landmark_offsets.empty()) impl_->offsets.set(state.landmark_offsets);
+  if (status == Status::ok && options.keeps_landmark_offsets && !state.landmark_offsets.empty())
+    impl_->offsets.set(state.landmark_offsets);
   return status;
 }
 

@@ -14,11 +14,10 @@ std::vector<pliant::NamedPoint> names_and_places(const std::vector<NamedPoint>& 
   return out;
 }
 
-InitialState state_of(const FitFile& fit, const std::string& path, const Model& model, bool keeps_offsets,
-                      std::ostream& err) {
+InitialState state_of(const FitFile& fit, const std::string& path, const Model& model, std::ostream& err) {
   InitialState state{fit.camera, fit.pose, std::vector<float>(model.parameters().count, 0.0f)};
   list_unmatched(apply(fit.parameters, path, model, state.q.data()), path, err);
-  if (keeps_offsets) state.landmarks = person_landmarks(model, fit);
+  state.landmarks = person_landmarks(model, fit);
   return state;
 }
 
@@ -26,7 +25,7 @@ Status start_from(Tracker& tracker, const FrameView& frame, const InitialState& 
                   const TrackerOptions& options, Span<const Vec2> markers) {
   const Status status =
       tracker.start_from_pose(frame, state.camera, state.pose, state.q.data(), options, markers);
-  if (status != Status::ok) return status;
+  if (status != Status::ok || !options.keeps_landmark_offsets) return status;
   const auto landmarks = names_and_places(state.landmarks);
   return tracker.place_landmarks({landmarks.data(), landmarks.size()});
 }
@@ -53,7 +52,6 @@ StartOptions start_options(const InitialOptions& options) {
   StartOptions start;
   start.focal_px = options.focal_px;
   start.camera = options.camera ? &*options.camera : nullptr;
-  start.keeps_landmark_offsets = options.keeps_landmark_offsets;
   return start;
 }
 
@@ -67,7 +65,7 @@ Initial read_initial(const std::string& path, const ModelFile& file, const Image
       return InitialLandmarks{path, points};
   }
   const FitFile fit = fit_in(path, text, file, size, frames, options.focal_px, options.camera);
-  return state_of(fit, path, file.model(), options.keeps_landmark_offsets, err);
+  return state_of(fit, path, file.model(), err);
 }
 
 Status start_tracker(Tracker& tracker, const FrameView& frame, const Initial& initial,

@@ -36,7 +36,6 @@ using Initial = std::variant<InitialState, InitialLandmarks, GivenBox>;
 struct InitialOptions {
   float focal_px = 0;            ///< 0: unknown
   std::optional<Camera> camera;  ///< intrinsics and lens, if known; they replace focal_px
-  bool keeps_landmark_offsets = true;
 };
 
 /// The same for the tracker.

@@ -37,7 +37,6 @@ InitialOptions initial_options(const Args& args, ImageSize size, std::ostream& e
   InitialOptions options;
   options.camera = known_camera(args, size, err);
   options.focal_px = static_cast<float>(args.number("--focal", 0, 1, 1e6));
-  options.keeps_landmark_offsets = !args.has("--model-landmarks");
   return options;
 }
 
@@ -98,6 +97,7 @@ TrackerOptions tracker_options(const Args& args) {
       static_cast<std::uint16_t>(args.integer("--mesh-operations", 0, 0, 1000));
   options.marker_exclusion_px = static_cast<float>(
       args.number("--marker-exclusion-px", static_cast<double>(options.marker_exclusion_px), 0, 1000));
+  options.keeps_landmark_offsets = !args.has("--model-landmarks");
   return options;
 }
 

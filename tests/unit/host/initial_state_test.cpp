@@ -39,7 +39,8 @@ struct Start : Sequence {
 };
 
 /// Pose and first landmark after a start, as bytes.
-std::string bits_after(Start& s, const Initial& initial, const InitialOptions& options) {
+std::string bits_after(Start& s, const Initial& initial, const InitialOptions& options,
+                       const TrackerOptions& of_track = {}) {
   TrackerLimits limits;
   limits.width = kSize.width;
   limits.height = kSize.height;
@@ -47,7 +48,7 @@ std::string bits_after(Start& s, const Initial& initial, const InitialOptions& o
   FrameStream frames(s.video, false);
   FrameView frame;
   REQUIRE(frames.next(&frame));
-  REQUIRE(start_tracker(*tracker, frame, initial, options, {}, {}) == Status::ok);
+  REQUIRE(start_tracker(*tracker, frame, initial, options, of_track, {}) == Status::ok);
   Vec2 x;
   REQUIRE(tracker->landmark(std::size_t{0}, &x) == Status::ok);
   const Pose pose = tracker->result().pose;
@@ -87,11 +88,11 @@ TEST_CASE("a start from points.csv and one from the fit of the same points give 
               .code == 0);
   const std::string fitted = bits_after(s, s.read(s / "fit.json"), {});
   CHECK(bits_after(s, s.read(s / "moved.csv"), {}) == fitted);
-  InitialOptions without;
+  TrackerOptions without;
   without.keeps_landmark_offsets = false;
-  const std::string plain = bits_after(s, s.read(s / "moved.csv", without), without);
+  const std::string plain = bits_after(s, s.read(s / "moved.csv"), {}, without);
   CHECK(plain != fitted);
-  CHECK(bits_after(s, s.read(s / "fit.json", without), without) == plain);
+  CHECK(bits_after(s, s.read(s / "fit.json"), {}, without) == plain);
 }
 
 TEST_CASE("a known camera is that of the start, from points and from a fit") {

@@ -209,8 +209,10 @@ TEST_CASE("steps of the person give no offsets to who wants the model's landmark
   for (const char* name : names) points.push_back({name, film().truth(name, 0)});
   StartOptions start;
   start.camera = &film().camera;
-  start.keeps_landmark_offsets = false;
-  REQUIRE(tracker->start_from_landmarks(film().view(0), {points.data(), points.size()}, start) == Status::ok);
+  TrackerOptions options;
+  options.keeps_landmark_offsets = false;
+  REQUIRE(tracker->start_from_landmarks(film().view(0), {points.data(), points.size()}, start, options) ==
+          Status::ok);
   const std::vector<float> before(tracker->parameters().begin(), tracker->parameters().end());
   FrameResult result;
   for (std::size_t n = 1; n < kFrames; ++n) REQUIRE(tracker->update(film().view(n), &result) == Status::ok);

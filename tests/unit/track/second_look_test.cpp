@@ -272,9 +272,9 @@ TEST_CASE("looks give no offsets to who wants the model's landmarks") {
   fake.covered_frames = 10;
   fake.covered_error = 0.021f;  // a mean that would move them
   InArena<Tracker> tracker(baked_face().model, limits_with_looks());
-  StartOptions start;
-  start.keeps_landmark_offsets = false;
-  REQUIRE(tracker->start_by_detection(start) == Status::ok);
+  TrackerOptions options;
+  options.keeps_landmark_offsets = false;
+  REQUIRE(tracker->start_by_detection({}, options) == Status::ok);
   SUBCASE("alone") {}
   SUBCASE("though a start that would have had them fails") {
     const NamedPoint one{"ibug30", {}};

@@ -90,12 +90,11 @@ TEST_CASE("a start from landmarks gives the bits of the command's fit of the sam
 
 TEST_CASE("landmarks given in the start are told where they were given, unless offsets are not wanted") {
   InArena<Tracker> tracker(baked_face().model, TrackerLimits{});
-  StartOptions without;
-  without.keeps_landmark_offsets = false;
   float error[2] = {};
   for (const bool keeps : {true, false}) {
-    REQUIRE(tracker->start_from_landmarks(film().view(0), all_points(), keeps ? StartOptions{} : without) ==
-            Status::ok);
+    TrackerOptions options;
+    options.keeps_landmark_offsets = keeps;
+    REQUIRE(tracker->start_from_landmarks(film().view(0), all_points(), {}, options) == Status::ok);
     for (const NamedPoint& p : points()) {
       Vec2 x;
       REQUIRE(tracker->landmark(p.name, &x) == Status::ok);
