@@ -19,7 +19,7 @@ class PersonalField {
             static_cast<float>(j) / static_cast<float>(limits_.height - 1)};
   }
 
-  /// Bakes the field. `differences(i, j, out)` writes the differences to the root at the samples (i, j) to (i + out.count - 1, j),
+  /// Fills the field. `differences(i, j, out)` writes the differences to the root at the samples (i, j) to (i + out.count - 1, j),
   /// mm; it is called twice for each, for the range of the differences and for the samples. With `largest`, no component of
   /// which is exceeded on either side of zero, it is called once. `root` is the index of the root's field.
   /// \return bad_argument when a difference is not finite or longer than 1e9 mm; the field is then as before.
@@ -31,7 +31,7 @@ class PersonalField {
     return fill(root, largest, compute, &differences);
   }
 
-  /// The baked surface at (u,v): the root, read from the model's table, and the baked difference. With `du`, also `dv`
+  /// The personalised surface at (u,v): the root, read from the model's table, and the stored difference. With `du`, also `dv`
   /// and the derivatives.
   Vec3 sample(const Model& model, Vec2 uv, Interpolation interpolation, Vec3* du, Vec3* dv) const;
 

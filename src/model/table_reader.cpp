@@ -22,10 +22,11 @@ static_assert(sizeof(Landmark) == 36 && sizeof(Curve) == 40 && sizeof(Vec2) == 8
 // Limits of the format. The counts bound the memory and time of every object that a model gives its size to.
 constexpr std::size_t kMaxParameters = 192;
 constexpr std::size_t kMaxRecordCount = 320;
+constexpr std::size_t kMaxLandmarks = 4096;
 constexpr std::size_t kMaxSections = 64;
 constexpr std::size_t kMaxSide = 4096;  // samples or pixels
-/// No sample, limit, pivot or matrix element is larger, in its unit (mm for positions: a kilometre). Values
-/// computed from a table then cannot overflow, and stay below the marker that replaces samples (sampled_point.cpp).
+/// No sample, limit, pivot or matrix element is larger, in its unit (mm for positions: a kilometre). Samples and their sums then
+/// stay below the marker that replaces samples (sampled_point.cpp); products of several `scale` or `affine` records may overflow.
 constexpr float kMaxMagnitude = 1e6f;
 /// Smallest side of a field's rectangle in (u,v): dividing by it keeps sample positions finite.
 constexpr float kMinSupport = 1e-6f;
@@ -208,6 +209,7 @@ struct TableReader {
   }
 
   bool check_names() const {
+    if (contents.landmarks.count > kMaxLandmarks) return false;
     for (const Landmark& l : contents.landmarks)
       if (!is_name(l.name) || !are_within(&l.u, 2, 0, 1)) return false;
     if (!are_in_chart(contents.curve_points)) return false;

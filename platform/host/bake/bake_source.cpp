@@ -107,11 +107,14 @@ class Baker {
 
   /// What a table cannot hold, each by its name.
   void check_source() const {
-    constexpr std::size_t kMostParameters = 192;  // of the format
+    constexpr std::size_t kMostParameters = 192, kMostLandmarks = 4096;  // of the format
     constexpr float kFarthest = 2e5f;             // millimetres or radians: well within the format's 1e6
     if (source_.parameters.size() > kMostParameters)
       fail("has " + std::to_string(source_.parameters.size()) + " parameters, more than " +
            std::to_string(kMostParameters) + ": choose some with --identities and --expressions");
+    if (source_.landmarks.size() > kMostLandmarks)
+      fail("has " + std::to_string(source_.landmarks.size()) + " landmarks, more than " +
+           std::to_string(kMostLandmarks));
     for (std::size_t k = 0; k < source_.landmarks.size(); ++k) {
       const SourceLandmark& l = source_.landmarks[k];
       if (!(l.uv.x >= 0 && l.uv.x <= 1 && l.uv.y >= 0 && l.uv.y <= 1))

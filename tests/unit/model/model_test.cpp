@@ -27,6 +27,17 @@ bool lies_in(const std::vector<std::uint32_t>& words, Span<const T> part) {
   return part.empty() || (first >= table && first <= table + bytes &&
                           part.count <= static_cast<std::size_t>(table + bytes - first) / sizeof(T));
 }
+/// Whether the egg's table, changed, is accepted; else it is refused as a bad table.
+bool opens(const std::function<void(ModelBuilder&)>& change) {
+  ModelBuilder b = egg_model(2);
+  change(b);
+  Model model;
+  const auto words = b.table();
+  const Status status = open(words, &model);
+  CHECK((status == Status::ok || status == Status::bad_table));
+  return status == Status::ok;
+}
+
 }  // namespace
 
 TEST_CASE("the checksum is the well-known CRC-32") {
@@ -175,15 +186,6 @@ TEST_CASE("each broken record is a bad table") {
 }
 
 TEST_CASE("numbers that would overflow later are refused when the table is opened") {
-  const auto opens = [](const std::function<void(ModelBuilder&)>& change) {
-    ModelBuilder b = egg_model(2);
-    change(b);
-    Model model;
-    const auto words = b.table();
-    const Status status = open(words, &model);
-    CHECK((status == Status::ok || status == Status::bad_table));
-    return status == Status::ok;
-  };
   CHECK(opens([](ModelBuilder& b) { b.fields[1].scale[0] = 1e6f / 40000; }));
   CHECK_FALSE(opens([](ModelBuilder& b) { b.fields[1].scale[0] = 1e6f / 32000; }));
   CHECK_FALSE(opens([](ModelBuilder& b) { b.fields[1].offset[2] = 3e38f; }));
@@ -191,6 +193,17 @@ TEST_CASE("numbers that would overflow later are refused when the table is opene
   CHECK_FALSE(opens([](ModelBuilder& b) { b.parameters[1].sd = 1e-30f; }));
   CHECK_FALSE(opens([](ModelBuilder& b) { b.cascade[2].pivot[0] = -1e30f; }));
   CHECK_FALSE(opens([](ModelBuilder& b) { b.fields[1].u1 = b.fields[1].u0 + 1e-7f; }));
+}
+
+TEST_CASE("a table has at most 4096 landmarks: indices and what is kept for each are bounded") {
+  const auto opens_with = [](std::size_t landmarks) {
+    return opens([&](ModelBuilder& b) {
+      while (b.landmarks.size() < landmarks)
+        b.landmark("extra" + std::to_string(b.landmarks.size()), 0.5f, 0.5f);
+    });
+  };
+  CHECK(opens_with(4096));
+  CHECK_FALSE(opens_with(4097));
 }
 
 TEST_CASE("a model that was never opened is refused where an object is made of it") {
