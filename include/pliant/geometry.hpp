@@ -133,8 +133,8 @@ Quat normalised(Quat q);
 Mat3 rotation_matrix(Quat q);
 /// Unit quaternion of a rotation matrix.
 Quat quaternion(const Mat3& rotation);
-/// Unit quaternion of the rotation vector w (axis times angle, radians). Rational half-angle form without sin or
-/// cos: exact to 1e-7 for |w| <= 0.5 rad; larger angles are halved until they are below and the result squared.
+/// Unit quaternion of the rotation vector w (axis times angle, radians), by Taylor series without sin or cos: exact to 1e-7 for
+/// |w| <= 0.5 rad; larger angles are halved until they are below and the result squared.
 Quat exp_rotation(Vec3 w);
 /// Rotation vector of q (shortest way), radians; inverse of exp_rotation to 1e-6.
 Vec3 log_rotation(Quat q);

@@ -30,7 +30,7 @@ Image to_grey(const Image& image) {
   Image grey(image.width, image.height, 1);
   for (std::size_t i = 0; i < grey.pixels.size(); ++i) {
     const std::uint8_t* p = image.pixels.data() + 3 * i;
-    grey.pixels[i] = static_cast<std::uint8_t>((77 * p[0] + 150 * p[1] + 29 * p[2] + 128) / 256);
+    grey.pixels[i] = static_cast<std::uint8_t>(luma(p[0], p[1], p[2]));
   }
   return grey;
 }

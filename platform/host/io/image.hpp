@@ -42,11 +42,16 @@ struct Image {
   }
 };
 
+/// Luma of a colour (Rec. 601), in the unit of its channels, 0 to 65,535; rounded.
+constexpr int luma(int r, int g, int b) {
+  return (299 * r + 587 * g + 114 * b + 500) / 1000;
+}
+
 /// A grey copy of a frame.
 Image image_of(const FrameView& frame);
 /// A view of a grey picture, which must outlive it, as frame k of a film of 30 frames a second.
 FrameView frame_of(const Image& grey, std::size_t k = 0);
-/// Luma (Rec. 601) of a colour picture; a copy of a grey one.
+/// Luma of a colour picture; a copy of a grey one.
 Image to_grey(const Image& image);
 /// Three equal channels of a grey picture; a copy of a colour one.
 Image to_colour(const Image& image);

@@ -79,7 +79,7 @@ std::string early(std::size_t missing) {
 // One row of samples, as luma.
 void to_luma(const std::uint8_t* row, const Header& h, std::uint8_t* out) {
   for (int x = 0; x < h.width; ++x, row += h.channels) {
-    const int value = h.channels == 1 ? row[0] : (299 * row[0] + 587 * row[1] + 114 * row[2] + 500) / 1000;
+    const int value = h.channels == 1 ? row[0] : luma(row[0], row[1], row[2]);
     out[x] = stretched(value, h.maximum);
   }
 }

@@ -59,8 +59,7 @@ void Y4mWriter::write(const Image& image) {
   if (is_grey_)
     std::copy(p, p + n, frame_.begin());
   else
-    for (std::size_t i = 0; i < n; ++i, p += 3)
-      frame_[i] = static_cast<char>((299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000);
+    for (std::size_t i = 0; i < n; ++i, p += 3) frame_[i] = static_cast<char>(luma(p[0], p[1], p[2]));
   if (!is_grey_) set_chroma(image);
   file_.write("FRAME\n" + frame_);
 }
