@@ -120,9 +120,11 @@ void conclude(TrackerParts& t, const FrameView& view) {
               !self.poor_start.is_over(view, t.estimator);
   }
   if (goes_on && self.look != nullptr && t.limits.second_look->conclude(t, view)) return;
-  if (is_bad) goes_on = self.checks.endure(t.result, t.bad_frames, t.key_frames.count());
+  if (is_bad)
+    goes_on =
+        self.checks.endure(t.result, t.bad_frames, t.key_frames.count()) && !t.key_frames.is_after_cut();
   if (!goes_on) give_up(t);
-  if (self.poor_start.is_blinded() && t.result.state == TrackState::tracking)
+  if (t.result.state == TrackState::tracking && self.poor_start.is_doubtful(t.result.landmark_error))
     t.result.state = TrackState::degraded;
   if (self.checks.is_urgent() || is_bad) check.hurry(kWork);
 }

@@ -42,8 +42,10 @@ void KeyFrames::lay_out(Arena& arena, const TrackerLimits& limits) {
   arena.count_as(Purpose::thumbnails);
   keys_ = arena.take<KeyFrame>(key_count_);
   line_ = arena.take<std::uint16_t>(static_cast<std::size_t>(width_ * factor_));
-  current_ = arena.take<std::uint8_t>(pixels);
-  trusted_ = arena.take<std::uint8_t>(pixels);
+  // Cuts are of films. A microcontroller, whose limits leave out second looks, too, has a camera of its own.
+  recent_count_ = limits.second_look != nullptr ? 3 : 2;
+  for (std::size_t k = 0; k < recent_count_; ++k) recent_[k] = arena.take<std::uint8_t>(pixels);
+  current_ = last_ = trusted_ = recent_[0];
   of_keys_ = arena.take<std::uint8_t>(key_count_ * pixels);
 }
 
@@ -59,15 +61,16 @@ void KeyFrames::turn(Quat turn) {
 }
 
 void KeyFrames::take(const FrameView& frame) {
+  last_ = recent_count_ > 2 ? current_ : trusted_;
+  for (std::size_t k = 0; k < recent_count_; ++k)
+    if (recent_[k] != last_ && recent_[k] != trusted_) current_ = recent_[k];
   make_thumbnail(frame, factor_, line_, current_);
   level_rows(current_, width_, height_);
 }
 
 void KeyFrames::trust(const Estimator& estimator) {
   trusted_box_ = box_of(estimator);
-  std::uint8_t* const old = trusted_;
   trusted_ = current_;
-  current_ = old;
 }
 
 /// The model's bounding box in the thumbnail.
@@ -104,6 +107,18 @@ CoarseMotion KeyFrames::find_motion(int bad_frames) const {
   if (shift.correlation < kTuning.least_correlation) return {false, {}, nullptr, shift.compared_pixels};
   return {true, static_cast<float>(factor_) * shift.by, key != nullptr ? &key->view : nullptr,
           shift.compared_pixels};
+}
+
+/// Of this frame's thumbnail and another one, as wholes and in place.
+float KeyFrames::correlation_with(const std::uint8_t* pixels) const {
+  return find_coarse_translation(view_of_thumbnail(pixels), {0, 0, width_, height_},
+                                 view_of_thumbnail(current_), 0)
+      .correlation;
+}
+
+bool KeyFrames::is_after_cut() const {
+  return last_ != trusted_ && correlation_with(trusted_) <= kTuning.most_after_cut &&
+         correlation_with(last_) >= kTuning.least_of_same_picture;
 }
 
 /// Of those at a similar scale. \param cosine  out: -2 if there is none.

@@ -34,6 +34,9 @@ struct KeyFrameTuning {
   int range_divisor = 10, range_divisor_after_bad = 8, range_divisor_of_key = 2;
   /// Bad frames in a row before key frames take part in the search: one bad frame is usually a blur.
   int bad_frames_before_keys = 2;
+  /// Normalised cross-correlation of whole thumbnails, in place: after a cut, with the last good frame's at most, and with the
+  /// last frame's, whatever that was, at least (docs/experiments.md, Cuts).
+  float most_after_cut = 0.4f, least_of_same_picture = 0.8f;
 };
 inline constexpr KeyFrameTuning kKeyFrameTuning{};
 
@@ -48,7 +51,7 @@ struct CoarseMotion {
 /// Towards the camera, in the model's axes; unit. A turn about the optical axis does not change it.
 Vec3 camera_direction(const View& view);
 
-/// Key frames, frame 0 among them, and thumbnails: this frame's, the last good one's, and one a key frame.
+/// Key frames, frame 0 among them, and thumbnails: this frame's, the last one's, the last good one's, and one a key frame.
 class KeyFrames {
  public:
   void lay_out(Arena& arena, const TrackerLimits& limits);
@@ -60,6 +63,9 @@ class KeyFrames {
   /// Compares this frame's thumbnail with the last good one or, after some bad frames, in turn with those of the key
   /// frames. \param bad_frames  in a row before this frame.
   CoarseMotion find_motion(int bad_frames) const;
+  /// Whether this frame shows another picture than the last good one did, and the last frame showed it, too: there was a cut, not
+  /// a flash. False without second looks.
+  bool is_after_cut() const;
   /// Makes this frame the last good one.
   void trust(const Estimator& estimator);
   /// Middle of the model in the image, px, at the estimator's vertices.
@@ -94,6 +100,7 @@ class KeyFrames {
   std::uint8_t* thumbnail_of(std::size_t key) const;
   ImageView view_of_thumbnail(const std::uint8_t* pixels) const { return {pixels, width_, height_, width_}; }
   PixelBox box_of(const Estimator& estimator) const;
+  float correlation_with(const std::uint8_t* pixels) const;
 
   KeyFrame* keys_ = nullptr;
   std::size_t key_count_ = 0, count_ = 0;    // there is room for; in use, the first ones. Frame 0 included
@@ -101,7 +108,10 @@ class KeyFrames {
   float doubtful_rms_px_ = 0;
   bool has_room_ = false;  // for templates of later key frames
   std::uint16_t* line_ = nullptr;
-  std::uint8_t *current_ = nullptr, *trusted_ = nullptr, *of_keys_ = nullptr;
+  std::uint8_t* recent_[3] = {};  // room for the next three, of which some may be the same
+  std::size_t recent_count_ = 0;  // 2: nothing is known of the last frame
+  std::uint8_t *current_ = nullptr, *last_ = nullptr, *trusted_ = nullptr;
+  std::uint8_t* of_keys_ = nullptr;
   PixelBox trusted_box_;
 };
 

@@ -248,6 +248,10 @@ void add_alignment_loads(const AlignerTable& aligner, const TrackerLimits& limit
   const double of_mean_face = static_cast<double>(aligner.stage_count());
   loads.push_back({"steps of alignments", steps, steps + of_mean_face, kCost.alignment_step});
   loads.push_back({"ends of alignments", 1, 2, kCost.alignment_end});
+  const int twice = 2 * most_shifts(0) *
+                    kCoarseTranslationTuning.max_pixels;  // with the last frame, with the last good one
+  loads.push_back({"pixels of whole thumbnails compared", 0, static_cast<double>(twice),
+                   static_cast<double>(s.costs.coarse_pixel)});
   const double vertices = limits.vertices,
                record = limits.samples_vertices ? kCost.vertex_record : kCost.table_record;
   loads.push_back({"vertices at its result", vertices, vertices, record * s.all_records});

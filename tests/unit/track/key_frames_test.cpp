@@ -92,6 +92,40 @@ TEST_CASE("a black frame has no translation") {
   CHECK_FALSE(rig.keys->find_motion(0).is_found);
 }
 
+TEST_CASE("a cut is another picture than the last good one, for two frames") {
+  const FaceFilm cut(320, 240, 1, [](float, Pose& pose, auto&) {
+    pose.t = 1.4f * pose.t + Vec3{80, -40, 0};
+  });
+  const FrameView other = cut.view(0);
+  const std::vector<std::uint8_t> black(320 * 240, 0);
+  const FrameView nothing = view_of_pixels(black, 320, 240, 1);
+  const auto is_cut = [](Rig& rig, const FrameView& frame) {
+    rig.keys->take(frame);
+    return rig.keys->is_after_cut();
+  };
+  Rig rig;
+  SUBCASE("told in the second one") {
+    CHECK_FALSE(is_cut(rig, other));
+    CHECK(is_cut(rig, other));
+    rig.keys->trust(rig.estimator.object);
+    CHECK_FALSE(is_cut(rig, other));
+    CHECK_FALSE(is_cut(rig, film().view(0)));
+    CHECK(is_cut(rig, film().view(0)));
+  }
+  SUBCASE("a flash is none, nor is a picture that goes on") {
+    CHECK_FALSE(is_cut(rig, other));
+    CHECK_FALSE(is_cut(rig, film().view(0)));
+    CHECK_FALSE(is_cut(rig, film().view(1)));
+  }
+  SUBCASE("black frames are none") {
+    for (int k = 0; k < 3; ++k) CHECK_FALSE(is_cut(rig, nothing));
+  }
+  SUBCASE("nor are they told without second looks") {
+    Rig small(profile_s());
+    for (int k = 0; k < 3; ++k) CHECK_FALSE(is_cut(small, other));
+  }
+}
+
 TEST_CASE("after two bad frames the key frames take turns with the last good frame, over the whole image") {
   Rig rig;
   rig.keys->keep(0, rig.turned(0), 0.3f, 0);
