@@ -45,10 +45,16 @@ void PoorStart::begin(std::size_t captured, std::size_t most, const FrameView& f
 
 bool PoorStart::is_over(const FrameView& frame, Estimator& estimator) {
   if (start_grey_ < 0 || ++frames_ % kTuning.interval_frames != 0) return false;
-  const float now = light_on(frame, estimator).grey;
-  const float low = min(now, start_grey_) + kTuning.dark_grey,
-              high = max(now, start_grey_) + kTuning.dark_grey;
-  changed_count_ = now >= 0 && high > kTuning.light_ratio * low ? changed_count_ + 1 : 0;
+  const Light now = light_on(frame, estimator);
+  if (now.grey < 0) return false;
+  const float low = min(now.grey, start_grey_) + kTuning.dark_grey,
+              high = max(now.grey, start_grey_) + kTuning.dark_grey;
+  // What is clipped is darker than it should be: the mean of such a face falls less than the light does.
+  const bool shows_more = is_blinded() && now.clipped <= kTuning.clipped_ratio * clipped_;
+  if (high > kTuning.light_ratio * low || shows_more)
+    ++changed_count_;
+  else if (!is_blinded())
+    changed_count_ = 0;
   return changed_count_ >= kTuning.measurements;
 }
 

@@ -20,13 +20,19 @@ struct PoorStartTuning {
   /// Grey levels added to both, so that noise in the dark is no change. Round value.
   float dark_grey = 8;
   /// Grey level from which on a pixel is clipped (as PatchTuning::highest_grey), and the fraction of the landmarks, clipped at a
-  /// poor start, above which light hides the face: the track is then degraded. Light three times too bright clips 0.53 to 0.79
+  /// poor start, above which light hides the face: the track may then be degraded. Light three times too bright clips 0.53 to 0.79
   /// of them on the recorded face, light 2.4 times too bright 0.32 on a rendered one; none are clipped on faces at 0.4 of
   /// their size, of which few templates are captured, too.
   int clipped_grey = 250;
   float most_clipped = 0.25f;
-  /// Frames from one measurement of the grey to the next, count; and measurements in a row that must show a change: one
-  /// alone may be a flash. The face then is right again within ten frames, the search included. Round values.
+  /// Estimated landmark error up to which such a track is not degraded after all, fraction of the eyes' distance. Chosen on five
+  /// people, reported on twelve (docs/experiments.md, Poor starts).
+  float most_sure_error = 0.03f;
+  /// Where light hid the face: fraction of the part clipped at the start up to which it has changed, too. Round value.
+  float clipped_ratio = 0.5f;
+  /// Frames from one measurement of the light to the next, count; and measurements that must show a change: in a row, since one
+  /// alone may be a flash; where light hid the face, in all, since light that pulses shows more of it again and again. The face
+  /// then is right again within ten frames, the search included. Round values.
   int interval_frames = 2, measurements = 3;
   /// The grey is measured at one landmark in so many, count. Round value.
   std::size_t landmark_step = 4;
@@ -41,8 +47,12 @@ class PoorStart {
   /// A track has begun in this frame. \param captured  templates. \param most  templates that a start captures.
   void begin(std::size_t captured, std::size_t most, const FrameView& frame, Estimator& estimator);
   bool is_poor() const { return start_grey_ >= 0; }
-  /// Whether so much light hides the face that landmarks are off by a tenth of the eyes' distance.
+  /// Whether so much light hid the face that landmarks may be off by a tenth of the eyes' distance.
   bool is_blinded() const { return clipped_ > kPoorStartTuning.most_clipped; }
+  /// Whether they may be, in spite of what alignments estimate. \param landmark_error  their estimate; 0: unknown.
+  bool is_doubtful(float landmark_error) const {
+    return is_blinded() && !(landmark_error > 0 && landmark_error <= kPoorStartTuning.most_sure_error);
+  }
   /// A good frame of the track. \return whether the start was poor and light has changed since.
   bool is_over(const FrameView& frame, Estimator& estimator);
 

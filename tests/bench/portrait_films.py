@@ -120,8 +120,16 @@ def exposure(stops, period):
     return lambda f, n, s: f * 2 ** (stops * wave(n, period))
 
 
+def settling(extra, frames):
+    return lambda f, n, s: f * (1 + extra * math.exp(-n / frames))
+
+
 def light(gain):
     return lambda f, n, s: f * gain
+
+
+def one_sided(gain):
+    return lambda f, n, s: f * (1 + gain / (1 + numpy.exp(-(X - s['points'][:, 0].mean()) / 6)))
 
 
 def trees(speed):
@@ -345,6 +353,11 @@ KINDS = {  # name: motion, faults, samples of a shutter that is open for half of
     'small, jpeg 20': (small, [jpeg(20)], 0),
     'exposure 1.2 stops': (hand, [exposure(1.2, 50)], 0),
     'exposure 1.8 stops': (hand, [exposure(1.8, 50)], 0),
+    'exposure settles': (hand, [settling(1.5, 6)], 0),
+    'exposure settles slowly': (hand, [settling(0.7, 20)], 0),
+    'gain pulses': (hand, [exposure(1.1, 8)], 0),
+    'a lamp, 1.8 times the light': (hand, [light(1.8)], 0),
+    'a lamp from one side': (turning, [one_sided(2.2)], 0),
     'sun from changing sides': (hand, [side_sun], 0),
     'turning, sun from changing sides': (turning, [side_sun], 0),
     'moving spot of light': (hand, [moving_spot], 0),
