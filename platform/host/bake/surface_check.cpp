@@ -45,7 +45,11 @@ class Checker {
       const auto& t = triangles_[f];
       if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
         return SurfaceDefect{"the face has the same corner twice", f};
-      if (areas[f] > kInverted) return SurfaceDefect{"the chart has a fold-over at this face", f};
+      if (areas[f] > kInverted)
+        return SurfaceDefect{
+            "the chart has a fold-over at this face: its corners are reversed, its (u,v) are "
+            "mirrored, or they wrap around",
+            f};
     }
     return {};
   }

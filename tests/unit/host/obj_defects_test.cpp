@@ -61,8 +61,10 @@ TEST_CASE("each defect of an OBJ file is one line that names the file and the li
         at_face("there is no texture coordinate 9999"));
   CHECK(neutral_error(swapped(good, first_face, "f 1 2 35 34\n")) ==
         at_face("the face has no texture coordinates"));
-  CHECK(neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 35/34/ 34/35/\n")) ==
-        at_face("the chart has a fold-over at this face"));
+  CHECK(
+      neutral_error(swapped(good, first_face, "f 1/1/ 2/2/ 35/34/ 34/35/\n")) ==
+      at_face("the chart has a fold-over at this face: its corners are reversed, its (u,v) are mirrored, or "
+              "they wrap around"));
   CHECK(neutral_error(swapped(good, "v 5.000000 ", "v 5e9 ")) ==
         neutral + ": vertex 33 is more than 100 m from the origin: check it and --unit");
   CHECK(neutral_error(swapped(good, first_face, first_face + first_face)) ==

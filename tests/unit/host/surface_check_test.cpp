@@ -71,7 +71,7 @@ TEST_CASE("each defect of a mesh has a name") {
   }
   SUBCASE("a triangle that is turned over in the chart") {
     source.uv[14] = {0.9f, 0.9f};
-    CHECK(defect_of(source) == "the chart has a fold-over at this face");
+    CHECK(defect_of(source).rfind("the chart has a fold-over at this face", 0) == 0);
   }
   SUBCASE("three faces at an edge") {
     source.uv.push_back({0.95f, 0.3f});
