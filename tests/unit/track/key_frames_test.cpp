@@ -7,6 +7,7 @@
 
 #include "face_film.hpp"
 #include "model_builder.hpp"
+#include "pliant/tracker_profiles.hpp"
 #include "track/tracker_sizes.hpp"
 
 namespace key_frames_test {
