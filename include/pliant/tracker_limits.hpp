@@ -91,8 +91,8 @@ struct TrackerLimits {
   const Detection* detection = &kDetection;
   /// Aligns the face again while it is tracked: in each frame in which the templates fail, so that it is tracked in changing light;
   /// and now and then, to begin anew where more of the face is seen than at a start by alignment (docs/algorithms.md, 7.15).
-  /// 87 KiB with the built-in face, and a thumbnail more, by which cuts are told. If null, none of this is done, and the code is left
-  /// out of the program.
+  /// 87 KiB with the built-in face, and a thumbnail more, by which cuts are told. If null, none of this is done, and the code is
+  /// left out of the program.
   const SecondLook* second_look = &kSecondLook;
   /// Estimates the identity parameters while the head turns far (docs/algorithms.md, section 7.20). Identity
   /// that a start gives, with a pose or a saved state, stays. If null, it always stays, and the code is left
