@@ -54,6 +54,7 @@ pliant_status pliant_start_by_detection(pliant_tracker *tracker, const pliant_st
  *  All starts check pointers, frame, counts and names first; if one of these is wrong, nothing has changed. If the
  *  camera, the pose, the fit or the texture of the frame is at fault, a track that was there has ended, and the next
  *  frame may have any time.
+ *  Another person who is found later has landmark offsets, here and after pliant_start_from_state.
  *  \param parameters  all, in the model's order, which are clamped to their limits; null: all 0.
  *  \return PLIANT_BAD_ARGUMENT, PLIANT_SIZE_MISMATCH, PLIANT_TOO_FEW_POINTS (texture), PLIANT_CAPACITY (a model that
  *          is larger than the limits), PLIANT_BAD_TABLE (springs), 19 to 24 and 26 (base mesh). */

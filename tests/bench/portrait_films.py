@@ -355,7 +355,6 @@ KINDS = {  # name: motion, faults, samples of a shutter that is open for half of
     'exposure 1.8 stops': (hand, [exposure(1.8, 50)], 0),
     'exposure settles': (hand, [settling(1.5, 6)], 0),
     'exposure settles slowly': (hand, [settling(0.7, 20)], 0),
-    'gain pulses': (hand, [exposure(1.1, 8)], 0),
     'a lamp, 1.8 times the light': (hand, [light(1.8)], 0),
     'a lamp from one side': (turning, [one_sided(2.2)], 0),
     'sun from changing sides': (hand, [side_sun], 0),

@@ -47,8 +47,8 @@ class Checker {
         return SurfaceDefect{"the face has the same corner twice", f};
       if (areas[f] > kInverted)
         return SurfaceDefect{
-            "the chart has a fold-over at this face: its corners are reversed, its (u,v) are "
-            "mirrored, or they wrap around",
+            "the chart has a fold-over at this face: its corners are reversed, its (u,v) are mirrored, "
+            "or they wrap around",
             f};
     }
     return {};

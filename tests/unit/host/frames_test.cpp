@@ -139,6 +139,8 @@ TEST_CASE("colour becomes luma by the weights of BT.601, and a smaller maximum i
   REQUIRE(run.frames.size() == 2);
   CHECK(run.frames[0] == std::string({'\x4c', '\x96', '\x1d', '\x80'}));
   CHECK(run.frames[1] == std::string({'\0', '\xff', '\x80', '\xff'}));
+  const Image grey = host::to_grey(host::read_image(folder.path() + "/1.ppm"));  // whoever reads it
+  CHECK(std::string(grey.pixels.begin(), grey.pixels.end()) == run.frames[0]);
   const Image image = host::read_image(folder.path() + "/2.pgm");  // as detect, fit and points read it
   CHECK(image.pixels == std::vector<std::uint8_t>{0, 0, 0, 255, 255, 255, 128, 128, 128, 255, 255, 255});
 }

@@ -140,8 +140,7 @@ TEST_CASE("an alignment away from the last good place has to be confirmed by one
 /// An alignment from the last place ends elsewhere than the face is.
 TEST_CASE(
     "where the mean face comes out elsewhere, surely, and stays in the next frame, it is tracked there; else "
-    "it is "
-    "looked for, since the picture is another one") {
+    "it is looked for, since the picture is another one") {
   const float held_error = 0.06f, sure = kRealignmentTuning.sure_error_ratio * held_error;
   const FaceFilm of_another = film_of(kFrames, "noseLength");
   const struct {
