@@ -113,6 +113,7 @@ class KeyFrames {
   std::uint8_t *current_ = nullptr, *last_ = nullptr, *trusted_ = nullptr;
   std::uint8_t* of_keys_ = nullptr;
   PixelBox trusted_box_;
+  PixelShift last_shift_;  // of the model in the thumbnail, from one good frame to the next
 };
 
 /// How a view shows depth in a key frame.

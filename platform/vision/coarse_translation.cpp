@@ -64,6 +64,13 @@ float correlation(const Sums& s) {
   return static_cast<float>(ab) / (square_root(static_cast<float>(aa)) * square_root(static_cast<float>(bb)));
 }
 
+/// A shift whose neighbours are no better.
+struct Peak {
+  Vec2 at;                // px
+  float correlation = 0;  // of the whole shift next to it
+  float height = 0;       // correlation, of the parabolas through that shift and its neighbours
+};
+
 // The shifts of a box, and the best of those tried.
 class Search {
  public:
@@ -72,7 +79,14 @@ class Search {
     const int width = box.x1 - box.x0, height = box.y1 - box.y0;
     while (width * (height / spacing_) > kTuning.max_pixels) ++spacing_;
     min_pixels_ = width * ((height + spacing_ - 1) / spacing_) / kTuning.min_overlap_divisor;
-    best_ = correlation_at(0, 0);
+    begin_at(0, 0);
+  }
+
+  // Forgets the shifts that were tried, but for this one.
+  void begin_at(int x, int y) {
+    best_x_ = x;
+    best_y_ = y;
+    best_ = correlation_at(x, y);
   }
 
   // Tries the shifts up to `range` px around (x, y).
@@ -92,15 +106,13 @@ class Search {
 
   int best_x() const { return best_x_; }
   int best_y() const { return best_y_; }
-  CoarseTranslation result() {
-    CoarseTranslation r;
-    r.correlation = best_;
-    r.by = {static_cast<float>(best_x_) + parabola_peak(correlation_at(best_x_ - 1, best_y_), best_,
-                                                        correlation_at(best_x_ + 1, best_y_)),
-            static_cast<float>(best_y_) + parabola_peak(correlation_at(best_x_, best_y_ - 1), best_,
-                                                        correlation_at(best_x_, best_y_ + 1))};
-    r.compared_pixels = compared_;
-    return r;
+  std::uint32_t compared() const { return compared_; }
+  Peak peak() {
+    const float left = correlation_at(best_x_ - 1, best_y_), right = correlation_at(best_x_ + 1, best_y_),
+                above = correlation_at(best_x_, best_y_ - 1), below = correlation_at(best_x_, best_y_ + 1);
+    const Vec2 off{parabola_peak(left, best_, right), parabola_peak(above, best_, below)};
+    const float rise = 0.25f * (off.x * (right - left) + off.y * (below - above));
+    return {{static_cast<float>(best_x_) + off.x, static_cast<float>(best_y_) + off.y}, best_, best_ + rise};
   }
 
  private:
@@ -138,10 +150,37 @@ PixelBox clipped(const PixelBox& box, const ImageView& image) {
           within(box.y1, 0, image.height)};
 }
 
+/// Climbs from the expected shift to a peak. \return false if there is none near it.
+bool climb(Search& search, PixelShift expected, Peak* peak) {
+  search.begin_at(expected.x, expected.y);
+  for (int k = 0; k < kTuning.most_climbs; ++k) {
+    const int x = search.best_x(), y = search.best_y();
+    search.try_around(x, y, 1, 1);
+    if (search.best_x() != x || search.best_y() != y) continue;
+    *peak = search.peak();
+    return true;
+  }
+  return false;
+}
+
+bool are_next_to(Vec2 a, Vec2 b) {
+  return magnitude(a.x - b.x) < 1 && magnitude(a.y - b.y) < 1;
+}
+
+/// Replaces the best peak by the one near the expected shift, if that is another one and nearly as high.
+void prefer_expected(Search& search, PixelShift expected, Peak* best) {
+  Peak near;
+  if (are_next_to(best->at, {static_cast<float>(expected.x), static_cast<float>(expected.y)}) ||
+      !climb(search, expected, &near) || are_next_to(best->at, near.at))
+    return;
+  if (near.height >= best->height - kTuning.most_below_best) *best = near;
+}
+
 }  // namespace
 
 CoarseTranslation find_coarse_translation(const ImageView& reference, const PixelBox& box,
-                                          const ImageView& current, int range_px) {
+                                          const ImageView& current, int range_px,
+                                          const PixelShift* expected) {
   if (check(reference) != Status::ok || check(current) != Status::ok || range_px < 0) return {};
   if (reference.width != current.width || reference.height != current.height) return {};
   if (reference.width > kMostSide || reference.height > kMostSide) return {};
@@ -152,7 +191,11 @@ CoarseTranslation find_coarse_translation(const ImageView& reference, const Pixe
   constexpr int kStep = kTuning.first_step_px;
   search.try_around(0, 0, range_px / kStep * kStep, kStep);
   search.try_around(search.best_x(), search.best_y(), kStep - 1, 1);
-  return search.result();
+  Peak best = search.peak();
+  if (expected != nullptr)
+    prefer_expected(
+        search, {within(expected->x, -range_px, range_px), within(expected->y, -range_px, range_px)}, &best);
+  return {best.at, best.correlation, search.compared()};
 }
 
 }  // namespace pliant

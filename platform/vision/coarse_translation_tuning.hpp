@@ -16,15 +16,22 @@ struct CoarseTranslationTuning {
   /// tried around the best only. With 3 every film with faults of the recorded face is as with 2, and a search
   /// of the whole picture takes 3.6 instead of 7.7 million instructions.
   int first_step_px = 3;
+  /// Correlation by which the peak near the expected shift may be below the best. Chosen on patterns that repeat: with 0.05 more
+  /// films of them slip, with 0.2 as many (docs/experiments.md, Patterns that repeat).
+  float most_below_best = 0.1f;
+  /// Steps of a pixel, at most, by which the expected shift climbs to its peak; the last one finds nothing higher. Round value, not
+  /// tuned.
+  int most_climbs = 3;
 };
 inline constexpr CoarseTranslationTuning kCoarseTranslationTuning{};
 
 /// Number of shifts that a search within `range_px` compares, at most: the coarse steps, those around the
-/// best, none, and the best one's neighbours, for its fraction of a pixel.
+/// best, none, and the best one's neighbours, for its fraction of a pixel; then the expected shift, those around it and
+/// around each step from it, and the neighbours of its peak.
 constexpr int most_shifts(int range_px) {
   const int step = kCoarseTranslationTuning.first_step_px, coarse = 2 * (range_px / step) + 1,
-            fine = 2 * step - 1;
-  return coarse * coarse + fine * fine + 1 + 4;
+            fine = 2 * step - 1, climbs = 9 * kCoarseTranslationTuning.most_climbs;
+  return coarse * coarse + fine * fine + 1 + 4 + climbs + 1 + 4;
 }
 
 }  // namespace pliant

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -45,6 +46,16 @@ struct Texture {
     return out;
   }
 };
+
+/// A pattern that repeats every 10 pixels, moved to the right and down.
+std::vector<std::uint8_t> waves(float dx, float dy) {
+  std::vector<std::uint8_t> out;
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 80; ++x)
+      out.push_back(static_cast<std::uint8_t>(128 + 100 * std::sin(0.6283f * (static_cast<float>(x) - dx)) *
+                                                        std::sin(0.6283f * (static_cast<float>(y) - dy))));
+  return out;
+}
 
 ImageView view(const std::vector<std::uint8_t>& p) {
   return {p.data(), 80, 60, 80};
@@ -119,6 +130,30 @@ TEST_CASE("a range beyond the image is as good as its larger side, and as fast")
   CHECK(most.by.x == doctest::Approx(7).epsilon(0.05));
 }
 
+TEST_CASE("of the shifts of a pattern that repeats the one near the expected shift is taken") {
+  const auto before = waves(0, 0);
+  const PixelBox box{25, 18, 55, 44};
+  for (const PixelShift expected : {PixelShift{0, 0}, {3, -1}, {12, 0}, {-9, 9}})
+    for (const Vec2 off : {Vec2{0, 0}, {1.4f, 0.3f}, {-0.5f, -1.5f}}) {
+      const Vec2 shift{static_cast<float>(expected.x) + off.x, static_cast<float>(expected.y) + off.y};
+      const auto now = waves(shift.x, shift.y);
+      const CoarseTranslation s = find_coarse_translation(view(before), box, view(now), 15, &expected);
+      CHECK(length(s.by - shift) < 0.15f);
+      CHECK(s.correlation > 0.8f);
+    }
+}
+
+TEST_CASE("where nothing repeats the best shift is taken, wherever it is expected") {
+  const Texture texture;
+  const auto before = texture.image(40, 40), now = texture.image(45, 38);
+  constexpr int kMost = std::numeric_limits<int>::max(), kLeast = std::numeric_limits<int>::min();
+  for (const PixelShift expected : {PixelShift{0, 0}, {-5, 2}, {-4, 1}, {6, -6}, {kMost, kLeast}}) {
+    const CoarseTranslation s =
+        find_coarse_translation(view(before), {25, 18, 55, 44}, view(now), 8, &expected);
+    CHECK(length(s.by - Vec2{-5, 2}) < 0.15f);
+  }
+}
+
 TEST_CASE("no search compares more pixels than the bound that `pliant plan` prints") {
   const Texture texture;
   const auto before = texture.image(40, 40), now = texture.image(37, 42);
@@ -127,7 +162,10 @@ TEST_CASE("no search compares more pixels than the bound that `pliant plan` prin
   for (int range = 0; range < 12; ++range) {
     const std::uint32_t compared =
         find_coarse_translation(view(before), box, view(now), range).compared_pixels;
+    const PixelShift expected{8, 8};
     CHECK(compared <= pixels * static_cast<std::uint32_t>(most_shifts(range)));
+    CHECK(find_coarse_translation(view(before), box, view(now), range, &expected).compared_pixels <=
+          pixels * static_cast<std::uint32_t>(most_shifts(range)));
     CHECK(compared > 0);
   }
 }
