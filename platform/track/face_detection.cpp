@@ -18,10 +18,6 @@ struct PartTrackingTuning {
 };
 constexpr PartTrackingTuning kPartTracking{};
 
-FaceDetectionState& self_of(TrackerParts& t) {
-  return *static_cast<FaceDetectionState*>(t.detection);
-}
-
 bool is_available(const Model& model, const TrackerLimits& limits) {
   return limits.width <= kLargestFramePx && limits.height <= kLargestFramePx &&
          limits.detection->modules->is_available(model);
@@ -58,14 +54,14 @@ std::size_t bytes_of_reading(const Model& model, const TrackerLimits& limits) {
 }
 
 void begin_search(TrackerParts& t, const StartOptions& start, const TrackerOptions& options) {
-  FaceDetectionState& self = self_of(t);
+  FaceDetectionState& self = face_detection_of(t);
   self.face_search.begin();
   self.person.is_known = false;
   self.begin_search(t, start, options);
 }
 
 Status search(TrackerParts& t, const FrameView& view) {
-  FaceDetectionState& self = self_of(t);
+  FaceDetectionState& self = face_detection_of(t);
   t.budget = {};
   if (!t.block_is_of_search) {
     new (&t.estimator) Estimator();
@@ -87,7 +83,7 @@ void end_search(TrackerParts& t) {
 }
 
 void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, StartPose* from) {
-  FaceDetectionState& self = self_of(t);
+  FaceDetectionState& self = face_detection_of(t);
   self.of_caller = &rough.options;
   self.landmark_error = 0;       // a start before may have failed
   self.person.is_known = false;  // also if this one does: it overwrites what is known
@@ -100,7 +96,7 @@ void refine(TrackerParts& t, const FrameView& view, const RoughStart& rough, Sta
 }
 
 void give_up(TrackerParts& t) {
-  FaceDetectionState& self = self_of(t);
+  FaceDetectionState& self = face_detection_of(t);
   self.note_person(t.estimator.camera());
   if (self.person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
   self.face_search.expect(box_of_track(t));
@@ -108,7 +104,7 @@ void give_up(TrackerParts& t) {
 }
 
 void conclude(TrackerParts& t, const FrameView& view) {
-  FaceDetectionState& self = self_of(t);
+  FaceDetectionState& self = face_detection_of(t);
   t.result.gaze = self.parts != nullptr && t.bad_frames == 0 ? self.parts->gaze : Vec3{};
   constexpr float kWork = kFaceChecksTuning.check_work;
   WaitingWork& check = t.budget.check;
@@ -131,7 +127,7 @@ void conclude(TrackerParts& t, const FrameView& view) {
 
 /// \return null if there are no readers.
 PartFit* read_at_view(TrackerParts& t, const FrameView& view, float centring) {
-  FaceDetectionState& self = self_of(t);
+  FaceDetectionState& self = face_detection_of(t);
   if (self.parts == nullptr) return nullptr;
   Arena arena(t.scratch.data, t.scratch.count);
   PartFit* const fit = create_part<PartFit>(arena, t.model());
@@ -150,7 +146,7 @@ std::uint32_t time_to_change(std::int64_t last_ns, std::int64_t now_ns) {
 }
 
 void read_parts(TrackerParts& t, const FrameView& view) {
-  FaceDetectionState& self = self_of(t);
+  FaceDetectionState& self = face_detection_of(t);
   if (self.parts == nullptr) return;
   PartPoints& points = *self.parts;
   if (PartFit* const fit = read_at_view(t, view, kPartFitTuning.centring); fit != nullptr) {
@@ -163,13 +159,13 @@ void read_parts(TrackerParts& t, const FrameView& view) {
 }
 
 void keep_parts(TrackerParts& t, const Vec3* moved) {
-  FaceDetectionState& self = self_of(t);
+  FaceDetectionState& self = face_detection_of(t);
   if (self.parts != nullptr) self.parts->move(t.estimator.view(), moved);
 }
 
 /// Centres the crops, and notes how this person's parts differ from the model.
 void calibrate_parts(TrackerParts& t, const FrameView& view) {
-  FaceDetectionState& self = self_of(t);
+  FaceDetectionState& self = face_detection_of(t);
   if (self.parts == nullptr) return;
   for (std::size_t s = 0; s < self.parts->side_count; ++s) self.parts->side[s].centre_mm = {};
   for (int k = 0; k < kPartFitTuning.start_centrings; ++k) read_at_view(t, view, 1);
@@ -180,7 +176,7 @@ void calibrate_parts(TrackerParts& t, const FrameView& view) {
 }
 
 void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& options) {
-  FaceDetectionState& self = self_of(t);
+  FaceDetectionState& self = face_detection_of(t);
   if (self.keep_start_of_caller(options))
     self.person.is_known = false;
   else if (!self.person.is_known)

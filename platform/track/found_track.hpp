@@ -18,9 +18,14 @@ inline float distance_from_track(TrackerParts& t, Span<const Vec2> landmarks) {
                        [&](std::size_t k, Vec2* x) { return t.offsets.project(k, t.estimator, x); });
 }
 
+/// Of a tracker that has the detection of faces.
+inline FaceDetectionState& face_detection_of(TrackerParts& t) {
+  return *static_cast<FaceDetectionState*>(t.detection);
+}
+
 /// The person whom the tracker knows: in its memory.
 inline KnownPerson& person_of(TrackerParts& t) {
-  KnownPerson& person = static_cast<FaceDetectionState*>(t.detection)->person;
+  KnownPerson& person = face_detection_of(t).person;
   person.q = t.start_q.data;
   person.offsets = &t.offsets;
   return person;
@@ -30,9 +35,9 @@ inline KnownPerson& person_of(TrackerParts& t) {
 /// \return the status of TrackerParts::start.
 inline Status start_found(TrackerParts& t, const FrameView& frame, const StartPose& found,
                           const TrackerOptions& options) {
-  FaceDetectionState& detection = *static_cast<FaceDetectionState*>(t.detection);
+  FaceDetectionState& detection = face_detection_of(t);
   if (!detection.person.is_known) {
-    t.identity_is_given = t.landmarks_are_given = false;
+    t.given = {};
     t.keeps_landmark_offsets = options.keeps_landmark_offsets;
     detection.marker_count = 0;
   }

@@ -55,7 +55,7 @@ std::size_t scratch_bytes(const Model& model, const TrackerLimits& limits) {
 void start(TrackerParts& t, const TrackerOptions& options) {
   PersonState& s = *t.person;
   const Span<const Parameter> all = t.model().parameters();
-  s.is_active = !t.identity_is_given;
+  s.is_active = !t.given.identity;
   for (std::size_t k = 0; k < all.count; ++k) {
     const bool is_identity = all[k].group == Group::identity;
     s.is_free[k] = options.is_free != nullptr ? options.is_free[k] : static_cast<std::uint8_t>(!is_identity);

@@ -32,7 +32,7 @@ Status align(TrackerParts& t, const FrameView& frame, FaceDetectionState& detect
 /// From the mean face in a box, as anybody.
 Status align_in(const FaceBox& box, TrackerParts& t, const FrameView& frame, const AlignmentRoom& room,
                 AlignedFace* face) {
-  const SecondLookState& look = *static_cast<FaceDetectionState*>(t.detection)->look;
+  const SecondLookState& look = *face_detection_of(t).look;
   return align_in_box(*look.modules, *look.aligner, frame, box, t.estimator.camera(), room, face);
 }
 
@@ -107,7 +107,7 @@ bool is_another(TrackerParts& t, const FrameView& frame, FaceDetectionState& det
 }  // namespace
 
 bool realign(TrackerParts& t, const FrameView& frame) {
-  auto& detection = *static_cast<FaceDetectionState*>(t.detection);
+  FaceDetectionState& detection = face_detection_of(t);
   SecondLookState& look = *detection.look;
   look.stop(t.budget);  // the aligner is needed here
   const FaceBox suspected = look.suspected;

@@ -27,17 +27,13 @@ namespace {
 
 constexpr const SecondLookTuning& kTuning = kSecondLookTuning;
 
-FaceDetectionState& detection_of(TrackerParts& t) {
-  return *static_cast<FaceDetectionState*>(t.detection);
-}
-
 bool is_frontal(const View& view) {
   return camera_direction(view).z >= kTuning.least_frontal;
 }
 
 /// How many looks an alignment of this frame counts for that is better than the start; 0: it is not.
 int count_better(TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
-  const SecondLookState& look = *detection_of(t).look;
+  const SecondLookState& look = *face_detection_of(t).look;
   const float e = face.landmark_error, of_start = look.start_error, of_track = t.result.landmark_error;
   const bool tells_shape = is_frontal(view_of(face.pose, face.camera));
   const bool tells_more_than_start = tells_shape && look.began_turned;
@@ -53,7 +49,7 @@ int count_better(TrackerParts& t, const AlignedFace& face, Span<const Vec2> land
 /// Moves the offsets to the mean of the landmarks of the start and of the looks so far, this one included. Alignments of one face
 /// differ, with its expression most of all.
 void average_landmarks(TrackerParts& t, const AlignedFace& face, Span<const Vec2> landmarks) {
-  SecondLookState& look = *detection_of(t).look;
+  SecondLookState& look = *face_detection_of(t).look;
   if (!t.keeps_landmark_offsets || face.score < kTuning.least_score ||
       camera_direction(view_of(face.pose, face.camera)).z < kTuning.least_average_frontal ||
       face.landmark_error > min(kTuning.most_average_error, kTuning.most_average_ratio * look.start_error))
@@ -73,7 +69,7 @@ SecondLookState* lay_out(Arena& arena, const Model& model, const TrackerLimits& 
 }
 
 void begin_track(TrackerParts& t) {
-  const FaceDetectionState& detection = detection_of(t);
+  const FaceDetectionState& detection = face_detection_of(t);
   SecondLookState& look = *detection.look;
   if (!detection.person.is_known) {
     look.start_error = detection.landmark_error;
@@ -87,7 +83,7 @@ void begin_track(TrackerParts& t) {
 
 /// From a frontal pose and the mean face: the track, which may be wrong, tells no more than where the face is.
 void begin_look(TrackerParts& t, const FrameView& frame) {
-  FaceDetectionState& detection = detection_of(t);
+  FaceDetectionState& detection = face_detection_of(t);
   SecondLookState& look = *detection.look;
   const bool is_doubtful = look.began_turned || look.start_error > kTuning.doubtful_error;
   const std::uint32_t longest = is_doubtful ? kTuning.longest_doubtful_wait : kTuning.longest_wait;
@@ -103,12 +99,12 @@ void begin_look(TrackerParts& t, const FrameView& frame) {
 
 /// Whether the caller has said nothing that a new start would lose: who it is, or where landmarks or markers are.
 bool is_free(const TrackerParts& t) {
-  return !t.identity_is_given && !t.landmarks_are_given && t.markers.count() == 0;
+  return !t.given.identity && !t.given.landmarks && t.markers.count() == 0;
 }
 
 bool conclude(TrackerParts& t, const FrameView& frame) {
   if (t.bad_frames > 0) return realign(t, frame);
-  FaceDetectionState& detection = detection_of(t);
+  FaceDetectionState& detection = face_detection_of(t);
   SecondLookState& look = *detection.look;
   look.realigned = 0;
   look.suspected = {};

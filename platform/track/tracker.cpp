@@ -337,7 +337,7 @@ Status Tracker::place_landmarks(Span<const NamedPoint> points) {
   for (const NamedPoint& p : points) {
     const Landmark& l = model().landmarks()[model().find_landmark(p.name)];
     impl_->offsets.place(l.uv(), p.x, impl_->estimator);
-    impl_->landmarks_are_given = impl_->keeps_landmark_offsets = true;
+    impl_->given.landmarks = impl_->keeps_landmark_offsets = true;
   }
   return Status::ok;
 }

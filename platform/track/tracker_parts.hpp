@@ -43,6 +43,12 @@ struct ImageParts {
   void lay_out_unused_between_frames(Arena& arena, const Model& model, const TrackerLimits& limits);
 };
 
+/// What the caller has said of the person: it stays.
+struct GivenByCaller {
+  bool identity = false;   // with a pose
+  bool landmarks = false;  // by place_landmarks
+};
+
 /// The estimator and the parts that work on images share their memory with what runs while there is no track:
 /// the search for a face, and the fit of a start.
 struct TrackerParts : ImageParts {
@@ -71,9 +77,8 @@ struct TrackerParts : ImageParts {
   bool uses_edges = false, smooths = false;
   bool edges_wait = false;  // for the next frame, to start
   bool is_started = false;
-  bool identity_is_given = false;      // by the caller, with the pose: it stays
+  GivenByCaller given;
   bool keeps_landmark_offsets = true;  // as TrackerOptions
-  bool landmarks_are_given = false;    // by place_landmarks: they stay
   bool block_is_of_search = false;     // else of the tracking, which is laid out in it
 
   const Model& model() const { return table; }

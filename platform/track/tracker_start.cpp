@@ -97,7 +97,7 @@ Status TrackerParts::start_at_fit(Status fitted, const FrameView& frame_0, const
                                   Span<const Vec2> marker_places) {
   begin_stream();
   const FrameView& view = quiet(frame_0);
-  identity_is_given = landmarks_are_given = false;
+  given = {};
   const bool is_fitted = fitted == Status::ok;
   refine(view, is_fitted ? rough : RoughStart{nullptr, RoughStart::kExact, rough.options}, from);
   if (is_fitted) fitted = start(view, *from, with, marker_places);
@@ -199,8 +199,7 @@ Status Tracker::start_from_pose(const FrameView& frame, const Camera& camera, co
   known.camera = &camera;
   const FrameView& quiet = impl_->quiet(frame);
   impl_->refine(quiet, {nullptr, RoughStart::kExact, known}, &from);
-  impl_->identity_is_given = q != nullptr;
-  impl_->landmarks_are_given = false;
+  impl_->given = {q != nullptr, false};
   return impl_->start(quiet, from, options, markers);
 }
 
@@ -265,7 +264,7 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
     return Status::bad_argument;
   t.detection->calls->begin_search(t, start, options);
   t.begin_stream();
-  t.identity_is_given = t.landmarks_are_given = false;
+  t.given = {};
   return Status::ok;
 }
 
