@@ -18,8 +18,10 @@ struct PrintCheckTuning {
   /// Area of a unit of (u,v) in the frame, at least: as a fraction of its squared longer side (a chart may be narrow), and px^2 (so
   /// that the warp has an inverse). The second is a round value, not tuned.
   float least_slant = 0.1f, least_area_px2 = 1;
-  /// Standard deviation of a block's samples, at least: of the albedo, and of the frame, grey levels.
-  float least_albedo_sd = 8, least_frame_sd = 2;
+  /// Standard deviation of a block's samples, at least: of the albedo, and of the frame, grey levels. The first was chosen on the
+  /// poster with an eighth of its contrast: with 8 it is never found, with 3 in 76 % of the starts, with 5 and 2 in 60 and 66
+  /// (docs/experiments.md, Pale prints).
+  float least_albedo_sd = 3, least_frame_sd = 2;
   /// Correlation from which on a block agrees. Of 48 blocks at wrong places 2 % reach it.
   float least_correlation = 0.6f;
   /// Standard deviation of a block's place: a fraction of the spacing of its samples, and px.

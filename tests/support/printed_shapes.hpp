@@ -11,15 +11,18 @@
 
 namespace pliant::host {
 
-/// The table of such a surface.
-inline std::vector<std::uint8_t> printed(const obj_folder::Shape& shape) {
+/// The table of such a surface. \param contrast  of the print, as a fraction of that of the fixture.
+inline std::vector<std::uint8_t> printed(const obj_folder::Shape& shape, float contrast = 1) {
   const obj_folder::ObjFolder folder("printed");
   folder.write("neutral", shape);
   bake::BakeOptions options;
   options.source = folder.path.string();
   const Image whole = read_image(PLIANT_FIXTURES "/sheet/print.png");
   Image part(whole.width, 512, whole.channels);
-  std::copy_n(whole.pixels.begin(), part.pixels.size(), part.pixels.begin());
+  std::transform(whole.pixels.begin(), whole.pixels.begin() + static_cast<std::ptrdiff_t>(part.pixels.size()),
+                 part.pixels.begin(), [contrast](std::uint8_t grey) {
+                   return static_cast<std::uint8_t>(200 + contrast * (static_cast<float>(grey) - 200));
+                 });
   options.texture = folder.put("print.png", encode_png(part));
   std::vector<std::uint8_t> bytes;
   std::string error;

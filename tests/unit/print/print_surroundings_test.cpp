@@ -1,5 +1,5 @@
 // Starts by print that are hard for what the surface is or stands before: closed surfaces, curved ones, dull prints before sharp
-// pictures.
+// pictures, pale ones.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -166,6 +166,31 @@ TEST_CASE(
     CHECK(film.turned_from(pose) < 0.05f);
   }
   CHECK(found >= 4);
+}
+
+TEST_CASE("a print with an eighth of the contrast is found in its first frames") {
+  constexpr float kContrast = 0.12f;
+  const std::vector<std::uint8_t> bytes = printed(
+      [](float s, float t) {
+        return Vec3{210 * (s - 0.5f), 224 * (t - 0.5f), 0};
+      },
+      kContrast);
+  const bake::OpenedTable opened(bytes);
+  REQUIRE(opened.status() == Status::ok);
+  Scene scene(opened.model(), kWidth, kHeight);
+  for (int k = 0; k < 4; ++k) {
+    CAPTURE(k);
+    Film film(opened.model());
+    const auto turn = static_cast<float>(k);
+    const Pose pose = posed(0.2f - 0.1f * turn, 0.15f * turn - 0.2f, 0.8f * turn, 0.6f);
+    for (std::uint32_t frame = 0; frame < 4 && !film.tracker->is_started(); ++frame) {
+      Image image = scene.draw(nullptr, pose, kCamera, make_background(kWidth, kHeight, 3));
+      add_noise(image, 1, 10 * static_cast<std::uint32_t>(k) + frame + 5);
+      REQUIRE(film.show(image) == Status::ok);
+    }
+    REQUIRE(film.tracker->is_started());
+    CHECK(film.turned_from(pose) < 0.05f);
+  }
 }
 
 }  // namespace print_surroundings_test
