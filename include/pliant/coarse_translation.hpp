@@ -14,11 +14,6 @@ struct PixelBox {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< px; x1 and y1 are outside
 };
 
-/// A shift by whole pixels.
-struct PixelShift {
-  int x = 0, y = 0;  ///< px
-};
-
 /// Shift between two images.
 struct CoarseTranslation {
   Vec2 by;                            ///< px of the images compared; sub-pixel by a parabola through the best
@@ -33,8 +28,8 @@ struct CoarseTranslation {
 /// one row. A shift for which fewer than half of them lie in `current`, or an image is flat, counts as correlation 0. Of
 /// shifts with equal correlation the smaller is taken. Sums are integers: the bits are the same on every target.
 /// \param range_px  largest shift along x and along y, px of the images compared, at least 0.
-/// \param expected  many shifts of a pattern that repeats are equally good. Of those the peak nearest to this shift is taken,
-///                  up to which the correlation rises. Null: nothing is known.
+/// \param expected  many shifts of a pattern that repeats are equally good. Of those the peak near this shift, px, is taken, up to
+///                  which the correlation rises from there. Finite. Null: nothing is known.
 /// \return the best shift, which means nothing without a correlation above 0; no shift and correlation 0 for images of
 ///         different sizes or with a side above 16,384 px, unreadable views, a box of fewer than 4 x 4 px, or a
 ///         negative range.
@@ -42,6 +37,6 @@ struct CoarseTranslation {
 /// instead of 62; range_px counts as at most the larger side.
 CoarseTranslation find_coarse_translation(const ImageView& reference, const PixelBox& box,
                                           const ImageView& current, int range_px,
-                                          const PixelShift* expected = nullptr);
+                                          const Vec2* expected = nullptr);
 
 }  // namespace pliant

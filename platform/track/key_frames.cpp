@@ -10,10 +10,6 @@ namespace {
 
 constexpr const KeyFrameTuning& kTuning = kKeyFrameTuning;
 
-PixelShift shift_of_middle(const PixelBox& from, const PixelBox& to) {
-  return {(to.x0 + to.x1 - from.x0 - from.x1) / 2, (to.y0 + to.y1 - from.y0 - from.y1) / 2};
-}
-
 /// Cosine of an angle from 0 to pi, by four halvings: enough for a threshold.
 constexpr float cosine_of(float angle) {
   const float a = angle / 16, a2 = a * a;
@@ -73,9 +69,10 @@ void KeyFrames::take(const FrameView& frame) {
 }
 
 void KeyFrames::trust(const Estimator& estimator) {
-  const PixelBox box = box_of(estimator);
-  last_shift_ = count_ > 0 ? shift_of_middle(trusted_box_, box) : PixelShift{};
-  trusted_box_ = box;
+  const Vec2 offset = (estimator.view().s / static_cast<float>(factor_)) * estimator.view().tau;
+  last_shift_ = count_ > 0 ? offset - trusted_offset_ : Vec2{};
+  trusted_offset_ = offset;
+  trusted_box_ = box_of(estimator);
   trusted_ = current_;
 }
 
@@ -108,8 +105,7 @@ CoarseMotion KeyFrames::find_motion(int bad_frames) const {
   const int divisor = bad_frames > 0 ? kTuning.range_divisor_after_bad : kTuning.range_divisor;
   const int range = key != nullptr ? side / kTuning.range_divisor_of_key : side / divisor + 1;
   const bool goes_on = bad_frames < kTuning.bad_frames_before_keys;
-  const int frames = goes_on ? bad_frames + 1 : 0;
-  const PixelShift expected{frames * last_shift_.x, frames * last_shift_.y};
+  const Vec2 expected = static_cast<float>(bad_frames + 1) * last_shift_;
   const CoarseTranslation shift =
       find_coarse_translation(view_of_thumbnail(key != nullptr ? thumbnail_of(turn - 1) : trusted_),
                               key != nullptr ? key->box : trusted_box_, view_of_thumbnail(current_), range,

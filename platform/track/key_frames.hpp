@@ -113,7 +113,8 @@ class KeyFrames {
   std::uint8_t *current_ = nullptr, *last_ = nullptr, *trusted_ = nullptr;
   std::uint8_t* of_keys_ = nullptr;
   PixelBox trusted_box_;
-  PixelShift last_shift_;  // of the model in the thumbnail, from one good frame to the next
+  Vec2 trusted_offset_,
+      last_shift_;  // px of the thumbnail: the model's offset, and its change from one good frame to the next
 };
 
 /// How a view shows depth in a key frame.

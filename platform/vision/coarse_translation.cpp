@@ -150,9 +150,13 @@ PixelBox clipped(const PixelBox& box, const ImageView& image) {
           within(box.y1, 0, image.height)};
 }
 
+int nearest(float x) {
+  return static_cast<int>(x < 0 ? x - 0.5f : x + 0.5f);
+}
+
 /// Climbs from the expected shift to a peak. \return false if there is none near it.
-bool climb(Search& search, PixelShift expected, Peak* peak) {
-  search.begin_at(expected.x, expected.y);
+bool climb(Search& search, Vec2 expected, Peak* peak) {
+  search.begin_at(nearest(expected.x), nearest(expected.y));
   for (int k = 0; k < kTuning.most_climbs; ++k) {
     const int x = search.best_x(), y = search.best_y();
     search.try_around(x, y, 1, 1);
@@ -168,10 +172,9 @@ bool are_next_to(Vec2 a, Vec2 b) {
 }
 
 /// Replaces the best peak by the one near the expected shift, if that is another one and nearly as high.
-void prefer_expected(Search& search, PixelShift expected, Peak* best) {
+void prefer_expected(Search& search, Vec2 expected, Peak* best) {
   Peak near;
-  if (are_next_to(best->at, {static_cast<float>(expected.x), static_cast<float>(expected.y)}) ||
-      !climb(search, expected, &near) || are_next_to(best->at, near.at))
+  if (are_next_to(best->at, expected) || !climb(search, expected, &near) || are_next_to(best->at, near.at))
     return;
   if (near.height >= best->height - kTuning.most_below_best) *best = near;
 }
@@ -179,8 +182,7 @@ void prefer_expected(Search& search, PixelShift expected, Peak* best) {
 }  // namespace
 
 CoarseTranslation find_coarse_translation(const ImageView& reference, const PixelBox& box,
-                                          const ImageView& current, int range_px,
-                                          const PixelShift* expected) {
+                                          const ImageView& current, int range_px, const Vec2* expected) {
   if (check(reference) != Status::ok || check(current) != Status::ok || range_px < 0) return {};
   if (reference.width != current.width || reference.height != current.height) return {};
   if (reference.width > kMostSide || reference.height > kMostSide) return {};
@@ -192,9 +194,9 @@ CoarseTranslation find_coarse_translation(const ImageView& reference, const Pixe
   search.try_around(0, 0, range_px / kStep * kStep, kStep);
   search.try_around(search.best_x(), search.best_y(), kStep - 1, 1);
   Peak best = search.peak();
+  const auto range = static_cast<float>(range_px);
   if (expected != nullptr)
-    prefer_expected(
-        search, {within(expected->x, -range_px, range_px), within(expected->y, -range_px, range_px)}, &best);
+    prefer_expected(search, {clamp(expected->x, -range, range), clamp(expected->y, -range, range)}, &best);
   return {best.at, best.correlation, search.compared()};
 }
 

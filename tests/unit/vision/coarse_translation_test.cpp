@@ -133,9 +133,9 @@ TEST_CASE("a range beyond the image is as good as its larger side, and as fast")
 TEST_CASE("of the shifts of a pattern that repeats the one near the expected shift is taken") {
   const auto before = waves(0, 0);
   const PixelBox box{25, 18, 55, 44};
-  for (const PixelShift expected : {PixelShift{0, 0}, {3, -1}, {12, 0}, {-9, 9}})
+  for (const Vec2 expected : {Vec2{0, 0}, {3, -1}, {12, 0}, {-9, 9}})
     for (const Vec2 off : {Vec2{0, 0}, {1.4f, 0.3f}, {-0.5f, -1.5f}}) {
-      const Vec2 shift{static_cast<float>(expected.x) + off.x, static_cast<float>(expected.y) + off.y};
+      const Vec2 shift = expected + off;
       const auto now = waves(shift.x, shift.y);
       const CoarseTranslation s = find_coarse_translation(view(before), box, view(now), 15, &expected);
       CHECK(length(s.by - shift) < 0.15f);
@@ -146,8 +146,7 @@ TEST_CASE("of the shifts of a pattern that repeats the one near the expected shi
 TEST_CASE("where nothing repeats the best shift is taken, wherever it is expected") {
   const Texture texture;
   const auto before = texture.image(40, 40), now = texture.image(45, 38);
-  constexpr int kMost = std::numeric_limits<int>::max(), kLeast = std::numeric_limits<int>::min();
-  for (const PixelShift expected : {PixelShift{0, 0}, {-5, 2}, {-4, 1}, {6, -6}, {kMost, kLeast}}) {
+  for (const Vec2 expected : {Vec2{0, 0}, {-5, 2}, {-4.4f, 1.3f}, {6, -6}, {1e30f, -1e30f}}) {
     const CoarseTranslation s =
         find_coarse_translation(view(before), {25, 18, 55, 44}, view(now), 8, &expected);
     CHECK(length(s.by - Vec2{-5, 2}) < 0.15f);
@@ -162,7 +161,7 @@ TEST_CASE("no search compares more pixels than the bound that `pliant plan` prin
   for (int range = 0; range < 12; ++range) {
     const std::uint32_t compared =
         find_coarse_translation(view(before), box, view(now), range).compared_pixels;
-    const PixelShift expected{8, 8};
+    const Vec2 expected{8, 8};
     CHECK(compared <= pixels * static_cast<std::uint32_t>(most_shifts(range)));
     CHECK(find_coarse_translation(view(before), box, view(now), range, &expected).compared_pixels <=
           pixels * static_cast<std::uint32_t>(most_shifts(range)));
