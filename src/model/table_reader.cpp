@@ -19,10 +19,8 @@ static_assert(sizeof(table::Header) == 20 && sizeof(table::Section) == 12, "file
 static_assert(sizeof(Parameter) == 44 && sizeof(Field) == 52 && sizeof(CascadeRecord) == 96, "file format");
 static_assert(sizeof(Landmark) == 36 && sizeof(Curve) == 40 && sizeof(Vec2) == 8, "file format");
 
-// Limits of the format. The counts bound the memory and time of every object that a model gives its size to.
-constexpr std::size_t kMaxParameters = 192;
+// Limits of the format, besides those of the header.
 constexpr std::size_t kMaxRecordCount = 320;
-constexpr std::size_t kMaxLandmarks = 4096;
 constexpr std::size_t kMaxSections = 64;
 constexpr std::size_t kMaxSide = 4096;  // samples or pixels
 /// No sample, limit, pivot or matrix element is larger, in its unit (mm for positions: a kilometre). Samples and their sums then
@@ -136,7 +134,7 @@ struct TableReader {
 
   bool check_parameters() const {
     const auto p = contents.parameters;
-    if (p.count > kMaxParameters) return false;
+    if (p.count > table::kMaxParameters) return false;
     for (std::size_t i = 0; i < p.count; ++i) {
       const bool group = p[i].group == Group::identity || p[i].group == Group::expression;
       if (!is_name(p[i].name) || !group || !are_bounded(&p[i].minimum, 3)) return false;
@@ -209,7 +207,7 @@ struct TableReader {
   }
 
   bool check_names() const {
-    if (contents.landmarks.count > kMaxLandmarks) return false;
+    if (contents.landmarks.count > table::kMaxLandmarks) return false;
     for (const Landmark& l : contents.landmarks)
       if (!is_name(l.name) || !are_within(&l.u, 2, 0, 1)) return false;
     if (!are_in_chart(contents.curve_points)) return false;

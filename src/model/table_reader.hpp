@@ -4,6 +4,11 @@
 
 namespace pliant {
 
+namespace table {
+/// Most parameters and landmarks of a table. Such counts bound the memory and time of every object that a model gives its size to.
+constexpr std::size_t kMaxParameters = 192, kMaxLandmarks = 4096;
+}  // namespace table
+
 /// Fills `contents` with pointers into the table at `data`.
 /// \pre `data` is a multiple of four.
 /// \return truncated, bad_magic, bad_version, bad_checksum, bad_table; `contents` is then as before.

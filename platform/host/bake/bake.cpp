@@ -12,6 +12,7 @@
 #include "host/bake/springs.hpp"
 #include "host/io/ibug_names.hpp"
 #include "host/io/learnt_file.hpp"
+#include "model/table_reader.hpp"
 
 namespace pliant::host::bake {
 
@@ -24,8 +25,8 @@ void check(const BakeOptions& options) {
     throw SourceError("--base-mesh", 0, "must be from 60 to 5000");
   if (!(options.unit_mm >= kLeastUnitMm && options.unit_mm <= kMostUnitMm))
     throw SourceError("--unit", 0, "must be from a nanometre to a kilometre (0.000001 to 1000000)");
-  if (options.components < 0 || options.components > 192)
-    throw SourceError("--pca", 0, "must be from 1 to 192");
+  if (options.components < 0 || options.components > int{table::kMaxParameters})
+    throw SourceError("--pca", 0, "must be from 1 to " + std::to_string(table::kMaxParameters));
   if (options.modes < 0 || options.modes > 64) throw SourceError("--modes", 0, "must be from 1 to 64");
   if (!(options.stiffness >= 1e-4f && options.stiffness <= 1e4f))
     throw SourceError("--stiffness", 0, "must be from 0.0001 to 10000");

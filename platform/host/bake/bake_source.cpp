@@ -15,6 +15,7 @@
 #include "host/bake/table_writer.hpp"
 #include "host/io/numbers.hpp"
 #include "host/io/track_table.hpp"
+#include "model/table_reader.hpp"
 
 namespace pliant::host::bake {
 
@@ -107,14 +108,13 @@ class Baker {
 
   /// What a table cannot hold, each by its name.
   void check_source() const {
-    constexpr std::size_t kMostParameters = 192, kMostLandmarks = 4096;  // of the format
-    constexpr float kFarthest = 2e5f;             // millimetres or radians: well within the format's 1e6
-    if (source_.parameters.size() > kMostParameters)
+    constexpr float kFarthest = 2e5f;  // millimetres or radians: well within the format's 1e6
+    if (source_.parameters.size() > table::kMaxParameters)
       fail("has " + std::to_string(source_.parameters.size()) + " parameters, more than " +
-           std::to_string(kMostParameters) + ": choose some with --identities and --expressions");
-    if (source_.landmarks.size() > kMostLandmarks)
+           std::to_string(table::kMaxParameters) + ": choose some with --identities and --expressions");
+    if (source_.landmarks.size() > table::kMaxLandmarks)
       fail("has " + std::to_string(source_.landmarks.size()) + " landmarks, more than " +
-           std::to_string(kMostLandmarks));
+           std::to_string(table::kMaxLandmarks));
     for (std::size_t k = 0; k < source_.landmarks.size(); ++k) {
       const SourceLandmark& l = source_.landmarks[k];
       if (!(l.uv.x >= 0 && l.uv.x <= 1 && l.uv.y >= 0 && l.uv.y <= 1))

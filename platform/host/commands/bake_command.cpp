@@ -11,6 +11,7 @@
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
 #include "host/io/words.hpp"
+#include "model/table_reader.hpp"
 
 namespace pliant::host {
 
@@ -18,11 +19,11 @@ namespace {
 
 bake::ParameterChoice choice_of(const Args& args) {
   bake::ParameterChoice choice;
-  choice.identities = args.integer("--identities", choice.identities, 0, 192);
+  choice.identities = args.integer("--identities", choice.identities, 0, int{table::kMaxParameters});
   const auto expressions = args.text("--expressions");
   if (!expressions) return choice;
   if (parse_number(*expressions))
-    choice.expressions = args.integer("--expressions", 0, 0, 192);
+    choice.expressions = args.integer("--expressions", 0, 0, int{table::kMaxParameters});
   else
     choice.named = split_at_commas(*expressions);
   return choice;
@@ -48,7 +49,7 @@ bake::BakeOptions bake_options(const Args& args) {
   options.unit_mm = static_cast<float>(args.number("--unit", 1, static_cast<double>(bake::kLeastUnitMm),
                                                    static_cast<double>(bake::kMostUnitMm)));
   options.base_vertices = args.integer("--base-mesh", options.base_vertices, 60, 5000);
-  options.components = args.integer("--pca", 0, 1, 192);
+  options.components = args.integer("--pca", 0, 1, int{table::kMaxParameters});
   options.relaxes_chart = args.has("--relax-chart");
   options.modes = args.integer("--modes", 0, 1, 64);
   options.stiffness = static_cast<float>(args.number("--stiffness", 1, 1e-4, 1e4));

@@ -10,13 +10,11 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/sources.hpp"
+#include "model/table_reader.hpp"
 
 namespace pliant::host {
 
 namespace {
-
-/// Parameters of a table, at most (docs/model-format.md).
-constexpr int kMostParameters = 192;
 
 constexpr const char* kPurposeNames[kPurposeCount] = {
     "other",      "model evaluation", "mesh",           "mesh adaptation",  "visibility",
@@ -59,7 +57,8 @@ TrackerLimits limits_from(const Args& args) {
   TrackerLimits l = tracker_limits(args, size);
   l.markers = static_cast<std::uint16_t>(args.integer("--markers", l.markers, 0, 4096));
   if (args.has("--parameters"))
-    l.free_parameters = static_cast<std::uint16_t>(args.integer("--parameters", 0, 1, kMostParameters));
+    l.free_parameters =
+        static_cast<std::uint16_t>(args.integer("--parameters", 0, 1, int{table::kMaxParameters}));
   return l;
 }
 
@@ -162,7 +161,7 @@ int run_plan(const Args& args, Console& console) {
     model = file->model();
     table_bytes = model.table_bytes();
   } else {
-    stand_in = stand_in_table(args.integer("--parameters", 60, 1, kMostParameters));
+    stand_in = stand_in_table(args.integer("--parameters", 60, 1, int{table::kMaxParameters}));
     require(Model::open(stand_in.data(), stand_in.size() * 4, &model), "stand-in model");
   }
   if (!are_usable(model, limits))

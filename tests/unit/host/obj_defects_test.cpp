@@ -135,4 +135,22 @@ TEST_CASE("bad landmarks and a missing rest shape of an OBJ folder are refused b
   CHECK(error_of(folder) == "");
 }
 
+TEST_CASE("more landmarks or parameters than a table can hold are refused before anything is baked") {
+  Defects d;
+  std::string csv = "landmark,vertex\n";
+  for (int k = 0; k < 4097; ++k) csv += "l" + std::to_string(k) + ",5\n";
+  d.folder.put("neutral.obj", d.good);
+  CHECK(d.error_with("landmarks.csv", csv) ==
+        d.folder.path.string() + ": has 4097 landmarks, more than 4096");
+  fs::remove(d.folder.path / "landmarks.csv");
+  d.folder.n = 3;
+  const std::string small = d.folder.obj(curved_sheet);
+  d.folder.put("neutral.obj", small);
+  for (int k = 0; k < 193; ++k)
+    d.folder.put("e" + std::to_string(k) + ".obj", swapped(small, "v -5.", "v -6."));
+  CHECK(error_of(d.folder) ==
+        d.folder.path.string() +
+            ": has 193 parameters, more than 192: choose some with --identities and --expressions");
+}
+
 }  // namespace obj_defects_test
