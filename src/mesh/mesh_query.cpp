@@ -4,6 +4,16 @@
 
 namespace pliant {
 
+namespace {
+
+/// The third corner of the face beyond a half-edge; kNone on the boundary.
+VertexId across(const Mesh& mesh, HalfEdgeId h) {
+  const HalfEdgeId outer = mesh.twin(h);
+  return outer == kNone ? kNone : mesh.origin(Mesh::previous(outer));
+}
+
+}  // namespace
+
 int Mesh::find_valence(VertexId v) const {
   int edges = is_boundary_vertex(v) ? 1 : 0;  // the fan's last edge leaves no half-edge
   for (const HalfEdgeId h : star(*this, v)) {
@@ -38,9 +48,8 @@ int Mesh::find_boundary_loops(Span<HalfEdgeId> loops) const {
 Triangle Mesh::triangle(FaceId f) const {
   Triangle t;
   for (int k = 0; k < 3; ++k) {
-    const HalfEdgeId outer = twin(half_edge(f, k));
     t.corner[k] = corner(f, k);
-    t.across[k] = outer == kNone ? kNone : origin(previous(outer));
+    t.across[k] = across(*this, half_edge(f, k));
   }
   t.level = face_level(f);
   return t;
@@ -50,12 +59,11 @@ int Mesh::find_parents(VertexId v, Triangle parents[2]) const {
   // On either side of the split edge: faces (z,x,v) and (y,z,v) of parent (x,y,z).
   FaceId faces[4];
   const int count = find_star_faces(v, faces) / 2;
-  const auto across = [this](HalfEdgeId outer) { return outer == kNone ? kNone : origin(previous(outer)); };
   for (int i = 0; i < count; ++i) {
     const FaceId low = faces[2 * i], high = faces[2 * i + 1];
     parents[i] = Triangle{{corner(low, 1), corner(high, 0), corner(low, 0)},
-                          {count == 1 ? kNone : corner(faces[2 - 2 * i], 0), across(twin(half_edge(high, 0))),
-                           across(twin(half_edge(low, 0)))},
+                          {count == 1 ? kNone : corner(faces[2 - 2 * i], 0),
+                           across(*this, half_edge(high, 0)), across(*this, half_edge(low, 0))},
                           level(v) - 1};
   }
   return count;
