@@ -180,6 +180,30 @@ TEST_CASE("the classical tables: the least determinant known, and the cases flag
   CHECK(sets == 26);
 }
 
+TEST_CASE("the raw estimate flags the rows that lie beyond the cutoff from its own centre") {
+  const double cutoff = -2 * std::log(0.025);  // chi-square of two degrees of freedom, 0.975
+  int flagged = 0, differ = 0;
+  for (const Best& best : read_classical()) {
+    if (best.table.columns != 2) continue;
+    CAPTURE(best.name);
+    McdRunner runner(best.table);
+    REQUIRE(runner.fast(best.table, with_exchanges(best.alpha)) == Status::ok);
+    const McdEstimate& raw = runner.mcd.raw();
+    const double xx = raw.covariance[0], xy = raw.covariance[1], yy = raw.covariance[3];
+    for (std::size_t i = 0; i < best.table.rows; ++i) {
+      const double x = static_cast<double>(best.table.at(i, 0)) - raw.center[0],
+                   y = static_cast<double>(best.table.at(i, 1)) - raw.center[1];
+      const double squared = (yy * x * x - 2 * xy * x * y + xx * y * y) / (xx * yy - xy * xy);
+      REQUIRE(std::fabs(squared / cutoff - 1) > 1e-4);  // on neither side by rounding
+      CHECK(runner.mcd.is_flagged_raw(i) == (squared > cutoff));
+      flagged += squared > cutoff ? 1 : 0;
+      differ += runner.mcd.is_flagged_raw(i) != runner.mcd.is_flagged(i) ? 1 : 0;
+    }
+  }
+  CHECK(flagged > 0);
+  CHECK(differ > 0);  // the reweighted estimate's flags would not pass for them
+}
+
 TEST_CASE("an independent program's results, every data set") {
   const char* folder = require_data();
   if (folder == nullptr) return;
