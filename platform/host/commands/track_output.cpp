@@ -133,6 +133,7 @@ std::string TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
   }
   if (report_) {
     facts_.arena_bytes = arena_bytes;
+    facts_.rms_px = rms_px();
     facts_.summary = line;
     report_file_->write(report_->page(facts_, sheet_));
     report_file_->commit();
@@ -140,12 +141,15 @@ std::string TrackOutput::commit(std::size_t arena_bytes, float focal_px) {
   return line;
 }
 
+double TrackOutput::rms_px() const {
+  return known_ == 0 ? 0 : std::sqrt(squared_sum_ / static_cast<double>(known_));
+}
+
 std::string TrackOutput::summary(std::size_t arena_bytes, float focal_px) const {
   char line[256];
-  const double rms = known_ == 0 ? 0 : std::sqrt(squared_sum_ / static_cast<double>(known_));
   std::snprintf(line, sizeof line,
                 "frames=%zu tracked=%zu rms_px=%.3f median_ms=%.3f arena_bytes=%zu f_px=%.6g", frames_,
-                tracked_, rms, median(milliseconds_), arena_bytes, static_cast<double>(focal_px));
+                tracked_, rms_px(), median(milliseconds_), arena_bytes, static_cast<double>(focal_px));
   std::string out = line;
   if (const std::size_t peak = peak_memory_kib(); peak > 0) out += " peak_kib=" + std::to_string(peak);
   if (truth_) {

@@ -58,6 +58,7 @@ class TrackOutput {
   std::string commit(std::size_t arena_bytes, float focal_px);
 
  private:
+  double rms_px() const;
   std::string summary(std::size_t arena_bytes, float focal_px) const;
   void write(const TrackRow& row, const FrameView& frame);
   /// Draws the frame where it is wanted. \param marks  is called only then.

@@ -77,16 +77,10 @@ std::string TrackReport::pictures(const ContactSheet& sheet) const {
 
 std::string TrackReport::tiles(const ReportFacts& facts) const {
   std::size_t count[3] = {};
-  double squared = 0;
-  for (const TrackRow& row : rows_) {
-    ++count[static_cast<std::size_t>(row.state)];
-    if (row.state != TrackState::lost)
-      squared += static_cast<double>(row.rms_px) * static_cast<double>(row.rms_px);
-  }
-  const std::size_t known = rows_.size() - count[2];
+  for (const TrackRow& row : rows_) ++count[static_cast<std::size_t>(row.state)];
   return tile(grouped(rows_.size()), "frames") + tile(grouped(count[0]), "tracking") +
          tile(grouped(count[1]), "degraded") + tile(grouped(count[2]), "lost") +
-         tile(fixed(known == 0 ? 0 : std::sqrt(squared / static_cast<double>(known)), 2) + " px", "rms") +
+         tile(fixed(facts.rms_px, 2) + " px", "rms") +
          tile(fixed(median(milliseconds_), 2) + " ms", "a frame, median") +
          tile(grouped(facts.vertices), "vertices") +
          tile(grouped(facts.arena_bytes / 1024) + " KiB", "arena");

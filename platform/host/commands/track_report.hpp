@@ -17,6 +17,7 @@ struct ReportFacts {
   int width = 0, height = 0;                     ///< of the frames, px
   std::size_t arena_bytes = 0, table_bytes = 0;  ///< memory at run time; size of the model table
   std::size_t vertices = 0;                      ///< of the mesh in the last frame
+  double rms_px = 0;                             ///< root mean square over the frames that are not lost
 };
 
 class TrackReport {
