@@ -32,8 +32,7 @@ std::string picture_of(const std::string& path, const std::string& identity, con
   if (photo.width != fit.width || photo.height != fit.height)
     fail_input(path, "is not the picture of " + identity + ": that has " + std::to_string(fit.width) + "x" +
                          std::to_string(fit.height) + " pixels");
-  std::vector<float> q(file.model().parameters().count, 0.0f);
-  (void)apply(fit.parameters, identity, file.model(), q.data());
+  const std::vector<float> q = all_parameters(fit, identity, file.model());
   return encode_jpeg(photo_texture(file.model(), fit, q, photo, kPhotoTextureSide), kPhotoTextureQuality);
 }
 

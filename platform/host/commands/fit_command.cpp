@@ -52,8 +52,7 @@ ImageSize image_size(const Args& args, const Image& image, const std::optional<F
 }
 
 void draw_overlay(const std::string& path, const Model& model, const FitFile& fit, const Image& picture) {
-  std::vector<float> q(model.parameters().count, 0.0f);
-  apply(fit.parameters, path, model, q.data());
+  const std::vector<float> q = all_parameters(fit, path, model);
   Overlay overlay(picture.pixels.empty() ? Image(fit.width, fit.height, 1, 96) : picture);
   overlay.draw_mesh(wire_of(model, fit, q));
   for (const FitPoint& p : fit.points) overlay.draw_residual(p.x, p.residual, p.used);
@@ -94,9 +93,7 @@ void read_method(const Args& args, FitSetup& setup) {
 }
 
 void write_textured(const std::string& path, const Model& model, const FitFile& fit, const Image& picture) {
-  std::vector<float> q(model.parameters().count, 0.0f);
-  apply(fit.parameters, path, model, q.data());
-  write_file(path, textured_glb(model, fit, q, picture));
+  write_file(path, textured_glb(model, fit, all_parameters(fit, path, model), picture));
 }
 
 void check_usage(const Args& args) {

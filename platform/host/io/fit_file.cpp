@@ -221,6 +221,12 @@ std::vector<std::string> apply(const NamedValues& values, const std::string& sou
   return unmatched;
 }
 
+std::vector<float> all_parameters(const FitFile& fit, const std::string& source, const Model& model) {
+  std::vector<float> q(model.parameters().count, 0.0f);
+  (void)apply(fit.parameters, source, model, q.data());
+  return q;
+}
+
 void list_unmatched(const std::vector<std::string>& names, const std::string& source, std::ostream& err) {
   if (names.empty()) return;
   err << source << ": the model has no parameter";
