@@ -71,14 +71,10 @@ FaceBox seen(const FaceBox& ideal, const Lens& lens) {
 
 }  // namespace
 
-Status fit_to_box(Arena& arena, const Model& model, GivenBox given, int width, int height, const float* q,
-                  StartPose* start, FaceBox* box) {
-  Cascade* const room = arena.take<Cascade>(1);
-  if (room == nullptr) return Status::out_of_memory;
-  Cascade& cascade = *new (room) Cascade();
-  Status status = create_in(arena, cascade, model);
+Status fit_to_box(Cascade& cascade, GivenBox given, int width, int height, const float* q, StartPose* start,
+                  FaceBox* box) {
   Lens lens;
-  if (status == Status::ok) status = Lens::make(start->camera, width, height, &lens);
+  Status status = Lens::make(start->camera, width, height, &lens);
   if (status != Status::ok) return status;
   if (given.convention == BoxConvention::opencv) {
     const float side = given.size.x;

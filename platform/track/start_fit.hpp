@@ -45,7 +45,7 @@ struct GivenBox {
 
 /// The pose of the model with parameters q, frontal, in the box of a picture of this size, and its face box (side 0 for a model
 /// without eye and mouth corners). Statuses of Lens::make and view_from_box.
-Status fit_to_box(Arena& arena, const Model& model, GivenBox given, int width, int height, const float* q,
-                  StartPose* start, FaceBox* box);
+Status fit_to_box(Cascade& cascade, GivenBox given, int width, int height, const float* q, StartPose* start,
+                  FaceBox* box);
 
 }  // namespace pliant

@@ -245,8 +245,12 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
   found.camera = start_camera(known.camera, start.focal_px, frame.width, frame.height);
   FaceBox box;
   status = t.fit_before_tracking([&](Arena& arena) {
-    return fit_to_box(arena, t.model(), {corner, size, start.box}, frame.width, frame.height, t.start_q.data,
-                      &found, &box);
+    Cascade* const cascade = arena.make<Cascade>();
+    if (cascade == nullptr) return Status::out_of_memory;
+    const Status created = create_in(arena, *cascade, t.model());
+    if (created != Status::ok) return created;
+    return fit_to_box(*cascade, {corner, size, start.box}, frame.width, frame.height, t.start_q.data, &found,
+                      &box);
   });
   return t.start_at_fit(status, frame, {&box, 0, known}, &found, options, markers);
 }

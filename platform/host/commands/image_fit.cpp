@@ -225,12 +225,10 @@ FitFile fit_to_box(const ModelFile& file, const GivenBox& box, const FitSetup& s
   StartPose start{start_camera(setup.camera ? &*setup.camera : nullptr, setup.focal_px, setup.size.width,
                                setup.size.height),
                   {}};
-  std::vector<ArenaLine> block((measured_bytes<Cascade>(file.model()) + sizeof(Cascade)) / sizeof(ArenaLine) +
-                               2);
-  Arena arena(block.data(), block.size() * sizeof(ArenaLine));
+  Owned<Cascade> cascade(file.model());
   FaceBox found;
-  const Status status = pliant::fit_to_box(arena, file.model(), box, setup.size.width, setup.size.height,
-                                           q.data(), &start, &found);
+  const Status status =
+      pliant::fit_to_box(*cascade, box, setup.size.width, setup.size.height, q.data(), &start, &found);
   require(status, file.path() + ": box");
   if (face != nullptr) *face = found;
   FitFile fit = fit_of_view(file.model(), setup.size, view_of(start.pose, start.camera), q);

@@ -67,12 +67,11 @@ TEST_CASE("a face box of a face that is farther than a pose can be has the model
   BakedModel& face = baked_face();
   const Camera camera = centred_camera(320, 240, 400);
   const Vec2 centre{100, 90};
-  AlignedBlock block(std::size_t{1} << 20);
-  Arena arena(block.data(), block.size());
+  InArena<Cascade> cascade(face.model);
   StartPose start{camera, {}};
   FaceBox box;
   const Vec2 size{0.01f, 0.01f};
-  REQUIRE(fit_to_box(arena, face.model, {centre - 0.5f * size, size, BoxConvention::face_box}, 320, 240,
+  REQUIRE(fit_to_box(cascade.object, {centre - 0.5f * size, size, BoxConvention::face_box}, 320, 240,
                      face.rest().data(), &start, &box) == Status::ok);
   Vec2 nose;
   REQUIRE(Projector(view_of(start.pose, camera), true).project(face.at("ibug30", face.rest()), &nose));
@@ -86,10 +85,9 @@ TEST_CASE("a box is where the lens shows the face") {
   Lens lens;
   REQUIRE(Lens::make(camera, 320, 240, &lens) == Status::ok);
   const auto fit = [&](const Camera& with, Vec2 corner, Vec2 size, BoxConvention convention, FaceBox* box) {
-    AlignedBlock block(std::size_t{1} << 20);
-    Arena arena(block.data(), block.size());
+    InArena<Cascade> cascade(face.model);
     StartPose start{with, {}};
-    REQUIRE(fit_to_box(arena, face.model, {corner, size, convention}, 320, 240, face.rest().data(), &start,
+    REQUIRE(fit_to_box(cascade.object, {corner, size, convention}, 320, 240, face.rest().data(), &start,
                        box) == Status::ok);
     return start.pose;
   };
