@@ -1,6 +1,7 @@
 // Each option of the estimator has an effect.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "estimator_scene.hpp"
@@ -126,6 +127,29 @@ TEST_CASE("options out of their bounds are refused, and nothing changes; at thei
     }
     for (const float value : estimator->parameters()) CHECK(is_finite(value));
   }
+}
+
+TEST_CASE("a mesh that follows the view is valid and in its budget, whatever tolerance and budget are") {
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              infinite = std::numeric_limits<float>::infinity();
+  for (const float px : {0.01f, 0.0f, -1.0f, nan, infinite, -infinite, 1e30f, 1e-45f})
+    for (const int budget : {0, 1, 180, 65535}) {
+      CAPTURE(px);
+      CAPTURE(budget);
+      EstimatorOptions options;
+      options.mesh_operations = 12;
+      options.mesh_error_px = px;
+      options.vertex_budget = static_cast<std::uint16_t>(budget);
+      Tracked tracked(options);
+      for (int k = 1; k < 6; ++k) tracked.frame(k, 0.02f * float(k), 0);
+      const Mesh& mesh = tracked.estimator->mesh();
+      const int base = static_cast<int>(tracked.estimator->model().base_uv().count);
+      CHECK(mesh.validate().invariant == 0);
+      const int capacity = mesh.limits().vertices, most = budget == 0 ? capacity : std::min(budget, capacity);
+      CHECK(mesh.vertex_count() <= std::max(most, base));
+      const bool refines = px > 0 && px < 0.1f && budget != 1;  // other tolerances leave the base mesh
+      CHECK((mesh.vertex_count() > base) == refines);
+    }
 }
 
 TEST_CASE("predicts_motion: a steady motion is predicted where it goes") {
