@@ -54,6 +54,7 @@ std::vector<std::uint16_t> parameters_named(const Model& model, const std::strin
 /// \return the names that the model does not have.
 std::vector<std::string> apply(const NamedValues& values, const std::string& source, const Model& model,
                                float* q);
+
 /// All parameters of a fit: the values that it names, 0 for the others. Names that the model does not have are passed over.
 /// Bad input as in apply.
 std::vector<float> all_parameters(const FitFile& fit, const std::string& source, const Model& model);
