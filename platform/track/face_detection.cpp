@@ -115,10 +115,11 @@ void conclude(TrackerParts& t, const FrameView& view) {
     goes_on = self.checks.conclude(view, t.estimator, checks, t.unused_between_frames, &t.result) &&
               !self.poor_start.is_over(view, t.estimator);
   }
-  if (goes_on && self.look != nullptr && t.limits.second_look->conclude(t, view)) return;
+  const SecondLook* const second = self.look != nullptr ? t.limits.second_look : nullptr;
+  if (goes_on && second != nullptr && second->conclude(t, view)) return;
   if (is_bad)
-    goes_on =
-        self.checks.endure(t.result, t.bad_frames, t.key_frames.count()) && !t.key_frames.is_after_cut();
+    goes_on = self.checks.endure(t.result, t.bad_frames, t.key_frames.count()) &&
+              (second == nullptr || !second->is_over(t));
   if (!goes_on) give_up(t);
   if (t.result.state == TrackState::tracking && self.poor_start.is_doubtful(t.result.landmark_error))
     t.result.state = TrackState::degraded;

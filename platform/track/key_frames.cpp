@@ -69,9 +69,6 @@ void KeyFrames::take(const FrameView& frame) {
 }
 
 void KeyFrames::trust(const Estimator& estimator) {
-  const Vec2 offset = (estimator.view().s / static_cast<float>(factor_)) * estimator.view().tau;
-  last_shift_ = count_ > 0 ? offset - trusted_offset_ : Vec2{};
-  trusted_offset_ = offset;
   trusted_box_ = box_of(estimator);
   trusted_ = current_;
 }
@@ -95,7 +92,7 @@ Vec2 KeyFrames::middle_of(const Estimator& estimator) const {
   return {half * static_cast<float>(box.x0 + box.x1), half * static_cast<float>(box.y0 + box.y1)};
 }
 
-CoarseMotion KeyFrames::find_motion(int bad_frames) const {
+CoarseMotion KeyFrames::find_motion(int bad_frames) {
   const int side = larger(width_, height_);
   // Turn 0 is the last good frame's, turn k + 1 that of key frame k.
   const std::size_t turn = bad_frames < kTuning.bad_frames_before_keys
@@ -104,12 +101,11 @@ CoarseMotion KeyFrames::find_motion(int bad_frames) const {
   const KeyFrame* const key = turn > 0 && turn <= count_ ? &keys_[turn - 1] : nullptr;
   const int divisor = bad_frames > 0 ? kTuning.range_divisor_after_bad : kTuning.range_divisor;
   const int range = key != nullptr ? side / kTuning.range_divisor_of_key : side / divisor + 1;
-  const bool goes_on = bad_frames < kTuning.bad_frames_before_keys;
-  const Vec2 expected = static_cast<float>(bad_frames + 1) * last_shift_;
   const CoarseTranslation shift =
       find_coarse_translation(view_of_thumbnail(key != nullptr ? thumbnail_of(turn - 1) : trusted_),
                               key != nullptr ? key->box : trusted_box_, view_of_thumbnail(current_), range,
-                              goes_on ? &expected : nullptr);
+                              key != nullptr ? nullptr : &last_shift_);
+  last_shift_ = key != nullptr ? Vec2{} : shift.by;
   if (shift.correlation < kTuning.least_correlation) return {false, {}, nullptr, shift.compared_pixels};
   return {true, static_cast<float>(factor_) * shift.by, key != nullptr ? &key->view : nullptr,
           shift.compared_pixels};

@@ -56,13 +56,16 @@ class KeyFrames {
  public:
   void lay_out(Arena& arena, const TrackerLimits& limits);
   /// Forgets all key frames.
-  void clear() { count_ = 0; }
+  void clear() {
+    count_ = 0;
+    last_shift_ = {};
+  }
 
   /// Reduces a frame to this frame's thumbnail.
   void take(const FrameView& frame);
   /// Compares this frame's thumbnail with the last good one or, after some bad frames, in turn with those of the key
   /// frames. \param bad_frames  in a row before this frame.
-  CoarseMotion find_motion(int bad_frames) const;
+  CoarseMotion find_motion(int bad_frames);
   /// Whether this frame shows another picture than the last good one did, and the last frame showed it, too: there was a cut, not
   /// a flash. False without second looks.
   bool is_after_cut() const;
@@ -113,8 +116,7 @@ class KeyFrames {
   std::uint8_t *current_ = nullptr, *last_ = nullptr, *trusted_ = nullptr;
   std::uint8_t* of_keys_ = nullptr;
   PixelBox trusted_box_;
-  Vec2 trusted_offset_,
-      last_shift_;  // px of the thumbnail: the model's offset, and its change from one good frame to the next
+  Vec2 last_shift_;  // px of the thumbnail: from the last good frame to the last one, as it was found
 };
 
 /// How a view shows depth in a key frame.

@@ -137,8 +137,12 @@ bool conclude(TrackerParts& t, const FrameView& frame) {
   return false;
 }
 
+bool is_over(const TrackerParts& t) {
+  return t.key_frames.is_after_cut();
+}
+
 }  // namespace
 
-const SecondLook kSecondLook{lay_out, begin_track, conclude};
+const SecondLook kSecondLook{lay_out, begin_track, conclude, is_over};
 
 }  // namespace pliant

@@ -80,6 +80,8 @@ struct SecondLook {
   /// \return true: nothing else is to be done in this frame, since the bad one is tracked after all, or a new track has begun, or
   /// has failed to.
   bool (*conclude)(TrackerParts& tracker, const FrameView& frame);
+  /// Whether a bad frame that was not tracked after all comes after a cut (KeyFrames::is_after_cut): the track is over.
+  bool (*is_over)(const TrackerParts& tracker);
 };
 
 }  // namespace pliant

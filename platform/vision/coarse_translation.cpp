@@ -104,6 +104,17 @@ class Search {
       }
   }
 
+  // Climbs to a peak. \return false if there is none near (x, y).
+  bool climb_from(int x, int y) {
+    begin_at(x, y);
+    for (int k = 0; k < kTuning.most_climbs; ++k) {
+      x = best_x_, y = best_y_;
+      try_around(x, y, 1, 1);
+      if (best_x_ == x && best_y_ == y) return true;
+    }
+    return false;
+  }
+
   int best_x() const { return best_x_; }
   int best_y() const { return best_y_; }
   std::uint32_t compared() const { return compared_; }
@@ -150,33 +161,25 @@ PixelBox clipped(const PixelBox& box, const ImageView& image) {
           within(box.y1, 0, image.height)};
 }
 
-int nearest(float x) {
-  return static_cast<int>(x < 0 ? x - 0.5f : x + 0.5f);
+/// The nearest whole shift within the range.
+int nearest(float x, int range) {
+  const float most = static_cast<float>(range), within_range = clamp(x, -most, most);
+  return static_cast<int>(within_range < 0 ? within_range - 0.5f : within_range + 0.5f);
 }
 
-/// Climbs from the expected shift to a peak. \return false if there is none near it.
-bool climb(Search& search, Vec2 expected, Peak* peak) {
-  search.begin_at(nearest(expected.x), nearest(expected.y));
-  for (int k = 0; k < kTuning.most_climbs; ++k) {
-    const int x = search.best_x(), y = search.best_y();
-    search.try_around(x, y, 1, 1);
-    if (search.best_x() != x || search.best_y() != y) continue;
-    *peak = search.peak();
-    return true;
-  }
-  return false;
+bool is_next_to(int dx, int dy) {
+  return dx >= -1 && dx <= 1 && dy >= -1 && dy <= 1;
 }
 
-bool are_next_to(Vec2 a, Vec2 b) {
-  return magnitude(a.x - b.x) < 1 && magnitude(a.y - b.y) < 1;
-}
-
-/// Replaces the best peak by the one near the expected shift, if that is another one and nearly as high.
-void prefer_expected(Search& search, Vec2 expected, Peak* best) {
-  Peak near;
-  if (are_next_to(best->at, expected) || !climb(search, expected, &near) || are_next_to(best->at, near.at))
-    return;
-  if (near.height >= best->height - kTuning.most_below_best) *best = near;
+/// Where another peak near the expected shift is nearly as high, that is taken.
+Peak peak_near(Search& search, int x, int y) {
+  const Peak highest = search.peak();
+  const int best_x = search.best_x(), best_y = search.best_y();
+  if (is_next_to(best_x - x, best_y - y) || !search.climb_from(x, y) ||
+      is_next_to(best_x - search.best_x(), best_y - search.best_y()))
+    return highest;
+  const Peak near = search.peak();
+  return near.height >= highest.height - kTuning.most_below_best ? near : highest;
 }
 
 }  // namespace
@@ -193,10 +196,9 @@ CoarseTranslation find_coarse_translation(const ImageView& reference, const Pixe
   constexpr int kStep = kTuning.first_step_px;
   search.try_around(0, 0, range_px / kStep * kStep, kStep);
   search.try_around(search.best_x(), search.best_y(), kStep - 1, 1);
-  Peak best = search.peak();
-  const auto range = static_cast<float>(range_px);
-  if (expected != nullptr)
-    prefer_expected(search, {clamp(expected->x, -range, range), clamp(expected->y, -range, range)}, &best);
+  const Peak best = expected == nullptr
+                        ? search.peak()
+                        : peak_near(search, nearest(expected->x, range_px), nearest(expected->y, range_px));
   return {best.at, best.correlation, search.compared()};
 }
 
