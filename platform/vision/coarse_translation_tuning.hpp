@@ -26,12 +26,15 @@ struct CoarseTranslationTuning {
 inline constexpr CoarseTranslationTuning kCoarseTranslationTuning{};
 
 /// Number of shifts that a search within `range_px` compares, at most: the coarse steps, those around the
-/// best, none, and the best one's neighbours, for its fraction of a pixel; then the expected shift, those around it and
-/// around each step from it, and the neighbours of its peak.
+/// best, none, and the best one's neighbours, for its fraction of a pixel.
 constexpr int most_shifts(int range_px) {
   const int step = kCoarseTranslationTuning.first_step_px, coarse = 2 * (range_px / step) + 1,
-            fine = 2 * step - 1, climbs = 9 * kCoarseTranslationTuning.most_climbs;
-  return coarse * coarse + fine * fine + 1 + 4 + climbs + 1 + 4;
+            fine = 2 * step - 1;
+  return coarse * coarse + fine * fine + 1 + 4;
 }
+
+/// The same of a search with an expected shift, beside those: that one, those around it and around each step from it, and the
+/// neighbours of its peak.
+inline constexpr int kMostExpectedShifts = 1 + 9 * kCoarseTranslationTuning.most_climbs + 4;
 
 }  // namespace pliant

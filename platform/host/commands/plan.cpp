@@ -121,7 +121,7 @@ void add_picture_loads(const Sizes& s, Loads& loads) {
   // First in a frame, so that the budget does not end it.
   const double pixels = kCoarseTranslationTuning.max_pixels;
   loads.push_back({"pixels of thumbnails compared", pixels * most_shifts(usual_range),
-                   pixels * std::max(most_shifts(most_range), most_shifts(usual_range)),
+                   pixels * std::max(most_shifts(most_range), most_shifts(usual_range) + kMostExpectedShifts),
                    static_cast<double>(s.costs.coarse_pixel), Bound::shared});
 }
 
