@@ -363,7 +363,7 @@ TEST_CASE("a report has nine frames and the numbers of the run, and gaps at lost
   CHECK(count_of(yaw, "M") + count_of(yaw, "L") == count[0] + count[1]);
   const std::string arena = std::to_string(static_cast<long>(value_after(r.out, "arena_bytes")));
   CHECK(contains(page, arena.substr(arena.size() - 3) + " bytes"));
-  const double rms = double{value_after(r.out, "rms_px")};
+  const auto rms = double(value_after(r.out, "rms_px"));
   CHECK(rms > 0);
   CHECK(std::fabs(std::stod(page.substr(page.rfind("<b>", page.find(" px</b>rms<")) + 3)) - rms) < 0.006);
   CHECK(contains(page, "model table"));
