@@ -64,7 +64,7 @@ class KeyFrames {
   /// Reduces a frame to this frame's thumbnail.
   void take(const FrameView& frame);
   /// Compares this frame's thumbnail with the last good one or, after some bad frames, in turn with those of the key
-  /// frames. \param bad_frames  in a row before this frame.
+  /// frames. The next call expects the shift that this one has found. \param bad_frames  in a row before this frame.
   CoarseMotion find_motion(int bad_frames);
   /// Whether this frame shows another picture than the last good one did, and the last frame showed it, too: there was a cut, not
   /// a flash. False without second looks.

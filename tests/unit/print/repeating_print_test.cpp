@@ -56,7 +56,7 @@ TEST_CASE("a checkerboard that moves by less than a period a frame is tracked wh
     Film film(table.model());
     int right = 0;
     float fastest_px = 0;
-    constexpr int kFrames = 60;
+    constexpr int kFrames = 40;
     for (int k = 0; k < kFrames; ++k) {
       const Pose pose = pose_of(k);
       Image image = scene.draw(nullptr, pose, kCamera, make_background(kWidth, kHeight, 3));
