@@ -19,7 +19,7 @@ struct PrintCheckTuning {
   /// that the warp has an inverse). The second is a round value, not tuned.
   float least_slant = 0.1f, least_area_px2 = 1;
   /// Standard deviation of a block's samples, at least: of the albedo, and of the frame, grey levels. The first was chosen on the
-  /// poster with an eighth of its contrast: with 8 it is never found, with 3 in 76 % of the starts, with 5 and 2 in 60 and 66
+  /// poster with an eighth of its contrast: with 8 no start is right, with 3 72 % are, with 5 and 2 49 and 65
   /// (docs/experiments.md, Pale prints).
   float least_albedo_sd = 3, least_frame_sd = 2;
   /// Correlation from which on a block agrees. Of 48 blocks at wrong places 2 % reach it.
