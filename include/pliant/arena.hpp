@@ -42,11 +42,12 @@ enum class Purpose : std::uint8_t {
 };
 constexpr std::size_t kPurposeCount = 15;  ///< number of purposes
 
-/// An object in its default state. GCC clears a member as one block; a whole object it sets member by member, with more code.
+/// Makes an object in its default state in sizeof(T) bytes. As a member, and flattened: so GCC clears it as one block.
 template <class T>
-struct InDefaultState {
-  T object{};  ///< The object.
-};
+[[gnu::flatten]] T* make_in(void* room) {
+  struct InDefaultState { T object{}; };
+  return &(new (room) InDefaultState)->object;
+}
 
 /// Bump allocator over one block. An arena without a block only measures: every `take` advances the count and
 /// returns null. The same code thus measures an object and lays it out, so the two cannot differ. Objects in
@@ -73,8 +74,8 @@ class Arena {
   /// One T in its default state.
   template <class T>
   T* make() {
-    void* const room = take<InDefaultState<T>>(1);
-    return room == nullptr ? nullptr : &(new (room) InDefaultState<T>)->object;
+    void* const room = take<T>(1);
+    return room == nullptr ? nullptr : make_in<T>(room);
   }
   /// Sets the purpose of what is taken from now on.
   constexpr void count_as(Purpose purpose) { purpose_ = purpose; }
@@ -141,8 +142,8 @@ class Arena {
 template <class T, class... Args>
 [[gnu::noinline]] void lay_out_part(Arena& arena, T* part, const Args&... args) {
   if (part != nullptr) return part->lay_out(arena, args...);
-  InDefaultState<T> measured;
-  measured.object.lay_out(arena, args...);
+  alignas(T) unsigned char room[sizeof(T)];
+  make_in<T>(room)->lay_out(arena, args...);
 }
 
 /// Takes a part of an object from the arena and lays it out. \return null if the arena measures or is exhausted.

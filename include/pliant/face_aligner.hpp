@@ -32,6 +32,8 @@ struct AlignOptions {
   /// One flag a parameter of the model: nonzero, it is estimated; else it keeps its value in q, or the nearer limit of its range,
   /// as in a Tracker. Null: all are estimated.
   const std::uint8_t* is_free = nullptr;
+  /// Of an alignment in a box: by how much the face is turned in the image, clockwise, radians, to 30 degrees (DetectedFace).
+  float roll = 0;
 };
 
 /// Aligns one model to faces in frames, by the learnt table of a model or another one (docs/algorithms.md,
@@ -59,13 +61,13 @@ class FaceAligner {
   /// status where it is not ok.
   Status status() const;
 
-  /// Aligns the model to the face in a box, from a frontal pose and the mean face.
+  /// Aligns the model to the face in a box, from a frontal pose, turned by the roll, and the mean face.
   /// \param camera     intrinsics and lens of the frame.
   /// \param q          all parameters: the result. Those held by `options` are read and keep their value, within their range.
   /// \param landmarks  image positions of all landmarks of the model, px, in its order; may be empty.
   /// \return `status`, or with nothing changed: bad_argument (an unreadable frame, a box or camera that is
-  ///         not finite or not positive, a principal point beyond 100,000 px, null q or face, too few
-  ///         `landmarks`), not_found (the box is outside the frame, or the camera sees no face of that size).
+  ///         not finite or not positive, a roll beyond 100, a principal point beyond 100,000 px, null q or face,
+  ///         too few `landmarks`), not_found (the box is outside the frame, or the camera sees no face of that size).
   /// Cost: bounded, whatever the size of frame and face.
   Status align(const FrameView& frame, const FaceBox& box, const Camera& camera, AlignedFace* face, float* q,
                Span<Vec2> landmarks = {}, const AlignOptions& options = {});

@@ -15,6 +15,9 @@ namespace pliant {
 struct DetectedFace {
   FaceBox box;      ///< where it is
   float score = 0;  ///< probability that it is a face, 0 to 1
+  /// By how much it is turned in the image, clockwise, radians; 0 from FaceDetector, which finds faces that are turned by up to
+  /// about 30 degrees.
+  float roll = 0;
 };
 
 /// Largest side of a frame that is searched, px.

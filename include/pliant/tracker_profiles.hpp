@@ -49,8 +49,8 @@ constexpr TrackerLimits profile_m() {
 
 /// Profile S, for a microcontroller: 320 x 240 frames, matched in a moving region of 192 x 192 that is read
 /// from the caller's frame during `update`; 48 + 16 templates; no edges, no rejection of image forces, no
-/// springs, no estimation of the person, no second looks and no smoothing of noisy frames. With the built-in face and its
-/// expressions free the block, the object and the stack fit into 256 KiB.
+/// springs, no estimation of the person, no second looks, no smoothing of noisy frames, and faces are found upright alone. With the
+/// built-in face and its expressions free the block, the object and the stack fit into 256 KiB.
 constexpr TrackerLimits profile_s() {
   TrackerLimits l;
   l.region_width = l.region_height = 192;
@@ -61,6 +61,7 @@ constexpr TrackerLimits profile_s() {
   l.keeps_previous = l.copies_frame = l.keeps_templates = l.keeps_adaptation = false;
   l.thumbnail_width = 48;
   l.search_work = 4000;
+  l.detection = &kUprightDetection;
   l.free_parameters = 40;
   l.samples_per_point = 44;
   l.samples_vertices = false;

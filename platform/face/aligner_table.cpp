@@ -125,15 +125,13 @@ Status AlignerTable::open(Span<const std::uint8_t> bytes, AlignerTable* table, b
       return Status::bad_table;
   }
   const AlignerStage& last = out.stages_[stages - 1];
+  const auto are_valid = [&](std::uint32_t first_byte) {  // scales, then biases
+    return fits(first_byte, check_weight_bytes(last, landmarks), total) &&
+           are_within(out.check_weights(first_byte).scale, 2 * landmarks, -1e3f, 1e3f);
+  };
   if (last.components != 0 || !is_valid(out.check_->score) || !is_valid(out.check_->error) ||
-      !are_within(out.check_->usual, 2 * kFaceParts, -1e3f, 1e3f) ||
-      !fits(out.check_->first_byte, check_weight_bytes(last, landmarks), total))
-    return Status::bad_table;
-  if (out.tells_text() && !fits(out.check_->text_byte, check_weight_bytes(last, landmarks), total))
-    return Status::bad_table;
-  // Scales, then biases.
-  if (!are_within(out.check_weights().scale, 2 * landmarks, -1e3f, 1e3f)) return Status::bad_table;
-  if (out.tells_text() && !are_within(out.text_weights().scale, 2 * landmarks, -1e3f, 1e3f))
+      !are_within(out.check_->usual, 2 * kFaceParts, -1e3f, 1e3f) || !are_valid(out.check_->first_byte) ||
+      (out.tells_text() && !are_valid(out.check_->text_byte)))
     return Status::bad_table;
   *table = out;
   return Status::ok;

@@ -53,14 +53,15 @@ Status Alignment::check_input(const FrameView& frame, const Camera& camera, cons
   return Lens::make(camera, frame.width, frame.height, &begun->lens);
 }
 
-Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera) {
-  if (!is_finite(box.center) || !is_within(box.side, 1, kTuning.most_px)) return Status::bad_argument;
+Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, float roll, const Camera& camera) {
+  if (!is_finite(box.center) || !is_within(box.side, 1, kTuning.most_px) || !is_within(roll, -100, 100))
+    return Status::bad_argument;
   const float half = 0.5f * box.side;
   if (!is_within(box.center.x, -half, static_cast<float>(frame.width - 1) + half) ||
       !is_within(box.center.y, -half, static_cast<float>(frame.height - 1) + half))
     return Status::not_found;
   const Status placed =
-      view_of_box(pass.shape().cascade(), start_q, box, camera, begun->lens, &begun->start_view);
+      view_of_box(pass.shape().cascade(), start_q, box, roll, camera, begun->lens, &begun->start_view);
   if (placed != Status::ok) return placed;
   // Where the distance is at its limit the face has another size.
   const View& view = begun->start_view;
@@ -134,7 +135,7 @@ Status Alignment::begin_in_box(const FrameView& frame, const FaceBox& box, const
     if (is_held && !is_finite(q[k])) return Status::bad_argument;
     start_q[k] = is_held ? clamp(q[k], p.minimum, p.maximum) : 0.0f;
   }
-  const Status placed = start_in_box(frame, box, of);
+  const Status placed = start_in_box(frame, box, options.roll, of);
   return placed == Status::ok ? begin(frame, of, options, false) : placed;
 }
 

@@ -42,7 +42,7 @@ struct Alignment {
     return landmarks.empty() || landmarks.count >= model().landmarks().count;
   }
   /// Sets begun->start_view, for the parameters start_q.
-  Status start_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera);
+  Status start_in_box(const FrameView& frame, const FaceBox& box, float roll, const Camera& camera);
   Status start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera);
 
   /// Begins at begun->start_view, with start_q.

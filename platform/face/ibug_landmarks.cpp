@@ -25,4 +25,8 @@ bool find_box_corners(const Model& model, std::uint16_t (&corners)[4]) {
   return true;
 }
 
+FaceBox box_of_corners(const Vec2 (&x)[4], float scale) {
+  return face_box_of(x[0], x[1], x[2], x[3], scale);
+}
+
 }  // namespace pliant

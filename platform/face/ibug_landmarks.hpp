@@ -13,6 +13,9 @@ std::uint16_t find_ibug(const Model& model, int number, std::size_t expected = 0
 /// the face first. \return false if the model lacks one.
 bool find_box_corners(const Model& model, std::uint16_t (&corners)[4]);
 
+/// The face box of these corners. \param scale  px per mm. Not inline, for the sake of code size.
+FaceBox box_of_corners(const Vec2 (&x)[4], float scale);
+
 /// Where landmarks are, for the two functions below.
 inline auto places_of(Span<const Vec2> landmarks) {
   return [landmarks](std::size_t k, Vec2* x) {
@@ -30,7 +33,7 @@ FaceBox box_at_landmarks(const Model& model, float scale, const Place& place) {
   Vec2 x[4];
   for (int k = 0; k < 4; ++k)
     if (!place(corners[k], &x[k])) return {};
-  return face_box_of(x[0], x[1], x[2], x[3], scale);
+  return box_of_corners(x, scale);
 }
 
 /// Mean distance of a model's landmarks from where `place(index, &x)` has them, over that of their outer eye corners. Negative for

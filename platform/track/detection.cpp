@@ -8,21 +8,23 @@ namespace {
 
 DetectionState* lay_out(Arena& arena, const Model& model, const TrackerLimits& limits, std::size_t* bytes) {
   const bool has_face = limits.detection->modules->is_available(model);
-  return (has_face ? kFaceDetection : kPrintDetection).lay_out(arena, model, limits, bytes);
+  return (has_face ? kUprightFaceDetection : kPrintDetection).lay_out(arena, model, limits, bytes);
 }
 
 std::size_t check_bytes(const Model& model, const TrackerLimits& limits) {
-  return kFaceDetection.check_bytes(model, limits);  // a check of a print takes none
+  return kUprightFaceDetection.check_bytes(model, limits);  // a check of a print takes none
 }
 
 std::size_t read_bytes(const Model& model, const TrackerLimits& limits) {
-  return kFaceDetection.read_bytes(model, limits);
+  return kUprightFaceDetection.read_bytes(model, limits);
 }
 
 }  // namespace
 
 /// The tracker takes the other calls from the table that laid out its DetectionState.
+const Detection kUprightDetection{lay_out, check_bytes, nullptr,       nullptr, nullptr,    nullptr,
+                                  nullptr, nullptr,     &kFaceModules, nullptr, read_bytes, nullptr};
 const Detection kDetection{lay_out, check_bytes, nullptr,       nullptr, nullptr,    nullptr,
-                           nullptr, nullptr,     &kFaceModules, nullptr, read_bytes, nullptr};
+                           nullptr, nullptr,     &kRolledFaces, nullptr, read_bytes, nullptr};
 
 }  // namespace pliant

@@ -18,7 +18,7 @@ struct TrackerParts;
 /// What a tracker keeps for starts of its own: the common part. In the arena, if the limits name a detection
 /// that the model has tables for.
 struct DetectionState {
-  const Detection* calls = nullptr;  // whose lay_out made this
+  const Detection* calls = nullptr;
   KeptStart kept;
   const StartOptions* of_caller = nullptr;  // while the caller starts
   MarkerPlace* markers = nullptr;           // of a track that ended, for the next one of the same surface

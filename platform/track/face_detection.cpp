@@ -26,7 +26,7 @@ bool is_available(const Model& model, const TrackerLimits& limits) {
 }  // namespace
 
 void FaceDetectionState::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-  DetectionState::lay_out(arena, &kFaceDetection, model, limits);
+  DetectionState::lay_out(arena, &kUprightFaceDetection, model, limits);
   face_search.lay_out(arena, model, limits);
   checks.lay_out(limits);
   if (limits.second_look != nullptr) look = limits.second_look->lay_out(arena, model, limits);
@@ -99,7 +99,7 @@ void give_up(TrackerParts& t) {
   FaceDetectionState& self = face_detection_of(t);
   self.note_person(t.estimator.camera());
   if (self.person.is_known) self.marker_count = t.markers.save(t.estimator, self.markers);
-  self.face_search.expect(box_of_track(t));
+  self.face_search.expect(box_of_track(t), t.estimator.view().q);
   DetectionState::give_up(t);
 }
 
@@ -195,8 +195,11 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
 
 }  // namespace
 
-const Detection kFaceDetection{lay_out,       bytes_of_check, begin_search,     search,
-                               end_search,    refine,         begin_track,      conclude,
-                               &kFaceModules, read_parts,     bytes_of_reading, keep_parts};
+const Detection kUprightFaceDetection{lay_out,       bytes_of_check, begin_search,     search,
+                                      end_search,    refine,         begin_track,      conclude,
+                                      &kFaceModules, read_parts,     bytes_of_reading, keep_parts};
+/// The tracker takes all calls but those of the table of the limits from the other one.
+const Detection kFaceDetection{lay_out, bytes_of_check, nullptr,       nullptr, nullptr,          nullptr,
+                               nullptr, nullptr,        &kRolledFaces, nullptr, bytes_of_reading, nullptr};
 
 }  // namespace pliant

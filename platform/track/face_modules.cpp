@@ -1,5 +1,7 @@
 #include "track/face_modules.hpp"
 
+#include "face/rolled_detector.hpp"
+
 namespace pliant {
 
 namespace {
@@ -8,7 +10,8 @@ bool is_available(const Model& model) {
   return !model.detector().empty() && !model.aligner().empty();
 }
 
-FaceDetector* lay_out_detector(Arena& arena, const Model& model, const FaceDetectorLimits& limits) {
+FaceDetector* lay_out_detector(Arena& arena, const Model& model, const FaceDetectorLimits& limits,
+                               const Quat&) {
   return create_part<FaceDetector>(arena, model.detector(), limits);
 }
 
@@ -61,5 +64,28 @@ Status verify(FaceAligner& aligner, const FrameView& frame, const Camera& camera
 const FaceModules kFaceModules{is_available, lay_out_detector, lay_out_aligner, lay_out_verifier,
                                status,       search,           search_near,     begin,
                                advance,      refine,           verify};
+
+namespace {
+
+FaceDetector* lay_out_rolled(Arena& arena, const Model& model, const FaceDetectorLimits& limits,
+                             const Quat& expected) {
+  return create_part<RolledDetector>(arena, model.detector(), limits, expected);
+}
+
+Status search_rolled(FaceDetector& detector, const FrameView& frame, std::uint32_t work,
+                     Span<DetectedFace> room, std::size_t* count, bool* is_complete) {
+  return static_cast<RolledDetector&>(detector).search(frame, work, room, count, is_complete);
+}
+
+Status search_near_rolled(FaceDetector& detector, const FrameView& frame, const FaceBox& box,
+                          DetectedFace* face) {
+  return static_cast<RolledDetector&>(detector).search_near(frame, box, face->roll, face);
+}
+
+}  // namespace
+
+const FaceModules kRolledFaces{is_available,  lay_out_rolled,     lay_out_aligner, lay_out_verifier, status,
+                               search_rolled, search_near_rolled, begin,           advance,          refine,
+                               verify};
 
 }  // namespace pliant

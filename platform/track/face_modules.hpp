@@ -17,12 +17,14 @@ struct FaceModules {
   /// Whether the model has the learnt tables, usable or not.
   bool (*is_available)(const Model& model);
   /// Takes a detector or an aligner from the arena. \return null if the arena measures or is exhausted.
-  FaceDetector* (*lay_out_detector)(Arena& arena, const Model& model, const FaceDetectorLimits& limits);
+  /// \param expected  rotation of the face that the search is for, if known.
+  FaceDetector* (*lay_out_detector)(Arena& arena, const Model& model, const FaceDetectorLimits& limits,
+                                    const Quat& expected);
   FaceAligner* (*lay_out_aligner)(Arena& arena, const Model& model);
   FaceAligner* (*lay_out_verifier)(Arena& arena, const Model& model);  ///< for `verify` only
   /// What the two say of their tables.
   Status (*status)(const FaceDetector& detector, const FaceAligner& aligner);
-  /// As the functions of FaceDetector and FaceAligner of these names.
+  /// As the functions of FaceDetector and FaceAligner of these names. `search_near` searches at the roll that `face` has before.
   Status (*search)(FaceDetector& detector, const FrameView& frame, std::uint32_t work,
                    Span<DetectedFace> room, std::size_t* count, bool* is_complete);
   Status (*search_near)(FaceDetector& detector, const FrameView& frame, const FaceBox& box,
@@ -39,6 +41,8 @@ struct FaceModules {
 
 /// FaceDetector and FaceAligner.
 extern const FaceModules kFaceModules;
+/// The same with a RolledDetector (rolled_detector.hpp).
+extern const FaceModules kRolledFaces;
 
 /// Where an alignment writes its results.
 struct AlignmentRoom {
@@ -46,11 +50,12 @@ struct AlignmentRoom {
   Span<Vec2> landmarks;
 };
 
-/// Aligns the mean face in a box, in all steps at once.
+/// Aligns the mean face in a box, in all steps at once. \param roll  as AlignOptions.
 inline Status align_in_box(const FaceModules& modules, FaceAligner& aligner, const FrameView& frame,
-                           const FaceBox& box, const Camera& camera, AlignmentRoom room, AlignedFace* face) {
+                           const FaceBox& box, float roll, const Camera& camera, AlignmentRoom room,
+                           AlignedFace* face) {
   int steps = 0;
-  const Status status = modules.begin(aligner, frame, box, camera, {}, room.q, &steps);
+  const Status status = modules.begin(aligner, frame, box, camera, {nullptr, roll}, room.q, &steps);
   return status == Status::ok ? modules.advance(aligner, frame, steps, face, room.q, room.landmarks) : status;
 }
 

@@ -44,7 +44,7 @@ void FaceSearch::lay_out(Arena& arena, const Model& model, const TrackerLimits& 
 
 Status FaceSearch::lay_out_search(Span<unsigned char> block) {
   Arena arena(block.data, block.count);
-  detector_ = modules_->lay_out_detector(arena, model_, limits_);
+  detector_ = modules_->lay_out_detector(arena, model_, limits_, last_rotation_);
   is_complete_ = true;
   aligner_ = modules_->lay_out_aligner(arena, model_);
   PLIANT_ASSERT(detector_ != nullptr && aligner_ != nullptr);  // search_bytes
@@ -153,7 +153,7 @@ Status FaceSearch::begin_alignment(const SearchInput& input, const KnownPerson& 
   for (std::size_t k = 0; k < model_.parameters().count; ++k)
     q_[k] = is_known && is_expression_[k] == 0 ? person.q[k] : 0;
   return modules_->begin(*aligner_, input.frame, candidates_.next().box, camera,
-                         {is_known ? is_expression_ : nullptr}, q_, &steps_left_);
+                         {is_known ? is_expression_ : nullptr, candidates_.next().roll}, q_, &steps_left_);
 }
 
 /// Goes on with the alignment that has begun.
@@ -199,7 +199,7 @@ void FaceSearch::set_person(const AlignedFace& face, KnownPerson* person, StartP
 /// Aligns the mean face in a box. \param found  the box of the result.
 Status FaceSearch::align_in(const FaceBox& box, const FrameView& frame, const Camera& camera,
                             AlignedFace* face, FaceBox* found) {
-  const Status status = align_in_box(*modules_, *aligner_, frame, box, camera, room(), face);
+  const Status status = align_in_box(*modules_, *aligner_, frame, box, 0, camera, room(), face);
   if (status == Status::ok)
     *found = box_at_landmarks(model_, view_of(face->pose, face->camera).s, places_of(landmarks_));
   return status;
@@ -246,7 +246,7 @@ void FaceSearch::end() {
 std::size_t search_bytes(const Model& model, const TrackerLimits& limits) {
   const FaceModules& modules = *limits.detection->modules;
   Arena trial;
-  modules.lay_out_detector(trial, model, detector_limits(limits));
+  modules.lay_out_detector(trial, model, detector_limits(limits), {});
   modules.lay_out_aligner(trial, model);
   return trial.used_bytes();
 }

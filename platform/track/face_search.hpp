@@ -64,7 +64,11 @@ class FaceSearch {
   void begin();
   /// Where a track that was given up had the face in its last good frame. Where a search takes several frames, the next one begins
   /// there: light that changes at once ends a track, and the face stays.
-  void expect(const FaceBox& last) { last_ = last; }
+  /// \param rotation  of the face: a RolledDetector searches most frames at its turn.
+  void expect(const FaceBox& last, const Quat& rotation) {
+    last_ = last;
+    last_rotation_ = rotation;
+  }
   /// A track has begun: the memory of the search is the track's now.
   void end();
 
@@ -120,7 +124,8 @@ class FaceSearch {
   std::uint8_t* is_expression_ = nullptr;
   Span<Vec2> landmarks_;
   IdentityReference reference_;
-  FaceBox last_;  // side 0: none
+  FaceBox last_;        // side 0: none
+  Quat last_rotation_;  // the last one's
 
   FaceDetector* detector_ = nullptr;  // in the block, while there is no track
   FaceAligner* aligner_ = nullptr;

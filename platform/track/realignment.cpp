@@ -3,6 +3,7 @@
 #include "base/arrays.hpp"
 #include "face/box_selection.hpp"
 #include "face/ibug_landmarks.hpp"
+#include "face/turned_picture.hpp"
 #include "track/face_detection_state.hpp"
 #include "track/found_track.hpp"
 #include "track/frame_worth.hpp"
@@ -29,11 +30,12 @@ Status align(TrackerParts& t, const FrameView& frame, FaceDetectionState& detect
                               detection.face_search.of_known_person(), face, room.q, room.landmarks);
 }
 
-/// From the mean face in a box, as anybody.
+/// From the mean face in a box, as anybody, with the roll of the last good frame.
 Status align_in(const FaceBox& box, TrackerParts& t, const FrameView& frame, const AlignmentRoom& room,
                 AlignedFace* face) {
   const SecondLookState& look = *face_detection_of(t).look;
-  return align_in_box(*look.modules, *look.aligner, frame, box, t.estimator.camera(), room, face);
+  const float roll = roll_of_turn(turn_of(t.estimator.view().q));
+  return align_in_box(*look.modules, *look.aligner, frame, box, roll, t.estimator.camera(), room, face);
 }
 
 enum class Found { nowhere, here, begun_anew };

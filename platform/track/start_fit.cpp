@@ -2,6 +2,7 @@
 
 #include <new>
 
+#include "face/box_view.hpp"
 #include "face/ibug_landmarks.hpp"
 #include "pliant/lens.hpp"
 #include "track/landmark_fit.hpp"
@@ -86,12 +87,10 @@ Status fit_to_box(Cascade& cascade, GivenBox given, int width, int height, const
   status = view_from_box(cascade, q, corner, size, start->camera, &view);
   *box = status == Status::ok ? seen(box_of(cascade, q, view), lens) : FaceBox{};
   if (given.convention == BoxConvention::face_box && box->side > 0) {
-    const Vec2 centre = given.corner + 0.5f * given.size;
-    view.s = clamp(size.x / kFaceBoxMm, kMinRho * start->camera.f, kMaxRho * start->camera.f);
-    view.rho = view.s / start->camera.f;
-    for (int k = 0; k < kStartFitTuning.centring_steps; ++k)
-      view.tau = view.tau + (1 / view.s) * (lens.undistort(centre) - box_of(cascade, q, view).center);
-    *box = {centre, given.size.x};
+    box->center = given.corner + 0.5f * given.size;
+    box->side = size.x;
+    (void)view_of_box(cascade, q, *box, 0, start->camera, lens, &view);  // the model has the corners
+    box->side = given.size.x;
   }
   if (status == Status::ok) start->pose = pose_of(view);
   return status;

@@ -16,8 +16,6 @@ struct StartFitTuning {
   /// Brows to chin and ear to ear in a box of OpenCV's cascades: left, top and size as fractions of the box's
   /// width. Measured on photographs with landmarks.
   float opencv_left = 0.08f, opencv_top = 0.23f, opencv_size = 0.85f;
-  /// Steps that move a view's face box to a given centre: perspective makes the first one inexact by a percent.
-  int centring_steps = 2;
 };
 inline constexpr StartFitTuning kStartFitTuning{};
 

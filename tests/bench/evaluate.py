@@ -390,6 +390,7 @@ KLT_METRICS = ('err_median_px', 'err_p95_px', 'lost_fraction', 'kept_but_over_1p
 DETECTION_CASES = (
     ('portraits_still', 'portrait, one picture'), ('portraits_film_start', 'portrait, film of 2 s: at the start'),
     ('portraits_film_after_2_s', 'portrait, film of 2 s: at the end'), ('portraits_five_points', 'portrait, from five points'),
+    ('portraits_rolled', 'turned in the picture, each by another angle, film of 2 s: at the start'),
     ('returns_at_half_in_15_frames', 'gone for 1 s, back at half the size: within 15 frames'), ('returns_at_half', 'the same, within 1 s'),
     ('returns_at_twice_in_15_frames', 'gone for 1 s, back at twice the size: within 15 frames'), ('returns_at_twice', 'the same, within 1 s'))
 

@@ -81,7 +81,7 @@ Part* take(Arena& arena, std::size_t bytes) {
   return reinterpret_cast<Part*>(room);
 }
 
-inline FaceDetector* lay_out_detector(Arena& arena, const Model&, const FaceDetectorLimits&) {
+inline FaceDetector* lay_out_detector(Arena& arena, const Model&, const FaceDetectorLimits&, const Quat&) {
   return take<FaceDetector>(arena, FakeFaces::kDetectorBytes);
 }
 
@@ -218,7 +218,7 @@ inline const pliant::Detection* FakeFaces::table() {
                                            fake_faces::search_near,     fake_faces::begin,
                                            fake_faces::advance,         fake_faces::refine,
                                            fake_faces::verify};
-  static pliant::Detection table = pliant::kFaceDetection;
+  static pliant::Detection table = pliant::kUprightFaceDetection;
   table.modules = &modules;
   return &table;
 }

@@ -78,6 +78,18 @@ Portrait astronaut() {
   return p;
 }
 
+/// 320 x 240 pixels of the photograph, with the face in their middle: a turned face must be larger than an upright one.
+Portrait close_up() {
+  constexpr int kLeft = 65, kTop = 10;
+  const Image all = to_grey(read_image(kAstronaut + "/astronaut.png"));
+  Portrait p{Image(320, 240, 1), {}};
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 320; ++x) *p.picture.at(x, y) = *all.at(kLeft + x, kTop + y);
+  for (const host::NamedPoint& point : read_points(kAstronaut + "/points.csv"))
+    p.truth[point.name] = point.x - Vec2{kLeft, kTop};
+  return p;
+}
+
 /// What is tracked while the exposure hunts by 1.8 stops each way in 35 frames.
 struct Exposed {
   int tracked = 0;
@@ -124,6 +136,38 @@ TEST_CASE("while the exposure hunts, a face is tracked in many frames that its t
                      << plain.tracked);
   CHECK(aligned.tracked > plain.tracked + 20);
   CHECK(aligned.error < 0.07);
+}
+
+TEST_CASE("a face is found at any roll, and again at that roll after it was hidden") {
+  const auto [picture, truth] = close_up();
+  const Vec2 middle =
+      0.5f * Vec2{static_cast<float>(picture.width - 1), static_cast<float>(picture.height - 1)};
+  const Image black(picture.width, picture.height, 1);
+  for (int degrees = 0; degrees < 360; degrees += 20) {
+    CAPTURE(degrees);
+    const float roll = 0.01745329f * static_cast<float>(degrees);
+    const Image rolled = turned(picture, roll);
+    const NamedLandmarks at = turned(truth, roll, middle);
+    InArena<Tracker> tracker(face().model(), limits_for(picture, {}));
+    FrameResult result;
+    std::size_t k = 0;
+    const auto show = [&](const Image& image) {
+      REQUIRE(tracker->update(frame_of(image, k++), &result) == Status::ok);
+      return result.state != TrackState::lost && tracker->is_started();
+    };
+    constexpr std::size_t kRound = 21, kHidden = 30;  // searches until each turn had one; frames
+    while (k < kRound && !show(rolled)) {
+    }
+    CHECK(tracker->is_started());
+    CHECK(error_of(tracker.object, at, {0, 0}) < 0.06);
+    for (std::size_t n = 0; n < kHidden; ++n) (void)show(black);
+    CHECK_FALSE(tracker->is_started());
+    const std::size_t hidden = k;
+    while (k < hidden + kRound && !show(rolled)) {
+    }
+    CHECK(k - hidden <= 3);
+    CHECK(error_of(tracker.object, at, {0, 0}) < 0.06);
+  }
 }
 
 }  // namespace portrait_film_test

@@ -23,7 +23,8 @@ constexpr std::int64_t kFrameNs = 33'333'333;
 constexpr bool kDetects = true;
 constexpr std::size_t kArenaBytes = 249 * 1024;
 // The search for printed surfaces is not linked.
-constexpr pliant::TrackerLimits kLimits = pliant::with_detection(pliant::profile_s(), pliant::kFaceDetection);
+constexpr pliant::TrackerLimits kLimits =
+    pliant::with_detection(pliant::profile_s(), pliant::kUprightFaceDetection);
 #else
 constexpr bool kDetects = false;  // its code is not linked
 constexpr std::size_t kArenaBytes = 231 * 1024;

@@ -1,5 +1,6 @@
 #include "host/bench/annotated_faces.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include "host/io/csv.hpp"
@@ -55,6 +56,16 @@ double landmark_error(const NamedLandmarks& found, const NamedLandmarks& truth) 
   }
   const auto eyes = static_cast<double>(eye_distance(truth));
   return count > 0 && eyes > 0 ? sum / count / eyes : std::numeric_limits<double>::quiet_NaN();
+}
+
+NamedLandmarks turned(const NamedLandmarks& landmarks, float radians, Vec2 about) {
+  const float cosine = std::cos(radians), sine = std::sin(radians);
+  NamedLandmarks out;
+  for (const auto& [name, x] : landmarks) {
+    const Vec2 d = x - about;
+    out[name] = about + Vec2{cosine * d.x - sine * d.y, sine * d.x + cosine * d.y};
+  }
+  return out;
 }
 
 NamedLandmarks moved(const NamedLandmarks& landmarks, float scale, Vec2 shift) {

@@ -34,6 +34,9 @@ float eye_distance(const NamedLandmarks& truth);
 /// corners of the eyes. NaN if there is none.
 double landmark_error(const NamedLandmarks& found, const NamedLandmarks& truth);
 
+/// The landmarks where the picture is turned about a point, clockwise.
+NamedLandmarks turned(const NamedLandmarks& landmarks, float radians, Vec2 about);
+
 /// The landmarks at a frame that shows the picture scaled about the origin and then moved.
 NamedLandmarks moved(const NamedLandmarks& landmarks, float scale, Vec2 shift);
 

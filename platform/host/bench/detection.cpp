@@ -113,6 +113,7 @@ void bench_detection(std::ostream& out, const ModelFile& file, const DetectionIn
     starts_from_five_points(file, faces, report);
     measure_films(file, faces, report);
     measure_returns(file, faces, others, report);
+    measure_rolled(file, faces, others, report);
     measure_pushed(file, faces, others, report);
   }
   if (inputs.film && inputs.truth) measure_recorded_film(file, *inputs.film, *inputs.truth, report);

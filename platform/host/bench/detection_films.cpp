@@ -114,6 +114,32 @@ void measure_returns(const ModelFile& file, const std::vector<AnnotatedFace>& fa
   leaves_and_returns(file, faces, others, "returns_at_twice", {0.4f, {330, 30}}, {0.8f, {20, 80}}, report);
 }
 
+void measure_rolled(const ModelFile& file, const std::vector<AnnotatedFace>& faces,
+                    const learn::OtherPictures& others, DetectionReport& report) {
+  constexpr float kTurn = 6.2831853f;
+  DetectionErrors first;
+  for (std::size_t n = 0; n < faces.size(); ++n) {
+    const Place place{0.6f, {150, 80}};
+    const float roll = kTurn * (static_cast<float>(n) + 0.5f) / static_cast<float>(faces.size());
+    const Image picture = turned(Room(others, n).with(faces[n], place.scale, place.corner), roll);
+    const NamedLandmarks truth = turned(place.truth(faces[n]), roll, {239.5f, 179.5f});
+    DetectionRun run(file, 480, 360);
+    int start = -1;
+    double error = kUnknown;
+    for (std::size_t k = 0; k < kFilmFrames && start < 0; ++k) {
+      Image frame = picture;
+      add_grey_noise(frame, 2, static_cast<std::uint32_t>(1 + n * kFilmFrames + k));
+      run.update(frame_of(frame, k));
+      if (!run.has_track()) continue;
+      start = static_cast<int>(k);
+      error = landmark_error(run.landmarks(), truth);
+    }
+    report.add("rolled", faces[n].name, start, error, static_cast<double>(run.result().landmark_error));
+    first.add(start >= 0, error, static_cast<std::size_t>(std::max(start, 0)));
+  }
+  first.print(report.rows, "portraits_rolled");
+}
+
 void measure_pushed(const ModelFile& file, const std::vector<AnnotatedFace>& faces,
                     const learn::OtherPictures& others, DetectionReport& report) {
   std::vector<double> lost_after;

@@ -18,6 +18,11 @@ void measure_films(const ModelFile& file, const std::vector<AnnotatedFace>& face
 void measure_returns(const ModelFile& file, const std::vector<AnnotatedFace>& faces,
                      const learn::OtherPictures& others, DetectionReport& report);
 
+/// Each portrait in front of one of `others`, all turned about the middle of the frame by an angle that is different for each, for
+/// two seconds: errors at the start, and after which frame it is.
+void measure_rolled(const ModelFile& file, const std::vector<AnnotatedFace>& faces,
+                    const learn::OtherPictures& others, DetectionReport& report);
+
 /// A right track is started again beside the face, with the same pose: frames until it is lost or right.
 void measure_pushed(const ModelFile& file, const std::vector<AnnotatedFace>& faces,
                     const learn::OtherPictures& others, DetectionReport& report);

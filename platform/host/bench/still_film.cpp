@@ -85,6 +85,19 @@ Image resized(const Image& grey, float scale) {
   return out;
 }
 
+Image turned(const Image& grey, float radians) {
+  const float cosine = std::cos(radians), sine = std::sin(radians);
+  const Vec2 middle = 0.5f * Vec2{static_cast<float>(grey.width - 1), static_cast<float>(grey.height - 1)};
+  Image out(grey.width, grey.height, 1);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      const Vec2 d = Vec2{static_cast<float>(x), static_cast<float>(y)} - middle;
+      *out.at(x, y) =
+          grey_of(bilinear(grey, middle.x + cosine * d.x + sine * d.y, middle.y - sine * d.x + cosine * d.y));
+    }
+  return out;
+}
+
 void lay_over(Image& background, const Image& picture, int x, int y, int margin) {
   for (int j = 0; j < picture.height; ++j)
     for (int i = 0; i < picture.width; ++i) {

@@ -38,6 +38,9 @@ class StillFilm {
 /// A picture at another size, averaged over the area of its pixels where it shrinks and bilinear where it grows.
 Image resized(const Image& grey, float scale);
 
+/// A picture turned about its middle, clockwise, bilinear; beyond its border it repeats its border pixels.
+Image turned(const Image& grey, float radians);
+
 /// Lays a picture over another at (x, y), with a soft border of `margin` pixels.
 void lay_over(Image& background, const Image& picture, int x, int y, int margin);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "face/rolled_detector.hpp"
 #include "host/commands/image_fit.hpp"
 #include "host/io/failure.hpp"
 #include "host/learn/face_samples.hpp"
@@ -42,10 +43,10 @@ FaceFinder::FaceFinder(const ModelFile& file) : file_(file), aligner_(file.model
 
 std::optional<FoundFace> FaceFinder::align(const Image& grey, const FaceBox& box,
                                            const std::optional<Camera>& camera) {
-  return align_in(quiet(grey), box, camera);
+  return align_in(quiet(grey), {box}, camera);
 }
 
-std::optional<FoundFace> FaceFinder::align_in(const Image& grey, const FaceBox& box,
+std::optional<FoundFace> FaceFinder::align_in(const Image& grey, const DetectedFace& at,
                                               const std::optional<Camera>& camera) {
   const Model& model = file_.model();
   const ImageSize size{grey.width, grey.height};
@@ -53,8 +54,8 @@ std::optional<FoundFace> FaceFinder::align_in(const Image& grey, const FaceBox& 
   face.q.assign(model.parameters().count, 0.0f);
   face.landmarks.assign(model.landmarks().count, Vec2{});
   const Camera used = camera.value_or(centred_camera(size.width, size.height, default_focal(size)));
-  const Status status = aligner_->align(frame_of(grey), box, used, &face.aligned, face.q.data(),
-                                        {face.landmarks.data(), face.landmarks.size()});
+  const Status status = aligner_->align(frame_of(grey), at.box, used, &face.aligned, face.q.data(),
+                                        {face.landmarks.data(), face.landmarks.size()}, {nullptr, at.roll});
   if (status != Status::ok) return std::nullopt;
   face.box = learn::face_box_in(model, face.landmarks, face.aligned.pose, face.aligned.camera);
   return face;
@@ -64,19 +65,21 @@ std::vector<FoundFace> FaceFinder::find(const Image& grey, const std::string& na
                                         const std::optional<Camera>& camera) {
   if (grey.width > kMaxSearchedSide || grey.height > kMaxSearchedSide)
     fail_input(name, "is larger than " + std::to_string(kMaxSearchedSide) + " pixels on a side");
+  const Image picture = quiet(grey);
   FaceDetectorLimits limits;
   limits.width = static_cast<std::uint16_t>(grey.width);
   limits.height = static_cast<std::uint16_t>(grey.height);
-  Owned<FaceDetector> detector(file_.model().detector(), limits);
+  Owned<RolledDetector> detector(file_.model().detector(), limits, Quat{});
   require(detector->status(), file_.path() + ": detector");
-  std::vector<DetectedFace> detected(kMaxDetections);
-  std::size_t count = 0;
-  const Image picture = quiet(grey);
-  require(detector->find(frame_of(picture), {detected.data(), detected.size()}, &count), name);
   std::vector<FoundFace> faces;
-  for (std::size_t k = 0; k < count; ++k)
-    if (auto face = align_in(picture, detected[k].box, camera); face && face->aligned.score >= min_score)
-      faces.push_back(std::move(*face));
+  for (int turn = 0; turn < kTurnsOfPicture && faces.empty(); ++turn) {
+    std::vector<DetectedFace> detected(kMaxDetections);
+    std::size_t count = 0;
+    require(detector->find_at(turn, frame_of(picture), {detected.data(), detected.size()}, &count), name);
+    for (std::size_t k = 0; k < count; ++k)
+      if (auto face = align_in(picture, detected[k], camera); face && face->aligned.score >= min_score)
+        faces.push_back(std::move(*face));
+  }
   std::stable_sort(faces.begin(), faces.end(),
                    [](const FoundFace& a, const FoundFace& b) { return a.aligned.score > b.aligned.score; });
   std::vector<FoundFace> distinct;

@@ -31,8 +31,8 @@ class FaceFinder {
   /// Bad input: a model without learnt tables, or with damaged ones. The file must outlive this object.
   explicit FaceFinder(const ModelFile& file);
 
-  /// The faces of a grey picture with a score of at least `min_score`, best first. Bad input, with the name of the
-  /// picture: a larger side than kMaxSearchedSide.
+  /// The faces of a grey picture with a score of at least `min_score`, best first. Where no upright one is found the picture is
+  /// searched at the seven other turns. Bad input, with the name of the picture: a larger side than kMaxSearchedSide.
   /// \param name      of the picture, for messages.
   /// \param camera    of the picture, if known.
   std::vector<FoundFace> find(const Image& grey, const std::string& name, float min_score,
@@ -42,7 +42,7 @@ class FaceFinder {
                                  const std::optional<Camera>& camera = std::nullopt);
 
  private:
-  std::optional<FoundFace> align_in(const Image& quiet, const FaceBox& box,
+  std::optional<FoundFace> align_in(const Image& quiet, const DetectedFace& at,
                                     const std::optional<Camera>& camera);
 
   const ModelFile& file_;

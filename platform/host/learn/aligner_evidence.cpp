@@ -117,7 +117,7 @@ Evidence EvidenceCollector::align_other(const Image& picture, const FaceBox& box
   const std::vector<float> q(cascade_.model().parameters().count);
   AlignerPass& pass = cascade_.pass(thread);
   View view;
-  require(view_of_box(pass.shape().cascade(), q.data(), box, camera, Lens{}, &view), "landmarks");
+  require(view_of_box(pass.shape().cascade(), q.data(), box, 0, camera, Lens{}, &view), "landmarks");
   const int fold = static_cast<int>(number % static_cast<std::size_t>(cascade_.folds()));
   const AlignerTable& table = **tables_[static_cast<std::size_t>(fold)];
   pass.start(frame_of(picture), Lens{}, view, q.data(), nullptr);

@@ -56,7 +56,7 @@ void AlignerExamples::start(const FaceSample& sample, SampleRandom& random, Alig
     FaceBox box = sample.box;
     box.center = box.center + (tuning_.box_shift * box.side) * Vec2{random.normal(), random.normal()};
     box.side *= std::exp(tuning_.box_log_side * random.normal());
-    require(view_of_box(*cascade_, example->q.data(), box, example->camera, Lens{}, &example->view),
+    require(view_of_box(*cascade_, example->q.data(), box, 0, example->camera, Lens{}, &example->view),
             "landmarks");
     return;
   }

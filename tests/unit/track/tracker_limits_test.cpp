@@ -227,8 +227,8 @@ TEST_CASE("the largest limits: sizes that follow from them do not overflow") {
 }
 
 TEST_CASE("another detection is named in a constant, so that no other one is linked; the other limits stay") {
-  constexpr TrackerLimits faces = with_detection(profile_s(), kFaceDetection);
-  static_assert(faces.detection == &kFaceDetection);
+  constexpr TrackerLimits faces = with_detection(profile_s(), kUprightFaceDetection);
+  static_assert(faces.detection == &kUprightFaceDetection);
   static_assert(check(faces) == Status::ok);
   const Model& model = baked_face().model;
   CHECK(measured_bytes<Tracker>(model, faces) == measured_bytes<Tracker>(model, profile_s()));

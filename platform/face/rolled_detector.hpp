@@ -1,0 +1,44 @@
+#pragma once
+// Finds faces that are turned in the frame (docs/algorithms.md, section 7.12).
+#include "face/turned_picture.hpp"
+#include "pliant/face_detector.hpp"
+
+namespace pliant {
+
+/// Tuning of the search at other rolls. Each constant: unit, reason, experiment.
+struct RolledDetectorTuning {
+  /// Of so many searches of a whole frame the last one is at another turn, count. With 3 an upright face is found a frame later in
+  /// a third of the cases, and all turns have been searched after 21 searches, 0.7 s at 30 frames a second. Round value, not tuned.
+  int period = 3;
+};
+inline constexpr RolledDetectorTuning kRolledDetectorTuning{};
+
+/// A detector that searches the frame as it is and, now and then, turned. Its frames are readable and within the limits.
+class RolledDetector : public FaceDetector {
+ public:
+  /// As FaceDetector::lay_out, and a picture. \param expected  rotation of a face: most searches are at the nearest turn.
+  void lay_out(Arena& arena, const Span<const std::uint8_t>& table, const FaceDetectorLimits& limits,
+               const Quat& expected);
+
+  /// As FaceDetector::find, at one turn. The boxes found are in the frame.
+  Status find_at(int turn, const FrameView& frame, Span<DetectedFace> room, std::size_t* count);
+  /// As FaceDetector::search; whole frames are searched at one turn each.
+  Status search(const FrameView& frame, std::uint32_t work, Span<DetectedFace> room, std::size_t* count,
+                bool* is_complete);
+  /// As FaceDetector::search_near, at the turn nearest to `roll` (AlignOptions).
+  Status search_near(const FrameView& frame, const FaceBox& box, float roll, DetectedFace* face);
+
+ private:
+  static constexpr const RolledDetectorTuning& kTuning = kRolledDetectorTuning;
+  int next_turn();
+  const FrameView& turned(const FrameView& frame, int turn);
+  void to_frame(int turn, Span<DetectedFace> faces) const;
+
+  TurnedPicture picture_;
+  int expected_ = 0;         // turn
+  int searches_ = 0;         // begun
+  int turn_ = 0;             // of the last one
+  bool is_complete_ = true;  // the last one is
+};
+
+}  // namespace pliant

@@ -1,0 +1,84 @@
+#include "face/turned_picture.hpp"
+
+#include "base/integers.hpp"
+
+namespace pliant {
+
+int turn_of(const Quat& q) {
+  // Where the right side of the camera's picture comes to lie.
+  const Vec2 x{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.w * q.z)};
+  constexpr float kTangent = 0.41421356f;  // of half an eighth of a turn
+  const float a = magnitude(x.x), b = magnitude(x.y);
+  if (b <= kTangent * a) return x.x >= 0 ? 0 : 4;
+  if (a <= kTangent * b) return x.y >= 0 ? 2 : 6;
+  if (x.y >= 0) return x.x >= 0 ? 1 : 3;
+  return x.x >= 0 ? 7 : 5;
+}
+
+namespace {
+
+/// Grey at a place in 1/65536 px, between the frame's pixels.
+std::uint8_t grey_at(const FrameView& frame, std::int32_t x, std::int32_t y) {
+  const int step = frame.pixel_step_bytes, fx = (x >> 8) & 255, fy = (y >> 8) & 255;
+  const std::uint8_t* const p =
+      frame.data + static_cast<std::size_t>(y >> 16) * frame.stride_bytes + (x >> 16) * step;
+  const std::uint8_t* const below = p + frame.stride_bytes;
+  const int upper = p[0] * 256 + (p[step] - p[0]) * fx,
+            lower = below[0] * 256 + (below[step] - below[0]) * fx;
+  return static_cast<std::uint8_t>((upper * 256 + (lower - upper) * fy + 32768) >> 16);
+}
+
+}  // namespace
+
+void TurnedPicture::lay_out(Arena& arena, int width, int height) {
+  pixels_ = arena.take<std::uint8_t>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+}
+
+void TurnedPicture::draw(const FrameView& frame, int eighths) {
+  PLIANT_ASSERT(eighths >= 0 && eighths < kTurnsOfPicture && frame.width >= 2 && frame.height >= 2);
+  frame_middle_ = middle_of(frame);
+  view_ = frame;
+  view_.data = pixels_;
+  view_.pixel_step_bytes = 1;
+  std::int32_t unit = kUnit;
+  if (eighths % 2 != 0) {
+    // Turned by 45 degrees a frame fills a square whose side is (width + height) / sqrt(2).
+    const int pixels = frame.width * frame.height;
+    int side = static_cast<int>(square_root(static_cast<float>(pixels)));
+    if (side * side > pixels) --side;  // single precision has rounded up
+    view_.width = view_.height = side;
+    unit = ((frame.width + frame.height) * (kUnit / 2) + side - 1) / side;
+  } else if (eighths % 4 != 0) {
+    view_.width = frame.height;
+    view_.height = frame.width;
+  }
+  view_.stride_bytes = static_cast<std::size_t>(view_.width);
+  static constexpr std::int8_t kSigns[kTurnsOfPicture] = {1, 1, 0, -1, -1, -1, 0, 1};  // of the cosine
+  right_x_ = kSigns[eighths] * unit;
+  right_y_ = kSigns[(eighths + 6) % kTurnsOfPicture] * unit;
+  for (int y = 0; y < view_.height; ++y) draw_line(frame, y);
+}
+
+/// Places in the frame, in 1/kUnit px, are within +-2^30: it has at most 2^13 px a side, and the picture reaches half as far
+/// beyond.
+void TurnedPicture::draw_line(const FrameView& frame, int y) {
+  const std::int32_t last_x = (frame.width - 1) * kUnit - 1, last_y = (frame.height - 1) * kUnit - 1;
+  const int across = 1 - view_.width, down = 2 * y + 1 - view_.height;  // from the middle, in half pixels
+  std::int32_t u = (frame.width - 1) * (kUnit / 2) + across * (right_x_ / 2) - down * (right_y_ / 2);
+  std::int32_t v = (frame.height - 1) * (kUnit / 2) + across * (right_y_ / 2) + down * (right_x_ / 2);
+  std::uint8_t* const out = pixels_ + static_cast<std::size_t>(y) * view_.stride_bytes;
+  for (int x = 0; x < view_.width; ++x, u += right_x_, v += right_y_)
+    out[x] = grey_at(frame, within(u, 0, last_x), within(v, 0, last_y));
+}
+
+FaceBox TurnedPicture::to_frame(const FaceBox& box) const {
+  const Vec2 r = right(), d = box.center - middle_of(view_);
+  return {frame_middle_ + Vec2{d.x * r.x - d.y * r.y, d.x * r.y + d.y * r.x}, length(r) * box.side};
+}
+
+FaceBox TurnedPicture::from_frame(const FaceBox& box) const {
+  const Vec2 r = right(), d = (1 / dot(r, r)) * (box.center - frame_middle_);
+  return {middle_of(view_) + Vec2{d.x * r.x + d.y * r.y, d.y * r.x - d.x * r.y}, box.side / length(r)};
+}
+
+}  // namespace pliant
