@@ -30,6 +30,15 @@ std::uint8_t grey_at(const FrameView& frame, std::int32_t x, std::int32_t y) {
 
 }  // namespace
 
+TurnedSize turned_size(int width, int height, int eighths) {
+  if (eighths % 4 == 0) return {width, height};
+  if (eighths % 2 == 0) return {height, width};
+  const int pixels = width * height;
+  int side = static_cast<int>(square_root(static_cast<float>(pixels)));
+  if (side * side > pixels) --side;  // single precision has rounded up
+  return {side, side};
+}
+
 void TurnedPicture::lay_out(Arena& arena, int width, int height) {
   pixels_ = arena.take<std::uint8_t>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 }
@@ -40,19 +49,13 @@ void TurnedPicture::draw(const FrameView& frame, int eighths) {
   view_ = frame;
   view_.data = pixels_;
   view_.pixel_step_bytes = 1;
-  std::int32_t unit = kUnit;
-  if (eighths % 2 != 0) {
-    // Turned by 45 degrees a frame fills a square whose side is (width + height) / sqrt(2).
-    const int pixels = frame.width * frame.height;
-    int side = static_cast<int>(square_root(static_cast<float>(pixels)));
-    if (side * side > pixels) --side;  // single precision has rounded up
-    view_.width = view_.height = side;
-    unit = ((frame.width + frame.height) * (kUnit / 2) + side - 1) / side;
-  } else if (eighths % 4 != 0) {
-    view_.width = frame.height;
-    view_.height = frame.width;
-  }
-  view_.stride_bytes = static_cast<std::size_t>(view_.width);
+  const TurnedSize size = turned_size(frame.width, frame.height, eighths);
+  view_.width = size.width;
+  view_.height = size.height;
+  view_.stride_bytes = static_cast<std::size_t>(size.width);
+  // Turned by 45 degrees a frame fills a square whose side is (width + height) / sqrt(2).
+  const std::int32_t unit =
+      eighths % 2 == 0 ? kUnit : ((frame.width + frame.height) * (kUnit / 2) + size.width - 1) / size.width;
   static constexpr std::int8_t kSigns[kTurnsOfPicture] = {1, 1, 0, -1, -1, -1, 0, 1};  // of the cosine
   right_x_ = kSigns[eighths] * unit;
   right_y_ = kSigns[(eighths + 6) % kTurnsOfPicture] * unit;

@@ -17,6 +17,12 @@ constexpr float roll_of_turn(int eighths) {
 /// The turn nearest to the roll of a face in that rotation (Pose): 0 to 7.
 int turn_of(const Quat& rotation);
 
+/// Of the picture of a frame at a turn, px.
+struct TurnedSize {
+  int width, height;
+};
+TurnedSize turned_size(int width, int height, int eighths);
+
 /// A frame, turned about its middle, in as many pixels as the frame has or a few less: a quarter of a turn swaps width and height;
 /// an odd number of eighths gives a square, reduced so that it shows the whole frame. What is outside the frame repeats its border.
 /// Pixels are interpolated linearly, in integers: the same on every target.

@@ -6,12 +6,12 @@
 #include <cstring>
 
 #include "baked_model.hpp"
+#include "face/rolled_detector.hpp"
 #include "host/commands/plan.hpp"
 #include "host/io/files.hpp"
 #include "host/io/image.hpp"
 #include "host/io/owned.hpp"
 #include "host/io/points_file.hpp"
-#include "pliant/face_detector.hpp"
 #include "pliant/tracker.hpp"
 #include "renderer.hpp"
 
@@ -248,14 +248,18 @@ TEST_CASE("a search takes the cells and frames that the plan states") {
       l.smallest_face_px = static_cast<std::uint16_t>(smallest);
       const host::SearchPlan plan = host::make_plan(face().model(), l).search;
       const FaceDetectorLimits of_detector{l.width, l.height, l.smallest_face_px};
-      host::Owned<FaceDetector> detector(face().model().detector(), of_detector);
+      host::Owned<RolledDetector> detector(face().model().detector(), of_detector, Quat{});
       const Picture empty(kWidth, kHeight, 90);
-      bool is_complete = false;
       int frames = 0;
-      for (; !is_complete; ++frames) {
-        std::size_t count = 1;
-        REQUIRE(detector->search(empty.view(), work, {}, &count, &is_complete) == Status::ok);
-        CHECK(count == 0);
+      for (int k = 0; k < kRolledDetectorTuning.period * kTurnsOfPicture; ++k) {
+        bool is_complete = false;
+        int of_this = 0;
+        for (; !is_complete; ++of_this) {
+          std::size_t count = 1;
+          REQUIRE(detector->search(empty.view(), work, {}, &count, &is_complete) == Status::ok);
+          CHECK(count == 0);
+        }
+        frames = std::max(frames, of_this);
       }
       CHECK(frames == plan.search_frames);
       CHECK(plan.cells <= plan.all_cells);

@@ -45,6 +45,7 @@ struct Instructions {
   double cell = 1540;           ///< of the search
   double cell_area = 43;        ///< of a cell at full size that a cell of the search is reduced from
   double strip_column = 23000;  ///< of the frame: rows above the one where the search goes on
+  double turned_pixel = 50;
   double alignment_step = 1.8e6, alignment_end = 1.1e6;
   double personal_sample = 22;  ///< of one field at one sample of the person's
   double adapted_vertex = 60000;
@@ -304,6 +305,9 @@ void add_search_loads(const SearchPlan& plan, double width, Loads& loads) {
     loads.push_back({"the same at the size of the frame", 0, plan.near_area, kCost.cell_area});
   }
   each("columns of pixels, where it goes on", width, kCost.strip_column);
+  if (plan.turned_pixels > 0)
+    loads.push_back(
+        {"pixels of the turned frame", 0, static_cast<double>(plan.turned_pixels), kCost.turned_pixel});
   if (plan.does_both) loads.push_back({"steps of alignments", steps, steps, kCost.alignment_step});
 }
 

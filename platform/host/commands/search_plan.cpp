@@ -5,7 +5,9 @@
 #include "face/detector_table.hpp"
 #include "face/scaled_lines.hpp"
 #include "face/search_place.hpp"
+#include "face/turned_picture.hpp"
 #include "print/print_tuning.hpp"
+#include "track/detection_state.hpp"
 #include "track/face_search.hpp"
 
 namespace pliant::host {
@@ -18,13 +20,20 @@ double area_of_row(const SearchPlace& place) {
   return ratio * ratio * place.columns();
 }
 
+/// Of a frame that is searched: upright, or turned.
+struct FrameSize {
+  int width, height;
+};
+
 /// Makes cells and area those of a search near a box of this side, if they are more.
-void add_near_search(const TrackerLimits& l, float side, std::uint32_t* most_cells, double* most_area) {
+void add_near_search(const TrackerLimits& l, FrameSize frame, float side, std::uint32_t* most_cells,
+                     double* most_area) {
   std::uint32_t cells = 0;
   double area = 0;
   SearchPlace place;
-  const FaceBox box{{0.5f * static_cast<float>(l.width), 0.5f * static_cast<float>(l.height)}, side};
-  for (place.begin_near(l.width, l.height, l.smallest_face_px, box); !place.is_complete(); place.advance()) {
+  const FaceBox box{{0.5f * static_cast<float>(frame.width), 0.5f * static_cast<float>(frame.height)}, side};
+  for (place.begin_near(frame.width, frame.height, l.smallest_face_px, box); !place.is_complete();
+       place.advance()) {
     cells += static_cast<std::uint32_t>(place.columns());
     area += area_of_row(place);
   }
@@ -39,29 +48,46 @@ struct SearchExtremes {
 };
 
 /// Divides a search of the whole frame into frames, and notes what the largest of them takes.
-SearchExtremes divide_search(const TrackerLimits& limits, std::uint32_t work, SearchPlan* plan) {
-  SearchExtremes most;
+void divide_search(const TrackerLimits& limits, FrameSize frame, std::uint32_t work, SearchExtremes* most,
+                   SearchPlan* plan) {
   SearchPlace place;
-  std::uint32_t done = work;
+  std::uint32_t done = work, all = 0;
   double area = 0;
-  for (place.begin(limits.width, limits.height, limits.smallest_face_px); !place.is_complete();
+  int frames = 0;
+  for (place.begin(frame.width, frame.height, limits.smallest_face_px); !place.is_complete();
        place.advance()) {
     const auto columns = static_cast<std::uint32_t>(place.columns());
     if (done >= work) {  // a new frame
-      ++plan->search_frames;
+      ++frames;
       done = 0;
       area = 0;
     }
     done += columns;
     area += area_of_row(place);
-    most.row_area = std::max(most.row_area, area_of_row(place));
+    most->row_area = std::max(most->row_area, area_of_row(place));
     if (place.begins_strip())
-      add_near_search(limits, place.box(0, 0).side, &most.near_cells, &most.near_area);
+      add_near_search(limits, frame, place.box(0, 0).side, &most->near_cells, &most->near_area);
     plan->cell_area = std::max(plan->cell_area, area);
-    plan->all_cells += columns;
-    most.widest_row = std::max(most.widest_row, columns);
+    all += columns;
+    most->widest_row = std::max(most->widest_row, columns);
   }
-  plan->cells = std::min(plan->all_cells, work - 1 + most.widest_row);
+  plan->search_frames = std::max(plan->search_frames, frames);
+  plan->all_cells = std::max(plan->all_cells, all);
+  plan->cells = std::min(plan->all_cells, work - 1 + most->widest_row);
+}
+
+/// The frame as it is, and at all its turns where faces are searched at any roll.
+SearchExtremes divide_searches(const TrackerLimits& limits, std::uint32_t work, SearchPlan* plan) {
+  SearchExtremes most;
+  const FrameSize upright{limits.width, limits.height};
+  divide_search(limits, upright, work, &most, plan);
+  if (limits.detection->modules != &kRolledFaces) return most;
+  for (const int turn : {1, 2}) {
+    const TurnedSize size = turned_size(upright.width, upright.height, turn);
+    divide_search(limits, {size.width, size.height}, work, &most, plan);
+  }
+  plan->turned_pixels =
+      static_cast<std::uint32_t>(upright.width) * static_cast<std::uint32_t>(upright.height);
   return most;
 }
 
@@ -71,6 +97,7 @@ void add_near_cells(const SearchExtremes& most, SearchPlan* plan) {
   const std::uint32_t rows_again = kWindowCells - 1;
   plan->near_cells = static_cast<std::uint32_t>(alignments) * most.near_cells + rows_again * most.widest_row;
   plan->near_area = alignments * most.near_area + rows_again * most.row_area;
+  plan->turned_pixels *= static_cast<std::uint32_t>(1 + alignments);
 }
 
 /// Frames of an alignment that begins in a frame of its own.
@@ -89,7 +116,7 @@ int alignment_frames(const SearchPlan& plan) {
 SearchPlan search_plan(const AlignerTable& table, const TrackerLimits& limits) {
   SearchPlan plan;
   const std::uint32_t work = std::max(limits.search_work, std::uint32_t{1});
-  const SearchExtremes most = divide_search(limits, work, &plan);
+  const SearchExtremes most = divide_searches(limits, work, &plan);
   plan.does_both = limits.search_work >= kFaceSearchTuning.cells_for_both;
   plan.steps = std::max(1, static_cast<int>(limits.search_work / kFaceSearchTuning.cells_a_step));
   plan.alignment_steps = static_cast<int>(table.stage_count()) + 1;

@@ -192,7 +192,7 @@ int run_track(const Args& args, Console& console) {
   // Also where the stream was cut off or a picture could not be written: the frames before that have their rows.
   console.out << output.commit(run.used_bytes(), run.focal_px()) << "\n";
   if (output.has_no_pose())
-    console.err << frames.name() << ": " << (model.print().empty() ? "no upright face" : "no print")
+    console.err << frames.name() << ": " << (model.print().empty() ? "no face" : "no print")
                 << " was found in any frame\n";
   if (!output.failure().empty()) throw Failure(kBadInput, output.failure());
   if (watch.was_interrupted()) return frames.is_live() ? 0 : kInterrupted;
