@@ -20,8 +20,10 @@ extern const Detection kUprightFaceDetection;
 extern const Detection kFaceDetection;
 /// The search for a printed surface and its verification, from the keypoints of its albedo. 29 kB of code on a Cortex-M7.
 extern const Detection kPrintDetection;
-/// Whichever of the two the model has tables for, faces first. 61 and 63 kB of code on a Cortex-M7.
-extern const Detection kUprightDetection, kDetection;
+/// Whichever the model has tables for: upright faces, or a print. 61 kB of code on a Cortex-M7.
+extern const Detection kUprightDetection;
+/// The same with faces at any roll. 63 kB.
+extern const Detection kDetection;
 
 struct PersonRefinement;
 /// Estimation of the person's identity while the head turns, by name, for the same reason.
