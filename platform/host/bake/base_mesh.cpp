@@ -36,6 +36,8 @@ struct BaseMeshTuning {
   /// Points at which a trial stops, as a multiple of the wanted ones, and points of a base mesh, count, at most. Round
   /// values.
   double trial_fraction = 3;
+  /// Points after the last trial, as a multiple of the wanted ones, above which the coarser edge before it is taken. Round value.
+  double most_excess = 1.02;
   std::size_t most_points = 9000;
   /// Vertices of the source that may become points, count, at most. Bounds the time; more do not change the shape.
   std::size_t most_candidates = 100000;
@@ -101,6 +103,9 @@ class BaseMesher {
       const bool is_coarse = place_points(most) && static_cast<double>(domain_.points.size()) <= wanted;
       (is_coarse ? high : low) = static_cast<double>(edge_);
     }
+    // On a regular source the count jumps, and the last edge may be on the other side of the jump.
+    if (static_cast<double>(domain_.points.size()) > kTuning.most_excess * wanted)
+      edge_ = static_cast<float>(high);
     // An intricate boundary takes more points than were asked for.
     if (!place_points(kTuning.most_points)) return {};
     triangles_ = triangulate(domain_);

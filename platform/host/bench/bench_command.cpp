@@ -64,7 +64,8 @@ int run_print(const Args& args, Console& console) {
 
 int run_faults(const Args& args, Console& console) {
   const std::string film = args.required("--film");
-  bench_faults(console.out, ModelFile(args.required("--model")), tracker_limits(args, std::nullopt), film,
+  const ModelFile file(args.required("--model"));
+  bench_faults(console.out, file, with_base_mesh(tracker_limits(args, std::nullopt), file.model()), film,
                static_cast<std::size_t>(args.integer("--count", 4, 1, 1000)));
   return 0;
 }

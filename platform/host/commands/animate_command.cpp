@@ -7,6 +7,7 @@
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
+#include "host/io/track_table.hpp"
 #include "host/io/words.hpp"
 #include "host/render/animation_file.hpp"
 #include "host/render/photo_texture.hpp"
@@ -72,9 +73,7 @@ Input read_input(const Args& args, const ModelFile& file, Console& console) {
   }
   list_clamped(input.track.limited, path, console.err,
                source ? "" : " (--from TRACKED.plm keeps fractions of the ranges)");
-  if (input.track.lost > 0)
-    console.err << path << ": " << input.track.lost << " of " << input.track.frames.size()
-                << " frames are lost; they repeat the pose and expression before\n";
+  list_lost(input.track.lost, input.track.frames.size(), path, console.err);
   return input;
 }
 
@@ -101,7 +100,7 @@ int run_animate(const Args& args, Console& console) {
                 "is of a GLB: the OBJ files of a folder have neither texture nor targets");
   if (args.has("--image") && !args.has("--identity"))
     fail_usage("--image needs --identity: the fit in that picture");
-  const int vertices = args.integer("--vertices", 2000, 16, 21000);
+  const int vertices = args.integer("--vertices", 2000, 16, 11000);
   const auto tolerance = static_cast<float>(args.number("--tolerance", 0.1, 0, 1000));
   const ModelFile file(args.operand(0));
   const Input input = read_input(args, file, console);
@@ -146,7 +145,7 @@ Command animate_command() {
        {"--image", "FILE", "the picture of that fit; it becomes the texture", Takes::input},
        {"--from", "PLM", "the model that was tracked. Values keep their fraction of its ranges",
         Takes::input},
-       {"--vertices", "N", "vertices of the mesh, about, 16 to 21000 (2000)"},
+       {"--vertices", "N", "vertices of the mesh, about, to 11000; at least those of the base mesh (2000)"},
        {"--tolerance", "MM", "omit corrective targets that move no vertex this far, in millimetres (0.1)"},
        {"--rate", "FPS", "frames a second of a table without time_s (30)"},
        {"-o", "GLB",

@@ -141,9 +141,15 @@ double Args::number(const char* name, double otherwise, double low, double high)
   const auto value = text(name);
   if (!value) return otherwise;
   const auto parsed = parse_number(*value);
+  // Whole limits with all their digits; others as they were written, not as floats have them.
+  const auto shown = [](double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, x == std::floor(x) ? "%.0f" : "%g", x);
+    return std::string(text);
+  };
   if (!parsed || *parsed < low || *parsed > high)
-    fail_usage(std::string(name) + ": not a number from " + number_text(low) + " to " + number_text(high) +
-               ": " + *value);
+    fail_usage(std::string(name) + ": not a number from " + shown(low) + " to " + shown(high) + ": " +
+               *value);
   return *parsed;
 }
 

@@ -7,6 +7,7 @@
 #include "host/bake/embedded.hpp"
 #include "host/commands/bake_sizes.hpp"
 #include "host/commands/command.hpp"
+#include "host/commands/tracker_limits.hpp"
 #include "host/io/failure.hpp"
 #include "host/io/files.hpp"
 #include "host/io/numbers.hpp"
@@ -73,7 +74,10 @@ void print_report(const std::string& output, const bake::BakeReport& report, boo
   };
   if (has(Group::identity)) print("; identities", report.errors.identity);
   if (has(Group::expression)) print("; expressions", report.errors.expression);
-  console.out << "; base mesh of " << report.base_vertices << " vertices\n";
+  console.out << "; base mesh of " << report.base_vertices << " vertices";
+  if (report.base_vertices > TrackerLimits{}.vertices)
+    console.out << ": TrackerLimits::vertices has to be at least as many";
+  console.out << "\n";
   if (report.has_texture && report.print_bytes == 0)
     console.out << "the texture has too few corners of its own: the surface will not be found by it\n";
   for (const std::string& warning : report.warnings) console.err << output << ": " << warning << '\n';

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "host/commands/command.hpp"
+#include "host/commands/tracker_limits.hpp"
 #include "host/io/files.hpp"
 #include "host/io/owned.hpp"
 #include "pliant/cascade.hpp"
@@ -169,7 +170,7 @@ void print_memory(const Model& model, std::ostream& out) {
         measured_bytes<Cascade>(model, PersonalFieldLimits{128, 128}) - measured_bytes<Cascade>(model));
   print(out, "  fit, %3u points       %8zu bytes\n", FitLimits{}.points,
         measured_bytes<Fitter>(model, FitLimits{}));
-  const TrackerLimits limits;
+  const TrackerLimits limits = with_base_mesh({}, model);
   print(out, "  tracker, %3u x %-3u    %8zu bytes (%u patches, %u vertices)\n", limits.width, limits.height,
         measured_bytes<Tracker>(model, limits), static_cast<unsigned>(limits.patches + limits.key_patches),
         limits.vertices);

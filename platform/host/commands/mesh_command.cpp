@@ -17,8 +17,10 @@ namespace pliant::host {
 
 namespace {
 
-constexpr int kMostVertices = MeshLimits::kMostFaces;
-static_assert(kMostVertices == 21845, "the help states the number");
+/// Most vertices that can be asked for: half as many as a mesh has faces, and a margin for those of the border.
+constexpr int kMostVertices = 11000;
+static_assert(kMostVertices > MeshLimits::kMostFaces / 2,
+              "a mesh that is full has about half as many vertices as faces");
 
 MeshCriterion criterion_named(const std::string& name) {
   if (name == "none") return MeshCriterion::none;
@@ -169,7 +171,7 @@ Command mesh_command() {
            {"--depth", "N", "bisections, 0 to 24: those of uniform (3), the most of any other (12)"},
            {"--threshold", "X",
             "normals: degrees between faces (30); contour: mean error of a triangle in mm (0.3)"},
-           {"--budget", "N", "most vertices, up to 21845; without a threshold, the best mesh of so many"},
+           {"--budget", "N", "most vertices, up to 11000; without a threshold, the best mesh of so many"},
            {"--param", "NAME=VALUE", "a parameter of the model; may be given several times", Takes::texts},
            {"-o", "FILE", "the mesh to write: OBJ, PLY or GLB by its ending", Takes::output},
            {"--mirror-u", nullptr, "OBJ and PLY: write 1 - u, the u of a source whose chart bake mirrored"},

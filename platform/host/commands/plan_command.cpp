@@ -149,7 +149,7 @@ void print_search(std::ostream& out, const SearchPlan& plan, int print_frames) {
 }
 
 int run_plan(const Args& args, Console& console) {
-  const TrackerLimits limits = limits_from(args);
+  TrackerLimits limits = limits_from(args);
   const double mhz = args.number("--mhz", 0, 1e-3, 1e6);
   const bool has_model = args.operand_count() > 0;
   std::unique_ptr<ModelFile> file;
@@ -164,6 +164,7 @@ int run_plan(const Args& args, Console& console) {
     stand_in = stand_in_table(args.integer("--parameters", 60, 1, int{table::kMaxParameters}));
     require(Model::open(stand_in.data(), stand_in.size() * 4, &model), "stand-in model");
   }
+  if (!args.has(kVerticesOption.name)) limits = with_base_mesh(limits, model);
   if (!are_usable(model, limits))
     fail_usage("--vertices: at least the " + std::to_string(model.base_uv().count) +
                " of the model's base mesh");

@@ -85,12 +85,13 @@ Image background_of(const Args& args, const ImageSize& size, std::uint32_t seed)
   return is_grey(image) ? to_grey(image) : image;
 }
 
-/// Whether the table is of a track, and no row has a pose.
-bool is_lost_throughout(const CsvTable& table) {
+/// Rows of a track that are lost.
+std::size_t count_lost(const CsvTable& table) {
   const auto state = table.find_column("state");
+  std::size_t count = 0;
   for (std::size_t r = 0; state && r < table.row_count(); ++r)
-    if (table.cell(r, *state) != "lost") return false;
-  return state.has_value();
+    count += table.cell(r, *state) == "lost" ? 1 : 0;
+  return count;
 }
 
 std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, const Camera& camera,
@@ -111,7 +112,9 @@ std::vector<PosedParameters> read_rows(const Args& args, const ModelFile& file, 
   auto rows = read_posed_parameters(table, model, neutral, &unmatched);
   list_unmatched(unmatched, path, console.err);
   if (rows.empty()) fail_input(path, "has no rows");
-  if (is_lost_throughout(table)) fail_input(path, "is of a track that has found nothing");
+  const std::size_t lost = count_lost(table);
+  if (lost == rows.size()) fail_input(path, "is of a track that has found nothing");
+  list_lost(lost, rows.size(), path, console.err);
   list_clamped(clamp_to_limits(model, rows), path, console.err);
   return rows;
 }
@@ -191,8 +194,8 @@ Command render_command() {
         "a picture of the frames' size behind the model, whose albedo is grey (default: soft blotches)",
         Takes::input},
        {"--grid", "PNG",
-        "instead of a video: a picture with one person a column and one expression a row, cells of --size "
-        "(84x112)",
+        "instead of a video: a picture with one person a column and one expression, a row of --params with "
+        "its name in the column name, a row; cells of --size (84x112)",
         Takes::output},
        {"--people", "CSV",
         "name, identity parameters and optionally tone (brightness of the surface) of each person",

@@ -103,7 +103,7 @@ TrackerOptions tracker_options(const Args& args) {
 
 /// The limits that the command line asks for, of a tracker of frames of this size.
 TrackerLimits asked_limits(const Args& args, const Model& model, const FrameStream& frames, ImageSize size) {
-  TrackerLimits limits = tracker_limits(args, size);
+  TrackerLimits limits = with_base_mesh(tracker_limits(args, size), model);
   const bool searches = !model.detector().empty() || !model.print().empty();
   if (searches && !frames.is_live() && !args.has(kProfileOption.name))
     limits.search_work = whole_search(limits);

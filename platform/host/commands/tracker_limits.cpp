@@ -39,4 +39,9 @@ TrackerLimits tracker_limits(const Args& args, const std::optional<ImageSize>& s
   return limits;
 }
 
+TrackerLimits with_base_mesh(TrackerLimits limits, const Model& model) {
+  limits.vertices = std::max(limits.vertices, static_cast<std::uint16_t>(model.base_uv().count));
+  return limits;
+}
+
 }  // namespace pliant::host

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "host/commands/args.hpp"
+#include "pliant/model.hpp"
 #include "pliant/tracker_profiles.hpp"
 
 namespace pliant::host {
@@ -20,5 +21,7 @@ std::uint32_t whole_search(const TrackerLimits& limits);
 /// The limits of the profile that `--profile` names, else M, or L from a width of 480 px on; and as the other options say.
 /// \param size  of the frames; none: the size of the profile. Bad usage: another profile, and counts out of range.
 TrackerLimits tracker_limits(const Args& args, const std::optional<ImageSize>& size);
+/// The same limits with as many vertices as the model's base mesh has, at least: without, no tracker can be made.
+TrackerLimits with_base_mesh(TrackerLimits limits, const Model& model);
 
 }  // namespace pliant::host

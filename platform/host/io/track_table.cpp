@@ -148,6 +148,12 @@ std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const 
   return rows;
 }
 
+void list_lost(std::size_t lost, std::size_t rows, const std::string& source, std::ostream& err) {
+  if (lost == 0) return;
+  err << source << ": " << lost << " of " << rows
+      << " frames are lost; they repeat the pose and expression before\n";
+}
+
 std::vector<std::string> clamp_to_limits(const Model& model, std::vector<PosedParameters>& rows) {
   std::vector<std::string> names;
   for (std::size_t k = 0; k < model.parameters().count; ++k) {

@@ -58,6 +58,9 @@ std::vector<PosedParameters> read_posed_parameters(const CsvTable& table, const 
                                                    const PosedParameters& neutral,
                                                    std::vector<std::string>* unmatched);
 
+/// Writes one line that so many rows of a track are lost; nothing if none is. \param source  the file that has them.
+void list_lost(std::size_t lost, std::size_t rows, const std::string& source, std::ostream& err);
+
 /// Clamps all parameters to the model's limits. \return the names of those that were outside.
 std::vector<std::string> clamp_to_limits(const Model& model, std::vector<PosedParameters>& rows);
 

@@ -11,6 +11,7 @@
 #include "host/bake/triangulation.hpp"
 #include "host/io/owned.hpp"
 #include "pliant/mesh.hpp"
+#include "pliant/tracker_limits.hpp"
 #include "pliant/visibility.hpp"
 #include "random.hpp"
 
@@ -182,6 +183,21 @@ TEST_CASE("a plain grid, whose points lie on common lines and circles, gets a ba
       CHECK(area <= 1.00001);
       CHECK(area > 0.98);  // the boundary is resampled: points near the corners of the chart cut them off
     }
+}
+
+TEST_CASE(
+    "a bent grid, whose points come in rows at once, gets no more vertices than the limits of a tracker "
+    "have") {
+  for (int n = 9; n <= 41; n += 2) {
+    CAPTURE(n);
+    const Source source = sheet(n, [](Vec2 uv) {
+      const float angle = 2 * uv.x - 1;
+      return Vec3{150 * std::sin(angle), 300 * (0.5f - uv.y), 150 * std::cos(angle) - 150};
+    });
+    const std::size_t vertices = make_base_mesh(source, 480, false).uv.size();
+    CHECK(vertices > 240);
+    CHECK(vertices <= TrackerLimits{}.vertices);
+  }
 }
 
 namespace {
