@@ -23,6 +23,9 @@ class Lens {
   static Status make(const Camera& camera, int width, int height, Lens* lens);
 
   bool is_none() const { return is_none_; }  ///< True without distortion and with square pixels.
+  float aspect() const { return camera_.aspect; }  ///< As Camera::aspect.
+  /// The lens of a picture whose pixels are square: y is y / aspect of this one's, of the principal point, too.
+  Lens of_square_pixels() const;
 
   /// The seen position of an ideal one, px.
   Vec2 distort(Vec2 ideal) const { return is_none_ ? ideal : distorted(ideal, nullptr); }

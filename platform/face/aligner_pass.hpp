@@ -33,6 +33,8 @@ class AlignerPass {
   /// Starts at a pose, and takes the picture around the face. \return false if that is nowhere.
   bool start(const FrameView& frame, const Lens& lens, const View& view, const float* q,
              const std::uint8_t* is_free);
+  /// Of the frames' pixels, as Camera::aspect; 1 unless set. All image positions are then of square pixels: y over the aspect.
+  void set_aspect(float aspect) { picture_.set_aspect(aspect); }
   /// The same picture of another frame, at the present pose.
   bool take_picture(const FrameView& frame);
 

@@ -26,6 +26,13 @@ bool is_within(float x, float low, float high) {
   return x >= low && x <= high;
 }
 
+/// That of the frame with y over the aspect.
+Camera of_square_pixels(Camera camera) {
+  camera.cy /= camera.aspect;
+  camera.aspect = 1;
+  return camera;
+}
+
 }  // namespace
 
 void Alignment::lay_out(Arena& arena, const Model& of, Span<const std::uint8_t> bytes, AlignerUse of_use) {
@@ -50,7 +57,13 @@ Status Alignment::check_input(const FrameView& frame, const Camera& camera, cons
       !is_within(camera.cy, -kTuning.most_px, kTuning.most_px))
     return Status::bad_argument;
   begun->steps_left = 0;
-  return Lens::make(camera, frame.width, frame.height, &begun->lens);
+  Lens lens;
+  const Status made = Lens::make(camera, frame.width, frame.height, &lens);
+  if (made != Status::ok) return made;
+  begun->lens = lens.of_square_pixels();
+  begun->aspect = lens.aspect();
+  pass.set_aspect(begun->aspect);
+  return made;
 }
 
 Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, float roll, const Camera& camera) {
@@ -60,8 +73,10 @@ Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, float
   if (!is_within(box.center.x, -half, static_cast<float>(frame.width - 1) + half) ||
       !is_within(box.center.y, -half, static_cast<float>(frame.height - 1) + half))
     return Status::not_found;
-  const Status placed =
-      view_of_box(pass.shape().cascade(), start_q, box, roll, camera, begun->lens, &begun->start_view);
+  FaceBox square = box;
+  square.center.y /= begun->aspect;
+  const Status placed = view_of_box(pass.shape().cascade(), start_q, square, roll, of_square_pixels(camera),
+                                    begun->lens, &begun->start_view);
   if (placed != Status::ok) return placed;
   // Where the distance is at its limit the face has another size.
   const View& view = begun->start_view;
@@ -72,12 +87,12 @@ Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, float
 Status Alignment::start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera) {
   if (!is_finite(pose) || !is_within(pose.t.z, 1.0f / kMaxRho, 1.0f / kMinRho)) return Status::bad_argument;
   View& view = begun->start_view;
-  view = view_of({normalised(pose.q), pose.t}, camera);
+  view = view_of({normalised(pose.q), pose.t}, of_square_pixels(camera));
   const float side = kFaceBoxMm * view.s;
   const Vec2 x = view.c + view.s * view.tau;
   if (!is_within(side, 1, kTuning.most_px) || !is_finite(x)) return Status::bad_argument;
   if (!is_within(x.x, -side, static_cast<float>(frame.width) + side) ||
-      !is_within(x.y, -side, static_cast<float>(frame.height) + side))
+      !is_within(x.y, -side, static_cast<float>(frame.height) / begun->aspect + side))
     return Status::not_found;
   return Status::ok;
 }
@@ -108,6 +123,7 @@ void Alignment::write_landmarks(Span<Vec2> landmarks) {
       const Vec2 x = pass.image(k);
       landmarks[i] = x + w.blend[pass.table_index(k)] * (pass.target(k) - x);
     }
+    landmarks[i].y *= begun->aspect;
   }
 }
 

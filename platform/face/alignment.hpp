@@ -26,6 +26,7 @@ struct Alignment {
     Lens lens;
     View start_view;
     Camera camera;
+    float aspect = 1;           // of the frames' pixels; positions of the pass are of square ones
     int width = 0, height = 0;  // of its frames
     bool refines = false;
     std::size_t next_stage = 0;
@@ -36,7 +37,7 @@ struct Alignment {
   void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> bytes, AlignerUse use);
   const Model& model() { return pass.shape().cascade().model(); }
 
-  /// Ends the alignment begun, and makes begun->lens.
+  /// Ends the alignment begun, and makes lens and aspect of `begun`.
   Status check_input(const FrameView& frame, const Camera& camera, const float* q, const AlignedFace* face);
   bool has_room(Span<Vec2> landmarks) {
     return landmarks.empty() || landmarks.count >= model().landmarks().count;

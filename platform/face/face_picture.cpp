@@ -85,7 +85,7 @@ void FacePicture::take(const FrameView& frame, Vec2 centre, float ratio, int* co
   }
   for (int y = 0; y < side_; ++y) {
     int row[kMostSamples];
-    place_samples(position(first_.y, y), ratio_, n, frame.height - 1, row);
+    place_samples(aspect_ * position(first_.y, y), aspect_ * ratio_, n, frame.height - 1, row);
     const std::uint8_t* lines[kMostSamples];
     for (int k = 0; k < n; ++k) lines[k] = frame.data + static_cast<std::size_t>(row[k]) * frame.stride_bytes;
     write_means(lines, columns, n, side_, pixels_ + y * side_);

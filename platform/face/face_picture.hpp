@@ -45,7 +45,8 @@ struct CropMap {
 /// \param a  one millimetre to the crop's right, px of the frame.
 Sym2 to_frame_px(Sym2 w, Vec2 a);
 
-/// The part of a frame around a face, reduced by averaging where it is large. Beyond the frame its border pixels go on.
+/// The part of a frame around a face, reduced by averaging where it is large. Beyond the frame its border pixels go on. Where the
+/// frame's pixels are not square, those of the picture are: px of the frame are then of one whose y is divided by the aspect.
 class FacePicture {
  public:
   /// \param side  px, 2 to 160. Bytes: its square.
@@ -53,6 +54,7 @@ class FacePicture {
 
   /// Makes the picture smaller until the next call. \param side  px, 2 to that of lay_out.
   void set_side(int side) { side_ = side; }
+  void set_aspect(float aspect) { aspect_ = aspect; }  ///< As Camera::aspect; 1 unless set.
   /// \param centre   of the part, px of the frame; finite.
   /// \param ratio    px of the frame a pixel of this picture; below 1 counts as 1. Finite.
   /// \param columns  scratch, side * most_samples values.
@@ -69,6 +71,7 @@ class FacePicture {
   std::uint8_t* pixels_ = nullptr;
   Vec2 first_;       // px of the frame: the middle of pixel (0, 0)
   float ratio_ = 1;  // px of the frame a pixel
+  float aspect_ = 1;
 };
 
 /// What is upright in crops of a face: its own vertical as the camera sees it, downwards; unit. Down in the image where the

@@ -90,12 +90,14 @@ Vec2 PartFit::project(Vec2 uv) {
 void PartFit::read(const FrameView& frame, const Lens& lens, const View& view, const float* q, float centring,
                    PartPoints* points) {
   view_ = view;
-  lens_ = lens;
+  view_.c.y /= lens.aspect();
+  lens_ = lens.of_square_pixels();
+  reader_.set_aspect(lens.aspect());
   copy(q, cascade_.parameter_count(), q_);
   for (std::size_t s = 0; s < points->side_count; ++s) {
     PartSide& side = points->side[s];
     const PartRecord& part = points->table[side.part];
-    CropMap map = crop_of_part(part, view, 0.5f * (project(side.anchor[0]) + project(side.anchor[1])));
+    CropMap map = crop_of_part(part, view_, 0.5f * (project(side.anchor[0]) + project(side.anchor[1])));
     map.origin = map.origin + map.along((1 / part.mm_per_px) * side.centre_mm);
     if (!is_finite(map.origin + map.right)) continue;
     reader_.read(frame, points->table, side.part, map, side.is_left, readings_ + side.first);

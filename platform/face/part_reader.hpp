@@ -23,6 +23,7 @@ class PartReader {
  public:
   void lay_out(Arena& arena);
 
+  void set_aspect(float aspect) { picture_.set_aspect(aspect); }  ///< As FacePicture::set_aspect.
   /// Cuts out a crop, or its mirror image.
   void prepare(const FrameView& frame, const CropMap& map, bool is_mirrored);
   /// Describes the block around each of `count` points of the crop.

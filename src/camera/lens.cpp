@@ -21,6 +21,14 @@ constexpr LensTuning kLensTuning{};
 
 }  // namespace
 
+Lens Lens::of_square_pixels() const {
+  Lens lens = *this;
+  lens.camera_.aspect = 1;
+  lens.camera_.cy /= camera_.aspect;
+  lens.is_none_ = camera_.k1 == 0 && camera_.k2 == 0;
+  return lens;
+}
+
 /// r L(r), continued along its tangent, and its derivative.
 float Lens::radius(float r, float* slope) const {
   if (r >= end_) {

@@ -45,12 +45,16 @@ TrackerLimits limits_for(const Image& picture, TrackerLimits limits) {
   return limits;
 }
 
-/// Of a tracker, against the truth of frame 0; \param shift  of the frame. Fraction of the eyes' distance.
-double error_of(Tracker& tracker, const NamedLandmarks& truth, Vec2 shift) {
+NamedLandmarks landmarks_of(Tracker& tracker) {
   NamedLandmarks found;
   for (std::size_t l = 0; l < face().model().landmarks().count; ++l)
     REQUIRE(tracker.landmark(l, &found[face().model().landmarks()[l].name]) == Status::ok);
-  return landmark_error(found, moved(truth, 1, shift));
+  return found;
+}
+
+/// Of a tracker, against the truth of frame 0; \param shift  of the frame. Fraction of the eyes' distance.
+double error_of(Tracker& tracker, const NamedLandmarks& truth, Vec2 shift) {
+  return landmark_error(landmarks_of(tracker), moved(truth, 1, shift));
 }
 
 /// Landmark error of the last frame, of a tracker that starts by itself.
@@ -88,6 +92,20 @@ Portrait close_up() {
   for (const host::NamedPoint& point : read_points(kAstronaut + "/points.csv"))
     p.truth[point.name] = point.x - Vec2{kLeft, kTop};
   return p;
+}
+
+/// As a camera shows it whose pixels are lower than wide by `aspect`.
+Image stretched_down(const Image& grey, float aspect) {
+  Image out(grey.width, static_cast<int>(aspect * static_cast<float>(grey.height)), 1);
+  for (int y = 0; y < out.height; ++y) {
+    const float at =
+        clamp((static_cast<float>(y) + 0.5f) / aspect - 0.5f, 0, static_cast<float>(grey.height - 1));
+    const int j = static_cast<int>(at), next = std::min(j + 1, grey.height - 1);
+    const float b = at - static_cast<float>(j);
+    for (int x = 0; x < out.width; ++x)
+      *out.at(x, y) = static_cast<std::uint8_t>((1 - b) * *grey.at(x, j) + b * *grey.at(x, next) + 0.5f);
+  }
+  return out;
 }
 
 /// What is tracked while the exposure hunts by 1.8 stops each way in 35 frames.
@@ -167,6 +185,41 @@ TEST_CASE("a face is found at any roll, and again at that roll after it was hidd
     }
     CHECK(k - hidden <= 3);
     CHECK(error_of(tracker.object, at, {0, 0}) < 0.06);
+  }
+}
+
+TEST_CASE("pixels that are not square are told by the camera, and change neither landmarks nor readings") {
+  const auto [picture, truth] = close_up();
+  struct Found {
+    double error;
+    float blink;
+    Vec3 gaze;
+  };
+  const auto found_at = [&, &photograph = picture, &annotated = truth](float aspect) {
+    const Image stretched = stretched_down(photograph, aspect);
+    Camera camera = centred_camera(stretched.width, stretched.height, 700);
+    camera.aspect = aspect;
+    StartOptions start;
+    start.camera = &camera;
+    InArena<Tracker> tracker(face().model(), limits_for(stretched, {}));
+    REQUIRE(tracker->start_by_detection(start) == Status::ok);
+    FrameResult result;
+    for (std::size_t k = 0; k < 3; ++k)
+      REQUIRE(tracker->update(frame_of(stretched, k), &result) == Status::ok);
+    NamedLandmarks seen = landmarks_of(tracker.object);
+    for (auto& [name, x] : seen) x.y = (x.y + 0.5f) / aspect - 0.5f;
+    Found found{landmark_error(seen, annotated), 0, result.gaze};
+    REQUIRE(tracker->parameter("eyeBlinkLeft", &found.blink) == Status::ok);
+    return found;
+  };
+  const Found plain = found_at(1);
+  for (const float aspect : {0.75f, 1.25f, 1.6f}) {
+    CAPTURE(aspect);
+    const Found found = found_at(aspect);
+    MESSAGE("landmark error " << found.error << ", with square pixels " << plain.error);
+    CHECK(found.error < 1.2 * plain.error + 0.003);
+    CHECK(std::abs(found.blink - plain.blink) < 0.15f);
+    CHECK(length(found.gaze - plain.gaze) < 0.1f);
   }
 }
 
