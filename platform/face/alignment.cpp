@@ -61,12 +61,12 @@ Status Alignment::check_input(const FrameView& frame, const Camera& camera, cons
   const Status made = Lens::make(camera, frame.width, frame.height, &lens);
   if (made != Status::ok) return made;
   begun->lens = lens.of_square_pixels();
-  begun->aspect = lens.aspect();
-  pass.set_aspect(begun->aspect);
+  begun->camera = camera;
+  pass.set_aspect(camera.aspect);
   return made;
 }
 
-Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, float roll, const Camera& camera) {
+Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, float roll) {
   if (!is_finite(box.center) || !is_within(box.side, 1, kTuning.most_px) || !is_within(roll, -100, 100))
     return Status::bad_argument;
   const float half = 0.5f * box.side;
@@ -74,9 +74,9 @@ Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, float
       !is_within(box.center.y, -half, static_cast<float>(frame.height - 1) + half))
     return Status::not_found;
   FaceBox square = box;
-  square.center.y /= begun->aspect;
-  const Status placed = view_of_box(pass.shape().cascade(), start_q, square, roll, of_square_pixels(camera),
-                                    begun->lens, &begun->start_view);
+  square.center.y /= begun->camera.aspect;
+  const Status placed = view_of_box(pass.shape().cascade(), start_q, square, roll,
+                                    of_square_pixels(begun->camera), begun->lens, &begun->start_view);
   if (placed != Status::ok) return placed;
   // Where the distance is at its limit the face has another size.
   const View& view = begun->start_view;
@@ -84,23 +84,23 @@ Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, float
                                                                                    : Status::not_found;
 }
 
-Status Alignment::start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera) {
+Status Alignment::start_at_pose(const FrameView& frame, const Pose& pose) {
   if (!is_finite(pose) || !is_within(pose.t.z, 1.0f / kMaxRho, 1.0f / kMinRho)) return Status::bad_argument;
   View& view = begun->start_view;
-  view = view_of({normalised(pose.q), pose.t}, of_square_pixels(camera));
+  view = view_of({normalised(pose.q), pose.t}, of_square_pixels(begun->camera));
   const float side = kFaceBoxMm * view.s;
   const Vec2 x = view.c + view.s * view.tau;
   if (!is_within(side, 1, kTuning.most_px) || !is_finite(x)) return Status::bad_argument;
   if (!is_within(x.x, -side, static_cast<float>(frame.width) + side) ||
-      !is_within(x.y, -side, static_cast<float>(frame.height) / begun->aspect + side))
+      !is_within(x.y, -side, static_cast<float>(frame.height) / begun->camera.aspect + side))
     return Status::not_found;
   return Status::ok;
 }
 
-AlignedFace Alignment::conclude(const Camera& camera) {
+AlignedFace Alignment::conclude() {
   const AlignerEvidence evidence = pass.weigh(*table);
   AlignedFace face;
-  face.camera = camera;
+  face.camera = begun->camera;
   face.pose = pose_of(pass.shape().view());
   // Text only speaks against a face (docs/experiments.md, Text).
   face.score = value_of(table->check().score, evidence.appearance + min(evidence.text, 0), evidence);
@@ -123,16 +123,14 @@ void Alignment::write_landmarks(Span<Vec2> landmarks) {
       const Vec2 x = pass.image(k);
       landmarks[i] = x + w.blend[pass.table_index(k)] * (pass.target(k) - x);
     }
-    landmarks[i].y *= begun->aspect;
+    landmarks[i].y *= begun->camera.aspect;
   }
 }
 
-Status Alignment::begin(const FrameView& frame, const Camera& of, const AlignOptions& options,
-                        bool is_refinement) {
+Status Alignment::begin(const FrameView& frame, const AlignOptions& options, bool is_refinement) {
   if (use == AlignerUse::verification) return Status::bad_argument;
   Begun& b = *begun;
   pass.shape().start(b.start_view, start_q, options.is_free, b.lens);
-  b.camera = of;
   b.width = frame.width;
   b.height = frame.height;
   b.refines = is_refinement;
@@ -143,7 +141,7 @@ Status Alignment::begin(const FrameView& frame, const Camera& of, const AlignOpt
   return Status::ok;
 }
 
-Status Alignment::begin_in_box(const FrameView& frame, const FaceBox& box, const Camera& of, const float* q,
+Status Alignment::begin_in_box(const FrameView& frame, const FaceBox& box, const float* q,
                                const AlignOptions& options) {
   for (std::size_t k = 0; k < model().parameters().count; ++k) {
     const Parameter& p = model().parameters()[k];
@@ -151,8 +149,8 @@ Status Alignment::begin_in_box(const FrameView& frame, const FaceBox& box, const
     if (is_held && !is_finite(q[k])) return Status::bad_argument;
     start_q[k] = is_held ? clamp(q[k], p.minimum, p.maximum) : 0.0f;
   }
-  const Status placed = start_in_box(frame, box, options.roll, of);
-  return placed == Status::ok ? begin(frame, of, options, false) : placed;
+  const Status placed = start_in_box(frame, box, options.roll);
+  return placed == Status::ok ? begin(frame, options, false) : placed;
 }
 
 /// \return whether the pose is still one.
@@ -175,7 +173,7 @@ Status Alignment::take_steps(const FrameView& frame, int steps, AlignedFace* fac
     }
   if (steps <= 0) return Status::ok;
   begun->steps_left = 0;
-  *face = conclude(begun->camera);
+  *face = conclude();
   if (!landmarks.empty()) write_landmarks(landmarks);
   copy(pass.shape().q(), model().parameters().count, q);
   return Status::ok;

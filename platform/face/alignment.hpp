@@ -26,7 +26,6 @@ struct Alignment {
     Lens lens;
     View start_view;
     Camera camera;
-    float aspect = 1;           // of the frames' pixels; positions of the pass are of square ones
     int width = 0, height = 0;  // of its frames
     bool refines = false;
     std::size_t next_stage = 0;
@@ -37,23 +36,23 @@ struct Alignment {
   void lay_out(Arena& arena, const Model& model, Span<const std::uint8_t> bytes, AlignerUse use);
   const Model& model() { return pass.shape().cascade().model(); }
 
-  /// Ends the alignment begun, and makes lens and aspect of `begun`.
+  /// Ends the alignment begun, and sets `begun->camera` and `begun->lens`: what the calls below take.
   Status check_input(const FrameView& frame, const Camera& camera, const float* q, const AlignedFace* face);
   bool has_room(Span<Vec2> landmarks) {
     return landmarks.empty() || landmarks.count >= model().landmarks().count;
   }
   /// Sets begun->start_view, for the parameters start_q.
-  Status start_in_box(const FrameView& frame, const FaceBox& box, float roll, const Camera& camera);
-  Status start_at_pose(const FrameView& frame, const Pose& pose, const Camera& camera);
+  Status start_in_box(const FrameView& frame, const FaceBox& box, float roll);
+  Status start_at_pose(const FrameView& frame, const Pose& pose);
 
   /// Begins at begun->start_view, with start_q.
-  Status begin(const FrameView& frame, const Camera& camera, const AlignOptions& options, bool refines);
-  Status begin_in_box(const FrameView& frame, const FaceBox& box, const Camera& camera, const float* q,
+  Status begin(const FrameView& frame, const AlignOptions& options, bool refines);
+  Status begin_in_box(const FrameView& frame, const FaceBox& box, const float* q,
                       const AlignOptions& options);
   /// Takes steps in a frame; the last one writes the results.
   Status take_steps(const FrameView& frame, int steps, AlignedFace* face, float* q, Span<Vec2> landmarks);
   /// Score and landmark error at the present pose.
-  AlignedFace conclude(const Camera& camera);
+  AlignedFace conclude();
 
  private:
   bool run_next_stage();

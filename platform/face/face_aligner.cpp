@@ -31,7 +31,7 @@ Status FaceAligner::begin(const FrameView& frame, const FaceBox& box, const Came
   AlignedFace unused;
   Status status = s.check_input(frame, camera, q, &unused);
   if (status == Status::ok && steps == nullptr) status = Status::bad_argument;
-  if (status == Status::ok) status = s.begin_in_box(frame, box, camera, q, options);
+  if (status == Status::ok) status = s.begin_in_box(frame, box, q, options);
   if (status == Status::ok) *steps = s.begun->steps_left;
   return status;
 }
@@ -54,7 +54,7 @@ Status FaceAligner::align(const FrameView& frame, const FaceBox& box, const Came
   State& s = *state_;
   Status status = s.check_input(frame, camera, q, face);
   if (status == Status::ok && !s.has_room(landmarks)) status = Status::bad_argument;
-  if (status == Status::ok) status = s.begin_in_box(frame, box, camera, q, options);
+  if (status == Status::ok) status = s.begin_in_box(frame, box, q, options);
   return status == Status::ok ? s.take_steps(frame, s.begun->steps_left, face, q, landmarks) : status;
 }
 
@@ -66,10 +66,10 @@ Status FaceAligner::refine(const FrameView& frame, const Camera& camera, const P
   if (status != Status::ok) return status;
   const std::size_t parameters = s.model().parameters().count;
   if (!s.has_room(landmarks) || !are_finite(q, parameters)) return Status::bad_argument;
-  status = s.start_at_pose(frame, start, camera);
+  status = s.start_at_pose(frame, start);
   if (status != Status::ok) return status;
   copy(q, parameters, s.start_q);
-  status = s.begin(frame, camera, options, true);
+  status = s.begin(frame, options, true);
   return status == Status::ok ? s.take_steps(frame, s.begun->steps_left, face, q, landmarks) : status;
 }
 
@@ -80,10 +80,10 @@ Status FaceAligner::verify(const FrameView& frame, const Camera& camera, const P
   Status status = s.check_input(frame, camera, q, face);
   if (status != Status::ok) return status;
   if (!are_finite(q, s.model().parameters().count)) return Status::bad_argument;
-  status = s.start_at_pose(frame, pose, camera);
+  status = s.start_at_pose(frame, pose);
   if (status != Status::ok) return status;
   if (!s.pass.start(frame, s.begun->lens, s.begun->start_view, q, nullptr)) return Status::not_found;
-  *face = s.conclude(camera);
+  *face = s.conclude();
   face->pose = pose;
   return Status::ok;
 }

@@ -129,11 +129,11 @@ FaceSearch::Answer FaceSearch::align(const SearchInput& input, int* steps, Known
   if (status == Status::ok) status = advance(input.frame, steps, &face);
   if (status == Status::ok && steps_left_ > 0) return Answer::later;
   steps_left_ = 0;
-  if (status != Status::ok || !is_accepted(face)) {
+  const float evidence = evidence_of(candidates_.next(), face);
+  if (status != Status::ok || !is_accepted(face, evidence)) {
     go_on();
     return Answer::no;
   }
-  const float evidence = evidence_of(face);
   if (evidence < kTuning.sure_start_odds && ++times_seen_ < kTuning.doubtful_frames) return Answer::later;
   if (whom_ == Whom::anybody && reference_.may_be(face, q_)) {
     whom_ = Whom::known;
@@ -167,13 +167,14 @@ Status FaceSearch::advance(const FrameView& frame, int* steps, AlignedFace* face
   return status;
 }
 
-/// Odds of detector and alignment that the next candidate is a face.
-float FaceSearch::evidence_of(const AlignedFace& face) const {
-  return odds(candidates_.next().score) * odds(face.score);
+float evidence_of(const DetectedFace& candidate, const AlignedFace& face) {
+  return odds(candidate.score) * odds(face.score);
 }
 
-bool FaceSearch::is_accepted(const AlignedFace& face) const {
-  return face.score >= kTuning.least_start && evidence_of(face) >= kTuning.least_start_odds &&
+bool FaceSearch::is_accepted(const AlignedFace& face, float evidence) const {
+  const bool is_turned = candidates_.next().roll != 0;
+  return face.score >= kTuning.least_start &&
+         evidence >= (is_turned ? kTuning.sure_start_odds : kTuning.least_start_odds) &&
          (whom_ != Whom::known || face.landmark_error <= kTuning.most_known_error);
 }
 

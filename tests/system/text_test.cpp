@@ -4,7 +4,9 @@
 #include <string>
 
 #include "host/commands/face_finder.hpp"
+#include "host/io/owned.hpp"
 #include "host/render/draw.hpp"
+#include "pliant/tracker.hpp"
 
 using namespace pliant;
 
@@ -59,4 +61,18 @@ TEST_CASE("a face is found in few pages of text") {
     found += !finder.find(Page(number).picture(), "page", host::kLeastFaceScore).empty();
   MESSAGE("faces in " << found << " of " << kPages << " pages");
   CHECK(found < 10);  // half-way between 13, with verification learnt from photographs alone, and 7, with text, too
+}
+
+TEST_CASE("no page of text starts a track, at any roll that is searched") {
+  const host::ModelFile face(PLIANT_DETECTING_FACE);
+  constexpr std::uint32_t kFrames = 21;  // searches until each turn had one
+  for (std::uint32_t number = 0; number < kPages; number += 3) {
+    CAPTURE(number);
+    host::Owned<Tracker> tracker(face.model(), TrackerLimits{});
+    const host::Image page = Page(number).picture();
+    FrameResult result;
+    for (std::uint32_t k = 0; k < kFrames; ++k)
+      REQUIRE(tracker->update(host::frame_of(page, k), &result) == Status::ok);
+    CHECK_FALSE(tracker->is_started());
+  }
 }

@@ -37,7 +37,7 @@ struct BaseMeshTuning {
   /// values.
   double trial_fraction = 3;
   /// Points after the last trial, as a multiple of the wanted ones, above which the coarser edge before it is taken. Round value.
-  double most_excess = 1.02;
+  double most_excess = 1.06;
   std::size_t most_points = 9000;
   /// Vertices of the source that may become points, count, at most. Bounds the time; more do not change the shape.
   std::size_t most_candidates = 100000;

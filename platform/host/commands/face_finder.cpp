@@ -6,6 +6,7 @@
 #include "host/commands/image_fit.hpp"
 #include "host/io/failure.hpp"
 #include "host/learn/face_samples.hpp"
+#include "track/face_search.hpp"
 #include "vision/noise_filter.hpp"
 
 namespace pliant::host {
@@ -20,6 +21,11 @@ constexpr float kSameFaceFraction = 0.4f;
 
 bool are_one_face(const FoundFace& a, const FoundFace& b) {
   return length(a.box.center - b.box.center) < kSameFaceFraction * max(a.box.side, b.box.side);
+}
+
+/// What is turned must be a face as surely as for a tracker: text is upright where the verification has learnt it.
+bool is_sure(const DetectedFace& candidate, const AlignedFace& face) {
+  return evidence_of(candidate, face) >= kFaceSearchTuning.sure_start_odds;
 }
 
 /// The picture, smoothed if it is noisy, as a tracker does it.
@@ -77,7 +83,8 @@ std::vector<FoundFace> FaceFinder::find(const Image& grey, const std::string& na
     std::size_t count = 0;
     require(detector->find_at(turn, frame_of(picture), {detected.data(), detected.size()}, &count), name);
     for (std::size_t k = 0; k < count; ++k)
-      if (auto face = align_in(picture, detected[k], camera); face && face->aligned.score >= min_score)
+      if (auto face = align_in(picture, detected[k], camera);
+          face && face->aligned.score >= min_score && (turn == 0 || is_sure(detected[k], face->aligned)))
         faces.push_back(std::move(*face));
   }
   std::stable_sort(faces.begin(), faces.end(),

@@ -32,7 +32,8 @@ class FaceFinder {
   explicit FaceFinder(const ModelFile& file);
 
   /// The faces of a grey picture with a score of at least `min_score`, best first. Where no upright one is found the picture is
-  /// searched at the seven other turns. Bad input, with the name of the picture: a larger side than kMaxSearchedSide.
+  /// searched at the other turns, where a face must be sure (FaceSearchTuning::sure_start_odds). Bad input, with the name of the
+  /// picture: a larger side than kMaxSearchedSide.
   /// \param name      of the picture, for messages.
   /// \param camera    of the picture, if known.
   std::vector<FoundFace> find(const Image& grey, const std::string& name, float min_score,
