@@ -1,4 +1,5 @@
 // `pliant fit`: fits a model to one image.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -171,11 +172,13 @@ FitFile fit_to_face(const ModelFile& file, const std::string& path, const FoundF
 /// Residual of the dynamics over that of the Gauss-Newton fit above which they have not converged. 600 steps of the published
 /// dynamics reach 1.4 to 1.6 on photographs. Not tuned.
 constexpr float kUnconvergedRatio = 1.2f;
+/// Residual, px, that is as good as none: points of the model itself are fitted to less by all methods. Round value.
+constexpr float kNegligiblePx = 0.05f;
 
 /// Bad input: a fit by the dynamics that is farther from its points than the best one. It is written all the same, as is the track
 /// of a film that is cut off.
 void check_convergence(const FitFile& fit, const FitFile& best, const std::string& source) {
-  if (fit.rms_px <= kUnconvergedRatio * best.rms_px) return;
+  if (fit.rms_px <= max(kUnconvergedRatio * best.rms_px, kNegligiblePx)) return;
   fail_input(source, "the dynamics have not converged, rms " + number_text(static_cast<double>(fit.rms_px)) +
                          " px instead of " + number_text(static_cast<double>(best.rms_px)) +
                          ": try --method preconditioned");
@@ -186,6 +189,14 @@ void warn_of(const FitFile& fit, bool has_points, Console& console) {
   if (fit.landmark_error > kFaceChecksTuning.most_landmark_error)
     console.err << "the landmarks are doubtful: it may be no face, or hidden in part\n";
   if (!has_points || fit.points.empty()) return;
+  const auto is_outside = [&](const FitPoint& p) {
+    return p.x.x < 0 || p.x.y < 0 || p.x.x > static_cast<float>(fit.width - 1) ||
+           p.x.y > static_cast<float>(fit.height - 1);
+  };
+  const auto outside = std::count_if(fit.points.begin(), fit.points.end(), is_outside);
+  if (2 * outside > static_cast<std::ptrdiff_t>(fit.points.size()))
+    console.err << outside << " of " << fit.points.size() << " points lie outside of " << fit.width << "x"
+                << fit.height << " pixels\n";
   if (rotation_matrix(fit.pose.q).m[2][2] < 0)
     console.err << "the surface shows its back: is y upwards in the points, are they mirrored, or is v 1 at "
                    "the top, as in OBJ files?\n";

@@ -396,6 +396,10 @@ TEST_CASE("fit tells of points whose v counts upwards, and of dynamics that have
   CHECK(early.code == 1);
   CHECK(is_one_line(early.err));
   CHECK(contains(early.err, "p.csv: the dynamics have not converged"));
+  const Ran small = run_words(
+      {"fit", table, "--size", "80x50", "--points", folder / "p.csv", "-o", folder / "fit.json"});
+  CHECK(small.code == 0);
+  CHECK(contains(small.err, "9 of 9 points lie outside of 80x50 pixels"));
   CHECK(folder.has("fit.json"));
 }
 
