@@ -310,7 +310,7 @@ TEST_CASE("points refuses bad words with 2 and bad input with 1 and a line that 
   CHECK(run_words({"points", s.model, "--image", picture}).code == 2);
   CHECK(run_words({"points", "--image", picture, "-o", s / "p.html"}).code == 2);
   CHECK(run_words({"points", s.model, "--image", picture, "-o", s / "p.html", "--start", "1,2,3,4,5"}).code ==
-        1);
+        2);
   CHECK(run_words({"points", s.model, "--image", picture, "-o", s / "p.html", "--start", "1,2,-3,4"}).code ==
         2);
   const auto words = [&](const std::string& image, const std::string& start) {
