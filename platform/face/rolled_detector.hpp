@@ -16,7 +16,7 @@ inline constexpr RolledDetectorTuning kRolledDetectorTuning{};
 /// A detector that searches the frame as it is and, now and then, turned. Its frames are readable and within the limits.
 class RolledDetector : public FaceDetector {
  public:
-  /// As FaceDetector::lay_out, and a picture. \param expected  rotation of a face: most searches are at the nearest turn.
+  /// As FaceDetector::lay_out, and a picture. \param expected  rotation of a face: most searches are at its turn (turn_of).
   void lay_out(Arena& arena, const Span<const std::uint8_t>& table, const FaceDetectorLimits& limits,
                const Quat& expected);
 
@@ -25,7 +25,7 @@ class RolledDetector : public FaceDetector {
   /// As FaceDetector::search; whole frames are searched at one turn each.
   Status search(const FrameView& frame, std::uint32_t work, Span<DetectedFace> room, std::size_t* count,
                 bool* is_complete);
-  /// As FaceDetector::search_near, at the turn nearest to `roll` (AlignOptions).
+  /// As FaceDetector::search_near, at the turn of a face with that roll (AlignOptions).
   Status search_near(const FrameView& frame, const FaceBox& box, float roll, DetectedFace* face);
 
  private:

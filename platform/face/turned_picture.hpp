@@ -14,7 +14,8 @@ constexpr int kTurnsOfPicture = 8;
 constexpr float roll_of_turn(int eighths) {
   return 0.785398163f * static_cast<float>(eighths);
 }
-/// The turn nearest to the roll of a face in that rotation (Pose): 0 to 7.
+/// The turn at which a face in that rotation (Pose) is best searched, 0 to 7: an even one up to 30 degrees of roll from it, since
+/// the pictures of the odd ones are reduced.
 int turn_of(const Quat& rotation);
 
 /// Of the picture of a frame at a turn, px.

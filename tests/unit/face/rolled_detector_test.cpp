@@ -128,7 +128,7 @@ TEST_CASE(
     CAPTURE(turn);
     const Picture picture = turned_pattern(turn, {100, 110}, 110);
     DetectedFace face;
-    CHECK(rig.detector.search_near(picture.frame(), {{108, 103}, 120}, roll_of_turn(turn) + 0.3f, &face) ==
+    CHECK(rig.detector.search_near(picture.frame(), {{108, 103}, 120}, roll_of_turn(turn) + 0.2f, &face) ==
           Status::ok);
     check_is_at(face, {100, 110}, 110, turn);
     CHECK(rig.detector.search_near(empty.frame(), {{108, 103}, 120}, roll_of_turn(turn), &face) ==
