@@ -33,6 +33,7 @@ struct AlignOptions {
   /// as in a Tracker. Null: all are estimated.
   const std::uint8_t* is_free = nullptr;
   /// Of an alignment in a box: by how much the face is turned in the image, clockwise, radians, to 30 degrees (DetectedFace).
+  /// What is not finite counts as 0.
   float roll = 0;
 };
 
@@ -66,8 +67,8 @@ class FaceAligner {
   /// \param q          all parameters: the result. Those held by `options` are read and keep their value, within their range.
   /// \param landmarks  image positions of all landmarks of the model, px, in its order; may be empty.
   /// \return `status`, or with nothing changed: bad_argument (an unreadable frame, a box or camera that is
-  ///         not finite or not positive, a roll beyond 100, a principal point beyond 100,000 px, null q or face,
-  ///         too few `landmarks`), not_found (the box is outside the frame, or the camera sees no face of that size).
+  ///         not finite or not positive, a principal point beyond 100,000 px, null q or face, too few
+  ///         `landmarks`), not_found (the box is outside the frame, or the camera sees no face of that size).
   /// Cost: bounded, whatever the size of frame and face.
   Status align(const FrameView& frame, const FaceBox& box, const Camera& camera, AlignedFace* face, float* q,
                Span<Vec2> landmarks = {}, const AlignOptions& options = {});

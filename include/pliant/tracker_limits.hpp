@@ -15,7 +15,7 @@ struct Detection;
 /// up to about 30 degrees. 33 kB of code on a Cortex-M7.
 extern const Detection kUprightFaceDetection;
 /// The same of faces at any roll: a third of the searches is of the turned frame. A face that is turned by an odd number of eighths
-/// of a turn must be larger by half than an upright one. A search takes width x height bytes more, which are the track's
+/// of a turn must be 1.4 times as large as an upright one. A search takes width x height bytes more, which are the track's
 /// afterwards. 35 kB of code on a Cortex-M7.
 extern const Detection kFaceDetection;
 /// The search for a printed surface and its verification, from the keypoints of its albedo. 29 kB of code on a Cortex-M7.

@@ -67,8 +67,7 @@ Status Alignment::check_input(const FrameView& frame, const Camera& camera, cons
 }
 
 Status Alignment::start_in_box(const FrameView& frame, const FaceBox& box, float roll) {
-  if (!is_finite(box.center) || !is_within(box.side, 1, kTuning.most_px) || !is_within(roll, -100, 100))
-    return Status::bad_argument;
+  if (!is_finite(box.center) || !is_within(box.side, 1, kTuning.most_px)) return Status::bad_argument;
   const float half = 0.5f * box.side;
   if (!is_within(box.center.x, -half, static_cast<float>(frame.width - 1) + half) ||
       !is_within(box.center.y, -half, static_cast<float>(frame.height - 1) + half))
