@@ -82,9 +82,7 @@ TEST_CASE("without displacements the result is the frontal mean face in the box"
   CHECK(rig.face.landmark_error == doctest::Approx(0.05));
 }
 
-TEST_CASE(
-    "with a roll the result is the mean face turned about the middle of the box, and moves to its own "
-    "right") {
+TEST_CASE("with a roll the face is turned about the middle of the box, and moves to its own right") {
   const FaceBox box{{150, 110}, 90};
   for (const float roll : {-2.5f, -0.8f, 0.8f, 1.57f, 3.1f}) {
     CAPTURE(roll);
@@ -92,8 +90,7 @@ TEST_CASE(
     REQUIRE(still.align(backdrop().view(), box, {nullptr, roll}) == Status::ok);
     CHECK(length(still.box().center - box.center) < 1.5f);
     CHECK(still.box().side == doctest::Approx(90).epsilon(0.03));
-    const Vec3 turn = log_rotation(still.face.pose.q);
-    CHECK(length(turn - Vec3{0, 0, roll}) < 0.05f);
+    CHECK(length(log_rotation(still.face.pose.q) - Vec3{0, 0, roll}) < 0.05f);
     REQUIRE(moving.align(backdrop().view(), box, {nullptr, roll}) == Status::ok);
     const Vec2 moved = moving.box().center - still.box().center, right{std::cos(roll), std::sin(roll)};
     CHECK(dot(moved, right) == doctest::Approx(7.2).epsilon(0.1));
@@ -103,27 +100,6 @@ TEST_CASE(
   REQUIRE(plain.align(backdrop().view(), box) == Status::ok);
   REQUIRE(nowhere.align(backdrop().view(), box, {nullptr, std::nanf("")}) == Status::ok);
   CHECK(are_equal(plain, nowhere));
-}
-
-TEST_CASE("pixels that are not square stretch landmarks and displacements, and leave the pose as it is") {
-  const FaceBox box{{150, 110}, 90};
-  const auto aligned = [&](float aspect, Rig& rig) {
-    Camera camera = Rig::camera_of_frame(backdrop().view());
-    camera.aspect = aspect;
-    camera.cy *= aspect;
-    const FaceBox stretched{{box.center.x, aspect * box.center.y}, box.side};
-    return rig.aligner.align(backdrop().view(), stretched, camera, &rig.face, rig.q.data(),
-                             {rig.landmarks.data(), rig.landmarks.size()});
-  };
-  Rig square(aligner_pattern::table(3, 2)), high(aligner_pattern::table(3, 2));
-  REQUIRE(aligned(1, square) == Status::ok);
-  REQUIRE(aligned(1.5f, high) == Status::ok);
-  CHECK(length(high.face.pose.t - square.face.pose.t) < 0.01f * length(square.face.pose.t));
-  CHECK(length(log_rotation(high.face.pose.q) - log_rotation(square.face.pose.q)) < 0.02f);
-  for (std::size_t k = 0; k < square.landmarks.size(); ++k) {
-    CHECK(high.landmarks[k].x == doctest::Approx(square.landmarks[k].x).epsilon(0.01));
-    CHECK(high.landmarks[k].y == doctest::Approx(1.5f * square.landmarks[k].y).epsilon(0.01));
-  }
 }
 
 TEST_CASE("displacements of all landmarks to the right move the face to the right") {

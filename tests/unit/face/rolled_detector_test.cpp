@@ -72,7 +72,7 @@ Quat rotation_of(int eighths) {
 void check_is_at(const DetectedFace& face, Vec2 middle, double side, int turn) {
   CHECK(length(face.box.center - middle) < 0.1 * side);
   CHECK(static_cast<double>(face.box.side) == doctest::Approx(side).epsilon(0.15));
-  CHECK(face.roll == doctest::Approx(roll_of_turn(turn)));
+  CHECK(face.roll == doctest::Approx(static_cast<double>(roll_of_turn(turn))));
 }
 
 }  // namespace

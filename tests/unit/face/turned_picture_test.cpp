@@ -74,7 +74,8 @@ TEST_CASE("quarters of a turn move pixels, and change none") {
 }
 
 TEST_CASE("odd eighths show the whole frame in a square of as many pixels, at most") {
-  for (const auto& [width, height] : {std::pair{96, 72}, {72, 96}, {97, 61}, {64, 64}, {300, 40}}) {
+  for (const auto& size : {std::pair{96, 72}, {72, 96}, {97, 61}, {64, 64}, {300, 40}}) {
+    const int width = size.first, height = size.second;
     CAPTURE(width);
     Picture p = waves(width, height);
     Rig rig(width, height);
