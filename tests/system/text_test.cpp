@@ -66,7 +66,7 @@ TEST_CASE("a face is found in few pages of text") {
 TEST_CASE("no page of text starts a track, at any roll that is searched") {
   const host::ModelFile face(PLIANT_DETECTING_FACE);
   constexpr std::uint32_t kFrames = 21;  // searches until each turn had one
-  for (std::uint32_t number = 0; number < kPages; number += 3) {
+  for (std::uint32_t number = 0; number < kPages; number += 5) {
     CAPTURE(number);
     host::Owned<Tracker> tracker(face.model(), TrackerLimits{});
     const host::Image page = Page(number).picture();
