@@ -25,7 +25,7 @@ struct EstimatorLimits {
   /// Of those, points that slide along the silhouette, count. 256 bytes each, and 16 bytes a vertex if there are any.
   std::uint16_t silhouette_points = 0;
   /// Observations from which the rejection of image forces estimates, count; of more observations it takes a sample.
-  /// 35 kB and 150 bytes each, of which no more count than there are points. 0: no rejection and no memory for it.
+  /// 35 kB and 150 bytes each, of which no more count than there are points, and 4,096. 0: no rejection and no memory for it.
   std::uint16_t rejection_sample = 256;
   /// If null, image forces are not rejected, and 15 kB of code are not linked. With Rejection::on_doubt a doubtful frame is
   /// then solved a second time from the expected state, with robust weights alone.

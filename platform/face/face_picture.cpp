@@ -10,7 +10,9 @@ constexpr int kMostSide = kFacePictureTuning.side_px;
 constexpr int kMostSamples = kFacePictureTuning.most_samples;
 constexpr float kFixedOne = 65536;
 
+/// Of positions far from any frame, the nearest within 10^6 px.
 int whole(float x) {
+  x = clamp(x, -1e6f, 1e6f);
   const int truncated = static_cast<int>(x);
   return static_cast<float>(truncated) > x ? truncated - 1 : truncated;
 }
@@ -24,8 +26,7 @@ std::int32_t fixed(float x, float most) {
 void place_samples(float first, float ratio, int n, int most, int* out) {
   const float spacing = ratio / static_cast<float>(n);
   const float from = first + 0.5f * (spacing - ratio) + 0.5f;
-  for (int k = 0; k < n; ++k)
-    out[k] = within(whole(clamp(from + spacing * static_cast<float>(k), -1, 1e6f)), 0, most);
+  for (int k = 0; k < n; ++k) out[k] = within(whole(from + spacing * static_cast<float>(k)), 0, most);
 }
 
 /// A row of the picture: each pixel is the rounded mean of n x n samples.

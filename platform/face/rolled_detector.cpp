@@ -7,7 +7,8 @@ namespace pliant {
 void RolledDetector::lay_out(Arena& arena, const Span<const std::uint8_t>& table,
                              const FaceDetectorLimits& limits, const Quat& expected) {
   FaceDetectorLimits of_turned = limits;
-  of_turned.width = of_turned.height = limits.width > limits.height ? limits.width : limits.height;
+  of_turned.width = of_turned.height =
+      static_cast<std::uint16_t>(larger(int{limits.width}, int{limits.height}));
   FaceDetector::lay_out(arena, table, of_turned);
   picture_.lay_out(arena, limits.width, limits.height);
   expected_ = turn_of(expected);
@@ -16,9 +17,9 @@ void RolledDetector::lay_out(Arena& arena, const Span<const std::uint8_t>& table
 /// Of the search that begins. Small turns, then quarters, come first.
 int RolledDetector::next_turn() {
   static constexpr int kOthers[kTurnsOfPicture - 1] = {1, 7, 2, 6, 4, 3, 5};  // from the expected one
-  const int round = searches_ / kTuning.period % (kTurnsOfPicture - 1);
+  const int round = searches_ / kTuning.period;
   const bool is_last = searches_ % kTuning.period == kTuning.period - 1;
-  ++searches_;
+  searches_ = (searches_ + 1) % (kTuning.period * (kTurnsOfPicture - 1));
   return is_last ? (expected_ + kOthers[round]) % kTurnsOfPicture : expected_;
 }
 

@@ -36,7 +36,7 @@ class RolledDetector : public FaceDetector {
 
   TurnedPicture picture_;
   int expected_ = 0;         // turn
-  int searches_ = 0;         // begun
+  int searches_ = 0;         // begun in this round
   int turn_ = 0;             // of the last one
   bool is_complete_ = true;  // the last one is
 };

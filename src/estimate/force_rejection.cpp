@@ -3,6 +3,7 @@
 namespace pliant {
 
 void RowForces::lay_out(Arena& arena, std::size_t sample) {
+  if (sample > kMcdMaxRows) sample = kMcdMaxRows;
   sample_capacity_ = sample;
   jacobian_ = arena.take<float>(2 * kPoseUnknowns * sample);
   force_ = arena.take<Vec2>(sample);

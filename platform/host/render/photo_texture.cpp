@@ -84,9 +84,8 @@ void fill_gaps(Layer& layer) {
       Texel& texel = layer.at(i, j);
       if (texel.weight >= 1) continue;
       // Bilinear between the coarser texels, whose centres lie midway between two of these.
-      const int i0 = std::clamp((i - 1) / 2, 0, half.side - 1),
-                j0 = std::clamp((j - 1) / 2, 0, half.side - 1);
-      const int i1 = std::min(i0 + 1, half.side - 1), j1 = std::min(j0 + 1, half.side - 1);
+      const int i0 = std::max((i - 1) / 2, 0), j0 = std::max((j - 1) / 2, 0);
+      const int i1 = std::min((i + 1) / 2, half.side - 1), j1 = std::min((j + 1) / 2, half.side - 1);
       const float a = i % 2 ? 0.25f : 0.75f, b = j % 2 ? 0.25f : 0.75f;
       const float weight[] = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
       const Texel* from[] = {&half.at(i0, j0), &half.at(i1, j0), &half.at(i0, j1), &half.at(i1, j1)};

@@ -97,6 +97,7 @@ void ViewRays::reject_background(const Image& photo) {
     red.push_back(c.x);
     green.push_back(c.y);
   }
+  if (red.empty()) return;  // a surface that is turned away everywhere tells no colour of its own
   const Spread r = spread_of(red), g = spread_of(green);
   const auto is_background = [&](const ViewRay& s) {
     const Vec2 c = chroma(photo_colour(photo, s.x));

@@ -240,4 +240,14 @@ TEST_CASE("tangent_interval_frames: with 1 all tangents follow the jaw in every 
   CHECK(changed[0] > 5);
 }
 
+TEST_CASE("the rejection takes no larger sample than it has room for") {
+  const Scene scene;
+  EstimatorLimits most = scene.limits;
+  most.points = 8000;
+  most.rejection_sample = 4096;
+  EstimatorLimits more = most;
+  more.rejection_sample = 5000;
+  CHECK(measured_bytes<Estimator>(scene.model, more) == measured_bytes<Estimator>(scene.model, most));
+}
+
 }  // namespace estimator_options_test

@@ -283,6 +283,7 @@ TEST_CASE("a picture survives PNG, and grey becomes colour and back") {
   for (auto& p : image.pixels) p = static_cast<std::uint8_t>(random.uniform(0, 255.9f));
   const std::string png = encode_png(image);
   CHECK(png.substr(1, 3) == "PNG");
+  CHECK(image_in("a.png", png).pixels == image.pixels);
   CHECK(to_grey(to_colour(to_grey(image))).pixels == to_grey(image).pixels);
 }
 
