@@ -7,7 +7,7 @@ namespace pliant {
 int turn_of(const Quat& q) {
   // Where the right side of the camera's picture comes to lie.
   const Vec2 x{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.w * q.z)};
-  constexpr float kTangent = 0.57735027f;  // of 30 degrees
+  constexpr float kTangent = kTurnedPictureTuning.even_turn_tangent;
   const float a = magnitude(x.x), b = magnitude(x.y);
   if (b <= kTangent * a) return x.x >= 0 ? 0 : 4;
   if (a <= kTangent * b) return x.y >= 0 ? 2 : 6;

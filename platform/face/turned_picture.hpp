@@ -8,6 +8,14 @@
 
 namespace pliant {
 
+/// Tuning of turned pictures. Each constant: unit, reason, experiment.
+struct TurnedPictureTuning {
+  /// Tangent of the roll up to which an even turn is searched, 30 degrees: up to there the detector finds a face in the first frame
+  /// (docs/evaluation.md, Rolled faces), and its picture is not reduced. Not tuned.
+  float even_turn_tangent = 0.57735027f;
+};
+inline constexpr TurnedPictureTuning kTurnedPictureTuning{};
+
 /// Turns by which a frame is drawn, in a whole turn.
 constexpr int kTurnsOfPicture = 8;
 /// The roll of a face that is upright in such a picture, radians.
@@ -22,6 +30,7 @@ int turn_of(const Quat& rotation);
 struct TurnedSize {
   int width, height;
 };
+/// \param width, height  of the frame, px, each at most 8192. \param eighths  0 to 7.
 TurnedSize turned_size(int width, int height, int eighths);
 
 /// A frame, turned about its middle, in as many pixels as the frame has or a few less: a quarter of a turn swaps width and height;

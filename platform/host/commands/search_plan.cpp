@@ -20,13 +20,8 @@ double area_of_row(const SearchPlace& place) {
   return ratio * ratio * place.columns();
 }
 
-/// Of a frame that is searched: upright, or turned.
-struct FrameSize {
-  int width, height;
-};
-
 /// Makes cells and area those of a search near a box of this side, if they are more.
-void add_near_search(const TrackerLimits& l, FrameSize frame, float side, std::uint32_t* most_cells,
+void add_near_search(const TrackerLimits& l, TurnedSize frame, float side, std::uint32_t* most_cells,
                      double* most_area) {
   std::uint32_t cells = 0;
   double area = 0;
@@ -48,7 +43,7 @@ struct SearchExtremes {
 };
 
 /// Divides a search of the whole frame into frames, and notes what the largest of them takes.
-void divide_search(const TrackerLimits& limits, FrameSize frame, std::uint32_t work, SearchExtremes* most,
+void divide_search(const TrackerLimits& limits, TurnedSize frame, std::uint32_t work, SearchExtremes* most,
                    SearchPlan* plan) {
   SearchPlace place;
   std::uint32_t done = work, all = 0;
@@ -79,15 +74,11 @@ void divide_search(const TrackerLimits& limits, FrameSize frame, std::uint32_t w
 /// The frame as it is, and at all its turns where faces are searched at any roll.
 SearchExtremes divide_searches(const TrackerLimits& limits, std::uint32_t work, SearchPlan* plan) {
   SearchExtremes most;
-  const FrameSize upright{limits.width, limits.height};
-  divide_search(limits, upright, work, &most, plan);
+  const int width = limits.width, height = limits.height;
+  divide_search(limits, turned_size(width, height, 0), work, &most, plan);
   if (limits.detection->modules != &kRolledFaces) return most;
-  for (const int turn : {1, 2}) {
-    const TurnedSize size = turned_size(upright.width, upright.height, turn);
-    divide_search(limits, {size.width, size.height}, work, &most, plan);
-  }
-  plan->turned_pixels =
-      static_cast<std::uint32_t>(upright.width) * static_cast<std::uint32_t>(upright.height);
+  for (const int turn : {1, 2}) divide_search(limits, turned_size(width, height, turn), work, &most, plan);
+  plan->turned_pixels = static_cast<std::uint32_t>(width) * static_cast<std::uint32_t>(height);
   return most;
 }
 

@@ -120,8 +120,7 @@ TEST_CASE("a search in parts stays at its turn until the whole frame has been se
   }
 }
 
-TEST_CASE(
-    "near a box a pattern is found at the roll that is asked for, and the search goes on where it was") {
+TEST_CASE("near a box a pattern is found at the roll that is asked for, and nothing in an empty frame") {
   Rig rig;
   const Picture empty(kWidth, kHeight, 120);
   for (int turn = 0; turn < kTurnsOfPicture; ++turn) {
