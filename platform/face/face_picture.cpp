@@ -1,6 +1,7 @@
 #include "face/face_picture.hpp"
 
 #include "base/integers.hpp"
+#include "vision/bilinear.hpp"
 
 namespace pliant {
 
@@ -97,10 +98,7 @@ namespace {
 
 /// Grey at a position in 1/65536 px, within the picture, by bilinear interpolation.
 std::uint8_t sample(const std::uint8_t* pixels, int side, std::int32_t x, std::int32_t y) {
-  const std::uint8_t* const p = pixels + (y >> 16) * side + (x >> 16);
-  const int fx = (x >> 8) & 255, fy = (y >> 8) & 255;
-  const int upper = p[0] * 256 + (p[1] - p[0]) * fx, lower = p[side] * 256 + (p[side + 1] - p[side]) * fx;
-  return static_cast<std::uint8_t>((upper * 256 + (lower - upper) * fy + 32768) >> 16);
+  return bilinear_grey(pixels + (y >> 16) * side + (x >> 16), 1, side, (x >> 8) & 255, (y >> 8) & 255);
 }
 
 bool is_inside(std::int32_t x, std::int32_t y, std::int32_t last) {

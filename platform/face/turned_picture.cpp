@@ -1,6 +1,7 @@
 #include "face/turned_picture.hpp"
 
 #include "base/integers.hpp"
+#include "vision/bilinear.hpp"
 
 namespace pliant {
 
@@ -19,13 +20,11 @@ namespace {
 
 /// Grey at a place in 1/65536 px, between the frame's pixels.
 std::uint8_t grey_at(const FrameView& frame, std::int32_t x, std::int32_t y) {
-  const int step = frame.pixel_step_bytes, fx = (x >> 8) & 255, fy = (y >> 8) & 255;
+  const int step = frame.pixel_step_bytes;
   const std::uint8_t* const p =
       frame.data + static_cast<std::size_t>(y >> 16) * frame.stride_bytes + (x >> 16) * step;
-  const std::uint8_t* const below = p + frame.stride_bytes;
-  const int upper = p[0] * 256 + (p[step] - p[0]) * fx,
-            lower = below[0] * 256 + (below[step] - below[0]) * fx;
-  return static_cast<std::uint8_t>((upper * 256 + (lower - upper) * fy + 32768) >> 16);
+  return bilinear_grey(p, step, static_cast<std::ptrdiff_t>(frame.stride_bytes), (x >> 8) & 255,
+                       (y >> 8) & 255);
 }
 
 }  // namespace

@@ -13,6 +13,14 @@ inline int bilinear_sixteenths(const std::uint8_t* p, std::ptrdiff_t stride, int
   return (upper * 256 + (lower - upper) * fy + 2048) >> 12;
 }
 
+/// Sample in whole greys between p, p[right] and the two pixels `below` bytes on. Integers only. \param fx, fy  as above.
+inline std::uint8_t bilinear_grey(const std::uint8_t* p, std::ptrdiff_t right, std::ptrdiff_t below, int fx,
+                                  int fy) {
+  const int upper = p[0] * 256 + (p[right] - p[0]) * fx;
+  const int lower = p[below] * 256 + (p[below + right] - p[below]) * fx;
+  return static_cast<std::uint8_t>((upper * 256 + (lower - upper) * fy + 32768) >> 16);
+}
+
 /// Sample in grey between upper[0], upper[right], lower[0] and lower[right]; fx and fy: 0 to 1.
 inline float bilinear(const std::uint8_t* upper, const std::uint8_t* lower, int right, float fx, float fy) {
   const float top = static_cast<float>(upper[0]) + fx * static_cast<float>(upper[right] - upper[0]);
