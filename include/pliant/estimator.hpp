@@ -35,7 +35,7 @@ struct FrameResult {
   TrackState state = TrackState::lost;  ///< what the frame is worth
   Pose pose;  ///< of this frame, after a bad one of the last good frame; without a track frontal, 1000 mm away
   std::uint16_t tracked = 0;            ///< points with a usable observation
-  std::uint16_t inliers = 0;  ///< points with weight at the end; of a bad frame that is aligned after all (7.15) those of its solve
+  std::uint16_t inliers = 0;  ///< points with weight at the end of the solve, which may be bad where the frame was aligned instead
   float rms_px = 0;                     ///< of the inliers; of an edge, across it
   std::uint16_t iterations = 0;         ///< of all solves of the frame
   std::uint16_t vertices = 0;           ///< of the mesh
@@ -103,8 +103,8 @@ class Estimator {
   Status add_silhouette_point(std::uint16_t* id);
   void remove_point(std::uint16_t id);  ///< Gives the id back. Nothing happens for an id that is not in use.
   bool has_point(std::uint16_t id) const;  ///< True where the id is in use.
-  Vec2 point_uv(std::uint16_t id) const;   ///< Where a point lies on the surface.
-  /// A point (mm, model axes) at the present parameters, and its tangents of the last few frames; a silhouette point has none.
+  Vec2 point_uv(std::uint16_t id) const;   ///< (u,v) of a point. \pre has_point(id).
+  /// A point (mm, model axes) now, and its tangents of the last few frames; a silhouette point has none. \pre has_point(id).
   SurfaceFrame point_frame(std::uint16_t id);
 
   /// Starts a frame at time `time_ns` (ns). A time that grows by less than 1 ms repeats the last frame: no
@@ -123,7 +123,7 @@ class Estimator {
   /// \return not_started, bad_argument (no q, not finite, or not `is_possible`); then nothing has changed.
   Status restore(const State& state);
 
-  /// Predicts all points at the present state, in order of id. Valid until the next call.
+  /// Predicts all points at the present state, in order of id. Valid until the next call. Cost: O(points x samples of a point).
   Span<const Prediction> predict();
   /// Predicts one point. Precondition: has_point(id).
   Prediction predict(std::uint16_t id);

@@ -80,8 +80,8 @@ enum class Rejection : std::uint8_t {
   weights = 1,            ///< robust weights on residuals: Huber's loss, then Tukey's
   forces = 2,             ///< in the first solve of a frame, image forces (image_forces.hpp), then weights
   forces_readmitted = 3,  ///< the same; then rejected observations that fit the result are taken back
-  /// Weights. If their result is doubtful, the solve is repeated with forces_readmitted, and the result with the lower
-  /// cost is kept.
+  /// Weights. If their result is doubtful, the solve is repeated with forces_readmitted; that result is taken if its cost is
+  /// below 0.8 of the first one's.
   on_doubt = 4,
 };
 

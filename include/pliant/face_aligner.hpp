@@ -32,8 +32,8 @@ struct AlignOptions {
   /// One flag a parameter of the model: nonzero, it is estimated; else it keeps its value in q, or the nearer limit of its range,
   /// as in a Tracker. Null: all are estimated.
   const std::uint8_t* is_free = nullptr;
-  /// Of an alignment in a box: by how much the face is turned in the image, clockwise, radians, to 30 degrees (DetectedFace).
-  /// What is not finite counts as 0.
+  /// Of an alignment in a box: by how much the face is turned in the image, clockwise, radians; an error of 30 degrees is allowed
+  /// (DetectedFace). What is not finite counts as 0.
   float roll = 0;
 };
 
@@ -63,7 +63,7 @@ class FaceAligner {
   Status status() const;
 
   /// Aligns the model to the face in a box, from a frontal pose, turned by the roll, and the mean face.
-  /// \param camera     intrinsics and lens of the frame.
+  /// \param camera     intrinsics and lens of the frame; pixels need not be square (Camera::aspect).
   /// \param q          all parameters: the result. Those held by `options` are read and keep their value, within their range.
   /// \param landmarks  image positions of all landmarks of the model, px, in its order; may be empty.
   /// \return `status`, or with nothing changed: bad_argument (an unreadable frame, a box or camera that is

@@ -36,8 +36,8 @@ class MotionFilter {
   /// Moves the state on by `seconds`. More than 1 s counts as 1 s; 0, negative values and NaN change nothing.
   void predict(float seconds);
   /// Corrects the state by a measurement.
-  /// \param pose_variance  of the pose unknowns, in PoseUnknown's order.
-  /// \param variance       of each parameter.
+  /// \param pose_variance  of the pose unknowns, in PoseUnknown's order and squared units (rad, log, mm).
+  /// \param variance       of each parameter, squared units of it.
   /// \return bad_argument for null, anything not finite, or a negative variance; then nothing has changed.
   Status correct(const View& view, const float* q, const float* pose_variance, const float* variance);
   /// Sets all velocities to zero and their variance to that at rest; values keep theirs.

@@ -10,7 +10,8 @@ namespace pliant {
 
 /// A luma image of 8 bits a pixel in memory of the caller, which must stay valid until the call that takes the view
 /// returns. Row y, column x is data[y * stride_bytes + x * pixel_step_bytes]. The step is 1 in planar luma (YUV420,
-/// NV12, R8) and 2 in packed YUYV. A tracker copies the frame. Where TrackerLimits::copies_frame is false, the step must be 1.
+/// NV12, R8) and 2 in packed YUYV. A tracker copies the frame, unless TrackerLimits::copies_frame is false: then the
+/// step must be 1.
 struct FrameView {
   const std::uint8_t* data = nullptr;  ///< first pixel
   int width = 0, height = 0;           ///< pixels

@@ -51,7 +51,7 @@ struct ScaledNumber {
 
 /// Centre (`columns` values) and covariance (columns x columns, by rows, symmetric, semi-definite).
 struct McdEstimate {
-  double center[kMcdMaxColumns];                       ///< a column
+  double center[kMcdMaxColumns];                       ///< one value a column, in its unit
   double covariance[kMcdMaxColumns * kMcdMaxColumns];  ///< columns x columns, by rows
 };
 

@@ -92,7 +92,7 @@ class Tracker {
   /// \return bad_argument (arrays of another size than the model's), and the statuses of start_from_pose.
   Status start_from_state(const FrameView& frame, const SavedState& state, const TrackerOptions& options = {},
                           Span<const Vec2> markers = {});
-  /// Copies the state of the last frame; while lost, that of the last trusted frame. The caller gives the arrays;
+  /// Copies the state of the last frame; while lost, that of the last good frame. The caller gives the arrays;
   /// landmark_offsets may have count 0 and is then left out.
   /// \return not_started, bad_argument (null, or arrays of another size than the model's): nothing is written.
   Status save(SavedState* state) const;
@@ -113,7 +113,8 @@ class Tracker {
   /// True while there is a track: after a start of any kind, until the track is given up.
   bool is_started() const;
   /// Counts the tracks, from 1: another number where a track has begun, by a start, after a loss, or in the middle of a film
-  /// (7.15). What a program gathers over frames, as a neutral gaze, may begin anew there. 0 before the first.
+  /// (docs/algorithms.md, section 7.15). What a program gathers over frames, as a neutral gaze, may begin anew there. 0 before the
+  /// first.
   std::uint32_t track_number() const;
   /// Counts the persons, from 1: the same number where a track begins as the same person. A start of the caller's counts as of
   /// another one, and so does a track that has found the shape of the same person anew. A print that is found by itself does not
@@ -150,16 +151,16 @@ class Tracker {
   /// \return not_started, not_found, bad_argument: nothing has changed then.
   Status place_landmarks(Span<const NamedPoint> points);
 
-  /// Image position (px) of marker k at the present state; false when it is behind the camera.
+  /// Image position (px) of marker k at the present state; false when there is no such marker or it is behind the camera.
   bool marker(std::size_t k, Vec2* x);
 
   /// Templates that there is room for, used or not.
   std::size_t patch_count() const;
-  /// Where template k was found in the last frame, px; false when it was not, or was rejected.
+  /// Where template k was found in the last frame, px; false when it was not or was rejected, and for k >= patch_count().
   bool patch(std::size_t k, Vec2* x) const;
-  /// Key frames kept, frame 0 included.
+  /// Key frames kept, frame 0 included; 0 while there is no track.
   std::size_t key_frame_count() const;
-  /// Part of the last frame in which templates were matched.
+  /// Part of the last frame in which templates were matched, px.
   PixelBox region() const;
 
  private:

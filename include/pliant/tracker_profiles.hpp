@@ -49,7 +49,7 @@ constexpr TrackerLimits profile_m() {
 
 /// Profile S, for a microcontroller: 320 x 240 frames, matched in a moving region of 192 x 192 that is read
 /// from the caller's frame during `update`; 48 + 16 templates; no edges, no rejection of image forces, no
-/// springs, no estimation of the person, no second looks, no smoothing of noisy frames, and faces are found upright alone. With the
+/// springs, no estimation of the person, no second looks, no smoothing of noisy frames; only upright faces are found. With the
 /// built-in face and its expressions free the block, the object and the stack fit into 256 KiB.
 constexpr TrackerLimits profile_s() {
   TrackerLimits l;
