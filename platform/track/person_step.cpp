@@ -3,7 +3,6 @@
 #include "estimate/visible_surface.hpp"
 #include "track/person_refinement.hpp"
 #include "track/person_rows.hpp"
-#include "track/surface_offset.hpp"
 #include "track/tracker_parts.hpp"
 #include "track/tracker_sizes.hpp"
 
