@@ -23,10 +23,12 @@ bool is_available(const Model& model, const TrackerLimits& limits) {
          limits.detection->modules->is_available(model);
 }
 
+extern const DetectionCalls kFaceCalls;
+
 }  // namespace
 
 void FaceDetectionState::lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-  DetectionState::lay_out(arena, &kUprightFaceDetection, model, limits);
+  DetectionState::lay_out(arena, &kFaceCalls, model, limits);
   face_search.lay_out(arena, model, limits);
   checks.lay_out(limits);
   if (limits.second_look != nullptr) look = limits.second_look->lay_out(arena, model, limits);
@@ -193,13 +195,12 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   conclude(t, view);
 }
 
+const DetectionCalls kFaceCalls{begin_search, search,   end_search, refine,
+                                begin_track,  conclude, read_parts, keep_parts};
+
 }  // namespace
 
-const Detection kUprightFaceDetection{lay_out,       bytes_of_check, begin_search,     search,
-                                      end_search,    refine,         begin_track,      conclude,
-                                      &kFaceModules, read_parts,     bytes_of_reading, keep_parts};
-/// The tracker takes all calls but those of the table of the limits from the other one.
-const Detection kFaceDetection{lay_out, bytes_of_check, nullptr,       nullptr, nullptr,          nullptr,
-                               nullptr, nullptr,        &kRolledFaces, nullptr, bytes_of_reading, nullptr};
+const Detection kUprightFaceDetection{lay_out, bytes_of_check, bytes_of_reading, &kFaceModules};
+const Detection kFaceDetection{lay_out, bytes_of_check, bytes_of_reading, &kRolledFaces};
 
 }  // namespace pliant

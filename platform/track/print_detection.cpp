@@ -41,6 +41,8 @@ struct PrintStartTuning {
 };
 constexpr PrintStartTuning kTuning;
 
+extern const DetectionCalls kPrintCalls;
+
 struct PrintDetectionState : DetectionState {
   PrintTable table;
   PrintFinder* finder = nullptr;  // in the block, while there is no track
@@ -50,7 +52,7 @@ struct PrintDetectionState : DetectionState {
   bool is_confirmed = true;
 
   void lay_out(Arena& arena, const Model& model, const TrackerLimits& limits) {
-    DetectionState::lay_out(arena, &kPrintDetection, model, limits);
+    DetectionState::lay_out(arena, &kPrintCalls, model, limits);
     const bool has_albedo = model.albedo().pixels != nullptr;
     if (PrintTable::open(model.print(), &table) != Status::ok || !has_albedo) table = {};
   }
@@ -205,9 +207,11 @@ void begin_track(TrackerParts& t, const FrameView& view, const TrackerOptions& o
   doubt(t);
 }
 
+const DetectionCalls kPrintCalls{begin_search, search,   end_search, refine,
+                                 begin_track,  conclude, nullptr,    nullptr};
+
 }  // namespace
 
-const Detection kPrintDetection{lay_out,     check_bytes, begin_search, search,  end_search, refine,
-                                begin_track, conclude,    nullptr,      nullptr, nullptr,    nullptr};
+const Detection kPrintDetection{lay_out, check_bytes, nullptr, nullptr};
 
 }  // namespace pliant
