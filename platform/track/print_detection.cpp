@@ -102,11 +102,11 @@ bool accepts_template(void* tracker, const FrameRegion& region, Vec2 uv, const P
 /// Lays the search out in the memory of the tracking, if that has it now.
 PrintFinder& finder_of(TrackerParts& t) {
   PrintDetectionState& self = self_of(t);
-  if (t.block_is_of_search && self.finder != nullptr) return *self.finder;
+  if (t.block.is_of_search && self.finder != nullptr) return *self.finder;
   new (&t.estimator) Estimator();
-  Arena arena(t.block.data, t.block.count);
+  Arena arena(t.block.bytes.data, t.block.bytes.count);
   self.finder = create_part<PrintFinder>(arena, t.table, t.limits.width, t.limits.height);
-  t.block_is_of_search = true;
+  t.block.is_of_search = true;
   return *self.finder;
 }
 
@@ -183,8 +183,8 @@ void give_up(TrackerParts& t) {
 void conclude(TrackerParts& t, const FrameView& view) {
   PrintDetectionState& self = self_of(t);
   if (!self.table.is_open()) return;
-  if (t.bad_frames > 0) {
-    if (t.bad_frames >= kTuning.most_bad_frames) give_up(t);
+  if (t.progress.bad_frames > 0) {
+    if (t.progress.bad_frames >= kTuning.most_bad_frames) give_up(t);
     return;
   }
   if (++self.frames_since_check >= kPrintTuning.check_interval_frames) check(t, view);
