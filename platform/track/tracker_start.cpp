@@ -24,7 +24,12 @@ bool is_near(Vec2 x) {
   return magnitude(x.x) <= kFarthestPx && magnitude(x.y) <= kFarthestPx;
 }
 
-/// The same with a copy of the camera: that of the track which ends is in memory that the start uses.
+/// Whether a focal length is 0, unknown, or one that a camera can have (is_possible, camera.hpp), px.
+bool is_focal_length(float px) {
+  return px >= 0 && px <= 1e7f;
+}
+
+/// The same options with a copy of the camera: that of the track which ends is in memory that the start uses.
 StartOptions with_copy(const StartOptions& start, Camera* camera) {
   StartOptions copy = start;
   if (start.camera == nullptr) return copy;
@@ -213,7 +218,7 @@ Status Tracker::start_from_landmarks(const FrameView& frame, Span<const NamedPoi
   if (status == Status::ok && points.count > t.limits.start_points) status = Status::capacity;
   if (status == Status::ok && points.count < kLandmarkFitTuning.least_points) status = Status::too_few_points;
   if (status == Status::ok) status = t.check_landmarks(points);
-  if (status == Status::ok && !(start.focal_px >= 0)) status = Status::bad_argument;
+  if (status == Status::ok && !is_focal_length(start.focal_px)) status = Status::bad_argument;
   if (status != Status::ok) return status;
   FitOptions fit;
   fit.width = frame.width;
@@ -235,8 +240,8 @@ Status Tracker::start_from_box(const FrameView& frame, Vec2 corner, Vec2 size, c
   if (impl_ == nullptr) return Status::not_started;
   Impl& t = *impl_;
   Status status = t.check_start(frame, options, markers);
-  if (status == Status::ok && !(start.focal_px >= 0 && size.x > 0 && size.y > 0 && is_near(corner) &&
-                                is_near(size) && start.box <= BoxConvention::face_box))
+  if (status == Status::ok && !(is_focal_length(start.focal_px) && size.x > 0 && size.y > 0 &&
+                                is_near(corner) && is_near(size) && start.box <= BoxConvention::face_box))
     status = Status::bad_argument;
   if (status != Status::ok) return status;
   t.offsets.clear();
@@ -263,7 +268,7 @@ Status Tracker::start_by_detection(const StartOptions& start, const TrackerOptio
   Lens unused;
   const Camera camera = start_camera(start.camera, start.focal_px, t.limits.width, t.limits.height);
   const Pose anywhere{{}, {0, 0, 1000}};
-  if (!(start.focal_px >= 0) || !is_possible(anywhere, camera) ||
+  if (!is_focal_length(start.focal_px) || !is_possible(anywhere, camera) ||
       Lens::make(camera, t.limits.width, t.limits.height, &unused) != Status::ok ||
       check(options) != Status::ok)
     return Status::bad_argument;
